@@ -1,0 +1,27 @@
+# Everything comes from Debian 12 packages; `./dev` installs them.
+find_package(Threads REQUIRED)
+find_package(fmt REQUIRED)
+find_package(glm REQUIRED)
+find_package(Vulkan REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(TinyGLTF REQUIRED)
+find_package(meshoptimizer REQUIRED)
+find_package(OpenEXR REQUIRED)
+find_package(PkgConfig REQUIRED)
+pkg_check_modules(draco REQUIRED IMPORTED_TARGET draco)
+pkg_check_modules(webp REQUIRED IMPORTED_TARGET libwebp)
+pkg_check_modules(turbojpeg REQUIRED IMPORTED_TARGET libturbojpeg)
+pkg_check_modules(spng REQUIRED IMPORTED_TARGET spng)
+pkg_check_modules(xxhash REQUIRED IMPORTED_TARGET libxxhash)
+find_program(GLSLANG glslangValidator REQUIRED)
+
+# volk loads Vulkan at run time: nothing links libvulkan.
+add_compile_definitions(VK_NO_PROTOTYPES)
+
+add_library(latelight_scene_dependencies INTERFACE)
+target_link_libraries(latelight_scene_dependencies INTERFACE
+  TinyGLTF::TinyGLTF meshoptimizer::meshoptimizer PkgConfig::draco PkgConfig::webp PkgConfig::turbojpeg PkgConfig::spng
+  OpenEXR::OpenEXR nlohmann_json::nlohmann_json)
+add_library(latelight_output_dependencies INTERFACE)
+target_link_libraries(latelight_output_dependencies INTERFACE
+  PkgConfig::spng OpenEXR::OpenEXR nlohmann_json::nlohmann_json)

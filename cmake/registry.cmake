@@ -1,0 +1,85 @@
+# Registries: one file a G-buffer layout, one file a normal encoding, one folder a lighting technique. The build lists the
+# folders and writes what the code includes; nothing else names them.
+set(LATELIGHT_GENERATED ${PROJECT_BINARY_DIR}/generated)
+
+function(latelight_list out glob)
+  file(GLOB entries CONFIGURE_DEPENDS LIST_DIRECTORIES true ${PROJECT_SOURCE_DIR}/${glob})
+  set(names)
+  foreach(entry IN LISTS entries)
+    if(IS_DIRECTORY ${entry} OR entry MATCHES "\\.h$")
+      get_filename_component(name ${entry} NAME_WE)
+      list(APPEND names ${name})
+    endif()
+  endforeach()
+  list(SORT names)
+  set(${out} ${names} PARENT_SCOPE)
+endfunction()
+
+# Rewrites a generated file only when its text changes.
+function(latelight_generate path text)
+  file(CONFIGURE OUTPUT ${LATELIGHT_GENERATED}/${path} CONTENT "${text}" @ONLY)
+endfunction()
+
+latelight_list(LATELIGHT_LAYOUTS src/shared/gbuffer/*.h)
+latelight_list(LATELIGHT_NORMALS src/shared/normal/*.h)
+latelight_list(LATELIGHT_LIGHTING src/render/lighting/*)
+list(FILTER LATELIGHT_LIGHTING EXCLUDE REGEX "^lighting$")
+
+# generated/normals.h (GLSL and C++): every encoding, numbered in the order of their names, and the switch over them.
+set(includes "") 
+set(constants "")
+set(channels "")
+set(encode "")
+set(decode "")
+set(table "")
+set(index 0)
+foreach(name IN LISTS LATELIGHT_NORMALS)
+  string(APPEND includes "#include \"shared/normal/${name}.h\"\n")
+  string(APPEND constants "SH_CONST uint kNormal_${name} = ${index}u;\n")
+  string(APPEND channels "  if (encoding == ${index}u) return kNormalChannels_${name};\n")
+  string(APPEND encode "  if (encoding == ${index}u) return encodeNormal_${name}(n, levels);\n")
+  string(APPEND decode "  if (encoding == ${index}u) return decodeNormal_${name}(e);\n")
+  string(APPEND table "  X(${name}, ${index})")
+  math(EXPR index "${index} + 1")
+endforeach()
+string(REPLACE ")  X(" ") X(" table "${table}")
+latelight_generate(normals.h "// Written by cmake/registry.cmake from the files in src/shared/normal.
+#ifndef LATELIGHT_GENERATED_NORMALS_H
+#define LATELIGHT_GENERATED_NORMALS_H
+${includes}
+SH_BEGIN
+${constants}
+// Channels the encoding stores: 2 or 3.
+SH_FUNC uint normalChannels(uint encoding) {
+${channels}  return 0u;
+}
+// Channels in [0, 1] of a unit normal; `levels` is 2^bits - 1 of each channel.
+SH_FUNC vec3 encodeNormal(uint encoding, vec3 n, vec3 levels) {
+${encode}  return vec3(0.0f, 0.0f, 0.0f);
+}
+// Unit normal of stored channels.
+SH_FUNC vec3 decodeNormal(uint encoding, vec3 e) {
+${decode}  return vec3(0.0f, 0.0f, 1.0f);
+}
+SH_END
+#define LATELIGHT_NORMALS(X)${table}
+#endif
+")
+
+# generated/layout/<name>/layout.h: the one layout a shader is compiled for (#include MACRO does not work in glslang).
+# generated/layouts.inc: LAYOUT(name) for each.
+set(layouts "")
+foreach(name IN LISTS LATELIGHT_LAYOUTS)
+  latelight_generate(layout/${name}/layout.h "#include \"shared/gbuffer/${name}.h\"\n")
+  string(APPEND layouts "LAYOUT(${name})\n")
+endforeach()
+latelight_generate(layouts.inc "${layouts}")
+
+# generated/lighting.inc: TECHNIQUE(folder) for each.
+set(techniques "")
+foreach(name IN LISTS LATELIGHT_LIGHTING)
+  string(APPEND techniques "TECHNIQUE(${name})\n")
+endforeach()
+latelight_generate(lighting.inc "${techniques}")
+
+add_custom_target(latelight_registry)

@@ -1,0 +1,54 @@
+# Every shader under src/render becomes SPIR-V and is embedded, named by its file. A shader that includes "layout.h" is
+# compiled once for each G-buffer layout and named <file>@<layout>.
+set(LATELIGHT_SPIRV ${PROJECT_BINARY_DIR}/spirv)
+
+function(latelight_compile_shader source name includes out)
+  set(spirv ${LATELIGHT_SPIRV}/${name}.spv)
+  add_custom_command(
+    OUTPUT ${spirv}
+    COMMAND ${GLSLANG} --quiet --target-env vulkan1.3 -g -I${PROJECT_SOURCE_DIR}/src -I${LATELIGHT_GENERATED} ${includes}
+            --depfile ${spirv}.d -o ${spirv} ${source}
+    MAIN_DEPENDENCY ${source}
+    DEPFILE ${spirv}.d
+    COMMENT "Compiling shader ${name}")
+  set(${out} ${spirv} PARENT_SCOPE)
+endfunction()
+
+# latelight_shaders(module): embeds them in that module, with generated/shaders.inc listing SHADER(symbol, "name").
+function(latelight_shaders module)
+  file(MAKE_DIRECTORY ${LATELIGHT_SPIRV})
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS
+    ${PROJECT_SOURCE_DIR}/src/render/*.vert ${PROJECT_SOURCE_DIR}/src/render/*.frag ${PROJECT_SOURCE_DIR}/src/render/*.comp)
+  set(table "")
+  set(assembly ".section .rodata\n")
+  set(compiled)
+  set(index 0)
+  foreach(source IN LISTS sources)
+    get_filename_component(file ${source} NAME)
+    file(READ ${source} text)
+    set(variants "-")
+    if(text MATCHES "#include \"layout.h\"")
+      set(variants ${LATELIGHT_LAYOUTS})
+    endif()
+    foreach(variant IN LISTS variants)
+      set(name ${file})
+      set(includes "")
+      if(NOT variant STREQUAL "-")
+        set(name ${file}@${variant})
+        set(includes -I${LATELIGHT_GENERATED}/layout/${variant})
+      endif()
+      latelight_compile_shader(${source} ${name} "${includes}" spirv)
+      list(APPEND compiled ${spirv})
+      string(APPEND table "SHADER(latelightShader${index}, \"${name}\")\n")
+      string(APPEND assembly
+        ".balign 4\n.global latelightShader${index}\n.hidden latelightShader${index}\nlatelightShader${index}:\n.incbin \"${spirv}\"\n.global latelightShader${index}End\n.hidden latelightShader${index}End\nlatelightShader${index}End:\n")
+      math(EXPR index "${index} + 1")
+    endforeach()
+  endforeach()
+  string(APPEND assembly ".section .note.GNU-stack,\"\",@progbits\n")
+  latelight_generate(shaders.inc "${table}")
+  latelight_generate(shaders.S "${assembly}")
+  set_source_files_properties(${LATELIGHT_GENERATED}/shaders.S PROPERTIES OBJECT_DEPENDS "${compiled}")
+  target_sources(latelight_${module} PRIVATE ${LATELIGHT_GENERATED}/shaders.S)
+  add_custom_target(latelight_spirv DEPENDS ${compiled})
+endfunction()

@@ -1,0 +1,28 @@
+// Files that appear whole or not at all, and the XDG folders.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace latelight {
+
+// The whole file. Throws Error(BadInput) with a sentence that names the file if it can't be read.
+std::vector<std::byte> readFile(const std::filesystem::path& path);
+
+// Writes beside `path`, then renames; a failure leaves no file and throws Error(Usage) with what to do.
+// "-" is standard output.
+void writeFile(const std::filesystem::path& path, std::span<const std::byte> bytes);
+
+// $XDG_CACHE_HOME/latelight (or ~/.cache/latelight), made if missing; nothing where no folder can be had: a cache is
+// never required.
+std::optional<std::filesystem::path> cacheFolder();
+
+// A cache entry by name, or nothing. Storing never throws and never leaves half a file.
+std::optional<std::vector<std::byte>> loadCache(std::string_view name);
+void storeCache(std::string_view name, std::span<const std::byte> bytes);
+
+}  // namespace latelight

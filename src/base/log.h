@@ -1,0 +1,37 @@
+// What the user reads on standard error besides errors: warnings, each once, and progress.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace latelight {
+
+// Prints "warning: <sentence>" on standard error; the same sentence only once a process. Thread-safe.
+void warn(const std::string& sentence);
+template <typename... Args>
+void warn(fmt::format_string<Args...> format, Args&&... args) {
+  warn(fmt::format(format, std::forward<Args>(args)...));
+}
+
+// --quiet: no warnings, no progress.
+void setQuiet(bool quiet);
+
+// A progress bar on standard error while it lives; silent unless standard error is a terminal, and for the first 0.3 s.
+// step() may be called from any thread.
+class Progress {
+ public:
+  Progress(std::string_view what, uint64_t total);
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+  void step(uint64_t count = 1);
+
+ private:
+  struct State;
+  State* state_;
+};
+
+}  // namespace latelight

@@ -1,0 +1,23 @@
+// One pool of threads for the process, as many as the machine lends it.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <future>
+
+namespace latelight {
+
+// Threads that parallelFor uses, the caller's included: LATELIGHT_THREADS, or the cores this process may run on.
+size_t threadCount();
+
+// Calls body(begin, end) over [0, count) in chunks of at most `grain`, on all threads, and returns when all are done.
+// The first exception thrown by a body is rethrown here. May be nested and called from any thread.
+void parallelFor(size_t count, size_t grain, const std::function<void(size_t begin, size_t end)>& body);
+
+// Runs `task` on a thread of its own: for work that mostly waits or that has its own phases (device start-up, loading).
+template <typename F>
+auto inBackground(F&& task) {
+  return std::async(std::launch::async, std::forward<F>(task));
+}
+
+}  // namespace latelight

@@ -1,0 +1,180 @@
+// The frame graph: passes declare what they read and write; which passes run, the barriers between them, transient
+// images, GPU timers and debug labels follow. Passes run in the order they were added.
+//
+//   Graph graph;
+//   ImageId depth = graph.create(ImageDesc{...});
+//   graph.pass("geometry", {{depth, Use::DepthAttachment}}, [=](Context& c) { ... c.image(depth) ... });
+//   graph.exports(color);             // what must survive: passes that lead to no export are culled
+//   Plan plan = graph.compile();      // plain data, no device: tests read it
+//   executor.run(graph, plan, ...);
+#pragma once
+
+#include <volk.h>
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "vk/commands.h"
+#include "vk/resources.h"
+
+namespace latelight::graph {
+
+struct ImageId {
+  uint32_t index = ~0u;
+  explicit operator bool() const { return index != ~0u; }
+  bool operator==(const ImageId&) const = default;
+};
+struct BufferId {
+  uint32_t index = ~0u;
+  explicit operator bool() const { return index != ~0u; }
+  bool operator==(const BufferId&) const = default;
+};
+
+// How a pass uses a resource. One table in graph.cpp gives each its stages, access and image layout.
+enum class Use : uint8_t {
+  ColorAttachment,         // cleared or overwritten: what was there before is not needed
+  ColorAttachmentLoad,     // read and written: blending, drawing over
+  DepthAttachment,         // cleared or overwritten
+  DepthAttachmentLoad,     // tested and written over what is there
+  DepthTest,               // tested, not written
+  SampledFragment,
+  SampledCompute,
+  StorageRead,             // compute
+  StorageWrite,            // compute: overwritten whole
+  StorageReadWrite,        // compute
+  VertexRead,              // buffers read by address in vertex or fragment shaders
+  IndirectRead,
+  CopySource,
+  CopyTarget,
+  HostRead,                // after the frame, by the host
+};
+bool writes(Use use);
+bool reads(Use use);  // needs what was there before
+
+struct Access {
+  Access(ImageId image, Use use) : image(image), use(use) {}
+  Access(BufferId buffer, Use use) : buffer(buffer), use(use) {}
+  ImageId image;
+  BufferId buffer;
+  Use use;
+};
+
+class Executor;
+
+// What a running pass sees.
+class Context {
+ public:
+  vk::Commands& commands() { return *commands_; }
+  VkCommandBuffer get() const { return commands_->get(); }
+  const vk::Image& image(ImageId id) const;
+  const vk::Buffer& buffer(BufferId id) const;
+
+ private:
+  friend class Executor;
+  vk::Commands* commands_ = nullptr;
+  const std::vector<const vk::Image*>* images_ = nullptr;
+  const std::vector<const vk::Buffer*>* buffers_ = nullptr;
+};
+
+using Record = std::function<void(Context&)>;
+
+struct Barrier {
+  ImageId image;    // exactly one of image and buffer is set
+  BufferId buffer;
+  VkPipelineStageFlags2 sourceStage = 0, targetStage = 0;
+  VkAccessFlags2 sourceAccess = 0, targetAccess = 0;
+  VkImageLayout oldLayout = VK_IMAGE_LAYOUT_UNDEFINED, newLayout = VK_IMAGE_LAYOUT_UNDEFINED;  // images only
+};
+
+// What compile() decided: for each pass that runs, the barriers before it. Then the barriers after the last pass, that
+// bring imported and exported resources to their final use.
+struct Plan {
+  struct Step {
+    uint32_t pass;  // index in the order added
+    std::vector<Barrier> before;
+  };
+  std::vector<Step> steps;
+  std::vector<Barrier> after;
+};
+
+class Graph {
+ public:
+  ImageId create(const vk::ImageDesc& desc);    // transient: lives in the executor's pool, contents undefined at first
+  BufferId create(const vk::BufferDesc& desc);
+  // Resources from outside. `before`: how they were used last, or nothing if their contents don't matter.
+  ImageId import(const vk::Image& image, std::optional<Use> before);
+  BufferId import(const vk::Buffer& buffer, std::optional<Use> before);
+
+  void pass(std::string_view name, std::vector<Access> accesses, Record record);
+
+  // The resource is needed after the frame, for `use`.
+  void exports(ImageId image, Use use);
+  void exports(BufferId buffer, Use use);
+
+  Plan compile() const;
+
+  // Graphviz: passes as boxes (culled ones dashed), resources as ellipses with format and size.
+  std::string graphviz() const;
+
+  size_t passCount() const { return passes_.size(); }
+  const std::string& passName(uint32_t pass) const { return passes_[pass].name; }
+  const vk::ImageDesc& desc(ImageId id) const;
+  const vk::BufferDesc& desc(BufferId id) const;
+
+ private:
+  friend class Executor;
+  struct Pass {
+    std::string name;
+    std::vector<Access> accesses;
+    Record record;
+  };
+  struct ImageNode {
+    vk::ImageDesc desc;
+    const vk::Image* imported = nullptr;
+    std::optional<Use> before, exported;
+  };
+  struct BufferNode {
+    vk::BufferDesc desc;
+    const vk::Buffer* imported = nullptr;
+    std::optional<Use> before, exported;
+  };
+  std::vector<bool> alive() const;  // one a pass
+  std::vector<Pass> passes_;
+  std::vector<ImageNode> images_;
+  std::vector<BufferNode> buffers_;
+};
+
+struct PassTime {
+  std::string name;
+  double milliseconds;
+};
+
+// Runs graphs on a device; keeps transient images and buffers from one run to the next.
+class Executor {
+ public:
+  explicit Executor(vk::Device& device);
+  ~Executor();
+  // Records the plan with a debug label and two timestamps a pass, submits, and waits.
+  void run(const Graph& graph, const Plan& plan);
+  // Of the last run: GPU milliseconds a pass, in order. Empty where the device has no timestamps.
+  const std::vector<PassTime>& times() const { return times_; }
+  // Of the last run: a transient resource that was exported (valid until the next run).
+  const vk::Image& image(ImageId id) const;
+  const vk::Buffer& buffer(BufferId id) const;
+
+ private:
+  struct Pool;
+  vk::Device& device_;
+  std::unique_ptr<Pool> pool_;
+  vk::DescriptorPool descriptors_;
+  std::vector<PassTime> times_;
+  std::vector<const vk::Image*> images_;
+  std::vector<const vk::Buffer*> buffers_;
+};
+
+}  // namespace latelight::graph

@@ -1,0 +1,145 @@
+// A scene as plain data: what glTF files and the built-in scenes become, and what render/ uploads. No Vulkan.
+//
+// Object space is the file's own. World space is the renderer's (X right, Y away, Z up), so every world transform of a
+// glTF scene includes toWorldFromGltf(). Lengths in metres, angles in radians, colours linear Rec.709.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "shared/types.h"
+
+namespace latelight::scene {
+
+using glm::mat4;
+using glm::vec2;
+using glm::vec3;
+using glm::vec4;
+
+// Pixels that are never zero-filled and only move. RGBA, 8 bits a channel, all mip levels one after the other, level 0
+// first, rows from the top, each level max(1, size >> level) pixels.
+struct Texture {
+  std::string name;
+  uint32_t width = 0, height = 0;
+  uint32_t levels = 0;  // the full chain: floor(log2(max(width, height))) + 1
+  bool srgb = false;    // colour channels are sRGB-coded (mip levels were averaged in linear light); alpha is linear
+  std::unique_ptr<std::byte[]> pixels;
+  size_t bytes() const;  // of all levels
+};
+
+enum class Wrap : uint8_t { Repeat, Mirror, Clamp };
+enum class Filter : uint8_t { Nearest, Linear };
+enum class MipFilter : uint8_t { None, Nearest, Linear };
+struct Sampler {
+  Wrap wrapU = Wrap::Repeat, wrapV = Wrap::Repeat;
+  Filter magnify = Filter::Linear, minify = Filter::Linear;
+  MipFilter mip = MipFilter::Linear;
+  bool operator==(const Sampler&) const = default;
+};
+
+struct TextureSlot {
+  int texture = -1;  // index into Scene::textures; -1: none
+  Sampler sampler;
+};
+
+struct Material {
+  std::string name;
+  shared::Material data{};  // as the shaders read it
+  TextureSlot slots[shared::kTextureCount];
+};
+
+// One glTF primitive: triangles only (strips and fans unrolled), indices always present, normals always present.
+struct Mesh {
+  std::string name;
+  std::vector<vec3> positions;
+  std::vector<shared::VertexAttributes> attributes;
+  std::vector<shared::VertexExtra> extras;  // empty, or one a vertex
+  std::vector<uint32_t> indices;            // 3 a triangle, counter-clockwise front faces
+  vec3 boundsMin{0}, boundsMax{0};          // object space
+};
+
+// A mesh placed in the world.
+struct Instance {
+  uint32_t mesh = 0;
+  uint32_t material = 0;
+  uint32_t node = 0;  // index into Scene::nodes
+  uint32_t id = 0;    // stable, unique in the scene, never 0
+  mat4 toWorld{1};
+};
+
+struct Node {
+  std::string name;
+  std::string path;  // "/Root/Arm/Hand": names from the root; unnamed nodes are "node<index>", twins get "#2", "#3"...
+  int parent = -1;
+  mat4 local{1};    // the file's own frame
+  mat4 toWorld{1};  // the renderer's world
+};
+
+struct Camera {
+  std::string name;
+  mat4 toWorld{1};  // camera space is the renderer's view space: X right, Y away, Z up
+  bool orthographic = false;
+  float verticalFov = 0.8f;           // full angle, radians (perspective)
+  std::optional<float> aspect;        // width / height the file asks for
+  float xHalf = 1, yHalf = 1;         // half extents in metres (orthographic)
+  float nearClip = 0.01f;
+  float farClip = std::numeric_limits<float>::infinity();
+  vec2 principal{0};  // principal point offset, NDC: 0 is the picture's centre
+};
+
+struct Light {
+  std::string name;
+  uint32_t type = shared::kLightPoint;
+  vec3 color{1};
+  float intensity = 1;  // candela (point, spot), lux (directional)
+  std::optional<float> range;
+  float innerCone = 0, outerCone = 0.785398163f;  // half angles
+  vec3 position{0};                               // world
+  vec3 direction{0, 0, -1};                       // world, unit, from the light
+};
+
+struct Scene {
+  std::string name;    // the file's name without folder and ending, or the built-in's
+  std::string source;  // what the user named
+  bool yUp = true;     // the file's own frame is glTF's (Y up, camera along -Z); else the renderer's Z up
+  std::vector<Texture> textures;
+  std::vector<Material> materials;
+  std::vector<Mesh> meshes;
+  std::vector<Node> nodes;
+  std::vector<Instance> instances;
+  std::vector<Camera> cameras;
+  std::vector<Light> lights;
+  std::vector<std::string> variants;  // KHR_materials_variants
+
+  uint64_t triangleCount() const;  // of all instances
+};
+
+struct Bounds {
+  vec3 min{std::numeric_limits<float>::infinity()}, max{-std::numeric_limits<float>::infinity()};
+  bool empty() const { return min.x > max.x; }
+  vec3 centre() const { return (min + max) * 0.5f; }
+  float radius() const { return empty() ? 0.0f : glm::length(max - min) * 0.5f; }
+};
+Bounds worldBounds(const Scene&);
+
+// glTF's frame (X right, Y up, Z towards the viewer) to the renderer's (X right, Y away, Z up), and back.
+mat4 toWorldFromGltf();
+mat4 toGltfFromWorld();
+
+struct LoadOptions {
+  std::string variant;  // KHR_materials_variants by name; empty: the file's default
+};
+
+// A .gltf or .glb file, or "builtin:NAME[,key=value...]". Throws Error(BadInput) naming the file and what is wrong.
+Scene load(const std::string& source, const LoadOptions& options = {});
+
+Scene loadGltf(const std::filesystem::path& path, const LoadOptions& options);  // gltf.cpp
+Scene makeBuiltin(const std::string& name);  // builtin.cpp: what follows "builtin:"
+
+}  // namespace latelight::scene

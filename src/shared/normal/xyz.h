@@ -1,0 +1,21 @@
+// XYZ: the three components, each remapped from [-1, 1] to [0, 1].
+#ifndef LATELIGHT_SHARED_NORMAL_XYZ_H
+#define LATELIGHT_SHARED_NORMAL_XYZ_H
+
+#include "shared/lang.h"
+
+SH_BEGIN
+
+SH_CONST uint kNormalChannels_xyz = 3u;
+
+SH_FUNC vec3 encodeNormal_xyz(vec3 n, vec3 levels) {
+  return vec3(n.x * 0.5f + 0.5f, n.y * 0.5f + 0.5f, n.z * 0.5f + 0.5f);
+}
+
+SH_FUNC vec3 decodeNormal_xyz(vec3 e) {
+  return normalize(vec3(e.x * 2.0f - 1.0f, e.y * 2.0f - 1.0f, e.z * 2.0f - 1.0f));
+}
+
+SH_END
+
+#endif

@@ -1,0 +1,134 @@
+// Every struct that both shaders and C++ read, once. Scalar block layout on the device is C++ layout: offsets agree by
+// construction, sizes are asserted below, and tests compare offsets with SPIR-V reflection.
+// Angles in radians, lengths in metres, colours linear Rec.709, all positions and directions in world space (Z up).
+#ifndef LATELIGHT_SHARED_TYPES_H
+#define LATELIGHT_SHARED_TYPES_H
+
+#include "shared/lang.h"
+#include "shared/projection.h"
+
+SH_BEGIN
+
+// --- geometry -------------------------------------------------------------------------------------------------------
+
+struct VertexAttributes {  // 36 bytes, one a vertex, in object space
+  vec3 normal;
+  vec4 tangent;  // xyz, and the sign of the bitangent in w; all zero where the mesh has no tangent frame
+  vec2 uv0;
+};
+
+struct VertexExtra {  // 24 bytes, one a vertex, only for meshes that have a second UV set or vertex colours
+  vec2 uv1;
+  vec4 color;  // linear, multiplies the base colour
+};
+
+struct Mesh {  // where one mesh's streams lie in device memory
+  uint64_t positions;   // vec3[vertexCount], object space
+  uint64_t attributes;  // VertexAttributes[vertexCount]
+  uint64_t extras;      // VertexExtra[vertexCount], or 0
+  uint64_t indices;     // uint[3 * triangleCount]
+  uint vertexCount;
+  uint triangleCount;
+};
+
+struct Instance {
+  mat4x3 objectToWorld;  // affine, column vectors
+  uint mesh;
+  uint material;
+  uint id;     // stable, never 0: the value of the id AOV
+  uint flags;  // kInstance*
+};
+SH_CONST uint kInstanceMirrored = 1u;  // negative determinant: front faces are clockwise
+
+// --- materials ------------------------------------------------------------------------------------------------------
+
+SH_CONST uint kTextureBaseColor = 0u;
+SH_CONST uint kTextureMetallicRoughness = 1u;
+SH_CONST uint kTextureNormal = 2u;
+SH_CONST uint kTextureOcclusion = 3u;
+SH_CONST uint kTextureEmissive = 4u;
+SH_CONST uint kTextureSpecular = 5u;
+SH_CONST uint kTextureSpecularColor = 6u;
+SH_CONST uint kTextureCount = 7u;
+
+struct TextureTransform {  // KHR_texture_transform as an affine map: uv' = (dot(row0, (u,v,1)), dot(row1, (u,v,1)))
+  vec3 row0;
+  vec3 row1;
+  uint uvSet;  // 0 or 1
+};
+
+struct Material {
+  vec4 baseColor;
+  vec3 emissive;  // KHR_materials_emissive_strength included
+  float metallic;
+  float roughness;
+  float normalScale;
+  float occlusionStrength;
+  float alphaCutoff;
+  vec3 specularColor;  // KHR_materials_specular
+  float specular;
+  float f0;        // of the dielectric, from KHR_materials_ior: ((ior - 1) / (ior + 1))^2
+  uint flags;      // kMaterial*
+  uint textures;   // bit i: texture slot i is present
+  TextureTransform transforms[7];
+};
+SH_CONST uint kMaterialUnlit = 1u;
+SH_CONST uint kMaterialMasked = 2u;       // alphaCutoff applies
+SH_CONST uint kMaterialDoubleSided = 4u;
+SH_CONST uint kMaterialBlended = 8u;      // the file asks for alpha blending
+
+// --- lights ---------------------------------------------------------------------------------------------------------
+
+SH_CONST uint kLightDirectional = 0u;
+SH_CONST uint kLightPoint = 1u;
+SH_CONST uint kLightSpot = 2u;
+
+struct Light {  // KHR_lights_punctual
+  vec3 position;
+  float reach;     // metres; contribution is windowed to 0 there (shared/light.h). +inf for directional lights
+  vec3 direction;  // from the light, unit (directional and spot)
+  uint type;       // kLight*
+  vec3 intensity;  // colour times candela (point, spot) or lux (directional)
+  float spotScale;   // spot cone: clamp(cos * spotScale + spotOffset, 0, 1)^2
+  float spotOffset;
+};
+
+// --- frame ----------------------------------------------------------------------------------------------------------
+
+struct View {
+  mat4x3 worldToView;  // rigid: view space is X right, Y away, Z up
+  mat4x3 viewToWorld;
+  Projection projection;  // jitter included
+  vec3 eye;               // world
+  vec2 size;              // pixels
+};
+
+struct FrameConstants {
+  uint64_t views;      // View[viewCount]
+  uint64_t instances;  // Instance[]
+  uint64_t meshes;     // Mesh[]
+  uint64_t materials;  // Material[]
+  uint64_t lights;     // Light[lightCount]
+  uint viewCount;
+  uint lightCount;
+  float exposure;              // linear factor
+  float environmentIntensity;  // 0: no environment
+  float environmentCos;        // rotation about Z, see shared/environment.h
+  float environmentSin;
+  float environmentLevels;  // prefiltered levels, roughness 0 at level 0 and 1 at the last
+};
+
+SH_END
+
+#if defined(__cplusplus)
+static_assert(sizeof(latelight::shared::VertexAttributes) == 36);
+static_assert(sizeof(latelight::shared::VertexExtra) == 24);
+static_assert(sizeof(latelight::shared::Mesh) == 40);
+static_assert(sizeof(latelight::shared::Instance) == 64);
+static_assert(sizeof(latelight::shared::TextureTransform) == 28);
+static_assert(sizeof(latelight::shared::Material) == 80 + 7 * 28);
+static_assert(sizeof(latelight::shared::Light) == 52);
+static_assert(sizeof(latelight::shared::View) == 144);
+#endif
+
+#endif

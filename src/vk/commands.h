@@ -1,0 +1,68 @@
+// A thin layer over VkCommandBuffer, so that a pass reads in a few lines.
+#pragma once
+
+#include <volk.h>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "vk/pipeline.h"
+#include "vk/resources.h"
+
+namespace latelight::vk {
+
+// An image as a shader sees it. `sampler` for Binding::Sampled; layout GENERAL for storage, READ_ONLY_OPTIMAL else.
+struct BoundImage {
+  VkImageView view = VK_NULL_HANDLE;
+  VkSampler sampler = VK_NULL_HANDLE;
+};
+
+// Descriptor sets that live for one submission; grows as needed.
+class DescriptorPool {
+ public:
+  explicit DescriptorPool(Device& device);
+  ~DescriptorPool();
+  VkDescriptorSet make(VkDescriptorSetLayout layout, std::span<const Binding> bindings, std::span<const BoundImage> images);
+  void reset();
+
+ private:
+  Device& device_;
+  std::vector<VkDescriptorPool> pools_;
+  size_t current_ = 0;
+};
+
+class Commands {
+ public:
+  Commands(Device& device, VkCommandBuffer commands, DescriptorPool& pool)
+      : device_(device), commands_(commands), pool_(pool) {}
+
+  VkCommandBuffer get() const { return commands_; }
+  // Binds the pipeline, its set 0 with these images in binding order, and its push constants.
+  void bind(const Pipeline& pipeline, std::span<const BoundImage> images, std::span<const std::byte> push);
+  template <typename Push>
+  void bind(const Pipeline& pipeline, std::initializer_list<BoundImage> images, const Push& push) {
+    static_assert(sizeof(Push) <= 128);
+    bind(pipeline, std::span<const BoundImage>(images.begin(), images.size()), std::as_bytes(std::span(&push, 1)));
+  }
+  template <typename Push>
+  void bind(const Pipeline& pipeline, const std::vector<BoundImage>& images, const Push& push) {
+    static_assert(sizeof(Push) <= 128);
+    bind(pipeline, std::span<const BoundImage>(images), std::as_bytes(std::span(&push, 1)));
+  }
+  template <typename Push>
+  void push(const Pipeline& pipeline, const Push& push) {
+    static_assert(sizeof(Push) <= 128);
+    vkCmdPushConstants(commands_, pipeline.layout.get(), VK_SHADER_STAGE_ALL, 0, sizeof(Push), &push);
+  }
+  void bindMaterial(const Pipeline& pipeline, VkDescriptorSet set);  // set 1
+  // Enough workgroups of `groupX` by `groupY` for `width` by `height` invocations, `layers` deep.
+  void dispatch(uint32_t width, uint32_t height, uint32_t layers, uint32_t groupX, uint32_t groupY);
+
+ private:
+  Device& device_;
+  VkCommandBuffer commands_;
+  DescriptorPool& pool_;
+};
+
+}  // namespace latelight::vk

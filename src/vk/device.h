@@ -1,0 +1,96 @@
+// One Vulkan 1.3 device, headless: instance, device, one queue, memory, pipeline cache, graveyard.
+#pragma once
+
+#include <volk.h>
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "vk/handle.h"
+
+namespace latelight::vk {
+
+class Allocator;
+
+// What `latelight devices` and the JSON side file say of a device.
+struct DeviceInfo {
+  uint32_t index = 0;       // in the order the loader lists them
+  std::string name;         // VkPhysicalDeviceProperties::deviceName
+  std::string uuid;         // 32 hex digits
+  std::string type;         // "cpu", "discrete", "integrated", "virtual", "other"
+  std::string driver;       // name and version in words
+  std::string apiVersion;   // "1.3.230"
+  uint64_t memory = 0;      // bytes of device-local heaps
+  std::vector<std::string> missing;  // what Latelight needs and it lacks, in plain words; empty: usable
+};
+
+// Every device the loader lists. Throws Error(NoDevice) where there is no loader or no driver.
+std::vector<DeviceInfo> listDevices();
+
+// The one that `selector` means, and why, in a sentence. selector: "auto" (the first usable of discrete, integrated,
+// virtual, cpu), "cpu", an index, a part of a name (case ignored), or a UUID.
+// Throws Error(NoDevice) saying what is there, or that the chosen one lacks something.
+struct DeviceChoice {
+  DeviceInfo device;
+  std::string why;
+};
+DeviceChoice chooseDevice(const std::vector<DeviceInfo>& devices, const std::string& selector);
+
+struct DeviceOptions {
+  std::string selector = "auto";
+  bool validation = false;  // Khronos validation with synchronization checks; messages go to validationMessages()
+};
+
+class Device {
+ public:
+  explicit Device(const DeviceOptions& options = {});
+  ~Device();
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
+
+  VkInstance instance() const { return instance_; }
+  VkPhysicalDevice physical() const { return physical_; }
+  VkDevice get() const { return device_; }
+  VkQueue queue() const { return queue_; }
+  uint32_t queueFamily() const { return queueFamily_; }
+  Allocator& memory() { return *allocator_; }
+  VkPipelineCache pipelineCache() const { return pipelineCache_; }
+  const DeviceInfo& info() const { return info_; }
+  const VkPhysicalDeviceProperties& properties() const { return properties_; }
+  bool isCpu() const { return properties_.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU; }
+  bool has(const char* extension) const;  // enabled: all of kOptionalExtensions that the device offers are
+
+  // Records, submits and waits. The one way work reaches the queue.
+  void submit(const std::function<void(VkCommandBuffer)>& record);
+
+  // Runs `destroy` once everything submitted so far, and the submission now being recorded, has finished.
+  void bury(std::function<void()> destroy);
+
+  // Gives an object the name that debuggers and validation messages show. Nothing without VK_EXT_debug_utils.
+  void setName(VkObjectType type, uint64_t object, const char* name);
+
+  // What the validation layers said since the last call (warnings and errors). Empty without validation.
+  std::vector<std::string> validationMessages();
+
+  // Writes the pipeline cache to the cache folder if it grew. The destructor does it too.
+  void savePipelineCache();
+
+ private:
+  struct Hidden;  // validation sink, graveyard, loader
+  std::unique_ptr<Hidden> hidden_;
+  VkInstance instance_ = VK_NULL_HANDLE;
+  VkPhysicalDevice physical_ = VK_NULL_HANDLE;
+  VkDevice device_ = VK_NULL_HANDLE;
+  VkQueue queue_ = VK_NULL_HANDLE;
+  uint32_t queueFamily_ = 0;
+  VkPipelineCache pipelineCache_ = VK_NULL_HANDLE;
+  VkPhysicalDeviceProperties properties_{};
+  DeviceInfo info_;
+  std::unique_ptr<Allocator> allocator_;
+};
+
+}  // namespace latelight::vk

@@ -1,0 +1,39 @@
+// RAII for Vulkan objects. Destruction is deferred: an object handed to the graveyard dies when every submission that was
+// recorded before has finished.
+#pragma once
+
+#include <volk.h>
+
+#include <utility>
+
+namespace latelight::vk {
+
+class Device;
+
+// Throws Error(DeviceLost or Internal) with the call's text, its result and place.
+void check(VkResult result, const char* call, const char* file, int line);
+#define VK_CHECK(call) ::latelight::vk::check((call), #call, __FILE__, __LINE__)
+
+// A move-only Vulkan object and the device that will destroy it.
+template <typename T>
+class Handle {
+ public:
+  Handle() = default;
+  Handle(Device& device, T object) : device_(&device), object_(object) {}
+  Handle(Handle&& other) noexcept { *this = std::move(other); }
+  Handle& operator=(Handle&& other) noexcept {
+    std::swap(device_, other.device_);
+    std::swap(object_, other.object_);
+    return *this;
+  }
+  ~Handle();  // hands the object to the device's graveyard (vk/device.cpp has one case a type)
+
+  T get() const { return object_; }
+  explicit operator bool() const { return object_ != VK_NULL_HANDLE; }
+
+ private:
+  Device* device_ = nullptr;
+  T object_ = VK_NULL_HANDLE;
+};
+
+}  // namespace latelight::vk

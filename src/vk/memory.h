@@ -1,0 +1,71 @@
+// Device memory: 64 MiB blocks a memory type, linear and optimal resources apart, render targets and large resources in
+// allocations of their own, host-visible blocks mapped for as long as they live.
+#pragma once
+
+#include <volk.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+namespace latelight::vk {
+
+class Device;
+
+// Offsets inside one block: first fit over a sorted free list, neighbours merged on free. No Vulkan: tested alone.
+class BlockRanges {
+ public:
+  explicit BlockRanges(uint64_t size);
+  // An offset that is a multiple of `alignment` (a power of two), or kNone where nothing fits.
+  static constexpr uint64_t kNone = ~uint64_t{0};
+  uint64_t allocate(uint64_t size, uint64_t alignment);
+  void release(uint64_t offset);
+  bool empty() const;
+  uint64_t freeBytes() const;
+  uint64_t largestFree() const;
+
+ private:
+  uint64_t size_;
+  std::map<uint64_t, uint64_t> free_;  // offset -> size
+  std::map<uint64_t, uint64_t> used_;  // offset -> size
+};
+
+enum class MemoryKind {
+  Device,    // device local; host-visible too where that costs nothing (CPU devices)
+  Upload,    // host visible, coherent: written once by the host, read by the device
+  Readback,  // host visible, cached: written by the device, read by the host
+};
+
+struct Allocation {
+  VkDeviceMemory memory = VK_NULL_HANDLE;
+  VkDeviceSize offset = 0;
+  VkDeviceSize size = 0;
+  std::byte* mapped = nullptr;  // host-visible memory only
+  void* block = nullptr;        // the allocator's own
+};
+
+class Allocator {
+ public:
+  static constexpr VkDeviceSize kBlockSize = VkDeviceSize{64} << 20;
+
+  explicit Allocator(Device& device);
+  ~Allocator();
+  // Throws Error(DeviceLost) with the sizes in the sentence where the device has no room.
+  Allocation allocate(const VkMemoryRequirements& needs, MemoryKind kind, bool linear, bool dedicated);
+  void release(const Allocation& allocation);
+  struct Statistics {
+    uint64_t blocks = 0, allocations = 0, reservedBytes = 0, usedBytes = 0;
+  };
+  Statistics statistics() const;
+
+ private:
+  struct Block;
+  Device& device_;
+  mutable std::mutex mutex_;
+  std::vector<std::unique_ptr<Block>> blocks_;
+};
+
+}  // namespace latelight::vk

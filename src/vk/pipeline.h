@@ -1,0 +1,63 @@
+// Pipelines, made before recording. Shaders are SPIR-V embedded in the library, named by their file under src/render
+// without folder: "geometry.frag"; one that is compiled for each G-buffer layout is "geometry.frag@thin".
+//
+// Every pipeline has the same shape: push constants (at most 128 bytes, all stages), set 0 for what the pass binds
+// (images, by binding order), set 1 (geometry) for one material's textures. Buffers are read by address.
+#pragma once
+
+#include <volk.h>
+
+#include <cstdint>
+#include <initializer_list>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "vk/device.h"
+#include "vk/handle.h"
+
+namespace latelight::vk {
+
+// SPIR-V words of an embedded shader; asserts that it exists.
+std::span<const uint32_t> shaderCode(std::string_view name);
+
+enum class Binding : uint8_t { Sampled, Storage };  // combined image sampler; storage image
+
+struct Constant {  // specialization constant
+  uint32_t id;
+  uint32_t value;
+};
+
+Handle<VkDescriptorSetLayout> makeSetLayout(Device& device, std::span<const Binding> bindings);
+
+struct Pipeline {
+  Handle<VkPipeline> pipeline;
+  Handle<VkPipelineLayout> layout;
+  Handle<VkDescriptorSetLayout> set0;
+  std::vector<Binding> bindings;  // of set 0
+  VkPipelineBindPoint point = VK_PIPELINE_BIND_POINT_COMPUTE;
+};
+
+struct ComputeDesc {
+  std::string shader;
+  std::vector<Binding> bindings;
+  std::vector<Constant> constants;
+  std::string name;
+};
+Pipeline makePipeline(Device& device, const ComputeDesc& desc);
+
+struct GraphicsDesc {
+  std::string vertex, fragment;
+  std::vector<Binding> bindings;
+  VkDescriptorSetLayout materialSet = VK_NULL_HANDLE;  // set 1, or none
+  std::vector<Constant> constants;                     // both stages
+  std::vector<VkFormat> colors;
+  VkFormat depth = VK_FORMAT_UNDEFINED;
+  VkCompareOp depthCompare = VK_COMPARE_OP_GREATER;  // reversed depth; ties stay with the first, which has the lower id
+  bool depthWrite = true;
+  VkCullModeFlags cull = VK_CULL_MODE_NONE;  // dynamic: VK_DYNAMIC_STATE_CULL_MODE, front face too
+  std::string name;
+};
+Pipeline makePipeline(Device& device, const GraphicsDesc& desc);
+
+}  // namespace latelight::vk

@@ -1,0 +1,121 @@
+// Buffers and images that own their memory. Move-only; destruction is deferred (Device::bury).
+#pragma once
+
+#include <volk.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "vk/device.h"
+#include "vk/memory.h"
+
+namespace latelight::vk {
+
+struct BufferDesc {
+  VkDeviceSize size = 0;  // bytes; 0 is taken as 16
+  VkBufferUsageFlags usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;  // device address and transfer are always added
+  MemoryKind kind = MemoryKind::Device;
+  std::string name;
+  bool operator==(const BufferDesc&) const = default;
+};
+
+class Buffer {
+ public:
+  Buffer() = default;
+  Buffer(Device& device, const BufferDesc& desc);
+  Buffer(Buffer&&) noexcept;
+  Buffer& operator=(Buffer&&) noexcept;
+  ~Buffer();
+
+  VkBuffer get() const { return buffer_; }
+  VkDeviceAddress address() const { return address_; }
+  VkDeviceSize size() const { return desc_.size; }
+  const BufferDesc& desc() const { return desc_; }
+  std::byte* mapped() const { return allocation_.mapped; }  // null unless host visible
+  template <typename T>
+  T* as() const {
+    return reinterpret_cast<T*>(allocation_.mapped);
+  }
+  explicit operator bool() const { return buffer_ != VK_NULL_HANDLE; }
+
+ private:
+  Device* device_ = nullptr;
+  BufferDesc desc_;
+  VkBuffer buffer_ = VK_NULL_HANDLE;
+  VkDeviceAddress address_ = 0;
+  Allocation allocation_;
+};
+
+struct ImageDesc {
+  VkFormat format = VK_FORMAT_UNDEFINED;
+  uint32_t width = 1, height = 1;
+  uint32_t layers = 1;   // array layers: one a view for a frame's targets
+  uint32_t levels = 1;   // mip levels
+  uint32_t samples = 1;
+  VkImageUsageFlags usage = 0;
+  std::string name;
+  bool operator==(const ImageDesc&) const = default;
+};
+
+class Image {
+ public:
+  Image() = default;
+  Image(Device& device, const ImageDesc& desc);
+  Image(Image&&) noexcept;
+  Image& operator=(Image&&) noexcept;
+  ~Image();
+
+  VkImage get() const { return image_; }
+  const ImageDesc& desc() const { return desc_; }
+  VkImageAspectFlags aspect() const;
+  VkImageView arrayView() const { return arrayView_; }               // 2D_ARRAY, all layers and levels
+  VkImageView layerView(uint32_t layer) const;                       // 2D, one layer, level 0: attachments, textures
+  VkImageView view() const { return layerView(0); }                  // 2D, layer 0, all levels where layers == 1
+  explicit operator bool() const { return image_ != VK_NULL_HANDLE; }
+
+ private:
+  Device* device_ = nullptr;
+  ImageDesc desc_;
+  VkImage image_ = VK_NULL_HANDLE;
+  VkImageView arrayView_ = VK_NULL_HANDLE;
+  std::vector<VkImageView> layerViews_;
+  Allocation allocation_;
+};
+
+struct SamplerDesc {
+  VkFilter magnify = VK_FILTER_LINEAR, minify = VK_FILTER_LINEAR;
+  VkSamplerMipmapMode mip = VK_SAMPLER_MIPMAP_MODE_LINEAR;
+  VkSamplerAddressMode wrapU = VK_SAMPLER_ADDRESS_MODE_REPEAT, wrapV = VK_SAMPLER_ADDRESS_MODE_REPEAT;
+  float maxLod = VK_LOD_CLAMP_NONE;
+  bool operator==(const SamplerDesc&) const = default;
+};
+Handle<VkSampler> makeSampler(Device& device, const SamplerDesc& desc);
+
+// Copies of host data to the device, gathered and submitted together. flush() (or the destructor) submits and waits.
+// Host-visible destinations (CPU devices) are written directly. Images end in VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL.
+class Uploader {
+ public:
+  explicit Uploader(Device& device);
+  ~Uploader();
+  void upload(const Buffer& to, std::span<const std::byte> data, VkDeviceSize offset = 0);
+  // `data`: all levels one after the other, level 0 first, tightly packed; one layer.
+  void upload(const Image& to, std::span<const std::byte> data);
+  void flush();
+
+ private:
+  struct Copy;
+  Device& device_;
+  std::vector<Copy> copies_;
+  std::vector<Buffer> staging_;
+  VkDeviceSize pending_ = 0;
+};
+
+// Bytes a texel of an uncompressed colour or depth format.
+uint32_t texelBytes(VkFormat format);
+const char* formatName(VkFormat format);  // "R8G8B8A8_SRGB"
+bool isDepth(VkFormat format);
+
+}  // namespace latelight::vk
