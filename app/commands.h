@@ -1,0 +1,21 @@
+// The subcommands: one file each. A callback prints its result; a failure throws latelight::Error.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include "base/error.h"
+
+namespace latelight::app {
+
+void addRenderCommand(CLI::App& app);
+void addListCommand(CLI::App& app);
+void addDevicesCommand(CLI::App& app);
+void addDoctorCommand(CLI::App& app);
+void addCompareCommand(CLI::App& app);
+
+// Thrown to end with a code and no sentence: what had to be said is printed already.
+struct Exit {
+  ExitCode code;
+};
+
+}  // namespace latelight::app
