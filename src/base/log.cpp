@@ -1,0 +1,103 @@
+#include "base/log.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <mutex>
+#include <unordered_set>
+
+namespace latelight {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr auto kSilence = std::chrono::milliseconds(300);   // work shorter than this shows no bar
+constexpr auto kInterval = std::chrono::milliseconds(100);  // between two drawings
+constexpr int kBarWidth = 30;                               // characters
+constexpr const char* kClearLine = "\r\x1b[K";
+
+std::atomic<bool> quiet = false;
+std::mutex terminal;  // one writer on standard error at a time
+int drawnBars = 0;    // bars on the terminal's last line (guarded by `terminal`)
+
+bool isTerminal() {
+  return isatty(STDERR_FILENO) == 1;
+}
+
+// https://no-color.org: present and not empty.
+bool wantsColor() {
+  const char* off = std::getenv("NO_COLOR");
+  return isTerminal() && (!off || !*off);
+}
+
+// Names from a scene file reach the terminal through here: they must not carry its control sequences.
+std::string printable(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
+  return text;
+}
+
+}  // namespace
+
+void warn(const std::string& sentence) {
+  if (quiet) return;
+  static std::unordered_set<std::string> said;
+  std::lock_guard lock(terminal);
+  if (!said.insert(sentence).second) return;
+  const bool color = wantsColor();
+  const std::string line = fmt::format("{}{}warning:{} {}\n", drawnBars ? kClearLine : "", color ? "\x1b[33m" : "",
+                                       color ? "\x1b[0m" : "", printable(sentence));
+  std::fputs(line.c_str(), stderr);
+}
+
+void setQuiet(bool value) {
+  quiet = value;
+}
+
+struct Progress::State {
+  std::string what;
+  uint64_t total;
+  Clock::time_point start = Clock::now();
+  std::atomic<uint64_t> done = 0;
+  std::atomic<Clock::rep> nextDraw = (start + kSilence).time_since_epoch().count();
+  bool drawn = false;  // guarded by `terminal`
+
+  void draw() {
+    const uint64_t now = std::min(done.load(), total);
+    const int percent = static_cast<int>(100.0 * static_cast<double>(now) / static_cast<double>(total));
+    const int filled = kBarWidth * percent / 100;
+    std::lock_guard lock(terminal);
+    if (!drawn) ++drawnBars;
+    drawn = true;
+    const std::string line =
+        fmt::format("{}{} [{:#<{}}{:-<{}}] {:3}%", kClearLine, what, "", filled, "", kBarWidth - filled, percent);
+    std::fputs(line.c_str(), stderr);
+  }
+};
+
+Progress::Progress(std::string_view what, uint64_t total)
+    : state_(quiet || total == 0 || !isTerminal() ? nullptr : new State{printable(std::string(what)), total}) {}
+
+Progress::~Progress() {
+  if (state_ && state_->drawn) {
+    std::lock_guard lock(terminal);
+    --drawnBars;
+    std::fputs(kClearLine, stderr);
+  }
+  delete state_;
+}
+
+void Progress::step(uint64_t count) {
+  if (!state_) return;
+  state_->done += count;
+  const Clock::time_point now = Clock::now();
+  Clock::rep due = state_->nextDraw;
+  if (now.time_since_epoch().count() < due) return;
+  // Of several threads that find it due, one draws.
+  if (state_->nextDraw.compare_exchange_strong(due, (now + kInterval).time_since_epoch().count())) state_->draw();
+}
+
+}  // namespace latelight

@@ -1,0 +1,163 @@
+#include "base/parallel.h"
+
+#include <sched.h>
+
+#include <algorithm>
+#include <atomic>
+#include <charconv>
+#include <condition_variable>
+#include <cstdlib>
+#include <cstring>
+#include <deque>
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <system_error>
+#include <thread>
+
+#include "base/log.h"
+
+namespace latelight {
+namespace {
+
+constexpr size_t kMostThreads = 1024;
+
+std::optional<size_t> threadsAskedFor() {
+  const char* text = std::getenv("LATELIGHT_THREADS");
+  if (!text || !*text) return std::nullopt;
+  const char* end = text + std::strlen(text);
+  size_t count = 0;
+  const auto [stop, error] = std::from_chars(text, end, count);
+  if (error == std::errc() && stop == end && count >= 1) return std::min(count, kMostThreads);
+  warn("LATELIGHT_THREADS is '{}', which is not a number of threads, and is ignored: give a number from 1 to {}", text,
+       kMostThreads);
+  return std::nullopt;
+}
+
+// Batch systems and containers give a process fewer cores than the machine has.
+size_t coresLent() {
+  cpu_set_t set;
+  if (sched_getaffinity(0, sizeof(set), &set) == 0) return static_cast<size_t>(std::max(1, CPU_COUNT(&set)));
+  return std::max(1u, std::thread::hardware_concurrency());  // more cores than cpu_set_t has bits
+}
+
+// One parallelFor. Chunks are handed out in order, so when some chunk throws, every chunk before it was handed out too:
+// keeping the exception of the first chunk makes the one that leaves the same on every run.
+struct Job {
+  Job(size_t count, size_t grain, const std::function<void(size_t, size_t)>& body)
+      : count(count), grain(grain), chunks((count + grain - 1) / grain), body(body) {}
+
+  const size_t count, grain, chunks;
+  const std::function<void(size_t, size_t)>& body;  // lives as long as the caller waits: until `running` is 0
+  std::atomic<size_t> next = 0;
+
+  std::mutex mutex;
+  std::condition_variable finished;
+  size_t running = 0;  // threads in work(), the caller's excluded
+  size_t failedChunk = ~size_t{0};
+  std::exception_ptr failure;
+
+  bool exhausted() const { return next >= chunks; }
+
+  void work() {
+    for (size_t chunk = next++; chunk < chunks; chunk = next++) {
+      try {
+        body(chunk * grain, std::min(count, (chunk + 1) * grain));
+      } catch (...) {
+        std::lock_guard lock(mutex);
+        if (chunk < failedChunk) {
+          failedChunk = chunk;
+          failure = std::current_exception();
+        }
+        next = chunks;
+      }
+    }
+  }
+};
+
+class Pool {
+ public:
+  explicit Pool(size_t workers) {
+    try {
+      for (size_t i = 0; i < workers; ++i) std::thread([this] { serve(); }).detach();
+    } catch (const std::system_error&) {
+      // A limit on threads: those that started are enough, the caller works too.
+    }
+  }
+
+  void run(const std::shared_ptr<Job>& job) {
+    {
+      std::lock_guard lock(mutex_);
+      jobs_.push_back(job);
+    }
+    wake_.notify_all();
+    job->work();
+    {
+      std::lock_guard lock(mutex_);
+      std::erase(jobs_, job);
+    }
+    // Who waits here waits for chunks that run: nesting can't deadlock.
+    std::unique_lock lock(job->mutex);
+    job->finished.wait(lock, [&] { return job->running == 0; });
+  }
+
+ private:
+  // The newest job with work left: inner loops finish before outer ones. Joined under the pool's lock, so that run(),
+  // having taken the job off the list, knows that nobody joins later.
+  std::shared_ptr<Job> join() {
+    std::unique_lock lock(mutex_);
+    std::shared_ptr<Job> job;
+    wake_.wait(lock, [&] {
+      const auto found = std::find_if(jobs_.rbegin(), jobs_.rend(), [](const auto& j) { return !j->exhausted(); });
+      if (found == jobs_.rend()) return false;
+      job = *found;
+      return true;
+    });
+    std::lock_guard joined(job->mutex);
+    ++job->running;
+    return job;
+  }
+
+  void serve() {
+    for (;;) {
+      const std::shared_ptr<Job> job = join();
+      job->work();
+      std::lock_guard lock(job->mutex);
+      if (--job->running == 0) job->finished.notify_all();
+    }
+  }
+
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  std::deque<std::shared_ptr<Job>> jobs_;
+};
+
+// Never destroyed: its threads wait on it until the process ends, however it ends.
+Pool& pool() {
+  static Pool* const instance = new Pool(threadCount() - 1);
+  return *instance;
+}
+
+}  // namespace
+
+size_t threadCount() {
+  static const size_t count = [] {
+    const std::optional<size_t> asked = threadsAskedFor();
+    return asked ? *asked : std::min(coresLent(), kMostThreads);
+  }();
+  return count;
+}
+
+void parallelFor(size_t count, size_t grain, const std::function<void(size_t begin, size_t end)>& body) {
+  if (count == 0) return;
+  const auto job = std::make_shared<Job>(count, std::max<size_t>(grain, 1), body);
+  if (job->chunks == 1 || threadCount() == 1) {
+    job->work();
+  } else {
+    pool().run(job);
+  }
+  if (job->failure) std::rethrow_exception(job->failure);
+}
+
+}  // namespace latelight
