@@ -68,9 +68,14 @@ SH_END
 
 # generated/layout/<name>/layout.h: the one layout a shader is compiled for (#include MACRO does not work in glslang).
 # generated/layouts.inc: LAYOUT(name) for each.
+# generated/layout/<name>/layout.cpp: its entry in the registry.
 set(layouts "")
+set(LATELIGHT_LAYOUT_SOURCES)
 foreach(name IN LISTS LATELIGHT_LAYOUTS)
   latelight_generate(layout/${name}/layout.h "#include \"shared/gbuffer/${name}.h\"\n")
+  latelight_generate(layout/${name}/layout.cpp
+    "#define LATELIGHT_LAYOUT ${name}\n#include \"shared/gbuffer/${name}.h\"\n#include \"render/gbuffer/layout_registration.h\"\n")
+  list(APPEND LATELIGHT_LAYOUT_SOURCES ${LATELIGHT_GENERATED}/layout/${name}/layout.cpp)
   string(APPEND layouts "LAYOUT(${name})\n")
 endforeach()
 latelight_generate(layouts.inc "${layouts}")

@@ -24,6 +24,24 @@ struct Surface {
 };
 SH_CONST uint kSurfaceUnlit = 1u;  // KHR_materials_unlit: its baseColor is what leaves it
 
+SH_FUNC Surface emptySurface() {
+  Surface s;
+  s.position = vec3(0.0f, 0.0f, 0.0f);
+  s.normal = vec3(0.0f, 0.0f, 1.0f);
+  s.geonormal = vec3(0.0f, 0.0f, 1.0f);
+  s.baseColor = vec3(0.0f, 0.0f, 0.0f);
+  s.metallic = 0.0f;
+  s.roughness = 1.0f;
+  s.f0 = vec3(0.0f, 0.0f, 0.0f);
+  s.f90 = 0.0f;
+  s.emissive = vec3(0.0f, 0.0f, 0.0f);
+  s.ao = 1.0f;
+  s.uv = vec2(0.0f, 0.0f);
+  s.id = 0u;
+  s.flags = 0u;
+  return s;
+}
+
 // c_diff of the glTF 2.0 specification, appendix B: metals have none.
 SH_FUNC vec3 diffuseColor(Surface s) { return s.baseColor * (1.0f - s.metallic); }
 

@@ -1,0 +1,126 @@
+#version 460
+#include "render/glsl/common.glsl"
+#include "render/gbuffer/geometry.glsl"
+#include "layout.h"
+
+layout(constant_id = 0) const uint kNormalEncoding = 0;
+layout(constant_id = 1) const uint kAlphaMasked = 0;
+
+layout(set = 1, binding = 0) uniform sampler2D materialTextures0;
+layout(set = 1, binding = 1) uniform sampler2D materialTextures1;
+layout(set = 1, binding = 2) uniform sampler2D materialTextures2;
+layout(set = 1, binding = 3) uniform sampler2D materialTextures3;
+layout(set = 1, binding = 4) uniform sampler2D materialTextures4;
+layout(set = 1, binding = 5) uniform sampler2D materialTextures5;
+layout(set = 1, binding = 6) uniform sampler2D materialTextures6;
+
+#define OUTPUT(index, name, format, type, channels) layout(location = index) out type gbuffer_##name;
+GBUFFER_TARGETS(OUTPUT)
+#define COUNT(index, name, format, type, channels) +1
+layout(location = 0 GBUFFER_TARGETS(COUNT)) out vec4 lightAccumulation;
+
+vec2 textureUv(TextureTransform t) {
+  vec3 uv = vec3(t.uvSet == 0u ? varyingUv.xy : varyingUv.zw, 1.0);
+  return vec2(dot(t.row0, uv), dot(t.row1, uv));
+}
+
+bool hasTexture(Material m, uint slot) { return (m.textures & (1u << slot)) != 0u; }
+
+// A texture fetch may stand in a branch: the condition is the material's, the same for the whole draw.
+#define FETCH(m, slot) texture(materialTextures##slot, textureUv(m.transforms[slot]))
+
+vec4 baseColor(Material m) {
+  vec4 c = m.baseColor * varyingColor;
+  if (hasTexture(m, kTextureBaseColor)) c *= FETCH(m, 0);
+  return c;
+}
+
+// The unperturbed normal: interpolated, or the triangle's where the interpolated one vanishes; towards the viewer.
+vec3 vertexNormal(vec3 geonormal, float facing) {
+  float squared = dot(varyingNormal, varyingNormal);
+  return squared > 1e-24 ? varyingNormal * (facing * inversesqrt(squared)) : geonormal;
+}
+
+// Perturbs the normal by the material's map through the vertices' tangent frame (seed 000; glTF 2.0, section 3.9.3).
+vec3 mappedNormal(Material m, vec3 n, float facing) {
+  vec3 tangent = varyingTangent.xyz - n * dot(n, varyingTangent.xyz);
+  float squared = dot(tangent, tangent);
+  if (!hasTexture(m, kTextureNormal) || squared < 1e-24) return n;
+  vec3 t = tangent * inversesqrt(squared);
+  vec3 b = cross(n * facing, t) * (varyingTangent.w < 0.0 ? -1.0 : 1.0);
+  vec3 map = FETCH(m, 2).xyz * 2.0 - 1.0;
+  map.xy *= m.normalScale;
+  // On a back face the whole frame turns with the normal (glTF 2.0, section 3.9.1, doubleSided).
+  vec3 mapped = facing * (t * map.x + b * map.y) + n * map.z;
+  float length2 = dot(mapped, mapped);
+  return length2 > 1e-24 ? mapped * inversesqrt(length2) : n;
+}
+
+// The triangle's own normal from its vertices, exact where screen-space derivatives of small triangles are not.
+vec3 triangleNormal(FrameConstants frame, Instance instance, float facing) {
+  Mesh mesh = frameMesh(frame, instance.mesh);
+  IndexRef indices = IndexRef(mesh.indices);
+  PositionRef positions = PositionRef(mesh.positions);
+  uint first = 3u * uint(gl_PrimitiveID);
+  vec3 a = instance.objectToWorld * vec4(positions.v[indices.v[first]], 1.0);
+  vec3 b = instance.objectToWorld * vec4(positions.v[indices.v[first + 1u]], 1.0);
+  vec3 c = instance.objectToWorld * vec4(positions.v[indices.v[first + 2u]], 1.0);
+  float handedness = (instance.flags & kInstanceMirrored) != 0u ? -1.0 : 1.0;
+  vec3 n = cross(b - a, c - a) * (handedness * facing);
+  float squared = dot(n, n);
+  return squared > 0.0 ? n * inversesqrt(squared) : vec3(0.0, 0.0, 1.0);
+}
+
+Surface evaluateMaterial(FrameConstants frame, Instance instance, Material m, vec4 base) {
+  float facing = gl_FrontFacing ? 1.0 : -1.0;
+  Surface s = emptySurface();
+  s.position = varyingPosition;
+  s.geonormal = triangleNormal(frame, instance, facing);
+  s.normal = mappedNormal(m, vertexNormal(s.geonormal, facing), facing);
+  s.baseColor = base.rgb;
+  s.metallic = m.metallic;
+  s.roughness = m.roughness;
+  if (hasTexture(m, kTextureMetallicRoughness)) {
+    vec4 t = FETCH(m, 1);
+    s.metallic *= t.b;
+    s.roughness *= t.g;
+  }
+  if (hasTexture(m, kTextureOcclusion)) s.ao = 1.0 + m.occlusionStrength * (FETCH(m, 3).r - 1.0);
+  s.emissive = m.emissive;
+  if (hasTexture(m, kTextureEmissive)) s.emissive *= FETCH(m, 4).rgb;
+  // KHR_materials_specular: f0 is tinted and capped at 1 before the weight scales both ends.
+  float specular = m.specular;
+  if (hasTexture(m, kTextureSpecular)) specular *= FETCH(m, 5).a;
+  vec3 specularColor = m.specularColor;
+  if (hasTexture(m, kTextureSpecularColor)) specularColor *= FETCH(m, 6).rgb;
+  s.f0 = min(m.f0 * specularColor, vec3(1.0)) * specular;
+  s.f90 = specular;
+  s.uv = varyingUv.xy;
+  s.id = instance.id;
+  s.flags = (m.flags & kMaterialUnlit) != 0u ? kSurfaceUnlit : 0u;
+  return s;
+}
+
+void main() {
+  FrameConstants frame = FrameRef(push.frame).v;
+  Instance instance = frameInstance(frame, varyingInstance);
+  Material material = frameMaterial(frame, instance.material);
+  vec4 base = baseColor(material);
+  if (kAlphaMasked != 0u && base.a < material.alphaCutoff) discard;
+
+  Surface s = evaluateMaterial(frame, instance, material, base);
+  bool unlit = (s.flags & kSurfaceUnlit) != 0u;
+  vec3 emitted = unlit ? s.baseColor : s.emissive;
+  lightAccumulation = vec4(min(emitted * frame.exposure, vec3(65504.0)), s.ao);
+#ifndef GBUFFER_KEEPS_FLAGS
+  if (unlit) s = withoutReflection(s);
+#endif
+
+  GbufferContext context;
+  context.view = frameView(frame, push.view);
+  context.pixel = gl_FragCoord.xy;
+  context.normalEncoding = kNormalEncoding;
+  GbufferTexel texel = packGbuffer(s, context);
+#define WRITE(index, name, format, type, channels) gbuffer_##name = texel.name;
+  GBUFFER_TARGETS(WRITE)
+}

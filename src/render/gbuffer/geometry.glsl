@@ -1,0 +1,18 @@
+// What the geometry pass's two stages share: push constants and what is interpolated.
+struct GeometryPush {
+  uint64_t frame;  // FrameConstants
+  uint view;
+};
+layout(push_constant, scalar) uniform Push { GeometryPush push; };
+
+#ifdef GEOMETRY_VERTEX
+#define VARYING out
+#else
+#define VARYING in
+#endif
+layout(location = 0) VARYING vec3 varyingPosition;  // world
+layout(location = 1) VARYING vec3 varyingNormal;    // world, not unit
+layout(location = 2) VARYING vec4 varyingTangent;   // world, not unit; w: sign of the bitangent, 0 without a tangent frame
+layout(location = 3) VARYING vec4 varyingUv;        // UV sets 0 and 1
+layout(location = 4) VARYING vec4 varyingColor;
+layout(location = 5) flat VARYING uint varyingInstance;

@@ -1,0 +1,31 @@
+#version 460
+#define GEOMETRY_VERTEX
+#include "render/glsl/common.glsl"
+#include "render/gbuffer/geometry.glsl"
+
+void main() {
+  FrameConstants frame = FrameRef(push.frame).v;
+  Instance instance = frameInstance(frame, gl_InstanceIndex);
+  Mesh mesh = frameMesh(frame, instance.mesh);
+  View view = frameView(frame, push.view);
+
+  vec3 world = instance.objectToWorld * vec4(PositionRef(mesh.positions).v[gl_VertexIndex], 1.0);
+  gl_Position = projectToClip(view.projection, view.worldToView * vec4(world, 1.0));
+
+  VertexAttributes attributes = AttributesRef(mesh.attributes).v[gl_VertexIndex];
+  mat3 linear = mat3(instance.objectToWorld);
+  // The cofactor matrix carries normals under any scale, shear or mirror; only the sign of a mirror must be taken out.
+  mat3 cofactor = mat3(cross(linear[1], linear[2]), cross(linear[2], linear[0]), cross(linear[0], linear[1]));
+  float handedness = (instance.flags & kInstanceMirrored) != 0u ? -1.0 : 1.0;
+  varyingPosition = world;
+  varyingNormal = handedness * (cofactor * attributes.normal);
+  varyingTangent = vec4(linear * attributes.tangent.xyz, attributes.tangent.w * handedness);
+  varyingUv = vec4(attributes.uv0, attributes.uv0);
+  varyingColor = vec4(1.0);
+  if (mesh.extras != 0ul) {
+    VertexExtra extra = ExtraRef(mesh.extras).v[gl_VertexIndex];
+    varyingUv.zw = extra.uv1;
+    varyingColor = extra.color;
+  }
+  varyingInstance = gl_InstanceIndex;
+}

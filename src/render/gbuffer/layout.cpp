@@ -1,0 +1,50 @@
+#include "render/gbuffer/layout.h"
+
+#include <algorithm>
+
+#include "render/registry.h"
+#include "vk/resources.h"
+
+namespace latelight::render {
+
+#define LAYOUT(name) Layout makeLayout_##name(std::string);
+#include "layouts.inc"
+#undef LAYOUT
+
+VkFormat Layout::format(size_t target, uint32_t normalEncoding) const {
+  VkFormat format = targets[target].format;
+  if (format != VK_FORMAT_UNDEFINED) return format;
+  return shared::normalChannels(normalEncoding) == 2 ? VK_FORMAT_R16G16_UNORM : VK_FORMAT_A2B10G10R10_UNORM_PACK32;
+}
+
+uint32_t Layout::bytesPerPixel(uint32_t normalEncoding) const {
+  uint32_t bytes = vk::texelBytes(kDepthFormat);
+  for (size_t i = 0; i < targets.size(); ++i) bytes += vk::texelBytes(format(i, normalEncoding));
+  return bytes;
+}
+
+std::span<const Layout> layouts() {
+  static const std::vector<Layout> all = {
+#define LAYOUT(name) makeLayout_##name(registryName(#name)),
+#include "layouts.inc"
+#undef LAYOUT
+  };
+  return all;
+}
+
+const Layout& findLayout(std::string_view name) { return findByName(layouts(), name, "G-buffer layout"); }
+
+std::span<const NormalEncoding> normalEncodings() {
+  static const std::vector<NormalEncoding> all = {
+#define NORMAL(name, index) NormalEncoding{registryName(#name), index, shared::kNormalChannels_##name},
+      LATELIGHT_NORMALS(NORMAL)
+#undef NORMAL
+  };
+  return all;
+}
+
+const NormalEncoding& findNormalEncoding(std::string_view name) {
+  return findByName(normalEncodings(), name, "normal encoding");
+}
+
+}  // namespace latelight::render

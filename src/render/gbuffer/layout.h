@@ -1,0 +1,55 @@
+// The registry of G-buffer layouts: one a file in src/shared/gbuffer, compiled here as C++ and in shaders as GLSL.
+#pragma once
+
+#include <volk.h>
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "shared/gbuffer.h"
+
+namespace latelight::render {
+
+// What one texel of a target holds, as a shader reads it: normalised and float formats in f, integers in u.
+struct TargetValue {
+  shared::vec4 f{0};
+  shared::uvec4 u{0};
+};
+
+struct LayoutTarget {
+  const char* name;
+  VkFormat format;       // VK_FORMAT_UNDEFINED: NORMAL32, which follows the encoding
+  const char* channels;  // what is in each channel, in words
+};
+
+struct Layout {
+  std::string name;
+  const char* description;
+  std::vector<LayoutTarget> targets;
+  // The layout's pack and unpack as C++; one value a target, in their order.
+  std::vector<TargetValue> (*pack)(const shared::Surface&, const shared::GbufferContext&);
+  shared::Surface (*unpack)(std::span<const TargetValue>, const shared::GbufferContext&);
+
+  VkFormat format(size_t target, uint32_t normalEncoding) const;
+  // Of all targets and the depth buffer; the frame's light accumulation target (8 bytes) is beside it.
+  uint32_t bytesPerPixel(uint32_t normalEncoding) const;
+};
+
+inline constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
+inline constexpr VkFormat kLightFormat = VK_FORMAT_R16G16B16A16_SFLOAT;
+inline constexpr const char* kDefaultLayout = "thin";
+
+std::span<const Layout> layouts();
+const Layout& findLayout(std::string_view name);  // throws Error(Usage) that lists them
+
+struct NormalEncoding {
+  std::string name;  // "octahedral"
+  uint32_t index;    // kNormal_*: what shaders switch on
+  uint32_t channels;
+};
+std::span<const NormalEncoding> normalEncodings();
+const NormalEncoding& findNormalEncoding(std::string_view name);
+
+}  // namespace latelight::render

@@ -1,0 +1,50 @@
+// Included once a layout by a generated source (cmake/registry.cmake), after the layout's own header and with
+// LATELIGHT_LAYOUT defined as its name: turns GBUFFER_TARGETS into the layout's entry in the registry.
+#include "render/gbuffer/layout.h"
+
+namespace latelight::render {
+namespace {
+
+namespace layout_shared = shared::LATELIGHT_LAYOUT;
+using layout_shared::GbufferTexel;
+using vec4 = shared::vec4;
+using uvec2 = shared::uvec2;
+using uvec4 = shared::uvec4;
+
+[[maybe_unused]] void store(TargetValue& to, const vec4& from) { to.f = from; }
+[[maybe_unused]] void store(TargetValue& to, const uvec2& from) { to.u = uvec4(from, 0, 0); }
+[[maybe_unused]] void store(TargetValue& to, const uvec4& from) { to.u = from; }
+[[maybe_unused]] void load(vec4& to, const TargetValue& from) { to = from.f; }
+[[maybe_unused]] void load(uvec2& to, const TargetValue& from) { to = uvec2(from.u); }
+[[maybe_unused]] void load(uvec4& to, const TargetValue& from) { to = from.u; }
+
+std::vector<TargetValue> packTarget(const shared::Surface& s, const shared::GbufferContext& context) {
+  GbufferTexel texel = layout_shared::packGbuffer(s, context);
+  std::vector<TargetValue> values;
+#define STORE(index, name, format, type, channels) store(values.emplace_back(), texel.name);
+  GBUFFER_TARGETS(STORE)
+#undef STORE
+  return values;
+}
+
+shared::Surface unpackTarget(std::span<const TargetValue> values, const shared::GbufferContext& context) {
+  GbufferTexel texel;
+#define LOAD(index, name, format, type, channels) load(texel.name, values[index]);
+  GBUFFER_TARGETS(LOAD)
+#undef LOAD
+  return layout_shared::unpackGbuffer(texel, context);
+}
+
+constexpr VkFormat VK_FORMAT_NORMAL32 = VK_FORMAT_UNDEFINED;
+
+}  // namespace
+
+#define LAYOUT_MAKER_(name) makeLayout_##name
+#define LAYOUT_MAKER(name) LAYOUT_MAKER_(name)
+Layout LAYOUT_MAKER(LATELIGHT_LAYOUT)(std::string name) {
+#define TARGET(index, name, format, type, channels) LayoutTarget{#name, VK_FORMAT_##format, channels},
+  return {std::move(name), GBUFFER_DESCRIPTION, {GBUFFER_TARGETS(TARGET)}, packTarget, unpackTarget};
+#undef TARGET
+}
+
+}  // namespace latelight::render

@@ -1,0 +1,24 @@
+// Every shader's first include (after #version): extensions, shared headers, scene data by address.
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_EXT_buffer_reference2 : require
+#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
+
+#include "shared/types.h"
+
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer FrameRef { FrameConstants v; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ViewRef { View v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer InstanceRef { Instance v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer MeshRef { Mesh v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer MaterialRef { Material v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LightRef { Light v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer PositionRef { vec3 v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer AttributesRef { VertexAttributes v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ExtraRef { VertexExtra v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer IndexRef { uint v[]; };
+
+View frameView(FrameConstants frame, uint index) { return ViewRef(frame.views).v[index]; }
+Instance frameInstance(FrameConstants frame, uint index) { return InstanceRef(frame.instances).v[index]; }
+Mesh frameMesh(FrameConstants frame, uint index) { return MeshRef(frame.meshes).v[index]; }
+Material frameMaterial(FrameConstants frame, uint index) { return MaterialRef(frame.materials).v[index]; }
+Light frameLight(FrameConstants frame, uint index) { return LightRef(frame.lights).v[index]; }

@@ -1,0 +1,31 @@
+// Environment light in shaders. Three maps in the last bindings of set 0 (ENVIRONMENT_BINDING is the first): prefiltered
+// specular (octahedral, one mip a roughness level, each with its own border), diffuse, and the split-sum table.
+#include "shared/environment.h"
+#include "shared/shade.h"
+
+layout(set = 0, binding = ENVIRONMENT_BINDING) uniform sampler2D environmentSpecular;
+layout(set = 0, binding = ENVIRONMENT_BINDING + 1) uniform sampler2D environmentDiffuse;
+layout(set = 0, binding = ENVIRONMENT_BINDING + 2) uniform sampler2D reflectanceTable;
+
+vec3 environmentRadiance(FrameConstants frame, vec3 direction, float roughness) {
+  vec2 o = octahedralFromDirection(rotateToEnvironment(direction, frame.environmentCos, frame.environmentSin));
+  float level = roughness * (frame.environmentLevels - 1.0);
+  float lower = min(floor(level), frame.environmentLevels - 2.0);
+  // Each level has its own border, so trilinear filtering is two bilinear fetches at coordinates of their own.
+  vec2 size = vec2(textureSize(environmentSpecular, int(lower)).x, textureSize(environmentSpecular, int(lower) + 1).x);
+  vec3 a = textureLod(environmentSpecular, octahedralTexture(o, size.x), lower).rgb;
+  vec3 b = textureLod(environmentSpecular, octahedralTexture(o, size.y), lower + 1.0).rgb;
+  return mix(a, b, level - lower);
+}
+
+vec3 environmentLight(FrameConstants frame, Surface s, vec3 toEye) {
+  if (frame.environmentIntensity == 0.0) return vec3(0.0);
+  float nv = clamp(dot(s.normal, toEye), 0.0, 1.0);
+  vec3 reflected = reflect(-toEye, s.normal);
+  vec3 specular = environmentRadiance(frame, reflected, s.roughness);
+  vec2 o = octahedralFromDirection(rotateToEnvironment(s.normal, frame.environmentCos, frame.environmentSin));
+  vec3 diffuse =
+      textureLod(environmentDiffuse, octahedralTexture(o, float(textureSize(environmentDiffuse, 0).x)), 0.0).rgb;
+  vec2 table = textureLod(reflectanceTable, vec2(nv, s.roughness), 0.0).rg;
+  return shadeEnvironment(s, toEye, diffuse, specular, table) * frame.environmentIntensity;
+}

@@ -1,0 +1,99 @@
+// What a G-buffer layout file (shared/gbuffer/<name>.h) is made of, and how to write one:
+//
+//   #define GBUFFER_DESCRIPTION "one line for `latelight list layouts`"
+//   #define GBUFFER_TARGETS(T) T(index, name, FORMAT, type, "what is in each channel") ...
+//   GBUFFER_BEGIN
+//   SH_FUNC GbufferTexel packGbuffer(Surface s, GbufferContext c)    one member a target, named as in GBUFFER_TARGETS
+//   SH_FUNC Surface unpackGbuffer(GbufferTexel t, GbufferContext c)
+//   GBUFFER_END
+//
+// FORMAT is a Vulkan format without VK_FORMAT_, or NORMAL32: four bytes that follow the normal encoding (R16G16_UNORM for
+// two channels, A2B10G10R10_UNORM for three). `type` is vec4 for float and normalised formats, uvec2 or uvec4 for
+// integer ones. The fragment outputs, sampled inputs, Vulkan formats, bytes a pixel, debug names and the C++ registry all
+// follow from this list; nothing else names a layout.
+//
+// A layout that stores Surface::flags defines GBUFFER_KEEPS_FLAGS; the others get unlit surfaces as ones that reflect
+// nothing (their base colour is in the light accumulation target already).
+//
+// Beside its targets every layout has the depth buffer (D32_SFLOAT, reversed) and the frame's light accumulation target
+// (RGBA16F): emitted radiance in rgb, and ambient occlusion in alpha for the layouts that have no room of their own.
+#ifndef LATELIGHT_SHARED_GBUFFER_H
+#define LATELIGHT_SHARED_GBUFFER_H
+
+#include "normals.h"
+#include "shared/color.h"
+#include "shared/lang.h"
+#include "shared/projection.h"
+#include "shared/surface.h"
+#include "shared/types.h"
+
+#define GBUFFER_MEMBER(index, name, format, type, channels) type name;
+#if defined(__cplusplus)
+// Each layout has a namespace of its own, named by the file that is compiled for it.
+#define GBUFFER_BEGIN                                \
+  SH_BEGIN namespace LATELIGHT_LAYOUT {              \
+    struct GbufferTexel {                            \
+      GBUFFER_TARGETS(GBUFFER_MEMBER)                \
+    };
+#define GBUFFER_END \
+  }                 \
+  SH_END
+#else
+#define GBUFFER_BEGIN \
+  struct GbufferTexel { GBUFFER_TARGETS(GBUFFER_MEMBER) };
+#define GBUFFER_END
+#endif
+
+SH_BEGIN
+
+struct GbufferContext {
+  View view;
+  vec2 pixel;          // picture coordinates of the sample, y down, centres at .5
+  float depth;         // device depth; unpacking only
+  float ao;            // from the light accumulation target; unpacking only
+  uint normalEncoding;  // kNormal_*
+};
+
+// World position of the sample, from its depth.
+SH_FUNC vec3 positionFromDepth(GbufferContext c) {
+  vec3 v = viewPositionAtDepth(c.view.projection, pixelToNdc(c.pixel, c.view.size),
+                               viewDepth(c.view.projection, c.depth));
+  return c.view.viewToWorld * vec4(v, 1.0f);
+}
+
+SH_FUNC vec3 rotateToView(View view, vec3 n) { return view.worldToView * vec4(n, 0.0f); }
+SH_FUNC vec3 rotateToWorld(View view, vec3 n) { return view.viewToWorld * vec4(n, 0.0f); }
+
+// A value in [0, 1] as an integer of `bits` bits, round to nearest, and back.
+SH_FUNC uint toBits(float x, uint bits) { return uint(saturate(x) * float((1u << bits) - 1u) + 0.5f); }
+SH_FUNC float fromBits(uint x, uint bits) { return float(x & ((1u << bits) - 1u)) / float((1u << bits) - 1u); }
+
+// A normal in 24 bits: 12 + 12 for encodings of two channels, 8 + 8 + 8 for three.
+SH_FUNC uint packNormal24(uint encoding, vec3 n) {
+  bool two = normalChannels(encoding) == 2u;
+  uint bits = two ? 12u : 8u;
+  float levels = float((1u << bits) - 1u);
+  vec3 e = encodeNormal(encoding, n, vec3(levels, levels, levels));
+  uint packed = toBits(e.x, bits) | (toBits(e.y, bits) << bits);
+  return two ? packed : packed | (toBits(e.z, bits) << (2u * bits));
+}
+SH_FUNC vec3 unpackNormal24(uint encoding, uint packed) {
+  bool two = normalChannels(encoding) == 2u;
+  uint bits = two ? 12u : 8u;
+  vec3 e = vec3(fromBits(packed, bits), fromBits(packed >> bits, bits), two ? 0.0f : fromBits(packed >> 16u, 8u));
+  return decodeNormal(encoding, e);
+}
+
+// Linear colour in sRGB code, 8 bits a channel.
+SH_FUNC uint packColor24(vec3 c) {
+  return toBits(srgbFromLinear(saturate(c.x)), 8u) | (toBits(srgbFromLinear(saturate(c.y)), 8u) << 8u) |
+         (toBits(srgbFromLinear(saturate(c.z)), 8u) << 16u);
+}
+SH_FUNC vec3 unpackColor24(uint packed) {
+  return vec3(linearFromSrgb(fromBits(packed, 8u)), linearFromSrgb(fromBits(packed >> 8u, 8u)),
+              linearFromSrgb(fromBits(packed >> 16u, 8u)));
+}
+
+SH_END
+
+#endif

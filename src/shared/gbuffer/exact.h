@@ -1,0 +1,53 @@
+// exact: every member of Surface in 32-bit floats. The source of the data outputs, and lit, the reference for all other
+// layouts. 116 bytes a pixel with depth.
+#ifndef LATELIGHT_SHARED_GBUFFER_EXACT_H
+#define LATELIGHT_SHARED_GBUFFER_EXACT_H
+
+#include "shared/gbuffer.h"
+
+#define GBUFFER_KEEPS_FLAGS  // unlit surfaces keep their base colour; lighting reads the flag
+#define GBUFFER_DESCRIPTION "every value in 32-bit floats: the source of data outputs and the reference for the others"
+#define GBUFFER_TARGETS(T)                                                                                  \
+  T(0, position, R32G32B32A32_SFLOAT, vec4, "xyz: world position (m); w: ambient occlusion")                  \
+  T(1, normal, R32G32B32A32_SFLOAT, vec4, "xyz: world normal; w: roughness")                                  \
+  T(2, geonormal, R32G32B32A32_SFLOAT, vec4, "xyz: the triangle's world normal; w: metallic")                 \
+  T(3, albedo, R32G32B32A32_SFLOAT, vec4, "rgb: base colour; a: reflectance at grazing angles")                \
+  T(4, f0, R32G32B32A32_SFLOAT, vec4, "rgb: dielectric reflectance at normal incidence; a: 1 where unlit")     \
+  T(5, emissive, R32G32B32A32_SFLOAT, vec4, "rgb: emitted radiance")                                          \
+  T(6, ids, R32G32B32A32_UINT, uvec4, "r: id; gb: UV set 0 as float bits")
+
+GBUFFER_BEGIN
+
+SH_FUNC GbufferTexel packGbuffer(Surface s, GbufferContext c) {
+  GbufferTexel t;
+  t.position = vec4(s.position.x, s.position.y, s.position.z, s.ao);
+  t.normal = vec4(s.normal.x, s.normal.y, s.normal.z, s.roughness);
+  t.geonormal = vec4(s.geonormal.x, s.geonormal.y, s.geonormal.z, s.metallic);
+  t.albedo = vec4(s.baseColor.x, s.baseColor.y, s.baseColor.z, s.f90);
+  t.f0 = vec4(s.f0.x, s.f0.y, s.f0.z, (s.flags & kSurfaceUnlit) != 0u ? 1.0f : 0.0f);
+  t.emissive = vec4(s.emissive.x, s.emissive.y, s.emissive.z, 0.0f);
+  t.ids = uvec4(s.id, floatBitsToUint(s.uv.x), floatBitsToUint(s.uv.y), 0u);
+  return t;
+}
+
+SH_FUNC Surface unpackGbuffer(GbufferTexel t, GbufferContext c) {
+  Surface s = emptySurface();
+  s.position = vec3(t.position.x, t.position.y, t.position.z);
+  s.ao = t.position.w;
+  s.normal = vec3(t.normal.x, t.normal.y, t.normal.z);
+  s.roughness = t.normal.w;
+  s.geonormal = vec3(t.geonormal.x, t.geonormal.y, t.geonormal.z);
+  s.metallic = t.geonormal.w;
+  s.baseColor = vec3(t.albedo.x, t.albedo.y, t.albedo.z);
+  s.f90 = t.albedo.w;
+  s.f0 = vec3(t.f0.x, t.f0.y, t.f0.z);
+  s.emissive = vec3(t.emissive.x, t.emissive.y, t.emissive.z);
+  s.id = t.ids.x;
+  s.uv = vec2(uintBitsToFloat(t.ids.y), uintBitsToFloat(t.ids.z));
+  s.flags = t.f0.w > 0.5f ? kSurfaceUnlit : 0u;
+  return s;
+}
+
+GBUFFER_END
+
+#endif

@@ -1,0 +1,48 @@
+// optimized: the optimised G-buffer of seed 000 (row 6): view-space normal in two channels, diffuse, specular and power,
+// position from depth. 16 bytes a pixel with depth.
+//
+// Its nature, kept: a specular power of eight bits, power / 255, so nothing shinier than a Blinn-Phong power of 255
+// (perceptual roughness 0.30) survives; colours of eight bits (sRGB-coded here).
+#ifndef LATELIGHT_SHARED_GBUFFER_OPTIMIZED_H
+#define LATELIGHT_SHARED_GBUFFER_OPTIMIZED_H
+
+#include "shared/brdf/blinn_phong.h"
+#include "shared/gbuffer.h"
+
+#define GBUFFER_DESCRIPTION "the optimised G-buffer: encoded view-space normal, diffuse, specular + power, position from depth"
+#define GBUFFER_TARGETS(T)                                                                     \
+  T(0, normal, NORMAL32, vec4, "encoded view-space normal (two channels of 16 bits or three of 10)") \
+  T(1, diffuse, R8G8B8A8_SRGB, vec4, "rgb: diffuse colour; a: reflectance at grazing angles")     \
+  T(2, specular, R8G8B8A8_SRGB, vec4, "rgb: specular colour; a: Blinn-Phong power / 255")
+
+GBUFFER_BEGIN
+
+SH_FUNC float normalLevels(uint encoding) { return normalChannels(encoding) == 2u ? 65535.0f : 1023.0f; }
+
+SH_FUNC GbufferTexel packGbuffer(Surface s, GbufferContext c) {
+  GbufferTexel t;
+  float levels = normalLevels(c.normalEncoding);
+  vec3 e = encodeNormal(c.normalEncoding, rotateToView(c.view, s.normal), vec3(levels, levels, levels));
+  t.normal = vec4(e.x, e.y, e.z, 0.0f);
+  vec3 diffuse = diffuseColor(s);
+  t.diffuse = vec4(diffuse.x, diffuse.y, diffuse.z, specularF90(s));
+  vec3 f0 = specularF0(s);
+  t.specular = vec4(f0.x, f0.y, f0.z, saturate(exponentFromRoughness(s.roughness) * (1.0f / 255.0f)));
+  return t;
+}
+
+SH_FUNC Surface unpackGbuffer(GbufferTexel t, GbufferContext c) {
+  Surface s = emptySurface();
+  s.position = positionFromDepth(c);
+  s.normal = rotateToWorld(c.view, decodeNormal(c.normalEncoding, vec3(t.normal.x, t.normal.y, t.normal.z)));
+  s.baseColor = vec3(t.diffuse.x, t.diffuse.y, t.diffuse.z);
+  s.f0 = vec3(t.specular.x, t.specular.y, t.specular.z);
+  s.f90 = t.diffuse.w;
+  s.roughness = roughnessFromExponent(t.specular.w * 255.0f);
+  s.ao = c.ao;
+  return s;
+}
+
+GBUFFER_END
+
+#endif
