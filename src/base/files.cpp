@@ -10,7 +10,6 @@
 #include <cstdlib>
 #include <cstring>
 #include <new>
-#include <stdexcept>
 #include <string>
 #include <system_error>
 
@@ -142,15 +141,17 @@ std::vector<std::byte> readFile(const fs::path& path) {
   if (S_ISDIR(status.st_mode)) failToRead(path, "it is a folder, not a file");
   if (!S_ISREG(status.st_mode) && !S_ISFIFO(status.st_mode)) failToRead(path, "it is not a file");
   if (S_ISFIFO(status.st_mode)) fcntl(file.get(), F_SETFL, 0);
+  // Asked for first: where memory is overcommitted, the allocation would succeed and the process be killed later.
+  const auto size = static_cast<uint64_t>(status.st_size);
+  const auto memory = static_cast<uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<uint64_t>(sysconf(_SC_PAGESIZE));
+  if (size > memory) failToRead(path, "it is larger than this machine's memory");
   try {
     std::vector<std::byte> bytes;
-    if (const int error = readAll(file.get(), static_cast<size_t>(status.st_size), bytes)) {
+    if (const int error = readAll(file.get(), size, bytes)) {
       failToRead(path, reason(error));
     }
     return bytes;
   } catch (const std::bad_alloc&) {
-    failToRead(path, "it is larger than the memory at hand");
-  } catch (const std::length_error&) {
     failToRead(path, "it is larger than the memory at hand");
   }
 }

@@ -1,0 +1,238 @@
+#include "base/files.h"
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <functional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "base/error.h"
+
+namespace latelight {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+
+std::span<const std::byte> bytesOf(std::string_view text) {
+  return std::as_bytes(std::span(text));
+}
+std::string textOf(std::span<const std::byte> bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+// The sentence of the Error that `call` throws, after its code was checked.
+std::string sentence(ExitCode code, const std::function<void()>& call) {
+  try {
+    call();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), code);
+    return error.what();
+  }
+  ADD_FAILURE() << "nothing was thrown";
+  return "";
+}
+
+class Files : public testing::Test {
+ protected:
+  Files() {
+    std::string name = (fs::temp_directory_path() / "latelight-files-XXXXXX").string();
+    folder = mkdtemp(name.data());
+  }
+  ~Files() override { fs::remove_all(folder); }
+  size_t entries() const {
+    return static_cast<size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
+  }
+  fs::path folder;
+};
+
+TEST_F(Files, ComeBackAsWritten) {
+  for (const size_t size : {0, 1, 65535, 65536, 65537, 1 << 20}) {
+    std::string text(size, '\0');
+    for (size_t i = 0; i < size; ++i) text[i] = static_cast<char>(i * 31 % 251);
+    writeFile(folder / "f", bytesOf(text));
+    EXPECT_EQ(textOf(readFile(folder / "f")), text) << size;
+  }
+  EXPECT_EQ(entries(), 1u);
+}
+
+TEST_F(Files, ReadsFilesThatDoNotStateTheirSize) {
+  EXPECT_THAT(textOf(readFile("/proc/self/status")), HasSubstr("Pid:"));
+  const fs::path pipe = folder / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  const int hold = open(pipe.c_str(), O_RDWR);  // so that the reader finds a writer
+  const std::string text(200000, 'x');
+  std::jthread writer([&] {
+    const int fd = open(pipe.c_str(), O_WRONLY);
+    close(hold);
+    EXPECT_EQ(write(fd, text.data(), text.size()), static_cast<ssize_t>(text.size()));
+    close(fd);
+  });
+  EXPECT_EQ(readFile(pipe).size(), text.size());
+}
+
+TEST_F(Files, SaysWhyAFileCannotBeRead) {
+  const fs::path missing = folder / "missing.glb";
+  EXPECT_THAT(sentence(ExitCode::BadInput, [&] { readFile(missing); }),
+              AllOf(HasSubstr(missing.string()), HasSubstr("No such file")));
+  EXPECT_THAT(sentence(ExitCode::BadInput, [&] { readFile(folder); }),
+              AllOf(HasSubstr(folder.string()), HasSubstr("folder, not a file")));
+  EXPECT_THAT(sentence(ExitCode::BadInput, [&] { readFile("/dev/zero"); }), HasSubstr("not a file"));
+}
+
+TEST_F(Files, OfMoreBytesThanMemoryAreAnError) {
+  const fs::path huge = folder / "huge";
+  std::ofstream(huge).put('x');
+  std::error_code error;
+  fs::resize_file(huge, uintmax_t{1} << 46, error);  // sparse: takes no room on disk
+  if (error) fs::resize_file(huge, (uintmax_t{1} << 44) - 4096, error);
+  if (error) GTEST_SKIP() << "this file system has no sparse files of 16 TiB";
+  EXPECT_THAT(sentence(ExitCode::BadInput, [&] { readFile(huge); }), HasSubstr("memory"));
+}
+
+TEST_F(Files, LeaveNothingWhenTheyCannotBeWritten) {
+  const fs::path nowhere = folder / "no" / "such" / "a.png";
+  EXPECT_THAT(sentence(ExitCode::Usage, [&] { writeFile(nowhere, bytesOf("x")); }),
+              AllOf(HasSubstr(nowhere.string()), HasSubstr("make its folder")));
+  EXPECT_THAT(sentence(ExitCode::Usage, [&] { writeFile(folder, bytesOf("x")); }),
+              AllOf(HasSubstr(folder.string()), HasSubstr("name of a file")));
+  EXPECT_THAT(sentence(ExitCode::Usage, [&] { writeFile("", bytesOf("x")); }), HasSubstr("without a name"));
+  EXPECT_EQ(entries(), 0u);
+}
+
+TEST_F(Files, KeepTheOldOneWhenTheDiskIsFull) {
+  writeFile(folder / "f", bytesOf("old"));
+  // A limit on file sizes stands for the full disk: the write fails half way, with the temporary file already there.
+  const pid_t child = fork();
+  if (child == 0) {
+    signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{1000, 1000};
+    setrlimit(RLIMIT_FSIZE, &limit);
+    try {
+      writeFile(folder / "f", bytesOf(std::string(5000, 'n')));
+      _exit(0);
+    } catch (const Error& error) {
+      _exit(error.code() == ExitCode::Usage ? 42 : 1);
+    }
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_EQ(WEXITSTATUS(status), 42);
+  EXPECT_EQ(textOf(readFile(folder / "f")), "old");
+  EXPECT_EQ(entries(), 1u);
+}
+
+TEST_F(Files, AppearWhole) {
+  const std::string a(300000, 'a'), b(300000, 'b');
+  writeFile(folder / "f", bytesOf(a));
+  std::atomic<bool> stop = false;
+  std::jthread writer([&] {
+    for (int i = 0; i < 100; ++i) writeFile(folder / "f", bytesOf(i % 2 ? a : b));
+    stop = true;
+  });
+  while (!stop) {
+    const std::string text = textOf(readFile(folder / "f"));
+    ASSERT_TRUE(text == a || text == b);
+  }
+}
+
+TEST_F(Files, AreWrittenThroughLinksAndIntoPipes) {
+  writeFile(folder / "target", bytesOf("old"));
+  fs::create_symlink("target", folder / "link");
+  writeFile(folder / "link", bytesOf("new"));
+  EXPECT_TRUE(fs::is_symlink(folder / "link"));
+  EXPECT_EQ(textOf(readFile(folder / "target")), "new");
+
+  writeFile("/dev/null", bytesOf("x"));
+  EXPECT_TRUE(fs::is_character_file("/dev/null"));
+}
+
+TEST_F(Files, DashIsStandardOutput) {
+  testing::internal::CaptureStdout();
+  writeFile("-", bytesOf("picture"));
+  EXPECT_EQ(testing::internal::GetCapturedStdout(), "picture");
+}
+
+TEST_F(Files, TakeLongNames) {
+  const fs::path path = folder / std::string(255, 'n');
+  writeFile(path, bytesOf("x"));
+  EXPECT_EQ(textOf(readFile(path)), "x");
+}
+
+class Cache : public Files {
+ protected:
+  Cache() {
+    unsetenv("LATELIGHT_NO_CACHE");
+    setenv("XDG_CACHE_HOME", folder.c_str(), 1);
+  }
+};
+
+TEST_F(Cache, IsWhereXdgSays) {
+  EXPECT_EQ(cacheFolder(), folder / "latelight");
+  EXPECT_TRUE(fs::is_directory(folder / "latelight"));
+  EXPECT_EQ(fs::status(folder / "latelight").permissions() & fs::perms::others_all, fs::perms::none);
+
+  setenv("XDG_CACHE_HOME", (folder / "deep" / "er").c_str(), 1);
+  EXPECT_EQ(cacheFolder(), folder / "deep" / "er" / "latelight");
+
+  setenv("XDG_CACHE_HOME", "relative", 1);
+  setenv("HOME", folder.c_str(), 1);
+  EXPECT_EQ(cacheFolder(), folder / ".cache" / "latelight");
+
+  unsetenv("HOME");
+  EXPECT_EQ(cacheFolder(), std::nullopt);
+}
+
+TEST_F(Cache, GivesBackWhatWasStored) {
+  EXPECT_EQ(loadCache("e"), std::nullopt);
+  for (const std::string text : {"", "one", "another"}) {
+    storeCache("e", bytesOf(text));
+    const auto entry = loadCache("e");
+    ASSERT_TRUE(entry);
+    EXPECT_EQ(textOf(*entry), text);
+  }
+}
+
+TEST_F(Cache, ForgetsDamagedEntries) {
+  storeCache("e", bytesOf("a pipeline cache"));
+  const fs::path path = folder / "latelight" / "e";
+  const std::vector<std::byte> good = readFile(path);
+  for (size_t i = 0; i < good.size(); ++i) {
+    std::vector<std::byte> bad = good;
+    bad[i] ^= std::byte{0x10};
+    writeFile(path, bad);
+    EXPECT_EQ(loadCache("e"), std::nullopt) << "byte " << i << " flipped";
+    writeFile(path, std::span(good).first(i));
+    EXPECT_EQ(loadCache("e"), std::nullopt) << "cut to " << i;
+  }
+}
+
+TEST_F(Cache, IsNeverRequired) {
+  setenv("LATELIGHT_NO_CACHE", "1", 1);
+  EXPECT_EQ(cacheFolder(), std::nullopt);
+  storeCache("e", bytesOf("x"));
+  EXPECT_EQ(loadCache("e"), std::nullopt);
+  EXPECT_EQ(entries(), 0u);
+
+  unsetenv("LATELIGHT_NO_CACHE");
+  setenv("XDG_CACHE_HOME", "/dev/null/nowhere", 1);
+  EXPECT_EQ(cacheFolder(), std::nullopt);
+  storeCache("e", bytesOf("x"));
+  EXPECT_EQ(loadCache("e"), std::nullopt);
+}
+
+}  // namespace
+}  // namespace latelight

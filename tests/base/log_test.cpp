@@ -1,0 +1,120 @@
+#include "base/log.h"
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <pty.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <functional>
+#include <string>
+#include <thread>
+
+namespace latelight {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+using namespace std::chrono_literals;
+
+std::string capture(const std::function<void()>& call) {
+  testing::internal::CaptureStderr();
+  call();
+  return testing::internal::GetCapturedStderr();
+}
+
+// What `call` writes on standard error when that is a terminal.
+std::string onTerminal(const std::function<void()>& call) {
+  int ours = -1, theirs = -1;
+  if (openpty(&ours, &theirs, nullptr, nullptr, nullptr) != 0) return "no terminal";
+  std::fflush(stderr);
+  const int saved = dup(STDERR_FILENO);
+  dup2(theirs, STDERR_FILENO);
+  call();
+  std::fflush(stderr);
+  dup2(saved, STDERR_FILENO);
+  std::string text;
+  char buffer[4096];
+  for (pollfd wait{ours, POLLIN, 0}; poll(&wait, 1, 50) > 0 && wait.revents & POLLIN;) {
+    const ssize_t got = read(ours, buffer, sizeof(buffer));
+    if (got <= 0) break;
+    text.append(buffer, static_cast<size_t>(got));
+  }
+  for (const int fd : {saved, ours, theirs}) close(fd);
+  return text;
+}
+
+void work(std::chrono::milliseconds time) {
+  Progress progress("loading", 100);
+  for (int i = 0; i < 50; ++i) {
+    std::this_thread::sleep_for(time / 50);
+    progress.step();
+  }
+}
+
+TEST(Warn, SaysTheSameSentenceOnce) {
+  const auto say = [] {
+    warn("a lamp is {}", "dark");
+    warn("a lamp is {}", "dark");
+    warn("another lamp is dark");
+  };
+  EXPECT_EQ(capture(say), "warning: a lamp is dark\nwarning: another lamp is dark\n");
+  EXPECT_EQ(capture(say), "");
+}
+
+TEST(Warn, IsSilentWhenQuiet) {
+  setQuiet(true);
+  EXPECT_EQ(capture([] { warn("unheard"); }), "");
+  setQuiet(false);
+  EXPECT_EQ(capture([] { warn("unheard"); }), "warning: unheard\n");
+}
+
+TEST(Warn, LetsNoControlSequenceThrough) {
+  EXPECT_EQ(capture([] { warn("node '{}'", "\x1b[2J\nx"); }), "warning: node '?[2J?x'\n");
+}
+
+TEST(Warn, IsColouredOnTerminalsUnlessNoColorIsSet) {
+  unsetenv("NO_COLOR");
+  EXPECT_THAT(onTerminal([] { warn("in colour"); }), HasSubstr("\x1b[33mwarning:"));
+  setenv("NO_COLOR", "1", 1);
+  EXPECT_THAT(onTerminal([] { warn("in black and white"); }), Not(HasSubstr("\x1b[")));
+  unsetenv("NO_COLOR");
+}
+
+TEST(Progress, IsForTerminalsOnly) {
+  EXPECT_EQ(capture([] { work(500ms); }), "");
+}
+
+TEST(Progress, KeepsQuietAboutShortWork) {
+  EXPECT_EQ(onTerminal([] { work(50ms); }), "");
+}
+
+TEST(Progress, ShowsABarAndClearsIt) {
+  const std::string text = onTerminal([] { work(600ms); });
+  EXPECT_THAT(text, HasSubstr("loading [####"));
+  EXPECT_THAT(text, HasSubstr("%"));
+  EXPECT_THAT(text, Not(HasSubstr("100%")));  // 50 of 100 steps
+  EXPECT_TRUE(text.ends_with("\r\x1b[K"));
+}
+
+TEST(Progress, IsSilentWhenQuiet) {
+  setQuiet(true);
+  EXPECT_EQ(onTerminal([] { work(500ms); }), "");
+  setQuiet(false);
+}
+
+TEST(Progress, TakesATotalOfZeroAndTooManySteps) {
+  EXPECT_EQ(onTerminal([] { Progress("nothing", 0).step(); }), "");
+  const std::string text = onTerminal([] {
+    Progress progress("more", 1);
+    std::this_thread::sleep_for(400ms);
+    progress.step(5);
+  });
+  EXPECT_THAT(text, HasSubstr("100%"));
+}
+
+}  // namespace
+}  // namespace latelight

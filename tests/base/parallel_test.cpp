@@ -1,0 +1,104 @@
+#include "base/parallel.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <mutex>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace latelight {
+namespace {
+
+// More threads than a small machine has cores, so that races have a chance; set before the pool starts.
+const int kForced = setenv("LATELIGHT_THREADS", "8", 1);
+
+TEST(Parallel, UsesTheThreadsAskedFor) {
+  ASSERT_EQ(kForced, 0);
+  EXPECT_EQ(threadCount(), 8u);
+}
+
+TEST(Parallel, CoversTheRangeOnceInChunksOfTheGrain) {
+  for (const size_t count : {0, 1, 7, 8, 9, 1000, 4096}) {
+    std::vector<std::atomic<int>> hits(count);
+    parallelFor(count, 8, [&](size_t begin, size_t end) {
+      EXPECT_EQ(begin % 8, 0u);
+      EXPECT_LT(begin, end);
+      EXPECT_LE(end - begin, 8u);
+      for (size_t i = begin; i < end; ++i) ++hits[i];
+    });
+    for (size_t i = 0; i < count; ++i) ASSERT_EQ(hits[i], 1) << i << " of " << count;
+  }
+}
+
+TEST(Parallel, TakesAGrainOfZeroAsOne) {
+  std::atomic<size_t> calls = 0;
+  parallelFor(5, 0, [&](size_t begin, size_t end) { calls += end - begin; });
+  EXPECT_EQ(calls, 5u);
+}
+
+TEST(Parallel, RunsOnSeveralThreads) {
+  std::mutex mutex;
+  std::set<std::thread::id> threads;
+  parallelFor(64, 1, [&](size_t, size_t) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    std::lock_guard lock(mutex);
+    threads.insert(std::this_thread::get_id());
+  });
+  EXPECT_GT(threads.size(), 1u);
+  EXPECT_LE(threads.size(), threadCount());
+}
+
+TEST(Parallel, Nests) {
+  std::atomic<size_t> sum = 0;
+  parallelFor(20, 1, [&](size_t, size_t) {
+    parallelFor(20, 3, [&](size_t begin, size_t end) { parallelFor(end - begin, 1, [&](size_t, size_t) { ++sum; }); });
+  });
+  EXPECT_EQ(sum, 400u);
+}
+
+TEST(Parallel, MayBeCalledFromManyThreads) {
+  std::atomic<size_t> sum = 0;
+  std::vector<std::jthread> callers;
+  for (int i = 0; i < 8; ++i) {
+    callers.emplace_back([&] {
+      for (int round = 0; round < 50; ++round) {
+        parallelFor(100, 7, [&](size_t begin, size_t end) { sum += end - begin; });
+      }
+    });
+  }
+  callers.clear();
+  EXPECT_EQ(sum, 8u * 50u * 100u);
+}
+
+TEST(Parallel, RethrowsTheFirstExceptionInOrder) {
+  for (int round = 0; round < 50; ++round) {
+    try {
+      parallelFor(1000, 1, [&](size_t begin, size_t) {
+        if (begin % 10 == 7) throw std::runtime_error(std::to_string(begin));
+      });
+      FAIL() << "nothing was thrown";
+    } catch (const std::runtime_error& error) {
+      EXPECT_STREQ(error.what(), "7");
+    }
+  }
+}
+
+TEST(Parallel, WorksAfterAnException) {
+  EXPECT_THROW(parallelFor(10, 1, [](size_t, size_t) { throw 1; }), int);
+  std::atomic<size_t> sum = 0;
+  parallelFor(10, 1, [&](size_t, size_t) { ++sum; });
+  EXPECT_EQ(sum, 10u);
+}
+
+TEST(Parallel, InBackgroundGivesTheResultAndTheException) {
+  EXPECT_EQ(inBackground([] { return 42; }).get(), 42);
+  EXPECT_THROW(inBackground([] { throw std::runtime_error("no"); }).get(), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace latelight
