@@ -1,0 +1,82 @@
+// The pictures a frame can be asked for (arbitrary output variables, AOVs): one table says what each is called, what is
+// in it, and how files hold it. docs/conventions.md and `latelight list aovs` are made from it.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace latelight::output {
+
+enum class Aov : uint8_t {
+  Color,
+  Depth,
+  Distance,
+  Normal,
+  GeoNormal,
+  Position,
+  Albedo,
+  Metallic,
+  Roughness,
+  Emissive,
+  Ao,
+  Id,
+  Uv,
+};
+inline constexpr size_t kAovCount = 13;
+
+// How an OpenEXR file stores a channel. Half: 11 bits of precision, finite values beyond 65504 are stored as 65504.
+enum class ExrType : uint8_t { Half, Float, Uint };
+
+// How a PNG file stores an AOV. Clamped means to what the coding can hold; NaN is stored as 0.
+enum class PngCoding : uint8_t {
+  None,        // not offered: the range of the values is not known beforehand
+  Display,     // 8 bit RGBA, sRGB, straight alpha, tonemapped: for looking at
+  Srgb,        // 8 bit RGB, sRGB, clamped to [0, 1]
+  Unit,        // 16 bit, [0, 1] as 0..65535, clamped
+  Signed,      // 16 bit, [-1, 1] as n * 0.5 + 0.5, clamped; background is 0, which no unit normal is
+  Millimetre,  // 16 bit grey, rounded; 65535 stands for 65.535 m and beyond, 0 for background
+  Fraction,    // 16 bit RGB: the part after the point, u - floor(u), of u and v; blue is 0
+  IdBytes,     // 8 bit RGBA: the id's bytes, R the lowest (alpha is the highest byte, not coverage)
+};
+
+struct AovInfo {
+  Aov aov;
+  std::string_view name;                        // as in --aov and in file names
+  uint32_t channels;                            // values a pixel
+  std::array<std::string_view, 4> exrChannels;  // names in an OpenEXR file, the first `channels` of them
+  ExrType exr;
+  PngCoding png;
+  float background;              // every channel of a pixel where nothing is drawn (and no background is asked for)
+  std::string_view unit;         // "m", "1", ...
+  std::string_view description;  // one line
+};
+
+// In the order of the enum.
+std::span<const AovInfo> aovs();
+const AovInfo& info(Aov aov);
+
+// "depth,normal,id" in that order, without repeats. Throws Error(Usage) that names what there is.
+std::vector<Aov> parseAovs(std::string_view list);
+
+// One AOV of one view. Rows from the top, channels interleaved.
+struct AovImage {
+  Aov aov = Aov::Color;
+  uint32_t width = 0, height = 0;
+  std::vector<float> values;  // width * height * channels; empty for Aov::Id
+  std::vector<uint32_t> ids;  // width * height; only for Aov::Id
+};
+
+// All values are background.
+AovImage makeAovImage(Aov aov, uint32_t width, uint32_t height);
+
+// RGBA, 8 bits a channel, sRGB, straight alpha, rows from the top: pictures for people.
+struct Picture {
+  uint32_t width = 0, height = 0;
+  std::vector<uint8_t> rgba;
+};
+
+}  // namespace latelight::output

@@ -1,0 +1,45 @@
+// How far two pictures are apart.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+
+#include "output/aov.h"
+#include "output/read.h"
+
+namespace latelight::output {
+
+struct CompareOptions {
+  // A value is beyond tolerance if |a - b| > tolerance * max(1, |a|, |b|): absolute for PNG, whose values are in [0,
+  // 1], relative for large floats. Unset: one level for 8 and 16 bit channels (1/255, 1/65535), 1e-4 for floats, 0 for
+  // integers (ids are equal or not). Where the two files' types differ, the larger.
+  std::optional<double> tolerance;
+  // Names of the channels to compare; empty: all, and both pictures must have the same.
+  std::vector<std::string> channels;
+};
+
+struct Comparison {
+  // Of |a - b| over all compared values; where neither is finite and they are equal (or both NaN) it is 0, where they
+  // differ it is infinite: `maximum` is then infinite, mean and PSNR leave such values out and `unlike` counts them.
+  double maximum = 0;
+  double mean = 0;
+  // Decibels: 10 log10(peak^2 / mean square); peak is 1 for 8 and 16 bit channels, else the largest finite magnitude in
+  // the first picture. Infinite where there is no difference.
+  double psnr = 0;
+  uint64_t pixels = 0;  // in a picture
+  uint64_t beyond = 0;  // pixels with a value beyond tolerance
+  uint64_t unlike = 0;  // values that are infinite or NaN in one picture only, or differently so
+  uint32_t worstX = 0, worstY = 0;
+  std::string worstChannel;  // where `maximum` is
+  double share() const { return pixels ? static_cast<double>(beyond) / static_cast<double>(pixels) : 0; }
+};
+
+// Throws Error(BadInput) where sizes or channels differ, Error(Usage) for a channel that neither has.
+Comparison compare(const ReadImage& a, const ReadImage& b, const CompareOptions& options = {});
+
+// For each pixel the largest difference of a channel, in units of the tolerance: black none, grey up to white at the
+// tolerance, and from yellow to red at 100 times the tolerance beyond it.
+Picture differencePicture(const ReadImage& a, const ReadImage& b, const CompareOptions& options = {});
+
+}  // namespace latelight::output

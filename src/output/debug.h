@@ -1,0 +1,26 @@
+// AOVs made visible, and the contact sheet that shows them side by side.
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "output/aov.h"
+
+namespace latelight::output {
+
+// What the picture shows, by AOV: depth and distance in a perceptually even colour map over the range present, near is
+// bright; normals as n * 0.5 + 0.5; positions as a grid in world space (decimetres to hectometres, whatever suits the
+// extent); ids in distinct colours that are the same in every picture; uv as coloured squares, ten a unit; albedo and
+// emissive as sRGB; colour clamped; scalars as grey. Background is a dark neutral. Opaque.
+Picture debugPicture(const AovImage& image);
+
+struct Labelled {
+  std::string label;  // ASCII
+  Picture picture;
+};
+
+// Pictures in reading order, each scaled down (averaged in linear light) to at most cellWidth pixels wide, its label
+// under it. Throws Error(Usage) if there is no picture.
+Picture contactSheet(std::span<const Labelled> pictures, uint32_t columns = 4, uint32_t cellWidth = 480);
+
+}  // namespace latelight::output

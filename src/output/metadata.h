@@ -1,0 +1,64 @@
+// What a reader of the files has to know besides the pixels, and the JSON side file that says it.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/mat4x4.hpp>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "output/aov.h"
+
+namespace latelight::output {
+
+struct CameraMetadata {
+  std::string name;
+  // A point (x, y, z) of the camera frame is seen at pixel ((K row 0).p / w, (K row 1).p / w), w = (K row 2).p; for an
+  // orthographic camera K multiplies (x, y, 1) instead. Row-major, pixels. Pixel centres are at half-integers: that of
+  // the first pixel, top left, is (0.5, 0.5), so a centred principal point is (width / 2, height / 2).
+  std::array<double, 9> intrinsics{1, 0, 0, 0, 1, 0, 0, 0, 1};
+  glm::dmat4 cameraToWorld{1};  // column vectors; of the camera frame that `convention` names
+  // "opencv": X right, Y down, Z forward. "opengl": X right, Y up, Z backward.
+  std::string convention = "opencv";
+  bool orthographic = false;
+  double nearClip = 0, farClip = 0;  // metres; farClip may be +inf
+};
+
+struct DeviceMetadata {
+  std::string name, driver, uuid;
+};
+
+// One entry of the id manifest.
+struct IdEntry {
+  uint32_t id = 0;
+  std::string node;  // the node's path
+  std::string mesh, material;
+};
+
+struct Metadata {
+  std::string scene;   // the scene's name: {scene}
+  std::string source;  // what the user named
+  uint32_t frame = 0;  // {frame}, written with four digits
+  CameraMetadata camera;
+  // The frame that positions and poses are in: "gltf" (X right, Y up, Z towards the viewer) or "z-up".
+  std::string axes = "gltf";
+  // The frame that `normal` and `geonormal` are in: "world" (that of `axes`), "opencv" or "opengl".
+  std::string normalFrame = "world";
+  float exposure = 1;  // linear factor that colour was multiplied by
+  DeviceMetadata device;
+  std::map<std::string, std::string> versions;  // program, API, ...
+  std::map<std::string, std::string> settings;  // what the picture depends on, as on the command line
+  std::vector<IdEntry> ids;                     // any order
+};
+
+// The id manifest as JSON: {"<id>": {"node": ..., "mesh": ..., "material": ...}, ...}, ids ascending, in decimal.
+std::string idManifest(const Metadata& metadata);
+
+// The whole side file as JSON text. The same input gives the same bytes. `files` are the names of what was written, one
+// an AOV, relative to the side file.
+std::string sideFile(const Metadata& metadata, uint32_t width, uint32_t height, std::span<const Aov> aovs,
+                     std::span<const std::string> files);
+
+}  // namespace latelight::output
