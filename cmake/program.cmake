@@ -1,9 +1,33 @@
 # The program `latelight` and the library `latelight` (public headers in include/latelight, nothing else exported).
 find_package(CLI11 REQUIRED)
 get_property(modules GLOBAL PROPERTY LATELIGHT_MODULES)
+set_property(SOURCE ${PROJECT_SOURCE_DIR}/src/render/api.cpp APPEND PROPERTY
+  COMPILE_DEFINITIONS LATELIGHT_VERSION="${PROJECT_VERSION}")
 
 file(GLOB app_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/app/*.cpp)
 add_executable(latelight_program ${app_sources})
 set_target_properties(latelight_program PROPERTIES OUTPUT_NAME latelight RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})
 target_link_libraries(latelight_program PRIVATE latelight_render CLI11::CLI11)
 target_compile_definitions(latelight_program PRIVATE LATELIGHT_VERSION="${PROJECT_VERSION}")
+
+# The library holds every module whole, since nothing inside it refers to the API's functions. Its target is not named
+# `latelight` because that is the program's path in the build folder.
+file(GLOB public_headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/include/latelight/*.h)
+list(JOIN modules "," joined_modules)
+set(exports ${PROJECT_SOURCE_DIR}/cmake/exports.map)
+add_library(latelight_library SHARED)
+add_library(latelight::latelight ALIAS latelight_library)
+set_target_properties(latelight_library PROPERTIES
+  OUTPUT_NAME latelight EXPORT_NAME latelight LINKER_LANGUAGE CXX LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}
+  VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
+  LINK_LIBRARY_OVERRIDE "WHOLE_ARCHIVE,${joined_modules}" LINK_DEPENDS ${exports})
+target_link_libraries(latelight_library PRIVATE ${modules})
+target_link_options(latelight_library PRIVATE LINKER:--version-script=${exports})
+if(NOT LATELIGHT_SANITIZE)  # a sanitizer's functions come from the program
+  target_link_options(latelight_library PRIVATE LINKER:--no-undefined)
+endif()
+target_sources(latelight_library PUBLIC
+  FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR}/include FILES ${public_headers})
+target_compile_features(latelight_library PUBLIC cxx_std_20)
+
+include(cmake/install.cmake)
