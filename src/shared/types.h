@@ -126,7 +126,7 @@ static_assert(sizeof(latelight::shared::VertexExtra) == 24);
 static_assert(sizeof(latelight::shared::Mesh) == 40);
 static_assert(sizeof(latelight::shared::Instance) == 64);
 static_assert(sizeof(latelight::shared::TextureTransform) == 28);
-static_assert(sizeof(latelight::shared::Material) == 80 + 7 * 28);
+static_assert(sizeof(latelight::shared::Material) == 76 + 7 * 28);
 static_assert(sizeof(latelight::shared::Light) == 52);
 static_assert(sizeof(latelight::shared::View) == 144);
 #endif
