@@ -23,7 +23,8 @@ class DescriptorPool {
  public:
   explicit DescriptorPool(Device& device);
   ~DescriptorPool();
-  VkDescriptorSet make(VkDescriptorSetLayout layout, std::span<const Binding> bindings, std::span<const BoundImage> images);
+  VkDescriptorSet make(VkDescriptorSetLayout layout, std::span<const Binding> bindings,
+                       std::span<const BoundImage> images);
   void reset();
 
  private:

@@ -18,13 +18,13 @@ class Allocator;
 
 // What `latelight devices` and the JSON side file say of a device.
 struct DeviceInfo {
-  uint32_t index = 0;       // in the order the loader lists them
-  std::string name;         // VkPhysicalDeviceProperties::deviceName
-  std::string uuid;         // 32 hex digits
-  std::string type;         // "cpu", "discrete", "integrated", "virtual", "other"
-  std::string driver;       // name and version in words
-  std::string apiVersion;   // "1.3.230"
-  uint64_t memory = 0;      // bytes of device-local heaps
+  uint32_t index = 0;                // in the order the loader lists them
+  std::string name;                  // VkPhysicalDeviceProperties::deviceName
+  std::string uuid;                  // 32 hex digits
+  std::string type;                  // "cpu", "discrete", "integrated", "virtual", "other"
+  std::string driver;                // name and version in words
+  std::string apiVersion;            // "1.3.230"
+  uint64_t memory = 0;               // bytes of device-local heaps
   std::vector<std::string> missing;  // what Latelight needs and it lacks, in plain words; empty: usable
 };
 
@@ -62,6 +62,7 @@ class Device {
   const DeviceInfo& info() const { return info_; }
   const VkPhysicalDeviceProperties& properties() const { return properties_; }
   bool isCpu() const { return properties_.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU; }
+  VkDeviceSize maxBufferSize() const { return maxBufferSize_; }  // bytes
   bool has(const char* extension) const;  // enabled: all of kOptionalExtensions that the device offers are
 
   // Records, submits and waits. The one way work reaches the queue.
@@ -89,6 +90,7 @@ class Device {
   uint32_t queueFamily_ = 0;
   VkPipelineCache pipelineCache_ = VK_NULL_HANDLE;
   VkPhysicalDeviceProperties properties_{};
+  VkDeviceSize maxBufferSize_ = 0;
   DeviceInfo info_;
   std::unique_ptr<Allocator> allocator_;
 };

@@ -28,7 +28,6 @@ class BlockRanges {
   uint64_t largestFree() const;
 
  private:
-  uint64_t size_;
   std::map<uint64_t, uint64_t> free_;  // offset -> size
   std::map<uint64_t, uint64_t> used_;  // offset -> size
 };
@@ -63,7 +62,11 @@ class Allocator {
 
  private:
   struct Block;
+  Allocation take(Block& block, const VkMemoryRequirements& needs);  // memory is null where it has no room
+  Block& addBlock(VkDeviceSize size, uint32_t type, bool linear, bool dedicated);
+  [[noreturn]] void failFull(VkDeviceSize size, VkDeviceSize heap) const;
   Device& device_;
+  VkPhysicalDeviceMemoryProperties properties_{};
   mutable std::mutex mutex_;
   std::vector<std::unique_ptr<Block>> blocks_;
 };

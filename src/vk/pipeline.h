@@ -43,6 +43,7 @@ struct ComputeDesc {
   std::vector<Binding> bindings;
   std::vector<Constant> constants;
   std::string name;
+  std::vector<uint32_t> code;  // SPIR-V words to take instead of an embedded shader
 };
 Pipeline makePipeline(Device& device, const ComputeDesc& desc);
 

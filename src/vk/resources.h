@@ -15,7 +15,7 @@
 namespace latelight::vk {
 
 struct BufferDesc {
-  VkDeviceSize size = 0;  // bytes; 0 is taken as 16
+  VkDeviceSize size = 0;                                          // bytes; 0 is taken as 16
   VkBufferUsageFlags usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;  // device address and transfer are always added
   MemoryKind kind = MemoryKind::Device;
   std::string name;
@@ -52,8 +52,8 @@ class Buffer {
 struct ImageDesc {
   VkFormat format = VK_FORMAT_UNDEFINED;
   uint32_t width = 1, height = 1;
-  uint32_t layers = 1;   // array layers: one a view for a frame's targets
-  uint32_t levels = 1;   // mip levels
+  uint32_t layers = 1;  // array layers: one a view for a frame's targets
+  uint32_t levels = 1;  // mip levels
   uint32_t samples = 1;
   VkImageUsageFlags usage = 0;
   std::string name;
@@ -71,9 +71,9 @@ class Image {
   VkImage get() const { return image_; }
   const ImageDesc& desc() const { return desc_; }
   VkImageAspectFlags aspect() const;
-  VkImageView arrayView() const { return arrayView_; }               // 2D_ARRAY, all layers and levels
-  VkImageView layerView(uint32_t layer) const;                       // 2D, one layer, level 0: attachments, textures
-  VkImageView view() const { return layerView(0); }                  // 2D, layer 0, all levels where layers == 1
+  VkImageView arrayView() const { return arrayView_; }  // 2D_ARRAY, all layers and levels
+  VkImageView layerView(uint32_t layer) const;          // 2D, one layer, level 0: attachments, textures
+  VkImageView view() const { return layerView(0); }     // 2D, layer 0, all levels where layers == 1
   explicit operator bool() const { return image_ != VK_NULL_HANDLE; }
 
  private:
@@ -92,9 +92,12 @@ struct SamplerDesc {
   float maxLod = VK_LOD_CLAMP_NONE;
   bool operator==(const SamplerDesc&) const = default;
 };
+// For texelFetch, which needs a sampler bound and ignores it.
+inline constexpr SamplerDesc kNearestSampler{VK_FILTER_NEAREST, VK_FILTER_NEAREST, VK_SAMPLER_MIPMAP_MODE_NEAREST};
 Handle<VkSampler> makeSampler(Device& device, const SamplerDesc& desc);
 
-// Copies of host data to the device, gathered and submitted together. flush() (or the destructor) submits and waits.
+// Copies of host data to the device, gathered and submitted together. The data is copied before upload() returns,
+// through 16 MiB of staging memory. flush() (or the destructor, which turns an error into a warning) submits and waits.
 // Host-visible destinations (CPU devices) are written directly. Images end in VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL.
 class Uploader {
  public:
@@ -107,13 +110,15 @@ class Uploader {
 
  private:
   struct Copy;
+  // Room for `size` bytes at a multiple of `alignment` in the staging buffer; flushes first where it is full.
+  VkDeviceSize stage(std::span<const std::byte> data, VkDeviceSize alignment);
   Device& device_;
   std::vector<Copy> copies_;
-  std::vector<Buffer> staging_;
-  VkDeviceSize pending_ = 0;
+  Buffer staging_;
+  VkDeviceSize pending_ = 0;  // bytes of staging_ in use
 };
 
-// Bytes a texel of an uncompressed colour or depth format.
+// Bytes a texel of an uncompressed colour or depth format, as buffers hold it; of D24S8 and D32S8 the depth alone.
 uint32_t texelBytes(VkFormat format);
 const char* formatName(VkFormat format);  // "R8G8B8A8_SRGB"
 bool isDepth(VkFormat format);

@@ -1,0 +1,160 @@
+// Which devices there are, and which one a selector means.
+#include <algorithm>
+#include <array>
+#include <cctype>
+
+#include "base/error.h"
+#include "vk/features.h"
+#include "vk/instance.h"
+
+namespace latelight::vk {
+
+namespace {
+
+const char* typeName(VkPhysicalDeviceType type) {
+  switch (type) {
+    case VK_PHYSICAL_DEVICE_TYPE_CPU:
+      return "cpu";
+    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
+      return "discrete";
+    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
+      return "integrated";
+    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
+      return "virtual";
+    default:
+      return "other";
+  }
+}
+
+std::string versionName(uint32_t version) {
+  return fmt::format("{}.{}.{}", VK_API_VERSION_MAJOR(version), VK_API_VERSION_MINOR(version),
+                     VK_API_VERSION_PATCH(version));
+}
+
+std::string hex(const uint8_t (&bytes)[VK_UUID_SIZE]) {
+  std::string text;
+  for (uint8_t byte : bytes) text += fmt::format("{:02x}", byte);
+  return text;
+}
+
+std::string lower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+  return text;
+}
+
+std::vector<std::string> findMissing(VkPhysicalDevice device, uint32_t apiVersion) {
+  if (apiVersion < VK_API_VERSION_1_3) return {fmt::format("Vulkan 1.3 (it has {})", versionName(apiVersion))};
+  std::vector<std::string> missing;
+  if (findQueueFamily(device) == ~0u) missing.push_back("a queue for graphics and compute");
+  Features features;
+  vkGetPhysicalDeviceFeatures2(device, &features.core);
+  for (const Feature& feature : requiredFeatures())
+    if (!feature.of(features)) missing.push_back(fmt::format("{} ({})", feature.words, feature.name));
+  return missing;
+}
+
+std::string join(const std::vector<std::string>& parts) {
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+std::string listNames(const std::vector<DeviceInfo>& devices) {
+  std::vector<std::string> names;
+  for (const DeviceInfo& device : devices) names.push_back(fmt::format("{}: {}", device.index, device.name));
+  return join(names);
+}
+
+DeviceChoice choose(const DeviceInfo& device, std::string why) {
+  if (!device.missing.empty())
+    fail(ExitCode::NoDevice, "The device {} can't be used, it lacks {}: choose another (see `latelight devices`).",
+         device.name, join(device.missing));
+  return {device, std::move(why)};
+}
+
+DeviceChoice chooseAutomatically(const std::vector<DeviceInfo>& devices) {
+  for (const char* type : {"discrete", "integrated", "virtual", "cpu"})
+    for (const DeviceInfo& device : devices)
+      if (device.type == type && device.missing.empty())
+        return {device, fmt::format("{} is the first usable device in the order discrete, integrated, virtual, cpu",
+                                    device.name)};
+  fail(ExitCode::NoDevice, "No device can be used ({} lacks {}): run `latelight doctor`.", devices[0].name,
+       devices[0].missing.empty() ? "a known device type" : join(devices[0].missing));
+}
+
+// The device whose number, UUID or name this is, and why; null: none.
+std::pair<const DeviceInfo*, std::string> find(const std::vector<DeviceInfo>& devices, const std::string& selector) {
+  const bool digits = !selector.empty() && selector.size() < 9 &&
+                      std::all_of(selector.begin(), selector.end(), [](unsigned char c) { return std::isdigit(c); });
+  if (digits)
+    for (const DeviceInfo& device : devices)
+      if (device.index == std::stoul(selector)) return {&device, fmt::format("it is device number {}", selector)};
+  std::string uuid = lower(selector);
+  std::erase(uuid, '-');
+  for (const DeviceInfo& device : devices)
+    if (device.uuid == uuid) return {&device, "it has that UUID"};
+  for (const DeviceInfo& device : devices)
+    if (!selector.empty() && lower(device.name).find(lower(selector)) != std::string::npos)
+      return {&device, fmt::format("it is the first device with \"{}\" in its name", selector)};
+  return {nullptr, ""};
+}
+
+}  // namespace
+
+uint32_t findQueueFamily(VkPhysicalDevice device) {
+  uint32_t count = 0;
+  vkGetPhysicalDeviceQueueFamilyProperties(device, &count, nullptr);
+  std::vector<VkQueueFamilyProperties> families(count);
+  vkGetPhysicalDeviceQueueFamilyProperties(device, &count, families.data());
+  constexpr VkQueueFlags kNeeded = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
+  for (uint32_t i = 0; i < count; ++i)
+    if ((families[i].queueFlags & kNeeded) == kNeeded) return i;
+  return ~0u;
+}
+
+DeviceInfo describe(VkPhysicalDevice device, uint32_t index) {
+  VkPhysicalDeviceDriverProperties driver{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
+  VkPhysicalDeviceIDProperties id{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ID_PROPERTIES, &driver};
+  VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &id};
+  vkGetPhysicalDeviceProperties2(device, &properties);
+  VkPhysicalDeviceMemoryProperties memory;
+  vkGetPhysicalDeviceMemoryProperties(device, &memory);
+
+  DeviceInfo info;
+  info.index = index;
+  info.name = properties.properties.deviceName;
+  info.uuid = hex(id.deviceUUID);
+  info.type = typeName(properties.properties.deviceType);
+  info.driver = fmt::format("{} {}", driver.driverName, driver.driverInfo);
+  info.apiVersion = versionName(properties.properties.apiVersion);
+  for (uint32_t i = 0; i < memory.memoryHeapCount; ++i)
+    if (memory.memoryHeaps[i].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT) info.memory += memory.memoryHeaps[i].size;
+  info.missing = findMissing(device, properties.properties.apiVersion);
+  return info;
+}
+
+std::vector<DeviceInfo> listDevices() {
+  Instance instance(false);
+  std::vector<DeviceInfo> list;
+  for (VkPhysicalDevice device : instance.devices())
+    list.push_back(describe(device, static_cast<uint32_t>(list.size())));
+  return list;
+}
+
+DeviceChoice chooseDevice(const std::vector<DeviceInfo>& devices, const std::string& selector) {
+  if (devices.empty())
+    fail(ExitCode::NoDevice, "There is no Vulkan device: run `latelight doctor` for what is missing.");
+  if (selector == "auto") return chooseAutomatically(devices);
+  if (selector == "cpu") {
+    for (const DeviceInfo& device : devices)
+      if (device.type == "cpu")
+        return choose(device, fmt::format("{} is the device that runs on the CPU", device.name));
+    fail(ExitCode::NoDevice, "No device runs on the CPU (there is {}): install mesa-vulkan-drivers.",
+         listNames(devices));
+  }
+  auto [device, why] = find(devices, selector);
+  if (!device)
+    fail(ExitCode::NoDevice, "No device is called \"{}\": choose auto, cpu, or one of {}.", selector,
+         listNames(devices));
+  return choose(*device, fmt::format("{} was asked for: {}", device->name, why));
+}
+
+}  // namespace latelight::vk

@@ -1,0 +1,96 @@
+#include "vk/commands.h"
+
+#include <algorithm>
+#include <cassert>
+
+namespace latelight::vk {
+
+namespace {
+
+constexpr uint32_t kSetsInPool = 256;
+// Images of one kind in a pool: a pass binds up to eight or so.
+constexpr uint32_t kImagesInPool = 1024;
+
+VkDescriptorPool makePool(Device& device, uint32_t images) {
+  const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, images},
+                                        {VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, images}};
+  VkDescriptorPoolCreateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
+  info.maxSets = kSetsInPool;
+  info.poolSizeCount = std::size(sizes);
+  info.pPoolSizes = sizes;
+  VkDescriptorPool pool = VK_NULL_HANDLE;
+  VK_CHECK(vkCreateDescriptorPool(device.get(), &info, nullptr, &pool));
+  return pool;
+}
+
+void write(Device& device, VkDescriptorSet set, std::span<const Binding> bindings, std::span<const BoundImage> images) {
+  std::vector<VkDescriptorImageInfo> infos(images.size());
+  std::vector<VkWriteDescriptorSet> writes(images.size(), {VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET});
+  for (size_t i = 0; i < images.size(); ++i) {
+    const bool sampled = bindings[i] == Binding::Sampled;
+    infos[i] = {images[i].sampler, images[i].view,
+                sampled ? VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL : VK_IMAGE_LAYOUT_GENERAL};
+    writes[i].dstSet = set;
+    writes[i].dstBinding = static_cast<uint32_t>(i);
+    writes[i].descriptorCount = 1;
+    writes[i].descriptorType = sampled ? VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER : VK_DESCRIPTOR_TYPE_STORAGE_IMAGE;
+    writes[i].pImageInfo = &infos[i];
+  }
+  vkUpdateDescriptorSets(device.get(), static_cast<uint32_t>(writes.size()), writes.data(), 0, nullptr);
+}
+
+}  // namespace
+
+DescriptorPool::DescriptorPool(Device& device) : device_(device) {}
+
+DescriptorPool::~DescriptorPool() {
+  for (VkDescriptorPool pool : pools_) Handle<VkDescriptorPool>(device_, pool);
+}
+
+VkDescriptorSet DescriptorPool::make(VkDescriptorSetLayout layout, std::span<const Binding> bindings,
+                                     std::span<const BoundImage> images) {
+  assert(bindings.size() == images.size());
+  VkDescriptorSetAllocateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
+  info.descriptorSetCount = 1;
+  info.pSetLayouts = &layout;
+  for (VkDescriptorSet set = VK_NULL_HANDLE;;) {
+    const bool fresh = current_ == pools_.size();
+    if (fresh) pools_.push_back(makePool(device_, std::max(kImagesInPool, static_cast<uint32_t>(images.size()))));
+    info.descriptorPool = pools_[current_];
+    const VkResult result = vkAllocateDescriptorSets(device_.get(), &info, &set);
+    const bool full = result == VK_ERROR_OUT_OF_POOL_MEMORY || result == VK_ERROR_FRAGMENTED_POOL;
+    if (full && !fresh) {
+      ++current_;
+      continue;
+    }
+    VK_CHECK(result);
+    write(device_, set, bindings, images);
+    return set;
+  }
+}
+
+void DescriptorPool::reset() {
+  for (VkDescriptorPool pool : pools_) VK_CHECK(vkResetDescriptorPool(device_.get(), pool, 0));
+  current_ = 0;
+}
+
+void Commands::bind(const Pipeline& pipeline, std::span<const BoundImage> images, std::span<const std::byte> push) {
+  vkCmdBindPipeline(commands_, pipeline.point, pipeline.pipeline.get());
+  if (!images.empty()) {
+    const VkDescriptorSet set = pool_.make(pipeline.set0.get(), pipeline.bindings, images);
+    vkCmdBindDescriptorSets(commands_, pipeline.point, pipeline.layout.get(), 0, 1, &set, 0, nullptr);
+  }
+  if (!push.empty())
+    vkCmdPushConstants(commands_, pipeline.layout.get(), VK_SHADER_STAGE_ALL, 0, static_cast<uint32_t>(push.size()),
+                       push.data());
+}
+
+void Commands::bindMaterial(const Pipeline& pipeline, VkDescriptorSet set) {
+  vkCmdBindDescriptorSets(commands_, pipeline.point, pipeline.layout.get(), 1, 1, &set, 0, nullptr);
+}
+
+void Commands::dispatch(uint32_t width, uint32_t height, uint32_t layers, uint32_t groupX, uint32_t groupY) {
+  vkCmdDispatch(commands_, (width + groupX - 1) / groupX, (height + groupY - 1) / groupY, layers);
+}
+
+}  // namespace latelight::vk

@@ -1,0 +1,32 @@
+// What Latelight asks of a device, as data: device creation, `devices` and `doctor` read the same tables.
+#pragma once
+
+#include <volk.h>
+
+#include <span>
+
+namespace latelight::vk {
+
+// Vulkan 1.3's feature structures, chained. Neither copied nor moved: the chain points into it.
+struct Features {
+  VkPhysicalDeviceFeatures2 core{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2};
+  VkPhysicalDeviceVulkan11Features v11{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_FEATURES};
+  VkPhysicalDeviceVulkan12Features v12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
+  VkPhysicalDeviceVulkan13Features v13{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
+  Features();
+  Features(const Features&) = delete;
+  Features& operator=(const Features&) = delete;
+};
+
+struct Feature {
+  const char* name;   // Vulkan's
+  const char* words;  // what it is, for a user
+  VkBool32& (*of)(Features&);
+};
+
+std::span<const Feature> requiredFeatures();
+std::span<const Feature> optionalFeatures();  // enabled where the device has them
+
+inline constexpr const char* kOptionalExtensions[] = {VK_EXT_MEMORY_BUDGET_EXTENSION_NAME};
+
+}  // namespace latelight::vk

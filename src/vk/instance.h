@@ -1,0 +1,45 @@
+// A Vulkan instance, what it lists, and what the validation layers say through it.
+#pragma once
+
+#include <volk.h>
+
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "vk/device.h"
+
+namespace latelight::vk {
+
+class Instance {
+ public:
+  // Throws Error(NoDevice) where there is no loader, no driver, or no validation layer when one is asked for.
+  explicit Instance(bool validation);
+  ~Instance();
+  Instance(const Instance&) = delete;
+  Instance& operator=(const Instance&) = delete;
+
+  VkInstance get() const { return instance_; }
+  bool debugUtils() const { return debugUtils_; }  // VK_EXT_debug_utils is enabled
+  std::vector<VkPhysicalDevice> devices() const;   // in the loader's order
+  std::vector<std::string> takeMessages();
+
+ private:
+  static VKAPI_ATTR VkBool32 VKAPI_CALL hear(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
+                                             const VkDebugUtilsMessengerCallbackDataEXT*, void*);
+  VkResult create(bool validation, bool debugUtils);
+
+  VkInstance instance_ = VK_NULL_HANDLE;
+  VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
+  bool debugUtils_ = false;
+  std::mutex mutex_;
+  std::vector<std::string> messages_;
+};
+
+// All that `devices` says of a device.
+DeviceInfo describe(VkPhysicalDevice device, uint32_t index);
+
+// A queue family for graphics and compute, or ~0u.
+uint32_t findQueueFamily(VkPhysicalDevice device);
+
+}  // namespace latelight::vk

@@ -1,0 +1,154 @@
+#include "vk/memory.h"
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "vk/device.h"
+
+namespace latelight::vk {
+
+struct Allocator::Block {
+  VkDeviceMemory memory = VK_NULL_HANDLE;
+  VkDeviceSize size = 0;
+  uint32_t type = 0;
+  bool linear = false;
+  bool dedicated = false;
+  std::byte* mapped = nullptr;
+  BlockRanges ranges{0};
+  uint64_t allocations = 0;
+};
+
+namespace {
+
+// A share of the block above which a resource has an allocation of its own: what would be left over is waste.
+constexpr VkDeviceSize kLargestShared = Allocator::kBlockSize / 4;
+
+struct Wish {
+  VkMemoryPropertyFlags needed, liked;
+};
+
+Wish wishFor(MemoryKind kind, bool cpuDevice) {
+  constexpr VkMemoryPropertyFlags kHost = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+  switch (kind) {
+    case MemoryKind::Upload:
+      return {kHost, 0};
+    case MemoryKind::Readback:
+      return {kHost, VK_MEMORY_PROPERTY_HOST_CACHED_BIT};
+    default:
+      return {0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT | (cpuDevice ? kHost : 0)};
+  }
+}
+
+// The first type with all that is needed and most of what is liked; drivers list the faster ones first. ~0u: none.
+uint32_t findType(const VkPhysicalDeviceMemoryProperties& memory, uint32_t allowed, Wish wish) {
+  uint32_t best = ~0u;
+  int bestScore = -1;
+  for (uint32_t i = 0; i < memory.memoryTypeCount; ++i) {
+    const VkMemoryPropertyFlags flags = memory.memoryTypes[i].propertyFlags;
+    if (!(allowed >> i & 1) || (flags & wish.needed) != wish.needed) continue;
+    const int score = __builtin_popcount(flags & wish.liked);
+    if (score <= bestScore) continue;
+    best = i;
+    bestScore = score;
+  }
+  return best;
+}
+
+double mebibytes(VkDeviceSize bytes) {
+  return static_cast<double>(bytes) / (1 << 20);
+}
+
+}  // namespace
+
+Allocator::Allocator(Device& device) : device_(device) {
+  vkGetPhysicalDeviceMemoryProperties(device.physical(), &properties_);
+}
+
+Allocator::~Allocator() {
+  for (const auto& block : blocks_) vkFreeMemory(device_.get(), block->memory, nullptr);
+}
+
+Allocation Allocator::allocate(const VkMemoryRequirements& needs, MemoryKind kind, bool linear, bool dedicated) {
+  const uint32_t type = findType(properties_, needs.memoryTypeBits, wishFor(kind, device_.isCpu()));
+  if (type == ~0u)
+    fail(ExitCode::Internal, "No memory type suits a resource (allowed types {:#x}).", needs.memoryTypeBits);
+  std::lock_guard lock(mutex_);
+  dedicated = dedicated || needs.size > kLargestShared;
+  if (!dedicated)
+    for (const auto& block : blocks_)
+      if (!block->dedicated && block->type == type && block->linear == linear)
+        if (Allocation found = take(*block, needs); found.memory) return found;
+  Block& block = addBlock(dedicated ? needs.size : kBlockSize, type, linear, dedicated);
+  return take(block, needs);
+}
+
+Allocation Allocator::take(Block& block, const VkMemoryRequirements& needs) {
+  const uint64_t offset = block.ranges.allocate(needs.size, needs.alignment);
+  if (offset == BlockRanges::kNone) return {};
+  ++block.allocations;
+  return {block.memory, offset, needs.size, block.mapped ? block.mapped + offset : nullptr, &block};
+}
+
+Allocator::Block& Allocator::addBlock(VkDeviceSize size, uint32_t type, bool linear, bool dedicated) {
+  auto block = std::make_unique<Block>();
+  block->size = size;
+  block->type = type;
+  block->linear = linear;
+  block->dedicated = dedicated;
+  block->ranges = BlockRanges(size);
+  VkMemoryAllocateFlagsInfo flags{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO};
+  flags.flags = linear ? VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT : 0;
+  VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, &flags};
+  info.allocationSize = size;
+  info.memoryTypeIndex = type;
+  const VkMemoryType& memoryType = properties_.memoryTypes[type];
+  const VkDeviceSize heap = properties_.memoryHeaps[memoryType.heapIndex].size;
+  const VkResult result =
+      size > heap ? VK_ERROR_OUT_OF_DEVICE_MEMORY : vkAllocateMemory(device_.get(), &info, nullptr, &block->memory);
+  if (result == VK_ERROR_OUT_OF_DEVICE_MEMORY || result == VK_ERROR_OUT_OF_HOST_MEMORY) failFull(size, heap);
+  VK_CHECK(result);
+  blocks_.push_back(std::move(block));
+  Block& added = *blocks_.back();
+  if (memoryType.propertyFlags & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT)
+    VK_CHECK(vkMapMemory(device_.get(), added.memory, 0, VK_WHOLE_SIZE, 0, reinterpret_cast<void**>(&added.mapped)));
+  return added;
+}
+
+void Allocator::failFull(VkDeviceSize size, VkDeviceSize heap) const {
+  VkDeviceSize reserved = 0;
+  for (const auto& block : blocks_) reserved += block->size;
+  fail(ExitCode::DeviceLost,
+       "{} has no room for {:.1f} MiB more: its heap has {:.0f} MiB, {:.0f} MiB are taken; use a smaller picture or "
+       "scene.",
+       device_.info().name, mebibytes(size), mebibytes(heap), mebibytes(reserved));
+}
+
+void Allocator::release(const Allocation& allocation) {
+  std::lock_guard lock(mutex_);
+  Block& block = *static_cast<Block*>(allocation.block);
+  block.ranges.release(allocation.offset);
+  --block.allocations;
+  if (block.allocations > 0) return;
+  // One empty block of a kind is kept, so that a lone resource made and freed in turn does not cost an allocation.
+  const auto isSpare = [&](const auto& other) {
+    return other.get() != &block && !other->dedicated && other->type == block.type && other->linear == block.linear &&
+           other->allocations == 0;
+  };
+  if (!block.dedicated && std::none_of(blocks_.begin(), blocks_.end(), isSpare)) return;
+  vkFreeMemory(device_.get(), block.memory, nullptr);
+  std::erase_if(blocks_, [&](const auto& other) { return other.get() == &block; });
+}
+
+Allocator::Statistics Allocator::statistics() const {
+  std::lock_guard lock(mutex_);
+  Statistics total;
+  for (const auto& block : blocks_) {
+    ++total.blocks;
+    total.allocations += block->allocations;
+    total.reservedBytes += block->size;
+    total.usedBytes += block->size - block->ranges.freeBytes();
+  }
+  return total;
+}
+
+}  // namespace latelight::vk

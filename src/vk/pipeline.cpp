@@ -1,0 +1,205 @@
+#include "vk/pipeline.h"
+
+#include <cstddef>
+#include <optional>
+
+#include "base/error.h"
+
+namespace latelight::vk {
+
+// The shaders' assembly file, embedded in this module: words from `symbol` to `symbolEnd`.
+#define SHADER(symbol, name)          \
+  extern "C" const uint32_t symbol[]; \
+  extern "C" const uint32_t symbol##End[];
+#include "shaders.inc"
+#undef SHADER
+
+namespace {
+
+struct EmbeddedShader {
+  const char* name;
+  const uint32_t* begin;
+  const uint32_t* end;
+};
+
+constexpr EmbeddedShader kShaders[] = {
+#define SHADER(symbol, name) {name, symbol, symbol##End},
+#include "shaders.inc"
+#undef SHADER
+    {nullptr, nullptr, nullptr},
+};
+
+// Makes one stage, its specialization constants included. Neither copied nor moved: `info` points into it.
+class Stage {
+ public:
+  Stage(Device& device, VkShaderStageFlagBits stage, std::span<const uint32_t> code,
+        std::span<const Constant> constants);
+  Stage(const Stage&) = delete;
+  Stage& operator=(const Stage&) = delete;
+  const VkPipelineShaderStageCreateInfo& info() const { return info_; }
+
+ private:
+  Handle<VkShaderModule> module_;
+  std::vector<VkSpecializationMapEntry> entries_;
+  VkSpecializationInfo specialization_{};
+  VkPipelineShaderStageCreateInfo info_{VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO};
+};
+
+Stage::Stage(Device& device, VkShaderStageFlagBits stage, std::span<const uint32_t> code,
+             std::span<const Constant> constants) {
+  VkShaderModuleCreateInfo create{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
+  create.codeSize = code.size_bytes();
+  create.pCode = code.data();
+  VkShaderModule module = VK_NULL_HANDLE;
+  VK_CHECK(vkCreateShaderModule(device.get(), &create, nullptr, &module));
+  module_ = Handle<VkShaderModule>(device, module);
+  for (size_t i = 0; i < constants.size(); ++i)
+    entries_.push_back({constants[i].id, static_cast<uint32_t>(i * sizeof(Constant) + offsetof(Constant, value)), 4});
+  specialization_.mapEntryCount = static_cast<uint32_t>(entries_.size());
+  specialization_.pMapEntries = entries_.data();
+  specialization_.dataSize = constants.size_bytes();
+  specialization_.pData = constants.data();
+  info_.stage = stage;
+  info_.module = module;
+  info_.pName = "main";
+  info_.pSpecializationInfo = &specialization_;
+}
+
+Pipeline makeLayout(Device& device, std::span<const Binding> bindings, VkDescriptorSetLayout materialSet) {
+  Pipeline made;
+  made.bindings.assign(bindings.begin(), bindings.end());
+  made.set0 = makeSetLayout(device, bindings);
+  const VkDescriptorSetLayout sets[] = {made.set0.get(), materialSet};
+  const VkPushConstantRange push{VK_SHADER_STAGE_ALL, 0, 128};
+  VkPipelineLayoutCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
+  info.setLayoutCount = materialSet ? 2 : 1;
+  info.pSetLayouts = sets;
+  info.pushConstantRangeCount = 1;
+  info.pPushConstantRanges = &push;
+  VkPipelineLayout layout = VK_NULL_HANDLE;
+  VK_CHECK(vkCreatePipelineLayout(device.get(), &info, nullptr, &layout));
+  made.layout = Handle<VkPipelineLayout>(device, layout);
+  return made;
+}
+
+void finish(Device& device, Pipeline& made, VkPipeline pipeline, VkPipelineBindPoint point, const std::string& name) {
+  made.pipeline = Handle<VkPipeline>(device, pipeline);
+  made.point = point;
+  device.setName(VK_OBJECT_TYPE_PIPELINE, reinterpret_cast<uint64_t>(pipeline), name.c_str());
+}
+
+// All of a graphics pipeline's fixed state. Neither copied nor moved: `info` points into it.
+struct FixedState {
+  explicit FixedState(const GraphicsDesc& desc);
+  FixedState(const FixedState&) = delete;
+  FixedState& operator=(const FixedState&) = delete;
+
+  std::vector<VkPipelineColorBlendAttachmentState> targets;
+  VkPipelineRenderingCreateInfo rendering{VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO};
+  VkPipelineVertexInputStateCreateInfo vertices{VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
+  VkPipelineInputAssemblyStateCreateInfo assembly{VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO};
+  VkPipelineViewportStateCreateInfo viewport{VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO};
+  VkPipelineRasterizationStateCreateInfo raster{VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO};
+  VkPipelineMultisampleStateCreateInfo samples{VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO};
+  VkPipelineDepthStencilStateCreateInfo depth{VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO};
+  VkPipelineColorBlendStateCreateInfo blend{VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO};
+  VkPipelineDynamicStateCreateInfo dynamic{VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO};
+  VkGraphicsPipelineCreateInfo info{VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO};
+};
+
+constexpr VkDynamicState kDynamic[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR, VK_DYNAMIC_STATE_CULL_MODE,
+                                       VK_DYNAMIC_STATE_FRONT_FACE};
+
+FixedState::FixedState(const GraphicsDesc& desc) {
+  VkPipelineColorBlendAttachmentState target{};
+  target.colorWriteMask =
+      VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT;
+  targets.assign(desc.colors.size(), target);
+  rendering.colorAttachmentCount = static_cast<uint32_t>(desc.colors.size());
+  rendering.pColorAttachmentFormats = desc.colors.data();
+  rendering.depthAttachmentFormat = desc.depth;
+  assembly.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
+  viewport.viewportCount = 1;
+  viewport.scissorCount = 1;
+  raster.polygonMode = VK_POLYGON_MODE_FILL;
+  raster.cullMode = desc.cull;
+  raster.lineWidth = 1.0f;
+  samples.rasterizationSamples = VK_SAMPLE_COUNT_1_BIT;
+  depth.depthTestEnable = desc.depth != VK_FORMAT_UNDEFINED;
+  depth.depthWriteEnable = depth.depthTestEnable && desc.depthWrite;
+  depth.depthCompareOp = desc.depthCompare;
+  blend.attachmentCount = static_cast<uint32_t>(targets.size());
+  blend.pAttachments = targets.data();
+  dynamic.dynamicStateCount = std::size(kDynamic);
+  dynamic.pDynamicStates = kDynamic;
+  info.pNext = &rendering;
+  info.pVertexInputState = &vertices;
+  info.pInputAssemblyState = &assembly;
+  info.pViewportState = &viewport;
+  info.pRasterizationState = &raster;
+  info.pMultisampleState = &samples;
+  info.pDepthStencilState = &depth;
+  info.pColorBlendState = &blend;
+  info.pDynamicState = &dynamic;
+}
+
+}  // namespace
+
+std::span<const uint32_t> shaderCode(std::string_view name) {
+  for (const EmbeddedShader& shader : kShaders)
+    if (shader.name && shader.name == name) return {shader.begin, shader.end};
+  fail(ExitCode::Internal, "No shader called {} is embedded.", name);
+}
+
+Handle<VkDescriptorSetLayout> makeSetLayout(Device& device, std::span<const Binding> bindings) {
+  std::vector<VkDescriptorSetLayoutBinding> slots;
+  for (Binding binding : bindings) {
+    VkDescriptorSetLayoutBinding slot{};
+    slot.binding = static_cast<uint32_t>(slots.size());
+    slot.descriptorType =
+        binding == Binding::Sampled ? VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER : VK_DESCRIPTOR_TYPE_STORAGE_IMAGE;
+    slot.descriptorCount = 1;
+    slot.stageFlags = VK_SHADER_STAGE_ALL;
+    slots.push_back(slot);
+  }
+  VkDescriptorSetLayoutCreateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
+  info.bindingCount = static_cast<uint32_t>(slots.size());
+  info.pBindings = slots.data();
+  VkDescriptorSetLayout layout = VK_NULL_HANDLE;
+  VK_CHECK(vkCreateDescriptorSetLayout(device.get(), &info, nullptr, &layout));
+  return Handle<VkDescriptorSetLayout>(device, layout);
+}
+
+Pipeline makePipeline(Device& device, const ComputeDesc& desc) {
+  Pipeline made = makeLayout(device, desc.bindings, VK_NULL_HANDLE);
+  const Stage stage(device, VK_SHADER_STAGE_COMPUTE_BIT,
+                    desc.code.empty() ? shaderCode(desc.shader) : std::span<const uint32_t>(desc.code), desc.constants);
+  VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
+  info.stage = stage.info();
+  info.layout = made.layout.get();
+  VkPipeline pipeline = VK_NULL_HANDLE;
+  VK_CHECK(vkCreateComputePipelines(device.get(), device.pipelineCache(), 1, &info, nullptr, &pipeline));
+  finish(device, made, pipeline, VK_PIPELINE_BIND_POINT_COMPUTE, desc.name);
+  return made;
+}
+
+Pipeline makePipeline(Device& device, const GraphicsDesc& desc) {
+  Pipeline made = makeLayout(device, desc.bindings, desc.materialSet);
+  const Stage vertex(device, VK_SHADER_STAGE_VERTEX_BIT, shaderCode(desc.vertex), desc.constants);
+  std::vector<VkPipelineShaderStageCreateInfo> stages{vertex.info()};
+  std::optional<Stage> fragment;
+  if (!desc.fragment.empty()) {
+    fragment.emplace(device, VK_SHADER_STAGE_FRAGMENT_BIT, shaderCode(desc.fragment), desc.constants);
+    stages.push_back(fragment->info());
+  }
+  FixedState state(desc);
+  state.info.stageCount = static_cast<uint32_t>(stages.size());
+  state.info.pStages = stages.data();
+  state.info.layout = made.layout.get();
+  VkPipeline pipeline = VK_NULL_HANDLE;
+  VK_CHECK(vkCreateGraphicsPipelines(device.get(), device.pipelineCache(), 1, &state.info, nullptr, &pipeline));
+  finish(device, made, pipeline, VK_PIPELINE_BIND_POINT_GRAPHICS, desc.name);
+  return made;
+}
+
+}  // namespace latelight::vk

@@ -1,0 +1,188 @@
+#include "vk/resources.h"
+
+#include <algorithm>
+#include <cassert>
+
+#include "base/error.h"
+
+namespace latelight::vk {
+
+namespace {
+
+template <typename T>
+uint64_t number(T object) {
+  return reinterpret_cast<uint64_t>(object);
+}
+
+constexpr VkImageUsageFlags kAttachment =
+    VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT;
+
+bool hasStencil(VkFormat format) {
+  return format == VK_FORMAT_D24_UNORM_S8_UINT || format == VK_FORMAT_D32_SFLOAT_S8_UINT;
+}
+
+VkImageView makeView(Device& device, VkImage image, const ImageDesc& desc, VkImageViewType type, uint32_t firstLayer,
+                     uint32_t layers, uint32_t levels) {
+  VkImageViewCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
+  info.image = image;
+  info.viewType = type;
+  info.format = desc.format;
+  // Samplers read one aspect; an attachment has both whatever its view says.
+  const VkImageAspectFlags aspect = isDepth(desc.format) ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
+  info.subresourceRange = {aspect, 0, levels, firstLayer, layers};
+  VkImageView view = VK_NULL_HANDLE;
+  VK_CHECK(vkCreateImageView(device.get(), &info, nullptr, &view));
+  device.setName(VK_OBJECT_TYPE_IMAGE_VIEW, number(view), desc.name.c_str());
+  return view;
+}
+
+VkImageCreateInfo imageInfo(const ImageDesc& desc) {
+  VkImageCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO};
+  info.imageType = VK_IMAGE_TYPE_2D;
+  info.format = desc.format;
+  info.extent = {desc.width, desc.height, 1};
+  info.mipLevels = desc.levels;
+  info.arrayLayers = desc.layers;
+  info.samples = static_cast<VkSampleCountFlagBits>(desc.samples);
+  info.tiling = VK_IMAGE_TILING_OPTIMAL;
+  info.usage = desc.usage;
+  return info;
+}
+
+// A picture of a size that the device has not is the user's to change: say so before the driver crashes on it.
+void checkSize(Device& device, const ImageDesc& desc) {
+  const VkPhysicalDeviceLimits& limits = device.properties().limits;
+  const uint32_t most = limits.maxImageDimension2D;
+  if (desc.width > most || desc.height > most || desc.layers > limits.maxImageArrayLayers)
+    fail(ExitCode::Usage, "An image of {}x{} with {} layers ({}) is too large for {}: it allows {}x{} with {} layers.",
+         desc.width, desc.height, desc.layers, desc.name, device.info().name, most, most, limits.maxImageArrayLayers);
+  VkImageFormatProperties properties;
+  const VkResult result = vkGetPhysicalDeviceImageFormatProperties(device.physical(), desc.format, VK_IMAGE_TYPE_2D,
+                                                                   VK_IMAGE_TILING_OPTIMAL, desc.usage, 0, &properties);
+  if (result != VK_SUCCESS || !(properties.sampleCounts & desc.samples))
+    fail(ExitCode::NoDevice, "{} has no {} images with {} samples for usage {:#x} ({}): choose another device.",
+         device.info().name, formatName(desc.format), desc.samples, desc.usage, desc.name);
+}
+
+}  // namespace
+
+Buffer::Buffer(Device& device, const BufferDesc& desc) : device_(&device), desc_(desc) {
+  if (desc_.size == 0) desc_.size = 16;
+  desc_.usage |=
+      VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+  VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
+  info.size = desc_.size;
+  info.usage = desc_.usage;
+  if (info.size > device.maxBufferSize())
+    fail(ExitCode::DeviceLost, "A buffer of {} bytes ({}) is too large for {}, which allows {}: use a smaller scene.",
+         info.size, desc_.name, device.info().name, device.maxBufferSize());
+  VK_CHECK(vkCreateBuffer(device.get(), &info, nullptr, &buffer_));
+  VkMemoryRequirements needs;
+  vkGetBufferMemoryRequirements(device.get(), buffer_, &needs);
+  try {
+    allocation_ = device.memory().allocate(needs, desc_.kind, true, false);
+  } catch (...) {
+    vkDestroyBuffer(device.get(), buffer_, nullptr);
+    throw;
+  }
+  VK_CHECK(vkBindBufferMemory(device.get(), buffer_, allocation_.memory, allocation_.offset));
+  VkBufferDeviceAddressInfo address{VK_STRUCTURE_TYPE_BUFFER_DEVICE_ADDRESS_INFO};
+  address.buffer = buffer_;
+  address_ = vkGetBufferDeviceAddress(device.get(), &address);
+  device.setName(VK_OBJECT_TYPE_BUFFER, number(buffer_), desc_.name.c_str());
+}
+
+Buffer::Buffer(Buffer&& other) noexcept {
+  *this = std::move(other);
+}
+
+Buffer& Buffer::operator=(Buffer&& other) noexcept {
+  std::swap(device_, other.device_);
+  std::swap(desc_, other.desc_);
+  std::swap(buffer_, other.buffer_);
+  std::swap(address_, other.address_);
+  std::swap(allocation_, other.allocation_);
+  return *this;
+}
+
+Buffer::~Buffer() {
+  if (!buffer_) return;
+  device_->bury([device = device_, buffer = buffer_, allocation = allocation_] {
+    vkDestroyBuffer(device->get(), buffer, nullptr);
+    device->memory().release(allocation);
+  });
+}
+
+Image::Image(Device& device, const ImageDesc& desc) : device_(&device), desc_(desc) {
+  checkSize(device, desc_);
+  const VkImageCreateInfo info = imageInfo(desc_);
+  VK_CHECK(vkCreateImage(device.get(), &info, nullptr, &image_));
+  VkMemoryRequirements needs;
+  vkGetImageMemoryRequirements(device.get(), image_, &needs);
+  try {
+    allocation_ = device.memory().allocate(needs, MemoryKind::Device, false, (desc_.usage & kAttachment) != 0);
+  } catch (...) {
+    vkDestroyImage(device.get(), image_, nullptr);
+    throw;
+  }
+  VK_CHECK(vkBindImageMemory(device.get(), image_, allocation_.memory, allocation_.offset));
+  device.setName(VK_OBJECT_TYPE_IMAGE, number(image_), desc_.name.c_str());
+
+  constexpr VkImageUsageFlags kViewed = kAttachment | VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_STORAGE_BIT;
+  if (!(desc_.usage & kViewed)) return;
+  arrayView_ = makeView(device, image_, desc_, VK_IMAGE_VIEW_TYPE_2D_ARRAY, 0, desc_.layers, desc_.levels);
+  // An attachment's view has one level; a texture's has them all.
+  const uint32_t levels = desc_.layers == 1 && !(desc_.usage & kAttachment) ? desc_.levels : 1;
+  for (uint32_t layer = 0; layer < desc_.layers; ++layer)
+    layerViews_.push_back(makeView(device, image_, desc_, VK_IMAGE_VIEW_TYPE_2D, layer, 1, levels));
+}
+
+Image::Image(Image&& other) noexcept {
+  *this = std::move(other);
+}
+
+Image& Image::operator=(Image&& other) noexcept {
+  std::swap(device_, other.device_);
+  std::swap(desc_, other.desc_);
+  std::swap(image_, other.image_);
+  std::swap(arrayView_, other.arrayView_);
+  std::swap(layerViews_, other.layerViews_);
+  std::swap(allocation_, other.allocation_);
+  return *this;
+}
+
+Image::~Image() {
+  if (!image_) return;
+  layerViews_.push_back(arrayView_);
+  device_->bury([device = device_, image = image_, views = std::move(layerViews_), allocation = allocation_] {
+    for (VkImageView view : views) vkDestroyImageView(device->get(), view, nullptr);
+    vkDestroyImage(device->get(), image, nullptr);
+    device->memory().release(allocation);
+  });
+}
+
+VkImageAspectFlags Image::aspect() const {
+  if (!isDepth(desc_.format)) return VK_IMAGE_ASPECT_COLOR_BIT;
+  return VK_IMAGE_ASPECT_DEPTH_BIT | (hasStencil(desc_.format) ? VK_IMAGE_ASPECT_STENCIL_BIT : 0);
+}
+
+VkImageView Image::layerView(uint32_t layer) const {
+  assert(layer < layerViews_.size());
+  return layerViews_[layer];
+}
+
+Handle<VkSampler> makeSampler(Device& device, const SamplerDesc& desc) {
+  VkSamplerCreateInfo info{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
+  info.magFilter = desc.magnify;
+  info.minFilter = desc.minify;
+  info.mipmapMode = desc.mip;
+  info.addressModeU = desc.wrapU;
+  info.addressModeV = desc.wrapV;
+  info.addressModeW = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
+  info.maxLod = desc.maxLod;
+  VkSampler sampler = VK_NULL_HANDLE;
+  VK_CHECK(vkCreateSampler(device.get(), &info, nullptr, &sampler));
+  return Handle<VkSampler>(device, sampler);
+}
+
+}  // namespace latelight::vk

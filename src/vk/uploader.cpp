@@ -1,0 +1,161 @@
+#include <algorithm>
+#include <cassert>
+#include <cstring>
+
+#include "base/error.h"
+#include "base/log.h"
+#include "base/parallel.h"
+#include "vk/resources.h"
+
+namespace latelight::vk {
+
+namespace {
+
+// Large enough that submissions cost little beside the copies, small enough to stay in a CPU device's cache.
+constexpr VkDeviceSize kStagingBytes = VkDeviceSize{16} << 20;
+// A thread's share of a copy; below it, waking another thread costs more than it saves.
+constexpr size_t kGrain = size_t{2} << 20;
+
+void copyOnAllCores(std::byte* to, const std::byte* from, size_t bytes) {
+  if (bytes <= kGrain) {
+    if (bytes > 0) std::memcpy(to, from, bytes);
+    return;
+  }
+  parallelFor(bytes, kGrain, [&](size_t begin, size_t end) { std::memcpy(to + begin, from + begin, end - begin); });
+}
+
+VkImageMemoryBarrier2 transition(const Image& image, VkImageLayout from, VkImageLayout to) {
+  const bool first = from == VK_IMAGE_LAYOUT_UNDEFINED;
+  VkImageMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
+  barrier.srcStageMask = first ? VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT : VK_PIPELINE_STAGE_2_COPY_BIT;
+  barrier.srcAccessMask = first ? 0 : VK_ACCESS_2_TRANSFER_WRITE_BIT;
+  barrier.dstStageMask = first ? VK_PIPELINE_STAGE_2_COPY_BIT : VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+  barrier.dstAccessMask = first ? VK_ACCESS_2_TRANSFER_WRITE_BIT : VK_ACCESS_2_SHADER_READ_BIT;
+  barrier.oldLayout = from;
+  barrier.newLayout = to;
+  barrier.image = image.get();
+  barrier.subresourceRange = {image.aspect(), 0, VK_REMAINING_MIP_LEVELS, 0, VK_REMAINING_ARRAY_LAYERS};
+  return barrier;
+}
+
+void recordBarriers(VkCommandBuffer commands, const std::vector<VkImageMemoryBarrier2>& barriers) {
+  if (barriers.empty()) return;
+  VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+  info.imageMemoryBarrierCount = static_cast<uint32_t>(barriers.size());
+  info.pImageMemoryBarriers = barriers.data();
+  vkCmdPipelineBarrier2(commands, &info);
+}
+
+}  // namespace
+
+// From the staging buffer into a buffer or into rows of one level of an image. A large image is several copies, and
+// these may be in several submissions: the first and the last change its layout.
+struct Uploader::Copy {
+  VkDeviceSize from = 0;
+  VkBuffer buffer = VK_NULL_HANDLE;
+  VkDeviceSize to = 0, size = 0;
+  VkImage image = VK_NULL_HANDLE;
+  VkBufferImageCopy region{};
+  std::vector<VkImageMemoryBarrier2> before, after;
+};
+
+Uploader::Uploader(Device& device) : device_(device) {}
+
+Uploader::~Uploader() {
+  try {
+    flush();
+  } catch (const std::exception& error) {
+    warn("An upload failed: {}", error.what());
+  }
+}
+
+VkDeviceSize Uploader::stage(std::span<const std::byte> data, VkDeviceSize alignment) {
+  assert(data.size() <= kStagingBytes);
+  VkDeviceSize offset = (pending_ + alignment - 1) / alignment * alignment;
+  if (offset + data.size() > kStagingBytes) {
+    flush();
+    offset = 0;
+  }
+  if (!staging_)
+    staging_ = Buffer(device_, {kStagingBytes, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, MemoryKind::Upload, "staging"});
+  copyOnAllCores(staging_.mapped() + offset, data.data(), data.size());
+  pending_ = offset + data.size();
+  return offset;
+}
+
+void Uploader::upload(const Buffer& to, std::span<const std::byte> data, VkDeviceSize offset) {
+  assert(offset + data.size() <= to.size());
+  if (to.mapped()) return copyOnAllCores(to.mapped() + offset, data.data(), data.size());
+  // Copies of one submission run in any order: what is written twice is written by two.
+  const auto overlaps = [&](const Copy& copy) {
+    return copy.buffer == to.get() && offset < copy.to + copy.size && copy.to < offset + data.size();
+  };
+  if (std::any_of(copies_.begin(), copies_.end(), overlaps)) flush();
+  while (!data.empty()) {
+    const std::span piece = data.first(std::min<size_t>(data.size(), kStagingBytes));
+    Copy copy;
+    copy.from = stage(piece, 16);
+    copy.buffer = to.get();
+    copy.to = offset;
+    copy.size = piece.size();
+    copies_.push_back(std::move(copy));
+    offset += piece.size();
+    data = data.subspan(piece.size());
+  }
+}
+
+void Uploader::upload(const Image& to, std::span<const std::byte> data) {
+  const ImageDesc& desc = to.desc();
+  const size_t texel = texelBytes(desc.format);
+  if (std::any_of(copies_.begin(), copies_.end(), [&](const Copy& copy) { return copy.image == to.get(); })) flush();
+  bool first = true;
+  for (uint32_t level = 0; level < desc.levels; ++level) {
+    const uint32_t width = std::max(desc.width >> level, 1u), height = std::max(desc.height >> level, 1u);
+    const size_t rowBytes = width * texel;
+    const uint32_t most = static_cast<uint32_t>(std::max<size_t>(kStagingBytes / rowBytes, 1));
+    for (uint32_t row = 0; row < height; row += most) {
+      const uint32_t rows = std::min(most, height - row);
+      assert(rows * rowBytes <= data.size());
+      Copy copy;
+      // Offsets are multiples of four and of the texel.
+      copy.from = stage(data.first(rows * rowBytes), 4 * texel);
+      copy.image = to.get();
+      copy.region.bufferOffset = copy.from;
+      copy.region.imageSubresource = {isDepth(desc.format) ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT,
+                                      level, 0, 1};
+      copy.region.imageOffset = {0, static_cast<int32_t>(row), 0};
+      copy.region.imageExtent = {width, rows, 1};
+      if (std::exchange(first, false))
+        copy.before = {transition(to, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL)};
+      if (level + 1 == desc.levels && row + rows == height)
+        copy.after = {transition(to, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL)};
+      copies_.push_back(std::move(copy));
+      data = data.subspan(rows * rowBytes);
+    }
+  }
+  assert(data.empty());
+}
+
+void Uploader::flush() {
+  if (copies_.empty()) return;
+  const std::vector<Copy> copies = std::exchange(copies_, {});
+  pending_ = 0;
+  device_.submit([&](VkCommandBuffer commands) {
+    std::vector<VkImageMemoryBarrier2> before, after;
+    for (const Copy& copy : copies) {
+      before.insert(before.end(), copy.before.begin(), copy.before.end());
+      after.insert(after.end(), copy.after.begin(), copy.after.end());
+    }
+    recordBarriers(commands, before);
+    for (const Copy& copy : copies) {
+      const VkBufferCopy region{copy.from, copy.to, copy.size};
+      if (copy.buffer) vkCmdCopyBuffer(commands, staging_.get(), copy.buffer, 1, &region);
+      if (copy.image)
+        vkCmdCopyBufferToImage(commands, staging_.get(), copy.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1,
+                               &copy.region);
+    }
+    recordBarriers(commands, after);
+  });
+}
+
+}  // namespace latelight::vk
