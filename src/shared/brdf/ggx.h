@@ -1,0 +1,59 @@
+// GGX microfacet reflection: D, V, F of the glTF 2.0 specification, appendix B. All cosines clamped to (0, 1].
+#ifndef LATELIGHT_SHARED_BRDF_GGX_H
+#define LATELIGHT_SHARED_BRDF_GGX_H
+
+#include "shared/lang.h"
+
+SH_BEGIN
+
+// Smallest alpha: perceptual roughness 1/32. A punctual light has no size, so a smoother lobe would be a highlight
+// smaller than a pixel; and with D's peak at 1 / (pi alpha^2) = 3.3e5 rounding errors of unit float vectors (1e-7) stay
+// below 1e-3 of the lobe.
+SH_CONST float kGgxMinAlpha = 1.0f / 1024.0f;
+
+// alpha of a perceptual roughness (Burley 2012, Physically-Based Shading at Disney).
+SH_FUNC float ggxAlpha(float roughness) {
+  return max(roughness * roughness, kGgxMinAlpha);
+}
+
+// Trowbridge-Reitz distribution (Walter et al. 2007, equation 33), 1/sr. `nh` is n.h and `sin2` |n x h|^2: the usual
+// 1 + (n.h)^2 (alpha^2 - 1) loses all digits in float32 where n.h is near 1, which is where a smooth lobe lives.
+SH_FUNC float ggxDistribution(float nh, float sin2, float alpha) {
+  float a2 = alpha * alpha;
+  float d = nh * nh * a2 + sin2;
+  return a2 * kInvPi / (d * d);
+}
+
+// Smith masking and shadowing, separable (Walter et al. 2007, equation 34), over 4 n.l n.v: the form that appendix B
+// gives.
+SH_FUNC float ggxVisibility(float nl, float nv, float alpha) {
+  float a2 = alpha * alpha;
+  float l = nl + sqrt(a2 + (1.0f - a2) * nl * nl);
+  float v = nv + sqrt(a2 + (1.0f - a2) * nv * nv);
+  return 1.0f / (l * v);
+}
+
+// Smith masking and shadowing, height-correlated (Heitz 2014, equation 99), over 4 n.l n.v: nearer to the truth where
+// light and eye see the same side, up to twice the separable form at grazing angles. For the environment's tables.
+SH_FUNC float ggxVisibilityCorrelated(float nl, float nv, float alpha) {
+  float a2 = alpha * alpha;
+  float l = nv * sqrt(a2 + (1.0f - a2) * nl * nl);
+  float v = nl * sqrt(a2 + (1.0f - a2) * nv * nv);
+  return 0.5f / (l + v);
+}
+
+// Schlick 1994: weight of the grazing reflectance at v.h.
+SH_FUNC float schlickWeight(float vh) {
+  float x = saturate(1.0f - vh);
+  float x2 = x * x;
+  return x2 * x2 * x;
+}
+
+// Reflectance between f0 at normal and f90 at grazing incidence.
+SH_FUNC vec3 schlick(vec3 f0, float f90, float vh) {
+  return f0 + (vec3(f90, f90, f90) - f0) * schlickWeight(vh);
+}
+
+SH_END
+
+#endif
