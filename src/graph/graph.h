@@ -35,26 +35,29 @@ struct BufferId {
   bool operator==(const BufferId&) const = default;
 };
 
-// How a pass uses a resource. One table in graph.cpp gives each its stages, access and image layout.
+// How a pass uses a resource, all of it: every layer, level and byte. One table in use.cpp gives each its stages,
+// access and image layout (and vk::Image usage: callers that create() an image leave `usage` 0). A pass that draws or
+// computes one layer or part of many, with others' results in the rest, must say that it keeps them:
+// ...Load, StorageReadWrite.
 enum class Use : uint8_t {
-  ColorAttachment,         // cleared or overwritten: what was there before is not needed
-  ColorAttachmentLoad,     // read and written: blending, drawing over
-  DepthAttachment,         // cleared or overwritten
-  DepthAttachmentLoad,     // tested and written over what is there
-  DepthTest,               // tested, not written
+  ColorAttachment,      // cleared or overwritten: what was there before is not needed
+  ColorAttachmentLoad,  // read and written: blending, drawing over
+  DepthAttachment,      // cleared or overwritten
+  DepthAttachmentLoad,  // tested and written over what is there
+  DepthTest,            // tested, not written: store operation NONE
   SampledFragment,
   SampledCompute,
-  StorageRead,             // compute
-  StorageWrite,            // compute: overwritten whole
-  StorageReadWrite,        // compute
-  VertexRead,              // buffers read by address in vertex or fragment shaders
+  StorageRead,       // compute
+  StorageWrite,      // compute: overwritten whole
+  StorageReadWrite,  // compute
+  VertexRead,        // buffers read by address in vertex or fragment shaders
   IndirectRead,
   CopySource,
-  CopyTarget,
-  HostRead,                // after the frame, by the host
+  CopyTarget,  // copies, fills, clears; may be of a part: what was there before stays
+  HostRead,    // after the frame, by the host
 };
 bool writes(Use use);
-bool reads(Use use);  // needs what was there before
+bool reads(Use use);  // needs what was there before, or leaves a part of it
 
 struct Access {
   Access(ImageId image, Use use) : image(image), use(use) {}
@@ -71,6 +74,7 @@ class Context {
  public:
   vk::Commands& commands() { return *commands_; }
   VkCommandBuffer get() const { return commands_->get(); }
+  // Of a resource that the pass, or another that runs, declared.
   const vk::Image& image(ImageId id) const;
   const vk::Buffer& buffer(BufferId id) const;
 
@@ -84,7 +88,7 @@ class Context {
 using Record = std::function<void(Context&)>;
 
 struct Barrier {
-  ImageId image;    // exactly one of image and buffer is set
+  ImageId image;  // exactly one of image and buffer is set
   BufferId buffer;
   VkPipelineStageFlags2 sourceStage = 0, targetStage = 0;
   VkAccessFlags2 sourceAccess = 0, targetAccess = 0;
@@ -104,18 +108,21 @@ struct Plan {
 
 class Graph {
  public:
-  ImageId create(const vk::ImageDesc& desc);    // transient: lives in the executor's pool, contents undefined at first
+  ImageId create(const vk::ImageDesc& desc);  // transient: lives in the executor's pool, contents undefined at first
   BufferId create(const vk::BufferDesc& desc);
-  // Resources from outside. `before`: how they were used last, or nothing if their contents don't matter.
+  // Resources from outside. `before`: how they were used last, or nothing if their contents don't matter (images) or
+  // came from the host (buffers). Those that are not exported go back to `before` if a pass changed that.
   ImageId import(const vk::Image& image, std::optional<Use> before);
   BufferId import(const vk::Buffer& buffer, std::optional<Use> before);
 
+  // Several uses of one image in one pass must share a layout, else Error(Internal).
   void pass(std::string_view name, std::vector<Access> accesses, Record record);
 
   // The resource is needed after the frame, for `use`.
   void exports(ImageId image, Use use);
   void exports(BufferId buffer, Use use);
 
+  // Throws Error(Internal) where a pass or an export reads what nothing wrote.
   Plan compile() const;
 
   // Graphviz: passes as boxes (culled ones dashed), resources as ellipses with format and size.
@@ -143,7 +150,8 @@ class Graph {
     const vk::Buffer* imported = nullptr;
     std::optional<Use> before, exported;
   };
-  std::vector<bool> alive() const;  // one a pass
+  void require(const Access& access);  // checks that the use fits, and adds the usage flags it takes
+  std::vector<bool> alive() const;     // one a pass
   std::vector<Pass> passes_;
   std::vector<ImageNode> images_;
   std::vector<BufferNode> buffers_;
@@ -159,16 +167,17 @@ class Executor {
  public:
   explicit Executor(vk::Device& device);
   ~Executor();
-  // Records the plan with a debug label and two timestamps a pass, submits, and waits.
+  // Records the plan with a debug label and two timestamps a pass, submits, and waits. What a pass throws is rethrown.
   void run(const Graph& graph, const Plan& plan);
   // Of the last run: GPU milliseconds a pass, in order. Empty where the device has no timestamps.
   const std::vector<PassTime>& times() const { return times_; }
-  // Of the last run: a transient resource that was exported (valid until the next run).
+  // Of the last run: a transient resource that was exported, or an imported one (valid until the next run).
   const vk::Image& image(ImageId id) const;
   const vk::Buffer& buffer(BufferId id) const;
 
  private:
   struct Pool;
+  void materialize(const Graph& graph, const Plan& plan);
   vk::Device& device_;
   std::unique_ptr<Pool> pool_;
   vk::DescriptorPool descriptors_;

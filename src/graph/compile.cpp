@@ -1,0 +1,190 @@
+// Barriers from declared uses. One state a resource follows the passes that run, in order; the whole image or buffer is
+// one unit. Terms are those of the Vulkan specification, chapter 7 (Synchronization): a write must be made available,
+// then visible to the stages and accesses that read it; a read only has to be over before the resource is written
+// again.
+#include <type_traits>
+#include <utility>
+
+#include "base/error.h"
+#include "graph/graph.h"
+#include "graph/use.h"
+
+namespace latelight::graph {
+namespace {
+
+// Stages and accesses that a barrier made the contents visible to.
+struct Visible {
+  VkPipelineStageFlags2 stages;
+  VkAccessFlags2 access;
+};
+
+// What happened to one resource so far.
+struct State {
+  VkImageLayout layout = VK_IMAGE_LAYOUT_UNDEFINED;
+  bool defined = false;  // it has contents
+  bool written = false;  // by this plan
+  // Where the contents come from: the last write. After a layout transition, which no stage performs and which is
+  // available at once, the stages that waited for it: a barrier that starts there is ordered after it.
+  VkPipelineStageFlags2 sourceStages = 0;
+  VkAccessFlags2 sourceAccess = 0;
+  VkPipelineStageFlags2 readStages = 0;  // of all reads since
+  std::vector<Visible> visible;          // since
+
+  bool sees(const Need& need) const;
+  void startWith(const Need& before);
+  std::optional<Barrier> use(const Need& need);
+};
+
+bool State::sees(const Need& need) const {
+  for (VkPipelineStageFlags2 rest = need.stages; rest; rest &= rest - 1) {
+    const VkPipelineStageFlags2 stage = rest & (~rest + 1);  // lowest bit
+    VkAccessFlags2 access = 0;
+    for (const Visible& v : visible) access |= v.stages & stage ? v.access : 0;
+    if ((access & need.access) != need.access) return false;
+  }
+  return true;
+}
+
+// As another graph, or whoever had the resource, left it.
+void State::startWith(const Need& before) {
+  layout = before.layout;
+  defined = true;
+  sourceStages = before.stages;
+  sourceAccess = before.writing;
+  if (before.writing) return;
+  readStages = before.stages;
+  visible = {{before.stages, before.access}};
+}
+
+// The barrier that `need` takes before it, and the state after it.
+std::optional<Barrier> State::use(const Need& need) {
+  const bool transition = layout != need.layout;
+  // Reads come after the write, and their barriers made it available: waiting for them is enough, and moves no memory.
+  const bool waitForReads = (need.writing || transition) && readStages;
+  const bool hazard = need.writing ? (sourceStages | readStages) != 0 : sourceStages != 0 && !sees(need);
+  const bool needed = transition || hazard;
+
+  std::optional<Barrier> barrier;
+  if (needed) {
+    barrier = Barrier{.sourceStage = waitForReads ? readStages : sourceStages,
+                      .targetStage = need.stages,
+                      .sourceAccess = waitForReads ? 0 : sourceAccess,
+                      .targetAccess = need.access,
+                      .oldLayout = transition && !need.keeps ? VK_IMAGE_LAYOUT_UNDEFINED : layout,
+                      .newLayout = need.layout};
+  }
+  if (transition || need.writing) {
+    sourceStages = need.stages;
+    sourceAccess = need.writing;
+    readStages = 0;
+    visible.clear();
+  }
+  if (!need.writing) {
+    readStages |= need.stages;
+    if (needed) visible.push_back({need.stages, need.access});
+  }
+  layout = need.layout;
+  defined = true;
+  written |= need.writing != 0;
+  return barrier;
+}
+
+// The states of all images, or of all buffers.
+template <typename Id>
+class States {
+  static constexpr bool kImages = std::is_same_v<Id, ImageId>;
+
+ public:
+  template <typename Nodes>
+  explicit States(const Nodes& nodes) : states_(nodes.size()), needs_(nodes.size()) {
+    for (size_t i = 0; i < nodes.size(); ++i) {
+      names_.push_back(&nodes[i].desc.name);
+      // A buffer that the host filled is visible to all that is submitted after.
+      states_[i].defined = !kImages && nodes[i].imported;
+      if (!nodes[i].before) continue;
+      Need before;
+      before.add(*nodes[i].before, kImages);
+      states_[i].startWith(before);
+    }
+  }
+
+  // Whether `before` no longer describes the resource.
+  bool changed(size_t index, Use before) const {
+    const State& state = states_[index];
+    return state.written || (kImages && state.layout != useInfo(before).layout);
+  }
+
+  void gather(Id id, Use use) {
+    if (needs_[id.index].stages == 0) touched_.push_back(id);
+    needs_[id.index].add(use, kImages);
+  }
+
+  // Appends the barriers for all that was gathered since the last call. `who` reads, for the sentence.
+  void apply(const std::string& who, std::vector<Barrier>& barriers) {
+    for (const Id id : touched_) {
+      const Need need = std::exchange(needs_[id.index], {});
+      State& state = states_[id.index];
+      if (need.reads && !state.defined) {
+        fail(ExitCode::Internal, "frame graph: {} reads '{}', which nothing wrote", who, *names_[id.index]);
+      }
+      std::optional<Barrier> barrier = state.use(need);
+      if (!barrier) continue;
+      if constexpr (kImages) {
+        barrier->image = id;
+      } else {
+        barrier->buffer = id;
+      }
+      barriers.push_back(*barrier);
+    }
+    touched_.clear();
+  }
+
+ private:
+  std::vector<State> states_;
+  std::vector<Need> needs_;  // of the pass at hand
+  std::vector<Id> touched_;
+  std::vector<const std::string*> names_;
+};
+
+// Exported resources end ready for their use. What was borrowed from outside and changed goes back as it came.
+template <typename Id, typename Nodes>
+void gatherFinal(const Nodes& nodes, States<Id>& states) {
+  for (uint32_t i = 0; i < nodes.size(); ++i) {
+    const auto& node = nodes[i];
+    if (node.exported) {
+      states.gather({i}, *node.exported);
+    } else if (node.before && states.changed(i, *node.before)) {
+      states.gather({i}, *node.before);
+    }
+  }
+}
+
+}  // namespace
+
+Plan Graph::compile() const {
+  Plan plan;
+  States<ImageId> images(images_);
+  States<BufferId> buffers(buffers_);
+  const std::vector<bool> runs = alive();
+  for (uint32_t i = 0; i < passes_.size(); ++i) {
+    if (!runs[i]) continue;
+    for (const Access& access : passes_[i].accesses) {
+      if (access.image) {
+        images.gather(access.image, access.use);
+      } else {
+        buffers.gather(access.buffer, access.use);
+      }
+    }
+    Plan::Step& step = plan.steps.emplace_back(Plan::Step{.pass = i});
+    const std::string who = "pass '" + passes_[i].name + "'";
+    images.apply(who, step.before);
+    buffers.apply(who, step.before);
+  }
+  gatherFinal(images_, images);
+  gatherFinal(buffers_, buffers);
+  images.apply("the export", plan.after);
+  buffers.apply("the export", plan.after);
+  return plan;
+}
+
+}  // namespace latelight::graph

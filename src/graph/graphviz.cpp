@@ -1,0 +1,71 @@
+#include <fmt/format.h>
+
+#include <tuple>
+
+#include "graph/graph.h"
+#include "graph/use.h"
+
+namespace latelight::graph {
+namespace {
+
+// A string in double quotes as the DOT language has it; "\n" in `text` stays a line break.
+std::string quoted(std::string_view text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    if (c == '\n') {
+      result += "\\n";
+      continue;
+    }
+    if (c == '"' || c == '\\') result += '\\';
+    result += c;
+  }
+  return result + '"';
+}
+
+std::string describe(const vk::ImageDesc& desc) {
+  std::string text = fmt::format("{}\n{} {}x{}", desc.name, vk::formatName(desc.format), desc.width, desc.height);
+  if (desc.layers > 1) text += fmt::format(", {} layers", desc.layers);
+  if (desc.levels > 1) text += fmt::format(", {} levels", desc.levels);
+  if (desc.samples > 1) text += fmt::format(", {} samples", desc.samples);
+  return text;
+}
+
+std::string describe(const vk::BufferDesc& desc) {
+  return fmt::format("{}\n{} bytes", desc.name, desc.size);
+}
+
+// Resources from outside are filled; exported ones have a double line.
+template <typename Nodes>
+std::string resources(const Nodes& nodes, char prefix) {
+  std::string text;
+  for (size_t i = 0; i < nodes.size(); ++i) {
+    text += fmt::format("  {}{} [shape=ellipse, label={}{}{}];\n", prefix, i, quoted(describe(nodes[i].desc)),
+                        nodes[i].imported ? ", style=filled" : "", nodes[i].exported ? ", peripheries=2" : "");
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string Graph::graphviz() const {
+  const std::vector<bool> runs = alive();
+  std::string text = "digraph frame {\n  rankdir=TB;\n  node [fontname=\"sans-serif\"];\n";
+  text += resources(images_, 'i') + resources(buffers_, 'b');
+  for (size_t i = 0; i < passes_.size(); ++i) {
+    text +=
+        fmt::format("  p{} [shape=box, label={}{}];\n", i, quoted(passes_[i].name), runs[i] ? "" : ", style=dashed");
+    if (i > 0) text += fmt::format("  p{} -> p{} [style=invis];\n", i - 1, i);  // keeps the order on the page
+    for (const Access& access : passes_[i].accesses) {
+      const std::string resource =
+          access.image ? fmt::format("i{}", access.image.index) : fmt::format("b{}", access.buffer.index);
+      const UseInfo& info = useInfo(access.use);
+      // Where a pass writes over what it keeps, the arrow has two ends.
+      const std::string pass = fmt::format("p{}", i);
+      text += fmt::format("  {} -> {} [label=\"{}\"{}];\n", info.writing ? pass : resource,
+                          info.writing ? resource : pass, info.name, info.writing && info.keeps ? ", dir=both" : "");
+    }
+  }
+  return text + "}\n";
+}
+
+}  // namespace latelight::graph
