@@ -1,0 +1,94 @@
+#include "scene/texture.h"
+
+#include <sys/mman.h>
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <string_view>
+
+#include "base/error.h"
+#include "scene/texture_codecs.h"
+
+namespace latelight::scene {
+namespace {
+
+bool startsWith(std::span<const std::byte> bytes, std::string_view magic, size_t at = 0) {
+  return bytes.size() >= at + magic.size() && std::memcmp(bytes.data() + at, magic.data(), magic.size()) == 0;
+}
+
+// TGA has no magic: its header must make sense (Truevision TGA 2.0, field 3: image type, field 5.5: depth).
+bool looksLikeTga(std::span<const std::byte> bytes) {
+  if (bytes.size() < 18) return false;
+  int colorMap = int(bytes[1]), type = int(bytes[2]), depth = int(bytes[16]);
+  bool knownType = (colorMap == 1 && (type == 1 || type == 9)) ||
+                   (colorMap == 0 && (type == 2 || type == 3 || type == 10 || type == 11));
+  return knownType && (depth == 8 || depth == 15 || depth == 16 || depth == 24 || depth == 32);
+}
+
+const Codec& chooseCodec(std::span<const std::byte> encoded, const std::string& name) {
+  using namespace std::string_view_literals;
+  if (startsWith(encoded, "\xff\xd8\xff"sv)) return kJpegCodec;
+  if (startsWith(encoded, "\x89PNG\r\n\x1a\n"sv)) return kPngCodec;
+  if (startsWith(encoded, "RIFF"sv) && startsWith(encoded, "WEBP"sv, 8)) return kWebpCodec;
+  if (startsWith(encoded, "GIF8"sv) || startsWith(encoded, "BM"sv) || looksLikeTga(encoded)) return kStbCodec;
+  if (startsWith(encoded, "\xabKTX "sv))
+    badInput("{} is a KTX texture, which is not supported: convert it to PNG, JPEG or WebP", name);
+  badInput("{} is not a JPEG, PNG, WebP, BMP, TGA or GIF picture", name);
+}
+
+ImageSize checkedSize(const Codec& codec, std::span<const std::byte> encoded, const std::string& name) {
+  ImageSize size = codec.size(encoded, name);
+  if (size.width == 0 || size.height == 0) badInput("{} has no pixels", name);
+  if (size.width > kMaxTextureSide || size.height > kMaxTextureSide)
+    badInput("{} is {}x{} pixels; at most {} a side are supported: scale it down", name, size.width, size.height,
+             kMaxTextureSide);
+  return size;
+}
+
+// Textures are written once from end to end: with 4 KiB pages the faults cost more than the mip levels.
+void preferHugePages(std::byte* begin, size_t bytes) {
+  constexpr uintptr_t kHugePage = 2u << 20;
+  uintptr_t first = (reinterpret_cast<uintptr_t>(begin) + kHugePage - 1) & ~(kHugePage - 1);
+  uintptr_t last = (reinterpret_cast<uintptr_t>(begin) + bytes) & ~(kHugePage - 1);
+  if (last > first) madvise(reinterpret_cast<void*>(first), last - first, MADV_HUGEPAGE);  // a hint: may fail
+}
+
+}  // namespace
+
+uint32_t mipLevelCount(ImageSize size) {
+  return uint32_t(std::bit_width(std::max(size.width, size.height)));
+}
+
+size_t mipChainBytes(ImageSize size) {
+  size_t pixels = 0;
+  for (uint32_t level = 0; level < mipLevelCount(size); ++level)
+    pixels += size_t(std::max(1u, size.width >> level)) * std::max(1u, size.height >> level);
+  return pixels * 4;
+}
+
+ImageSize imageSize(std::span<const std::byte> encoded, const std::string& name) {
+  return checkedSize(chooseCodec(encoded, name), encoded, name);
+}
+
+Texture makeTexture(ImageSize size, bool srgb, const std::string& name) {
+  Texture texture{.name = name,
+                  .width = size.width,
+                  .height = size.height,
+                  .levels = mipLevelCount(size),
+                  .srgb = srgb,
+                  .pixels = std::make_unique_for_overwrite<std::byte[]>(mipChainBytes(size))};
+  preferHugePages(texture.pixels.get(), mipChainBytes(size));
+  return texture;
+}
+
+Texture decodeTexture(std::span<const std::byte> encoded, bool srgb, const std::string& name) {
+  const Codec& codec = chooseCodec(encoded, name);
+  ImageSize size = checkedSize(codec, encoded, name);
+  Texture texture = makeTexture(size, srgb, name);
+  codec.decode(encoded, name, size, texture.pixels.get());
+  buildMips(texture);
+  return texture;
+}
+
+}  // namespace latelight::scene

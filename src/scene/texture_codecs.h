@@ -1,0 +1,24 @@
+// One codec a file, texture_<codec>.cpp: what texture.cpp chooses from by a picture's first bytes.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+
+#include "scene/texture.h"
+
+namespace latelight::scene {
+
+struct Codec {
+  // From the header alone. Throws Error(BadInput) with `name`.
+  ImageSize (*size)(std::span<const std::byte> encoded, const std::string& name);
+  // Writes width * height RGBA pixels, rows from the top, straight (not premultiplied) alpha.
+  void (*decode)(std::span<const std::byte> encoded, const std::string& name, ImageSize size, std::byte* rgba);
+};
+
+extern const Codec kJpegCodec;
+extern const Codec kPngCodec;
+extern const Codec kWebpCodec;
+extern const Codec kStbCodec;  // BMP, TGA, GIF
+
+}  // namespace latelight::scene

@@ -1,0 +1,30 @@
+#include <webp/decode.h>
+
+#include "base/error.h"
+#include "scene/texture_codecs.h"
+
+namespace latelight::scene {
+namespace {
+
+const uint8_t* bytesOf(std::span<const std::byte> encoded) {
+  return reinterpret_cast<const uint8_t*>(encoded.data());
+}
+
+ImageSize size(std::span<const std::byte> encoded, const std::string& name) {
+  int width = 0, height = 0;
+  if (!WebPGetInfo(bytesOf(encoded), encoded.size(), &width, &height)) badInput("{} is a broken WebP picture", name);
+  return {uint32_t(width), uint32_t(height)};
+}
+
+void decode(std::span<const std::byte> encoded, const std::string& name, ImageSize size, std::byte* rgba) {
+  size_t pitch = size_t(size.width) * 4;
+  if (!WebPDecodeRGBAInto(bytesOf(encoded), encoded.size(), reinterpret_cast<uint8_t*>(rgba), pitch * size.height,
+                          int(pitch)))
+    badInput("{} is a broken or animated WebP picture", name);
+}
+
+}  // namespace
+
+const Codec kWebpCodec{size, decode};
+
+}  // namespace latelight::scene
