@@ -9,18 +9,19 @@ add_executable(latelight_program ${app_sources})
 set_target_properties(latelight_program PROPERTIES OUTPUT_NAME latelight RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})
 target_link_libraries(latelight_program PRIVATE latelight_render CLI11::CLI11)
 target_compile_definitions(latelight_program PRIVATE LATELIGHT_VERSION="${PROJECT_VERSION}")
+target_include_directories(latelight_program PRIVATE ${PROJECT_SOURCE_DIR})
 
-# The library holds every module whole, since nothing inside it refers to the API's functions. Its target is not named
-# `latelight` because that is the program's path in the build folder.
+# The library is made of every module's objects, since nothing inside refers to the API's functions; linking the modules
+# besides brings only what they depend on. Its target is not named `latelight`: in the build folder that is the program.
 file(GLOB public_headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/include/latelight/*.h)
-list(JOIN modules "," joined_modules)
+list(TRANSFORM modules REPLACE "(.+)" "$<TARGET_OBJECTS:\\1>" OUTPUT_VARIABLE objects)
 set(exports ${PROJECT_SOURCE_DIR}/cmake/exports.map)
-add_library(latelight_library SHARED)
+add_library(latelight_library SHARED ${objects})
 add_library(latelight::latelight ALIAS latelight_library)
 set_target_properties(latelight_library PROPERTIES
   OUTPUT_NAME latelight EXPORT_NAME latelight LINKER_LANGUAGE CXX LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}
   VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
-  LINK_LIBRARY_OVERRIDE "WHOLE_ARCHIVE,${joined_modules}" LINK_DEPENDS ${exports})
+  LINK_DEPENDS ${exports})
 target_link_libraries(latelight_library PRIVATE ${modules})
 target_link_options(latelight_library PRIVATE LINKER:--version-script=${exports})
 if(NOT LATELIGHT_SANITIZE)  # a sanitizer's functions come from the program

@@ -1,1 +1,23 @@
+#include "render/frame.h"
 
+#include "render/gbuffer/geometry_pass.h"
+#include "render/lighting/technique.h"
+#include "render/post/background.h"
+
+namespace latelight::render {
+
+Frame::Frame(vk::Device& device, const GpuScene& scene, const FrameSetup& setup)
+    : geometry_(std::make_unique<GeometryPass>(device, scene, *setup.layout, setup.normalEncoding)),
+      lighting_(setup.lighting->make(device, setup)),
+      background_(std::make_unique<BackgroundPass>(device)) {}
+
+Frame::~Frame() = default;
+
+graph::ImageId Frame::add(graph::Graph& graph, const FrameInputs& inputs) const {
+  Gbuffer gbuffer = geometry_->add(graph, inputs);
+  lighting_->add(graph, inputs, gbuffer);
+  if (inputs.environmentBackground) background_->add(graph, inputs, gbuffer);
+  return gbuffer.light;
+}
+
+}  // namespace latelight::render

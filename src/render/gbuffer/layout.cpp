@@ -7,7 +7,7 @@
 
 namespace latelight::render {
 
-#define LAYOUT(name) Layout makeLayout_##name(std::string);
+#define LAYOUT(name) Layout makeLayout_##name();
 #include "layouts.inc"
 #undef LAYOUT
 
@@ -25,7 +25,7 @@ uint32_t Layout::bytesPerPixel(uint32_t normalEncoding) const {
 
 std::span<const Layout> layouts() {
   static const std::vector<Layout> all = {
-#define LAYOUT(name) makeLayout_##name(registryName(#name)),
+#define LAYOUT(name) makeLayout_##name(),
 #include "layouts.inc"
 #undef LAYOUT
   };

@@ -25,7 +25,8 @@ struct LayoutTarget {
 };
 
 struct Layout {
-  std::string name;
+  std::string file;  // in src/shared/gbuffer, without ending
+  std::string name;  // as users write it
   const char* description;
   std::vector<LayoutTarget> targets;
   // The layout's pack and unpack as C++; one value a target, in their order.

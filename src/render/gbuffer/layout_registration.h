@@ -1,6 +1,7 @@
 // Included once a layout by a generated source (cmake/registry.cmake), after the layout's own header and with
 // LATELIGHT_LAYOUT defined as its name: turns GBUFFER_TARGETS into the layout's entry in the registry.
 #include "render/gbuffer/layout.h"
+#include "render/registry.h"
 
 namespace latelight::render {
 namespace {
@@ -41,9 +42,12 @@ constexpr VkFormat VK_FORMAT_NORMAL32 = VK_FORMAT_UNDEFINED;
 
 #define LAYOUT_MAKER_(name) makeLayout_##name
 #define LAYOUT_MAKER(name) LAYOUT_MAKER_(name)
-Layout LAYOUT_MAKER(LATELIGHT_LAYOUT)(std::string name) {
+#define LAYOUT_FILE_(name) #name
+#define LAYOUT_FILE(name) LAYOUT_FILE_(name)
+Layout LAYOUT_MAKER(LATELIGHT_LAYOUT)() {
 #define TARGET(index, name, format, type, channels) LayoutTarget{#name, VK_FORMAT_##format, channels},
-  return {std::move(name), GBUFFER_DESCRIPTION, {GBUFFER_TARGETS(TARGET)}, packTarget, unpackTarget};
+  const char* file = LAYOUT_FILE(LATELIGHT_LAYOUT);
+  return {file, registryName(file), GBUFFER_DESCRIPTION, {GBUFFER_TARGETS(TARGET)}, packTarget, unpackTarget};
 #undef TARGET
 }
 

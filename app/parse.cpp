@@ -1,0 +1,90 @@
+#include "app/parse.h"
+
+#include <charconv>
+#include <cmath>
+#include <vector>
+
+#include "shared/color.h"
+
+namespace latelight::app {
+
+namespace {
+
+// The whole text as one number.
+template <typename T>
+std::optional<T> parseNumber(std::string_view text) {
+  T value;
+  auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  if constexpr (std::is_floating_point_v<T>)
+    if (!std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+// Numbers by comma; empty where any part is no number.
+std::vector<float> parseNumbers(std::string_view text) {
+  std::vector<float> values;
+  for (size_t begin = 0; begin <= text.size();) {
+    size_t end = std::min(text.find(',', begin), text.size());
+    std::optional<float> value = parseNumber<float>(text.substr(begin, end - begin));
+    if (!value) return {};
+    values.push_back(*value);
+    begin = end + 1;
+  }
+  return values;
+}
+
+}  // namespace
+
+std::pair<uint32_t, uint32_t> parseSize(const std::string& text) {
+  size_t x = text.find('x');
+  if (x != std::string::npos) {
+    auto width = parseNumber<uint32_t>(std::string_view(text).substr(0, x));
+    auto height = parseNumber<uint32_t>(std::string_view(text).substr(x + 1));
+    if (width && height) return {*width, *height};
+  }
+  badUsage("--size takes a width and a height in pixels, as in 1280x720, not \"{}\"", text);
+}
+
+glm::vec3 parseVector(const std::string& option, const std::string& text) {
+  std::vector<float> v = parseNumbers(text);
+  if (v.size() != 3) badUsage("{} takes three numbers x,y,z, not \"{}\"", option, text);
+  return {v[0], v[1], v[2]};
+}
+
+glm::vec3 parseColor(const std::string& text) {
+  glm::vec3 code(-1);
+  if (text.size() == 7 && text[0] == '#') {
+    for (int i = 0; i < 3; ++i) {
+      unsigned value = 256;
+      const char* digits = text.data() + 1 + 2 * i;
+      auto [end, error] = std::from_chars(digits, digits + 2, value, 16);
+      code[i] = error == std::errc() && end == digits + 2 ? static_cast<float>(value) / 255.0f : -1.0f;
+    }
+  } else if (std::vector<float> v = parseNumbers(text); v.size() == 3) {
+    code = {v[0], v[1], v[2]};
+  }
+  for (int i = 0; i < 3; ++i)
+    if (!(code[i] >= 0 && code[i] <= 1))
+      badUsage("--background takes transparent, hdri, #rrggbb, or r,g,b between 0 and 1, not \"{}\"", text);
+  return {shared::linearFromSrgb(code.x), shared::linearFromSrgb(code.y), shared::linearFromSrgb(code.z)};
+}
+
+uint32_t parseSuperSampling(const std::string& text) {
+  if (text == "none") return 1;
+  if (text.starts_with("ss"))
+    if (auto n = parseNumber<uint32_t>(std::string_view(text).substr(2)); n && *n >= 1 && *n <= 16) return *n;
+  badUsage("--aa takes none, or ss1 to ss16 as in ss4, not \"{}\"", text);
+}
+
+std::optional<size_t> parseIndex(const std::string& text) { return parseNumber<size_t>(text); }
+
+Orbit parseOrbit(const std::string& text) {
+  std::vector<float> v = parseNumbers(text);
+  if (v.size() != 2 && v.size() != 3)
+    badUsage("--orbit takes azimuth,elevation[,distance] in degrees and metres, as in 30,20, not \"{}\"", text);
+  const float radians = static_cast<float>(M_PI / 180.0);
+  return {v[0] * radians, v[1] * radians, v.size() == 3 ? std::optional(v[2]) : std::nullopt};
+}
+
+}  // namespace latelight::app

@@ -1,0 +1,37 @@
+// Values of options from their text. Each throws Error(Usage) with a sentence that shows the right form.
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <initializer_list>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "base/error.h"
+
+namespace latelight::app {
+
+std::pair<uint32_t, uint32_t> parseSize(const std::string& text);               // "1280x720"
+glm::vec3 parseVector(const std::string& option, const std::string& text);      // "x,y,z"
+glm::vec3 parseColor(const std::string& text);                                  // "#rrggbb" or "r,g,b" sRGB -> linear
+uint32_t parseSuperSampling(const std::string& text);                           // "none" -> 1, "ss4" -> 4
+std::optional<size_t> parseIndex(const std::string& text);                      // a whole number, or nothing
+
+struct Orbit {
+  float azimuth, elevation;       // radians
+  std::optional<float> distance;  // metres
+};
+Orbit parseOrbit(const std::string& text);  // "az,el[,dist]" in degrees and metres
+
+template <typename T>
+T parseChoice(const char* option, const std::string& text, std::initializer_list<std::pair<const char*, T>> choices) {
+  std::string names;
+  for (const auto& [name, value] : choices) {
+    if (text == name) return value;
+    names += (names.empty() ? "" : ", ") + std::string(name);
+  }
+  badUsage("{} takes one of {}, not \"{}\"", option, names, text);
+}
+
+}  // namespace latelight::app

@@ -1,0 +1,28 @@
+// Data outputs: from the device's targets to what leaves, in the units and frames of docs/conventions.md.
+#pragma once
+
+#include <map>
+#include <span>
+
+#include "graph/graph.h"
+#include "render/frame.h"
+#include "render/renderer.h"
+
+namespace latelight::render {
+
+// The linear picture: half floats, or (`sum`) the float sum of frames times `scale`.
+void readColor(output::FrameOutput& to, const vk::Buffer& from, size_t view, bool sum, float scale);
+
+// Reads back the targets of the layout `exact` that the data outputs asked for need.
+class DataReadback {
+ public:
+  DataReadback(graph::Graph& graph, const Layout& exact, const Gbuffer& gbuffer, std::span<const output::Aov> aovs);
+  // Fills the AovImages of `to` except Color. `yUp`: into glTF's frame.
+  void read(const graph::Executor& done, const shared::View& view, size_t layer, const Settings& settings, bool yUp,
+            output::FrameOutput& to) const;
+
+ private:
+  std::map<std::string, graph::BufferId> buffers_;  // by target; "depth" is the depth buffer
+};
+
+}  // namespace latelight::render

@@ -1,0 +1,60 @@
+// The frame: what its passes share, and the list of them (frame.cpp).
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "graph/graph.h"
+#include "render/gbuffer/layout.h"
+#include "render/gpu_environment.h"
+#include "render/gpu_scene.h"
+#include "shared/types.h"
+
+namespace latelight::render {
+
+class GeometryPass;
+class LightingTechnique;
+struct TechniqueInfo;
+class BackgroundPass;
+
+// What a frame draws: one scene seen by V views, each a layer of every target.
+struct FrameInputs {
+  const GpuScene& scene;
+  const GpuEnvironment& environment;
+  std::span<const shared::View> views;  // as the device's constants have them
+  VkDeviceAddress constants;            // shared::FrameConstants
+  uint32_t width, height;
+  bool environmentBackground = false;   // draw the environment where nothing else is
+};
+
+// A G-buffer being built: the layout's targets, and the two that every layout has.
+struct Gbuffer {
+  std::vector<graph::ImageId> targets;
+  graph::ImageId depth;
+  graph::ImageId light;  // emitted radiance and ambient occlusion; the lighting technique leaves the lit picture here
+};
+
+// What pipelines are made for.
+struct FrameSetup {
+  const Layout* layout;
+  uint32_t normalEncoding;        // kNormal_*
+  const TechniqueInfo* lighting;
+  uint32_t shading;               // kShading*
+};
+
+// The pipelines of a setup, and the passes they run.
+class Frame {
+ public:
+  Frame(vk::Device& device, const GpuScene& scene, const FrameSetup& setup);
+  ~Frame();
+  // Adds the frame's passes. Returns the lit picture: linear radiance times exposure, alpha 1 where something is drawn.
+  graph::ImageId add(graph::Graph& graph, const FrameInputs& inputs) const;
+
+ private:
+  std::unique_ptr<GeometryPass> geometry_;
+  std::unique_ptr<LightingTechnique> lighting_;
+  std::unique_ptr<BackgroundPass> background_;
+};
+
+}  // namespace latelight::render

@@ -1,0 +1,26 @@
+// An environment in device memory, as render/glsl/environment.glsl reads it.
+#pragma once
+
+#include "scene/environment.h"
+#include "vk/commands.h"
+#include "vk/resources.h"
+
+namespace latelight::render {
+
+class GpuEnvironment {
+ public:
+  // Null: no environment light; the maps are black.
+  GpuEnvironment(vk::Device& device, const scene::Environment* environment);
+
+  uint32_t levels() const { return specular_.desc().levels; }
+  // Prefiltered specular, diffuse, split-sum table: the bindings at ENVIRONMENT_BINDING.
+  std::vector<vk::BoundImage> bindings() const;
+  static constexpr size_t kBindings = 3;
+  vk::BoundImage radiance() const { return {radiance_.view(), equirectangularSampler_.get()}; }  // for backgrounds
+
+ private:
+  vk::Image specular_, diffuse_, table_, radiance_;
+  vk::Handle<VkSampler> clampSampler_, equirectangularSampler_;
+};
+
+}  // namespace latelight::render

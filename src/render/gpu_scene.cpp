@@ -1,0 +1,256 @@
+#include "render/gpu_scene.h"
+
+#include <algorithm>
+#include <array>
+
+#include "shared/light.h"
+
+namespace latelight::render {
+
+namespace {
+
+template <typename T>
+std::span<const std::byte> bytesOf(const std::vector<T>& values) {
+  return std::as_bytes(std::span(values));
+}
+
+vk::Buffer makeBuffer(vk::Device& device, const char* name, uint64_t bytes, VkBufferUsageFlags usage = 0) {
+  return vk::Buffer(device, {.size = bytes, .usage = usage | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, .name = name});
+}
+
+VkSamplerAddressMode addressMode(scene::Wrap wrap) {
+  switch (wrap) {
+    case scene::Wrap::Repeat: return VK_SAMPLER_ADDRESS_MODE_REPEAT;
+    case scene::Wrap::Mirror: return VK_SAMPLER_ADDRESS_MODE_MIRRORED_REPEAT;
+    case scene::Wrap::Clamp: return VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
+  }
+  return VK_SAMPLER_ADDRESS_MODE_REPEAT;
+}
+
+shared::Light deviceLight(const scene::Light& light) {
+  shared::Light l{};
+  l.position = light.position;
+  l.direction = light.direction;
+  l.type = light.type;
+  l.intensity = light.color * light.intensity;
+  l.reach = light.type == shared::kLightDirectional
+                ? std::numeric_limits<float>::infinity()
+                : shared::lightReach(l.intensity, light.range.value_or(0.0f), shared::kLightThreshold);
+  if (light.type == shared::kLightSpot) shared::spotCone(light.innerCone, light.outerCone, l.spotScale, l.spotOffset);
+  return l;
+}
+
+}  // namespace
+
+GpuScene::GpuScene(vk::Device& device, const scene::Scene& scene) : device_(device) {
+  vk::Uploader uploader(device);
+  uploadMeshes(uploader, scene);
+  uploadInstances(uploader, scene);
+  uploadMaterials(uploader, scene);
+  uploadLights(uploader, scene);
+  uploader.flush();
+  makeMaterialSets(scene);
+}
+
+void GpuScene::uploadMeshes(vk::Uploader& uploader, const scene::Scene& scene) {
+  uint64_t vertices = 0, extras = 0, indices = 0;
+  for (const scene::Mesh& mesh : scene.meshes) {
+    vertices += mesh.positions.size();
+    extras += mesh.extras.size();
+    indices += mesh.indices.size();
+  }
+  positions_ = makeBuffer(device_, "positions", vertices * sizeof(shared::vec3));
+  attributes_ = makeBuffer(device_, "attributes", vertices * sizeof(shared::VertexAttributes));
+  extras_ = makeBuffer(device_, "extras", extras * sizeof(shared::VertexExtra));
+  indices_ = makeBuffer(device_, "indices", indices * sizeof(uint32_t), VK_BUFFER_USAGE_INDEX_BUFFER_BIT);
+
+  std::vector<shared::Mesh> meshes;
+  vertices = extras = indices = 0;
+  for (const scene::Mesh& mesh : scene.meshes) {
+    shared::Mesh& m = meshes.emplace_back();
+    m.positions = positions_.address() + vertices * sizeof(shared::vec3);
+    m.attributes = attributes_.address() + vertices * sizeof(shared::VertexAttributes);
+    m.extras = mesh.extras.empty() ? 0 : extras_.address() + extras * sizeof(shared::VertexExtra);
+    m.indices = indices_.address() + indices * sizeof(uint32_t);
+    m.vertexCount = static_cast<uint32_t>(mesh.positions.size());
+    m.triangleCount = static_cast<uint32_t>(mesh.indices.size() / 3);
+    uploader.upload(positions_, bytesOf(mesh.positions), vertices * sizeof(shared::vec3));
+    uploader.upload(attributes_, bytesOf(mesh.attributes), vertices * sizeof(shared::VertexAttributes));
+    uploader.upload(extras_, bytesOf(mesh.extras), extras * sizeof(shared::VertexExtra));
+    uploader.upload(indices_, bytesOf(mesh.indices), indices * sizeof(uint32_t));
+    firstIndices_.push_back(static_cast<uint32_t>(indices));
+    vertices += mesh.positions.size();
+    extras += mesh.extras.size();
+    indices += mesh.indices.size();
+  }
+  meshes_ = makeBuffer(device_, "meshes", meshes.size() * sizeof(shared::Mesh));
+  uploader.upload(meshes_, bytesOf(meshes));
+}
+
+void GpuScene::uploadInstances(vk::Uploader& uploader, const scene::Scene& scene) {
+  std::vector<shared::Instance> instances;
+  instances.reserve(scene.instances.size());
+  for (const scene::Instance& instance : scene.instances) {
+    const scene::Mesh& mesh = scene.meshes[instance.mesh];
+    bool mirrored = glm::determinant(glm::mat3(instance.toWorld)) < 0;
+    uint32_t index = static_cast<uint32_t>(instances.size());
+    instances.push_back({glm::mat4x3(instance.toWorld), instance.mesh, instance.material, instance.id,
+                         mirrored ? shared::kInstanceMirrored : 0u});
+
+    bool joins = !draws_.empty() && draws_.back().mirrored == mirrored &&
+                 draws_.back().firstIndex == firstIndices_[instance.mesh] && draws_.back().material == instance.material;
+    if (joins)
+      ++draws_.back().instanceCount;
+    else
+      draws_.push_back({index, 1, firstIndices_[instance.mesh], static_cast<uint32_t>(mesh.indices.size()),
+                        instance.material, mirrored});
+
+    glm::mat3 linear(instance.toWorld);
+    // The largest stretch is at most the Frobenius norm: a sphere that holds the box under any transform.
+    float stretch = std::sqrt(glm::dot(linear[0], linear[0]) + glm::dot(linear[1], linear[1]) + glm::dot(linear[2], linear[2]));
+    glm::vec3 half = (mesh.boundsMax - mesh.boundsMin) * 0.5f;
+    bounds_.push_back({glm::vec3(instance.toWorld * glm::vec4((mesh.boundsMin + mesh.boundsMax) * 0.5f, 1.0f)),
+                       glm::length(half) * stretch});
+  }
+  instances_ = makeBuffer(device_, "instances", instances.size() * sizeof(shared::Instance));
+  uploader.upload(instances_, bytesOf(instances));
+}
+
+void GpuScene::uploadMaterials(vk::Uploader& uploader, const scene::Scene& scene) {
+  for (const scene::Material& material : scene.materials) materials_.push_back(material.data);
+  materialBuffer_ = makeBuffer(device_, "materials", materials_.size() * sizeof(shared::Material));
+  uploader.upload(materialBuffer_, bytesOf(materials_));
+  for (const scene::Texture& texture : scene.textures) {
+    vk::Image& image = textures_.emplace_back(
+        device_, vk::ImageDesc{.format = texture.srgb ? VK_FORMAT_R8G8B8A8_SRGB : VK_FORMAT_R8G8B8A8_UNORM,
+                               .width = texture.width,
+                               .height = texture.height,
+                               .levels = texture.levels,
+                               .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT,
+                               .name = texture.name});
+    uploader.upload(image, {texture.pixels.get(), texture.bytes()});
+  }
+  // What an empty slot is bound to. Never sampled: Material::textures says which slots hold a texture.
+  vk::Image& empty = textures_.emplace_back(
+      device_, vk::ImageDesc{.format = VK_FORMAT_R8G8B8A8_UNORM,
+                             .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT,
+                             .name = "empty"});
+  static constexpr std::array<std::byte, 4> kWhite{std::byte{255}, std::byte{255}, std::byte{255}, std::byte{255}};
+  uploader.upload(empty, kWhite);
+}
+
+void GpuScene::uploadLights(vk::Uploader& uploader, const scene::Scene& scene) {
+  std::vector<shared::Light> lights;
+  lights.reserve(scene.lights.size());
+  for (const scene::Light& light : scene.lights) {
+    shared::Light l = deviceLight(light);
+    if (l.reach > 0 && std::max({l.intensity.x, l.intensity.y, l.intensity.z}) > 0) lights.push_back(l);
+  }
+  lightCount_ = static_cast<uint32_t>(lights.size());
+  lights_ = makeBuffer(device_, "lights", lights.size() * sizeof(shared::Light));
+  uploader.upload(lights_, bytesOf(lights));
+}
+
+VkSampler GpuScene::sampler(const scene::Sampler& sampler) {
+  for (auto& [known, handle] : samplers_)
+    if (known == sampler) return handle.get();
+  auto filter = [](scene::Filter f) { return f == scene::Filter::Nearest ? VK_FILTER_NEAREST : VK_FILTER_LINEAR; };
+  vk::SamplerDesc desc{.magnify = filter(sampler.magnify),
+                       .minify = filter(sampler.minify),
+                       .mip = sampler.mip == scene::MipFilter::Linear ? VK_SAMPLER_MIPMAP_MODE_LINEAR
+                                                                      : VK_SAMPLER_MIPMAP_MODE_NEAREST,
+                       .wrapU = addressMode(sampler.wrapU),
+                       .wrapV = addressMode(sampler.wrapV),
+                       // Vulkan's way to say "no mip levels" (VkSamplerCreateInfo, note on GL filters)
+                       .maxLod = sampler.mip == scene::MipFilter::None ? 0.25f : VK_LOD_CLAMP_NONE};
+  return samplers_.emplace_back(sampler, vk::makeSampler(device_, desc)).second.get();
+}
+
+void GpuScene::makeMaterialSets(const scene::Scene& scene) {
+  const std::vector<vk::Binding> bindings(shared::kTextureCount, vk::Binding::Sampled);
+  materialSetLayout_ = vk::makeSetLayout(device_, bindings);
+  uint32_t count = static_cast<uint32_t>(scene.materials.size());
+  if (count == 0) return;
+
+  VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, count * shared::kTextureCount};
+  VkDescriptorPoolCreateInfo poolInfo{
+      .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO, .maxSets = count, .poolSizeCount = 1, .pPoolSizes = &size};
+  VkDescriptorPool pool;
+  VK_CHECK(vkCreateDescriptorPool(device_.get(), &poolInfo, nullptr, &pool));
+  materialPool_ = {device_, pool};
+
+  std::vector<VkDescriptorSetLayout> layouts(count, materialSetLayout_.get());
+  VkDescriptorSetAllocateInfo setInfo{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
+                                      .descriptorPool = pool,
+                                      .descriptorSetCount = count,
+                                      .pSetLayouts = layouts.data()};
+  materialSets_.resize(count);
+  VK_CHECK(vkAllocateDescriptorSets(device_.get(), &setInfo, materialSets_.data()));
+
+  std::vector<VkDescriptorImageInfo> images;
+  images.reserve(size.descriptorCount);
+  std::vector<VkWriteDescriptorSet> writes;
+  for (uint32_t i = 0; i < count; ++i) {
+    for (const scene::TextureSlot& slot : scene.materials[i].slots) {
+      const vk::Image& image = slot.texture >= 0 ? textures_[slot.texture] : textures_.back();
+      images.push_back({sampler(slot.sampler), image.view(), VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL});
+    }
+    writes.push_back({.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+                      .dstSet = materialSets_[i],
+                      .descriptorCount = shared::kTextureCount,
+                      .descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
+                      .pImageInfo = &images[i * shared::kTextureCount]});
+  }
+  vkUpdateDescriptorSets(device_.get(), count, writes.data(), 0, nullptr);
+}
+
+std::vector<Draw> GpuScene::visibleDraws(const shared::View& view) const {
+  // The four side planes through the eye (perspective) or along the view (orthographic), inward, unit, in view space.
+  const shared::Projection& p = view.projection;
+  bool perspective = p.kind == shared::kPerspective;
+  std::array<glm::vec4, 4> planes;
+  for (int i = 0; i < 4; ++i) {
+    float sign = i % 2 == 0 ? 1.0f : -1.0f;
+    float scale = i < 2 ? p.H : p.V, offset = i < 2 ? p.X : p.Z;
+    glm::vec3 n = i < 2 ? glm::vec3(sign * scale, 0, 0) : glm::vec3(0, 0, sign * scale);
+    glm::vec4 plane = perspective ? glm::vec4(n + glm::vec3(0, 1.0f + sign * offset, 0), 0.0f)
+                                  : glm::vec4(n, 1.0f + sign * offset);
+    planes[i] = plane / glm::length(glm::vec3(plane));
+  }
+  auto inside = [&](const InstanceBounds& sphere) {
+    glm::vec3 c = view.worldToView * glm::vec4(sphere.centre, 1.0f);
+    if (perspective && c.y < -sphere.radius) return false;
+    return std::all_of(planes.begin(), planes.end(), [&](const glm::vec4& plane) {
+      return glm::dot(glm::vec3(plane), c) + plane.w >= -sphere.radius;
+    });
+  };
+
+  std::vector<Draw> visible;
+  for (const Draw& draw : draws_) {
+    bool open = false;  // whether the run of visible instances may grow
+    for (uint32_t i = draw.firstInstance; i < draw.firstInstance + draw.instanceCount; ++i) {
+      if (!inside(bounds_[i])) {
+        open = false;
+        continue;
+      }
+      if (!open) {
+        visible.push_back(draw);
+        visible.back().firstInstance = i;
+        visible.back().instanceCount = 0;
+        open = true;
+      }
+      ++visible.back().instanceCount;
+    }
+  }
+  return visible;
+}
+
+void GpuScene::describe(shared::FrameConstants& frame) const {
+  frame.instances = instances_.address();
+  frame.meshes = meshes_.address();
+  frame.materials = materialBuffer_.address();
+  frame.lights = lights_.address();
+  frame.lightCount = lightCount_;
+}
+
+}  // namespace latelight::render

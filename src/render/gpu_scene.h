@@ -1,0 +1,70 @@
+// A scene in device memory: buffers read by address, textures in one descriptor set a material.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "scene/scene.h"
+#include "shared/types.h"
+#include "vk/device.h"
+#include "vk/pipeline.h"
+#include "vk/resources.h"
+
+namespace latelight::render {
+
+// Consecutive instances of one mesh, one material and one winding: one instanced draw.
+struct Draw {
+  uint32_t firstInstance = 0, instanceCount = 0;
+  uint32_t firstIndex = 0, indexCount = 0;
+  uint32_t material = 0;
+  bool mirrored = false;
+};
+
+class GpuScene {
+ public:
+  // Uploads all of it; the scene is not needed afterwards except for names. `lightThreshold`: illuminance (lux) under
+  // which a light without a range ends (shared/light.h).
+  GpuScene(vk::Device& device, const scene::Scene& scene);
+
+  const std::vector<Draw>& draws() const { return draws_; }
+  // Draws with at least one instance that may lie inside the view's frustum, in order; exact per instance.
+  std::vector<Draw> visibleDraws(const shared::View& view) const;
+
+  const shared::Material& material(uint32_t index) const { return materials_[index]; }
+  VkDescriptorSet materialSet(uint32_t index) const { return materialSets_[index]; }
+  VkDescriptorSetLayout materialSetLayout() const { return materialSetLayout_.get(); }
+  VkBuffer indexBuffer() const { return indices_.get(); }
+  uint32_t lightCount() const { return lightCount_; }
+
+  // Fills the addresses and counts that belong to the scene.
+  void describe(shared::FrameConstants& frame) const;
+
+ private:
+  void uploadMeshes(vk::Uploader& uploader, const scene::Scene& scene);
+  void uploadInstances(vk::Uploader& uploader, const scene::Scene& scene);
+  void uploadMaterials(vk::Uploader& uploader, const scene::Scene& scene);
+  void uploadLights(vk::Uploader& uploader, const scene::Scene& scene);
+  void makeMaterialSets(const scene::Scene& scene);
+  VkSampler sampler(const scene::Sampler& sampler);
+
+  struct InstanceBounds {  // world-space sphere
+    glm::vec3 centre;
+    float radius;
+  };
+
+  vk::Device& device_;
+  vk::Buffer positions_, attributes_, extras_, indices_;
+  vk::Buffer meshes_, instances_, materialBuffer_, lights_;
+  std::vector<uint32_t> firstIndices_;  // a mesh's first index in indices_
+  std::vector<shared::Material> materials_;
+  std::vector<vk::Image> textures_;
+  std::vector<std::pair<scene::Sampler, vk::Handle<VkSampler>>> samplers_;
+  vk::Handle<VkDescriptorSetLayout> materialSetLayout_;
+  vk::Handle<VkDescriptorPool> materialPool_;
+  std::vector<VkDescriptorSet> materialSets_;
+  std::vector<Draw> draws_;
+  std::vector<InstanceBounds> bounds_;
+  uint32_t lightCount_ = 0;
+};
+
+}  // namespace latelight::render

@@ -1,0 +1,28 @@
+#include "render/lighting/technique.h"
+
+#include <vector>
+
+#include "render/registry.h"
+
+namespace latelight::render {
+
+#define TECHNIQUE(name) TechniqueInfo technique_##name();
+#include "lighting.inc"
+#undef TECHNIQUE
+
+std::span<const TechniqueInfo> techniques() {
+  static const std::vector<TechniqueInfo> all = [] {
+    std::vector<TechniqueInfo> infos;
+#define TECHNIQUE(folder) infos.push_back(technique_##folder()), infos.back().name = registryName(#folder);
+#include "lighting.inc"
+#undef TECHNIQUE
+    return infos;
+  }();
+  return all;
+}
+
+const TechniqueInfo& findTechnique(std::string_view name) {
+  return findByName(techniques(), name, "lighting technique");
+}
+
+}  // namespace latelight::render

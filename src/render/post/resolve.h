@@ -1,0 +1,40 @@
+// From lit frames to the finished picture: accumulation of jittered frames, then tonemapping to 8 bits.
+#pragma once
+
+#include "graph/graph.h"
+#include "vk/pipeline.h"
+
+namespace latelight::render {
+
+class AccumulatePass {
+ public:
+  explicit AccumulatePass(vk::Device& device);
+  // sum = (first ? 0 : sum) + frame. `sum` is R32G32B32A32_SFLOAT, as large as `frame`.
+  void add(graph::Graph& graph, graph::ImageId frame, graph::ImageId sum, bool first) const;
+
+ private:
+  vk::Pipeline pipeline_;
+  vk::Handle<VkSampler> sampler_;
+};
+
+struct ComposeSettings {
+  float scale = 1;          // of the picture: 1 / number of accumulated frames
+  uint32_t tonemap = 0;     // kTonemap*
+  glm::vec4 background{0};  // linear display colour; alpha 0: transparent
+};
+
+class ComposePass {
+ public:
+  explicit ComposePass(vk::Device& device);
+  // RGBA8, sRGB, straight alpha; a layer after the other. Host-readable.
+  graph::BufferId add(graph::Graph& graph, graph::ImageId picture, const ComposeSettings& settings) const;
+
+ private:
+  vk::Pipeline pipeline_;
+  vk::Handle<VkSampler> sampler_;
+};
+
+// Copies a whole image (level 0, all layers, tightly packed) to a buffer the host can read after the run.
+graph::BufferId addReadback(graph::Graph& graph, graph::ImageId image);
+
+}  // namespace latelight::render

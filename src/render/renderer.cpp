@@ -1,0 +1,183 @@
+#include "render/renderer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "base/log.h"
+#include "render/aov_read.h"
+#include "render/gbuffer/geometry_pass.h"
+#include "render/lighting/technique.h"
+#include "render/post/resolve.h"
+#include "render/registry.h"
+#include "render/view.h"
+
+namespace latelight::render {
+
+// One call of render(): its settings and what it builds.
+struct Renderer::Job {
+  std::span<const scene::Camera> cameras;
+  const Settings& settings;
+  std::vector<output::FrameOutput> pictures;
+  std::vector<shared::View> views;
+  vk::Buffer viewBuffer, constants;
+
+  size_t pixels() const { return size_t{settings.width} * settings.height; }
+};
+
+Renderer::Renderer(vk::Device& device, const scene::Scene& scene, const scene::Environment* environment)
+    : device_(device),
+      scene_(scene),
+      gpuScene_(device, scene),
+      environment_(device, environment),
+      hasEnvironment_(environment != nullptr),
+      executor_(device) {}
+
+Renderer::~Renderer() = default;
+
+std::vector<output::FrameOutput> Renderer::render(std::span<const scene::Camera> cameras, const Settings& settings) {
+  checkSettings(settings);
+  times_.clear();
+  Job job{.cameras = cameras, .settings = settings};
+  job.pictures.resize(cameras.size());
+  for (output::FrameOutput& picture : job.pictures) {
+    picture.width = settings.width;
+    picture.height = settings.height;
+    for (output::Aov aov : settings.aovs) picture.aovs.push_back({aov, settings.width, settings.height, {}, {}});
+  }
+  auto asked = [&](auto&& wanted) { return std::any_of(settings.aovs.begin(), settings.aovs.end(), wanted); };
+  bool linear = asked([](output::Aov aov) { return aov == output::Aov::Color; });
+  if (settings.display || linear) renderColor(job);
+  if (asked([](output::Aov aov) { return aov != output::Aov::Color; })) renderData(job);
+  return std::move(job.pictures);
+}
+
+// Views and constants of one frame, in device memory.
+FrameInputs Renderer::prepareViews(Job& job, glm::vec2 jitter) {
+  const Settings& s = job.settings;
+  job.views.clear();
+  for (const scene::Camera& camera : job.cameras) job.views.push_back(makeView(camera, s.width, s.height, jitter));
+  vk::BufferDesc upload{.kind = vk::MemoryKind::Upload};
+  upload.name = "views";
+  upload.size = job.views.size() * sizeof(shared::View);
+  job.viewBuffer = vk::Buffer(device_, upload);
+  std::memcpy(job.viewBuffer.mapped(), job.views.data(), upload.size);
+
+  shared::FrameConstants frame{};
+  gpuScene_.describe(frame);
+  frame.views = job.viewBuffer.address();
+  frame.viewCount = static_cast<uint32_t>(job.views.size());
+  frame.exposure = std::exp2(s.exposure);
+  frame.environmentIntensity = hasEnvironment_ ? s.environmentIntensity : 0.0f;
+  frame.environmentCos = std::cos(s.environmentRotation);
+  frame.environmentSin = std::sin(s.environmentRotation);
+  frame.environmentLevels = static_cast<float>(environment_.levels());
+  upload.name = "frame constants";
+  upload.size = sizeof(frame);
+  job.constants = vk::Buffer(device_, upload);
+  std::memcpy(job.constants.mapped(), &frame, sizeof(frame));
+
+  return {.scene = gpuScene_,
+          .environment = environment_,
+          .views = job.views,
+          .constants = job.constants.address(),
+          .width = s.width,
+          .height = s.height,
+          .environmentBackground = hasEnvironment_ && s.background == Background::Environment};
+}
+
+Frame& Renderer::frameFor(const Settings& s) {
+  const std::string key = s.layout + "/" + s.normals + "/" + s.lighting + "/" + s.shading;
+  if (frame_ && key == frameKey_) return *frame_;
+  auto or_ = [](const std::string& name, const char* fallback) { return name.empty() ? fallback : name.c_str(); };
+  FrameSetup setup{.layout = &findLayout(or_(s.layout, kDefaultLayout)),
+                   .normalEncoding = findNormalEncoding(or_(s.normals, "octahedral")).index,
+                   .lighting = &findTechnique(or_(s.lighting, kDefaultTechnique)),
+                   .shading = indexByName(shadings(), s.shading, "shading model")};
+  frame_ = std::make_unique<Frame>(device_, gpuScene_, setup);
+  frameKey_ = key;
+  return *frame_;
+}
+
+graph::Executor& Renderer::run(const graph::Graph& graph) {
+  executor_.run(graph, graph.compile());
+  graphviz_ = graph.graphviz();
+  for (const graph::PassTime& time : executor_.times()) {
+    auto known = std::find_if(times_.begin(), times_.end(), [&](const graph::PassTime& t) { return t.name == time.name; });
+    if (known == times_.end())
+      times_.push_back(time);
+    else
+      known->milliseconds += time.milliseconds;
+  }
+  return executor_;
+}
+
+void Renderer::renderColor(Job& job) {
+  const Settings& s = job.settings;
+  Frame& frame = frameFor(s);
+  const uint32_t n = s.superSampling;
+  std::unique_ptr<AccumulatePass> accumulate;
+  vk::Image sum;
+  if (n > 1) {
+    accumulate = std::make_unique<AccumulatePass>(device_);
+    sum = vk::Image(device_, {.format = VK_FORMAT_R32G32B32A32_SFLOAT,
+                              .width = s.width,
+                              .height = s.height,
+                              .layers = static_cast<uint32_t>(job.cameras.size()),
+                              .usage = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT |
+                                       VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
+                              .name = "sum"});
+  }
+  ComposePass compose(device_);
+  const ComposeSettings composeSettings{
+      .scale = 1.0f / static_cast<float>(n * n),
+      .tonemap = indexByName(tonemaps(), s.tonemap, "tonemap"),
+      .background = glm::vec4(s.backgroundColor, s.background == Background::Color ? 1.0f : 0.0f)};
+  const bool linear = std::find(s.aovs.begin(), s.aovs.end(), output::Aov::Color) != s.aovs.end();
+
+  Progress progress("Rendering", n * n);
+  for (uint32_t i = 0; i < n * n; ++i) {
+    const bool last = i + 1 == n * n;
+    glm::vec2 cell(static_cast<float>(i % n), static_cast<float>(i / n));
+    FrameInputs inputs = prepareViews(job, (cell + 0.5f) / static_cast<float>(n) - 0.5f);
+
+    graph::Graph graph;
+    graph::ImageId picture = frame.add(graph, inputs);
+    if (n > 1) {
+      graph::ImageId total = graph.import(sum, i == 0 ? std::nullopt : std::optional(graph::Use::StorageReadWrite));
+      accumulate->add(graph, picture, total, i == 0);
+      picture = total;
+      if (!last) graph.exports(total, graph::Use::StorageReadWrite);
+    }
+    graph::BufferId display, values;
+    if (last && s.display) display = compose.add(graph, picture, composeSettings);
+    if (last && linear) values = addReadback(graph, picture);
+    graph::Executor& done = run(graph);
+    progress.step();
+    if (!last) continue;
+    for (size_t view = 0; view < job.pictures.size(); ++view) {
+      output::FrameOutput& result = job.pictures[view];
+      if (s.display) {
+        const uint8_t* from = done.buffer(display).as<uint8_t>() + view * job.pixels() * 4;
+        result.display.assign(from, from + job.pixels() * 4);
+      }
+      if (linear) readColor(result, done.buffer(values), view, n > 1, composeSettings.scale);
+    }
+  }
+}
+
+// Data leaves at pixel centres, in full precision, whatever layout and anti-aliasing the picture has: a geometry pass of
+// its own into the layout `exact`.
+void Renderer::renderData(Job& job) {
+  FrameInputs inputs = prepareViews(job, glm::vec2(0));
+  const Layout& exact = findLayout("exact");
+  GeometryPass geometry(device_, gpuScene_, exact, shared::kNormal_octahedral);
+  graph::Graph graph;
+  Gbuffer gbuffer = geometry.add(graph, inputs);
+  DataReadback readback(graph, exact, gbuffer, job.settings.aovs);
+  graph::Executor& done = run(graph);
+  for (size_t view = 0; view < job.pictures.size(); ++view)
+    readback.read(done, job.views[view], view, job.settings, scene_.yUp && !job.settings.zUp, job.pictures[view]);
+}
+
+}  // namespace latelight::render

@@ -1,0 +1,55 @@
+// Scenes to pictures: one scene on one device, rendered as often as asked.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "graph/graph.h"
+#include "output/files.h"
+#include "render/frame.h"
+#include "render/gpu_environment.h"
+#include "render/gpu_scene.h"
+#include "render/settings.h"
+#include "scene/scene.h"
+#include "vk/device.h"
+
+namespace latelight::render {
+
+class Renderer {
+ public:
+  // `environment`: null for none. The scene must outlive the renderer.
+  Renderer(vk::Device& device, const scene::Scene& scene, const scene::Environment* environment);
+  ~Renderer();
+
+  // All cameras' pictures at once, one view a camera. Throws Error(Usage) for settings that can't be.
+  std::vector<output::FrameOutput> render(std::span<const scene::Camera> cameras, const Settings& settings);
+
+  // GPU milliseconds a pass of the last render(), summed over its frames, in the order of the passes. Empty where the
+  // device has no timestamps.
+  const std::vector<graph::PassTime>& times() const { return times_; }
+  // Graphviz of the last frame's graph.
+  const std::string& graphviz() const { return graphviz_; }
+
+ private:
+  struct Job;
+  void renderColor(Job& job);
+  void renderData(Job& job);
+  graph::Executor& run(const graph::Graph& graph);
+  FrameInputs prepareViews(Job& job, glm::vec2 jitter);
+  Frame& frameFor(const Settings& settings);
+
+  vk::Device& device_;
+  const scene::Scene& scene_;
+  GpuScene gpuScene_;
+  GpuEnvironment environment_;
+  bool hasEnvironment_;
+  graph::Executor executor_;
+  std::string frameKey_;  // what frame_ was made for
+  std::unique_ptr<Frame> frame_;
+  std::vector<graph::PassTime> times_;
+  std::string graphviz_;
+};
+
+}  // namespace latelight::render

@@ -1,0 +1,44 @@
+#include "render/view.h"
+
+#include <cmath>
+
+namespace latelight::render {
+
+namespace {
+
+// Depth d = A + B / y (perspective) or A y + B (orthographic) with d(near) = 1 and d(far) = 0.
+void setReversedDepth(shared::Projection& p, float nearClip, float farClip) {
+  if (p.kind == shared::kPerspective) {
+    bool infinite = std::isinf(farClip);
+    p.A = infinite ? 0.0f : -nearClip / (farClip - nearClip);
+    p.B = infinite ? nearClip : nearClip * farClip / (farClip - nearClip);
+  } else {
+    p.A = -1.0f / (farClip - nearClip);
+    p.B = farClip / (farClip - nearClip);
+  }
+}
+
+}  // namespace
+
+shared::View makeView(const scene::Camera& camera, uint32_t width, uint32_t height, glm::vec2 jitter) {
+  shared::View view{};
+  // A camera's pose may carry a scale; a view is rigid.
+  glm::mat4 pose = camera.toWorld;
+  for (int i = 0; i < 3; ++i) pose[i] = glm::vec4(glm::normalize(glm::vec3(pose[i])), 0.0f);
+  view.viewToWorld = glm::mat4x3(pose);
+  view.worldToView = glm::mat4x3(glm::inverse(pose));
+  view.eye = glm::vec3(pose[3]);
+  view.size = {static_cast<float>(width), static_cast<float>(height)};
+
+  shared::Projection& p = view.projection;
+  float aspect = view.size.x / view.size.y;
+  p.kind = camera.orthographic ? shared::kOrthographic : shared::kPerspective;
+  p.V = 1.0f / (camera.orthographic ? camera.yHalf : std::tan(camera.verticalFov * 0.5f));
+  p.H = p.V / aspect;
+  p.X = camera.principal.x - 2.0f * jitter.x / view.size.x;
+  p.Z = camera.principal.y + 2.0f * jitter.y / view.size.y;
+  setReversedDepth(p, camera.nearClip, camera.farClip);
+  return view;
+}
+
+}  // namespace latelight::render
