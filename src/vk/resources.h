@@ -101,7 +101,8 @@ Handle<VkSampler> makeSampler(Device& device, const SamplerDesc& desc);
 // Host-visible destinations (CPU devices) are written directly. Images end in VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL.
 class Uploader {
  public:
-  explicit Uploader(Device& device);
+  // `alwaysStage`: host-visible buffers go through staging memory too, as on a device with memory of its own.
+  explicit Uploader(Device& device, bool alwaysStage = false);
   ~Uploader();
   void upload(const Buffer& to, std::span<const std::byte> data, VkDeviceSize offset = 0);
   // `data`: all levels one after the other, level 0 first, tightly packed; one layer.
@@ -113,6 +114,7 @@ class Uploader {
   // Room for `size` bytes at a multiple of `alignment` in the staging buffer; flushes first where it is full.
   VkDeviceSize stage(std::span<const std::byte> data, VkDeviceSize alignment);
   Device& device_;
+  bool alwaysStage_;
   std::vector<Copy> copies_;
   Buffer staging_;
   VkDeviceSize pending_ = 0;  // bytes of staging_ in use

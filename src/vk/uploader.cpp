@@ -59,7 +59,7 @@ struct Uploader::Copy {
   std::vector<VkImageMemoryBarrier2> before, after;
 };
 
-Uploader::Uploader(Device& device) : device_(device) {}
+Uploader::Uploader(Device& device, bool alwaysStage) : device_(device), alwaysStage_(alwaysStage) {}
 
 Uploader::~Uploader() {
   try {
@@ -85,7 +85,7 @@ VkDeviceSize Uploader::stage(std::span<const std::byte> data, VkDeviceSize align
 
 void Uploader::upload(const Buffer& to, std::span<const std::byte> data, VkDeviceSize offset) {
   assert(offset + data.size() <= to.size());
-  if (to.mapped()) return copyOnAllCores(to.mapped() + offset, data.data(), data.size());
+  if (to.mapped() && !alwaysStage_) return copyOnAllCores(to.mapped() + offset, data.data(), data.size());
   // Copies of one submission run in any order: what is written twice is written by two.
   const auto overlaps = [&](const Copy& copy) {
     return copy.buffer == to.get() && offset < copy.to + copy.size && copy.to < offset + data.size();

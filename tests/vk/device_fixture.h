@@ -1,0 +1,53 @@
+// A CPU device under validation, shared by the tests of a process; any message fails the test that caused it.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "vk/device.h"
+#include "vk/resources.h"
+
+namespace latelight::vk {
+
+class DeviceTest : public testing::Test {
+ protected:
+  static Device& device();
+  void SetUp() override { device().validationMessages(); }
+  void TearDown() override {
+    for (const std::string& message : device().validationMessages()) ADD_FAILURE() << message;
+  }
+};
+
+// Bytes that differ from their neighbours and from row to row.
+inline std::vector<std::byte> pattern(size_t size, uint32_t seed = 1) {
+  std::vector<std::byte> bytes(size);
+  uint32_t state = seed * 2654435761u + 1;
+  for (std::byte& byte : bytes) byte = static_cast<std::byte>((state = state * 1664525u + 1013904223u) >> 24);
+  return bytes;
+}
+
+// What the device has done is seen by the host from here on.
+inline void recordHostBarrier(VkCommandBuffer commands) {
+  VkMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
+  barrier.srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+  barrier.srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT;
+  barrier.dstStageMask = VK_PIPELINE_STAGE_2_HOST_BIT;
+  barrier.dstAccessMask = VK_ACCESS_2_HOST_READ_BIT;
+  VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+  info.memoryBarrierCount = 1;
+  info.pMemoryBarriers = &barrier;
+  vkCmdPipelineBarrier2(commands, &info);
+}
+
+inline std::vector<std::byte> contents(const Buffer& buffer) {
+  return {buffer.mapped(), buffer.mapped() + buffer.size()};
+}
+
+// All levels of layer 0 of an image in READ_ONLY_OPTIMAL, as Uploader takes them.
+std::vector<std::byte> readBack(Device& device, const Image& image);
+
+}  // namespace latelight::vk

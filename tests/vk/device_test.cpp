@@ -1,0 +1,255 @@
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <functional>
+#include <future>
+#include <optional>
+#include <stdexcept>
+
+#include "base/error.h"
+#include "base/files.h"
+#include "vk/device_fixture.h"
+#include "vk/features.h"
+
+namespace latelight::vk {
+namespace {
+
+using testing::HasSubstr;
+
+ExitCode codeOf(const std::function<void()>& call, std::string* sentence = nullptr) {
+  try {
+    call();
+  } catch (const Error& error) {
+    if (sentence) *sentence = error.what();
+    return error.code();
+  }
+  return ExitCode::Done;
+}
+
+TEST_F(DeviceTest, IsAUsableCpuDevice) {
+  EXPECT_TRUE(device().isCpu());
+  EXPECT_EQ(device().info().type, "cpu");
+  EXPECT_TRUE(device().info().missing.empty());
+  EXPECT_EQ(device().info().uuid.size(), 32u);
+  EXPECT_FALSE(device().has("VK_EXT_no_such_extension"));
+}
+
+// Two writes of the same bytes with nothing between them. A missing validation layer must fail here.
+TEST_F(DeviceTest, APlantedHazardIsReported) {
+  const Buffer buffer(device(), {.size = 4096, .name = "hazard"});
+  device().submit([&](VkCommandBuffer commands) {
+    vkCmdFillBuffer(commands, buffer.get(), 0, 2048, 1);
+    vkCmdFillBuffer(commands, buffer.get(), 1024, 2048, 2);
+  });
+  const std::vector<std::string> messages = device().validationMessages();
+  ASSERT_FALSE(messages.empty());
+  EXPECT_THAT(messages.front(), HasSubstr("SYNC-HAZARD-WRITE-AFTER-WRITE"));
+  EXPECT_THAT(messages.front(), HasSubstr("hazard")) << "objects are named";
+}
+
+TEST_F(DeviceTest, BuriesAtOnceWhenIdleAndAfterTheSubmissionElse) {
+  int dead = 0;
+  device().bury([&] { ++dead; });
+  EXPECT_EQ(dead, 1);
+  device().submit([&](VkCommandBuffer) {
+    device().bury([&] { ++dead; });
+    EXPECT_EQ(dead, 1);
+  });
+  EXPECT_EQ(dead, 2);
+}
+
+TEST_F(DeviceTest, AResourceDroppedWhileRecordingLivesUntilTheWorkIsDone) {
+  const Buffer target(device(), {.size = 64, .kind = MemoryKind::Readback});
+  device().submit([&](VkCommandBuffer commands) {
+    const Buffer brief(device(), {.size = 64, .kind = MemoryKind::Upload});
+    std::memset(brief.mapped(), 0x5a, 64);
+    const VkBufferCopy region{0, 0, 64};
+    vkCmdCopyBuffer(commands, brief.get(), target.get(), 1, &region);
+    recordHostBarrier(commands);
+  });
+  EXPECT_EQ(contents(target), std::vector<std::byte>(64, std::byte{0x5a}));
+}
+
+TEST_F(DeviceTest, AnExceptionWhileRecordingLeavesTheDeviceUsable) {
+  int dead = 0;
+  const auto record = [&](VkCommandBuffer) {
+    device().bury([&] { ++dead; });
+    throw std::runtime_error("no");
+  };
+  EXPECT_THROW(device().submit(record), std::runtime_error);
+  EXPECT_EQ(dead, 1);
+  device().submit([](VkCommandBuffer) {});
+}
+
+TEST_F(DeviceTest, SubmitsFromManyThreads) {
+  std::vector<Buffer> buffers;
+  for (int i = 0; i < 8; ++i) buffers.emplace_back(device(), BufferDesc{.size = 256, .kind = MemoryKind::Readback});
+  std::vector<std::future<void>> tasks;
+  for (uint32_t i = 0; i < 8; ++i)
+    tasks.push_back(std::async(std::launch::async, [&, i] {
+      device().submit([&](VkCommandBuffer commands) {
+        vkCmdFillBuffer(commands, buffers[i].get(), 0, VK_WHOLE_SIZE, i);
+        recordHostBarrier(commands);
+      });
+    }));
+  for (auto& task : tasks) task.get();
+  for (uint32_t i = 0; i < 8; ++i) EXPECT_EQ(buffers[i].as<uint32_t>()[63], i);
+}
+
+TEST_F(DeviceTest, ErrorsCarryTheirCode) {
+  std::string sentence;
+  EXPECT_EQ(codeOf([] { check(VK_ERROR_DEVICE_LOST, "call", "/a/b.cpp", 3); }), ExitCode::DeviceLost);
+  EXPECT_EQ(codeOf([] { check(VK_ERROR_OUT_OF_DEVICE_MEMORY, "call", "/a/b.cpp", 3); }), ExitCode::DeviceLost);
+  EXPECT_EQ(codeOf([] { check(VK_ERROR_FORMAT_NOT_SUPPORTED, "vkCall(x)", "/a/b.cpp", 3); }, &sentence),
+            ExitCode::Internal);
+  EXPECT_EQ(sentence, "vkCall(x) gives VK_ERROR_FORMAT_NOT_SUPPORTED (b.cpp:3)");
+}
+
+TEST_F(DeviceTest, MemoryThatIsNotThereIsAnErrorWithTheSizes) {
+  std::string sentence;
+  const VkMemoryRequirements needs{VkDeviceSize{1} << 44, 256, ~0u};
+  EXPECT_EQ(codeOf([&] { device().memory().allocate(needs, MemoryKind::Device, true, false); }, &sentence),
+            ExitCode::DeviceLost);
+  EXPECT_THAT(sentence, HasSubstr("16777216.0 MiB"));
+  EXPECT_EQ(codeOf([&] { Buffer(device(), {.size = VkDeviceSize{1} << 40}); }), ExitCode::DeviceLost);
+  EXPECT_EQ(codeOf([&] { Image(device(), {.format = VK_FORMAT_R8_UNORM, .width = 1u << 20}); }), ExitCode::Usage);
+}
+
+TEST_F(DeviceTest, MemoryComesInBlocksAndGoesBack) {
+  const Allocator::Statistics before = device().memory().statistics();
+  {
+    std::vector<Buffer> buffers;
+    for (int i = 0; i < 100; ++i) buffers.emplace_back(device(), BufferDesc{.size = 1000u + i});
+    const Allocator::Statistics during = device().memory().statistics();
+    EXPECT_LE(during.blocks, before.blocks + 1);
+    EXPECT_EQ(during.allocations, before.allocations + 100);
+    const Buffer large(device(), {.size = Allocator::kBlockSize});
+    EXPECT_EQ(device().memory().statistics().blocks, during.blocks + 1) << "large ones have their own";
+    const Image target(device(), {VK_FORMAT_R8_UNORM, 4, 4, 1, 1, 1, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT, "target"});
+    EXPECT_EQ(device().memory().statistics().blocks, during.blocks + 2) << "render targets too";
+  }
+  const Allocator::Statistics after = device().memory().statistics();
+  EXPECT_EQ(after.allocations, before.allocations);
+  EXPECT_EQ(after.usedBytes, before.usedBytes);
+  EXPECT_LE(after.blocks, before.blocks + 1) << "one spare block may stay";
+}
+
+TEST_F(DeviceTest, DeviceMemoryIsMappedOnTheCpu) {
+  const Buffer buffer(device(), {.size = 100});
+  EXPECT_NE(buffer.mapped(), nullptr);
+  EXPECT_NE(buffer.address(), 0u);
+}
+
+// A cache folder of the test's own.
+class CacheFolder {
+ public:
+  CacheFolder() : path_(std::filesystem::path(testing::TempDir()) / fmt::format("latelight-cache-{}", getpid())) {
+    if (const char* before = std::getenv("XDG_CACHE_HOME")) before_ = before;
+    setenv("XDG_CACHE_HOME", path_.c_str(), 1);
+  }
+  ~CacheFolder() {
+    before_ ? setenv("XDG_CACHE_HOME", before_->c_str(), 1) : unsetenv("XDG_CACHE_HOME");
+    std::filesystem::remove_all(path_);
+  }
+
+ private:
+  std::filesystem::path path_;
+  std::optional<std::string> before_;
+};
+
+TEST(DeviceStart, ACorruptPipelineCacheIsIgnored) {
+  const CacheFolder folder;
+  const DeviceOptions options{.selector = "cpu", .validation = true};
+  std::string name;
+  {
+    Device device(options);
+    name = fmt::format("pipelines-{}-{:08x}", device.info().uuid, device.properties().driverVersion);
+  }
+  storeCache(name, pattern(777));
+  Device device(options);
+  EXPECT_TRUE(device.validationMessages().empty());
+  EXPECT_EQ(loadCache(name), pattern(777)) << "the test's own folder was read";
+}
+
+TEST(DeviceStart, TwoDevicesLiveAtOnce) {
+  Device plain({.selector = "cpu", .validation = false}), validated({.selector = "cpu", .validation = true});
+  for (Device* device : {&plain, &validated}) {
+    const Buffer buffer(*device, {.size = 64, .kind = MemoryKind::Readback, .name = "shared name"});
+    device->submit([&](VkCommandBuffer commands) {
+      vkCmdFillBuffer(commands, buffer.get(), 0, VK_WHOLE_SIZE, 7);
+      recordHostBarrier(commands);
+    });
+    EXPECT_EQ(buffer.as<uint32_t>()[15], 7u);
+    EXPECT_TRUE(device->validationMessages().empty());
+  }
+}
+
+DeviceInfo fake(uint32_t index, const char* name, const char* type, std::vector<std::string> missing = {}) {
+  DeviceInfo info;
+  info.index = index;
+  info.name = name;
+  info.type = type;
+  info.uuid = fmt::format("{:032x}", 0xabc0 + index);
+  info.missing = std::move(missing);
+  return info;
+}
+
+class ChooseDevice : public testing::Test {
+ protected:
+  uint32_t chosen(const std::string& selector) { return chooseDevice(list, selector).device.index; }
+  std::string refusal(const std::string& selector) {
+    std::string sentence;
+    EXPECT_EQ(codeOf([&] { chosen(selector); }, &sentence), ExitCode::NoDevice) << selector;
+    return sentence;
+  }
+  std::vector<DeviceInfo> list{fake(0, "llvmpipe", "cpu"), fake(1, "Iris", "integrated"),
+                               fake(2, "Old Card", "discrete", {"Vulkan 1.3 (it has 1.2.0)"}),
+                               fake(3, "GeForce RTX 3060", "discrete"), fake(4, "Other RTX 3060", "discrete")};
+};
+
+TEST_F(ChooseDevice, AutomaticTakesTheFirstUsableOfTheBestType) {
+  EXPECT_EQ(chosen("auto"), 3u);
+  list.resize(3);
+  EXPECT_EQ(chosen("auto"), 1u);
+  list.resize(1);
+  EXPECT_EQ(chosen("auto"), 0u);
+  list[0].missing = {"scalarBlockLayout"};
+  EXPECT_THAT(refusal("auto"), HasSubstr("scalarBlockLayout"));
+  list.clear();
+  EXPECT_THAT(refusal("auto"), HasSubstr("latelight doctor"));
+}
+
+TEST_F(ChooseDevice, ByTypeNumberNameAndUuid) {
+  EXPECT_EQ(chosen("cpu"), 0u);
+  EXPECT_EQ(chosen("1"), 1u);
+  EXPECT_EQ(chosen("3060"), 3u) << "not a device number, but in a name";
+  EXPECT_EQ(chosen("other rtx"), 4u);
+  EXPECT_EQ(chosen("0000000000000000000000000000ABC1"), 1u);
+  EXPECT_EQ(chosen("00000000-0000-0000-0000-00000000abc4"), 4u);
+}
+
+TEST_F(ChooseDevice, RefusalsSayWhatThereIs) {
+  EXPECT_THAT(refusal("2"), HasSubstr("Vulkan 1.3"));
+  EXPECT_THAT(refusal("voodoo"), HasSubstr("1: Iris"));
+  EXPECT_THAT(refusal("99"), HasSubstr("99"));
+  refusal("");
+  list.erase(list.begin());
+  EXPECT_THAT(refusal("cpu"), HasSubstr("mesa-vulkan-drivers"));
+}
+
+TEST(Features, EachRowHasAFieldOfItsOwn) {
+  // A copied line would leave one feature unasked.
+  Features features;
+  std::vector<const VkBool32*> seen;
+  for (auto table : {requiredFeatures(), optionalFeatures()})
+    for (const Feature& feature : table) {
+      EXPECT_THAT(seen, testing::Not(testing::Contains(&feature.of(features)))) << feature.name;
+      seen.push_back(&feature.of(features));
+      EXPECT_NE(*feature.words, '\0');
+    }
+}
+
+}  // namespace
+}  // namespace latelight::vk

@@ -1,0 +1,148 @@
+#include <algorithm>
+#include <array>
+
+#include "base/error.h"
+#include "vk/device_fixture.h"
+
+namespace latelight::vk {
+namespace {
+
+constexpr VkImageUsageFlags kCopied = VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
+constexpr VkImageUsageFlags kTexture = kCopied | VK_IMAGE_USAGE_SAMPLED_BIT;
+
+size_t imageBytes(const ImageDesc& desc) {
+  size_t bytes = 0;
+  for (uint32_t level = 0; level < desc.levels; ++level)
+    bytes += size_t{std::max(desc.width >> level, 1u)} * std::max(desc.height >> level, 1u) * texelBytes(desc.format);
+  return bytes;
+}
+
+// Any bits are a colour; a depth is a number in [0, 1].
+std::vector<std::byte> texels(const ImageDesc& desc, uint32_t seed) {
+  std::vector<std::byte> bytes = pattern(imageBytes(desc), seed);
+  if (desc.format == VK_FORMAT_D32_SFLOAT || desc.format == VK_FORMAT_D32_SFLOAT_S8_UINT)
+    for (size_t i = 0; i + 4 <= bytes.size(); i += 4) {
+      const float depth = static_cast<float>(i % 4093) / 4093.0f;
+      std::memcpy(&bytes[i], &depth, 4);
+    }
+  if (desc.format == VK_FORMAT_X8_D24_UNORM_PACK32 || desc.format == VK_FORMAT_D24_UNORM_S8_UINT)
+    for (size_t i = 3; i < bytes.size(); i += 4) bytes[i] = std::byte{0};
+  return bytes;
+}
+
+// Every format of the table that the device samples.
+std::vector<VkFormat> sampledFormats(Device& device) {
+  std::vector<VkFormat> formats;
+  for (int i = 1; i <= VK_FORMAT_D32_SFLOAT_S8_UINT; ++i) {
+    const VkFormat format = static_cast<VkFormat>(i);
+    try {
+      texelBytes(format);
+    } catch (const Error&) {
+      continue;
+    }
+    VkImageFormatProperties properties;
+    if (vkGetPhysicalDeviceImageFormatProperties(device.physical(), format, VK_IMAGE_TYPE_2D, VK_IMAGE_TILING_OPTIMAL,
+                                                 kTexture, 0, &properties) == VK_SUCCESS)
+      formats.push_back(format);
+  }
+  return formats;
+}
+
+TEST_F(DeviceTest, ImagesOfEveryFormatAndOddSizesComeBackAsTheyWere) {
+  const std::vector<VkFormat> formats = sampledFormats(device());
+  EXPECT_GE(formats.size(), 35u);
+  for (VkFormat format : formats) {
+    std::vector<Image> images;
+    std::vector<std::vector<std::byte>> data;
+    Uploader uploader(device());
+    for (auto [width, height, levels] : {std::array{1u, 1u, 1u}, {7u, 5u, 3u}, {131u, 67u, 8u}, {1u, 300u, 2u}}) {
+      const ImageDesc desc{format, width, height, 1, levels, 1, kTexture, formatName(format)};
+      images.emplace_back(device(), desc);
+      data.push_back(texels(desc, static_cast<uint32_t>(data.size())));
+      uploader.upload(images.back(), data.back());
+    }
+    uploader.flush();
+    for (size_t i = 0; i < images.size(); ++i) {
+      std::vector<std::byte> back = readBack(device(), images[i]);
+      // The byte beside a 24-bit depth is undefined.
+      if (format == VK_FORMAT_X8_D24_UNORM_PACK32 || format == VK_FORMAT_D24_UNORM_S8_UINT)
+        for (size_t k = 3; k < back.size(); k += 4) back[k] = std::byte{0};
+      EXPECT_TRUE(back == data[i]) << formatName(format) << " " << images[i].desc().width;
+    }
+  }
+}
+
+TEST_F(DeviceTest, AnImageLargerThanTheStagingMemoryArrivesWhole) {
+  const ImageDesc desc{VK_FORMAT_R8G8B8A8_UNORM, 2501, 2503, 1, 3, 1, kTexture, "large"};
+  const Image image(device(), desc);
+  const Image small(device(), {VK_FORMAT_R8_UNORM, 3, 3, 1, 1, 1, kTexture, "small"});
+  const std::vector<std::byte> data = texels(desc, 3), few = pattern(9);
+  {
+    Uploader uploader(device());
+    uploader.upload(small, few);
+    uploader.upload(image, data);
+    uploader.upload(small, pattern(9, 2));
+  }
+  EXPECT_TRUE(readBack(device(), image) == data);
+  EXPECT_TRUE(readBack(device(), small) == pattern(9, 2)) << "the later upload of an image wins";
+}
+
+TEST_F(DeviceTest, BuffersArriveDirectlyAndThroughStaging) {
+  for (bool alwaysStage : {false, true})
+    for (size_t size : {size_t{1}, size_t{4099}, size_t{40} << 20}) {
+      const Buffer buffer(device(), {.size = size + 8, .name = "uploaded"});
+      std::vector<std::byte> expected = pattern(size + 8, 9);
+      std::memcpy(buffer.mapped(), expected.data(), expected.size());
+      const std::vector<std::byte> data = pattern(size);
+      Uploader uploader(device(), alwaysStage);
+      uploader.upload(buffer, data, 4);
+      uploader.flush();
+      std::copy(data.begin(), data.end(), expected.begin() + 4);
+      EXPECT_TRUE(contents(buffer) == expected) << size << (alwaysStage ? " staged" : " direct");
+    }
+}
+
+TEST_F(DeviceTest, TheLaterOfTwoOverlappingUploadsWins) {
+  const Buffer buffer(device(), {.size = 100});
+  {
+    Uploader uploader(device(), true);
+    uploader.upload(buffer, std::vector<std::byte>(100, std::byte{1}));
+    uploader.upload(buffer, std::vector<std::byte>(10, std::byte{2}), 50);
+    uploader.upload(buffer, {}, 100);
+  }
+  EXPECT_EQ(std::count(buffer.mapped(), buffer.mapped() + 100, std::byte{2}), 10);
+  EXPECT_EQ(buffer.mapped()[49], std::byte{1});
+  EXPECT_EQ(buffer.mapped()[59], std::byte{2});
+}
+
+TEST_F(DeviceTest, ResourcesMove) {
+  Buffer first(device(), {.size = 64, .name = "first"}), second;
+  const VkBuffer object = first.get();
+  second = std::move(first);
+  EXPECT_EQ(second.get(), object);
+  EXPECT_FALSE(first);
+  EXPECT_EQ(second.size(), 64u);
+  Image image(device(), {VK_FORMAT_R16_SFLOAT, 8, 8, 3, 1, 1, kTexture, "layers"});
+  const Image moved = std::move(image);
+  EXPECT_FALSE(image);
+  EXPECT_NE(moved.layerView(0), moved.layerView(2));
+  EXPECT_NE(moved.arrayView(), VK_NULL_HANDLE);
+}
+
+TEST_F(DeviceTest, EmptyBuffersCanBeBound) {
+  const Buffer buffer(device(), {.size = 0});
+  EXPECT_EQ(buffer.size(), 16u);
+  EXPECT_NE(buffer.address(), 0u);
+}
+
+TEST(Formats, HaveNamesSizesAndKinds) {
+  EXPECT_STREQ(formatName(VK_FORMAT_R8G8B8A8_SRGB), "R8G8B8A8_SRGB");
+  EXPECT_EQ(texelBytes(VK_FORMAT_R16G16B16A16_SFLOAT), 8u);
+  EXPECT_EQ(texelBytes(VK_FORMAT_B10G11R11_UFLOAT_PACK32), 4u);
+  EXPECT_TRUE(isDepth(VK_FORMAT_D32_SFLOAT));
+  EXPECT_FALSE(isDepth(VK_FORMAT_R32_SFLOAT));
+  EXPECT_THROW(formatName(VK_FORMAT_UNDEFINED), Error);
+}
+
+}  // namespace
+}  // namespace latelight::vk
