@@ -1,0 +1,99 @@
+#include "scene/scene.h"
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <string_view>
+
+#include "base/error.h"
+
+namespace latelight::scene {
+namespace {
+
+constexpr std::string_view kBuiltin = "builtin:";
+
+bool endsWith(std::string_view text, std::string_view ending) {
+  if (text.size() < ending.size()) return false;
+  text.remove_prefix(text.size() - ending.size());
+  for (size_t i = 0; i < ending.size(); ++i) {
+    const char c = text[i];
+    if ((c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c) != ending[i]) return false;
+  }
+  return true;
+}
+
+// A .glb file starts with "glTF"; a .gltf file is a JSON object, perhaps after a byte-order mark.
+bool looksLikeGltf(const std::filesystem::path& path) {
+  std::array<char, 64> head{};
+  std::ifstream file(path, std::ios::binary);
+  file.read(head.data(), head.size());
+  std::string_view text(head.data(), static_cast<size_t>(file.gcount()));
+  if (text.starts_with("glTF")) return true;
+  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+  const size_t first = text.find_first_not_of(" \t\r\n");
+  return first != std::string_view::npos && text[first] == '{';
+}
+
+Scene loadBuiltin(const std::string& source, const LoadOptions& options) {
+  if (!options.variant.empty())
+    badUsage("{} has no material variants: leave out the variant '{}'", source, options.variant);
+  Scene scene = makeBuiltin(source.substr(kBuiltin.size()));
+  scene.source = source;
+  return scene;
+}
+
+}  // namespace
+
+size_t Texture::bytes() const {
+  size_t texels = 0;
+  for (uint32_t level = 0; level < levels; ++level)
+    texels += size_t{std::max(1u, width >> level)} * std::max(1u, height >> level);
+  return texels * 4;
+}
+
+uint64_t Scene::triangleCount() const {
+  uint64_t count = 0;
+  for (const Instance& instance : instances) count += meshes[instance.mesh].indices.size() / 3;
+  return count;
+}
+
+Bounds worldBounds(const Scene& scene) {
+  Bounds bounds;
+  for (const Instance& instance : scene.instances) {
+    const Mesh& mesh = scene.meshes[instance.mesh];
+    if (mesh.positions.empty()) continue;
+    for (int corner = 0; corner < 8; ++corner) {
+      const vec3 p(corner & 1 ? mesh.boundsMax.x : mesh.boundsMin.x, corner & 2 ? mesh.boundsMax.y : mesh.boundsMin.y,
+                   corner & 4 ? mesh.boundsMax.z : mesh.boundsMin.z);
+      const vec3 world = instance.toWorld * vec4(p, 1.0f);
+      bounds.min = glm::min(bounds.min, world);
+      bounds.max = glm::max(bounds.max, world);
+    }
+  }
+  return bounds;
+}
+
+mat4 toWorldFromGltf() {
+  // Columns: where glTF's X (right), Y (up) and Z (towards the viewer) point in the world.
+  return mat4(vec4(1, 0, 0, 0), vec4(0, 0, 1, 0), vec4(0, -1, 0, 0), vec4(0, 0, 0, 1));
+}
+
+mat4 toGltfFromWorld() {
+  return glm::transpose(toWorldFromGltf());
+}
+
+Scene load(const std::string& source, const LoadOptions& options) {
+  if (source.starts_with(kBuiltin)) return loadBuiltin(source, options);
+  const std::filesystem::path path(source);
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  if (!std::filesystem::exists(status))
+    badInput("There is no scene file {}: give a .gltf or .glb file, or a built-in scene such as builtin:hall", source);
+  if (std::filesystem::is_directory(status))
+    badInput("{} is a folder: give a .gltf or .glb file, or a built-in scene such as builtin:hall", source);
+  if (!endsWith(source, ".gltf") && !endsWith(source, ".glb") && !looksLikeGltf(path))
+    badInput("{} is not a glTF file: give a .gltf or .glb file, or a built-in scene such as builtin:hall", source);
+  return loadGltf(path, options);
+}
+
+}  // namespace latelight::scene

@@ -1,0 +1,124 @@
+#include "scene/builtin.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+
+#include "base/error.h"
+#include "scene/builtin/make.h"
+
+namespace latelight::scene {
+namespace {
+
+std::string countText(uint64_t n) {
+  if (n >= 1'000'000 && n % 1'000'000 == 0) return fmt::format("{}M", n / 1'000'000);
+  if (n >= 1'000 && n % 1'000 == 0) return fmt::format("{}k", n / 1'000);
+  return fmt::format("{}", n);
+}
+
+std::string parameterList(const Builtin& builtin) {
+  std::string text;
+  for (const BuiltinParameter& p : builtin.parameters)
+    text += fmt::format("{}{} ({} to {})", text.empty() ? "" : ", ", p.key, countText(p.least), countText(p.most));
+  return text.empty() ? "none" : text;
+}
+
+std::string sceneList() {
+  std::string text;
+  for (const Builtin& builtin : builtins()) text += fmt::format("{}builtin:{}", text.empty() ? "" : ", ", builtin.name);
+  return text;
+}
+
+const Builtin& findBuiltin(std::string_view name) {
+  for (const Builtin& builtin : builtins())
+    if (builtin.name == name) return builtin;
+  badUsage("There is no built-in scene '{}': there are {}", name, sceneList());
+}
+
+// "300k", "1.5M", "42": digits, at most one point, and a suffix. Nothing if it's not a whole number that fits.
+bool parseCount(std::string_view text, uint64_t& count) {
+  uint64_t unit = 1;
+  if (text.ends_with('k')) unit = 1'000;
+  if (text.ends_with('M')) unit = 1'000'000;
+  if (unit > 1) text.remove_suffix(1);
+  const size_t point = std::min(text.find('.'), text.size());
+  const std::string_view whole = text.substr(0, point);
+  const std::string_view fraction = text.substr(std::min(point + 1, text.size()));
+  const auto parse = [](std::string_view digits, uint64_t& value) {
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    return error == std::errc() && end == digits.data() + digits.size() && value < uint64_t{1} << 40;
+  };
+  if (!parse(whole, count)) return false;
+  count *= unit;
+  if (point == text.size()) return true;
+  if (fraction.empty() || fraction.size() > 6) return false;
+  uint64_t parts = 0;
+  if (!parse(fraction, parts)) return false;
+  for (size_t i = 0; i < fraction.size(); ++i) {
+    if (unit % 10 != 0) return false;
+    unit /= 10;
+  }
+  count += parts * unit;
+  return true;
+}
+
+void setParameter(const Builtin& builtin, std::string_view setting, std::vector<uint64_t>& values) {
+  const size_t equals = setting.find('=');
+  const std::string_view key = setting.substr(0, equals);
+  const auto found = std::find_if(builtin.parameters.begin(), builtin.parameters.end(),
+                                  [&](const BuiltinParameter& p) { return p.key == key; });
+  if (equals == std::string_view::npos || found == builtin.parameters.end())
+    badUsage("builtin:{} has no parameter '{}': its parameters are {}, written key=value", builtin.name, setting,
+             parameterList(builtin));
+  uint64_t value = 0;
+  if (!parseCount(setting.substr(equals + 1), value) || value < found->least || value > found->most)
+    badUsage("builtin:{} can't have {}: give {} a whole number from {} to {} (k and M are thousands and millions)",
+             builtin.name, setting, key, countText(found->least), countText(found->most));
+  values[static_cast<size_t>(found - builtin.parameters.begin())] = value;
+}
+
+constexpr BuiltinParameter kHallParameters[] = {
+    {"triangles", "of all instances together", 50'000, 50'000'000, 300'000},
+    {"lights", "point lights", 1, 1'000'000, 100},
+    {"seed", "another arrangement", 0, 1'000'000, 1},
+};
+
+constexpr Builtin kBuiltins[] = {
+    {"hall", "a colonnaded hall with a coffered vault, lit by warm lights", kHallParameters,
+     [](std::span<const uint64_t> v) { return builtin::makeHall(v[0], static_cast<uint32_t>(v[1]), v[2]); }},
+    {"spheres",
+     "metalness and roughness over a grid of spheres",
+     {},
+     [](std::span<const uint64_t>) { return builtin::makeSpheres(); }},
+    {"boxes",
+     "axis-aligned boxes with a closed-form answer",
+     {},
+     [](std::span<const uint64_t>) { return builtin::makeBoxes(); }},
+};
+
+}  // namespace
+
+std::span<const Builtin> builtins() {
+  return kBuiltins;
+}
+
+Scene makeBuiltin(const std::string& name) {
+  std::string_view rest = name;
+  const Builtin& builtin = findBuiltin(rest.substr(0, rest.find(',')));
+  std::vector<uint64_t> values;
+  for (const BuiltinParameter& p : builtin.parameters) values.push_back(p.normal);
+  rest.remove_prefix(builtin.name.size());
+  while (!rest.empty()) {
+    rest.remove_prefix(1);
+    const size_t end = std::min(rest.find(','), rest.size());
+    setParameter(builtin, rest.substr(0, end), values);
+    rest.remove_prefix(end);
+  }
+  Scene scene = builtin.make(values);
+  scene.name = builtin.name;
+  scene.source = "builtin:" + name;
+  return scene;
+}
+
+}  // namespace latelight::scene

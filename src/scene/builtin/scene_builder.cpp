@@ -1,0 +1,84 @@
+#include "scene/builtin/scene_builder.h"
+
+#include <fmt/format.h>
+
+#include "base/hash.h"
+
+namespace latelight::scene::builtin {
+
+SceneBuilder::SceneBuilder(const std::string& root) {
+  Node node;
+  node.name = root;
+  node.path = "/" + root;
+  node.toWorld = toWorldFromGltf();
+  paths_.insert(node.path);
+  scene.nodes.push_back(std::move(node));
+}
+
+uint32_t SceneBuilder::addNode(const std::string& name, uint32_t parent, const mat4& local) {
+  Node node;
+  node.name = name;
+  node.parent = static_cast<int>(parent);
+  node.local = local;
+  node.toWorld = scene.nodes[parent].toWorld * local;
+  const std::string path = scene.nodes[parent].path + "/" + name;
+  node.path = path;
+  for (int twin = 2; !paths_.insert(node.path).second; ++twin) node.path = fmt::format("{}#{}", path, twin);
+  scene.nodes.push_back(std::move(node));
+  return static_cast<uint32_t>(scene.nodes.size() - 1);
+}
+
+uint32_t SceneBuilder::addInstance(const std::string& name, uint32_t parent, uint32_t mesh, uint32_t material,
+                                   const mat4& local) {
+  const uint32_t node = addNode(name, parent, local);
+  Instance instance;
+  instance.mesh = mesh;
+  instance.material = material;
+  instance.node = node;
+  instance.toWorld = scene.nodes[node].toWorld;
+  instance.id = hash32(scene.nodes[node].path);
+  while (instance.id == 0 || !ids_.insert(instance.id).second) ++instance.id;
+  scene.instances.push_back(instance);
+  return node;
+}
+
+void SceneBuilder::addCamera(const std::string& name, vec3 eye, vec3 target, float verticalFov, float nearClip) {
+  const vec3 away = glm::normalize(target - eye);
+  const vec3 right = glm::normalize(glm::cross(away, vec3(0, 1, 0)));
+  Camera camera;
+  camera.name = name;
+  camera.toWorld =
+      toWorldFromGltf() * mat4(vec4(right, 0), vec4(away, 0), vec4(glm::cross(right, away), 0), vec4(eye, 1));
+  camera.verticalFov = verticalFov;
+  camera.nearClip = nearClip;
+  scene.cameras.push_back(std::move(camera));
+}
+
+Material plainMaterial(const std::string& name, vec3 baseColor, float metallic, float roughness) {
+  Material material;
+  material.name = name;
+  shared::Material& data = material.data;
+  data.baseColor = vec4(baseColor, 1);
+  data.metallic = metallic;
+  data.roughness = roughness;
+  data.normalScale = 1;
+  data.occlusionStrength = 1;
+  data.alphaCutoff = 0.5f;
+  data.specularColor = vec3(1);
+  data.specular = 1;
+  data.f0 = 0.04f;
+  for (shared::TextureTransform& transform : data.transforms) transform = {vec3(1, 0, 0), vec3(0, 1, 0), 0};
+  return material;
+}
+
+void computeBounds(Mesh& mesh) {
+  Bounds bounds;
+  for (const vec3& p : mesh.positions) {
+    bounds.min = glm::min(bounds.min, p);
+    bounds.max = glm::max(bounds.max, p);
+  }
+  mesh.boundsMin = bounds.min;
+  mesh.boundsMax = bounds.max;
+}
+
+}  // namespace latelight::scene::builtin

@@ -1,0 +1,35 @@
+// Adds nodes, instances, lights and cameras to a scene in glTF's frame, and keeps paths and ids unique.
+#pragma once
+
+#include <string>
+#include <unordered_set>
+
+#include "scene/scene.h"
+
+namespace latelight::scene::builtin {
+
+class SceneBuilder {
+ public:
+  explicit SceneBuilder(const std::string& root);
+
+  // A node under `parent`; its path is the parent's, a slash and the name, with "#2" and so on for twins.
+  uint32_t addNode(const std::string& name, uint32_t parent, const mat4& local = mat4(1));
+  // A node with a mesh. The instance's id is the hash of the node's path, or the next free number after it.
+  uint32_t addInstance(const std::string& name, uint32_t parent, uint32_t mesh, uint32_t material,
+                       const mat4& local = mat4(1));
+  void addCamera(const std::string& name, vec3 eye, vec3 target, float verticalFov, float nearClip);
+
+  static constexpr uint32_t kRoot = 0;
+  Scene scene;
+
+ private:
+  std::unordered_set<std::string> paths_;
+  std::unordered_set<uint32_t> ids_;
+};
+
+// A material with neutral glTF defaults and no textures.
+Material plainMaterial(const std::string& name, vec3 baseColor, float metallic, float roughness);
+
+void computeBounds(Mesh& mesh);
+
+}  // namespace latelight::scene::builtin

@@ -1,0 +1,149 @@
+#include "scene/framing.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "base/error.h"
+
+namespace latelight::scene {
+namespace {
+
+using glm::dvec3;
+
+constexpr double kAzimuth = 0.6, kElevation = 0.3;  // of the default view
+constexpr double kMargin = 0.04;                    // of the picture's half extents, on each side
+constexpr double kLargest = 1e15;                   // beyond, squares leave the range of float
+
+// What there is to see: never empty, never without extent.
+struct Box {
+  dvec3 min, max;
+  dvec3 centre() const { return (min + max) * 0.5; }
+  double radius() const { return glm::length(max - min) * 0.5; }
+};
+
+Box visibleBox(const Scene& scene) {
+  const Bounds bounds = worldBounds(scene);
+  Box box{dvec3(-0.5), dvec3(0.5)};
+  const auto sane = [](vec3 v) {
+    return std::abs(double{v.x}) < kLargest && std::abs(double{v.y}) < kLargest && std::abs(double{v.z}) < kLargest;
+  };
+  if (bounds.empty() || !sane(bounds.min) || !sane(bounds.max)) return box;
+  box = {dvec3(bounds.min), dvec3(bounds.max)};
+  // A point, or something so small for where it is that float can't resolve a camera around it.
+  const dvec3 c = box.centre();
+  const double resolvable = 1e-5 * std::max({std::abs(c.x), std::abs(c.y), std::abs(c.z)});
+  const double least = std::max(resolvable, 1e-15);
+  if (box.radius() < least) {
+    const double half = box.radius() == 0.0 && resolvable < 0.5 ? 0.5 : least;
+    box = {c - half, c + half};
+  }
+  return box;
+}
+
+// The axes of a camera in the world.
+struct Axes {
+  dvec3 right, away, up;
+};
+
+// Built from the angles themselves, so that nothing degenerates at the poles.
+Axes orbitAxes(double azimuth, double elevation) {
+  const double sa = std::sin(azimuth), ca = std::cos(azimuth), se = std::sin(elevation), ce = std::cos(elevation);
+  const dvec3 right(ca, sa, 0), away(-sa * ce, ca * ce, -se);
+  return {right, away, glm::cross(right, away)};
+}
+
+double distanceTo(const Box& box, dvec3 p) {
+  return glm::length(glm::max(glm::max(box.min - p, p - box.max), dvec3(0)));
+}
+
+Camera makeCamera(const Box& box, const Axes& axes, dvec3 eye, double verticalFov) {
+  Camera camera;
+  camera.name = "auto";
+  camera.toWorld = mat4(vec4(axes.right, 0), vec4(axes.away, 0), vec4(axes.up, 0), vec4(eye, 1));
+  camera.verticalFov = static_cast<float>(verticalFov);
+  // Reversed float depth has the same relative precision for every near plane, so inside a scene a tiny one is free.
+  camera.nearClip = static_cast<float>(std::max(0.5 * distanceTo(box, eye), 1e-4 * box.radius()));
+  return camera;
+}
+
+// The closest eye from which all corners of the box are inside the frustum, in camera axes with the origin at the box's
+// centre. |x - ex| <= h (y - ey) for all corners holds when x - h y <= ex - h ey and -x - h y <= -ex - h ey: with the
+// greatest left sides P and Q, ey <= -(P + Q) / 2h, and ex lies between P + h ey and -Q - h ey. The same for z.
+dvec3 fittingEye(const Box& box, const Axes& axes, double h, double v) {
+  double p = -1e300, q = -1e300, r = -1e300, s = -1e300;
+  for (int corner = 0; corner < 8; ++corner) {
+    const dvec3 half = (box.max - box.min) * 0.5;
+    const dvec3 c(corner & 1 ? half.x : -half.x, corner & 2 ? half.y : -half.y, corner & 4 ? half.z : -half.z);
+    const double x = glm::dot(c, axes.right), y = glm::dot(c, axes.away), z = glm::dot(c, axes.up);
+    p = std::max(p, x - h * y);
+    q = std::max(q, -x - h * y);
+    r = std::max(r, z - v * y);
+    s = std::max(s, -z - v * y);
+  }
+  const double ey = std::min(-(p + q) / (2 * h), -(r + s) / (2 * v));
+  return box.centre() + axes.right * ((p - q) * 0.5) + axes.away * ey + axes.up * ((r - s) * 0.5);
+}
+
+void checkFov(float verticalFov) {
+  if (!(verticalFov > 0.0f && verticalFov < shared::kPi))
+    badUsage("A field of view of {:g} degrees shows nothing: give one between 0 and 180", glm::degrees(verticalFov));
+}
+
+bool finite(vec3 v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+dvec3 toWorld(const Scene& scene, vec3 v) {
+  return scene.yUp ? dvec3(v.x, -v.z, v.y) : dvec3(v);
+}
+
+}  // namespace
+
+Camera frameScene(const Scene& scene, float aspect) {
+  if (!(aspect > 0.0f && std::isfinite(aspect)))
+    badUsage("A picture of aspect {:g} can't be framed: width and height must be positive", aspect);
+  const Box box = visibleBox(scene);
+  const Axes axes = orbitAxes(kAzimuth, kElevation);
+  // Pictures far from square are narrowed along their long side before the perspective there gets extreme.
+  double v = std::tan(0.5 * kDefaultVerticalFov);
+  if (aspect < 1.0f) v /= std::max(double{aspect}, 0.5);
+  if (aspect > 2.5f) v *= 2.5 / aspect;
+  const double h = v * aspect;
+  const double inner = 1.0 - kMargin;
+  return makeCamera(box, axes, fittingEye(box, axes, h * inner, v * inner), 2.0 * std::atan(v));
+}
+
+Camera orbitCamera(const Scene& scene, float azimuth, float elevation, std::optional<float> distance, float verticalFov,
+                   float aspect) {
+  checkFov(verticalFov);
+  if (!std::isfinite(azimuth) || !std::isfinite(elevation)) badUsage("An orbit needs two finite angles");
+  if (distance && !(*distance > 0.0f && std::isfinite(*distance)))
+    badUsage("An orbit at distance {:g} m is not possible: give a positive distance", *distance);
+  if (!(aspect > 0.0f && std::isfinite(aspect)))
+    badUsage("A picture of aspect {:g} can't be framed: width and height must be positive", aspect);
+  const Box box = visibleBox(scene);
+  const Axes axes = orbitAxes(azimuth, elevation);
+  const double half = std::atan(std::tan(0.5 * verticalFov) * std::min(1.0, double{aspect}));
+  const double away = distance ? double{*distance} : box.radius() / std::sin(half) * (1.0 + kMargin);
+  return makeCamera(box, axes, box.centre() - axes.away * away, verticalFov);
+}
+
+Camera lookAt(const Scene& scene, vec3 eye, vec3 target, std::optional<vec3> up, float verticalFov) {
+  checkFov(verticalFov);
+  if (!finite(eye) || !finite(target) || (up && !finite(*up))) badUsage("A camera needs finite coordinates");
+  const dvec3 from = toWorld(scene, eye), direction = toWorld(scene, target) - from;
+  const double length = glm::length(direction);
+  if (!(length > 0.0))
+    badUsage("The camera's eye and target are both ({:g}, {:g}, {:g}): set them apart", eye.x, eye.y, eye.z);
+  const dvec3 away = direction / length;
+  dvec3 upward = up ? toWorld(scene, *up) : dvec3(0, 0, 1);
+  if (!up && glm::length(glm::cross(away, upward)) < 1e-6) upward = dvec3(0, 1, 0);
+  const dvec3 right = glm::cross(away, upward);
+  if (!(glm::length(right) > 1e-6 * glm::length(upward)))
+    badUsage("The camera's up direction is zero or along its view: give one across it");
+  const dvec3 unitRight = glm::normalize(right);
+  return makeCamera(visibleBox(scene), {unitRight, away, glm::cross(unitRight, away)}, from, verticalFov);
+}
+
+}  // namespace latelight::scene
