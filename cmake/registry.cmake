@@ -66,13 +66,13 @@ SH_END
 #endif
 ")
 
-# generated/layout/<name>/layout.h: the one layout a shader is compiled for (#include MACRO does not work in glslang).
+# generated/layout/<name>/gbuffer_layout.h: the one layout a shader is compiled for (#include MACRO does not work in glslang).
 # generated/layouts.inc: LAYOUT(name) for each.
 # generated/layout/<name>/layout.cpp: its entry in the registry.
 set(layouts "")
 set(LATELIGHT_LAYOUT_SOURCES)
 foreach(name IN LISTS LATELIGHT_LAYOUTS)
-  latelight_generate(layout/${name}/layout.h "#include \"shared/gbuffer/${name}.h\"\n")
+  latelight_generate(layout/${name}/gbuffer_layout.h "#include \"shared/gbuffer/${name}.h\"\n")
   latelight_generate(layout/${name}/layout.cpp
     "#define LATELIGHT_LAYOUT ${name}\n#include \"shared/gbuffer/${name}.h\"\n#include \"render/gbuffer/layout_registration.h\"\n")
   list(APPEND LATELIGHT_LAYOUT_SOURCES ${LATELIGHT_GENERATED}/layout/${name}/layout.cpp)

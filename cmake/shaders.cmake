@@ -1,5 +1,5 @@
-# Every shader under src/render becomes SPIR-V and is embedded, named by its file. A shader that includes "layout.h" is
-# compiled once for each G-buffer layout and named <file>@<layout>.
+# Every shader under src/render becomes SPIR-V and is embedded, named by its file. A shader that includes "gbuffer_layout.h"
+# (or gbuffer_read.glsl, which does) is compiled once for each G-buffer layout and named <file>@<layout>.
 set(LATELIGHT_SPIRV ${PROJECT_BINARY_DIR}/spirv)
 
 function(latelight_compile_shader source name includes out)
@@ -10,6 +10,7 @@ function(latelight_compile_shader source name includes out)
             --depfile ${spirv}.d -o ${spirv} ${source}
     MAIN_DEPENDENCY ${source}
     DEPFILE ${spirv}.d
+    VERBATIM
     COMMENT "Compiling shader ${name}")
   set(${out} ${spirv} PARENT_SCOPE)
 endfunction()
@@ -27,7 +28,7 @@ function(latelight_shaders module)
     get_filename_component(file ${source} NAME)
     file(READ ${source} text)
     set(variants "-")
-    if(text MATCHES "#include \"layout.h\"")
+    if(text MATCHES "#include \"(gbuffer_layout.h|render/glsl/gbuffer_read.glsl)\"")
       set(variants ${LATELIGHT_LAYOUTS})
     endif()
     foreach(variant IN LISTS variants)

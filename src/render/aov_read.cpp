@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "base/parallel.h"
+#include "render/post/resolve.h"
 #include "scene/half.h"
 
 namespace latelight::render {

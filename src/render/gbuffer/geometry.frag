@@ -1,7 +1,8 @@
 #version 460
+#extension GL_GOOGLE_include_directive : require
 #include "render/glsl/common.glsl"
 #include "render/gbuffer/geometry.glsl"
-#include "layout.h"
+#include "gbuffer_layout.h"
 
 layout(constant_id = 0) const uint kNormalEncoding = 0;
 layout(constant_id = 1) const uint kAlphaMasked = 0;

@@ -1,4 +1,5 @@
 #version 460
+#extension GL_GOOGLE_include_directive : require
 #define GEOMETRY_VERTEX
 #include "render/glsl/common.glsl"
 #include "render/gbuffer/geometry.glsl"

@@ -1,5 +1,4 @@
 // Every shader's first include (after #version): extensions, shared headers, scene data by address.
-#extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_buffer_reference2 : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require

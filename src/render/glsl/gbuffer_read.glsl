@@ -1,6 +1,6 @@
 // Reading the G-buffer of the layout this shader is compiled for: set 0, bindings 0... in the order of the layout's
 // targets, then depth, then the light accumulation target. All are arrays with a layer a view.
-#include "layout.h"
+#include "gbuffer_layout.h"
 
 #define GBUFFER_SAMPLER_vec4 sampler2DArray
 #define GBUFFER_SAMPLER_uvec2 usampler2DArray

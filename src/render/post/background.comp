@@ -1,4 +1,5 @@
 #version 460
+#extension GL_GOOGLE_include_directive : require
 // The environment where nothing is drawn.
 #include "render/glsl/common.glsl"
 #include "shared/environment.h"

@@ -1,4 +1,5 @@
 #version 460
+#extension GL_GOOGLE_include_directive : require
 // The finished picture: tonemap, background colour, sRGB, 8 bits.
 #include "render/glsl/common.glsl"
 #include "shared/color.h"

@@ -1,7 +1,5 @@
 #include "render/post/resolve.h"
 
-#include <glm/vec4.hpp>
-
 namespace latelight::render {
 
 namespace {

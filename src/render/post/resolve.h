@@ -1,6 +1,8 @@
 // From lit frames to the finished picture: accumulation of jittered frames, then tonemapping to 8 bits.
 #pragma once
 
+#include <glm/vec4.hpp>
+
 #include "graph/graph.h"
 #include "vk/pipeline.h"
 
