@@ -1,0 +1,137 @@
+#include "shared/light.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace latelight::shared {
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+Light pointLight(vec3 position, vec3 intensity, float reach) {
+  Light light{};
+  light.type = kLightPoint;
+  light.position = position;
+  light.intensity = intensity;
+  light.reach = reach;
+  return light;
+}
+
+TEST(LightWindow, IsTheOneOfKhrLightsPunctual) {
+  EXPECT_EQ(lightWindow(0.0f, 8.0f), 1.0f);
+  EXPECT_FLOAT_EQ(lightWindow(4.0f, 8.0f), 0.9375f);      // 1 - (1/2)^4
+  EXPECT_FLOAT_EQ(lightWindow(6.0f, 8.0f), 0.68359375f);  // 1 - (3/4)^4
+  EXPECT_EQ(lightWindow(8.0f, 8.0f), 0.0f);
+  EXPECT_EQ(lightWindow(9.0f, 8.0f), 0.0f);
+  EXPECT_EQ(lightWindow(1e30f, 8.0f), 0.0f);
+  EXPECT_EQ(lightWindow(1e30f, kInfinity), 1.0f);
+  EXPECT_EQ(lightWindow(0.0f, 0.0f), 0.0f);  // a light without reach, not 0 / 0
+}
+
+TEST(LightReach, IsTheRangeWhereThereIsOne) {
+  EXPECT_EQ(lightReach(vec3(1e6f, 0.0f, 0.0f), 3.5f, kLightThreshold), 3.5f);
+}
+
+TEST(LightReach, EndsWhereTheStrongestChannelFallsToTheThreshold) {
+  const vec3 intensity(1.0f, 100.0f, 4.0f);
+  for (const float none : {0.0f, -1.0f, kInfinity}) {
+    EXPECT_FLOAT_EQ(lightReach(intensity, none, kLightThreshold), 640.0f);  // sqrt(100 * 4096)
+    EXPECT_FLOAT_EQ(lightReach(intensity, none, 1.0f), 10.0f);
+  }
+  EXPECT_EQ(lightReach(vec3(0.0f, 0.0f, 0.0f), 0.0f, kLightThreshold), 0.0f);
+}
+
+// What the threshold promises: no window of an unlimited light changes a white Lambertian surface by more than 0.257 of
+// the smallest 8-bit sRGB step, inside its reach or beyond.
+TEST(LightReach, WindowStaysUnderAQuarterOfAnEightBitStep) {
+  const double step = 1.0 / (12.92 * 255.0);
+  double worst = 0.0;
+  for (const float candela : {0.01f, 1.0f, 60.0f, 1e5f}) {
+    const float reach = lightReach(vec3(candela, candela, candela), 0.0f, kLightThreshold);
+    const Light light = pointLight(vec3(0.0f, 0.0f, 0.0f), vec3(candela, candela, candela), reach);
+    for (float x = 0.01f; x < 3.0f; x += 0.001f) {
+      const double unlimited = candela / (double(reach) * x * reach * x);
+      const double windowed = sampleLight(light, vec3(reach * x, 0.0f, 0.0f)).irradiance.x;
+      EXPECT_LE(std::abs(windowed - unlimited), kLightThreshold * 1.0001 + 3e-7 * unlimited);
+      worst = std::max(worst, std::abs(windowed - unlimited) - 3e-7 * unlimited);
+    }
+  }
+  EXPECT_GT(worst / M_PI / step, 0.25);  // the bound is tight: it is reached at the reach itself
+  EXPECT_LT(worst / M_PI / step, 0.257);
+}
+
+TEST(SampleLight, DirectionalIsTheSameEverywhere) {
+  Light light{};
+  light.type = kLightDirectional;
+  light.direction = vec3(0.0f, 0.6f, -0.8f);
+  light.intensity = vec3(3.0f, 2.0f, 1.0f);
+  light.reach = kInfinity;
+  const LightSample s = sampleLight(light, vec3(1e5f, -3.0f, 7.0f));
+  EXPECT_EQ(s.toLight, vec3(0.0f, -0.6f, 0.8f));
+  EXPECT_EQ(s.irradiance, light.intensity);
+}
+
+TEST(SampleLight, PointFollowsTheInverseSquare) {
+  const Light light = pointLight(vec3(1.0f, 2.0f, 3.0f), vec3(8.0f, 4.0f, 2.0f), kInfinity);
+  const LightSample s = sampleLight(light, vec3(1.0f, 2.0f, 1.0f));
+  EXPECT_EQ(s.toLight, vec3(0.0f, 0.0f, 1.0f));
+  EXPECT_EQ(s.irradiance, vec3(2.0f, 1.0f, 0.5f));
+}
+
+TEST(SampleLight, RangeOfFourHalvesNothingButTheWindow) {
+  const Light light = pointLight(vec3(0.0f, 0.0f, 0.0f), vec3(4.0f, 4.0f, 4.0f), 4.0f);
+  EXPECT_FLOAT_EQ(sampleLight(light, vec3(0.0f, 2.0f, 0.0f)).irradiance.x, 0.9375f);
+  EXPECT_EQ(sampleLight(light, vec3(0.0f, 4.0f, 0.0f)).irradiance.x, 0.0f);
+}
+
+TEST(SampleLight, StaysFiniteAtTheLightItself) {
+  for (const uint type : {kLightPoint, kLightSpot}) {
+    Light light = pointLight(vec3(1.0f, 2.0f, 3.0f), vec3(1e5f, 1e5f, 1e5f), 10.0f);
+    light.type = type;
+    light.direction = vec3(0.0f, 0.0f, -1.0f);
+    spotCone(0.2f, 0.4f, light.spotScale, light.spotOffset);
+    const LightSample s = sampleLight(light, light.position);
+    EXPECT_EQ(s.toLight, vec3(0.0f, 0.0f, 0.0f));
+    EXPECT_TRUE(std::isfinite(s.irradiance.x));
+  }
+}
+
+TEST(SampleLight, StaysFiniteFarAway) {
+  const Light light = pointLight(vec3(0.0f, 0.0f, 0.0f), vec3(1e5f, 1e5f, 1e5f), 10.0f);
+  EXPECT_EQ(sampleLight(light, vec3(1e25f, 0.0f, 0.0f)).irradiance, vec3(0.0f, 0.0f, 0.0f));
+}
+
+// One candela at one metre along a ray `angle` off the axis.
+float spotAt(float inner, float outer, float angle) {
+  Light light = pointLight(vec3(0.0f, 0.0f, 0.0f), vec3(1.0f, 1.0f, 1.0f), kInfinity);
+  light.type = kLightSpot;
+  light.direction = vec3(0.0f, 1.0f, 0.0f);
+  spotCone(inner, outer, light.spotScale, light.spotOffset);
+  return sampleLight(light, vec3(std::sin(angle), std::cos(angle), 0.0f)).irradiance.x;
+}
+
+TEST(SpotCone, IsFullInsideTheInnerAndDarkOutsideTheOuterAngle) {
+  const float inner = 0.3f, outer = 0.7f;
+  EXPECT_EQ(spotAt(inner, outer, 0.0f), 1.0f);
+  EXPECT_NEAR(spotAt(inner, outer, inner), 1.0f, 1e-5f);
+  EXPECT_NEAR(spotAt(inner, outer, outer), 0.0f, 1e-5f);
+  EXPECT_EQ(spotAt(inner, outer, outer + 0.01f), 0.0f);
+  EXPECT_EQ(spotAt(inner, outer, 3.0f), 0.0f);
+}
+
+// Cosines 1 (inner 0) and 1/2 (outer 60 degrees): at the cosine 3/4 the ramp is (3/4 - 1/2) * 2 = 1/2, squared 1/4.
+TEST(SpotCone, RampsWithTheSquareOfTheCosine) {
+  EXPECT_NEAR(spotAt(0.0f, std::acos(0.5f), std::acos(0.75f)), 0.25f, 1e-5f);
+}
+
+TEST(SpotCone, HardEdgeIsFinite) {
+  float scale = 0.0f, offset = 0.0f;
+  spotCone(0.5f, 0.5f, scale, offset);
+  EXPECT_FLOAT_EQ(scale, 1000.0f);  // the extension's floor of 0.001 under the cosines' difference
+  EXPECT_EQ(spotAt(0.5f, 0.5f, 0.45f), 1.0f);
+  EXPECT_EQ(spotAt(0.5f, 0.5f, 0.55f), 0.0f);
+}
+
+}  // namespace
+}  // namespace latelight::shared
