@@ -2,11 +2,12 @@
 # folders and writes what the code includes; nothing else names them.
 set(LATELIGHT_GENERATED ${PROJECT_BINARY_DIR}/generated)
 
-function(latelight_list out glob)
+# latelight_list(out glob directories?): the names, without ending, of the folders or of the headers that match.
+function(latelight_list out glob directories)
   file(GLOB entries CONFIGURE_DEPENDS LIST_DIRECTORIES true ${PROJECT_SOURCE_DIR}/${glob})
   set(names)
   foreach(entry IN LISTS entries)
-    if(IS_DIRECTORY ${entry} OR entry MATCHES "\\.h$")
+    if((directories AND IS_DIRECTORY ${entry}) OR (NOT directories AND entry MATCHES "\\.h$"))
       get_filename_component(name ${entry} NAME_WE)
       list(APPEND names ${name})
     endif()
@@ -20,10 +21,9 @@ function(latelight_generate path text)
   file(CONFIGURE OUTPUT ${LATELIGHT_GENERATED}/${path} CONTENT "${text}" @ONLY)
 endfunction()
 
-latelight_list(LATELIGHT_LAYOUTS src/shared/gbuffer/*.h)
-latelight_list(LATELIGHT_NORMALS src/shared/normal/*.h)
-latelight_list(LATELIGHT_LIGHTING src/render/lighting/*)
-list(FILTER LATELIGHT_LIGHTING EXCLUDE REGEX "^lighting$")
+latelight_list(LATELIGHT_LAYOUTS src/shared/gbuffer/* FALSE)
+latelight_list(LATELIGHT_NORMALS src/shared/normal/* FALSE)
+latelight_list(LATELIGHT_LIGHTING src/render/lighting/* TRUE)
 
 # generated/normals.h (GLSL and C++): every encoding, numbered in the order of their names, and the switch over them.
 set(includes "") 
