@@ -22,7 +22,7 @@ struct Visible {
 struct State {
   VkImageLayout layout = VK_IMAGE_LAYOUT_UNDEFINED;
   bool defined = false;  // it has contents
-  bool written = false;  // by this plan
+  bool changed = false;  // by this plan: written, or moved to another layout
   // Where the contents come from: the last write. After a layout transition, which no stage performs and which is
   // available at once, the stages that waited for it: a barrier that starts there is ordered after it.
   VkPipelineStageFlags2 sourceStages = 0;
@@ -64,16 +64,20 @@ std::optional<Barrier> State::use(const Need& need) {
   const bool hazard = need.writing ? (sourceStages | readStages) != 0 : sourceStages != 0 && !sees(need);
   const bool needed = transition || hazard;
 
+  // A buffer that only the host wrote: readers must be over, nothing must become visible.
+  const bool executionOnly = !transition && sourceStages == 0;
+
   std::optional<Barrier> barrier;
   if (needed) {
     barrier = Barrier{.sourceStage = waitForReads ? readStages : sourceStages,
                       .targetStage = need.stages,
                       .sourceAccess = waitForReads ? 0 : sourceAccess,
-                      .targetAccess = need.access,
+                      .targetAccess = executionOnly ? 0 : need.access,
                       .oldLayout = transition && !need.keeps ? VK_IMAGE_LAYOUT_UNDEFINED : layout,
                       .newLayout = need.layout};
   }
   if (transition || need.writing) {
+    changed = true;
     sourceStages = need.stages;
     sourceAccess = need.writing;
     readStages = 0;
@@ -85,7 +89,6 @@ std::optional<Barrier> State::use(const Need& need) {
   }
   layout = need.layout;
   defined = true;
-  written |= need.writing != 0;
   return barrier;
 }
 
@@ -108,11 +111,7 @@ class States {
     }
   }
 
-  // Whether `before` no longer describes the resource.
-  bool changed(size_t index, Use before) const {
-    const State& state = states_[index];
-    return state.written || (kImages && state.layout != useInfo(before).layout);
-  }
+  const State& operator[](size_t index) const { return states_[index]; }
 
   void gather(Id id, Use use) {
     if (needs_[id.index].stages == 0) touched_.push_back(id);
@@ -153,7 +152,7 @@ void gatherFinal(const Nodes& nodes, States<Id>& states) {
     const auto& node = nodes[i];
     if (node.exported) {
       states.gather({i}, *node.exported);
-    } else if (node.before && states.changed(i, *node.before)) {
+    } else if (node.before && states[i].changed) {
       states.gather({i}, *node.before);
     }
   }

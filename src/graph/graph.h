@@ -111,7 +111,7 @@ class Graph {
   ImageId create(const vk::ImageDesc& desc);  // transient: lives in the executor's pool, contents undefined at first
   BufferId create(const vk::BufferDesc& desc);
   // Resources from outside. `before`: how they were used last, or nothing if their contents don't matter (images) or
-  // came from the host (buffers). Those that are not exported go back to `before` if a pass changed that.
+  // came from the host (buffers). Those that are not exported go back to `before` after passes that changed them.
   ImageId import(const vk::Image& image, std::optional<Use> before);
   BufferId import(const vk::Buffer& buffer, std::optional<Use> before);
 

@@ -1,0 +1,32 @@
+// A small model of Vulkan's memory, written from the specification's chapter 7 and not from src/graph: it runs a plan
+// access by access and says what is wrong. Stricter than Vulkan in one way: a barrier orders only its own resource, so
+// that a missing barrier can't hide behind another's.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "graph/graph.h"
+
+namespace latelight::graph {
+
+struct Resource {
+  ImageId image;
+  BufferId buffer;
+  bool imported = false;
+  std::vector<Use> before, exported;  // one or none
+};
+
+struct ModelPass {
+  std::vector<Access> accesses;
+};
+
+// What is wrong with the plan, each in a few words; nothing if it is right.
+std::vector<std::string> findHazards(const std::vector<Resource>& resources, const std::vector<ModelPass>& passes,
+                                     const Plan& plan);
+
+// The exported contents, as hashes of all that went into them, when the passes listed run in that order.
+std::vector<uint64_t> exportedValues(const std::vector<Resource>& resources, const std::vector<ModelPass>& passes,
+                                     const std::vector<uint32_t>& order);
+
+}  // namespace latelight::graph

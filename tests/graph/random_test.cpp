@@ -1,0 +1,208 @@
+// Random graphs against the model of memory: every plan must be right, and nothing in it too much.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <numeric>
+#include <random>
+
+#include "graph/graph.h"
+#include "memory_model.h"
+#include "plan_text.h"
+
+namespace latelight::graph {
+namespace {
+
+const std::vector<std::vector<Use>> kImageUses = {{Use::ColorAttachment},
+                                                  {Use::ColorAttachmentLoad},
+                                                  {Use::DepthAttachment},
+                                                  {Use::DepthAttachmentLoad},
+                                                  {Use::DepthTest},
+                                                  {Use::SampledFragment},
+                                                  {Use::SampledCompute},
+                                                  {Use::StorageRead},
+                                                  {Use::StorageWrite},
+                                                  {Use::StorageReadWrite},
+                                                  {Use::CopySource},
+                                                  {Use::CopyTarget},
+                                                  {Use::DepthTest, Use::SampledFragment},
+                                                  {Use::SampledFragment, Use::SampledCompute}};
+const std::vector<std::vector<Use>> kBufferUses = {
+    {Use::StorageRead},  {Use::StorageWrite}, {Use::StorageReadWrite}, {Use::VertexRead},
+    {Use::IndirectRead}, {Use::CopySource},   {Use::CopyTarget},       {Use::IndirectRead, Use::VertexRead}};
+
+bool needsContents(const std::vector<Use>& uses) {
+  for (const Use use : uses) {
+    if (reads(use) && use != Use::CopyTarget) return true;
+  }
+  return false;
+}
+
+// A graph with its own record of what was declared.
+struct RandomGraph {
+  explicit RandomGraph(uint32_t seed) : random(seed) {
+    const size_t resourceCount = 1 + pick(6);
+    for (size_t i = 0; i < resourceCount; ++i) addResource(i);
+    const size_t passCount = 1 + pick(16);
+    for (size_t i = 0; i < passCount; ++i) addPass(i);
+    for (size_t i = 0; i < resources.size(); ++i) addExport(i);
+  }
+
+  size_t pick(size_t count) { return random() % count; }
+
+  void addResource(size_t index) {
+    const std::string name = fmt::format("r{}", index);
+    const bool isImage = pick(2), imported = pick(3) == 0;
+    Resource resource{.imported = imported};
+    std::optional<Use> before;
+    if (imported && pick(3)) {
+      const auto& uses = isImage ? kImageUses : kBufferUses;
+      before = uses[pick(uses.size())][0];
+      resource.before = {*before};
+    }
+    if (isImage) {
+      resource.image = imported ? graph.import(outsideImage, before) : graph.create(vk::ImageDesc{.name = name});
+    } else {
+      resource.buffer = imported ? graph.import(outsideBuffer, before) : graph.create(vk::BufferDesc{.name = name});
+    }
+    defined.push_back(before || (imported && !isImage));
+    resources.push_back(resource);
+  }
+
+  void addPass(size_t index) {
+    ModelPass pass;
+    for (size_t i = 0; i < resources.size(); ++i) {
+      if (pick(2)) continue;
+      const auto& all = resources[i].image ? kImageUses : kBufferUses;
+      const std::vector<Use>& uses = all[pick(all.size())];
+      if (!defined[i] && needsContents(uses)) continue;
+      for (const Use use : uses) {
+        if (resources[i].image)
+          pass.accesses.emplace_back(resources[i].image, use);
+        else
+          pass.accesses.emplace_back(resources[i].buffer, use);
+        if (writes(use)) defined[i] = true;
+      }
+    }
+    graph.pass(fmt::format("p{}", index), pass.accesses, {});
+    passes.push_back(pass);
+  }
+
+  void addExport(size_t i) {
+    if (!defined[i] || pick(3) == 0) return;
+    const auto& all = resources[i].image ? kImageUses : kBufferUses;
+    const Use use = !resources[i].image && pick(2) ? Use::HostRead : all[pick(all.size())][0];
+    resources[i].exported = {use};
+    if (resources[i].image)
+      graph.exports(resources[i].image, use);
+    else
+      graph.exports(resources[i].buffer, use);
+  }
+
+  std::string text(const Plan& plan) const {
+    std::string result;
+    for (const std::string& line : planText(graph, plan)) result += line + "\n";
+    return result;
+  }
+
+  std::mt19937 random;
+  const vk::Image outsideImage;
+  const vk::Buffer outsideBuffer;
+  Graph graph;
+  std::vector<Resource> resources;
+  std::vector<ModelPass> passes;
+  std::vector<bool> defined;
+};
+
+constexpr uint32_t kGraphs = 5000;
+
+std::vector<Barrier*> allBarriers(Plan& plan) {
+  std::vector<Barrier*> all;
+  for (Plan::Step& step : plan.steps) {
+    for (Barrier& barrier : step.before) all.push_back(&barrier);
+  }
+  for (Barrier& barrier : plan.after) all.push_back(&barrier);
+  return all;
+}
+
+TEST(RandomGraphs, HaveNoHazards) {
+  size_t barriers = 0, steps = 0;
+  for (uint32_t seed = 0; seed < kGraphs; ++seed) {
+    const RandomGraph random(seed);
+    Plan plan = random.graph.compile();
+    const std::vector<std::string> wrong = findHazards(random.resources, random.passes, plan);
+    ASSERT_TRUE(wrong.empty()) << "seed " << seed << ": " << wrong[0] << "\n" << random.text(plan);
+    barriers += allBarriers(plan).size();
+    steps += plan.steps.size();
+  }
+  // The generator makes something to look at.
+  EXPECT_GT(barriers, 5 * kGraphs);
+  EXPECT_GT(steps, kGraphs);
+}
+
+TEST(RandomGraphs, HaveNoBarrierTooMany) {
+  for (uint32_t seed = 0; seed < kGraphs; ++seed) {
+    const RandomGraph random(seed);
+    const Plan plan = random.graph.compile();
+    const auto complains = [&](const Plan& less) {
+      return !findHazards(random.resources, random.passes, less).empty();
+    };
+    for (size_t s = 0; s <= plan.steps.size(); ++s) {
+      const size_t count = s < plan.steps.size() ? plan.steps[s].before.size() : plan.after.size();
+      for (size_t b = 0; b < count; ++b) {
+        Plan less = plan;
+        std::vector<Barrier>& list = s < plan.steps.size() ? less.steps[s].before : less.after;
+        list.erase(list.begin() + static_cast<ptrdiff_t>(b));
+        ASSERT_TRUE(complains(less)) << "seed " << seed << ", barrier " << b << " of step " << s << " is not needed\n"
+                                     << random.text(plan);
+      }
+    }
+  }
+}
+
+// Takes each bit away in turn.
+template <typename Flags>
+void expectEachBitNeeded(const RandomGraph& random, Plan& plan, Flags& flags, const char* what) {
+  const Flags whole = flags;
+  for (Flags rest = whole; rest; rest &= rest - 1) {
+    flags = whole & ~(rest & (~rest + 1));
+    ASSERT_FALSE(findHazards(random.resources, random.passes, plan).empty()) << what << " has a bit too many\n"
+                                                                             << random.text(plan);
+  }
+  flags = whole;
+}
+
+TEST(RandomGraphs, HaveNoBitTooMany) {
+  for (uint32_t seed = 0; seed < kGraphs / 4 && !testing::Test::HasFatalFailure(); ++seed) {
+    const RandomGraph random(seed);
+    Plan plan = random.graph.compile();
+    for (Barrier* barrier : allBarriers(plan)) {
+      expectEachBitNeeded(random, plan, barrier->targetStage, "targetStage");
+      expectEachBitNeeded(random, plan, barrier->targetAccess, "targetAccess");
+      expectEachBitNeeded(random, plan, barrier->sourceAccess, "sourceAccess");
+    }
+  }
+}
+
+TEST(RandomGraphs, RunWhatTheExportsNeedAndNothingElse) {
+  for (uint32_t seed = 0; seed < kGraphs; ++seed) {
+    const RandomGraph random(seed);
+    const Plan plan = random.graph.compile();
+    std::vector<uint32_t> everything(random.passes.size()), planned;
+    std::iota(everything.begin(), everything.end(), 0);
+    for (const Plan::Step& step : plan.steps) planned.push_back(step.pass);
+    ASSERT_TRUE(std::is_sorted(planned.begin(), planned.end()));
+
+    const std::vector<uint64_t> right = exportedValues(random.resources, random.passes, everything);
+    ASSERT_EQ(exportedValues(random.resources, random.passes, planned), right) << "seed " << seed;
+    for (size_t i = 0; i < planned.size(); ++i) {
+      std::vector<uint32_t> less = planned;
+      less.erase(less.begin() + static_cast<ptrdiff_t>(i));
+      ASSERT_NE(exportedValues(random.resources, random.passes, less), right)
+          << "seed " << seed << ": pass " << planned[i] << " is not needed\n"
+          << random.text(plan);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace latelight::graph
