@@ -41,7 +41,9 @@ SH_FUNC vec3 shadeLight(Surface s, vec3 toEye, LightSample light, uint shading) 
   if (nl <= 0.0f) return vec3(0.0f, 0.0f, 0.0f);
   nl = min(nl, 1.0f);
   vec3 sum = light.toLight + toEye;
-  vec3 h = sum * inversesqrt(max(dot(sum, sum), 1e-12f));
+  float squared = dot(sum, sum);
+  vec3 h =
+      sum * (squared > 1e-12f ? inversesqrt(squared) : 0.0f);  // light from behind the eye's far side: no highlight
   vec3 across = cross(s.normal, h);
   float sin2 = dot(across, across);
   float nh = saturate(dot(s.normal, h));

@@ -19,6 +19,7 @@ SH_FUNC float ggxAlpha(float roughness) {
 // Trowbridge-Reitz distribution (Walter et al. 2007, equation 33), 1/sr. `nh` is n.h and `sin2` |n x h|^2: the usual
 // 1 + (n.h)^2 (alpha^2 - 1) loses all digits in float32 where n.h is near 1, which is where a smooth lobe lives.
 SH_FUNC float ggxDistribution(float nh, float sin2, float alpha) {
+  if (nh <= 0.0f) return 0.0f;
   float a2 = alpha * alpha;
   float d = nh * nh * a2 + sin2;
   return a2 * kInvPi / (d * d);
