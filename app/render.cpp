@@ -9,6 +9,7 @@
 
 #include "app/commands.h"
 #include "app/parse.h"
+#include "base/files.h"
 #include "base/log.h"
 #include "base/parallel.h"
 #include "output/debug.h"
@@ -52,11 +53,11 @@ void parseSettings(Options& o) {
     s.background = render::Background::Color;
     s.backgroundColor = parseColor(o.background);
   }
-  s.normalFrame = parseChoice("--normal-frame", o.normalFrame,
+  s.normalFrame = parseChoice<render::NormalFrame>("--normal-frame", o.normalFrame,
                               {{"world", render::NormalFrame::World},
                                {"opencv", render::NormalFrame::OpenCv},
                                {"opengl", render::NormalFrame::OpenGl}});
-  s.zUp = parseChoice("--axes", o.axes, {{"file", false}, {"z-up", true}});
+  s.zUp = parseChoice<bool>("--axes", o.axes, {{"file", false}, {"z-up", true}});
   render::checkSettings(s);
 }
 
@@ -155,16 +156,15 @@ output::CameraMetadata describeCamera(const scene::Camera& camera, const scene::
 
 std::map<std::string, std::string> describeSettings(const Options& o, const std::string& environment) {
   const render::Settings& s = o.settings;
-  auto or_ = [](const std::string& value, const char* fallback) { return value.empty() ? fallback : value; };
   return {{"size", fmt::format("{}x{}", s.width, s.height)},
-          {"layout", or_(s.layout, render::kDefaultLayout)},
-          {"normals", or_(s.normals, "octahedral")},
-          {"lighting", or_(s.lighting, render::kDefaultTechnique)},
+          {"layout", s.layout},
+          {"normals", s.normals},
+          {"lighting", s.lighting},
           {"shading", s.shading},
           {"tonemap", s.tonemap},
           {"aa", o.aa},
           {"exposure", fmt::format("{}", s.exposure)},
-          {"hdri", or_(environment, "none")},
+          {"hdri", environment.empty() ? "none" : environment},
           {"hdri-rotate", fmt::format("{}", o.hdriRotate)},
           {"hdri-intensity", fmt::format("{}", s.environmentIntensity)},
           {"background", o.background}};
@@ -297,9 +297,9 @@ void addSceneOptions(CLI::App& c, Options& o) {
 
 void addLookOptions(CLI::App& c, Options& o) {
   render::Settings& s = o.settings;
-  c.add_option("--layout", s.layout, "G-buffer layout (latelight list layouts)");
-  c.add_option("--normals", s.normals, "Normal encoding (latelight list normals)");
-  c.add_option("--lighting", s.lighting, "Lighting technique (latelight list lighting)");
+  c.add_option("--layout", s.layout, "G-buffer layout (latelight list layouts)")->capture_default_str();
+  c.add_option("--normals", s.normals, "Normal encoding (latelight list normals)")->capture_default_str();
+  c.add_option("--lighting", s.lighting, "Lighting technique (latelight list lighting)")->capture_default_str();
   c.add_option("--shading", s.shading, "ggx or blinn-phong")->capture_default_str();
   c.add_option("--aa", o.aa, "Anti-aliasing: none, or ssN for N x N ordered samples a pixel (ss2, ss4)")->capture_default_str();
   c.add_option("--hdri", o.hdri, "Environment light: a .hdr or .exr file, studio, or none; default: studio where the scene has no light");

@@ -89,10 +89,9 @@ FrameInputs Renderer::prepareViews(Job& job, glm::vec2 jitter) {
 Frame& Renderer::frameFor(const Settings& s) {
   const std::string key = s.layout + "/" + s.normals + "/" + s.lighting + "/" + s.shading;
   if (frame_ && key == frameKey_) return *frame_;
-  auto or_ = [](const std::string& name, const char* fallback) { return name.empty() ? fallback : name.c_str(); };
-  FrameSetup setup{.layout = &findLayout(or_(s.layout, kDefaultLayout)),
-                   .normalEncoding = findNormalEncoding(or_(s.normals, "octahedral")).index,
-                   .lighting = &findTechnique(or_(s.lighting, kDefaultTechnique)),
+  FrameSetup setup{.layout = &findLayout(s.layout),
+                   .normalEncoding = findNormalEncoding(s.normals).index,
+                   .lighting = &findTechnique(s.lighting),
                    .shading = indexByName(shadings(), s.shading, "shading model")};
   frame_ = std::make_unique<Frame>(device_, gpuScene_, setup);
   frameKey_ = key;

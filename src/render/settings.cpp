@@ -39,9 +39,9 @@ void checkSettings(const Settings& s) {
   if (!std::isfinite(s.environmentIntensity) || s.environmentIntensity < 0)
     badUsage("the environment's intensity must be a number of at least 0, not {}", s.environmentIntensity);
   if (!std::isfinite(s.environmentRotation)) badUsage("the environment's rotation must be a number of degrees");
-  if (!s.layout.empty()) findLayout(s.layout);
-  if (!s.normals.empty()) findNormalEncoding(s.normals);
-  if (!s.lighting.empty()) findTechnique(s.lighting);
+  findLayout(s.layout);
+  findNormalEncoding(s.normals);
+  findTechnique(s.lighting);
   findByName(shadings(), s.shading, "shading model");
   findByName(tonemaps(), s.tonemap, "tonemap");
 }

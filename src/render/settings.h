@@ -16,9 +16,9 @@ enum class Background { Transparent, Color, Environment };
 
 struct Settings {
   uint32_t width = 1280, height = 720;
-  std::string layout;     // empty: kDefaultLayout
-  std::string normals;    // empty: octahedral
-  std::string lighting;   // empty: kDefaultTechnique
+  std::string layout = "thin";
+  std::string normals = "octahedral";
+  std::string lighting = "fullscreen";
   std::string shading = "ggx";
   std::string tonemap = "khronos";
   uint32_t superSampling = 1;  // N: N x N ordered samples a pixel, in N * N frames

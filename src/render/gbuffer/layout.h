@@ -40,7 +40,6 @@ struct Layout {
 
 inline constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
 inline constexpr VkFormat kLightFormat = VK_FORMAT_R16G16B16A16_SFLOAT;
-inline constexpr const char* kDefaultLayout = "thin";
 
 std::span<const Layout> layouts();
 const Layout& findLayout(std::string_view name);  // throws Error(Usage) that lists them

@@ -25,8 +25,6 @@ struct TechniqueInfo {
   std::unique_ptr<LightingTechnique> (*make)(vk::Device& device, const FrameSetup& setup);
 };
 
-inline constexpr const char* kDefaultTechnique = "fullscreen";
-
 std::span<const TechniqueInfo> techniques();
 const TechniqueInfo& findTechnique(std::string_view name);  // throws Error(Usage) that lists them
 
