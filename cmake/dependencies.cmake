@@ -7,6 +7,7 @@ find_package(nlohmann_json REQUIRED)
 find_package(TinyGLTF REQUIRED)
 find_package(meshoptimizer REQUIRED)
 find_package(OpenEXR REQUIRED)
+find_package(ZLIB REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(draco REQUIRED IMPORTED_TARGET draco)
 pkg_check_modules(webp REQUIRED IMPORTED_TARGET libwebp)
@@ -24,4 +25,4 @@ target_link_libraries(latelight_scene_dependencies INTERFACE
   OpenEXR::OpenEXR nlohmann_json::nlohmann_json)
 add_library(latelight_output_dependencies INTERFACE)
 target_link_libraries(latelight_output_dependencies INTERFACE
-  PkgConfig::spng OpenEXR::OpenEXR nlohmann_json::nlohmann_json)
+  PkgConfig::spng OpenEXR::OpenEXR ZLIB::ZLIB nlohmann_json::nlohmann_json)

@@ -24,8 +24,8 @@ struct Comparison {
   // differ it is infinite: `maximum` is then infinite, mean and PSNR leave such values out and `unlike` counts them.
   double maximum = 0;
   double mean = 0;
-  // Decibels: 10 log10(peak^2 / mean square); peak is 1 for 8 and 16 bit channels, else the largest finite magnitude in
-  // the first picture. Infinite where there is no difference.
+  // Decibels: 10 log10(peak^2 / mean square); peak is the largest finite magnitude in the first picture, or 1 for PNG.
+  // Infinite where there is no difference.
   double psnr = 0;
   uint64_t pixels = 0;  // in a picture
   uint64_t beyond = 0;  // pixels with a value beyond tolerance
@@ -38,8 +38,8 @@ struct Comparison {
 // Throws Error(BadInput) where sizes or channels differ, Error(Usage) for a channel that neither has.
 Comparison compare(const ReadImage& a, const ReadImage& b, const CompareOptions& options = {});
 
-// For each pixel the largest difference of a channel, in units of the tolerance: black none, grey up to white at the
-// tolerance, and from yellow to red at 100 times the tolerance beyond it.
+// For each pixel the largest difference of a channel, in units of the tolerance: black none, up to middle grey at the
+// tolerance, and beyond it from yellow to red at 100 times the tolerance.
 Picture differencePicture(const ReadImage& a, const ReadImage& b, const CompareOptions& options = {});
 
 }  // namespace latelight::output

@@ -1,0 +1,206 @@
+#include "output/debug.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "base/parallel.h"
+#include "output/srgb.h"
+
+namespace latelight::output {
+namespace {
+
+using Rgb = std::array<float, 3>;  // in [0, 1], sRGB-coded unless said otherwise
+
+constexpr Rgb kBackground{0.11f, 0.11f, 0.12f};
+
+// Cubehelix: brightness rises evenly while the hue turns, so it reads the same in grey. D. A. Green, "A colour scheme
+// for the display of astronomical intensity images", Bull. Astr. Soc. India 39 (2011), 289; its default start and
+// turns.
+Rgb cubehelix(float lambda) {
+  constexpr float kStart = 0.5f, kTurns = -1.5f, kHue = 1.0f;
+  const float angle = 2 * std::numbers::pi_v<float> * (kStart / 3 + 1 + kTurns * lambda);
+  const float amplitude = kHue * lambda * (1 - lambda) / 2;
+  const float c = std::cos(angle), s = std::sin(angle);
+  return {lambda + amplitude * (-0.14861f * c + 1.78277f * s), lambda + amplitude * (-0.29227f * c - 0.90649f * s),
+          lambda + amplitude * 1.97294f * c};
+}
+
+Rgb fromHsv(float hue, float saturation, float value) {
+  const auto channel = [&](float offset) {
+    const float k = std::fmod(offset + hue * 6, 6.0f);
+    return value * (1 - saturation * std::clamp(std::min(k, 4 - k), 0.0f, 1.0f));
+  };
+  return {channel(5), channel(3), channel(1)};
+}
+
+// Ids are hashes already, but those of a few objects may be close: spread them (Knuth's multiplicative hash).
+Rgb idColor(uint32_t id) {
+  const uint32_t h = id * 2654435761u;
+  const auto bits = [&](int shift, int count) {
+    return static_cast<float>((h >> shift) & ((1u << count) - 1)) / static_cast<float>(1u << count);
+  };
+  return fromHsv(bits(16, 16), 0.45f + 0.4f * bits(8, 8), 0.65f + 0.35f * bits(2, 6));
+}
+
+float fraction(float x) {
+  return x - std::floor(x);
+}
+
+bool odd(float x) {
+  return fraction(x * 0.5f) >= 0.5f;
+}
+
+// --- one function an AOV's kind: pixel index to colour, or nothing for background ------------------------------------
+
+struct Range {
+  float low, high;
+  float at(float value) const { return high > low ? std::clamp((value - low) / (high - low), 0.0f, 1.0f) : 0.0f; }
+};
+
+// From the 1st to the 99th percentile, so that a few far pixels do not flatten all others.
+Range rangeOf(std::vector<float> values) {
+  if (values.empty()) return {0, 0};
+  const auto percentile = [&](double share) {
+    const auto nth = values.begin() + static_cast<ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+    std::nth_element(values.begin(), nth, values.end());
+    return *nth;
+  };
+  return {percentile(0.01), percentile(0.99)};
+}
+
+auto depthColors(const AovImage& image) {
+  std::vector<float> finite;
+  std::copy_if(image.values.begin(), image.values.end(), std::back_inserter(finite),
+               [](float value) { return std::isfinite(value); });
+  const Range range = rangeOf(std::move(finite));
+  return [&image, range](size_t i) -> std::optional<Rgb> {
+    if (!std::isfinite(image.values[i])) return std::nullopt;
+    return cubehelix(0.95f - 0.7f * range.at(image.values[i]));  // the dark end is left to the background
+  };
+}
+
+bool isZero(const float* v) {
+  return v[0] == 0 && v[1] == 0 && v[2] == 0;
+}
+
+auto normalColors(const AovImage& image) {
+  return [&image](size_t i) -> std::optional<Rgb> {
+    const float* n = &image.values[3 * i];
+    if (isZero(n)) return std::nullopt;
+    return Rgb{n[0] * 0.5f + 0.5f, n[1] * 0.5f + 0.5f, n[2] * 0.5f + 0.5f};
+  };
+}
+
+// Where in the bounds a position is gives its colour; a three-dimensional chequer, about twelve cells along the longest
+// side and a power of ten of a metre in size, or half or a fifth of one, gives its scale.
+auto positionColors(const AovImage& image) {
+  std::array<Range, 3> ranges{};
+  for (size_t axis = 0; axis < 3; ++axis) {
+    std::vector<float> values;
+    for (size_t i = 0; i < image.values.size(); i += 3) {
+      if (!isZero(&image.values[i]) && std::isfinite(image.values[i + axis])) values.push_back(image.values[i + axis]);
+    }
+    ranges[axis] = rangeOf(std::move(values));
+  }
+  float extent = 1e-6f;
+  for (const Range& range : ranges) extent = std::max(extent, range.high - range.low);
+  const float decade = std::pow(10.0f, std::floor(std::log10(extent / 6)));
+  const float cell = extent / decade > 30 ? 5 * decade : extent / decade > 12 ? 2 * decade : decade;
+  return [&image, ranges, cell](size_t i) -> std::optional<Rgb> {
+    const float* p = &image.values[3 * i];
+    if (isZero(p)) return std::nullopt;
+    bool dark = false;
+    Rgb color{};
+    for (size_t axis = 0; axis < 3; ++axis) {
+      // The offset keeps floors and walls, which like round numbers, away from the cells' sides.
+      dark ^= odd(std::floor(p[axis] / cell + 0.37f));
+      color[axis] = 0.2f + 0.8f * ranges[axis].at(p[axis]);
+    }
+    for (float& channel : color) channel *= dark ? 0.72f : 1.0f;
+    return color;
+  };
+}
+
+auto uvColors(const AovImage& image) {
+  return [&image](size_t i) -> std::optional<Rgb> {
+    const float u = image.values[2 * i], v = image.values[2 * i + 1];
+    if (u == 0 && v == 0) return std::nullopt;
+    const float scale = odd(std::floor(u * 10)) != odd(std::floor(v * 10)) ? 0.7f : 1.0f;
+    return Rgb{fraction(u) * scale, fraction(v) * scale, 0.35f * scale};
+  };
+}
+
+auto lightColors(const AovImage& image) {
+  return [&image](size_t i) -> std::optional<Rgb> {
+    const float* c = &image.values[3 * i];
+    return Rgb{srgbFromLinear(c[0]), srgbFromLinear(c[1]), srgbFromLinear(c[2])};
+  };
+}
+
+auto overBackground(const AovImage& image) {
+  return [&image](size_t i) -> std::optional<Rgb> {
+    const float* c = &image.values[4 * i];
+    Rgb color{};
+    for (size_t k = 0; k < 3; ++k) color[k] = srgbFromLinear(c[k] + (1 - c[3]) * linearFromSrgb(kBackground[k]));
+    return color;
+  };
+}
+
+auto greys(const AovImage& image) {
+  return [&image](size_t i) -> std::optional<Rgb> { return Rgb{image.values[i], image.values[i], image.values[i]}; };
+}
+
+auto idColors(const AovImage& image) {
+  return [&image](size_t i) -> std::optional<Rgb> {
+    if (image.ids[i] == 0) return std::nullopt;
+    return idColor(image.ids[i]);
+  };
+}
+
+template <typename ColorOf>
+Picture paint(const AovImage& image, ColorOf&& colorOf) {
+  Picture picture{image.width, image.height, std::vector<uint8_t>(size_t{image.width} * image.height * 4)};
+  parallelFor(size_t{image.width} * image.height, size_t{1} << 15, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      const Rgb color = colorOf(i).value_or(kBackground);
+      for (size_t c = 0; c < 3; ++c) picture.rgba[4 * i + c] = unorm8(color[c]);
+      picture.rgba[4 * i + 3] = 255;
+    }
+  });
+  return picture;
+}
+
+}  // namespace
+
+Picture debugPicture(const AovImage& image) {
+  switch (image.aov) {
+    case Aov::Color:
+      return paint(image, overBackground(image));
+    case Aov::Depth:
+    case Aov::Distance:
+      return paint(image, depthColors(image));
+    case Aov::Normal:
+    case Aov::GeoNormal:
+      return paint(image, normalColors(image));
+    case Aov::Position:
+      return paint(image, positionColors(image));
+    case Aov::Albedo:
+    case Aov::Emissive:
+      return paint(image, lightColors(image));
+    case Aov::Metallic:
+    case Aov::Roughness:
+    case Aov::Ao:
+      return paint(image, greys(image));
+    case Aov::Id:
+      return paint(image, idColors(image));
+    case Aov::Uv:
+      return paint(image, uvColors(image));
+  }
+  return {};
+}
+
+}  // namespace latelight::output

@@ -1,0 +1,181 @@
+#include "output/exr.h"
+
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfIDManifest.h>
+#include <OpenEXR/ImfIO.h>
+#include <OpenEXR/ImfMatrixAttribute.h>
+#include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfStandardAttributes.h>
+#include <OpenEXR/ImfStringAttribute.h>
+#include <OpenEXR/ImfThreading.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <cstring>
+#include <glm/matrix.hpp>
+#include <mutex>
+
+#include "base/parallel.h"
+
+namespace latelight::output {
+namespace {
+
+class MemoryOut : public Imf::OStream {
+ public:
+  MemoryOut() : Imf::OStream("memory") {}
+  void write(const char data[], int count) override {
+    const auto bytes = static_cast<size_t>(count);
+    if (at_ + bytes > bytes_.size()) bytes_.resize(at_ + bytes);
+    std::memcpy(bytes_.data() + at_, data, bytes);
+    at_ += bytes;
+  }
+  uint64_t tellp() override { return at_; }
+  void seekp(uint64_t position) override { at_ = position; }
+  std::vector<std::byte> take() { return std::move(bytes_); }
+
+ private:
+  std::vector<std::byte> bytes_;
+  size_t at_ = 0;
+};
+
+// Imath multiplies row vectors from the left, glm column vectors from the right.
+Imath::M44f imathOf(const glm::dmat4& m) {
+  Imath::M44f result;
+  for (int column = 0; column < 4; ++column)
+    for (int row = 0; row < 4; ++row) result[column][row] = static_cast<float>(m[column][row]);
+  return result;
+}
+
+// OpenEXR's camera frame is left-handed: X right, Y up, Z forward.
+glm::dmat4 exrFromCamera(const std::string& convention) {
+  glm::dmat4 flip(1);
+  if (convention == "opencv") flip[1][1] = -1;
+  if (convention == "opengl") flip[2][2] = -1;
+  return flip;
+}
+
+// To (0, 0) at the upper left and (1, 1) at the lower right corner of the picture, by the camera's intrinsics.
+glm::dmat4 ndcFromCamera(const CameraMetadata& camera, double width, double height) {
+  const auto& k = camera.intrinsics;
+  glm::dmat4 rows(1);  // row i is rows[i]
+  for (int row = 0; row < 2; ++row) {
+    const double size = row == 0 ? width : height;
+    const double* from = &k[3 * static_cast<size_t>(row)];
+    rows[row] =
+        glm::dvec4(from[0], from[1], camera.orthographic ? 0 : from[2], camera.orthographic ? from[2] : 0) / size;
+  }
+  if (!camera.orthographic) {
+    rows[2] = glm::dvec4(0, 0, 0, 1);  // z is of no meaning here; this keeps the matrix invertible
+    rows[3] = glm::dvec4(k[6], k[7], k[8], 0);
+  }
+  return glm::transpose(rows);
+}
+
+Imf::IDManifest manifestOf(const Metadata& metadata) {
+  Imf::IDManifest manifest;
+  Imf::IDManifest::ChannelGroupManifest& group = manifest.add(std::string(info(Aov::Id).exrChannels[0]));
+  group.setComponents({"node", "mesh", "material"});
+  group.setLifetime(Imf::IDManifest::LIFETIME_STABLE);
+  group.setEncodingScheme(Imf::IDManifest::ID_SCHEME);
+  group.setHashScheme(Imf::IDManifest::NOTHASHED);
+  for (const IdEntry& entry : metadata.ids) group.insert(entry.id, {entry.node, entry.mesh, entry.material});
+  return manifest;
+}
+
+Imf::PixelType pixelType(ExrType type) {
+  switch (type) {
+    case ExrType::Half:
+      return Imf::HALF;
+    case ExrType::Float:
+      return Imf::FLOAT;
+    default:
+      return Imf::UINT;
+  }
+}
+
+Imf::Header headerOf(std::span<const AovImage* const> images, const Metadata& metadata) {
+  const AovImage& first = *images.front();
+  // ZIP in blocks of 16 rows: on a 1280x720 frame with all AOVs it was the smallest but for PIZ (see
+  // docs/performance.md), and unlike PIZ every reader decodes it fast.
+  Imf::Header header(static_cast<int>(first.width), static_cast<int>(first.height), 1, Imath::V2f(0, 0), 1,
+                     Imf::INCREASING_Y, Imf::ZIP_COMPRESSION);
+  header.zipCompressionLevel() = 1;
+  std::vector<Aov> aovs;
+  for (const AovImage* image : images) {
+    aovs.push_back(image->aov);
+    const AovInfo& entry = info(image->aov);
+    for (uint32_t c = 0; c < entry.channels; ++c)
+      header.channels().insert(std::string(entry.exrChannels[c]), Imf::Channel(pixelType(entry.exr)));
+  }
+  const glm::dmat4 cameraFromWorld = glm::inverse(metadata.camera.cameraToWorld);
+  Imf::addChromaticities(header, Imf::Chromaticities());  // the default is Rec.709
+  Imf::addWorldToCamera(header, imathOf(exrFromCamera(metadata.camera.convention) * cameraFromWorld));
+  Imf::addWorldToNDC(header, imathOf(ndcFromCamera(metadata.camera, first.width, first.height) * cameraFromWorld));
+  const auto program = metadata.versions.find("latelight");
+  header.insert("software",
+                Imf::StringAttribute("latelight" + (program == metadata.versions.end() ? "" : " " + program->second)));
+  if (std::find(aovs.begin(), aovs.end(), Aov::Id) != aovs.end()) Imf::addIDManifest(header, manifestOf(metadata));
+  Metadata withoutIds = metadata;
+  withoutIds.ids.clear();
+  header.insert("latelight", Imf::StringAttribute(sideFile(withoutIds, first.width, first.height, aovs, {})));
+  return header;
+}
+
+half halfOf(float value) {
+  // Finite light stays finite: an overflow to infinity would spread over whatever filters it.
+  if (std::isfinite(value)) value = std::clamp(value, -65504.0f, 65504.0f);
+  return half(value);
+}
+
+std::vector<half> halvesOf(const AovImage& image) {
+  std::vector<half> halves(image.values.size());
+  parallelFor(halves.size(), size_t{1} << 16, [&](size_t begin, size_t end) {
+    std::transform(&image.values[begin], image.values.data() + end, &halves[begin], halfOf);
+  });
+  return halves;
+}
+
+// Declares the AOV's channels, which lie interleaved at `data`.
+void addSlices(Imf::FrameBuffer& buffer, const AovImage& image, const void* data) {
+  const AovInfo& entry = info(image.aov);
+  const size_t bytes = entry.exr == ExrType::Half ? 2 : 4;
+  const size_t xStride = bytes * entry.channels;
+  for (uint32_t c = 0; c < entry.channels; ++c) {
+    // OpenEXR takes writable pointers for reading files; writing only reads them.
+    char* base = const_cast<char*>(static_cast<const char*>(data)) + bytes * c;
+    buffer.insert(std::string(entry.exrChannels[c]),
+                  Imf::Slice(pixelType(entry.exr), base, xStride, xStride * image.width));
+  }
+}
+
+}  // namespace
+
+std::vector<std::byte> encodeExr(std::span<const AovImage* const> images, const Metadata& metadata) {
+  static std::once_flag threads;
+  std::call_once(threads, [] { Imf::setGlobalThreadCount(static_cast<int>(threadCount())); });
+  Imf::FrameBuffer buffer;
+  std::vector<std::vector<half>> halves(images.size());  // live until the pixels are written
+  for (size_t i = 0; i < images.size(); ++i) {
+    const AovImage& image = *images[i];
+    assert(image.width == images.front()->width && image.height == images.front()->height);
+    const void* data = image.ids.data();
+    if (info(image.aov).exr == ExrType::Float) data = image.values.data();
+    if (info(image.aov).exr == ExrType::Half) {
+      halves[i] = halvesOf(image);
+      data = halves[i].data();
+    }
+    addSlices(buffer, image, data);
+  }
+  MemoryOut out;
+  {
+    Imf::OutputFile file(out, headerOf(images, metadata));
+    file.setFrameBuffer(buffer);
+    file.writePixels(static_cast<int>(images.front()->height));
+  }  // the destructor writes the table of lines
+  return out.take();
+}
+
+}  // namespace latelight::output

@@ -1,0 +1,207 @@
+#include "output/files.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <system_error>
+
+#include "base/error.h"
+#include "base/files.h"
+#include "output/exr.h"
+#include "output/npy.h"
+#include "output/png.h"
+
+namespace latelight::output {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::string_view kPlaceholders = "{aov}, {frame}, {camera}, {scene}";
+constexpr std::string_view kStandardOutput = "-";
+
+std::string lowered(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+  return text;
+}
+
+bool hasPlaceholder(std::string_view pattern, std::string_view name) {
+  return pattern.find(fmt::format("{{{}}}", name)) != std::string_view::npos;
+}
+
+// A name as part of a file's name: no folders, no control characters, not hidden.
+std::string fileSafe(std::string name, std::string_view fallback) {
+  for (char& c : name) {
+    if (c == '/' || c == '\\' || static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '_';
+  }
+  if (!name.empty() && name[0] == '.') name[0] = '_';
+  return name.empty() ? std::string(fallback) : name;
+}
+
+// What stands in the pattern's braces, by name; throws for an unknown one.
+template <typename ValueOf>
+std::string fillIn(std::string_view pattern, ValueOf&& valueOf) {
+  std::string result;
+  for (size_t at = 0; at < pattern.size();) {
+    const size_t brace = std::min(pattern.find_first_of("{}", at), pattern.size());
+    result += pattern.substr(at, brace - at);
+    if (brace == pattern.size()) break;
+    const size_t end = pattern[brace] == '{' ? pattern.find('}', brace) : std::string_view::npos;
+    if (end == std::string_view::npos) {
+      badUsage("the output \"{}\" has a brace without its partner; braces hold one of {}", pattern, kPlaceholders);
+    }
+    result += valueOf(pattern.substr(brace + 1, end - brace - 1));
+    at = end + 1;
+  }
+  return result;
+}
+
+std::string nameOf(std::string_view pattern, std::string_view aov, const Metadata& metadata) {
+  return fillIn(pattern, [&](std::string_view name) -> std::string {
+    if (name == "aov") return std::string(aov);
+    if (name == "frame") return fmt::format("{:04}", metadata.frame);
+    if (name == "camera") return fileSafe(metadata.camera.name, "camera");
+    if (name == "scene") return fileSafe(metadata.scene, "scene");
+    badUsage("the output \"{}\" has \"{{{}}}\"; braces hold one of {}", pattern, name, kPlaceholders);
+  });
+}
+
+// The pattern with {aov} where several files need it.
+std::string patternFor(const OutputRequest& request, Aov aov) {
+  if (hasPlaceholder(request.pattern, "aov") || formatOf(request.pattern) == Format::Exr) return request.pattern;
+  if (request.aovs.size() == 1 || aov == Aov::Color) return request.pattern;
+  const size_t ending = request.pattern.rfind('.');
+  return request.pattern.substr(0, ending) + ".{aov}" + request.pattern.substr(ending);
+}
+
+bool wantsSideFile(const OutputRequest& request) {
+  if (request.pattern == kStandardOutput) return false;
+  const auto isData = [](Aov aov) { return aov != Aov::Color; };
+  return request.sideFile.value_or(std::any_of(request.aovs.begin(), request.aovs.end(), isData));
+}
+
+fs::path sideFilePath(const OutputRequest& request, const Metadata& metadata) {
+  return fs::path(nameOf(request.pattern, "meta", metadata)).replace_extension(".json");
+}
+
+void checkPng(std::span<const Aov> aovs) {
+  for (const Aov aov : aovs) {
+    if (info(aov).png != PngCoding::None) continue;
+    badUsage("a PNG file can't hold {}, whose range is not known beforehand; write to .exr or .npy", info(aov).name);
+  }
+}
+
+// The folder that has to be there before rendering: above the first one that a name is filled into.
+fs::path standingFolder(const fs::path& pattern) {
+  fs::path folder;
+  for (const fs::path& part : pattern.parent_path()) {
+    if (part.string().find('{') != std::string::npos) break;
+    folder /= part;
+  }
+  return folder.empty() ? fs::path(".") : folder;
+}
+
+void checkFolder(const std::string& pattern) {
+  const fs::path path(pattern);
+  std::error_code ignored;
+  if (fs::is_directory(path, ignored)) badUsage("can't write '{}': it is a folder; give the name of a file", pattern);
+  if (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored)) return;  // a pipe, /dev/null
+  const fs::path folder = standingFolder(path);
+  if (!fs::is_directory(folder, ignored)) {
+    badUsage("can't write '{}': there is no folder '{}'; make it first, or choose another", pattern, folder.string());
+  }
+  if (access(folder.c_str(), W_OK | X_OK) != 0) {
+    badUsage("can't write '{}': {}; choose a folder that can be written to", pattern,
+             std::generic_category().message(errno));
+  }
+}
+
+// Folders that are named by what is filled in are made; writing says what is wrong if that fails.
+void makeFilledFolders(const OutputRequest& request, const fs::path& path) {
+  const fs::path pattern = request.pattern;
+  std::error_code ignored;
+  if (pattern.parent_path().string().find('{') != std::string::npos) {
+    fs::create_directories(path.parent_path(), ignored);
+  }
+}
+
+const AovImage& imageOf(const FrameOutput& frame, Aov aov) {
+  for (const AovImage& image : frame.aovs)
+    if (image.aov == aov) return image;
+  fail(ExitCode::Internal, "the frame has no {}", info(aov).name);
+}
+
+std::vector<std::byte> encodePngOf(const FrameOutput& frame, Aov aov) {
+  if (aov != Aov::Color || frame.display.empty()) return encodePng(imageOf(frame, aov));
+  return encodePng(frame.width, frame.height, 4, 8, reinterpret_cast<const std::byte*>(frame.display.data()),
+                   PngLight::Srgb);
+}
+
+std::vector<std::byte> encode(Format format, std::span<const Aov> aovs, const FrameOutput& frame,
+                              const Metadata& metadata) {
+  if (format == Format::Png) return encodePngOf(frame, aovs.front());
+  if (format == Format::Npy) return encodeNpy(imageOf(frame, aovs.front()));
+  std::vector<const AovImage*> images;
+  for (const Aov aov : aovs) images.push_back(&imageOf(frame, aov));
+  return encodeExr(images, metadata);
+}
+
+}  // namespace
+
+Format formatOf(std::string_view pattern) {
+  if (pattern == kStandardOutput) return Format::Png;
+  const std::string ending = lowered(fs::path(pattern).extension().string());
+  if (ending == ".png") return Format::Png;
+  if (ending == ".exr") return Format::Exr;
+  if (ending == ".npy") return Format::Npy;
+  badUsage("the output \"{}\" does not end in a format; end it in .png, .exr or .npy", pattern);
+}
+
+bool usesDisplay(const OutputRequest& request) {
+  return formatOf(request.pattern) == Format::Png;
+}
+
+void checkOutput(const OutputRequest& request) {
+  const Format format = formatOf(request.pattern);
+  if (request.aovs.empty()) badUsage("no AOV is asked for; name at least one");
+  if (request.pattern == kStandardOutput) return checkPng(std::span(request.aovs).first(1));
+  nameOf(request.pattern, "", {});
+  if (format == Format::Png) checkPng(request.aovs);
+  checkFolder(request.pattern);
+}
+
+std::vector<fs::path> writeOutput(const OutputRequest& request, const FrameOutput& frame, const Metadata& metadata) {
+  const Format format = formatOf(request.pattern);
+  if (request.pattern == kStandardOutput) {
+    writeFile(kStandardOutput, encodePngOf(frame, request.aovs.front()));
+    return {};
+  }
+  const bool together = format == Format::Exr && !hasPlaceholder(request.pattern, "aov");
+  const fs::path side = sideFilePath(request, metadata);
+  std::vector<fs::path> paths;
+  std::vector<std::string> names;  // one an AOV, as seen from the side file
+  const auto write = [&](const fs::path& path, std::span<const std::byte> bytes) {
+    makeFilledFolders(request, path);
+    writeFile(path, bytes);
+    paths.push_back(path);
+  };
+  for (size_t i = 0; i < request.aovs.size(); ++i) {
+    if (!together || i == 0) {
+      const std::span<const Aov> aovs = together ? std::span(request.aovs) : std::span(request.aovs).subspan(i, 1);
+      write(nameOf(patternFor(request, aovs.front()), info(aovs.front()).name, metadata),
+            encode(format, aovs, frame, metadata));
+    }
+    names.push_back(paths.back().lexically_proximate(side.parent_path()).generic_string());
+  }
+  if (wantsSideFile(request)) {
+    const std::string text = sideFile(metadata, frame.width, frame.height, request.aovs, names);
+    write(side, std::as_bytes(std::span(text)));
+  }
+  return paths;
+}
+
+void writePicture(const fs::path& path, const Picture& picture) {
+  writeFile(path, encodePng(picture));
+}
+
+}  // namespace latelight::output

@@ -1,0 +1,145 @@
+#include "output/metadata.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace latelight::output {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// JSON has no infinity.
+Json number(double value) {
+  if (std::isfinite(value)) return value;
+  return std::isnan(value) ? "nan" : value > 0 ? "inf" : "-inf";
+}
+
+std::string textOf(const Json& json) {
+  // Names come from files and need not be UTF-8.
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+Json intrinsicsOf(const CameraMetadata& camera) {
+  Json rows = Json::array();
+  for (size_t row = 0; row < 3; ++row) {
+    rows.push_back({camera.intrinsics[3 * row], camera.intrinsics[3 * row + 1], camera.intrinsics[3 * row + 2]});
+  }
+  return rows;
+}
+
+Json rowsOf(const glm::dmat4& m) {
+  Json rows = Json::array();
+  for (int row = 0; row < 4; ++row) rows.push_back({m[0][row], m[1][row], m[2][row], m[3][row]});
+  return rows;
+}
+
+std::string_view axesOf(std::string_view frame) {
+  if (frame == "gltf") return "X right, Y up, Z towards the viewer; right-handed, metres";
+  if (frame == "z-up") return "X right, Y away from the viewer, Z up; right-handed, metres";
+  if (frame == "opencv") return "X right, Y down, Z forward; right-handed, metres";
+  if (frame == "opengl") return "X right, Y up, Z backward; right-handed, metres";
+  return "";
+}
+
+Json cameraOf(const CameraMetadata& camera) {
+  return {{"name", camera.name},
+          {"model", camera.orthographic ? "orthographic" : "perspective"},
+          {"convention", camera.convention},
+          {"axes", axesOf(camera.convention)},
+          {"K", intrinsicsOf(camera)},
+          {"cameraToWorld", rowsOf(camera.cameraToWorld)},
+          {"near", number(camera.nearClip)},
+          {"far", number(camera.farClip)}};
+}
+
+std::string_view pngText(PngCoding coding) {
+  switch (coding) {
+    case PngCoding::None:
+      return "not offered";
+    case PngCoding::Display:
+      return "8 bit RGBA, tonemapped, sRGB, straight alpha";
+    case PngCoding::Srgb:
+      return "8 bit RGB, clamped to [0, 1], sRGB";
+    case PngCoding::Unit:
+      return "16 bit, value * 65535";
+    case PngCoding::Signed:
+      return "16 bit, (value * 0.5 + 0.5) * 65535; background is 0 0 0";
+    case PngCoding::Millimetre:
+      return "16 bit, millimetres; 0 is background, 65535 is that far or farther";
+    case PngCoding::Fraction:
+      return "16 bit, the parts of u and v after the point * 65535; blue is 0";
+    case PngCoding::IdBytes:
+      return "8 bit RGBA, the id's bytes: R + 256 G + 65536 B + 16777216 A";
+  }
+  return "";
+}
+
+Json aovOf(const AovInfo& aov, const Metadata& metadata) {
+  Json json{{"description", aov.description}, {"unit", aov.unit}};
+  Json channels = Json::array();
+  for (uint32_t c = 0; c < aov.channels; ++c) channels.push_back(aov.exrChannels[c]);
+  json["channels"] = channels;
+  json["background"] = number(aov.background);
+  if (aov.aov == Aov::Position) json["frame"] = "world";
+  if (aov.aov == Aov::Normal || aov.aov == Aov::GeoNormal) json["frame"] = metadata.normalFrame;
+  json["png"] = pngText(aov.png);
+  return json;
+}
+
+Json idsOf(const Metadata& metadata) {
+  std::vector<const IdEntry*> entries;
+  for (const IdEntry& entry : metadata.ids) entries.push_back(&entry);
+  std::stable_sort(entries.begin(), entries.end(), [](const IdEntry* a, const IdEntry* b) { return a->id < b->id; });
+  // Keys ascend; pushed straight into the vector that an ordered_json object is, because [] searches it each time.
+  Json::object_t object;
+  for (const IdEntry* entry : entries) {
+    static_cast<std::vector<Json::object_t::value_type>&>(object).emplace_back(
+        std::to_string(entry->id), Json{{"node", entry->node}, {"mesh", entry->mesh}, {"material", entry->material}});
+  }
+  return object;
+}
+
+Json conventions() {
+  return {
+      {"pixels", "x to the right, y down; the first pixel's centre, upper left, is (0.5, 0.5)"},
+      {"samples", "data are those of the pixel's centre, never an average"},
+      {"matrices", "lists of rows; they multiply column vectors"},
+      {"K", "pixel = K * (x, y, z) / third component, of a point in the camera's frame; orthographic: K * (x, y, 1)"},
+      {"length", "metres"},
+      {"color", "linear Rec.709; alpha premultiplied in .exr and .npy, straight in .png"}};
+}
+
+}  // namespace
+
+std::string idManifest(const Metadata& metadata) {
+  return textOf(idsOf(metadata));
+}
+
+std::string sideFile(const Metadata& metadata, uint32_t width, uint32_t height, std::span<const Aov> aovs,
+                     std::span<const std::string> files) {
+  assert(files.empty() || files.size() == aovs.size());
+  Json json{{"scene", {{"name", metadata.scene}, {"source", metadata.source}}},
+            {"frame", metadata.frame},
+            {"width", width},
+            {"height", height},
+            {"world", {{"name", metadata.axes}, {"axes", axesOf(metadata.axes)}}},
+            {"camera", cameraOf(metadata.camera)},
+            {"exposure", metadata.exposure},
+            {"conventions", conventions()}};
+  Json& entries = json["aovs"] = Json::object();
+  for (size_t i = 0; i < aovs.size(); ++i) {
+    const AovInfo& aov = info(aovs[i]);
+    Json& entry = entries[std::string(aov.name)] = aovOf(aov, metadata);
+    if (!files.empty()) entry["file"] = files[i];
+  }
+  json["device"] = {{"name", metadata.device.name}, {"driver", metadata.device.driver}, {"uuid", metadata.device.uuid}};
+  json["versions"] = metadata.versions;
+  json["settings"] = metadata.settings;
+  const bool ids = std::find(aovs.begin(), aovs.end(), Aov::Id) != aovs.end();
+  if (ids && !metadata.ids.empty()) json["ids"] = idsOf(metadata);
+  return textOf(json);
+}
+
+}  // namespace latelight::output

@@ -1,0 +1,159 @@
+#include "output/png.h"
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <bit>
+#include <cassert>
+#include <cstring>
+#include <new>
+#include <string_view>
+
+#include "base/parallel.h"
+
+namespace latelight::output {
+namespace {
+
+// Raw bytes that one thread filters and deflates. Fixed, so that the file does not depend on the number of threads;
+// large enough that starting anew costs under 1 % of the size.
+constexpr size_t kStripeBytes = size_t{512} << 10;
+// The fastest level: of 1280x720 pictures full of texture, level 2 took 10 % longer for 1 % less, level 6 five times as
+// long for 4 % less. Filter Up was the smallest of the fixed ones, and vectorises.
+constexpr int kLevel = 1;
+constexpr uint8_t kFilterUp = 2;
+
+void putBigEndian(std::vector<std::byte>& out, uint32_t value) {
+  for (int shift = 24; shift >= 0; shift -= 8) out.push_back(static_cast<std::byte>(value >> shift));
+}
+
+const Bytef* zlibBytes(const std::byte* bytes) {
+  return reinterpret_cast<const Bytef*>(bytes);
+}
+
+void putChunk(std::vector<std::byte>& out, const char (&type)[5], std::span<const std::byte> data) {
+  putBigEndian(out, static_cast<uint32_t>(data.size()));
+  const size_t begin = out.size();
+  for (int i = 0; i < 4; ++i) out.push_back(static_cast<std::byte>(type[i]));
+  out.insert(out.end(), data.begin(), data.end());
+  putBigEndian(out, static_cast<uint32_t>(crc32_z(0, zlibBytes(out.data() + begin), out.size() - begin)));
+}
+
+// A part of the picture, and of the one zlib stream that all of them make together.
+struct Stripe {
+  std::vector<std::byte> deflated;
+  size_t rawBytes = 0;
+  uLong adler = 0;
+};
+
+std::vector<std::byte> filterRows(const std::byte* pixels, size_t rowBytes, size_t begin, size_t end) {
+  std::vector<std::byte> raw((rowBytes + 1) * (end - begin));
+  std::byte* out = raw.data();
+  for (size_t y = begin; y < end; ++y) {
+    const auto* row = reinterpret_cast<const uint8_t*>(pixels + y * rowBytes);
+    *out++ = static_cast<std::byte>(kFilterUp);
+    if (y == 0) {
+      std::memcpy(out, row, rowBytes);  // above the first row is zero
+    } else {
+      const uint8_t* above = row - rowBytes;
+      for (size_t i = 0; i < rowBytes; ++i) out[i] = static_cast<std::byte>(row[i] - above[i]);
+    }
+    out += rowBytes;
+  }
+  return raw;
+}
+
+// Raw deflate that ends on a byte boundary, so that stripes can be put one after the other (as pigz does).
+Stripe deflateStripe(std::vector<std::byte> raw, bool last) {
+  Stripe stripe;
+  stripe.rawBytes = raw.size();
+  stripe.adler = adler32_z(adler32_z(0, nullptr, 0), zlibBytes(raw.data()), raw.size());
+  z_stream stream{};
+  if (deflateInit2(&stream, kLevel, Z_DEFLATED, -15, 9, Z_DEFAULT_STRATEGY) != Z_OK) throw std::bad_alloc();
+  stripe.deflated.resize(deflateBound(&stream, static_cast<uLong>(raw.size())) + 16);
+  stream.next_in = reinterpret_cast<Bytef*>(raw.data());
+  stream.avail_in = static_cast<uInt>(raw.size());
+  stream.next_out = reinterpret_cast<Bytef*>(stripe.deflated.data());
+  stream.avail_out = static_cast<uInt>(stripe.deflated.size());
+  [[maybe_unused]] const int result = deflate(&stream, last ? Z_FINISH : Z_SYNC_FLUSH);
+  assert(result == (last ? Z_STREAM_END : Z_OK) && stream.avail_in == 0);
+  stripe.deflated.resize(stream.total_out);
+  deflateEnd(&stream);
+  return stripe;
+}
+
+std::vector<Stripe> deflatePicture(const std::byte* pixels, size_t rowBytes, size_t height) {
+  const size_t rows = std::max<size_t>(1, kStripeBytes / (rowBytes + 1));
+  std::vector<Stripe> stripes((height + rows - 1) / rows);
+  parallelFor(stripes.size(), 1, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      stripes[i] = deflateStripe(filterRows(pixels, rowBytes, i * rows, std::min(height, (i + 1) * rows)),
+                                 i + 1 == stripes.size());
+    }
+  });
+  return stripes;
+}
+
+// One IDAT chunk a stripe; the zlib stream's header is before the first and its sum after the last.
+void putPixels(std::vector<std::byte>& out, std::vector<Stripe> stripes) {
+  constexpr std::byte kZlibHeader[] = {std::byte{0x78}, std::byte{0x01}};  // 32 KiB window, fastest level
+  uLong adler = adler32_z(0, nullptr, 0);
+  for (const Stripe& stripe : stripes) {
+    adler = adler32_combine(adler, stripe.adler, static_cast<z_off_t>(stripe.rawBytes));
+  }
+  putBigEndian(stripes.back().deflated, static_cast<uint32_t>(adler));
+  std::vector<std::byte>& first = stripes.front().deflated;
+  first.insert(first.begin(), std::begin(kZlibHeader), std::end(kZlibHeader));
+  for (const Stripe& stripe : stripes) putChunk(out, "IDAT", stripe.deflated);
+}
+
+std::vector<std::byte> imageHeader(uint32_t width, uint32_t height, uint32_t channels, uint32_t bits) {
+  constexpr uint8_t kColorTypes[] = {0, 4, 2, 6};
+  std::vector<std::byte> header;
+  putBigEndian(header, width);
+  putBigEndian(header, height);
+  for (const uint32_t value : {bits, uint32_t{kColorTypes[channels - 1]}, 0u, 0u, 0u}) {
+    header.push_back(static_cast<std::byte>(value));  // the zeros: deflate, the five filters, not interlaced
+  }
+  return header;
+}
+
+std::vector<std::byte> bigEndian16(const std::byte* pixels, size_t count) {
+  std::vector<std::byte> swapped(count * 2);
+  for (size_t i = 0; i < count; ++i) {
+    uint16_t value;
+    std::memcpy(&value, pixels + 2 * i, 2);
+    swapped[2 * i] = static_cast<std::byte>(value >> 8);
+    swapped[2 * i + 1] = static_cast<std::byte>(value & 0xff);
+  }
+  return swapped;
+}
+
+}  // namespace
+
+std::vector<std::byte> encodePng(uint32_t width, uint32_t height, uint32_t channels, uint32_t bits,
+                                 const std::byte* pixels, PngLight light) {
+  assert(width > 0 && height > 0 && channels >= 1 && channels <= 4 && (bits == 8 || bits == 16));
+  const size_t rowBytes = size_t{width} * channels * (bits / 8);
+  std::vector<std::byte> swapped;
+  if (bits == 16 && std::endian::native == std::endian::little) {
+    swapped = bigEndian16(pixels, size_t{width} * height * channels);
+    pixels = swapped.data();
+  }
+  constexpr std::string_view kSignature = "\x89PNG\r\n\x1a\n";
+  std::vector<std::byte> out;
+  for (const char byte : kSignature) out.push_back(static_cast<std::byte>(byte));
+  putChunk(out, "IHDR", imageHeader(width, height, channels, bits));
+  constexpr std::byte kRelativeColorimetric[] = {std::byte{1}};
+  if (light == PngLight::Srgb) putChunk(out, "sRGB", kRelativeColorimetric);
+  putPixels(out, deflatePicture(pixels, rowBytes, height));
+  putChunk(out, "IEND", {});
+  return out;
+}
+
+std::vector<std::byte> encodePng(const Picture& picture) {
+  assert(picture.rgba.size() == size_t{picture.width} * picture.height * 4);
+  return encodePng(picture.width, picture.height, 4, 8, reinterpret_cast<const std::byte*>(picture.rgba.data()),
+                   PngLight::Srgb);
+}
+
+}  // namespace latelight::output
