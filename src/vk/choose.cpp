@@ -44,12 +44,10 @@ std::string lower(std::string text) {
 
 std::vector<std::string> findMissing(VkPhysicalDevice device, uint32_t apiVersion) {
   if (apiVersion < VK_API_VERSION_1_3) return {fmt::format("Vulkan 1.3 (it has {})", versionName(apiVersion))};
-  std::vector<std::string> missing;
-  if (findQueueFamily(device) == ~0u) missing.push_back("a queue for graphics and compute");
   Features features;
   vkGetPhysicalDeviceFeatures2(device, &features.core);
-  for (const Feature& feature : requiredFeatures())
-    if (!feature.of(features)) missing.push_back(fmt::format("{} ({})", feature.words, feature.name));
+  std::vector<std::string> missing = missingFeatures(features);
+  if (findQueueFamily(device) == ~0u) missing.push_back("a queue for graphics and compute");
   return missing;
 }
 
@@ -71,13 +69,13 @@ DeviceChoice choose(const DeviceInfo& device, std::string why) {
 }
 
 DeviceChoice chooseAutomatically(const std::vector<DeviceInfo>& devices) {
-  for (const char* type : {"discrete", "integrated", "virtual", "cpu"})
+  for (const char* type : {"discrete", "integrated", "virtual", "cpu", "other"})
     for (const DeviceInfo& device : devices)
       if (device.type == type && device.missing.empty())
         return {device, fmt::format("{} is the first usable device in the order discrete, integrated, virtual, cpu",
                                     device.name)};
   fail(ExitCode::NoDevice, "No device can be used ({} lacks {}): run `latelight doctor`.", devices[0].name,
-       devices[0].missing.empty() ? "a known device type" : join(devices[0].missing));
+       join(devices[0].missing));
 }
 
 // The device whose number, UUID or name this is, and why; null: none.

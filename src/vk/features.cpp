@@ -1,5 +1,7 @@
 #include "vk/features.h"
 
+#include <fmt/format.h>
+
 namespace latelight::vk {
 
 Features::Features() {
@@ -63,6 +65,13 @@ std::span<const Feature> requiredFeatures() {
 }
 std::span<const Feature> optionalFeatures() {
   return kOptional;
+}
+
+std::vector<std::string> missingFeatures(Features& offered) {
+  std::vector<std::string> missing;
+  for (const Feature& feature : requiredFeatures())
+    if (!feature.of(offered)) missing.push_back(fmt::format("{} ({})", feature.words, feature.name));
+  return missing;
 }
 
 }  // namespace latelight::vk

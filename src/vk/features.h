@@ -4,6 +4,8 @@
 #include <volk.h>
 
 #include <span>
+#include <string>
+#include <vector>
 
 namespace latelight::vk {
 
@@ -26,6 +28,9 @@ struct Feature {
 
 std::span<const Feature> requiredFeatures();
 std::span<const Feature> optionalFeatures();  // enabled where the device has them
+
+// Required features that are off in `offered`: "64-bit integers in shaders (shaderInt64)".
+std::vector<std::string> missingFeatures(Features& offered);
 
 inline constexpr const char* kOptionalExtensions[] = {VK_EXT_MEMORY_BUDGET_EXTENSION_NAME};
 

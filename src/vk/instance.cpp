@@ -17,8 +17,7 @@ constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
          kValidationLayer);
   if (result == VK_ERROR_INCOMPATIBLE_DRIVER)
     fail(ExitCode::NoDevice,
-         "The Vulkan loader finds no driver: install one (mesa-vulkan-drivers for the CPU), and run `latelight doctor` "
-         "for what is missing.");
+         "The Vulkan loader finds no driver that it can use: run `latelight doctor` for what is missing.");
   fail(ExitCode::NoDevice, "Vulkan does not start (vkCreateInstance gives {}): run `latelight doctor`.",
        static_cast<int>(result));
 }

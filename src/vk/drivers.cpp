@@ -1,0 +1,127 @@
+#include "vk/drivers.h"
+
+#include <dlfcn.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string_view>
+#include <system_error>
+
+namespace latelight::vk {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string variable(const char* name, const std::string& otherwise = "") {
+  const char* value = std::getenv(name);
+  return value && *value ? value : otherwise;
+}
+
+std::vector<fs::path> splitPaths(std::string_view list) {
+  std::vector<fs::path> paths;
+  while (!list.empty()) {
+    const size_t end = std::min(list.find(':'), list.size());
+    if (end > 0) paths.emplace_back(list.substr(0, end));
+    list.remove_prefix(std::min(end + 1, list.size()));
+  }
+  return paths;
+}
+
+std::vector<fs::path> driverFolders() {
+  const std::string home = variable("HOME");
+  std::vector<fs::path> bases;
+  const auto add = [&](const std::string& list) {
+    for (const fs::path& path : splitPaths(list)) bases.push_back(path);
+  };
+  add(variable("XDG_CONFIG_HOME", home.empty() ? "" : home + "/.config"));
+  add(variable("XDG_CONFIG_DIRS", "/etc/xdg"));
+  add("/etc");
+  add(variable("XDG_DATA_HOME", home.empty() ? "" : home + "/.local/share"));
+  add(variable("XDG_DATA_DIRS", "/usr/local/share:/usr/share"));
+  std::vector<fs::path> folders;
+  for (const fs::path& base : bases) {
+    const fs::path folder = base / "vulkan/icd.d";
+    if (std::find(folders.begin(), folders.end(), folder) == folders.end()) folders.push_back(folder);
+  }
+  return folders;
+}
+
+std::vector<fs::path> jsonFilesIn(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
+    if (entry->path().extension() == ".json") files.push_back(entry->path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+// A variable names files, or folders of them.
+std::vector<fs::path> filesOf(const std::string& list) {
+  std::vector<fs::path> files;
+  for (const fs::path& path : splitPaths(list)) {
+    std::error_code error;
+    if (!fs::is_directory(path, error)) {
+      files.push_back(path);
+      continue;
+    }
+    for (fs::path& file : jsonFilesIn(path)) files.push_back(std::move(file));
+  }
+  return files;
+}
+
+// The library a driver file names, or what is wrong with the file.
+DriverProbe readDriverFile(const fs::path& file) {
+  std::error_code error;
+  if (!fs::is_regular_file(file, error)) return {"", "is not there"};
+  std::ifstream stream(file);
+  if (!stream) return {"", "can't be read"};
+  const nlohmann::json json = nlohmann::json::parse(stream, nullptr, false);
+  if (json.is_discarded()) return {"", "is not JSON"};
+  const auto icd = json.is_object() ? json.find("ICD") : json.end();
+  if (!json.is_object() || icd == json.end() || !icd->is_object() || !icd->contains("library_path") ||
+      !(*icd)["library_path"].is_string())
+    return {"", "is not a driver file: it has no ICD.library_path"};
+  return {(*icd)["library_path"].get<std::string>(), ""};
+}
+
+}  // namespace
+
+DriverFiles findDriverFiles() {
+  DriverFiles found;
+  for (const char* name : {"VK_DRIVER_FILES", "VK_ICD_FILENAMES"}) {
+    const std::string list = variable(name);
+    if (list.empty()) continue;
+    return {fmt::format("the variable {} ({})", name, list), filesOf(list)};
+  }
+  found.files = filesOf(variable("VK_ADD_DRIVER_FILES"));
+  std::vector<std::string> names;
+  for (const fs::path& folder : driverFolders()) {
+    names.push_back(folder.string());
+    for (fs::path& file : jsonFilesIn(folder)) found.files.push_back(std::move(file));
+  }
+  found.where = fmt::format("{}", fmt::join(names, ", "));
+  return found;
+}
+
+DriverProbe probeDriver(const fs::path& file) {
+  DriverProbe probe = readDriverFile(file);
+  if (!probe.error.empty()) return probe;
+  // With a slash it is a path, from the file's folder where relative; without one the linker looks for it.
+  const bool isPath = probe.library.find('/') != std::string::npos;
+  const std::string library = isPath ? (file.parent_path() / probe.library).string() : probe.library;
+  void* handle = dlopen(library.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (!handle) {
+    probe.error = fmt::format("names the library {}, which does not load ({})", probe.library, dlerror());
+    return probe;
+  }
+  if (!dlsym(handle, "vk_icdGetInstanceProcAddr") && !dlsym(handle, "vkGetInstanceProcAddr"))
+    probe.error = fmt::format("names the library {}, which is not a Vulkan driver", probe.library);
+  // Not closed: the loader will open it again, and drivers have been seen to crash when unloaded.
+  return probe;
+}
+
+}  // namespace latelight::vk
