@@ -1,0 +1,315 @@
+// The executor on the CPU device, under validation with synchronization checks.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <memory>
+#include <stdexcept>
+
+#include "base/error.h"
+#include "graph/graph.h"
+#include "vk/device.h"
+
+namespace latelight::graph {
+namespace {
+
+using testing::Each;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+class Executors : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    device = std::make_unique<vk::Device>(vk::DeviceOptions{.selector = "cpu", .validation = true});
+  }
+  static void TearDownTestSuite() { device.reset(); }
+  void TearDown() override { EXPECT_THAT(device->validationMessages(), IsEmpty()); }
+
+  static vk::BufferDesc bufferDesc(const char* name, VkDeviceSize size = 1024) { return {.size = size, .name = name}; }
+  static vk::BufferDesc readbackDesc(VkDeviceSize size = 1024) {
+    return {.size = size, .kind = vk::MemoryKind::Readback, .name = "readback"};
+  }
+  static vk::ImageDesc imageDesc(const char* name, uint32_t layers = 1) {
+    return {.format = VK_FORMAT_R32_UINT, .width = 16, .height = 16, .layers = layers, .name = name};
+  }
+  static std::vector<uint32_t> contents(const vk::Buffer& buffer) {
+    const uint32_t* words = buffer.as<uint32_t>();
+    return {words, words + buffer.size() / sizeof(uint32_t)};
+  }
+
+  void fill(Graph& graph, const char* name, BufferId buffer, uint32_t value) {
+    graph.pass(name, {{buffer, Use::CopyTarget}}, [=, this](Context& c) {
+      ran.push_back(name);
+      vkCmdFillBuffer(c.get(), c.buffer(buffer).get(), 0, VK_WHOLE_SIZE, value);
+    });
+  }
+  void copy(Graph& graph, const char* name, BufferId from, BufferId to) {
+    graph.pass(name, {{from, Use::CopySource}, {to, Use::CopyTarget}}, [=, this](Context& c) {
+      ran.push_back(name);
+      const VkBufferCopy region{0, 0, c.buffer(to).size()};
+      vkCmdCopyBuffer(c.get(), c.buffer(from).get(), c.buffer(to).get(), 1, &region);
+    });
+  }
+  void copy(Graph& graph, const char* name, ImageId from, BufferId to) {
+    graph.pass(name, {{from, Use::CopySource}, {to, Use::CopyTarget}}, [=](Context& c) {
+      const vk::ImageDesc& desc = c.image(from).desc();
+      VkBufferImageCopy region{};
+      region.imageSubresource = {c.image(from).aspect(), 0, 0, desc.layers};
+      region.imageExtent = {desc.width, desc.height, 1};
+      vkCmdCopyImageToBuffer(c.get(), c.image(from).get(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, c.buffer(to).get(), 1,
+                             &region);
+    });
+  }
+  void clear(Graph& graph, const char* name, ImageId image, uint32_t value) {
+    graph.pass(name, {{image, Use::CopyTarget}}, [=](Context& c) {
+      VkClearColorValue color{};
+      color.uint32[0] = value;
+      const VkImageSubresourceRange all{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, VK_REMAINING_ARRAY_LAYERS};
+      vkCmdClearColorImage(c.get(), c.image(image).get(), VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, &color, 1, &all);
+    });
+  }
+  void run(Executor& executor, const Graph& graph) { executor.run(graph, graph.compile()); }
+
+  static std::unique_ptr<vk::Device> device;
+  std::vector<std::string> ran;
+};
+std::unique_ptr<vk::Device> Executors::device;
+
+TEST_F(Executors, RunAChainOfBuffers) {
+  Executor executor(*device);
+  Graph graph;
+  const BufferId a = graph.create(bufferDesc("a")), b = graph.create(bufferDesc("b"));
+  const BufferId unused = graph.create(bufferDesc("unused")), out = graph.create(readbackDesc());
+  fill(graph, "fill", a, 0x01020304);
+  copy(graph, "copy", a, b);
+  fill(graph, "culled", unused, 1);
+  fill(graph, "refill", a, 0x0a0b0c0d);  // write after read
+  copy(graph, "read back", b, out);
+  graph.exports(out, Use::HostRead);
+  graph.exports(a, Use::CopySource);
+  run(executor, graph);
+  EXPECT_THAT(ran, ElementsAre("fill", "copy", "refill", "read back"));
+  EXPECT_THAT(contents(executor.buffer(out)), Each(0x01020304u));
+  EXPECT_THROW(executor.buffer(unused), Error);
+}
+
+TEST_F(Executors, RunAChainOfImagesWithLayers) {
+  Executor executor(*device);
+  Graph graph;
+  constexpr uint32_t kLayers = 3;
+  const ImageId first = graph.create(imageDesc("first", kLayers)), second = graph.create(imageDesc("second", kLayers));
+  const BufferId out = graph.create(readbackDesc(16 * 16 * 4 * kLayers));
+  clear(graph, "clear", first, 77);
+  clear(graph, "clear second", second, 5);
+  graph.pass("copy the middle layer", {{first, Use::CopySource}, {second, Use::CopyTarget}}, [=](Context& c) {
+    VkImageCopy region{};
+    region.srcSubresource = region.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 1};
+    region.extent = {16, 16, 1};
+    vkCmdCopyImage(c.get(), c.image(first).get(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, c.image(second).get(),
+                   VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
+  });
+  copy(graph, "read back", second, out);
+  graph.exports(out, Use::HostRead);
+  run(executor, graph);
+  const std::vector<uint32_t> words = contents(executor.buffer(out));
+  for (size_t i = 0; i < words.size(); ++i) ASSERT_EQ(words[i], i / 256 == 1 ? 77u : 5u) << "texel " << i;
+}
+
+void render(Context& c, const vk::Image* color, const vk::Image* depth, VkImageLayout depthLayout,
+            VkAttachmentLoadOp load, const std::function<void()>& draw) {
+  VkRenderingAttachmentInfo attachments[2] = {{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO},
+                                              {VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO}};
+  attachments[0].imageView = color ? color->view() : VK_NULL_HANDLE;
+  attachments[0].imageLayout = VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL;
+  attachments[0].loadOp = load;
+  attachments[0].storeOp = VK_ATTACHMENT_STORE_OP_STORE;
+  attachments[0].clearValue.color.uint32[0] = 3;
+  attachments[1].imageView = depth ? depth->view() : VK_NULL_HANDLE;
+  attachments[1].imageLayout = depthLayout;
+  const bool tested = depthLayout == VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL;
+  attachments[1].loadOp = tested ? VK_ATTACHMENT_LOAD_OP_LOAD : VK_ATTACHMENT_LOAD_OP_CLEAR;
+  attachments[1].storeOp = tested ? VK_ATTACHMENT_STORE_OP_NONE : VK_ATTACHMENT_STORE_OP_STORE;
+  attachments[1].clearValue.depthStencil.depth = 0.25f;
+  VkRenderingInfo info{VK_STRUCTURE_TYPE_RENDERING_INFO};
+  info.renderArea.extent = {16, 16};
+  info.layerCount = 1;
+  info.colorAttachmentCount = color ? 1 : 0;
+  info.pColorAttachments = attachments;
+  info.pDepthAttachment = depth ? &attachments[1] : nullptr;
+  vkCmdBeginRendering(c.get(), &info);
+  draw();
+  vkCmdEndRendering(c.get());
+}
+
+TEST_F(Executors, GiveAttachmentsTheLayoutsTheyNeed) {
+  Executor executor(*device);
+  Graph graph;
+  const ImageId color = graph.create(imageDesc("color"));
+  vk::ImageDesc depthDesc = imageDesc("depth");
+  depthDesc.format = VK_FORMAT_D32_SFLOAT;
+  const ImageId depth = graph.create(depthDesc);
+  const BufferId colorOut = graph.create(readbackDesc()), depthOut = graph.create(readbackDesc());
+  constexpr VkImageLayout kAttachment = VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL;
+  graph.pass("geometry", {{color, Use::ColorAttachment}, {depth, Use::DepthAttachment}}, [=](Context& c) {
+    render(c, &c.image(color), &c.image(depth), kAttachment, VK_ATTACHMENT_LOAD_OP_CLEAR, [] {});
+  });
+  graph.pass("over", {{color, Use::ColorAttachmentLoad}, {depth, Use::DepthTest}}, [=](Context& c) {
+    render(c, &c.image(color), &c.image(depth), VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL, VK_ATTACHMENT_LOAD_OP_LOAD, [&] {
+      VkClearAttachment upper{VK_IMAGE_ASPECT_COLOR_BIT, 0, {}};
+      upper.clearValue.color.uint32[0] = 9;
+      const VkClearRect rows{{{0, 0}, {16, 8}}, 0, 1};
+      vkCmdClearAttachments(c.get(), 1, &upper, 1, &rows);
+    });
+  });
+  copy(graph, "read color", color, colorOut);
+  copy(graph, "read depth", depth, depthOut);
+  graph.exports(colorOut, Use::HostRead);
+  graph.exports(depthOut, Use::HostRead);
+  run(executor, graph);
+  const std::vector<uint32_t> words = contents(executor.buffer(colorOut));
+  for (size_t i = 0; i < words.size(); ++i) ASSERT_EQ(words[i], i < 128 ? 9u : 3u) << "texel " << i;
+  EXPECT_THAT(contents(executor.buffer(depthOut)), Each(0x3e800000u));  // 0.25f
+}
+
+TEST_F(Executors, ReadImportedImagesAndBringThemBack) {
+  Executor executor(*device);
+  vk::ImageDesc desc = imageDesc("texture");
+  desc.usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
+  const vk::Image texture(*device, desc);
+  {
+    vk::Uploader uploader(*device);
+    const std::vector<uint32_t> texels(256, 1234);
+    uploader.upload(texture, std::as_bytes(std::span(texels)));
+  }
+  for (int round = 0; round < 2; ++round) {
+    Graph graph;
+    const ImageId imported = graph.import(texture, Use::SampledFragment);
+    const BufferId out = graph.create(readbackDesc());
+    copy(graph, "read back", imported, out);
+    graph.exports(out, Use::HostRead);
+    run(executor, graph);
+    EXPECT_THAT(contents(executor.buffer(out)), Each(1234u));
+    EXPECT_EQ(&executor.image(imported), &texture);
+  }
+}
+
+TEST_F(Executors, KeepTransientResourcesFromRunToRun) {
+  Executor executor(*device);
+  const auto frame = [&](uint32_t width, const auto& look) {
+    Graph graph;
+    vk::ImageDesc desc = imageDesc("color");
+    desc.width = width;
+    // Alike, and needed at once: they must not be one.
+    const ImageId one = graph.create(desc), two = graph.create(desc);
+    const BufferId out = graph.create(readbackDesc(width * 16 * 4));
+    clear(graph, "one", one, 1);
+    clear(graph, "two", two, 2);
+    copy(graph, "read back", one, out);
+    graph.exports(out, Use::HostRead);
+    graph.exports(two, Use::CopySource);
+    run(executor, graph);
+    EXPECT_THAT(contents(executor.buffer(out)), Each(1u));
+    EXPECT_NE(executor.image(one).get(), executor.image(two).get());
+    look(executor.image(one).get(), executor.buffer(out).get());
+  };
+  VkImage image = VK_NULL_HANDLE;
+  VkBuffer buffer = VK_NULL_HANDLE;
+  frame(16, [&](VkImage i, VkBuffer b) {
+    image = i;
+    buffer = b;
+  });
+  const auto same = [&](VkImage i, VkBuffer b) {
+    EXPECT_EQ(i, image);
+    EXPECT_EQ(b, buffer);
+  };
+  frame(16, same);
+  frame(32, [&](VkImage i, VkBuffer) { EXPECT_NE(i, image); });
+  frame(16, same);
+  // What no run takes any more is freed.
+  const auto usedBytes = [&] { return device->memory().statistics().usedBytes; };
+  const uint64_t withSmall = usedBytes();
+  for (int i = 0; i < 6; ++i) frame(32, [](VkImage, VkBuffer) {});
+  const uint64_t largeOnly = usedBytes();
+  EXPECT_LT(largeOnly, withSmall);
+  for (int i = 0; i < 6; ++i) frame(32, [](VkImage, VkBuffer) {});
+  EXPECT_EQ(usedBytes(), largeOnly);
+}
+
+TEST_F(Executors, TimeEachPassThatRan) {
+  Executor executor(*device);
+  Graph graph;
+  const BufferId a = graph.create(bufferDesc("a", 16 << 20)), b = graph.create(bufferDesc("b", 16 << 20));
+  const BufferId unused = graph.create(bufferDesc("unused"));
+  fill(graph, "fill", a, 1);
+  fill(graph, "culled", unused, 1);
+  copy(graph, "copy", a, b);
+  graph.exports(b, Use::CopySource);
+  EXPECT_THAT(executor.times(), IsEmpty());
+  for (int round = 0; round < 2; ++round) {
+    run(executor, graph);
+    ASSERT_EQ(executor.times().size(), 2u);
+    EXPECT_EQ(executor.times()[0].name, "fill");
+    EXPECT_EQ(executor.times()[1].name, "copy");
+    // 16 MiB in less than 10 us would be 1.6 TB/s, in more than 10 s a broken clock.
+    for (const PassTime& time : executor.times()) {
+      EXPECT_GT(time.milliseconds, 0.01) << time.name;
+      EXPECT_LT(time.milliseconds, 10000.0) << time.name;
+    }
+  }
+}
+
+TEST_F(Executors, TimeMorePassesThanBefore) {
+  Executor executor(*device);
+  for (const int passes : {1, 40, 100, 3}) {
+    Graph graph;
+    const BufferId a = graph.create(bufferDesc("a"));
+    for (int i = 0; i < passes; ++i) fill(graph, "fill", a, i);
+    graph.exports(a, Use::CopySource);
+    run(executor, graph);
+    EXPECT_EQ(executor.times().size(), static_cast<size_t>(passes));
+  }
+}
+
+TEST_F(Executors, PassOnWhatAPassThrowsAndWorkAfter) {
+  Executor executor(*device);
+  Graph broken;
+  const BufferId a = broken.create(bufferDesc("a"));
+  broken.pass("throws", {{a, Use::CopyTarget}}, [](Context&) { throw std::runtime_error("no"); });
+  broken.exports(a, Use::CopySource);
+  EXPECT_THROW(run(executor, broken), std::runtime_error);
+
+  Graph graph;
+  const BufferId out = graph.create(readbackDesc());
+  fill(graph, "fill", out, 4);
+  graph.exports(out, Use::HostRead);
+  run(executor, graph);
+  EXPECT_THAT(contents(executor.buffer(out)), Each(4u));
+}
+
+TEST_F(Executors, RefuseResourcesThatNoPassDeclared) {
+  Executor executor(*device);
+  Graph graph;
+  const BufferId a = graph.create(bufferDesc("a")), undeclared = graph.create(bufferDesc("undeclared"));
+  graph.pass("asks", {{a, Use::CopyTarget}}, [=](Context& c) { c.buffer(undeclared); });
+  graph.exports(a, Use::CopySource);
+  EXPECT_THROW(run(executor, graph), Error);
+}
+
+// Without this test, a missing validation layer would look like a clean one.
+TEST_F(Executors, AreCaughtWhenABarrierIsMissing) {
+  Executor executor(*device);
+  Graph graph;
+  const BufferId a = graph.create(bufferDesc("a")), out = graph.create(readbackDesc());
+  fill(graph, "fill", a, 1);
+  copy(graph, "read back", a, out);
+  graph.exports(out, Use::HostRead);
+  Plan plan = graph.compile();
+  ASSERT_EQ(plan.steps.at(1).before.size(), 1u);
+  plan.steps[1].before.clear();
+  executor.run(graph, plan);
+  EXPECT_THAT(device->validationMessages(), testing::Contains(HasSubstr("SYNC-HAZARD-READ-AFTER-WRITE")));
+}
+
+}  // namespace
+}  // namespace latelight::graph
