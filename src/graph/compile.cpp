@@ -30,19 +30,20 @@ struct State {
   VkPipelineStageFlags2 readStages = 0;  // of all reads since
   std::vector<Visible> visible;          // since
 
-  bool sees(const Need& need) const;
+  VkPipelineStageFlags2 unseeing(const Need& need) const;  // of its stages, those that the contents aren't visible to
   void startWith(const Need& before);
   std::optional<Barrier> use(const Need& need);
 };
 
-bool State::sees(const Need& need) const {
+VkPipelineStageFlags2 State::unseeing(const Need& need) const {
+  VkPipelineStageFlags2 result = 0;
   for (VkPipelineStageFlags2 rest = need.stages; rest; rest &= rest - 1) {
     const VkPipelineStageFlags2 stage = rest & (~rest + 1);  // lowest bit
     VkAccessFlags2 access = 0;
     for (const Visible& v : visible) access |= v.stages & stage ? v.access : 0;
-    if ((access & need.access) != need.access) return false;
+    if ((access & need.access) != need.access) result |= stage;
   }
-  return true;
+  return result;
 }
 
 // As another graph, or whoever had the resource, left it.
@@ -59,24 +60,23 @@ void State::startWith(const Need& before) {
 // The barrier that `need` takes before it, and the state after it.
 std::optional<Barrier> State::use(const Need& need) {
   const bool transition = layout != need.layout;
-  // Reads come after the write, and their barriers made it available: waiting for them is enough, and moves no memory.
-  const bool waitForReads = (need.writing || transition) && readStages;
-  const bool hazard = need.writing ? (sourceStages | readStages) != 0 : sourceStages != 0 && !sees(need);
-  const bool needed = transition || hazard;
-
-  // A buffer that only the host wrote: readers must be over, nothing must become visible.
-  const bool executionOnly = !transition && sourceStages == 0;
+  const bool overwrite = transition || need.writing;
+  const bool unwritten = sourceStages == 0;  // new, or by the host only: visible to all
+  const VkPipelineStageFlags2 waiting = overwrite ? need.stages : (unwritten ? 0 : unseeing(need));
 
   std::optional<Barrier> barrier;
-  if (needed) {
-    barrier = Barrier{.sourceStage = waitForReads ? readStages : sourceStages,
-                      .targetStage = need.stages,
-                      .sourceAccess = waitForReads ? 0 : sourceAccess,
-                      .targetAccess = executionOnly ? 0 : need.access,
+  if (transition || (waiting && (sourceStages | readStages))) {
+    // Reads come after the write, and their barriers made it available: to wait for them is enough, and moves no
+    // memory.
+    const bool afterReads = overwrite && readStages;
+    barrier = Barrier{.sourceStage = afterReads ? readStages : sourceStages,
+                      .targetStage = waiting,
+                      .sourceAccess = afterReads ? 0 : sourceAccess,
+                      .targetAccess = unwritten && !transition ? 0 : need.access,
                       .oldLayout = transition && !need.keeps ? VK_IMAGE_LAYOUT_UNDEFINED : layout,
                       .newLayout = need.layout};
   }
-  if (transition || need.writing) {
+  if (overwrite) {
     changed = true;
     sourceStages = need.stages;
     sourceAccess = need.writing;
@@ -85,7 +85,7 @@ std::optional<Barrier> State::use(const Need& need) {
   }
   if (!need.writing) {
     readStages |= need.stages;
-    if (needed) visible.push_back({need.stages, need.access});
+    if (barrier) visible.push_back({waiting, need.access});
   }
   layout = need.layout;
   defined = true;

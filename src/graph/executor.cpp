@@ -141,9 +141,15 @@ class Timers {
     vkCmdResetQueryPool(commands, pool_.get(), 0, marks_);
   }
 
-  // All work recorded so far is done.
+  // The time when all work recorded so far is done.
   void mark(VkCommandBuffer commands, uint32_t index) {
-    if (marks_) vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, pool_.get(), index);
+    if (marks_ == 0) return;
+    vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, pool_.get(), index);
+    if (!device_.isCpu()) return;
+    // lavapipe takes the time when its rasterizer is flushed next, which copies and dispatches don't wait for: their own
+    // time would fall before the mark. A barrier flushes.
+    const VkDependencyInfo nothing{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+    vkCmdPipelineBarrier2(commands, &nothing);
   }
 
   // Milliseconds between the marks 2i and 2i + 1, of a submission that has finished.
