@@ -6,13 +6,7 @@
 
 #include "base/parallel.h"
 #include "scene/texture.h"
-
-// The hot loops are compiled twice and chosen at start-up; sanitizers can't be initialised before that choice.
-#if defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__)
-#define LATELIGHT_CLONES __attribute__((target_clones("avx2", "default")))
-#else
-#define LATELIGHT_CLONES
-#endif
+#include "scene/vector_clones.h"
 
 namespace latelight::scene {
 namespace {
@@ -50,7 +44,7 @@ const SrgbTables& srgbTables() {
 }
 
 // Rows of even size: four pixels become one. Two channels to a register half, so that sums don't meet.
-LATELIGHT_CLONES
+LATELIGHT_VECTOR_CLONES
 void halveRow(const uint32_t* above, const uint32_t* below, uint32_t* target, size_t count) {
   constexpr uint32_t kLanes = 0x00ff00ffu, kHalf = 0x00020002u;
   for (size_t i = 0; i < count; ++i) {

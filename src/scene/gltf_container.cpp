@@ -1,0 +1,109 @@
+// From a file's bytes to checked JSON: the GLB container (glTF 2.0, chapter 4) and the version.
+#include <cstdlib>
+#include <cstring>
+#include <string_view>
+
+#include "base/error.h"
+#include "scene/gltf_document.h"
+#include "scene/gltf_schema.h"
+
+namespace latelight::scene::gltf {
+namespace {
+
+constexpr uint32_t kMagic = 0x46546C67;  // "glTF"
+constexpr uint32_t kJsonChunk = 0x4E4F534A;
+constexpr uint32_t kBinaryChunk = 0x004E4942;
+constexpr size_t kHeaderBytes = 12, kChunkHeaderBytes = 8;
+constexpr size_t kMaxJsonBytes = 1u << 30;  // tinygltf counts in 32 bits
+constexpr int kMaxDepth = 128;              // tinygltf and JSON printing recurse
+
+uint32_t wordAt(Bytes bytes, size_t at) {  // GLB is little-endian
+  uint32_t word = 0;
+  for (size_t i = 0; i < 4; ++i) word |= uint32_t(bytes[at + i]) << (8 * i);
+  return word;
+}
+
+Container readBinary(Bytes file) {
+  if (file.size() < kHeaderBytes + kChunkHeaderBytes) badInput("the .glb file ends within its header");
+  uint32_t version = wordAt(file, 4), length = wordAt(file, 8);
+  if (version != 2) badInput("it is a version {} .glb file; version 2 is supported: convert it", version);
+  if (length > file.size())
+    badInput("the .glb file should be {} bytes long but ends after {}: copy it again", length, file.size());
+  file = file.first(length);
+  Container container;
+  bool first = true;
+  for (size_t at = kHeaderBytes; at + kChunkHeaderBytes <= file.size(); first = false) {
+    uint32_t size = wordAt(file, at), type = wordAt(file, at + 4);
+    at += kChunkHeaderBytes;
+    if (size > file.size() - at)
+      badInput("a chunk of the .glb file reaches {} bytes past its end", size - (file.size() - at));
+    Bytes chunk = file.subspan(at, size);
+    if (first != (type == kJsonChunk)) badInput("the .glb file's first chunk, and no other, should be JSON");
+    if (type == kJsonChunk) container.json = chunk;
+    if (type == kBinaryChunk && container.binary.empty()) container.binary = chunk;
+    at += (size + 3) / 4 * 4;  // chunks are padded to 4 bytes
+  }
+  if (container.json.empty()) badInput("the .glb file has no JSON chunk");
+  return container;
+}
+
+// Nesting is checked on the text, before any parser or printer recurses over it.
+void checkDepth(std::string_view text) {
+  int depth = 0;
+  bool inString = false;
+  for (size_t i = 0; i < text.size(); ++i) {
+    char c = text[i];
+    if (inString) {
+      if (c == '\\')
+        ++i;
+      else if (c == '"')
+        inString = false;
+    } else if (c == '"') {
+      inString = true;
+    } else if (c == '{' || c == '[') {
+      if (++depth > kMaxDepth) badInput("its JSON is nested more than {} levels deep", kMaxDepth);
+    } else if (c == '}' || c == ']') {
+      --depth;
+    }
+  }
+}
+
+void checkVersion(const nlohmann::json& root) {
+  const nlohmann::json& asset = root["asset"];
+  std::string version = asset["version"].get<std::string>();
+  if (version.substr(0, 2) != "2.") badInput("it is glTF {}; 2.0 is supported: convert it", version);
+  if (!asset.contains("minVersion")) return;
+  std::string least = asset["minVersion"].get<std::string>();
+  if (least != "2.0") badInput("it needs a reader of glTF {}; this one reads 2.0", least);
+}
+
+}  // namespace
+
+Container readContainer(Bytes file) {
+  if (file.size() >= 4 && wordAt(file, 0) == kMagic) return readBinary(file);
+  return {file, {}};
+}
+
+nlohmann::json readJson(Bytes bytes) {
+  std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  if (text.empty()) badInput("the file is empty");
+  if (text.size() > kMaxJsonBytes) badInput("its JSON is larger than 1 GiB");
+  checkDepth(text);
+  nlohmann::json root;
+  try {
+    root = nlohmann::json::parse(text);
+  } catch (const nlohmann::json::exception& error) {
+    std::string_view reason = error.what();  // "[json.exception.parse_error.101] parse error at line 1, ..."
+    reason.remove_prefix(std::min(reason.size(), reason.find("] ") + 2));
+    badInput("it is not glTF: {}", reason);
+  }
+  if (!root.is_object() || !root.contains("asset")) badInput("it is not glTF: its JSON has no \"asset\"");
+  // What can't be read at all is said before details.
+  if (root["asset"].is_object() && root["asset"].contains("version") && root["asset"]["version"].is_string())
+    checkVersion(root);
+  checkExtensions(root);
+  validate(root);
+  return root;
+}
+
+}  // namespace latelight::scene::gltf

@@ -1,0 +1,85 @@
+// A glTF file in memory: checked JSON as tinygltf's typed model, and its bytes. Read-only once opened, so that meshes
+// and textures are made from it on all threads at once.
+#pragma once
+
+#include <tiny_gltf.h>
+
+#include <atomic>
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace latelight::scene::gltf {
+
+using Bytes = std::span<const std::byte>;
+
+struct ImageSource {
+  std::string name;  // as messages call it: "images[2] (rust.png)"
+  Bytes encoded;     // empty where the file could not be read; `problem` says why
+  std::string problem;
+};
+
+// What loading may allocate or touch, in bytes, so that a small file can't ask for 100 GB or for a day of work: all
+// accessors may name the same bytes, and compressed ones may claim any size. Honest files stay far below.
+class Budget {
+ public:
+  void setInput(size_t inputBytes) { left_ = (size_t{1} << 30) + 256 * inputBytes; }
+  // Throws Error(BadInput) naming `what` when the file asks for more than that.
+  void charge(size_t bytes, std::string_view what) const;
+
+ private:
+  mutable std::atomic<size_t> left_ = 0;
+};
+
+struct Document {
+  tinygltf::Model model;     // without buffers, images and animations: their bytes never go through tinygltf
+  std::vector<Bytes> views;  // of each bufferView, decompressed
+  std::vector<ImageSource> images;
+  size_t inputBytes = 0;  // of all files read
+  Budget budget;
+
+  // What `views` and `images` point into.
+  std::vector<std::vector<std::byte>> files;
+  std::vector<std::unique_ptr<std::byte[]>> decoded;
+};
+
+// The JSON chunk and the binary chunk (empty if none) of a .glb, or the text of a .gltf.
+struct Container {
+  Bytes json;
+  Bytes binary;
+};
+Container readContainer(Bytes file);
+
+// Parsed, validated JSON. Throws Error(BadInput) on anything malformed or on a required extension that is not
+// supported.
+nlohmann::json readJson(Bytes text);
+
+// Fills views and images from the file's buffers: the binary chunk, data URIs, and files beside `folder`.
+void readBuffers(Document& document, const nlohmann::json& root, const std::filesystem::path& folder, Bytes binary);
+
+// Decompresses bufferViews with EXT_meshopt_compression into document.views.
+void decodeMeshopt(Document& document, const nlohmann::json& root, const std::vector<Bytes>& buffers);
+
+// Hands the JSON to tinygltf, patched so that it touches nothing that could fail.
+void readModel(Document& document, nlohmann::json root);
+
+void openDocument(Document& document, const std::filesystem::path& path);
+
+// --- extensions
+// -------------------------------------------------------------------------------------------------------
+
+// Throws Error(BadInput) naming the first required extension we don't support; warns of used ones that we ignore though
+// they change the picture.
+void checkExtensions(const nlohmann::json& root);
+
+// The extension's object, or null.
+const tinygltf::Value* extension(const tinygltf::ExtensionMap& map, const char* name);
+// A number of an extension's object, or the default.
+double numberOr(const tinygltf::Value& object, const char* key, double otherwise);
+int indexOr(const tinygltf::Value& object, const char* key, int otherwise);
+
+}  // namespace latelight::scene::gltf

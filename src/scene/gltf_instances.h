@@ -1,0 +1,14 @@
+// Which meshes stand where: instances with their ids, and the list of distinct meshes they need.
+#pragma once
+
+#include <vector>
+
+#include "scene/gltf_mesh.h"
+
+namespace latelight::scene::gltf {
+
+// Fills scene.instances; appends a default material if a primitive needs it. Instance::mesh counts into the result.
+std::vector<MeshRequest> placeInstances(const Document& document, const Hierarchy& hierarchy, int variant,
+                                        Scene& scene);
+
+}  // namespace latelight::scene::gltf

@@ -1,0 +1,251 @@
+#include "scene/gltf_material.h"
+
+#include <fmt/ranges.h>
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "base/log.h"
+
+namespace latelight::scene::gltf {
+namespace {
+
+using tinygltf::Value;
+
+constexpr float kDielectricF0 = 0.04f;  // of the default index of refraction, 1.5
+
+// What all kinds of texture reference have.
+struct Reference {
+  int texture = -1;
+  int uvSet = 0;
+  const Value* transform = nullptr;
+};
+
+const Value* transformOf(const tinygltf::ExtensionMap& extensions) {
+  return extension(extensions, "KHR_texture_transform");
+}
+
+template <typename Info>  // tinygltf's three kinds of texture info
+Reference referenceTo(const Info& info) {
+  return {info.index, info.texCoord, transformOf(info.extensions)};
+}
+
+// Those of extensions are plain JSON.
+Reference referenceTo(const Value& info) {
+  if (!info.IsObject()) return {};
+  const Value& extensions = info.Get("extensions");
+  const Value* transform = extensions.IsObject() && extensions.Has("KHR_texture_transform")
+                               ? &extensions.Get("KHR_texture_transform")
+                               : nullptr;
+  return {indexOr(info, "index", -1), indexOr(info, "texCoord", 0), transform};
+}
+
+double elementOr(const Value& object, const char* key, size_t i, double otherwise) {
+  const Value& array = object.Get(key);
+  if (!array.IsArray() || i >= array.ArrayLen()) return otherwise;
+  const Value& element = array.Get(int(i));
+  return element.IsNumber() ? element.GetNumberAsDouble() : otherwise;
+}
+
+// Translation * rotation * scale. The rotation is counter-clockwise as seen in the picture, whose v runs down.
+void setTransform(shared::TextureTransform& out, const Reference& reference) {
+  int uvSet = reference.uvSet;
+  out.row0 = vec3(1, 0, 0);
+  out.row1 = vec3(0, 1, 0);
+  if (const Value* t = reference.transform) {
+    double angle = numberOr(*t, "rotation", 0), c = std::cos(angle), s = std::sin(angle);
+    double sx = elementOr(*t, "scale", 0, 1), sy = elementOr(*t, "scale", 1, 1);
+    out.row0 = vec3(c * sx, s * sy, elementOr(*t, "offset", 0, 0));
+    out.row1 = vec3(-s * sx, c * sy, elementOr(*t, "offset", 1, 0));
+    uvSet = indexOr(*t, "texCoord", uvSet);
+  }
+  if (uvSet > 1) warn("a texture asks for TEXCOORD_{}; two UV sets are supported, and TEXCOORD_1 is used", uvSet);
+  out.uvSet = uint32_t(std::min(uvSet, 1));
+}
+
+Wrap wrapOf(int gl) {
+  if (gl == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE) return Wrap::Clamp;
+  if (gl == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT) return Wrap::Mirror;
+  return Wrap::Repeat;
+}
+
+Sampler samplerOf(const tinygltf::Model& model, int index) {
+  Sampler sampler;
+  if (index < 0) return sampler;
+  const tinygltf::Sampler& source = model.samplers[size_t(index)];
+  sampler.wrapU = wrapOf(source.wrapS);
+  sampler.wrapV = wrapOf(source.wrapT);
+  if (source.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST) sampler.magnify = Filter::Nearest;
+  auto minify = [&](Filter filter, MipFilter mip) { sampler.minify = filter, sampler.mip = mip; };
+  switch (source.minFilter) {
+    case TINYGLTF_TEXTURE_FILTER_NEAREST:
+      minify(Filter::Nearest, MipFilter::None);
+      break;
+    case TINYGLTF_TEXTURE_FILTER_LINEAR:
+      minify(Filter::Linear, MipFilter::None);
+      break;
+    case TINYGLTF_TEXTURE_FILTER_NEAREST_MIPMAP_NEAREST:
+      minify(Filter::Nearest, MipFilter::Nearest);
+      break;
+    case TINYGLTF_TEXTURE_FILTER_LINEAR_MIPMAP_NEAREST:
+      minify(Filter::Linear, MipFilter::Nearest);
+      break;
+    case TINYGLTF_TEXTURE_FILTER_NEAREST_MIPMAP_LINEAR:
+      minify(Filter::Nearest, MipFilter::Linear);
+      break;
+    default:
+      break;
+  }
+  return sampler;
+}
+
+int imageOf(const tinygltf::Texture& texture) {
+  if (const Value* webp = extension(texture.extensions, "EXT_texture_webp")) return indexOr(*webp, "source", -1);
+  return texture.source;
+}
+
+class MaterialReader {
+ public:
+  MaterialReader(const Document& document, TextureTable& textures) : document_(document), textures_(textures) {}
+
+  Material read(const tinygltf::Material& source) {
+    source_ = &source;
+    out_ = defaultMaterial();
+    out_.name = source.name;
+    readSurface();
+    readAlpha();
+    readExtensions();
+    return std::move(out_);
+  }
+
+ private:
+  void slot(uint32_t slot, const Reference& reference, bool srgb) {
+    if (reference.texture < 0) return;
+    const tinygltf::Texture& texture = document_.model.textures[size_t(reference.texture)];
+    int image = imageOf(texture);
+    if (image < 0) {
+      warn("textures[{}] has no picture that can be read, and is left out", reference.texture);
+      return;
+    }
+    out_.slots[slot] = {textures_.request(image, srgb), samplerOf(document_.model, texture.sampler)};
+    out_.data.textures |= 1u << slot;
+    setTransform(out_.data.transforms[slot], reference);
+  }
+
+  void readSurface() {
+    shared::Material& data = out_.data;
+    const tinygltf::PbrMetallicRoughness& pbr = source_->pbrMetallicRoughness;
+    for (int i = 0; i < 4; ++i) data.baseColor[i] = float(pbr.baseColorFactor[size_t(i)]);
+    for (int i = 0; i < 3; ++i) data.emissive[i] = float(source_->emissiveFactor[size_t(i)]);
+    data.metallic = std::clamp(float(pbr.metallicFactor), 0.0f, 1.0f);
+    data.roughness = std::clamp(float(pbr.roughnessFactor), 0.0f, 1.0f);
+    data.normalScale = float(source_->normalTexture.scale);
+    data.occlusionStrength = std::clamp(float(source_->occlusionTexture.strength), 0.0f, 1.0f);
+    slot(shared::kTextureBaseColor, referenceTo(pbr.baseColorTexture), true);
+    slot(shared::kTextureMetallicRoughness, referenceTo(pbr.metallicRoughnessTexture), false);
+    slot(shared::kTextureNormal, referenceTo(source_->normalTexture), false);
+    slot(shared::kTextureOcclusion, referenceTo(source_->occlusionTexture), false);
+    slot(shared::kTextureEmissive, referenceTo(source_->emissiveTexture), true);
+    if (source_->doubleSided) data.flags |= shared::kMaterialDoubleSided;
+  }
+
+  void readAlpha() {
+    shared::Material& data = out_.data;
+    if (source_->alphaMode == "MASK") {
+      data.flags |= shared::kMaterialMasked;
+      data.alphaCutoff = float(source_->alphaCutoff);
+    } else if (source_->alphaMode == "BLEND") {
+      warn("alpha-blended materials are drawn as masked: opaque where alpha is at least 0.5, else not at all");
+      data.flags |= shared::kMaterialBlended | shared::kMaterialMasked;
+      data.alphaCutoff = 0.5f;
+    } else if (source_->alphaMode != "OPAQUE") {
+      badInput("a material has the unknown alphaMode \"{}\"", source_->alphaMode);
+    }
+  }
+
+  void readExtensions() {
+    shared::Material& data = out_.data;
+    if (extension(source_->extensions, "KHR_materials_unlit")) data.flags |= shared::kMaterialUnlit;
+    if (const Value* e = extension(source_->extensions, "KHR_materials_emissive_strength"))
+      data.emissive *= float(numberOr(*e, "emissiveStrength", 1));
+    if (const Value* e = extension(source_->extensions, "KHR_materials_ior")) {
+      double ior = numberOr(*e, "ior", 1.5), ratio = (ior - 1) / (ior + 1);
+      // 0 stands for infinity: the compatibility mode of KHR_materials_ior.
+      data.f0 = ior == 0 ? 1.0f : float(ratio * ratio);
+    }
+    if (const Value* e = extension(source_->extensions, "KHR_materials_specular")) {
+      data.specular = float(numberOr(*e, "specularFactor", 1));
+      for (int i = 0; i < 3; ++i) data.specularColor[i] = float(elementOr(*e, "specularColorFactor", size_t(i), 1));
+      slot(shared::kTextureSpecular, referenceTo(e->Get("specularTexture")), false);
+      slot(shared::kTextureSpecularColor, referenceTo(e->Get("specularColorTexture")), true);
+    }
+  }
+
+  const Document& document_;
+  TextureTable& textures_;
+  const tinygltf::Material* source_ = nullptr;
+  Material out_;
+};
+
+}  // namespace
+
+int TextureTable::request(int image, bool srgb) {
+  auto [known, isNew] = known_.try_emplace({image, srgb}, int(requests_.size()));
+  if (isNew) requests_.push_back({image, srgb});
+  return known->second;
+}
+
+Material defaultMaterial() {
+  Material material;
+  material.name = "default";
+  material.data = {.baseColor = vec4(1),
+                   .emissive = vec3(0),
+                   .metallic = 1,
+                   .roughness = 1,
+                   .normalScale = 1,
+                   .occlusionStrength = 1,
+                   .alphaCutoff = 0.5f,
+                   .specularColor = vec3(1),
+                   .specular = 1,
+                   .f0 = kDielectricF0};
+  for (shared::TextureTransform& transform : material.data.transforms) setTransform(transform, {});
+  return material;
+}
+
+std::vector<Material> readMaterials(const Document& document, TextureTable& textures) {
+  MaterialReader reader(document, textures);
+  std::vector<Material> materials;
+  for (const tinygltf::Material& source : document.model.materials) materials.push_back(reader.read(source));
+  return materials;
+}
+
+int readVariants(const Document& document, const std::string& wanted, Scene& scene) {
+  if (const Value* object = extension(document.model.extensions, "KHR_materials_variants")) {
+    const Value& variants = object->Get("variants");
+    for (size_t i = 0; variants.IsArray() && i < variants.ArrayLen(); ++i) {
+      const Value& name = variants.Get(int(i)).Get("name");
+      scene.variants.push_back(name.IsString() ? name.Get<std::string>() : "");
+    }
+  }
+  if (wanted.empty()) return -1;
+  auto found = std::find(scene.variants.begin(), scene.variants.end(), wanted);
+  if (found != scene.variants.end()) return int(found - scene.variants.begin());
+  if (scene.variants.empty()) badUsage("there is no variant \"{}\": the file has no material variants", wanted);
+  badUsage("there is no variant \"{}\": the file has {}", wanted, fmt::join(scene.variants, ", "));
+}
+
+int materialOf(const tinygltf::Primitive& primitive, int variant) {
+  const Value* object = extension(primitive.extensions, "KHR_materials_variants");
+  if (variant < 0 || !object) return primitive.material;
+  const Value& mappings = object->Get("mappings");
+  for (size_t i = 0; mappings.IsArray() && i < mappings.ArrayLen(); ++i) {
+    const Value& mapping = mappings.Get(int(i));
+    const Value& variants = mapping.Get("variants");
+    for (size_t v = 0; variants.IsArray() && v < variants.ArrayLen(); ++v)
+      if (variants.Get(int(v)).IsInt() && variants.Get(int(v)).Get<int>() == variant)
+        return indexOr(mapping, "material", primitive.material);
+  }
+  return primitive.material;
+}
+
+}  // namespace latelight::scene::gltf

@@ -1,0 +1,42 @@
+// Materials, and the textures they ask for.
+#pragma once
+
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "scene/gltf_document.h"
+#include "scene/scene.h"
+
+namespace latelight::scene::gltf {
+
+// Each pair of a picture and its coding becomes one scene texture.
+class TextureTable {
+ public:
+  struct Request {
+    int image;
+    bool srgb;
+  };
+
+  // Index into Scene::textures.
+  int request(int image, bool srgb);
+  const std::vector<Request>& requests() const { return requests_; }
+
+ private:
+  std::map<std::pair<int, bool>, int> known_;
+  std::vector<Request> requests_;
+};
+
+std::vector<Material> readMaterials(const Document& document, TextureTable& textures);
+
+// glTF 2.0, 3.9.6: of primitives that have none.
+Material defaultMaterial();
+
+// Index of the variant of that name, -1 for an empty name. Throws Error(Usage) listing the names if there is none.
+// Fills scene.variants.
+int readVariants(const Document& document, const std::string& wanted, Scene& scene);
+
+// The material of a primitive under a variant (-1: the default), or -1.
+int materialOf(const tinygltf::Primitive& primitive, int variant);
+
+}  // namespace latelight::scene::gltf

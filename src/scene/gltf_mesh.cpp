@@ -1,0 +1,128 @@
+#include "scene/gltf_mesh.h"
+
+#include <cmath>
+
+#include "base/error.h"
+#include "scene/gltf_vertices.h"
+#include "scene/tangents.h"
+
+namespace latelight::scene::gltf {
+namespace {
+
+// What one vertex costs on its way, streams and result together.
+constexpr size_t kVertexBytes = 2 * (sizeof(vec3) + sizeof(shared::VertexAttributes) + sizeof(shared::VertexExtra));
+
+const Elements* find(const Source& source, const char* key) {
+  auto found = source.attributes.find(key);
+  return found == source.attributes.end() ? nullptr : &found->second;
+}
+
+// Colours are normalised whether or not the accessor says so: whole numbers up to 65535 are no colours.
+std::vector<vec4> readColors(Elements elements, const Source& source) {
+  elements.normalized = true;
+  return readFinite<4>(elements, source.first, source.count, 1.0f);
+}
+
+Vertices readVertices(const Source& source) {
+  Vertices v;
+  v.positions = readFinite<3>(*find(source, "POSITION"), source.first, source.count);
+  if (const Elements* e = find(source, "NORMAL")) {
+    v.normals.resize(source.count);
+    readVectors<3>(*e, source.first, source.count, v.normals.data());  // broken ones are mended later
+  }
+  if (const Elements* e = find(source, "TANGENT"); e && !v.normals.empty()) {
+    v.tangents.resize(source.count);
+    readVectors<4>(*e, source.first, source.count, v.tangents.data());
+  }
+  if (const Elements* e = find(source, "TEXCOORD_0")) v.uv[0] = readFinite<2>(*e, source.first, source.count);
+  if (const Elements* e = find(source, "TEXCOORD_1")) v.uv[1] = readFinite<2>(*e, source.first, source.count);
+  if (const Elements* e = find(source, "COLOR_0")) v.colors = readColors(*e, source);
+  return v;
+}
+
+void requireFinite(const std::vector<vec3>& positions, const std::string& name) {
+  for (const vec3& p : positions)
+    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
+      badInput("{} has positions that are not finite once posed", name);
+}
+
+void repairTangents(std::vector<vec4>& tangents) {
+  for (vec4& t : tangents) {
+    float length2 = glm::dot(vec3(t), vec3(t));
+    bool usable = length2 > 1e-30f && std::isfinite(length2);
+    t = usable ? vec4(vec3(t) / std::sqrt(length2), t.w < 0 ? -1.0f : 1.0f) : vec4(0);
+  }
+}
+
+template <typename T>
+void appendCopies(std::vector<T>& stream, const std::vector<uint32_t>& copies) {
+  if (stream.empty()) return;
+  stream.reserve(stream.size() + copies.size());
+  for (uint32_t vertex : copies) stream.push_back(stream[vertex]);
+}
+
+void makeTangents(const TangentSpace& space, Vertices& v, std::vector<uint32_t>& indices) {
+  std::vector<vec2> uv = v.uv[space.uvSet];
+  if (uv.empty()) return;
+  for (vec2& t : uv) t = vec2(glm::dot(space.row0, t), glm::dot(space.row1, t));
+  TangentFrames frames = generateTangents(v.positions, v.normals, uv, indices);
+  appendCopies(v.positions, frames.copies);
+  appendCopies(v.normals, frames.copies);
+  appendCopies(v.colors, frames.copies);
+  appendCopies(v.uv[0], frames.copies);
+  appendCopies(v.uv[1], frames.copies);
+  v.tangents = std::move(frames.tangents);
+}
+
+Mesh pack(Vertices v, std::vector<uint32_t> indices) {
+  Mesh mesh;
+  size_t count = v.positions.size();
+  mesh.attributes.resize(count);
+  for (size_t i = 0; i < count; ++i)
+    mesh.attributes[i] = {v.normals[i], v.tangents.empty() ? vec4(0) : v.tangents[i],
+                          v.uv[0].empty() ? vec2(0) : v.uv[0][i]};
+  if (!v.uv[1].empty() || !v.colors.empty()) {
+    mesh.extras.resize(count);
+    for (size_t i = 0; i < count; ++i)
+      mesh.extras[i] = {v.uv[1].empty() ? vec2(0) : v.uv[1][i], v.colors.empty() ? vec4(1) : v.colors[i]};
+  }
+  mesh.boundsMin = mesh.boundsMax = v.positions[0];
+  for (const vec3& p : v.positions) {
+    mesh.boundsMin = glm::min(mesh.boundsMin, p);
+    mesh.boundsMax = glm::max(mesh.boundsMax, p);
+  }
+  mesh.positions = std::move(v.positions);
+  mesh.indices = std::move(indices);
+  return mesh;
+}
+
+}  // namespace
+
+Mesh buildMesh(const Document& document, const Hierarchy& hierarchy, const MeshRequest& request) {
+  const tinygltf::Mesh& parent = document.model.meshes[size_t(request.mesh)];
+  const tinygltf::Primitive& primitive = parent.primitives[size_t(request.primitive)];
+  Source source =
+      readSource(document, primitive, fmt::format("meshes[{}].primitives[{}]", request.mesh, request.primitive));
+  document.budget.charge(source.count * kVertexBytes, source.name);
+  Vertices vertices = readVertices(source);
+  applyMorphTargets(document, primitive, source, request.weights, vertices);
+  if (request.skin >= 0) applySkin(document, hierarchy, request.skin, source, vertices);
+  requireFinite(vertices.positions, source.name);
+
+  std::vector<uint32_t> indices = std::move(source.indices);
+  if (vertices.normals.empty()) {
+    document.budget.charge(indices.size() * kVertexBytes, source.name);
+    makeFlatNormals(vertices, indices);
+  } else {
+    repairNormals(vertices, indices);
+  }
+  repairTangents(vertices.tangents);
+  if (vertices.tangents.empty() && request.tangentSpace) makeTangents(*request.tangentSpace, vertices, indices);
+
+  Mesh mesh = pack(std::move(vertices), std::move(indices));
+  mesh.name = parent.name.empty() ? fmt::format("mesh{}", request.mesh) : parent.name;
+  if (parent.primitives.size() > 1) mesh.name += fmt::format("/primitive{}", request.primitive);
+  return mesh;
+}
+
+}  // namespace latelight::scene::gltf

@@ -1,0 +1,36 @@
+// Primitives become meshes: one scene::Mesh for each distinct geometry, posed.
+#pragma once
+
+#include <compare>
+#include <optional>
+#include <vector>
+
+#include "scene/gltf_document.h"
+#include "scene/gltf_nodes.h"
+#include "scene/scene.h"
+
+namespace latelight::scene::gltf {
+
+// The texture coordinates whose directions tangents follow: a UV set, and the linear part of its texture's transform.
+struct TangentSpace {
+  uint32_t uvSet = 0;
+  vec2 row0{1, 0}, row1{0, 1};
+  bool operator==(const TangentSpace&) const = default;
+};
+
+// What one scene::Mesh is made from. Equal requests give equal meshes.
+struct MeshRequest {
+  int mesh = 0, primitive = 0;
+  int skin = -1;                             // its bind pose, in the file's own frame; -1: none
+  std::vector<double> weights;               // of morph targets; empty: none of them counts
+  std::optional<TangentSpace> tangentSpace;  // where tangents are needed
+  bool operator==(const MeshRequest&) const = default;
+};
+
+// Triangles the primitive has; 0 for points, lines and primitives without positions.
+size_t triangleCount(const Document& document, const tinygltf::Primitive& primitive);
+
+// Throws Error(BadInput) with the primitive's place. Thread-safe.
+Mesh buildMesh(const Document& document, const Hierarchy& hierarchy, const MeshRequest& request);
+
+}  // namespace latelight::scene::gltf

@@ -1,0 +1,238 @@
+#include "scene/gltf_nodes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/quaternion.hpp>
+#include <string>
+#include <unordered_map>
+#include <unordered_set>
+
+#include "base/error.h"
+#include "base/log.h"
+
+namespace latelight::scene::gltf {
+namespace {
+
+using glm::dmat4;
+using glm::dvec3;
+using glm::dvec4;
+
+constexpr size_t kMaxPathBytes = size_t{256} << 20;  // a chain of n nodes has paths of n^2 characters in all
+
+dmat4 localTransform(const tinygltf::Node& node) {
+  if (node.matrix.size() == 16) {
+    dmat4 m;
+    for (int i = 0; i < 16; ++i) m[i / 4][i % 4] = node.matrix[size_t(i)];
+    return m;
+  }
+  auto at = [](const std::vector<double>& v, size_t i, double otherwise) { return i < v.size() ? v[i] : otherwise; };
+  const auto &t = node.translation, &r = node.rotation, &s = node.scale;
+  return composeTransform({at(t, 0, 0), at(t, 1, 0), at(t, 2, 0)}, {at(r, 0, 0), at(r, 1, 0), at(r, 2, 0), at(r, 3, 1)},
+                          {at(s, 0, 1), at(s, 1, 1), at(s, 2, 1)});
+}
+
+bool isFinite(const dmat4& m) {
+  for (int i = 0; i < 16; ++i)
+    if (!std::isfinite(float(m[i / 4][i % 4]))) return false;
+  return true;
+}
+
+// Of each node, or -1. A node has one parent at most (glTF 2.0, 3.5.2).
+std::vector<int> findParents(const tinygltf::Model& model) {
+  std::vector<int> parents(model.nodes.size(), -1);
+  for (size_t i = 0; i < model.nodes.size(); ++i) {
+    for (int child : model.nodes[i].children) {
+      if (parents[size_t(child)] >= 0)
+        badInput("nodes[{}] is the child of both nodes[{}] and nodes[{}]: a node has one parent", child,
+                 parents[size_t(child)], i);
+      parents[size_t(child)] = int(i);
+    }
+  }
+  return parents;
+}
+
+// Transforms of all nodes, in the scene shown or not: joints may lie elsewhere. Who is never reached is in a cycle.
+std::vector<dmat4> worldTransforms(const tinygltf::Model& model, const std::vector<int>& parents) {
+  std::vector<dmat4> world(model.nodes.size());
+  std::vector<int> pending;
+  for (size_t i = 0; i < parents.size(); ++i)
+    if (parents[i] < 0) pending.push_back(int(i));
+  size_t reached = 0;
+  while (!pending.empty()) {
+    size_t node = size_t(pending.back());
+    pending.pop_back();
+    ++reached;
+    dmat4 local = localTransform(model.nodes[node]);
+    world[node] = parents[node] < 0 ? local : world[size_t(parents[node])] * local;
+    if (!isFinite(world[node])) badInput("nodes[{}] has a transform that is not finite", node);
+    for (int child : model.nodes[node].children) pending.push_back(child);
+  }
+  if (reached != model.nodes.size()) badInput("its nodes form a cycle: some node is its own ancestor");
+  return world;
+}
+
+// Roots of the scene the file shows by default, else of its first; without scenes, of all nodes.
+std::vector<int> findRoots(const tinygltf::Model& model, const std::vector<int>& parents) {
+  if (!model.scenes.empty()) return model.scenes[size_t(std::max(model.defaultScene, 0))].nodes;
+  std::vector<int> roots;
+  for (size_t i = 0; i < parents.size(); ++i)
+    if (parents[i] < 0) roots.push_back(int(i));
+  return roots;
+}
+
+std::vector<int> traverse(const tinygltf::Model& model, const std::vector<int>& roots) {
+  std::vector<int> order, pending(roots.rbegin(), roots.rend());
+  std::vector<bool> seen(model.nodes.size());
+  while (!pending.empty()) {
+    int node = pending.back();
+    pending.pop_back();
+    if (seen[size_t(node)]) continue;  // listed twice among the roots, or below another one
+    seen[size_t(node)] = true;
+    order.push_back(node);
+    const auto& children = model.nodes[size_t(node)].children;
+    pending.insert(pending.end(), children.rbegin(), children.rend());
+  }
+  return order;
+}
+
+// Unique paths: the second "Wheel" of a parent is "Wheel#2".
+class Paths {
+ public:
+  std::string make(const std::string& parent, const std::string& name) {
+    std::string path = fmt::format("{}/{}", parent, name);
+    std::string unique = path;
+    for (unsigned& twin = twins_.try_emplace(path, 1).first->second; !used_.insert(unique).second;)
+      unique = fmt::format("{}#{}", path, ++twin);
+    if ((bytes_ += unique.size()) > kMaxPathBytes)
+      badInput("its nodes are nested too deep, or their names are too long");
+    return unique;
+  }
+
+ private:
+  std::unordered_map<std::string, unsigned> twins_;  // so that a million equal names take a million steps
+  std::unordered_set<std::string> used_;
+  size_t bytes_ = 0;
+};
+
+// A rigid frame from a transform that may scale: camera space has the file's metres whatever its node does.
+mat4 rigid(const dmat4& m, bool& degenerate) {
+  dvec3 x = m[0], y = m[1], z = m[2];
+  degenerate = glm::length(z) == 0 || glm::length(glm::cross(y, z)) == 0;
+  if (degenerate) return mat4(dmat4(dvec4(1, 0, 0, 0), dvec4(0, 1, 0, 0), dvec4(0, 0, 1, 0), m[3]));
+  z = glm::normalize(z);
+  x = glm::normalize(glm::cross(y, z));
+  y = glm::cross(z, x);
+  return mat4(dmat4(dvec4(x, 0), dvec4(y, 0), dvec4(z, 0), m[3]));
+}
+
+Camera readCamera(const tinygltf::Camera& source) {
+  Camera camera;
+  if (source.type == "orthographic") {
+    camera.orthographic = true;
+    camera.xHalf = std::abs(float(source.orthographic.xmag));
+    camera.yHalf = std::abs(float(source.orthographic.ymag));
+    camera.nearClip = float(source.orthographic.znear);
+    camera.farClip = float(source.orthographic.zfar);
+    if (camera.xHalf == 0 || camera.yHalf == 0) badInput("an orthographic camera has no width or no height");
+    camera.aspect = camera.xHalf / camera.yHalf;
+  } else {
+    camera.verticalFov = float(source.perspective.yfov);
+    camera.nearClip = float(source.perspective.znear);
+    if (source.perspective.zfar > 0) camera.farClip = float(source.perspective.zfar);
+    if (source.perspective.aspectRatio > 0) camera.aspect = float(source.perspective.aspectRatio);
+  }
+  if (!(camera.farClip > camera.nearClip)) badInput("a camera has its far plane before its near plane");
+  return camera;
+}
+
+Light readLight(const tinygltf::Light& source) {
+  Light light;
+  if (source.type == "directional")
+    light.type = shared::kLightDirectional;
+  else if (source.type == "point")
+    light.type = shared::kLightPoint;
+  else if (source.type == "spot")
+    light.type = shared::kLightSpot;
+  else
+    badInput("a light has the unknown type \"{}\"", source.type);
+  if (source.color.size() == 3) light.color = vec3(source.color[0], source.color[1], source.color[2]);
+  light.intensity = float(source.intensity);
+  if (source.range > 0) light.range = float(source.range);
+  if (light.type == shared::kLightSpot) {
+    light.outerCone = float(source.spot.outerConeAngle);
+    light.innerCone = std::min(float(source.spot.innerConeAngle), light.outerCone);
+  }
+  return light;
+}
+
+}  // namespace
+
+dmat4 composeTransform(dvec3 translation, dvec4 rotation, dvec3 scale) {
+  double length = glm::length(rotation);
+  glm::dquat q = length > 0
+                     ? glm::dquat(rotation.w / length, rotation.x / length, rotation.y / length, rotation.z / length)
+                     : glm::dquat(1, 0, 0, 0);
+  dmat4 m = glm::mat4_cast(q);
+  for (int i = 0; i < 3; ++i) m[i] *= scale[i];
+  m[3] = dvec4(translation, 1);
+  return m;
+}
+
+Hierarchy readNodes(const Document& document, Scene& scene) {
+  const tinygltf::Model& model = document.model;
+  std::vector<int> parents = findParents(model);
+  Hierarchy hierarchy{.world = worldTransforms(model, parents)};
+  hierarchy.order = traverse(model, findRoots(model, parents));
+  std::vector<int> placeOf(model.nodes.size(), -1);
+  Paths paths;
+  for (int index : hierarchy.order) {
+    const tinygltf::Node& source = model.nodes[size_t(index)];
+    Node node;
+    node.name = source.name.empty() ? fmt::format("node{}", index) : source.name;
+    node.parent = parents[size_t(index)] < 0 ? -1 : placeOf[size_t(parents[size_t(index)])];
+    node.path = paths.make(node.parent < 0 ? "" : scene.nodes[size_t(node.parent)].path, node.name);
+    node.local = mat4(localTransform(source));
+    node.toWorld = toWorldFromGltf() * mat4(hierarchy.world[size_t(index)]);
+    placeOf[size_t(index)] = int(scene.nodes.size());
+    scene.nodes.push_back(std::move(node));
+  }
+  return hierarchy;
+}
+
+void readCameras(const Document& document, const Hierarchy& hierarchy, Scene& scene) {
+  for (size_t i = 0; i < hierarchy.order.size(); ++i) {
+    size_t index = size_t(hierarchy.order[i]);
+    int source = document.model.nodes[index].camera;
+    if (source < 0) continue;
+    const tinygltf::Camera& data = document.model.cameras[size_t(source)];
+    Camera camera = readCamera(data);
+    camera.name = data.name.empty() ? scene.nodes[i].name : data.name;
+    bool degenerate = false;
+    // Camera space changes its axes just as the world does.
+    camera.toWorld = toWorldFromGltf() * rigid(hierarchy.world[index], degenerate) * toGltfFromWorld();
+    if (degenerate)
+      warn("the camera at {} is scaled to nothing: it keeps its place and looks along -Z", scene.nodes[i].path);
+    scene.cameras.push_back(std::move(camera));
+  }
+}
+
+void readLights(const Document& document, const Hierarchy& hierarchy, Scene& scene) {
+  for (size_t i = 0; i < hierarchy.order.size(); ++i) {
+    size_t index = size_t(hierarchy.order[i]);
+    const tinygltf::Value* object = extension(document.model.nodes[index].extensions, "KHR_lights_punctual");
+    if (!object) continue;
+    size_t source = size_t(indexOr(*object, "light", 0));
+    if (source >= document.model.lights.size()) badInput("nodes[{}] names a light that can't be read", index);
+    const tinygltf::Light& data = document.model.lights[source];
+    Light light = readLight(data);
+    light.name = data.name.empty() ? scene.nodes[i].name : data.name;
+    const mat4& toWorld = scene.nodes[i].toWorld;
+    light.position = vec3(toWorld[3]);
+    vec3 direction = -vec3(toWorld[2]);
+    float length = glm::length(direction);
+    light.direction = length > 0 ? direction / length : vec3(toWorldFromGltf() * vec4(0, 0, -1, 0));
+    scene.lights.push_back(std::move(light));
+  }
+}
+
+}  // namespace latelight::scene::gltf

@@ -1,0 +1,27 @@
+// The node tree, and what hangs on it beside meshes: cameras and lights.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "scene/gltf_document.h"
+#include "scene/scene.h"
+
+namespace latelight::scene::gltf {
+
+struct Hierarchy {
+  std::vector<glm::dmat4> world;  // of each glTF node, in the file's own frame; doubles, for deep trees
+  std::vector<int> order;         // glTF nodes of the scene shown, parents first; Scene::nodes has them in this order
+};
+
+// Fills scene.nodes. Throws Error(BadInput) on cycles, double parents and transforms that are not finite.
+Hierarchy readNodes(const Document& document, Scene& scene);
+
+// Fills scene.cameras and scene.lights.
+void readCameras(const Document& document, const Hierarchy& hierarchy, Scene& scene);
+void readLights(const Document& document, const Hierarchy& hierarchy, Scene& scene);
+
+// Translation, rotation (quaternion, made unit), scale.
+glm::dmat4 composeTransform(glm::dvec3 translation, glm::dvec4 rotation, glm::dvec3 scale);
+
+}  // namespace latelight::scene::gltf

@@ -1,0 +1,13 @@
+// What a glTF 2.0 file's JSON may contain, checked before anything reads it. tinygltf trusts types, indices and ranges.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+namespace latelight::scene::gltf {
+
+// Checks every property this importer reads, core and extensions: types, ranges, array lengths, and that each index
+// points into its array. Whole numbers written as 3.0 become integers, which tinygltf expects. Unknown properties pass.
+// Throws Error(BadInput) with the property's place, as in "accessors[3].count is missing".
+void validate(nlohmann::json& root);
+
+}  // namespace latelight::scene::gltf

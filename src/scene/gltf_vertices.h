@@ -1,0 +1,41 @@
+// A primitive on its way to a scene::Mesh: separate streams, as glTF has them.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "scene/gltf_accessor.h"
+#include "scene/gltf_mesh.h"
+
+namespace latelight::scene::gltf {
+
+// Where a primitive's data lie.
+struct Source {
+  std::string name;  // "meshes[2].primitives[0]"
+  std::map<std::string, Elements> attributes;
+  std::vector<uint32_t> indices;  // a triangle list, counted from `first`
+  size_t first = 0, count = 0;    // the vertices that the indices use
+};
+
+// All empty, or one a vertex.
+struct Vertices {
+  std::vector<vec3> positions, normals;
+  std::vector<vec4> tangents, colors;
+  std::vector<vec2> uv[2];
+};
+
+// gltf_topology.cpp: finds the data, decodes Draco, unrolls strips and fans, checks every index.
+Source readSource(const Document& document, const tinygltf::Primitive& primitive, std::string name);
+
+// gltf_pose.cpp: adds morph targets by weight; moves vertices by the skin's joints.
+void applyMorphTargets(const Document& document, const tinygltf::Primitive& primitive, const Source& source,
+                       const std::vector<double>& weights, Vertices& vertices);
+void applySkin(const Document& document, const Hierarchy& hierarchy, int skin, const Source& source,
+               Vertices& vertices);
+
+// gltf_normals.cpp: what glTF 2.0 (3.7.2.1) wants where normals are missing, and where they are zero or not finite.
+void makeFlatNormals(Vertices& vertices, std::vector<uint32_t>& indices);
+void repairNormals(Vertices& vertices, const std::vector<uint32_t>& indices);
+
+}  // namespace latelight::scene::gltf

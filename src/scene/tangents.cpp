@@ -1,0 +1,152 @@
+#include "scene/tangents.h"
+
+#include <bit>
+#include <cmath>
+
+namespace latelight::scene {
+namespace {
+
+using glm::vec2;
+using glm::vec3;
+using glm::vec4;
+
+constexpr uint32_t kNone = ~0u;
+
+// Arc cosine by Abramowitz and Stegun 4.4.45 (error below 7e-5, plenty for a weight): only operations that IEEE 754
+// rounds exactly, so that every machine makes the same tangents.
+float angleOf(float cosine) {
+  float x = std::min(std::abs(cosine), 1.0f);
+  float a = std::sqrt(1.0f - x) * (1.5707288f + x * (-0.2121144f + x * (0.0742610f - 0.0187293f * x)));
+  return cosine < 0 ? 3.14159265f - a : a;
+}
+
+// Zero where the length is: callers add it up or test it.
+vec3 unitOrZero(vec3 v) {
+  float length2 = glm::dot(v, v);
+  return length2 > 0 && std::isfinite(length2) ? v / std::sqrt(length2) : vec3(0);
+}
+
+vec3 ontoPlane(vec3 v, vec3 normal) {
+  return v - normal * glm::dot(normal, v);
+}
+
+// Any unit vector at right angles to a unit normal (Duff et al., "Building an Orthonormal Basis, Revisited", 2017).
+vec3 perpendicular(vec3 n) {
+  float sign = std::copysign(1.0f, n.z);
+  float a = -1.0f / (sign + n.z);
+  return {1.0f + sign * n.x * n.x * a, sign * n.x * n.y * a, -sign * n.x};
+}
+
+// Vertices that are equal in all that matters get one number, the first such vertex's: open addressing, linear probing.
+class Welder {
+ public:
+  Welder(std::span<const vec3> positions, std::span<const vec3> normals, std::span<const vec2> uv)
+      : positions_(positions), normals_(normals), uv_(uv), slots_(std::bit_ceil(positions.size() * 2 + 1), kNone) {}
+
+  uint32_t insert(uint32_t vertex) {
+    size_t mask = slots_.size() - 1;
+    for (size_t slot = hash(vertex) & mask;; slot = (slot + 1) & mask) {
+      if (slots_[slot] == kNone) return slots_[slot] = vertex;
+      if (equal(slots_[slot], vertex)) return slots_[slot];
+    }
+  }
+
+ private:
+  size_t hash(uint32_t v) const {
+    uint64_t h = 0;
+    // + 0.0f: minus zero equals zero.
+    for (float f : {positions_[v].x, positions_[v].y, positions_[v].z, normals_[v].x, normals_[v].y, normals_[v].z,
+                    uv_[v].x, uv_[v].y})
+      h = (std::rotl(h, 5) ^ std::bit_cast<uint32_t>(f + 0.0f)) * 0x9E3779B97F4A7C15ull;  // Fibonacci hashing
+    return size_t(h >> 20);
+  }
+  bool equal(uint32_t a, uint32_t b) const {
+    return positions_[a] == positions_[b] && normals_[a] == normals_[b] && uv_[a] == uv_[b];
+  }
+
+  std::span<const vec3> positions_, normals_;
+  std::span<const vec2> uv_;
+  std::vector<uint32_t> slots_;
+};
+
+enum Handedness : uint8_t { kRight, kLeft, kDegenerate };
+
+struct Gradient {
+  vec3 tangent;  // the direction in which u grows
+  Handedness handedness;
+};
+
+// v down in the picture: the bitangent, towards v up, is -dP/dv. glTF's w = +1 means bitangent = cross(n, t), the frame
+// of a UV map that is not mirrored: positive area with v up, negative with v down.
+Gradient gradientOf(const vec3 p[3], const vec2 t[3]) {
+  vec3 e1 = p[1] - p[0], e2 = p[2] - p[0];
+  vec2 d1 = t[1] - t[0], d2 = t[2] - t[0];
+  float area = d1.x * d2.y - d2.x * d1.y;
+  vec3 tangent = unitOrZero((e1 * d2.y - e2 * d1.y) * std::copysign(1.0f, area));
+  bool usable = area != 0 && std::isfinite(area) && tangent != vec3(0);
+  return {tangent, !usable ? kDegenerate : (area < 0 ? kRight : kLeft)};
+}
+
+struct Sums {
+  vec3 of[2] = {vec3(0), vec3(0)};  // by handedness
+};
+
+}  // namespace
+
+TangentFrames generateTangents(std::span<const vec3> positions, std::span<const vec3> normals, std::span<const vec2> uv,
+                               std::span<uint32_t> indices) {
+  Welder welder(positions, normals, uv);
+  std::vector<uint32_t> group(positions.size());
+  for (uint32_t v = 0; v < positions.size(); ++v) group[v] = welder.insert(v);
+
+  std::vector<Sums> sums(positions.size());
+  std::vector<Handedness> handedness(indices.size() / 3);
+  for (size_t triangle = 0; triangle < handedness.size(); ++triangle) {
+    const uint32_t* corner = &indices[triangle * 3];
+    vec3 p[3] = {positions[corner[0]], positions[corner[1]], positions[corner[2]]};
+    vec2 t[3] = {uv[corner[0]], uv[corner[1]], uv[corner[2]]};
+    Gradient gradient = gradientOf(p, t);
+    handedness[triangle] = gradient.handedness;
+    if (gradient.handedness == kDegenerate) continue;
+    for (int i = 0; i < 3; ++i) {
+      vec3 normal = normals[corner[i]];
+      vec3 along = unitOrZero(ontoPlane(p[(i + 1) % 3] - p[i], normal));
+      vec3 back = unitOrZero(ontoPlane(p[(i + 2) % 3] - p[i], normal));
+      vec3 tangent = unitOrZero(ontoPlane(gradient.tangent, normal));
+      sums[group[corner[i]]].of[gradient.handedness] += tangent * angleOf(glm::dot(along, back));
+    }
+  }
+
+  // A vertex takes the handedness of the first triangle that uses it; triangles of the other get a copy of it.
+  TangentFrames frames;
+  frames.tangents.assign(positions.size(), vec4(0));
+  std::vector<uint32_t> copyOf(positions.size(), kNone);
+  auto frame = [&](uint32_t vertex, Handedness hand) {
+    vec3 tangent = unitOrZero(sums[group[vertex]].of[hand]);
+    if (tangent == vec3(0)) tangent = perpendicular(normals[vertex]);
+    return vec4(tangent, hand == kRight ? 1.0f : -1.0f);
+  };
+  for (size_t i = 0; i < indices.size() / 3 * 3; ++i) {
+    Handedness hand = handedness[i / 3];
+    if (hand == kDegenerate) continue;
+    uint32_t vertex = indices[i];
+    vec4 wanted = frame(vertex, hand);
+    if (frames.tangents[vertex].w == 0) frames.tangents[vertex] = wanted;
+    if (frames.tangents[vertex].w == wanted.w) continue;
+    if (copyOf[vertex] == kNone) {
+      copyOf[vertex] = uint32_t(positions.size() + frames.copies.size());
+      frames.copies.push_back(vertex);
+      frames.tangents.push_back(wanted);
+    }
+    indices[i] = copyOf[vertex];
+  }
+  // Vertices of triangles without UV area only: any frame will do.
+  for (uint32_t v = 0; v < positions.size(); ++v) {
+    if (frames.tangents[v].w != 0) continue;
+    bool mirrored = sums[group[v]].of[kRight] == vec3(0) && sums[group[v]].of[kLeft] != vec3(0);
+    frames.tangents[v] = frame(v, mirrored ? kLeft : kRight);
+  }
+  return frames;
+}
+
+}  // namespace latelight::scene
