@@ -19,12 +19,14 @@ struct HalfImage {
 
 struct Environment {
   std::string name;
-  // Radiance as an equirectangular picture, for backgrounds: centre column at +X of the glTF frame, top row at the zenith.
+  // Radiance as an equirectangular picture, for backgrounds: centre column at +X of the glTF frame, top row at the
+  // zenith.
   HalfImage radiance;
-  // GGX-prefiltered radiance (split sum, Karis 2013, N = V = R), one octahedral map a level, each with a border of one
-  // texel that wraps correctly, so that plain bilinear filtering has no seam. Level i is of roughness i / (levels - 1).
+  // GGX-prefiltered radiance (split sum, Karis 2013, N = V = R), one octahedral map a level, read bilinearly through
+  // octahedralTexture() of shared/environment.h, without a seam. Level i is of roughness i / (levels - 1) and half the
+  // size of the one before: together they are one mip chain.
   std::vector<HalfImage> specular;
-  // Irradiance / pi over an octahedral map with the same border: what a white Lambertian surface would reflect.
+  // Irradiance / pi over an octahedral map of the same kind: what a white Lambertian surface would reflect.
   HalfImage diffuse;
 };
 
@@ -32,8 +34,9 @@ struct Environment {
 // neutral studio of soft boxes. Throws Error(BadInput) naming the file. Uses the cache.
 Environment loadEnvironment(const std::string& source);
 
-// Split-sum terms of GGX with the height-correlated Smith visibility of shared/brdf/ggx.h: reflectance is f0 * x + f90 * y
-// for n.v along x (column centre (i + .5) / size) and perceptual roughness along y. Two floats a texel, size * size.
+// Split-sum terms of GGX with the height-correlated Smith visibility of shared/brdf/ggx.h: reflectance is f0 * x + f90
+// * y for n.v along x (column centre (i + .5) / size) and perceptual roughness along y. Two floats a texel, size *
+// size.
 std::vector<glm::vec2> ggxReflectanceTable(uint32_t size);
 
 }  // namespace latelight::scene

@@ -13,16 +13,20 @@ SH_FUNC vec3 rotateToEnvironment(vec3 d, float cosine, float sine) {
   return vec3(cosine * d.x - sine * d.y, sine * d.x + cosine * d.y, d.z);
 }
 
-// Texture coordinate in [0, 1]^2 of an octahedral map `size` texels wide, its border of one texel included.
+// Texture coordinate in [0, 1]^2 of an octahedral map `size` texels wide. Texel i stands at o = 2 i / (size - 2) - 1:
+// the axes and the square's edges, where the map has its creases, are texel centres, and bilinear filtering needs no
+// texel beyond them (the last row and column are spare).
 SH_FUNC vec2 octahedralTexture(vec2 o, float size) {
   float scale = (size - 2.0f) / size * 0.5f;
-  return vec2(0.5f + o.x * scale, 0.5f + o.y * scale);
+  float middle = (size - 1.0f) / size * 0.5f;
+  return vec2(middle + o.x * scale, middle + o.y * scale);
 }
 
 // Texture coordinate of a direction in an equirectangular picture: centre column +X, u grows towards +Z of the glTF
-// frame (-Y of the world), top row the zenith.
+// frame (-Y of the world), top row the zenith. At the zenith itself, where GLSL's atan is undefined, u is the centre's.
 SH_FUNC vec2 equirectangular(vec3 d) {
-  return vec2(0.5f + atan2(-d.y, d.x) * (0.5f * kInvPi), acos(clamp(d.z, -1.0f, 1.0f)) * kInvPi);
+  float x = abs(d.x) + abs(d.y) > 0.0f ? d.x : 1.0f;
+  return vec2(0.5f + atan2(-d.y, x) * (0.5f * kInvPi), acos(clamp(d.z, -1.0f, 1.0f)) * kInvPi);
 }
 
 SH_END

@@ -1,0 +1,54 @@
+#include "scene/environment_filter.h"
+
+#include <algorithm>
+#include <bit>
+#include <utility>
+
+#include "scene/environment_mirror.h"
+#include "scene/environment_picture.h"
+#include "scene/environment_tree.h"
+#include "scene/octahedral_map.h"
+
+namespace latelight::scene {
+namespace {
+
+constexpr uint32_t kMostRadianceWidth = 4096;
+// Halves from a fine mirror to 32 texels (16 for a coarse picture) at roughness 1.
+constexpr size_t kLevels = 6;
+// A sun's irradiance has a crease at its horizon, which only small texels keep sharp.
+constexpr uint32_t kDiffuseSize = 128;
+
+FloatImage limitWidth(FloatImage picture, uint32_t width) {
+  if (picture.width <= width) return picture;
+  const uint64_t height = (uint64_t{picture.height} * width + picture.width / 2) / picture.width;
+  return resizeEquirectangular(picture, width, static_cast<uint32_t>(std::max<uint64_t>(height, 1)));
+}
+
+// Narrower than this a lobe of level 1 can't see: a leaf of 1024 columns is an eighth of its half width.
+EnvironmentTree makeTree(const FloatImage& picture) {
+  const uint32_t width = std::clamp(std::bit_floor(picture.width), 256u, 1024u);
+  return EnvironmentTree(resizeEquirectangular(picture, width, width / 2));
+}
+
+}  // namespace
+
+Environment filterEnvironment(FloatImage picture) {
+  clampRadiance(picture);
+  picture = limitWidth(std::move(picture), kMostRadianceWidth);
+  const uint32_t mirrorSize = picture.width <= 512 ? 512 : 1024;
+
+  Environment environment;
+  environment.radiance = toHalf(picture);
+  for (size_t i = 0; i < kLevels; ++i) environment.specular.push_back(makeOctahedralMap(mirrorSize >> i));
+  environment.diffuse = makeOctahedralMap(kDiffuseSize);
+  resampleMirror(limitWidth(picture, 2 * mirrorSize), environment.specular[0]);
+  std::vector<LobeMap> maps;
+  for (size_t i = 1; i < kLevels; ++i) {
+    maps.push_back({static_cast<float>(i) / (kLevels - 1), &environment.specular[i]});
+  }
+  maps.push_back({1.0f, &environment.diffuse});
+  convolve(makeTree(picture), maps);
+  return environment;
+}
+
+}  // namespace latelight::scene

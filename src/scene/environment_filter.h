@@ -1,0 +1,13 @@
+// From a picture to an environment, without files and cache.
+#pragma once
+
+#include "scene/environment.h"
+#include "scene/picture_io.h"
+
+namespace latelight::scene {
+
+// Filters an equirectangular picture of any size. Values are clamped to [0, 65504], the range of halves; NaN becomes 0.
+// The same bytes for any number of threads.
+Environment filterEnvironment(FloatImage picture);
+
+}  // namespace latelight::scene

@@ -1,0 +1,51 @@
+// An environment as a tree of point lights, and its convolution with GGX lobes.
+//
+// The usual way, importance sampling of filtered mips (Krivanek and Colbert 2008), leaves noise or bias around a sun.
+// Here each lobe is integrated over all of the sphere by a quadrature that is fine where the lobe is narrow and coarse
+// in its tails: for each tile of output texels the tree is walked once, opening every node that is wide for its
+// distance to the tile (Barnes and Hut 1986), and the nodes left are summed for every texel of the tile. Nothing is
+// random; a lamp of one pixel keeps its place and its energy, since a node stands where the light in it has its centre.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "scene/environment.h"
+#include "scene/picture_io.h"
+
+namespace latelight::scene {
+
+class EnvironmentTree {
+ public:
+  // `image`: twice as wide as high, the width a power of two from 16 on; radiance clamped.
+  explicit EnvironmentTree(const FloatImage& image);
+
+  struct Node {
+    glm::vec3 direction;  // unit: centre of the light in the node
+    float size;           // the larger of its angular extents, radians
+    glm::vec3 radiance;   // mean
+    float solidAngle;
+  };
+  // Level 0 is the coarsest; each next one is twice as wide and high.
+  struct Level {
+    uint32_t width = 0, height = 0;
+    std::vector<Node> nodes;
+    const Node& at(size_t x, size_t y) const { return nodes[y * width + x]; }
+  };
+  const std::vector<Level>& levels() const { return levels_; }
+
+ private:
+  std::vector<Level> levels_;
+};
+
+// One octahedral map to compute; its size is a multiple of 8.
+struct LobeMap {
+  float roughness;  // perceptual, above 0
+  HalfImage* image;
+};
+
+// Fills the maps: radiance averaged with the weight D(h) (n.l) of GGX for n = v = r (Karis 2013, "Real Shading in
+// Unreal Engine 4"). At roughness 1 D is constant, and the mean is that of a cosine lobe: irradiance / pi.
+void convolve(const EnvironmentTree& tree, const std::vector<LobeMap>& maps);
+
+}  // namespace latelight::scene

@@ -1,0 +1,32 @@
+#include "scene/picture_io.h"
+
+#include <algorithm>
+#include <new>
+
+#include "base/error.h"
+#include "base/files.h"
+
+namespace latelight::scene {
+namespace {
+
+bool startsWith(std::span<const std::byte> bytes, std::initializer_list<unsigned char> magic) {
+  return bytes.size() >= magic.size() &&
+         std::equal(magic.begin(), magic.end(), bytes.begin(),
+                    [](unsigned char a, std::byte b) { return a == std::to_integer<unsigned char>(b); });
+}
+
+}  // namespace
+
+FloatImage decodePicture(std::span<const std::byte> bytes, const std::string& name) try {
+  if (startsWith(bytes, {'#', '?'})) return decodeRadiance(bytes, name);
+  if (startsWith(bytes, {0x76, 0x2f, 0x31, 0x01})) return decodeExr(bytes, name);
+  badInput("'{}' is neither a Radiance .hdr nor an OpenEXR .exr picture; give one of those", name);
+} catch (const std::bad_alloc&) {
+  badInput("'{}' is larger than the memory at hand; make it smaller", name);
+}
+
+FloatImage readPicture(const std::filesystem::path& path) {
+  return decodePicture(readFile(path), path.string());
+}
+
+}  // namespace latelight::scene

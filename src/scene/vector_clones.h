@@ -1,0 +1,9 @@
+// LATELIGHT_VECTOR_CLONES before a function compiles it for wide vectors too; the loader takes what the processor has.
+// The clones compute the same bits: -ffp-contract=off, and no sum is reordered.
+#pragma once
+
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
+#define LATELIGHT_VECTOR_CLONES __attribute__((target_clones("avx2", "default")))
+#else
+#define LATELIGHT_VECTOR_CLONES
+#endif
