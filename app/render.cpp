@@ -15,8 +15,8 @@
 #include "output/debug.h"
 #include "output/files.h"
 #include "render/renderer.h"
+#include "render/session.h"
 #include "render/view.h"
-#include "scene/environment.h"
 #include "scene/framing.h"
 
 namespace latelight::app {
@@ -120,16 +120,6 @@ scene::Camera chooseCamera(const scene::Scene& scene, const Options& o) {
   return camera;
 }
 
-// --- environment ----------------------------------------------------------------------------------------------------
-
-// What --hdri means for this scene: a scene without any light gets the studio, so that no first picture is black.
-std::string environmentFor(const Options& o, const scene::Scene& scene) {
-  if (!o.hdri.empty()) return o.hdri == "none" ? "" : o.hdri;
-  if (o.background == "hdri") return "studio";
-  bool emits = !scene.lights.empty();
-  return emits ? "" : "studio";
-}
-
 // --- metadata -------------------------------------------------------------------------------------------------------
 
 output::CameraMetadata describeCamera(const scene::Camera& camera, const scene::Scene& scene, const Options& o) {
@@ -140,14 +130,7 @@ output::CameraMetadata describeCamera(const scene::Camera& camera, const scene::
   const double halfWidth = s.width * 0.5, halfHeight = s.height * 0.5;
   const shared::Projection& p = view.projection;
   m.intrinsics = {p.H * halfWidth, 0, halfWidth * (1 + p.X), 0, p.V * halfHeight, halfHeight * (1 - p.Z), 0, 0, 1};
-  glm::dmat4 pose(1.0);
-  for (int i = 0; i < 4; ++i) pose[i] = glm::dvec4(glm::dvec3(view.viewToWorld[i]), i == 3 ? 1.0 : 0.0);
-  if (scene.yUp && !s.zUp) pose = glm::dmat4(scene::toGltfFromWorld()) * pose;
-  // View space (X right, Y away, Z up) from OpenCV's (X right, Y down, Z away).
-  glm::dmat4 viewFromOpenCv(1.0);
-  viewFromOpenCv[1] = {0, 0, -1, 0};
-  viewFromOpenCv[2] = {0, 1, 0, 0};
-  m.cameraToWorld = pose * viewFromOpenCv;
+  m.cameraToWorld = render::openCvPose(camera, scene, s.zUp);
   m.orthographic = camera.orthographic;
   m.nearClip = camera.nearClip;
   m.farClip = camera.farClip;
@@ -254,9 +237,10 @@ void render(Options& o) {
   Times times;
   const scene::Scene scene = scene::load(o.scene, {.variant = o.variant});
   const scene::Camera camera = chooseCamera(scene, o);
-  const std::string environmentName = environmentFor(o, scene);
-  std::optional<scene::Environment> environment;
-  if (!environmentName.empty()) environment = scene::loadEnvironment(environmentName);
+  // A background to show is a reason for an environment, lights or not.
+  const std::string asked = o.hdri.empty() && o.background == "hdri" ? "studio" : o.hdri;
+  const std::string environmentName = render::environmentName(scene, asked);
+  const std::optional<scene::Environment> environment = render::loadEnvironment(environmentName);
   times.load = seconds(start);
 
   const std::unique_ptr<vk::Device> device = deviceStart.get();

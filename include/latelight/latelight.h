@@ -1,5 +1,24 @@
 // Latelight's public C++ API. No Vulkan type is in it, and nothing else is exported by the library.
+//
+//   latelight::Scene scene("helmet.glb");
+//   latelight::Renderer renderer(scene);
+//   latelight::Options options;
+//   options.aovs = {"depth", "normal", "id"};
+//   latelight::Frame frame = renderer.render(scene.defaultCamera(16.0f / 9), options);
+//   // frame.rgba, frame.aovs.at("depth").values, ...
+//
+// Units are metres and degrees, colours linear Rec.709 but for Frame::rgba. Poses and positions are in the scene file's
+// own frame (glTF: right-handed, Y up). Every function may throw latelight::Error.
 #pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
 
 #define LATELIGHT_API __attribute__((visibility("default")))
 
@@ -7,5 +26,107 @@ namespace latelight {
 
 // The library's version, as in "0.1.0".
 LATELIGHT_API const char* version();
+
+// The program ends with these.
+enum class ExitCode {
+  Done = 0,
+  Internal = 1,
+  Usage = 2,       // an argument that can't be
+  BadInput = 3,    // a file that is missing, broken or needs what is not supported
+  NoDevice = 4,    // no Vulkan 1.3 device
+  DeviceLost = 5,  // or out of its memory
+  SomeFramesFailed = 6,
+};
+
+// One sentence: what, where, what to do.
+class LATELIGHT_API Error : public std::runtime_error {
+ public:
+  Error(ExitCode code, const std::string& sentence);
+  ~Error() override;
+  ExitCode code() const { return code_; }
+
+ private:
+  ExitCode code_;
+};
+
+struct Camera {
+  std::string name;
+  // Camera frame to the scene file's frame, row-major. OpenCV's camera frame: X right, Y down, Z forward.
+  std::array<double, 16> cameraToWorld{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+  bool orthographic = false;
+  float verticalFov = 40;        // degrees, full angle
+  float halfHeight = 1;          // metres, orthographic cameras
+  float nearClip = 0.01f;        // metres
+  float farClip = std::numeric_limits<float>::infinity();
+  float principalX = 0, principalY = 0;  // offset of the principal point from the centre, in half widths and half
+                                         // heights, y up
+};
+
+// A .gltf or .glb file, or "builtin:hall", "builtin:spheres", "builtin:boxes". Loaded once, rendered as often as wanted.
+class LATELIGHT_API Scene {
+ public:
+  explicit Scene(const std::string& source, const std::string& materialVariant = "");
+  ~Scene();
+  Scene(Scene&&) noexcept;
+  Scene& operator=(Scene&&) noexcept;
+
+  uint64_t triangleCount() const;
+  const std::vector<Camera>& cameras() const;  // the scene's own
+  // The first of cameras(), or a view that shows all of it in a picture of this aspect (width / height).
+  Camera defaultCamera(float aspect) const;
+  Camera lookAt(std::array<float, 3> eye, std::array<float, 3> target, float verticalFov = 40) const;
+
+ private:
+  friend class Renderer;
+  struct Hidden;
+  std::unique_ptr<Hidden> hidden_;
+};
+
+// The choices of `latelight render`; names are those of `latelight list`.
+struct Options {
+  uint32_t width = 1280, height = 720;
+  std::string layout = "thin";
+  std::string normals = "octahedral";
+  std::string lighting = "fullscreen";
+  std::string shading = "ggx";
+  std::string tonemap = "khronos";
+  uint32_t superSampling = 1;      // N x N ordered samples a pixel
+  float exposure = 0;              // EV
+  float environmentIntensity = 1;
+  float environmentRotation = 0;   // degrees
+  bool environmentBackground = false;
+  std::vector<std::string> aovs;   // beside the picture: "depth", "normal", ...; "color" is the linear picture
+};
+
+struct Aov {
+  uint32_t channels = 0;
+  std::vector<float> values;  // channels interleaved, rows from the top
+  std::vector<uint32_t> ids;  // instead of values for "id"
+};
+
+struct Frame {
+  uint32_t width = 0, height = 0;
+  std::vector<uint8_t> rgba;  // 8 bits, sRGB, straight alpha, rows from the top
+  std::map<std::string, Aov> aovs;
+};
+
+// One scene on one device. Not thread-safe; use one a thread.
+class LATELIGHT_API Renderer {
+ public:
+  // `device`: "auto", "cpu", an index, a part of a name or a UUID. `environment`: a .hdr or .exr file, "studio", "none",
+  // or empty: the studio where the scene has no light. The scene must outlive the renderer.
+  explicit Renderer(const Scene& scene, const std::string& device = "auto", const std::string& environment = "");
+  ~Renderer();
+  Renderer(Renderer&&) noexcept;
+  Renderer& operator=(Renderer&&) noexcept;
+
+  Frame render(const Camera& camera, const Options& options = {});
+  // Several cameras at once, faster than one by one.
+  std::vector<Frame> render(const std::vector<Camera>& cameras, const Options& options = {});
+
+ private:
+  struct Hidden;
+  std::unique_ptr<Hidden> hidden_;
+};
 
 }  // namespace latelight

@@ -1,8 +1,152 @@
 // The public API of include/latelight/latelight.h.
 #include <latelight/latelight.h>
 
+#include <cmath>
+#include <glm/gtc/constants.hpp>
+
+#include "base/error.h"
+#include "render/renderer.h"
+#include "render/session.h"
+#include "scene/framing.h"
+
 namespace latelight {
 
+namespace {
+
+constexpr float kDegrees = 180.0f / glm::pi<float>();
+
+Camera publicCamera(const scene::Camera& camera, const scene::Scene& scene) {
+  Camera c;
+  c.name = camera.name;
+  const glm::dmat4 pose = render::openCvPose(camera, scene, false);
+  for (int row = 0; row < 4; ++row)
+    for (int column = 0; column < 4; ++column) c.cameraToWorld[4 * row + column] = pose[column][row];
+  c.orthographic = camera.orthographic;
+  c.verticalFov = camera.verticalFov * kDegrees;
+  c.halfHeight = camera.yHalf;
+  c.nearClip = camera.nearClip;
+  c.farClip = camera.farClip;
+  c.principalX = camera.principal.x;
+  c.principalY = camera.principal.y;
+  return c;
+}
+
+scene::Camera internalCamera(const Camera& camera, const scene::Scene& scene) {
+  glm::dmat4 pose;
+  for (int row = 0; row < 4; ++row)
+    for (int column = 0; column < 4; ++column) {
+      pose[column][row] = camera.cameraToWorld[4 * row + column];
+      if (!std::isfinite(pose[column][row])) badUsage("the camera's pose has a value that is not a number");
+    }
+  if (std::abs(glm::determinant(glm::dmat3(pose))) < 1e-12) badUsage("the camera's pose is singular");
+  if (!camera.orthographic && !(camera.verticalFov > 0 && camera.verticalFov < 180))
+    badUsage("the vertical field of view must lie between 0 and 180 degrees, not {}", camera.verticalFov);
+  if (camera.orthographic && !(camera.halfHeight > 0)) badUsage("an orthographic camera needs a height above 0");
+  if (!(camera.farClip > camera.nearClip) || (!camera.orthographic && !(camera.nearClip > 0)))
+    badUsage("the camera's near plane must lie before its far plane");
+  scene::Camera c;
+  c.name = camera.name;
+  c.toWorld = render::toWorldFromOpenCv(pose, scene);
+  c.orthographic = camera.orthographic;
+  c.verticalFov = camera.verticalFov / kDegrees;
+  c.yHalf = camera.halfHeight;
+  c.nearClip = camera.nearClip;
+  c.farClip = camera.farClip;
+  c.principal = {camera.principalX, camera.principalY};
+  return c;
+}
+
+render::Settings internalSettings(const Options& o) {
+  render::Settings s;
+  s.width = o.width;
+  s.height = o.height;
+  s.layout = o.layout;
+  s.normals = o.normals;
+  s.lighting = o.lighting;
+  s.shading = o.shading;
+  s.tonemap = o.tonemap;
+  s.superSampling = o.superSampling;
+  s.exposure = o.exposure;
+  s.environmentIntensity = o.environmentIntensity;
+  s.environmentRotation = o.environmentRotation / kDegrees;
+  if (o.environmentBackground) s.background = render::Background::Environment;
+  for (const std::string& name : o.aovs) s.aovs.push_back(output::parseAovs(name).front());
+  return s;
+}
+
+Frame publicFrame(output::FrameOutput&& from) {
+  Frame frame;
+  frame.width = from.width;
+  frame.height = from.height;
+  frame.rgba = std::move(from.display);
+  for (output::AovImage& image : from.aovs) {
+    const output::AovInfo& info = output::info(image.aov);
+    frame.aovs[std::string(info.name)] = {info.channels, std::move(image.values), std::move(image.ids)};
+  }
+  return frame;
+}
+
+}  // namespace
+
 const char* version() { return LATELIGHT_VERSION; }
+
+struct Scene::Hidden {
+  scene::Scene scene;
+  std::vector<Camera> cameras;
+};
+
+Scene::Scene(const std::string& source, const std::string& materialVariant)
+    : hidden_(new Hidden{scene::load(source, {.variant = materialVariant}), {}}) {
+  for (const scene::Camera& camera : hidden_->scene.cameras)
+    hidden_->cameras.push_back(publicCamera(camera, hidden_->scene));
+}
+Scene::~Scene() = default;
+Scene::Scene(Scene&&) noexcept = default;
+Scene& Scene::operator=(Scene&&) noexcept = default;
+
+uint64_t Scene::triangleCount() const { return hidden_->scene.triangleCount(); }
+const std::vector<Camera>& Scene::cameras() const { return hidden_->cameras; }
+
+Camera Scene::defaultCamera(float aspect) const {
+  if (!hidden_->cameras.empty()) return hidden_->cameras.front();
+  if (!(aspect > 0) || !std::isfinite(aspect)) badUsage("a picture's aspect must be a number above 0, not {}", aspect);
+  return publicCamera(scene::frameScene(hidden_->scene, aspect), hidden_->scene);
+}
+
+Camera Scene::lookAt(std::array<float, 3> eye, std::array<float, 3> target, float verticalFov) const {
+  return publicCamera(scene::lookAt(hidden_->scene, {eye[0], eye[1], eye[2]}, {target[0], target[1], target[2]}, {},
+                                    verticalFov / kDegrees),
+                      hidden_->scene);
+}
+
+struct Renderer::Hidden {
+  const scene::Scene& scene;
+  vk::Device device;
+  render::Renderer renderer;
+
+  Hidden(const scene::Scene& scene, const std::string& selector, const std::optional<scene::Environment>& environment)
+      : scene(scene), device({.selector = selector}), renderer(device, scene, environment ? &*environment : nullptr) {}
+};
+
+Renderer::Renderer(const Scene& scene, const std::string& device, const std::string& environment)
+    : hidden_(new Hidden(scene.hidden_->scene, device,
+                         render::loadEnvironment(render::environmentName(scene.hidden_->scene, environment)))) {}
+Renderer::~Renderer() = default;
+Renderer::Renderer(Renderer&&) noexcept = default;
+Renderer& Renderer::operator=(Renderer&&) noexcept = default;
+
+Frame Renderer::render(const Camera& camera, const Options& options) {
+  return std::move(render(std::vector<Camera>{camera}, options).front());
+}
+
+std::vector<Frame> Renderer::render(const std::vector<Camera>& cameras, const Options& options) {
+  if (cameras.empty()) badUsage("nothing can be rendered without a camera");
+  std::vector<scene::Camera> internal;
+  for (const Camera& camera : cameras) internal.push_back(internalCamera(camera, hidden_->scene));
+  std::vector<Frame> frames;
+  for (output::FrameOutput& frame : hidden_->renderer.render(internal, internalSettings(options)))
+    frames.push_back(publicFrame(std::move(frame)));
+  return frames;
+}
 
 }  // namespace latelight

@@ -1,11 +1,32 @@
 // Uses the installed library as a stranger would; the version it was built for is the first argument.
 #include <latelight/latelight.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 
 int main(int argc, char** argv) {
-  if (argc != 2) return 2;
+  if (argc != 2 || std::strcmp(latelight::version(), argv[1]) != 0) return 2;
+  latelight::Scene scene("builtin:boxes");
+  latelight::Renderer renderer(scene, "cpu");
+  latelight::Options options;
+  options.width = 64;
+  options.height = 36;
+  options.aovs = {"depth", "id"};
+  latelight::Frame frame = renderer.render(scene.defaultCamera(16.0f / 9), options);
+  const latelight::Aov& depth = frame.aovs.at("depth");
+  const latelight::Aov& id = frame.aovs.at("id");
+  bool sizes = frame.rgba.size() == 64 * 36 * 4 && depth.values.size() == 64 * 36 && id.ids.size() == 64 * 36;
+  bool drawn = std::any_of(id.ids.begin(), id.ids.end(), [](uint32_t i) { return i != 0; });
+  for (size_t i = 0; i < id.ids.size(); ++i)
+    if (std::isfinite(depth.values[i]) != (id.ids[i] != 0)) return 1;
+  try {
+    latelight::Scene("no such file.glb");
+    return 1;
+  } catch (const latelight::Error& error) {
+    if (error.code() != latelight::ExitCode::BadInput) return 1;
+  }
   std::printf("latelight %s\n", latelight::version());
-  return std::strcmp(latelight::version(), argv[1]) == 0 ? 0 : 1;
+  return sizes && drawn ? 0 : 1;
 }

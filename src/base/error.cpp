@@ -1,0 +1,9 @@
+#include "base/error.h"
+
+namespace latelight {
+
+Error::Error(ExitCode code, const std::string& sentence) : std::runtime_error(sentence), code_(code) {}
+
+Error::~Error() = default;  // here, so that the type has one home and can be caught across the library's border
+
+}  // namespace latelight

@@ -1,0 +1,43 @@
+#include "render/session.h"
+
+#include "render/view.h"
+
+namespace latelight::render {
+
+namespace {
+
+// The renderer's view space (X right, Y away, Z up) from OpenCV's camera frame.
+glm::dmat4 viewFromOpenCv() {
+  glm::dmat4 m(1.0);
+  m[1] = {0, 0, -1, 0};
+  m[2] = {0, 1, 0, 0};
+  return m;
+}
+
+}  // namespace
+
+std::string environmentName(const scene::Scene& scene, const std::string& asked) {
+  if (asked == "none") return "";
+  if (!asked.empty()) return asked;
+  return scene.lights.empty() ? "studio" : "";
+}
+
+std::optional<scene::Environment> loadEnvironment(const std::string& name) {
+  if (name.empty()) return std::nullopt;
+  return scene::loadEnvironment(name);
+}
+
+glm::dmat4 openCvPose(const scene::Camera& camera, const scene::Scene& scene, bool zUp) {
+  const glm::mat4x3 viewToWorld = makeView(camera, 1, 1).viewToWorld;
+  glm::dmat4 pose(1.0);
+  for (int i = 0; i < 4; ++i) pose[i] = glm::dvec4(glm::dvec3(viewToWorld[i]), i == 3 ? 1.0 : 0.0);
+  if (scene.yUp && !zUp) pose = glm::dmat4(scene::toGltfFromWorld()) * pose;
+  return pose * viewFromOpenCv();
+}
+
+glm::mat4 toWorldFromOpenCv(const glm::dmat4& pose, const scene::Scene& scene) {
+  const glm::dmat4 axes = scene.yUp ? glm::dmat4(scene::toWorldFromGltf()) : glm::dmat4(1.0);
+  return glm::mat4(axes * pose * glm::transpose(viewFromOpenCv()));  // a rotation: its transpose is its inverse
+}
+
+}  // namespace latelight::render

@@ -1,0 +1,23 @@
+// What the command line and the API decide the same way: which environment lights a scene, and cameras in the frames
+// that leave the program.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "scene/environment.h"
+#include "scene/scene.h"
+
+namespace latelight::render {
+
+// The environment to load: `asked` (a file, "studio" or "none"), or, where nothing was asked for, the studio for a scene
+// without any light, so that no first picture is black. Empty: none.
+std::string environmentName(const scene::Scene& scene, const std::string& asked);
+std::optional<scene::Environment> loadEnvironment(const std::string& name);  // nothing for an empty name
+
+// OpenCV's camera frame (X right, Y down, Z forward) to the scene file's frame (or the renderer's world if `zUp`).
+glm::dmat4 openCvPose(const scene::Camera& camera, const scene::Scene& scene, bool zUp);
+// The inverse: the camera's toWorld from such a pose in the scene file's frame.
+glm::mat4 toWorldFromOpenCv(const glm::dmat4& pose, const scene::Scene& scene);
+
+}  // namespace latelight::render
