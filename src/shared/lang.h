@@ -76,6 +76,10 @@ inline float uintBitsToFloat(uint x) { return std::bit_cast<float>(x); }
 #define uvec2 uint2
 #define uvec3 uint3
 #define uvec4 uint4
+#define mat3 float3x3
+#define mat4 float4x4
+#define mat4x3 float3x4  // HLSL counts rows first
+#define uint64_t uint2   // glslang's HLSL has no 64-bit integers; a buffer address is all we keep in them
 #define mix lerp
 #define fract frac
 #define inversesqrt rsqrt

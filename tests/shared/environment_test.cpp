@@ -53,12 +53,13 @@ TEST(Environment, RotationKeepsLengthsAndTheZenith) {
   }
 }
 
-// With a border of one texel the map's square [-1, 1]^2 ends on the border's inner edge.
-TEST(Environment, OctahedralTextureLeavesABorderOfOneTexel) {
+// The map's creases, its axes and edges, run through texel centres: at .5, (size - 1) / 2 and size - 1.5 texels.
+TEST(Environment, OctahedralCreasesAreTexelCentres) {
   for (const float size : {4.0f, 18.0f, 258.0f}) {
-    EXPECT_FLOAT_EQ(octahedralTexture(vec2(-1.0f, 1.0f), size).x * size, 1.0f);
-    EXPECT_FLOAT_EQ(octahedralTexture(vec2(-1.0f, 1.0f), size).y * size, size - 1.0f);
-    EXPECT_EQ(octahedralTexture(vec2(0.0f, 0.0f), size), vec2(0.5f, 0.5f));
+    const vec2 corner = octahedralTexture(vec2(-1.0f, 1.0f), size) * size;
+    EXPECT_NEAR(corner.x, 0.5f, 1e-4f);
+    EXPECT_NEAR(corner.y, size - 1.5f, 1e-4f);
+    EXPECT_NEAR(octahedralTexture(vec2(0.0f, 0.0f), size).x * size, 0.5f * (size - 1.0f), 1e-4f);
   }
 }
 

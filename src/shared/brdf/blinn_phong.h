@@ -19,21 +19,20 @@ SH_FUNC float roughnessFromExponent(float exponent) {
   return sqrt(sqrt(2.0f / (exponent + 2.0f)));
 }
 
-// log2(1 - x) for x in [0, 1): the series where 1 - x would round x away.
-SH_FUNC float log2OneMinus(float x) {
-  if (x < 0.01f) return -1.44269504f * x * (1.0f + x * (0.5f + x * (1.0f / 3.0f)));
-  return log2(1.0f - x);
+// log2 of a cosine in (0, 1] whose squared sine is `sin2`: by the sine near 1, where the cosine has lost its digits.
+SH_FUNC float log2Cosine(float cosine, float sin2) {
+  if (sin2 < 0.01f) return -0.72134752f * sin2 * (1.0f + sin2 * (0.5f + sin2 * (1.0f / 3.0f)));
+  return log2(cosine);
 }
 
 // The lobe (n.h)^exponent, times what makes a white one reflect all light at normal incidence and less elsewhere:
 // (n + 2)(n + 4) / (8 pi (2^(-n/2) + n)), exact, where the common (n + 8) / (8 pi) reflects up to 1.075 (Giesen 2009,
-// Phong and Blinn-Phong normalization factors). 1/sr. `nh` is n.h and `sin2` |n x h|^2: (n.h)^n is computed as (1 -
-// sin2)^(n/2), which keeps its digits for large exponents.
+// Phong and Blinn-Phong normalization factors). 1/sr. `nh` is n.h and `sin2` |n x h|^2, without which large
+// exponents would multiply the rounding of n.h.
 SH_FUNC float blinnPhong(float nh, float sin2, float exponent) {
-  if (nh <= 0.0f || sin2 >= 1.0f) return 0.0f;
-  float n2 = 0.5f * exponent;
-  float scale = (exponent + 2.0f) * (exponent + 4.0f) / (exp2(-n2) + exponent) * (0.125f * kInvPi);
-  return scale * exp2(n2 * log2OneMinus(sin2));
+  if (nh <= 0.0f) return 0.0f;
+  float scale = (exponent + 2.0f) * (exponent + 4.0f) / (exp2(-0.5f * exponent) + exponent) * (0.125f * kInvPi);
+  return scale * exp2(exponent * log2Cosine(nh, sin2));
 }
 
 SH_END

@@ -1,0 +1,161 @@
+// Each shared function on the device against the same header on the host. LATELIGHT_TEST_DEVICE chooses the device
+// (a selector of vk/device.h), the CPU device by default.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <cstring>
+
+#include "gpu_math/spirv.h"
+#include "shared/function_cases.h"
+#include "shared/random.h"
+#include "vk/commands.h"
+#include "vk/resources.h"
+
+namespace latelight::shared {
+namespace {
+
+constexpr uint kCount = 4096;  // sets of arguments
+constexpr uint kGroup = 64;    // the shader's workgroup
+
+struct Case {
+  const char* name;
+  float relative, absolute;
+};
+constexpr Case kCases[] = {
+#define ENTRY(name, relative, absolute, result) {#name, relative, absolute},
+    FUNCTION_CASES(ENTRY)
+#undef ENTRY
+};
+
+// A direction, one in eight along an axis or a diagonal, where encodings have their seams.
+vec3 someDirection(Random& random) {
+  if (random.uniform() >= 0.125f) return random.direction();
+  const auto step = [&] { return std::floor(random.uniform(-1.0f, 2.0f)); };
+  const vec3 d(step(), step(), step());
+  return d == vec3(0.0f, 0.0f, 0.0f) ? vec3(0.0f, 0.0f, 1.0f) : normalize(d);
+}
+
+Arguments someArguments(Random& random) {
+  const auto share = [&] {  // [0, 1], the ends now and then
+    const float x = random.uniform(-0.02f, 1.02f);
+    return clamp(x, 0.0f, 1.0f);
+  };
+  const auto wide = [&] { return random.logUniform(1e-3f, 1e3f); };
+  Arguments a;
+  a.n = someDirection(random);
+  a.l = someDirection(random);
+  a.v = someDirection(random);
+  a.c = vec3(share(), share(), share());
+  a.d = vec3(share(), share(), share());
+  a.u = vec4(share(), share(), share(), share());
+  a.w = vec4(wide(), wide(), wide(), wide());
+  a.k = static_cast<uint>(random.bits());
+  return a;
+}
+
+class Results {
+ public:
+  Results() : device_({.selector = selector(), .validation = true}) {
+    Random random(1);
+    for (uint i = 0; i < kCount; ++i) arguments_.push_back(someArguments(random));
+    run();
+    messages_ = device_.validationMessages();
+  }
+  const Arguments& arguments(uint i) const { return arguments_[i]; }
+  vec4 of(uint function, uint i) const { return results_[function * kCount + i]; }
+  const std::vector<std::string>& messages() const { return messages_; }
+
+ private:
+  static std::string selector() {
+    const char* name = std::getenv("LATELIGHT_TEST_DEVICE");
+    return name && *name ? name : "cpu";
+  }
+  void run();
+
+  vk::Device device_;
+  std::vector<Arguments> arguments_;
+  std::vector<vec4> results_;
+  std::vector<std::string> messages_;
+};
+
+void Results::run() {
+  const VkDeviceSize bytes = std::size(kCases) * kCount * sizeof(vec4);
+  vk::Buffer arguments(device_,
+                       {.size = kCount * sizeof(Arguments), .kind = vk::MemoryKind::Upload, .name = "arguments"});
+  vk::Buffer results(device_, {.size = bytes, .kind = vk::MemoryKind::Readback, .name = "results"});
+  std::memcpy(arguments.mapped(), arguments_.data(), kCount * sizeof(Arguments));
+  const vk::Pipeline pipeline =
+      vk::makePipeline(device_, vk::ComputeDesc{.name = "functions", .code = test::readSpirv("gpu_math_functions")});
+
+  struct {
+    VkDeviceAddress arguments, results;
+    uint count;
+  } const push{arguments.address(), results.address(), kCount};
+  vk::DescriptorPool pool(device_);
+  device_.submit([&](VkCommandBuffer buffer) {
+    vk::Commands commands(device_, buffer, pool);
+    commands.bind(pipeline, std::initializer_list<vk::BoundImage>{}, push);
+    commands.dispatch(kCount, static_cast<uint32_t>(std::size(kCases)), 1, kGroup, 1);
+    VkMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
+    barrier.srcStageMask = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT;
+    barrier.srcAccessMask = VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT;
+    barrier.dstStageMask = VK_PIPELINE_STAGE_2_HOST_BIT;
+    barrier.dstAccessMask = VK_ACCESS_2_HOST_READ_BIT;
+    VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+    info.memoryBarrierCount = 1;
+    info.pMemoryBarriers = &barrier;
+    vkCmdPipelineBarrier2(buffer, &info);
+  });
+  results_.assign(results.as<vec4>(), results.as<vec4>() + bytes / sizeof(vec4));
+}
+
+const Results& results() {
+  static const Results once;
+  return once;
+}
+
+class Functions : public testing::TestWithParam<uint> {};
+
+// How far beyond nothing the two are, as a share of what the case allows; infinite where just one is a number.
+float share(const Case& bounds, float device, float host) {
+  if (std::isnan(host) || std::isnan(device)) return std::isnan(host) && std::isnan(device) ? 0.0f : INFINITY;
+  if (device == host) return 0.0f;
+  return std::abs(device - host) / (bounds.relative * std::abs(host) + bounds.absolute);
+}
+
+TEST_P(Functions, DeviceAgreesWithHost) {
+  const Case& bounds = kCases[GetParam()];
+  float worst = 0.0f;
+  uint where = 0;
+  for (uint i = 0; i < kCount; ++i) {
+    const vec4 device = results().of(GetParam(), i), host = evaluateFunction(GetParam(), results().arguments(i));
+    for (int c = 0; c < 4; ++c) {
+      const float here = share(bounds, device[c], host[c]);
+      if (here > worst) where = i;
+      worst = std::max(worst, here);
+    }
+  }
+  const vec4 device = results().of(GetParam(), where), host = evaluateFunction(GetParam(), results().arguments(where));
+  EXPECT_LE(worst, 1.0f) << "device (" << device.x << ", " << device.y << ", " << device.z << ", " << device.w
+                         << "), host (" << host.x << ", " << host.y << ", " << host.z << ", " << host.w
+                         << ") for arguments " << where;
+  RecordProperty("shareOfBound", std::to_string(worst));
+}
+
+// A function that is 0 for all arguments would agree with anything.
+TEST_P(Functions, ResultsVary) {
+  if (std::string(kCases[GetParam()].name) == "withoutReflection") return;
+  bool varies = false;
+  for (uint i = 1; i < kCount; ++i) varies |= results().of(GetParam(), i) != results().of(GetParam(), 0);
+  EXPECT_TRUE(varies);
+}
+
+INSTANTIATE_TEST_SUITE_P(Shared, Functions, testing::Range(0u, static_cast<uint>(std::size(kCases))),
+                         [](const auto& info) { return std::string(kCases[info.param].name); });
+
+TEST(FunctionsOnDevice, ValidationIsSilent) {
+  for (const std::string& message : results().messages()) ADD_FAILURE() << message;
+}
+
+}  // namespace
+}  // namespace latelight::shared

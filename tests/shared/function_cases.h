@@ -1,0 +1,204 @@
+// Every shared function, called with random arguments: this one list is compiled for the device
+// (gpu_math/functions.comp) and for the host (gpu_math/functions_test.cpp), which compares. GLSL and C++ like the
+// headers it tests.
+//
+// C(name, relative, absolute, (vec4)): the two may differ by relative * |host| + absolute in each component. The bounds
+// follow from Vulkan's precision rules (division 2.5 ULP, inversesqrt 2, sqrt of both; exp2 3 + 2 |x|; log2 2^-21
+// absolute in [0.5, 2]; pow of those two; atan 4096; acos that of atan; 1 ULP is 1.2e-7) times what the function's own
+// condition makes of them.
+#ifndef LATELIGHT_TESTS_FUNCTION_CASES_H
+#define LATELIGHT_TESTS_FUNCTION_CASES_H
+
+#include "shared/environment.h"
+#include "shared/gbuffer.h"
+#include "shared/shade.h"
+#include "shared/tonemap.h"
+
+SH_BEGIN
+
+struct Arguments {
+  vec3 n, l, v;  // unit
+  vec3 c, d;     // in [0, 1]
+  vec4 u;        // in [0, 1]
+  vec4 w;        // from 1e-3 to 1e3
+  uint k;        // 32 bits
+};
+
+SH_FUNC vec4 pad(float x) {
+  return vec4(x, 0.0f, 0.0f, 0.0f);
+}
+SH_FUNC vec4 pad(vec2 v) {
+  return vec4(v.x, v.y, 0.0f, 0.0f);
+}
+SH_FUNC vec4 pad(vec3 v) {
+  return vec4(v.x, v.y, v.z, 0.0f);
+}
+SH_FUNC vec4 bytes(uint x) {
+  return vec4(float(x & 255u), float((x >> 8u) & 255u), float((x >> 16u) & 255u), float(x >> 24u));
+}
+
+#define COUNT_ENCODING(name, id) +1u
+SH_CONST uint kEncodings = 0u LATELIGHT_NORMALS(COUNT_ENCODING);
+#undef COUNT_ENCODING
+SH_FUNC uint someEncoding(Arguments a) {
+  return a.k % kEncodings;
+}
+SH_FUNC vec3 levels8() {
+  return vec3(255.0f, 255.0f, 255.0f);
+}
+
+SH_FUNC Surface someSurface(Arguments a) {
+  Surface s = emptySurface();
+  s.normal = a.n;
+  s.baseColor = a.c;
+  s.metallic = a.u.x;
+  s.roughness = a.u.y;
+  s.f90 = a.u.z;
+  s.f0 = a.d * a.u.z;
+  s.ao = a.u.w;
+  return s;
+}
+
+SH_FUNC Light someLight(Arguments a, uint type) {
+  Light light;
+  light.position = a.n * a.w.x;
+  light.reach = a.w.y;
+  light.direction = a.l;
+  light.type = type;
+  light.intensity = a.c;
+  light.spotScale = 2.5f;
+  light.spotOffset = -0.5f;
+  return light;
+}
+
+SH_FUNC LightSample someSample(Arguments a) {
+  LightSample s;
+  s.toLight = a.l;
+  s.irradiance = a.d;
+  return s;
+}
+
+SH_FUNC vec4 coneOf(Arguments a) {
+  float scale;
+  float offset;
+  spotCone(a.u.x * 0.7f, 0.8f + a.u.y * 0.7f, scale, offset);
+  return vec4(scale, offset, 0.0f, 0.0f);
+}
+
+// A perspective or orthographic projection, off-centre.
+SH_FUNC Projection someProjection(Arguments a) {
+  Projection p;
+  p.H = 0.5f + a.u.x;
+  p.V = 0.5f + a.u.y;
+  p.A = -0.001f;
+  p.B = 0.1f;
+  p.X = 0.3f;
+  p.Z = -0.2f;
+  p.kind = a.k & 1u;
+  return p;
+}
+
+SH_FUNC GbufferContext someContext(Arguments a) {
+  GbufferContext context;
+  vec3 x = normalize(cross(a.n, a.l));
+  vec3 z = cross(x, a.n);
+  vec3 eye = a.c;
+  context.view.viewToWorld = mat4x3(x, a.n, z, eye);
+  context.view.worldToView = mat4x3(vec3(x.x, a.n.x, z.x), vec3(x.y, a.n.y, z.y), vec3(x.z, a.n.z, z.z),
+                                    vec3(-dot(x, eye), -dot(a.n, eye), -dot(z, eye)));
+  context.view.projection = someProjection(a);
+  context.view.projection.kind = kPerspective;
+  context.view.eye = eye;
+  context.view.size = vec2(640.0f, 480.0f);
+  context.pixel = vec2(640.0f * a.u.z, 480.0f * a.u.w);
+  context.depth = 0.01f + 0.9f * a.d.x;
+  context.ao = 1.0f;
+  context.normalEncoding = someEncoding(a);
+  return context;
+}
+
+// Continuous where the angle wraps: the halves left and right of the centre column apart by the sign of y.
+SH_FUNC vec4 panorama(vec3 d) {
+  vec2 uv = equirectangular(d);
+  return vec4(abs(uv.x - 0.5f), (uv.x - 0.5f) * d.y, uv.y, 0.0f);
+}
+
+SH_FUNC vec4 reflectanceOf(Arguments a) {
+  EnvironmentReflectance r = environmentReflectance(a.c, a.u.x, vec2(0.9f * a.u.y, 0.1f * a.u.z));
+  return vec4(r.once.x, r.once.y, r.more.x, r.more.y);
+}
+
+#define FUNCTION_CASES(C)                                                                                          \
+  C(srgbFromLinear, 2e-6f, 1e-7f, (pad(srgbFromLinear(a.u.x))))                                                    \
+  C(linearFromSrgb, 4e-6f, 1e-7f, (pad(linearFromSrgb(a.u.x))))                                                    \
+  C(luminance, 5e-7f, 0.0f, (pad(luminance(a.c))))                                                                 \
+  C(maxChannel, 0.0f, 0.0f, (pad(maxChannel(a.c))))                                                                \
+  C(lightWindow, 1e-6f, 3e-6f, (pad(lightWindow(a.w.x, a.w.y))))                                                   \
+  C(lightReach, 1e-6f, 0.0f, (vec4(lightReach(a.c, a.w.x, a.w.y), lightReach(a.c, 0.0f, a.w.y), 0.0f, 0.0f)))      \
+  C(spotCone, 2e-5f, 0.0f, (coneOf(a)))                                                                            \
+  C(directionalLight, 0.0f, 0.0f, (pad(sampleLight(someLight(a, kLightDirectional), a.v).toLight)))                \
+  C(pointDirection, 1e-6f, 5e-7f, (pad(sampleLight(someLight(a, kLightPoint), a.v).toLight)))                      \
+  C(pointIrradiance, 1e-4f, 1e-5f, (pad(sampleLight(someLight(a, kLightPoint), a.v * 0.5f).irradiance)))           \
+  C(spotIrradiance, 1e-4f, 1e-5f, (pad(sampleLight(someLight(a, kLightSpot), a.v * 0.5f).irradiance)))             \
+  C(ggxAlpha, 2e-7f, 0.0f, (pad(ggxAlpha(a.u.x))))                                                                 \
+  C(ggxDistribution, 5e-6f, 0.0f, (pad(ggxDistribution(a.u.x, 1.0f - a.u.x * a.u.x, ggxAlpha(a.u.y)))))            \
+  C(ggxVisibility, 3e-6f, 0.0f, (pad(ggxVisibility(a.u.x + 1e-4f, a.u.z + 1e-4f, ggxAlpha(a.u.y)))))               \
+  C(ggxVisibilityCorrelated, 3e-6f, 0.0f,                                                                          \
+    (pad(ggxVisibilityCorrelated(a.u.x + 1e-4f, a.u.z + 1e-4f, ggxAlpha(a.u.y)))))                                 \
+  C(schlickWeight, 1e-6f, 0.0f, (pad(schlickWeight(a.u.x))))                                                       \
+  C(schlick, 5e-7f, 5e-7f, (pad(schlick(a.c, a.u.y, a.u.x))))                                                      \
+  C(exponentFromRoughness, 2e-6f, 1e-6f, (pad(exponentFromRoughness(a.u.x))))                                      \
+  C(roughnessFromExponent, 1e-6f, 0.0f, (pad(roughnessFromExponent(a.w.x))))                                       \
+  C(log2Cosine, 3e-6f, 5e-7f, (pad(log2Cosine(a.u.x + 1e-4f, 1.0f - a.u.x * a.u.x))))                              \
+  C(blinnPhong, 5e-4f, 1e-6f, (pad(blinnPhong(a.u.x, 1.0f - a.u.x * a.u.x, a.w.x))))                               \
+  C(diffuseColor, 2e-7f, 1e-7f, (pad(diffuseColor(someSurface(a)))))                                               \
+  C(specularF0, 2e-7f, 2e-7f, (pad(specularF0(someSurface(a)))))                                                   \
+  C(specularF90, 2e-7f, 2e-7f, (pad(specularF90(someSurface(a)))))                                                 \
+  C(withoutReflection, 0.0f, 0.0f, (pad(specularF0(withoutReflection(someSurface(a))))))                           \
+  C(shadeLightGgx, 2e-3f, 1e-6f, (pad(shadeLight(someSurface(a), a.v, someSample(a), kShadingGgx))))               \
+  C(shadeLightBlinnPhong, 2e-3f, 1e-6f, (pad(shadeLight(someSurface(a), a.v, someSample(a), kShadingBlinnPhong)))) \
+  C(environmentReflectance, 2e-6f, 2e-7f, (reflectanceOf(a)))                                                      \
+  C(specularOcclusion, 2e-6f, 1e-6f, (pad(specularOcclusion(a.u.x + 1e-4f, a.u.y, a.u.z))))                        \
+  C(shadeEnvironment, 5e-6f, 2e-6f,                                                                                \
+    (pad(shadeEnvironment(someSurface(a), a.v, a.c, a.d, vec2(0.9f * a.u.x, 0.1f * a.u.w)))))                      \
+  C(tonemapKhronosNeutral, 5e-6f, 1e-6f, (pad(tonemap(kTonemapKhronosNeutral, a.c * a.w.x))))                      \
+  C(tonemapAces, 1e-5f, 1e-6f, (pad(tonemap(kTonemapAces, a.c * a.w.x))))                                          \
+  C(tonemapAgx, 5e-5f, 5e-6f, (pad(tonemap(kTonemapAgx, a.c * a.w.x))))                                            \
+  C(tonemapReinhard, 1e-6f, 0.0f, (pad(tonemap(kTonemapReinhard, a.c * a.w.x))))                                   \
+  C(tonemapNone, 0.0f, 0.0f, (pad(tonemap(kTonemapNone, a.c * a.w.x))))                                            \
+  C(octahedralFromDirection, 5e-7f, 5e-7f, (pad(octahedralFromDirection(a.n))))                                    \
+  C(directionFromOctahedral, 5e-7f, 5e-7f, (pad(directionFromOctahedral(vec2(a.u.x * 2.0f - 1.0f, a.n.y)))))       \
+  C(encodeNormal, 5e-7f, 5e-7f, (pad(encodeNormal(someEncoding(a), a.n, levels8()))))                              \
+  C(decodeNormal, 5e-7f, 5e-7f, (pad(decodeNormal(someEncoding(a), a.c))))                                         \
+  C(rotateToEnvironment, 5e-7f, 5e-7f, (pad(rotateToEnvironment(a.n, a.l.x, a.l.y))))                              \
+  C(octahedralTexture, 5e-7f, 0.0f, (pad(octahedralTexture(vec2(a.n.x, a.n.y), 64.0f))))                           \
+  C(equirectangular, 0.0f, 8e-5f, (panorama(a.n)))                                                                 \
+  C(projectToClip, 5e-7f, 5e-4f, (projectToClip(someProjection(a), a.n * a.w.x)))                                  \
+  C(viewDepth, 5e-6f, 0.0f, (pad(viewDepth(someProjection(a), a.u.z))))                                            \
+  C(deviceDepth, 5e-7f, 1e-6f, (pad(deviceDepth(someProjection(a), a.w.x))))                                       \
+  C(viewPositionAtDepth, 1e-6f, 5e-4f, (pad(viewPositionAtDepth(someProjection(a), vec2(a.n.x, a.n.y), a.w.x))))   \
+  C(viewRay, 1e-6f, 5e-7f, (pad(viewRay(someProjection(a), vec2(a.n.x, a.n.y)))))                                  \
+  C(pixelToNdc, 5e-7f, 5e-7f, (pad(pixelToNdc(vec2(a.w.x, a.w.y), vec2(640.0f, 480.0f)))))                         \
+  C(positionFromDepth, 1e-5f, 1e-4f, (pad(positionFromDepth(someContext(a)))))                                     \
+  C(rotateToView, 1e-6f, 1e-6f, (pad(rotateToView(someContext(a).view, a.v))))                                     \
+  C(rotateToWorld, 1e-6f, 1e-6f, (pad(rotateToWorld(someContext(a).view, a.v))))                                   \
+  C(toBits, 0.0f, 1.0f, (pad(float(toBits(a.u.x, 12u)))))                                                          \
+  C(fromBits, 3e-7f, 0.0f, (pad(fromBits(a.k, 1u + (a.k >> 28u)))))                                                \
+  C(packNormal24, 0.0f, 3.0e-3f, (pad(unpackNormal24(someEncoding(a), packNormal24(someEncoding(a), a.n)))))       \
+  C(unpackNormal24, 5e-7f, 5e-7f, (pad(unpackNormal24(someEncoding(a), a.k & 0xffffffu))))                         \
+  C(packColor24, 0.0f, 1.0f, (bytes(packColor24(a.c))))                                                            \
+  C(unpackColor24, 4e-6f, 1e-7f, (pad(unpackColor24(a.k))))
+
+SH_FUNC vec4 evaluateFunction(uint function, Arguments a) {
+  uint index = 0u;
+#define EVALUATE(name, relative, absolute, result) \
+  if (function == index) return result;            \
+  index += 1u;
+  FUNCTION_CASES(EVALUATE)
+#undef EVALUATE
+  return vec4(0.0f, 0.0f, 0.0f, 0.0f);
+}
+
+SH_END
+
+#endif
