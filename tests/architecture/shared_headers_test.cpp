@@ -1,0 +1,120 @@
+// Every header in src/shared, and every one that the build writes from them, compiles alone as GLSL and as C++.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "base/files.h"
+#include "base/parallel.h"
+
+namespace latelight {
+namespace {
+
+namespace fs = std::filesystem;
+
+// What a command wrote, and whether it ended with 0.
+struct Result {
+  bool good = false;
+  std::string output;
+};
+
+Result runCommand(const std::string& command) {
+  Result result;
+  FILE* pipe = popen((command + " 2>&1").c_str(), "r");
+  if (!pipe) return result;
+  char buffer[4096];
+  while (const size_t got = fread(buffer, 1, sizeof(buffer), pipe)) result.output.append(buffer, got);
+  result.good = pclose(pipe) == 0;
+  return result;
+}
+
+std::string includePaths() {
+  return fmt::format("-I'{0}/src' -I'{0}/include' -I'{1}'", LATELIGHT_SOURCE_DIR, LATELIGHT_GENERATED_DIR);
+}
+
+class Folder {
+ public:
+  Folder() {
+    std::string name = (fs::temp_directory_path() / "latelight-headers-XXXXXX").string();
+    if (!mkdtemp(name.data())) fail(ExitCode::Internal, "no temporary folder");
+    path_ = name;
+  }
+  ~Folder() { fs::remove_all(path_); }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+
+  // A file that is named after the header and holds `text`.
+  std::string write(std::string header, const char* ending, const std::string& text) const {
+    for (char& c : header) c = c == '/' ? '_' : c;
+    const fs::path path = path_ / (header + ending);
+    writeFile(path, std::as_bytes(std::span(text)));
+    return path.string();
+  }
+
+ private:
+  fs::path path_;
+};
+
+Result compileAsGlsl(const Folder& folder, const std::string& header) {
+  const std::string text = fmt::format(
+      "#version 460\n"
+      "#extension GL_EXT_scalar_block_layout : require\n"
+      "#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require\n"
+      "#extension GL_GOOGLE_include_directive : require\n"
+      "#include \"{}\"\n"
+      "layout(local_size_x = 1) in;\n"
+      "void main() {{}}\n",
+      header);
+  const std::string file = folder.write(header, ".comp", text);
+  return runCommand(fmt::format("'{}' --quiet --target-env vulkan1.3 {} -o '{}.spv' '{}'", LATELIGHT_GLSLANG,
+                                includePaths(), file, file));
+}
+
+Result compileAsCpp(const Folder& folder, const std::string& header) {
+  const std::string file = folder.write(header, ".cpp", fmt::format("#include \"{}\"\n", header));
+  return runCommand(fmt::format("'{}' -std=c++20 -fsyntax-only -Wall -Wextra -Wno-unused-parameter -Werror {} '{}'",
+                                LATELIGHT_CXX, includePaths(), file));
+}
+
+std::vector<std::string> sharedHeaders() {
+  std::vector<std::string> headers;
+  const fs::path source = fs::path(LATELIGHT_SOURCE_DIR) / "src";
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(source / "shared")) {
+    if (entry.path().extension() == ".h") headers.push_back(fs::relative(entry.path(), source).string());
+  }
+  headers.push_back("normals.h");
+  return headers;
+}
+
+void expectAllToCompile(Result compile(const Folder&, const std::string&)) {
+  const Folder folder;
+  const std::vector<std::string> headers = sharedHeaders();
+  ASSERT_GE(headers.size(), 10u);
+  parallelFor(headers.size(), 1, [&](size_t i, size_t) {
+    const Result result = compile(folder, headers[i]);
+    EXPECT_TRUE(result.good) << headers[i] << " does not compile alone:\n" << result.output;
+  });
+}
+
+TEST(SharedHeaders, CompileAloneAsGlsl) {
+  expectAllToCompile(compileAsGlsl);
+}
+
+TEST(SharedHeaders, CompileAloneAsCpp) {
+  expectAllToCompile(compileAsCpp);
+}
+
+TEST(SharedHeaders, ThatDoNotCompileAreNoticed) {
+  const Folder folder;
+  EXPECT_TRUE(compileAsGlsl(folder, "shared/lang.h").good);
+  EXPECT_TRUE(compileAsCpp(folder, "shared/lang.h").good);
+  EXPECT_FALSE(compileAsGlsl(folder, "shared/no_such_header.h").good);
+  EXPECT_FALSE(compileAsCpp(folder, "shared/no_such_header.h").good);
+}
+
+}  // namespace
+}  // namespace latelight
