@@ -33,7 +33,7 @@ void write(Device& device, VkDescriptorSet set, std::span<const Binding> binding
     writes[i].dstSet = set;
     writes[i].dstBinding = static_cast<uint32_t>(i);
     writes[i].descriptorCount = 1;
-    writes[i].descriptorType = sampled ? VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER : VK_DESCRIPTOR_TYPE_STORAGE_IMAGE;
+    writes[i].descriptorType = descriptorType(bindings[i]);
     writes[i].pImageInfo = &infos[i];
   }
   vkUpdateDescriptorSets(device.get(), static_cast<uint32_t>(writes.size()), writes.data(), 0, nullptr);

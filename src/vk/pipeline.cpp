@@ -151,13 +151,21 @@ std::span<const uint32_t> shaderCode(std::string_view name) {
   fail(ExitCode::Internal, "No shader called {} is embedded.", name);
 }
 
+VkDescriptorType descriptorType(Binding binding) {
+  switch (binding) {
+    case Binding::Sampled: return VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
+    case Binding::Storage: return VK_DESCRIPTOR_TYPE_STORAGE_IMAGE;
+    case Binding::Uniform: return VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
+  }
+  fail(ExitCode::Internal, "There is no binding of kind {}.", static_cast<int>(binding));
+}
+
 Handle<VkDescriptorSetLayout> makeSetLayout(Device& device, std::span<const Binding> bindings) {
   std::vector<VkDescriptorSetLayoutBinding> slots;
   for (Binding binding : bindings) {
     VkDescriptorSetLayoutBinding slot{};
     slot.binding = static_cast<uint32_t>(slots.size());
-    slot.descriptorType =
-        binding == Binding::Sampled ? VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER : VK_DESCRIPTOR_TYPE_STORAGE_IMAGE;
+    slot.descriptorType = descriptorType(binding);
     slot.descriptorCount = 1;
     slot.stageFlags = VK_SHADER_STAGE_ALL;
     slots.push_back(slot);

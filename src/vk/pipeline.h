@@ -21,7 +21,9 @@ namespace latelight::vk {
 // SPIR-V words of an embedded shader; asserts that it exists.
 std::span<const uint32_t> shaderCode(std::string_view name);
 
-enum class Binding : uint8_t { Sampled, Storage };  // combined image sampler; storage image
+enum class Binding : uint8_t { Sampled, Storage, Uniform };  // combined image sampler; storage image; uniform buffer
+
+VkDescriptorType descriptorType(Binding binding);
 
 struct Constant {  // specialization constant
   uint32_t id;

@@ -36,7 +36,21 @@ VkImageView makeView(Device& device, VkImage image, const ImageDesc& desc, VkIma
   return view;
 }
 
-VkImageCreateInfo imageInfo(const ImageDesc& desc) {
+// Whether the host can fill the image where it lies: saves a copy, and the transfer is one thread's on a CPU device.
+bool isHostTexture(Device& device, const ImageDesc& desc) {
+  constexpr VkImageUsageFlags kTexture =
+      VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
+  if (!device.isCpu() || (desc.usage & ~kTexture) || !(desc.usage & VK_IMAGE_USAGE_SAMPLED_BIT) || desc.layers != 1 ||
+      desc.samples != 1 || isDepth(desc.format))
+    return false;
+  VkImageFormatProperties properties;
+  const VkResult result = vkGetPhysicalDeviceImageFormatProperties(device.physical(), desc.format, VK_IMAGE_TYPE_2D,
+                                                                   VK_IMAGE_TILING_LINEAR, desc.usage, 0, &properties);
+  return result == VK_SUCCESS && properties.maxMipLevels >= desc.levels && properties.maxExtent.width >= desc.width &&
+         properties.maxExtent.height >= desc.height;
+}
+
+VkImageCreateInfo imageInfo(const ImageDesc& desc, bool hostTexture) {
   VkImageCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO};
   info.imageType = VK_IMAGE_TYPE_2D;
   info.format = desc.format;
@@ -44,7 +58,8 @@ VkImageCreateInfo imageInfo(const ImageDesc& desc) {
   info.mipLevels = desc.levels;
   info.arrayLayers = desc.layers;
   info.samples = static_cast<VkSampleCountFlagBits>(desc.samples);
-  info.tiling = VK_IMAGE_TILING_OPTIMAL;
+  info.tiling = hostTexture ? VK_IMAGE_TILING_LINEAR : VK_IMAGE_TILING_OPTIMAL;
+  info.initialLayout = hostTexture ? VK_IMAGE_LAYOUT_PREINITIALIZED : VK_IMAGE_LAYOUT_UNDEFINED;
   info.usage = desc.usage;
   return info;
 }
@@ -115,17 +130,19 @@ Buffer::~Buffer() {
 
 Image::Image(Device& device, const ImageDesc& desc) : device_(&device), desc_(desc) {
   checkSize(device, desc_);
-  const VkImageCreateInfo info = imageInfo(desc_);
+  const bool hostTexture = isHostTexture(device, desc_);
+  const VkImageCreateInfo info = imageInfo(desc_, hostTexture);
   VK_CHECK(vkCreateImage(device.get(), &info, nullptr, &image_));
   VkMemoryRequirements needs;
   vkGetImageMemoryRequirements(device.get(), image_, &needs);
   try {
-    allocation_ = device.memory().allocate(needs, MemoryKind::Device, false, (desc_.usage & kAttachment) != 0);
+    allocation_ = device.memory().allocate(needs, MemoryKind::Device, hostTexture, (desc_.usage & kAttachment) != 0);
   } catch (...) {
     vkDestroyImage(device.get(), image_, nullptr);
     throw;
   }
   VK_CHECK(vkBindImageMemory(device.get(), image_, allocation_.memory, allocation_.offset));
+  hostWritable_ = hostTexture && allocation_.mapped;
   device.setName(VK_OBJECT_TYPE_IMAGE, number(image_), desc_.name.c_str());
 
   constexpr VkImageUsageFlags kViewed = kAttachment | VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_STORAGE_BIT;
@@ -147,6 +164,7 @@ Image& Image::operator=(Image&& other) noexcept {
   std::swap(image_, other.image_);
   std::swap(arrayView_, other.arrayView_);
   std::swap(layerViews_, other.layerViews_);
+  std::swap(hostWritable_, other.hostWritable_);
   std::swap(allocation_, other.allocation_);
   return *this;
 }

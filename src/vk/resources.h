@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "vk/device.h"
@@ -76,6 +77,11 @@ class Image {
   VkImageView view() const { return layerView(0); }     // 2D, layer 0, all levels where layers == 1
   explicit operator bool() const { return image_ != VK_NULL_HANDLE; }
 
+  // Textures of a CPU device are linear, and until their first layout transition the host may write them where they
+  // are. takeHostWrite() is true once, for the writer; the layout is then VK_IMAGE_LAYOUT_PREINITIALIZED.
+  bool takeHostWrite() const { return std::exchange(hostWritable_, false); }
+  std::byte* mapped() const { return allocation_.mapped; }
+
  private:
   Device* device_ = nullptr;
   ImageDesc desc_;
@@ -83,6 +89,7 @@ class Image {
   VkImageView arrayView_ = VK_NULL_HANDLE;
   std::vector<VkImageView> layerViews_;
   Allocation allocation_;
+  mutable bool hostWritable_ = false;
 };
 
 struct SamplerDesc {
@@ -98,10 +105,11 @@ Handle<VkSampler> makeSampler(Device& device, const SamplerDesc& desc);
 
 // Copies of host data to the device, gathered and submitted together. The data is copied before upload() returns,
 // through 16 MiB of staging memory. flush() (or the destructor, which turns an error into a warning) submits and waits.
-// Host-visible destinations (CPU devices) are written directly. Images end in VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL.
+// Host-visible destinations (CPU devices) are written directly, by all cores. Images end in
+// VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL.
 class Uploader {
  public:
-  // `alwaysStage`: host-visible buffers go through staging memory too, as on a device with memory of its own.
+  // `alwaysStage`: host-visible memory goes through staging memory too, as on a device with memory of its own.
   explicit Uploader(Device& device, bool alwaysStage = false);
   ~Uploader();
   void upload(const Buffer& to, std::span<const std::byte> data, VkDeviceSize offset = 0);
@@ -113,6 +121,7 @@ class Uploader {
   struct Copy;
   // Room for `size` bytes at a multiple of `alignment` in the staging buffer; flushes first where it is full.
   VkDeviceSize stage(std::span<const std::byte> data, VkDeviceSize alignment);
+  void writeInPlace(const Image& to, std::span<const std::byte> data);
   Device& device_;
   bool alwaysStage_;
   std::vector<Copy> copies_;

@@ -25,12 +25,22 @@ void copyOnAllCores(std::byte* to, const std::byte* from, size_t bytes) {
 }
 
 VkImageMemoryBarrier2 transition(const Image& image, VkImageLayout from, VkImageLayout to) {
-  const bool first = from == VK_IMAGE_LAYOUT_UNDEFINED;
   VkImageMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
-  barrier.srcStageMask = first ? VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT : VK_PIPELINE_STAGE_2_COPY_BIT;
-  barrier.srcAccessMask = first ? 0 : VK_ACCESS_2_TRANSFER_WRITE_BIT;
-  barrier.dstStageMask = first ? VK_PIPELINE_STAGE_2_COPY_BIT : VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
-  barrier.dstAccessMask = first ? VK_ACCESS_2_TRANSFER_WRITE_BIT : VK_ACCESS_2_SHADER_READ_BIT;
+  barrier.srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+  barrier.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+  barrier.dstAccessMask = VK_ACCESS_2_SHADER_READ_BIT;
+  if (from == VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL) {
+    barrier.srcStageMask = VK_PIPELINE_STAGE_2_COPY_BIT;
+    barrier.srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT;
+  }
+  if (from == VK_IMAGE_LAYOUT_PREINITIALIZED) {
+    barrier.srcStageMask = VK_PIPELINE_STAGE_2_HOST_BIT;
+    barrier.srcAccessMask = VK_ACCESS_2_HOST_WRITE_BIT;
+  }
+  if (to == VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL) {
+    barrier.dstStageMask = VK_PIPELINE_STAGE_2_COPY_BIT;
+    barrier.dstAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT;
+  }
   barrier.oldLayout = from;
   barrier.newLayout = to;
   barrier.image = image.get();
@@ -48,8 +58,9 @@ void recordBarriers(VkCommandBuffer commands, const std::vector<VkImageMemoryBar
 
 }  // namespace
 
-// From the staging buffer into a buffer or into rows of one level of an image. A large image is several copies, and
-// these may be in several submissions: the first and the last change its layout.
+// From the staging buffer into a buffer or into rows of one level of an image (none: the host has written it, and only
+// its layout is to change). A large image is several copies, and these may be in several submissions: the first and the
+// last change its layout.
 struct Uploader::Copy {
   VkDeviceSize from = 0;
   VkBuffer buffer = VK_NULL_HANDLE;
@@ -104,7 +115,32 @@ void Uploader::upload(const Buffer& to, std::span<const std::byte> data, VkDevic
   }
 }
 
+// Rows of a linear image lie rowPitch apart.
+void Uploader::writeInPlace(const Image& to, std::span<const std::byte> data) {
+  const ImageDesc& desc = to.desc();
+  for (uint32_t level = 0; level < desc.levels; ++level) {
+    const size_t rowBytes = std::max(desc.width >> level, 1u) * texelBytes(desc.format);
+    const size_t rows = std::max(desc.height >> level, 1u);
+    assert(rows * rowBytes <= data.size());
+    const VkImageSubresource part{VK_IMAGE_ASPECT_COLOR_BIT, level, 0};
+    VkSubresourceLayout layout;
+    vkGetImageSubresourceLayout(device_.get(), to.get(), &part, &layout);
+    std::byte* target = to.mapped() + layout.offset;
+    const auto copyRows = [&](size_t begin, size_t end) {
+      for (size_t row = begin; row < end; ++row)
+        std::memcpy(target + row * layout.rowPitch, data.data() + row * rowBytes, rowBytes);
+    };
+    rows* rowBytes > kGrain ? parallelFor(rows, std::max<size_t>(kGrain / rowBytes, 1), copyRows) : copyRows(0, rows);
+    data = data.subspan(rows * rowBytes);
+  }
+  Copy copy;
+  copy.image = to.get();
+  copy.after = {transition(to, VK_IMAGE_LAYOUT_PREINITIALIZED, VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL)};
+  copies_.push_back(std::move(copy));
+}
+
 void Uploader::upload(const Image& to, std::span<const std::byte> data) {
+  if (to.takeHostWrite() && !alwaysStage_) return writeInPlace(to, data);
   const ImageDesc& desc = to.desc();
   const size_t texel = texelBytes(desc.format);
   if (std::any_of(copies_.begin(), copies_.end(), [&](const Copy& copy) { return copy.image == to.get(); })) flush();
@@ -150,7 +186,7 @@ void Uploader::flush() {
     for (const Copy& copy : copies) {
       const VkBufferCopy region{copy.from, copy.to, copy.size};
       if (copy.buffer) vkCmdCopyBuffer(commands, staging_.get(), copy.buffer, 1, &region);
-      if (copy.image)
+      if (copy.image && copy.region.imageExtent.width > 0)
         vkCmdCopyBufferToImage(commands, staging_.get(), copy.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1,
                                &copy.region);
     }

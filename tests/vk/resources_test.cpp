@@ -48,13 +48,17 @@ std::vector<VkFormat> sampledFormats(Device& device) {
   return formats;
 }
 
-TEST_F(DeviceTest, ImagesOfEveryFormatAndOddSizesComeBackAsTheyWere) {
+class UploadTest : public DeviceTest, public testing::WithParamInterface<bool> {};
+INSTANTIATE_TEST_SUITE_P(Ways, UploadTest, testing::Values(false, true),
+                         [](const auto& info) { return info.param ? "Staged" : "Direct"; });
+
+TEST_P(UploadTest, ImagesOfEveryFormatAndOddSizesComeBackAsTheyWere) {
   const std::vector<VkFormat> formats = sampledFormats(device());
   EXPECT_GE(formats.size(), 35u);
   for (VkFormat format : formats) {
     std::vector<Image> images;
     std::vector<std::vector<std::byte>> data;
-    Uploader uploader(device());
+    Uploader uploader(device(), GetParam());
     for (auto [width, height, levels] : {std::array{1u, 1u, 1u}, {7u, 5u, 3u}, {131u, 67u, 8u}, {1u, 300u, 2u}}) {
       const ImageDesc desc{format, width, height, 1, levels, 1, kTexture, formatName(format)};
       images.emplace_back(device(), desc);
@@ -72,13 +76,13 @@ TEST_F(DeviceTest, ImagesOfEveryFormatAndOddSizesComeBackAsTheyWere) {
   }
 }
 
-TEST_F(DeviceTest, AnImageLargerThanTheStagingMemoryArrivesWhole) {
+TEST_P(UploadTest, AnImageLargerThanTheStagingMemoryArrivesWhole) {
   const ImageDesc desc{VK_FORMAT_R8G8B8A8_UNORM, 2501, 2503, 1, 3, 1, kTexture, "large"};
   const Image image(device(), desc);
   const Image small(device(), {VK_FORMAT_R8_UNORM, 3, 3, 1, 1, 1, kTexture, "small"});
   const std::vector<std::byte> data = texels(desc, 3), few = pattern(9);
   {
-    Uploader uploader(device());
+    Uploader uploader(device(), GetParam());
     uploader.upload(small, few);
     uploader.upload(image, data);
     uploader.upload(small, pattern(9, 2));
