@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
 
 #include "shared/light.h"
 
@@ -120,6 +123,7 @@ void GpuScene::uploadMaterials(vk::Uploader& uploader, const scene::Scene& scene
   for (const scene::Material& material : scene.materials) materials_.push_back(material.data);
   materialBuffer_ = makeBuffer(device_, "materials", materials_.size() * sizeof(shared::Material));
   uploader.upload(materialBuffer_, bytesOf(materials_));
+  uploadMaterialUniforms(uploader);
   for (const scene::Texture& texture : scene.textures) {
     vk::Image& image = textures_.emplace_back(
         device_, vk::ImageDesc{.format = texture.srgb ? VK_FORMAT_R8G8B8A8_SRGB : VK_FORMAT_R8G8B8A8_UNORM,
@@ -137,6 +141,16 @@ void GpuScene::uploadMaterials(vk::Uploader& uploader, const scene::Scene& scene
                              .name = "empty"});
   static constexpr std::array<std::byte, 4> kWhite{std::byte{255}, std::byte{255}, std::byte{255}, std::byte{255}};
   uploader.upload(empty, kWhite);
+}
+
+void GpuScene::uploadMaterialUniforms(vk::Uploader& uploader) {
+  const VkDeviceSize alignment = device_.properties().limits.minUniformBufferOffsetAlignment;
+  uniformStride_ = (sizeof(shared::Material) + alignment - 1) / alignment * alignment;
+  std::vector<std::byte> bytes(materials_.size() * uniformStride_);
+  for (size_t i = 0; i < materials_.size(); ++i)
+    std::memcpy(&bytes[i * uniformStride_], &materials_[i], sizeof(shared::Material));
+  materialUniforms_ = makeBuffer(device_, "material uniforms", bytes.size(), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT);
+  uploader.upload(materialUniforms_, bytes);
 }
 
 void GpuScene::uploadLights(vk::Uploader& uploader, const scene::Scene& scene) {
@@ -167,14 +181,19 @@ VkSampler GpuScene::sampler(const scene::Sampler& sampler) {
 }
 
 void GpuScene::makeMaterialSets(const scene::Scene& scene) {
-  const std::vector<vk::Binding> bindings(shared::kTextureCount, vk::Binding::Sampled);
+  std::vector<vk::Binding> bindings(shared::kTextureCount, vk::Binding::Sampled);
+  bindings.push_back(vk::Binding::Uniform);
   materialSetLayout_ = vk::makeSetLayout(device_, bindings);
   uint32_t count = static_cast<uint32_t>(scene.materials.size());
   if (count == 0) return;
 
-  VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, count * shared::kTextureCount};
-  VkDescriptorPoolCreateInfo poolInfo{
-      .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO, .maxSets = count, .poolSizeCount = 1, .pPoolSizes = &size};
+  const std::array<VkDescriptorPoolSize, 2> sizes{
+      {{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, count * shared::kTextureCount},
+       {VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, count}}};
+  VkDescriptorPoolCreateInfo poolInfo{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
+                                      .maxSets = count,
+                                      .poolSizeCount = sizes.size(),
+                                      .pPoolSizes = sizes.data()};
   VkDescriptorPool pool;
   VK_CHECK(vkCreateDescriptorPool(device_.get(), &poolInfo, nullptr, &pool));
   materialPool_ = {device_, pool};
@@ -188,7 +207,9 @@ void GpuScene::makeMaterialSets(const scene::Scene& scene) {
   VK_CHECK(vkAllocateDescriptorSets(device_.get(), &setInfo, materialSets_.data()));
 
   std::vector<VkDescriptorImageInfo> images;
-  images.reserve(size.descriptorCount);
+  images.reserve(sizes[0].descriptorCount);
+  std::vector<VkDescriptorBufferInfo> uniforms;
+  uniforms.reserve(count);
   std::vector<VkWriteDescriptorSet> writes;
   for (uint32_t i = 0; i < count; ++i) {
     for (const scene::TextureSlot& slot : scene.materials[i].slots) {
@@ -200,8 +221,15 @@ void GpuScene::makeMaterialSets(const scene::Scene& scene) {
                       .descriptorCount = shared::kTextureCount,
                       .descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
                       .pImageInfo = &images[i * shared::kTextureCount]});
+    uniforms.push_back({materialUniforms_.get(), i * uniformStride_, sizeof(shared::Material)});
+    writes.push_back({.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+                      .dstSet = materialSets_[i],
+                      .dstBinding = shared::kTextureCount,
+                      .descriptorCount = 1,
+                      .descriptorType = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER,
+                      .pBufferInfo = &uniforms.back()});
   }
-  vkUpdateDescriptorSets(device_.get(), count, writes.data(), 0, nullptr);
+  vkUpdateDescriptorSets(device_.get(), static_cast<uint32_t>(writes.size()), writes.data(), 0, nullptr);
 }
 
 std::vector<Draw> GpuScene::visibleDraws(const shared::View& view) const {

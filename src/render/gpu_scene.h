@@ -43,6 +43,7 @@ class GpuScene {
   void uploadMeshes(vk::Uploader& uploader, const scene::Scene& scene);
   void uploadInstances(vk::Uploader& uploader, const scene::Scene& scene);
   void uploadMaterials(vk::Uploader& uploader, const scene::Scene& scene);
+  void uploadMaterialUniforms(vk::Uploader& uploader);
   void uploadLights(vk::Uploader& uploader, const scene::Scene& scene);
   void makeMaterialSets(const scene::Scene& scene);
   VkSampler sampler(const scene::Sampler& sampler);
@@ -55,6 +56,8 @@ class GpuScene {
   vk::Device& device_;
   vk::Buffer positions_, attributes_, extras_, indices_;
   vk::Buffer meshes_, instances_, materialBuffer_, lights_;
+  vk::Buffer materialUniforms_;  // the same materials, each at a multiple of uniformStride_
+  VkDeviceSize uniformStride_ = 0;
   std::vector<uint32_t> firstIndices_;  // a mesh's first index in indices_
   std::vector<shared::Material> materials_;
   std::vector<vk::Image> textures_;

@@ -14,6 +14,9 @@ layout(set = 1, binding = 3) uniform sampler2D materialTextures3;
 layout(set = 1, binding = 4) uniform sampler2D materialTextures4;
 layout(set = 1, binding = 5) uniform sampler2D materialTextures5;
 layout(set = 1, binding = 6) uniform sampler2D materialTextures6;
+// The draw's material as a uniform buffer, not by address: texture coordinates depend on it, so helper invocations must
+// see it too or derivatives break at triangle edges, and loads by address may give them nothing.
+layout(set = 1, binding = 7, scalar) uniform MaterialUniform { Material material; };
 
 #define OUTPUT(index, name, format, type, channels) layout(location = index) out type gbuffer_##name;
 GBUFFER_TARGETS(OUTPUT)
@@ -105,7 +108,6 @@ Surface evaluateMaterial(FrameConstants frame, Instance instance, Material m, ve
 void main() {
   FrameConstants frame = FrameRef(push.frame).v;
   Instance instance = frameInstance(frame, varyingInstance);
-  Material material = frameMaterial(frame, instance.material);
   vec4 base = baseColor(material);
   if (kAlphaMasked != 0u && base.a < material.alphaCutoff) discard;
 
