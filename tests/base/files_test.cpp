@@ -1,10 +1,8 @@
 #include "base/files.h"
 
-#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
-#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -71,17 +69,20 @@ TEST_F(Files, ComeBackAsWritten) {
 
 TEST_F(Files, ReadsFilesThatDoNotStateTheirSize) {
   EXPECT_THAT(textOf(readFile("/proc/self/status")), HasSubstr("Pid:"));
-  const fs::path pipe = folder / "pipe";
-  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
-  const int hold = open(pipe.c_str(), O_RDWR);  // so that the reader finds a writer
+  // A pipe as a shell's <(command) gives it; more than a pipe holds, so that its writer waits for the reader.
+  int ends[2];
+  ASSERT_EQ(pipe(ends), 0);
   const std::string text(200000, 'x');
   std::jthread writer([&] {
-    const int fd = open(pipe.c_str(), O_WRONLY);
-    close(hold);
-    EXPECT_EQ(write(fd, text.data(), text.size()), static_cast<ssize_t>(text.size()));
-    close(fd);
+    for (size_t done = 0; done < text.size();) {
+      const ssize_t got = write(ends[1], text.data() + done, text.size() - done);
+      ASSERT_GT(got, 0);
+      done += static_cast<size_t>(got);
+    }
+    close(ends[1]);
   });
-  EXPECT_EQ(readFile(pipe).size(), text.size());
+  EXPECT_EQ(readFile("/dev/fd/" + std::to_string(ends[0])).size(), text.size());
+  close(ends[0]);
 }
 
 TEST_F(Files, SaysWhyAFileCannotBeRead) {
