@@ -64,6 +64,12 @@ SH_FUNC vec3 positionFromDepth(GbufferContext c) {
 SH_FUNC vec3 rotateToView(View view, vec3 n) { return view.worldToView * vec4(n, 0.0f); }
 SH_FUNC vec3 rotateToWorld(View view, vec3 n) { return view.viewToWorld * vec4(n, 0.0f); }
 
+// Unit direction from a world position to the eye; the same everywhere for an orthographic view.
+SH_FUNC vec3 directionToEye(View view, vec3 position) {
+  if (view.projection.kind == kPerspective) return normalize(view.eye - position);
+  return rotateToWorld(view, vec3(0.0f, -1.0f, 0.0f));
+}
+
 // A value in [0, 1] as an integer of `bits` bits, round to nearest, and back.
 SH_FUNC uint toBits(float x, uint bits) { return uint(saturate(x) * float((1u << bits) - 1u) + 0.5f); }
 SH_FUNC float fromBits(uint x, uint bits) { return float(x & ((1u << bits) - 1u)) / float((1u << bits) - 1u); }
