@@ -54,7 +54,7 @@ bool odd(float x) {
   return fraction(x * 0.5f) >= 0.5f;
 }
 
-// --- one function an AOV's kind: pixel index to colour, or nothing for background ------------------------------------
+// --- one function an AOV's kind: pixel index to colour, or nothing for background -----------------------------------
 
 struct Range {
   float low, high;
@@ -162,11 +162,12 @@ auto idColors(const AovImage& image) {
 }
 
 template <typename ColorOf>
-Picture paint(const AovImage& image, ColorOf&& colorOf) {
+Picture paint(const AovImage& image, const AovImage* ids, ColorOf&& colorOf) {
   Picture picture{image.width, image.height, std::vector<uint8_t>(size_t{image.width} * image.height * 4)};
   parallelFor(size_t{image.width} * image.height, size_t{1} << 15, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
-      const Rgb color = colorOf(i).value_or(kBackground);
+      const bool drawn = !ids || ids->ids[i] != 0;
+      const Rgb color = drawn ? colorOf(i).value_or(kBackground) : kBackground;
       for (size_t c = 0; c < 3; ++c) picture.rgba[4 * i + c] = unorm8(color[c]);
       picture.rgba[4 * i + 3] = 255;
     }
@@ -176,29 +177,30 @@ Picture paint(const AovImage& image, ColorOf&& colorOf) {
 
 }  // namespace
 
-Picture debugPicture(const AovImage& image) {
+Picture debugPicture(const AovImage& image, const AovImage* ids) {
+  assert(!ids || (ids->width == image.width && ids->height == image.height));
   switch (image.aov) {
     case Aov::Color:
-      return paint(image, overBackground(image));
+      return paint(image, nullptr, overBackground(image));
     case Aov::Depth:
     case Aov::Distance:
-      return paint(image, depthColors(image));
+      return paint(image, ids, depthColors(image));
     case Aov::Normal:
     case Aov::GeoNormal:
-      return paint(image, normalColors(image));
+      return paint(image, ids, normalColors(image));
     case Aov::Position:
-      return paint(image, positionColors(image));
+      return paint(image, ids, positionColors(image));
     case Aov::Albedo:
     case Aov::Emissive:
-      return paint(image, lightColors(image));
+      return paint(image, ids, lightColors(image));
     case Aov::Metallic:
     case Aov::Roughness:
     case Aov::Ao:
-      return paint(image, greys(image));
+      return paint(image, ids, greys(image));
     case Aov::Id:
-      return paint(image, idColors(image));
+      return paint(image, ids, idColors(image));
     case Aov::Uv:
-      return paint(image, uvColors(image));
+      return paint(image, ids, uvColors(image));
   }
   return {};
 }

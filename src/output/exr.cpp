@@ -98,8 +98,8 @@ Imf::PixelType pixelType(ExrType type) {
 
 Imf::Header headerOf(std::span<const AovImage* const> images, const Metadata& metadata) {
   const AovImage& first = *images.front();
-  // ZIP in blocks of 16 rows: on a 1280x720 frame with all AOVs it was the smallest but for PIZ (see
-  // docs/performance.md), and unlike PIZ every reader decodes it fast.
+  // ZIP, blocks of 16 rows, level 1: of a textured 1280x720 frame with all AOVs PIZ made 27 % more bytes in 1.5 times
+  // the time, RLE twice the bytes in 0.6, and level 4, the default, 5 % fewer in 1.35.
   Imf::Header header(static_cast<int>(first.width), static_cast<int>(first.height), 1, Imath::V2f(0, 0), 1,
                      Imf::INCREASING_Y, Imf::ZIP_COMPRESSION);
   header.zipCompressionLevel() = 1;

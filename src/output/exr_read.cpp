@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <mutex>
 
 #include "base/error.h"
 #include "output/decode.h"
@@ -91,6 +92,10 @@ ReadImage readAll(Imf::InputFile& file, const std::filesystem::path& path) {
 }  // namespace
 
 ReadImage decodeExr(std::span<const std::byte> bytes, const std::filesystem::path& path) {
+  // A broken header can ask for a table of 2^31 lines before a pixel is read.
+  constexpr int kMost = 1 << 20;
+  static std::once_flag limits;
+  std::call_once(limits, [] { Imf::Header::setMaxImageSize(kMost, kMost); });
   try {
     MemoryIn in(bytes);
     Imf::InputFile file(in);

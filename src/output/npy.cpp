@@ -22,11 +22,6 @@ static_assert(std::endian::native == std::endian::little, "values are written as
 constexpr std::string_view kMagic = "\x93NUMPY";
 constexpr size_t kAlignment = 64;  // of the data in the file, so that it can be mapped
 
-void append(std::vector<std::byte>& out, const void* data, size_t bytes) {
-  const auto* first = static_cast<const std::byte*>(data);
-  out.insert(out.end(), first, first + bytes);
-}
-
 struct Header {
   std::string descr;
   bool fortranOrder = false;
@@ -135,26 +130,22 @@ std::vector<std::byte> encodeNpy(const AovImage& image) {
   const uint32_t channels = info(image.aov).channels;
   std::string shape = fmt::format("{}, {}", image.height, image.width);
   if (channels > 1) shape += fmt::format(", {}", channels);
-  std::string header =
+  std::string text =
       fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}), }}", ids ? "<u4" : "<f4", shape);
   constexpr size_t kBefore = 10;  // magic, version, length
-  const size_t total = (kBefore + header.size() + 1 + kAlignment - 1) / kAlignment * kAlignment;
-  header.append(total - kBefore - header.size() - 1, ' ');
-  header += '\n';
+  const size_t total = (kBefore + text.size() + 1 + kAlignment - 1) / kAlignment * kAlignment;
+  text.append(total - kBefore - text.size() - 1, ' ');
+  text += '\n';
 
-  std::vector<std::byte> out;
-  out.reserve(total + (ids ? image.ids.size() : image.values.size()) * 4);
-  append(out, kMagic.data(), kMagic.size());
-  const uint16_t length = static_cast<uint16_t>(header.size());
-  out.push_back(std::byte{1});
-  out.push_back(std::byte{0});
-  append(out, &length, 2);
-  append(out, header.data(), header.size());
-  if (ids) {
-    append(out, image.ids.data(), image.ids.size() * 4);
-  } else {
-    append(out, image.values.data(), image.values.size() * 4);
-  }
+  std::string header(kMagic);
+  const char version[] = {1, 0};
+  const char length[] = {static_cast<char>(text.size() & 0xff), static_cast<char>(text.size() >> 8)};
+  header.append(version, 2).append(length, 2).append(text);
+  const std::span<const std::byte> data =
+      ids ? std::as_bytes(std::span(image.ids)) : std::as_bytes(std::span(image.values));
+  std::vector<std::byte> out(header.size() + data.size());
+  std::memcpy(out.data(), header.data(), header.size());
+  std::memcpy(out.data() + header.size(), data.data(), data.size());
   return out;
 }
 

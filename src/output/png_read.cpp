@@ -1,6 +1,7 @@
 #include <spng.h>
 
 #include <memory>
+#include <new>
 
 #include "base/error.h"
 #include "output/decode.h"
@@ -35,6 +36,14 @@ Layout layoutOf(spng_ctx* context, const spng_ihdr& header) {
   }
 }
 
+// Deflate packs at most 1032 bytes into one: a header that promises more is broken, and memory for it would be asked
+// for in vain.
+bool canHold(size_t fileBytes, const spng_ihdr& header) {
+  constexpr uint64_t kSamples[] = {1, 0, 3, 1, 2, 0, 4};  // of a pixel, by colour type
+  const uint64_t bits = kSamples[header.color_type] * header.bit_depth;
+  return uint64_t{header.width} * header.height / 8 * bits <= fileBytes * 1032;
+}
+
 }  // namespace
 
 ReadImage decodePng(std::span<const std::byte> bytes, const std::filesystem::path& path) {
@@ -45,20 +54,27 @@ ReadImage decodePng(std::span<const std::byte> bytes, const std::filesystem::pat
   };
   const std::unique_ptr<spng_ctx, decltype(&spng_ctx_free)> context(spng_ctx_new(0), spng_ctx_free);
   if (!context) throw std::bad_alloc();
+  constexpr size_t kMostInChunk = size_t{16} << 20;  // of text, profiles, ...: deflated ones can grow a thousandfold
+  check(spng_set_chunk_limits(context.get(), kMostInChunk, 4 * kMostInChunk));
   check(spng_set_png_buffer(context.get(), bytes.data(), bytes.size()));
   spng_ihdr header{};
   check(spng_get_ihdr(context.get(), &header));
   const Layout layout = layoutOf(context.get(), header);
-  ReadImage image = makeReadImage(header.width, header.height, usualChannels(layout.channels),
-                                  layout.bytes == 2 ? ChannelType::Unorm16 : ChannelType::Unorm8, path);
   const size_t pixels = size_t{header.width} * header.height;
-  std::vector<uint16_t> storage((pixels * layout.channels * layout.bytes + 1) / 2);
   size_t size = 0;
   check(spng_decoded_image_size(context.get(), layout.format, &size));
   if (size != pixels * layout.channels * layout.bytes) {
     badInput("can't read '{}' as PNG: its rows have an unexpected size; save it as 8 or 16 bit RGBA", path.string());
   }
-  check(spng_decode_image(context.get(), storage.data(), size, layout.format, 0));
+  if (!canHold(bytes.size(), header)) {
+    badInput("can't read '{}' as PNG: it is too short for {}x{} pixels; make or download it again", path.string(),
+             header.width, header.height);
+  }
+  ReadImage image = makeReadImage(header.width, header.height, usualChannels(layout.channels),
+                                  layout.bytes == 2 ? ChannelType::Unorm16 : ChannelType::Unorm8, path);
+  std::vector<uint16_t> storage((size + 1) / 2);
+  check(spng_decode_image(context.get(), storage.data(), size, layout.format, SPNG_DECODE_TRNS));
+  check(spng_decode_chunks(context.get()));  // to the end: a file cut short may still have all its pixels
   const auto* narrow = reinterpret_cast<const uint8_t*>(storage.data());
   for (size_t c = 0; c < layout.channels; ++c) {
     std::vector<double>& values = image.channels[c].values;

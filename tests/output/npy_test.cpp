@@ -1,0 +1,99 @@
+#include "output/npy.h"
+
+#include <cstring>
+
+#include "support.h"
+
+namespace latelight::output {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+std::string textOf(const std::vector<std::byte>& bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+std::vector<std::byte> bytesOf(std::string_view text) {
+  const auto bytes = std::as_bytes(std::span(text));
+  return {bytes.begin(), bytes.end()};
+}
+
+// The header by its bytes, as NumPy's format description has it.
+TEST(Npy, HasTheHeaderOfVersionOne) {
+  AovImage image = makeAovImage(Aov::Position, 2, 1);
+  image.values = {1, 2, 3, 4, 5, 6};
+  const std::string text = textOf(encodeNpy(image));
+  std::string expected("\x93NUMPY\x01\x00\x76\x00", 10);
+  expected += "{'descr': '<f4', 'fortran_order': False, 'shape': (1, 2, 3), }";
+  expected.append(127 - expected.size(), ' ');
+  expected += '\n';
+  ASSERT_EQ(text.size(), 128 + 24u);
+  EXPECT_EQ(text.substr(0, 128), expected);
+  EXPECT_EQ(std::memcmp(text.data() + 128, image.values.data(), 24), 0);
+}
+
+TEST(Npy, LeavesOutTheChannelsOfOne) {
+  EXPECT_THAT(textOf(encodeNpy(makeAovImage(Aov::Depth, 5, 3))),
+              HasSubstr("'<f4', 'fortran_order': False, 'shape': (3, 5), }"));
+  EXPECT_THAT(textOf(encodeNpy(makeAovImage(Aov::Id, 5, 3))),
+              HasSubstr("'<u4', 'fortran_order': False, 'shape': (3, 5), }"));
+}
+
+TEST(Npy, HoldsEveryAovExactly) {
+  for (const AovInfo& aov : aovs()) {
+    const AovImage image = numbers(aov.aov, 13, 11);
+    const ReadImage back = decodeNpy(encodeNpy(image), "x.npy");
+    ASSERT_EQ(back.channels.size(), aov.channels) << aov.name;
+    ASSERT_EQ(back.width, 13u);
+    ASSERT_EQ(back.height, 11u);
+    for (size_t p = 0; p < 13 * 11; ++p) {
+      for (size_t c = 0; c < aov.channels; ++c) {
+        const double want = image.ids.empty() ? image.values[p * aov.channels + c] : static_cast<double>(image.ids[p]);
+        ASSERT_EQ(back.channels[c].values[p], want) << aov.name;
+      }
+    }
+  }
+}
+
+std::vector<std::byte> array(std::string dictionary, std::string_view data) {
+  dictionary.resize((dictionary.size() + 64) / 64 * 64, ' ');
+  std::string text("\x93NUMPY\x01\x00", 8);
+  text += static_cast<char>(dictionary.size());
+  text += '\0';
+  return bytesOf(text + dictionary + std::string(data));
+}
+
+TEST(Npy, OfOtherTypesIsRead) {
+  const ReadImage bytes =
+      decodeNpy(array("{'descr': '|u1', 'fortran_order': False, 'shape': (1, 2), }", "\x07\xff"), "x");
+  EXPECT_EQ(bytes.channels[0].values, (std::vector<double>{7, 255}));
+  const ReadImage wide = decodeNpy(
+      array("{'shape': (1, 1,), 'fortran_order': False, 'descr': '<i2'}", std::string_view("\xfe\xff", 2)), "x");
+  EXPECT_EQ(wide.channels[0].values, (std::vector<double>{-2}));
+  const ReadImage half = decodeNpy(
+      array("{'descr': '<f2', 'fortran_order': False, 'shape': (1, 1, 1)}", std::string_view("\x00\x3e", 2)), "x");
+  EXPECT_EQ(half.channels[0].values, (std::vector<double>{1.5}));
+}
+
+TEST(Npy, ThatIsNoPictureIsRefusedByWhatIsWrong) {
+  const auto says = [](const std::vector<std::byte>& bytes) {
+    return sentence(ExitCode::BadInput, [&] { decodeNpy(bytes, "some/a.npy"); });
+  };
+  const std::pair<const char*, const char*> cases[] = {
+      {"{'descr': '>f4', 'fortran_order': False, 'shape': (1, 1), }", "'>f4'"},
+      {"{'descr': '<f4', 'fortran_order': True, 'shape': (1, 1), }", "Fortran"},
+      {"{'descr': '<f4', 'fortran_order': False, 'shape': (4,), }", "1 dimensions"},
+      {"{'descr': '<f4', 'fortran_order': False, 'shape': (1, 2), }", "before its last value"},
+      {"{'descr': '<f4', 'fortran_order': False, 'shape': (0, 2), }", "empty"},
+      {"{'descr': '<f4', 'fortran_order': False, 'shape': (99999999999, 99999999999), }", "larger"},
+      {"{'descr': '<f4', 'fortran_order': False, 'shape': (99999999999999999999, 1), }", "shape"},
+      {"{'descr': [('r', '<f4')], 'fortran_order': False, 'shape': (1, 1), }", "simple"},
+      {"{'descr': '<f4', 'shape': (1, 1), }", "fortran_order"},
+  };
+  for (const auto& [dictionary, why] : cases) {
+    EXPECT_THAT(says(array(dictionary, "abcd")), AllOf(HasSubstr("some/a.npy"), HasSubstr(why))) << dictionary;
+  }
+}
+
+}  // namespace
+}  // namespace latelight::output
