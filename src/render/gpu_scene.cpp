@@ -30,7 +30,7 @@ VkSamplerAddressMode addressMode(scene::Wrap wrap) {
   return VK_SAMPLER_ADDRESS_MODE_REPEAT;
 }
 
-shared::Light deviceLight(const scene::Light& light) {
+shared::Light deviceLight(const scene::Light& light, float exposure) {
   shared::Light l{};
   l.position = light.position;
   l.direction = light.direction;
@@ -38,19 +38,19 @@ shared::Light deviceLight(const scene::Light& light) {
   l.intensity = light.color * light.intensity;
   l.reach = light.type == shared::kLightDirectional
                 ? std::numeric_limits<float>::infinity()
-                : shared::lightReach(l.intensity, light.range.value_or(0.0f), shared::kLightThreshold);
+                : shared::lightReach(l.intensity, light.range.value_or(0.0f), shared::kLightThreshold / exposure);
   if (light.type == shared::kLightSpot) shared::spotCone(light.innerCone, light.outerCone, l.spotScale, l.spotOffset);
   return l;
 }
 
 }  // namespace
 
-GpuScene::GpuScene(vk::Device& device, const scene::Scene& scene) : device_(device) {
+GpuScene::GpuScene(vk::Device& device, const scene::Scene& scene) : device_(device), scene_(scene) {
   vk::Uploader uploader(device);
   uploadMeshes(uploader, scene);
   uploadInstances(uploader, scene);
   uploadMaterials(uploader, scene);
-  uploadLights(uploader, scene);
+  uploadLights(uploader);
   uploader.flush();
   makeMaterialSets(scene);
 }
@@ -153,11 +153,23 @@ void GpuScene::uploadMaterialUniforms(vk::Uploader& uploader) {
   uploader.upload(materialUniforms_, bytes);
 }
 
-void GpuScene::uploadLights(vk::Uploader& uploader, const scene::Scene& scene) {
+void GpuScene::setExposure(float exposure) {
+  if (exposure == exposure_) return;
+  exposure_ = exposure;
+  bool moves = std::any_of(scene_.lights.begin(), scene_.lights.end(), [](const scene::Light& light) {
+    return light.type != shared::kLightDirectional && !light.range;
+  });
+  if (!moves) return;
+  vk::Uploader uploader(device_);
+  uploadLights(uploader);
+  uploader.flush();
+}
+
+void GpuScene::uploadLights(vk::Uploader& uploader) {
   std::vector<shared::Light> lights;
-  lights.reserve(scene.lights.size());
-  for (const scene::Light& light : scene.lights) {
-    shared::Light l = deviceLight(light);
+  lights.reserve(scene_.lights.size());
+  for (const scene::Light& light : scene_.lights) {
+    shared::Light l = deviceLight(light, exposure_);
     if (l.reach > 0 && std::max({l.intensity.x, l.intensity.y, l.intensity.z}) > 0) lights.push_back(l);
   }
   lightCount_ = static_cast<uint32_t>(lights.size());

@@ -22,8 +22,7 @@ struct Draw {
 
 class GpuScene {
  public:
-  // Uploads all of it; the scene is not needed afterwards except for names. `lightThreshold`: illuminance (lux) under
-  // which a light without a range ends (shared/light.h).
+  // Uploads all of it. The scene must outlive this.
   GpuScene(vk::Device& device, const scene::Scene& scene);
 
   const std::vector<Draw>& draws() const { return draws_; }
@@ -36,6 +35,9 @@ class GpuScene {
   VkBuffer indexBuffer() const { return indices_.get(); }
   uint32_t lightCount() const { return lightCount_; }
 
+  // Lights without a range end where they no longer show, and exposure (a linear factor, 1 at first) moves that place.
+  void setExposure(float exposure);
+
   // Fills the addresses and counts that belong to the scene.
   void describe(shared::FrameConstants& frame) const;
 
@@ -44,7 +46,7 @@ class GpuScene {
   void uploadInstances(vk::Uploader& uploader, const scene::Scene& scene);
   void uploadMaterials(vk::Uploader& uploader, const scene::Scene& scene);
   void uploadMaterialUniforms(vk::Uploader& uploader);
-  void uploadLights(vk::Uploader& uploader, const scene::Scene& scene);
+  void uploadLights(vk::Uploader& uploader);
   void makeMaterialSets(const scene::Scene& scene);
   VkSampler sampler(const scene::Sampler& sampler);
 
@@ -54,6 +56,7 @@ class GpuScene {
   };
 
   vk::Device& device_;
+  const scene::Scene& scene_;
   vk::Buffer positions_, attributes_, extras_, indices_;
   vk::Buffer meshes_, instances_, materialBuffer_, lights_;
   vk::Buffer materialUniforms_;  // the same materials, each at a multiple of uniformStride_
@@ -68,6 +71,7 @@ class GpuScene {
   std::vector<Draw> draws_;
   std::vector<InstanceBounds> bounds_;
   uint32_t lightCount_ = 0;
+  float exposure_ = 1;
 };
 
 }  // namespace latelight::render

@@ -37,6 +37,7 @@ Renderer::~Renderer() = default;
 
 std::vector<output::FrameOutput> Renderer::render(std::span<const scene::Camera> cameras, const Settings& settings) {
   checkSettings(settings);
+  gpuScene_.setExposure(std::exp2(settings.exposure));
   times_.clear();
   Job job{.cameras = cameras, .settings = settings};
   job.pictures.resize(cameras.size());
