@@ -25,6 +25,14 @@ FloatImage decodePicture(std::span<const std::byte> bytes, const std::string& na
   badInput("'{}' is larger than the memory at hand; make it smaller", name);
 }
 
+void checkPictureSize(int64_t width, int64_t height, const std::string& name) {
+  constexpr auto kMost = static_cast<int64_t>(kMostPicturePixels);
+  if (width > kLongestPictureSide || height > kLongestPictureSide || width * height > kMost) {
+    badInput("'{}' claims {} x {} pixels: at most {} million, and {} along a side, can be read; make it smaller", name,
+             width, height, kMost / 1000000, kLongestPictureSide);
+  }
+}
+
 FloatImage readPicture(const std::filesystem::path& path) {
   return decodePicture(readFile(path), path.string());
 }

@@ -21,8 +21,9 @@ struct FloatImage {
   const float* at(size_t x, size_t y) const { return pixels.data() + 4 * (y * width + x); }
 };
 
-// The most pixels a picture may have: 16384 x 8192, 2 GiB as floats.
+// The most pixels a picture may have (16384 x 8192: 2 GiB as floats), and the longest side.
 inline constexpr uint64_t kMostPicturePixels = uint64_t{1} << 27;
+inline constexpr uint32_t kLongestPictureSide = 65536;
 
 // The file's values as they are, NaN, infinities and negatives included; alpha is 1 where the file has none. The format
 // is told by the contents, not by the name. Throws Error(BadInput) that names the file and what is wrong in it.
@@ -35,6 +36,9 @@ FloatImage decodePicture(std::span<const std::byte> bytes, const std::string& na
 // four orders of -Y/+Y and +X/-X. EXPOSURE is not divided out: neither three.js nor the Khronos viewer does.
 // (picture_radiance.cpp)
 FloatImage decodeRadiance(std::span<const std::byte> bytes, const std::string& name);
+
+// Throws Error(BadInput) if a picture is larger than that.
+void checkPictureSize(int64_t width, int64_t height, const std::string& name);
 
 // OpenEXR: scan lines or tiles, of several parts the first; R G B or Y, in half, float or uint, with or without A, and
 // where no such channels are, the first layer that has R G B. The picture is the display window. (picture_exr.cpp)

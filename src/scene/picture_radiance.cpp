@@ -86,10 +86,7 @@ Header parseResolution(std::string_view line, const std::string& name) {
     badInput("'{}' has a Radiance header without a valid size ('{}'); the file is damaged, fetch it again", name,
              line.substr(0, 40));
   }
-  if (uint64_t{header.width} * header.height > kMostPicturePixels) {
-    badInput("'{}' claims {} x {} pixels, more than {} million; make it smaller", name, header.width, header.height,
-             kMostPicturePixels / 1000000);
-  }
+  checkPictureSize(header.width, header.height, name);
   return header;
 }
 
@@ -174,14 +171,16 @@ void convertRow(const std::vector<Rgbe>& row, bool rightToLeft, const std::array
 FloatImage decodeRadiance(std::span<const std::byte> bytes, const std::string& name) {
   Reader reader(bytes, name);
   const Header header = readHeader(reader, name);
-  // The fewest bytes a row can take (old runs: a pixel and its count), so that a broken size ends here and not in two
-  // gigabytes of zeros.
+  // The fewest bytes a row can take (old runs: a pixel and its count), and one row first: where the size is broken, it
+  // fails here and not with two gigabytes of zeros at hand.
   if (reader.left() < header.height * std::min<uint64_t>(8, uint64_t{4} * header.width)) {
     badInput("'{}' is truncated: {} bytes can't hold {} x {} pixels; fetch it again", name, bytes.size(), header.width,
              header.height);
   }
-  FloatImage image(header.width, header.height);
   std::vector<Rgbe> row(header.width);
+  Reader ahead = reader;
+  readRow(ahead, row);
+  FloatImage image(header.width, header.height);
   const std::array<float, 256> scales = exponentScales();
   for (uint32_t y = 0; y < header.height; ++y) {
     reader.startRow(y);
