@@ -92,6 +92,8 @@ Json idsOf(const Metadata& metadata) {
   std::vector<const IdEntry*> entries;
   for (const IdEntry& entry : metadata.ids) entries.push_back(&entry);
   std::stable_sort(entries.begin(), entries.end(), [](const IdEntry* a, const IdEntry* b) { return a->id < b->id; });
+  const auto same = [](const IdEntry* a, const IdEntry* b) { return a->id == b->id; };
+  entries.erase(std::unique(entries.begin(), entries.end(), same), entries.end());
   // Keys ascend; pushed straight into the vector that an ordered_json object is, because [] searches it each time.
   Json::object_t object;
   for (const IdEntry* entry : entries) {

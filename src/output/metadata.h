@@ -50,7 +50,7 @@ struct Metadata {
   DeviceMetadata device;
   std::map<std::string, std::string> versions;  // program, API, ...
   std::map<std::string, std::string> settings;  // what the picture depends on, as on the command line
-  std::vector<IdEntry> ids;                     // any order
+  std::vector<IdEntry> ids;                     // any order; of several with one id the first counts
 };
 
 // The id manifest as JSON: {"<id>": {"node": ..., "mesh": ..., "material": ...}, ...}, ids ascending, in decimal.

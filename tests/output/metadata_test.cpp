@@ -70,7 +70,8 @@ TEST(SideFile, DescribesEachAov) {
   EXPECT_EQ(aovs["normal"]["frame"], "opencv");
   EXPECT_EQ(aovs["normal"]["channels"], Json({"N.X", "N.Y", "N.Z"}));
   EXPECT_EQ(aovs["position"]["frame"], "world");
-  for (const auto& [name, aov] : parsed(allAovs(), std::vector<std::string>(kAovCount, "f"))["aovs"].items()) {
+  const Json all = parsed(allAovs(), std::vector<std::string>(kAovCount, "f"))["aovs"];
+  for (const auto& [name, aov] : all.items()) {
     for (const char* key : {"description", "unit", "channels", "background", "png", "file"}) {
       EXPECT_TRUE(aov.contains(key)) << name << " " << key;
     }
@@ -88,6 +89,14 @@ TEST(IdManifest, HasDecimalKeysInOrder) {
   EXPECT_EQ(ids["40"], Json({{"node", "/B"}, {"mesh", "mb"}, {"material", "mat"}}));
 }
 
+TEST(IdManifest, TakesTheFirstOfEntriesWithOneId) {
+  Metadata m;
+  m.ids = {{7, "/first", "", ""}, {7, "/second", "", ""}};
+  const std::string text = idManifest(m);
+  EXPECT_THAT(text, testing::HasSubstr("/first"));
+  EXPECT_THAT(text, testing::Not(testing::HasSubstr("/second")));
+}
+
 TEST(IdManifest, IsInTheSideFileWithIds) {
   EXPECT_FALSE(parsed({Aov::Depth}, {"a"}).contains("ids"));
   EXPECT_EQ(parsed({Aov::Id}, {"a"})["ids"], Json::parse(idManifest(full())));
@@ -96,7 +105,7 @@ TEST(IdManifest, IsInTheSideFileWithIds) {
 TEST(SideFile, SurvivesNamesThatAreNotUtf8) {
   Metadata m = full();
   m.ids[0].node = "/\xff\xfe\"\n";
-  m.scene = "\xc3";
+  m.scene = std::string(1, '\xc3');
   const Json json = Json::parse(sideFile(m, 1, 1, std::vector{Aov::Id}, std::vector<std::string>{"a"}));
   EXPECT_EQ(json["ids"]["4000000000"]["node"], "/\xef\xbf\xbd\xef\xbf\xbd\"\n");
 }
