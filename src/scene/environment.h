@@ -34,9 +34,9 @@ struct Environment {
 // neutral studio of soft boxes. Throws Error(BadInput) naming the file. Uses the cache.
 Environment loadEnvironment(const std::string& source);
 
-// Split-sum terms of GGX with the height-correlated Smith visibility of shared/brdf/ggx.h: reflectance is f0 * x + f90
-// * y for n.v along x (column centre (i + .5) / size) and perceptual roughness along y. Two floats a texel, size *
-// size.
+// Split-sum terms of GGX with the height-correlated Smith visibility of shared/brdf/ggx.h: reflectance is f0 x + f90 y,
+// for n.v along a row (column i is at (i + 0.5) / size) and perceptual roughness along a column. size * size entries.
+// Uses the cache.
 std::vector<glm::vec2> ggxReflectanceTable(uint32_t size);
 
 }  // namespace latelight::scene
