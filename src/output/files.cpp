@@ -101,24 +101,8 @@ fs::path standingFolder(const fs::path& pattern) {
   return folder.empty() ? fs::path(".") : folder;
 }
 
-void checkFolder(const std::string& pattern) {
-  const fs::path path(pattern);
-  std::error_code ignored;
-  if (fs::is_directory(path, ignored)) badUsage("can't write '{}': it is a folder; give the name of a file", pattern);
-  if (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored)) return;  // a pipe, /dev/null
-  const fs::path folder = standingFolder(path);
-  if (!fs::is_directory(folder, ignored)) {
-    badUsage("can't write '{}': there is no folder '{}'; make it first, or choose another", pattern, folder.string());
-  }
-  if (access(folder.c_str(), W_OK | X_OK) != 0) {
-    badUsage("can't write '{}': {}; choose a folder that can be written to", pattern,
-             std::generic_category().message(errno));
-  }
-}
-
 // Folders that are named by what is filled in are made; writing says what is wrong if that fails.
-void makeFilledFolders(const OutputRequest& request, const fs::path& path) {
-  const fs::path pattern = request.pattern;
+void makeFilledFolders(const fs::path& pattern, const fs::path& path) {
   std::error_code ignored;
   if (pattern.parent_path().string().find('{') != std::string::npos) {
     fs::create_directories(path.parent_path(), ignored);
@@ -161,13 +145,35 @@ bool usesDisplay(const OutputRequest& request) {
   return formatOf(request.pattern) == Format::Png;
 }
 
+void checkWritable(const std::string& pattern) {
+  if (pattern == kStandardOutput) return;
+  const fs::path path(pattern);
+  std::error_code ignored;
+  if (fs::is_directory(path, ignored)) badUsage("can't write '{}': it is a folder; give the name of a file", pattern);
+  if (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored)) return;  // a pipe, /dev/null
+  const fs::path folder = standingFolder(path);
+  if (!fs::is_directory(folder, ignored)) {
+    badUsage("can't write '{}': there is no folder '{}'; make it first, or choose another", pattern, folder.string());
+  }
+  if (access(folder.c_str(), W_OK | X_OK) != 0) {
+    badUsage("can't write '{}': {}; choose a folder that can be written to", pattern,
+             std::generic_category().message(errno));
+  }
+}
+
+fs::path fillPattern(std::string_view pattern, std::string_view aov, const Metadata& metadata) {
+  const fs::path path = nameOf(pattern, aov, metadata);
+  makeFilledFolders(pattern, path);
+  return path;
+}
+
 void checkOutput(const OutputRequest& request) {
   const Format format = formatOf(request.pattern);
   if (request.aovs.empty()) badUsage("no AOV is asked for; name at least one");
   if (request.pattern == kStandardOutput) return checkPng(std::span(request.aovs).first(1));
   nameOf(request.pattern, "", {});
   if (format == Format::Png) checkPng(request.aovs);
-  checkFolder(request.pattern);
+  checkWritable(request.pattern);
 }
 
 std::vector<fs::path> writeOutput(const OutputRequest& request, const FrameOutput& frame, const Metadata& metadata) {
@@ -181,7 +187,7 @@ std::vector<fs::path> writeOutput(const OutputRequest& request, const FrameOutpu
   std::vector<fs::path> paths;
   std::vector<std::string> names;  // one an AOV, as seen from the side file
   const auto write = [&](const fs::path& path, std::span<const std::byte> bytes) {
-    makeFilledFolders(request, path);
+    makeFilledFolders(request.pattern, path);
     writeFile(path, bytes);
     paths.push_back(path);
   };
@@ -195,6 +201,7 @@ std::vector<fs::path> writeOutput(const OutputRequest& request, const FrameOutpu
   }
   if (wantsSideFile(request)) {
     const std::string text = sideFile(metadata, frame.width, frame.height, request.aovs, names);
+    fillPattern(request.pattern, "meta", metadata);  // its folder
     write(side, std::as_bytes(std::span(text)));
   }
   return paths;

@@ -41,6 +41,13 @@ Format formatOf(std::string_view pattern);
 // Whether colour leaves as FrameOutput::display (PNG) and not as the Color AOV.
 bool usesDisplay(const OutputRequest& request);
 
+// Throws Error(Usage) where it can be known that no file of that name can be written: its folder is missing or can't be
+// written to, or a folder has that name. Folders named by braces need not be there. "-" is always fine.
+void checkWritable(const std::string& pattern);
+
+// The path of one output: what stands in the pattern's braces filled in, and the folders that they name made.
+std::filesystem::path fillPattern(std::string_view pattern, std::string_view aov, const Metadata& metadata);
+
 // Throws Error(Usage) for whatever can be known to go wrong before rendering: ending, placeholders, an AOV that the
 // format does not offer, a folder that is missing or can't be written to.
 void checkOutput(const OutputRequest& request);
