@@ -53,6 +53,8 @@ void printText(const output::Comparison& c, bool alike) {
 }
 
 void run(const Arguments& arguments) {
+  if (std::isnan(arguments.tolerance) || std::isnan(arguments.share))
+    badUsage("--tolerance and --share take numbers, and nan is none");
   output::CompareOptions options;
   options.channels = arguments.channels;
   if (arguments.tolerance >= 0) options.tolerance = arguments.tolerance;

@@ -9,6 +9,7 @@
 #include "render/gbuffer/layout.h"
 #include "render/lighting/technique.h"
 #include "render/settings.h"
+#include "scene/builtin.h"
 #include "vk/resources.h"
 
 namespace latelight::app {
@@ -26,7 +27,8 @@ Json listLayouts() {
       targets.push_back({{"name", layout.targets[i].name},
                          {"format", vk::formatName(layout.format(i, octahedral))},
                          {"channels", layout.targets[i].channels}});
-    targets.push_back({{"name", "depth"}, {"format", vk::formatName(render::kDepthFormat)}, {"channels", "reversed depth"}});
+    targets.push_back(
+        {{"name", "depth"}, {"format", vk::formatName(render::kDepthFormat)}, {"channels", "reversed depth"}});
     uint32_t bytes = layout.bytesPerPixel(octahedral);
     rows.push_back({{"name", layout.name},
                     {"description", layout.description},
@@ -63,17 +65,21 @@ Json listAovs() {
   for (const output::AovInfo& aov : output::aovs()) {
     std::string channels;
     for (uint32_t i = 0; i < aov.channels; ++i) channels += (i ? " " : "") + std::string(aov.exrChannels[i]);
-    rows.push_back({{"name", aov.name}, {"description", aov.description}, {"unit", aov.unit}, {"exrChannels", channels}});
+    rows.push_back(
+        {{"name", aov.name}, {"description", aov.description}, {"unit", aov.unit}, {"exrChannels", channels}});
   }
   return rows;
 }
 
 Json listScenes() {
-  return Json::array(
-      {{{"name", "builtin:hall"},
-        {"description", "a colonnaded hall with many lights; triangles=50k..50M, lights=1..1M, as in builtin:hall,triangles=1M"}},
-       {{"name", "builtin:spheres"}, {"description", "spheres by metalness and roughness"}},
-       {{"name", "builtin:boxes"}, {"description", "boxes with a closed-form answer"}}});
+  Json rows = Json::array();
+  for (const scene::Builtin& builtin : scene::builtins()) {
+    Json row{{"name", fmt::format("builtin:{}", builtin.name)}, {"description", builtin.description}};
+    for (const scene::BuiltinParameter& p : builtin.parameters)
+      row[std::string(p.key)] = fmt::format("{}, {} to {}, normally {}", p.description, p.least, p.most, p.normal);
+    rows.push_back(row);
+  }
+  return rows;
 }
 
 struct Topic {
@@ -98,7 +104,8 @@ std::string text(const Json& value) {
 
 // Name and description on one line, every other value on a line of its own.
 void print(const Json& row) {
-  fmt::print("  {:<16}{}\n", row["name"].get<std::string>(), row.contains("description") ? text(row["description"]) : "");
+  fmt::print("  {:<16}{}\n", row["name"].get<std::string>(),
+             row.contains("description") ? text(row["description"]) : "");
   for (const auto& [key, value] : row.items()) {
     if (key == "name" || key == "description") continue;
     if (!value.is_array()) {

@@ -29,7 +29,7 @@ using Clock = std::chrono::steady_clock;
 struct Options {
   std::string scene = "builtin:hall", out, size = "1280x720", variant;
   std::string camera, eye, target, up, orbit;
-  double fov = 0;
+  std::optional<double> fov;
   std::string aovs, debug, hdri, background = "transparent", aa = "none", normalFrame = "world", axes = "file";
   std::string device = "auto", graph;
   double hdriRotate = 0;
@@ -95,8 +95,8 @@ const scene::Camera& findCamera(const scene::Scene& scene, const std::string& wa
 
 scene::Camera chooseCamera(const scene::Scene& scene, const Options& o) {
   const float aspect = static_cast<float>(o.settings.width) / static_cast<float>(o.settings.height);
-  if (o.fov != 0 && !(o.fov > 0 && o.fov < 180)) badUsage("--fov must be an angle between 0 and 180 degrees, not {}", o.fov);
-  const float fov = o.fov != 0 ? static_cast<float>(o.fov * M_PI / 180.0) : scene::kDefaultVerticalFov;
+  if (o.fov && !(*o.fov > 0 && *o.fov < 180)) badUsage("--fov must be an angle between 0 and 180 degrees, not {}", *o.fov);
+  const float fov = o.fov ? static_cast<float>(*o.fov * M_PI / 180.0) : scene::kDefaultVerticalFov;
   if (!o.camera.empty() + !o.eye.empty() + !o.orbit.empty() > 1)
     badUsage("--camera, --eye and --orbit each place the camera; use one of them");
   if (o.eye.empty() != o.target.empty()) badUsage("--eye and --target need each other");
@@ -116,7 +116,7 @@ scene::Camera chooseCamera(const scene::Scene& scene, const Options& o) {
     camera = findCamera(scene, o.camera);
   else
     camera = scene.cameras.empty() ? scene::frameScene(scene, aspect) : scene.cameras.front();
-  if (o.fov != 0 && !camera.orthographic) camera.verticalFov = fov;
+  if (o.fov && !camera.orthographic) camera.verticalFov = fov;
   return camera;
 }
 
@@ -201,7 +201,7 @@ void printReport(const scene::Scene& scene, const vk::Device& device, const rend
 
 // Writes the pictures of --debug: one, or a labelled sheet of several.
 std::vector<std::filesystem::path> writeDebug(const DebugRequest& debug, const output::FrameOutput& frame,
-                                              const std::string& out) {
+                                              const output::Metadata& metadata, const std::string& out) {
   std::vector<output::Labelled> pictures;
   for (const output::AovImage& aov : frame.aovs) {
     output::Picture picture = aov.aov == output::Aov::Color && !frame.display.empty()
@@ -209,9 +209,11 @@ std::vector<std::filesystem::path> writeDebug(const DebugRequest& debug, const o
                                   : output::debugPicture(aov);
     pictures.push_back({std::string(output::info(aov.aov).name), std::move(picture)});
   }
-  output::writePicture(out, debug.sheet ? output::contactSheet(pictures) : pictures.front().picture);
+  const std::filesystem::path path =
+      output::fillPattern(out, debug.sheet ? "sheet" : output::info(debug.aovs.front()).name, metadata);
+  output::writePicture(path, debug.sheet ? output::contactSheet(pictures) : pictures.front().picture);
   if (out == "-") return {};
-  return {out};
+  return {path};
 }
 
 void render(Options& o) {
@@ -225,7 +227,10 @@ void render(Options& o) {
     if (!o.aovs.empty()) badUsage("--debug and --aov each say what leaves; use one of them");
     if (output::formatOf(o.out) != output::Format::Png && o.out != "-") badUsage("--debug writes PNG; give -o a name that ends in .png");
   }
+  if ((o.out == "-") + (o.graph == "-") + o.json > 1)
+    badUsage("-o -, --dump-graph - and --json each fill standard output; use one of them");
   output::checkOutput(request);
+  if (!o.graph.empty()) output::checkWritable(o.graph);
   o.settings.aovs = debug ? debug->aovs : request.aovs;
   o.settings.display = debug || output::usesDisplay(request);
   if (!debug && o.settings.display) std::erase(o.settings.aovs, output::Aov::Color);
@@ -253,9 +258,9 @@ void render(Options& o) {
   times.render = seconds(mark);
 
   mark = Clock::now();
-  std::vector<std::filesystem::path> files =
-      debug ? writeDebug(*debug, frame, o.out)
-            : output::writeOutput(request, frame, describe(scene, camera, *device, environmentName, o));
+  const output::Metadata metadata = describe(scene, camera, *device, environmentName, o);
+  std::vector<std::filesystem::path> files = debug ? writeDebug(*debug, frame, metadata, o.out)
+                                                   : output::writeOutput(request, frame, metadata);
   if (!o.graph.empty()) writeFile(o.graph, std::as_bytes(std::span(renderer.graphviz())));
   times.write = seconds(mark);
   times.total = seconds(start);
