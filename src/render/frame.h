@@ -13,6 +13,7 @@
 
 namespace latelight::render {
 
+class DepthPass;
 class GeometryPass;
 class LightingTechnique;
 struct TechniqueInfo;
@@ -52,6 +53,7 @@ class Frame {
   graph::ImageId add(graph::Graph& graph, const FrameInputs& inputs) const;
 
  private:
+  std::unique_ptr<DepthPass> depth_;
   std::unique_ptr<GeometryPass> geometry_;
   std::unique_ptr<LightingTechnique> lighting_;
   std::unique_ptr<BackgroundPass> background_;

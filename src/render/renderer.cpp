@@ -11,6 +11,7 @@
 #include "render/post/resolve.h"
 #include "render/registry.h"
 #include "render/view.h"
+#include "render/visibility/hardware.h"
 
 namespace latelight::render {
 
@@ -173,7 +174,8 @@ void Renderer::renderData(Job& job) {
   const Layout& exact = findLayout("exact");
   GeometryPass geometry(device_, gpuScene_, exact, shared::kNormal_octahedral);
   graph::Graph graph;
-  Gbuffer gbuffer = geometry.add(graph, inputs);
+  DepthPass depth(device_, gpuScene_);
+  Gbuffer gbuffer = geometry.add(graph, inputs, depth.add(graph, inputs));
   DataReadback readback(graph, exact, gbuffer, job.settings.aovs);
   graph::Executor& done = run(graph);
   for (size_t view = 0; view < job.pictures.size(); ++view)

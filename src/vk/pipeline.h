@@ -56,7 +56,7 @@ struct GraphicsDesc {
   std::vector<Constant> constants;                     // both stages
   std::vector<VkFormat> colors;
   VkFormat depth = VK_FORMAT_UNDEFINED;
-  VkCompareOp depthCompare = VK_COMPARE_OP_GREATER;  // reversed depth; ties stay with the first, which has the lower id
+  VkCompareOp depthCompare = VK_COMPARE_OP_GREATER;  // depth is reversed
   bool depthWrite = true;
   VkCullModeFlags cull = VK_CULL_MODE_NONE;  // dynamic: VK_DYNAMIC_STATE_CULL_MODE, front face too
   std::string name;

@@ -1,48 +1,23 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "render/glsl/common.glsl"
-#include "render/gbuffer/geometry.glsl"
+#include "render/glsl/varyings.glsl"
+#include "render/glsl/material.glsl"
 #include "gbuffer_layout.h"
 
 layout(constant_id = 0) const uint kNormalEncoding = 0;
-layout(constant_id = 1) const uint kAlphaMasked = 0;
-
-layout(set = 1, binding = 0) uniform sampler2D materialTextures0;
-layout(set = 1, binding = 1) uniform sampler2D materialTextures1;
-layout(set = 1, binding = 2) uniform sampler2D materialTextures2;
-layout(set = 1, binding = 3) uniform sampler2D materialTextures3;
-layout(set = 1, binding = 4) uniform sampler2D materialTextures4;
-layout(set = 1, binding = 5) uniform sampler2D materialTextures5;
-layout(set = 1, binding = 6) uniform sampler2D materialTextures6;
-// The draw's material as a uniform buffer, not by address: texture coordinates depend on it, so helper invocations must
-// see it too or derivatives break at triangle edges, and loads by address may give them nothing.
-layout(set = 1, binding = 7, scalar) uniform MaterialUniform { Material material; };
 
 #define OUTPUT(index, name, format, type, channels) layout(location = index) out type gbuffer_##name;
 GBUFFER_TARGETS(OUTPUT)
 #define COUNT(index, name, format, type, channels) +1
 layout(location = 0 GBUFFER_TARGETS(COUNT)) out vec4 lightAccumulation;
 
-vec2 textureUv(TextureTransform t) {
-  vec3 uv = vec3(t.uvSet == 0u ? varyingUv.xy : varyingUv.zw, 1.0);
-  return vec2(dot(t.row0, uv), dot(t.row1, uv));
-}
-
-bool hasTexture(Material m, uint slot) { return (m.textures & (1u << slot)) != 0u; }
-
-// A texture fetch may stand in a branch: the condition is the material's, the same for the whole draw.
-#define FETCH(m, slot) texture(materialTextures##slot, textureUv(m.transforms[slot]))
-
-vec4 baseColor(Material m) {
-  vec4 c = m.baseColor * varyingColor;
-  if (hasTexture(m, kTextureBaseColor)) c *= FETCH(m, 0);
-  return c;
-}
-
-// The unperturbed normal: interpolated, or the triangle's where the interpolated one vanishes; towards the viewer.
-vec3 vertexNormal(vec3 geonormal, float facing) {
+// The unperturbed normal, towards the viewer: interpolated, or, where opposite normals cancel, that of the plane on
+// screen. (Not triangleNormal(): its loads would then be needed in every layout, and they cost more than all the rest.)
+vec3 vertexNormal(float facing) {
   float squared = dot(varyingNormal, varyingNormal);
-  return squared > 1e-24 ? varyingNormal * (facing * inversesqrt(squared)) : geonormal;
+  vec3 plane = cross(dFdy(varyingPosition), dFdx(varyingPosition));
+  return squared > 1e-24 ? varyingNormal * (facing * inversesqrt(squared)) : normalize(plane + vec3(0.0, 0.0, 1e-30));
 }
 
 // Perturbs the normal by the material's map through the vertices' tangent frame (seed 000; glTF 2.0, section 3.9.3).
@@ -75,13 +50,13 @@ vec3 triangleNormal(FrameConstants frame, Instance instance, float facing) {
   return squared > 0.0 ? n * inversesqrt(squared) : vec3(0.0, 0.0, 1.0);
 }
 
-Surface evaluateMaterial(FrameConstants frame, Instance instance, Material m, vec4 base) {
+Surface evaluateMaterial(FrameConstants frame, Instance instance, Material m) {
   float facing = gl_FrontFacing ? 1.0 : -1.0;
   Surface s = emptySurface();
   s.position = varyingPosition;
   s.geonormal = triangleNormal(frame, instance, facing);
-  s.normal = mappedNormal(m, vertexNormal(s.geonormal, facing), facing);
-  s.baseColor = base.rgb;
+  s.normal = mappedNormal(m, vertexNormal(facing), facing);
+  s.baseColor = baseColor(m).rgb;
   s.metallic = m.metallic;
   s.roughness = m.roughness;
   if (hasTexture(m, kTextureMetallicRoughness)) {
@@ -108,10 +83,7 @@ Surface evaluateMaterial(FrameConstants frame, Instance instance, Material m, ve
 void main() {
   FrameConstants frame = FrameRef(push.frame).v;
   Instance instance = frameInstance(frame, varyingInstance);
-  vec4 base = baseColor(material);
-  if (kAlphaMasked != 0u && base.a < material.alphaCutoff) discard;
-
-  Surface s = evaluateMaterial(frame, instance, material, base);
+  Surface s = evaluateMaterial(frame, instance, material);
   bool unlit = (s.flags & kSurfaceUnlit) != 0u;
   vec3 emitted = unlit ? s.baseColor : s.emissive;
   lightAccumulation = vec4(min(emitted * frame.exposure, vec3(65504.0)), s.ao);

@@ -1,4 +1,4 @@
-// The geometry pass: hardware rasterization of every draw into the targets of one layout (seed 000, first step).
+// The geometry pass: materials of the visible surfaces into the targets of one layout (seed 000, first step).
 #pragma once
 
 #include "render/frame.h"
@@ -8,18 +8,14 @@ namespace latelight::render {
 
 class GeometryPass {
  public:
-  // Pipelines for this layout and encoding; one for alpha-masked materials only where the scene has some.
   GeometryPass(vk::Device& device, const GpuScene& scene, const Layout& layout, uint32_t normalEncoding);
-
-  Gbuffer add(graph::Graph& graph, const FrameInputs& inputs) const;
+  // `depth`: from DepthPass; only surfaces at that very depth are shaded.
+  Gbuffer add(graph::Graph& graph, const FrameInputs& inputs, graph::ImageId depth) const;
 
  private:
-  void drawView(graph::Context& context, const Gbuffer& gbuffer, const FrameInputs& inputs, uint32_t view) const;
-  void drawScene(graph::Context& context, const FrameInputs& inputs, uint32_t view) const;
-
   const Layout& layout_;
   uint32_t normalEncoding_;
-  vk::Pipeline opaque_, masked_;
+  vk::Pipeline pipeline_;
 };
 
 }  // namespace latelight::render

@@ -12,9 +12,10 @@ vec3 environmentRadiance(FrameConstants frame, vec3 direction, float roughness) 
   float level = roughness * (frame.environmentLevels - 1.0);
   float lower = min(floor(level), frame.environmentLevels - 2.0);
   // Each level has its own border, so trilinear filtering is two bilinear fetches at coordinates of their own.
-  vec2 size = vec2(textureSize(environmentSpecular, int(lower)).x, textureSize(environmentSpecular, int(lower) + 1).x);
-  vec3 a = textureLod(environmentSpecular, octahedralTexture(o, size.x), lower).rgb;
-  vec3 b = textureLod(environmentSpecular, octahedralTexture(o, size.y), lower + 1.0).rgb;
+  // Sizes follow from level 0's: lavapipe 22.3 answers textureSize for all lanes with the first lane's level.
+  int size = textureSize(environmentSpecular, 0).x >> int(lower);
+  vec3 a = textureLod(environmentSpecular, octahedralTexture(o, float(size)), lower).rgb;
+  vec3 b = textureLod(environmentSpecular, octahedralTexture(o, float(size >> 1)), lower + 1.0).rgb;
   return mix(a, b, level - lower);
 }
 

@@ -1,8 +1,11 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#define GEOMETRY_VERTEX
+#define VERTEX_STAGE
 #include "render/glsl/common.glsl"
-#include "render/gbuffer/geometry.glsl"
+#include "render/glsl/varyings.glsl"
+
+// The geometry pass compares for equality with the depth that the depth pass left.
+invariant gl_Position;
 
 void main() {
   FrameConstants frame = FrameRef(push.frame).v;

@@ -1,11 +1,11 @@
-// What the geometry pass's two stages share: push constants and what is interpolated.
-struct GeometryPush {
+// What vertex and fragment shaders of scene draws share: push constants and what is interpolated.
+struct DrawPush {
   uint64_t frame;  // FrameConstants
   uint view;
 };
-layout(push_constant, scalar) uniform Push { GeometryPush push; };
+layout(push_constant, scalar) uniform Push { DrawPush push; };
 
-#ifdef GEOMETRY_VERTEX
+#ifdef VERTEX_STAGE
 #define VARYING out
 #else
 #define VARYING in

@@ -1,0 +1,27 @@
+// The draw's material in fragment shaders: its textures are set 1. After varyings.glsl.
+layout(set = 1, binding = 0) uniform sampler2D materialTextures0;
+layout(set = 1, binding = 1) uniform sampler2D materialTextures1;
+layout(set = 1, binding = 2) uniform sampler2D materialTextures2;
+layout(set = 1, binding = 3) uniform sampler2D materialTextures3;
+layout(set = 1, binding = 4) uniform sampler2D materialTextures4;
+layout(set = 1, binding = 5) uniform sampler2D materialTextures5;
+layout(set = 1, binding = 6) uniform sampler2D materialTextures6;
+// The draw's material as a uniform buffer, not by address: texture coordinates depend on it, so helper invocations must
+// see it too or derivatives break at triangle edges, and loads by address may give them nothing.
+layout(set = 1, binding = 7, scalar) uniform MaterialUniform { Material material; };
+
+vec2 textureUv(TextureTransform t) {
+  vec3 uv = vec3(t.uvSet == 0u ? varyingUv.xy : varyingUv.zw, 1.0);
+  return vec2(dot(t.row0, uv), dot(t.row1, uv));
+}
+
+bool hasTexture(Material m, uint slot) { return (m.textures & (1u << slot)) != 0u; }
+
+// A texture fetch may stand in a branch: the condition is the material's, the same for the whole draw.
+#define FETCH(m, slot) texture(materialTextures##slot, textureUv(m.transforms[slot]))
+
+vec4 baseColor(Material m) {
+  vec4 c = m.baseColor * varyingColor;
+  if (hasTexture(m, kTextureBaseColor)) c *= FETCH(m, 0);
+  return c;
+}
