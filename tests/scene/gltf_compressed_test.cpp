@@ -1,0 +1,271 @@
+// Compressed geometry and pictures: EXT_meshopt_compression, KHR_draco_mesh_compression, KHR_mesh_quantization and
+// EXT_texture_webp, each encoded here by its own library.
+#include <draco/compression/encode.h>
+#include <gmock/gmock.h>
+#include <meshoptimizer.h>
+#include <webp/encode.h>
+
+#include <cmath>
+
+#include "gltf_builder.h"
+
+namespace latelight::scene::test {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr size_t kSide = 9, kVertices = kSide * kSide;
+
+// A bent square of vertices and its triangles.
+struct Grid {
+  std::vector<vec3> positions, normals;
+  std::vector<uint32_t> indices;
+  Grid() {
+    for (size_t y = 0; y < kSide; ++y)
+      for (size_t x = 0; x < kSide; ++x) {
+        float u = float(x) / (kSide - 1), v = float(y) / (kSide - 1);
+        positions.push_back({u, v, u * u / 2});
+        normals.push_back(glm::normalize(vec3(-u, 0, 1)));
+      }
+    for (uint32_t y = 0; y + 1 < kSide; ++y)
+      for (uint32_t x = 0; x + 1 < kSide; ++x) {
+        uint32_t i = y * uint32_t(kSide) + x, up = i + uint32_t(kSide);
+        indices.insert(indices.end(), {i, i + 1, up, up, i + 1, up + 1});
+      }
+  }
+};
+
+// A bufferView compressed by meshoptimizer, over a fallback buffer that has no bytes.
+int meshoptView(GltfBuilder& b, const std::vector<unsigned char>& encoded, size_t count, size_t stride,
+                const char* mode, const char* filter) {
+  int data = b.view(encoded);
+  json view = b.root["bufferViews"][size_t(data)];
+  view["byteStride"] = stride;
+  view["count"] = count;
+  view["mode"] = mode;
+  view["filter"] = filter;
+  json outer = {{"buffer", 1}, {"byteLength", count * stride}, {"extensions", {{"EXT_meshopt_compression", view}}}};
+  if (std::string(mode) == "ATTRIBUTES") outer["byteStride"] = stride;
+  return b.add("bufferViews", outer);
+}
+
+template <typename T>
+std::vector<unsigned char> encodeVertices(const std::vector<T>& values) {
+  std::vector<unsigned char> out(meshopt_encodeVertexBufferBound(values.size(), sizeof(T)));
+  out.resize(meshopt_encodeVertexBuffer(out.data(), out.size(), values.data(), values.size(), sizeof(T)));
+  return out;
+}
+
+void finishMeshopt(GltfBuilder& b) {
+  b.root["buffers"] = {{{"byteLength", b.buffer.size()}},
+                       {{"byteLength", 1 << 20}, {"extensions", {{"EXT_meshopt_compression", {{"fallback", true}}}}}}};
+  b.root["extensionsUsed"] = b.root["extensionsRequired"] = {"EXT_meshopt_compression", "KHR_mesh_quantization"};
+}
+
+GltfBuilder meshoptFile() {
+  Grid grid;
+  GltfBuilder b;
+  int p = b.accessor(meshoptView(b, encodeVertices(grid.positions), kVertices, 12, "ATTRIBUTES", "NONE"), kFloat,
+                     "VEC3", kVertices);
+
+  std::vector<vec4> four;
+  for (vec3 n : grid.normals) four.push_back(vec4(n, 0));
+  std::vector<std::array<int16_t, 4>> octahedral(kVertices);
+  meshopt_encodeFilterOct(octahedral.data(), kVertices, 8, 12, &four[0].x);
+  int n = b.accessor(meshoptView(b, encodeVertices(octahedral), kVertices, 8, "ATTRIBUTES", "OCTAHEDRAL"), kShort,
+                     "VEC3", kVertices);
+  b.root["accessors"][size_t(n)]["normalized"] = true;
+
+  std::vector<vec2> uv;
+  for (vec3 q : grid.positions) uv.push_back(vec2(q));
+  std::vector<std::array<uint32_t, 2>> exponential(kVertices);
+  meshopt_encodeFilterExp(exponential.data(), kVertices, 8, 20, &uv[0].x);
+  int t = b.accessor(meshoptView(b, encodeVertices(exponential), kVertices, 8, "ATTRIBUTES", "EXPONENTIAL"), kFloat,
+                     "VEC2", kVertices);
+
+  std::vector<unsigned char> encoded(meshopt_encodeIndexBufferBound(grid.indices.size(), kVertices));
+  encoded.resize(meshopt_encodeIndexBuffer(encoded.data(), encoded.size(), grid.indices.data(), grid.indices.size()));
+  int i = b.accessor(meshoptView(b, encoded, grid.indices.size(), 2, "TRIANGLES", "NONE"), kUnsignedShort, "SCALAR",
+                     grid.indices.size());
+  b.mesh({{"attributes", {{"POSITION", p}, {"NORMAL", n}, {"TEXCOORD_0", t}}}, {"indices", i}});
+  finishMeshopt(b);
+  return b;
+}
+
+TEST(GltfCompressed, MeshoptAttributesFiltersAndTriangles) {
+  Grid grid;
+  Scene scene = meshoptFile().load();
+  const Mesh& mesh = scene.meshes.at(0);
+  ASSERT_EQ(mesh.positions.size(), kVertices);
+  EXPECT_EQ(mesh.positions, grid.positions);
+  for (size_t v = 0; v < kVertices; ++v) {
+    expectNear(mesh.attributes[v].normal, grid.normals[v], 2e-3f);
+    expectNear(vec3(mesh.attributes[v].uv0, 0), vec3(vec2(grid.positions[v]), 0), 1e-5f);
+  }
+  // The codec may turn a triangle's corners; it keeps their order and the triangles'.
+  ASSERT_EQ(mesh.indices.size(), grid.indices.size());
+  for (size_t i = 0; i < mesh.indices.size(); i += 3) {
+    std::array<uint32_t, 3> a = {mesh.indices[i], mesh.indices[i + 1], mesh.indices[i + 2]};
+    std::array<uint32_t, 3> wanted = {grid.indices[i], grid.indices[i + 1], grid.indices[i + 2]};
+    while (a[0] != wanted[0] && a[1] != wanted[0] && a[2] != wanted[0]) FAIL() << "triangle " << i / 3;
+    while (a[0] != wanted[0]) std::rotate(a.begin(), a.begin() + 1, a.end());
+    EXPECT_EQ(a, wanted);
+  }
+}
+
+TEST(GltfCompressed, MeshoptIndexSequences) {
+  Grid grid;
+  GltfBuilder b;
+  int p = b.positions(grid.positions), n = b.vectors(grid.normals);
+  std::vector<uint32_t> strip = {0, 1, 9, 10, 18, 19};
+  std::vector<unsigned char> encoded(meshopt_encodeIndexSequenceBound(strip.size(), kVertices));
+  encoded.resize(meshopt_encodeIndexSequence(encoded.data(), encoded.size(), strip.data(), strip.size()));
+  int i = b.accessor(meshoptView(b, encoded, strip.size(), 4, "INDICES", "NONE"), kUnsignedInt, "SCALAR", strip.size());
+  b.mesh({{"attributes", {{"POSITION", p}, {"NORMAL", n}}}, {"indices", i}, {"mode", 5}});
+  finishMeshopt(b);
+  EXPECT_THAT(b.load().meshes.at(0).indices, testing::ElementsAre(0, 1, 9, 1, 10, 9, 9, 10, 18, 10, 19, 18));
+}
+
+TEST(GltfCompressed, MeshoptQuaternionsOfInstances) {
+  GltfBuilder b = triangleFile();
+  float h = std::sqrt(0.5f);
+  std::vector<vec4> rotations = {{0, 0, 0, 1}, {0, 0, h, h}};
+  std::vector<std::array<int16_t, 4>> encoded(2);
+  meshopt_encodeFilterQuat(encoded.data(), 2, 8, 16, &rotations[0].x);
+  int r = b.accessor(meshoptView(b, encodeVertices(encoded), 2, 8, "ATTRIBUTES", "QUATERNION"), kShort, "VEC4", 2);
+  b.root["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {{"ROTATION", r}};
+  finishMeshopt(b);
+  Scene scene = b.load();
+  expectNear(vec3(toGltfFromWorld() * scene.instances.at(1).toWorld * vec4(1, 0, 0, 1)), vec3(0, 1, 0), 1e-3f);
+}
+
+TEST(GltfCompressed, BrokenMeshopt) {
+  GltfBuilder b = meshoptFile();
+  b.buffer.at(0) ^= std::byte{0xff};  // the header of the positions' stream
+  EXPECT_THAT(errorOf(b), HasSubstr("bufferViews[1] can't be decompressed"));
+  b = meshoptFile();
+  b.root["bufferViews"][1]["extensions"]["EXT_meshopt_compression"]["byteStride"] = 14;
+  EXPECT_THAT(errorOf(b), HasSubstr("byteStride of 14"));
+  b = meshoptFile();
+  b.root["bufferViews"][1]["extensions"]["EXT_meshopt_compression"]["count"] = 4000000000u;
+  EXPECT_THAT(errorOf(b), HasSubstr("far more than a file of this size can hold"));
+  b = meshoptFile();
+  b.root["bufferViews"][1].erase("extensions");
+  EXPECT_THAT(errorOf(b), HasSubstr("which has 0"));  // the fallback buffer
+}
+
+// The grid as Draco's mesh, with its attributes' ids.
+GltfBuilder dracoFile(int method) {
+  Grid grid;
+  draco::Mesh mesh;
+  mesh.set_num_points(uint32_t(kVertices));
+  mesh.SetNumFaces(grid.indices.size() / 3);
+  for (uint32_t f = 0; f < mesh.num_faces(); ++f)
+    mesh.SetFace(draco::FaceIndex(f),
+                 {draco::PointIndex(grid.indices[f * 3]), draco::PointIndex(grid.indices[f * 3 + 1]),
+                  draco::PointIndex(grid.indices[f * 3 + 2])});
+  auto attribute = [&](draco::GeometryAttribute::Type type, const std::vector<vec3>& values) {
+    draco::GeometryAttribute description;
+    description.Init(type, nullptr, 3, draco::DT_FLOAT32, false, sizeof(vec3), 0);
+    int id = mesh.AddAttribute(description, true, uint32_t(kVertices));
+    for (uint32_t v = 0; v < kVertices; ++v)
+      mesh.attribute(id)->SetAttributeValue(draco::AttributeValueIndex(v), &values[v]);
+    return int(mesh.attribute(id)->unique_id());
+  };
+  int position = attribute(draco::GeometryAttribute::POSITION, grid.positions);
+  int normal = attribute(draco::GeometryAttribute::NORMAL, grid.normals);
+  draco::Encoder encoder;
+  encoder.SetEncodingMethod(method);
+  encoder.SetAttributeQuantization(draco::GeometryAttribute::POSITION, 14);
+  encoder.SetAttributeQuantization(draco::GeometryAttribute::NORMAL, 10);
+  draco::EncoderBuffer encoded;
+  EXPECT_TRUE(encoder.EncodeMeshToBuffer(mesh, &encoded).ok());
+
+  GltfBuilder b;
+  int view = b.view(std::as_bytes(std::span(encoded.data(), encoded.size())));
+  auto bare = [&](Component component, const char* type, size_t count) {
+    return b.add("accessors", {{"componentType", component}, {"type", type}, {"count", count}});
+  };
+  int p = bare(kFloat, "VEC3", kVertices), n = bare(kFloat, "VEC3", kVertices),
+      i = bare(kUnsignedShort, "SCALAR", grid.indices.size());
+  json extension = {{"bufferView", view}, {"attributes", {{"POSITION", position}, {"NORMAL", normal}}}};
+  b.mesh({{"attributes", {{"POSITION", p}, {"NORMAL", n}}},
+          {"indices", i},
+          {"extensions", {{"KHR_draco_mesh_compression", extension}}}});
+  b.root["extensionsUsed"] = b.root["extensionsRequired"] = {"KHR_draco_mesh_compression"};
+  return b;
+}
+
+TEST(GltfCompressed, DracoByBothMethods) {
+  Grid grid;
+  for (int method : {draco::MESH_SEQUENTIAL_ENCODING, draco::MESH_EDGEBREAKER_ENCODING}) {
+    Scene scene = dracoFile(method).load();
+    const Mesh& mesh = scene.meshes.at(0);
+    ASSERT_EQ(mesh.indices.size(), grid.indices.size());
+    ASSERT_EQ(mesh.positions.size(), kVertices);
+    // EdgeBreaker reorders: each vertex must still lie on the sheet and have its normal, and the area must be the same.
+    double area = 0, wanted = 0;
+    for (size_t i = 0; i < mesh.indices.size(); i += 3) {
+      auto doubled = [&](const std::vector<vec3>& p, const std::vector<uint32_t>& x) {
+        return double(glm::length(glm::cross(p[x[i + 1]] - p[x[i]], p[x[i + 2]] - p[x[i]])));
+      };
+      area += doubled(mesh.positions, mesh.indices);
+      wanted += doubled(grid.positions, grid.indices);
+    }
+    EXPECT_NEAR(area, wanted, 1e-3);
+    for (size_t v = 0; v < kVertices; ++v) {
+      vec3 p = mesh.positions[v];
+      EXPECT_NEAR(p.z, p.x * p.x / 2, 2e-4f);
+      expectNear(mesh.attributes[v].normal, glm::normalize(vec3(-p.x, 0, 1)), 2e-2f);
+    }
+  }
+}
+
+TEST(GltfCompressed, BrokenDraco) {
+  GltfBuilder b = dracoFile(draco::MESH_EDGEBREAKER_ENCODING);
+  b.buffer.resize(b.buffer.size() / 2);
+  b.root["bufferViews"][0]["byteLength"] = b.buffer.size();
+  EXPECT_THAT(errorOf(b), HasSubstr("meshes[0].primitives[0] can't be decompressed"));
+  b = dracoFile(draco::MESH_SEQUENTIAL_ENCODING);
+  // The face count, a number of up to five bytes, becomes four billion.
+  for (size_t i = 0; i < 4; ++i) b.buffer[11 + i] = std::byte{0xff};
+  b.buffer[15] = std::byte{0x0f};
+  EXPECT_THAT(errorOf(b), HasSubstr("far more than a file of this size can hold"));
+  b = dracoFile(draco::MESH_SEQUENTIAL_ENCODING);
+  b.primitive()["extensions"]["KHR_draco_mesh_compression"]["attributes"]["POSITION"] = 77;
+  EXPECT_THAT(errorOf(b), HasSubstr("no compressed attribute 77"));
+}
+
+TEST(GltfCompressed, QuantizedPositions) {
+  GltfBuilder b = triangleFile();
+  std::vector<uint16_t> p = {0, 0, 0, 0, 1000, 0, 0, 0, 0, 2000, 0, 0};
+  b.primitive()["attributes"]["POSITION"] = b.accessor(b.view(p, 8), kUnsignedShort, "VEC3", 3);
+  std::vector<int8_t> n = {0, 0, 127, 0, 0, 0, 127, 0, 0, 0, 127, 0};
+  b.primitive()["attributes"]["NORMAL"] = b.accessor(b.view(n, 4), kByte, "VEC3", 3);
+  b.root["accessors"].back()["normalized"] = true;
+  b.root["extensionsUsed"] = b.root["extensionsRequired"] = {"KHR_mesh_quantization"};
+  Scene scene = b.load();
+  EXPECT_THAT(scene.meshes[0].positions, testing::ElementsAre(vec3(0), vec3(1000, 0, 0), vec3(0, 2000, 0)));
+  EXPECT_EQ(scene.meshes[0].attributes[0].normal, vec3(0, 0, 1));
+}
+
+TEST(GltfCompressed, WebpTextures) {
+  const uint8_t pixels[] = {200, 100, 50, 255, 10, 20, 30, 128};
+  uint8_t* encoded = nullptr;
+  size_t size = WebPEncodeLosslessRGBA(pixels, 2, 1, 8, &encoded);
+  ASSERT_GT(size, 0u);
+  GltfBuilder b = triangleFile();
+  b.add("images", {{"bufferView", b.view(std::vector<uint8_t>(encoded, encoded + size))}, {"mimeType", "image/webp"}});
+  WebPFree(encoded);
+  b.add("textures", {{"extensions", {{"EXT_texture_webp", {{"source", 0}}}}}});
+  b.primitive()["material"] = b.add("materials", {{"emissiveTexture", {{"index", 0}}}});
+  b.root["extensionsUsed"] = b.root["extensionsRequired"] = {"EXT_texture_webp"};
+  Scene scene = b.load();
+  const Texture& texture = scene.textures.at(0);
+  ASSERT_EQ(texture.width, 2u);
+  EXPECT_EQ(texture.levels, 2u);
+  EXPECT_EQ(std::memcmp(texture.pixels.get(), pixels, sizeof(pixels)), 0);
+}
+
+}  // namespace
+}  // namespace latelight::scene::test

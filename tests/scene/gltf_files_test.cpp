@@ -1,0 +1,197 @@
+// Whole files: containers, URIs, versions, extensions, and models from elsewhere.
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "gltf_builder.h"
+
+namespace latelight::scene::test {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+std::string errorOfFile(const fs::path& path) {
+  try {
+    loadGltf(path, {});
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::BadInput) << error.what();
+    EXPECT_THAT(error.what(), HasSubstr(path.filename().string()));
+    return error.what();
+  }
+  return {};
+}
+
+std::string errorOfBytes(std::span<const std::byte> bytes, const char* name = "scene.glb") {
+  TemporaryFolder folder;
+  writeBytes(folder.path() / name, bytes);
+  std::string sentence = errorOfFile(folder.path() / name);
+  EXPECT_FALSE(sentence.empty()) << "loaded without an error";
+  return sentence;
+}
+
+std::string errorOfText(const std::string& text) {
+  return errorOfBytes(std::as_bytes(std::span(text)), "scene.gltf");
+}
+
+TEST(GltfFiles, BinaryEmbeddedAndBesideAreTheSame) {
+  GltfBuilder b = triangleFile();
+  TemporaryFolder folder;
+  writeBytes(folder.path() / "a.glb", b.glb());
+  std::string text = b.embedded();
+  writeBytes(folder.path() / "b.gltf", std::as_bytes(std::span(text)));
+  writeBytes(folder.path() / "my data.bin", b.buffer);
+  json beside = b.root;
+  beside["buffers"] = {{{"byteLength", b.buffer.size()}, {"uri", "my%20data.bin"}}};
+  text = beside.dump();
+  writeBytes(folder.path() / "c.gltf", std::as_bytes(std::span(text)));
+  Scene binary = loadGltf(folder.path() / "a.glb", {});
+  EXPECT_EQ(binary.name, "a");
+  EXPECT_TRUE(binary.yUp);
+  ASSERT_EQ(binary.meshes.size(), 1u);
+  for (const char* name : {"b.gltf", "c.gltf"}) {
+    Scene other = loadGltf(folder.path() / name, {});
+    ASSERT_EQ(other.meshes.size(), 1u);
+    EXPECT_EQ(other.meshes[0].positions, binary.meshes[0].positions);
+  }
+  fs::remove(folder.path() / "my data.bin");
+  EXPECT_THAT(errorOfFile(folder.path() / "c.gltf"), HasSubstr("my data.bin, which is not there"));
+}
+
+TEST(GltfFiles, BrokenContainers) {
+  std::vector<std::byte> good = triangleFile().glb();
+  EXPECT_THAT(errorOfBytes(std::span(good).first(14)), HasSubstr("ends within its header"));
+  EXPECT_THAT(errorOfBytes(std::span(good).first(good.size() - 4)), HasSubstr("copy it again"));
+  std::vector<std::byte> bad = good;
+  bad[4] = std::byte{1};
+  EXPECT_THAT(errorOfBytes(bad), HasSubstr("version 1"));
+  bad = good;
+  bad[15] = std::byte{0x7f};
+  EXPECT_THAT(errorOfBytes(bad), HasSubstr("past its end"));
+  bad = good;
+  bad[16] = std::byte{0};
+  EXPECT_THAT(errorOfBytes(bad), HasSubstr("should be JSON"));
+  EXPECT_THAT(errorOfBytes({}), HasSubstr("empty"));
+}
+
+TEST(GltfFiles, BrokenJson) {
+  EXPECT_THAT(errorOfText("{"), HasSubstr("not glTF"));
+  EXPECT_THAT(errorOfText("[]"), HasSubstr("asset"));
+  EXPECT_THAT(errorOfText("{\"asset\": {}}"), HasSubstr("asset.version is missing"));
+  EXPECT_THAT(errorOfText("{\"asset\": {\"version\": \"1.0\"}}"), HasSubstr("glTF 1.0"));
+  EXPECT_THAT(errorOfText("{\"asset\": {\"version\": \"2.0\", \"minVersion\": \"2.1\"}}"), HasSubstr("2.1"));
+  EXPECT_THAT(errorOfText("{\"asset\": {\"version\": \"2.0\"}, \"nodes\": 3}"), HasSubstr("nodes should be an array"));
+  EXPECT_THAT(errorOfText("{\"asset\": {\"version\": \"2.0\"}, \"extras\": " + std::string(100000, '[') +
+                          std::string(100000, ']') + "}"),
+              HasSubstr("nested"));
+  EXPECT_THAT(errorOfText("{\"asset\": {\"version\": \"2.0\"}, \"nodes\": [{\"scale\": [1e999, 1, 1]}]}"),
+              HasSubstr("not glTF"));
+  EXPECT_THAT(errorOfText("{\"asset\": {\"version\": \"2.0\"}, \"nodes\": [{\"scale\": [1e99, 1, 1]}]}"),
+              HasSubstr("nodes[0].scale[0]"));
+}
+
+TEST(GltfFiles, Buffers) {
+  GltfBuilder b = triangleFile();
+  b.root["buffers"] = {{{"byteLength", 100000}}};
+  EXPECT_THAT(errorOf(b), HasSubstr("buffers[0] should have 100000 bytes"));
+  b.root["buffers"] = {{{"byteLength", 12}, {"uri", "https://example.com/a.bin"}}};
+  EXPECT_THAT(errorOf(b), HasSubstr("only files on this machine"));
+  b.root["buffers"] = {{{"byteLength", 3}, {"uri", "data:;base64,AAA*"}}};
+  EXPECT_THAT(errorOf(b), HasSubstr("base64"));
+  b.root["buffers"] = {{{"byteLength", 3}, {"uri", "data:application/octet-stream"}}};
+  EXPECT_THAT(errorOf(b), HasSubstr("data URI"));
+}
+
+TEST(GltfFiles, RequiredExtensionsFailByName) {
+  GltfBuilder b = triangleFile();
+  b.root["extensionsUsed"] = {"KHR_materials_clearcoat"};
+  EXPECT_EQ(b.load().meshes.size(), 1u);
+  b.root["extensionsRequired"] = {"KHR_materials_clearcoat"};
+  EXPECT_THAT(errorOf(b), HasSubstr("KHR_materials_clearcoat"));
+}
+
+TEST(GltfFiles, MissingAndBrokenPictures) {
+  GltfBuilder b = triangleFile();
+  b.add("images", {{"uri", "nowhere.png"}});
+  b.add("textures", {{"source", 0}});
+  EXPECT_EQ(b.load().textures.size(), 0u);  // nobody asks for it
+  b.primitive()["material"] = b.add("materials", {{"normalTexture", {{"index", 0}}}});
+  EXPECT_THAT(errorOf(b), HasSubstr("nowhere.png"));
+  b.root["images"][0] = {{"bufferView", b.view(std::vector<uint8_t>{1, 2, 3, 4})}, {"name", "rust"}};
+  EXPECT_THAT(errorOf(b), HasSubstr("images[0] (rust) is not a"));
+}
+
+// --- models from elsewhere
+// --------------------------------------------------------------------------------------------
+
+const fs::path kAssimp = "/usr/share/assimp/models/glTF2";
+
+TEST(GltfFiles, AssimpsGoodModels) {
+  if (!fs::exists(kAssimp)) GTEST_SKIP() << "Debian's assimp-testmodels is not installed";
+  for (const char* name :
+       {"2CylinderEngine-glTF-Binary/2CylinderEngine.glb", "BoxBadNormals-glTF-Binary/BoxBadNormals.glb",
+        "BoxTexcoords-glTF/boxTexcoords.gltf", "BoxTextured-glTF-Binary/BoxTextured.glb",
+        "BoxTextured-glTF-Embedded/BoxTextured.gltf", "BoxTextured-glTF/BoxTextured.gltf",
+        "BoxTextured-glTF-pbrSpecularGlossiness/BoxTextured.gltf", "ClearCoat-glTF/ClearCoatTest.gltf",
+        "cameras/Cameras.gltf", "draco/2CylinderEngine.gltf",
+        "glTF-Sample-Models/AnimatedMorphCube-glTF/AnimatedMorphCube.gltf", "issue_3269/texcoord_crash.gltf",
+        "simple_skin/simple_skin.gltf", "textureTransform/TextureTransformTest.gltf"}) {
+    Scene scene = loadGltf(kAssimp / name, {});
+    EXPECT_GT(scene.triangleCount(), 0u) << name;
+    EXPECT_FALSE(worldBounds(scene).empty()) << name;
+  }
+  for (int i = 0; i < 16; ++i) {
+    std::string name = fmt::format("glTF-Asset-Generator/Mesh_PrimitiveMode/Mesh_PrimitiveMode_{:02}.gltf", i);
+    bool triangles = (i >= 4 && i <= 6) || i >= 11;
+    EXPECT_EQ(loadGltf(kAssimp / name, {}).triangleCount(), triangles ? 2u : 0u) << name;
+  }
+  EXPECT_EQ(loadGltf(kAssimp / "TestNoRootNode/SceneWithoutNodes.gltf", {}).nodes.size(), 0u);
+}
+
+TEST(GltfFiles, AssimpsMalformedModels) {
+  if (!fs::exists(kAssimp)) GTEST_SKIP() << "Debian's assimp-testmodels is not installed";
+  for (const char* name :
+       {"BoxTextured-glTF-techniqueWebGL/BoxTextured.gltf", "BoxWithInfinites-glTF-Binary/BoxWithInfinites.glb",
+        "IncorrectVertexArrays/Cube.gltf", "IndexOutOfRange/AllIndicesOutOfRange.gltf",
+        "IndexOutOfRange/IndexOutOfRange.gltf", "MissingBin/BoxTextured.gltf", "RecursiveNodes/RecursiveNodes.gltf",
+        "SchemaFailures/sceneWrongType.gltf", "TestNoRootNode/NoScene.gltf", "wrongTypes/badArray.gltf",
+        "wrongTypes/badExtension.gltf", "wrongTypes/badNumber.gltf", "wrongTypes/badObject.gltf",
+        "wrongTypes/badString.gltf", "wrongTypes/badUint.gltf"})
+    EXPECT_FALSE(errorOfFile(kAssimp / name).empty()) << name;
+}
+
+const fs::path kModels = fs::path(LATELIGHT_SOURCE_DIR) / "../shared/models";
+
+TEST(GltfFiles, DamagedHelmet) {
+  if (!fs::exists(kModels / "DamagedHelmet.glb")) GTEST_SKIP() << "../shared/models/DamagedHelmet.glb is not there";
+  Scene scene = loadGltf(kModels / "DamagedHelmet.glb", {});
+  EXPECT_EQ(scene.triangleCount(), 15452u);
+  ASSERT_EQ(scene.textures.size(), 5u);
+  for (const Texture& texture : scene.textures) EXPECT_EQ(texture.levels, 12u);
+  for (const auto& attributes : scene.meshes[0].attributes) {
+    ASSERT_NEAR(glm::length(vec3(attributes.tangent)), 1, 1e-5f);
+    ASSERT_NEAR(glm::dot(vec3(attributes.tangent), attributes.normal), 0, 1e-5f);
+    ASSERT_EQ(std::abs(attributes.tangent.w), 1);
+  }
+}
+
+TEST(GltfFiles, SkinnedModelsStandUpright) {
+  if (!fs::exists(kModels / "Fox.glb")) GTEST_SKIP() << "../shared/models/Fox.glb is not there";
+  Bounds fox = worldBounds(loadGltf(kModels / "Fox.glb", {}));
+  EXPECT_NEAR(fox.min.z, -0.12f, 0.1f);  // four feet on the ground, in centimetres
+  EXPECT_NEAR(fox.max.z, 78.9f, 0.1f);
+  EXPECT_NEAR(fox.max.y - fox.min.y, 154.7f, 0.2f);
+  Bounds man = worldBounds(loadGltf(kModels / "CesiumMan.glb", {}));
+  EXPECT_NEAR(man.min.z, 0, 0.01f);
+  EXPECT_NEAR(man.max.z, 1.507f, 0.01f);
+}
+
+TEST(GltfFiles, PunctualLightsModel) {
+  if (!fs::exists(kModels / "lights_punctual.glb")) GTEST_SKIP() << "../shared/models/lights_punctual.glb is not there";
+  Scene scene = loadGltf(kModels / "lights_punctual.glb", {});
+  EXPECT_EQ(scene.lights.size(), 3u);
+  EXPECT_EQ(scene.cameras.size(), 1u);
+}
+
+}  // namespace
+}  // namespace latelight::scene::test

@@ -1,0 +1,159 @@
+// A thousand damaged files: each loads or ends with Error, never with anything else.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "base/log.h"
+#include "gltf_builder.h"
+
+namespace latelight::scene::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Sample {
+  std::string name;
+  std::vector<std::byte> bytes;
+};
+
+std::vector<std::byte> bytesOf(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::vector<char> text((std::istreambuf_iterator<char>(in)), {});
+  auto bytes = std::as_bytes(std::span(text));
+  return {bytes.begin(), bytes.end()};
+}
+
+// A file that touches most of the importer: nodes, sparse accessors, skins, morphs, cameras, lights, instancing.
+GltfBuilder busyFile() {
+  GltfBuilder b = triangleFile();
+  json& attributes = b.primitive()["attributes"];
+  attributes["NORMAL"] = b.vectors(std::vector<vec3>(3, vec3(0, 0, 1)));
+  attributes["COLOR_0"] = b.vectors(std::vector<vec4>(3, vec4(1)));
+  attributes["JOINTS_0"] = b.accessor(b.view(std::vector<uint8_t>(12)), kUnsignedByte, "VEC4", 3);
+  attributes["WEIGHTS_0"] = b.vectors(std::vector<vec4>(3, vec4(1, 0, 0, 0)));
+  b.primitive()["indices"] = b.accessor(b.view(std::vector<uint16_t>{0, 1, 2}), kUnsignedShort, "SCALAR", 3);
+  b.primitive()["targets"] = {{{"POSITION", attributes["POSITION"]}}};
+  b.root["meshes"][0]["weights"] = {.5};
+  int indices = b.view(std::vector<uint8_t>{1});
+  int values = b.view(std::vector<vec3>{{2, 0, 0}});
+  b.root["accessors"][0]["sparse"] = {{"count", 1},
+                                      {"indices", {{"bufferView", indices}, {"componentType", 5121}}},
+                                      {"values", {{"bufferView", values}}}};
+  int inverse = b.accessor(b.view(std::vector<mat4>{mat4(1)}), kFloat, "MAT4", 1);
+  b.add("skins", {{"joints", {1}}, {"inverseBindMatrices", inverse}});
+  b.root["nodes"][0]["skin"] = 0;
+  b.add("cameras", {{"type", "perspective"}, {"perspective", {{"yfov", .7}, {"znear", .1}}}});
+  b.root["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "spot"}, {"spot", {{"innerConeAngle", .1}}}}};
+  b.root["extensions"]["KHR_materials_variants"]["variants"] = {{{"name", "a"}}};
+  b.node({{"camera", 0}, {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}, {"children", {2}}});
+  int many = b.positions({{1, 0, 0}, {2, 0, 0}});
+  b.add("nodes",
+        {{"mesh", 0}, {"extensions", {{"EXT_mesh_gpu_instancing", {{"attributes", {{"TRANSLATION", many}}}}}}}});
+  b.add("materials",
+        {{"pbrMetallicRoughness", {{"metallicFactor", .5}}}, {"extensions", {{"KHR_materials_ior", {{"ior", 1.4}}}}}});
+  b.primitive()["material"] = 0;
+  b.primitive()["extensions"]["KHR_materials_variants"]["mappings"] = {{{"material", 0}, {"variants", {0}}}};
+  return b;
+}
+
+std::vector<Sample> samples() {
+  GltfBuilder busy = busyFile();
+  std::string text = busy.embedded();
+  auto bytes = std::as_bytes(std::span(text));
+  std::vector<Sample> out = {{"busy.glb", busy.glb()}, {"busy.gltf", {bytes.begin(), bytes.end()}}};
+  fs::path assimp = "/usr/share/assimp/models/glTF2";
+  for (const char* name : {"BoxTextured-glTF-Binary/BoxTextured.glb", "BoxTextured-glTF-Embedded/BoxTextured.gltf",
+                           "simple_skin/simple_skin.gltf"})
+    if (fs::exists(assimp / name)) out.push_back({fs::path(name).filename().string(), bytesOf(assimp / name)});
+  return out;
+}
+
+using Random = std::mt19937;
+
+std::vector<std::byte> damage(std::vector<std::byte> bytes, Random& random) {
+  auto below = [&](size_t n) { return size_t(random() % n); };
+  if (below(4) == 0) {
+    bytes.resize(below(bytes.size()));
+    return bytes;
+  }
+  size_t flips = 1 + below(4);
+  for (size_t i = 0; i < flips; ++i) {
+    std::byte& target = bytes[below(bytes.size())];
+    switch (below(3)) {
+      case 0:
+        target ^= std::byte(1u << below(8));
+        break;
+      case 1:
+        target = std::byte(below(256));
+        break;
+      default:  // what does most to JSON
+        target = std::byte("0123456789-.eE{}[]\",:"[below(21)]);
+        break;
+    }
+  }
+  return bytes;
+}
+
+// True if it loaded. A failure's file is kept where gtest says.
+bool survives(const fs::path& path) {
+  try {
+    loadGltf(path, {});
+    return true;
+  } catch (const Error& error) {
+    EXPECT_TRUE(error.code() == ExitCode::BadInput) << error.what();
+  } catch (const std::exception& error) {
+    ADD_FAILURE() << "not an Error: " << error.what();
+  }
+  return false;
+}
+
+class Quiet {
+ public:
+  Quiet() { setQuiet(true); }
+  ~Quiet() { setQuiet(false); }
+};
+
+TEST(GltfFuzz, AThousandTruncationsAndByteFlips) {
+  Quiet quiet;
+  TemporaryFolder folder;
+  Random random(20240229);
+  std::vector<Sample> good = samples();
+  for (const Sample& sample : good) {
+    writeBytes(folder.path() / sample.name, sample.bytes);
+    EXPECT_TRUE(survives(folder.path() / sample.name)) << sample.name << " should be good";
+  }
+  int loaded = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const Sample& sample = good[size_t(i) % good.size()];
+    fs::path path = folder.path() / sample.name;
+    writeBytes(path, damage(sample.bytes, random));
+    SCOPED_TRACE(fmt::format("number {} of {}", i, sample.name));
+    loaded += survives(path);
+  }
+  // Some flips hit nothing that matters; were it all or none, the damage would not be testing much.
+  EXPECT_GT(loaded, 50);
+  EXPECT_LT(loaded, 900);
+}
+
+// Every value of a good file replaced by values of other kinds and sizes.
+TEST(GltfFuzz, EveryValueReplaced) {
+  Quiet quiet;
+  TemporaryFolder folder;
+  json root = json::parse(busyFile().embedded());
+  json flat = root.flatten();
+  const json replacements[] = {-1,  0,   1,       255,  4294967295u,   1e300,
+                               0.5, "x", nullptr, true, json::array(), json::object()};
+  for (const auto& [pointer, value] : flat.items()) {
+    for (const json& replacement : replacements) {
+      json changed = root;
+      changed[json::json_pointer(pointer)] = replacement;
+      std::string text = changed.dump();
+      writeBytes(folder.path() / "changed.gltf", std::as_bytes(std::span(text)));
+      SCOPED_TRACE(fmt::format("{} is {}", pointer, replacement.dump()));
+      survives(folder.path() / "changed.gltf");
+    }
+  }
+}
+
+}  // namespace
+}  // namespace latelight::scene::test

@@ -1,0 +1,217 @@
+// Materials, texture references and variants.
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "gltf_builder.h"
+
+namespace latelight::scene::test {
+namespace {
+
+using testing::HasSubstr;
+using namespace shared;
+
+// A 1x1 picture in every slot's place: a BMP of one pixel.
+int addPicture(GltfBuilder& b) {
+  std::vector<uint8_t> bmp = {'B', 'M', 58, 0, 0, 0, 0, 0, 0, 0, 54, 0, 0, 0,  40,
+                              0,   0,   0,  1, 0, 0, 0, 1, 0, 0, 0,  1, 0, 24, 0};
+  bmp.resize(54);
+  bmp.insert(bmp.end(), {30, 20, 10, 0});
+  return b.add("images", {{"bufferView", b.view(bmp)}});
+}
+
+GltfBuilder withMaterial(json material) {
+  GltfBuilder b = triangleFile();
+  addPicture(b);
+  b.add("samplers", {{"magFilter", 9728}, {"minFilter", 9986}, {"wrapS", 33071}, {"wrapT", 33648}});
+  b.add("textures", {{"source", 0}});
+  b.add("textures", {{"source", 0}, {"sampler", 0}});
+  b.primitive()["material"] = b.add("materials", std::move(material));
+  return b;
+}
+
+TEST(GltfMaterial, DefaultsAreTheSpecifications) {
+  Scene scene = triangleFile().load();
+  ASSERT_EQ(scene.materials.size(), 1u);
+  const auto& m = scene.materials[0].data;
+  EXPECT_EQ(m.baseColor, vec4(1));
+  EXPECT_EQ(m.emissive, vec3(0));
+  EXPECT_EQ(m.metallic, 1);
+  EXPECT_EQ(m.roughness, 1);
+  EXPECT_FLOAT_EQ(m.f0, 0.04f);
+  EXPECT_EQ(m.specular, 1);
+  EXPECT_EQ(m.specularColor, vec3(1));
+  EXPECT_EQ(m.flags, 0u);
+  EXPECT_EQ(m.textures, 0u);
+  EXPECT_EQ(m.transforms[3].row0, vec3(1, 0, 0));
+  EXPECT_EQ(m.transforms[3].row1, vec3(0, 1, 0));
+}
+
+TEST(GltfMaterial, FactorsTexturesAndFlags) {
+  GltfBuilder b = withMaterial({{"name", "paint"},
+                                {"pbrMetallicRoughness",
+                                 {{"baseColorFactor", {.1, .2, .3, .4}},
+                                  {"metallicFactor", .5},
+                                  {"roughnessFactor", .6},
+                                  {"baseColorTexture", {{"index", 0}}},
+                                  {"metallicRoughnessTexture", {{"index", 1}, {"texCoord", 1}}}}},
+                                {"normalTexture", {{"index", 0}, {"scale", .7}}},
+                                {"occlusionTexture", {{"index", 0}, {"strength", .8}}},
+                                {"emissiveTexture", {{"index", 0}}},
+                                {"emissiveFactor", {1, .5, .25}},
+                                {"alphaMode", "MASK"},
+                                {"alphaCutoff", .3},
+                                {"doubleSided", true}});
+  Scene scene = b.load();
+  ASSERT_EQ(scene.materials.size(), 1u);  // no default beside it
+  const scene::Material& material = scene.materials[0];
+  EXPECT_EQ(material.name, "paint");
+  EXPECT_EQ(material.data.baseColor, vec4(.1f, .2f, .3f, .4f));
+  EXPECT_EQ(material.data.emissive, vec3(1, .5f, .25f));
+  EXPECT_FLOAT_EQ(material.data.metallic, .5f);
+  EXPECT_FLOAT_EQ(material.data.roughness, .6f);
+  EXPECT_FLOAT_EQ(material.data.normalScale, .7f);
+  EXPECT_FLOAT_EQ(material.data.occlusionStrength, .8f);
+  EXPECT_FLOAT_EQ(material.data.alphaCutoff, .3f);
+  EXPECT_EQ(material.data.flags, kMaterialMasked | kMaterialDoubleSided);
+  EXPECT_EQ(material.data.textures, 0b11111u);
+  EXPECT_EQ(material.data.transforms[kTextureMetallicRoughness].uvSet, 1u);
+  // One picture, two codings.
+  ASSERT_EQ(scene.textures.size(), 2u);
+  int color = material.slots[kTextureBaseColor].texture, data = material.slots[kTextureNormal].texture;
+  EXPECT_TRUE(scene.textures[size_t(color)].srgb);
+  EXPECT_FALSE(scene.textures[size_t(data)].srgb);
+  EXPECT_EQ(material.slots[kTextureEmissive].texture, color);
+  EXPECT_EQ(material.slots[kTextureMetallicRoughness].texture, data);
+  EXPECT_EQ(material.slots[kTextureOcclusion].texture, data);
+  EXPECT_EQ(scene.textures[size_t(color)].pixels[0], std::byte{10});
+  Sampler odd{Wrap::Clamp, Wrap::Mirror, Filter::Nearest, Filter::Nearest, MipFilter::Linear};
+  EXPECT_EQ(material.slots[kTextureMetallicRoughness].sampler, odd);
+  EXPECT_EQ(material.slots[kTextureBaseColor].sampler, Sampler());
+}
+
+TEST(GltfMaterial, EveryMinificationFilter) {
+  struct Case {
+    int gl;
+    Filter filter;
+    MipFilter mip;
+  };
+  for (Case c : {Case{9728, Filter::Nearest, MipFilter::None},
+                 {9729, Filter::Linear, MipFilter::None},
+                 {9984, Filter::Nearest, MipFilter::Nearest},
+                 {9985, Filter::Linear, MipFilter::Nearest},
+                 {9986, Filter::Nearest, MipFilter::Linear},
+                 {9987, Filter::Linear, MipFilter::Linear}}) {
+    GltfBuilder b = withMaterial({{"normalTexture", {{"index", 1}}}});
+    b.root["samplers"][0] = {{"minFilter", c.gl}};
+    Sampler sampler = b.load().materials[0].slots[kTextureNormal].sampler;
+    EXPECT_EQ(sampler.minify, c.filter) << c.gl;
+    EXPECT_EQ(sampler.mip, c.mip) << c.gl;
+  }
+}
+
+TEST(GltfMaterial, BlendIsMaskedAtOneHalf) {
+  const auto& data = withMaterial({{"alphaMode", "BLEND"}, {"alphaCutoff", .1}}).load().materials[0].data;
+  EXPECT_EQ(data.flags, kMaterialBlended | kMaterialMasked);
+  EXPECT_EQ(data.alphaCutoff, .5f);
+}
+
+TEST(GltfMaterial, Extensions) {
+  Scene scene = withMaterial({{"emissiveFactor", {1, 1, .5}},
+                              {"extensions",
+                               {{"KHR_materials_unlit", json::object()},
+                                {"KHR_materials_emissive_strength", {{"emissiveStrength", 8}}},
+                                {"KHR_materials_ior", {{"ior", 1.8}}},
+                                {"KHR_materials_specular",
+                                 {{"specularFactor", .25},
+                                  {"specularColorFactor", {2, .5, 0}},
+                                  {"specularTexture", {{"index", 0}}},
+                                  {"specularColorTexture", {{"index", 0}, {"texCoord", 1}}}}}}}})
+                    .load();
+  const scene::Material& material = scene.materials[0];
+  EXPECT_EQ(material.data.flags, kMaterialUnlit);
+  EXPECT_EQ(material.data.emissive, vec3(8, 8, 4));
+  EXPECT_FLOAT_EQ(material.data.f0, .8f * .8f / (2.8f * 2.8f));
+  EXPECT_EQ(material.data.specular, .25f);
+  EXPECT_EQ(material.data.specularColor, vec3(2, .5f, 0));
+  EXPECT_EQ(material.data.textures, 1u << kTextureSpecular | 1u << kTextureSpecularColor);
+  EXPECT_FALSE(scene.textures[size_t(material.slots[kTextureSpecular].texture)].srgb);
+  EXPECT_TRUE(scene.textures[size_t(material.slots[kTextureSpecularColor].texture)].srgb);
+  EXPECT_EQ(material.data.transforms[kTextureSpecularColor].uvSet, 1u);
+  json ior = {{"extensions", {{"KHR_materials_ior", {{"ior", 0}}}}}};
+  EXPECT_EQ(withMaterial(ior).load().materials[0].data.f0, 1);
+}
+
+TEST(GltfMaterial, TextureTransform) {
+  // KHR_texture_transform's own test model: the sign that says "correct" stands at this texture coordinate of the panel
+  // that is turned by 22.5 degrees, and the arrow's tip in the picture is at 0.5 + 0.2778.
+  GltfBuilder b = withMaterial(
+      {{"normalTexture",
+        {{"index", 0}, {"extensions", {{"KHR_texture_transform", {{"rotation", 0.39269908169872414}}}}}}}});
+  TextureTransform t = b.load().materials[0].data.transforms[kTextureNormal];
+  vec3 sign(0.5f - 0.07904822f, 0.5f + 0.51626749f, 1);
+  EXPECT_NEAR(glm::dot(t.row0, sign), 0.77781746f, 1e-6f);
+  EXPECT_NEAR(glm::dot(t.row1, sign), 0.77781746f, 1e-6f);
+
+  b.root["materials"][0]["normalTexture"]["extensions"]["KHR_texture_transform"] = {
+      {"offset", {.5, .25}}, {"rotation", std::acos(0.0)}, {"scale", {2, 3}}, {"texCoord", 1}};
+  t = b.load().materials[0].data.transforms[kTextureNormal];
+  expectNear(t.row0, vec3(0, 3, .5f));  // scale first, then rotation, then offset
+  expectNear(t.row1, vec3(-2, 0, .25f));
+  EXPECT_EQ(t.uvSet, 1u);
+}
+
+TEST(GltfMaterial, UvSetsAboveTheSecondBecomeTheSecond) {
+  EXPECT_EQ(withMaterial({{"normalTexture", {{"index", 0}, {"texCoord", 3}}}})
+                .load()
+                .materials[0]
+                .data.transforms[kTextureNormal]
+                .uvSet,
+            1u);
+}
+
+TEST(GltfMaterial, SecondUvSet) {
+  GltfBuilder b = triangleFile();
+  b.primitive()["attributes"]["TEXCOORD_1"] = b.vectors(std::vector<vec2>{{.1f, .2f}, {.3f, .4f}, {.5f, .6f}});
+  Scene scene = b.load();
+  ASSERT_EQ(scene.meshes[0].extras.size(), 3u);
+  EXPECT_EQ(scene.meshes[0].extras[2].uv1, vec2(.5f, .6f));
+  EXPECT_EQ(scene.meshes[0].extras[2].color, vec4(1));
+}
+
+GltfBuilder withVariants() {
+  GltfBuilder b = triangleFile();
+  for (const char* name : {"plain", "red", "blue"}) b.add("materials", {{"name", name}});
+  b.root["extensions"]["KHR_materials_variants"]["variants"] = {
+      {{"name", "Red"}}, {{"name", "Blue"}}, {{"name", "Unmapped"}}};
+  b.primitive()["material"] = 0;
+  b.primitive()["extensions"]["KHR_materials_variants"]["mappings"] = {{{"material", 1}, {"variants", {0}}},
+                                                                       {{"material", 2}, {"variants", {1}}}};
+  return b;
+}
+
+TEST(GltfMaterial, Variants) {
+  auto shown = [](const char* variant) {
+    Scene scene = withVariants().load({.variant = variant});
+    EXPECT_THAT(scene.variants, testing::ElementsAre("Red", "Blue", "Unmapped"));
+    return scene.materials[scene.instances[0].material].name;
+  };
+  EXPECT_EQ(shown(""), "plain");
+  EXPECT_EQ(shown("Red"), "red");
+  EXPECT_EQ(shown("Blue"), "blue");
+  EXPECT_EQ(shown("Unmapped"), "plain");
+  EXPECT_THAT(errorOf(withVariants(), ExitCode::Usage, {.variant = "Green"}),
+              HasSubstr("the file has Red, Blue, Unmapped"));
+  EXPECT_THAT(errorOf(triangleFile(), ExitCode::Usage, {.variant = "Green"}), HasSubstr("no material variants"));
+}
+
+TEST(GltfMaterial, WrongIndicesAndValues) {
+  EXPECT_THAT(errorOf(withMaterial({{"normalTexture", {{"index", 7}}}})),
+              HasSubstr("materials[0].normalTexture.index is 7, but there are 2 textures"));
+  EXPECT_THAT(errorOf(withMaterial({{"alphaMode", "GLASS"}})), HasSubstr("GLASS"));
+  EXPECT_THAT(errorOf(withMaterial({{"emissiveFactor", {1, 2}}})),
+              HasSubstr("materials[0].emissiveFactor has 2 items"));
+}
+
+}  // namespace
+}  // namespace latelight::scene::test

@@ -1,0 +1,228 @@
+// Topology, normals, tangents, colours, morph targets and skins.
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "gltf_builder.h"
+#include "scene/tangents.h"
+
+namespace latelight::scene::test {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+// Five points with normals, so that vertices stay shared, drawn in a mode.
+Scene drawn(int mode) {
+  GltfBuilder b;
+  int p = b.positions({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0, 2, 0}});
+  int n = b.vectors(std::vector<vec3>(5, vec3(0, 0, 1)));
+  b.mesh({{"attributes", {{"POSITION", p}, {"NORMAL", n}}}, {"mode", mode}});
+  return b.load();
+}
+
+TEST(GltfMesh, ListsStripsAndFans) {
+  EXPECT_THAT(drawn(4).meshes[0].indices, ElementsAre(0, 1, 2));  // the rest of a list is no triangle
+  EXPECT_THAT(drawn(5).meshes[0].indices, ElementsAre(0, 1, 2, 1, 3, 2, 2, 3, 4));
+  EXPECT_THAT(drawn(6).meshes[0].indices, ElementsAre(1, 2, 0, 2, 3, 0, 3, 4, 0));
+}
+
+TEST(GltfMesh, PointsAndLinesAreLeftOut) {
+  for (int mode : {0, 1, 2, 3}) {
+    Scene scene = drawn(mode);
+    EXPECT_TRUE(scene.meshes.empty());
+    EXPECT_TRUE(scene.instances.empty());
+    EXPECT_EQ(scene.nodes.size(), 1u);
+  }
+}
+
+TEST(GltfMesh, OnlyTheUsedRangeOfSharedBuffersIsKept) {
+  GltfBuilder b;
+  std::vector<vec3> many(1000, vec3(9));
+  many[500] = {0, 0, 0}, many[501] = {1, 0, 0}, many[502] = {0, 1, 0};
+  int p = b.positions(many), n = b.vectors(std::vector<vec3>(1000, vec3(0, 0, 1)));
+  int i = b.accessor(b.view(std::vector<uint16_t>{500, 501, 502}), kUnsignedShort, "SCALAR", 3);
+  b.mesh({{"attributes", {{"POSITION", p}, {"NORMAL", n}}}, {"indices", i}});
+  Scene scene = b.load();
+  EXPECT_THAT(scene.meshes[0].positions, ElementsAre(many[500], many[501], many[502]));
+  EXPECT_THAT(scene.meshes[0].indices, ElementsAre(0, 1, 2));
+  EXPECT_EQ(scene.meshes[0].boundsMax, vec3(1, 1, 0));
+}
+
+TEST(GltfMesh, MissingNormalsAreFlat) {
+  GltfBuilder b;
+  int p = b.positions({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
+  int i = b.accessor(b.view(std::vector<uint8_t>{0, 1, 2, 0, 3, 1}), kUnsignedByte, "SCALAR", 6);
+  b.mesh({{"attributes", {{"POSITION", p}}}, {"indices", i}});
+  Scene scene = b.load();
+  const Mesh& mesh = scene.meshes[0];
+  ASSERT_EQ(mesh.positions.size(), 6u);
+  EXPECT_THAT(mesh.indices, ElementsAre(0, 1, 2, 3, 4, 5));
+  for (size_t v : {0, 1, 2}) EXPECT_EQ(mesh.attributes[v].normal, vec3(0, 0, 1));
+  for (size_t v : {3, 4, 5}) EXPECT_EQ(mesh.attributes[v].normal, vec3(0, 1, 0));
+  EXPECT_TRUE(mesh.extras.empty());
+  EXPECT_EQ(mesh.attributes[0].tangent, vec4(0));
+}
+
+TEST(GltfMesh, BrokenNormalsAreMended) {
+  GltfBuilder b = triangleFile();
+  float nan = std::numeric_limits<float>::quiet_NaN();
+  b.primitive()["attributes"]["NORMAL"] = b.vectors(std::vector<vec3>{{0, 0, 0}, {nan, 0, 0}, {3, 0, 4}});
+  Scene scene = b.load();
+  EXPECT_EQ(scene.meshes[0].attributes[0].normal, vec3(0, 0, 1));
+  EXPECT_EQ(scene.meshes[0].attributes[1].normal, vec3(0, 0, 1));
+  expectNear(scene.meshes[0].attributes[2].normal, vec3(.6f, 0, .8f));
+}
+
+TEST(GltfMesh, ColorsOfEveryKind) {
+  auto colorsOf = [](Component component, const char* type, auto values) {
+    GltfBuilder b = triangleFile();
+    int stride = int((values.size() / 3 * sizeof(values[0]) + 3) / 4 * 4);
+    size_t bytes = values.size() / 3 * sizeof(values[0]);
+    std::vector<std::byte> padded(size_t(stride) * 3);
+    for (size_t i = 0; i < 3; ++i)
+      std::memcpy(&padded[i * size_t(stride)], reinterpret_cast<std::byte*>(values.data()) + i * bytes, bytes);
+    b.primitive()["attributes"]["COLOR_0"] = b.accessor(b.view(padded, stride), component, type, 3);
+    b.root["accessors"].back()["normalized"] = component != kFloat;
+    return b.load().meshes[0].extras.at(1).color;
+  };
+  EXPECT_EQ(colorsOf(kFloat, "VEC3", std::vector<float>{0, 0, 0, 1, .5f, .25f, 0, 0, 0}), vec4(1, .5f, .25f, 1));
+  EXPECT_EQ(colorsOf(kFloat, "VEC4", std::vector<float>{0, 0, 0, 0, 1, .5f, .25f, .125f, 0, 0, 0, 0}),
+            vec4(1, .5f, .25f, .125f));
+  EXPECT_EQ(colorsOf(kUnsignedByte, "VEC3", std::vector<uint8_t>{0, 0, 0, 255, 51, 0, 0, 0, 0}), vec4(1, .2f, 0, 1));
+  EXPECT_EQ(colorsOf(kUnsignedByte, "VEC4", std::vector<uint8_t>{0, 0, 0, 0, 255, 51, 0, 102, 0, 0, 0, 0}),
+            vec4(1, .2f, 0, .4f));
+  EXPECT_EQ(colorsOf(kUnsignedShort, "VEC3", std::vector<uint16_t>{0, 0, 0, 65535, 13107, 0, 0, 0, 0}),
+            vec4(1, .2f, 0, 1));
+  EXPECT_EQ(colorsOf(kUnsignedShort, "VEC4", std::vector<uint16_t>{0, 0, 0, 0, 65535, 13107, 0, 26214, 0, 0, 0, 0}),
+            vec4(1, .2f, 0, .4f));
+}
+
+// --- tangents
+// ---------------------------------------------------------------------------------------------------------
+
+TEST(Tangents, FollowUAndPointUpWhereVFallsDown) {
+  std::vector<vec3> p = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, n(3, vec3(0, 0, 1));
+  std::vector<vec2> upright = {{0, 1}, {1, 1}, {0, 0}}, mirrored = {{1, 1}, {0, 1}, {1, 0}};
+  std::vector<uint32_t> indices = {0, 1, 2};
+  for (const vec4& t : generateTangents(p, n, upright, indices).tangents) EXPECT_EQ(t, vec4(1, 0, 0, 1));
+  for (const vec4& t : generateTangents(p, n, mirrored, indices).tangents) EXPECT_EQ(t, vec4(-1, 0, 0, -1));
+}
+
+TEST(Tangents, SplitWhereMirroredHalvesMeet) {
+  // Two triangles share an edge; on the second, u runs backwards.
+  std::vector<vec3> p = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}}, n(4, vec3(0, 0, 1));
+  std::vector<vec2> uv = {{0, 1}, {1, 1}, {0, 0}, {1, 1}};
+  std::vector<uint32_t> indices = {0, 1, 2, 0, 2, 3};
+  TangentFrames frames = generateTangents(p, n, uv, indices);
+  EXPECT_THAT(frames.copies, ElementsAre(0, 2));
+  EXPECT_THAT(indices, ElementsAre(0, 1, 2, 4, 5, 3));
+  for (uint32_t v : {0, 1, 2}) EXPECT_EQ(frames.tangents[v], vec4(1, 0, 0, 1));
+  for (uint32_t v : {3, 4, 5}) EXPECT_EQ(frames.tangents[v], vec4(-1, 0, 0, -1));
+}
+
+TEST(Tangents, EqualVerticesShareTheirsThoughNotTheirIndex) {
+  // A fold: the same two corners twice, with one normal. Each side alone would tilt its tangent.
+  vec3 normal = glm::normalize(vec3(0, 0, 1));
+  std::vector<vec3> p = {{0, 0, 0}, {0, 1, 0}, {1, 0.5f, 0.5f}, {0, 0, 0}, {0, 1, 0}, {-1, 0.2f, 0.5f}}, n(6, normal);
+  std::vector<vec2> uv = {{.5f, 1}, {.5f, 0}, {1, .4f}, {.5f, 1}, {.5f, 0}, {0, .8f}};
+  std::vector<uint32_t> indices = {0, 2, 1, 3, 4, 5};
+  TangentFrames frames = generateTangents(p, n, uv, indices);
+  EXPECT_EQ(frames.tangents[0], frames.tangents[3]);
+  EXPECT_EQ(frames.tangents[1], frames.tangents[4]);
+  EXPECT_NE(frames.tangents[2], frames.tangents[5]);
+}
+
+TEST(Tangents, DegenerateUvsStillGiveAFrame) {
+  std::vector<vec3> p = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, n(3, glm::normalize(vec3(1, 2, 3)));
+  std::vector<uint32_t> indices = {0, 1, 2};
+  for (const vec4& t : generateTangents(p, n, std::vector<vec2>(3, vec2(0)), indices).tangents) {
+    EXPECT_NEAR(glm::length(vec3(t)), 1, 1e-6f);
+    EXPECT_NEAR(glm::dot(vec3(t), n[0]), 0, 1e-6f);
+    EXPECT_EQ(std::abs(t.w), 1);
+  }
+}
+
+GltfBuilder normalMapped() {
+  GltfBuilder b = triangleFile();
+  b.primitive()["attributes"]["NORMAL"] = b.vectors(std::vector<vec3>(3, vec3(0, 0, 1)));
+  b.primitive()["material"] = b.add("materials", {{"normalTexture", {{"index", b.add("textures", {{"source", 0}})}}}});
+  // A 1x1 BMP: headers of 14 and 40 bytes, one pixel of 24 bits.
+  std::vector<uint8_t> bmp = {'B', 'M', 58, 0, 0, 0, 0, 0, 0, 0, 54, 0, 0, 0,  40,
+                              0,   0,   0,  1, 0, 0, 0, 1, 0, 0, 0,  1, 0, 24, 0};
+  bmp.resize(54);
+  bmp.insert(bmp.end(), {255, 128, 128, 0});
+  b.add("images", {{"bufferView", b.view(bmp)}, {"mimeType", "image/bmp"}});
+  return b;
+}
+
+TEST(GltfMesh, TangentsAreMadeForNormalMapsOnly) {
+  GltfBuilder b = normalMapped();
+  EXPECT_EQ(b.load().meshes[0].attributes[0].tangent, vec4(1, 0, 0, 1));
+  // They follow the texture's transform: a quarter turn.
+  b.root["materials"][0]["normalTexture"]["extensions"]["KHR_texture_transform"] = {{"rotation", std::acos(0.0)}};
+  Scene turned = b.load();
+  expectNear(vec3(turned.meshes[0].attributes[0].tangent), vec3(0, -1, 0));
+  EXPECT_EQ(turned.meshes[0].attributes[0].tangent.w, 1);
+  b.root["materials"][0].erase("normalTexture");
+  EXPECT_EQ(b.load().meshes[0].attributes[0].tangent, vec4(0));
+}
+
+TEST(GltfMesh, TangentsOfTheFileAreKept) {
+  GltfBuilder b = normalMapped();
+  b.primitive()["attributes"]["TANGENT"] = b.vectors(std::vector<vec4>(3, vec4(0, 2, 0, -1)));
+  EXPECT_EQ(b.load().meshes[0].attributes[0].tangent, vec4(0, 1, 0, -1));
+  b.primitive()["attributes"].erase("NORMAL");  // without normals, tangents must be ignored
+  EXPECT_EQ(b.load().meshes[0].attributes[0].tangent, vec4(1, 0, 0, 1));
+}
+
+// --- poses
+// ------------------------------------------------------------------------------------------------------------
+
+TEST(GltfMesh, MorphTargetsByDefaultWeights) {
+  GltfBuilder b = triangleFile();
+  b.primitive()["attributes"]["NORMAL"] = b.vectors(std::vector<vec3>(3, vec3(0, 0, 1)));
+  int up = b.positions(std::vector<vec3>(3, vec3(0, 0, 4))), side = b.positions(std::vector<vec3>(3, vec3(8, 0, 0)));
+  int tilt = b.vectors(std::vector<vec3>(3, vec3(0, 2, 0)));
+  b.primitive()["targets"] = {{{"POSITION", up}}, {{"POSITION", side}, {"NORMAL", tilt}}};
+  EXPECT_EQ(b.load().meshes[0].positions[0], vec3(0));
+  b.root["meshes"][0]["weights"] = {0.5, 0.25};
+  Scene scene = b.load();
+  EXPECT_EQ(scene.meshes[0].positions[0], vec3(2, 0, 2));
+  expectNear(scene.meshes[0].attributes[0].normal, glm::normalize(vec3(0, .5f, 1)));
+  b.root["nodes"][0]["weights"] = {1, 0};  // a node's own come first
+  EXPECT_EQ(b.load().meshes[0].positions[0], vec3(0, 0, 4));
+}
+
+TEST(GltfMesh, SkinsAreInTheirJointsPoseAndIgnoreTheirNode) {
+  GltfBuilder b = triangleFile();
+  b.primitive()["attributes"]["NORMAL"] = b.vectors(std::vector<vec3>(3, vec3(0, 0, 1)));
+  std::vector<uint8_t> joints = {0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0};
+  std::vector<vec4> weights = {{1, 0, 0, 0}, {2, 0, 0, 0}, {.5f, .5f, 0, 0}};
+  b.primitive()["attributes"]["JOINTS_0"] = b.accessor(b.view(joints), kUnsignedByte, "VEC4", 3);
+  b.primitive()["attributes"]["WEIGHTS_0"] = b.vectors(weights);
+  glm::mat4 shift(1);
+  shift[3] = vec4(-1, 0, 0, 1);
+  std::vector<glm::mat4> inverse = {glm::mat4(1), shift};
+  int ibm = b.accessor(b.view(inverse), kFloat, "MAT4", 2);
+  int arm = b.node({{"translation", {0, 0, 10}}, {"children", {2}}, {"name", "arm"}});
+  ASSERT_EQ(arm, 1);
+  b.add("nodes", {{"translation", {1, 0, 0}}, {"scale", {2, 2, 2}}, {"name", "hand"}});
+  b.add("skins", {{"joints", {1, 2}}, {"inverseBindMatrices", ibm}});
+  b.root["nodes"][0]["skin"] = 0;
+  b.root["nodes"][0]["translation"] = {100, 100, 100};
+  Scene scene = b.load();
+  ASSERT_EQ(scene.meshes.size(), 1u);
+  expectNear(scene.meshes[0].positions[0], vec3(0, 0, 10));
+  expectNear(scene.meshes[0].positions[1], vec3(1, 0, 10));        // (1,0,0) less the shift is the hand's origin
+  expectNear(scene.meshes[0].positions[2], vec3(-.5f, 1.5f, 10));  // halfway between (0,1,10) and (-1,2,10)
+  expectNear(scene.meshes[0].attributes[1].normal, vec3(0, 0, 1));
+  EXPECT_EQ(scene.instances[0].toWorld, toWorldFromGltf());
+
+  joints[0] = 2;
+  b.primitive()["attributes"]["JOINTS_0"] = b.accessor(b.view(joints), kUnsignedByte, "VEC4", 3);
+  EXPECT_THAT(errorOf(b), HasSubstr("names joint 2 of skins[0], which has 2"));
+}
+
+}  // namespace
+}  // namespace latelight::scene::test

@@ -1,0 +1,205 @@
+// The node tree, instances and their ids, cameras and lights.
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <set>
+
+#include "base/hash.h"
+#include "gltf_builder.h"
+
+namespace latelight::scene::test {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+vec3 apply(const mat4& m, vec3 p) {
+  return vec3(m * vec4(p, 1));
+}
+
+TEST(GltfNodes, TransformsByPartsAndByMatrix) {
+  GltfBuilder b = triangleFile();
+  double h = std::sqrt(0.5);
+  b.root["nodes"][0]["translation"] = {1, 2, 3};
+  b.root["nodes"][0]["rotation"] = {0, 0, h, h};  // a quarter turn about Z
+  b.root["nodes"][0]["scale"] = {2, 1, 1};
+  Scene scene = b.load();
+  expectNear(apply(scene.nodes[0].local, vec3(1, 0, 0)), vec3(1, 4, 3));
+  // To the renderer's world: Y of the file is up, which is Z here; Z of the file comes towards the viewer, -Y here.
+  expectNear(apply(scene.instances[0].toWorld, vec3(1, 0, 0)), vec3(1, -3, 4));
+  b.root["nodes"][0] = {{"mesh", 0}, {"matrix", {0, 2, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 1, 2, 3, 1}}};
+  expectNear(apply(b.load().instances[0].toWorld, vec3(1, 0, 0)), vec3(1, -3, 4));
+}
+
+TEST(GltfNodes, PathsAreUniqueAndIdsComeFromThem) {
+  GltfBuilder b = triangleFile();
+  b.root["nodes"] = {{{"name", "Car"}, {"children", {1, 2, 3, 4}}},
+                     {{"name", "Wheel"}, {"mesh", 0}},
+                     {{"name", "Wheel"}, {"mesh", 0}},
+                     {{"mesh", 0}},
+                     {{"name", "Wheel#2"}, {"mesh", 0}}};
+  Scene scene = b.load();
+  std::vector<std::string> paths;
+  for (const Node& node : scene.nodes) paths.push_back(node.path);
+  EXPECT_THAT(paths, ElementsAre("/Car", "/Car/Wheel", "/Car/Wheel#2", "/Car/node3", "/Car/Wheel#2#2"));
+  ASSERT_EQ(scene.instances.size(), 4u);
+  EXPECT_EQ(scene.meshes.size(), 1u);
+  for (const Instance& instance : scene.instances) EXPECT_EQ(instance.id, hash32(scene.nodes[instance.node].path));
+  EXPECT_EQ(scene.nodes[1].parent, 0);
+  EXPECT_EQ(scene.nodes[0].parent, -1);
+}
+
+TEST(GltfNodes, SeveralPrimitivesHaveIdsOfTheirOwn) {
+  GltfBuilder b = triangleFile();
+  b.root["nodes"][0]["name"] = "Box";
+  json second = b.primitive();
+  second["material"] = b.add("materials", {{"name", "second"}});
+  b.root["meshes"][0]["primitives"].push_back(second);
+  Scene scene = b.load();
+  ASSERT_EQ(scene.instances.size(), 2u);
+  EXPECT_EQ(scene.instances[0].id, hash32("/Box/primitive0"));
+  EXPECT_EQ(scene.instances[1].id, hash32("/Box/primitive1"));
+  EXPECT_EQ(scene.meshes.size(), 1u);  // the same geometry in another material
+  EXPECT_EQ(scene.materials[scene.instances[0].material].name, "default");
+  EXPECT_EQ(scene.materials[scene.instances[1].material].name, "second");
+}
+
+TEST(GltfNodes, OnlyTheShownSceneIsLoaded) {
+  GltfBuilder b = triangleFile();
+  b.add("nodes", {{"mesh", 0}, {"name", "other"}});
+  b.root["scenes"].push_back({{"nodes", {1}}});
+  b.root["scene"] = 1;
+  Scene scene = b.load();
+  ASSERT_EQ(scene.nodes.size(), 1u);
+  EXPECT_EQ(scene.nodes[0].name, "other");
+  b.root.erase("scene");
+  EXPECT_EQ(b.load().nodes[0].name, "node0");
+  b.root.erase("scenes");
+  EXPECT_EQ(b.load().nodes.size(), 2u);
+}
+
+TEST(GltfNodes, CyclesAndSecondParents) {
+  GltfBuilder b = triangleFile();
+  b.root["nodes"] = {{{"children", {1}}}, {{"children", {2}}}, {{"children", {1}}}};
+  EXPECT_THAT(errorOf(b), HasSubstr("nodes[1] is the child of both nodes[0] and nodes[2]"));
+  b.root["nodes"] = {{{"children", {1}}}, {{"children", {0}}}};
+  EXPECT_THAT(errorOf(b), HasSubstr("cycle"));
+  b.root["nodes"] = {{{"children", {1, 1}}}, json::object()};
+  EXPECT_THAT(errorOf(b), HasSubstr("a node has one parent"));
+  b.root["nodes"] = {{{"children", {5}}}};
+  EXPECT_THAT(errorOf(b), HasSubstr("nodes[0].children[0] is 5, but there are 1 nodes"));
+}
+
+TEST(GltfNodes, DeepTreesDontOverflow) {
+  GltfBuilder b = triangleFile();
+  for (int i = 0; i < 5000; ++i) b.root["nodes"][size_t(i)] = {{"children", {i + 1}}, {"name", "n"}};
+  b.root["nodes"][5000] = {{"mesh", 0}};
+  EXPECT_EQ(b.load().nodes.size(), 5001u);
+  for (int i = 0; i < 5000; ++i) b.root["nodes"][size_t(i)]["name"] = std::string(100, 'n');
+  EXPECT_THAT(errorOf(b), HasSubstr("nested too deep"));
+}
+
+TEST(GltfNodes, GpuInstancing) {
+  GltfBuilder b = triangleFile();
+  b.root["nodes"][0]["name"] = "Tree";
+  b.root["nodes"][0]["translation"] = {0, 0, 10};
+  int t = b.positions({{1, 0, 0}, {2, 0, 0}});
+  std::vector<int16_t> quarter = {0, 0, 0, 32767, 0, 0, 23170, 23170};
+  int r = b.accessor(b.view(quarter), kShort, "VEC4", 2);
+  int s = b.positions({{1, 1, 1}, {3, 3, 3}});
+  b.root["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {
+      {"TRANSLATION", t}, {"ROTATION", r}, {"SCALE", s}};
+  Scene scene = b.load();
+  ASSERT_EQ(scene.instances.size(), 2u);
+  expectNear(apply(toGltfFromWorld() * scene.instances[0].toWorld, vec3(1, 0, 0)), vec3(2, 0, 10));
+  expectNear(apply(toGltfFromWorld() * scene.instances[1].toWorld, vec3(1, 0, 0)), vec3(2, 3, 10), 1e-4f);
+  EXPECT_EQ(scene.instances[1].id, hash32("/Tree/instance1"));
+  b.root["accessors"][size_t(s)]["count"] = 1;
+  EXPECT_THAT(errorOf(b), HasSubstr("different lengths"));
+}
+
+TEST(GltfNodes, IdsNeverCollide) {
+  // 100000 instances: among 32-bit hashes of so many names, a collision is all but certain to occur (p = 0.69).
+  GltfBuilder b = triangleFile();
+  int t = b.positions(std::vector<vec3>(100000, vec3(0)));
+  b.root["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {{"TRANSLATION", t}};
+  std::set<uint32_t> ids;
+  for (const Instance& instance : b.load().instances) ids.insert(instance.id);
+  EXPECT_EQ(ids.size(), 100000u);
+  EXPECT_FALSE(ids.contains(0));
+}
+
+TEST(GltfNodes, PerspectiveCameras) {
+  GltfBuilder b;
+  b.add("cameras", {{"type", "perspective"}, {"name", "Eye"}, {"perspective", {{"yfov", .7}, {"znear", .1}}}});
+  b.add("cameras",
+        {{"type", "perspective"}, {"perspective", {{"yfov", .7}, {"znear", .1}, {"zfar", 50}, {"aspectRatio", 1.5}}}});
+  b.node({{"camera", 0}, {"translation", {1, 2, 3}}, {"scale", {5, 5, 5}}});
+  b.node({{"camera", 1}, {"name", "Second"}});
+  Scene scene = b.load();
+  ASSERT_EQ(scene.cameras.size(), 2u);
+  const Camera& eye = scene.cameras[0];
+  EXPECT_EQ(eye.name, "Eye");
+  EXPECT_FALSE(eye.orthographic);
+  EXPECT_FLOAT_EQ(eye.verticalFov, .7f);
+  EXPECT_FALSE(eye.aspect);
+  EXPECT_TRUE(std::isinf(eye.farClip));
+  // One metre ahead of the camera is -Z in the file; scaling does not stretch it.
+  expectNear(apply(toGltfFromWorld() * eye.toWorld, vec3(0, 1, 0)), vec3(1, 2, 2));
+  expectNear(apply(toGltfFromWorld() * eye.toWorld, vec3(0, 0, 1)), vec3(1, 3, 3));
+  EXPECT_EQ(scene.cameras[1].name, "Second");
+  EXPECT_EQ(scene.cameras[1].farClip, 50);
+  EXPECT_FLOAT_EQ(*scene.cameras[1].aspect, 1.5f);
+  b.root["cameras"][1]["perspective"]["zfar"] = .05;
+  EXPECT_THAT(errorOf(b), HasSubstr("far plane"));
+  b.root["cameras"][1]["perspective"].erase("yfov");
+  EXPECT_THAT(errorOf(b), HasSubstr("cameras[1].perspective.yfov is missing"));
+}
+
+TEST(GltfNodes, OrthographicCameras) {
+  GltfBuilder b;
+  b.add("cameras", {{"type", "orthographic"}, {"orthographic", {{"xmag", 4}, {"ymag", 3}, {"znear", 0}, {"zfar", 9}}}});
+  b.node({{"camera", 0}});
+  Camera camera = b.load().cameras.at(0);
+  EXPECT_TRUE(camera.orthographic);
+  EXPECT_EQ(camera.xHalf, 4);
+  EXPECT_EQ(camera.yHalf, 3);
+  EXPECT_EQ(camera.nearClip, 0);
+  EXPECT_EQ(camera.farClip, 9);
+}
+
+TEST(GltfNodes, PunctualLights) {
+  GltfBuilder b;
+  b.root["extensions"]["KHR_lights_punctual"]["lights"] = {
+      {{"type", "directional"}, {"intensity", 3}},
+      {{"type", "point"}, {"color", {1, .5, .25}}, {"intensity", 20}, {"range", 7}, {"name", "Bulb"}},
+      {{"type", "spot"}, {"spot", {{"innerConeAngle", .2}, {"outerConeAngle", .4}}}}};
+  double h = std::sqrt(0.5);
+  for (int i = 0; i < 3; ++i)
+    b.node({{"translation", {1, 2, 3}},
+            {"rotation", {h, 0, 0, h}},
+            {"scale", {4, 4, 4}},
+            {"extensions", {{"KHR_lights_punctual", {{"light", i}}}}}});
+  Scene scene = b.load();
+  ASSERT_EQ(scene.lights.size(), 3u);
+  const Light &sun = scene.lights[0], &bulb = scene.lights[1], &spot = scene.lights[2];
+  EXPECT_EQ(sun.type, shared::kLightDirectional);
+  EXPECT_EQ(sun.intensity, 3);
+  EXPECT_EQ(sun.color, vec3(1));
+  expectNear(sun.direction, vec3(0, 0, 1));  // a quarter turn about X takes the file's -Z to its +Y: up
+  EXPECT_EQ(bulb.type, shared::kLightPoint);
+  EXPECT_EQ(bulb.name, "Bulb");
+  EXPECT_EQ(bulb.color, vec3(1, .5f, .25f));
+  EXPECT_EQ(bulb.range, 7);
+  expectNear(bulb.position, vec3(1, -3, 2));
+  EXPECT_EQ(spot.type, shared::kLightSpot);
+  EXPECT_FLOAT_EQ(spot.innerCone, .2f);
+  EXPECT_FLOAT_EQ(spot.outerCone, .4f);
+  EXPECT_EQ(spot.intensity, 1);
+  EXPECT_FALSE(spot.range);
+  b.root["extensions"]["KHR_lights_punctual"]["lights"][1]["type"] = "laser";
+  EXPECT_THAT(errorOf(b), HasSubstr("laser"));
+}
+
+}  // namespace
+}  // namespace latelight::scene::test

@@ -1,0 +1,241 @@
+// Codecs and mip levels.
+#include "scene/texture.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <spng.h>
+#include <turbojpeg.h>
+#include <webp/encode.h>
+
+#include <cmath>
+#include <cstring>
+#include <random>
+
+#include "base/error.h"
+
+namespace latelight::scene {
+namespace {
+
+using testing::HasSubstr;
+using Encoded = std::vector<std::byte>;
+
+struct Picture {
+  uint32_t width, height;
+  std::vector<uint8_t> rgba;
+};
+
+Picture smoothPicture(uint32_t width, uint32_t height) {
+  Picture p{width, height, {}};
+  for (uint32_t y = 0; y < height; ++y)
+    for (uint32_t x = 0; x < width; ++x)
+      for (double v : {x * 255.0 / width, y * 255.0 / height, 128 + 100 * std::sin(x * .1 + y * .07), 255.0})
+        p.rgba.push_back(uint8_t(v));
+  return p;
+}
+
+Picture noise(uint32_t width, uint32_t height) {
+  Picture p{width, height, std::vector<uint8_t>(size_t(width) * height * 4)};
+  std::mt19937 random(width * 1000 + height);
+  for (uint8_t& v : p.rgba) v = uint8_t(random());
+  return p;
+}
+
+Encoded toPng(const Picture& p, int bits = 8, int colorType = SPNG_COLOR_TYPE_TRUECOLOR_ALPHA) {
+  spng_ctx* context = spng_ctx_new(SPNG_CTX_ENCODER);
+  spng_set_option(context, SPNG_ENCODE_TO_BUFFER, 1);
+  spng_ihdr header{p.width, p.height, uint8_t(bits), uint8_t(colorType), 0, 0, 0};
+  spng_set_ihdr(context, &header);
+  EXPECT_EQ(spng_encode_image(context, p.rgba.data(), p.rgba.size(), SPNG_FMT_PNG, SPNG_ENCODE_FINALIZE), 0);
+  size_t size = 0;
+  int error = 0;
+  auto* bytes = static_cast<std::byte*>(spng_get_png_buffer(context, &size, &error));
+  Encoded out(bytes, bytes + size);
+  std::free(bytes);
+  spng_ctx_free(context);
+  return out;
+}
+
+Encoded toJpeg(const std::vector<uint8_t>& pixels, uint32_t width, uint32_t height, TJPF format, TJSAMP sampling,
+               int flags = 0) {
+  tjhandle encoder = tjInitCompress();
+  unsigned char* bytes = nullptr;
+  unsigned long size = 0;
+  EXPECT_EQ(tjCompress2(encoder, pixels.data(), int(width), 0, int(height), format, &bytes, &size, sampling, 95, flags),
+            0);
+  Encoded out(reinterpret_cast<std::byte*>(bytes), reinterpret_cast<std::byte*>(bytes) + size);
+  tjFree(bytes);
+  tjDestroy(encoder);
+  return out;
+}
+
+std::string errorOf(std::span<const std::byte> encoded) {
+  try {
+    decodeTexture(encoded, false, "images[7] (rust.png)");
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::BadInput);
+    EXPECT_THAT(error.what(), HasSubstr("images[7] (rust.png)"));
+    return error.what();
+  }
+  ADD_FAILURE() << "decoded without an error";
+  return {};
+}
+
+int largestDifference(const Texture& texture, const std::vector<uint8_t>& wanted) {
+  int most = 0;
+  for (size_t i = 0; i < wanted.size(); ++i) most = std::max(most, std::abs(int(texture.pixels[i]) - int(wanted[i])));
+  return most;
+}
+
+TEST(TextureCodecs, PngIsExact) {
+  Picture p = noise(37, 21);
+  Texture texture = decodeTexture(toPng(p), false, "p");
+  EXPECT_EQ(texture.width, 37u);
+  EXPECT_EQ(texture.height, 21u);
+  EXPECT_EQ(texture.levels, 6u);
+  EXPECT_EQ(texture.bytes(), 4u * (37 * 21 + 18 * 10 + 9 * 5 + 4 * 2 + 2 * 1 + 1));
+  EXPECT_EQ(largestDifference(texture, p.rgba), 0);
+}
+
+TEST(TextureCodecs, PngOfSixteenBitsIsCutToEight) {
+  Picture wide{2, 1, {}};
+  const uint16_t channels[] = {0x1234, 0x5678, 0x9abc, 0xffff, 0x0000, 0x8000, 0xff00, 0x4000};
+  wide.rgba.resize(sizeof(channels));
+  std::memcpy(wide.rgba.data(), channels, sizeof(channels));
+  Texture texture = decodeTexture(toPng(wide, 16), false, "p");
+  EXPECT_LE(largestDifference(texture, {0x12, 0x56, 0x9a, 0xff, 0x00, 0x80, 0xff, 0x40}), 1);
+}
+
+TEST(TextureCodecs, GreyPng) {
+  Picture grey{3, 1, {0, 100, 255}};
+  Texture texture = decodeTexture(toPng(grey, 8, SPNG_COLOR_TYPE_GRAYSCALE), false, "p");
+  EXPECT_EQ(largestDifference(texture, {0, 0, 0, 255, 100, 100, 100, 255, 255, 255, 255, 255}), 0);
+}
+
+TEST(TextureCodecs, JpegOfEveryKind) {
+  Picture p = smoothPicture(67, 45);
+  for (TJSAMP sampling : {TJSAMP_444, TJSAMP_422, TJSAMP_420})
+    for (int flags : {0, TJFLAG_PROGRESSIVE})
+      EXPECT_LE(
+          largestDifference(decodeTexture(toJpeg(p.rgba, 67, 45, TJPF_RGBX, sampling, flags), false, "p"), p.rgba), 12);
+  Picture grey = p;
+  for (size_t i = 0; i < grey.rgba.size(); i += 4) grey.rgba[i + 1] = grey.rgba[i + 2] = grey.rgba[i];
+  EXPECT_LE(largestDifference(decodeTexture(toJpeg(grey.rgba, 67, 45, TJPF_RGBX, TJSAMP_GRAY), false, "p"), grey.rgba),
+            12);
+}
+
+TEST(TextureCodecs, JpegOfFourInks) {
+  // Adobe's inverted inks: 255 is none. Half black over cyan.
+  std::vector<uint8_t> inks;
+  for (int i = 0; i < 64; ++i) inks.insert(inks.end(), {0, 255, 255, 128});
+  Texture texture = decodeTexture(toJpeg(inks, 8, 8, TJPF_CMYK, TJSAMP_444), false, "p");
+  EXPECT_LE(largestDifference(texture, {0, 128, 128, 255}), 3);
+}
+
+TEST(TextureCodecs, Webp) {
+  Picture p = noise(20, 30);
+  uint8_t* bytes = nullptr;
+  size_t size = WebPEncodeLosslessRGBA(p.rgba.data(), 20, 30, 80, &bytes);
+  Encoded encoded(reinterpret_cast<std::byte*>(bytes), reinterpret_cast<std::byte*>(bytes) + size);
+  WebPFree(bytes);
+  Texture texture = decodeTexture(encoded, false, "p");
+  // Lossless coding drops the colour of invisible pixels.
+  for (size_t i = 0; i < p.rgba.size(); i += 4)
+    if (p.rgba[i + 3] == 0) std::memset(&p.rgba[i], 0, 4), std::memset(&texture.pixels[i], 0, 4);
+  EXPECT_EQ(largestDifference(texture, p.rgba), 0);
+  encoded.resize(encoded.size() / 2);
+  EXPECT_THAT(errorOf(encoded), HasSubstr("WebP"));
+}
+
+TEST(TextureCodecs, UncompressedTga) {
+  std::vector<uint8_t> tga = {0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 1, 0, 32, 0x28, 3, 2, 1, 200};
+  EXPECT_EQ(largestDifference(decodeTexture(std::as_bytes(std::span(tga)), false, "p"), {1, 2, 3, 200}), 0);
+}
+
+TEST(TextureCodecs, BrokenPictures) {
+  Encoded png = toPng(noise(64, 64));
+  png.resize(png.size() / 2);
+  EXPECT_THAT(errorOf(png), HasSubstr("PNG"));
+  Picture p = smoothPicture(64, 64);
+  Encoded jpeg = toJpeg(p.rgba, 64, 64, TJPF_RGBX, TJSAMP_420);
+  jpeg.resize(jpeg.size() / 2);
+  EXPECT_THAT(errorOf(jpeg), HasSubstr("JPEG"));
+  EXPECT_THAT(errorOf({}), HasSubstr("is not a"));
+  const char ktx[] = "\xabKTX 20\xbb\r\n\x1a\n";
+  EXPECT_THAT(errorOf(std::as_bytes(std::span(ktx))), HasSubstr("KTX"));
+}
+
+TEST(TextureCodecs, HugePicturesAreRefusedByTheirHeader) {
+  Encoded png = toPng(noise(1, 1));
+  png[16] = std::byte{0x00}, png[17] = std::byte{0x01};  // width 65537; the chunk's checksum is now wrong too
+  EXPECT_FALSE(errorOf(png).empty());
+}
+
+// --- mip levels
+// -------------------------------------------------------------------------------------------------------
+
+Texture textureOf(const Picture& p, bool srgb) {
+  Texture texture = makeTexture({p.width, p.height}, srgb, "t");
+  std::memcpy(texture.pixels.get(), p.rgba.data(), p.rgba.size());
+  buildMips(texture);
+  return texture;
+}
+
+double toLinear(double c) {
+  return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
+}
+double toSrgb(double l) {
+  return l <= 0.0031308 ? l * 12.92 : 1.055 * std::pow(l, 1 / 2.4) - 0.055;
+}
+
+// The mean over the area that pixel (x, y) of the next level covers, in doubles.
+double areaMean(const uint8_t* level, ImageSize from, ImageSize to, uint32_t x, uint32_t y, int channel, bool srgb) {
+  double sum = 0, area = 0;
+  double x0 = double(x) * from.width / to.width, x1 = double(x + 1) * from.width / to.width;
+  double y0 = double(y) * from.height / to.height, y1 = double(y + 1) * from.height / to.height;
+  for (uint32_t j = uint32_t(y0); j < std::min(from.height, uint32_t(std::ceil(y1))); ++j)
+    for (uint32_t i = uint32_t(x0); i < std::min(from.width, uint32_t(std::ceil(x1))); ++i) {
+      double w = (std::min(x1, i + 1.0) - std::max(x0, double(i))) * (std::min(y1, j + 1.0) - std::max(y0, double(j)));
+      double v = level[(size_t(j) * from.width + i) * 4 + size_t(channel)] / 255.0;
+      sum += w * (srgb && channel < 3 ? toLinear(v) : v);
+      area += w;
+    }
+  double mean = sum / area;
+  return 255 * (srgb && channel < 3 ? toSrgb(mean) : mean);
+}
+
+TEST(TextureMips, EveryLevelIsTheMeanOfTheOneBefore) {
+  for (auto [width, height] : {std::pair{64u, 64u}, {63u, 31u}, {1u, 9u}, {100u, 1u}, {30u, 17u}, {5u, 3u}})
+    for (bool srgb : {false, true}) {
+      Texture texture = textureOf(noise(width, height), srgb);
+      auto* level = reinterpret_cast<const uint8_t*>(texture.pixels.get());
+      ImageSize from{width, height};
+      for (uint32_t l = 1; l < texture.levels; ++l) {
+        ImageSize to{std::max(1u, from.width / 2), std::max(1u, from.height / 2)};
+        const uint8_t* next = level + size_t(from.width) * from.height * 4;
+        for (uint32_t y = 0; y < to.height; ++y)
+          for (uint32_t x = 0; x < to.width; ++x)
+            for (int c = 0; c < 4; ++c)
+              // Half a step of rounding, and the table's 14 bits.
+              ASSERT_NEAR(next[(size_t(y) * to.width + x) * 4 + size_t(c)], areaMean(level, from, to, x, y, c, srgb),
+                          0.65)
+                  << width << 'x' << height << " level " << l << (srgb ? " srgb" : "");
+        level = next;
+        from = to;
+      }
+      EXPECT_EQ(reinterpret_cast<const std::byte*>(level) + 4, texture.pixels.get() + texture.bytes());
+    }
+}
+
+TEST(TextureMips, FlatColorsSurvive) {
+  for (auto [width, height] : {std::pair{32u, 32u}, {31u, 7u}})
+    for (bool srgb : {false, true})
+      for (int value = 0; value < 256; ++value) {
+        Texture texture =
+            textureOf({width, height, std::vector<uint8_t>(size_t(width) * height * 4, uint8_t(value))}, srgb);
+        for (size_t i = 0; i < texture.bytes(); ++i)
+          ASSERT_EQ(int(texture.pixels[i]), value) << (srgb ? "srgb" : "linear");
+      }
+}
+
+}  // namespace
+}  // namespace latelight::scene
