@@ -77,7 +77,9 @@ uint32_t parseSuperSampling(const std::string& text) {
   badUsage("--aa takes none, or ss1 to ss16 as in ss4, not \"{}\"", text);
 }
 
-std::optional<size_t> parseIndex(const std::string& text) { return parseNumber<size_t>(text); }
+std::optional<size_t> parseIndex(const std::string& text) {
+  return parseNumber<size_t>(text);
+}
 
 Orbit parseOrbit(const std::string& text) {
   std::vector<float> v = parseNumbers(text);

@@ -1,6 +1,7 @@
 // latelight render: a scene file in, pictures and per-pixel data out.
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <memory>
@@ -38,7 +39,9 @@ struct Options {
   render::Settings settings;
 };
 
-double seconds(Clock::time_point from) { return std::chrono::duration<double>(Clock::now() - from).count(); }
+double seconds(Clock::time_point from) {
+  return std::chrono::duration<double>(Clock::now() - from).count();
+}
 
 // --- options to settings --------------------------------------------------------------------------------------------
 
@@ -54,11 +57,15 @@ void parseSettings(Options& o) {
     s.backgroundColor = parseColor(o.background);
   }
   s.normalFrame = parseChoice<render::NormalFrame>("--normal-frame", o.normalFrame,
-                              {{"world", render::NormalFrame::World},
-                               {"opencv", render::NormalFrame::OpenCv},
-                               {"opengl", render::NormalFrame::OpenGl}});
+                                                   {{"world", render::NormalFrame::World},
+                                                    {"opencv", render::NormalFrame::OpenCv},
+                                                    {"opengl", render::NormalFrame::OpenGl}});
   s.zUp = parseChoice<bool>("--axes", o.axes, {{"file", false}, {"z-up", true}});
   render::checkSettings(s);
+}
+
+bool contains(const std::vector<output::Aov>& aovs, output::Aov aov) {
+  return std::find(aovs.begin(), aovs.end(), aov) != aovs.end();
 }
 
 // What --debug shows: "sheet", or AOV names. The picture then leaves as a PNG of those.
@@ -95,7 +102,8 @@ const scene::Camera& findCamera(const scene::Scene& scene, const std::string& wa
 
 scene::Camera chooseCamera(const scene::Scene& scene, const Options& o) {
   const float aspect = static_cast<float>(o.settings.width) / static_cast<float>(o.settings.height);
-  if (o.fov && !(*o.fov > 0 && *o.fov < 180)) badUsage("--fov must be an angle between 0 and 180 degrees, not {}", *o.fov);
+  if (o.fov && !(*o.fov > 0 && *o.fov < 180))
+    badUsage("--fov must be an angle between 0 and 180 degrees, not {}", *o.fov);
   const float fov = o.fov ? static_cast<float>(*o.fov * M_PI / 180.0) : scene::kDefaultVerticalFov;
   if (!o.camera.empty() + !o.eye.empty() + !o.orbit.empty() > 1)
     badUsage("--camera, --eye and --orbit each place the camera; use one of them");
@@ -181,7 +189,8 @@ struct Times {  // seconds
 void printReport(const scene::Scene& scene, const vk::Device& device, const render::Renderer& renderer,
                  const std::vector<std::filesystem::path>& files, const Times& times) {
   Json passes = Json::array();
-  for (const graph::PassTime& pass : renderer.times()) passes.push_back({{"pass", pass.name}, {"milliseconds", pass.milliseconds}});
+  for (const graph::PassTime& pass : renderer.times())
+    passes.push_back({{"pass", pass.name}, {"milliseconds", pass.milliseconds}});
   Json names = Json::array();
   for (const auto& file : files) names.push_back(file.string());
   Json report{{"files", names},
@@ -202,11 +211,14 @@ void printReport(const scene::Scene& scene, const vk::Device& device, const rend
 // Writes the pictures of --debug: one, or a labelled sheet of several.
 std::vector<std::filesystem::path> writeDebug(const DebugRequest& debug, const output::FrameOutput& frame,
                                               const output::Metadata& metadata, const std::string& out) {
+  const auto ids = std::find_if(frame.aovs.begin(), frame.aovs.end(),
+                                [](const output::AovImage& aov) { return aov.aov == output::Aov::Id; });
   std::vector<output::Labelled> pictures;
   for (const output::AovImage& aov : frame.aovs) {
+    if (!contains(debug.aovs, aov.aov)) continue;
     output::Picture picture = aov.aov == output::Aov::Color && !frame.display.empty()
                                   ? output::Picture{frame.width, frame.height, frame.display}
-                                  : output::debugPicture(aov);
+                                  : output::debugPicture(aov, ids == frame.aovs.end() ? nullptr : &*ids);
     pictures.push_back({std::string(output::info(aov.aov).name), std::move(picture)});
   }
   const std::filesystem::path path =
@@ -216,29 +228,36 @@ std::vector<std::filesystem::path> writeDebug(const DebugRequest& debug, const o
   return {path};
 }
 
-void render(Options& o) {
-  const auto start = Clock::now();
-  parseSettings(o);
-  const std::optional<DebugRequest> debug = parseDebug(o.debug);
+// What leaves, checked before anything costs time; and what has to be rendered for it.
+output::OutputRequest planOutput(Options& o, const std::optional<DebugRequest>& debug) {
   output::OutputRequest request{.pattern = o.out};
   if (!o.aovs.empty()) request.aovs = output::parseAovs(o.aovs);
   if (o.noSideFile) request.sideFile = false;
-  if (debug) {
-    if (!o.aovs.empty()) badUsage("--debug and --aov each say what leaves; use one of them");
-    if (output::formatOf(o.out) != output::Format::Png && o.out != "-") badUsage("--debug writes PNG; give -o a name that ends in .png");
-  }
+  if (debug && !o.aovs.empty()) badUsage("--debug and --aov each say what leaves; use one of them");
+  if (debug && o.out != "-" && output::formatOf(o.out) != output::Format::Png)
+    badUsage("--debug writes PNG; give -o a name that ends in .png");
   if ((o.out == "-") + (o.graph == "-") + o.json > 1)
     badUsage("-o -, --dump-graph - and --json each fill standard output; use one of them");
   output::checkOutput(request);
   if (!o.graph.empty()) output::checkWritable(o.graph);
-  o.settings.aovs = debug ? debug->aovs : request.aovs;
-  o.settings.display = debug || output::usesDisplay(request);
-  if (!debug && o.settings.display) std::erase(o.settings.aovs, output::Aov::Color);
+
+  render::Settings& s = o.settings;
+  s.aovs = debug ? debug->aovs : request.aovs;
+  s.display = debug ? contains(debug->aovs, output::Aov::Color) : output::usesDisplay(request);
+  if (s.display && !debug) std::erase(s.aovs, output::Aov::Color);
+  if (debug && !contains(s.aovs, output::Aov::Id)) s.aovs.push_back(output::Aov::Id);  // what is background
+  return request;
+}
+
+void render(Options& o) {
+  const auto start = Clock::now();
+  parseSettings(o);
+  const std::optional<DebugRequest> debug = parseDebug(o.debug);
+  const output::OutputRequest request = planOutput(o, debug);
 
   // The device starts while the scene loads: they share nothing.
-  auto deviceStart = inBackground([&] {
-    return std::make_unique<vk::Device>(vk::DeviceOptions{.selector = o.device, .validation = o.validate});
-  });
+  auto deviceStart = inBackground(
+      [&] { return std::make_unique<vk::Device>(vk::DeviceOptions{.selector = o.device, .validation = o.validate}); });
   Times times;
   const scene::Scene scene = scene::load(o.scene, {.variant = o.variant});
   const scene::Camera camera = chooseCamera(scene, o);
@@ -259,8 +278,8 @@ void render(Options& o) {
 
   mark = Clock::now();
   const output::Metadata metadata = describe(scene, camera, *device, environmentName, o);
-  std::vector<std::filesystem::path> files = debug ? writeDebug(*debug, frame, metadata, o.out)
-                                                   : output::writeOutput(request, frame, metadata);
+  std::vector<std::filesystem::path> files =
+      debug ? writeDebug(*debug, frame, metadata, o.out) : output::writeOutput(request, frame, metadata);
   if (!o.graph.empty()) writeFile(o.graph, std::as_bytes(std::span(renderer.graphviz())));
   times.write = seconds(mark);
   times.total = seconds(start);
@@ -271,8 +290,11 @@ void render(Options& o) {
 }
 
 void addSceneOptions(CLI::App& c, Options& o) {
-  c.add_option("SCENE", o.scene, "A .gltf or .glb file, or builtin:hall, builtin:spheres, builtin:boxes")->capture_default_str();
-  c.add_option("-o,--out", o.out, "Output: .png, .exr or .npy; {aov} {frame} {camera} {scene} are filled in; - is standard output")->required();
+  c.add_option("SCENE", o.scene, "A .gltf or .glb file, or builtin:hall, builtin:spheres, builtin:boxes")
+      ->capture_default_str();
+  c.add_option("-o,--out", o.out,
+               "Output: .png, .exr or .npy; {aov} {frame} {camera} {scene} are filled in; - is standard output")
+      ->required();
   c.add_option("--size", o.size, "Width x height in pixels")->capture_default_str();
   c.add_option("--variant", o.variant, "Material variant by name (KHR_materials_variants)");
   c.add_option("--camera", o.camera, "The scene's camera by name or number");
@@ -290,22 +312,29 @@ void addLookOptions(CLI::App& c, Options& o) {
   c.add_option("--normals", s.normals, "Normal encoding (latelight list normals)")->capture_default_str();
   c.add_option("--lighting", s.lighting, "Lighting technique (latelight list lighting)")->capture_default_str();
   c.add_option("--shading", s.shading, "ggx or blinn-phong")->capture_default_str();
-  c.add_option("--aa", o.aa, "Anti-aliasing: none, or ssN for N x N ordered samples a pixel (ss2, ss4)")->capture_default_str();
-  c.add_option("--hdri", o.hdri, "Environment light: a .hdr or .exr file, studio, or none; default: studio where the scene has no light");
-  c.add_option("--hdri-rotate", o.hdriRotate, "Degrees about up; 0 puts the picture's centre at +X, 90 at +Z")->capture_default_str();
+  c.add_option("--aa", o.aa, "Anti-aliasing: none, or ssN for N x N ordered samples a pixel (ss2, ss4)")
+      ->capture_default_str();
+  c.add_option("--hdri", o.hdri,
+               "Environment light: a .hdr or .exr file, studio, or none; default: studio where the scene has no light");
+  c.add_option("--hdri-rotate", o.hdriRotate, "Degrees about up; 0 puts the picture's centre at +X, 90 at +Z")
+      ->capture_default_str();
   c.add_option("--hdri-intensity", s.environmentIntensity, "Factor on the environment")->capture_default_str();
   c.add_option("--exposure", s.exposure, "EV: radiance times 2^EV")->capture_default_str();
   c.add_option("--tonemap", s.tonemap, "khronos, aces, agx, reinhard or none")->capture_default_str();
-  c.add_option("--background", o.background, "transparent, hdri, or a colour: #rrggbb or r,g,b in 0..1 (sRGB)")->capture_default_str();
+  c.add_option("--background", o.background, "transparent, hdri, or a colour: #rrggbb or r,g,b in 0..1 (sRGB)")
+      ->capture_default_str();
 }
 
 void addOutputOptions(CLI::App& c, Options& o) {
   c.add_option("--aov", o.aovs, "What leaves, by comma: color,depth,... (latelight list aovs)");
   c.add_option("--debug", o.debug, "Pictures of data for the eye: sheet, or AOV names by comma");
-  c.add_option("--normal-frame", o.normalFrame, "Frame of normal outputs: world, opencv or opengl")->capture_default_str();
-  c.add_option("--axes", o.axes, "Frame of positions and poses: file (the scene file's own) or z-up")->capture_default_str();
+  c.add_option("--normal-frame", o.normalFrame, "Frame of normal outputs: world, opencv or opengl")
+      ->capture_default_str();
+  c.add_option("--axes", o.axes, "Frame of positions and poses: file (the scene file's own) or z-up")
+      ->capture_default_str();
   c.add_flag("--no-side-file", o.noSideFile, "No JSON file beside data outputs");
-  c.add_option("--device", o.device, "auto, cpu, a number, a name or a UUID (latelight devices)")->capture_default_str();
+  c.add_option("--device", o.device, "auto, cpu, a number, a name or a UUID (latelight devices)")
+      ->capture_default_str();
   c.add_flag("--json", o.json, "A report on standard output: files, times, passes");
   c.add_option("--dump-graph", o.graph, "Write the frame graph as Graphviz to this file");
   c.add_flag("--validate", o.validate, "Run under the Vulkan validation layers; any message is an error");

@@ -26,10 +26,18 @@ struct Source {
   uint32_t first, count;
 };
 constexpr Source kSources[] = {
-    {Aov::Depth, "depth", 0, 1},       {Aov::Distance, "depth", 0, 1},  {Aov::Normal, "normal", 0, 3},
-    {Aov::GeoNormal, "geonormal", 0, 3}, {Aov::Position, "position", 0, 3}, {Aov::Albedo, "albedo", 0, 3},
-    {Aov::Metallic, "geonormal", 3, 1}, {Aov::Roughness, "normal", 3, 1}, {Aov::Emissive, "emissive", 0, 3},
-    {Aov::Ao, "position", 3, 1},       {Aov::Id, "ids", 0, 1},           {Aov::Uv, "ids", 1, 2},
+    {Aov::Depth, "depth", 0, 1},
+    {Aov::Distance, "depth", 0, 1},
+    {Aov::Normal, "normal", 0, 3},
+    {Aov::GeoNormal, "geonormal", 0, 3},
+    {Aov::Position, "position", 0, 3},
+    {Aov::Albedo, "albedo", 0, 3},
+    {Aov::Metallic, "geonormal", 3, 1},
+    {Aov::Roughness, "normal", 3, 1},
+    {Aov::Emissive, "emissive", 0, 3},
+    {Aov::Ao, "position", 3, 1},
+    {Aov::Id, "ids", 0, 1},
+    {Aov::Uv, "ids", 1, 2},
 };
 
 const Source* findSource(Aov aov) {
@@ -37,17 +45,26 @@ const Source* findSource(Aov aov) {
   return found == std::end(kSources) ? nullptr : found;
 }
 
-vec3 gltfFromWorld(vec3 v) { return {v.x, v.z, -v.y}; }
-vec3 openCvFromView(vec3 v) { return {v.x, -v.z, v.y}; }
-vec3 openGlFromView(vec3 v) { return {v.x, v.z, -v.y}; }
+vec3 gltfFromWorld(vec3 v) {
+  return {v.x, v.z, -v.y};
+}
+vec3 openCvFromView(vec3 v) {
+  return {v.x, -v.z, v.y};
+}
+vec3 openGlFromView(vec3 v) {
+  return {v.x, v.z, -v.y};
+}
 
 // How a direction leaves.
 std::function<vec3(vec3)> normalTransform(const shared::View& view, NormalFrame frame, bool yUp) {
   glm::mat3 toView(view.worldToView);
   switch (frame) {
-    case NormalFrame::OpenCv: return [=](vec3 n) { return openCvFromView(toView * n); };
-    case NormalFrame::OpenGl: return [=](vec3 n) { return openGlFromView(toView * n); };
-    case NormalFrame::World: break;
+    case NormalFrame::OpenCv:
+      return [=](vec3 n) { return openCvFromView(toView * n); };
+    case NormalFrame::OpenGl:
+      return [=](vec3 n) { return openGlFromView(toView * n); };
+    case NormalFrame::World:
+      break;
   }
   if (yUp) return gltfFromWorld;
   return [](vec3 n) { return n; };
@@ -86,8 +103,7 @@ void readColor(output::FrameOutput& to, const vk::Buffer& from, size_t view, boo
     parallelFor(count, 1 << 18, [&](size_t begin, size_t end) {
       const uint16_t* halves = from.as<uint16_t>() + view * count;
       const float* floats = from.as<float>() + view * count;
-      for (size_t i = begin; i < end; ++i)
-        image.values[i] = sum ? floats[i] * scale : scene::floatFromHalf(halves[i]);
+      for (size_t i = begin; i < end; ++i) image.values[i] = sum ? floats[i] * scale : scene::floatFromHalf(halves[i]);
     });
   }
 }
@@ -101,7 +117,8 @@ DataReadback::DataReadback(graph::Graph& graph, const Layout& exact, const Gbuff
   };
   for (Aov aov : aovs) {
     const Source* source = findSource(aov);
-    if (source && !buffers_.contains(source->target)) buffers_[source->target] = addReadback(graph, image(source->target));
+    if (source && !buffers_.contains(source->target))
+      buffers_[source->target] = addReadback(graph, image(source->target));
   }
 }
 

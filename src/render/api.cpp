@@ -88,7 +88,9 @@ Frame publicFrame(output::FrameOutput&& from) {
 
 }  // namespace
 
-const char* version() { return LATELIGHT_VERSION; }
+const char* version() {
+  return LATELIGHT_VERSION;
+}
 
 struct Scene::Hidden {
   scene::Scene scene;
@@ -104,8 +106,12 @@ Scene::~Scene() = default;
 Scene::Scene(Scene&&) noexcept = default;
 Scene& Scene::operator=(Scene&&) noexcept = default;
 
-uint64_t Scene::triangleCount() const { return hidden_->scene.triangleCount(); }
-const std::vector<Camera>& Scene::cameras() const { return hidden_->cameras; }
+uint64_t Scene::triangleCount() const {
+  return hidden_->scene.triangleCount();
+}
+const std::vector<Camera>& Scene::cameras() const {
+  return hidden_->cameras;
+}
 
 Camera Scene::defaultCamera(float aspect) const {
   if (!hidden_->cameras.empty()) return hidden_->cameras.front();

@@ -26,7 +26,7 @@ struct FrameInputs {
   std::span<const shared::View> views;  // as the device's constants have them
   VkDeviceAddress constants;            // shared::FrameConstants
   uint32_t width, height;
-  bool environmentBackground = false;   // draw the environment where nothing else is
+  bool environmentBackground = false;  // draw the environment where nothing else is
 };
 
 // A G-buffer being built: the layout's targets, and the two that every layout has.
@@ -39,9 +39,9 @@ struct Gbuffer {
 // What pipelines are made for.
 struct FrameSetup {
   const Layout* layout;
-  uint32_t normalEncoding;        // kNormal_*
+  uint32_t normalEncoding;  // kNormal_*
   const TechniqueInfo* lighting;
-  uint32_t shading;               // kShading*
+  uint32_t shading;  // kShading*
 };
 
 // The pipelines of a setup, and the passes they run.

@@ -65,7 +65,9 @@ GpuEnvironment::GpuEnvironment(vk::Device& device, const scene::Environment* giv
 }
 
 std::vector<vk::BoundImage> GpuEnvironment::bindings() const {
-  return {{specular_.view(), clampSampler_.get()}, {diffuse_.view(), clampSampler_.get()}, {table_.view(), clampSampler_.get()}};
+  return {{specular_.view(), clampSampler_.get()},
+          {diffuse_.view(), clampSampler_.get()},
+          {table_.view(), clampSampler_.get()}};
 }
 
 }  // namespace latelight::render

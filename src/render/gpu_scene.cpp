@@ -23,9 +23,12 @@ vk::Buffer makeBuffer(vk::Device& device, const char* name, uint64_t bytes, VkBu
 
 VkSamplerAddressMode addressMode(scene::Wrap wrap) {
   switch (wrap) {
-    case scene::Wrap::Repeat: return VK_SAMPLER_ADDRESS_MODE_REPEAT;
-    case scene::Wrap::Mirror: return VK_SAMPLER_ADDRESS_MODE_MIRRORED_REPEAT;
-    case scene::Wrap::Clamp: return VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
+    case scene::Wrap::Repeat:
+      return VK_SAMPLER_ADDRESS_MODE_REPEAT;
+    case scene::Wrap::Mirror:
+      return VK_SAMPLER_ADDRESS_MODE_MIRRORED_REPEAT;
+    case scene::Wrap::Clamp:
+      return VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
   }
   return VK_SAMPLER_ADDRESS_MODE_REPEAT;
 }
@@ -101,7 +104,8 @@ void GpuScene::uploadInstances(vk::Uploader& uploader, const scene::Scene& scene
                          mirrored ? shared::kInstanceMirrored : 0u});
 
     bool joins = !draws_.empty() && draws_.back().mirrored == mirrored &&
-                 draws_.back().firstIndex == firstIndices_[instance.mesh] && draws_.back().material == instance.material;
+                 draws_.back().firstIndex == firstIndices_[instance.mesh] &&
+                 draws_.back().material == instance.material;
     if (joins)
       ++draws_.back().instanceCount;
     else
@@ -110,7 +114,8 @@ void GpuScene::uploadInstances(vk::Uploader& uploader, const scene::Scene& scene
 
     glm::mat3 linear(instance.toWorld);
     // The largest stretch is at most the Frobenius norm: a sphere that holds the box under any transform.
-    float stretch = std::sqrt(glm::dot(linear[0], linear[0]) + glm::dot(linear[1], linear[1]) + glm::dot(linear[2], linear[2]));
+    float stretch =
+        std::sqrt(glm::dot(linear[0], linear[0]) + glm::dot(linear[1], linear[1]) + glm::dot(linear[2], linear[2]));
     glm::vec3 half = (mesh.boundsMax - mesh.boundsMin) * 0.5f;
     bounds_.push_back({glm::vec3(instance.toWorld * glm::vec4((mesh.boundsMin + mesh.boundsMax) * 0.5f, 1.0f)),
                        glm::length(half) * stretch});
@@ -181,14 +186,14 @@ VkSampler GpuScene::sampler(const scene::Sampler& sampler) {
   for (auto& [known, handle] : samplers_)
     if (known == sampler) return handle.get();
   auto filter = [](scene::Filter f) { return f == scene::Filter::Nearest ? VK_FILTER_NEAREST : VK_FILTER_LINEAR; };
-  vk::SamplerDesc desc{.magnify = filter(sampler.magnify),
-                       .minify = filter(sampler.minify),
-                       .mip = sampler.mip == scene::MipFilter::Linear ? VK_SAMPLER_MIPMAP_MODE_LINEAR
-                                                                      : VK_SAMPLER_MIPMAP_MODE_NEAREST,
-                       .wrapU = addressMode(sampler.wrapU),
-                       .wrapV = addressMode(sampler.wrapV),
-                       // Vulkan's way to say "no mip levels" (VkSamplerCreateInfo, note on GL filters)
-                       .maxLod = sampler.mip == scene::MipFilter::None ? 0.25f : VK_LOD_CLAMP_NONE};
+  vk::SamplerDesc desc{
+      .magnify = filter(sampler.magnify),
+      .minify = filter(sampler.minify),
+      .mip = sampler.mip == scene::MipFilter::Linear ? VK_SAMPLER_MIPMAP_MODE_LINEAR : VK_SAMPLER_MIPMAP_MODE_NEAREST,
+      .wrapU = addressMode(sampler.wrapU),
+      .wrapV = addressMode(sampler.wrapV),
+      // Vulkan's way to say "no mip levels" (VkSamplerCreateInfo, note on GL filters)
+      .maxLod = sampler.mip == scene::MipFilter::None ? 0.25f : VK_LOD_CLAMP_NONE};
   return samplers_.emplace_back(sampler, vk::makeSampler(device_, desc)).second.get();
 }
 
@@ -253,8 +258,8 @@ std::vector<Draw> GpuScene::visibleDraws(const shared::View& view) const {
     float sign = i % 2 == 0 ? 1.0f : -1.0f;
     float scale = i < 2 ? p.H : p.V, offset = i < 2 ? p.X : p.Z;
     glm::vec3 n = i < 2 ? glm::vec3(sign * scale, 0, 0) : glm::vec3(0, 0, sign * scale);
-    glm::vec4 plane = perspective ? glm::vec4(n + glm::vec3(0, 1.0f + sign * offset, 0), 0.0f)
-                                  : glm::vec4(n, 1.0f + sign * offset);
+    glm::vec4 plane =
+        perspective ? glm::vec4(n + glm::vec3(0, 1.0f + sign * offset, 0), 0.0f) : glm::vec4(n, 1.0f + sign * offset);
     planes[i] = plane / glm::length(glm::vec3(plane));
   }
   auto inside = [&](const InstanceBounds& sphere) {

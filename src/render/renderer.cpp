@@ -40,6 +40,7 @@ std::vector<output::FrameOutput> Renderer::render(std::span<const scene::Camera>
   checkSettings(settings);
   gpuScene_.setExposure(std::exp2(settings.exposure));
   times_.clear();
+  graphviz_.clear();
   Job job{.cameras = cameras, .settings = settings};
   job.pictures.resize(cameras.size());
   for (output::FrameOutput& picture : job.pictures) {
@@ -102,9 +103,9 @@ Frame& Renderer::frameFor(const Settings& s) {
 
 graph::Executor& Renderer::run(const graph::Graph& graph) {
   executor_.run(graph, graph.compile());
-  graphviz_ = graph.graphviz();
   for (const graph::PassTime& time : executor_.times()) {
-    auto known = std::find_if(times_.begin(), times_.end(), [&](const graph::PassTime& t) { return t.name == time.name; });
+    auto known =
+        std::find_if(times_.begin(), times_.end(), [&](const graph::PassTime& t) { return t.name == time.name; });
     if (known == times_.end())
       times_.push_back(time);
     else
@@ -121,13 +122,13 @@ void Renderer::renderColor(Job& job) {
   vk::Image sum;
   if (n > 1) {
     accumulate = std::make_unique<AccumulatePass>(device_);
-    sum = vk::Image(device_, {.format = VK_FORMAT_R32G32B32A32_SFLOAT,
-                              .width = s.width,
-                              .height = s.height,
-                              .layers = static_cast<uint32_t>(job.cameras.size()),
-                              .usage = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT |
-                                       VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
-                              .name = "sum"});
+    sum = vk::Image(device_,
+                    {.format = VK_FORMAT_R32G32B32A32_SFLOAT,
+                     .width = s.width,
+                     .height = s.height,
+                     .layers = static_cast<uint32_t>(job.cameras.size()),
+                     .usage = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
+                     .name = "sum"});
   }
   ComposePass compose(device_);
   const ComposeSettings composeSettings{
@@ -153,6 +154,7 @@ void Renderer::renderColor(Job& job) {
     graph::BufferId display, values;
     if (last && s.display) display = compose.add(graph, picture, composeSettings);
     if (last && linear) values = addReadback(graph, picture);
+    if (last) graphviz_ = graph.graphviz();
     graph::Executor& done = run(graph);
     progress.step();
     if (!last) continue;
@@ -167,8 +169,8 @@ void Renderer::renderColor(Job& job) {
   }
 }
 
-// Data leaves at pixel centres, in full precision, whatever layout and anti-aliasing the picture has: a geometry pass of
-// its own into the layout `exact`.
+// Data leaves at pixel centres, in full precision, whatever layout and anti-aliasing the picture has: a geometry pass
+// of its own into the layout `exact`.
 void Renderer::renderData(Job& job) {
   FrameInputs inputs = prepareViews(job, glm::vec2(0));
   const Layout& exact = findLayout("exact");
@@ -177,6 +179,7 @@ void Renderer::renderData(Job& job) {
   DepthPass depth(device_, gpuScene_);
   Gbuffer gbuffer = geometry.add(graph, inputs, depth.add(graph, inputs));
   DataReadback readback(graph, exact, gbuffer, job.settings.aovs);
+  if (graphviz_.empty()) graphviz_ = graph.graphviz();
   graph::Executor& done = run(graph);
   for (size_t view = 0; view < job.pictures.size(); ++view)
     readback.read(done, job.views[view], view, job.settings, scene_.yUp && !job.settings.zUp, job.pictures[view]);

@@ -29,7 +29,7 @@ class Renderer {
   // GPU milliseconds a pass of the last render(), summed over its frames, in the order of the passes. Empty where the
   // device has no timestamps.
   const std::vector<graph::PassTime>& times() const { return times_; }
-  // Graphviz of the last frame's graph.
+  // Graphviz of the picture's last frame; of the data's where only data were asked for.
   const std::string& graphviz() const { return graphviz_; }
 
  private:

@@ -10,8 +10,8 @@
 
 namespace latelight::render {
 
-// The environment to load: `asked` (a file, "studio" or "none"), or, where nothing was asked for, the studio for a scene
-// without any light, so that no first picture is black. Empty: none.
+// The environment to load: `asked` (a file, "studio" or "none"), or, where nothing was asked for, the studio for a
+// scene without any light, so that no first picture is black. Empty: none.
 std::string environmentName(const scene::Scene& scene, const std::string& asked);
 std::optional<scene::Environment> loadEnvironment(const std::string& name);  // nothing for an empty name
 

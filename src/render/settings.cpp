@@ -31,7 +31,8 @@ const std::vector<NamedOption>& tonemaps() {
 void checkSettings(const Settings& s) {
   constexpr uint32_t kMaxSide = 16384;  // maxImageDimension2D every Vulkan 1.3 device we know of offers
   if (s.width == 0 || s.height == 0 || s.width > kMaxSide || s.height > kMaxSide)
-    badUsage("a picture of {}x{} pixels can't be made; each side must lie between 1 and {}", s.width, s.height, kMaxSide);
+    badUsage("a picture of {}x{} pixels can't be made; each side must lie between 1 and {}", s.width, s.height,
+             kMaxSide);
   if (s.superSampling < 1 || s.superSampling > 16)
     badUsage("super-sampling takes 1 to 16 samples along each side, not {}", s.superSampling);
   if (!std::isfinite(s.exposure) || std::abs(s.exposure) > 60)

@@ -28,8 +28,8 @@ struct Settings {
   Background background = Background::Transparent;
   glm::vec3 backgroundColor{0};  // linear display colour
 
-  bool display = true;              // the tonemapped picture
-  std::vector<output::Aov> aovs;    // beside it; Color is the linear picture
+  bool display = true;            // the tonemapped picture
+  std::vector<output::Aov> aovs;  // beside it; Color is the linear picture
   NormalFrame normalFrame = NormalFrame::World;
   bool zUp = false;  // positions, normals and poses in the renderer's world instead of the scene file's frame
 };

@@ -7,10 +7,10 @@
 //   SH_FUNC Surface unpackGbuffer(GbufferTexel t, GbufferContext c)
 //   GBUFFER_END
 //
-// FORMAT is a Vulkan format without VK_FORMAT_, or NORMAL32: four bytes that follow the normal encoding (R16G16_UNORM for
-// two channels, A2B10G10R10_UNORM for three). `type` is vec4 for float and normalised formats, uvec2 or uvec4 for
-// integer ones. The fragment outputs, sampled inputs, Vulkan formats, bytes a pixel, debug names and the C++ registry all
-// follow from this list; nothing else names a layout.
+// FORMAT is a Vulkan format without VK_FORMAT_, or NORMAL32: four bytes that follow the normal encoding (R16G16_UNORM
+// for two channels, A2B10G10R10_UNORM for three). `type` is vec4 for float and normalised formats, uvec2 or uvec4 for
+// integer ones. The fragment outputs, sampled inputs, Vulkan formats, bytes a pixel, debug names and the C++ registry
+// all follow from this list; nothing else names a layout.
 //
 // A layout that stores Surface::flags defines GBUFFER_KEEPS_FLAGS; the others get unlit surfaces as ones that reflect
 // nothing (their base colour is in the light accumulation target already).
@@ -30,17 +30,19 @@
 #define GBUFFER_MEMBER(index, name, format, type, channels) type name;
 #if defined(__cplusplus)
 // Each layout has a namespace of its own, named by the file that is compiled for it.
-#define GBUFFER_BEGIN                                \
-  SH_BEGIN namespace LATELIGHT_LAYOUT {              \
-    struct GbufferTexel {                            \
-      GBUFFER_TARGETS(GBUFFER_MEMBER)                \
+#define GBUFFER_BEGIN                   \
+  SH_BEGIN namespace LATELIGHT_LAYOUT { \
+    struct GbufferTexel {               \
+      GBUFFER_TARGETS(GBUFFER_MEMBER)   \
     };
 #define GBUFFER_END \
   }                 \
   SH_END
 #else
-#define GBUFFER_BEGIN \
-  struct GbufferTexel { GBUFFER_TARGETS(GBUFFER_MEMBER) };
+#define GBUFFER_BEGIN               \
+  struct GbufferTexel {             \
+    GBUFFER_TARGETS(GBUFFER_MEMBER) \
+  };
 #define GBUFFER_END
 #endif
 
@@ -48,21 +50,25 @@ SH_BEGIN
 
 struct GbufferContext {
   View view;
-  vec2 pixel;          // picture coordinates of the sample, y down, centres at .5
-  float depth;         // device depth; unpacking only
-  float ao;            // from the light accumulation target; unpacking only
+  vec2 pixel;           // picture coordinates of the sample, y down, centres at .5
+  float depth;          // device depth; unpacking only
+  float ao;             // from the light accumulation target; unpacking only
   uint normalEncoding;  // kNormal_*
 };
 
 // World position of the sample, from its depth.
 SH_FUNC vec3 positionFromDepth(GbufferContext c) {
-  vec3 v = viewPositionAtDepth(c.view.projection, pixelToNdc(c.pixel, c.view.size),
-                               viewDepth(c.view.projection, c.depth));
+  vec3 v =
+      viewPositionAtDepth(c.view.projection, pixelToNdc(c.pixel, c.view.size), viewDepth(c.view.projection, c.depth));
   return c.view.viewToWorld * vec4(v, 1.0f);
 }
 
-SH_FUNC vec3 rotateToView(View view, vec3 n) { return view.worldToView * vec4(n, 0.0f); }
-SH_FUNC vec3 rotateToWorld(View view, vec3 n) { return view.viewToWorld * vec4(n, 0.0f); }
+SH_FUNC vec3 rotateToView(View view, vec3 n) {
+  return view.worldToView * vec4(n, 0.0f);
+}
+SH_FUNC vec3 rotateToWorld(View view, vec3 n) {
+  return view.viewToWorld * vec4(n, 0.0f);
+}
 
 // Unit direction from a world position to the eye; the same everywhere for an orthographic view.
 SH_FUNC vec3 directionToEye(View view, vec3 position) {
@@ -71,8 +77,12 @@ SH_FUNC vec3 directionToEye(View view, vec3 position) {
 }
 
 // A value in [0, 1] as an integer of `bits` bits, round to nearest, and back.
-SH_FUNC uint toBits(float x, uint bits) { return uint(saturate(x) * float((1u << bits) - 1u) + 0.5f); }
-SH_FUNC float fromBits(uint x, uint bits) { return float(x & ((1u << bits) - 1u)) / float((1u << bits) - 1u); }
+SH_FUNC uint toBits(float x, uint bits) {
+  return uint(saturate(x) * float((1u << bits) - 1u) + 0.5f);
+}
+SH_FUNC float fromBits(uint x, uint bits) {
+  return float(x & ((1u << bits) - 1u)) / float((1u << bits) - 1u);
+}
 
 // A normal in 24 bits: 12 + 12 for encodings of two channels, 8 + 8 + 8 for three.
 SH_FUNC uint packNormal24(uint encoding, vec3 n) {

@@ -54,12 +54,24 @@ using std::pow;
 using std::sin;
 using std::sqrt;
 
-inline float saturate(float x) { return clamp(x, 0.0f, 1.0f); }
-inline float inversesqrt(float x) { return 1.0f / std::sqrt(x); }
-inline float fract(float x) { return x - std::floor(x); }
-inline float sign(float x) { return x > 0.0f ? 1.0f : (x < 0.0f ? -1.0f : 0.0f); }
-inline uint floatBitsToUint(float x) { return std::bit_cast<uint>(x); }
-inline float uintBitsToFloat(uint x) { return std::bit_cast<float>(x); }
+inline float saturate(float x) {
+  return clamp(x, 0.0f, 1.0f);
+}
+inline float inversesqrt(float x) {
+  return 1.0f / std::sqrt(x);
+}
+inline float fract(float x) {
+  return x - std::floor(x);
+}
+inline float sign(float x) {
+  return x > 0.0f ? 1.0f : (x < 0.0f ? -1.0f : 0.0f);
+}
+inline uint floatBitsToUint(float x) {
+  return std::bit_cast<uint>(x);
+}
+inline float uintBitsToFloat(uint x) {
+  return std::bit_cast<float>(x);
+}
 }  // namespace latelight::shared
 
 #elif defined(__HLSL_VERSION) || defined(SH_HLSL)

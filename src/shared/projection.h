@@ -1,5 +1,5 @@
-// Projection and its inverse, in the coordinate system of the engine notes (seed 004): right-handed, X right, Y away from
-// the viewer, Z up. View depth is Y.
+// Projection and its inverse, in the coordinate system of the engine notes (seed 004): right-handed, X right, Y away
+// from the viewer, Z up. View depth is Y.
 //
 // The matrix is nothing but {H, V, A, B} and a principal point:
 //

@@ -9,18 +9,18 @@ SH_BEGIN
 
 struct Surface {
   vec3 position;
-  vec3 normal;       // unit, normal map included, towards the viewer's side of the surface
-  vec3 geonormal;    // unit, the triangle's
+  vec3 normal;     // unit, normal map included, towards the viewer's side of the surface
+  vec3 geonormal;  // unit, the triangle's
   vec3 baseColor;
   float metallic;
-  float roughness;   // perceptual: alpha = roughness^2
-  vec3 f0;           // reflectance of the dielectric at normal incidence, [0, 1]
-  float f90;         // reflectance of the dielectric at grazing incidence: KHR_materials_specular's weight
+  float roughness;  // perceptual: alpha = roughness^2
+  vec3 f0;          // reflectance of the dielectric at normal incidence, [0, 1]
+  float f90;        // reflectance of the dielectric at grazing incidence: KHR_materials_specular's weight
   vec3 emissive;
-  float ao;          // 1: unoccluded
-  vec2 uv;           // UV set 0
-  uint id;           // 0: background
-  uint flags;        // kSurface*
+  float ao;    // 1: unoccluded
+  vec2 uv;     // UV set 0
+  uint id;     // 0: background
+  uint flags;  // kSurface*
 };
 SH_CONST uint kSurfaceUnlit = 1u;  // KHR_materials_unlit: its baseColor is what leaves it
 
@@ -43,13 +43,19 @@ SH_FUNC Surface emptySurface() {
 }
 
 // c_diff of the glTF 2.0 specification, appendix B: metals have none.
-SH_FUNC vec3 diffuseColor(Surface s) { return s.baseColor * (1.0f - s.metallic); }
+SH_FUNC vec3 diffuseColor(Surface s) {
+  return s.baseColor * (1.0f - s.metallic);
+}
 
 // f0 of the glTF 2.0 specification, appendix B: dielectric and metal mixed by metalness.
-SH_FUNC vec3 specularF0(Surface s) { return s.f0 + (s.baseColor - s.f0) * s.metallic; }
+SH_FUNC vec3 specularF0(Surface s) {
+  return s.f0 + (s.baseColor - s.f0) * s.metallic;
+}
 
 // Grazing reflectance of the mix; a metal's is 1.
-SH_FUNC float specularF90(Surface s) { return s.f90 + (1.0f - s.f90) * s.metallic; }
+SH_FUNC float specularF90(Surface s) {
+  return s.f90 + (1.0f - s.f90) * s.metallic;
+}
 
 // A surface that reflects nothing: what remains for lighting of an unlit material, and of the background.
 SH_FUNC Surface withoutReflection(Surface s) {

@@ -22,7 +22,7 @@ struct VertexExtra {  // 24 bytes, one a vertex, only for meshes that have a sec
   vec4 color;  // linear, multiplies the base colour
 };
 
-struct Mesh {  // where one mesh's streams lie in device memory
+struct Mesh {           // where one mesh's streams lie in device memory
   uint64_t positions;   // vec3[vertexCount], object space
   uint64_t attributes;  // VertexAttributes[vertexCount]
   uint64_t extras;      // VertexExtra[vertexCount], or 0
@@ -67,15 +67,15 @@ struct Material {
   float alphaCutoff;
   vec3 specularColor;  // KHR_materials_specular
   float specular;
-  float f0;        // of the dielectric, from KHR_materials_ior: ((ior - 1) / (ior + 1))^2
-  uint flags;      // kMaterial*
-  uint textures;   // bit i: texture slot i is present
+  float f0;       // of the dielectric, from KHR_materials_ior: ((ior - 1) / (ior + 1))^2
+  uint flags;     // kMaterial*
+  uint textures;  // bit i: texture slot i is present
   TextureTransform transforms[7];
 };
 SH_CONST uint kMaterialUnlit = 1u;
-SH_CONST uint kMaterialMasked = 2u;       // alphaCutoff applies
+SH_CONST uint kMaterialMasked = 2u;  // alphaCutoff applies
 SH_CONST uint kMaterialDoubleSided = 4u;
-SH_CONST uint kMaterialBlended = 8u;      // the file asks for alpha blending
+SH_CONST uint kMaterialBlended = 8u;  // the file asks for alpha blending
 
 // --- lights ---------------------------------------------------------------------------------------------------------
 
@@ -85,11 +85,11 @@ SH_CONST uint kLightSpot = 2u;
 
 struct Light {  // KHR_lights_punctual
   vec3 position;
-  float reach;     // metres; contribution is windowed to 0 there (shared/light.h). +inf for directional lights
-  vec3 direction;  // from the light, unit (directional and spot)
-  uint type;       // kLight*
-  vec3 intensity;  // colour times candela (point, spot) or lux (directional)
-  float spotScale;   // spot cone: clamp(cos * spotScale + spotOffset, 0, 1)^2
+  float reach;      // metres; contribution is windowed to 0 there (shared/light.h). +inf for directional lights
+  vec3 direction;   // from the light, unit (directional and spot)
+  uint type;        // kLight*
+  vec3 intensity;   // colour times candela (point, spot) or lux (directional)
+  float spotScale;  // spot cone: clamp(cos * spotScale + spotOffset, 0, 1)^2
   float spotOffset;
 };
 

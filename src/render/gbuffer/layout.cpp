@@ -32,7 +32,9 @@ std::span<const Layout> layouts() {
   return all;
 }
 
-const Layout& findLayout(std::string_view name) { return findByName(layouts(), name, "G-buffer layout"); }
+const Layout& findLayout(std::string_view name) {
+  return findByName(layouts(), name, "G-buffer layout");
+}
 
 std::span<const NormalEncoding> normalEncodings() {
   static const std::vector<NormalEncoding> all = {

@@ -12,12 +12,24 @@ using vec4 = shared::vec4;
 using uvec2 = shared::uvec2;
 using uvec4 = shared::uvec4;
 
-[[maybe_unused]] void store(TargetValue& to, const vec4& from) { to.f = from; }
-[[maybe_unused]] void store(TargetValue& to, const uvec2& from) { to.u = uvec4(from, 0, 0); }
-[[maybe_unused]] void store(TargetValue& to, const uvec4& from) { to.u = from; }
-[[maybe_unused]] void load(vec4& to, const TargetValue& from) { to = from.f; }
-[[maybe_unused]] void load(uvec2& to, const TargetValue& from) { to = uvec2(from.u); }
-[[maybe_unused]] void load(uvec4& to, const TargetValue& from) { to = from.u; }
+[[maybe_unused]] void store(TargetValue& to, const vec4& from) {
+  to.f = from;
+}
+[[maybe_unused]] void store(TargetValue& to, const uvec2& from) {
+  to.u = uvec4(from, 0, 0);
+}
+[[maybe_unused]] void store(TargetValue& to, const uvec4& from) {
+  to.u = from;
+}
+[[maybe_unused]] void load(vec4& to, const TargetValue& from) {
+  to = from.f;
+}
+[[maybe_unused]] void load(uvec2& to, const TargetValue& from) {
+  to = uvec2(from.u);
+}
+[[maybe_unused]] void load(uvec4& to, const TargetValue& from) {
+  to = from.u;
+}
 
 std::vector<TargetValue> packTarget(const shared::Surface& s, const shared::GbufferContext& context) {
   GbufferTexel texel = layout_shared::packGbuffer(s, context);

@@ -1,5 +1,5 @@
-// A lighting technique: G-buffer and lights in, lit picture out. One folder each under src/render/lighting, its C++ beside
-// its shaders; folder NAME defines `TechniqueInfo technique_NAME()`, and that is all the registry needs.
+// A lighting technique: G-buffer and lights in, lit picture out. One folder each under src/render/lighting, its C++
+// beside its shaders; folder NAME defines `TechniqueInfo technique_NAME()`, and that is all the registry needs.
 #pragma once
 
 #include <memory>

@@ -10,8 +10,7 @@ BackgroundPass::BackgroundPass(vk::Device& device)
       sampler_(vk::makeSampler(device, vk::kNearestSampler)) {}
 
 void BackgroundPass::add(graph::Graph& graph, const FrameInputs& inputs, const Gbuffer& gbuffer) const {
-  graph.pass("background",
-             {{gbuffer.depth, graph::Use::SampledCompute}, {gbuffer.light, graph::Use::StorageReadWrite}},
+  graph.pass("background", {{gbuffer.depth, graph::Use::SampledCompute}, {gbuffer.light, graph::Use::StorageReadWrite}},
              [this, inputs, gbuffer](graph::Context& context) {
                struct {
                  VkDeviceAddress frame;

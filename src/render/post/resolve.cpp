@@ -27,42 +27,40 @@ AccumulatePass::AccumulatePass(vk::Device& device)
 
 void AccumulatePass::add(graph::Graph& graph, graph::ImageId frame, graph::ImageId sum, bool first) const {
   vk::ImageDesc desc = graph.desc(frame);
-  graph.pass("accumulate",
-             {{frame, graph::Use::SampledCompute},
-              {sum, first ? graph::Use::StorageWrite : graph::Use::StorageReadWrite}},
-             [=, this](graph::Context& context) {
-               context.commands().bind(
-                   pipeline_, {{context.image(frame).arrayView(), sampler_.get()}, {context.image(sum).arrayView()}},
-                   uint32_t{first});
-               context.commands().dispatch(desc.width, desc.height, desc.layers, kGroup, kGroup);
-             });
+  graph.pass(
+      "accumulate",
+      {{frame, graph::Use::SampledCompute}, {sum, first ? graph::Use::StorageWrite : graph::Use::StorageReadWrite}},
+      [=, this](graph::Context& context) {
+        context.commands().bind(pipeline_,
+                                {{context.image(frame).arrayView(), sampler_.get()}, {context.image(sum).arrayView()}},
+                                uint32_t{first});
+        context.commands().dispatch(desc.width, desc.height, desc.layers, kGroup, kGroup);
+      });
 }
 
 ComposePass::ComposePass(vk::Device& device)
     : pipeline_(vk::makePipeline(
-          device,
-          vk::ComputeDesc{.shader = "compose.comp", .bindings = {vk::Binding::Sampled}, .name = "compose"})),
+          device, vk::ComputeDesc{.shader = "compose.comp", .bindings = {vk::Binding::Sampled}, .name = "compose"})),
       sampler_(vk::makeSampler(device, vk::kNearestSampler)) {}
 
 graph::BufferId ComposePass::add(graph::Graph& graph, graph::ImageId picture, const ComposeSettings& settings) const {
   vk::ImageDesc desc = graph.desc(picture);
-  graph::BufferId pixels =
-      graph.create(hostBuffer("picture", uint64_t{4} * desc.width * desc.height * desc.layers));
-  graph.pass("compose", {{picture, graph::Use::SampledCompute}, {pixels, graph::Use::StorageWrite}},
-             [=, this](graph::Context& context) {
-               ComposePush push{context.buffer(pixels).address(), settings.scale, settings.tonemap, settings.background};
-               context.commands().bind(pipeline_, {{context.image(picture).arrayView(), sampler_.get()}}, push);
-               context.commands().dispatch(desc.width, desc.height, desc.layers, kGroup, kGroup);
-             });
+  graph::BufferId pixels = graph.create(hostBuffer("picture", uint64_t{4} * desc.width * desc.height * desc.layers));
+  graph.pass(
+      "compose", {{picture, graph::Use::SampledCompute}, {pixels, graph::Use::StorageWrite}},
+      [=, this](graph::Context& context) {
+        ComposePush push{context.buffer(pixels).address(), settings.scale, settings.tonemap, settings.background};
+        context.commands().bind(pipeline_, {{context.image(picture).arrayView(), sampler_.get()}}, push);
+        context.commands().dispatch(desc.width, desc.height, desc.layers, kGroup, kGroup);
+      });
   graph.exports(pixels, graph::Use::HostRead);
   return pixels;
 }
 
 graph::BufferId addReadback(graph::Graph& graph, graph::ImageId image) {
   vk::ImageDesc desc = graph.desc(image);
-  graph::BufferId buffer = graph.create(
-      hostBuffer("read back " + desc.name,
-                 uint64_t{vk::texelBytes(desc.format)} * desc.width * desc.height * desc.layers));
+  graph::BufferId buffer = graph.create(hostBuffer(
+      "read back " + desc.name, uint64_t{vk::texelBytes(desc.format)} * desc.width * desc.height * desc.layers));
   graph.pass("read back " + desc.name, {{image, graph::Use::CopySource}, {buffer, graph::Use::CopyTarget}},
              [=](graph::Context& context) {
                const vk::Image& source = context.image(image);

@@ -32,7 +32,9 @@ VkRenderingAttachmentInfo attachment(VkImageView view, VkImageLayout layout, VkA
 
 }  // namespace
 
-bool isMasked(const shared::Material& material) { return (material.flags & shared::kMaterialMasked) != 0; }
+bool isMasked(const shared::Material& material) {
+  return (material.flags & shared::kMaterialMasked) != 0;
+}
 
 bool anyMasked(const GpuScene& scene) {
   return std::any_of(scene.draws().begin(), scene.draws().end(),
@@ -85,8 +87,8 @@ void beginView(graph::Context& context, const FrameInputs& inputs, uint32_t view
                             .pColorAttachments = targets.data(),
                             .pDepthAttachment = &depthTarget};
   vkCmdBeginRendering(context.get(), &rendering);
-  VkViewport viewport{0, static_cast<float>(inputs.height), static_cast<float>(inputs.width),
-                      -static_cast<float>(inputs.height), 0, 1};
+  VkViewport viewport{
+      0, static_cast<float>(inputs.height), static_cast<float>(inputs.width), -static_cast<float>(inputs.height), 0, 1};
   vkCmdSetViewport(context.get(), 0, 1, &viewport);
   vkCmdSetScissor(context.get(), 0, 1, &area);
 }

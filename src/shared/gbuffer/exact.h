@@ -7,13 +7,13 @@
 
 #define GBUFFER_KEEPS_FLAGS  // unlit surfaces keep their base colour; lighting reads the flag
 #define GBUFFER_DESCRIPTION "every value in 32-bit floats: the source of data outputs and the reference for the others"
-#define GBUFFER_TARGETS(T)                                                                                  \
-  T(0, position, R32G32B32A32_SFLOAT, vec4, "xyz: world position (m); w: ambient occlusion")                  \
-  T(1, normal, R32G32B32A32_SFLOAT, vec4, "xyz: world normal; w: roughness")                                  \
-  T(2, geonormal, R32G32B32A32_SFLOAT, vec4, "xyz: the triangle's world normal; w: metallic")                 \
-  T(3, albedo, R32G32B32A32_SFLOAT, vec4, "rgb: base colour; a: reflectance at grazing angles")                \
-  T(4, f0, R32G32B32A32_SFLOAT, vec4, "rgb: dielectric reflectance at normal incidence; a: 1 where unlit")     \
-  T(5, emissive, R32G32B32A32_SFLOAT, vec4, "rgb: emitted radiance")                                          \
+#define GBUFFER_TARGETS(T)                                                                                 \
+  T(0, position, R32G32B32A32_SFLOAT, vec4, "xyz: world position (m); w: ambient occlusion")               \
+  T(1, normal, R32G32B32A32_SFLOAT, vec4, "xyz: world normal; w: roughness")                               \
+  T(2, geonormal, R32G32B32A32_SFLOAT, vec4, "xyz: the triangle's world normal; w: metallic")              \
+  T(3, albedo, R32G32B32A32_SFLOAT, vec4, "rgb: base colour; a: reflectance at grazing angles")            \
+  T(4, f0, R32G32B32A32_SFLOAT, vec4, "rgb: dielectric reflectance at normal incidence; a: 1 where unlit") \
+  T(5, emissive, R32G32B32A32_SFLOAT, vec4, "rgb: emitted radiance")                                       \
   T(6, ids, R32G32B32A32_UINT, uvec4, "r: id; gb: UV set 0 as float bits")
 
 GBUFFER_BEGIN

@@ -1,5 +1,5 @@
-// optimized: the optimised G-buffer of seed 000 (row 6): view-space normal in two channels, diffuse, specular and power,
-// position from depth. 16 bytes a pixel with depth.
+// optimized: the optimised G-buffer of seed 000 (row 6): view-space normal in two channels, diffuse, specular and
+// power, position from depth. 16 bytes a pixel with depth.
 //
 // Its nature, kept: a specular power of eight bits, power / 255, so nothing shinier than a Blinn-Phong power of 255
 // (perceptual roughness 0.30) survives; colours of eight bits (sRGB-coded here).
@@ -9,15 +9,18 @@
 #include "shared/brdf/blinn_phong.h"
 #include "shared/gbuffer.h"
 
-#define GBUFFER_DESCRIPTION "the optimised G-buffer: encoded view-space normal, diffuse, specular + power, position from depth"
-#define GBUFFER_TARGETS(T)                                                                     \
+#define GBUFFER_DESCRIPTION \
+  "the optimised G-buffer: encoded view-space normal, diffuse, specular + power, position from depth"
+#define GBUFFER_TARGETS(T)                                                                           \
   T(0, normal, NORMAL32, vec4, "encoded view-space normal (two channels of 16 bits or three of 10)") \
-  T(1, diffuse, R8G8B8A8_SRGB, vec4, "rgb: diffuse colour; a: reflectance at grazing angles")     \
+  T(1, diffuse, R8G8B8A8_SRGB, vec4, "rgb: diffuse colour; a: reflectance at grazing angles")        \
   T(2, specular, R8G8B8A8_SRGB, vec4, "rgb: specular colour; a: Blinn-Phong power / 255")
 
 GBUFFER_BEGIN
 
-SH_FUNC float normalLevels(uint encoding) { return normalChannels(encoding) == 2u ? 65535.0f : 1023.0f; }
+SH_FUNC float normalLevels(uint encoding) {
+  return normalChannels(encoding) == 2u ? 65535.0f : 1023.0f;
+}
 
 SH_FUNC GbufferTexel packGbuffer(Surface s, GbufferContext c) {
   GbufferTexel t;

@@ -5,14 +5,14 @@
 #include "shared/gbuffer.h"
 
 #define GBUFFER_DESCRIPTION "everything GGX needs in 12 bytes a pixel with depth; the default"
-#define GBUFFER_TARGETS(T)                                                                          \
-  T(0, surface, R32G32_UINT, uvec2,                                                                 \
+#define GBUFFER_TARGETS(T)          \
+  T(0, surface, R32G32_UINT, uvec2, \
     "r: world normal 24 (12+12 or 8+8+8), roughness 8; g: base colour sRGB 8+8+8, metallic 5, reflectance 3")
 
 GBUFFER_BEGIN
 
-// A dielectric's f0 in 3 bits: f0 = 0.16 r^2 (Lagarde and de Rousiers 2014, section 3.1.3) with r = code / 6, so code 3 is
-// the usual 0.04 and code 0 reflects nothing at any angle. A tinted f0 keeps its mean.
+// A dielectric's f0 in 3 bits: f0 = 0.16 r^2 (Lagarde and de Rousiers 2014, section 3.1.3) with r = code / 6, so code 3
+// is the usual 0.04 and code 0 reflects nothing at any angle. A tinted f0 keeps its mean.
 SH_FUNC uint packReflectance(vec3 f0, float f90) {
   if (f90 <= 0.0f) return 0u;
   float r = sqrt(max((f0.x + f0.y + f0.z) * (1.0f / 3.0f), 0.0f) / 0.16f);
