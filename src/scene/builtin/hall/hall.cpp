@@ -1,31 +1,154 @@
+#include "scene/builtin/hall/hall.h"
+
+#include <algorithm>
+
+#include "base/parallel.h"
 #include "scene/builtin/make.h"
-#include "scene/builtin/scene_builder.h"
 
 namespace latelight::scene::builtin {
+namespace hall {
+namespace {
 
-// The hall's floor: what stands on it follows.
+// Hewn stone shows its unevenness once triangles are finer than it: from twice the default's detail on.
+Relief reliefAt(const Detail& detail, uint32_t seed) {
+  const double t = std::clamp((detail.scale - 1.5) / 2.5, 0.0, 1.0);
+  Relief relief;
+  relief.height = static_cast<float>(0.0014 * t);
+  relief.periodZ = 32;
+  relief.size = static_cast<float>(kBay / relief.periodZ);
+  relief.seed = seed;
+  return relief;
+}
+
+bool isHewn(Stuff stuff) {
+  return stuff == Stuff::Ashlar || stuff == Stuff::Plaster || stuff == Stuff::Trim;
+}
+
+}  // namespace
+
+double tileOf(Stuff stuff) {
+  switch (stuff) {
+    case Stuff::Ashlar:
+      return kAshlarTile;
+    case Stuff::Mosaic:
+      return kMosaicTile;
+    case Stuff::Tile:
+      return kTileTile;
+    case Stuff::Plaster:
+    case Stuff::Trim:
+      return kPlasterTile;
+    default:
+      return kMarbleTile;
+  }
+}
+
+HallBuilder::HallBuilder(Detail detail, uint64_t seed, bool counting)
+    : detail(detail), seed(static_cast<uint32_t>(seed)), builder("hall"), counting_(counting) {}
+
+uint32_t HallBuilder::mesh(MeshPlan plan) {
+  planTriangles_.push_back(plan.triangles());
+  plans_.push_back(std::move(plan));
+  return static_cast<uint32_t>(plans_.size() - 1);
+}
+
+uint32_t HallBuilder::group(const std::string& name, uint32_t parent, const mat4& local) {
+  return counting_ ? SceneBuilder::kRoot : builder.addNode(name, parent, local);
+}
+
+uint32_t HallBuilder::place(const std::string& name, uint32_t parent, uint32_t mesh, Stuff stuff, const mat4& local) {
+  triangles_ += planTriangles_[mesh];
+  if (counting_ || planTriangles_[mesh] == 0) return kNoInstance;  // too fine for this detail
+  if (isHewn(stuff)) plans_[mesh].relief = reliefAt(detail, seed);
+  builder.addInstance(name, parent, mesh, static_cast<uint32_t>(stuff), local);
+  return static_cast<uint32_t>(builder.scene.instances.size() - 1);
+}
+
+void HallBuilder::finish() {
+  // What is too fine for this detail is no mesh either.
+  std::vector<uint32_t> renumbered(plans_.size());
+  uint32_t kept = 0;
+  for (size_t i = 0; i < plans_.size(); ++i) {
+    renumbered[i] = kept;
+    if (planTriangles_[i] == 0) continue;
+    if (kept != i) plans_[kept] = std::move(plans_[i]);
+    ++kept;
+  }
+  plans_.resize(kept);
+  for (Instance& instance : builder.scene.instances) instance.mesh = renumbered[instance.mesh];
+  builder.scene.meshes.resize(plans_.size());
+  parallelFor(plans_.size(), 1, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) builder.scene.meshes[i] = buildMesh(plans_[i]);
+  });
+}
+
+mat4 at(double x, double y, double z) {
+  mat4 m(1);
+  m[3] = vec4(x, y, z, 1);
+  return m;
+}
+
+mat4 turnedAt(double x, double y, double z, int quarters) {
+  mat4 m = at(x, y, z);
+  const float c = float(cosQuarters(quarters)), s = float(sinQuarters(quarters));
+  m[0] = vec4(c, 0, -s, 0);
+  m[2] = vec4(s, 0, c, 0);
+  return m;
+}
+
+namespace {
+
+void addParts(HallBuilder& hall, uint64_t spareTriangles) {
+  addFloor(hall, spareTriangles);
+  addColumns(hall);
+  addArcades(hall);
+  addGalleries(hall);
+  addAisles(hall);
+  addVault(hall);
+  addEnds(hall);
+  addExhibits(hall);
+  addLamps(hall);
+}
+
+uint64_t trianglesAt(double scale, uint64_t seed) {
+  HallBuilder hall(Detail{scale}, seed, true);
+  addParts(hall, 0);
+  return hall.triangles();
+}
+
+// The greatest detail that stays within the request; counts grow with it, in steps.
+double detailFor(uint64_t triangles, uint64_t seed) {
+  double low = 0.02, high = 1;
+  while (trianglesAt(high, seed) <= triangles) high *= 2;
+  for (int i = 0; i < 26; ++i) {
+    const double middle = 0.5 * (low + high);
+    (trianglesAt(middle, seed) <= triangles ? low : high) = middle;
+  }
+  return low;
+}
+
+}  // namespace
+
+void addCameras(SceneBuilder& builder) {
+  builder.addCamera("main", {-1.5f, 1.65f, 17.4f}, {0.85f, 4.9f, -10}, 1.0f, 0.05f);
+  builder.addCamera("vault", {0.6f, 1.5f, 9}, {0.1f, 14.5f, -9}, 1.15f, 0.05f);
+  builder.addCamera("gallery", {5.35f, 9.55f, 15.1f}, {-1.6f, 7.6f, -4}, 0.95f, 0.05f);
+  builder.addCamera("aisle", {6.35f, 1.6f, 18.6f}, {6.0f, 2.5f, -6}, 0.85f, 0.05f);
+  builder.addCamera("apse", {-1.6f, 1.9f, -11}, {0.15f, 4.4f, -21}, 0.95f, 0.05f);
+}
+
+}  // namespace hall
+
 Scene makeHall(uint64_t triangles, uint32_t lights, uint64_t seed) {
-  SceneBuilder builder("hall");
-  Mesh floor;
-  floor.name = "floor";
-  for (const vec2 p : {vec2(-9, 21), vec2(9, 21), vec2(9, -21), vec2(-9, -21)}) {
-    floor.positions.push_back({p.x, 0, p.y});
-    floor.attributes.push_back({{0, 1, 0}, {1, 0, 0, 1}, {p.x, p.y}});
-  }
-  floor.indices = {0, 1, 2, 0, 2, 3};
-  computeBounds(floor);
-  builder.scene.meshes.push_back(std::move(floor));
-  builder.scene.materials.push_back(plainMaterial("marble", vec3(0.6f), 0, 0.3f));
-  builder.addInstance("floor", SceneBuilder::kRoot, 0, 0);
-  for (uint32_t i = 0; i < lights; ++i) {
-    Light light;
-    light.name = "lantern";
-    light.intensity = 200.0f / float(lights);
-    light.position = {0, 18 - 36 * (float(i) + 0.5f) / float(lights), 4};
-    builder.scene.lights.push_back(light);
-  }
-  builder.addCamera("main", {-1.6f, 1.7f, 19}, {0.6f, 3, -20}, 0.95f, 0.05f);
-  return std::move(builder.scene);
+  using namespace hall;
+  const Detail detail{detailFor(triangles, seed)};
+  const uint64_t planned = trianglesAt(detail.scale, seed);
+  HallBuilder hall(detail, seed, false);
+  addParts(hall, triangles - std::min(triangles, planned));
+  hall.finish();
+  addMaterials(hall.builder.scene, static_cast<uint32_t>(seed));
+  addCameras(hall.builder);
+  addLights(hall, lights);
+  return std::move(hall.builder.scene);
 }
 
 }  // namespace latelight::scene::builtin

@@ -1,0 +1,116 @@
+// builtin:hall, assembled from parts that each add their meshes and place them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "scene/builtin/hall/dimensions.h"
+#include "scene/builtin/mesh_plan.h"
+#include "scene/builtin/scene_builder.h"
+
+namespace latelight::scene::builtin::hall {
+
+// What surfaces are made of: an index into the scene's materials.
+enum class Stuff : uint32_t {
+  NaveFloor,
+  AisleFloor,
+  Ashlar,
+  Plaster,
+  Trim,    // mouldings of pale stone
+  Marble,  // white, veined
+  RedMarble,
+  GreenMarble,
+  BlackMarble,
+  VaultBlue,  // painted plaster
+  Mosaic,     // gold
+  Tile,       // glazed
+  Gilt,
+  Brass,
+  Bronze,
+  Copper,
+  Steel,
+  Ceramic,
+  Celadon,
+  Obsidian,
+  LampGlass,  // of a light that burns
+  DarkGlass,  // of one that doesn't
+  WindowGlass,
+  Count
+};
+
+// Sides of their textures in metres.
+inline constexpr double kAshlarTile = 2.25, kPlasterTile = 3.0, kMarbleTile = 1.5, kMosaicTile = 1.0, kTileTile = 0.9;
+double tileOf(Stuff stuff);
+
+// A light's possible place: the one that the hall's own lamps have.
+struct LampSite {
+  vec3 position;
+  vec3 color;
+  float weight;       // of its intensity
+  float range;        // metres, when all sites are lit
+  uint32_t instance;  // whose material shows whether it burns; kNoInstance for hidden ones
+};
+inline constexpr uint32_t kNoInstance = ~0u;
+
+// Collects the hall's meshes, or only counts their triangles.
+class HallBuilder {
+ public:
+  HallBuilder(Detail detail, uint64_t seed, bool counting);
+
+  const Detail detail;
+  const uint32_t seed;
+
+  uint32_t mesh(MeshPlan plan);
+  uint32_t group(const std::string& name, uint32_t parent, const mat4& local = mat4(1));
+  // The instance's index in the scene.
+  uint32_t place(const std::string& name, uint32_t parent, uint32_t mesh, Stuff stuff, const mat4& local = mat4(1));
+  void lamp(const LampSite& site) { lamps.push_back(site); }
+
+  uint64_t triangles() const { return triangles_; }
+  bool counting() const { return counting_; }
+  // Builds what was planned into the scene.
+  void finish();
+
+  SceneBuilder builder;
+  std::vector<LampSite> lamps;
+
+ private:
+  const bool counting_;
+  uint64_t triangles_ = 0;
+  std::vector<MeshPlan> plans_;
+  std::vector<uint64_t> planTriangles_;
+};
+
+mat4 at(double x, double y, double z);
+mat4 turnedAt(double x, double y, double z, int quarters);  // about +Y, exact
+
+// Bays count from the apse; bay boundaries from 0 to kBays.
+inline double bayCentre(int bay) {
+  return (bay + 0.5) * kBay - kHalfLength;
+}
+inline double bayBoundary(int boundary) {
+  return boundary * kBay - kHalfLength;
+}
+
+// Parts: each file one.
+void addColumns(HallBuilder& hall);
+void addArcades(HallBuilder& hall);
+void addGalleries(HallBuilder& hall);
+void addAisles(HallBuilder& hall);
+void addVault(HallBuilder& hall);
+void addEnds(HallBuilder& hall);
+void addFloor(HallBuilder& hall, uint64_t spareTriangles);
+void addExhibits(HallBuilder& hall);
+void addLamps(HallBuilder& hall);
+
+// Fill scene.textures and scene.materials, in the order of Stuff.
+void addMaterials(Scene& scene, uint32_t seed);
+
+// The one named "main" first.
+void addCameras(SceneBuilder& builder);
+
+// Exactly `count` point lights: the lamps' sites first, then small ones over all surfaces; exposed for the
+// scene's first camera.
+void addLights(HallBuilder& hall, uint32_t count);
+
+}  // namespace latelight::scene::builtin::hall

@@ -1,0 +1,273 @@
+// The hall's lights, from one to a million, always with the same exposure.
+//
+// The first hundred burn in the hall's lamps. More are small ones, strewn evenly over its surfaces a little way off;
+// the more there are, the shorter their range, so that about as many reach any point whatever their number. Nothing
+// casts shadows, so ranges also keep lamps from shining through too many walls.
+#include <algorithm>
+#include <array>
+
+#include "base/parallel.h"
+#include "scene/builtin/hall/hall.h"
+#include "scene/builtin/random.h"
+#include "shared/light.h"
+
+namespace latelight::scene::builtin::hall {
+namespace {
+
+// A flat or round piece of the hall's surface, about where it is: what lights are strewn over and exposure is measured
+// on.
+struct Spot {
+  dvec3 position, normal;  // glTF's frame
+};
+
+struct Region {
+  double area;
+  Spot (*at)(double u, double v);
+};
+
+double mixed(double a, double b, double t) {
+  return a + (b - a) * t;
+}
+
+// u > 1/2 is the left side.
+double sideOf(double& u) {
+  const double side = u < 0.5 ? 1 : -1;
+  u = u < 0.5 ? 2 * u : 2 * u - 1;
+  return side;
+}
+
+double alongHall(double v) {
+  return mixed(-kHalfLength, kHalfLength, v);
+}
+
+constexpr double kLength = 2 * kHalfLength;
+const Region kRegions[] = {
+    {2 * kOuterX * kLength,
+     [](double u, double v) {
+       return Spot{{mixed(-kOuterX, kOuterX, u), 0, alongHall(v)}, {0, 1, 0}};
+     }},
+    {kPi * kVaultRadius * kLength,
+     [](double u, double v) {
+       const dvec2 cs = onCircle(0.5 * u);
+       return Spot{{kVaultRadius * cs.x, kVaultSpring + kVaultRadius * cs.y, alongHall(v)}, {-cs.x, -cs.y, 0}};
+     }},
+    {2 * (kVaultSpring - kArcadeTop + 1.5) * kLength,
+     [](double u, double v) {
+       const double side = sideOf(u);
+       return Spot{{side * kNaveX, mixed(kArcadeTop - 1.5, kVaultSpring, u), alongHall(v)}, {-side, 0, 0}};
+     }},
+    {2 * kGalleryTop * kLength,
+     [](double u, double v) {
+       const double side = sideOf(u);
+       return Spot{{side * kOuterX, mixed(0, kGalleryTop, u), alongHall(v)}, {-side, 0, 0}};
+     }},
+    {4 * kAisleHalf * kLength,
+     [](double u, double v) {
+       const double side = sideOf(u);
+       return Spot{
+           {side * mixed(kAisleX - kAisleHalf, kAisleX + kAisleHalf, u), kArchSpring + 0.8 * kAisleRise, alongHall(v)},
+           {0, -1, 0}};
+     }},
+    {2 * (kBays + 1) * kTau * kColumnRadius * kArchSpring,
+     [](double u, double v) {
+       const double side = sideOf(u);
+       const int column = std::min(kBays, static_cast<int>(v * (kBays + 1)));
+       const double turn = v * (kBays + 1) - column;
+       const dvec2 cs = onCircle(turn);
+       return Spot{
+           {side * kColumnX + kColumnRadius * cs.x, kArchSpring * u, bayBoundary(column) + kColumnRadius * cs.y},
+           {cs.x, 0, cs.y}};
+     }},
+    {kTau * kApseRadius * kApseSpring / 2 + kPi * kApseRadius * kApseRadius,
+     [](double u, double v) {
+       const dvec2 cs = onCircle(0.5 * u);
+       const double y = (kApseSpring + 0.7 * kApseRadius) * v;
+       const double r =
+           y < kApseSpring ? kApseRadius : std::sqrt(kApseRadius * kApseRadius - (y - kApseSpring) * (y - kApseSpring));
+       const dvec3 p(r * cs.x, y, -kHalfLength - r * cs.y);
+       const dvec3 centre(0, std::min(y, kApseSpring), -kHalfLength);
+       return Spot{p, glm::normalize(centre - p)};
+     }},
+};
+
+double regionsArea() {
+  double area = 0;
+  for (const Region& region : kRegions) area += region.area;
+  return area;
+}
+
+Spot randomSpot(Random& random) {
+  double at = random.unit() * regionsArea();
+  const double u = random.unit(), v = random.unit();
+  for (const Region& region : kRegions) {
+    if (at < region.area) return region.at(u, v);
+    at -= region.area;
+  }
+  return kRegions[0].at(u, v);
+}
+
+vec3 inWorld(dvec3 gltf) {
+  return {gltf.x, -gltf.z, gltf.y};
+}
+
+Light pointLight(const char* name, vec3 position, vec3 color, double intensity, double range) {
+  Light light;
+  light.name = name;
+  light.position = position;
+  light.color = color;
+  light.intensity = static_cast<float>(intensity);
+  light.range = static_cast<float>(range);
+  return light;
+}
+
+// Lamps in an order such that the first n are spread out over the hall, whatever n: each the farthest from those
+// before.
+std::vector<size_t> spreadOrder(const std::vector<LampSite>& lamps) {
+  const vec3 start = inWorld({0, kVaultSpring - 3, 9});  // the nearest lamp in the main camera's view
+  std::vector<float> nearest(lamps.size());
+  for (size_t i = 0; i < lamps.size(); ++i) nearest[i] = 1e6f - glm::length(lamps[i].position - start);
+  std::vector<size_t> order;
+  while (order.size() < lamps.size()) {
+    const size_t next = static_cast<size_t>(std::max_element(nearest.begin(), nearest.end()) - nearest.begin());
+    order.push_back(next);
+    for (size_t i = 0; i < lamps.size(); ++i)
+      nearest[i] = std::min(nearest[i], glm::length(lamps[i].position - lamps[next].position));
+    nearest[next] = -1;
+  }
+  return order;
+}
+
+void addLampLights(HallBuilder& hall, uint32_t count) {
+  Scene& scene = hall.builder.scene;
+  const double reach = std::clamp(std::sqrt(double(hall.lamps.size()) / count), 1.0, 6.0);
+  const std::vector<size_t> order = spreadOrder(hall.lamps);
+  for (uint32_t i = 0; i < count; ++i) {
+    const LampSite& lamp = hall.lamps[order[i]];
+    scene.lights.push_back(pointLight("lamp", lamp.position, lamp.color, lamp.weight, lamp.range * reach));
+    if (lamp.instance != kNoInstance) scene.instances[lamp.instance].material = static_cast<uint32_t>(Stuff::LampGlass);
+  }
+}
+
+vec3 smallColor(Random& random) {
+  static constexpr std::array<vec3, 6> kColors{{{1, 0.62f, 0.28f},
+                                                {1, 0.72f, 0.45f},
+                                                {1, 0.5f, 0.2f},
+                                                {1, 0.42f, 0.3f},
+                                                {0.35f, 0.75f, 0.9f},
+                                                {0.5f, 0.55f, 1}}};
+  const double pick = random.unit();
+  const size_t i = pick < 0.34 ? 0 : pick < 0.6 ? 1 : pick < 0.8 ? 2 : pick < 0.88 ? 3 : pick < 0.95 ? 4 : 5;
+  return kColors[i];
+}
+
+// Each point of a surface is reached by about this many small lights.
+constexpr double kOverlap = 14;
+
+// `illuminance` is what they add to the hall's surfaces on average, before exposure.
+void addSmallLights(HallBuilder& hall, uint32_t count, double illuminance) {
+  Scene& scene = hall.builder.scene;
+  const double density = count / regionsArea();
+  const double range = std::min(2.5, std::sqrt(kOverlap / (kPi * density)));
+  const double off = 0.35 * range;
+  // A light of 1 cd at that distance sends about half of 2 pi lm to its surface within its range.
+  const double intensity = std::min(illuminance / (density * kPi), illuminance * 2 * off * off);
+  scene.lights.resize(scene.lights.size() + count);
+  Light* lights = scene.lights.data() + scene.lights.size() - count;
+  parallelFor(count, 8192, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      Random random(hall.seed, 1000 + static_cast<uint32_t>(i));
+      const Spot spot = randomSpot(random);
+      const double share = random.between(0.5, 1.5);
+      lights[i] = pointLight("spark", inWorld(spot.position + spot.normal * (off * random.between(0.7, 1.3))),
+                             smallColor(random), intensity * share, range);
+    }
+  });
+}
+
+// Where a ray of the main camera's view meets the hall, taken as floor, walls and vault without their columns.
+Spot firstWall(dvec3 eye, dvec3 d) {
+  double nearest = 1e9;
+  Spot spot{};
+  const auto meet = [&](double t, dvec3 normal) {
+    if (t > 1e-6 && t < nearest) {
+      nearest = t;
+      spot = {eye + d * t, normal};
+    }
+  };
+  if (d.y < 0) meet(-eye.y / d.y, {0, 1, 0});
+  if (d.z < 0) meet((-kHalfLength - eye.z) / d.z, {0, 0, 1});
+  const double side = d.x < 0 ? -1 : 1, wall = (side * kNaveX - eye.x) / d.x;
+  if ((eye + d * wall).y > kArchSpring + 0.7 * kArchRadius) meet(wall, {-side, 0, 0});
+  meet((side * kOuterX - eye.x) / d.x, {-side, 0, 0});
+  const double y = eye.y - kVaultSpring, a = d.x * d.x + d.y * d.y, b = eye.x * d.x + y * d.y;
+  const double c = eye.x * eye.x + y * y - kVaultRadius * kVaultRadius;
+  const double crown = (-b + std::sqrt(std::max(0.0, b * b - a * c))) / a;
+  const dvec3 p = eye + d * crown;
+  if (p.y > kVaultSpring) meet(crown, glm::normalize(dvec3(-p.x, kVaultSpring - p.y, 0)));
+  return spot;
+}
+
+std::vector<Spot> meteredSpots(const Camera& camera) {
+  const glm::dmat4 toGltf = glm::dmat4(toGltfFromWorld()) * glm::dmat4(camera.toWorld);
+  const double v = 0.534, h = v * 16 / 9;  // tangents of half angles, about the main camera's
+  std::vector<Spot> spots;
+  for (int j = 0; j < 12; ++j) {
+    for (int i = 0; i < 20; ++i) {
+      const glm::dvec4 d = toGltf * glm::dvec4(((i + 0.5) / 10 - 1) * h, 1, (1 - (j + 0.5) / 6) * v, 0);
+      spots.push_back(firstWall(dvec3(toGltf[3]), glm::normalize(dvec3(d))));
+    }
+  }
+  return spots;
+}
+
+double luminanceAt(const std::vector<Light>& lights, const Spot& spot) {
+  const vec3 position = inWorld(spot.position), normal = inWorld(spot.normal);
+  double sum = 0;
+  for (const Light& light : lights) {
+    const vec3 to = light.position - position;
+    const float distance2 = glm::dot(to, to), range = *light.range, facing = glm::dot(to, normal);
+    if (distance2 >= range * range || facing <= 0) continue;
+    const float distance = std::sqrt(distance2);
+    const float window = shared::lightWindow(distance, range);
+    sum += double(light.intensity) * shared::luminance(light.color) * window * facing / (distance2 * distance);
+  }
+  return sum;
+}
+
+// Scales all lights such that what the main camera sees of the hall is about this bright on average. Bright spots count
+// only as white.
+constexpr double kMeanRadiance = 0.28, kAlbedo = 0.5, kWhite = 0.8;
+
+void expose(Scene& scene) {
+  const std::vector<Spot> spots = meteredSpots(scene.cameras.front());
+  std::vector<double> radiance(spots.size());
+  parallelFor(spots.size(), 1, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) radiance[i] = luminanceAt(scene.lights, spots[i]) * kAlbedo / kPi;
+  });
+  double low = -40, high = 40;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (low + high), scale = exponential2(middle);
+    double sum = 0;
+    for (const double r : radiance) sum += std::min(r * scale, kWhite);
+    (sum < kMeanRadiance * double(radiance.size()) ? low : high) = middle;
+  }
+  const float scale = static_cast<float>(exponential2(low));
+  for (Light& light : scene.lights) light.intensity *= scale;
+}
+
+}  // namespace
+
+void addLights(HallBuilder& hall, uint32_t count) {
+  Scene& scene = hall.builder.scene;
+  const uint32_t lamps = std::min(count, static_cast<uint32_t>(hall.lamps.size()));
+  addLampLights(hall, lamps);
+  if (count > lamps) {
+    double sum = 0;
+    const std::vector<Spot> spots = meteredSpots(scene.cameras.front());
+    for (const Spot& spot : spots) sum += luminanceAt(scene.lights, spot);
+    addSmallLights(hall, count - lamps, 1.5 * sum / double(spots.size()));
+  }
+  expose(scene);
+}
+
+}  // namespace latelight::scene::builtin::hall

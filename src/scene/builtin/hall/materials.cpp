@@ -1,0 +1,131 @@
+#include "scene/builtin/hall/hall.h"
+#include "scene/builtin/hall/patterns.h"
+
+namespace latelight::scene::builtin::hall {
+namespace {
+
+using shared::kTextureBaseColor;
+using shared::kTextureEmissive;
+using shared::kTextureMetallicRoughness;
+using shared::kTextureNormal;
+
+void setSlot(Material& material, uint32_t slot, int texture) {
+  material.slots[slot].texture = texture;
+  material.data.textures |= 1u << slot;
+}
+
+Material mapped(const std::string& name, const SurfaceMaps& maps, vec3 tint, float roughness, float normalScale = 1) {
+  Material material = plainMaterial(name, tint, 1, roughness);
+  setSlot(material, kTextureBaseColor, maps.color);
+  setSlot(material, kTextureNormal, maps.normal);
+  setSlot(material, kTextureMetallicRoughness, maps.roughness);
+  material.data.normalScale = normalScale;
+  return material;
+}
+
+Material veined(const std::string& name, int texture, vec3 tint, float roughness) {
+  Material material = plainMaterial(name, tint, 0, roughness);
+  setSlot(material, kTextureBaseColor, texture);
+  return material;
+}
+
+Material metal(const std::string& name, vec3 color, float roughness) {
+  return plainMaterial(name, color, 1, roughness);
+}
+
+Material glowing(const std::string& name, vec3 emissive) {
+  Material material = plainMaterial(name, vec3(0.02f), 0, 0.4f);
+  material.data.emissive = emissive;
+  return material;
+}
+
+// Every texture of the hall; tints of materials are linear.
+struct Maps {
+  SurfaceMaps nave, aisle, ashlar, plaster, mosaic, tile;
+  int pale, dark, glass;
+};
+
+Maps addTextures(Scene& scene, uint32_t seed) {
+  const auto with = [seed](MapTexel (*texel)(vec2, uint32_t)) {
+    return [=](vec2 place) { return texel(place, seed); };
+  };
+  const auto colored = [seed](vec3 (*color)(vec2, uint32_t)) { return [=](vec2 place) { return color(place, seed); }; };
+  Maps maps;
+  maps.nave = addMaps(scene, "nave floor", {2048, 1024}, with(naveFloor));
+  maps.aisle = addMaps(scene, "aisle floor", {512, 512}, with(aisleFloor));
+  maps.ashlar = addMaps(scene, "ashlar", {1024, 1024}, with(ashlar));
+  maps.plaster = addMaps(scene, "plaster", {512, 512}, with(plaster));
+  maps.mosaic = addMaps(scene, "mosaic", {512, 512}, with(mosaic));
+  maps.tile = addMaps(scene, "glazed tile", {512, 512}, with(glazedTile));
+  maps.pale = addColorMap(scene, "pale marble", {512, 512}, colored(paleMarble));
+  maps.dark = addColorMap(scene, "dark marble", {512, 512}, colored(darkMarble));
+  maps.glass = addColorMap(scene, "leaded glass", {256, 256}, colored(leadedGlass));
+  return maps;
+}
+
+Material makeMaterial(Stuff stuff, const Maps& maps) {
+  switch (stuff) {
+    case Stuff::NaveFloor:
+      return mapped("nave floor", maps.nave, vec3(1), 1);
+    case Stuff::AisleFloor:
+      return mapped("aisle floor", maps.aisle, vec3(1), 1);
+    case Stuff::Ashlar:
+      return mapped("ashlar", maps.ashlar, vec3(1), 1);
+    case Stuff::Plaster:
+      return mapped("plaster", maps.plaster, vec3(1), 1);
+    case Stuff::Trim:
+      return mapped("pale stone", maps.plaster, {0.56f, 0.57f, 0.56f}, 0.85f, 0.6f);
+    case Stuff::Marble:
+      return veined("white marble", maps.pale, vec3(1), 0.3f);
+    case Stuff::RedMarble:
+      return veined("red marble", maps.dark, {1.0f, 0.60f, 0.48f}, 0.24f);
+    case Stuff::GreenMarble:
+      return veined("green marble", maps.dark, {0.74f, 0.92f, 0.78f}, 0.24f);
+    case Stuff::BlackMarble:
+      return veined("black marble", maps.dark, {0.09f, 0.09f, 0.10f}, 0.22f);
+    case Stuff::VaultBlue:
+      return mapped("painted plaster", maps.plaster, {0.05f, 0.12f, 0.30f}, 0.8f, 0.6f);
+    case Stuff::Mosaic:
+      return mapped("gold mosaic", maps.mosaic, vec3(1), 1);
+    case Stuff::Tile:
+      return mapped("glazed tile", maps.tile, vec3(1), 1);
+    case Stuff::Gilt:
+      return metal("gilt", {1.0f, 0.72f, 0.32f}, 0.38f);
+    case Stuff::Brass:
+      return metal("brass", {0.91f, 0.73f, 0.42f}, 0.36f);
+    case Stuff::Bronze:
+      return metal("bronze", {0.62f, 0.40f, 0.24f}, 0.45f);
+    case Stuff::Copper:
+      return metal("copper", {0.93f, 0.50f, 0.36f}, 0.3f);
+    case Stuff::Steel:
+      return metal("steel", {0.66f, 0.64f, 0.62f}, 0.28f);
+    case Stuff::Ceramic:
+      return plainMaterial("ceramic", {0.58f, 0.13f, 0.05f}, 0, 0.22f);
+    case Stuff::Celadon:
+      return plainMaterial("celadon", {0.38f, 0.60f, 0.48f}, 0, 0.16f);
+    case Stuff::Obsidian:
+      return plainMaterial("obsidian", {0.02f, 0.02f, 0.025f}, 0, 0.12f);
+    case Stuff::LampGlass:
+      return glowing("lamp glass", {6.0f, 3.9f, 2.0f});
+    case Stuff::DarkGlass:
+      return plainMaterial("dark glass", {0.10f, 0.09f, 0.08f}, 0, 0.2f);
+    case Stuff::WindowGlass: {
+      Material material = glowing("leaded glass", vec3(0.9f));
+      setSlot(material, kTextureEmissive, maps.glass);
+      return material;
+    }
+    case Stuff::Count:
+      break;
+  }
+  return plainMaterial("none", vec3(0.5f), 0, 1);
+}
+
+}  // namespace
+
+void addMaterials(Scene& scene, uint32_t seed) {
+  const Maps maps = addTextures(scene, seed);
+  for (uint32_t i = 0; i < static_cast<uint32_t>(Stuff::Count); ++i)
+    scene.materials.push_back(makeMaterial(static_cast<Stuff>(i), maps));
+}
+
+}  // namespace latelight::scene::builtin::hall

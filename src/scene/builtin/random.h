@@ -1,0 +1,97 @@
+// Random numbers and noise that depend on nothing but integers: the same on every machine, in any order of evaluation.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+
+namespace latelight::scene::builtin {
+
+// A good mixer of 32 bits ("lowbias32": Wellons 2018, Prospecting for Hash Functions).
+constexpr uint32_t mixBits(uint32_t x) {
+  x ^= x >> 16;
+  x *= 0x7feb352du;
+  x ^= x >> 15;
+  x *= 0x846ca68bu;
+  return x ^ (x >> 16);
+}
+constexpr uint32_t hashOf(uint32_t a, uint32_t b = 0, uint32_t c = 0, uint32_t d = 0) {
+  return mixBits(a + 0x9e3779b9u * mixBits(b + 0x85ebca6bu * mixBits(c + 0xc2b2ae35u * mixBits(d))));
+}
+
+// [0, 1)
+constexpr double unitOf(uint32_t bits) {
+  return bits * (1.0 / 4294967296.0);
+}
+
+// A stream of numbers by its seed.
+class Random {
+ public:
+  explicit constexpr Random(uint32_t seed, uint32_t stream = 0) : seed_(hashOf(seed, stream, 0x51ed270bu)) {}
+  constexpr uint32_t bits() { return hashOf(seed_, ++count_); }
+  constexpr double unit() { return unitOf(bits()); }
+  constexpr double between(double a, double b) { return a + (b - a) * unit(); }
+  constexpr uint32_t below(uint32_t n) { return static_cast<uint32_t>((uint64_t{bits()} * n) >> 32); }
+
+ private:
+  uint32_t seed_, count_ = 0;
+};
+
+namespace detail {
+inline float quintic(float t) {
+  return t * t * t * (t * (t * 6 - 15) + 10);
+}
+// Cheaper than std::floor without SSE 4.1; |x| < 2^31.
+inline int32_t floorOf(float x) {
+  const int32_t i = static_cast<int32_t>(x);
+  return i - (x < float(i));
+}
+inline float latticeValue(uint32_t bits) {
+  return float(bits >> 8) * (2.0f / 16777216.0f) - 1.0f;
+}
+}  // namespace detail
+
+// Value noise in [-1, 1] that repeats every `period` cells along both axes.
+inline float noise2(float x, float y, uint32_t period, uint32_t seed) {
+  const int32_t i = detail::floorOf(x), j = detail::floorOf(y), n = static_cast<int32_t>(period);
+  const float u = detail::quintic(x - float(i)), v = detail::quintic(y - float(j));
+  const auto wrap = [n](int32_t k) {
+    k %= n;
+    return static_cast<uint32_t>(k < 0 ? k + n : k);
+  };
+  const uint32_t x0 = wrap(i), y0 = wrap(j), x1 = x0 + 1 == period ? 0 : x0 + 1, y1 = y0 + 1 == period ? 0 : y0 + 1;
+  const auto at = [seed](uint32_t i, uint32_t j) {
+    return detail::latticeValue(mixBits(i + 0x9e37u * j + seed * 0x85ebca6bu));
+  };
+  const float a = at(x0, y0), b = at(x1, y0), c = at(x0, y1), d = at(x1, y1);
+  return (a + (b - a) * u) * (1 - v) + (c + (d - c) * u) * v;
+}
+
+// Octaves of noise2 over the unit square, each of half the size and weight; the sum is about in [-1, 1].
+inline float fractal2(glm::vec2 p, uint32_t period, int octaves, uint32_t seed) {
+  float sum = 0, weight = 0.5f;
+  for (int i = 0; i < octaves; ++i, period *= 2, weight *= 0.5f)
+    sum += weight * noise2(p.x * float(period), p.y * float(period), period, seed + uint32_t(i) * 101u);
+  return sum;
+}
+
+// Value noise of space in [-1, 1] that repeats every `periodZ` cells along z.
+inline float noise3(glm::vec3 p, uint32_t periodZ, uint32_t seed) {
+  const int32_t i = detail::floorOf(p.x), j = detail::floorOf(p.y), k = detail::floorOf(p.z);
+  const float u = detail::quintic(p.x - float(i)), v = detail::quintic(p.y - float(j)),
+              w = detail::quintic(p.z - float(k));
+  const uint32_t x = uint32_t(i), y = uint32_t(j);
+  const int32_t wrapped = k % int32_t(periodZ);
+  const uint32_t z0 = uint32_t(wrapped < 0 ? wrapped + int32_t(periodZ) : wrapped), z1 = z0 + 1 == periodZ ? 0 : z0 + 1;
+  const auto at = [&](uint32_t i, uint32_t j, uint32_t z) {
+    return detail::latticeValue(mixBits((x + i) * 0x9e3779b1u + (y + j) * 0x85ebca77u + z * 0xc2b2ae3du + seed));
+  };
+  const auto edge = [&](uint32_t j, uint32_t z) {
+    const float a = at(0, j, z);
+    return a + (at(1, j, z) - a) * u;
+  };
+  const float a = edge(0, z0), b = edge(1, z0), c = edge(0, z1), d = edge(1, z1);
+  const float near = a + (b - a) * v, far = c + (d - c) * v;
+  return near + (far - near) * w;
+}
+
+}  // namespace latelight::scene::builtin

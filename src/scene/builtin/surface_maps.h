@@ -1,0 +1,29 @@
+// Textures made by a function of place: base colour, normal and roughness with metalness of one surface together.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "scene/builtin/exact_math.h"
+#include "scene/texture.h"
+
+namespace latelight::scene::builtin {
+
+struct MapTexel {
+  vec3 color{0.5f};  // sRGB-coded
+  float height = 0;  // texels: its slopes become the normal map
+  vec2 tilt{0};      // added to the normal's x and y
+  float roughness = 1;
+  float metallic = 0;
+};
+
+struct SurfaceMaps {
+  int color = -1, normal = -1, roughness = -1;  // indices into Scene::textures
+};
+
+// `texel` gets the place in [0, 1)^2, y down, and is called on all threads. The maps tile if it does.
+SurfaceMaps addMaps(Scene& scene, const std::string& name, ImageSize size, const std::function<MapTexel(vec2)>& texel);
+// Colour alone.
+int addColorMap(Scene& scene, const std::string& name, ImageSize size, const std::function<vec3(vec2)>& color);
+
+}  // namespace latelight::scene::builtin
