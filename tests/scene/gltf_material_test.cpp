@@ -111,7 +111,7 @@ TEST(GltfMaterial, EveryMinificationFilter) {
 }
 
 TEST(GltfMaterial, BlendIsMaskedAtOneHalf) {
-  const auto& data = withMaterial({{"alphaMode", "BLEND"}, {"alphaCutoff", .1}}).load().materials[0].data;
+  const auto data = withMaterial({{"alphaMode", "BLEND"}, {"alphaCutoff", .1}}).load().materials[0].data;
   EXPECT_EQ(data.flags, kMaterialBlended | kMaterialMasked);
   EXPECT_EQ(data.alphaCutoff, .5f);
 }
