@@ -151,6 +151,11 @@ Profile& Profile::smooth() {
   return *this;
 }
 
+Profile& Profile::whole() {
+  whole_ = true;
+  return *this;
+}
+
 Profile& Profile::segments(double normal, uint32_t least) {
   elements_.back().segments = normal;
   elements_.back().least = least;
@@ -173,7 +178,7 @@ std::vector<Profile::Run> Profile::sample(const Detail& detail) const {
       run.push_back({p, rightOf(derivative(element.at, t)), length});
     }
   }
-  const double lost = membersLost(detail);
+  const double lost = whole_ ? 0 : membersLost(detail);
   return lost > 0 ? simplified(runs, lost) : runs;
 }
 

@@ -27,6 +27,9 @@ class Profile {
   Profile& smooth();
   Profile& segments(double normal, uint32_t least = 1);  // of the last element, at detail 1
 
+  // Leaves no member out at low detail: for thin shells, whose two sides would cross.
+  Profile& whole();
+
   struct Point {
     dvec2 position, normal;
     double length = 0;  // metres along the profile from its start
@@ -48,7 +51,7 @@ class Profile {
   void push(std::function<dvec2(double)> at, double segments, uint32_t least, dvec2 end);
   std::vector<Element> elements_;
   dvec2 start_, end_;
-  bool smoothNext_ = false;
+  bool smoothNext_ = false, whole_ = false;
 };
 
 // Where a profile stands along its path: position = origin + x X + y Y, and the path goes towards Y x X (cross

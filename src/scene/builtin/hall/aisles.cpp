@@ -109,7 +109,7 @@ MeshPlan pilaster(const Detail& detail) {
 const Plane kOuterFace{{kAisleHalf, 0, 0}, {0, 0, 1}, {0, 1, 0}};
 
 WallGrid wallGrid(const Detail& detail) {
-  return {detail.segments(10, 4), detail.segments(3, 1), detail.segments(4, 1)};
+  return {detail.segments(10, 6), detail.segments(3, 1), detail.segments(4, 1)};
 }
 
 MeshPlan outerWall(const Detail& detail) {

@@ -15,7 +15,7 @@ const Plane kAisleFace{{kWallHalf, 0, 0}, {0, 0, -1}, {0, 1, 0}};
 
 MeshPlan spandrels(const Detail& detail) {
   MeshPlan plan{"spandrels", {}, shadeInHall(kBayOnTheRight), {}};
-  const WallGrid grid{detail.segments(16, 5), detail.segments(4, 1), 1};
+  const WallGrid grid{detail.segments(16, 8), detail.segments(4, 1), 1};
   for (const Plane& plane : {kNaveFace, kAisleFace})
     plan.add(wallAboveArch(plane, kBay / 2, kArchSpring, kArchRadius + 0.1, kArcadeTop + 0.1, grid, kPlasterTile));
   return plan;

@@ -232,6 +232,8 @@ MeshPlan roseGlass(const Detail& detail) {
 // Two bronze leaves with sunk panels and bosses.
 MeshPlan door(const Detail& detail) {
   MeshPlan plan{"door", {}, shadeInHall(kEast), {}};
+  const double r = kDoorRadius + 0.01;
+  plan.add(quad({-r, -0.002, 0.05}, {r, -0.002, 0.05}, {r, -0.002, -0.36}, {-r, -0.002, -0.36}, 1, 1));  // its sill
   const Plane plane{{0, 0, -0.3}, {1, 0, 0}, {0, 1, 0}};
   plan.add(roundHeadedPane(plane, 0, kDoorSpring, kDoorRadius, {detail.segments(14, 6), 1, 1}, 1));
   Profile panel(0, 0);

@@ -33,7 +33,8 @@ MeshPlan plinth(const Detail& detail) {
 // Everything on a plinth stands at y = 0 in its own frame.
 MeshPlan urn(const Detail& detail) {
   MeshPlan plan{"urn", {}, {}, {}};
-  Profile p(0, 0.0);
+  Profile p(0, 0);
+  p.whole();
   p.line(0.13, 0).line(0.13, 0.03).arc(0.115, 0.05, 1, 1.5).line(0.07, 0.07).smooth();
   p.curve({{0.05, 0.1}, {0.06, 0.13}, {0.17, 0.3}, {0.22, 0.5}, {0.17, 0.66}, {0.085, 0.74}, {0.08, 0.8}}, 2);
   p.line(0.1, 0.81)
@@ -118,6 +119,7 @@ MeshPlan supershape(const Detail& detail, double m, double n1, double n2, double
 MeshPlan twistedVase(const Detail& detail) {
   MeshPlan plan{"twisted vase", {}, {}, {}};
   Profile p(0.1, 0);
+  p.whole();
   p.line(0.11, 0.02).curve({{0.17, 0.16}, {0.215, 0.36}, {0.17, 0.58}, {0.115, 0.7}, {0.14, 0.8}}, 3);
   p.line(0.122, 0.805).curve({{0.098, 0.7}, {0.15, 0.58}, {0.19, 0.36}, {0.05, 0.1}}, 2);
   for (Profile::Run& points : p.sample(detail)) {

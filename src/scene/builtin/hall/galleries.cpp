@@ -20,12 +20,12 @@ std::vector<dvec2> rectangle(double x, double z) {
 
 MeshPlan arcadeWall(const Detail& detail) {
   MeshPlan plan{"gallery wall", {}, shadeInHall(kBayOnTheRight), {}};
-  const WallGrid grid{detail.segments(10, 4), detail.segments(1.5, 1), 1};
+  const WallGrid grid{detail.segments(10, 5), detail.segments(1.5, 1), 1};
   for (int arch = -1; arch <= 1; ++arch) {
     const double z = arch * kGalleryPitch;
     for (const double face : {-1.0, 1.0}) {
       const Plane plane{{face * kWallHalf, 0, z}, {0, 0, -face}, {0, 1, 0}};
-      plan.add(wallAboveArch(plane, kGalleryPitch / 2, kGallerySpring, kGalleryArchRadius + 0.04, kGalleryTop + 0.1,
+      plan.add(wallAboveArch(plane, kGalleryPitch / 2, kGallerySpring, kGalleryArchRadius + 0.07, kGalleryTop + 0.1,
                              grid, kPlasterTile));
     }
   }
@@ -41,7 +41,7 @@ MeshPlan archivolts(const Detail& detail) {
   profile.line(r + 0.14, -t + 0.01);
   for (int arch = -1; arch <= 1; ++arch) {
     const Plane plane{{0, 0, arch * kGalleryPitch}, {0, 0, 1}, {0, 1, 0}};
-    plan.add(sweep(profile, archPath(plane, kGallerySpring, r, detail.segments(14, 4)), detail, kPlasterTile));
+    plan.add(sweep(profile, archPath(plane, kGallerySpring, r, detail.segments(14, 6)), detail, kPlasterTile));
   }
   return plan;
 }
@@ -64,8 +64,8 @@ MeshPlan abacus(const Detail& detail) {
   p.line(-0.15, kGallerySpring);
   plan.add(sweepPolygon(p, rectangle(0.2, kPierHalf), true, 1, detail, kPlasterTile));
   // The wall is thicker than the column: a lintel carries it.
-  Profile lintel(-0.1, kGallerySpring - 0.005);
-  lintel.line(0.02, kGallerySpring - 0.005).line(0.02, kGallerySpring + 0.1).line(-0.1, kGallerySpring + 0.1);
+  Profile lintel(-0.15, kGallerySpring - 0.005);
+  lintel.line(0.05, kGallerySpring - 0.005).line(0.05, kGallerySpring + 0.06).line(-0.1, kGallerySpring + 0.1);
   plan.add(sweepPolygon(lintel, rectangle(kWallHalf, kPierHalf), true, 1, detail, kPlasterTile));
   return plan;
 }

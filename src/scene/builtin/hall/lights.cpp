@@ -220,18 +220,42 @@ std::vector<Spot> meteredSpots(const Camera& camera) {
   return spots;
 }
 
-double luminanceAt(const std::vector<Light>& lights, const Spot& spot) {
+// What reaching a light takes, close together: most lights reach none of the metered spots.
+struct Reach {
+  vec3 position;
+  float range2;
+};
+
+std::vector<Reach> reachesOf(const std::vector<Light>& lights) {
+  std::vector<Reach> reaches;
+  reaches.reserve(lights.size());
+  for (const Light& light : lights) reaches.push_back({light.position, *light.range * *light.range});
+  return reaches;
+}
+
+// Illuminance in lux, by luminance.
+double illuminanceAt(const std::vector<Light>& lights, const std::vector<Reach>& reaches, const Spot& spot) {
   const vec3 position = inWorld(spot.position), normal = inWorld(spot.normal);
   double sum = 0;
-  for (const Light& light : lights) {
-    const vec3 to = light.position - position;
-    const float distance2 = glm::dot(to, to), range = *light.range, facing = glm::dot(to, normal);
-    if (distance2 >= range * range || facing <= 0) continue;
-    const float distance = std::sqrt(distance2);
-    const float window = shared::lightWindow(distance, range);
+  for (size_t i = 0; i < reaches.size(); ++i) {
+    const vec3 to = reaches[i].position - position;
+    const float distance2 = glm::dot(to, to), facing = glm::dot(to, normal);
+    if (distance2 >= reaches[i].range2 || facing <= 0) continue;
+    const Light& light = lights[i];
+    const float distance = std::sqrt(distance2), window = shared::lightWindow(distance, *light.range);
     sum += double(light.intensity) * shared::luminance(light.color) * window * facing / (distance2 * distance);
   }
   return sum;
+}
+
+std::vector<double> illuminances(const Scene& scene) {
+  const std::vector<Spot> spots = meteredSpots(scene.cameras.front());
+  const std::vector<Reach> reaches = reachesOf(scene.lights);
+  std::vector<double> result(spots.size());
+  parallelFor(spots.size(), 1, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) result[i] = illuminanceAt(scene.lights, reaches, spots[i]);
+  });
+  return result;
 }
 
 // Scales all lights such that what the main camera sees of the hall is about this bright on average. Bright spots count
@@ -239,11 +263,8 @@ double luminanceAt(const std::vector<Light>& lights, const Spot& spot) {
 constexpr double kMeanRadiance = 0.28, kAlbedo = 0.5, kWhite = 0.8;
 
 void expose(Scene& scene) {
-  const std::vector<Spot> spots = meteredSpots(scene.cameras.front());
-  std::vector<double> radiance(spots.size());
-  parallelFor(spots.size(), 1, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) radiance[i] = luminanceAt(scene.lights, spots[i]) * kAlbedo / kPi;
-  });
+  std::vector<double> radiance = illuminances(scene);
+  for (double& r : radiance) r *= kAlbedo / kPi;
   double low = -40, high = 40;
   for (int i = 0; i < 60; ++i) {
     const double middle = 0.5 * (low + high), scale = exponential2(middle);
@@ -262,10 +283,10 @@ void addLights(HallBuilder& hall, uint32_t count) {
   const uint32_t lamps = std::min(count, static_cast<uint32_t>(hall.lamps.size()));
   addLampLights(hall, lamps);
   if (count > lamps) {
+    const std::vector<double> lit = illuminances(scene);
     double sum = 0;
-    const std::vector<Spot> spots = meteredSpots(scene.cameras.front());
-    for (const Spot& spot : spots) sum += luminanceAt(scene.lights, spot);
-    addSmallLights(hall, count - lamps, 1.5 * sum / double(spots.size()));
+    for (const double e : lit) sum += e;
+    addSmallLights(hall, count - lamps, 1.5 * sum / double(lit.size()));
   }
   expose(scene);
 }

@@ -71,7 +71,8 @@ Shade coffersShade() {
 MeshPlan cofferFrame(const Detail& detail) {
   MeshPlan plan{"coffer", {}, coffersShade(), {}};
   Profile p(0, -0.02);
-  p.line(0.01, 0.06).line(0.075, 0.065).line(0.08, 0.13).arc(0.13, 0.17, -1, 2).line(0.15, 0.17);
+  p.line(0.01, 0.06).line(0.075, 0.065).line(0.08, 0.13).arc(0.13, 0.17, -1, 2).line(0.2, 0.17);
+  p.line(0.2, kDepth + 0.01);
   plan.add(frame(p, detail));
   return plan;
 }
@@ -79,8 +80,8 @@ MeshPlan cofferFrame(const Detail& detail) {
 MeshPlan cofferBead(const Detail& detail) {
   MeshPlan plan{"coffer bead", {}, coffersShade(), {}};
   if (detail.scale < 0.3) return plan;
-  Profile p(0.14, 0.18);
-  p.arc(0.19, 0.175, -2, 2).line(0.19, kDepth + 0.01);
+  Profile p(0.18, 0.2);
+  p.line(0.18, 0.17).arc(0.225, 0.17, -2, 2).line(0.225, kDepth + 0.01);
   plan.add(frame(p, detail));
   return plan;
 }
@@ -158,6 +159,10 @@ MeshPlan bars(const Detail& detail) {
     const Plane plane{{0, 0, (i - kAlong * 0.5) * kPitch}, {1, 0, 0}, {0, 1, 0}};
     plan.add(sweep(across, archPath(plane, 0, r, segments), detail, kPlasterTile));
   }
+  // A shell behind the coffers, so that no joint between them is open to the sky.
+  Profile shell(r + 0.3, z);
+  shell.line(r + 0.3, -z);
+  plan.add(sweep(shell, archPath({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, 0, r, segments / 2), detail, kPlasterTile));
   return plan;
 }
 
