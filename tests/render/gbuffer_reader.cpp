@@ -1,0 +1,190 @@
+#include "render/gbuffer_reader.h"
+
+#include <cmath>
+#include <cstring>
+#include <stdexcept>
+
+#include "render/post/resolve.h"
+#include "render/view.h"
+#include "render/visibility/hardware.h"
+#include "scene/half.h"
+
+namespace latelight::render::test {
+
+namespace {
+
+template <typename T>
+T load(const std::byte* from, size_t index = 0) {
+  T value;
+  std::memcpy(&value, from + index * sizeof(T), sizeof(T));
+  return value;
+}
+
+float unorm(uint32_t code, uint32_t bits) {
+  return static_cast<float>(code) / static_cast<float>((1u << bits) - 1u);
+}
+
+// A code is the nearest of those that stand for a value; ties may go either way.
+uint32_t toUnorm(float value, uint32_t bits) {
+  const double levels = (1u << bits) - 1u;
+  return static_cast<uint32_t>(std::lround(std::clamp(double{value}, 0.0, 1.0) * levels));
+}
+
+}  // namespace
+
+TargetValue decodeTexel(VkFormat format, const std::byte* texel) {
+  TargetValue value;
+  const uint32_t word = load<uint32_t>(texel);
+  switch (format) {
+    case VK_FORMAT_R8G8B8A8_UNORM:
+    case VK_FORMAT_R8G8B8A8_SRGB:
+      for (int i = 0; i < 4; ++i) {
+        value.f[i] = unorm(word >> (8 * i) & 0xff, 8);
+        if (format == VK_FORMAT_R8G8B8A8_SRGB && i < 3) value.f[i] = shared::linearFromSrgb(value.f[i]);
+      }
+      return value;
+    case VK_FORMAT_R16G16_UNORM:
+      value.f = {unorm(word & 0xffff, 16), unorm(word >> 16, 16), 0, 1};
+      return value;
+    case VK_FORMAT_A2B10G10R10_UNORM_PACK32:
+      value.f = {unorm(word & 1023, 10), unorm(word >> 10 & 1023, 10), unorm(word >> 20 & 1023, 10),
+                 unorm(word >> 30, 2)};
+      return value;
+    case VK_FORMAT_R16G16B16A16_SFLOAT:
+      for (int i = 0; i < 4; ++i) value.f[i] = scene::floatFromHalf(load<uint16_t>(texel, i));
+      return value;
+    case VK_FORMAT_R32G32B32A32_SFLOAT:
+      for (int i = 0; i < 4; ++i) value.f[i] = load<float>(texel, i);
+      return value;
+    case VK_FORMAT_R32G32_UINT:
+      value.u = {word, load<uint32_t>(texel, 1), 0, 1};
+      return value;
+    case VK_FORMAT_R32G32B32A32_UINT:
+      for (int i = 0; i < 4; ++i) value.u[i] = load<uint32_t>(texel, i);
+      return value;
+    default:
+      throw std::logic_error(std::string("teach decodeTexel the format ") + vk::formatName(format));
+  }
+}
+
+TargetValue storedValue(VkFormat format, const TargetValue& value) {
+  std::byte texel[16]{};
+  uint32_t word = 0;
+  switch (format) {
+    case VK_FORMAT_R8G8B8A8_UNORM:
+    case VK_FORMAT_R8G8B8A8_SRGB:
+      for (int i = 0; i < 4; ++i) {
+        const bool coded = format == VK_FORMAT_R8G8B8A8_SRGB && i < 3;
+        word |= toUnorm(coded ? shared::srgbFromLinear(shared::saturate(value.f[i])) : value.f[i], 8) << (8 * i);
+      }
+      break;
+    case VK_FORMAT_R16G16_UNORM:
+      word = toUnorm(value.f.x, 16) | toUnorm(value.f.y, 16) << 16;
+      break;
+    case VK_FORMAT_A2B10G10R10_UNORM_PACK32:
+      word = toUnorm(value.f.x, 10) | toUnorm(value.f.y, 10) << 10 | toUnorm(value.f.z, 10) << 20 |
+             toUnorm(value.f.w, 2) << 30;
+      break;
+    case VK_FORMAT_R16G16B16A16_SFLOAT: {
+      uint16_t halves[4];
+      for (int i = 0; i < 4; ++i) halves[i] = scene::halfFromFloat(value.f[i]);
+      std::memcpy(texel, halves, sizeof(halves));
+      return decodeTexel(format, texel);
+    }
+    case VK_FORMAT_R32G32B32A32_SFLOAT:
+    case VK_FORMAT_R32G32_UINT:
+    case VK_FORMAT_R32G32B32A32_UINT:
+      return value;
+    default:
+      throw std::logic_error(std::string("teach storedValue the format ") + vk::formatName(format));
+  }
+  std::memcpy(texel, &word, sizeof(word));
+  return decodeTexel(format, texel);
+}
+
+shared::Surface ReadGbuffer::surface(size_t pixel) const {
+  shared::GbufferContext context{};
+  context.view = view;
+  context.pixel = {static_cast<float>(pixel % width) + 0.5f, static_cast<float>(pixel / width) + 0.5f};
+  context.depth = depth[pixel];
+  context.ao = before[pixel].w;
+  context.normalEncoding = normalEncoding;
+  std::vector<TargetValue> values;
+  for (const std::vector<TargetValue>& target : targets) values.push_back(target[pixel]);
+  return layout->unpack(values, context);
+}
+
+GbufferReader::GbufferReader(vk::Device& device, const scene::Scene& scene, const scene::Environment* environment)
+    : device_(device),
+      scene_(device, scene),
+      environment_(device, environment),
+      executor_(device),
+      depth_(device, scene_) {}
+
+const GeometryPass& GbufferReader::geometry(const FrameSetup& setup) {
+  auto& made = geometries_[{setup.layout, setup.normalEncoding}];
+  if (!made) made = std::make_unique<GeometryPass>(device_, scene_, *setup.layout, setup.normalEncoding);
+  return *made;
+}
+
+const LightingTechnique& GbufferReader::lighting(const FrameSetup& setup) {
+  auto& made = techniques_[{setup.layout, setup.normalEncoding, setup.lighting, setup.shading}];
+  if (!made) made = setup.lighting->make(device_, setup);
+  return *made;
+}
+
+vk::Buffer GbufferReader::upload(const char* name, const void* data, size_t bytes) {
+  vk::Buffer buffer(device_, {.size = bytes, .kind = vk::MemoryKind::Upload, .name = name});
+  std::memcpy(buffer.mapped(), data, bytes);
+  return buffer;
+}
+
+ReadGbuffer GbufferReader::read(const FrameSetup& setup, const scene::Camera& camera, uint32_t width, uint32_t height,
+                                const LightSettings& light) {
+  ReadGbuffer result{.layout = setup.layout,
+                     .normalEncoding = setup.normalEncoding,
+                     .view = makeView(camera, width, height),
+                     .width = width,
+                     .height = height};
+  const vk::Buffer views = upload("views", &result.view, sizeof(result.view));
+  shared::FrameConstants frame{};
+  scene_.describe(frame);
+  frame.views = views.address();
+  frame.viewCount = 1;
+  frame.lights += light.firstLight * sizeof(shared::Light);
+  frame.lightCount = light.lightCount;
+  frame.exposure = light.exposure;
+  frame.environmentIntensity = light.environmentIntensity;
+  frame.environmentCos = std::cos(light.environmentRotation);
+  frame.environmentSin = std::sin(light.environmentRotation);
+  frame.environmentLevels = static_cast<float>(environment_.levels());
+  const vk::Buffer constants = upload("frame constants", &frame, sizeof(frame));
+  const FrameInputs inputs{scene_, environment_, {&result.view, 1}, constants.address(), width, height};
+
+  const DepthPass depthPass(device_, scene_);
+  graph::Graph graph;
+  const Gbuffer gbuffer = geometry(setup).add(graph, inputs, depth_.add(graph, inputs));
+  std::vector<graph::BufferId> targets;
+  for (graph::ImageId target : gbuffer.targets) targets.push_back(addReadback(graph, target));
+  const graph::BufferId depth = addReadback(graph, gbuffer.depth), before = addReadback(graph, gbuffer.light);
+  lighting(setup).add(graph, inputs, gbuffer);
+  const graph::BufferId after = addReadback(graph, gbuffer.light);
+  executor_.run(graph, graph.compile());
+
+  const size_t pixels = size_t{width} * height;
+  const auto decode = [&](graph::BufferId buffer, VkFormat format) {
+    std::vector<TargetValue> values(pixels);
+    for (size_t i = 0; i < pixels; ++i)
+      values[i] = decodeTexel(format, executor_.buffer(buffer).mapped() + i * vk::texelBytes(format));
+    return values;
+  };
+  for (size_t i = 0; i < targets.size(); ++i)
+    result.targets.push_back(decode(targets[i], setup.layout->format(i, setup.normalEncoding)));
+  for (const TargetValue& value : decode(before, kLightFormat)) result.before.push_back(value.f);
+  for (const TargetValue& value : decode(after, kLightFormat)) result.after.push_back(value.f);
+  const float* depths = executor_.buffer(depth).as<float>();
+  result.depth.assign(depths, depths + pixels);
+  return result;
+}
+
+}  // namespace latelight::render::test

@@ -1,0 +1,73 @@
+// An independent answer to what each pixel sees: rays through pixel centres against every triangle of a scene, by
+// Embree in its robust mode, then refined in double precision. Shares no code with the renderer but the scene's plain
+// data.
+#pragma once
+
+#include <embree3/rtcore.h>
+
+#include <glm/glm.hpp>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "scene/scene.h"
+
+namespace latelight::render::test {
+
+struct Hit {
+  uint32_t instance, triangle;
+  uint32_t id;
+  double depth;                            // metres along the view axis
+  double distance;                         // metres from where the ray starts: the eye, or the camera's plane
+  glm::dvec3 position, geonormal, normal;  // world; normals unit, towards the viewer; `normal` without a normal map
+  glm::dvec2 uv;                           // set 0
+  double uvPerPixel, normalPerPixel;       // their change over one pixel, at most
+  double flatness;  // the triangle's least height over its largest coordinate: how well float32 knows its normal
+};
+
+class ReferenceCaster {
+ public:
+  ReferenceCaster(const scene::Scene& scene, const scene::Camera& camera, uint32_t width, uint32_t height);
+  ~ReferenceCaster();
+  ReferenceCaster(const ReferenceCaster&) = delete;
+  ReferenceCaster& operator=(const ReferenceCaster&) = delete;
+
+  // The nearest surface at a picture coordinate (y down, pixel centres at .5): single-sided materials seen from behind
+  // are looked through, and so is what an alpha mask cuts out (by its texture's level 0).
+  std::optional<Hit> cast(glm::dvec2 pixel) const;
+
+  // How many surfaces lie along the ray within this relative distance behind and before `depth`.
+  int surfacesNear(glm::dvec2 pixel, double depth, double tolerance) const;
+
+  // Depth of the nearest triangle edge that passes a pixel's centre within `kEdgeReach` on the picture; +inf: none.
+  double edgeDepth(size_t pixel) const { return edges_[pixel]; }
+  // Pixels. Devices snap vertices to a grid of 1/256 pixel (8 sub-pixel bits), so an edge moves by up to half the
+  // diagonal of a cell, 0.0028; the rest is the rounding of the vertices' own projection in float32.
+  static constexpr double kEdgeReach = 1.0 / 256.0;
+
+ private:
+  struct Surface;
+  struct Ray {
+    glm::dvec3 origin, direction;  // the direction's component along the view axis is 1
+  };
+  Ray rayThrough(glm::dvec2 pixel) const;
+  glm::dvec3 project(glm::dvec3 view) const;  // pixel x, y, and depth
+  Hit refine(const Ray& ray, uint32_t instance, uint32_t triangle) const;
+  void markEdges();
+  void markEdge(glm::dvec3 a, glm::dvec3 b);
+  static void filter(const RTCFilterFunctionNArguments* arguments);
+
+  const scene::Scene& scene_;
+  scene::Camera camera_;
+  uint32_t width_, height_;
+  glm::dmat3 axes_;  // right, away, up in the world
+  glm::dvec3 eye_;
+  glm::dvec2 scale_;  // view x and z over depth at the picture's right and upper edge
+  RTCDevice device_;
+  RTCScene embree_;
+  std::vector<std::unique_ptr<Surface>> surfaces_;  // one an instance
+  std::vector<double> edges_;
+};
+
+}  // namespace latelight::render::test

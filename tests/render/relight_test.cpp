@@ -1,0 +1,302 @@
+// The device's own G-buffer, read back and shaded on the host by the same shared headers, against what each lighting
+// technique made of it: every layout, normal encoding, technique and shading, under every kind of light. No golden
+// pictures: what differs is a bug in a shader's reads, lookups or loops over lights.
+#include <fmt/core.h>
+
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <utility>
+
+#include "render/gbuffer_reader.h"
+#include "render/settings.h"
+#include "scene/builtin.h"
+#include "scene/half.h"
+#include "shared/environment.h"
+#include "shared/shade.h"
+
+namespace latelight::render::test {
+namespace {
+
+using shared::Surface;
+using shared::vec2;
+using shared::vec3;
+using shared::vec4;
+
+constexpr uint32_t kSize = 160;
+constexpr uint32_t kTableSize = 32;  // the renderer's own choice for the reflectance table
+
+// --- environment lookups, as render/glsl/environment.glsl has them --------------------------------------------------
+
+// A map in floats, read between texel centres and clamped at the edges.
+struct Map {
+  uint32_t width = 0, height = 0;
+  std::vector<vec4> texels;
+
+  explicit Map(const scene::HalfImage& image) : width(image.width), height(image.height) {
+    for (size_t i = 0; i < image.pixels.size(); i += 4)
+      texels.emplace_back(scene::floatFromHalf(image.pixels[i]), scene::floatFromHalf(image.pixels[i + 1]),
+                          scene::floatFromHalf(image.pixels[i + 2]), 1.0f);
+  }
+  Map(uint32_t size, const std::vector<glm::vec2>& values) : width(size), height(size) {
+    for (glm::vec2 v : values) texels.emplace_back(v.x, v.y, 0.0f, 0.0f);
+  }
+  vec4 texel(int x, int y) const {
+    x = std::clamp(x, 0, static_cast<int>(width) - 1);
+    y = std::clamp(y, 0, static_cast<int>(height) - 1);
+    return texels[static_cast<size_t>(y) * width + static_cast<size_t>(x)];
+  }
+  vec4 bilinear(vec2 uv) const {
+    const vec2 p(uv.x * static_cast<float>(width) - 0.5f, uv.y * static_cast<float>(height) - 0.5f);
+    const int x = static_cast<int>(std::floor(p.x)), y = static_cast<int>(std::floor(p.y));
+    const float fx = p.x - std::floor(p.x), fy = p.y - std::floor(p.y);
+    return glm::mix(glm::mix(texel(x, y), texel(x + 1, y), fx), glm::mix(texel(x, y + 1), texel(x + 1, y + 1), fx), fy);
+  }
+};
+
+struct HostEnvironment {
+  std::vector<Map> specular;
+  Map diffuse, table;
+
+  explicit HostEnvironment(const scene::Environment& environment)
+      : diffuse(environment.diffuse), table(kTableSize, scene::ggxReflectanceTable(kTableSize)) {
+    for (const scene::HalfImage& level : environment.specular) specular.emplace_back(level);
+  }
+
+  vec3 light(const Surface& s, vec3 toEye, const LightSettings& settings) const {
+    const float cosine = std::cos(settings.environmentRotation), sine = std::sin(settings.environmentRotation);
+    const auto octahedral = [&](vec3 d) {
+      return shared::octahedralFromDirection(shared::rotateToEnvironment(d, cosine, sine));
+    };
+    const auto read = [](const Map& map, vec2 o) {
+      return vec3(map.bilinear(shared::octahedralTexture(o, static_cast<float>(map.width))));
+    };
+    const vec2 reflected = octahedral(glm::reflect(-toEye, s.normal));
+    const float level = s.roughness * static_cast<float>(specular.size() - 1);
+    const size_t lower = std::min(static_cast<size_t>(level), specular.size() - 2);
+    const vec3 radiance = glm::mix(read(specular[lower], reflected), read(specular[lower + 1], reflected),
+                                   level - static_cast<float>(lower));
+    const float nv = glm::clamp(glm::dot(s.normal, toEye), 0.0f, 1.0f);
+    return shared::shadeEnvironment(s, toEye, read(diffuse, octahedral(s.normal)), radiance,
+                                    vec2(table.bilinear({nv, s.roughness}))) *
+           settings.environmentIntensity;
+  }
+};
+
+shared::Light hostLight(const scene::Light& light) {
+  shared::Light l{};
+  l.position = light.position;
+  l.direction = light.direction;
+  l.type = light.type;
+  l.intensity = light.color * light.intensity;
+  l.reach = light.type == shared::kLightDirectional
+                ? std::numeric_limits<float>::infinity()
+                : shared::lightReach(l.intensity, light.range.value_or(0.0f), shared::kLightThreshold);
+  if (light.type == shared::kLightSpot) shared::spotCone(light.innerCone, light.outerCone, l.spotScale, l.spotOffset);
+  return l;
+}
+
+// --- the scene: a grid of metalness and roughness, and materials that emit, occlude or are not lit ------------------
+
+scene::Scene litSpheres() {
+  scene::Scene scene = scene::load("builtin:spheres");
+  scene.meshes[0] = sphereMesh(scene::kSpheresRadius);
+  scene.textures.push_back(
+      textureOf(2, 2, false, {{255, 0, 0, 255}, {90, 0, 0, 255}, {160, 0, 0, 255}, {30, 0, 0, 255}}));
+  for (size_t i = 0; i < scene.materials.size(); ++i) {
+    shared::Material& m = scene.materials[i].data;
+    if (i % 5 == 1) m.emissive = {0.2f, 0.05f, 3.0f};
+    if (i % 7 == 2) m.flags |= shared::kMaterialUnlit;
+    if (i % 3 == 0) setTexture(scene.materials[i], shared::kTextureOcclusion, 0);
+    if (i % 4 == 3) m.specularColor = {0.9f, 0.3f, 2.0f}, m.specular = 0.7f;
+  }
+  return scene;
+}
+
+scene::Light makeLight(uint32_t type, vec3 position, vec3 target, vec3 color, float intensity) {
+  scene::Light light;
+  light.type = type;
+  light.position = position;
+  light.direction = glm::normalize(target - position);
+  light.color = color;
+  light.intensity = intensity;
+  return light;
+}
+
+// World space: the spheres stand in the plane y = 0, seen from -y. The lights of a kind follow each other.
+std::vector<scene::Light> directionalLights() {
+  return {makeLight(shared::kLightDirectional, {3, -4, 5}, {0, 0, 0}, {1, 0.9f, 0.8f}, 2.5f),
+          makeLight(shared::kLightDirectional, {-3, 2, -5}, {0, 0, 0}, {0.2f, 0.3f, 1}, 1.0f)};
+}
+
+std::vector<scene::Light> pointLights() {
+  std::vector<scene::Light> lights;
+  for (int i = 0; i < 11; ++i) {  // more than a subgroup of the CPU device holds
+    const float a = 0.7f * static_cast<float>(i);
+    lights.push_back(makeLight(shared::kLightPoint, {3.5f * std::cos(a), -1.5f, 3 * std::sin(1.3f * a)}, vec3(0, 0, 9),
+                               {1, 0.3f + 0.06f * static_cast<float>(i), 0.5f}, 1.5f));
+    if (i % 2) lights.back().range = 2.0f + 0.3f * static_cast<float>(i);
+  }
+  return lights;
+}
+
+std::vector<scene::Light> spotLights() {
+  std::vector<scene::Light> lights{makeLight(shared::kLightSpot, {-2, -4, 2}, {-1, 0, 0}, {1, 1, 0.5f}, 40.0f),
+                                   makeLight(shared::kLightSpot, {2, -3, -2}, {1, 0, 0}, {0.3f, 1, 0.9f}, 30.0f)};
+  lights[0].innerCone = 0.2f, lights[0].outerCone = 0.45f;
+  lights[1].innerCone = 0.0f, lights[1].outerCone = 0.6f, lights[1].range = 6.0f;
+  return lights;
+}
+
+struct LightCase {
+  const char* name;
+  LightSettings settings;
+};
+
+// Adds all lights to the scene, and says which of them are of what kind.
+std::vector<LightCase> addLights(scene::Scene& scene) {
+  std::vector<LightCase> cases{{"no", {}}, {"environment", {.environmentIntensity = 0.7f}}};
+  for (auto& [name, lights] :
+       {std::pair{"directional", directionalLights()}, {"point", pointLights()}, {"spot", spotLights()}}) {
+    cases.push_back({name, {.firstLight = uint32_t(scene.lights.size()), .lightCount = uint32_t(lights.size())}});
+    scene.lights.insert(scene.lights.end(), lights.begin(), lights.end());
+  }
+  cases.push_back({"every", {.environmentIntensity = 0.7f, .lightCount = uint32_t(scene.lights.size())}});
+  for (LightCase& light : cases) light.settings.exposure = 1.5f, light.settings.environmentRotation = 0.8f;
+  return cases;
+}
+
+// --- the comparison -------------------------------------------------------------------------------------------------
+
+// Host and device do the same operations in the same order, so what is left is: the result's half float (2^-11), a few
+// ULP of pow, exp2 and inversesqrt in narrow lobes, and the filtering of the environment's maps, whose weights a device
+// may cut to 8 bits. A texel whose neighbour is a thousand times as bright makes the last matter; hence the few pixels.
+constexpr float kRelative = 0.01f, kAbsolute = 1e-3f;
+constexpr double kMostBeyond = 1e-4;
+
+struct Agreement {
+  size_t lit = 0, beyond = 0;
+  double worst = 0;      // of the tolerance
+  double brightest = 0;  // radiance, so that a black picture can't pass
+};
+
+vec3 expectedRadiance(const ReadGbuffer& gbuffer, size_t pixel, std::span<const shared::Light> lights,
+                      const HostEnvironment* environment, uint32_t shading, const LightSettings& settings) {
+  Surface s = gbuffer.surface(pixel);
+  if (s.flags & shared::kSurfaceUnlit) s = shared::withoutReflection(s);
+  const vec3 toEye = shared::directionToEye(gbuffer.view, s.position);
+  vec3 radiance(0);
+  if (environment) radiance += environment->light(s, toEye, settings);
+  for (const shared::Light& light : lights)
+    radiance += shared::shadeLight(s, toEye, shared::sampleLight(light, s.position), shading);
+  return glm::min(vec3(gbuffer.before[pixel]) + radiance * settings.exposure, vec3(65504.0f));
+}
+
+Agreement compare(const ReadGbuffer& gbuffer, std::span<const shared::Light> lights, const HostEnvironment* environment,
+                  uint32_t shading, const LightSettings& settings) {
+  Agreement a;
+  for (size_t pixel = 0; pixel < gbuffer.depth.size(); ++pixel) {
+    if (gbuffer.depth[pixel] == 0.0f) {
+      EXPECT_EQ(gbuffer.after[pixel], vec4(0)) << "background " << pixel;
+      continue;
+    }
+    EXPECT_EQ(gbuffer.after[pixel].w, 1.0f);
+    const vec3 expected = expectedRadiance(gbuffer, pixel, lights, environment, shading, settings);
+    double beyond = 0;
+    for (int i = 0; i < 3; ++i) {
+      const float allowed = kRelative * std::abs(expected[i]) + kAbsolute;
+      beyond = std::max(beyond, double{std::abs(gbuffer.after[pixel][i] - expected[i]) / allowed});
+      a.brightest = std::max(a.brightest, double{expected[i]});
+      if (std::isnan(gbuffer.after[pixel][i])) beyond = std::numeric_limits<double>::infinity();
+    }
+    ++a.lit;
+    a.beyond += beyond > 1;
+    a.worst = std::max(a.worst, beyond);
+  }
+  return a;
+}
+
+void add(Agreement& to, const Agreement& a) {
+  to.lit += a.lit, to.beyond += a.beyond;
+  to.worst = std::max(to.worst, a.worst);
+}
+
+class RelightTest : public RenderTest {
+ protected:
+  struct Bench {  // the scene on both sides
+    scene::Scene scene = litSpheres();
+    std::vector<LightCase> cases = addLights(scene);
+    scene::Environment studio = scene::loadEnvironment("studio");
+    HostEnvironment hostStudio{studio};
+    std::vector<shared::Light> lights;
+    GbufferReader reader;
+    explicit Bench(vk::Device& device) : reader(device, scene, &studio) {
+      for (const scene::Light& light : scene.lights) lights.push_back(hostLight(light));
+    }
+    ReadGbuffer read(const FrameSetup& setup, const LightSettings& settings) {
+      return reader.read(setup, scene.cameras.front(), kSize, kSize, settings);
+    }
+  };
+  static void SetUpTestSuite() { bench = std::make_unique<Bench>(device()); }
+  static void TearDownTestSuite() { bench.reset(); }
+  static std::unique_ptr<Bench> bench;
+};
+std::unique_ptr<RelightTest::Bench> RelightTest::bench;
+
+TEST_F(RelightTest, HostShadesTheDevicesGbufferAlike) {
+  std::vector<Agreement> totals(bench->cases.size());
+  for (const Layout& layout : layouts())
+    for (const NormalEncoding& encoding : normalEncodings())
+      for (const TechniqueInfo& technique : techniques())
+        for (uint32_t shading = 0; shading < shadings().size(); ++shading)
+          for (size_t i = 0; i < totals.size(); ++i) {
+            const auto& [name, settings] = bench->cases[i];
+            SCOPED_TRACE(fmt::format("{}, {}, {}, {}, {} light", layout.name, encoding.name, technique.name,
+                                     shadings()[shading].name, name));
+            const ReadGbuffer gbuffer = bench->read({&layout, encoding.index, &technique, shading}, settings);
+            const bool environment = settings.environmentIntensity > 0;
+            const Agreement a =
+                compare(gbuffer, std::span(bench->lights).subspan(settings.firstLight, settings.lightCount),
+                        environment ? &bench->hostStudio : nullptr, shading, settings);
+            EXPECT_GT(a.lit, kSize * kSize / 3u);
+            EXPECT_GT(a.brightest, 0.5);
+            EXPECT_LE(static_cast<double>(a.beyond), kMostBeyond * static_cast<double>(a.lit));
+            add(totals[i], a);
+          }
+  for (size_t i = 0; i < totals.size(); ++i)
+    fmt::print("{} light: {} of {} pixels beyond {} relative + {}; the worst is {:.3f} times that\n",
+               bench->cases[i].name, totals[i].beyond, totals[i].lit, kRelative, kAbsolute, totals[i].worst);
+}
+
+// Every layout and encoding holds what the exact one holds, within what its bits allow; so an agreement between host
+// and device can't come from both reading nonsense.
+TEST_F(RelightTest, EveryGbufferHoldsTheScene) {
+  const auto read = [&](const Layout& layout, uint32_t encoding) {
+    return bench->read({&layout, encoding, &techniques().front(), shared::kShadingGgx}, {});
+  };
+  const ReadGbuffer exact = read(findLayout("exact"), 0);
+  for (const Layout& layout : layouts())
+    for (const NormalEncoding& encoding : normalEncodings()) {
+      SCOPED_TRACE(layout.name + ", " + encoding.name);
+      const ReadGbuffer gbuffer = read(layout, encoding.index);
+      EXPECT_EQ(gbuffer.depth, exact.depth);
+      EXPECT_EQ(gbuffer.before, exact.before);
+      double position = 0, normal = 0, diffuse = 0;
+      for (size_t pixel = 0; pixel < exact.depth.size(); ++pixel) {
+        if (exact.depth[pixel] == 0.0f) continue;
+        Surface a = exact.surface(pixel);
+        const Surface b = gbuffer.surface(pixel);
+        position = std::max(position, double{glm::length(a.position - b.position)});
+        normal = std::max(normal, double{glm::length(a.normal - b.normal)});
+        if (a.flags & shared::kSurfaceUnlit) continue;  // the others have no base colour then
+        diffuse =
+            std::max(diffuse, double{shared::maxChannel(glm::abs(shared::diffuseColor(a) - shared::diffuseColor(b)))});
+      }
+      EXPECT_LT(position, 3e-4);  // 15 m away: depth interpolated over steep triangles, 2e-5 relative
+      EXPECT_LT(normal, 0.01);    // 8 bits a component
+      EXPECT_LT(diffuse, 0.03);   // metalness in 5 bits: 1/62 of the base colour, and 8-bit sRGB
+    }
+}
+
+}  // namespace
+}  // namespace latelight::render::test

@@ -1,0 +1,136 @@
+#include "render/support.h"
+
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+
+#include "scene/framing.h"
+#include "scene/half.h"
+#include "scene/texture.h"
+
+namespace latelight::render::test {
+
+namespace {
+
+std::unique_ptr<vk::Device> shared;
+
+// Static destructors would come too late for what the device's own destructor calls.
+class Shutdown : public testing::Environment {
+  void TearDown() override { shared.reset(); }
+};
+[[maybe_unused]] testing::Environment* const shutdown = testing::AddGlobalTestEnvironment(new Shutdown);
+
+}  // namespace
+
+vk::Device& RenderTest::device() {
+  const char* asked = std::getenv("LATELIGHT_TEST_DEVICE");
+  if (!shared)
+    shared = std::make_unique<vk::Device>(vk::DeviceOptions{.selector = asked ? asked : "cpu", .validation = true});
+  return *shared;
+}
+
+void RenderTest::TearDown() {
+  for (const std::string& message : device().validationMessages()) ADD_FAILURE() << message;
+}
+
+std::filesystem::path sharedModel(const std::string& name) {
+  return std::filesystem::path(LATELIGHT_SOURCE_DIR) / "../shared/models" / name;
+}
+
+std::filesystem::path assimpModel(const std::string& name) {
+  return std::filesystem::path("/usr/share/assimp/models/glTF2") / name;
+}
+
+output::FrameOutput renderOne(vk::Device& device, const scene::Scene& scene, const scene::Camera& camera,
+                              const Settings& settings, const scene::Environment* environment) {
+  Renderer renderer(device, scene, environment);
+  return std::move(renderer.render({&camera, 1}, settings).front());
+}
+
+const output::AovImage& imageOf(const output::FrameOutput& frame, output::Aov aov) {
+  for (const output::AovImage& image : frame.aovs)
+    if (image.aov == aov) return image;
+  throw std::logic_error("the test asked for no " + std::string(output::info(aov).name));
+}
+
+scene::Camera cameraOf(const scene::Scene& scene, uint32_t width, uint32_t height) {
+  if (!scene.cameras.empty()) return scene.cameras.front();
+  return scene::frameScene(scene, static_cast<float>(width) / static_cast<float>(height));
+}
+
+scene::Mesh squareMesh(bool extras) {
+  scene::Mesh mesh;
+  mesh.name = "square";
+  for (glm::vec2 uv : {glm::vec2(0, 0), glm::vec2(0, 1), glm::vec2(1, 1), glm::vec2(1, 0)}) {
+    mesh.positions.push_back({2 * uv.x - 1, 1 - 2 * uv.y, 0});
+    mesh.attributes.push_back({glm::vec3(0, 0, 1), glm::vec4(1, 0, 0, 1), uv});
+    if (extras) mesh.extras.push_back({uv * glm::vec2(2, 3), glm::vec4(1)});
+  }
+  mesh.indices = {0, 1, 3, 1, 2, 3};
+  scene::builtin::computeBounds(mesh);
+  return mesh;
+}
+
+scene::Mesh sphereMesh(float radius) {
+  constexpr uint32_t kMeridians = 32, kParallels = 16;
+  scene::Mesh mesh;
+  mesh.name = "sphere";
+  for (uint32_t j = 0; j <= kParallels; ++j)
+    for (uint32_t i = 0; i <= kMeridians; ++i) {
+      const glm::vec2 uv(static_cast<float>(i) / kMeridians, static_cast<float>(j) / kParallels);
+      const float around = 2 * shared::kPi * uv.x, down = shared::kPi * uv.y;
+      const glm::vec3 normal(std::sin(down) * std::cos(around), std::cos(down), -std::sin(down) * std::sin(around));
+      mesh.positions.push_back(normal * radius);
+      mesh.attributes.push_back({normal, glm::vec4(-std::sin(around), 0, -std::cos(around), 1), uv});
+    }
+  for (uint32_t j = 0; j < kParallels; ++j)
+    for (uint32_t i = 0; i < kMeridians; ++i) {
+      const uint32_t a = j * (kMeridians + 1) + i, b = a + kMeridians + 1;  // above, and below it
+      mesh.indices.insert(mesh.indices.end(), {a, b, b + 1, a, b + 1, a + 1});
+    }
+  scene::builtin::computeBounds(mesh);
+  return mesh;
+}
+
+scene::Camera frontCamera(float half, float distance) {
+  scene::Camera camera = frontPerspective(1, distance);
+  camera.orthographic = true;
+  camera.xHalf = camera.yHalf = half;
+  camera.farClip = 2 * distance;
+  return camera;
+}
+
+scene::Camera frontPerspective(float verticalFov, float distance) {
+  scene::Camera camera;
+  camera.toWorld[3] = glm::vec4(0, -distance, 0, 1);  // glTF's -Z is the world's +Y, a camera's forward
+  camera.verticalFov = verticalFov;
+  camera.nearClip = 0.125f;
+  return camera;
+}
+
+scene::Environment constantEnvironment() {
+  auto image = [](uint32_t size) {
+    return scene::HalfImage{size, size, std::vector<uint16_t>(4 * size * size, scene::halfFromFloat(1.0f))};
+  };
+  scene::Environment environment;
+  environment.name = "constant";
+  environment.radiance = image(2);
+  environment.diffuse = image(4);
+  environment.specular = {image(16), image(8), image(4)};
+  return environment;
+}
+
+scene::Texture textureOf(uint32_t width, uint32_t height, bool srgb, const std::vector<glm::u8vec4>& colors) {
+  scene::Texture texture = scene::makeTexture({width, height}, srgb, "texture");
+  std::memcpy(texture.pixels.get(), colors.data(), colors.size() * sizeof(colors[0]));
+  scene::buildMips(texture);
+  return texture;
+}
+
+void setTexture(scene::Material& material, uint32_t slot, int index, scene::Sampler sampler) {
+  material.slots[slot] = {index, sampler};
+  material.data.textures |= 1u << slot;
+}
+
+}  // namespace latelight::render::test

@@ -1,0 +1,86 @@
+// What the renderer's tests share: a device under validation, models that may be absent, pictures, and hand-made
+// scenes.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <initializer_list>
+#include <string>
+#include <vector>
+
+#include "render/renderer.h"
+#include "scene/builtin/scene_builder.h"
+#include "scene/environment.h"
+#include "scene/scene.h"
+#include "vk/device.h"
+
+namespace latelight::render::test {
+
+// One device a process: the CPU's, or what LATELIGHT_TEST_DEVICE selects. Any validation message fails the test that
+// caused it.
+class RenderTest : public testing::Test {
+ protected:
+  static vk::Device& device();
+  void SetUp() override { device().validationMessages(); }
+  void TearDown() override;
+};
+
+// A model beside the checkout, which may not be there, and one of Debian's assimp-testmodels.
+std::filesystem::path sharedModel(const std::string& name);
+std::filesystem::path assimpModel(const std::string& name);
+
+#define SKIP_WITHOUT(path)            \
+  if (!std::filesystem::exists(path)) \
+  GTEST_SKIP() << "skipped: the optional model " << (path) << " is not there, so nothing was compared with it"
+
+inline Settings settingsOf(uint32_t width, uint32_t height, std::vector<output::Aov> aovs = {}) {
+  Settings settings;
+  settings.width = width;
+  settings.height = height;
+  settings.display = false;
+  settings.aovs = std::move(aovs);
+  return settings;
+}
+
+output::FrameOutput renderOne(vk::Device& device, const scene::Scene& scene, const scene::Camera& camera,
+                              const Settings& settings, const scene::Environment* environment = nullptr);
+
+const output::AovImage& imageOf(const output::FrameOutput& frame, output::Aov aov);
+inline glm::vec3 vec3At(const output::AovImage& image, size_t pixel) {
+  return {image.values[3 * pixel], image.values[3 * pixel + 1], image.values[3 * pixel + 2]};
+}
+inline glm::vec2 vec2At(const output::AovImage& image, size_t pixel) {
+  return {image.values[2 * pixel], image.values[2 * pixel + 1]};
+}
+
+// The scene's first camera, or the automatic one.
+scene::Camera cameraOf(const scene::Scene& scene, uint32_t width, uint32_t height);
+
+// --- hand-made scenes: glTF's frame, where +Z is towards the viewer -------------------------------------------------
+
+// The square [-1, 1]^2 in the plane z = 0, facing +Z: u grows along +X (the tangent), v downwards, both from 0 to 1; UV
+// set 1 is UV set 0 times (2, 3), and vertex colours are white. Its diagonal runs from lower left to upper right.
+scene::Mesh squareMesh(bool extras = false);
+
+// A sphere around the origin with analytic normals, coarse enough for pictures to be cheap.
+scene::Mesh sphereMesh(float radius);
+
+// Orthographic, looking along -Z from z = `distance` at the square [-half, half]^2, which fills a square picture.
+scene::Camera frontCamera(float half = 1, float distance = 4);
+
+// The same place and direction, perspective, infinite far plane.
+scene::Camera frontPerspective(float verticalFov, float distance);
+
+// A light that is the same from everywhere: radiance 1 in every direction.
+scene::Environment constantEnvironment();
+
+// One RGBA texture with its full mip chain; `colors` are its pixels, rows from the top.
+scene::Texture textureOf(uint32_t width, uint32_t height, bool srgb, const std::vector<glm::u8vec4>& colors);
+
+// Puts texture `index` into a slot of a material.
+void setTexture(scene::Material& material, uint32_t slot, int index, scene::Sampler sampler = {});
+inline constexpr scene::Sampler kNearest{
+    .magnify = scene::Filter::Nearest, .minify = scene::Filter::Nearest, .mip = scene::MipFilter::None};
+
+}  // namespace latelight::render::test
