@@ -1,5 +1,7 @@
 #include "scene/tangents.h"
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 
@@ -87,65 +89,84 @@ Gradient gradientOf(const vec3 p[3], const vec2 t[3]) {
   return {tangent, !usable ? kDegenerate : (area < 0 ? kRight : kLeft)};
 }
 
-struct Sums {
-  vec3 of[2] = {vec3(0), vec3(0)};  // by handedness
+// The triangles' gradients, gathered at their corners.
+class Accumulator {
+ public:
+  Accumulator(std::span<const vec3> positions, std::span<const vec3> normals, std::span<const vec2> uv)
+      : positions_(positions),
+        normals_(normals),
+        uv_(uv),
+        group_(positions.size()),
+        sums_(positions.size(), {vec3(0), vec3(0)}) {
+    Welder welder(positions, normals, uv);
+    for (uint32_t v = 0; v < positions.size(); ++v) group_[v] = welder.insert(v);
+  }
+
+  // Gives the triangle's handedness.
+  Handedness add(const uint32_t corner[3]) {
+    vec3 p[3] = {positions_[corner[0]], positions_[corner[1]], positions_[corner[2]]};
+    vec2 t[3] = {uv_[corner[0]], uv_[corner[1]], uv_[corner[2]]};
+    Gradient gradient = gradientOf(p, t);
+    if (gradient.handedness == kDegenerate) return kDegenerate;
+    for (int i = 0; i < 3; ++i) {
+      vec3 normal = normals_[corner[i]];
+      vec3 along = unitOrZero(ontoPlane(p[(i + 1) % 3] - p[i], normal));
+      vec3 back = unitOrZero(ontoPlane(p[(i + 2) % 3] - p[i], normal));
+      vec3 tangent = unitOrZero(ontoPlane(gradient.tangent, normal));
+      sum(corner[i], gradient.handedness) += tangent * angleOf(glm::dot(along, back));
+    }
+    return gradient.handedness;
+  }
+
+  vec4 frame(uint32_t vertex, Handedness hand) {
+    vec3 tangent = unitOrZero(sum(vertex, hand));
+    if (tangent == vec3(0)) tangent = perpendicular(normals_[vertex]);
+    return vec4(tangent, hand == kRight ? 1.0f : -1.0f);
+  }
+
+  // Of a vertex that only triangles without UV area use: its twins' if they have one.
+  vec4 anyFrame(uint32_t vertex) {
+    bool mirrored = sum(vertex, kRight) == vec3(0) && sum(vertex, kLeft) != vec3(0);
+    return frame(vertex, mirrored ? kLeft : kRight);
+  }
+
+ private:
+  vec3& sum(uint32_t vertex, Handedness hand) { return sums_[group_[vertex]][hand]; }
+
+  std::span<const vec3> positions_, normals_;
+  std::span<const vec2> uv_;
+  std::vector<uint32_t> group_;
+  std::vector<std::array<vec3, 2>> sums_;  // by handedness
 };
 
 }  // namespace
 
 TangentFrames generateTangents(std::span<const vec3> positions, std::span<const vec3> normals, std::span<const vec2> uv,
                                std::span<uint32_t> indices) {
-  Welder welder(positions, normals, uv);
-  std::vector<uint32_t> group(positions.size());
-  for (uint32_t v = 0; v < positions.size(); ++v) group[v] = welder.insert(v);
-
-  std::vector<Sums> sums(positions.size());
+  Accumulator accumulator(positions, normals, uv);
   std::vector<Handedness> handedness(indices.size() / 3);
-  for (size_t triangle = 0; triangle < handedness.size(); ++triangle) {
-    const uint32_t* corner = &indices[triangle * 3];
-    vec3 p[3] = {positions[corner[0]], positions[corner[1]], positions[corner[2]]};
-    vec2 t[3] = {uv[corner[0]], uv[corner[1]], uv[corner[2]]};
-    Gradient gradient = gradientOf(p, t);
-    handedness[triangle] = gradient.handedness;
-    if (gradient.handedness == kDegenerate) continue;
-    for (int i = 0; i < 3; ++i) {
-      vec3 normal = normals[corner[i]];
-      vec3 along = unitOrZero(ontoPlane(p[(i + 1) % 3] - p[i], normal));
-      vec3 back = unitOrZero(ontoPlane(p[(i + 2) % 3] - p[i], normal));
-      vec3 tangent = unitOrZero(ontoPlane(gradient.tangent, normal));
-      sums[group[corner[i]]].of[gradient.handedness] += tangent * angleOf(glm::dot(along, back));
-    }
-  }
+  for (size_t triangle = 0; triangle < handedness.size(); ++triangle)
+    handedness[triangle] = accumulator.add(&indices[triangle * 3]);
 
   // A vertex takes the handedness of the first triangle that uses it; triangles of the other get a copy of it.
   TangentFrames frames;
   frames.tangents.assign(positions.size(), vec4(0));
   std::vector<uint32_t> copyOf(positions.size(), kNone);
-  auto frame = [&](uint32_t vertex, Handedness hand) {
-    vec3 tangent = unitOrZero(sums[group[vertex]].of[hand]);
-    if (tangent == vec3(0)) tangent = perpendicular(normals[vertex]);
-    return vec4(tangent, hand == kRight ? 1.0f : -1.0f);
-  };
-  for (size_t i = 0; i < indices.size() / 3 * 3; ++i) {
-    Handedness hand = handedness[i / 3];
-    if (hand == kDegenerate) continue;
+  for (size_t i = 0; i < handedness.size() * 3; ++i) {
+    if (handedness[i / 3] == kDegenerate) continue;
     uint32_t vertex = indices[i];
-    vec4 wanted = frame(vertex, hand);
-    if (frames.tangents[vertex].w == 0) frames.tangents[vertex] = wanted;
-    if (frames.tangents[vertex].w == wanted.w) continue;
+    float sign = handedness[i / 3] == kRight ? 1.0f : -1.0f;
+    if (frames.tangents[vertex].w == 0) frames.tangents[vertex] = accumulator.frame(vertex, handedness[i / 3]);
+    if (frames.tangents[vertex].w == sign) continue;
     if (copyOf[vertex] == kNone) {
       copyOf[vertex] = uint32_t(positions.size() + frames.copies.size());
       frames.copies.push_back(vertex);
-      frames.tangents.push_back(wanted);
+      frames.tangents.push_back(accumulator.frame(vertex, handedness[i / 3]));
     }
     indices[i] = copyOf[vertex];
   }
-  // Vertices of triangles without UV area only: any frame will do.
-  for (uint32_t v = 0; v < positions.size(); ++v) {
-    if (frames.tangents[v].w != 0) continue;
-    bool mirrored = sums[group[v]].of[kRight] == vec3(0) && sums[group[v]].of[kLeft] != vec3(0);
-    frames.tangents[v] = frame(v, mirrored ? kLeft : kRight);
-  }
+  for (uint32_t v = 0; v < positions.size(); ++v)
+    if (frames.tangents[v].w == 0) frames.tangents[v] = accumulator.anyFrame(v);
   return frames;
 }
 
