@@ -33,14 +33,13 @@ bool wantsColor() {
   return isTerminal() && (!off || !*off);
 }
 
-// Names from a scene file reach the terminal through here: they must not carry its control sequences.
+}  // namespace
+
 std::string printable(std::string text) {
   std::replace_if(
       text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
   return text;
 }
-
-}  // namespace
 
 void warn(const std::string& sentence) {
   if (quiet) return;

@@ -9,6 +9,10 @@
 
 namespace latelight {
 
+// Names from a scene file are part of sentences: they must not carry a terminal's control sequences, nor a line's end.
+// Such characters become "?".
+std::string printable(std::string text);
+
 // Prints "warning: <sentence>" on standard error; the same sentence only once a process. Thread-safe.
 void warn(const std::string& sentence);
 template <typename... Args>
