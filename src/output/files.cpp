@@ -142,7 +142,8 @@ Format formatOf(std::string_view pattern) {
 }
 
 bool usesDisplay(const OutputRequest& request) {
-  return formatOf(request.pattern) == Format::Png;
+  const bool color = std::find(request.aovs.begin(), request.aovs.end(), Aov::Color) != request.aovs.end();
+  return color && formatOf(request.pattern) == Format::Png;
 }
 
 void checkWritable(const std::string& pattern) {

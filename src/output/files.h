@@ -38,7 +38,7 @@ struct FrameOutput {
 // The format that the pattern's ending picks. Throws Error(Usage) that names the three.
 Format formatOf(std::string_view pattern);
 
-// Whether colour leaves as FrameOutput::display (PNG) and not as the Color AOV.
+// Whether colour leaves at all, and as FrameOutput::display (PNG), not as the Color AOV.
 bool usesDisplay(const OutputRequest& request);
 
 // Throws Error(Usage) where it can be known that no file of that name can be written: its folder is missing or can't be
