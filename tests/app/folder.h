@@ -1,0 +1,57 @@
+// A folder that goes with the test, and its files.
+#pragma once
+
+#include <stdlib.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace latelight::app {
+
+class Folder {
+ public:
+  Folder() {
+    std::string name = (std::filesystem::temp_directory_path() / "latelight-app-XXXXXX").string();
+    path_ = mkdtemp(name.data());
+  }
+  ~Folder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+  std::string at(std::string_view name) const { return (path_ / name).string(); }
+
+  // Names of all files below, sorted; folders with a slash at the end. Hidden ones too.
+  std::vector<std::string> names() const {
+    std::vector<std::string> all;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(path_))
+      all.push_back(entry.path().lexically_relative(path_).string() + (entry.is_directory() ? "/" : ""));
+    std::sort(all.begin(), all.end());
+    return all;
+  }
+  void write(std::string_view name, std::span<const std::byte> bytes) const {
+    std::ofstream(path_ / name, std::ios::binary)
+        .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  }
+  void write(std::string_view name, std::string_view text) const { write(name, std::as_bytes(std::span(text))); }
+  // The whole file; empty where it is missing.
+  std::string read(std::string_view name) const {
+    std::ifstream file(path_ / name, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+
+ private:
+  std::filesystem::path path_;
+};
+
+}  // namespace latelight::app

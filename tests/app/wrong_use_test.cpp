@@ -1,0 +1,320 @@
+// Every wrong use ends with its exit code and one sentence on standard error, and leaves no file.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+
+#include "app/folder.h"
+#include "app/models.h"
+#include "app/process.h"
+
+namespace latelight::app {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr int kUsage = 2, kBadInput = 3, kNoDevice = 4;
+
+struct WrongUse {
+  const char* name;
+  std::vector<std::string> arguments;
+  int code;
+  std::vector<std::string> says;  // parts of the sentence
+  std::map<std::string, std::string> environment = {};
+};
+
+// Shown where a test fails.
+std::ostream& operator<<(std::ostream& out, const WrongUse& use) {
+  for (const std::string& argument : use.arguments) out << '\'' << argument << "' ";
+  return out;
+}
+
+// "latelight: <sentence>" and nothing else.
+void expectOneSentence(const Outcome& outcome) {
+  EXPECT_TRUE(outcome.err.starts_with("latelight: ")) << outcome.err;
+  EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  EXPECT_TRUE(outcome.err.ends_with('\n'));
+  EXPECT_GT(outcome.err.size(), 30u) << outcome.err;
+  EXPECT_EQ(outcome.out, "");
+}
+
+// What stands in the folder that the program runs in.
+void fill(const Folder& folder) {
+  std::filesystem::create_directory(folder.path() / "folder.png");
+  std::filesystem::create_directory(folder.path() / "scene.gltf");
+  std::filesystem::create_symlink("/dev/full", folder.path() / "full.png");
+  folder.write("noise.glb", "this is not a scene");
+  folder.write("empty.gltf", "");
+  folder.write("half.gltf", R"({"asset": {"version": "2.0"}, "meshes": [)");
+  folder.write("old.gltf", R"({"asset": {"version": "1.0"}})");
+  folder.write("needs.gltf", R"({"asset": {"version": "2.0"}, "extensionsUsed": ["KHR_materials_volume"],
+                                 "extensionsRequired": ["KHR_materials_volume"]})");
+  folder.write("lost.gltf", R"({"asset": {"version": "2.0"}, "buffers": [{"uri": "lost.bin", "byteLength": 12}]})");
+  folder.write("broken.hdr", "#?RADIANCE\n");
+  folder.write("two.png", "not a picture");
+  const Bytes good = texturedModel();
+  folder.write("good.glb", good);
+  folder.write("cut.glb", std::span(good).first(good.size() / 2));
+}
+
+class WrongUseTest : public testing::TestWithParam<WrongUse> {};
+
+TEST_P(WrongUseTest, EndsWithItsCodeAndOneSentence) {
+  Folder folder;
+  fill(folder);
+  const std::vector<std::string> before = folder.names();
+  const Outcome outcome =
+      latelight({.arguments = GetParam().arguments, .environment = GetParam().environment, .folder = folder.path()});
+  EXPECT_EQ(outcome.code, GetParam().code) << outcome.text();
+  expectOneSentence(outcome);
+  for (const std::string& part : GetParam().says) EXPECT_THAT(outcome.err, HasSubstr(part));
+  EXPECT_EQ(folder.names(), before);
+}
+
+std::string nameOf(const testing::TestParamInfo<WrongUse>& info) {
+  return info.param.name;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Commands, WrongUseTest,
+    testing::Values(
+        WrongUse{"Nothing", {}, kUsage, {"no command", "render, list"}},
+        WrongUse{"UnknownCommand", {"paint"}, kUsage, {"paint", "render"}},
+        WrongUse{"UnknownOption", {"render", "-o", "a.png", "--colour", "red"}, kUsage, {"--colour"}},
+        WrongUse{"UnknownOptionBeforeTheCommand", {"--colour", "render", "-o", "a.png"}, kUsage, {"--colour"}},
+        WrongUse{"NoOutput", {"render", "builtin:boxes"}, kUsage, {"--out"}},
+        WrongUse{"OptionWithoutValue", {"render", "-o", "a.png", "--fov"}, kUsage, {"--fov"}},
+        WrongUse{
+            "TwoScenes", {"render", "builtin:boxes", "builtin:spheres", "-o", "a.png"}, kUsage, {"builtin:spheres"}},
+        WrongUse{"UnknownList", {"list", "fruit"}, kUsage, {"fruit", "layouts", "tonemaps"}},
+        WrongUse{"CompareOne", {"compare", "a.png"}, kUsage, {"B"}},
+        WrongUse{"CompareMissing", {"compare", "a.png", "b.png"}, kBadInput, {"a.png"}},
+        WrongUse{"CompareBroken", {"compare", "two.png", "two.png"}, kBadInput, {"two.png"}},
+        WrongUse{"CompareTolerance", {"compare", "two.png", "two.png", "--tolerance", "nan"}, kUsage, {"--tolerance"}},
+        WrongUse{"CompareShare", {"compare", "two.png", "two.png", "--share", "nan"}, kUsage, {"--share"}}),
+    nameOf);
+
+// render builtin:boxes -o a.png and what is wrong.
+WrongUse option(const char* name, std::vector<std::string> wrong, std::vector<std::string> says) {
+  std::vector<std::string> arguments{"render", "builtin:boxes", "-o", "a.png"};
+  arguments.insert(arguments.end(), wrong.begin(), wrong.end());
+  return {name, std::move(arguments), kUsage, std::move(says)};
+}
+
+INSTANTIATE_TEST_SUITE_P(Sizes, WrongUseTest,
+                         testing::Values(option("SizeZero", {"--size", "0x0"}, {"0x0", "16384"}),
+                                         option("SizeHuge", {"--size", "100000x100000"}, {"100000x100000", "16384"}),
+                                         option("SizeBeyondIntegers", {"--size", "99999999999x1"},
+                                                {"99999999999x1", "1280x720"}),
+                                         option("SizeText", {"--size", "big"}, {"\"big\"", "1280x720"}),
+                                         option("SizeNegative", {"--size=-64x36"}, {"-64x36"}),
+                                         option("SizeNothing", {"--size", ""}, {"--size"}),
+                                         option("SamplesUnknown", {"--aa", "fxaa"}, {"fxaa", "ss4"}),
+                                         option("SamplesNone", {"--aa", "ss0"}, {"ss0"}),
+                                         option("SamplesMany", {"--aa", "ss17"}, {"ss17", "ss16"}),
+                                         option("Frame", {"--frame=-1"}, {"--frame"})),
+                         nameOf);
+
+INSTANTIATE_TEST_SUITE_P(
+    Cameras, WrongUseTest,
+    testing::Values(option("FovZero", {"--fov", "0"}, {"--fov", "0 and 180"}),
+                    option("FovFlat", {"--fov", "180"}, {"--fov", "0 and 180"}),
+                    option("FovNan", {"--fov", "nan"}, {"--fov", "nan"}),
+                    option("FovText", {"--fov", "wide"}, {"--fov", "wide"}),
+                    option("OrbitOne", {"--orbit", "30"}, {"--orbit", "30,20"}),
+                    option("OrbitNan", {"--orbit", "nan,0"}, {"--orbit", "nan,0"}),
+                    option("OrbitText", {"--orbit", "left"}, {"--orbit", "left"}),
+                    option("OrbitDistance", {"--orbit", "0,0,-1"}, {"-1"}),
+                    option("CameraUnknown", {"--camera", "back"}, {"\"back\"", "\"main\""}),
+                    option("CameraNumber", {"--camera", "7"}, {"\"7\"", "\"main\""}),
+                    option("EyeAlone", {"--eye", "0,0,0"}, {"--eye", "--target"}),
+                    option("TargetAlone", {"--target", "0,0,0"}, {"--eye", "--target"}),
+                    option("EyeNan", {"--eye", "0,nan,0", "--target", "0,0,1"}, {"--eye", "0,nan,0"}),
+                    option("EyeInTarget", {"--eye", "1,2,3", "--target", "1,2,3"}, {"(1, 2, 3)"}),
+                    option("EyeTwo", {"--eye", "1,2", "--target", "1,2,3"}, {"--eye", "x,y,z"}),
+                    option("UpAlone", {"--up", "0,1,0"}, {"--up", "--eye"}),
+                    option("UpAlongTheView", {"--eye", "0,0,0", "--target", "0,0,5", "--up", "0,0,1"}, {"up"}),
+                    option("TwoCameras", {"--camera", "main", "--orbit", "0,0"}, {"--camera", "--orbit"}),
+                    WrongUse{"CameraOfMany",
+                             {"render", "good.glb", "-o", "a.png", "--camera", "side"},
+                             kUsage,
+                             {"\"side\"", "\"front\"", "\"above/orthographic\""}}),
+    nameOf);
+
+INSTANTIATE_TEST_SUITE_P(Looks, WrongUseTest,
+                         testing::Values(option("Layout", {"--layout", "fat"}, {"\"fat\"", "thin", "optimized"}),
+                                         option("Normals", {"--normals", "fat"}, {"\"fat\"", "octahedral", "xyz"}),
+                                         option("Lighting", {"--lighting", "fat"}, {"\"fat\"", "fullscreen"}),
+                                         option("Shading", {"--shading", "fat"}, {"\"fat\"", "ggx", "blinn-phong"}),
+                                         option("Tonemap", {"--tonemap", "fat"},
+                                                {"\"fat\"", "khronos", "aces", "agx", "reinhard", "none"}),
+                                         option("Exposure", {"--exposure", "nan"}, {"exposure", "nan"}),
+                                         option("ExposureHuge", {"--exposure", "1000"}, {"exposure", "60"}),
+                                         option("Intensity", {"--hdri-intensity", "-1"}, {"intensity", "-1"}),
+                                         option("IntensityNan", {"--hdri-intensity", "nan"}, {"intensity", "nan"}),
+                                         option("Rotation", {"--hdri-rotate", "inf"}, {"rotation"}),
+                                         option("Background", {"--background", "#12345"}, {"#12345", "#rrggbb"}),
+                                         option("BackgroundNan", {"--background", "0,nan,0"}, {"0,nan,0"}),
+                                         option("Variant", {"--variant", "red"}, {"red"}),
+                                         option("NormalFrame", {"--normal-frame", "maya"}, {"maya", "opencv"}),
+                                         option("Axes", {"--axes", "maya"}, {"maya", "z-up"})),
+                         nameOf);
+
+WrongUse output(const char* name, std::string out, std::vector<std::string> more, std::vector<std::string> says) {
+  std::vector<std::string> arguments{"render",   "builtin:boxes", "--size", "64x36",
+                                     "--device", "cpu",           "-o",     std::move(out)};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return {name, std::move(arguments), kUsage, std::move(says)};
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Outputs, WrongUseTest,
+    testing::Values(output("Aov", "a.exr", {"--aov", "depth,smell"}, {"\"smell\"", "distance", "geonormal", "uv"}),
+                    output("NoAov", "a.exr", {"--aov", ","}, {"color, depth"}),
+                    output("Debug", "a.png", {"--debug", "smell"}, {"\"smell\"", "depth"}),
+                    output("DebugAndAov", "a.png", {"--debug", "depth", "--aov", "depth"}, {"--debug", "--aov"}),
+                    output("DebugExr", "a.exr", {"--debug", "depth"}, {".png"}),
+                    output("AovThatPngHasNot", "a.png", {"--aov", "position"}, {"position", ".exr"}),
+                    output("Ending", "a.jpg", {}, {"a.jpg", ".png, .exr or .npy"}),
+                    output("NoEnding", "a", {}, {"\"a\"", ".png, .exr or .npy"}),
+                    output("Nameless", "", {}, {".png, .exr or .npy"}),
+                    output("Placeholder", "a{time}.png", {}, {"{time}", "{aov}, {frame}, {camera}, {scene}"}),
+                    output("HalfPlaceholder", "a{aov.png", {}, {"{aov}"}),
+                    output("NoFolder", "nowhere/a.png", {}, {"nowhere"}),
+                    output("FileAsFolder", "noise.glb/a.png", {}, {"noise.glb"}),
+                    output("Folder", "folder.png", {}, {"folder.png", "it is a folder"}),
+                    output("Unwritable", "/proc/a.png", {}, {"/proc/a.png"}),
+                    output("FullDevice", "full.png", {}, {"full.png", "No space left"}),
+                    output("NameTooLong", std::string(300, 'a') + ".png", {}, {"too long"}),
+                    output("GraphUnwritable", "a.png", {"--dump-graph", "nowhere/g.dot"}, {"nowhere/g.dot"}),
+                    output("GraphIsAFolder", "a.png", {"--dump-graph", "scene.gltf"}, {"scene.gltf"}),
+                    output("ReportIntoThePicture", "-", {"--json"}, {"--json", "-o"})),
+    nameOf);
+
+WrongUse scene(const char* name, std::string scene, std::vector<std::string> says, int code = kBadInput) {
+  return {name, {"render", std::move(scene), "-o", "a.png"}, code, std::move(says)};
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Scenes, WrongUseTest,
+    testing::Values(
+        scene("Missing", "missing.glb", {"missing.glb"}), scene("Folder", "scene.gltf", {"scene.gltf", "folder"}),
+        scene("Noise", "noise.glb", {"noise.glb"}), scene("Empty", "empty.gltf", {"empty.gltf"}),
+        scene("Half", "half.gltf", {"half.gltf"}), scene("Cut", "cut.glb", {"cut.glb"}),
+        scene("Version", "old.gltf", {"old.gltf", "1.0"}),
+        scene("RequiredExtension", "needs.gltf", {"needs.gltf", "KHR_materials_volume"}),
+        scene("BufferMissing", "lost.gltf", {"lost.gltf", "lost.bin"}),
+        scene("BuiltinUnknown", "builtin:castle", {"castle", "builtin:hall"}, kUsage),
+        scene("BuiltinParameter", "builtin:hall,towers=3", {"towers", "triangles"}, kUsage),
+        scene("BuiltinRange", "builtin:hall,triangles=5", {"triangles"}, kUsage),
+        WrongUse{"Variant", {"render", "good.glb", "-o", "a.png", "--variant", "red"}, kUsage, {"red"}},
+        WrongUse{
+            "HdriMissing", {"render", "builtin:boxes", "-o", "a.png", "--hdri", "sky.hdr"}, kBadInput, {"sky.hdr"}},
+        WrongUse{"HdriBroken",
+                 {"render", "builtin:boxes", "-o", "a.png", "--hdri", "broken.hdr"},
+                 kBadInput,
+                 {"broken.hdr"}},
+        WrongUse{
+            "HdriIsAScene", {"render", "builtin:boxes", "-o", "a.png", "--hdri", "good.glb"}, kBadInput, {"good.glb"}},
+        WrongUse{"HdriIsAFolder",
+                 {"render", "builtin:boxes", "-o", "a.png", "--hdri", "scene.gltf"},
+                 kBadInput,
+                 {"scene.gltf"}}),
+    nameOf);
+
+const std::vector<std::string> kRender{"render", "builtin:boxes", "-o", "a.png", "--size", "64x36"};
+std::vector<std::string> renderOn(const char* device) {
+  std::vector<std::string> arguments = kRender;
+  arguments.insert(arguments.end(), {"--device", device});
+  return arguments;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Devices, WrongUseTest,
+    testing::Values(
+        WrongUse{"NoDriver", kRender, kNoDevice, {"doctor"}, {{"VK_DRIVER_FILES", "/nonexistent"}}},
+        WrongUse{
+            "NoLoader", kRender, kNoDevice, {"/nonexistent", "doctor"}, {{"LATELIGHT_VULKAN_LOADER", "/nonexistent"}}},
+        WrongUse{"NoLoaderForDevices",
+                 {"devices"},
+                 kNoDevice,
+                 {"/nonexistent", "doctor"},
+                 {{"LATELIGHT_VULKAN_LOADER", "/nonexistent"}}},
+        WrongUse{"NotALoader", kRender, kNoDevice, {"libc.so.6"}, {{"LATELIGHT_VULKAN_LOADER", "libc.so.6"}}},
+        WrongUse{"UnknownDevice", renderOn("Voodoo"), kNoDevice, {"Voodoo", "auto, cpu"}},
+        WrongUse{"UnknownNumber", renderOn("99"), kNoDevice, {"99"}},
+        WrongUse{"NamelessDevice", renderOn(""), kNoDevice, {"auto, cpu"}}),
+    nameOf);
+
+// As a user who may not write there: root may write anywhere, so it lends the program to nobody (65534).
+TEST(WrongUse, AFolderThatIsReadOnlyIsNamedBeforeRendering) {
+  Folder folder;
+  const std::filesystem::path locked = folder.path() / "locked", program = folder.path() / "latelight";
+  std::filesystem::create_directory(locked);
+  std::filesystem::copy_file(LATELIGHT_PROGRAM, program);
+  chmod(locked.c_str(), 0555);
+  chmod(folder.path().c_str(), 0755);
+  Command command{.arguments = {"render", "builtin:boxes", "-o", "a.png"}, .folder = locked};
+  if (geteuid() == 0)
+    command.arguments.insert(command.arguments.begin(),
+                             {"--reuid=65534", "--regid=65534", "--clear-groups", program.string()});
+  const Outcome outcome = runProcess(geteuid() == 0 ? "/usr/bin/setpriv" : program, command);
+  EXPECT_EQ(outcome.code, kUsage) << outcome.text();
+  expectOneSentence(outcome);
+  EXPECT_THAT(outcome.err, HasSubstr("ermission denied"));
+  EXPECT_TRUE(std::filesystem::is_empty(locked));
+}
+
+// Names in a file are part of sentences: they must not end the line, nor reach the terminal as its commands.
+TEST(WrongUse, NamesFromFilesAreMadePrintable) {
+  Folder folder;
+  folder.write("a.gltf", R"({"asset": {"version": "2.0"}, "extensionsRequired": ["KHR\n\u001b[2J\u007fx"]})");
+  const Outcome outcome = latelight({"render", folder.at("a.gltf"), "-o", folder.at("a.png")});
+  EXPECT_EQ(outcome.code, kBadInput);
+  expectOneSentence(outcome);
+  EXPECT_THAT(outcome.err, HasSubstr("KHR??[2J?x"));
+}
+
+// A limit on the size of files stands for a disk that fills up within the file.
+TEST(WrongUse, ADiskThatFillsUpLeavesNoHalfFile) {
+  Folder folder;
+  const std::string command =
+      "ulimit -f 8; exec '" LATELIGHT_PROGRAM "' render builtin:boxes -o a.exr --size 128x128 --device cpu";
+  const Outcome outcome = runProcess(
+      "/bin/sh", {.arguments = {"-c", command}, .environment = {{"LATELIGHT_NO_CACHE", "1"}}, .folder = folder.path()});
+  EXPECT_EQ(outcome.code, kUsage) << outcome.text();
+  expectOneSentence(outcome);
+  EXPECT_THAT(outcome.err, HasSubstr("a.exr"));
+  EXPECT_TRUE(folder.names().empty());
+}
+
+TEST(WrongUse, AFullStandardOutputIsAnError) {
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{"list"},
+        {"list", "--json"},
+        {"devices"},
+        {"doctor"},
+        {"--help"},
+        {"render", "builtin:boxes", "-o", "-", "--size", "64x36", "--device", "cpu"}}) {
+    const Outcome outcome = latelight({.arguments = arguments, .standardOutput = "/dev/full"});
+    SCOPED_TRACE(arguments[0]);
+    EXPECT_EQ(outcome.code, kUsage) << outcome.text();
+    expectOneSentence(outcome);
+    EXPECT_THAT(outcome.err, HasSubstr("standard output"));
+  }
+}
+
+// What went wrong must not touch what was there.
+TEST(WrongUse, AFailureKeepsTheFileThatWasThere) {
+  Folder folder;
+  folder.write("a.png", "an older picture");
+  folder.write("noise.glb", "noise");
+  EXPECT_EQ(latelight({"render", folder.at("noise.glb"), "-o", folder.at("a.png")}).code, kBadInput);
+  EXPECT_EQ(folder.read("a.png"), "an older picture");
+  EXPECT_EQ(folder.names(), (std::vector<std::string>{"a.png", "noise.glb"}));
+}
+
+}  // namespace
+}  // namespace latelight::app
