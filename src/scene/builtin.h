@@ -61,7 +61,7 @@ std::span<const BoxesBox> boxesBoxes();  // the floor and the wall are thick box
 //
 // Spheres of one base colour in the plane z = 0: metalness grows along columns from 0 to 1 towards +X, roughness along
 // rows from 0 to 1 upwards. No light of its own: the environment lights it. Normals are analytic.
-inline constexpr uint32_t kSpheresColumns = 7, kSpheresRows = 7;
+inline constexpr uint32_t kSpheresColumns = 9, kSpheresRows = 5;
 inline constexpr float kSpheresRadius = 0.44f, kSpheresPitch = 1.0f;
 inline constexpr vec3 kSpheresBaseColor{0.955f, 0.62f, 0.33f};
 vec3 spheresCentre(uint32_t column, uint32_t row);

@@ -268,7 +268,9 @@ TEST(Hall, IsTheSameForAnyNumberOfThreads) {
 TEST(Hall, BuildsQuicklyInLittleMemory) {
   const Probe big = probe(hallNamed(",triangles=10M"), "2");
   EXPECT_NEAR(double(big.triangles), 10e6, 10e6 * kHallTriangleTolerance);
-  EXPECT_LT(big.seconds, 30) << "the target is 10 s on two free cores";
+#ifdef NDEBUG
+  EXPECT_LT(big.seconds, 30) << "10 s is the target on two free cores";
+#endif
   EXPECT_LT(big.kilobytes, 3l << 20);
   RecordProperty("seconds", std::to_string(big.seconds));
   RecordProperty("kilobytes", std::to_string(big.kilobytes));

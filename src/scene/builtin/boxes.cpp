@@ -7,7 +7,7 @@ namespace {
 
 constexpr BoxesBox kBoxes[] = {
     {.name = "floor", .min = {-12, -1, -6}, .max = {12, 0, 9}, .baseColor = vec3(0.5f)},
-    {.name = "wall", .min = {-12, 0.25f, -6}, .max = {12, 9, -5}, .baseColor = {0.25f, 0.375f, 0.5f}},
+    {.name = "wall", .min = {-12, -0.5f, -6}, .max = {12, 9, -5}, .baseColor = {0.25f, 0.375f, 0.5f}},
     {.name = "matte", .min = {-4, 0.25f, -2}, .max = {-2.5f, 1.75f, -0.5f}, .baseColor = {0.75f, 0.125f, 0.0625f}},
     {.name = "plastic",
      .min = {-2, 0.25f, -1},

@@ -57,14 +57,14 @@ Scene makeSpheres() {
     for (uint32_t column = 0; column < kSpheresColumns; ++column) {
       const float metallic = float(column) / float(kSpheresColumns - 1);
       const float roughness = float(row) / float(kSpheresRows - 1);
-      const std::string name = fmt::format("metallic {:.2f} roughness {:.2f}", metallic, roughness);
+      const std::string name = fmt::format("metallic {:.3f} roughness {:.2f}", metallic, roughness);
       builder.scene.materials.push_back(plainMaterial(name, kSpheresBaseColor, metallic, roughness));
       mat4 local(1);
       local[3] = vec4(spheresCentre(column, row), 1);
       builder.addInstance(name, SceneBuilder::kRoot, 0, row * kSpheresColumns + column, local);
     }
   }
-  builder.addCamera("main", {0, 0, 14.5f}, {0, 0, 0}, 0.55f, 1.0f);
+  builder.addCamera("main", {0, 0, 10.5f}, {0, 0, 0}, 0.55f, 1.0f);
   return std::move(builder.scene);
 }
 

@@ -122,7 +122,7 @@ Patch volute(const Detail& detail, double turn) {
     const double taper = std::sqrt(std::max(0.0, w)) * (1 - 0.35 * v);
     return dvec2(0.036 * taper, 0.017 * taper);
   };
-  return tube(radialCurve(turn, curve, halfAxes), detail.segments(5, 3), detail.segments(18, 12), false, true);
+  return tube(radialCurve(turn, curve, halfAxes), detail.segments(6, 4), detail.segments(24, 16), false, true);
 }
 
 MeshPlan ornament(const Detail& detail) {

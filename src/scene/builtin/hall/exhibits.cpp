@@ -230,7 +230,7 @@ void addExhibits(HallBuilder& hall) {
       const std::string number = std::to_string(2 * (kBays - 1 - bay) + side + 1);
       const mat4 where = turnedAt(side ? -kColumnX : kColumnX, 0, bayCentre(bay), static_cast<int>(random.below(4)));
       const uint32_t group = hall.group("exhibit " + number, exhibits, where);
-      hall.place("plinth", group, stand, (bay + side) % 2 ? Stuff::Marble : Stuff::BlackMarble);
+      hall.place("plinth", group, stand, (bay + side) % 2 ? Stuff::BlackMarble : Stuff::Marble);
       hall.place("body", group, bodies[body], kStuffs[stuff], at(0, kPlinthTop, 0));
       body = (body + 1 + random.below(2)) % 6;
       stuff = (stuff + 1 + random.below(3)) % 8;

@@ -9,7 +9,7 @@
 namespace latelight::scene::builtin::hall {
 namespace {
 
-constexpr vec3 kCandle(1.0f, 0.86f, 0.70f), kLantern(1.0f, 0.77f, 0.53f), kGallery(1.0f, 0.70f, 0.44f);
+constexpr vec3 kCandle(1.0f, 0.89f, 0.76f), kLantern(1.0f, 0.81f, 0.60f), kGallery(1.0f, 0.74f, 0.50f);
 constexpr double kWheel = 1.15;  // radius of a chandelier
 constexpr double kWheelHeight = 8.3;
 constexpr int kCandles = 6;

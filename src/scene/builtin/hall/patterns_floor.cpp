@@ -13,7 +13,7 @@ enum Stone : uint32_t { White, Cream, Red, Green, Black };
 
 // sRGB-coded.
 constexpr vec3 kStoneColors[] = {
-    {0.86f, 0.83f, 0.78f}, {0.80f, 0.70f, 0.55f}, {0.50f, 0.27f, 0.22f}, {0.24f, 0.35f, 0.29f}, {0.15f, 0.15f, 0.16f}};
+    {0.86f, 0.83f, 0.78f}, {0.79f, 0.71f, 0.59f}, {0.47f, 0.27f, 0.22f}, {0.25f, 0.34f, 0.30f}, {0.16f, 0.16f, 0.17f}};
 
 // A cut stone: what it is, which one, and how far its nearest edge is, in metres.
 struct Piece {
@@ -118,11 +118,11 @@ Piece navePiece(vec2 p) {
   const float side = float(kBay) / 9 * 1.41421356f;  // so that diagonals fit the bay
   if (x < 1.5625f) return nearer(carpet(p), x - 1.5625f);
   if (x < 1.6875f) return slabs(p, 1.5625f, 1.6875f, 0.75f, White, 31);
-  if (x < 1.9375f) return slabs(p, 1.6875f, 1.9375f, 1.125f, Green, 32);
+  if (x < 1.9375f) return slabs(p, 1.6875f, 1.9375f, 1.125f, Black, 32);
   if (x < 2.0f) return slabs(p, 1.9375f, 2.0f, 0.75f, White, 33);
   if (x < 3.25f) return nearer(nearer(lozenges(vec2(p.x - 0.125f, p.y), 0.5f * side), x - 2.0f), x - 3.25f);
   if (x < 3.375f) return slabs(p, 3.25f, 3.375f, 0.75f, White, 34);
-  return slabs(p, 3.375f, float(kFloorX), 1.5f, Red, 35);
+  return slabs(p, 3.375f, float(kFloorX), 1.5f, Green, 35);
 }
 
 // Octagons with small dark squares where four meet.

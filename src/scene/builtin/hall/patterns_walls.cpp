@@ -57,7 +57,7 @@ MapTexel ashlar(vec2 place, uint32_t seed) {
       smoothly(0.3f, 0.5f, fractal2(place * vec2(1, 2), 40, 3, seed + 29));  // travertine's, along its beds
   const float joint = 1 - smoothly(0.003f, 0.007f, edge);
   MapTexel texel;
-  texel.color = glm::mix(vec3(0.80f, 0.73f, 0.62f), vec3(0.72f, 0.62f, 0.49f), part(id, 1) * 0.75f);
+  texel.color = glm::mix(vec3(0.80f, 0.75f, 0.66f), vec3(0.70f, 0.63f, 0.53f), part(id, 1) * 0.8f);
   texel.color = texel.color * (1 + 0.09f * cloud + 0.05f * grain) - vec3(0.10f) * pits;
   texel.color = glm::mix(texel.color, vec3(0.56f, 0.50f, 0.42f), 0.8f * joint);
   texel.height = 1.2f * grain - 1.6f * pits - 2.6f * (1 - smoothly(0.002f, 0.016f, edge));
@@ -140,9 +140,9 @@ vec3 leadedGlass(vec2 place, uint32_t seed) {
   const uint32_t id = hashOf(wrap(cell.x), wrap(cell.y), seed, 37);
   const float edge = edgeOf(inside, vec2(1)), lead = 1 - smoothly(0.04f, 0.08f, edge);
   const float pick = part(id, 1), wash = fractal2(place, 12, 4, seed + 1);
-  vec3 color = glm::mix(vec3(0.30f, 0.48f, 0.72f), vec3(0.42f, 0.62f, 0.80f), part(id, 2));
-  if (pick > 0.82f) color = vec3(0.85f, 0.62f, 0.32f);
-  if (pick > 0.93f) color = vec3(0.70f, 0.26f, 0.24f);
+  vec3 color = glm::mix(vec3(0.34f, 0.47f, 0.66f), vec3(0.52f, 0.66f, 0.78f), part(id, 2));
+  if (pick > 0.86f) color = vec3(0.86f, 0.70f, 0.45f);
+  if (pick > 0.96f) color = vec3(0.66f, 0.32f, 0.28f);
   return color * (1 + 0.25f * wash) * (1 - lead);
 }
 
