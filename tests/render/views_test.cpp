@@ -1,0 +1,167 @@
+// Cameras: several at once, the same one twice, and positions that project back to the pixels they came from.
+#include <fmt/core.h>
+
+#include <array>
+#include <cmath>
+#include <cstring>
+
+#include "render/session.h"
+#include "render/support.h"
+
+namespace latelight::render::test {
+namespace {
+
+using glm::dmat4;
+using glm::dvec2;
+using glm::dvec3;
+using glm::dvec4;
+using output::Aov;
+
+constexpr uint32_t kWidth = 200, kHeight = 120;
+
+std::vector<Aov> everyAov() {
+  std::vector<Aov> all;
+  for (const output::AovInfo& info : output::aovs()) all.push_back(info.aov);
+  return all;
+}
+
+// Perspective with a far plane, orthographic, and off-centre; all over the boxes.
+std::vector<scene::Camera> threeCameras(const scene::Scene& scene) {
+  std::vector<scene::Camera> cameras(3, scene.cameras.front());
+  cameras[0].farClip = 40;
+  cameras[1].orthographic = true;
+  cameras[1].yHalf = 2.5f;
+  cameras[1].farClip = 30;
+  cameras[2].principal = {0.4f, -0.25f};
+  cameras[2].toWorld[3] += glm::vec4(1, 0.5f, 0.5f, 0);
+  return cameras;
+}
+
+bool sameBits(const std::vector<float>& a, const std::vector<float>& b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0);
+}
+
+void expectSame(const output::FrameOutput& a, const output::FrameOutput& b) {
+  EXPECT_FALSE(a.display.empty());
+  EXPECT_TRUE(a.display == b.display) << "display";
+  ASSERT_EQ(a.aovs.size(), b.aovs.size());
+  for (size_t i = 0; i < a.aovs.size(); ++i) {
+    EXPECT_TRUE(sameBits(a.aovs[i].values, b.aovs[i].values)) << output::info(a.aovs[i].aov).name;
+    EXPECT_TRUE(a.aovs[i].ids == b.aovs[i].ids);
+    EXPECT_FALSE(a.aovs[i].values.empty() && a.aovs[i].ids.empty());
+  }
+}
+
+class ViewsTest : public RenderTest {
+ protected:
+  // Cameras at once against one by one, and the first call against the second, in each setting.
+  static void compare(const scene::Scene& scene, std::span<const scene::Camera> cameras, Settings settings) {
+    const scene::Environment studio = scene::loadEnvironment("studio");
+    settings.display = true;
+    settings.aovs = everyAov();
+    Renderer renderer(device(), scene, &studio);
+    const std::vector<output::FrameOutput> together = renderer.render(cameras, settings);
+    const std::vector<output::FrameOutput> again = renderer.render(cameras, settings);
+    Renderer other(device(), scene, &studio);
+    for (size_t i = 0; i < cameras.size(); ++i) {
+      SCOPED_TRACE(fmt::format("camera {}", i));
+      {
+        SCOPED_TRACE("the same call twice");
+        expectSame(together[i], again[i]);
+      }
+      SCOPED_TRACE("alone, by another renderer");
+      expectSame(together[i], other.render(cameras.subspan(i, 1), settings).front());
+    }
+    EXPECT_FALSE(together[0].display == together[1].display);  // the cameras do differ
+  }
+};
+
+TEST_F(ViewsTest, ThreeAtOnceAreThreeAlone) {
+  const scene::Scene scene = scene::load("builtin:boxes");
+  compare(scene, threeCameras(scene), settingsOf(kWidth, kHeight));
+}
+
+TEST_F(ViewsTest, ThreeAtOnceAreThreeAloneSuperSampledInAnotherLayout) {
+  const scene::Scene scene = scene::load("builtin:boxes");
+  Settings settings = settingsOf(kWidth, kHeight);
+  settings.superSampling = 2;
+  settings.layout = "optimized";
+  settings.background = Background::Environment;
+  compare(scene, threeCameras(scene), settings);
+}
+
+TEST_F(ViewsTest, ATexturedModelIsTheSameEachTime) {
+  SKIP_WITHOUT(sharedModel("DamagedHelmet.glb"));
+  const scene::Scene scene = scene::load(sharedModel("DamagedHelmet.glb"));
+  std::vector<scene::Camera> cameras(2, cameraOf(scene, kWidth, kHeight));
+  cameras[1].verticalFov *= 0.5f;
+  compare(scene, cameras, settingsOf(kWidth, kHeight));
+}
+
+// K and pose as the side file states them (docs/conventions.md).
+struct Pinhole {
+  dvec2 focal, centre;
+  dmat4 toCamera;  // OpenCV's frame
+  bool orthographic;
+
+  Pinhole(const scene::Camera& camera, const scene::Scene& scene, bool zUp)
+      : focal(0.5 * kHeight / (camera.orthographic ? camera.yHalf : std::tan(0.5 * camera.verticalFov))),
+        centre(0.5 * kWidth * (1 + camera.principal.x), 0.5 * kHeight * (1 - camera.principal.y)),
+        toCamera(glm::inverse(openCvPose(camera, scene, zUp))),
+        orthographic(camera.orthographic) {}
+
+  dvec2 project(dvec3 inCamera) const { return dvec2(inCamera) * focal / (orthographic ? 1 : inCamera.z) + centre; }
+};
+
+TEST_F(ViewsTest, PositionsProjectBackToTheirPixels) {
+  const scene::Scene scene = scene::load("builtin:boxes");
+  Settings settings = settingsOf(kWidth, kHeight, {Aov::Position, Aov::Depth, Aov::Distance});
+  for (const scene::Camera& camera : threeCameras(scene))
+    for (bool zUp : {false, true}) {
+      SCOPED_TRACE(
+          fmt::format("orthographic {}, principal point {}, z-up {}", camera.orthographic, camera.principal.x, zUp));
+      settings.zUp = zUp;
+      const output::FrameOutput frame = renderOne(device(), scene, camera, settings);
+      const Pinhole pinhole(camera, scene, zUp);
+      size_t covered = 0;
+      double worst = 0, worstDepth = 0, worstDistance = 0;
+      for (size_t i = 0; i < size_t{kWidth} * kHeight; ++i) {
+        const double depth = imageOf(frame, Aov::Depth).values[i], distance = imageOf(frame, Aov::Distance).values[i];
+        if (std::isinf(depth)) continue;
+        ++covered;
+        const dvec3 p = pinhole.toCamera * dvec4(vec3At(imageOf(frame, Aov::Position), i), 1);
+        const dvec2 centre(static_cast<double>(i % kWidth) + 0.5, static_cast<double>(i / kWidth) + 0.5);
+        worst = std::max(worst, glm::length(pinhole.project(p) - centre));
+        worstDepth = std::max(worstDepth, std::abs(p.z - depth) / depth);
+        worstDistance =
+            std::max(worstDistance, std::abs((camera.orthographic ? p.z : glm::length(p)) - distance) / distance);
+      }
+      EXPECT_GT(covered, kWidth * kHeight / 2u);
+      EXPECT_LT(worst, 1e-3);  // pixels
+      EXPECT_LT(worstDepth, 1e-5);
+      EXPECT_LT(worstDistance, 1e-5);
+    }
+}
+
+TEST_F(ViewsTest, NormalsComeInTheFrameAskedFor) {
+  const scene::Scene scene = scene::load("builtin:boxes");
+  scene::Camera camera = threeCameras(scene)[2];
+  const float turn = 0.3f;  // about the vertical, so that the frames differ by more than axes' names
+  camera.toWorld[0] = glm::vec4(std::cos(turn), std::sin(turn), 0, 0);
+  camera.toWorld[1] = glm::vec4(-std::sin(turn), std::cos(turn), 0, 0);
+  Settings settings = settingsOf(kWidth, kHeight, {Aov::Normal, Aov::GeoNormal});
+  const output::FrameOutput world = renderOne(device(), scene, camera, settings);
+  const glm::dmat3 toCamera(glm::inverse(openCvPose(camera, scene, false)));
+  for (auto [frame, sign] : {std::pair{NormalFrame::OpenCv, 1.0}, {NormalFrame::OpenGl, -1.0}}) {
+    settings.normalFrame = frame;
+    const output::FrameOutput local = renderOne(device(), scene, camera, settings);
+    for (Aov aov : {Aov::Normal, Aov::GeoNormal})
+      for (size_t i = 0; i < size_t{kWidth} * kHeight; ++i) {
+        const dvec3 expected = dvec3(1, sign, sign) * (toCamera * dvec3(vec3At(imageOf(world, aov), i)));
+        ASSERT_LT(glm::length(dvec3(vec3At(imageOf(local, aov), i)) - expected), 1e-6) << "pixel " << i;
+      }
+  }
+}
+
+}  // namespace
+}  // namespace latelight::render::test
