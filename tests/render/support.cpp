@@ -54,6 +54,11 @@ const output::AovImage& imageOf(const output::FrameOutput& frame, output::Aov ao
   throw std::logic_error("the test asked for no " + std::string(output::info(aov).name));
 }
 
+const scene::Scene& hall() {
+  static const scene::Scene scene = scene::load("builtin:hall,triangles=60k,lights=20");
+  return scene;
+}
+
 scene::Camera cameraOf(const scene::Scene& scene, uint32_t width, uint32_t height) {
   if (!scene.cameras.empty()) return scene.cameras.front();
   return scene::frameScene(scene, static_cast<float>(width) / static_cast<float>(height));

@@ -54,6 +54,9 @@ inline glm::vec2 vec2At(const output::AovImage& image, size_t pixel) {
   return {image.values[2 * pixel], image.values[2 * pixel + 1]};
 }
 
+// builtin:hall with few triangles and lights, made once a process.
+const scene::Scene& hall();
+
 // The scene's first camera, or the automatic one.
 scene::Camera cameraOf(const scene::Scene& scene, uint32_t width, uint32_t height);
 
