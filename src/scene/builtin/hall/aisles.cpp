@@ -168,7 +168,7 @@ MeshPlan windowFrame(const Detail& detail) {
 MeshPlan windowPane(const Detail& detail) {
   MeshPlan plan{"window pane", {}, {}, {}};
   const Plane plane{{kAisleHalf + 0.28, 0, 0}, {0, 0, 1}, {0, 1, 0}};
-  plan.add(roundHeadedPane(plane, kWindowSill - 0.05, kWindowSpring, kWindowRadius - 0.02,
+  plan.add(roundHeadedPane(plane, kWindowSill - 0.05, kWindowSpring, kWindowRadius + 0.03,
                            {detail.segments(12, 6), 1, 1}, 2 * kWindowRadius));
   return plan;
 }

@@ -222,7 +222,7 @@ MeshPlan roseGlass(const Detail& detail) {
   const Plane plane{{0, 0, -0.21}, {1, 0, 0}, {0, 1, 0}};
   for (const double half : {1.0, -1.0}) {
     const Plane turned{plane.origin, plane.s * half, plane.y * half};
-    std::vector<Patch> pane = roundHeadedPane(turned, half * kRoseHeight, half * kRoseHeight, kRoseRadius,
+    std::vector<Patch> pane = roundHeadedPane(turned, half * kRoseHeight, half * kRoseHeight, kRoseRadius + 0.06,
                                               {detail.segments(16, 8), 1, 1}, kRoseRadius);
     plan.add(std::move(pane.front()));  // the half disc alone
   }
@@ -235,7 +235,7 @@ MeshPlan door(const Detail& detail) {
   const double r = kDoorRadius + 0.01;
   plan.add(quad({-r, -0.002, 0.05}, {r, -0.002, 0.05}, {r, -0.002, -0.36}, {-r, -0.002, -0.36}, 1, 1));  // its sill
   const Plane plane{{0, 0, -0.3}, {1, 0, 0}, {0, 1, 0}};
-  plan.add(roundHeadedPane(plane, 0, kDoorSpring, kDoorRadius, {detail.segments(14, 6), 1, 1}, 1));
+  plan.add(roundHeadedPane(plane, 0, kDoorSpring, kDoorRadius + 0.09, {detail.segments(14, 6), 1, 1}, 1));
   Profile panel(0, 0);
   panel.line(0, 0.04).arc(-0.06, 0.06, 1.2, 2).line(-0.08, 0.03).line(-0.355, 0.03);
   for (int column = -1; column <= 1; column += 2) {

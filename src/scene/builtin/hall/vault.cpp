@@ -70,7 +70,7 @@ Shade coffersShade() {
 
 MeshPlan cofferFrame(const Detail& detail) {
   MeshPlan plan{"coffer", {}, coffersShade(), {}};
-  Profile p(0, -0.02);
+  Profile p(0, 0.03);  // behind the bars' faces even where a chord of the arc sags
   p.line(0.01, 0.06).line(0.075, 0.065).line(0.08, 0.13).arc(0.13, 0.17, -1, 2).line(0.2, 0.17);
   p.line(0.2, kDepth + 0.01);
   plan.add(frame(p, detail));
@@ -142,7 +142,7 @@ MeshPlan bars(const Detail& detail) {
   along.line(0.03, -kBarHalf).arc(0.05, -kBarHalf + 0.02, -0.9, 1).line(0.05, kBarHalf - 0.02);
   along.arc(0.03, kBarHalf, -0.9, 1).line(-0.06, kBarHalf);
   const double z = kBay / 2;
-  for (int i = 1; i < kAround; ++i) {
+  for (int i = 0; i <= kAround; ++i) {
     const dvec2 cs = onCircle((i - kAround * 0.5) * kTurn);
     const dvec3 radial(cs.y, cs.x, 0), around(cs.x, -cs.y, 0);
     const Path path = straight(radial * kVaultRadius + dvec3(0, 0, z), radial * kVaultRadius - dvec3(0, 0, z), -radial,
