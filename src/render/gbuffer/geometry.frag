@@ -6,6 +6,7 @@
 #include "gbuffer_layout.h"
 
 layout(constant_id = 0) const uint kNormalEncoding = 0;
+layout(constant_id = 1) const uint kAlphaMasked = 0;
 
 #define OUTPUT(index, name, format, type, channels) layout(location = index) out type gbuffer_##name;
 GBUFFER_TARGETS(OUTPUT)
@@ -98,4 +99,7 @@ void main() {
   GbufferTexel texel = packGbuffer(s, context);
 #define WRITE(index, name, format, type, channels) gbuffer_##name = texel.name;
   GBUFFER_TARGETS(WRITE)
+  // What the mask cuts out left no depth, but another surface may lie at the very same one. Last, since textures need
+  // the whole quad.
+  if (kAlphaMasked != 0u && cutOut(material)) discard;
 }

@@ -4,20 +4,31 @@
 
 namespace latelight::render {
 
-GeometryPass::GeometryPass(vk::Device& device, const GpuScene& scene, const Layout& layout, uint32_t normalEncoding)
-    : layout_(layout), normalEncoding_(normalEncoding) {
+namespace {
+
+vk::Pipeline makeGeometryPipeline(vk::Device& device, const GpuScene& scene, const Layout& layout,
+                                  uint32_t normalEncoding, bool masked) {
   vk::GraphicsDesc desc;
   desc.vertex = "scene.vert";
   desc.fragment = "geometry.frag@" + layout.file;
   desc.materialSet = scene.materialSetLayout();
-  desc.constants = {{0, normalEncoding}};
+  desc.constants = {{0, normalEncoding}, {1, masked ? 1u : 0u}};
   for (size_t i = 0; i < layout.targets.size(); ++i) desc.colors.push_back(layout.format(i, normalEncoding));
   desc.colors.push_back(kLightFormat);
   desc.depth = kDepthFormat;
   desc.depthCompare = VK_COMPARE_OP_EQUAL;
   desc.depthWrite = false;
-  desc.name = "geometry " + layout.name;
-  pipeline_ = vk::makePipeline(device, desc);
+  desc.name = "geometry " + layout.name + (masked ? " masked" : "");
+  return vk::makePipeline(device, desc);
+}
+
+}  // namespace
+
+GeometryPass::GeometryPass(vk::Device& device, const GpuScene& scene, const Layout& layout, uint32_t normalEncoding)
+    : layout_(layout),
+      normalEncoding_(normalEncoding),
+      opaque_(makeGeometryPipeline(device, scene, layout, normalEncoding, false)) {
+  if (anyMasked(scene)) masked_ = makeGeometryPipeline(device, scene, layout, normalEncoding, true);
 }
 
 Gbuffer GeometryPass::add(graph::Graph& graph, const FrameInputs& inputs, graph::ImageId depth) const {
@@ -40,8 +51,7 @@ Gbuffer GeometryPass::add(graph::Graph& graph, const FrameInputs& inputs, graph:
   graph.pass("geometry " + layout_.name, std::move(accesses), [=, this](graph::Context& context) {
     for (uint32_t view = 0; view < inputs.views.size(); ++view) {
       beginView(context, inputs, view, colors, {depth, false});
-      // What a mask cuts out left no depth of its own, so masked materials need no test here.
-      drawScene(context, inputs, view, pipeline_, pipeline_);
+      drawScene(context, inputs, view, opaque_, masked_);
       vkCmdEndRendering(context.get());
     }
   });

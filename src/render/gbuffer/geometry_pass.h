@@ -15,7 +15,7 @@ class GeometryPass {
  private:
   const Layout& layout_;
   uint32_t normalEncoding_;
-  vk::Pipeline pipeline_;
+  vk::Pipeline opaque_, masked_;
 };
 
 }  // namespace latelight::render

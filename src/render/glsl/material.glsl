@@ -10,9 +10,11 @@ layout(set = 1, binding = 6) uniform sampler2D materialTextures6;
 // see it too or derivatives break at triangle edges, and loads by address may give them nothing.
 layout(set = 1, binding = 7, scalar) uniform MaterialUniform { Material material; };
 
+// Precise, so that a mask cuts the same in the depth pass and in the geometry pass.
 vec2 textureUv(TextureTransform t) {
   vec3 uv = vec3(t.uvSet == 0u ? varyingUv.xy : varyingUv.zw, 1.0);
-  return vec2(dot(t.row0, uv), dot(t.row1, uv));
+  precise vec2 transformed = vec2(dot(t.row0, uv), dot(t.row1, uv));
+  return transformed;
 }
 
 bool hasTexture(Material m, uint slot) { return (m.textures & (1u << slot)) != 0u; }
@@ -24,4 +26,10 @@ vec4 baseColor(Material m) {
   vec4 c = m.baseColor * varyingColor;
   if (hasTexture(m, kTextureBaseColor)) c *= FETCH(m, 0);
   return c;
+}
+
+// Whether the alpha mask takes this fragment away (glTF 2.0, section 3.9.4).
+bool cutOut(Material m) {
+  precise float alpha = baseColor(m).a;
+  return alpha < m.alphaCutoff;
 }
