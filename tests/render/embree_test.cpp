@@ -214,7 +214,7 @@ TEST_F(EmbreeTest, Boxes) {
   compareFile("builtin:boxes", 0.9);
 }
 TEST_F(EmbreeTest, Hall) {
-  compareFile("builtin:hall,triangles=60k", 0.9);
+  compare("hall", hall(), cameraOf(hall(), kWidth, kHeight), 0.9);
 }
 
 // Squares that turn about the vertical: single- and double-sided, mirrored, alpha-masked with texels large enough for
