@@ -124,7 +124,9 @@ scene::Camera chooseCamera(const scene::Scene& scene, const Options& o) {
     camera = findCamera(scene, o.camera);
   else
     camera = scene.cameras.empty() ? scene::frameScene(scene, aspect) : scene.cameras.front();
-  if (o.fov && !camera.orthographic) camera.verticalFov = fov;
+  if (o.fov && camera.orthographic)
+    badUsage("--fov means nothing to the camera \"{}\": it is orthographic", camera.name);
+  if (o.fov) camera.verticalFov = fov;
   return camera;
 }
 

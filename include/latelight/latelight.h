@@ -54,15 +54,16 @@ struct Camera {
   // Camera frame to the scene file's frame, row-major. OpenCV's camera frame: X right, Y down, Z forward.
   std::array<double, 16> cameraToWorld{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
   bool orthographic = false;
-  float verticalFov = 40;        // degrees, full angle
-  float halfHeight = 1;          // metres, orthographic cameras
-  float nearClip = 0.01f;        // metres
+  float verticalFov = 40;  // degrees, full angle
+  float halfHeight = 1;    // metres, orthographic cameras
+  float nearClip = 0.01f;  // metres
   float farClip = std::numeric_limits<float>::infinity();
   float principalX = 0, principalY = 0;  // offset of the principal point from the centre, in half widths and half
                                          // heights, y up
 };
 
-// A .gltf or .glb file, or "builtin:hall", "builtin:spheres", "builtin:boxes". Loaded once, rendered as often as wanted.
+// A .gltf or .glb file, or "builtin:hall", "builtin:spheres", "builtin:boxes". Loaded once, rendered as often as
+// wanted.
 class LATELIGHT_API Scene {
  public:
   explicit Scene(const std::string& source, const std::string& materialVariant = "");
@@ -90,12 +91,12 @@ struct Options {
   std::string lighting = "fullscreen";
   std::string shading = "ggx";
   std::string tonemap = "khronos";
-  uint32_t superSampling = 1;      // N x N ordered samples a pixel
-  float exposure = 0;              // EV
+  uint32_t superSampling = 1;  // N x N ordered samples a pixel
+  float exposure = 0;          // EV
   float environmentIntensity = 1;
-  float environmentRotation = 0;   // degrees
+  float environmentRotation = 0;  // degrees
   bool environmentBackground = false;
-  std::vector<std::string> aovs;   // beside the picture: "depth", "normal", ...; "color" is the linear picture
+  std::vector<std::string> aovs;  // beside the picture: "depth", "normal", ...; "color" is the linear picture
 };
 
 struct Aov {
@@ -113,8 +114,8 @@ struct Frame {
 // One scene on one device. Not thread-safe; use one a thread.
 class LATELIGHT_API Renderer {
  public:
-  // `device`: "auto", "cpu", an index, a part of a name or a UUID. `environment`: a .hdr or .exr file, "studio", "none",
-  // or empty: the studio where the scene has no light. The scene must outlive the renderer.
+  // `device`: "auto", "cpu", an index, a part of a name or a UUID. `environment`: a .hdr or .exr file, "studio",
+  // "none", or empty: the studio where the scene has no light. The scene must outlive the renderer.
   explicit Renderer(const Scene& scene, const std::string& device = "auto", const std::string& environment = "");
   ~Renderer();
   Renderer(Renderer&&) noexcept;

@@ -146,8 +146,8 @@ class Timers {
     if (marks_ == 0) return;
     vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, pool_.get(), index);
     if (!device_.isCpu()) return;
-    // lavapipe takes the time when its rasterizer is flushed next, which copies and dispatches don't wait for: their own
-    // time would fall before the mark. A barrier flushes.
+    // lavapipe takes the time when its rasterizer is flushed next, which copies and dispatches don't wait for: their
+    // own time would fall before the mark. A barrier flushes.
     const VkDependencyInfo nothing{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
     vkCmdPipelineBarrier2(commands, &nothing);
   }

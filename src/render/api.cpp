@@ -31,6 +31,15 @@ Camera publicCamera(const scene::Camera& camera, const scene::Scene& scene) {
   return c;
 }
 
+bool isRigid(const glm::dmat4& pose) {
+  const glm::dmat3 axes(pose);
+  const glm::dmat3 products = glm::transpose(axes) * axes;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      if (std::abs(products[i][j] - (i == j ? 1.0 : 0.0)) > 1e-3) return false;
+  return glm::determinant(axes) > 0;
+}
+
 scene::Camera internalCamera(const Camera& camera, const scene::Scene& scene) {
   glm::dmat4 pose;
   for (int row = 0; row < 4; ++row)
@@ -38,10 +47,15 @@ scene::Camera internalCamera(const Camera& camera, const scene::Scene& scene) {
       pose[column][row] = camera.cameraToWorld[4 * row + column];
       if (!std::isfinite(pose[column][row])) badUsage("the camera's pose has a value that is not a number");
     }
-  if (std::abs(glm::determinant(glm::dmat3(pose))) < 1e-12) badUsage("the camera's pose is singular");
+  if (!isRigid(pose))
+    badUsage("the camera's pose must be a rotation and a translation, without mirror, shear or scale");
   if (!camera.orthographic && !(camera.verticalFov > 0 && camera.verticalFov < 180))
     badUsage("the vertical field of view must lie between 0 and 180 degrees, not {}", camera.verticalFov);
   if (camera.orthographic && !(camera.halfHeight > 0)) badUsage("an orthographic camera needs a height above 0");
+  if (camera.orthographic && !(std::isfinite(camera.nearClip) && std::isfinite(camera.farClip)))
+    badUsage("an orthographic camera needs a near and a far plane that are numbers");
+  if (!std::isfinite(camera.principalX) || !std::isfinite(camera.principalY))
+    badUsage("the camera's principal point has a value that is not a number");
   if (!(camera.farClip > camera.nearClip) || (!camera.orthographic && !(camera.nearClip > 0)))
     badUsage("the camera's near plane must lie before its far plane");
   scene::Camera c;
@@ -70,7 +84,9 @@ render::Settings internalSettings(const Options& o) {
   s.environmentIntensity = o.environmentIntensity;
   s.environmentRotation = o.environmentRotation / kDegrees;
   if (o.environmentBackground) s.background = render::Background::Environment;
-  for (const std::string& name : o.aovs) s.aovs.push_back(output::parseAovs(name).front());
+  std::string names;
+  for (const std::string& name : o.aovs) names += (names.empty() ? "" : ",") + name;
+  if (!names.empty()) s.aovs = output::parseAovs(names);
   return s;
 }
 

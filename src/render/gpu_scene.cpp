@@ -33,6 +33,10 @@ VkSamplerAddressMode addressMode(scene::Wrap wrap) {
   return VK_SAMPLER_ADDRESS_MODE_REPEAT;
 }
 
+bool holdsColor(uint32_t slot) {
+  return slot == shared::kTextureBaseColor || slot == shared::kTextureEmissive || slot == shared::kTextureSpecularColor;
+}
+
 shared::Light deviceLight(const scene::Light& light, float exposure) {
   shared::Light l{};
   l.position = light.position;
@@ -139,13 +143,20 @@ void GpuScene::uploadMaterials(vk::Uploader& uploader, const scene::Scene& scene
                                .name = texture.name});
     uploader.upload(image, {texture.pixels.get(), texture.bytes()});
   }
-  // What an empty slot is bound to. Never sampled: Material::textures says which slots hold a texture.
-  vk::Image& empty = textures_.emplace_back(
-      device_, vk::ImageDesc{.format = VK_FORMAT_R8G8B8A8_UNORM,
-                             .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT,
-                             .name = "empty"});
-  static constexpr std::array<std::byte, 4> kWhite{std::byte{255}, std::byte{255}, std::byte{255}, std::byte{255}};
-  uploader.upload(empty, kWhite);
+  // What an empty slot is bound to. Never sampled: Material::textures says which slots hold a texture. A full texture
+  // of the slot's usual format all the same: lavapipe compiles a shader anew for every combination of formats, kinds of
+  // sizes and samplers that a draw binds (0.1 s each), and the empty ones should not add to them.
+  for (VkFormat format : {VK_FORMAT_R8G8B8A8_UNORM, VK_FORMAT_R8G8B8A8_SRGB}) {
+    vk::Image& empty = emptyTextures_.emplace_back(
+        device_, vk::ImageDesc{.format = format,
+                               .width = 2,
+                               .height = 2,
+                               .levels = 2,
+                               .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT,
+                               .name = "empty"});
+    static constexpr std::array<std::byte, 5 * 4> kBlack{};
+    uploader.upload(empty, kBlack);
+  }
 }
 
 void GpuScene::uploadMaterialUniforms(vk::Uploader& uploader) {
@@ -229,9 +240,10 @@ void GpuScene::makeMaterialSets(const scene::Scene& scene) {
   uniforms.reserve(count);
   std::vector<VkWriteDescriptorSet> writes;
   for (uint32_t i = 0; i < count; ++i) {
-    for (const scene::TextureSlot& slot : scene.materials[i].slots) {
-      const vk::Image& image = slot.texture >= 0 ? textures_[slot.texture] : textures_.back();
-      images.push_back({sampler(slot.sampler), image.view(), VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL});
+    for (uint32_t slot = 0; slot < shared::kTextureCount; ++slot) {
+      const scene::TextureSlot& bound = scene.materials[i].slots[slot];
+      const vk::Image& image = bound.texture >= 0 ? textures_[bound.texture] : emptyTextures_[holdsColor(slot)];
+      images.push_back({sampler(bound.sampler), image.view(), VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL});
     }
     writes.push_back({.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
                       .dstSet = materialSets_[i],

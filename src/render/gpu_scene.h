@@ -64,6 +64,7 @@ class GpuScene {
   std::vector<uint32_t> firstIndices_;  // a mesh's first index in indices_
   std::vector<shared::Material> materials_;
   std::vector<vk::Image> textures_;
+  std::vector<vk::Image> emptyTextures_;  // linear, sRGB
   std::vector<std::pair<scene::Sampler, vk::Handle<VkSampler>>> samplers_;
   vk::Handle<VkDescriptorSetLayout> materialSetLayout_;
   vk::Handle<VkDescriptorPool> materialPool_;

@@ -38,6 +38,9 @@ Renderer::~Renderer() = default;
 
 std::vector<output::FrameOutput> Renderer::render(std::span<const scene::Camera> cameras, const Settings& settings) {
   checkSettings(settings);
+  if (settings.background == Background::Environment && !hasEnvironment_)
+    badUsage(
+        "the environment can't be the background where there is none: choose one (a .hdr or .exr file, or studio)");
   gpuScene_.setExposure(std::exp2(settings.exposure));
   times_.clear();
   graphviz_.clear();

@@ -9,12 +9,13 @@ namespace {
 // Depth d = A + B / y (perspective) or A y + B (orthographic) with d(near) = 1 and d(far) = 0.
 void setReversedDepth(shared::Projection& p, float nearClip, float farClip) {
   if (p.kind == shared::kPerspective) {
-    bool infinite = std::isinf(farClip);
-    p.A = infinite ? 0.0f : -nearClip / (farClip - nearClip);
-    p.B = infinite ? nearClip : nearClip * farClip / (farClip - nearClip);
+    double ratio = double(nearClip) / double(farClip);  // 0 where far is infinite
+    p.A = static_cast<float>(-ratio / (1.0 - ratio));
+    p.B = static_cast<float>(nearClip / (1.0 - ratio));
   } else {
-    p.A = -1.0f / (farClip - nearClip);
-    p.B = farClip / (farClip - nearClip);
+    double range = double(farClip) - double(nearClip);
+    p.A = static_cast<float>(-1.0 / range);
+    p.B = static_cast<float>(double(farClip) / range);
   }
 }
 

@@ -85,9 +85,9 @@ struct Camera {
   std::string name;
   mat4 toWorld{1};  // camera space is the renderer's view space: X right, Y away, Z up
   bool orthographic = false;
-  float verticalFov = 0.8f;           // full angle, radians (perspective)
-  std::optional<float> aspect;        // width / height the file asks for
-  float xHalf = 1, yHalf = 1;         // half extents in metres (orthographic)
+  float verticalFov = 0.8f;     // full angle, radians (perspective)
+  std::optional<float> aspect;  // width / height in the file; a picture has its own and keeps the vertical extent
+  float xHalf = 1, yHalf = 1;   // half extents in metres (orthographic); pictures keep yHalf
   float nearClip = 0.01f;
   float farClip = std::numeric_limits<float>::infinity();
   vec2 principal{0};  // principal point offset, NDC: 0 is the picture's centre
@@ -140,6 +140,6 @@ struct LoadOptions {
 Scene load(const std::string& source, const LoadOptions& options = {});
 
 Scene loadGltf(const std::filesystem::path& path, const LoadOptions& options);  // gltf.cpp
-Scene makeBuiltin(const std::string& name);  // builtin.cpp: what follows "builtin:"
+Scene makeBuiltin(const std::string& name);                                     // builtin.cpp: what follows "builtin:"
 
 }  // namespace latelight::scene

@@ -48,6 +48,17 @@ std::vector<std::string> findMissing(VkPhysicalDevice device, uint32_t apiVersio
   vkGetPhysicalDeviceFeatures2(device, &features.core);
   std::vector<std::string> missing = missingFeatures(features);
   if (findQueueFamily(device) == ~0u) missing.push_back("a queue for graphics and compute");
+  VkPhysicalDeviceSubgroupProperties subgroup{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
+  VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &subgroup};
+  vkGetPhysicalDeviceProperties2(device, &properties);
+  constexpr VkSubgroupFeatureFlags kOperations =
+      VK_SUBGROUP_FEATURE_BASIC_BIT | VK_SUBGROUP_FEATURE_BALLOT_BIT | VK_SUBGROUP_FEATURE_ARITHMETIC_BIT;
+  if ((subgroup.supportedOperations & kOperations) != kOperations ||
+      !(subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT))
+    missing.push_back("ballots and reductions in compute subgroups");
+  constexpr uint32_t kColorAttachments = 8;  // the layout `exact` and the light target
+  if (properties.properties.limits.maxColorAttachments < kColorAttachments)
+    missing.push_back(fmt::format("{} colour attachments", kColorAttachments));
   return missing;
 }
 

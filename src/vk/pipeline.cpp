@@ -122,7 +122,6 @@ FixedState::FixedState(const GraphicsDesc& desc) {
   viewport.viewportCount = 1;
   viewport.scissorCount = 1;
   raster.polygonMode = VK_POLYGON_MODE_FILL;
-  raster.cullMode = desc.cull;
   raster.lineWidth = 1.0f;
   samples.rasterizationSamples = VK_SAMPLE_COUNT_1_BIT;
   depth.depthTestEnable = desc.depth != VK_FORMAT_UNDEFINED;
@@ -153,9 +152,12 @@ std::span<const uint32_t> shaderCode(std::string_view name) {
 
 VkDescriptorType descriptorType(Binding binding) {
   switch (binding) {
-    case Binding::Sampled: return VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
-    case Binding::Storage: return VK_DESCRIPTOR_TYPE_STORAGE_IMAGE;
-    case Binding::Uniform: return VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
+    case Binding::Sampled:
+      return VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
+    case Binding::Storage:
+      return VK_DESCRIPTOR_TYPE_STORAGE_IMAGE;
+    case Binding::Uniform:
+      return VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
   }
   fail(ExitCode::Internal, "There is no binding of kind {}.", static_cast<int>(binding));
 }

@@ -18,7 +18,7 @@
 
 namespace latelight::vk {
 
-// SPIR-V words of an embedded shader; asserts that it exists.
+// SPIR-V words of an embedded shader. Throws Error(Internal) if there is none of that name.
 std::span<const uint32_t> shaderCode(std::string_view name);
 
 enum class Binding : uint8_t { Sampled, Storage, Uniform };  // combined image sampler; storage image; uniform buffer
@@ -58,7 +58,6 @@ struct GraphicsDesc {
   VkFormat depth = VK_FORMAT_UNDEFINED;
   VkCompareOp depthCompare = VK_COMPARE_OP_GREATER;  // depth is reversed
   bool depthWrite = true;
-  VkCullModeFlags cull = VK_CULL_MODE_NONE;  // dynamic: VK_DYNAMIC_STATE_CULL_MODE, front face too
   std::string name;
 };
 Pipeline makePipeline(Device& device, const GraphicsDesc& desc);

@@ -18,17 +18,20 @@ layout(location = 0 GBUFFER_TARGETS(COUNT)) out vec4 lightAccumulation;
 vec3 vertexNormal(float facing) {
   float squared = dot(varyingNormal, varyingNormal);
   vec3 plane = cross(dFdy(varyingPosition), dFdx(varyingPosition));
-  return squared > 1e-24 ? varyingNormal * (facing * inversesqrt(squared)) : normalize(plane + vec3(0.0, 0.0, 1e-30));
+  float area = dot(plane, plane);
+  if (squared > 1e-12) return varyingNormal * (facing * inversesqrt(squared));
+  return area > 0.0 ? plane * inversesqrt(area) : vec3(0.0, 0.0, 1.0);
 }
 
 // Perturbs the normal by the material's map through the vertices' tangent frame (seed 000; glTF 2.0, section 3.9.3).
 vec3 mappedNormal(Material m, vec3 n, float facing) {
+  if (!hasTexture(m, kTextureNormal)) return n;
+  vec3 map = FETCH(m, 2).xyz * 2.0 - 1.0;
   vec3 tangent = varyingTangent.xyz - n * dot(n, varyingTangent.xyz);
   float squared = dot(tangent, tangent);
-  if (!hasTexture(m, kTextureNormal) || squared < 1e-24) return n;
+  if (squared < 1e-12) return n;  // no tangent frame here
   vec3 t = tangent * inversesqrt(squared);
   vec3 b = cross(n * facing, t) * (varyingTangent.w < 0.0 ? -1.0 : 1.0);
-  vec3 map = FETCH(m, 2).xyz * 2.0 - 1.0;
   map.xy *= m.normalScale;
   // On a back face the whole frame turns with the normal (glTF 2.0, section 3.9.1, doubleSided).
   vec3 mapped = facing * (t * map.x + b * map.y) + n * map.z;
@@ -42,11 +45,14 @@ vec3 triangleNormal(FrameConstants frame, Instance instance, float facing) {
   IndexRef indices = IndexRef(mesh.indices);
   PositionRef positions = PositionRef(mesh.positions);
   uint first = 3u * uint(gl_PrimitiveID);
-  vec3 a = instance.objectToWorld * vec4(positions.v[indices.v[first]], 1.0);
-  vec3 b = instance.objectToWorld * vec4(positions.v[indices.v[first + 1u]], 1.0);
-  vec3 c = instance.objectToWorld * vec4(positions.v[indices.v[first + 2u]], 1.0);
+  vec3 a = positions.v[indices.v[first]];
+  // Edges are formed in object space: far from the world's origin their ends differ in the last bits alone.
+  vec3 ab = mat3(instance.objectToWorld) * (positions.v[indices.v[first + 1u]] - a);
+  vec3 ac = mat3(instance.objectToWorld) * (positions.v[indices.v[first + 2u]] - a);
+  vec3 extent = max(abs(ab), abs(ac));
+  float scale = 1.0 / max(max(extent.x, max(extent.y, extent.z)), 1e-37);
   float handedness = (instance.flags & kInstanceMirrored) != 0u ? -1.0 : 1.0;
-  vec3 n = cross(b - a, c - a) * (handedness * facing);
+  vec3 n = cross(ab * scale, ac * scale) * (handedness * facing);
   float squared = dot(n, n);
   return squared > 0.0 ? n * inversesqrt(squared) : vec3(0.0, 0.0, 1.0);
 }

@@ -34,8 +34,12 @@ vec3 shadeAllLights(FrameConstants frame, Surface s, vec3 toEye, bool lit, uint 
   vec3 low = subgroupMin(lit ? s.position : vec3(kFar));
   vec3 high = subgroupMax(lit ? s.position : vec3(-kFar));
   vec3 radiance = vec3(0.0);
-  for (uint first = 0u; first < frame.lightCount; first += gl_SubgroupSize) {
-    uint index = first + gl_SubgroupInvocationID;
+  // Lights are dealt to the lanes that are there: a subgroup need not be full.
+  uvec4 present = subgroupBallot(true);
+  uint lanes = subgroupBallotBitCount(present);
+  uint rank = subgroupBallotExclusiveBitCount(present);
+  for (uint first = 0u; first < frame.lightCount; first += lanes) {
+    uint index = first + rank;
     Light mine = frameLight(frame, min(index, frame.lightCount - 1u));
     uvec4 hits = subgroupBallot(index < frame.lightCount && reaches(mine, low, high));
     while (any(notEqual(hits, uvec4(0u)))) {

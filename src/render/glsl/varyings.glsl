@@ -11,7 +11,7 @@ layout(push_constant, scalar) uniform Push { DrawPush push; };
 #define VARYING in
 #endif
 layout(location = 0) VARYING vec3 varyingPosition;  // world
-layout(location = 1) VARYING vec3 varyingNormal;    // world, not unit
+layout(location = 1) VARYING vec3 varyingNormal;    // world; unit at the vertices
 layout(location = 2) VARYING vec4 varyingTangent;   // world, not unit; w: sign of the bitangent, 0 without a tangent frame
 layout(location = 3) VARYING vec4 varyingUv;        // UV sets 0 and 1
 layout(location = 4) VARYING vec4 varyingColor;

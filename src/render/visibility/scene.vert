@@ -18,11 +18,14 @@ void main() {
 
   VertexAttributes attributes = AttributesRef(mesh.attributes).v[gl_VertexIndex];
   mat3 linear = mat3(instance.objectToWorld);
+  // Directions only: without the scale, which may be 1e-6 in quantised meshes and would underflow in products.
+  linear /= max(max(length(linear[0]), max(length(linear[1]), length(linear[2]))), 1e-37);
   // The cofactor matrix carries normals under any scale, shear or mirror; only the sign of a mirror must be taken out.
   mat3 cofactor = mat3(cross(linear[1], linear[2]), cross(linear[2], linear[0]), cross(linear[0], linear[1]));
   float handedness = (instance.flags & kInstanceMirrored) != 0u ? -1.0 : 1.0;
   varyingPosition = world;
-  varyingNormal = handedness * (cofactor * attributes.normal);
+  vec3 normal = handedness * (cofactor * attributes.normal);
+  varyingNormal = normal * inversesqrt(max(dot(normal, normal), 1e-37));
   varyingTangent = vec4(linear * attributes.tangent.xyz, attributes.tangent.w * handedness);
   varyingUv = vec4(attributes.uv0, attributes.uv0);
   varyingColor = vec4(1.0);
