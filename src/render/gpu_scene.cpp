@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <numeric>
+#include <tuple>
 
 #include "shared/light.h"
 
@@ -35,6 +37,18 @@ VkSamplerAddressMode addressMode(scene::Wrap wrap) {
 
 bool holdsColor(uint32_t slot) {
   return slot == shared::kTextureBaseColor || slot == shared::kTextureEmissive || slot == shared::kTextureSpecularColor;
+}
+
+// Instances by material, then mesh, then their order in the scene. Changing materials between draws is dear: on
+// lavapipe 2.5 ms a change. Sorting them took the hall's geometry pass from 3.3 s to 0.19 s (320x180).
+std::vector<uint32_t> drawOrder(const scene::Scene& scene) {
+  std::vector<uint32_t> order(scene.instances.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
+    const scene::Instance &x = scene.instances[a], &y = scene.instances[b];
+    return std::tie(x.material, x.mesh) < std::tie(y.material, y.mesh);
+  });
+  return order;
 }
 
 shared::Light deviceLight(const scene::Light& light, float exposure) {
@@ -100,7 +114,8 @@ void GpuScene::uploadMeshes(vk::Uploader& uploader, const scene::Scene& scene) {
 void GpuScene::uploadInstances(vk::Uploader& uploader, const scene::Scene& scene) {
   std::vector<shared::Instance> instances;
   instances.reserve(scene.instances.size());
-  for (const scene::Instance& instance : scene.instances) {
+  for (uint32_t next : drawOrder(scene)) {
+    const scene::Instance& instance = scene.instances[next];
     const scene::Mesh& mesh = scene.meshes[instance.mesh];
     bool mirrored = glm::determinant(glm::mat3(instance.toWorld)) < 0;
     uint32_t index = static_cast<uint32_t>(instances.size());

@@ -9,8 +9,8 @@ namespace latelight::render {
 bool isMasked(const shared::Material& material);  // alpha decides what is drawn
 bool anyMasked(const GpuScene& scene);
 
-// Draws what may be visible in a view, in the order of the instances, within a rendering that has begun. Materials that
-// are masked use `masked`. Both pipelines take scene.vert and the scene's material set.
+// Draws what may be visible in a view, in the order of the instances on the device, within a rendering that has begun.
+// Materials that are masked use `masked`. Both pipelines take scene.vert and the scene's material set.
 void drawScene(graph::Context& context, const FrameInputs& inputs, uint32_t view, const vk::Pipeline& opaque,
                const vk::Pipeline& masked);
 
