@@ -1,13 +1,16 @@
 # Every shader under src/render becomes SPIR-V and is embedded, named by its file. A shader that includes "gbuffer_layout.h"
 # (or gbuffer_read.glsl, which does) is compiled once for each G-buffer layout and named <file>@<layout>.
 set(LATELIGHT_SPIRV ${PROJECT_BINARY_DIR}/spirv)
+# Debug information holds the sources and where they lay: not for what is shipped.
+set(LATELIGHT_SHADER_DEBUG $<$<NOT:$<CONFIG:Release>>:-g>)
 
 function(latelight_compile_shader source name includes out)
   set(spirv ${LATELIGHT_SPIRV}/${name}.spv)
   add_custom_command(
     OUTPUT ${spirv}
-    COMMAND ${GLSLANG} --quiet --target-env vulkan1.3 -g -I${PROJECT_SOURCE_DIR}/src -I${LATELIGHT_GENERATED} ${includes}
+    COMMAND ${GLSLANG} --quiet --target-env vulkan1.3 ${LATELIGHT_SHADER_DEBUG} -I${PROJECT_SOURCE_DIR}/src -I${LATELIGHT_GENERATED} ${includes}
             --depfile ${spirv}.d -o ${spirv} ${source}
+    COMMAND_EXPAND_LISTS
     MAIN_DEPENDENCY ${source}
     DEPFILE ${spirv}.d
     VERBATIM
@@ -23,9 +26,15 @@ function(latelight_shaders module)
   set(table "")
   set(assembly ".section .rodata\n")
   set(compiled)
+  set(files)
   set(index 0)
   foreach(source IN LISTS sources)
     get_filename_component(file ${source} NAME)
+    if(file IN_LIST files)
+      message(FATAL_ERROR "Two shaders are called ${file}, and a shader is found by its name: rename ${source}")
+    endif()
+    list(APPEND files ${file})
+    set_property(DIRECTORY ${PROJECT_SOURCE_DIR} APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${source})
     file(READ ${source} text)
     set(variants "-")
     if(text MATCHES "#include \"(gbuffer_layout.h|render/glsl/gbuffer_read.glsl)\"")

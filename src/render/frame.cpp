@@ -7,20 +7,47 @@
 
 namespace latelight::render {
 
+std::vector<vk::Constant> FrameSetup::constants() const {
+  return {{0, normalEncoding}, {1, shading}, {2, countLights ? 1u : 0u}};
+}
+
+graph::ImageId createTarget(graph::Graph& graph, const FrameInputs& inputs, VkFormat format, const std::string& name) {
+  return graph.create(vk::ImageDesc{.format = format,
+                                    .width = inputs.width,
+                                    .height = inputs.height,
+                                    .layers = static_cast<uint32_t>(inputs.views.size()),
+                                    .name = name});
+}
+
+namespace {
+
+// One texel where lights are not counted: shaders that could count must have something bound.
+graph::ImageId createCounts(graph::Graph& graph, const FrameInputs& inputs, bool counted) {
+  if (counted) return createTarget(graph, inputs, kCountsFormat, "light counts");
+  return graph.create(
+      vk::ImageDesc{.format = kCountsFormat, .width = 1, .height = 1, .layers = 1, .name = "no light counts"});
+}
+
+}  // namespace
+
 Frame::Frame(vk::Device& device, const GpuScene& scene, const FrameSetup& setup)
-    : depth_(std::make_unique<DepthPass>(device, scene)),
-      geometry_(std::make_unique<GeometryPass>(device, scene, *setup.layout, setup.normalEncoding)),
-      lighting_(setup.lighting->make(device, setup)),
-      background_(std::make_unique<BackgroundPass>(device)) {}
+    : setup_(setup),
+      depth_(std::make_unique<DepthPass>(device, scene)),
+      lighting_(setup.lighting->make(device, scene, setup)),
+      background_(std::make_unique<BackgroundPass>(device)) {
+  if (!setup.lighting->forward) geometry_ = std::make_unique<GeometryPass>(device, scene, setup);
+}
 
 Frame::~Frame() = default;
 
-graph::ImageId Frame::add(graph::Graph& graph, const FrameInputs& inputs) const {
-  graph::ImageId depth = depth_->add(graph, inputs);
-  Gbuffer gbuffer = geometry_->add(graph, inputs, depth);
+LitFrame Frame::add(graph::Graph& graph, const FrameInputs& inputs) const {
+  Gbuffer gbuffer{.depth = depth_->add(graph, inputs)};
+  gbuffer.light = createTarget(graph, inputs, kLightFormat, "light");
+  gbuffer.lightCounts = createCounts(graph, inputs, setup_.countLights);
+  if (geometry_) geometry_->add(graph, inputs, gbuffer);
   lighting_->add(graph, inputs, gbuffer);
   if (inputs.environmentBackground) background_->add(graph, inputs, gbuffer);
-  return gbuffer.light;
+  return {gbuffer.light, gbuffer.lightCounts};
 }
 
 }  // namespace latelight::render

@@ -29,19 +29,35 @@ struct FrameInputs {
   bool environmentBackground = false;  // draw the environment where nothing else is
 };
 
+// An image as large as the frame, with a layer a view.
+graph::ImageId createTarget(graph::Graph& graph, const FrameInputs& inputs, VkFormat format, const std::string& name);
+
 // A G-buffer being built: the layout's targets, and the two that every layout has.
 struct Gbuffer {
   std::vector<graph::ImageId> targets;
   graph::ImageId depth;
   graph::ImageId light;  // emitted radiance and ambient occlusion; the lighting technique leaves the lit picture here
+  graph::ImageId lightCounts;  // lights tested and used (kCountsFormat); one texel where they are not counted
 };
 
 // What pipelines are made for.
 struct FrameSetup {
-  const Layout* layout;
-  uint32_t normalEncoding;  // kNormal_*
-  const TechniqueInfo* lighting;
-  uint32_t shading;  // kShading*
+  const Layout* layout = nullptr;
+  uint32_t normalEncoding = 0;  // kNormal_*
+  const TechniqueInfo* lighting = nullptr;
+  uint32_t shading = 0;  // kShading*
+  bool countLights = false;
+
+  // Of every shader that includes render/glsl/setup.glsl; a shader's own start at kFirstOwnConstant.
+  std::vector<vk::Constant> constants() const;
+};
+inline constexpr uint32_t kFirstOwnConstant = 16;
+inline constexpr VkFormat kCountsFormat = VK_FORMAT_R32G32B32A32_SFLOAT;  // r: lights tested, g: lights used
+
+// What leaves a frame.
+struct LitFrame {
+  graph::ImageId picture;      // linear radiance times exposure, alpha 1 where something is drawn
+  graph::ImageId lightCounts;  // as Gbuffer::lightCounts
 };
 
 // The pipelines of a setup, and the passes they run.
@@ -49,12 +65,13 @@ class Frame {
  public:
   Frame(vk::Device& device, const GpuScene& scene, const FrameSetup& setup);
   ~Frame();
-  // Adds the frame's passes. Returns the lit picture: linear radiance times exposure, alpha 1 where something is drawn.
-  graph::ImageId add(graph::Graph& graph, const FrameInputs& inputs) const;
+  // Adds the frame's passes.
+  LitFrame add(graph::Graph& graph, const FrameInputs& inputs) const;
 
  private:
+  FrameSetup setup_;
   std::unique_ptr<DepthPass> depth_;
-  std::unique_ptr<GeometryPass> geometry_;
+  std::unique_ptr<GeometryPass> geometry_;  // null for forward techniques
   std::unique_ptr<LightingTechnique> lighting_;
   std::unique_ptr<BackgroundPass> background_;
 };

@@ -26,6 +26,21 @@ struct Renderer::Job {
   size_t pixels() const { return size_t{settings.width} * settings.height; }
 };
 
+// The pipelines of renderData().
+struct Renderer::DataPasses {
+  DepthPass depth;
+  GeometryPass geometry;
+  DataPasses(vk::Device& device, const GpuScene& scene, const Layout& layout)
+      : depth(device, scene), geometry(device, scene, FrameSetup{.layout = &layout}) {}
+};
+
+// The pipelines that finish a picture, whatever frame it comes from.
+struct Renderer::PostPasses {
+  AccumulatePass accumulate;
+  ComposePass compose;
+  explicit PostPasses(vk::Device& device) : accumulate(device), compose(device) {}
+};
+
 Renderer::Renderer(vk::Device& device, const scene::Scene& scene, const scene::Environment* environment)
     : device_(device),
       scene_(scene),
@@ -121,10 +136,9 @@ void Renderer::renderColor(Job& job) {
   const Settings& s = job.settings;
   Frame& frame = frameFor(s);
   const uint32_t n = s.superSampling;
-  std::unique_ptr<AccumulatePass> accumulate;
+  if (!post_) post_ = std::make_unique<PostPasses>(device_);
   vk::Image sum;
   if (n > 1) {
-    accumulate = std::make_unique<AccumulatePass>(device_);
     sum = vk::Image(device_,
                     {.format = VK_FORMAT_R32G32B32A32_SFLOAT,
                      .width = s.width,
@@ -133,7 +147,6 @@ void Renderer::renderColor(Job& job) {
                      .usage = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
                      .name = "sum"});
   }
-  ComposePass compose(device_);
   const ComposeSettings composeSettings{
       .scale = 1.0f / static_cast<float>(n * n),
       .tonemap = indexByName(tonemaps(), s.tonemap, "tonemap"),
@@ -147,15 +160,15 @@ void Renderer::renderColor(Job& job) {
     FrameInputs inputs = prepareViews(job, (cell + 0.5f) / static_cast<float>(n) - 0.5f);
 
     graph::Graph graph;
-    graph::ImageId picture = frame.add(graph, inputs);
+    graph::ImageId picture = frame.add(graph, inputs).picture;
     if (n > 1) {
       graph::ImageId total = graph.import(sum, i == 0 ? std::nullopt : std::optional(graph::Use::StorageReadWrite));
-      accumulate->add(graph, picture, total, i == 0);
+      post_->accumulate.add(graph, picture, total, i == 0);
       picture = total;
       if (!last) graph.exports(total, graph::Use::StorageReadWrite);
     }
     graph::BufferId display, values;
-    if (last && s.display) display = compose.add(graph, picture, composeSettings);
+    if (last && s.display) display = post_->compose.add(graph, picture, composeSettings);
     if (last && linear) values = addReadback(graph, picture);
     if (last) graphviz_ = graph.graphviz();
     graph::Executor& done = run(graph);
@@ -177,10 +190,11 @@ void Renderer::renderColor(Job& job) {
 void Renderer::renderData(Job& job) {
   FrameInputs inputs = prepareViews(job, glm::vec2(0));
   const Layout& exact = findLayout("exact");
-  GeometryPass geometry(device_, gpuScene_, exact, shared::kNormal_octahedral);
+  if (!data_) data_ = std::make_unique<DataPasses>(device_, gpuScene_, exact);
   graph::Graph graph;
-  DepthPass depth(device_, gpuScene_);
-  Gbuffer gbuffer = geometry.add(graph, inputs, depth.add(graph, inputs));
+  Gbuffer gbuffer{.depth = data_->depth.add(graph, inputs)};
+  gbuffer.light = createTarget(graph, inputs, kLightFormat, "light");
+  data_->geometry.add(graph, inputs, gbuffer);
   DataReadback readback(graph, exact, gbuffer, job.settings.aovs);
   if (graphviz_.empty()) graphviz_ = graph.graphviz();
   graph::Executor& done = run(graph);

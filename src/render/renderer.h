@@ -48,6 +48,10 @@ class Renderer {
   graph::Executor executor_;
   std::string frameKey_;  // what frame_ was made for
   std::unique_ptr<Frame> frame_;
+  struct DataPasses;
+  std::unique_ptr<DataPasses> data_;
+  struct PostPasses;
+  std::unique_ptr<PostPasses> post_;
   std::vector<graph::PassTime> times_;
   std::string graphviz_;
 };

@@ -123,13 +123,13 @@ GbufferReader::GbufferReader(vk::Device& device, const scene::Scene& scene, cons
 
 const GeometryPass& GbufferReader::geometry(const FrameSetup& setup) {
   auto& made = geometries_[{setup.layout, setup.normalEncoding}];
-  if (!made) made = std::make_unique<GeometryPass>(device_, scene_, *setup.layout, setup.normalEncoding);
+  if (!made) made = std::make_unique<GeometryPass>(device_, scene_, setup);
   return *made;
 }
 
 const LightingTechnique& GbufferReader::lighting(const FrameSetup& setup) {
   auto& made = techniques_[{setup.layout, setup.normalEncoding, setup.lighting, setup.shading}];
-  if (!made) made = setup.lighting->make(device_, setup);
+  if (!made) made = setup.lighting->make(device_, scene_, setup);
   return *made;
 }
 
@@ -161,9 +161,11 @@ ReadGbuffer GbufferReader::read(const FrameSetup& setup, const scene::Camera& ca
   const vk::Buffer constants = upload("frame constants", &frame, sizeof(frame));
   const FrameInputs inputs{scene_, environment_, {&result.view, 1}, constants.address(), width, height};
 
-  const DepthPass depthPass(device_, scene_);
   graph::Graph graph;
-  const Gbuffer gbuffer = geometry(setup).add(graph, inputs, depth_.add(graph, inputs));
+  Gbuffer gbuffer{.depth = depth_.add(graph, inputs)};
+  gbuffer.light = createTarget(graph, inputs, kLightFormat, "light");
+  gbuffer.lightCounts = graph.create(vk::ImageDesc{.format = kCountsFormat, .width = 1, .height = 1, .layers = 1});
+  geometry(setup).add(graph, inputs, gbuffer);
   std::vector<graph::BufferId> targets;
   for (graph::ImageId target : gbuffer.targets) targets.push_back(addReadback(graph, target));
   const graph::BufferId depth = addReadback(graph, gbuffer.depth), before = addReadback(graph, gbuffer.light);

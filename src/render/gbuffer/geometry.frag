@@ -3,10 +3,10 @@
 #include "render/glsl/common.glsl"
 #include "render/glsl/varyings.glsl"
 #include "render/glsl/material.glsl"
+#include "render/glsl/setup.glsl"
 #include "gbuffer_layout.h"
 
-layout(constant_id = 0) const uint kNormalEncoding = 0;
-layout(constant_id = 1) const uint kAlphaMasked = 0;
+layout(constant_id = 16) const uint kAlphaMasked = 0;
 
 #define OUTPUT(index, name, format, type, channels) layout(location = index) out type gbuffer_##name;
 GBUFFER_TARGETS(OUTPUT)

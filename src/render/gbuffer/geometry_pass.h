@@ -8,9 +8,10 @@ namespace latelight::render {
 
 class GeometryPass {
  public:
-  GeometryPass(vk::Device& device, const GpuScene& scene, const Layout& layout, uint32_t normalEncoding);
-  // `depth`: from DepthPass; only surfaces at that very depth are shaded.
-  Gbuffer add(graph::Graph& graph, const FrameInputs& inputs, graph::ImageId depth) const;
+  GeometryPass(vk::Device& device, const GpuScene& scene, const FrameSetup& setup);
+  // Adds the layout's targets to the G-buffer and fills them and its light target. Only surfaces at the very depth that
+  // DepthPass left are shaded.
+  void add(graph::Graph& graph, const FrameInputs& inputs, Gbuffer& gbuffer) const;
 
  private:
   const Layout& layout_;

@@ -1,6 +1,7 @@
 // Reading the G-buffer of the layout this shader is compiled for: set 0, bindings 0... in the order of the layout's
-// targets, then depth, then the light accumulation target. All are arrays with a layer a view.
+// targets, then depth, the light accumulation target, and the counts of lights. All are arrays with a layer a view.
 #include "gbuffer_layout.h"
+#include "render/glsl/setup.glsl"
 
 #define GBUFFER_SAMPLER_vec4 sampler2DArray
 #define GBUFFER_SAMPLER_uvec2 usampler2DArray
@@ -12,15 +13,17 @@ GBUFFER_TARGETS(INPUT)
 const int kGbufferTargets = 0 GBUFFER_TARGETS(COUNT);
 layout(set = 0, binding = 0 GBUFFER_TARGETS(COUNT)) uniform sampler2DArray gbufferDepth;
 layout(set = 0, binding = 1 GBUFFER_TARGETS(COUNT), rgba16f) uniform image2DArray lightTarget;
+layout(set = 0, binding = 2 GBUFFER_TARGETS(COUNT), rgba32f) uniform writeonly image2DArray lightCounts;
+#define GBUFFER_BINDINGS (3 GBUFFER_TARGETS(COUNT))  // the first binding after them
 
 // The Surface at a pixel of a view. Its depth must not be the background's (0).
-Surface readSurface(View view, ivec3 pixel, float depth, float ao, uint normalEncoding) {
+Surface readSurface(View view, ivec3 pixel, float depth, float ao) {
   GbufferContext context;
   context.view = view;
   context.pixel = vec2(pixel.xy) + 0.5;
   context.depth = depth;
   context.ao = ao;
-  context.normalEncoding = normalEncoding;
+  context.normalEncoding = kNormalEncoding;
   GbufferTexel texel;
 #define FETCH_TARGET(index, name, format, type, channels) texel.name = type(texelFetch(gbuffer_##name, pixel, 0));
   GBUFFER_TARGETS(FETCH_TARGET)

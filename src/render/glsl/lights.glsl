@@ -7,7 +7,20 @@
 #extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
 
+#include "render/glsl/setup.glsl"
 #include "shared/shade.h"
+
+// For --debug lights: how many lights this pixel went through, and how many of them sent it anything.
+float lightsTested = 0.0;
+float lightsUsed = 0.0;
+vec4 lightCount() { return vec4(lightsTested, lightsUsed, 0.0, 0.0); }
+
+// Radiance that one light sends from `s` to the eye.
+vec3 shadeOneLight(Light light, Surface s, vec3 toEye) {
+  vec3 radiance = shadeLight(s, toEye, sampleLight(light, s.position), kShading);
+  if (kCountLights != 0u && any(greaterThan(radiance, vec3(0.0)))) lightsUsed += 1.0;
+  return radiance;
+}
 
 Light broadcastLight(Light l, uint lane) {
   Light r;
@@ -29,7 +42,8 @@ bool reaches(Light l, vec3 low, vec3 high) {
 
 // Radiance that all of the frame's lights send from `s` to the eye. Every invocation of the subgroup must call it;
 // `lit` is false for those without a surface.
-vec3 shadeAllLights(FrameConstants frame, Surface s, vec3 toEye, bool lit, uint shading) {
+vec3 shadeAllLights(FrameConstants frame, Surface s, vec3 toEye, bool lit) {
+  lightsTested += float(frame.lightCount);
   const float kFar = 3.0e38;
   vec3 low = subgroupMin(lit ? s.position : vec3(kFar));
   vec3 high = subgroupMax(lit ? s.position : vec3(-kFar));
@@ -46,7 +60,7 @@ vec3 shadeAllLights(FrameConstants frame, Surface s, vec3 toEye, bool lit, uint 
       uint lane = subgroupBallotFindLSB(hits);
       hits[lane >> 5u] &= ~(1u << (lane & 31u));
       Light light = broadcastLight(mine, lane);
-      radiance += shadeLight(s, toEye, sampleLight(light, s.position), shading);
+      radiance += shadeOneLight(light, s, toEye);
     }
   }
   return radiance;

@@ -98,11 +98,7 @@ DepthPass::DepthPass(vk::Device& device, const GpuScene& scene) : opaque_(makeDe
 }
 
 graph::ImageId DepthPass::add(graph::Graph& graph, const FrameInputs& inputs) const {
-  graph::ImageId depth = graph.create(vk::ImageDesc{.format = kDepthFormat,
-                                                    .width = inputs.width,
-                                                    .height = inputs.height,
-                                                    .layers = static_cast<uint32_t>(inputs.views.size()),
-                                                    .name = "depth"});
+  graph::ImageId depth = createTarget(graph, inputs, kDepthFormat, "depth");
   graph.pass("depth", {{depth, graph::Use::DepthAttachment}}, [=, this](graph::Context& context) {
     for (uint32_t view = 0; view < inputs.views.size(); ++view) {
       beginView(context, inputs, view, {}, {depth, true});

@@ -23,7 +23,7 @@ void beginView(graph::Context& context, const FrameInputs& inputs, uint32_t view
                std::span<const graph::ImageId> colors, DepthUse depth);
 
 // Finds the nearest surface of every pixel first, so that the geometry pass shades each pixel once (seed 000, early
-// depth-stencil). Reversed depth; equal depths are settled in the geometry pass, where the highest instance wins.
+// depth-stencil). Reversed depth; equal depths are settled in the geometry pass, where what is drawn last wins.
 class DepthPass {
  public:
   DepthPass(vk::Device& device, const GpuScene& scene);

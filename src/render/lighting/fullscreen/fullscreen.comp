@@ -3,13 +3,11 @@
 // fullscreen: one pass over the picture, every light at every pixel (rows 3 and 16 of the design).
 #include "render/glsl/common.glsl"
 #include "render/glsl/gbuffer_read.glsl"
-#define ENVIRONMENT_BINDING (2 GBUFFER_TARGETS(COUNT))
+#define ENVIRONMENT_BINDING GBUFFER_BINDINGS
 #include "render/glsl/environment.glsl"
 #include "render/glsl/lights.glsl"
 
 layout(local_size_x = 16, local_size_y = 16) in;
-layout(constant_id = 0) const uint kNormalEncoding = 0;
-layout(constant_id = 1) const uint kShading = 0;
 
 struct LightingPush {
   uint64_t frame;  // FrameConstants
@@ -29,12 +27,13 @@ void main() {
   vec3 radiance = vec3(0.0);
   if (lit) {
     accumulated = imageLoad(lightTarget, pixel);
-    s = readSurface(view, pixel, depth, accumulated.a, kNormalEncoding);
+    s = readSurface(view, pixel, depth, accumulated.a);
     if ((s.flags & kSurfaceUnlit) != 0u) s = withoutReflection(s);
     toEye = directionToEye(view, s.position);
     radiance = environmentLight(frame, s, toEye);
   }
-  radiance += shadeAllLights(frame, s, toEye, lit, kShading);
+  radiance += shadeAllLights(frame, s, toEye, lit);
   vec4 result = vec4(min(accumulated.rgb + radiance * frame.exposure, vec3(65504.0)), 1.0);
   if (inside) imageStore(lightTarget, pixel, lit ? result : vec4(0.0));
+  if (kCountLights != 0u && inside) imageStore(lightCounts, pixel, lit ? lightCount() : vec4(0.0));
 }

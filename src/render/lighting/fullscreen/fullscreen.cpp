@@ -1,5 +1,6 @@
 // fullscreen: one compute pass over the picture, every light at every pixel. O(pixels x lights), and the reference that
 // every other technique is compared with.
+#include "render/lighting/lighting_shader.h"
 #include "render/lighting/technique.h"
 
 namespace latelight::render {
@@ -12,47 +13,27 @@ struct LightingPush {  // fullscreen.comp
 
 class Fullscreen final : public LightingTechnique {
  public:
-  Fullscreen(vk::Device& device, const FrameSetup& setup) {
-    vk::ComputeDesc desc;
-    desc.shader = "fullscreen.comp@" + setup.layout->file;
-    desc.bindings.assign(setup.layout->targets.size() + 1, vk::Binding::Sampled);  // targets, depth
-    desc.bindings.push_back(vk::Binding::Storage);                                 // light
-    desc.bindings.insert(desc.bindings.end(), GpuEnvironment::kBindings, vk::Binding::Sampled);
-    desc.constants = {{0, setup.normalEncoding}, {1, setup.shading}};
-    desc.name = "lighting fullscreen " + setup.layout->name;
-    pipeline_ = vk::makePipeline(device, desc);
-    sampler_ = vk::makeSampler(device, vk::kNearestSampler);
-  }
+  Fullscreen(vk::Device& device, const FrameSetup& setup) : shader_(device, setup, "fullscreen.comp") {}
 
   void add(graph::Graph& graph, const FrameInputs& inputs, const Gbuffer& gbuffer) const override {
-    std::vector<graph::Access> accesses;
-    for (graph::ImageId target : gbuffer.targets) accesses.emplace_back(target, graph::Use::SampledCompute);
-    accesses.emplace_back(gbuffer.depth, graph::Use::SampledCompute);
-    accesses.emplace_back(gbuffer.light, graph::Use::StorageReadWrite);
-    graph.pass("lighting fullscreen", std::move(accesses), [this, inputs, gbuffer](graph::Context& context) {
-      std::vector<vk::BoundImage> images;
-      for (graph::ImageId target : gbuffer.targets)
-        images.push_back({context.image(target).arrayView(), sampler_.get()});
-      images.push_back({context.image(gbuffer.depth).arrayView(), sampler_.get()});
-      images.push_back({context.image(gbuffer.light).arrayView()});
-      for (const vk::BoundImage& map : inputs.environment.bindings()) images.push_back(map);
-      context.commands().bind(pipeline_, images, LightingPush{inputs.constants});
-      context.commands().dispatch(inputs.width, inputs.height, static_cast<uint32_t>(inputs.views.size()), 16, 16);
-    });
+    graph.pass("lighting fullscreen", LightingShader::accesses(gbuffer),
+               [this, inputs, gbuffer](graph::Context& context) {
+                 shader_.dispatch(context, inputs, gbuffer, LightingPush{inputs.constants});
+               });
   }
 
  private:
-  vk::Pipeline pipeline_;
-  vk::Handle<VkSampler> sampler_;
+  LightingShader shader_;
 };
 
 }  // namespace
 
 TechniqueInfo technique_fullscreen() {
-  return {.description = "one pass over the picture, every light at every pixel",
-          .make = [](vk::Device& device, const FrameSetup& setup) -> std::unique_ptr<LightingTechnique> {
-            return std::make_unique<Fullscreen>(device, setup);
-          }};
+  return {
+      .description = "one pass over the picture, every light at every pixel",
+      .make = [](vk::Device& device, const GpuScene&, const FrameSetup& setup) -> std::unique_ptr<LightingTechnique> {
+        return std::make_unique<Fullscreen>(device, setup);
+      }};
 }
 
 }  // namespace latelight::render

@@ -1,0 +1,8 @@
+// What a frame's shaders are specialized for, as render::FrameSetup::constants() gives it. A shader's own constants start
+// at kFirstOwnConstant (16).
+#ifndef LATELIGHT_SETUP_GLSL
+#define LATELIGHT_SETUP_GLSL
+layout(constant_id = 0) const uint kNormalEncoding = 0;
+layout(constant_id = 1) const uint kShading = 0;
+layout(constant_id = 2) const uint kCountLights = 0;
+#endif

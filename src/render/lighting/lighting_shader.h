@@ -1,0 +1,37 @@
+// A compute shader that lights a G-buffer. Set 0 is the same for all of them: what gbuffer_read.glsl has, then what
+// environment.glsl has.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "render/frame.h"
+#include "vk/commands.h"
+#include "vk/pipeline.h"
+
+namespace latelight::render {
+
+class LightingShader {
+ public:
+  // `file`: the shader's, compiled for each layout. `own`: its constants beside the setup's, from kFirstOwnConstant.
+  LightingShader(vk::Device& device, const FrameSetup& setup, const std::string& file,
+                 const std::vector<vk::Constant>& own = {});
+
+  // What a pass that runs it declares.
+  static std::vector<graph::Access> accesses(const Gbuffer& gbuffer);
+
+  // Runs it over every pixel of every view, in workgroups of 16 by 16.
+  template <typename Push>
+  void dispatch(graph::Context& context, const FrameInputs& inputs, const Gbuffer& gbuffer, const Push& push) const {
+    context.commands().bind(pipeline_, images(context, inputs, gbuffer), push);
+    context.commands().dispatch(inputs.width, inputs.height, static_cast<uint32_t>(inputs.views.size()), 16, 16);
+  }
+
+ private:
+  std::vector<vk::BoundImage> images(graph::Context& context, const FrameInputs& inputs, const Gbuffer& gbuffer) const;
+
+  vk::Pipeline pipeline_;
+  vk::Handle<VkSampler> sampler_;
+};
+
+}  // namespace latelight::render
