@@ -105,8 +105,9 @@ double peakOf(const std::vector<Pair>& pairs) {
       peak = std::max(peak, 1.0);
       continue;
     }
-    for (const double value : pair.a->values)
-      if (std::isfinite(value)) peak = std::max(peak, std::abs(value));
+    for (const Channel* channel : {pair.a, pair.b})
+      for (const double value : channel->values)
+        if (std::isfinite(value)) peak = std::max(peak, std::abs(value));
   }
   return peak;
 }

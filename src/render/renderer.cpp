@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 
 #include "base/log.h"
 #include "render/aov_read.h"
@@ -15,7 +16,7 @@
 
 namespace latelight::render {
 
-// One call of render(): its settings and what it builds.
+// Some views of a call of render(): its settings and what it builds.
 struct Renderer::Job {
   std::span<const scene::Camera> cameras;
   const Settings& settings;
@@ -25,6 +26,19 @@ struct Renderer::Job {
 
   size_t pixels() const { return size_t{settings.width} * settings.height; }
 };
+
+namespace {
+
+// More views are rendered in turn, so that many cameras take no more memory than a few: targets of a GiB, data
+// outputs and the sum of super-sampled frames included.
+size_t viewsAtOnce(const Settings& settings) {
+  constexpr uint64_t kBudget = uint64_t{1} << 30;
+  constexpr uint64_t kLayers = 256;  // the least maxImageArrayLayers of Vulkan
+  const uint64_t bytes = findLayout("exact").bytesPerPixel(0) + findLayout(settings.layout).bytesPerPixel(0) + 32;
+  return std::clamp<uint64_t>(kBudget / (bytes * settings.width * settings.height), 1, kLayers);
+}
+
+}  // namespace
 
 // The pipelines of renderData().
 struct Renderer::DataPasses {
@@ -59,6 +73,18 @@ std::vector<output::FrameOutput> Renderer::render(std::span<const scene::Camera>
   gpuScene_.setExposure(std::exp2(settings.exposure));
   times_.clear();
   graphviz_.clear();
+  std::vector<output::FrameOutput> pictures;
+  const size_t atOnce = viewsAtOnce(settings);
+  for (size_t first = 0; first < cameras.size(); first += atOnce) {
+    std::vector<output::FrameOutput> some =
+        renderViews(cameras.subspan(first, std::min(atOnce, cameras.size() - first)), settings);
+    std::move(some.begin(), some.end(), std::back_inserter(pictures));
+  }
+  return pictures;
+}
+
+std::vector<output::FrameOutput> Renderer::renderViews(std::span<const scene::Camera> cameras,
+                                                       const Settings& settings) {
   Job job{.cameras = cameras, .settings = settings};
   job.pictures.resize(cameras.size());
   for (output::FrameOutput& picture : job.pictures) {

@@ -23,7 +23,7 @@ class Renderer {
   Renderer(vk::Device& device, const scene::Scene& scene, const scene::Environment* environment);
   ~Renderer();
 
-  // All cameras' pictures at once, one view a camera. Throws Error(Usage) for settings that can't be.
+  // One picture a camera, several at once. Throws Error(Usage) for settings that can't be.
   std::vector<output::FrameOutput> render(std::span<const scene::Camera> cameras, const Settings& settings);
 
   // GPU milliseconds a pass of the last render(), summed over its frames, in the order of the passes. Empty where the
@@ -34,6 +34,7 @@ class Renderer {
 
  private:
   struct Job;
+  std::vector<output::FrameOutput> renderViews(std::span<const scene::Camera> cameras, const Settings& settings);
   void renderColor(Job& job);
   void renderData(Job& job);
   graph::Executor& run(const graph::Graph& graph);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/log.h"
 #include "base/parallel.h"
 #include "scene/octahedral_map.h"
 #include "scene/vector_clones.h"
@@ -212,9 +213,10 @@ void convolve(const EnvironmentTree& tree, const std::vector<LobeMap>& maps) {
       for (uint32_t x = 0; x < map.image->width; x += kTile) jobs.push_back({&map, x, y});
     }
   }
+  Progress progress("Filtering the environment", jobs.size());
   parallelFor(jobs.size(), 8, [&](size_t begin, size_t end) {
     std::vector<Node> nodes;
-    for (size_t i = begin; i < end; ++i) convolveTile(tree, jobs[i], nodes);
+    for (size_t i = begin; i < end; ++i) convolveTile(tree, jobs[i], nodes), progress.step();
   });
   for (const LobeMap& map : maps) closeSeams(*map.image);
 }

@@ -7,7 +7,6 @@
 
 #include "base/error.h"
 #include "base/files.h"
-#include "base/hash.h"
 #include "base/log.h"
 #include "vk/features.h"
 #include "vk/instance.h"
@@ -99,17 +98,6 @@ VkDevice makeDevice(VkPhysicalDevice physical, uint32_t queueFamily, const std::
   return device;
 }
 
-// Cache files are the hash of the driver's bytes, then the bytes: drivers check little of what they are given.
-std::vector<std::byte> loadPipelineCache(const std::string& name) {
-  std::optional<std::vector<std::byte>> file = loadCache(name);
-  uint64_t hash = 0;
-  if (!file || file->size() <= sizeof(hash)) return {};
-  std::memcpy(&hash, file->data(), sizeof(hash));
-  file->erase(file->begin(), file->begin() + sizeof(hash));
-  if (hash64(file->data(), file->size()) != hash) return {};
-  return std::move(*file);
-}
-
 VkPipelineCache makePipelineCache(VkDevice device, const std::vector<std::byte>& bytes) {
   VkPipelineCacheCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO};
   info.initialDataSize = bytes.size();
@@ -158,7 +146,8 @@ Device::Device(const DeviceOptions& options) : hidden_(std::make_unique<Hidden>(
   VK_CHECK(vkCreateFence(device_, &fence, nullptr, &hidden.fence));
 
   hidden.cacheName = fmt::format("pipelines-{}-{:08x}", info_.uuid, properties_.driverVersion);
-  pipelineCache_ = hidden.pipelineCache = makePipelineCache(device_, loadPipelineCache(hidden.cacheName));
+  pipelineCache_ = hidden.pipelineCache =
+      makePipelineCache(device_, loadCache(hidden.cacheName).value_or(std::vector<std::byte>{}));
   VK_CHECK(vkGetPipelineCacheData(device_, pipelineCache_, &hidden.cacheBytes, nullptr));
   allocator_ = std::make_unique<Allocator>(*this);
 }
@@ -232,12 +221,9 @@ void Device::savePipelineCache() {
   size_t size = 0;
   if (vkGetPipelineCacheData(device_, pipelineCache_, &size, nullptr) != VK_SUCCESS) return;
   if (size <= hidden_->cacheBytes) return;
-  uint64_t hash = 0;
-  std::vector<std::byte> file(sizeof(hash) + size);
-  if (vkGetPipelineCacheData(device_, pipelineCache_, &size, file.data() + sizeof(hash)) != VK_SUCCESS) return;
-  file.resize(sizeof(hash) + size);
-  hash = hash64(file.data() + sizeof(hash), size);
-  std::memcpy(file.data(), &hash, sizeof(hash));
+  std::vector<std::byte> file(size);
+  if (vkGetPipelineCacheData(device_, pipelineCache_, &size, file.data()) != VK_SUCCESS) return;
+  file.resize(size);
   storeCache(hidden_->cacheName, file);
   hidden_->cacheBytes = size;
 }

@@ -1,5 +1,7 @@
 #include "vk/memory.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 
 #include "base/error.h"
@@ -58,6 +60,12 @@ double mebibytes(VkDeviceSize bytes) {
   return static_cast<double>(bytes) / (1 << 20);
 }
 
+// What the machine has, bytes. A CPU device's heap says 2 GiB of each allocation and nothing of their sum; memory
+// beyond the machine's is granted, and the process killed when it is touched.
+VkDeviceSize physicalMemory() {
+  return static_cast<VkDeviceSize>(sysconf(_SC_PHYS_PAGES)) * static_cast<VkDeviceSize>(sysconf(_SC_PAGESIZE));
+}
+
 }  // namespace
 
 Allocator::Allocator(Device& device) : device_(device) {
@@ -103,9 +111,11 @@ Allocator::Block& Allocator::addBlock(VkDeviceSize size, uint32_t type, bool lin
   info.memoryTypeIndex = type;
   const VkMemoryType& memoryType = properties_.memoryTypes[type];
   const VkDeviceSize heap = properties_.memoryHeaps[memoryType.heapIndex].size;
+  const VkDeviceSize room = device_.isCpu() ? physicalMemory() : heap;
+  const bool full = size > heap || (device_.isCpu() && reserved() + size > room);
   const VkResult result =
-      size > heap ? VK_ERROR_OUT_OF_DEVICE_MEMORY : vkAllocateMemory(device_.get(), &info, nullptr, &block->memory);
-  if (result == VK_ERROR_OUT_OF_DEVICE_MEMORY || result == VK_ERROR_OUT_OF_HOST_MEMORY) failFull(size, heap);
+      full ? VK_ERROR_OUT_OF_DEVICE_MEMORY : vkAllocateMemory(device_.get(), &info, nullptr, &block->memory);
+  if (result == VK_ERROR_OUT_OF_DEVICE_MEMORY || result == VK_ERROR_OUT_OF_HOST_MEMORY) failFull(size, room);
   VK_CHECK(result);
   blocks_.push_back(std::move(block));
   Block& added = *blocks_.back();
@@ -114,13 +124,16 @@ Allocator::Block& Allocator::addBlock(VkDeviceSize size, uint32_t type, bool lin
   return added;
 }
 
-void Allocator::failFull(VkDeviceSize size, VkDeviceSize heap) const {
-  VkDeviceSize reserved = 0;
-  for (const auto& block : blocks_) reserved += block->size;
+VkDeviceSize Allocator::reserved() const {
+  VkDeviceSize sum = 0;
+  for (const auto& block : blocks_) sum += block->size;
+  return sum;
+}
+
+void Allocator::failFull(VkDeviceSize size, VkDeviceSize room) const {
   fail(ExitCode::DeviceLost,
-       "{} has no room for {:.1f} MiB more: its heap has {:.0f} MiB, {:.0f} MiB are taken; use a smaller picture or "
-       "scene.",
-       device_.info().name, mebibytes(size), mebibytes(heap), mebibytes(reserved));
+       "{} has no room for {:.1f} MiB more: it has {:.0f} MiB, {:.0f} MiB are taken; use a smaller picture or scene.",
+       device_.info().name, mebibytes(size), mebibytes(room), mebibytes(reserved()));
 }
 
 void Allocator::release(const Allocation& allocation) {

@@ -64,7 +64,8 @@ class Allocator {
   struct Block;
   Allocation take(Block& block, const VkMemoryRequirements& needs);  // memory is null where it has no room
   Block& addBlock(VkDeviceSize size, uint32_t type, bool linear, bool dedicated);
-  [[noreturn]] void failFull(VkDeviceSize size, VkDeviceSize heap) const;
+  VkDeviceSize reserved() const;
+  [[noreturn]] void failFull(VkDeviceSize size, VkDeviceSize room) const;
   Device& device_;
   VkPhysicalDeviceMemoryProperties properties_{};
   mutable std::mutex mutex_;

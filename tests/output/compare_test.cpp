@@ -94,7 +94,13 @@ TEST(Compare, KnowsInfinityAndNan) {
   EXPECT_EQ(c.unlike, 4u);
   EXPECT_EQ(c.beyond, 5u);
   EXPECT_NEAR(c.mean, 0.5 / 3, 1e-12);
-  EXPECT_NEAR(c.psnr, 10 * std::log10(2 * 2 / (0.25 / 3)), 1e-9);
+  EXPECT_NEAR(c.psnr, 10 * std::log10(5 * 5 / (0.25 / 3)), 1e-9);
+}
+
+TEST(Compare, HasOnePsnrInBothOrders) {
+  const ReadImage black = picture(ChannelType::Float, {0, 0}), other = picture(ChannelType::Float, {4, 0});
+  EXPECT_NEAR(compare(black, other).psnr, 10 * std::log10(2.0), 1e-9);  // the peak is 4, the mean square 8
+  EXPECT_NEAR(compare(other, black).psnr, 10 * std::log10(2.0), 1e-9);
 }
 
 TEST(Compare, HeedsTheToleranceGiven) {

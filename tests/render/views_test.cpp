@@ -76,6 +76,22 @@ class ViewsTest : public RenderTest {
   }
 };
 
+// More than an image has layers for.
+TEST_F(ViewsTest, ManyCamerasAreRenderedInTurn) {
+  const scene::Scene scene = scene::load("builtin:boxes");
+  std::vector<scene::Camera> cameras(300, scene.cameras.front());
+  for (size_t i = 0; i < cameras.size(); ++i) cameras[i].toWorld[3].x += 0.01f * static_cast<float>(i);
+  const Settings settings{.width = 24, .height = 16, .aovs = {Aov::Depth}};
+  Renderer renderer(device(), scene, nullptr);
+  const std::vector<output::FrameOutput> all = renderer.render(cameras, settings);
+  ASSERT_EQ(all.size(), cameras.size());
+  for (size_t i : {size_t{0}, size_t{255}, size_t{256}, size_t{299}}) {
+    SCOPED_TRACE(fmt::format("camera {}", i));
+    expectSame(all[i], renderer.render({&cameras[i], 1}, settings).front());
+  }
+  EXPECT_FALSE(all[0].display == all[299].display);
+}
+
 TEST_F(ViewsTest, ThreeAtOnceAreThreeAlone) {
   const scene::Scene scene = scene::load("builtin:boxes");
   compare(scene, threeCameras(scene), settingsOf(kWidth, kHeight));

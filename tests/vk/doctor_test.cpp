@@ -206,7 +206,7 @@ TEST_F(Doctor, NoDeviceWithVulkan13) {
 }
 
 TEST_F(Doctor, AMissingFeature) {
-  for (const char* feature : {"scalarBlockLayout", "shaderInt64", "dynamicRendering", "shaderDrawParameters"}) {
+  for (const char* feature : {"scalarBlockLayout", "shaderInt64", "dynamicRendering"}) {
     run({{kHide, feature}});
     EXPECT_FALSE(usable());
     EXPECT_THAT(problems(), Contains(HasSubstr(std::string("(") + feature + ")")));

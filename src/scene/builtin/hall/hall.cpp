@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/log.h"
 #include "base/parallel.h"
 #include "scene/builtin/make.h"
 
@@ -76,8 +77,9 @@ void HallBuilder::finish() {
   plans_.resize(kept);
   for (Instance& instance : builder.scene.instances) instance.mesh = renumbered[instance.mesh];
   builder.scene.meshes.resize(plans_.size());
+  Progress progress("Building the hall", plans_.size());
   parallelFor(plans_.size(), 1, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) builder.scene.meshes[i] = buildMesh(plans_[i]);
+    for (size_t i = begin; i < end; ++i) builder.scene.meshes[i] = buildMesh(plans_[i]), progress.step();
   });
 }
 
