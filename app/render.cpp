@@ -81,7 +81,7 @@ std::optional<DebugRequest> parseDebug(const std::string& debug) {
     request.sheet = true;
     for (const output::AovInfo& aov : output::aovs()) request.aovs.push_back(aov.aov);
   } else {
-    request.aovs = output::parseAovs(debug);
+    request.aovs = output::parseAovs(debug == "lights" ? "lights-tested,lights-used" : debug);
     request.sheet = request.aovs.size() > 1;
   }
   return request;
@@ -329,7 +329,7 @@ void addLookOptions(CLI::App& c, Options& o) {
 
 void addOutputOptions(CLI::App& c, Options& o) {
   c.add_option("--aov", o.aovs, "What leaves, by comma: color,depth,... (latelight list aovs)");
-  c.add_option("--debug", o.debug, "Pictures of data for the eye: sheet, or AOV names by comma");
+  c.add_option("--debug", o.debug, "Pictures of data for the eye: sheet (all), lights, or AOV names by comma");
   c.add_option("--normal-frame", o.normalFrame, "Frame of normal outputs: world, opencv or opengl")
       ->capture_default_str();
   c.add_option("--axes", o.axes, "Frame of positions and poses: file (the scene file's own) or z-up")

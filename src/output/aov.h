@@ -25,8 +25,10 @@ enum class Aov : uint8_t {
   Ao,
   Id,
   Uv,
+  LightsTested,
+  LightsUsed,
 };
-inline constexpr size_t kAovCount = 13;
+inline constexpr size_t kAovCount = 15;
 
 // How an OpenEXR file stores a channel. Half: 11 bits of precision, finite values beyond 65504 are stored as 65504.
 enum class ExrType : uint8_t { Half, Float, Uint };
@@ -40,6 +42,7 @@ enum class PngCoding : uint8_t {
   Signed,      // 16 bit, [-1, 1] as n * 0.5 + 0.5, clamped; background is 0, which no unit normal is
   Millimetre,  // 16 bit grey, rounded; 65535 stands for 65.535 m and beyond, 0 for background
   Fraction,    // 16 bit RGB: the part after the point, u - floor(u), of u and v; blue is 0
+  Count,       // 16 bit grey; 65535 stands for that many and more
   IdBytes,     // 8 bit RGBA: the id's bytes, R the lowest (alpha is the highest byte, not coverage)
 };
 

@@ -154,6 +154,13 @@ auto greys(const AovImage& image) {
   return [&image](size_t i) -> std::optional<Rgb> { return Rgb{image.values[i], image.values[i], image.values[i]}; };
 }
 
+// A step of colour a doubling, so that one light and thousands both show; the same in every picture.
+auto countColors(const AovImage& image) {
+  return [&image](size_t i) -> std::optional<Rgb> {
+    return cubehelix(0.95f * std::min(std::log2(1 + std::max(image.values[i], 0.0f)) / 12, 1.0f));
+  };
+}
+
 auto idColors(const AovImage& image) {
   return [&image](size_t i) -> std::optional<Rgb> {
     if (image.ids[i] == 0) return std::nullopt;
@@ -201,6 +208,9 @@ Picture debugPicture(const AovImage& image, const AovImage* ids) {
       return paint(image, ids, idColors(image));
     case Aov::Uv:
       return paint(image, ids, uvColors(image));
+    case Aov::LightsTested:
+    case Aov::LightsUsed:
+      return paint(image, ids, countColors(image));
   }
   return {};
 }

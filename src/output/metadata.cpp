@@ -70,6 +70,8 @@ std::string_view pngText(PngCoding coding) {
       return "16 bit, millimetres; 0 is background, 65535 is that far or farther";
     case PngCoding::Fraction:
       return "16 bit, the parts of u and v after the point * 65535; blue is 0";
+    case PngCoding::Count:
+      return "16 bit; 65535 is that many or more";
     case PngCoding::IdBytes:
       return "8 bit RGBA, the id's bytes: R + 256 G + 65536 B + 16777216 A";
   }

@@ -31,6 +31,10 @@ uint16_t millimetres(float metres) {
   return static_cast<uint16_t>(std::max(1.0, std::floor(static_cast<double>(metres) * 1000 + 0.5)));
 }
 
+uint16_t countOf(float count) {
+  return count > 0 ? static_cast<uint16_t>(std::min(count, 65535.0f) + 0.5f) : 0;
+}
+
 std::vector<uint8_t> displayOf(const AovImage& color) {
   std::vector<uint8_t> rgba(color.values.size());
   forEach(rgba.size() / 4, [&](size_t i) {
@@ -109,6 +113,8 @@ std::vector<std::byte> encodePng(const AovImage& image) {
       return encode(image, codeEach(image, millimetres), PngLight::Data);
     case PngCoding::Fraction:
       return encode(image, fractionsOf(image), PngLight::Data);
+    case PngCoding::Count:
+      return encode(image, codeEach(image, countOf), PngLight::Data);
     case PngCoding::IdBytes:
       return encode(image, bytesOf(image), PngLight::Data);
   }

@@ -108,6 +108,20 @@ void readColor(output::FrameOutput& to, const vk::Buffer& from, size_t view, boo
   }
 }
 
+bool isLightCount(Aov aov) {
+  return aov == Aov::LightsTested || aov == Aov::LightsUsed;
+}
+
+void readLightCounts(output::FrameOutput& to, const vk::Buffer& from, size_t view) {
+  for (output::AovImage& image : to.aovs) {
+    if (!isLightCount(image.aov)) continue;
+    const size_t pixels = size_t{image.width} * image.height;
+    const float* counts = from.as<float>() + 4 * view * pixels + (image.aov == Aov::LightsTested ? 0 : 1);
+    image.values.resize(pixels);
+    forEachPixel(image, [&](size_t i) { image.values[i] = counts[4 * i]; });
+  }
+}
+
 DataReadback::DataReadback(graph::Graph& graph, const Layout& exact, const Gbuffer& gbuffer,
                            std::span<const Aov> aovs) {
   auto image = [&](std::string_view target) {

@@ -13,11 +13,15 @@ namespace latelight::render {
 // The linear picture: half floats, or (`sum`) the float sum of frames times `scale`.
 void readColor(output::FrameOutput& to, const vk::Buffer& from, size_t view, bool sum, float scale);
 
+// Aov::LightsTested and LightsUsed, which come from a frame that counts lights.
+bool isLightCount(output::Aov aov);
+void readLightCounts(output::FrameOutput& to, const vk::Buffer& from, size_t view);
+
 // Reads back the targets of the layout `exact` that the data outputs asked for need.
 class DataReadback {
  public:
   DataReadback(graph::Graph& graph, const Layout& exact, const Gbuffer& gbuffer, std::span<const output::Aov> aovs);
-  // Fills the AovImages of `to` except Color. `yUp`: into glTF's frame.
+  // Fills the AovImages of `to` except Color and the counts of lights. `yUp`: into glTF's frame.
   void read(const graph::Executor& done, const shared::View& view, size_t layer, const Settings& settings, bool yUp,
             output::FrameOutput& to) const;
 

@@ -1,5 +1,7 @@
 #include "render/renderer.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -95,7 +97,8 @@ std::vector<output::FrameOutput> Renderer::renderViews(std::span<const scene::Ca
   auto asked = [&](auto&& wanted) { return std::any_of(settings.aovs.begin(), settings.aovs.end(), wanted); };
   bool linear = asked([](output::Aov aov) { return aov == output::Aov::Color; });
   if (settings.display || linear) renderColor(job);
-  if (asked([](output::Aov aov) { return aov != output::Aov::Color; })) renderData(job);
+  if (asked(isLightCount)) renderLightCounts(job);
+  if (asked([](output::Aov aov) { return aov != output::Aov::Color && !isLightCount(aov); })) renderData(job);
   return std::move(job.pictures);
 }
 
@@ -133,13 +136,14 @@ FrameInputs Renderer::prepareViews(Job& job, glm::vec2 jitter) {
           .environmentBackground = hasEnvironment_ && s.background == Background::Environment};
 }
 
-Frame& Renderer::frameFor(const Settings& s) {
-  const std::string key = s.layout + "/" + s.normals + "/" + s.lighting + "/" + s.shading;
+Frame& Renderer::frameFor(const Settings& s, bool countLights) {
+  const std::string key = fmt::format("{}/{}/{}/{}/{}", s.layout, s.normals, s.lighting, s.shading, countLights);
   if (frame_ && key == frameKey_) return *frame_;
   FrameSetup setup{.layout = &findLayout(s.layout),
                    .normalEncoding = findNormalEncoding(s.normals).index,
                    .lighting = &findTechnique(s.lighting),
-                   .shading = indexByName(shadings(), s.shading, "shading model")};
+                   .shading = indexByName(shadings(), s.shading, "shading model"),
+                   .countLights = countLights};
   frame_ = std::make_unique<Frame>(device_, gpuScene_, setup);
   frameKey_ = key;
   return *frame_;
@@ -160,7 +164,7 @@ graph::Executor& Renderer::run(const graph::Graph& graph) {
 
 void Renderer::renderColor(Job& job) {
   const Settings& s = job.settings;
-  Frame& frame = frameFor(s);
+  Frame& frame = frameFor(s, false);
   const uint32_t n = s.superSampling;
   if (!post_) post_ = std::make_unique<PostPasses>(device_);
   vk::Image sum;
@@ -209,6 +213,16 @@ void Renderer::renderColor(Job& job) {
       if (linear) readColor(result, done.buffer(values), view, n > 1, composeSettings.scale);
     }
   }
+}
+
+// How many lights each pixel's centre cost: the picture's own frame, counting.
+void Renderer::renderLightCounts(Job& job) {
+  FrameInputs inputs = prepareViews(job, glm::vec2(0));
+  graph::Graph graph;
+  graph::BufferId counts = addReadback(graph, frameFor(job.settings, true).add(graph, inputs).lightCounts);
+  graph::Executor& done = run(graph);
+  for (size_t view = 0; view < job.pictures.size(); ++view)
+    readLightCounts(job.pictures[view], done.buffer(counts), view);
 }
 
 // Data leaves at pixel centres, in full precision, whatever layout and anti-aliasing the picture has: a geometry pass

@@ -36,10 +36,11 @@ class Renderer {
   struct Job;
   std::vector<output::FrameOutput> renderViews(std::span<const scene::Camera> cameras, const Settings& settings);
   void renderColor(Job& job);
+  void renderLightCounts(Job& job);
   void renderData(Job& job);
   graph::Executor& run(const graph::Graph& graph);
   FrameInputs prepareViews(Job& job, glm::vec2 jitter);
-  Frame& frameFor(const Settings& settings);
+  Frame& frameFor(const Settings& settings, bool countLights);
 
   vk::Device& device_;
   const scene::Scene& scene_;

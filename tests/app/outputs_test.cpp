@@ -309,7 +309,7 @@ TEST_F(Outputs, DebugPicturesAreOpaque) {
   EXPECT_THAT(values(depth, "A"), testing::Each(1.0));
   render({"builtin:boxes", "-o", "sheet.png", "--debug", "sheet"});
   const ReadImage sheet = read("sheet.png");
-  // Four columns; 13 AOVs need four rows of pictures and labels.
+  // Four columns; 15 AOVs need four rows of pictures and labels.
   EXPECT_GE(sheet.width, 4 * kWidth);
   EXPECT_GE(sheet.height, 4 * kHeight);
   EXPECT_THAT(values(sheet, "A"), testing::Each(1.0));

@@ -1,0 +1,80 @@
+// How many lights a pixel went through and how many of them it used, by every technique, on a square whose lights are
+// known.
+#include "render/lighting/technique.h"
+#include "render/support.h"
+
+namespace latelight::render::test {
+namespace {
+
+using output::Aov;
+
+constexpr uint32_t kSize = 64;
+
+// The square fills the middle half of the picture. World space: it lies in the plane y = 0 and faces -y.
+scene::Scene litSquare() {
+  scene::builtin::SceneBuilder builder("square");
+  scene::Scene& scene = builder.scene;
+  scene.meshes.push_back(squareMesh());
+  scene.materials.push_back(scene::builtin::plainMaterial("white", glm::vec3(1), 0, 0.5f));
+  builder.addInstance("square", builder.kRoot, 0, 0, glm::mat4(1));
+  const auto light = [&](uint32_t type, glm::vec3 position, glm::vec3 direction, std::optional<float> range) {
+    scene::Light& l = scene.lights.emplace_back();
+    l.type = type;
+    l.position = position;
+    l.direction = direction;
+    l.intensity = 2;
+    l.range = range;
+    l.innerCone = 0.1f;
+    l.outerCone = 0.2f;
+  };
+  light(shared::kLightDirectional, {}, {0, 1, 0}, {});       // on all of it
+  light(shared::kLightDirectional, {}, {0, -1, 0}, {});      // from behind: on none
+  light(shared::kLightPoint, {0, -0.3f, 0}, {}, 0.5f);       // within 0.4 m of the centre
+  light(shared::kLightSpot, {-0.5f, -1, 0}, {0, 1, 0}, {});  // within tan(0.2) m of (-0.5, 0)
+  light(shared::kLightPoint, {0, -50, 0}, {}, 10.0f);        // too far away
+  return std::move(scene);
+}
+
+TEST_F(RenderTest, LightsAreCountedByEveryTechnique) {
+  const scene::Scene scene = litSquare();
+  Renderer renderer(device(), scene, nullptr);
+  Settings settings = settingsOf(kSize, kSize, {Aov::LightsTested, Aov::LightsUsed});
+  for (const TechniqueInfo& technique : techniques()) {
+    SCOPED_TRACE(technique.name);
+    settings.lighting = technique.name;
+    const scene::Camera camera = frontCamera(2);
+    const output::FrameOutput frame = std::move(renderer.render({&camera, 1}, settings).front());
+    size_t inPoint = 0, inSpot = 0;
+    for (size_t pixel = 0; pixel < kSize * kSize; ++pixel) {
+      const float tested = imageOf(frame, Aov::LightsTested).values[pixel];
+      const float used = imageOf(frame, Aov::LightsUsed).values[pixel];
+      const double x = (static_cast<double>(pixel % kSize) + 0.5) / kSize * 4 - 2;
+      const double z = 2 - (static_cast<double>(pixel / kSize) + 0.5) / kSize * 4;
+      if (std::abs(x) > 1 || std::abs(z) > 1) {
+        ASSERT_EQ(tested, 0) << pixel;
+        ASSERT_EQ(used, 0) << pixel;
+        continue;
+      }
+      const double toPoint = std::hypot(x, z), toSpot = std::hypot(x + 0.5, z);
+      if (std::abs(toPoint - 0.4) < 0.01 || std::abs(toSpot - std::tan(0.2)) < 0.01) continue;  // edges
+      inPoint += toPoint < 0.4;
+      inSpot += toSpot < std::tan(0.2);
+      ASSERT_EQ(used, 1 + (toPoint < 0.4) + (toSpot < std::tan(0.2))) << pixel;
+      ASSERT_GE(tested, used) << pixel;
+      ASSERT_LE(tested, scene.lights.size()) << pixel;
+    }
+    EXPECT_GT(inPoint, 50u);
+    EXPECT_GT(inSpot, 10u);
+  }
+}
+
+// The reference leaves out nothing.
+TEST_F(RenderTest, FullscreenTestsEveryLight) {
+  const scene::Scene scene = litSquare();
+  const output::FrameOutput frame =
+      renderOne(device(), scene, frontCamera(1), settingsOf(kSize, kSize, {Aov::LightsTested}));
+  for (float tested : imageOf(frame, Aov::LightsTested).values) ASSERT_EQ(tested, scene.lights.size());
+}
+
+}  // namespace
+}  // namespace latelight::render::test
