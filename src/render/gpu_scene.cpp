@@ -8,6 +8,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "render/light_tree.h"
 #include "shared/light.h"
 
 namespace latelight::render {
@@ -66,7 +67,7 @@ shared::Light deviceLight(const scene::Light& light, float exposure) {
 
 }  // namespace
 
-GpuScene::GpuScene(vk::Device& device, const scene::Scene& scene) : device_(device), scene_(scene) {
+GpuScene::GpuScene(vk::Device& device, const scene::Scene& scene) : device_(device), sceneLights_(scene.lights) {
   vk::Uploader uploader(device);
   uploadMeshes(uploader, scene);
   uploadInstances(uploader, scene);
@@ -187,7 +188,7 @@ void GpuScene::uploadMaterialUniforms(vk::Uploader& uploader) {
 void GpuScene::setExposure(float exposure) {
   if (exposure == exposure_) return;
   exposure_ = exposure;
-  bool moves = std::any_of(scene_.lights.begin(), scene_.lights.end(), [](const scene::Light& light) {
+  bool moves = std::any_of(sceneLights_.begin(), sceneLights_.end(), [](const scene::Light& light) {
     return light.type != shared::kLightDirectional && !light.range;
   });
   if (!moves) return;
@@ -196,16 +197,28 @@ void GpuScene::setExposure(float exposure) {
   uploader.flush();
 }
 
+void GpuScene::setLights(std::vector<scene::Light> lights) {
+  sceneLights_ = std::move(lights);
+  vk::Uploader uploader(device_);
+  uploadLights(uploader);
+  uploader.flush();
+}
+
 void GpuScene::uploadLights(vk::Uploader& uploader) {
   std::vector<shared::Light> lights;
-  lights.reserve(scene_.lights.size());
-  for (const scene::Light& light : scene_.lights) {
+  lights.reserve(sceneLights_.size());
+  for (const scene::Light& light : sceneLights_) {
     shared::Light l = deviceLight(light, exposure_);
     if (l.reach > 0 && std::max({l.intensity.x, l.intensity.y, l.intensity.z}) > 0) lights.push_back(l);
   }
-  lightCount_ = static_cast<uint32_t>(lights.size());
-  lights_ = makeBuffer(device_, "lights", lights.size() * sizeof(shared::Light));
-  uploader.upload(lights_, bytesOf(lights));
+  const LightTree tree = buildLightTree(lights);
+  lightCount_ = static_cast<uint32_t>(tree.lights.size());
+  directionalLights_ = tree.directionalLights;
+  lightTreeLeaves_ = tree.firstLeaf;
+  lights_ = makeBuffer(device_, "lights", tree.lights.size() * sizeof(shared::Light));
+  lightTree_ = makeBuffer(device_, "light tree", tree.nodes.size() * sizeof(shared::LightBox));
+  uploader.upload(lights_, bytesOf(tree.lights));
+  uploader.upload(lightTree_, bytesOf(tree.nodes));
 }
 
 VkSampler GpuScene::sampler(const scene::Sampler& sampler) {
@@ -322,7 +335,10 @@ void GpuScene::describe(shared::FrameConstants& frame) const {
   frame.meshes = meshes_.address();
   frame.materials = materialBuffer_.address();
   frame.lights = lights_.address();
+  frame.lightTree = lightTree_.address();
   frame.lightCount = lightCount_;
+  frame.directionalLights = directionalLights_;
+  frame.lightTreeLeaves = lightTreeLeaves_;
 }
 
 }  // namespace latelight::render

@@ -22,7 +22,7 @@ struct Draw {
 
 class GpuScene {
  public:
-  // Uploads all of it. The scene must outlive this.
+  // Uploads all of it.
   GpuScene(vk::Device& device, const scene::Scene& scene);
 
   const std::vector<Draw>& draws() const { return draws_; }
@@ -37,6 +37,9 @@ class GpuScene {
 
   // Lights without a range end where they no longer show, and exposure (a linear factor, 1 at first) moves that place.
   void setExposure(float exposure);
+
+  // Other lights than the scene's.
+  void setLights(std::vector<scene::Light> lights);
 
   // Fills the addresses and counts that belong to the scene.
   void describe(shared::FrameConstants& frame) const;
@@ -56,9 +59,9 @@ class GpuScene {
   };
 
   vk::Device& device_;
-  const scene::Scene& scene_;
+  std::vector<scene::Light> sceneLights_;
   vk::Buffer positions_, attributes_, extras_, indices_;
-  vk::Buffer meshes_, instances_, materialBuffer_, lights_;
+  vk::Buffer meshes_, instances_, materialBuffer_, lights_, lightTree_;
   vk::Buffer materialUniforms_;  // the same materials, each at a multiple of uniformStride_
   VkDeviceSize uniformStride_ = 0;
   std::vector<uint32_t> firstIndices_;  // a mesh's first index in indices_
@@ -71,7 +74,7 @@ class GpuScene {
   std::vector<VkDescriptorSet> materialSets_;
   std::vector<Draw> draws_;
   std::vector<InstanceBounds> bounds_;
-  uint32_t lightCount_ = 0;
+  uint32_t lightCount_ = 0, directionalLights_ = 0, lightTreeLeaves_ = 0;
   float exposure_ = 1;
 };
 

@@ -93,6 +93,17 @@ struct Light {  // KHR_lights_punctual
   float spotOffset;
 };
 
+// Above the local lights (point and spot) stands a tree of boxes, a heap without pointers: the children of node h are
+// nodes kLightTreeWidth * (h + 1) + i, those of the root, which has no box, nodes i. From node FrameConstants::lightTreeLeaves on they
+// are leaves: the l-th of them stands above the local lights kLightTreeWidth * l + i. Places without a node hold an empty box.
+SH_CONST uint kLightTreeBits = 5u;  // at most 5
+SH_CONST uint kLightTreeWidth = 1u << kLightTreeBits;
+
+struct LightBox {  // 24 bytes: where lights reach, world space
+  vec3 low;
+  vec3 high;
+};
+
 // --- frame ----------------------------------------------------------------------------------------------------------
 
 struct View {
@@ -108,9 +119,12 @@ struct FrameConstants {
   uint64_t instances;  // Instance[]
   uint64_t meshes;     // Mesh[]
   uint64_t materials;  // Material[]
-  uint64_t lights;     // Light[lightCount]
+  uint64_t lights;     // Light[lightCount]: first the directional ones, then the local ones as the tree has them
+  uint64_t lightTree;  // LightBox[]
   uint viewCount;
   uint lightCount;
+  uint directionalLights;
+  uint lightTreeLeaves;        // the first leaf's number
   float exposure;              // linear factor
   float environmentIntensity;  // 0: no environment
   float environmentCos;        // rotation about Z, see shared/environment.h
@@ -128,6 +142,7 @@ static_assert(sizeof(latelight::shared::Instance) == 64);
 static_assert(sizeof(latelight::shared::TextureTransform) == 28);
 static_assert(sizeof(latelight::shared::Material) == 76 + 7 * 28);
 static_assert(sizeof(latelight::shared::Light) == 52);
+static_assert(sizeof(latelight::shared::LightBox) == 24);
 static_assert(sizeof(latelight::shared::View) == 144);
 #endif
 

@@ -15,6 +15,7 @@ void main() {
   FrameConstants f = frame.v;
   Material material = frameMaterial(f, 0u);
   float sum = frameView(f, 0u).size.x + frameInstance(f, 0u).objectToWorld[0].x + material.roughness +
-              material.transforms[0].row0.x + frameLight(f, 0u).reach + float(frameMesh(f, 0u).vertexCount);
+              material.transforms[0].row0.x + frameLight(f, 0u).reach + frameLightBox(f, 0u).low.x +
+              float(frameMesh(f, 0u).vertexCount);
   SinkRef(f.views).v[0] = sum + attributes.v[0].uv0.x + extras.v[0].uv1.x;
 }

@@ -116,6 +116,7 @@ shared::Surface ReadGbuffer::surface(size_t pixel) const {
 
 GbufferReader::GbufferReader(vk::Device& device, const scene::Scene& scene, const scene::Environment* environment)
     : device_(device),
+      lights_(scene.lights),
       scene_(device, scene),
       environment_(device, environment),
       executor_(device),
@@ -147,12 +148,12 @@ ReadGbuffer GbufferReader::read(const FrameSetup& setup, const scene::Camera& ca
                      .width = width,
                      .height = height};
   const vk::Buffer views = upload("views", &result.view, sizeof(result.view));
+  const auto first = lights_.begin() + light.firstLight;
+  scene_.setLights({first, first + light.lightCount});
   shared::FrameConstants frame{};
   scene_.describe(frame);
   frame.views = views.address();
   frame.viewCount = 1;
-  frame.lights += light.firstLight * sizeof(shared::Light);
-  frame.lightCount = light.lightCount;
   frame.exposure = light.exposure;
   frame.environmentIntensity = light.environmentIntensity;
   frame.environmentCos = std::cos(light.environmentRotation);

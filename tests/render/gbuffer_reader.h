@@ -53,6 +53,7 @@ class GbufferReader {
   const LightingTechnique& lighting(const FrameSetup& setup);
 
   vk::Device& device_;
+  std::vector<scene::Light> lights_;  // the scene's
   GpuScene scene_;
   GpuEnvironment environment_;
   graph::Executor executor_;

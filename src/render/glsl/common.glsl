@@ -11,6 +11,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Ins
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer MeshRef { Mesh v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer MaterialRef { Material v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LightRef { Light v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LightTreeRef { LightBox v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer PositionRef { vec3 v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer AttributesRef { VertexAttributes v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ExtraRef { VertexExtra v[]; };
@@ -21,3 +22,4 @@ Instance frameInstance(FrameConstants frame, uint index) { return InstanceRef(fr
 Mesh frameMesh(FrameConstants frame, uint index) { return MeshRef(frame.meshes).v[index]; }
 Material frameMaterial(FrameConstants frame, uint index) { return MaterialRef(frame.materials).v[index]; }
 Light frameLight(FrameConstants frame, uint index) { return LightRef(frame.lights).v[index]; }
+LightBox frameLightBox(FrameConstants frame, uint node) { return LightTreeRef(frame.lightTree).v[node]; }

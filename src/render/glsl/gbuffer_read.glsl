@@ -1,5 +1,7 @@
 // Reading the G-buffer of the layout this shader is compiled for: set 0, bindings 0... in the order of the layout's
 // targets, then depth, the light accumulation target, and the counts of lights. All are arrays with a layer a view.
+#ifndef LATELIGHT_GBUFFER_READ_GLSL
+#define LATELIGHT_GBUFFER_READ_GLSL
 #include "gbuffer_layout.h"
 #include "render/glsl/setup.glsl"
 
@@ -29,3 +31,4 @@ Surface readSurface(View view, ivec3 pixel, float depth, float ao) {
   GBUFFER_TARGETS(FETCH_TARGET)
   return unpackGbuffer(texel, context);
 }
+#endif

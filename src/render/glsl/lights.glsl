@@ -3,10 +3,7 @@
 // Lanes of a subgroup first test one light each against the box around all their surfaces, then all shade the lights
 // that passed, each handed over by a broadcast. So a light costs a load and a test once a subgroup, not once a pixel:
 // on lavapipe a load by address is a loop over lanes, and both sides of a branch always run.
-#extension GL_KHR_shader_subgroup_basic : require
-#extension GL_KHR_shader_subgroup_ballot : require
-#extension GL_KHR_shader_subgroup_arithmetic : require
-
+#include "render/glsl/lanes.glsl"
 #include "render/glsl/setup.glsl"
 #include "shared/shade.h"
 
@@ -40,28 +37,48 @@ bool reaches(Light l, vec3 low, vec3 high) {
   return l.type == kLightDirectional || dot(d, d) < l.reach * l.reach;
 }
 
+// What the lanes of a subgroup that shade together have in common, and each lane's own surface.
+struct Shading {
+  Surface s;
+  vec3 toEye;
+  bool lit;        // this lane takes part
+  vec3 low, high;  // around the surfaces of those that do
+  vec3 radiance;   // what lights have sent to the eye so far
+};
+
+Shading startShading(Surface s, vec3 toEye, bool lit) {
+  const float kFar = 3.0e38;
+  return Shading(s, toEye, lit, subgroupMin(lit ? s.position : vec3(kFar)), subgroupMax(lit ? s.position : vec3(-kFar)),
+                 vec3(0.0));
+}
+
+// Each lane brings a light; those that hit are shaded by all lanes, in the order of the lanes.
+void shadeDealt(inout Shading shading, Light mine, bool hit) {
+  uvec4 hits = subgroupBallot(hit);
+  while (any(notEqual(hits, uvec4(0u)))) {
+    uint lane = subgroupBallotFindLSB(hits);
+    hits[lane >> 5u] &= ~(1u << (lane & 31u));
+    Light light = broadcastLight(mine, lane);
+    vec3 radiance = shadeOneLight(light, shading.s, shading.toEye);
+    if (shading.lit) shading.radiance += radiance;
+  }
+}
+
+// The lights [first, end) of the frame.
+void shadeRange(inout Shading shading, FrameConstants frame, uint first, uint end) {
+  for (; first < end; first += lanesPresent) {
+    uint index = first + laneRank;
+    Light mine = frameLight(frame, min(index, end - 1u));
+    shadeDealt(shading, mine, index < end && reaches(mine, shading.low, shading.high));
+  }
+}
+
 // Radiance that all of the frame's lights send from `s` to the eye. Every invocation of the subgroup must call it;
 // `lit` is false for those without a surface.
 vec3 shadeAllLights(FrameConstants frame, Surface s, vec3 toEye, bool lit) {
   lightsTested += float(frame.lightCount);
-  const float kFar = 3.0e38;
-  vec3 low = subgroupMin(lit ? s.position : vec3(kFar));
-  vec3 high = subgroupMax(lit ? s.position : vec3(-kFar));
-  vec3 radiance = vec3(0.0);
-  // Lights are dealt to the lanes that are there: a subgroup need not be full.
-  uvec4 present = subgroupBallot(true);
-  uint lanes = subgroupBallotBitCount(present);
-  uint rank = subgroupBallotExclusiveBitCount(present);
-  for (uint first = 0u; first < frame.lightCount; first += lanes) {
-    uint index = first + rank;
-    Light mine = frameLight(frame, min(index, frame.lightCount - 1u));
-    uvec4 hits = subgroupBallot(index < frame.lightCount && reaches(mine, low, high));
-    while (any(notEqual(hits, uvec4(0u)))) {
-      uint lane = subgroupBallotFindLSB(hits);
-      hits[lane >> 5u] &= ~(1u << (lane & 31u));
-      Light light = broadcastLight(mine, lane);
-      radiance += shadeOneLight(light, s, toEye);
-    }
-  }
-  return radiance;
+  countLanes();
+  Shading shading = startShading(s, toEye, lit);
+  shadeRange(shading, frame, 0u, frame.lightCount);
+  return shading.radiance;
 }

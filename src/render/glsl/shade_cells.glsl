@@ -1,0 +1,53 @@
+// Shading from the lists of light_lists.comp.
+#include "render/glsl/light_cells.glsl"
+#include "render/glsl/light_tree.glsl"
+#include "render/glsl/lights.glsl"
+
+struct CellsPush {
+  uint64_t frame;    // FrameConstants
+  uint64_t cells;    // CellsRef
+  uint64_t entries;  // EntriesRef
+  uvec2 tiles;       // of a view
+};
+
+struct CellLights {
+  CellsRef cells;      // of this workgroup's tile
+  EntriesRef entries;  // of the same
+};
+
+CellLights cellsOfTile(CellsPush push) {
+  uint64_t tile = tileOf(gl_WorkGroupID, push.tiles);
+  return CellLights(CellsRef(push.cells + tile * (8u * (kCellsATile + 1u))),
+                    EntriesRef(push.entries + tile * (4u * kEntriesATile)));
+}
+
+// The list [first, end) of entries.
+void shadeList(inout Shading shading, FrameConstants frame, EntriesRef entries, uint first, uint end) {
+  for (; first < end; first += lanesPresent) {
+    uint index = first + laneRank;
+    Light mine = frameLight(frame, entries.v[min(index, end - 1u)]);
+    shadeDealt(shading, mine, index < end && reaches(mine, shading.low, shading.high));
+  }
+}
+
+// Where a list did not fit: all local lights that the tree has near the surfaces. An empty walk where `on` is false.
+void shadeTree(inout Shading shading, FrameConstants frame, bool on) {
+  TreeWalk walk = startWalk(frame, shading.low, shading.high, on);
+  uint leaf;
+  while (nextLeaf(walk, frame, leaf)) {
+    uint end = min(leaf + kLightTreeWidth, frame.lightCount);
+    if (shading.lit) lightsTested += float(end - leaf);
+    shadeRange(shading, frame, leaf, end);
+  }
+}
+
+// What all lights send to the lanes that take part, whose surfaces lie in one cell of the tile.
+void shadeCell(inout Shading shading, FrameConstants frame, CellLights lights, uint cell) {
+  uvec2 list = lights.cells.v[1u + cell];
+  bool fits = list.y != kOverflow;
+  uint count = fits ? list.y : 0u;
+  if (shading.lit) lightsTested += float(frame.directionalLights + count);
+  shadeRange(shading, frame, 0u, frame.directionalLights);
+  shadeList(shading, frame, lights.entries, list.x, list.x + count);
+  shadeTree(shading, frame, !fits);
+}

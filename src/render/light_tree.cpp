@@ -1,0 +1,179 @@
+#include "render/light_tree.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "base/parallel.h"
+
+namespace latelight::render {
+
+namespace {
+
+using glm::vec3;
+using shared::kLightTreeWidth;
+using shared::Light;
+using shared::LightBox;
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr LightBox kEmpty{vec3(kInfinity), vec3(-kInfinity)};
+constexpr size_t kGrain = 4096;
+
+LightBox join(const LightBox& a, const LightBox& b) {
+  return {glm::min(a.low, b.low), glm::max(a.high, b.high)};
+}
+
+// --- order ----------------------------------------------------------------------------------------------------------
+
+constexpr uint32_t kAxisBits = 19;
+
+// Bits 0, 3, 6, ... from the lowest 21 of x.
+uint64_t spread(uint64_t x) {
+  x = (x | x << 32) & 0x001f00000000ffffu;
+  x = (x | x << 16) & 0x001f0000ff0000ffu;
+  x = (x | x << 8) & 0x100f00f00f00f00fu;
+  x = (x | x << 4) & 0x10c30c30c30c30c3u;
+  return (x | x << 2) & 0x1249249249249249u;
+}
+
+// Lights of alike reach, each class four times the next, largest first: one large light among small ones would make
+// every box above it large. Metres, whatever the scene, so that one far light more doesn't reorder the others.
+uint64_t reachClass(float reach) {
+  return static_cast<uint64_t>(15 - (std::clamp(std::ilogb(reach), -12, 19) + 12) / 2);
+}
+
+struct Key {
+  uint64_t code;  // reach class, then place along a Morton curve
+  uint32_t light;
+  bool operator<(const Key& other) const {
+    return code != other.code ? code < other.code : light < other.light;
+  }
+};
+
+struct Curve {  // through a box
+  vec3 low, scale;
+
+  explicit Curve(const LightBox& box) : low(box.low) {
+    for (int i = 0; i < 3; ++i) {
+      const float extent = box.high[i] - box.low[i];
+      scale[i] = extent > 0 && extent < kInfinity ? static_cast<float>((1u << kAxisBits) - 1u) / extent : 0.0f;
+    }
+  }
+  uint64_t at(vec3 position) const {
+    uint64_t code = 0;
+    for (int i = 0; i < 3; ++i) {
+      const float cell = std::clamp((position[i] - low[i]) * scale[i], 0.0f, static_cast<float>((1u << kAxisBits) - 1u));
+      code |= spread(static_cast<uint64_t>(cell)) << i;
+    }
+    return code;
+  }
+};
+
+// Chunks sorted, then merged two by two. No two keys are equal, so that there is one result.
+void sortOnAllCores(std::vector<Key>& keys) {
+  constexpr size_t kChunk = 1 << 15;
+  const auto place = [&](size_t chunk, size_t size) {
+    return keys.begin() + static_cast<std::ptrdiff_t>(std::min(chunk * size, keys.size()));
+  };
+  parallelFor((keys.size() + kChunk - 1) / kChunk, 1, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) std::sort(place(i, kChunk), place(i + 1, kChunk));
+  });
+  for (size_t size = kChunk; size < keys.size(); size *= 2)
+    parallelFor((keys.size() + 2 * size - 1) / (2 * size), 1, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i)
+        std::inplace_merge(place(2 * i, size), place(2 * i + 1, size), place(2 * i + 2, size));
+    });
+}
+
+std::vector<Key> orderOf(const std::vector<Light>& lights) {
+  LightBox around = kEmpty;
+  std::vector<Key> keys;
+  for (uint32_t i = 0; i < lights.size(); ++i) {
+    if (lights[i].type == shared::kLightDirectional) continue;
+    around = join(around, {lights[i].position, lights[i].position});
+    keys.push_back({0, i});
+  }
+  const Curve curve(around);
+  parallelFor(keys.size(), kGrain, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      const Light& light = lights[keys[i].light];
+      keys[i].code = reachClass(light.reach) << (3 * kAxisBits) | curve.at(light.position);
+    }
+  });
+  sortOnAllCores(keys);
+  return keys;
+}
+
+// --- boxes ----------------------------------------------------------------------------------------------------------
+
+// boxes[i] around `inner` boxes kLightTreeWidth * i + ...
+template <typename Inner>
+void boundGroups(LightBox* boxes, size_t groups, size_t count, const Inner& inner) {
+  parallelFor(groups, kGrain / kLightTreeWidth, [&](size_t begin, size_t end) {
+    for (size_t group = begin; group < end; ++group) {
+      LightBox box = kEmpty;
+      for (size_t i = group * kLightTreeWidth; i < std::min(count, (group + 1) * kLightTreeWidth); ++i)
+        box = join(box, inner(i));
+      boxes[group] = box;
+    }
+  });
+}
+
+size_t groupsOf(size_t count) {
+  return (count + kLightTreeWidth - 1) / kLightTreeWidth;
+}
+
+void buildNodes(LightTree& tree) {
+  const size_t local = tree.lights.size() - tree.directionalLights, leaves = groupsOf(local);
+  size_t firstOfLevel = 0;
+  for (size_t room = kLightTreeWidth; room < leaves; room *= kLightTreeWidth)
+    firstOfLevel = kLightTreeWidth * (firstOfLevel + 1);
+  tree.firstLeaf = static_cast<uint32_t>(firstOfLevel);
+  // Whole groups of siblings, and the root's even where there is no light.
+  tree.nodes.assign(firstOfLevel + kLightTreeWidth * std::max<size_t>(groupsOf(leaves), 1), kEmpty);
+  const Light* lights = tree.lights.data() + tree.directionalLights;
+  boundGroups(&tree.nodes[firstOfLevel], leaves, local, [&](size_t i) { return lightBox(lights[i]); });
+  for (size_t count = leaves; firstOfLevel > 0; count = groupsOf(count)) {
+    const LightBox* below = &tree.nodes[firstOfLevel];
+    firstOfLevel = firstOfLevel / kLightTreeWidth - 1;
+    boundGroups(&tree.nodes[firstOfLevel], groupsOf(count), count, [&](size_t i) { return below[i]; });
+  }
+}
+
+}  // namespace
+
+LightBox lightBox(const Light& light) {
+  std::array<vec3, 2> extent{vec3(1), vec3(1)};  // towards + and -, in reaches
+  if (light.type == shared::kLightSpot) {
+    const double outer = std::acos(std::clamp(-double{light.spotOffset} / light.spotScale, -1.0, 1.0));
+    for (int side = 0; side < 2; ++side)
+      for (int i = 0; i < 3; ++i) {
+        // The direction in the cone that comes nearest to the axis; if none comes near, the apex is farthest out.
+        const double axis = std::acos(std::clamp(double{side == 0 ? light.direction[i] : -light.direction[i]}, -1.0, 1.0));
+        extent[side][i] = axis <= outer ? 1.0f : static_cast<float>(std::max(std::cos(axis - outer), 0.0));
+      }
+  }
+  // Rounding, in what the device computes too: of the direction's length, of the reach, and of positions far out.
+  const vec3 slack = 5e-4f * light.reach + glm::abs(light.position) * 1e-6f;
+  return {light.position - extent[1] * light.reach - slack, light.position + extent[0] * light.reach + slack};
+}
+
+LightTree buildLightTree(const std::vector<Light>& lights) {
+  LightTree tree;
+  tree.lights.reserve(lights.size());
+  for (const Light& light : lights)
+    if (light.type == shared::kLightDirectional) tree.lights.push_back(light);
+  tree.directionalLights = static_cast<uint32_t>(tree.lights.size());
+  const std::vector<Key> order = orderOf(lights);
+  tree.lights.resize(lights.size());
+  parallelFor(order.size(), kGrain, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) tree.lights[tree.directionalLights + i] = lights[order[i].light];
+  });
+  buildNodes(tree);
+  return tree;
+}
+
+}  // namespace latelight::render

@@ -1,0 +1,189 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Lists of the lights that may reach the samples of each cell of a picture. A subgroup makes those of a tile: it bounds the
+// cell's samples (explicit bounds: Olsson, Billeter and Assarsson 2012, Clustered Deferred and Forward Shading, HPG) and
+// walks the light tree with that box. A tile that is one cell has a mask of the slices that hold samples, and drops lights
+// that reach none of those (2.5D culling: Harada 2012, A 2.5D Culling for Forward+, SIGGRAPH Asia technical briefs).
+//
+// A tile's entries are its own, so that no list depends on which was made first. One that is longer than the room left
+// is marked, and the lighting shader walks the tree in its place.
+#include "render/glsl/common.glsl"
+#include "render/glsl/light_cells.glsl"
+#include "render/glsl/light_tree.glsl"
+
+const uint kTilesAGroup = 8u;
+layout(local_size_x = 256) in;
+layout(set = 0, binding = 0) uniform sampler2DArray gbufferDepth;
+
+struct ListsPush {
+  uint64_t frame;    // FrameConstants
+  uint64_t cells;    // CellsRef
+  uint64_t entries;  // EntriesRef
+  uvec2 tiles;       // of a view
+};
+layout(push_constant, scalar) uniform Push { ListsPush push; };
+
+struct Tile {
+  View view;
+  uint layer;
+  uvec2 corner;  // its first pixel
+  uint index;    // among those of all views
+  uvec2 slices;
+  uint occupied;  // slices that hold samples
+  uint used;      // entries
+};
+
+float depthAt(Tile tile, uvec2 pixel) {
+  if (any(greaterThanEqual(vec2(pixel), tile.view.size))) return 0.0;
+  return texelFetch(gbufferDepth, ivec3(pixel, tile.layer), 0).r;
+}
+
+uvec2 tilePixel(Tile tile, uint first) { return tile.corner + pixelOfTile(min(first + laneRank, 255u)); }
+
+// --- slices ---------------------------------------------------------------------------------------------------------
+
+// The least bits a slice: in a perspective view slices are at least 1/8 to 1/16 of their distance deep, in an
+// orthographic one as deep as a tile is wide. Thinner ones would split tiles without dropping lights.
+uint leastSliceBits(View view) {
+  Projection p = view.projection;
+  if (p.kind == kPerspective) return 20u;
+  float width = 2.0 * float(kTileSize) / (p.H * view.size.x);
+  return uint(clamp(log2(abs(p.A) * width * 16777216.0), 0.0, 24.0));
+}
+
+// False where the tile has no sample.
+bool findSlices(inout Tile tile) {
+  uint nearest = 0u, farthest = 0xffffffffu;
+  for (uint first = 0u; first < 256u; first += lanesPresent) {
+    float depth = depthAt(tile, tilePixel(tile, first));
+    uint key = depthKey(tile.view.projection, depth);
+    if (depth != 0.0) nearest = max(nearest, key);
+    if (depth != 0.0) farthest = min(farthest, key);
+  }
+  nearest = subgroupMax(nearest);
+  farthest = subgroupMin(farthest);
+  if (farthest > nearest) return false;
+  // The fewest bits that leave less than kSlices slices.
+  uint bits = uint(max(findMSB(nearest - farthest) - 4, 0));
+  tile.slices = uvec2(nearest, max(bits, leastSliceBits(tile.view)));
+  uint occupied = 0u;
+  for (uint first = 0u; first < 256u; first += lanesPresent) {
+    float depth = depthAt(tile, tilePixel(tile, first));
+    if (depth != 0.0) occupied |= 1u << sliceOf(depthKey(tile.view.projection, depth), tile.slices);
+  }
+  tile.occupied = subgroupOr(occupied);
+  return true;
+}
+
+// --- what reaches a cell --------------------------------------------------------------------------------------------
+
+struct Cell {
+  uint slices;  // those it is made of
+  vec3 low, high;
+};
+
+// Around the cell's samples in world space. Layouts that store positions hold them as they were interpolated, a few
+// millionths of the distance from what depth says.
+Cell cellOf(Tile tile, uint slices) {
+  vec3 low = vec3(3.0e38), high = vec3(-3.0e38);
+  for (uint first = 0u; first < 256u; first += lanesPresent) {
+    uvec2 pixel = tilePixel(tile, first);
+    float depth = depthAt(tile, pixel);
+    uint slice = sliceOf(depthKey(tile.view.projection, depth), tile.slices);
+    if (depth == 0.0 || (slices >> slice & 1u) == 0u) continue;
+    Projection p = tile.view.projection;
+    vec3 v = viewPositionAtDepth(p, pixelToNdc(vec2(pixel) + 0.5, tile.view.size), viewDepth(p, depth));
+    vec3 position = tile.view.viewToWorld * vec4(v, 1.0);
+    float slack = 1e-4 * (abs(v.x) + abs(v.y) + abs(v.z));
+    low = min(low, position - slack);
+    high = max(high, position + slack);
+  }
+  return Cell(slices, subgroupMin(low), subgroupMax(high));
+}
+
+// The sphere around a box against a spot's cone (Wronski 2017, Cull that cone!).
+bool coneReaches(Light l, vec3 low, vec3 high) {
+  vec3 to = 0.5 * (low + high) - l.position;
+  float radius = 0.5005 * length(high - low) + 1e-5 * length(to);
+  float along = dot(to, l.direction);
+  float cosine = clamp(-l.spotOffset / l.spotScale, -1.0, 1.0);
+  float sine = sqrt(1.0 - cosine * cosine);
+  return cosine * sqrt(max(dot(to, to) - along * along, 0.0)) - along * sine <= radius;
+}
+
+// The key of a view depth, for comparing with those of samples.
+uint keyAt(Projection p, float depth) {
+  if (p.kind == kOrthographic) return uint(clamp((p.A * depth + p.B) * 16777216.0, 0.0, 33554432.0));
+  return depth <= 0.0 ? 0x7f7fffffu : floatBitsToUint(abs(p.B) / depth);
+}
+
+// The slices of the tile that a light reaches.
+uint slicesReached(Tile tile, Light l) {
+  float depth = (tile.view.worldToView * vec4(l.position, 1.0)).y;
+  float reach = l.reach + 1e-4 * (l.reach + abs(depth));
+  uint a = keyAt(tile.view.projection, depth - reach), b = keyAt(tile.view.projection, depth + reach);
+  uint near = min(max(a, b), tile.slices.x), far = min(a, b);
+  if (far > tile.slices.x) return 0u;
+  return (0xffffffffu << sliceOf(near, tile.slices)) & (0xffffffffu >> (31u - sliceOf(far, tile.slices)));
+}
+
+bool listed(Tile tile, Cell cell, Light l) {
+  vec3 d = max(max(cell.low - l.position, l.position - cell.high), vec3(0.0));
+  bool hit = dot(d, d) < l.reach * l.reach;
+  if (l.type == kLightSpot) hit = hit && coneReaches(l, cell.low, cell.high);
+  if (kCellsATile == 1u) hit = hit && (slicesReached(tile, l) & cell.slices) != 0u;
+  return hit;
+}
+
+// --- lists ----------------------------------------------------------------------------------------------------------
+
+// Appends the lights that reach the cell to the tile's entries; returns how many there are, room or not.
+uint appendList(Tile tile, Cell cell, FrameConstants frame) {
+  EntriesRef entries = EntriesRef(push.entries + uint64_t(tile.index) * (4u * kEntriesATile));
+  uint count = 0u, leaf;
+  TreeWalk walk = startWalk(frame, cell.low, cell.high, true);
+  while (nextLeaf(walk, frame, leaf)) {
+    for (uint first = 0u; first < kLightTreeWidth; first += lanesPresent) {
+      uint light = leaf + first + laneRank;
+      Light l = frameLight(frame, min(light, frame.lightCount - 1u));
+      bool hit = first + laneRank < kLightTreeWidth && light < frame.lightCount && listed(tile, cell, l);
+      uvec4 hits = subgroupBallot(hit);
+      uint place = tile.used + count + subgroupBallotExclusiveBitCount(hits);
+      if (hit && place < kEntriesATile) entries.v[place] = light;
+      count += subgroupBallotBitCount(hits);
+    }
+  }
+  return count;
+}
+
+void listTile(inout Tile tile, FrameConstants frame) {
+  CellsRef cells = CellsRef(push.cells + uint64_t(tile.index) * (8u * (kCellsATile + 1u)));
+  if (subgroupElect()) cells.v[0] = tile.slices;
+  uint pending = kCellsATile == 1u ? 1u : tile.occupied;
+  while (pending != 0u) {
+    uint slice = uint(findLSB(pending));
+    pending &= pending - 1u;
+    Cell cell = cellOf(tile, kCellsATile == 1u ? tile.occupied : 1u << slice);
+    uint count = appendList(tile, cell, frame);
+    bool fits = count <= kEntriesATile - tile.used;
+    if (subgroupElect()) cells.v[1u + slice] = uvec2(tile.used, fits ? count : kOverflow);
+    if (fits) tile.used += count;
+  }
+}
+
+void main() {
+  countLanes();
+  FrameConstants frame = FrameRef(push.frame).v;
+  for (uint i = gl_SubgroupID; i < kTilesAGroup; i += gl_NumSubgroups) {
+    uint inView = gl_WorkGroupID.x * kTilesAGroup + i;
+    if (inView >= push.tiles.x * push.tiles.y) break;
+    Tile tile;
+    tile.layer = gl_WorkGroupID.z;
+    tile.view = frameView(frame, tile.layer);
+    uvec2 place = uvec2(inView % push.tiles.x, inView / push.tiles.x);
+    tile.corner = place * kTileSize;
+    tile.index = tileOf(uvec3(place, tile.layer), push.tiles);
+    tile.used = 0u;
+    if (findSlices(tile)) listTile(tile, frame);
+  }
+}
