@@ -1,10 +1,13 @@
 // latelight list: what can be chosen, from the registries.
 #include <fmt/core.h>
 
-#include <map>
+#include <algorithm>
 #include <nlohmann/json.hpp>
+#include <tuple>
+#include <utility>
 
 #include "app/commands.h"
+#include "app/parse.h"
 #include "output/aov.h"
 #include "render/gbuffer/layout.h"
 #include "render/lighting/technique.h"
@@ -18,23 +21,53 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json listLayouts() {
+// What a picture is that costs are given for.
+struct PictureSize {
+  uint32_t width = 1280, height = 720, samples = 1;
+  uint64_t count() const { return uint64_t{width} * height * samples; }
+};
+
+Json describeTarget(const char* name, VkFormat format, const char* channels) {
+  return {
+      {"name", name}, {"format", vk::formatName(format)}, {"bytes", vk::texelBytes(format)}, {"channels", channels}};
+}
+
+// One that every layout has beside its own, and how the design that the layout follows had it.
+Json describeSharedTarget(const char* name, VkFormat format, VkFormat original, const char* channels) {
+  Json target = describeTarget(name, format, channels);
+  if (original != format) target["originalFormat"] = vk::formatName(original);
+  if (original != format) target["originalBytes"] = vk::texelBytes(original);
+  return target;
+}
+
+Json describeBytes(const render::LayoutBytes& bytes, const PictureSize& picture) {
+  return {{"targets", bytes.targets},
+          {"depth", bytes.depth},
+          {"light", bytes.light},
+          {"total", bytes.total()},
+          {"picture", bytes.total() * picture.count()}};
+}
+
+Json listLayouts(const PictureSize& picture) {
   Json rows = Json::array();
   const uint32_t octahedral = render::findNormalEncoding("octahedral").index;
   for (const render::Layout& layout : render::layouts()) {
     Json targets = Json::array();
     for (size_t i = 0; i < layout.targets.size(); ++i)
-      targets.push_back({{"name", layout.targets[i].name},
-                         {"format", vk::formatName(layout.format(i, octahedral))},
-                         {"channels", layout.targets[i].channels}});
-    targets.push_back(
-        {{"name", "depth"}, {"format", vk::formatName(render::kDepthFormat)}, {"channels", "reversed depth"}});
-    uint32_t bytes = layout.bytesPerPixel(octahedral);
+      targets.push_back(
+          describeTarget(layout.targets[i].name, layout.format(i, octahedral), layout.targets[i].channels));
+    targets.push_back(describeSharedTarget("depth", render::kDepthFormat, layout.originalDepth, "r: reversed depth"));
+    targets.push_back(describeSharedTarget("light", render::kLightFormat, layout.originalLight,
+                                           "rgb: emitted, then lit radiance; a: ambient occlusion, then coverage"));
     rows.push_back({{"name", layout.name},
                     {"description", layout.description},
-                    {"bytesPerPixel", bytes},
-                    {"mebibytesAt1280x720", bytes * 1280.0 * 720.0 / (1 << 20)},
-                    {"targets", targets}});
+                    {"targets", targets},
+                    {"normals", layout.fixedNormal ? layout.fixedNormal : "as --normals says"},
+                    {"followsNormals", layout.fixedNormal == nullptr},
+                    {"size", fmt::format("{}x{}", picture.width, picture.height)},
+                    {"samples", picture.samples},
+                    {"bytes", describeBytes(layout.bytesPerPixel(octahedral), picture)},
+                    {"originalBytes", describeBytes(layout.originalBytesPerPixel(octahedral), picture)}});
   }
   return rows;
 }
@@ -82,20 +115,6 @@ Json listScenes() {
   return rows;
 }
 
-struct Topic {
-  const char* name;
-  Json (*rows)();
-};
-const Topic kTopics[] = {
-    {"layouts", listLayouts},
-    {"normals", listNormals},
-    {"lighting", listLighting},
-    {"shading", [] { return listOptions(render::shadings()); }},
-    {"tonemaps", [] { return listOptions(render::tonemaps()); }},
-    {"aovs", listAovs},
-    {"scenes", listScenes},
-};
-
 std::string text(const Json& value) {
   if (value.is_string()) return value.get<std::string>();
   if (value.is_number_float()) return fmt::format("{:.1f}", value.get<double>());
@@ -103,51 +122,102 @@ std::string text(const Json& value) {
 }
 
 // Name and description on one line, every other value on a line of its own.
-void print(const Json& row) {
+void printRow(const Json& row) {
   fmt::print("  {:<16}{}\n", row["name"].get<std::string>(),
              row.contains("description") ? text(row["description"]) : "");
-  for (const auto& [key, value] : row.items()) {
-    if (key == "name" || key == "description") continue;
-    if (!value.is_array()) {
-      fmt::print("  {:<18}{}: {}\n", "", key, text(value));
-      continue;
-    }
-    for (const Json& part : value)
-      fmt::print("  {:<18}{:<12}{:<28}{}\n", "", text(part["name"]), text(part["format"]), text(part["channels"]));
-  }
+  for (const auto& [key, value] : row.items())
+    if (key != "name" && key != "description") fmt::print("  {:<18}{}: {}\n", "", key, text(value));
 }
 
-void list(const std::string& topic, bool json) {
-  Json all = Json::object();
+std::string sizeText(const Json& bytes) {
+  const double size = bytes["picture"].get<double>();
+  return fmt::format("{:.1f} MB ({:.1f} MiB)", size / 1e6, size / (1 << 20));
+}
+
+void printLayout(const Json& row) {
+  constexpr int kIndent = 18;
+  fmt::print("  {:<16}{}\n", text(row["name"]), text(row["description"]));
+  for (const Json& target : row["targets"]) {
+    fmt::print("{:<{}}  {:<12}{:<28}{:>3} B  {}", "", kIndent, text(target["name"]), text(target["format"]),
+               text(target["bytes"]), text(target["channels"]));
+    if (target.contains("originalFormat"))
+      fmt::print(" (the original: {}, {} B)", text(target["originalFormat"]), text(target["originalBytes"]));
+    fmt::print("\n");
+  }
+  const Json &here = row["bytes"], &original = row["originalBytes"];
+  const bool differs = here["total"] != original["total"];
+  const auto beside = [&](const std::string& value) { return differs ? "; the original: " + value : std::string(); };
+  fmt::print("{:<{}}  normals: {}\n", "", kIndent, text(row["normals"]));
+  fmt::print("{:<{}}  bytes a pixel: {} targets + {} depth + {} light = {}{}\n", "", kIndent, text(here["targets"]),
+             text(here["depth"]), text(here["light"]), text(here["total"]), beside(text(original["total"])));
+  fmt::print("{:<{}}  {}, {} sample{}: {}{}\n", "", kIndent, text(row["size"]), text(row["samples"]),
+             row["samples"] == 1 ? "" : "s", sizeText(here), beside(sizeText(original)));
+}
+
+struct Topic {
+  const char* name;
+  Json (*rows)(const PictureSize&);
+  void (*print)(const Json& row) = printRow;
+};
+const Topic kTopics[] = {
+    {"layouts", listLayouts, printLayout},
+    {"normals", [](const PictureSize&) { return listNormals(); }},
+    {"lighting", [](const PictureSize&) { return listLighting(); }},
+    {"shading", [](const PictureSize&) { return listOptions(render::shadings()); }},
+    {"tonemaps", [](const PictureSize&) { return listOptions(render::tonemaps()); }},
+    {"aovs", [](const PictureSize&) { return listAovs(); }},
+    {"scenes", [](const PictureSize&) { return listScenes(); }},
+};
+
+struct Options {
+  std::string topic, size = "1280x720";
+  uint32_t samples = 1;
+  bool json = false;
+};
+
+PictureSize parsePicture(const Options& o) {
+  PictureSize picture;
+  std::tie(picture.width, picture.height) = parseSize(o.size);
+  picture.samples = o.samples;
+  constexpr uint32_t kMaxSide = 1u << 16, kMaxSamples = 256;  // far beyond any target
+  if (!picture.count() || std::max(picture.width, picture.height) > kMaxSide || o.samples > kMaxSamples)
+    badUsage("there is no picture of {} with {} samples a pixel", o.size, o.samples);
+  return picture;
+}
+
+void list(const Options& o) {
+  const PictureSize picture = parsePicture(o);
+  std::vector<std::pair<const Topic*, Json>> chosen;
   for (const Topic& t : kTopics)
-    if (topic.empty() || topic == t.name) all[t.name] = t.rows();
-  if (all.empty()) {
+    if (o.topic.empty() || o.topic == t.name) chosen.emplace_back(&t, t.rows(picture));
+  if (chosen.empty()) {
     std::string names;
     for (const Topic& t : kTopics) names += (names.empty() ? "" : ", ") + std::string(t.name);
-    badUsage("there is no list of \"{}\"; there are: {}", topic, names);
+    badUsage("there is no list of \"{}\"; there are: {}", o.topic, names);
   }
-  if (json) {
+  if (o.json) {
+    Json all = Json::object();
+    for (const auto& [topic, rows] : chosen) all[topic->name] = rows;
     fmt::print("{}\n", all.dump(2));
     return;
   }
-  for (const auto& [name, rows] : all.items()) {
-    fmt::print("{}\n", name);
-    for (const Json& row : rows) print(row);
+  for (const auto& [topic, rows] : chosen) {
+    fmt::print("{}\n", topic->name);
+    for (const Json& row : rows) topic->print(row);
   }
 }
 
 }  // namespace
 
 void addListCommand(CLI::App& app) {
-  struct Options {
-    std::string topic;
-    bool json = false;
-  };
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("list", "List layouts, normals, lighting, shading, tonemaps, aovs, scenes");
   command->add_option("TOPIC", options->topic, "One of the lists; all of them without it");
+  command->add_option("--size", options->size, "The picture whose G-buffers are measured, in pixels")
+      ->capture_default_str();
+  command->add_option("--samples", options->samples, "Its samples a pixel")->capture_default_str();
   command->add_flag("--json", options->json, "As JSON");
-  command->callback([options] { list(options->topic, options->json); });
+  command->callback([options] { list(*options); });
 }
 
 }  // namespace latelight::app

@@ -1,6 +1,9 @@
 // What a G-buffer layout file (shared/gbuffer/<name>.h) is made of, and how to write one:
 //
 //   #define GBUFFER_DESCRIPTION "one line for `latelight list layouts`"
+//   #define GBUFFER_FIXED_NORMAL "how"        if its normals have a form of their own and ignore the normal encoding
+//   #define GBUFFER_DEPTH_FORMAT FORMAT       if the design it follows has another depth buffer or light accumulation
+//   #define GBUFFER_LIGHT_FORMAT FORMAT       target than frames here have: what it cost there follows from them
 //   #define GBUFFER_TARGETS(T) T(index, name, FORMAT, type, "what is in each channel") ...
 //   GBUFFER_BEGIN
 //   SH_FUNC GbufferTexel packGbuffer(Surface s, GbufferContext c)    one member a target, named as in GBUFFER_TARGETS
@@ -9,7 +12,7 @@
 //
 // FORMAT is a Vulkan format without VK_FORMAT_, or NORMAL32: four bytes that follow the normal encoding (R16G16_UNORM
 // for two channels, A2B10G10R10_UNORM for three). `type` is vec4 for float and normalised formats, uvec2 or uvec4 for
-// integer ones. The fragment outputs, sampled inputs, Vulkan formats, bytes a pixel, debug names and the C++ registry
+// integer ones, uint for R32_UINT. The fragment outputs, sampled inputs, Vulkan formats, bytes a pixel, debug names and the C++ registry
 // all follow from this list; nothing else names a layout.
 //
 // A layout that stores Surface::flags defines GBUFFER_KEEPS_FLAGS; the others get unlit surfaces as ones that reflect

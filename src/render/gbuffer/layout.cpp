@@ -17,10 +17,14 @@ VkFormat Layout::format(size_t target, uint32_t normalEncoding) const {
   return shared::normalChannels(normalEncoding) == 2 ? VK_FORMAT_R16G16_UNORM : VK_FORMAT_A2B10G10R10_UNORM_PACK32;
 }
 
-uint32_t Layout::bytesPerPixel(uint32_t normalEncoding) const {
-  uint32_t bytes = vk::texelBytes(kDepthFormat);
-  for (size_t i = 0; i < targets.size(); ++i) bytes += vk::texelBytes(format(i, normalEncoding));
+LayoutBytes Layout::bytesPerPixel(uint32_t normalEncoding) const {
+  LayoutBytes bytes{0, vk::texelBytes(kDepthFormat), vk::texelBytes(kLightFormat)};
+  for (size_t i = 0; i < targets.size(); ++i) bytes.targets += vk::texelBytes(format(i, normalEncoding));
   return bytes;
+}
+
+LayoutBytes Layout::originalBytesPerPixel(uint32_t normalEncoding) const {
+  return {bytesPerPixel(normalEncoding).targets, vk::texelBytes(originalDepth), vk::texelBytes(originalLight)};
 }
 
 std::span<const Layout> layouts() {

@@ -24,18 +24,27 @@ struct LayoutTarget {
   const char* channels;  // what is in each channel, in words
 };
 
+// Bytes a pixel, one sample of it: the layout's own targets, depth, and the light accumulation target.
+struct LayoutBytes {
+  uint32_t targets, depth, light;
+  uint32_t total() const { return targets + depth + light; }
+};
+
 struct Layout {
   std::string file;  // in src/shared/gbuffer, without ending
   std::string name;  // as users write it
   const char* description;
   std::vector<LayoutTarget> targets;
+  const char* fixedNormal;  // how it keeps normals whatever the encoding chosen; null where it follows that
+  // Of the design that the layout follows; frames here have kDepthFormat and kLightFormat beside every layout.
+  VkFormat originalDepth, originalLight;
   // The layout's pack and unpack as C++; one value a target, in their order.
   std::vector<TargetValue> (*pack)(const shared::Surface&, const shared::GbufferContext&);
   shared::Surface (*unpack)(std::span<const TargetValue>, const shared::GbufferContext&);
 
   VkFormat format(size_t target, uint32_t normalEncoding) const;
-  // Of all targets and the depth buffer; the frame's light accumulation target (8 bytes) is beside it.
-  uint32_t bytesPerPixel(uint32_t normalEncoding) const;
+  LayoutBytes bytesPerPixel(uint32_t normalEncoding) const;
+  LayoutBytes originalBytesPerPixel(uint32_t normalEncoding) const;
 };
 
 inline constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;

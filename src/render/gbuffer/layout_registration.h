@@ -15,6 +15,9 @@ using uvec4 = shared::uvec4;
 [[maybe_unused]] void store(TargetValue& to, const vec4& from) {
   to.f = from;
 }
+[[maybe_unused]] void store(TargetValue& to, shared::uint from) {
+  to.u = uvec4(from, 0, 0, 1);
+}
 [[maybe_unused]] void store(TargetValue& to, const uvec2& from) {
   to.u = uvec4(from, 0, 0);
 }
@@ -23,6 +26,9 @@ using uvec4 = shared::uvec4;
 }
 [[maybe_unused]] void load(vec4& to, const TargetValue& from) {
   to = from.f;
+}
+[[maybe_unused]] void load(shared::uint& to, const TargetValue& from) {
+  to = from.u.x;
 }
 [[maybe_unused]] void load(uvec2& to, const TargetValue& from) {
   to = uvec2(from.u);
@@ -52,6 +58,22 @@ constexpr VkFormat VK_FORMAT_NORMAL32 = VK_FORMAT_UNDEFINED;
 
 }  // namespace
 
+#ifndef GBUFFER_FIXED_NORMAL
+#define GBUFFER_FIXED_NORMAL nullptr
+#endif
+#define FORMAT_(name) VK_FORMAT_##name
+#define FORMAT(name) FORMAT_(name)
+#ifdef GBUFFER_DEPTH_FORMAT
+constexpr VkFormat kOriginalDepth = FORMAT(GBUFFER_DEPTH_FORMAT);
+#else
+constexpr VkFormat kOriginalDepth = kDepthFormat;
+#endif
+#ifdef GBUFFER_LIGHT_FORMAT
+constexpr VkFormat kOriginalLight = FORMAT(GBUFFER_LIGHT_FORMAT);
+#else
+constexpr VkFormat kOriginalLight = kLightFormat;
+#endif
+
 #define LAYOUT_MAKER_(name) makeLayout_##name
 #define LAYOUT_MAKER(name) LAYOUT_MAKER_(name)
 #define LAYOUT_FILE_(name) #name
@@ -59,7 +81,15 @@ constexpr VkFormat VK_FORMAT_NORMAL32 = VK_FORMAT_UNDEFINED;
 Layout LAYOUT_MAKER(LATELIGHT_LAYOUT)() {
 #define TARGET(index, name, format, type, channels) LayoutTarget{#name, VK_FORMAT_##format, channels},
   const char* file = LAYOUT_FILE(LATELIGHT_LAYOUT);
-  return {file, registryName(file), GBUFFER_DESCRIPTION, {GBUFFER_TARGETS(TARGET)}, packTarget, unpackTarget};
+  return {.file = file,
+          .name = registryName(file),
+          .description = GBUFFER_DESCRIPTION,
+          .targets = {GBUFFER_TARGETS(TARGET)},
+          .fixedNormal = GBUFFER_FIXED_NORMAL,
+          .originalDepth = kOriginalDepth,
+          .originalLight = kOriginalLight,
+          .pack = packTarget,
+          .unpack = unpackTarget};
 #undef TARGET
 }
 

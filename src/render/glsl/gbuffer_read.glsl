@@ -6,6 +6,7 @@
 #include "render/glsl/setup.glsl"
 
 #define GBUFFER_SAMPLER_vec4 sampler2DArray
+#define GBUFFER_SAMPLER_uint usampler2DArray
 #define GBUFFER_SAMPLER_uvec2 usampler2DArray
 #define GBUFFER_SAMPLER_uvec4 usampler2DArray
 #define INPUT(index, name, format, type, channels) \

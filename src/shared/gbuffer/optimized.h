@@ -6,7 +6,7 @@
 #ifndef LATELIGHT_SHARED_GBUFFER_OPTIMIZED_H
 #define LATELIGHT_SHARED_GBUFFER_OPTIMIZED_H
 
-#include "shared/brdf/blinn_phong.h"
+#include "shared/diffuse_specular.h"
 #include "shared/gbuffer.h"
 
 #define GBUFFER_DESCRIPTION \
@@ -27,10 +27,10 @@ SH_FUNC GbufferTexel packGbuffer(Surface s, GbufferContext c) {
   float levels = normalLevels(c.normalEncoding);
   vec3 e = encodeNormal(c.normalEncoding, rotateToView(c.view, s.normal), vec3(levels, levels, levels));
   t.normal = vec4(e.x, e.y, e.z, 0.0f);
-  vec3 diffuse = diffuseColor(s);
+  vec3 diffuse = diffuseAtNormalIncidence(s);
   t.diffuse = vec4(diffuse.x, diffuse.y, diffuse.z, specularF90(s));
   vec3 f0 = specularF0(s);
-  t.specular = vec4(f0.x, f0.y, f0.z, saturate(exponentFromRoughness(s.roughness) * (1.0f / 255.0f)));
+  t.specular = vec4(f0.x, f0.y, f0.z, power8FromRoughness(s.roughness));
   return t;
 }
 
@@ -38,10 +38,9 @@ SH_FUNC Surface unpackGbuffer(GbufferTexel t, GbufferContext c) {
   Surface s = emptySurface();
   s.position = positionFromDepth(c);
   s.normal = rotateToWorld(c.view, decodeNormal(c.normalEncoding, vec3(t.normal.x, t.normal.y, t.normal.z)));
-  s.baseColor = vec3(t.diffuse.x, t.diffuse.y, t.diffuse.z);
-  s.f0 = vec3(t.specular.x, t.specular.y, t.specular.z);
-  s.f90 = t.diffuse.w;
-  s.roughness = roughnessFromExponent(t.specular.w * 255.0f);
+  s = withDiffuseSpecular(s, vec3(t.diffuse.x, t.diffuse.y, t.diffuse.z),
+                          vec3(t.specular.x, t.specular.y, t.specular.z), t.diffuse.w);
+  s.roughness = roughnessFromPower8(t.specular.w);
   s.ao = c.ao;
   return s;
 }

@@ -1,0 +1,66 @@
+// Diffuse and specular colours in place of base colour and metalness, for the G-buffer layouts of that age.
+#ifndef LATELIGHT_SHARED_DIFFUSE_SPECULAR_H
+#define LATELIGHT_SHARED_DIFFUSE_SPECULAR_H
+
+#include "shared/brdf/blinn_phong.h"
+#include "shared/color.h"
+#include "shared/lang.h"
+#include "shared/surface.h"
+
+SH_BEGIN
+
+// What a surface reflects diffusely at normal incidence. glTF's diffuse part is diffuseColor (1 - F), with the F of the
+// dielectric alone. A surface without metalness and with the mixed specular colour has the F of the mix instead, which
+// is larger: a partly metallic surface would come out too dark. Both have 1 - F = (1 - f0)(1 - w) with Schlick's weight
+// w where the grazing reflectance is 1; so what is stored is colour times (1 - f0), and the other factor is divided out
+// again by withDiffuseSpecular(). Exact for lights then; nearly so for environments, whose F is not quite linear in f0.
+SH_FUNC vec3 diffuseAtNormalIncidence(Surface s) {
+  return diffuseColor(s) * (1.0f - maxChannel(s.f0));
+}
+
+// The surface without metalness that shades as the one that diffuseAtNormalIncidence(), specularF0() and specularF90()
+// were taken of.
+SH_FUNC Surface withDiffuseSpecular(Surface s, vec3 diffuse, vec3 specular, float f90) {
+  float left = 1.0f - maxChannel(specular);
+  float scale = left > 0.0f ? 1.0f / left : 0.0f;
+  s.baseColor = vec3(saturate(diffuse.x * scale), saturate(diffuse.y * scale), saturate(diffuse.z * scale));
+  s.metallic = 0.0f;
+  s.f0 = specular;
+  s.f90 = f90;
+  return s;
+}
+
+// Base colour and dielectric reflectance of diffuseColor(), specularF0() and metalness, all in floats: nothing is lost.
+// Near metalness 1 the dielectric's is divided by nearly 0, but weighs as little.
+SH_FUNC Surface withMetalness(Surface s, vec3 diffuse, vec3 specular, float metallic) {
+  float rest = 1.0f - metallic;
+  s.metallic = metallic;
+  s.baseColor = specular;
+  s.f0 = vec3(0.0f, 0.0f, 0.0f);
+  if (rest > 1e-6f) {
+    s.baseColor = diffuse * (1.0f / rest);
+    vec3 f0 = (specular - s.baseColor * metallic) * (1.0f / rest);
+    s.f0 = vec3(saturate(f0.x), saturate(f0.y), saturate(f0.z));
+  }
+  return s;
+}
+
+// A Blinn-Phong power in eight bits, power / 255 (seed 000): nothing shinier than a power of 255, perceptual roughness
+// 0.30, survives.
+SH_FUNC float power8FromRoughness(float roughness) {
+  return saturate(exponentFromRoughness(roughness) * (1.0f / 255.0f));
+}
+SH_FUNC float roughnessFromPower8(float stored) {
+  return roughnessFromExponent(stored * 255.0f);
+}
+
+// A power in a float, without the limit that shading puts on it: environments are looked up by the roughness itself.
+// Roughness 0 becomes 1e-6.
+SH_FUNC float powerFromRoughness(float roughness) {
+  float r = max(roughness, 1e-6f);
+  return 2.0f / (r * r * r * r) - 2.0f;
+}
+
+SH_END
+
+#endif

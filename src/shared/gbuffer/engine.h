@@ -1,0 +1,45 @@
+// engine: the G-buffer of the engine notes, seed 004 (row 9). 16 bytes a pixel with depth.
+//
+// The notes name channels and no formats; here normals have ten bits a component, in the format whose fourth channel is
+// as useless as the notes leave theirs, and colours eight (sRGB-coded). There is no room for a grazing reflectance: it
+// is 1 for whatever has a specular colour.
+#ifndef LATELIGHT_SHARED_GBUFFER_ENGINE_H
+#define LATELIGHT_SHARED_GBUFFER_ENGINE_H
+
+#include "shared/diffuse_specular.h"
+#include "shared/gbuffer.h"
+
+#define GBUFFER_DESCRIPTION "three targets of an engine: normal.xyz, diffuse + ambient occlusion, specular + power"
+#define GBUFFER_FIXED_NORMAL "x, y and z of the world in ten bits each"
+#define GBUFFER_TARGETS(T)                                                                         \
+  T(0, normal, A2B10G10R10_UNORM_PACK32, vec4, "rgb: world normal x, y, z * 0.5 + 0.5; a: unused") \
+  T(1, diffuse, R8G8B8A8_SRGB, vec4, "rgb: diffuse colour; a: ambient occlusion")                  \
+  T(2, specular, R8G8B8A8_SRGB, vec4, "rgb: specular colour; a: Blinn-Phong power / 255")
+
+GBUFFER_BEGIN
+
+SH_FUNC GbufferTexel packGbuffer(Surface s, GbufferContext c) {
+  GbufferTexel t;
+  vec3 diffuse = diffuseAtNormalIncidence(s);
+  vec3 specular = specularF0(s);
+  t.normal = vec4(s.normal.x * 0.5f + 0.5f, s.normal.y * 0.5f + 0.5f, s.normal.z * 0.5f + 0.5f, 0.0f);
+  t.diffuse = vec4(diffuse.x, diffuse.y, diffuse.z, s.ao);
+  t.specular = vec4(specular.x, specular.y, specular.z, power8FromRoughness(s.roughness));
+  return t;
+}
+
+SH_FUNC Surface unpackGbuffer(GbufferTexel t, GbufferContext c) {
+  Surface s = emptySurface();
+  s.position = positionFromDepth(c);
+  s.normal = normalize(vec3(t.normal.x * 2.0f - 1.0f, t.normal.y * 2.0f - 1.0f, t.normal.z * 2.0f - 1.0f));
+  vec3 specular = vec3(t.specular.x, t.specular.y, t.specular.z);
+  s = withDiffuseSpecular(s, vec3(t.diffuse.x, t.diffuse.y, t.diffuse.z), specular,
+                          maxChannel(specular) > 0.0f ? 1.0f : 0.0f);
+  s.roughness = roughnessFromPower8(t.specular.w);
+  s.ao = t.diffuse.w;
+  return s;
+}
+
+GBUFFER_END
+
+#endif

@@ -1,0 +1,63 @@
+// killzone2: the G-buffer of Killzone 2 (row 7; M. Valient, Deferred Rendering in Killzone 2, Develop 2007, Guerrilla).
+// There 20 bytes a pixel: light accumulation + intensity, three targets of four bytes, depth and stencil.
+//
+// Its nature, kept: a normal without the sign of its view depth, so what is turned away from the view plane (seen at
+// the rim of a wide view, or by a normal map) comes back mirrored; near the rim x and z of eleven bits leave an error
+// of about a degree. A specular power of eight bits. One colour and a specular intensity: a coloured highlight has the
+// albedo's colour, by as much as its intensity is beyond the usual dielectric's.
+#ifndef LATELIGHT_SHARED_GBUFFER_KILLZONE2_H
+#define LATELIGHT_SHARED_GBUFFER_KILLZONE2_H
+
+#include "shared/diffuse_specular.h"
+#include "shared/gbuffer.h"
+
+#define GBUFFER_DESCRIPTION \
+  "Killzone 2: normal.xy in halves, motion, specular power and intensity, albedo, sun occlusion"
+#define GBUFFER_FIXED_NORMAL "two half floats, across and up in view space"
+#define GBUFFER_DEPTH_FORMAT D24_UNORM_S8_UINT
+#define GBUFFER_LIGHT_FORMAT R8G8B8A8_UNORM
+#define GBUFFER_TARGETS(T)                                                                                       \
+  T(0, normal, R16G16_SFLOAT, vec4, "rg: view-space normal, right and up; that away from the viewer is rebuilt") \
+  T(1, motion, R8G8B8A8_UNORM, vec4,                                                                             \
+    "rg: motion, 0 (no motion is rendered); b: Blinn-Phong power / 255; a: root of specular intensity")          \
+  T(2, albedo, R8G8B8A8_SRGB, vec4, "rgb: base colour; a: sun occlusion, 1 (no sunlight is baked)")
+
+GBUFFER_BEGIN
+
+// The intensity up to which a surface counts as no metal; its root is a code of eight bits exactly, 51.
+SH_CONST float kDielectricIntensity = 0.04f;
+
+// The metalness that makes specularF0()'s largest channel `intensity`.
+SH_FUNC float metallicFromIntensity(float intensity, float largestBase) {
+  float range = largestBase - kDielectricIntensity;
+  return range > 1e-3f ? saturate((intensity - kDielectricIntensity) / range) : 0.0f;
+}
+
+SH_FUNC GbufferTexel packGbuffer(Surface s, GbufferContext c) {
+  GbufferTexel t;
+  vec3 n = rotateToView(c.view, s.normal);
+  t.normal = vec4(n.x, n.z, 0.0f, 0.0f);
+  t.motion = vec4(0.0f, 0.0f, power8FromRoughness(s.roughness), sqrt(max(maxChannel(specularF0(s)), 0.0f)));
+  t.albedo = vec4(s.baseColor.x, s.baseColor.y, s.baseColor.z, 1.0f);
+  return t;
+}
+
+SH_FUNC Surface unpackGbuffer(GbufferTexel t, GbufferContext c) {
+  Surface s = emptySurface();
+  s.position = positionFromDepth(c);
+  float away = -sqrt(saturate(1.0f - t.normal.x * t.normal.x - t.normal.y * t.normal.y));
+  s.normal = rotateToWorld(c.view, normalize(vec3(t.normal.x, away, t.normal.y)));
+  s.baseColor = vec3(t.albedo.x, t.albedo.y, t.albedo.z);
+  float intensity = t.motion.w * t.motion.w;
+  s.metallic = metallicFromIntensity(intensity, maxChannel(s.baseColor));
+  float f0 = s.metallic > 0.0f ? kDielectricIntensity : intensity;
+  s.f0 = vec3(f0, f0, f0);
+  s.f90 = intensity > 0.0f ? 1.0f : 0.0f;
+  s.roughness = roughnessFromPower8(t.motion.z);
+  s.ao = c.ao;
+  return s;
+}
+
+GBUFFER_END
+
+#endif

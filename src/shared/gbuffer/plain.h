@@ -1,0 +1,47 @@
+// plain: the G-buffer that seed 000 begins with (row 5): normal, diffuse albedo, specular albedo + power, position, all
+// in floats. 68 bytes a pixel with depth: what the other layouts save on.
+//
+// The alpha channels that the seed leaves at 1 hold what glTF's materials have beside those, so nothing that lighting
+// needs is lost, and what is lit from it equals what is lit without any G-buffer.
+#ifndef LATELIGHT_SHARED_GBUFFER_PLAIN_H
+#define LATELIGHT_SHARED_GBUFFER_PLAIN_H
+
+#include "shared/diffuse_specular.h"
+#include "shared/gbuffer.h"
+
+#define GBUFFER_DESCRIPTION "normal, diffuse, specular + power and position in floats: nothing is lost"
+#define GBUFFER_FIXED_NORMAL "three 32-bit floats"
+#define GBUFFER_TARGETS(T)                                                                                           \
+  T(0, normal, R32G32B32A32_SFLOAT, vec4, "xyz: world normal; w: ambient occlusion")                                 \
+  T(1, diffuse, R32G32B32A32_SFLOAT, vec4, "rgb: diffuse colour; a: the dielectric's reflectance at grazing angles") \
+  T(2, specular, R32G32B32A32_SFLOAT, vec4, "rgb: specular colour; a: Blinn-Phong power")                            \
+  T(3, position, R32G32B32A32_SFLOAT, vec4, "xyz: world position (m); w: metallic")
+
+GBUFFER_BEGIN
+
+SH_FUNC GbufferTexel packGbuffer(Surface s, GbufferContext c) {
+  GbufferTexel t;
+  vec3 diffuse = diffuseColor(s);
+  vec3 specular = specularF0(s);
+  t.normal = vec4(s.normal.x, s.normal.y, s.normal.z, s.ao);
+  t.diffuse = vec4(diffuse.x, diffuse.y, diffuse.z, s.f90);
+  t.specular = vec4(specular.x, specular.y, specular.z, powerFromRoughness(s.roughness));
+  t.position = vec4(s.position.x, s.position.y, s.position.z, s.metallic);
+  return t;
+}
+
+SH_FUNC Surface unpackGbuffer(GbufferTexel t, GbufferContext c) {
+  Surface s = emptySurface();
+  s.position = vec3(t.position.x, t.position.y, t.position.z);
+  s.normal = vec3(t.normal.x, t.normal.y, t.normal.z);
+  s = withMetalness(s, vec3(t.diffuse.x, t.diffuse.y, t.diffuse.z), vec3(t.specular.x, t.specular.y, t.specular.z),
+                    t.position.w);
+  s.f90 = t.diffuse.w;
+  s.roughness = roughnessFromExponent(t.specular.w);
+  s.ao = t.normal.w;
+  return s;
+}
+
+GBUFFER_END
+
+#endif
