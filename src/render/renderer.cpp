@@ -36,7 +36,8 @@ namespace {
 size_t viewsAtOnce(const Settings& settings) {
   constexpr uint64_t kBudget = uint64_t{1} << 30;
   constexpr uint64_t kLayers = 256;  // the least maxImageArrayLayers of Vulkan
-  const uint64_t bytes = findLayout("exact").bytesPerPixel(0) + findLayout(settings.layout).bytesPerPixel(0) + 32;
+  const auto bytesOf = [](std::string_view layout) { return uint64_t{findLayout(layout).bytesPerPixel(0).total()}; };
+  const uint64_t bytes = bytesOf("exact") + bytesOf(settings.layout) + 32;
   return std::clamp<uint64_t>(kBudget / (bytes * settings.width * settings.height), 1, kLayers);
 }
 
