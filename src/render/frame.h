@@ -26,7 +26,8 @@ struct FrameInputs {
   std::span<const shared::View> views;  // as the device's constants have them
   VkDeviceAddress constants;            // shared::FrameConstants
   uint32_t width, height;
-  bool environmentBackground = false;  // draw the environment where nothing else is
+  bool environmentBackground = false;     // draw the environment where nothing else is
+  std::span<const shared::Light> lights;  // those of the constants, on the host
 };
 
 // An image as large as the frame, with a layer a view.

@@ -197,13 +197,12 @@ void GpuScene::setExposure(float exposure) {
 }
 
 void GpuScene::uploadLights(vk::Uploader& uploader) {
-  std::vector<shared::Light> lights;
-  lights.reserve(scene_.lights.size());
+  std::vector<shared::Light>& lights = hostLights_;
+  lights.clear();
   for (const scene::Light& light : scene_.lights) {
     shared::Light l = deviceLight(light, exposure_);
     if (l.reach > 0 && std::max({l.intensity.x, l.intensity.y, l.intensity.z}) > 0) lights.push_back(l);
   }
-  lightCount_ = static_cast<uint32_t>(lights.size());
   lights_ = makeBuffer(device_, "lights", lights.size() * sizeof(shared::Light));
   uploader.upload(lights_, bytesOf(lights));
 }
@@ -277,44 +276,30 @@ void GpuScene::makeMaterialSets(const scene::Scene& scene) {
 }
 
 std::vector<Draw> GpuScene::visibleDraws(const shared::View& view) const {
-  // The four side planes through the eye (perspective) or along the view (orthographic), inward, unit, in view space.
-  const shared::Projection& p = view.projection;
-  bool perspective = p.kind == shared::kPerspective;
-  std::array<glm::vec4, 4> planes;
-  for (int i = 0; i < 4; ++i) {
-    float sign = i % 2 == 0 ? 1.0f : -1.0f;
-    float scale = i < 2 ? p.H : p.V, offset = i < 2 ? p.X : p.Z;
-    glm::vec3 n = i < 2 ? glm::vec3(sign * scale, 0, 0) : glm::vec3(0, 0, sign * scale);
-    glm::vec4 plane =
-        perspective ? glm::vec4(n + glm::vec3(0, 1.0f + sign * offset, 0), 0.0f) : glm::vec4(n, 1.0f + sign * offset);
-    planes[i] = plane / glm::length(glm::vec3(plane));
-  }
-  auto inside = [&](const InstanceBounds& sphere) {
-    glm::vec3 c = view.worldToView * glm::vec4(sphere.centre, 1.0f);
-    if (perspective && c.y < -sphere.radius) return false;
-    return std::all_of(planes.begin(), planes.end(), [&](const glm::vec4& plane) {
-      return glm::dot(glm::vec3(plane), c) + plane.w >= -sphere.radius;
-    });
-  };
-
+  const Frustum frustum(view);
   std::vector<Draw> visible;
-  for (const Draw& draw : draws_) {
-    bool open = false;  // whether the run of visible instances may grow
-    for (uint32_t i = draw.firstInstance; i < draw.firstInstance + draw.instanceCount; ++i) {
-      if (!inside(bounds_[i])) {
-        open = false;
-        continue;
-      }
-      if (!open) {
-        visible.push_back(draw);
-        visible.back().firstInstance = i;
-        visible.back().instanceCount = 0;
-        open = true;
-      }
-      ++visible.back().instanceCount;
-    }
-  }
+  for (const Draw& draw : draws_)
+    appendRuns(
+        draw, [&](const Sphere& bounds) { return frustum.touches(bounds); }, visible);
   return visible;
+}
+
+void GpuScene::appendRuns(const Draw& draw, const std::function<bool(const Sphere&)>& wanted,
+                          std::vector<Draw>& runs) const {
+  bool open = false;  // whether the run may grow
+  for (uint32_t i = draw.firstInstance; i < draw.firstInstance + draw.instanceCount; ++i) {
+    if (!wanted(bounds_[i])) {
+      open = false;
+      continue;
+    }
+    if (!open) {
+      runs.push_back(draw);
+      runs.back().firstInstance = i;
+      runs.back().instanceCount = 0;
+      open = true;
+    }
+    ++runs.back().instanceCount;
+  }
 }
 
 void GpuScene::describe(shared::FrameConstants& frame) const {
@@ -322,7 +307,7 @@ void GpuScene::describe(shared::FrameConstants& frame) const {
   frame.meshes = meshes_.address();
   frame.materials = materialBuffer_.address();
   frame.lights = lights_.address();
-  frame.lightCount = lightCount_;
+  frame.lightCount = lightCount();
 }
 
 }  // namespace latelight::render

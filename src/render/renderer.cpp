@@ -104,7 +104,8 @@ FrameInputs Renderer::prepareViews(Job& job, glm::vec2 jitter) {
           .constants = job.constants.address(),
           .width = s.width,
           .height = s.height,
-          .environmentBackground = hasEnvironment_ && s.background == Background::Environment};
+          .environmentBackground = hasEnvironment_ && s.background == Background::Environment,
+          .lights = gpuScene_.lights()};
 }
 
 Frame& Renderer::frameFor(const Settings& s) {

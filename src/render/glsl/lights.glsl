@@ -7,20 +7,7 @@
 #extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
 
-#include "render/glsl/setup.glsl"
-#include "shared/shade.h"
-
-// For --debug lights: how many lights this pixel went through, and how many of them sent it anything.
-float lightsTested = 0.0;
-float lightsUsed = 0.0;
-vec4 lightCount() { return vec4(lightsTested, lightsUsed, 0.0, 0.0); }
-
-// Radiance that one light sends from `s` to the eye.
-vec3 shadeOneLight(Light light, Surface s, vec3 toEye) {
-  vec3 radiance = shadeLight(s, toEye, sampleLight(light, s.position), kShading);
-  if (kCountLights != 0u && any(greaterThan(radiance, vec3(0.0)))) lightsUsed += 1.0;
-  return radiance;
-}
+#include "render/glsl/one_light.glsl"
 
 Light broadcastLight(Light l, uint lane) {
   Light r;
@@ -48,7 +35,8 @@ vec3 shadeAllLights(FrameConstants frame, Surface s, vec3 toEye, bool lit) {
   vec3 low = subgroupMin(lit ? s.position : vec3(kFar));
   vec3 high = subgroupMax(lit ? s.position : vec3(-kFar));
   vec3 radiance = vec3(0.0);
-  // Lights are dealt to the lanes that are there: a subgroup need not be full.
+  // Lights are dealt to the lanes that are there: a subgroup need not be full. In fragment shaders lavapipe's helper
+  // invocations, whose loads give nothing, are not; others' take part and load.
   uvec4 present = subgroupBallot(true);
   uint lanes = subgroupBallotBitCount(present);
   uint rank = subgroupBallotExclusiveBitCount(present);
@@ -63,5 +51,14 @@ vec3 shadeAllLights(FrameConstants frame, Surface s, vec3 toEye, bool lit) {
       radiance += shadeOneLight(light, s, toEye);
     }
   }
+  return radiance;
+}
+
+// The same, each light loaded by every invocation: the reference, and for devices whose fragment shaders have no
+// subgroups.
+vec3 shadeAllLightsPlainly(FrameConstants frame, Surface s, vec3 toEye) {
+  lightsTested += float(frame.lightCount);
+  vec3 radiance = vec3(0.0);
+  for (uint i = 0u; i < frame.lightCount; ++i) radiance += shadeOneLight(frameLight(frame, i), s, toEye);
   return radiance;
 }
