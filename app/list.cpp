@@ -92,6 +92,7 @@ const Topic kTopics[] = {
     {"lighting", listLighting},
     {"shading", [] { return listOptions(render::shadings()); }},
     {"tonemaps", [] { return listOptions(render::tonemaps()); }},
+    {"volumes-orders", [] { return listOptions(render::volumesOrders()); }},
     {"aovs", listAovs},
     {"scenes", listScenes},
 };
@@ -144,7 +145,8 @@ void addListCommand(CLI::App& app) {
     bool json = false;
   };
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("list", "List layouts, normals, lighting, shading, tonemaps, aovs, scenes");
+  CLI::App* command =
+      app.add_subcommand("list", "List layouts, normals, lighting, shading, tonemaps, volumes-orders, aovs, scenes");
   command->add_option("TOPIC", options->topic, "One of the lists; all of them without it");
   command->add_flag("--json", options->json, "As JSON");
   command->callback([options] { list(options->topic, options->json); });

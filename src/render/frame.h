@@ -48,6 +48,7 @@ struct FrameSetup {
   const TechniqueInfo* lighting = nullptr;
   uint32_t shading = 0;  // kShading*
   bool countLights = false;
+  uint32_t volumesOrder = 0;  // kVolumes*: of the technique `volumes`
 
   // Of every shader that includes render/glsl/setup.glsl; a shader's own start at kFirstOwnConstant.
   std::vector<vk::Constant> constants() const;

@@ -109,12 +109,13 @@ FrameInputs Renderer::prepareViews(Job& job, glm::vec2 jitter) {
 }
 
 Frame& Renderer::frameFor(const Settings& s) {
-  const std::string key = s.layout + "/" + s.normals + "/" + s.lighting + "/" + s.shading;
+  const std::string key = s.layout + "/" + s.normals + "/" + s.lighting + "/" + s.shading + "/" + s.volumesOrder;
   if (frame_ && key == frameKey_) return *frame_;
   FrameSetup setup{.layout = &findLayout(s.layout),
                    .normalEncoding = findNormalEncoding(s.normals).index,
                    .lighting = &findTechnique(s.lighting),
-                   .shading = indexByName(shadings(), s.shading, "shading model")};
+                   .shading = indexByName(shadings(), s.shading, "shading model"),
+                   .volumesOrder = indexByName(volumesOrders(), s.volumesOrder, "order of light volumes")};
   frame_ = std::make_unique<Frame>(device_, gpuScene_, setup);
   frameKey_ = key;
   return *frame_;
