@@ -165,6 +165,7 @@ const Topic kTopics[] = {
     {"lighting", [](const PictureSize&) { return listLighting(); }},
     {"shading", [](const PictureSize&) { return listOptions(render::shadings()); }},
     {"tonemaps", [](const PictureSize&) { return listOptions(render::tonemaps()); }},
+    {"volumes-orders", [](const PictureSize&) { return listOptions(render::volumesOrders()); }},
     {"aovs", [](const PictureSize&) { return listAovs(); }},
     {"scenes", [](const PictureSize&) { return listScenes(); }},
 };
@@ -211,7 +212,8 @@ void list(const Options& o) {
 
 void addListCommand(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("list", "List layouts, normals, lighting, shading, tonemaps, aovs, scenes");
+  CLI::App* command =
+      app.add_subcommand("list", "List layouts, normals, lighting, shading, tonemaps, volumes-orders, aovs, scenes");
   command->add_option("TOPIC", options->topic, "One of the lists; all of them without it");
   command->add_option("--size", options->size, "The picture whose G-buffers are measured, in pixels")
       ->capture_default_str();

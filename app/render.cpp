@@ -155,6 +155,7 @@ std::map<std::string, std::string> describeSettings(const Options& o, const std:
           {"lighting", s.lighting},
           {"shading", s.shading},
           {"tonemap", s.tonemap},
+          {"volumes-order", s.volumesOrder},
           {"aa", o.aa},
           {"exposure", fmt::format("{}", s.exposure)},
           {"hdri", environment.empty() ? "none" : environment},
@@ -314,6 +315,8 @@ void addLookOptions(CLI::App& c, Options& o) {
   c.add_option("--normals", s.normals, "Normal encoding (latelight list normals)")->capture_default_str();
   c.add_option("--lighting", s.lighting, "Lighting technique (latelight list lighting)")->capture_default_str();
   c.add_option("--shading", s.shading, "ggx or blinn-phong")->capture_default_str();
+  c.add_option("--volumes-order", s.volumesOrder, "How --lighting volumes culls by stencil: classic or killzone")
+      ->capture_default_str();
   c.add_option("--aa", o.aa, "Anti-aliasing: none, or ssN for N x N ordered samples a pixel (ss2, ss4)")
       ->capture_default_str();
   c.add_option("--hdri", o.hdri,

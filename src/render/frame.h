@@ -26,7 +26,8 @@ struct FrameInputs {
   std::span<const shared::View> views;  // as the device's constants have them
   VkDeviceAddress constants;            // shared::FrameConstants
   uint32_t width, height;
-  bool environmentBackground = false;  // draw the environment where nothing else is
+  bool environmentBackground = false;     // draw the environment where nothing else is
+  std::span<const shared::Light> lights;  // those of the constants, on the host
 };
 
 // An image as large as the frame, with a layer a view.
@@ -46,6 +47,7 @@ struct FrameSetup {
   uint32_t normalEncoding = 0;  // kNormal_*
   const TechniqueInfo* lighting = nullptr;
   uint32_t shading = 0;  // kShading*
+  uint32_t volumesOrder = 0;  // kVolumes*: of the technique `volumes`
   bool countLights = false;
 
   // Of every shader that includes render/glsl/setup.glsl; a shader's own start at kFirstOwnConstant.

@@ -211,14 +211,14 @@ void GpuScene::uploadLights(vk::Uploader& uploader) {
     shared::Light l = deviceLight(light, exposure_);
     if (l.reach > 0 && std::max({l.intensity.x, l.intensity.y, l.intensity.z}) > 0) lights.push_back(l);
   }
-  const LightTree tree = buildLightTree(lights);
-  lightCount_ = static_cast<uint32_t>(tree.lights.size());
+  LightTree tree = buildLightTree(lights);
   directionalLights_ = tree.directionalLights;
   lightTreeLeaves_ = tree.firstLeaf;
   lights_ = makeBuffer(device_, "lights", tree.lights.size() * sizeof(shared::Light));
   lightTree_ = makeBuffer(device_, "light tree", tree.nodes.size() * sizeof(shared::LightBox));
   uploader.upload(lights_, bytesOf(tree.lights));
   uploader.upload(lightTree_, bytesOf(tree.nodes));
+  hostLights_ = std::move(tree.lights);
 }
 
 VkSampler GpuScene::sampler(const scene::Sampler& sampler) {
@@ -290,44 +290,30 @@ void GpuScene::makeMaterialSets(const scene::Scene& scene) {
 }
 
 std::vector<Draw> GpuScene::visibleDraws(const shared::View& view) const {
-  // The four side planes through the eye (perspective) or along the view (orthographic), inward, unit, in view space.
-  const shared::Projection& p = view.projection;
-  bool perspective = p.kind == shared::kPerspective;
-  std::array<glm::vec4, 4> planes;
-  for (int i = 0; i < 4; ++i) {
-    float sign = i % 2 == 0 ? 1.0f : -1.0f;
-    float scale = i < 2 ? p.H : p.V, offset = i < 2 ? p.X : p.Z;
-    glm::vec3 n = i < 2 ? glm::vec3(sign * scale, 0, 0) : glm::vec3(0, 0, sign * scale);
-    glm::vec4 plane =
-        perspective ? glm::vec4(n + glm::vec3(0, 1.0f + sign * offset, 0), 0.0f) : glm::vec4(n, 1.0f + sign * offset);
-    planes[i] = plane / glm::length(glm::vec3(plane));
-  }
-  auto inside = [&](const InstanceBounds& sphere) {
-    glm::vec3 c = view.worldToView * glm::vec4(sphere.centre, 1.0f);
-    if (perspective && c.y < -sphere.radius) return false;
-    return std::all_of(planes.begin(), planes.end(), [&](const glm::vec4& plane) {
-      return glm::dot(glm::vec3(plane), c) + plane.w >= -sphere.radius;
-    });
-  };
-
+  const Frustum frustum(view);
   std::vector<Draw> visible;
-  for (const Draw& draw : draws_) {
-    bool open = false;  // whether the run of visible instances may grow
-    for (uint32_t i = draw.firstInstance; i < draw.firstInstance + draw.instanceCount; ++i) {
-      if (!inside(bounds_[i])) {
-        open = false;
-        continue;
-      }
-      if (!open) {
-        visible.push_back(draw);
-        visible.back().firstInstance = i;
-        visible.back().instanceCount = 0;
-        open = true;
-      }
-      ++visible.back().instanceCount;
-    }
-  }
+  for (const Draw& draw : draws_)
+    appendRuns(
+        draw, [&](const Sphere& bounds) { return frustum.touches(bounds); }, visible);
   return visible;
+}
+
+void GpuScene::appendRuns(const Draw& draw, const std::function<bool(const Sphere&)>& wanted,
+                          std::vector<Draw>& runs) const {
+  bool open = false;  // whether the run may grow
+  for (uint32_t i = draw.firstInstance; i < draw.firstInstance + draw.instanceCount; ++i) {
+    if (!wanted(bounds_[i])) {
+      open = false;
+      continue;
+    }
+    if (!open) {
+      runs.push_back(draw);
+      runs.back().firstInstance = i;
+      runs.back().instanceCount = 0;
+      open = true;
+    }
+    ++runs.back().instanceCount;
+  }
 }
 
 void GpuScene::describe(shared::FrameConstants& frame) const {
@@ -336,7 +322,7 @@ void GpuScene::describe(shared::FrameConstants& frame) const {
   frame.materials = materialBuffer_.address();
   frame.lights = lights_.address();
   frame.lightTree = lightTree_.address();
-  frame.lightCount = lightCount_;
+  frame.lightCount = lightCount();
   frame.directionalLights = directionalLights_;
   frame.lightTreeLeaves = lightTreeLeaves_;
 }

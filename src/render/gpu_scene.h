@@ -1,9 +1,11 @@
 // A scene in device memory: buffers read by address, textures in one descriptor set a material.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <vector>
 
+#include "render/frustum.h"
 #include "scene/scene.h"
 #include "shared/types.h"
 #include "vk/device.h"
@@ -28,12 +30,15 @@ class GpuScene {
   const std::vector<Draw>& draws() const { return draws_; }
   // Draws with at least one instance that may lie inside the view's frustum, in order; exact per instance.
   std::vector<Draw> visibleDraws(const shared::View& view) const;
+  // Appends to `runs` the parts of a draw whose instances have bounds that are `wanted`.
+  void appendRuns(const Draw& draw, const std::function<bool(const Sphere&)>& wanted, std::vector<Draw>& runs) const;
 
   const shared::Material& material(uint32_t index) const { return materials_[index]; }
   VkDescriptorSet materialSet(uint32_t index) const { return materialSets_[index]; }
   VkDescriptorSetLayout materialSetLayout() const { return materialSetLayout_.get(); }
   VkBuffer indexBuffer() const { return indices_.get(); }
-  uint32_t lightCount() const { return lightCount_; }
+  uint32_t lightCount() const { return static_cast<uint32_t>(hostLights_.size()); }
+  std::span<const shared::Light> lights() const { return hostLights_; }  // as the device has them
 
   // Lights without a range end where they no longer show, and exposure (a linear factor, 1 at first) moves that place.
   void setExposure(float exposure);
@@ -53,11 +58,6 @@ class GpuScene {
   void makeMaterialSets(const scene::Scene& scene);
   VkSampler sampler(const scene::Sampler& sampler);
 
-  struct InstanceBounds {  // world-space sphere
-    glm::vec3 centre;
-    float radius;
-  };
-
   vk::Device& device_;
   std::vector<scene::Light> sceneLights_;
   vk::Buffer positions_, attributes_, extras_, indices_;
@@ -73,8 +73,9 @@ class GpuScene {
   vk::Handle<VkDescriptorPool> materialPool_;
   std::vector<VkDescriptorSet> materialSets_;
   std::vector<Draw> draws_;
-  std::vector<InstanceBounds> bounds_;
-  uint32_t lightCount_ = 0, directionalLights_ = 0, lightTreeLeaves_ = 0;
+  std::vector<Sphere> bounds_;  // of the instances, in the order of the device
+  std::vector<shared::Light> hostLights_;  // as on the device
+  uint32_t directionalLights_ = 0, lightTreeLeaves_ = 0;
   float exposure_ = 1;
 };
 

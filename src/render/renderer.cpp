@@ -134,16 +134,19 @@ FrameInputs Renderer::prepareViews(Job& job, glm::vec2 jitter) {
           .constants = job.constants.address(),
           .width = s.width,
           .height = s.height,
-          .environmentBackground = hasEnvironment_ && s.background == Background::Environment};
+          .environmentBackground = hasEnvironment_ && s.background == Background::Environment,
+          .lights = gpuScene_.lights()};
 }
 
 Frame& Renderer::frameFor(const Settings& s, bool countLights) {
-  const std::string key = fmt::format("{}/{}/{}/{}/{}", s.layout, s.normals, s.lighting, s.shading, countLights);
+  const std::string key =
+      fmt::format("{}/{}/{}/{}/{}/{}", s.layout, s.normals, s.lighting, s.shading, s.volumesOrder, countLights);
   if (frame_ && key == frameKey_) return *frame_;
   FrameSetup setup{.layout = &findLayout(s.layout),
                    .normalEncoding = findNormalEncoding(s.normals).index,
                    .lighting = &findTechnique(s.lighting),
                    .shading = indexByName(shadings(), s.shading, "shading model"),
+                   .volumesOrder = indexByName(volumesOrders(), s.volumesOrder, "order of light volumes"),
                    .countLights = countLights};
   frame_ = std::make_unique<Frame>(device_, gpuScene_, setup);
   frameKey_ = key;

@@ -28,6 +28,14 @@ const std::vector<NamedOption>& tonemaps() {
   return all;
 }
 
+const std::vector<NamedOption>& volumesOrders() {
+  static const std::vector<NamedOption> all = {
+      {"classic", "mark where a volume's back faces fail the depth test; light what is marked, at any depth"},
+      {"killzone", "mark where they pass the reversed test; light what is marked and lies behind the front faces"},
+  };
+  return all;
+}
+
 void checkSettings(const Settings& s) {
   constexpr uint32_t kMaxSide = 16384;  // maxImageDimension2D every Vulkan 1.3 device we know of offers
   if (s.width == 0 || s.height == 0 || s.width > kMaxSide || s.height > kMaxSide)
@@ -45,6 +53,7 @@ void checkSettings(const Settings& s) {
   findTechnique(s.lighting);
   findByName(shadings(), s.shading, "shading model");
   findByName(tonemaps(), s.tonemap, "tonemap");
+  findByName(volumesOrders(), s.volumesOrder, "order of light volumes");
 }
 
 }  // namespace latelight::render

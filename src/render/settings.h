@@ -21,8 +21,9 @@ struct Settings {
   std::string lighting = "fullscreen";
   std::string shading = "ggx";
   std::string tonemap = "khronos";
-  uint32_t superSampling = 1;  // N: N x N ordered samples a pixel, in N * N frames
-  float exposure = 0;          // EV: radiance is multiplied by 2^exposure
+  std::string volumesOrder = "classic";  // of the lighting technique `volumes`
+  uint32_t superSampling = 1;            // N: N x N ordered samples a pixel, in N * N frames
+  float exposure = 0;                    // EV: radiance is multiplied by 2^exposure
   float environmentIntensity = 1;
   float environmentRotation = 0;  // radians about the up axis, +X towards +Z of the glTF frame
   Background background = Background::Transparent;
@@ -34,13 +35,15 @@ struct Settings {
   bool zUp = false;  // positions, normals and poses in the renderer's world instead of the scene file's frame
 };
 
-// The names --shading and --tonemap take, in the order of their kShading* and kTonemap* constants.
+// The names --shading, --tonemap and --volumes-order take, in the order of their kShading*, kTonemap* and kVolumes*
+// constants.
 struct NamedOption {
   const char* name;
   const char* description;
 };
 const std::vector<NamedOption>& shadings();
 const std::vector<NamedOption>& tonemaps();
+const std::vector<NamedOption>& volumesOrders();
 
 // Throws Error(Usage) with a sentence where a value is out of range or a name unknown.
 void checkSettings(const Settings& settings);

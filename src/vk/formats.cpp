@@ -82,5 +82,8 @@ const char* formatName(VkFormat format) {
 bool isDepth(VkFormat format) {
   return find(format).depth;
 }
+bool hasStencil(VkFormat format) {
+  return format == VK_FORMAT_D24_UNORM_S8_UINT || format == VK_FORMAT_D32_SFLOAT_S8_UINT;
+}
 
 }  // namespace latelight::vk

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "vk/resources.h"
 
 namespace latelight::vk {
 
@@ -103,6 +104,7 @@ struct FixedState {
   VkPipelineMultisampleStateCreateInfo samples{VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO};
   VkPipelineDepthStencilStateCreateInfo depth{VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO};
   VkPipelineColorBlendStateCreateInfo blend{VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO};
+  std::vector<VkDynamicState> dynamicStates;
   VkPipelineDynamicStateCreateInfo dynamic{VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO};
   VkGraphicsPipelineCreateInfo info{VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO};
 };
@@ -112,25 +114,35 @@ constexpr VkDynamicState kDynamic[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STA
 
 FixedState::FixedState(const GraphicsDesc& desc) {
   VkPipelineColorBlendAttachmentState target{};
-  target.colorWriteMask =
-      VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT;
+  if (desc.colorWrite)
+    target.colorWriteMask =
+        VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT;
+  target.blendEnable = desc.additive;
+  target.srcColorBlendFactor = target.dstColorBlendFactor = VK_BLEND_FACTOR_ONE;
+  target.srcAlphaBlendFactor = target.dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE;
   targets.assign(desc.colors.size(), target);
   rendering.colorAttachmentCount = static_cast<uint32_t>(desc.colors.size());
   rendering.pColorAttachmentFormats = desc.colors.data();
   rendering.depthAttachmentFormat = desc.depth;
+  if (hasStencil(desc.depth)) rendering.stencilAttachmentFormat = desc.depth;
   assembly.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
   viewport.viewportCount = 1;
   viewport.scissorCount = 1;
   raster.polygonMode = VK_POLYGON_MODE_FILL;
   raster.lineWidth = 1.0f;
+  raster.depthClampEnable = desc.depthClamp;
   samples.rasterizationSamples = VK_SAMPLE_COUNT_1_BIT;
   depth.depthTestEnable = desc.depth != VK_FORMAT_UNDEFINED;
   depth.depthWriteEnable = depth.depthTestEnable && desc.depthWrite;
   depth.depthCompareOp = desc.depthCompare;
+  depth.stencilTestEnable = desc.stencil.has_value();
+  depth.front = depth.back = desc.stencil.value_or(VkStencilOpState{});
   blend.attachmentCount = static_cast<uint32_t>(targets.size());
   blend.pAttachments = targets.data();
-  dynamic.dynamicStateCount = std::size(kDynamic);
-  dynamic.pDynamicStates = kDynamic;
+  dynamicStates.assign(std::begin(kDynamic), std::end(kDynamic));
+  if (desc.stencil) dynamicStates.push_back(VK_DYNAMIC_STATE_STENCIL_REFERENCE);
+  dynamic.dynamicStateCount = static_cast<uint32_t>(dynamicStates.size());
+  dynamic.pDynamicStates = dynamicStates.data();
   info.pNext = &rendering;
   info.pVertexInputState = &vertices;
   info.pInputAssemblyState = &assembly;

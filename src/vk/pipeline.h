@@ -9,6 +9,7 @@
 
 #include <cstdint>
 #include <initializer_list>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -58,6 +59,10 @@ struct GraphicsDesc {
   VkFormat depth = VK_FORMAT_UNDEFINED;
   VkCompareOp depthCompare = VK_COMPARE_OP_GREATER;  // depth is reversed
   bool depthWrite = true;
+  bool depthClamp = false;                  // needs the optional feature
+  std::optional<VkStencilOpState> stencil;  // of both faces; the reference is dynamic. `depth` must have stencil
+  bool colorWrite = true;
+  bool additive = false;  // colours, alpha too, are added to what is there
   std::string name;
 };
 Pipeline makePipeline(Device& device, const GraphicsDesc& desc);

@@ -17,18 +17,15 @@ uint64_t number(T object) {
 constexpr VkImageUsageFlags kAttachment =
     VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT;
 
-bool hasStencil(VkFormat format) {
-  return format == VK_FORMAT_D24_UNORM_S8_UINT || format == VK_FORMAT_D32_SFLOAT_S8_UINT;
-}
-
 VkImageView makeView(Device& device, VkImage image, const ImageDesc& desc, VkImageViewType type, uint32_t firstLayer,
                      uint32_t layers, uint32_t levels) {
   VkImageViewCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
   info.image = image;
   info.viewType = type;
   info.format = desc.format;
-  // Samplers read one aspect; an attachment has both whatever its view says.
-  const VkImageAspectFlags aspect = isDepth(desc.format) ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
+  // Samplers, which take whole arrays, read one aspect of depth and stencil; attachments, which take layers, have both.
+  VkImageAspectFlags aspect = isDepth(desc.format) ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
+  if (hasStencil(desc.format) && type == VK_IMAGE_VIEW_TYPE_2D) aspect |= VK_IMAGE_ASPECT_STENCIL_BIT;
   info.subresourceRange = {aspect, 0, levels, firstLayer, layers};
   VkImageView view = VK_NULL_HANDLE;
   VK_CHECK(vkCreateImageView(device.get(), &info, nullptr, &view));

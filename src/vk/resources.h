@@ -133,5 +133,6 @@ class Uploader {
 uint32_t texelBytes(VkFormat format);
 const char* formatName(VkFormat format);  // "R8G8B8A8_SRGB"
 bool isDepth(VkFormat format);
+bool hasStencil(VkFormat format);
 
 }  // namespace latelight::vk

@@ -160,7 +160,8 @@ ReadGbuffer GbufferReader::read(const FrameSetup& setup, const scene::Camera& ca
   frame.environmentSin = std::sin(light.environmentRotation);
   frame.environmentLevels = static_cast<float>(environment_.levels());
   const vk::Buffer constants = upload("frame constants", &frame, sizeof(frame));
-  const FrameInputs inputs{scene_, environment_, {&result.view, 1}, constants.address(), width, height};
+  FrameInputs inputs{scene_, environment_, {&result.view, 1}, constants.address(), width, height};
+  inputs.lights = scene_.lights().subspan(light.firstLight, light.lightCount);
 
   graph::Graph graph;
   Gbuffer gbuffer{.depth = depth_.add(graph, inputs)};

@@ -3,6 +3,7 @@
 #include "render/glsl/common.glsl"
 #include "render/glsl/varyings.glsl"
 #include "render/glsl/material.glsl"
+#include "render/glsl/surface.glsl"
 #include "render/glsl/setup.glsl"
 #include "gbuffer_layout.h"
 
@@ -12,80 +13,6 @@ layout(constant_id = 16) const uint kAlphaMasked = 0;
 GBUFFER_TARGETS(OUTPUT)
 #define COUNT(index, name, format, type, channels) +1
 layout(location = 0 GBUFFER_TARGETS(COUNT)) out vec4 lightAccumulation;
-
-// The unperturbed normal, towards the viewer: interpolated, or, where opposite normals cancel, that of the plane on
-// screen. (Not triangleNormal(): its loads would then be needed in every layout, and they cost more than all the rest.)
-vec3 vertexNormal(float facing) {
-  float squared = dot(varyingNormal, varyingNormal);
-  vec3 plane = cross(dFdy(varyingPosition), dFdx(varyingPosition));
-  float area = dot(plane, plane);
-  if (squared > 1e-12) return varyingNormal * (facing * inversesqrt(squared));
-  return area > 0.0 ? plane * inversesqrt(area) : vec3(0.0, 0.0, 1.0);
-}
-
-// Perturbs the normal by the material's map through the vertices' tangent frame (seed 000; glTF 2.0, section 3.9.3).
-vec3 mappedNormal(Material m, vec3 n, float facing) {
-  if (!hasTexture(m, kTextureNormal)) return n;
-  vec3 map = FETCH(m, 2).xyz * 2.0 - 1.0;
-  vec3 tangent = varyingTangent.xyz - n * dot(n, varyingTangent.xyz);
-  float squared = dot(tangent, tangent);
-  if (squared < 1e-12) return n;  // no tangent frame here
-  vec3 t = tangent * inversesqrt(squared);
-  vec3 b = cross(n * facing, t) * (varyingTangent.w < 0.0 ? -1.0 : 1.0);
-  map.xy *= m.normalScale;
-  // On a back face the whole frame turns with the normal (glTF 2.0, section 3.9.1, doubleSided).
-  vec3 mapped = facing * (t * map.x + b * map.y) + n * map.z;
-  float length2 = dot(mapped, mapped);
-  return length2 > 1e-24 ? mapped * inversesqrt(length2) : n;
-}
-
-// The triangle's own normal from its vertices, exact where screen-space derivatives of small triangles are not.
-vec3 triangleNormal(FrameConstants frame, Instance instance, float facing) {
-  Mesh mesh = frameMesh(frame, instance.mesh);
-  IndexRef indices = IndexRef(mesh.indices);
-  PositionRef positions = PositionRef(mesh.positions);
-  uint first = 3u * uint(gl_PrimitiveID);
-  vec3 a = positions.v[indices.v[first]];
-  // Edges are formed in object space: far from the world's origin their ends differ in the last bits alone.
-  vec3 ab = mat3(instance.objectToWorld) * (positions.v[indices.v[first + 1u]] - a);
-  vec3 ac = mat3(instance.objectToWorld) * (positions.v[indices.v[first + 2u]] - a);
-  vec3 extent = max(abs(ab), abs(ac));
-  float scale = 1.0 / max(max(extent.x, max(extent.y, extent.z)), 1e-37);
-  float handedness = (instance.flags & kInstanceMirrored) != 0u ? -1.0 : 1.0;
-  vec3 n = cross(ab * scale, ac * scale) * (handedness * facing);
-  float squared = dot(n, n);
-  return squared > 0.0 ? n * inversesqrt(squared) : vec3(0.0, 0.0, 1.0);
-}
-
-Surface evaluateMaterial(FrameConstants frame, Instance instance, Material m) {
-  float facing = gl_FrontFacing ? 1.0 : -1.0;
-  Surface s = emptySurface();
-  s.position = varyingPosition;
-  s.geonormal = triangleNormal(frame, instance, facing);
-  s.normal = mappedNormal(m, vertexNormal(facing), facing);
-  s.baseColor = baseColor(m).rgb;
-  s.metallic = m.metallic;
-  s.roughness = m.roughness;
-  if (hasTexture(m, kTextureMetallicRoughness)) {
-    vec4 t = FETCH(m, 1);
-    s.metallic *= t.b;
-    s.roughness *= t.g;
-  }
-  if (hasTexture(m, kTextureOcclusion)) s.ao = 1.0 + m.occlusionStrength * (FETCH(m, 3).r - 1.0);
-  s.emissive = m.emissive;
-  if (hasTexture(m, kTextureEmissive)) s.emissive *= FETCH(m, 4).rgb;
-  // KHR_materials_specular: f0 is tinted and capped at 1 before the weight scales both ends.
-  float specular = m.specular;
-  if (hasTexture(m, kTextureSpecular)) specular *= FETCH(m, 5).a;
-  vec3 specularColor = m.specularColor;
-  if (hasTexture(m, kTextureSpecularColor)) specularColor *= FETCH(m, 6).rgb;
-  s.f0 = min(m.f0 * specularColor, vec3(1.0)) * specular;
-  s.f90 = specular;
-  s.uv = varyingUv.xy;
-  s.id = instance.id;
-  s.flags = (m.flags & kMaterialUnlit) != 0u ? kSurfaceUnlit : 0u;
-  return s;
-}
 
 void main() {
   FrameConstants frame = FrameRef(push.frame).v;

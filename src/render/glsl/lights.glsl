@@ -4,20 +4,7 @@
 // that passed, each handed over by a broadcast. So a light costs a load and a test once a subgroup, not once a pixel:
 // on lavapipe a load by address is a loop over lanes, and both sides of a branch always run.
 #include "render/glsl/lanes.glsl"
-#include "render/glsl/setup.glsl"
-#include "shared/shade.h"
-
-// For --debug lights: how many lights this pixel went through, and how many of them sent it anything.
-float lightsTested = 0.0;
-float lightsUsed = 0.0;
-vec4 lightCount() { return vec4(lightsTested, lightsUsed, 0.0, 0.0); }
-
-// Radiance that one light sends from `s` to the eye.
-vec3 shadeOneLight(Light light, Surface s, vec3 toEye) {
-  vec3 radiance = shadeLight(s, toEye, sampleLight(light, s.position), kShading);
-  if (kCountLights != 0u && any(greaterThan(radiance, vec3(0.0)))) lightsUsed += 1.0;
-  return radiance;
-}
+#include "render/glsl/one_light.glsl"
 
 Light broadcastLight(Light l, uint lane) {
   Light r;
@@ -81,4 +68,13 @@ vec3 shadeAllLights(FrameConstants frame, Surface s, vec3 toEye, bool lit) {
   Shading shading = startShading(s, toEye, lit);
   shadeRange(shading, frame, 0u, frame.lightCount);
   return shading.radiance;
+}
+
+// The same, each light loaded by every invocation: the reference, and for devices whose fragment shaders have no
+// subgroups.
+vec3 shadeAllLightsPlainly(FrameConstants frame, Surface s, vec3 toEye) {
+  lightsTested += float(frame.lightCount);
+  vec3 radiance = vec3(0.0);
+  for (uint i = 0u; i < frame.lightCount; ++i) radiance += shadeOneLight(frameLight(frame, i), s, toEye);
+  return radiance;
 }

@@ -2,6 +2,9 @@
 struct DrawPush {
   uint64_t frame;  // FrameConstants
   uint view;
+#ifdef DRAW_PUSH_LIGHT  // before the include: the draw is for one light
+  Light light;
+#endif
 };
 layout(push_constant, scalar) uniform Push { DrawPush push; };
 

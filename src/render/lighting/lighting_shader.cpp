@@ -3,12 +3,13 @@
 namespace latelight::render {
 
 LightingShader::LightingShader(vk::Device& device, const FrameSetup& setup, const std::string& file,
-                               const std::vector<vk::Constant>& own) {
+                               const std::vector<vk::Constant>& own, const std::vector<vk::Binding>& more) {
   vk::ComputeDesc desc;
   desc.shader = file + "@" + setup.layout->file;
   desc.bindings.assign(setup.layout->targets.size() + 1, vk::Binding::Sampled);  // and depth
   desc.bindings.insert(desc.bindings.end(), 2, vk::Binding::Storage);            // light, counts
   desc.bindings.insert(desc.bindings.end(), GpuEnvironment::kBindings, vk::Binding::Sampled);
+  desc.bindings.insert(desc.bindings.end(), more.begin(), more.end());
   desc.constants = setup.constants();
   desc.constants.insert(desc.constants.end(), own.begin(), own.end());
   desc.name = desc.shader;

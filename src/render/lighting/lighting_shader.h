@@ -14,16 +14,20 @@ namespace latelight::render {
 class LightingShader {
  public:
   // `file`: the shader's, compiled for each layout. `own`: its constants beside the setup's, from kFirstOwnConstant.
+  // `more`: its bindings after the environment's.
   LightingShader(vk::Device& device, const FrameSetup& setup, const std::string& file,
-                 const std::vector<vk::Constant>& own = {});
+                 const std::vector<vk::Constant>& own = {}, const std::vector<vk::Binding>& more = {});
 
   // What a pass that runs it declares.
   static std::vector<graph::Access> accesses(const Gbuffer& gbuffer);
 
   // Runs it over every pixel of every view, in workgroups of 16 by 16.
   template <typename Push>
-  void dispatch(graph::Context& context, const FrameInputs& inputs, const Gbuffer& gbuffer, const Push& push) const {
-    context.commands().bind(pipeline_, images(context, inputs, gbuffer), push);
+  void dispatch(graph::Context& context, const FrameInputs& inputs, const Gbuffer& gbuffer, const Push& push,
+                const std::vector<vk::BoundImage>& more = {}) const {
+    std::vector<vk::BoundImage> bound = images(context, inputs, gbuffer);
+    bound.insert(bound.end(), more.begin(), more.end());
+    context.commands().bind(pipeline_, bound, push);
     context.commands().dispatch(inputs.width, inputs.height, static_cast<uint32_t>(inputs.views.size()), 16, 16);
   }
 

@@ -41,39 +41,53 @@ bool anyMasked(const GpuScene& scene) {
                      [&](const Draw& draw) { return isMasked(scene.material(draw.material)); });
 }
 
+SceneBinder::SceneBinder(graph::Context& context, const FrameInputs& inputs, uint32_t view, const vk::Pipeline& opaque,
+                         const vk::Pipeline& masked, std::span<const vk::BoundImage> images)
+    : context_(context), inputs_(inputs), view_(view), opaque_(opaque), masked_(masked), images_(images) {
+  vkCmdBindIndexBuffer(context.get(), inputs.scene.indexBuffer(), 0, VK_INDEX_TYPE_UINT32);
+}
+
+const vk::Pipeline& SceneBinder::bind(const Draw& draw) {
+  VkCommandBuffer commands = context_.get();
+  const GpuScene& scene = inputs_.scene;
+  const shared::Material& material = scene.material(draw.material);
+  const vk::Pipeline& pipeline = isMasked(material) ? masked_ : opaque_;
+  if (bound_ != &pipeline) {
+    const DrawPush push{inputs_.constants, view_};
+    context_.commands().bind(pipeline, images_, std::as_bytes(std::span(&push, 1)));
+    bound_ = &pipeline;
+    material_ = ~0u;
+  }
+  if (material_ != draw.material) {
+    context_.commands().bindMaterial(pipeline, scene.materialSet(draw.material));
+    bool doubleSided = (material.flags & shared::kMaterialDoubleSided) != 0;
+    vkCmdSetCullMode(commands, doubleSided ? VK_CULL_MODE_NONE : VK_CULL_MODE_BACK_BIT);
+    material_ = draw.material;
+  }
+  vkCmdSetFrontFace(commands, draw.mirrored ? VK_FRONT_FACE_CLOCKWISE : VK_FRONT_FACE_COUNTER_CLOCKWISE);
+  return pipeline;
+}
+
+void drawRun(graph::Context& context, const Draw& draw) {
+  vkCmdDrawIndexed(context.get(), draw.indexCount, draw.instanceCount, draw.firstIndex, 0, draw.firstInstance);
+}
+
 void drawScene(graph::Context& context, const FrameInputs& inputs, uint32_t view, const vk::Pipeline& opaque,
-               const vk::Pipeline& masked) {
-  const GpuScene& scene = inputs.scene;
-  VkCommandBuffer commands = context.get();
-  vkCmdBindIndexBuffer(commands, scene.indexBuffer(), 0, VK_INDEX_TYPE_UINT32);
-  const DrawPush push{inputs.constants, view};
-  const vk::Pipeline* bound = nullptr;
-  uint32_t boundMaterial = ~0u;
-  for (const Draw& draw : scene.visibleDraws(inputs.views[view])) {
-    const shared::Material& material = scene.material(draw.material);
-    const vk::Pipeline& pipeline = isMasked(material) ? masked : opaque;
-    if (bound != &pipeline) {
-      context.commands().bind(pipeline, {}, push);
-      bound = &pipeline;
-      boundMaterial = ~0u;
-    }
-    if (boundMaterial != draw.material) {
-      context.commands().bindMaterial(pipeline, scene.materialSet(draw.material));
-      bool doubleSided = (material.flags & shared::kMaterialDoubleSided) != 0;
-      vkCmdSetCullMode(commands, doubleSided ? VK_CULL_MODE_NONE : VK_CULL_MODE_BACK_BIT);
-      boundMaterial = draw.material;
-    }
-    vkCmdSetFrontFace(commands, draw.mirrored ? VK_FRONT_FACE_CLOCKWISE : VK_FRONT_FACE_COUNTER_CLOCKWISE);
-    vkCmdDrawIndexed(commands, draw.indexCount, draw.instanceCount, draw.firstIndex, 0, draw.firstInstance);
+               const vk::Pipeline& masked, std::span<const vk::BoundImage> images) {
+  SceneBinder binder(context, inputs, view, opaque, masked, images);
+  for (const Draw& draw : inputs.scene.visibleDraws(inputs.views[view])) {
+    binder.bind(draw);
+    drawRun(context, draw);
   }
 }
 
 void beginView(graph::Context& context, const FrameInputs& inputs, uint32_t view,
-               std::span<const graph::ImageId> colors, DepthUse depth) {
+               std::span<const graph::ImageId> colors, DepthUse depth, ColorUse use) {
   std::vector<VkRenderingAttachmentInfo> targets;
+  const VkAttachmentLoadOp load = use == ColorUse::Clear ? VK_ATTACHMENT_LOAD_OP_CLEAR : VK_ATTACHMENT_LOAD_OP_LOAD;
   for (graph::ImageId color : colors)
-    targets.push_back(attachment(context.image(color).layerView(view), VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL,
-                                 VK_ATTACHMENT_LOAD_OP_CLEAR, VK_ATTACHMENT_STORE_OP_STORE));
+    targets.push_back(attachment(context.image(color).layerView(view), VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL, load,
+                                 VK_ATTACHMENT_STORE_OP_STORE));
   VkRenderingAttachmentInfo depthTarget =
       depth.clear ? attachment(context.image(depth.image).layerView(view), VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL,
                                VK_ATTACHMENT_LOAD_OP_CLEAR, VK_ATTACHMENT_STORE_OP_STORE)
@@ -86,6 +100,7 @@ void beginView(graph::Context& context, const FrameInputs& inputs, uint32_t view
                             .colorAttachmentCount = static_cast<uint32_t>(targets.size()),
                             .pColorAttachments = targets.data(),
                             .pDepthAttachment = &depthTarget};
+  if (vk::hasStencil(context.image(depth.image).desc().format)) rendering.pStencilAttachment = &depthTarget;
   vkCmdBeginRendering(context.get(), &rendering);
   VkViewport viewport{
       0, static_cast<float>(inputs.height), static_cast<float>(inputs.width), -static_cast<float>(inputs.height), 0, 1};

@@ -1,0 +1,19 @@
+// One light at a surface, and the counts of lights that --debug lights shows.
+#ifndef LATELIGHT_ONE_LIGHT_GLSL
+#define LATELIGHT_ONE_LIGHT_GLSL
+#include "render/glsl/setup.glsl"
+#include "shared/shade.h"
+
+// How many lights this pixel went through, and how many of them sent it anything.
+float lightsTested = 0.0;
+float lightsUsed = 0.0;
+vec4 lightCount() { return vec4(lightsTested, lightsUsed, 0.0, 0.0); }
+
+// Radiance that one light sends from `s` to the eye.
+vec3 shadeOneLight(Light light, Surface s, vec3 toEye) {
+  vec3 radiance = shadeLight(s, toEye, sampleLight(light, s.position), kShading);
+  if (kCountLights != 0u && any(greaterThan(radiance, vec3(0.0)))) lightsUsed += 1.0;
+  return radiance;
+}
+
+#endif

@@ -1,0 +1,36 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// forward: material and all lights of a visible surface in one shader (seed 000, single-pass lighting).
+#include "render/glsl/common.glsl"
+#include "render/glsl/varyings.glsl"
+#include "render/glsl/material.glsl"
+#include "render/glsl/surface.glsl"
+#include "shared/gbuffer.h"
+#define ENVIRONMENT_BINDING 0
+#include "render/glsl/environment.glsl"
+#include "render/glsl/lights.glsl"
+
+layout(constant_id = 16) const uint kAlphaMasked = 0;
+layout(constant_id = 17) const uint kPlainLoop = 0;
+
+layout(location = 0) out vec4 picture;
+layout(location = 1) out vec4 counts;
+
+void main() {
+  FrameConstants frame = FrameRef(push.frame).v;
+  Surface s = evaluateMaterial(frame, frameInstance(frame, varyingInstance), material);
+  bool unlit = (s.flags & kSurfaceUnlit) != 0u;
+  vec3 emitted = unlit ? s.baseColor : s.emissive;
+  if (unlit) s = withoutReflection(s);
+  vec3 toEye = directionToEye(frameView(frame, push.view), s.position);
+  vec3 radiance = environmentLight(frame, s, toEye);
+  radiance += kPlainLoop != 0u ? shadeAllLightsPlainly(frame, s, toEye)
+                               : shadeAllLights(frame, s, toEye, true);
+  // Emitted radiance has its own ceiling, as in the light accumulation target of the deferred techniques.
+  vec3 sum = min(emitted * frame.exposure, vec3(65504.0)) + radiance * frame.exposure;
+  picture = vec4(min(sum, vec3(65504.0)), 1.0);
+  counts = lightCount();
+  // What the mask cuts out left no depth, but another surface may lie at the very same one. Last, since textures need
+  // the whole quad.
+  if (kAlphaMasked != 0u && cutOut(material)) discard;
+}

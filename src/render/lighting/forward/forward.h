@@ -1,0 +1,15 @@
+// forward: the scene is drawn once more after the depth pass, and each fragment loops over all lights.
+#pragma once
+
+#include "render/lighting/technique.h"
+
+namespace latelight::render {
+
+// How a fragment goes through the lights: dealt to the lanes of its subgroup, as compute shaders do, or each loaded by
+// every fragment: the plain reference, and the way of devices without subgroups in fragment shaders.
+enum class ForwardLoop : uint32_t { Dealt, Plain };
+
+std::unique_ptr<LightingTechnique> makeForward(vk::Device& device, const GpuScene& scene, const FrameSetup& setup,
+                                               ForwardLoop loop);
+
+}  // namespace latelight::render

@@ -1,0 +1,30 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// forward-multipass, first pass: what a surface shows without lights, and which one it is.
+#include "render/glsl/common.glsl"
+#include "render/glsl/varyings.glsl"
+#include "render/glsl/material.glsl"
+#include "render/glsl/surface.glsl"
+#include "shared/gbuffer.h"
+#define ENVIRONMENT_BINDING 0
+#include "render/glsl/environment.glsl"
+
+layout(constant_id = 16) const uint kAlphaMasked = 0;
+
+layout(location = 0) out vec4 radiance;
+layout(location = 1) out uvec2 surface;  // instance and triangle
+layout(location = 2) out vec4 counts;
+
+void main() {
+  FrameConstants frame = FrameRef(push.frame).v;
+  Surface s = evaluateMaterial(frame, frameInstance(frame, varyingInstance), material);
+  bool unlit = (s.flags & kSurfaceUnlit) != 0u;
+  vec3 emitted = unlit ? s.baseColor : s.emissive;
+  if (unlit) s = withoutReflection(s);
+  vec3 reflected = environmentLight(frame, s, directionToEye(frameView(frame, push.view), s.position));
+  radiance = vec4(min(emitted * frame.exposure, vec3(65504.0)) + reflected * frame.exposure, 1.0);
+  surface = uvec2(varyingInstance, gl_PrimitiveID);
+  counts = vec4(0.0);
+  // As in geometry.frag: last, since textures need the whole quad.
+  if (kAlphaMasked != 0u && cutOut(material)) discard;
+}

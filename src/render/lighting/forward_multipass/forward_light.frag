@@ -1,0 +1,29 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// forward-multipass, a light's pass: the whole material once more, lit by one light.
+#include "render/glsl/common.glsl"
+#define DRAW_PUSH_LIGHT
+#include "render/glsl/varyings.glsl"
+#include "render/glsl/material.glsl"
+#include "render/glsl/surface.glsl"
+#include "render/glsl/one_light.glsl"
+#include "shared/gbuffer.h"
+
+layout(constant_id = 16) const uint kAlphaMasked = 0;
+layout(set = 0, binding = 0) uniform usampler2DArray surfaces;  // as forward_base.frag left them
+
+layout(location = 0) out vec4 radiance;
+layout(location = 1) out vec4 counts;
+
+void main() {
+  FrameConstants frame = FrameRef(push.frame).v;
+  Surface s = evaluateMaterial(frame, frameInstance(frame, varyingInstance), material);
+  vec3 one = shadeOneLight(push.light, s, directionToEye(frameView(frame, push.view), s.position));
+  lightsTested = 1.0;
+  // Of several surfaces at one depth all pass the test, and only the one that shows may be added to.
+  uvec2 shown = texelFetch(surfaces, ivec3(ivec2(gl_FragCoord.xy), int(push.view)), 0).rg;
+  bool shows = shown == uvec2(varyingInstance, gl_PrimitiveID);
+  radiance = shows ? vec4(one * frame.exposure, 0.0) : vec4(0.0);
+  counts = shows ? lightCount() : vec4(0.0);
+  if (kAlphaMasked != 0u && cutOut(material)) discard;
+}

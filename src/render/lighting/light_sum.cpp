@@ -1,0 +1,21 @@
+#include "render/lighting/light_sum.h"
+
+#include "base/log.h"
+
+namespace latelight::render {
+
+VkFormat lightSumFormat(vk::Device& device) {
+  constexpr VkFormat kWanted = VK_FORMAT_R32G32B32A32_SFLOAT;
+  VkFormatProperties properties;
+  vkGetPhysicalDeviceFormatProperties(device.physical(), kWanted, &properties);
+  return properties.optimalTilingFeatures & VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BLEND_BIT ? kWanted : kLightFormat;
+}
+
+void warnOfManyPasses(const char* technique, uint64_t passes) {
+  constexpr uint64_t kMany = 20000;
+  if (passes > kMany)
+    warn("{} draws {} light passes a frame, which takes long: tiled and clustered are made for this many lights",
+         technique, passes);
+}
+
+}  // namespace latelight::render

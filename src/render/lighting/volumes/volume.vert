@@ -1,0 +1,37 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "render/glsl/common.glsl"
+#include "render/lighting/volumes/volume_push.glsl"
+
+// Beyond what spotOffset / spotScale keep of the angle: their rounding moves a narrow cone's by 3.5e-4 radians.
+const float kAngleMargin = 1e-3;
+const float kLengthMargin = 0.01;  // of the reach: as kVolumeMargin of volume_mesh.h
+
+// A vertex of the cone about +z, its tip at the origin: see kConeTip, kConeRim, kConeTop of volume_mesh.h.
+vec3 coneVertex(vec3 v, Light light) {
+  float angle = acos(clamp(-light.spotOffset / light.spotScale, -1.0, 1.0)) + kAngleMargin;
+  vec2 rim = vec2(sin(angle), cos(angle));  // from the axis, along it
+  vec2 top = vec2(tan(0.5 * angle), 1.0 + kLengthMargin);
+  vec2 profile = v.z < 0.5 ? vec2(0.0, -kLengthMargin) : v.z < 1.5 ? rim : top;
+  return vec3(v.xy * profile.x, profile.y) * light.reach;
+}
+
+vec3 rotateFromAxis(vec3 v, vec3 axis) {
+  vec3 other = abs(axis.z) < 0.9 ? vec3(0.0, 0.0, 1.0) : vec3(1.0, 0.0, 0.0);
+  vec3 x = normalize(cross(other, axis));
+  return x * v.x + cross(axis, x) * v.y + axis * v.z;
+}
+
+void main() {
+  if (push.shape == kShapeScreen) {
+    gl_Position = vec4(vec2(gl_VertexIndex & 1, gl_VertexIndex >> 1) * 4.0 - 1.0, 0.0, 1.0);
+    return;
+  }
+  vec3 v = PositionRef(push.vertices).v[gl_VertexIndex];
+  if (push.shape == kShapeCone)
+    v = rotateFromAxis(coneVertex(v, push.light), push.light.direction);
+  else
+    v *= push.light.reach;
+  View view = frameView(FrameRef(push.frame).v, push.view);
+  gl_Position = projectToClip(view.projection, view.worldToView * vec4(push.light.position + v, 1.0));
+}

@@ -1,0 +1,304 @@
+// volumes: each light is drawn as a mesh around what it reaches, and stencil culling keeps its shader from pixels it
+// can't light (seed 000; Hargreaves and Harris 2004, Deferred Shading). Point lights are spheres, spot lights cones,
+// directional lights one triangle over the picture. Depth is reversed here: the seed's LESS is GREATER.
+#include <cmath>
+#include <cstring>
+
+#include "render/frustum.h"
+#include "render/lighting/light_sum.h"
+#include "render/lighting/lighting_shader.h"
+#include "render/lighting/technique.h"
+#include "render/lighting/volumes/volume_mesh.h"
+#include "render/lighting/volumes/volumes.h"
+#include "render/visibility/hardware.h"
+
+namespace latelight::render {
+
+namespace {
+
+constexpr VkFormat kStencilFormat = VK_FORMAT_D32_SFLOAT_S8_UINT;
+enum Shape : uint32_t { kShapeScreen, kShapeSphere, kShapeCone };  // volume_push.glsl
+
+struct VolumePush {  // volume_push.glsl
+  VkDeviceAddress frame, vertices;
+  uint32_t view;
+  uint32_t shape;
+  shared::Light light;
+};
+
+struct LightingPush {  // volumes.comp
+  VkDeviceAddress frame;
+};
+
+// --- the draws ------------------------------------------------------------------------------------------------------
+
+constexpr VkStencilOpState stencilOps(VkCompareOp compare, VkStencilOp pass, VkStencilOp depthFail) {
+  return {.failOp = VK_STENCIL_OP_KEEP,
+          .passOp = pass,
+          .depthFailOp = depthFail,
+          .compareOp = compare,
+          .compareMask = 0xff,
+          .writeMask = 0xff};
+}
+constexpr VkStencilOpState kMarkOnFail = stencilOps(VK_COMPARE_OP_ALWAYS, VK_STENCIL_OP_KEEP, VK_STENCIL_OP_REPLACE);
+constexpr VkStencilOpState kMarkOnPass = stencilOps(VK_COMPARE_OP_ALWAYS, VK_STENCIL_OP_REPLACE, VK_STENCIL_OP_KEEP);
+constexpr VkStencilOpState kMarked = stencilOps(VK_COMPARE_OP_EQUAL, VK_STENCIL_OP_KEEP, VK_STENCIL_OP_KEEP);
+
+enum Step : uint32_t { kMarkClassic, kMarkKillzone, kLightMarked, kLightMarkedBehind, kLightUnmarked, kLightScreen };
+
+// A volume is convex, so at each pixel it has one front face and one back face, or, where the camera is inside, a back
+// face alone. A surface can only be lit where the back face lies behind it: that is what both orders mark.
+struct StepState {
+  const char* name;
+  bool lights;  // else it marks
+  VkCompareOp depth;
+  std::optional<VkStencilOpState> stencil;
+  VkCullModeFlags cull;
+};
+constexpr StepState kSteps[] = {
+    // Seed 000, first step: depth LESS, stencil ALWAYS, depth-fail REPLACE. Drawn with the back faces: what they fail
+    // against lies in front of them.
+    {"mark", false, VK_COMPARE_OP_GREATER, kMarkOnFail, VK_CULL_MODE_FRONT_BIT},
+    // Valient 2007 (Deferred Rendering in Killzone 2): back faces, depth GREATER-EQUAL, stencil written on pass.
+    {"mark killzone", false, VK_COMPARE_OP_LESS_OR_EQUAL, kMarkOnPass, VK_CULL_MODE_FRONT_BIT},
+    // Seed 000, second step: depth ALWAYS, stencil EQUAL. Back faces, since the camera may be inside.
+    {"light", true, VK_COMPARE_OP_ALWAYS, kMarked, VK_CULL_MODE_FRONT_BIT},
+    // Killzone's second step: front faces, depth LESS-EQUAL, stencil EQUAL. Not where the near plane may have cut the
+    // front faces away.
+    {"light killzone", true, VK_COMPARE_OP_GREATER_OR_EQUAL, kMarked, VK_CULL_MODE_BACK_BIT},
+    // Tiny volumes: the back faces' depth test alone, as in Killzone 2.
+    {"light unmarked", true, VK_COMPARE_OP_LESS_OR_EQUAL, std::nullopt, VK_CULL_MODE_FRONT_BIT},
+    // The triangle at depth 0 lies behind everything but background.
+    {"light screen", true, VK_COMPARE_OP_LESS, std::nullopt, VK_CULL_MODE_NONE},
+};
+
+// What to do for one light in one view.
+struct VolumeDraw {
+  Shape shape;
+  std::optional<Step> mark;
+  Step light;
+};
+
+// Chooses the draws of lights in a view.
+class VolumePlan {
+ public:
+  VolumePlan(const shared::View& view, uint32_t order, bool depthClamp)
+      : view_(view), frustum_(view), order_(order), depthClamp_(depthClamp) {}
+
+  std::optional<VolumeDraw> of(const shared::Light& light) const {
+    const VolumeDraw screen{kShapeScreen, std::nullopt, kLightScreen};
+    if (light.type == shared::kLightDirectional || std::isinf(light.reach)) return screen;
+    if (!frustum_.touches({light.position, light.reach})) return std::nullopt;
+    const float depth = (view_.worldToView * glm::vec4(light.position, 1.0f)).y;
+    const float extent = kVolumeExtent * light.reach;
+    const bool cutFar = depth + extent >= shared::viewDepth(view_.projection, 0.0f);
+    // Clamped, back faces beyond the far plane stay; clipped, they would leave what they hold unmarked.
+    if (cutFar && !depthClamp_) return screen;
+    const Shape shape = isCone(light) ? kShapeCone : kShapeSphere;
+    if (projectedRadius(light) < kLeastMarkedRadius) return VolumeDraw{shape, std::nullopt, kLightUnmarked};
+    if (order_ == kVolumesClassic) return VolumeDraw{shape, kMarkClassic, kLightMarked};
+    const bool cutNear = depth - extent <= shared::viewDepth(view_.projection, 1.0f);
+    return VolumeDraw{shape, kMarkKillzone, cutNear ? kLightMarked : kLightMarkedBehind};
+  }
+
+ private:
+  // Wider cones than 80 degrees are hardly smaller than the sphere.
+  static bool isCone(const shared::Light& light) {
+    constexpr float kCos80 = 0.17364818f;
+    return light.type == shared::kLightSpot && -light.spotOffset > kCos80 * light.spotScale;
+  }
+
+  // Of the sphere of its reach, pixels; infinite with the camera inside.
+  float projectedRadius(const shared::Light& light) const {
+    const float scale = view_.projection.V * view_.size.y * 0.5f;
+    if (view_.projection.kind == shared::kOrthographic) return light.reach * scale;
+    const glm::vec3 offset = light.position - view_.eye;
+    const float squared = glm::dot(offset, offset) - light.reach * light.reach;
+    return squared > 0 ? light.reach * scale / std::sqrt(squared) : std::numeric_limits<float>::infinity();
+  }
+
+  const shared::View& view_;
+  Frustum frustum_;
+  uint32_t order_;
+  bool depthClamp_;
+};
+
+// --- the technique --------------------------------------------------------------------------------------------------
+
+class Volumes final : public LightingTechnique {
+ public:
+  Volumes(vk::Device& device, const FrameSetup& setup)
+      : setup_(setup),
+        sumFormat_(lightSumFormat(device)),
+        finish_(device, setup, "volumes.comp", {}, {vk::Binding::Sampled}),
+        sampler_(vk::makeSampler(device, vk::kNearestSampler)) {
+    VkPhysicalDeviceFeatures features;
+    vkGetPhysicalDeviceFeatures(device.physical(), &features);
+    depthClamp_ = features.depthClamp;  // an optional feature that is enabled where it is offered
+    copyDepth_ = makeDepthCopy(device);
+    for (const StepState& step : kSteps) steps_.push_back(makeStep(device, step));
+    upload(device);
+  }
+
+  void add(graph::Graph& graph, const FrameInputs& inputs, const Gbuffer& gbuffer) const override {
+    const graph::ImageId sum = createTarget(graph, inputs, sumFormat_, "sum of lights");
+    const graph::ImageId stencil = createTarget(graph, inputs, kStencilFormat, "depth and stencil");
+    std::vector<graph::ImageId> colors{sum};
+    if (setup_.countLights) colors.push_back(gbuffer.lightCounts);
+
+    std::vector<graph::Access> accesses{{stencil, graph::Use::DepthAttachment},
+                                        {gbuffer.depth, graph::Use::SampledFragment}};
+    for (graph::ImageId target : gbuffer.targets) accesses.emplace_back(target, graph::Use::SampledFragment);
+    for (graph::ImageId color : colors) accesses.emplace_back(color, graph::Use::ColorAttachment);
+    graph.pass("light volumes", std::move(accesses), [=, this](graph::Context& context) {
+      uint64_t passes = 0;
+      for (uint32_t view = 0; view < inputs.views.size(); ++view) {
+        beginView(context, inputs, view, colors, {stencil, true});
+        passes += drawVolumes(context, inputs, gbuffer, view);
+        vkCmdEndRendering(context.get());
+      }
+      warnOfManyPasses("lighting by volumes", passes);
+    });
+    addFinish(graph, inputs, gbuffer, sum);
+  }
+
+ private:
+  vk::GraphicsDesc describe(const StepState& step) const {
+    vk::GraphicsDesc desc;
+    desc.vertex = "volume.vert";
+    desc.bindings.assign(setup_.layout->targets.size() + 1, vk::Binding::Sampled);  // and depth
+    desc.colors = {sumFormat_};
+    if (setup_.countLights) desc.colors.push_back(kCountsFormat);
+    desc.constants = setup_.constants();
+    desc.depth = kStencilFormat;
+    desc.depthCompare = step.depth;
+    desc.depthWrite = false;
+    desc.depthClamp = depthClamp_;
+    desc.stencil = step.stencil;
+    desc.colorWrite = step.lights;
+    desc.additive = step.lights;
+    desc.name = std::string("volumes ") + step.name;
+    return desc;
+  }
+
+  vk::Pipeline makeStep(vk::Device& device, const StepState& step) const {
+    vk::GraphicsDesc desc = describe(step);
+    if (step.lights) desc.fragment = "volume.frag@" + setup_.layout->file;
+    return vk::makePipeline(device, desc);
+  }
+
+  vk::Pipeline makeDepthCopy(vk::Device& device) const {
+    vk::GraphicsDesc desc = describe({"depth", false, VK_COMPARE_OP_ALWAYS, std::nullopt, VK_CULL_MODE_NONE});
+    desc.fragment = "volume_depth.frag";
+    desc.bindings = {vk::Binding::Sampled};
+    desc.depthWrite = true;
+    return vk::makePipeline(device, desc);
+  }
+
+  void upload(vk::Device& device) {
+    const VolumeMesh mesh = makeVolumeMesh();
+    sphere_ = mesh.sphere;
+    cone_ = mesh.cone;
+    vk::Uploader uploader(device);
+    const auto make = [&](const char* name, const auto& values, VkBufferUsageFlags usage) {
+      const auto bytes = std::as_bytes(std::span(values));
+      vk::Buffer buffer(device, {.size = bytes.size(), .usage = usage, .name = name});
+      uploader.upload(buffer, bytes);
+      return buffer;
+    };
+    vertices_ = make("light volumes", mesh.vertices, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
+    indices_ = make("light volume indices", mesh.indices, VK_BUFFER_USAGE_INDEX_BUFFER_BIT);
+    uploader.flush();
+  }
+
+  // Every light of a view, within a rendering that has begun. Returns how many.
+  uint64_t drawVolumes(graph::Context& context, const FrameInputs& inputs, const Gbuffer& gbuffer,
+                       uint32_t view) const {
+    VkCommandBuffer commands = context.get();
+    VolumePush push{inputs.constants, vertices_.address(), view, kShapeScreen, {}};
+    vkCmdSetFrontFace(commands, VK_FRONT_FACE_COUNTER_CLOCKWISE);
+    vkCmdSetCullMode(commands, VK_CULL_MODE_NONE);
+    const vk::BoundImage depth{context.image(gbuffer.depth).arrayView(), sampler_.get()};
+    context.commands().bind(copyDepth_, {depth}, push);
+    vkCmdDraw(commands, 3, 1, 0, 0);
+
+    std::vector<vk::BoundImage> images;
+    for (graph::ImageId target : gbuffer.targets) images.push_back({context.image(target).arrayView(), sampler_.get()});
+    images.push_back(depth);
+    context.commands().bind(steps_[kLightScreen], images, push);  // all steps' layouts are alike: set 0 stays bound
+    vkCmdBindIndexBuffer(commands, indices_.get(), 0, VK_INDEX_TYPE_UINT32);
+
+    const VolumePlan plan(inputs.views[view], setup_.volumesOrder, depthClamp_);
+    uint32_t reference = 0;  // of the last light that was marked; 0 is what stencil is cleared to
+    uint64_t passes = 0;
+    for (const shared::Light& light : inputs.lights) {
+      const std::optional<VolumeDraw> draw = plan.of(light);
+      if (!draw) continue;
+      push.light = light;
+      push.shape = draw->shape;
+      context.commands().push(steps_[kLightScreen], push);
+      if (draw->mark) {
+        reference = nextReference(commands, inputs, reference);
+        vkCmdSetStencilReference(commands, VK_STENCIL_FACE_FRONT_AND_BACK, reference);
+        record(commands, *draw->mark, draw->shape);
+      }
+      record(commands, draw->light, draw->shape);
+      ++passes;
+    }
+    return passes;
+  }
+
+  // Every light marks with a value of its own, so stencil is cleared once in 255 lights.
+  static uint32_t nextReference(VkCommandBuffer commands, const FrameInputs& inputs, uint32_t last) {
+    if (last < 255) return last + 1;
+    const VkClearAttachment clear{.aspectMask = VK_IMAGE_ASPECT_STENCIL_BIT};
+    const VkClearRect rect{{{0, 0}, {inputs.width, inputs.height}}, 0, 1};
+    vkCmdClearAttachments(commands, 1, &clear, 1, &rect);
+    return 1;
+  }
+
+  void record(VkCommandBuffer commands, Step step, Shape shape) const {
+    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, steps_[step].pipeline.get());
+    vkCmdSetCullMode(commands, kSteps[step].cull);
+    if (shape == kShapeScreen) {
+      vkCmdDraw(commands, 3, 1, 0, 0);
+      return;
+    }
+    const VolumeMesh::Part& part = shape == kShapeCone ? cone_ : sphere_;
+    vkCmdDrawIndexed(commands, part.indexCount, 1, part.firstIndex, static_cast<int32_t>(part.firstVertex), 0);
+  }
+
+  void addFinish(graph::Graph& graph, const FrameInputs& inputs, const Gbuffer& gbuffer, graph::ImageId sum) const {
+    std::vector<graph::Access> accesses = LightingShader::accesses(gbuffer);
+    // The volumes counted already.
+    for (graph::Access& access : accesses)
+      if (setup_.countLights && access.image == gbuffer.lightCounts) access.use = graph::Use::StorageReadWrite;
+    accesses.emplace_back(sum, graph::Use::SampledCompute);
+    graph.pass("lighting volumes", std::move(accesses), [=, this](graph::Context& context) {
+      finish_.dispatch(context, inputs, gbuffer, LightingPush{inputs.constants},
+                       {{context.image(sum).arrayView(), sampler_.get()}});
+    });
+  }
+
+  FrameSetup setup_;
+  VkFormat sumFormat_;
+  LightingShader finish_;
+  vk::Handle<VkSampler> sampler_;
+  bool depthClamp_ = false;
+  vk::Pipeline copyDepth_;
+  std::vector<vk::Pipeline> steps_;  // as kSteps
+  vk::Buffer vertices_, indices_;
+  VolumeMesh::Part sphere_{}, cone_{};
+};
+
+}  // namespace
+
+TechniqueInfo technique_volumes() {
+  return {
+      .description = "a sphere or cone a light, drawn with two-step stencil culling; deferred",
+      .make = [](vk::Device& device, const GpuScene&, const FrameSetup& setup) -> std::unique_ptr<LightingTechnique> {
+        return std::make_unique<Volumes>(device, setup);
+      }};
+}
+
+}  // namespace latelight::render
