@@ -42,7 +42,10 @@ Json listLayouts() {
 Json listNormals() {
   Json rows = Json::array();
   for (const render::NormalEncoding& encoding : render::normalEncodings())
-    rows.push_back({{"name", encoding.name}, {"channels", encoding.channels}});
+    rows.push_back({{"name", encoding.name},
+                    {"description", encoding.description},
+                    {"channels", encoding.channels},
+                    {"hemisphereOnly", encoding.hemisphere}});
   return rows;
 }
 
@@ -89,6 +92,8 @@ struct Topic {
 const Topic kTopics[] = {
     {"layouts", listLayouts},
     {"normals", listNormals},
+    {"normal-spaces", [] { return listOptions(render::normalSpaces()); }},
+    {"positions", [] { return listOptions(render::positionMethods()); }},
     {"lighting", listLighting},
     {"shading", [] { return listOptions(render::shadings()); }},
     {"tonemaps", [] { return listOptions(render::tonemaps()); }},
@@ -144,7 +149,8 @@ void addListCommand(CLI::App& app) {
     bool json = false;
   };
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("list", "List layouts, normals, lighting, shading, tonemaps, aovs, scenes");
+  CLI::App* command =
+      app.add_subcommand("list", "List layouts, normals, positions, lighting, shading, tonemaps, aovs, scenes");
   command->add_option("TOPIC", options->topic, "One of the lists; all of them without it");
   command->add_flag("--json", options->json, "As JSON");
   command->callback([options] { list(options->topic, options->json); });

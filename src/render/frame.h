@@ -47,6 +47,8 @@ struct FrameSetup {
   const TechniqueInfo* lighting = nullptr;
   uint32_t shading = 0;  // kShading*
   bool countLights = false;
+  uint32_t normalSpace = 0;     // kNormalSpace*
+  uint32_t positionMethod = 0;  // kPosition*
 
   // Of every shader that includes render/glsl/setup.glsl; a shader's own start at kFirstOwnConstant.
   std::vector<vk::Constant> constants() const;

@@ -108,12 +108,16 @@ FrameInputs Renderer::prepareViews(Job& job, glm::vec2 jitter) {
 }
 
 Frame& Renderer::frameFor(const Settings& s) {
-  const std::string key = s.layout + "/" + s.normals + "/" + s.lighting + "/" + s.shading;
+  std::string key;
+  for (const std::string& choice : {s.layout, s.normals, s.normalSpace, s.position, s.lighting, s.shading})
+    key += choice + "/";
   if (frame_ && key == frameKey_) return *frame_;
   FrameSetup setup{.layout = &findLayout(s.layout),
                    .normalEncoding = findNormalEncoding(s.normals).index,
                    .lighting = &findTechnique(s.lighting),
-                   .shading = indexByName(shadings(), s.shading, "shading model")};
+                   .shading = indexByName(shadings(), s.shading, "shading model"),
+                   .normalSpace = indexByName(normalSpaces(), s.normalSpace, "space of normals"),
+                   .positionMethod = indexByName(positionMethods(), s.position, "position method")};
   frame_ = std::make_unique<Frame>(device_, gpuScene_, setup);
   frameKey_ = key;
   return *frame_;
