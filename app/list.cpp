@@ -75,7 +75,10 @@ Json listLayouts(const PictureSize& picture) {
 Json listNormals() {
   Json rows = Json::array();
   for (const render::NormalEncoding& encoding : render::normalEncodings())
-    rows.push_back({{"name", encoding.name}, {"channels", encoding.channels}});
+    rows.push_back({{"name", encoding.name},
+                    {"description", encoding.description},
+                    {"channels", encoding.channels},
+                    {"hemisphereOnly", encoding.hemisphere}});
   return rows;
 }
 
@@ -162,6 +165,8 @@ struct Topic {
 const Topic kTopics[] = {
     {"layouts", listLayouts, printLayout},
     {"normals", [](const PictureSize&) { return listNormals(); }},
+    {"normal-spaces", [](const PictureSize&) { return listOptions(render::normalSpaces()); }},
+    {"positions", [](const PictureSize&) { return listOptions(render::positionMethods()); }},
     {"lighting", [](const PictureSize&) { return listLighting(); }},
     {"shading", [](const PictureSize&) { return listOptions(render::shadings()); }},
     {"tonemaps", [](const PictureSize&) { return listOptions(render::tonemaps()); }},
@@ -212,8 +217,7 @@ void list(const Options& o) {
 
 void addListCommand(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  CLI::App* command =
-      app.add_subcommand("list", "List layouts, normals, lighting, shading, tonemaps, volumes-orders, aovs, scenes");
+  CLI::App* command = app.add_subcommand("list", "List what can be chosen: layouts, normals, lighting, ...");
   command->add_option("TOPIC", options->topic, "One of the lists; all of them without it");
   command->add_option("--size", options->size, "The picture whose G-buffers are measured, in pixels")
       ->capture_default_str();

@@ -152,6 +152,8 @@ std::map<std::string, std::string> describeSettings(const Options& o, const std:
   return {{"size", fmt::format("{}x{}", s.width, s.height)},
           {"layout", s.layout},
           {"normals", s.normals},
+          {"normal-space", s.normalSpace},
+          {"position", s.position},
           {"lighting", s.lighting},
           {"shading", s.shading},
           {"tonemap", s.tonemap},
@@ -313,6 +315,10 @@ void addLookOptions(CLI::App& c, Options& o) {
   render::Settings& s = o.settings;
   c.add_option("--layout", s.layout, "G-buffer layout (latelight list layouts)")->capture_default_str();
   c.add_option("--normals", s.normals, "Normal encoding (latelight list normals)")->capture_default_str();
+  c.add_option("--normal-space", s.normalSpace, "Where normals are encoded: layout (its own), world or view")
+      ->capture_default_str();
+  c.add_option("--position", s.position, "Position from depth: ray, matrix or reciprocal (latelight list positions)")
+      ->capture_default_str();
   c.add_option("--lighting", s.lighting, "Lighting technique (latelight list lighting)")->capture_default_str();
   c.add_option("--shading", s.shading, "ggx or blinn-phong")->capture_default_str();
   c.add_option("--volumes-order", s.volumesOrder, "How --lighting volumes culls by stencil: classic or killzone")

@@ -29,6 +29,7 @@ latelight_list(LATELIGHT_LIGHTING src/render/lighting/* TRUE)
 set(includes "") 
 set(constants "")
 set(channels "")
+set(hemisphere "")
 set(encode "")
 set(decode "")
 set(table "")
@@ -37,8 +38,9 @@ foreach(name IN LISTS LATELIGHT_NORMALS)
   string(APPEND includes "#include \"shared/normal/${name}.h\"\n")
   string(APPEND constants "SH_CONST uint kNormal_${name} = ${index}u;\n")
   string(APPEND channels "  if (encoding == ${index}u) return kNormalChannels_${name};\n")
+  string(APPEND hemisphere "  if (encoding == ${index}u) return kNormalHemisphere_${name} != 0u;\n")
   string(APPEND encode "  if (encoding == ${index}u) return encodeNormal_${name}(n, levels);\n")
-  string(APPEND decode "  if (encoding == ${index}u) return decodeNormal_${name}(e);\n")
+  string(APPEND decode "  if (encoding == ${index}u) return decodeNormal_${name}(e, levels);\n")
   string(APPEND table "  X(${name}, ${index})")
   math(EXPR index "${index} + 1")
 endforeach()
@@ -53,12 +55,16 @@ ${constants}
 SH_FUNC uint normalChannels(uint encoding) {
 ${channels}  return 0u;
 }
-// Channels in [0, 1] of a unit normal; `levels` is 2^bits - 1 of each channel.
+// Whether only normals with z >= 0 come back.
+SH_FUNC bool normalHemisphereOnly(uint encoding) {
+${hemisphere}  return false;
+}
+// Channels in [0, 1] of a unit normal; `levels` is 2^bits - 1 of each channel, 0 for float channels.
 SH_FUNC vec3 encodeNormal(uint encoding, vec3 n, vec3 levels) {
 ${encode}  return vec3(0.0f, 0.0f, 0.0f);
 }
 // Unit normal of stored channels.
-SH_FUNC vec3 decodeNormal(uint encoding, vec3 e) {
+SH_FUNC vec3 decodeNormal(uint encoding, vec3 e, vec3 levels) {
 ${decode}  return vec3(0.0f, 0.0f, 1.0f);
 }
 SH_END

@@ -8,7 +8,7 @@
 namespace latelight::render {
 
 std::vector<vk::Constant> FrameSetup::constants() const {
-  return {{0, normalEncoding}, {1, shading}, {2, countLights ? 1u : 0u}};
+  return {{0, normalEncoding}, {1, shading}, {2, countLights ? 1u : 0u}, {3, normalSpace}, {4, positionMethod}};
 }
 
 graph::ImageId createTarget(graph::Graph& graph, const FrameInputs& inputs, VkFormat format, const std::string& name) {

@@ -46,8 +46,10 @@ struct FrameSetup {
   const Layout* layout = nullptr;
   uint32_t normalEncoding = 0;  // kNormal_*
   const TechniqueInfo* lighting = nullptr;
-  uint32_t shading = 0;  // kShading*
-  uint32_t volumesOrder = 0;  // kVolumes*: of the technique `volumes`
+  uint32_t shading = 0;         // kShading*
+  uint32_t normalSpace = 0;     // kNormalSpace*
+  uint32_t positionMethod = 0;  // kPosition*
+  uint32_t volumesOrder = 0;    // kVolumes*: of the technique `volumes`
   bool countLights = false;
 
   // Of every shader that includes render/glsl/setup.glsl; a shader's own start at kFirstOwnConstant.

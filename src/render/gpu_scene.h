@@ -73,7 +73,7 @@ class GpuScene {
   vk::Handle<VkDescriptorPool> materialPool_;
   std::vector<VkDescriptorSet> materialSets_;
   std::vector<Draw> draws_;
-  std::vector<Sphere> bounds_;  // of the instances, in the order of the device
+  std::vector<Sphere> bounds_;             // of the instances, in the order of the device
   std::vector<shared::Light> hostLights_;  // as on the device
   uint32_t directionalLights_ = 0, lightTreeLeaves_ = 0;
   float exposure_ = 1;

@@ -48,9 +48,7 @@ uint64_t reachClass(float reach) {
 struct Key {
   uint64_t code;  // reach class, then place along a Morton curve
   uint32_t light;
-  bool operator<(const Key& other) const {
-    return code != other.code ? code < other.code : light < other.light;
-  }
+  bool operator<(const Key& other) const { return code != other.code ? code < other.code : light < other.light; }
 };
 
 struct Curve {  // through a box
@@ -65,7 +63,8 @@ struct Curve {  // through a box
   uint64_t at(vec3 position) const {
     uint64_t code = 0;
     for (int i = 0; i < 3; ++i) {
-      const float cell = std::clamp((position[i] - low[i]) * scale[i], 0.0f, static_cast<float>((1u << kAxisBits) - 1u));
+      const float cell =
+          std::clamp((position[i] - low[i]) * scale[i], 0.0f, static_cast<float>((1u << kAxisBits) - 1u));
       code |= spread(static_cast<uint64_t>(cell)) << i;
     }
     return code;
@@ -152,7 +151,8 @@ LightBox lightBox(const Light& light) {
     for (int side = 0; side < 2; ++side)
       for (int i = 0; i < 3; ++i) {
         // The direction in the cone that comes nearest to the axis; if none comes near, the apex is farthest out.
-        const double axis = std::acos(std::clamp(double{side == 0 ? light.direction[i] : -light.direction[i]}, -1.0, 1.0));
+        const double axis =
+            std::acos(std::clamp(double{side == 0 ? light.direction[i] : -light.direction[i]}, -1.0, 1.0));
         extent[side][i] = axis <= outer ? 1.0f : static_cast<float>(std::max(std::cos(axis - outer), 0.0));
       }
   }

@@ -139,13 +139,17 @@ FrameInputs Renderer::prepareViews(Job& job, glm::vec2 jitter) {
 }
 
 Frame& Renderer::frameFor(const Settings& s, bool countLights) {
-  const std::string key =
-      fmt::format("{}/{}/{}/{}/{}/{}", s.layout, s.normals, s.lighting, s.shading, s.volumesOrder, countLights);
+  std::string key = countLights ? "counting/" : "";
+  for (const std::string& choice :
+       {s.layout, s.normals, s.normalSpace, s.position, s.lighting, s.shading, s.volumesOrder})
+    key += choice + "/";
   if (frame_ && key == frameKey_) return *frame_;
   FrameSetup setup{.layout = &findLayout(s.layout),
                    .normalEncoding = findNormalEncoding(s.normals).index,
                    .lighting = &findTechnique(s.lighting),
                    .shading = indexByName(shadings(), s.shading, "shading model"),
+                   .normalSpace = indexByName(normalSpaces(), s.normalSpace, "space of normals"),
+                   .positionMethod = indexByName(positionMethods(), s.position, "position method"),
                    .volumesOrder = indexByName(volumesOrders(), s.volumesOrder, "order of light volumes"),
                    .countLights = countLights};
   frame_ = std::make_unique<Frame>(device_, gpuScene_, setup);

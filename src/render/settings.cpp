@@ -36,6 +36,24 @@ const std::vector<NamedOption>& volumesOrders() {
   return all;
 }
 
+const std::vector<NamedOption>& normalSpaces() {
+  static const std::vector<NamedOption> all = {
+      {"layout", "the layout's own"},
+      {"world", "world space; not for encodings of the near hemisphere alone, which stay in view space"},
+      {"view", "view space, the encoding's +Z towards the viewer"},
+  };
+  return all;
+}
+
+const std::vector<NamedOption>& positionMethods() {
+  static const std::vector<NamedOption> all = {
+      {"ray", "the view ray times view depth B / (d - A)"},
+      {"matrix", "the full inverse projection matrix, and a division by w"},
+      {"reciprocal", "the view ray times 1 / (P d + Q): a multiply-add and a reciprocal"},
+  };
+  return all;
+}
+
 void checkSettings(const Settings& s) {
   constexpr uint32_t kMaxSide = 16384;  // maxImageDimension2D every Vulkan 1.3 device we know of offers
   if (s.width == 0 || s.height == 0 || s.width > kMaxSide || s.height > kMaxSide)
@@ -50,6 +68,8 @@ void checkSettings(const Settings& s) {
   if (!std::isfinite(s.environmentRotation)) badUsage("the environment's rotation must be a number of degrees");
   findLayout(s.layout);
   findNormalEncoding(s.normals);
+  findByName(normalSpaces(), s.normalSpace, "space of normals");
+  findByName(positionMethods(), s.position, "position method");
   findTechnique(s.lighting);
   findByName(shadings(), s.shading, "shading model");
   findByName(tonemaps(), s.tonemap, "tonemap");

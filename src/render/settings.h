@@ -18,6 +18,8 @@ struct Settings {
   uint32_t width = 1280, height = 720;
   std::string layout = "thin";
   std::string normals = "octahedral";
+  std::string normalSpace = "layout";
+  std::string position = "ray";
   std::string lighting = "fullscreen";
   std::string shading = "ggx";
   std::string tonemap = "khronos";
@@ -35,8 +37,8 @@ struct Settings {
   bool zUp = false;  // positions, normals and poses in the renderer's world instead of the scene file's frame
 };
 
-// The names --shading, --tonemap and --volumes-order take, in the order of their kShading*, kTonemap* and kVolumes*
-// constants.
+// The names --shading, --tonemap, --volumes-order, --normal-space and --position take, in the order of their kShading*,
+// kTonemap*, kVolumes*, kNormalSpace* and kPosition* constants.
 struct NamedOption {
   const char* name;
   const char* description;
@@ -44,6 +46,8 @@ struct NamedOption {
 const std::vector<NamedOption>& shadings();
 const std::vector<NamedOption>& tonemaps();
 const std::vector<NamedOption>& volumesOrders();
+const std::vector<NamedOption>& normalSpaces();
+const std::vector<NamedOption>& positionMethods();
 
 // Throws Error(Usage) with a sentence where a value is out of range or a name unknown.
 void checkSettings(const Settings& settings);

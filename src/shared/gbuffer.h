@@ -11,9 +11,10 @@
 //   GBUFFER_END
 //
 // FORMAT is a Vulkan format without VK_FORMAT_, or NORMAL32: four bytes that follow the normal encoding (R16G16_UNORM
-// for two channels, A2B10G10R10_UNORM for three). `type` is vec4 for float and normalised formats, uvec2 or uvec4 for
-// integer ones, uint for R32_UINT. The fragment outputs, sampled inputs, Vulkan formats, bytes a pixel, debug names and the C++ registry
-// all follow from this list; nothing else names a layout.
+// for two channels, A2B10G10R10_UNORM for three); packNormal32 and unpackNormal32 go with it. `type` is vec4 for float
+// and normalised formats, uvec2 or uvec4 for integer ones, uint for R32_UINT. The fragment outputs, sampled inputs,
+// Vulkan formats, bytes a pixel, debug names and the C++ registry all follow from this list; nothing else names a
+// layout.
 //
 // A layout that stores Surface::flags defines GBUFFER_KEEPS_FLAGS; the others get unlit surfaces as ones that reflect
 // nothing (their base colour is in the light accumulation target already).
@@ -57,12 +58,13 @@ struct GbufferContext {
   float depth;          // device depth; unpacking only
   float ao;             // from the light accumulation target; unpacking only
   uint normalEncoding;  // kNormal_*
+  uint normalSpace;     // kNormalSpace*
+  uint positionMethod;  // kPosition*
 };
 
 // World position of the sample, from its depth.
 SH_FUNC vec3 positionFromDepth(GbufferContext c) {
-  vec3 v =
-      viewPositionAtDepth(c.view.projection, pixelToNdc(c.pixel, c.view.size), viewDepth(c.view.projection, c.depth));
+  vec3 v = viewPosition(c.view.projection, c.positionMethod, pixelToNdc(c.pixel, c.view.size), c.depth);
   return c.view.viewToWorld * vec4(v, 1.0f);
 }
 
@@ -87,6 +89,45 @@ SH_FUNC float fromBits(uint x, uint bits) {
   return float(x & ((1u << bits) - 1u)) / float((1u << bits) - 1u);
 }
 
+// --- normals --------------------------------------------------------------------------------------------------------
+
+// The space a layout encodes normals in. The encodings' frame has +Z where they are best; for view space that is
+// towards the viewer: (x, z, -y) of X right, Y away, Z up.
+SH_CONST uint kNormalSpaceLayout = 0u;  // the layout's own
+SH_CONST uint kNormalSpaceWorld = 1u;
+SH_CONST uint kNormalSpaceView = 2u;
+
+// An encoding that lacks the far hemisphere is of use in view space alone. `layoutSpace`: the layout's own.
+SH_FUNC bool normalsInViewSpace(GbufferContext c, uint layoutSpace) {
+  if (normalHemisphereOnly(c.normalEncoding)) return true;
+  return (c.normalSpace == kNormalSpaceLayout ? layoutSpace : c.normalSpace) == kNormalSpaceView;
+}
+
+// A unit world normal in the frame that it is encoded in, and back.
+SH_FUNC vec3 toNormalSpace(GbufferContext c, uint layoutSpace, vec3 n) {
+  if (!normalsInViewSpace(c, layoutSpace)) return n;
+  vec3 v = rotateToView(c.view, n);
+  return vec3(v.x, v.z, -v.y);
+}
+SH_FUNC vec3 fromNormalSpace(GbufferContext c, uint layoutSpace, vec3 n) {
+  if (!normalsInViewSpace(c, layoutSpace)) return n;
+  return rotateToWorld(c.view, vec3(n.x, -n.z, n.y));
+}
+
+// A normal for a NORMAL32 target, and back.
+SH_FUNC vec3 normal32Levels(uint encoding) {
+  float levels = normalChannels(encoding) == 2u ? 65535.0f : 1023.0f;
+  return vec3(levels, levels, levels);
+}
+SH_FUNC vec4 packNormal32(GbufferContext c, uint layoutSpace, vec3 n) {
+  vec3 e = encodeNormal(c.normalEncoding, toNormalSpace(c, layoutSpace, n), normal32Levels(c.normalEncoding));
+  return vec4(e.x, e.y, e.z, 0.0f);
+}
+SH_FUNC vec3 unpackNormal32(GbufferContext c, uint layoutSpace, vec4 texel) {
+  vec3 n = decodeNormal(c.normalEncoding, vec3(texel.x, texel.y, texel.z), normal32Levels(c.normalEncoding));
+  return fromNormalSpace(c, layoutSpace, n);
+}
+
 // A normal in 24 bits: 12 + 12 for encodings of two channels, 8 + 8 + 8 for three.
 SH_FUNC uint packNormal24(uint encoding, vec3 n) {
   bool two = normalChannels(encoding) == 2u;
@@ -99,9 +140,12 @@ SH_FUNC uint packNormal24(uint encoding, vec3 n) {
 SH_FUNC vec3 unpackNormal24(uint encoding, uint packed) {
   bool two = normalChannels(encoding) == 2u;
   uint bits = two ? 12u : 8u;
+  float levels = float((1u << bits) - 1u);
   vec3 e = vec3(fromBits(packed, bits), fromBits(packed >> bits, bits), two ? 0.0f : fromBits(packed >> 16u, 8u));
-  return decodeNormal(encoding, e);
+  return decodeNormal(encoding, e, vec3(levels, levels, levels));
 }
+
+// --- colours --------------------------------------------------------------------------------------------------------
 
 // Linear colour in sRGB code, 8 bits a channel.
 SH_FUNC uint packColor24(vec3 c) {

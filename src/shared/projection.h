@@ -47,6 +47,65 @@ SH_FUNC vec3 viewPositionAtDepth(Projection p, vec2 ndc, float depth) {
   return vec3((ndc.x - p.X) * w / p.H, depth, (ndc.y - p.Z) * w / p.V);
 }
 
+// --- position from depth, three ways --------------------------------------------------------------------------------
+
+SH_CONST uint kPositionRay = 0u;         // the view ray times view depth B / (d - A)
+SH_CONST uint kPositionMatrix = 1u;      // the full inverse matrix, and the division by w
+SH_CONST uint kPositionReciprocal = 2u;  // the view ray times 1 / (P d + Q)
+
+// The inverse of the projection's matrix by columns, without a matrix type: languages differ in what those multiply.
+// Any invertible projection has one; inverseProjection() writes out this kind's.
+struct InverseProjection {
+  vec4 x, y, z, w;  // what NDC x, NDC y, device depth and 1 are multiplied by; sums to view-space (x, y, z) w, and w
+};
+
+SH_FUNC InverseProjection inverseProjection(Projection p) {
+  InverseProjection m;
+  m.x = vec4(1.0f / p.H, 0.0f, 0.0f, 0.0f);
+  m.y = vec4(0.0f, 0.0f, 1.0f / p.V, 0.0f);
+  if (p.kind == kPerspective) {
+    m.z = vec4(0.0f, 0.0f, 0.0f, 1.0f / p.B);
+    m.w = vec4(-p.X / p.H, 1.0f, -p.Z / p.V, -p.A / p.B);
+  } else {
+    m.z = vec4(0.0f, 1.0f / p.A, 0.0f, 0.0f);
+    m.w = vec4(-p.X / p.H, -p.B / p.A, -p.Z / p.V, 1.0f);
+  }
+  return m;
+}
+
+SH_FUNC vec3 viewPositionByMatrix(InverseProjection m, vec2 ndc, float deviceDepth) {
+  vec4 h = m.x * ndc.x + m.y * ndc.y + m.z * deviceDepth + m.w;
+  return vec3(h.x / h.w, h.y / h.w, h.z / h.w);
+}
+
+// View depth as one multiply-add, P d + Q, and for perspective its reciprocal (seed 004).
+struct DepthTerms {
+  float P, Q;
+};
+
+// P = 1 / B and Q = -A / B: the last column of the inverse matrix. (Seed 004's B = -near_clip * projA means
+// -near_clip * A.) Orthographic depth is linear: no reciprocal, P = 1 / A and Q = -B / A.
+SH_FUNC DepthTerms depthTerms(Projection p) {
+  float scale = 1.0f / (p.kind == kPerspective ? p.B : p.A);
+  DepthTerms t;
+  t.P = scale;
+  t.Q = -(p.kind == kPerspective ? p.A : p.B) * scale;
+  return t;
+}
+
+SH_FUNC float viewDepthByReciprocal(Projection p, DepthTerms t, float deviceDepth) {
+  float sum = deviceDepth * t.P + t.Q;
+  return p.kind == kPerspective ? 1.0f / sum : sum;
+}
+
+// View-space position of the point of that device depth seen at NDC (x, y), by kPosition*.
+SH_FUNC vec3 viewPosition(Projection p, uint method, vec2 ndc, float deviceDepth) {
+  if (method == kPositionMatrix) return viewPositionByMatrix(inverseProjection(p), ndc, deviceDepth);
+  float depth =
+      method == kPositionReciprocal ? viewDepthByReciprocal(p, depthTerms(p), deviceDepth) : viewDepth(p, deviceDepth);
+  return viewPositionAtDepth(p, ndc, depth);
+}
+
 // View-space direction, not normalised (its Y is 1), of the ray through NDC (x, y).
 SH_FUNC vec3 viewRay(Projection p, vec2 ndc) {
   if (p.kind == kPerspective) return vec3((ndc.x - p.X) / p.H, 1.0f, (ndc.y - p.Z) / p.V);

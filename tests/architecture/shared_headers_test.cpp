@@ -1,9 +1,11 @@
-// Every header in src/shared, and every one that the build writes from them, compiles alone as GLSL and as C++.
+// Every header in src/shared, and every one that the build writes from them, compiles alone as GLSL and as C++; those
+// for engines of any kind as HLSL too.
 #include <gtest/gtest.h>
 
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -74,6 +76,14 @@ Result compileAsGlsl(const Folder& folder, const std::string& header) {
                                 includePaths(), file, file));
 }
 
+Result compileAsHlsl(const Folder& folder, const std::string& header) {
+  const std::string text =
+      fmt::format("#define SH_HLSL\n#include \"{}\"\n[numthreads(1, 1, 1)] void main() {{}}\n", header);
+  const std::string file = folder.write(header, ".hlsl", text);
+  return runCommand(fmt::format("'{}' --quiet -D -S comp -e main --target-env vulkan1.1 {} -o '{}.spv' '{}'",
+                                LATELIGHT_GLSLANG, includePaths(), file, file));
+}
+
 Result compileAsCpp(const Folder& folder, const std::string& header) {
   const std::string file = folder.write(header, ".cpp", fmt::format("#include \"{}\"\n", header));
   return runCommand(fmt::format("'{}' -std=c++20 -fsyntax-only -Wall -Wextra -Wno-unused-parameter -Werror {} '{}'",
@@ -90,9 +100,19 @@ std::vector<std::string> sharedHeaders() {
   return headers;
 }
 
-void expectAllToCompile(Result compile(const Folder&, const std::string&)) {
+// Those for engines of any kind (docs/shared-headers.md).
+std::vector<std::string> portableHeaders() {
+  std::vector<std::string> headers = sharedHeaders();
+  std::erase_if(headers, [](const std::string& header) {
+    static const std::set<std::string> single = {"shared/lang.h", "shared/unorm.h", "shared/projection.h",
+                                                 "shared/depth_packing.h", "normals.h"};
+    return !single.contains(header) && !header.starts_with("shared/normal/");
+  });
+  return headers;
+}
+
+void expectAllToCompile(const std::vector<std::string>& headers, Result compile(const Folder&, const std::string&)) {
   const Folder folder;
-  const std::vector<std::string> headers = sharedHeaders();
   ASSERT_GE(headers.size(), 10u);
   parallelFor(headers.size(), 1, [&](size_t i, size_t) {
     const Result result = compile(folder, headers[i]);
@@ -101,19 +121,25 @@ void expectAllToCompile(Result compile(const Folder&, const std::string&)) {
 }
 
 TEST(SharedHeaders, CompileAloneAsGlsl) {
-  expectAllToCompile(compileAsGlsl);
+  expectAllToCompile(sharedHeaders(), compileAsGlsl);
+}
+
+TEST(SharedHeaders, PortableOnesCompileAloneAsHlsl) {
+  expectAllToCompile(portableHeaders(), compileAsHlsl);
 }
 
 TEST(SharedHeaders, CompileAloneAsCpp) {
-  expectAllToCompile(compileAsCpp);
+  expectAllToCompile(sharedHeaders(), compileAsCpp);
 }
 
 TEST(SharedHeaders, ThatDoNotCompileAreNoticed) {
   const Folder folder;
   EXPECT_TRUE(compileAsGlsl(folder, "shared/lang.h").good);
   EXPECT_TRUE(compileAsCpp(folder, "shared/lang.h").good);
+  EXPECT_TRUE(compileAsHlsl(folder, "shared/lang.h").good);
   EXPECT_FALSE(compileAsGlsl(folder, "shared/no_such_header.h").good);
   EXPECT_FALSE(compileAsCpp(folder, "shared/no_such_header.h").good);
+  EXPECT_FALSE(compileAsHlsl(folder, "shared/no_such_header.h").good);
 }
 
 }  // namespace

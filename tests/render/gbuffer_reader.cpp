@@ -109,6 +109,8 @@ shared::Surface ReadGbuffer::surface(size_t pixel) const {
   context.depth = depth[pixel];
   context.ao = before[pixel].w;
   context.normalEncoding = normalEncoding;
+  context.normalSpace = normalSpace;
+  context.positionMethod = positionMethod;
   std::vector<TargetValue> values;
   for (const std::vector<TargetValue>& target : targets) values.push_back(target[pixel]);
   return layout->unpack(values, context);
@@ -123,13 +125,14 @@ GbufferReader::GbufferReader(vk::Device& device, const scene::Scene& scene, cons
       depth_(device, scene_) {}
 
 const GeometryPass& GbufferReader::geometry(const FrameSetup& setup) {
-  auto& made = geometries_[{setup.layout, setup.normalEncoding}];
+  auto& made = geometries_[{setup.layout, setup.normalEncoding, setup.normalSpace}];
   if (!made) made = std::make_unique<GeometryPass>(device_, scene_, setup);
   return *made;
 }
 
 const LightingTechnique& GbufferReader::lighting(const FrameSetup& setup) {
-  auto& made = techniques_[{setup.layout, setup.normalEncoding, setup.lighting, setup.shading}];
+  auto& made = techniques_[{setup.layout, setup.normalEncoding, setup.lighting, setup.shading, setup.normalSpace,
+                            setup.positionMethod}];
   if (!made) made = setup.lighting->make(device_, scene_, setup);
   return *made;
 }
@@ -144,6 +147,8 @@ ReadGbuffer GbufferReader::read(const FrameSetup& setup, const scene::Camera& ca
                                 const LightSettings& light) {
   ReadGbuffer result{.layout = setup.layout,
                      .normalEncoding = setup.normalEncoding,
+                     .normalSpace = setup.normalSpace,
+                     .positionMethod = setup.positionMethod,
                      .view = makeView(camera, width, height),
                      .width = width,
                      .height = height};

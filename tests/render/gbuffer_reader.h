@@ -29,7 +29,7 @@ struct LightSettings {
 // One view of a G-buffer.
 struct ReadGbuffer {
   const Layout* layout;
-  uint32_t normalEncoding;
+  uint32_t normalEncoding, normalSpace, positionMethod;
   shared::View view;
   uint32_t width, height;
   std::vector<std::vector<TargetValue>> targets;  // one a target of the layout; one a pixel
@@ -58,8 +58,9 @@ class GbufferReader {
   GpuEnvironment environment_;
   graph::Executor executor_;
   DepthPass depth_;
-  std::map<std::tuple<const Layout*, uint32_t>, std::unique_ptr<GeometryPass>> geometries_;
-  std::map<std::tuple<const Layout*, uint32_t, const TechniqueInfo*, uint32_t>, std::unique_ptr<LightingTechnique>>
+  std::map<std::tuple<const Layout*, uint32_t, uint32_t>, std::unique_ptr<GeometryPass>> geometries_;
+  std::map<std::tuple<const Layout*, uint32_t, const TechniqueInfo*, uint32_t, uint32_t, uint32_t>,
+           std::unique_ptr<LightingTechnique>>
       techniques_;
 };
 

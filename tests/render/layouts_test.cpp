@@ -11,6 +11,7 @@
 #include "scene/texture.h"
 #include "shared/brdf/blinn_phong.h"
 #include "shared/color.h"
+#include "shared/normal_bounds.h"
 #include "shared/random.h"
 
 namespace latelight::render::test {
@@ -47,11 +48,11 @@ struct Bounds {
 };
 constexpr double kAny = std::numeric_limits<double>::infinity();
 
-// A normal of two octahedral channels is off by at most sqrt(18) times the error of one, which is half a code of [0,
-// 1], a whole one of [-1, 1]: the map is steepest in the middle of an octant. Three channels of XYZ: sqrt(3) codes.
-double normalBound(const NormalEncoding& encoding, double octahedralBits, double xyzBits) {
-  const double bits = encoding.channels == 2 ? octahedralBits : xyzBits;
-  return (encoding.channels == 2 ? std::sqrt(18.0) : std::sqrt(3.0)) / (std::exp2(bits) - 1) + 2e-6;
+double normalBound(const NormalEncoding& encoding, double bitsOfTwo, double bitsOfThree) {
+  std::string file = encoding.name;
+  std::replace(file.begin(), file.end(), '-', '_');
+  return shared::normalBound(file, std::exp2(encoding.channels == 2 ? bitsOfTwo : bitsOfThree) - 1).radians * 1.001 +
+         2e-6;
 }
 
 Bounds boundsOf(const Layout& layout, const NormalEncoding& encoding) {
@@ -69,7 +70,7 @@ struct Sample {
   shared::GbufferContext context;
 };
 
-Sample randomSample(Random& random, uint32_t encoding) {
+Sample randomSample(Random& random, uint32_t encoding, uint32_t space = 0, uint32_t position = 0) {
   scene::Camera camera;
   const vec3 away = random.direction(), right = glm::normalize(glm::cross(away, random.direction()));
   camera.toWorld = glm::mat4(glm::vec4(right, 0), glm::vec4(away, 0), glm::vec4(glm::cross(right, away), 0),
@@ -79,6 +80,8 @@ Sample randomSample(Random& random, uint32_t encoding) {
   sample.context.view = makeView(camera, 640, 360);
   sample.context.pixel = {random.uniform(0, 640), random.uniform(0, 360)};
   sample.context.normalEncoding = encoding;
+  sample.context.normalSpace = space;
+  sample.context.positionMethod = position;
   const float depth = random.logUniform(0.2f, 500);
   sample.context.depth = shared::deviceDepth(sample.context.view.projection, depth);
 
@@ -86,6 +89,8 @@ Sample randomSample(Random& random, uint32_t encoding) {
   s = shared::emptySurface();
   s.position = shared::positionFromDepth(sample.context);
   s.normal = random.direction();
+  if (shared::normalHemisphereOnly(encoding) && shared::rotateToView(sample.context.view, s.normal).y > 0)
+    s.normal = -s.normal;
   s.geonormal = random.direction();
   s.baseColor = random.color();
   s.metallic = random.uniform();
@@ -129,7 +134,8 @@ TEST(Layouts, RandomSurfacesSurviveTheirStoredBits) {
       Random random(7);
       for (int i = 0; i < 20000 && !testing::Test::HasFailure(); ++i) {
         SCOPED_TRACE(i);
-        const Sample sample = randomSample(random, encoding.index);
+        const uint32_t space = i % normalSpaces().size(), position = i / 3 % positionMethods().size();
+        const Sample sample = randomSample(random, encoding.index, space, position);
         std::vector<TargetValue> values = layout.pack(sample.surface, sample.context);
         ASSERT_EQ(values.size(), layout.targets.size());
         for (size_t t = 0; t < values.size(); ++t) values[t] = storedValue(layout.format(t, encoding.index), values[t]);

@@ -37,14 +37,9 @@ SH_FUNC vec4 bytes(uint x) {
   return vec4(float(x & 255u), float((x >> 8u) & 255u), float((x >> 16u) & 255u), float(x >> 24u));
 }
 
-#define COUNT_ENCODING(name, id) +1u
-SH_CONST uint kEncodings = 0u LATELIGHT_NORMALS(COUNT_ENCODING);
-#undef COUNT_ENCODING
+// One of two channels and one of three. All of them are in portable_cases.h.
 SH_FUNC uint someEncoding(Arguments a) {
-  return a.k % kEncodings;
-}
-SH_FUNC vec3 levels8() {
-  return vec3(255.0f, 255.0f, 255.0f);
+  return a.k % 2u == 0u ? kNormal_octahedral : kNormal_xyz;
 }
 
 SH_FUNC Surface someSurface(Arguments a) {
@@ -114,6 +109,8 @@ SH_FUNC GbufferContext someContext(Arguments a) {
   context.depth = 0.01f + 0.9f * a.d.x;
   context.ao = 1.0f;
   context.normalEncoding = someEncoding(a);
+  context.normalSpace = (a.k >> 8u) % 3u;
+  context.positionMethod = (a.k >> 16u) % 3u;
   return context;
 }
 
@@ -168,8 +165,6 @@ SH_FUNC vec4 reflectanceOf(Arguments a) {
   C(tonemapNone, 0.0f, 0.0f, (pad(tonemap(kTonemapNone, a.c * a.w.x))))                                            \
   C(octahedralFromDirection, 5e-7f, 5e-7f, (pad(octahedralFromDirection(a.n))))                                    \
   C(directionFromOctahedral, 5e-7f, 5e-7f, (pad(directionFromOctahedral(vec2(a.u.x * 2.0f - 1.0f, a.n.y)))))       \
-  C(encodeNormal, 5e-7f, 5e-7f, (pad(encodeNormal(someEncoding(a), a.n, levels8()))))                              \
-  C(decodeNormal, 5e-7f, 5e-7f, (pad(decodeNormal(someEncoding(a), a.c))))                                         \
   C(rotateToEnvironment, 5e-7f, 5e-7f, (pad(rotateToEnvironment(a.n, a.l.x, a.l.y))))                              \
   C(octahedralTexture, 5e-7f, 0.0f, (pad(octahedralTexture(vec2(a.n.x, a.n.y), 64.0f))))                           \
   C(equirectangular, 0.0f, 8e-5f, (panorama(a.n)))                                                                 \

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "shared/normal_bounds.h"
 #include "shared/random.h"
 
 namespace latelight::shared {
@@ -24,13 +25,19 @@ std::vector<Encoding> encodings() {
 }
 
 float stored(float x, float levels) {
-  return std::floor(clamp(x, 0.0f, 1.0f) * levels + 0.5f) / levels;
+  return levels == 0.0f ? x : std::floor(clamp(x, 0.0f, 1.0f) * levels + 0.5f) / levels;
 }
 
+// Through channels of `bits` bits, or of floats for 0.
 vec3 roundTrip(uint encoding, vec3 n, uint bits) {
   const float levels = static_cast<float>((1u << bits) - 1u);
-  const vec3 e = encodeNormal(encoding, n, vec3(levels, levels, levels));
-  return decodeNormal(encoding, vec3(stored(e.x, levels), stored(e.y, levels), stored(e.z, levels)));
+  const vec3 all(levels, levels, levels);
+  const vec3 e = encodeNormal(encoding, n, all);
+  return decodeNormal(encoding, vec3(stored(e.x, levels), stored(e.y, levels), stored(e.z, levels)), all);
+}
+
+bool canHold(uint encoding, vec3 n) {
+  return !normalHemisphereOnly(encoding) || n.z >= 0.0f;
 }
 
 // Degrees between unit vectors, precise near 0 where acos is not.
@@ -61,43 +68,65 @@ std::vector<vec3> hardDirections() {
 
 double worstDegrees(uint encoding, uint bits) {
   double worst = 0.0;
-  for (const vec3 n : hardDirections()) worst = std::max(worst, degreesBetween(roundTrip(encoding, n, bits), n));
+  const auto take = [&](vec3 n) {
+    if (canHold(encoding, n)) worst = std::max(worst, degreesBetween(roundTrip(encoding, n, bits), n));
+  };
+  for (const vec3 n : hardDirections()) take(n);
   Random random(bits);
-  for (int i = 0; i < 300000; ++i) {
-    const vec3 n = random.direction();
-    worst = std::max(worst, degreesBetween(roundTrip(encoding, n, bits), n));
-  }
+  for (int i = 0; i < 300000; ++i) take(random.direction());
   return worst;
 }
 
-// The largest error of an encoding whose channels have `levels` steps is factor / levels radians, to first order. A new
-// encoding has its factor added here; the test fails until it has.
-struct Bound {
-  const char* encoding;
-  double factor;
-};
-const Bound kBounds[] = {
-    // Rounding moves each coordinate by up to 1 / levels. At a face's centre, |o| = 1 / sqrt 3, that is (1, 1, -2) /
-    // levels
-    // along the face: sqrt 6 sqrt 3.
-    {"octahedral", std::sqrt(18.0)},
-    // (1, 1, 1) / levels, for normals across it.
-    {"xyz", std::sqrt(3.0)},
-};
-
 TEST(Normals, ErrorStaysWithinItsBound) {
   for (const Encoding& encoding : encodings()) {
-    const Bound* bound = std::find_if(std::begin(kBounds), std::end(kBounds),
-                                      [&](const Bound& b) { return encoding.name == b.encoding; });
-    ASSERT_NE(bound, std::end(kBounds)) << encoding.name << " has no bound in this test";
     for (const uint bits : {8u, 10u, 12u, 16u}) {
-      const double limit = bound->factor / double((1u << bits) - 1u) * 180.0 / M_PI;
-      const double worst = worstDegrees(encoding.id, bits);
+      const NormalBound bound = normalBound(encoding.name, double((1u << bits) - 1u));
+      const double limit = bound.radians * 180.0 / M_PI, worst = worstDegrees(encoding.id, bits);
       EXPECT_LE(worst, 1.001 * limit + 1e-5) << encoding.name << " with " << bits << " bits a channel";
-      EXPECT_GE(worst, 0.97 * limit) << "the stated bound of " << encoding.name << " is slack";
+      // What is worst in narrow places only is not met by every number of bits with as many directions.
+      if (bits == 8) {
+        EXPECT_GE(worst, bound.tightest * limit) << "the stated bound of " << encoding.name << " is slack";
+      }
       RecordProperty(encoding.name + std::to_string(bits), std::to_string(worst));
     }
   }
+}
+
+// Rounding each coordinate alone is never better, and often worse.
+TEST(Normals, PreciseOctahedralIsTheBestOfItsNeighbours) {
+  Random random(6);
+  size_t better = 0;
+  for (int i = 0; i < 100000; ++i) {
+    const vec3 n = random.direction();
+    const double rounded = degreesBetween(roundTrip(kNormal_octahedral, n, 8), n),
+                 precise = degreesBetween(roundTrip(kNormal_octahedral_precise, n, 8), n);
+    EXPECT_LE(precise, rounded + 1e-5);
+    better += precise < rounded;
+  }
+  EXPECT_GT(better, 10000u);
+}
+
+// Channels with a code for 0 give back axes as they are, whatever their bits.
+TEST(Normals, AxesAreExactWhereZeroHasACode) {
+  for (const uint bits : {8u, 10u, 12u, 16u})
+    for (const float sign : {1.0f, -1.0f}) {
+      for (int axis = 0; axis < 3; ++axis) {
+        vec3 n(0.0f, 0.0f, 0.0f);
+        n[axis] = sign;
+        EXPECT_EQ(roundTrip(kNormal_octahedral, n, bits), n) << bits << " bits, axis " << axis;
+        EXPECT_EQ(roundTrip(kNormal_octahedral_precise, n, bits), n) << bits << " bits, axis " << axis;
+      }
+      // The spheremap's equator is a circle of radius sqrt 1/2, which no code hits: its poles only.
+      const vec3 pole(0.0f, 0.0f, sign);
+      EXPECT_EQ(roundTrip(kNormal_spheremap_signed, pole, bits), pole) << bits << " bits";
+    }
+}
+
+TEST(Normals, XyZMirrorsWhatPointsAway) {
+  const vec3 n = normalize(vec3(0.3f, -0.4f, -0.6f)), back = roundTrip(kNormal_xy_z, n, 16);
+  EXPECT_NEAR(back.x, n.x, 1e-4f);
+  EXPECT_NEAR(back.y, n.y, 1e-4f);
+  EXPECT_NEAR(back.z, -n.z, 1e-4f);
 }
 
 TEST(Normals, DecodeToUnitLength) {
@@ -118,16 +147,18 @@ TEST(Normals, ChannelsStayInRange) {
   }
 }
 
-// Float error alone, without quantising: what an encoding itself loses.
+// Float channels: what is left is the error of 32-bit floats, which hold about 2^23 steps between 1/2 and 1, and that
+// of their functions.
 TEST(Normals, LoseNothingBeforeTheyAreStored) {
   Random random(8);
   for (const Encoding& encoding : encodings()) {
-    for (int i = 0; i < 100000; ++i) {
-      const vec3 n = random.direction();
-      const vec3 levels(65535.0f, 65535.0f, 65535.0f);
-      EXPECT_LE(degreesBetween(decodeNormal(encoding.id, encodeNormal(encoding.id, n, levels)), n), 3e-5)
-          << encoding.name;
-    }
+    const double limit = normalBound(encoding.name, 0x1p23).radians * 180.0 / M_PI;
+    std::vector<vec3> directions = hardDirections();
+    for (int i = 0; i < 100000; ++i) directions.push_back(random.direction());
+    for (const vec3 n : directions)
+      if (canHold(encoding.id, n)) {
+        EXPECT_LE(degreesBetween(roundTrip(encoding.id, n, 0), n), limit + 3e-5) << encoding.name;
+      }
   }
 }
 
@@ -138,7 +169,9 @@ TEST(Normals, GeneratedSwitchAgreesWithTheFiles) {
   EXPECT_EQ(kNormal_##name, uint(id));                                    \
   EXPECT_EQ(normalChannels(id), kNormalChannels_##name);                  \
   EXPECT_EQ(encodeNormal(id, n, levels), encodeNormal_##name(n, levels)); \
-  EXPECT_EQ(decodeNormal(id, encodeNormal_##name(n, levels)), decodeNormal_##name(encodeNormal_##name(n, levels)));
+  EXPECT_EQ(normalHemisphereOnly(id), kNormalHemisphere_##name != 0u);    \
+  EXPECT_EQ(decodeNormal(id, encodeNormal_##name(n, levels), levels),     \
+            decodeNormal_##name(encodeNormal_##name(n, levels), levels));
   LATELIGHT_NORMALS(CHECK)
 #undef CHECK
   EXPECT_EQ(normalChannels(static_cast<uint>(encodings().size())), 0u);
@@ -149,6 +182,23 @@ TEST(Octahedral, LowerHalfFoldsOverTheDiagonals) {
   const vec2 o = octahedralFromDirection(normalize(vec3(-1.0f, 2.0f, -3.0f)));  // (-1, 2, -3) / 6 before folding
   EXPECT_NEAR(o.x, -2.0f / 3.0f, 1e-6f);                                        // (1 - 2/6) * -1
   EXPECT_NEAR(o.y, 5.0f / 6.0f, 1e-6f);                                         // (1 - 1/6) * 1
+}
+
+// Seed 000's formulas as they stand, where they have an answer. CryEngine 3's and Lambert's are one map.
+TEST(Spheremap, MatchesSeedsFormulas) {
+  Random random(9);
+  for (int i = 0; i < 10000; ++i) {
+    const vec3 n = random.direction();
+    const double x = n.x, y = n.y, z = n.z, across = std::sqrt(x * x + y * y);
+    if (across < 1e-2) continue;
+    const double r = std::sqrt(-z * 0.5 + 0.5), laea = std::sqrt(8.0 * z + 8.0);
+    const vec3 none(0.0f, 0.0f, 0.0f);
+    const vec3 spheremap = encodeNormal_spheremap(n, none), lambert = encodeNormal_lambert(n, none);
+    EXPECT_NEAR(spheremap.x, x / across * r * 0.5 + 0.5, 1e-5);
+    EXPECT_NEAR(spheremap.y, y / across * r * 0.5 + 0.5, 1e-5);
+    EXPECT_NEAR(lambert.x, x / laea + 0.5, 1e-5);
+    EXPECT_NEAR(lambert.y, y / laea + 0.5, 1e-5);
+  }
 }
 
 }  // namespace

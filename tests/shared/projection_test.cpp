@@ -122,6 +122,44 @@ TEST(Projection, InverseMatchesSeedsThreeForms) {
   }
 }
 
+// The three methods against the same in double, through the float's device depth. Ray and matrix follow the formula
+// that each is named after; so do P and Q, which are rounded: where A is near 1 and d near A, their rounding counts.
+TEST(Projection, PositionMethodsAgree) {
+  Random random(6);
+  for (const Case& c : cases()) {
+    const Projection& p = c.projection;
+    for (int i = 0; i < 1000; ++i) {
+      const vec2 ndc(random.uniform(-1.0f, 1.0f), random.uniform(-1.0f, 1.0f));
+      const float d = deviceDepth(p, random.logUniform(float(c.near), 50.0f));
+      const double y = p.kind == kPerspective ? p.B / (double(d) - p.A) : (double(d) - p.B) / p.A;
+      const double w = p.kind == kPerspective ? y : 1.0;
+      const double x = (double(ndc.x) - p.X) * w / p.H, z = (double(ndc.y) - p.Z) * w / p.V;
+      const double scale = 1.0 + std::abs(x / y) + std::abs(z / y);
+      for (const uint method : {kPositionRay, kPositionMatrix, kPositionReciprocal}) {
+        const vec3 v = viewPosition(p, method, ndc, d);
+        const double error = std::hypot(v.x - x, std::hypot(v.y - y, v.z - z));
+        EXPECT_LE(error, scale * depthStep(p, y) + 1e-6) << c.name << ", method " << method << " at " << y;
+      }
+    }
+  }
+}
+
+TEST(Projection, InverseMatrixUndoesTheProjection) {
+  Random random(7);
+  for (const Case& c : cases()) {
+    const InverseProjection m = inverseProjection(c.projection);
+    for (int i = 0; i < 100; ++i) {
+      const vec3 v = pointInView(random, c);
+      const vec4 clip = projectToClip(c.projection, v);
+      const vec4 h = m.x * clip.x + m.y * clip.y + m.z * clip.z + m.w * clip.w;
+      const double scale = length(v) / std::abs(c.projection.kind == kPerspective ? c.projection.B : 1.0f);
+      EXPECT_NEAR(h.x, v.x, 1e-5 * length(v)) << c.name;
+      EXPECT_NEAR(h.z, v.z, 1e-5 * length(v)) << c.name;
+      EXPECT_NEAR(h.w, 1.0, 1e-6 * scale + 1e-6) << c.name;
+    }
+  }
+}
+
 TEST(Projection, NearAndFarPlanesGetTheirDeviceDepths) {
   for (const Case& c : cases()) {
     const bool reversed = c.name.find("reversed") != std::string::npos;

@@ -29,6 +29,8 @@ void main() {
   context.view = frameView(frame, push.view);
   context.pixel = gl_FragCoord.xy;
   context.normalEncoding = kNormalEncoding;
+  context.normalSpace = kNormalSpace;
+  context.positionMethod = kPositionMethod;
   GbufferTexel texel = packGbuffer(s, context);
 #define WRITE(index, name, format, type, channels) gbuffer_##name = texel.name;
   GBUFFER_TARGETS(WRITE)

@@ -42,7 +42,9 @@ const Layout& findLayout(std::string_view name) {
 
 std::span<const NormalEncoding> normalEncodings() {
   static const std::vector<NormalEncoding> all = {
-#define NORMAL(name, index) NormalEncoding{registryName(#name), index, shared::kNormalChannels_##name},
+#define NORMAL(name, index)                                                                                         \
+  NormalEncoding{registryName(#name), index, shared::kNormalChannels_##name, shared::kNormalHemisphere_##name != 0, \
+                 NORMAL_DESCRIPTION_##name},
       LATELIGHT_NORMALS(NORMAL)
 #undef NORMAL
   };

@@ -57,6 +57,8 @@ struct NormalEncoding {
   std::string name;  // "octahedral"
   uint32_t index;    // kNormal_*: what shaders switch on
   uint32_t channels;
+  bool hemisphere;  // only normals towards the viewer come back: always in view space
+  const char* description;
 };
 std::span<const NormalEncoding> normalEncodings();
 const NormalEncoding& findNormalEncoding(std::string_view name);

@@ -29,6 +29,8 @@ Surface readSurface(View view, ivec3 pixel, float depth, float ao) {
   context.depth = depth;
   context.ao = ao;
   context.normalEncoding = kNormalEncoding;
+  context.normalSpace = kNormalSpace;
+  context.positionMethod = kPositionMethod;
   GbufferTexel texel;
 #define FETCH_TARGET(index, name, format, type, channels) texel.name = type(texelFetch(gbuffer_##name, pixel, 0));
   GBUFFER_TARGETS(FETCH_TARGET)

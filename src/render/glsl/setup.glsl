@@ -5,4 +5,6 @@
 layout(constant_id = 0) const uint kNormalEncoding = 0;
 layout(constant_id = 1) const uint kShading = 0;
 layout(constant_id = 2) const uint kCountLights = 0;
+layout(constant_id = 3) const uint kNormalSpace = 0;
+layout(constant_id = 4) const uint kPositionMethod = 0;
 #endif

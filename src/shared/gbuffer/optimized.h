@@ -18,15 +18,9 @@
 
 GBUFFER_BEGIN
 
-SH_FUNC float normalLevels(uint encoding) {
-  return normalChannels(encoding) == 2u ? 65535.0f : 1023.0f;
-}
-
 SH_FUNC GbufferTexel packGbuffer(Surface s, GbufferContext c) {
   GbufferTexel t;
-  float levels = normalLevels(c.normalEncoding);
-  vec3 e = encodeNormal(c.normalEncoding, rotateToView(c.view, s.normal), vec3(levels, levels, levels));
-  t.normal = vec4(e.x, e.y, e.z, 0.0f);
+  t.normal = packNormal32(c, kNormalSpaceView, s.normal);
   vec3 diffuse = diffuseAtNormalIncidence(s);
   t.diffuse = vec4(diffuse.x, diffuse.y, diffuse.z, specularF90(s));
   vec3 f0 = specularF0(s);
@@ -37,7 +31,7 @@ SH_FUNC GbufferTexel packGbuffer(Surface s, GbufferContext c) {
 SH_FUNC Surface unpackGbuffer(GbufferTexel t, GbufferContext c) {
   Surface s = emptySurface();
   s.position = positionFromDepth(c);
-  s.normal = rotateToWorld(c.view, decodeNormal(c.normalEncoding, vec3(t.normal.x, t.normal.y, t.normal.z)));
+  s.normal = unpackNormal32(c, kNormalSpaceView, t.normal);
   s = withDiffuseSpecular(s, vec3(t.diffuse.x, t.diffuse.y, t.diffuse.z),
                           vec3(t.specular.x, t.specular.y, t.specular.z), t.diffuse.w);
   s.roughness = roughnessFromPower8(t.specular.w);

@@ -21,7 +21,8 @@ SH_FUNC uint packReflectance(vec3 f0, float f90) {
 
 SH_FUNC GbufferTexel packGbuffer(Surface s, GbufferContext c) {
   GbufferTexel t;
-  t.surface = uvec2(packNormal24(c.normalEncoding, s.normal) | (toBits(s.roughness, 8u) << 24u),
+  uint normal = packNormal24(c.normalEncoding, toNormalSpace(c, kNormalSpaceWorld, s.normal));
+  t.surface = uvec2(normal | (toBits(s.roughness, 8u) << 24u),
                     packColor24(s.baseColor) | (toBits(s.metallic, 5u) << 24u) | (packReflectance(s.f0, s.f90) << 29u));
   return t;
 }
@@ -29,7 +30,7 @@ SH_FUNC GbufferTexel packGbuffer(Surface s, GbufferContext c) {
 SH_FUNC Surface unpackGbuffer(GbufferTexel t, GbufferContext c) {
   Surface s = emptySurface();
   s.position = positionFromDepth(c);
-  s.normal = unpackNormal24(c.normalEncoding, t.surface.x & 0xffffffu);
+  s.normal = fromNormalSpace(c, kNormalSpaceWorld, unpackNormal24(c.normalEncoding, t.surface.x & 0xffffffu));
   s.roughness = fromBits(t.surface.x >> 24u, 8u);
   s.baseColor = unpackColor24(t.surface.y & 0xffffffu);
   s.metallic = fromBits(t.surface.y >> 24u, 5u);

@@ -2,7 +2,9 @@
 #ifndef LATELIGHT_SHARED_NORMAL_OCTAHEDRAL_H
 #define LATELIGHT_SHARED_NORMAL_OCTAHEDRAL_H
 
-#include "shared/lang.h"
+#include "shared/unorm.h"
+
+#define NORMAL_DESCRIPTION_octahedral "the sphere folded onto a square: evenly good all over; the default"
 
 SH_BEGIN
 
@@ -28,15 +30,15 @@ SH_FUNC vec3 directionFromOctahedral(vec2 o) {
 }
 
 SH_CONST uint kNormalChannels_octahedral = 2u;
+SH_CONST uint kNormalHemisphere_octahedral = 0u;
 
-// Channels in [0, 1]; a channel is stored as round(value * levels) / levels, levels = 2^bits - 1.
 SH_FUNC vec3 encodeNormal_octahedral(vec3 n, vec3 levels) {
   vec2 o = octahedralFromDirection(n);
-  return vec3(o.x * 0.5f + 0.5f, o.y * 0.5f + 0.5f, 0.0f);
+  return vec3(unormFromSigned(o.x, levels.x), unormFromSigned(o.y, levels.y), 0.0f);
 }
 
-SH_FUNC vec3 decodeNormal_octahedral(vec3 e) {
-  return directionFromOctahedral(vec2(e.x * 2.0f - 1.0f, e.y * 2.0f - 1.0f));
+SH_FUNC vec3 decodeNormal_octahedral(vec3 e, vec3 levels) {
+  return directionFromOctahedral(vec2(signedFromUnorm(e.x, levels.x), signedFromUnorm(e.y, levels.y)));
 }
 
 SH_END

@@ -1,0 +1,47 @@
+// Spheremap: CryEngine 3's (Mittring 2009, "A bit more deferred"), in the form of [0, 1]. The sphere as a disc, +Z in
+// its centre, -Z its whole rim: made for view space, where few normals come near the rim.
+//
+//   encode  normalize(n.xy) * sqrt(0.5 - 0.5 n.z)
+//
+// normalize() has no answer at the poles, and near +Z the root of 1 - z has lost its digits. Since |n.xy|^2 =
+// (1 - z)(1 + z), the same point is n.xy / sqrt(2 + 2 z), which the near half uses; the far half, where 1 + z
+// has lost its digits, uses the formula as it stands.
+#ifndef LATELIGHT_SHARED_NORMAL_SPHEREMAP_H
+#define LATELIGHT_SHARED_NORMAL_SPHEREMAP_H
+
+#include "shared/lang.h"
+
+#define NORMAL_DESCRIPTION_spheremap "CryEngine 3's spheremap in [0, 1]; worst away from the viewer"
+
+SH_BEGIN
+
+// Unit direction to a point of the unit disc.
+SH_FUNC vec2 spheremapFromDirection(vec3 n) {
+  float squared = n.x * n.x + n.y * n.y;
+  float s = n.z >= 0.0f ? inversesqrt(2.0f + 2.0f * n.z) : sqrt(0.5f - 0.5f * n.z) * inversesqrt(max(squared, 1e-30f));
+  if (n.z < 0.0f && squared < 1e-30f) return vec2(1.0f, 0.0f);  // -Z: any point of the rim
+  return vec2(n.x * s, n.y * s);
+}
+
+// Its inverse. Points that rounding left outside the disc are -Z.
+SH_FUNC vec3 directionFromSpheremap(vec2 p) {
+  float f = max(1.0f - p.x * p.x - p.y * p.y, 0.0f);
+  float s = 2.0f * sqrt(f);
+  return vec3(p.x * s, p.y * s, 2.0f * f - 1.0f);
+}
+
+SH_CONST uint kNormalChannels_spheremap = 2u;
+SH_CONST uint kNormalHemisphere_spheremap = 0u;
+
+SH_FUNC vec3 encodeNormal_spheremap(vec3 n, vec3 levels) {
+  vec2 p = spheremapFromDirection(n);
+  return vec3(p.x * 0.5f + 0.5f, p.y * 0.5f + 0.5f, 0.0f);
+}
+
+SH_FUNC vec3 decodeNormal_spheremap(vec3 e, vec3 levels) {
+  return directionFromSpheremap(vec2(e.x * 2.0f - 1.0f, e.y * 2.0f - 1.0f));
+}
+
+SH_END
+
+#endif

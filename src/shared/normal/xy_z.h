@@ -1,0 +1,29 @@
+// XY with Z rebuilt, as Killzone 2 stored normals (Valient 2007, "Deferred Rendering in Killzone 2"). It has no room
+// for the sign of z, so a normal that points away comes back mirrored to the near side. View space only, +Z towards the
+// viewer; normal maps and perspective still turn some visible normals away.
+#ifndef LATELIGHT_SHARED_NORMAL_XY_Z_H
+#define LATELIGHT_SHARED_NORMAL_XY_Z_H
+
+#include "shared/lang.h"
+
+#define NORMAL_DESCRIPTION_xy_z "x and y, z rebuilt as the positive root: Killzone 2's"
+
+SH_BEGIN
+
+SH_CONST uint kNormalChannels_xy_z = 2u;
+SH_CONST uint kNormalHemisphere_xy_z = 1u;
+
+SH_FUNC vec3 encodeNormal_xy_z(vec3 n, vec3 levels) {
+  return vec3(n.x * 0.5f + 0.5f, n.y * 0.5f + 0.5f, 0.0f);
+}
+
+// At the rim rounding may leave x and y longer than 1 together; then z is 0, and they are shortened.
+SH_FUNC vec3 decodeNormal_xy_z(vec3 e, vec3 levels) {
+  float x = e.x * 2.0f - 1.0f;
+  float y = e.y * 2.0f - 1.0f;
+  return normalize(vec3(x, y, sqrt(max(1.0f - x * x - y * y, 0.0f))));
+}
+
+SH_END
+
+#endif

@@ -1,0 +1,14 @@
+#version 460
+// Evaluates one portable function a row (y) for one set of arguments a column (x), from GLSL.
+#extension GL_GOOGLE_include_directive : require
+#include "shared/portable_cases.h"
+
+layout(local_size_x = 64) in;
+layout(set = 0, binding = 0, std430) readonly buffer Arguments { PortableArguments arguments[]; };
+layout(set = 0, binding = 1, std430) writeonly buffer Results { vec4 results[]; };
+
+void main() {
+  uint i = gl_GlobalInvocationID.x;
+  uint row = gl_GlobalInvocationID.y;
+  results[row * gl_NumWorkGroups.x * 64u + i] = evaluatePortable(row, arguments[i]);
+}
