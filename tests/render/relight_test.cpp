@@ -1,6 +1,6 @@
-// The device's own G-buffer, read back and shaded on the host by the same shared headers, against what each lighting
-// technique made of it: every layout, normal encoding, technique and shading, under every kind of light. No golden
-// pictures: what differs is a bug in a shader's reads, lookups or loops over lights.
+// The device's own G-buffer, read back and shaded on the host by the same shared headers, against what each deferred
+// lighting technique made of it: every layout, normal encoding, technique, shading and kind of light meets every value
+// of each other choice. No golden pictures: what differs is a bug in a shader's reads, lookups or loops over lights.
 #include <fmt/core.h>
 
 #include <cmath>
@@ -8,10 +8,12 @@
 #include <memory>
 #include <utility>
 
+#include "pairwise.h"
 #include "render/gbuffer_reader.h"
 #include "render/settings.h"
 #include "scene/builtin.h"
 #include "scene/half.h"
+#include "shared/diffuse_specular.h"
 #include "shared/environment.h"
 #include "shared/shade.h"
 
@@ -243,40 +245,62 @@ class RelightTest : public RenderTest {
 };
 std::unique_ptr<RelightTest::Bench> RelightTest::bench;
 
+std::vector<const TechniqueInfo*> deferredTechniques() {
+  std::vector<const TechniqueInfo*> deferred;
+  for (const TechniqueInfo& technique : techniques())
+    if (!technique.forward) deferred.push_back(&technique);
+  return deferred;
+}
+
+// The pair of each light with each technique is met too, so no loop over lights goes untested.
 TEST_F(RelightTest, HostShadesTheDevicesGbufferAlike) {
+  const std::vector<const TechniqueInfo*> deferred = deferredTechniques();
+  const std::vector<latelight::test::Combination> chosen = latelight::test::pairwise(
+      {layouts().size(), normalEncodings().size(), deferred.size(), shadings().size(), bench->cases.size()},
+      [](const auto& c) { return c[1] == 0 || !layouts()[c[0]].fixedNormal; });
   std::vector<Agreement> totals(bench->cases.size());
-  for (const Layout& layout : layouts())
-    for (const NormalEncoding& encoding : normalEncodings())
-      for (const TechniqueInfo& technique : techniques())
-        for (uint32_t shading = 0; shading < shadings().size(); ++shading)
-          for (size_t i = 0; i < totals.size(); ++i) {
-            const auto& [name, settings] = bench->cases[i];
-            SCOPED_TRACE(fmt::format("{}, {}, {}, {}, {} light", layout.name, encoding.name, technique.name,
-                                     shadings()[shading].name, name));
-            const ReadGbuffer gbuffer = bench->read({&layout, encoding.index, &technique, shading}, settings);
-            const bool environment = settings.environmentIntensity > 0;
-            const Agreement a =
-                compare(gbuffer, std::span(bench->lights).subspan(settings.firstLight, settings.lightCount),
-                        environment ? &bench->hostStudio : nullptr, shading, settings);
-            EXPECT_GT(a.lit, kSize * kSize / 3u);
-            EXPECT_GT(a.brightest, 0.5);
-            EXPECT_LE(static_cast<double>(a.beyond), kMostBeyond * static_cast<double>(a.lit));
-            add(totals[i], a);
-          }
+  for (const auto& c : chosen) {
+    const FrameSetup setup{&layouts()[c[0]], normalEncodings()[c[1]].index, deferred[c[2]], uint32_t(c[3])};
+    const auto& [name, settings] = bench->cases[c[4]];
+    SCOPED_TRACE(fmt::format("{}, {}, {}, {}, {} light", setup.layout->name, normalEncodings()[c[1]].name,
+                             setup.lighting->name, shadings()[c[3]].name, name));
+    const ReadGbuffer gbuffer = bench->read(setup, settings);
+    const bool environment = settings.environmentIntensity > 0;
+    const Agreement a = compare(gbuffer, std::span(bench->lights).subspan(settings.firstLight, settings.lightCount),
+                                environment ? &bench->hostStudio : nullptr, setup.shading, settings);
+    EXPECT_GT(a.lit, kSize * kSize / 3u);
+    EXPECT_GT(a.brightest, 0.5);
+    EXPECT_LE(static_cast<double>(a.beyond), kMostBeyond * static_cast<double>(a.lit));
+    add(totals[c[4]], a);
+  }
+  fmt::print("{} combinations\n", chosen.size());
   for (size_t i = 0; i < totals.size(); ++i)
     fmt::print("{} light: {} of {} pixels beyond {} relative + {}; the worst is {:.3f} times that\n",
                bench->cases[i].name, totals[i].beyond, totals[i].lit, kRelative, kAbsolute, totals[i].worst);
+}
+
+// What a layout may be off by on these spheres; beside killzone2, 8 bits a component of the normal and metalness in 5
+// bits are the worst.
+struct Held {
+  double normal = 0.01, diffuse = 0.03;
+};
+Held heldBy(const Layout& layout) {
+  // At a sphere's rim the normal may point away from the view plane, by up to 14 degrees in this view, and comes back
+  // mirrored: 2 sin 14 degrees.
+  if (layout.name == "killzone2") return {.normal = 0.55};
+  return {};
 }
 
 // Every layout and encoding holds what the exact one holds, within what its bits allow; so an agreement between host
 // and device can't come from both reading nonsense.
 TEST_F(RelightTest, EveryGbufferHoldsTheScene) {
   const auto read = [&](const Layout& layout, uint32_t encoding) {
-    return bench->read({&layout, encoding, &techniques().front(), shared::kShadingGgx}, {});
+    return bench->read({&layout, encoding, &findTechnique("fullscreen"), shared::kShadingGgx}, {});
   };
   const ReadGbuffer exact = read(findLayout("exact"), 0);
   for (const Layout& layout : layouts())
     for (const NormalEncoding& encoding : normalEncodings()) {
+      if (layout.fixedNormal && &encoding != &normalEncodings().front()) continue;
       SCOPED_TRACE(layout.name + ", " + encoding.name);
       const ReadGbuffer gbuffer = read(layout, encoding.index);
       EXPECT_EQ(gbuffer.depth, exact.depth);
@@ -289,12 +313,14 @@ TEST_F(RelightTest, EveryGbufferHoldsTheScene) {
         position = std::max(position, double{glm::length(a.position - b.position)});
         normal = std::max(normal, double{glm::length(a.normal - b.normal)});
         if (a.flags & shared::kSurfaceUnlit) continue;  // the others have no base colour then
-        diffuse =
-            std::max(diffuse, double{shared::maxChannel(glm::abs(shared::diffuseColor(a) - shared::diffuseColor(b)))});
+        diffuse = std::max(diffuse, double{shared::maxChannel(glm::abs(shared::diffuseAtNormalIncidence(a) -
+                                                                       shared::diffuseAtNormalIncidence(b)))});
       }
+      fmt::print("{}, {}: position {:.2g} m, normal {:.2g}, diffuse {:.2g}\n", layout.name, encoding.name, position,
+                 normal, diffuse);
       EXPECT_LT(position, 3e-4);  // 15 m away: depth interpolated over steep triangles, 2e-5 relative
-      EXPECT_LT(normal, 0.01);    // 8 bits a component
-      EXPECT_LT(diffuse, 0.03);   // metalness in 5 bits: 1/62 of the base colour, and 8-bit sRGB
+      EXPECT_LT(normal, heldBy(layout).normal);
+      EXPECT_LT(diffuse, heldBy(layout).diffuse);
     }
 }
 
