@@ -15,6 +15,8 @@
 #include "base/parallel.h"
 #include "output/debug.h"
 #include "output/files.h"
+#include "output/targets.h"
+#include "render/gbuffer/layout.h"
 #include "render/renderer.h"
 #include "render/session.h"
 #include "render/view.h"
@@ -35,7 +37,7 @@ struct Options {
   std::string device = "auto", graph;
   double hdriRotate = 0;
   uint32_t frame = 0;
-  bool json = false, noSideFile = false, validate = false;
+  bool json = false, noSideFile = false, validate = false, normalsChosen = false;
   render::Settings settings;
 };
 
@@ -62,22 +64,28 @@ void parseSettings(Options& o) {
                                                     {"opengl", render::NormalFrame::OpenGl}});
   s.zUp = parseChoice<bool>("--axes", o.axes, {{"file", false}, {"z-up", true}});
   render::checkSettings(s);
+  const render::Layout& layout = render::findLayout(s.layout);
+  if (o.normalsChosen && layout.fixedNormal)
+    badUsage("--normals means nothing to the layout {}, which keeps normals as {}", layout.name, layout.fixedNormal);
 }
 
 bool contains(const std::vector<output::Aov>& aovs, output::Aov aov) {
   return std::find(aovs.begin(), aovs.end(), aov) != aovs.end();
 }
 
-// What --debug shows: "sheet", or AOV names. The picture then leaves as a PNG of those.
+// What --debug shows: "sheet", AOV names, or "targets". The picture then leaves as a PNG of those.
 struct DebugRequest {
   std::vector<output::Aov> aovs;
   bool sheet = false;
+  bool targets = false;  // the layout's own, instead of AOVs
 };
 
 std::optional<DebugRequest> parseDebug(const std::string& debug) {
   if (debug.empty()) return std::nullopt;
   DebugRequest request;
-  if (debug == "sheet") {
+  if (debug == "targets") {
+    request.targets = true;
+  } else if (debug == "sheet") {
     request.sheet = true;
     for (const output::AovInfo& aov : output::aovs()) request.aovs.push_back(aov.aov);
   } else {
@@ -233,6 +241,15 @@ std::vector<std::filesystem::path> writeDebug(const DebugRequest& debug, const o
   return {path};
 }
 
+// Writes the picture of --debug targets.
+std::vector<std::filesystem::path> writeTargets(const output::RawGbuffer& gbuffer, const output::Metadata& metadata,
+                                                const std::string& out) {
+  const std::filesystem::path path = output::fillPattern(out, "targets", metadata);
+  output::writePicture(path, output::contactSheet(output::targetPictures(gbuffer)));
+  if (out == "-") return {};
+  return {path};
+}
+
 // What leaves, checked before anything costs time; and what has to be rendered for it.
 output::OutputRequest planOutput(Options& o, const std::optional<DebugRequest>& debug) {
   output::OutputRequest request{.pattern = o.out};
@@ -250,7 +267,8 @@ output::OutputRequest planOutput(Options& o, const std::optional<DebugRequest>& 
   s.aovs = debug ? debug->aovs : request.aovs;
   s.display = debug ? contains(debug->aovs, output::Aov::Color) : output::usesDisplay(request);
   if (s.display && !debug) std::erase(s.aovs, output::Aov::Color);
-  if (debug && !contains(s.aovs, output::Aov::Id)) s.aovs.push_back(output::Aov::Id);  // what is background
+  if (debug && !debug->targets && !contains(s.aovs, output::Aov::Id))
+    s.aovs.push_back(output::Aov::Id);  // what is background
   return request;
 }
 
@@ -278,13 +296,21 @@ void render(Options& o) {
   times.upload = seconds(mark);
 
   mark = Clock::now();
-  output::FrameOutput frame = std::move(renderer.render(std::span(&camera, 1), o.settings).front());
+  output::FrameOutput frame;
+  output::RawGbuffer gbuffer;
+  if (debug && debug->targets)
+    gbuffer = renderer.readTargets(camera, o.settings);
+  else
+    frame = std::move(renderer.render(std::span(&camera, 1), o.settings).front());
   times.render = seconds(mark);
 
   mark = Clock::now();
   const output::Metadata metadata = describe(scene, camera, *device, environmentName, o);
-  std::vector<std::filesystem::path> files =
-      debug ? writeDebug(*debug, frame, metadata, o.out) : output::writeOutput(request, frame, metadata);
+  std::vector<std::filesystem::path> files;
+  if (debug && debug->targets)
+    files = writeTargets(gbuffer, metadata, o.out);
+  else
+    files = debug ? writeDebug(*debug, frame, metadata, o.out) : output::writeOutput(request, frame, metadata);
   if (!o.graph.empty()) writeFile(o.graph, std::as_bytes(std::span(renderer.graphviz())));
   times.write = seconds(mark);
   times.total = seconds(start);
@@ -338,7 +364,9 @@ void addLookOptions(CLI::App& c, Options& o) {
 
 void addOutputOptions(CLI::App& c, Options& o) {
   c.add_option("--aov", o.aovs, "What leaves, by comma: color,depth,... (latelight list aovs)");
-  c.add_option("--debug", o.debug, "Pictures of data for the eye: sheet (all), lights, or AOV names by comma");
+  c.add_option(
+      "--debug", o.debug,
+      "Pictures of data for the eye: sheet (all), lights, AOV names by comma, or targets: those of the layout");
   c.add_option("--normal-frame", o.normalFrame, "Frame of normal outputs: world, opencv or opengl")
       ->capture_default_str();
   c.add_option("--axes", o.axes, "Frame of positions and poses: file (the scene file's own) or z-up")
@@ -359,7 +387,10 @@ void addRenderCommand(CLI::App& app) {
   addSceneOptions(*command, *options);
   addLookOptions(*command, *options);
   addOutputOptions(*command, *options);
-  command->callback([options] { render(*options); });
+  command->callback([options, command] {
+    options->normalsChosen = command->count("--normals") > 0;
+    render(*options);
+  });
 }
 
 }  // namespace latelight::app

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "base/parallel.h"
+#include "output/range.h"
 #include "output/srgb.h"
 
 namespace latelight::output {
@@ -55,22 +56,6 @@ bool odd(float x) {
 }
 
 // --- one function an AOV's kind: pixel index to colour, or nothing for background -----------------------------------
-
-struct Range {
-  float low, high;
-  float at(float value) const { return high > low ? std::clamp((value - low) / (high - low), 0.0f, 1.0f) : 0.0f; }
-};
-
-// From the 1st to the 99th percentile, so that a few far pixels do not flatten all others.
-Range rangeOf(std::vector<float> values) {
-  if (values.empty()) return {0, 0};
-  const auto percentile = [&](double share) {
-    const auto nth = values.begin() + static_cast<ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-    std::nth_element(values.begin(), nth, values.end());
-    return *nth;
-  };
-  return {percentile(0.01), percentile(0.99)};
-}
 
 auto depthColors(const AovImage& image) {
   std::vector<float> finite;

@@ -21,7 +21,7 @@ struct Labelled {
 };
 
 // Pictures in reading order, each scaled down (averaged in linear light) to at most cellWidth pixels wide, its label
-// under it. Throws Error(Usage) if there is no picture.
+// under it, in as many lines as it takes. Throws Error(Usage) if there is no picture.
 Picture contactSheet(std::span<const Labelled> pictures, uint32_t columns = 4, uint32_t cellWidth = 480);
 
 }  // namespace latelight::output

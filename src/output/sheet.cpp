@@ -77,7 +77,6 @@ struct Vertex {  // as stb_easy_font writes it
 
 // The font is made of axis-parallel rectangles with whole corners: they scale by whole numbers without blur.
 void drawText(Picture& sheet, std::string text, uint32_t left, uint32_t top, uint32_t widest) {
-  for (char& c : text) c = c < 0x20 || c > 0x7e ? '?' : c;  // the font has nothing else, and does not check
   std::vector<Vertex> vertices(text.size() * 32 + 64);
   const int quads = stb_easy_font_print(0, 0, text.data(), nullptr, vertices.data(),
                                         static_cast<int>(vertices.size() * sizeof(Vertex)));
@@ -91,6 +90,26 @@ void drawText(Picture& sheet, std::string text, uint32_t left, uint32_t top, uin
       }
     }
   }
+}
+
+// The text in lines no wider than that, broken at spaces.
+std::vector<std::string> wrap(std::string text, uint32_t widest) {
+  for (char& c : text) c = c < 0x20 || c > 0x7e ? '?' : c;  // the font has nothing else, and does not check
+  const auto width = [](std::string line) {
+    return static_cast<uint32_t>(stb_easy_font_width(line.data())) * kLetterScale;
+  };
+  std::vector<std::string> lines{""};
+  for (size_t begin = 0; begin <= text.size();) {
+    const size_t end = std::min(text.find(' ', begin), text.size());
+    const std::string word = text.substr(begin, end - begin);
+    const std::string longer = lines.back().empty() ? word : lines.back() + " " + word;
+    if (lines.back().empty() || width(longer) <= widest)
+      lines.back() = longer;
+    else
+      lines.push_back(word);
+    begin = end + 1;
+  }
+  return lines;
 }
 
 }  // namespace
@@ -107,14 +126,22 @@ Picture contactSheet(std::span<const Labelled> pictures, uint32_t columns, uint3
     widest = std::max(widest, scaledTo(labelled.picture.width, scale));
     tallest = std::max(tallest, scaledTo(labelled.picture.height, scale));
   }
-  const uint32_t stepX = widest + kGap, stepY = tallest + kLabelHeight + kGap;
+  std::vector<std::vector<std::string>> labels;
+  size_t lines = 1;
+  for (const Labelled& labelled : pictures) {
+    labels.push_back(wrap(labelled.label, widest));
+    lines = std::max(lines, labels.back().size());
+  }
+  const uint32_t labelHeight = kLabelHeight * static_cast<uint32_t>(lines);
+  const uint32_t stepX = widest + kGap, stepY = tallest + labelHeight + kGap;
   Picture sheet{kGap + columns * stepX, kGap + rows * stepY, {}};
   sheet.rgba.resize(size_t{sheet.width} * sheet.height * 4);
   for (size_t i = 0; i < sheet.rgba.size(); ++i) sheet.rgba[i] = kPaper[i % 4];
   for (uint32_t i = 0; i < pictures.size(); ++i) {
     const uint32_t left = kGap + i % columns * stepX, top = kGap + i / columns * stepY;
     drawScaled(sheet, pictures[i].picture, left, top, scaleOf(pictures[i].picture));
-    drawText(sheet, pictures[i].label, left, top + tallest + kLabelHeight / 4, widest);
+    for (uint32_t line = 0; line < labels[i].size(); ++line)
+      drawText(sheet, labels[i][line], left, top + tallest + kLabelHeight / 4 + line * kLabelHeight, widest);
   }
   return sheet;
 }

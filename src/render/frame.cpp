@@ -47,7 +47,7 @@ LitFrame Frame::add(graph::Graph& graph, const FrameInputs& inputs) const {
   if (geometry_) geometry_->add(graph, inputs, gbuffer);
   lighting_->add(graph, inputs, gbuffer);
   if (inputs.environmentBackground) background_->add(graph, inputs, gbuffer);
-  return {gbuffer.light, gbuffer.lightCounts};
+  return {gbuffer.light, gbuffer.lightCounts, gbuffer};
 }
 
 }  // namespace latelight::render

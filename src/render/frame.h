@@ -62,6 +62,7 @@ inline constexpr VkFormat kCountsFormat = VK_FORMAT_R32G32B32A32_SFLOAT;  // r: 
 struct LitFrame {
   graph::ImageId picture;      // linear radiance times exposure, alpha 1 where something is drawn
   graph::ImageId lightCounts;  // as Gbuffer::lightCounts
+  Gbuffer gbuffer;             // no targets where the technique is a forward one
 };
 
 // The pipelines of a setup, and the passes they run.

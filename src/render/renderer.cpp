@@ -10,6 +10,7 @@
 #include "base/log.h"
 #include "render/aov_read.h"
 #include "render/gbuffer/geometry_pass.h"
+#include "render/gbuffer/raw_read.h"
 #include "render/lighting/technique.h"
 #include "render/post/resolve.h"
 #include "render/registry.h"
@@ -68,7 +69,7 @@ Renderer::Renderer(vk::Device& device, const scene::Scene& scene, const scene::E
 
 Renderer::~Renderer() = default;
 
-std::vector<output::FrameOutput> Renderer::render(std::span<const scene::Camera> cameras, const Settings& settings) {
+void Renderer::begin(const Settings& settings) {
   checkSettings(settings);
   if (settings.background == Background::Environment && !hasEnvironment_)
     badUsage(
@@ -76,6 +77,10 @@ std::vector<output::FrameOutput> Renderer::render(std::span<const scene::Camera>
   gpuScene_.setExposure(std::exp2(settings.exposure));
   times_.clear();
   graphviz_.clear();
+}
+
+std::vector<output::FrameOutput> Renderer::render(std::span<const scene::Camera> cameras, const Settings& settings) {
+  begin(settings);
   std::vector<output::FrameOutput> pictures;
   const size_t atOnce = viewsAtOnce(settings);
   for (size_t first = 0; first < cameras.size(); first += atOnce) {
@@ -248,6 +253,21 @@ void Renderer::renderData(Job& job) {
   graph::Executor& done = run(graph);
   for (size_t view = 0; view < job.pictures.size(); ++view)
     readback.read(done, job.views[view], view, job.settings, scene_.yUp && !job.settings.zUp, job.pictures[view]);
+}
+
+output::RawGbuffer Renderer::readTargets(const scene::Camera& camera, const Settings& settings) {
+  begin(settings);
+  if (findTechnique(settings.lighting).forward)
+    badUsage("{} lighting has no G-buffer whose targets could be shown: choose a deferred technique",
+             settings.lighting);
+  Job job{.cameras = {&camera, 1}, .settings = settings};
+  const FrameInputs inputs = prepareViews(job, glm::vec2(0));
+  graph::Graph graph;
+  const LitFrame lit = frameFor(settings, false).add(graph, inputs);
+  const RawReadback readback(graph, findLayout(settings.layout), findNormalEncoding(settings.normals).index,
+                             lit.gbuffer);
+  graphviz_ = graph.graphviz();
+  return readback.read(run(graph), job.views.front());
 }
 
 }  // namespace latelight::render

@@ -8,6 +8,7 @@
 
 #include "graph/graph.h"
 #include "output/files.h"
+#include "output/targets.h"
 #include "render/frame.h"
 #include "render/gpu_environment.h"
 #include "render/gpu_scene.h"
@@ -26,6 +27,9 @@ class Renderer {
   // One picture a camera, several at once. Throws Error(Usage) for settings that can't be.
   std::vector<output::FrameOutput> render(std::span<const scene::Camera> cameras, const Settings& settings);
 
+  // The targets of the picture's own G-buffer, at the pixel centres. Throws Error(Usage) where it has none.
+  output::RawGbuffer readTargets(const scene::Camera& camera, const Settings& settings);
+
   // GPU milliseconds a pass of the last render(), summed over its frames, in the order of the passes. Empty where the
   // device has no timestamps.
   const std::vector<graph::PassTime>& times() const { return times_; }
@@ -34,6 +38,7 @@ class Renderer {
 
  private:
   struct Job;
+  void begin(const Settings& settings);
   std::vector<output::FrameOutput> renderViews(std::span<const scene::Camera> cameras, const Settings& settings);
   void renderColor(Job& job);
   void renderLightCounts(Job& job);

@@ -7,6 +7,7 @@
 
 #include "app/folder.h"
 #include "app/process.h"
+#include "pairwise.h"
 
 namespace latelight::app {
 namespace {
@@ -60,7 +61,7 @@ TEST(CommandLine, HelpNamesEveryOption) {
                                             "--json",
                                             "--dump-graph",
                                             "--validate"}},
-                                {"list", {"TOPIC", "--json"}},
+                                {"list", {"TOPIC", "--size", "--samples", "--json"}},
                                 {"devices", {"--json"}},
                                 {"doctor", {"--json"}},
                                 {"compare", {"A", "B", "--tolerance", "--share", "--channel", "--diff", "--json"}}};
@@ -135,19 +136,60 @@ void expectAllRender(const std::vector<std::vector<std::string>>& choices) {
   }
 }
 
-// Layouts x normals x lighting x shading; tonemaps, of which only the last pass knows, take turns.
-TEST(List, EveryCombinationRendersWithoutAValidationMessage) {
+// The first of the rows that has that name.
+json rowNamed(const json& rows, const std::string& name) {
+  for (const json& row : rows)
+    if (row["name"] == name) return row;
+  ADD_FAILURE() << "no " << name;
+  return {};
+}
+
+// Killzone's 36 MB (seed 000) come of its targets' formats, for the picture that is asked for.
+TEST(List, SaysWhatAPictureCosts) {
+  const std::vector<std::string> small{"list", "layouts", "--size", "640x360"};
+  const std::vector<std::string> twice{"list", "layouts", "--size", "1280x720", "--samples", "2"};
+  const auto costs = [](std::vector<std::string> arguments) {
+    arguments.push_back("--json");
+    return json::parse(succeed(arguments).out)["layouts"];
+  };
+  const json rows = costs(twice);
+  EXPECT_EQ(rowNamed(rows, "killzone2")["originalBytes"]["picture"], 36864000);
+  EXPECT_EQ(rowNamed(costs(small), "killzone2")["originalBytes"]["picture"], 36864000 / 8);
+  EXPECT_THAT(succeed(twice).out, HasSubstr("original: 36.9 MB (35.2 MiB)"));
+  for (const json& row : rows) {
+    uint64_t here = 0, original = 0;
+    for (const json& target : row["targets"]) {
+      here += target["bytes"].get<uint64_t>();
+      original += target.value("originalBytes", target["bytes"].get<uint64_t>());
+    }
+    EXPECT_EQ(row["bytes"]["total"], here) << row["name"];
+    EXPECT_EQ(row["bytes"]["picture"], here * 1280 * 720 * 2) << row["name"];
+    EXPECT_EQ(row["originalBytes"]["total"], original) << row["name"];
+  }
+}
+
+// Layouts x normals x lighting x shading x tonemaps, so that every two choices meet. Normals are not chosen for layouts
+// with a form of their own.
+TEST(List, EveryPairOfChoicesRendersWithoutAValidationMessage) {
   const json all = listAll();
-  const std::vector<std::string> tonemaps = namesOf(all["tonemaps"]);
+  const std::vector<std::pair<std::string, std::string>> options{{"layouts", "--layout"},
+                                                                 {"normals", "--normals"},
+                                                                 {"lighting", "--lighting"},
+                                                                 {"shading", "--shading"},
+                                                                 {"tonemaps", "--tonemap"}};
+  std::vector<size_t> counts;
+  for (const auto& [topic, option] : options) counts.push_back(all[topic].size());
+  const auto follows = [&](size_t layout) { return all["layouts"][layout]["followsNormals"].get<bool>(); };
   std::vector<std::vector<std::string>> choices;
-  for (const std::string& layout : namesOf(all["layouts"]))
-    for (const std::string& normals : namesOf(all["normals"]))
-      for (const std::string& lighting : namesOf(all["lighting"]))
-        for (const std::string& shading : namesOf(all["shading"]))
-          choices.push_back({"builtin:boxes", "--layout", layout, "--normals", normals, "--lighting", lighting,
-                             "--shading", shading, "--tonemap", tonemaps[choices.size() % tonemaps.size()], "--aov",
-                             "color,depth,normal,albedo"});
-  EXPECT_GE(choices.size(), tonemaps.size());
+  for (const test::Combination& c :
+       test::pairwise(counts, [&](const test::Combination& c) { return c[1] == 0 || follows(c[0]); })) {
+    std::vector<std::string> choice{"builtin:boxes", "--aov", "color,depth,normal,albedo"};
+    for (size_t i = 0; i < options.size(); ++i)
+      if (options[i].first != "normals" || follows(c[0]))
+        choice.insert(choice.end(), {options[i].second, all[options[i].first][c[i]]["name"].get<std::string>()});
+    choices.push_back(std::move(choice));
+  }
+  EXPECT_GE(choices.size(), 2 * counts[1] + counts[0] - 2);
   expectAllRender(choices);
 }
 

@@ -315,6 +315,23 @@ TEST_F(Outputs, DebugPicturesAreOpaque) {
   EXPECT_THAT(values(sheet, "A"), testing::Each(1.0));
 }
 
+// The layout's own targets, as many as its list says and no other layout's; whatever the anti-aliasing.
+TEST_F(Outputs, DebugTargetsAreThoseOfTheLayout) {
+  render({"builtin:boxes", "-o", "{scene}.{aov}.png", "--debug", "targets", "--layout", "blog"});
+  const ReadImage blog = read("boxes.targets.png");
+  EXPECT_THAT(values(blog, "A"), testing::Each(1.0));
+  // Nine pictures (ids, three pairs of colour and alpha, normals, light and depth) in rows of four.
+  EXPECT_GE(blog.width, 4 * kWidth);
+  EXPECT_GE(blog.height, 3 * kHeight);
+  render({"builtin:boxes", "-o", "smooth.png", "--debug", "targets", "--layout", "blog", "--aa", "ss4"});
+  EXPECT_TRUE(folder.read("smooth.png") == folder.read("boxes.targets.png"));
+  render({"builtin:boxes", "-o", "engine.png", "--debug", "targets", "--layout", "engine"});
+  EXPECT_LT(read("engine.png").height, blog.height);
+  render({"builtin:boxes", "-o", "xyz.png", "--debug", "targets", "--layout", "optimized", "--normals", "xyz"});
+  render({"builtin:boxes", "-o", "octahedral.png", "--debug", "targets", "--layout", "optimized"});
+  EXPECT_FALSE(folder.read("xyz.png") == folder.read("octahedral.png"));
+}
+
 TEST_F(Outputs, CompareExitsByLikeness) {
   render({"builtin:boxes", "-o", "a.png"});
   render({"builtin:boxes", "-o", "again.png"});

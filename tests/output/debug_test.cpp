@@ -118,6 +118,17 @@ TEST(ContactSheet, WritesItsLabels) {
   EXPECT_GT(ink(std::string(500, 'm')), ink(std::string(10, 'm')));  // cut off at the picture's width
 }
 
+TEST(ContactSheet, BreaksLongLabelsAtSpaces) {
+  const auto height = [](const std::string& label) {
+    return contactSheet(std::vector<Labelled>{{label, plain(200, 10, {0, 0, 0, 255})}}).height;
+  };
+  EXPECT_EQ(height("depth"), height(""));
+  EXPECT_EQ(height(std::string(500, 'm')), height(""));  // no space to break at
+  EXPECT_GT(height("what is in each channel of this target"), height(""));
+  EXPECT_EQ(height("mmmmmmmmmmmmmmmmmmmm mmmmmmmmmmmmmmmmmmmm mmmmmmmmmmmmmmmmmmmm") - height(""),
+            2 * (height("mmmmmmmmmmmmmmmmmmmm mmmmmmmmmmmmmmmmmmmm") - height("")));
+}
+
 // Averages are taken in linear light: half black, half white is 188, not 128.
 TEST(ContactSheet, ScalesInLinearLight) {
   Picture stripes{200, 4, {}};

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "render/gbuffer/texel.h"
 #include "render/post/resolve.h"
 #include "render/view.h"
 #include "render/visibility/hardware.h"
@@ -13,17 +14,6 @@ namespace latelight::render::test {
 
 namespace {
 
-template <typename T>
-T load(const std::byte* from, size_t index = 0) {
-  T value;
-  std::memcpy(&value, from + index * sizeof(T), sizeof(T));
-  return value;
-}
-
-float unorm(uint32_t code, uint32_t bits) {
-  return static_cast<float>(code) / static_cast<float>((1u << bits) - 1u);
-}
-
 // A code is the nearest of those that stand for a value; ties may go either way.
 uint32_t toUnorm(float value, uint32_t bits) {
   const double levels = (1u << bits) - 1u;
@@ -31,41 +21,6 @@ uint32_t toUnorm(float value, uint32_t bits) {
 }
 
 }  // namespace
-
-TargetValue decodeTexel(VkFormat format, const std::byte* texel) {
-  TargetValue value;
-  const uint32_t word = load<uint32_t>(texel);
-  switch (format) {
-    case VK_FORMAT_R8G8B8A8_UNORM:
-    case VK_FORMAT_R8G8B8A8_SRGB:
-      for (int i = 0; i < 4; ++i) {
-        value.f[i] = unorm(word >> (8 * i) & 0xff, 8);
-        if (format == VK_FORMAT_R8G8B8A8_SRGB && i < 3) value.f[i] = shared::linearFromSrgb(value.f[i]);
-      }
-      return value;
-    case VK_FORMAT_R16G16_UNORM:
-      value.f = {unorm(word & 0xffff, 16), unorm(word >> 16, 16), 0, 1};
-      return value;
-    case VK_FORMAT_A2B10G10R10_UNORM_PACK32:
-      value.f = {unorm(word & 1023, 10), unorm(word >> 10 & 1023, 10), unorm(word >> 20 & 1023, 10),
-                 unorm(word >> 30, 2)};
-      return value;
-    case VK_FORMAT_R16G16B16A16_SFLOAT:
-      for (int i = 0; i < 4; ++i) value.f[i] = scene::floatFromHalf(load<uint16_t>(texel, i));
-      return value;
-    case VK_FORMAT_R32G32B32A32_SFLOAT:
-      for (int i = 0; i < 4; ++i) value.f[i] = load<float>(texel, i);
-      return value;
-    case VK_FORMAT_R32G32_UINT:
-      value.u = {word, load<uint32_t>(texel, 1), 0, 1};
-      return value;
-    case VK_FORMAT_R32G32B32A32_UINT:
-      for (int i = 0; i < 4; ++i) value.u[i] = load<uint32_t>(texel, i);
-      return value;
-    default:
-      throw std::logic_error(std::string("teach decodeTexel the format ") + vk::formatName(format));
-  }
-}
 
 TargetValue storedValue(VkFormat format, const TargetValue& value) {
   std::byte texel[16]{};
@@ -85,6 +40,7 @@ TargetValue storedValue(VkFormat format, const TargetValue& value) {
       word = toUnorm(value.f.x, 10) | toUnorm(value.f.y, 10) << 10 | toUnorm(value.f.z, 10) << 20 |
              toUnorm(value.f.w, 2) << 30;
       break;
+    case VK_FORMAT_R16G16_SFLOAT:
     case VK_FORMAT_R16G16B16A16_SFLOAT: {
       uint16_t halves[4];
       for (int i = 0; i < 4; ++i) halves[i] = scene::halfFromFloat(value.f[i]);
@@ -92,6 +48,7 @@ TargetValue storedValue(VkFormat format, const TargetValue& value) {
       return decodeTexel(format, texel);
     }
     case VK_FORMAT_R32G32B32A32_SFLOAT:
+    case VK_FORMAT_R32_UINT:
     case VK_FORMAT_R32G32_UINT:
     case VK_FORMAT_R32G32B32A32_UINT:
       return value;

@@ -15,8 +15,6 @@
 
 namespace latelight::render::test {
 
-// One texel as a shader reads it: normalised and float formats in f (sRGB decoded), integers in u.
-TargetValue decodeTexel(VkFormat format, const std::byte* texel);
 // What is left of a value that is stored in the format: rounded to nearest and decoded.
 TargetValue storedValue(VkFormat format, const TargetValue& value);
 

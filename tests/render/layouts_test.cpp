@@ -11,8 +11,10 @@
 #include "scene/texture.h"
 #include "shared/brdf/blinn_phong.h"
 #include "shared/color.h"
+#include "shared/diffuse_specular.h"
 #include "shared/normal_bounds.h"
 #include "shared/random.h"
+#include "shared/shade.h"
 
 namespace latelight::render::test {
 namespace {
@@ -27,42 +29,116 @@ using shared::vec3;
 TEST(Layouts, BytesAPixelAreTheSumOfTheirFormats) {
   for (const Layout& layout : layouts())
     for (const NormalEncoding& encoding : normalEncodings()) {
-      uint32_t bytes = 4;  // depth, 32 bits
+      uint32_t bytes = 0;
       for (size_t i = 0; i < layout.targets.size(); ++i) bytes += vk::texelBytes(layout.format(i, encoding.index));
-      EXPECT_EQ(layout.bytesPerPixel(encoding.index), bytes) << layout.name << ", " << encoding.name;
+      const LayoutBytes here = layout.bytesPerPixel(encoding.index);
+      EXPECT_EQ(here.targets, bytes) << layout.name << ", " << encoding.name;
+      EXPECT_EQ(here.depth, 4u);
+      EXPECT_EQ(here.light, 8u);
+      EXPECT_EQ(here.total(), bytes + 12);
+      EXPECT_EQ(layout.originalBytesPerPixel(encoding.index).targets, bytes);
     }
-  for (const NormalEncoding& encoding : normalEncodings()) {
-    EXPECT_LE(findLayout("thin").bytesPerPixel(encoding.index), 12u);
-    EXPECT_EQ(findLayout("optimized").bytesPerPixel(encoding.index), 16u);
-    EXPECT_EQ(findLayout("exact").bytesPerPixel(encoding.index), 116u);
-  }
+}
+
+// As the layouts' own files say, depth included and the light accumulation target apart.
+TEST(Layouts, CostWhatTheirFilesSay) {
+  const std::pair<const char*, uint32_t> said[] = {{"thin", 12},  {"optimized", 16}, {"exact", 116},
+                                                   {"plain", 68}, {"engine", 16},    {"battlefield3", 20},
+                                                   {"blog", 60},  {"killzone2", 16}};
+  for (const auto& [name, bytes] : said)
+    for (const NormalEncoding& encoding : normalEncodings()) {
+      const LayoutBytes here = findLayout(name).bytesPerPixel(encoding.index);
+      EXPECT_EQ(here.targets + here.depth, bytes) << name << ", " << encoding.name;
+    }
+}
+
+// Seed 000: four targets of R8G8B8A8, 24 bits of depth and 8 of stencil: about 36 MB, which is 1280x720 twice sampled.
+TEST(Layouts, KillzonesGbufferIs36Megabytes) {
+  const LayoutBytes bytes = findLayout("killzone2").originalBytesPerPixel(0);
+  EXPECT_EQ(bytes.total(), 20u);
+  EXPECT_EQ(bytes.total() * 1280ull * 720 * 2 / 1'000'000, 36u);
 }
 
 // --- round trips ----------------------------------------------------------------------------------------------------
 
-// The most a value may change by being stored. Colours in units of one 8-bit sRGB code; a dielectric's f0 by its root,
-// as `thin` stores it; the Blinn-Phong power up to 255, as `optimized` does.
-struct Bounds {
-  double normal;  // radians
-  double baseColor, diffuse, specular, metallic, roughness, f0Root, f90, power;
-};
 constexpr double kAny = std::numeric_limits<double>::infinity();
 
+// The most a value may change by being stored. Colours in units of one 8-bit sRGB code, diffuse as it is reflected at
+// normal incidence; a dielectric's f0 by its root, of 0.16; the Blinn-Phong power up to 255.
+struct Bounds {
+  double normal = 0.1;  // radians
+  double baseColor = kAny, diffuse = 10, specular = 10, metallic = kAny, roughness = kAny, f0Root = kAny, f90 = kAny,
+         power = kAny, ao = 0;
+  bool viewersSide = false;  // normals that point away from the view plane come back mirrored
+};
+constexpr double kHalfCode = 0.501;           // in units of a code
+constexpr double kUnorm8 = 0.5 / 255 + 1e-6;  // of a value in [0, 1]
+
+// `levels` = 2^bits - 1 of each channel; and what rounding of floats adds.
+double normalBound(const std::string& encoding, double bits) {
+  return shared::normalBound(encoding, std::exp2(bits) - 1).radians * 1.001 + 2e-6;
+}
 double normalBound(const NormalEncoding& encoding, double bitsOfTwo, double bitsOfThree) {
   std::string file = encoding.name;
   std::replace(file.begin(), file.end(), '-', '_');
-  return shared::normalBound(file, std::exp2(encoding.channels == 2 ? bitsOfTwo : bitsOfThree) - 1).radians * 1.001 +
-         2e-6;
+  return normalBound(file, encoding.channels == 2 ? bitsOfTwo : bitsOfThree);
 }
 
 Bounds boundsOf(const Layout& layout, const NormalEncoding& encoding) {
-  if (layout.name == "exact") return {0, 0, 0, 0, 0, 0, 0, 0, 0};
+  // Divided and multiplied again in floats.
+  const Bounds floats{.baseColor = 0.01,
+                      .diffuse = 0.01,
+                      .specular = 0.01,
+                      .metallic = 0,
+                      .roughness = 1e-5,
+                      .f90 = 1e-6,
+                      .power = 0.01};
+  const Bounds colors{.diffuse = 2 * kHalfCode, .specular = kHalfCode, .f90 = kUnorm8, .power = kHalfCode};
+  Bounds b;
+  if (layout.name == "exact")
+    return {.normal = 0,
+            .baseColor = 0,
+            .diffuse = 0,
+            .specular = 0,
+            .metallic = 0,
+            .roughness = 0,
+            .f0Root = 0,
+            .f90 = 0,
+            .power = 0};
+  if (layout.name == "plain") return b = floats, b.normal = 0, b;
+  if (layout.name == "blog") return b = floats, b.normal = normalBound("octahedral", 16), b;
+  if (layout.name == "optimized") return b = colors, b.normal = normalBound(encoding, 16, 10), b;
+  if (layout.name == "engine") return b = colors, b.normal = normalBound("xyz", 10), b.ao = kUnorm8, b;
   if (layout.name == "thin")
-    return {
-        normalBound(encoding, 12, 8), 0.501, kAny, kAny, 0.5 / 31 + 1e-6, 0.5 / 255 + 1e-6, 0.5 / 6 + 1e-6, 0, kAny};
-  if (layout.name == "optimized")
-    return {normalBound(encoding, 16, 10), kAny, 0.501, 0.501, kAny, kAny, kAny, 0.5 / 255 + 1e-6, 0.501};
-  return {0.1, kAny, 10, 10, kAny, kAny, kAny, kAny, kAny};  // of a layout that states none
+    return {.normal = normalBound(encoding, 12, 8),
+            .baseColor = kHalfCode,
+            .diffuse = kAny,
+            .specular = kAny,
+            .metallic = 0.5 / 31 + 1e-6,
+            .roughness = kUnorm8,
+            .f0Root = 0.5 / 6 + 1e-6,
+            .f90 = 0};
+  if (layout.name == "battlefield3")
+    return {.normal = normalBound("xyz", 8),
+            .baseColor = kHalfCode,
+            .diffuse = kAny,
+            .specular = kAny,
+            .metallic = kUnorm8,
+            .roughness = kUnorm8,
+            .f0Root = kUnorm8 / 0.4,
+            .f90 = 0,
+            .ao = kUnorm8};
+  // What is rebuilt is the root of what two halves leave of 1, which may be as little as their rounding: 2^-11 of each
+  // where a device cuts off, as it may.
+  if (layout.name == "killzone2")
+    return {.normal = std::sqrt(2 * std::sqrt(2.0) / 2048) + 1e-3,
+            .baseColor = kHalfCode,
+            .diffuse = kAny,
+            .specular = kAny,
+            .f90 = 0,
+            .power = kHalfCode,
+            .viewersSide = true};
+  return b;  // of a layout that states none
 }
 
 struct Sample {
@@ -115,7 +191,13 @@ double cappedPower(float roughness) {
 void expectWithin(const Surface& a, const Surface& b, const Bounds& bounds) {
   EXPECT_LE(glm::length(a.normal - b.normal), bounds.normal);
   EXPECT_LE(codes(a.baseColor, b.baseColor), bounds.baseColor);
-  EXPECT_LE(codes(shared::diffuseColor(a), shared::diffuseColor(b)), bounds.diffuse);
+  // The diffuse colour is divided by what the specular one leaves, and can't be beyond 1 then: half a code of a
+  // specular colour near white is more than one of a dark diffuse colour.
+  const vec3 diffuseA = shared::diffuseAtNormalIncidence(a), diffuseB = shared::diffuseAtNormalIncidence(b);
+  constexpr float kHalfCodeNearWhite = 0.0046f;
+  if (shared::maxChannel(glm::abs(diffuseA - diffuseB)) > kHalfCodeNearWhite) {
+    EXPECT_LE(codes(diffuseA, diffuseB), bounds.diffuse);
+  }
   EXPECT_LE(codes(shared::specularF0(a), shared::specularF0(b)), bounds.specular);
   EXPECT_LE(std::abs(a.metallic - b.metallic), bounds.metallic);
   EXPECT_LE(std::abs(a.roughness - b.roughness), bounds.roughness);
@@ -123,7 +205,22 @@ void expectWithin(const Surface& a, const Surface& b, const Bounds& bounds) {
   EXPECT_LE(std::abs(shared::specularF90(a) - shared::specularF90(b)), bounds.f90);
   EXPECT_LE(std::abs(cappedPower(a.roughness) - cappedPower(b.roughness)), bounds.power);
   EXPECT_LE(glm::length(a.position - b.position), 1e-5f * (5.0f + glm::length(a.position)));
-  EXPECT_EQ(a.ao, b.ao);
+  EXPECT_LE(std::abs(a.ao - b.ao), bounds.ao);
+}
+
+Surface stored(const Layout& layout, const Sample& sample) {
+  std::vector<TargetValue> values = layout.pack(sample.surface, sample.context);
+  EXPECT_EQ(values.size(), layout.targets.size());
+  for (size_t t = 0; t < values.size(); ++t)
+    values[t] = storedValue(layout.format(t, sample.context.normalEncoding), values[t]);
+  return layout.unpack(values, sample.context);
+}
+
+// Mirrors a normal that points away from the view plane.
+void turnToViewer(Sample& sample) {
+  vec3 n = shared::rotateToView(sample.context.view, sample.surface.normal);
+  n.y = -std::abs(n.y);
+  sample.surface.normal = shared::rotateToWorld(sample.context.view, n);
 }
 
 TEST(Layouts, RandomSurfacesSurviveTheirStoredBits) {
@@ -135,13 +232,66 @@ TEST(Layouts, RandomSurfacesSurviveTheirStoredBits) {
       for (int i = 0; i < 20000 && !testing::Test::HasFailure(); ++i) {
         SCOPED_TRACE(i);
         const uint32_t space = i % normalSpaces().size(), position = i / 3 % positionMethods().size();
-        const Sample sample = randomSample(random, encoding.index, space, position);
-        std::vector<TargetValue> values = layout.pack(sample.surface, sample.context);
-        ASSERT_EQ(values.size(), layout.targets.size());
-        for (size_t t = 0; t < values.size(); ++t) values[t] = storedValue(layout.format(t, encoding.index), values[t]);
-        expectWithin(sample.surface, layout.unpack(values, sample.context), bounds);
+        Sample sample = randomSample(random, encoding.index, space, position);
+        if (bounds.viewersSide) turnToViewer(sample);
+        expectWithin(sample.surface, stored(layout, sample), bounds);
       }
     }
+}
+
+// Unit normals that point away from the view plane come back as their mirror image, exactly as long: the layout's
+// nature.
+TEST(Layouts, Killzone2MirrorsNormalsThatPointAway) {
+  Random random(17);
+  const Layout& layout = findLayout("killzone2");
+  size_t mirrored = 0;
+  constexpr size_t kCount = 20000;
+  for (size_t i = 0; i < kCount; ++i) {
+    Sample sample = randomSample(random, 0);
+    const vec3 back = stored(layout, sample).normal;
+    mirrored += glm::length(back - sample.surface.normal) > 0.1f;
+    EXPECT_NEAR(glm::length(back), 1, 1e-6);
+    turnToViewer(sample);
+    EXPECT_LE(glm::length(back - sample.surface.normal), 0.03f);
+  }
+  // Half of all directions, less those near enough to the plane.
+  EXPECT_NEAR(static_cast<double>(mirrored) / kCount, 0.5 * (1 - 0.05), 0.02);
+}
+
+// The usual dielectric and a metal of any colour: what the layout derives metalness from.
+TEST(Layouts, Killzone2TellsMetalsFromTheUsualDielectric) {
+  Random random(19);
+  const Layout& layout = findLayout("killzone2");
+  for (int i = 0; i < 10000; ++i) {
+    Sample sample = randomSample(random, 0);
+    Surface& s = sample.surface;
+    s.f0 = vec3(0.04f);
+    s.metallic = i % 2 ? 1.0f : 0.0f;
+    if (s.metallic == 1) s.baseColor = glm::max(s.baseColor, vec3(0.3f));
+    const Surface b = stored(layout, sample);
+    ASSERT_NEAR(b.metallic, s.metallic, s.metallic == 1 ? 0.02 : 1e-5);
+    ASSERT_LE(codes(shared::specularF0(s), shared::specularF0(b)), 2.5);
+  }
+}
+
+// A partly metallic surface is as bright, lit, from diffuse and specular colours as it is from metalness.
+TEST(Layouts, DiffuseAndSpecularColoursShadeAsMetalnessDoes) {
+  Random random(23);
+  for (int i = 0; i < 20000; ++i) {
+    const Sample sample = randomSample(random, 0);
+    const Surface& a = sample.surface;
+    const Surface b = shared::withDiffuseSpecular(a, shared::diffuseAtNormalIncidence(a), shared::specularF0(a),
+                                                  shared::specularF90(a));
+    vec3 toEye = random.direction();
+    if (glm::dot(toEye, a.normal) < 0) toEye = -toEye;
+    const shared::LightSample light{.toLight = random.direction(), .irradiance = vec3(1)};
+    for (const uint32_t shading : {shared::kShadingGgx, shared::kShadingBlinnPhong}) {
+      const vec3 expected = shared::shadeLight(a, toEye, light, shading);
+      ASSERT_LE(glm::length(shared::shadeLight(b, toEye, light, shading) - expected),
+                1e-5f + 1e-4f * glm::length(expected))
+          << i << ", shading " << shading;
+    }
+  }
 }
 
 TEST(Layouts, ExactKeepsEverything) {
@@ -181,6 +331,8 @@ TEST(Layouts, ThinKeepsTheUsualDielectricAndNoReflectionAtAll) {
 struct Difference {
   double mean = 0;
   int percentile = 0;  // the 99.9th
+  int most = 0;
+  double beyond = 0;  // share of more than 2 levels
   size_t count = 0;
 };
 
@@ -196,6 +348,9 @@ Difference difference(const std::vector<uint8_t>& a, const std::vector<uint8_t>&
   d.count = levels.size();
   if (levels.empty()) return d;
   d.mean = std::accumulate(levels.begin(), levels.end(), 0.0) / static_cast<double>(levels.size());
+  d.most = levels.back();
+  d.beyond = static_cast<double>(levels.end() - std::upper_bound(levels.begin(), levels.end(), 2)) /
+             static_cast<double>(levels.size());
   d.percentile = levels[static_cast<size_t>(0.999 * static_cast<double>(levels.size() - 1))];
   return d;
 }
@@ -258,7 +413,7 @@ TEST_F(PicturesTest, OfTheBoxesDifferByRounding) {
 }
 
 // A shiny model under soft boxes. `optimized` is far off, which is its nature: the cap of its power at 255. Without
-// anything shinier than that it is within rounding, the power's own (a step of 1 where it is small) being the largest.
+// anything shinier than that it is within rounding.
 TEST_F(PicturesTest, OfTheHelmetDifferByRoundingAndTheCapOfThePower) {
   SKIP_WITHOUT(sharedModel("DamagedHelmet.glb"));
   const scene::Environment studio = scene::loadEnvironment("studio");
@@ -268,10 +423,10 @@ TEST_F(PicturesTest, OfTheHelmetDifferByRoundingAndTheCapOfThePower) {
                                  {"optimized", "octahedral", 11, 75}};  // 7.85, 53
   compare("helmet", scene, kAsItIs, &studio);
   roughen(scene);
-  constexpr Allowed kRoughened[] = {{"thin", "octahedral", 0.5, 3},        // 0.32, 2
-                                    {"thin", "xyz", 0.7, 5},               // 0.45, 3
-                                    {"optimized", "octahedral", 1.7, 22},  // 1.11, 15
-                                    {"optimized", "xyz", 1.7, 22}};        // 1.12, 15
+  constexpr Allowed kRoughened[] = {{"thin", "octahedral", 0.5, 3},       // 0.32, 2
+                                    {"thin", "xyz", 0.7, 5},              // 0.45, 3
+                                    {"optimized", "octahedral", 0.4, 3},  // 0.26, 2
+                                    {"optimized", "xyz", 0.45, 3}};       // 0.27, 2
   compare("helmet, nothing below roughness 0.3", scene, kRoughened, &studio);
 }
 
@@ -280,6 +435,90 @@ TEST_F(PicturesTest, OfTheHallDifferByRoundingAndTheCapOfThePower) {
                                   {"thin", "xyz", 0.5, 6},                // 0.25, 4
                                   {"optimized", "octahedral", 1.3, 45}};  // 0.78, 30
   compare("hall", hall(), kAllowed, nullptr);
+}
+
+// --- every layout against `plain` -----------------------------------------------------------------------------------
+
+// How far the hall lit from a layout may be from what `plain` gives, in 8-bit levels over the channels of covered
+// pixels: about 1.5 times what was measured on the CPU device. `beyond` is the share of channels off by more than 2.
+struct Quantisation {
+  const char* layout;
+  double mean;
+  int most;
+  double beyond;
+  const char* reason;
+};
+constexpr Quantisation kQuantisation[] = {
+    // measured: mean, most, beyond
+    {"exact", 0.001, 1, 0, "floats both"},                                                       // 0, 0, 0
+    {"blog", 0.0015, 1, 0, "normals of 16 bits a channel"},                                      // 0.0009, 1, 0
+    {"thin", 0.3, 5, 0.0002, "normals of 12 bits a channel, metalness of 5, reflectance of 3"},  // 0.189, 3, 1e-5
+    {"battlefield3", 0.4, 20, 0.006, "normals of 8 bits a component"},                           // 0.268, 13, 0.0039
+    {"optimized", 1.15, 105, 0.08, "the power ends at 255: highlights are wider and dimmer"},    // 0.765, 71, 0.054
+    {"engine", 1.15, 105, 0.08, "the power ends at 255: highlights are wider and dimmer"},       // 0.776, 71, 0.053
+    {"killzone2", 10, 255, 0.46,
+     "normals mirrored, the power's end, one intensity for three channels"},  // 6.58, 218, 0.306
+};
+
+class PlainTest : public RenderTest {};
+
+TEST_F(PlainTest, DiffersFromEveryLayoutByItsQuantisationAlone) {
+  const scene::Scene scene = scene::load("builtin:hall,triangles=60k,lights=20");
+  Settings settings = settingsOf(320, 180);
+  settings.display = true;
+  const scene::Camera camera = cameraOf(scene, settings.width, settings.height);
+  Renderer renderer(device(), scene, nullptr);
+  const auto render = [&](const std::string& layout) {
+    settings.layout = layout;
+    return renderer.render({&camera, 1}, settings).front().display;
+  };
+  const std::vector<uint8_t> plain = render("plain");
+  for (const Layout& layout : layouts()) {
+    if (layout.name == "plain") continue;
+    const auto* allowed = std::find_if(std::begin(kQuantisation), std::end(kQuantisation),
+                                       [&](const Quantisation& q) { return layout.name == q.layout; });
+    ASSERT_NE(allowed, std::end(kQuantisation)) << layout.name << " states no bound";
+    SCOPED_TRACE(fmt::format("{}: {}", layout.name, allowed->reason));
+    const Difference d = difference(render(layout.name), plain);
+    fmt::print("{}: mean {:.4f} levels, at most {}, {:.5f} beyond 2\n", layout.name, d.mean, d.most, d.beyond);
+    EXPECT_GT(d.count, 100000u);
+    EXPECT_LE(d.mean, allowed->mean);
+    EXPECT_LE(d.most, allowed->most);
+    EXPECT_LE(d.beyond, allowed->beyond);
+  }
+}
+
+// The share of the hall's pixels whose normal points away from the view plane, so that killzone2 mirrors it.
+TEST_F(PlainTest, TellsHowManyNormalsKillzone2Mirrors) {
+  const scene::Scene scene = scene::load("builtin:hall,triangles=60k,lights=20");
+  constexpr uint32_t kWidth = 320, kHeight = 180;
+  const scene::Camera camera = cameraOf(scene, kWidth, kHeight);
+  GbufferReader reader(device(), scene, nullptr);
+  const auto read = [&](const char* layout) {
+    return reader.read({.layout = &findLayout(layout), .lighting = &findTechnique("fullscreen")}, camera, kWidth,
+                       kHeight);
+  };
+  const ReadGbuffer plain = read("plain"), killzone2 = read("killzone2");
+  size_t covered = 0, away = 0;
+  double worstMirror = 0, worstKept = 0;
+  for (size_t pixel = 0; pixel < plain.depth.size(); ++pixel) {
+    if (plain.depth[pixel] == 0.0f) continue;
+    ++covered;
+    const vec3 expected = shared::rotateToView(plain.view, plain.surface(pixel).normal);
+    const vec3 got = shared::rotateToView(plain.view, killzone2.surface(pixel).normal);
+    const bool mirrored = expected.y > 0;
+    away += mirrored;
+    double& worst = mirrored ? worstMirror : worstKept;
+    worst = std::max(worst, double{glm::length(got - vec3(expected.x, -std::abs(expected.y), expected.z))});
+  }
+  const double share = static_cast<double>(away) / static_cast<double>(covered);
+  fmt::print("{:.1f} % of {} normals point away; others are off by {:.4f}, mirror images by {:.4f} at most\n",
+             100 * share, covered, worstKept, worstMirror);
+  EXPECT_GT(share, 0.02);
+  EXPECT_LT(share, 0.5);
+  const double bound = boundsOf(findLayout("killzone2"), normalEncodings().front()).normal;
+  EXPECT_LE(worstKept, bound);
+  EXPECT_LE(worstMirror, bound);
 }
 
 // --- super-sampling -------------------------------------------------------------------------------------------------

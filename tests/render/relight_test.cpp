@@ -1,6 +1,6 @@
-// The device's own G-buffer, read back and shaded on the host by the same shared headers, against what each lighting
-// technique made of it: every layout, normal encoding, technique and shading, under every kind of light. No golden
-// pictures: what differs is a bug in a shader's reads, lookups or loops over lights.
+// The device's own G-buffer, read back and shaded on the host by the same shared headers, against what each deferred
+// lighting technique made of it: every layout, normal encoding, technique, shading and kind of light meets every value
+// of each other choice. No golden pictures: what differs is a bug in a shader's reads, lookups or loops over lights.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -9,10 +9,12 @@
 #include <memory>
 #include <utility>
 
+#include "pairwise.h"
 #include "render/gbuffer_reader.h"
 #include "render/settings.h"
 #include "scene/builtin.h"
 #include "scene/half.h"
+#include "shared/diffuse_specular.h"
 #include "shared/environment.h"
 #include "shared/normal_bounds.h"
 #include "shared/shade.h"
@@ -245,59 +247,70 @@ class RelightTest : public RenderTest {
 };
 std::unique_ptr<RelightTest::Bench> RelightTest::bench;
 
-// The default layout goes with every encoding; the others with one of two channels and one of three.
-std::vector<NormalEncoding> encodingsFor(const Layout& layout) {
-  if (layout.name == Settings{}.layout) return {normalEncodings().begin(), normalEncodings().end()};
-  return {findNormalEncoding("octahedral"), findNormalEncoding("xyz")};
+std::vector<const TechniqueInfo*> deferredTechniques() {
+  std::vector<const TechniqueInfo*> deferred;
+  for (const TechniqueInfo& technique : techniques())
+    if (!technique.forward) deferred.push_back(&technique);
+  return deferred;
 }
 
-// Spaces of normals and position methods take turns with the encodings.
-FrameSetup setupOf(const Layout& layout, const NormalEncoding& encoding, const TechniqueInfo& technique,
-                   uint32_t shading) {
-  return {.layout = &layout,
-          .normalEncoding = encoding.index,
-          .lighting = &technique,
-          .shading = shading,
-          .normalSpace = encoding.index % static_cast<uint32_t>(normalSpaces().size()),
-          .positionMethod = encoding.index % static_cast<uint32_t>(positionMethods().size())};
-}
-
+// The pair of each light with each technique is met too, so no loop over lights goes untested.
 TEST_F(RelightTest, HostShadesTheDevicesGbufferAlike) {
+  const std::vector<const TechniqueInfo*> deferred = deferredTechniques();
+  const std::vector<latelight::test::Combination> chosen =
+      latelight::test::pairwise({layouts().size(), normalEncodings().size(), deferred.size(), shadings().size(),
+                                 bench->cases.size(), normalSpaces().size(), positionMethods().size()},
+                                [](const auto& c) { return c[1] == 0 || !layouts()[c[0]].fixedNormal; });
   std::vector<Agreement> totals(bench->cases.size());
-  for (const Layout& layout : layouts())
-    for (const NormalEncoding& encoding : encodingsFor(layout))
-      for (const TechniqueInfo& technique : techniques()) {
-        if (technique.forward) continue;  // it lights no G-buffer
-        for (uint32_t shading = 0; shading < shadings().size(); ++shading)
-          for (size_t i = 0; i < totals.size(); ++i) {
-            const auto& [name, settings] = bench->cases[i];
-            SCOPED_TRACE(fmt::format("{}, {}, {}, {}, {} light", layout.name, encoding.name, technique.name,
-                                     shadings()[shading].name, name));
-            const ReadGbuffer gbuffer = bench->read(setupOf(layout, encoding, technique, shading), settings);
-            const bool environment = settings.environmentIntensity > 0;
-            const Agreement a =
-                compare(gbuffer, std::span(bench->lights).subspan(settings.firstLight, settings.lightCount),
-                        environment ? &bench->hostStudio : nullptr, shading, settings);
-            EXPECT_GT(a.lit, kSize * kSize / 3u);
-            EXPECT_GT(a.brightest, 0.5);
-            EXPECT_LE(static_cast<double>(a.beyond), kMostBeyond * static_cast<double>(a.lit));
-            add(totals[i], a);
-          }
-      }
+  for (const auto& c : chosen) {
+    const FrameSetup setup{.layout = &layouts()[c[0]],
+                           .normalEncoding = normalEncodings()[c[1]].index,
+                           .lighting = deferred[c[2]],
+                           .shading = uint32_t(c[3]),
+                           .normalSpace = uint32_t(c[5]),
+                           .positionMethod = uint32_t(c[6])};
+    const auto& [name, settings] = bench->cases[c[4]];
+    SCOPED_TRACE(fmt::format("{}, {} in {} space, {}, {}, {} light, position by {}", setup.layout->name,
+                             normalEncodings()[c[1]].name, normalSpaces()[c[5]].name, setup.lighting->name,
+                             shadings()[c[3]].name, name, positionMethods()[c[6]].name));
+    const ReadGbuffer gbuffer = bench->read(setup, settings);
+    const bool environment = settings.environmentIntensity > 0;
+    const Agreement a = compare(gbuffer, std::span(bench->lights).subspan(settings.firstLight, settings.lightCount),
+                                environment ? &bench->hostStudio : nullptr, setup.shading, settings);
+    EXPECT_GT(a.lit, kSize * kSize / 3u);
+    EXPECT_GT(a.brightest, 0.5);
+    EXPECT_LE(static_cast<double>(a.beyond), kMostBeyond * static_cast<double>(a.lit));
+    add(totals[c[4]], a);
+  }
+  fmt::print("{} combinations\n", chosen.size());
   for (size_t i = 0; i < totals.size(); ++i)
     fmt::print("{} light: {} of {} pixels beyond {} relative + {}; the worst is {:.3f} times that\n",
                bench->cases[i].name, totals[i].beyond, totals[i].lit, kRelative, kAbsolute, totals[i].worst);
+}
+
+// What a layout may be off by on these spheres; beside killzone2, 8 bits a component of the normal and metalness in 5
+// bits are the worst.
+struct Held {
+  double normal = 0.01, diffuse = 0.03;
+};
+Held heldBy(const Layout& layout) {
+  // At a sphere's rim the normal may point away from the view plane, by up to 14 degrees in this view, and comes back
+  // mirrored: 2 sin 14 degrees.
+  if (layout.name == "killzone2") return {.normal = 0.55};
+  return {};
 }
 
 // Every layout and encoding holds what the exact one holds, within what its bits allow; so an agreement between host
 // and device can't come from both reading nonsense.
 TEST_F(RelightTest, EveryGbufferHoldsTheScene) {
   const auto read = [&](const Layout& layout, const NormalEncoding& encoding) {
-    return bench->read(setupOf(layout, encoding, findTechnique("fullscreen"), shared::kShadingGgx), {});
+    return bench->read({.layout = &layout, .normalEncoding = encoding.index, .lighting = &findTechnique("fullscreen")},
+                       {});
   };
   const ReadGbuffer exact = read(findLayout("exact"), normalEncodings().front());
   for (const Layout& layout : layouts())
     for (const NormalEncoding& encoding : normalEncodings()) {
+      if (layout.fixedNormal && &encoding != &normalEncodings().front()) continue;
       SCOPED_TRACE(layout.name + ", " + encoding.name);
       const ReadGbuffer gbuffer = read(layout, encoding);
       EXPECT_EQ(gbuffer.depth, exact.depth);
@@ -312,15 +325,19 @@ TEST_F(RelightTest, EveryGbufferHoldsTheScene) {
         if (!encoding.hemisphere || shared::rotateToView(exact.view, a.normal).y <= 0)
           normal = std::max(normal, double{glm::length(a.normal - b.normal)});
         if (a.flags & shared::kSurfaceUnlit) continue;  // the others have no base colour then
-        diffuse =
-            std::max(diffuse, double{shared::maxChannel(glm::abs(shared::diffuseColor(a) - shared::diffuseColor(b)))});
+        diffuse = std::max(diffuse, double{shared::maxChannel(glm::abs(shared::diffuseAtNormalIncidence(a) -
+                                                                       shared::diffuseAtNormalIncidence(b)))});
       }
+      fmt::print("{}, {}: position {:.2g} m, normal {:.2g}, diffuse {:.2g}\n", layout.name, encoding.name, position,
+                 normal, diffuse);
       EXPECT_LT(position, 3e-4);  // 15 m away: depth interpolated over steep triangles, 2e-5 relative
-      // 8 bits a component or 12 of two, the fewest of any layout; the device's own rounding and rotation besides.
+      // 8 bits a component or 12 of two, the fewest of any layout that follows the encoding; the device's own rounding
+      // and rotation besides.
       std::string file = encoding.name;
       std::replace(file.begin(), file.end(), '-', '_');
-      EXPECT_LT(normal, 1.01 * shared::normalBound(file, encoding.channels == 2 ? 4095 : 255).radians + 1e-5);
-      EXPECT_LT(diffuse, 0.03);  // metalness in 5 bits: 1/62 of the base colour, and 8-bit sRGB
+      const double encoded = 1.01 * shared::normalBound(file, encoding.channels == 2 ? 4095 : 255).radians + 1e-5;
+      EXPECT_LT(normal, layout.fixedNormal ? heldBy(layout).normal : encoded);
+      EXPECT_LT(diffuse, heldBy(layout).diffuse);
     }
 }
 

@@ -1,0 +1,29 @@
+// The targets of a frame's G-buffer as they are stored, for pictures of them.
+#pragma once
+
+#include <vector>
+
+#include "graph/graph.h"
+#include "output/targets.h"
+#include "render/frame.h"
+
+namespace latelight::render {
+
+class RawReadback {
+ public:
+  // Reads back the layout's targets, the light accumulation target, lit, and depth.
+  RawReadback(graph::Graph& graph, const Layout& layout, uint32_t normalEncoding, const Gbuffer& gbuffer);
+  // Of the first view.
+  output::RawGbuffer read(const graph::Executor& done, const shared::View& view) const;
+
+ private:
+  struct Target {
+    output::RawTarget described;  // without its values
+    VkFormat format;
+    graph::BufferId buffer;
+  };
+  std::vector<Target> targets_;
+  graph::BufferId depth_;
+};
+
+}  // namespace latelight::render

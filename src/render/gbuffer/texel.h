@@ -1,0 +1,15 @@
+// Texels of G-buffer targets on the host.
+#pragma once
+
+#include <volk.h>
+
+#include <cstddef>
+
+#include "render/gbuffer/layout.h"
+
+namespace latelight::render {
+
+// One texel as a shader reads it: normalised and float formats in f (sRGB decoded), integers in u.
+TargetValue decodeTexel(VkFormat format, const std::byte* texel);
+
+}  // namespace latelight::render
