@@ -11,9 +11,9 @@
 //   GBUFFER_END
 //
 // FORMAT is a Vulkan format without VK_FORMAT_, or NORMAL32: four bytes that follow the normal encoding (R16G16_UNORM
-// for two channels, A2B10G10R10_UNORM for three). `type` is vec4 for float and normalised formats, uvec2 or uvec4 for
-// integer ones, uint for R32_UINT. The fragment outputs, sampled inputs, Vulkan formats, bytes a pixel, debug names and the C++ registry
-// all follow from this list; nothing else names a layout.
+// for two channels, A2B10G10R10_UNORM for three). `type` is vec4 for float and normalised formats, uint, uvec2 or uvec4
+// for integer ones of one, two or four channels. The fragment outputs, sampled inputs, Vulkan formats, bytes a pixel,
+// debug names and the C++ registry all follow from this list; nothing else names a layout.
 //
 // A layout that stores Surface::flags defines GBUFFER_KEEPS_FLAGS; the others get unlit surfaces as ones that reflect
 // nothing (their base colour is in the light accumulation target already).
