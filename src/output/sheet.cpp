@@ -127,18 +127,17 @@ Picture contactSheet(std::span<const Labelled> pictures, uint32_t columns, uint3
     tallest = std::max(tallest, scaledTo(labelled.picture.height, scale));
   }
   std::vector<std::vector<std::string>> labels;
-  size_t lines = 1;
-  for (const Labelled& labelled : pictures) {
-    labels.push_back(wrap(labelled.label, widest));
-    lines = std::max(lines, labels.back().size());
+  std::vector<uint32_t> tops(rows + 1, kGap);  // of the rows, and where the sheet ends
+  for (uint32_t i = 0; i < pictures.size(); ++i) {
+    labels.push_back(wrap(pictures[i].label, widest));
+    uint32_t& next = tops[i / columns + 1];
+    next = std::max(next, tops[i / columns] + tallest + kLabelHeight * static_cast<uint32_t>(labels[i].size()) + kGap);
   }
-  const uint32_t labelHeight = kLabelHeight * static_cast<uint32_t>(lines);
-  const uint32_t stepX = widest + kGap, stepY = tallest + labelHeight + kGap;
-  Picture sheet{kGap + columns * stepX, kGap + rows * stepY, {}};
+  Picture sheet{kGap + columns * (widest + kGap), tops.back(), {}};
   sheet.rgba.resize(size_t{sheet.width} * sheet.height * 4);
   for (size_t i = 0; i < sheet.rgba.size(); ++i) sheet.rgba[i] = kPaper[i % 4];
   for (uint32_t i = 0; i < pictures.size(); ++i) {
-    const uint32_t left = kGap + i % columns * stepX, top = kGap + i / columns * stepY;
+    const uint32_t left = kGap + i % columns * (widest + kGap), top = tops[i / columns];
     drawScaled(sheet, pictures[i].picture, left, top, scaleOf(pictures[i].picture));
     for (uint32_t line = 0; line < labels[i].size(); ++line)
       drawText(sheet, labels[i][line], left, top + tallest + kLabelHeight / 4 + line * kLabelHeight, widest);

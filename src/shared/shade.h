@@ -27,8 +27,8 @@ SH_FUNC vec3 ggxBrdf(Surface s, float nl, float nv, float nh, float sin2, float 
   return diffuseColor(s) * ((1.0f - maxChannel(dielectric)) * kInvPi) + fresnel * lobe;
 }
 
-// The seeds' diffuse and specular colours under one normalised lobe, without Fresnel; the dielectric's diffuse part gets
-// what its specular colour leaves, so that no surface reflects more than it receives at normal incidence. 1/sr.
+// The seeds' diffuse and specular colours under one normalised lobe, without Fresnel; the dielectric's diffuse part
+// gets what its specular colour leaves, so that no surface reflects more than it receives at normal incidence. 1/sr.
 SH_FUNC vec3 blinnPhongBrdf(Surface s, float nh, float sin2) {
   return diffuseColor(s) * ((1.0f - maxChannel(s.f0)) * kInvPi) +
          specularF0(s) * blinnPhong(nh, sin2, exponentFromRoughness(s.roughness));

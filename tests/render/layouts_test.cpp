@@ -258,6 +258,27 @@ TEST(Layouts, Killzone2MirrorsNormalsThatPointAway) {
   EXPECT_NEAR(static_cast<double>(mirrored) / kCount, 0.5 * (1 - 0.05), 0.02);
 }
 
+TEST(Layouts, BlogNamesTheObjectToPick) {
+  Random random(29);
+  for (int i = 0; i < 1000; ++i) {
+    const Sample sample = randomSample(random, 0);
+    ASSERT_EQ(stored(findLayout("blog"), sample).id, sample.surface.id);
+  }
+}
+
+TEST(Layouts, Battlefield3sMaterialIdChoosesTheShading) {
+  Random random(31);
+  for (int i = 0; i < 1000; ++i) {
+    Sample sample = randomSample(random, 0);
+    sample.surface.flags = i % 3 == 1 ? shared::kSurfaceUnlit : 0;
+    if (i % 3 == 2) sample.surface.f0 = vec3(0), sample.surface.f90 = 0;
+    const Surface b = stored(findLayout("battlefield3"), sample);
+    ASSERT_EQ(b.flags, sample.surface.flags);
+    ASSERT_EQ(b.f90, sample.surface.f90);
+    ASSERT_EQ(b.f0.x == 0, i % 3 == 2);
+  }
+}
+
 // The usual dielectric and a metal of any colour: what the layout derives metalness from.
 TEST(Layouts, Killzone2TellsMetalsFromTheUsualDielectric) {
   Random random(19);
