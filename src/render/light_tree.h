@@ -1,5 +1,5 @@
-// Lights in an order that keeps neighbours together, under a tree of boxes: what lets a shader find the few of a million
-// lights that reach a place. shared/types.h says how the tree lies in memory, glsl/light_tree.glsl walks it.
+// Lights in an order that keeps neighbours together, under a tree of boxes: what lets a shader find the few of a
+// million lights that reach a place. shared/types.h says how the tree lies in memory, glsl/light_tree.glsl walks it.
 #pragma once
 
 #include <cstdint>
