@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/parallel.h"
+#include "shared/color.h"
 
 namespace latelight::render {
 
@@ -51,20 +52,18 @@ struct Key {
   bool operator<(const Key& other) const { return code != other.code ? code < other.code : light < other.light; }
 };
 
-struct Curve {  // through a box
-  vec3 low, scale;
+struct Curve {  // through cubes of one size: a flat scene's lights get no flat boxes
+  vec3 low;
+  float scale;
 
   explicit Curve(const LightBox& box) : low(box.low) {
-    for (int i = 0; i < 3; ++i) {
-      const float extent = box.high[i] - box.low[i];
-      scale[i] = extent > 0 && extent < kInfinity ? static_cast<float>((1u << kAxisBits) - 1u) / extent : 0.0f;
-    }
+    const float extent = shared::maxChannel(box.high - box.low);
+    scale = extent > 0 && extent < kInfinity ? static_cast<float>((1u << kAxisBits) - 1u) / extent : 0.0f;
   }
   uint64_t at(vec3 position) const {
     uint64_t code = 0;
     for (int i = 0; i < 3; ++i) {
-      const float cell =
-          std::clamp((position[i] - low[i]) * scale[i], 0.0f, static_cast<float>((1u << kAxisBits) - 1u));
+      const float cell = std::clamp((position[i] - low[i]) * scale, 0.0f, static_cast<float>((1u << kAxisBits) - 1u));
       code |= spread(static_cast<uint64_t>(cell)) << i;
     }
     return code;

@@ -76,9 +76,9 @@ std::vector<HostStruct> hostStructs() {
         MEMBER(FrameConstants, materials), MEMBER(FrameConstants, lights), MEMBER(FrameConstants, lightTree),
         MEMBER(FrameConstants, viewCount), MEMBER(FrameConstants, lightCount),
         MEMBER(FrameConstants, directionalLights), MEMBER(FrameConstants, lightTreeLeaves),
-        MEMBER(FrameConstants, exposure),
-        MEMBER(FrameConstants, environmentIntensity), MEMBER(FrameConstants, environmentCos),
-        MEMBER(FrameConstants, environmentSin), MEMBER(FrameConstants, environmentLevels)}},
+        MEMBER(FrameConstants, exposure), MEMBER(FrameConstants, environmentIntensity),
+        MEMBER(FrameConstants, environmentCos), MEMBER(FrameConstants, environmentSin),
+        MEMBER(FrameConstants, environmentLevels)}},
   };
 }
 

@@ -46,8 +46,12 @@ void shadeDealt(inout Shading shading, Light mine, bool hit) {
     uint lane = subgroupBallotFindLSB(hits);
     hits[lane >> 5u] &= ~(1u << (lane & 31u));
     Light light = broadcastLight(mine, lane);
+    float used = lightsUsed;
     vec3 radiance = shadeOneLight(light, shading.s, shading.toEye);
-    if (shading.lit) shading.radiance += radiance;
+    if (shading.lit)
+      shading.radiance += radiance;
+    else
+      lightsUsed = used;
   }
 }
 

@@ -117,10 +117,29 @@ uint keyAt(Projection p, float depth) {
   return depth <= 0.0 ? 0x7f7fffffu : floatBitsToUint(abs(p.B) / depth);
 }
 
+// Whether a sphere reaches between the planes a x + b y + c = 0 of one axis that bound the tile, in view space.
+bool betweenSides(float scale, float offset, vec2 bounds, float across, float depth, float radius, bool perspective) {
+  vec2 slope = perspective ? vec2(offset) - bounds : vec2(0.0);
+  vec2 constant = perspective ? vec2(0.0) : vec2(offset) - bounds;
+  vec2 inward = (scale * across + slope * depth + constant) * vec2(1.0, -1.0);
+  return all(greaterThanEqual(inward, -radius * sqrt(scale * scale + slope * slope)));
+}
+
+bool reachesTile(Tile tile, vec3 centre, float reach) {
+  Projection p = tile.view.projection;
+  vec2 first = pixelToNdc(vec2(tile.corner), tile.view.size);
+  vec2 last = pixelToNdc(vec2(tile.corner + kTileSize), tile.view.size);
+  bool perspective = p.kind == kPerspective;
+  return betweenSides(p.H, p.X, vec2(first.x, last.x), centre.x, centre.y, reach, perspective) &&
+         betweenSides(p.V, p.Z, vec2(last.y, first.y), centre.z, centre.y, reach, perspective);
+}
+
 // The slices of the tile that a light reaches.
 uint slicesReached(Tile tile, Light l) {
-  float depth = (tile.view.worldToView * vec4(l.position, 1.0)).y;
-  float reach = l.reach + 1e-4 * (l.reach + abs(depth));
+  vec3 centre = tile.view.worldToView * vec4(l.position, 1.0);
+  float depth = centre.y;
+  float reach = l.reach + 1e-4 * (l.reach + abs(centre.x) + abs(depth) + abs(centre.z));
+  if (!reachesTile(tile, centre, reach)) return 0u;
   uint a = keyAt(tile.view.projection, depth - reach), b = keyAt(tile.view.projection, depth + reach);
   uint near = min(max(a, b), tile.slices.x), far = min(a, b);
   if (far > tile.slices.x) return 0u;
@@ -175,12 +194,11 @@ void main() {
   countLanes();
   FrameConstants frame = FrameRef(push.frame).v;
   for (uint i = gl_SubgroupID; i < kTilesAGroup; i += gl_NumSubgroups) {
-    uint inView = gl_WorkGroupID.x * kTilesAGroup + i;
-    if (inView >= push.tiles.x * push.tiles.y) break;
+    uvec2 place = uvec2(gl_WorkGroupID.x * kTilesAGroup + i, gl_WorkGroupID.y);
+    if (place.x >= push.tiles.x) break;
     Tile tile;
     tile.layer = gl_WorkGroupID.z;
     tile.view = frameView(frame, tile.layer);
-    uvec2 place = uvec2(inView % push.tiles.x, inView / push.tiles.x);
     tile.corner = place * kTileSize;
     tile.index = tileOf(uvec3(place, tile.layer), push.tiles);
     tile.used = 0u;

@@ -41,22 +41,21 @@ void LightListsTechnique::add(graph::Graph& graph, const FrameInputs& inputs, co
     return ListsPush{constants, context.buffer(cells).address(), context.buffer(entries).address(), tilesX, tilesY};
   };
 
-  graph.pass("light lists",
-             {{gbuffer.depth, graph::Use::SampledCompute},
-              {cells, graph::Use::StorageWrite},
-              {entries, graph::Use::StorageWrite}},
-             [=, this, views = static_cast<uint32_t>(inputs.views.size())](graph::Context& context) {
-               context.commands().bind(lists_, {{context.image(gbuffer.depth).arrayView(), sampler_.get()}},
-                                       pushOf(context));
-               context.commands().dispatch(tilesX * tilesY, 1, views, kTilesAGroup, 1);
-             });
+  graph.pass(
+      "light lists",
+      {{gbuffer.depth, graph::Use::SampledCompute},
+       {cells, graph::Use::StorageWrite},
+       {entries, graph::Use::StorageWrite}},
+      [=, this, views = static_cast<uint32_t>(inputs.views.size())](graph::Context& context) {
+        context.commands().bind(lists_, {{context.image(gbuffer.depth).arrayView(), sampler_.get()}}, pushOf(context));
+        context.commands().dispatch(tilesX, tilesY, views, kTilesAGroup, 1);
+      });
 
   std::vector<graph::Access> accesses = LightingShader::accesses(gbuffer);
   accesses.emplace_back(cells, graph::Use::StorageRead);
   accesses.emplace_back(entries, graph::Use::StorageRead);
-  graph.pass("lighting " + desc_.name, accesses, [=, this](graph::Context& context) {
-    shader_.dispatch(context, inputs, gbuffer, pushOf(context));
-  });
+  graph.pass("lighting " + desc_.name, accesses,
+             [=, this](graph::Context& context) { shader_.dispatch(context, inputs, gbuffer, pushOf(context)); });
 }
 
 }  // namespace latelight::render
