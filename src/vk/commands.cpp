@@ -13,7 +13,8 @@ constexpr uint32_t kImagesInPool = 1024;
 
 VkDescriptorPool makePool(Device& device, uint32_t images) {
   const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, images},
-                                        {VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, images}};
+                                        {VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, images},
+                                        {VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, kSetsInPool}};
   VkDescriptorPoolCreateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
   info.maxSets = kSetsInPool;
   info.poolSizeCount = std::size(sizes);
@@ -25,6 +26,7 @@ VkDescriptorPool makePool(Device& device, uint32_t images) {
 
 void write(Device& device, VkDescriptorSet set, std::span<const Binding> bindings, std::span<const BoundImage> images) {
   std::vector<VkDescriptorImageInfo> infos(images.size());
+  std::vector<VkDescriptorBufferInfo> buffers(images.size());
   std::vector<VkWriteDescriptorSet> writes(images.size(), {VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET});
   for (size_t i = 0; i < images.size(); ++i) {
     const bool sampled = bindings[i] == Binding::Sampled;
@@ -35,6 +37,8 @@ void write(Device& device, VkDescriptorSet set, std::span<const Binding> binding
     writes[i].descriptorCount = 1;
     writes[i].descriptorType = descriptorType(bindings[i]);
     writes[i].pImageInfo = &infos[i];
+    buffers[i] = {images[i].uniform, 0, VK_WHOLE_SIZE};
+    writes[i].pBufferInfo = &buffers[i];
   }
   vkUpdateDescriptorSets(device.get(), static_cast<uint32_t>(writes.size()), writes.data(), 0, nullptr);
 }

@@ -13,9 +13,11 @@
 namespace latelight::vk {
 
 // An image as a shader sees it. `sampler` for Binding::Sampled; layout GENERAL for storage, READ_ONLY_OPTIMAL else.
+// Or, for Binding::Uniform, a whole buffer.
 struct BoundImage {
   VkImageView view = VK_NULL_HANDLE;
   VkSampler sampler = VK_NULL_HANDLE;
+  VkBuffer uniform = VK_NULL_HANDLE;
 };
 
 // Descriptor sets that live for one submission; grows as needed.

@@ -15,11 +15,13 @@ GBUFFER_TARGETS(INPUT)
 #define COUNT(index, name, format, type, channels) +1
 const int kGbufferTargets = 0 GBUFFER_TARGETS(COUNT);
 layout(set = 0, binding = 0 GBUFFER_TARGETS(COUNT)) uniform sampler2DArray gbufferDepth;
-#ifndef GBUFFER_SAMPLED_ONLY  // before the include: for fragment shaders, which may lack storage images
+#ifdef GBUFFER_SAMPLED_ONLY  // before the include: for fragment shaders, which may lack storage images
+#define GBUFFER_BINDINGS (1 GBUFFER_TARGETS(COUNT))  // the first binding after them
+#else
 layout(set = 0, binding = 1 GBUFFER_TARGETS(COUNT), rgba16f) uniform image2DArray lightTarget;
 layout(set = 0, binding = 2 GBUFFER_TARGETS(COUNT), rgba32f) uniform writeonly image2DArray lightCounts;
+#define GBUFFER_BINDINGS (3 GBUFFER_TARGETS(COUNT))
 #endif
-#define GBUFFER_BINDINGS (3 GBUFFER_TARGETS(COUNT))  // the first binding after them
 
 // The Surface at a pixel of a view. Its depth must not be the background's (0).
 Surface readSurface(View view, ivec3 pixel, float depth, float ao) {

@@ -7,11 +7,13 @@
 #include "render/glsl/one_light.glsl"
 #include "render/lighting/volumes/volume_push.glsl"
 
+// Not by address, whose loads cost lavapipe more than the light.
+layout(set = 0, binding = GBUFFER_BINDINGS, scalar) uniform ViewUniform { View view; };
+
 layout(location = 0) out vec4 radiance;
 layout(location = 1) out vec4 counts;
 
 void main() {
-  View view = frameView(FrameRef(push.frame).v, push.view);
   ivec3 pixel = ivec3(ivec2(gl_FragCoord.xy), int(push.view));
   float depth = texelFetch(gbufferDepth, pixel, 0).r;
   Surface s = readSurface(view, pixel, depth, 1.0);  // occlusion is the environment's alone

@@ -128,7 +128,8 @@ class VolumePlan {
 class Volumes final : public LightingTechnique {
  public:
   Volumes(vk::Device& device, const FrameSetup& setup)
-      : setup_(setup),
+      : device_(device),
+        setup_(setup),
         sumFormat_(lightSumFormat(device)),
         finish_(device, setup, "volumes.comp", {}, {vk::Binding::Sampled}),
         sampler_(vk::makeSampler(device, vk::kNearestSampler)) {
@@ -167,6 +168,7 @@ class Volumes final : public LightingTechnique {
     vk::GraphicsDesc desc;
     desc.vertex = "volume.vert";
     desc.bindings.assign(setup_.layout->targets.size() + 1, vk::Binding::Sampled);  // and depth
+    desc.bindings.push_back(vk::Binding::Uniform);                                  // the view
     desc.colors = {sumFormat_};
     if (setup_.countLights) desc.colors.push_back(kCountsFormat);
     desc.constants = setup_.constants();
@@ -225,6 +227,8 @@ class Volumes final : public LightingTechnique {
     std::vector<vk::BoundImage> images;
     for (graph::ImageId target : gbuffer.targets) images.push_back({context.image(target).arrayView(), sampler_.get()});
     images.push_back(depth);
+    const vk::Buffer viewUniform = uploadView(inputs.views[view]);  // lives on until the frame is done
+    images.push_back({.uniform = viewUniform.get()});
     context.commands().bind(steps_[kLightScreen], images, push);  // all steps' layouts are alike: set 0 stays bound
     vkCmdBindIndexBuffer(commands, indices_.get(), 0, VK_INDEX_TYPE_UINT32);
 
@@ -246,6 +250,15 @@ class Volumes final : public LightingTechnique {
       ++passes;
     }
     return passes;
+  }
+
+  vk::Buffer uploadView(const shared::View& view) const {
+    vk::Buffer buffer(device_, {.size = sizeof(view),
+                                .usage = VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
+                                .kind = vk::MemoryKind::Upload,
+                                .name = "view"});
+    std::memcpy(buffer.mapped(), &view, sizeof(view));
+    return buffer;
   }
 
   // Every light marks with a value of its own, so stencil is cleared once in 255 lights.
@@ -280,6 +293,7 @@ class Volumes final : public LightingTechnique {
     });
   }
 
+  vk::Device& device_;
   FrameSetup setup_;
   VkFormat sumFormat_;
   LightingShader finish_;
