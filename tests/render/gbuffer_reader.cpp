@@ -123,7 +123,7 @@ ReadGbuffer GbufferReader::read(const FrameSetup& setup, const scene::Camera& ca
   frame.environmentLevels = static_cast<float>(environment_.levels());
   const vk::Buffer constants = upload("frame constants", &frame, sizeof(frame));
   FrameInputs inputs{scene_, environment_, {&result.view, 1}, constants.address(), width, height};
-  inputs.lights = scene_.lights().subspan(light.firstLight, light.lightCount);
+  inputs.lights = scene_.lights();
 
   graph::Graph graph;
   Gbuffer gbuffer{.depth = depth_.add(graph, inputs)};
