@@ -12,6 +12,7 @@ void addListCommand(CLI::App& app);
 void addDevicesCommand(CLI::App& app);
 void addDoctorCommand(CLI::App& app);
 void addCompareCommand(CLI::App& app);
+void addStudyCommand(CLI::App& app);
 
 // Thrown to end with a code and no sentence: what had to be said is printed already.
 struct Exit {

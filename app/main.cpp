@@ -35,6 +35,7 @@ int parseAndRun(int argc, char** argv) {
   app::addDevicesCommand(cli);
   app::addDoctorCommand(cli);
   app::addCompareCommand(cli);
+  app::addStudyCommand(cli);
   try {
     cli.parse(argc, argv);
   } catch (const CLI::Success& request) {  // --help, --version

@@ -1,4 +1,4 @@
-# Every shader under src/render becomes SPIR-V and is embedded, named by its file. A shader that includes "gbuffer_layout.h"
+# Every shader under src/render and src/study becomes SPIR-V and is embedded, named by its file. A shader that includes "gbuffer_layout.h"
 # (or gbuffer_read.glsl, which does) is compiled once for each G-buffer layout and named <file>@<layout>.
 set(LATELIGHT_SPIRV ${PROJECT_BINARY_DIR}/spirv)
 # Debug information holds the sources and where they lay: not for what is shipped.
@@ -22,7 +22,8 @@ endfunction()
 function(latelight_shaders module)
   file(MAKE_DIRECTORY ${LATELIGHT_SPIRV})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS
-    ${PROJECT_SOURCE_DIR}/src/render/*.vert ${PROJECT_SOURCE_DIR}/src/render/*.frag ${PROJECT_SOURCE_DIR}/src/render/*.comp)
+    ${PROJECT_SOURCE_DIR}/src/render/*.vert ${PROJECT_SOURCE_DIR}/src/render/*.frag ${PROJECT_SOURCE_DIR}/src/render/*.comp
+    ${PROJECT_SOURCE_DIR}/src/study/*.comp)
   set(table "")
   set(assembly ".section .rodata\n")
   set(compiled)

@@ -8,27 +8,14 @@
 #include <optional>
 
 #include "base/parallel.h"
+#include "output/color_map.h"
 #include "output/range.h"
 #include "output/srgb.h"
 
 namespace latelight::output {
 namespace {
 
-using Rgb = std::array<float, 3>;  // in [0, 1], sRGB-coded unless said otherwise
-
 constexpr Rgb kBackground{0.11f, 0.11f, 0.12f};
-
-// Cubehelix: brightness rises evenly while the hue turns, so it reads the same in grey. D. A. Green, "A colour scheme
-// for the display of astronomical intensity images", Bull. Astr. Soc. India 39 (2011), 289; its default start and
-// turns.
-Rgb cubehelix(float lambda) {
-  constexpr float kStart = 0.5f, kTurns = -1.5f, kHue = 1.0f;
-  const float angle = 2 * std::numbers::pi_v<float> * (kStart / 3 + 1 + kTurns * lambda);
-  const float amplitude = kHue * lambda * (1 - lambda) / 2;
-  const float c = std::cos(angle), s = std::sin(angle);
-  return {lambda + amplitude * (-0.14861f * c + 1.78277f * s), lambda + amplitude * (-0.29227f * c - 0.90649f * s),
-          lambda + amplitude * 1.97294f * c};
-}
 
 Rgb fromHsv(float hue, float saturation, float value) {
   const auto channel = [&](float offset) {

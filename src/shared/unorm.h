@@ -22,6 +22,17 @@ SH_FUNC float signedFromUnorm(float u, float levels) {
   return min((floor(u * levels + 0.5f) - zero) / zero, 1.0f);
 }
 
+// The code that a UNORM channel of up to 24 bits keeps of a number, and the number that it gives back. (Adding 0.5 before
+// floor() would round away the half itself where codes need all of a float's 24 bits.)
+SH_FUNC uint unormCode(float x, float levels) {
+  float scaled = saturate(x) * levels;
+  float whole = floor(scaled);
+  return uint(whole) + (scaled - whole >= 0.5f ? 1u : 0u);
+}
+SH_FUNC float unormValue(uint code, float levels) {
+  return float(code) / levels;
+}
+
 SH_END
 
 #endif

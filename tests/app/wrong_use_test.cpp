@@ -88,6 +88,12 @@ INSTANTIATE_TEST_SUITE_P(
         WrongUse{"OptionWithoutValue", {"render", "-o", "a.png", "--fov"}, kUsage, {"--fov"}},
         WrongUse{
             "TwoScenes", {"render", "builtin:boxes", "builtin:spheres", "-o", "a.png"}, kUsage, {"builtin:spheres"}},
+        WrongUse{"UnknownStudy", {"study", "fruit"}, kUsage, {"fruit", "normals", "position"}},
+        WrongUse{"StudyOfTooFewBits", {"study", "normals", "--bits", "7"}, kUsage, {"--bits", "8 to 16"}},
+        WrongUse{"StudyOfTooFewSamples", {"study", "depth", "--samples", "3"}, kUsage, {"--samples", "1000"}},
+        WrongUse{"StudyIntoAFile", {"study", "depth", "-o", "two.png"}, kUsage, {"two.png", "folder"}},
+        WrongUse{"StudyIntoNoFolder", {"study", "depth", "-o", "no/where"}, kUsage, {"no"}},
+        WrongUse{"StudyOnNoDevice", {"study", "depth", "-o", "new", "--device", "abacus"}, kNoDevice, {"abacus"}},
         WrongUse{"UnknownList", {"list", "fruit"}, kUsage, {"fruit", "layouts", "tonemaps"}},
         WrongUse{"ListSize", {"list", "layouts", "--size", "0x0"}, kUsage, {"0x0"}},
         WrongUse{"ListSamples", {"list", "layouts", "--samples", "0"}, kUsage, {"0 samples"}},

@@ -16,10 +16,11 @@ const std::map<std::string, std::set<std::string>, std::less<>> kAllowed = {
     {"scene", {"base", "shared"}},
     {"output", {"base", "shared", "scene"}},
     {"render", {"base", "vk", "graph", "shared", "scene", "output", "latelight"}},
-    {"app", {"base", "vk", "graph", "shared", "scene", "output", "render", "latelight"}},
+    {"study", {"base", "vk", "graph", "shared", "scene", "output", "render", "latelight"}},
+    {"app", {"base", "vk", "graph", "shared", "scene", "output", "render", "study", "latelight"}},
     {"include", {"latelight"}},
 };
-const std::set<std::string, std::less<>> kMayUseVulkan = {"vk", "graph", "render"};
+const std::set<std::string, std::less<>> kMayUseVulkan = {"vk", "graph", "render", "study"};
 
 bool isVulkan(const std::string& path) {
   return path == "volk.h" || path.starts_with("vulkan/");

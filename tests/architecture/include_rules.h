@@ -1,4 +1,4 @@
-// Who may include whom: base <- vk <- graph <- render <- app; shared <- scene <- render; output beside render.
+// Who may include whom: base <- vk <- graph <- render <- study <- app; shared <- scene <- render; output beside render.
 #pragma once
 
 #include <functional>

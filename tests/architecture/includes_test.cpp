@@ -30,6 +30,9 @@ TEST(IncludeRules, CatchWhatPointsTheWrongWay) {
   EXPECT_THAT(wrong("output", "#include \"scene/scene.h\"\n#include \"render/frame.h\"\n"),
               ElementsAre("render/frame.h"));
   EXPECT_THAT(wrong("render", "#include \"app/commands.h\"\n"), ElementsAre("app/commands.h"));
+  EXPECT_THAT(wrong("render", "#include \"study/study.h\"\n"), ElementsAre("study/study.h"));
+  EXPECT_THAT(wrong("study", "#include \"render/frame.h\"\n#include \"app/commands.h\"\n"),
+              ElementsAre("app/commands.h"));
   EXPECT_THAT(wrong("include", "#include <volk.h>\n#include \"base/error.h\"\n"),
               ElementsAre("volk.h (Vulkan)", "base/error.h"));
   EXPECT_THAT(wrong("scene", "#include <vulkan/vulkan.h>\n"), ElementsAre("vulkan/vulkan.h (Vulkan)"));

@@ -1,0 +1,29 @@
+// Pictures of measurements. The contact sheet of output/debug.h puts them side by side, labelled.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "output/aov.h"
+#include "shared/lang.h"
+
+namespace latelight::study {
+
+// A value over the sphere as two equal-area discs: the hemisphere about +Z left, X right and Y up; that about -Z right,
+// as if seen through the first. Cubehelix from 0 (black) to `top` (white); each pixel is a mean over its area.
+output::Picture sphereMap(const std::function<double(shared::vec3)>& valueOf, double top);
+
+// Bars, the highest filling the picture.
+output::Picture histogramPicture(std::span<const size_t> counts);
+
+struct Line {
+  std::array<uint8_t, 3> color;
+  std::vector<double> values;  // evenly along the picture; not positive: left out
+};
+// Values from `low` to `high`, both powers of ten, on a logarithmic axis with a rule at each; `rules` evenly across.
+inline constexpr uint32_t kPlotWidth = 800;
+output::Picture logPlot(std::span<const Line> lines, double low, double high, uint32_t rules);
+
+}  // namespace latelight::study

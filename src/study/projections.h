@@ -1,0 +1,22 @@
+// The projections that the studies of depth and position go through.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "shared/projection.h"
+
+namespace latelight::study {
+
+inline constexpr double kNear = 0.1, kFar = 1000;  // metres: of the samples too, where the far plane is at infinity
+
+struct NamedProjection {
+  std::string name;
+  shared::Projection projection;
+};
+
+// Conventional and reversed; with a far plane and, for perspective, without.
+std::vector<NamedProjection> perspectives();
+std::vector<NamedProjection> orthographics();
+
+}  // namespace latelight::study

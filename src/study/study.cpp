@@ -1,0 +1,20 @@
+#include "study/study.h"
+
+#include "render/registry.h"
+
+namespace latelight::study {
+
+std::span<const Study> studies() {
+  static const Study all[] = {
+      {"normals", "error of every normal encoding and bit budget over the sphere, degrees", studyNormals},
+      {"depth", "relative error of view depth through depth formats and packings", studyDepth},
+      {"position", "error of the three ways from depth to position, metres", studyPosition},
+  };
+  return all;
+}
+
+const Study& findStudy(std::string_view name) {
+  return render::findByName(studies(), name, "study");
+}
+
+}  // namespace latelight::study

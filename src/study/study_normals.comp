@@ -1,0 +1,9 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "study/evaluation.glsl"
+#include "study/normal_round_trip.h"
+
+layout(constant_id = 0) const uint kEncoding = 0;
+layout(constant_id = 1) const uint kBits = 8;
+
+vec4 evaluate(vec4 sampled) { return vec4(normalRoundTrip(kEncoding, kBits, sampled.xyz), 0.0); }

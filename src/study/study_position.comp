@@ -1,0 +1,8 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "study/evaluation.glsl"
+
+layout(constant_id = 0) const uint kMethod = 0;
+
+// xy: NDC, z: device depth. To the view-space position.
+vec4 evaluate(vec4 sampled) { return vec4(viewPosition(projection, kMethod, sampled.xy, sampled.z), 0.0); }

@@ -1,0 +1,82 @@
+#include "study/table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace latelight::study {
+
+namespace {
+
+std::string shortText(const Cell& cell) {
+  if (const auto* text = std::get_if<std::string>(&cell)) return *text;
+  const double number = std::get<double>(cell);
+  // Counts in full; the known figures are of three digits.
+  return number == std::floor(number) && std::abs(number) < 1e9 ? fmt::format("{:.0f}", number)
+                                                                : fmt::format("{:#.3g}", number);
+}
+
+std::string csvText(const Cell& cell) {
+  if (const auto* number = std::get_if<double>(&cell)) return fmt::format("{}", *number);
+  std::string text = std::get<std::string>(cell);
+  if (text.find_first_of(",\"\n") == std::string::npos) return text;
+  for (size_t at = 0; (at = text.find('"', at)) != std::string::npos; at += 2) text.insert(at, 1, '"');
+  return '"' + text + '"';
+}
+
+}  // namespace
+
+std::string toText(const Table& table) {
+  std::vector<size_t> widths;
+  for (const std::string& column : table.columns) widths.push_back(column.size());
+  std::vector<std::vector<std::string>> lines{table.columns};
+  for (const std::vector<Cell>& row : table.rows) {
+    std::vector<std::string>& line = lines.emplace_back();
+    for (size_t i = 0; i < row.size(); ++i) {
+      line.push_back(shortText(row[i]));
+      widths[i] = std::max(widths[i], line[i].size());
+    }
+  }
+  std::string text;
+  for (const std::vector<std::string>& line : lines) {
+    for (size_t i = 0; i < line.size(); ++i) {
+      const bool name = !table.rows.empty() && std::holds_alternative<std::string>(table.rows.front()[i]);
+      text += name ? fmt::format("{:<{}}", line[i], widths[i]) : fmt::format("{:>{}}", line[i], widths[i]);
+      text += i + 1 < line.size() ? "  " : "\n";
+    }
+  }
+  return text;
+}
+
+std::string toCsv(const Table& table) {
+  std::string text;
+  for (size_t i = 0; i < table.columns.size(); ++i) text += (i ? "," : "") + csvText(table.columns[i]);
+  text += "\r\n";
+  for (const std::vector<Cell>& row : table.rows) {
+    for (size_t i = 0; i < row.size(); ++i) text += (i ? "," : "") + csvText(row[i]);
+    text += "\r\n";
+  }
+  return text;
+}
+
+nlohmann::ordered_json toJson(const Table& table) {
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  for (const std::vector<Cell>& row : table.rows) {
+    nlohmann::ordered_json object;
+    for (size_t i = 0; i < row.size(); ++i) {
+      const auto* number = std::get_if<double>(&row[i]);
+      if (!number)
+        object[table.columns[i]] = std::get<std::string>(row[i]);
+      else if (std::isfinite(*number))
+        object[table.columns[i]] = *number;
+      else
+        object[table.columns[i]] = csvText(row[i]);  // JSON has no infinity
+    }
+    rows.push_back(object);
+  }
+  return rows;
+}
+
+}  // namespace latelight::study

@@ -1,0 +1,24 @@
+// Rows of names and numbers: to read, and as CSV and JSON.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace latelight::study {
+
+using Cell = std::variant<std::string, double>;
+
+struct Table {
+  std::string name;                  // of its file, and in JSON
+  std::vector<std::string> columns;  // with their unit: "mean deg"
+  std::vector<std::vector<Cell>> rows;
+  bool shown = true;  // on standard output; long ones are for files alone
+};
+
+std::string toText(const Table& table);  // columns aligned, numbers of three significant digits
+std::string toCsv(const Table& table);   // RFC 4180; numbers in full, "inf" where infinite
+nlohmann::ordered_json toJson(const Table& table);
+
+}  // namespace latelight::study

@@ -1,0 +1,68 @@
+// latelight study: its files and what it prints.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "app/folder.h"
+#include "app/process.h"
+#include "base/files.h"
+
+namespace latelight::app {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+std::string text(const std::filesystem::path& path) {
+  const std::vector<std::byte> bytes = readFile(path);
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+Outcome study(const Folder& folder, std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), "study");
+  arguments.insert(arguments.end(), {"--device", "cpu", "--samples", "4000"});
+  return latelight({.arguments = std::move(arguments), .folder = folder.path()});
+}
+
+TEST(Study, OfNormalsWritesTablesAndPictures) {
+  Folder folder;
+  const Outcome outcome = study(folder, {"normals", "-o", "out", "--bits", "8,float"});
+  ASSERT_EQ(outcome.code, 0) << outcome.text();
+  EXPECT_THAT(outcome.out, HasSubstr("octahedral-precise"));
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path() / "out"))
+    names.push_back(entry.path().filename().string());
+  std::sort(names.begin(), names.end());
+  EXPECT_THAT(names, ElementsAre("normals-histogram-8.png", "normals-histogram-float.png", "normals-histogram.csv",
+                                 "normals-map-8.png", "normals-map-float.png", "normals.csv", "normals.json"));
+  const auto json = nlohmann::json::parse(text(folder.path() / "out" / "normals.json"));
+  EXPECT_EQ(json["study"], "normals");
+  EXPECT_EQ(json["samples"], 4000);
+  EXPECT_EQ(json["normals"].size(), 9u * 2 * 2);  // encodings, budgets, regions
+  EXPECT_THAT(text(folder.path() / "out" / "normals.csv"), HasSubstr("encoding,bits,region,mean deg"));
+}
+
+TEST(Study, WritesTheSameBytesAgain) {
+  Folder folder;
+  for (const char* name : {"depth", "position"}) {
+    ASSERT_EQ(study(folder, {name, "-o", "a"}).code, 0);
+    ASSERT_EQ(study(folder, {name, "-o", "b"}).code, 0);
+  }
+  size_t files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path() / "a")) {
+    EXPECT_EQ(readFile(entry.path()), readFile(folder.path() / "b" / entry.path().filename())) << entry.path();
+    ++files;
+  }
+  EXPECT_EQ(files, 7u);
+}
+
+TEST(Study, PrintsJson) {
+  Folder folder;
+  const Outcome outcome = study(folder, {"position", "--json"});
+  ASSERT_EQ(outcome.code, 0) << outcome.text();
+  EXPECT_EQ(nlohmann::json::parse(outcome.out)["position"].size(), 36u);
+}
+
+}  // namespace
+}  // namespace latelight::app
