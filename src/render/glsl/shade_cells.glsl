@@ -2,6 +2,7 @@
 #include "render/glsl/light_cells.glsl"
 #include "render/glsl/light_tree.glsl"
 #include "render/glsl/lights.glsl"
+#include "render/glsl/lit_pixel.glsl"
 
 struct CellsPush {
   uint64_t frame;    // FrameConstants
@@ -14,12 +15,6 @@ struct CellLights {
   CellsRef cells;      // of this workgroup's tile
   EntriesRef entries;  // of the same
 };
-
-CellLights cellsOfTile(CellsPush push) {
-  uint64_t tile = tileOf(gl_WorkGroupID, push.tiles);
-  return CellLights(CellsRef(push.cells + tile * (8u * (kCellsATile + 1u))),
-                    EntriesRef(push.entries + tile * (4u * kEntriesATile)));
-}
 
 // The frame's directional lights, then `count` entries from `first` on. One loop for both: on lavapipe every loop costs a
 // light more than it goes through.
@@ -52,4 +47,34 @@ void shadeCell(inout Shading shading, FrameConstants frame, CellLights lights, u
   if (shading.lit) lightsTested += float(frame.directionalLights + count);
   shadeList(shading, frame, lights.entries, list.x, count);
   shadeTree(shading, frame, !fits);
+}
+
+// --- a pixel --------------------------------------------------------------------------------------------------------
+
+// This invocation's place in the picture; workgroups are tiles.
+ivec3 placeInTile() {
+  return ivec3(gl_WorkGroupID.xy * kTileSize + pixelOfTile(gl_LocalInvocationIndex), gl_WorkGroupID.z);
+}
+
+// What all lights send from the pixel to the eye. The lanes of a subgroup whose surfaces lie in the same slice shade
+// together, one slice after the other; where a tile is one cell whose list fits, all at once. (Where it does not fit,
+// the boxes that the tree is walked with had better not span the depth of the scene. On lavapipe a shader's loops
+// together end after 65535 rounds, without a word.)
+vec3 shadeFromCells(LitPixel pixel, View view, FrameConstants frame, CellsPush push) {
+  uint64_t tile = tileOf(gl_WorkGroupID, push.tiles);
+  CellLights lights = CellLights(CellsRef(push.cells + tile * (8u * (kCellsATile + 1u))),
+                                 EntriesRef(push.entries + tile * (4u * kEntriesATile)));
+  bool together = kCellsATile == 1u && lights.cells.v[1].y != kOverflow;
+  uint slice = together ? 0u : sliceOf(depthKey(view.projection, pixel.depth), lights.cells.v[0]);
+  vec3 radiance = vec3(0.0);
+  bool waits = pixel.lit;
+  while (subgroupAny(waits)) {
+    uint next = subgroupMin(waits ? slice : kSlices);
+    bool now = waits && slice == next;
+    Shading shading = startShading(pixel.s, pixel.toEye, now);
+    shadeCell(shading, frame, lights, kCellsATile == 1u ? 0u : next);
+    if (now) radiance = shading.radiance;
+    waits = waits && !now;
+  }
+  return radiance;
 }

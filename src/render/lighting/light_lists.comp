@@ -156,12 +156,13 @@ bool listed(Tile tile, Cell cell, Light l) {
 
 // --- lists ----------------------------------------------------------------------------------------------------------
 
-// Appends the lights that reach the cell to the tile's entries; returns how many there are, room or not.
+// Appends the lights that reach the cell to the tile's entries; returns how many there are, or more than there is room
+// for, as soon as that is certain.
 uint appendList(Tile tile, Cell cell, FrameConstants frame) {
   EntriesRef entries = EntriesRef(push.entries + uint64_t(tile.index) * (4u * kEntriesATile));
   uint count = 0u, leaf;
   TreeWalk walk = startWalk(frame, cell.low, cell.high, true);
-  while (nextLeaf(walk, frame, leaf)) {
+  while (count <= kEntriesATile - tile.used && nextLeaf(walk, frame, leaf)) {
     for (uint first = 0u; first < kLightTreeWidth; first += lanesPresent) {
       uint light = leaf + first + laneRank;
       Light l = frameLight(frame, min(light, frame.lightCount - 1u));

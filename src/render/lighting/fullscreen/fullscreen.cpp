@@ -1,5 +1,6 @@
 // fullscreen: one compute pass over the picture, every light at every pixel. O(pixels x lights), and the reference that
 // every other technique is compared with.
+#include "base/error.h"
 #include "render/lighting/lighting_shader.h"
 #include "render/lighting/technique.h"
 
@@ -11,11 +12,19 @@ struct LightingPush {  // fullscreen.comp
   VkDeviceAddress frame;
 };
 
+// lavapipe ends a shader's loops after 65535 rounds, all loops together: two rounds for each subgroup's share of lights
+// and one for each light that reaches it. It says nothing, and the other lights are missing.
+constexpr uint32_t kMostOnCpu = 200'000;
+
 class Fullscreen final : public LightingTechnique {
  public:
-  Fullscreen(vk::Device& device, const FrameSetup& setup) : shader_(device, setup, "fullscreen.comp") {}
+  Fullscreen(vk::Device& device, const FrameSetup& setup)
+      : cpu_(device.isCpu()), shader_(device, setup, "fullscreen.comp") {}
 
   void add(graph::Graph& graph, const FrameInputs& inputs, const Gbuffer& gbuffer) const override {
+    if (cpu_ && inputs.scene.lightCount() > kMostOnCpu)
+      badUsage("fullscreen goes through at most {} lights on a CPU device, and there are {}: choose tiled or clustered",
+               kMostOnCpu, inputs.scene.lightCount());
     graph.pass("lighting fullscreen", LightingShader::accesses(gbuffer),
                [this, inputs, gbuffer](graph::Context& context) {
                  shader_.dispatch(context, inputs, gbuffer, LightingPush{inputs.constants});
@@ -23,6 +32,7 @@ class Fullscreen final : public LightingTechnique {
   }
 
  private:
+  bool cpu_;
   LightingShader shader_;
 };
 
