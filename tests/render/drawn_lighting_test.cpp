@@ -24,7 +24,7 @@ namespace {
 using glm::vec3;
 using glm::vec4;
 
-constexpr uint32_t kWidth = 160, kHeight = 100;
+constexpr uint32_t kWidth = 128, kHeight = 80;
 
 // --- frames with chosen lights --------------------------------------------------------------------------------------
 
@@ -220,7 +220,7 @@ std::vector<LightCase> lightCases() {
       {"near plane cuts the cone", {spotLight({0.6f, -4.5f, -0.5f}, {0.5f, 0, -1}, 6, 30, 0.3f)}},
       {"behind the camera, reaching past it", {pointLight({0, -7, 0.5f}, 8.5f, 60)}},
       {"behind the camera, not reaching it", {pointLight({0, -7, 0.5f}, 2, 60)}, false},
-      {"behind the wall", {pointLight({0.3f, 4, 0}, 1.5f, 10)}, false},
+      {"behind the wall", {pointLight({0.3f, 4.5f, 0}, 2.1f, 10)}, false},
       {"behind the wall, reaching through", {pointLight({0.3f, 3, 0}, 2.5f, 10)}},
       {"in the air before all surfaces", {pointLight({0, -2.5f, 0.5f}, 0.7f, 10)}, false},
       {"huge", {pointLight({1, -2, 2}, 1000, 10)}},
@@ -233,10 +233,10 @@ std::vector<LightCase> lightCases() {
       {"narrow cone", {spotLight({-1, -1, 1.5f}, {-1.6f, 0.6f, -0.9f}, 5, 80, 0.02f)}},
       {"wide cone", {spotLight({1, 0, 0.5f}, {1, 2, 0.5f}, 3, 5, 1.5f)}},
       {"cone at its widest for a cone", {spotLight({0, 1, 0.5f}, {0.2f, 2, 0.2f}, 2.5f, 5, 1.39f)}},
-      {"tiny, at the wall", {pointLight({0.5f, 1.97f, 0.5f}, 0.1f, 0.05f)}},
+      {"tiny, at the wall", {pointLight({0.6f, 1.97f, 1.9f}, 0.12f, 0.05f)}},
   };
-  LightCase row{"from a fraction of a pixel to twice what is marked", {}};
-  for (int i = 0; i < 14; ++i) {  // at the wall 8 pixels are about 1 m
+  LightCase row{"from a fraction of a pixel to twice the least that is marked", {}};
+  for (int i = 0; i < 14; ++i) {  // at the wall 8 pixels are about 1.2 m
     const float reach = 0.01f * std::pow(1.55f, static_cast<float>(i));
     row.lights.push_back(
         pointLight({-2.6f + 0.4f * static_cast<float>(i), 2 - 0.3f * reach, 1.2f}, reach, reach * reach));
@@ -285,9 +285,17 @@ class DrawnLightingTest : public RenderTest {
     scene::Environment environment = constantEnvironment();
     Bench dark, bright;
     explicit Stage(vk::Device& device) : dark(device, room.scene), bright(device, room.scene, &environment) {}
+    // By fullscreen, each case in all views.
+    const std::vector<LitPicture>& expected(const char* layout) {
+      std::vector<LitPicture>& pictures = expected_[layout];
+      if (pictures.empty())
+        for (const LightCase& c : cases) pictures.push_back(dark.light(setupOf("fullscreen", layout), views, c.range));
+      return pictures;
+    }
     const LightCase& find(std::string_view name) const {
       return *std::find_if(cases.begin(), cases.end(), [&](const LightCase& c) { return c.name == name; });
     }
+    std::map<std::string, std::vector<LitPicture>> expected_;
   };
   static void SetUpTestSuite() { stage = std::make_unique<Stage>(device()); }
   static void TearDownTestSuite() { stage.reset(); }
@@ -295,17 +303,16 @@ class DrawnLightingTest : public RenderTest {
 
   // Every light case in every view against fullscreen on the same layout.
   static void compareInRoom(const FrameSetup& setup, const char* layout) {
-    const LitPicture none = stage->dark.light(setupOf("fullscreen", layout), stage->views, {});
-    for (const LightCase& c : stage->cases) {
+    const std::vector<LitPicture>& expected = stage->expected(layout);
+    for (size_t i = 0; i < stage->cases.size(); ++i) {
+      const LightCase& c = stage->cases[i];
       SCOPED_TRACE(c.name);
-      const LitPicture expected = stage->dark.light(setupOf("fullscreen", layout), stage->views, c.range);
-      EXPECT_LE(worstDifference(stage->dark.light(setup, stage->views, c.range), expected), 1);
-      const size_t view = size_t{kWidth} * kHeight * 4;
-      EXPECT_EQ(!std::equal(none.display.begin(), none.display.begin() + view, expected.display.begin()), c.shows);
+      EXPECT_LE(worstDifference(stage->dark.light(setup, stage->views, c.range), expected[i]), 1);
+      const auto &none = expected[0].display, &lit = expected[i].display;
+      EXPECT_EQ(!std::equal(none.begin(), none.begin() + size_t{kWidth} * kHeight * 4, lit.begin()), c.shows);
     }
-    const LitPicture expected =
-        stage->bright.light(setupOf("fullscreen", layout), stage->views, stage->bright.allLights());
-    EXPECT_LE(worstDifference(stage->bright.light(setup, stage->views, stage->bright.allLights()), expected), 1);
+    const LitPicture all = stage->bright.light(setupOf("fullscreen", layout), stage->views, stage->bright.allLights());
+    EXPECT_LE(worstDifference(stage->bright.light(setup, stage->views, stage->bright.allLights()), all), 1);
   }
 };
 std::unique_ptr<DrawnLightingTest::Stage> DrawnLightingTest::stage;
@@ -331,11 +338,11 @@ TEST_F(DrawnLightingTest, ForwardMultipassIsFullscreenOnTheExactLayout) {
 }
 
 TEST_F(DrawnLightingTest, VolumesAreFullscreen) {
-  for (const char* layout : {"thin", "exact"})
-    for (uint32_t order : {kVolumesClassic, kVolumesKillzone}) {
-      SCOPED_TRACE(fmt::format("{}, {}", layout, volumesOrders()[order].name));
-      compareInRoom(setupOf("volumes", layout, order), layout);
-    }
+  for (auto [layout, order] :
+       {std::pair{"thin", kVolumesClassic}, {"thin", kVolumesKillzone}, {"exact", kVolumesKillzone}}) {
+    SCOPED_TRACE(fmt::format("{}, {}", layout, volumesOrders()[order].name));
+    compareInRoom(setupOf("volumes", layout, order), layout);
+  }
 }
 
 TEST_F(DrawnLightingTest, BlinnPhongToo) {
