@@ -126,11 +126,10 @@ std::string text(const Json& value) {
 
 // Name and description on one line, every other value on a line of its own.
 void printRow(const Json& row) {
-  fmt::print("  {:<18}{}
-", row["name"].get<std::string>(),
+  fmt::print("  {:<20}{}\n", row["name"].get<std::string>(),
              row.contains("description") ? text(row["description"]) : "");
   for (const auto& [key, value] : row.items())
-    if (key != "name" && key != "description") fmt::print("  {:<18}{}: {}\n", "", key, text(value));
+    if (key != "name" && key != "description") fmt::print("  {:<20}{}: {}\n", "", key, text(value));
 }
 
 std::string sizeText(const Json& bytes) {
@@ -139,8 +138,8 @@ std::string sizeText(const Json& bytes) {
 }
 
 void printLayout(const Json& row) {
-  constexpr int kIndent = 18;
-  fmt::print("  {:<18}{}\n", text(row["name"]), text(row["description"]));
+  constexpr int kIndent = 20;
+  fmt::print("  {:<20}{}\n", text(row["name"]), text(row["description"]));
   for (const Json& target : row["targets"]) {
     fmt::print("{:<{}}  {:<12}{:<28}{:>3} B  {}", "", kIndent, text(target["name"]), text(target["format"]),
                text(target["bytes"]), text(target["channels"]));

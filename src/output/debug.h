@@ -10,9 +10,10 @@ namespace latelight::output {
 
 // What the picture shows, by AOV: depth and distance in a perceptually even colour map over the range present, near is
 // bright; normals as n * 0.5 + 0.5; positions as a grid in world space (decimetres to hectometres, whatever suits the
-// extent); ids in distinct colours that are the same in every picture; uv as coloured squares, ten a unit; counts of lights on a logarithmic scale from 0 (black) to 4095 (white); albedo and
-// emissive as sRGB; colour clamped; scalars as grey. Opaque. Background is a dark neutral; where values of 0 do not
-// tell it from a black surface, `ids` of the same frame does, if given.
+// extent); ids in distinct colours that are the same in every picture; uv as coloured squares, ten a unit; counts of
+// lights on a logarithmic scale from 0 (black) to 4095 (white); albedo and emissive as sRGB; colour clamped; scalars as
+// grey. Opaque. Background is a dark neutral; where values of 0 do not tell it from a black surface, `ids` of the same
+// frame does, if given.
 Picture debugPicture(const AovImage& image, const AovImage* ids = nullptr);
 
 struct Labelled {

@@ -94,8 +94,9 @@ struct Light {  // KHR_lights_punctual
 };
 
 // Above the local lights (point and spot) stands a tree of boxes, a heap without pointers: the children of node h are
-// nodes kLightTreeWidth * (h + 1) + i, those of the root, which has no box, nodes i. From node FrameConstants::lightTreeLeaves on they
-// are leaves: the l-th of them stands above the local lights kLightTreeWidth * l + i. Places without a node hold an empty box.
+// nodes kLightTreeWidth * (h + 1) + i, those of the root, which has no box, nodes i. From node
+// FrameConstants::lightTreeLeaves on they are leaves: the l-th of them stands above the local lights kLightTreeWidth *
+// l + i. Places without a node hold an empty box.
 SH_CONST uint kLightTreeBits = 5u;  // at most 5
 SH_CONST uint kLightTreeWidth = 1u << kLightTreeBits;
 

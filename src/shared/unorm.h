@@ -22,8 +22,8 @@ SH_FUNC float signedFromUnorm(float u, float levels) {
   return min((floor(u * levels + 0.5f) - zero) / zero, 1.0f);
 }
 
-// The code that a UNORM channel of up to 24 bits keeps of a number, and the number that it gives back. (Adding 0.5 before
-// floor() would round away the half itself where codes need all of a float's 24 bits.)
+// The code that a UNORM channel of up to 24 bits keeps of a number, and the number that it gives back. (Adding 0.5
+// before floor() would round away the half itself where codes need all of a float's 24 bits.)
 SH_FUNC uint unormCode(float x, float levels) {
   float scaled = saturate(x) * levels;
   float whole = floor(scaled);

@@ -23,7 +23,7 @@ struct Line {
   std::vector<double> values;  // evenly along the picture; not positive: left out
 };
 // Values from `low` to `high`, both powers of ten, on a logarithmic axis with a rule at each; `rules` evenly across.
-inline constexpr uint32_t kPlotWidth = 800;
+inline constexpr uint32_t kPlotWidth = 880;
 output::Picture logPlot(std::span<const Line> lines, double low, double high, uint32_t rules);
 
 }  // namespace latelight::study

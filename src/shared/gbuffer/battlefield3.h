@@ -22,7 +22,7 @@
   T(1, diffuse, R8G8B8A8_SRGB, vec4, "rgb: base colour; a: root of the dielectric's reflectance")                      \
   T(2, material, R8G8B8A8_UNORM, vec4,                                                                                 \
     "r: sky visibility (ambient occlusion); g: environment id, 0; b: material parameter (metallic); a: material id / " \
-    "255 (1 lit, 2 matte, 3 unlit)")                                                                      \
+    "255 (1 lit, 2 matte, 3 unlit)")                                                                                   \
   T(3, irradiance, R8G8B8A8_SRGB, vec4, "rgb: emitted radiance up to 1; a: unused")
 
 GBUFFER_BEGIN
