@@ -10,7 +10,8 @@ struct TreeWalk {
   uint above[6];   // those of the groups above, nearest first: a tree over 2^32 lights is 6 levels high
 };
 
-// The children whose boxes meet the walk's.
+// The children whose boxes meet the walk's: bit i is lane i's, since the workgroups of 256 that walk have full subgroups.
+// (A vote, not subgroupOr: NVIDIA's driver 580.159 lost bits of that in this loop, and with them the lists of `tiled`.)
 uint childrenMet(FrameConstants frame, TreeWalk walk) {
   uint met = 0u;
   for (uint first = 0u; first < kLightTreeWidth; first += lanesPresent) {
@@ -18,7 +19,7 @@ uint childrenMet(FrameConstants frame, TreeWalk walk) {
     LightBox box = frameLightBox(frame, walk.group * kLightTreeWidth + min(child, kLightTreeWidth - 1u));
     bool meets = child < kLightTreeWidth && all(lessThanEqual(box.low, walk.high)) &&
                  all(lessThanEqual(walk.low, box.high));
-    met |= subgroupOr(meets ? 1u << (child & 31u) : 0u);
+    met |= subgroupBallot(meets).x << first;
   }
   return met;
 }
@@ -47,15 +48,17 @@ void ascend(inout TreeWalk walk) {
 // The next leaf, whose first light is `light`, or false at the end.
 bool nextLeaf(inout TreeWalk walk, FrameConstants frame, out uint light) {
   light = 0u;
-  for (;;) {
+  bool found = false;
+  while (!found) {
     while (walk.pending == 0u && walk.group != 0u) ascend(walk);
-    if (walk.pending == 0u) return false;
+    if (walk.pending == 0u) break;
     uint node = walk.group * kLightTreeWidth + uint(findLSB(walk.pending));
     walk.pending &= walk.pending - 1u;
-    if (node >= frame.lightTreeLeaves) {
+    found = node >= frame.lightTreeLeaves;
+    if (found)
       light = frame.directionalLights + (node - frame.lightTreeLeaves) * kLightTreeWidth;
-      return true;
-    }
-    descend(walk, frame, node);
+    else
+      descend(walk, frame, node);
   }
+  return found;
 }

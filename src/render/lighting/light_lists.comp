@@ -90,13 +90,13 @@ Cell cellOf(Tile tile, uint slices) {
     uvec2 pixel = tilePixel(tile, first);
     float depth = depthAt(tile, pixel);
     uint slice = sliceOf(depthKey(tile.view.projection, depth), tile.slices);
-    if (depth == 0.0 || (slices >> slice & 1u) == 0u) continue;
+    bool inCell = depth != 0.0 && (slices >> slice & 1u) != 0u;
     Projection p = tile.view.projection;
     vec3 v = viewPositionAtDepth(p, pixelToNdc(vec2(pixel) + 0.5, tile.view.size), viewDepth(p, depth));
     vec3 position = tile.view.viewToWorld * vec4(v, 1.0);
     float slack = 1e-4 * (abs(v.x) + abs(v.y) + abs(v.z));
-    low = min(low, position - slack);
-    high = max(high, position + slack);
+    low = inCell ? min(low, position - slack) : low;
+    high = inCell ? max(high, position + slack) : high;
   }
   return Cell(slices, subgroupMin(low), subgroupMax(high));
 }
@@ -139,19 +139,22 @@ uint slicesReached(Tile tile, Light l) {
   vec3 centre = tile.view.worldToView * vec4(l.position, 1.0);
   float depth = centre.y;
   float reach = l.reach + 1e-4 * (l.reach + abs(centre.x) + abs(depth) + abs(centre.z));
-  if (!reachesTile(tile, centre, reach)) return 0u;
   uint a = keyAt(tile.view.projection, depth - reach), b = keyAt(tile.view.projection, depth + reach);
   uint near = min(max(a, b), tile.slices.x), far = min(a, b);
-  if (far > tile.slices.x) return 0u;
-  return (0xffffffffu << sliceOf(near, tile.slices)) & (0xffffffffu >> (31u - sliceOf(far, tile.slices)));
+  uint mask = (0xffffffffu << sliceOf(near, tile.slices)) & (0xffffffffu >> (31u - sliceOf(far, tile.slices)));
+  bool reaches = reachesTile(tile, centre, reach) && far <= tile.slices.x;
+  return reaches ? mask : 0u;
 }
 
+// One way through for all lanes: votes follow, and lanes that parted need not have met again by then.
 bool listed(Tile tile, Cell cell, Light l) {
   vec3 d = max(max(cell.low - l.position, l.position - cell.high), vec3(0.0));
-  bool hit = dot(d, d) < l.reach * l.reach;
-  if (l.type == kLightSpot) hit = hit && coneReaches(l, cell.low, cell.high);
-  if (kCellsATile == 1u) hit = hit && (slicesReached(tile, l) & cell.slices) != 0u;
-  return hit;
+  bool near = dot(d, d) < l.reach * l.reach;
+  bool inCone = coneReaches(l, cell.low, cell.high);
+  bool inSlices = true;
+  if (kCellsATile == 1u) inSlices = (slicesReached(tile, l) & cell.slices) != 0u;
+  bool aimed = l.type != kLightSpot || inCone;
+  return near && aimed && inSlices;
 }
 
 // --- lists ----------------------------------------------------------------------------------------------------------
@@ -178,7 +181,7 @@ uint appendList(Tile tile, Cell cell, FrameConstants frame) {
 
 void listTile(inout Tile tile, FrameConstants frame) {
   CellsRef cells = CellsRef(push.cells + uint64_t(tile.index) * (8u * (kCellsATile + 1u)));
-  if (subgroupElect()) cells.v[0] = tile.slices;
+  cells.v[0] = tile.slices;  // every lane writes the same
   uint pending = kCellsATile == 1u ? 1u : tile.occupied;
   while (pending != 0u) {
     uint slice = uint(findLSB(pending));
@@ -186,7 +189,7 @@ void listTile(inout Tile tile, FrameConstants frame) {
     Cell cell = cellOf(tile, kCellsATile == 1u ? tile.occupied : 1u << slice);
     uint count = appendList(tile, cell, frame);
     bool fits = count <= kEntriesATile - tile.used;
-    if (subgroupElect()) cells.v[1u + slice] = uvec2(tile.used, fits ? count : kOverflow);
+    cells.v[1u + slice] = uvec2(tile.used, fits ? count : kOverflow);
     if (fits) tile.used += count;
   }
 }
