@@ -88,7 +88,10 @@ struct Options {
   uint32_t width = 1280, height = 720;
   std::string layout = "thin";
   std::string normals = "octahedral";
-  std::string lighting = "fullscreen";
+  std::string normalSpace = "layout";    // or "world", "view"
+  std::string position = "ray";          // how a layout without positions rebuilds them: or "matrix", "reciprocal"
+  std::string lighting = "fullscreen";   // `latelight list lighting`
+  std::string volumesOrder = "classic";  // of the technique volumes: or "killzone"
   std::string shading = "ggx";
   std::string tonemap = "khronos";
   uint32_t superSampling = 1;  // N x N ordered samples a pixel

@@ -76,6 +76,9 @@ render::Settings internalSettings(const Options& o) {
   s.height = o.height;
   s.layout = o.layout;
   s.normals = o.normals;
+  s.normalSpace = o.normalSpace;
+  s.position = o.position;
+  s.volumesOrder = o.volumesOrder;
   s.lighting = o.lighting;
   s.shading = o.shading;
   s.tonemap = o.tonemap;
