@@ -64,6 +64,8 @@ Json listLayouts(const PictureSize& picture) {
                     {"targets", targets},
                     {"normals", layout.fixedNormal ? layout.fixedNormal : "as --normals says"},
                     {"followsNormals", layout.fixedNormal == nullptr},
+                    {"position", layout.fixedPosition ? layout.fixedPosition : "from depth, as --position says"},
+                    {"followsPosition", layout.fixedPosition == nullptr},
                     {"size", fmt::format("{}x{}", picture.width, picture.height)},
                     {"samples", picture.samples},
                     {"bytes", describeBytes(layout.bytesPerPixel(octahedral), picture)},
@@ -151,6 +153,7 @@ void printLayout(const Json& row) {
   const bool differs = here["total"] != original["total"];
   const auto beside = [&](const std::string& value) { return differs ? "; the original: " + value : std::string(); };
   fmt::print("{:<{}}  normals: {}\n", "", kIndent, text(row["normals"]));
+  fmt::print("{:<{}}  position: {}\n", "", kIndent, text(row["position"]));
   fmt::print("{:<{}}  bytes a pixel: {} targets + {} depth + {} light = {}{}\n", "", kIndent, text(here["targets"]),
              text(here["depth"]), text(here["light"]), text(here["total"]), beside(text(original["total"])));
   fmt::print("{:<{}}  {}, {} sample{}: {}{}\n", "", kIndent, text(row["size"]), text(row["samples"]),

@@ -50,29 +50,30 @@ class Bench {
  public:
   Bench(vk::Device& device, const scene::Scene& scene, const scene::Environment* environment = nullptr)
       : device_(device),
+        lights_(scene.lights),
         scene_(device, scene),
         environment_(device, environment),
         executor_(device),
         compose_(device),
         intensity_(environment ? 0.5f : 0.0f) {}
 
-  LightRange allLights() const { return {0, scene_.lightCount()}; }
+  LightRange allLights() const { return {0, static_cast<uint32_t>(lights_.size())}; }
 
   LitPicture light(const FrameSetup& setup, std::span<const shared::View> views, LightRange range) {
+    const auto first = lights_.begin() + range.first;
+    scene_.setLights({first, first + range.count});
     shared::FrameConstants constants{};
     scene_.describe(constants);
     const vk::Buffer viewBuffer = upload("views", views.data(), views.size_bytes());
     constants.views = viewBuffer.address();
     constants.viewCount = static_cast<uint32_t>(views.size());
-    constants.lights += range.first * sizeof(shared::Light);
-    constants.lightCount = range.count;
     constants.exposure = 1.25f;
     constants.environmentIntensity = intensity_;
     constants.environmentCos = 1;
     constants.environmentLevels = static_cast<float>(environment_.levels());
     const vk::Buffer constantBuffer = upload("frame constants", &constants, sizeof(constants));
     FrameInputs inputs{scene_, environment_, views, constantBuffer.address(), kWidth, kHeight};
-    inputs.lights = scene_.lights().subspan(range.first, range.count);
+    inputs.lights = scene_.lights();
 
     graph::Graph graph;
     const LitFrame frame = frameOf(setup).add(graph, inputs);
@@ -103,6 +104,7 @@ class Bench {
   }
 
   vk::Device& device_;
+  std::vector<scene::Light> lights_;
   GpuScene scene_;
   GpuEnvironment environment_;
   graph::Executor executor_;

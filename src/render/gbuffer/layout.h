@@ -35,7 +35,8 @@ struct Layout {
   std::string name;  // as users write it
   const char* description;
   std::vector<LayoutTarget> targets;
-  const char* fixedNormal;  // how it keeps normals whatever the encoding chosen; null where it follows that
+  const char* fixedNormal;    // how it keeps normals whatever the encoding chosen; null where it follows that
+  const char* fixedPosition;  // how it keeps positions; null where they are made from depth, by the method chosen
   // Of the design that the layout follows; frames here have kDepthFormat and kLightFormat beside every layout.
   VkFormat originalDepth, originalLight;
   // The layout's pack and unpack as C++; one value a target, in their order.

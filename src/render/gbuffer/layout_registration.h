@@ -61,6 +61,9 @@ constexpr VkFormat VK_FORMAT_NORMAL32 = VK_FORMAT_UNDEFINED;
 #ifndef GBUFFER_FIXED_NORMAL
 #define GBUFFER_FIXED_NORMAL nullptr
 #endif
+#ifndef GBUFFER_FIXED_POSITION
+#define GBUFFER_FIXED_POSITION nullptr
+#endif
 #define FORMAT_(name) VK_FORMAT_##name
 #define FORMAT(name) FORMAT_(name)
 #ifdef GBUFFER_DEPTH_FORMAT
@@ -86,6 +89,7 @@ Layout LAYOUT_MAKER(LATELIGHT_LAYOUT)() {
           .description = GBUFFER_DESCRIPTION,
           .targets = {GBUFFER_TARGETS(TARGET)},
           .fixedNormal = GBUFFER_FIXED_NORMAL,
+          .fixedPosition = GBUFFER_FIXED_POSITION,
           .originalDepth = kOriginalDepth,
           .originalLight = kOriginalLight,
           .pack = packTarget,

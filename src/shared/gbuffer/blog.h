@@ -12,6 +12,7 @@
 #define GBUFFER_DESCRIPTION \
   "lit colour, UUID for picking, world position, octahedral normal, albedo, specular + exponent"
 #define GBUFFER_FIXED_NORMAL "octahedral in two channels of 16 bits"
+#define GBUFFER_FIXED_POSITION "three 32-bit floats, in the world"
 #define GBUFFER_LIGHT_FORMAT R32G32B32A32_SFLOAT
 #define GBUFFER_TARGETS(T)                                                        \
   T(0, uuid, R32_UINT, uint, "r: id of the object")                               \

@@ -8,6 +8,7 @@
 #define GBUFFER_KEEPS_FLAGS  // unlit surfaces keep their base colour; lighting reads the flag
 #define GBUFFER_DESCRIPTION "every value in 32-bit floats: the source of data outputs and the reference for the others"
 #define GBUFFER_FIXED_NORMAL "three 32-bit floats"
+#define GBUFFER_FIXED_POSITION "three 32-bit floats, in the world"
 #define GBUFFER_TARGETS(T)                                                                                 \
   T(0, position, R32G32B32A32_SFLOAT, vec4, "xyz: world position (m); w: ambient occlusion")               \
   T(1, normal, R32G32B32A32_SFLOAT, vec4, "xyz: world normal; w: roughness")                               \

@@ -11,6 +11,7 @@
 
 #define GBUFFER_DESCRIPTION "normal, diffuse, specular + power and position in floats: nothing is lost"
 #define GBUFFER_FIXED_NORMAL "three 32-bit floats"
+#define GBUFFER_FIXED_POSITION "three 32-bit floats, in the world"
 #define GBUFFER_TARGETS(T)                                                                                           \
   T(0, normal, R32G32B32A32_SFLOAT, vec4, "xyz: world normal; w: ambient occlusion")                                 \
   T(1, diffuse, R32G32B32A32_SFLOAT, vec4, "rgb: diffuse colour; a: the dielectric's reflectance at grazing angles") \

@@ -1,0 +1,143 @@
+// Every valid combination of layout, normal encoding, lighting technique and position method gives the picture that
+// `fullscreen` gives from the same G-buffer.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <memory>
+
+#include "combinations/scene.h"
+#include "render/gbuffer/layout.h"
+#include "render/lighting/technique.h"
+#include "render/registry.h"
+#include "render/support.h"
+#include "render/view.h"
+
+namespace latelight::render::test {
+namespace {
+
+constexpr uint32_t kWidth = 64, kHeight = 36;
+
+using Picture = std::vector<uint8_t>;  // RGBA
+
+int worstDifference(const Picture& a, const Picture& b) {
+  if (a.size() != b.size()) return 256;
+  int worst = 0;
+  for (size_t i = 0; i < a.size(); ++i) worst = std::max(worst, std::abs(a[i] - b[i]));
+  return worst;
+}
+
+// A picture of everything else would agree with anything: this one is covered, and has lights and darks.
+void expectContent(const Picture& picture) {
+  size_t covered = 0, dark = 0, bright = 0;
+  for (size_t i = 0; i < picture.size(); i += 4) {
+    const int largest = std::max({picture[i], picture[i + 1], picture[i + 2]});
+    covered += picture[i + 3] == 255;
+    dark += largest < 64;
+    bright += largest > 160;
+  }
+  EXPECT_GT(covered, size_t{kWidth} * kHeight / 2);
+  EXPECT_LT(covered, size_t{kWidth} * kHeight);
+  EXPECT_GT(dark, size_t{kWidth} * kHeight / 50);
+  EXPECT_GT(bright, size_t{kWidth} * kHeight / 50);
+}
+
+struct Stage {
+  scene::Scene scene = everyKind();
+  scene::Environment environment = constantEnvironment();
+  Renderer renderer;
+  Settings settings = settingsOf(kWidth, kHeight);
+  size_t combinations = 0;
+
+  explicit Stage(vk::Device& device) : renderer(device, scene, &environment) {
+    settings.display = true;
+    settings.environmentIntensity = 0.15f;
+  }
+  Picture render(const std::string& technique) {
+    settings.lighting = technique;
+    ++combinations;
+    return std::move(renderer.render(scene.cameras, settings).front().display);
+  }
+};
+
+std::vector<TechniqueInfo> deferredTechniques() {
+  std::vector<TechniqueInfo> deferred;
+  for (const TechniqueInfo& technique : techniques())
+    if (!technique.forward) deferred.push_back(technique);
+  return deferred;
+}
+
+class CombinationsTest : public RenderTest {
+ protected:
+  static void SetUpTestSuite() {
+    if (!stage) stage = std::make_unique<Stage>(device());
+  }
+  static void TearDownTestSuite() { stage.reset(); }
+  static std::unique_ptr<Stage> stage;
+
+  // Every technique of the kind against fullscreen with the stage's settings.
+  static void compareTechniques(bool forward) {
+    const Picture expected = stage->render("fullscreen");
+    expectContent(expected);
+    for (const TechniqueInfo& technique : techniques()) {
+      if (technique.name == "fullscreen" || technique.forward != forward) continue;
+      SCOPED_TRACE(technique.name);
+      EXPECT_LE(worstDifference(stage->render(technique.name), expected), 1);
+    }
+  }
+};
+std::unique_ptr<Stage> CombinationsTest::stage;
+
+class EachLayout : public CombinationsTest, public testing::WithParamInterface<std::string> {};
+
+TEST_P(EachLayout, LightsAlikeByEveryTechnique) {
+  const Layout& layout = findLayout(GetParam());
+  stage->settings.layout = layout.name;
+  stage->combinations = 0;
+  for (const NormalEncoding& encoding : normalEncodings()) {
+    if (layout.fixedNormal && &encoding != &normalEncodings().front()) continue;
+    for (const NamedOption& position : positionMethods()) {
+      if (layout.fixedPosition && &position != &positionMethods().front()) continue;
+      stage->settings.normals = encoding.name;
+      stage->settings.position = position.name;
+      SCOPED_TRACE(fmt::format("{}, {} normals, position by {}", layout.name, encoding.name, position.name));
+      compareTechniques(false);
+    }
+  }
+  fmt::print("{}: {} combinations of {}; of position by {}; of {}\n", layout.name, stage->combinations,
+             layout.fixedNormal ? "its own normals" : namesOf(normalEncodings()),
+             layout.fixedPosition ? "itself" : namesOf(positionMethods()), namesOf(deferredTechniques()));
+}
+
+std::vector<std::string> layoutNames() {
+  std::vector<std::string> names;
+  for (const Layout& layout : layouts()) names.push_back(layout.name);
+  return names;
+}
+
+INSTANTIATE_TEST_SUITE_P(All, EachLayout, testing::ValuesIn(layoutNames()),
+                         [](const testing::TestParamInfo<std::string>& info) { return findLayout(info.param).file; });
+
+// They have no layout: what they light is what a layout that loses nothing holds.
+class ForwardTechniques : public CombinationsTest {};
+
+TEST_F(ForwardTechniques, LightAlikeTheFloatsOfPlain) {
+  stage->settings.layout = "plain";
+  compareTechniques(true);
+}
+
+// What a layout says of its positions decides which position methods it is rendered with.
+TEST(FixedPositions, AreThoseThatDepthDoesNotChange) {
+  shared::GbufferContext context{};
+  context.view = makeView(frontPerspective(1, 4), 4, 4);
+  for (const Layout& layout : layouts()) {
+    const std::vector<TargetValue> stored(layout.targets.size());
+    context.depth = 0.1f;
+    const shared::vec3 nearer = layout.unpack(stored, context).position;
+    context.depth = 0.01f;
+    EXPECT_EQ(layout.unpack(stored, context).position == nearer, layout.fixedPosition != nullptr) << layout.name;
+  }
+}
+
+}  // namespace
+}  // namespace latelight::render::test

@@ -1,0 +1,10 @@
+// A small scene with every kind of light and of material, whose geometry costs next to nothing.
+#pragma once
+
+#include "scene/scene.h"
+
+namespace latelight::render::test {
+
+scene::Scene everyKind();
+
+}  // namespace latelight::render::test

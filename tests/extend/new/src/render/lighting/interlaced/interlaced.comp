@@ -1,0 +1,24 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// interlaced: every second row of the picture, every light at every pixel of them.
+#include "render/glsl/common.glsl"
+#include "render/glsl/gbuffer_read.glsl"
+#include "render/glsl/lights.glsl"
+#include "render/glsl/lit_pixel.glsl"
+
+layout(local_size_x = 16, local_size_y = 16) in;
+
+struct FieldPush {
+  uint64_t frame;  // FrameConstants
+  uint firstRow;   // 0 or 1
+};
+layout(push_constant, scalar) uniform Push { FieldPush push; };
+
+void main() {
+  FrameConstants frame = FrameRef(push.frame).v;
+  ivec3 place = ivec3(gl_GlobalInvocationID);
+  place.y = 2 * place.y + int(push.firstRow);
+  LitPixel pixel = readPixel(frame, frameView(frame, place.z), place);
+  vec3 byLights = shadeAllLights(frame, pixel.s, pixel.toEye, pixel.lit);
+  writePixel(frame, pixel, byLights, lightCount());
+}
