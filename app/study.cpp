@@ -147,7 +147,8 @@ void addStudyCommand(CLI::App& app) {
   command->add_option("--triangles", a.triangles, "Of lights: numbers of triangles, as in 50k,300k,10M");
   command->add_option("--sizes", a.sizes, "Of lights: sizes in pixels, as in 640x360,1280x720");
   command
-      ->add_option("--budget", a.options.sweep.budget, "Of lights: leave out what would take longer; seconds a frame")
+      ->add_option("--budget", a.options.sweep.budget,
+                   "Of lights: seconds a step; one that would take longer ends its sweep")
       ->capture_default_str();
   command->add_option("--device", a.options.device, "auto, cpu, a number, a name or a UUID (latelight devices)")
       ->capture_default_str();

@@ -64,7 +64,7 @@ struct Step {
 struct Measurement {
   std::vector<graph::PassTime> passes;  // the least of each
   uint32_t frames = 0;
-  double seconds = 0;      // of a frame, as the host sees it
+  double seconds = 0;      // of one frame, the least, as the host sees it
   double bytes = 0;        // device memory beside the scene's
   uint64_t triangles = 0;  // as built
   struct LightCounts {
@@ -99,13 +99,13 @@ struct Row {
 // --- the plan -------------------------------------------------------------------------------------------------------
 
 SweepOptions withDefaults(SweepOptions o, bool cpu) {
-  const auto fill = [](auto& list, auto values) {
-    if (list.empty()) list.assign(values.begin(), values.end());
+  const auto fill = [](auto& list, const auto& values) {
+    if (list.empty()) list = values;
     std::sort(list.begin(), list.end());
     list.erase(std::unique(list.begin(), list.end()), list.end());
   };
-  using Counts = std::initializer_list<uint64_t>;
-  using Sizes = std::initializer_list<Size>;
+  using Counts = std::vector<uint64_t>;
+  using Sizes = std::vector<Size>;
   fill(o.lights,
        cpu ? Counts{1, 10, 100, 1'000, 10'000, 100'000} : Counts{1, 10, 100, 1'000, 10'000, 100'000, 1'000'000});
   fill(o.triangles,
@@ -219,9 +219,10 @@ class LightStudy {
       expected = std::max(expected, lines[i]->expected(step.lines[i].second).value_or(0));
     }
     const auto known = measured_.find({technique.name, step.place});
+    expected *= kFrames;
     if (known == measured_.end() && expected > sweep_.budget) {
       stop(step, technique,
-           fmt::format("skipped: next step would take about {:.3g} s a frame, of {} (--budget)", expected,
+           fmt::format("skipped: next step would take about {:.3g} s, more than {} (--budget)", expected,
                        sweep_.budget));
       return;
     }
@@ -269,7 +270,8 @@ class LightStudy {
     while (goesOn(m.frames, secondsSince(start))) {
       const Clock::time_point frame = Clock::now();
       renderer.render(camera, settings);
-      m.seconds = secondsSince(frame);
+      const double seconds = secondsSince(frame);
+      m.seconds = m.frames < 2 ? seconds : std::min(m.seconds, seconds);
       if (renderer.times().empty())
         fail(ExitCode::NoDevice, "{} has no timestamps to measure with; choose another --device", device_.info().name);
       if (m.frames < 2) m.passes = renderer.times();

@@ -18,7 +18,7 @@ namespace latelight::study {
 
 // What `lights` sweeps over; empty lists: the study's own choice for the kind of device.
 struct SweepOptions {
-  double budget = 10;  // seconds: steps whose frame would take longer are left out
+  double budget = 10;  // seconds: a step that would take longer, all its frames, is left out
   std::vector<uint64_t> lights, triangles;
   std::vector<std::pair<uint32_t, uint32_t>> sizes;  // pixels
 };
