@@ -12,8 +12,9 @@ namespace latelight::study {
 class SweepLine {
  public:
   void add(double x, double seconds) { steps_.push_back({x, seconds}); }
-  // Seconds of a step at x: the last step's, grown as from the last but one to the last (not faster than x^2), or as x
-  // itself after a single step. Nothing before the first.
+  // Seconds of a step at x: the last step's, grown as from the last but one to the last, not faster than x^2. A single
+  // step does not tell its constant part from what grows, so it counts as growing half way between not at all and as x.
+  // Nothing before the first.
   std::optional<double> expected(double x) const;
   void stop() { stopped_ = true; }
   bool stopped() const { return stopped_; }
