@@ -36,14 +36,14 @@ std::vector<float> parseNumbers(std::string_view text) {
 
 }  // namespace
 
-std::pair<uint32_t, uint32_t> parseSize(const std::string& text) {
+std::pair<uint32_t, uint32_t> parseSize(const std::string& text, const char* option) {
   size_t x = text.find('x');
   if (x != std::string::npos) {
     auto width = parseNumber<uint32_t>(std::string_view(text).substr(0, x));
     auto height = parseNumber<uint32_t>(std::string_view(text).substr(x + 1));
     if (width && height) return {*width, *height};
   }
-  badUsage("--size takes a width and a height in pixels, as in 1280x720, not \"{}\"", text);
+  badUsage("{} takes a width and a height in pixels, as in 1280x720, not \"{}\"", option, text);
 }
 
 glm::vec3 parseVector(const std::string& option, const std::string& text) {

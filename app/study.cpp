@@ -9,6 +9,7 @@
 #include "app/parse.h"
 #include "base/files.h"
 #include "output/files.h"
+#include "scene/builtin.h"
 #include "study/study.h"
 
 namespace latelight::app {
@@ -18,10 +19,41 @@ namespace {
 constexpr uint32_t kLeastSamples = 1000, kMostSamples = 100'000'000;
 
 struct Arguments {
-  std::string name, folder, bits;
+  std::string name, folder, bits, lights, triangles, sizes;
   study::Options options;
   bool json = false;
 };
+
+std::vector<std::string> partsOf(const std::string& list) {
+  std::vector<std::string> parts;
+  for (size_t begin = 0; begin <= list.size();) {
+    const size_t end = std::min(list.find(',', begin), list.size());
+    parts.push_back(list.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return parts;
+}
+
+// "1,100,10k,1M".
+std::vector<uint64_t> parseCounts(const char* option, const std::string& text) {
+  std::vector<uint64_t> counts;
+  for (const std::string& part : partsOf(text)) {
+    const std::optional<uint64_t> count = scene::parseCount(part);
+    if (!count || *count == 0)
+      badUsage("{} takes whole numbers by comma, k for thousands and M for millions, as in 50k,1M, not \"{}\"", option,
+               text);
+    counts.push_back(*count);
+  }
+  return counts;
+}
+
+void parseSweep(const Arguments& a, study::SweepOptions& sweep) {
+  if (!(sweep.budget > 0)) badUsage("--budget takes seconds above 0, not {}", sweep.budget);
+  if (!a.lights.empty()) sweep.lights = parseCounts("--lights", a.lights);
+  if (!a.triangles.empty()) sweep.triangles = parseCounts("--triangles", a.triangles);
+  if (a.sizes.empty()) return;
+  for (const std::string& part : partsOf(a.sizes)) sweep.sizes.push_back(parseSize(part, "--sizes"));
+}
 
 // "8,10,16,float", or ranges as in "8-16".
 std::vector<uint32_t> parseBits(const std::string& text) {
@@ -29,10 +61,7 @@ std::vector<uint32_t> parseBits(const std::string& text) {
     badUsage("--bits takes numbers from 8 to 16 and float, by comma, as in 8,10,12-16,float, not \"{}\"", text);
   };
   std::vector<uint32_t> bits;
-  for (size_t begin = 0; begin <= text.size();) {
-    const size_t end = std::min(text.find(',', begin), text.size());
-    const std::string part = text.substr(begin, end - begin);
-    begin = end + 1;
+  for (const std::string& part : partsOf(text)) {
     if (part == "float") {
       bits.push_back(0);
       continue;
@@ -47,8 +76,11 @@ std::vector<uint32_t> parseBits(const std::string& text) {
 }
 
 nlohmann::ordered_json toJson(const Arguments& a, const study::Result& result) {
-  nlohmann::ordered_json json{
-      {"study", a.name}, {"version", LATELIGHT_VERSION}, {"device", result.device}, {"samples", a.options.samples}};
+  nlohmann::ordered_json json{{"study", a.name}, {"version", LATELIGHT_VERSION}, {"device", result.device}};
+  if (study::findStudy(a.name).samples)
+    json["samples"] = a.options.samples;
+  else
+    json["budget"] = a.options.sweep.budget;
   for (const study::Table& table : result.tables) json[table.name] = study::toJson(table);
   return json;
 }
@@ -76,6 +108,7 @@ void writeAll(const std::filesystem::path& folder, const Arguments& a, const stu
   for (const study::Table& table : result.tables) writeText(folder / (table.name + ".csv"), study::toCsv(table));
   for (const study::NamedPicture& picture : result.pictures)
     output::writePicture(folder / (picture.name + ".png"), picture.picture);
+  for (const study::NamedFile& file : result.files) writeFile(folder / file.name, file.bytes);
   writeText(folder / (a.name + ".json"), toJson(a, result).dump(1) + "\n");
 }
 
@@ -84,6 +117,7 @@ void run(Arguments& a) {
   if (a.options.samples < kLeastSamples || a.options.samples > kMostSamples)
     badUsage("--samples takes a number from {} to {}, not {}", kLeastSamples, kMostSamples, a.options.samples);
   if (!a.bits.empty()) a.options.bits = parseBits(a.bits);
+  parseSweep(a, a.options.sweep);
   a.options.pictures = !a.folder.empty();
   if (!a.folder.empty()) checkFolder(a.folder);
   const study::Result result = chosen.run(a.options);
@@ -109,6 +143,13 @@ void addStudyCommand(CLI::App& app) {
   command->add_option("--samples", a.options.samples, "Directions; of depths a quarter as many")->capture_default_str();
   command->add_option("--seed", a.options.seed, "Random directions of normals, by this number, instead of a lattice");
   command->add_option("--bits", a.bits, "Bits a channel of normals: 8 to 16 and float, as in 8,10-12,float");
+  command->add_option("--lights", a.lights, "Of lights: numbers of lights, as in 1,100,10k,1M");
+  command->add_option("--triangles", a.triangles, "Of lights: numbers of triangles, as in 50k,300k,10M");
+  command->add_option("--sizes", a.sizes, "Of lights: sizes in pixels, as in 640x360,1280x720");
+  command
+      ->add_option("--budget", a.options.sweep.budget,
+                   "Of lights: seconds a step; one that would take longer ends its sweep")
+      ->capture_default_str();
   command->add_option("--device", a.options.device, "auto, cpu, a number, a name or a UUID (latelight devices)")
       ->capture_default_str();
   command->add_flag("--json", a.json, "The tables on standard output as JSON");

@@ -36,33 +36,6 @@ const Builtin& findBuiltin(std::string_view name) {
   badUsage("There is no built-in scene '{}': there are {}", name, sceneList());
 }
 
-// "300k", "1.5M", "42": digits, at most one point, and a suffix. Nothing if it's not a whole number that fits.
-bool parseCount(std::string_view text, uint64_t& count) {
-  uint64_t unit = 1;
-  if (text.ends_with('k')) unit = 1'000;
-  if (text.ends_with('M')) unit = 1'000'000;
-  if (unit > 1) text.remove_suffix(1);
-  const size_t point = std::min(text.find('.'), text.size());
-  const std::string_view whole = text.substr(0, point);
-  const std::string_view fraction = text.substr(std::min(point + 1, text.size()));
-  const auto parse = [](std::string_view digits, uint64_t& value) {
-    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-    return error == std::errc() && end == digits.data() + digits.size() && value < uint64_t{1} << 40;
-  };
-  if (!parse(whole, count)) return false;
-  count *= unit;
-  if (point == text.size()) return true;
-  if (fraction.empty() || fraction.size() > 6) return false;
-  uint64_t parts = 0;
-  if (!parse(fraction, parts)) return false;
-  for (size_t i = 0; i < fraction.size(); ++i) {
-    if (unit % 10 != 0) return false;
-    unit /= 10;
-  }
-  count += parts * unit;
-  return true;
-}
-
 void setParameter(const Builtin& builtin, std::string_view setting, std::vector<uint64_t>& values) {
   const size_t equals = setting.find('=');
   const std::string_view key = setting.substr(0, equals);
@@ -71,11 +44,11 @@ void setParameter(const Builtin& builtin, std::string_view setting, std::vector<
   if (equals == std::string_view::npos || found == builtin.parameters.end())
     badUsage("builtin:{} has no parameter '{}': its parameters are {}, written key=value", builtin.name, setting,
              parameterList(builtin));
-  uint64_t value = 0;
-  if (!parseCount(setting.substr(equals + 1), value) || value < found->least || value > found->most)
+  const std::optional<uint64_t> value = parseCount(setting.substr(equals + 1));
+  if (!value || *value < found->least || *value > found->most)
     badUsage("builtin:{} can't have {}: give {} a whole number from {} to {} (k and M are thousands and millions)",
              builtin.name, setting, key, countText(found->least), countText(found->most));
-  values[static_cast<size_t>(found - builtin.parameters.begin())] = value;
+  values[static_cast<size_t>(found - builtin.parameters.begin())] = *value;
 }
 
 constexpr BuiltinParameter kHallParameters[] = {
@@ -101,6 +74,32 @@ constexpr Builtin kBuiltins[] = {
 
 std::span<const Builtin> builtins() {
   return kBuiltins;
+}
+
+std::optional<uint64_t> parseCount(std::string_view text) {
+  uint64_t unit = 1;
+  if (text.ends_with('k')) unit = 1'000;
+  if (text.ends_with('M')) unit = 1'000'000;
+  if (unit > 1) text.remove_suffix(1);
+  const size_t point = std::min(text.find('.'), text.size());
+  const std::string_view whole = text.substr(0, point);
+  const std::string_view fraction = text.substr(std::min(point + 1, text.size()));
+  const auto parse = [](std::string_view digits) -> std::optional<uint64_t> {
+    uint64_t value = 0;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    if (error != std::errc() || end != digits.data() + digits.size() || value >= uint64_t{1} << 40) return std::nullopt;
+    return value;
+  };
+  const std::optional<uint64_t> count = parse(whole);
+  if (!count || point == text.size()) return count ? std::optional(*count * unit) : std::nullopt;
+  const std::optional<uint64_t> parts = parse(fraction);
+  if (!parts || fraction.empty() || fraction.size() > 6) return std::nullopt;
+  uint64_t place = unit;
+  for (size_t i = 0; i < fraction.size(); ++i) {
+    if (place % 10 != 0) return std::nullopt;
+    place /= 10;
+  }
+  return *count * unit + *parts * place;
 }
 
 Scene makeBuiltin(const std::string& name) {

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -27,6 +28,9 @@ struct Builtin {
   Scene (*make)(std::span<const uint64_t> values);  // one a parameter, in order and in range
 };
 std::span<const Builtin> builtins();
+
+// "300k", "1.5M", "42": digits, at most one point, and a suffix. Nothing if it's not a whole number that fits.
+std::optional<uint64_t> parseCount(std::string_view text);
 
 // --- builtin:boxes --------------------------------------------------------------------------------------------------
 //

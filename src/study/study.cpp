@@ -9,6 +9,8 @@ std::span<const Study> studies() {
       {"normals", "error of every normal encoding and bit budget over the sphere, degrees", studyNormals},
       {"depth", "relative error of view depth through depth formats and packings", studyDepth},
       {"position", "error of the three ways from depth to position, metres", studyPosition},
+      {"lights", "cost of every lighting technique over lights, triangles and pixels, and how it grows", studyLights,
+       false},
   };
   return all;
 }

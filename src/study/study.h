@@ -2,11 +2,13 @@
 // pictures, one source file, listed in study.cpp.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "output/aov.h"
@@ -14,12 +16,20 @@
 
 namespace latelight::study {
 
+// What `lights` sweeps over; empty lists: the study's own choice for the kind of device.
+struct SweepOptions {
+  double budget = 10;  // seconds: a step that would take longer, all its frames, is left out
+  std::vector<uint64_t> lights, triangles;
+  std::vector<std::pair<uint32_t, uint32_t>> sizes;  // pixels
+};
+
 struct Options {
   std::string device = "auto";   // a selector of vk/device.h
   bool validation = false;       // any message of the Vulkan validation layers is an error
   uint32_t samples = 4'000'000;  // directions, or a quarter as many depths
   std::vector<uint32_t> bits;    // a channel, 8 to 16, 0 for floats; empty: the study's own choice
   std::optional<uint32_t> seed;  // directions: random ones instead of a lattice
+  SweepOptions sweep;
   bool pictures = false;
 };
 
@@ -28,16 +38,23 @@ struct NamedPicture {
   output::Picture picture;
 };
 
+struct NamedFile {
+  std::string name;
+  std::vector<std::byte> bytes;
+};
+
 struct Result {
   std::string device;  // what ran it, beside the host
   std::vector<Table> tables;
   std::vector<NamedPicture> pictures;
+  std::vector<NamedFile> files;  // as another program takes or made them
 };
 
 struct Study {
   const char* name;
   const char* description;
   Result (*run)(const Options& options);
+  bool samples = true;  // takes Options::samples; else Options::sweep
 };
 
 std::span<const Study> studies();
@@ -46,5 +63,6 @@ const Study& findStudy(std::string_view name);  // throws Error(Usage) that list
 Result studyNormals(const Options& options);
 Result studyDepth(const Options& options);
 Result studyPosition(const Options& options);
+Result studyLights(const Options& options);
 
 }  // namespace latelight::study

@@ -1,0 +1,488 @@
+// The cost of light: every lighting technique over lights, triangles and pixels. Seed 000 claims that forward lighting
+// costs lights x triangles and deferred lighting lights + triangles; a grid over both, of lights that reach everything,
+// tells the two apart.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <functional>
+#include <map>
+#include <numeric>
+#include <optional>
+#include <span>
+#include <tuple>
+
+#include "base/error.h"
+#include "base/log.h"
+#include "render/lighting/technique.h"
+#include "render/renderer.h"
+#include "scene/builtin.h"
+#include "study/plot.h"
+#include "study/study.h"
+#include "study/sweep.h"
+#include "vk/memory.h"
+
+namespace latelight::study {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using render::TechniqueInfo;
+using Size = std::pair<uint32_t, uint32_t>;
+
+// Of each measurement; the first one warms caches. Fewer where they take longer than the limit, more where they are
+// short.
+constexpr uint32_t kFrames = 3, kMostFrames = 10;
+constexpr double kShort = 0.1;         // seconds, of all frames of a measurement
+constexpr uint64_t kBaseLights = 100;  // at most, of those listed
+constexpr uint64_t kGridLights[] = {1, 10, 100};
+constexpr float kEverywhere = 1000;  // metres: beyond any place of the hall
+
+constexpr std::string_view kOverLights = "lights", kOverTriangles = "triangles", kOverSize = "size", kGrid = "grid";
+
+double secondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+// --- what is measured -----------------------------------------------------------------------------------------------
+
+struct Place {
+  bool everywhere = false;  // all lights reach all of the hall, instead of the less far the more there are
+  uint64_t triangles = 0, lights = 0;
+  Size size;
+  auto operator<=>(const Place&) const = default;
+};
+
+// A place as a step of the lines it lies on: a technique stops where any of them does.
+struct Step {
+  size_t number;  // in the plan
+  std::string_view sweep;
+  Place place;
+  std::vector<std::pair<std::string, double>> lines;  // name, place along it
+};
+
+struct Measurement {
+  std::vector<graph::PassTime> passes;  // the least of each
+  uint32_t frames = 0;
+  double seconds = 0;      // of one frame, the least, as the host sees it
+  double bytes = 0;        // device memory beside the scene's
+  uint64_t triangles = 0;  // as built
+  struct LightCounts {
+    double tested, used;  // mean of all pixels
+  };
+  std::optional<LightCounts> counts;  // in the sweep over lights
+
+  double sum(const std::function<bool(const std::string&)>& wanted) const {
+    double milliseconds = 0;
+    for (const graph::PassTime& pass : passes)
+      if (wanted(pass.name)) milliseconds += pass.milliseconds;
+    return milliseconds;
+  }
+  static bool isDepth(const std::string& pass) { return pass == "depth"; }
+  static bool isGeometry(const std::string& pass) { return pass.starts_with("geometry "); }
+  static bool isPost(const std::string& pass) { return pass == "compose"; }
+  double depth() const { return sum(isDepth); }
+  double geometry() const { return sum(isGeometry); }
+  double lighting() const {
+    return sum([](const std::string& pass) { return !isDepth(pass) && !isGeometry(pass) && !isPost(pass); });
+  }
+  double lit() const { return depth() + geometry() + lighting(); }
+};
+
+struct Row {
+  Step step;
+  const TechniqueInfo* technique;
+  Measurement measured;  // no frames: skipped
+  std::string note;
+};
+
+// --- the plan -------------------------------------------------------------------------------------------------------
+
+SweepOptions withDefaults(SweepOptions o, bool cpu) {
+  const auto fill = [](auto& list, const auto& values) {
+    if (list.empty()) list = values;
+    std::sort(list.begin(), list.end());
+    list.erase(std::unique(list.begin(), list.end()), list.end());
+  };
+  using Counts = std::vector<uint64_t>;
+  using Sizes = std::vector<Size>;
+  fill(o.lights,
+       cpu ? Counts{1, 10, 100, 1'000, 10'000, 100'000} : Counts{1, 10, 100, 1'000, 10'000, 100'000, 1'000'000});
+  fill(o.triangles,
+       cpu ? Counts{50'000, 300'000, 1'000'000} : Counts{50'000, 100'000, 300'000, 1'000'000, 3'000'000, 10'000'000});
+  fill(o.sizes,
+       cpu ? Sizes{{160, 90}, {320, 180}, {640, 360}, {1280, 720}} : Sizes{{1280, 720}, {1920, 1080}, {3840, 2160}});
+  return o;
+}
+
+// One list varies at a time, from the base point; then the grid, for which one number of triangles is too few.
+std::vector<Step> planSteps(const SweepOptions& o) {
+  const auto few = std::upper_bound(o.lights.begin(), o.lights.end(), kBaseLights);
+  const Place base{false, o.triangles.front(), few == o.lights.begin() ? o.lights.front() : *(few - 1),
+                   o.sizes.front()};
+  std::vector<Step> steps;
+  const auto add = [&](std::string_view sweep, const Place& place, double x) {
+    steps.push_back({steps.size(), sweep, place, {{std::string(sweep), x}}});
+  };
+  for (uint64_t lights : o.lights) add(kOverLights, {false, base.triangles, lights, base.size}, double(lights));
+  for (uint64_t triangles : o.triangles)
+    add(kOverTriangles, {false, triangles, base.lights, base.size}, double(triangles));
+  for (const Size& size : o.sizes)
+    add(kOverSize, {false, base.triangles, base.lights, size}, double(size.first) * size.second);
+  if (o.triangles.size() < 2) return steps;
+  for (uint64_t triangles : o.triangles)
+    for (uint64_t lights : kGridLights)
+      steps.push_back({steps.size(),
+                       kGrid,
+                       {true, triangles, lights, base.size},
+                       {{fmt::format("grid, {} triangles", triangles), double(lights)},
+                        {fmt::format("grid, {} lights", lights), double(triangles)}}});
+  return steps;
+}
+
+// Everything that can be wrong, before anything costs time.
+void check(const SweepOptions& o) {
+  const auto hall = std::find_if(scene::builtins().begin(), scene::builtins().end(),
+                                 [](const scene::Builtin& builtin) { return builtin.name == "hall"; });
+  const auto inRange = [&](std::string_view key, std::span<const uint64_t> values) {
+    for (const scene::BuiltinParameter& p : hall->parameters)
+      for (uint64_t value : values)
+        if (p.key == key && (value < p.least || value > p.most))
+          badUsage("builtin:hall, which the study lights, can have {} to {} {}, not {}; give --{} others", p.least,
+                   p.most, key, value, key);
+  };
+  inRange("triangles", o.triangles);
+  inRange("lights", o.lights);
+  for (const Size& size : o.sizes) checkSettings(render::Settings{.width = size.first, .height = size.second});
+}
+
+// --- measuring ------------------------------------------------------------------------------------------------------
+
+double mean(const std::vector<float>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+void keepLeast(std::vector<graph::PassTime>& least, const std::vector<graph::PassTime>& times) {
+  for (size_t i = 0; i < least.size(); ++i)
+    least[i].milliseconds = std::min(least[i].milliseconds, times[i].milliseconds);
+}
+
+class LightStudy {
+ public:
+  explicit LightStudy(const Options& options)
+      : device_({.selector = options.device, .validation = options.validation}),
+        sweep_(withDefaults(options.sweep, device_.isCpu())),
+        pictures_(options.pictures) {}
+
+  Result run() {
+    check(sweep_);
+    const std::vector<Step> steps = planSteps(sweep_);
+    takeAll(steps);
+    for (const std::string& message : device_.validationMessages())
+      fail(ExitCode::Internal, "the Vulkan validation layer says: {}", message);
+    Result result{device_.info().name, {exponents(), models(), measurements(), passes()}, {}, {}};
+    if (pictures_) result.files = drawPlots(plots());
+    return result;
+  }
+
+ private:
+  std::vector<SweepLine*> linesOf(const Step& step, const TechniqueInfo& technique) {
+    std::vector<SweepLine*> lines;
+    for (const auto& [name, x] : step.lines) lines.push_back(&lines_[{technique.name, name}]);
+    return lines;
+  }
+
+  // By scene, so that each is made once; few or small ones come first, so every line grows. The table follows the plan.
+  void takeAll(const std::vector<Step>& steps) {
+    std::vector<const Step*> order;
+    for (const Step& step : steps) order.push_back(&step);
+    std::stable_sort(order.begin(), order.end(), [](const Step* a, const Step* b) {
+      return std::tie(a->place.triangles, a->place.lights) < std::tie(b->place.triangles, b->place.lights);
+    });
+    Progress progress("Measuring", steps.size() * render::techniques().size());
+    for (const Step* step : order) {
+      for (const TechniqueInfo& technique : render::techniques()) {
+        take(*step, technique);
+        progress.step();
+      }
+    }
+    std::stable_sort(rows_.begin(), rows_.end(),
+                     [](const Row& a, const Row& b) { return a.step.number < b.step.number; });
+  }
+
+  // Measures a step, or says why not.
+  void take(const Step& step, const TechniqueInfo& technique) {
+    const std::vector<SweepLine*> lines = linesOf(step, technique);
+    double expected = 0;
+    for (size_t i = 0; i < lines.size(); ++i) {
+      if (lines[i]->stopped()) return;
+      expected = std::max(expected, lines[i]->expected(step.lines[i].second).value_or(0));
+    }
+    const auto known = measured_.find({technique.name, step.place});
+    expected *= kFrames;
+    if (known == measured_.end() && expected > sweep_.budget) {
+      stop(step, technique,
+           fmt::format("skipped: next step would take about {:.3g} s, more than {} (--budget)", expected,
+                       sweep_.budget));
+      return;
+    }
+    Measurement m;
+    try {
+      m = known == measured_.end() ? measure(step.place, technique, step.sweep == kOverLights) : known->second;
+    } catch (const Error& error) {
+      if (error.code() != ExitCode::Usage) throw;
+      stop(step, technique, fmt::format("skipped: {}", error.what()));
+      return;
+    }
+    measured_.emplace(std::pair(technique.name, step.place), m);
+    for (size_t i = 0; i < lines.size(); ++i) lines[i]->add(step.lines[i].second, m.seconds);
+    rows_.push_back({step, &technique, std::move(m), ""});
+  }
+
+  void stop(const Step& step, const TechniqueInfo& technique, std::string note) {
+    for (SweepLine* line : linesOf(step, technique)) line->stop();
+    warn("{}, {} with {} triangles, {} lights, {}x{}: {}", step.sweep, technique.name, step.place.triangles,
+         step.place.lights, step.place.size.first, step.place.size.second, note);
+    rows_.push_back({step, &technique, {}, std::move(note)});
+  }
+
+  // The last scene is kept: all that is measured in it comes before the next.
+  const scene::Scene& sceneOf(const Place& place) {
+    const std::pair key(place.triangles, place.lights);
+    if (sceneKey_ != key || (everywhere_ && !place.everywhere))
+      scene_ = scene::load(fmt::format("builtin:hall,triangles={},lights={}", place.triangles, place.lights));
+    if (place.everywhere)
+      for (scene::Light& light : scene_.lights) light.range = kEverywhere;
+    sceneKey_ = key;
+    everywhere_ = place.everywhere;
+    return scene_;
+  }
+
+  Measurement measure(const Place& place, const TechniqueInfo& technique, bool count) {
+    const scene::Scene& scene = sceneOf(place);
+    // One of its own, so that memory is this technique's alone.
+    render::Renderer renderer(device_, scene, nullptr);
+    const uint64_t before = device_.memory().statistics().usedBytes;
+    render::Settings settings{.width = place.size.first, .height = place.size.second, .lighting = technique.name};
+    const std::span<const scene::Camera> camera(&scene.cameras.front(), 1);
+    Measurement m{.triangles = scene.triangleCount()};
+    const Clock::time_point start = Clock::now();
+    while (goesOn(m.frames, secondsSince(start))) {
+      const Clock::time_point frame = Clock::now();
+      renderer.render(camera, settings);
+      const double seconds = secondsSince(frame);
+      m.seconds = m.frames < 2 ? seconds : std::min(m.seconds, seconds);
+      if (renderer.times().empty())
+        fail(ExitCode::NoDevice, "{} has no timestamps to measure with; choose another --device", device_.info().name);
+      if (m.frames < 2) m.passes = renderer.times();
+      keepLeast(m.passes, renderer.times());
+      ++m.frames;
+    }
+    m.bytes = static_cast<double>(device_.memory().statistics().usedBytes - before);
+    if (count) m.counts = countLights(renderer, camera, settings);
+    return m;
+  }
+
+  bool goesOn(uint32_t frames, double seconds) const {
+    if (frames == 0) return true;
+    return frames < kFrames ? seconds < sweep_.budget : frames < kMostFrames && seconds < kShort;
+  }
+
+  static Measurement::LightCounts countLights(render::Renderer& renderer, std::span<const scene::Camera> camera,
+                                              render::Settings settings) {
+    settings.display = false;
+    settings.aovs = {output::Aov::LightsTested, output::Aov::LightsUsed};
+    const output::FrameOutput counts = std::move(renderer.render(camera, settings).front());
+    return {mean(counts.aovs[0].values), mean(counts.aovs[1].values)};
+  }
+
+  // --- tables -------------------------------------------------------------------------------------------------------
+
+  static std::vector<Cell> keyOf(const Row& row) {
+    const Place& p = row.step.place;
+    return {std::string(row.step.sweep),
+            row.technique->name,
+            p.everywhere ? "everywhere" : "own",
+            double(row.measured.frames ? row.measured.triangles : p.triangles),
+            double(p.lights),
+            double(p.size.first),
+            double(p.size.second)};
+  }
+
+  // Of the layout and what every frame has beside it; a forward technique has no layout.
+  static double bytesPerPixel(const TechniqueInfo& technique) {
+    const render::Settings settings;
+    const render::LayoutBytes bytes =
+        render::findLayout(settings.layout).bytesPerPixel(render::findNormalEncoding(settings.normals).index);
+    return technique.forward ? bytes.depth + bytes.light : bytes.total();
+  }
+
+  Table measurements() const {
+    Table table{
+        "lights",
+        {"sweep", "technique", "reach", "triangles", "lights", "width", "height", "depth ms", "geometry ms",
+         "lighting ms", "lit ms", "G-buffer B/px", "frame MiB", "lights tested/px", "lights used/px", "frames", "note"},
+        {},
+        false};
+    for (const Row& row : rows_) {
+      std::vector<Cell>& cells = table.rows.emplace_back(keyOf(row));
+      const Measurement& m = row.measured;
+      const auto add = [&](bool there, double value) { cells.push_back(there ? Cell(value) : Cell("")); };
+      for (const double ms : {m.depth(), m.geometry(), m.lighting(), m.lit()}) add(m.frames, ms);
+      add(m.frames, bytesPerPixel(*row.technique));
+      add(m.frames, m.bytes / (1 << 20));
+      add(m.counts.has_value(), m.counts ? m.counts->tested : 0);
+      add(m.counts.has_value(), m.counts ? m.counts->used : 0);
+      cells.emplace_back(double(m.frames));
+      cells.emplace_back(row.note);
+    }
+    return table;
+  }
+
+  Table passes() const {
+    Table table{"lights-passes",
+                {"sweep", "technique", "reach", "triangles", "lights", "width", "height", "pass", "ms"},
+                {},
+                false};
+    for (const Row& row : rows_) {
+      for (const graph::PassTime& pass : row.measured.passes) {
+        std::vector<Cell>& cells = table.rows.emplace_back(keyOf(row));
+        cells.emplace_back(pass.name);
+        cells.emplace_back(pass.milliseconds);
+      }
+    }
+    return table;
+  }
+
+  // What a sweep varies, what of a frame is looked at, and in which words.
+  struct Axis {
+    std::string_view sweep;
+    const char *of, *unit;
+    double (*x)(const Row& row);
+    double (*y)(const Row& row);
+  };
+  static std::span<const Axis> axes() {
+    static constexpr auto lit = [](const Row& row) { return row.measured.lit(); };
+    static const Axis all[] = {
+        {kOverLights, "lighting", "lights", [](const Row& row) { return double(row.step.place.lights); },
+         [](const Row& row) { return row.measured.lighting(); }},
+        {kOverTriangles, "depth, geometry and lighting", "triangles",
+         [](const Row& row) { return double(row.measured.triangles); }, lit},
+        {kOverSize, "depth, geometry and lighting", "pixels",
+         [](const Row& row) { return double(row.step.place.size.first) * row.step.place.size.second; }, lit},
+    };
+    return all;
+  }
+
+  std::vector<Sample> samplesOf(const Axis& axis, const TechniqueInfo& technique) const {
+    std::vector<Sample> samples;
+    for (const Row& row : rows_)
+      if (row.technique == &technique && row.measured.frames && row.step.sweep == axis.sweep)
+        samples.push_back({axis.x(row), axis.y(row)});
+    return samples;
+  }
+
+  Table exponents() const {
+    Table table{"lights-exponents", {"time of", "against", "technique", "exponent", "R2", "points", "from", "to"}, {}};
+    for (const Axis& axis : axes()) {
+      for (const TechniqueInfo& technique : render::techniques()) {
+        const std::vector<Sample> samples = growingPart(samplesOf(axis, technique));
+        const std::optional<PowerFit> fit = fitPower(samples);
+        if (!fit) continue;
+        table.rows.push_back({axis.of, axis.unit, technique.name, fit->exponent, fit->r2, double(samples.size()),
+                              samples.front().x, samples.back().x});
+      }
+    }
+    return table;
+  }
+
+  std::vector<const Row*> gridOf(const TechniqueInfo& technique) const {
+    std::vector<const Row*> grid;
+    for (const Row& row : rows_)
+      if (row.technique == &technique && row.measured.frames && row.step.place.everywhere) grid.push_back(&row);
+    return grid;
+  }
+
+  // Milliseconds that one more light costs, against triangles.
+  static std::vector<Sample> costOfALight(const std::vector<const Row*>& grid) {
+    std::vector<Sample> costs;
+    for (size_t first = 0, last = 0; first < grid.size(); first = last + 1) {
+      for (last = first; last + 1 < grid.size(); ++last)
+        if (grid[last + 1]->step.place.triangles != grid[first]->step.place.triangles) break;
+      if (last == first) continue;
+      const double lights = double(grid[last]->step.place.lights - grid[first]->step.place.lights);
+      costs.push_back({double(grid[first]->measured.triangles),
+                       (grid[last]->measured.lit() - grid[first]->measured.lit()) / lights});
+    }
+    return costs;
+  }
+
+  // Sum: a + b lights + c triangles. Product: a + b lights x triangles.
+  Table models() const {
+    Table table{"lights-model",
+                {"technique", "grows with", "R2 of sum", "R2 of product", "points", "ms a light, fewest triangles",
+                 "ms a light, most triangles", "from triangles", "to triangles"},
+                {}};
+    for (const TechniqueInfo& technique : render::techniques()) {
+      const std::vector<const Row*> grid = gridOf(technique);
+      std::vector<std::vector<double>> sums, products;
+      std::vector<double> times;
+      for (const Row* row : grid) {
+        const double lights = double(row->step.place.lights), triangles = double(row->measured.triangles);
+        sums.push_back({1, lights, triangles});
+        products.push_back({1, lights * triangles});
+        times.push_back(row->measured.lit());
+      }
+      const std::optional<LinearFit> sum = fitLinear(sums, times), product = fitLinear(products, times);
+      const std::vector<Sample> costs = costOfALight(grid);
+      if (!sum || !product || costs.size() < 2) continue;  // too little of the grid to tell
+      table.rows.push_back({technique.name, sum->r2 > product->r2 ? "lights + triangles" : "lights x triangles",
+                            sum->r2, product->r2, double(times.size()), costs.front().y, costs.back().y,
+                            costs.front().x, costs.back().x});
+    }
+    return table;
+  }
+
+  // --- plots --------------------------------------------------------------------------------------------------------
+
+  std::vector<Plot> plots() const {
+    std::vector<Plot> all;
+    for (const Axis& axis : axes()) {
+      Plot plot{fmt::format("lights-vs-{}", axis.sweep),
+                fmt::format("{} against {}\n{}", axis.of, axis.unit, device_.info().name),
+                axis.unit,
+                "milliseconds a frame",
+                {}};
+      for (const TechniqueInfo& technique : render::techniques())
+        plot.curves.push_back({technique.name, samplesOf(axis, technique)});
+      all.push_back(std::move(plot));
+    }
+    Plot each{"lights-each",
+              fmt::format("one more light that reaches everything\n{}", device_.info().name),
+              "triangles",
+              "milliseconds a light",
+              {}};
+    for (const TechniqueInfo& technique : render::techniques())
+      each.curves.push_back({technique.name, costOfALight(gridOf(technique))});
+    all.push_back(std::move(each));
+    return all;
+  }
+
+  vk::Device device_;
+  SweepOptions sweep_;
+  bool pictures_;
+  scene::Scene scene_;
+  std::pair<uint64_t, uint64_t> sceneKey_;  // triangles and lights of scene_
+  bool everywhere_ = false;                 // its lights' reach
+  std::map<std::pair<std::string, Place>, Measurement> measured_;
+  std::map<std::pair<std::string, std::string>, SweepLine> lines_;  // technique, line
+  std::vector<Row> rows_;
+};
+
+}  // namespace
+
+Result studyLights(const Options& options) {
+  return LightStudy(options).run();
+}
+
+}  // namespace latelight::study

@@ -1,0 +1,227 @@
+// The study of lights at a size that costs little, and what it is made of on numbers that are known.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <map>
+#include <set>
+
+#include "base/error.h"
+#include "render/lighting/technique.h"
+#include "study/fit.h"
+#include "study/plot.h"
+#include "study/study.h"
+#include "study/sweep.h"
+
+namespace latelight::study {
+namespace {
+
+using testing::HasSubstr;
+
+Options tiny() {
+  const char* name = std::getenv("LATELIGHT_TEST_DEVICE");
+  Options options{.device = name && *name ? name : "cpu", .validation = true};
+  options.sweep = {.budget = 20, .lights = {10, 1}, .triangles = {50'000}, .sizes = {{48, 27}}};
+  return options;
+}
+
+const Table& tableOf(const Result& result, const std::string& name) {
+  return *std::find_if(result.tables.begin(), result.tables.end(), [&](const Table& t) { return t.name == name; });
+}
+
+const Cell& cell(const Table& table, const std::vector<Cell>& row, const std::string& column) {
+  const auto found = std::find(table.columns.begin(), table.columns.end(), column);
+  if (found == table.columns.end()) throw std::out_of_range(column);
+  return row[static_cast<size_t>(found - table.columns.begin())];
+}
+
+std::string text(const Table& table, const std::vector<Cell>& row, const std::string& column) {
+  return std::get<std::string>(cell(table, row, column));
+}
+
+double number(const Table& table, const std::vector<Cell>& row, const std::string& column) {
+  return std::get<double>(cell(table, row, column));
+}
+
+// --- the study ------------------------------------------------------------------------------------------------------
+
+const Result& study() {
+  static const Result result = studyLights(tiny());
+  return result;
+}
+
+TEST(LightStudy, MeasuresEveryTechniqueAtEveryPlace) {
+  const Table& table = tableOf(study(), "lights");
+  std::set<std::string> seen;
+  for (const std::vector<Cell>& row : table.rows) {
+    SCOPED_TRACE(text(table, row, "technique"));
+    if (text(table, row, "sweep") == "lights") seen.insert(text(table, row, "technique"));
+    EXPECT_EQ(text(table, row, "note"), "");
+    EXPECT_NEAR(number(table, row, "triangles"), 50'000, 1'500);
+    EXPECT_GE(number(table, row, "frames"), 3);
+    EXPECT_GT(number(table, row, "depth ms"), 0);
+    EXPECT_GT(number(table, row, "lighting ms"), 0);
+    EXPECT_NEAR(number(table, row, "lit ms"),
+                number(table, row, "depth ms") + number(table, row, "geometry ms") + number(table, row, "lighting ms"),
+                1e-9);
+    const bool forward = render::findTechnique(text(table, row, "technique")).forward;
+    EXPECT_EQ(number(table, row, "geometry ms") == 0, forward);
+    EXPECT_EQ(number(table, row, "G-buffer B/px"), forward ? 12 : 20);  // depth and light accumulation; with `thin`
+    // A frame's own memory holds at least its targets.
+    EXPECT_GE(number(table, row, "frame MiB") * (1 << 20), 48 * 27 * number(table, row, "G-buffer B/px"));
+  }
+  EXPECT_EQ(seen.size(), render::techniques().size());
+  EXPECT_EQ(table.rows.size(), render::techniques().size() * (2 + 1 + 1));
+}
+
+TEST(LightStudy, CountsLights) {
+  const Table& table = tableOf(study(), "lights");
+  std::map<double, std::set<double>> used;  // by lights
+  for (const std::vector<Cell>& row : table.rows) {
+    if (text(table, row, "sweep") != "lights") continue;
+    EXPECT_LE(number(table, row, "lights used/px"), number(table, row, "lights tested/px"));
+    EXPECT_LE(number(table, row, "lights tested/px"), number(table, row, "lights"));
+    used[number(table, row, "lights")].insert(std::round(100 * number(table, row, "lights used/px")));
+    if (text(table, row, "technique") == "fullscreen") {
+      EXPECT_GT(number(table, row, "lights tested/px"), 0.9 * number(table, row, "lights"));
+    }
+  }
+  ASSERT_EQ(used.size(), 2u);
+  for (const auto& [lights, means] : used) {  // the same in all techniques, rounding at a reach's edge aside
+    EXPECT_LE(*means.rbegin() - *means.begin(), 1) << lights;
+    EXPECT_GT(*means.begin(), 0) << lights;
+  }
+}
+
+TEST(LightStudy, WritesPassesOfEveryMeasurement) {
+  const Table& table = tableOf(study(), "lights-passes");
+  std::set<std::string> passes;
+  for (const std::vector<Cell>& row : table.rows)
+    if (text(table, row, "technique") == "tiled") passes.insert(text(table, row, "pass"));
+  EXPECT_EQ(passes, (std::set<std::string>{"depth", "geometry thin", "light lists", "lighting tiled", "compose"}));
+}
+
+// Nothing is below the limit: the first step of a line is taken, since nothing foretells it, and no other.
+TEST(LightStudy, StopsWhereTheNextStepWouldTakeTooLong) {
+  Options options = tiny();
+  options.validation = false;  // the same frames again
+  options.sweep.lights = {1, 4, 16};
+  options.sweep.budget = 1e-6;
+  const Result result = studyLights(options);
+  const Table& table = tableOf(result, "lights");
+  size_t measured = 0, skipped = 0;
+  for (const std::vector<Cell>& row : table.rows) {
+    if (text(table, row, "sweep") != "lights") continue;
+    const bool first = number(table, row, "lights") == 1;
+    EXPECT_EQ(number(table, row, "frames"), first ? 1 : 0);
+    EXPECT_THAT(text(table, row, "note"), first ? HasSubstr("") : HasSubstr("skipped: next step would take about"));
+    ++(first ? measured : skipped);
+  }
+  EXPECT_EQ(measured, render::techniques().size());
+  EXPECT_EQ(skipped, render::techniques().size());  // once a technique: not at 16 lights again
+}
+
+TEST(LightStudy, RefusesWhatTheHallCannotHave) {
+  Options options = tiny();
+  options.sweep.triangles = {10'000};
+  EXPECT_THROW(studyLights(options), Error);
+  options = tiny();
+  options.sweep.sizes = {{0, 27}};
+  EXPECT_THROW(studyLights(options), Error);
+}
+
+// --- what it is made of ---------------------------------------------------------------------------------------------
+
+TEST(Fit, FindsTheExponent) {
+  const std::vector<Sample> cubic{{1, 2}, {10, 2000}, {100, 2e6}, {0, 5}, {3, -1}};  // the last two are left out
+  const auto fit = fitPower(cubic);
+  ASSERT_TRUE(fit);
+  EXPECT_NEAR(fit->exponent, 3, 1e-12);
+  EXPECT_NEAR(fit->factor, 2, 1e-11);
+  EXPECT_NEAR(fit->r2, 1, 1e-12);
+  EXPECT_FALSE(fitPower(std::vector<Sample>{{5, 1}, {5, 2}}));
+  EXPECT_FALSE(fitPower(std::vector<Sample>{}));
+}
+
+// Sums and products of lights and triangles: each model explains its own and not the other's.
+TEST(Fit, TellsASumFromAProduct) {
+  std::vector<std::vector<double>> sums, products;
+  std::vector<double> sum, product;
+  for (double lights : {1.0, 8.0, 64.0}) {
+    for (double triangles : {5e4, 3e5, 1e6}) {
+      sums.push_back({1, lights, triangles});
+      products.push_back({1, lights * triangles});
+      sum.push_back(3 + 0.5 * lights + 2e-5 * triangles);
+      product.push_back(3 + 1e-6 * lights * triangles);
+    }
+  }
+  const auto right = fitLinear(sums, sum);
+  ASSERT_TRUE(right);
+  EXPECT_NEAR(right->coefficients[0], 3, 1e-9);
+  EXPECT_NEAR(right->coefficients[1], 0.5, 1e-9);
+  EXPECT_NEAR(right->coefficients[2], 2e-5, 1e-14);
+  EXPECT_NEAR(right->r2, 1, 1e-12);
+  EXPECT_NEAR(fitLinear(products, product)->r2, 1, 1e-12);
+  EXPECT_LT(fitLinear(products, sum)->r2, 0.9);
+  EXPECT_LT(fitLinear(sums, product)->r2, 0.9);
+  for (std::vector<double>& row : sums) row[2] = 5e4;  // as if there had been one number of triangles
+  EXPECT_FALSE(fitLinear(sums, sum));
+}
+
+TEST(Fit, LeavesOutWhatCostsTheSameAnyway) {
+  const auto xs = [](std::vector<Sample> sweep) {
+    std::vector<double> x;
+    for (const Sample& sample : growingPart(std::move(sweep))) x.push_back(sample.x);
+    return x;
+  };
+  EXPECT_EQ(xs({{1, 10}, {10, 11}, {100, 20}, {1000, 110}}), (std::vector<double>{100, 1000}));
+  EXPECT_EQ(xs({{1, 10}, {10, 11}, {100, 10}, {1000, 12}}), (std::vector<double>{10, 100, 1000}));
+  EXPECT_EQ(xs({{1, 10}, {10, 100}}), (std::vector<double>{1, 10}));
+  EXPECT_TRUE(xs({}).empty());
+}
+
+TEST(SweepLine, GrowsAsItGrewLast) {
+  SweepLine line;
+  EXPECT_FALSE(line.expected(1));
+  line.add(1, 0.5);
+  EXPECT_NEAR(*line.expected(100), 5, 1e-12);
+  line.add(100, 5);  // the root
+  EXPECT_NEAR(*line.expected(10'000), 50, 1e-9);
+  line.add(1000, 4);  // noise: never less than before
+  EXPECT_NEAR(*line.expected(10'000), 4, 1e-12);
+  line.add(2000, 4000);  // noise: never faster than the square
+  EXPECT_NEAR(*line.expected(4000), 16'000, 1e-6);
+}
+
+TEST(Gnuplot, GetsTheSameScriptForTheSamePlot) {
+  const Plot plot{"p",
+                  "a \"title\"\nof two",
+                  "lights",
+                  "ms",
+                  {{"one", {{1, 2}, {10, 20.5}}}, {"gone", {{1, 0}}}, {"two_b", {{100, 0.25}, {1000, -1}}}}};
+  const std::string script = gnuplotScript(plot);
+  EXPECT_EQ(script, gnuplotScript(plot));
+  EXPECT_THAT(script, HasSubstr("set title \"a \\\"title\\\" of two\"\n"));
+  EXPECT_THAT(script, HasSubstr("$curve0 << EOD\n1 2\n10 20.5\nEOD\n$curve1 << EOD\n100 0.25\nEOD\n"));
+  EXPECT_THAT(script, HasSubstr("plot $curve0 using 1:2"));
+  EXPECT_THAT(script, HasSubstr("title \"one\", \\\n  $curve1"));
+  EXPECT_THAT(script, testing::Not(HasSubstr("gone")));
+}
+
+TEST(Gnuplot, KeepsTheScriptWhetherOrNotItDraws) {
+  const std::vector<Plot> plots{{"p", "t", "x", "y", {{"c", {{1, 2}, {10, 20}}}}}, {"empty", "t", "x", "y", {}}};
+  const std::vector<NamedFile> files = drawPlots(plots);
+  ASSERT_FALSE(files.empty());
+  EXPECT_EQ(files[0].name, "p.gnuplot");
+  const std::string path = std::getenv("PATH");
+  setenv("PATH", "/nowhere", 1);
+  const std::vector<NamedFile> without = drawPlots(plots);
+  setenv("PATH", path.c_str(), 1);
+  ASSERT_EQ(without.size(), 1u);
+  EXPECT_EQ(without[0].bytes, files[0].bytes);
+}
+
+}  // namespace
+}  // namespace latelight::study
