@@ -253,7 +253,7 @@ TEST(Layouts, Killzone2MirrorsNormalsThatPointAway) {
   size_t mirrored = 0;
   constexpr size_t kCount = 20000;
   for (size_t i = 0; i < kCount; ++i) {
-    Sample sample = randomSample(random, 0);
+    Sample sample = randomSample(random, shared::kNormal_octahedral);
     const vec3 back = stored(layout, sample).normal;
     mirrored += glm::length(back - sample.surface.normal) > 0.1f;
     EXPECT_NEAR(glm::length(back), 1, 1e-6);
@@ -267,7 +267,7 @@ TEST(Layouts, Killzone2MirrorsNormalsThatPointAway) {
 TEST(Layouts, BlogNamesTheObjectToPick) {
   Random random(29);
   for (int i = 0; i < 1000; ++i) {
-    const Sample sample = randomSample(random, 0);
+    const Sample sample = randomSample(random, shared::kNormal_octahedral);
     ASSERT_EQ(stored(findLayout("blog"), sample).id, sample.surface.id);
   }
 }
@@ -275,7 +275,7 @@ TEST(Layouts, BlogNamesTheObjectToPick) {
 TEST(Layouts, Battlefield3sMaterialIdChoosesTheShading) {
   Random random(31);
   for (int i = 0; i < 1000; ++i) {
-    Sample sample = randomSample(random, 0);
+    Sample sample = randomSample(random, shared::kNormal_octahedral);
     sample.surface.flags = i % 3 == 1 ? shared::kSurfaceUnlit : 0;
     if (i % 3 == 2) sample.surface.f0 = vec3(0), sample.surface.f90 = 0;
     const Surface b = stored(findLayout("battlefield3"), sample);
@@ -290,7 +290,7 @@ TEST(Layouts, Killzone2TellsMetalsFromTheUsualDielectric) {
   Random random(19);
   const Layout& layout = findLayout("killzone2");
   for (int i = 0; i < 10000; ++i) {
-    Sample sample = randomSample(random, 0);
+    Sample sample = randomSample(random, shared::kNormal_octahedral);
     Surface& s = sample.surface;
     s.f0 = vec3(0.04f);
     s.metallic = i % 2 ? 1.0f : 0.0f;
@@ -305,7 +305,7 @@ TEST(Layouts, Killzone2TellsMetalsFromTheUsualDielectric) {
 TEST(Layouts, DiffuseAndSpecularColoursShadeAsMetalnessDoes) {
   Random random(23);
   for (int i = 0; i < 20000; ++i) {
-    const Sample sample = randomSample(random, 0);
+    const Sample sample = randomSample(random, shared::kNormal_octahedral);
     const Surface& a = sample.surface;
     const Surface b = shared::withDiffuseSpecular(a, shared::diffuseAtNormalIncidence(a), shared::specularF0(a),
                                                   shared::specularF90(a));
@@ -325,7 +325,7 @@ TEST(Layouts, ExactKeepsEverything) {
   Random random(11);
   const Layout& exact = findLayout("exact");
   for (int i = 0; i < 1000; ++i) {
-    Sample sample = randomSample(random, 0);
+    Sample sample = randomSample(random, shared::kNormal_octahedral);
     sample.surface.flags = i % 2 ? shared::kSurfaceUnlit : 0;
     const Surface& a = sample.surface;
     const Surface b = exact.unpack(exact.pack(a, sample.context), sample.context);
@@ -342,7 +342,7 @@ TEST(Layouts, ExactKeepsEverything) {
 TEST(Layouts, ThinKeepsTheUsualDielectricAndNoReflectionAtAll) {
   Random random(13);
   const Layout& thin = findLayout("thin");
-  Sample sample = randomSample(random, 0);
+  Sample sample = randomSample(random, shared::kNormal_octahedral);
   sample.surface.f0 = vec3(0.04f);
   EXPECT_FLOAT_EQ(thin.unpack(thin.pack(sample.surface, sample.context), sample.context).f0.y, 0.04f);
   sample.surface.f0 = vec3(0);
