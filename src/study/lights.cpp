@@ -364,11 +364,11 @@ class LightStudy {
   static std::span<const Axis> axes() {
     static constexpr auto lit = [](const Row& row) { return row.measured.lit(); };
     static const Axis all[] = {
-        {kOverLights, "lighting", "lights", [](const Row& row) { return double(row.step.place.lights); },
+        {kOverLights, "Lighting", "lights", [](const Row& row) { return double(row.step.place.lights); },
          [](const Row& row) { return row.measured.lighting(); }},
-        {kOverTriangles, "depth, geometry and lighting", "triangles",
+        {kOverTriangles, "Depth, geometry and lighting", "triangles",
          [](const Row& row) { return double(row.measured.triangles); }, lit},
-        {kOverSize, "depth, geometry and lighting", "pixels",
+        {kOverSize, "Depth, geometry and lighting", "pixels",
          [](const Row& row) { return double(row.step.place.size.first) * row.step.place.size.second; }, lit},
     };
     return all;
@@ -403,21 +403,26 @@ class LightStudy {
     return grid;
   }
 
-  // Milliseconds that one more light costs, against triangles.
+  // Milliseconds that one more light costs, against triangles: from one light to the most that at least two numbers of
+  // triangles were measured with.
   static std::vector<Sample> costOfALight(const std::vector<const Row*>& grid) {
-    std::vector<Sample> costs;
-    for (size_t first = 0, last = 0; first < grid.size(); first = last + 1) {
-      for (last = first; last + 1 < grid.size(); ++last)
-        if (grid[last + 1]->step.place.triangles != grid[first]->step.place.triangles) break;
-      if (last == first) continue;
-      const double lights = double(grid[last]->step.place.lights - grid[first]->step.place.lights);
-      costs.push_back({double(grid[first]->measured.triangles),
-                       (grid[last]->measured.lit() - grid[first]->measured.lit()) / lights});
+    for (size_t i = std::size(kGridLights); i-- > 1;) {
+      std::vector<Sample> costs;
+      for (const Row* many : grid) {
+        if (many->step.place.lights != kGridLights[i]) continue;
+        for (const Row* one : grid) {
+          if (one->step.place.lights != kGridLights[0] || one->measured.triangles != many->measured.triangles) continue;
+          costs.push_back({double(one->measured.triangles),
+                           (many->measured.lit() - one->measured.lit()) / double(kGridLights[i] - kGridLights[0])});
+        }
+      }
+      if (costs.size() > 1) return costs;
     }
-    return costs;
+    return {};
   }
 
-  // Sum: a + b lights + c triangles. Product: a + b lights x triangles.
+  // Sum: a + b lights + c triangles. Product: a + b triangles + c lights x triangles, as many constants: whatever the
+  // technique, the scene is drawn once without lights.
   Table models() const {
     Table table{"lights-model",
                 {"technique", "grows with", "R2 of sum", "R2 of product", "points", "ms a light, fewest triangles",
@@ -430,7 +435,7 @@ class LightStudy {
       for (const Row* row : grid) {
         const double lights = double(row->step.place.lights), triangles = double(row->measured.triangles);
         sums.push_back({1, lights, triangles});
-        products.push_back({1, lights * triangles});
+        products.push_back({1, triangles, lights * triangles});
         times.push_back(row->measured.lit());
       }
       const std::optional<LinearFit> sum = fitLinear(sums, times), product = fitLinear(products, times);
@@ -449,7 +454,7 @@ class LightStudy {
     std::vector<Plot> all;
     for (const Axis& axis : axes()) {
       Plot plot{fmt::format("lights-vs-{}", axis.sweep),
-                fmt::format("{} against {}\n{}", axis.of, axis.unit, device_.info().name),
+                fmt::format("{} against {}, {}", axis.of, axis.unit, device_.info().name),
                 axis.unit,
                 "milliseconds a frame",
                 {}};
@@ -458,7 +463,7 @@ class LightStudy {
       all.push_back(std::move(plot));
     }
     Plot each{"lights-each",
-              fmt::format("one more light that reaches everything\n{}", device_.info().name),
+              fmt::format("One more light that reaches everything, {}", device_.info().name),
               "triangles",
               "milliseconds a light",
               {}};

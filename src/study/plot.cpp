@@ -115,8 +115,9 @@ std::string gnuplotScript(const Plot& plot) {
   text += fmt::format("set title {}\nset xlabel {}\nset ylabel {}\n", quoted(plot.title), quoted(plot.xLabel),
                       quoted(plot.yLabel));
   text +=
-      "set logscale xy\nset format x \"%.0s%c\"\nset format y \"%g\"\nset grid xtics ytics lc rgb \"#cccccc\"\n"
-      "set key outside right top\nset offsets graph 0.03, graph 0.03, graph 0.05, graph 0.05\n";
+      "set logscale xy\nset format x \"%.0s%c\"\nset format y \"%g\"\nset grid xtics ytics lt 1 lw 0.5 lc rgb "
+      "\"#cccccc\"\n"
+      "set key outside right top\n";
   std::string lines;
   size_t number = 0;
   for (const Curve& curve : plot.curves) {
