@@ -40,8 +40,8 @@ bool holdsColor(uint32_t slot) {
   return slot == shared::kTextureBaseColor || slot == shared::kTextureEmissive || slot == shared::kTextureSpecularColor;
 }
 
-// Instances by material, then mesh, then their order in the scene. Changing materials between draws is dear: on
-// lavapipe 2.5 ms a change. Sorting them took the hall's geometry pass from 3.3 s to 0.19 s (320x180).
+// Instances by material, then mesh, then their order in the scene: few changes of material, and runs of instances that
+// one draw takes.
 std::vector<uint32_t> drawOrder(const scene::Scene& scene) {
   std::vector<uint32_t> order(scene.instances.size());
   std::iota(order.begin(), order.end(), 0u);

@@ -17,7 +17,7 @@ layout(location = 0 GBUFFER_TARGETS(COUNT)) out vec4 lightAccumulation;
 void main() {
   FrameConstants frame = FrameRef(push.frame).v;
   Instance instance = frameInstance(frame, varyingInstance);
-  Surface s = evaluateMaterial(frame, instance, material);
+  Surface s = evaluateMaterial(frame, instance, drawMaterial());
   bool unlit = (s.flags & kSurfaceUnlit) != 0u;
   vec3 emitted = unlit ? s.baseColor : s.emissive;
   lightAccumulation = vec4(min(emitted * frame.exposure, vec3(65504.0)), s.ao);
@@ -36,5 +36,5 @@ void main() {
   GBUFFER_TARGETS(WRITE)
   // What the mask cuts out left no depth, but another surface may lie at the very same one. Last, since textures need
   // the whole quad.
-  if (kAlphaMasked != 0u && cutOut(material)) discard;
+  if (kAlphaMasked != 0u && cutOut(drawMaterial())) discard;
 }

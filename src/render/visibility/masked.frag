@@ -6,5 +6,5 @@
 #include "render/glsl/material.glsl"
 
 void main() {
-  if (cutOut(material)) discard;
+  if (cutOut(drawMaterial())) discard;
 }

@@ -18,7 +18,7 @@ layout(location = 1) out vec4 counts;
 
 void main() {
   FrameConstants frame = FrameRef(push.frame).v;
-  Surface s = evaluateMaterial(frame, frameInstance(frame, varyingInstance), material);
+  Surface s = evaluateMaterial(frame, frameInstance(frame, varyingInstance), drawMaterial());
   bool unlit = (s.flags & kSurfaceUnlit) != 0u;
   vec3 emitted = unlit ? s.baseColor : s.emissive;
   if (unlit) s = withoutReflection(s);
@@ -32,5 +32,5 @@ void main() {
   counts = lightCount();
   // What the mask cuts out left no depth, but another surface may lie at the very same one. Last, since textures need
   // the whole quad.
-  if (kAlphaMasked != 0u && cutOut(material)) discard;
+  if (kAlphaMasked != 0u && cutOut(drawMaterial())) discard;
 }

@@ -17,7 +17,7 @@ layout(location = 2) out vec4 counts;
 
 void main() {
   FrameConstants frame = FrameRef(push.frame).v;
-  Surface s = evaluateMaterial(frame, frameInstance(frame, varyingInstance), material);
+  Surface s = evaluateMaterial(frame, frameInstance(frame, varyingInstance), drawMaterial());
   bool unlit = (s.flags & kSurfaceUnlit) != 0u;
   vec3 emitted = unlit ? s.baseColor : s.emissive;
   if (unlit) s = withoutReflection(s);
@@ -26,5 +26,5 @@ void main() {
   surface = uvec2(varyingInstance, gl_PrimitiveID);
   counts = vec4(0.0);
   // As in geometry.frag: last, since textures need the whole quad.
-  if (kAlphaMasked != 0u && cutOut(material)) discard;
+  if (kAlphaMasked != 0u && cutOut(drawMaterial())) discard;
 }

@@ -17,7 +17,7 @@ layout(location = 1) out vec4 counts;
 
 void main() {
   FrameConstants frame = FrameRef(push.frame).v;
-  Surface s = evaluateMaterial(frame, frameInstance(frame, varyingInstance), material);
+  Surface s = evaluateMaterial(frame, frameInstance(frame, varyingInstance), drawMaterial());
   vec3 one = shadeOneLight(push.light, s, directionToEye(frameView(frame, push.view), s.position));
   lightsTested = 1.0;
   // Of several surfaces at one depth all pass the test, and only the one that shows may be added to.
@@ -25,5 +25,5 @@ void main() {
   bool shows = shown == uvec2(varyingInstance, gl_PrimitiveID);
   radiance = shows ? vec4(one * frame.exposure, 0.0) : vec4(0.0);
   counts = shows ? lightCount() : vec4(0.0);
-  if (kAlphaMasked != 0u && cutOut(material)) discard;
+  if (kAlphaMasked != 0u && cutOut(drawMaterial())) discard;
 }
