@@ -129,8 +129,8 @@ class ForwardMultipass final : public LightingTechnique {
   }
 
   // Every light over every object it may reach. Lights change within an object, not objects within a light: the sum is
-  // the same, and a light is 52 bytes of push constants where a material is 2.5 ms on the CPU device. Returns the
-  // number of draws.
+  // the same, and a light is 52 bytes of push constants where a material is seven textures. Returns the number of
+  // draws.
   uint64_t drawLights(graph::Context& context, const FrameInputs& inputs, uint32_t view,
                       std::span<const vk::BoundImage> images) const {
     SceneBinder binder(context, inputs, view, light_.opaque, light_.masked, images);
