@@ -17,6 +17,7 @@
 #include "render/lighting/technique.h"
 #include "render/renderer.h"
 #include "scene/builtin.h"
+#include "scene/simplify.h"
 #include "study/plot.h"
 #include "study/study.h"
 #include "study/sweep.h"
@@ -98,6 +99,9 @@ struct Row {
 
 // --- the plan -------------------------------------------------------------------------------------------------------
 
+constexpr uint64_t kCoarsestHall = 50'000;  // triangles; with fewer, that one is simplified
+constexpr uint64_t kFewestTriangles = 10'000;
+
 SweepOptions withDefaults(SweepOptions o, bool cpu) {
   const auto fill = [](auto& list, const auto& values) {
     if (list.empty()) list = values;
@@ -108,8 +112,8 @@ SweepOptions withDefaults(SweepOptions o, bool cpu) {
   using Sizes = std::vector<Size>;
   fill(o.lights,
        cpu ? Counts{1, 10, 100, 1'000, 10'000, 100'000} : Counts{1, 10, 100, 1'000, 10'000, 100'000, 1'000'000});
-  fill(o.triangles,
-       cpu ? Counts{50'000, 300'000, 1'000'000} : Counts{50'000, 100'000, 300'000, 1'000'000, 3'000'000, 10'000'000});
+  fill(o.triangles, cpu ? Counts{10'000, 50'000, 300'000, 1'000'000}
+                        : Counts{10'000, 50'000, 100'000, 300'000, 1'000'000, 3'000'000, 10'000'000});
   fill(o.sizes,
        cpu ? Sizes{{160, 90}, {320, 180}, {640, 360}, {1280, 720}} : Sizes{{1280, 720}, {1920, 1080}, {3840, 2160}});
   return o;
@@ -118,8 +122,11 @@ SweepOptions withDefaults(SweepOptions o, bool cpu) {
 // One list varies at a time, from the base point; then the grid, for which one number of triangles is too few.
 std::vector<Step> planSteps(const SweepOptions& o) {
   const auto few = std::upper_bound(o.lights.begin(), o.lights.end(), kBaseLights);
-  const Place base{false, o.triangles.front(), few == o.lights.begin() ? o.lights.front() : *(few - 1),
-                   o.sizes.front()};
+  // Lights and sizes vary in a hall that is whole.
+  const auto whole =
+      std::find_if(o.triangles.begin(), o.triangles.end(), [](uint64_t t) { return t >= kCoarsestHall; });
+  const Place base{false, whole == o.triangles.end() ? o.triangles.front() : *whole,
+                   few == o.lights.begin() ? o.lights.front() : *(few - 1), o.sizes.front()};
   std::vector<Step> steps;
   const auto add = [&](std::string_view sweep, const Place& place, double x) {
     steps.push_back({steps.size(), sweep, place, {{std::string(sweep), x}}});
@@ -147,8 +154,9 @@ void check(const SweepOptions& o) {
   const auto inRange = [&](std::string_view key, std::span<const uint64_t> values) {
     for (const scene::BuiltinParameter& p : hall->parameters)
       for (uint64_t value : values)
-        if (p.key == key && (value < p.least || value > p.most))
-          badUsage("builtin:hall, which the study lights, can have {} to {} {}, not {}; give --{} others", p.least,
+        if (const uint64_t least = key == "triangles" ? kFewestTriangles : p.least;
+            p.key == key && (value < least || value > p.most))
+          badUsage("builtin:hall, which the study lights, can have {} to {} {}, not {}; give --{} others", least,
                    p.most, key, value, key);
   };
   inRange("triangles", o.triangles);
@@ -246,11 +254,17 @@ class LightStudy {
     rows_.push_back({step, &technique, {}, std::move(note)});
   }
 
+  static scene::Scene loadHall(const Place& place) {
+    scene::Scene hall = scene::load(
+        fmt::format("builtin:hall,triangles={},lights={}", std::max(place.triangles, kCoarsestHall), place.lights));
+    if (place.triangles < kCoarsestHall) scene::simplify(hall, place.triangles);
+    return hall;
+  }
+
   // The last scene is kept: all that is measured in it comes before the next.
   const scene::Scene& sceneOf(const Place& place) {
     const std::pair key(place.triangles, place.lights);
-    if (sceneKey_ != key || (everywhere_ && !place.everywhere))
-      scene_ = scene::load(fmt::format("builtin:hall,triangles={},lights={}", place.triangles, place.lights));
+    if (sceneKey_ != key || (everywhere_ && !place.everywhere)) scene_ = loadHall(place);
     if (place.everywhere)
       for (scene::Light& light : scene_.lights) light.range = kEverywhere;
     sceneKey_ = key;

@@ -141,7 +141,9 @@ TEST_F(Outputs, IdsAreInTheManifest) {
   EXPECT_EQ(manifest[std::to_string(hash32("/boxes/floor"))]["node"], "/boxes/floor");
   const ReadImage image = read("a.exr");
   for (const double id : values(image, "id"))
-    if (id != 0) ASSERT_TRUE(manifest.contains(std::to_string(static_cast<uint32_t>(id)))) << id;
+    if (id != 0) {
+      ASSERT_TRUE(manifest.contains(std::to_string(static_cast<uint32_t>(id)))) << id;
+    }
 }
 
 // --- names ----------------------------------------------------------------------------------------------------------

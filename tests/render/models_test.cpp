@@ -1,0 +1,75 @@
+// Every lighting technique on real models, under the studio and under lights of every kind around them: the deferred
+// ones give what fullscreen gives on the same layout, the forward ones what the layout plain gives.
+#include <cmath>
+#include <cstdlib>
+
+#include "render/lighting/technique.h"
+#include "render/support.h"
+#include "scene/framing.h"
+
+namespace latelight::render::test {
+namespace {
+
+constexpr uint32_t kWidth = 160, kHeight = 120;
+
+// Forty points and spots on a spiral around the model, and one directional light. Every third ends at its range.
+void addLights(scene::Scene& scene) {
+  const scene::Bounds bounds = scene::worldBounds(scene);
+  const glm::vec3 centre = (bounds.min + bounds.max) * 0.5f;
+  const float radius = 0.6f * glm::length(bounds.max - bounds.min);
+  for (int i = 0; i < 40; ++i) {
+    const float z = 0.95f - 0.0475f * static_cast<float>(i), around = 2.4f * static_cast<float>(i);
+    const float across = std::sqrt(1 - z * z);
+    scene::Light& light = scene.lights.emplace_back();
+    light.type = i % 2 ? shared::kLightSpot : shared::kLightPoint;
+    light.position = centre + radius * glm::vec3(across * std::cos(around), across * std::sin(around), z);
+    light.direction = glm::normalize(centre - light.position);
+    light.color = {0.5f + 0.0125f * static_cast<float>(i), 0.7f, 1 - 0.02f * static_cast<float>(i)};
+    light.intensity = 0.1f * radius * radius;
+    light.innerCone = 0.1f;
+    light.outerCone = 0.5f;
+    if (i % 3 == 0) light.range = 0.9f * radius;
+  }
+  scene::Light& sun = scene.lights.emplace_back();
+  sun.type = shared::kLightDirectional;
+  sun.direction = glm::normalize(glm::vec3(-1, 2, -1));
+  sun.intensity = 0.4f;
+}
+
+class ModelsTest : public RenderTest, public testing::WithParamInterface<const char*> {};
+
+TEST_P(ModelsTest, LooksTheSameByEveryTechnique) {
+  SKIP_WITHOUT(sharedModel(GetParam()));
+  scene::Scene scene = scene::load(sharedModel(GetParam()));
+  addLights(scene);
+  const scene::Environment studio = scene::loadEnvironment("studio");
+  Renderer renderer(device(), scene, &studio);
+  const scene::Camera camera = cameraOf(scene, kWidth, kHeight);
+  const auto picture = [&](const std::string& layout, const std::string& lighting) {
+    Settings settings{.width = kWidth, .height = kHeight, .layout = layout, .lighting = lighting};
+    return std::move(renderer.render({&camera, 1}, settings).front().display);
+  };
+  const std::vector<uint8_t> thin = picture("thin", "fullscreen"), plain = picture("plain", "fullscreen");
+  size_t bright = 0;
+  for (size_t i = 0; i < plain.size(); i += 4) bright += plain[i] > 60;
+  EXPECT_GT(bright, plain.size() / 4 / 50);  // there is something to compare
+  for (const TechniqueInfo& technique : techniques()) {
+    SCOPED_TRACE(technique.name);
+    const std::vector<uint8_t>& expected = technique.forward ? plain : thin;
+    const std::vector<uint8_t> got = picture("thin", technique.name);
+    ASSERT_EQ(got.size(), expected.size());
+    int most = 0;
+    for (size_t i = 0; i < got.size(); ++i) most = std::max(most, std::abs(got[i] - expected[i]));
+    EXPECT_LE(most, 1);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Shared, ModelsTest,
+                         testing::Values("DamagedHelmet.glb", "Fox.glb", "CesiumMan.glb", "lights_punctual.glb"),
+                         [](const auto& info) {
+                           const std::string file = info.param;
+                           return file.substr(0, file.find('.'));
+                         });
+
+}  // namespace
+}  // namespace latelight::render::test
