@@ -125,7 +125,7 @@ TEST(LightStudy, StopsWhereTheNextStepWouldTakeTooLong) {
 
 TEST(LightStudy, RefusesWhatTheHallCannotHave) {
   Options options = tiny();
-  options.sweep.triangles = {10'000};
+  options.sweep.triangles = {9'999};
   EXPECT_THROW(studyLights(options), Error);
   options = tiny();
   options.sweep.sizes = {{0, 27}};
