@@ -41,6 +41,7 @@ class Stage {
 
  private:
   Handle<VkShaderModule> module_;
+  std::vector<Constant> constants_;
   std::vector<VkSpecializationMapEntry> entries_;
   VkSpecializationInfo specialization_{};
   VkPipelineShaderStageCreateInfo info_{VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO};
@@ -54,12 +55,14 @@ Stage::Stage(Device& device, VkShaderStageFlagBits stage, std::span<const uint32
   VkShaderModule module = VK_NULL_HANDLE;
   VK_CHECK(vkCreateShaderModule(device.get(), &create, nullptr, &module));
   module_ = Handle<VkShaderModule>(device, module);
-  for (size_t i = 0; i < constants.size(); ++i)
-    entries_.push_back({constants[i].id, static_cast<uint32_t>(i * sizeof(Constant) + offsetof(Constant, value)), 4});
+  constants_.assign(constants.begin(), constants.end());
+  constants_.push_back({kCpuDeviceConstant, device.isCpu() ? 1u : 0u});
+  for (size_t i = 0; i < constants_.size(); ++i)
+    entries_.push_back({constants_[i].id, static_cast<uint32_t>(i * sizeof(Constant) + offsetof(Constant, value)), 4});
   specialization_.mapEntryCount = static_cast<uint32_t>(entries_.size());
   specialization_.pMapEntries = entries_.data();
-  specialization_.dataSize = constants.size_bytes();
-  specialization_.pData = constants.data();
+  specialization_.dataSize = constants_.size() * sizeof(Constant);
+  specialization_.pData = constants_.data();
   info_.stage = stage;
   info_.module = module;
   info_.pName = "main";

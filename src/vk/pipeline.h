@@ -30,6 +30,8 @@ struct Constant {  // specialization constant
   uint32_t id;
   uint32_t value;
 };
+// Every shader may declare this one: 1 on a device that is a CPU, for ways round lavapipe that would cost a GPU.
+inline constexpr uint32_t kCpuDeviceConstant = 100;
 
 Handle<VkDescriptorSetLayout> makeSetLayout(Device& device, std::span<const Binding> bindings);
 

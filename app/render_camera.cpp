@@ -1,0 +1,58 @@
+#include "app/render_camera.h"
+
+#include <fmt/core.h>
+
+#include <cmath>
+
+#include "app/parse.h"
+#include "base/error.h"
+#include "scene/framing.h"
+
+namespace latelight::app {
+
+namespace {
+
+const scene::Camera& findCamera(const scene::Scene& scene, const std::string& wanted) {
+  for (const scene::Camera& camera : scene.cameras)
+    if (camera.name == wanted) return camera;
+  if (auto index = parseIndex(wanted); index && *index < scene.cameras.size()) return scene.cameras[*index];
+  std::string names;
+  for (size_t i = 0; i < scene.cameras.size(); ++i)
+    names += fmt::format("{}{} \"{}\"", i ? ", " : "", i, scene.cameras[i].name);
+  badUsage("{} has no camera \"{}\"; {}", scene.source, wanted,
+           names.empty() ? "it has none: use --eye and --target, or --orbit" : "it has: " + names);
+}
+
+}  // namespace
+
+scene::Camera chooseCamera(const scene::Scene& scene, const RenderOptions& o) {
+  const float aspect = static_cast<float>(o.settings.width) / static_cast<float>(o.settings.height);
+  if (o.fov && !(*o.fov > 0 && *o.fov < 180))
+    badUsage("--fov must be an angle between 0 and 180 degrees, not {}", *o.fov);
+  const float fov = o.fov ? static_cast<float>(*o.fov * M_PI / 180.0) : scene::kDefaultVerticalFov;
+  if (!o.camera.empty() + !o.eye.empty() + !o.orbit.empty() > 1)
+    badUsage("--camera, --eye and --orbit each place the camera; use one of them");
+  if (o.eye.empty() != o.target.empty()) badUsage("--eye and --target need each other");
+  if (!o.up.empty() && o.eye.empty()) badUsage("--up needs --eye and --target");
+
+  if (!o.eye.empty()) {
+    std::optional<glm::vec3> up;
+    if (!o.up.empty()) up = parseVector("--up", o.up);
+    return scene::lookAt(scene, parseVector("--eye", o.eye), parseVector("--target", o.target), up, fov);
+  }
+  if (!o.orbit.empty()) {
+    Orbit orbit = parseOrbit(o.orbit);
+    return scene::orbitCamera(scene, orbit.azimuth, orbit.elevation, orbit.distance, fov, aspect);
+  }
+  scene::Camera camera;
+  if (!o.camera.empty())
+    camera = findCamera(scene, o.camera);
+  else
+    camera = scene.cameras.empty() ? scene::frameScene(scene, aspect) : scene.cameras.front();
+  if (o.fov && camera.orthographic)
+    badUsage("--fov means nothing to the camera \"{}\": it is orthographic", camera.name);
+  if (o.fov) camera.verticalFov = fov;
+  return camera;
+}
+
+}  // namespace latelight::app

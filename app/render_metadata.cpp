@@ -1,0 +1,70 @@
+#include "app/render_metadata.h"
+
+#include <fmt/core.h>
+
+#include <cmath>
+#include <map>
+
+#include "render/session.h"
+#include "render/view.h"
+
+namespace latelight::app {
+
+namespace {
+
+output::CameraMetadata describeCamera(const scene::Camera& camera, const scene::Scene& scene, const RenderOptions& o) {
+  const render::Settings& s = o.settings;
+  const shared::View view = render::makeView(camera, s.width, s.height);
+  output::CameraMetadata m;
+  m.name = camera.name;
+  const double halfWidth = s.width * 0.5, halfHeight = s.height * 0.5;
+  const shared::Projection& p = view.projection;
+  m.intrinsics = {p.H * halfWidth, 0, halfWidth * (1 + p.X), 0, p.V * halfHeight, halfHeight * (1 - p.Z), 0, 0, 1};
+  m.cameraToWorld = render::openCvPose(camera, scene, s.zUp);
+  m.orthographic = camera.orthographic;
+  m.nearClip = camera.nearClip;
+  m.farClip = camera.farClip;
+  return m;
+}
+
+std::map<std::string, std::string> describeSettings(const RenderOptions& o, const std::string& environment) {
+  const render::Settings& s = o.settings;
+  return {{"size", fmt::format("{}x{}", s.width, s.height)},
+          {"layout", s.layout},
+          {"normals", s.normals},
+          {"normal-space", s.normalSpace},
+          {"position", s.position},
+          {"lighting", s.lighting},
+          {"shading", s.shading},
+          {"tonemap", s.tonemap},
+          {"volumes-order", s.volumesOrder},
+          {"aa", o.aa},
+          {"exposure", fmt::format("{}", s.exposure)},
+          {"hdri", environment.empty() ? "none" : environment},
+          {"hdri-rotate", fmt::format("{}", o.hdriRotate)},
+          {"hdri-intensity", fmt::format("{}", s.environmentIntensity)},
+          {"background", o.background}};
+}
+
+}  // namespace
+
+output::Metadata describeRender(const scene::Scene& scene, const scene::Camera& camera, const vk::Device& device,
+                                const std::string& environment, const RenderOptions& o) {
+  output::Metadata m;
+  m.scene = scene.name;
+  m.source = scene.source;
+  m.frame = o.frame;
+  m.camera = describeCamera(camera, scene, o);
+  m.axes = scene.yUp && !o.settings.zUp ? "gltf" : "z-up";
+  m.normalFrame = o.normalFrame;
+  m.exposure = std::exp2(o.settings.exposure);
+  m.device = {device.info().name, device.info().driver, device.info().uuid};
+  m.versions = {{"latelight", LATELIGHT_VERSION}, {"vulkan", device.info().apiVersion}};
+  m.settings = describeSettings(o, environment);
+  for (const scene::Instance& instance : scene.instances)
+    m.ids.push_back({instance.id, scene.nodes[instance.node].path, scene.meshes[instance.mesh].name,
+                     scene.materials[instance.material].name});
+  return m;
+}
+
+}  // namespace latelight::app

@@ -1,0 +1,17 @@
+// What the JSON side file says of a picture.
+#pragma once
+
+#include <string>
+
+#include "app/render_options.h"
+#include "output/metadata.h"
+#include "scene/scene.h"
+#include "vk/device.h"
+
+namespace latelight::app {
+
+// `environment`: its name, empty for none.
+output::Metadata describeRender(const scene::Scene& scene, const scene::Camera& camera, const vk::Device& device,
+                                const std::string& environment, const RenderOptions& options);
+
+}  // namespace latelight::app

@@ -1,0 +1,39 @@
+// The options of `latelight render`: as given, and parsed.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "output/aov.h"
+#include "render/settings.h"
+
+namespace latelight::app {
+
+struct RenderOptions {
+  std::string scene = "builtin:hall", out, size = "1280x720", variant;
+  std::string camera, eye, target, up, orbit;
+  std::optional<double> fov;
+  std::string aovs, debug, hdri, background = "transparent", aa = "none", normalFrame = "world", axes = "file";
+  std::string device = "auto", graph;
+  double hdriRotate = 0;
+  uint32_t frame = 0;
+  bool json = false, noSideFile = false, validate = false, normalsChosen = false;
+  render::Settings settings;
+};
+
+void addRenderOptions(CLI::App& command, RenderOptions& options);
+// Fills options.settings from the options that are words. Throws Error(Usage).
+void parseSettings(RenderOptions& options);
+
+// What --debug shows: "sheet", AOV names, or "targets". The picture then leaves as a PNG of those.
+struct DebugRequest {
+  std::vector<output::Aov> aovs;
+  bool sheet = false;
+  bool targets = false;  // the layout's own, instead of AOVs
+};
+std::optional<DebugRequest> parseDebug(const std::string& debug);
+
+}  // namespace latelight::app
