@@ -168,6 +168,7 @@ void addRenderCommand(CLI::App& app) {
   addRenderOptions(*command, *options);
   command->callback([options, command] {
     options->normalsChosen = command->count("--normals") > 0;
+    options->positionChosen = command->count("--position") > 0;
     render(*options);
   });
 }

@@ -27,6 +27,9 @@ void parseSettings(RenderOptions& o) {
   const render::Layout& layout = render::findLayout(s.layout);
   if (o.normalsChosen && layout.fixedNormal)
     badUsage("--normals means nothing to the layout {}, which keeps normals as {}", layout.name, layout.fixedNormal);
+  if (o.positionChosen && layout.fixedPosition)
+    badUsage("--position means nothing to the layout {}, which keeps positions as {}", layout.name,
+             layout.fixedPosition);
 }
 
 std::optional<DebugRequest> parseDebug(const std::string& debug) {

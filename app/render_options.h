@@ -20,7 +20,8 @@ struct RenderOptions {
   std::string device = "auto", graph;
   double hdriRotate = 0;
   uint32_t frame = 0;
-  bool json = false, noSideFile = false, validate = false, normalsChosen = false;
+  bool json = false, noSideFile = false, validate = false;
+  bool normalsChosen = false, positionChosen = false;  // rather than left at their defaults
   render::Settings settings;
 };
 

@@ -164,6 +164,8 @@ INSTANTIATE_TEST_SUITE_P(
                     option("Normals", {"--normals", "fat"}, {"\"fat\"", "octahedral", "xyz"}),
                     option("NormalsOfALayoutWithItsOwn", {"--layout", "killzone2", "--normals", "xyz"},
                            {"--normals", "killzone2", "half floats"}),
+                    option("PositionOfALayoutWithItsOwn", {"--layout", "plain", "--position", "matrix"},
+                           {"--position", "plain", "32-bit floats"}),
                     option("TargetsAndAovs", {"--debug", "targets,depth"}, {"targets"}),
                     option("Lighting", {"--lighting", "fat"}, {"\"fat\"", "fullscreen"}),
                     option("Shading", {"--shading", "fat"}, {"\"fat\"", "ggx", "blinn-phong"}),
