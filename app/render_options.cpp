@@ -10,7 +10,7 @@ namespace latelight::app {
 void parseSettings(RenderOptions& o) {
   render::Settings& s = o.settings;
   std::tie(s.width, s.height) = parseSize(o.size);
-  s.superSampling = parseSuperSampling(o.aa);
+  render::setAntiAliasing(s, o.aa);
   s.environmentRotation = static_cast<float>(o.hdriRotate * M_PI / 180.0);
   if (o.background == "hdri")
     s.background = render::Background::Environment;
@@ -75,7 +75,7 @@ void addLookOptions(CLI::App& c, RenderOptions& o) {
   c.add_option("--shading", s.shading, "ggx or blinn-phong")->capture_default_str();
   c.add_option("--volumes-order", s.volumesOrder, "How --lighting volumes culls by stencil: classic or killzone")
       ->capture_default_str();
-  c.add_option("--aa", o.aa, "Anti-aliasing: none, or ssN for N x N ordered samples a pixel (ss2, ss4)")
+  c.add_option("--aa", o.aa, "Anti-aliasing: none, or ssN for N x N ordered samples a pixel (latelight list aa)")
       ->capture_default_str();
   c.add_option("--hdri", o.hdri,
                "Environment light: a .hdr or .exr file, studio, or none; default: studio where the scene has no light");

@@ -1,5 +1,6 @@
 #include "render/settings.h"
 
+#include <charconv>
 #include <cmath>
 
 #include "base/error.h"
@@ -52,6 +53,28 @@ const std::vector<NamedOption>& positionMethods() {
       {"reciprocal", "the view ray times 1 / (P d + Q): a multiply-add and a reciprocal"},
   };
   return all;
+}
+
+const std::vector<AntiAliasing>& antiAliasings() {
+  static const std::vector<AntiAliasing> all = {
+      {"none", "one sample a pixel, at its centre", [](Settings&) {}},
+      {"ssN", "super-sampling: N x N ordered samples a pixel, as in ss2 or ss4", nullptr},
+  };
+  return all;
+}
+
+void setAntiAliasing(Settings& settings, const std::string& name) {
+  for (const AntiAliasing& aa : antiAliasings())
+    if (aa.set && name == aa.name) return aa.set(settings);
+  if (name.starts_with("ss")) {
+    uint32_t n = 0;
+    const auto [end, error] = std::from_chars(name.data() + 2, name.data() + name.size(), n);
+    if (error == std::errc() && end == name.data() + name.size() && n >= 1 && n <= 16) {
+      settings.superSampling = n;
+      return;
+    }
+  }
+  badUsage("--aa takes one of {}, with N from 1 to 16 as in ss4 or ss16, not \"{}\"", namesOf(antiAliasings()), name);
 }
 
 void checkSettings(const Settings& s) {

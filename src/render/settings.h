@@ -49,6 +49,15 @@ const std::vector<NamedOption>& volumesOrders();
 const std::vector<NamedOption>& normalSpaces();
 const std::vector<NamedOption>& positionMethods();
 
+// --aa by name: what each sets. ssN, for any N, is setAntiAliasing()'s own.
+struct AntiAliasing {
+  const char* name;
+  const char* description;
+  void (*set)(Settings&);
+};
+const std::vector<AntiAliasing>& antiAliasings();
+void setAntiAliasing(Settings& settings, const std::string& name);  // throws Error(Usage)
+
 // Throws Error(Usage) with a sentence where a value is out of range or a name unknown.
 void checkSettings(const Settings& settings);
 
