@@ -174,6 +174,8 @@ const Topic kTopics[] = {
     {"shading", [](const PictureSize&) { return listOptions(render::shadings()); }},
     {"tonemaps", [](const PictureSize&) { return listOptions(render::tonemaps()); }},
     {"aa", [](const PictureSize&) { return listOptions(render::antiAliasings()); }},
+    {"ao", [](const PictureSize&) { return listOptions(render::ambientOcclusions()); }},
+    {"post", [](const PictureSize&) { return listOptions(render::postEffects()); }},
     {"volumes-orders", [](const PictureSize&) { return listOptions(render::volumesOrders()); }},
     {"aovs", [](const PictureSize&) { return listAovs(); }},
     {"scenes", [](const PictureSize&) { return listScenes(); }},
