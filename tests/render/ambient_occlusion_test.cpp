@@ -77,6 +77,7 @@ std::vector<scene::Camera> camerasOver(const scene::Scene& plane) {
     cameras.push_back(scene::lookAt(plane, eye, eye + vec3(0.3f, -0.2f * eye.y / (eye.y + 1), -1)));
     cameras.push_back(scene::lookAt(plane, eye, eye + vec3(0.1f, -1, -0.2f)));
   }
+  for (scene::Camera& camera : cameras) camera.nearClip = 0.02f;
   scene::Camera shifted = cameras[2];
   shifted.principal = {0.4f, -0.3f};
   cameras.push_back(shifted);
@@ -147,18 +148,24 @@ TEST_F(AmbientOcclusionTest, AWallHidesItsClosedForm) {
       const std::vector<float> found = render(scene, camera, aoSettings(kWidth, kHeight, radius));
       double worst = 0, sum = 0;
       size_t count = 0;
-      for (uint32_t y = 1; y < kHeight; y += 3)
-        for (uint32_t x = 1; x < kWidth; x += 7) {
+      constexpr double kPixel = 0.02;  // metres, about
+      // Occluders beyond the picture's edge can't be known.
+      const uint32_t margin = static_cast<uint32_t>(60 * radius);
+      for (uint32_t y = margin; y < kHeight - margin; y += 3)
+        for (uint32_t x = margin; x < kWidth - margin; x += 7) {
           const auto hit = caster.cast({x + 0.5, y + 0.5});
           // World frame: the wall is the plane y = 0, the floor z = 0. Both are occluded by the other.
           const double away = std::max(std::abs(hit->position.y), std::abs(hit->position.z));
           const double error = found[size_t{y} * kWidth + x] - besideWall(away, radius);
-          worst = std::max(worst, std::abs(error)), sum += std::abs(error), ++count;
+          sum += std::abs(error), ++count;
+          // In the corner itself a pixel is as large as what it shows, and averaged with its neighbours.
+          if (away > 3 * kPixel) worst = std::max(worst, std::abs(error));
+          EXPECT_LT(std::abs(error), 0.15);
         }
       fmt::print("wall, {}, radius {}: mean error {:.4f}, worst {:.4f}\n",
                  orthographic ? "orthographic" : "perspective", radius, sum / double(count), worst);
       EXPECT_LT(sum / double(count), 0.01);
-      EXPECT_LT(worst, 0.06);
+      EXPECT_LT(worst, 0.04);
     }
   }
 }
@@ -193,7 +200,7 @@ scene::Scene whiteBoxes() {
 TEST_F(AmbientOcclusionTest, BoxesHideWhatRaysMeet) {
   const scene::Scene scene = whiteBoxes();
   constexpr uint32_t kWidth = 320, kHeight = 180;
-  constexpr float kRadius = 1;
+  constexpr float kRadius = 3;
   const ReferenceCaster caster(scene, scene.cameras.front(), kWidth, kHeight);
   const std::vector<float> found = render(scene, scene.cameras.front(), aoSettings(kWidth, kHeight, kRadius));
   double sum = 0, squares = 0, without = 0;

@@ -57,9 +57,10 @@ TEST_F(PostTest, FxaaBringsEdgesNearerToSuperSampling) {
     const char* name;
     const scene::Scene& scene;
     double factor;
+    size_t leastFlat;
   };
   const scene::Scene boxes = scene::load("builtin:boxes");
-  const Case cases[] = {{"boxes on a transparent background", boxes, 1.5}, {"hall", hall(), 1.2}};
+  const Case cases[] = {{"boxes on a transparent background", boxes, 1.6, 10000}, {"hall", hall(), 2.0, 30}};
   for (const Case& c : cases) {
     SCOPED_TRACE(c.name);
     Renderer renderer(device(), c.scene, nullptr);
@@ -75,7 +76,7 @@ TEST_F(PostTest, FxaaBringsEdgesNearerToSuperSampling) {
                e.pixels, e.without / double(e.pixels), e.with / double(e.pixels), e.without / e.with);
     EXPECT_GT(e.pixels, 300u);
     EXPECT_GT(e.without, c.factor * e.with);
-    EXPECT_GT(e.flat, 1000u);
+    EXPECT_GT(e.flat, c.leastFlat);
     EXPECT_EQ(e.changedInFlat, 0u);
   }
 }
@@ -97,9 +98,9 @@ double transmittance(const FogSettings& fog, dvec3 from, dvec3 to) {
 TEST_F(PostTest, FogIsTheIntegralOfItsDensity) {
   const scene::Scene scene = scene::load("builtin:boxes");
   scene::Camera perspective = scene.cameras.front(), orthographic = perspective;
-  perspective.principal = {0.2f, -0.1f};
+  perspective.principal = {0.2f, -0.9f};  // looks up
   orthographic.orthographic = true;
-  orthographic.xHalf = 3, orthographic.yHalf = 2, orthographic.farClip = 100;
+  orthographic.xHalf = 18, orthographic.yHalf = 12, orthographic.farClip = 100;
   Renderer renderer(device(), scene, nullptr);
   for (const scene::Camera& camera : {perspective, orthographic})
     for (float height : {0.0f, 1.5f}) {
@@ -129,7 +130,7 @@ TEST_F(PostTest, FogIsTheIntegralOfItsDensity) {
           ASSERT_NEAR(a[c], b[c] * t + settings.fog.color[c] * (1 - t), 2e-3 * (1 + b[c])) << i;
         ASSERT_EQ(a[3], 1.0f);
       }
-      EXPECT_GT(covered, 2000u);
+      EXPECT_GT(covered, 1000u);
       EXPECT_GT(open, 20u);
     }
 }

@@ -78,15 +78,19 @@ bool sampleAt(View view, Center c, vec2 offset, out vec3 position) {
 // How much of half a slice is hidden: what each sample raises the horizon by counts as near as it is. A sample keeps
 // others from counting behind it as far as it counts itself, so that nothing jumps where it leaves the radius.
 float hiddenArc(View view, Center c, vec2 direction, SliceNormal n, vec2 steps) {
-  float visible = wholeArc(n), hidden = 0.0;
+  float visible = wholeArc(n), hidden = 0.0, before = 0.0;
   for (uint i = 0u; i < kStepsASide; ++i) {
     float t = (float(i) + steps.x) / float(kStepsASide);
     vec3 position;
-    bool there = sampleAt(view, c, direction * (1.0 + t * t * steps.y), position);
+    float along = 1.0 + t * t * steps.y;
+    bool there = sampleAt(view, c, direction * along, position);
     vec3 delta = position - c.position;
     float distance = length(delta);
     float cosine = clamp(dot(delta, c.toEye) / max(distance, 1.0e-30), -1.0, 1.0);
-    float weight = there && abovePlane(n, cosine) ? occlusionFalloff(distance, push.radius) : 0.0;
+    // What hides the sky between the last horizon and this one lies between the two samples.
+    float nearer = distance * 0.5 * (1.0 + before / along);
+    before = along;
+    float weight = there && abovePlane(n, cosine) ? occlusionFalloff(nearer, push.radius) : 0.0;
     float arc = visibleArc(n, cosine);
     if (weight > 0.0 && arc < visible) {
       hidden += weight * (visible - arc);

@@ -7,7 +7,8 @@ namespace latelight::render {
 namespace {
 
 constexpr uint32_t kGroup = 16;  // local_size of the shaders
-constexpr VkFormat kGlowFormat = VK_FORMAT_R16G16B16A16_SFLOAT;
+// Not half floats: some devices cut them off, and a chain of levels would lose a part of the light.
+constexpr VkFormat kPictureFormat = VK_FORMAT_R32G32B32A32_SFLOAT;
 
 vk::Pipeline makeDown(vk::Device& device, bool damp) {
   return vk::makePipeline(device, vk::ComputeDesc{.shader = "bloom_down.comp",
@@ -23,8 +24,8 @@ vk::Pipeline makeJoining(vk::Device& device, const char* shader) {
                               .name = shader});
 }
 
-vk::ImageDesc likeButNamed(const vk::ImageDesc& desc, VkFormat format, const std::string& name) {
-  return {.format = format, .width = desc.width, .height = desc.height, .layers = desc.layers, .name = name};
+vk::ImageDesc likeButNamed(const vk::ImageDesc& desc, const std::string& name) {
+  return {.format = kPictureFormat, .width = desc.width, .height = desc.height, .layers = desc.layers, .name = name};
 }
 
 }  // namespace
@@ -38,7 +39,7 @@ BloomPass::BloomPass(vk::Device& device)
 
 graph::ImageId BloomPass::addDown(graph::Graph& graph, graph::ImageId source, const BloomParameters& parameters,
                                   uint32_t level) const {
-  vk::ImageDesc desc = likeButNamed(graph.desc(source), kGlowFormat, fmt::format("glow {}", level));
+  vk::ImageDesc desc = likeButNamed(graph.desc(source), fmt::format("glow {}", level));
   desc.width = (desc.width + 1) / 2;
   desc.height = (desc.height + 1) / 2;
   const graph::ImageId half = graph.create(desc);
@@ -59,7 +60,7 @@ graph::ImageId BloomPass::addDown(graph::Graph& graph, graph::ImageId source, co
 }
 
 graph::ImageId BloomPass::addUp(graph::Graph& graph, graph::ImageId fine, graph::ImageId coarse, float radius) const {
-  const vk::ImageDesc desc = likeButNamed(graph.desc(fine), kGlowFormat, graph.desc(fine).name + ", all of it");
+  const vk::ImageDesc desc = likeButNamed(graph.desc(fine), graph.desc(fine).name + ", all of it");
   const graph::ImageId joined = graph.create(desc);
   graph.pass(
       "bloom up",
@@ -86,7 +87,7 @@ graph::ImageId BloomPass::add(graph::Graph& graph, graph::ImageId picture, const
   graph::ImageId glow = levels.back();
   for (size_t i = levels.size() - 1; i-- > 0;) glow = addUp(graph, levels[i], glow, parameters.radius);
 
-  const vk::ImageDesc desc = likeButNamed(graph.desc(picture), VK_FORMAT_R32G32B32A32_SFLOAT, "picture with bloom");
+  const vk::ImageDesc desc = likeButNamed(graph.desc(picture), "picture with bloom");
   const graph::ImageId result = graph.create(desc);
   struct {
     float scale, threshold, strength;

@@ -8,7 +8,7 @@
 layout(local_size_x = 16, local_size_y = 16) in;
 layout(constant_id = 16) const uint kDamp = 0;  // Karis' average in each group
 layout(set = 0, binding = 0) uniform sampler2DArray source;
-layout(set = 0, binding = 1, rgba16f) uniform writeonly image2DArray result;
+layout(set = 0, binding = 1, rgba32f) uniform writeonly image2DArray result;
 
 struct DownPush {
   float scale;  // of the source
@@ -47,5 +47,5 @@ void main() {
     int first = (i & 1) + 3 * (i >> 1);
     sum += 0.125 * groupMean(outer[first], outer[first + 1], outer[first + 3], outer[first + 4]);
   }
-  imageStore(result, place, vec4(min(sum, vec3(65504.0)), 0.0));
+  imageStore(result, place, vec4(sum, 0.0));
 }

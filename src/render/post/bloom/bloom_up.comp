@@ -7,7 +7,7 @@
 layout(local_size_x = 16, local_size_y = 16) in;
 layout(set = 0, binding = 0) uniform sampler2DArray fine;
 layout(set = 0, binding = 1) uniform sampler2DArray coarse;
-layout(set = 0, binding = 2, rgba16f) uniform writeonly image2DArray result;
+layout(set = 0, binding = 2, rgba32f) uniform writeonly image2DArray result;
 
 layout(push_constant) uniform Push { float radius; };
 
