@@ -91,10 +91,10 @@ Json listLighting() {
   return rows;
 }
 
-Json listOptions(const std::vector<render::NamedOption>& options) {
+template <typename Option>
+Json listOptions(const std::vector<Option>& options) {
   Json rows = Json::array();
-  for (const render::NamedOption& option : options)
-    rows.push_back({{"name", option.name}, {"description", option.description}});
+  for (const Option& option : options) rows.push_back({{"name", option.name}, {"description", option.description}});
   return rows;
 }
 
@@ -173,6 +173,9 @@ const Topic kTopics[] = {
     {"lighting", [](const PictureSize&) { return listLighting(); }},
     {"shading", [](const PictureSize&) { return listOptions(render::shadings()); }},
     {"tonemaps", [](const PictureSize&) { return listOptions(render::tonemaps()); }},
+    {"aa", [](const PictureSize&) { return listOptions(render::antiAliasings()); }},
+    {"ao", [](const PictureSize&) { return listOptions(render::ambientOcclusions()); }},
+    {"post", [](const PictureSize&) { return listOptions(render::postEffects()); }},
     {"volumes-orders", [](const PictureSize&) { return listOptions(render::volumesOrders()); }},
     {"aovs", [](const PictureSize&) { return listAovs(); }},
     {"scenes", [](const PictureSize&) { return listScenes(); }},

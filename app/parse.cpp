@@ -52,7 +52,7 @@ glm::vec3 parseVector(const std::string& option, const std::string& text) {
   return {v[0], v[1], v[2]};
 }
 
-glm::vec3 parseColor(const std::string& text) {
+glm::vec3 parseColor(const char* takes, const std::string& text) {
   glm::vec3 code(-1);
   if (text.size() == 7 && text[0] == '#') {
     for (int i = 0; i < 3; ++i) {
@@ -65,16 +65,8 @@ glm::vec3 parseColor(const std::string& text) {
     code = {v[0], v[1], v[2]};
   }
   for (int i = 0; i < 3; ++i)
-    if (!(code[i] >= 0 && code[i] <= 1))
-      badUsage("--background takes transparent, hdri, #rrggbb, or r,g,b between 0 and 1, not \"{}\"", text);
+    if (!(code[i] >= 0 && code[i] <= 1)) badUsage("{} #rrggbb, or r,g,b between 0 and 1, not \"{}\"", takes, text);
   return {shared::linearFromSrgb(code.x), shared::linearFromSrgb(code.y), shared::linearFromSrgb(code.z)};
-}
-
-uint32_t parseSuperSampling(const std::string& text) {
-  if (text == "none") return 1;
-  if (text.starts_with("ss"))
-    if (auto n = parseNumber<uint32_t>(std::string_view(text).substr(2)); n && *n >= 1 && *n <= 16) return *n;
-  badUsage("--aa takes none, or ss1 to ss16 as in ss4, not \"{}\"", text);
 }
 
 std::optional<size_t> parseIndex(const std::string& text) {

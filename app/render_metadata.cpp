@@ -43,7 +43,18 @@ std::map<std::string, std::string> describeSettings(const RenderOptions& o, cons
           {"hdri", environment.empty() ? "none" : environment},
           {"hdri-rotate", fmt::format("{}", o.hdriRotate)},
           {"hdri-intensity", fmt::format("{}", s.environmentIntensity)},
-          {"background", o.background}};
+          {"background", o.background},
+          {"ao", s.ao.method},
+          {"ao-radius", s.ao.radius ? fmt::format("{}", *s.ao.radius) : "by the scene"},
+          {"ao-strength", fmt::format("{}", s.ao.strength)},
+          {"bloom", fmt::format("{}", s.bloom.strength)},
+          {"bloom-radius", fmt::format("{}", s.bloom.radius)},
+          {"bloom-threshold", fmt::format("{}", s.bloom.threshold)},
+          {"bloom-fireflies", s.bloom.fireflies},
+          {"fog", fmt::format("{}", s.fog.density)},
+          {"fog-color", o.fogColor},
+          {"fog-height", fmt::format("{}", s.fog.height)},
+          {"fog-base", fmt::format("{}", s.fog.base)}};
 }
 
 }  // namespace

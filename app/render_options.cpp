@@ -10,14 +10,15 @@ namespace latelight::app {
 void parseSettings(RenderOptions& o) {
   render::Settings& s = o.settings;
   std::tie(s.width, s.height) = parseSize(o.size);
-  s.superSampling = parseSuperSampling(o.aa);
+  render::setAntiAliasing(s, o.aa);
   s.environmentRotation = static_cast<float>(o.hdriRotate * M_PI / 180.0);
   if (o.background == "hdri")
     s.background = render::Background::Environment;
   else if (o.background != "transparent") {
     s.background = render::Background::Color;
-    s.backgroundColor = parseColor(o.background);
+    s.backgroundColor = parseColor("--background takes transparent, hdri,", o.background);
   }
+  s.fog.color = parseColor("--fog-color takes", o.fogColor);
   s.normalFrame = parseChoice<render::NormalFrame>("--normal-frame", o.normalFrame,
                                                    {{"world", render::NormalFrame::World},
                                                     {"opencv", render::NormalFrame::OpenCv},
@@ -78,7 +79,7 @@ void addLookOptions(CLI::App& c, RenderOptions& o) {
   c.add_option("--shading", s.shading, "ggx or blinn-phong")->capture_default_str();
   c.add_option("--volumes-order", s.volumesOrder, "How --lighting volumes culls by stencil: classic or killzone")
       ->capture_default_str();
-  c.add_option("--aa", o.aa, "Anti-aliasing: none, or ssN for N x N ordered samples a pixel (ss2, ss4)")
+  c.add_option("--aa", o.aa, "Anti-aliasing: none, fxaa, or ssN for N x N ordered samples a pixel (latelight list aa)")
       ->capture_default_str();
   c.add_option("--hdri", o.hdri,
                "Environment light: a .hdr or .exr file, studio, or none; default: studio where the scene has no light");
@@ -89,6 +90,26 @@ void addLookOptions(CLI::App& c, RenderOptions& o) {
   c.add_option("--tonemap", s.tonemap, "khronos, aces, agx, reinhard or none")->capture_default_str();
   c.add_option("--background", o.background, "transparent, hdri, or a colour: #rrggbb or r,g,b in 0..1 (sRGB)")
       ->capture_default_str();
+}
+
+void addPostOptions(CLI::App& c, RenderOptions& o) {
+  render::Settings& s = o.settings;
+  c.add_option("--ao", s.ao.method, "Ambient occlusion of the environment's light: none or gtao")
+      ->capture_default_str();
+  c.add_option("--ao-radius", s.ao.radius,
+               "How far occluders count, metres; default: a twentieth of the scene's radius");
+  c.add_option("--ao-strength", s.ao.strength, "Exponent on the visible share of the sky")->capture_default_str();
+  c.add_option("--bloom", s.bloom.strength, "Share of light that glows, 0 to 1; 0.05 is much")->capture_default_str();
+  c.add_option("--bloom-radius", s.bloom.radius, "How far it glows, 0 to 1")->capture_default_str();
+  c.add_option("--bloom-threshold", s.bloom.threshold, "Luminance that does not glow, after exposure")
+      ->capture_default_str();
+  c.add_option("--bloom-fireflies", s.bloom.fireflies, "Lone bright pixels: damp or keep")->capture_default_str();
+  c.add_option("--fog", s.fog.density, "Fog's extinction, 1/m: 0.05 hides 63 % of what is 20 m away")
+      ->capture_default_str();
+  c.add_option("--fog-color", o.fogColor, "#rrggbb or r,g,b in 0..1 (sRGB), before the tonemap")->capture_default_str();
+  c.add_option("--fog-height", s.fog.height, "Metres upwards in which fog thins to 1/e; 0: the same everywhere")
+      ->capture_default_str();
+  c.add_option("--fog-base", s.fog.base, "Height at which it has its density, metres")->capture_default_str();
 }
 
 void addOutputOptions(CLI::App& c, RenderOptions& o) {
@@ -113,6 +134,7 @@ void addOutputOptions(CLI::App& c, RenderOptions& o) {
 void addRenderOptions(CLI::App& command, RenderOptions& options) {
   addSceneOptions(command, options);
   addLookOptions(command, options);
+  addPostOptions(command, options);
   addOutputOptions(command, options);
 }
 

@@ -18,6 +18,7 @@ struct RenderOptions {
   std::optional<double> fov;
   std::string aovs, debug, hdri, background = "transparent", aa = "none", normalFrame = "world", axes = "file";
   std::string device = "auto", graph;
+  std::string fogColor = "#bcbcbc";  // linear 0.5
   double hdriRotate = 0;
   uint32_t frame = 0;
   bool json = false, noSideFile = false, validate = false;

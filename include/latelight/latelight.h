@@ -99,6 +99,19 @@ struct Options {
   float environmentIntensity = 1;
   float environmentRotation = 0;  // degrees
   bool environmentBackground = false;
+  // Composition and post-processing (docs/post.md); off by default.
+  std::string ambientOcclusion = "none";  // or "gtao"
+  float aoRadius = 0;                     // metres; 0: by the scene's size
+  float aoStrength = 1;
+  float bloom = 0;                                  // the share of light that glows, 0 to 1
+  float bloomRadius = 0.7f;                         // 0 to 1
+  float bloomThreshold = 0;                         // luminance that is left alone
+  std::string bloomFireflies = "damp";              // or "keep"
+  float fogDensity = 0;                             // 1/m
+  std::array<float, 3> fogColor{0.5f, 0.5f, 0.5f};  // linear, after exposure
+  float fogHeight = 0;                              // metres in which it thins out; 0: the same everywhere
+  float fogBase = 0;                                // metres, up
+  bool fxaa = false;
   std::vector<std::string> aovs;  // beside the picture: "depth", "normal", ...; "color" is the linear picture
 };
 

@@ -95,7 +95,7 @@ void readDepth(output::AovImage& image, const float* device, const shared::View&
 
 }  // namespace
 
-void readColor(output::FrameOutput& to, const vk::Buffer& from, size_t view, bool sum, float scale) {
+void readColor(output::FrameOutput& to, const vk::Buffer& from, size_t view, bool isFloat, float scale) {
   for (output::AovImage& image : to.aovs) {
     if (image.aov != Aov::Color) continue;
     const size_t count = size_t{4} * image.width * image.height;
@@ -103,7 +103,8 @@ void readColor(output::FrameOutput& to, const vk::Buffer& from, size_t view, boo
     parallelFor(count, 1 << 18, [&](size_t begin, size_t end) {
       const uint16_t* halves = from.as<uint16_t>() + view * count;
       const float* floats = from.as<float>() + view * count;
-      for (size_t i = begin; i < end; ++i) image.values[i] = sum ? floats[i] * scale : scene::floatFromHalf(halves[i]);
+      for (size_t i = begin; i < end; ++i)
+        image.values[i] = isFloat ? floats[i] * scale : scene::floatFromHalf(halves[i]);
     });
   }
 }

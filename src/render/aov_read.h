@@ -10,8 +10,8 @@
 
 namespace latelight::render {
 
-// The linear picture: half floats, or (`sum`) the float sum of frames times `scale`.
-void readColor(output::FrameOutput& to, const vk::Buffer& from, size_t view, bool sum, float scale);
+// The linear picture: half floats, or (`isFloat`) 32-bit ones times `scale`.
+void readColor(output::FrameOutput& to, const vk::Buffer& from, size_t view, bool isFloat, float scale);
 
 // Aov::LightsTested and LightsUsed, which come from a frame that counts lights.
 bool isLightCount(output::Aov aov);

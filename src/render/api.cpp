@@ -87,6 +87,10 @@ render::Settings internalSettings(const Options& o) {
   s.environmentIntensity = o.environmentIntensity;
   s.environmentRotation = o.environmentRotation / kDegrees;
   if (o.environmentBackground) s.background = render::Background::Environment;
+  s.ao = {o.ambientOcclusion, o.aoRadius == 0 ? std::nullopt : std::optional(o.aoRadius), o.aoStrength};
+  s.bloom = {o.bloom, o.bloomRadius, o.bloomThreshold, o.bloomFireflies};
+  s.fog = {o.fogDensity, {o.fogColor[0], o.fogColor[1], o.fogColor[2]}, o.fogHeight, o.fogBase};
+  s.fxaa = o.fxaa;
   std::string names;
   for (const std::string& name : o.aovs) names += (names.empty() ? "" : ",") + name;
   if (!names.empty()) s.aovs = output::parseAovs(names);

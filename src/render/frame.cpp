@@ -2,13 +2,16 @@
 
 #include "render/gbuffer/geometry_pass.h"
 #include "render/lighting/technique.h"
+#include "render/post/ambient_occlusion/ambient_occlusion.h"
 #include "render/post/background.h"
+#include "render/post/fog/fog.h"
 #include "render/visibility/hardware.h"
 
 namespace latelight::render {
 
 std::vector<vk::Constant> FrameSetup::constants() const {
-  return {{0, normalEncoding}, {1, shading}, {2, countLights ? 1u : 0u}, {3, normalSpace}, {4, positionMethod}};
+  return {{0, normalEncoding}, {1, shading},        {2, countLights ? 1u : 0u},
+          {3, normalSpace},    {4, positionMethod}, {13, ambientOcclusion}};
 }
 
 graph::ImageId createTarget(graph::Graph& graph, const FrameInputs& inputs, VkFormat format, const std::string& name) {
@@ -33,8 +36,10 @@ graph::ImageId createCounts(graph::Graph& graph, const FrameInputs& inputs, bool
 Frame::Frame(vk::Device& device, const GpuScene& scene, const FrameSetup& setup)
     : setup_(setup),
       depth_(std::make_unique<DepthPass>(device, scene)),
+      ambientOcclusion_(std::make_unique<AmbientOcclusionPass>(device, setup)),
       lighting_(setup.lighting->make(device, scene, setup)),
       background_(std::make_unique<BackgroundPass>(device)) {
+  if (setup.fog) fog_ = std::make_unique<FogPass>(device);
   if (!setup.lighting->forward) geometry_ = std::make_unique<GeometryPass>(device, scene, setup);
 }
 
@@ -45,8 +50,10 @@ LitFrame Frame::add(graph::Graph& graph, const FrameInputs& inputs) const {
   gbuffer.light = createTarget(graph, inputs, kLightFormat, "light");
   gbuffer.lightCounts = createCounts(graph, inputs, setup_.countLights);
   if (geometry_) geometry_->add(graph, inputs, gbuffer);
+  gbuffer.ambientOcclusion = ambientOcclusion_->add(graph, inputs, gbuffer);
   lighting_->add(graph, inputs, gbuffer);
   if (inputs.environmentBackground) background_->add(graph, inputs, gbuffer);
+  if (fog_) fog_->add(graph, inputs, gbuffer);
   return {gbuffer.light, gbuffer.lightCounts, gbuffer};
 }
 

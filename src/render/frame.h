@@ -18,6 +18,8 @@ class GeometryPass;
 class LightingTechnique;
 struct TechniqueInfo;
 class BackgroundPass;
+class AmbientOcclusionPass;
+class FogPass;
 
 // What a frame draws: one scene seen by V views, each a layer of every target.
 struct FrameInputs {
@@ -28,6 +30,8 @@ struct FrameInputs {
   uint32_t width, height;
   bool environmentBackground = false;     // draw the environment where nothing else is
   std::span<const shared::Light> lights;  // those of the constants, on the host
+
+  float aoRadius = 0, aoStrength = 1;  // ambient occlusion: metres, exponent
 };
 
 // An image as large as the frame, with a layer a view.
@@ -38,7 +42,8 @@ struct Gbuffer {
   std::vector<graph::ImageId> targets;
   graph::ImageId depth;
   graph::ImageId light;  // emitted radiance and ambient occlusion; the lighting technique leaves the lit picture here
-  graph::ImageId lightCounts;  // lights tested and used (kCountsFormat); one texel where they are not counted
+  graph::ImageId lightCounts;       // lights tested and used (kCountsFormat); one texel where they are not counted
+  graph::ImageId ambientOcclusion;  // visible share of the hemisphere; one texel, 1, where there is none
 };
 
 // What pipelines are made for.
@@ -51,6 +56,8 @@ struct FrameSetup {
   uint32_t positionMethod = 0;  // kPosition*
   uint32_t volumesOrder = 0;    // kVolumes*: of the technique `volumes`
   bool countLights = false;
+  uint32_t ambientOcclusion = 0;  // kAo*
+  bool fog = false;               // the constants have some
 
   // Of every shader that includes render/glsl/setup.glsl; a shader's own start at kFirstOwnConstant.
   std::vector<vk::Constant> constants() const;
@@ -60,7 +67,7 @@ inline constexpr VkFormat kCountsFormat = VK_FORMAT_R32G32B32A32_SFLOAT;  // r: 
 
 // What leaves a frame.
 struct LitFrame {
-  graph::ImageId picture;      // linear radiance times exposure, alpha 1 where something is drawn
+  graph::ImageId picture;      // linear radiance times exposure, premultiplied; alpha 1 where something is drawn
   graph::ImageId lightCounts;  // as Gbuffer::lightCounts
   Gbuffer gbuffer;             // no targets where the technique is a forward one
 };
@@ -77,8 +84,10 @@ class Frame {
   FrameSetup setup_;
   std::unique_ptr<DepthPass> depth_;
   std::unique_ptr<GeometryPass> geometry_;  // null for forward techniques
+  std::unique_ptr<AmbientOcclusionPass> ambientOcclusion_;
   std::unique_ptr<LightingTechnique> lighting_;
   std::unique_ptr<BackgroundPass> background_;
+  std::unique_ptr<FogPass> fog_;  // null without fog
 };
 
 }  // namespace latelight::render

@@ -12,6 +12,7 @@
 #include "render/gbuffer/geometry_pass.h"
 #include "render/gbuffer/raw_read.h"
 #include "render/lighting/technique.h"
+#include "render/post/ambient_occlusion/ambient_occlusion.h"
 #include "render/post/resolve.h"
 #include "render/registry.h"
 #include "render/view.h"
@@ -33,12 +34,12 @@ struct Renderer::Job {
 namespace {
 
 // More views are rendered in turn, so that many cameras take no more memory than a few: targets of a GiB, data
-// outputs and the sum of super-sampled frames included.
+// outputs, the sum of super-sampled frames and what post-processing needs included.
 size_t viewsAtOnce(const Settings& settings) {
   constexpr uint64_t kBudget = uint64_t{1} << 30;
   constexpr uint64_t kLayers = 256;  // the least maxImageArrayLayers of Vulkan
   const auto bytesOf = [](std::string_view layout) { return uint64_t{findLayout(layout).bytesPerPixel(0).total()}; };
-  const uint64_t bytes = bytesOf("exact") + bytesOf(settings.layout) + 32;
+  const uint64_t bytes = bytesOf("exact") + bytesOf(settings.layout) + 80;
   return std::clamp<uint64_t>(kBudget / (bytes * settings.width * settings.height), 1, kLayers);
 }
 
@@ -52,20 +53,15 @@ struct Renderer::DataPasses {
       : depth(device, scene), geometry(device, scene, FrameSetup{.layout = &layout}) {}
 };
 
-// The pipelines that finish a picture, whatever frame it comes from.
-struct Renderer::PostPasses {
-  AccumulatePass accumulate;
-  ComposePass compose;
-  explicit PostPasses(vk::Device& device) : accumulate(device), compose(device) {}
-};
-
 Renderer::Renderer(vk::Device& device, const scene::Scene& scene, const scene::Environment* environment)
     : device_(device),
       scene_(scene),
       gpuScene_(device, scene),
       environment_(device, environment),
       hasEnvironment_(environment != nullptr),
-      executor_(device) {}
+      executor_(device),
+      post_(device),
+      boundsRadius_(scene::worldBounds(scene).radius()) {}
 
 Renderer::~Renderer() = default;
 
@@ -128,6 +124,10 @@ FrameInputs Renderer::prepareViews(Job& job, glm::vec2 jitter) {
   frame.environmentCos = std::cos(s.environmentRotation);
   frame.environmentSin = std::sin(s.environmentRotation);
   frame.environmentLevels = static_cast<float>(environment_.levels());
+  frame.fog = {.color = s.fog.color,
+               .density = s.fog.density,
+               .falloff = s.fog.height > 0 ? 1 / s.fog.height : 0.0f,
+               .base = s.fog.base};
   upload.name = "frame constants";
   upload.size = sizeof(frame);
   job.constants = vk::Buffer(device_, upload);
@@ -140,13 +140,16 @@ FrameInputs Renderer::prepareViews(Job& job, glm::vec2 jitter) {
           .width = s.width,
           .height = s.height,
           .environmentBackground = hasEnvironment_ && s.background == Background::Environment,
-          .lights = gpuScene_.lights()};
+          .lights = gpuScene_.lights(),
+          .aoRadius = s.ao.radius.value_or(kAoRadiusShare * boundsRadius_),
+          .aoStrength = s.ao.strength};
 }
 
 Frame& Renderer::frameFor(const Settings& s, bool countLights) {
   std::string key = countLights ? "counting/" : "";
+  if (s.fog.density > 0) key += "fog/";
   for (const std::string& choice :
-       {s.layout, s.normals, s.normalSpace, s.position, s.lighting, s.shading, s.volumesOrder})
+       {s.layout, s.normals, s.normalSpace, s.position, s.lighting, s.shading, s.volumesOrder, s.ao.method})
     key += choice + "/";
   if (frame_ && key == frameKey_) return *frame_;
   FrameSetup setup{.layout = &findLayout(s.layout),
@@ -156,7 +159,9 @@ Frame& Renderer::frameFor(const Settings& s, bool countLights) {
                    .normalSpace = indexByName(normalSpaces(), s.normalSpace, "space of normals"),
                    .positionMethod = indexByName(positionMethods(), s.position, "position method"),
                    .volumesOrder = indexByName(volumesOrders(), s.volumesOrder, "order of light volumes"),
-                   .countLights = countLights};
+                   .countLights = countLights,
+                   .ambientOcclusion = indexByName(ambientOcclusions(), s.ao.method, "ambient occlusion"),
+                   .fog = s.fog.density > 0};
   frame_ = std::make_unique<Frame>(device_, gpuScene_, setup);
   frameKey_ = key;
   return *frame_;
@@ -179,7 +184,6 @@ void Renderer::renderColor(Job& job) {
   const Settings& s = job.settings;
   Frame& frame = frameFor(s, false);
   const uint32_t n = s.superSampling;
-  if (!post_) post_ = std::make_unique<PostPasses>(device_);
   vk::Image sum;
   if (n > 1) {
     sum = vk::Image(device_,
@@ -190,10 +194,6 @@ void Renderer::renderColor(Job& job) {
                      .usage = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
                      .name = "sum"});
   }
-  const ComposeSettings composeSettings{
-      .scale = 1.0f / static_cast<float>(n * n),
-      .tonemap = indexByName(tonemaps(), s.tonemap, "tonemap"),
-      .background = glm::vec4(s.backgroundColor, s.background == Background::Color ? 1.0f : 0.0f)};
   const bool linear = std::find(s.aovs.begin(), s.aovs.end(), output::Aov::Color) != s.aovs.end();
 
   Progress progress("Rendering", n * n);
@@ -206,24 +206,28 @@ void Renderer::renderColor(Job& job) {
     graph::ImageId picture = frame.add(graph, inputs).picture;
     if (n > 1) {
       graph::ImageId total = graph.import(sum, i == 0 ? std::nullopt : std::optional(graph::Use::StorageReadWrite));
-      post_->accumulate.add(graph, picture, total, i == 0);
+      post_.accumulate(graph, picture, total, i == 0);
       picture = total;
       if (!last) graph.exports(total, graph::Use::StorageReadWrite);
     }
-    graph::BufferId display, values;
-    if (last && s.display) display = post_->compose.add(graph, picture, composeSettings);
-    if (last && linear) values = addReadback(graph, picture);
-    if (last) graphviz_ = graph.graphviz();
+    FinishedPicture finished;
+    graph::BufferId values;
+    if (last) {
+      finished = post_.add(graph, picture, 1.0f / static_cast<float>(n * n), s);
+      if (linear) values = addReadback(graph, finished.linear);
+      graphviz_ = graph.graphviz();
+    }
     graph::Executor& done = run(graph);
     progress.step();
     if (!last) continue;
+    const bool floats = graph.desc(finished.linear).format == VK_FORMAT_R32G32B32A32_SFLOAT;
     for (size_t view = 0; view < job.pictures.size(); ++view) {
       output::FrameOutput& result = job.pictures[view];
       if (s.display) {
-        const uint8_t* from = done.buffer(display).as<uint8_t>() + view * job.pixels() * 4;
+        const uint8_t* from = done.buffer(finished.display).as<uint8_t>() + view * job.pixels() * 4;
         result.display.assign(from, from + job.pixels() * 4);
       }
-      if (linear) readColor(result, done.buffer(values), view, n > 1, composeSettings.scale);
+      if (linear) readColor(result, done.buffer(values), view, floats, finished.scale);
     }
   }
 }

@@ -12,6 +12,7 @@
 #include "render/frame.h"
 #include "render/gpu_environment.h"
 #include "render/gpu_scene.h"
+#include "render/post/post.h"
 #include "render/settings.h"
 #include "scene/scene.h"
 #include "vk/device.h"
@@ -57,8 +58,8 @@ class Renderer {
   std::unique_ptr<Frame> frame_;
   struct DataPasses;
   std::unique_ptr<DataPasses> data_;
-  struct PostPasses;
-  std::unique_ptr<PostPasses> post_;
+  PostChain post_;
+  float boundsRadius_;  // of the sphere around the scene, metres
   std::vector<graph::PassTime> times_;
   std::string graphviz_;
 };

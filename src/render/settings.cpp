@@ -1,5 +1,6 @@
 #include "render/settings.h"
 
+#include <charconv>
 #include <cmath>
 
 #include "base/error.h"
@@ -54,6 +55,82 @@ const std::vector<NamedOption>& positionMethods() {
   return all;
 }
 
+const std::vector<NamedOption>& ambientOcclusions() {
+  static const std::vector<NamedOption> all = {
+      {"none", "the sky is hidden by material textures alone"},
+      {"gtao", "ground-truth ambient occlusion: horizons in the depth buffer, cosine-weighted (Jimenez et al. 2016)"},
+  };
+  return all;
+}
+
+const std::vector<NamedOption>& bloomFireflies() {
+  static const std::vector<NamedOption> all = {
+      {"damp", "lone bright pixels glow less (Karis average), so that they don't flicker; some light is lost"},
+      {"keep", "every pixel glows by its light: no light is lost"},
+  };
+  return all;
+}
+
+const std::vector<NamedOption>& postEffects() {
+  static const std::vector<NamedOption> all = {
+      {"ambient-occlusion", "--ao gtao: corners and contacts get less light from the environment"},
+      {"fog", "--fog DENSITY: a medium, uniform or falling off with height, between the camera and what it sees"},
+      {"bloom", "--bloom STRENGTH: bright places glow"},
+      {"fxaa", "--aa fxaa: jagged edges of the finished picture are softened"},
+  };
+  return all;
+}
+
+const std::vector<AntiAliasing>& antiAliasings() {
+  static const std::vector<AntiAliasing> all = {
+      {"none", "one sample a pixel, at its centre", [](Settings&) {}},
+      {"fxaa", "one sample a pixel; jagged edges are found in the finished picture and softened",
+       [](Settings& s) { s.fxaa = true; }},
+      {"ssN", "super-sampling: N x N ordered samples a pixel, as in ss2 or ss4", nullptr},
+  };
+  return all;
+}
+
+void setAntiAliasing(Settings& settings, const std::string& name) {
+  for (const AntiAliasing& aa : antiAliasings())
+    if (aa.set && name == aa.name) return aa.set(settings);
+  if (name.starts_with("ss")) {
+    uint32_t n = 0;
+    const auto [end, error] = std::from_chars(name.data() + 2, name.data() + name.size(), n);
+    if (error == std::errc() && end == name.data() + name.size() && n >= 1 && n <= 16) {
+      settings.superSampling = n;
+      return;
+    }
+  }
+  badUsage("--aa takes one of {}, with N from 1 to 16 as in ss4 or ss16, not \"{}\"", namesOf(antiAliasings()), name);
+}
+
+namespace {
+
+// Throws where it is not a number from `least` to `most`.
+void checkNumber(const char* what, float value, float least, float most) {
+  if (!(value >= least && value <= most))
+    badUsage("{} must be a number between {} and {}, not {}", what, least, most, value);
+}
+
+void checkPost(const Settings& s) {
+  constexpr float kMany = 1e6f;  // metres, or fogs a metre: nothing larger shows anything
+  findByName(ambientOcclusions(), s.ao.method, "ambient occlusion");
+  if (s.ao.radius && !(*s.ao.radius > 0 && std::isfinite(*s.ao.radius)))
+    badUsage("the radius of ambient occlusion must be a number of metres above 0, not {}", *s.ao.radius);
+  checkNumber("the strength of ambient occlusion", s.ao.strength, 0, 10);
+  checkNumber("the strength of bloom", s.bloom.strength, 0, 1);
+  checkNumber("the radius of bloom", s.bloom.radius, 0, 1);
+  checkNumber("the threshold of bloom", s.bloom.threshold, 0, 65504);
+  findByName(bloomFireflies(), s.bloom.fireflies, "treatment of fireflies");
+  checkNumber("the density of fog", s.fog.density, 0, kMany);
+  for (int i = 0; i < 3; ++i) checkNumber("a channel of the fog's colour", s.fog.color[i], 0, 65504);
+  checkNumber("the height in which fog thins out", s.fog.height, 0, kMany);
+  checkNumber("the height at which fog has its density", s.fog.base, -kMany, kMany);
+}
+
+}  // namespace
+
 void checkSettings(const Settings& s) {
   constexpr uint32_t kMaxSide = 16384;  // maxImageDimension2D every Vulkan 1.3 device we know of offers
   if (s.width == 0 || s.height == 0 || s.width > kMaxSide || s.height > kMaxSide)
@@ -66,6 +143,7 @@ void checkSettings(const Settings& s) {
   if (!std::isfinite(s.environmentIntensity) || s.environmentIntensity < 0)
     badUsage("the environment's intensity must be a number of at least 0, not {}", s.environmentIntensity);
   if (!std::isfinite(s.environmentRotation)) badUsage("the environment's rotation must be a number of degrees");
+  checkPost(s);
   findLayout(s.layout);
   findNormalEncoding(s.normals);
   findByName(normalSpaces(), s.normalSpace, "space of normals");

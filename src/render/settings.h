@@ -14,6 +14,25 @@ namespace latelight::render {
 enum class NormalFrame { World, OpenCv, OpenGl };  // of the normal and geonormal outputs
 enum class Background { Transparent, Color, Environment };
 
+// Composition and post-processing (docs/post.md); all off by default.
+struct AmbientOcclusionSettings {
+  std::string method = "none";
+  std::optional<float> radius;  // metres; without, a share of the scene's size (kAoRadiusShare)
+  float strength = 1;           // the visible share of the sky is raised to it
+};
+struct BloomSettings {
+  float strength = 0;   // the share of light that is spread, 0 to 1
+  float radius = 0.7f;  // 0 to 1: the share of it that goes on from each size of glow to the next, twice as wide
+  float threshold = 0;  // luminance that is left alone
+  std::string fireflies = "damp";
+};
+struct FogSettings {
+  float density = 0;      // extinction, 1/m
+  glm::vec3 color{0.5f};  // linear; as the picture has it after exposure
+  float height = 0;       // metres upwards in which density falls to 1/e; 0: the same everywhere
+  float base = 0;         // metres, where density is `density`: up in the scene file's frame
+};
+
 struct Settings {
   uint32_t width = 1280, height = 720;
   std::string layout = "thin";
@@ -30,6 +49,11 @@ struct Settings {
   float environmentRotation = 0;  // radians about the up axis, +X towards +Z of the glTF frame
   Background background = Background::Transparent;
   glm::vec3 backgroundColor{0};  // linear display colour
+
+  AmbientOcclusionSettings ao;
+  BloomSettings bloom;
+  FogSettings fog;
+  bool fxaa = false;
 
   bool display = true;            // the tonemapped picture
   std::vector<output::Aov> aovs;  // beside it; Color is the linear picture
@@ -48,6 +72,18 @@ const std::vector<NamedOption>& tonemaps();
 const std::vector<NamedOption>& volumesOrders();
 const std::vector<NamedOption>& normalSpaces();
 const std::vector<NamedOption>& positionMethods();
+const std::vector<NamedOption>& ambientOcclusions();  // --ao, in the order of kAo*
+const std::vector<NamedOption>& bloomFireflies();     // --bloom-fireflies, in the order of kBloom*
+const std::vector<NamedOption>& postEffects();        // every effect, and the option that turns it on
+
+// --aa by name: what each sets. ssN, for any N, is setAntiAliasing()'s own.
+struct AntiAliasing {
+  const char* name;
+  const char* description;
+  void (*set)(Settings&);
+};
+const std::vector<AntiAliasing>& antiAliasings();
+void setAntiAliasing(Settings& settings, const std::string& name);  // throws Error(Usage)
 
 // Throws Error(Usage) with a sentence where a value is out of range or a name unknown.
 void checkSettings(const Settings& settings);

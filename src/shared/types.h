@@ -4,6 +4,7 @@
 #ifndef LATELIGHT_SHARED_TYPES_H
 #define LATELIGHT_SHARED_TYPES_H
 
+#include "shared/fog.h"
 #include "shared/lang.h"
 #include "shared/projection.h"
 
@@ -131,6 +132,7 @@ struct FrameConstants {
   float environmentCos;        // rotation about Z, see shared/environment.h
   float environmentSin;
   float environmentLevels;  // prefiltered levels, roughness 0 at level 0 and 1 at the last
+  Fog fog;                  // of all surfaces, blended ones too, and of the background
 };
 
 SH_END

@@ -57,6 +57,17 @@ TEST(CommandLine, HelpNamesEveryOption) {
         "--exposure",
         "--tonemap",
         "--background",
+        "--ao",
+        "--ao-radius",
+        "--ao-strength",
+        "--bloom",
+        "--bloom-radius",
+        "--bloom-threshold",
+        "--bloom-fireflies",
+        "--fog",
+        "--fog-color",
+        "--fog-height",
+        "--fog-base",
         "--aov",
         "--debug",
         "--normal-frame",
@@ -115,7 +126,7 @@ TEST(List, AgreesWithWhatErrorsOffer) {
   const std::map<std::string, std::string> options{
       {"layouts", "--layout"},     {"normals", "--normals"},   {"normal-spaces", "--normal-space"},
       {"positions", "--position"}, {"lighting", "--lighting"}, {"shading", "--shading"},
-      {"tonemaps", "--tonemap"},   {"aovs", "--aov"}};
+      {"tonemaps", "--tonemap"},   {"aovs", "--aov"},          {"ao", "--ao"}};
   for (const auto& [topic, option] : options) {
     const std::string sentence = latelight({"render", "builtin:boxes", "-o", "a.png", option, "?"}).err;
     std::string names;

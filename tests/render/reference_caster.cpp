@@ -178,6 +178,14 @@ int ReferenceCaster::surfacesNear(dvec2 pixel, double depth, double tolerance) c
   return count;
 }
 
+double ReferenceCaster::freeDistance(dvec3 origin, dvec3 direction, double farthest) const {
+  RTCRayHit r = embreeRay(origin, direction, 1e-4 * farthest, farthest);
+  CastContext context{{}, nullptr};
+  rtcInitIntersectContext(&context.base);
+  rtcIntersect1(embree_, &context.base, &r);
+  return r.hit.geomID == RTC_INVALID_GEOMETRY_ID ? kInfinity : double{r.ray.tfar};
+}
+
 // Where the ray meets the triangle's plane, and all that is interpolated there.
 Hit ReferenceCaster::refine(const Ray& ray, uint32_t index, uint32_t triangle) const {
   const Surface& surface = *surfaces_[index];

@@ -40,6 +40,9 @@ class ReferenceCaster {
   // How many surfaces lie along the ray within this relative distance behind and before `depth`.
   int surfacesNear(glm::dvec2 pixel, double depth, double tolerance) const;
 
+  // Metres along the unit direction to the nearest surface within `farthest`, or +inf.
+  double freeDistance(glm::dvec3 origin, glm::dvec3 direction, double farthest) const;
+
   // Depth of the nearest triangle edge that passes a pixel's centre within `kEdgeReach` on the picture; +inf: none.
   double edgeDepth(size_t pixel) const { return edges_[pixel]; }
   // Pixels. Devices snap vertices to a grid of 1/256 pixel (8 sub-pixel bits), so an edge moves by up to half the

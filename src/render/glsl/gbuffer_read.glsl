@@ -1,5 +1,6 @@
 // Reading the G-buffer of the layout this shader is compiled for: set 0, bindings 0... in the order of the layout's
-// targets, then depth, the light accumulation target, and the counts of lights. All are arrays with a layer a view.
+// targets, then depth, the light accumulation target, the counts of lights, and ambient occlusion. All are arrays with a
+// layer a view.
 #ifndef LATELIGHT_GBUFFER_READ_GLSL
 #define LATELIGHT_GBUFFER_READ_GLSL
 #include "gbuffer_layout.h"
@@ -20,7 +21,8 @@ layout(set = 0, binding = 0 GBUFFER_TARGETS(COUNT)) uniform sampler2DArray gbuff
 #else
 layout(set = 0, binding = 1 GBUFFER_TARGETS(COUNT), rgba16f) uniform image2DArray lightTarget;
 layout(set = 0, binding = 2 GBUFFER_TARGETS(COUNT), rgba32f) uniform writeonly image2DArray lightCounts;
-#define GBUFFER_BINDINGS (3 GBUFFER_TARGETS(COUNT))
+layout(set = 0, binding = 3 GBUFFER_TARGETS(COUNT)) uniform sampler2DArray ambientOcclusion;
+#define GBUFFER_BINDINGS (4 GBUFFER_TARGETS(COUNT))
 #endif
 
 // The Surface at a pixel of a view. Its depth must not be the background's (0).
@@ -36,6 +38,10 @@ Surface readSurface(View view, ivec3 pixel, float depth, float ao) {
   GbufferTexel texel;
 #define FETCH_TARGET(index, name, format, type, channels) texel.name = type(texelFetch(gbuffer_##name, pixel, 0));
   GBUFFER_TARGETS(FETCH_TARGET)
-  return unpackGbuffer(texel, context);
+  Surface s = unpackGbuffer(texel, context);
+#ifndef GBUFFER_SAMPLED_ONLY
+  if (kAmbientOcclusion != 0u) s.ao *= texelFetch(ambientOcclusion, pixel, 0).r;
+#endif
+  return s;
 }
 #endif

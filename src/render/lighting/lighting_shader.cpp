@@ -8,6 +8,7 @@ LightingShader::LightingShader(vk::Device& device, const FrameSetup& setup, cons
   desc.shader = file + "@" + setup.layout->file;
   desc.bindings.assign(setup.layout->targets.size() + 1, vk::Binding::Sampled);  // and depth
   desc.bindings.insert(desc.bindings.end(), 2, vk::Binding::Storage);            // light, counts
+  desc.bindings.push_back(vk::Binding::Sampled);                                 // ambient occlusion
   desc.bindings.insert(desc.bindings.end(), GpuEnvironment::kBindings, vk::Binding::Sampled);
   desc.bindings.insert(desc.bindings.end(), more.begin(), more.end());
   desc.constants = setup.constants();
@@ -23,6 +24,7 @@ std::vector<graph::Access> LightingShader::accesses(const Gbuffer& gbuffer) {
   accesses.emplace_back(gbuffer.depth, graph::Use::SampledCompute);
   accesses.emplace_back(gbuffer.light, graph::Use::StorageReadWrite);
   accesses.emplace_back(gbuffer.lightCounts, graph::Use::StorageWrite);
+  accesses.emplace_back(gbuffer.ambientOcclusion, graph::Use::SampledCompute);
   return accesses;
 }
 
@@ -33,6 +35,7 @@ std::vector<vk::BoundImage> LightingShader::images(graph::Context& context, cons
   images.push_back({context.image(gbuffer.depth).arrayView(), sampler_.get()});
   images.push_back({context.image(gbuffer.light).arrayView()});
   images.push_back({context.image(gbuffer.lightCounts).arrayView()});
+  images.push_back({context.image(gbuffer.ambientOcclusion).arrayView(), sampler_.get()});
   for (const vk::BoundImage& map : inputs.environment.bindings()) images.push_back(map);
   return images;
 }

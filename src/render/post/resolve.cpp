@@ -6,13 +6,6 @@ namespace {
 
 constexpr uint32_t kGroup = 16;  // local_size of both shaders
 
-struct ComposePush {  // compose.comp
-  VkDeviceAddress pixels;
-  float scale;
-  uint32_t tonemap;
-  glm::vec4 background;
-};
-
 vk::BufferDesc hostBuffer(const std::string& name, uint64_t bytes) {
   return {.size = bytes, .kind = vk::MemoryKind::Readback, .name = name};
 }
@@ -43,16 +36,20 @@ ComposePass::ComposePass(vk::Device& device)
           device, vk::ComputeDesc{.shader = "compose.comp", .bindings = {vk::Binding::Sampled}, .name = "compose"})),
       sampler_(vk::makeSampler(device, vk::kNearestSampler)) {}
 
+graph::BufferId createPixels(graph::Graph& graph, graph::ImageId picture) {
+  const vk::ImageDesc& desc = graph.desc(picture);
+  return graph.create(hostBuffer("picture", uint64_t{4} * desc.width * desc.height * desc.layers));
+}
+
 graph::BufferId ComposePass::add(graph::Graph& graph, graph::ImageId picture, const ComposeSettings& settings) const {
   vk::ImageDesc desc = graph.desc(picture);
-  graph::BufferId pixels = graph.create(hostBuffer("picture", uint64_t{4} * desc.width * desc.height * desc.layers));
-  graph.pass(
-      "compose", {{picture, graph::Use::SampledCompute}, {pixels, graph::Use::StorageWrite}},
-      [=, this](graph::Context& context) {
-        ComposePush push{context.buffer(pixels).address(), settings.scale, settings.tonemap, settings.background};
-        context.commands().bind(pipeline_, {{context.image(picture).arrayView(), sampler_.get()}}, push);
-        context.commands().dispatch(desc.width, desc.height, desc.layers, kGroup, kGroup);
-      });
+  graph::BufferId pixels = createPixels(graph, picture);
+  graph.pass("compose", {{picture, graph::Use::SampledCompute}, {pixels, graph::Use::StorageWrite}},
+             [=, this](graph::Context& context) {
+               context.commands().bind(pipeline_, {{context.image(picture).arrayView(), sampler_.get()}},
+                                       ComposePush(settings, context.buffer(pixels).address()));
+               context.commands().dispatch(desc.width, desc.height, desc.layers, kGroup, kGroup);
+             });
   graph.exports(pixels, graph::Use::HostRead);
   return pixels;
 }

@@ -25,10 +25,22 @@ struct ComposeSettings {
   glm::vec4 background{0};  // linear display colour; alpha 0: transparent
 };
 
+struct ComposePush {  // compose.glsl
+  VkDeviceAddress pixels;
+  float scale;
+  uint32_t tonemap;
+  glm::vec4 background;
+  ComposePush(const ComposeSettings& s, VkDeviceAddress to)
+      : pixels(to), scale(s.scale), tonemap(s.tonemap), background(s.background) {}
+};
+
+// What a finished picture is written to: RGBA8, sRGB, straight alpha; a layer after the other. Host-readable.
+graph::BufferId createPixels(graph::Graph& graph, graph::ImageId picture);
+
 class ComposePass {
  public:
   explicit ComposePass(vk::Device& device);
-  // RGBA8, sRGB, straight alpha; a layer after the other. Host-readable.
+  // The finished picture, as createPixels() has it.
   graph::BufferId add(graph::Graph& graph, graph::ImageId picture, const ComposeSettings& settings) const;
 
  private:

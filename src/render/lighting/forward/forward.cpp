@@ -24,23 +24,28 @@ ForwardLoop loopOf(vk::Device& device) {
 class Forward final : public LightingTechnique {
  public:
   Forward(vk::Device& device, const GpuScene& scene, const FrameSetup& setup, ForwardLoop loop)
-      : countLights_(setup.countLights), opaque_(makePipeline(device, scene, setup, {false, loop})) {
+      : countLights_(setup.countLights),
+        sampler_(vk::makeSampler(device, vk::kNearestSampler)),
+        opaque_(makePipeline(device, scene, setup, {false, loop})) {
     if (anyMasked(scene)) masked_ = makePipeline(device, scene, setup, {true, loop});
   }
 
   void add(graph::Graph& graph, const FrameInputs& inputs, const Gbuffer& gbuffer) const override {
     std::vector<graph::ImageId> colors{gbuffer.light};
     if (countLights_) colors.push_back(gbuffer.lightCounts);
-    std::vector<graph::Access> accesses{{gbuffer.depth, graph::Use::DepthTest}};
+    std::vector<graph::Access> accesses{{gbuffer.depth, graph::Use::DepthTest},
+                                        {gbuffer.ambientOcclusion, graph::Use::SampledFragment}};
     for (graph::ImageId color : colors) accesses.emplace_back(color, graph::Use::ColorAttachment);
-    graph.pass("lighting forward", std::move(accesses), [=, this, depth = gbuffer.depth](graph::Context& context) {
-      const std::vector<vk::BoundImage> images = inputs.environment.bindings();
-      for (uint32_t view = 0; view < inputs.views.size(); ++view) {
-        beginView(context, inputs, view, colors, {depth, false});
-        drawScene(context, inputs, view, opaque_, masked_, images);
-        vkCmdEndRendering(context.get());
-      }
-    });
+    graph.pass("lighting forward", std::move(accesses),
+               [=, this, depth = gbuffer.depth, ao = gbuffer.ambientOcclusion](graph::Context& context) {
+                 std::vector<vk::BoundImage> images{{context.image(ao).arrayView(), sampler_.get()}};
+                 for (const vk::BoundImage& map : inputs.environment.bindings()) images.push_back(map);
+                 for (uint32_t view = 0; view < inputs.views.size(); ++view) {
+                   beginView(context, inputs, view, colors, {depth, false});
+                   drawScene(context, inputs, view, opaque_, masked_, images);
+                   vkCmdEndRendering(context.get());
+                 }
+               });
   }
 
  private:
@@ -52,7 +57,7 @@ class Forward final : public LightingTechnique {
     vk::GraphicsDesc desc;
     desc.vertex = "scene.vert";
     desc.fragment = "forward.frag";
-    desc.bindings.assign(GpuEnvironment::kBindings, vk::Binding::Sampled);
+    desc.bindings.assign(1 + GpuEnvironment::kBindings, vk::Binding::Sampled);  // ambient occlusion first
     desc.materialSet = scene.materialSetLayout();
     desc.constants = setup.constants();
     desc.constants.push_back({kAlphaMasked, kind.masked ? 1u : 0u});
@@ -67,6 +72,7 @@ class Forward final : public LightingTechnique {
   }
 
   bool countLights_;
+  vk::Handle<VkSampler> sampler_;
   vk::Pipeline opaque_, masked_;
 };
 

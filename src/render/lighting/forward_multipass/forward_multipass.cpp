@@ -37,7 +37,7 @@ struct ScenePipelines {
 vk::GraphicsDesc baseDesc(const FrameSetup& setup, VkFormat sum) {
   vk::GraphicsDesc desc;
   desc.fragment = "forward_base.frag";
-  desc.bindings.assign(GpuEnvironment::kBindings, vk::Binding::Sampled);
+  desc.bindings.assign(1 + GpuEnvironment::kBindings, vk::Binding::Sampled);  // ambient occlusion first
   desc.constants = setup.constants();
   desc.colors = {sum, kSurfaceFormat};
   if (setup.countLights) desc.colors.push_back(kCountsFormat);
@@ -98,16 +98,19 @@ class ForwardMultipass final : public LightingTechnique {
   void addBase(graph::Graph& graph, const FrameInputs& inputs, const Gbuffer& gbuffer, Targets targets) const {
     std::vector<graph::ImageId> colors{targets.sum, targets.surfaces};
     if (countLights_) colors.push_back(gbuffer.lightCounts);
-    std::vector<graph::Access> accesses{{gbuffer.depth, graph::Use::DepthTest}};
+    std::vector<graph::Access> accesses{{gbuffer.depth, graph::Use::DepthTest},
+                                        {gbuffer.ambientOcclusion, graph::Use::SampledFragment}};
     for (graph::ImageId color : colors) accesses.emplace_back(color, graph::Use::ColorAttachment);
-    graph.pass("forward base", std::move(accesses), [=, this, depth = gbuffer.depth](graph::Context& context) {
-      const std::vector<vk::BoundImage> images = inputs.environment.bindings();
-      for (uint32_t view = 0; view < inputs.views.size(); ++view) {
-        beginView(context, inputs, view, colors, {depth, false});
-        drawScene(context, inputs, view, base_.opaque, base_.masked, images);
-        vkCmdEndRendering(context.get());
-      }
-    });
+    graph.pass("forward base", std::move(accesses),
+               [=, this, depth = gbuffer.depth, ao = gbuffer.ambientOcclusion](graph::Context& context) {
+                 std::vector<vk::BoundImage> images{{context.image(ao).arrayView(), sampler_.get()}};
+                 for (const vk::BoundImage& map : inputs.environment.bindings()) images.push_back(map);
+                 for (uint32_t view = 0; view < inputs.views.size(); ++view) {
+                   beginView(context, inputs, view, colors, {depth, false});
+                   drawScene(context, inputs, view, base_.opaque, base_.masked, images);
+                   vkCmdEndRendering(context.get());
+                 }
+               });
   }
 
   void addLights(graph::Graph& graph, const FrameInputs& inputs, const Gbuffer& gbuffer, Targets targets) const {

@@ -1,0 +1,23 @@
+// Fog before a surface, for every pass that has one.
+#ifndef LATELIGHT_FOG_GLSL
+#define LATELIGHT_FOG_GLSL
+#include "shared/fog.h"
+
+// What of the light at the view-space position reaches the camera: its eye, or, orthographic, its plane.
+float fogTransmittanceTo(Fog fog, View view, vec3 position) {
+  bool perspective = view.projection.kind == kPerspective;
+  vec3 start = perspective ? vec3(0.0) : vec3(position.x, 0.0, position.z);
+  vec3 ray = position - start;
+  float distance = perspective ? length(ray) : max(ray.y, 0.0);
+  vec3 direction = view.viewToWorld * vec4(perspective ? ray / max(distance, 1.0e-30) : vec3(0.0, 1.0, 0.0), 0.0);
+  return fogTransmittance(fogOpticalDepth(fog, view.viewToWorld * vec4(start, 1.0), direction, distance));
+}
+
+// The same where nothing is hit.
+float fogTransmittanceBeyond(Fog fog, View view, vec2 ndc) {
+  bool perspective = view.projection.kind == kPerspective;
+  vec3 start = perspective ? vec3(0.0) : viewPositionAtDepth(view.projection, ndc, 0.0);
+  vec3 direction = view.viewToWorld * vec4(normalize(viewRay(view.projection, ndc)), 0.0);
+  return fogTransmittance(fogOpticalDepthToInfinity(fog, view.viewToWorld * vec4(start, 1.0), direction));
+}
+#endif

@@ -1,0 +1,53 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Averages occlusion over a block of the pattern, along one axis: five pixels, the outer ones by half, which weighs each of
+// the four phases alike and has the pixel in its middle. Those that do not lie in the pixel's plane are left out, the less
+// the nearer they are to it.
+#include "render/glsl/common.glsl"
+#include "shared/ambient_occlusion.h"
+
+layout(local_size_x = 16, local_size_y = 16) in;
+layout(constant_id = 16) const uint kLast = 0;  // the second axis: hidden becomes visible
+layout(set = 0, binding = 0) uniform sampler2DArray gbufferDepth;
+layout(set = 0, binding = 1) uniform sampler2DArray hidden;
+layout(set = 0, binding = 2, r32f) uniform writeonly image2DArray result;
+
+struct DenoisePush {
+  uint64_t frame;   // FrameConstants
+  float tolerance;  // metres off the plane at which a pixel counts no more
+  float strength;   // exponent
+};
+layout(push_constant, scalar) uniform Push { DenoisePush push; };
+
+const ivec3 kAxis = kLast == 0u ? ivec3(1, 0, 0) : ivec3(0, 1, 0);
+
+void main() {
+  ivec3 place = ivec3(gl_GlobalInvocationID);
+  View view = frameView(FrameRef(push.frame).v, gl_GlobalInvocationID.z);
+  ivec3 last = ivec3(ivec2(view.size) - 1, place.z);
+  if (any(greaterThan(place.xy, last.xy))) return;
+  float depths[5], values[5];
+  for (int i = 0; i < 5; ++i) {
+    ivec3 at = place + kAxis * (i - 2);
+    bool inside = at == clamp(at, ivec3(0, 0, place.z), last);
+    depths[i] = inside ? texelFetch(gbufferDepth, at, 0).r : 0.0;
+    values[i] = inside ? texelFetch(hidden, at, 0).r : 0.0;
+  }
+  float before = depths[2] - depths[1], after = depths[3] - depths[2];
+  if (depths[1] == 0.0) before = 3.0e38;
+  if (depths[3] == 0.0) after = 3.0e38;
+  float slope = abs(before) < abs(after) ? before : after;
+  if (abs(slope) > 1.0e38) slope = 0.0;
+  float tolerance = deviceDepthStep(view.projection, depths[2], push.tolerance);
+  float sum = values[2], weights = 1.0;
+  for (int i = 0; i < 5; ++i) {
+    float off = abs(depths[i] - depths[2] - slope * float(i - 2));
+    float weight = i == 2 || depths[i] == 0.0 ? 0.0 : max(1.0 - off / tolerance, 0.0);
+    if (i == 0 || i == 4) weight *= 0.5;
+    sum += weight * values[i];
+    weights += weight;
+  }
+  float mean = sum / weights;
+  if (kLast != 0u) mean = depths[2] == 0.0 ? 1.0 : pow(clamp(1.0 - mean, 0.0, 1.0), push.strength);
+  imageStore(result, place, vec4(mean));
+}

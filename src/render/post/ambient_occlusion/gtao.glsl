@@ -1,0 +1,136 @@
+// Ground-truth ambient occlusion of one pixel from the depth around it. After common.glsl and `gbufferDepth`. The shader that includes it
+// knows the normal; what is left here is how much of the cosine-weighted hemisphere is hidden (shared/ambient_occlusion.h).
+//
+// Nothing is random: the 4 by 4 pixels of a block cut their hemispheres in different directions, evenly spread over all
+// of them together, and ambient_occlusion_denoise.comp averages blocks.
+#include "shared/ambient_occlusion.h"
+
+layout(constant_id = 16) const uint kSlicesAPixel = 2;
+layout(constant_id = 17) const uint kStepsASide = 6;
+
+struct OcclusionPush {
+  uint64_t frame;  // FrameConstants
+  float radius;    // metres
+  float reach;     // pixels, at most: samples lie no farther apart than the picture makes sense of
+};
+layout(push_constant, scalar) uniform Push { OcclusionPush push; };
+
+// A pixel and the plane it lies in on screen.
+struct Center {
+  ivec3 place;
+  vec2 pixel;  // its centre
+  float depth;
+  vec2 slope;  // change of device depth a pixel, of the nearer neighbour on each axis: that of the same surface
+  vec3 position;  // view space
+  vec3 toEye;
+};
+
+float depthAt(ivec3 place, ivec2 size) { return texelFetch(gbufferDepth, ivec3(clamp(place.xy, ivec2(0), size - 1), place.z), 0).r; }
+
+float smallerStep(float before, float here, float after) {
+  float a = here - before, b = after - here;
+  return abs(a) < abs(b) ? a : b;
+}
+
+vec2 slopeAt(ivec3 place, ivec2 size, float depth) {
+  // At the picture's edge the missing neighbour repeats the pixel and would count as a flat one.
+  float left = place.x > 0 ? depthAt(place - ivec3(1, 0, 0), size) : 3.0e38;
+  float right = place.x + 1 < size.x ? depthAt(place + ivec3(1, 0, 0), size) : 3.0e38;
+  float above = place.y > 0 ? depthAt(place - ivec3(0, 1, 0), size) : 3.0e38;
+  float below = place.y + 1 < size.y ? depthAt(place + ivec3(0, 1, 0), size) : 3.0e38;
+  vec2 slope = vec2(smallerStep(left, depth, right), smallerStep(above, depth, below));
+  return mix(slope, vec2(0.0), greaterThan(abs(slope), vec2(1.0e38)));
+}
+
+Center centerAt(View view, ivec3 place, float depth) {
+  Center c;
+  c.place = place;
+  c.pixel = vec2(place.xy) + 0.5;
+  c.depth = depth;
+  c.slope = slopeAt(place, ivec2(view.size), depth);
+  vec2 ndc = pixelToNdc(c.pixel, view.size);
+  c.position = viewPositionAtDepth(view.projection, ndc, viewDepth(view.projection, depth));
+  c.toEye = view.projection.kind == kPerspective ? normalize(-c.position) : vec3(0.0, -1.0, 0.0);
+  return c;
+}
+
+vec3 normalFromDepth(View view, Center c) {
+  // A pixel is 2 / width of NDC wide, and NDC's y runs up.
+  vec2 gradient = c.slope * 0.5 * view.size * vec2(1.0, -1.0);
+  return normalFromDepth(view.projection, pixelToNdc(c.pixel, view.size), c.depth, gradient);
+}
+
+// View-space position of what is seen `offset` pixels away; false: nothing.
+bool sampleAt(View view, Center c, vec2 offset, out vec3 position) {
+  position = vec3(0.0);
+  vec2 exact = c.pixel + offset;
+  ivec2 texel = ivec2(floor(exact));
+  bool inside = all(greaterThanEqual(exact, vec2(0.0))) && all(lessThan(exact, view.size));
+  float depth = inside ? texelFetch(gbufferDepth, ivec3(texel, c.place.z), 0).r : 0.0;
+  if (depth == 0.0) return false;
+  // The slice passes the texel beside its centre. Moved there along the pixel's own plane, a plane's samples lie in the
+  // plane to the last bit that matters, at any angle: nothing flat hides itself.
+  depth += dot(c.slope, exact - (vec2(texel) + 0.5));
+  position = viewPositionAtDepth(view.projection, pixelToNdc(exact, view.size), viewDepth(view.projection, depth));
+  return depth > 0.0 || view.projection.kind == kOrthographic;
+}
+
+// How much of half a slice is hidden: what each sample raises the horizon by counts as near as it is. A sample keeps
+// others from counting behind it as far as it counts itself, so that nothing jumps where it leaves the radius.
+float hiddenArc(View view, Center c, vec2 direction, SliceNormal n, vec2 steps) {
+  float visible = wholeArc(n), hidden = 0.0, before = 0.0;
+  for (uint i = 0u; i < kStepsASide; ++i) {
+    float t = (float(i) + steps.x) / float(kStepsASide);
+    vec3 position;
+    float along = 1.0 + t * t * steps.y;
+    bool there = sampleAt(view, c, direction * along, position);
+    vec3 delta = position - c.position;
+    float distance = length(delta);
+    float cosine = clamp(dot(delta, c.toEye) / max(distance, 1.0e-30), -1.0, 1.0);
+    // What hides the sky between the last horizon and this one lies between the two samples.
+    float nearer = distance * 0.5 * (1.0 + before / along);
+    before = along;
+    float weight = there && abovePlane(n, cosine) ? occlusionFalloff(nearer, push.radius) : 0.0;
+    float arc = visibleArc(n, cosine);
+    if (weight > 0.0 && arc < visible) {
+      hidden += weight * (visible - arc);
+      visible = mix(visible, arc, min(4.0 * weight, 1.0));
+    }
+  }
+  return hidden;
+}
+
+SliceNormal sliceNormal(vec3 normal, vec3 toEye, vec3 tangent) {
+  vec2 n = vec2(max(dot(normal, toEye), 0.0), dot(normal, tangent));
+  n /= max(length(n), 1.0e-20);
+  return SliceNormal(n.y < 0.0 ? -quickAcos(n.x) : quickAcos(n.x), n.x, n.y);
+}
+
+// Of the direction at `angle` on the picture, both ways.
+float hiddenSlice(View view, Center c, vec3 normal, float angle, vec2 steps) {
+  vec2 direction = vec2(cos(angle), sin(angle));  // pixels, y down
+  // The view-space direction that looks like it, across V.
+  vec3 across = vec3(direction.x / (view.projection.H * view.size.x), 0.0,
+                     -direction.y / (view.projection.V * view.size.y));
+  vec3 tangent = normalize(across - c.toEye * dot(across, c.toEye));
+  vec3 axis = cross(c.toEye, tangent);
+  float length = length(normal - axis * dot(normal, axis));
+  SliceNormal forward = sliceNormal(normal, c.toEye, tangent);
+  SliceNormal backward = SliceNormal(-forward.angle, forward.cosine, -forward.sine);
+  return length * (hiddenArc(view, c, direction, forward, steps) + hiddenArc(view, c, -direction, backward, steps));
+}
+
+// The hidden share of the cosine-weighted hemisphere; averaged over a block it is in [0, 1].
+float occlusionAt(View view, Center c, vec3 normal) {
+  float metre = view.projection.V * view.size.y * 0.5 / (view.projection.kind == kPerspective ? c.position.y : 1.0);
+  float pixels = min(push.radius * metre, push.reach);
+  if (pixels <= 1.0) return 0.0;
+  // Two orders of the block's 16 pixels: one for directions, one for where along them the steps begin.
+  uint x = uint(c.place.x) & 3u, y = uint(c.place.y) & 3u;
+  float turn = (float((x + y & 3u) * 4u + y) + 0.5) / 16.0;
+  float start = (float(((x + 2u * y) & 3u) * 4u + (x ^ y)) + 0.5) / 16.0;
+  float hidden = 0.0;
+  for (uint i = 0u; i < kSlicesAPixel; ++i)
+    hidden += hiddenSlice(view, c, normal, kPi * (float(i) + turn) / float(kSlicesAPixel), vec2(start, pixels - 1.0));
+  return hidden / float(kSlicesAPixel);
+}

@@ -1,0 +1,16 @@
+// What the passes of bloom share. A level's texel i covers texels 2i and 2i + 1 of the level below it; beyond its edges a
+// picture goes on as its own mirror image, so that nothing leaves it and no edge is darker.
+#include "shared/color.h"
+
+ivec2 mirrored(ivec2 p, ivec2 size) {
+  p = mix(p, -1 - p, lessThan(p, ivec2(0)));
+  p = mix(p, 2 * size - 1 - p, greaterThanEqual(p, size));
+  return clamp(p, ivec2(0), size - 1);  // pictures smaller than the filter
+}
+
+// The light that glows: all of it, or what is beyond a luminance.
+vec3 glowing(vec3 c, float threshold) {
+  if (threshold <= 0.0) return c;
+  float l = luminance(c);
+  return c * (max(l - threshold, 0.0) / max(l, 1.0e-20));
+}

@@ -1,0 +1,28 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// The picture, with a share of its light moved to where the glow has it: no light is added.
+#include "render/post/bloom/bloom.glsl"
+#include "render/post/bloom/bloom_up.glsl"
+
+layout(local_size_x = 16, local_size_y = 16) in;
+layout(set = 0, binding = 0) uniform sampler2DArray picture;  // linear, premultiplied by alpha
+layout(set = 0, binding = 1) uniform sampler2DArray glow;     // half as large
+layout(set = 0, binding = 2, rgba32f) uniform writeonly image2DArray result;
+
+struct BlendPush {
+  float scale;  // of the picture
+  float threshold;
+  float strength;
+};
+layout(push_constant) uniform Push { BlendPush push; };
+
+void main() {
+  ivec3 place = ivec3(gl_GlobalInvocationID);
+  if (any(greaterThanEqual(place.xy, imageSize(result).xy))) return;
+  vec4 c = texelFetch(picture, place, 0) * push.scale;
+  vec3 arrives = enlarged(glow, place) * push.strength;
+  vec3 leaves = glowing(c.rgb, push.threshold) * push.strength;
+  // Light over nothing has to cover it to be seen in a picture with straight alpha: as much as its brightest channel.
+  float alpha = c.a + (1.0 - c.a) * min(maxChannel(arrives), 1.0);
+  imageStore(result, place, vec4(c.rgb + (arrives - leaves), alpha));
+}

@@ -1,0 +1,51 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Half the size by 13 taps (Jimenez 2014, Next Generation Post Processing in Call of Duty: Advanced Warfare, SIGGRAPH course
+// Advances in Real-Time Rendering): five groups of four taps, each the mean of 2 by 2 texels; the one in the middle counts
+// one half, the four around it an eighth each.
+#include "render/post/bloom/bloom.glsl"
+
+layout(local_size_x = 16, local_size_y = 16) in;
+layout(constant_id = 16) const uint kDamp = 0;  // Karis' average in each group
+layout(set = 0, binding = 0) uniform sampler2DArray source;
+layout(set = 0, binding = 1, rgba32f) uniform writeonly image2DArray result;
+
+struct DownPush {
+  float scale;  // of the source
+  float threshold;
+};
+layout(push_constant) uniform Push { DownPush push; };
+
+// Mean of the four texels from `corner` on.
+vec3 tap(ivec3 corner, ivec2 size) {
+  vec3 sum = vec3(0.0);
+  for (int i = 0; i < 4; ++i) {
+    ivec2 place = mirrored(corner.xy + ivec2(i & 1, i >> 1), size);
+    sum += glowing(texelFetch(source, ivec3(place, corner.z), 0).rgb * push.scale, push.threshold);
+  }
+  return sum * 0.25;
+}
+
+// Karis 2013 (Tone mapping, graphicrants.blogspot.com): a mean in which the brighter counts less, so that one texel beyond
+// all others does not outshine them.
+vec3 groupMean(vec3 a, vec3 b, vec3 c, vec3 d) {
+  if (kDamp == 0u) return (a + b + c + d) * 0.25;
+  vec4 w = 1.0 / (1.0 + vec4(luminance(a), luminance(b), luminance(c), luminance(d)));
+  return (a * w.x + b * w.y + c * w.z + d * w.w) / (w.x + w.y + w.z + w.w);
+}
+
+void main() {
+  ivec3 place = ivec3(gl_GlobalInvocationID);
+  if (any(greaterThanEqual(place.xy, imageSize(result).xy))) return;
+  ivec2 size = textureSize(source, 0).xy;
+  ivec3 corner = ivec3(place.xy * 2, place.z);
+  vec3 outer[9];
+  for (int i = 0; i < 9; ++i) outer[i] = tap(corner + ivec3(2 * (i % 3) - 2, 2 * (i / 3) - 2, 0), size);
+  vec3 sum = 0.5 * groupMean(tap(corner + ivec3(-1, -1, 0), size), tap(corner + ivec3(1, -1, 0), size),
+                             tap(corner + ivec3(-1, 1, 0), size), tap(corner + ivec3(1, 1, 0), size));
+  for (int i = 0; i < 4; ++i) {
+    int first = (i & 1) + 3 * (i >> 1);
+    sum += 0.125 * groupMean(outer[first], outer[first + 1], outer[first + 3], outer[first + 4]);
+  }
+  imageStore(result, place, vec4(sum, 0.0));
+}

@@ -1,0 +1,18 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// A level of glow: its own share, and what is left to the coarser ones.
+#include "render/post/bloom/bloom.glsl"
+#include "render/post/bloom/bloom_up.glsl"
+
+layout(local_size_x = 16, local_size_y = 16) in;
+layout(set = 0, binding = 0) uniform sampler2DArray fine;
+layout(set = 0, binding = 1) uniform sampler2DArray coarse;
+layout(set = 0, binding = 2, rgba32f) uniform writeonly image2DArray result;
+
+layout(push_constant) uniform Push { float radius; };
+
+void main() {
+  ivec3 place = ivec3(gl_GlobalInvocationID);
+  if (any(greaterThanEqual(place.xy, imageSize(result).xy))) return;
+  imageStore(result, place, vec4(mix(texelFetch(fine, place, 0).rgb, enlarged(coarse, place), radius), 0.0));
+}

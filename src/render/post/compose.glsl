@@ -1,0 +1,32 @@
+// The finished picture from the linear one: tonemap, background colour; then sRGB, 8 bits.
+#include "render/glsl/common.glsl"
+#include "shared/color.h"
+#include "shared/tonemap.h"
+
+layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer PixelsRef { uint v[]; };
+
+struct ComposePush {
+  uint64_t pixels;   // uint[layers * height * width]: R lowest
+  float scale;       // 1 / number of accumulated frames
+  uint tonemap;      // kTonemap*
+  vec4 background;   // linear display colour; alpha 0: transparent
+};
+
+// Linear display colour and straight alpha, as PNG has it: the colour is that of the covered part alone. `c` is
+// premultiplied.
+vec4 displayColor(ComposePush push, vec4 c) {
+  c *= push.scale;
+  vec3 display = c.a > 0.0 ? tonemap(push.tonemap, c.rgb / c.a) : vec3(0.0);
+  float alpha = c.a + push.background.a * (1.0 - c.a);
+  if (alpha > 0.0) display = mix(push.background.rgb, display, c.a / alpha);
+  return vec4(display, alpha);
+}
+
+uint displayCode(vec4 display) {
+  vec3 code = vec3(srgbFromLinear(display.r), srgbFromLinear(display.g), srgbFromLinear(display.b));
+  return packUnorm4x8(vec4(code, display.a));
+}
+
+void writeCode(PixelsRef pixels, ivec3 place, ivec2 size, uint code) {
+  pixels.v[(place.z * size.y + place.y) * size.x + place.x] = code;
+}

@@ -1,0 +1,28 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// The lit picture through fog. Where nothing is drawn the whole depth of the fog covers it.
+#include "render/glsl/common.glsl"
+#include "render/glsl/fog.glsl"
+
+layout(local_size_x = 16, local_size_y = 16) in;
+layout(set = 0, binding = 0) uniform sampler2DArray gbufferDepth;
+layout(set = 0, binding = 1, rgba16f) uniform image2DArray lightTarget;
+
+struct FogPush {
+  uint64_t frame;  // FrameConstants
+};
+layout(push_constant, scalar) uniform Push { FogPush push; };
+
+void main() {
+  FrameConstants frame = FrameRef(push.frame).v;
+  ivec3 pixel = ivec3(gl_GlobalInvocationID);
+  View view = frameView(frame, pixel.z);
+  if (any(greaterThanEqual(vec2(pixel.xy), view.size))) return;
+  vec2 ndc = pixelToNdc(vec2(pixel.xy) + 0.5, view.size);
+  float depth = texelFetch(gbufferDepth, pixel, 0).r;
+  float transmittance =
+      depth == 0.0 ? fogTransmittanceBeyond(frame.fog, view, ndc)
+                   : fogTransmittanceTo(frame.fog, view,
+                                        viewPositionAtDepth(view.projection, ndc, viewDepth(view.projection, depth)));
+  imageStore(lightTarget, pixel, seenThroughFog(frame.fog, imageLoad(lightTarget, pixel), transmittance));
+}

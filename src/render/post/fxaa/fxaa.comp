@@ -1,0 +1,104 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Fast approximate anti-aliasing, written from the description of FXAA 3.11's quality path (Lottes 2009, FXAA, NVIDIA white
+// paper): where contrast is high, find which way the edge runs, follow it to both of its ends, and take in as much of the
+// pixel across as the edge, drawn from end to end, would cover.
+//
+// Light is blended linearly, as more samples a pixel would be; contrast is seen in its square root, near to how the
+// picture is coded. Where opacity changes more than light does, the edge is one of opacity.
+#include "render/post/compose.glsl"
+
+layout(local_size_x = 16, local_size_y = 16) in;
+layout(set = 0, binding = 0) uniform sampler2DArray display;  // linear, straight alpha
+layout(push_constant, scalar) uniform Push { ComposePush push; };
+
+const float kLeastContrast = 1.0 / 32.0;   // of a picture in [0, 1]; below it no edge shows
+const float kLeastRelative = 1.0 / 8.0;    // of the brightest neighbour
+const float kSubpixel = 0.75;              // how much lone pixels are softened, 0 to 1
+const int kSearchSteps = 11;
+const int kSearchStep[kSearchSteps] = int[](1, 1, 1, 1, 1, 2, 2, 2, 2, 4, 8);
+
+struct Pixel {
+  ivec3 place;
+  ivec2 size;
+  bool byAlpha;
+};
+
+vec4 fetch(Pixel p, ivec2 offset) {
+  return texelFetch(display, ivec3(clamp(p.place.xy + offset, ivec2(0), p.size - 1), p.place.z), 0);
+}
+
+vec2 signals(vec4 c) { return vec2(sqrt(luminance(c.rgb) * c.a), c.a); }
+
+float at(Pixel p, ivec2 offset) {
+  vec2 s = signals(fetch(p, offset));
+  return p.byAlpha ? s.y : s.x;
+}
+
+// Between a pixel of the edge's row and its neighbour across.
+float edgeAt(Pixel p, ivec2 offset, ivec2 across) { return 0.5 * (at(p, offset) + at(p, offset + across)); }
+
+// Where the edge ends on either side: pixels from here, and how the mean across has changed there.
+struct End {
+  float distance, change;
+  bool found;
+};
+
+void search(inout End end, Pixel p, ivec2 along, ivec2 across, float mean, float limit, int reached) {
+  if (end.found) return;
+  end.distance = float(reached);
+  end.change = edgeAt(p, along * reached, across) - mean;
+  end.found = abs(end.change) >= limit;
+}
+
+// Share of the neighbour across that the edge's run covers.
+float coverage(Pixel p, ivec2 along, ivec2 across, float here, float there) {
+  float mean = 0.5 * (here + there), limit = 0.25 * abs(there - here);
+  End back = End(0.0, 0.0, false), ahead = End(0.0, 0.0, false);
+  int reached = 0;
+  for (int i = 0; i < kSearchSteps && !(back.found && ahead.found); ++i) {
+    reached += kSearchStep[i];
+    search(back, p, -along, across, mean, limit, reached);
+    search(ahead, p, along, across, mean, limit, reached);
+  }
+  End nearer = back.distance < ahead.distance ? back : ahead;
+  // The nearer end must bend to this pixel's side: else the neighbour is the one that the run cuts.
+  bool bends = (nearer.change < 0.0) != (here - mean < 0.0);
+  return bends ? 0.5 - nearer.distance / (back.distance + ahead.distance) : 0.0;
+}
+
+vec4 premultiplied(vec4 c) { return vec4(c.rgb * c.a, c.a); }
+
+vec4 straight(vec4 c) { return vec4(c.a > 0.0 ? c.rgb / c.a : vec3(0.0), c.a); }
+
+vec4 antialiased(Pixel p) {
+  vec4 middle = fetch(p, ivec2(0));
+  vec2 m = signals(middle), n = signals(fetch(p, ivec2(0, -1))), s = signals(fetch(p, ivec2(0, 1))),
+       w = signals(fetch(p, ivec2(-1, 0))), e = signals(fetch(p, ivec2(1, 0)));
+  vec2 most = max(m, max(max(n, s), max(w, e))), least = min(m, min(min(n, s), min(w, e)));
+  vec2 contrast = most - least;
+  p.byAlpha = contrast.y > contrast.x;
+  float range = p.byAlpha ? contrast.y : contrast.x;
+  if (range < max(kLeastContrast, kLeastRelative * (p.byAlpha ? most.y : most.x))) return middle;
+
+  float M = p.byAlpha ? m.y : m.x, N = p.byAlpha ? n.y : n.x, S = p.byAlpha ? s.y : s.x, W = p.byAlpha ? w.y : w.x,
+        E = p.byAlpha ? e.y : e.x;
+  float NW = at(p, ivec2(-1, -1)), NE = at(p, ivec2(1, -1)), SW = at(p, ivec2(-1, 1)), SE = at(p, ivec2(1, 1));
+  float mean = (2.0 * (N + S + W + E) + NW + NE + SW + SE) / 12.0;
+  float lone = smoothstep(0.0, 1.0, min(abs(mean - M) / range, 1.0));
+  float acrossRows = abs(NW + SW - 2.0 * W) + 2.0 * abs(N + S - 2.0 * M) + abs(NE + SE - 2.0 * E);
+  float acrossColumns = abs(NW + NE - 2.0 * N) + 2.0 * abs(W + E - 2.0 * M) + abs(SW + SE - 2.0 * S);
+  bool horizontal = acrossRows >= acrossColumns;
+  float before = horizontal ? N : W, after = horizontal ? S : E;
+  bool towardsBefore = abs(before - M) >= abs(after - M);
+  ivec2 along = horizontal ? ivec2(1, 0) : ivec2(0, 1);
+  ivec2 across = (horizontal ? ivec2(0, 1) : ivec2(1, 0)) * (towardsBefore ? -1 : 1);
+  float share = max(coverage(p, along, across, M, towardsBefore ? before : after), lone * lone * kSubpixel);
+  return straight(mix(premultiplied(middle), premultiplied(fetch(p, across)), share));
+}
+
+void main() {
+  Pixel p = Pixel(ivec3(gl_GlobalInvocationID), textureSize(display, 0).xy, false);
+  if (any(greaterThanEqual(p.place.xy, p.size))) return;
+  writeCode(PixelsRef(push.pixels), p.place, p.size, displayCode(antialiased(p)));
+}

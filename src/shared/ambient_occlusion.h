@@ -1,0 +1,74 @@
+// What ground-truth ambient occlusion is made of (Jimenez, Wu, Pesce, Jarabo 2016, Practical Realtime Strategies for
+// Accurate Indirect Occlusion, Activision technical memo): the hemisphere above a point is cut into slices, half planes
+// through the direction to the eye V; in each the horizon's angle from V bounds what is seen of the sky, and the
+// cosine-weighted arc has a closed form.
+#ifndef LATELIGHT_SHARED_AMBIENT_OCCLUSION_H
+#define LATELIGHT_SHARED_AMBIENT_OCCLUSION_H
+
+#include "shared/lang.h"
+#include "shared/projection.h"
+
+SH_BEGIN
+
+// How much an occluder counts at a distance: all of it nearby, nothing at the radius, smoothly between.
+SH_FUNC float occlusionFalloff(float distance, float radius) {
+  float x = distance / radius;
+  float left = 1.0f - x * x;
+  return left > 0.0f ? left * left : 0.0f;
+}
+
+// Arc cosine for c in [-1, 1], at most 7e-5 off: Abramowitz and Stegun 1964, 4.4.45.
+SH_FUNC float quickAcos(float c) {
+  float x = abs(c);
+  float a = sqrt(max(1.0f - x, 0.0f)) * (1.5707288f + x * (-0.2121144f + x * (0.0742610f - x * 0.0187293f)));
+  return c < 0.0f ? kPi - a : a;
+}
+
+// The normal in the plane of a half slice, as an angle n from V, positive towards that half; |n| <= pi/2.
+struct SliceNormal {
+  float angle, cosine, sine;
+};
+
+// Cosine-weighted arc from V to the direction at angle h, cos h = c: the integral of cos(x - n) |sin x| over [0, h]
+// (Jimenez 2016, equation 7). Over both halves of a slice with n = 0 it is 1 up to the horizon of a plane.
+SH_FUNC float visibleArc(SliceNormal n, float c) {
+  float s = sqrt(max(1.0f - c * c, 0.0f));
+  float cos2 = 2.0f * c * c - 1.0f, sin2 = 2.0f * c * s;
+  return 0.25f * (n.cosine - cos2 * n.cosine - sin2 * n.sine + 2.0f * quickAcos(c) * n.sine);
+}
+
+// The same up to the plane that the normal stands on, at n + pi/2.
+SH_FUNC float wholeArc(SliceNormal n) {
+  return 0.25f * (2.0f * n.cosine + (2.0f * n.angle + kPi) * n.sine);
+}
+
+// Whether a direction at that angle from V lies above this plane.
+SH_FUNC bool abovePlane(SliceNormal n, float c) {
+  return c * n.cosine + sqrt(max(1.0f - c * c, 0.0f)) * n.sine > 0.0f;
+}
+
+// The unit normal, in view space and towards the viewer, of the plane that is seen at NDC (x, y) in this device depth,
+// whose depth changes by `gradient` a unit of NDC. Exact: device depth is an affine function of NDC on any plane.
+SH_FUNC vec3 normalFromDepth(Projection p, vec2 ndc, float deviceDepth, vec2 gradient) {
+  float x = gradient.x * p.H, z = gradient.y * p.V, y = -p.A;
+  if (p.kind == kPerspective) y = deviceDepth - p.A - x * (ndc.x - p.X) / p.H - z * (ndc.y - p.Z) / p.V;
+  vec3 n = vec3(x, y, z);
+  float length2 = dot(n, n);
+  // Reversed and conventional depth give opposite signs.
+  vec3 toEye = vec3(0.0f, -1.0f, 0.0f);
+  if (p.kind == kPerspective) toEye = vec3((p.X - ndc.x) / p.H, -1.0f, (p.Z - ndc.y) / p.V);
+  if (length2 <= 0.0f) return vec3(0.0f, -1.0f, 0.0f);
+  float side = dot(n, toEye) < 0.0f ? -1.0f : 1.0f;
+  return n * (side * inversesqrt(length2));
+}
+
+// How far apart in device depth two points are that lie `distance` metres apart along the view axis.
+SH_FUNC float deviceDepthStep(Projection p, float deviceDepth, float distance) {
+  if (p.kind == kOrthographic) return abs(p.A) * distance;
+  float inverse = deviceDepth - p.A;  // B / y
+  return abs(inverse * inverse / p.B) * distance;
+}
+
+SH_END
+
+#endif

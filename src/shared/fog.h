@@ -1,0 +1,62 @@
+// Fog: a medium that takes light from a ray and adds its own colour, in closed form. Density falls exponentially with
+// height, or is the same everywhere.
+//
+// Wenzel 2006 (Real-time Atmospheric Effects in Games, SIGGRAPH course: the optical depth of exponential height fog
+// along a ray) and Quilez 2010 (Better Fog, iquilezles.org). Extinction and in-scattering are equal: the fog is as
+// bright from everywhere, so along a ray of transmittance T it adds colour (1 - T).
+#ifndef LATELIGHT_SHARED_FOG_H
+#define LATELIGHT_SHARED_FOG_H
+
+#include "shared/lang.h"
+
+SH_BEGIN
+
+struct Fog {      // all zero: none
+  vec3 color;     // linear, as the picture has it after exposure: what is seen through fog without end
+  float density;  // extinction at the height `base`, 1/m
+  float falloff;  // density is multiplied by exp(-falloff (z - base)); 1/m, 0: the same everywhere
+  float base;     // world z, metres
+};
+
+// (1 - exp(-x)) / x, which is 1 at 0. By its series where the difference would lose its digits.
+SH_FUNC float meanExponential(float x) {
+  if (abs(x) < 1e-2f) return 1.0f - x * (0.5f - x * (1.0f / 6.0f));
+  return (1.0f - exp(-x)) / x;
+}
+
+// Fog of this depth hides everything, and larger exponents could overflow.
+SH_CONST float kFogMaxExponent = 60.0f;
+
+SH_FUNC float fogDensityAt(Fog fog, float z) {
+  return fog.density * exp(min(-fog.falloff * (z - fog.base), kFogMaxExponent));
+}
+
+// Optical depth of `distance` metres from `origin` along the unit `direction` (world, Z up): the integral of the
+// density, from the lower end, where it is largest, so that no product overflows.
+SH_FUNC float fogOpticalDepth(Fog fog, vec3 origin, vec3 direction, float distance) {
+  float rise = direction.z * distance;
+  return fogDensityAt(fog, origin.z + min(rise, 0.0f)) * distance * meanExponential(fog.falloff * abs(rise));
+}
+
+// The same to where the ray leaves the fog; kFogMaxExponent where it never does.
+SH_FUNC float fogOpticalDepthToInfinity(Fog fog, vec3 origin, vec3 direction) {
+  float thinning = fog.falloff * direction.z;  // of the exponent, 1/m
+  if (fog.density <= 0.0f) return 0.0f;
+  if (thinning <= 0.0f) return kFogMaxExponent;
+  return min(fogDensityAt(fog, origin.z) / thinning, kFogMaxExponent);
+}
+
+SH_FUNC float fogTransmittance(float opticalDepth) {
+  return exp(-min(opticalDepth, kFogMaxExponent));
+}
+
+// Light `c`, premultiplied by its alpha, seen through fog: fog covers what is behind it.
+SH_FUNC vec4 seenThroughFog(Fog fog, vec4 c, float transmittance) {
+  float added = 1.0f - transmittance;
+  return vec4(c.x * transmittance + fog.color.x * added, c.y * transmittance + fog.color.y * added,
+              c.z * transmittance + fog.color.z * added, c.w * transmittance + added);
+}
+
+SH_END
+
+#endif
