@@ -174,6 +174,7 @@ const Topic kTopics[] = {
     {"shading", [](const PictureSize&) { return listOptions(render::shadings()); }},
     {"tonemaps", [](const PictureSize&) { return listOptions(render::tonemaps()); }},
     {"volumes-orders", [](const PictureSize&) { return listOptions(render::volumesOrders()); }},
+    {"transparency", [](const PictureSize&) { return listOptions(render::transparencies()); }},
     {"aovs", [](const PictureSize&) { return listAovs(); }},
     {"scenes", [](const PictureSize&) { return listScenes(); }},
 };

@@ -75,6 +75,8 @@ void addLookOptions(CLI::App& c, RenderOptions& o) {
   c.add_option("--shading", s.shading, "ggx or blinn-phong")->capture_default_str();
   c.add_option("--volumes-order", s.volumesOrder, "How --lighting volumes culls by stencil: classic or killzone")
       ->capture_default_str();
+  c.add_option("--transparency", s.transparency, "Alpha-blended surfaces: exact, sorted, weighted or none")
+      ->capture_default_str();
   c.add_option("--aa", o.aa, "Anti-aliasing: none, or ssN for N x N ordered samples a pixel (ss2, ss4)")
       ->capture_default_str();
   c.add_option("--hdri", o.hdri,

@@ -3,6 +3,7 @@
 #include "render/gbuffer/geometry_pass.h"
 #include "render/lighting/technique.h"
 #include "render/post/background.h"
+#include "render/transparency/transparency.h"
 #include "render/visibility/hardware.h"
 
 namespace latelight::render {
@@ -34,7 +35,8 @@ Frame::Frame(vk::Device& device, const GpuScene& scene, const FrameSetup& setup)
     : setup_(setup),
       depth_(std::make_unique<DepthPass>(device, scene)),
       lighting_(setup.lighting->make(device, scene, setup)),
-      background_(std::make_unique<BackgroundPass>(device)) {
+      background_(std::make_unique<BackgroundPass>(device)),
+      transparency_(makeTransparency(device, scene, setup)) {
   if (!setup.lighting->forward) geometry_ = std::make_unique<GeometryPass>(device, scene, setup);
 }
 
@@ -47,7 +49,12 @@ LitFrame Frame::add(graph::Graph& graph, const FrameInputs& inputs) const {
   if (geometry_) geometry_->add(graph, inputs, gbuffer);
   lighting_->add(graph, inputs, gbuffer);
   if (inputs.environmentBackground) background_->add(graph, inputs, gbuffer);
+  if (transparency_) transparency_->add(graph, inputs, gbuffer);
   return {gbuffer.light, gbuffer.lightCounts, gbuffer};
+}
+
+bool Frame::outgrown(const graph::Executor& done) const {
+  return transparency_ && transparency_->outgrown(done);
 }
 
 }  // namespace latelight::render

@@ -18,6 +18,7 @@ class GeometryPass;
 class LightingTechnique;
 struct TechniqueInfo;
 class BackgroundPass;
+class Transparency;
 
 // What a frame draws: one scene seen by V views, each a layer of every target.
 struct FrameInputs {
@@ -26,7 +27,8 @@ struct FrameInputs {
   std::span<const shared::View> views;  // as the device's constants have them
   VkDeviceAddress constants;            // shared::FrameConstants
   uint32_t width, height;
-  bool environmentBackground = false;     // draw the environment where nothing else is
+  bool environmentBackground = false;  // draw the environment where nothing else is
+  bool blendedToo = false;  // what is blended is a surface like any other where its alpha is above 0: for data outputs
   std::span<const shared::Light> lights;  // those of the constants, on the host
 };
 
@@ -41,6 +43,13 @@ struct Gbuffer {
   graph::ImageId lightCounts;  // lights tested and used (kCountsFormat); one texel where they are not counted
 };
 
+// How blended surfaces are drawn (render/transparency).
+struct TransparencySetup {
+  uint32_t method = 0;      // kTransparency*
+  bool everyLight = false;  // go through all lights, not through those that the light tree has near: the reference
+  uint64_t fragments = 0;   // that `exact` has room for at first; 0: one a pixel
+};
+
 // What pipelines are made for.
 struct FrameSetup {
   const Layout* layout = nullptr;
@@ -51,6 +60,7 @@ struct FrameSetup {
   uint32_t positionMethod = 0;  // kPosition*
   uint32_t volumesOrder = 0;    // kVolumes*: of the technique `volumes`
   bool countLights = false;
+  TransparencySetup transparency;
 
   // Of every shader that includes render/glsl/setup.glsl; a shader's own start at kFirstOwnConstant.
   std::vector<vk::Constant> constants() const;
@@ -72,6 +82,9 @@ class Frame {
   ~Frame();
   // Adds the frame's passes.
   LitFrame add(graph::Graph& graph, const FrameInputs& inputs) const;
+  // After a run of the graph that add() filled last: whether the picture lacks something that memory had no room for.
+  // The frame has made room; the same has to be added and run again.
+  bool outgrown(const graph::Executor& done) const;
 
  private:
   FrameSetup setup_;
@@ -79,6 +92,7 @@ class Frame {
   std::unique_ptr<GeometryPass> geometry_;  // null for forward techniques
   std::unique_ptr<LightingTechnique> lighting_;
   std::unique_ptr<BackgroundPass> background_;
+  std::unique_ptr<Transparency> transparency_;  // null where nothing is blended
 };
 
 }  // namespace latelight::render

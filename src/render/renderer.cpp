@@ -146,7 +146,7 @@ FrameInputs Renderer::prepareViews(Job& job, glm::vec2 jitter) {
 Frame& Renderer::frameFor(const Settings& s, bool countLights) {
   std::string key = countLights ? "counting/" : "";
   for (const std::string& choice :
-       {s.layout, s.normals, s.normalSpace, s.position, s.lighting, s.shading, s.volumesOrder})
+       {s.layout, s.normals, s.normalSpace, s.position, s.lighting, s.shading, s.volumesOrder, s.transparency})
     key += choice + "/";
   if (frame_ && key == frameKey_) return *frame_;
   FrameSetup setup{.layout = &findLayout(s.layout),
@@ -156,7 +156,8 @@ Frame& Renderer::frameFor(const Settings& s, bool countLights) {
                    .normalSpace = indexByName(normalSpaces(), s.normalSpace, "space of normals"),
                    .positionMethod = indexByName(positionMethods(), s.position, "position method"),
                    .volumesOrder = indexByName(volumesOrders(), s.volumesOrder, "order of light volumes"),
-                   .countLights = countLights};
+                   .countLights = countLights,
+                   .transparency = {indexByName(transparencies(), s.transparency, "method of transparency")}};
   frame_ = std::make_unique<Frame>(device_, gpuScene_, setup);
   frameKey_ = key;
   return *frame_;
@@ -215,6 +216,10 @@ void Renderer::renderColor(Job& job) {
     if (last && linear) values = addReadback(graph, picture);
     if (last) graphviz_ = graph.graphviz();
     graph::Executor& done = run(graph);
+    if (frame.outgrown(done)) {  // from the first frame on: the sum has one that lacks something
+      i = ~0u;
+      continue;
+    }
     progress.step();
     if (!last) continue;
     for (size_t view = 0; view < job.pictures.size(); ++view) {
@@ -242,6 +247,7 @@ void Renderer::renderLightCounts(Job& job) {
 // of its own into the layout `exact`.
 void Renderer::renderData(Job& job) {
   FrameInputs inputs = prepareViews(job, glm::vec2(0));
+  inputs.blendedToo = job.settings.blendedData;
   const Layout& exact = findLayout("exact");
   if (!data_) data_ = std::make_unique<DataPasses>(device_, gpuScene_, exact);
   graph::Graph graph;
@@ -262,12 +268,16 @@ output::RawGbuffer Renderer::readTargets(const scene::Camera& camera, const Sett
              settings.lighting);
   Job job{.cameras = {&camera, 1}, .settings = settings};
   const FrameInputs inputs = prepareViews(job, glm::vec2(0));
-  graph::Graph graph;
-  const LitFrame lit = frameFor(settings, false).add(graph, inputs);
-  const RawReadback readback(graph, findLayout(settings.layout), findNormalEncoding(settings.normals).index,
-                             lit.gbuffer);
-  graphviz_ = graph.graphviz();
-  return readback.read(run(graph), job.views.front());
+  const Frame& frame = frameFor(settings, false);
+  for (;;) {
+    graph::Graph graph;
+    const LitFrame lit = frame.add(graph, inputs);
+    const RawReadback readback(graph, findLayout(settings.layout), findNormalEncoding(settings.normals).index,
+                               lit.gbuffer);
+    graphviz_ = graph.graphviz();
+    const graph::Executor& done = run(graph);
+    if (!frame.outgrown(done)) return readback.read(done, job.views.front());
+  }
 }
 
 }  // namespace latelight::render

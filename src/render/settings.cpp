@@ -54,6 +54,16 @@ const std::vector<NamedOption>& positionMethods() {
   return all;
 }
 
+const std::vector<NamedOption>& transparencies() {
+  static const std::vector<NamedOption> all = {
+      {"exact", "every fragment kept and sorted in its pixel: right for any number of layers in any order"},
+      {"sorted", "objects from far to near: right where they do not interpenetrate and each is convex"},
+      {"weighted", "no order: coverage is right, colours of several layers are a weighted mean"},
+      {"none", "blended surfaces are left out"},
+  };
+  return all;
+}
+
 void checkSettings(const Settings& s) {
   constexpr uint32_t kMaxSide = 16384;  // maxImageDimension2D every Vulkan 1.3 device we know of offers
   if (s.width == 0 || s.height == 0 || s.width > kMaxSide || s.height > kMaxSide)
@@ -74,6 +84,7 @@ void checkSettings(const Settings& s) {
   findByName(shadings(), s.shading, "shading model");
   findByName(tonemaps(), s.tonemap, "tonemap");
   findByName(volumesOrders(), s.volumesOrder, "order of light volumes");
+  findByName(transparencies(), s.transparency, "method of transparency");
 }
 
 }  // namespace latelight::render

@@ -24,6 +24,8 @@ struct Settings {
   std::string shading = "ggx";
   std::string tonemap = "khronos";
   std::string volumesOrder = "classic";  // of the lighting technique `volumes`
+  std::string transparency = "exact";    // how alpha-blended surfaces are drawn
+  bool blendedData = false;              // data outputs show the nearest surface of all, blended ones included
   uint32_t superSampling = 1;            // N: N x N ordered samples a pixel, in N * N frames
   float exposure = 0;                    // EV: radiance is multiplied by 2^exposure
   float environmentIntensity = 1;
@@ -37,8 +39,8 @@ struct Settings {
   bool zUp = false;  // positions, normals and poses in the renderer's world instead of the scene file's frame
 };
 
-// The names --shading, --tonemap, --volumes-order, --normal-space and --position take, in the order of their kShading*,
-// kTonemap*, kVolumes*, kNormalSpace* and kPosition* constants.
+// The names --shading, --tonemap, --volumes-order, --normal-space, --position and --transparency take, in the order of
+// their kShading*, kTonemap*, kVolumes*, kNormalSpace*, kPosition* and kTransparency* constants.
 struct NamedOption {
   const char* name;
   const char* description;
@@ -48,6 +50,7 @@ const std::vector<NamedOption>& tonemaps();
 const std::vector<NamedOption>& volumesOrders();
 const std::vector<NamedOption>& normalSpaces();
 const std::vector<NamedOption>& positionMethods();
+const std::vector<NamedOption>& transparencies();
 
 // Throws Error(Usage) with a sentence where a value is out of range or a name unknown.
 void checkSettings(const Settings& settings);
