@@ -175,6 +175,7 @@ const Topic kTopics[] = {
     {"tonemaps", [](const PictureSize&) { return listOptions(render::tonemaps()); }},
     {"volumes-orders", [](const PictureSize&) { return listOptions(render::volumesOrders()); }},
     {"transparency", [](const PictureSize&) { return listOptions(render::transparencies()); }},
+    {"data-surfaces", [](const PictureSize&) { return listOptions(render::dataSurfaces()); }},
     {"aovs", [](const PictureSize&) { return listAovs(); }},
     {"scenes", [](const PictureSize&) { return listScenes(); }},
 };

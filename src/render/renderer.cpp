@@ -247,7 +247,7 @@ void Renderer::renderLightCounts(Job& job) {
 // of its own into the layout `exact`.
 void Renderer::renderData(Job& job) {
   FrameInputs inputs = prepareViews(job, glm::vec2(0));
-  inputs.blendedToo = job.settings.blendedData;
+  inputs.blendedToo = job.settings.dataSurfaces == "any";
   const Layout& exact = findLayout("exact");
   if (!data_) data_ = std::make_unique<DataPasses>(device_, gpuScene_, exact);
   graph::Graph graph;

@@ -64,6 +64,14 @@ const std::vector<NamedOption>& transparencies() {
   return all;
 }
 
+const std::vector<NamedOption>& dataSurfaces() {
+  static const std::vector<NamedOption> all = {
+      {"opaque", "the nearest surface that is not alpha-blended"},
+      {"any", "the nearest surface of all: blended ones count where their alpha is above 0"},
+  };
+  return all;
+}
+
 void checkSettings(const Settings& s) {
   constexpr uint32_t kMaxSide = 16384;  // maxImageDimension2D every Vulkan 1.3 device we know of offers
   if (s.width == 0 || s.height == 0 || s.width > kMaxSide || s.height > kMaxSide)
@@ -85,6 +93,7 @@ void checkSettings(const Settings& s) {
   findByName(tonemaps(), s.tonemap, "tonemap");
   findByName(volumesOrders(), s.volumesOrder, "order of light volumes");
   findByName(transparencies(), s.transparency, "method of transparency");
+  findByName(dataSurfaces(), s.dataSurfaces, "choice of surfaces for data");
 }
 
 }  // namespace latelight::render

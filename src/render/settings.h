@@ -25,7 +25,7 @@ struct Settings {
   std::string tonemap = "khronos";
   std::string volumesOrder = "classic";  // of the lighting technique `volumes`
   std::string transparency = "exact";    // how alpha-blended surfaces are drawn
-  bool blendedData = false;              // data outputs show the nearest surface of all, blended ones included
+  std::string dataSurfaces = "opaque";   // which surfaces data outputs show
   uint32_t superSampling = 1;            // N: N x N ordered samples a pixel, in N * N frames
   float exposure = 0;                    // EV: radiance is multiplied by 2^exposure
   float environmentIntensity = 1;
@@ -40,7 +40,7 @@ struct Settings {
 };
 
 // The names --shading, --tonemap, --volumes-order, --normal-space, --position and --transparency take, in the order of
-// their kShading*, kTonemap*, kVolumes*, kNormalSpace*, kPosition* and kTransparency* constants.
+// their kShading*, kTonemap*, kVolumes*, kNormalSpace*, kPosition* and kTransparency* constants; and --data-surfaces.
 struct NamedOption {
   const char* name;
   const char* description;
@@ -51,6 +51,7 @@ const std::vector<NamedOption>& volumesOrders();
 const std::vector<NamedOption>& normalSpaces();
 const std::vector<NamedOption>& positionMethods();
 const std::vector<NamedOption>& transparencies();
+const std::vector<NamedOption>& dataSurfaces();
 
 // Throws Error(Usage) with a sentence where a value is out of range or a name unknown.
 void checkSettings(const Settings& settings);
