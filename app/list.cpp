@@ -177,6 +177,8 @@ const Topic kTopics[] = {
     {"ao", [](const PictureSize&) { return listOptions(render::ambientOcclusions()); }},
     {"post", [](const PictureSize&) { return listOptions(render::postEffects()); }},
     {"volumes-orders", [](const PictureSize&) { return listOptions(render::volumesOrders()); }},
+    {"transparency", [](const PictureSize&) { return listOptions(render::transparencies()); }},
+    {"data-surfaces", [](const PictureSize&) { return listOptions(render::dataSurfaces()); }},
     {"aovs", [](const PictureSize&) { return listAovs(); }},
     {"scenes", [](const PictureSize&) { return listScenes(); }},
 };

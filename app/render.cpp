@@ -11,6 +11,7 @@
 #include "app/render_camera.h"
 #include "app/render_metadata.h"
 #include "app/render_options.h"
+#include "app/render_pick.h"
 #include "base/files.h"
 #include "base/log.h"
 #include "base/parallel.h"
@@ -40,7 +41,8 @@ struct Times {  // seconds
 };
 
 void printReport(const scene::Scene& scene, const vk::Device& device, const render::Renderer& renderer,
-                 const std::vector<std::filesystem::path>& files, const Times& times) {
+                 const std::vector<std::filesystem::path>& files, const std::vector<render::Picked>& picked,
+                 const Times& times) {
   Json passes = Json::array();
   for (const graph::PassTime& pass : renderer.times())
     passes.push_back({{"pass", pass.name}, {"milliseconds", pass.milliseconds}});
@@ -58,6 +60,7 @@ void printReport(const scene::Scene& scene, const vk::Device& device, const rend
                 {"write", times.write},
                 {"total", times.total}}},
               {"gpu", passes}};
+  if (!picked.empty()) report["picked"] = describePicked(picked);
   fmt::print("{}\n", report.dump(2));
 }
 
@@ -90,6 +93,13 @@ std::vector<std::filesystem::path> writeTargets(const output::RawGbuffer& gbuffe
   return {path};
 }
 
+// Each may fill standard output once.
+void checkStandardOutput(const RenderOptions& o) {
+  const bool picksAsText = !o.picks.empty() && !o.json;
+  if ((o.out == "-") + (o.graph == "-") + o.json + picksAsText > 1)
+    badUsage("-o -, --dump-graph -, --json and --pick without --json each fill standard output; use one of them");
+}
+
 // What leaves, checked before anything costs time; and what has to be rendered for it.
 output::OutputRequest planOutput(RenderOptions& o, const std::optional<DebugRequest>& debug) {
   output::OutputRequest request{.pattern = o.out};
@@ -98,10 +108,12 @@ output::OutputRequest planOutput(RenderOptions& o, const std::optional<DebugRequ
   if (debug && !o.aovs.empty()) badUsage("--debug and --aov each say what leaves; use one of them");
   if (debug && o.out != "-" && output::formatOf(o.out) != output::Format::Png)
     badUsage("--debug writes PNG; give -o a name that ends in .png");
-  if ((o.out == "-") + (o.graph == "-") + o.json > 1)
-    badUsage("-o -, --dump-graph - and --json each fill standard output; use one of them");
-  output::checkOutput(request);
+  if (o.out.empty() && (o.picks.empty() || debug || !o.aovs.empty()))
+    badUsage("--out is required: -o says where the picture goes, unless nothing but --pick is asked for");
+  checkStandardOutput(o);
   if (!o.graph.empty()) output::checkWritable(o.graph);
+  if (o.out.empty()) return request;
+  output::checkOutput(request);
 
   render::Settings& s = o.settings;
   s.aovs = debug ? debug->aovs : request.aovs;
@@ -136,11 +148,13 @@ void render(RenderOptions& o) {
   times.upload = seconds(mark);
 
   mark = Clock::now();
+  std::vector<render::Picked> picked;
+  if (!o.pixels.empty()) picked = render::pick(renderer, scene, camera, o.settings, o.pixels);
   output::FrameOutput frame;
   output::RawGbuffer gbuffer;
   if (debug && debug->targets)
     gbuffer = renderer.readTargets(camera, o.settings);
-  else
+  else if (!o.out.empty())
     frame = std::move(renderer.render(std::span(&camera, 1), o.settings).front());
   times.render = seconds(mark);
 
@@ -149,13 +163,14 @@ void render(RenderOptions& o) {
   std::vector<std::filesystem::path> files;
   if (debug && debug->targets)
     files = writeTargets(gbuffer, metadata, o.out);
-  else
+  else if (!o.out.empty())
     files = debug ? writeDebug(*debug, frame, metadata, o.out) : output::writeOutput(request, frame, metadata);
   if (!o.graph.empty()) writeFile(o.graph, std::as_bytes(std::span(renderer.graphviz())));
   times.write = seconds(mark);
   times.total = seconds(start);
 
-  if (o.json) printReport(scene, *device, renderer, files, times);
+  if (o.json) printReport(scene, *device, renderer, files, picked, times);
+  if (!o.json) printPicked(picked, metadata.axes, o.normalFrame);
   for (const std::string& message : device->validationMessages())
     fail(ExitCode::Internal, "the Vulkan validation layer says: {}", message);
 }

@@ -38,6 +38,8 @@ std::map<std::string, std::string> describeSettings(const RenderOptions& o, cons
           {"shading", s.shading},
           {"tonemap", s.tonemap},
           {"volumes-order", s.volumesOrder},
+          {"transparency", s.transparency},
+          {"data-surfaces", s.dataSurfaces},
           {"aa", o.aa},
           {"exposure", fmt::format("{}", s.exposure)},
           {"hdri", environment.empty() ? "none" : environment},

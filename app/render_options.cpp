@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "app/parse.h"
+#include "app/render_pick.h"
 #include "render/gbuffer/layout.h"
 
 namespace latelight::app {
@@ -25,6 +26,8 @@ void parseSettings(RenderOptions& o) {
                                                     {"opengl", render::NormalFrame::OpenGl}});
   s.zUp = parseChoice<bool>("--axes", o.axes, {{"file", false}, {"z-up", true}});
   render::checkSettings(s);
+  o.pixels = parsePixels(o.picks);
+  render::checkPixels(s, o.pixels);
   const render::Layout& layout = render::findLayout(s.layout);
   if (o.normalsChosen && layout.fixedNormal)
     badUsage("--normals means nothing to the layout {}, which keeps normals as {}", layout.name, layout.fixedNormal);
@@ -54,8 +57,7 @@ void addSceneOptions(CLI::App& c, RenderOptions& o) {
   c.add_option("SCENE", o.scene, "A .gltf or .glb file, or builtin:hall, builtin:spheres, builtin:boxes")
       ->capture_default_str();
   c.add_option("-o,--out", o.out,
-               "Output: .png, .exr or .npy; {aov} {frame} {camera} {scene} are filled in; - is standard output")
-      ->required();
+               "Output: .png, .exr or .npy; {aov} {frame} {camera} {scene} are filled in; - is standard output");
   c.add_option("--size", o.size, "Width x height in pixels")->capture_default_str();
   c.add_option("--variant", o.variant, "Material variant by name (KHR_materials_variants)");
   c.add_option("--camera", o.camera, "The scene's camera by name or number");
@@ -78,6 +80,8 @@ void addLookOptions(CLI::App& c, RenderOptions& o) {
   c.add_option("--lighting", s.lighting, "Lighting technique (latelight list lighting)")->capture_default_str();
   c.add_option("--shading", s.shading, "ggx or blinn-phong")->capture_default_str();
   c.add_option("--volumes-order", s.volumesOrder, "How --lighting volumes culls by stencil: classic or killzone")
+      ->capture_default_str();
+  c.add_option("--transparency", s.transparency, "Alpha-blended surfaces: exact, sorted, weighted or none")
       ->capture_default_str();
   c.add_option("--aa", o.aa, "Anti-aliasing: none, fxaa, or ssN for N x N ordered samples a pixel (latelight list aa)")
       ->capture_default_str();
@@ -117,6 +121,12 @@ void addOutputOptions(CLI::App& c, RenderOptions& o) {
   c.add_option(
       "--debug", o.debug,
       "Pictures of data for the eye: sheet (all), lights, AOV names by comma, or targets: those of the layout");
+  c.add_option("--data-surfaces", o.settings.dataSurfaces,
+               "Whose data leave: opaque (the nearest surface that is not blended) or any")
+      ->capture_default_str();
+  c.add_option("--pick", o.picks, "Say what the pixel x,y shows, on standard output; may be repeated")
+      ->expected(1)
+      ->take_all();
   c.add_option("--normal-frame", o.normalFrame, "Frame of normal outputs: world, opencv or opengl")
       ->capture_default_str();
   c.add_option("--axes", o.axes, "Frame of positions and poses: file (the scene file's own) or z-up")

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdint>
+#include <glm/vec2.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,6 +17,8 @@ struct RenderOptions {
   std::string scene = "builtin:hall", out, size = "1280x720", variant;
   std::string camera, eye, target, up, orbit;
   std::optional<double> fov;
+  std::vector<std::string> picks;
+  std::vector<glm::uvec2> pixels;  // those
   std::string aovs, debug, hdri, background = "transparent", aa = "none", normalFrame = "world", axes = "file";
   std::string device = "auto", graph;
   std::string fogColor = "#bcbcbc";  // linear 0.5

@@ -94,8 +94,10 @@ struct Options {
   std::string volumesOrder = "classic";  // of the technique volumes: or "killzone"
   std::string shading = "ggx";
   std::string tonemap = "khronos";
-  uint32_t superSampling = 1;  // N x N ordered samples a pixel
-  float exposure = 0;          // EV
+  std::string transparency = "exact";   // `latelight list transparency`
+  std::string dataSurfaces = "opaque";  // which surfaces the outputs in `aovs` and pick() show: or "any"
+  uint32_t superSampling = 1;           // N x N ordered samples a pixel
+  float exposure = 0;                   // EV
   float environmentIntensity = 1;
   float environmentRotation = 0;  // degrees
   bool environmentBackground = false;
@@ -127,6 +129,15 @@ struct Frame {
   std::map<std::string, Aov> aovs;
 };
 
+// What a pixel shows, at its centre. Positions and normals are in the scene file's frame.
+struct Pick {
+  uint32_t id = 0;  // as in the output "id"; 0: background, and nothing below is set
+  std::string node, mesh, material;
+  std::array<float, 3> position{}, normal{}, geonormal{};
+  float depth = 0, distance = 0;  // metres
+  std::array<float, 2> uv{};
+};
+
 // One scene on one device. Not thread-safe; use one a thread.
 class LATELIGHT_API Renderer {
  public:
@@ -140,6 +151,9 @@ class LATELIGHT_API Renderer {
   Frame render(const Camera& camera, const Options& options = {});
   // Several cameras at once, faster than one by one.
   std::vector<Frame> render(const std::vector<Camera>& cameras, const Options& options = {});
+  // What pixels (x, y from the upper left) of such a picture show, in their order. Lights nothing.
+  std::vector<Pick> pick(const Camera& camera, const std::vector<std::array<uint32_t, 2>>& pixels,
+                         const Options& options = {});
 
  private:
   struct Hidden;

@@ -47,10 +47,12 @@ enum class Use : uint8_t {
   DepthTest,            // tested, not written: store operation NONE
   SampledFragment,
   SampledCompute,
-  StorageRead,       // compute
-  StorageWrite,      // compute: overwritten whole
-  StorageReadWrite,  // compute
-  VertexRead,        // buffers read by address in vertex or fragment shaders
+  StorageRead,        // compute
+  StorageWrite,       // compute: overwritten whole
+  StorageReadWrite,   // compute
+  FragmentWrite,      // storage in fragment shaders: what was there before is not needed
+  FragmentReadWrite,  // atomics
+  VertexRead,         // buffers read by address in vertex or fragment shaders
   IndirectRead,
   CopySource,
   CopyTarget,  // copies, fills, clears; may be of a part: what was there before stays

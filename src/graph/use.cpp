@@ -35,7 +35,7 @@ constexpr VkImageUsageFlags kSampledUsage = VK_IMAGE_USAGE_SAMPLED_BIT;
 constexpr VkImageUsageFlags kStorageUsage = VK_IMAGE_USAGE_STORAGE_BIT;
 constexpr VkBufferUsageFlags kStorage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
 
-constexpr std::array<UseInfo, 15> kTable = {{
+constexpr std::array<UseInfo, 17> kTable = {{
   // name                  stages        reading       writing        layout       image usage    buffer usage  buffers keeps
   {"ColorAttachment",      kColorStage,  kColorRead,   kColorWrite,   kAttachment, kColorUsage,   0,            false,  false},
   {"ColorAttachmentLoad",  kColorStage,  kColorRead,   kColorWrite,   kAttachment, kColorUsage,   0,            false,  true},
@@ -47,6 +47,8 @@ constexpr std::array<UseInfo, 15> kTable = {{
   {"StorageRead",          kCompute,     kStorageRead, 0,             kGeneral,    kStorageUsage, kStorage,     true,   true},
   {"StorageWrite",         kCompute,     0,            kStorageWrite, kGeneral,    kStorageUsage, kStorage,     true,   false},
   {"StorageReadWrite",     kCompute,     kStorageRead, kStorageWrite, kGeneral,    kStorageUsage, kStorage,     true,   true},
+  {"FragmentWrite",        kFragment,    0,            kStorageWrite, kGeneral,    kStorageUsage, kStorage,     true,   false},
+  {"FragmentReadWrite",    kFragment,    kStorageRead, kStorageWrite, kGeneral,    kStorageUsage, kStorage,     true,   true},
   {"VertexRead",           kDraw,        kStorageRead, 0,             kNoImages,   0,             kStorage,     true,   true},
   {"IndirectRead",         VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT, VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT, 0,
                            kNoImages,    0, VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT, true, true},

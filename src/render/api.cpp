@@ -5,6 +5,7 @@
 #include <glm/gtc/constants.hpp>
 
 #include "base/error.h"
+#include "render/picking.h"
 #include "render/renderer.h"
 #include "render/session.h"
 #include "scene/framing.h"
@@ -82,6 +83,8 @@ render::Settings internalSettings(const Options& o) {
   s.lighting = o.lighting;
   s.shading = o.shading;
   s.tonemap = o.tonemap;
+  s.transparency = o.transparency;
+  s.dataSurfaces = o.dataSurfaces;
   s.superSampling = o.superSampling;
   s.exposure = o.exposure;
   s.environmentIntensity = o.environmentIntensity;
@@ -176,6 +179,27 @@ std::vector<Frame> Renderer::render(const std::vector<Camera>& cameras, const Op
   for (output::FrameOutput& frame : hidden_->renderer.render(internal, internalSettings(options)))
     frames.push_back(publicFrame(std::move(frame)));
   return frames;
+}
+
+std::vector<Pick> Renderer::pick(const Camera& camera, const std::vector<std::array<uint32_t, 2>>& pixels,
+                                 const Options& options) {
+  std::vector<glm::uvec2> places;
+  for (const auto& [x, y] : pixels) places.push_back({x, y});
+  const auto three = [](glm::vec3 v) { return std::array<float, 3>{v.x, v.y, v.z}; };
+  std::vector<Pick> picks;
+  for (const render::Picked& p : render::pick(hidden_->renderer, hidden_->scene, internalCamera(camera, hidden_->scene),
+                                              internalSettings(options), places))
+    picks.push_back({p.id,
+                     p.node,
+                     p.mesh,
+                     p.material,
+                     three(p.position),
+                     three(p.normal),
+                     three(p.geonormal),
+                     p.depth,
+                     p.distance,
+                     {p.uv.x, p.uv.y}});
+  return picks;
 }
 
 }  // namespace latelight

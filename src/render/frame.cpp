@@ -5,6 +5,7 @@
 #include "render/post/ambient_occlusion/ambient_occlusion.h"
 #include "render/post/background.h"
 #include "render/post/fog/fog.h"
+#include "render/transparency/transparency.h"
 #include "render/visibility/hardware.h"
 
 namespace latelight::render {
@@ -38,7 +39,8 @@ Frame::Frame(vk::Device& device, const GpuScene& scene, const FrameSetup& setup)
       depth_(std::make_unique<DepthPass>(device, scene)),
       ambientOcclusion_(std::make_unique<AmbientOcclusionPass>(device, setup)),
       lighting_(setup.lighting->make(device, scene, setup)),
-      background_(std::make_unique<BackgroundPass>(device)) {
+      background_(std::make_unique<BackgroundPass>(device)),
+      transparency_(makeTransparency(device, scene, setup)) {
   if (setup.fog) fog_ = std::make_unique<FogPass>(device);
   if (!setup.lighting->forward) geometry_ = std::make_unique<GeometryPass>(device, scene, setup);
 }
@@ -54,7 +56,12 @@ LitFrame Frame::add(graph::Graph& graph, const FrameInputs& inputs) const {
   lighting_->add(graph, inputs, gbuffer);
   if (inputs.environmentBackground) background_->add(graph, inputs, gbuffer);
   if (fog_) fog_->add(graph, inputs, gbuffer);
+  if (transparency_) transparency_->add(graph, inputs, gbuffer);
   return {gbuffer.light, gbuffer.lightCounts, gbuffer};
+}
+
+bool Frame::outgrown(const graph::Executor& done) const {
+  return transparency_ && transparency_->outgrown(done);
 }
 
 }  // namespace latelight::render

@@ -20,6 +20,7 @@ struct TechniqueInfo;
 class BackgroundPass;
 class AmbientOcclusionPass;
 class FogPass;
+class Transparency;
 
 // What a frame draws: one scene seen by V views, each a layer of every target.
 struct FrameInputs {
@@ -28,7 +29,8 @@ struct FrameInputs {
   std::span<const shared::View> views;  // as the device's constants have them
   VkDeviceAddress constants;            // shared::FrameConstants
   uint32_t width, height;
-  bool environmentBackground = false;     // draw the environment where nothing else is
+  bool environmentBackground = false;  // draw the environment where nothing else is
+  bool blendedToo = false;  // what is blended is a surface like any other where its alpha is above 0: for data outputs
   std::span<const shared::Light> lights;  // those of the constants, on the host
 
   float aoRadius = 0, aoStrength = 1;  // ambient occlusion: metres, exponent
@@ -46,6 +48,13 @@ struct Gbuffer {
   graph::ImageId ambientOcclusion;  // visible share of the hemisphere; one texel, 1, where there is none
 };
 
+// How blended surfaces are drawn (render/transparency).
+struct TransparencySetup {
+  uint32_t method = 0;      // kTransparency*
+  bool everyLight = false;  // go through all lights, not through those that the light tree has near: the reference
+  uint64_t fragments = 0;   // that `exact` has room for at first; 0: one a pixel
+};
+
 // What pipelines are made for.
 struct FrameSetup {
   const Layout* layout = nullptr;
@@ -58,6 +67,7 @@ struct FrameSetup {
   bool countLights = false;
   uint32_t ambientOcclusion = 0;  // kAo*
   bool fog = false;               // the constants have some
+  TransparencySetup transparency;
 
   // Of every shader that includes render/glsl/setup.glsl; a shader's own start at kFirstOwnConstant.
   std::vector<vk::Constant> constants() const;
@@ -79,6 +89,9 @@ class Frame {
   ~Frame();
   // Adds the frame's passes.
   LitFrame add(graph::Graph& graph, const FrameInputs& inputs) const;
+  // After a run of the graph that add() filled last: whether the picture lacks something that memory had no room for.
+  // The frame has made room; the same has to be added and run again.
+  bool outgrown(const graph::Executor& done) const;
 
  private:
   FrameSetup setup_;
@@ -88,6 +101,7 @@ class Frame {
   std::unique_ptr<LightingTechnique> lighting_;
   std::unique_ptr<BackgroundPass> background_;
   std::unique_ptr<FogPass> fog_;  // null without fog
+  std::unique_ptr<Transparency> transparency_;  // null where nothing is blended
 };
 
 }  // namespace latelight::render

@@ -289,13 +289,22 @@ void GpuScene::makeMaterialSets(const scene::Scene& scene) {
   vkUpdateDescriptorSets(device_.get(), static_cast<uint32_t>(writes.size()), writes.data(), 0, nullptr);
 }
 
-std::vector<Draw> GpuScene::visibleDraws(const shared::View& view) const {
+std::vector<Draw> GpuScene::visible(const shared::View& view, bool blended) const {
   const Frustum frustum(view);
   std::vector<Draw> visible;
   for (const Draw& draw : draws_)
-    appendRuns(
-        draw, [&](const Sphere& bounds) { return frustum.touches(bounds); }, visible);
+    if (blended == ((materials_[draw.material].flags & shared::kMaterialBlended) != 0))
+      appendRuns(
+          draw, [&](const Sphere& bounds) { return frustum.touches(bounds); }, visible);
   return visible;
+}
+
+std::vector<Draw> GpuScene::visibleDraws(const shared::View& view) const {
+  return visible(view, false);
+}
+
+std::vector<Draw> GpuScene::visibleBlended(const shared::View& view) const {
+  return visible(view, true);
 }
 
 void GpuScene::appendRuns(const Draw& draw, const std::function<bool(const Sphere&)>& wanted,

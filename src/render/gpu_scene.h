@@ -28,11 +28,14 @@ class GpuScene {
   GpuScene(vk::Device& device, const scene::Scene& scene);
 
   const std::vector<Draw>& draws() const { return draws_; }
-  // Draws with at least one instance that may lie inside the view's frustum, in order; exact per instance.
+  // Draws with at least one instance that may lie inside the view's frustum, in order; exact per instance: of what
+  // hides what lies behind it (opaque and masked materials), and of what is alpha-blended.
   std::vector<Draw> visibleDraws(const shared::View& view) const;
+  std::vector<Draw> visibleBlended(const shared::View& view) const;
   // Appends to `runs` the parts of a draw whose instances have bounds that are `wanted`.
   void appendRuns(const Draw& draw, const std::function<bool(const Sphere&)>& wanted, std::vector<Draw>& runs) const;
 
+  const Sphere& bounds(uint32_t instance) const { return bounds_[instance]; }  // numbered as on the device
   const shared::Material& material(uint32_t index) const { return materials_[index]; }
   VkDescriptorSet materialSet(uint32_t index) const { return materialSets_[index]; }
   VkDescriptorSetLayout materialSetLayout() const { return materialSetLayout_.get(); }
@@ -50,6 +53,7 @@ class GpuScene {
   void describe(shared::FrameConstants& frame) const;
 
  private:
+  std::vector<Draw> visible(const shared::View& view, bool blended) const;
   void uploadMeshes(vk::Uploader& uploader, const scene::Scene& scene);
   void uploadInstances(vk::Uploader& uploader, const scene::Scene& scene);
   void uploadMaterials(vk::Uploader& uploader, const scene::Scene& scene);

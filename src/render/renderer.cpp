@@ -149,7 +149,8 @@ Frame& Renderer::frameFor(const Settings& s, bool countLights) {
   std::string key = countLights ? "counting/" : "";
   if (s.fog.density > 0) key += "fog/";
   for (const std::string& choice :
-       {s.layout, s.normals, s.normalSpace, s.position, s.lighting, s.shading, s.volumesOrder, s.ao.method})
+       {s.layout, s.normals, s.normalSpace, s.position, s.lighting, s.shading, s.volumesOrder, s.transparency,
+        s.ao.method})
     key += choice + "/";
   if (frame_ && key == frameKey_) return *frame_;
   FrameSetup setup{.layout = &findLayout(s.layout),
@@ -161,7 +162,8 @@ Frame& Renderer::frameFor(const Settings& s, bool countLights) {
                    .volumesOrder = indexByName(volumesOrders(), s.volumesOrder, "order of light volumes"),
                    .countLights = countLights,
                    .ambientOcclusion = indexByName(ambientOcclusions(), s.ao.method, "ambient occlusion"),
-                   .fog = s.fog.density > 0};
+                   .fog = s.fog.density > 0,
+                   .transparency = {indexByName(transparencies(), s.transparency, "method of transparency")}};
   frame_ = std::make_unique<Frame>(device_, gpuScene_, setup);
   frameKey_ = key;
   return *frame_;
@@ -218,6 +220,10 @@ void Renderer::renderColor(Job& job) {
       graphviz_ = graph.graphviz();
     }
     graph::Executor& done = run(graph);
+    if (frame.outgrown(done)) {  // from the first frame on: the sum has one that lacks something
+      i = ~0u;
+      continue;
+    }
     progress.step();
     if (!last) continue;
     const bool floats = graph.desc(finished.linear).format == VK_FORMAT_R32G32B32A32_SFLOAT;
@@ -246,6 +252,7 @@ void Renderer::renderLightCounts(Job& job) {
 // of its own into the layout `exact`.
 void Renderer::renderData(Job& job) {
   FrameInputs inputs = prepareViews(job, glm::vec2(0));
+  inputs.blendedToo = job.settings.dataSurfaces == "any";
   const Layout& exact = findLayout("exact");
   if (!data_) data_ = std::make_unique<DataPasses>(device_, gpuScene_, exact);
   graph::Graph graph;
@@ -266,12 +273,16 @@ output::RawGbuffer Renderer::readTargets(const scene::Camera& camera, const Sett
              settings.lighting);
   Job job{.cameras = {&camera, 1}, .settings = settings};
   const FrameInputs inputs = prepareViews(job, glm::vec2(0));
-  graph::Graph graph;
-  const LitFrame lit = frameFor(settings, false).add(graph, inputs);
-  const RawReadback readback(graph, findLayout(settings.layout), findNormalEncoding(settings.normals).index,
-                             lit.gbuffer);
-  graphviz_ = graph.graphviz();
-  return readback.read(run(graph), job.views.front());
+  const Frame& frame = frameFor(settings, false);
+  for (;;) {
+    graph::Graph graph;
+    const LitFrame lit = frame.add(graph, inputs);
+    const RawReadback readback(graph, findLayout(settings.layout), findNormalEncoding(settings.normals).index,
+                               lit.gbuffer);
+    graphviz_ = graph.graphviz();
+    const graph::Executor& done = run(graph);
+    if (!frame.outgrown(done)) return readback.read(done, job.views.front());
+  }
 }
 
 }  // namespace latelight::render

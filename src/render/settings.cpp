@@ -55,6 +55,24 @@ const std::vector<NamedOption>& positionMethods() {
   return all;
 }
 
+const std::vector<NamedOption>& transparencies() {
+  static const std::vector<NamedOption> all = {
+      {"exact", "every fragment kept and sorted in its pixel: right for any number of layers in any order"},
+      {"sorted", "objects from far to near: right where they do not interpenetrate and each is convex"},
+      {"weighted", "no order: coverage is right, colours of several layers are a weighted mean"},
+      {"none", "blended surfaces are left out"},
+  };
+  return all;
+}
+
+const std::vector<NamedOption>& dataSurfaces() {
+  static const std::vector<NamedOption> all = {
+      {"opaque", "the nearest surface that is not alpha-blended"},
+      {"any", "the nearest surface of all: blended ones count where their alpha is above 0"},
+  };
+  return all;
+}
+
 const std::vector<NamedOption>& ambientOcclusions() {
   static const std::vector<NamedOption> all = {
       {"none", "the sky is hidden by material textures alone"},
@@ -151,6 +169,8 @@ void checkSettings(const Settings& s) {
   findTechnique(s.lighting);
   findByName(shadings(), s.shading, "shading model");
   findByName(tonemaps(), s.tonemap, "tonemap");
+  findByName(transparencies(), s.transparency, "method of transparency");
+  findByName(dataSurfaces(), s.dataSurfaces, "choice of surfaces for data");
   findByName(volumesOrders(), s.volumesOrder, "order of light volumes");
 }
 

@@ -43,6 +43,8 @@ struct Settings {
   std::string shading = "ggx";
   std::string tonemap = "khronos";
   std::string volumesOrder = "classic";  // of the lighting technique `volumes`
+  std::string transparency = "exact";    // how alpha-blended surfaces are drawn
+  std::string dataSurfaces = "opaque";   // which surfaces data outputs show
   uint32_t superSampling = 1;            // N: N x N ordered samples a pixel, in N * N frames
   float exposure = 0;                    // EV: radiance is multiplied by 2^exposure
   float environmentIntensity = 1;
@@ -61,8 +63,8 @@ struct Settings {
   bool zUp = false;  // positions, normals and poses in the renderer's world instead of the scene file's frame
 };
 
-// The names --shading, --tonemap, --volumes-order, --normal-space and --position take, in the order of their kShading*,
-// kTonemap*, kVolumes*, kNormalSpace* and kPosition* constants.
+// The names --shading, --tonemap, --volumes-order, --normal-space, --position and --transparency take, in the order of
+// their kShading*, kTonemap*, kVolumes*, kNormalSpace*, kPosition* and kTransparency* constants; and --data-surfaces.
 struct NamedOption {
   const char* name;
   const char* description;
@@ -84,6 +86,8 @@ struct AntiAliasing {
 };
 const std::vector<AntiAliasing>& antiAliasings();
 void setAntiAliasing(Settings& settings, const std::string& name);  // throws Error(Usage)
+const std::vector<NamedOption>& transparencies();
+const std::vector<NamedOption>& dataSurfaces();
 
 // Throws Error(Usage) with a sentence where a value is out of range or a name unknown.
 void checkSettings(const Settings& settings);

@@ -55,11 +55,14 @@ constexpr BuiltinParameter kHallParameters[] = {
     {"triangles", "of all instances together", 50'000, 50'000'000, 300'000},
     {"lights", "point lights", 1, 1'000'000, 100},
     {"seed", "another arrangement", 0, 1'000'000, 1},
+    {"glass", "1: glass cases around the exhibits, half of which are of coloured glass", 0, 1, 0},
 };
 
 constexpr Builtin kBuiltins[] = {
     {"hall", "a colonnaded hall with a coffered vault, lit by warm lights", kHallParameters,
-     [](std::span<const uint64_t> v) { return builtin::makeHall(v[0], static_cast<uint32_t>(v[1]), v[2]); }},
+     [](std::span<const uint64_t> v) {
+       return builtin::makeHall({v[0], static_cast<uint32_t>(v[1]), v[2], v[3] != 0});
+     }},
     {"spheres",
      "metalness and roughness over a grid of spheres",
      {},

@@ -78,6 +78,7 @@ vec3 spheresCentre(uint32_t column, uint32_t row);
 //   triangles  of all instances together; what is built is within kHallTriangleTolerance of it
 //   lights     exactly so many; the exposure of the picture stays the same
 //   seed       where the small lights hang, how the stones and marbles vary, which objects stand where
+//   glass      1: glass cases around the exhibits, and every other exhibit of coloured glass; both alpha-blended
 inline constexpr double kHallTriangleTolerance = 0.03;
 
 }  // namespace latelight::scene

@@ -155,9 +155,7 @@ class MaterialReader {
       data.flags |= shared::kMaterialMasked;
       data.alphaCutoff = float(source_->alphaCutoff);
     } else if (source_->alphaMode == "BLEND") {
-      warn("alpha-blended materials are drawn as masked: opaque where alpha is at least 0.5, else not at all");
-      data.flags |= shared::kMaterialBlended | shared::kMaterialMasked;
-      data.alphaCutoff = 0.5f;
+      data.flags |= shared::kMaterialBlended;
     } else if (source_->alphaMode != "OPAQUE") {
       badInput("a material has the unknown alphaMode \"{}\"", source_->alphaMode);
     }

@@ -76,7 +76,7 @@ struct Material {
 SH_CONST uint kMaterialUnlit = 1u;
 SH_CONST uint kMaterialMasked = 2u;  // alphaCutoff applies
 SH_CONST uint kMaterialDoubleSided = 4u;
-SH_CONST uint kMaterialBlended = 8u;  // the file asks for alpha blending
+SH_CONST uint kMaterialBlended = 8u;  // alpha lets through what lies behind; never with kMaterialMasked
 
 // --- lights ---------------------------------------------------------------------------------------------------------
 

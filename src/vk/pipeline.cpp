@@ -120,9 +120,11 @@ FixedState::FixedState(const GraphicsDesc& desc) {
   if (desc.colorWrite)
     target.colorWriteMask =
         VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT;
-  target.blendEnable = desc.additive;
-  target.srcColorBlendFactor = target.dstColorBlendFactor = VK_BLEND_FACTOR_ONE;
-  target.srcAlphaBlendFactor = target.dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE;
+  const auto kept = [](bool under) { return under ? VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA : VK_BLEND_FACTOR_ONE; };
+  target.blendEnable = desc.blend != Blend::Replace;
+  target.srcColorBlendFactor = target.srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE;
+  target.dstColorBlendFactor = kept(desc.blend == Blend::Over);
+  target.dstAlphaBlendFactor = kept(desc.blend == Blend::Over || desc.blend == Blend::SumAndOver);
   targets.assign(desc.colors.size(), target);
   rendering.colorAttachmentCount = static_cast<uint32_t>(desc.colors.size());
   rendering.pColorAttachmentFormats = desc.colors.data();

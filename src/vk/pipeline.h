@@ -52,6 +52,14 @@ struct ComputeDesc {
 };
 Pipeline makePipeline(Device& device, const ComputeDesc& desc);
 
+// What becomes of a colour that is there already.
+enum class Blend : uint8_t {
+  Replace,
+  Add,         // colours, alpha too, are added to it
+  Over,        // colours premultiplied by alpha lie over it
+  SumAndOver,  // colours are added, alpha as with Over
+};
+
 struct GraphicsDesc {
   std::string vertex, fragment;
   std::vector<Binding> bindings;
@@ -64,7 +72,7 @@ struct GraphicsDesc {
   bool depthClamp = false;                  // needs the optional feature
   std::optional<VkStencilOpState> stencil;  // of both faces; the reference is dynamic. `depth` must have stencil
   bool colorWrite = true;
-  bool additive = false;  // colours, alpha too, are added to what is there
+  Blend blend = Blend::Replace;
   std::string name;
 };
 Pipeline makePipeline(Device& device, const GraphicsDesc& desc);

@@ -55,6 +55,10 @@ Effect effectOf(Use use) {
       return {compute, store, store, general, false, true};
     case Use::StorageReadWrite:
       return {compute, load | store, store, general, true, false};
+    case Use::FragmentWrite:
+      return {fragment, store, store, general, false, true};
+    case Use::FragmentReadWrite:
+      return {fragment, load | store, store, general, true, false};
     case Use::VertexRead:
       return {vertex | fragment, load, 0, none, true, false};
     case Use::IndirectRead:

@@ -118,6 +118,29 @@ TEST_F(Plans, KeepWhatIsReadBeforeItIsOverwritten) {
                                   "  b: comp[Sw] -> host[H]"));
 }
 
+// What exact transparency does: counters cleared, counted up by fragments, read by compute shaders.
+TEST_F(Plans, OrderWhatFragmentsStore) {
+  const BufferId counts = buffer("counts"), list = buffer("list"), out = buffer("out");
+  pass("clear", {{counts, Use::CopyTarget}});
+  pass("store", {{list, Use::FragmentWrite}, {counts, Use::FragmentReadWrite}});
+  pass("more", {{counts, Use::FragmentReadWrite}});
+  pass("sort", {{list, Use::StorageRead}, {counts, Use::StorageRead}, {out, Use::StorageWrite}});
+  graph.exports(out, Use::HostRead);
+  EXPECT_THAT(plan(), ElementsAre("clear",                              //
+                                  "store",                              //
+                                  "  counts: copy[Xw] -> frag[Sr|Sw]",  //
+                                  "more",                               //
+                                  "  counts: frag[Sw] -> frag[Sr|Sw]",  //
+                                  "sort",                               //
+                                  "  list: frag[Sw] -> comp[Sr]",       //
+                                  "  counts: frag[Sw] -> comp[Sr]",     //
+                                  "end",                                //
+                                  "  out: comp[Sw] -> host[H]"));
+  const BufferId unwritten = buffer("unwritten");
+  pass("count", {{unwritten, Use::FragmentReadWrite}, {out, Use::CopyTarget}});
+  EXPECT_THAT(complaint(), HasSubstr("pass 'count' reads 'unwritten', which nothing wrote"));
+}
+
 // A copy may fill a part: what was written before it may still show.
 TEST_F(Plans, KeepWhatACopyMayLeave) {
   const BufferId a = buffer("a");

@@ -22,13 +22,17 @@ const std::vector<std::vector<Use>> kImageUses = {{Use::ColorAttachment},
                                                   {Use::StorageRead},
                                                   {Use::StorageWrite},
                                                   {Use::StorageReadWrite},
+                                                  {Use::FragmentWrite},
+                                                  {Use::FragmentReadWrite},
                                                   {Use::CopySource},
                                                   {Use::CopyTarget},
                                                   {Use::DepthTest, Use::SampledFragment},
                                                   {Use::SampledFragment, Use::SampledCompute}};
-const std::vector<std::vector<Use>> kBufferUses = {
-    {Use::StorageRead},  {Use::StorageWrite}, {Use::StorageReadWrite}, {Use::VertexRead},
-    {Use::IndirectRead}, {Use::CopySource},   {Use::CopyTarget},       {Use::IndirectRead, Use::VertexRead}};
+const std::vector<std::vector<Use>> kBufferUses = {{Use::StorageRead},       {Use::StorageWrite},
+                                                   {Use::StorageReadWrite},  {Use::FragmentWrite},
+                                                   {Use::FragmentReadWrite}, {Use::VertexRead},
+                                                   {Use::IndirectRead},      {Use::CopySource},
+                                                   {Use::CopyTarget},        {Use::IndirectRead, Use::VertexRead}};
 
 bool needsContents(const std::vector<Use>& uses) {
   for (const Use use : uses) {

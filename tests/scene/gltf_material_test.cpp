@@ -110,9 +110,9 @@ TEST(GltfMaterial, EveryMinificationFilter) {
   }
 }
 
-TEST(GltfMaterial, BlendIsMaskedAtOneHalf) {
+TEST(GltfMaterial, BlendIsNoMask) {
   const auto data = withMaterial({{"alphaMode", "BLEND"}, {"alphaCutoff", .1}}).load().materials[0].data;
-  EXPECT_EQ(data.flags, kMaterialBlended | kMaterialMasked);
+  EXPECT_EQ(data.flags, kMaterialBlended);
   EXPECT_EQ(data.alphaCutoff, .5f);
 }
 

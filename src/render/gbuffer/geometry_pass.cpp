@@ -29,7 +29,7 @@ GeometryPass::GeometryPass(vk::Device& device, const GpuScene& scene, const Fram
     : layout_(*setup.layout),
       normalEncoding_(setup.normalEncoding),
       opaque_(makeGeometryPipeline(device, scene, setup, false)) {
-  if (anyMasked(scene)) masked_ = makeGeometryPipeline(device, scene, setup, true);
+  if (anyMasked(scene) || anyBlended(scene)) masked_ = makeGeometryPipeline(device, scene, setup, true);
 }
 
 void GeometryPass::add(graph::Graph& graph, const FrameInputs& inputs, Gbuffer& gbuffer) const {

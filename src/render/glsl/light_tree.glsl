@@ -10,8 +10,24 @@ struct TreeWalk {
   uint above[6];   // those of the groups above, nearest first: a tree over 2^32 lights is 6 levels high
 };
 
-// The children whose boxes meet the walk's: bit i is lane i's, since the workgroups of 256 that walk have full subgroups.
-// (A vote, not subgroupOr: NVIDIA's driver 580.159 lost bits of that in this loop, and with them the lists of `tiled`.)
+// Who votes yes, by rank among the lanes present. (A vote, not subgroupOr: NVIDIA's driver 580.159 lost bits of that in this
+// loop, and with them the lists of `tiled`.)
+uint votesByRank(bool vote) {
+  uvec4 votes = subgroupBallot(vote);
+#ifdef PARTIAL_SUBGROUPS  // before the include: in fragment shaders lanes are missing; compute's workgroups of 256 are full
+  uint packed = 0u;
+  while (any(notEqual(votes, uvec4(0u)))) {
+    uint lane = subgroupBallotFindLSB(votes);
+    votes[lane >> 5u] &= ~(1u << (lane & 31u));
+    packed |= 1u << subgroupBroadcast(laneRank, lane);
+  }
+  return packed;
+#else
+  return votes.x;
+#endif
+}
+
+// The children whose boxes meet the walk's.
 uint childrenMet(FrameConstants frame, TreeWalk walk) {
   uint met = 0u;
   for (uint first = 0u; first < kLightTreeWidth; first += lanesPresent) {
@@ -19,7 +35,7 @@ uint childrenMet(FrameConstants frame, TreeWalk walk) {
     LightBox box = frameLightBox(frame, walk.group * kLightTreeWidth + min(child, kLightTreeWidth - 1u));
     bool meets = child < kLightTreeWidth && all(lessThanEqual(box.low, walk.high)) &&
                  all(lessThanEqual(walk.low, box.high));
-    met |= subgroupBallot(meets).x << first;
+    met |= votesByRank(meets) << first;
   }
   return met;
 }

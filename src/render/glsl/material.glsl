@@ -34,8 +34,9 @@ vec4 baseColor(Material m) {
   return c;
 }
 
-// Whether the alpha mask takes this fragment away (glTF 2.0, section 3.9.4).
+// Whether the alpha mask takes this fragment away (glTF 2.0, section 3.9.4). Of a blended material, drawn as if it were
+// solid for data outputs: whether it shows at all.
 bool cutOut(Material m) {
   precise float alpha = baseColor(m).a;
-  return alpha < m.alphaCutoff;
+  return (m.flags & kMaterialBlended) != 0u ? alpha <= 0.0 : alpha < m.alphaCutoff;
 }

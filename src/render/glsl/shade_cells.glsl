@@ -1,8 +1,8 @@
 // Shading from the lists of light_lists.comp.
 #include "render/glsl/light_cells.glsl"
-#include "render/glsl/light_tree.glsl"
 #include "render/glsl/lights.glsl"
 #include "render/glsl/lit_pixel.glsl"
+#include "render/glsl/tree_lights.glsl"
 
 struct CellsPush {
   uint64_t frame;    // FrameConstants
@@ -28,17 +28,6 @@ void shadeList(inout Shading shading, FrameConstants frame, EntriesRef entries, 
   }
 }
 
-// Where a list did not fit: all local lights that the tree has near the surfaces. An empty walk where `on` is false.
-void shadeTree(inout Shading shading, FrameConstants frame, bool on) {
-  TreeWalk walk = startWalk(frame, shading.low, shading.high, on);
-  uint leaf;
-  while (nextLeaf(walk, frame, leaf)) {
-    uint end = min(leaf + kLightTreeWidth, frame.lightCount);
-    if (shading.lit) lightsTested += float(end - leaf);
-    shadeRange(shading, frame, leaf, end);
-  }
-}
-
 // What all lights send to the lanes that take part, whose surfaces lie in one cell of the tile.
 void shadeCell(inout Shading shading, FrameConstants frame, CellLights lights, uint cell) {
   uvec2 list = lights.cells.v[1u + cell];
@@ -46,7 +35,7 @@ void shadeCell(inout Shading shading, FrameConstants frame, CellLights lights, u
   uint count = fits ? list.y : 0u;
   if (shading.lit) lightsTested += float(frame.directionalLights + count);
   shadeList(shading, frame, lights.entries, list.x, count);
-  shadeTree(shading, frame, !fits);
+  shadeTree(shading, frame, !fits);  // where the list did not fit
 }
 
 // --- a pixel --------------------------------------------------------------------------------------------------------

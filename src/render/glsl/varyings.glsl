@@ -5,6 +5,10 @@ struct DrawPush {
 #ifdef DRAW_PUSH_LIGHT  // before the include: the draw is for one light
   Light light;
 #endif
+#ifdef DRAW_PUSH_FRAGMENTS  // before the include: what is drawn is kept in lists (shared/fragment_lists.h)
+  FragmentLists lists;
+  DrawOrder order;
+#endif
 };
 layout(push_constant, scalar) uniform Push { DrawPush push; };
 

@@ -36,9 +36,18 @@ bool isMasked(const shared::Material& material) {
   return (material.flags & shared::kMaterialMasked) != 0;
 }
 
+bool isBlended(const shared::Material& material) {
+  return (material.flags & shared::kMaterialBlended) != 0;
+}
+
 bool anyMasked(const GpuScene& scene) {
   return std::any_of(scene.draws().begin(), scene.draws().end(),
                      [&](const Draw& draw) { return isMasked(scene.material(draw.material)); });
+}
+
+bool anyBlended(const GpuScene& scene) {
+  return std::any_of(scene.draws().begin(), scene.draws().end(),
+                     [&](const Draw& draw) { return isBlended(scene.material(draw.material)); });
 }
 
 SceneBinder::SceneBinder(graph::Context& context, const FrameInputs& inputs, uint32_t view, const vk::Pipeline& opaque,
@@ -51,7 +60,7 @@ const vk::Pipeline& SceneBinder::bind(const Draw& draw) {
   VkCommandBuffer commands = context_.get();
   const GpuScene& scene = inputs_.scene;
   const shared::Material& material = scene.material(draw.material);
-  const vk::Pipeline& pipeline = isMasked(material) ? masked_ : opaque_;
+  const vk::Pipeline& pipeline = isMasked(material) || isBlended(material) ? masked_ : opaque_;
   if (bound_ != &pipeline) {
     const DrawPush push{inputs_.constants, view_};
     context_.commands().bind(pipeline, images_, std::as_bytes(std::span(&push, 1)));
@@ -75,10 +84,14 @@ void drawRun(graph::Context& context, const Draw& draw) {
 void drawScene(graph::Context& context, const FrameInputs& inputs, uint32_t view, const vk::Pipeline& opaque,
                const vk::Pipeline& masked, std::span<const vk::BoundImage> images) {
   SceneBinder binder(context, inputs, view, opaque, masked, images);
-  for (const Draw& draw : inputs.scene.visibleDraws(inputs.views[view])) {
-    binder.bind(draw);
-    drawRun(context, draw);
-  }
+  const auto drawAll = [&](const std::vector<Draw>& draws) {
+    for (const Draw& draw : draws) {
+      binder.bind(draw);
+      drawRun(context, draw);
+    }
+  };
+  drawAll(inputs.scene.visibleDraws(inputs.views[view]));
+  if (inputs.blendedToo) drawAll(inputs.scene.visibleBlended(inputs.views[view]));
 }
 
 void beginView(graph::Context& context, const FrameInputs& inputs, uint32_t view,
@@ -109,7 +122,7 @@ void beginView(graph::Context& context, const FrameInputs& inputs, uint32_t view
 }
 
 DepthPass::DepthPass(vk::Device& device, const GpuScene& scene) : opaque_(makeDepthPipeline(device, scene, false)) {
-  if (anyMasked(scene)) masked_ = makeDepthPipeline(device, scene, true);
+  if (anyMasked(scene) || anyBlended(scene)) masked_ = makeDepthPipeline(device, scene, true);
 }
 
 graph::ImageId DepthPass::add(graph::Graph& graph, const FrameInputs& inputs) const {

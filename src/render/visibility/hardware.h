@@ -6,12 +6,15 @@
 
 namespace latelight::render {
 
-bool isMasked(const shared::Material& material);  // alpha decides what is drawn
+bool isMasked(const shared::Material& material);   // alpha decides what is drawn
+bool isBlended(const shared::Material& material);  // alpha decides how much: render/transparency draws it
 bool anyMasked(const GpuScene& scene);
+bool anyBlended(const GpuScene& scene);
 
 // Draws what may be visible in a view, in the order of the instances on the device, within a rendering that has begun.
-// Materials that are masked use `masked`. Both pipelines take scene.vert and the scene's material set.
-// `images` are set 0 of both.
+// Materials that are masked use `masked`; blended ones are left out, or (FrameInputs::blendedToo) drawn last by it,
+// where their alpha is above 0. Both pipelines take scene.vert and the scene's material set. `images` are set 0 of
+// both.
 void drawScene(graph::Context& context, const FrameInputs& inputs, uint32_t view, const vk::Pipeline& opaque,
                const vk::Pipeline& masked, std::span<const vk::BoundImage> images = {});
 

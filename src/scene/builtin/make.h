@@ -7,6 +7,12 @@ namespace latelight::scene::builtin {
 
 Scene makeBoxes();
 Scene makeSpheres();
-Scene makeHall(uint64_t triangles, uint32_t lights, uint64_t seed);
+struct HallParameters {
+  uint64_t triangles;
+  uint32_t lights;
+  uint64_t seed;
+  bool glass;
+};
+Scene makeHall(const HallParameters& parameters);
 
 }  // namespace latelight::scene::builtin

@@ -10,17 +10,6 @@ namespace {
 
 constexpr uint32_t kAlphaMasked = kFirstOwnConstant, kPlainLoop = kFirstOwnConstant + 1;  // forward.frag
 
-ForwardLoop loopOf(vk::Device& device) {
-  constexpr VkSubgroupFeatureFlags kNeeded =
-      VK_SUBGROUP_FEATURE_BASIC_BIT | VK_SUBGROUP_FEATURE_BALLOT_BIT | VK_SUBGROUP_FEATURE_ARITHMETIC_BIT;
-  VkPhysicalDeviceSubgroupProperties subgroups{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
-  VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &subgroups};
-  vkGetPhysicalDeviceProperties2(device.physical(), &properties);
-  const bool dealt = (subgroups.supportedStages & VK_SHADER_STAGE_FRAGMENT_BIT) &&
-                     (subgroups.supportedOperations & kNeeded) == kNeeded;
-  return dealt ? ForwardLoop::Dealt : ForwardLoop::Plain;
-}
-
 class Forward final : public LightingTechnique {
  public:
   Forward(vk::Device& device, const GpuScene& scene, const FrameSetup& setup, ForwardLoop loop)
@@ -78,6 +67,17 @@ class Forward final : public LightingTechnique {
 
 }  // namespace
 
+ForwardLoop forwardLoop(vk::Device& device) {
+  constexpr VkSubgroupFeatureFlags kNeeded =
+      VK_SUBGROUP_FEATURE_BASIC_BIT | VK_SUBGROUP_FEATURE_BALLOT_BIT | VK_SUBGROUP_FEATURE_ARITHMETIC_BIT;
+  VkPhysicalDeviceSubgroupProperties subgroups{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
+  VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &subgroups};
+  vkGetPhysicalDeviceProperties2(device.physical(), &properties);
+  const bool dealt = (subgroups.supportedStages & VK_SHADER_STAGE_FRAGMENT_BIT) &&
+                     (subgroups.supportedOperations & kNeeded) == kNeeded;
+  return dealt ? ForwardLoop::Dealt : ForwardLoop::Plain;
+}
+
 std::unique_ptr<LightingTechnique> makeForward(vk::Device& device, const GpuScene& scene, const FrameSetup& setup,
                                                ForwardLoop loop) {
   return std::make_unique<Forward>(device, scene, setup, loop);
@@ -87,7 +87,7 @@ TechniqueInfo technique_forward() {
   return {.description = "one draw an object, all lights in its shader; no G-buffer",
           .forward = true,
           .make = [](vk::Device& device, const GpuScene& scene, const FrameSetup& setup)
-              -> std::unique_ptr<LightingTechnique> { return makeForward(device, scene, setup, loopOf(device)); }};
+              -> std::unique_ptr<LightingTechnique> { return makeForward(device, scene, setup, forwardLoop(device)); }};
 }
 
 }  // namespace latelight::render

@@ -8,6 +8,7 @@ namespace latelight::render {
 // How a fragment goes through the lights: dealt to the lanes of its subgroup, as compute shaders do, or each loaded by
 // every fragment: the plain reference, and the way of devices without subgroups in fragment shaders.
 enum class ForwardLoop : uint32_t { Dealt, Plain };
+ForwardLoop forwardLoop(vk::Device& device);  // the better one that it can
 
 std::unique_ptr<LightingTechnique> makeForward(vk::Device& device, const GpuScene& scene, const FrameSetup& setup,
                                                ForwardLoop loop);

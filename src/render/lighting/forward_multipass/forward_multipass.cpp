@@ -52,7 +52,7 @@ vk::GraphicsDesc lightDesc(const FrameSetup& setup, VkFormat sum) {
   desc.constants = setup.constants();
   desc.colors = {sum};
   if (setup.countLights) desc.colors.push_back(kCountsFormat);
-  desc.additive = true;
+  desc.blend = vk::Blend::Add;
   desc.name = "forward light";
   return desc;
 }

@@ -178,7 +178,7 @@ class Volumes final : public LightingTechnique {
     desc.depthClamp = depthClamp_;
     desc.stencil = step.stencil;
     desc.colorWrite = step.lights;
-    desc.additive = step.lights;
+    desc.blend = step.lights ? vk::Blend::Add : vk::Blend::Replace;
     desc.name = std::string("volumes ") + step.name;
     return desc;
   }

@@ -209,6 +209,21 @@ MeshPlan drum(const Detail& detail) {
   return plan;
 }
 
+// Five panes over a plinth.
+MeshPlan glassCase() {
+  MeshPlan plan{"glass case", {}, {}, {}};
+  constexpr double kHalf = 0.34, kTop = 0.96;
+  const auto corner = [](int quarters, double height) {
+    const dvec2 corners[] = {{-kHalf, kHalf}, {kHalf, kHalf}, {kHalf, -kHalf}, {-kHalf, -kHalf}};
+    const dvec2 c = corners[quarters % 4];
+    return dvec3(c.x, height, c.y);
+  };
+  for (int side = 0; side < 4; ++side)
+    plan.add(quad(corner(side, 0), corner(side + 1, 0), corner(side + 1, kTop), corner(side, kTop), 1, 1));
+  plan.add(quad(corner(0, kTop), corner(1, kTop), corner(2, kTop), corner(3, kTop), 1, 1));
+  return plan;
+}
+
 }  // namespace
 
 void addExhibits(HallBuilder& hall) {
@@ -224,6 +239,8 @@ void addExhibits(HallBuilder& hall) {
                                Stuff::Brass,   Stuff::Bronze, Stuff::Steel,    Stuff::Marble};
   Random random(hall.seed, 5);
   uint32_t body = random.below(6), stuff = random.below(8);
+  constexpr Stuff kGlasses[] = {Stuff::AmberGlass, Stuff::BlueGlass, Stuff::GreenGlass};
+  const uint32_t panes = hall.glass ? hall.mesh(glassCase()) : 0;
   const uint32_t exhibits = hall.group("exhibits", SceneBuilder::kRoot);
   for (int bay = kBays - 1; bay >= 0; --bay) {
     for (int side = 0; side < 2; ++side) {
@@ -231,7 +248,10 @@ void addExhibits(HallBuilder& hall) {
       const mat4 where = turnedAt(side ? -kColumnX : kColumnX, 0, bayCentre(bay), static_cast<int>(random.below(4)));
       const uint32_t group = hall.group("exhibit " + number, exhibits, where);
       hall.place("plinth", group, stand, (bay + side) % 2 ? Stuff::BlackMarble : Stuff::Marble);
-      hall.place("body", group, bodies[body], kStuffs[stuff], at(0, kPlinthTop, 0));
+      const bool blown = hall.glass && (bay + side) % 2 == 0;
+      hall.place("body", group, bodies[body], blown ? kGlasses[(bay + side) / 2 % 3] : kStuffs[stuff],
+                 at(0, kPlinthTop, 0));
+      if (hall.glass) hall.place("case", group, panes, Stuff::CaseGlass, at(0, kPlinthTop, 0));
       body = (body + 1 + random.below(2)) % 6;
       stuff = (stuff + 1 + random.below(3)) % 8;
     }

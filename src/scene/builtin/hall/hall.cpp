@@ -43,8 +43,8 @@ double tileOf(Stuff stuff) {
   }
 }
 
-HallBuilder::HallBuilder(Detail detail, uint64_t seed, bool counting)
-    : detail(detail), seed(static_cast<uint32_t>(seed)), builder("hall"), counting_(counting) {}
+HallBuilder::HallBuilder(Detail detail, uint64_t seed, bool counting, bool glass)
+    : detail(detail), seed(static_cast<uint32_t>(seed)), glass(glass), builder("hall"), counting_(counting) {}
 
 uint32_t HallBuilder::mesh(MeshPlan plan) {
   planTriangles_.push_back(plan.triangles());
@@ -111,19 +111,19 @@ void addParts(HallBuilder& hall, uint64_t spareTriangles) {
   addLamps(hall);
 }
 
-uint64_t trianglesAt(double scale, uint64_t seed) {
-  HallBuilder hall(Detail{scale}, seed, true);
+uint64_t trianglesAt(double scale, const HallParameters& p) {
+  HallBuilder hall(Detail{scale}, p.seed, true, p.glass);
   addParts(hall, 0);
   return hall.triangles();
 }
 
 // The greatest detail that stays within the request; counts grow with it, in steps.
-double detailFor(uint64_t triangles, uint64_t seed) {
+double detailFor(const HallParameters& p) {
   double low = 0.02, high = 1;
-  while (trianglesAt(high, seed) <= triangles) high *= 2;
+  while (trianglesAt(high, p) <= p.triangles) high *= 2;
   for (int i = 0; i < 26; ++i) {
     const double middle = 0.5 * (low + high);
-    (trianglesAt(middle, seed) <= triangles ? low : high) = middle;
+    (trianglesAt(middle, p) <= p.triangles ? low : high) = middle;
   }
   return low;
 }
@@ -140,16 +140,16 @@ void addCameras(SceneBuilder& builder) {
 
 }  // namespace hall
 
-Scene makeHall(uint64_t triangles, uint32_t lights, uint64_t seed) {
+Scene makeHall(const HallParameters& p) {
   using namespace hall;
-  const Detail detail{detailFor(triangles, seed)};
-  const uint64_t planned = trianglesAt(detail.scale, seed);
-  HallBuilder hall(detail, seed, false);
-  addParts(hall, triangles - std::min(triangles, planned));
+  const Detail detail{detailFor(p)};
+  const uint64_t planned = trianglesAt(detail.scale, p);
+  HallBuilder hall(detail, p.seed, false, p.glass);
+  addParts(hall, p.triangles - std::min(p.triangles, planned));
   hall.finish();
-  addMaterials(hall.builder.scene, static_cast<uint32_t>(seed));
+  addMaterials(hall.builder.scene, static_cast<uint32_t>(p.seed), p.glass);
   addCameras(hall.builder);
-  addLights(hall, lights);
+  addLights(hall, p.lights);
   return std::move(hall.builder.scene);
 }
 

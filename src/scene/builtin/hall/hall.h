@@ -35,6 +35,10 @@ enum class Stuff : uint32_t {
   LampGlass,  // of a light that burns
   DarkGlass,  // of one that doesn't
   WindowGlass,
+  CaseGlass,  // blended, as all that follow: only in a hall with glass
+  AmberGlass,
+  BlueGlass,
+  GreenGlass,
   Count
 };
 
@@ -55,10 +59,11 @@ inline constexpr uint32_t kNoInstance = ~0u;
 // Collects the hall's meshes, or only counts their triangles.
 class HallBuilder {
  public:
-  HallBuilder(Detail detail, uint64_t seed, bool counting);
+  HallBuilder(Detail detail, uint64_t seed, bool counting, bool glass = false);
 
   const Detail detail;
   const uint32_t seed;
+  const bool glass;
 
   uint32_t mesh(MeshPlan plan);
   uint32_t group(const std::string& name, uint32_t parent, const mat4& local = mat4(1));
@@ -103,8 +108,8 @@ void addFloor(HallBuilder& hall, uint64_t spareTriangles);
 void addExhibits(HallBuilder& hall);
 void addLamps(HallBuilder& hall);
 
-// Fill scene.textures and scene.materials, in the order of Stuff.
-void addMaterials(Scene& scene, uint32_t seed);
+// Fill scene.textures and scene.materials, in the order of Stuff: all of it, or what is not blended.
+void addMaterials(Scene& scene, uint32_t seed, bool glass);
 
 // The one named "main" first.
 void addCameras(SceneBuilder& builder);

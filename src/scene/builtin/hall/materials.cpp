@@ -39,6 +39,13 @@ Material glowing(const std::string& name, vec3 emissive) {
   return material;
 }
 
+Material blended(const std::string& name, vec3 color, float alpha) {
+  Material material = plainMaterial(name, color, 0, 0.12f);
+  material.data.baseColor.a = alpha;
+  material.data.flags |= shared::kMaterialBlended | shared::kMaterialDoubleSided;
+  return material;
+}
+
 // Every texture of the hall; tints of materials are linear.
 struct Maps {
   SurfaceMaps nave, aisle, ashlar, plaster, mosaic, tile;
@@ -114,6 +121,14 @@ Material makeMaterial(Stuff stuff, const Maps& maps) {
       setSlot(material, kTextureEmissive, maps.glass);
       return material;
     }
+    case Stuff::CaseGlass:
+      return blended("case glass", {0.55f, 0.75f, 0.70f}, 0.2f);
+    case Stuff::AmberGlass:
+      return blended("amber glass", {0.95f, 0.42f, 0.06f}, 0.5f);
+    case Stuff::BlueGlass:
+      return blended("blue glass", {0.08f, 0.20f, 0.75f}, 0.5f);
+    case Stuff::GreenGlass:
+      return blended("green glass", {0.06f, 0.55f, 0.22f}, 0.5f);
     case Stuff::Count:
       break;
   }
@@ -122,10 +137,10 @@ Material makeMaterial(Stuff stuff, const Maps& maps) {
 
 }  // namespace
 
-void addMaterials(Scene& scene, uint32_t seed) {
+void addMaterials(Scene& scene, uint32_t seed, bool glass) {
   const Maps maps = addTextures(scene, seed);
-  for (uint32_t i = 0; i < static_cast<uint32_t>(Stuff::Count); ++i)
-    scene.materials.push_back(makeMaterial(static_cast<Stuff>(i), maps));
+  const auto end = static_cast<uint32_t>(glass ? Stuff::Count : Stuff::CaseGlass);
+  for (uint32_t i = 0; i < end; ++i) scene.materials.push_back(makeMaterial(static_cast<Stuff>(i), maps));
 }
 
 }  // namespace latelight::scene::builtin::hall

@@ -1,0 +1,81 @@
+#include "app/render_pick.h"
+
+#include <fmt/core.h>
+
+#include <charconv>
+#include <optional>
+
+#include "base/error.h"
+
+namespace latelight::app {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::optional<uint32_t> wholeNumber(std::string_view text) {
+  uint32_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+std::string text(glm::vec3 v) {
+  return fmt::format("{:.6g} {:.6g} {:.6g}", v.x, v.y, v.z);
+}
+
+const std::string& nameOr(const std::string& name, const std::string& otherwise) {
+  return name.empty() ? otherwise : name;
+}
+
+Json array(glm::vec3 v) {
+  return {v.x, v.y, v.z};
+}
+
+}  // namespace
+
+std::vector<glm::uvec2> parsePixels(const std::vector<std::string>& texts) {
+  std::vector<glm::uvec2> pixels;
+  for (const std::string& text : texts) {
+    const size_t comma = std::min(text.find(','), text.size());
+    const auto x = wholeNumber(std::string_view(text).substr(0, comma));
+    const auto y = wholeNumber(std::string_view(text).substr(std::min(comma + 1, text.size())));
+    if (!x || !y) badUsage("--pick takes a pixel x,y in whole numbers from the upper left, not \"{}\"", text);
+    pixels.push_back({*x, *y});
+  }
+  return pixels;
+}
+
+void printPicked(const std::vector<render::Picked>& picked, const std::string& frame, const std::string& normalFrame) {
+  const std::string unnamed = "(without a name)";
+  for (const render::Picked& p : picked) {
+    if (p.id == 0) {
+      fmt::print("pixel {},{}: background\n", p.pixel.x, p.pixel.y);
+      continue;
+    }
+    fmt::print("pixel {},{}\n", p.pixel.x, p.pixel.y);
+    fmt::print("  id         {}\n  node       {}\n  mesh       {}\n  material   {}\n", p.id, p.node,
+               nameOr(p.mesh, unnamed), nameOr(p.material, unnamed));
+    fmt::print("  position   {} m ({})\n", text(p.position), frame);
+    fmt::print("  normal     {} ({})\n  geonormal  {} ({})\n", text(p.normal), normalFrame, text(p.geonormal),
+               normalFrame);
+    fmt::print("  depth      {:.6g} m\n  distance   {:.6g} m\n  uv         {:.6g} {:.6g}\n", p.depth, p.distance,
+               p.uv.x, p.uv.y);
+  }
+}
+
+Json describePicked(const std::vector<render::Picked>& picked) {
+  Json all = Json::array();
+  for (const render::Picked& p : picked) {
+    Json row{{"pixel", {p.pixel.x, p.pixel.y}}, {"id", p.id}};
+    if (p.id != 0) {
+      row.update({{"node", p.node}, {"mesh", p.mesh}, {"material", p.material}});
+      row.update({{"position", array(p.position)}, {"normal", array(p.normal)}, {"geonormal", array(p.geonormal)}});
+      row.update({{"depth", p.depth}, {"distance", p.distance}, {"uv", {p.uv.x, p.uv.y}}});
+    }
+    all.push_back(std::move(row));
+  }
+  return all;
+}
+
+}  // namespace latelight::app

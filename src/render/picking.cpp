@@ -1,0 +1,72 @@
+#include "render/picking.h"
+
+#include <algorithm>
+
+#include "base/error.h"
+
+namespace latelight::render {
+
+namespace {
+
+using output::Aov;
+
+struct DataAt {
+  const output::FrameOutput& frame;
+  size_t pixel;
+
+  const output::AovImage& image(Aov aov) const {
+    return *std::find_if(frame.aovs.begin(), frame.aovs.end(), [&](const auto& image) { return image.aov == aov; });
+  }
+  uint32_t id() const { return image(Aov::Id).ids[pixel]; }
+  float scalar(Aov aov) const { return image(aov).values[pixel]; }
+  glm::vec2 two(Aov aov) const { return {image(aov).values[2 * pixel], image(aov).values[2 * pixel + 1]}; }
+  glm::vec3 three(Aov aov) const {
+    const std::vector<float>& values = image(aov).values;
+    return {values[3 * pixel], values[3 * pixel + 1], values[3 * pixel + 2]};
+  }
+};
+
+Picked describe(const scene::Scene& scene, const DataAt& data) {
+  Picked p;
+  p.id = data.id();
+  if (p.id == 0) return p;
+  const auto found = std::find_if(scene.instances.begin(), scene.instances.end(),
+                                  [&](const scene::Instance& instance) { return instance.id == p.id; });
+  if (found == scene.instances.end()) fail(ExitCode::Internal, "No instance of the scene has the id {}.", p.id);
+  p.node = scene.nodes[found->node].path;
+  p.mesh = scene.meshes[found->mesh].name;
+  p.material = scene.materials[found->material].name;
+  p.position = data.three(Aov::Position);
+  p.normal = data.three(Aov::Normal);
+  p.geonormal = data.three(Aov::GeoNormal);
+  p.depth = data.scalar(Aov::Depth);
+  p.distance = data.scalar(Aov::Distance);
+  p.uv = data.two(Aov::Uv);
+  return p;
+}
+
+}  // namespace
+
+std::vector<Picked> pick(Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
+                         const Settings& settings, std::span<const glm::uvec2> pixels) {
+  checkPixels(settings, pixels);
+  Settings data = settings;
+  data.display = false;
+  data.aovs = {Aov::Id, Aov::Position, Aov::Normal, Aov::GeoNormal, Aov::Depth, Aov::Distance, Aov::Uv};
+  const output::FrameOutput frame = std::move(renderer.render({&camera, 1}, data).front());
+  std::vector<Picked> picked;
+  for (const glm::uvec2 pixel : pixels) {
+    picked.push_back(describe(scene, {frame, size_t{pixel.y} * settings.width + pixel.x}));
+    picked.back().pixel = pixel;
+  }
+  return picked;
+}
+
+void checkPixels(const Settings& settings, std::span<const glm::uvec2> pixels) {
+  for (const glm::uvec2 pixel : pixels)
+    if (pixel.x >= settings.width || pixel.y >= settings.height)
+      badUsage("there is no pixel {},{} in a picture of {}x{}: x lies between 0 and {}, y between 0 and {}", pixel.x,
+               pixel.y, settings.width, settings.height, settings.width - 1, settings.height - 1);
+}
+
+}  // namespace latelight::render

@@ -1,0 +1,30 @@
+// Picking: what a pixel shows, by the ids that the data outputs carry (seed 002 keeps an id a pixel for this).
+#pragma once
+
+#include <glm/vec2.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "render/renderer.h"
+
+namespace latelight::render {
+
+// The surface at a pixel's centre; Settings::dataSurfaces, normalFrame and zUp say which, and in what frames.
+struct Picked {
+  glm::uvec2 pixel{0};
+  uint32_t id = 0;                   // 0: background, and nothing below is set
+  std::string node, mesh, material;  // the node's path, names
+  glm::vec3 position{0}, normal{0}, geonormal{0};
+  float depth = 0, distance = 0;  // metres: along the view axis, and along the ray
+  glm::vec2 uv{0};
+};
+
+// Throws Error(Usage) for a pixel outside the picture.
+void checkPixels(const Settings& settings, std::span<const glm::uvec2> pixels);
+
+// Checks them, and renders the data outputs that it takes; nothing is lit.
+std::vector<Picked> pick(Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
+                         const Settings& settings, std::span<const glm::uvec2> pixels);
+
+}  // namespace latelight::render

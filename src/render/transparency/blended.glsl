@@ -1,0 +1,50 @@
+// The fragment of a blended surface, lit: the same material, BRDF and lights, in the same order, as deferred surfaces get.
+//
+// The lights come from a walk through the light tree with the box around the subgroup's fragments: a fragment lies before
+// the surfaces that the lists of `tiled` and `clustered` are made for, and the walk needs no lists, is bounded by what
+// reaches the fragments, and comes to lights in the one order that all techniques sum in.
+#extension GL_GOOGLE_include_directive : require
+#include "render/glsl/varyings.glsl"
+#include "render/glsl/material.glsl"
+#include "render/glsl/surface.glsl"
+#include "shared/gbuffer.h"
+#define ENVIRONMENT_BINDING 0
+#include "render/glsl/environment.glsl"
+#include "render/glsl/fog.glsl"
+#include "render/glsl/lights.glsl"
+#define PARTIAL_SUBGROUPS
+#include "render/glsl/tree_lights.glsl"
+
+layout(constant_id = 16) const uint kEveryLight = 0;  // the reference, and for devices without subgroups here
+
+vec3 lightsAt(FrameConstants frame, Surface s, vec3 toEye, bool shows) {
+  if (kEveryLight != 0u) return shadeAllLightsPlainly(frame, s, toEye);
+  countLanes();
+  Shading shading = startShading(s, toEye, shows);
+  shadeRange(shading, frame, 0u, frame.directionalLights);
+  shadeTree(shading, frame, true);
+  return shading.radiance;
+}
+
+// Where the surface covers a share of the pixel, fog before it covers the same share: what is behind has its own already.
+vec4 throughFog(Fog fog, View view, vec3 position, vec4 color) {
+  vec3 seen = view.worldToView * vec4(position, 1.0);
+  return seenThroughFog(fog, color, fogTransmittanceTo(fog, view, seen));
+}
+
+// Radiance times exposure, premultiplied by alpha, and alpha: the over operator of glTF 2.0, section 3.9.4, covers all
+// that leaves the surface, emission and reflections included. Every invocation of the subgroup must call it.
+vec4 blendedFragment(FrameConstants frame) {
+  Material m = drawMaterial();
+  Surface s = evaluateMaterial(frame, frameInstance(frame, varyingInstance), m);
+  float alpha = clamp(baseColor(m).a, 0.0, 1.0);
+  bool unlit = (s.flags & kSurfaceUnlit) != 0u;
+  vec3 emitted = unlit ? s.baseColor : s.emissive;
+  if (unlit) s = withoutReflection(s);
+  vec3 toEye = directionToEye(frameView(frame, push.view), s.position);
+  vec3 radiance = environmentLight(frame, s, toEye) + lightsAt(frame, s, toEye, alpha > 0.0);
+  vec3 sum = min(emitted * frame.exposure, vec3(65504.0)) + radiance * frame.exposure;
+  vec4 color = vec4(min(sum, vec3(65504.0)), 1.0);
+  if (frame.fog.density > 0.0) color = throughFog(frame.fog, frameView(frame, push.view), s.position, color);
+  return vec4(color.rgb * alpha, alpha);
+}

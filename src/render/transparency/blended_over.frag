@@ -1,0 +1,9 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// sorted: a blended fragment for the blending unit, which lays it over what is there.
+#include "render/glsl/common.glsl"
+#include "render/transparency/blended.glsl"
+
+layout(location = 0) out vec4 color;
+
+void main() { color = blendedFragment(FrameRef(push.frame).v); }

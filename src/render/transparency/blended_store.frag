@@ -1,0 +1,29 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// exact, first pass: every fragment is kept, with what its place in the pixel's order follows from. (Yang, Hensley, Grün and
+// Thibieroz 2010, Real-Time Concurrent Linked List Construction on the GPU, CGF 29(4), link theirs; here each gets a rank
+// instead, so that a pixel's can be laid side by side and be sorted by many.)
+#include "render/glsl/common.glsl"
+#define DRAW_PUSH_FRAGMENTS
+#include "render/transparency/fragment_lists.glsl"
+#include "render/transparency/blended.glsl"
+
+layout(early_fragment_tests) in;  // what is hidden stores nothing
+
+void main() {
+  FrameConstants frame = FrameRef(push.frame).v;
+  vec4 color = blendedFragment(frame);
+  if (color.a <= 0.0) return;
+  FragmentLists lists = push.lists;
+  vec2 size = frameView(frame, push.view).size;
+  uvec2 place = uvec2(gl_FragCoord.xy);
+  Fragment f;
+  f.color = uvec2(packHalf2x16(color.rg), packHalf2x16(color.ba));
+  f.depth = floatBitsToUint(gl_FragCoord.z);
+  f.order = push.order.first + (varyingInstance - push.order.firstInstance) * push.order.triangles + uint(gl_PrimitiveID);
+  f.pixel = (push.view * uint(size.y) + place.y) * uint(size.x) + place.x;
+  f.rank = atomicAdd(WordsRef(lists.counts).v[f.pixel], 1u);
+  f.coverage = uint(gl_SampleMaskIn[0]);
+  uint index = atomicAdd(TotalsRef(lists.totals).v.stored, 1u);
+  if (index < lists.capacity) FragmentsRef(lists.fragments).v[index] = f;
+}

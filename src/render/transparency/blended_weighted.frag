@@ -1,0 +1,22 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// weighted: sums that need no order (McGuire and Bavoil 2013, Weighted Blended Order-Independent Transparency, JCGT 2(2)).
+#include "render/glsl/common.glsl"
+#include "render/transparency/blended.glsl"
+
+layout(location = 0) out vec4 colors;   // rgb: the sum of premultiplied radiance times weight; a: coverage
+layout(location = 1) out float weights;  // the sum of alpha times weight
+
+// Their equation 7, for depths between 0.1 and 500; here in metres.
+float weightAt(float depth, float alpha) {
+  float a = abs(depth) / 5.0, b = abs(depth) / 200.0;
+  return alpha * clamp(10.0 / (1e-5 + a * a + pow(b, 6.0)), 1e-2, 3e3);
+}
+
+void main() {
+  FrameConstants frame = FrameRef(push.frame).v;
+  vec4 color = blendedFragment(frame);
+  float weight = weightAt(viewDepth(frameView(frame, push.view).projection, gl_FragCoord.z), color.a);
+  colors = vec4(color.rgb * weight, color.a);
+  weights = color.a * weight;
+}

@@ -1,0 +1,25 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// exact, second pass: each pixel's part of the arrays. Which part is whose depends on who came first, and no result does.
+#include "render/glsl/common.glsl"
+#include "render/transparency/fragment_lists.glsl"
+
+layout(local_size_x = 256) in;
+
+struct PlacePush {
+  FragmentLists lists;
+  uint pixels;
+};
+layout(push_constant, scalar) uniform Push { PlacePush push; };
+
+void main() {
+  uint pixel = gl_WorkGroupID.y * 65536u + gl_GlobalInvocationID.x;
+  if (pixel >= push.pixels) return;
+  uint count = WordsRef(push.lists.counts).v[pixel];
+  if (count == 0u) return;
+  TotalsRef totals = TotalsRef(push.lists.totals);
+  uint start = atomicAdd(totals.v.placed, count);
+  if (start + count < start) atomicAdd(totals.v.carries, 1u);
+  atomicMax(totals.v.longest, count);
+  WordsRef(push.lists.starts).v[pixel] = start;
+}

@@ -1,0 +1,60 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// exact, where lists are long: a step of a merge sort over all of them at once. The first sorts runs of kShortList, an
+// invocation a run; the others merge pairs of runs, an invocation an element, which finds its place by a binary search in the
+// other run. So a list of n takes O(log n) steps of O(n log n) work together, without a loop of n anywhere.
+#include "render/glsl/common.glsl"
+#include "render/transparency/fragment_lists.glsl"
+#include "render/transparency/short_list.glsl"
+
+layout(local_size_x = 256) in;
+
+struct SortPush {
+  FragmentLists lists;
+  uint64_t from, to;  // uint[capacity]; short lists are left alone
+  uint run;           // length of the runs that are merged; 0: make the first ones
+};
+layout(push_constant, scalar) uniform Push { SortPush push; };
+
+// Of a run, how many come before `key`.
+uint countBefore(uint first, uint end, uint64_t key) {
+  uint low = first;
+  while (low < end) {
+    uint middle = (low + end) >> 1u;
+    if (sortKeyOf(push.lists, WordsRef(push.from).v[middle]) < key)
+      low = middle + 1u;
+    else
+      end = middle;
+  }
+  return low - first;
+}
+
+void makeRun(uint first, uint end) {
+  uint count = min(kShortList, end - first);
+  sortShortList(push.lists, first, count);
+  for (uint i = 0u; i < count; ++i) WordsRef(push.to).v[first + i] = shortList[i];
+}
+
+void merge(uint place, uint start, uint end, uint fragment) {
+  uint pair = start + (place - start) / (2u * push.run) * (2u * push.run);
+  uint middle = min(pair + push.run, end), last = min(pair + 2u * push.run, end);
+  bool left = place < middle;
+  uint before = countBefore(left ? middle : pair, left ? last : middle, sortKeyOf(push.lists, fragment));
+  WordsRef(push.to).v[pair + place - (left ? pair : middle) + before] = fragment;
+}
+
+void main() {
+  if (outgrown(push.lists)) return;
+  uint total = TotalsRef(push.lists.totals).v.placed;
+  for (uint i = gl_GlobalInvocationID.x; i < total; i += gl_NumWorkGroups.x * 256u) {
+    // Whose place it is says the unsorted list, which has short lists too.
+    uint fragment = WordsRef(push.lists.lists).v[i];
+    uint pixel = FragmentsRef(push.lists.fragments).v[fragment].pixel;
+    uint start = WordsRef(push.lists.starts).v[pixel], count = WordsRef(push.lists.counts).v[pixel];
+    if (count <= kShortList) continue;
+    if (push.run != 0u)
+      merge(i, start, start + count, WordsRef(push.from).v[i]);
+    else if ((i - start) % kShortList == 0u)
+      makeRun(i, start + count);
+  }
+}

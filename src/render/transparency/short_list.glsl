@@ -1,0 +1,19 @@
+// Sorting of a few fragments by one invocation.
+uint64_t shortKeys[kShortList];
+uint shortList[kShortList];  // numbers of fragments
+
+// Fills both with `count` fragments from `first` on, in order: by insertion, which is quick where they come nearly sorted.
+void sortShortList(FragmentLists lists, uint first, uint count) {
+  for (uint i = 0u; i < count; ++i) {
+    uint fragment = WordsRef(lists.lists).v[first + i];
+    uint64_t key = sortKeyOf(lists, fragment);
+    uint place = i;
+    while (place > 0u && shortKeys[place - 1u] > key) {
+      shortKeys[place] = shortKeys[place - 1u];
+      shortList[place] = shortList[place - 1u];
+      --place;
+    }
+    shortKeys[place] = key;
+    shortList[place] = fragment;
+  }
+}

@@ -1,0 +1,217 @@
+// Blended surfaces under lights: lit as opaque ones are, alike whatever lights the rest of the picture, through the
+// light tree as through all lights, and in memory that grows.
+#include <fmt/core.h>
+
+#include <cstring>
+
+#include "render/gbuffer/layout.h"
+#include "render/lighting/technique.h"
+#include "render/post/resolve.h"
+#include "render/registry.h"
+#include "render/transparency/transparency.h"
+#include "render/view.h"
+#include "shared/random.h"
+#include "transparency/scenes.h"
+
+namespace latelight::render::test {
+namespace {
+
+using output::Aov;
+
+constexpr uint32_t kWidth = 80, kHeight = 48;
+
+// Spheres and panes of every kind of blended material over nothing, and one over a wall.
+scene::Scene glassRoom(uint32_t lights) {
+  scene::builtin::SceneBuilder builder("glass");
+  scene::Scene& scene = builder.scene;
+  scene.meshes = {squareMesh(), sphereMesh(0.8f)};
+  const auto material = [&](vec4 color, float metallic, float roughness) -> shared::Material& {
+    scene::Material& m =
+        scene.materials.emplace_back(scene::builtin::plainMaterial("m", vec3(color), metallic, roughness));
+    m.data.baseColor.a = color.a;
+    m.data.flags |= color.a < 1 ? shared::kMaterialBlended : 0u;
+    return m.data;
+  };
+  const auto place = [&](uint32_t mesh, vec3 at, vec3 size) {
+    builder.addInstance("thing", 0, mesh, static_cast<uint32_t>(scene.materials.size()) - 1,
+                        glm::scale(glm::translate(glm::mat4(1), at), size));
+  };
+  material({0.7f, 0.6f, 0.5f, 1}, 0, 0.6f);
+  place(0, {1.6f, 0, -1.5f}, {0.9f, 2, 1});
+  material({0.9f, 0.3f, 0.2f, 0.5f}, 0, 0.4f).flags |= shared::kMaterialDoubleSided;
+  place(1, {-1.2f, 0.2f, 0}, vec3(1));
+  material({0.2f, 0.5f, 0.9f, 0.6f}, 1, 0.3f);
+  place(1, {-0.4f, -0.3f, 0.5f}, vec3(0.9f));
+  material({0.1f, 0.1f, 0.1f, 0.4f}, 0, 0.4f).emissive = {0.4f, 0.3f, 0.1f};
+  place(1, {1.2f, 0.4f, 0.3f}, vec3(0.8f));
+  material({0.3f, 0.8f, 0.4f, 0.3f}, 0, 0.5f).flags |= shared::kMaterialUnlit;
+  place(0, {0.2f, 0, 0.9f}, {1.4f, 0.3f, 1});
+  shared::Random random(21);
+  for (uint32_t i = 0; i < lights; ++i) {
+    scene::Light& light = scene.lights.emplace_back();
+    light.type = i % 7 == 0 ? shared::kLightDirectional : i % 3 ? shared::kLightPoint : shared::kLightSpot;
+    light.position = {random.uniform(-2.5f, 2.5f), random.uniform(-2.5f, 1), random.uniform(-1.5f, 1.5f)};
+    light.direction = glm::normalize(vec3(random.uniform(-1, 1), 1, random.uniform(-1, 1)));
+    light.color = {random.uniform(0.3f, 1), random.uniform(0.3f, 1), random.uniform(0.3f, 1)};
+    light.intensity = light.type == shared::kLightDirectional ? 2.0f / static_cast<float>(lights) : 0.3f;
+    light.outerCone = 0.6f;
+    if (light.type != shared::kLightDirectional) light.range = random.uniform(0.3f, 1.5f);
+  }
+  return std::move(scene);
+}
+
+// --- frames with a setup of one's own -------------------------------------------------------------------------------
+
+class Bench {
+ public:
+  Bench(vk::Device& device, const scene::Scene& scene)
+      : device_(device), scene_(device, scene), environment_(device, nullptr), executor_(device) {}
+
+  struct Result {
+    std::vector<uint16_t> halves;  // RGBA
+    uint32_t runs = 0;
+  };
+  Result render(const TransparencySetup& transparency) {
+    const Frame frame(
+        device_, scene_,
+        {.layout = &findLayout("thin"), .lighting = &findTechnique("fullscreen"), .transparency = transparency});
+    const shared::View view = makeView(frontPerspective(0.9f, 4), kWidth, kHeight);
+    shared::FrameConstants constants{};
+    scene_.describe(constants);
+    const vk::Buffer views = upload("views", view), buffer = [&] {
+      constants.views = views.address();
+      constants.viewCount = 1;
+      constants.exposure = 1;
+      return upload("constants", constants);
+    }();
+    FrameInputs inputs{scene_, environment_, {&view, 1}, buffer.address(), kWidth, kHeight};
+    inputs.lights = scene_.lights();
+    Result result;
+    for (;;) {
+      graph::Graph graph;
+      const graph::BufferId picture = addReadback(graph, frame.add(graph, inputs).picture);
+      executor_.run(graph, graph.compile());
+      ++result.runs;
+      if (frame.outgrown(executor_)) continue;
+      const uint16_t* halves = executor_.buffer(picture).as<uint16_t>();
+      result.halves.assign(halves, halves + size_t{4} * kWidth * kHeight);
+      return result;
+    }
+  }
+
+ private:
+  template <typename T>
+  vk::Buffer upload(const char* name, const T& value) {
+    vk::Buffer buffer(device_, {.size = sizeof(T), .kind = vk::MemoryKind::Upload, .name = name});
+    std::memcpy(buffer.mapped(), &value, sizeof(T));
+    return buffer;
+  }
+  vk::Device& device_;
+  GpuScene scene_;
+  GpuEnvironment environment_;
+  graph::Executor executor_;
+};
+
+class LitGlass : public RenderTest {};
+
+// From room for one fragment: what does not fit is found, room made, and the picture is that of ample room.
+TEST_F(LitGlass, MemoryGrowsUntilAllFits) {
+  const scene::Scene scene = glassRoom(20);
+  Bench bench(device(), scene);
+  const Bench::Result ample = bench.render({.fragments = 1 << 20}), tight = bench.render({.fragments = 1});
+  EXPECT_EQ(ample.runs, 1u);
+  EXPECT_EQ(tight.runs, 2u);
+  EXPECT_EQ(tight.halves, ample.halves);
+  EXPECT_EQ(bench.render({.fragments = 1 << 20}).halves, ample.halves);  // the same bytes again
+}
+
+TEST_F(LitGlass, TheLightTreeLeavesNoLightOut) {
+  const scene::Scene scene = glassRoom(400);
+  Bench bench(device(), scene);
+  for (uint32_t method : {kTransparencyExact, kTransparencySorted}) {
+    const std::vector<uint16_t> tree = bench.render({.method = method}).halves;
+    const std::vector<uint16_t> every = bench.render({.method = method, .everyLight = true}).halves;
+    int worst = 0;  // steps of a half
+    for (size_t i = 0; i < tree.size(); ++i) worst = std::max(worst, std::abs(int{tree[i]} - int{every[i]}));
+    EXPECT_LE(worst, 1) << method;
+  }
+}
+
+// --- with everything else
+// ---------------------------------------------------------------------------------------------
+
+std::vector<float> colorOf(Renderer& renderer, const Settings& settings) {
+  const scene::Camera camera = frontPerspective(0.9f, 4);
+  return imageOf(renderer.render({&camera, 1}, settings).front(), Aov::Color).values;
+}
+
+// Where nothing opaque lies behind, the very same bytes; elsewhere what the layout makes of the wall shows through.
+TEST_F(LitGlass, IsAlikeWithEveryTechniqueAndLayout) {
+  const scene::Scene scene = glassRoom(20);
+  Renderer renderer(device(), scene, nullptr);
+  Settings settings = settingsOf(kWidth, kHeight, {Aov::Color});
+  settings.layout = "exact";
+  const std::vector<float> expected = colorOf(renderer, settings);
+  size_t glassAlone = 0;
+  const auto compare = [&] {
+    SCOPED_TRACE(settings.lighting + ", " + settings.layout);
+    const std::vector<float> picture = colorOf(renderer, settings);
+    for (size_t i = 0; i < picture.size(); i += 4) {
+      const bool alone = expected[i + 3] > 0 && expected[i + 3] < 0.999f;
+      glassAlone += alone;
+      for (size_t c = 0; alone && c < 4; ++c) ASSERT_EQ(picture[i + c], expected[i + c]) << i;
+      ASSERT_NEAR(picture[i + 3], expected[i + 3], 1e-3) << i;
+    }
+  };
+  for (const TechniqueInfo& technique : techniques()) {
+    settings.lighting = technique.name;
+    compare();
+  }
+  settings.lighting = "tiled";
+  for (const Layout& layout : layouts()) {
+    settings.layout = layout.name;
+    compare();
+  }
+  EXPECT_GT(glassAlone, (techniques().size() + layouts().size()) * kWidth * kHeight / 20);
+}
+
+// Alpha 1 is opaque: the picture is the one of the same materials unblended, in both shading models and an environment.
+TEST_F(LitGlass, WithAlphaOneIsTheOpaqueSurface) {
+  scene::Scene scene = glassRoom(20);
+  scene::Scene opaque = glassRoom(20);
+  for (scene::Material& material : scene.materials) {
+    material.data.baseColor.a = 1;
+    material.data.flags |= shared::kMaterialBlended;
+  }
+  for (scene::Material& material : opaque.materials) material.data.flags &= ~shared::kMaterialBlended;
+  const scene::Environment environment = constantEnvironment();
+  Renderer blended(device(), scene, &environment), solid(device(), opaque, &environment);
+  Settings settings = settingsOf(kWidth, kHeight, {Aov::Color});
+  settings.lighting = "forward";
+  for (const NamedOption& shading : shadings()) {
+    settings.shading = shading.name;
+    const std::vector<float> expected = colorOf(solid, settings), picture = colorOf(blended, settings);
+    for (size_t i = 0; i < picture.size(); ++i)
+      ASSERT_NEAR(picture[i], expected[i], 1.0 / 255 * std::max(1.0f, expected[i])) << shading.name << " " << i;
+  }
+}
+
+// Several cameras at once have lists of their own.
+TEST_F(LitGlass, ViewsTogetherAreViewsAlone) {
+  const scene::Scene scene = glassRoom(5);
+  Renderer renderer(device(), scene, nullptr);
+  std::vector<scene::Camera> cameras{frontPerspective(0.9f, 4), frontCamera(2), frontPerspective(0.5f, 6)};
+  for (const char* method : {"exact", "sorted", "weighted"}) {
+    SCOPED_TRACE(method);
+    Settings settings = settingsOf(kWidth, kHeight, {Aov::Color});
+    settings.transparency = method;
+    const auto together = renderer.render(cameras, settings);
+    for (size_t i = 0; i < cameras.size(); ++i)
+      EXPECT_EQ(imageOf(together[i], Aov::Color).values,
+                imageOf(renderer.render({&cameras[i], 1}, settings).front(), Aov::Color).values);
+    EXPECT_NE(imageOf(together[0], Aov::Color).values, imageOf(together[1], Aov::Color).values);
+  }
+}
+
+}  // namespace
+}  // namespace latelight::render::test

@@ -1,0 +1,67 @@
+// Picked pixels against the data outputs and the scene.
+#include "render/picking.h"
+#include "base/error.h"
+#include "render/support.h"
+
+namespace latelight::render::test {
+namespace {
+
+using output::Aov;
+
+class Picking : public RenderTest {};
+
+TEST_F(Picking, SaysWhatTheDataOutputsHave) {
+  constexpr uint32_t kWidth = 64, kHeight = 36;
+  const scene::Scene scene = scene::load("builtin:boxes");
+  Renderer renderer(device(), scene, nullptr);
+  scene::Camera camera = scene.cameras.front();
+  camera.principal = {0, -1.2f};  // some background
+  Settings settings = settingsOf(
+      kWidth, kHeight, {Aov::Id, Aov::Position, Aov::Normal, Aov::GeoNormal, Aov::Depth, Aov::Distance, Aov::Uv});
+  const output::FrameOutput frame = std::move(renderer.render({&camera, 1}, settings).front());
+  std::vector<glm::uvec2> pixels;
+  for (uint32_t y = 0; y < kHeight; y += 5)
+    for (uint32_t x = 0; x < kWidth; x += 7) pixels.push_back({x, y});
+  const std::vector<Picked> picked = pick(renderer, scene, camera, settings, pixels);
+  ASSERT_EQ(picked.size(), pixels.size());
+  size_t surfaces = 0;
+  for (size_t i = 0; i < picked.size(); ++i) {
+    const Picked& p = picked[i];
+    const size_t at = size_t{pixels[i].y} * kWidth + pixels[i].x;
+    EXPECT_EQ(p.pixel, pixels[i]);
+    ASSERT_EQ(p.id, imageOf(frame, Aov::Id).ids[at]);
+    if (p.id == 0) continue;
+    ++surfaces;
+    EXPECT_EQ(p.position, vec3At(imageOf(frame, Aov::Position), at));
+    EXPECT_EQ(p.normal, vec3At(imageOf(frame, Aov::Normal), at));
+    EXPECT_EQ(p.geonormal, vec3At(imageOf(frame, Aov::GeoNormal), at));
+    EXPECT_EQ(p.depth, imageOf(frame, Aov::Depth).values[at]);
+    EXPECT_EQ(p.distance, imageOf(frame, Aov::Distance).values[at]);
+    EXPECT_EQ(p.uv, vec2At(imageOf(frame, Aov::Uv), at));
+    const auto instance = std::find_if(scene.instances.begin(), scene.instances.end(),
+                                       [&](const scene::Instance& candidate) { return candidate.id == p.id; });
+    ASSERT_NE(instance, scene.instances.end());
+    EXPECT_EQ(p.node, scene.nodes[instance->node].path);
+    EXPECT_EQ(p.mesh, scene.meshes[instance->mesh].name);
+    EXPECT_EQ(p.material, scene.materials[instance->material].name);
+  }
+  EXPECT_GT(surfaces, picked.size() / 4);
+  EXPECT_LT(surfaces, picked.size());
+}
+
+TEST_F(Picking, OutsideThePictureIsRefused) {
+  const scene::Scene scene = scene::load("builtin:boxes");
+  Renderer renderer(device(), scene, nullptr);
+  for (const glm::uvec2 outside : {glm::uvec2(64, 0), glm::uvec2(0, 36), glm::uvec2(~0u, ~0u)}) {
+    try {
+      pick(renderer, scene, scene.cameras.front(), settingsOf(64, 36), {&outside, 1});
+      ADD_FAILURE() << outside.x << "," << outside.y;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ExitCode::Usage);
+      EXPECT_NE(std::string(error.what()).find("64x36"), std::string::npos) << error.what();
+    }
+  }
+}
+
+}  // namespace
+}  // namespace latelight::render::test

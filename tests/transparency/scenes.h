@@ -1,0 +1,53 @@
+// Scenes of blended surfaces whose pictures can be worked out by hand. glTF's frame: +Z is towards the viewer.
+#pragma once
+
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "render/support.h"
+
+namespace latelight::render::test {
+
+using glm::vec3;
+using glm::vec4;
+
+struct Stack {
+  scene::builtin::SceneBuilder builder{"stack"};
+  scene::Scene& scene = builder.scene;
+
+  Stack() { scene.meshes.push_back(squareMesh()); }
+
+  // Blended, unlit: the colour is the radiance.
+  uint32_t glass(vec4 color) {
+    scene::Material& material =
+        scene.materials.emplace_back(scene::builtin::plainMaterial("glass", vec3(color), 0, 0.5f));
+    material.data.baseColor.a = color.a;
+    material.data.flags |= shared::kMaterialBlended | shared::kMaterialUnlit;
+    return static_cast<uint32_t>(scene.materials.size() - 1);
+  }
+  uint32_t solid(vec3 color) {
+    const uint32_t material = glass(vec4(color, 1));
+    scene.materials[material].data.flags &= ~shared::kMaterialBlended;
+    return material;
+  }
+  // The square of `half` sides around (x, y, z).
+  void square(uint32_t material, vec3 centre, glm::vec2 half) {
+    const glm::mat4 moved = glm::translate(glm::mat4(1), centre);
+    builder.addInstance("square", builder.kRoot, 0, material, glm::scale(moved, vec3(half, 1)));
+  }
+};
+
+// Triangles in one mesh, each of one colour and alpha.
+struct ColoredTriangle {
+  vec3 corners[3];
+  vec4 color;
+};
+scene::Scene sceneOf(const std::vector<ColoredTriangle>& triangles);
+
+// A fragment as the reference sorts it, and all of a pixel's over `under`, farthest first.
+struct Layer {
+  double z;  // towards the viewer
+  vec4 color;
+};
+glm::dvec4 blendInOrder(std::vector<Layer> layers, glm::dvec4 under);
+
+}  // namespace latelight::render::test
