@@ -173,6 +173,8 @@ const Topic kTopics[] = {
     {"lighting", [](const PictureSize&) { return listLighting(); }},
     {"shading", [](const PictureSize&) { return listOptions(render::shadings()); }},
     {"tonemaps", [](const PictureSize&) { return listOptions(render::tonemaps()); }},
+    {"shadows", [](const PictureSize&) { return listOptions(render::shadowFormats()); }},
+    {"shadow-filters", [](const PictureSize&) { return listOptions(render::shadowFilters()); }},
     {"volumes-orders", [](const PictureSize&) { return listOptions(render::volumesOrders()); }},
     {"aovs", [](const PictureSize&) { return listAovs(); }},
     {"scenes", [](const PictureSize&) { return listScenes(); }},

@@ -19,6 +19,8 @@ struct RenderOptions {
   std::string aovs, debug, hdri, background = "transparent", aa = "none", normalFrame = "world", axes = "file";
   std::string device = "auto", graph;
   double hdriRotate = 0;
+  std::string sun;
+  double sunAngle = 0.53;
   uint32_t frame = 0;
   bool json = false, noSideFile = false, validate = false, normalsChosen = false;
   render::Settings settings;

@@ -3,12 +3,20 @@
 #include "render/gbuffer/geometry_pass.h"
 #include "render/lighting/technique.h"
 #include "render/post/background.h"
+#include "render/shadow/shadow_pass.h"
+#include "render/shadow/sun_occlusion.h"
 #include "render/visibility/hardware.h"
 
 namespace latelight::render {
 
 std::vector<vk::Constant> FrameSetup::constants() const {
-  return {{0, normalEncoding}, {1, shading}, {2, countLights ? 1u : 0u}, {3, normalSpace}, {4, positionMethod}};
+  return {{0, normalEncoding},
+          {1, shading},
+          {2, countLights ? 1u : 0u},
+          {3, normalSpace},
+          {4, positionMethod},
+          {5, shadowFormat},
+          {6, shadowFilter | (sunInGbuffer ? 256u : 0u)}};
 }
 
 graph::ImageId createTarget(graph::Graph& graph, const FrameInputs& inputs, VkFormat format, const std::string& name) {
@@ -28,13 +36,20 @@ graph::ImageId createCounts(graph::Graph& graph, const FrameInputs& inputs, bool
       vk::ImageDesc{.format = kCountsFormat, .width = 1, .height = 1, .layers = 1, .name = "no light counts"});
 }
 
+FrameSetup withSun(FrameSetup setup) {
+  setup.sunInGbuffer = setup.shadowFormat && !setup.lighting->forward && setup.layout->sunTarget >= 0;
+  return setup;
+}
+
 }  // namespace
 
 Frame::Frame(vk::Device& device, const GpuScene& scene, const FrameSetup& setup)
-    : setup_(setup),
+    : setup_(withSun(setup)),
       depth_(std::make_unique<DepthPass>(device, scene)),
-      lighting_(setup.lighting->make(device, scene, setup)),
+      lighting_(setup.lighting->make(device, scene, setup_)),
       background_(std::make_unique<BackgroundPass>(device)) {
+  if (setup_.sunInGbuffer) sun_ = std::make_unique<SunOcclusionPass>(device, setup_);
+  if (setup.shadowFormat) shadows_ = std::make_unique<ShadowPass>(device, scene, setup);
   if (!setup.lighting->forward) geometry_ = std::make_unique<GeometryPass>(device, scene, setup);
 }
 
@@ -42,9 +57,11 @@ Frame::~Frame() = default;
 
 LitFrame Frame::add(graph::Graph& graph, const FrameInputs& inputs) const {
   Gbuffer gbuffer{.depth = depth_->add(graph, inputs)};
+  if (shadows_) gbuffer.shadows = shadows_->add(graph, inputs);
   gbuffer.light = createTarget(graph, inputs, kLightFormat, "light");
   gbuffer.lightCounts = createCounts(graph, inputs, setup_.countLights);
   if (geometry_) geometry_->add(graph, inputs, gbuffer);
+  if (sun_) sun_->add(graph, inputs, gbuffer);
   lighting_->add(graph, inputs, gbuffer);
   if (inputs.environmentBackground) background_->add(graph, inputs, gbuffer);
   return {gbuffer.light, gbuffer.lightCounts, gbuffer};

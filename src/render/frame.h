@@ -18,6 +18,9 @@ class GeometryPass;
 class LightingTechnique;
 struct TechniqueInfo;
 class BackgroundPass;
+class ShadowPass;
+class SunOcclusionPass;
+struct ShadowMaps;
 
 // What a frame draws: one scene seen by V views, each a layer of every target.
 struct FrameInputs {
@@ -28,6 +31,7 @@ struct FrameInputs {
   uint32_t width, height;
   bool environmentBackground = false;     // draw the environment where nothing else is
   std::span<const shared::Light> lights;  // those of the constants, on the host
+  const ShadowMaps* shadows = nullptr;    // null: nothing casts any. Fitted to a view: there is one view then
 };
 
 // An image as large as the frame, with a layer a view.
@@ -39,6 +43,7 @@ struct Gbuffer {
   graph::ImageId depth;
   graph::ImageId light;  // emitted radiance and ambient occlusion; the lighting technique leaves the lit picture here
   graph::ImageId lightCounts;  // lights tested and used (kCountsFormat); one texel where they are not counted
+  graph::ImageId shadows;      // the atlas of shadow maps; none where nothing casts shadows
 };
 
 // What pipelines are made for.
@@ -51,6 +56,9 @@ struct FrameSetup {
   uint32_t positionMethod = 0;  // kPosition*
   uint32_t volumesOrder = 0;    // kVolumes*: of the technique `volumes`
   bool countLights = false;
+  uint32_t shadowFormat = 0;  // kShadow*
+  uint32_t shadowFilter = 0;  // kShadowFilter*
+  bool sunInGbuffer = false;  // the layout's sunTarget is filled, and lighting reads the sun's shadow there
 
   // Of every shader that includes render/glsl/setup.glsl; a shader's own start at kFirstOwnConstant.
   std::vector<vk::Constant> constants() const;
@@ -76,6 +84,8 @@ class Frame {
  private:
   FrameSetup setup_;
   std::unique_ptr<DepthPass> depth_;
+  std::unique_ptr<ShadowPass> shadows_;     // null where the setup has none
+  std::unique_ptr<SunOcclusionPass> sun_;   // null where the layout has no channel for it
   std::unique_ptr<GeometryPass> geometry_;  // null for forward techniques
   std::unique_ptr<LightingTechnique> lighting_;
   std::unique_ptr<BackgroundPass> background_;

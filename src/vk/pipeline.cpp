@@ -120,6 +120,7 @@ FixedState::FixedState(const GraphicsDesc& desc) {
   if (desc.colorWrite)
     target.colorWriteMask =
         VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT;
+  if (desc.alphaOnly) target.colorWriteMask &= VK_COLOR_COMPONENT_A_BIT;
   target.blendEnable = desc.additive;
   target.srcColorBlendFactor = target.dstColorBlendFactor = VK_BLEND_FACTOR_ONE;
   target.srcAlphaBlendFactor = target.dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE;

@@ -64,7 +64,8 @@ struct GraphicsDesc {
   bool depthClamp = false;                  // needs the optional feature
   std::optional<VkStencilOpState> stencil;  // of both faces; the reference is dynamic. `depth` must have stencil
   bool colorWrite = true;
-  bool additive = false;  // colours, alpha too, are added to what is there
+  bool alphaOnly = false;  // of colours, alpha alone is written
+  bool additive = false;   // colours, alpha too, are added to what is there
   std::string name;
 };
 Pipeline makePipeline(Device& device, const GraphicsDesc& desc);

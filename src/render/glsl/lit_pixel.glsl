@@ -1,6 +1,5 @@
 // What the lighting shaders do around their lights: a pixel's surface and the environment's light on it, and the result.
 #include "render/glsl/gbuffer_read.glsl"
-#define ENVIRONMENT_BINDING GBUFFER_BINDINGS
 #include "render/glsl/environment.glsl"
 
 struct LitPixel {

@@ -2,6 +2,7 @@
 // object once; the depth pass before it keeps hidden surfaces from being lit.
 #include "render/lighting/forward/forward.h"
 
+#include "render/lit_maps.h"
 #include "render/visibility/hardware.h"
 
 namespace latelight::render {
@@ -33,8 +34,10 @@ class Forward final : public LightingTechnique {
     if (countLights_) colors.push_back(gbuffer.lightCounts);
     std::vector<graph::Access> accesses{{gbuffer.depth, graph::Use::DepthTest}};
     for (graph::ImageId color : colors) accesses.emplace_back(color, graph::Use::ColorAttachment);
+    appendLitAccesses(accesses, gbuffer, graph::Use::SampledFragment);
     graph.pass("lighting forward", std::move(accesses), [=, this, depth = gbuffer.depth](graph::Context& context) {
-      const std::vector<vk::BoundImage> images = inputs.environment.bindings();
+      std::vector<vk::BoundImage> images;
+      appendLitImages(images, context, inputs, gbuffer);
       for (uint32_t view = 0; view < inputs.views.size(); ++view) {
         beginView(context, inputs, view, colors, {depth, false});
         drawScene(context, inputs, view, opaque_, masked_, images);
@@ -52,7 +55,7 @@ class Forward final : public LightingTechnique {
     vk::GraphicsDesc desc;
     desc.vertex = "scene.vert";
     desc.fragment = "forward.frag";
-    desc.bindings.assign(GpuEnvironment::kBindings, vk::Binding::Sampled);
+    appendLitBindings(desc.bindings);
     desc.materialSet = scene.materialSetLayout();
     desc.constants = setup.constants();
     desc.constants.push_back({kAlphaMasked, kind.masked ? 1u : 0u});

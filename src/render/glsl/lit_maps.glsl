@@ -1,0 +1,20 @@
+// The maps that every lit shader binds, together in set 0: after the G-buffer where the shader reads one
+// (gbuffer_read.glsl comes first), else from binding 0 on. render/lit_maps.h is their other side. The environment's:
+// prefiltered specular (octahedral, one mip a roughness level, each with its own border), diffuse, and the split-sum
+// table. Then the shadow atlas; it is only ever fetched from.
+#ifndef LATELIGHT_LIT_MAPS_GLSL
+#define LATELIGHT_LIT_MAPS_GLSL
+
+#ifdef GBUFFER_BINDINGS
+#define LIT_MAPS_BINDING GBUFFER_BINDINGS
+#else
+#define LIT_MAPS_BINDING 0
+#endif
+#define AFTER_LIT_MAPS (LIT_MAPS_BINDING + 4)  // the first binding after them
+
+layout(set = 0, binding = LIT_MAPS_BINDING) uniform sampler2D environmentSpecular;
+layout(set = 0, binding = LIT_MAPS_BINDING + 1) uniform sampler2D environmentDiffuse;
+layout(set = 0, binding = LIT_MAPS_BINDING + 2) uniform sampler2D reflectanceTable;
+layout(set = 0, binding = LIT_MAPS_BINDING + 3) uniform sampler2D shadowAtlas;
+
+#endif
