@@ -176,6 +176,8 @@ const Topic kTopics[] = {
     {"aa", [](const PictureSize&) { return listOptions(render::antiAliasings()); }},
     {"ao", [](const PictureSize&) { return listOptions(render::ambientOcclusions()); }},
     {"post", [](const PictureSize&) { return listOptions(render::postEffects()); }},
+    {"shadows", [](const PictureSize&) { return listOptions(render::shadowFormats()); }},
+    {"shadow-filters", [](const PictureSize&) { return listOptions(render::shadowFilters()); }},
     {"volumes-orders", [](const PictureSize&) { return listOptions(render::volumesOrders()); }},
     {"transparency", [](const PictureSize&) { return listOptions(render::transparencies()); }},
     {"data-surfaces", [](const PictureSize&) { return listOptions(render::dataSurfaces()); }},

@@ -81,4 +81,14 @@ Orbit parseOrbit(const std::string& text) {
   return {v[0] * radians, v[1] * radians, v.size() == 3 ? std::optional(v[2]) : std::nullopt};
 }
 
+render::SunLight parseSun(const std::string& text) {
+  std::vector<float> v = parseNumbers(text);
+  if (v.size() != 2 && v.size() != 3)
+    badUsage("--sun takes azimuth,elevation[,lux] in degrees, as in 30,40 or 30,40,3, not \"{}\"", text);
+  const float radians = static_cast<float>(M_PI / 180.0);
+  render::SunLight sun{.azimuth = v[0] * radians, .elevation = v[1] * radians};
+  if (v.size() == 3) sun.illuminance = v[2];
+  return sun;
+}
+
 }  // namespace latelight::app

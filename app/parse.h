@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "render/settings.h"
 
 namespace latelight::app {
 
@@ -22,7 +23,8 @@ struct Orbit {
   float azimuth, elevation;       // radians
   std::optional<float> distance;  // metres
 };
-Orbit parseOrbit(const std::string& text);  // "az,el[,dist]" in degrees and metres
+Orbit parseOrbit(const std::string& text);           // "az,el[,dist]" in degrees and metres
+render::SunLight parseSun(const std::string& text);  // "az,el[,lux]" in degrees
 
 template <typename T>
 T parseChoice(const char* option, const std::string& text, std::initializer_list<std::pair<const char*, T>> choices) {

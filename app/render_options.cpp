@@ -13,6 +13,8 @@ void parseSettings(RenderOptions& o) {
   std::tie(s.width, s.height) = parseSize(o.size);
   render::setAntiAliasing(s, o.aa);
   s.environmentRotation = static_cast<float>(o.hdriRotate * M_PI / 180.0);
+  s.sunAngle = static_cast<float>(o.sunAngle * M_PI / 180.0);
+  if (!o.sun.empty()) s.sun = parseSun(o.sun);
   if (o.background == "hdri")
     s.background = render::Background::Environment;
   else if (o.background != "transparent") {
@@ -83,6 +85,20 @@ void addLookOptions(CLI::App& c, RenderOptions& o) {
       ->capture_default_str();
   c.add_option("--transparency", s.transparency, "Alpha-blended surfaces: exact, sorted, weighted or none")
       ->capture_default_str();
+  c.add_option("--shadows", s.shadows, "none, or how shadow maps store depth (latelight list shadows)")
+      ->capture_default_str();
+  c.add_option("--shadow-filter", s.shadowFilter, "hard, pcf or pcss (latelight list shadow-filters)")
+      ->capture_default_str();
+  c.add_option("--shadow-lights", s.shadowLights,
+               "Which lights cast shadows: auto (the 8 most important), all, none, a number, or names by comma")
+      ->capture_default_str();
+  c.add_option("--shadow-atlas", s.shadowAtlas, "Side of the square that all shadow maps fit in, texels")
+      ->capture_default_str();
+  c.add_option("--light-size", s.lightSize, "Radius of point and spot lights without one, metres (pcss)")
+      ->capture_default_str();
+  c.add_option("--sun-angle", o.sunAngle, "What directional lights without an angle fill, degrees across (pcss)")
+      ->capture_default_str();
+  c.add_option("--sun", o.sun, "A directional light from azimuth,elevation[,lux], beside the scene's; as in 30,40,3");
   c.add_option("--aa", o.aa, "Anti-aliasing: none, fxaa, or ssN for N x N ordered samples a pixel (latelight list aa)")
       ->capture_default_str();
   c.add_option("--hdri", o.hdri,

@@ -23,6 +23,8 @@ struct RenderOptions {
   std::string device = "auto", graph;
   std::string fogColor = "#bcbcbc";  // linear 0.5
   double hdriRotate = 0;
+  std::string sun;
+  double sunAngle = 0.53;
   uint32_t frame = 0;
   bool json = false, noSideFile = false, validate = false;
   bool normalsChosen = false, positionChosen = false;  // rather than left at their defaults

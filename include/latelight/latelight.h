@@ -16,6 +16,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -83,6 +84,12 @@ class LATELIGHT_API Scene {
   std::unique_ptr<Hidden> hidden_;
 };
 
+// A directional light by where it comes from: azimuth 0 is the scene's front (+Z), 90 its right (+X).
+struct Sun {
+  float azimuth = 0, elevation = 45;  // degrees
+  float illuminance = 3.14159265f;    // lux
+};
+
 // The choices of `latelight render`; names are those of `latelight list`.
 struct Options {
   uint32_t width = 1280, height = 720;
@@ -96,6 +103,13 @@ struct Options {
   std::string tonemap = "khronos";
   std::string transparency = "exact";   // `latelight list transparency`
   std::string dataSurfaces = "opaque";  // which surfaces the outputs in `aovs` and pick() show: or "any"
+  std::string shadows = "d32";          // or "none", "d16", "rgba8", "rgba8-classic"
+  std::string shadowFilter = "pcf";     // or "hard", "pcss"
+  std::string shadowLights = "auto";    // or "all", "none", a number, names of lights by comma
+  uint32_t shadowAtlas = 4096;          // side of the square that all shadow maps fit in, texels
+  float lightSize = 0.05f;              // metres: radius of lights that have none of their own, for "pcss"
+  float sunAngle = 0.53f;               // degrees across: the same of directional lights
+  std::optional<Sun> sun;               // a directional light beside the scene's
   uint32_t superSampling = 1;           // N x N ordered samples a pixel
   float exposure = 0;                   // EV
   float environmentIntensity = 1;

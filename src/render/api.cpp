@@ -71,6 +71,10 @@ scene::Camera internalCamera(const Camera& camera, const scene::Scene& scene) {
   return c;
 }
 
+render::SunLight internalSun(const Sun& sun) {
+  return {sun.azimuth / kDegrees, sun.elevation / kDegrees, sun.illuminance};
+}
+
 render::Settings internalSettings(const Options& o) {
   render::Settings s;
   s.width = o.width;
@@ -85,6 +89,13 @@ render::Settings internalSettings(const Options& o) {
   s.tonemap = o.tonemap;
   s.transparency = o.transparency;
   s.dataSurfaces = o.dataSurfaces;
+  s.shadows = o.shadows;
+  s.shadowFilter = o.shadowFilter;
+  s.shadowLights = o.shadowLights;
+  s.shadowAtlas = o.shadowAtlas;
+  s.lightSize = o.lightSize;
+  s.sunAngle = o.sunAngle / kDegrees;
+  if (o.sun) s.sun = internalSun(*o.sun);
   s.superSampling = o.superSampling;
   s.exposure = o.exposure;
   s.environmentIntensity = o.environmentIntensity;

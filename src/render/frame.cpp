@@ -5,14 +5,22 @@
 #include "render/post/ambient_occlusion/ambient_occlusion.h"
 #include "render/post/background.h"
 #include "render/post/fog/fog.h"
+#include "render/shadow/shadow_pass.h"
+#include "render/shadow/sun_occlusion.h"
 #include "render/transparency/transparency.h"
 #include "render/visibility/hardware.h"
 
 namespace latelight::render {
 
 std::vector<vk::Constant> FrameSetup::constants() const {
-  return {{0, normalEncoding}, {1, shading},        {2, countLights ? 1u : 0u},
-          {3, normalSpace},    {4, positionMethod}, {13, ambientOcclusion}};
+  return {{0, normalEncoding},
+          {1, shading},
+          {2, countLights ? 1u : 0u},
+          {3, normalSpace},
+          {4, positionMethod},
+          {5, shadowFormat},
+          {6, shadowFilter | (sunInGbuffer ? 256u : 0u)},
+          {13, ambientOcclusion}};
 }
 
 graph::ImageId createTarget(graph::Graph& graph, const FrameInputs& inputs, VkFormat format, const std::string& name) {
@@ -32,16 +40,23 @@ graph::ImageId createCounts(graph::Graph& graph, const FrameInputs& inputs, bool
       vk::ImageDesc{.format = kCountsFormat, .width = 1, .height = 1, .layers = 1, .name = "no light counts"});
 }
 
+FrameSetup withSun(FrameSetup setup) {
+  setup.sunInGbuffer = setup.shadowFormat && !setup.lighting->forward && setup.layout->sunTarget >= 0;
+  return setup;
+}
+
 }  // namespace
 
 Frame::Frame(vk::Device& device, const GpuScene& scene, const FrameSetup& setup)
-    : setup_(setup),
+    : setup_(withSun(setup)),
       depth_(std::make_unique<DepthPass>(device, scene)),
-      ambientOcclusion_(std::make_unique<AmbientOcclusionPass>(device, setup)),
-      lighting_(setup.lighting->make(device, scene, setup)),
+      ambientOcclusion_(std::make_unique<AmbientOcclusionPass>(device, setup_)),
+      lighting_(setup.lighting->make(device, scene, setup_)),
       background_(std::make_unique<BackgroundPass>(device)),
-      transparency_(makeTransparency(device, scene, setup)) {
+      transparency_(makeTransparency(device, scene, setup_)) {
   if (setup.fog) fog_ = std::make_unique<FogPass>(device);
+  if (setup_.sunInGbuffer) sun_ = std::make_unique<SunOcclusionPass>(device, setup_);
+  if (setup.shadowFormat) shadows_ = std::make_unique<ShadowPass>(device, scene, setup);
   if (!setup.lighting->forward) geometry_ = std::make_unique<GeometryPass>(device, scene, setup);
 }
 
@@ -49,10 +64,12 @@ Frame::~Frame() = default;
 
 LitFrame Frame::add(graph::Graph& graph, const FrameInputs& inputs) const {
   Gbuffer gbuffer{.depth = depth_->add(graph, inputs)};
+  if (shadows_) gbuffer.shadows = shadows_->add(graph, inputs);
   gbuffer.light = createTarget(graph, inputs, kLightFormat, "light");
   gbuffer.lightCounts = createCounts(graph, inputs, setup_.countLights);
   if (geometry_) geometry_->add(graph, inputs, gbuffer);
   gbuffer.ambientOcclusion = ambientOcclusion_->add(graph, inputs, gbuffer);
+  if (sun_) sun_->add(graph, inputs, gbuffer);
   lighting_->add(graph, inputs, gbuffer);
   if (inputs.environmentBackground) background_->add(graph, inputs, gbuffer);
   if (fog_) fog_->add(graph, inputs, gbuffer);

@@ -21,6 +21,9 @@ class BackgroundPass;
 class AmbientOcclusionPass;
 class FogPass;
 class Transparency;
+class ShadowPass;
+class SunOcclusionPass;
+struct ShadowMaps;
 
 // What a frame draws: one scene seen by V views, each a layer of every target.
 struct FrameInputs {
@@ -33,7 +36,8 @@ struct FrameInputs {
   bool blendedToo = false;  // what is blended is a surface like any other where its alpha is above 0: for data outputs
   std::span<const shared::Light> lights;  // those of the constants, on the host
 
-  float aoRadius = 0, aoStrength = 1;  // ambient occlusion: metres, exponent
+  float aoRadius = 0, aoStrength = 1;   // ambient occlusion: metres, exponent
+  const ShadowMaps* shadows = nullptr;  // null: nothing casts any. Fitted to a view: there is one view then
 };
 
 // An image as large as the frame, with a layer a view.
@@ -45,6 +49,7 @@ struct Gbuffer {
   graph::ImageId depth;
   graph::ImageId light;  // emitted radiance and ambient occlusion; the lighting technique leaves the lit picture here
   graph::ImageId lightCounts;       // lights tested and used (kCountsFormat); one texel where they are not counted
+  graph::ImageId shadows;           // the atlas of shadow maps; none where nothing casts shadows
   graph::ImageId ambientOcclusion;  // visible share of the hemisphere; one texel, 1, where there is none
 };
 
@@ -68,6 +73,9 @@ struct FrameSetup {
   uint32_t ambientOcclusion = 0;  // kAo*
   bool fog = false;               // the constants have some
   TransparencySetup transparency;
+  uint32_t shadowFormat = 0;  // kShadow*
+  uint32_t shadowFilter = 0;  // kShadowFilter*
+  bool sunInGbuffer = false;  // the layout's sunTarget is filled, and lighting reads the sun's shadow there
 
   // Of every shader that includes render/glsl/setup.glsl; a shader's own start at kFirstOwnConstant.
   std::vector<vk::Constant> constants() const;
@@ -96,11 +104,13 @@ class Frame {
  private:
   FrameSetup setup_;
   std::unique_ptr<DepthPass> depth_;
+  std::unique_ptr<ShadowPass> shadows_;     // null where the setup has none
+  std::unique_ptr<SunOcclusionPass> sun_;   // null where the layout has no channel for it
   std::unique_ptr<GeometryPass> geometry_;  // null for forward techniques
   std::unique_ptr<AmbientOcclusionPass> ambientOcclusion_;
   std::unique_ptr<LightingTechnique> lighting_;
   std::unique_ptr<BackgroundPass> background_;
-  std::unique_ptr<FogPass> fog_;  // null without fog
+  std::unique_ptr<FogPass> fog_;                // null without fog
   std::unique_ptr<Transparency> transparency_;  // null where nothing is blended
 };
 

@@ -3,12 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstring>
 #include <limits>
 #include <numeric>
 #include <tuple>
+#include <utility>
 
+#include "base/log.h"
 #include "render/light_tree.h"
+#include "shared/color.h"
 #include "shared/light.h"
 
 namespace latelight::render {
@@ -63,6 +67,12 @@ shared::Light deviceLight(const scene::Light& light, float exposure) {
                 : shared::lightReach(l.intensity, light.range.value_or(0.0f), shared::kLightThreshold / exposure);
   if (light.type == shared::kLightSpot) shared::spotCone(light.innerCone, light.outerCone, l.spotScale, l.spotOffset);
   return l;
+}
+
+bool isSound(const shared::Light& l) {
+  for (const glm::vec3& v : {l.position, l.direction, l.intensity})
+    if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z)) return false;
+  return !std::isnan(l.reach) && std::isfinite(l.spotScale) && std::isfinite(l.spotOffset);
 }
 
 }  // namespace
@@ -207,11 +217,18 @@ void GpuScene::setLights(std::vector<scene::Light> lights) {
 void GpuScene::uploadLights(vk::Uploader& uploader) {
   std::vector<shared::Light> lights;
   lights.reserve(sceneLights_.size());
-  for (const scene::Light& light : sceneLights_) {
-    shared::Light l = deviceLight(light, exposure_);
-    if (l.reach > 0 && std::max({l.intensity.x, l.intensity.y, l.intensity.z}) > 0) lights.push_back(l);
+  size_t broken = 0;
+  for (uint32_t i = 0; i < sceneLights_.size(); ++i) {
+    shared::Light l = deviceLight(sceneLights_[i], exposure_);
+    broken += !isSound(l);
+    l.shadow.x = i;  // the tree reorders lights: carried along, and taken out below
+    if (isSound(l) && l.reach > 0 && shared::maxChannel(l.intensity) > 0) lights.push_back(l);
   }
+  if (broken) warn("{} of {} lights are left out: a number of theirs is not finite", broken, sceneLights_.size());
   LightTree tree = buildLightTree(lights);
+  lightSources_.clear();
+  shadowed_.clear();
+  for (shared::Light& light : tree.lights) lightSources_.push_back(std::exchange(light.shadow.x, 0u));
   directionalLights_ = tree.directionalLights;
   lightTreeLeaves_ = tree.firstLeaf;
   lights_ = makeBuffer(device_, "lights", tree.lights.size() * sizeof(shared::Light));
@@ -219,6 +236,23 @@ void GpuScene::uploadLights(vk::Uploader& uploader) {
   uploader.upload(lights_, bytesOf(tree.lights));
   uploader.upload(lightTree_, bytesOf(tree.nodes));
   hostLights_ = std::move(tree.lights);
+}
+
+void GpuScene::setShadows(std::span<const LightShadow> shadows) {
+  std::vector<LightShadow> changes;
+  for (uint32_t light : shadowed_) changes.push_back({light, 0});
+  changes.insert(changes.end(), shadows.begin(), shadows.end());
+  shadowed_.clear();
+  for (const LightShadow& shadow : shadows) shadowed_.push_back(shadow.light);
+  for (const LightShadow& change : changes)
+    hostLights_[change.light].shadow = {static_cast<uint32_t>(change.maps), static_cast<uint32_t>(change.maps >> 32)};
+  vk::Uploader uploader(device_);
+  for (const LightShadow& change : changes) {
+    const shared::uvec2& shadow = hostLights_[change.light].shadow;
+    uploader.upload(lights_, std::as_bytes(std::span(&shadow, 1)),
+                    change.light * sizeof(shared::Light) + offsetof(shared::Light, shadow));
+  }
+  uploader.flush();
 }
 
 VkSampler GpuScene::sampler(const scene::Sampler& sampler) {

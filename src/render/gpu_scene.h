@@ -49,6 +49,15 @@ class GpuScene {
   // Other lights than the scene's.
   void setLights(std::vector<scene::Light> lights);
 
+  // Shadow maps: which light's, as lights() has them, lie where. All others have none.
+  struct LightShadow {
+    uint32_t light;
+    VkDeviceAddress maps;  // shared::ShadowMap[]
+  };
+  void setShadows(std::span<const LightShadow> shadows);
+  std::span<const scene::Light> sceneLights() const { return sceneLights_; }
+  std::span<const uint32_t> lightSources() const { return lightSources_; }  // of lights(): which of sceneLights()
+
   // Fills the addresses and counts that belong to the scene.
   void describe(shared::FrameConstants& frame) const;
 
@@ -79,6 +88,8 @@ class GpuScene {
   std::vector<Draw> draws_;
   std::vector<Sphere> bounds_;             // of the instances, in the order of the device
   std::vector<shared::Light> hostLights_;  // as on the device
+  std::vector<uint32_t> lightSources_;
+  std::vector<uint32_t> shadowed_;  // lights that have shadow maps now
   uint32_t directionalLights_ = 0, lightTreeLeaves_ = 0;
   float exposure_ = 1;
 };

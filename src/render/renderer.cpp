@@ -15,8 +15,10 @@
 #include "render/post/ambient_occlusion/ambient_occlusion.h"
 #include "render/post/resolve.h"
 #include "render/registry.h"
+#include "render/shadow/shadow_pass.h"
 #include "render/view.h"
 #include "render/visibility/hardware.h"
+#include "shared/shadow.h"
 
 namespace latelight::render {
 
@@ -27,6 +29,7 @@ struct Renderer::Job {
   std::vector<output::FrameOutput> pictures;
   std::vector<shared::View> views;
   vk::Buffer viewBuffer, constants;
+  std::optional<ShadowMaps> shadows;  // none where no light casts any
 
   size_t pixels() const { return size_t{settings.width} * settings.height; }
 };
@@ -35,12 +38,30 @@ namespace {
 
 // More views are rendered in turn, so that many cameras take no more memory than a few: targets of a GiB, data
 // outputs, the sum of super-sampled frames and what post-processing needs included.
-size_t viewsAtOnce(const Settings& settings) {
+size_t viewsAtOnce(const Settings& settings, bool shadows) {
+  if (shadows) return 1;  // cascades and the choice of lights are fitted to a view
   constexpr uint64_t kBudget = uint64_t{1} << 30;
   constexpr uint64_t kLayers = 256;  // the least maxImageArrayLayers of Vulkan
   const auto bytesOf = [](std::string_view layout) { return uint64_t{findLayout(layout).bytesPerPixel(0).total()}; };
   const uint64_t bytes = bytesOf("exact") + bytesOf(settings.layout) + 80;
   return std::clamp<uint64_t>(kBudget / (bytes * settings.width * settings.height), 1, kLayers);
+}
+
+// Data alone need no light.
+bool lightsSomething(const Settings& settings) {
+  return settings.display || std::any_of(settings.aovs.begin(), settings.aovs.end(), [](output::Aov aov) {
+           return aov == output::Aov::Color || isLightCount(aov);
+         });
+}
+
+scene::Light lightOf(const SunLight& sun) {
+  scene::Light light;
+  light.name = "sun";
+  light.type = shared::kLightDirectional;
+  light.intensity = sun.illuminance;
+  light.direction = -glm::vec3(std::cos(sun.elevation) * std::sin(sun.azimuth),
+                               -std::cos(sun.elevation) * std::cos(sun.azimuth), std::sin(sun.elevation));
+  return light;
 }
 
 }  // namespace
@@ -71,6 +92,12 @@ void Renderer::begin(const Settings& settings) {
     badUsage(
         "the environment can't be the background where there is none: choose one (a .hdr or .exr file, or studio)");
   gpuScene_.setExposure(std::exp2(settings.exposure));
+  if (settings.sun != sun_) {
+    sun_ = settings.sun;
+    std::vector<scene::Light> lights = scene_.lights;
+    if (sun_) lights.push_back(lightOf(*sun_));
+    gpuScene_.setLights(std::move(lights));
+  }
   times_.clear();
   graphviz_.clear();
 }
@@ -78,7 +105,8 @@ void Renderer::begin(const Settings& settings) {
 std::vector<output::FrameOutput> Renderer::render(std::span<const scene::Camera> cameras, const Settings& settings) {
   begin(settings);
   std::vector<output::FrameOutput> pictures;
-  const size_t atOnce = viewsAtOnce(settings);
+  const bool shadows = settings.shadows != "none" && gpuScene_.lightCount() > 0 && lightsSomething(settings);
+  const size_t atOnce = viewsAtOnce(settings, shadows);
   for (size_t first = 0; first < cameras.size(); first += atOnce) {
     std::vector<output::FrameOutput> some =
         renderViews(cameras.subspan(first, std::min(atOnce, cameras.size() - first)), settings);
@@ -98,10 +126,30 @@ std::vector<output::FrameOutput> Renderer::renderViews(std::span<const scene::Ca
   }
   auto asked = [&](auto&& wanted) { return std::any_of(settings.aovs.begin(), settings.aovs.end(), wanted); };
   bool linear = asked([](output::Aov aov) { return aov == output::Aov::Color; });
+  if (lightsSomething(settings)) prepareShadows(job);
   if (settings.display || linear) renderColor(job);
   if (asked(isLightCount)) renderLightCounts(job);
   if (asked([](output::Aov aov) { return aov != output::Aov::Color && !isLightCount(aov); })) renderData(job);
   return std::move(job.pictures);
+}
+
+// For the first view, whatever its jitter: samples of one picture share their shadow maps' places.
+void Renderer::prepareShadows(Job& job) {
+  const ShadowScene scene{gpuScene_.lights(), gpuScene_.lightSources(), gpuScene_.sceneLights(),
+                          scene::worldBounds(scene_)};
+  ShadowPlan plan =
+      planShadows(scene, makeView(job.cameras.front(), job.settings.width, job.settings.height), job.settings);
+  std::vector<GpuScene::LightShadow> shadows;
+  if (!plan.empty()) {
+    shared::FrameConstants frame{};
+    gpuScene_.describe(frame);
+    job.shadows = uploadShadows(device_, std::move(plan), frame);
+    for (const ShadowPlan::Entry& entry : job.shadows->plan.lights)
+      shadows.push_back({entry.light, job.shadows->address(entry.first)});
+    if (const ShadowPlan::Entry* sun = job.shadows->plan.sun(gpuScene_.lights()))
+      shadows[static_cast<size_t>(sun - job.shadows->plan.lights.data())].maps |= shared::kShadowSun;
+  }
+  gpuScene_.setShadows(shadows);
 }
 
 // Views and constants of one frame, in device memory.
@@ -142,15 +190,17 @@ FrameInputs Renderer::prepareViews(Job& job, glm::vec2 jitter) {
           .environmentBackground = hasEnvironment_ && s.background == Background::Environment,
           .lights = gpuScene_.lights(),
           .aoRadius = s.ao.radius.value_or(kAoRadiusShare * boundsRadius_),
-          .aoStrength = s.ao.strength};
+          .aoStrength = s.ao.strength,
+          .shadows = job.shadows ? &*job.shadows : nullptr};
 }
 
-Frame& Renderer::frameFor(const Settings& s, bool countLights) {
+Frame& Renderer::frameFor(const Job& job, bool countLights) {
+  const Settings& s = job.settings;
+  const std::string shadows = job.shadows ? s.shadows : "none";
   std::string key = countLights ? "counting/" : "";
   if (s.fog.density > 0) key += "fog/";
-  for (const std::string& choice :
-       {s.layout, s.normals, s.normalSpace, s.position, s.lighting, s.shading, s.volumesOrder, s.transparency,
-        s.ao.method})
+  for (const std::string& choice : {s.layout, s.normals, s.normalSpace, s.position, s.lighting, s.shading,
+                                    s.volumesOrder, s.transparency, s.ao.method, shadows, s.shadowFilter})
     key += choice + "/";
   if (frame_ && key == frameKey_) return *frame_;
   FrameSetup setup{.layout = &findLayout(s.layout),
@@ -163,7 +213,9 @@ Frame& Renderer::frameFor(const Settings& s, bool countLights) {
                    .countLights = countLights,
                    .ambientOcclusion = indexByName(ambientOcclusions(), s.ao.method, "ambient occlusion"),
                    .fog = s.fog.density > 0,
-                   .transparency = {indexByName(transparencies(), s.transparency, "method of transparency")}};
+                   .transparency = {indexByName(transparencies(), s.transparency, "method of transparency")},
+                   .shadowFormat = indexByName(shadowFormats(), shadows, "shadow format"),
+                   .shadowFilter = indexByName(shadowFilters(), s.shadowFilter, "shadow filter")};
   frame_ = std::make_unique<Frame>(device_, gpuScene_, setup);
   frameKey_ = key;
   return *frame_;
@@ -184,7 +236,7 @@ graph::Executor& Renderer::run(const graph::Graph& graph) {
 
 void Renderer::renderColor(Job& job) {
   const Settings& s = job.settings;
-  Frame& frame = frameFor(s, false);
+  Frame& frame = frameFor(job, false);
   const uint32_t n = s.superSampling;
   vk::Image sum;
   if (n > 1) {
@@ -242,7 +294,7 @@ void Renderer::renderColor(Job& job) {
 void Renderer::renderLightCounts(Job& job) {
   FrameInputs inputs = prepareViews(job, glm::vec2(0));
   graph::Graph graph;
-  graph::BufferId counts = addReadback(graph, frameFor(job.settings, true).add(graph, inputs).lightCounts);
+  graph::BufferId counts = addReadback(graph, frameFor(job, true).add(graph, inputs).lightCounts);
   graph::Executor& done = run(graph);
   for (size_t view = 0; view < job.pictures.size(); ++view)
     readLightCounts(job.pictures[view], done.buffer(counts), view);
@@ -272,8 +324,9 @@ output::RawGbuffer Renderer::readTargets(const scene::Camera& camera, const Sett
     badUsage("{} lighting has no G-buffer whose targets could be shown: choose a deferred technique",
              settings.lighting);
   Job job{.cameras = {&camera, 1}, .settings = settings};
+  prepareShadows(job);
   const FrameInputs inputs = prepareViews(job, glm::vec2(0));
-  const Frame& frame = frameFor(settings, false);
+  const Frame& frame = frameFor(job, false);
   for (;;) {
     graph::Graph graph;
     const LitFrame lit = frame.add(graph, inputs);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -46,13 +47,15 @@ class Renderer {
   void renderData(Job& job);
   graph::Executor& run(const graph::Graph& graph);
   FrameInputs prepareViews(Job& job, glm::vec2 jitter);
-  Frame& frameFor(const Settings& settings, bool countLights);
+  void prepareShadows(Job& job);
+  Frame& frameFor(const Job& job, bool countLights);
 
   vk::Device& device_;
   const scene::Scene& scene_;
   GpuScene gpuScene_;
   GpuEnvironment environment_;
   bool hasEnvironment_;
+  std::optional<SunLight> sun_;  // among the lights of gpuScene_, after the scene's own
   graph::Executor executor_;
   std::string frameKey_;  // what frame_ was made for
   std::unique_ptr<Frame> frame_;

@@ -55,6 +55,26 @@ const std::vector<NamedOption>& positionMethods() {
   return all;
 }
 
+const std::vector<NamedOption>& shadowFormats() {
+  static const std::vector<NamedOption> all = {
+      {"none", "no light casts shadows"},
+      {"d32", "a depth image of 32-bit floats"},
+      {"d16", "a depth image of 16 bits: half the memory"},
+      {"rgba8", "four bytes of a colour image: the float's own 32 bits, no error"},
+      {"rgba8-classic", "four bytes as EncodeFloatRGBA has them: digits to base 255, 2e-7 off, and 1 becomes 0"},
+  };
+  return all;
+}
+
+const std::vector<NamedOption>& shadowFilters() {
+  static const std::vector<NamedOption> all = {
+      {"hard", "the one texel that holds the point: edges as the texels are"},
+      {"pcf", "nine comparisons, weighted by a quadratic B-spline 3 texels wide"},
+      {"pcss", "as wide as the light's own size makes it: 16 comparisons to find what blocks, 64 to filter"},
+  };
+  return all;
+}
+
 const std::vector<NamedOption>& transparencies() {
   static const std::vector<NamedOption> all = {
       {"exact", "every fragment kept and sorted in its pixel: right for any number of layers in any order"},
@@ -147,6 +167,24 @@ void checkPost(const Settings& s) {
   checkNumber("the height at which fog has its density", s.fog.base, -kMany, kMany);
 }
 
+void checkShadows(const Settings& s) {
+  findByName(shadowFormats(), s.shadows, "shadow format");
+  findByName(shadowFilters(), s.shadowFilter, "shadow filter");
+  constexpr uint32_t kLeast = 256, kMost = 16384;
+  if (s.shadowAtlas < kLeast || s.shadowAtlas > kMost)
+    badUsage("the shadow atlas's side must lie between {} and {} texels, not {}", kLeast, kMost, s.shadowAtlas);
+  if (!std::isfinite(s.lightSize) || s.lightSize < 0)
+    badUsage("the size of lights must be a number of metres of at least 0, not {}", s.lightSize);
+  constexpr float kWidest = 1.5707964f;
+  if (!(s.sunAngle >= 0 && s.sunAngle <= kWidest))
+    badUsage("the angle that directional lights fill must lie between 0 and 90 degrees");
+  if (!s.sun) return;
+  if (!std::isfinite(s.sun->azimuth) || !std::isfinite(s.sun->elevation))
+    badUsage("the sun's azimuth and elevation must be numbers of degrees");
+  if (!std::isfinite(s.sun->illuminance) || s.sun->illuminance < 0)
+    badUsage("the sun's illuminance must be a number of lux of at least 0, not {}", s.sun->illuminance);
+}
+
 }  // namespace
 
 void checkSettings(const Settings& s) {
@@ -161,6 +199,7 @@ void checkSettings(const Settings& s) {
   if (!std::isfinite(s.environmentIntensity) || s.environmentIntensity < 0)
     badUsage("the environment's intensity must be a number of at least 0, not {}", s.environmentIntensity);
   if (!std::isfinite(s.environmentRotation)) badUsage("the environment's rotation must be a number of degrees");
+  checkShadows(s);
   checkPost(s);
   findLayout(s.layout);
   findNormalEncoding(s.normals);

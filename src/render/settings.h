@@ -33,6 +33,13 @@ struct FogSettings {
   float base = 0;         // metres, where density is `density`: up in the scene file's frame
 };
 
+// A directional light. Azimuth and elevation say where it comes from, as an orbiting camera's do.
+struct SunLight {
+  float azimuth = 0, elevation = 0;  // radians
+  float illuminance = 3.14159265f;   // lux: a white surface that faces it then has radiance 1
+  bool operator==(const SunLight&) const = default;
+};
+
 struct Settings {
   uint32_t width = 1280, height = 720;
   std::string layout = "thin";
@@ -49,6 +56,15 @@ struct Settings {
   float exposure = 0;                    // EV: radiance is multiplied by 2^exposure
   float environmentIntensity = 1;
   float environmentRotation = 0;  // radians about the up axis, +X towards +Z of the glTF frame
+  // Shadows: shadow/plan.h.
+  std::string shadows = "d32";        // how depth is stored; none: no shadows
+  std::string shadowFilter = "pcf";   // how it becomes light
+  std::string shadowLights = "auto";  // which lights cast them: auto, all, none, a number, or names by comma
+  uint32_t shadowAtlas = 4096;        // side of the square that all maps have to fit in, texels
+  float lightSize = 0.05f;            // metres: radius of point and spot lights that have none of their own, for pcss
+  float sunAngle = 0.0093f;           // radians across: of directional lights that have none of their own, for pcss
+  std::optional<SunLight> sun;        // beside the scene's lights
+
   Background background = Background::Transparent;
   glm::vec3 backgroundColor{0};  // linear display colour
 
@@ -63,8 +79,8 @@ struct Settings {
   bool zUp = false;  // positions, normals and poses in the renderer's world instead of the scene file's frame
 };
 
-// The names --shading, --tonemap, --volumes-order, --normal-space, --position and --transparency take, in the order of
-// their kShading*, kTonemap*, kVolumes*, kNormalSpace*, kPosition* and kTransparency* constants; and --data-surfaces.
+// The names that options take, each list in the order of its constants: kShading*, kTonemap*, kVolumes*, kNormalSpace*,
+// kPosition*, kTransparency*, kShadow*, kShadowFilter*, kAo*, kBloom*.
 struct NamedOption {
   const char* name;
   const char* description;
@@ -88,6 +104,8 @@ const std::vector<AntiAliasing>& antiAliasings();
 void setAntiAliasing(Settings& settings, const std::string& name);  // throws Error(Usage)
 const std::vector<NamedOption>& transparencies();
 const std::vector<NamedOption>& dataSurfaces();
+const std::vector<NamedOption>& shadowFormats();
+const std::vector<NamedOption>& shadowFilters();
 
 // Throws Error(Usage) with a sentence where a value is out of range or a name unknown.
 void checkSettings(const Settings& settings);

@@ -165,6 +165,22 @@ Light readLight(const tinygltf::Light& source) {
   return light;
 }
 
+// Extras of a light, or of the node it hangs on, which come first: what KHR_lights_punctual has no word for.
+const tinygltf::Value* lightExtra(const tinygltf::Node& node, const tinygltf::Light& light, const char* key) {
+  for (const tinygltf::Value* extras : {&node.extras, &light.extras})
+    if (extras->IsObject() && extras->Has(key)) return &extras->Get(key);
+  return nullptr;
+}
+
+void readShadowExtras(const tinygltf::Node& node, const tinygltf::Light& source, Light& light) {
+  const tinygltf::Value* cast = lightExtra(node, source, "castShadow");
+  if (cast && cast->IsBool()) light.castShadow = cast->Get<bool>();
+  const bool directional = light.type == shared::kLightDirectional;
+  const tinygltf::Value* size = lightExtra(node, source, directional ? "angle" : "radius");
+  const double value = size && size->IsNumber() ? size->GetNumberAsDouble() : 0;
+  if (std::isfinite(value) && value > 0) light.size = float(directional ? std::min(value, 90.0) * M_PI / 180 : value);
+}
+
 }  // namespace
 
 dmat4 composeTransform(dvec3 translation, dvec4 rotation, dvec3 scale) {
@@ -226,6 +242,7 @@ void readLights(const Document& document, const Hierarchy& hierarchy, Scene& sce
     const tinygltf::Light& data = document.model.lights[source];
     Light light = readLight(data);
     light.name = data.name.empty() ? scene.nodes[i].name : data.name;
+    readShadowExtras(document.model.nodes[index], data, light);
     const mat4& toWorld = scene.nodes[i].toWorld;
     light.position = vec3(toWorld[3]);
     vec3 direction = -vec3(toWorld[2]);

@@ -102,6 +102,10 @@ struct Light {
   float innerCone = 0, outerCone = 0.785398163f;  // half angles
   vec3 position{0};                               // world
   vec3 direction{0, 0, -1};                       // world, unit, from the light
+  // Radius in metres; of a directional light the angle it fills, radians across. 0: not known. What lies nearer to a
+  // point or spot light than that is its own body and casts no shadow.
+  float size = 0;
+  std::optional<bool> castShadow;  // true: before all lights that don't say; false: never
 };
 
 struct Scene {

@@ -3,6 +3,7 @@
 //   #define GBUFFER_DESCRIPTION "one line for `latelight list layouts`"
 //   #define GBUFFER_FIXED_NORMAL "how"        if its normals have a form of their own and ignore the normal encoding
 //   #define GBUFFER_FIXED_POSITION "how"      if it keeps positions and has no use for the position method
+//   #define GBUFFER_SUN_TARGET index          if the alpha of that target is the sun's shadow, filled after geometry
 //   #define GBUFFER_DEPTH_FORMAT FORMAT       if the design it follows has another depth buffer or light accumulation
 //   #define GBUFFER_LIGHT_FORMAT FORMAT       target than frames here have: what it cost there follows from them
 //   #define GBUFFER_TARGETS(T) T(index, name, FORMAT, type, "what is in each channel") ...

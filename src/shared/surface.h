@@ -18,6 +18,7 @@ struct Surface {
   float f90;        // reflectance of the dielectric at grazing incidence: KHR_materials_specular's weight
   vec3 emissive;
   float ao;    // 1: unoccluded
+  float sun;   // of the sun's light, what no shadow takes: a layout with GBUFFER_SUN_TARGET keeps it, elsewhere 1
   vec2 uv;     // UV set 0
   uint id;     // 0: background
   uint flags;  // kSurface*
@@ -36,6 +37,7 @@ SH_FUNC Surface emptySurface() {
   s.f90 = 0.0f;
   s.emissive = vec3(0.0f, 0.0f, 0.0f);
   s.ao = 1.0f;
+  s.sun = 1.0f;
   s.uv = vec2(0.0f, 0.0f);
   s.id = 0u;
   s.flags = 0u;

@@ -92,6 +92,25 @@ struct Light {  // KHR_lights_punctual
   vec3 intensity;   // colour times candela (point, spot) or lux (directional)
   float spotScale;  // spot cone: clamp(cos * spotScale + spotOffset, 0, 1)^2
   float spotOffset;
+  uvec2 shadow;  // address of its first ShadowMap, low word and high word; 0: it has none
+};
+
+// One square tile of the shadow atlas, and what of the world it shows (render/shadow). With q = dot(row, (p, 1)) of a
+// world position p for each of the three rows, the texel is (q.across, q.down) / w and the depth, from 0 to 1 and
+// linear in metres, q.away * depthScale + depthOffset; w is q.away in a perspective map, 1 in an orthographic one.
+struct ShadowMap {
+  vec4 across;
+  vec4 down;
+  vec4 away;  // metres along the map's axis
+  float depthScale;
+  float depthOffset;
+  float depthSlack;   // what the format and rounding may be off by, in depth
+  float texel;        // metres across at w = 1
+  float perspective;  // 1, or 0 for an orthographic map
+  float lightSize;    // radius of the light in metres; for a directional one the tangent of half its angle
+  vec2 low;           // the tile's first corner, atlas texels
+  float size;         // its side, texels
+  uint maps;          // of this light, from this one on: 6 are faces of a cube, the others cascades, finest first
 };
 
 // Above the local lights (point and spot) stands a tree of boxes, a heap without pointers: the children of node h are
@@ -144,7 +163,8 @@ static_assert(sizeof(latelight::shared::Mesh) == 40);
 static_assert(sizeof(latelight::shared::Instance) == 64);
 static_assert(sizeof(latelight::shared::TextureTransform) == 28);
 static_assert(sizeof(latelight::shared::Material) == 76 + 7 * 28);
-static_assert(sizeof(latelight::shared::Light) == 52);
+static_assert(sizeof(latelight::shared::Light) == 60);
+static_assert(sizeof(latelight::shared::ShadowMap) == 88);
 static_assert(sizeof(latelight::shared::LightBox) == 24);
 static_assert(sizeof(latelight::shared::View) == 144);
 #endif

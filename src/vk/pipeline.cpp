@@ -120,6 +120,7 @@ FixedState::FixedState(const GraphicsDesc& desc) {
   if (desc.colorWrite)
     target.colorWriteMask =
         VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT;
+  if (desc.alphaOnly) target.colorWriteMask &= VK_COLOR_COMPONENT_A_BIT;
   const auto kept = [](bool under) { return under ? VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA : VK_BLEND_FACTOR_ONE; };
   target.blendEnable = desc.blend != Blend::Replace;
   target.srcColorBlendFactor = target.srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE;

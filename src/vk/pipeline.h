@@ -73,6 +73,7 @@ struct GraphicsDesc {
   std::optional<VkStencilOpState> stencil;  // of both faces; the reference is dynamic. `depth` must have stencil
   bool colorWrite = true;
   Blend blend = Blend::Replace;
+  bool alphaOnly = false;  // of colours, alpha alone is written
   std::string name;
 };
 Pipeline makePipeline(Device& device, const GraphicsDesc& desc);

@@ -27,6 +27,17 @@ int worstDifference(const Picture& a, const Picture& b) {
   return worst;
 }
 
+// Of the pixels, those whose largest difference is beyond so many levels.
+double shareBeyond(const Picture& a, const Picture& b, int levels) {
+  size_t beyond = 0;
+  for (size_t i = 0; i < a.size(); i += 4) {
+    int worst = 0;
+    for (size_t c = 0; c < 4; ++c) worst = std::max(worst, std::abs(a[i + c] - b[i + c]));
+    beyond += worst > levels;
+  }
+  return static_cast<double>(beyond) / static_cast<double>(a.size() / 4);
+}
+
 // A picture of everything else would agree with anything: this one is covered, and has lights and darks.
 void expectContent(const Picture& picture) {
   size_t covered = 0, dark = 0, bright = 0;
@@ -118,12 +129,40 @@ std::vector<std::string> layoutNames() {
 INSTANTIATE_TEST_SUITE_P(All, EachLayout, testing::ValuesIn(layoutNames()),
                          [](const testing::TestParamInfo<std::string>& info) { return findLayout(info.param).file; });
 
+// Each shadow format and filter with each layout, and with one of them every technique.
+TEST_P(EachLayout, ShadowsAlikeByEveryTechniqueAndFormat) {
+  const Layout& layout = findLayout(GetParam());
+  stage->settings.layout = layout.name;
+  stage->settings.normals = "octahedral";
+  stage->settings.position = "ray";
+  const Picture unshadowed = stage->render("fullscreen");
+  stage->settings.shadows = "d32";
+  const Picture expected = stage->render("fullscreen");
+  EXPECT_GT(worstDifference(unshadowed, expected), 50);
+  for (const NamedOption& format : shadowFormats()) {
+    if (format.name == std::string("none") || format.name == std::string("d32")) continue;
+    SCOPED_TRACE(format.name);
+    stage->settings.shadows = format.name;
+    // Where a point lies at the very depth of what is stored, a rounding decides; 16 bits more often.
+    EXPECT_LE(shareBeyond(stage->render("fullscreen"), expected, 2), 0.01);
+  }
+  stage->settings.shadows = "d32";
+  for (const TechniqueInfo& technique : deferredTechniques()) {
+    SCOPED_TRACE(technique.name);
+    EXPECT_LE(worstDifference(stage->render(technique.name), expected), 1);
+  }
+  stage->settings.shadows = "none";
+}
+
 // They have no layout: what they light is what a layout that loses nothing holds.
 class ForwardTechniques : public CombinationsTest {};
 
 TEST_F(ForwardTechniques, LightAlikeTheFloatsOfPlain) {
   stage->settings.layout = "plain";
   compareTechniques(true);
+  stage->settings.shadows = "d32";
+  compareTechniques(true);
+  stage->settings.shadows = "none";
 }
 
 // What a layout says of its positions decides which position methods it is rendered with.

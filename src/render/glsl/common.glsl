@@ -11,6 +11,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Ins
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer MeshRef { Mesh v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer MaterialRef { Material v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LightRef { Light v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ShadowMapRef { ShadowMap v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LightTreeRef { LightBox v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer PositionRef { vec3 v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer AttributesRef { VertexAttributes v[]; };

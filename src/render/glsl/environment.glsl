@@ -1,11 +1,7 @@
-// Environment light in shaders. Three maps in the last bindings of set 0 (ENVIRONMENT_BINDING is the first): prefiltered
-// specular (octahedral, one mip a roughness level, each with its own border), diffuse, and the split-sum table.
+// Environment light in shaders.
+#include "render/glsl/lit_maps.glsl"
 #include "shared/environment.h"
 #include "shared/shade.h"
-
-layout(set = 0, binding = ENVIRONMENT_BINDING) uniform sampler2D environmentSpecular;
-layout(set = 0, binding = ENVIRONMENT_BINDING + 1) uniform sampler2D environmentDiffuse;
-layout(set = 0, binding = ENVIRONMENT_BINDING + 2) uniform sampler2D reflectanceTable;
 
 vec3 environmentRadiance(FrameConstants frame, vec3 direction, float roughness) {
   vec2 o = octahedralFromDirection(rotateToEnvironment(direction, frame.environmentCos, frame.environmentSin));

@@ -21,8 +21,7 @@ layout(set = 0, binding = 0 GBUFFER_TARGETS(COUNT)) uniform sampler2DArray gbuff
 #else
 layout(set = 0, binding = 1 GBUFFER_TARGETS(COUNT), rgba16f) uniform image2DArray lightTarget;
 layout(set = 0, binding = 2 GBUFFER_TARGETS(COUNT), rgba32f) uniform writeonly image2DArray lightCounts;
-layout(set = 0, binding = 3 GBUFFER_TARGETS(COUNT)) uniform sampler2DArray ambientOcclusion;
-#define GBUFFER_BINDINGS (4 GBUFFER_TARGETS(COUNT))
+#define GBUFFER_BINDINGS (3 GBUFFER_TARGETS(COUNT))
 #endif
 
 // The Surface at a pixel of a view. Its depth must not be the background's (0).
@@ -38,10 +37,6 @@ Surface readSurface(View view, ivec3 pixel, float depth, float ao) {
   GbufferTexel texel;
 #define FETCH_TARGET(index, name, format, type, channels) texel.name = type(texelFetch(gbuffer_##name, pixel, 0));
   GBUFFER_TARGETS(FETCH_TARGET)
-  Surface s = unpackGbuffer(texel, context);
-#ifndef GBUFFER_SAMPLED_ONLY
-  if (kAmbientOcclusion != 0u) s.ao *= texelFetch(ambientOcclusion, pixel, 0).r;
-#endif
-  return s;
+  return unpackGbuffer(texel, context);
 }
 #endif

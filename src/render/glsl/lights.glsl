@@ -15,6 +15,7 @@ Light broadcastLight(Light l, uint lane) {
   r.intensity = subgroupBroadcast(l.intensity, lane);
   r.spotScale = subgroupBroadcast(l.spotScale, lane);
   r.spotOffset = subgroupBroadcast(l.spotOffset, lane);
+  r.shadow = subgroupBroadcast(l.shadow, lane);
   return r;
 }
 

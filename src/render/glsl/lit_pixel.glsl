@@ -1,6 +1,5 @@
 // What the lighting shaders do around their lights: a pixel's surface and the environment's light on it, and the result.
 #include "render/glsl/gbuffer_read.glsl"
-#define ENVIRONMENT_BINDING GBUFFER_BINDINGS
 #include "render/glsl/environment.glsl"
 
 struct LitPixel {
@@ -28,6 +27,7 @@ LitPixel readPixel(FrameConstants frame, View view, ivec3 place) {
     vec4 accumulated = imageLoad(lightTarget, place);
     p.emitted = accumulated.rgb;
     p.s = readSurface(view, place, p.depth, accumulated.a);
+    p.s.ao *= visibleHemisphere(place);
     if ((p.s.flags & kSurfaceUnlit) != 0u) p.s = withoutReflection(p.s);
     p.toEye = directionToEye(view, p.s.position);
     p.radiance = environmentLight(frame, p.s, p.toEye);

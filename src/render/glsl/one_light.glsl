@@ -2,6 +2,7 @@
 #ifndef LATELIGHT_ONE_LIGHT_GLSL
 #define LATELIGHT_ONE_LIGHT_GLSL
 #include "render/glsl/setup.glsl"
+#include "render/glsl/shadow.glsl"
 #include "shared/shade.h"
 
 // How many lights this pixel went through, and how many of them sent it anything.
@@ -11,7 +12,10 @@ vec4 lightCount() { return vec4(lightsTested, lightsUsed, 0.0, 0.0); }
 
 // Radiance that one light sends from `s` to the eye.
 vec3 shadeOneLight(Light light, Surface s, vec3 toEye) {
-  vec3 radiance = shadeLight(s, toEye, sampleLight(light, s.position), kShading);
+  LightSample arriving = sampleLight(light, s.position);
+  vec3 radiance = shadeLight(s, toEye, arriving, kShading);
+  if (kShadowFormat != kShadowNone && light.shadow != uvec2(0u) && any(greaterThan(radiance, vec3(0.0))))
+    radiance *= shadowFactor(light, s, arriving.toLight);
   if (kCountLights != 0u && any(greaterThan(radiance, vec3(0.0)))) lightsUsed += 1.0;
   return radiance;
 }

@@ -10,7 +10,12 @@ struct DrawPush {
   DrawOrder order;
 #endif
 };
-layout(push_constant, scalar) uniform Push { DrawPush push; };
+layout(push_constant, scalar) uniform Push {
+  DrawPush push;
+#ifdef DRAW_PUSH_SHADOW  // before the include: the draw is into a shadow map
+  layout(offset = 16) float shadowUnit;  // ShadowView::unit
+#endif
+};
 
 #ifdef VERTEX_STAGE
 #define VARYING out

@@ -1,5 +1,7 @@
 #include "render/lighting/lighting_shader.h"
 
+#include "render/lit_maps.h"
+
 namespace latelight::render {
 
 LightingShader::LightingShader(vk::Device& device, const FrameSetup& setup, const std::string& file,
@@ -8,8 +10,7 @@ LightingShader::LightingShader(vk::Device& device, const FrameSetup& setup, cons
   desc.shader = file + "@" + setup.layout->file;
   desc.bindings.assign(setup.layout->targets.size() + 1, vk::Binding::Sampled);  // and depth
   desc.bindings.insert(desc.bindings.end(), 2, vk::Binding::Storage);            // light, counts
-  desc.bindings.push_back(vk::Binding::Sampled);                                 // ambient occlusion
-  desc.bindings.insert(desc.bindings.end(), GpuEnvironment::kBindings, vk::Binding::Sampled);
+  appendLitBindings(desc.bindings);
   desc.bindings.insert(desc.bindings.end(), more.begin(), more.end());
   desc.constants = setup.constants();
   desc.constants.insert(desc.constants.end(), own.begin(), own.end());
@@ -24,7 +25,7 @@ std::vector<graph::Access> LightingShader::accesses(const Gbuffer& gbuffer) {
   accesses.emplace_back(gbuffer.depth, graph::Use::SampledCompute);
   accesses.emplace_back(gbuffer.light, graph::Use::StorageReadWrite);
   accesses.emplace_back(gbuffer.lightCounts, graph::Use::StorageWrite);
-  accesses.emplace_back(gbuffer.ambientOcclusion, graph::Use::SampledCompute);
+  appendLitAccesses(accesses, gbuffer, graph::Use::SampledCompute);
   return accesses;
 }
 
@@ -35,8 +36,7 @@ std::vector<vk::BoundImage> LightingShader::images(graph::Context& context, cons
   images.push_back({context.image(gbuffer.depth).arrayView(), sampler_.get()});
   images.push_back({context.image(gbuffer.light).arrayView()});
   images.push_back({context.image(gbuffer.lightCounts).arrayView()});
-  images.push_back({context.image(gbuffer.ambientOcclusion).arrayView(), sampler_.get()});
-  for (const vk::BoundImage& map : inputs.environment.bindings()) images.push_back(map);
+  appendLitImages(images, context, inputs, gbuffer);
   return images;
 }
 

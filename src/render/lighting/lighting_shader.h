@@ -1,5 +1,5 @@
 // A compute shader that lights a G-buffer. Set 0 is the same for all of them: what gbuffer_read.glsl has, then what
-// environment.glsl has.
+// lit_maps.glsl has.
 #pragma once
 
 #include <string>
@@ -14,7 +14,7 @@ namespace latelight::render {
 class LightingShader {
  public:
   // `file`: the shader's, compiled for each layout. `own`: its constants beside the setup's, from kFirstOwnConstant.
-  // `more`: its bindings after the environment's.
+  // `more`: its bindings after the lit maps'.
   LightingShader(vk::Device& device, const FrameSetup& setup, const std::string& file,
                  const std::vector<vk::Constant>& own = {}, const std::vector<vk::Binding>& more = {});
 

@@ -8,7 +8,6 @@
 #include "render/glsl/material.glsl"
 #include "render/glsl/surface.glsl"
 #include "shared/gbuffer.h"
-#define ENVIRONMENT_BINDING 0
 #include "render/glsl/environment.glsl"
 #include "render/glsl/fog.glsl"
 #include "render/glsl/lights.glsl"

@@ -16,11 +16,12 @@
 #define GBUFFER_FIXED_NORMAL "two half floats, across and up in view space"
 #define GBUFFER_DEPTH_FORMAT D24_UNORM_S8_UINT
 #define GBUFFER_LIGHT_FORMAT R8G8B8A8_UNORM
+#define GBUFFER_SUN_TARGET 2
 #define GBUFFER_TARGETS(T)                                                                                       \
   T(0, normal, R16G16_SFLOAT, vec4, "rg: view-space normal, right and up; that away from the viewer is rebuilt") \
   T(1, motion, R8G8B8A8_UNORM, vec4,                                                                             \
     "rg: motion, 0 (no motion is rendered); b: Blinn-Phong power / 255; a: root of specular intensity")          \
-  T(2, albedo, R8G8B8A8_SRGB, vec4, "rgb: base colour; a: sun occlusion, 1 (no sunlight is baked)")
+  T(2, albedo, R8G8B8A8_SRGB, vec4, "rgb: base colour; a: sun occlusion, 1 where the sun shines")
 
 GBUFFER_BEGIN
 
@@ -38,7 +39,7 @@ SH_FUNC GbufferTexel packGbuffer(Surface s, GbufferContext c) {
   vec3 n = rotateToView(c.view, s.normal);
   t.normal = vec4(n.x, n.z, 0.0f, 0.0f);
   t.motion = vec4(0.0f, 0.0f, power8FromRoughness(s.roughness), sqrt(max(maxChannel(specularF0(s)), 0.0f)));
-  t.albedo = vec4(s.baseColor.x, s.baseColor.y, s.baseColor.z, 1.0f);
+  t.albedo = vec4(s.baseColor.x, s.baseColor.y, s.baseColor.z, s.sun);
   return t;
 }
 
@@ -55,6 +56,7 @@ SH_FUNC Surface unpackGbuffer(GbufferTexel t, GbufferContext c) {
   s.f90 = intensity > 0.0f ? 1.0f : 0.0f;
   s.roughness = roughnessFromPower8(t.motion.z);
   s.ao = c.ao;
+  s.sun = t.albedo.w;
   return s;
 }
 

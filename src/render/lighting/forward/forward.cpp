@@ -2,6 +2,7 @@
 // object once; the depth pass before it keeps hidden surfaces from being lit.
 #include "render/lighting/forward/forward.h"
 
+#include "render/lit_maps.h"
 #include "render/visibility/hardware.h"
 
 namespace latelight::render {
@@ -25,16 +26,16 @@ class Forward final : public LightingTechnique {
     std::vector<graph::Access> accesses{{gbuffer.depth, graph::Use::DepthTest},
                                         {gbuffer.ambientOcclusion, graph::Use::SampledFragment}};
     for (graph::ImageId color : colors) accesses.emplace_back(color, graph::Use::ColorAttachment);
-    graph.pass("lighting forward", std::move(accesses),
-               [=, this, depth = gbuffer.depth, ao = gbuffer.ambientOcclusion](graph::Context& context) {
-                 std::vector<vk::BoundImage> images{{context.image(ao).arrayView(), sampler_.get()}};
-                 for (const vk::BoundImage& map : inputs.environment.bindings()) images.push_back(map);
-                 for (uint32_t view = 0; view < inputs.views.size(); ++view) {
-                   beginView(context, inputs, view, colors, {depth, false});
-                   drawScene(context, inputs, view, opaque_, masked_, images);
-                   vkCmdEndRendering(context.get());
-                 }
-               });
+    appendLitAccesses(accesses, gbuffer, graph::Use::SampledFragment);
+    graph.pass("lighting forward", std::move(accesses), [=, this, depth = gbuffer.depth](graph::Context& context) {
+      std::vector<vk::BoundImage> images;
+      appendLitImages(images, context, inputs, gbuffer);
+      for (uint32_t view = 0; view < inputs.views.size(); ++view) {
+        beginView(context, inputs, view, colors, {depth, false});
+        drawScene(context, inputs, view, opaque_, masked_, images);
+        vkCmdEndRendering(context.get());
+      }
+    });
   }
 
  private:
@@ -46,7 +47,7 @@ class Forward final : public LightingTechnique {
     vk::GraphicsDesc desc;
     desc.vertex = "scene.vert";
     desc.fragment = "forward.frag";
-    desc.bindings.assign(1 + GpuEnvironment::kBindings, vk::Binding::Sampled);  // ambient occlusion first
+    appendLitBindings(desc.bindings);
     desc.materialSet = scene.materialSetLayout();
     desc.constants = setup.constants();
     desc.constants.push_back({kAlphaMasked, kind.masked ? 1u : 0u});

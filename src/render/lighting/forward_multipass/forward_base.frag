@@ -6,7 +6,6 @@
 #include "render/glsl/material.glsl"
 #include "render/glsl/surface.glsl"
 #include "shared/gbuffer.h"
-#include "render/glsl/forward_occlusion.glsl"
 #include "render/glsl/environment.glsl"
 
 layout(constant_id = 16) const uint kAlphaMasked = 0;
@@ -18,7 +17,7 @@ layout(location = 2) out vec4 counts;
 void main() {
   FrameConstants frame = FrameRef(push.frame).v;
   Surface s = evaluateMaterial(frame, frameInstance(frame, varyingInstance), drawMaterial());
-  s.ao *= occlusionHere();
+  s.ao *= visibleHemisphere(ivec3(ivec2(gl_FragCoord.xy), int(push.view)));
   bool unlit = (s.flags & kSurfaceUnlit) != 0u;
   vec3 emitted = unlit ? s.baseColor : s.emissive;
   if (unlit) s = withoutReflection(s);

@@ -10,7 +10,7 @@
 #include "shared/gbuffer.h"
 
 layout(constant_id = 16) const uint kAlphaMasked = 0;
-layout(set = 0, binding = 0) uniform usampler2DArray surfaces;  // as forward_base.frag left them
+layout(set = 0, binding = AFTER_LIT_MAPS) uniform usampler2DArray surfaces;  // as forward_base.frag left them
 
 layout(location = 0) out vec4 radiance;
 layout(location = 1) out vec4 counts;

@@ -2,6 +2,7 @@
 // for each light, added where depth is equal (seed 000, multi-pass lighting). O(lights x triangles).
 #include "render/lighting/light_sum.h"
 #include "render/lighting/technique.h"
+#include "render/lit_maps.h"
 #include "render/visibility/hardware.h"
 
 namespace latelight::render {
@@ -37,7 +38,7 @@ struct ScenePipelines {
 vk::GraphicsDesc baseDesc(const FrameSetup& setup, VkFormat sum) {
   vk::GraphicsDesc desc;
   desc.fragment = "forward_base.frag";
-  desc.bindings.assign(1 + GpuEnvironment::kBindings, vk::Binding::Sampled);  // ambient occlusion first
+  appendLitBindings(desc.bindings);
   desc.constants = setup.constants();
   desc.colors = {sum, kSurfaceFormat};
   if (setup.countLights) desc.colors.push_back(kCountsFormat);
@@ -48,7 +49,8 @@ vk::GraphicsDesc baseDesc(const FrameSetup& setup, VkFormat sum) {
 vk::GraphicsDesc lightDesc(const FrameSetup& setup, VkFormat sum) {
   vk::GraphicsDesc desc;
   desc.fragment = "forward_light.frag";
-  desc.bindings = {vk::Binding::Sampled};
+  appendLitBindings(desc.bindings);
+  desc.bindings.push_back(vk::Binding::Sampled);  // the surfaces
   desc.constants = setup.constants();
   desc.colors = {sum};
   if (setup.countLights) desc.colors.push_back(kCountsFormat);
@@ -101,16 +103,16 @@ class ForwardMultipass final : public LightingTechnique {
     std::vector<graph::Access> accesses{{gbuffer.depth, graph::Use::DepthTest},
                                         {gbuffer.ambientOcclusion, graph::Use::SampledFragment}};
     for (graph::ImageId color : colors) accesses.emplace_back(color, graph::Use::ColorAttachment);
-    graph.pass("forward base", std::move(accesses),
-               [=, this, depth = gbuffer.depth, ao = gbuffer.ambientOcclusion](graph::Context& context) {
-                 std::vector<vk::BoundImage> images{{context.image(ao).arrayView(), sampler_.get()}};
-                 for (const vk::BoundImage& map : inputs.environment.bindings()) images.push_back(map);
-                 for (uint32_t view = 0; view < inputs.views.size(); ++view) {
-                   beginView(context, inputs, view, colors, {depth, false});
-                   drawScene(context, inputs, view, base_.opaque, base_.masked, images);
-                   vkCmdEndRendering(context.get());
-                 }
-               });
+    appendLitAccesses(accesses, gbuffer, graph::Use::SampledFragment);
+    graph.pass("forward base", std::move(accesses), [=, this, depth = gbuffer.depth](graph::Context& context) {
+      std::vector<vk::BoundImage> images;
+      appendLitImages(images, context, inputs, gbuffer);
+      for (uint32_t view = 0; view < inputs.views.size(); ++view) {
+        beginView(context, inputs, view, colors, {depth, false});
+        drawScene(context, inputs, view, base_.opaque, base_.masked, images);
+        vkCmdEndRendering(context.get());
+      }
+    });
   }
 
   void addLights(graph::Graph& graph, const FrameInputs& inputs, const Gbuffer& gbuffer, Targets targets) const {
@@ -119,8 +121,11 @@ class ForwardMultipass final : public LightingTechnique {
     std::vector<graph::Access> accesses{{gbuffer.depth, graph::Use::DepthTest},
                                         {targets.surfaces, graph::Use::SampledFragment}};
     for (graph::ImageId color : colors) accesses.emplace_back(color, graph::Use::ColorAttachmentLoad);
+    appendLitAccesses(accesses, gbuffer, graph::Use::SampledFragment);
     graph.pass("forward lights", std::move(accesses), [=, this, depth = gbuffer.depth](graph::Context& context) {
-      const std::vector<vk::BoundImage> images{{context.image(targets.surfaces).arrayView(), sampler_.get()}};
+      std::vector<vk::BoundImage> images;
+      appendLitImages(images, context, inputs, gbuffer);
+      images.push_back({context.image(targets.surfaces).arrayView(), sampler_.get()});
       uint64_t passes = 0;
       for (uint32_t view = 0; view < inputs.views.size(); ++view) {
         beginView(context, inputs, view, colors, {depth, false}, ColorUse::Keep);
@@ -132,7 +137,7 @@ class ForwardMultipass final : public LightingTechnique {
   }
 
   // Every light over every object it may reach. Lights change within an object, not objects within a light: the sum is
-  // the same, and a light is 52 bytes of push constants where a material is seven textures. Returns the number of
+  // the same, and a light is 60 bytes of push constants where a material is seven textures. Returns the number of
   // draws.
   uint64_t drawLights(graph::Context& context, const FrameInputs& inputs, uint32_t view,
                       std::span<const vk::BoundImage> images) const {

@@ -8,7 +8,7 @@
 #include "render/lighting/volumes/volume_push.glsl"
 
 // Not by address, whose loads cost lavapipe more than the light.
-layout(set = 0, binding = GBUFFER_BINDINGS, scalar) uniform ViewUniform { View view; };
+layout(set = 0, binding = AFTER_LIT_MAPS, scalar) uniform ViewUniform { View view; };
 
 layout(location = 0) out vec4 radiance;
 layout(location = 1) out vec4 counts;

@@ -3,11 +3,10 @@
 // The lit picture: emitted radiance, environment, and the lights that the volumes added up.
 #include "render/glsl/common.glsl"
 #include "render/glsl/gbuffer_read.glsl"
-#define ENVIRONMENT_BINDING GBUFFER_BINDINGS
 #include "render/glsl/environment.glsl"
 
 layout(local_size_x = 16, local_size_y = 16) in;
-layout(set = 0, binding = 3 + GBUFFER_BINDINGS) uniform sampler2DArray lightSum;
+layout(set = 0, binding = AFTER_LIT_MAPS) uniform sampler2DArray lightSum;
 
 struct LightingPush {
   uint64_t frame;  // FrameConstants

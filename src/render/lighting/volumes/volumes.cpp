@@ -10,6 +10,7 @@
 #include "render/lighting/technique.h"
 #include "render/lighting/volumes/volume_mesh.h"
 #include "render/lighting/volumes/volumes.h"
+#include "render/lit_maps.h"
 #include "render/visibility/hardware.h"
 
 namespace latelight::render {
@@ -151,6 +152,7 @@ class Volumes final : public LightingTechnique {
                                         {gbuffer.depth, graph::Use::SampledFragment}};
     for (graph::ImageId target : gbuffer.targets) accesses.emplace_back(target, graph::Use::SampledFragment);
     for (graph::ImageId color : colors) accesses.emplace_back(color, graph::Use::ColorAttachment);
+    appendLitAccesses(accesses, gbuffer, graph::Use::SampledFragment);
     graph.pass("light volumes", std::move(accesses), [=, this](graph::Context& context) {
       uint64_t passes = 0;
       for (uint32_t view = 0; view < inputs.views.size(); ++view) {
@@ -168,7 +170,8 @@ class Volumes final : public LightingTechnique {
     vk::GraphicsDesc desc;
     desc.vertex = "volume.vert";
     desc.bindings.assign(setup_.layout->targets.size() + 1, vk::Binding::Sampled);  // and depth
-    desc.bindings.push_back(vk::Binding::Uniform);                                  // the view
+    appendLitBindings(desc.bindings);
+    desc.bindings.push_back(vk::Binding::Uniform);  // the view
     desc.colors = {sumFormat_};
     if (setup_.countLights) desc.colors.push_back(kCountsFormat);
     desc.constants = setup_.constants();
@@ -227,6 +230,7 @@ class Volumes final : public LightingTechnique {
     std::vector<vk::BoundImage> images;
     for (graph::ImageId target : gbuffer.targets) images.push_back({context.image(target).arrayView(), sampler_.get()});
     images.push_back(depth);
+    appendLitImages(images, context, inputs, gbuffer);
     const vk::Buffer viewUniform = uploadView(inputs.views[view]);  // lives on until the frame is done
     images.push_back({.uniform = viewUniform.get()});
     context.commands().bind(steps_[kLightScreen], images, push);  // all steps' layouts are alike: set 0 stays bound

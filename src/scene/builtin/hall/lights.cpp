@@ -137,6 +137,9 @@ std::vector<size_t> spreadOrder(const std::vector<LampSite>& lamps) {
   return order;
 }
 
+// Holds the glass that a lamp burns in, of any kind: metres.
+constexpr float kGlassRadius = 0.24f;
+
 void addLampLights(HallBuilder& hall, uint32_t count) {
   Scene& scene = hall.builder.scene;
   const double reach = std::clamp(std::sqrt(double(hall.lamps.size()) / count), 1.0, 6.0);
@@ -144,6 +147,7 @@ void addLampLights(HallBuilder& hall, uint32_t count) {
   for (uint32_t i = 0; i < count; ++i) {
     const LampSite& lamp = hall.lamps[order[i]];
     scene.lights.push_back(pointLight("lamp", lamp.position, lamp.color, lamp.weight, lamp.range * reach));
+    scene.lights.back().size = kGlassRadius;
     if (lamp.instance != kNoInstance) scene.instances[lamp.instance].material = static_cast<uint32_t>(Stuff::LampGlass);
   }
 }

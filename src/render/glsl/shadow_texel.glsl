@@ -1,0 +1,13 @@
+// What shadow.frag and shadow_masked.frag write. After varyings.glsl with DRAW_PUSH_SHADOW.
+#include "render/glsl/setup.glsl"
+#include "shared/shadow.h"
+
+layout(location = 0) out vec4 packedDepth;  // of the formats that are no depth formats
+
+void writeShadow() {
+  float depth = gl_FragCoord.z / gl_FragCoord.w;
+  float bias = shadowCasterBias(dFdx(depth), dFdy(depth), shadowUnit / gl_FragCoord.w, kShadowFilter);
+  depth = clamp(depth + bias, 0.0, kShadowFarthest);
+  gl_FragDepth = depth;
+  packedDepth = kShadowFormat == kShadowRgba8 ? packDepth(depth) : packDepthClassic(depth);
+}

@@ -1,0 +1,63 @@
+#include "render/shadow/cascades.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace latelight::render {
+
+namespace {
+
+double steppedDown(double distance) {
+  return std::exp2(std::floor(4 * std::log2(distance)) / 4);
+}
+double steppedUp(double distance) {
+  return std::exp2(std::ceil(4 * std::log2(distance)) / 4);
+}
+
+// Around the part of the view between two depths. Its centre lies on the view's axis, so that only depths and angles
+// make its radius.
+Sphere around(const shared::View& view, double near, double far) {
+  const shared::Projection& p = view.projection;
+  const double x = (1 + std::abs(double{p.X})) / p.H, z = (1 + std::abs(double{p.Z})) / p.V;
+  const double k = x * x + z * z;
+  double centre = 0, radius = 0;
+  if (p.kind == shared::kOrthographic) {
+    centre = 0.5 * (near + far);
+    radius = std::sqrt(0.25 * (far - near) * (far - near) + k);
+  } else {
+    // The centre is as far from the corners in front as from those behind, unless that lies beyond the latter.
+    centre = std::min(0.5 * (near + far) * (1 + k), far);
+    radius = std::sqrt((far - centre) * (far - centre) + far * far * k);
+  }
+  return {view.viewToWorld * glm::vec4(0, static_cast<float>(centre), 0, 1), static_cast<float>(radius)};
+}
+
+}  // namespace
+
+std::vector<Sphere> fitCascades(const shared::View& view, const scene::Bounds& bounds) {
+  if (bounds.empty()) return {};
+  const Sphere scene{bounds.centre(), std::max(bounds.radius(), 1e-6f)};
+  const shared::Projection& p = view.projection;
+  const double centre = (view.worldToView * glm::vec4(scene.centre, 1)).y, radius = scene.radius;
+  const double near = shared::viewDepth(p, 1.0f), far = shared::viewDepth(p, 0.0f);
+  // Distances of an orthographic view are from where it begins: it may begin behind its own position.
+  const double from = p.kind == shared::kOrthographic ? near : 0;
+  const double first = std::max(centre - radius, near) - from;
+  const double last = (std::isfinite(far) ? std::min(centre + radius, far) : centre + radius) - from;
+  if (!(last > 0) || !(last > first)) return {};
+  const double end = steppedUp(last), begin = first > 0 ? steppedDown(first) : 0;
+  std::vector<Sphere> spheres;
+  for (uint32_t i = 0; i < kCascades; ++i) {
+    const double to = end * std::pow(kCascadeRatio, -double(kCascades - 1 - i));
+    if (to <= begin) continue;
+    const double start = spheres.empty() ? begin : std::max(begin, to / kCascadeRatio);
+    spheres.push_back(around(view, from + start, from + to));
+    if (spheres.back().radius >= scene.radius) {
+      spheres.back() = scene;
+      break;
+    }
+  }
+  return spheres;
+}
+
+}  // namespace latelight::render

@@ -1,0 +1,179 @@
+#include "render/shadow/choose.h"
+
+#include <algorithm>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <string_view>
+
+#include "base/error.h"
+#include "base/log.h"
+#include "shared/color.h"
+
+namespace latelight::render {
+
+namespace {
+
+constexpr uint32_t kLargestTile = 2048, kLeastCascade = 128;
+
+// --- who ------------------------------------------------------------------------------------------------------------
+
+// What --shadow-lights says.
+struct Wanted {
+  uint32_t most = kAutomaticShadows;
+  bool counted = false;            // a number was asked for
+  std::vector<std::string> names;  // none: any light
+};
+
+std::vector<std::string> splitNames(std::string_view text) {
+  std::vector<std::string> names;
+  for (size_t begin = 0; begin <= text.size();) {
+    const size_t end = std::min(text.find(',', begin), text.size());
+    names.emplace_back(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return names;
+}
+
+Wanted parseWanted(const std::string& text, std::span<const scene::Light> lights) {
+  constexpr uint32_t kAny = std::numeric_limits<uint32_t>::max();
+  if (text == "auto") return {};
+  if (text == "all") return {.most = kAny, .counted = true};
+  if (text == "none") return {.most = 0};
+  uint32_t number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error == std::errc() && end == text.data() + text.size()) return {.most = number, .counted = true};
+  Wanted wanted{.most = kAny, .counted = true, .names = splitNames(text)};
+  for (const std::string& name : wanted.names)
+    if (std::none_of(lights.begin(), lights.end(), [&](const scene::Light& light) { return light.name == name; }))
+      badUsage("no light is called \"{}\": --shadow-lights takes auto, all, none, a number, or names of lights", name);
+  return wanted;
+}
+
+// The light at the eye, lux; a directional light's everywhere.
+float importance(const shared::Light& light, const shared::View& view) {
+  const float candela = shared::maxChannel(light.intensity);
+  if (light.type == shared::kLightDirectional) return candela;
+  const glm::vec3 to = light.position - view.eye;
+  const float nearest = 0.01f * std::min(light.reach, 1e18f);
+  return candela / std::max(glm::dot(to, to), nearest * nearest);
+}
+
+struct Candidate {
+  uint32_t light, source;
+  bool directional, asked;  // asked: by the scene itself
+  float importance;
+  // Most important first; no two are alike.
+  bool operator<(const Candidate& other) const {
+    if (asked != other.asked) return asked;
+    if (directional != other.directional) return directional;
+    if (importance != other.importance) return importance > other.importance;
+    return source < other.source;
+  }
+};
+
+std::vector<Candidate> candidates(const ShadowScene& scene, const shared::View& view, const Wanted& wanted,
+                                  bool anyCascade) {
+  const Frustum frustum(view);
+  std::vector<Candidate> found;
+  for (uint32_t i = 0; i < scene.lights.size(); ++i) {
+    const shared::Light& light = scene.lights[i];
+    const scene::Light& authored = scene.authored[scene.sources[i]];
+    const bool directional = light.type == shared::kLightDirectional;
+    const auto named = [&] {
+      return wanted.names.empty() ||
+             std::find(wanted.names.begin(), wanted.names.end(), authored.name) != wanted.names.end();
+    };
+    if (!authored.castShadow.value_or(true) || !named()) continue;
+    if (directional ? !anyCascade : !frustum.touches({light.position, light.reach})) continue;
+    found.push_back({i, scene.sources[i], directional, authored.castShadow.value_or(false), importance(light, view)});
+  }
+  const size_t count = std::min<size_t>(found.size(), wanted.most);
+  std::partial_sort(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(count), found.end());
+  found.resize(count);
+  return found;
+}
+
+// --- how large ------------------------------------------------------------------------------------------------------
+
+// The power of two that is nearest by ratio, within bounds that are such powers.
+uint32_t tileSize(double texels, uint32_t least, uint32_t most) {
+  const double clamped = std::clamp(texels, double(least), double(most));
+  return 1u << static_cast<uint32_t>(std::lround(std::log2(clamped)));
+}
+
+// About as many texels as pixels: a cascade's tile is as wide as the picture; a local light's as wide as what it
+// reaches on screen, and of a cube's face half that.
+uint32_t sizeOf(const shared::Light& light, const ShadowScene& scene, const shared::View& view, uint32_t maps) {
+  const double picture = std::max(view.size.x, view.size.y);
+  const uint32_t cascade = tileSize(picture, kLeastCascade, kLargestTile);
+  if (light.type == shared::kLightDirectional) return cascade;
+  const double reach = std::min(light.reach, 2 * scene.bounds.radius());
+  const double distance = std::max<double>(glm::length(light.position - view.eye), 0.5 * reach);
+  const bool perspective = view.projection.kind == shared::kPerspective;
+  const double pixels = reach * view.projection.V * view.size.y / (perspective ? distance : 1);
+  return tileSize(maps == 6 ? 0.5 * pixels : pixels, kLeastShadowTile, cascade);
+}
+
+uint64_t areaOf(const std::vector<ShadowCaster>& casters) {
+  uint64_t area = 0;
+  for (const ShadowCaster& caster : casters) area += uint64_t{caster.maps} * caster.size * caster.size;
+  return area;
+}
+
+// Halves what is larger than `least`; false where nothing is.
+bool halve(std::vector<ShadowCaster>& casters, const ShadowScene& scene, bool directionalToo, uint32_t least) {
+  bool halved = false;
+  for (ShadowCaster& caster : casters) {
+    const bool directional = scene.lights[caster.light].type == shared::kLightDirectional;
+    if ((directional && !directionalToo) || caster.size <= least) continue;
+    caster.size /= 2;
+    halved = true;
+  }
+  return halved;
+}
+
+// Returns how many lights had to go.
+size_t fit(std::vector<ShadowCaster>& casters, const ShadowScene& scene, uint64_t room) {
+  constexpr uint32_t kFine = 256;  // below this, cascades give up as much as the others
+  while (areaOf(casters) > room && halve(casters, scene, false, kFine)) {
+  }
+  while (areaOf(casters) > room && halve(casters, scene, true, kLeastShadowTile)) {
+  }
+  const size_t before = casters.size();
+  uint64_t area = areaOf(casters);
+  for (; area > room; casters.pop_back())
+    area -= uint64_t{casters.back().maps} * casters.back().size * casters.back().size;
+  return before - casters.size();
+}
+
+}  // namespace
+
+std::optional<double> shadowCone(const shared::Light& light) {
+  constexpr double kWidest = 1.05, kNarrowest = 2e-3;  // radians; wider than 60 degrees a single map is mostly rim
+  if (light.type != shared::kLightSpot) return std::nullopt;
+  // The rounding of spotOffset / spotScale moves a narrow cone by up to 3.5e-4.
+  const double half = std::acos(std::clamp(-double{light.spotOffset} / light.spotScale, -1.0, 1.0)) + 1e-3;
+  if (half > kWidest) return std::nullopt;
+  return std::max(half, kNarrowest);
+}
+
+std::vector<ShadowCaster> chooseShadowCasters(const ShadowScene& scene, const shared::View& view,
+                                              const Settings& settings, uint32_t cascades) {
+  const Wanted wanted = parseWanted(settings.shadowLights, scene.authored);
+  std::vector<ShadowCaster> casters;
+  for (const Candidate& candidate : candidates(scene, view, wanted, cascades > 0)) {
+    const shared::Light& light = scene.lights[candidate.light];
+    const uint32_t maps = candidate.directional ? cascades : shadowCone(light) ? 1 : 6;
+    casters.push_back({candidate.light, maps, sizeOf(light, scene, view, maps)});
+  }
+  const size_t asked = casters.size();
+  const size_t dropped = fit(casters, scene, uint64_t{settings.shadowAtlas} * settings.shadowAtlas);
+  if (dropped && wanted.counted)
+    warn("the {} most important of {} lights cast shadows: a shadow atlas of {} texels has no room for more",
+         asked - dropped, asked, settings.shadowAtlas);
+  return casters;
+}
+
+}  // namespace latelight::render

@@ -1,0 +1,216 @@
+#include "render/shadow/plan.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "render/registry.h"
+#include "render/shadow/cascades.h"
+#include "render/shadow/choose.h"
+#include "shared/shadow.h"
+
+namespace latelight::render {
+
+namespace {
+
+using glm::dvec3;
+
+// Texels kept free at each side of a tile: for the filter's reach, the normal offset and half a texel of snapping.
+constexpr uint32_t kMargin = 4;
+
+struct Axes {
+  dvec3 right, away, up;
+};
+
+Axes axesAlong(dvec3 away) {
+  const dvec3 other = std::abs(away.z) < 0.9 ? dvec3(0, 0, 1) : dvec3(0, 1, 0);
+  const dvec3 right = glm::normalize(glm::cross(away, other));
+  return {right, away, glm::cross(right, away)};
+}
+
+std::array<Axes, 6> cubeAxes() {  // as shadowFace() numbers them
+  return {axesAlong({1, 0, 0}),  axesAlong({-1, 0, 0}), axesAlong({0, 1, 0}),
+          axesAlong({0, -1, 0}), axesAlong({0, 0, 1}),  axesAlong({0, 0, -1})};
+}
+
+// What is closest and farthest from a plane through the world's origin.
+struct Interval {
+  double low = 1e300, high = -1e300;
+};
+template <typename Measure>
+Interval overCorners(const scene::Bounds& bounds, const Measure& measure) {
+  Interval interval;
+  for (int corner = 0; corner < 8; ++corner) {
+    const double value =
+        measure(dvec3(corner & 1 ? bounds.max.x : bounds.min.x, corner & 2 ? bounds.max.y : bounds.min.y,
+                      corner & 4 ? bounds.max.z : bounds.min.z));
+    interval.low = std::min(interval.low, value);
+    interval.high = std::max(interval.high, value);
+  }
+  return interval;
+}
+
+// A map before it has a tile.
+struct Frame {
+  Axes axes;
+  dvec3 origin{0};
+  bool perspective = false;
+  double half = 1;                // metres at 1 m distance, or metres
+  double across = 0, upward = 0;  // of the middle from the origin, metres; orthographic maps alone
+  double near = 0, far = 1;       // metres along `away`
+};
+
+shared::View viewOf(const Frame& f, double scale, uint32_t size) {
+  shared::View view{};
+  const std::array<dvec3, 3> rows{f.axes.right, f.axes.away, f.axes.up};
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) {
+      view.worldToView[column][row] = static_cast<float>(rows[row][column] * scale);
+      view.viewToWorld[row][column] = static_cast<float>(rows[row][column] / scale);
+    }
+    view.worldToView[3][row] = static_cast<float>(-glm::dot(rows[row], f.origin) * scale);
+  }
+  view.viewToWorld[3] = view.eye = glm::vec3(f.origin);
+  view.size = {static_cast<float>(size), static_cast<float>(size)};
+  shared::Projection& p = view.projection;
+  p.kind = f.perspective ? shared::kPerspective : shared::kOrthographic;
+  p.H = p.V = static_cast<float>(1 / f.half);
+  p.X = static_cast<float>(-f.across / f.half);
+  p.Z = static_cast<float>(-f.upward / f.half);
+  // Depth before the division by w runs from 0 at `near` to 1 at `far`.
+  p.A = static_cast<float>(1 / ((f.far - f.near) * scale));
+  p.B = static_cast<float>(-f.near / (f.far - f.near));
+  return view;
+}
+
+glm::vec4 row(dvec3 v, double w) {
+  return {glm::vec3(v), static_cast<float>(w)};
+}
+
+shared::ShadowMap mapOf(const Frame& f, const AtlasTile& tile) {
+  const double half = 0.5 * tile.size, middleX = tile.x + half, middleY = tile.y + half;
+  const double h = half / f.half;  // texels a metre (at 1 m)
+  const Axes& a = f.axes;
+  const double right = glm::dot(a.right, f.origin), away = glm::dot(a.away, f.origin), up = glm::dot(a.up, f.origin);
+  shared::ShadowMap m{};
+  if (f.perspective) {
+    m.across = row(a.right * h + a.away * middleX, -(right * h + away * middleX));
+    m.down = row(a.away * middleY - a.up * h, -(away * middleY - up * h));
+  } else {
+    m.across = row(a.right * h, middleX - (right + f.across) * h);
+    m.down = row(a.up * -h, middleY + (up + f.upward) * h);
+  }
+  m.away = row(a.away, -away);
+  m.depthScale = static_cast<float>(1 / (f.far - f.near));
+  m.depthOffset = static_cast<float>(-f.near / (f.far - f.near));
+  m.texel = static_cast<float>(1 / h);
+  m.perspective = f.perspective ? 1.0f : 0.0f;
+  m.low = {static_cast<float>(tile.x), static_cast<float>(tile.y)};
+  m.size = static_cast<float>(tile.size);
+  return m;
+}
+
+double withMargin(double half, uint32_t size) {
+  return half * size / (size - 2.0 * kMargin);
+}
+
+Frame cascadeFrame(const Axes& axes, const Sphere& sphere, const Interval& depths, uint32_t size) {
+  Frame f{.axes = axes, .half = withMargin(sphere.radius, size)};
+  // Whole texels from the world's origin: as the view moves, the same texels show the same places.
+  const double texel = 2 * f.half / size;
+  f.across = std::round(glm::dot(axes.right, dvec3(sphere.centre)) / texel) * texel;
+  f.upward = std::round(glm::dot(axes.up, dvec3(sphere.centre)) / texel) * texel;
+  const double room = 1e-3 * (depths.high - depths.low) + 1e-6;
+  f.near = depths.low - room;
+  f.far = depths.high + room;
+  return f;
+}
+
+// What lies nearer than the light's own radius is its own body, such as its glass, and casts no shadow.
+Frame localFrame(const shared::Light& light, const Axes& axes, double tangent, double radius,
+                 const scene::Bounds& bounds, uint32_t size) {
+  const dvec3 origin(light.position);
+  const double farthest = overCorners(bounds, [&](dvec3 p) { return glm::length(p - origin); }).high;
+  Frame f{.axes = axes, .origin = origin, .perspective = true, .half = withMargin(tangent, size)};
+  f.far = 1.001 * std::min<double>(light.reach, farthest) + 1e-6;
+  f.near = std::min(std::max(radius, 1e-4 * f.far), 0.5 * f.far);
+  return f;
+}
+
+// What stored depth may be below what was written, or rounding make of it, in depth.
+float slackOf(uint32_t format) {
+  constexpr float kRounding = 2e-6f;
+  if (format == shared::kShadowD16) return 1.0f / 65535.0f + kRounding;
+  return kRounding;
+}
+
+struct Planner {
+  const ShadowScene& scene;
+  const Settings& settings;
+  uint32_t format;
+  std::vector<Sphere> spheres;
+  ShadowPlan plan;
+
+  double lightRadius(const shared::Light& light, uint32_t index) const {
+    const float own = scene.authored[scene.sources[index]].size;
+    if (light.type == shared::kLightDirectional) return std::tan(0.5 * (own > 0 ? own : settings.sunAngle));
+    return own > 0 ? own : settings.lightSize;
+  }
+
+  void addMap(const Frame& f, const AtlasTile& tile, float lightSize, uint32_t maps,
+              const std::optional<Sphere>& within) {
+    shared::ShadowMap& map = plan.maps.emplace_back(mapOf(f, tile));
+    map.lightSize = lightSize;
+    map.maps = maps;
+    map.depthSlack = slackOf(format);
+    const double scale = f.perspective ? 1 / f.far : 1;
+    const double unit = map.texel * map.depthScale * (f.perspective ? f.far : 1);
+    plan.views.push_back(
+        {viewOf(f, 1, tile.size), viewOf(f, scale, tile.size), tile, static_cast<float>(unit), within});
+  }
+
+  void add(const ShadowCaster& caster, std::span<const AtlasTile> tiles) {
+    const shared::Light& light = scene.lights[caster.light];
+    plan.lights.push_back({caster.light, static_cast<uint32_t>(plan.maps.size())});
+    const auto lightSize = static_cast<float>(lightRadius(light, caster.light));
+    const dvec3 direction = glm::normalize(dvec3(light.direction));
+    if (light.type == shared::kLightDirectional) {
+      const Axes axes = axesAlong(direction);
+      const Interval depths = overCorners(scene.bounds, [&](dvec3 p) { return glm::dot(axes.away, p); });
+      for (uint32_t i = 0; i < caster.maps; ++i)
+        addMap(cascadeFrame(axes, spheres[i], depths, caster.size), tiles[i], lightSize, caster.maps, std::nullopt);
+      return;
+    }
+    const Sphere within{light.position, light.reach};
+    const double own = scene.authored[scene.sources[caster.light]].size;
+    if (const std::optional<double> cone = shadowCone(light))
+      addMap(localFrame(light, axesAlong(direction), std::tan(*cone), own, scene.bounds, caster.size), tiles[0],
+             lightSize, 1, within);
+    else
+      for (uint32_t i = 0; i < 6; ++i)
+        addMap(localFrame(light, cubeAxes()[i], 1, own, scene.bounds, caster.size), tiles[i], lightSize, 6, within);
+  }
+};
+
+}  // namespace
+
+ShadowPlan planShadows(const ShadowScene& scene, const shared::View& view, const Settings& settings) {
+  const uint32_t format = indexByName(shadowFormats(), settings.shadows, "shadow format");
+  if (format == shared::kShadowNone || scene.bounds.empty()) return {};
+  Planner planner{scene, settings, format, fitCascades(view, scene.bounds), {}};
+  const std::vector<ShadowCaster> casters =
+      chooseShadowCasters(scene, view, settings, static_cast<uint32_t>(planner.spheres.size()));
+  std::vector<uint32_t> sizes;
+  for (const ShadowCaster& caster : casters) sizes.insert(sizes.end(), caster.maps, caster.size);
+  const AtlasPlan atlas = packAtlas(sizes);
+  size_t next = 0;
+  for (const ShadowCaster& caster : casters) {
+    planner.add(caster, std::span(atlas.tiles).subspan(next, caster.maps));
+    next += caster.maps;
+  }
+  planner.plan.width = atlas.width;
+  planner.plan.height = atlas.height;
+  return std::move(planner.plan);
+}
+
+}  // namespace latelight::render

@@ -1,0 +1,57 @@
+// Which lights cast shadows in a frame, and what their shadow maps show: decided on the host, before anything is drawn,
+// and so the same for every lighting technique.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "render/frustum.h"
+#include "render/settings.h"
+#include "render/shadow/atlas.h"
+#include "scene/scene.h"
+#include "shared/types.h"
+
+namespace latelight::render {
+
+// One map to be drawn.
+struct ShadowView {
+  shared::View view;             // rigid, for culling
+  shared::View drawn;            // the same with lengths divided by the map's farthest depth: see shadow.frag
+  AtlasTile tile;                // of the atlas
+  float unit;                    // depth from a texel to the next on a plane of slope 1 (times w / far in perspective)
+  std::optional<Sphere> within;  // what lies outside casts nothing into it
+};
+
+struct ShadowPlan {
+  struct Entry {
+    uint32_t light;  // among the frame's
+    uint32_t first;  // of its maps
+  };
+  uint32_t width = 0, height = 0;       // of the atlas
+  std::vector<ShadowView> views;        // one a map
+  std::vector<shared::ShadowMap> maps;  // as lookups read them
+  std::vector<Entry> lights;
+  bool empty() const { return lights.empty(); }
+  // The first directional light that casts shadows, or null.
+  const Entry* sun(std::span<const shared::Light> frameLights) const {
+    for (const Entry& entry : lights)
+      if (frameLights[entry.light].type == shared::kLightDirectional) return &entry;
+    return nullptr;
+  }
+};
+
+struct ShadowScene {
+  std::span<const shared::Light> lights;  // the frame's
+  std::span<const uint32_t> sources;      // of each, which of the scene's lights it is
+  std::span<const scene::Light> authored;
+  scene::Bounds bounds;
+};
+
+// Directional lights come first, then the others by how bright each would be at the eye, scene order settling ties; a
+// light whose reach the view does not touch has none. Throws Error(Usage) for names that no light has.
+ShadowPlan planShadows(const ShadowScene& scene, const shared::View& view, const Settings& settings);
+
+}  // namespace latelight::render

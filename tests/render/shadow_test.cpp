@@ -1,0 +1,387 @@
+// Shadows: edges and penumbras where geometry has them, the device's lookups against the same on the host, and plans
+// that hold still while the camera moves.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "base/error.h"
+#include "render/post/resolve.h"
+#include "render/shadow/cascades.h"
+#include "render/shadow/choose.h"
+#include "render/shadow/shadow_pass.h"
+#include "render/support.h"
+#include "render/view.h"
+#include "shared/light.h"
+#include "shared/shadow.h"
+
+namespace latelight::render::test {
+namespace {
+
+using glm::vec2;
+using glm::vec3;
+using output::Aov;
+
+constexpr uint32_t kSize = 256;
+constexpr float kHalf = 2;                   // of the picture, metres
+constexpr float kWall = 2, kOccluder = 1;    // their planes' y, world
+constexpr float kEdge = -0.5f;               // the occluder's right edge, x
+constexpr float kPixel = 2 * kHalf / kSize;  // metres
+
+// A wall in the plane y = 2, and 1 m before it a board whose right edge is at x = -0.5; seen along +y.
+scene::Scene boardBeforeWall(const scene::Light& light) {
+  scene::builtin::SceneBuilder builder("board");
+  builder.scene.meshes = {squareMesh()};
+  builder.scene.materials = {scene::builtin::plainMaterial("m", vec3(0.8f), 0, 1)};
+  const auto place = [&](vec3 at, vec3 size) {
+    builder.addInstance("board", builder.kRoot, 0, 0, glm::scale(glm::translate(glm::mat4(1), at), size));
+  };
+  place({0, 0, -kWall}, vec3(4));
+  place({kEdge - 0.5f, 0, -kOccluder}, {0.5f, 2.5f, 1});
+  builder.scene.lights = {light};
+  return std::move(builder.scene);
+}
+
+scene::Light lightOf(uint32_t type, vec3 position, vec3 target) {
+  scene::Light light;
+  light.name = "light";
+  light.type = type;
+  light.position = position;
+  light.direction = glm::normalize(target - position);
+  light.intensity = type == shared::kLightDirectional ? 3.0f : 30.0f;
+  light.innerCone = 0.9f, light.outerCone = 1.0f;
+  return light;
+}
+
+Settings shadowSettings(const char* format, const char* filter) {
+  Settings settings = settingsOf(kSize, kSize, {Aov::Color, Aov::Position, Aov::Normal});
+  settings.layout = "exact";
+  settings.shadows = format;
+  settings.shadowFilter = filter;
+  settings.zUp = true;
+  return settings;
+}
+
+struct Shadowed {
+  output::FrameOutput frame;
+  std::vector<float> factor;  // a pixel; -1 where no light arrives anyway
+};
+
+class ShadowTest : public RenderTest {
+ protected:
+  static Shadowed render(const scene::Scene& scene, const Settings& settings) {
+    Renderer renderer(device(), scene, nullptr);
+    const scene::Camera camera = frontCamera(kHalf, 4);
+    Settings without = settings;
+    without.shadows = "none";
+    const output::FrameOutput open = std::move(renderer.render({&camera, 1}, without).front());
+    Shadowed result{std::move(renderer.render({&camera, 1}, settings).front()), {}};
+    for (size_t i = 0; i < size_t{kSize} * kSize; ++i) {
+      const float all = vec3At(imageOf(open, Aov::Color), i).x, some = vec3At(imageOf(result.frame, Aov::Color), i).x;
+      result.factor.push_back(all > 0 ? some / all : -1);
+    }
+    return result;
+  }
+
+  // Of the light's only map, or of the one whose texels are widest on the wall.
+  static ShadowPlan plan(const scene::Scene& scene, const Settings& settings) {
+    const GpuScene uploaded(device(), scene);
+    const ShadowScene described{uploaded.lights(), uploaded.lightSources(), uploaded.sceneLights(),
+                                scene::worldBounds(scene)};
+    return planShadows(described, makeView(frontCamera(kHalf, 4), kSize, kSize), settings);
+  }
+};
+
+// The finest map of a light that shows the point, as findShadowMap() of glsl/shadow.glsl has it.
+const shared::ShadowMap* mapAt(const ShadowPlan& plan, const scene::Light& light, vec3 p, uint32_t filter) {
+  if (plan.maps.front().maps == 6) return &plan.maps[shared::shadowFace(p - light.position)];
+  for (const shared::ShadowMap& m : plan.maps)
+    if (shared::shadowInside(m, shared::shadowPoint(m, p).texel, shared::shadowReach(filter) + 0.5f)) return &m;
+  return nullptr;
+}
+
+// Where the factor crosses `level` along the picture's middle row, from `from` on rightwards; metres.
+float crossing(const std::vector<float>& factor, float from, float level) {
+  const size_t row = size_t{kSize / 2} * kSize;
+  for (auto x = static_cast<size_t>((from + kHalf) / kPixel); x + 1 < kSize; ++x) {
+    const float a = factor[row + x], b = factor[row + x + 1];
+    if (a < level && b >= level) return -kHalf + (static_cast<float>(x) + 0.5f + (level - a) / (b - a)) * kPixel;
+  }
+  return 1e9f;
+}
+
+struct EdgeCase {
+  const char* name;
+  scene::Light light;
+  float edge;  // exactly
+};
+
+std::vector<EdgeCase> edgeCases() {
+  const vec3 at(-2, -1, 0.1f);
+  // The line from the light over the board's edge to the wall.
+  const float lit = at.x + (kEdge - at.x) * (kWall - at.y) / (kOccluder - at.y);
+  return {{"directional", lightOf(shared::kLightDirectional, {-1, -1, 0}, {0, 0, 0}), kEdge + kWall - kOccluder},
+          {"spot", lightOf(shared::kLightSpot, at, {0, kWall, 0}), lit},
+          {"point", lightOf(shared::kLightPoint, at, {0, kWall, 0}), lit}};
+}
+
+TEST_F(ShadowTest, EdgesLieWhereTheyShouldToATexel) {
+  for (const EdgeCase& edge : edgeCases())
+    for (const char* filter : {"hard", "pcf"}) {
+      SCOPED_TRACE(fmt::format("{} light, {}", edge.name, filter));
+      const scene::Scene scene = boardBeforeWall(edge.light);
+      const Settings settings = shadowSettings("d32", filter);
+      const ShadowPlan maps = plan(scene, settings);
+      ASSERT_FALSE(maps.empty());
+      const vec3 place(edge.edge, kWall, 0);
+      const shared::ShadowMap* map = mapAt(maps, edge.light, place, shared::kShadowFilterPcf);
+      ASSERT_TRUE(map);
+      // A texel's footprint on the wall, across the edge.
+      const vec3 step(1e-3f, 0, 0);
+      const vec2 moved = shared::shadowPoint(*map, place + step).texel - shared::shadowPoint(*map, place - step).texel;
+      const float footprint = 2e-3f / glm::length(moved);
+      const Shadowed shadowed = render(scene, settings);
+      const float found = crossing(shadowed.factor, kEdge + 0.1f, 0.5f);
+      fmt::print("{} {}: edge at {:.4f}, exactly {:.4f}; a texel is {:.4f} m there\n", edge.name, filter, found,
+                 edge.edge, footprint);
+      EXPECT_LT(footprint, 0.05f);
+      EXPECT_LE(std::abs(found - edge.edge), footprint);
+      // Both sides: all or nothing, away from the edge and within the light's cone.
+      const size_t row = size_t{kSize / 2} * kSize;
+      for (size_t x = 0; x < kSize; ++x) {
+        const float at = -kHalf + (static_cast<float>(x) + 0.5f) * kPixel, factor = shadowed.factor[row + x];
+        if (factor < 0 || std::abs(at - edge.edge) < 4 * footprint + kPixel || at < kEdge + kPixel) continue;
+        EXPECT_NEAR(factor, at > edge.edge ? 1.0f : 0.0f, 2e-3f) << at;
+      }
+    }
+}
+
+// The share of a disc's area on one side of a line at x, the disc's radius being 1.
+float discShare(float x) {
+  return 0.5f + (x * std::sqrt(1 - x * x) + std::asin(x)) / shared::kPi;
+}
+
+TEST_F(ShadowTest, PenumbrasAreAsWideAsTheLightMakesThem) {
+  scene::Light spot = lightOf(shared::kLightSpot, {-1.5f, -1, 0}, {-1.5f, kWall, 0});
+  scene::Light sun = lightOf(shared::kLightDirectional, {-1, -1, 0}, {0, 0, 0});
+  for (float size : {0.15f, 0.3f}) {
+    spot.size = size;
+    sun.size = size;
+    // 2 m from the spot to the board, 1 m from there to the wall; the sun's way from board to wall is sqrt(2) m, and
+    // the wall stretches what it sends by as much again.
+    const float spotRadius = size * 0.5f, sunRadius = std::tan(0.5f * size) * 2;
+    for (const auto& [name, light, radius, edge] :
+         {std::tuple{"spot", spot, spotRadius, 0.0f}, {"sun", sun, sunRadius, 0.5f}}) {
+      const Shadowed shadowed = render(boardBeforeWall(light), shadowSettings("d32", "pcss"));
+      constexpr float kLow = -0.6f, kHigh = 0.6f;
+      const float low = crossing(shadowed.factor, kEdge + 0.02f, discShare(kLow));
+      const float high = crossing(shadowed.factor, kEdge + 0.02f, discShare(kHigh));
+      const float width = high - low, exact = (kHigh - kLow) * radius;
+      fmt::print("{} of size {}: penumbra {:.4f} m, exactly {:.4f} m, about {:.4f}\n", name, size, width, exact,
+                 0.5f * (low + high));
+      EXPECT_NEAR(width, exact, 0.15f * exact + kPixel) << name;
+      EXPECT_NEAR(0.5f * (low + high), edge, 0.1f * radius + kPixel) << name;
+    }
+  }
+}
+
+// --- the host's copy of glsl/shadow.glsl ----------------------------------------------------------------------------
+
+struct HostAtlas {
+  uint32_t width = 0;
+  std::vector<float> depths;
+  float at(int x, int y) const { return depths[static_cast<size_t>(y) * width + static_cast<size_t>(x)]; }
+};
+
+float hostPcf(const HostAtlas& atlas, vec2 texel, float depth) {
+  const vec2 middle = glm::floor(texel);
+  const vec3 across = shared::shadowWeights(texel.x - middle.x - 0.5f);
+  const vec3 down = shared::shadowWeights(texel.y - middle.y - 0.5f);
+  float lit = 0;
+  for (int y = -1; y <= 1; ++y)
+    for (int x = -1; x <= 1; ++x)
+      lit += atlas.at(int(middle.x) + x, int(middle.y) + y) >= depth ? across[x + 1] * down[y + 1] : 0.0f;
+  return lit;
+}
+
+float hostFactor(const HostAtlas& atlas, const ShadowPlan& plan, const scene::Light& light, vec3 p, vec3 n) {
+  constexpr uint32_t kFilter = shared::kShadowFilterPcf;
+  const shared::ShadowMap* m = mapAt(plan, light, p, kFilter);
+  if (!m) return 1;
+  const vec3 toLight = light.type == shared::kLightDirectional ? -light.direction : glm::normalize(light.position - p);
+  const float width = shared::shadowPoint(*m, p).width;
+  const shared::ShadowPoint at =
+      shared::shadowPoint(*m, p + n * shared::shadowNormalOffset(*m, n, toLight, width, kFilter));
+  const vec2 low = m->low + 1.5f, high = m->low + m->size - 1.5f;
+  const float depth = at.depth - m->depthSlack;
+  return depth < 1 ? hostPcf(atlas, glm::clamp(at.texel, low, high), depth) : 1;
+}
+
+TEST_F(ShadowTest, DevicesLookUpWhatTheHostLooksUp) {
+  for (const EdgeCase& edge : edgeCases())
+    for (const char* format : {"d32", "d16", "rgba8", "rgba8-classic"}) {
+      SCOPED_TRACE(fmt::format("{} light, {}", edge.name, format));
+      const scene::Scene scene = boardBeforeWall(edge.light);
+      const Settings settings = shadowSettings(format, "pcf");
+      const auto index =
+          static_cast<uint32_t>(std::find_if(shadowFormats().begin(), shadowFormats().end(),
+                                             [&](const NamedOption& o) { return o.name == std::string(format); }) -
+                                shadowFormats().begin());
+      // The maps once more, read back.
+      GpuScene uploaded(device(), scene);
+      const GpuEnvironment dark(device(), nullptr);
+      shared::FrameConstants constants{};
+      uploaded.describe(constants);
+      const ShadowMaps maps = uploadShadows(device(), plan(scene, settings), constants);
+      FrameSetup setup{.shadowFormat = index, .shadowFilter = shared::kShadowFilterPcf};
+      const ShadowPass pass(device(), uploaded, setup);
+      FrameInputs inputs{.scene = uploaded, .environment = dark, .views = {}, .constants = 0, .width = 1, .height = 1};
+      inputs.shadows = &maps;
+      graph::Executor executor(device());
+      graph::Graph graph;
+      const graph::BufferId read = addReadback(graph, pass.add(graph, inputs));
+      executor.run(graph, graph.compile());
+      HostAtlas atlas{maps.plan.width, std::vector<float>(size_t{maps.plan.width} * maps.plan.height)};
+      const std::byte* texels = executor.buffer(read).mapped();
+      for (size_t i = 0; i < atlas.depths.size(); ++i) {
+        const auto* bytes = reinterpret_cast<const uint8_t*>(texels + 4 * i);
+        const auto packed = [&] { return shared::vec4(bytes[0], bytes[1], bytes[2], bytes[3]) / 255.0f; };
+        if (index == shared::kShadowD32) atlas.depths[i] = reinterpret_cast<const float*>(texels)[i];
+        if (index == shared::kShadowD16)
+          atlas.depths[i] = static_cast<float>(reinterpret_cast<const uint16_t*>(texels)[i]) / 65535.0f;
+        if (index == shared::kShadowRgba8) atlas.depths[i] = shared::unpackDepth(packed());
+        if (index == shared::kShadowRgba8Classic) atlas.depths[i] = shared::unpackDepthClassic(packed());
+      }
+
+      const Shadowed shadowed = render(scene, settings);
+      size_t lit = 0, dark0 = 0, beyond = 0;
+      for (size_t i = 0; i < shadowed.factor.size(); ++i) {
+        if (shadowed.factor[i] < 0) continue;
+        const float expected =
+            hostFactor(atlas, maps.plan, edge.light, vec3At(imageOf(shadowed.frame, Aov::Position), i),
+                       vec3At(imageOf(shadowed.frame, Aov::Normal), i));
+        lit += expected > 0.9f;
+        dark0 += expected < 0.1f;
+        beyond += std::abs(shadowed.factor[i] - expected) > 4e-3f;
+      }
+      EXPECT_GT(lit, 2000u);
+      EXPECT_GT(dark0, 2000u);
+      // Products of floats are fused here and not there: a comparison at the very depth falls either way.
+      EXPECT_LE(beyond, 20u);
+    }
+}
+
+// --- plans ----------------------------------------------------------------------------------------------------------
+
+ShadowPlan hallPlan(const scene::Scene& scene, const GpuScene& uploaded, const scene::Camera& camera,
+                    const std::string& lights) {
+  Settings settings;
+  settings.shadowLights = lights;
+  const ShadowScene described{uploaded.lights(), uploaded.lightSources(), uploaded.sceneLights(),
+                              scene::worldBounds(scene)};
+  return planShadows(described, makeView(camera, 640, 360), settings);
+}
+
+TEST_F(ShadowTest, CascadesHoldStillWhileTheCameraMoves) {
+  scene::Scene scene = boardBeforeWall(lightOf(shared::kLightDirectional, {1, -2, 4}, {0, 0, 0}));
+  scene.instances.push_back(scene.instances.front());
+  scene.instances.back().toWorld = glm::scale(glm::mat4(1), vec3(60)) * scene.instances.back().toWorld;
+  const GpuScene uploaded(device(), scene);
+  scene::Camera camera = frontPerspective(1, 3);
+  const ShadowPlan still = hallPlan(scene, uploaded, camera, "auto");
+  ASSERT_EQ(still.maps.size(), size_t{kCascades});
+  for (int step = 1; step <= 20; ++step) {
+    scene::Camera moved = camera;
+    moved.toWorld = glm::rotate(glm::translate(glm::mat4(1), vec3(0.013f, 0.007f, -0.005f) * float(step)),
+                                0.003f * float(step), vec3(0.3f, 0.2f, 1)) *
+                    camera.toWorld;
+    const ShadowPlan now = hallPlan(scene, uploaded, moved, "auto");
+    ASSERT_EQ(now.maps.size(), still.maps.size());
+    for (size_t i = 0; i < now.maps.size(); ++i) {
+      const shared::ShadowMap &a = still.maps[i], &b = now.maps[i];
+      EXPECT_EQ(a.texel, b.texel);
+      EXPECT_EQ(vec3(a.across), vec3(b.across));
+      EXPECT_EQ(vec3(a.down), vec3(b.down));
+      EXPECT_EQ(a.away, b.away);
+      EXPECT_EQ(a.depthScale, b.depthScale);
+      for (const float shift : {b.across.w - a.across.w, b.down.w - a.down.w})
+        EXPECT_NEAR(shift, std::round(shift), 2e-2f) << "texels, cascade " << i;
+    }
+  }
+}
+
+TEST_F(ShadowTest, TilesLieApartWithinTheAtlas) {
+  const std::vector<uint32_t> sizes{32, 1024, 256, 256, 64, 32, 512, 32, 128, 1024, 64};
+  const AtlasPlan plan = packAtlas(sizes);
+  for (size_t i = 0; i < sizes.size(); ++i) {
+    const AtlasTile& a = plan.tiles[i];
+    EXPECT_EQ(a.size, sizes[i]);
+    EXPECT_LE(a.x + a.size, plan.width);
+    EXPECT_LE(a.y + a.size, plan.height);
+    for (size_t j = 0; j < i; ++j) {
+      const AtlasTile& b = plan.tiles[j];
+      EXPECT_TRUE(a.x >= b.x + b.size || b.x >= a.x + a.size || a.y >= b.y + b.size || b.y >= a.y + a.size);
+    }
+  }
+}
+
+scene::Scene manyLights(uint32_t count) {
+  scene::Scene scene = boardBeforeWall(lightOf(shared::kLightPoint, {-2, -1, 0}, {0, 0, 0}));
+  scene.lights.resize(count, scene.lights.front());
+  for (uint32_t i = 0; i < count; ++i) scene.lights[i].position.z = 1e-3f * static_cast<float>(i);
+  return scene;
+}
+
+TEST_F(ShadowTest, ThousandsOfShadowsAreAsManyAsFit) {
+  const scene::Scene scene = manyLights(5000);
+  const GpuScene uploaded(device(), scene);
+  const ShadowPlan all = hallPlan(scene, uploaded, frontPerspective(1, 3), "all");
+  EXPECT_EQ(all.lights.size(), 4096u * 4096 / (6 * 32 * 32));
+  EXPECT_LE(uint64_t{all.width} * all.height, uint64_t{4096} * 4096);
+  EXPECT_EQ(hallPlan(scene, uploaded, frontPerspective(1, 3), "auto").lights.size(), kAutomaticShadows);
+  EXPECT_EQ(hallPlan(scene, uploaded, frontPerspective(1, 3), "3").lights.size(), 3u);
+  EXPECT_TRUE(hallPlan(scene, uploaded, frontPerspective(1, 3), "none").empty());
+  EXPECT_THROW(hallPlan(scene, uploaded, frontPerspective(1, 3), "moon"), Error);
+}
+
+TEST_F(ShadowTest, TheSceneSaysWhichLightsCast) {
+  scene::Scene scene = manyLights(3);
+  scene.lights[0].castShadow = false;
+  scene.lights[2].castShadow = true;
+  scene.lights[2].intensity = 1e-3f;
+  const GpuScene uploaded(device(), scene);
+  const auto chosen = [&](const char* lights) {
+    std::vector<uint32_t> sources;
+    for (const ShadowPlan::Entry& entry : hallPlan(scene, uploaded, frontPerspective(1, 3), lights).lights)
+      sources.push_back(uploaded.lightSources()[entry.light]);
+    return sources;
+  };
+  EXPECT_EQ(chosen("all"), (std::vector<uint32_t>{2, 1}));
+  EXPECT_EQ(chosen("1"), (std::vector<uint32_t>{2}));
+}
+
+// Numbers that are none, cones of no angle and lights without reach: no light, no message, and the others shine.
+TEST_F(ShadowTest, BrokenLightsCastNothing) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN(), kInfinity = std::numeric_limits<float>::infinity();
+  scene::Scene scene = boardBeforeWall(lightOf(shared::kLightPoint, {-2, -1, 0}, {0, 0, 0}));
+  const scene::Light good = scene.lights.front();
+  const Settings settings = shadowSettings("d32", "pcss");
+  const Shadowed expected = render(scene, settings);
+  for (int kind = 0; kind < 7; ++kind) {
+    scene::Light bad = good;
+    if (kind == 0) bad.position.x = kNan;
+    if (kind == 1) bad.intensity = kNan;
+    if (kind == 2) bad.intensity = kInfinity;
+    if (kind == 3) bad.type = shared::kLightSpot, bad.innerCone = bad.outerCone = 0;
+    if (kind == 4) bad.type = shared::kLightDirectional, bad.direction = vec3(kNan);
+    if (kind == 5) bad.range = 1e-30f;
+    if (kind == 6) bad.type = shared::kLightSpot, bad.direction = vec3(0), bad.intensity = 0;
+    scene.lights.push_back(bad);
+  }
+  const Shadowed actual = render(scene, settings);
+  EXPECT_EQ(imageOf(actual.frame, Aov::Color).values, imageOf(expected.frame, Aov::Color).values);
+}
+
+}  // namespace
+}  // namespace latelight::render::test
