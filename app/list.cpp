@@ -98,6 +98,12 @@ Json listOptions(const std::vector<render::NamedOption>& options) {
   return rows;
 }
 
+Json listAntiAliasings() {
+  std::vector<render::NamedOption> options;
+  for (const render::AntiAliasing& aa : render::antiAliasings()) options.push_back(aa);
+  return listOptions(options);
+}
+
 Json listAovs() {
   Json rows = Json::array();
   for (const output::AovInfo& aov : output::aovs()) {
@@ -173,6 +179,7 @@ const Topic kTopics[] = {
     {"lighting", [](const PictureSize&) { return listLighting(); }},
     {"shading", [](const PictureSize&) { return listOptions(render::shadings()); }},
     {"tonemaps", [](const PictureSize&) { return listOptions(render::tonemaps()); }},
+    {"aa", [](const PictureSize&) { return listAntiAliasings(); }},
     {"volumes-orders", [](const PictureSize&) { return listOptions(render::volumesOrders()); }},
     {"aovs", [](const PictureSize&) { return listAovs(); }},
     {"scenes", [](const PictureSize&) { return listScenes(); }},

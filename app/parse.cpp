@@ -70,13 +70,6 @@ glm::vec3 parseColor(const std::string& text) {
   return {shared::linearFromSrgb(code.x), shared::linearFromSrgb(code.y), shared::linearFromSrgb(code.z)};
 }
 
-uint32_t parseSuperSampling(const std::string& text) {
-  if (text == "none") return 1;
-  if (text.starts_with("ss"))
-    if (auto n = parseNumber<uint32_t>(std::string_view(text).substr(2)); n && *n >= 1 && *n <= 16) return *n;
-  badUsage("--aa takes none, or ss1 to ss16 as in ss4, not \"{}\"", text);
-}
-
 std::optional<size_t> parseIndex(const std::string& text) {
   return parseNumber<size_t>(text);
 }

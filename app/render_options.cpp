@@ -10,7 +10,7 @@ namespace latelight::app {
 void parseSettings(RenderOptions& o) {
   render::Settings& s = o.settings;
   std::tie(s.width, s.height) = parseSize(o.size);
-  s.superSampling = parseSuperSampling(o.aa);
+  render::chooseAntiAliasing(s, o.aa);
   s.environmentRotation = static_cast<float>(o.hdriRotate * M_PI / 180.0);
   if (o.background == "hdri")
     s.background = render::Background::Environment;
@@ -36,7 +36,8 @@ std::optional<DebugRequest> parseDebug(const std::string& debug) {
     request.targets = true;
   } else if (debug == "sheet") {
     request.sheet = true;
-    for (const output::AovInfo& aov : output::aovs()) request.aovs.push_back(aov.aov);
+    for (const output::AovInfo& aov : output::aovs())  // `samples` is the same everywhere but with --aa msaa4
+      if (aov.aov != output::Aov::Samples) request.aovs.push_back(aov.aov);
   } else {
     request.aovs = output::parseAovs(debug == "lights" ? "lights-tested,lights-used" : debug);
     request.sheet = request.aovs.size() > 1;
@@ -75,7 +76,7 @@ void addLookOptions(CLI::App& c, RenderOptions& o) {
   c.add_option("--shading", s.shading, "ggx or blinn-phong")->capture_default_str();
   c.add_option("--volumes-order", s.volumesOrder, "How --lighting volumes culls by stencil: classic or killzone")
       ->capture_default_str();
-  c.add_option("--aa", o.aa, "Anti-aliasing: none, or ssN for N x N ordered samples a pixel (ss2, ss4)")
+  c.add_option("--aa", o.aa, "Anti-aliasing: none, msaa4, or ssN for N x N samples a pixel (latelight list aa)")
       ->capture_default_str();
   c.add_option("--hdri", o.hdri,
                "Environment light: a .hdr or .exr file, studio, or none; default: studio where the scene has no light");
@@ -90,9 +91,9 @@ void addLookOptions(CLI::App& c, RenderOptions& o) {
 
 void addOutputOptions(CLI::App& c, RenderOptions& o) {
   c.add_option("--aov", o.aovs, "What leaves, by comma: color,depth,... (latelight list aovs)");
-  c.add_option(
-      "--debug", o.debug,
-      "Pictures of data for the eye: sheet (all), lights, AOV names by comma, or targets: those of the layout");
+  c.add_option("--debug", o.debug,
+               "Pictures of data for the eye: sheet (all), lights, samples, AOV names by comma, or targets: those of "
+               "the layout");
   c.add_option("--normal-frame", o.normalFrame, "Frame of normal outputs: world, opencv or opengl")
       ->capture_default_str();
   c.add_option("--axes", o.axes, "Frame of positions and poses: file (the scene file's own) or z-up")

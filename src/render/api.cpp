@@ -83,6 +83,7 @@ render::Settings internalSettings(const Options& o) {
   s.shading = o.shading;
   s.tonemap = o.tonemap;
   s.superSampling = o.superSampling;
+  s.samples = o.samples;
   s.exposure = o.exposure;
   s.environmentIntensity = o.environmentIntensity;
   s.environmentRotation = o.environmentRotation / kDegrees;

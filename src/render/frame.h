@@ -18,6 +18,8 @@ class GeometryPass;
 class LightingTechnique;
 struct TechniqueInfo;
 class BackgroundPass;
+class SampleSurfacesPass;
+class PixelDepthPass;
 
 // What a frame draws: one scene seen by V views, each a layer of every target.
 struct FrameInputs {
@@ -31,13 +33,19 @@ struct FrameInputs {
 };
 
 // An image as large as the frame, with a layer a view.
-graph::ImageId createTarget(graph::Graph& graph, const FrameInputs& inputs, VkFormat format, const std::string& name);
+graph::ImageId createTarget(graph::Graph& graph, const FrameInputs& inputs, VkFormat format, const std::string& name,
+                            uint32_t samples = 1);
 
 // A G-buffer being built: the layout's targets, and the two that every layout has.
 struct Gbuffer {
   std::vector<graph::ImageId> targets;
   graph::ImageId depth;
   graph::ImageId light;  // emitted radiance and ambient occlusion; the lighting technique leaves the lit picture here
+  // With several samples a pixel the targets have them, and these two, which the geometry pass draws to; `depth` and
+  // `light` keep one a pixel, so that what comes after lighting need not know. With one sample they are the same
+  // images.
+  graph::ImageId sampleDepth, sampleLight;
+  graph::ImageId surfaces;     // of pixels, by their samples (kSurfacesFormat); none with one sample, or no targets
   graph::ImageId lightCounts;  // lights tested and used (kCountsFormat); one texel where they are not counted
 };
 
@@ -51,9 +59,13 @@ struct FrameSetup {
   uint32_t positionMethod = 0;  // kPosition*
   uint32_t volumesOrder = 0;    // kVolumes*: of the technique `volumes`
   bool countLights = false;
+  uint32_t samples = 1;      // a pixel: 1 or 4
+  bool everySample = false;  // each is shaded, alike or not: the reference
 
   // Of every shader that includes render/glsl/setup.glsl; a shader's own start at kFirstOwnConstant.
   std::vector<vk::Constant> constants() const;
+  // The form of a shader that reads targets of these samples.
+  std::string variant(const std::string& shader) const { return samples > 1 ? shader + "+msaa" : shader; }
 };
 inline constexpr uint32_t kFirstOwnConstant = 16;
 inline constexpr VkFormat kCountsFormat = VK_FORMAT_R32G32B32A32_SFLOAT;  // r: lights tested, g: lights used
@@ -76,7 +88,9 @@ class Frame {
  private:
   FrameSetup setup_;
   std::unique_ptr<DepthPass> depth_;
-  std::unique_ptr<GeometryPass> geometry_;  // null for forward techniques
+  std::unique_ptr<GeometryPass> geometry_;        // null for forward techniques
+  std::unique_ptr<SampleSurfacesPass> surfaces_;  // null for forward techniques, and with one sample
+  std::unique_ptr<PixelDepthPass> pixelDepth_;    // null with one sample
   std::unique_ptr<LightingTechnique> lighting_;
   std::unique_ptr<BackgroundPass> background_;
 };

@@ -1,5 +1,6 @@
 #include "render/settings.h"
 
+#include <charconv>
 #include <cmath>
 
 #include "base/error.h"
@@ -54,6 +55,30 @@ const std::vector<NamedOption>& positionMethods() {
   return all;
 }
 
+const std::vector<AntiAliasing>& antiAliasings() {
+  static const std::vector<AntiAliasing> all = {
+      {{"none", "one sample a pixel"}, [](Settings&) {}},
+      {{"msaa4", "four samples a pixel where edges are, each surface of a pixel shaded once"},
+       [](Settings& s) { s.samples = 4; }},
+      {{"ssN", "N x N samples a pixel in as many frames, N from 1 to 16"}, nullptr},
+  };
+  return all;
+}
+
+void chooseAntiAliasing(Settings& settings, std::string_view name) {
+  for (const AntiAliasing& aa : antiAliasings())
+    if (aa.choose && name == aa.name) return aa.choose(settings);
+  if (name.starts_with("ss")) {
+    const char* end = name.data() + name.size();
+    const auto [parsed, error] = std::from_chars(name.data() + 2, end, settings.superSampling);
+    if (error == std::errc() && parsed == end && settings.superSampling >= 1 && settings.superSampling <= 16) return;
+  }
+  std::string names;
+  for (const AntiAliasing& aa : antiAliasings())
+    if (aa.choose) names += std::string(aa.name) + ", ";
+  badUsage("--aa takes {}or ss1 to ss16 as in ss4, not \"{}\"", names, name);
+}
+
 void checkSettings(const Settings& s) {
   constexpr uint32_t kMaxSide = 16384;  // maxImageDimension2D every Vulkan 1.3 device we know of offers
   if (s.width == 0 || s.height == 0 || s.width > kMaxSide || s.height > kMaxSide)
@@ -61,6 +86,8 @@ void checkSettings(const Settings& s) {
              kMaxSide);
   if (s.superSampling < 1 || s.superSampling > 16)
     badUsage("super-sampling takes 1 to 16 samples along each side, not {}", s.superSampling);
+  if (s.samples != 1 && s.samples != 4) badUsage("multisampling takes 1 or 4 samples a pixel, not {}", s.samples);
+  if (s.samples > 1 && s.superSampling > 1) badUsage("a picture is super-sampled or multisampled, not both");
   if (!std::isfinite(s.exposure) || std::abs(s.exposure) > 60)
     badUsage("the exposure must be a number between -60 and 60 EV, not {}", s.exposure);
   if (!std::isfinite(s.environmentIntensity) || s.environmentIntensity < 0)

@@ -5,6 +5,7 @@
 #include <glm/vec3.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "output/aov.h"
@@ -25,6 +26,9 @@ struct Settings {
   std::string tonemap = "khronos";
   std::string volumesOrder = "classic";  // of the lighting technique `volumes`
   uint32_t superSampling = 1;            // N: N x N ordered samples a pixel, in N * N frames
+  uint32_t samples = 1;                  // of the hardware's, a pixel: 1, or 4 (MSAA)
+  bool everySample = false;              // all of those are shaded, alike or not: the reference of MSAA
+  bool countSurfaces = false;            // fills Renderer::surfaceCounts()
   float exposure = 0;                    // EV: radiance is multiplied by 2^exposure
   float environmentIntensity = 1;
   float environmentRotation = 0;  // radians about the up axis, +X towards +Z of the glTF frame
@@ -48,6 +52,13 @@ const std::vector<NamedOption>& tonemaps();
 const std::vector<NamedOption>& volumesOrders();
 const std::vector<NamedOption>& normalSpaces();
 const std::vector<NamedOption>& positionMethods();
+
+// What --aa takes beside ssN, which stands last in the list as a pattern: what the setting is then.
+struct AntiAliasing : NamedOption {
+  void (*choose)(Settings& settings);  // null: ssN
+};
+const std::vector<AntiAliasing>& antiAliasings();
+void chooseAntiAliasing(Settings& settings, std::string_view name);  // throws Error(Usage) that lists them
 
 // Throws Error(Usage) with a sentence where a value is out of range or a name unknown.
 void checkSettings(const Settings& settings);

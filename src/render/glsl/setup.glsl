@@ -7,4 +7,5 @@ layout(constant_id = 1) const uint kShading = 0;
 layout(constant_id = 2) const uint kCountLights = 0;
 layout(constant_id = 3) const uint kNormalSpace = 0;
 layout(constant_id = 4) const uint kPositionMethod = 0;
+layout(constant_id = 7) const uint kEverySample = 0;
 #endif

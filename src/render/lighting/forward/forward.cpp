@@ -2,6 +2,7 @@
 // object once; the depth pass before it keeps hidden surfaces from being lit.
 #include "render/lighting/forward/forward.h"
 
+#include "render/lighting/light_sum.h"
 #include "render/visibility/hardware.h"
 
 namespace latelight::render {
@@ -26,21 +27,24 @@ class Forward final : public LightingTechnique {
   Forward(vk::Device& device, const GpuScene& scene, const FrameSetup& setup, ForwardLoop loop)
       : countLights_(setup.countLights), opaque_(makePipeline(device, scene, setup, {false, loop})) {
     if (anyMasked(scene)) masked_ = makePipeline(device, scene, setup, {true, loop});
+    if (setup.samples > 1) resolve_.emplace(device, setup);
   }
 
   void add(graph::Graph& graph, const FrameInputs& inputs, const Gbuffer& gbuffer) const override {
-    std::vector<graph::ImageId> colors{gbuffer.light};
+    std::vector<graph::ImageId> colors{gbuffer.sampleLight};
     if (countLights_) colors.push_back(gbuffer.lightCounts);
-    std::vector<graph::Access> accesses{{gbuffer.depth, graph::Use::DepthTest}};
+    std::vector<graph::Access> accesses{{gbuffer.sampleDepth, graph::Use::DepthTest}};
     for (graph::ImageId color : colors) accesses.emplace_back(color, graph::Use::ColorAttachment);
-    graph.pass("lighting forward", std::move(accesses), [=, this, depth = gbuffer.depth](graph::Context& context) {
-      const std::vector<vk::BoundImage> images = inputs.environment.bindings();
-      for (uint32_t view = 0; view < inputs.views.size(); ++view) {
-        beginView(context, inputs, view, colors, {depth, false});
-        drawScene(context, inputs, view, opaque_, masked_, images);
-        vkCmdEndRendering(context.get());
-      }
-    });
+    graph.pass("lighting forward", std::move(accesses),
+               [=, this, depth = gbuffer.sampleDepth](graph::Context& context) {
+                 const std::vector<vk::BoundImage> images = inputs.environment.bindings();
+                 for (uint32_t view = 0; view < inputs.views.size(); ++view) {
+                   beginView(context, inputs, view, colors, {depth, false});
+                   drawScene(context, inputs, view, opaque_, masked_, images);
+                   vkCmdEndRendering(context.get());
+                 }
+               });
+    if (resolve_) resolve_->add(graph, inputs, gbuffer.sampleLight, gbuffer.light);
   }
 
  private:
@@ -62,12 +66,14 @@ class Forward final : public LightingTechnique {
     desc.depth = kDepthFormat;
     desc.depthCompare = VK_COMPARE_OP_EQUAL;
     desc.depthWrite = false;
+    setSamples(desc, setup.samples, kind.masked);
     desc.name = kind.masked ? "forward masked" : "forward";
     return vk::makePipeline(device, desc);
   }
 
   bool countLights_;
   vk::Pipeline opaque_, masked_;
+  std::optional<FinishSum> resolve_;  // of several samples a pixel
 };
 
 }  // namespace

@@ -19,16 +19,18 @@ struct LightPush {  // varyings.glsl with DRAW_PUSH_LIGHT
 // The draws of a scene in one of its two passes, for opaque and masked materials.
 struct ScenePipelines {
   vk::Pipeline opaque, masked;
-  ScenePipelines(vk::Device& device, const GpuScene& scene, vk::GraphicsDesc desc) {
+  ScenePipelines(vk::Device& device, const GpuScene& scene, const FrameSetup& setup, vk::GraphicsDesc desc) {
     desc.vertex = "scene.vert";
     desc.materialSet = scene.materialSetLayout();
     desc.depth = kDepthFormat;
     desc.depthCompare = VK_COMPARE_OP_EQUAL;
     desc.depthWrite = false;
     desc.constants.push_back({kFirstOwnConstant, 0});
+    setSamples(desc, setup.samples, false);
     opaque = vk::makePipeline(device, desc);
     if (!anyMasked(scene)) return;
     desc.constants.back().value = 1;
+    setSamples(desc, setup.samples, true);
     desc.name += " masked";
     masked = vk::makePipeline(device, desc);
   }
@@ -47,7 +49,7 @@ vk::GraphicsDesc baseDesc(const FrameSetup& setup, VkFormat sum) {
 
 vk::GraphicsDesc lightDesc(const FrameSetup& setup, VkFormat sum) {
   vk::GraphicsDesc desc;
-  desc.fragment = "forward_light.frag";
+  desc.fragment = setup.variant("forward_light.frag");
   desc.bindings = {vk::Binding::Sampled};
   desc.constants = setup.constants();
   desc.colors = {sum};
@@ -66,28 +68,19 @@ class ForwardMultipass final : public LightingTechnique {
  public:
   ForwardMultipass(vk::Device& device, const GpuScene& scene, const FrameSetup& setup)
       : countLights_(setup.countLights),
+        samples_(setup.samples),
         sumFormat_(lightSumFormat(device)),
-        base_(device, scene, baseDesc(setup, sumFormat_)),
-        light_(device, scene, lightDesc(setup, sumFormat_)),
-        finish_(vk::makePipeline(device, vk::ComputeDesc{.shader = "forward_finish.comp",
-                                                         .bindings = {vk::Binding::Sampled, vk::Binding::Storage},
-                                                         .name = "forward finish"})),
+        base_(device, scene, setup, baseDesc(setup, sumFormat_)),
+        light_(device, scene, setup, lightDesc(setup, sumFormat_)),
+        finish_(device, setup),
         sampler_(vk::makeSampler(device, vk::kNearestSampler)) {}
 
   void add(graph::Graph& graph, const FrameInputs& inputs, const Gbuffer& gbuffer) const override {
-    const Targets targets{createTarget(graph, inputs, sumFormat_, "sum of lights"),
-                          createTarget(graph, inputs, kSurfaceFormat, "surfaces")};
+    const Targets targets{createTarget(graph, inputs, sumFormat_, "sum of lights", samples_),
+                          createTarget(graph, inputs, kSurfaceFormat, "surfaces", samples_)};
     addBase(graph, inputs, gbuffer, targets);
     addLights(graph, inputs, gbuffer, targets);
-    graph.pass(
-        "forward finish", {{targets.sum, graph::Use::SampledCompute}, {gbuffer.light, graph::Use::StorageWrite}},
-        [=, this](graph::Context& context) {
-          context.commands().bind(
-              finish_,
-              {{context.image(targets.sum).arrayView(), sampler_.get()}, {context.image(gbuffer.light).arrayView()}},
-              uint32_t{0});
-          context.commands().dispatch(inputs.width, inputs.height, static_cast<uint32_t>(inputs.views.size()), 16, 16);
-        });
+    finish_.add(graph, inputs, targets.sum, gbuffer.light);
   }
 
  private:
@@ -98,9 +91,9 @@ class ForwardMultipass final : public LightingTechnique {
   void addBase(graph::Graph& graph, const FrameInputs& inputs, const Gbuffer& gbuffer, Targets targets) const {
     std::vector<graph::ImageId> colors{targets.sum, targets.surfaces};
     if (countLights_) colors.push_back(gbuffer.lightCounts);
-    std::vector<graph::Access> accesses{{gbuffer.depth, graph::Use::DepthTest}};
+    std::vector<graph::Access> accesses{{gbuffer.sampleDepth, graph::Use::DepthTest}};
     for (graph::ImageId color : colors) accesses.emplace_back(color, graph::Use::ColorAttachment);
-    graph.pass("forward base", std::move(accesses), [=, this, depth = gbuffer.depth](graph::Context& context) {
+    graph.pass("forward base", std::move(accesses), [=, this, depth = gbuffer.sampleDepth](graph::Context& context) {
       const std::vector<vk::BoundImage> images = inputs.environment.bindings();
       for (uint32_t view = 0; view < inputs.views.size(); ++view) {
         beginView(context, inputs, view, colors, {depth, false});
@@ -113,10 +106,10 @@ class ForwardMultipass final : public LightingTechnique {
   void addLights(graph::Graph& graph, const FrameInputs& inputs, const Gbuffer& gbuffer, Targets targets) const {
     std::vector<graph::ImageId> colors{targets.sum};
     if (countLights_) colors.push_back(gbuffer.lightCounts);
-    std::vector<graph::Access> accesses{{gbuffer.depth, graph::Use::DepthTest},
+    std::vector<graph::Access> accesses{{gbuffer.sampleDepth, graph::Use::DepthTest},
                                         {targets.surfaces, graph::Use::SampledFragment}};
     for (graph::ImageId color : colors) accesses.emplace_back(color, graph::Use::ColorAttachmentLoad);
-    graph.pass("forward lights", std::move(accesses), [=, this, depth = gbuffer.depth](graph::Context& context) {
+    graph.pass("forward lights", std::move(accesses), [=, this, depth = gbuffer.sampleDepth](graph::Context& context) {
       const std::vector<vk::BoundImage> images{{context.image(targets.surfaces).arrayView(), sampler_.get()}};
       uint64_t passes = 0;
       for (uint32_t view = 0; view < inputs.views.size(); ++view) {
@@ -153,9 +146,10 @@ class ForwardMultipass final : public LightingTechnique {
   }
 
   bool countLights_;
+  uint32_t samples_;
   VkFormat sumFormat_;
   ScenePipelines base_, light_;
-  vk::Pipeline finish_;
+  FinishSum finish_;
   vk::Handle<VkSampler> sampler_;
 };
 
