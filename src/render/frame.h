@@ -49,6 +49,11 @@ struct Gbuffer {
   graph::ImageId lightCounts;  // lights tested and used (kCountsFormat); one texel where they are not counted
 };
 
+// The form of a shader that draws to or reads targets of several samples a pixel.
+inline std::string shaderVariant(const std::string& shader, uint32_t samples) {
+  return samples > 1 ? shader + "+msaa" : shader;
+}
+
 // What pipelines are made for.
 struct FrameSetup {
   const Layout* layout = nullptr;
@@ -64,8 +69,7 @@ struct FrameSetup {
 
   // Of every shader that includes render/glsl/setup.glsl; a shader's own start at kFirstOwnConstant.
   std::vector<vk::Constant> constants() const;
-  // The form of a shader that reads targets of these samples.
-  std::string variant(const std::string& shader) const { return samples > 1 ? shader + "+msaa" : shader; }
+  std::string variant(const std::string& shader) const { return shaderVariant(shader, samples); }
 };
 inline constexpr uint32_t kFirstOwnConstant = 16;
 inline constexpr VkFormat kCountsFormat = VK_FORMAT_R32G32B32A32_SFLOAT;  // r: lights tested, g: lights used

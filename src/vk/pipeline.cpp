@@ -135,8 +135,6 @@ FixedState::FixedState(const GraphicsDesc& desc) {
   raster.lineWidth = 1.0f;
   raster.depthClampEnable = desc.depthClamp;
   samples.rasterizationSamples = static_cast<VkSampleCountFlagBits>(desc.samples);
-  samples.sampleShadingEnable = desc.perSample;
-  samples.minSampleShading = 1.0f;
   depth.depthTestEnable = desc.depth != VK_FORMAT_UNDEFINED;
   depth.depthWriteEnable = depth.depthTestEnable && desc.depthWrite;
   depth.depthCompareOp = desc.depthCompare;

@@ -66,8 +66,6 @@ struct GraphicsDesc {
   bool colorWrite = true;
   bool additive = false;  // colours, alpha too, are added to what is there
   uint32_t samples = 1;
-  bool perSample = false;  // a fragment a sample, its inputs there: needs the optional feature. (As do shaders that ask
-                           // for their sample's number.)
   std::string name;
 };
 Pipeline makePipeline(Device& device, const GraphicsDesc& desc);

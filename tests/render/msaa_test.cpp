@@ -92,7 +92,7 @@ TEST_F(MsaaTest, MasksAreCutForEachSample) {
       Settings settings = multisampled(kSize, kSize);
       settings.lighting = technique;
       const Values picture = color(renderer, frontCamera(), settings);
-      for (uint32_t x = 12; x < 24; ++x) {
+      for (uint32_t x = 12; x < 20; ++x) {
         int covered = 0;
         for (double sample : {0.125, 0.375, 0.625, 0.875}) covered += x + sample < edge;
         ASSERT_EQ(picture[4 * (16 * kSize + x) + 3], static_cast<float>(covered) / 4) << cutoff << ' ' << x;
@@ -244,12 +244,12 @@ TEST_P(MsaaModels, EdgesAreBetterByAFactor) {
   EXPECT_LT(share, GetParam().mostShare);
   EXPECT_LT(off, GetParam().mostOff);
   EXPECT_GT(errorNone / error4, GetParam().leastBetter);
-  EXPECT_LT(error4, 1.1 * errorEvery);
+  EXPECT_LT(psnr(errorEvery) - psnr(error4), 1);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, MsaaModels,
-                         testing::Values(ModelCase{"hall", 0.5, 0.01, 3}, ModelCase{"spheres", 0.5, 0.01, 3},
-                                         ModelCase{"DamagedHelmet.glb", 0.5, 0.01, 3}),
+                         testing::Values(ModelCase{"hall", 0.45, 0.004, 3}, ModelCase{"spheres", 0.1, 0.004, 5},
+                                         ModelCase{"DamagedHelmet.glb", 0.5, 0.002, 5}),
                          [](const auto& info) {
                            std::string name = info.param.name;
                            return name.substr(0, name.find('.'));

@@ -10,7 +10,7 @@ vk::Pipeline makeGeometryPipeline(vk::Device& device, const GpuScene& scene, con
   const Layout& layout = *setup.layout;
   vk::GraphicsDesc desc;
   desc.vertex = "scene.vert";
-  desc.fragment = "geometry.frag@" + layout.file;
+  desc.fragment = setup.variant("geometry.frag@" + layout.file);
   desc.materialSet = scene.materialSetLayout();
   desc.constants = setup.constants();
   desc.constants.push_back({kFirstOwnConstant, masked ? 1u : 0u});
@@ -19,7 +19,7 @@ vk::Pipeline makeGeometryPipeline(vk::Device& device, const GpuScene& scene, con
   desc.depth = kDepthFormat;
   desc.depthCompare = VK_COMPARE_OP_EQUAL;
   desc.depthWrite = false;
-  setSamples(desc, setup.samples, masked);
+  desc.samples = setup.samples;
   desc.name = "geometry " + layout.name + (masked ? " masked" : "");
   return vk::makePipeline(device, desc);
 }

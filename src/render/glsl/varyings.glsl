@@ -13,9 +13,13 @@ layout(push_constant, scalar) uniform Push { DrawPush push; };
 #define VARYING_INSIDE out
 #else
 #define VARYING in
-// With several samples a pixel, in the part of it that the triangle covers: at the pixel's centre, outside, a normal or a
-// texture coordinate would be that of no point on the triangle. With one sample this is the centre.
+#ifdef MULTISAMPLED
+// In the part of the pixel that the triangle covers: at the pixel's centre, outside, a normal or a texture coordinate
+// would be that of no point on the triangle.
 #define VARYING_INSIDE centroid in
+#else
+#define VARYING_INSIDE in
+#endif
 #endif
 layout(location = 0) VARYING_INSIDE vec3 varyingPosition;  // world
 layout(location = 1) VARYING_INSIDE vec3 varyingNormal;    // world; unit at the vertices

@@ -14,10 +14,10 @@ struct DrawPush {  // varyings.glsl
 vk::Pipeline makeDepthPipeline(vk::Device& device, const GpuScene& scene, bool masked, uint32_t samples) {
   vk::GraphicsDesc desc;
   desc.vertex = "scene.vert";
-  desc.fragment = masked ? "masked.frag" : "";
+  desc.fragment = masked ? shaderVariant("masked.frag", samples) : "";
   desc.materialSet = scene.materialSetLayout();
   desc.depth = kDepthFormat;
-  setSamples(desc, samples, masked);
+  desc.samples = samples;
   desc.name = masked ? "depth masked" : "depth";
   return vk::makePipeline(device, desc);
 }
@@ -32,11 +32,6 @@ VkRenderingAttachmentInfo attachment(VkImageView view, VkImageLayout layout, VkA
 }
 
 }  // namespace
-
-void setSamples(vk::GraphicsDesc& desc, uint32_t samples, bool masked) {
-  desc.samples = samples;
-  desc.perSample = samples > 1 && masked;
-}
 
 bool isMasked(const shared::Material& material) {
   return (material.flags & shared::kMaterialMasked) != 0;

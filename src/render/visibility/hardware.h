@@ -9,10 +9,6 @@ namespace latelight::render {
 bool isMasked(const shared::Material& material);  // alpha decides what is drawn
 bool anyMasked(const GpuScene& scene);
 
-// What draws of the scene do with several samples a pixel: masks are cut for each sample, since an edge that a mask
-// makes is an edge too; all else is shaded once a pixel.
-void setSamples(vk::GraphicsDesc& desc, uint32_t samples, bool masked);
-
 // Draws what may be visible in a view, in the order of the instances on the device, within a rendering that has begun.
 // Materials that are masked use `masked`. Both pipelines take scene.vert and the scene's material set.
 // `images` are set 0 of both.

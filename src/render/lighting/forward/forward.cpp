@@ -55,7 +55,7 @@ class Forward final : public LightingTechnique {
   static vk::Pipeline makePipeline(vk::Device& device, const GpuScene& scene, const FrameSetup& setup, Kind kind) {
     vk::GraphicsDesc desc;
     desc.vertex = "scene.vert";
-    desc.fragment = "forward.frag";
+    desc.fragment = setup.variant("forward.frag");
     desc.bindings.assign(GpuEnvironment::kBindings, vk::Binding::Sampled);
     desc.materialSet = scene.materialSetLayout();
     desc.constants = setup.constants();
@@ -66,7 +66,7 @@ class Forward final : public LightingTechnique {
     desc.depth = kDepthFormat;
     desc.depthCompare = VK_COMPARE_OP_EQUAL;
     desc.depthWrite = false;
-    setSamples(desc, setup.samples, kind.masked);
+    desc.samples = setup.samples;
     desc.name = kind.masked ? "forward masked" : "forward";
     return vk::makePipeline(device, desc);
   }

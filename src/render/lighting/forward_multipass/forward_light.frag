@@ -32,5 +32,5 @@ void main() {
 #endif
   radiance = shows ? vec4(one * frame.exposure, 0.0) : vec4(0.0);
   counts = shows ? lightCount() : vec4(0.0);
-  if (kAlphaMasked != 0u && cutOut(drawMaterial())) discard;
+  if (kAlphaMasked != 0u) cutFragment(drawMaterial());
 }

@@ -26,11 +26,10 @@ struct ScenePipelines {
     desc.depthCompare = VK_COMPARE_OP_EQUAL;
     desc.depthWrite = false;
     desc.constants.push_back({kFirstOwnConstant, 0});
-    setSamples(desc, setup.samples, false);
+    desc.samples = setup.samples;
     opaque = vk::makePipeline(device, desc);
     if (!anyMasked(scene)) return;
     desc.constants.back().value = 1;
-    setSamples(desc, setup.samples, true);
     desc.name += " masked";
     masked = vk::makePipeline(device, desc);
   }
@@ -38,7 +37,7 @@ struct ScenePipelines {
 
 vk::GraphicsDesc baseDesc(const FrameSetup& setup, VkFormat sum) {
   vk::GraphicsDesc desc;
-  desc.fragment = "forward_base.frag";
+  desc.fragment = setup.variant("forward_base.frag");
   desc.bindings.assign(GpuEnvironment::kBindings, vk::Binding::Sampled);
   desc.constants = setup.constants();
   desc.colors = {sum, kSurfaceFormat};
