@@ -40,6 +40,16 @@ struct Times {  // seconds
   double load = 0, upload = 0, render = 0, write = 0, total = 0;
 };
 
+Json describeShadings(const render::ShadingCounts& counts) {
+  const auto share = [&](uint64_t count, uint64_t of) {
+    return of ? static_cast<double>(count) / static_cast<double>(of) : 0.0;
+  };
+  return {{"pixels", counts.pixels},
+          {"drawn", counts.drawn},
+          {"perSample", share(counts.several, counts.drawn)},  // share of the drawn pixels
+          {"shadingsAPixel", share(counts.shadings, counts.drawn)}};
+}
+
 void printReport(const scene::Scene& scene, const vk::Device& device, const render::Renderer& renderer,
                  const std::vector<std::filesystem::path>& files, const std::vector<render::Picked>& picked,
                  const Times& times) {
@@ -61,6 +71,7 @@ void printReport(const scene::Scene& scene, const vk::Device& device, const rend
                 {"total", times.total}}},
               {"gpu", passes}};
   if (!picked.empty()) report["picked"] = describePicked(picked);
+  if (const auto& counts = renderer.shadingCounts()) report["shading"] = describeShadings(*counts);
   fmt::print("{}\n", report.dump(2));
 }
 
@@ -116,6 +127,7 @@ output::OutputRequest planOutput(RenderOptions& o, const std::optional<DebugRequ
   output::checkOutput(request);
 
   render::Settings& s = o.settings;
+  s.countSurfaces = o.json;
   s.aovs = debug ? debug->aovs : request.aovs;
   s.display = debug ? contains(debug->aovs, output::Aov::Color) : output::usesDisplay(request);
   if (s.display && !debug) std::erase(s.aovs, output::Aov::Color);

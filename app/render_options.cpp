@@ -45,7 +45,8 @@ std::optional<DebugRequest> parseDebug(const std::string& debug) {
     request.targets = true;
   } else if (debug == "sheet") {
     request.sheet = true;
-    for (const output::AovInfo& aov : output::aovs()) request.aovs.push_back(aov.aov);
+    for (const output::AovInfo& aov : output::aovs())  // `samples` is the same everywhere but with --aa msaa4
+      if (aov.aov != output::Aov::Samples) request.aovs.push_back(aov.aov);
   } else {
     request.aovs = output::parseAovs(debug == "lights" ? "lights-tested,lights-used" : debug);
     request.sheet = request.aovs.size() > 1;
@@ -99,7 +100,8 @@ void addLookOptions(CLI::App& c, RenderOptions& o) {
   c.add_option("--sun-angle", o.sunAngle, "What directional lights without an angle fill, degrees across (pcss)")
       ->capture_default_str();
   c.add_option("--sun", o.sun, "A directional light from azimuth,elevation[,lux], beside the scene's; as in 30,40,3");
-  c.add_option("--aa", o.aa, "Anti-aliasing: none, fxaa, or ssN for N x N ordered samples a pixel (latelight list aa)")
+  c.add_option("--aa", o.aa,
+               "Anti-aliasing: none, fxaa, msaa4, or ssN for N x N ordered samples a pixel (latelight list aa)")
       ->capture_default_str();
   c.add_option("--hdri", o.hdri,
                "Environment light: a .hdr or .exr file, studio, or none; default: studio where the scene has no light");
@@ -134,15 +136,15 @@ void addPostOptions(CLI::App& c, RenderOptions& o) {
 
 void addOutputOptions(CLI::App& c, RenderOptions& o) {
   c.add_option("--aov", o.aovs, "What leaves, by comma: color,depth,... (latelight list aovs)");
-  c.add_option(
-      "--debug", o.debug,
-      "Pictures of data for the eye: sheet (all), lights, AOV names by comma, or targets: those of the layout");
   c.add_option("--data-surfaces", o.settings.dataSurfaces,
                "Whose data leave: opaque (the nearest surface that is not blended) or any")
       ->capture_default_str();
   c.add_option("--pick", o.picks, "Say what the pixel x,y shows, on standard output; may be repeated")
       ->expected(1)
       ->take_all();
+  c.add_option("--debug", o.debug,
+               "Pictures of data for the eye: sheet (all), lights, samples, AOV names by comma, or targets: those of "
+               "the layout");
   c.add_option("--normal-frame", o.normalFrame, "Frame of normal outputs: world, opencv or opengl")
       ->capture_default_str();
   c.add_option("--axes", o.axes, "Frame of positions and poses: file (the scene file's own) or z-up")

@@ -1,5 +1,8 @@
 # Every shader under src/render and src/study becomes SPIR-V and is embedded, named by its file. A shader that includes "gbuffer_layout.h"
-# (or gbuffer_read.glsl, which does) is compiled once for each G-buffer layout and named <file>@<layout>.
+# (or gbuffer_read.glsl, which does) is compiled once for each G-buffer layout and named <file>@<layout>. One that reads
+# targets of several samples a pixel by gbuffer_read.glsl or multisample.glsl is compiled for those too, with MULTISAMPLED
+# defined, and named <file>+msaa or <file>@<layout>+msaa; one that defines MULTISAMPLED itself has no other form,
+# and one that defines ONE_SAMPLE not that one.
 set(LATELIGHT_SPIRV ${PROJECT_BINARY_DIR}/spirv)
 # Debug information holds the sources and where they lay: not for what is shipped.
 set(LATELIGHT_SHADER_DEBUG $<$<NOT:$<CONFIG:Release>>:-g>)
@@ -41,12 +44,19 @@ function(latelight_shaders module)
     if(text MATCHES "#include \"(gbuffer_layout.h|render/glsl/gbuffer_read.glsl)\"")
       set(variants ${LATELIGHT_LAYOUTS})
     endif()
+    if(text MATCHES "#include \"render/glsl/(multisample|gbuffer_read).glsl\"" AND NOT text MATCHES "#define (MULTISAMPLED|ONE_SAMPLE)")
+      list(TRANSFORM variants APPEND "+msaa" OUTPUT_VARIABLE multisampled)
+      list(APPEND variants ${multisampled})
+    endif()
     foreach(variant IN LISTS variants)
-      set(name ${file})
+      string(REPLACE "+msaa" "" layout ${variant})
+      string(REPLACE "@-" "" name ${file}@${variant})
       set(includes "")
-      if(NOT variant STREQUAL "-")
-        set(name ${file}@${variant})
-        set(includes -I${LATELIGHT_GENERATED}/layout/${variant})
+      if(NOT layout STREQUAL "-")
+        list(APPEND includes -I${LATELIGHT_GENERATED}/layout/${layout})
+      endif()
+      if(NOT layout STREQUAL variant)
+        list(APPEND includes -DMULTISAMPLED)
       endif()
       latelight_compile_shader(${source} ${name} "${includes}" spirv)
       list(APPEND compiled ${spirv})

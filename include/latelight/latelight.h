@@ -111,6 +111,7 @@ struct Options {
   float sunAngle = 0.53f;               // degrees across: the same of directional lights
   std::optional<Sun> sun;               // a directional light beside the scene's
   uint32_t superSampling = 1;           // N x N ordered samples a pixel
+  uint32_t samples = 1;                 // a pixel, by the device's multisampling: 1 or 4, without superSampling
   float exposure = 0;                   // EV
   float environmentIntensity = 1;
   float environmentRotation = 0;  // degrees

@@ -140,6 +140,15 @@ constexpr std::array<AovInfo, kAovCount> kAovs{{
      0,
      "1",
      "Lights of those that sent light from the pixel's surface to the eye"},
+    {Aov::Samples,
+     "samples",
+     1,
+     {"samples"},
+     ExrType::Float,
+     PngCoding::Count,
+     0,
+     "1",
+     "Times the pixel is shaded: 1, or with --aa msaa4 once for each surface that its samples show"},
 }};
 
 std::optional<Aov> findAov(std::string_view name) {

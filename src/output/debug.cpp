@@ -133,6 +133,14 @@ auto countColors(const AovImage& image) {
   };
 }
 
+// 1 is dark, 4 and more are bright. A pixel may be shaded whose centre, where ids come from, is background.
+auto sampleColors(const AovImage& image) {
+  return [&image](size_t i) -> std::optional<Rgb> {
+    if (image.values[i] == 0) return std::nullopt;
+    return cubehelix(0.25f + 0.7f * std::min((image.values[i] - 1) / 3, 1.0f));
+  };
+}
+
 auto idColors(const AovImage& image) {
   return [&image](size_t i) -> std::optional<Rgb> {
     if (image.ids[i] == 0) return std::nullopt;
@@ -183,6 +191,8 @@ Picture debugPicture(const AovImage& image, const AovImage* ids) {
     case Aov::LightsTested:
     case Aov::LightsUsed:
       return paint(image, ids, countColors(image));
+    case Aov::Samples:
+      return paint(image, nullptr, sampleColors(image));
   }
   return {};
 }

@@ -1,6 +1,7 @@
 #include "render/aov_read.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <functional>
@@ -109,6 +110,10 @@ void readColor(output::FrameOutput& to, const vk::Buffer& from, size_t view, boo
   }
 }
 
+bool isData(Aov aov) {
+  return findSource(aov) != nullptr;
+}
+
 bool isLightCount(Aov aov) {
   return aov == Aov::LightsTested || aov == Aov::LightsUsed;
 }
@@ -120,6 +125,37 @@ void readLightCounts(output::FrameOutput& to, const vk::Buffer& from, size_t vie
     const float* counts = from.as<float>() + 4 * view * pixels + (image.aov == Aov::LightsTested ? 0 : 1);
     image.values.resize(pixels);
     forEachPixel(image, [&](size_t i) { image.values[i] = counts[4 * i]; });
+  }
+}
+
+namespace {
+
+// Of a texel of kSurfacesFormat: four bits each, from the lowest.
+uint32_t surfaceCount(uint32_t surfaces) {
+  return (static_cast<uint32_t>(std::bit_width(surfaces)) + 3) / 4;
+}
+
+}  // namespace
+
+void readSampleCounts(output::FrameOutput& to, const vk::Buffer& from, size_t view, bool surfaces) {
+  for (output::AovImage& image : to.aovs) {
+    if (image.aov != Aov::Samples) continue;
+    const size_t pixels = size_t{image.width} * image.height;
+    image.values.resize(pixels);
+    const uint32_t* texels = from.as<uint32_t>() + view * pixels;  // a depth above 0 has bits set, too
+    forEachPixel(image, [&](size_t i) {
+      image.values[i] = static_cast<float>(surfaces ? surfaceCount(texels[i]) : uint32_t{texels[i] != 0});
+    });
+  }
+}
+
+void countShadings(ShadingCounts& counts, const vk::Buffer& surfaces, size_t pixels) {
+  counts.pixels += pixels;
+  for (size_t i = 0; i < pixels; ++i) {
+    const uint32_t shadings = surfaceCount(surfaces.as<uint32_t>()[i]);
+    counts.drawn += shadings > 0;
+    counts.several += shadings > 1;
+    counts.shadings += shadings;
   }
 }
 

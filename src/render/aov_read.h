@@ -17,6 +17,15 @@ void readColor(output::FrameOutput& to, const vk::Buffer& from, size_t view, boo
 bool isLightCount(output::Aov aov);
 void readLightCounts(output::FrameOutput& to, const vk::Buffer& from, size_t view);
 
+// What comes from the layout `exact`: all but the picture, and what counts its cost.
+bool isData(output::Aov aov);
+
+// Aov::Samples, from a frame's surfaces of pixels, or, where it has none, from its depth.
+void readSampleCounts(output::FrameOutput& to, const vk::Buffer& from, size_t view, bool surfaces);
+
+// Of surfaces of pixels, added to `counts`.
+void countShadings(ShadingCounts& counts, const vk::Buffer& surfaces, size_t pixels);
+
 // Reads back the targets of the layout `exact` that the data outputs asked for need.
 class DataReadback {
  public:

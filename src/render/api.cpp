@@ -97,6 +97,7 @@ render::Settings internalSettings(const Options& o) {
   s.sunAngle = o.sunAngle / kDegrees;
   if (o.sun) s.sun = internalSun(*o.sun);
   s.superSampling = o.superSampling;
+  s.samples = o.samples;
   s.exposure = o.exposure;
   s.environmentIntensity = o.environmentIntensity;
   s.environmentRotation = o.environmentRotation / kDegrees;

@@ -1,6 +1,7 @@
 #include "render/frame.h"
 
 #include "render/gbuffer/geometry_pass.h"
+#include "render/gbuffer/sample_surfaces.h"
 #include "render/lighting/technique.h"
 #include "render/post/ambient_occlusion/ambient_occlusion.h"
 #include "render/post/background.h"
@@ -20,14 +21,17 @@ std::vector<vk::Constant> FrameSetup::constants() const {
           {4, positionMethod},
           {5, shadowFormat},
           {6, shadowFilter | (sunInGbuffer ? 256u : 0u)},
+          {7, everySample ? 1u : 0u},
           {13, ambientOcclusion}};
 }
 
-graph::ImageId createTarget(graph::Graph& graph, const FrameInputs& inputs, VkFormat format, const std::string& name) {
+graph::ImageId createTarget(graph::Graph& graph, const FrameInputs& inputs, VkFormat format, const std::string& name,
+                            uint32_t samples) {
   return graph.create(vk::ImageDesc{.format = format,
                                     .width = inputs.width,
                                     .height = inputs.height,
                                     .layers = static_cast<uint32_t>(inputs.views.size()),
+                                    .samples = samples,
                                     .name = name});
 }
 
@@ -40,24 +44,29 @@ graph::ImageId createCounts(graph::Graph& graph, const FrameInputs& inputs, bool
       vk::ImageDesc{.format = kCountsFormat, .width = 1, .height = 1, .layers = 1, .name = "no light counts"});
 }
 
+// The sun's shadow has one value a pixel, and edges of several samples need more: they look it up where they are lit.
 FrameSetup withSun(FrameSetup setup) {
-  setup.sunInGbuffer = setup.shadowFormat && !setup.lighting->forward && setup.layout->sunTarget >= 0;
+  setup.sunInGbuffer =
+      setup.shadowFormat && !setup.lighting->forward && setup.layout->sunTarget >= 0 && setup.samples == 1;
   return setup;
 }
 
 }  // namespace
 
-Frame::Frame(vk::Device& device, const GpuScene& scene, const FrameSetup& setup)
-    : setup_(withSun(setup)),
-      depth_(std::make_unique<DepthPass>(device, scene)),
-      ambientOcclusion_(std::make_unique<AmbientOcclusionPass>(device, setup_)),
-      lighting_(setup.lighting->make(device, scene, setup_)),
-      background_(std::make_unique<BackgroundPass>(device)),
-      transparency_(makeTransparency(device, scene, setup_)) {
-  if (setup.fog) fog_ = std::make_unique<FogPass>(device);
+Frame::Frame(vk::Device& device, const GpuScene& scene, const FrameSetup& setup) : setup_(withSun(setup)) {
+  const bool forward = setup_.lighting->forward, multisampled = setup_.samples > 1;
+  if (multisampled) requireSamples(device, setup_);
+  depth_ = std::make_unique<DepthPass>(device, scene, setup_.samples);
+  if (multisampled) pixelDepth_ = std::make_unique<PixelDepthPass>(device);
+  if (setup_.shadowFormat) shadows_ = std::make_unique<ShadowPass>(device, scene, setup_);
+  if (!forward) geometry_ = std::make_unique<GeometryPass>(device, scene, setup_);
+  if (!forward && multisampled) surfaces_ = std::make_unique<SampleSurfacesPass>(device, setup_);
+  ambientOcclusion_ = std::make_unique<AmbientOcclusionPass>(device, setup_);
   if (setup_.sunInGbuffer) sun_ = std::make_unique<SunOcclusionPass>(device, setup_);
-  if (setup.shadowFormat) shadows_ = std::make_unique<ShadowPass>(device, scene, setup);
-  if (!setup.lighting->forward) geometry_ = std::make_unique<GeometryPass>(device, scene, setup);
+  lighting_ = setup_.lighting->make(device, scene, setup_);
+  background_ = std::make_unique<BackgroundPass>(device);
+  if (setup_.fog) fog_ = std::make_unique<FogPass>(device);
+  transparency_ = makeTransparency(device, scene, setup_);
 }
 
 Frame::~Frame() = default;
@@ -66,8 +75,15 @@ LitFrame Frame::add(graph::Graph& graph, const FrameInputs& inputs) const {
   Gbuffer gbuffer{.depth = depth_->add(graph, inputs)};
   if (shadows_) gbuffer.shadows = shadows_->add(graph, inputs);
   gbuffer.light = createTarget(graph, inputs, kLightFormat, "light");
+  gbuffer.sampleDepth = gbuffer.depth;
+  gbuffer.sampleLight = gbuffer.light;
+  if (setup_.samples > 1) {
+    gbuffer.depth = pixelDepth_->add(graph, inputs, gbuffer.sampleDepth);
+    gbuffer.sampleLight = createTarget(graph, inputs, kLightFormat, "light of samples", setup_.samples);
+  }
   gbuffer.lightCounts = createCounts(graph, inputs, setup_.countLights);
   if (geometry_) geometry_->add(graph, inputs, gbuffer);
+  if (surfaces_) gbuffer.surfaces = surfaces_->add(graph, inputs, gbuffer);
   gbuffer.ambientOcclusion = ambientOcclusion_->add(graph, inputs, gbuffer);
   if (sun_) sun_->add(graph, inputs, gbuffer);
   lighting_->add(graph, inputs, gbuffer);

@@ -24,6 +24,8 @@ class Transparency;
 class ShadowPass;
 class SunOcclusionPass;
 struct ShadowMaps;
+class SampleSurfacesPass;
+class PixelDepthPass;
 
 // What a frame draws: one scene seen by V views, each a layer of every target.
 struct FrameInputs {
@@ -41,7 +43,8 @@ struct FrameInputs {
 };
 
 // An image as large as the frame, with a layer a view.
-graph::ImageId createTarget(graph::Graph& graph, const FrameInputs& inputs, VkFormat format, const std::string& name);
+graph::ImageId createTarget(graph::Graph& graph, const FrameInputs& inputs, VkFormat format, const std::string& name,
+                            uint32_t samples = 1);
 
 // A G-buffer being built: the layout's targets, and the two that every layout has.
 struct Gbuffer {
@@ -51,6 +54,11 @@ struct Gbuffer {
   graph::ImageId lightCounts;       // lights tested and used (kCountsFormat); one texel where they are not counted
   graph::ImageId shadows;           // the atlas of shadow maps; none where nothing casts shadows
   graph::ImageId ambientOcclusion;  // visible share of the hemisphere; one texel, 1, where there is none
+  // With several samples a pixel the targets have them, and these two, which the geometry pass draws to; `depth` and
+  // `light` keep one a pixel, so that what comes after lighting need not know. With one sample they are the same
+  // images.
+  graph::ImageId sampleDepth, sampleLight;
+  graph::ImageId surfaces;  // of pixels, by their samples (kSurfacesFormat); none with one sample, or no targets
 };
 
 // How blended surfaces are drawn (render/transparency).
@@ -59,6 +67,11 @@ struct TransparencySetup {
   bool everyLight = false;  // go through all lights, not through those that the light tree has near: the reference
   uint64_t fragments = 0;   // that `exact` has room for at first; 0: one a pixel
 };
+
+// The form of a shader that draws to or reads targets of several samples a pixel.
+inline std::string shaderVariant(const std::string& shader, uint32_t samples) {
+  return samples > 1 ? shader + "+msaa" : shader;
+}
 
 // What pipelines are made for.
 struct FrameSetup {
@@ -76,9 +89,12 @@ struct FrameSetup {
   uint32_t shadowFormat = 0;  // kShadow*
   uint32_t shadowFilter = 0;  // kShadowFilter*
   bool sunInGbuffer = false;  // the layout's sunTarget is filled, and lighting reads the sun's shadow there
+  uint32_t samples = 1;       // a pixel: 1 or 4
+  bool everySample = false;   // each is shaded, alike or not: the reference
 
   // Of every shader that includes render/glsl/setup.glsl; a shader's own start at kFirstOwnConstant.
   std::vector<vk::Constant> constants() const;
+  std::string variant(const std::string& shader) const { return shaderVariant(shader, samples); }
 };
 inline constexpr uint32_t kFirstOwnConstant = 16;
 inline constexpr VkFormat kCountsFormat = VK_FORMAT_R32G32B32A32_SFLOAT;  // r: lights tested, g: lights used
@@ -104,10 +120,12 @@ class Frame {
  private:
   FrameSetup setup_;
   std::unique_ptr<DepthPass> depth_;
-  std::unique_ptr<ShadowPass> shadows_;     // null where the setup has none
-  std::unique_ptr<SunOcclusionPass> sun_;   // null where the layout has no channel for it
-  std::unique_ptr<GeometryPass> geometry_;  // null for forward techniques
+  std::unique_ptr<PixelDepthPass> pixelDepth_;    // null with one sample
+  std::unique_ptr<ShadowPass> shadows_;           // null where the setup has none
+  std::unique_ptr<GeometryPass> geometry_;        // null for forward techniques
+  std::unique_ptr<SampleSurfacesPass> surfaces_;  // null for forward techniques, and with one sample
   std::unique_ptr<AmbientOcclusionPass> ambientOcclusion_;
+  std::unique_ptr<SunOcclusionPass> sun_;  // null where the layout has no channel for it
   std::unique_ptr<LightingTechnique> lighting_;
   std::unique_ptr<BackgroundPass> background_;
   std::unique_ptr<FogPass> fog_;                // null without fog

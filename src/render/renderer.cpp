@@ -43,7 +43,7 @@ size_t viewsAtOnce(const Settings& settings, bool shadows) {
   constexpr uint64_t kBudget = uint64_t{1} << 30;
   constexpr uint64_t kLayers = 256;  // the least maxImageArrayLayers of Vulkan
   const auto bytesOf = [](std::string_view layout) { return uint64_t{findLayout(layout).bytesPerPixel(0).total()}; };
-  const uint64_t bytes = bytesOf("exact") + bytesOf(settings.layout) + 80;
+  const uint64_t bytes = bytesOf("exact") + settings.samples * (bytesOf(settings.layout) + 32) + 48;
   return std::clamp<uint64_t>(kBudget / (bytes * settings.width * settings.height), 1, kLayers);
 }
 
@@ -99,6 +99,7 @@ void Renderer::begin(const Settings& settings) {
     gpuScene_.setLights(std::move(lights));
   }
   times_.clear();
+  shadingCounts_.reset();
   graphviz_.clear();
 }
 
@@ -129,7 +130,8 @@ std::vector<output::FrameOutput> Renderer::renderViews(std::span<const scene::Ca
   if (lightsSomething(settings)) prepareShadows(job);
   if (settings.display || linear) renderColor(job);
   if (asked(isLightCount)) renderLightCounts(job);
-  if (asked([](output::Aov aov) { return aov != output::Aov::Color && !isLightCount(aov); })) renderData(job);
+  if (asked([](output::Aov aov) { return aov == output::Aov::Samples; })) renderSampleCounts(job);
+  if (asked(isData)) renderData(job);
   return std::move(job.pictures);
 }
 
@@ -202,6 +204,7 @@ Frame& Renderer::frameFor(const Job& job, bool countLights) {
   for (const std::string& choice : {s.layout, s.normals, s.normalSpace, s.position, s.lighting, s.shading,
                                     s.volumesOrder, s.transparency, s.ao.method, shadows, s.shadowFilter})
     key += choice + "/";
+  key += fmt::format("{}/{}", s.samples, s.everySample);
   if (frame_ && key == frameKey_) return *frame_;
   FrameSetup setup{.layout = &findLayout(s.layout),
                    .normalEncoding = findNormalEncoding(s.normals).index,
@@ -215,7 +218,9 @@ Frame& Renderer::frameFor(const Job& job, bool countLights) {
                    .fog = s.fog.density > 0,
                    .transparency = {indexByName(transparencies(), s.transparency, "method of transparency")},
                    .shadowFormat = indexByName(shadowFormats(), shadows, "shadow format"),
-                   .shadowFilter = indexByName(shadowFilters(), s.shadowFilter, "shadow filter")};
+                   .shadowFilter = indexByName(shadowFilters(), s.shadowFilter, "shadow filter"),
+                   .samples = countLights ? 1 : s.samples,  // lights are counted at pixel centres
+                   .everySample = s.everySample};
   frame_ = std::make_unique<Frame>(device_, gpuScene_, setup);
   frameKey_ = key;
   return *frame_;
@@ -257,7 +262,8 @@ void Renderer::renderColor(Job& job) {
     FrameInputs inputs = prepareViews(job, (cell + 0.5f) / static_cast<float>(n) - 0.5f);
 
     graph::Graph graph;
-    graph::ImageId picture = frame.add(graph, inputs).picture;
+    const LitFrame lit = frame.add(graph, inputs);
+    graph::ImageId picture = lit.picture;
     if (n > 1) {
       graph::ImageId total = graph.import(sum, i == 0 ? std::nullopt : std::optional(graph::Use::StorageReadWrite));
       post_.accumulate(graph, picture, total, i == 0);
@@ -265,10 +271,11 @@ void Renderer::renderColor(Job& job) {
       if (!last) graph.exports(total, graph::Use::StorageReadWrite);
     }
     FinishedPicture finished;
-    graph::BufferId values;
+    graph::BufferId values, surfaces;
     if (last) {
       finished = post_.add(graph, picture, 1.0f / static_cast<float>(n * n), s);
       if (linear) values = addReadback(graph, finished.linear);
+      if (s.countSurfaces && lit.gbuffer.surfaces) surfaces = addReadback(graph, lit.gbuffer.surfaces);
       graphviz_ = graph.graphviz();
     }
     graph::Executor& done = run(graph);
@@ -279,6 +286,10 @@ void Renderer::renderColor(Job& job) {
     progress.step();
     if (!last) continue;
     const bool floats = graph.desc(finished.linear).format == VK_FORMAT_R32G32B32A32_SFLOAT;
+    if (surfaces) {
+      if (!shadingCounts_) shadingCounts_.emplace();
+      countShadings(*shadingCounts_, done.buffer(surfaces), job.pixels() * job.pictures.size());
+    }
     for (size_t view = 0; view < job.pictures.size(); ++view) {
       output::FrameOutput& result = job.pictures[view];
       if (s.display) {
@@ -300,6 +311,18 @@ void Renderer::renderLightCounts(Job& job) {
     readLightCounts(job.pictures[view], done.buffer(counts), view);
 }
 
+// How often the picture's own frame shades each pixel. Its lighting leads to nothing that is read, so it does not run.
+void Renderer::renderSampleCounts(Job& job) {
+  FrameInputs inputs = prepareViews(job, glm::vec2(0));
+  graph::Graph graph;
+  const Gbuffer gbuffer = frameFor(job, false).add(graph, inputs).gbuffer;
+  const bool surfaces{gbuffer.surfaces};
+  const graph::BufferId counts = addReadback(graph, surfaces ? gbuffer.surfaces : gbuffer.depth);
+  graph::Executor& done = run(graph);
+  for (size_t view = 0; view < job.pictures.size(); ++view)
+    readSampleCounts(job.pictures[view], done.buffer(counts), view, surfaces);
+}
+
 // Data leaves at pixel centres, in full precision, whatever layout and anti-aliasing the picture has: a geometry pass
 // of its own into the layout `exact`.
 void Renderer::renderData(Job& job) {
@@ -310,6 +333,8 @@ void Renderer::renderData(Job& job) {
   graph::Graph graph;
   Gbuffer gbuffer{.depth = data_->depth.add(graph, inputs)};
   gbuffer.light = createTarget(graph, inputs, kLightFormat, "light");
+  gbuffer.sampleDepth = gbuffer.depth;
+  gbuffer.sampleLight = gbuffer.light;
   data_->geometry.add(graph, inputs, gbuffer);
   DataReadback readback(graph, exact, gbuffer, job.settings.aovs);
   if (graphviz_.empty()) graphviz_ = graph.graphviz();
@@ -323,7 +348,9 @@ output::RawGbuffer Renderer::readTargets(const scene::Camera& camera, const Sett
   if (findTechnique(settings.lighting).forward)
     badUsage("{} lighting has no G-buffer whose targets could be shown: choose a deferred technique",
              settings.lighting);
-  Job job{.cameras = {&camera, 1}, .settings = settings};
+  Settings atCentres = settings;
+  atCentres.samples = 1;
+  Job job{.cameras = {&camera, 1}, .settings = atCentres};
   prepareShadows(job);
   const FrameInputs inputs = prepareViews(job, glm::vec2(0));
   const Frame& frame = frameFor(job, false);

@@ -20,6 +20,14 @@
 
 namespace latelight::render {
 
+// How often the pixels of pictures were shaded.
+struct ShadingCounts {
+  uint64_t pixels = 0;    // of the pictures
+  uint64_t drawn = 0;     // of them, those that show anything
+  uint64_t several = 0;   // and those that show several surfaces, so that they are shaded more than once
+  uint64_t shadings = 0;  // of all pixels
+};
+
 class Renderer {
  public:
   // `environment`: null for none. The scene must outlive the renderer.
@@ -35,6 +43,8 @@ class Renderer {
   // GPU milliseconds a pass of the last render(), summed over its frames, in the order of the passes. Empty where the
   // device has no timestamps.
   const std::vector<graph::PassTime>& times() const { return times_; }
+  // Of the last render(), all its pictures: with several samples a pixel, a deferred technique, and countSurfaces.
+  const std::optional<ShadingCounts>& shadingCounts() const { return shadingCounts_; }
   // Graphviz of the picture's last frame; of the data's where only data were asked for.
   const std::string& graphviz() const { return graphviz_; }
 
@@ -44,6 +54,7 @@ class Renderer {
   std::vector<output::FrameOutput> renderViews(std::span<const scene::Camera> cameras, const Settings& settings);
   void renderColor(Job& job);
   void renderLightCounts(Job& job);
+  void renderSampleCounts(Job& job);
   void renderData(Job& job);
   graph::Executor& run(const graph::Graph& graph);
   FrameInputs prepareViews(Job& job, glm::vec2 jitter);
@@ -64,6 +75,7 @@ class Renderer {
   PostChain post_;
   float boundsRadius_;  // of the sphere around the scene, metres
   std::vector<graph::PassTime> times_;
+  std::optional<ShadingCounts> shadingCounts_;
   std::string graphviz_;
 };
 

@@ -124,6 +124,8 @@ const std::vector<AntiAliasing>& antiAliasings() {
       {"none", "one sample a pixel, at its centre", [](Settings&) {}},
       {"fxaa", "one sample a pixel; jagged edges are found in the finished picture and softened",
        [](Settings& s) { s.fxaa = true; }},
+      {"msaa4", "multisampling: four samples a pixel, each surface of a pixel shaded once",
+       [](Settings& s) { s.samples = 4; }},
       {"ssN", "super-sampling: N x N ordered samples a pixel, as in ss2 or ss4", nullptr},
   };
   return all;
@@ -194,6 +196,8 @@ void checkSettings(const Settings& s) {
              kMaxSide);
   if (s.superSampling < 1 || s.superSampling > 16)
     badUsage("super-sampling takes 1 to 16 samples along each side, not {}", s.superSampling);
+  if (s.samples != 1 && s.samples != 4) badUsage("multisampling takes 1 or 4 samples a pixel, not {}", s.samples);
+  if (s.samples > 1 && s.superSampling > 1) badUsage("a picture is super-sampled or multisampled, not both");
   if (!std::isfinite(s.exposure) || std::abs(s.exposure) > 60)
     badUsage("the exposure must be a number between -60 and 60 EV, not {}", s.exposure);
   if (!std::isfinite(s.environmentIntensity) || s.environmentIntensity < 0)

@@ -5,6 +5,7 @@
 #include <glm/vec3.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "output/aov.h"
@@ -53,6 +54,9 @@ struct Settings {
   std::string transparency = "exact";    // how alpha-blended surfaces are drawn
   std::string dataSurfaces = "opaque";   // which surfaces data outputs show
   uint32_t superSampling = 1;            // N: N x N ordered samples a pixel, in N * N frames
+  uint32_t samples = 1;                  // of the hardware's, a pixel: 1, or 4 (MSAA)
+  bool everySample = false;              // all of those are shaded, alike or not: the reference of MSAA
+  bool countSurfaces = false;            // fills Renderer::surfaceCounts()
   float exposure = 0;                    // EV: radiance is multiplied by 2^exposure
   float environmentIntensity = 1;
   float environmentRotation = 0;  // radians about the up axis, +X towards +Z of the glTF frame

@@ -137,7 +137,7 @@ FixedState::FixedState(const GraphicsDesc& desc) {
   raster.polygonMode = VK_POLYGON_MODE_FILL;
   raster.lineWidth = 1.0f;
   raster.depthClampEnable = desc.depthClamp;
-  samples.rasterizationSamples = VK_SAMPLE_COUNT_1_BIT;
+  samples.rasterizationSamples = static_cast<VkSampleCountFlagBits>(desc.samples);
   depth.depthTestEnable = desc.depth != VK_FORMAT_UNDEFINED;
   depth.depthWriteEnable = depth.depthTestEnable && desc.depthWrite;
   depth.depthCompareOp = desc.depthCompare;

@@ -74,6 +74,7 @@ struct GraphicsDesc {
   bool colorWrite = true;
   Blend blend = Blend::Replace;
   bool alphaOnly = false;  // of colours, alpha alone is written
+  uint32_t samples = 1;
   std::string name;
 };
 Pipeline makePipeline(Device& device, const GraphicsDesc& desc);

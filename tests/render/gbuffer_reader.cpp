@@ -128,6 +128,8 @@ ReadGbuffer GbufferReader::read(const FrameSetup& setup, const scene::Camera& ca
   graph::Graph graph;
   Gbuffer gbuffer{.depth = depth_.add(graph, inputs)};
   gbuffer.light = createTarget(graph, inputs, kLightFormat, "light");
+  gbuffer.sampleDepth = gbuffer.depth;
+  gbuffer.sampleLight = gbuffer.light;
   gbuffer.lightCounts = graph.create(vk::ImageDesc{.format = kCountsFormat, .width = 1, .height = 1, .layers = 1});
   geometry(setup).add(graph, inputs, gbuffer);
   std::vector<graph::BufferId> targets;

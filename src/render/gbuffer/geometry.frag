@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "render/glsl/common.glsl"
+#include "render/glsl/multisample.glsl"
 #include "render/glsl/varyings.glsl"
 #include "render/glsl/material.glsl"
 #include "render/glsl/surface.glsl"
@@ -15,6 +16,9 @@ GBUFFER_TARGETS(OUTPUT)
 layout(location = 0 GBUFFER_TARGETS(COUNT)) out vec4 lightAccumulation;
 
 void main() {
+#ifdef MULTISAMPLED
+  gl_SampleMask[0] = -1;
+#endif
   FrameConstants frame = FrameRef(push.frame).v;
   Instance instance = frameInstance(frame, varyingInstance);
   Surface s = evaluateMaterial(frame, instance, drawMaterial());
@@ -36,5 +40,5 @@ void main() {
   GBUFFER_TARGETS(WRITE)
   // What the mask cuts out left no depth, but another surface may lie at the very same one. Last, since textures need
   // the whole quad.
-  if (kAlphaMasked != 0u && cutOut(drawMaterial())) discard;
+  if (kAlphaMasked != 0u) cutFragment(drawMaterial());
 }

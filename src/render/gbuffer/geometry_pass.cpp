@@ -10,7 +10,7 @@ vk::Pipeline makeGeometryPipeline(vk::Device& device, const GpuScene& scene, con
   const Layout& layout = *setup.layout;
   vk::GraphicsDesc desc;
   desc.vertex = "scene.vert";
-  desc.fragment = "geometry.frag@" + layout.file;
+  desc.fragment = setup.variant("geometry.frag@" + layout.file);
   desc.materialSet = scene.materialSetLayout();
   desc.constants = setup.constants();
   desc.constants.push_back({kFirstOwnConstant, masked ? 1u : 0u});
@@ -19,6 +19,7 @@ vk::Pipeline makeGeometryPipeline(vk::Device& device, const GpuScene& scene, con
   desc.depth = kDepthFormat;
   desc.depthCompare = VK_COMPARE_OP_EQUAL;
   desc.depthWrite = false;
+  desc.samples = setup.samples;
   desc.name = "geometry " + layout.name + (masked ? " masked" : "");
   return vk::makePipeline(device, desc);
 }
@@ -28,21 +29,22 @@ vk::Pipeline makeGeometryPipeline(vk::Device& device, const GpuScene& scene, con
 GeometryPass::GeometryPass(vk::Device& device, const GpuScene& scene, const FrameSetup& setup)
     : layout_(*setup.layout),
       normalEncoding_(setup.normalEncoding),
+      samples_(setup.samples),
       opaque_(makeGeometryPipeline(device, scene, setup, false)) {
   if (anyMasked(scene) || anyBlended(scene)) masked_ = makeGeometryPipeline(device, scene, setup, true);
 }
 
 void GeometryPass::add(graph::Graph& graph, const FrameInputs& inputs, Gbuffer& gbuffer) const {
   for (size_t i = 0; i < layout_.targets.size(); ++i)
-    gbuffer.targets.push_back(
-        createTarget(graph, inputs, layout_.format(i, normalEncoding_), layout_.name + " " + layout_.targets[i].name));
+    gbuffer.targets.push_back(createTarget(graph, inputs, layout_.format(i, normalEncoding_),
+                                           layout_.name + " " + layout_.targets[i].name, samples_));
 
   std::vector<graph::ImageId> colors = gbuffer.targets;
-  colors.push_back(gbuffer.light);
-  std::vector<graph::Access> accesses{{gbuffer.depth, graph::Use::DepthTest}};
+  colors.push_back(gbuffer.sampleLight);
+  std::vector<graph::Access> accesses{{gbuffer.sampleDepth, graph::Use::DepthTest}};
   for (graph::ImageId color : colors) accesses.emplace_back(color, graph::Use::ColorAttachment);
   graph.pass("geometry " + layout_.name, std::move(accesses),
-             [=, this, depth = gbuffer.depth](graph::Context& context) {
+             [=, this, depth = gbuffer.sampleDepth](graph::Context& context) {
                for (uint32_t view = 0; view < inputs.views.size(); ++view) {
                  beginView(context, inputs, view, colors, {depth, false});
                  drawScene(context, inputs, view, opaque_, masked_);

@@ -15,7 +15,7 @@ class GeometryPass {
 
  private:
   const Layout& layout_;
-  uint32_t normalEncoding_;
+  uint32_t normalEncoding_, samples_;
   vk::Pipeline opaque_, masked_;
 };
 

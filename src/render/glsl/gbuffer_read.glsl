@@ -1,42 +1,71 @@
 // Reading the G-buffer of the layout this shader is compiled for: set 0, bindings 0... in the order of the layout's
-// targets, then depth, the light accumulation target, the counts of lights, and ambient occlusion. All are arrays with a
-// layer a view.
+// targets, then depth, the light accumulation target, and the counts of lights. All are arrays with a layer a view.
+// MULTISAMPLED, what the geometry pass left of light, and the surfaces of pixels, stand between depth and the light
+// accumulation target, which then has one sample.
 #ifndef LATELIGHT_GBUFFER_READ_GLSL
 #define LATELIGHT_GBUFFER_READ_GLSL
 #include "gbuffer_layout.h"
+#include "render/glsl/multisample.glsl"
 #include "render/glsl/setup.glsl"
 
-#define GBUFFER_SAMPLER_vec4 sampler2DArray
-#define GBUFFER_SAMPLER_uint usampler2DArray
-#define GBUFFER_SAMPLER_uvec2 usampler2DArray
-#define GBUFFER_SAMPLER_uvec4 usampler2DArray
+#define GBUFFER_SAMPLER_vec4 TARGET_SAMPLER
+#define GBUFFER_SAMPLER_uint TARGET_USAMPLER
+#define GBUFFER_SAMPLER_uvec2 TARGET_USAMPLER
+#define GBUFFER_SAMPLER_uvec4 TARGET_USAMPLER
 #define INPUT(index, name, format, type, channels) \
   layout(set = 0, binding = index) uniform GBUFFER_SAMPLER_##type gbuffer_##name;
 GBUFFER_TARGETS(INPUT)
 #define COUNT(index, name, format, type, channels) +1
 const int kGbufferTargets = 0 GBUFFER_TARGETS(COUNT);
-layout(set = 0, binding = 0 GBUFFER_TARGETS(COUNT)) uniform sampler2DArray gbufferDepth;
-#ifdef GBUFFER_SAMPLED_ONLY  // before the include: for fragment shaders, which may lack storage images
-#define GBUFFER_BINDINGS (1 GBUFFER_TARGETS(COUNT))  // the first binding after them
+layout(set = 0, binding = 0 GBUFFER_TARGETS(COUNT)) uniform TARGET_SAMPLER gbufferDepth;
+#ifdef MULTISAMPLED
+layout(set = 0, binding = 1 GBUFFER_TARGETS(COUNT)) uniform sampler2DMSArray lightOfSamples;
+#ifdef GBUFFER_NO_SURFACES  // before the include: for what finds them
+#define GBUFFER_INPUTS (2 GBUFFER_TARGETS(COUNT))
 #else
-layout(set = 0, binding = 1 GBUFFER_TARGETS(COUNT), rgba16f) uniform image2DArray lightTarget;
-layout(set = 0, binding = 2 GBUFFER_TARGETS(COUNT), rgba32f) uniform writeonly image2DArray lightCounts;
-#define GBUFFER_BINDINGS (3 GBUFFER_TARGETS(COUNT))
+layout(set = 0, binding = 2 GBUFFER_TARGETS(COUNT)) uniform usampler2DArray pixelSurfaces;
+#define GBUFFER_INPUTS (3 GBUFFER_TARGETS(COUNT))
+#endif
+#else
+#define GBUFFER_INPUTS (1 GBUFFER_TARGETS(COUNT))
+#endif
+#ifdef GBUFFER_SAMPLED_ONLY  // before the include: for fragment shaders, which may lack storage images
+#define GBUFFER_BINDINGS GBUFFER_INPUTS  // the first binding after them
+#else
+layout(set = 0, binding = GBUFFER_INPUTS, rgba16f) uniform image2DArray lightTarget;
+layout(set = 0, binding = 1 + GBUFFER_INPUTS, rgba32f) uniform writeonly image2DArray lightCounts;
+#define GBUFFER_BINDINGS (2 + GBUFFER_INPUTS)
 #endif
 
-// The Surface at a pixel of a view. Its depth must not be the background's (0).
-Surface readSurface(View view, ivec3 pixel, float depth, float ao) {
+GbufferTexel readTexel(ivec3 pixel, int index) {
+  GbufferTexel texel;
+#define FETCH_TARGET(number, name, format, type, channels) texel.name = type(texelFetch(gbuffer_##name, pixel, index));
+  GBUFFER_TARGETS(FETCH_TARGET)
+  return texel;
+}
+
+// The Surface of a texel, at that place in the picture and of that depth, which must not be the background's (0).
+Surface unpackSurface(View view, vec2 place, GbufferTexel texel, float depth, float ao) {
   GbufferContext context;
   context.view = view;
-  context.pixel = vec2(pixel.xy) + 0.5;
+  context.pixel = place;
   context.depth = depth;
   context.ao = ao;
   context.normalEncoding = kNormalEncoding;
   context.normalSpace = kNormalSpace;
   context.positionMethod = kPositionMethod;
-  GbufferTexel texel;
-#define FETCH_TARGET(index, name, format, type, channels) texel.name = type(texelFetch(gbuffer_##name, pixel, 0));
-  GBUFFER_TARGETS(FETCH_TARGET)
   return unpackGbuffer(texel, context);
 }
+
+// The Surface at a pixel of a view (MULTISAMPLED: the one that these samples show).
+#ifdef MULTISAMPLED
+Surface readSurface(View view, ivec3 pixel, uint samples, float depth, float ao) {
+  GbufferTexel texel = readTexel(pixel, findLSB(samples));
+  return unpackSurface(view, vec2(pixel.xy) + middleOfSamples(samples), texel, depth, ao);
+}
+#else
+Surface readSurface(View view, ivec3 pixel, float depth, float ao) {
+  return unpackSurface(view, vec2(pixel.xy) + 0.5, readTexel(pixel, 0), depth, ao);
+}
+#endif
 #endif

@@ -1,4 +1,5 @@
 // The draw's material in fragment shaders: its textures are set 1. After varyings.glsl.
+#include "render/glsl/multisample.glsl"
 layout(set = 1, binding = 0) uniform sampler2D materialTextures0;
 layout(set = 1, binding = 1) uniform sampler2D materialTextures1;
 layout(set = 1, binding = 2) uniform sampler2D materialTextures2;
@@ -17,11 +18,13 @@ layout(set = 1, binding = 7, scalar) uniform MaterialUniform { Material material
 Material drawMaterial() { return materials[kCpuDevice != 0u ? uint(push.frame >> 63) : 0u]; }
 
 // Precise, so that a mask cuts the same in the depth pass and in the geometry pass.
-vec2 textureUv(TextureTransform t) {
-  vec3 uv = vec3(t.uvSet == 0u ? varyingUv.xy : varyingUv.zw, 1.0);
+vec2 transformedUv(TextureTransform t, vec4 uvSets) {
+  vec3 uv = vec3(t.uvSet == 0u ? uvSets.xy : uvSets.zw, 1.0);
   precise vec2 transformed = vec2(dot(t.row0, uv), dot(t.row1, uv));
   return transformed;
 }
+
+vec2 textureUv(TextureTransform t) { return transformedUv(t, varyingUv); }
 
 bool hasTexture(Material m, uint slot) { return (m.textures & (1u << slot)) != 0u; }
 
@@ -39,4 +42,28 @@ vec4 baseColor(Material m) {
 bool cutOut(Material m) {
   precise float alpha = baseColor(m).a;
   return (m.flags & kMaterialBlended) != 0u ? alpha <= 0.0 : alpha < m.alphaCutoff;
+}
+
+#ifdef MULTISAMPLED
+// The samples that the mask leaves: an edge that it makes is one to smooth, too.
+int uncutSamples(Material m) {
+  int left = 0;
+  for (int i = 0; i < int(kSamples); ++i) {
+    precise float alpha = m.baseColor.a * interpolateAtSample(varyingColor, i).a;
+    if (hasTexture(m, kTextureBaseColor))
+      alpha *= texture(materialTextures0, transformedUv(m.transforms[0], interpolateAtSample(varyingUv, i))).a;
+    if (alpha >= m.alphaCutoff) left |= 1 << i;
+  }
+  return left;
+}
+#endif
+
+// What a mask takes away of a fragment. Last in a shader, since textures need the whole quad.
+void cutFragment(Material m) {
+#ifdef MULTISAMPLED
+  gl_SampleMask[0] &= uncutSamples(m);
+  if (gl_SampleMask[0] == 0) discard;
+#else
+  if (cutOut(m)) discard;
+#endif
 }

@@ -12,4 +12,5 @@ layout(constant_id = 5) const uint kShadowFormat = 0;  // kShadow* of shared/sha
 layout(constant_id = 6) const uint kShadowChoices = 0;
 const uint kShadowFilter = kShadowChoices & 255u;       // kShadowFilter*
 const bool kSunInGbuffer = (kShadowChoices & 256u) != 0u;  // FrameSetup::sunInGbuffer
+layout(constant_id = 7) const uint kEverySample = 0;
 #endif

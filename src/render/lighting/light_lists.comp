@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Lists of the lights that may reach the samples of each cell of a picture. A subgroup makes those of a tile: it bounds the
+// Lists of the lights that may reach the samples of each cell of a picture (with several samples a pixel: the middles of
+// its surfaces, which is where they are lit). A subgroup makes those of a tile: it bounds the
 // cell's samples (explicit bounds: Olsson, Billeter and Assarsson 2012, Clustered Deferred and Forward Shading, HPG) and
 // walks the light tree with that box. A tile that is one cell has a mask of the slices that hold samples, and drops lights
 // that reach none of those (2.5D culling: Harada 2012, A 2.5D Culling for Forward+, SIGGRAPH Asia technical briefs).
@@ -10,10 +11,14 @@
 #include "render/glsl/common.glsl"
 #include "render/glsl/light_cells.glsl"
 #include "render/glsl/light_tree.glsl"
+#include "render/glsl/multisample.glsl"
 
 const uint kTilesAGroup = 8u;
 layout(local_size_x = 256) in;
-layout(set = 0, binding = 0) uniform sampler2DArray gbufferDepth;
+layout(set = 0, binding = 0) uniform TARGET_SAMPLER gbufferDepth;
+#ifdef MULTISAMPLED
+layout(set = 0, binding = 1) uniform usampler2DArray pixelSurfaces;
+#endif
 
 struct ListsPush {
   uint64_t frame;    // FrameConstants
@@ -33,10 +38,26 @@ struct Tile {
   uint used;      // entries
 };
 
-float depthAt(Tile tile, uvec2 pixel) {
+#ifdef MULTISAMPLED
+uint surfacesAt(Tile tile, uvec2 pixel) {
+  if (any(greaterThanEqual(vec2(pixel), tile.view.size))) return 0u;
+  return texelFetch(pixelSurfaces, ivec3(pixel, tile.layer), 0).r;
+}
+
+float depthAt(Tile tile, uvec2 pixel, uint samples) {
+  return depthOfSamples(gbufferDepth, ivec3(pixel, tile.layer), samples);
+}
+#else
+uint surfacesAt(Tile tile, uvec2 pixel) { return 1u; }
+uint surfaceCount(uint surfaces) { return 1u; }
+uint surfaceSamples(uint surfaces, uint index) { return 1u; }
+vec2 middleOfSamples(uint samples) { return vec2(0.5); }
+
+float depthAt(Tile tile, uvec2 pixel, uint samples) {
   if (any(greaterThanEqual(vec2(pixel), tile.view.size))) return 0.0;
   return texelFetch(gbufferDepth, ivec3(pixel, tile.layer), 0).r;
 }
+#endif
 
 uvec2 tilePixel(Tile tile, uint first) { return tile.corner + pixelOfTile(min(first + laneRank, 255u)); }
 
@@ -55,10 +76,14 @@ uint leastSliceBits(View view) {
 bool findSlices(inout Tile tile) {
   uint nearest = 0u, farthest = 0xffffffffu;
   for (uint first = 0u; first < 256u; first += lanesPresent) {
-    float depth = depthAt(tile, tilePixel(tile, first));
-    uint key = depthKey(tile.view.projection, depth);
-    if (depth != 0.0) nearest = max(nearest, key);
-    if (depth != 0.0) farthest = min(farthest, key);
+    uvec2 pixel = tilePixel(tile, first);
+    uint surfaces = surfacesAt(tile, pixel);
+    for (uint i = 0u; i < surfaceCount(surfaces); ++i) {
+      float depth = depthAt(tile, pixel, surfaceSamples(surfaces, i));
+      uint key = depthKey(tile.view.projection, depth);
+      if (depth != 0.0) nearest = max(nearest, key);
+      if (depth != 0.0) farthest = min(farthest, key);
+    }
   }
   nearest = subgroupMax(nearest);
   farthest = subgroupMin(farthest);
@@ -68,8 +93,12 @@ bool findSlices(inout Tile tile) {
   tile.slices = uvec2(nearest, max(bits, leastSliceBits(tile.view)));
   uint occupied = 0u;
   for (uint first = 0u; first < 256u; first += lanesPresent) {
-    float depth = depthAt(tile, tilePixel(tile, first));
-    if (depth != 0.0) occupied |= 1u << sliceOf(depthKey(tile.view.projection, depth), tile.slices);
+    uvec2 pixel = tilePixel(tile, first);
+    uint surfaces = surfacesAt(tile, pixel);
+    for (uint i = 0u; i < surfaceCount(surfaces); ++i) {
+      float depth = depthAt(tile, pixel, surfaceSamples(surfaces, i));
+      if (depth != 0.0) occupied |= 1u << sliceOf(depthKey(tile.view.projection, depth), tile.slices);
+    }
   }
   tile.occupied = subgroupOr(occupied);
   return true;
@@ -88,15 +117,20 @@ Cell cellOf(Tile tile, uint slices) {
   vec3 low = vec3(3.0e38), high = vec3(-3.0e38);
   for (uint first = 0u; first < 256u; first += lanesPresent) {
     uvec2 pixel = tilePixel(tile, first);
-    float depth = depthAt(tile, pixel);
-    uint slice = sliceOf(depthKey(tile.view.projection, depth), tile.slices);
-    bool inCell = depth != 0.0 && (slices >> slice & 1u) != 0u;
-    Projection p = tile.view.projection;
-    vec3 v = viewPositionAtDepth(p, pixelToNdc(vec2(pixel) + 0.5, tile.view.size), viewDepth(p, depth));
-    vec3 position = tile.view.viewToWorld * vec4(v, 1.0);
-    float slack = 1e-4 * (abs(v.x) + abs(v.y) + abs(v.z));
-    low = inCell ? min(low, position - slack) : low;
-    high = inCell ? max(high, position + slack) : high;
+    uint surfaces = surfacesAt(tile, pixel);
+    for (uint i = 0u; i < surfaceCount(surfaces); ++i) {
+      uint samples = surfaceSamples(surfaces, i);
+      float depth = depthAt(tile, pixel, samples);
+      uint slice = sliceOf(depthKey(tile.view.projection, depth), tile.slices);
+      bool inCell = depth != 0.0 && (slices >> slice & 1u) != 0u;
+      Projection p = tile.view.projection;
+      vec2 place = vec2(pixel) + middleOfSamples(samples);
+      vec3 v = viewPositionAtDepth(p, pixelToNdc(place, tile.view.size), viewDepth(p, depth));
+      vec3 position = tile.view.viewToWorld * vec4(v, 1.0);
+      float slack = 1e-4 * (abs(v.x) + abs(v.y) + abs(v.z));
+      low = inCell ? min(low, position - slack) : low;
+      high = inCell ? max(high, position + slack) : high;
+    }
   }
   return Cell(slices, subgroupMin(low), subgroupMax(high));
 }

@@ -23,10 +23,11 @@ uint32_t tilesAlong(uint32_t pixels) {
 
 LightListsTechnique::LightListsTechnique(vk::Device& device, const FrameSetup& setup, const LightListsDesc& desc)
     : desc_(desc),
-      lists_(vk::makePipeline(device, vk::ComputeDesc{.shader = "light_lists.comp",
-                                                      .bindings = {vk::Binding::Sampled},
-                                                      .constants = ownConstants(desc),
-                                                      .name = desc.name + " light lists"})),
+      lists_(vk::makePipeline(
+          device, vk::ComputeDesc{.shader = setup.variant("light_lists.comp"),
+                                  .bindings = std::vector<vk::Binding>(setup.samples > 1 ? 2 : 1, vk::Binding::Sampled),
+                                  .constants = ownConstants(desc),
+                                  .name = desc.name + " light lists"})),
       shader_(device, setup, desc.name + ".comp", ownConstants(desc)),
       sampler_(vk::makeSampler(device, vk::kNearestSampler)) {}
 
@@ -41,17 +42,19 @@ void LightListsTechnique::add(graph::Graph& graph, const FrameInputs& inputs, co
     return ListsPush{constants, context.buffer(cells).address(), context.buffer(entries).address(), tilesX, tilesY};
   };
 
-  graph.pass(
-      "light lists",
-      {{gbuffer.depth, graph::Use::SampledCompute},
-       {cells, graph::Use::StorageWrite},
-       {entries, graph::Use::StorageWrite}},
-      [=, this, views = static_cast<uint32_t>(inputs.views.size())](graph::Context& context) {
-        context.commands().bind(lists_, {{context.image(gbuffer.depth).arrayView(), sampler_.get()}}, pushOf(context));
-        context.commands().dispatch(tilesX, tilesY, views, kTilesAGroup, 1);
-      });
+  std::vector<graph::ImageId> read{gbuffer.sampleDepth};
+  if (gbuffer.surfaces) read.push_back(gbuffer.surfaces);
+  std::vector<graph::Access> accesses{{cells, graph::Use::StorageWrite}, {entries, graph::Use::StorageWrite}};
+  for (graph::ImageId image : read) accesses.emplace_back(image, graph::Use::SampledCompute);
+  graph.pass("light lists", std::move(accesses),
+             [=, this, views = static_cast<uint32_t>(inputs.views.size())](graph::Context& context) {
+               std::vector<vk::BoundImage> images;
+               for (graph::ImageId image : read) images.push_back({context.image(image).arrayView(), sampler_.get()});
+               context.commands().bind(lists_, images, pushOf(context));
+               context.commands().dispatch(tilesX, tilesY, views, kTilesAGroup, 1);
+             });
 
-  std::vector<graph::Access> accesses = LightingShader::accesses(gbuffer);
+  accesses = LightingShader::accesses(gbuffer);
   accesses.emplace_back(cells, graph::Use::StorageRead);
   accesses.emplace_back(entries, graph::Use::StorageRead);
   graph.pass("lighting " + desc_.name, accesses,

@@ -11,6 +11,11 @@
 
 namespace latelight::render {
 
+// What gbuffer_read.glsl samples: the layout's targets, depth, and with several samples a pixel the light they had and
+// the surfaces of pixels.
+size_t gbufferInputs(const FrameSetup& setup);
+std::vector<graph::ImageId> gbufferInputs(const Gbuffer& gbuffer);
+
 class LightingShader {
  public:
   // `file`: the shader's, compiled for each layout. `own`: its constants beside the setup's, from kFirstOwnConstant.

@@ -1,13 +1,12 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The environment where nothing is drawn.
+// The environment where nothing is drawn, or not in all of a pixel.
 #include "render/glsl/common.glsl"
 #include "shared/environment.h"
 
 layout(local_size_x = 16, local_size_y = 16) in;
-layout(set = 0, binding = 0) uniform sampler2DArray gbufferDepth;
-layout(set = 0, binding = 1, rgba16f) uniform writeonly image2DArray lightTarget;
-layout(set = 0, binding = 2) uniform sampler2D environmentPicture;  // equirectangular
+layout(set = 0, binding = 0, rgba16f) uniform image2DArray lightTarget;
+layout(set = 0, binding = 1) uniform sampler2D environmentPicture;  // equirectangular
 
 struct BackgroundPush {
   uint64_t frame;  // FrameConstants
@@ -18,10 +17,13 @@ void main() {
   FrameConstants frame = FrameRef(push.frame).v;
   ivec3 pixel = ivec3(gl_GlobalInvocationID);
   View view = frameView(frame, pixel.z);
-  if (any(greaterThanEqual(vec2(pixel.xy), view.size)) || texelFetch(gbufferDepth, pixel, 0).r != 0.0) return;
+  if (any(greaterThanEqual(vec2(pixel.xy), view.size))) return;
+  vec4 drawn = imageLoad(lightTarget, pixel);
+  if (drawn.a == 1.0) return;
   vec3 ray = viewRay(view.projection, pixelToNdc(vec2(pixel.xy) + 0.5, view.size));
   vec3 direction = normalize(view.viewToWorld * vec4(ray, 0.0));
   vec2 uv = equirectangular(rotateToEnvironment(direction, frame.environmentCos, frame.environmentSin));
   vec3 radiance = textureLod(environmentPicture, uv, 0.0).rgb * frame.environmentIntensity;
-  imageStore(lightTarget, pixel, vec4(min(radiance * frame.exposure, vec3(65504.0)), 1.0));
+  vec3 behind = min(radiance * frame.exposure, vec3(65504.0)) * (1.0 - drawn.a);
+  imageStore(lightTarget, pixel, vec4(drawn.rgb + behind, 1.0));
 }

@@ -13,7 +13,6 @@ class BackgroundPass {
 
  private:
   vk::Pipeline pipeline_;
-  vk::Handle<VkSampler> sampler_;
 };
 
 }  // namespace latelight::render

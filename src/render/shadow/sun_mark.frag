@@ -2,6 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 // Pixels that the sun may light, for stencil: those that face it.
 #include "render/glsl/common.glsl"
+#define ONE_SAMPLE
 #define GBUFFER_SAMPLED_ONLY
 #include "render/glsl/gbuffer_read.glsl"
 #include "render/shadow/sun_push.glsl"

@@ -2,6 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 // The sun's shadow at the pixels that sun_mark.frag left, into the alpha of a target of the G-buffer.
 #include "render/glsl/common.glsl"
+#define ONE_SAMPLE
 #define GBUFFER_SAMPLED_ONLY
 #include "render/glsl/gbuffer_read.glsl"
 #include "render/glsl/shadow.glsl"

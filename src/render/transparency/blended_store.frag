@@ -4,6 +4,7 @@
 // Thibieroz 2010, Real-Time Concurrent Linked List Construction on the GPU, CGF 29(4), link theirs; here each gets a rank
 // instead, so that a pixel's can be laid side by side and be sorted by many.)
 #include "render/glsl/common.glsl"
+#include "render/glsl/multisample.glsl"
 #define DRAW_PUSH_FRAGMENTS
 #include "render/transparency/fragment_lists.glsl"
 #include "render/transparency/blended.glsl"

@@ -7,6 +7,7 @@
 #include <bit>
 
 #include "base/error.h"
+#include "render/lit_maps.h"
 #include "render/transparency/methods.h"
 #include "render/visibility/hardware.h"
 #include "shared/fragment_lists.h"
@@ -44,8 +45,12 @@ constexpr uint32_t kBlendedAtOnce = 16'384;              // of a long list: far 
 constexpr uint64_t kLeastRoom = 1 << 16;                 // fragments
 constexpr uint64_t kMostRoom = (uint64_t{1} << 31) - 1;  // indices into buffers are signed in SPIR-V
 
-vk::Pipeline makeStep(vk::Device& device, const char* shader, std::vector<vk::Binding> bindings = {}) {
-  return vk::makePipeline(device, vk::ComputeDesc{.shader = shader, .bindings = std::move(bindings), .name = shader});
+vk::Pipeline makeStep(vk::Device& device, const char* shader, std::vector<vk::Binding> bindings = {},
+                      std::vector<vk::Constant> constants = {}) {
+  return vk::makePipeline(
+      device,
+      vk::ComputeDesc{
+          .shader = shader, .bindings = std::move(bindings), .constants = std::move(constants), .name = shader});
 }
 
 void requireStores(vk::Device& device) {
@@ -62,11 +67,12 @@ class Exact final : public Transparency {
   Exact(vk::Device& device, const GpuScene& scene, const FrameSetup& setup)
       : device_(device), room_{setup.transparency.fragments, kShortList} {
     requireStores(device);
-    store_ = makeBlendedPipeline(device, scene, setup, {.fragment = "blended_store.frag"});
+    store_ = makeBlendedPipeline(device, scene, setup,
+                                 {.fragment = setup.variant("blended_store.frag"), .samples = setup.samples});
     place_ = makeStep(device, "fragments_place.comp");
     gather_ = makeStep(device, "fragments_gather.comp");
     sort_ = makeStep(device, "fragments_sort.comp");
-    blend_ = makeStep(device, "fragments_blend.comp", {vk::Binding::Storage});
+    blend_ = makeStep(device, "fragments_blend.comp", {vk::Binding::Storage}, {{kFirstOwnConstant, setup.samples}});
   }
 
   void add(graph::Graph& graph, const FrameInputs& inputs, const Gbuffer& gbuffer) override;
@@ -143,29 +149,30 @@ void Exact::addClear(graph::Graph& graph, const Buffers& b) {
 
 void Exact::addStore(graph::Graph& graph, const FrameInputs& inputs, const Gbuffer& gbuffer, const Buffers& b,
                      const Draws& draws) const {
-  graph.pass("transparency store",
-             {{gbuffer.depth, graph::Use::DepthTest},
-              {b.fragments, graph::Use::FragmentWrite},
-              {b.counts, graph::Use::FragmentReadWrite},
-              {b.totals, graph::Use::FragmentReadWrite}},
-             [=, this](graph::Context& context) {
-               const std::vector<vk::BoundImage> images = inputs.environment.bindings();
-               const shared::FragmentLists lists = listsOf(context, b);
-               for (uint32_t view = 0; view < inputs.views.size(); ++view) {
-                 beginView(context, inputs, view, {}, {gbuffer.depth, false});
-                 SceneBinder binder(context, inputs, view, store_, store_, images);
-                 uint32_t order = 0;  // beyond 2^32 triangles in a view it starts again
-                 for (const Draw& draw : draws[view]) {
-                   binder.bind(draw);
-                   const uint32_t triangles = draw.indexCount / 3;
-                   context.commands().push(
-                       store_, StorePush{inputs.constants, view, lists, {order, draw.firstInstance, triangles}});
-                   drawRun(context, draw);
-                   order += triangles * draw.instanceCount;
-                 }
-                 vkCmdEndRendering(context.get());
-               }
-             });
+  std::vector<graph::Access> accesses{{gbuffer.sampleDepth, graph::Use::DepthTest},
+                                      {b.fragments, graph::Use::FragmentWrite},
+                                      {b.counts, graph::Use::FragmentReadWrite},
+                                      {b.totals, graph::Use::FragmentReadWrite}};
+  appendLitAccesses(accesses, gbuffer, graph::Use::SampledFragment);
+  graph.pass("transparency store", std::move(accesses), [=, this](graph::Context& context) {
+    std::vector<vk::BoundImage> images;
+    appendLitImages(images, context, inputs, gbuffer);
+    const shared::FragmentLists lists = listsOf(context, b);
+    for (uint32_t view = 0; view < inputs.views.size(); ++view) {
+      beginView(context, inputs, view, {}, {gbuffer.sampleDepth, false});
+      SceneBinder binder(context, inputs, view, store_, store_, images);
+      uint32_t order = 0;  // beyond 2^32 triangles in a view it starts again
+      for (const Draw& draw : draws[view]) {
+        binder.bind(draw);
+        const uint32_t triangles = draw.indexCount / 3;
+        context.commands().push(store_,
+                                StorePush{inputs.constants, view, lists, {order, draw.firstInstance, triangles}});
+        drawRun(context, draw);
+        order += triangles * draw.instanceCount;
+      }
+      vkCmdEndRendering(context.get());
+    }
+  });
 }
 
 void Exact::addPlace(graph::Graph& graph, const Buffers& b) const {

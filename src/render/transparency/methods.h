@@ -21,6 +21,7 @@ struct BlendedTarget {
   std::string fragment;  // shader
   std::vector<VkFormat> colors;
   vk::Blend blend = vk::Blend::Replace;
+  uint32_t samples = 1;  // those of the frame, or 1: then depth is that of pixels
 };
 vk::Pipeline makeBlendedPipeline(vk::Device& device, const GpuScene& scene, const FrameSetup& setup,
                                  const BlendedTarget& target);

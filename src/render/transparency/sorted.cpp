@@ -2,6 +2,7 @@
 // do not interpenetrate and each is convex.
 #include <algorithm>
 
+#include "render/lit_maps.h"
 #include "render/transparency/methods.h"
 #include "render/visibility/hardware.h"
 
@@ -39,17 +40,19 @@ class Sorted final : public Transparency {
     if (!anyDraw(draws)) return;
     for (size_t view = 0; view < draws.size(); ++view)
       draws[view] = backToFront(inputs.scene, inputs.views[view], draws[view]);
-    graph.pass("transparency sorted",
-               {{gbuffer.depth, graph::Use::DepthTest}, {gbuffer.light, graph::Use::ColorAttachmentLoad}},
-               [=, this](graph::Context& context) {
-                 const std::vector<vk::BoundImage> images = inputs.environment.bindings();
-                 for (uint32_t view = 0; view < inputs.views.size(); ++view) {
-                   beginView(context, inputs, view, {&gbuffer.light, 1}, {gbuffer.depth, false}, ColorUse::Keep);
-                   SceneBinder binder(context, inputs, view, pipeline_, pipeline_, images);
-                   for (const Draw& draw : draws[view]) drawFaces(context, inputs.scene, binder, draw);
-                   vkCmdEndRendering(context.get());
-                 }
-               });
+    std::vector<graph::Access> accesses{{gbuffer.depth, graph::Use::DepthTest},
+                                        {gbuffer.light, graph::Use::ColorAttachmentLoad}};
+    appendLitAccesses(accesses, gbuffer, graph::Use::SampledFragment);
+    graph.pass("transparency sorted", std::move(accesses), [=, this](graph::Context& context) {
+      std::vector<vk::BoundImage> images;
+      appendLitImages(images, context, inputs, gbuffer);
+      for (uint32_t view = 0; view < inputs.views.size(); ++view) {
+        beginView(context, inputs, view, {&gbuffer.light, 1}, {gbuffer.depth, false}, ColorUse::Keep);
+        SceneBinder binder(context, inputs, view, pipeline_, pipeline_, images);
+        for (const Draw& draw : draws[view]) drawFaces(context, inputs.scene, binder, draw);
+        vkCmdEndRendering(context.get());
+      }
+    });
   }
 
  private:

@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "render/lighting/forward/forward.h"
+#include "render/lit_maps.h"
 #include "render/transparency/methods.h"
 #include "render/visibility/hardware.h"
 
@@ -15,7 +16,8 @@ vk::Pipeline makeBlendedPipeline(vk::Device& device, const GpuScene& scene, cons
   vk::GraphicsDesc desc;
   desc.vertex = "scene.vert";
   desc.fragment = target.fragment;
-  desc.bindings.assign(GpuEnvironment::kBindings, vk::Binding::Sampled);
+  desc.samples = target.samples;
+  appendLitBindings(desc.bindings);
   desc.materialSet = scene.materialSetLayout();
   desc.constants = setup.constants();
   desc.constants.push_back({kFirstOwnConstant, everyLight ? 1u : 0u});

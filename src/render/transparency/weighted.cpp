@@ -2,6 +2,7 @@
 // Transparency, JCGT 2(2)), then their mean colour over the picture. Coverage is right; colours of several layers are a
 // mean.
 #include "render/lighting/light_sum.h"
+#include "render/lit_maps.h"
 #include "render/transparency/methods.h"
 #include "render/visibility/hardware.h"
 
@@ -26,22 +27,23 @@ class Weighted final : public Transparency {
     if (!anyDraw(draws)) return;
     const std::vector<graph::ImageId> sums{createTarget(graph, inputs, sumFormat_, "weighted colours"),
                                            createTarget(graph, inputs, sumFormat_, "weights")};
-    graph.pass("transparency weighted",
-               {{gbuffer.depth, graph::Use::DepthTest},
-                {sums[0], graph::Use::ColorAttachment},
-                {sums[1], graph::Use::ColorAttachment}},
-               [=, this](graph::Context& context) {
-                 const std::vector<vk::BoundImage> images = inputs.environment.bindings();
-                 for (uint32_t view = 0; view < inputs.views.size(); ++view) {
-                   beginView(context, inputs, view, sums, {gbuffer.depth, false});
-                   SceneBinder binder(context, inputs, view, draw_, draw_, images);
-                   for (const Draw& draw : draws[view]) {
-                     binder.bind(draw);
-                     drawRun(context, draw);
-                   }
-                   vkCmdEndRendering(context.get());
-                 }
-               });
+    std::vector<graph::Access> accesses{{gbuffer.depth, graph::Use::DepthTest},
+                                        {sums[0], graph::Use::ColorAttachment},
+                                        {sums[1], graph::Use::ColorAttachment}};
+    appendLitAccesses(accesses, gbuffer, graph::Use::SampledFragment);
+    graph.pass("transparency weighted", std::move(accesses), [=, this](graph::Context& context) {
+      std::vector<vk::BoundImage> images;
+      appendLitImages(images, context, inputs, gbuffer);
+      for (uint32_t view = 0; view < inputs.views.size(); ++view) {
+        beginView(context, inputs, view, sums, {gbuffer.depth, false});
+        SceneBinder binder(context, inputs, view, draw_, draw_, images);
+        for (const Draw& draw : draws[view]) {
+          binder.bind(draw);
+          drawRun(context, draw);
+        }
+        vkCmdEndRendering(context.get());
+      }
+    });
     graph.pass("transparency blend",
                {{sums[0], graph::Use::SampledCompute},
                 {sums[1], graph::Use::SampledCompute},

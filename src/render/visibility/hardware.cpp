@@ -11,12 +11,13 @@ struct DrawPush {  // varyings.glsl
   uint32_t view;
 };
 
-vk::Pipeline makeDepthPipeline(vk::Device& device, const GpuScene& scene, bool masked) {
+vk::Pipeline makeDepthPipeline(vk::Device& device, const GpuScene& scene, bool masked, uint32_t samples) {
   vk::GraphicsDesc desc;
   desc.vertex = "scene.vert";
-  desc.fragment = masked ? "masked.frag" : "";
+  desc.fragment = masked ? shaderVariant("masked.frag", samples) : "";
   desc.materialSet = scene.materialSetLayout();
   desc.depth = kDepthFormat;
+  desc.samples = samples;
   desc.name = masked ? "depth masked" : "depth";
   return vk::makePipeline(device, desc);
 }
@@ -121,12 +122,13 @@ void beginView(graph::Context& context, const FrameInputs& inputs, uint32_t view
   vkCmdSetScissor(context.get(), 0, 1, &area);
 }
 
-DepthPass::DepthPass(vk::Device& device, const GpuScene& scene) : opaque_(makeDepthPipeline(device, scene, false)) {
-  if (anyMasked(scene) || anyBlended(scene)) masked_ = makeDepthPipeline(device, scene, true);
+DepthPass::DepthPass(vk::Device& device, const GpuScene& scene, uint32_t samples)
+    : samples_(samples), opaque_(makeDepthPipeline(device, scene, false, samples)) {
+  if (anyMasked(scene) || anyBlended(scene)) masked_ = makeDepthPipeline(device, scene, true, samples);
 }
 
 graph::ImageId DepthPass::add(graph::Graph& graph, const FrameInputs& inputs) const {
-  graph::ImageId depth = createTarget(graph, inputs, kDepthFormat, "depth");
+  graph::ImageId depth = createTarget(graph, inputs, kDepthFormat, "depth", samples_);
   graph.pass("depth", {{depth, graph::Use::DepthAttachment}}, [=, this](graph::Context& context) {
     for (uint32_t view = 0; view < inputs.views.size(); ++view) {
       beginView(context, inputs, view, {}, {depth, true});

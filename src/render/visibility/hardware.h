@@ -49,10 +49,11 @@ void beginView(graph::Context& context, const FrameInputs& inputs, uint32_t view
 // depth-stencil). Reversed depth; equal depths are settled in the geometry pass, where what is drawn last wins.
 class DepthPass {
  public:
-  DepthPass(vk::Device& device, const GpuScene& scene);
+  DepthPass(vk::Device& device, const GpuScene& scene, uint32_t samples = 1);
   graph::ImageId add(graph::Graph& graph, const FrameInputs& inputs) const;
 
  private:
+  uint32_t samples_;
   vk::Pipeline opaque_, masked_;
 };
 

@@ -3,6 +3,7 @@
 #include "render/lighting/forward/forward.h"
 
 #include "render/lit_maps.h"
+#include "render/lighting/light_sum.h"
 #include "render/visibility/hardware.h"
 
 namespace latelight::render {
@@ -15,27 +16,28 @@ class Forward final : public LightingTechnique {
  public:
   Forward(vk::Device& device, const GpuScene& scene, const FrameSetup& setup, ForwardLoop loop)
       : countLights_(setup.countLights),
-        sampler_(vk::makeSampler(device, vk::kNearestSampler)),
         opaque_(makePipeline(device, scene, setup, {false, loop})) {
     if (anyMasked(scene)) masked_ = makePipeline(device, scene, setup, {true, loop});
+    if (setup.samples > 1) resolve_.emplace(device, setup);
   }
 
   void add(graph::Graph& graph, const FrameInputs& inputs, const Gbuffer& gbuffer) const override {
-    std::vector<graph::ImageId> colors{gbuffer.light};
+    std::vector<graph::ImageId> colors{gbuffer.sampleLight};
     if (countLights_) colors.push_back(gbuffer.lightCounts);
-    std::vector<graph::Access> accesses{{gbuffer.depth, graph::Use::DepthTest},
-                                        {gbuffer.ambientOcclusion, graph::Use::SampledFragment}};
+    std::vector<graph::Access> accesses{{gbuffer.sampleDepth, graph::Use::DepthTest}};
     for (graph::ImageId color : colors) accesses.emplace_back(color, graph::Use::ColorAttachment);
     appendLitAccesses(accesses, gbuffer, graph::Use::SampledFragment);
-    graph.pass("lighting forward", std::move(accesses), [=, this, depth = gbuffer.depth](graph::Context& context) {
-      std::vector<vk::BoundImage> images;
-      appendLitImages(images, context, inputs, gbuffer);
-      for (uint32_t view = 0; view < inputs.views.size(); ++view) {
-        beginView(context, inputs, view, colors, {depth, false});
-        drawScene(context, inputs, view, opaque_, masked_, images);
-        vkCmdEndRendering(context.get());
-      }
-    });
+    graph.pass("lighting forward", std::move(accesses),
+               [=, this, depth = gbuffer.sampleDepth](graph::Context& context) {
+                 std::vector<vk::BoundImage> images;
+                 appendLitImages(images, context, inputs, gbuffer);
+                 for (uint32_t view = 0; view < inputs.views.size(); ++view) {
+                   beginView(context, inputs, view, colors, {depth, false});
+                   drawScene(context, inputs, view, opaque_, masked_, images);
+                   vkCmdEndRendering(context.get());
+                 }
+               });
+    if (resolve_) resolve_->add(graph, inputs, gbuffer.sampleLight, gbuffer.light);
   }
 
  private:
@@ -46,7 +48,7 @@ class Forward final : public LightingTechnique {
   static vk::Pipeline makePipeline(vk::Device& device, const GpuScene& scene, const FrameSetup& setup, Kind kind) {
     vk::GraphicsDesc desc;
     desc.vertex = "scene.vert";
-    desc.fragment = "forward.frag";
+    desc.fragment = setup.variant("forward.frag");
     appendLitBindings(desc.bindings);
     desc.materialSet = scene.materialSetLayout();
     desc.constants = setup.constants();
@@ -57,13 +59,14 @@ class Forward final : public LightingTechnique {
     desc.depth = kDepthFormat;
     desc.depthCompare = VK_COMPARE_OP_EQUAL;
     desc.depthWrite = false;
+    desc.samples = setup.samples;
     desc.name = kind.masked ? "forward masked" : "forward";
     return vk::makePipeline(device, desc);
   }
 
   bool countLights_;
-  vk::Handle<VkSampler> sampler_;
   vk::Pipeline opaque_, masked_;
+  std::optional<FinishSum> resolve_;  // of several samples a pixel
 };
 
 }  // namespace

@@ -2,6 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 // forward: material and all lights of a visible surface in one shader (seed 000, single-pass lighting).
 #include "render/glsl/common.glsl"
+#include "render/glsl/multisample.glsl"
 #include "render/glsl/varyings.glsl"
 #include "render/glsl/material.glsl"
 #include "render/glsl/surface.glsl"
@@ -16,6 +17,9 @@ layout(location = 0) out vec4 picture;
 layout(location = 1) out vec4 counts;
 
 void main() {
+#ifdef MULTISAMPLED
+  gl_SampleMask[0] = -1;
+#endif
   FrameConstants frame = FrameRef(push.frame).v;
   Surface s = evaluateMaterial(frame, frameInstance(frame, varyingInstance), drawMaterial());
   s.ao *= visibleHemisphere(ivec3(ivec2(gl_FragCoord.xy), int(push.view)));
@@ -32,5 +36,5 @@ void main() {
   counts = lightCount();
   // What the mask cuts out left no depth, but another surface may lie at the very same one. Last, since textures need
   // the whole quad.
-  if (kAlphaMasked != 0u && cutOut(drawMaterial())) discard;
+  if (kAlphaMasked != 0u) cutFragment(drawMaterial());
 }

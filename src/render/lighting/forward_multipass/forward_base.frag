@@ -2,6 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 // forward-multipass, first pass: what a surface shows without lights, and which one it is.
 #include "render/glsl/common.glsl"
+#include "render/glsl/multisample.glsl"
 #include "render/glsl/varyings.glsl"
 #include "render/glsl/material.glsl"
 #include "render/glsl/surface.glsl"
@@ -15,6 +16,9 @@ layout(location = 1) out uvec2 surface;  // instance and triangle
 layout(location = 2) out vec4 counts;
 
 void main() {
+#ifdef MULTISAMPLED
+  gl_SampleMask[0] = -1;
+#endif
   FrameConstants frame = FrameRef(push.frame).v;
   Surface s = evaluateMaterial(frame, frameInstance(frame, varyingInstance), drawMaterial());
   s.ao *= visibleHemisphere(ivec3(ivec2(gl_FragCoord.xy), int(push.view)));
@@ -26,5 +30,5 @@ void main() {
   surface = uvec2(varyingInstance, gl_PrimitiveID);
   counts = vec4(0.0);
   // As in geometry.frag: last, since textures need the whole quad.
-  if (kAlphaMasked != 0u && cutOut(drawMaterial())) discard;
+  if (kAlphaMasked != 0u) cutFragment(drawMaterial());
 }

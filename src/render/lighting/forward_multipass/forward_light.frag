@@ -6,11 +6,12 @@
 #include "render/glsl/varyings.glsl"
 #include "render/glsl/material.glsl"
 #include "render/glsl/surface.glsl"
+#include "render/glsl/multisample.glsl"
 #include "render/glsl/one_light.glsl"
 #include "shared/gbuffer.h"
 
 layout(constant_id = 16) const uint kAlphaMasked = 0;
-layout(set = 0, binding = AFTER_LIT_MAPS) uniform usampler2DArray surfaces;  // as forward_base.frag left them
+layout(set = 0, binding = AFTER_LIT_MAPS) uniform TARGET_USAMPLER surfaces;  // as forward_base.frag left them
 
 layout(location = 0) out vec4 radiance;
 layout(location = 1) out vec4 counts;
@@ -21,9 +22,15 @@ void main() {
   vec3 one = shadeOneLight(push.light, s, directionToEye(frameView(frame, push.view), s.position));
   lightsTested = 1.0;
   // Of several surfaces at one depth all pass the test, and only the one that shows may be added to.
-  uvec2 shown = texelFetch(surfaces, ivec3(ivec2(gl_FragCoord.xy), int(push.view)), 0).rg;
-  bool shows = shown == uvec2(varyingInstance, gl_PrimitiveID);
+  ivec3 pixel = ivec3(ivec2(gl_FragCoord.xy), int(push.view));
+  uint showing = 0u;  // samples
+  for (int i = 0; i < int(kSamples); ++i)
+    if (texelFetch(surfaces, pixel, i).rg == uvec2(varyingInstance, gl_PrimitiveID)) showing |= 1u << i;
+  bool shows = showing != 0u;
+#ifdef MULTISAMPLED
+  gl_SampleMask[0] = int(showing);
+#endif
   radiance = shows ? vec4(one * frame.exposure, 0.0) : vec4(0.0);
   counts = shows ? lightCount() : vec4(0.0);
-  if (kAlphaMasked != 0u && cutOut(drawMaterial())) discard;
+  if (kAlphaMasked != 0u) cutFragment(drawMaterial());
 }

@@ -20,13 +20,14 @@ struct LightPush {  // varyings.glsl with DRAW_PUSH_LIGHT
 // The draws of a scene in one of its two passes, for opaque and masked materials.
 struct ScenePipelines {
   vk::Pipeline opaque, masked;
-  ScenePipelines(vk::Device& device, const GpuScene& scene, vk::GraphicsDesc desc) {
+  ScenePipelines(vk::Device& device, const GpuScene& scene, const FrameSetup& setup, vk::GraphicsDesc desc) {
     desc.vertex = "scene.vert";
     desc.materialSet = scene.materialSetLayout();
     desc.depth = kDepthFormat;
     desc.depthCompare = VK_COMPARE_OP_EQUAL;
     desc.depthWrite = false;
     desc.constants.push_back({kFirstOwnConstant, 0});
+    desc.samples = setup.samples;
     opaque = vk::makePipeline(device, desc);
     if (!anyMasked(scene)) return;
     desc.constants.back().value = 1;
@@ -37,7 +38,7 @@ struct ScenePipelines {
 
 vk::GraphicsDesc baseDesc(const FrameSetup& setup, VkFormat sum) {
   vk::GraphicsDesc desc;
-  desc.fragment = "forward_base.frag";
+  desc.fragment = setup.variant("forward_base.frag");
   appendLitBindings(desc.bindings);
   desc.constants = setup.constants();
   desc.colors = {sum, kSurfaceFormat};
@@ -48,7 +49,7 @@ vk::GraphicsDesc baseDesc(const FrameSetup& setup, VkFormat sum) {
 
 vk::GraphicsDesc lightDesc(const FrameSetup& setup, VkFormat sum) {
   vk::GraphicsDesc desc;
-  desc.fragment = "forward_light.frag";
+  desc.fragment = setup.variant("forward_light.frag");
   appendLitBindings(desc.bindings);
   desc.bindings.push_back(vk::Binding::Sampled);  // the surfaces
   desc.constants = setup.constants();
@@ -68,28 +69,19 @@ class ForwardMultipass final : public LightingTechnique {
  public:
   ForwardMultipass(vk::Device& device, const GpuScene& scene, const FrameSetup& setup)
       : countLights_(setup.countLights),
+        samples_(setup.samples),
         sumFormat_(lightSumFormat(device)),
-        base_(device, scene, baseDesc(setup, sumFormat_)),
-        light_(device, scene, lightDesc(setup, sumFormat_)),
-        finish_(vk::makePipeline(device, vk::ComputeDesc{.shader = "forward_finish.comp",
-                                                         .bindings = {vk::Binding::Sampled, vk::Binding::Storage},
-                                                         .name = "forward finish"})),
+        base_(device, scene, setup, baseDesc(setup, sumFormat_)),
+        light_(device, scene, setup, lightDesc(setup, sumFormat_)),
+        finish_(device, setup),
         sampler_(vk::makeSampler(device, vk::kNearestSampler)) {}
 
   void add(graph::Graph& graph, const FrameInputs& inputs, const Gbuffer& gbuffer) const override {
-    const Targets targets{createTarget(graph, inputs, sumFormat_, "sum of lights"),
-                          createTarget(graph, inputs, kSurfaceFormat, "surfaces")};
+    const Targets targets{createTarget(graph, inputs, sumFormat_, "sum of lights", samples_),
+                          createTarget(graph, inputs, kSurfaceFormat, "surfaces", samples_)};
     addBase(graph, inputs, gbuffer, targets);
     addLights(graph, inputs, gbuffer, targets);
-    graph.pass(
-        "forward finish", {{targets.sum, graph::Use::SampledCompute}, {gbuffer.light, graph::Use::StorageWrite}},
-        [=, this](graph::Context& context) {
-          context.commands().bind(
-              finish_,
-              {{context.image(targets.sum).arrayView(), sampler_.get()}, {context.image(gbuffer.light).arrayView()}},
-              uint32_t{0});
-          context.commands().dispatch(inputs.width, inputs.height, static_cast<uint32_t>(inputs.views.size()), 16, 16);
-        });
+    finish_.add(graph, inputs, targets.sum, gbuffer.light);
   }
 
  private:
@@ -100,11 +92,10 @@ class ForwardMultipass final : public LightingTechnique {
   void addBase(graph::Graph& graph, const FrameInputs& inputs, const Gbuffer& gbuffer, Targets targets) const {
     std::vector<graph::ImageId> colors{targets.sum, targets.surfaces};
     if (countLights_) colors.push_back(gbuffer.lightCounts);
-    std::vector<graph::Access> accesses{{gbuffer.depth, graph::Use::DepthTest},
-                                        {gbuffer.ambientOcclusion, graph::Use::SampledFragment}};
+    std::vector<graph::Access> accesses{{gbuffer.sampleDepth, graph::Use::DepthTest}};
     for (graph::ImageId color : colors) accesses.emplace_back(color, graph::Use::ColorAttachment);
     appendLitAccesses(accesses, gbuffer, graph::Use::SampledFragment);
-    graph.pass("forward base", std::move(accesses), [=, this, depth = gbuffer.depth](graph::Context& context) {
+    graph.pass("forward base", std::move(accesses), [=, this, depth = gbuffer.sampleDepth](graph::Context& context) {
       std::vector<vk::BoundImage> images;
       appendLitImages(images, context, inputs, gbuffer);
       for (uint32_t view = 0; view < inputs.views.size(); ++view) {
@@ -118,11 +109,11 @@ class ForwardMultipass final : public LightingTechnique {
   void addLights(graph::Graph& graph, const FrameInputs& inputs, const Gbuffer& gbuffer, Targets targets) const {
     std::vector<graph::ImageId> colors{targets.sum};
     if (countLights_) colors.push_back(gbuffer.lightCounts);
-    std::vector<graph::Access> accesses{{gbuffer.depth, graph::Use::DepthTest},
+    std::vector<graph::Access> accesses{{gbuffer.sampleDepth, graph::Use::DepthTest},
                                         {targets.surfaces, graph::Use::SampledFragment}};
     for (graph::ImageId color : colors) accesses.emplace_back(color, graph::Use::ColorAttachmentLoad);
     appendLitAccesses(accesses, gbuffer, graph::Use::SampledFragment);
-    graph.pass("forward lights", std::move(accesses), [=, this, depth = gbuffer.depth](graph::Context& context) {
+    graph.pass("forward lights", std::move(accesses), [=, this, depth = gbuffer.sampleDepth](graph::Context& context) {
       std::vector<vk::BoundImage> images;
       appendLitImages(images, context, inputs, gbuffer);
       images.push_back({context.image(targets.surfaces).arrayView(), sampler_.get()});
@@ -161,9 +152,10 @@ class ForwardMultipass final : public LightingTechnique {
   }
 
   bool countLights_;
+  uint32_t samples_;
   VkFormat sumFormat_;
   ScenePipelines base_, light_;
-  vk::Pipeline finish_;
+  FinishSum finish_;
   vk::Handle<VkSampler> sampler_;
 };
 

@@ -13,10 +13,10 @@ struct LightingPush {
 };
 layout(push_constant, scalar) uniform Push { LightingPush push; };
 
+vec3 lightsAt(FrameConstants frame, View view, LitPixel p) { return shadeAllLights(frame, p.s, p.toEye, p.lit); }
+
 void main() {
-  FrameConstants frame = FrameRef(push.frame).v;
   ivec3 place = ivec3(gl_GlobalInvocationID);
-  LitPixel pixel = readPixel(frame, frameView(frame, place.z), place);
-  vec3 byLights = shadeAllLights(frame, pixel.s, pixel.toEye, pixel.lit);
-  writePixel(frame, pixel, byLights, lightCount());
+  bool lit = lightPixel(FrameRef(push.frame).v, place);
+  writeCounts(place, lit, lightCount());
 }

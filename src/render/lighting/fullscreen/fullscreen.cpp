@@ -14,17 +14,17 @@ struct LightingPush {  // fullscreen.comp
 
 // lavapipe ends a shader's loops after 65535 rounds, all loops together: two rounds for each subgroup's share of lights
 // and one for each light that reaches it. It says nothing, and the other lights are missing.
-constexpr uint32_t kMostOnCpu = 200'000;
+constexpr uint32_t kMostOnCpu = 200'000;  // for one sample a pixel
 
 class Fullscreen final : public LightingTechnique {
  public:
   Fullscreen(vk::Device& device, const FrameSetup& setup)
-      : cpu_(device.isCpu()), shader_(device, setup, "fullscreen.comp") {}
+      : most_(device.isCpu() ? kMostOnCpu / setup.samples : ~0u), shader_(device, setup, "fullscreen.comp") {}
 
   void add(graph::Graph& graph, const FrameInputs& inputs, const Gbuffer& gbuffer) const override {
-    if (cpu_ && inputs.scene.lightCount() > kMostOnCpu)
+    if (inputs.scene.lightCount() > most_)
       badUsage("fullscreen goes through at most {} lights on a CPU device, and there are {}: choose tiled or clustered",
-               kMostOnCpu, inputs.scene.lightCount());
+               most_, inputs.scene.lightCount());
     graph.pass("lighting fullscreen", LightingShader::accesses(gbuffer),
                [this, inputs, gbuffer](graph::Context& context) {
                  shader_.dispatch(context, inputs, gbuffer, LightingPush{inputs.constants});
@@ -32,7 +32,7 @@ class Fullscreen final : public LightingTechnique {
   }
 
  private:
-  bool cpu_;
+  uint32_t most_;  // lights
   LightingShader shader_;
 };
 

@@ -8,12 +8,11 @@
 layout(local_size_x = 256) in;
 layout(push_constant, scalar) uniform Push { CellsPush push; };
 
+vec3 lightsAt(FrameConstants frame, View view, LitPixel p) { return shadeFromCells(p, view, frame, push); }
+
 void main() {
   countLanes();
-  FrameConstants frame = FrameRef(push.frame).v;
   ivec3 place = placeInTile();
-  View view = frameView(frame, place.z);
-  LitPixel pixel = readPixel(frame, view, place);
-  vec3 byLights = shadeFromCells(pixel, view, frame, push);
-  writePixel(frame, pixel, byLights, lightCount());
+  bool lit = lightPixel(FrameRef(push.frame).v, place);
+  writeCounts(place, lit, lightCount());
 }

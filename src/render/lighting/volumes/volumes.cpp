@@ -73,6 +73,25 @@ constexpr StepState kSteps[] = {
     {"light screen", true, VK_COMPARE_OP_LESS, std::nullopt, VK_CULL_MODE_NONE},
 };
 
+// With several samples a pixel, stencil's highest bit marks the pixels with several surfaces, which are lit a sample at
+// a time; the others once a pixel (seed 000). The other bits are the lights'.
+enum Rate : uint32_t { kRatePixel, kRateSample };
+constexpr uint32_t kSeveralSurfaces = 0x80;
+constexpr VkStencilOpState kMarkSeveral{.failOp = VK_STENCIL_OP_KEEP,
+                                        .passOp = VK_STENCIL_OP_REPLACE,
+                                        .depthFailOp = VK_STENCIL_OP_KEEP,
+                                        .compareOp = VK_COMPARE_OP_ALWAYS,
+                                        .compareMask = kSeveralSurfaces,
+                                        .writeMask = kSeveralSurfaces};
+
+// A step's stencil beside that bit. What lights without a mark still compares the bit.
+VkStencilOpState besideSeveral(const StepState& step) {
+  VkStencilOpState stencil = step.stencil.value_or(kMarked);
+  stencil.writeMask = 0xff & ~kSeveralSurfaces;
+  if (!step.stencil) stencil.compareMask = kSeveralSurfaces;
+  return stencil;
+}
+
 // What to do for one light in one view.
 struct VolumeDraw {
   Shape shape;
@@ -138,19 +157,22 @@ class Volumes final : public LightingTechnique {
     vkGetPhysicalDeviceFeatures(device.physical(), &features);
     depthClamp_ = features.depthClamp;  // an optional feature that is enabled where it is offered
     copyDepth_ = makeDepthCopy(device);
-    for (const StepState& step : kSteps) steps_.push_back(makeStep(device, step));
+    for (const StepState& step : kSteps) steps_.push_back(makeStep(device, step, kRatePixel));
+    if (multisampled()) {
+      markSeveral_ = makeSeveralMark(device);
+      for (const StepState& step : kSteps) sampleSteps_.push_back(makeStep(device, step, kRateSample));
+    }
     upload(device);
   }
 
   void add(graph::Graph& graph, const FrameInputs& inputs, const Gbuffer& gbuffer) const override {
-    const graph::ImageId sum = createTarget(graph, inputs, sumFormat_, "sum of lights");
-    const graph::ImageId stencil = createTarget(graph, inputs, kStencilFormat, "depth and stencil");
+    const graph::ImageId sum = createTarget(graph, inputs, sumFormat_, "sum of lights", setup_.samples);
+    const graph::ImageId stencil = createTarget(graph, inputs, kStencilFormat, "depth and stencil", setup_.samples);
     std::vector<graph::ImageId> colors{sum};
     if (setup_.countLights) colors.push_back(gbuffer.lightCounts);
 
-    std::vector<graph::Access> accesses{{stencil, graph::Use::DepthAttachment},
-                                        {gbuffer.depth, graph::Use::SampledFragment}};
-    for (graph::ImageId target : gbuffer.targets) accesses.emplace_back(target, graph::Use::SampledFragment);
+    std::vector<graph::Access> accesses{{stencil, graph::Use::DepthAttachment}};
+    for (graph::ImageId image : gbufferInputs(gbuffer)) accesses.emplace_back(image, graph::Use::SampledFragment);
     for (graph::ImageId color : colors) accesses.emplace_back(color, graph::Use::ColorAttachment);
     appendLitAccesses(accesses, gbuffer, graph::Use::SampledFragment);
     graph.pass("light volumes", std::move(accesses), [=, this](graph::Context& context) {
@@ -166,10 +188,12 @@ class Volumes final : public LightingTechnique {
   }
 
  private:
+  bool multisampled() const { return setup_.samples > 1; }
+
   vk::GraphicsDesc describe(const StepState& step) const {
     vk::GraphicsDesc desc;
     desc.vertex = "volume.vert";
-    desc.bindings.assign(setup_.layout->targets.size() + 1, vk::Binding::Sampled);  // and depth
+    desc.bindings.assign(gbufferInputs(setup_), vk::Binding::Sampled);
     appendLitBindings(desc.bindings);
     desc.bindings.push_back(vk::Binding::Uniform);  // the view
     desc.colors = {sumFormat_};
@@ -180,23 +204,35 @@ class Volumes final : public LightingTechnique {
     desc.depthWrite = false;
     desc.depthClamp = depthClamp_;
     desc.stencil = step.stencil;
+    desc.samples = setup_.samples;
     desc.colorWrite = step.lights;
     desc.blend = step.lights ? vk::Blend::Add : vk::Blend::Replace;
     desc.name = std::string("volumes ") + step.name;
     return desc;
   }
 
-  vk::Pipeline makeStep(vk::Device& device, const StepState& step) const {
+  vk::Pipeline makeStep(vk::Device& device, const StepState& step, Rate rate) const {
     vk::GraphicsDesc desc = describe(step);
-    if (step.lights) desc.fragment = "volume.frag@" + setup_.layout->file;
+    if (multisampled()) desc.stencil = besideSeveral(step);
+    const std::string& layout = setup_.layout->file;
+    if (step.lights)
+      desc.fragment = rate == kRateSample ? "volume_samples.frag@" + layout : setup_.variant("volume.frag@" + layout);
     return vk::makePipeline(device, desc);
   }
 
   vk::Pipeline makeDepthCopy(vk::Device& device) const {
     vk::GraphicsDesc desc = describe({"depth", false, VK_COMPARE_OP_ALWAYS, std::nullopt, VK_CULL_MODE_NONE});
-    desc.fragment = "volume_depth.frag";
+    desc.fragment = setup_.variant("volume_depth.frag");
     desc.bindings = {vk::Binding::Sampled};
     desc.depthWrite = true;
+    return vk::makePipeline(device, desc);
+  }
+
+  vk::Pipeline makeSeveralMark(vk::Device& device) const {
+    vk::GraphicsDesc desc =
+        describe({"mark several surfaces", false, VK_COMPARE_OP_ALWAYS, kMarkSeveral, VK_CULL_MODE_NONE});
+    desc.fragment = "volume_edges.frag";
+    desc.bindings = {vk::Binding::Sampled};
     return vk::makePipeline(device, desc);
   }
 
@@ -223,13 +259,13 @@ class Volumes final : public LightingTechnique {
     VolumePush push{inputs.constants, vertices_.address(), view, kShapeScreen, {}};
     vkCmdSetFrontFace(commands, VK_FRONT_FACE_COUNTER_CLOCKWISE);
     vkCmdSetCullMode(commands, VK_CULL_MODE_NONE);
-    const vk::BoundImage depth{context.image(gbuffer.depth).arrayView(), sampler_.get()};
-    context.commands().bind(copyDepth_, {depth}, push);
+    context.commands().bind(copyDepth_, {{context.image(gbuffer.sampleDepth).arrayView(), sampler_.get()}}, push);
     vkCmdDraw(commands, 3, 1, 0, 0);
+    markSeveral(context, gbuffer, push);
 
     std::vector<vk::BoundImage> images;
-    for (graph::ImageId target : gbuffer.targets) images.push_back({context.image(target).arrayView(), sampler_.get()});
-    images.push_back(depth);
+    for (graph::ImageId image : gbufferInputs(gbuffer))
+      images.push_back({context.image(image).arrayView(), sampler_.get()});
     appendLitImages(images, context, inputs, gbuffer);
     const vk::Buffer viewUniform = uploadView(inputs.views[view]);  // lives on until the frame is done
     images.push_back({.uniform = viewUniform.get()});
@@ -246,11 +282,16 @@ class Volumes final : public LightingTechnique {
       push.shape = draw->shape;
       context.commands().push(steps_[kLightScreen], push);
       if (draw->mark) {
-        reference = nextReference(commands, inputs, reference);
-        vkCmdSetStencilReference(commands, VK_STENCIL_FACE_FRONT_AND_BACK, reference);
-        record(commands, *draw->mark, draw->shape);
+        if (reference == (multisampled() ? kSeveralSurfaces - 1 : 0xff)) {
+          clearStencil(commands, inputs);
+          markSeveral(context, gbuffer, push);
+          context.commands().bind(steps_[kLightScreen], images, push);
+          reference = 0;
+        }
+        vkCmdSetStencilReference(commands, VK_STENCIL_FACE_FRONT_AND_BACK, ++reference);
+        record(commands, *draw->mark, draw->shape, steps_[*draw->mark]);
       }
-      record(commands, draw->light, draw->shape);
+      recordLight(commands, *draw, reference);
       ++passes;
     }
     return passes;
@@ -265,17 +306,33 @@ class Volumes final : public LightingTechnique {
     return buffer;
   }
 
-  // Every light marks with a value of its own, so stencil is cleared once in 255 lights.
-  static uint32_t nextReference(VkCommandBuffer commands, const FrameInputs& inputs, uint32_t last) {
-    if (last < 255) return last + 1;
+  // Every light marks with a value of its own, so stencil is cleared once in as many lights as there are values.
+  static void clearStencil(VkCommandBuffer commands, const FrameInputs& inputs) {
     const VkClearAttachment clear{.aspectMask = VK_IMAGE_ASPECT_STENCIL_BIT};
     const VkClearRect rect{{{0, 0}, {inputs.width, inputs.height}}, 0, 1};
     vkCmdClearAttachments(commands, 1, &clear, 1, &rect);
-    return 1;
   }
 
-  void record(VkCommandBuffer commands, Step step, Shape shape) const {
-    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, steps_[step].pipeline.get());
+  void markSeveral(graph::Context& context, const Gbuffer& gbuffer, const VolumePush& push) const {
+    if (!multisampled()) return;
+    VkCommandBuffer commands = context.get();
+    context.commands().bind(markSeveral_, {{context.image(gbuffer.surfaces).arrayView(), sampler_.get()}}, push);
+    vkCmdSetStencilReference(commands, VK_STENCIL_FACE_FRONT_AND_BACK, kSeveralSurfaces);
+    vkCmdSetCullMode(commands, VK_CULL_MODE_NONE);
+    vkCmdDraw(commands, 3, 1, 0, 0);
+  }
+
+  void recordLight(VkCommandBuffer commands, const VolumeDraw& draw, uint32_t reference) const {
+    if (!multisampled()) return record(commands, draw.light, draw.shape, steps_[draw.light]);
+    for (const Rate rate : {kRatePixel, kRateSample}) {
+      const uint32_t several = rate == kRateSample ? kSeveralSurfaces : 0;
+      vkCmdSetStencilReference(commands, VK_STENCIL_FACE_FRONT_AND_BACK, reference | several);
+      record(commands, draw.light, draw.shape, (several ? sampleSteps_ : steps_)[draw.light]);
+    }
+  }
+
+  void record(VkCommandBuffer commands, Step step, Shape shape, const vk::Pipeline& pipeline) const {
+    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline.pipeline.get());
     vkCmdSetCullMode(commands, kSteps[step].cull);
     if (shape == kShapeScreen) {
       vkCmdDraw(commands, 3, 1, 0, 0);
@@ -303,8 +360,8 @@ class Volumes final : public LightingTechnique {
   LightingShader finish_;
   vk::Handle<VkSampler> sampler_;
   bool depthClamp_ = false;
-  vk::Pipeline copyDepth_;
-  std::vector<vk::Pipeline> steps_;  // as kSteps
+  vk::Pipeline copyDepth_, markSeveral_;
+  std::vector<vk::Pipeline> steps_, sampleSteps_;  // as kSteps, at either rate; none of samples where there is one
   vk::Buffer vertices_, indices_;
   VolumeMesh::Part sphere_{}, cone_{};
 };

@@ -23,9 +23,14 @@ struct DenoisePush {  // ambient_occlusion_denoise.comp
   float tolerance, strength;
 };
 
+// Forward techniques leave no normals, and several samples a pixel no single one: they come from depth then.
+bool readsNormals(const FrameSetup& setup) {
+  return !setup.lighting->forward && setup.samples == 1;
+}
+
 vk::Pipeline makeOcclusion(vk::Device& device, const FrameSetup& setup) {
   vk::ComputeDesc desc{.shader = "gtao_depth.comp", .name = "ambient occlusion"};
-  if (!setup.lighting->forward) {
+  if (readsNormals(setup)) {
     desc.shader = "gtao.comp@" + setup.layout->file;
     desc.bindings.assign(setup.layout->targets.size(), vk::Binding::Sampled);
   }
@@ -45,7 +50,7 @@ vk::Pipeline makeDenoise(vk::Device& device, uint32_t axis) {
 }  // namespace
 
 AmbientOcclusionPass::AmbientOcclusionPass(vk::Device& device, const FrameSetup& setup)
-    : sampler_(vk::makeSampler(device, vk::kNearestSampler)) {
+    : readsNormals_(readsNormals(setup)), sampler_(vk::makeSampler(device, vk::kNearestSampler)) {
   if (setup.ambientOcclusion == kAoNone) {
     none_ = vk::Image(device, {.format = kAoFormat,
                                .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT,
@@ -71,7 +76,8 @@ graph::ImageId AmbientOcclusionPass::add(graph::Graph& graph, const FrameInputs&
 
 void AmbientOcclusionPass::addOcclusion(graph::Graph& graph, const FrameInputs& inputs, const Gbuffer& gbuffer,
                                         graph::ImageId hidden) const {
-  std::vector<graph::ImageId> sources = gbuffer.targets;
+  std::vector<graph::ImageId> sources;
+  if (readsNormals_) sources = gbuffer.targets;
   sources.push_back(gbuffer.depth);
   std::vector<graph::Access> accesses{{hidden, graph::Use::StorageWrite}};
   for (graph::ImageId source : sources) accesses.emplace_back(source, graph::Use::SampledCompute);

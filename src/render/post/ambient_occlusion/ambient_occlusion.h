@@ -30,6 +30,7 @@ class AmbientOcclusionPass {
   void addDenoise(graph::Graph& graph, const FrameInputs& inputs, graph::ImageId depth,
                   std::array<graph::ImageId, 2> hiddenAndResult, uint32_t axis) const;
 
+  bool readsNormals_;
   vk::Handle<VkSampler> sampler_;
   vk::Image none_;
   vk::Pipeline occlusion_;

@@ -2,6 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 // Ambient occlusion of a G-buffer: normals are the layout's own.
 #include "render/glsl/common.glsl"
+#define ONE_SAMPLE
 #define GBUFFER_SAMPLED_ONLY
 #include "render/glsl/gbuffer_read.glsl"
 #include "render/post/ambient_occlusion/gtao.glsl"

@@ -1,0 +1,126 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Parts each pixel's samples by the surface they show, so that a pixel is lit once for each surface: the mark of the
+// pixels that are shaded per sample.
+//
+// A fragment that covers a pixel leaves one value in all its samples: where all are the same to the bit, nothing has to
+// be compared (that is what seed 000's SV_Coverage tells, and it holds where surfaces cut through each other besides).
+// Where they differ, most are still one surface: the triangles of a smooth mesh, or one texture. So two samples show
+// one surface where the first one's plane, extended, passes near the second one's place, and normals, materials and
+// emitted light are about the same.
+#define MULTISAMPLED
+#include "render/glsl/common.glsl"
+#define GBUFFER_SAMPLED_ONLY
+#define GBUFFER_NO_SURFACES
+#include "render/glsl/gbuffer_read.glsl"
+
+layout(local_size_x = 16, local_size_y = 16) in;
+layout(set = 0, binding = GBUFFER_BINDINGS, r32ui) uniform writeonly uimage2DArray surfacesTarget;
+
+struct SurfacesPush {
+  uint64_t frame;  // FrameConstants
+};
+layout(push_constant, scalar) uniform Push {
+  SurfacesPush push;
+};
+
+// Differences that one surface may have within a pixel. Looser ones lose edges, closer ones take curved surfaces and
+// textures for edges: docs/antialiasing.md has what these cost and leave.
+const float kLeastCosine = 0.97;  // of two normals: 14 degrees
+const float kMostAlbedo = 0.06;   // linear colour, f0, metalness times a half
+const float kMostRoughness = 0.12;
+const float kMostOcclusion = 0.12;
+const float kMostEmitted = 0.06;  // of the brighter one, and of white
+const float kMostOffset = 1.5;    // from the plane, pixels
+const float kMostSlope = 0.1;     // and of the distance between the two
+
+struct Sample {
+  float depth;
+  vec4 light;
+  Surface s;
+};
+
+// The size of a pixel at that depth, metres.
+float pixelSize(View view, float depth) {
+  float size = 2.0 / (view.projection.V * view.size.y);
+  return view.projection.kind == kPerspective ? size * viewDepth(view.projection, depth) : size;
+}
+
+float largest(vec3 v) {
+  return max(v.x, max(v.y, v.z));
+}
+
+bool sameMaterial(Sample a, Sample b) {
+  float albedo = max(largest(abs(a.s.baseColor - b.s.baseColor)), largest(abs(a.s.f0 - b.s.f0)));
+  albedo = max(albedo, 0.5 * abs(a.s.metallic - b.s.metallic));
+  bool same = albedo <= kMostAlbedo && abs(a.s.roughness - b.s.roughness) <= kMostRoughness;
+  float brighter = max(largest(a.light.rgb), largest(b.light.rgb));
+  same = same && largest(abs(a.light.rgb - b.light.rgb)) <= kMostEmitted * max(brighter, 1.0);
+  return same && abs(a.s.ao - b.s.ao) <= kMostOcclusion && a.s.flags == b.s.flags;
+}
+
+bool sameSurface(Sample a, Sample b, float size) {
+  vec3 between = b.s.position - a.s.position;
+  float offset = abs(dot(between, a.s.normal));
+  bool near = offset <= kMostOffset * size + kMostSlope * length(between);
+  return near && dot(a.s.normal, b.s.normal) >= kLeastCosine && sameMaterial(a, b);
+}
+
+// Whether all samples hold what the first one does.
+bool allAlike(ivec3 pixel) {
+  GbufferTexel first = readTexel(pixel, 0);
+  vec4 light = texelFetch(lightOfSamples, pixel, 0);
+  bool alike = true;
+  for (int i = 1; i < 4; ++i) {
+    GbufferTexel other = readTexel(pixel, i);
+#define SAME_TARGET(index, name, format, type, channels) alike = alike && first.name == other.name;
+    GBUFFER_TARGETS(SAME_TARGET)
+    alike = alike && light == texelFetch(lightOfSamples, pixel, i);
+  }
+  return alike;
+}
+
+Sample readSample(View view, ivec3 pixel, int index, float depth) {
+  Sample r;
+  r.depth = depth;
+  r.light = texelFetch(lightOfSamples, pixel, index);
+  r.s = unpackSurface(view, vec2(pixel.xy) + kSamplePlaces[index], readTexel(pixel, index), depth, r.light.a);
+  return r;
+}
+
+// Each sample joins the first surface whose first sample it is like.
+uint partSamples(View view, ivec3 pixel, vec4 depths) {
+  Sample samples[4];
+  for (int i = 0; i < 4; ++i) samples[i] = readSample(view, pixel, i, depths[i]);
+  float size = pixelSize(view, max(max(depths.x, depths.y), max(depths.z, depths.w)));
+  uint surfaces = 0u, joined = 0u, count = 0u;
+  for (int i = 0; i < 4; ++i) {
+    uint members = 0u;
+    for (int j = i; j < 4; ++j) {
+      bool waits = depths[j] != 0.0 && depths[i] != 0.0 && ((joined >> i | joined >> j) & 1u) == 0u;
+      bool same = j == i || (kEverySample == 0u && sameSurface(samples[i], samples[j], size));
+      if (waits && same) members |= 1u << j;
+    }
+    joined |= members;
+    surfaces |= members << (4u * count);
+    if (members != 0u) ++count;
+  }
+  return surfaces;
+}
+
+void main() {
+  ivec3 pixel = ivec3(gl_GlobalInvocationID);
+  View view = frameView(FrameRef(push.frame).v, pixel.z);
+  if (any(greaterThanEqual(vec2(pixel.xy), view.size))) return;
+  vec4 depths;
+  uint covered = 0u;
+  for (int i = 0; i < 4; ++i) {
+    depths[i] = texelFetch(gbufferDepth, pixel, i).r;
+    if (depths[i] != 0.0) covered |= 1u << i;
+  }
+  bool part = bitCount(covered) > 1 && (kEverySample != 0u || covered != 15u || !allAlike(pixel));
+  uint surfaces = covered;
+  // A loop, since lavapipe runs a branch whether any lane takes it or not.
+  for (; part; part = false) surfaces = partSamples(view, pixel, depths);
+  imageStore(surfacesTarget, pixel, uvec4(surfaces));
+}

@@ -1,0 +1,13 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// As volume.frag, a fragment a sample: where a pixel's samples show different surfaces.
+#define MULTISAMPLED
+#include "render/glsl/common.glsl"
+#define GBUFFER_SAMPLED_ONLY
+#include "render/glsl/gbuffer_read.glsl"
+#include "render/lighting/volumes/volume_light.glsl"
+
+void main() {
+  ivec3 pixel = ivec3(ivec2(gl_FragCoord.xy), int(push.view));
+  lightSurface(pixel, surfaceWithSample(texelFetch(pixelSurfaces, pixel, 0).r, uint(gl_SampleID)));
+}

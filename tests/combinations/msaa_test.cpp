@@ -1,0 +1,100 @@
+// Four samples a pixel with every layout and every technique: all light the same surfaces of a pixel, so all agree.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "combinations/scene.h"
+#include "render/gbuffer/layout.h"
+#include "render/lighting/technique.h"
+#include "render/support.h"
+
+namespace latelight::render::test {
+namespace {
+
+using output::Aov;
+using Values = std::vector<float>;  // RGBA, linear
+
+constexpr uint32_t kWidth = 48, kHeight = 27;
+
+class MsaaCombinations : public RenderTest, public testing::WithParamInterface<std::string> {
+ protected:
+  struct Stage {
+    scene::Scene scene = everyKind();
+    scene::Environment environment = constantEnvironment();
+    Renderer renderer;
+    explicit Stage(vk::Device& device) : renderer(device, scene, &environment) {}
+  };
+  static void SetUpTestSuite() {
+    if (!stage) stage = std::make_unique<Stage>(device());
+  }
+  static void TearDownTestSuite() { stage.reset(); }
+
+  static output::FrameOutput render(const std::string& layout, const std::string& technique, uint32_t samples = 4) {
+    Settings settings = settingsOf(kWidth, kHeight, {Aov::Color});
+    settings.display = true;
+    settings.environmentIntensity = 0.15f;
+    settings.layout = layout;
+    settings.lighting = technique;
+    settings.samples = samples;
+    return std::move(stage->renderer.render(stage->scene.cameras, settings).front());
+  }
+  static std::unique_ptr<Stage> stage;
+};
+std::unique_ptr<MsaaCombinations::Stage> MsaaCombinations::stage;
+
+int worstDifference(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
+  int worst = a.size() == b.size() ? 0 : 256;
+  for (size_t i = 0; i < std::min(a.size(), b.size()); ++i) worst = std::max(worst, std::abs(a[i] - b[i]));
+  return worst;
+}
+
+size_t partlyCovered(const output::FrameOutput& frame) {
+  const Values& color = imageOf(frame, Aov::Color).values;
+  size_t count = 0;
+  for (size_t i = 3; i < color.size(); i += 4) count += color[i] > 0 && color[i] < 1;
+  return count;
+}
+
+TEST_P(MsaaCombinations, LightsAlikeByEveryDeferredTechnique) {
+  const std::string layout = findLayout(GetParam()).name;
+  const output::FrameOutput expected = render(layout, "fullscreen");
+  EXPECT_GT(partlyCovered(expected), 10u);
+  EXPECT_GT(worstDifference(expected.display, render(layout, "fullscreen", 1).display), 32);  // smooth edges
+  for (const TechniqueInfo& technique : techniques()) {
+    if (technique.forward || technique.name == "fullscreen") continue;
+    EXPECT_LE(worstDifference(render(layout, technique.name).display, expected.display), 1) << technique.name;
+  }
+}
+
+std::vector<std::string> layoutNames() {
+  std::vector<std::string> names;
+  for (const Layout& layout : layouts()) names.push_back(layout.name);
+  return names;
+}
+INSTANTIATE_TEST_SUITE_P(All, MsaaCombinations, testing::ValuesIn(layoutNames()),
+                         [](const testing::TestParamInfo<std::string>& info) { return findLayout(info.param).file; });
+
+// Forward techniques shade each fragment; a deferred one each surface, in one place where fragments are of one surface.
+// So they agree with one another, and with the layout that loses nothing but where a surface's own detail is finer than
+// a pixel.
+using MsaaForward = MsaaCombinations;
+TEST_F(MsaaForward, LightsAlikeByBothTechniques) {
+  const output::FrameOutput forward = render("plain", "forward"), multipass = render("plain", "forward-multipass");
+  EXPECT_GT(partlyCovered(forward), 10u);
+  EXPECT_LE(worstDifference(forward.display, multipass.display), 1);
+  const Values& a = imageOf(forward, Aov::Color).values;
+  const output::FrameOutput deferred = render("plain", "fullscreen");
+  const Values& b = imageOf(deferred, Aov::Color).values;
+  double sum = 0;
+  for (size_t i = 0; i < a.size(); ++i) {
+    sum += std::abs(std::min(a[i], 1.0f) - std::min(b[i], 1.0f));
+    if (i % 4 == 3) ASSERT_EQ(a[i], b[i]) << "coverage of pixel " << i / 4;
+  }
+  fmt::print("forward and fullscreen differ by {:.5f} in the mean\n", sum / static_cast<double>(a.size()));
+  EXPECT_LT(sum / static_cast<double>(a.size()), 0.003);
+}
+
+}  // namespace
+}  // namespace latelight::render::test
