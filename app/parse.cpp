@@ -74,7 +74,17 @@ uint32_t parseSuperSampling(const std::string& text) {
   if (text == "none") return 1;
   if (text.starts_with("ss"))
     if (auto n = parseNumber<uint32_t>(std::string_view(text).substr(2)); n && *n >= 1 && *n <= 16) return *n;
-  badUsage("--aa takes none, or ss1 to ss16 as in ss4, not \"{}\"", text);
+  badUsage("--aa takes none, taa, or ss1 to ss16 as in ss4, not \"{}\"", text);
+}
+
+std::pair<uint32_t, uint32_t> parseFrames(const std::string& text) {
+  const std::string_view all = text;
+  const size_t dash = std::min(all.find('-'), all.size());
+  const auto first = parseNumber<uint32_t>(all.substr(0, dash));
+  const auto last = dash == all.size() ? first : parseNumber<uint32_t>(all.substr(dash + 1));
+  if (!first || !last || *last < *first || *last == ~0u)
+    badUsage("--frames takes the first and the last frame's number, as in 0-47, not \"{}\"", text);
+  return {*first, *last};
 }
 
 std::optional<size_t> parseIndex(const std::string& text) {

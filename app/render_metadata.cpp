@@ -29,7 +29,7 @@ output::CameraMetadata describeCamera(const scene::Camera& camera, const scene::
 
 std::map<std::string, std::string> describeSettings(const RenderOptions& o, const std::string& environment) {
   const render::Settings& s = o.settings;
-  return {{"size", fmt::format("{}x{}", s.width, s.height)},
+  std::map<std::string, std::string> settings = {{"size", fmt::format("{}x{}", s.width, s.height)},
           {"layout", s.layout},
           {"normals", s.normals},
           {"normal-space", s.normalSpace},
@@ -44,6 +44,12 @@ std::map<std::string, std::string> describeSettings(const RenderOptions& o, cons
           {"hdri-rotate", fmt::format("{}", o.hdriRotate)},
           {"hdri-intensity", fmt::format("{}", s.environmentIntensity)},
           {"background", o.background}};
+  if (o.time) settings["time"] = fmt::format("{}", *o.time);
+  if (o.time || o.turn != 0) settings["fps"] = fmt::format("{}", o.fps);
+  if (!o.animation.empty()) settings["animation"] = o.animation;
+  if (o.loop) settings["loop"] = "true";
+  if (o.turn != 0) settings["turn"] = fmt::format("{}", o.turn);
+  return settings;
 }
 
 }  // namespace

@@ -10,7 +10,8 @@ namespace latelight::app {
 void parseSettings(RenderOptions& o) {
   render::Settings& s = o.settings;
   std::tie(s.width, s.height) = parseSize(o.size);
-  s.superSampling = parseSuperSampling(o.aa);
+  s.temporal = o.aa == "taa";
+  s.superSampling = s.temporal ? 1 : parseSuperSampling(o.aa);
   s.environmentRotation = static_cast<float>(o.hdriRotate * M_PI / 180.0);
   if (o.background == "hdri")
     s.background = render::Background::Environment;
@@ -29,14 +30,15 @@ void parseSettings(RenderOptions& o) {
     badUsage("--normals means nothing to the layout {}, which keeps normals as {}", layout.name, layout.fixedNormal);
 }
 
-std::optional<DebugRequest> parseDebug(const std::string& debug) {
+std::optional<DebugRequest> parseDebug(const std::string& debug, bool moving) {
   if (debug.empty()) return std::nullopt;
   DebugRequest request;
   if (debug == "targets") {
     request.targets = true;
   } else if (debug == "sheet") {
     request.sheet = true;
-    for (const output::AovInfo& aov : output::aovs()) request.aovs.push_back(aov.aov);
+    for (const output::AovInfo& aov : output::aovs())
+      if (aov.aov != output::Aov::Motion || moving) request.aovs.push_back(aov.aov);
   } else {
     request.aovs = output::parseAovs(debug == "lights" ? "lights-tested,lights-used" : debug);
     request.sheet = request.aovs.size() > 1;
@@ -63,6 +65,17 @@ void addSceneOptions(CLI::App& c, RenderOptions& o) {
   c.add_option("--frame", o.frame, "Number that fills in {frame}");
 }
 
+void addTimeOptions(CLI::App& c, RenderOptions& o) {
+  c.add_option("--time", o.time, "Seconds into the animation; without it, and without --frames, the scene is at rest");
+  c.add_option("--frames", o.frames, "Frames A-B of a sequence; frame N shows the time N / fps. -o needs {frame}");
+  c.add_option("--fps", o.fps, "Frames a second: of --frames, and of what --aov motion is a frame before and after")
+      ->capture_default_str();
+  c.add_option("--animation", o.animation, "Which one plays: a name, a number, or all; default: the first");
+  c.add_flag("--loop", o.loop, "Times beyond the animation's end begin again; else its ends hold");
+  c.add_option("--turn", o.turn, "Degrees a second that the camera turns about --target or the scene's middle")
+      ->capture_default_str();
+}
+
 void addLookOptions(CLI::App& c, RenderOptions& o) {
   render::Settings& s = o.settings;
   c.add_option("--layout", s.layout, "G-buffer layout (latelight list layouts)")->capture_default_str();
@@ -75,7 +88,7 @@ void addLookOptions(CLI::App& c, RenderOptions& o) {
   c.add_option("--shading", s.shading, "ggx or blinn-phong")->capture_default_str();
   c.add_option("--volumes-order", s.volumesOrder, "How --lighting volumes culls by stencil: classic or killzone")
       ->capture_default_str();
-  c.add_option("--aa", o.aa, "Anti-aliasing: none, or ssN for N x N ordered samples a pixel (ss2, ss4)")
+  c.add_option("--aa", o.aa, "Anti-aliasing: none, taa (temporal), or ssN for N x N ordered samples a pixel (ss2, ss4)")
       ->capture_default_str();
   c.add_option("--hdri", o.hdri,
                "Environment light: a .hdr or .exr file, studio, or none; default: studio where the scene has no light");
@@ -109,6 +122,7 @@ void addOutputOptions(CLI::App& c, RenderOptions& o) {
 
 void addRenderOptions(CLI::App& command, RenderOptions& options) {
   addSceneOptions(command, options);
+  addTimeOptions(command, options);
   addLookOptions(command, options);
   addOutputOptions(command, options);
 }

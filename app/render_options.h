@@ -18,6 +18,10 @@ struct RenderOptions {
   std::optional<double> fov;
   std::string aovs, debug, hdri, background = "transparent", aa = "none", normalFrame = "world", axes = "file";
   std::string device = "auto", graph;
+  std::string animation, frames;
+  std::optional<double> time;
+  double fps = 24, turn = 0;
+  bool loop = false, frameChosen = false;
   double hdriRotate = 0;
   uint32_t frame = 0;
   bool json = false, noSideFile = false, validate = false, normalsChosen = false;
@@ -34,6 +38,7 @@ struct DebugRequest {
   bool sheet = false;
   bool targets = false;  // the layout's own, instead of AOVs
 };
-std::optional<DebugRequest> parseDebug(const std::string& debug);
+// `moving`: whether there is motion to show on the sheet.
+std::optional<DebugRequest> parseDebug(const std::string& debug, bool moving);
 
 }  // namespace latelight::app

@@ -27,8 +27,9 @@ enum class Aov : uint8_t {
   Uv,
   LightsTested,
   LightsUsed,
+  Motion,
 };
-inline constexpr size_t kAovCount = 15;
+inline constexpr size_t kAovCount = 16;
 
 // How an OpenEXR file stores a channel. Half: 11 bits of precision, finite values beyond 65504 are stored as 65504.
 enum class ExrType : uint8_t { Half, Float, Uint };

@@ -38,6 +38,7 @@ constexpr Source kSources[] = {
     {Aov::Ao, "position", 3, 1},
     {Aov::Id, "ids", 0, 1},
     {Aov::Uv, "ids", 1, 2},
+    {Aov::Motion, "motion", 0, 4},  // a target beside the layout's
 };
 
 const Source* findSource(Aov aov) {
@@ -123,11 +124,11 @@ void readLightCounts(output::FrameOutput& to, const vk::Buffer& from, size_t vie
 }
 
 DataReadback::DataReadback(graph::Graph& graph, const Layout& exact, const Gbuffer& gbuffer,
-                           std::span<const Aov> aovs) {
+                           graph::ImageId motion, std::span<const Aov> aovs) {
   auto image = [&](std::string_view target) {
     for (size_t i = 0; i < exact.targets.size(); ++i)
       if (exact.targets[i].name == target) return gbuffer.targets[i];
-    return gbuffer.depth;
+    return target == "motion" ? motion : gbuffer.depth;
   };
   for (Aov aov : aovs) {
     const Source* source = findSource(aov);

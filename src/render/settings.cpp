@@ -61,6 +61,8 @@ void checkSettings(const Settings& s) {
              kMaxSide);
   if (s.superSampling < 1 || s.superSampling > 16)
     badUsage("super-sampling takes 1 to 16 samples along each side, not {}", s.superSampling);
+  if (s.temporal && s.superSampling > 1)
+    badUsage("temporal anti-aliasing and super-sampling each choose the samples of a pixel; use one of them");
   if (!std::isfinite(s.exposure) || std::abs(s.exposure) > 60)
     badUsage("the exposure must be a number between -60 and 60 EV, not {}", s.exposure);
   if (!std::isfinite(s.environmentIntensity) || s.environmentIntensity < 0)

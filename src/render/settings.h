@@ -25,6 +25,7 @@ struct Settings {
   std::string tonemap = "khronos";
   std::string volumesOrder = "classic";  // of the lighting technique `volumes`
   uint32_t superSampling = 1;            // N: N x N ordered samples a pixel, in N * N frames
+  bool temporal = false;                 // temporal anti-aliasing; not together with super-sampling
   float exposure = 0;                    // EV: radiance is multiplied by 2^exposure
   float environmentIntensity = 1;
   float environmentRotation = 0;  // radians about the up axis, +X towards +Z of the glTF frame

@@ -19,6 +19,7 @@ struct Surface {
   vec3 emissive;
   float ao;    // 1: unoccluded
   vec2 uv;     // UV set 0
+  vec2 motion;  // pixels, y down, without jitter: to where it was a frame before
   uint id;     // 0: background
   uint flags;  // kSurface*
 };
@@ -37,6 +38,7 @@ SH_FUNC Surface emptySurface() {
   s.emissive = vec3(0.0f, 0.0f, 0.0f);
   s.ao = 1.0f;
   s.uv = vec2(0.0f, 0.0f);
+  s.motion = vec2(0.0f, 0.0f);
   s.id = 0u;
   s.flags = 0u;
   return s;

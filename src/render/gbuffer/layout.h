@@ -37,6 +37,7 @@ struct Layout {
   std::vector<LayoutTarget> targets;
   const char* fixedNormal;    // how it keeps normals whatever the encoding chosen; null where it follows that
   const char* fixedPosition;  // how it keeps positions; null where they are made from depth, by the method chosen
+  bool keepsMotion;           // stores Surface::motion
   // Of the design that the layout follows; frames here have kDepthFormat and kLightFormat beside every layout.
   VkFormat originalDepth, originalLight;
   // The layout's pack and unpack as C++; one value a target, in their order.

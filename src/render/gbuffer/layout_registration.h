@@ -64,6 +64,11 @@ constexpr VkFormat VK_FORMAT_NORMAL32 = VK_FORMAT_UNDEFINED;
 #ifndef GBUFFER_FIXED_POSITION
 #define GBUFFER_FIXED_POSITION nullptr
 #endif
+#ifdef GBUFFER_KEEPS_MOTION
+constexpr bool kKeepsMotion = true;
+#else
+constexpr bool kKeepsMotion = false;
+#endif
 #define FORMAT_(name) VK_FORMAT_##name
 #define FORMAT(name) FORMAT_(name)
 #ifdef GBUFFER_DEPTH_FORMAT
@@ -90,6 +95,7 @@ Layout LAYOUT_MAKER(LATELIGHT_LAYOUT)() {
           .targets = {GBUFFER_TARGETS(TARGET)},
           .fixedNormal = GBUFFER_FIXED_NORMAL,
           .fixedPosition = GBUFFER_FIXED_POSITION,
+          .keepsMotion = kKeepsMotion,
           .originalDepth = kOriginalDepth,
           .originalLight = kOriginalLight,
           .pack = packTarget,

@@ -1,8 +1,10 @@
-#version 460
-#extension GL_GOOGLE_include_directive : require
+// The vertex shader of scene draws. MOTION before the include: where the vertex was and will be besides.
 #define VERTEX_STAGE
 #include "render/glsl/common.glsl"
 #include "render/glsl/varyings.glsl"
+#ifdef MOTION
+#include "render/glsl/motion_varyings.glsl"
+#endif
 
 // The geometry pass compares for equality with the depth that the depth pass left.
 invariant gl_Position;
@@ -35,4 +37,7 @@ void main() {
     varyingColor = extra.color;
   }
   varyingInstance = gl_InstanceIndex;
+#ifdef MOTION
+  passMotion(frame, view, mesh, world);
+#endif
 }
