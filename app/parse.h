@@ -14,10 +14,10 @@ namespace latelight::app {
 
 std::pair<uint32_t, uint32_t> parseSize(const std::string& text, const char* option = "--size");  // "1280x720"
 glm::vec3 parseVector(const std::string& option, const std::string& text);                        // "x,y,z"
-glm::vec3 parseColor(const std::string& text);              // "#rrggbb" or "r,g,b" sRGB -> linear
-uint32_t parseSuperSampling(const std::string& text);       // "none" -> 1, "ss4" -> 4
+glm::vec3 parseColor(const std::string& text);                       // "#rrggbb" or "r,g,b" sRGB -> linear
+uint32_t parseSuperSampling(const std::string& text);                // "none" -> 1, "ss4" -> 4
 std::pair<uint32_t, uint32_t> parseFrames(const std::string& text);  // "0-47", or "5"
-std::optional<size_t> parseIndex(const std::string& text);  // a whole number, or nothing
+std::optional<size_t> parseIndex(const std::string& text);           // a whole number, or nothing
 
 struct Orbit {
   float azimuth, elevation;       // radians

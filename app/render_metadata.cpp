@@ -30,20 +30,20 @@ output::CameraMetadata describeCamera(const scene::Camera& camera, const scene::
 std::map<std::string, std::string> describeSettings(const RenderOptions& o, const std::string& environment) {
   const render::Settings& s = o.settings;
   std::map<std::string, std::string> settings = {{"size", fmt::format("{}x{}", s.width, s.height)},
-          {"layout", s.layout},
-          {"normals", s.normals},
-          {"normal-space", s.normalSpace},
-          {"position", s.position},
-          {"lighting", s.lighting},
-          {"shading", s.shading},
-          {"tonemap", s.tonemap},
-          {"volumes-order", s.volumesOrder},
-          {"aa", o.aa},
-          {"exposure", fmt::format("{}", s.exposure)},
-          {"hdri", environment.empty() ? "none" : environment},
-          {"hdri-rotate", fmt::format("{}", o.hdriRotate)},
-          {"hdri-intensity", fmt::format("{}", s.environmentIntensity)},
-          {"background", o.background}};
+                                                 {"layout", s.layout},
+                                                 {"normals", s.normals},
+                                                 {"normal-space", s.normalSpace},
+                                                 {"position", s.position},
+                                                 {"lighting", s.lighting},
+                                                 {"shading", s.shading},
+                                                 {"tonemap", s.tonemap},
+                                                 {"volumes-order", s.volumesOrder},
+                                                 {"aa", o.aa},
+                                                 {"exposure", fmt::format("{}", s.exposure)},
+                                                 {"hdri", environment.empty() ? "none" : environment},
+                                                 {"hdri-rotate", fmt::format("{}", o.hdriRotate)},
+                                                 {"hdri-intensity", fmt::format("{}", s.environmentIntensity)},
+                                                 {"background", o.background}};
   if (o.time) settings["time"] = fmt::format("{}", *o.time);
   if (o.time || o.turn != 0) settings["fps"] = fmt::format("{}", o.fps);
   if (!o.animation.empty()) settings["animation"] = o.animation;

@@ -101,7 +101,8 @@ fs::path standingFolder(const fs::path& pattern) {
   }
   std::error_code ignored;
   if (hasPlaceholder(pattern.string(), "frame"))
-    while (!folder.empty() && folder != folder.root_path() && !fs::exists(folder, ignored)) folder = folder.parent_path();
+    while (!folder.empty() && folder != folder.root_path() && !fs::exists(folder, ignored))
+      folder = folder.parent_path();
   return folder.empty() ? fs::path(".") : folder;
 }
 

@@ -123,8 +123,8 @@ void readLightCounts(output::FrameOutput& to, const vk::Buffer& from, size_t vie
   }
 }
 
-DataReadback::DataReadback(graph::Graph& graph, const Layout& exact, const Gbuffer& gbuffer,
-                           graph::ImageId motion, std::span<const Aov> aovs) {
+DataReadback::DataReadback(graph::Graph& graph, const Layout& exact, const Gbuffer& gbuffer, graph::ImageId motion,
+                           std::span<const Aov> aovs) {
   auto image = [&](std::string_view target) {
     for (size_t i = 0; i < exact.targets.size(); ++i)
       if (exact.targets[i].name == target) return gbuffer.targets[i];

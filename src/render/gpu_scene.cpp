@@ -67,7 +67,8 @@ shared::Light deviceLight(const scene::Light& light, float exposure) {
 
 }  // namespace
 
-GpuScene::GpuScene(vk::Device& device, const scene::Scene& scene) : device_(device), scene_(scene), sceneLights_(scene.lights) {
+GpuScene::GpuScene(vk::Device& device, const scene::Scene& scene)
+    : device_(device), scene_(scene), sceneLights_(scene.lights) {
   vk::Uploader uploader(device);
   uploadMeshes(uploader, scene);
   order_ = drawOrder(scene);
@@ -176,8 +177,8 @@ void GpuScene::setPoses(const Poses& poses) {
     deformer_->run(poses);
     deformer_->describe(meshes);
   }
-  const bool lightsMove = std::any_of(sceneLights_.begin(), sceneLights_.end(),
-                                      [](const scene::Light& light) { return light.node >= 0; });
+  const bool lightsMove =
+      std::any_of(sceneLights_.begin(), sceneLights_.end(), [](const scene::Light& light) { return light.node >= 0; });
   if (lightsMove) sceneLights_ = scene::posedLights(scene_, poses.current);
   vk::Uploader uploader(device_);
   uploader.upload(meshes_, bytesOf(meshes));

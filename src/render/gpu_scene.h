@@ -76,7 +76,7 @@ class GpuScene {
   // A frame before and after, in the order of the device; none while nothing moves.
   vk::Buffer previousInstances_, nextInstances_;
   std::vector<shared::Instance> hostInstances_;
-  std::vector<uint32_t> order_;         // of the instances on the device, their places in the scene
+  std::vector<uint32_t> order_;  // of the instances on the device, their places in the scene
   bool posed_ = false;
   std::vector<uint32_t> firstIndices_;  // a mesh's first index in indices_
   std::vector<shared::Material> materials_;

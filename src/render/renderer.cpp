@@ -115,16 +115,14 @@ std::vector<output::FrameOutput> Renderer::render(std::span<const scene::Camera>
   std::vector<output::FrameOutput> pictures;
   const size_t atOnce = viewsAtOnce(settings);
   for (size_t first = 0; first < cameras.size(); first += atOnce) {
-    std::vector<output::FrameOutput> some =
-        renderViews(views.part(first, std::min(atOnce, cameras.size() - first)), settings,
-                    moment.continues && atOnce >= cameras.size());
+    std::vector<output::FrameOutput> some = renderViews(views.part(first, std::min(atOnce, cameras.size() - first)),
+                                                        settings, moment.continues && atOnce >= cameras.size());
     std::move(some.begin(), some.end(), std::back_inserter(pictures));
   }
   return pictures;
 }
 
-std::vector<output::FrameOutput> Renderer::renderViews(const Views& views, const Settings& settings,
-                                                       bool continues) {
+std::vector<output::FrameOutput> Renderer::renderViews(const Views& views, const Settings& settings, bool continues) {
   Job job{.cameras = views, .settings = settings};
   job.continues = continues && history_.fits(settings.width, settings.height, views.now.size());
   job.pictures.resize(views.now.size());
@@ -236,9 +234,10 @@ graph::ImageId Renderer::addTemporal(graph::Graph& graph, const FrameInputs& inp
     post_->temporal.reset(
         new PostPasses::Temporal{TemporalPass(device_), MotionPass(device_, gpuScene_, MotionUse::Reproject)});
   const PostPasses::Temporal& temporal = *post_->temporal;
-  if (begins) return temporal.blend.begin(graph, inputs, picture, lit.gbuffer.depth, history_);
-  const graph::ImageId motion = temporal.motion.add(graph, inputs, lit.gbuffer.depth);
-  return temporal.blend.resume(graph, inputs, picture, lit.gbuffer.depth, motion, history_);
+  const TemporalPass::Sources sources{picture, lit.gbuffer.depth,
+                                      temporal.motion.add(graph, inputs, lit.gbuffer.depth)};
+  return begins ? temporal.blend.begin(graph, inputs, sources, history_)
+                : temporal.blend.resume(graph, inputs, sources, history_);
 }
 
 void Renderer::renderColor(Job& job) {
@@ -328,8 +327,7 @@ void Renderer::renderData(Job& job) {
     readback.read(done, job.views[view], view, job.settings, scene_.yUp && !job.settings.zUp, job.pictures[view]);
 }
 
-output::RawGbuffer Renderer::readTargets(const scene::Camera& camera, const Settings& settings,
-                                         const Moment& moment) {
+output::RawGbuffer Renderer::readTargets(const scene::Camera& camera, const Settings& settings, const Moment& moment) {
   begin(settings, moment);
   if (findTechnique(settings.lighting).forward)
     badUsage("{} lighting has no G-buffer whose targets could be shown: choose a deferred technique",

@@ -34,8 +34,7 @@ struct Place {
 
 // Before the first key and after the last the ends hold (glTF 2.0, 3.11).
 Place placeOf(const std::vector<float>& times, double seconds) {
-  const size_t after =
-      static_cast<size_t>(std::upper_bound(times.begin(), times.end(), seconds) - times.begin());
+  const size_t after = static_cast<size_t>(std::upper_bound(times.begin(), times.end(), seconds) - times.begin());
   if (after == 0) return {0, 0, 0};
   if (after == times.size()) return {after - 1, 0, 0};
   const double from = times[after - 1], span = times[after] - from;
@@ -118,8 +117,7 @@ Pose poseOf(const Rig& rig, std::vector<RigNode> nodes) {
   pose.world.resize(nodes.size());
   for (uint32_t index : rig.order) {
     const RigNode& node = nodes[index];
-    const dmat4 local =
-        node.hasMatrix ? node.matrix : composeTransform(node.translation, node.rotation, node.scale);
+    const dmat4 local = node.hasMatrix ? node.matrix : composeTransform(node.translation, node.rotation, node.scale);
     pose.world[index] = node.parent < 0 ? local : pose.world[static_cast<size_t>(node.parent)] * local;
   }
   for (RigNode& node : nodes) pose.weights.push_back(std::move(node.weights));

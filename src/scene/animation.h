@@ -68,14 +68,14 @@ struct MorphTarget {  // what is added; each empty, or one a vertex
 
 // How the vertices of a mesh move: morphed first, then skinned.
 struct Deformation {
-  int skin = -1;             // index into Rig::skins; -1: none
-  int weightsNode = -1;      // the node whose weights count, index into Rig::nodes; -1: no morph targets
-  bool flatNormals = false;  // the file has none: those of the triangles, which share no vertices
-  std::vector<glm::vec3> positions;                   // before all of it
-  std::vector<shared::VertexAttributes> attributes;   // texture coordinates stay
-  uint32_t influences = 0;                            // joints a vertex: a multiple of 4, 0 where there is no skin
-  std::vector<uint32_t> joints;                       // of the skin; `influences` a vertex
-  std::vector<float> jointWeights;                    // the same; at least 0, their sum is 1
+  int skin = -1;                     // index into Rig::skins; -1: none
+  int weightsNode = -1;              // the node whose weights count, index into Rig::nodes; -1: no morph targets
+  bool flatNormals = false;          // the file has none: those of the triangles, which share no vertices
+  std::vector<glm::vec3> positions;  // before all of it
+  std::vector<shared::VertexAttributes> attributes;  // texture coordinates stay
+  uint32_t influences = 0;                           // joints a vertex: a multiple of 4, 0 where there is no skin
+  std::vector<uint32_t> joints;                      // of the skin; `influences` a vertex
+  std::vector<float> jointWeights;                   // the same; at least 0, their sum is 1
   std::vector<MorphTarget> targets;
 };
 

@@ -40,7 +40,7 @@ struct Document {
   std::vector<Bytes> views;  // of each bufferView, decompressed
   std::vector<ImageSource> images;
   nlohmann::json animations = nlohmann::json::array();  // as in the file, validated
-  size_t inputBytes = 0;                                 // of all files read
+  size_t inputBytes = 0;                                // of all files read
   Budget budget;
 
   // What `views` and `images` point into.

@@ -159,9 +159,7 @@ class Placer {
   }
 
   // The node itself if an animation moves its weights, else -1.
-  int movedWeights(int node) const {
-    return moved_.contains(uint32_t(node)) ? node : -1;
-  }
+  int movedWeights(int node) const { return moved_.contains(uint32_t(node)) ? node : -1; }
 
   // The place of an equal request, or of this one appended.
   uint32_t find(const MeshRequest& request, const tinygltf::Primitive& primitive) {

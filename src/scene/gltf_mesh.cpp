@@ -104,9 +104,8 @@ void computeBounds(Mesh& mesh) {
 }
 
 // How the mesh moves; null where it has neither a skin nor weights that an animation moves.
-std::shared_ptr<Deformation> readDeformation(const Document& document, const MeshRequest& request,
-                                             const Source& source, const std::vector<uint32_t>& origin,
-                                             const Mesh& mesh) {
+std::shared_ptr<Deformation> readDeformation(const Document& document, const MeshRequest& request, const Source& source,
+                                             const std::vector<uint32_t>& origin, const Mesh& mesh) {
   auto deformation = std::make_shared<Deformation>();
   if (request.skin >= 0) readSkinWeights(document, request.skin, source, origin, *deformation);
   if (request.weightsNode >= 0) {

@@ -17,11 +17,11 @@ struct Surface {
   vec3 f0;          // reflectance of the dielectric at normal incidence, [0, 1]
   float f90;        // reflectance of the dielectric at grazing incidence: KHR_materials_specular's weight
   vec3 emissive;
-  float ao;    // 1: unoccluded
-  vec2 uv;     // UV set 0
+  float ao;     // 1: unoccluded
+  vec2 uv;      // UV set 0
   vec2 motion;  // pixels, y down, without jitter: to where it was a frame before
-  uint id;     // 0: background
-  uint flags;  // kSurface*
+  uint id;      // 0: background
+  uint flags;   // kSurface*
 };
 SH_CONST uint kSurfaceUnlit = 1u;  // KHR_materials_unlit: its baseColor is what leaves it
 

@@ -22,11 +22,11 @@ struct VertexExtra {  // 24 bytes, one a vertex, only for meshes that have a sec
   vec4 color;  // linear, multiplies the base colour
 };
 
-struct Mesh {           // where one mesh's streams lie in device memory
-  uint64_t positions;   // vec3[vertexCount], object space
-  uint64_t attributes;  // VertexAttributes[vertexCount]
-  uint64_t extras;      // VertexExtra[vertexCount], or 0
-  uint64_t indices;     // uint[3 * triangleCount]
+struct Mesh {                  // where one mesh's streams lie in device memory
+  uint64_t positions;          // vec3[vertexCount], object space
+  uint64_t attributes;         // VertexAttributes[vertexCount]
+  uint64_t extras;             // VertexExtra[vertexCount], or 0
+  uint64_t indices;            // uint[3 * triangleCount]
   uint64_t previousPositions;  // as positions, a frame before; the same where nothing deforms them
   uint64_t nextPositions;      // and a frame after
   uint vertexCount;

@@ -53,7 +53,9 @@ GltfBuilder movingBox() {
   std::vector<vec3> wall;
   const int square = b.add("meshes", {{"primitives", json::array({grid(b, 1, wall)})}});
   b.node({{"mesh", square}, {"translation", {0, 0, -4}}, {"scale", {5, 5, 1}}});
-  json animation = animate(b, 0, "rotation", {0, 1}, b.vectors(std::vector<vec4>{{0, 0, 0, 1}, {0, std::sqrt(0.5f), 0, std::sqrt(0.5f)}}), "LINEAR");
+  json animation =
+      animate(b, 0, "rotation", {0, 1},
+              b.vectors(std::vector<vec4>{{0, 0, 0, 1}, {0, std::sqrt(0.5f), 0, std::sqrt(0.5f)}}), "LINEAR");
   json slide = animate(b, 0, "translation", {0, 1}, b.positions({{-1, 0, 0}, {1, 0.5f, 1}}), "LINEAR");
   slide["channels"][0]["sampler"] = 1;
   animation["channels"].push_back(slide["channels"][0]);
@@ -106,7 +108,7 @@ GltfBuilder bendingStrip() {
   b.node({{"name", "lower"}, {"children", {2}}});
   b.add("nodes", {{"name", "upper"}});
   b.add("skins", {{"joints", {1, 2}}});
-  const std::vector<int16_t> turns = {0, 0, 0, 32767, 0, 0, 32767, 0};
+  const std::vector<int16_t> turns = {0, 0, 0, 32767, 23170, 0, 0, 23170};
   const int output = b.accessor(b.view(turns), kShort, "VEC4", 2);
   b.root["accessors"][size_t(output)]["normalized"] = true;
   b.add("animations", animate(b, 2, "rotation", {0, 1}, output, "LINEAR"));

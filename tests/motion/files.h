@@ -10,7 +10,7 @@ namespace latelight::render::test {
 scene::test::GltfBuilder movingBox();
 // A square whose one morph target bends it, its weight from 0 to 1 in a second by a cubic spline.
 scene::test::GltfBuilder morphingSquare();
-// A strip along Y with two joints, of which the upper turns about Z by half a turn in a second; eight influences a
+// A strip along Y with two joints, of which the upper turns about X by a quarter in a second; eight influences a
 // vertex, of which sets 0 and 1 both count.
 scene::test::GltfBuilder bendingStrip();
 

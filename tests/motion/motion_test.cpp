@@ -51,7 +51,8 @@ class MotionTest : public RenderTest {
       if (!(std::abs(depth[i] - expected[i].depth) <= 1e-4 * expected[i].depth)) continue;
       ++compared;
       const dvec2 backward(motion[4 * i], motion[4 * i + 1]), forward(motion[4 * i + 2], motion[4 * i + 3]);
-      worst = std::max({worst, glm::length(backward - expected[i].backward), glm::length(forward - expected[i].forward)});
+      worst =
+          std::max({worst, glm::length(backward - expected[i].backward), glm::length(forward - expected[i].forward)});
       longest = std::max({longest, glm::length(expected[i].backward), glm::length(expected[i].forward)});
     }
     fmt::print("{}: {} of {} pixels, worst {:.5f} px of up to {:.2f}\n", scene.name, compared, drawn, worst, longest);
@@ -105,8 +106,8 @@ TEST_F(MotionTest, BoxMovesAsItsAnimationSays) {
   const Moment moment = momentOf(scene, 0.5);
   const scene::Camera camera = frontPerspective(0.9f, 5);
   Renderer renderer(device(), scene, nullptr);
-  const output::FrameOutput frame =
-      std::move(renderer.render({&camera, 1}, settingsOf(kWidth, kHeight, {Aov::Motion, Aov::Position}), moment).front());
+  const output::FrameOutput frame = std::move(
+      renderer.render({&camera, 1}, settingsOf(kWidth, kHeight, {Aov::Motion, Aov::Position}), moment).front());
   const size_t pixel = kHeight / 2 * kWidth + kWidth / 2;
   const glm::dvec3 p(vec3At(imageOf(frame, Aov::Position), pixel));  // glTF's frame
   const auto boxAt = [](double t) {  // linear in time, whatever the interpolation of its turn: slerp is even
@@ -149,8 +150,10 @@ TEST_F(MotionTest, BackgroundMovesWithTheCamerasTurn) {
   const output::FrameOutput frame =
       std::move(renderer.render({&camera, 1}, settingsOf(kWidth, kHeight, {Aov::Motion}), moment).front());
   const size_t pixel = 30 * kWidth + 40;
-  const glm::dvec3 far = glm::dvec3(camera.toWorld * glm::vec4((40.5 - kWidth / 2.0) / (kHeight * 0.5 / std::tan(0.45)), 1,
-                                                               (kHeight / 2.0 - 30.5) / (kHeight * 0.5 / std::tan(0.45)), 0)) * 1e9;
+  const glm::dvec3 far =
+      glm::dvec3(camera.toWorld * glm::vec4((40.5 - kWidth / 2.0) / (kHeight * 0.5 / std::tan(0.45)), 1,
+                                            (kHeight / 2.0 - 30.5) / (kHeight * 0.5 / std::tan(0.45)), 0)) *
+      1e9;
   const dvec2 expected = pixelOf(moment.previousCameras[0], kWidth, kHeight, far) - dvec2(40.5, 30.5);
   const float* motion = &imageOf(frame, Aov::Motion).values[4 * pixel];
   EXPECT_NEAR(motion[0], expected.x, 0.01);
@@ -186,7 +189,8 @@ TEST_F(MotionTest, Killzone2KeepsMotionInItsEightBits) {
   EXPECT_GT(moved, 500u);
 }
 
-// A skinned mesh that leaves where it was at rest is not culled with it, and the device's vertices lie where the CPU's do.
+// A skinned mesh that leaves where it was at rest is not culled with it, and the device's vertices lie where the CPU's
+// do.
 TEST_F(MotionTest, DevicesVerticesLieWhereTheCpusDo) {
   for (const auto& file : {morphingSquare(), bendingStrip()}) {
     const scene::Scene scene = file.load();
@@ -215,8 +219,9 @@ TEST_F(MotionTest, DevicesVerticesLieWhereTheCpusDo) {
     for (size_t i = 0; i < a.size(); ++i) {
       if (!std::isfinite(b[i])) continue;
       ++drawn;
-      const bool same = std::abs(a[i] - b[i]) <= 1e-5f * b[i] &&
-                        glm::length(vec3At(imageOf(frame, Aov::Normal), i) - vec3At(imageOf(expected, Aov::Normal), i)) <= 1e-4f;
+      const bool same =
+          std::abs(a[i] - b[i]) <= 1e-5f * b[i] &&
+          glm::length(vec3At(imageOf(frame, Aov::Normal), i) - vec3At(imageOf(expected, Aov::Normal), i)) <= 1e-4f;
       apart += !same;
     }
     EXPECT_GT(drawn, 500u);

@@ -10,7 +10,7 @@
 namespace latelight::render::test {
 
 struct ReferencePixel {
-  double depth = 0;                 // along the view axis; 0: nothing is there
+  double depth = 0;                    // along the view axis; 0: nothing is there
   glm::dvec2 backward{0}, forward{0};  // pixels, y down
 };
 

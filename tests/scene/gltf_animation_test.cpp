@@ -2,8 +2,8 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
-#include <functional>
 #include <cmath>
+#include <functional>
 #include <random>
 
 #include "gltf_compressed_files.h"
@@ -45,8 +45,9 @@ TEST(Animation, StepsHoldAndLinesGoStraight) {
 }
 
 TEST(Animation, EndsHoldOrBeginAgain) {
-  const Scene scene =
-      animated("translation", {0, 2}, "LINEAR", [](GltfBuilder& b) { return b.positions({{0, 0, 0}, {2, 0, 0}}); }).load();
+  const Scene scene = animated("translation", {0, 2}, "LINEAR", [](GltfBuilder& b) {
+                        return b.positions({{0, 0, 0}, {2, 0, 0}});
+                      }).load();
   EXPECT_EQ(placeAt(scene, -5), dvec3(0));
   EXPECT_EQ(placeAt(scene, 1e6), dvec3(2, 0, 0));
   EXPECT_EQ(placeAt(scene, 2.5, true), dvec3(0.5, 0, 0));
@@ -81,8 +82,9 @@ TEST(Animation, RotationsGoRoundEvenly) {
 }
 
 TEST(Animation, SparseValuesCount) {
-  GltfBuilder b =
-      animated("scale", {0, 1}, "LINEAR", [](GltfBuilder& g) { return g.positions({{1, 1, 1}, {1, 1, 1}}); });
+  GltfBuilder b = animated("scale", {0, 1}, "LINEAR", [](GltfBuilder& g) {
+    return g.positions({{1, 1, 1}, {1, 1, 1}});
+  });
   const int indices = b.view(std::vector<uint8_t>{1}), values = b.view(std::vector<vec3>{{3, 1, 1}});
   b.root["accessors"].back()["sparse"] = {{"count", 1},
                                           {"indices", {{"bufferView", indices}, {"componentType", 5121}}},
@@ -92,8 +94,9 @@ TEST(Animation, SparseValuesCount) {
 
 // The animation's first pose is the file's own where they agree, to the bit.
 TEST(Animation, AtRestEverythingIsWhereTheFileHasIt) {
-  GltfBuilder b =
-      animated("translation", {0, 1}, "LINEAR", [](GltfBuilder& g) { return g.positions({{1, 2, 3}, {4, 5, 6}}); });
+  GltfBuilder b = animated("translation", {0, 1}, "LINEAR", [](GltfBuilder& g) {
+    return g.positions({{1, 2, 3}, {4, 5, 6}});
+  });
   b.root["nodes"][0]["translation"] = {1, 2, 3};
   b.root["nodes"][0]["rotation"] = {.1, .2, .3, .9};
   b.root["nodes"][0]["children"] = {1};
@@ -115,8 +118,7 @@ TEST(Animation, AtRestEverythingIsWhereTheFileHasIt) {
 }
 
 TEST(Animation, ChosenByNameNumberOrAll) {
-  GltfBuilder b =
-      animated("translation", {0}, "STEP", [](GltfBuilder& g) { return g.positions({{1, 0, 0}}); });
+  GltfBuilder b = animated("translation", {0}, "STEP", [](GltfBuilder& g) { return g.positions({{1, 0, 0}}); });
   json second = b.root["animations"][0];
   second["name"] = "grow";
   second["channels"][0]["target"]["path"] = "scale";
@@ -209,7 +211,8 @@ TEST(MorphTargets, WeightsMoveVerticesAndNormals) {
     return g.accessor(g.view(std::vector<uint8_t>{0, 0, 255, 51}), kUnsignedByte, "SCALAR", 4);
   });
   b.primitive()["attributes"]["NORMAL"] = b.vectors(std::vector<vec3>(3, vec3(0, 0, 1)));
-  const int up = b.positions(std::vector<vec3>(3, vec3(0, 0, 4))), side = b.positions(std::vector<vec3>(3, vec3(5, 0, 0)));
+  const int up = b.positions(std::vector<vec3>(3, vec3(0, 0, 4))),
+            side = b.positions(std::vector<vec3>(3, vec3(5, 0, 0)));
   const int tilt = b.vectors(std::vector<vec3>(3, vec3(0, 2, 0)));
   b.primitive()["targets"] = {{{"POSITION", up}, {"NORMAL", tilt}}, {{"POSITION", side}}};
   b.root["meshes"][0]["weights"] = {0.5, 0};
@@ -269,8 +272,9 @@ TEST(Reach, HoldsWhatItDeforms) {
 
 TEST(Animation, BrokenFilesAreRefusedBySentence) {
   const auto broken = [](const std::function<void(GltfBuilder&, json&)>& breakIt) {
-    GltfBuilder b = animated("translation", {0, 1}, "LINEAR",
-                             [](GltfBuilder& g) { return g.positions({{0, 0, 0}, {1, 0, 0}}); });
+    GltfBuilder b = animated("translation", {0, 1}, "LINEAR", [](GltfBuilder& g) {
+      return g.positions({{0, 0, 0}, {1, 0, 0}});
+    });
     breakIt(b, b.root["animations"][0]);
     return errorOf(b);
   };

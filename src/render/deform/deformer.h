@@ -39,7 +39,7 @@ class Deformer {
     uint32_t mesh;
     const scene::Deformation* deformation;
     scene::Reach reach;
-    uint32_t firstVertex;  // among the vertices of all parts
+    uint32_t firstVertex;                   // among the vertices of all parts
     uint64_t joints, jointWeights, deltas;  // byte offsets
   };
   struct Palette;  // joint matrices and weights of all parts and poses, on the host

@@ -10,9 +10,9 @@ layout(set = 0, binding = 0) uniform sampler2DArray frame;     // jittered; or t
 layout(set = 0, binding = 1) uniform sampler2DArray depth;     // of the jittered frame
 layout(set = 0, binding = 2) uniform sampler2DArray motion;    // to the frame before, pixels
 layout(set = 0, binding = 3) uniform sampler2DArray oldColor;  // what this left a frame before; linear filter
-layout(set = 0, binding = 4) uniform sampler2DArray oldState;  // r: nearness; g: samples in the colour
+layout(set = 0, binding = 4) uniform sampler2DArray oldState;  // r: nearness; g: samples in the colour; b: pixels it moved
 layout(set = 0, binding = 5, rgba32f) uniform writeonly image2DArray newColor;
-layout(set = 0, binding = 6, rg32f) uniform writeonly image2DArray newState;
+layout(set = 0, binding = 6, rgba32f) uniform writeonly image2DArray newState;
 
 layout(push_constant, scalar) uniform Push {
   uint64_t frame;  // FrameConstants
@@ -111,32 +111,33 @@ void main() {
   View view = frameView(FrameRef(push.frame).v, uint(pixel.z));
   vec4 current = texelFetch(frame, pixel, 0) * push.scale;
   float here = nearness(view, pixel);
-  if (push.samples > 0.0) {
-    imageStore(newColor, pixel, current);
-    imageStore(newState, pixel, vec4(here, push.samples, 0.0, 0.0));
-    return;
-  }
-
   Near near = lookAround(view, pixel, size);
   vec2 moved = texelFetch(motion, near.nearest, 0).rg;  // of the nearest, so that edges move with their object (Karis)
-  vec2 before = vec2(pixel.xy) + 0.5 + moved;
-  bool inside = all(greaterThanEqual(before, vec2(0.0))) && all(lessThan(before, vec2(size)));
   float speed = length(moved);
-  float moving = clamp(speed * 4.0, 0.0, 1.0);
-
-  ivec3 from = ivec3(clamp(ivec2(floor(before)), ivec2(0), size - 1), pixel.z);
-  vec2 state = texelFetch(oldState, from, 0).rg;
-  bool uncovered = state.r > near.most * kDepthTolerance + 1e-6 || state.r * kDepthTolerance + 1e-6 < near.least;
-  if (!inside || (uncovered && moving > 0.0)) {
-    imageStore(newColor, pixel, near.smoothed);
-    imageStore(newState, pixel, vec4(here, 1.0, 0.0, 0.0));
+  if (push.samples > 0.0) {
+    imageStore(newColor, pixel, current);
+    imageStore(newState, pixel, vec4(here, push.samples, speed, 0.0));
     return;
   }
 
-  vec4 history = moving > 0.0 ? sampleHistory(before, size, pixel.z) : texelFetch(oldColor, from, 0);
+  vec2 before = vec2(pixel.xy) + 0.5 + moved;
+  bool inside = all(greaterThanEqual(before, vec2(0.0))) && all(lessThan(before, vec2(size)));
+
+  ivec3 from = ivec3(clamp(ivec2(floor(before)), ivec2(0), size - 1), pixel.z);
+  vec3 state = texelFetch(oldState, from, 0).rgb;
+  float moving = clamp(max(speed, state.b) * 4.0, 0.0, 1.0);  // or it did: what left may have left a part of an edge
+  bool uncovered = state.r > near.most * kDepthTolerance + 1e-6 || state.r * kDepthTolerance + 1e-6 < near.least;
+  // Where neither moves, it is a detail thinner than a pixel that this jitter has missed.
+  if (!inside || (uncovered && moving > 0.0)) {
+    imageStore(newColor, pixel, near.smoothed);
+    imageStore(newState, pixel, vec4(here, 1.0, speed, 0.0));
+    return;
+  }
+
+  vec4 history = speed > 0.0 ? sampleHistory(before, size, pixel.z) : texelFetch(oldColor, from, 0);
   vec4 box = toBoxSpace(history);
   history = fromBoxSpace(mix(box, clipToBox(box, near), mix(kStillPull, 1.0, moving)));
   float count = min(state.g + 1.0, mix(kMostStill, kMostMoving, moving));
   imageStore(newColor, pixel, mix(history, current, 1.0 / count));
-  imageStore(newState, pixel, vec4(here, count, 0.0, 0.0));
+  imageStore(newState, pixel, vec4(here, count, speed, 0.0));
 }

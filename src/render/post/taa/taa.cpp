@@ -1,14 +1,12 @@
 #include "render/post/taa/taa.h"
 
-#include <algorithm>
-
 namespace latelight::render {
 
 namespace {
 
-constexpr uint32_t kGroup = 16;  // local_size of taa.comp
+constexpr uint32_t kGroup = 16;                                   // local_size of taa.comp
 constexpr VkFormat kColorFormat = VK_FORMAT_R32G32B32A32_SFLOAT;  // halves would lose what one of 64 samples adds
-constexpr VkFormat kStateFormat = VK_FORMAT_R32G32_SFLOAT;
+constexpr VkFormat kStateFormat = VK_FORMAT_R32G32B32A32_SFLOAT;
 
 // The digits of `index` in that base, behind the point in reverse order.
 float radicalInverse(uint32_t index, uint32_t base) {
@@ -21,13 +19,13 @@ float radicalInverse(uint32_t index, uint32_t base) {
 }
 
 vk::Image makeHistory(vk::Device& device, const FrameInputs& inputs, VkFormat format, const char* name) {
-  return vk::Image(device, {.format = format,
-                            .width = inputs.width,
-                            .height = inputs.height,
-                            .layers = static_cast<uint32_t>(inputs.views.size()),
-                            .usage = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT |
-                                     VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
-                            .name = name});
+  return vk::Image(device,
+                   {.format = format,
+                    .width = inputs.width,
+                    .height = inputs.height,
+                    .layers = static_cast<uint32_t>(inputs.views.size()),
+                    .usage = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
+                    .name = name});
 }
 
 }  // namespace
@@ -55,19 +53,18 @@ bool TemporalHistory::fits(uint32_t width, uint32_t height, size_t views) const 
 TemporalPass::TemporalPass(vk::Device& device)
     : device_(device),
       pipeline_(vk::makePipeline(
-          device,
-          vk::ComputeDesc{.shader = "taa.comp",
-                          .bindings = {vk::Binding::Sampled, vk::Binding::Sampled, vk::Binding::Sampled,
-                                       vk::Binding::Sampled, vk::Binding::Sampled, vk::Binding::Storage,
-                                       vk::Binding::Storage},
-                          .name = "temporal"})),
+          device, vk::ComputeDesc{.shader = "taa.comp",
+                                  .bindings = {vk::Binding::Sampled, vk::Binding::Sampled, vk::Binding::Sampled,
+                                               vk::Binding::Sampled, vk::Binding::Sampled, vk::Binding::Storage,
+                                               vk::Binding::Storage},
+                                  .name = "temporal"})),
       nearest_(vk::makeSampler(device, vk::kNearestSampler)),
       linear_(vk::makeSampler(device, {.mip = VK_SAMPLER_MIPMAP_MODE_NEAREST,
                                        .wrapU = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
                                        .wrapV = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE})) {}
 
-graph::ImageId TemporalPass::begin(graph::Graph& graph, const FrameInputs& inputs, graph::ImageId sum,
-                                   graph::ImageId depth, TemporalHistory& history) const {
+graph::ImageId TemporalPass::begin(graph::Graph& graph, const FrameInputs& inputs, const Sources& sources,
+                                   TemporalHistory& history) const {
   if (!history.fits(inputs.width, inputs.height, inputs.views.size())) {
     for (int i = 0; i < 2; ++i) {
       history.color_[i] = makeHistory(device_, inputs, kColorFormat, "history");
@@ -76,19 +73,21 @@ graph::ImageId TemporalPass::begin(graph::Graph& graph, const FrameInputs& input
   }
   history.filled_ = true;
   history.frames_ = 0;
-  return add(graph, inputs, {sum, depth, sum, sum, sum}, true, history);
+  return add(graph, inputs, sources, {}, history);
 }
 
-graph::ImageId TemporalPass::resume(graph::Graph& graph, const FrameInputs& inputs, graph::ImageId frame,
-                                    graph::ImageId depth, graph::ImageId motion, TemporalHistory& history) const {
+graph::ImageId TemporalPass::resume(graph::Graph& graph, const FrameInputs& inputs, const Sources& sources,
+                                    TemporalHistory& history) const {
   const uint32_t old = history.newest_;
-  const graph::ImageId color = graph.import(history.color_[old], graph::Use::SampledCompute);
-  const graph::ImageId state = graph.import(history.state_[old], graph::Use::SampledCompute);
-  return add(graph, inputs, {frame, depth, motion, color, state}, false, history);
+  return add(graph, inputs, sources,
+             {graph.import(history.color_[old], graph::Use::SampledCompute),
+              graph.import(history.state_[old], graph::Use::SampledCompute)},
+             history);
 }
 
-graph::ImageId TemporalPass::add(graph::Graph& graph, const FrameInputs& inputs, const Sources& sources, bool begins,
+graph::ImageId TemporalPass::add(graph::Graph& graph, const FrameInputs& inputs, const Sources& sources, const Old& old,
                                  TemporalHistory& history) const {
+  const bool begins = !old.color;
   const uint32_t target = 1 - history.newest_;
   const graph::ImageId color = graph.import(history.color_[target], std::nullopt);
   const graph::ImageId state = graph.import(history.state_[target], std::nullopt);
@@ -97,12 +96,11 @@ graph::ImageId TemporalPass::add(graph::Graph& graph, const FrameInputs& inputs,
   history.newest_ = target;
   ++history.frames_;
 
-  std::vector<graph::Access> accesses;
-  std::vector<graph::ImageId> bound{sources.frame, sources.depth, sources.motion, sources.color, sources.state};
-  for (size_t i = 0; i < bound.size(); ++i)
-    if (std::find(bound.begin(), bound.begin() + static_cast<ptrdiff_t>(i), bound[i]) ==
-        bound.begin() + static_cast<ptrdiff_t>(i))
-      accesses.emplace_back(bound[i], graph::Use::SampledCompute);
+  std::vector<graph::Access> accesses{{sources.picture, graph::Use::SampledCompute},
+                                      {sources.depth, graph::Use::SampledCompute},
+                                      {sources.motion, graph::Use::SampledCompute}};
+  if (!begins) accesses.emplace_back(old.color, graph::Use::SampledCompute);
+  if (!begins) accesses.emplace_back(old.state, graph::Use::SampledCompute);
   accesses.emplace_back(color, graph::Use::StorageWrite);
   accesses.emplace_back(state, graph::Use::StorageWrite);
   const float samples = begins ? static_cast<float>(kTemporalSamples) : 0.0f;
@@ -111,9 +109,11 @@ graph::ImageId TemporalPass::add(graph::Graph& graph, const FrameInputs& inputs,
       VkDeviceAddress frame;
       float scale, samples;
     } push{inputs.constants, samples > 0 ? 1 / samples : 1.0f, samples};
+    // Something must be bound for the old ones; where a history begins, it is not read.
     std::vector<vk::BoundImage> images;
-    for (graph::ImageId image : bound)
-      images.push_back({context.image(image).arrayView(), image == sources.color ? linear_.get() : nearest_.get()});
+    for (graph::ImageId image : {sources.picture, sources.depth, sources.motion, begins ? sources.picture : old.color,
+                                 begins ? sources.picture : old.state})
+      images.push_back({context.image(image).arrayView(), image == old.color ? linear_.get() : nearest_.get()});
     images.push_back({context.image(color).arrayView()});
     images.push_back({context.image(state).arrayView()});
     context.commands().bind(pipeline_, images, push);

@@ -34,18 +34,22 @@ class TemporalPass {
  public:
   explicit TemporalPass(vk::Device& device);
 
-  // A history begins with the sum of kTemporalSamples frames, `depth` that of the last. Gives their mean.
-  graph::ImageId begin(graph::Graph& graph, const FrameInputs& inputs, graph::ImageId sum, graph::ImageId depth,
+  // Of a frame; `motion`: MotionUse::Reproject.
+  struct Sources {
+    graph::ImageId picture, depth, motion;
+  };
+  // A history begins with the sum of kTemporalSamples frames, depth and motion those of the last. Gives their mean.
+  graph::ImageId begin(graph::Graph& graph, const FrameInputs& inputs, const Sources& sources,
                        TemporalHistory& history) const;
-  // It goes on with a frame. `motion`: MotionUse::Reproject. Gives the frame without its jitter's edges.
-  graph::ImageId resume(graph::Graph& graph, const FrameInputs& inputs, graph::ImageId frame, graph::ImageId depth,
-                        graph::ImageId motion, TemporalHistory& history) const;
+  // It goes on with a frame. Gives the frame without its jitter's edges.
+  graph::ImageId resume(graph::Graph& graph, const FrameInputs& inputs, const Sources& sources,
+                        TemporalHistory& history) const;
 
  private:
-  struct Sources {
-    graph::ImageId frame, depth, motion, color, state;
+  struct Old {
+    graph::ImageId color, state;
   };
-  graph::ImageId add(graph::Graph& graph, const FrameInputs& inputs, const Sources& sources, bool begins,
+  graph::ImageId add(graph::Graph& graph, const FrameInputs& inputs, const Sources& sources, const Old& old,
                      TemporalHistory& history) const;
 
   vk::Device& device_;
