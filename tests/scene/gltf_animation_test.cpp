@@ -101,7 +101,7 @@ TEST(Animation, AtRestEverythingIsWhereTheFileHasIt) {
   b.root["nodes"][0]["rotation"] = {.1, .2, .3, .9};
   b.root["nodes"][0]["children"] = {1};
   b.add("cameras", {{"type", "perspective"}, {"perspective", {{"yfov", .7}, {"znear", .1}}}});
-  b.root["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "spot"}}};
+  b.root["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "spot"}, {"spot", json::object()}}};
   b.use("KHR_lights_punctual");
   b.add("nodes", {{"camera", 0}, {"scale", {2, 2, 2}}, {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}});
   const Scene scene = b.load();

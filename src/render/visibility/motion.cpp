@@ -36,7 +36,7 @@ vk::Pipeline makeBackgroundPipeline(vk::Device& device, VkFormat format) {
 }  // namespace
 
 MotionPass::MotionPass(vk::Device& device, const GpuScene& scene, MotionUse use)
-    : format_(use == MotionUse::Data ? VK_FORMAT_R32G32B32A32_SFLOAT : VK_FORMAT_R16G16_SFLOAT),
+    : format_(use == MotionUse::Data ? VK_FORMAT_R32G32B32A32_SFLOAT : VK_FORMAT_R16G16B16A16_SFLOAT),
       background_(makeBackgroundPipeline(device, format_)),
       opaque_(makeScenePipeline(device, scene, format_, false)) {
   if (anyMasked(scene)) masked_ = makeScenePipeline(device, scene, format_, true);

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Motion of what is drawn, for targets of two channels (to the frame before) or four (to the frame after too).
+// Motion of what is drawn: to the frame before, and to the frame after.
 #include "render/glsl/common.glsl"
 #include "render/glsl/varyings.glsl"
 #include "render/glsl/material.glsl"

@@ -7,14 +7,14 @@
 
 namespace latelight::render {
 
-// What it is for: temporal anti-aliasing needs the way to the frame before, in half floats; data outputs both ways, in
-// floats.
+// What it is for: to find a pixel in the frame before, in half floats; or data outputs, in floats.
 enum class MotionUse { Reproject, Data };
 
 class MotionPass {
  public:
   MotionPass(vk::Device& device, const GpuScene& scene, MotionUse use);
-  // R16G16_SFLOAT, or R32G32B32A32_SFLOAT (xy backward, zw forward). Pixels, y down, without jitter.
+  // R16G16B16A16_SFLOAT or R32G32B32A32_SFLOAT: xy to the frame before, zw to the frame after. Pixels, y down, without
+  // jitter.
   graph::ImageId add(graph::Graph& graph, const FrameInputs& inputs, graph::ImageId depth) const;
 
  private:

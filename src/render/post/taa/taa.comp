@@ -8,9 +8,9 @@
 layout(local_size_x = 16, local_size_y = 16) in;
 layout(set = 0, binding = 0) uniform sampler2DArray frame;     // jittered; or the sum of the first frames
 layout(set = 0, binding = 1) uniform sampler2DArray depth;     // of the jittered frame
-layout(set = 0, binding = 2) uniform sampler2DArray motion;    // to the frame before, pixels
+layout(set = 0, binding = 2) uniform sampler2DArray motion;    // pixels: xy to the frame before, zw to the frame after
 layout(set = 0, binding = 3) uniform sampler2DArray oldColor;  // what this left a frame before; linear filter
-layout(set = 0, binding = 4) uniform sampler2DArray oldState;  // r: nearness; g: samples in the colour; b: pixels it moved
+layout(set = 0, binding = 4) uniform sampler2DArray oldState;  // r: nearness; g: samples in the colour; b: pixels it moves, to either side
 layout(set = 0, binding = 5, rgba32f) uniform writeonly image2DArray newColor;
 layout(set = 0, binding = 6, rgba32f) uniform writeonly image2DArray newState;
 
@@ -112,8 +112,10 @@ void main() {
   vec4 current = texelFetch(frame, pixel, 0) * push.scale;
   float here = nearness(view, pixel);
   Near near = lookAround(view, pixel, size);
-  vec2 moved = texelFetch(motion, near.nearest, 0).rg;  // of the nearest, so that edges move with their object (Karis)
-  float speed = length(moved);
+  // Of the nearest, so that edges move with their object (Karis).
+  vec4 way = texelFetch(motion, near.nearest, 0);
+  vec2 moved = way.xy;
+  float speed = max(length(way.xy), length(way.zw));
   if (push.samples > 0.0) {
     imageStore(newColor, pixel, current);
     imageStore(newState, pixel, vec4(here, push.samples, speed, 0.0));
@@ -125,7 +127,7 @@ void main() {
 
   ivec3 from = ivec3(clamp(ivec2(floor(before)), ivec2(0), size - 1), pixel.z);
   vec3 state = texelFetch(oldState, from, 0).rgb;
-  float moving = clamp(max(speed, state.b) * 4.0, 0.0, 1.0);  // or it did: what left may have left a part of an edge
+  float moving = clamp(max(length(moved), state.b) * 4.0, 0.0, 1.0);  // or did: what left may have left a part of an edge
   bool uncovered = state.r > near.most * kDepthTolerance + 1e-6 || state.r * kDepthTolerance + 1e-6 < near.least;
   // Where neither moves, it is a detail thinner than a pixel that this jitter has missed.
   if (!inside || (uncovered && moving > 0.0)) {
@@ -134,7 +136,7 @@ void main() {
     return;
   }
 
-  vec4 history = speed > 0.0 ? sampleHistory(before, size, pixel.z) : texelFetch(oldColor, from, 0);
+  vec4 history = moved != vec2(0.0) ? sampleHistory(before, size, pixel.z) : texelFetch(oldColor, from, 0);
   vec4 box = toBoxSpace(history);
   history = fromBoxSpace(mix(box, clipToBox(box, near), mix(kStillPull, 1.0, moving)));
   float count = min(state.g + 1.0, mix(kMostStill, kMostMoving, moving));
