@@ -69,6 +69,16 @@ glm::vec3 parseColor(const char* takes, const std::string& text) {
   return {shared::linearFromSrgb(code.x), shared::linearFromSrgb(code.y), shared::linearFromSrgb(code.z)};
 }
 
+std::pair<uint32_t, uint32_t> parseFrames(const std::string& text) {
+  const std::string_view all = text;
+  const size_t dash = std::min(all.find('-'), all.size());
+  const auto first = parseNumber<uint32_t>(all.substr(0, dash));
+  const auto last = dash == all.size() ? first : parseNumber<uint32_t>(all.substr(dash + 1));
+  if (!first || !last || *last < *first || *last == ~0u)
+    badUsage("--frames takes the first and the last frame's number, as in 0-47, not \"{}\"", text);
+  return {*first, *last};
+}
+
 std::optional<size_t> parseIndex(const std::string& text) {
   return parseNumber<size_t>(text);
 }

@@ -8,10 +8,10 @@
 #include <optional>
 
 #include "app/commands.h"
-#include "app/render_camera.h"
 #include "app/render_metadata.h"
 #include "app/render_options.h"
 #include "app/render_pick.h"
+#include "app/render_time.h"
 #include "base/files.h"
 #include "base/log.h"
 #include "base/parallel.h"
@@ -136,53 +136,111 @@ output::OutputRequest planOutput(RenderOptions& o, const std::optional<DebugRequ
   return request;
 }
 
+// What the frames of one run share.
+struct Run {
+  const RenderOptions& options;
+  const std::optional<DebugRequest>& debug;
+  const output::OutputRequest& request;
+  const scene::Scene& scene;
+  const Timeline& timeline;
+  const std::string& environment;  // its name
+  vk::Device& device;
+  render::Renderer& renderer;
+  Times times{};
+  std::vector<std::filesystem::path> files{};
+  std::vector<render::Picked> picked{};
+};
+
+struct RenderedFrame {
+  output::FrameOutput picture;
+  output::RawGbuffer targets;  // instead, for --debug targets
+  output::Metadata metadata;
+};
+
+RenderedFrame renderFrame(Run& run, uint32_t frame) {
+  const auto mark = Clock::now();
+  const scene::Camera camera = run.timeline.cameraAt(frame);
+  const render::Moment moment = run.timeline.momentAt(frame);
+  RenderedFrame rendered;
+  if (!run.options.pixels.empty())
+    run.picked = render::pick(run.renderer, run.scene, camera, run.options.settings, run.options.pixels, moment);
+  if (run.debug && run.debug->targets)
+    rendered.targets = run.renderer.readTargets(camera, run.options.settings, moment);
+  else if (!run.options.out.empty())
+    rendered.picture = std::move(run.renderer.render(std::span(&camera, 1), run.options.settings, moment).front());
+  RenderOptions shown = run.options;
+  shown.frame = frame;
+  shown.time = run.timeline.secondsAt(frame);
+  rendered.metadata = describeRender(run.scene, camera, run.device, run.environment, shown);
+  rendered.metadata.frameDigits = run.timeline.frameDigits();
+  run.times.render += seconds(mark);
+  return rendered;
+}
+
+void writeFrame(Run& run, const RenderedFrame& frame) {
+  const auto mark = Clock::now();
+  std::vector<std::filesystem::path> files;
+  if (run.debug && run.debug->targets)
+    files = writeTargets(frame.targets, frame.metadata, run.options.out);
+  else if (!run.options.out.empty())
+    files = run.debug ? writeDebug(*run.debug, frame.picture, frame.metadata, run.options.out)
+                      : output::writeOutput(run.request, frame.picture, frame.metadata);
+  run.files.insert(run.files.end(), files.begin(), files.end());
+  run.times.write += seconds(mark);
+}
+
+// Frames that can't be written don't keep the others from it.
+void renderSequence(Run& run) {
+  uint32_t failed = 0;
+  std::string first;
+  for (uint32_t frame = run.timeline.first(); frame <= run.timeline.last(); ++frame) {
+    const RenderedFrame rendered = renderFrame(run, frame);
+    try {
+      writeFrame(run, rendered);
+    } catch (const Error& error) {
+      if (failed++ == 0) first = fmt::format("frame {}: {}", frame, error.what());
+    }
+  }
+  if (failed > 0)
+    fail(ExitCode::SomeFramesFailed, "{} of {} frames were not written; {}", failed,
+         run.timeline.last() - run.timeline.first() + 1, first);
+}
+
 void render(RenderOptions& o) {
   const auto start = Clock::now();
   parseSettings(o);
-  const std::optional<DebugRequest> debug = parseDebug(o.debug);
+  checkTime(o);
+  const std::optional<DebugRequest> debug = parseDebug(o.debug, o.time || !o.frames.empty() || o.turn != 0);
   const output::OutputRequest request = planOutput(o, debug);
 
   // The device starts while the scene loads: they share nothing.
   auto deviceStart = inBackground(
       [&] { return std::make_unique<vk::Device>(vk::DeviceOptions{.selector = o.device, .validation = o.validate}); });
-  Times times;
   const scene::Scene scene = scene::load(o.scene, {.variant = o.variant});
-  const scene::Camera camera = chooseCamera(scene, o);
+  const Timeline timeline(scene, o);
+  timeline.cameraAt(timeline.first());  // what is wrong with it shows before all else
   // A background to show is a reason for an environment, lights or not.
   const std::string asked = o.hdri.empty() && o.background == "hdri" ? "studio" : o.hdri;
   const std::string environmentName = render::environmentName(scene, asked);
   const std::optional<scene::Environment> environment = render::loadEnvironment(environmentName);
-  times.load = seconds(start);
+  const double loaded = seconds(start);
 
   const std::unique_ptr<vk::Device> device = deviceStart.get();
-  auto mark = Clock::now();
+  const auto mark = Clock::now();
   render::Renderer renderer(*device, scene, environment ? &*environment : nullptr);
-  times.upload = seconds(mark);
+  Run run{o, debug, request, scene, timeline, environmentName, *device, renderer};
+  run.times.load = loaded;
+  run.times.upload = seconds(mark);
 
-  mark = Clock::now();
-  std::vector<render::Picked> picked;
-  if (!o.pixels.empty()) picked = render::pick(renderer, scene, camera, o.settings, o.pixels);
-  output::FrameOutput frame;
-  output::RawGbuffer gbuffer;
-  if (debug && debug->targets)
-    gbuffer = renderer.readTargets(camera, o.settings);
-  else if (!o.out.empty())
-    frame = std::move(renderer.render(std::span(&camera, 1), o.settings).front());
-  times.render = seconds(mark);
-
-  mark = Clock::now();
-  const output::Metadata metadata = describeRender(scene, camera, *device, environmentName, o);
-  std::vector<std::filesystem::path> files;
-  if (debug && debug->targets)
-    files = writeTargets(gbuffer, metadata, o.out);
-  else if (!o.out.empty())
-    files = debug ? writeDebug(*debug, frame, metadata, o.out) : output::writeOutput(request, frame, metadata);
+  if (timeline.isSequence())
+    renderSequence(run);
+  else
+    writeFrame(run, renderFrame(run, timeline.first()));
   if (!o.graph.empty()) writeFile(o.graph, std::as_bytes(std::span(renderer.graphviz())));
-  times.write = seconds(mark);
-  times.total = seconds(start);
+  run.times.total = seconds(start);
 
-  if (o.json) printReport(scene, *device, renderer, files, picked, times);
-  if (!o.json) printPicked(picked, metadata.axes, o.normalFrame);
+  if (o.json) printReport(scene, *device, renderer, run.files, run.picked, run.times);
+  if (!o.json) printPicked(run.picked, scene.yUp && !o.settings.zUp ? "gltf" : "z-up", o.normalFrame);
   for (const std::string& message : device->validationMessages())
     fail(ExitCode::Internal, "the Vulkan validation layer says: {}", message);
 }
@@ -196,6 +254,7 @@ void addRenderCommand(CLI::App& app) {
   command->callback([options, command] {
     options->normalsChosen = command->count("--normals") > 0;
     options->positionChosen = command->count("--position") > 0;
+    options->frameChosen = command->count("--frame") > 0;
     render(*options);
   });
 }

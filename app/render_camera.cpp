@@ -12,10 +12,11 @@ namespace latelight::app {
 
 namespace {
 
-const scene::Camera& findCamera(const scene::Scene& scene, const std::string& wanted) {
-  for (const scene::Camera& camera : scene.cameras)
+const scene::Camera& findCamera(const scene::Scene& scene, const std::vector<scene::Camera>& cameras,
+                                const std::string& wanted) {
+  for (const scene::Camera& camera : cameras)
     if (camera.name == wanted) return camera;
-  if (auto index = parseIndex(wanted); index && *index < scene.cameras.size()) return scene.cameras[*index];
+  if (auto index = parseIndex(wanted); index && *index < cameras.size()) return cameras[*index];
   std::string names;
   for (size_t i = 0; i < scene.cameras.size(); ++i)
     names += fmt::format("{}{} \"{}\"", i ? ", " : "", i, scene.cameras[i].name);
@@ -25,7 +26,8 @@ const scene::Camera& findCamera(const scene::Scene& scene, const std::string& wa
 
 }  // namespace
 
-scene::Camera chooseCamera(const scene::Scene& scene, const RenderOptions& o) {
+scene::Camera chooseCamera(const scene::Scene& scene, const std::vector<scene::Camera>& cameras,
+                           const RenderOptions& o) {
   const float aspect = static_cast<float>(o.settings.width) / static_cast<float>(o.settings.height);
   if (o.fov && !(*o.fov > 0 && *o.fov < 180))
     badUsage("--fov must be an angle between 0 and 180 degrees, not {}", *o.fov);
@@ -46,9 +48,9 @@ scene::Camera chooseCamera(const scene::Scene& scene, const RenderOptions& o) {
   }
   scene::Camera camera;
   if (!o.camera.empty())
-    camera = findCamera(scene, o.camera);
+    camera = findCamera(scene, cameras, o.camera);
   else
-    camera = scene.cameras.empty() ? scene::frameScene(scene, aspect) : scene.cameras.front();
+    camera = cameras.empty() ? scene::frameScene(scene, aspect) : cameras.front();
   if (o.fov && camera.orthographic)
     badUsage("--fov means nothing to the camera \"{}\": it is orthographic", camera.name);
   if (o.fov) camera.verticalFov = fov;

@@ -29,41 +29,48 @@ output::CameraMetadata describeCamera(const scene::Camera& camera, const scene::
 
 std::map<std::string, std::string> describeSettings(const RenderOptions& o, const std::string& environment) {
   const render::Settings& s = o.settings;
-  return {{"size", fmt::format("{}x{}", s.width, s.height)},
-          {"layout", s.layout},
-          {"normals", s.normals},
-          {"normal-space", s.normalSpace},
-          {"position", s.position},
-          {"lighting", s.lighting},
-          {"shading", s.shading},
-          {"tonemap", s.tonemap},
-          {"volumes-order", s.volumesOrder},
-          {"transparency", s.transparency},
-          {"data-surfaces", s.dataSurfaces},
-          {"shadows", s.shadows},
-          {"shadow-filter", s.shadowFilter},
-          {"shadow-lights", s.shadowLights},
-          {"shadow-atlas", fmt::format("{}", s.shadowAtlas)},
-          {"light-size", fmt::format("{}", s.lightSize)},
-          {"sun-angle", fmt::format("{}", o.sunAngle)},
-          {"sun", o.sun.empty() ? "none" : o.sun},
-          {"aa", o.aa},
-          {"exposure", fmt::format("{}", s.exposure)},
-          {"hdri", environment.empty() ? "none" : environment},
-          {"hdri-rotate", fmt::format("{}", o.hdriRotate)},
-          {"hdri-intensity", fmt::format("{}", s.environmentIntensity)},
-          {"background", o.background},
-          {"ao", s.ao.method},
-          {"ao-radius", s.ao.radius ? fmt::format("{}", *s.ao.radius) : "by the scene"},
-          {"ao-strength", fmt::format("{}", s.ao.strength)},
-          {"bloom", fmt::format("{}", s.bloom.strength)},
-          {"bloom-radius", fmt::format("{}", s.bloom.radius)},
-          {"bloom-threshold", fmt::format("{}", s.bloom.threshold)},
-          {"bloom-fireflies", s.bloom.fireflies},
-          {"fog", fmt::format("{}", s.fog.density)},
-          {"fog-color", o.fogColor},
-          {"fog-height", fmt::format("{}", s.fog.height)},
-          {"fog-base", fmt::format("{}", s.fog.base)}};
+  std::map<std::string, std::string> settings = {
+      {"size", fmt::format("{}x{}", s.width, s.height)},
+      {"layout", s.layout},
+      {"normals", s.normals},
+      {"normal-space", s.normalSpace},
+      {"position", s.position},
+      {"lighting", s.lighting},
+      {"shading", s.shading},
+      {"tonemap", s.tonemap},
+      {"volumes-order", s.volumesOrder},
+      {"transparency", s.transparency},
+      {"data-surfaces", s.dataSurfaces},
+      {"shadows", s.shadows},
+      {"shadow-filter", s.shadowFilter},
+      {"shadow-lights", s.shadowLights},
+      {"shadow-atlas", fmt::format("{}", s.shadowAtlas)},
+      {"light-size", fmt::format("{}", s.lightSize)},
+      {"sun-angle", fmt::format("{}", o.sunAngle)},
+      {"sun", o.sun.empty() ? "none" : o.sun},
+      {"aa", o.aa},
+      {"exposure", fmt::format("{}", s.exposure)},
+      {"hdri", environment.empty() ? "none" : environment},
+      {"hdri-rotate", fmt::format("{}", o.hdriRotate)},
+      {"hdri-intensity", fmt::format("{}", s.environmentIntensity)},
+      {"background", o.background},
+      {"ao", s.ao.method},
+      {"ao-radius", s.ao.radius ? fmt::format("{}", *s.ao.radius) : "by the scene"},
+      {"ao-strength", fmt::format("{}", s.ao.strength)},
+      {"bloom", fmt::format("{}", s.bloom.strength)},
+      {"bloom-radius", fmt::format("{}", s.bloom.radius)},
+      {"bloom-threshold", fmt::format("{}", s.bloom.threshold)},
+      {"bloom-fireflies", s.bloom.fireflies},
+      {"fog", fmt::format("{}", s.fog.density)},
+      {"fog-color", o.fogColor},
+      {"fog-height", fmt::format("{}", s.fog.height)},
+      {"fog-base", fmt::format("{}", s.fog.base)}};
+  if (o.time) settings["time"] = fmt::format("{}", *o.time);
+  if (o.time || o.turn != 0) settings["fps"] = fmt::format("{}", o.fps);
+  if (!o.animation.empty()) settings["animation"] = o.animation;
+  if (o.loop) settings["loop"] = "true";
+  if (o.turn != 0) settings["turn"] = fmt::format("{}", o.turn);
+  return settings;
 }
 
 }  // namespace

@@ -38,15 +38,17 @@ void parseSettings(RenderOptions& o) {
              layout.fixedPosition);
 }
 
-std::optional<DebugRequest> parseDebug(const std::string& debug) {
+std::optional<DebugRequest> parseDebug(const std::string& debug, bool moving) {
   if (debug.empty()) return std::nullopt;
   DebugRequest request;
   if (debug == "targets") {
     request.targets = true;
   } else if (debug == "sheet") {
     request.sheet = true;
-    for (const output::AovInfo& aov : output::aovs())  // `samples` is the same everywhere but with --aa msaa4
-      if (aov.aov != output::Aov::Samples) request.aovs.push_back(aov.aov);
+    for (const output::AovInfo& aov : output::aovs()) {
+      if (aov.aov == output::Aov::Samples) continue;  // the same everywhere but with --aa msaa4
+      if (aov.aov != output::Aov::Motion || moving) request.aovs.push_back(aov.aov);
+    }
   } else {
     request.aovs = output::parseAovs(debug == "lights" ? "lights-tested,lights-used" : debug);
     request.sheet = request.aovs.size() > 1;
@@ -70,6 +72,17 @@ void addSceneOptions(CLI::App& c, RenderOptions& o) {
   c.add_option("--orbit", o.orbit, "Camera around the scene: azimuth,elevation[,distance] in degrees and metres");
   c.add_option("--fov", o.fov, "Full vertical field of view, degrees");
   c.add_option("--frame", o.frame, "Number that fills in {frame}");
+}
+
+void addTimeOptions(CLI::App& c, RenderOptions& o) {
+  c.add_option("--time", o.time, "Seconds into the animation; without it, and without --frames, the scene is at rest");
+  c.add_option("--frames", o.frames, "Frames A-B of a sequence; frame N shows the time N / fps. -o needs {frame}");
+  c.add_option("--fps", o.fps, "Frames a second: of --frames, and of what --aov motion is a frame before and after")
+      ->capture_default_str();
+  c.add_option("--animation", o.animation, "Which one plays: a name, a number, or all; default: the first");
+  c.add_flag("--loop", o.loop, "Times beyond the animation's end begin again; else its ends hold");
+  c.add_option("--turn", o.turn, "Degrees a second that the camera turns about --target or the scene's middle")
+      ->capture_default_str();
 }
 
 void addLookOptions(CLI::App& c, RenderOptions& o) {
@@ -101,7 +114,7 @@ void addLookOptions(CLI::App& c, RenderOptions& o) {
       ->capture_default_str();
   c.add_option("--sun", o.sun, "A directional light from azimuth,elevation[,lux], beside the scene's; as in 30,40,3");
   c.add_option("--aa", o.aa,
-               "Anti-aliasing: none, fxaa, msaa4, or ssN for N x N ordered samples a pixel (latelight list aa)")
+               "Anti-aliasing: none, fxaa, msaa4, taa, or ssN for N x N ordered samples a pixel (latelight list aa)")
       ->capture_default_str();
   c.add_option("--hdri", o.hdri,
                "Environment light: a .hdr or .exr file, studio, or none; default: studio where the scene has no light");
@@ -161,6 +174,7 @@ void addOutputOptions(CLI::App& c, RenderOptions& o) {
 
 void addRenderOptions(CLI::App& command, RenderOptions& options) {
   addSceneOptions(command, options);
+  addTimeOptions(command, options);
   addLookOptions(command, options);
   addPostOptions(command, options);
   addOutputOptions(command, options);

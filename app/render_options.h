@@ -22,6 +22,10 @@ struct RenderOptions {
   std::string aovs, debug, hdri, background = "transparent", aa = "none", normalFrame = "world", axes = "file";
   std::string device = "auto", graph;
   std::string fogColor = "#bcbcbc";  // linear 0.5
+  std::string animation, frames;
+  std::optional<double> time;
+  double fps = 24, turn = 0;
+  bool loop = false, frameChosen = false;
   double hdriRotate = 0;
   std::string sun;
   double sunAngle = 0.53;
@@ -41,6 +45,7 @@ struct DebugRequest {
   bool sheet = false;
   bool targets = false;  // the layout's own, instead of AOVs
 };
-std::optional<DebugRequest> parseDebug(const std::string& debug);
+// `moving`: whether there is motion to show on the sheet.
+std::optional<DebugRequest> parseDebug(const std::string& debug, bool moving);
 
 }  // namespace latelight::app

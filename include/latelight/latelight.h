@@ -63,6 +63,11 @@ struct Camera {
                                          // heights, y up
 };
 
+struct Animation {
+  std::string name;
+  float duration = 0;  // seconds
+};
+
 // A .gltf or .glb file, or "builtin:hall", "builtin:spheres", "builtin:boxes". Loaded once, rendered as often as
 // wanted.
 class LATELIGHT_API Scene {
@@ -73,7 +78,10 @@ class LATELIGHT_API Scene {
   Scene& operator=(Scene&&) noexcept;
 
   uint64_t triangleCount() const;
-  const std::vector<Camera>& cameras() const;  // the scene's own
+  const std::vector<Camera>& cameras() const;  // the scene's own, at rest
+  const std::vector<Animation>& animations() const;
+  // The scene's own cameras where they are at a time; as Options::time, animation and loop say.
+  std::vector<Camera> camerasAt(double time, const std::string& animation = "", bool loop = false) const;
   // The first of cameras(), or a view that shows all of it in a picture of this aspect (width / height).
   Camera defaultCamera(float aspect) const;
   Camera lookAt(std::array<float, 3> eye, std::array<float, 3> target, float verticalFov = 40) const;
@@ -129,6 +137,15 @@ struct Options {
   float fogHeight = 0;                              // metres in which it thins out; 0: the same everywhere
   float fogBase = 0;                                // metres, up
   bool fxaa = false;
+
+  std::optional<double> time;                        // seconds; none: the scene at rest
+  std::string animation;                             // which plays: a name, a number, or "all"; empty: the first
+  bool loop = false;                                 // times beyond its end begin again; else its ends hold
+  double framesPerSecond = 24;                       // "motion" is to a frame before and a frame after
+  std::vector<Camera> previousCameras, nextCameras;  // then, as many as are rendered; none: cameras stand
+  bool temporalAntiAliasing = false;
+  bool continues = false;  // a sequence: this frame follows the one rendered last
+
   std::vector<std::string> aovs;  // beside the picture: "depth", "normal", ...; "color" is the linear picture
 };
 

@@ -149,6 +149,15 @@ constexpr std::array<AovInfo, kAovCount> kAovs{{
      0,
      "1",
      "Times the pixel is shaded: 1, or with --aa msaa4 once for each surface that its samples show"},
+    {Aov::Motion,
+     "motion",
+     4,
+     {"motion.X", "motion.Y", "motion.Z", "motion.W"},
+     ExrType::Float,
+     PngCoding::None,
+     0,
+     "px",
+     "X Y: where the surface was a frame before, less where it is; Z W: where it will be a frame after, less that"},
 }};
 
 std::optional<Aov> findAov(std::string_view name) {

@@ -28,8 +28,9 @@ enum class Aov : uint8_t {
   LightsTested,
   LightsUsed,
   Samples,
+  Motion,
 };
-inline constexpr size_t kAovCount = 16;
+inline constexpr size_t kAovCount = 17;
 
 // How an OpenEXR file stores a channel. Half: 11 bits of precision, finite values beyond 65504 are stored as 65504.
 enum class ExrType : uint8_t { Half, Float, Uint };

@@ -148,6 +148,21 @@ auto idColors(const AovImage& image) {
   };
 }
 
+// The direction to the frame before as a hue (right is red, down is green and yellow), its length as brightness.
+auto motionColors(const AovImage& image) {
+  std::vector<float> lengths;
+  for (size_t i = 0; i < image.values.size(); i += 4) {
+    const float length = std::hypot(image.values[i], image.values[i + 1]);
+    if (length > 0) lengths.push_back(length);
+  }
+  const float longest = std::max(rangeOf(std::move(lengths)).high, 1e-3f);
+  return [&image, longest](size_t i) -> std::optional<Rgb> {
+    const float x = image.values[4 * i], y = image.values[4 * i + 1];
+    const float turn = std::atan2(y, x) / (2 * std::numbers::pi_v<float>);
+    return fromHsv(turn < 0 ? turn + 1 : turn, 0.85f, std::clamp(std::hypot(x, y) / longest, 0.0f, 1.0f));
+  };
+}
+
 template <typename ColorOf>
 Picture paint(const AovImage& image, const AovImage* ids, ColorOf&& colorOf) {
   Picture picture{image.width, image.height, std::vector<uint8_t>(size_t{image.width} * image.height * 4)};
@@ -193,6 +208,8 @@ Picture debugPicture(const AovImage& image, const AovImage* ids) {
       return paint(image, ids, countColors(image));
     case Aov::Samples:
       return paint(image, nullptr, sampleColors(image));
+    case Aov::Motion:
+      return paint(image, nullptr, motionColors(image));
   }
   return {};
 }

@@ -59,7 +59,7 @@ std::string fillIn(std::string_view pattern, ValueOf&& valueOf) {
 std::string nameOf(std::string_view pattern, std::string_view aov, const Metadata& metadata) {
   return fillIn(pattern, [&](std::string_view name) -> std::string {
     if (name == "aov") return std::string(aov);
-    if (name == "frame") return fmt::format("{:04}", metadata.frame);
+    if (name == "frame") return fmt::format("{:0{}}", metadata.frame, metadata.frameDigits);
     if (name == "camera") return fileSafe(metadata.camera.name, "camera");
     if (name == "scene") return fileSafe(metadata.scene, "scene");
     badUsage("the output \"{}\" has \"{{{}}}\"; braces hold one of {}", pattern, name, kPlaceholders);
@@ -91,20 +91,26 @@ void checkPng(std::span<const Aov> aovs) {
   }
 }
 
-// The folder that has to be there before rendering: above the first one that a name is filled into.
+// The folder that has to be there before rendering: above the first one that a name is filled into; of a sequence, the
+// lowest that is there.
 fs::path standingFolder(const fs::path& pattern) {
   fs::path folder;
   for (const fs::path& part : pattern.parent_path()) {
     if (part.string().find('{') != std::string::npos) break;
     folder /= part;
   }
+  std::error_code ignored;
+  if (hasPlaceholder(pattern.string(), "frame"))
+    while (!folder.empty() && folder != folder.root_path() && !fs::exists(folder, ignored))
+      folder = folder.parent_path();
   return folder.empty() ? fs::path(".") : folder;
 }
 
-// Folders that are named by what is filled in are made; writing says what is wrong if that fails.
+// Folders that are named by what is filled in are made, and those of sequences; writing says what is wrong if that
+// fails.
 void makeFilledFolders(const fs::path& pattern, const fs::path& path) {
   std::error_code ignored;
-  if (pattern.parent_path().string().find('{') != std::string::npos) {
+  if (pattern.parent_path().string().find('{') != std::string::npos || hasPlaceholder(pattern.string(), "frame")) {
     fs::create_directories(path.parent_path(), ignored);
   }
 }

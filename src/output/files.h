@@ -18,7 +18,8 @@ struct OutputRequest {
   // The ending picks the format: .png, .exr, .npy. {aov}, {frame}, {camera} and {scene} are filled in; other braces are
   // an error. Several AOVs go into one .exr, or into one file each where the pattern says {aov}; .png and .npy hold one
   // each, so without {aov} the AOV's name is put before the ending: out.depth.png; colour stays out.png.
-  // Folders named by braces are made; others must be there. "-" is standard output: a PNG of the first AOV.
+  // Folders named by braces are made, and all where the pattern says {frame}; others must be there. "-" is standard
+  // output: a PNG of the first AOV.
   std::string pattern;
   std::vector<Aov> aovs{Aov::Color};
   // The JSON side file: pattern with .json for its ending and "meta" for {aov}. Unset: if any AOV but color is asked

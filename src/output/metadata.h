@@ -38,9 +38,10 @@ struct IdEntry {
 };
 
 struct Metadata {
-  std::string scene;   // the scene's name: {scene}
-  std::string source;  // what the user named
-  uint32_t frame = 0;  // {frame}, written with four digits
+  std::string scene;         // the scene's name: {scene}
+  std::string source;        // what the user named
+  uint32_t frame = 0;        // {frame}
+  uint32_t frameDigits = 4;  // that it is written with, zeros before
   CameraMetadata camera;
   // The frame that positions and poses are in: "gltf" (X right, Y up, Z towards the viewer) or "z-up".
   std::string axes = "gltf";

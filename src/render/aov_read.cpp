@@ -39,6 +39,7 @@ constexpr Source kSources[] = {
     {Aov::Ao, "position", 3, 1},
     {Aov::Id, "ids", 0, 1},
     {Aov::Uv, "ids", 1, 2},
+    {Aov::Motion, "motion", 0, 4},  // a target beside the layout's
 };
 
 const Source* findSource(Aov aov) {
@@ -159,12 +160,12 @@ void countShadings(ShadingCounts& counts, const vk::Buffer& surfaces, size_t pix
   }
 }
 
-DataReadback::DataReadback(graph::Graph& graph, const Layout& exact, const Gbuffer& gbuffer,
+DataReadback::DataReadback(graph::Graph& graph, const Layout& exact, const Gbuffer& gbuffer, graph::ImageId motion,
                            std::span<const Aov> aovs) {
   auto image = [&](std::string_view target) {
     for (size_t i = 0; i < exact.targets.size(); ++i)
       if (exact.targets[i].name == target) return gbuffer.targets[i];
-    return gbuffer.depth;
+    return target == "motion" ? motion : gbuffer.depth;
   };
   for (Aov aov : aovs) {
     const Source* source = findSource(aov);

@@ -29,7 +29,9 @@ void countShadings(ShadingCounts& counts, const vk::Buffer& surfaces, size_t pix
 // Reads back the targets of the layout `exact` that the data outputs asked for need.
 class DataReadback {
  public:
-  DataReadback(graph::Graph& graph, const Layout& exact, const Gbuffer& gbuffer, std::span<const output::Aov> aovs);
+  // `motion`: the data of MotionPass, which Aov::Motion needs.
+  DataReadback(graph::Graph& graph, const Layout& exact, const Gbuffer& gbuffer, graph::ImageId motion,
+               std::span<const output::Aov> aovs);
   // Fills the AovImages of `to` except Color and the counts of lights. `yUp`: into glTF's frame.
   void read(const graph::Executor& done, const shared::View& view, size_t layer, const Settings& settings, bool yUp,
             output::FrameOutput& to) const;

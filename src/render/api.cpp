@@ -101,6 +101,7 @@ render::Settings internalSettings(const Options& o) {
   s.exposure = o.exposure;
   s.environmentIntensity = o.environmentIntensity;
   s.environmentRotation = o.environmentRotation / kDegrees;
+  s.temporal = o.temporalAntiAliasing;
   if (o.environmentBackground) s.background = render::Background::Environment;
   s.ao = {o.ambientOcclusion, o.aoRadius == 0 ? std::nullopt : std::optional(o.aoRadius), o.aoStrength};
   s.bloom = {o.bloom, o.bloomRadius, o.bloomThreshold, o.bloomFireflies};
@@ -110,6 +111,35 @@ render::Settings internalSettings(const Options& o) {
   for (const std::string& name : o.aovs) names += (names.empty() ? "" : ",") + name;
   if (!names.empty()) s.aovs = output::parseAovs(names);
   return s;
+}
+
+void checkTime(double time, double framesPerSecond) {
+  if (!std::isfinite(time)) badUsage("the time must be a number of seconds");
+  if (!(framesPerSecond > 0) || !std::isfinite(framesPerSecond))
+    badUsage("the frames a second must be a number above 0, not {}", framesPerSecond);
+}
+
+std::vector<scene::Camera> internalCameras(const std::vector<Camera>& cameras, const scene::Scene& scene,
+                                           size_t count) {
+  if (!cameras.empty() && cameras.size() != count)
+    badUsage("{} cameras are rendered, but {} are given for another frame", count, cameras.size());
+  std::vector<scene::Camera> internal;
+  for (const Camera& camera : cameras) internal.push_back(internalCamera(camera, scene));
+  return internal;
+}
+
+render::Moment internalMoment(const Options& o, const scene::Scene& scene, size_t cameras) {
+  render::Moment moment;
+  moment.previousCameras = internalCameras(o.previousCameras, scene, cameras);
+  moment.nextCameras = internalCameras(o.nextCameras, scene, cameras);
+  moment.continues = o.continues;
+  if (!o.time) return moment;
+  checkTime(*o.time, o.framesPerSecond);
+  const scene::Playback playback = scene::choosePlayback(scene, o.animation, o.loop);
+  const double step = 1 / o.framesPerSecond;
+  moment.poses = {scene::poseAt(scene, playback, *o.time - step), scene::poseAt(scene, playback, *o.time),
+                  scene::poseAt(scene, playback, *o.time + step)};
+  return moment;
 }
 
 Frame publicFrame(output::FrameOutput&& from) {
@@ -133,10 +163,13 @@ const char* version() {
 struct Scene::Hidden {
   scene::Scene scene;
   std::vector<Camera> cameras;
+  std::vector<Animation> animations;
 };
 
 Scene::Scene(const std::string& source, const std::string& materialVariant)
-    : hidden_(new Hidden{scene::load(source, {.variant = materialVariant}), {}}) {
+    : hidden_(new Hidden{scene::load(source, {.variant = materialVariant}), {}, {}}) {
+  for (const scene::Animation& animation : hidden_->scene.rig.animations)
+    hidden_->animations.push_back({animation.name, animation.duration});
   for (const scene::Camera& camera : hidden_->scene.cameras)
     hidden_->cameras.push_back(publicCamera(camera, hidden_->scene));
 }
@@ -149,6 +182,19 @@ uint64_t Scene::triangleCount() const {
 }
 const std::vector<Camera>& Scene::cameras() const {
   return hidden_->cameras;
+}
+
+const std::vector<Animation>& Scene::animations() const {
+  return hidden_->animations;
+}
+
+std::vector<Camera> Scene::camerasAt(double time, const std::string& animation, bool loop) const {
+  checkTime(time, 1);
+  const scene::Scene& scene = hidden_->scene;
+  const scene::Pose pose = scene::poseAt(scene, scene::choosePlayback(scene, animation, loop), time);
+  std::vector<Camera> cameras;
+  for (const scene::Camera& camera : scene::posedCameras(scene, pose)) cameras.push_back(publicCamera(camera, scene));
+  return cameras;
 }
 
 Camera Scene::defaultCamera(float aspect) const {
@@ -185,10 +231,10 @@ Frame Renderer::render(const Camera& camera, const Options& options) {
 
 std::vector<Frame> Renderer::render(const std::vector<Camera>& cameras, const Options& options) {
   if (cameras.empty()) badUsage("nothing can be rendered without a camera");
-  std::vector<scene::Camera> internal;
-  for (const Camera& camera : cameras) internal.push_back(internalCamera(camera, hidden_->scene));
+  const std::vector<scene::Camera> internal = internalCameras(cameras, hidden_->scene, cameras.size());
+  const render::Moment moment = internalMoment(options, hidden_->scene, cameras.size());
   std::vector<Frame> frames;
-  for (output::FrameOutput& frame : hidden_->renderer.render(internal, internalSettings(options)))
+  for (output::FrameOutput& frame : hidden_->renderer.render(internal, internalSettings(options), moment))
     frames.push_back(publicFrame(std::move(frame)));
   return frames;
 }

@@ -77,10 +77,12 @@ bool isSound(const shared::Light& l) {
 
 }  // namespace
 
-GpuScene::GpuScene(vk::Device& device, const scene::Scene& scene) : device_(device), sceneLights_(scene.lights) {
+GpuScene::GpuScene(vk::Device& device, const scene::Scene& scene)
+    : device_(device), scene_(scene), sceneLights_(scene.lights) {
   vk::Uploader uploader(device);
   uploadMeshes(uploader, scene);
-  uploadInstances(uploader, scene);
+  order_ = drawOrder(scene);
+  uploadInstances(uploader, {});
   uploadMaterials(uploader, scene);
   uploadLights(uploader);
   uploader.flush();
@@ -99,11 +101,12 @@ void GpuScene::uploadMeshes(vk::Uploader& uploader, const scene::Scene& scene) {
   extras_ = makeBuffer(device_, "extras", extras * sizeof(shared::VertexExtra));
   indices_ = makeBuffer(device_, "indices", indices * sizeof(uint32_t), VK_BUFFER_USAGE_INDEX_BUFFER_BIT);
 
-  std::vector<shared::Mesh> meshes;
+  std::vector<shared::Mesh>& meshes = meshRecords_;
   vertices = extras = indices = 0;
   for (const scene::Mesh& mesh : scene.meshes) {
     shared::Mesh& m = meshes.emplace_back();
     m.positions = positions_.address() + vertices * sizeof(shared::vec3);
+    m.previousPositions = m.nextPositions = m.positions;
     m.attributes = attributes_.address() + vertices * sizeof(shared::VertexAttributes);
     m.extras = mesh.extras.empty() ? 0 : extras_.address() + extras * sizeof(shared::VertexExtra);
     m.indices = indices_.address() + indices * sizeof(uint32_t);
@@ -122,16 +125,19 @@ void GpuScene::uploadMeshes(vk::Uploader& uploader, const scene::Scene& scene) {
   uploader.upload(meshes_, bytesOf(meshes));
 }
 
-void GpuScene::uploadInstances(vk::Uploader& uploader, const scene::Scene& scene) {
-  std::vector<shared::Instance> instances;
-  instances.reserve(scene.instances.size());
-  for (uint32_t next : drawOrder(scene)) {
-    const scene::Instance& instance = scene.instances[next];
-    const scene::Mesh& mesh = scene.meshes[instance.mesh];
-    bool mirrored = glm::determinant(glm::mat3(instance.toWorld)) < 0;
-    uint32_t index = static_cast<uint32_t>(instances.size());
-    instances.push_back({glm::mat4x3(instance.toWorld), instance.mesh, instance.material, instance.id,
-                         mirrored ? shared::kInstanceMirrored : 0u});
+void GpuScene::uploadInstances(vk::Uploader& uploader, const scene::Pose& pose) {
+  const std::vector<glm::mat4> transforms = scene::instanceTransforms(scene_, pose);
+  hostInstances_.clear();
+  hostInstances_.reserve(order_.size());
+  draws_.clear();
+  bounds_.clear();
+  for (uint32_t next : order_) {
+    const scene::Instance& instance = scene_.instances[next];
+    const glm::mat4& toWorld = transforms[next];
+    bool mirrored = glm::determinant(glm::mat3(toWorld)) < 0;
+    uint32_t index = static_cast<uint32_t>(hostInstances_.size());
+    hostInstances_.push_back({glm::mat4x3(toWorld), instance.mesh, instance.material, instance.id,
+                              mirrored ? shared::kInstanceMirrored : 0u});
 
     bool joins = !draws_.empty() && draws_.back().mirrored == mirrored &&
                  draws_.back().firstIndex == firstIndices_[instance.mesh] &&
@@ -139,19 +145,68 @@ void GpuScene::uploadInstances(vk::Uploader& uploader, const scene::Scene& scene
     if (joins)
       ++draws_.back().instanceCount;
     else
-      draws_.push_back({index, 1, firstIndices_[instance.mesh], static_cast<uint32_t>(mesh.indices.size()),
-                        instance.material, mirrored});
-
-    glm::mat3 linear(instance.toWorld);
-    // The largest stretch is at most the Frobenius norm: a sphere that holds the box under any transform.
-    float stretch =
-        std::sqrt(glm::dot(linear[0], linear[0]) + glm::dot(linear[1], linear[1]) + glm::dot(linear[2], linear[2]));
-    glm::vec3 half = (mesh.boundsMax - mesh.boundsMin) * 0.5f;
-    bounds_.push_back({glm::vec3(instance.toWorld * glm::vec4((mesh.boundsMin + mesh.boundsMax) * 0.5f, 1.0f)),
-                       glm::length(half) * stretch});
+      draws_.push_back({index, 1, firstIndices_[instance.mesh],
+                        static_cast<uint32_t>(scene_.meshes[instance.mesh].indices.size()), instance.material,
+                        mirrored});
+    bounds_.push_back(boundsOf(instance, toWorld, pose));
   }
-  instances_ = makeBuffer(device_, "instances", instances.size() * sizeof(shared::Instance));
-  uploader.upload(instances_, bytesOf(instances));
+  if (!instances_) instances_ = makeBuffer(device_, "instances", hostInstances_.size() * sizeof(shared::Instance));
+  uploader.upload(instances_, bytesOf(hostInstances_));
+}
+
+// Of the instances as they are, but elsewhere.
+vk::Buffer GpuScene::uploadMoved(vk::Uploader& uploader, const scene::Pose& pose, const char* name) const {
+  const std::vector<glm::mat4> transforms = scene::instanceTransforms(scene_, pose);
+  std::vector<shared::Instance> instances = hostInstances_;
+  for (size_t i = 0; i < instances.size(); ++i) instances[i].objectToWorld = glm::mat4x3(transforms[order_[i]]);
+  vk::Buffer buffer = makeBuffer(device_, name, instances.size() * sizeof(shared::Instance));
+  uploader.upload(buffer, bytesOf(instances));
+  return buffer;
+}
+
+Sphere GpuScene::boundsOf(const scene::Instance& instance, const glm::mat4& toWorld, const scene::Pose& pose) const {
+  const scene::Mesh& mesh = scene_.meshes[instance.mesh];
+  scene::ReachBox box{mesh.boundsMin, mesh.boundsMax};
+  if (mesh.deformation && !pose.empty()) box = deformer_->boundsOf(instance.mesh, pose);
+  glm::mat3 linear(toWorld);
+  // The largest stretch is at most the Frobenius norm: a sphere that holds the box under any transform.
+  float stretch =
+      std::sqrt(glm::dot(linear[0], linear[0]) + glm::dot(linear[1], linear[1]) + glm::dot(linear[2], linear[2]));
+  return {glm::vec3(toWorld * glm::vec4((box.low + box.high) * 0.5f, 1.0f)),
+          glm::length(box.high - box.low) * 0.5f * stretch};
+}
+
+scene::Bounds GpuScene::posedBounds() const {
+  scene::Bounds all;
+  for (const Sphere& sphere : bounds_) {
+    all.min = glm::min(all.min, sphere.centre - sphere.radius);
+    all.max = glm::max(all.max, sphere.centre + sphere.radius);
+  }
+  return all;
+}
+
+void GpuScene::setPoses(const Poses& poses) {
+  const bool posed = !poses.current.empty();
+  if (!posed && !posed_) return;
+  const bool deforms = std::any_of(scene_.meshes.begin(), scene_.meshes.end(),
+                                   [](const scene::Mesh& mesh) { return mesh.deformation != nullptr; });
+  if (deforms && !deformer_) deformer_ = std::make_unique<Deformer>(device_, scene_);
+  std::vector<shared::Mesh> meshes = meshRecords_;
+  if (deforms && posed) {
+    deformer_->run(poses);
+    deformer_->describe(meshes);
+  }
+  const bool lightsMove =
+      std::any_of(sceneLights_.begin(), sceneLights_.end(), [](const scene::Light& light) { return light.node >= 0; });
+  if (lightsMove) std::ranges::copy(scene::posedLights(scene_, poses.current), sceneLights_.begin());
+  vk::Uploader uploader(device_);
+  uploader.upload(meshes_, bytesOf(meshes));
+  uploadInstances(uploader, poses.current);
+  previousInstances_ = posed ? uploadMoved(uploader, poses.previous, "previous instances") : vk::Buffer();
+  nextInstances_ = posed ? uploadMoved(uploader, poses.next, "next instances") : vk::Buffer();
+  if (lightsMove) uploadLights(uploader);
+  uploader.flush();
+  posed_ = posed;
 }
 
 void GpuScene::uploadMaterials(vk::Uploader& uploader, const scene::Scene& scene) {
@@ -361,6 +416,8 @@ void GpuScene::appendRuns(const Draw& draw, const std::function<bool(const Spher
 
 void GpuScene::describe(shared::FrameConstants& frame) const {
   frame.instances = instances_.address();
+  frame.previousInstances = previousInstances_ ? previousInstances_.address() : instances_.address();
+  frame.nextInstances = nextInstances_ ? nextInstances_.address() : instances_.address();
   frame.meshes = meshes_.address();
   frame.materials = materialBuffer_.address();
   frame.lights = lights_.address();

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "render/deform/deformer.h"
 #include "render/frustum.h"
 #include "scene/scene.h"
 #include "shared/types.h"
@@ -24,7 +25,7 @@ struct Draw {
 
 class GpuScene {
  public:
-  // Uploads all of it.
+  // Uploads all of it, at rest. The scene must outlive this.
   GpuScene(vk::Device& device, const scene::Scene& scene);
 
   const std::vector<Draw>& draws() const { return draws_; }
@@ -46,6 +47,11 @@ class GpuScene {
   // Lights without a range end where they no longer show, and exposure (a linear factor, 1 at first) moves that place.
   void setExposure(float exposure);
 
+  // Moves instances, deformed meshes and the scene's lights to where these poses have them. Static scenes stay.
+  void setPoses(const Poses& poses);
+  bool posed() const { return posed_; }  // else the scene is at rest
+  scene::Bounds posedBounds() const;     // around the spheres around the instances
+
   // Other lights than the scene's.
   void setLights(std::vector<scene::Light> lights);
 
@@ -64,7 +70,9 @@ class GpuScene {
  private:
   std::vector<Draw> visible(const shared::View& view, bool blended) const;
   void uploadMeshes(vk::Uploader& uploader, const scene::Scene& scene);
-  void uploadInstances(vk::Uploader& uploader, const scene::Scene& scene);
+  void uploadInstances(vk::Uploader& uploader, const scene::Pose& pose);
+  vk::Buffer uploadMoved(vk::Uploader& uploader, const scene::Pose& pose, const char* name) const;
+  Sphere boundsOf(const scene::Instance& instance, const glm::mat4& toWorld, const scene::Pose& pose) const;
   void uploadMaterials(vk::Uploader& uploader, const scene::Scene& scene);
   void uploadMaterialUniforms(vk::Uploader& uploader);
   void uploadLights(vk::Uploader& uploader);
@@ -72,11 +80,19 @@ class GpuScene {
   VkSampler sampler(const scene::Sampler& sampler);
 
   vk::Device& device_;
+  const scene::Scene& scene_;
   std::vector<scene::Light> sceneLights_;
   vk::Buffer positions_, attributes_, extras_, indices_;
   vk::Buffer meshes_, instances_, materialBuffer_, lights_, lightTree_;
   vk::Buffer materialUniforms_;  // the same materials, each at a multiple of uniformStride_
   VkDeviceSize uniformStride_ = 0;
+  std::vector<shared::Mesh> meshRecords_;  // at rest
+  std::unique_ptr<Deformer> deformer_;     // once poses are set, if a mesh needs it
+  // A frame before and after, in the order of the device; none while nothing moves.
+  vk::Buffer previousInstances_, nextInstances_;
+  std::vector<shared::Instance> hostInstances_;
+  std::vector<uint32_t> order_;  // of the instances on the device, their places in the scene
+  bool posed_ = false;
   std::vector<uint32_t> firstIndices_;  // a mesh's first index in indices_
   std::vector<shared::Material> materials_;
   std::vector<vk::Image> textures_;

@@ -48,12 +48,12 @@ Picked describe(const scene::Scene& scene, const DataAt& data) {
 }  // namespace
 
 std::vector<Picked> pick(Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
-                         const Settings& settings, std::span<const glm::uvec2> pixels) {
+                         const Settings& settings, std::span<const glm::uvec2> pixels, const Moment& moment) {
   checkPixels(settings, pixels);
   Settings data = settings;
   data.display = false;
   data.aovs = {Aov::Id, Aov::Position, Aov::Normal, Aov::GeoNormal, Aov::Depth, Aov::Distance, Aov::Uv};
-  const output::FrameOutput frame = std::move(renderer.render({&camera, 1}, data).front());
+  const output::FrameOutput frame = std::move(renderer.render({&camera, 1}, data, moment).front());
   std::vector<Picked> picked;
   for (const glm::uvec2 pixel : pixels) {
     picked.push_back(describe(scene, {frame, size_t{pixel.y} * settings.width + pixel.x}));

@@ -25,6 +25,6 @@ void checkPixels(const Settings& settings, std::span<const glm::uvec2> pixels);
 
 // Checks them, and renders the data outputs that it takes; nothing is lit.
 std::vector<Picked> pick(Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
-                         const Settings& settings, std::span<const glm::uvec2> pixels);
+                         const Settings& settings, std::span<const glm::uvec2> pixels, const Moment& moment = {});
 
 }  // namespace latelight::render

@@ -18,18 +18,36 @@
 #include "render/shadow/shadow_pass.h"
 #include "render/view.h"
 #include "render/visibility/hardware.h"
+#include "render/visibility/motion.h"
 #include "shared/shadow.h"
 
 namespace latelight::render {
 
+// Cameras that are rendered at once, and where they were and will be.
+struct Renderer::Views {
+  std::span<const scene::Camera> now, previous, next;
+
+  Views(std::span<const scene::Camera> cameras, const Moment& moment)
+      : now(cameras),
+        previous(moment.previousCameras.empty() ? cameras : moment.previousCameras),
+        next(moment.nextCameras.empty() ? cameras : moment.nextCameras) {}
+  Views part(size_t first, size_t count) const {
+    Views some = *this;
+    for (std::span<const scene::Camera>* cameras : {&some.now, &some.previous, &some.next})
+      *cameras = cameras->subspan(first, count);
+    return some;
+  }
+};
+
 // Some views of a call of render(): its settings and what it builds.
 struct Renderer::Job {
-  std::span<const scene::Camera> cameras;
+  const Views& cameras;
   const Settings& settings;
   std::vector<output::FrameOutput> pictures;
   std::vector<shared::View> views;
   vk::Buffer viewBuffer, constants;
   std::optional<ShadowMaps> shadows;  // none where no light casts any
+  bool continues = false;             // the history of temporal anti-aliasing is that of these views, a frame before
 
   size_t pixels() const { return size_t{settings.width} * settings.height; }
 };
@@ -43,7 +61,8 @@ size_t viewsAtOnce(const Settings& settings, bool shadows) {
   constexpr uint64_t kBudget = uint64_t{1} << 30;
   constexpr uint64_t kLayers = 256;  // the least maxImageArrayLayers of Vulkan
   const auto bytesOf = [](std::string_view layout) { return uint64_t{findLayout(layout).bytesPerPixel(0).total()}; };
-  const uint64_t bytes = bytesOf("exact") + settings.samples * (bytesOf(settings.layout) + 32) + 48;
+  const uint64_t bytes =
+      bytesOf("exact") + settings.samples * (bytesOf(settings.layout) + 32) + (settings.temporal ? 112 : 48);
   return std::clamp<uint64_t>(kBudget / (bytes * settings.width * settings.height), 1, kLayers);
 }
 
@@ -64,12 +83,23 @@ scene::Light lightOf(const SunLight& sun) {
   return light;
 }
 
+bool contains(const std::vector<output::Aov>& aovs, output::Aov aov) {
+  return std::find(aovs.begin(), aovs.end(), aov) != aovs.end();
+}
+
 }  // namespace
+
+// The pipelines of temporal anti-aliasing.
+struct Renderer::Temporal {
+  TemporalPass blend;
+  MotionPass motion;
+};
 
 // The pipelines of renderData().
 struct Renderer::DataPasses {
   DepthPass depth;
   GeometryPass geometry;
+  std::unique_ptr<MotionPass> motion;  // once it is asked for
   DataPasses(vk::Device& device, const GpuScene& scene, const Layout& layout)
       : depth(device, scene), geometry(device, scene, FrameSetup{.layout = &layout}) {}
 };
@@ -86,40 +116,43 @@ Renderer::Renderer(vk::Device& device, const scene::Scene& scene, const scene::E
 
 Renderer::~Renderer() = default;
 
-void Renderer::begin(const Settings& settings) {
+void Renderer::begin(const Settings& settings, const Moment& moment) {
   checkSettings(settings);
   if (settings.background == Background::Environment && !hasEnvironment_)
     badUsage(
         "the environment can't be the background where there is none: choose one (a .hdr or .exr file, or studio)");
-  gpuScene_.setExposure(std::exp2(settings.exposure));
   if (settings.sun != sun_) {
     sun_ = settings.sun;
     std::vector<scene::Light> lights = scene_.lights;
     if (sun_) lights.push_back(lightOf(*sun_));
     gpuScene_.setLights(std::move(lights));
   }
+  gpuScene_.setPoses(moment.poses);
+  gpuScene_.setExposure(std::exp2(settings.exposure));
   times_.clear();
   shadingCounts_.reset();
   graphviz_.clear();
 }
 
-std::vector<output::FrameOutput> Renderer::render(std::span<const scene::Camera> cameras, const Settings& settings) {
-  begin(settings);
+std::vector<output::FrameOutput> Renderer::render(std::span<const scene::Camera> cameras, const Settings& settings,
+                                                  const Moment& moment) {
+  begin(settings, moment);
+  const Views views(cameras, moment);
   std::vector<output::FrameOutput> pictures;
   const bool shadows = settings.shadows != "none" && gpuScene_.lightCount() > 0 && lightsSomething(settings);
   const size_t atOnce = viewsAtOnce(settings, shadows);
   for (size_t first = 0; first < cameras.size(); first += atOnce) {
-    std::vector<output::FrameOutput> some =
-        renderViews(cameras.subspan(first, std::min(atOnce, cameras.size() - first)), settings);
+    std::vector<output::FrameOutput> some = renderViews(views.part(first, std::min(atOnce, cameras.size() - first)),
+                                                        settings, moment.continues && atOnce >= cameras.size());
     std::move(some.begin(), some.end(), std::back_inserter(pictures));
   }
   return pictures;
 }
 
-std::vector<output::FrameOutput> Renderer::renderViews(std::span<const scene::Camera> cameras,
-                                                       const Settings& settings) {
-  Job job{.cameras = cameras, .settings = settings};
-  job.pictures.resize(cameras.size());
+std::vector<output::FrameOutput> Renderer::renderViews(const Views& views, const Settings& settings, bool continues) {
+  Job job{.cameras = views, .settings = settings};
+  job.continues = continues && history_.fits(settings.width, settings.height, views.now.size());
+  job.pictures.resize(views.now.size());
   for (output::FrameOutput& picture : job.pictures) {
     picture.width = settings.width;
     picture.height = settings.height;
@@ -138,9 +171,9 @@ std::vector<output::FrameOutput> Renderer::renderViews(std::span<const scene::Ca
 // For the first view, whatever its jitter: samples of one picture share their shadow maps' places.
 void Renderer::prepareShadows(Job& job) {
   const ShadowScene scene{gpuScene_.lights(), gpuScene_.lightSources(), gpuScene_.sceneLights(),
-                          scene::worldBounds(scene_)};
+                          gpuScene_.posed() ? gpuScene_.posedBounds() : scene::worldBounds(scene_)};
   ShadowPlan plan =
-      planShadows(scene, makeView(job.cameras.front(), job.settings.width, job.settings.height), job.settings);
+      planShadows(scene, makeView(job.cameras.now.front(), job.settings.width, job.settings.height), job.settings);
   std::vector<GpuScene::LightShadow> shadows;
   if (!plan.empty()) {
     shared::FrameConstants frame{};
@@ -158,16 +191,21 @@ void Renderer::prepareShadows(Job& job) {
 FrameInputs Renderer::prepareViews(Job& job, glm::vec2 jitter) {
   const Settings& s = job.settings;
   job.views.clear();
-  for (const scene::Camera& camera : job.cameras) job.views.push_back(makeView(camera, s.width, s.height, jitter));
+  for (const scene::Camera& camera : job.cameras.now) job.views.push_back(makeView(camera, s.width, s.height, jitter));
+  std::vector<shared::View> all = job.views;
+  for (const scene::Camera& camera : job.cameras.previous) all.push_back(makeView(camera, s.width, s.height));
+  for (const scene::Camera& camera : job.cameras.next) all.push_back(makeView(camera, s.width, s.height));
   vk::BufferDesc upload{.kind = vk::MemoryKind::Upload};
   upload.name = "views";
-  upload.size = job.views.size() * sizeof(shared::View);
+  upload.size = all.size() * sizeof(shared::View);
   job.viewBuffer = vk::Buffer(device_, upload);
-  std::memcpy(job.viewBuffer.mapped(), job.views.data(), upload.size);
+  std::memcpy(job.viewBuffer.mapped(), all.data(), upload.size);
 
   shared::FrameConstants frame{};
   gpuScene_.describe(frame);
   frame.views = job.viewBuffer.address();
+  frame.previousViews = frame.views + job.views.size() * sizeof(shared::View);
+  frame.nextViews = frame.previousViews + job.views.size() * sizeof(shared::View);
   frame.viewCount = static_cast<uint32_t>(job.views.size());
   frame.exposure = std::exp2(s.exposure);
   frame.environmentIntensity = hasEnvironment_ ? s.environmentIntensity : 0.0f;
@@ -239,27 +277,54 @@ graph::Executor& Renderer::run(const graph::Graph& graph) {
   return executor_;
 }
 
+// The samples of a picture, a frame each, as offsets from the pixel's centre.
+std::vector<glm::vec2> Renderer::jittersOf(const Job& job) const {
+  const Settings& s = job.settings;
+  if (s.temporal) {
+    const std::vector<glm::vec2>& all = temporalJitters();
+    if (!job.continues) return all;
+    return {all[history_.frames() % all.size()]};
+  }
+  const uint32_t side = s.superSampling;
+  std::vector<glm::vec2> jitters;
+  for (uint32_t i = 0; i < side * side; ++i) {
+    const glm::vec2 cell(static_cast<float>(i % side), static_cast<float>(i / side));
+    jitters.push_back((cell + 0.5f) / static_cast<float>(side) - 0.5f);
+  }
+  return jitters;
+}
+
+graph::ImageId Renderer::addTemporal(graph::Graph& graph, const FrameInputs& inputs, const LitFrame& lit,
+                                     graph::ImageId picture, bool begins) {
+  if (!temporal_)
+    temporal_.reset(new Temporal{TemporalPass(device_), MotionPass(device_, gpuScene_, MotionUse::Reproject)});
+  const TemporalPass::Sources sources{picture, lit.gbuffer.depth,
+                                      temporal_->motion.add(graph, inputs, lit.gbuffer.depth)};
+  return begins ? temporal_->blend.begin(graph, inputs, sources, history_)
+                : temporal_->blend.resume(graph, inputs, sources, history_);
+}
+
 void Renderer::renderColor(Job& job) {
   const Settings& s = job.settings;
   Frame& frame = frameFor(job, false);
-  const uint32_t n = s.superSampling;
+  const std::vector<glm::vec2> jitters = jittersOf(job);
+  const size_t n = jitters.size();
   vk::Image sum;
   if (n > 1) {
     sum = vk::Image(device_,
                     {.format = VK_FORMAT_R32G32B32A32_SFLOAT,
                      .width = s.width,
                      .height = s.height,
-                     .layers = static_cast<uint32_t>(job.cameras.size()),
+                     .layers = static_cast<uint32_t>(job.cameras.now.size()),
                      .usage = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
                      .name = "sum"});
   }
-  const bool linear = std::find(s.aovs.begin(), s.aovs.end(), output::Aov::Color) != s.aovs.end();
+  const bool linear = contains(s.aovs, output::Aov::Color);
 
-  Progress progress("Rendering", n * n);
-  for (uint32_t i = 0; i < n * n; ++i) {
-    const bool last = i + 1 == n * n;
-    glm::vec2 cell(static_cast<float>(i % n), static_cast<float>(i / n));
-    FrameInputs inputs = prepareViews(job, (cell + 0.5f) / static_cast<float>(n) - 0.5f);
+  Progress progress("Rendering", n);
+  for (size_t i = 0; i < n; ++i) {
+    const bool last = i + 1 == n;
+    FrameInputs inputs = prepareViews(job, jitters[i]);
 
     graph::Graph graph;
     const LitFrame lit = frame.add(graph, inputs);
@@ -270,17 +335,19 @@ void Renderer::renderColor(Job& job) {
       picture = total;
       if (!last) graph.exports(total, graph::Use::StorageReadWrite);
     }
+    if (last && s.temporal) picture = addTemporal(graph, inputs, lit, picture, n > 1);
     FinishedPicture finished;
     graph::BufferId values, surfaces;
     if (last) {
-      finished = post_.add(graph, picture, 1.0f / static_cast<float>(n * n), s);
+      finished = post_.add(graph, picture, s.temporal ? 1.0f : 1.0f / static_cast<float>(n), s);
       if (linear) values = addReadback(graph, finished.linear);
       if (s.countSurfaces && lit.gbuffer.surfaces) surfaces = addReadback(graph, lit.gbuffer.surfaces);
       graphviz_ = graph.graphviz();
     }
     graph::Executor& done = run(graph);
     if (frame.outgrown(done)) {  // from the first frame on: the sum has one that lacks something
-      i = ~0u;
+      if (last && s.temporal) history_.undo();
+      i = ~size_t{0};
       continue;
     }
     progress.step();
@@ -336,21 +403,27 @@ void Renderer::renderData(Job& job) {
   gbuffer.sampleDepth = gbuffer.depth;
   gbuffer.sampleLight = gbuffer.light;
   data_->geometry.add(graph, inputs, gbuffer);
-  DataReadback readback(graph, exact, gbuffer, job.settings.aovs);
+  graph::ImageId motion;
+  if (contains(job.settings.aovs, output::Aov::Motion)) {
+    if (!data_->motion) data_->motion = std::make_unique<MotionPass>(device_, gpuScene_, MotionUse::Data);
+    motion = data_->motion->add(graph, inputs, gbuffer.depth);
+  }
+  DataReadback readback(graph, exact, gbuffer, motion, job.settings.aovs);
   if (graphviz_.empty()) graphviz_ = graph.graphviz();
   graph::Executor& done = run(graph);
   for (size_t view = 0; view < job.pictures.size(); ++view)
     readback.read(done, job.views[view], view, job.settings, scene_.yUp && !job.settings.zUp, job.pictures[view]);
 }
 
-output::RawGbuffer Renderer::readTargets(const scene::Camera& camera, const Settings& settings) {
-  begin(settings);
+output::RawGbuffer Renderer::readTargets(const scene::Camera& camera, const Settings& settings, const Moment& moment) {
+  begin(settings, moment);
   if (findTechnique(settings.lighting).forward)
     badUsage("{} lighting has no G-buffer whose targets could be shown: choose a deferred technique",
              settings.lighting);
   Settings atCentres = settings;
   atCentres.samples = 1;
-  Job job{.cameras = {&camera, 1}, .settings = atCentres};
+  const Views views({&camera, 1}, moment);
+  Job job{.cameras = views, .settings = atCentres};
   prepareShadows(job);
   const FrameInputs inputs = prepareViews(job, glm::vec2(0));
   const Frame& frame = frameFor(job, false);

@@ -14,6 +14,7 @@
 #include "render/gpu_environment.h"
 #include "render/gpu_scene.h"
 #include "render/post/post.h"
+#include "render/post/taa/taa.h"
 #include "render/settings.h"
 #include "scene/scene.h"
 #include "vk/device.h"
@@ -28,6 +29,15 @@ struct ShadingCounts {
   uint64_t shadings = 0;  // of all pixels
 };
 
+// Where everything is when a picture is made, and where it was and will be a frame before and after. As it is at first:
+// the scene at rest, and cameras that stand.
+struct Moment {
+  Poses poses;
+  std::vector<scene::Camera> previousCameras, nextCameras;  // as many as there are cameras, or none
+  // It follows the one that was rendered last, by a frame: temporal anti-aliasing goes on from there.
+  bool continues = false;
+};
+
 class Renderer {
  public:
   // `environment`: null for none. The scene must outlive the renderer.
@@ -35,10 +45,11 @@ class Renderer {
   ~Renderer();
 
   // One picture a camera, several at once. Throws Error(Usage) for settings that can't be.
-  std::vector<output::FrameOutput> render(std::span<const scene::Camera> cameras, const Settings& settings);
+  std::vector<output::FrameOutput> render(std::span<const scene::Camera> cameras, const Settings& settings,
+                                          const Moment& moment = {});
 
   // The targets of the picture's own G-buffer, at the pixel centres. Throws Error(Usage) where it has none.
-  output::RawGbuffer readTargets(const scene::Camera& camera, const Settings& settings);
+  output::RawGbuffer readTargets(const scene::Camera& camera, const Settings& settings, const Moment& moment = {});
 
   // GPU milliseconds a pass of the last render(), summed over its frames, in the order of the passes. Empty where the
   // device has no timestamps.
@@ -50,9 +61,13 @@ class Renderer {
 
  private:
   struct Job;
-  void begin(const Settings& settings);
-  std::vector<output::FrameOutput> renderViews(std::span<const scene::Camera> cameras, const Settings& settings);
+  struct Views;
+  void begin(const Settings& settings, const Moment& moment);
+  std::vector<output::FrameOutput> renderViews(const Views& views, const Settings& settings, bool continues);
   void renderColor(Job& job);
+  std::vector<glm::vec2> jittersOf(const Job& job) const;
+  graph::ImageId addTemporal(graph::Graph& graph, const FrameInputs& inputs, const LitFrame& lit,
+                             graph::ImageId picture, bool begins);
   void renderLightCounts(Job& job);
   void renderSampleCounts(Job& job);
   void renderData(Job& job);
@@ -77,6 +92,9 @@ class Renderer {
   std::vector<graph::PassTime> times_;
   std::optional<ShadingCounts> shadingCounts_;
   std::string graphviz_;
+  struct Temporal;
+  std::unique_ptr<Temporal> temporal_;  // once it is asked for
+  TemporalHistory history_;
 };
 
 }  // namespace latelight::render

@@ -126,6 +126,8 @@ const std::vector<AntiAliasing>& antiAliasings() {
        [](Settings& s) { s.fxaa = true; }},
       {"msaa4", "multisampling: four samples a pixel, each surface of a pixel shaded once",
        [](Settings& s) { s.samples = 4; }},
+      {"taa", "temporal: each frame of a sequence blended into the ones before; a still is the mean of 16 frames",
+       [](Settings& s) { s.temporal = true; }},
       {"ssN", "super-sampling: N x N ordered samples a pixel, as in ss2 or ss4", nullptr},
   };
   return all;
@@ -197,7 +199,9 @@ void checkSettings(const Settings& s) {
   if (s.superSampling < 1 || s.superSampling > 16)
     badUsage("super-sampling takes 1 to 16 samples along each side, not {}", s.superSampling);
   if (s.samples != 1 && s.samples != 4) badUsage("multisampling takes 1 or 4 samples a pixel, not {}", s.samples);
-  if (s.samples > 1 && s.superSampling > 1) badUsage("a picture is super-sampled or multisampled, not both");
+  if ((s.samples > 1) + (s.superSampling > 1) + s.temporal > 1)
+    badUsage(
+        "multisampling, super-sampling and temporal anti-aliasing each choose the samples of a pixel; use one of them");
   if (!std::isfinite(s.exposure) || std::abs(s.exposure) > 60)
     badUsage("the exposure must be a number between -60 and 60 EV, not {}", s.exposure);
   if (!std::isfinite(s.environmentIntensity) || s.environmentIntensity < 0)

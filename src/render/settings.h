@@ -57,6 +57,7 @@ struct Settings {
   uint32_t samples = 1;                  // of the hardware's, a pixel: 1, or 4 (MSAA)
   bool everySample = false;              // all of those are shaded, alike or not: the reference of MSAA
   bool countSurfaces = false;            // fills Renderer::surfaceCounts()
+  bool temporal = false;                 // temporal anti-aliasing; not together with super-sampling
   float exposure = 0;                    // EV: radiance is multiplied by 2^exposure
   float environmentIntensity = 1;
   float environmentRotation = 0;  // radians about the up axis, +X towards +Z of the glTF frame

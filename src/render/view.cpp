@@ -36,8 +36,9 @@ shared::View makeView(const scene::Camera& camera, uint32_t width, uint32_t heig
   p.kind = camera.orthographic ? shared::kOrthographic : shared::kPerspective;
   p.V = 1.0f / (camera.orthographic ? camera.yHalf : std::tan(camera.verticalFov * 0.5f));
   p.H = p.V / aspect;
-  p.X = camera.principal.x - 2.0f * jitter.x / view.size.x;
-  p.Z = camera.principal.y + 2.0f * jitter.y / view.size.y;
+  view.jitter = {-2.0f * jitter.x / view.size.x, 2.0f * jitter.y / view.size.y};
+  p.X = camera.principal.x + view.jitter.x;
+  p.Z = camera.principal.y + view.jitter.y;
   setReversedDepth(p, camera.nearClip, camera.farClip);
   return view;
 }

@@ -74,6 +74,7 @@ Scene import(const std::filesystem::path& path, const LoadOptions& options) {
   Hierarchy hierarchy = readNodes(document, scene);
   readCameras(document, hierarchy, scene);
   readLights(document, hierarchy, scene);
+  readRig(document, hierarchy, scene);
   TextureTable textures;
   scene.materials = readMaterials(document, textures);
   std::vector<MeshRequest> requests = placeInstances(document, hierarchy, variant, scene);

@@ -219,9 +219,11 @@ std::vector<glm::uvec4> readJoints(const Elements& e, size_t first, size_t count
   return out;
 }
 
+template void readVectors<1>(const Elements&, size_t, size_t, glm::vec1*, float);
 template void readVectors<2>(const Elements&, size_t, size_t, glm::vec2*, float);
 template void readVectors<3>(const Elements&, size_t, size_t, glm::vec3*, float);
 template void readVectors<4>(const Elements&, size_t, size_t, glm::vec4*, float);
+template std::vector<glm::vec1> readFinite<1>(const Elements&, size_t, size_t, float);
 template std::vector<glm::vec2> readFinite<2>(const Elements&, size_t, size_t, float);
 template std::vector<glm::vec3> readFinite<3>(const Elements&, size_t, size_t, float);
 template std::vector<glm::vec4> readFinite<4>(const Elements&, size_t, size_t, float);

@@ -39,7 +39,8 @@ struct Document {
   tinygltf::Model model;     // without buffers, images and animations: their bytes never go through tinygltf
   std::vector<Bytes> views;  // of each bufferView, decompressed
   std::vector<ImageSource> images;
-  size_t inputBytes = 0;  // of all files read
+  nlohmann::json animations = nlohmann::json::array();  // as in the file, validated
+  size_t inputBytes = 0;                                // of all files read
   Budget budget;
 
   // What `views` and `images` point into.

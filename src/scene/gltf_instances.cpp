@@ -85,10 +85,15 @@ std::vector<glm::dmat4> instanceTransforms(const Document& document, const tinyg
 class Placer {
  public:
   Placer(const Document& document, const Hierarchy& hierarchy, int variant, Scene& scene)
-      : document_(document), hierarchy_(hierarchy), variant_(variant), scene_(scene) {}
+      : document_(document), hierarchy_(hierarchy), variant_(variant), scene_(scene) {
+    for (const Animation& animation : scene.rig.animations)
+      for (const Track& track : animation.tracks)
+        if (track.property == AnimatedProperty::Weights) moved_.insert(track.node);
+  }
 
   std::vector<MeshRequest> run() {
     for (size_t i = 0; i < hierarchy_.order.size(); ++i) placeNode(i);
+    if (!scene_.rig.offsets.empty()) scene_.rig.offsets.resize(scene_.instances.size(), glm::dmat4(1));
     return std::move(requests_);
   }
 
@@ -108,16 +113,20 @@ class Placer {
                           .primitive = int(p),
                           .skin = primitive.attributes.contains("JOINTS_0") ? node.skin : -1,
                           .weights = weightsOf(node, mesh, primitive),
+                          .weightsNode = primitive.targets.empty() ? -1 : movedWeights(int(index)),
                           .tangentSpace = tangentSpaceOf(scene_.materials[material], primitive)};
       // A skinned mesh is posed in the file's frame already: its own node does not move it.
-      glm::dmat4 world = request.skin >= 0 ? glm::dmat4(1) : hierarchy_.world[index];
+      const bool posed = request.skin >= 0;
+      glm::dmat4 world = posed ? glm::dmat4(1) : hierarchy_.world[index];
       Instance instance{.mesh = find(request, primitive), .material = material, .node = uint32_t(place)};
+      instance.posed = posed;
       std::string name = scene_.nodes[place].path;
       if (mesh.primitives.size() > 1) name += fmt::format("/primitive{}", p);
       document_.budget.charge(transforms.size() * 2 * sizeof(Instance), name);
       for (size_t k = 0; k < transforms.size(); ++k) {
         instance.toWorld = toWorldFromGltf() * mat4(world * transforms[k]);
         instance.id = ids_.make(instanced ? fmt::format("{}/instance{}", name, k) : name);
+        if (instanced) placeBelow(transforms[k]);
         scene_.instances.push_back(instance);
       }
     }
@@ -142,12 +151,23 @@ class Placer {
     return *default_;
   }
 
+  // Notes the transform of the instance to come below its node, where nodes may move.
+  void placeBelow(const glm::dmat4& transform) {
+    if (scene_.rig.empty()) return;
+    scene_.rig.offsets.resize(scene_.instances.size(), glm::dmat4(1));
+    scene_.rig.offsets.push_back(transform);
+  }
+
+  // The node itself if an animation moves its weights, else -1.
+  int movedWeights(int node) const { return moved_.contains(uint32_t(node)) ? node : -1; }
+
   // The place of an equal request, or of this one appended.
   uint32_t find(const MeshRequest& request, const tinygltf::Primitive& primitive) {
     std::vector<uint32_t>& candidates = known_[geometryOf(primitive)];
     for (uint32_t candidate : candidates) {
       const MeshRequest& other = requests_[candidate];
-      if (other.skin == request.skin && other.weights == request.weights && other.tangentSpace == request.tangentSpace)
+      if (other.skin == request.skin && other.weights == request.weights && other.weightsNode == request.weightsNode &&
+          other.tangentSpace == request.tangentSpace)
         return candidate;
     }
     candidates.push_back(uint32_t(requests_.size()));
@@ -162,6 +182,7 @@ class Placer {
   std::vector<MeshRequest> requests_;
   std::map<Geometry, std::vector<uint32_t>> known_;
   std::optional<uint32_t> default_;
+  std::unordered_set<uint32_t> moved_;  // nodes whose weights an animation moves
   Ids ids_;
 };
 

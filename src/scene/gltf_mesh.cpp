@@ -1,6 +1,7 @@
 #include "scene/gltf_mesh.h"
 
 #include <cmath>
+#include <numeric>
 
 #include "base/error.h"
 #include "scene/gltf_vertices.h"
@@ -37,6 +38,8 @@ Vertices readVertices(const Source& source) {
   if (const Elements* e = find(source, "TEXCOORD_0")) v.uv[0] = readFinite<2>(*e, source.first, source.count);
   if (const Elements* e = find(source, "TEXCOORD_1")) v.uv[1] = readFinite<2>(*e, source.first, source.count);
   if (const Elements* e = find(source, "COLOR_0")) v.colors = readColors(*e, source);
+  v.origin.resize(source.count);
+  std::iota(v.origin.begin(), v.origin.end(), 0u);
   return v;
 }
 
@@ -71,6 +74,7 @@ void makeTangents(const TangentSpace& space, Vertices& v, std::vector<uint32_t>&
   appendCopies(v.colors, frames.copies);
   appendCopies(v.uv[0], frames.copies);
   appendCopies(v.uv[1], frames.copies);
+  appendCopies(v.origin, frames.copies);
   v.tangents = std::move(frames.tangents);
 }
 
@@ -86,14 +90,44 @@ Mesh pack(Vertices v, std::vector<uint32_t> indices) {
     for (size_t i = 0; i < count; ++i)
       mesh.extras[i] = {v.uv[1].empty() ? vec2(0) : v.uv[1][i], v.colors.empty() ? vec4(1) : v.colors[i]};
   }
-  mesh.boundsMin = mesh.boundsMax = v.positions[0];
-  for (const vec3& p : v.positions) {
-    mesh.boundsMin = glm::min(mesh.boundsMin, p);
-    mesh.boundsMax = glm::max(mesh.boundsMax, p);
-  }
   mesh.positions = std::move(v.positions);
   mesh.indices = std::move(indices);
   return mesh;
+}
+
+void computeBounds(Mesh& mesh) {
+  mesh.boundsMin = mesh.boundsMax = mesh.positions[0];
+  for (const vec3& p : mesh.positions) {
+    mesh.boundsMin = glm::min(mesh.boundsMin, p);
+    mesh.boundsMax = glm::max(mesh.boundsMax, p);
+  }
+}
+
+// How the mesh moves; null where it has neither a skin nor weights that an animation moves.
+std::shared_ptr<Deformation> readDeformation(const Document& document, const MeshRequest& request, const Source& source,
+                                             const std::vector<uint32_t>& origin, const Mesh& mesh) {
+  auto deformation = std::make_shared<Deformation>();
+  if (request.skin >= 0) readSkinWeights(document, request.skin, source, origin, *deformation);
+  if (request.weightsNode >= 0) {
+    const tinygltf::Mesh& parent = document.model.meshes[size_t(request.mesh)];
+    deformation->weightsNode = request.weightsNode;
+    readMorphTargets(document, parent.primitives[size_t(request.primitive)], source, origin, *deformation);
+  }
+  if (deformation->skin < 0 && deformation->weightsNode < 0) return nullptr;
+  deformation->positions = mesh.positions;
+  deformation->attributes = mesh.attributes;
+  return deformation;
+}
+
+// The mesh as its joints and weights are at rest.
+void poseAtRest(const Document& document, const Hierarchy& hierarchy, const MeshRequest& request,
+                const Deformation& deformation, Mesh& mesh) {
+  std::vector<mat4> joints;
+  if (deformation.skin >= 0) joints = restJoints(document, hierarchy, deformation.skin);
+  const std::vector<float> weights(request.weights.begin(), request.weights.end());
+  DeformedVertices posed = deform(deformation, joints, weights);
+  mesh.positions = std::move(posed.positions);
+  mesh.attributes = std::move(posed.attributes);
 }
 
 }  // namespace
@@ -105,12 +139,11 @@ Mesh buildMesh(const Document& document, const Hierarchy& hierarchy, const MeshR
       readSource(document, primitive, fmt::format("meshes[{}].primitives[{}]", request.mesh, request.primitive));
   document.budget.charge(source.count * kVertexBytes, source.name);
   Vertices vertices = readVertices(source);
-  applyMorphTargets(document, primitive, source, request.weights, vertices);
-  if (request.skin >= 0) applySkin(document, hierarchy, request.skin, source, vertices);
-  requireFinite(vertices.positions, source.name);
+  applyMorphTargets(document, primitive, source, request.weights, request.weightsNode < 0, vertices);
 
   std::vector<uint32_t> indices = std::move(source.indices);
-  if (vertices.normals.empty()) {
+  const bool flat = vertices.normals.empty();
+  if (flat) {
     document.budget.charge(indices.size() * kVertexBytes, source.name);
     makeFlatNormals(vertices, indices);
   } else {
@@ -119,7 +152,15 @@ Mesh buildMesh(const Document& document, const Hierarchy& hierarchy, const MeshR
   repairTangents(vertices.tangents);
   if (vertices.tangents.empty() && request.tangentSpace) makeTangents(*request.tangentSpace, vertices, indices);
 
+  const std::vector<uint32_t> origin = std::move(vertices.origin);
   Mesh mesh = pack(std::move(vertices), std::move(indices));
+  if (auto deformation = readDeformation(document, request, source, origin, mesh)) {
+    deformation->flatNormals = flat && origin.size() == mesh.indices.size();  // not where tangents split a vertex
+    poseAtRest(document, hierarchy, request, *deformation, mesh);
+    if (!document.animations.empty()) mesh.deformation = std::move(deformation);
+  }
+  requireFinite(mesh.positions, source.name);
+  computeBounds(mesh);
   mesh.name = parent.name.empty() ? fmt::format("mesh{}", request.mesh) : parent.name;
   if (parent.primitives.size() > 1) mesh.name += fmt::format("/primitive{}", request.primitive);
   return mesh;

@@ -22,7 +22,8 @@ struct TangentSpace {
 struct MeshRequest {
   int mesh = 0, primitive = 0;
   int skin = -1;                             // its bind pose, in the file's own frame; -1: none
-  std::vector<double> weights;               // of morph targets; empty: none of them counts
+  std::vector<double> weights;               // of morph targets at rest; empty: none of them counts
+  int weightsNode = -1;                      // the glTF node whose weights an animation moves; -1: nobody's
   std::optional<TangentSpace> tangentSpace;  // where tangents are needed
   bool operator==(const MeshRequest&) const = default;
 };

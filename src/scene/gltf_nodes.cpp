@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <glm/gtc/quaternion.hpp>
 #include <string>
 #include <unordered_map>
 #include <unordered_set>
@@ -114,17 +113,6 @@ class Paths {
   size_t bytes_ = 0;
 };
 
-// A rigid frame from a transform that may scale: camera space has the file's metres whatever its node does.
-mat4 rigid(const dmat4& m, bool& degenerate) {
-  dvec3 x = m[0], y = m[1], z = m[2];
-  degenerate = glm::length(z) == 0 || glm::length(glm::cross(y, z)) == 0;
-  if (degenerate) return mat4(dmat4(dvec4(1, 0, 0, 0), dvec4(0, 1, 0, 0), dvec4(0, 0, 1, 0), m[3]));
-  z = glm::normalize(z);
-  x = glm::normalize(glm::cross(y, z));
-  y = glm::cross(z, x);
-  return mat4(dmat4(dvec4(x, 0), dvec4(y, 0), dvec4(z, 0), m[3]));
-}
-
 Camera readCamera(const tinygltf::Camera& source) {
   Camera camera;
   if (source.type == "orthographic") {
@@ -183,17 +171,6 @@ void readShadowExtras(const tinygltf::Node& node, const tinygltf::Light& source,
 
 }  // namespace
 
-dmat4 composeTransform(dvec3 translation, dvec4 rotation, dvec3 scale) {
-  double length = glm::length(rotation);
-  glm::dquat q = length > 0
-                     ? glm::dquat(rotation.w / length, rotation.x / length, rotation.y / length, rotation.z / length)
-                     : glm::dquat(1, 0, 0, 0);
-  dmat4 m = glm::mat4_cast(q);
-  for (int i = 0; i < 3; ++i) m[i] *= scale[i];
-  m[3] = dvec4(translation, 1);
-  return m;
-}
-
 Hierarchy readNodes(const Document& document, Scene& scene) {
   const tinygltf::Model& model = document.model;
   std::vector<int> parents = findParents(model);
@@ -223,10 +200,8 @@ void readCameras(const Document& document, const Hierarchy& hierarchy, Scene& sc
     const tinygltf::Camera& data = document.model.cameras[size_t(source)];
     Camera camera = readCamera(data);
     camera.name = data.name.empty() ? scene.nodes[i].name : data.name;
-    bool degenerate = false;
-    // Camera space changes its axes just as the world does.
-    camera.toWorld = toWorldFromGltf() * rigid(hierarchy.world[index], degenerate) * toGltfFromWorld();
-    if (degenerate)
+    camera.node = int(i);
+    if (!placeCamera(camera, hierarchy.world[index]))
       warn("the camera at {} is scaled to nothing: it keeps its place and looks along -Z", scene.nodes[i].path);
     scene.cameras.push_back(std::move(camera));
   }
@@ -243,11 +218,8 @@ void readLights(const Document& document, const Hierarchy& hierarchy, Scene& sce
     Light light = readLight(data);
     light.name = data.name.empty() ? scene.nodes[i].name : data.name;
     readShadowExtras(document.model.nodes[index], data, light);
-    const mat4& toWorld = scene.nodes[i].toWorld;
-    light.position = vec3(toWorld[3]);
-    vec3 direction = -vec3(toWorld[2]);
-    float length = glm::length(direction);
-    light.direction = length > 0 ? direction / length : vec3(toWorldFromGltf() * vec4(0, 0, -1, 0));
+    light.node = int(i);
+    placeLight(light, hierarchy.world[index]);
     scene.lights.push_back(std::move(light));
   }
 }

@@ -21,7 +21,7 @@ Hierarchy readNodes(const Document& document, Scene& scene);
 void readCameras(const Document& document, const Hierarchy& hierarchy, Scene& scene);
 void readLights(const Document& document, const Hierarchy& hierarchy, Scene& scene);
 
-// Translation, rotation (quaternion, made unit), scale.
-glm::dmat4 composeTransform(glm::dvec3 translation, glm::dvec4 rotation, glm::dvec3 scale);
+// Fills scene.rig, but for the offsets of instances, if the file has animations. Throws Error(BadInput).
+void readRig(const Document& document, const Hierarchy& hierarchy, Scene& scene);
 
 }  // namespace latelight::scene::gltf

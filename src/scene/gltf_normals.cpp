@@ -36,6 +36,7 @@ void makeFlatNormals(Vertices& v, std::vector<uint32_t>& indices) {
   unshare(v.colors, indices);
   unshare(v.uv[0], indices);
   unshare(v.uv[1], indices);
+  unshare(v.origin, indices);
   v.tangents.clear();  // without normals, tangents mean nothing
   for (size_t i = 0; i < indices.size(); ++i) indices[i] = uint32_t(i);
   v.normals.resize(indices.size());

@@ -1,8 +1,9 @@
-// The pose at rest: morph targets by their default weights (glTF 2.0, 3.7.2.2), skins by their joints' nodes (3.7.3).
+// What moves a primitive's vertices: its morph targets (glTF 2.0, 3.7.2.2) and its skin's joints (3.7.3).
 #include <algorithm>
 #include <cmath>
 
 #include "base/error.h"
+#include "scene/gltf_skin.h"
 #include "scene/gltf_vertices.h"
 
 namespace latelight::scene::gltf {
@@ -24,22 +25,17 @@ void addTarget(const std::string& key, const Elements& deltas, const Source& sou
   if (key == "COLOR_0") return addDeltas(deltas, source, weight, v.colors);
 }
 
-// From bind space to the file's own frame, of each joint. The skinned mesh's own node does not count (3.7.3.3).
-std::vector<mat4> jointMatrices(const Document& document, const Hierarchy& hierarchy, int index) {
-  const tinygltf::Skin& skin = document.model.skins[size_t(index)];
-  if (skin.joints.empty()) badInput("skins[{}] has no joints", index);
-  std::vector<mat4> inverseBind(skin.joints.size(), mat4(1));
-  if (skin.inverseBindMatrices >= 0) {
-    Elements elements = resolve(document, skin.inverseBindMatrices);
-    if (elements.count < skin.joints.size())
-      badInput("skins[{}] has {} joints but {} inverse bind matrices", index, skin.joints.size(), elements.count);
-    document.budget.charge(elements.count * sizeof(mat4), elements.name);
-    inverseBind = readMatrices(elements);
-  }
-  std::vector<mat4> matrices(skin.joints.size());
-  for (size_t i = 0; i < matrices.size(); ++i)
-    matrices[i] = mat4(hierarchy.world[size_t(skin.joints[i])] * glm::dmat4(inverseBind[i]));
-  return matrices;
+bool isGeometry(const std::string& key) {
+  return key == "POSITION" || key == "NORMAL" || key == "TANGENT";
+}
+
+Elements targetElements(const Document& document, const Source& source, size_t target, const std::string& key,
+                        int accessor) {
+  Elements deltas = resolve(document, accessor);
+  if (deltas.count < source.first + source.count)
+    badInput("{}.targets[{}] has {} of {}, too few for its vertices", source.name, target, deltas.count, key);
+  document.budget.charge(source.count * sizeof(vec4), source.name);
+  return deltas;
 }
 
 // One JOINTS_n and WEIGHTS_n: four more influences.
@@ -48,12 +44,13 @@ struct Influences {
   std::vector<vec4> weights;
 };
 
-std::vector<Influences> readInfluences(const Source& source, size_t jointCount, int skin) {
+std::vector<Influences> readInfluences(const Document& document, const Source& source, size_t jointCount, int skin) {
   std::vector<Influences> sets;
   for (int n = 0;; ++n) {
     auto joints = source.attributes.find(fmt::format("JOINTS_{}", n));
     auto weights = source.attributes.find(fmt::format("WEIGHTS_{}", n));
     if (joints == source.attributes.end() || weights == source.attributes.end()) return sets;
+    document.budget.charge(source.count * 2 * (sizeof(glm::uvec4) + sizeof(vec4)), source.name);
     Elements normalized = weights->second;
     normalized.normalized = true;
     sets.push_back({readJoints(joints->second, source.first, source.count),
@@ -65,53 +62,81 @@ std::vector<Influences> readInfluences(const Source& source, size_t jointCount, 
   }
 }
 
-// Weights should add up to 1, and after quantisation don't quite.
-mat4 blend(const std::vector<Influences>& sets, const std::vector<mat4>& joints, size_t vertex) {
-  mat4 sum(0);
+// Weights should add up to 1, and after quantisation don't quite; those below 0 count as 0.
+void normalizeWeights(std::span<float> weights) {
   float total = 0;
-  for (const Influences& set : sets) {
-    for (int c = 0; c < 4; ++c) {
-      float weight = set.weights[vertex][c];
-      if (weight == 0) continue;
-      sum += joints[set.joints[vertex][c]] * weight;
-      total += weight;
-    }
+  for (float& weight : weights) total += weight = std::max(weight, 0.0f);
+  const bool usable = total > 0 && std::isfinite(total);
+  for (float& weight : weights) weight = usable ? weight / total : 0;
+  if (!usable) weights[0] = 1;
+}
+
+template <typename T>
+std::vector<T> gather(const std::vector<T>& stream, const std::vector<uint32_t>& origin) {
+  std::vector<T> out;
+  if (stream.empty()) return out;
+  out.reserve(origin.size());
+  for (uint32_t vertex : origin) out.push_back(stream[vertex]);
+  return out;
+}
+
+MorphTarget readTarget(const Document& document, const std::map<std::string, int>& target, size_t index,
+                       const Source& source, const std::vector<uint32_t>& origin) {
+  MorphTarget deltas;
+  for (const auto& [key, accessor] : target) {
+    if (!isGeometry(key)) continue;
+    const Elements elements = targetElements(document, source, index, key, accessor);
+    document.budget.charge(origin.size() * sizeof(vec3), source.name);
+    std::vector<vec3>& stream = key == "POSITION" ? deltas.positions
+                                : key == "NORMAL" ? deltas.normals
+                                                  : deltas.tangents;
+    stream = gather(readFinite<3>(elements, source.first, source.count), origin);
   }
-  return total > 0 ? sum * (1.0f / total) : joints[sets[0].joints[vertex].x];
+  return deltas;
 }
 
 }  // namespace
 
 void applyMorphTargets(const Document& document, const tinygltf::Primitive& primitive, const Source& source,
-                       const std::vector<double>& weights, Vertices& vertices) {
+                       const std::vector<double>& weights, bool geometry, Vertices& vertices) {
   size_t count = std::min(weights.size(), primitive.targets.size());
   for (size_t t = 0; t < count; ++t) {
     if (weights[t] == 0) continue;
-    for (const auto& [key, accessor] : primitive.targets[t]) {
-      Elements deltas = resolve(document, accessor);
-      if (deltas.count < source.first + source.count)
-        badInput("{}.targets[{}] has {} of {}, too few for its vertices", source.name, t, deltas.count, key);
-      document.budget.charge(source.count * sizeof(vec4), source.name);
-      addTarget(key, deltas, source, float(weights[t]), vertices);
-    }
+    for (const auto& [key, accessor] : primitive.targets[t])
+      if (geometry || !isGeometry(key))
+        addTarget(key, targetElements(document, source, t, key, accessor), source, float(weights[t]), vertices);
   }
 }
 
-void applySkin(const Document& document, const Hierarchy& hierarchy, int skin, const Source& source, Vertices& v) {
-  std::vector<mat4> joints = jointMatrices(document, hierarchy, skin);
-  std::vector<Influences> sets = readInfluences(source, joints.size(), skin);
+void readSkinWeights(const Document& document, int skin, const Source& source, const std::vector<uint32_t>& origin,
+                     Deformation& deformation) {
+  const size_t jointCount = document.model.skins[size_t(skin)].joints.size();
+  const std::vector<Influences> sets = readInfluences(document, source, jointCount, skin);
   if (sets.empty()) return;
-  for (size_t i = 0; i < v.positions.size(); ++i) {
-    mat4 m = blend(sets, joints, i);
-    v.positions[i] = vec3(m * vec4(v.positions[i], 1));
-    if (!v.tangents.empty()) v.tangents[i] = vec4(glm::mat3(m) * vec3(v.tangents[i]), v.tangents[i].w);
-    if (v.normals.empty()) continue;
-    // The cofactor matrix: the inverse transpose times the determinant, and fine where that is 0.
-    vec3 x(m[0]), y(m[1]), z(m[2]);
-    vec3 n = v.normals[i];
-    float sign = glm::dot(x, glm::cross(y, z)) < 0 ? -1.0f : 1.0f;
-    v.normals[i] = (glm::cross(y, z) * n.x + glm::cross(z, x) * n.y + glm::cross(x, y) * n.z) * sign;
+  deformation.skin = skin;
+  deformation.influences = uint32_t(4 * sets.size());
+  for (uint32_t vertex : origin) {
+    for (const Influences& set : sets)
+      for (int c = 0; c < 4; ++c) {
+        deformation.joints.push_back(set.joints[vertex][c]);
+        deformation.jointWeights.push_back(set.weights[vertex][c]);
+      }
+    normalizeWeights(std::span(deformation.jointWeights).last(deformation.influences));
   }
+}
+
+void readMorphTargets(const Document& document, const tinygltf::Primitive& primitive, const Source& source,
+                      const std::vector<uint32_t>& origin, Deformation& deformation) {
+  for (size_t t = 0; t < primitive.targets.size(); ++t)
+    deformation.targets.push_back(readTarget(document, primitive.targets[t], t, source, origin));
+}
+
+std::vector<mat4> restJoints(const Document& document, const Hierarchy& hierarchy, int index) {
+  const Skin skin = readSkin(document, index);
+  std::vector<mat4> matrices(skin.joints.size());
+  for (size_t i = 0; i < matrices.size(); ++i)
+    matrices[i] = mat4(hierarchy.world[skin.joints[i]] * glm::dmat4(skin.inverseBind[i]));
+  return matrices;
 }
 
 }  // namespace latelight::scene::gltf

@@ -201,6 +201,17 @@ constexpr Rule kSkinRules[] = {index("inverseBindMatrices", Target::Accessors), 
                                indices("joints", Target::Nodes, true), string("name")};
 constexpr Schema kSkin{kSkinRules};
 
+constexpr Rule kAnimationTargetRules[] = {index("node", Target::Nodes), string("path", true)};
+constexpr Schema kAnimationTarget{kAnimationTargetRules};
+constexpr Rule kChannelRules[] = {integer("sampler", 0, kMaxInt, true), object("target", &kAnimationTarget, true)};
+constexpr Schema kChannel{kChannelRules};
+constexpr Rule kAnimationSamplerRules[] = {index("input", Target::Accessors, true),
+                                           index("output", Target::Accessors, true), string("interpolation")};
+constexpr Schema kAnimationSampler{kAnimationSamplerRules};
+constexpr Rule kAnimationRules[] = {objects("channels", &kChannel, true, 1),
+                                    objects("samplers", &kAnimationSampler, true, 1), string("name")};
+constexpr Schema kAnimation{kAnimationRules};
+
 constexpr Rule kPerspectiveRules[] = {number("yfov", kPositive, 3.1415, true),
                                       number("znear", kPositive, kMaxFloat, true), number("zfar", kPositive),
                                       number("aspectRatio", kPositive)};
@@ -282,6 +293,7 @@ constexpr Rule kRootRules[] = {object("asset", &kAsset, true),
                                {.key = "extensionsUsed", .kind = Kind::Strings},
                                {.key = "extensionsRequired", .kind = Kind::Strings},
                                objects("accessors", &kAccessor),
+                               objects("animations", &kAnimation),
                                objects("buffers", &kBuffer),
                                objects("bufferViews", &kView),
                                objects("cameras", &kCamera),

@@ -23,16 +23,22 @@ struct Vertices {
   std::vector<vec3> positions, normals;
   std::vector<vec4> tangents, colors;
   std::vector<vec2> uv[2];
+  std::vector<uint32_t> origin;  // of each, its number in the primitive's own streams, counted from Source::first
 };
 
 // gltf_topology.cpp: finds the data, decodes Draco, unrolls strips and fans, checks every index.
 Source readSource(const Document& document, const tinygltf::Primitive& primitive, std::string name);
 
-// gltf_pose.cpp: adds morph targets by weight; moves vertices by the skin's joints.
+// gltf_pose.cpp: adds morph targets by weight, of positions, normals and tangents only where `geometry`.
 void applyMorphTargets(const Document& document, const tinygltf::Primitive& primitive, const Source& source,
-                       const std::vector<double>& weights, Vertices& vertices);
-void applySkin(const Document& document, const Hierarchy& hierarchy, int skin, const Source& source,
-               Vertices& vertices);
+                       const std::vector<double>& weights, bool geometry, Vertices& vertices);
+// gltf_pose.cpp: the same as data, for vertices that come from `origin`. Nothing where a primitive has no weights.
+void readSkinWeights(const Document& document, int skin, const Source& source, const std::vector<uint32_t>& origin,
+                     Deformation& deformation);
+void readMorphTargets(const Document& document, const tinygltf::Primitive& primitive, const Source& source,
+                      const std::vector<uint32_t>& origin, Deformation& deformation);
+// From bind space to the file's own frame, of each joint, as the nodes are at rest.
+std::vector<mat4> restJoints(const Document& document, const Hierarchy& hierarchy, int skin);
 
 // gltf_normals.cpp: what glTF 2.0 (3.7.2.1) wants where normals are missing, and where they are zero or not finite.
 void makeFlatNormals(Vertices& vertices, std::vector<uint32_t>& indices);

@@ -34,6 +34,18 @@ bool looksLikeGltf(const std::filesystem::path& path) {
   return first != std::string_view::npos && text[first] == '{';
 }
 
+// A rigid frame from a transform that may scale: camera space has the file's metres whatever its node does.
+mat4 rigid(const glm::dmat4& m, bool& degenerate) {
+  using glm::dmat4, glm::dvec3, glm::dvec4;
+  dvec3 x = m[0], y = m[1], z = m[2];
+  degenerate = glm::length(z) == 0 || glm::length(glm::cross(y, z)) == 0;
+  if (degenerate) return mat4(dmat4(dvec4(1, 0, 0, 0), dvec4(0, 1, 0, 0), dvec4(0, 0, 1, 0), m[3]));
+  z = glm::normalize(z);
+  x = glm::normalize(glm::cross(y, z));
+  y = glm::cross(z, x);
+  return mat4(dmat4(dvec4(x, 0), dvec4(y, 0), dvec4(z, 0), m[3]));
+}
+
 Scene loadBuiltin(const std::string& source, const LoadOptions& options) {
   if (!options.variant.empty())
     badUsage("{} has no material variants: leave out the variant '{}'", source, options.variant);
@@ -80,6 +92,21 @@ mat4 toWorldFromGltf() {
 
 mat4 toGltfFromWorld() {
   return glm::transpose(toWorldFromGltf());
+}
+
+bool placeCamera(Camera& camera, const glm::dmat4& world) {
+  bool degenerate = false;
+  // Camera space changes its axes just as the world does.
+  camera.toWorld = toWorldFromGltf() * rigid(world, degenerate) * toGltfFromWorld();
+  return !degenerate;
+}
+
+void placeLight(Light& light, const glm::dmat4& world) {
+  const mat4 toWorld = toWorldFromGltf() * mat4(world);
+  light.position = vec3(toWorld[3]);
+  const vec3 direction = -vec3(toWorld[2]);
+  const float length = glm::length(direction);
+  light.direction = length > 0 ? direction / length : vec3(toWorldFromGltf() * vec4(0, 0, -1, 0));
 }
 
 Scene load(const std::string& source, const LoadOptions& options) {

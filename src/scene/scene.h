@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "scene/animation.h"
 #include "shared/types.h"
 
 namespace latelight::scene {
@@ -62,6 +63,8 @@ struct Mesh {
   std::vector<shared::VertexExtra> extras;  // empty, or one a vertex
   std::vector<uint32_t> indices;            // 3 a triangle, counter-clockwise front faces
   vec3 boundsMin{0}, boundsMax{0};          // object space
+  // How its vertices move; null where they don't. Then positions, normals and tangents above are those at rest.
+  std::shared_ptr<const Deformation> deformation;
 };
 
 // A mesh placed in the world.
@@ -71,6 +74,7 @@ struct Instance {
   uint32_t node = 0;  // index into Scene::nodes
   uint32_t id = 0;    // stable, unique in the scene, never 0
   mat4 toWorld{1};
+  bool posed = false;  // skinned: its vertices are in the file's frame, and its node does not move it (3.7.3.3)
 };
 
 struct Node {
@@ -91,6 +95,7 @@ struct Camera {
   float nearClip = 0.01f;
   float farClip = std::numeric_limits<float>::infinity();
   vec2 principal{0};  // principal point offset, NDC: 0 is the picture's centre
+  int node = -1;      // that it follows, index into Scene::nodes
 };
 
 struct Light {
@@ -102,6 +107,7 @@ struct Light {
   float innerCone = 0, outerCone = 0.785398163f;  // half angles
   vec3 position{0};                               // world
   vec3 direction{0, 0, -1};                       // world, unit, from the light
+  int node = -1;                                  // that it follows, index into Scene::nodes
   // Radius in metres; of a directional light the angle it fills, radians across. 0: not known. What lies nearer to a
   // point or spot light than that is its own body and casts no shadow.
   float size = 0;
@@ -120,6 +126,7 @@ struct Scene {
   std::vector<Camera> cameras;
   std::vector<Light> lights;
   std::vector<std::string> variants;  // KHR_materials_variants
+  Rig rig;                            // what moves; all of the above is at rest
 
   uint64_t triangleCount() const;  // of all instances
 };
@@ -135,6 +142,11 @@ Bounds worldBounds(const Scene&);
 // glTF's frame (X right, Y up, Z towards the viewer) to the renderer's (X right, Y away, Z up), and back.
 mat4 toWorldFromGltf();
 mat4 toGltfFromWorld();
+
+// Where a node's transform in the file's own frame puts what hangs on it. False where the node is scaled to nothing:
+// then the camera keeps its place and looks along -Z.
+bool placeCamera(Camera& camera, const glm::dmat4& world);
+void placeLight(Light& light, const glm::dmat4& world);
 
 struct LoadOptions {
   std::string variant;  // KHR_materials_variants by name; empty: the file's default

@@ -18,6 +18,8 @@
 // Vulkan formats, bytes a pixel, debug names and the C++ registry all follow from this list; nothing else names a
 // layout.
 //
+// A layout that stores Surface::motion defines GBUFFER_KEEPS_MOTION; for the others it is not worked out.
+//
 // A layout that stores Surface::flags defines GBUFFER_KEEPS_FLAGS; the others get unlit surfaces as ones that reflect
 // nothing (their base colour is in the light accumulation target already).
 //

@@ -23,11 +23,13 @@ struct VertexExtra {  // 24 bytes, one a vertex, only for meshes that have a sec
   vec4 color;  // linear, multiplies the base colour
 };
 
-struct Mesh {           // where one mesh's streams lie in device memory
-  uint64_t positions;   // vec3[vertexCount], object space
-  uint64_t attributes;  // VertexAttributes[vertexCount]
-  uint64_t extras;      // VertexExtra[vertexCount], or 0
-  uint64_t indices;     // uint[3 * triangleCount]
+struct Mesh {                  // where one mesh's streams lie in device memory
+  uint64_t positions;          // vec3[vertexCount], object space
+  uint64_t attributes;         // VertexAttributes[vertexCount]
+  uint64_t extras;             // VertexExtra[vertexCount], or 0
+  uint64_t indices;            // uint[3 * triangleCount]
+  uint64_t previousPositions;  // as positions, a frame before; the same where nothing deforms them
+  uint64_t nextPositions;      // and a frame after
   uint vertexCount;
   uint triangleCount;
 };
@@ -133,6 +135,7 @@ struct View {
   Projection projection;  // jitter included
   vec3 eye;               // world
   vec2 size;              // pixels
+  vec2 jitter;            // NDC: that part of the projection's principal point which moves the samples
 };
 
 struct FrameConstants {
@@ -142,6 +145,11 @@ struct FrameConstants {
   uint64_t materials;  // Material[]
   uint64_t lights;     // Light[lightCount]: first the directional ones, then the local ones as the tree has them
   uint64_t lightTree;  // LightBox[]
+  // A frame before and a frame after: arrays like `instances` and `views`, and the very same where nothing moves.
+  uint64_t previousInstances;
+  uint64_t nextInstances;
+  uint64_t previousViews;  // without jitter
+  uint64_t nextViews;
   uint viewCount;
   uint lightCount;
   uint directionalLights;
@@ -159,14 +167,14 @@ SH_END
 #if defined(__cplusplus)
 static_assert(sizeof(latelight::shared::VertexAttributes) == 36);
 static_assert(sizeof(latelight::shared::VertexExtra) == 24);
-static_assert(sizeof(latelight::shared::Mesh) == 40);
+static_assert(sizeof(latelight::shared::Mesh) == 56);
 static_assert(sizeof(latelight::shared::Instance) == 64);
 static_assert(sizeof(latelight::shared::TextureTransform) == 28);
 static_assert(sizeof(latelight::shared::Material) == 76 + 7 * 28);
 static_assert(sizeof(latelight::shared::Light) == 60);
 static_assert(sizeof(latelight::shared::ShadowMap) == 88);
 static_assert(sizeof(latelight::shared::LightBox) == 24);
-static_assert(sizeof(latelight::shared::View) == 144);
+static_assert(sizeof(latelight::shared::View) == 152);
 #endif
 
 #endif

@@ -163,6 +163,26 @@ INSTANTIATE_TEST_SUITE_P(
     nameOf);
 
 INSTANTIATE_TEST_SUITE_P(
+    Times, WrongUseTest,
+    testing::Values(option("TimeNan", {"--time", "nan"}, {"--time", "nan"}),
+                    option("TimeEndless", {"--time", "inf"}, {"--time", "inf"}),
+                    option("TimeText", {"--time", "noon"}, {"--time", "noon"}),
+                    option("FpsZero", {"--time", "1", "--fps", "0"}, {"--fps", "0"}),
+                    option("FpsNan", {"--frames", "0-1", "--fps", "nan"}, {"--fps", "nan"}),
+                    option("FramesBackwards", {"--frames", "5-2"}, {"--frames", "5-2", "0-47"}),
+                    option("FramesText", {"--frames", "a-b"}, {"--frames", "a-b", "0-47"}),
+                    option("FramesBeyondIntegers", {"--frames", "0-99999999999"}, {"--frames", "0-47"}),
+                    option("FramesTooMany", {"--frames", "0-4000000000"}, {"--frames", "1000000"}),
+                    option("FramesIntoOneFile", {"--frames", "0-1"}, {"{frame}"}),
+                    option("FramesAndTime", {"--frames", "0-1", "--time", "1"}, {"--frames", "--time"}),
+                    option("FramesAndFrame", {"--frames", "0", "--frame", "1"}, {"--frames", "--frame"}),
+                    option("TurnNan", {"--turn", "nan"}, {"--turn", "nan"}),
+                    option("AnimationWithoutTime", {"--animation", "walk"}, {"--animation", "--time"}),
+                    option("AnimationUnknown", {"--time", "1", "--animation", "walk"}, {"\"walk\"", "it has none"}),
+                    option("AllOfNoAnimations", {"--time", "1", "--animation", "all"}, {"has no animation"})),
+    nameOf);
+
+INSTANTIATE_TEST_SUITE_P(
     Looks, WrongUseTest,
     testing::Values(option("Layout", {"--layout", "fat"}, {"\"fat\"", "thin", "optimized"}),
                     option("Normals", {"--normals", "fat"}, {"\"fat\"", "octahedral", "xyz"}),

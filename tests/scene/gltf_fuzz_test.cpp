@@ -43,6 +43,15 @@ GltfBuilder busyFile() {
   int inverse = b.accessor(b.view(std::vector<mat4>{mat4(1)}), kFloat, "MAT4", 1);
   b.add("skins", {{"joints", {1}}, {"inverseBindMatrices", inverse}});
   b.root["nodes"][0]["skin"] = 0;
+  int times = b.accessor(b.view(std::vector<float>{0, 1}), kFloat, "SCALAR", 2);
+  int turns = b.vectors(std::vector<vec4>{{0, 0, 0, 1}, {0, 1, 0, 0}});
+  int bends = b.accessor(b.view(std::vector<float>{0, 0, 0, 1, 1, 1}), kFloat, "SCALAR", 6);
+  b.add("animations", {{"channels",
+                        {{{"sampler", 0}, {"target", {{"node", 1}, {"path", "rotation"}}}},
+                         {{"sampler", 1}, {"target", {{"node", 0}, {"path", "weights"}}}}}},
+                       {"samplers",
+                        {{{"input", times}, {"output", turns}},
+                         {{"input", times}, {"output", bends}, {"interpolation", "CUBICSPLINE"}}}}});
   b.add("cameras", {{"type", "perspective"}, {"perspective", {{"yfov", .7}, {"znear", .1}}}});
   b.root["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "spot"}, {"spot", {{"innerConeAngle", .1}}}}};
   b.root["extensions"]["KHR_materials_variants"]["variants"] = {{{"name", "a"}}};
@@ -101,7 +110,22 @@ std::vector<std::byte> damage(std::vector<std::byte> bytes, Random& random) {
 // True if it loaded. A failure's file is kept where gtest says.
 bool survives(const fs::path& path) {
   try {
-    loadGltf(path, {});
+    const Scene scene = loadGltf(path, {});
+    // What loads can be played, at any time.
+    for (double seconds : {-1.0, 0.3, 1e6}) {
+      const Pose pose = poseAt(scene, choosePlayback(scene, "", true), seconds);
+      instanceTransforms(scene, pose);
+      for (const Mesh& mesh : scene.meshes) {
+        if (!mesh.deformation || pose.empty()) continue;
+        const Deformation& d = *mesh.deformation;
+        const std::vector<mat4> joints =
+            d.skin < 0 ? std::vector<mat4>{mat4(1)} : jointMatrices(scene.rig.skins[size_t(d.skin)], pose);
+        const std::vector<float> weights =
+            d.weightsNode < 0 ? std::vector<float>() : pose.weights[size_t(d.weightsNode)];
+        deform(d, joints, weights);
+        deformedBox(reachOf(d), joints, weights);
+      }
+    }
     return true;
   } catch (const Error& error) {
     EXPECT_TRUE(error.code() == ExitCode::BadInput) << error.what();

@@ -7,6 +7,9 @@
 #include "render/glsl/surface.glsl"
 #include "render/glsl/setup.glsl"
 #include "gbuffer_layout.h"
+#ifdef GBUFFER_KEEPS_MOTION
+#include "render/glsl/motion_varyings.glsl"
+#endif
 
 layout(constant_id = 16) const uint kAlphaMasked = 0;
 
@@ -35,6 +38,9 @@ void main() {
   context.normalEncoding = kNormalEncoding;
   context.normalSpace = kNormalSpace;
   context.positionMethod = kPositionMethod;
+#ifdef GBUFFER_KEEPS_MOTION
+  s.motion = surfaceMotion(context.view.size).xy;
+#endif
   GbufferTexel texel = packGbuffer(s, context);
 #define WRITE(index, name, format, type, channels) gbuffer_##name = texel.name;
   GBUFFER_TARGETS(WRITE)

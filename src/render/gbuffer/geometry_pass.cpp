@@ -9,7 +9,7 @@ namespace {
 vk::Pipeline makeGeometryPipeline(vk::Device& device, const GpuScene& scene, const FrameSetup& setup, bool masked) {
   const Layout& layout = *setup.layout;
   vk::GraphicsDesc desc;
-  desc.vertex = "scene.vert";
+  desc.vertex = layout.keepsMotion ? "scene_motion.vert" : "scene.vert";
   desc.fragment = setup.variant("geometry.frag@" + layout.file);
   desc.materialSet = scene.materialSetLayout();
   desc.constants = setup.constants();

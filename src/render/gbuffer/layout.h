@@ -38,6 +38,7 @@ struct Layout {
   const char* fixedNormal;    // how it keeps normals whatever the encoding chosen; null where it follows that
   const char* fixedPosition;  // how it keeps positions; null where they are made from depth, by the method chosen
   int sunTarget;              // whose alpha is the sun's shadow (shadow/sun_occlusion.h); -1: none
+  bool keepsMotion;           // stores Surface::motion
   // Of the design that the layout follows; frames here have kDepthFormat and kLightFormat beside every layout.
   VkFormat originalDepth, originalLight;
   // The layout's pack and unpack as C++; one value a target, in their order.

@@ -67,6 +67,11 @@ constexpr VkFormat VK_FORMAT_NORMAL32 = VK_FORMAT_UNDEFINED;
 #ifndef GBUFFER_SUN_TARGET
 #define GBUFFER_SUN_TARGET -1
 #endif
+#ifdef GBUFFER_KEEPS_MOTION
+constexpr bool kKeepsMotion = true;
+#else
+constexpr bool kKeepsMotion = false;
+#endif
 #define FORMAT_(name) VK_FORMAT_##name
 #define FORMAT(name) FORMAT_(name)
 #ifdef GBUFFER_DEPTH_FORMAT
@@ -94,6 +99,7 @@ Layout LAYOUT_MAKER(LATELIGHT_LAYOUT)() {
           .fixedNormal = GBUFFER_FIXED_NORMAL,
           .fixedPosition = GBUFFER_FIXED_POSITION,
           .sunTarget = GBUFFER_SUN_TARGET,
+          .keepsMotion = kKeepsMotion,
           .originalDepth = kOriginalDepth,
           .originalLight = kOriginalLight,
           .pack = packTarget,

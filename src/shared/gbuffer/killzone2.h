@@ -4,7 +4,8 @@
 // Its nature, kept: a normal without the sign of its view depth, so what is turned away from the view plane (seen at
 // the rim of a wide view, or by a normal map) comes back mirrored; near the rim x and z of eleven bits leave an error
 // of about a degree. A specular power of eight bits. One colour and a specular intensity: a coloured highlight has the
-// albedo's colour, by as much as its intensity is beyond the usual dielectric's.
+// albedo's colour, by as much as its intensity is beyond the usual dielectric's. Motion within an eighth of a pixel,
+// and up to 32 pixels a frame; what is faster keeps no more than that of each axis.
 #ifndef LATELIGHT_SHARED_GBUFFER_KILLZONE2_H
 #define LATELIGHT_SHARED_GBUFFER_KILLZONE2_H
 
@@ -14,13 +15,15 @@
 #define GBUFFER_DESCRIPTION \
   "Killzone 2: normal.xy in halves, motion, specular power and intensity, albedo, sun occlusion"
 #define GBUFFER_FIXED_NORMAL "two half floats, across and up in view space"
+#define GBUFFER_KEEPS_MOTION
 #define GBUFFER_DEPTH_FORMAT D24_UNORM_S8_UINT
 #define GBUFFER_LIGHT_FORMAT R8G8B8A8_UNORM
 #define GBUFFER_SUN_TARGET 2
-#define GBUFFER_TARGETS(T)                                                                                       \
-  T(0, normal, R16G16_SFLOAT, vec4, "rg: view-space normal, right and up; that away from the viewer is rebuilt") \
-  T(1, motion, R8G8B8A8_UNORM, vec4,                                                                             \
-    "rg: motion, 0 (no motion is rendered); b: Blinn-Phong power / 255; a: root of specular intensity")          \
+#define GBUFFER_TARGETS(T)                                                                                        \
+  T(0, normal, R16G16_SFLOAT, vec4, "rg: view-space normal, right and up; that away from the viewer is rebuilt")  \
+  T(1, motion, R8G8B8A8_UNORM, vec4,                                                                              \
+    "rg: motion to the frame before in quarters of a pixel, 128 is none; b: Blinn-Phong power / 255; a: root of " \
+    "specular intensity")                                                                                         \
   T(2, albedo, R8G8B8A8_SRGB, vec4, "rgb: base colour; a: sun occlusion, 1 where the sun shines")
 
 GBUFFER_BEGIN
@@ -34,11 +37,21 @@ SH_FUNC float metallicFromIntensity(float intensity, float largestBase) {
   return range > 1e-3f ? saturate((intensity - kDielectricIntensity) / range) : 0.0f;
 }
 
+// Motion in pixels as eight bits a channel, and back: code 128 is none at all.
+SH_CONST float kMotionSteps = 4.0f;  // a pixel
+SH_FUNC float motionCode(float pixels) {
+  return clamp(floor(pixels * kMotionSteps + 128.5f), 0.0f, 255.0f) / 255.0f;
+}
+SH_FUNC float motionFromCode(float code) {
+  return (floor(code * 255.0f + 0.5f) - 128.0f) / kMotionSteps;
+}
+
 SH_FUNC GbufferTexel packGbuffer(Surface s, GbufferContext c) {
   GbufferTexel t;
   vec3 n = rotateToView(c.view, s.normal);
   t.normal = vec4(n.x, n.z, 0.0f, 0.0f);
-  t.motion = vec4(0.0f, 0.0f, power8FromRoughness(s.roughness), sqrt(max(maxChannel(specularF0(s)), 0.0f)));
+  t.motion = vec4(motionCode(s.motion.x), motionCode(s.motion.y), power8FromRoughness(s.roughness),
+                  sqrt(max(maxChannel(specularF0(s)), 0.0f)));
   t.albedo = vec4(s.baseColor.x, s.baseColor.y, s.baseColor.z, s.sun);
   return t;
 }
@@ -55,6 +68,7 @@ SH_FUNC Surface unpackGbuffer(GbufferTexel t, GbufferContext c) {
   s.f0 = vec3(f0, f0, f0);
   s.f90 = intensity > 0.0f ? 1.0f : 0.0f;
   s.roughness = roughnessFromPower8(t.motion.z);
+  s.motion = vec2(motionFromCode(t.motion.x), motionFromCode(t.motion.y));
   s.ao = c.ao;
   s.sun = t.albedo.w;
   return s;

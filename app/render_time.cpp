@@ -1,0 +1,104 @@
+#include "app/render_time.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "app/parse.h"
+#include "app/render_camera.h"
+#include "base/error.h"
+
+namespace latelight::app {
+
+namespace {
+
+constexpr double kMostSeconds = 1e6, kMostFps = 1e4, kMostTurn = 1e6;
+constexpr uint32_t kMostFrames = 1'000'000;
+
+void checkRange(const char* option, double value, double least, double most, const char* unit) {
+  if (!(value >= least && value <= most))
+    badUsage("{} takes a number from {:g} to {:g} {}, not {}", option, least, most, unit, value);
+}
+
+// What --target names, or the middle of the scene at rest.
+glm::vec3 pivotOf(const scene::Scene& scene, const RenderOptions& o) {
+  if (!o.target.empty()) {
+    const glm::vec3 target = parseVector("--target", o.target);
+    return scene.yUp ? glm::vec3(scene::toWorldFromGltf() * glm::vec4(target, 1)) : target;
+  }
+  const scene::Bounds bounds = scene::worldBounds(scene);
+  return bounds.empty() ? glm::vec3(0) : bounds.centre();
+}
+
+}  // namespace
+
+void checkTime(const RenderOptions& o) {
+  checkRange("--fps", o.fps, 1e-3, kMostFps, "frames a second");
+  checkRange("--turn", o.turn, -kMostTurn, kMostTurn, "degrees a second");
+  if (o.time) checkRange("--time", *o.time, -kMostSeconds, kMostSeconds, "seconds");
+  if (o.time && !o.frames.empty()) badUsage("--time shows one moment and --frames many; use one of them");
+  if (o.frames.empty()) {
+    const bool plays = !o.animation.empty() || o.loop;
+    if (plays && !o.time) badUsage("--animation and --loop need --time or --frames, which say when");
+    return;
+  }
+  if (!o.picks.empty()) badUsage("--pick shows what a pixel shows at one moment: use --time instead of --frames");
+  const auto [first, last] = parseFrames(o.frames);
+  if (last - first >= kMostFrames) badUsage("--frames takes at most {} frames, not \"{}\"", kMostFrames, o.frames);
+  if (o.frameChosen) badUsage("--frame and --frames each fill in {{frame}}; use one of them");
+  if (o.out.find("{frame}") == std::string::npos && first != last)
+    badUsage("--frames needs {{frame}} in -o, as in out/{{frame}}.png, or each frame would replace the one before");
+}
+
+Timeline::Timeline(const scene::Scene& scene, const RenderOptions& o)
+    : scene_(scene),
+      options_(o),
+      playback_(scene::choosePlayback(scene, o.animation, o.loop)),
+      pivot_(pivotOf(scene, o)),
+      sequence_(!o.frames.empty()),
+      still_(!sequence_ && !o.time) {
+  if (sequence_)
+    std::tie(first_, last_) = parseFrames(o.frames);
+  else
+    first_ = last_ = o.frame;
+}
+
+uint32_t Timeline::frameDigits() const {
+  return std::max<uint32_t>(4, static_cast<uint32_t>(fmt::formatted_size("{}", last_)));
+}
+
+std::optional<double> Timeline::secondsAt(uint32_t frame) const {
+  if (sequence_) return frame / options_.fps;
+  return options_.time;
+}
+
+scene::Pose Timeline::poseAt(double seconds) const {
+  return still_ ? scene::Pose{} : scene::poseAt(scene_, playback_, seconds);
+}
+
+scene::Camera Timeline::cameraAt(double seconds) const {
+  scene::Camera camera = chooseCamera(scene_, scene::posedCameras(scene_, poseAt(seconds)), options_);
+  if (options_.turn == 0) return camera;
+  const auto angle = static_cast<float>(std::fmod(options_.turn * seconds, 360.0) * M_PI / 180.0);
+  glm::mat4 about = glm::translate(glm::mat4(1), pivot_);
+  about = glm::rotate(about, angle, glm::vec3(0, 0, 1));
+  camera.toWorld = glm::translate(about, -pivot_) * camera.toWorld;
+  return camera;
+}
+
+scene::Camera Timeline::cameraAt(uint32_t frame) const {
+  return cameraAt(secondsAt(frame).value_or(0));
+}
+
+render::Moment Timeline::momentAt(uint32_t frame) const {
+  const double seconds = secondsAt(frame).value_or(0), step = 1 / options_.fps;
+  render::Moment moment{.poses = {poseAt(seconds - step), poseAt(seconds), poseAt(seconds + step)}};
+  moment.previousCameras = {cameraAt(seconds - step)};
+  moment.nextCameras = {cameraAt(seconds + step)};
+  moment.continues = frame > first_;
+  return moment;
+}
+
+}  // namespace latelight::app

@@ -1,0 +1,87 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Vertices of one mesh, morphed and skinned (glTF 2.0, 3.7.2.2 and 3.7.3), of three poses at once: a frame before, now
+// and a frame after. scene::deform() is the same on the CPU.
+#include "render/glsl/common.glsl"
+#include "shared/deform.h"
+
+layout(local_size_x = 256) in;
+
+struct MorphDelta {
+  vec3 position, normal, tangent;
+};
+
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer DeltaRef { MorphDelta v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer FloatRef { float v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer UintRef { uint v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer MatrixRef { mat4x3 v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer PositionsOut { vec3 v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer AttributesOut { VertexAttributes v[]; };
+
+layout(push_constant, scalar) uniform Push {
+  uint64_t positions, attributes;   // of the mesh before all of it
+  uint64_t joints, jointWeights;    // uint and float: `influences` a vertex
+  uint64_t deltas;                  // MorphDelta[targets][vertices]
+  uint64_t palette;                 // mat4x3[3][jointCount]
+  uint64_t weights;                 // float[3][targets]
+  uint64_t outPositions;            // vec3[3][stride]: before, now, after
+  uint64_t outAttributes;           // of now alone
+  uint vertices, stride, influences, jointCount, targets, flatNormals;
+} push;
+
+const uint kNow = 1u;
+
+float targetWeight(uint target, uint pose) { return FloatRef(push.weights).v[pose * push.targets + target]; }
+MorphDelta deltaOf(uint target, uint vertex) { return DeltaRef(push.deltas).v[target * push.vertices + vertex]; }
+
+mat4x3 blendedJoints(uint vertex, uint pose) {
+  mat4x3 sum = mat4x3(0.0);
+  for (uint i = 0u; i < push.influences; ++i) {
+    uint at = vertex * push.influences + i;
+    float weight = FloatRef(push.jointWeights).v[at];
+    if (weight > 0.0) sum += MatrixRef(push.palette).v[pose * push.jointCount + UintRef(push.joints).v[at]] * weight;
+  }
+  return sum;
+}
+
+vec3 positionOf(uint vertex, uint pose) {
+  vec3 p = PositionRef(push.positions).v[vertex];
+  for (uint t = 0u; t < push.targets; ++t) {
+    float weight = targetWeight(t, pose);
+    if (weight != 0.0) p += deltaOf(t, vertex).position * weight;
+  }
+  return push.influences > 0u ? blendedJoints(vertex, pose) * vec4(p, 1.0) : p;
+}
+
+VertexAttributes attributesOf(uint vertex) {
+  VertexAttributes a = AttributesRef(push.attributes).v[vertex];
+  vec3 normal = a.normal;
+  for (uint t = 0u; t < push.targets; ++t) {
+    float weight = targetWeight(t, kNow);
+    if (weight == 0.0) continue;
+    MorphDelta delta = deltaOf(t, vertex);
+    normal += delta.normal * weight;
+    a.tangent.xyz += delta.tangent * weight;
+  }
+  float squared = dot(normal, normal);
+  if (squared > 1e-30) a.normal = normal * inversesqrt(squared);
+  if (push.influences > 0u) {
+    mat4x3 m = blendedJoints(vertex, kNow);
+    a.normal = skinnedNormal(m[0], m[1], m[2], a.normal);
+    a.tangent = skinnedTangent(m[0], m[1], m[2], a.tangent);
+  }
+  return a;
+}
+
+void main() {
+  uint vertex = gl_GlobalInvocationID.z << 20 | gl_GlobalInvocationID.x, pose = gl_GlobalInvocationID.y;
+  if (vertex >= push.vertices) return;
+  PositionsOut(push.outPositions).v[pose * push.stride + vertex] = positionOf(vertex, pose);
+  if (pose != kNow) return;
+  VertexAttributes a = attributesOf(vertex);
+  if (push.flatNormals != 0u) {
+    uint first = vertex - vertex % 3u;
+    a.normal = flatNormal(positionOf(first, kNow), positionOf(first + 1u, kNow), positionOf(first + 2u, kNow));
+  }
+  AttributesOut(push.outAttributes).v[vertex] = a;
+}

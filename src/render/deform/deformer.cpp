@@ -1,0 +1,209 @@
+#include "render/deform/deformer.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace latelight::render {
+
+namespace {
+
+struct MorphDelta {  // deform.comp
+  glm::vec3 position{0}, normal{0}, tangent{0};
+};
+
+struct DeformPush {  // deform.comp
+  VkDeviceAddress positions, attributes, joints, jointWeights, deltas, palette, weights, outPositions, outAttributes;
+  uint32_t vertices, stride, influences, jointCount, targets, flatNormals;
+};
+
+constexpr uint32_t kColumns = 1u << 20;  // vertices a layer of workgroups: their count along an axis has a limit
+
+template <typename T>
+vk::Buffer makeBuffer(vk::Device& device, const char* name, uint64_t count) {
+  return vk::Buffer(device, {.size = count * sizeof(T), .name = name});
+}
+
+template <typename T>
+vk::Buffer makeUpload(vk::Device& device, const char* name, const std::vector<T>& values) {
+  vk::Buffer buffer(device, {.size = values.size() * sizeof(T), .kind = vk::MemoryKind::Upload, .name = name});
+  if (!values.empty()) std::memcpy(buffer.mapped(), values.data(), values.size() * sizeof(T));
+  return buffer;
+}
+
+// Where to put one part's values behind the others'.
+template <typename T>
+uint64_t append(std::vector<T>& all, const std::vector<T>& some) {
+  const uint64_t offset = all.size() * sizeof(T);
+  all.insert(all.end(), some.begin(), some.end());
+  return offset;
+}
+
+std::vector<MorphDelta> deltasOf(const scene::Deformation& d) {
+  const size_t count = d.positions.size();
+  std::vector<MorphDelta> deltas(count * d.targets.size());
+  for (size_t t = 0; t < d.targets.size(); ++t) {
+    const scene::MorphTarget& target = d.targets[t];
+    for (size_t i = 0; i < count; ++i) {
+      MorphDelta& delta = deltas[t * count + i];
+      if (!target.positions.empty()) delta.position = target.positions[i];
+      if (!target.normals.empty()) delta.normal = target.normals[i];
+      if (!target.tangents.empty()) delta.tangent = target.tangents[i];
+    }
+  }
+  return deltas;
+}
+
+std::vector<glm::mat4> jointsOf(const scene::Scene& scene, const scene::Deformation& d, const scene::Pose& pose) {
+  if (d.skin < 0) return {glm::mat4(1)};
+  return scene::jointMatrices(scene.rig.skins[static_cast<size_t>(d.skin)], pose);
+}
+
+// As many as there are targets.
+std::vector<float> weightsOf(const scene::Deformation& d, const scene::Pose& pose) {
+  std::vector<float> weights;
+  if (d.weightsNode >= 0) weights = pose.weights[static_cast<size_t>(d.weightsNode)];
+  weights.resize(d.targets.size());
+  return weights;
+}
+
+template <typename T>
+void uploadAll(vk::Uploader& uploader, const vk::Buffer& to, const std::vector<T>& values) {
+  uploader.upload(to, std::as_bytes(std::span(values)));
+}
+
+}  // namespace
+
+struct Deformer::Palette {
+  std::vector<glm::mat4x3> matrices;
+  std::vector<float> weights;
+  struct Place {                 // of a part
+    uint64_t matrices, weights;  // byte offsets
+    uint32_t jointCount;
+  };
+  std::vector<Place> places;
+};
+
+Deformer::Deformer(vk::Device& device, const scene::Scene& scene)
+    : device_(device),
+      scene_(scene),
+      executor_(device),
+      pipeline_(vk::makePipeline(device, vk::ComputeDesc{.shader = "deform.comp", .name = "deform"})) {
+  partOf_.assign(scene.meshes.size(), ~0u);
+  for (size_t mesh = 0; mesh < scene.meshes.size(); ++mesh) {
+    const scene::Deformation* deformation = scene.meshes[mesh].deformation.get();
+    if (!deformation) continue;
+    partOf_[mesh] = static_cast<uint32_t>(parts_.size());
+    parts_.push_back({.mesh = static_cast<uint32_t>(mesh),
+                      .deformation = deformation,
+                      .reach = scene::reachOf(*deformation),
+                      .firstVertex = vertices_});
+    vertices_ += static_cast<uint32_t>(deformation->positions.size());
+  }
+  upload();
+  positions_ = makeBuffer<glm::vec3>(device, "deformed positions", uint64_t{3} * vertices_);
+  attributes_ = makeBuffer<shared::VertexAttributes>(device, "deformed attributes", vertices_);
+}
+
+void Deformer::upload() {
+  std::vector<glm::vec3> positions;
+  std::vector<shared::VertexAttributes> attributes;
+  std::vector<uint32_t> joints;
+  std::vector<float> jointWeights;
+  std::vector<MorphDelta> deltas;
+  for (Part& part : parts_) {
+    const scene::Deformation& d = *part.deformation;
+    append(positions, d.positions);
+    append(attributes, d.attributes);
+    part.joints = append(joints, d.joints);
+    part.jointWeights = append(jointWeights, d.jointWeights);
+    part.deltas = append(deltas, deltasOf(d));
+  }
+  basePositions_ = makeBuffer<glm::vec3>(device_, "base positions", positions.size());
+  baseAttributes_ = makeBuffer<shared::VertexAttributes>(device_, "base attributes", attributes.size());
+  joints_ = makeBuffer<uint32_t>(device_, "joints", joints.size());
+  jointWeights_ = makeBuffer<float>(device_, "joint weights", jointWeights.size());
+  deltas_ = makeBuffer<MorphDelta>(device_, "morph targets", deltas.size());
+  vk::Uploader uploader(device_);
+  uploadAll(uploader, basePositions_, positions);
+  uploadAll(uploader, baseAttributes_, attributes);
+  uploadAll(uploader, joints_, joints);
+  uploadAll(uploader, jointWeights_, jointWeights);
+  uploadAll(uploader, deltas_, deltas);
+  uploader.flush();
+}
+
+Deformer::Palette Deformer::gather(const Poses& poses) const {
+  Palette palette;
+  for (const Part& part : parts_) {
+    Palette::Place place{.matrices = palette.matrices.size() * sizeof(glm::mat4x3),
+                         .weights = palette.weights.size() * sizeof(float),
+                         .jointCount = 0};
+    for (const scene::Pose* pose : {&poses.previous, &poses.current, &poses.next}) {
+      const std::vector<glm::mat4> joints = jointsOf(scene_, *part.deformation, *pose);
+      place.jointCount = static_cast<uint32_t>(joints.size());
+      for (const glm::mat4& joint : joints) palette.matrices.emplace_back(joint);
+      append(palette.weights, weightsOf(*part.deformation, *pose));
+    }
+    palette.places.push_back(place);
+  }
+  return palette;
+}
+
+void Deformer::run(const Poses& poses) {
+  const Palette palette = gather(poses);
+  const vk::Buffer matrices = makeUpload(device_, "joint matrices", palette.matrices);
+  const vk::Buffer weights = makeUpload(device_, "morph weights", palette.weights);
+  graph::Graph graph;
+  const graph::BufferId positions = graph.import(positions_, graph::Use::VertexRead);
+  const graph::BufferId attributes = graph.import(attributes_, graph::Use::VertexRead);
+  graph.exports(positions, graph::Use::VertexRead);
+  graph.exports(attributes, graph::Use::VertexRead);
+  graph.pass("deform", {{positions, graph::Use::StorageWrite}, {attributes, graph::Use::StorageWrite}},
+             [&](graph::Context& context) {
+               for (size_t i = 0; i < parts_.size(); ++i) {
+                 const Part& part = parts_[i];
+                 const scene::Deformation& d = *part.deformation;
+                 const uint32_t count = static_cast<uint32_t>(d.positions.size());
+                 const DeformPush push{
+                     .positions = basePositions_.address() + part.firstVertex * sizeof(glm::vec3),
+                     .attributes = baseAttributes_.address() + part.firstVertex * sizeof(shared::VertexAttributes),
+                     .joints = joints_.address() + part.joints,
+                     .jointWeights = jointWeights_.address() + part.jointWeights,
+                     .deltas = deltas_.address() + part.deltas,
+                     .palette = matrices.address() + palette.places[i].matrices,
+                     .weights = weights.address() + palette.places[i].weights,
+                     .outPositions = positions_.address() + part.firstVertex * sizeof(glm::vec3),
+                     .outAttributes = attributes_.address() + part.firstVertex * sizeof(shared::VertexAttributes),
+                     .vertices = count,
+                     .stride = vertices_,
+                     .influences = d.influences,
+                     .jointCount = palette.places[i].jointCount,
+                     .targets = static_cast<uint32_t>(d.targets.size()),
+                     .flatNormals = d.flatNormals ? 1u : 0u};
+                 context.commands().bind(pipeline_, {}, push);
+                 vkCmdDispatch(context.get(), (std::min(count, kColumns) + 255) / 256, 3,
+                               (count + kColumns - 1) / kColumns);
+               }
+             });
+  executor_.run(graph, graph.compile());
+}
+
+void Deformer::describe(std::span<shared::Mesh> meshes) const {
+  for (const Part& part : parts_) {
+    const auto at = [&](uint32_t pose) {
+      return positions_.address() + (uint64_t{pose} * vertices_ + part.firstVertex) * sizeof(glm::vec3);
+    };
+    shared::Mesh& mesh = meshes[part.mesh];
+    mesh.previousPositions = at(0);
+    mesh.positions = at(1);
+    mesh.nextPositions = at(2);
+    mesh.attributes = attributes_.address() + part.firstVertex * sizeof(shared::VertexAttributes);
+  }
+}
+
+scene::ReachBox Deformer::boundsOf(uint32_t mesh, const scene::Pose& pose) const {
+  const Part& part = parts_[partOf_[mesh]];
+  return scene::deformedBox(part.reach, jointsOf(scene_, *part.deformation, pose), weightsOf(*part.deformation, pose));
+}
+
+}  // namespace latelight::render

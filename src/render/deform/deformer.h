@@ -1,0 +1,60 @@
+// Meshes whose vertices move: skins and morph targets, on the device.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "graph/graph.h"
+#include "scene/animation.h"
+#include "scene/scene.h"
+#include "shared/types.h"
+#include "vk/device.h"
+#include "vk/pipeline.h"
+#include "vk/resources.h"
+
+namespace latelight::render {
+
+// The pose that is shown, and those a frame before and a frame after. Empty ones are the scene at rest.
+struct Poses {
+  scene::Pose previous, current, next;
+};
+
+class Deformer {
+ public:
+  // Uploads what the scene's deformed meshes are before all deformation. There must be one at least.
+  Deformer(vk::Device& device, const scene::Scene& scene);
+
+  // Works out all their vertices, of all three poses, none of which may be empty; waits until that is done.
+  void run(const Poses& poses);
+
+  // Makes the records of deformed meshes point to what run() left.
+  void describe(std::span<shared::Mesh> meshes) const;
+
+  // What holds a deformed mesh in the pose, in its object space.
+  scene::ReachBox boundsOf(uint32_t mesh, const scene::Pose& pose) const;
+
+ private:
+  struct Part {  // of one mesh
+    uint32_t mesh;
+    const scene::Deformation* deformation;
+    scene::Reach reach;
+    uint32_t firstVertex;                   // among the vertices of all parts
+    uint64_t joints, jointWeights, deltas;  // byte offsets
+  };
+  struct Palette;  // joint matrices and weights of all parts and poses, on the host
+  void upload();
+  Palette gather(const Poses& poses) const;
+
+  vk::Device& device_;
+  const scene::Scene& scene_;
+  graph::Executor executor_;
+  vk::Pipeline pipeline_;
+  std::vector<Part> parts_;
+  std::vector<uint32_t> partOf_;  // by mesh; ~0u: none
+  uint32_t vertices_ = 0;
+  vk::Buffer basePositions_, baseAttributes_, joints_, jointWeights_, deltas_;
+  vk::Buffer positions_, attributes_;  // run()'s
+};
+
+}  // namespace latelight::render

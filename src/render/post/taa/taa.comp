@@ -1,0 +1,145 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Temporal anti-aliasing: one jittered frame more, blended into what earlier frames left. docs/taa.md says why each step
+// is as it is. B. Karis, High Quality Temporal Supersampling, SIGGRAPH 2014; M. Salvi, An Excursion in Temporal
+// Supersampling, GDC 2016; J. Jimenez, Filmic SMAA, SIGGRAPH 2016 (the bicubic of nine bilinear fetches).
+#include "render/glsl/common.glsl"
+
+layout(local_size_x = 16, local_size_y = 16) in;
+layout(set = 0, binding = 0) uniform sampler2DArray frame;     // jittered; or the sum of the first frames
+layout(set = 0, binding = 1) uniform sampler2DArray depth;     // of the jittered frame
+layout(set = 0, binding = 2) uniform sampler2DArray motion;    // pixels: xy to the frame before, zw to the frame after
+layout(set = 0, binding = 3) uniform sampler2DArray oldColor;  // what this left a frame before; linear filter
+layout(set = 0, binding = 4) uniform sampler2DArray oldState;  // r: nearness; g: samples in the colour; b: pixels it moves, to either side
+layout(set = 0, binding = 5, rgba32f) uniform writeonly image2DArray newColor;
+layout(set = 0, binding = 6, rgba32f) uniform writeonly image2DArray newState;
+
+layout(push_constant, scalar) uniform Push {
+  uint64_t frame;  // FrameConstants
+  float scale;     // of the picture: 1 / frames in the sum
+  float samples;   // that the sum is of, where a history begins; 0 where it goes on
+} push;
+
+// What a mean is of at most: a pixel that moves is blurred a little at each step and must forget sooner.
+const float kMostStill = 64.0, kMostMoving = 12.0;
+// The box of what is near holds most of what history may be (Salvi's gamma).
+const float kGamma = 1.25;
+// A still pixel goes only a part of the way into the box: a detail that one jitter in several hits would else flicker.
+const float kStillPull = 0.2;
+const float kDepthTolerance = 1.1;
+
+// 1 / metres, 0 for the background; of an orthographic view the device's depth.
+float nearness(View view, ivec3 pixel) {
+  float d = texelFetch(depth, pixel, 0).r;
+  if (view.projection.kind != kPerspective) return d;
+  return d == 0.0 ? 0.0 : 1.0 / viewDepth(view.projection, d);
+}
+
+float luma(vec3 c) { return dot(c, vec3(0.2126, 0.7152, 0.0722)); }
+
+// Bright colours are pressed together (Karis's weight), then split into luma and chroma, in which boxes are tight.
+vec4 toBoxSpace(vec4 c) {
+  vec3 t = c.rgb / (1.0 + max(luma(c.rgb), 0.0));
+  return vec4(dot(t, vec3(0.25, 0.5, 0.25)), dot(t, vec3(0.5, 0.0, -0.5)), dot(t, vec3(-0.25, 0.5, -0.25)), c.a);
+}
+vec4 fromBoxSpace(vec4 b) {
+  vec3 t = vec3(b.x + b.y - b.z, b.x + b.z, b.x - b.y - b.z);
+  t = max(t, vec3(0.0));
+  return vec4(t / max(1.0 - luma(t), 1e-4), clamp(b.w, 0.0, 1.0));
+}
+
+struct Near {  // of the 3x3 pixels around
+  vec4 mean, deviation, smoothed;
+  float least, most;  // nearness
+  ivec3 nearest;
+};
+
+Near lookAround(View view, ivec3 pixel, ivec2 size) {
+  Near n;
+  vec4 sum = vec4(0.0), squares = vec4(0.0);
+  n.smoothed = vec4(0.0);
+  n.least = 1e30;
+  n.most = -1.0;
+  n.nearest = pixel;
+  for (int i = 0; i < 9; ++i) {
+    ivec2 offset = ivec2(i % 3 - 1, i / 3 - 1);
+    ivec3 at = ivec3(clamp(pixel.xy + offset, ivec2(0), size - 1), pixel.z);
+    vec4 color = texelFetch(frame, at, 0);
+    vec4 b = toBoxSpace(color);
+    sum += b;
+    squares += b * b;
+    n.smoothed += color * (float(2 - abs(offset.x)) * float(2 - abs(offset.y)) / 16.0);
+    float near = nearness(view, at);
+    n.least = min(n.least, near);
+    if (near > n.most) {
+      n.most = near;
+      n.nearest = at;
+    }
+  }
+  n.mean = sum / 9.0;
+  n.deviation = sqrt(max(squares / 9.0 - n.mean * n.mean, vec4(0.0)));
+  return n;
+}
+
+// Catmull-Rom, which blurs less than bilinear does at every step.
+vec4 sampleHistory(vec2 position, ivec2 size, int layer) {
+  vec2 centre = floor(position - 0.5) + 0.5, f = position - centre;
+  vec2 w0 = f * (-0.5 + f * (1.0 - 0.5 * f)), w1 = 1.0 + f * f * (-2.5 + 1.5 * f);
+  vec2 w2 = f * (0.5 + f * (2.0 - 1.5 * f)), w3 = f * f * (-0.5 + 0.5 * f);
+  vec2 middle = w1 + w2;
+  vec2 at[3] = vec2[3](centre - 1.0, centre + w2 / middle, centre + 2.0);
+  vec2 weight[3] = vec2[3](w0, middle, w3);
+  vec4 sum = vec4(0.0);
+  for (int y = 0; y < 3; ++y)
+    for (int x = 0; x < 3; ++x)
+      sum += textureLod(oldColor, vec3(vec2(at[x].x, at[y].y) / vec2(size), layer), 0.0) * weight[x].x * weight[y].y;
+  return max(sum, vec4(0.0));
+}
+
+// Towards the box's middle until it is within (Salvi): no channel is cut off alone, which would change the hue.
+vec4 clipToBox(vec4 history, Near n) {
+  vec4 offset = history - n.mean;
+  vec4 units = abs(offset) / max(n.deviation * kGamma, vec4(1e-4));
+  float farthest = max(max(units.x, units.y), max(units.z, units.w));
+  return farthest > 1.0 ? n.mean + offset / farthest : history;
+}
+
+void main() {
+  ivec3 pixel = ivec3(gl_GlobalInvocationID);
+  ivec2 size = textureSize(frame, 0).xy;
+  if (any(greaterThanEqual(pixel.xy, size))) return;
+  View view = frameView(FrameRef(push.frame).v, uint(pixel.z));
+  vec4 current = texelFetch(frame, pixel, 0) * push.scale;
+  float here = nearness(view, pixel);
+  Near near = lookAround(view, pixel, size);
+  // Of the nearest, so that edges move with their object (Karis).
+  vec4 way = texelFetch(motion, near.nearest, 0);
+  vec2 moved = way.xy;
+  float speed = max(length(way.xy), length(way.zw));
+  if (push.samples > 0.0) {
+    imageStore(newColor, pixel, current);
+    imageStore(newState, pixel, vec4(here, push.samples, speed, 0.0));
+    return;
+  }
+
+  vec2 before = vec2(pixel.xy) + 0.5 + moved;
+  bool inside = all(greaterThanEqual(before, vec2(0.0))) && all(lessThan(before, vec2(size)));
+
+  ivec3 from = ivec3(clamp(ivec2(floor(before)), ivec2(0), size - 1), pixel.z);
+  vec3 state = texelFetch(oldState, from, 0).rgb;
+  float moving = clamp(max(length(moved), state.b) * 4.0, 0.0, 1.0);  // or did: what left may have left a part of an edge
+  bool uncovered = state.r > near.most * kDepthTolerance + 1e-6 || state.r * kDepthTolerance + 1e-6 < near.least;
+  // Where neither moves, it is a detail thinner than a pixel that this jitter has missed.
+  if (!inside || (uncovered && moving > 0.0)) {
+    imageStore(newColor, pixel, near.smoothed);
+    imageStore(newState, pixel, vec4(here, 1.0, speed, 0.0));
+    return;
+  }
+
+  vec4 history = moved != vec2(0.0) ? sampleHistory(before, size, pixel.z) : texelFetch(oldColor, from, 0);
+  vec4 box = toBoxSpace(history);
+  history = fromBoxSpace(mix(box, clipToBox(box, near), mix(kStillPull, 1.0, moving)));
+  float count = min(state.g + 1.0, mix(kMostStill, kMostMoving, moving));
+  imageStore(newColor, pixel, mix(history, current, 1.0 / count));
+  imageStore(newState, pixel, vec4(here, count, speed, 0.0));
+}

@@ -1,0 +1,39 @@
+// What a skin's blended joint matrix, of columns x, y, z, does to directions.
+#ifndef LATELIGHT_SHARED_DEFORM_H
+#define LATELIGHT_SHARED_DEFORM_H
+
+#include "shared/lang.h"
+
+SH_BEGIN
+
+// By the cofactor matrix: the inverse transpose times the determinant, and fine where that is 0. Unit; `normal` where
+// nothing of it is left.
+SH_FUNC vec3 skinnedNormal(vec3 x, vec3 y, vec3 z, vec3 normal) {
+  vec3 yz = cross(y, z);
+  vec3 n = yz * normal.x + cross(z, x) * normal.y + cross(x, y) * normal.z;
+  float squared = dot(n, n);
+  float sign = dot(x, yz) < 0.0f ? -1.0f : 1.0f;
+  return squared > 1e-30f ? n * (sign / sqrt(squared)) : normal;
+}
+
+// Unit; `tangent` where nothing of it is left. w, the sign of the bitangent, stays.
+SH_FUNC vec4 skinnedTangent(vec3 x, vec3 y, vec3 z, vec4 tangent) {
+  vec3 t = x * tangent.x + y * tangent.y + z * tangent.z;
+  float squared = dot(t, t);
+  float scale = squared > 1e-30f ? 1.0f / sqrt(squared) : 0.0f;
+  return scale > 0.0f ? vec4(t.x * scale, t.y * scale, t.z * scale, tangent.w) : tangent;
+}
+
+// The normal of a triangle, counter-clockwise.
+SH_FUNC vec3 flatNormal(vec3 a, vec3 b, vec3 c) {
+  vec3 ab = b - a, ac = c - a;
+  vec3 extent = max(abs(ab), abs(ac));
+  float scale = 1.0f / max(max(extent.x, max(extent.y, extent.z)), 1e-37f);  // tiny triangles' products underflow
+  vec3 n = cross(ab * scale, ac * scale);
+  float squared = dot(n, n);
+  return squared > 0.0f ? n * (1.0f / sqrt(squared)) : vec3(0.0f, 0.0f, 1.0f);
+}
+
+SH_END
+
+#endif

@@ -1,0 +1,26 @@
+// Motion worked out on the CPU in doubles, from nothing but the scene, its poses and its cameras: what every pixel's
+// centre sees, by the ray through it against every triangle.
+#pragma once
+
+#include <vector>
+
+#include "render/renderer.h"
+#include "scene/scene.h"
+
+namespace latelight::render::test {
+
+struct ReferencePixel {
+  double depth = 0;                    // along the view axis; 0: nothing is there
+  glm::dvec2 backward{0}, forward{0};  // pixels, y down
+};
+
+std::vector<ReferencePixel> referenceMotion(const scene::Scene& scene, const Moment& moment,
+                                            const scene::Camera& camera, uint32_t width, uint32_t height);
+
+// Vertices of an instance's mesh in a pose, world space.
+std::vector<glm::dvec3> worldVertices(const scene::Scene& scene, size_t instance, const scene::Pose& pose);
+
+// Where a world position is seen, pixels, y down.
+glm::dvec2 pixelOf(const scene::Camera& camera, uint32_t width, uint32_t height, glm::dvec3 world);
+
+}  // namespace latelight::render::test

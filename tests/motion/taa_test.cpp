@@ -1,0 +1,138 @@
+// Temporal anti-aliasing against super-sampling of the same frames: better than none, near it, and without flicker.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "motion/files.h"
+#include "render/support.h"
+
+namespace latelight::render::test {
+namespace {
+
+using Picture = std::vector<uint8_t>;
+
+struct Sequence {
+  const scene::Scene& scene;
+  std::string animation;
+  double start;
+  uint32_t frames;
+};
+
+// Root mean square of two pictures' difference, levels, over the pixels that either shows something in.
+double difference(const Picture& a, const Picture& b) {
+  double sum = 0, count = 0;
+  for (size_t i = 0; i < a.size(); i += 4) {
+    if (a[i + 3] == 0 && b[i + 3] == 0) continue;
+    for (size_t c = 0; c < 4; ++c)
+      sum += std::pow(
+          double(a[i + c]) * (c < 3 ? a[i + 3] / 255.0 : 1) - double(b[i + c]) * (c < 3 ? b[i + 3] / 255.0 : 1), 2);
+    count += 4;
+  }
+  return std::sqrt(sum / std::max(count, 1.0));
+}
+
+class TemporalTest : public RenderTest {
+ protected:
+  static constexpr uint32_t kWidth = 96, kHeight = 72;
+
+  static std::vector<Picture> render(const Sequence& sequence, bool temporal, uint32_t superSampling,
+                                     const std::string& layout = "thin") {
+    Settings settings = settingsOf(kWidth, kHeight);
+    settings.display = true;
+    settings.temporal = temporal;
+    settings.superSampling = superSampling;
+    settings.layout = layout;
+    const scene::Environment environment = constantEnvironment();
+    Renderer renderer(device(), sequence.scene, &environment);
+    const scene::Camera camera = cameraOf(sequence.scene, kWidth, kHeight);
+    const scene::Playback playback = scene::choosePlayback(sequence.scene, sequence.animation, true);
+    std::vector<Picture> pictures;
+    for (uint32_t i = 0; i < sequence.frames; ++i) {
+      const auto pose = [&](double frame) {
+        return scene::poseAt(sequence.scene, playback, sequence.start + frame / 24);
+      };
+      const Moment moment{.poses = {pose(i - 1.0), pose(i), pose(i + 1.0)}, .continues = i > 0};
+      pictures.push_back(std::move(renderer.render({&camera, 1}, settings, moment).front().display));
+    }
+    return pictures;
+  }
+
+  // The sequence with temporal anti-aliasing stays within `most` levels of 16 samples a pixel, and is `factor` times
+  // nearer to that than one sample is.
+  static void expectNear(const Sequence& sequence, double most, double factor) {
+    const auto exact = render(sequence, false, 4), none = render(sequence, false, 1),
+               temporal = render(sequence, true, 1);
+    double worst = 0, total = 0, totalNone = 0;
+    for (uint32_t i = 0; i < sequence.frames; ++i) {
+      worst = std::max(worst, difference(temporal[i], exact[i]));
+      total += difference(temporal[i], exact[i]);
+      totalNone += difference(none[i], exact[i]);
+    }
+    fmt::print("{}: {:.2f} levels from 16 samples, at worst {:.2f}; without {:.2f}\n", sequence.scene.name,
+               total / sequence.frames, worst, totalNone / sequence.frames);
+    EXPECT_LE(worst, most);
+    EXPECT_LE(total * factor, totalNone);
+  }
+};
+
+TEST_F(TemporalTest, FoxWalksNearSuperSampling) {
+  SKIP_WITHOUT(sharedModel("Fox.glb"));
+  const scene::Scene scene = scene::load(sharedModel("Fox.glb").string());
+  expectNear({scene, "Walk", 0.1, 10}, 12, 1.3);
+}
+
+TEST_F(TemporalTest, BoxRollsNearSuperSampling) {
+  const scene::Scene scene = movingBox().load();
+  expectNear({scene, "", 0.2, 10}, 12, 1.3);
+}
+
+// A picture alone is the mean of its samples.
+TEST_F(TemporalTest, StillPicturesConverge) {
+  const scene::Scene scene = movingBox().load();
+  expectNear({scene, "", 0.3, 1}, 4, 2.5);
+}
+
+// Where nothing moves, frames differ by no more than one sample in many.
+TEST_F(TemporalTest, StandingScenesDontFlicker) {
+  const std::vector<Picture> pictures = render({hall(), "", 0, 20}, true, 1);
+  const std::vector<Picture> once = render({hall(), "", 0, 1}, false, 1);
+  double worst = 0;
+  for (size_t i = 1; i < pictures.size(); ++i) worst = std::max(worst, difference(pictures[i], pictures[i - 1]));
+  fmt::print("hall: frames {:.3f} levels apart at most; without, from the first {:.2f}\n", worst,
+             difference(once[0], pictures[0]));
+  EXPECT_LE(worst, 0.8);
+  EXPECT_GT(difference(once[0], pictures[0]), 3) << "there is nothing that could flicker";
+}
+
+// What leaves a pixel leaves nothing behind: the box's way is the wall's colour again, as it is without any history.
+TEST_F(TemporalTest, NoGhostsStay) {
+  const scene::Scene scene = movingBox().load();
+  const Sequence rolled{scene, "", 0.2, 8};
+  const Picture last = render(rolled, true, 1).back();
+  const Picture fresh = render({scene, "", 0.2 + 7 / 24.0, 1}, true, 1).back();
+  size_t apart = 0, drawn = 0;
+  for (size_t i = 0; i < last.size(); i += 4) {
+    drawn += fresh[i + 3] > 0;
+    int most = 0;
+    for (size_t c = 0; c < 3; ++c) most = std::max(most, std::abs(int(last[i + c]) - int(fresh[i + c])));
+    apart += most > 40;
+  }
+  EXPECT_GT(drawn, 2000u);
+  EXPECT_LE(apart, drawn / 100);
+}
+
+TEST_F(TemporalTest, TheSameInputGivesTheSameBytes) {
+  const scene::Scene scene = movingBox().load();
+  EXPECT_EQ(render({scene, "", 0.2, 3}, true, 1), render({scene, "", 0.2, 3}, true, 1));
+}
+
+TEST_F(TemporalTest, EveryLayoutTakesIt) {
+  const scene::Scene scene = movingBox().load();
+  const Picture expected = render({scene, "", 0.2, 2}, true, 1, "plain").back();
+  for (const char* layout : {"killzone2", "optimized", "blog"})
+    EXPECT_LE(difference(render({scene, "", 0.2, 2}, true, 1, layout).back(), expected), 6) << layout;
+}
+
+}  // namespace
+}  // namespace latelight::render::test
