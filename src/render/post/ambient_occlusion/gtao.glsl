@@ -5,7 +5,7 @@
 // of them together, and ambient_occlusion_denoise.comp averages blocks.
 #include "shared/ambient_occlusion.h"
 
-layout(constant_id = 16) const uint kSlicesAPixel = 2;
+layout(constant_id = 16) const uint kSlicesAPixel = 3;
 layout(constant_id = 17) const uint kStepsASide = 6;
 
 struct OcclusionPush {
