@@ -120,7 +120,7 @@ TEST_F(AmbientOcclusionTest, AnOpenPlaneHidesNothingOfItself) {
 // The visible share at `x` metres from a wall that is higher than the radius and endless: cosine-weighted directions
 // meet it at x / cos of their angle from the wall's normal.
 double besideWall(double x, double radius) {
-  constexpr int kSteps = 400;
+  constexpr int kSteps = 120;
   double hidden = 0;
   for (int i = 0; i < kSteps; ++i)
     for (int j = 0; j < kSteps; ++j) {

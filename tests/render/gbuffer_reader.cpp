@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "render/gbuffer/texel.h"
+#include "render/post/ambient_occlusion/ambient_occlusion.h"
 #include "render/post/resolve.h"
 #include "render/view.h"
 #include "render/visibility/hardware.h"
@@ -131,10 +132,12 @@ ReadGbuffer GbufferReader::read(const FrameSetup& setup, const scene::Camera& ca
   gbuffer.sampleDepth = gbuffer.depth;
   gbuffer.sampleLight = gbuffer.light;
   gbuffer.lightCounts = graph.create(vk::ImageDesc{.format = kCountsFormat, .width = 1, .height = 1, .layers = 1});
+  const AmbientOcclusionPass ambientOcclusion(device_, setup);  // as the setup has it; lives until the graph has run
   geometry(setup).add(graph, inputs, gbuffer);
   std::vector<graph::BufferId> targets;
   for (graph::ImageId target : gbuffer.targets) targets.push_back(addReadback(graph, target));
   const graph::BufferId depth = addReadback(graph, gbuffer.depth), before = addReadback(graph, gbuffer.light);
+  gbuffer.ambientOcclusion = ambientOcclusion.add(graph, inputs, gbuffer);
   lighting(setup).add(graph, inputs, gbuffer);
   const graph::BufferId after = addReadback(graph, gbuffer.light);
   executor_.run(graph, graph.compile());

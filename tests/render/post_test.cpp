@@ -148,7 +148,8 @@ TEST_F(PostTest, OffIsOffAndOnShows) {
   const auto without = shown(renderer, scene.cameras.front(), plain);
   const Change off[] = {[](Settings& s) { s.bloom = {.strength = 0, .radius = 0.2f, .threshold = 3}; },
                         [](Settings& s) { s.fog = {.density = 0, .height = 4}; },
-                        [](Settings& s) { s.ao = {.method = "none", .radius = 3, .strength = 5}; }};
+                        [](Settings& s) { s.ao = {.method = "none", .radius = 3, .strength = 5}; },
+                        [](Settings& s) { s.ao = {.method = "gtao", .radius = 1e-20f, .strength = 5}; }};
   for (const Change& change : off) {
     Settings settings = plain;
     change(settings);

@@ -11,7 +11,7 @@ namespace {
 // Beyond this share of the picture's height, samples would lie so far apart that they miss what is between them.
 constexpr float kReachShare = 0.5f;
 // Of the radius: pixels that far off each other's plane share no occlusion.
-constexpr float kToleranceShare = 0.1f;
+constexpr float kToleranceShare = 0.3f;
 
 struct OcclusionPush {  // gtao.glsl
   VkDeviceAddress frame;

@@ -1,8 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // Averages occlusion over a block of the pattern, along one axis: five pixels, the outer ones by half, which weighs each of
-// the four phases alike and has the pixel in its middle. Those that do not lie in the pixel's plane are left out, the less
-// the nearer they are to it.
+// the four phases alike and has the pixel in its middle. Those that lie neither in the pixel's plane nor as deep as it is are
+// left out, the less the nearer they are to that.
 #include "render/glsl/common.glsl"
 #include "shared/ambient_occlusion.h"
 
@@ -38,10 +38,12 @@ void main() {
   if (depths[3] == 0.0) after = 3.0e38;
   float slope = abs(before) < abs(after) ? before : after;
   if (abs(slope) > 1.0e38) slope = 0.0;
-  float tolerance = deviceDepthStep(view.projection, depths[2], push.tolerance);
+  float tolerance = max(deviceDepthStep(view.projection, depths[2], push.tolerance), 1.0e-30);
   float sum = values[2], weights = 1.0;
   for (int i = 0; i < 5; ++i) {
-    float off = abs(depths[i] - depths[2] - slope * float(i - 2));
+    // A strip one pixel wide has the slope of what is beside it: as deep as the pixel will do, too.
+    float step = depths[i] - depths[2];
+    float off = min(abs(step - slope * float(i - 2)), abs(step));
     float weight = i == 2 || depths[i] == 0.0 ? 0.0 : max(1.0 - off / tolerance, 0.0);
     if (i == 0 || i == 4) weight *= 0.5;
     sum += weight * values[i];

@@ -1,11 +1,12 @@
-// Ground-truth ambient occlusion of one pixel from the depth around it. After common.glsl and `gbufferDepth`. The shader that includes it
-// knows the normal; what is left here is how much of the cosine-weighted hemisphere is hidden (shared/ambient_occlusion.h).
+// Ground-truth ambient occlusion of one pixel from the depth around it. After common.glsl and `gbufferDepth`. The shader
+// that includes it knows the normal; what is left here is how much of the cosine-weighted hemisphere is hidden
+// (shared/ambient_occlusion.h).
 //
 // Nothing is random: the 4 by 4 pixels of a block cut their hemispheres in different directions, evenly spread over all
 // of them together, and ambient_occlusion_denoise.comp averages blocks.
 #include "shared/ambient_occlusion.h"
 
-layout(constant_id = 16) const uint kSlicesAPixel = 2;
+layout(constant_id = 16) const uint kSlicesAPixel = 3;
 layout(constant_id = 17) const uint kStepsASide = 6;
 
 struct OcclusionPush {
@@ -25,7 +26,9 @@ struct Center {
   vec3 toEye;
 };
 
-float depthAt(ivec3 place, ivec2 size) { return texelFetch(gbufferDepth, ivec3(clamp(place.xy, ivec2(0), size - 1), place.z), 0).r; }
+float depthAt(ivec3 place, ivec2 size) {
+  return texelFetch(gbufferDepth, ivec3(clamp(place.xy, ivec2(0), size - 1), place.z), 0).r;
+}
 
 float smallerStep(float before, float here, float after) {
   float a = here - before, b = after - here;
