@@ -68,7 +68,7 @@ constexpr double kAny = std::numeric_limits<double>::infinity();
 struct Bounds {
   double normal = 0.1;  // radians
   double baseColor = kAny, diffuse = 10, specular = 10, metallic = kAny, roughness = kAny, f0Root = kAny, f90 = kAny,
-         power = kAny, ao = 0;
+         power = kAny, ao = 0, motion = kAny;
   bool viewersSide = false;  // normals that point away from the view plane come back mirrored
 };
 constexpr double kHalfCode = 0.501;           // in units of a code
@@ -140,6 +140,7 @@ Bounds boundsOf(const Layout& layout, const NormalEncoding& encoding) {
             .specular = kAny,
             .f90 = 0,
             .power = kHalfCode,
+            .motion = 0.126,
             .viewersSide = true};
   // A layout that states none: what no usable one exceeds.
   b.normal = std::max(b.normal, shared::normalBound(encodingFile(encoding), 255).radians);
@@ -183,6 +184,7 @@ Sample randomSample(Random& random, uint32_t encoding, uint32_t space = 0, uint3
   s.ao = sample.context.ao = random.uniform();
   s.uv = vec2(random.uniform(-3, 3), random.uniform(-3, 3));
   s.id = static_cast<uint32_t>(random.bits());
+  s.motion = vec2(random.uniform(-31.75f, 31.75f), random.uniform(-31.75f, 31.75f));
   return sample;
 }
 
@@ -212,6 +214,7 @@ void expectWithin(const Surface& a, const Surface& b, const Bounds& bounds) {
   EXPECT_LE(std::abs(cappedPower(a.roughness) - cappedPower(b.roughness)), bounds.power);
   EXPECT_LE(glm::length(a.position - b.position), 1e-5f * (5.0f + glm::length(a.position)));
   EXPECT_LE(std::abs(a.ao - b.ao), bounds.ao);
+  EXPECT_LE(std::max(std::abs(a.motion.x - b.motion.x), std::abs(a.motion.y - b.motion.y)), bounds.motion);
 }
 
 Surface stored(const Layout& layout, const Sample& sample) {
@@ -262,6 +265,17 @@ TEST(Layouts, Killzone2MirrorsNormalsThatPointAway) {
   }
   // Half of all directions, less those near enough to the plane.
   EXPECT_NEAR(static_cast<double>(mirrored) / kCount, 0.5 * (1 - 0.05), 0.02);
+}
+
+// Nothing that stands gets a motion by being stored, and what is too fast keeps its direction along each axis.
+TEST(Layouts, Killzone2KeepsStandingStillAndClampsWhatIsFast) {
+  Random random(37);
+  const Layout& layout = findLayout("killzone2");
+  Sample sample = randomSample(random, shared::kNormal_octahedral);
+  sample.surface.motion = vec2(0);
+  EXPECT_EQ(stored(layout, sample).motion, vec2(0));
+  sample.surface.motion = vec2(500, -500);
+  EXPECT_EQ(stored(layout, sample).motion, vec2(31.75f, -32));
 }
 
 TEST(Layouts, BlogNamesTheObjectToPick) {
