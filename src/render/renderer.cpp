@@ -17,7 +17,6 @@
 #include "render/shadow/shadow_pass.h"
 #include "render/view.h"
 #include "render/visibility/hardware.h"
-#include "shared/shadow.h"
 
 namespace latelight::render {
 
@@ -148,10 +147,9 @@ void Renderer::prepareShadows(Job& job) {
     shared::FrameConstants frame{};
     gpuScene_.describe(frame);
     job.shadows = uploadShadows(device_, std::move(plan), frame);
+    const ShadowPlan::Entry* sun = job.shadows->plan.sun(gpuScene_.lights());
     for (const ShadowPlan::Entry& entry : job.shadows->plan.lights)
-      shadows.push_back({entry.light, job.shadows->address(entry.first)});
-    if (const ShadowPlan::Entry* sun = job.shadows->plan.sun(gpuScene_.lights()))
-      shadows[static_cast<size_t>(sun - job.shadows->plan.lights.data())].maps |= shared::kShadowSun;
+      shadows.push_back({entry.light, job.shadows->addressOf(entry, &entry == sun)});
   }
   gpuScene_.setShadows(shadows);
 }
