@@ -19,7 +19,6 @@
 #include "render/view.h"
 #include "render/visibility/hardware.h"
 #include "render/visibility/motion.h"
-#include "shared/shadow.h"
 
 namespace latelight::render {
 
@@ -179,10 +178,9 @@ void Renderer::prepareShadows(Job& job) {
     shared::FrameConstants frame{};
     gpuScene_.describe(frame);
     job.shadows = uploadShadows(device_, std::move(plan), frame);
+    const ShadowPlan::Entry* sun = job.shadows->plan.sun(gpuScene_.lights());
     for (const ShadowPlan::Entry& entry : job.shadows->plan.lights)
-      shadows.push_back({entry.light, job.shadows->address(entry.first)});
-    if (const ShadowPlan::Entry* sun = job.shadows->plan.sun(gpuScene_.lights()))
-      shadows[static_cast<size_t>(sun - job.shadows->plan.lights.data())].maps |= shared::kShadowSun;
+      shadows.push_back({entry.light, job.shadows->addressOf(entry, &entry == sun)});
   }
   gpuScene_.setShadows(shadows);
 }

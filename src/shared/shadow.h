@@ -25,6 +25,8 @@ SH_CONST uint kShadowFilterPcss = 2u;
 // Set in the address of a light's maps: it is the sun, the first directional light that casts shadows, which layouts
 // with GBUFFER_SUN_TARGET have a channel for.
 SH_CONST uint kShadowSun = 1u;
+// And in bit 1: its maps are the faces of a cube.
+SH_CONST uint kShadowCube = 2u;
 
 // No surface is stored as 1: that is what nothing is, and what rgba8-classic makes 0 of. One level of 16 bits below.
 SH_CONST float kShadowFarthest = 65534.0f / 65535.0f;

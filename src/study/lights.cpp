@@ -278,6 +278,7 @@ class LightStudy {
     render::Renderer renderer(device_, scene, nullptr);
     const uint64_t before = device_.memory().statistics().usedBytes;
     render::Settings settings{.width = place.size.first, .height = place.size.second, .lighting = technique.name};
+    settings.shadows = "none";  // what light costs, not what stands before it
     const std::span<const scene::Camera> camera(&scene.cameras.front(), 1);
     Measurement m{.triangles = scene.triangleCount()};
     const Clock::time_point start = Clock::now();

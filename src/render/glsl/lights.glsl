@@ -40,20 +40,28 @@ Shading startShading(Surface s, vec3 toEye, bool lit) {
                  vec3(0.0));
 }
 
-// Each lane brings a light; those that hit are shaded by all lanes, in the order of the lanes.
-void shadeDealt(inout Shading shading, Light mine, bool hit) {
-  uvec4 hits = subgroupBallot(hit);
+void shadeHits(inout Shading shading, Light mine, uvec4 hits, bool shadowed) {
   while (any(notEqual(hits, uvec4(0u)))) {
     uint lane = subgroupBallotFindLSB(hits);
     hits[lane >> 5u] &= ~(1u << (lane & 31u));
     Light light = broadcastLight(mine, lane);
     float used = lightsUsed;
-    vec3 radiance = shadeOneLight(light, shading.s, shading.toEye);
+    vec3 radiance =
+        shadowed ? shadeOneLight(light, shading.s, shading.toEye) : shadeUnshadowed(light, shading.s, shading.toEye);
     if (shading.lit)
       shading.radiance += radiance;
     else
       lightsUsed = used;
   }
+}
+
+// Each lane brings a light; those that hit are shaded by all lanes, in the order of the lanes: first those without
+// shadows, then, in a loop of their own, those that have some. (On lavapipe both sides of a branch run, but a loop of a
+// subgroup without such lights runs its lookups once at most, not once a light.)
+void shadeDealt(inout Shading shading, Light mine, bool hit) {
+  bool shadowed = kShadowFormat != kShadowNone && mine.shadow != uvec2(0u);
+  shadeHits(shading, mine, subgroupBallot(hit && !shadowed), false);
+  if (kShadowFormat != kShadowNone) shadeHits(shading, mine, subgroupBallot(hit && shadowed), true);
 }
 
 // The lights [first, end) of the frame.

@@ -10,6 +10,13 @@ float lightsTested = 0.0;
 float lightsUsed = 0.0;
 vec4 lightCount() { return vec4(lightsTested, lightsUsed, 0.0, 0.0); }
 
+// Radiance that one light sends from `s` to the eye, as if nothing stood between them.
+vec3 shadeUnshadowed(Light light, Surface s, vec3 toEye) {
+  vec3 radiance = shadeLight(s, toEye, sampleLight(light, s.position), kShading);
+  if (kCountLights != 0u && any(greaterThan(radiance, vec3(0.0)))) lightsUsed += 1.0;
+  return radiance;
+}
+
 // Radiance that one light sends from `s` to the eye.
 vec3 shadeOneLight(Light light, Surface s, vec3 toEye) {
   LightSample arriving = sampleLight(light, s.position);

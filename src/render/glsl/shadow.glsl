@@ -56,25 +56,24 @@ float shadowPcss(ShadowMap m, ShadowPoint p, vec2 plane) {
   return blockers > 0.0 ? lit / float(kShadowPcssTaps) : 1.0;
 }
 
-ShadowMap shadowMap(Light light, uint index) {
-  return ShadowMapRef(packUint2x32(light.shadow & uvec2(~kShadowSun, ~0u))).v[index];
-}
-
-// The finest map of a light that has the point and the filter's reach around it. False: none has.
+// The finest map of a light that has the point and the filter's reach around it. False: none has. (One load for each
+// map that is looked at: by address, and so dear on lavapipe. And the condition stands before the load: what only the
+// body of a loop defines, lavapipe 22.3 takes from the last round for lanes that left in an earlier one.)
 bool findShadowMap(Light light, vec3 position, out ShadowMap m) {
-  m = shadowMap(light, 0u);
-  if (m.maps == 6u) {
-    m = shadowMap(light, shadowFace(position - light.position));
-    return true;
-  }
+  ShadowMapRef maps = ShadowMapRef(packUint2x32(light.shadow & uvec2(~(kShadowSun | kShadowCube), ~0u)));
   float room = shadowReach(kShadowFilter) + 0.5;
-  bool inside = shadowInside(m, shadowPoint(m, position).texel, room);
-  uint maps = m.maps;
-  for (uint i = 1u; i < maps && !inside; ++i) {
-    m = shadowMap(light, i);
-    inside = shadowInside(m, shadowPoint(m, position).texel, room);
+  bool directional = light.type == kLightDirectional;
+  uint next = (light.shadow.x & kShadowCube) != 0u ? shadowFace(position - light.position) : 0u;
+  uint end = next + 1u;
+  bool found = false;
+  m = ShadowMap(vec4(0.0), vec4(0.0), vec4(0.0), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, vec2(0.0), 0.0, 0u);
+  while (!found && next < end) {
+    m = maps.v[next];
+    found = !directional || shadowInside(m, shadowPoint(m, position).texel, room);
+    end = directional ? m.maps : end;
+    ++next;
   }
-  return inside;
+  return found;
 }
 
 // 1: all of it reaches the surface. By the maps of a light that has them.

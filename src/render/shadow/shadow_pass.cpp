@@ -77,6 +77,13 @@ ShadowMaps uploadShadows(vk::Device& device, ShadowPlan plan, const shared::Fram
   return made;
 }
 
+VkDeviceAddress ShadowMaps::addressOf(const ShadowPlan::Entry& entry, bool sun) const {
+  static_assert(sizeof(shared::ShadowMap) % 4 == 0);  // two bits are free
+  const VkDeviceAddress flags =
+      (sun ? shared::kShadowSun : 0u) | (plan.maps[entry.first].maps == 6 ? shared::kShadowCube : 0u);
+  return (maps.address() + entry.first * sizeof(shared::ShadowMap)) | flags;
+}
+
 ShadowPass::ShadowPass(vk::Device& device, const GpuScene& scene, const FrameSetup& setup)
     : format_(setup.shadowFormat), opaque_(makeShadowPipeline(device, scene, setup, false)) {
   if (anyMasked(scene)) masked_ = makeShadowPipeline(device, scene, setup, true);

@@ -13,8 +13,8 @@ struct ShadowMaps {
   vk::Buffer maps;              // shared::ShadowMap[]
   vk::Buffer views, constants;  // a frame's whose views are the maps'
 
-  // Of one map's record, for a light's `shadow`.
-  VkDeviceAddress address(uint32_t map) const { return maps.address() + map * sizeof(shared::ShadowMap); }
+  // For a light's `shadow`, with kShadowSun and kShadowCube.
+  VkDeviceAddress addressOf(const ShadowPlan::Entry& entry, bool sun) const;
 };
 ShadowMaps uploadShadows(vk::Device& device, ShadowPlan plan, const shared::FrameConstants& frame);
 
