@@ -158,6 +158,7 @@ auto motionColors(const AovImage& image) {
   const float longest = std::max(rangeOf(std::move(lengths)).high, 1e-3f);
   return [&image, longest](size_t i) -> std::optional<Rgb> {
     const float x = image.values[4 * i], y = image.values[4 * i + 1];
+    if (x == 0 && y == 0) return std::nullopt;
     const float turn = std::atan2(y, x) / (2 * std::numbers::pi_v<float>);
     return fromHsv(turn < 0 ? turn + 1 : turn, 0.85f, std::clamp(std::hypot(x, y) / longest, 0.0f, 1.0f));
   };

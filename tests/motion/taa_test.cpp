@@ -34,7 +34,7 @@ double difference(const Picture& a, const Picture& b) {
 
 class TemporalTest : public RenderTest {
  protected:
-  static constexpr uint32_t kWidth = 96, kHeight = 72;
+  static constexpr uint32_t kWidth = 144, kHeight = 108;
 
   static std::vector<Picture> render(const Sequence& sequence, bool temporal, uint32_t superSampling,
                                      const std::string& layout = "thin") {
@@ -79,47 +79,56 @@ class TemporalTest : public RenderTest {
 TEST_F(TemporalTest, FoxWalksNearSuperSampling) {
   SKIP_WITHOUT(sharedModel("Fox.glb"));
   const scene::Scene scene = scene::load(sharedModel("Fox.glb").string());
-  expectNear({scene, "Walk", 0.1, 10}, 12, 1.3);
+  expectNear({scene, "Walk", 0.1, 8}, 22, 1.2);
 }
 
 TEST_F(TemporalTest, BoxRollsNearSuperSampling) {
   const scene::Scene scene = movingBox().load();
-  expectNear({scene, "", 0.2, 10}, 12, 1.3);
+  expectNear({scene, "", 0.2, 8}, 12, 2);
 }
 
 // A picture alone is the mean of its samples.
 TEST_F(TemporalTest, StillPicturesConverge) {
   const scene::Scene scene = movingBox().load();
-  expectNear({scene, "", 0.3, 1}, 4, 2.5);
+  expectNear({scene, "", 0.3, 1}, 4, 4);
 }
 
 // Where nothing moves, frames differ by no more than one sample in many.
 TEST_F(TemporalTest, StandingScenesDontFlicker) {
-  const std::vector<Picture> pictures = render({hall(), "", 0, 20}, true, 1);
+  const std::vector<Picture> pictures = render({hall(), "", 0, 10}, true, 1);
   const std::vector<Picture> once = render({hall(), "", 0, 1}, false, 1);
   double worst = 0;
   for (size_t i = 1; i < pictures.size(); ++i) worst = std::max(worst, difference(pictures[i], pictures[i - 1]));
   fmt::print("hall: frames {:.3f} levels apart at most; without, from the first {:.2f}\n", worst,
              difference(once[0], pictures[0]));
-  EXPECT_LE(worst, 0.8);
+  EXPECT_LE(worst, 1.2);
   EXPECT_GT(difference(once[0], pictures[0]), 3) << "there is nothing that could flicker";
 }
 
-// What leaves a pixel leaves nothing behind: the box's way is the wall's colour again, as it is without any history.
+// What leaves a pixel leaves nothing behind: where a picture without history is even for three pixels around, one with
+// a history is the same.
 TEST_F(TemporalTest, NoGhostsStay) {
   const scene::Scene scene = movingBox().load();
-  const Sequence rolled{scene, "", 0.2, 8};
-  const Picture last = render(rolled, true, 1).back();
+  const Picture last = render({scene, "", 0.2, 8}, true, 1).back();
   const Picture fresh = render({scene, "", 0.2 + 7 / 24.0, 1}, true, 1).back();
-  size_t apart = 0, drawn = 0;
-  for (size_t i = 0; i < last.size(); i += 4) {
-    drawn += fresh[i + 3] > 0;
+  const auto apart = [](const Picture& a, size_t i, const Picture& b, size_t j) {
     int most = 0;
-    for (size_t c = 0; c < 3; ++c) most = std::max(most, std::abs(int(last[i + c]) - int(fresh[i + c])));
-    apart += most > 40;
-  }
-  EXPECT_GT(drawn, 2000u);
-  EXPECT_LE(apart, drawn / 100);
+    for (size_t c = 0; c < 4; ++c)
+      most = std::max(most, std::abs(int(a[4 * i + c]) * a[4 * i + 3] - int(b[4 * j + c]) * b[4 * j + 3]) / 255);
+    return most;
+  };
+  size_t even = 0;
+  for (size_t y = 3; y + 3 < kHeight; ++y)
+    for (size_t x = 3; x + 3 < kWidth; ++x) {
+      const size_t pixel = y * kWidth + x;
+      int around = 0;
+      for (size_t k = 0; k < 49; ++k)
+        around = std::max(around, apart(fresh, pixel, fresh, (y + k / 7 - 3) * kWidth + x + k % 7 - 3));
+      if (around > 3) continue;
+      ++even;
+      ASSERT_LE(apart(last, pixel, fresh, pixel), 4) << x << ", " << y;
+    }
+  EXPECT_GT(even, size_t{kWidth} * kHeight / 2);
 }
 
 TEST_F(TemporalTest, TheSameInputGivesTheSameBytes) {

@@ -164,7 +164,8 @@ TEST_F(Output, KeepsTheOldFileWhenItsFolderGoes) {
 TEST_F(Output, IsTheSameEveryTime) {
   for (const char* ending : {"png", "exr", "npy"}) {
     std::vector<Aov> aovs = allAovs();
-    if (std::string_view(ending) == "png") std::erase(aovs, Aov::Position);
+    if (std::string_view(ending) == "png")
+      std::erase_if(aovs, [](Aov aov) { return info(aov).png == PngCoding::None; });
     const auto first = write(request(std::string("one-{aov}.") + ending, aovs));
     const auto second = write(request(std::string("two-{aov}.") + ending, aovs));
     ASSERT_EQ(first.size(), second.size());

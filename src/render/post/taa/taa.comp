@@ -21,11 +21,13 @@ layout(push_constant, scalar) uniform Push {
 } push;
 
 // What a mean is of at most: a pixel that moves is blurred a little at each step and must forget sooner.
-const float kMostStill = 64.0, kMostMoving = 12.0;
+const float kMostStill = 64.0, kMostMoving = 5.0;
 // The box of what is near holds most of what history may be (Salvi's gamma).
-const float kGamma = 1.25;
+const float kGamma = 1.0;
 // A still pixel goes only a part of the way into the box: a detail that one jitter in several hits would else flicker.
-const float kStillPull = 0.2;
+const float kStillPull = 0.1;
+// Pixels: what half floats leave of a motion of none.
+const float kStill = 0.005;
 const float kDepthTolerance = 1.1;
 
 // 1 / metres, 0 for the background; of an orthographic view the device's depth.
@@ -130,13 +132,13 @@ void main() {
   float moving = clamp(max(length(moved), state.b) * 4.0, 0.0, 1.0);  // or did: what left may have left a part of an edge
   bool uncovered = state.r > near.most * kDepthTolerance + 1e-6 || state.r * kDepthTolerance + 1e-6 < near.least;
   // Where neither moves, it is a detail thinner than a pixel that this jitter has missed.
-  if (!inside || (uncovered && moving > 0.0)) {
+  if (!inside || (uncovered && moving > 4.0 * kStill)) {
     imageStore(newColor, pixel, near.smoothed);
     imageStore(newState, pixel, vec4(here, 1.0, speed, 0.0));
     return;
   }
 
-  vec4 history = moved != vec2(0.0) ? sampleHistory(before, size, pixel.z) : texelFetch(oldColor, from, 0);
+  vec4 history = length(moved) > kStill ? sampleHistory(before, size, pixel.z) : texelFetch(oldColor, from, 0);
   vec4 box = toBoxSpace(history);
   history = fromBoxSpace(mix(box, clipToBox(box, near), mix(kStillPull, 1.0, moving)));
   float count = min(state.g + 1.0, mix(kMostStill, kMostMoving, moving));
