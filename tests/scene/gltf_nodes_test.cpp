@@ -207,7 +207,7 @@ TEST(GltfNodes, ExtrasSayWhatLightsCastShadows) {
   b.root["extensions"]["KHR_lights_punctual"]["lights"] = {
       {{"type", "point"}, {"extras", {{"castShadow", true}, {"radius", .25}}}},
       {{"type", "directional"}, {"extras", {{"angle", 90}, {"radius", 7}}}},
-      {{"type", "spot"}, {"extras", {{"castShadow", "maybe"}, {"radius", -1}}}}};
+      {{"type", "spot"}, {"spot", {{"outerConeAngle", .4}}}, {"extras", {{"castShadow", "maybe"}, {"radius", -1}}}}};
   for (int i = 0; i < 3; ++i) b.node({{"extensions", {{"KHR_lights_punctual", {{"light", i}}}}}});
   b.node({{"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}, {"extras", {{"castShadow", false}}}});
   const Scene scene = b.load();
