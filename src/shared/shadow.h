@@ -34,11 +34,17 @@ SH_CONST float kShadowFarthest = 65534.0f / 65535.0f;
 // --- bias -----------------------------------------------------------------------------------------------------------
 //
 // A texel's depth stands for the whole texel, and the filter compares with texels up to its reach away. On a plane of
-// slope m = tan(angle to the light) depth differs by m reach texels over that distance. Up to kShadowSlope the map
-// itself is biased by as much, from the exact plane of the triangle that is drawn (shadow.frag): no normal takes part,
-// and no shadow moves sideways. Beyond, the receiving point is moved along its normal by the remainder (normal offset:
-// Holbein 2011, Saying "Goodbye" to Shadow Acne, GDC), which is bounded where a slope is not.
+// slope m = tan(angle to the light) depth differs by m reach texels over that distance. Two biases cover that, each by
+// itself where it can be trusted:
+//
+// The map is biased by the exact plane of the triangle that is drawn (shadow.frag), up to slope kShadowCasterSlope: no
+// normal takes part, so a normal map can't undo it. But it knows nothing of a steeper face beside that triangle.
+//
+// The receiving point comes nearer to the light by its own plane, up to slope kShadowSlope, and beyond that is moved
+// along its normal by the remainder (normal offset: Holbein 2011, Saying "Goodbye" to Shadow Acne, GDC), which is
+// bounded where a slope is not. Its normal is the shaded one, that every layout has.
 
+SH_CONST float kShadowCasterSlope = 1.0f;
 SH_CONST float kShadowSlope = 2.0f;
 // For surfaces that are no planes within a texel, and for rounding: texels.
 SH_CONST float kShadowConstantBias = 0.5f;
@@ -51,17 +57,31 @@ SH_FUNC float shadowReach(uint filterKind) {
 // Depth to add to a surface whose depth changes by (dx, dy) from a texel to the next; `unit`: depth a texel on a plane
 // of slope 1.
 SH_FUNC float shadowCasterBias(float dx, float dy, float unit, uint filterKind) {
-  float steepest = kShadowSlope * 1.41421356f * unit;  // of |dx| + |dy|
+  float steepest = kShadowCasterSlope * 1.41421356f * unit;  // of |dx| + |dy|
   return min(abs(dx) + abs(dy), steepest) * shadowReach(filterKind) + kShadowConstantBias * unit;
 }
 
-// Metres to move a point of normal `n` along it, where texels of the map are `width` metres wide. On the point's plane
-// depth changes by |n across| / |n . ray| from a texel to the next, in their widths; rays are 1 long along the axis.
-SH_FUNC float shadowNormalOffset(ShadowMap m, vec3 n, vec3 toLight, float width, uint filterKind) {
+// How far from the point a filter looks in any direction, metres, where texels are `width` metres wide.
+SH_FUNC float shadowRadius(float width, uint filterKind) {
+  return 1.41421356f * shadowReach(filterKind) * width;
+}
+
+// What a point's normal has across the map's axis (x) and against the ray that meets the point (y), rays being 1 long
+// along the axis. The slope of the point's plane is x / y.
+SH_FUNC vec2 shadowSlope(ShadowMap m, vec3 n, vec3 toLight) {
   vec3 axis = vec3(m.away.x, m.away.y, m.away.z);
-  float along = dot(n, axis), facing = max(dot(n, toLight), 0.0f) / max(-dot(toLight, axis), 1e-3f);
-  float across = sqrt(max(1.0f - along * along, 0.0f));
-  return max(across - kShadowSlope * facing, 0.0f) * 1.41421356f * shadowReach(filterKind) * width;
+  float along = dot(n, axis);
+  return vec2(sqrt(max(1.0f - along * along, 0.0f)), max(dot(n, toLight), 0.0f) / max(-dot(toLight, axis), 1e-3f));
+}
+
+// Depth to take from a point for its plane's slope.
+SH_FUNC float shadowReceiverBias(ShadowMap m, vec2 slope, float width, uint filterKind) {
+  return min(slope.x / max(slope.y, 1e-3f), kShadowSlope) * shadowRadius(width, filterKind) * m.depthScale;
+}
+
+// Metres to move a point along its normal for what its slope has beyond that.
+SH_FUNC float shadowNormalOffset(vec2 slope, float width, uint filterKind) {
+  return max(slope.x - kShadowSlope * slope.y, 0.0f) * shadowRadius(width, filterKind);
 }
 
 // --- lookup ---------------------------------------------------------------------------------------------------------
@@ -132,7 +152,7 @@ SH_FUNC vec2 shadowPlane(ShadowMap m, vec3 n, vec3 toLight, float width) {
   // In a perspective map the rows have a share of the axis, which is taken out.
   right = right - axis * dot(right, axis);
   down = down - axis * dot(down, axis);
-  float facing = max(dot(n, toLight), 0.0f) / max(-dot(toLight, axis), 1e-3f);
+  float facing = shadowSlope(m, n, toLight).y;
   float scale = width / max(facing, 1e-3f);
   vec2 slope = vec2(dot(n, right) * inversesqrt(max(dot(right, right), 1e-20f)) * scale,
                     dot(n, down) * inversesqrt(max(dot(down, down), 1e-20f)) * scale);

@@ -201,5 +201,26 @@ TEST(GltfNodes, PunctualLights) {
   EXPECT_THAT(errorOf(b), HasSubstr("laser"));
 }
 
+// What a light's own extras say, a node's override; nonsense says nothing.
+TEST(GltfNodes, ExtrasSayWhatLightsCastShadows) {
+  GltfBuilder b;
+  b.root["extensions"]["KHR_lights_punctual"]["lights"] = {
+      {{"type", "point"}, {"extras", {{"castShadow", true}, {"radius", .25}}}},
+      {{"type", "directional"}, {"extras", {{"angle", 90}, {"radius", 7}}}},
+      {{"type", "spot"}, {"spot", {{"outerConeAngle", .4}}}, {"extras", {{"castShadow", "maybe"}, {"radius", -1}}}}};
+  for (int i = 0; i < 3; ++i) b.node({{"extensions", {{"KHR_lights_punctual", {{"light", i}}}}}});
+  b.node({{"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}, {"extras", {{"castShadow", false}}}});
+  const Scene scene = b.load();
+  ASSERT_EQ(scene.lights.size(), 4u);
+  EXPECT_EQ(scene.lights[0].castShadow, true);
+  EXPECT_EQ(scene.lights[0].size, .25f);
+  EXPECT_FALSE(scene.lights[1].castShadow);
+  EXPECT_FLOAT_EQ(scene.lights[1].size, 1.5707963f);
+  EXPECT_FALSE(scene.lights[2].castShadow);
+  EXPECT_EQ(scene.lights[2].size, 0);
+  EXPECT_EQ(scene.lights[3].castShadow, false);
+  EXPECT_EQ(scene.lights[3].size, .25f);
+}
+
 }  // namespace
 }  // namespace latelight::scene::test

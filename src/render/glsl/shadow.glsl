@@ -81,9 +81,10 @@ float shadowByMaps(Light light, Surface s, vec3 toLight) {
   ShadowMap m;
   bool found = findShadowMap(light, s.position, m);
   ShadowPoint p = shadowPoint(m, s.position);
-  p = shadowPoint(m, s.position + s.normal * shadowNormalOffset(m, s.normal, toLight, p.width, kShadowFilter));
+  vec2 slope = shadowSlope(m, s.normal, toLight);
+  p = shadowPoint(m, s.position + s.normal * shadowNormalOffset(slope, p.width, kShadowFilter));
   p.texel = shadowClamp(m, p.texel);
-  p.depth -= m.depthSlack;
+  p.depth -= m.depthSlack + shadowReceiverBias(m, slope, p.width, kShadowFilter);
   float lit;
   if (kShadowFilter == kShadowFilterPcss)
     lit = shadowPcss(m, p, shadowPlane(m, s.normal, toLight, p.width));

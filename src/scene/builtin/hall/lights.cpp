@@ -1,8 +1,8 @@
 // The hall's lights, from one to a million, always with the same exposure.
 //
 // The first hundred burn in the hall's lamps. More are small ones, strewn evenly over its surfaces a little way off;
-// the more there are, the shorter their range, so that about as many reach any point whatever their number. Nothing
-// casts shadows, so ranges also keep lamps from shining through too many walls.
+// the more there are, the shorter their range, so that about as many reach any point whatever their number. Few
+// cast shadows unless all are asked to, so ranges also keep lamps from shining through too many walls.
 #include <algorithm>
 #include <array>
 
