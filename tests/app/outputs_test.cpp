@@ -279,6 +279,7 @@ TEST_F(Outputs, TheSameCommandTwiceGivesTheSameBytes) {
     render({"model.glb", "-o", out("a.exr"), "--aov", allAovs()});
     render({"model.glb", "-o", out("{aov}.npy"), "--aov", allAovs()});
     render({"model.glb", "-o", out("sheet.png"), "--debug", "sheet"});
+    render({"model.glb", "-o", out("four.png"), "--aa", "msaa4"});
     render({"model.glb", "-o", out("smooth.png"), "--aa", "ss2", "--dump-graph", out("frame.dot")});
   }
   size_t compared = 0;

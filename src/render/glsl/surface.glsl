@@ -4,6 +4,12 @@
 #define LATELIGHT_SURFACE_GLSL
 #include "shared/surface.h"
 
+#ifdef MULTISAMPLED
+// A shader that says which samples it leaves would else run before the depth test, and here that has the last word: no
+// depth is written.
+layout(early_fragment_tests) in;
+#endif
+
 // The unperturbed normal, towards the viewer: interpolated, or, where opposite normals cancel, that of the plane on
 // screen. (Not triangleNormal(): its loads would then be needed in every layout, and they cost more than all the rest.)
 vec3 vertexNormal(float facing) {

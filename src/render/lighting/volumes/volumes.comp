@@ -15,10 +15,11 @@ layout(push_constant, scalar) uniform Push { LightingPush push; };
 
 vec3 lightsAt(FrameConstants frame, View view, LitPixel p) {
 #ifdef MULTISAMPLED
+  // The samples of a surface hold the same light, but where the rim of a volume parts them: the one that is inside has all.
   vec3 sum = vec3(0.0);
   for (int i = 0; i < 4; ++i)
-    if ((p.samples >> i & 1u) != 0u) sum += texelFetch(lightSum, p.place, i).rgb;
-  return p.lit ? sum / float(bitCount(p.samples)) : vec3(0.0);
+    if ((p.samples >> i & 1u) != 0u) sum = max(sum, texelFetch(lightSum, p.place, i).rgb);
+  return sum;
 #else
   return p.lit ? texelFetch(lightSum, p.place, 0).rgb : vec3(0.0);
 #endif

@@ -223,7 +223,7 @@ class Volumes final : public LightingTechnique {
   vk::Pipeline makeDepthCopy(vk::Device& device) const {
     vk::GraphicsDesc desc = describe({"depth", false, VK_COMPARE_OP_ALWAYS, std::nullopt, VK_CULL_MODE_NONE});
     desc.fragment = setup_.variant("volume_depth.frag");
-    desc.bindings = {vk::Binding::Sampled};
+    desc.bindings.assign(multisampled() ? 2 : 1, vk::Binding::Sampled);
     desc.depthWrite = true;
     return vk::makePipeline(device, desc);
   }
@@ -259,7 +259,9 @@ class Volumes final : public LightingTechnique {
     VolumePush push{inputs.constants, vertices_.address(), view, kShapeScreen, {}};
     vkCmdSetFrontFace(commands, VK_FRONT_FACE_COUNTER_CLOCKWISE);
     vkCmdSetCullMode(commands, VK_CULL_MODE_NONE);
-    context.commands().bind(copyDepth_, {{context.image(gbuffer.sampleDepth).arrayView(), sampler_.get()}}, push);
+    std::vector<vk::BoundImage> depth{{context.image(gbuffer.sampleDepth).arrayView(), sampler_.get()}};
+    if (gbuffer.surfaces) depth.push_back({context.image(gbuffer.surfaces).arrayView(), sampler_.get()});
+    context.commands().bind(copyDepth_, depth, push);
     vkCmdDraw(commands, 3, 1, 0, 0);
     markSeveral(context, gbuffer, push);
 
@@ -313,8 +315,9 @@ class Volumes final : public LightingTechnique {
     vkCmdClearAttachments(commands, 1, &clear, 1, &rect);
   }
 
-  void markSeveral(graph::Context& context, const Gbuffer& gbuffer, const VolumePush& push) const {
+  void markSeveral(graph::Context& context, const Gbuffer& gbuffer, VolumePush push) const {
     if (!multisampled()) return;
+    push.shape = kShapeScreen;
     VkCommandBuffer commands = context.get();
     context.commands().bind(markSeveral_, {{context.image(gbuffer.surfaces).arrayView(), sampler_.get()}}, push);
     vkCmdSetStencilReference(commands, VK_STENCIL_FACE_FRONT_AND_BACK, kSeveralSurfaces);
