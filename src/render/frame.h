@@ -66,6 +66,7 @@ struct TransparencySetup {
   uint32_t method = 0;      // kTransparency*
   bool everyLight = false;  // go through all lights, not through those that the light tree has near: the reference
   uint64_t fragments = 0;   // that `exact` has room for at first; 0: one a pixel
+  uint64_t most = 0;        // fragments that it may keep; 0: as many as the device takes
 };
 
 // The form of a shader that draws to or reads targets of several samples a pixel.

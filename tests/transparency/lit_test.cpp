@@ -4,6 +4,7 @@
 
 #include <cstring>
 
+#include "base/error.h"
 #include "render/gbuffer/layout.h"
 #include "render/lighting/technique.h"
 #include "render/post/resolve.h"
@@ -123,6 +124,20 @@ TEST_F(LitGlass, MemoryGrowsUntilAllFits) {
   EXPECT_EQ(tight.runs, 2u);
   EXPECT_EQ(tight.halves, ample.halves);
   EXPECT_EQ(bench.render({.fragments = 1 << 20}).halves, ample.halves);  // the same bytes again
+}
+
+// Where the device has no more room, a sentence that names the way out; never a picture that lacks something.
+TEST_F(LitGlass, MemoryThatEndsIsSaid) {
+  const scene::Scene scene = glassRoom(1);
+  Bench bench(device(), scene);
+  try {
+    bench.render({.fragments = 1, .most = 100});
+    ADD_FAILURE() << "100 fragments were enough";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::DeviceLost);
+    for (const char* part : {"fragments of 28 bytes", "100 at most", "sorted or weighted"})
+      EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
+  }
 }
 
 TEST_F(LitGlass, TheLightTreeLeavesNoLightOut) {

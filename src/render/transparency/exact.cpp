@@ -62,10 +62,16 @@ void requireStores(vk::Device& device) {
          device.info().name);
 }
 
+// The hard bound: fragments lie in one buffer.
+uint64_t mostRoom(vk::Device& device, const TransparencySetup& setup) {
+  const uint64_t most = std::min(kMostRoom, device.maxBufferSize() / sizeof(shared::Fragment));
+  return setup.most ? std::min(most, setup.most) : most;
+}
+
 class Exact final : public Transparency {
  public:
   Exact(vk::Device& device, const GpuScene& scene, const FrameSetup& setup)
-      : device_(device), room_{setup.transparency.fragments, kShortList} {
+      : device_(device), most_(mostRoom(device, setup.transparency)), room_{setup.transparency.fragments, kShortList} {
     requireStores(device);
     store_ = makeBlendedPipeline(device, scene, setup,
                                  {.fragment = setup.variant("blended_store.frag"), .samples = setup.samples});
@@ -106,6 +112,7 @@ class Exact final : public Transparency {
   }
 
   vk::Device& device_;
+  uint64_t most_;  // fragments
   vk::Pipeline store_, place_, gather_, sort_, blend_;
   Room room_;
   graph::BufferId totals_;  // on the host, of the graph filled last; none where it has nothing blended
@@ -251,7 +258,8 @@ void Exact::add(graph::Graph& graph, const FrameInputs& inputs, const Gbuffer& g
   const Draws draws = blendedDraws(inputs);
   if (!anyDraw(draws)) return;
   if (room_.fragments == 0)
-    room_.fragments = std::max(uint64_t{inputs.width} * inputs.height * inputs.views.size(), kLeastRoom);
+    room_.fragments =
+        std::min(std::max(uint64_t{inputs.width} * inputs.height * inputs.views.size(), kLeastRoom), most_);
   const Buffers b = create(graph, inputs);
   addClear(graph, b);
   addStore(graph, inputs, gbuffer, b, draws);
@@ -265,14 +273,13 @@ bool Exact::outgrown(const graph::Executor& done) {
   const shared::FragmentTotals totals = *done.buffer(totals_).as<shared::FragmentTotals>();
   const uint64_t needed = uint64_t{totals.carries} << 32 | totals.placed;
   if (needed <= room_.fragments && totals.longest <= room_.longest) return false;
-  const uint64_t most = std::min(kMostRoom, device_.maxBufferSize() / sizeof(shared::Fragment));
-  if (needed > most)
+  if (needed > most_)
     fail(ExitCode::DeviceLost,
          "exact transparency has {} fragments of {} bytes to keep in this picture, and {} takes {} at most: choose "
          "sorted or weighted, or a smaller picture",
-         needed, sizeof(shared::Fragment), device_.info().name, most);
+         needed, sizeof(shared::Fragment), device_.info().name, most_);
   // Some more than needed: the next frame may see more.
-  if (needed > room_.fragments) room_.fragments = std::min(needed + needed / 4, most);
+  if (needed > room_.fragments) room_.fragments = std::min(needed + needed / 4, most_);
   room_.longest = std::max(room_.longest, std::bit_ceil(totals.longest));
   return true;
 }
