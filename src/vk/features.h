@@ -32,6 +32,9 @@ std::span<const Feature> optionalFeatures();  // enabled where the device has th
 // Required features that are off in `offered`: "64-bit integers in shaders (shaderInt64)".
 std::vector<std::string> missingFeatures(Features& offered);
 
-inline constexpr const char* kOptionalExtensions[] = {VK_EXT_MEMORY_BUDGET_EXTENSION_NAME};
+inline constexpr const char* kOptionalExtensions[] = {
+    VK_EXT_MEMORY_BUDGET_EXTENSION_NAME,
+    VK_EXT_POST_DEPTH_COVERAGE_EXTENSION_NAME,  // transparency, with several samples a pixel
+};
 
 }  // namespace latelight::vk

@@ -1,5 +1,9 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#ifdef MULTISAMPLED
+#extension GL_ARB_post_depth_coverage : require
+layout(post_depth_coverage) in;  // else samples that the depth test took away would count as covered
+#endif
 // exact, first pass: every fragment is kept, with what its place in the pixel's order follows from. (Yang, Hensley, Grün and
 // Thibieroz 2010, Real-Time Concurrent Linked List Construction on the GPU, CGF 29(4), link theirs; here each gets a rank
 // instead, so that a pixel's can be laid side by side and be sorted by many.)

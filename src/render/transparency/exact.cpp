@@ -68,17 +68,25 @@ uint64_t mostRoom(vk::Device& device, const TransparencySetup& setup) {
   return setup.most ? std::min(most, setup.most) : most;
 }
 
+// Those of the frame where a fragment can tell which of them the depth test has left; else depth is that of pixels.
+uint32_t samplesOf(const vk::Device& device, const FrameSetup& setup) {
+  return device.has(VK_EXT_POST_DEPTH_COVERAGE_EXTENSION_NAME) ? setup.samples : 1;
+}
+
 class Exact final : public Transparency {
  public:
   Exact(vk::Device& device, const GpuScene& scene, const FrameSetup& setup)
-      : device_(device), most_(mostRoom(device, setup.transparency)), room_{setup.transparency.fragments, kShortList} {
+      : device_(device),
+        samples_(samplesOf(device, setup)),
+        most_(mostRoom(device, setup.transparency)),
+        room_{setup.transparency.fragments, kShortList} {
     requireStores(device);
     store_ = makeBlendedPipeline(device, scene, setup,
-                                 {.fragment = setup.variant("blended_store.frag"), .samples = setup.samples});
+                                 {.fragment = shaderVariant("blended_store.frag", samples_), .samples = samples_});
     place_ = makeStep(device, "fragments_place.comp");
     gather_ = makeStep(device, "fragments_gather.comp");
     sort_ = makeStep(device, "fragments_sort.comp");
-    blend_ = makeStep(device, "fragments_blend.comp", {vk::Binding::Storage}, {{kFirstOwnConstant, setup.samples}});
+    blend_ = makeStep(device, "fragments_blend.comp", {vk::Binding::Storage}, {{kFirstOwnConstant, samples_}});
   }
 
   void add(graph::Graph& graph, const FrameInputs& inputs, const Gbuffer& gbuffer) override;
@@ -112,7 +120,8 @@ class Exact final : public Transparency {
   }
 
   vk::Device& device_;
-  uint64_t most_;  // fragments
+  uint32_t samples_;  // a pixel
+  uint64_t most_;     // fragments
   vk::Pipeline store_, place_, gather_, sort_, blend_;
   Room room_;
   graph::BufferId totals_;  // on the host, of the graph filled last; none where it has nothing blended
@@ -156,7 +165,8 @@ void Exact::addClear(graph::Graph& graph, const Buffers& b) {
 
 void Exact::addStore(graph::Graph& graph, const FrameInputs& inputs, const Gbuffer& gbuffer, const Buffers& b,
                      const Draws& draws) const {
-  std::vector<graph::Access> accesses{{gbuffer.sampleDepth, graph::Use::DepthTest},
+  const graph::ImageId depth = samples_ > 1 ? gbuffer.sampleDepth : gbuffer.depth;
+  std::vector<graph::Access> accesses{{depth, graph::Use::DepthTest},
                                       {b.fragments, graph::Use::FragmentWrite},
                                       {b.counts, graph::Use::FragmentReadWrite},
                                       {b.totals, graph::Use::FragmentReadWrite}};
@@ -166,7 +176,7 @@ void Exact::addStore(graph::Graph& graph, const FrameInputs& inputs, const Gbuff
     appendLitImages(images, context, inputs, gbuffer);
     const shared::FragmentLists lists = listsOf(context, b);
     for (uint32_t view = 0; view < inputs.views.size(); ++view) {
-      beginView(context, inputs, view, {}, {gbuffer.sampleDepth, false});
+      beginView(context, inputs, view, {}, {depth, false});
       SceneBinder binder(context, inputs, view, store_, store_, images);
       uint32_t order = 0;  // beyond 2^32 triangles in a view it starts again
       for (const Draw& draw : draws[view]) {
