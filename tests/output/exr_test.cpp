@@ -44,14 +44,14 @@ std::vector<AovImage> allImages(uint32_t width, uint32_t height) {
 TEST_F(Exr, HasTheChannelsOfTheDesign) {
   write(allImages(20, 10), {});
   const std::map<std::string, Imf::PixelType> expected{
-      {"R", Imf::HALF},           {"G", Imf::HALF},          {"B", Imf::HALF},          {"A", Imf::HALF},
-      {"Z", Imf::FLOAT},          {"distance", Imf::FLOAT},  {"N.X", Imf::FLOAT},       {"N.Y", Imf::FLOAT},
-      {"N.Z", Imf::FLOAT},        {"NG.X", Imf::FLOAT},      {"NG.Y", Imf::FLOAT},      {"NG.Z", Imf::FLOAT},
-      {"P.X", Imf::FLOAT},        {"P.Y", Imf::FLOAT},       {"P.Z", Imf::FLOAT},       {"albedo.R", Imf::HALF},
-      {"albedo.G", Imf::HALF},    {"albedo.B", Imf::HALF},   {"metallic", Imf::HALF},   {"roughness", Imf::HALF},
-      {"emissive.R", Imf::HALF},  {"emissive.G", Imf::HALF}, {"emissive.B", Imf::HALF}, {"ao", Imf::HALF},
-      {"id", Imf::UINT},          {"uv.U", Imf::FLOAT},      {"uv.V", Imf::FLOAT},      {"lights.tested", Imf::FLOAT},
-      {"lights.used", Imf::FLOAT}};
+      {"R", Imf::HALF},          {"G", Imf::HALF},           {"B", Imf::HALF},          {"A", Imf::HALF},
+      {"Z", Imf::FLOAT},         {"distance", Imf::FLOAT},   {"N.X", Imf::FLOAT},       {"N.Y", Imf::FLOAT},
+      {"N.Z", Imf::FLOAT},       {"NG.X", Imf::FLOAT},       {"NG.Y", Imf::FLOAT},      {"NG.Z", Imf::FLOAT},
+      {"P.X", Imf::FLOAT},       {"P.Y", Imf::FLOAT},        {"P.Z", Imf::FLOAT},       {"albedo.R", Imf::HALF},
+      {"albedo.G", Imf::HALF},   {"albedo.B", Imf::HALF},    {"metallic", Imf::HALF},   {"roughness", Imf::HALF},
+      {"emissive.R", Imf::HALF}, {"emissive.G", Imf::HALF},  {"emissive.B", Imf::HALF}, {"ao", Imf::HALF},
+      {"id", Imf::UINT},         {"uv.U", Imf::FLOAT},       {"uv.V", Imf::FLOAT},      {"lights.tested", Imf::FLOAT},
+      {"samples", Imf::FLOAT},   {"lights.used", Imf::FLOAT}};
   const Imf::Header file = header();
   std::map<std::string, Imf::PixelType> found;
   for (auto c = file.channels().begin(); c != file.channels().end(); ++c) found[c.name()] = c.channel().type;
