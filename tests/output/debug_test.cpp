@@ -29,7 +29,7 @@ TEST(DebugPicture, OfAnyAovIsOpaqueAndOfItsSize) {
       colors.insert(pixel(picture, i % 31, i / 31));
       ASSERT_EQ(picture.rgba[4 * i + 3], 255) << aov.name;
     }
-    EXPECT_GT(colors.size(), 50u) << aov.name;
+    EXPECT_GT(colors.size(), aov.aov == Aov::Samples ? 4u : 50u) << aov.name;
   }
 }
 
