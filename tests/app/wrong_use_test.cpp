@@ -264,7 +264,7 @@ INSTANTIATE_TEST_SUITE_P(
                     output("AovThatPngHasNot", "a.png", {"--aov", "position"}, {"position", ".exr"}),
                     output("Ending", "a.jpg", {}, {"a.jpg", ".png, .exr or .npy"}),
                     output("NoEnding", "a", {}, {"\"a\"", ".png, .exr or .npy"}),
-                    output("Nameless", "", {}, {".png, .exr or .npy"}),
+                    output("Nameless", "", {}, {"--out is required"}),
                     output("Placeholder", "a{time}.png", {}, {"{time}", "{aov}, {frame}, {camera}, {scene}"}),
                     output("HalfPlaceholder", "a{aov.png", {}, {"{aov}"}),
                     output("NoFolder", "nowhere/a.png", {}, {"nowhere"}),

@@ -115,7 +115,7 @@ ReadGbuffer GbufferReader::read(const FrameSetup& setup, const scene::Camera& ca
   scene_.setLights({first, first + light.lightCount});
   shared::FrameConstants frame{};
   scene_.describe(frame);
-  frame.views = views.address();
+  frame.views = frame.previousViews = frame.nextViews = views.address();
   frame.viewCount = 1;
   frame.exposure = light.exposure;
   frame.environmentIntensity = light.environmentIntensity;
