@@ -24,7 +24,8 @@ vec4 displayColor(ComposePush push, vec4 c) {
 
 uint displayCode(vec4 display) {
   vec3 code = vec3(srgbFromLinear(display.r), srgbFromLinear(display.g), srgbFromLinear(display.b));
-  return packUnorm4x8(vec4(code, display.a));
+  uint packed = packUnorm4x8(vec4(code, display.a));
+  return packed >> 24u != 0u ? packed : 0u;  // what rounds to nothing has no colour for viewers that ignore alpha
 }
 
 void writeCode(PixelsRef pixels, ivec3 place, ivec2 size, uint code) {
