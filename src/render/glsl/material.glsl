@@ -28,8 +28,22 @@ vec2 textureUv(TextureTransform t) { return transformedUv(t, varyingUv); }
 
 bool hasTexture(Material m, uint slot) { return (m.textures & (1u << slot)) != 0u; }
 
+#ifdef MULTISAMPLED
+// Levels follow from the gradients between pixels' centres: centroids lie anywhere in their pixels, and differences between
+// them would blur one pixel and alias the next.
+vec4 centreUv() { return interpolateAtOffset(varyingUv, vec2(0.0)); }
+vec2 textureGradient(TextureTransform t, vec4 uvSets) {
+  vec2 uv = t.uvSet == 0u ? uvSets.xy : uvSets.zw;
+  return vec2(dot(t.row0.xy, uv), dot(t.row1.xy, uv));
+}
+#define SAMPLE(image, t) \
+  textureGrad(image, textureUv(t), textureGradient(t, dFdx(centreUv())), textureGradient(t, dFdy(centreUv())))
+#else
+#define SAMPLE(image, t) texture(image, textureUv(t))
+#endif
+
 // A texture fetch may stand in a branch: the condition is the material's, the same for the whole draw.
-#define FETCH(m, slot) texture(materialTextures##slot, textureUv(m.transforms[slot]))
+#define FETCH(m, slot) SAMPLE(materialTextures##slot, m.transforms[slot])
 
 vec4 baseColor(Material m) {
   vec4 c = m.baseColor * varyingColor;

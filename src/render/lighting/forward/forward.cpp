@@ -2,8 +2,8 @@
 // object once; the depth pass before it keeps hidden surfaces from being lit.
 #include "render/lighting/forward/forward.h"
 
-#include "render/lit_maps.h"
 #include "render/lighting/light_sum.h"
+#include "render/lit_maps.h"
 #include "render/visibility/hardware.h"
 
 namespace latelight::render {
@@ -15,8 +15,7 @@ constexpr uint32_t kAlphaMasked = kFirstOwnConstant, kPlainLoop = kFirstOwnConst
 class Forward final : public LightingTechnique {
  public:
   Forward(vk::Device& device, const GpuScene& scene, const FrameSetup& setup, ForwardLoop loop)
-      : countLights_(setup.countLights),
-        opaque_(makePipeline(device, scene, setup, {false, loop})) {
+      : countLights_(setup.countLights), opaque_(makePipeline(device, scene, setup, {false, loop})) {
     if (anyMasked(scene)) masked_ = makePipeline(device, scene, setup, {true, loop});
     if (setup.samples > 1) resolve_.emplace(device, setup);
   }
