@@ -4,43 +4,31 @@
 #include <cmath>
 #include <vector>
 
+#include "base/text.h"
 #include "shared/color.h"
 
 namespace latelight::app {
 
 namespace {
 
-// The whole text as one number.
-template <typename T>
-std::optional<T> parseNumber(std::string_view text) {
-  T value;
-  auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  if constexpr (std::is_floating_point_v<T>)
-    if (!std::isfinite(value)) return std::nullopt;
-  return value;
-}
-
 // Numbers by comma; empty where any part is no number.
 std::vector<float> parseNumbers(std::string_view text) {
   std::vector<float> values;
-  for (size_t begin = 0; begin <= text.size();) {
-    size_t end = std::min(text.find(',', begin), text.size());
-    std::optional<float> value = parseNumber<float>(text.substr(begin, end - begin));
+  for (std::string_view part : splitAtCommas(text)) {
+    const std::optional<float> value = parseNumber<float>(part);
     if (!value) return {};
     values.push_back(*value);
-    begin = end + 1;
   }
   return values;
 }
 
 }  // namespace
 
-std::pair<uint32_t, uint32_t> parseSize(const std::string& text, const char* option) {
+std::pair<uint32_t, uint32_t> parseSize(std::string_view text, const char* option) {
   size_t x = text.find('x');
   if (x != std::string::npos) {
-    auto width = parseNumber<uint32_t>(std::string_view(text).substr(0, x));
-    auto height = parseNumber<uint32_t>(std::string_view(text).substr(x + 1));
+    auto width = parseNumber<uint32_t>(text.substr(0, x));
+    auto height = parseNumber<uint32_t>(text.substr(x + 1));
     if (width && height) return {*width, *height};
   }
   badUsage("{} takes a width and a height in pixels, as in 1280x720, not \"{}\"", option, text);
@@ -79,7 +67,7 @@ std::pair<uint32_t, uint32_t> parseFrames(const std::string& text) {
   return {*first, *last};
 }
 
-std::optional<size_t> parseIndex(const std::string& text) {
+std::optional<size_t> parseIndex(std::string_view text) {
   return parseNumber<size_t>(text);
 }
 

@@ -2,23 +2,16 @@
 
 #include <fmt/core.h>
 
-#include <charconv>
 #include <optional>
 
 #include "base/error.h"
+#include "base/text.h"
 
 namespace latelight::app {
 
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::optional<uint32_t> wholeNumber(std::string_view text) {
-  uint32_t value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
 
 std::string text(glm::vec3 v) {
   return fmt::format("{:.6g} {:.6g} {:.6g}", v.x, v.y, v.z);
@@ -37,10 +30,10 @@ Json array(glm::vec3 v) {
 std::vector<glm::uvec2> parsePixels(const std::vector<std::string>& texts) {
   std::vector<glm::uvec2> pixels;
   for (const std::string& text : texts) {
-    const size_t comma = std::min(text.find(','), text.size());
-    const auto x = wholeNumber(std::string_view(text).substr(0, comma));
-    const auto y = wholeNumber(std::string_view(text).substr(std::min(comma + 1, text.size())));
-    if (!x || !y) badUsage("--pick takes a pixel x,y in whole numbers from the upper left, not \"{}\"", text);
+    const std::vector<std::string_view> parts = splitAtCommas(text);
+    const auto x = parseNumber<uint32_t>(parts.front()), y = parseNumber<uint32_t>(parts.back());
+    if (parts.size() != 2 || !x || !y)
+      badUsage("--pick takes a pixel x,y in whole numbers from the upper left, not \"{}\"", text);
     pixels.push_back({*x, *y});
   }
   return pixels;

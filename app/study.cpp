@@ -8,6 +8,7 @@
 #include "app/commands.h"
 #include "app/parse.h"
 #include "base/files.h"
+#include "base/text.h"
 #include "output/files.h"
 #include "scene/builtin.h"
 #include "study/study.h"
@@ -24,20 +25,10 @@ struct Arguments {
   bool json = false;
 };
 
-std::vector<std::string> partsOf(const std::string& list) {
-  std::vector<std::string> parts;
-  for (size_t begin = 0; begin <= list.size();) {
-    const size_t end = std::min(list.find(',', begin), list.size());
-    parts.push_back(list.substr(begin, end - begin));
-    begin = end + 1;
-  }
-  return parts;
-}
-
 // "1,100,10k,1M".
 std::vector<uint64_t> parseCounts(const char* option, const std::string& text) {
   std::vector<uint64_t> counts;
-  for (const std::string& part : partsOf(text)) {
+  for (std::string_view part : splitAtCommas(text)) {
     const std::optional<uint64_t> count = scene::parseCount(part);
     if (!count || *count == 0)
       badUsage("{} takes whole numbers by comma, k for thousands and M for millions, as in 50k,1M, not \"{}\"", option,
@@ -52,7 +43,7 @@ void parseSweep(const Arguments& a, study::SweepOptions& sweep) {
   if (!a.lights.empty()) sweep.lights = parseCounts("--lights", a.lights);
   if (!a.triangles.empty()) sweep.triangles = parseCounts("--triangles", a.triangles);
   if (a.sizes.empty()) return;
-  for (const std::string& part : partsOf(a.sizes)) sweep.sizes.push_back(parseSize(part, "--sizes"));
+  for (std::string_view part : splitAtCommas(a.sizes)) sweep.sizes.push_back(parseSize(part, "--sizes"));
 }
 
 // "8,10,16,float", or ranges as in "8-16".
@@ -61,7 +52,7 @@ std::vector<uint32_t> parseBits(const std::string& text) {
     badUsage("--bits takes numbers from 8 to 16 and float, by comma, as in 8,10,12-16,float, not \"{}\"", text);
   };
   std::vector<uint32_t> bits;
-  for (const std::string& part : partsOf(text)) {
+  for (std::string_view part : splitAtCommas(text)) {
     if (part == "float") {
       bits.push_back(0);
       continue;

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <charconv>
 #include <condition_variable>
 #include <cstdlib>
 #include <cstring>
@@ -17,6 +16,7 @@
 #include <thread>
 
 #include "base/log.h"
+#include "base/text.h"
 
 namespace latelight {
 namespace {
@@ -26,10 +26,7 @@ constexpr size_t kMostThreads = 1024;
 std::optional<size_t> threadsAskedFor() {
   const char* text = std::getenv("LATELIGHT_THREADS");
   if (!text || !*text) return std::nullopt;
-  const char* end = text + std::strlen(text);
-  size_t count = 0;
-  const auto [stop, error] = std::from_chars(text, end, count);
-  if (error == std::errc() && stop == end && count >= 1) return std::min(count, kMostThreads);
+  if (const auto count = parseNumber<size_t>(text); count && *count >= 1) return std::min(*count, kMostThreads);
   warn("LATELIGHT_THREADS is '{}', which is not a number of threads, and is ignored: give a number from 1 to {}", text,
        kMostThreads);
   return std::nullopt;

@@ -1,9 +1,9 @@
 #include "render/settings.h"
 
-#include <charconv>
 #include <cmath>
 
 #include "base/error.h"
+#include "base/text.h"
 #include "render/gbuffer/layout.h"
 #include "render/lighting/technique.h"
 #include "render/registry.h"
@@ -137,10 +137,9 @@ void setAntiAliasing(Settings& settings, const std::string& name) {
   for (const AntiAliasing& aa : antiAliasings())
     if (aa.set && name == aa.name) return aa.set(settings);
   if (name.starts_with("ss")) {
-    uint32_t n = 0;
-    const auto [end, error] = std::from_chars(name.data() + 2, name.data() + name.size(), n);
-    if (error == std::errc() && end == name.data() + name.size() && n >= 1 && n <= 16) {
-      settings.superSampling = n;
+    const auto n = parseNumber<uint32_t>(std::string_view(name).substr(2));
+    if (n && *n >= 1 && *n <= 16) {
+      settings.superSampling = *n;
       return;
     }
   }

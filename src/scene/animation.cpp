@@ -1,12 +1,12 @@
 #include "scene/animation.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/text.h"
 #include "scene/scene.h"
 #include "shared/deform.h"
 
@@ -192,11 +192,10 @@ Playback choosePlayback(const Scene& scene, const std::string& wanted, bool loop
   }
   for (size_t i = 0; i < all.size(); ++i)
     if (all[i].name == wanted) return playback.animations = {static_cast<uint32_t>(i)}, playback;
-  size_t number = 0;
-  const auto [end, error] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), number);
-  if (error != std::errc() || end != wanted.data() + wanted.size() || number >= all.size())
+  const auto number = parseNumber<uint32_t>(wanted);
+  if (!number || *number >= all.size())
     badUsage("{} has no animation \"{}\"; {}", scene.source, wanted, animationList(scene));
-  playback.animations = {static_cast<uint32_t>(number)};
+  playback.animations = {*number};
   return playback;
 }
 

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 
 #include "base/error.h"
+#include "base/text.h"
 #include "scene/builtin/make.h"
 
 namespace latelight::scene {
@@ -88,10 +88,8 @@ std::optional<uint64_t> parseCount(std::string_view text) {
   const std::string_view whole = text.substr(0, point);
   const std::string_view fraction = text.substr(std::min(point + 1, text.size()));
   const auto parse = [](std::string_view digits) -> std::optional<uint64_t> {
-    uint64_t value = 0;
-    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-    if (error != std::errc() || end != digits.data() + digits.size() || value >= uint64_t{1} << 40) return std::nullopt;
-    return value;
+    const auto value = parseNumber<uint64_t>(digits);
+    return value && *value < uint64_t{1} << 40 ? value : std::nullopt;
   };
   const std::optional<uint64_t> count = parse(whole);
   if (!count || point == text.size()) return count ? std::optional(*count * unit) : std::nullopt;

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <bit>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <string_view>
 
 #include "base/error.h"
 #include "base/log.h"
+#include "base/text.h"
 #include "shared/color.h"
 
 namespace latelight::render {
@@ -26,25 +26,14 @@ struct Wanted {
   std::vector<std::string> names;  // none: any light
 };
 
-std::vector<std::string> splitNames(std::string_view text) {
-  std::vector<std::string> names;
-  for (size_t begin = 0; begin <= text.size();) {
-    const size_t end = std::min(text.find(',', begin), text.size());
-    names.emplace_back(text.substr(begin, end - begin));
-    begin = end + 1;
-  }
-  return names;
-}
-
 Wanted parseWanted(const std::string& text, std::span<const scene::Light> lights) {
   constexpr uint32_t kAny = std::numeric_limits<uint32_t>::max();
   if (text == "auto") return {};
   if (text == "all") return {.most = kAny, .counted = true};
   if (text == "none") return {.most = 0};
-  uint32_t number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error == std::errc() && end == text.data() + text.size()) return {.most = number, .counted = true};
-  Wanted wanted{.most = kAny, .counted = true, .names = splitNames(text)};
+  if (const auto number = parseNumber<uint32_t>(text)) return {.most = *number, .counted = true};
+  Wanted wanted{.most = kAny, .counted = true};
+  for (std::string_view name : splitAtCommas(text)) wanted.names.emplace_back(name);
   for (const std::string& name : wanted.names)
     if (std::none_of(lights.begin(), lights.end(), [&](const scene::Light& light) { return light.name == name; }))
       badUsage("no light is called \"{}\": --shadow-lights takes auto, all, none, a number, or names of lights", name);
