@@ -14,11 +14,11 @@
 namespace latelight::app {
 
 std::pair<uint32_t, uint32_t> parseSize(std::string_view text, const char* option = "--size");  // "1280x720"
-glm::vec3 parseVector(const std::string& option, const std::string& text);                        // "x,y,z"
+glm::vec3 parseVector(const std::string& option, const std::string& text);                      // "x,y,z"
 // "#rrggbb" or "r,g,b" sRGB -> linear; `takes` begins the sentence where it is neither
 glm::vec3 parseColor(const char* takes, const std::string& text);
 std::pair<uint32_t, uint32_t> parseFrames(const std::string& text);  // "0-47", or "5"
-std::optional<size_t> parseIndex(std::string_view text);           // a whole number, or nothing
+std::optional<size_t> parseIndex(std::string_view text);             // a whole number, or nothing
 
 struct Orbit {
   float azimuth, elevation;       // radians

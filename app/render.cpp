@@ -32,10 +32,6 @@ double seconds(Clock::time_point from) {
   return std::chrono::duration<double>(Clock::now() - from).count();
 }
 
-bool contains(const std::vector<output::Aov>& aovs, output::Aov aov) {
-  return std::find(aovs.begin(), aovs.end(), aov) != aovs.end();
-}
-
 struct Times {  // seconds
   double load = 0, upload = 0, render = 0, write = 0, total = 0;
 };
@@ -82,7 +78,7 @@ std::vector<std::filesystem::path> writeDebug(const DebugRequest& debug, const o
                                 [](const output::AovImage& aov) { return aov.aov == output::Aov::Id; });
   std::vector<output::Labelled> pictures;
   for (const output::AovImage& aov : frame.aovs) {
-    if (!contains(debug.aovs, aov.aov)) continue;
+    if (!output::contains(debug.aovs, aov.aov)) continue;
     output::Picture picture = aov.aov == output::Aov::Color && !frame.display.empty()
                                   ? output::Picture{frame.width, frame.height, frame.display}
                                   : output::debugPicture(aov, ids == frame.aovs.end() ? nullptr : &*ids);
@@ -129,9 +125,9 @@ output::OutputRequest planOutput(RenderOptions& o, const std::optional<DebugRequ
   render::Settings& s = o.settings;
   s.countSurfaces = o.json;
   s.aovs = debug ? debug->aovs : request.aovs;
-  s.display = debug ? contains(debug->aovs, output::Aov::Color) : output::usesDisplay(request);
+  s.display = debug ? output::contains(debug->aovs, output::Aov::Color) : output::usesDisplay(request);
   if (s.display && !debug) std::erase(s.aovs, output::Aov::Color);
-  if (debug && !debug->targets && !contains(s.aovs, output::Aov::Id))
+  if (debug && !debug->targets && !output::contains(s.aovs, output::Aov::Id))
     s.aovs.push_back(output::Aov::Id);  // what is background
   return request;
 }

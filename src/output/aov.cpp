@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "base/text.h"
 
 namespace latelight::output {
 namespace {
@@ -190,15 +191,17 @@ const AovInfo& info(Aov aov) {
   return entry;
 }
 
+bool contains(std::span<const Aov> aovs, Aov aov) {
+  return std::find(aovs.begin(), aovs.end(), aov) != aovs.end();
+}
+
 std::vector<Aov> parseAovs(std::string_view list) {
   std::vector<Aov> result;
-  for (size_t begin = 0; begin <= list.size();) {
-    const size_t end = std::min(list.find(',', begin), list.size());
-    const std::string_view name = trimmed(list.substr(begin, end - begin));
-    begin = end + 1;
+  for (std::string_view part : splitAtCommas(list)) {
+    const std::string_view name = trimmed(part);
     const std::optional<Aov> aov = findAov(name);
     if (!aov) badUsage("there is no AOV \"{}\"; give a comma-separated list of: {}", name, names());
-    if (std::find(result.begin(), result.end(), *aov) == result.end()) result.push_back(*aov);
+    if (!contains(result, *aov)) result.push_back(*aov);
   }
   return result;
 }

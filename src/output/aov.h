@@ -64,6 +64,8 @@ struct AovInfo {
 std::span<const AovInfo> aovs();
 const AovInfo& info(Aov aov);
 
+bool contains(std::span<const Aov> aovs, Aov aov);
+
 // "depth,normal,id" in that order, without repeats. Throws Error(Usage) that names what there is.
 std::vector<Aov> parseAovs(std::string_view list);
 

@@ -117,7 +117,7 @@ Imf::Header headerOf(std::span<const AovImage* const> images, const Metadata& me
   const auto program = metadata.versions.find("latelight");
   header.insert("software",
                 Imf::StringAttribute("latelight" + (program == metadata.versions.end() ? "" : " " + program->second)));
-  if (std::find(aovs.begin(), aovs.end(), Aov::Id) != aovs.end()) Imf::addIDManifest(header, manifestOf(metadata));
+  if (contains(aovs, Aov::Id)) Imf::addIDManifest(header, manifestOf(metadata));
   Metadata withoutIds = metadata;
   withoutIds.ids.clear();
   header.insert("latelight", Imf::StringAttribute(sideFile(withoutIds, first.width, first.height, aovs, {})));

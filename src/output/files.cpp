@@ -148,7 +148,7 @@ Format formatOf(std::string_view pattern) {
 }
 
 bool usesDisplay(const OutputRequest& request) {
-  const bool color = std::find(request.aovs.begin(), request.aovs.end(), Aov::Color) != request.aovs.end();
+  const bool color = contains(request.aovs, Aov::Color);
   return color && formatOf(request.pattern) == Format::Png;
 }
 

@@ -141,7 +141,7 @@ std::string sideFile(const Metadata& metadata, uint32_t width, uint32_t height, 
   json["device"] = {{"name", metadata.device.name}, {"driver", metadata.device.driver}, {"uuid", metadata.device.uuid}};
   json["versions"] = metadata.versions;
   json["settings"] = metadata.settings;
-  const bool ids = std::find(aovs.begin(), aovs.end(), Aov::Id) != aovs.end();
+  const bool ids = contains(aovs, Aov::Id);
   if (ids && !metadata.ids.empty()) json["ids"] = idsOf(metadata);
   return textOf(json);
 }

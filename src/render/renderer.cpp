@@ -82,10 +82,6 @@ scene::Light lightOf(const SunLight& sun) {
   return light;
 }
 
-bool contains(const std::vector<output::Aov>& aovs, output::Aov aov) {
-  return std::find(aovs.begin(), aovs.end(), aov) != aovs.end();
-}
-
 }  // namespace
 
 // The pipelines of temporal anti-aliasing.
@@ -158,11 +154,11 @@ std::vector<output::FrameOutput> Renderer::renderViews(const Views& views, const
     for (output::Aov aov : settings.aovs) picture.aovs.push_back({aov, settings.width, settings.height, {}, {}});
   }
   auto asked = [&](auto&& wanted) { return std::any_of(settings.aovs.begin(), settings.aovs.end(), wanted); };
-  bool linear = asked([](output::Aov aov) { return aov == output::Aov::Color; });
+  const bool linear = output::contains(settings.aovs, output::Aov::Color);
   if (lightsSomething(settings)) prepareShadows(job);
   if (settings.display || linear) renderColor(job);
   if (asked(isLightCount)) renderLightCounts(job);
-  if (asked([](output::Aov aov) { return aov == output::Aov::Samples; })) renderSampleCounts(job);
+  if (output::contains(settings.aovs, output::Aov::Samples)) renderSampleCounts(job);
   if (asked(isData)) renderData(job);
   return std::move(job.pictures);
 }
@@ -317,7 +313,7 @@ void Renderer::renderColor(Job& job) {
                      .usage = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
                      .name = "sum"});
   }
-  const bool linear = contains(s.aovs, output::Aov::Color);
+  const bool linear = output::contains(s.aovs, output::Aov::Color);
 
   Progress progress("Rendering", n);
   for (size_t i = 0; i < n; ++i) {
@@ -402,7 +398,7 @@ void Renderer::renderData(Job& job) {
   gbuffer.sampleLight = gbuffer.light;
   data_->geometry.add(graph, inputs, gbuffer);
   graph::ImageId motion;
-  if (contains(job.settings.aovs, output::Aov::Motion)) {
+  if (output::contains(job.settings.aovs, output::Aov::Motion)) {
     if (!data_->motion) data_->motion = std::make_unique<MotionPass>(device_, gpuScene_, MotionUse::Data);
     motion = data_->motion->add(graph, inputs, gbuffer.depth);
   }

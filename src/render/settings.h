@@ -56,7 +56,7 @@ struct Settings {
   uint32_t superSampling = 1;            // N: N x N ordered samples a pixel, in N * N frames
   uint32_t samples = 1;                  // of the hardware's, a pixel: 1, or 4 (MSAA)
   bool everySample = false;              // all of those are shaded, alike or not: the reference of MSAA
-  bool countSurfaces = false;            // fills Renderer::surfaceCounts()
+  bool countSurfaces = false;            // fills Renderer::shadingCounts()
   bool temporal = false;                 // temporal anti-aliasing; not together with super-sampling
   float exposure = 0;                    // EV: radiance is multiplied by 2^exposure
   float environmentIntensity = 1;
