@@ -87,9 +87,7 @@ graph::ImageId PixelDepthPass::add(graph::Graph& graph, const FrameInputs& input
                for (uint32_t view = 0; view < inputs.views.size(); ++view) {
                  beginView(context, inputs, view, {}, {depth, true});
                  context.commands().bind(pipeline_, {{context.image(sampleDepth).arrayView(), sampler_.get()}}, view);
-                 vkCmdSetCullMode(context.get(), VK_CULL_MODE_NONE);
-                 vkCmdSetFrontFace(context.get(), VK_FRONT_FACE_COUNTER_CLOCKWISE);
-                 vkCmdDraw(context.get(), 3, 1, 0, 0);
+                 drawScreen(context);
                  vkCmdEndRendering(context.get());
                }
              });

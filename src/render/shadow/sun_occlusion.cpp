@@ -20,7 +20,7 @@ struct SunPush {  // sun_push.glsl
 vk::Pipeline makeStep(vk::Device& device, const FrameSetup& setup, bool fills) {
   const Layout& layout = *setup.layout;
   vk::GraphicsDesc desc;
-  desc.vertex = "sun.vert";
+  desc.vertex = "screen.vert";
   desc.fragment = (fills ? "sun_occlusion.frag@" : "sun_mark.frag@") + layout.file;
   desc.bindings.assign(layout.targets.size() + 1, vk::Binding::Sampled);  // and depth
   appendLitBindings(desc.bindings);
@@ -77,13 +77,11 @@ void SunOcclusionPass::add(graph::Graph& graph, const FrameInputs& inputs, const
   graph.pass("sun occlusion", std::move(accesses), [=, this](graph::Context& context) {
     for (uint32_t view = 0; view < inputs.views.size(); ++view) {
       beginView(context, inputs, view, std::span(&target, 1), {stencil, true}, ColorUse::Keep);
-      vkCmdSetFrontFace(context.get(), VK_FRONT_FACE_COUNTER_CLOCKWISE);
-      vkCmdSetCullMode(context.get(), VK_CULL_MODE_NONE);
       vkCmdSetStencilReference(context.get(), VK_STENCIL_FACE_FRONT_AND_BACK, kMayBeLit);
       const std::vector<vk::BoundImage> bound = images(context, inputs, gbuffer);
       for (const vk::Pipeline* step : {&mark_, &fill_}) {
         context.commands().bind(*step, bound, SunPush{inputs.constants, view, light});
-        vkCmdDraw(context.get(), 3, 1, 0, 0);
+        drawScreen(context);
       }
       vkCmdEndRendering(context.get());
     }

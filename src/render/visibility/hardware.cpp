@@ -82,6 +82,12 @@ void drawRun(graph::Context& context, const Draw& draw) {
   vkCmdDrawIndexed(context.get(), draw.indexCount, draw.instanceCount, draw.firstIndex, 0, draw.firstInstance);
 }
 
+void drawScreen(graph::Context& context) {
+  vkCmdSetFrontFace(context.get(), VK_FRONT_FACE_COUNTER_CLOCKWISE);
+  vkCmdSetCullMode(context.get(), VK_CULL_MODE_NONE);
+  vkCmdDraw(context.get(), 3, 1, 0, 0);
+}
+
 void drawScene(graph::Context& context, const FrameInputs& inputs, uint32_t view, const vk::Pipeline& opaque,
                const vk::Pipeline& masked, std::span<const vk::BoundImage> images) {
   SceneBinder binder(context, inputs, view, opaque, masked, images);

@@ -35,6 +35,7 @@ class SceneBinder {
   uint32_t material_ = ~0u;
 };
 void drawRun(graph::Context& context, const Draw& draw);  // with what is bound
+void drawScreen(graph::Context& context);                 // one triangle over the picture, seen from both sides
 
 // Begins rendering to a layer of these targets, y up as projection.h has it. Colours are cleared to 0, or kept.
 struct DepthUse {

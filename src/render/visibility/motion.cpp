@@ -28,7 +28,7 @@ vk::Pipeline makeScenePipeline(vk::Device& device, const GpuScene& scene, VkForm
 
 vk::Pipeline makeBackgroundPipeline(vk::Device& device, VkFormat format) {
   vk::GraphicsDesc desc = describe(format);
-  desc.vertex = "motion_background.vert";
+  desc.vertex = "screen.vert";
   desc.fragment = "motion_background.frag";
   return vk::makePipeline(device, desc);
 }
@@ -53,9 +53,7 @@ graph::ImageId MotionPass::add(graph::Graph& graph, const FrameInputs& inputs, g
                    uint32_t view;
                  } push{inputs.constants, view};
                  context.commands().bind(background_, {}, push);
-                 vkCmdSetCullMode(context.get(), VK_CULL_MODE_NONE);
-                 vkCmdSetFrontFace(context.get(), VK_FRONT_FACE_COUNTER_CLOCKWISE);
-                 vkCmdDraw(context.get(), 3, 1, 0, 0);
+                 drawScreen(context);
                  drawScene(context, inputs, view, opaque_, masked_);
                  vkCmdEndRendering(context.get());
                }

@@ -257,12 +257,10 @@ class Volumes final : public LightingTechnique {
                        uint32_t view) const {
     VkCommandBuffer commands = context.get();
     VolumePush push{inputs.constants, vertices_.address(), view, kShapeScreen, {}};
-    vkCmdSetFrontFace(commands, VK_FRONT_FACE_COUNTER_CLOCKWISE);
-    vkCmdSetCullMode(commands, VK_CULL_MODE_NONE);
     std::vector<vk::BoundImage> depth{{context.image(gbuffer.sampleDepth).arrayView(), sampler_.get()}};
     if (gbuffer.surfaces) depth.push_back({context.image(gbuffer.surfaces).arrayView(), sampler_.get()});
     context.commands().bind(copyDepth_, depth, push);
-    vkCmdDraw(commands, 3, 1, 0, 0);
+    drawScreen(context);
     markSeveral(context, gbuffer, push);
 
     std::vector<vk::BoundImage> images;
@@ -321,8 +319,7 @@ class Volumes final : public LightingTechnique {
     VkCommandBuffer commands = context.get();
     context.commands().bind(markSeveral_, {{context.image(gbuffer.surfaces).arrayView(), sampler_.get()}}, push);
     vkCmdSetStencilReference(commands, VK_STENCIL_FACE_FRONT_AND_BACK, kSeveralSurfaces);
-    vkCmdSetCullMode(commands, VK_CULL_MODE_NONE);
-    vkCmdDraw(commands, 3, 1, 0, 0);
+    drawScreen(context);
   }
 
   void recordLight(VkCommandBuffer commands, const VolumeDraw& draw, uint32_t reference) const {

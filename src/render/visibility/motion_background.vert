@@ -1,5 +1,0 @@
-#version 460
-// One triangle over the picture, at the depth where nothing is drawn.
-void main() {
-  gl_Position = vec4(gl_VertexIndex == 1 ? 3.0 : -1.0, gl_VertexIndex == 2 ? 3.0 : -1.0, 0.0, 1.0);
-}
