@@ -33,20 +33,15 @@ Sphere around(const shared::View& view, double near, double far) {
   return {view.viewToWorld * glm::vec4(0, static_cast<float>(centre), 0, 1), static_cast<float>(radius)};
 }
 
-// Depths that the box has in a view: of its corners.
-struct Depths {
-  double nearest = std::numeric_limits<double>::infinity(), farthest = -nearest;
-};
-Depths depthsOf(const scene::Bounds& bounds, const shared::View& view) {
-  Depths depths;
+// View depth of the box's nearest corner: the scene's sphere may begin long before it.
+double nearestDepth(const scene::Bounds& bounds, const shared::View& view) {
+  double nearest = std::numeric_limits<double>::infinity();
   for (int corner = 0; corner < 8; ++corner) {
     const glm::vec4 p(corner & 1 ? bounds.max.x : bounds.min.x, corner & 2 ? bounds.max.y : bounds.min.y,
                       corner & 4 ? bounds.max.z : bounds.min.z, 1);
-    const double depth = (view.worldToView * p).y;
-    depths.nearest = std::min(depths.nearest, depth);
-    depths.farthest = std::max(depths.farthest, depth);
+    nearest = std::min(nearest, double{(view.worldToView * p).y});
   }
-  return depths;
+  return nearest;
 }
 
 }  // namespace
@@ -55,13 +50,13 @@ std::vector<Sphere> fitCascades(const shared::View& view, const scene::Bounds& b
   if (bounds.empty()) return {};
   const Sphere scene{bounds.centre(), std::max(bounds.radius(), 1e-6f)};
   const shared::Projection& p = view.projection;
-  const Depths depths = depthsOf(bounds, view);
-  const double room = 1e-3 * scene.radius;  // what is flat has a depth, too, and coordinates are rounded
+  const double centre = (view.worldToView * glm::vec4(scene.centre, 1)).y, radius = scene.radius;
+  const double room = 1e-3 * radius;  // what is flat has a depth, too, and coordinates are rounded
   const double near = shared::viewDepth(p, 1.0f), far = shared::viewDepth(p, 0.0f);
   // Distances of an orthographic view are from where it begins: it may begin behind its own position.
   const double from = p.kind == shared::kOrthographic ? near : 0;
-  const double first = std::max(depths.nearest - room, near) - from;
-  const double last = std::min(depths.farthest + room, far) - from;
+  const double first = std::max(nearestDepth(bounds, view) - room, near) - from;
+  const double last = std::min(centre + radius, far) - from;
   if (!(last > 0) || !(last > first)) return {};
   const double end = steppedUp(last), begin = first > 0 ? steppedDown(first) : 0;
   std::vector<Sphere> spheres;
