@@ -29,9 +29,10 @@ const scene::Camera& findCamera(const scene::Scene& scene, const std::vector<sce
 scene::Camera chooseCamera(const scene::Scene& scene, const std::vector<scene::Camera>& cameras,
                            const RenderOptions& o) {
   const float aspect = static_cast<float>(o.settings.width) / static_cast<float>(o.settings.height);
-  if (o.fov && !(*o.fov > 0 && *o.fov < 180))
-    badUsage("--fov must be an angle between 0 and 180 degrees, not {}", *o.fov);
   const float fov = o.fov ? static_cast<float>(*o.fov * M_PI / 180.0) : scene::kDefaultVerticalFov;
+  if (!scene::showsSomething(fov))
+    badUsage("--fov must be an angle between 0 and 180 degrees, from {:g} to {:.6g}, not {}",
+             glm::degrees(scene::kLeastVerticalFov), glm::degrees(scene::kMostVerticalFov), *o.fov);
   if (!o.camera.empty() + !o.eye.empty() + !o.orbit.empty() > 1)
     badUsage("--camera, --eye and --orbit each place the camera; use one of them");
   if (o.eye.empty() != o.target.empty()) badUsage("--eye and --target need each other");

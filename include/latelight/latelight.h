@@ -57,7 +57,8 @@ struct Camera {
   bool orthographic = false;
   float verticalFov = 40;  // degrees, full angle
   float halfHeight = 1;    // metres, orthographic cameras
-  float nearClip = 0.01f;  // metres
+  // Metres. However near it is, depth keeps its precision: 2^-40, unless something is to be cut away.
+  float nearClip = 9.09494702e-13f;
   float farClip = std::numeric_limits<float>::infinity();
   float principalX = 0, principalY = 0;  // offset of the principal point from the centre, in half widths and half
                                          // heights, y up

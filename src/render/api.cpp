@@ -33,6 +33,8 @@ Camera publicCamera(const scene::Camera& camera, const scene::Scene& scene) {
 }
 
 bool isRigid(const glm::dmat4& pose) {
+  for (int i = 0; i < 4; ++i)
+    if (pose[i][3] != (i == 3 ? 1.0 : 0.0)) return false;
   const glm::dmat3 axes(pose);
   const glm::dmat3 products = glm::transpose(axes) * axes;
   for (int i = 0; i < 3; ++i)
@@ -49,9 +51,10 @@ scene::Camera internalCamera(const Camera& camera, const scene::Scene& scene) {
       if (!std::isfinite(pose[column][row])) badUsage("the camera's pose has a value that is not a number");
     }
   if (!isRigid(pose))
-    badUsage("the camera's pose must be a rotation and a translation, without mirror, shear or scale");
-  if (!camera.orthographic && !(camera.verticalFov > 0 && camera.verticalFov < 180))
-    badUsage("the vertical field of view must lie between 0 and 180 degrees, not {}", camera.verticalFov);
+    badUsage("the camera's pose must be a rotation and a translation, without mirror, shear or scale, over 0 0 0 1");
+  if (!camera.orthographic && !scene::showsSomething(camera.verticalFov / kDegrees))
+    badUsage("the vertical field of view must lie between 0 and 180 degrees, from {:g} to {:.6g}, not {}",
+             scene::kLeastVerticalFov * kDegrees, scene::kMostVerticalFov * kDegrees, camera.verticalFov);
   if (camera.orthographic && !(camera.halfHeight > 0)) badUsage("an orthographic camera needs a height above 0");
   if (camera.orthographic && !(std::isfinite(camera.nearClip) && std::isfinite(camera.farClip)))
     badUsage("an orthographic camera needs a near and a far plane that are numbers");

@@ -118,7 +118,11 @@ Pose poseOf(const Rig& rig, std::vector<RigNode> nodes) {
   for (uint32_t index : rig.order) {
     const RigNode& node = nodes[index];
     const dmat4 local = node.hasMatrix ? node.matrix : composeTransform(node.translation, node.rotation, node.scale);
-    pose.world[index] = node.parent < 0 ? local : pose.world[static_cast<size_t>(node.parent)] * local;
+    dmat4& world = pose.world[index];
+    world = node.parent < 0 ? local : pose.world[static_cast<size_t>(node.parent)] * local;
+    for (int i = 0; i < 16; ++i)
+      if (!std::isfinite(static_cast<float>(world[i / 4][i % 4])))
+        badInput("the scene's animation gives nodes[{}] a transform that is not finite", index);
   }
   for (RigNode& node : nodes) pose.weights.push_back(std::move(node.weights));
   return pose;

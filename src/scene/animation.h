@@ -96,7 +96,8 @@ struct Playback {
 // animations has nothing to play, which is fine where nothing is asked for.
 Playback choosePlayback(const Scene& scene, const std::string& wanted, bool loop);
 float duration(const Scene& scene, const Playback& playback);  // the longest one's
-// Any finite time will do. Empty where the scene has nothing that moves.
+// Any finite time will do. Empty where the scene has nothing that moves. Throws Error(BadInput) where a transform
+// leaves the range of floats.
 Pose poseAt(const Scene& scene, const Playback& playback, double seconds);
 
 // --- a pose's consequences; those of an empty pose are what the scene itself holds -----------------------------------

@@ -55,8 +55,7 @@ struct BoxesBox {
   bool mirrored = false;  // by a scale of -1 along X: same box, but its transform has a negative determinant
 };
 inline constexpr vec3 kBoxesEye{0, 1.5f, 8};
-inline constexpr float kBoxesVerticalFov = 0.927295218f;  // 2 atan(1/2)
-inline constexpr float kBoxesNear = 0.125f;
+inline constexpr float kBoxesVerticalFov = 0.927295218f;                      // 2 atan(1/2)
 inline constexpr vec3 kBoxesLightDirection{-2.0f / 7, -6.0f / 7, -3.0f / 7};  // from the light
 inline constexpr float kBoxesIlluminance = 3.66519143f;                       // 7 pi / 6 lux
 std::span<const BoxesBox> boxesBoxes();  // the floor and the wall are thick boxes too

@@ -53,8 +53,12 @@ Axes orbitAxes(double azimuth, double elevation) {
   return {right, away, glm::cross(right, away)};
 }
 
-double distanceTo(const Box& box, dvec3 p) {
-  return glm::length(glm::max(glm::max(box.min - p, p - box.max), dvec3(0)));
+// Floats reach from 2^-126 to 2^127. Device depth is near / depth: with 2^-64 of the distance to the scene's far side
+// it stays above that for what lies 2^62 times as far away, and what is nearer is far below what coordinates around an
+// eye resolve. A power of two moves exponents alone: the digits of a depth are the same for each of them.
+float nearPlane(const Box& box, dvec3 eye) {
+  const double farthest = glm::length(eye - box.centre()) + box.radius();
+  return static_cast<float>(std::ldexp(1.0, std::ilogb(farthest) - 64));
 }
 
 Camera makeCamera(const Box& box, const Axes& axes, dvec3 eye, double verticalFov) {
@@ -62,8 +66,7 @@ Camera makeCamera(const Box& box, const Axes& axes, dvec3 eye, double verticalFo
   camera.name = "auto";
   camera.toWorld = mat4(vec4(axes.right, 0), vec4(axes.away, 0), vec4(axes.up, 0), vec4(eye, 1));
   camera.verticalFov = static_cast<float>(verticalFov);
-  // Reversed float depth has the same relative precision for every near plane, so inside a scene a tiny one is free.
-  camera.nearClip = static_cast<float>(std::max(0.5 * distanceTo(box, eye), 1e-4 * box.radius()));
+  camera.nearClip = nearPlane(box, eye);
   return camera;
 }
 
@@ -86,8 +89,9 @@ dvec3 fittingEye(const Box& box, const Axes& axes, double h, double v) {
 }
 
 void checkFov(float verticalFov) {
-  if (!(verticalFov > 0.0f && verticalFov < shared::kPi))
-    badUsage("A field of view of {:g} degrees shows nothing: give one between 0 and 180", glm::degrees(verticalFov));
+  if (!showsSomething(verticalFov))
+    badUsage("A field of view of {:g} degrees shows nothing: give one from {:g} to {:.6g}", glm::degrees(verticalFov),
+             glm::degrees(kLeastVerticalFov), glm::degrees(kMostVerticalFov));
 }
 
 bool finite(vec3 v) {

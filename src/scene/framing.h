@@ -2,8 +2,9 @@
 // another.
 //
 // "The file's own frame" is glTF's (Y up, front +Z) where Scene::yUp, else the renderer's (Z up, front -Y). Angles in
-// radians, lengths in metres. Every camera is a perspective one with an infinite far plane, and its near plane lies
-// before everything that the scene's bounds hold when the eye is outside of them.
+// radians, lengths in metres. Every camera is a perspective one with an infinite far plane, and a near plane so near
+// that it cuts nothing anyone could look for, wherever the scene and the camera move: reversed depth in floats has the
+// same relative precision for all of them.
 #pragma once
 
 #include <optional>
@@ -14,6 +15,13 @@ namespace latelight::scene {
 
 inline constexpr float kDefaultVerticalFov = 0.7f;  // full angle; about 40 degrees
 
+// Full vertical angles that show something: 1e-7 to 179.999 degrees. Beyond, what floats make of the tangent is not the
+// angle's any more, and in the end no number.
+inline constexpr float kLeastVerticalFov = 1.74532925e-9f, kMostVerticalFov = 3.14157520f;
+inline bool showsSomething(float verticalFov) {
+  return verticalFov >= kLeastVerticalFov && verticalFov <= kMostVerticalFov;
+}
+
 // The view where a scene has no camera: three-quarter, from the front, the right and slightly above, all eight corners
 // of the scene's bounds inside a picture of this aspect (width / height) with a small margin. Any scene will do: empty,
 // flat, a single point, and sizes from 1e-15 to 1e15 m.
@@ -23,13 +31,13 @@ Camera frameScene(const Scene& scene, float aspect);
 // (glTF's +Z) and grows towards the right (+X); elevation grows upwards, and at +-pi/2 the picture's up is away from
 // azimuth. Without a distance it is such that the bounding sphere fits a picture of this aspect, whatever the angles,
 // so that a turntable doesn't breathe. Throws Error(Usage) for angles that aren't finite, a distance that isn't
-// positive and a field of view outside (0, pi).
+// positive and a field of view that shows nothing.
 Camera orbitCamera(const Scene& scene, float azimuth, float elevation, std::optional<float> distance = {},
                    float verticalFov = kDefaultVerticalFov, float aspect = 1);
 
 // A camera at `eye` that looks at `target`, both in the file's own frame; without `up`, the file's up is up, and where
 // that is the viewing direction, away from the file's front. Throws Error(Usage) where eye and target are the same or
-// not finite, `up` is zero or along the view, or the field of view is outside (0, pi).
+// not finite, `up` is zero or along the view, or the field of view shows nothing.
 Camera lookAt(const Scene& scene, vec3 eye, vec3 target, std::optional<vec3> up = {},
               float verticalFov = kDefaultVerticalFov);
 

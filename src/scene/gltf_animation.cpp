@@ -1,5 +1,6 @@
 // Animations and skins (glTF 2.0, 3.7.3 and 3.11), and the nodes as they need them.
 #include <algorithm>
+#include <glm/gtc/matrix_access.hpp>
 #include <optional>
 
 #include "base/error.h"
@@ -116,7 +117,7 @@ RigNode readRigNode(const tinygltf::Model& model, const tinygltf::Node& source) 
     return i < v.size() ? v[i] : otherwise;
   };
   node.hasMatrix = source.matrix.size() == 16;
-  for (size_t i = 0; node.hasMatrix && i < 16; ++i) node.matrix[int(i / 4)][int(i % 4)] = source.matrix[i];
+  if (node.hasMatrix) node.matrix = readMatrix(source.matrix);
   for (int i = 0; i < 3; ++i) node.translation[i] = at(source.translation, size_t(i), 0);
   for (int i = 0; i < 3; ++i) node.scale[i] = at(source.scale, size_t(i), 1);
   for (int i = 0; i < 4; ++i) node.rotation[i] = at(source.rotation, size_t(i), i == 3 ? 1 : 0);
@@ -158,6 +159,7 @@ Skin readSkin(const Document& document, int index) {
   document.budget.charge(elements.count * sizeof(mat4), elements.name);
   skin.inverseBind = readMatrices(elements);
   skin.inverseBind.resize(source.joints.size());
+  for (mat4& m : skin.inverseBind) m = glm::row(m, 3, vec4(0, 0, 0, 1));  // glTF 2.0, 3.7.3.1: what it is to be
   return skin;
 }
 

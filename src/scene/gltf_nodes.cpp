@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/gtc/matrix_access.hpp>
 #include <string>
 #include <unordered_map>
 #include <unordered_set>
 
 #include "base/error.h"
 #include "base/log.h"
+#include "scene/framing.h"
 
 namespace latelight::scene::gltf {
 namespace {
@@ -19,11 +21,7 @@ using glm::dvec4;
 constexpr size_t kMaxPathBytes = size_t{256} << 20;  // a chain of n nodes has paths of n^2 characters in all
 
 dmat4 localTransform(const tinygltf::Node& node) {
-  if (node.matrix.size() == 16) {
-    dmat4 m;
-    for (int i = 0; i < 16; ++i) m[i / 4][i % 4] = node.matrix[size_t(i)];
-    return m;
-  }
+  if (node.matrix.size() == 16) return readMatrix(node.matrix);
   auto at = [](const std::vector<double>& v, size_t i, double otherwise) { return i < v.size() ? v[i] : otherwise; };
   const auto &t = node.translation, &r = node.rotation, &s = node.scale;
   return composeTransform({at(t, 0, 0), at(t, 1, 0), at(t, 2, 0)}, {at(r, 0, 0), at(r, 1, 0), at(r, 2, 0), at(r, 3, 1)},
@@ -125,6 +123,11 @@ Camera readCamera(const tinygltf::Camera& source) {
     camera.aspect = camera.xHalf / camera.yHalf;
   } else {
     camera.verticalFov = float(source.perspective.yfov);
+    if (!showsSomething(camera.verticalFov)) {
+      warn("a camera's yfov of {:g} radians shows nothing: it is taken as {:g}", source.perspective.yfov,
+           kDefaultVerticalFov);
+      camera.verticalFov = kDefaultVerticalFov;
+    }
     camera.nearClip = float(source.perspective.znear);
     if (source.perspective.zfar > 0) camera.farClip = float(source.perspective.zfar);
     if (source.perspective.aspectRatio > 0) camera.aspect = float(source.perspective.aspectRatio);
@@ -170,6 +173,15 @@ void readShadowExtras(const tinygltf::Node& node, const tinygltf::Light& source,
 }
 
 }  // namespace
+
+dmat4 readMatrix(const std::vector<double>& columns) {
+  dmat4 m;
+  for (int i = 0; i < 16; ++i) m[i / 4][i % 4] = columns[size_t(i)];
+  const dvec4 last(0, 0, 0, 1);
+  if (glm::length(glm::row(m, 3) - last) > 1e-6)
+    warn("a node's matrix has a last row that is not 0 0 0 1: it is taken as that");
+  return glm::row(m, 3, last);
+}
 
 Hierarchy readNodes(const Document& document, Scene& scene) {
   const tinygltf::Model& model = document.model;

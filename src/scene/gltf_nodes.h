@@ -14,6 +14,10 @@ struct Hierarchy {
   std::vector<int> order;         // glTF nodes of the scene shown, parents first; Scene::nodes has them in this order
 };
 
+// A node's own matrix. Its last row is to be 0 0 0 1, being that of a transform (glTF 2.0, 3.5.3), and is taken as
+// that, with a warning where it is not.
+glm::dmat4 readMatrix(const std::vector<double>& columns);
+
 // Fills scene.nodes. Throws Error(BadInput) on cycles, double parents and transforms that are not finite.
 Hierarchy readNodes(const Document& document, Scene& scene);
 

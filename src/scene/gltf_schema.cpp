@@ -212,7 +212,7 @@ constexpr Rule kAnimationRules[] = {objects("channels", &kChannel, true, 1),
                                     objects("samplers", &kAnimationSampler, true, 1), string("name")};
 constexpr Schema kAnimation{kAnimationRules};
 
-constexpr Rule kPerspectiveRules[] = {number("yfov", kPositive, 3.1415, true),
+constexpr Rule kPerspectiveRules[] = {number("yfov", kPositive, kMaxFloat, true),
                                       number("znear", kPositive, kMaxFloat, true), number("zfar", kPositive),
                                       number("aspectRatio", kPositive)};
 constexpr Schema kPerspective{kPerspectiveRules};

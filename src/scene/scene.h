@@ -85,6 +85,10 @@ struct Node {
   mat4 toWorld{1};  // the renderer's world
 };
 
+// The near plane, metres, of a camera that nobody gave one, in a scene measured in metres. It costs nothing: see
+// framing.h.
+inline constexpr float kNearClip = 0x1p-40f;
+
 struct Camera {
   std::string name;
   mat4 toWorld{1};  // camera space is the renderer's view space: X right, Y away, Z up
@@ -92,7 +96,7 @@ struct Camera {
   float verticalFov = 0.8f;     // full angle, radians (perspective)
   std::optional<float> aspect;  // width / height in the file; a picture has its own and keeps the vertical extent
   float xHalf = 1, yHalf = 1;   // half extents in metres (orthographic); pictures keep yHalf
-  float nearClip = 0.01f;
+  float nearClip = kNearClip;
   float farClip = std::numeric_limits<float>::infinity();
   vec2 principal{0};  // principal point offset, NDC: 0 is the picture's centre
   int node = -1;      // that it follows, index into Scene::nodes

@@ -53,20 +53,22 @@ SH_FUNC vec3 normalFromDepth(Projection p, vec2 ndc, float deviceDepth, vec2 gra
   float x = gradient.x * p.H, z = gradient.y * p.V, y = -p.A;
   if (p.kind == kPerspective) y = deviceDepth - p.A - x * (ndc.x - p.X) / p.H - z * (ndc.y - p.Z) / p.V;
   vec3 n = vec3(x, y, z);
-  float length2 = dot(n, n);
+  // As small as device depth, whose square floats may not hold.
+  float most = max(abs(x), max(abs(y), abs(z)));
   // Reversed and conventional depth give opposite signs.
   vec3 toEye = vec3(0.0f, -1.0f, 0.0f);
   if (p.kind == kPerspective) toEye = vec3((p.X - ndc.x) / p.H, -1.0f, (p.Z - ndc.y) / p.V);
-  if (length2 <= 0.0f) return vec3(0.0f, -1.0f, 0.0f);
+  if (most <= 0.0f) return vec3(0.0f, -1.0f, 0.0f);
+  n = n / most;
   float side = dot(n, toEye) < 0.0f ? -1.0f : 1.0f;
-  return n * (side * inversesqrt(length2));
+  return n * (side * inversesqrt(dot(n, n)));
 }
 
 // How far apart in device depth two points are that lie `distance` metres apart along the view axis.
 SH_FUNC float deviceDepthStep(Projection p, float deviceDepth, float distance) {
   if (p.kind == kOrthographic) return abs(p.A) * distance;
   float inverse = deviceDepth - p.A;  // B / y
-  return abs(inverse * inverse / p.B) * distance;
+  return abs(inverse * (inverse / p.B)) * distance;
 }
 
 SH_END

@@ -13,10 +13,12 @@ SH_FUNC vec3 steadyClip(View view, vec3 position) {
   return vec3(clip.x - view.jitter.x * clip.w, clip.y - view.jitter.y * clip.w, clip.w);
 }
 
-// From one such place to another. Nothing where the other is behind the camera, and so nowhere on the picture.
+// From one such place to another. Nothing where the other is behind the camera, and so nowhere on the picture, and
+// where it is so far away that floats do not hold it: what is no number passes no comparison.
 SH_FUNC vec2 motionBetween(vec3 from, vec3 to, vec2 size) {
-  if (to.z <= 0.0f || from.z <= 0.0f) return vec2(0.0f, 0.0f);
-  return vec2((to.x / to.z - from.x / from.z) * 0.5f * size.x, (from.y / from.z - to.y / to.z) * 0.5f * size.y);
+  vec2 way = vec2((to.x / to.z - from.x / from.z) * 0.5f * size.x, (from.y / from.z - to.y / to.z) * 0.5f * size.y);
+  bool known = to.z > 0.0f && from.z > 0.0f && abs(way.x) < 3.0e38f && abs(way.y) < 3.0e38f;
+  return vec2(known ? way.x : 0.0f, known ? way.y : 0.0f);
 }
 
 SH_END

@@ -181,6 +181,8 @@ INSTANTIATE_TEST_SUITE_P(
     Cameras, WrongUseTest,
     testing::Values(option("FovZero", {"--fov", "0"}, {"--fov", "0 and 180"}),
                     option("FovFlat", {"--fov", "180"}, {"--fov", "0 and 180"}),
+                    option("FovTooNarrow", {"--fov", "1e-308"}, {"--fov", "1e-308"}),
+                    option("FovTooWide", {"--fov", "179.9999999"}, {"--fov", "0 and 180"}),
                     option("FovNan", {"--fov", "nan"}, {"--fov", "nan"}),
                     option("FovText", {"--fov", "wide"}, {"--fov", "wide"}),
                     option("OrbitOne", {"--orbit", "30"}, {"--orbit", "30,20"}),

@@ -129,6 +129,34 @@ TEST_F(MotionTest, BoxMovesAsItsAnimationSays) {
   EXPECT_GT(glm::length(back), 0.5);
 }
 
+// Where floats end: what comes from there, or goes there, has no place on the picture, and motion is a number all the
+// same.
+TEST_F(MotionTest, ExtremeTransformsGiveNumbers) {
+  const scene::Camera camera = frontPerspective(0.9f, 5);
+  for (const char* path : {"translation", "scale"})
+    for (const float end : {1e-38f, 1e10f, 1e20f, 1e30f, 1e36f, -1e36f, 3e38f}) {
+      scene::test::GltfBuilder b = movingBox();
+      const bool scales = std::string_view(path) == "scale";
+      const int track = scales ? 0 : 1;  // of the box's own animation
+      b.root["animations"][0]["channels"][track]["target"]["path"] = path;
+      b.root["animations"][0]["samplers"][track]["output"] =
+          b.positions({scales ? glm::vec3(1) : glm::vec3(0), glm::vec3(end, end, -end)});
+      const scene::Scene scene = b.load();
+      scene::Camera far = camera;
+      far.toWorld[3] *= glm::vec4(1e30f, 1e30f, 1e30f, 1);
+      Renderer renderer(device(), scene, nullptr);
+      for (const double seconds : {0.0, 0.5, 1.0}) {
+        Moment moment = momentOf(scene, seconds);
+        moment.previousCameras = {far};
+        const output::FrameOutput frame =
+            std::move(renderer.render({&camera, 1}, settingsOf(64, 48, {Aov::Motion, Aov::Depth}), moment).front());
+        size_t wrong = 0;
+        for (const float value : imageOf(frame, Aov::Motion).values) wrong += !std::isfinite(value);
+        EXPECT_EQ(wrong, 0u) << path << " to " << end << " at " << seconds << " s";
+      }
+    }
+}
+
 TEST_F(MotionTest, NothingMovesAtRest) {
   const scene::Scene scene = movingBox().load();
   const scene::Camera camera = frontPerspective(0.9f, 5);

@@ -304,7 +304,12 @@ TEST(AmbientOcclusionMath, PlanesAreKnownByTheirDepth) {
       const glm::vec2 ndc(0.2f, 0.1f);
       const float d = depthAt(ndc), e = 0.01f;
       const glm::vec2 gradient((depthAt(ndc + glm::vec2(e, 0)) - d) / e, (depthAt(ndc + glm::vec2(0, e)) - d) / e);
-      EXPECT_LT(glm::length(shared::normalFromDepth(p, ndc, d, gradient) - normal), 2e-3f);
+      const vec3 found = shared::normalFromDepth(p, ndc, d, gradient);
+      EXPECT_LT(glm::length(found - normal), 2e-3f);
+      // With a near plane 2^70 times as near.
+      constexpr float kNearer = 0x1p-70f;
+      p.A *= kNearer, p.B *= kNearer;
+      EXPECT_EQ(shared::normalFromDepth(p, ndc, d * kNearer, gradient * kNearer), found);
     }
 }
 

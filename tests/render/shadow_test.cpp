@@ -159,6 +159,32 @@ TEST_F(ShadowTest, EdgesLieWhereTheyShouldToATexel) {
 }
 
 // Where the layout keeps the sun's shadow in 8 bits, light is what lookups make of it.
+// A board of 4 mm, 1 cm before a light that reaches 350 m: where it lies along the light's axis is no reason to miss
+// it.
+TEST_F(ShadowTest, WhatIsNearALightCastsToo) {
+  const vec3 at(-2, -1, 0.1f), target(1, kWall, 0), toward = glm::normalize(target - at);
+  for (const uint32_t type : {shared::kLightSpot, shared::kLightPoint}) {
+    scene::Scene scene = boardBeforeWall(lightOf(type, at, target));
+    const auto place = [&](vec3 middle, float half) {
+      scene.instances.push_back(scene.instances.front());
+      scene.instances.back().toWorld =
+          glm::scale(glm::translate(glm::mat4(1), middle), vec3(half)) * scene::toWorldFromGltf();
+    };
+    place({0, 600, 0}, 600);
+    const Shadowed open = render(scene, shadowSettings("d32", "hard"));
+    place(at + toward * 0.01f, 0.002f);
+    const Shadowed shadowed = render(scene, shadowSettings("d32", "hard"));
+    const auto factorAt = [](const Shadowed& s, float x, float z) {
+      const auto column = static_cast<size_t>((x + kHalf) / kPixel), row = static_cast<size_t>((kHalf - z) / kPixel);
+      return s.factor[row * kSize + column];
+    };
+    // On the wall it is 300 times as large and as far away: 0.6 m to each side of where the light points.
+    EXPECT_NEAR(factorAt(open, target.x, target.z), 1, 1e-3f);
+    for (const float offset : {-0.4f, 0.0f, 0.4f}) EXPECT_EQ(factorAt(shadowed, target.x, offset), 0) << offset;
+    for (const float offset : {-1.5f, 1.5f}) EXPECT_NEAR(factorAt(shadowed, target.x, offset), 1, 1e-3f) << offset;
+  }
+}
+
 TEST_F(ShadowTest, TheSunsShadowInTheGbufferIsTheSunsShadow) {
   const scene::Scene scene = boardBeforeWall(lightOf(shared::kLightDirectional, {-1, -1, 0.2f}, {0, 0, 0}));
   Settings settings = shadowSettings("d32", "pcf");

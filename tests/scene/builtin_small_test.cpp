@@ -125,7 +125,7 @@ TEST(Boxes, AreSeenWhereTheHeaderWorksOut) {
   const Camera& camera = scene.cameras[0];
   EXPECT_EQ(camera.name, "main");
   EXPECT_NEAR(1.0f / std::tan(0.5f * camera.verticalFov), 2.0f, 1e-6f);
-  const shared::Projection projection{1.0f, 2.0f, 0, kBoxesNear, 0, 0, shared::kPerspective};  // aspect 2
+  const shared::Projection projection{1.0f, 2.0f, 0, camera.nearClip, 0, 0, shared::kPerspective};  // aspect 2
   const vec2 size(200, 100);
   for (const vec3 p : {vec3(-4, 0.25f, -0.5f), vec3(1.25f, 3.25f, -2.5f), vec3(0, 0, -5)}) {
     const vec3 view = glm::inverse(camera.toWorld) * toWorldFromGltf() * vec4(p, 1);

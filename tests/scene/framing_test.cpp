@@ -65,6 +65,26 @@ TEST(Framing, KeepsEveryCornerInThePictureAndTouchesItsMargin) {
   }
 }
 
+// Nothing that has an extent beside the scene is nearer than the near plane, and nothing is so far that its device
+// depth leaves the range in which floats keep all of their digits.
+TEST(Framing, NearPlanesCutNothingAndLeaveRoomForWhatIsFar) {
+  for (const Extent& e : kExtents) {
+    const Scene scene = boxScene(e.min, e.max);
+    const vec3 centre = (e.min + e.max) * 0.5f;
+    const float size = glm::length(e.max - e.min);
+    for (const Camera& camera :
+         {frameScene(scene, 1.5f), orbitCamera(scene, 0.3f, 0.2f), orbitCamera(scene, 0.3f, 0.2f, size * 1000),
+          lookAt(scene, centre, centre + vec3(size)), lookAt(scene, centre + vec3(size) * 0.5f, e.min)}) {
+      int exponent = 0;
+      EXPECT_EQ(std::frexp(camera.nearClip, &exponent), 0.5f) << e.name;  // a power of two
+      EXPECT_LT(camera.nearClip, 1e-9f * size) << e.name;
+      const double farthest = 1e6 * (glm::length(vec3(camera.toWorld[3]) - centre) + double{size});
+      EXPECT_GT(camera.nearClip / farthest, double{std::numeric_limits<float>::min()}) << e.name;
+      EXPECT_TRUE(std::isnormal(camera.nearClip) && std::isnormal(1 / camera.nearClip)) << e.name;
+    }
+  }
+}
+
 TEST(Framing, LooksFromTheFrontTheRightAndAbove) {
   const Camera camera = frameScene(boxScene(vec3(-1), vec3(1)), 1.5f);
   const vec3 eye = toGltfFromWorld() * camera.toWorld[3];
@@ -146,6 +166,7 @@ TEST(Orbit, RefusesWhatShowsNothing) {
   EXPECT_THROW(orbitCamera(scene, 0, 0, -1.0f), Error);
   EXPECT_THROW(orbitCamera(scene, 0, 0, {}, 0.0f), Error);
   EXPECT_THROW(orbitCamera(scene, 0, 0, {}, 3.2f), Error);
+  EXPECT_THROW(orbitCamera(scene, 0, 0, {}, 1e-30f), Error);
 }
 
 TEST(LookAt, HasTheFilesUpUp) {

@@ -54,6 +54,17 @@ TEST(Animation, EndsHoldOrBeginAgain) {
   EXPECT_EQ(placeAt(scene, -0.5, true), dvec3(1.5, 0, 0));
 }
 
+TEST(Animation, TransformsThatLeaveTheRangeOfFloatsAreRefused) {
+  GltfBuilder b = animated("scale", {0, 1}, "LINEAR", [](GltfBuilder& g) {
+    return g.positions({{1, 1, 1}, {1e30f, 1e30f, 1e30f}});
+  });
+  const int child = b.add("nodes", {{"scale", {1e20, 1, 1}}});
+  b.root["nodes"][0]["children"] = {child};
+  const Scene scene = b.load();
+  EXPECT_NO_THROW(nodeAt(scene, 0));
+  EXPECT_THROW(nodeAt(scene, 1), Error);
+}
+
 // A cubic through its keys with its tangents is that cubic: x = t^3 - t over [0, 2].
 TEST(Animation, CubicSplinesAreHermites) {
   const Scene scene = animated("translation", {0, 2}, "CUBICSPLINE", [](GltfBuilder& b) {

@@ -2,10 +2,12 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <glm/gtc/matrix_access.hpp>
 #include <set>
 
 #include "base/hash.h"
 #include "gltf_builder.h"
+#include "scene/framing.h"
 
 namespace latelight::scene::test {
 namespace {
@@ -154,6 +156,38 @@ TEST(GltfNodes, PerspectiveCameras) {
   EXPECT_THAT(errorOf(b), HasSubstr("far plane"));
   b.root["cameras"][1]["perspective"].erase("yfov");
   EXPECT_THAT(errorOf(b), HasSubstr("cameras[1].perspective.yfov is missing"));
+}
+
+// glTF asks for an angle below pi, and says that files with another one may be shown.
+TEST(GltfNodes, AnglesThatShowNothingAreReplaced) {
+  GltfBuilder b;
+  b.node({{"camera", b.add("cameras", {{"type", "perspective"}, {"perspective", {{"yfov", 1}, {"znear", .1}}}})}});
+  for (const double angle : {3.1416, 3.3, 45.0, 1e30, 1e-30}) {
+    b.root["cameras"][0]["perspective"]["yfov"] = angle;
+    testing::internal::CaptureStderr();
+    EXPECT_EQ(b.load().cameras.at(0).verticalFov, kDefaultVerticalFov);
+    EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("shows nothing"));
+  }
+  b.root["cameras"][0]["perspective"]["yfov"] = 3.1;
+  EXPECT_FLOAT_EQ(b.load().cameras.at(0).verticalFov, 3.1f);
+  b.root["cameras"][0]["perspective"]["yfov"] = -1;
+  EXPECT_THAT(errorOf(b), HasSubstr("yfov"));
+}
+
+// A matrix's last row is that of a transform, whatever the file says: else a camera has no inverse.
+TEST(GltfNodes, MatricesAreTransforms) {
+  for (const std::vector<double>& last : {std::vector<double>{.3, .2, .1, 1}, {0, 0, 0, 2}, {0, 0, 0, 0}}) {
+    GltfBuilder b = triangleFile();
+    b.add("cameras", {{"type", "perspective"}, {"perspective", {{"yfov", 1}, {"znear", .1}}}});
+    std::vector<double> matrix = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 4, 5, 6, 1};
+    for (size_t i = 0; i < 4; ++i) matrix[4 * i + 3] = last[i];
+    b.node({{"camera", 0}, {"matrix", matrix}});
+    b.root["nodes"][0]["matrix"] = matrix;
+    const Scene scene = b.load();
+    expectNear(vec3(toGltfFromWorld() * scene.cameras.at(0).toWorld[3]), vec3(4, 5, 6));
+    for (const mat4& m : {scene.cameras[0].toWorld, scene.instances.at(0).toWorld, scene.nodes[0].local})
+      EXPECT_EQ(glm::row(m, 3), vec4(0, 0, 0, 1));
+  }
 }
 
 TEST(GltfNodes, OrthographicCameras) {

@@ -5,7 +5,7 @@
 layout(location = 0) out vec4 packedDepth;  // of the formats that are no depth formats
 
 void writeShadow() {
-  float depth = gl_FragCoord.z / gl_FragCoord.w;
+  float depth = 2.0 * gl_FragCoord.z / gl_FragCoord.w;
   float bias = shadowCasterBias(dFdx(depth), dFdy(depth), shadowUnit / gl_FragCoord.w, kShadowFilter);
   depth = clamp(depth + bias, 0.0, kShadowFarthest);
   gl_FragDepth = depth;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace latelight::render {
 
@@ -32,6 +33,17 @@ Sphere around(const shared::View& view, double near, double far) {
   return {view.viewToWorld * glm::vec4(0, static_cast<float>(centre), 0, 1), static_cast<float>(radius)};
 }
 
+// View depth of the box's nearest corner: the scene's sphere may begin long before it.
+double nearestDepth(const scene::Bounds& bounds, const shared::View& view) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::vec4 p(corner & 1 ? bounds.max.x : bounds.min.x, corner & 2 ? bounds.max.y : bounds.min.y,
+                      corner & 4 ? bounds.max.z : bounds.min.z, 1);
+    nearest = std::min(nearest, double{(view.worldToView * p).y});
+  }
+  return nearest;
+}
+
 }  // namespace
 
 std::vector<Sphere> fitCascades(const shared::View& view, const scene::Bounds& bounds) {
@@ -39,11 +51,12 @@ std::vector<Sphere> fitCascades(const shared::View& view, const scene::Bounds& b
   const Sphere scene{bounds.centre(), std::max(bounds.radius(), 1e-6f)};
   const shared::Projection& p = view.projection;
   const double centre = (view.worldToView * glm::vec4(scene.centre, 1)).y, radius = scene.radius;
+  const double room = 1e-3 * radius;  // what is flat has a depth, too, and coordinates are rounded
   const double near = shared::viewDepth(p, 1.0f), far = shared::viewDepth(p, 0.0f);
   // Distances of an orthographic view are from where it begins: it may begin behind its own position.
   const double from = p.kind == shared::kOrthographic ? near : 0;
-  const double first = std::max(centre - radius, near) - from;
-  const double last = (std::isfinite(far) ? std::min(centre + radius, far) : centre + radius) - from;
+  const double first = std::max(nearestDepth(bounds, view) - room, near) - from;
+  const double last = std::min(centre + radius, far) - from;
   if (!(last > 0) || !(last > first)) return {};
   const double end = steppedUp(last), begin = first > 0 ? steppedDown(first) : 0;
   std::vector<Sphere> spheres;

@@ -77,9 +77,10 @@ shared::View viewOf(const Frame& f, double scale, uint32_t size) {
   p.H = p.V = static_cast<float>(1 / f.half);
   p.X = static_cast<float>(-f.across / f.half);
   p.Z = static_cast<float>(-f.upward / f.half);
-  // Depth before the division by w runs from 0 at `near` to 1 at `far`.
-  p.A = static_cast<float>(1 / ((f.far - f.near) * scale));
-  p.B = static_cast<float>(-f.near / (f.far - f.near));
+  // Half of the map's depth before the division by w: 0 at `near`, and well below w at `far`, where rounding would else
+  // decide what is clipped.
+  p.A = static_cast<float>(0.5 / ((f.far - f.near) * scale));
+  p.B = static_cast<float>(-0.5 * f.near / (f.far - f.near));
   return view;
 }
 
@@ -133,7 +134,10 @@ Frame localFrame(const shared::Light& light, const Axes& axes, double tangent, d
   const double farthest = overCorners(bounds, [&](dvec3 p) { return glm::length(p - origin); }).high;
   Frame f{.axes = axes, .origin = origin, .perspective = true, .half = withMargin(tangent, size)};
   f.far = 1.001 * std::min<double>(light.reach, farthest) + 1e-6;
-  f.near = std::min(std::max(radius, 1e-4 * f.far), 0.5 * f.far);
+  // Depth is linear and needs no near plane; but coordinates are rounded, and a surface that the light lies in must not
+  // hide half of the world from it.
+  const double rounding = 1e-5 * std::max({std::abs(origin.x), std::abs(origin.y), std::abs(origin.z)});
+  f.near = std::min(std::max(radius, std::min(rounding, 1e-4 * f.far)), 0.5 * f.far);
   return f;
 }
 

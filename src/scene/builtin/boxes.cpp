@@ -102,7 +102,7 @@ Scene makeBoxes() {
   sun.intensity = kBoxesIlluminance;
   sun.direction = vec3(toWorldFromGltf() * vec4(kBoxesLightDirection, 0));
   builder.scene.lights.push_back(sun);
-  builder.addCamera("main", kBoxesEye, kBoxesEye - vec3(0, 0, 1), kBoxesVerticalFov, kBoxesNear);
+  builder.addCamera("main", kBoxesEye, kBoxesEye - vec3(0, 0, 1), kBoxesVerticalFov);
   return std::move(builder.scene);
 }
 

@@ -42,7 +42,7 @@ uint32_t SceneBuilder::addInstance(const std::string& name, uint32_t parent, uin
   return node;
 }
 
-void SceneBuilder::addCamera(const std::string& name, vec3 eye, vec3 target, float verticalFov, float nearClip) {
+void SceneBuilder::addCamera(const std::string& name, vec3 eye, vec3 target, float verticalFov) {
   const vec3 away = glm::normalize(target - eye);
   const vec3 right = glm::normalize(glm::cross(away, vec3(0, 1, 0)));
   Camera camera;
@@ -50,7 +50,6 @@ void SceneBuilder::addCamera(const std::string& name, vec3 eye, vec3 target, flo
   camera.toWorld =
       toWorldFromGltf() * mat4(vec4(right, 0), vec4(away, 0), vec4(glm::cross(right, away), 0), vec4(eye, 1));
   camera.verticalFov = verticalFov;
-  camera.nearClip = nearClip;
   scene.cameras.push_back(std::move(camera));
 }
 

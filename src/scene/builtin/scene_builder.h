@@ -17,7 +17,7 @@ class SceneBuilder {
   // A node with a mesh. The instance's id is the hash of the node's path, or the next free number after it.
   uint32_t addInstance(const std::string& name, uint32_t parent, uint32_t mesh, uint32_t material,
                        const mat4& local = mat4(1));
-  void addCamera(const std::string& name, vec3 eye, vec3 target, float verticalFov, float nearClip);
+  void addCamera(const std::string& name, vec3 eye, vec3 target, float verticalFov);
 
   static constexpr uint32_t kRoot = 0;
   Scene scene;

@@ -64,7 +64,7 @@ Scene makeSpheres() {
       builder.addInstance(name, SceneBuilder::kRoot, 0, row * kSpheresColumns + column, local);
     }
   }
-  builder.addCamera("main", {0, 0, 10.5f}, {0, 0, 0}, 0.55f, 1.0f);
+  builder.addCamera("main", {0, 0, 10.5f}, {0, 0, 0}, 0.55f);
   return std::move(builder.scene);
 }
 

@@ -38,7 +38,7 @@ void main() {
   if (depths[3] == 0.0) after = 3.0e38;
   float slope = abs(before) < abs(after) ? before : after;
   if (abs(slope) > 1.0e38) slope = 0.0;
-  float tolerance = max(deviceDepthStep(view.projection, depths[2], push.tolerance), 1.0e-30);
+  float tolerance = max(deviceDepthStep(view.projection, depths[2], push.tolerance), 1.0e-37);
   float sum = values[2], weights = 1.0;
   for (int i = 0; i < 5; ++i) {
     // A strip one pixel wide has the slope of what is beside it: as deep as the pixel will do, too.

@@ -131,11 +131,11 @@ double detailFor(const HallParameters& p) {
 }  // namespace
 
 void addCameras(SceneBuilder& builder) {
-  builder.addCamera("main", {-1.5f, 1.65f, 17.4f}, {0.85f, 4.9f, -10}, 1.0f, 0.05f);
-  builder.addCamera("vault", {0.6f, 1.5f, 9}, {0.1f, 14.5f, -9}, 1.15f, 0.05f);
-  builder.addCamera("gallery", {5.35f, 9.55f, 15.1f}, {-1.6f, 7.6f, -4}, 0.95f, 0.05f);
-  builder.addCamera("aisle", {6.35f, 1.6f, 18.6f}, {6.0f, 2.5f, -6}, 0.85f, 0.05f);
-  builder.addCamera("apse", {-1.6f, 1.9f, -11}, {0.15f, 4.4f, -21}, 0.95f, 0.05f);
+  builder.addCamera("main", {-1.5f, 1.65f, 17.4f}, {0.85f, 4.9f, -10}, 1.0f);
+  builder.addCamera("vault", {0.6f, 1.5f, 9}, {0.1f, 14.5f, -9}, 1.15f);
+  builder.addCamera("gallery", {5.35f, 9.55f, 15.1f}, {-1.6f, 7.6f, -4}, 0.95f);
+  builder.addCamera("aisle", {6.35f, 1.6f, 18.6f}, {6.0f, 2.5f, -6}, 0.85f);
+  builder.addCamera("apse", {-1.6f, 1.9f, -11}, {0.15f, 4.4f, -21}, 0.95f);
 }
 
 }  // namespace hall
