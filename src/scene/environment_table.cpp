@@ -1,4 +1,4 @@
-// The split-sum table (Karis 2013, "Real Shading in Unreal Engine 4"), with the height-correlated Smith visibility.
+// The split-sum table (Karis 2013, "Real Shading in Unreal Engine 4").
 #include <fmt/format.h>
 
 #include <array>
@@ -61,7 +61,7 @@ vec2 integrate(float nv, float roughness, const Grid& grid) {
     const vec3 h = glm::normalize(vec3(alpha * seen.x, alpha * seen.y, std::max(seen.z, 0.0f)));
     const float vh = glm::dot(v, h), nl = 2.0f * vh * h.z - nv;
     if (vh <= 0.0f || nl <= 0.0f) continue;
-    const float weight = point.weight * overG1 * shared::ggxVisibilityCorrelated(nl, nv, alpha) * nl;
+    const float weight = point.weight * overG1 * shared::ggxVisibility(nl, nv, alpha) * nl;
     const float grazing = shared::schlickWeight(vh);
     sum += vec2(weight * (1.0f - grazing), weight * grazing);
   }

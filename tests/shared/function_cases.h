@@ -140,8 +140,6 @@ SH_FUNC vec4 reflectanceOf(Arguments a) {
   C(ggxAlpha, 2e-7f, 0.0f, (pad(ggxAlpha(a.u.x))))                                                                 \
   C(ggxDistribution, 5e-6f, 0.0f, (pad(ggxDistribution(a.u.x, 1.0f - a.u.x * a.u.x, ggxAlpha(a.u.y)))))            \
   C(ggxVisibility, 3e-6f, 0.0f, (pad(ggxVisibility(a.u.x + 1e-4f, a.u.z + 1e-4f, ggxAlpha(a.u.y)))))               \
-  C(ggxVisibilityCorrelated, 3e-6f, 0.0f,                                                                          \
-    (pad(ggxVisibilityCorrelated(a.u.x + 1e-4f, a.u.z + 1e-4f, ggxAlpha(a.u.y)))))                                 \
   C(schlickWeight, 1e-6f, 0.0f, (pad(schlickWeight(a.u.x))))                                                       \
   C(schlick, 5e-7f, 5e-7f, (pad(schlick(a.c, a.u.y, a.u.x))))                                                      \
   C(exponentFromRoughness, 2e-6f, 1e-6f, (pad(exponentFromRoughness(a.u.x))))                                      \
