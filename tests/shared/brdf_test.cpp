@@ -200,7 +200,7 @@ TEST(Ggx, WhiteMetalReflectsNoMoreThanItReceives) {
 }
 
 // Appendix B says of its own coupling of diffuse and specular that it does not conserve energy at grazing angles. How
-// far it goes: a white dielectric returns up to 1.31 of what it receives at n.v = 0.05, and never more than all above
+// far it goes: a white dielectric returns up to 1.32 of what it receives at n.v = 0.05, and never more than all above
 // 0.75.
 TEST(Ggx, WhiteDielectricStaysWithinAppendixBsKnownExcess) {
   double worst = 0.0;
@@ -218,13 +218,13 @@ TEST(Ggx, WhiteDielectricStaysWithinAppendixBsKnownExcess) {
       }
     }
   }
-  EXPECT_LE(worst, 1.31);
+  EXPECT_LE(worst, 1.32);
   RecordProperty("worst albedo", std::to_string(worst));
 }
 
 TEST(Shading, IsReciprocalAndPositive) {
   Random random(4);
-  for (const uint shading : {kShadingGgx, kShadingBlinnPhong}) {
+  for (const uint shading : {kShadingGgx, kShadingBlinnPhong, kShadingGgxCompensated}) {
     for (int i = 0; i < 20000; ++i) {
       const Surface s = randomSurface(random);
       const vec3 a = random.directionAbout(s.normal), b = random.directionAbout(s.normal);
@@ -241,7 +241,7 @@ TEST(Shading, IsReciprocalAndPositive) {
 
 TEST(Shading, IsBlackFromBehindAndFiniteEverywhere) {
   Random random(5);
-  for (const uint shading : {kShadingGgx, kShadingBlinnPhong}) {
+  for (const uint shading : {kShadingGgx, kShadingBlinnPhong, kShadingGgxCompensated}) {
     for (int i = 0; i < 20000; ++i) {
       Surface s = randomSurface(random);
       if (i % 4 == 0) s.roughness = 0.0f;
@@ -260,7 +260,7 @@ TEST(Shading, IsBlackFromBehindAndFiniteEverywhere) {
 
 TEST(Shading, SurfaceWithoutReflectionIsBlack) {
   const Surface s = withoutReflection(surface(vec3(1.0f, 1.0f, 1.0f), 0.7f, 0.2f));
-  for (const uint shading : {kShadingGgx, kShadingBlinnPhong})
+  for (const uint shading : {kShadingGgx, kShadingBlinnPhong, kShadingGgxCompensated})
     EXPECT_EQ(litByPi(s, kUp, vec3(0.6f, 0.0f, 0.8f), shading), vec3(0.0f, 0.0f, 0.0f));
   EXPECT_EQ(shadeEnvironment(s, kUp, vec3(1, 1, 1), vec3(1, 1, 1), vec2(0.5f, 0.1f)), vec3(0.0f, 0.0f, 0.0f));
 }
@@ -332,21 +332,22 @@ TEST(EnvironmentShading, WhiteSurfacesVanishInAWhiteRoom) {
   }
 }
 
-// Fdez-Aguera 2019 by hand, metal of 0.5 with a table of (0.6, 0.1): once 0.5 * 0.6 + 0.1 = 0.4. Mean reflectance
-// 0.5 + 0.5 / 21 = 0.5238095; lost 0.3. More: 0.4 * 0.5238095 * 0.3 / (1 - 0.1571429) = 0.0745763.
+// Metal of 0.5 with a table of (0.6, 0.1): once 0.5 * 0.6 + 0.1 = 0.4. Mean reflectance 0.5 + 0.5 / 21 = 0.5238095;
+// lost 0.3, again 0.225. More: 0.5238095^2 * 0.3 * 0.775 / (1 - 0.5238095 * 0.225) = 0.2743764 * 0.2325 / 0.8821429 =
+// 0.0723152.
 TEST(EnvironmentShading, MultipleScatteringByHand) {
   const Surface s = surface(vec3(0.5f, 0.5f, 0.5f), 1.0f, 0.6f);
   const vec2 table(0.6f, 0.1f);
   EXPECT_NEAR(shadeEnvironment(s, kUp, vec3(0, 0, 0), vec3(1, 1, 1), table).x, 0.4f, 1e-6f);
-  EXPECT_NEAR(shadeEnvironment(s, kUp, vec3(1, 1, 1), vec3(0, 0, 0), table).x, 0.0745763f, 1e-6f);
+  EXPECT_NEAR(shadeEnvironment(s, kUp, vec3(1, 1, 1), vec3(0, 0, 0), table).x, 0.0723152f, 1e-6f);
 }
 
-// Dielectric of f0 0.04 with a smooth table (0.95, 0.01): once 0.048; mean 0.04 + 0.96 / 21 = 0.0857143; lost 0.04;
-// more 0.048 * 0.0857143 * 0.04 / (1 - 0.0034286) = 0.00016514. Diffuse 0.5 (1 - 0.04816514) = 0.47591743.
+// Dielectric of f0 0.04 with a smooth table (0.95, 0.01): once 0.048; mean 0.04 + 0.96 / 21 = 0.0857143; lost 0.04,
+// again 0.03; more 0.0073469 * 0.04 * 0.97 / (1 - 0.0025714) = 0.00028580. Diffuse 0.5 (1 - 0.0482858) = 0.4758571.
 TEST(EnvironmentShading, DiffuseGetsWhatReflectionLeaves) {
   const Surface s = surface(vec3(0.5f, 0.5f, 0.5f), 0.0f, 0.2f);
   const float l = shadeEnvironment(s, kUp, vec3(2, 2, 2), vec3(0, 0, 0), vec2(0.95f, 0.01f)).x;
-  EXPECT_NEAR(l, 2.0f * (0.47591743f + 0.00016514f), 1e-6f);
+  EXPECT_NEAR(l, 2.0f * (0.4758571f + 0.00028580f), 1e-6f);
 }
 
 TEST(EnvironmentShading, OcclusionDarkensBothParts) {
