@@ -94,7 +94,8 @@ void addLookOptions(CLI::App& c, RenderOptions& o) {
   c.add_option("--position", s.position, "Position from depth: ray, matrix or reciprocal (latelight list positions)")
       ->capture_default_str();
   c.add_option("--lighting", s.lighting, "Lighting technique (latelight list lighting)")->capture_default_str();
-  c.add_option("--shading", s.shading, "ggx or blinn-phong")->capture_default_str();
+  c.add_option("--shading", s.shading, "ggx, ggx-compensated (no energy is lost between facets) or blinn-phong")
+      ->capture_default_str();
   c.add_option("--volumes-order", s.volumesOrder, "How --lighting volumes culls by stencil: classic or killzone")
       ->capture_default_str();
   c.add_option("--transparency", s.transparency, "Alpha-blended surfaces: exact, sorted, weighted or none")

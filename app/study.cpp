@@ -131,12 +131,18 @@ void addStudyCommand(CLI::App& app) {
   for (const study::Study& study : study::studies()) names += (names.empty() ? "" : ", ") + std::string(study.name);
   command->add_option("NAME", a.name, "One of " + names)->required();
   command->add_option("-o,--out", a.folder, "Folder for CSV, JSON and PNG files; made if missing")->type_name("DIR");
-  command->add_option("--samples", a.options.samples, "Directions; of depths a quarter as many")->capture_default_str();
+  command
+      ->add_option("--samples", a.options.samples,
+                   "Directions; of depths a quarter as many, of accuracy a thousandth at each pixel")
+      ->capture_default_str();
   command->add_option("--seed", a.options.seed, "Random directions of normals, by this number, instead of a lattice");
   command->add_option("--bits", a.bits, "Bits a channel of normals: 8 to 16 and float, as in 8,10-12,float");
   command->add_option("--lights", a.lights, "Of lights: numbers of lights, as in 1,100,10k,1M");
   command->add_option("--triangles", a.triangles, "Of lights: numbers of triangles, as in 50k,300k,10M");
   command->add_option("--sizes", a.sizes, "Of lights: sizes in pixels, as in 640x360,1280x720");
+  command->add_option("--hdri", a.options.environments, "Of accuracy: more environments, .hdr or .exr files by comma")
+      ->delimiter(',')
+      ->type_name("FILE");
   command
       ->add_option("--budget", a.options.sweep.budget,
                    "Of lights: seconds a step; one that would take longer ends its sweep")

@@ -108,7 +108,7 @@ struct Options {
   std::string position = "ray";          // how a layout without positions rebuilds them: or "matrix", "reciprocal"
   std::string lighting = "fullscreen";   // `latelight list lighting`
   std::string volumesOrder = "classic";  // of the technique volumes: or "killzone"
-  std::string shading = "ggx";
+  std::string shading = "ggx";           // or "ggx-compensated", "blinn-phong"
   std::string tonemap = "khronos";
   std::string transparency = "exact";   // `latelight list transparency`
   std::string dataSurfaces = "opaque";  // which surfaces the outputs in `aovs` and pick() show: or "any"

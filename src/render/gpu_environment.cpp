@@ -6,7 +6,7 @@ namespace latelight::render {
 
 namespace {
 
-constexpr uint32_t kTableSize = 32;
+constexpr uint32_t kTableSize = 32, kLobeTableSize = 16;
 
 vk::Image upload(vk::Device& device, vk::Uploader& uploader, const char* name, VkFormat format, uint32_t width,
                  uint32_t height, uint32_t levels, std::span<const std::byte> texels) {
@@ -54,6 +54,10 @@ GpuEnvironment::GpuEnvironment(vk::Device& device, const scene::Environment* giv
   const std::vector<glm::vec2> table = scene::ggxReflectanceTable(kTableSize);
   table_ = upload(device, uploader, "reflectance table", VK_FORMAT_R32G32_SFLOAT, kTableSize, kTableSize, 1,
                   std::as_bytes(std::span(table)));
+  std::vector<glm::vec4> lobes;
+  for (const glm::vec3& lobe : scene::ggxLobeTable(kLobeTableSize)) lobes.emplace_back(lobe, 0.0f);
+  lobes_ = upload(device, uploader, "table of lobes", VK_FORMAT_R32G32B32A32_SFLOAT, kLobeTableSize, kLobeTableSize, 1,
+                  std::as_bytes(std::span(lobes)));
   uploader.flush();
 
   vk::SamplerDesc clamp{.mip = VK_SAMPLER_MIPMAP_MODE_NEAREST,
@@ -68,7 +72,8 @@ GpuEnvironment::GpuEnvironment(vk::Device& device, const scene::Environment* giv
 std::vector<vk::BoundImage> GpuEnvironment::bindings() const {
   return {{specular_.view(), clampSampler_.get()},
           {diffuse_.view(), clampSampler_.get()},
-          {table_.view(), clampSampler_.get()}};
+          {table_.view(), clampSampler_.get()},
+          {lobes_.view(), clampSampler_.get()}};
 }
 
 }  // namespace latelight::render

@@ -13,14 +13,14 @@ class GpuEnvironment {
   GpuEnvironment(vk::Device& device, const scene::Environment* environment);
 
   uint32_t levels() const { return specular_.desc().levels; }
-  // Prefiltered specular, diffuse, split-sum table: the first bindings of lit_maps.h.
+  // Prefiltered specular, diffuse, split-sum table, table of lobes: the first bindings of lit_maps.h.
   std::vector<vk::BoundImage> bindings() const;
-  static constexpr size_t kBindings = 3;
+  static constexpr size_t kBindings = 4;
   VkSampler fetchSampler() const { return fetchSampler_.get(); }  // for maps that are only fetched from
   vk::BoundImage radiance() const { return {radiance_.view(), equirectangularSampler_.get()}; }  // for backgrounds
 
  private:
-  vk::Image specular_, diffuse_, table_, radiance_;
+  vk::Image specular_, diffuse_, table_, lobes_, radiance_;
   vk::Handle<VkSampler> clampSampler_, equirectangularSampler_, fetchSampler_;
 };
 

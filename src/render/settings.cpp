@@ -14,6 +14,7 @@ const std::vector<NamedOption>& shadings() {
   static const std::vector<NamedOption> all = {
       {"ggx", "metallic-roughness of the glTF 2.0 specification: Trowbridge-Reitz, Smith, Schlick"},
       {"blinn-phong", "normalised Blinn-Phong with specular colour and exponent"},
+      {"ggx-compensated", "ggx with the light that microfacets pass on to each other, under lights too"},
   };
   return all;
 }

@@ -17,7 +17,7 @@ namespace latelight::scene {
 namespace {
 
 // Raised whenever the same source becomes other bytes, by a new filter or a new studio.
-constexpr uint32_t kVersion = 1;
+constexpr uint32_t kVersion = 2;
 constexpr uint32_t kMagic = 0x564e454c;  // "LENV"
 constexpr size_t kMostImages = 16;
 constexpr uint32_t kStudioHeight = 256;

@@ -13,8 +13,6 @@ namespace latelight::scene {
 namespace {
 
 constexpr uint32_t kMostRadianceWidth = 4096;
-// Halves from a fine mirror to 32 texels (16 for a coarse picture) at roughness 1.
-constexpr size_t kLevels = 6;
 // A sun's irradiance has a crease at its horizon, which only small texels keep sharp.
 constexpr uint32_t kDiffuseSize = 128;
 
@@ -39,14 +37,15 @@ Environment filterEnvironment(FloatImage picture) {
 
   Environment environment;
   environment.radiance = toHalf(picture);
+  // Halves from a fine mirror to 32 texels (16 for a coarse picture) at roughness 1.
+  constexpr size_t kLevels = kSpecularRoughness.size();
   for (size_t i = 0; i < kLevels; ++i) environment.specular.push_back(makeOctahedralMap(mirrorSize >> i));
   environment.diffuse = makeOctahedralMap(kDiffuseSize);
   resampleMirror(limitWidth(picture, 2 * mirrorSize), environment.specular[0]);
   std::vector<LobeMap> maps;
-  for (size_t i = 1; i < kLevels; ++i) {
-    maps.push_back({static_cast<float>(i) / (kLevels - 1), &environment.specular[i]});
-  }
-  maps.push_back({1.0f, &environment.diffuse});
+  for (size_t i = 1; i < kLevels; ++i)
+    maps.push_back({Lobe::Specular, kSpecularRoughness[i], &environment.specular[i]});
+  maps.push_back({Lobe::Cosine, 1.0f, &environment.diffuse});
   convolve(makeTree(picture), maps);
   return environment;
 }

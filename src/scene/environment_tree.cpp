@@ -157,9 +157,8 @@ class Walk {
 constexpr uint32_t kLanes = 8;
 using Lanes = float __attribute__((vector_size(kLanes * sizeof(float))));
 
-// D(h) (n.l) for n = v = r is, up to a factor, c / ((1 - q) - q c)^2 with c = r.l and q = (1 - alpha^2) / 2.
-LATELIGHT_VECTOR_CLONES void sumNodes(const std::vector<Node>& nodes, float alpha, const Tile& tile, glm::vec4* sums) {
-  const float q = (1.0f - alpha * alpha) * 0.5f, p = 1.0f - q;
+LATELIGHT_VECTOR_CLONES void sumNodes(const std::vector<Node>& nodes, Lobe lobe, float alpha, const Tile& tile,
+                                      glm::vec4* sums) {
   for (uint32_t group = 0; group < kTile * kTile; group += kLanes) {
     Lanes x, y, z;
     for (uint32_t i = 0; i < kLanes; ++i) {
@@ -169,8 +168,9 @@ LATELIGHT_VECTOR_CLONES void sumNodes(const std::vector<Node>& nodes, float alph
     Lanes red{}, green{}, blue{}, whole{};
     for (const Node& node : nodes) {
       const Lanes c = x * node.direction.x + y * node.direction.y + z * node.direction.z;
-      const Lanes t = p - q * c;
-      const Lanes weight = (c > 0.0f ? c : Lanes{}) * node.solidAngle / (t * t);
+      Lanes weight = c > 0.0f ? c : Lanes{};
+      toLobeWeight(lobe, alpha, weight);
+      weight *= node.solidAngle;
       red += weight * node.radiance.x;
       green += weight * node.radiance.y;
       blue += weight * node.radiance.z;
@@ -191,7 +191,7 @@ void convolveTile(const EnvironmentTree& tree, const TileJob& job, std::vector<N
   // Where D falls to a half: tan(half vector's angle) = 0.64 alpha, and the lobe is twice as wide.
   const Walk walk(tree.levels(), tile, 2.0f * std::atan(0.64f * alpha), nodes);
   std::array<glm::vec4, kTile * kTile> sums;
-  sumNodes(nodes, alpha, tile, sums.data());
+  sumNodes(nodes, job.map->lobe, alpha, tile, sums.data());
   for (uint32_t i = 0; i < kTile * kTile; ++i) {
     const glm::vec4 mean(glm::vec3(sums[i]) / sums[i].w, 1.0f);
     setTexel(*job.map->image, job.left + i % kTile, job.top + i / kTile, mean);

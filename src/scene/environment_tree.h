@@ -38,14 +38,29 @@ class EnvironmentTree {
   std::vector<Level> levels_;
 };
 
+enum class Lobe { Specular, Cosine };
+
+// Makes of the cosine, not negative, between light and a lobe's axis the light's weight, up to a constant factor. Of a
+// specular lobe of GGX's alpha: D(h) (n.l) for n = v = r (Karis 2013, "Real Shading in Unreal Engine 4"), over
+// 1 + alpha^2 n.l; at alpha 1, where D is constant, that makes it the lobe itself, which masking and shadowing flatten.
+// `T`: float, double or a vector of them.
+template <typename T>
+void toLobeWeight(Lobe lobe, float alpha, T& c) {
+  if (lobe == Lobe::Cosine) return;
+  // D(h) is, up to a factor, 1 / ((1 - q) - q c)^2 with c = r.l and q = (1 - alpha^2) / 2.
+  const float a2 = alpha * alpha, q = (1.0f - a2) * 0.5f, p = 1.0f - q;
+  const T t = p - q * c;
+  c /= t * t * (1.0f + a2 * c);
+}
+
 // One octahedral map to compute; its size is a multiple of 8.
 struct LobeMap {
-  float roughness;  // perceptual, above 0
+  Lobe lobe;
+  float roughness;  // perceptual, above 0; 1 of a cosine lobe
   HalfImage* image;
 };
 
-// Fills the maps: radiance averaged with the weight D(h) (n.l) of GGX for n = v = r (Karis 2013, "Real Shading in
-// Unreal Engine 4"). At roughness 1 D is constant, and the mean is that of a cosine lobe: irradiance / pi.
+// Fills the maps: radiance averaged with the lobe's weight. With the cosine's it is irradiance / pi.
 void convolve(const EnvironmentTree& tree, const std::vector<LobeMap>& maps);
 
 }  // namespace latelight::scene

@@ -12,19 +12,23 @@ SH_BEGIN
 
 SH_CONST uint kShadingGgx = 0u;
 SH_CONST uint kShadingBlinnPhong = 1u;
+SH_CONST uint kShadingGgxCompensated = 2u;
 
 // Least n.v: interpolated and mapped normals may point away from the eye that sees the surface.
 SH_CONST float kMinNv = 1e-4f;
 
 // glTF 2.0, appendix B: mix(dielectric, metal, metallic), both over one specular lobe; the dielectric's diffuse part
-// gets what its Fresnel term leaves, by the largest channel (KHR_materials_specular). 1/sr.
-SH_FUNC vec3 ggxBrdf(Surface s, float nl, float nv, float nh, float sin2, float vh) {
+// gets what its Fresnel term leaves, by the largest channel (KHR_materials_specular). With energy compensated what is
+// not reflected at once is s.scattered instead. 1/sr.
+SH_FUNC vec3 ggxBrdf(Surface s, float nl, float nv, float nh, float sin2, float vh, uint shading) {
   float alpha = ggxAlpha(s.roughness);
   float lobe = ggxDistribution(nh, sin2, alpha) * ggxVisibility(nl, nv, alpha);
   vec3 dielectric = schlick(s.f0, s.f90, vh);
   vec3 metal = schlick(s.baseColor, 1.0f, vh);
   vec3 fresnel = dielectric + (metal - dielectric) * s.metallic;
-  return diffuseColor(s) * ((1.0f - maxChannel(dielectric)) * kInvPi) + fresnel * lobe;
+  vec3 scattered = s.scattered;
+  if (shading != kShadingGgxCompensated) scattered = diffuseColor(s) * (1.0f - maxChannel(dielectric));
+  return scattered * kInvPi + fresnel * lobe;
 }
 
 // The seeds' diffuse and specular colours under one normalised lobe, without Fresnel; the dielectric's diffuse part
@@ -34,7 +38,7 @@ SH_FUNC vec3 blinnPhongBrdf(Surface s, float nh, float sin2) {
          specularF0(s) * blinnPhong(nh, sin2, exponentFromRoughness(s.roughness));
 }
 
-// Radiance leaving `s` towards the eye by one light, single scattering. `toEye` is unit, world space.
+// Radiance leaving `s` towards the eye by one light. `toEye` is unit, world space.
 SH_FUNC vec3 shadeLight(Surface s, vec3 toEye, LightSample light, uint shading) {
   float nl = dot(s.normal, light.toLight);
   if (nl <= 0.0f) return vec3(0.0f, 0.0f, 0.0f);
@@ -51,25 +55,48 @@ SH_FUNC vec3 shadeLight(Surface s, vec3 toEye, LightSample light, uint shading) 
     brdf = blinnPhongBrdf(s, nh, sin2);
   } else {
     float nv = clamp(dot(s.normal, toEye), kMinNv, 1.0f);
-    brdf = ggxBrdf(s, nl, nv, nh, sin2, saturate(dot(toEye, h)));
+    brdf = ggxBrdf(s, nl, nv, nh, sin2, saturate(dot(toEye, h)), shading);
   }
   return brdf * light.irradiance * nl;
 }
 
-// Reflection of an environment by a microfacet surface of reflectance f0 to f90: what is reflected once, and what
-// leaves after several reflections between facets (Fdez-Aguera 2019, A Multiple-Scattering Microfacet Model for
-// Real-Time Image Based Lighting, JCGT 8(1)).
-struct EnvironmentReflectance {
+// Shares of all light from around that a microfacet surface of reflectance f0 to f90 sends towards the eye: reflected
+// once, and reflected several times between facets, which leaves the surface nearly as a Lambertian one's does.
+//   table  split-sum scale and bias of f0 and f90 at (n.v, roughness)
+//
+// What a white surface does not reflect once meets two facets, and then each further one with a chance that grows with
+// roughness: a walk over Smith's surface (Heitz et al. 2016, Multiple-Scattering Microfacet BSDFs with the Smith Model)
+// gives 3/4 of that lost share. So white surfaces return all light, as by Fdez-Aguera (2019, A Multiple-Scattering
+// Microfacet Model for Real-Time Image Based Lighting, JCGT 8(1)), whose own series, 1 - E for the chance of every
+// bounce from the second on, gives coloured ones up to 9 % less than the walk.
+struct Reflectance {
   vec3 once;
   vec3 more;
 };
-SH_FUNC EnvironmentReflectance environmentReflectance(vec3 f0, float f90, vec2 table) {
-  EnvironmentReflectance r;
+SH_FUNC Reflectance reflectance(vec3 f0, float f90, vec2 table) {
+  Reflectance r;
   r.once = f0 * table.x + vec3(f90, f90, f90) * table.y;
   // Cosine-weighted mean of Schlick's term over the hemisphere: f0 + (f90 - f0) / 21.
   vec3 mean = f0 + (vec3(f90, f90, f90) - f0) * (1.0f / 21.0f);
   float lost = saturate(1.0f - (table.x + table.y));
-  r.more = r.once * mean * lost / (vec3(1.0f, 1.0f, 1.0f) - mean * lost);
+  float again = 0.75f * lost;
+  r.more = mean * mean * (lost * (1.0f - again)) / (vec3(1.0f, 1.0f, 1.0f) - mean * again);
+  return r;
+}
+
+// The same of a whole surface, and what it scatters like a Lambertian one: several reflections between facets, and the
+// diffuse part, which gets what reflection leaves.
+struct SurfaceReflectance {
+  vec3 once;
+  vec3 scattered;
+};
+SH_FUNC SurfaceReflectance surfaceReflectance(Surface s, vec2 table) {
+  Reflectance dielectric = reflectance(s.f0, s.f90, table);
+  Reflectance metal = reflectance(s.baseColor, 1.0f, table);
+  SurfaceReflectance r;
+  r.once = dielectric.once + (metal.once - dielectric.once) * s.metallic;
+  vec3 more = dielectric.more + (metal.more - dielectric.more) * s.metallic;
+  r.scattered = more + diffuseColor(s) * saturate(1.0f - maxChannel(dielectric.once + dielectric.more));
   return r;
 }
 
@@ -81,17 +108,13 @@ SH_FUNC float specularOcclusion(float nv, float ao, float alpha) {
 
 // Radiance leaving `s` towards the eye by the environment.
 //   diffuseRadiance   irradiance / pi about the normal
-//   specularRadiance  prefiltered along the reflected ray
+//   specularRadiance  mean over the reflected lobe
 //   table             split-sum scale and bias of f0 and f90 at (n.v, roughness)
 SH_FUNC vec3 shadeEnvironment(Surface s, vec3 toEye, vec3 diffuseRadiance, vec3 specularRadiance, vec2 table) {
-  EnvironmentReflectance dielectric = environmentReflectance(s.f0, s.f90, table);
-  EnvironmentReflectance metal = environmentReflectance(s.baseColor, 1.0f, table);
-  vec3 once = dielectric.once + (metal.once - dielectric.once) * s.metallic;
-  vec3 more = dielectric.more + (metal.more - dielectric.more) * s.metallic;
-  vec3 diffuse = diffuseColor(s) * saturate(1.0f - maxChannel(dielectric.once + dielectric.more));
+  SurfaceReflectance r = surfaceReflectance(s, table);
   float nv = clamp(dot(s.normal, toEye), kMinNv, 1.0f);
   float occlusion = specularOcclusion(nv, s.ao, ggxAlpha(s.roughness));
-  return (diffuse + more) * diffuseRadiance * s.ao + once * specularRadiance * occlusion;
+  return r.scattered * diffuseRadiance * s.ao + r.once * specularRadiance * occlusion;
 }
 
 SH_END

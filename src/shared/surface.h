@@ -17,12 +17,13 @@ struct Surface {
   vec3 f0;          // reflectance of the dielectric at normal incidence, [0, 1]
   float f90;        // reflectance of the dielectric at grazing incidence: KHR_materials_specular's weight
   vec3 emissive;
-  float ao;     // 1: unoccluded
-  float sun;    // of the sun's light, what no shadow takes: a layout with GBUFFER_SUN_TARGET keeps it, elsewhere 1
-  vec2 uv;      // UV set 0
-  vec2 motion;  // pixels, y down, without jitter: to where it was a frame before
-  uint id;      // 0: background
-  uint flags;   // kSurface*
+  vec3 scattered;  // in no layout: surfaceReflectance() of shade.h, where the shading is kShadingGgxCompensated
+  float ao;        // 1: unoccluded
+  float sun;       // of the sun's light, what no shadow takes: a layout with GBUFFER_SUN_TARGET keeps it, elsewhere 1
+  vec2 uv;         // UV set 0
+  vec2 motion;     // pixels, y down, without jitter: to where it was a frame before
+  uint id;         // 0: background
+  uint flags;      // kSurface*
 };
 SH_CONST uint kSurfaceUnlit = 1u;  // KHR_materials_unlit: its baseColor is what leaves it
 
@@ -37,6 +38,7 @@ SH_FUNC Surface emptySurface() {
   s.f0 = vec3(0.0f, 0.0f, 0.0f);
   s.f90 = 0.0f;
   s.emissive = vec3(0.0f, 0.0f, 0.0f);
+  s.scattered = vec3(0.0f, 0.0f, 0.0f);
   s.ao = 1.0f;
   s.sun = 1.0f;
   s.uv = vec2(0.0f, 0.0f);

@@ -11,6 +11,7 @@ std::span<const Study> studies() {
       {"position", "error of the three ways from depth to position, metres", studyPosition},
       {"lights", "cost of every lighting technique over lights, triangles and pixels, and how it grows", studyLights,
        false},
+      {"accuracy", "error of finished pictures to the integral of light, 8-bit levels", studyAccuracy},
   };
   return all;
 }

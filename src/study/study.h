@@ -26,10 +26,11 @@ struct SweepOptions {
 struct Options {
   std::string device = "auto";   // a selector of vk/device.h
   bool validation = false;       // any message of the Vulkan validation layers is an error
-  uint32_t samples = 4'000'000;  // directions, or a quarter as many depths
+  uint32_t samples = 4'000'000;  // directions; a quarter as many depths; of light a thousandth at each pixel
   std::vector<uint32_t> bits;    // a channel, 8 to 16, 0 for floats; empty: the study's own choice
   std::optional<uint32_t> seed;  // directions: random ones instead of a lattice
   SweepOptions sweep;
+  std::vector<std::string> environments;  // of `accuracy`: files beside its own ones
   bool pictures = false;
 };
 
@@ -64,5 +65,6 @@ Result studyNormals(const Options& options);
 Result studyDepth(const Options& options);
 Result studyPosition(const Options& options);
 Result studyLights(const Options& options);
+Result studyAccuracy(const Options& options);
 
 }  // namespace latelight::study

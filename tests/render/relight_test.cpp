@@ -28,7 +28,7 @@ using shared::vec3;
 using shared::vec4;
 
 constexpr uint32_t kSize = 160;
-constexpr uint32_t kTableSize = 32;  // the renderer's own choice for the reflectance table
+constexpr uint32_t kTableSize = 32, kLobeTableSize = 16;  // the renderer's own choices
 
 // --- environment lookups, as render/glsl/environment.glsl has them --------------------------------------------------
 
@@ -45,6 +45,9 @@ struct Map {
   Map(uint32_t size, const std::vector<glm::vec2>& values) : width(size), height(size) {
     for (glm::vec2 v : values) texels.emplace_back(v.x, v.y, 0.0f, 0.0f);
   }
+  Map(uint32_t size, const std::vector<vec3>& values) : width(size), height(size) {
+    for (vec3 v : values) texels.emplace_back(v, 0.0f);
+  }
   vec4 texel(int x, int y) const {
     x = std::clamp(x, 0, static_cast<int>(width) - 1);
     y = std::clamp(y, 0, static_cast<int>(height) - 1);
@@ -60,10 +63,12 @@ struct Map {
 
 struct HostEnvironment {
   std::vector<Map> specular;
-  Map diffuse, table;
+  Map diffuse, table, lobes;
 
   explicit HostEnvironment(const scene::Environment& environment)
-      : diffuse(environment.diffuse), table(kTableSize, scene::ggxReflectanceTable(kTableSize)) {
+      : diffuse(environment.diffuse),
+        table(kTableSize, scene::ggxReflectanceTable(kTableSize)),
+        lobes(kLobeTableSize, scene::ggxLobeTable(kLobeTableSize)) {
     for (const scene::HalfImage& level : environment.specular) specular.emplace_back(level);
   }
 
@@ -75,15 +80,18 @@ struct HostEnvironment {
     const auto read = [](const Map& map, vec2 o) {
       return vec3(map.bilinear(shared::octahedralTexture(o, static_cast<float>(map.width))));
     };
-    const vec2 reflected = octahedral(glm::reflect(-toEye, s.normal));
-    const float level = s.roughness * static_cast<float>(specular.size() - 1);
-    const size_t lower = std::min(static_cast<size_t>(level), specular.size() - 2);
-    const vec3 radiance = glm::mix(read(specular[lower], reflected), read(specular[lower + 1], reflected),
-                                   level - static_cast<float>(lower));
+    const vec3 around = read(diffuse, octahedral(s.normal));
     const float nv = glm::clamp(glm::dot(s.normal, toEye), 0.0f, 1.0f);
-    return shared::shadeEnvironment(s, toEye, read(diffuse, octahedral(s.normal)), radiance,
-                                    vec2(table.bilinear({nv, s.roughness}))) *
+    const vec4 lobe = lobes.bilinear(shared::lobeTexture(nv, s.roughness, kLobeTableSize));
+    const vec2 core = octahedral(shared::lobeDirection(s.normal, toEye, lobe.x));
+    const size_t lower = std::min(static_cast<size_t>(lobe.y), specular.size() - 2);
+    const vec3 radiance =
+        glm::mix(read(specular[lower], core), read(specular[lower + 1], core), lobe.y - static_cast<float>(lower));
+    return shared::shadeEnvironment(s, toEye, around, glm::mix(radiance, around, lobe.z), splitSum(s, toEye)) *
            settings.environmentIntensity;
+  }
+  vec2 splitSum(const Surface& s, vec3 toEye) const {
+    return vec2(table.bilinear({glm::clamp(glm::dot(s.normal, toEye), 0.0f, 1.0f), s.roughness}));
   }
 };
 
@@ -185,18 +193,19 @@ struct Agreement {
 };
 
 vec3 expectedRadiance(const ReadGbuffer& gbuffer, size_t pixel, std::span<const shared::Light> lights,
-                      const HostEnvironment* environment, uint32_t shading, const LightSettings& settings) {
+                      const HostEnvironment& environment, uint32_t shading, const LightSettings& settings) {
   Surface s = gbuffer.surface(pixel);
   if (s.flags & shared::kSurfaceUnlit) s = shared::withoutReflection(s);
   const vec3 toEye = shared::directionToEye(gbuffer.view, s.position);
   vec3 radiance(0);
-  if (environment) radiance += environment->light(s, toEye, settings);
+  if (settings.environmentIntensity > 0) radiance += environment.light(s, toEye, settings);
+  s.scattered = shared::surfaceReflectance(s, environment.splitSum(s, toEye)).scattered;
   for (const shared::Light& light : lights)
     radiance += shared::shadeLight(s, toEye, shared::sampleLight(light, s.position), shading);
   return glm::min(vec3(gbuffer.before[pixel]) + radiance * settings.exposure, vec3(65504.0f));
 }
 
-Agreement compare(const ReadGbuffer& gbuffer, std::span<const shared::Light> lights, const HostEnvironment* environment,
+Agreement compare(const ReadGbuffer& gbuffer, std::span<const shared::Light> lights, const HostEnvironment& environment,
                   uint32_t shading, const LightSettings& settings) {
   Agreement a;
   for (size_t pixel = 0; pixel < gbuffer.depth.size(); ++pixel) {
@@ -274,9 +283,8 @@ TEST_F(RelightTest, HostShadesTheDevicesGbufferAlike) {
                              normalEncodings()[c[1]].name, normalSpaces()[c[5]].name, setup.lighting->name,
                              shadings()[c[3]].name, name, positionMethods()[c[6]].name));
     const ReadGbuffer gbuffer = bench->read(setup, settings);
-    const bool environment = settings.environmentIntensity > 0;
     const Agreement a = compare(gbuffer, std::span(bench->lights).subspan(settings.firstLight, settings.lightCount),
-                                environment ? &bench->hostStudio : nullptr, setup.shading, settings);
+                                bench->hostStudio, setup.shading, settings);
     EXPECT_GT(a.lit, kSize * kSize / 3u);
     EXPECT_GT(a.brightest, 0.5);
     EXPECT_LE(static_cast<double>(a.beyond), kMostBeyond * static_cast<double>(a.lit));

@@ -19,17 +19,13 @@ float relativeError(const vec3& found, const vec3& expected) {
   return glm::length(found - expected) / glm::length(expected);
 }
 
-// The weight of light at cosine c to the mirrored direction, of GGX with n = v = r: written from the distribution
-// itself (half vector at half the angle), unlike the code.
+// The weight of light at cosine c to a lobe's axis: written from GGX's distribution itself (half vector at half the
+// angle), unlike the code.
 double lobe(double c, double alpha) {
   if (c <= 0.0) return 0.0;
   const double nh = std::cos(std::acos(std::min(c, 1.0)) / 2.0), a2 = alpha * alpha;
   const double d = nh * nh * (a2 - 1.0) + 1.0;
-  return a2 / (d * d) * c;
-}
-
-double roughnessOf(size_t level, const Environment& environment) {
-  return static_cast<double>(level) / static_cast<double>(environment.specular.size() - 1);
+  return a2 / (d * d) * c / (1.0 + a2 * c);
 }
 
 // The mean of c under the lobe: what it leaves of a linear gradient.
@@ -94,7 +90,7 @@ TEST(EnvironmentFilter, GradientHasItsClosedForm) {
   expect(e.diffuse, 2.0 / 3.0, "irradiance / pi of 1 + k.d is 1 + 2/3 k.n");
   expect(e.specular[0], 1.0, "the mirror");
   for (size_t level = 1; level < e.specular.size(); ++level) {
-    const double roughness = roughnessOf(level, e);
+    const double roughness = kSpecularRoughness[level];
     expect(e.specular[level], linearShare(roughness * roughness), "level " + std::to_string(level));
   }
 }
@@ -158,7 +154,7 @@ TEST(EnvironmentFilter, SunlitLobesMatchTheSumOverPixels) {
   const Environment e = filterEnvironment(picture);
   for (size_t level = 1; level < e.specular.size(); ++level) {
     const HalfImage& map = e.specular[level];
-    const double alpha = std::pow(roughnessOf(level, e), 2.0);
+    const double alpha = std::pow(kSpecularRoughness[level], 2.0);
     for (uint32_t k = 0; k < 40; ++k) {
       const uint32_t x = k * 7919 % (map.width - 1), y = k * 104729 % (map.width - 1);
       const float scale = 2.0f / static_cast<float>(map.width - 2);

@@ -28,8 +28,9 @@ inline double ggxDistribution(double nh, double alpha) {
   return nh > 0.0 ? alpha * alpha / (M_PI * q * q) : 0.0;
 }
 
-inline double smith(double cosine, double alpha) {
-  return 2.0 * cosine / (cosine + std::sqrt(alpha * alpha + (1.0 - alpha * alpha) * cosine * cosine));
+// Smith's lambda: G1 is 1 / (1 + lambda), and the height-correlated G2 1 / (1 + lambda(l) + lambda(v)).
+inline double smithLambda(double cosine, double alpha) {
+  return 0.5 * (std::sqrt(1.0 + alpha * alpha * (1.0 / (cosine * cosine) - 1.0)) - 1.0);
 }
 
 // mix(dielectric_brdf, metal_brdf, metallic), KHR_materials_specular's dielectric_brdf included. n.l and n.v > 0.
@@ -37,7 +38,8 @@ inline Vec gltfBrdf(const shared::Surface& s, const Vec& n, const Vec& l, const 
   const Vec h = unit({l[0] + v[0], l[1] + v[1], l[2] + v[2]});
   const double alpha = double(s.roughness) * s.roughness;
   const double nl = dot(n, l), nv = dot(n, v);
-  const double specular = ggxDistribution(dot(n, h), alpha) * smith(nl, alpha) * smith(nv, alpha) / (4.0 * nl * nv);
+  const double specular =
+      ggxDistribution(dot(n, h), alpha) / (1.0 + smithLambda(nl, alpha) + smithLambda(nv, alpha)) / (4.0 * nl * nv);
   const double weight = std::pow(1.0 - std::abs(dot(v, h)), 5.0);
   Vec dielectricFresnel, result;
   for (int i = 0; i < 3; ++i) dielectricFresnel[i] = s.f0[i] + (s.f90 - s.f0[i]) * weight;

@@ -50,6 +50,7 @@ SH_FUNC Surface someSurface(Arguments a) {
   s.roughness = a.u.y;
   s.f90 = a.u.z;
   s.f0 = a.d * a.u.z;
+  s.scattered = a.d;
   s.ao = a.u.w;
   return s;
 }
@@ -121,8 +122,13 @@ SH_FUNC vec4 panorama(vec3 d) {
 }
 
 SH_FUNC vec4 reflectanceOf(Arguments a) {
-  EnvironmentReflectance r = environmentReflectance(a.c, a.u.x, vec2(0.9f * a.u.y, 0.1f * a.u.z));
+  Reflectance r = reflectance(a.c, a.u.x, vec2(0.9f * a.u.y, 0.1f * a.u.z));
   return vec4(r.once.x, r.once.y, r.more.x, r.more.y);
+}
+
+SH_FUNC vec4 surfaceReflectanceOf(Arguments a) {
+  SurfaceReflectance r = surfaceReflectance(someSurface(a), vec2(0.9f * a.u.y, 0.1f * a.u.z));
+  return vec4(r.once.x, r.once.y, r.scattered.x, r.scattered.y);
 }
 
 #define FUNCTION_CASES(C)                                                                                          \
@@ -140,8 +146,6 @@ SH_FUNC vec4 reflectanceOf(Arguments a) {
   C(ggxAlpha, 2e-7f, 0.0f, (pad(ggxAlpha(a.u.x))))                                                                 \
   C(ggxDistribution, 5e-6f, 0.0f, (pad(ggxDistribution(a.u.x, 1.0f - a.u.x * a.u.x, ggxAlpha(a.u.y)))))            \
   C(ggxVisibility, 3e-6f, 0.0f, (pad(ggxVisibility(a.u.x + 1e-4f, a.u.z + 1e-4f, ggxAlpha(a.u.y)))))               \
-  C(ggxVisibilityCorrelated, 3e-6f, 0.0f,                                                                          \
-    (pad(ggxVisibilityCorrelated(a.u.x + 1e-4f, a.u.z + 1e-4f, ggxAlpha(a.u.y)))))                                 \
   C(schlickWeight, 1e-6f, 0.0f, (pad(schlickWeight(a.u.x))))                                                       \
   C(schlick, 5e-7f, 5e-7f, (pad(schlick(a.c, a.u.y, a.u.x))))                                                      \
   C(exponentFromRoughness, 2e-6f, 1e-6f, (pad(exponentFromRoughness(a.u.x))))                                      \
@@ -154,7 +158,10 @@ SH_FUNC vec4 reflectanceOf(Arguments a) {
   C(withoutReflection, 0.0f, 0.0f, (pad(specularF0(withoutReflection(someSurface(a))))))                           \
   C(shadeLightGgx, 2e-3f, 1e-6f, (pad(shadeLight(someSurface(a), a.v, someSample(a), kShadingGgx))))               \
   C(shadeLightBlinnPhong, 2e-3f, 1e-6f, (pad(shadeLight(someSurface(a), a.v, someSample(a), kShadingBlinnPhong)))) \
-  C(environmentReflectance, 2e-6f, 2e-7f, (reflectanceOf(a)))                                                      \
+  C(shadeLightGgxCompensated, 2e-3f, 1e-6f,                                                                        \
+    (pad(shadeLight(someSurface(a), a.v, someSample(a), kShadingGgxCompensated))))                                 \
+  C(reflectance, 2e-6f, 2e-7f, (reflectanceOf(a)))                                                                 \
+  C(surfaceReflectance, 2e-6f, 1e-6f, (surfaceReflectanceOf(a)))                                                   \
   C(specularOcclusion, 2e-6f, 1e-6f, (pad(specularOcclusion(a.u.x + 1e-4f, a.u.y, a.u.z))))                        \
   C(shadeEnvironment, 5e-6f, 2e-6f,                                                                                \
     (pad(shadeEnvironment(someSurface(a), a.v, a.c, a.d, vec2(0.9f * a.u.x, 0.1f * a.u.w)))))                      \
@@ -166,6 +173,8 @@ SH_FUNC vec4 reflectanceOf(Arguments a) {
   C(octahedralFromDirection, 5e-7f, 5e-7f, (pad(octahedralFromDirection(a.n))))                                    \
   C(directionFromOctahedral, 5e-7f, 5e-7f, (pad(directionFromOctahedral(vec2(a.u.x * 2.0f - 1.0f, a.n.y)))))       \
   C(rotateToEnvironment, 5e-7f, 5e-7f, (pad(rotateToEnvironment(a.n, a.l.x, a.l.y))))                              \
+  C(lobeDirection, 5e-7f, 3e-6f, (pad(lobeDirection(a.n, a.v, 0.99f * a.u.x))))                                    \
+  C(lobeTexture, 5e-7f, 0.0f, (pad(lobeTexture(a.u.x, a.u.y, 16.0f))))                                             \
   C(octahedralTexture, 5e-7f, 0.0f, (pad(octahedralTexture(vec2(a.n.x, a.n.y), 64.0f))))                           \
   C(equirectangular, 0.0f, 8e-5f, (panorama(a.n)))                                                                 \
   C(projectToClip, 5e-7f, 5e-4f, (projectToClip(someProjection(a), a.n * a.w.x)))                                  \

@@ -3,9 +3,23 @@
 #include "shared/environment.h"
 #include "shared/shade.h"
 
-vec3 environmentRadiance(FrameConstants frame, vec3 direction, float roughness) {
-  vec2 o = octahedralFromDirection(rotateToEnvironment(direction, frame.environmentCos, frame.environmentSin));
-  float level = roughness * (frame.environmentLevels - 1.0);
+// Scale and bias of f0 and f90 of the surface's lobe.
+vec2 splitSum(Surface s, vec3 toEye) {
+  return textureLod(reflectanceTable, vec2(clamp(dot(s.normal, toEye), 0.0, 1.0), s.roughness), 0.0).rg;
+}
+
+// Before lights: what the surface scatters, where the shading compensates energy.
+void prepareForLights(inout Surface s, vec3 toEye) {
+  if (kShading == kShadingGgxCompensated) s.scattered = surfaceReflectance(s, splitSum(s, toEye)).scattered;
+}
+
+vec2 environmentOctahedral(FrameConstants frame, vec3 direction) {
+  return octahedralFromDirection(rotateToEnvironment(direction, frame.environmentCos, frame.environmentSin));
+}
+
+// Of the prefiltered levels; between two of them a mixture.
+vec3 environmentRadiance(FrameConstants frame, vec3 direction, float level) {
+  vec2 o = environmentOctahedral(frame, direction);
   float lower = min(floor(level), frame.environmentLevels - 2.0);
   // Each level has its own border, so trilinear filtering is two bilinear fetches at coordinates of their own.
   // Sizes follow from level 0's: lavapipe 22.3 answers textureSize for all lanes with the first lane's level.
@@ -18,11 +32,11 @@ vec3 environmentRadiance(FrameConstants frame, vec3 direction, float roughness) 
 vec3 environmentLight(FrameConstants frame, Surface s, vec3 toEye) {
   if (frame.environmentIntensity == 0.0) return vec3(0.0);
   float nv = clamp(dot(s.normal, toEye), 0.0, 1.0);
-  vec3 reflected = reflect(-toEye, s.normal);
-  vec3 specular = environmentRadiance(frame, reflected, s.roughness);
-  vec2 o = octahedralFromDirection(rotateToEnvironment(s.normal, frame.environmentCos, frame.environmentSin));
+  vec2 o = environmentOctahedral(frame, s.normal);
   vec3 diffuse =
       textureLod(environmentDiffuse, octahedralTexture(o, float(textureSize(environmentDiffuse, 0).x)), 0.0).rgb;
-  vec2 table = textureLod(reflectanceTable, vec2(nv, s.roughness), 0.0).rg;
-  return shadeEnvironment(s, toEye, diffuse, specular, table) * frame.environmentIntensity;
+  vec3 lobe = textureLod(lobeTable, lobeTexture(nv, s.roughness, float(textureSize(lobeTable, 0).x)), 0.0).rgb;
+  vec3 specular = environmentRadiance(frame, lobeDirection(s.normal, toEye, lobe.x), lobe.y);
+  specular = mix(specular, diffuse, lobe.z);
+  return shadeEnvironment(s, toEye, diffuse, specular, splitSum(s, toEye)) * frame.environmentIntensity;
 }

@@ -48,6 +48,7 @@ LitPixel readPixel(FrameConstants frame, View view, ivec3 place, uint samples) {
     if ((p.s.flags & kSurfaceUnlit) != 0u) p.s = withoutReflection(p.s);
     p.toEye = directionToEye(view, p.s.position);
     p.radiance = environmentLight(frame, p.s, p.toEye);
+    prepareForLights(p.s, p.toEye);
   }
   return p;
 }

@@ -41,7 +41,9 @@ vec4 blendedFragment(FrameConstants frame) {
   vec3 emitted = unlit ? s.baseColor : s.emissive;
   if (unlit) s = withoutReflection(s);
   vec3 toEye = directionToEye(frameView(frame, push.view), s.position);
-  vec3 radiance = environmentLight(frame, s, toEye) + lightsAt(frame, s, toEye, alpha > 0.0);
+  vec3 radiance = environmentLight(frame, s, toEye);
+  prepareForLights(s, toEye);
+  radiance += lightsAt(frame, s, toEye, alpha > 0.0);
   vec3 sum = min(emitted * frame.exposure, vec3(65504.0)) + radiance * frame.exposure;
   vec4 color = vec4(min(sum, vec3(65504.0)), 1.0);
   if (frame.fog.density > 0.0) color = throughFog(frame.fog, frameView(frame, push.view), s.position, color);

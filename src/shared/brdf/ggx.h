@@ -25,18 +25,10 @@ SH_FUNC float ggxDistribution(float nh, float sin2, float alpha) {
   return a2 * kInvPi / (d * d);
 }
 
-// Smith masking and shadowing, separable (Walter et al. 2007, equation 34), over 4 n.l n.v: the form that appendix B
-// gives.
+// Smith masking and shadowing, height-correlated (Heitz 2014, equation 99), over 4 n.l n.v: the form that appendix B
+// names as the more accurate one. What it leaves over is what microfacets pass on to each other, exactly: a walk over
+// the facets of Smith's surface meets the same numbers.
 SH_FUNC float ggxVisibility(float nl, float nv, float alpha) {
-  float a2 = alpha * alpha;
-  float l = nl + sqrt(a2 + (1.0f - a2) * nl * nl);
-  float v = nv + sqrt(a2 + (1.0f - a2) * nv * nv);
-  return 1.0f / (l * v);
-}
-
-// Smith masking and shadowing, height-correlated (Heitz 2014, equation 99), over 4 n.l n.v: nearer to the truth where
-// light and eye see the same side, up to twice the separable form at grazing angles. For the environment's tables.
-SH_FUNC float ggxVisibilityCorrelated(float nl, float nv, float alpha) {
   float a2 = alpha * alpha;
   float l = nv * sqrt(a2 + (1.0f - a2) * nl * nl);
   float v = nl * sqrt(a2 + (1.0f - a2) * nv * nv);

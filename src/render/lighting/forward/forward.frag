@@ -28,6 +28,7 @@ void main() {
   if (unlit) s = withoutReflection(s);
   vec3 toEye = directionToEye(frameView(frame, push.view), s.position);
   vec3 radiance = environmentLight(frame, s, toEye);
+  prepareForLights(s, toEye);
   radiance += kPlainLoop != 0u ? shadeAllLightsPlainly(frame, s, toEye)
                                : shadeAllLights(frame, s, toEye, true);
   // Emitted radiance has its own ceiling, as in the light accumulation target of the deferred techniques.

@@ -7,6 +7,7 @@
 #include "render/glsl/material.glsl"
 #include "render/glsl/surface.glsl"
 #include "render/glsl/multisample.glsl"
+#include "render/glsl/environment.glsl"
 #include "render/glsl/one_light.glsl"
 #include "shared/gbuffer.h"
 
@@ -19,7 +20,9 @@ layout(location = 1) out vec4 counts;
 void main() {
   FrameConstants frame = FrameRef(push.frame).v;
   Surface s = evaluateMaterial(frame, frameInstance(frame, varyingInstance), drawMaterial());
-  vec3 one = shadeOneLight(push.light, s, directionToEye(frameView(frame, push.view), s.position));
+  vec3 toEye = directionToEye(frameView(frame, push.view), s.position);
+  prepareForLights(s, toEye);
+  vec3 one = shadeOneLight(push.light, s, toEye);
   lightsTested = 1.0;
   // Of several surfaces at one depth all pass the test, and only the one that shows may be added to.
   ivec3 pixel = ivec3(ivec2(gl_FragCoord.xy), int(push.view));

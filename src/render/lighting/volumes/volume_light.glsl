@@ -1,4 +1,5 @@
 // One light at a surface that its volume covers. After gbuffer_read.glsl, with GBUFFER_SAMPLED_ONLY.
+#include "render/glsl/environment.glsl"
 #include "render/glsl/one_light.glsl"
 #include "render/lighting/volumes/volume_push.glsl"
 
@@ -18,7 +19,9 @@ void lightSurface(ivec3 pixel, uint samples) {
   Surface s = readSurface(view, pixel, depth, 1.0);
 #endif
   if ((s.flags & kSurfaceUnlit) != 0u) s = withoutReflection(s);
-  vec3 one = shadeOneLight(push.light, s, directionToEye(view, s.position));
+  vec3 toEye = directionToEye(view, s.position);
+  prepareForLights(s, toEye);
+  vec3 one = shadeOneLight(push.light, s, toEye);
   lightsTested = 1.0;
   // Volumes that reach the far plane cover background too.
   radiance = depth != 0.0 ? vec4(one, 0.0) : vec4(0.0);

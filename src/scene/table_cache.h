@@ -1,0 +1,29 @@
+// Tables of n.v and roughness, computed once and then read from the cache.
+#pragma once
+
+#include <cstring>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/files.h"
+
+namespace latelight::scene {
+
+// The `count` entries of that name in the cache, else those that compute() returns. The name holds all they follow
+// from.
+template <typename Entry, typename Compute>
+std::vector<Entry> cachedTable(const std::string& name, size_t count, Compute compute) {
+  const std::optional<std::vector<std::byte>> entry = loadCache(name);
+  if (entry && entry->size() == sizeof(Entry) * count) {
+    std::vector<Entry> table(count);
+    std::memcpy(table.data(), entry->data(), entry->size());
+    return table;
+  }
+  const std::vector<Entry> table = compute();
+  storeCache(name, std::as_bytes(std::span(table)));
+  return table;
+}
+
+}  // namespace latelight::scene
