@@ -2,14 +2,18 @@
 #include <fmt/core.h>
 
 #include <cmath>
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "app/commands.h"
+#include "base/files.h"
+#include "base/log.h"
 #include "output/compare.h"
 #include "output/files.h"
+#include "output/used_files.h"
 
 namespace latelight::app {
 namespace {
@@ -45,7 +49,7 @@ void printJson(const output::Comparison& c, bool alike) {
 void printText(const output::Comparison& c, bool alike) {
   fmt::print("{}\n", alike ? "alike" : "not alike");
   fmt::print("maximum  {:.6g}", c.maximum);
-  if (c.maximum > 0) fmt::print("  (channel {} at {},{})", c.worstChannel, c.worstX, c.worstY);
+  if (c.maximum > 0) fmt::print("  (channel {} at {},{})", printable(c.worstChannel), c.worstX, c.worstY);
   fmt::print("\nmean     {:.6g}\n", c.mean);
   fmt::print("PSNR     {:.2f} dB\n", c.psnr);
   fmt::print("beyond   {:.6g} % of the pixels ({} of {})\n", c.share() * 100, c.beyond, c.pixels);
@@ -57,6 +61,11 @@ void run(const Arguments& arguments) {
     badUsage("--tolerance and --share take numbers, and nan is none");
   output::CompareOptions options;
   options.channels = arguments.channels;
+  if (!arguments.difference.empty()) {
+    const std::filesystem::path inputs[] = {arguments.first, arguments.second}, outputs[] = {arguments.difference};
+    output::UsedFiles(inputs).checkOutputs(outputs);
+    checkWritable(arguments.difference);
+  }
   if (arguments.tolerance >= 0) options.tolerance = arguments.tolerance;
   const output::ReadImage a = output::readImage(arguments.first);
   const output::ReadImage b = output::readImage(arguments.second);

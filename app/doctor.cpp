@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands.h"
+#include "base/log.h"
 
 namespace latelight::app {
 
@@ -14,7 +15,7 @@ namespace {
 
 void printText(const vk::Diagnosis& diagnosis) {
   for (const vk::Finding& finding : diagnosis.findings) {
-    fmt::print("{} {}\n", finding.ok ? "ok     " : "problem", finding.sentence);
+    fmt::print("{} {}\n", finding.ok ? "ok     " : "problem", printable(finding.sentence));
     if (!finding.remedy.empty()) fmt::print("        {}\n", finding.remedy);
   }
   fmt::print("{}\n", diagnosis.usable ? "Latelight can render here." : "Latelight can't render here yet.");

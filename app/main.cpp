@@ -1,23 +1,84 @@
 // latelight: the command line. Exit codes are base/error.h's.
+#include <fcntl.h>
 #include <fmt/core.h>
+#include <unistd.h>
 
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <string>
+#include <string_view>
 
 #include "app/commands.h"
 #include "base/log.h"
+#include "base/temporary_file.h"
 
 namespace {
 
 using namespace latelight;
+
+// Where standard error can't be written to, the exit code alone has to say it.
+void complain(std::string_view sentence) {
+  std::fputs(("latelight: " + printable(sentence) + "\n").c_str(), stderr);
+}
 
 std::string commandNames(const CLI::App& cli) {
   std::string names;
   for (const CLI::App* command : cli.get_subcommands(nullptr))
     names += (names.empty() ? "" : ", ") + command->get_name();
   return "the commands are " + names + "; see latelight --help";
+}
+
+// Whether that option is followed by its value.
+bool takesValue(const CLI::App& cli, const std::string& option) {
+  for (const CLI::App* command : cli.get_subcommands(nullptr))
+    if (const CLI::Option* found = command->get_option_no_throw(option)) return found->get_items_expected_min() > 0;
+  return false;
+}
+
+bool isLongOption(const CLI::App& cli, const std::string& name) {
+  if (cli.get_option_no_throw("--" + name)) return true;
+  for (const CLI::App* command : cli.get_subcommands(nullptr))
+    if (command->get_option_no_throw("--" + name)) return true;
+  return false;
+}
+
+// One dash introduces letters: to CLI11 "-hdri" is "-h" and more, for which it prints the help.
+void checkDashes(const CLI::App& cli, int argc, char** argv) {
+  for (int i = 1; i < argc && std::string_view(argv[i]) != "--"; ++i) {
+    const std::string argument = argv[i], name = argument.substr(0, argument.find('='));
+    if (name.size() < 3 || name[0] != '-' || name[1] == '-' || takesValue(cli, argv[i - 1])) continue;
+    if (isLongOption(cli, name.substr(1)))
+      badUsage("\"{}\" has one dash, and long options have two: -{}", argument, name);
+    const bool flags = name.find_first_not_of("hq", 1) == std::string::npos;
+    if ((name[1] == 'h' || name[1] == 'q') && !flags)
+      badUsage("there is no option \"{}\"; see latelight --help", argument);
+  }
+}
+
+// CLI11's sentence, with what it repeats of the arguments shortened where that is too long to be read.
+std::string inWords(const CLI::ParseError& error, int argc, char** argv) {
+  std::string sentence = error.what();
+  for (int i = 1; i < argc; ++i) {
+    const std::string argument = argv[i], value = argument.substr(argument.find('=') + 1);
+    for (const std::string& text : {argument, value})
+      if (const size_t at = sentence.find(text); at != std::string::npos)
+        sentence.replace(at, text.size(), shortened(text));
+  }
+  return sentence;
+}
+
+// An empty value is that of a shell's variable which is not set, and no wish for what is normal. Some options say so in
+// better words of their own.
+void refuseEmptyValues(CLI::App& cli) {
+  const CLI::Validator check(
+      [](const std::string& value) { return value.empty() ? "its value is empty" : std::string(); }, "");
+  for (CLI::App* command : cli.get_subcommands(nullptr))
+    for (CLI::Option* option : command->get_options())
+      if (option->get_items_expected_min() > 0 && !option->check_name("--out") && !option->check_name("--device"))
+        option->check(check);
 }
 
 int parseAndRun(int argc, char** argv) {
@@ -36,13 +97,15 @@ int parseAndRun(int argc, char** argv) {
   app::addDoctorCommand(cli);
   app::addCompareCommand(cli);
   app::addStudyCommand(cli);
+  refuseEmptyValues(cli);
+  checkDashes(cli, argc, argv);
   try {
     cli.parse(argc, argv);
   } catch (const CLI::Success& request) {  // --help, --version
     return cli.exit(request);
   } catch (const CLI::ParseError& error) {
     const std::string advice = cli.get_subcommands().empty() ? commandNames(cli) : "see latelight --help";
-    fmt::print(stderr, "latelight: {} ({})\n", error.what(), advice);
+    complain(fmt::format("{} ({})", inWords(error, argc, argv), advice));
     return static_cast<int>(ExitCode::Usage);
   }
   if (cli.get_subcommands().empty()) badUsage("no command is given ({})", commandNames(cli));
@@ -55,26 +118,36 @@ int run(int argc, char** argv) {
   } catch (const app::Exit& exit) {
     return static_cast<int>(exit.code);
   } catch (const Error& error) {
-    fmt::print(stderr, "latelight: {}\n", error.what());
+    complain(error.what());
     return static_cast<int>(error.code());
   } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "latelight: out of memory; use a smaller scene or picture\n");
+    complain("out of memory; use a smaller scene or picture");
     return static_cast<int>(ExitCode::Internal);
   } catch (const std::exception& error) {
     if (std::ferror(stdout)) return static_cast<int>(ExitCode::Usage);  // main() says it
-    fmt::print(stderr, "latelight: internal error: {}\n", error.what());
+    complain(fmt::format("internal error: {}", error.what()));
     return static_cast<int>(ExitCode::Internal);
   }
+}
+
+// A standard stream that the caller closed would become the first file that is opened, and what is printed would go
+// there. Opened the wrong way round, it fails as a closed one does.
+void holdStandardStreams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (fcntl(stream, F_GETFD) < 0 && errno == EBADF) open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  // A file that reaches the limit on sizes is an error of write(), which leaves no half file, and not the end.
+  holdStandardStreams();
+  // A file that reaches the limit on sizes, and a pipe whose reader goes, are errors of write(), and not the end.
   std::signal(SIGXFSZ, SIG_IGN);
+  std::signal(SIGPIPE, SIG_IGN);
+  removeTemporaryFilesOnSignals();
   const int code = run(argc, argv);
   // Text leaves when its buffer does: a full disk may show only here.
   if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return code;
-  fmt::print(stderr, "latelight: can't write to standard output; free some space, or send it elsewhere\n");
+  complain("can't write to standard output; free some space, or send it elsewhere");
   return static_cast<int>(ExitCode::Usage);
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -18,8 +19,10 @@
 #include "output/debug.h"
 #include "output/files.h"
 #include "output/targets.h"
+#include "output/used_files.h"
 #include "render/renderer.h"
 #include "render/session.h"
+#include "vk/driver_cache.h"
 
 namespace latelight::app {
 
@@ -68,7 +71,23 @@ void printReport(const scene::Scene& scene, const vk::Device& device, const rend
               {"gpu", passes}};
   if (!picked.empty()) report["picked"] = describePicked(picked);
   if (const auto& counts = renderer.shadingCounts()) report["shading"] = describeShadings(*counts);
-  fmt::print("{}\n", report.dump(2));
+  // Paths and names need not be UTF-8.
+  fmt::print("{}\n", report.dump(2, ' ', false, Json::error_handler_t::replace));
+}
+
+// What {aov} stands for in the name of --debug's picture.
+std::string_view debugName(const DebugRequest& debug) {
+  if (debug.targets) return "targets";
+  return debug.sheet ? "sheet" : output::info(debug.aovs.front()).name;
+}
+
+std::vector<std::filesystem::path> writeDebugPicture(const DebugRequest& debug, const output::Picture& picture,
+                                                     const output::Metadata& metadata, const std::string& out) {
+  const std::filesystem::path path = output::fillPattern(out, debugName(debug), metadata);
+  output::makeFilledFolders(out, path);
+  output::writePicture(path, picture);
+  if (out == "-") return {};
+  return {path};
 }
 
 // Writes the pictures of --debug: one, or a labelled sheet of several.
@@ -84,20 +103,8 @@ std::vector<std::filesystem::path> writeDebug(const DebugRequest& debug, const o
                                   : output::debugPicture(aov, ids == frame.aovs.end() ? nullptr : &*ids);
     pictures.push_back({std::string(output::info(aov.aov).name), std::move(picture)});
   }
-  const std::filesystem::path path =
-      output::fillPattern(out, debug.sheet ? "sheet" : output::info(debug.aovs.front()).name, metadata);
-  output::writePicture(path, debug.sheet ? output::contactSheet(pictures) : pictures.front().picture);
-  if (out == "-") return {};
-  return {path};
-}
-
-// Writes the picture of --debug targets.
-std::vector<std::filesystem::path> writeTargets(const output::RawGbuffer& gbuffer, const output::Metadata& metadata,
-                                                const std::string& out) {
-  const std::filesystem::path path = output::fillPattern(out, "targets", metadata);
-  output::writePicture(path, output::contactSheet(output::targetPictures(gbuffer)));
-  if (out == "-") return {};
-  return {path};
+  return writeDebugPicture(debug, debug.sheet ? output::contactSheet(pictures) : pictures.front().picture, metadata,
+                           out);
 }
 
 // Each may fill standard output once.
@@ -118,7 +125,7 @@ output::OutputRequest planOutput(RenderOptions& o, const std::optional<DebugRequ
   if (o.out.empty() && (o.picks.empty() || debug || !o.aovs.empty()))
     badUsage("--out is required: -o says where the picture goes, unless nothing but --pick is asked for");
   checkStandardOutput(o);
-  if (!o.graph.empty()) output::checkWritable(o.graph);
+  if (!o.graph.empty()) checkWritable(o.graph);
   if (o.out.empty()) return request;
   output::checkOutput(request);
 
@@ -130,6 +137,39 @@ output::OutputRequest planOutput(RenderOptions& o, const std::optional<DebugRequ
   if (debug && !debug->targets && !output::contains(s.aovs, output::Aov::Id))
     s.aovs.push_back(output::Aov::Id);  // what is background
   return request;
+}
+
+// What one frame writes, and --dump-graph.
+std::vector<std::filesystem::path> outputsOf(const RenderOptions& o, const std::optional<DebugRequest>& debug,
+                                             const output::OutputRequest& request, const output::Metadata& metadata) {
+  std::vector<std::filesystem::path> paths;
+  if (debug)
+    paths = {output::fillPattern(o.out, debugName(*debug), metadata)};
+  else if (!o.out.empty())
+    paths = output::outputPaths(request, metadata);
+  paths.emplace_back(o.graph);
+  return paths;
+}
+
+// Throws Error(Usage) where a file would be written over what the scene and its environment are read from, or over
+// another that leaves.
+void checkFiles(const RenderOptions& o, const std::optional<DebugRequest>& debug, const output::OutputRequest& request,
+                const scene::Scene& scene, const Timeline& timeline, const std::string& environment) {
+  std::vector<std::filesystem::path> inputs = scene.files;
+  if (!environment.empty()) inputs.emplace_back(environment);
+  output::UsedFiles used(inputs);
+  output::Metadata named;
+  named.scene = scene.name;
+  named.camera.name = timeline.cameraAt(timeline.first()).name;
+  named.frameDigits = timeline.frameDigits();
+  for (named.frame = timeline.first(); named.frame <= timeline.last(); ++named.frame) {
+    const std::vector<std::filesystem::path> outputs = outputsOf(o, debug, request, named);
+    used.checkOutputs(outputs);
+    // Frames that can't be written don't keep the others from it.
+    if (timeline.isSequence()) continue;
+    for (const std::filesystem::path& path : outputs)
+      if (std::filesystem::exists(path)) checkWritable(path);
+  }
 }
 
 // What the frames of one run share.
@@ -177,7 +217,8 @@ void writeFrame(Run& run, const RenderedFrame& frame) {
   const auto mark = Clock::now();
   std::vector<std::filesystem::path> files;
   if (run.debug && run.debug->targets)
-    files = writeTargets(frame.targets, frame.metadata, run.options.out);
+    files = writeDebugPicture(*run.debug, output::contactSheet(output::targetPictures(frame.targets)), frame.metadata,
+                              run.options.out);
   else if (!run.options.out.empty())
     files = run.debug ? writeDebug(*run.debug, frame.picture, frame.metadata, run.options.out)
                       : output::writeOutput(run.request, frame.picture, frame.metadata);
@@ -209,6 +250,7 @@ void render(RenderOptions& o) {
   const std::optional<DebugRequest> debug = parseDebug(o.debug, o.time || !o.frames.empty() || o.turn != 0);
   const output::OutputRequest request = planOutput(o, debug);
 
+  vk::avoidFullDriverCache();
   // The device starts while the scene loads: they share nothing.
   auto deviceStart = inBackground(
       [&] { return std::make_unique<vk::Device>(vk::DeviceOptions{.selector = o.device, .validation = o.validate}); });
@@ -218,6 +260,7 @@ void render(RenderOptions& o) {
   // A background to show is a reason for an environment, lights or not.
   const std::string asked = o.hdri.empty() && o.background == "hdri" ? "studio" : o.hdri;
   const std::string environmentName = render::environmentName(scene, asked);
+  checkFiles(o, debug, request, scene, timeline, environmentName);
   const std::optional<scene::Environment> environment = render::loadEnvironment(environmentName);
   const double loaded = seconds(start);
 

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "base/log.h"
 #include "base/text.h"
 
 namespace latelight::app {
@@ -17,8 +18,9 @@ std::string text(glm::vec3 v) {
   return fmt::format("{:.6g} {:.6g} {:.6g}", v.x, v.y, v.z);
 }
 
-const std::string& nameOr(const std::string& name, const std::string& otherwise) {
-  return name.empty() ? otherwise : name;
+// Names are the scene file's, and may hold anything.
+std::string nameOr(const std::string& name, const std::string& otherwise) {
+  return name.empty() ? otherwise : printable(name);
 }
 
 Json array(glm::vec3 v) {
@@ -47,7 +49,7 @@ void printPicked(const std::vector<render::Picked>& picked, const std::string& f
       continue;
     }
     fmt::print("pixel {},{}\n", p.pixel.x, p.pixel.y);
-    fmt::print("  id         {}\n  node       {}\n  mesh       {}\n  material   {}\n", p.id, p.node,
+    fmt::print("  id         {}\n  node       {}\n  mesh       {}\n  material   {}\n", p.id, nameOr(p.node, unnamed),
                nameOr(p.mesh, unnamed), nameOr(p.material, unnamed));
     fmt::print("  position   {} m ({})\n", text(p.position), frame);
     fmt::print("  normal     {} ({})\n  geonormal  {} ({})\n", text(p.normal), normalFrame, text(p.geonormal),

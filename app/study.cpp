@@ -12,6 +12,7 @@
 #include "output/files.h"
 #include "scene/builtin.h"
 #include "study/study.h"
+#include "vk/driver_cache.h"
 
 namespace latelight::app {
 
@@ -76,18 +77,37 @@ nlohmann::ordered_json toJson(const Arguments& a, const study::Result& result) {
   return json;
 }
 
-// Checks that the folder is there or can be made, before anything costs time.
-void checkFolder(const std::filesystem::path& folder) {
-  const bool there = std::filesystem::is_directory(folder);
-  if (!there && std::filesystem::exists(folder))
-    badUsage("{} is no folder; give -o the name of one, or a new name", folder.string());
-  output::checkWritable((there ? folder / "study.json" : folder).string());
-}
+// The folder that results go to, made where it is missing; if nothing comes of them, it goes again.
+class ResultFolder {
+ public:
+  // Finds out whether it can be written to before anything costs time. `study`: what its files' names begin with.
+  ResultFolder(const std::filesystem::path& path, const std::string& study);
+  ~ResultFolder() {
+    std::error_code ignored;
+    if (made_) std::filesystem::remove(path_, ignored);  // only if empty
+  }
+  ResultFolder(const ResultFolder&) = delete;
+  ResultFolder& operator=(const ResultFolder&) = delete;
 
-void makeFolder(const std::filesystem::path& folder) {
+ private:
+  std::filesystem::path path_;
+  bool made_ = false;
+};
+
+ResultFolder::ResultFolder(const std::filesystem::path& path, const std::string& study) : path_(path) {
   std::error_code error;
-  std::filesystem::create_directory(folder, error);
-  if (error) badUsage("the folder {} can't be made: {}; give -o another", folder.string(), error.message());
+  made_ = std::filesystem::create_directory(path, error);
+  if (!std::filesystem::is_directory(path, error)) {
+    if (std::filesystem::exists(path))
+      badUsage("{} is no folder; give -o the name of one, or a new name", path.string());
+    badUsage("the folder {} can't be made: {}; give -o another", path.string(), error.message());
+  }
+  checkWritable(path / (study + ".json"));
+  for (const auto& entry : std::filesystem::directory_iterator(path)) {
+    const std::string ending = entry.path().extension().string();
+    const bool isResult = ending == ".csv" || ending == ".json" || ending == ".png" || ending == ".gnuplot";
+    if (isResult && entry.path().filename().string().starts_with(study)) checkWritable(entry.path());
+  }
 }
 
 void writeText(const std::filesystem::path& path, const std::string& text) {
@@ -95,7 +115,6 @@ void writeText(const std::filesystem::path& path, const std::string& text) {
 }
 
 void writeAll(const std::filesystem::path& folder, const Arguments& a, const study::Result& result) {
-  makeFolder(folder);
   for (const study::Table& table : result.tables) writeText(folder / (table.name + ".csv"), study::toCsv(table));
   for (const study::NamedPicture& picture : result.pictures)
     output::writePicture(folder / (picture.name + ".png"), picture.picture);
@@ -110,7 +129,9 @@ void run(Arguments& a) {
   if (!a.bits.empty()) a.options.bits = parseBits(a.bits);
   parseSweep(a, a.options.sweep);
   a.options.pictures = !a.folder.empty();
-  if (!a.folder.empty()) checkFolder(a.folder);
+  std::optional<ResultFolder> folder;
+  if (!a.folder.empty()) folder.emplace(a.folder, a.name);
+  vk::avoidFullDriverCache();
   const study::Result result = chosen.run(a.options);
   if (!a.folder.empty()) writeAll(a.folder, a, result);
   if (a.json) {

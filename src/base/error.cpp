@@ -4,6 +4,17 @@
 
 namespace latelight {
 
+std::string shortened(std::string_view text) {
+  constexpr size_t kMost = 300, kHead = 200, kTail = 60;  // bytes
+  if (text.size() <= kMost) return std::string(text);
+  // Not within a character of UTF-8.
+  const auto within = [&](size_t at) { return (static_cast<unsigned char>(text[at]) & 0xc0) == 0x80; };
+  size_t head = kHead, tail = text.size() - kTail;
+  while (head > kHead - 4 && within(head)) --head;
+  while (tail < text.size() - kTail + 4 && within(tail)) ++tail;
+  return fmt::format("{} ... {} ({} bytes in all)", text.substr(0, head), text.substr(tail), text.size());
+}
+
 Error::Error(ExitCode code, const std::string& sentence) : std::runtime_error(printable(sentence)), code_(code) {}
 
 Error::~Error() = default;  // here, so that the type has one home and can be caught across the library's border

@@ -5,8 +5,22 @@
 #include <latelight/latelight.h>
 
 #include <string>
+#include <string_view>
+#include <type_traits>
 
 namespace latelight {
+
+// What a sentence repeats of a user's or a file's text: all of it, or the ends of what is too long to be read.
+std::string shortened(std::string_view text);
+
+// shortened() for texts; all else as it is.
+template <typename T>
+decltype(auto) shortenedIfText(const T& value) {
+  if constexpr (std::is_convertible_v<const T&, std::string_view>)
+    return shortened(value);
+  else
+    return (value);
+}
 
 template <typename... Args>
 [[noreturn]] void fail(ExitCode code, fmt::format_string<Args...> format, Args&&... args) {
@@ -14,11 +28,11 @@ template <typename... Args>
 }
 template <typename... Args>
 [[noreturn]] void badInput(fmt::format_string<Args...> format, Args&&... args) {
-  throw Error(ExitCode::BadInput, fmt::format(format, std::forward<Args>(args)...));
+  throw Error(ExitCode::BadInput, fmt::vformat(format, fmt::make_format_args(shortenedIfText(args)...)));
 }
 template <typename... Args>
 [[noreturn]] void badUsage(fmt::format_string<Args...> format, Args&&... args) {
-  throw Error(ExitCode::Usage, fmt::format(format, std::forward<Args>(args)...));
+  throw Error(ExitCode::Usage, fmt::vformat(format, fmt::make_format_args(shortenedIfText(args)...)));
 }
 
 }  // namespace latelight

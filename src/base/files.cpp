@@ -4,7 +4,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <cassert>
 #include <cerrno>
 #include <cstdlib>
@@ -15,6 +14,7 @@
 
 #include "base/error.h"
 #include "base/hash.h"
+#include "base/temporary_file.h"
 
 namespace latelight {
 namespace fs = std::filesystem;
@@ -84,50 +84,77 @@ int readAll(int fd, size_t size, std::vector<std::byte>& bytes) {
 [[noreturn]] void failToWrite(const fs::path& path, int error) {
   const char* advice = "choose a place that can be written to";
   if (error == ENOENT || error == ENOTDIR) advice = "make its folder first, or choose another";
-  if (error == ENOSPC || error == EDQUOT) advice = "free some space there, or choose another place";
-  if (error == EISDIR) advice = "give the name of a file";
+  if (error == ENOSPC || error == EDQUOT || error == EFBIG) advice = "free some space there, or choose another place";
+  if (error == ELOOP) advice = "its links lead in a circle: remove them, or choose another place";
   badUsage("can't write '{}': {}; {}", path.string(), reason(error), advice);
 }
 
-// A new file beside `path`; its name can't meet another's, nor one left by a process that was killed.
-fs::path makeBeside(const fs::path& path, int& fd) {
-  static std::atomic<unsigned> serial = 0;
-  for (;;) {
-    const fs::path beside =
-        path.parent_path() / fmt::format(".{}.{}-{}.tmp", path.filename().string().substr(0, 200), getpid(), serial++);
-    fd = open(beside.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (fd >= 0 || errno != EEXIST) return beside;
-  }
-}
+// What stands where a file is to be written.
+struct Place {
+  fs::path path;    // links followed
+  mode_t mode = 0;  // as stat has it; 0: nothing stands there
+  uid_t user = 0;   // whose it is
+  gid_t group = 0;
+  bool isFile() const { return mode == 0 || S_ISREG(mode); }
+};
 
-// 0 or an errno.
-int replace(const fs::path& path, std::span<const std::byte> bytes) {
-  int fd = -1;
-  const fs::path beside = makeBeside(path, fd);
-  if (fd < 0) return errno;
-  int error = writeAll(fd, bytes);
-  if (close(fd) != 0 && error == 0) error = errno;
-  if (error == 0 && rename(beside.c_str(), path.c_str()) != 0) error = errno;
-  if (error != 0) unlink(beside.c_str());
-  return error;
-}
-
-// 0 or an errno.
-int writeWhole(const fs::path& path, std::span<const std::byte> bytes) {
+// Throws Error(Usage) for what is not to be written to, whoever asks.
+Place findPlace(const fs::path& path) {
+  if (path.empty()) badUsage("can't write to a file without a name; give the name of a file");
   struct stat status {};
-  const bool exists = stat(path.c_str(), &status) == 0;
-  if (exists && S_ISDIR(status.st_mode)) return EISDIR;
-  if (exists && !S_ISREG(status.st_mode)) {  // a pipe, /dev/null: there is nothing to rename over
-    File file(path, O_WRONLY);
-    if (!file) return errno;
-    const int error = writeAll(file.get(), bytes);
-    const int closing = file.close();
-    return error ? error : closing;
+  if (stat(path.c_str(), &status) != 0) {
+    if (errno != ENOENT) failToWrite(path, errno);
+    std::error_code ignored;
+    if (!fs::is_symlink(path, ignored)) return {.path = path};
+    badUsage("can't write '{}': it is a link to '{}', which is not there; remove the link, or make that file first",
+             path.string(), fs::read_symlink(path, ignored).string());
   }
-  // Through a symbolic link, so that the link stays.
-  std::error_code ignored;
-  const fs::path target = exists ? fs::canonical(path, ignored) : path;
-  return replace(target.empty() ? path : target, bytes);
+  if (S_ISDIR(status.st_mode)) badUsage("can't write '{}': it is a folder; give the name of a file", path.string());
+  if (S_ISBLK(status.st_mode) || S_ISSOCK(status.st_mode))
+    badUsage("can't write '{}': it is a {}; give the name of a file", path.string(),
+             S_ISBLK(status.st_mode) ? "disk" : "socket");
+  // Asked for by its bits too: root may write to any.
+  if (S_ISREG(status.st_mode) && ((status.st_mode & 0222) == 0 || access(path.c_str(), W_OK) != 0))
+    badUsage("can't write '{}': the file that is there is read-only; allow writing (chmod u+w), or choose another name",
+             path.string());
+  // To where links lead, so that they stay.
+  std::error_code error;
+  const fs::path target = fs::canonical(path, error);
+  return {error ? path : target, status.st_mode, status.st_uid, status.st_gid};
+}
+
+// 0 or an errno. Makes the new file what the one is that it replaces, as far as this user may; set-user-ID and its like
+// are not passed on.
+int takeOver(int fd, const Place& place) {
+  constexpr auto kSameUser = static_cast<uid_t>(-1);
+  constexpr auto kSameGroup = static_cast<gid_t>(-1);
+  struct stat made {};
+  if (fstat(fd, &made) != 0) return errno;
+  [[maybe_unused]] const bool user = made.st_uid == place.user || fchown(fd, place.user, kSameGroup) == 0;
+  const bool group = made.st_gid == place.group || fchown(fd, kSameUser, place.group) == 0;
+  // What its group was allowed is not for another one.
+  return fchmod(fd, place.mode & (group ? 0777 : 0707)) == 0 ? 0 : errno;
+}
+
+// 0 or an errno.
+int replace(const Place& place, std::span<const std::byte> bytes) {
+  TemporaryFile file(place.path, place.mode ? place.mode & 0600 : 0666);
+  if (file.error()) return file.error();
+  if (place.mode)
+    if (const int error = takeOver(file.get(), place)) return error;
+  if (const int error = writeAll(file.get(), bytes)) return error;
+  return file.become(place.path);
+}
+
+// 0 or an errno: into a pipe or a device, where there is nothing to rename over.
+int writeInto(const fs::path& path, std::span<const std::byte> bytes) {
+  // O_NONBLOCK: opening a pipe that nobody reads from must not hang; it is then an error, ENXIO.
+  File file(path, O_WRONLY | O_NONBLOCK | O_NOCTTY);
+  if (!file) return errno;
+  fcntl(file.get(), F_SETFL, 0);
+  const int error = writeAll(file.get(), bytes);
+  const int closing = file.close();
+  return error ? error : closing;
 }
 
 }  // namespace
@@ -163,8 +190,18 @@ void writeFile(const fs::path& path, std::span<const std::byte> bytes) {
     }
     return;
   }
-  if (path.empty()) badUsage("can't write to a file without a name; give the name of a file");
-  if (const int error = writeWhole(path, bytes)) failToWrite(path, error);
+  const Place place = findPlace(path);
+  const int error = place.isFile() ? replace(place, bytes) : writeInto(path, bytes);
+  if (error == ENXIO && S_ISFIFO(place.mode))
+    badUsage("can't write '{}': it is a pipe that nobody reads from; start its reader first", path.string());
+  if (error) failToWrite(path, error);
+}
+
+void checkWritable(const fs::path& path) {
+  if (path == "-") return;
+  const Place place = findPlace(path);
+  if (!place.isFile()) return;
+  if (const int error = TemporaryFile(place.path, 0600).error()) failToWrite(path, error);
 }
 
 std::optional<fs::path> cacheFolder() {
@@ -218,7 +255,8 @@ void storeCache(std::string_view name, std::span<const std::byte> bytes) try {
   std::vector<std::byte> entry(bytes.size() + sizeof(sum));
   if (!bytes.empty()) std::memcpy(entry.data(), bytes.data(), bytes.size());
   std::memcpy(entry.data() + bytes.size(), &sum, sizeof(sum));
-  writeWhole(*folder / name, entry);  // a full disk: no entry, no harm
+  // Whatever stands there, a pipe or a link too. A full disk: no entry, no harm.
+  replace({.path = *folder / name}, entry);
 } catch (const std::exception&) {
   // A cache is never required: not even its memory.
 }

@@ -33,12 +33,48 @@ bool wantsColor() {
   return isTerminal() && (!off || !*off);
 }
 
+struct Character {
+  uint32_t code;
+  size_t bytes;
+};
+constexpr uint32_t kInvalid = ~0u;
+
+// The first character of a text that is not empty; kInvalid and one byte where it is no UTF-8 (Unicode 15, table 3-7).
+Character firstOf(std::string_view text) {
+  const auto byte = [&](size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
+  const uint32_t lead = byte(0);
+  if (lead < 0x80) return {lead, 1};
+  const size_t bytes = lead >= 0xf0 ? 4 : lead >= 0xe0 ? 3 : 2;
+  constexpr uint32_t kLeast[] = {0x80, 0x800, 0x10000};
+  uint32_t code = lead & (0x7fu >> bytes);
+  for (size_t i = 1; i < bytes; ++i) {
+    if ((byte(i) & 0xc0) != 0x80) return {kInvalid, 1};
+    code = code << 6 | (byte(i) & 0x3f);
+  }
+  const bool surrogate = code >= 0xd800 && code < 0xe000;
+  if (lead < 0xc2 || lead > 0xf4 || code < kLeast[bytes - 2] || code > 0x10ffff || surrogate) return {kInvalid, 1};
+  return {code, bytes};
+}
+
+bool isShown(uint32_t code) {
+  const auto within = [&](uint32_t first, uint32_t last) { return code >= first && code <= last; };
+  const bool control = code < 0x20 || within(0x7f, 0x9f);
+  const bool line = within(0x2028, 0x2029);
+  const bool direction = within(0x202a, 0x202e) || within(0x2066, 0x2069);
+  return code != kInvalid && !control && !line && !direction;
+}
+
 }  // namespace
 
-std::string printable(std::string text) {
-  std::replace_if(
-      text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
-  return text;
+std::string printable(std::string_view text) {
+  std::string result;
+  result.reserve(text.size());
+  for (std::string_view rest = text; !rest.empty();) {
+    const Character character = firstOf(rest);
+    result += isShown(character.code) ? rest.substr(0, character.bytes) : "?";
+    rest.remove_prefix(character.bytes);
+  }
+  return result;
 }
 
 void warn(const std::string& sentence) {
@@ -78,7 +114,7 @@ struct Progress::State {
 };
 
 Progress::Progress(std::string_view what, uint64_t total)
-    : state_(quiet || total == 0 || !isTerminal() ? nullptr : new State{printable(std::string(what)), total}) {}
+    : state_(quiet || total == 0 || !isTerminal() ? nullptr : new State{printable(what), total}) {}
 
 Progress::~Progress() {
   if (state_ && state_->drawn) {

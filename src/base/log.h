@@ -9,9 +9,10 @@
 
 namespace latelight {
 
-// Names from a scene file are part of sentences: they must not carry a terminal's control sequences, nor a line's end.
-// Such characters become "?".
-std::string printable(std::string text);
+// Names from a scene file are part of sentences: they must not carry a terminal's control sequences, nor a line's end,
+// nor turn the direction of what stands beside them. Such characters (C0 and C1 controls, line and paragraph
+// separators, bidirectional controls), and bytes that are no UTF-8, become "?".
+std::string printable(std::string_view text);
 
 // Prints "warning: <sentence>" on standard error; the same sentence only once a process. Thread-safe.
 void warn(const std::string& sentence);

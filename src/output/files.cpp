@@ -1,10 +1,7 @@
 #include "output/files.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cctype>
-#include <cerrno>
 #include <system_error>
 
 #include "base/error.h"
@@ -56,16 +53,6 @@ std::string fillIn(std::string_view pattern, ValueOf&& valueOf) {
   return result;
 }
 
-std::string nameOf(std::string_view pattern, std::string_view aov, const Metadata& metadata) {
-  return fillIn(pattern, [&](std::string_view name) -> std::string {
-    if (name == "aov") return std::string(aov);
-    if (name == "frame") return fmt::format("{:0{}}", metadata.frame, metadata.frameDigits);
-    if (name == "camera") return fileSafe(metadata.camera.name, "camera");
-    if (name == "scene") return fileSafe(metadata.scene, "scene");
-    badUsage("the output \"{}\" has \"{{{}}}\"; braces hold one of {}", pattern, name, kPlaceholders);
-  });
-}
-
 // The pattern with {aov} where several files need it.
 std::string patternFor(const OutputRequest& request, Aov aov) {
   if (hasPlaceholder(request.pattern, "aov") || formatOf(request.pattern) == Format::Exr) return request.pattern;
@@ -80,8 +67,9 @@ bool wantsSideFile(const OutputRequest& request) {
   return request.sideFile.value_or(std::any_of(request.aovs.begin(), request.aovs.end(), isData));
 }
 
-fs::path sideFilePath(const OutputRequest& request, const Metadata& metadata) {
-  return fs::path(nameOf(request.pattern, "meta", metadata)).replace_extension(".json");
+// All outputs in one file.
+bool isTogether(const OutputRequest& request) {
+  return formatOf(request.pattern) == Format::Exr && !hasPlaceholder(request.pattern, "aov");
 }
 
 void checkPng(std::span<const Aov> aovs) {
@@ -104,15 +92,6 @@ fs::path standingFolder(const fs::path& pattern) {
     while (!folder.empty() && folder != folder.root_path() && !fs::exists(folder, ignored))
       folder = folder.parent_path();
   return folder.empty() ? fs::path(".") : folder;
-}
-
-// Folders that are named by what is filled in are made, and those of sequences; writing says what is wrong if that
-// fails.
-void makeFilledFolders(const fs::path& pattern, const fs::path& path) {
-  std::error_code ignored;
-  if (pattern.parent_path().string().find('{') != std::string::npos || hasPlaceholder(pattern.string(), "frame")) {
-    fs::create_directories(path.parent_path(), ignored);
-  }
 }
 
 const AovImage& imageOf(const FrameOutput& frame, Aov aov) {
@@ -152,35 +131,44 @@ bool usesDisplay(const OutputRequest& request) {
   return color && formatOf(request.pattern) == Format::Png;
 }
 
-void checkWritable(const std::string& pattern) {
-  if (pattern == kStandardOutput) return;
-  const fs::path path(pattern);
-  std::error_code ignored;
-  if (fs::is_directory(path, ignored)) badUsage("can't write '{}': it is a folder; give the name of a file", pattern);
-  if (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored)) return;  // a pipe, /dev/null
-  const fs::path folder = standingFolder(path);
-  if (!fs::is_directory(folder, ignored)) {
-    badUsage("can't write '{}': there is no folder '{}'; make it first, or choose another", pattern, folder.string());
-  }
-  if (access(folder.c_str(), W_OK | X_OK) != 0) {
-    badUsage("can't write '{}': {}; choose a folder that can be written to", pattern,
-             std::generic_category().message(errno));
-  }
+fs::path fillPattern(std::string_view pattern, std::string_view aov, const Metadata& metadata) {
+  return fillIn(pattern, [&](std::string_view name) -> std::string {
+    if (name == "aov") return std::string(aov);
+    if (name == "frame") return fmt::format("{:0{}}", metadata.frame, metadata.frameDigits);
+    if (name == "camera") return fileSafe(metadata.camera.name, "camera");
+    if (name == "scene") return fileSafe(metadata.scene, "scene");
+    badUsage("the output \"{}\" has \"{{{}}}\"; braces hold one of {}", pattern, name, kPlaceholders);
+  });
 }
 
-fs::path fillPattern(std::string_view pattern, std::string_view aov, const Metadata& metadata) {
-  const fs::path path = nameOf(pattern, aov, metadata);
-  makeFilledFolders(pattern, path);
-  return path;
+void makeFilledFolders(const fs::path& pattern, const fs::path& path) {
+  std::error_code ignored;  // writing says what is wrong
+  if (pattern.parent_path().string().find('{') != std::string::npos || hasPlaceholder(pattern.string(), "frame"))
+    fs::create_directories(path.parent_path(), ignored);
 }
 
 void checkOutput(const OutputRequest& request) {
   const Format format = formatOf(request.pattern);
   if (request.aovs.empty()) badUsage("no AOV is asked for; name at least one");
   if (request.pattern == kStandardOutput) return checkPng(std::span(request.aovs).first(1));
-  nameOf(request.pattern, "", {});
+  fillPattern(request.pattern, "", {});
   if (format == Format::Png) checkPng(request.aovs);
-  checkWritable(request.pattern);
+  const fs::path path(request.pattern), folder = standingFolder(path);
+  std::error_code ignored;
+  if (!fs::is_directory(folder, ignored))
+    badUsage("can't write '{}': there is no folder '{}'; make it first, or choose another", request.pattern,
+             folder.string());
+  checkWritable(path.has_parent_path() ? folder / path.filename() : path);
+}
+
+std::vector<fs::path> outputPaths(const OutputRequest& request, const Metadata& metadata) {
+  if (request.pattern == kStandardOutput) return {};
+  std::vector<fs::path> paths;
+  for (const Aov aov : std::span(request.aovs).first(isTogether(request) ? 1 : request.aovs.size()))
+    paths.push_back(fillPattern(patternFor(request, aov), info(aov).name, metadata));
+  if (wantsSideFile(request))
+    paths.push_back(fillPattern(request.pattern, "meta", metadata).replace_extension(".json"));
+  return paths;
 }
 
 std::vector<fs::path> writeOutput(const OutputRequest& request, const FrameOutput& frame, const Metadata& metadata) {
@@ -189,26 +177,21 @@ std::vector<fs::path> writeOutput(const OutputRequest& request, const FrameOutpu
     writeFile(kStandardOutput, encodePngOf(frame, request.aovs.front()));
     return {};
   }
-  const bool together = format == Format::Exr && !hasPlaceholder(request.pattern, "aov");
-  const fs::path side = sideFilePath(request, metadata);
-  std::vector<fs::path> paths;
-  std::vector<std::string> names;  // one an AOV, as seen from the side file
+  const std::vector<fs::path> paths = outputPaths(request, metadata);
   const auto write = [&](const fs::path& path, std::span<const std::byte> bytes) {
     makeFilledFolders(request.pattern, path);
     writeFile(path, bytes);
-    paths.push_back(path);
   };
-  for (size_t i = 0; i < request.aovs.size(); ++i) {
-    if (!together || i == 0) {
-      const std::span<const Aov> aovs = together ? std::span(request.aovs) : std::span(request.aovs).subspan(i, 1);
-      write(nameOf(patternFor(request, aovs.front()), info(aovs.front()).name, metadata),
-            encode(format, aovs, frame, metadata));
-    }
-    names.push_back(paths.back().lexically_proximate(side.parent_path()).generic_string());
-  }
+  const bool together = isTogether(request);
+  for (size_t i = 0; i < (together ? 1 : request.aovs.size()); ++i)
+    write(paths[i],
+          encode(format, together ? std::span(request.aovs) : std::span(request.aovs).subspan(i, 1), frame, metadata));
   if (wantsSideFile(request)) {
+    const fs::path& side = paths.back();
+    std::vector<std::string> names;  // one an AOV, as seen from the side file
+    for (size_t i = 0; i < request.aovs.size(); ++i)
+      names.push_back(paths[together ? 0 : i].lexically_proximate(side.parent_path()).generic_string());
     const std::string text = sideFile(metadata, frame.width, frame.height, request.aovs, names);
-    fillPattern(request.pattern, "meta", metadata);  // its folder
     write(side, std::as_bytes(std::span(text)));
   }
   return paths;

@@ -42,16 +42,18 @@ Format formatOf(std::string_view pattern);
 // Whether colour leaves at all, and as FrameOutput::display (PNG), not as the Color AOV.
 bool usesDisplay(const OutputRequest& request);
 
-// Throws Error(Usage) where it can be known that no file of that name can be written: its folder is missing or can't be
-// written to, or a folder has that name. Folders named by braces need not be there. "-" is always fine.
-void checkWritable(const std::string& pattern);
-
-// The path of one output: what stands in the pattern's braces filled in, and the folders that they name made.
+// The path of one output: what stands in the pattern's braces filled in.
 std::filesystem::path fillPattern(std::string_view pattern, std::string_view aov, const Metadata& metadata);
+
+// Makes those folders of a path so filled in that need not be there.
+void makeFilledFolders(const std::filesystem::path& pattern, const std::filesystem::path& path);
 
 // Throws Error(Usage) for whatever can be known to go wrong before rendering: ending, placeholders, an AOV that the
 // format does not offer, a folder that is missing or can't be written to.
 void checkOutput(const OutputRequest& request);
+
+// What writeOutput writes: one path an AOV, or one for all, then the side file's. None for "-".
+std::vector<std::filesystem::path> outputPaths(const OutputRequest& request, const Metadata& metadata);
 
 // Writes all files, each whole or not at all, and returns their paths (the side file last; none for "-").
 // Throws Error(Usage) where one can't be written; then this call's other files may be there already.

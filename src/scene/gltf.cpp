@@ -70,6 +70,8 @@ Scene import(const std::filesystem::path& path, const LoadOptions& options) {
   Scene scene;
   scene.name = path.stem().string();
   scene.source = path.string();
+  scene.files = {path};
+  for (const std::filesystem::path& file : document.beside) scene.files.push_back(path.parent_path() / file);
   int variant = readVariants(document, options.variant, scene);
   Hierarchy hierarchy = readNodes(document, scene);
   readCameras(document, hierarchy, scene);

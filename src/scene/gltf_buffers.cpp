@@ -145,6 +145,16 @@ ImageSource readImage(Document& document, const json& image, size_t index, const
 
 }  // namespace
 
+std::vector<std::filesystem::path> filesBeside(const json& root) {
+  std::vector<std::filesystem::path> files;
+  for (const char* key : {"buffers", "images"})
+    for (const json& entry : root.value(key, json::array())) {
+      const std::string uri = entry.value("uri", std::string());
+      if (!uri.empty() && !uri.starts_with("data:")) files.emplace_back(percentDecode(uri));
+    }
+  return files;
+}
+
 void Budget::charge(size_t bytes, std::string_view what) const {
   size_t left = left_.load();
   do {

@@ -62,6 +62,7 @@ void checkModel(const json& root, const tinygltf::Model& model) {
 }  // namespace
 
 void readModel(Document& document, json root) {
+  document.beside = filesBeside(root);
   if (root.contains("animations")) document.animations = root["animations"];
   for (const char* key : {"buffers", "images", "animations", "extras"}) root.erase(key);
   hideIndices(root);

@@ -40,6 +40,7 @@ struct Document {
   std::vector<Bytes> views;  // of each bufferView, decompressed
   std::vector<ImageSource> images;
   nlohmann::json animations = nlohmann::json::array();  // as in the file, validated
+  std::vector<std::filesystem::path> beside;            // files that it names, from its own folder
   size_t inputBytes = 0;                                // of all files read
   Budget budget;
 
@@ -61,6 +62,9 @@ nlohmann::json readJson(Bytes text);
 
 // Fills views and images from the file's buffers: the binary chunk, data URIs, and files beside `folder`.
 void readBuffers(Document& document, const nlohmann::json& root, const std::filesystem::path& folder, Bytes binary);
+
+// The files that buffers and images name, as seen from the document's folder.
+std::vector<std::filesystem::path> filesBeside(const nlohmann::json& root);
 
 // Decompresses bufferViews with EXT_meshopt_compression into document.views.
 void decodeMeshopt(Document& document, const nlohmann::json& root, const std::vector<Bytes>& buffers);

@@ -119,9 +119,10 @@ struct Light {
 };
 
 struct Scene {
-  std::string name;    // the file's name without folder and ending, or the built-in's
-  std::string source;  // what the user named
-  bool yUp = true;     // the file's own frame is glTF's (Y up, camera along -Z); else the renderer's Z up
+  std::string name;                          // the file's name without folder and ending, or the built-in's
+  std::string source;                        // what the user named
+  std::vector<std::filesystem::path> files;  // that were read: that one and those it names
+  bool yUp = true;  // the file's own frame is glTF's (Y up, camera along -Z); else the renderer's Z up
   std::vector<Texture> textures;
   std::vector<Material> materials;
   std::vector<Mesh> meshes;

@@ -2,8 +2,10 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <optional>
 
 #include "base/error.h"
+#include "base/text.h"
 #include "vk/features.h"
 #include "vk/instance.h"
 
@@ -91,17 +93,20 @@ DeviceChoice chooseAutomatically(const std::vector<DeviceInfo>& devices) {
 
 // The device whose number, UUID or name this is, and why; null: none.
 std::pair<const DeviceInfo*, std::string> find(const std::vector<DeviceInfo>& devices, const std::string& selector) {
-  const bool digits = !selector.empty() && selector.size() < 9 &&
-                      std::all_of(selector.begin(), selector.end(), [](unsigned char c) { return std::isdigit(c); });
-  if (digits)
+  // A number is an index, whatever names have in them.
+  const bool digits = selector.find_first_not_of("0123456789") == std::string::npos;
+  if (digits && selector.size() < 2 * VK_UUID_SIZE) {
+    const std::optional<uint32_t> index = parseNumber<uint32_t>(selector);
     for (const DeviceInfo& device : devices)
-      if (device.index == std::stoul(selector)) return {&device, fmt::format("it is device number {}", selector)};
+      if (device.index == index) return {&device, fmt::format("it is device number {}", selector)};
+    return {nullptr, ""};
+  }
   std::string uuid = lower(selector);
   std::erase(uuid, '-');
   for (const DeviceInfo& device : devices)
     if (device.uuid == uuid) return {&device, "it has that UUID"};
   for (const DeviceInfo& device : devices)
-    if (!selector.empty() && lower(device.name).find(lower(selector)) != std::string::npos)
+    if (lower(device.name).find(lower(selector)) != std::string::npos)
       return {&device, fmt::format("it is the first device with \"{}\" in its name", selector)};
   return {nullptr, ""};
 }
@@ -161,7 +166,7 @@ DeviceChoice chooseDevice(const std::vector<DeviceInfo>& devices, const std::str
   }
   auto [device, why] = find(devices, selector);
   if (!device)
-    fail(ExitCode::NoDevice, "No device is called \"{}\": choose auto, cpu, or one of {}.", selector,
+    fail(ExitCode::NoDevice, "No device is called \"{}\": choose auto, cpu, or one of {}.", shortened(selector),
          listNames(devices));
   return choose(*device, fmt::format("{} was asked for: {}", device->name, why));
 }

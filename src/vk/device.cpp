@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "base/log.h"
+#include "vk/driver_cache.h"
 #include "vk/features.h"
 #include "vk/instance.h"
 #include "vk/memory.h"
@@ -128,6 +129,7 @@ Device::Device(const DeviceOptions& options) : hidden_(std::make_unique<Hidden>(
 
   hidden.extensions = offeredExtensions(physical_);
   device_ = hidden.device = makeDevice(physical_, queueFamily_, hidden.extensions);
+  reserveDriverCache();  // which the driver has made by now, if it had none
   vkGetDeviceQueue(device_, queueFamily_, 0, &queue_);
   if (hidden.instance.debugUtils())
     hidden.setName = reinterpret_cast<PFN_vkSetDebugUtilsObjectNameEXT>(

@@ -1,8 +1,10 @@
 #include "base/files.h"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -161,6 +163,86 @@ TEST_F(Files, AreWrittenThroughLinksAndIntoPipes) {
   EXPECT_TRUE(fs::is_character_file("/dev/null"));
 }
 
+TEST_F(Files, KeepTheModeOfWhatTheyReplace) {
+  const fs::path path = folder / "f";
+  const auto modeOf = [&] { return static_cast<int>(fs::status(path).permissions()); };
+  const mode_t mask = umask(027);
+  writeFile(path, bytesOf("new"));
+  EXPECT_EQ(modeOf(), 0640);
+  for (const int mode : {0600, 0644, 0666, 0755, 0200, 0020}) {
+    ASSERT_EQ(chmod(path.c_str(), static_cast<mode_t>(mode)), 0);
+    if (access(path.c_str(), W_OK) == 0) writeFile(path, bytesOf("again"));
+    EXPECT_EQ(modeOf(), mode);
+  }
+  umask(mask);
+}
+
+TEST_F(Files, KeepTheOwnerOfWhatTheyReplace) {
+  if (geteuid() != 0) GTEST_SKIP() << "Only root may give files to others.";
+  writeFile(folder / "f", bytesOf("old"));
+  ASSERT_EQ(chown((folder / "f").c_str(), 1234, 2345), 0);
+  writeFile(folder / "f", bytesOf("new"));
+  struct stat status {};
+  ASSERT_EQ(stat((folder / "f").c_str(), &status), 0);
+  EXPECT_EQ(status.st_uid, 1234u);
+  EXPECT_EQ(status.st_gid, 2345u);
+}
+
+// By root too, who may write to them.
+TEST_F(Files, ThatAreReadOnlyAreNotReplaced) {
+  writeFile(folder / "f", bytesOf("old"));
+  ASSERT_EQ(chmod((folder / "f").c_str(), 0444), 0);
+  for (const auto& call : std::vector<std::function<void()>>{[&] { writeFile(folder / "f", bytesOf("new")); },
+                                                             [&] { checkWritable(folder / "f"); }})
+    EXPECT_THAT(sentence(ExitCode::Usage, call), HasSubstr("read-only"));
+  EXPECT_EQ(textOf(readFile(folder / "f")), "old");
+  EXPECT_EQ(entries(), 1u);
+}
+
+TEST_F(Files, AreNotWrittenWhereLinksLeadNowhere) {
+  fs::create_symlink("b", folder / "a");
+  fs::create_symlink("a", folder / "b");
+  fs::create_symlink("missing", folder / "dangling");
+  for (const auto& write :
+       std::vector<std::function<void(const fs::path&)>>{[&](const fs::path& path) { writeFile(path, bytesOf("x")); },
+                                                         [&](const fs::path& path) { checkWritable(path); }}) {
+    EXPECT_THAT(sentence(ExitCode::Usage, [&] { write(folder / "a"); }), HasSubstr("circle"));
+    EXPECT_THAT(sentence(ExitCode::Usage, [&] { write(folder / "dangling"); }),
+                AllOf(HasSubstr("link to 'missing'"), HasSubstr("not there")));
+  }
+  EXPECT_TRUE(fs::is_symlink(folder / "dangling"));
+  EXPECT_EQ(entries(), 3u);
+}
+
+TEST_F(Files, AreWrittenIntoPipesThatSomebodyReads) {
+  const fs::path pipe = folder / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_THAT(sentence(ExitCode::Usage, [&] { writeFile(pipe, bytesOf("x")); }), HasSubstr("nobody reads"));
+  checkWritable(pipe);  // whose reader may come later
+  const int reader = open(pipe.c_str(), O_RDONLY | O_NONBLOCK);
+  writeFile(pipe, bytesOf("picture"));
+  char text[16];
+  EXPECT_EQ(read(reader, text, sizeof(text)), 7);
+  // More than a pipe holds, and a reader who goes.
+  const auto before = std::signal(SIGPIPE, SIG_IGN);
+  std::jthread leaving([&] {
+    while (read(reader, text, 1) < 1) std::this_thread::yield();
+    close(reader);
+  });
+  EXPECT_THAT(sentence(ExitCode::Usage, [&] { writeFile(pipe, bytesOf(std::string(1 << 20, 'x'))); }),
+              HasSubstr("Broken pipe"));
+  std::signal(SIGPIPE, before);
+  EXPECT_TRUE(fs::is_fifo(pipe));
+}
+
+TEST_F(Files, CheckLeavesNothing) {
+  checkWritable(folder / "new");
+  checkWritable("-");
+  EXPECT_EQ(entries(), 0u);
+  EXPECT_THAT(sentence(ExitCode::Usage, [&] { checkWritable(folder / "no" / "a"); }), HasSubstr("make its folder"));
+  EXPECT_THAT(sentence(ExitCode::Usage, [] { checkWritable("/proc/a.png"); }), HasSubstr("/proc/a.png"));
+}
+
 TEST_F(Files, DashIsStandardOutput) {
   testing::internal::CaptureStdout();
   writeFile("-", bytesOf("picture"));
@@ -219,6 +301,23 @@ TEST_F(Cache, ForgetsDamagedEntries) {
     writeFile(path, std::span(good).first(i));
     EXPECT_EQ(loadCache("e"), std::nullopt) << "cut to " << i;
   }
+}
+
+// Neither is waited for, and a link's target is another's.
+TEST_F(Cache, ReplacesPipesAndLinks) {
+  storeCache("e", bytesOf("x"));
+  const fs::path path = folder / "latelight" / "e";
+  fs::remove(path);
+  ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
+  EXPECT_EQ(loadCache("e"), std::nullopt);
+  storeCache("e", bytesOf("after a pipe"));
+  EXPECT_EQ(textOf(loadCache("e").value()), "after a pipe");
+  writeFile(folder / "another's", bytesOf("theirs"));
+  fs::remove(path);
+  fs::create_symlink(folder / "another's", path);
+  storeCache("e", bytesOf("after a link"));
+  EXPECT_EQ(textOf(loadCache("e").value()), "after a link");
+  EXPECT_EQ(textOf(readFile(folder / "another's")), "theirs");
 }
 
 TEST_F(Cache, IsNeverRequired) {

@@ -76,6 +76,19 @@ TEST(Warn, LetsNoControlSequenceThrough) {
   EXPECT_EQ(capture([] { warn("node '{}'", "\x1b[2J\nx"); }), "warning: node '?[2J?x'\n");
 }
 
+TEST(Printable, KeepsTextAndNothingThatActsOnATerminal) {
+  EXPECT_EQ(printable("Grüße, 東京 🙂 ~"), "Grüße, 東京 🙂 ~");
+  EXPECT_EQ(printable("a\tb\rc\x7f"), "a?b?c?");
+  EXPECT_EQ(printable("\u0085\u009b2J"), "??2J") << "C1 controls";
+  EXPECT_EQ(printable("\x9b"
+                      "2J\xff"),
+            "?2J?")
+      << "bytes that are no UTF-8, and C1 controls on 8-bit terminals";
+  EXPECT_EQ(printable("a\u2028b\u202ec\u2066d"), "a?b?c?d") << "ends of lines, and turns of direction";
+  EXPECT_EQ(printable("\xc0\xaf\xed\xa0\x80\xf4\x90\x80\x80\xe2\x82"), std::string(11, '?'))
+      << "overlong, surrogate, too large, cut";
+}
+
 TEST(Warn, IsColouredOnTerminalsUnlessNoColorIsSet) {
   unsetenv("NO_COLOR");
   EXPECT_THAT(onTerminal([] { warn("in colour"); }), HasSubstr("\x1b[33mwarning:"));

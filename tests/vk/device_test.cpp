@@ -224,7 +224,7 @@ TEST_F(ChooseDevice, AutomaticTakesTheFirstUsableOfTheBestType) {
 TEST_F(ChooseDevice, ByTypeNumberNameAndUuid) {
   EXPECT_EQ(chosen("cpu"), 0u);
   EXPECT_EQ(chosen("1"), 1u);
-  EXPECT_EQ(chosen("3060"), 3u) << "not a device number, but in a name";
+  EXPECT_EQ(chosen("x 3060"), 3u);
   EXPECT_EQ(chosen("other rtx"), 4u);
   EXPECT_EQ(chosen("0000000000000000000000000000ABC1"), 1u);
   EXPECT_EQ(chosen("00000000-0000-0000-0000-00000000abc4"), 4u);
@@ -234,6 +234,8 @@ TEST_F(ChooseDevice, RefusalsSayWhatThereIs) {
   EXPECT_THAT(refusal("2"), HasSubstr("Vulkan 1.3"));
   EXPECT_THAT(refusal("voodoo"), HasSubstr("1: Iris"));
   EXPECT_THAT(refusal("99"), HasSubstr("99"));
+  EXPECT_THAT(refusal("3060"), HasSubstr("3060")) << "in names, but a number is an index";
+  EXPECT_THAT(refusal("4294967297"), HasSubstr("4294967297")) << "1, were it cut to 32 bits";
   refusal("");
   list.erase(list.begin());
   EXPECT_THAT(refusal("cpu"), HasSubstr("mesa-vulkan-drivers"));

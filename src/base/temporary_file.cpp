@@ -1,0 +1,179 @@
+#include "base/temporary_file.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <csignal>
+#include <ctime>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <unordered_set>
+
+namespace latelight {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::string_view kEnding = ".latelight-tmp";
+constexpr size_t kMostOfName = 200;  // bytes of the target's name; most file systems take 255 in all
+
+// --- the list of all, which signal handlers read --------------------------------------------------------------------
+
+TemporaryFile* first = nullptr;
+std::atomic_flag listTaken;
+
+// Waits by sleeping: nothing better may be called in a signal handler.
+void takeList() {
+  constexpr timespec kMillisecond{0, 1'000'000};
+  while (listTaken.test_and_set(std::memory_order_acquire)) nanosleep(&kMillisecond, nullptr);
+}
+
+// The list, for a thread that no signal interrupts meanwhile: so a handler that waits for it waits for another thread.
+class List {
+ public:
+  List() {
+    sigset_t all;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before_);
+    takeList();
+  }
+  ~List() {
+    listTaken.clear(std::memory_order_release);
+    pthread_sigmask(SIG_SETMASK, &before_, nullptr);
+  }
+  List(const List&) = delete;
+  List& operator=(const List&) = delete;
+
+ private:
+  sigset_t before_;
+};
+
+// --- what killed processes left -------------------------------------------------------------------------------------
+
+// ".NAME.PID-SERIAL.latelight-tmp".
+bool isTemporaryName(std::string_view name) {
+  if (!name.starts_with('.') || !name.ends_with(kEnding)) return false;
+  name.remove_suffix(kEnding.size());
+  const size_t dot = name.rfind('.');
+  const size_t dash = std::min(name.find('-', dot), name.size());
+  const auto isNumber = [](std::string_view text) {
+    return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
+  };
+  return dot > 0 && isNumber(name.substr(dot + 1, dash - dot - 1)) && dash < name.size() &&
+         isNumber(name.substr(dash + 1));
+}
+
+void removeUnlessLocked(const fs::path& path) {
+  const int fd = open(path.c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+  if (fd < 0) return;
+  struct stat status {};
+  if (fstat(fd, &status) == 0 && S_ISREG(status.st_mode) && flock(fd, LOCK_EX | LOCK_NB) == 0) unlink(path.c_str());
+  close(fd);
+}
+
+// Once a process and folder.
+void sweep(const fs::path& folder) {
+  static std::mutex mutex;
+  static std::unordered_set<std::string> swept;
+  {
+    std::lock_guard lock(mutex);
+    if (!swept.insert(folder.string()).second) return;
+  }
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
+    if (isTemporaryName(entry->path().filename().string())) removeUnlessLocked(entry->path());
+}
+
+}  // namespace
+
+TemporaryFile::TemporaryFile(const fs::path& target, mode_t permissions) {
+  static std::atomic<unsigned> serial = 0;
+  const fs::path folder = target.has_parent_path() ? target.parent_path() : ".";
+  const std::string name = target.filename().string().substr(0, kMostOfName);
+  sweep(folder);
+  do {
+    path_ = folder / fmt::format(".{}.{}-{}{}", name, getpid(), serial++, kEnding);
+    error_ = makeOnce(permissions);
+  } while (error_ == EEXIST);
+}
+
+// EEXIST where the name is another's, or where a sweep took the file before it was locked.
+int TemporaryFile::makeOnce(mode_t permissions) {
+  {
+    const List list;  // made and listed at once: a signal finds it listed, or not there
+    fd_ = open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, permissions);
+    if (fd_ < 0) return errno;
+    next_ = first;
+    if (first) first->previous_ = this;
+    first = this;
+    listed_ = true;
+  }
+  // Where file systems have no locks nothing is swept either.
+  const bool swept = flock(fd_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  struct stat status {};
+  if (!swept && (fstat(fd_, &status) != 0 || status.st_nlink > 0)) return 0;
+  discard();
+  return EEXIST;
+}
+
+int TemporaryFile::become(const fs::path& target) {
+  // On network file systems a full disk may show only where a descriptor is closed. That of a copy: the lock has to
+  // last until the file has its name.
+  const int copy = fcntl(fd_, F_DUPFD_CLOEXEC, 0);
+  if (copy < 0 || close(copy) != 0) return errno;
+  const List list;
+  if (rename(path_.c_str(), target.c_str()) != 0) return errno;
+  leaveList();  // at once: its old name may be another's soon
+  return 0;
+}
+
+void TemporaryFile::leaveList() {
+  (previous_ ? previous_->next_ : first) = next_;
+  if (next_) next_->previous_ = previous_;
+  previous_ = next_ = nullptr;
+  listed_ = false;
+}
+
+void TemporaryFile::discard() {
+  if (fd_ < 0) return;
+  if (listed_) {
+    const List list;
+    unlink(path_.c_str());
+    leaveList();
+  }
+  close(fd_);
+  fd_ = -1;
+}
+
+TemporaryFile::~TemporaryFile() {
+  discard();
+}
+
+void removeTemporaryFiles(int signal) {
+  takeList();  // and never gives it back: no thread makes another file, nor says that its file went
+  for (TemporaryFile* file = first; file; file = file->next_) unlink(file->path_.c_str());
+  raise(signal);  // ends the process once this returns: SA_RESETHAND brought the default action back
+}
+
+void removeTemporaryFilesOnSignals() {
+  struct sigaction action {};
+  action.sa_handler = removeTemporaryFiles;
+  action.sa_flags = static_cast<int>(SA_RESETHAND);
+  sigfillset(&action.sa_mask);
+  for (int signal = 1; signal <= SIGRTMAX; ++signal) {
+    constexpr int kHarmless[] = {SIGKILL, SIGSTOP, SIGTSTP, SIGTTIN, SIGTTOU, SIGCHLD, SIGCONT, SIGURG, SIGWINCH};
+    if (std::find(std::begin(kHarmless), std::end(kHarmless), signal) != std::end(kHarmless)) continue;
+    struct sigaction before {};
+    const bool ends = sigaction(signal, nullptr, &before) == 0 && before.sa_handler == SIG_DFL;
+    if (ends) sigaction(signal, &action, nullptr);
+  }
+}
+
+}  // namespace latelight

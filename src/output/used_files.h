@@ -1,0 +1,29 @@
+// What a command reads and writes, so that nothing is written over what it read or has just written.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <set>
+#include <span>
+#include <string>
+#include <utility>
+
+namespace latelight::output {
+
+class UsedFiles {
+ public:
+  explicit UsedFiles(std::span<const std::filesystem::path> inputs);
+
+  // Throws Error(Usage) where one of these, whatever it is called and through whatever links, is an input, or where two
+  // of them are one file. "-", an empty name and devices are no files.
+  void checkOutputs(std::span<const std::filesystem::path> outputs);
+
+ private:
+  std::string entryOf(const std::filesystem::path& path);
+
+  std::map<std::string, std::string> folders_;  // their identities, by name
+  std::set<std::string> entries_;               // of the inputs: folder and name
+  std::set<std::pair<uint64_t, uint64_t>> inodes_;
+};
+
+}  // namespace latelight::output

@@ -1,0 +1,85 @@
+#include "vk/driver_cache.h"
+
+#include <fcntl.h>
+#include <pwd.h>
+#include <sys/stat.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdint>
+#include <cstdlib>
+#include <filesystem>
+#include <string_view>
+#include <system_error>
+
+#include "base/log.h"
+
+namespace latelight::vk {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+// The index takes 1.3 MB (Mesa 22.3). Until the driver has made it, others may take the room away.
+constexpr uint64_t kRoom = uint64_t{8} << 20;  // bytes
+
+std::string_view variable(const char* name) {
+  const char* value = std::getenv(name);
+  return value ? value : "";
+}
+
+// As Mesa chooses it; empty where it has none. Its default is the home folder of the user, whatever HOME says.
+fs::path cacheFolder() {
+  for (const char* name : {"MESA_SHADER_CACHE_DIR", "MESA_GLSL_CACHE_DIR", "XDG_CACHE_HOME"})
+    if (const std::string_view folder = variable(name); !folder.empty()) return fs::path(folder) / "mesa_shader_cache";
+  const passwd* user = getpwuid(getuid());
+  return user ? fs::path(user->pw_dir) / ".cache/mesa_shader_cache" : fs::path();
+}
+
+// Bytes that may be written on the folder's disk; the most there are where that can't be known.
+uint64_t roomIn(fs::path folder) {
+  struct statvfs status {};
+  while (statvfs(folder.empty() ? "." : folder.c_str(), &status) != 0) {
+    if (errno != ENOENT || folder.empty() || folder == folder.parent_path()) return UINT64_MAX;
+    folder = folder.parent_path();
+  }
+  return uint64_t{status.f_bavail} * status.f_frsize;
+}
+
+enum class Index { Missing, Whole, NoRoom };
+
+Index fillIndex(const fs::path& path) {
+  const int fd = open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
+  if (fd < 0) return Index::Missing;
+  struct stat status {};
+  Index index = Index::Missing;
+  if (fstat(fd, &status) == 0 && S_ISREG(status.st_mode) && status.st_size > 0) {
+    index = Index::Whole;  // also where the file system can't fill holes
+    // What is there stays: other processes may be using it.
+    if (status.st_blocks * 512 < status.st_size && fallocate(fd, 0, 0, status.st_size) != 0 &&
+        (errno == ENOSPC || errno == EDQUOT))
+      index = Index::NoRoom;
+  }
+  close(fd);
+  return index;
+}
+
+}  // namespace
+
+bool reserveDriverCache() {
+  const fs::path folder = cacheFolder();
+  if (folder.empty()) return true;
+  const Index index = fillIndex(folder / "index");
+  return index == Index::Missing ? roomIn(folder) >= kRoom : index == Index::Whole;
+}
+
+void avoidFullDriverCache() {
+  constexpr const char* kOff = "MESA_SHADER_CACHE_DISABLE";
+  if (variable(kOff) == "true" || variable(kOff) == "1" || reserveDriverCache()) return;
+  setenv(kOff, "true", 1);
+  warn("there is no room for the cache of Mesa's drivers in '{}', which is off for this run; free some space there",
+       cacheFolder().string());
+}
+
+}  // namespace latelight::vk

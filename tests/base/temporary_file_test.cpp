@@ -1,0 +1,170 @@
+// What is left where a program ends while it writes: nothing, or what the next one sweeps.
+#include "base/temporary_file.h"
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/file.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <functional>
+#include <random>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "base/files.h"
+
+namespace latelight {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+class Temporaries : public testing::Test {
+ protected:
+  Temporaries() {
+    std::string name = (fs::temp_directory_path() / "latelight-temporaries-XXXXXX").string();
+    folder = mkdtemp(name.data());
+  }
+  ~Temporaries() override { fs::remove_all(folder); }
+  std::vector<std::string> names() const {
+    std::vector<std::string> all;
+    for (const auto& entry : fs::directory_iterator(folder)) all.push_back(entry.path().filename().string());
+    std::sort(all.begin(), all.end());
+    return all;
+  }
+  std::vector<std::string> hidden() const {
+    std::vector<std::string> all = names();
+    std::erase_if(all, [](const std::string& name) { return !name.starts_with('.'); });
+    return all;
+  }
+  fs::path folder;
+};
+
+// `body` in a process of its own.
+pid_t start(const std::function<void()>& body) {
+  const pid_t child = fork();
+  if (child != 0) return child;
+  body();
+  _exit(99);
+}
+
+int statusOf(pid_t child) {
+  int status = 0;
+  EXPECT_EQ(waitpid(child, &status, 0), child);
+  return status;
+}
+
+TEST_F(Temporaries, GoWithTheirObject) {
+  {
+    const TemporaryFile file(folder / "a.png", 0666);
+    EXPECT_EQ(file.error(), 0);
+    EXPECT_EQ(names().size(), 1u);
+  }
+  EXPECT_THAT(names(), IsEmpty());
+  TemporaryFile file(folder / "a.png", 0666);
+  EXPECT_EQ(file.become(folder / "a.png"), 0);
+  EXPECT_THAT(names(), ElementsAre("a.png"));
+}
+
+TEST_F(Temporaries, GoBeforeASignalEndsTheProgram) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGABRT, SIGSEGV, SIGBUS, SIGXCPU, SIGUSR1, SIGALRM}) {
+    const int status = statusOf(start([&] {
+      std::signal(signal, SIG_DFL);  // sanitizers have handlers of their own for some
+      removeTemporaryFilesOnSignals();
+      const TemporaryFile one(folder / "a.png", 0666), other(folder / "b.png", 0666);
+      if (names().size() == 2) raise(signal);
+    }));
+    EXPECT_TRUE(WIFSIGNALED(status)) << strsignal(signal);
+    EXPECT_EQ(WTERMSIG(status), signal);
+    EXPECT_THAT(names(), IsEmpty()) << strsignal(signal);
+  }
+}
+
+// nohup's choice.
+TEST_F(Temporaries, SignalsThatAreIgnoredStayIgnored) {
+  const int status = statusOf(start([&] {
+    std::signal(SIGHUP, SIG_IGN);
+    removeTemporaryFilesOnSignals();
+    raise(SIGHUP);
+    _exit(7);
+  }));
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 7);
+}
+
+// Two threads write without end, and are ended at any moment of it.
+TEST_F(Temporaries, NeverOutliveASignalAtAnyMoment) {
+  std::mt19937 random(9);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP})
+    for (int attempt = 0; attempt < 40; ++attempt) {
+      const pid_t child = start([&] {
+        removeTemporaryFilesOnSignals();
+        const auto write = [&](const char* name) {
+          const std::vector<std::byte> bytes(200'000);
+          for (int i = 0;; ++i) writeFile(folder / (name + std::to_string(i % 8)), bytes);
+        };
+        std::thread other(write, "a");
+        write("b");
+      });
+      while (names().empty()) usleep(1000);
+      usleep(random() % 20'000);
+      kill(child, signal);
+      const int status = statusOf(child);
+      ASSERT_TRUE(WIFSIGNALED(status));
+      ASSERT_EQ(WTERMSIG(status), signal);
+      ASSERT_THAT(hidden(), IsEmpty());
+      for (const std::string& name : names()) {
+        ASSERT_EQ(fs::file_size(folder / name), 200'000u) << name;
+        fs::remove(folder / name);
+      }
+    }
+}
+
+TEST_F(Temporaries, OfKilledProcessesAreSweptByTheNext) {
+  const pid_t child = start([&] {
+    const TemporaryFile file(folder / "a.png", 0666);
+    for (;;) pause();
+  });
+  while (names().empty()) usleep(1000);
+  const std::string left = names().front();
+  // While it lives, nobody sweeps it. Each process sweeps a folder once, so in one of their own.
+  const auto write = [&](const char* name) {
+    EXPECT_EQ(WEXITSTATUS(statusOf(start([&] {
+                writeFile(folder / name, {});
+                _exit(0);
+              }))),
+              0);
+  };
+  write("b.png");
+  EXPECT_THAT(names(), ElementsAre(left, "b.png"));
+  kill(child, SIGKILL);
+  statusOf(child);
+  EXPECT_THAT(names(), ElementsAre(left, "b.png"));
+  write("c.png");
+  EXPECT_THAT(names(), ElementsAre("b.png", "c.png"));
+}
+
+TEST_F(Temporaries, AreTheOnlyFilesThatAreSwept) {
+  const std::vector<std::string> kept{
+      ".a.png.1-.latelight-tmp",  ".a.png.1.latelight-tmp", ".a.png.12-3.latelight-tmp.png",
+      ".a.png.x-3.latelight-tmp", ".latelight-tmp",         "a.png.12-3.latelight-tmp"};
+  for (const std::string& name : kept) std::ofstream(folder / name).put('x');
+  std::ofstream(folder / ".a.png.12-3.latelight-tmp").put('x');
+  fs::create_directory(folder / ".a.png.12-4.latelight-tmp");
+  fs::create_symlink("nowhere", folder / ".a.png.12-5.latelight-tmp");
+  { const TemporaryFile file(folder / "b.png", 0666); }
+  std::vector<std::string> expected = kept;
+  expected.insert(expected.end(), {".a.png.12-4.latelight-tmp", ".a.png.12-5.latelight-tmp"});
+  std::sort(expected.begin(), expected.end());
+  EXPECT_EQ(names(), expected);
+}
+
+}  // namespace
+}  // namespace latelight
