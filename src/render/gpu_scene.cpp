@@ -56,15 +56,16 @@ std::vector<uint32_t> drawOrder(const scene::Scene& scene) {
   return order;
 }
 
-shared::Light deviceLight(const scene::Light& light, float exposure) {
+// A light without a range has no end: what it gives far away still shows as a highlight on gloss, and in the sum of
+// many lights. Any bound on what may be lost in those lets it reach farther than the scene does.
+shared::Light deviceLight(const scene::Light& light) {
   shared::Light l{};
   l.position = light.position;
   l.direction = light.direction;
   l.type = light.type;
   l.intensity = light.color * light.intensity;
-  l.reach = light.type == shared::kLightDirectional
-                ? std::numeric_limits<float>::infinity()
-                : shared::lightReach(l.intensity, light.range.value_or(0.0f), shared::kLightThreshold / exposure);
+  l.reach = std::numeric_limits<float>::infinity();
+  if (light.type != shared::kLightDirectional) l.reach = light.range.value_or(l.reach);
   if (light.type == shared::kLightSpot) shared::spotCone(light.innerCone, light.outerCone, l.spotScale, l.spotOffset);
   return l;
 }
@@ -250,18 +251,6 @@ void GpuScene::uploadMaterialUniforms(vk::Uploader& uploader) {
   uploader.upload(materialUniforms_, bytes);
 }
 
-void GpuScene::setExposure(float exposure) {
-  if (exposure == exposure_) return;
-  exposure_ = exposure;
-  bool moves = std::any_of(sceneLights_.begin(), sceneLights_.end(), [](const scene::Light& light) {
-    return light.type != shared::kLightDirectional && !light.range;
-  });
-  if (!moves) return;
-  vk::Uploader uploader(device_);
-  uploadLights(uploader);
-  uploader.flush();
-}
-
 void GpuScene::setLights(std::vector<scene::Light> lights) {
   sceneLights_ = std::move(lights);
   vk::Uploader uploader(device_);
@@ -274,7 +263,7 @@ void GpuScene::uploadLights(vk::Uploader& uploader) {
   lights.reserve(sceneLights_.size());
   size_t broken = 0;
   for (uint32_t i = 0; i < sceneLights_.size(); ++i) {
-    shared::Light l = deviceLight(sceneLights_[i], exposure_);
+    shared::Light l = deviceLight(sceneLights_[i]);
     broken += !isSound(l);
     l.shadow.x = i;  // the tree reorders lights: carried along, and taken out below
     if (isSound(l) && l.reach > 0 && shared::maxChannel(l.intensity) > 0) lights.push_back(l);
@@ -285,6 +274,9 @@ void GpuScene::uploadLights(vk::Uploader& uploader) {
   shadowed_.clear();
   for (shared::Light& light : tree.lights) lightSources_.push_back(std::exchange(light.shadow.x, 0u));
   directionalLights_ = tree.directionalLights;
+  endlessLights_ = static_cast<uint32_t>(
+                       std::ranges::count(tree.lights, std::numeric_limits<float>::infinity(), &shared::Light::reach)) -
+                   directionalLights_;
   lightTreeLeaves_ = tree.firstLeaf;
   lights_ = makeBuffer(device_, "lights", tree.lights.size() * sizeof(shared::Light));
   lightTree_ = makeBuffer(device_, "light tree", tree.nodes.size() * sizeof(shared::LightBox));

@@ -43,9 +43,7 @@ class GpuScene {
   VkBuffer indexBuffer() const { return indices_.get(); }
   uint32_t lightCount() const { return static_cast<uint32_t>(hostLights_.size()); }
   std::span<const shared::Light> lights() const { return hostLights_; }  // as the device has them
-
-  // Lights without a range end where they no longer show, and exposure (a linear factor, 1 at first) moves that place.
-  void setExposure(float exposure);
+  uint32_t endlessLights() const { return endlessLights_; }  // of them: point and spot lights without a range
 
   // Moves instances, deformed meshes and the scene's lights to where these poses have them. Static scenes stay.
   void setPoses(const Poses& poses);
@@ -106,8 +104,7 @@ class GpuScene {
   std::vector<shared::Light> hostLights_;  // as on the device
   std::vector<uint32_t> lightSources_;
   std::vector<uint32_t> shadowed_;  // lights that have shadow maps now
-  uint32_t directionalLights_ = 0, lightTreeLeaves_ = 0;
-  float exposure_ = 1;
+  uint32_t directionalLights_ = 0, endlessLights_ = 0, lightTreeLeaves_ = 0;
 };
 
 }  // namespace latelight::render

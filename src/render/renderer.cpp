@@ -123,7 +123,6 @@ void Renderer::begin(const Settings& settings, const Moment& moment) {
     gpuScene_.setLights(std::move(lights));
   }
   gpuScene_.setPoses(moment.poses);
-  gpuScene_.setExposure(std::exp2(settings.exposure));
   times_.clear();
   shadingCounts_.reset();
   graphviz_.clear();
