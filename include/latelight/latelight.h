@@ -101,7 +101,7 @@ struct Sun {
 // The choices of `latelight render`; names are those of `latelight list`.
 struct Options {
   uint32_t width = 1280, height = 720;
-  std::string layout = "thin";
+  std::string layout = "compact";
   std::string normals = "octahedral";
   std::string normalSpace = "layout";    // or "world", "view"
   std::string position = "ray";          // how a layout without positions rebuilds them: or "matrix", "reciprocal"

@@ -43,7 +43,7 @@ struct SunLight {
 
 struct Settings {
   uint32_t width = 1280, height = 720;
-  std::string layout = "thin";
+  std::string layout = "compact";
   std::string normals = "octahedral";
   std::string normalSpace = "layout";
   std::string position = "ray";
