@@ -78,6 +78,10 @@ bool isSound(const shared::Light& l) {
 
 }  // namespace
 
+uint32_t usualAnisotropy(const vk::Device& device) {
+  return device.isCpu() ? 1 : 8;
+}
+
 GpuScene::GpuScene(vk::Device& device, const scene::Scene& scene)
     : device_(device), scene_(scene), sceneLights_(scene.lights) {
   vk::Uploader uploader(device);
@@ -87,7 +91,7 @@ GpuScene::GpuScene(vk::Device& device, const scene::Scene& scene)
   uploadMaterials(uploader, scene);
   uploadLights(uploader);
   uploader.flush();
-  makeMaterialSets(scene);
+  makeMaterialSets();
 }
 
 void GpuScene::uploadMeshes(vk::Uploader& uploader, const scene::Scene& scene) {
@@ -251,6 +255,13 @@ void GpuScene::uploadMaterialUniforms(vk::Uploader& uploader) {
   uploader.upload(materialUniforms_, bytes);
 }
 
+void GpuScene::setAnisotropy(uint32_t samples) {
+  if (samples == anisotropy_) return;
+  anisotropy_ = samples;
+  samplers_.clear();  // nothing is running: submit() waits
+  writeMaterialSets();
+}
+
 void GpuScene::setLights(std::vector<scene::Light> lights) {
   sceneLights_ = std::move(lights);
   vk::Uploader uploader(device_);
@@ -314,14 +325,17 @@ VkSampler GpuScene::sampler(const scene::Sampler& sampler) {
       .wrapV = addressMode(sampler.wrapV),
       // Vulkan's way to say "no mip levels" (VkSamplerCreateInfo, note on GL filters)
       .maxLod = sampler.mip == scene::MipFilter::None ? 0.25f : VK_LOD_CLAMP_NONE};
+  // Files that ask for blocks of texels, or for no levels, get what they ask for.
+  if (desc.magnify == VK_FILTER_LINEAR && desc.minify == VK_FILTER_LINEAR && sampler.mip != scene::MipFilter::None)
+    desc.anisotropy = static_cast<float>(anisotropy_);
   return samplers_.emplace_back(sampler, vk::makeSampler(device_, desc)).second.get();
 }
 
-void GpuScene::makeMaterialSets(const scene::Scene& scene) {
+void GpuScene::makeMaterialSets() {
   std::vector<vk::Binding> bindings(shared::kTextureCount, vk::Binding::Sampled);
   bindings.push_back(vk::Binding::Uniform);
   materialSetLayout_ = vk::makeSetLayout(device_, bindings);
-  uint32_t count = static_cast<uint32_t>(scene.materials.size());
+  const uint32_t count = static_cast<uint32_t>(scene_.materials.size());
   if (count == 0) return;
 
   const std::array<VkDescriptorPoolSize, 2> sizes{
@@ -342,15 +356,19 @@ void GpuScene::makeMaterialSets(const scene::Scene& scene) {
                                       .pSetLayouts = layouts.data()};
   materialSets_.resize(count);
   VK_CHECK(vkAllocateDescriptorSets(device_.get(), &setInfo, materialSets_.data()));
+  writeMaterialSets();
+}
 
+void GpuScene::writeMaterialSets() {
+  const uint32_t count = static_cast<uint32_t>(materialSets_.size());
   std::vector<VkDescriptorImageInfo> images;
-  images.reserve(sizes[0].descriptorCount);
+  images.reserve(count * shared::kTextureCount);
   std::vector<VkDescriptorBufferInfo> uniforms;
   uniforms.reserve(count);
   std::vector<VkWriteDescriptorSet> writes;
   for (uint32_t i = 0; i < count; ++i) {
     for (uint32_t slot = 0; slot < shared::kTextureCount; ++slot) {
-      const scene::TextureSlot& bound = scene.materials[i].slots[slot];
+      const scene::TextureSlot& bound = scene_.materials[i].slots[slot];
       const vk::Image& image = bound.texture >= 0 ? textures_[bound.texture] : emptyTextures_[holdsColor(slot)];
       images.push_back({sampler(bound.sampler), image.view(), VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL});
     }
