@@ -49,6 +49,7 @@ std::map<std::string, std::string> describeSettings(const RenderOptions& o, cons
       {"sun-angle", fmt::format("{}", o.sunAngle)},
       {"sun", o.sun.empty() ? "none" : o.sun},
       {"aa", o.aa},
+      {"anisotropy", s.anisotropy ? fmt::format("{}", *s.anisotropy) : "by the device"},
       {"exposure", fmt::format("{}", s.exposure)},
       {"hdri", environment.empty() ? "none" : environment},
       {"hdri-rotate", fmt::format("{}", o.hdriRotate)},

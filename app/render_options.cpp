@@ -117,6 +117,8 @@ void addLookOptions(CLI::App& c, RenderOptions& o) {
   c.add_option("--aa", o.aa,
                "Anti-aliasing: none, fxaa, msaa4, taa, or ssN for N x N ordered samples a pixel (latelight list aa)")
       ->capture_default_str();
+  c.add_option("--anisotropy", s.anisotropy,
+               "Samples of a texture along a pixel's footprint, 1 to 16; default: 8, on CPU devices 1");
   c.add_option("--hdri", o.hdri,
                "Environment light: a .hdr or .exr file, studio, or none; default: studio where the scene has no light");
   c.add_option("--hdri-rotate", o.hdriRotate, "Degrees about up; 0 puts the picture's centre at +X, 90 at +Z")

@@ -102,7 +102,7 @@ struct Sun {
 // The choices of `latelight render`; names are those of `latelight list`.
 struct Options {
   uint32_t width = 1280, height = 720;
-  std::string layout = "thin";
+  std::string layout = "compact";
   std::string normals = "octahedral";
   std::string normalSpace = "layout";    // or "world", "view"
   std::string position = "ray";          // how a layout without positions rebuilds them: or "matrix", "reciprocal"
@@ -121,7 +121,8 @@ struct Options {
   std::optional<Sun> sun;               // a directional light beside the scene's
   uint32_t superSampling = 1;           // N x N ordered samples a pixel
   uint32_t samples = 1;                 // a pixel, by the device's multisampling: 1 or 4, without superSampling
-  float exposure = 0;                   // EV
+  uint32_t anisotropy = 0;  // samples of a texture along a pixel's footprint, 1 to 16; 0: the device's usual
+  float exposure = 0;       // EV
   float environmentIntensity = 1;
   float environmentRotation = 0;  // degrees
   bool environmentBackground = false;

@@ -101,6 +101,7 @@ render::Settings internalSettings(const Options& o) {
   if (o.sun) s.sun = internalSun(*o.sun);
   s.superSampling = o.superSampling;
   s.samples = o.samples;
+  if (o.anisotropy) s.anisotropy = o.anisotropy;
   s.exposure = o.exposure;
   s.environmentIntensity = o.environmentIntensity;
   s.environmentRotation = o.environmentRotation / kDegrees;

@@ -1,5 +1,7 @@
 #include "render/frame.h"
 
+#include "base/error.h"
+
 #include "render/gbuffer/geometry_pass.h"
 #include "render/gbuffer/sample_surfaces.h"
 #include "render/lighting/technique.h"
@@ -51,9 +53,19 @@ FrameSetup withSun(FrameSetup setup) {
   return setup;
 }
 
+// lavapipe ends a shader's loops after 65535 rounds, all loops together, without a word: one round for each light that
+// reaches a subgroup, and up to two to find it where a fragment shader has few lanes. The others would be missing.
+void refuseTooManyEndless(const GpuScene& scene, uint32_t samples) {
+  constexpr uint32_t kMost = 20'000;  // for one sample a pixel
+  if (scene.endlessLights() > kMost / samples)
+    badUsage("a CPU device can light with at most {} lights that reach everything, and {} of the scene's have no range",
+             kMost / samples, scene.endlessLights());
+}
+
 }  // namespace
 
-Frame::Frame(vk::Device& device, const GpuScene& scene, const FrameSetup& setup) : setup_(withSun(setup)) {
+Frame::Frame(vk::Device& device, const GpuScene& scene, const FrameSetup& setup)
+    : setup_(withSun(setup)), onCpu_(device.isCpu()) {
   const bool forward = setup_.lighting->forward, multisampled = setup_.samples > 1;
   if (multisampled) requireSamples(device, setup_);
   depth_ = std::make_unique<DepthPass>(device, scene, setup_.samples);
@@ -72,6 +84,7 @@ Frame::Frame(vk::Device& device, const GpuScene& scene, const FrameSetup& setup)
 Frame::~Frame() = default;
 
 LitFrame Frame::add(graph::Graph& graph, const FrameInputs& inputs) const {
+  if (onCpu_) refuseTooManyEndless(inputs.scene, setup_.samples);
   Gbuffer gbuffer{.depth = depth_->add(graph, inputs)};
   if (shadows_) gbuffer.shadows = shadows_->add(graph, inputs);
   gbuffer.light = createTarget(graph, inputs, kLightFormat, "light");

@@ -120,6 +120,7 @@ class Frame {
 
  private:
   FrameSetup setup_;
+  bool onCpu_;
   std::unique_ptr<DepthPass> depth_;
   std::unique_ptr<PixelDepthPass> pixelDepth_;    // null with one sample
   std::unique_ptr<ShadowPass> shadows_;           // null where the setup has none

@@ -56,15 +56,16 @@ std::vector<uint32_t> drawOrder(const scene::Scene& scene) {
   return order;
 }
 
-shared::Light deviceLight(const scene::Light& light, float exposure) {
+// A light without a range has no end: what it gives far away still shows as a highlight on gloss, and in the sum of
+// many lights. Any bound on what may be lost in those lets it reach farther than the scene does.
+shared::Light deviceLight(const scene::Light& light) {
   shared::Light l{};
   l.position = light.position;
   l.direction = light.direction;
   l.type = light.type;
   l.intensity = light.color * light.intensity;
-  l.reach = light.type == shared::kLightDirectional
-                ? std::numeric_limits<float>::infinity()
-                : shared::lightReach(l.intensity, light.range.value_or(0.0f), shared::kLightThreshold / exposure);
+  l.reach = std::numeric_limits<float>::infinity();
+  if (light.type != shared::kLightDirectional) l.reach = light.range.value_or(l.reach);
   if (light.type == shared::kLightSpot) shared::spotCone(light.innerCone, light.outerCone, l.spotScale, l.spotOffset);
   return l;
 }
@@ -77,6 +78,10 @@ bool isSound(const shared::Light& l) {
 
 }  // namespace
 
+uint32_t usualAnisotropy(const vk::Device& device) {
+  return device.isCpu() ? 1 : 8;
+}
+
 GpuScene::GpuScene(vk::Device& device, const scene::Scene& scene)
     : device_(device), scene_(scene), sceneLights_(scene.lights) {
   vk::Uploader uploader(device);
@@ -86,7 +91,7 @@ GpuScene::GpuScene(vk::Device& device, const scene::Scene& scene)
   uploadMaterials(uploader, scene);
   uploadLights(uploader);
   uploader.flush();
-  makeMaterialSets(scene);
+  makeMaterialSets();
 }
 
 void GpuScene::uploadMeshes(vk::Uploader& uploader, const scene::Scene& scene) {
@@ -250,16 +255,11 @@ void GpuScene::uploadMaterialUniforms(vk::Uploader& uploader) {
   uploader.upload(materialUniforms_, bytes);
 }
 
-void GpuScene::setExposure(float exposure) {
-  if (exposure == exposure_) return;
-  exposure_ = exposure;
-  bool moves = std::any_of(sceneLights_.begin(), sceneLights_.end(), [](const scene::Light& light) {
-    return light.type != shared::kLightDirectional && !light.range;
-  });
-  if (!moves) return;
-  vk::Uploader uploader(device_);
-  uploadLights(uploader);
-  uploader.flush();
+void GpuScene::setAnisotropy(uint32_t samples) {
+  if (samples == anisotropy_) return;
+  anisotropy_ = samples;
+  samplers_.clear();  // nothing is running: submit() waits
+  writeMaterialSets();
 }
 
 void GpuScene::setLights(std::vector<scene::Light> lights) {
@@ -274,7 +274,7 @@ void GpuScene::uploadLights(vk::Uploader& uploader) {
   lights.reserve(sceneLights_.size());
   size_t broken = 0;
   for (uint32_t i = 0; i < sceneLights_.size(); ++i) {
-    shared::Light l = deviceLight(sceneLights_[i], exposure_);
+    shared::Light l = deviceLight(sceneLights_[i]);
     broken += !isSound(l);
     l.shadow.x = i;  // the tree reorders lights: carried along, and taken out below
     if (isSound(l) && l.reach > 0 && shared::maxChannel(l.intensity) > 0) lights.push_back(l);
@@ -285,6 +285,9 @@ void GpuScene::uploadLights(vk::Uploader& uploader) {
   shadowed_.clear();
   for (shared::Light& light : tree.lights) lightSources_.push_back(std::exchange(light.shadow.x, 0u));
   directionalLights_ = tree.directionalLights;
+  endlessLights_ = static_cast<uint32_t>(
+                       std::ranges::count(tree.lights, std::numeric_limits<float>::infinity(), &shared::Light::reach)) -
+                   directionalLights_;
   lightTreeLeaves_ = tree.firstLeaf;
   lights_ = makeBuffer(device_, "lights", tree.lights.size() * sizeof(shared::Light));
   lightTree_ = makeBuffer(device_, "light tree", tree.nodes.size() * sizeof(shared::LightBox));
@@ -322,14 +325,17 @@ VkSampler GpuScene::sampler(const scene::Sampler& sampler) {
       .wrapV = addressMode(sampler.wrapV),
       // Vulkan's way to say "no mip levels" (VkSamplerCreateInfo, note on GL filters)
       .maxLod = sampler.mip == scene::MipFilter::None ? 0.25f : VK_LOD_CLAMP_NONE};
+  // Files that ask for blocks of texels, or for no levels, get what they ask for.
+  if (desc.magnify == VK_FILTER_LINEAR && desc.minify == VK_FILTER_LINEAR && sampler.mip != scene::MipFilter::None)
+    desc.anisotropy = static_cast<float>(anisotropy_);
   return samplers_.emplace_back(sampler, vk::makeSampler(device_, desc)).second.get();
 }
 
-void GpuScene::makeMaterialSets(const scene::Scene& scene) {
+void GpuScene::makeMaterialSets() {
   std::vector<vk::Binding> bindings(shared::kTextureCount, vk::Binding::Sampled);
   bindings.push_back(vk::Binding::Uniform);
   materialSetLayout_ = vk::makeSetLayout(device_, bindings);
-  uint32_t count = static_cast<uint32_t>(scene.materials.size());
+  const uint32_t count = static_cast<uint32_t>(scene_.materials.size());
   if (count == 0) return;
 
   const std::array<VkDescriptorPoolSize, 2> sizes{
@@ -350,15 +356,19 @@ void GpuScene::makeMaterialSets(const scene::Scene& scene) {
                                       .pSetLayouts = layouts.data()};
   materialSets_.resize(count);
   VK_CHECK(vkAllocateDescriptorSets(device_.get(), &setInfo, materialSets_.data()));
+  writeMaterialSets();
+}
 
+void GpuScene::writeMaterialSets() {
+  const uint32_t count = static_cast<uint32_t>(materialSets_.size());
   std::vector<VkDescriptorImageInfo> images;
-  images.reserve(sizes[0].descriptorCount);
+  images.reserve(count * shared::kTextureCount);
   std::vector<VkDescriptorBufferInfo> uniforms;
   uniforms.reserve(count);
   std::vector<VkWriteDescriptorSet> writes;
   for (uint32_t i = 0; i < count; ++i) {
     for (uint32_t slot = 0; slot < shared::kTextureCount; ++slot) {
-      const scene::TextureSlot& bound = scene.materials[i].slots[slot];
+      const scene::TextureSlot& bound = scene_.materials[i].slots[slot];
       const vk::Image& image = bound.texture >= 0 ? textures_[bound.texture] : emptyTextures_[holdsColor(slot)];
       images.push_back({sampler(bound.sampler), image.view(), VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL});
     }

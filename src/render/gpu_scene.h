@@ -23,6 +23,9 @@ struct Draw {
   bool mirrored = false;
 };
 
+// Where nothing else is asked for: 8, which costs a GPU little; 1 on a CPU device.
+uint32_t usualAnisotropy(const vk::Device& device);
+
 class GpuScene {
  public:
   // Uploads all of it, at rest. The scene must outlive this.
@@ -43,9 +46,10 @@ class GpuScene {
   VkBuffer indexBuffer() const { return indices_.get(); }
   uint32_t lightCount() const { return static_cast<uint32_t>(hostLights_.size()); }
   std::span<const shared::Light> lights() const { return hostLights_; }  // as the device has them
+  uint32_t endlessLights() const { return endlessLights_; }  // of them: point and spot lights without a range
 
-  // Lights without a range end where they no longer show, and exposure (a linear factor, 1 at first) moves that place.
-  void setExposure(float exposure);
+  // Samples of a texture along a pixel's footprint, at most: 1 (none) at first.
+  void setAnisotropy(uint32_t samples);
 
   // Moves instances, deformed meshes and the scene's lights to where these poses have them. Static scenes stay.
   void setPoses(const Poses& poses);
@@ -76,7 +80,8 @@ class GpuScene {
   void uploadMaterials(vk::Uploader& uploader, const scene::Scene& scene);
   void uploadMaterialUniforms(vk::Uploader& uploader);
   void uploadLights(vk::Uploader& uploader);
-  void makeMaterialSets(const scene::Scene& scene);
+  void makeMaterialSets();
+  void writeMaterialSets();
   VkSampler sampler(const scene::Sampler& sampler);
 
   vk::Device& device_;
@@ -101,13 +106,13 @@ class GpuScene {
   vk::Handle<VkDescriptorSetLayout> materialSetLayout_;
   vk::Handle<VkDescriptorPool> materialPool_;
   std::vector<VkDescriptorSet> materialSets_;
+  uint32_t anisotropy_ = 1;
   std::vector<Draw> draws_;
   std::vector<Sphere> bounds_;             // of the instances, in the order of the device
   std::vector<shared::Light> hostLights_;  // as on the device
   std::vector<uint32_t> lightSources_;
   std::vector<uint32_t> shadowed_;  // lights that have shadow maps now
-  uint32_t directionalLights_ = 0, lightTreeLeaves_ = 0;
-  float exposure_ = 1;
+  uint32_t directionalLights_ = 0, endlessLights_ = 0, lightTreeLeaves_ = 0;
 };
 
 }  // namespace latelight::render

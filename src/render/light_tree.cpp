@@ -149,15 +149,21 @@ LightBox lightBox(const Light& light) {
     const double outer = std::acos(std::clamp(-double{light.spotOffset} / light.spotScale, -1.0, 1.0));
     for (int side = 0; side < 2; ++side)
       for (int i = 0; i < 3; ++i) {
-        // The direction in the cone that comes nearest to the axis; if none comes near, the apex is farthest out.
+        // The direction in the cone that comes nearest to the axis; negative if none comes near.
         const double axis =
             std::acos(std::clamp(double{side == 0 ? light.direction[i] : -light.direction[i]}, -1.0, 1.0));
-        extent[side][i] = axis <= outer ? 1.0f : static_cast<float>(std::max(std::cos(axis - outer), 0.0));
+        extent[side][i] = axis <= outer ? 1.0f : static_cast<float>(std::cos(axis - outer));
       }
   }
   // Rounding, in what the device computes too: of the direction's length, of the reach, and of positions far out.
-  const vec3 slack = 5e-4f * light.reach + glm::abs(light.position) * 1e-6f;
-  return {light.position - extent[1] * light.reach - slack, light.position + extent[0] * light.reach + slack};
+  const vec3 slack = glm::abs(light.position) * 1e-6f;
+  const auto metres = [&](vec3 reaches) {
+    // Where no direction in the cone comes near, the apex is farthest out. (0 times an infinite reach would be no
+    // number.)
+    for (int i = 0; i < 3; ++i) reaches[i] = reaches[i] > -5e-4f ? (reaches[i] + 5e-4f) * light.reach : 0.0f;
+    return reaches;
+  };
+  return {light.position - metres(extent[1]) - slack, light.position + metres(extent[0]) + slack};
 }
 
 LightTree buildLightTree(const std::vector<Light>& lights) {

@@ -122,8 +122,8 @@ void Renderer::begin(const Settings& settings, const Moment& moment) {
     if (sun_) lights.push_back(lightOf(*sun_));
     gpuScene_.setLights(std::move(lights));
   }
+  gpuScene_.setAnisotropy(settings.anisotropy.value_or(usualAnisotropy(device_)));
   gpuScene_.setPoses(moment.poses);
-  gpuScene_.setExposure(std::exp2(settings.exposure));
   times_.clear();
   shadingCounts_.reset();
   graphviz_.clear();

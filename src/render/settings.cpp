@@ -202,6 +202,8 @@ void checkSettings(const Settings& s) {
   if ((s.samples > 1) + (s.superSampling > 1) + s.temporal > 1)
     badUsage(
         "multisampling, super-sampling and temporal anti-aliasing each choose the samples of a pixel; use one of them");
+  if (s.anisotropy && (*s.anisotropy < 1 || *s.anisotropy > 16))
+    badUsage("anisotropic filters take 1 to 16 samples, not {}", *s.anisotropy);
   if (!std::isfinite(s.exposure) || std::abs(s.exposure) > 60)
     badUsage("the exposure must be a number between -60 and 60 EV, not {}", s.exposure);
   if (!std::isfinite(s.environmentIntensity) || s.environmentIntensity < 0)

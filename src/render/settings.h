@@ -43,7 +43,7 @@ struct SunLight {
 
 struct Settings {
   uint32_t width = 1280, height = 720;
-  std::string layout = "thin";
+  std::string layout = "compact";
   std::string normals = "octahedral";
   std::string normalSpace = "layout";
   std::string position = "ray";
@@ -58,6 +58,7 @@ struct Settings {
   bool everySample = false;              // all of those are shaded, alike or not: the reference of MSAA
   bool countSurfaces = false;            // fills Renderer::shadingCounts()
   bool temporal = false;                 // temporal anti-aliasing; not together with super-sampling
+  std::optional<uint32_t> anisotropy;    // samples of a texture along a pixel's footprint; none: the device's usual
   float exposure = 0;                    // EV: radiance is multiplied by 2^exposure
   float environmentIntensity = 1;
   float environmentRotation = 0;  // radians about the up axis, +X towards +Z of the glTF frame

@@ -186,6 +186,13 @@ VkImageView Image::layerView(uint32_t layer) const {
   return layerViews_[layer];
 }
 
+float maxAnisotropy(const Device& device) {
+  VkPhysicalDeviceFeatures features;
+  vkGetPhysicalDeviceFeatures(device.physical(), &features);
+  // An optional feature that is enabled where it is offered.
+  return features.samplerAnisotropy ? device.properties().limits.maxSamplerAnisotropy : 1;
+}
+
 Handle<VkSampler> makeSampler(Device& device, const SamplerDesc& desc) {
   VkSamplerCreateInfo info{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
   info.magFilter = desc.magnify;
@@ -195,6 +202,8 @@ Handle<VkSampler> makeSampler(Device& device, const SamplerDesc& desc) {
   info.addressModeV = desc.wrapV;
   info.addressModeW = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
   info.maxLod = desc.maxLod;
+  info.maxAnisotropy = std::min(desc.anisotropy, maxAnisotropy(device));
+  info.anisotropyEnable = info.maxAnisotropy > 1;
   VkSampler sampler = VK_NULL_HANDLE;
   VK_CHECK(vkCreateSampler(device.get(), &info, nullptr, &sampler));
   return Handle<VkSampler>(device, sampler);

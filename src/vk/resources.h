@@ -97,11 +97,13 @@ struct SamplerDesc {
   VkSamplerMipmapMode mip = VK_SAMPLER_MIPMAP_MODE_LINEAR;
   VkSamplerAddressMode wrapU = VK_SAMPLER_ADDRESS_MODE_REPEAT, wrapV = VK_SAMPLER_ADDRESS_MODE_REPEAT;
   float maxLod = VK_LOD_CLAMP_NONE;
+  float anisotropy = 1;  // samples along a pixel's footprint, at most; no more than the device can take
   bool operator==(const SamplerDesc&) const = default;
 };
 // For texelFetch, which needs a sampler bound and ignores it.
 inline constexpr SamplerDesc kNearestSampler{VK_FILTER_NEAREST, VK_FILTER_NEAREST, VK_SAMPLER_MIPMAP_MODE_NEAREST};
 Handle<VkSampler> makeSampler(Device& device, const SamplerDesc& desc);
+float maxAnisotropy(const Device& device);  // 1 where the device has no anisotropic filter
 
 // Copies of host data to the device, gathered and submitted together. The data is copied before upload() returns,
 // through 16 MiB of staging memory. flush() (or the destructor, which turns an error into a warning) submits and waits.

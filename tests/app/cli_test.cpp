@@ -58,6 +58,7 @@ TEST(CommandLine, HelpNamesEveryOption) {
         "--sun",
         "--shading",
         "--aa",
+        "--anisotropy",
         "--hdri",
         "--hdri-rotate",
         "--hdri-intensity",

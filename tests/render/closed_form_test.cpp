@@ -313,7 +313,22 @@ TEST_F(PlaneTest, PunctualLightsFollowTheSpecificationToHalfALevel) {
   fmt::print("layout exact: {:.3f} levels before rounding to 8 bits, {:.3f} after\n", linear, display);
 }
 
-TEST_F(PlaneTest, SoDoesTheDefaultLayoutWhereItHoldsTheMaterial) {
+TEST_F(PlaneTest, SoDoesTheDefaultLayoutToALevel) {
+  double linear = 0;
+  for (const PlaneLight& light : planeLights())
+    for (auto materials :
+         {std::span<const PlaneMaterial>(kPlaneMaterials), std::span<const PlaneMaterial>(kTintedMaterials)})
+      for (const PlaneMaterial& material : materials) {
+        SCOPED_TRACE(std::string(light.name) + " on " + material.name);
+        const Levels worst = compare(material, light.light, Settings().layout);
+        EXPECT_LT(worst.linear, 0.75);
+        EXPECT_LE(worst.display, 1.25);
+        linear = std::max(linear, worst.linear);
+      }
+  fmt::print("layout {}: {:.3f} levels before rounding to 8 bits\n", Settings().layout, linear);
+}
+
+TEST_F(PlaneTest, SoDoesThinWhereItHoldsTheMaterial) {
   double linear = 0;
   for (const PlaneLight& light : planeLights())
     for (const PlaneMaterial& material : kPlaneMaterials) {
@@ -386,7 +401,7 @@ TEST_F(FurnaceTest, AConstantPictureIsAConstantEnvironment) {
 }
 
 TEST_F(FurnaceTest, UnlitSurfacesShowTheirBaseColourExactly) {
-  for (const char* layout : {"exact", "thin", "optimized"}) {
+  for (const char* layout : {"exact", "compact", "thin", "optimized"}) {
     SCOPED_TRACE(layout);
     scene::builtin::SceneBuilder builder("unlit");
     builder.scene.meshes.push_back(squareMesh());

@@ -42,9 +42,9 @@ TEST(Layouts, BytesAPixelAreTheSumOfTheirFormats) {
 
 // As the layouts' own files say, depth included and the light accumulation target apart.
 TEST(Layouts, CostWhatTheirFilesSay) {
-  const std::pair<const char*, uint32_t> said[] = {{"thin", 12},  {"optimized", 16}, {"exact", 116},
-                                                   {"plain", 68}, {"engine", 16},    {"battlefield3", 20},
-                                                   {"blog", 60},  {"killzone2", 16}};
+  const std::pair<const char*, uint32_t> said[] = {{"compact", 20},      {"thin", 12},  {"optimized", 16},
+                                                   {"exact", 116},       {"plain", 68}, {"engine", 16},
+                                                   {"battlefield3", 20}, {"blog", 60},  {"killzone2", 16}};
   for (const auto& [name, bytes] : said)
     for (const NormalEncoding& encoding : normalEncodings()) {
       const LayoutBytes here = findLayout(name).bytesPerPixel(encoding.index);
@@ -120,6 +120,16 @@ Bounds boundsOf(const Layout& layout, const NormalEncoding& encoding) {
             .metallic = 0.5 / 31 + 1e-6,
             .roughness = kUnorm8,
             .f0Root = 0.5 / 6 + 1e-6,
+            .f90 = 0};
+  // Values by their roots: a step is largest where the value is, of metalness in the middle.
+  if (layout.name == "compact")
+    return {.normal = normalBound(encoding, 20, 13),
+            .baseColor = 0.2,
+            .diffuse = 0.5,
+            .specular = 0.5,
+            .metallic = 1.0 / 1023 + 1e-6,
+            .roughness = 1.0 / 4095 + 1e-6,
+            .f0Root = 0.5 / 65535 / 0.4 + 1e-6,
             .f90 = 0};
   if (layout.name == "battlefield3")
     return {.normal = normalBound("xyz", 8),
@@ -353,6 +363,47 @@ TEST(Layouts, ExactKeepsEverything) {
   }
 }
 
+// Tinted and weakened reflectances too, by their roots in nine bits (eight of the grazing one); the usual dielectric
+// and what reflects nothing exactly.
+TEST(Layouts, CompactKeepsReflectance) {
+  Random random(41);
+  const Layout& compact = findLayout("compact");
+  for (int i = 0; i < 20000; ++i) {
+    Sample sample = randomSample(random, shared::kNormal_octahedral);
+    Surface& s = sample.surface;
+    s.f90 = i % 3 ? random.uniform() : 1;
+    s.f0 = (i % 2 ? random.color() : vec3(random.uniform())) * s.f90;
+    const Surface b = stored(compact, sample);
+    ASSERT_NEAR(std::sqrt(b.f90), std::sqrt(s.f90), 0.5 / 255 + 1e-6);
+    for (int c = 0; c < 3; ++c) ASSERT_NEAR(std::sqrt(b.f0[c]), std::sqrt(s.f0[c]), 0.5 / 511 + 0.5 / 255 + 1e-5) << i;
+  }
+  Sample sample = randomSample(random, shared::kNormal_octahedral);
+  for (const auto& [f0, f90] : {std::pair(0.04f, 1.0f), {0.0f, 1.0f}, {0.0f, 0.0f}, {1.0f, 1.0f}}) {
+    sample.surface.f0 = vec3(f0);
+    sample.surface.f90 = f90;
+    EXPECT_FLOAT_EQ(stored(compact, sample).f0.y, f0);
+    EXPECT_EQ(stored(compact, sample).f90, f90);
+  }
+}
+
+// Whatever bits a target holds, what is lit from them is a number.
+TEST(Layouts, CompactGivesNumbersForAnyBits) {
+  Random random(43);
+  const Layout& compact = findLayout("compact");
+  for (int i = 0; i < 20000; ++i) {
+    const Sample sample = randomSample(random, normalEncodings()[i % normalEncodings().size()].index);
+    TargetValue bits;
+    for (int word = 0; word < 4; ++word)
+      bits.u[word] = i == 0 ? 0u : i == 1 ? ~0u : static_cast<uint32_t>(random.bits());
+    const Surface s = compact.unpack({&bits, 1}, sample.context);
+    ASSERT_NEAR(glm::length(s.normal), 1, 1e-4) << i;
+    for (const float value : {s.baseColor.x, s.baseColor.z, s.metallic, s.roughness, s.f0.x, s.f0.y, s.f0.z, s.f90}) {
+      ASSERT_GE(value, 0) << i;
+      ASSERT_LE(value, 1) << i;
+    }
+  }
+}
+
 TEST(Layouts, ThinKeepsTheUsualDielectricAndNoReflectionAtAll) {
   Random random(13);
   const Layout& thin = findLayout("thin");
@@ -493,6 +544,7 @@ constexpr Quantisation kQuantisation[] = {
     // measured: mean, most, beyond
     {"exact", 0.001, 1, 0, "floats both"},                                                       // 0, 0, 0
     {"blog", 0.0015, 1, 0, "normals of 16 bits a channel"},                                      // 0.0009, 1, 0
+    {"compact", 0.07, 1, 0, "roots in 9 to 16 bits, normals of 20 bits a channel"},              // 0.044, 1, 0
     {"thin", 0.3, 5, 0.0002, "normals of 12 bits a channel, metalness of 5, reflectance of 3"},  // 0.189, 3, 1e-5
     {"battlefield3", 0.4, 20, 0.006, "normals of 8 bits a component"},                           // 0.268, 13, 0.0039
     {"optimized", 1.15, 105, 0.08, "the power ends at 255: highlights are wider and dimmer"},    // 0.765, 71, 0.054

@@ -202,20 +202,18 @@ TEST_F(LightListsTest, LightsInHardPlacesAreAllFound) {
   const std::vector<scene::Camera> cameras = manyCameras(scene);
   Stage stage(device(), scene);
   stage.scene().setLights(hardLights(scene));
-  for (const char* layout : {"thin", "exact"})
-    for (float exposure : {1.0f, 1.0f / 1024}) {  // moves the ends of lights without range
-      stage.scene().setExposure(exposure);
-      const Picture reference = stage.draw(*kFullscreen, layout, cameras, kWidth, kHeight);
-      EXPECT_GT(reference.used, 5);
-      for (const TechniqueInfo* technique : {kTiled, kClustered}) {
-        SCOPED_TRACE(fmt::format("{}, {}, exposure {}", technique->name, layout, exposure));
-        const Picture picture = stage.draw(*technique, layout, cameras, kWidth, kHeight);
-        expectSame(picture, reference);
-        EXPECT_LT(picture.tested, 0.3 * reference.tested);
-        fmt::print("{}: {:.1f} tested, {:.1f} used of {:.0f}\n", technique->name, picture.tested, picture.used,
-                   reference.tested);
-      }
+  for (const char* layout : {"thin", "exact"}) {
+    const Picture reference = stage.draw(*kFullscreen, layout, cameras, kWidth, kHeight);
+    EXPECT_GT(reference.used, 5);
+    for (const TechniqueInfo* technique : {kTiled, kClustered}) {
+      SCOPED_TRACE(fmt::format("{}, {}", technique->name, layout));
+      const Picture picture = stage.draw(*technique, layout, cameras, kWidth, kHeight);
+      expectSame(picture, reference);
+      EXPECT_LT(picture.tested, 0.3 * reference.tested);
+      fmt::print("{}: {:.1f} tested, {:.1f} used of {:.0f}\n", technique->name, picture.tested, picture.used,
+                 reference.tested);
     }
+  }
 }
 
 TEST_F(LightListsTest, NoLightsOrOnlyDirectionalOnes) {

@@ -136,6 +136,27 @@ TEST(LightTree, NoLightReachesOutOfItsBox) {
   EXPECT_GT(lit, 200000u);
 }
 
+// Without a range: lit places a millimetre and a thousand kilometres away.
+TEST(LightTree, NoEndlessLightReachesOutOfItsBox) {
+  Lights random(12);
+  size_t lit = 0, bounded = 0;
+  for (int i = 0; i < 1000; ++i) {
+    Light light = random.make(i % 4 ? shared::kLightSpot : shared::kLightPoint);
+    light.reach = std::numeric_limits<float>::infinity();
+    const LightBox box = lightBox(light);
+    for (int axis = 0; axis < 3; ++axis) bounded += std::isfinite(box.low[axis]) + std::isfinite(box.high[axis]);
+    for (int j = 0; j < 300; ++j) {
+      const vec3 d = glm::normalize(j % 2 ? random.direction() : light.direction + 0.5f * random.direction());
+      const vec3 position = light.position + d * std::pow(10.0f, random.between(-3, 6));
+      if (shared::maxChannel(shared::sampleLight(light, position).irradiance) <= 0) continue;
+      ++lit;
+      ASSERT_TRUE(holds(box, {position, position})) << i;
+    }
+  }
+  EXPECT_GT(lit, 100000u);
+  EXPECT_GT(bounded, 500u);  // spots end behind them
+}
+
 TEST(LightTree, ASpotsBoxIsSmallerThanItsSphere) {
   Light spot = Lights(10).make(shared::kLightSpot);
   spot.direction = {0, 0, 1};

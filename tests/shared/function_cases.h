@@ -137,7 +137,6 @@ SH_FUNC vec4 surfaceReflectanceOf(Arguments a) {
   C(luminance, 5e-7f, 0.0f, (pad(luminance(a.c))))                                                                 \
   C(maxChannel, 0.0f, 0.0f, (pad(maxChannel(a.c))))                                                                \
   C(lightWindow, 1e-6f, 3e-6f, (pad(lightWindow(a.w.x, a.w.y))))                                                   \
-  C(lightReach, 1e-6f, 0.0f, (vec4(lightReach(a.c, a.w.x, a.w.y), lightReach(a.c, 0.0f, a.w.y), 0.0f, 0.0f)))      \
   C(spotCone, 2e-5f, 0.0f, (coneOf(a)))                                                                            \
   C(directionalLight, 0.0f, 0.0f, (pad(sampleLight(someLight(a, kLightDirectional), a.v).toLight)))                \
   C(pointDirection, 1e-6f, 5e-7f, (pad(sampleLight(someLight(a, kLightPoint), a.v).toLight)))                      \

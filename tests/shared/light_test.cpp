@@ -29,38 +29,6 @@ TEST(LightWindow, IsTheOneOfKhrLightsPunctual) {
   EXPECT_EQ(lightWindow(0.0f, 0.0f), 0.0f);  // a light without reach, not 0 / 0
 }
 
-TEST(LightReach, IsTheRangeWhereThereIsOne) {
-  EXPECT_EQ(lightReach(vec3(1e6f, 0.0f, 0.0f), 3.5f, kLightThreshold), 3.5f);
-}
-
-TEST(LightReach, EndsWhereTheStrongestChannelFallsToTheThreshold) {
-  const vec3 intensity(1.0f, 100.0f, 4.0f);
-  for (const float none : {0.0f, -1.0f, kInfinity}) {
-    EXPECT_FLOAT_EQ(lightReach(intensity, none, kLightThreshold), 640.0f);  // sqrt(100 * 4096)
-    EXPECT_FLOAT_EQ(lightReach(intensity, none, 1.0f), 10.0f);
-  }
-  EXPECT_EQ(lightReach(vec3(0.0f, 0.0f, 0.0f), 0.0f, kLightThreshold), 0.0f);
-}
-
-// What the threshold promises: no window of an unlimited light changes a white Lambertian surface by more than 0.257 of
-// the smallest 8-bit sRGB step, inside its reach or beyond.
-TEST(LightReach, WindowStaysUnderAQuarterOfAnEightBitStep) {
-  const double step = 1.0 / (12.92 * 255.0);
-  double worst = 0.0;
-  for (const float candela : {0.01f, 1.0f, 60.0f, 1e5f}) {
-    const float reach = lightReach(vec3(candela, candela, candela), 0.0f, kLightThreshold);
-    const Light light = pointLight(vec3(0.0f, 0.0f, 0.0f), vec3(candela, candela, candela), reach);
-    for (float x = 0.01f; x < 3.0f; x += 0.001f) {
-      const double unlimited = candela / (double(reach) * x * reach * x);
-      const double windowed = sampleLight(light, vec3(reach * x, 0.0f, 0.0f)).irradiance.x;
-      EXPECT_LE(std::abs(windowed - unlimited), kLightThreshold * 1.0001 + 3e-7 * unlimited);
-      worst = std::max(worst, std::abs(windowed - unlimited) - 3e-7 * unlimited);
-    }
-  }
-  EXPECT_GT(worst / M_PI / step, 0.25);  // the bound is tight: it is reached at the reach itself
-  EXPECT_LT(worst / M_PI / step, 0.257);
-}
-
 TEST(SampleLight, DirectionalIsTheSameEverywhere) {
   Light light{};
   light.type = kLightDirectional;

@@ -68,7 +68,7 @@ TEST(LightStudy, MeasuresEveryTechniqueAtEveryPlace) {
                 1e-9);
     const bool forward = render::findTechnique(text(table, row, "technique")).forward;
     EXPECT_EQ(number(table, row, "geometry ms") == 0, forward);
-    EXPECT_EQ(number(table, row, "G-buffer B/px"), forward ? 12 : 20);  // depth and light accumulation; with `thin`
+    EXPECT_EQ(number(table, row, "G-buffer B/px"), forward ? 12 : 28);  // depth and light accumulation; with `compact`
     // A frame's own memory holds at least its targets.
     EXPECT_GE(number(table, row, "frame MiB") * (1 << 20), 48 * 27 * number(table, row, "G-buffer B/px"));
   }
@@ -100,7 +100,7 @@ TEST(LightStudy, WritesPassesOfEveryMeasurement) {
   std::set<std::string> passes;
   for (const std::vector<Cell>& row : table.rows)
     if (text(table, row, "technique") == "tiled") passes.insert(text(table, row, "pass"));
-  EXPECT_EQ(passes, (std::set<std::string>{"depth", "geometry thin", "light lists", "lighting tiled", "compose"}));
+  EXPECT_EQ(passes, (std::set<std::string>{"depth", "geometry compact", "light lists", "lighting tiled", "compose"}));
 }
 
 // Nothing is below the limit: the first step of a line is taken, since nothing foretells it, and no other.

@@ -40,12 +40,17 @@ Wanted parseWanted(const std::string& text, std::span<const scene::Light> lights
   return wanted;
 }
 
+// How far the light reaches of the scene, metres.
+float reachIn(const ShadowScene& scene, const shared::Light& light) {
+  return std::min(light.reach, 2 * scene.bounds.radius());
+}
+
 // The light at the eye, lux; a directional light's everywhere.
-float importance(const shared::Light& light, const shared::View& view) {
+float importance(const shared::Light& light, const ShadowScene& scene, const shared::View& view) {
   const float candela = shared::maxChannel(light.intensity);
   if (light.type == shared::kLightDirectional) return candela;
   const glm::vec3 to = light.position - view.eye;
-  const float nearest = 0.01f * std::min(light.reach, 1e18f);
+  const float nearest = 0.01f * reachIn(scene, light);
   return candela / std::max(glm::dot(to, to), nearest * nearest);
 }
 
@@ -76,7 +81,8 @@ std::vector<Candidate> candidates(const ShadowScene& scene, const shared::View& 
     };
     if (!authored.castShadow.value_or(true) || !named()) continue;
     if (directional ? !anyCascade : !frustum.touches({light.position, light.reach})) continue;
-    found.push_back({i, scene.sources[i], directional, authored.castShadow.value_or(false), importance(light, view)});
+    found.push_back(
+        {i, scene.sources[i], directional, authored.castShadow.value_or(false), importance(light, scene, view)});
   }
   const size_t count = std::min<size_t>(found.size(), wanted.most);
   std::partial_sort(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(count), found.end());
@@ -98,7 +104,7 @@ uint32_t sizeOf(const shared::Light& light, const ShadowScene& scene, const shar
   const double picture = std::max(view.size.x, view.size.y);
   const uint32_t cascade = tileSize(picture, kLeastCascade, kLargestTile);
   if (light.type == shared::kLightDirectional) return cascade;
-  const double reach = std::min(light.reach, 2 * scene.bounds.radius());
+  const double reach = reachIn(scene, light);
   const double distance = std::max<double>(glm::length(light.position - view.eye), 0.5 * reach);
   const bool perspective = view.projection.kind == shared::kPerspective;
   const double pixels = reach * view.projection.V * view.size.y / (perspective ? distance : 1);

@@ -1,10 +1,10 @@
-// thin: all that GGX needs in 12 bytes a pixel, depth included. The default.
+// thin: all that GGX needs in 12 bytes a pixel, depth included: the least memory, and a few levels of light lost.
 #ifndef LATELIGHT_SHARED_GBUFFER_THIN_H
 #define LATELIGHT_SHARED_GBUFFER_THIN_H
 
 #include "shared/gbuffer.h"
 
-#define GBUFFER_DESCRIPTION "everything GGX needs in 12 bytes a pixel with depth; the default"
+#define GBUFFER_DESCRIPTION "everything GGX needs in 12 bytes a pixel with depth, to a few levels of 8 bits"
 #define GBUFFER_TARGETS(T)          \
   T(0, surface, R32G32_UINT, uvec2, \
     "r: world normal 24 (12+12 or 8+8+8), roughness 8; g: base colour sRGB 8+8+8, metallic 5, reflectance 3")

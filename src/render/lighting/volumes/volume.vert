@@ -13,7 +13,7 @@ vec3 coneVertex(vec3 v, Light light) {
   vec2 rim = vec2(sin(angle), cos(angle));  // from the axis, along it
   vec2 top = vec2(tan(0.5 * angle), 1.0 + kLengthMargin);
   vec2 profile = v.z < 0.5 ? vec2(0.0, -kLengthMargin) : v.z < 1.5 ? rim : top;
-  return vec3(v.xy * profile.x, profile.y) * light.reach;
+  return vec3(v.xy * profile.x, profile.y) * push.reach;
 }
 
 vec3 rotateFromAxis(vec3 v, vec3 axis) {
@@ -31,7 +31,7 @@ void main() {
   if (push.shape == kShapeCone)
     v = rotateFromAxis(coneVertex(v, push.light), push.light.direction);
   else
-    v *= push.light.reach;
+    v *= push.reach;
   View view = frameView(FrameRef(push.frame).v, push.view);
   gl_Position = projectToClip(view.projection, view.worldToView * vec4(push.light.position + v, 1.0));
 }

@@ -4,6 +4,7 @@ struct VolumePush {
   uint64_t vertices;  // vec3[]: volume_mesh.h
   uint view;
   uint shape;
+  float reach;  // of the mesh, metres: the light's, or of one without an end how far the scene goes
   Light light;
 };
 layout(push_constant, scalar) uniform Push { VolumePush push; };

@@ -24,6 +24,7 @@ struct VolumePush {  // volume_push.glsl
   VkDeviceAddress frame, vertices;
   uint32_t view;
   uint32_t shape;
+  float reach;
   shared::Light light;
 };
 
@@ -97,28 +98,33 @@ struct VolumeDraw {
   Shape shape;
   std::optional<Step> mark;
   Step light;
+  float reach = 0;  // of a volume, metres
 };
 
 // Chooses the draws of lights in a view.
 class VolumePlan {
  public:
-  VolumePlan(const shared::View& view, uint32_t order, bool depthClamp)
-      : view_(view), frustum_(view), order_(order), depthClamp_(depthClamp) {}
+  VolumePlan(const shared::View& view, const scene::Bounds& scene, uint32_t order, bool depthClamp)
+      : view_(view), scene_(scene), frustum_(view), order_(order), depthClamp_(depthClamp) {}
 
   std::optional<VolumeDraw> of(const shared::Light& light) const {
     const VolumeDraw screen{kShapeScreen, std::nullopt, kLightScreen};
-    if (light.type == shared::kLightDirectional || std::isinf(light.reach)) return screen;
-    if (!frustum_.touches({light.position, light.reach})) return std::nullopt;
+    if (light.type == shared::kLightDirectional) return screen;
+    const bool endless = std::isinf(light.reach);
+    const Sphere reach{light.position, endless ? farthest(light) : light.reach};
+    if (endless && (!isCone(light) || !std::isfinite(reach.radius))) return screen;
+    if (!frustum_.touches(reach)) return std::nullopt;
     const float depth = (view_.worldToView * glm::vec4(light.position, 1.0f)).y;
-    const float extent = kVolumeExtent * light.reach;
+    const float extent = kVolumeExtent * reach.radius;
     const bool cutFar = depth + extent >= shared::viewDepth(view_.projection, 0.0f);
     // Clamped, back faces beyond the far plane stay; clipped, they would leave what they hold unmarked.
     if (cutFar && !depthClamp_) return screen;
     const Shape shape = isCone(light) ? kShapeCone : kShapeSphere;
-    if (projectedRadius(light) < kLeastMarkedRadius) return VolumeDraw{shape, std::nullopt, kLightUnmarked};
-    if (order_ == kVolumesClassic) return VolumeDraw{shape, kMarkClassic, kLightMarked};
+    if (projectedRadius(reach) < kLeastMarkedRadius)
+      return VolumeDraw{shape, std::nullopt, kLightUnmarked, reach.radius};
+    if (order_ == kVolumesClassic) return VolumeDraw{shape, kMarkClassic, kLightMarked, reach.radius};
     const bool cutNear = depth - extent <= shared::viewDepth(view_.projection, 1.0f);
-    return VolumeDraw{shape, kMarkKillzone, cutNear ? kLightMarked : kLightMarkedBehind};
+    return VolumeDraw{shape, kMarkKillzone, cutNear ? kLightMarked : kLightMarkedBehind, reach.radius};
   }
 
  private:
@@ -128,16 +134,22 @@ class VolumePlan {
     return light.type == shared::kLightSpot && -light.spotOffset > kCos80 * light.spotScale;
   }
 
-  // Of the sphere of its reach, pixels; infinite with the camera inside.
-  float projectedRadius(const shared::Light& light) const {
+  // From the light to what is farthest of the scene, and as much more as rounding may need.
+  float farthest(const shared::Light& light) const {
+    return 1.001f * glm::length(glm::max(glm::abs(scene_.min - light.position), glm::abs(scene_.max - light.position)));
+  }
+
+  // Of a sphere, pixels; infinite with the camera inside.
+  float projectedRadius(const Sphere& sphere) const {
     const float scale = view_.projection.V * view_.size.y * 0.5f;
-    if (view_.projection.kind == shared::kOrthographic) return light.reach * scale;
-    const glm::vec3 offset = light.position - view_.eye;
-    const float squared = glm::dot(offset, offset) - light.reach * light.reach;
-    return squared > 0 ? light.reach * scale / std::sqrt(squared) : std::numeric_limits<float>::infinity();
+    if (view_.projection.kind == shared::kOrthographic) return sphere.radius * scale;
+    const glm::vec3 offset = sphere.centre - view_.eye;
+    const float squared = glm::dot(offset, offset) - sphere.radius * sphere.radius;
+    return squared > 0 ? sphere.radius * scale / std::sqrt(squared) : std::numeric_limits<float>::infinity();
   }
 
   const shared::View& view_;
+  scene::Bounds scene_;
   Frustum frustum_;
   uint32_t order_;
   bool depthClamp_;
@@ -256,7 +268,7 @@ class Volumes final : public LightingTechnique {
   uint64_t drawVolumes(graph::Context& context, const FrameInputs& inputs, const Gbuffer& gbuffer,
                        uint32_t view) const {
     VkCommandBuffer commands = context.get();
-    VolumePush push{inputs.constants, vertices_.address(), view, kShapeScreen, {}};
+    VolumePush push{inputs.constants, vertices_.address(), view, kShapeScreen, 0, {}};
     std::vector<vk::BoundImage> depth{{context.image(gbuffer.sampleDepth).arrayView(), sampler_.get()}};
     if (gbuffer.surfaces) depth.push_back({context.image(gbuffer.surfaces).arrayView(), sampler_.get()});
     context.commands().bind(copyDepth_, depth, push);
@@ -272,7 +284,7 @@ class Volumes final : public LightingTechnique {
     context.commands().bind(steps_[kLightScreen], images, push);  // all steps' layouts are alike: set 0 stays bound
     vkCmdBindIndexBuffer(commands, indices_.get(), 0, VK_INDEX_TYPE_UINT32);
 
-    const VolumePlan plan(inputs.views[view], setup_.volumesOrder, depthClamp_);
+    const VolumePlan plan(inputs.views[view], inputs.scene.posedBounds(), setup_.volumesOrder, depthClamp_);
     uint32_t reference = 0;  // of the last light that was marked; 0 is what stencil is cleared to
     uint64_t passes = 0;
     for (const shared::Light& light : inputs.lights) {
@@ -280,6 +292,7 @@ class Volumes final : public LightingTechnique {
       if (!draw) continue;
       push.light = light;
       push.shape = draw->shape;
+      push.reach = draw->reach;
       context.commands().push(steps_[kLightScreen], push);
       if (draw->mark) {
         if (reference == (multisampled() ? kSeveralSurfaces - 1 : 0xff)) {

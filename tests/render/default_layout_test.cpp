@@ -1,0 +1,192 @@
+// What is lit from the default layout is, to a level of 8 bits, what is lit from floats: on materials that are hard to
+// store, on the built-in scenes, and on real models.
+#include <fmt/core.h>
+
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "render/support.h"
+#include "scene/framing.h"
+
+namespace latelight::render::test {
+namespace {
+
+using glm::vec3;
+
+// Channels of 8-bit pictures: by how many levels they differ at most, and in what share of the pixels by more than one.
+struct Apart {
+  int most = 0;
+  double beyond = 0;
+};
+Apart apart(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
+  EXPECT_EQ(a.size(), b.size());
+  Apart result;
+  size_t beyond = 0;
+  for (size_t i = 0; i < a.size(); i += 4) {
+    int worst = 0;
+    for (size_t c = 0; c < 4; ++c) worst = std::max(worst, std::abs(a[i + c] - b[i + c]));
+    beyond += worst > 1;
+    result.most = std::max(result.most, worst);
+  }
+  result.beyond = static_cast<double>(beyond) / (static_cast<double>(a.size()) / 4);
+  return result;
+}
+
+size_t brighterThan(const std::vector<uint8_t>& picture, int level) {
+  size_t count = 0;
+  for (size_t i = 0; i < picture.size(); i += 4)
+    count += std::max({picture[i], picture[i + 1], picture[i + 2]}) > level;
+  return count;
+}
+
+class DefaultLayoutTest : public RenderTest {
+ protected:
+  static void expectExact(const scene::Scene& scene, const scene::Environment* environment, Settings settings,
+                          const char* name) {
+    SCOPED_TRACE(name);
+    const scene::Camera camera = cameraOf(scene, settings.width, settings.height);
+    settings.display = true;
+    Renderer renderer(device(), scene, environment);
+    const auto render = [&](const std::string& layout) {
+      settings.layout = layout;
+      return std::move(renderer.render({&camera, 1}, settings).front().display);
+    };
+    const std::vector<uint8_t> exact = render("exact"), stored = render(Settings().layout), thin = render("thin");
+    EXPECT_GT(brighterThan(exact, 20), exact.size() / 4 / 20);  // there is something to compare
+    const Apart difference = apart(stored, exact), thins = apart(thin, exact);
+    fmt::print("{}: {} levels apart at most, {:.4f} % of the pixels by more than one; thin {}, {:.4f} %\n", name,
+               difference.most, 100 * difference.beyond, thins.most, 100 * thins.beyond);
+    EXPECT_LE(difference.most, 2);
+    EXPECT_LE(difference.beyond, 0.001);
+  }
+};
+
+// --- materials that are hard to store -------------------------------------------------------------------------------
+
+// Spheres in rows: metalness across, roughness downwards; reflectance by its own period.
+scene::Scene oddSpheres(float strength) {
+  constexpr float kMetalness[] = {0, 0.003f, 0.1f, 0.47f, 0.891f, 0.99f, 1};
+  constexpr float kRoughness[] = {0, 0.04f, 0.11f, 0.3f, 0.62f, 1};
+  struct Reflectance {
+    float ior, specular;
+    vec3 tint;
+  };
+  const Reflectance reflectances[] = {{1.5f, 1, vec3(1)},
+                                      {1, 1, vec3(1)},
+                                      {2.4f, 1, vec3(1)},
+                                      {1.5f, 0, vec3(1)},
+                                      {1.5f, 0.35f, vec3(1)},
+                                      {1.5f, 1, vec3(0.9f, 0.4f, 1.7f)},
+                                      {1.8f, 0.6f, vec3(1, 0.1f, 0.05f)},
+                                      {1.33f, 1, vec3(1)}};
+  const vec3 colors[] = {{0.8f, 0.5f, 0.2f}, {0.02f, 0.004f, 0.001f}, vec3(1), {0.05f, 0.3f, 0.9f}, vec3(0.18f)};
+  scene::builtin::SceneBuilder builder("odd spheres");
+  scene::Scene& scene = builder.scene;
+  scene.meshes.push_back(sphereMesh(0.47f));
+  scene.textures.push_back(
+      textureOf(2, 2, false, {{90, 128, 230, 255}, {160, 100, 230, 255}, {128, 160, 240, 255}, {128, 128, 255, 255}}));
+  scene.textures.push_back(  // roughness in green, metalness in blue
+      textureOf(2, 2, false, {{0, 255, 227, 255}, {0, 30, 255, 255}, {0, 101, 17, 255}, {0, 200, 128, 255}}));
+  uint32_t index = 0;
+  for (size_t row = 0; row < std::size(kRoughness); ++row)
+    for (size_t column = 0; column < std::size(kMetalness); ++column, ++index) {
+      const Reflectance& r = reflectances[index % std::size(reflectances)];
+      scene::Material material =
+          scene::builtin::plainMaterial("odd", colors[index % std::size(colors)], kMetalness[column], kRoughness[row]);
+      material.data.f0 = (r.ior - 1) * (r.ior - 1) / ((r.ior + 1) * (r.ior + 1));
+      material.data.specular = r.specular;
+      material.data.specularColor = r.tint;
+      if (index % 6 == 1) setTexture(material, shared::kTextureNormal, 0);
+      if (index % 9 == 4) setTexture(material, shared::kTextureMetallicRoughness, 1);
+      if (index % 13 == 5) material.data.emissive = vec3(0.1f, 0.02f, 0.3f);
+      if (index == 20) material.data.flags |= shared::kMaterialUnlit;
+      scene.materials.push_back(std::move(material));
+      const vec3 place(static_cast<float>(column) - 3, 2.5f - static_cast<float>(row), 0);
+      builder.addInstance("sphere", builder.kRoot, 0, index, glm::translate(glm::mat4(1), place));
+    }
+  const auto light = [&](uint32_t type, vec3 position, vec3 direction, float intensity) {
+    scene::Light& l = scene.lights.emplace_back();
+    l.type = type;
+    l.position = position;
+    l.direction = glm::normalize(direction);
+    l.color = {1, 0.9f, 0.8f};
+    l.intensity = intensity * strength;
+  };
+  // World space: the spheres stand in the plane y = 0, seen from -y.
+  light(shared::kLightDirectional, {}, {0.4f, 1, -0.6f}, 1);
+  light(shared::kLightDirectional, {}, {-1, 0.2f, 0.1f}, 0.6f);
+  light(shared::kLightPoint, {0.5f, -1.5f, 0.5f}, {1, 0, 0}, 3);
+  light(shared::kLightPoint, {-2.5f, -0.7f, -1.5f}, {1, 0, 0}, 0.8f);
+  light(shared::kLightSpot, {3, -4, 2}, {-0.5f, 1, -0.4f}, 20);
+  scene.lights.back().outerCone = 0.5f;
+  scene.cameras.push_back(scene::frameScene(scene, 7.0f / 6));
+  return std::move(scene);
+}
+
+TEST_F(DefaultLayoutTest, HoldsOddMaterialsUnderLights) {
+  for (float strength : {1.0f, 30.0f})  // black paint in the sun
+    for (const char* tonemap : {"khronos", "none"}) {
+      Settings settings = settingsOf(350, 300);
+      settings.tonemap = tonemap;
+      expectExact(oddSpheres(strength), nullptr, settings,
+                  fmt::format("odd spheres, lights times {}, tonemap {}", strength, tonemap).c_str());
+    }
+}
+
+TEST_F(DefaultLayoutTest, HoldsOddMaterialsUnderAnEnvironment) {
+  const scene::Environment studio = scene::loadEnvironment("studio");
+  scene::Scene scene = oddSpheres(0);
+  scene.lights.clear();
+  expectExact(scene, &studio, settingsOf(350, 300), "odd spheres in the studio");
+}
+
+TEST_F(DefaultLayoutTest, HoldsThemShadedByBlinnPhong) {
+  Settings settings = settingsOf(175, 150);
+  settings.shading = "blinn-phong";
+  expectExact(oddSpheres(2), nullptr, settings, "odd spheres, Blinn-Phong");
+}
+
+// --- scenes and models ----------------------------------------------------------------------------------------------
+
+TEST_F(DefaultLayoutTest, HoldsTheBuiltInScenes) {
+  const scene::Environment studio = scene::loadEnvironment("studio");
+  for (const char* name : {"builtin:boxes", "builtin:spheres", "builtin:hall,triangles=60k,lights=100"}) {
+    const scene::Scene scene = scene::load(name);
+    expectExact(scene, scene.lights.empty() ? &studio : nullptr, settingsOf(320, 180), name);
+  }
+}
+
+// Under the studio and a sun that is brighter than it.
+class DefaultLayoutModelTest : public DefaultLayoutTest, public testing::WithParamInterface<std::filesystem::path> {};
+TEST_P(DefaultLayoutModelTest, IsHeld) {
+  SKIP_WITHOUT(GetParam());
+  const scene::Scene scene = scene::load(GetParam().string());
+  const scene::Environment studio = scene::loadEnvironment("studio");
+  Settings settings = settingsOf(240, 180);
+  settings.sun = SunLight{.azimuth = 0.6f, .elevation = 0.8f, .illuminance = 5};
+  expectExact(scene, &studio, settings, GetParam().filename().c_str());
+}
+
+std::string nameOf(const testing::TestParamInfo<std::filesystem::path>& info) {
+  std::string name = info.param.stem().string();
+  std::erase_if(name, [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); });
+  return name;
+}
+
+INSTANTIATE_TEST_SUITE_P(Shared, DefaultLayoutModelTest,
+                         testing::Values(sharedModel("DamagedHelmet.glb"), sharedModel("Fox.glb"),
+                                         sharedModel("CesiumMan.glb"), sharedModel("lights_punctual.glb")),
+                         nameOf);
+INSTANTIATE_TEST_SUITE_P(
+    Assimp, DefaultLayoutModelTest,
+    testing::Values(assimpModel("BoxTextured-glTF-Binary/BoxTextured.glb"),
+                    assimpModel("2CylinderEngine-glTF-Binary/2CylinderEngine.glb"),
+                    assimpModel("ClearCoat-glTF/ClearCoatTest.gltf"),
+                    assimpModel("BoxBadNormals-glTF-Binary/BoxBadNormals.glb"),
+                    assimpModel("textureTransform/TextureTransformTest.gltf"),
+                    assimpModel("glTF-Sample-Models/AnimatedMorphCube-glTF/AnimatedMorphCube.gltf"),
+                    assimpModel("simple_skin/simple_skin.gltf")),
+    nameOf);
+
+}  // namespace
+}  // namespace latelight::render::test
