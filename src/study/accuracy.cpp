@@ -300,7 +300,7 @@ class AccuracyStudy {
   }
 
   const char* causeOf(const Place& place) const {
-    if (place.light < punctualLights().size()) return "rounding; a light's end where it has no range";
+    if (place.light < punctualLights().size()) return "rounding";
     if (place.kind == Dielectric && place.band == 0 && !place.grazing) return "resolution of the maps";
     if (place.band == 0) return "mixture of two levels; stretched highlight";
     if (place.band == 1) return "stretched lobe as a round one and a cosine";
