@@ -39,7 +39,7 @@ struct FrameInputs {
   std::span<const shared::Light> lights;  // those of the constants, on the host
 
   float aoRadius = 0, aoStrength = 1;   // ambient occlusion: metres, exponent
-  const ShadowMaps* shadows = nullptr;  // null: nothing casts any. Fitted to a view: there is one view then
+  ShadowMaps* shadows = nullptr;        // null: nothing casts any. Fitted to a view: there is one view then
 };
 
 // An image as large as the frame, with a layer a view.

@@ -173,7 +173,8 @@ void Renderer::prepareShadows(Job& job) {
   if (!plan.empty()) {
     shared::FrameConstants frame{};
     gpuScene_.describe(frame);
-    job.shadows = uploadShadows(device_, std::move(plan), frame);
+    job.shadows = uploadShadows(device_, std::move(plan), frame,
+                                indexByName(shadowFormats(), job.settings.shadows, "shadow format"));
     const ShadowPlan::Entry* sun = job.shadows->plan.sun(gpuScene_.lights());
     for (const ShadowPlan::Entry& entry : job.shadows->plan.lights)
       shadows.push_back({entry.light, job.shadows->addressOf(entry, &entry == sun)});
