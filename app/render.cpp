@@ -10,9 +10,8 @@
 
 #include "app/commands.h"
 #include "app/render_metadata.h"
-#include "app/render_options.h"
 #include "app/render_pick.h"
-#include "app/render_time.h"
+#include "app/render_run.h"
 #include "base/files.h"
 #include "base/log.h"
 #include "base/parallel.h"
@@ -35,10 +34,6 @@ double seconds(Clock::time_point from) {
   return std::chrono::duration<double>(Clock::now() - from).count();
 }
 
-struct Times {  // seconds
-  double load = 0, upload = 0, render = 0, write = 0, total = 0;
-};
-
 Json describeShadings(const render::ShadingCounts& counts) {
   const auto share = [&](uint64_t count, uint64_t of) {
     return of ? static_cast<double>(count) / static_cast<double>(of) : 0.0;
@@ -51,7 +46,7 @@ Json describeShadings(const render::ShadingCounts& counts) {
 
 void printReport(const scene::Scene& scene, const vk::Device& device, const render::Renderer& renderer,
                  const std::vector<std::filesystem::path>& files, const std::vector<render::Picked>& picked,
-                 const Times& times) {
+                 const RenderTimes& times) {
   Json passes = Json::array();
   for (const graph::PassTime& pass : renderer.times())
     passes.push_back({{"pass", pass.name}, {"milliseconds", pass.milliseconds}});
@@ -140,21 +135,21 @@ output::OutputRequest planOutput(RenderOptions& o, const std::optional<DebugRequ
 }
 
 // What one frame writes, and --dump-graph.
-std::vector<std::filesystem::path> outputsOf(const RenderOptions& o, const std::optional<DebugRequest>& debug,
-                                             const output::OutputRequest& request, const output::Metadata& metadata) {
+std::vector<std::filesystem::path> outputsOf(const RenderOptions& o, const RenderPlan& plan,
+                                             const output::Metadata& metadata) {
   std::vector<std::filesystem::path> paths;
-  if (debug)
-    paths = {output::fillPattern(o.out, debugName(*debug), metadata)};
+  if (plan.debug)
+    paths = {output::fillPattern(o.out, debugName(*plan.debug), metadata)};
   else if (!o.out.empty())
-    paths = output::outputPaths(request, metadata);
+    paths = output::outputPaths(plan.request, metadata);
   paths.emplace_back(o.graph);
   return paths;
 }
 
 // Throws Error(Usage) where a file would be written over what the scene and its environment are read from, or over
 // another that leaves.
-void checkFiles(const RenderOptions& o, const std::optional<DebugRequest>& debug, const output::OutputRequest& request,
-                const scene::Scene& scene, const Timeline& timeline, const std::string& environment) {
+void checkFiles(const RenderOptions& o, const RenderPlan& plan, const scene::Scene& scene, const Timeline& timeline,
+                const std::string& environment) {
   std::vector<std::filesystem::path> inputs = scene.files;
   if (!environment.empty()) inputs.emplace_back(environment);
   output::UsedFiles used(inputs);
@@ -163,7 +158,7 @@ void checkFiles(const RenderOptions& o, const std::optional<DebugRequest>& debug
   named.camera.name = timeline.cameraAt(timeline.first()).name;
   named.frameDigits = timeline.frameDigits();
   for (named.frame = timeline.first(); named.frame <= timeline.last(); ++named.frame) {
-    const std::vector<std::filesystem::path> outputs = outputsOf(o, debug, request, named);
+    const std::vector<std::filesystem::path> outputs = outputsOf(o, plan, named);
     used.checkOutputs(outputs);
     // Frames that can't be written don't keep the others from it.
     if (timeline.isSequence()) continue;
@@ -172,35 +167,20 @@ void checkFiles(const RenderOptions& o, const std::optional<DebugRequest>& debug
   }
 }
 
-// What the frames of one run share.
-struct Run {
-  const RenderOptions& options;
-  const std::optional<DebugRequest>& debug;
-  const output::OutputRequest& request;
-  const scene::Scene& scene;
-  const Timeline& timeline;
-  const std::string& environment;  // its name
-  vk::Device& device;
-  render::Renderer& renderer;
-  Times times{};
-  std::vector<std::filesystem::path> files{};
-  std::vector<render::Picked> picked{};
-};
-
 struct RenderedFrame {
   output::FrameOutput picture;
   output::RawGbuffer targets;  // instead, for --debug targets
   output::Metadata metadata;
 };
 
-RenderedFrame renderFrame(Run& run, uint32_t frame) {
+RenderedFrame renderFrame(RenderRun& run, uint32_t frame) {
   const auto mark = Clock::now();
   const scene::Camera camera = run.timeline.cameraAt(frame);
   const render::Moment moment = run.timeline.momentAt(frame);
   RenderedFrame rendered;
   if (!run.options.pixels.empty())
     run.picked = render::pick(run.renderer, run.scene, camera, run.options.settings, run.options.pixels, moment);
-  if (run.debug && run.debug->targets)
+  if (run.plan.debug && run.plan.debug->targets)
     rendered.targets = run.renderer.readTargets(camera, run.options.settings, moment);
   else if (!run.options.out.empty())
     rendered.picture = std::move(run.renderer.render(std::span(&camera, 1), run.options.settings, moment).front());
@@ -213,21 +193,21 @@ RenderedFrame renderFrame(Run& run, uint32_t frame) {
   return rendered;
 }
 
-void writeFrame(Run& run, const RenderedFrame& frame) {
+void writeFrame(RenderRun& run, const RenderedFrame& frame) {
   const auto mark = Clock::now();
   std::vector<std::filesystem::path> files;
-  if (run.debug && run.debug->targets)
-    files = writeDebugPicture(*run.debug, output::contactSheet(output::targetPictures(frame.targets)), frame.metadata,
-                              run.options.out);
+  if (run.plan.debug && run.plan.debug->targets)
+    files = writeDebugPicture(*run.plan.debug, output::contactSheet(output::targetPictures(frame.targets)),
+                              frame.metadata, run.options.out);
   else if (!run.options.out.empty())
-    files = run.debug ? writeDebug(*run.debug, frame.picture, frame.metadata, run.options.out)
-                      : output::writeOutput(run.request, frame.picture, frame.metadata);
+    files = run.plan.debug ? writeDebug(*run.plan.debug, frame.picture, frame.metadata, run.options.out)
+                           : output::writeOutput(run.plan.request, frame.picture, frame.metadata);
   run.files.insert(run.files.end(), files.begin(), files.end());
   run.times.write += seconds(mark);
 }
 
 // Frames that can't be written don't keep the others from it.
-void renderSequence(Run& run) {
+void renderSequence(RenderRun& run) {
   uint32_t failed = 0;
   std::string first;
   for (uint32_t frame = run.timeline.first(); frame <= run.timeline.last(); ++frame) {
@@ -243,12 +223,42 @@ void renderSequence(Run& run) {
          run.timeline.last() - run.timeline.first() + 1, first);
 }
 
-void render(RenderOptions& o) {
-  const auto start = Clock::now();
+}  // namespace
+
+RenderPlan planRender(RenderOptions& o) {
   parseSettings(o);
   checkTime(o);
-  const std::optional<DebugRequest> debug = parseDebug(o.debug, o.time || !o.frames.empty() || o.turn != 0);
-  const output::OutputRequest request = planOutput(o, debug);
+  RenderPlan plan{.debug = parseDebug(o.debug, o.time || !o.frames.empty() || o.turn != 0)};
+  plan.request = planOutput(o, plan.debug);
+  return plan;
+}
+
+std::string environmentOf(const RenderOptions& o, const scene::Scene& scene) {
+  // A background to show is a reason for an environment, lights or not.
+  return render::environmentName(scene, o.hdri.empty() && o.background == "hdri" ? "studio" : o.hdri);
+}
+
+void renderAll(RenderRun& run) {
+  const RenderOptions& o = run.options;
+  const auto start = Clock::now();
+  if (run.timeline.isSequence())
+    renderSequence(run);
+  else
+    writeFrame(run, renderFrame(run, run.timeline.first()));
+  if (!o.graph.empty()) writeFile(o.graph, std::as_bytes(std::span(run.renderer.graphviz())));
+  run.times.total += seconds(start);
+
+  if (o.json) printReport(run.scene, run.device, run.renderer, run.files, run.picked, run.times);
+  if (!o.json) printPicked(run.picked, run.scene.yUp && !o.settings.zUp ? "gltf" : "z-up", o.normalFrame);
+  for (const std::string& message : run.device.validationMessages())
+    fail(ExitCode::Internal, "the Vulkan validation layer says: {}", message);
+}
+
+namespace {
+
+void render(RenderOptions& o) {
+  const auto start = Clock::now();
+  const RenderPlan plan = planRender(o);
 
   vk::avoidFullDriverCache();
   // The device starts while the scene loads: they share nothing.
@@ -257,31 +267,19 @@ void render(RenderOptions& o) {
   const scene::Scene scene = scene::load(o.scene, {.variant = o.variant});
   const Timeline timeline(scene, o);
   timeline.cameraAt(timeline.first());  // what is wrong with it shows before all else
-  // A background to show is a reason for an environment, lights or not.
-  const std::string asked = o.hdri.empty() && o.background == "hdri" ? "studio" : o.hdri;
-  const std::string environmentName = render::environmentName(scene, asked);
-  checkFiles(o, debug, request, scene, timeline, environmentName);
+  const std::string environmentName = environmentOf(o, scene);
+  checkFiles(o, plan, scene, timeline, environmentName);
   const std::optional<scene::Environment> environment = render::loadEnvironment(environmentName);
   const double loaded = seconds(start);
 
   const std::unique_ptr<vk::Device> device = deviceStart.get();
   const auto mark = Clock::now();
   render::Renderer renderer(*device, scene, environment ? &*environment : nullptr);
-  Run run{o, debug, request, scene, timeline, environmentName, *device, renderer};
+  RenderRun run{o, plan, scene, timeline, environmentName, *device, renderer};
   run.times.load = loaded;
   run.times.upload = seconds(mark);
-
-  if (timeline.isSequence())
-    renderSequence(run);
-  else
-    writeFrame(run, renderFrame(run, timeline.first()));
-  if (!o.graph.empty()) writeFile(o.graph, std::as_bytes(std::span(renderer.graphviz())));
   run.times.total = seconds(start);
-
-  if (o.json) printReport(scene, *device, renderer, run.files, run.picked, run.times);
-  if (!o.json) printPicked(run.picked, scene.yUp && !o.settings.zUp ? "gltf" : "z-up", o.normalFrame);
-  for (const std::string& message : device->validationMessages())
-    fail(ExitCode::Internal, "the Vulkan validation layer says: {}", message);
+  renderAll(run);
 }
 
 }  // namespace
@@ -291,9 +289,7 @@ void addRenderCommand(CLI::App& app) {
   CLI::App* command = app.add_subcommand("render", "Render a scene to pictures and per-pixel data");
   addRenderOptions(*command, *options);
   command->callback([options, command] {
-    options->normalsChosen = command->count("--normals") > 0;
-    options->positionChosen = command->count("--position") > 0;
-    options->frameChosen = command->count("--frame") > 0;
+    noteChoices(*command, *options);
     render(*options);
   });
 }

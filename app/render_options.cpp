@@ -183,4 +183,10 @@ void addRenderOptions(CLI::App& command, RenderOptions& options) {
   addOutputOptions(command, options);
 }
 
+void noteChoices(const CLI::App& command, RenderOptions& options) {
+  options.normalsChosen = command.count("--normals") > 0;
+  options.positionChosen = command.count("--position") > 0;
+  options.frameChosen = command.count("--frame") > 0;
+}
+
 }  // namespace latelight::app

@@ -36,6 +36,8 @@ struct RenderOptions {
 };
 
 void addRenderOptions(CLI::App& command, RenderOptions& options);
+// After parsing: which options were given, where that makes a difference from their defaults.
+void noteChoices(const CLI::App& command, RenderOptions& options);
 // Fills options.settings from the options that are words. Throws Error(Usage).
 void parseSettings(RenderOptions& options);
 

@@ -63,22 +63,24 @@ VkBufferMemoryBarrier2 translate(const Barrier& barrier, const vk::Buffer& buffe
   return result;
 }
 
-void record(VkCommandBuffer commands, const std::vector<Barrier>& barriers, const Context& context) {
+// `images` and `buffers`: of the graph, by index.
+void record(VkCommandBuffer commands, const std::vector<Barrier>& barriers, const std::vector<const vk::Image*>& images,
+            const std::vector<const vk::Buffer*>& buffers) {
   if (barriers.empty()) return;
-  std::vector<VkImageMemoryBarrier2> images;
-  std::vector<VkBufferMemoryBarrier2> buffers;
+  std::vector<VkImageMemoryBarrier2> ofImages;
+  std::vector<VkBufferMemoryBarrier2> ofBuffers;
   for (const Barrier& barrier : barriers) {
     if (barrier.image) {
-      images.push_back(translate(barrier, context.image(barrier.image)));
+      ofImages.push_back(translate(barrier, *images.at(barrier.image.index)));
     } else {
-      buffers.push_back(translate(barrier, context.buffer(barrier.buffer)));
+      ofBuffers.push_back(translate(barrier, *buffers.at(barrier.buffer.index)));
     }
   }
   VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
-  info.imageMemoryBarrierCount = static_cast<uint32_t>(images.size());
-  info.pImageMemoryBarriers = images.data();
-  info.bufferMemoryBarrierCount = static_cast<uint32_t>(buffers.size());
-  info.pBufferMemoryBarriers = buffers.data();
+  info.imageMemoryBarrierCount = static_cast<uint32_t>(ofImages.size());
+  info.pImageMemoryBarriers = ofImages.data();
+  info.bufferMemoryBarrierCount = static_cast<uint32_t>(ofBuffers.size());
+  info.pBufferMemoryBarriers = ofBuffers.data();
   vkCmdPipelineBarrier2(commands, &info);
 }
 
@@ -176,17 +178,23 @@ class Timers {
 }  // namespace
 
 const vk::Image& Context::image(ImageId id) const {
-  const vk::Image* image = images_->at(id.index);
-  if (!image)
-    fail(ExitCode::Internal, "frame graph: a pass asks for image {}, which no pass that runs declared", id.index);
-  return *image;
+  if (std::none_of(pass_->accesses.begin(), pass_->accesses.end(),
+                   [&](const Access& access) { return access.image == id; }))
+    fail(ExitCode::Internal, "frame graph: pass '{}' asks for image {}, which it does not declare", pass_->name,
+         id.index);
+  return *images_->at(id.index);
 }
 
 const vk::Buffer& Context::buffer(BufferId id) const {
-  const vk::Buffer* buffer = buffers_->at(id.index);
-  if (!buffer)
-    fail(ExitCode::Internal, "frame graph: a pass asks for buffer {}, which no pass that runs declared", id.index);
-  return *buffer;
+  if (!declares(id))
+    fail(ExitCode::Internal, "frame graph: pass '{}' asks for buffer {}, which it does not declare", pass_->name,
+         id.index);
+  return *buffers_->at(id.index);
+}
+
+bool Context::declares(BufferId id) const {
+  return std::any_of(pass_->accesses.begin(), pass_->accesses.end(),
+                     [&](const Access& access) { return access.buffer == id; });
 }
 
 struct Executor::Pool {
@@ -238,14 +246,15 @@ void Executor::run(const Graph& graph, const Plan& plan) {
     timers.begin(buffer, static_cast<uint32_t>(plan.steps.size()));
     uint32_t mark = 0;
     for (const Plan::Step& step : plan.steps) {
-      const Graph::Pass& pass = graph.passes_[step.pass];
+      const Pass& pass = graph.passes_[step.pass];
       const Label label(pool_->labels, buffer, pass.name);
       timers.mark(buffer, mark++);
-      record(buffer, step.before, context);
+      record(buffer, step.before, images_, buffers_);
+      context.pass_ = &pass;
       if (pass.record) pass.record(context);
       timers.mark(buffer, mark++);
     }
-    record(buffer, plan.after, context);
+    record(buffer, plan.after, images_, buffers_);
   });
   const std::vector<double> milliseconds = timers.read();
   for (size_t i = 0; i < milliseconds.size(); ++i) {

@@ -70,24 +70,33 @@ struct Access {
 };
 
 class Executor;
+class Context;
+
+using Record = std::function<void(Context&)>;
+
+struct Pass {
+  std::string name;
+  std::vector<Access> accesses;
+  Record record;
+};
 
 // What a running pass sees.
 class Context {
  public:
   vk::Commands& commands() { return *commands_; }
   VkCommandBuffer get() const { return commands_->get(); }
-  // Of a resource that the pass, or another that runs, declared.
+  // Of a resource that the pass declared. Another's may not be there in every graph: Error(Internal).
   const vk::Image& image(ImageId id) const;
   const vk::Buffer& buffer(BufferId id) const;
+  bool declares(BufferId id) const;
 
  private:
   friend class Executor;
   vk::Commands* commands_ = nullptr;
+  const Pass* pass_ = nullptr;  // that runs
   const std::vector<const vk::Image*>* images_ = nullptr;
   const std::vector<const vk::Buffer*>* buffers_ = nullptr;
 };
-
-using Record = std::function<void(Context&)>;
 
 struct Barrier {
   ImageId image;  // exactly one of image and buffer is set
@@ -137,11 +146,6 @@ class Graph {
 
  private:
   friend class Executor;
-  struct Pass {
-    std::string name;
-    std::vector<Access> accesses;
-    Record record;
-  };
   struct ImageNode {
     vk::ImageDesc desc;
     const vk::Image* imported = nullptr;

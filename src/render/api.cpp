@@ -250,7 +250,8 @@ std::vector<Pick> Renderer::pick(const Camera& camera, const std::vector<std::ar
   const auto three = [](glm::vec3 v) { return std::array<float, 3>{v.x, v.y, v.z}; };
   std::vector<Pick> picks;
   for (const render::Picked& p : render::pick(hidden_->renderer, hidden_->scene, internalCamera(camera, hidden_->scene),
-                                              internalSettings(options), places))
+                                              internalSettings(options), places,
+                                              internalMoment(options, hidden_->scene, 1)))
     picks.push_back({p.id,
                      p.node,
                      p.mesh,

@@ -84,6 +84,12 @@ Frame::Frame(vk::Device& device, const GpuScene& scene, const FrameSetup& setup)
 Frame::~Frame() = default;
 
 LitFrame Frame::add(graph::Graph& graph, const FrameInputs& inputs) const {
+  const LitFrame lit = addOpaque(graph, inputs);
+  if (transparency_) transparency_->add(graph, inputs, lit.gbuffer);
+  return lit;
+}
+
+LitFrame Frame::addOpaque(graph::Graph& graph, const FrameInputs& inputs) const {
   if (onCpu_) refuseTooManyEndless(inputs.scene, setup_.samples);
   Gbuffer gbuffer{.depth = depth_->add(graph, inputs)};
   if (shadows_) gbuffer.shadows = shadows_->add(graph, inputs);
@@ -102,7 +108,6 @@ LitFrame Frame::add(graph::Graph& graph, const FrameInputs& inputs) const {
   lighting_->add(graph, inputs, gbuffer);
   if (inputs.environmentBackground) background_->add(graph, inputs, gbuffer);
   if (fog_) fog_->add(graph, inputs, gbuffer);
-  if (transparency_) transparency_->add(graph, inputs, gbuffer);
   return {gbuffer.light, gbuffer.lightCounts, gbuffer};
 }
 

@@ -38,8 +38,8 @@ struct FrameInputs {
   bool blendedToo = false;  // what is blended is a surface like any other where its alpha is above 0: for data outputs
   std::span<const shared::Light> lights;  // those of the constants, on the host
 
-  float aoRadius = 0, aoStrength = 1;   // ambient occlusion: metres, exponent
-  const ShadowMaps* shadows = nullptr;  // null: nothing casts any. Fitted to a view: there is one view then
+  float aoRadius = 0, aoStrength = 1;  // ambient occlusion: metres, exponent
+  ShadowMaps* shadows = nullptr;       // null: nothing casts any. Fitted to a view: there is one view then
 };
 
 // An image as large as the frame, with a layer a view.
@@ -67,6 +67,7 @@ struct TransparencySetup {
   bool everyLight = false;  // go through all lights, not through those that the light tree has near: the reference
   uint64_t fragments = 0;   // that `exact` has room for at first; 0: one a pixel
   uint64_t most = 0;        // fragments that it may keep; 0: as many as the device takes
+  bool operator==(const TransparencySetup&) const = default;
 };
 
 // The form of a shader that draws to or reads targets of several samples a pixel.
@@ -74,7 +75,8 @@ inline std::string shaderVariant(const std::string& shader, uint32_t samples) {
   return samples > 1 ? shader + "+msaa" : shader;
 }
 
-// What pipelines are made for.
+// What pipelines are made for. What does not matter to a setup is left at its default, so that setups that are drawn
+// alike are equal.
 struct FrameSetup {
   const Layout* layout = nullptr;
   uint32_t normalEncoding = 0;  // kNormal_*
@@ -92,6 +94,7 @@ struct FrameSetup {
   bool sunInGbuffer = false;  // the layout's sunTarget is filled, and lighting reads the sun's shadow there
   uint32_t samples = 1;       // a pixel: 1 or 4
   bool everySample = false;   // each is shaded, alike or not: the reference
+  bool operator==(const FrameSetup&) const = default;
 
   // Of every shader that includes render/glsl/setup.glsl; a shader's own start at kFirstOwnConstant.
   std::vector<vk::Constant> constants() const;
@@ -114,6 +117,8 @@ class Frame {
   ~Frame();
   // Adds the frame's passes.
   LitFrame add(graph::Graph& graph, const FrameInputs& inputs) const;
+  // The same but for blended surfaces, which are in no G-buffer and in no count.
+  LitFrame addOpaque(graph::Graph& graph, const FrameInputs& inputs) const;
   // After a run of the graph that add() filled last: whether the picture lacks something that memory had no room for.
   // The frame has made room; the same has to be added and run again.
   bool outgrown(const graph::Executor& done) const;

@@ -1,7 +1,5 @@
 #include "render/renderer.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -16,6 +14,7 @@
 #include "render/post/resolve.h"
 #include "render/registry.h"
 #include "render/shadow/shadow_pass.h"
+#include "render/transparency/transparency.h"
 #include "render/view.h"
 #include "render/visibility/hardware.h"
 #include "render/visibility/motion.h"
@@ -80,6 +79,37 @@ scene::Light lightOf(const SunLight& sun) {
   light.direction = -glm::vec3(std::cos(sun.elevation) * std::sin(sun.azimuth),
                                -std::cos(sun.elevation) * std::cos(sun.azimuth), std::sin(sun.elevation));
   return light;
+}
+
+FrameSetup setupOf(const Settings& s, bool shadows) {
+  FrameSetup setup{.layout = &findLayout(s.layout),
+                   .normalEncoding = findNormalEncoding(s.normals).index,
+                   .lighting = &findTechnique(s.lighting),
+                   .shading = indexByName(shadings(), s.shading, "shading model"),
+                   .normalSpace = indexByName(normalSpaces(), s.normalSpace, "space of normals"),
+                   .positionMethod = indexByName(positionMethods(), s.position, "position method"),
+                   .volumesOrder = indexByName(volumesOrders(), s.volumesOrder, "order of light volumes"),
+                   .ambientOcclusion = indexByName(ambientOcclusions(), s.ao.method, "ambient occlusion"),
+                   .fog = s.fog.density > 0,
+                   .transparency = {indexByName(transparencies(), s.transparency, "method of transparency")},
+                   .samples = s.samples,
+                   .everySample = s.everySample && s.samples > 1};
+  if (shadows) {
+    setup.shadowFormat = indexByName(shadowFormats(), s.shadows, "shadow format");
+    setup.shadowFilter = indexByName(shadowFilters(), s.shadowFilter, "shadow filter");
+  }
+  return setup;
+}
+
+// Lights are counted at pixel centres, and where they are lit: what is laid over that has no part in it.
+FrameSetup countingSetupOf(const Settings& s, bool shadows) {
+  FrameSetup setup = setupOf(s, shadows);
+  setup.countLights = true;
+  setup.fog = false;
+  setup.transparency = {kTransparencyNone};
+  setup.samples = 1;
+  setup.everySample = false;
+  return setup;
 }
 
 }  // namespace
@@ -173,7 +203,8 @@ void Renderer::prepareShadows(Job& job) {
   if (!plan.empty()) {
     shared::FrameConstants frame{};
     gpuScene_.describe(frame);
-    job.shadows = uploadShadows(device_, std::move(plan), frame);
+    job.shadows = uploadShadows(device_, std::move(plan), frame,
+                                indexByName(shadowFormats(), job.settings.shadows, "shadow format"));
     const ShadowPlan::Entry* sun = job.shadows->plan.sun(gpuScene_.lights());
     for (const ShadowPlan::Entry& entry : job.shadows->plan.lights)
       shadows.push_back({entry.light, job.shadows->addressOf(entry, &entry == sun)});
@@ -228,34 +259,16 @@ FrameInputs Renderer::prepareViews(Job& job, glm::vec2 jitter) {
           .shadows = job.shadows ? &*job.shadows : nullptr};
 }
 
-Frame& Renderer::frameFor(const Job& job, bool countLights) {
-  const Settings& s = job.settings;
-  const std::string shadows = job.shadows ? s.shadows : "none";
-  std::string key = countLights ? "counting/" : "";
-  if (s.fog.density > 0) key += "fog/";
-  for (const std::string& choice : {s.layout, s.normals, s.normalSpace, s.position, s.lighting, s.shading,
-                                    s.volumesOrder, s.transparency, s.ao.method, shadows, s.shadowFilter})
-    key += choice + "/";
-  key += fmt::format("{}/{}", s.samples, s.everySample);
-  if (frame_ && key == frameKey_) return *frame_;
-  FrameSetup setup{.layout = &findLayout(s.layout),
-                   .normalEncoding = findNormalEncoding(s.normals).index,
-                   .lighting = &findTechnique(s.lighting),
-                   .shading = indexByName(shadings(), s.shading, "shading model"),
-                   .normalSpace = indexByName(normalSpaces(), s.normalSpace, "space of normals"),
-                   .positionMethod = indexByName(positionMethods(), s.position, "position method"),
-                   .volumesOrder = indexByName(volumesOrders(), s.volumesOrder, "order of light volumes"),
-                   .countLights = countLights,
-                   .ambientOcclusion = indexByName(ambientOcclusions(), s.ao.method, "ambient occlusion"),
-                   .fog = s.fog.density > 0,
-                   .transparency = {indexByName(transparencies(), s.transparency, "method of transparency")},
-                   .shadowFormat = indexByName(shadowFormats(), shadows, "shadow format"),
-                   .shadowFilter = indexByName(shadowFilters(), s.shadowFilter, "shadow filter"),
-                   .samples = countLights ? 1 : s.samples,  // lights are counted at pixel centres
-                   .everySample = s.everySample};
-  frame_ = std::make_unique<Frame>(device_, gpuScene_, setup);
-  frameKey_ = key;
-  return *frame_;
+Frame& Renderer::frameFor(const FrameSetup& setup) {
+  constexpr size_t kKept = 8;  // a picture's frame and the one that counts its lights, for a few choices in turn
+  auto kept = std::find_if(frames_.begin(), frames_.end(), [&](const KeptFrame& k) { return k.setup == setup; });
+  if (kept == frames_.end()) {
+    if (frames_.size() == kKept) frames_.pop_back();
+    frames_.push_back({setup, std::make_unique<Frame>(device_, gpuScene_, setup)});
+    kept = frames_.end() - 1;
+  }
+  std::rotate(frames_.begin(), kept, kept + 1);
+  return *frames_.front().frame;
 }
 
 graph::Executor& Renderer::run(const graph::Graph& graph) {
@@ -300,7 +313,7 @@ graph::ImageId Renderer::addTemporal(graph::Graph& graph, const FrameInputs& inp
 
 void Renderer::renderColor(Job& job) {
   const Settings& s = job.settings;
-  Frame& frame = frameFor(job, false);
+  Frame& frame = frameFor(setupOf(s, job.shadows.has_value()));
   const std::vector<glm::vec2> jitters = jittersOf(job);
   const size_t n = jitters.size();
   vk::Image sum;
@@ -366,7 +379,8 @@ void Renderer::renderColor(Job& job) {
 void Renderer::renderLightCounts(Job& job) {
   FrameInputs inputs = prepareViews(job, glm::vec2(0));
   graph::Graph graph;
-  graph::BufferId counts = addReadback(graph, frameFor(job, true).add(graph, inputs).lightCounts);
+  const Frame& frame = frameFor(countingSetupOf(job.settings, job.shadows.has_value()));
+  graph::BufferId counts = addReadback(graph, frame.addOpaque(graph, inputs).lightCounts);
   graph::Executor& done = run(graph);
   for (size_t view = 0; view < job.pictures.size(); ++view)
     readLightCounts(job.pictures[view], done.buffer(counts), view);
@@ -376,7 +390,8 @@ void Renderer::renderLightCounts(Job& job) {
 void Renderer::renderSampleCounts(Job& job) {
   FrameInputs inputs = prepareViews(job, glm::vec2(0));
   graph::Graph graph;
-  const Gbuffer gbuffer = frameFor(job, false).add(graph, inputs).gbuffer;
+  const Frame& frame = frameFor(setupOf(job.settings, job.shadows.has_value()));
+  const Gbuffer gbuffer = frame.addOpaque(graph, inputs).gbuffer;
   const bool surfaces{gbuffer.surfaces};
   const graph::BufferId counts = addReadback(graph, surfaces ? gbuffer.surfaces : gbuffer.depth);
   graph::Executor& done = run(graph);
@@ -418,18 +433,15 @@ output::RawGbuffer Renderer::readTargets(const scene::Camera& camera, const Sett
   atCentres.samples = 1;
   const Views views({&camera, 1}, moment);
   Job job{.cameras = views, .settings = atCentres};
-  prepareShadows(job);
+  const Layout& layout = findLayout(settings.layout);
+  if (layout.sunTarget >= 0) prepareShadows(job);  // else nothing in the targets is lit
   const FrameInputs inputs = prepareViews(job, glm::vec2(0));
-  const Frame& frame = frameFor(job, false);
-  for (;;) {
-    graph::Graph graph;
-    const LitFrame lit = frame.add(graph, inputs);
-    const RawReadback readback(graph, findLayout(settings.layout), findNormalEncoding(settings.normals).index,
-                               lit.gbuffer);
-    graphviz_ = graph.graphviz();
-    const graph::Executor& done = run(graph);
-    if (!frame.outgrown(done)) return readback.read(done, job.views.front());
-  }
+  const Frame& frame = frameFor(setupOf(atCentres, job.shadows.has_value()));
+  graph::Graph graph;
+  const LitFrame lit = frame.addOpaque(graph, inputs);
+  const RawReadback readback(graph, layout, findNormalEncoding(settings.normals).index, lit.gbuffer);
+  graphviz_ = graph.graphviz();
+  return readback.read(run(graph), job.views.front());
 }
 
 }  // namespace latelight::render

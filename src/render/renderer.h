@@ -74,7 +74,7 @@ class Renderer {
   graph::Executor& run(const graph::Graph& graph);
   FrameInputs prepareViews(Job& job, glm::vec2 jitter);
   void prepareShadows(Job& job);
-  Frame& frameFor(const Job& job, bool countLights);
+  Frame& frameFor(const FrameSetup& setup);
 
   vk::Device& device_;
   const scene::Scene& scene_;
@@ -83,8 +83,11 @@ class Renderer {
   bool hasEnvironment_;
   std::optional<SunLight> sun_;  // among the lights of gpuScene_, after the scene's own
   graph::Executor executor_;
-  std::string frameKey_;  // what frame_ was made for
-  std::unique_ptr<Frame> frame_;
+  struct KeptFrame {
+    FrameSetup setup;
+    std::unique_ptr<Frame> frame;
+  };
+  std::vector<KeptFrame> frames_;  // the one used last comes first
   struct DataPasses;
   std::unique_ptr<DataPasses> data_;
   PostChain post_;

@@ -3,6 +3,7 @@
 
 #include <volk.h>
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -77,6 +78,10 @@ class Device {
   // What the validation layers said since the last call (warnings and errors). Empty without validation.
   std::vector<std::string> validationMessages();
 
+  // Pipelines made so far. To make them is dear: what is rendered once more should make none.
+  uint64_t pipelinesMade() const { return pipelinesMade_; }
+  void countPipeline() { ++pipelinesMade_; }
+
   // Writes the pipeline cache to the cache folder if it grew. The destructor does it too.
   void savePipelineCache();
 
@@ -92,6 +97,7 @@ class Device {
   VkPhysicalDeviceProperties properties_{};
   VkDeviceSize maxBufferSize_ = 0;
   DeviceInfo info_;
+  std::atomic<uint64_t> pipelinesMade_ = 0;
   std::unique_ptr<Allocator> allocator_;
 };
 

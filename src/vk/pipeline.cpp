@@ -89,6 +89,7 @@ Pipeline makeLayout(Device& device, std::span<const Binding> bindings, VkDescrip
 void finish(Device& device, Pipeline& made, VkPipeline pipeline, VkPipelineBindPoint point, const std::string& name) {
   made.pipeline = Handle<VkPipeline>(device, pipeline);
   made.point = point;
+  device.countPipeline();
   device.setName(VK_OBJECT_TYPE_PIPELINE, reinterpret_cast<uint64_t>(pipeline), name.c_str());
 }
 

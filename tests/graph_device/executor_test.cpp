@@ -296,6 +296,18 @@ TEST_F(Executors, RefuseResourcesThatNoPassDeclared) {
   EXPECT_THROW(run(executor, graph), Error);
 }
 
+// Else a pass would run or not by which others lead somewhere.
+TEST_F(Executors, RefuseResourcesThatOnlyAnotherPassDeclared) {
+  Executor executor(*device);
+  Graph graph;
+  const BufferId a = graph.create(bufferDesc("a")), b = graph.create(bufferDesc("b"));
+  fill(graph, "fills", b, 1);
+  graph.pass("asks", {{a, Use::CopyTarget}}, [=](Context& c) { c.buffer(b); });
+  graph.exports(a, Use::CopySource);
+  graph.exports(b, Use::CopySource);
+  EXPECT_THROW(run(executor, graph), Error);
+}
+
 // Without this test, a missing validation layer would look like a clean one.
 TEST_F(Executors, AreCaughtWhenABarrierIsMissing) {
   Executor executor(*device);

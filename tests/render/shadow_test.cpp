@@ -278,7 +278,7 @@ TEST_F(ShadowTest, DevicesLookUpWhatTheHostLooksUp) {
       const GpuEnvironment dark(device(), nullptr);
       shared::FrameConstants constants{};
       uploaded.describe(constants);
-      const ShadowMaps maps = uploadShadows(device(), plan(scene, settings), constants);
+      ShadowMaps maps = uploadShadows(device(), plan(scene, settings), constants, index);
       FrameSetup setup{.shadowFormat = index, .shadowFilter = shared::kShadowFilterPcf};
       const ShadowPass pass(device(), uploaded, setup);
       FrameInputs inputs{.scene = uploaded, .environment = dark, .views = {}, .constants = 0, .width = 1, .height = 1};
@@ -314,6 +314,38 @@ TEST_F(ShadowTest, DevicesLookUpWhatTheHostLooksUp) {
       EXPECT_GT(dark0, 2000u);
       // Products of floats are fused here and not there: a comparison at the very depth falls either way.
       EXPECT_LE(beyond, 20u);
+    }
+}
+
+// Samples of a picture, ordered or temporal, look up maps that its first frame has drawn; the next picture's are its
+// own.
+TEST_F(ShadowTest, SamplesOfAPictureShareTheirMaps) {
+  constexpr uint32_t kSmall = 64;
+  const scene::Scene scene = boardBeforeWall(edgeCases().front().light);
+  const scene::Camera camera = frontCamera(kHalf, 4), aside = frontCamera(kHalf * 0.8f, 4);
+  for (const char* format : {"d32", "rgba8"})
+    for (const char* aa : {"none", "ss2", "taa"}) {
+      SCOPED_TRACE(fmt::format("{}, {}", format, aa));
+      Settings settings = shadowSettings(format, "pcf");
+      settings.width = settings.height = kSmall;
+      setAntiAliasing(settings, aa);
+      Renderer renderer(device(), scene, nullptr);
+      const output::FrameOutput first = std::move(renderer.render({&camera, 1}, settings).front());
+      // That of the last sample.
+      EXPECT_EQ(renderer.graphviz().find("shadow maps") != std::string::npos, aa == std::string("none"));
+      EXPECT_NE(renderer.graphviz().find("shadow atlas"), std::string::npos);
+      EXPECT_EQ(std::count_if(renderer.times().begin(), renderer.times().end(),
+                              [](const graph::PassTime& time) { return time.name == "shadow maps"; }),
+                1);
+      const auto brightness = [&](float x) {  // of the middle row, x in metres
+        const auto column = static_cast<size_t>((x + kHalf) / (2 * kHalf) * kSmall);
+        return imageOf(first, Aov::Color).values[4 * (kSmall / 2 * kSmall + column)];
+      };
+      EXPECT_EQ(brightness(0), 0) << "the wall is dark up to x = 0.5";
+      EXPECT_GT(brightness(1), 0);
+      const output::FrameOutput second = std::move(renderer.render({&aside, 1}, settings).front());
+      EXPECT_EQ(imageOf(second, Aov::Color).values,
+                imageOf(renderOne(device(), scene, aside, settings), Aov::Color).values);
     }
 }
 

@@ -1,7 +1,11 @@
 // Picked pixels against the data outputs and the scene.
 #include "render/picking.h"
+
+#include <latelight/latelight.h>
+
 #include "base/error.h"
 #include "render/support.h"
+#include "scene/gltf_builder.h"
 
 namespace latelight::render::test {
 namespace {
@@ -60,6 +64,35 @@ TEST_F(Picking, OutsideThePictureIsRefused) {
       EXPECT_EQ(error.code(), ExitCode::Usage);
       EXPECT_NE(std::string(error.what()).find("64x36"), std::string::npos) << error.what();
     }
+  }
+}
+
+// A triangle that goes 10 m along X in a second, picked where it is then.
+TEST_F(Picking, ShowsTheTimeThatIsAskedFor) {
+  scene::test::GltfBuilder b = scene::test::triangleFile();
+  const std::vector<float> times = {0, 1};
+  const int input = b.accessor(b.view(times), scene::test::kFloat, "SCALAR", times.size());
+  const int output = b.positions({{0, 0, 0}, {10, 0, 0}});
+  b.add("animations", {{"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "translation"}}}}}},
+                       {"samplers", {{{"input", input}, {"output", output}}}}});
+  const scene::test::TemporaryFolder folder;
+  const std::string file = (folder.path() / "slide.glb").string();
+  scene::test::writeBytes(file, b.glb());
+  const latelight::Scene scene(file);
+  latelight::Renderer renderer(scene, "cpu");
+  latelight::Options options;
+  options.width = options.height = 16;
+  for (const double time : {0.0, 0.5, 1.0}) {
+    SCOPED_TRACE(time);
+    const float x = static_cast<float>(10 * time) + 0.25f;  // of a point of the triangle
+    latelight::Camera camera = scene.lookAt({x, 0.25f, 3}, {x, 0.25f, 0}, 40);
+    camera.nearClip = 0.01f;
+    options.time = time;
+    const latelight::Pick picked = renderer.pick(camera, {{8, 8}}, options).front();
+    EXPECT_NE(picked.id, 0u);
+    EXPECT_NEAR(picked.position[0], x, 0.1);
+    options.time = time < 1 ? 1.0 : 0.0;
+    EXPECT_EQ(renderer.pick(camera, {{8, 8}}, options).front().id, 0u) << "it is elsewhere then";
   }
 }
 

@@ -64,8 +64,15 @@ VkFormat shadowImageFormat(uint32_t format) {
   return format == shared::kShadowD16 ? VK_FORMAT_D16_UNORM : VK_FORMAT_D32_SFLOAT;
 }
 
-ShadowMaps uploadShadows(vk::Device& device, ShadowPlan plan, const shared::FrameConstants& frame) {
+ShadowMaps uploadShadows(vk::Device& device, ShadowPlan plan, const shared::FrameConstants& frame, uint32_t format) {
   ShadowMaps made{.plan = std::move(plan)};
+  made.atlas = vk::Image(device, {.format = shadowImageFormat(format),
+                                  .width = made.plan.width,
+                                  .height = made.plan.height,
+                                  .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT |
+                                           (isPacked(format) ? VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT
+                                                             : VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT),
+                                  .name = "shadow atlas"});
   std::vector<shared::View> views;
   for (const ShadowView& view : made.plan.views) views.push_back(view.drawn);
   made.maps = uploaded<shared::ShadowMap>(device, "shadow maps", made.plan.maps);
@@ -90,16 +97,17 @@ ShadowPass::ShadowPass(vk::Device& device, const GpuScene& scene, const FrameSet
 }
 
 graph::ImageId ShadowPass::add(graph::Graph& graph, const FrameInputs& inputs) const {
-  const ShadowPlan& plan = inputs.shadows->plan;
-  vk::ImageDesc desc{
-      .format = shadowImageFormat(format_), .width = plan.width, .height = plan.height, .name = "shadow atlas"};
-  const graph::ImageId atlas = graph.create(desc);
+  ShadowMaps& maps = *inputs.shadows;
+  const ShadowPlan& plan = maps.plan;
+  if (maps.drawn) return graph.import(maps.atlas, graph::Use::SampledCompute);
+  maps.drawn = true;
+  const graph::ImageId atlas = graph.import(maps.atlas, std::nullopt);
+  graph.exports(atlas, graph::Use::SampledCompute);
   graph::ImageId depth = atlas;
   std::vector<graph::Access> accesses;
   if (isPacked(format_)) {
-    desc.format = VK_FORMAT_D32_SFLOAT;
-    desc.name = "shadow depth";
-    depth = graph.create(desc);
+    depth = graph.create(vk::ImageDesc{
+        .format = VK_FORMAT_D32_SFLOAT, .width = plan.width, .height = plan.height, .name = "shadow depth"});
     accesses.emplace_back(atlas, graph::Use::ColorAttachment);
   }
   accesses.emplace_back(depth, graph::Use::DepthAttachment);

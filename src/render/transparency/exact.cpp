@@ -145,8 +145,11 @@ Exact::Buffers Exact::create(graph::Graph& graph, const FrameInputs& inputs) con
   return b;
 }
 
+// With the buffers that the running pass declares.
 shared::FragmentLists Exact::listsOf(graph::Context& context, const Buffers& b) {
-  const auto address = [&](graph::BufferId buffer) { return context.buffer(buffer).address(); };
+  const auto address = [&](graph::BufferId buffer) {
+    return context.declares(buffer) ? context.buffer(buffer).address() : VkDeviceAddress{0};
+  };
   return {.fragments = address(b.fragments),
           .counts = address(b.counts),
           .starts = address(b.starts),

@@ -39,7 +39,7 @@ MotionPass::MotionPass(vk::Device& device, const GpuScene& scene, MotionUse use)
     : format_(use == MotionUse::Data ? VK_FORMAT_R32G32B32A32_SFLOAT : VK_FORMAT_R16G16B16A16_SFLOAT),
       background_(makeBackgroundPipeline(device, format_)),
       opaque_(makeScenePipeline(device, scene, format_, false)) {
-  if (anyMasked(scene)) masked_ = makeScenePipeline(device, scene, format_, true);
+  if (anyMasked(scene) || anyBlended(scene)) masked_ = makeScenePipeline(device, scene, format_, true);
 }
 
 graph::ImageId MotionPass::add(graph::Graph& graph, const FrameInputs& inputs, graph::ImageId depth) const {

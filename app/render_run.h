@@ -1,0 +1,52 @@
+// `latelight render` in parts: what is asked for, and a run of it on a device, a scene and a renderer that are there.
+// The command makes them for one run; the test of random options shares them among many.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/render_options.h"
+#include "app/render_time.h"
+#include "output/files.h"
+#include "render/picking.h"
+#include "render/renderer.h"
+#include "scene/scene.h"
+#include "vk/device.h"
+
+namespace latelight::app {
+
+struct RenderPlan {
+  std::optional<DebugRequest> debug;
+  output::OutputRequest request;
+};
+// Checks the options before anything costs time, and fills in options.settings. Throws Error(Usage).
+RenderPlan planRender(RenderOptions& options);
+
+// The name of the environment that lights the scene; empty: none does.
+std::string environmentOf(const RenderOptions& options, const scene::Scene& scene);
+
+struct RenderTimes {  // seconds
+  double load = 0, upload = 0, render = 0, write = 0, total = 0;
+};
+
+// What the frames of one run share.
+struct RenderRun {
+  const RenderOptions& options;
+  const RenderPlan& plan;
+  const scene::Scene& scene;
+  const Timeline& timeline;
+  const std::string& environment;  // its name
+  vk::Device& device;
+  render::Renderer& renderer;
+  RenderTimes times{};  // so far
+  std::vector<std::filesystem::path> files{};
+  std::vector<render::Picked> picked{};
+};
+
+// Renders, writes and reports all of it. Throws Error: SomeFramesFailed, Internal for what validation says, and what
+// the renderer and writing throw.
+void renderAll(RenderRun& run);
+
+}  // namespace latelight::app
