@@ -65,6 +65,11 @@ void addSceneOptions(CLI::App& c, RenderOptions& o) {
                "Output: .png, .exr or .npy; {aov} {frame} {camera} {scene} are filled in; - is standard output");
   c.add_option("--size", o.size, "Width x height in pixels")->capture_default_str();
   c.add_option("--variant", o.variant, "Material variant by name (KHR_materials_variants)");
+  c.add_option("--allow-outside", o.allowOutside,
+               "Folder that the scene may read files from, beside its own; may be repeated")
+      ->type_name("FOLDER")
+      ->expected(1)
+      ->take_all();
   c.add_option("--camera", o.camera, "The scene's camera by name or number");
   c.add_option("--eye", o.eye, "Camera position x,y,z in the scene file's frame, metres");
   c.add_option("--target", o.target, "What --eye looks at, x,y,z");

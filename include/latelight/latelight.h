@@ -68,11 +68,17 @@ struct Animation {
   float duration = 0;  // seconds
 };
 
+struct SceneOptions {
+  std::string materialVariant;            // KHR_materials_variants by name; empty: the file's default
+  std::vector<std::string> allowOutside;  // folders it may read files from, beside its own and what lies below that
+};
+
 // A .gltf or .glb file, or "builtin:hall", "builtin:spheres", "builtin:boxes". Loaded once, rendered as often as
 // wanted.
 class LATELIGHT_API Scene {
  public:
   explicit Scene(const std::string& source, const std::string& materialVariant = "");
+  Scene(const std::string& source, const SceneOptions& options);
   ~Scene();
   Scene(Scene&&) noexcept;
   Scene& operator=(Scene&&) noexcept;

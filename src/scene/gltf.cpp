@@ -66,7 +66,7 @@ void runJobs(std::vector<Job>& jobs, const std::string& name) {
 
 Scene import(const std::filesystem::path& path, const LoadOptions& options) {
   Document document;
-  openDocument(document, path);
+  openDocument(document, path, Enclosure(path, options.allowOutside));
   Scene scene;
   scene.name = path.stem().string();
   scene.source = path.string();

@@ -75,12 +75,12 @@ void readModel(Document& document, json root) {
   restoreIndices(document.model);
 }
 
-void openDocument(Document& document, const std::filesystem::path& path) {
+void openDocument(Document& document, const std::filesystem::path& path, const Enclosure& enclosure) {
   document.files.push_back(readFile(path));
   document.inputBytes = document.files.back().size();
   Container container = readContainer(document.files.back());
   json root = readJson(container.json);
-  readBuffers(document, root, path.parent_path(), container.binary);
+  readBuffers(document, root, enclosure, container.binary);
   readModel(document, std::move(root));
 }
 

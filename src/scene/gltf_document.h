@@ -13,6 +13,8 @@
 #include <string>
 #include <vector>
 
+#include "base/enclosure.h"
+
 namespace latelight::scene::gltf {
 
 using Bytes = std::span<const std::byte>;
@@ -59,8 +61,8 @@ Container readContainer(Bytes file);
 // supported.
 nlohmann::json readJson(Bytes text);
 
-// Fills views and images from the file's buffers: the binary chunk, data URIs, and files beside `folder`.
-void readBuffers(Document& document, const nlohmann::json& root, const std::filesystem::path& folder, Bytes binary);
+// Fills views and images from the file's buffers: the binary chunk, data URIs, and files that `enclosure` holds.
+void readBuffers(Document& document, const nlohmann::json& root, const Enclosure& enclosure, Bytes binary);
 
 // Decompresses bufferViews with EXT_meshopt_compression into document.views.
 void decodeMeshopt(Document& document, const nlohmann::json& root, const std::vector<Bytes>& buffers);
@@ -68,7 +70,7 @@ void decodeMeshopt(Document& document, const nlohmann::json& root, const std::ve
 // Hands the JSON to tinygltf, patched so that it touches nothing that could fail.
 void readModel(Document& document, nlohmann::json root);
 
-void openDocument(Document& document, const std::filesystem::path& path);
+void openDocument(Document& document, const std::filesystem::path& path, const Enclosure& enclosure);
 
 // --- extensions
 // -------------------------------------------------------------------------------------------------------

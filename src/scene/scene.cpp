@@ -24,6 +24,8 @@ bool endsWith(std::string_view text, std::string_view ending) {
 
 // A .glb file starts with "glTF"; a .gltf file is a JSON object, perhaps after a byte-order mark.
 bool looksLikeGltf(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) return true;  // a pipe: what is looked at is gone
   std::array<char, 64> head{};
   std::ifstream file(path, std::ios::binary);
   file.read(head.data(), head.size());

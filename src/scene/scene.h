@@ -150,6 +150,8 @@ void placeLight(Light& light, const glm::dmat4& world);
 
 struct LoadOptions {
   std::string variant;  // KHR_materials_variants by name; empty: the file's default
+  // Folders that the file may have read beside its own and what lies below that; base/enclosure.h.
+  std::vector<std::string> allowOutside;
 };
 
 // A .gltf or .glb file, or "builtin:NAME[,key=value...]". Throws Error(BadInput) naming the file and what is wrong.
