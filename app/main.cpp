@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <stdexcept>
 
 #include "app/commands.h"
 #include "base/log.h"
@@ -59,7 +60,10 @@ int run(int argc, char** argv) {
     return static_cast<int>(error.code());
   } catch (const std::bad_alloc&) {
     fmt::print(stderr, "latelight: out of memory; use a smaller scene or picture\n");
-    return static_cast<int>(ExitCode::Internal);
+    return static_cast<int>(ExitCode::DeviceLost);
+  } catch (const std::length_error&) {  // more than any machine has
+    fmt::print(stderr, "latelight: out of memory; use a smaller scene or picture\n");
+    return static_cast<int>(ExitCode::DeviceLost);
   } catch (const std::exception& error) {
     if (std::ferror(stdout)) return static_cast<int>(ExitCode::Usage);  // main() says it
     fmt::print(stderr, "latelight: internal error: {}\n", error.what());

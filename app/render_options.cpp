@@ -4,12 +4,18 @@
 
 #include "app/parse.h"
 #include "app/render_pick.h"
+#include "base/memory.h"
 #include "render/gbuffer/layout.h"
 
 namespace latelight::app {
 
 void parseSettings(RenderOptions& o) {
   render::Settings& s = o.settings;
+  if (!o.memory.empty()) {
+    const uint64_t limit = parseMemory(o.memory);
+    if (limit == 0) badUsage("--memory takes a size, as in 512M or 4G, not \"{}\"", o.memory);
+    setMemoryLimit(limit);
+  }
   std::tie(s.width, s.height) = parseSize(o.size);
   render::setAntiAliasing(s, o.aa);
   s.environmentRotation = static_cast<float>(o.hdriRotate * M_PI / 180.0);
@@ -70,6 +76,8 @@ void addSceneOptions(CLI::App& c, RenderOptions& o) {
       ->type_name("FOLDER")
       ->expected(1)
       ->take_all();
+  c.add_option("--memory", o.memory,
+               "Memory of the machine that may be taken, as in 4G or 512M; default: three quarters of what is free");
   c.add_option("--camera", o.camera, "The scene's camera by name or number");
   c.add_option("--eye", o.eye, "Camera position x,y,z in the scene file's frame, metres");
   c.add_option("--target", o.target, "What --eye looks at, x,y,z");

@@ -15,6 +15,7 @@
 
 #include "base/error.h"
 #include "base/hash.h"
+#include "base/memory.h"
 
 namespace latelight {
 namespace fs = std::filesystem;
@@ -147,16 +148,14 @@ std::vector<std::byte> readFile(int fd, const fs::path& path) {
   if (S_ISFIFO(status.st_mode)) fcntl(fd, F_SETFL, 0);
   // Asked for first: where memory is overcommitted, the allocation would succeed and the process be killed later.
   const auto size = static_cast<uint64_t>(status.st_size);
-  const auto memory = static_cast<uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<uint64_t>(sysconf(_SC_PAGESIZE));
-  if (size > memory) failToRead(path, "it is larger than this machine's memory");
+  const std::string what = fmt::format("the file '{}'", path.string());
+  const MemoryClaim claim(size, what);
   try {
     std::vector<std::byte> bytes;
-    if (const int error = readAll(fd, size, bytes)) {
-      failToRead(path, reason(error));
-    }
+    if (const int error = readAll(fd, size, bytes)) failToRead(path, reason(error));
     return bytes;
   } catch (const std::bad_alloc&) {
-    failToRead(path, "it is larger than the memory at hand");
+    failWithoutMemory(what);
   }
 }
 

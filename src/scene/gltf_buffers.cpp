@@ -165,6 +165,7 @@ void Budget::charge(size_t bytes, std::string_view what) const {
       badInput("{} asks for {} MiB, which with the rest is far more than a file of this size can hold", what,
                bytes >> 20);
   } while (!left_.compare_exchange_weak(left, left - bytes));
+  memory_.grow(bytes, what);
 }
 
 void readBuffers(Document& document, const json& root, const Enclosure& enclosure, Bytes binary) {

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "base/memory.h"
 #include "scene/animation.h"
 #include "shared/types.h"
 
@@ -127,6 +128,7 @@ struct Scene {
   std::vector<Light> lights;
   std::vector<std::string> variants;  // KHR_materials_variants
   Rig rig;                            // what moves; all of the above is at rest
+  MemoryClaim memory;                 // what it takes of the machine's
 
   uint64_t triangleCount() const;  // of all instances
 };
