@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 
@@ -122,7 +123,10 @@ int run(int argc, char** argv) {
     return static_cast<int>(error.code());
   } catch (const std::bad_alloc&) {
     complain("out of memory; use a smaller scene or picture");
-    return static_cast<int>(ExitCode::Internal);
+    return static_cast<int>(ExitCode::DeviceLost);
+  } catch (const std::length_error&) {  // more than any machine has
+    complain("out of memory; use a smaller scene or picture");
+    return static_cast<int>(ExitCode::DeviceLost);
   } catch (const std::exception& error) {
     if (std::ferror(stdout)) return static_cast<int>(ExitCode::Usage);  // main() says it
     complain(fmt::format("internal error: {}", error.what()));

@@ -4,12 +4,18 @@
 
 #include "app/parse.h"
 #include "app/render_pick.h"
+#include "base/memory.h"
 #include "render/gbuffer/layout.h"
 
 namespace latelight::app {
 
 void parseSettings(RenderOptions& o) {
   render::Settings& s = o.settings;
+  if (!o.memory.empty()) {
+    const uint64_t limit = parseMemory(o.memory);
+    if (limit == 0) badUsage("--memory takes a size, as in 512M or 4G, not \"{}\"", o.memory);
+    setMemoryLimit(limit);
+  }
   std::tie(s.width, s.height) = parseSize(o.size);
   render::setAntiAliasing(s, o.aa);
   s.environmentRotation = static_cast<float>(o.hdriRotate * M_PI / 180.0);
@@ -65,6 +71,13 @@ void addSceneOptions(CLI::App& c, RenderOptions& o) {
                "Output: .png, .exr or .npy; {aov} {frame} {camera} {scene} are filled in; - is standard output");
   c.add_option("--size", o.size, "Width x height in pixels")->capture_default_str();
   c.add_option("--variant", o.variant, "Material variant by name (KHR_materials_variants)");
+  c.add_option("--allow-outside", o.allowOutside,
+               "Folder that the scene may read files from, beside its own; may be repeated")
+      ->type_name("FOLDER")
+      ->expected(1)
+      ->take_all();
+  c.add_option("--memory", o.memory,
+               "Memory of the machine that may be taken, as in 4G or 512M; default: three quarters of what is free");
   c.add_option("--camera", o.camera, "The scene's camera by name or number");
   c.add_option("--eye", o.eye, "Camera position x,y,z in the scene file's frame, metres");
   c.add_option("--target", o.target, "What --eye looks at, x,y,z");

@@ -15,6 +15,8 @@ namespace latelight::app {
 
 struct RenderOptions {
   std::string scene = "builtin:hall", out, size = "1280x720", variant;
+  std::vector<std::string> allowOutside;
+  std::string memory;
   std::string camera, eye, target, up, orbit;
   std::optional<double> fov;
   std::vector<std::string> picks;

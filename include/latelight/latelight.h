@@ -35,7 +35,7 @@ enum class ExitCode {
   Usage = 2,       // an argument that can't be
   BadInput = 3,    // a file that is missing, broken or needs what is not supported
   NoDevice = 4,    // no Vulkan 1.3 device
-  DeviceLost = 5,  // or out of its memory
+  DeviceLost = 5,  // or out of memory, its or the machine's
   SomeFramesFailed = 6,
 };
 
@@ -49,6 +49,10 @@ class LATELIGHT_API Error : public std::runtime_error {
  private:
   ExitCode code_;
 };
+
+// Bytes of the machine's memory that this process may take for scenes, pictures and devices that run on the CPU; what
+// would take more throws Error(DeviceLost) before it does. 0, as at first: three quarters of what is free.
+LATELIGHT_API void setMemoryLimit(uint64_t bytes);
 
 struct Camera {
   std::string name;
@@ -69,11 +73,17 @@ struct Animation {
   float duration = 0;  // seconds
 };
 
+struct SceneOptions {
+  std::string materialVariant;            // KHR_materials_variants by name; empty: the file's default
+  std::vector<std::string> allowOutside;  // folders it may read files from, beside its own and what lies below that
+};
+
 // A .gltf or .glb file, or "builtin:hall", "builtin:spheres", "builtin:boxes". Loaded once, rendered as often as
 // wanted.
 class LATELIGHT_API Scene {
  public:
   explicit Scene(const std::string& source, const std::string& materialVariant = "");
+  Scene(const std::string& source, const SceneOptions& options);
   ~Scene();
   Scene(Scene&&) noexcept;
   Scene& operator=(Scene&&) noexcept;

@@ -14,6 +14,7 @@
 
 #include "base/error.h"
 #include "base/hash.h"
+#include "base/memory.h"
 #include "base/temporary_file.h"
 
 namespace latelight {
@@ -163,23 +164,25 @@ std::vector<std::byte> readFile(const fs::path& path) {
   // O_NONBLOCK: opening a pipe that nobody writes to must not hang; it does nothing to regular files.
   File file(path, O_RDONLY | O_NONBLOCK);
   if (!file) failToRead(path, reason(errno));
+  return readFile(file.get(), path);
+}
+
+std::vector<std::byte> readFile(int fd, const fs::path& path) {
   struct stat status {};
-  if (fstat(file.get(), &status) != 0) failToRead(path, reason(errno));
+  if (fstat(fd, &status) != 0) failToRead(path, reason(errno));
   if (S_ISDIR(status.st_mode)) failToRead(path, "it is a folder, not a file");
   if (!S_ISREG(status.st_mode) && !S_ISFIFO(status.st_mode)) failToRead(path, "it is not a file");
-  if (S_ISFIFO(status.st_mode)) fcntl(file.get(), F_SETFL, 0);
+  if (S_ISFIFO(status.st_mode)) fcntl(fd, F_SETFL, 0);
   // Asked for first: where memory is overcommitted, the allocation would succeed and the process be killed later.
   const auto size = static_cast<uint64_t>(status.st_size);
-  const auto memory = static_cast<uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<uint64_t>(sysconf(_SC_PAGESIZE));
-  if (size > memory) failToRead(path, "it is larger than this machine's memory");
+  const std::string what = fmt::format("the file '{}'", path.string());
+  const MemoryClaim claim(size, what);
   try {
     std::vector<std::byte> bytes;
-    if (const int error = readAll(file.get(), size, bytes)) {
-      failToRead(path, reason(error));
-    }
+    if (const int error = readAll(fd, size, bytes)) failToRead(path, reason(error));
     return bytes;
   } catch (const std::bad_alloc&) {
-    failToRead(path, "it is larger than the memory at hand");
+    failWithoutMemory(what);
   }
 }
 

@@ -12,6 +12,8 @@ namespace latelight {
 
 // The whole file. Throws Error(BadInput) with a sentence that names the file if it can't be read.
 std::vector<std::byte> readFile(const std::filesystem::path& path);
+// The same of a file that is open; `path` is its name for the sentence.
+std::vector<std::byte> readFile(int fd, const std::filesystem::path& path);
 
 // Writes beside `path`, then renames; a failure leaves no file and throws Error(Usage) with what to do. A file that is
 // there is replaced where its mode allows writing, and keeps its mode, group and owner. Links are followed: what they

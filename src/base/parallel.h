@@ -17,7 +17,8 @@ void parallelFor(size_t count, size_t grain, const std::function<void(size_t beg
 // Runs `task` on a thread of its own: for work that mostly waits or that has its own phases (device start-up, loading).
 template <typename F>
 auto inBackground(F&& task) {
-  return std::async(std::launch::async, std::forward<F>(task));
+  // Where no thread can be had, when its result is asked for.
+  return std::async(std::launch::async | std::launch::deferred, std::forward<F>(task));
 }
 
 }  // namespace latelight

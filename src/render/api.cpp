@@ -171,7 +171,11 @@ struct Scene::Hidden {
 };
 
 Scene::Scene(const std::string& source, const std::string& materialVariant)
-    : hidden_(new Hidden{scene::load(source, {.variant = materialVariant}), {}, {}}) {
+    : Scene(source, SceneOptions{.materialVariant = materialVariant, .allowOutside = {}}) {}
+
+Scene::Scene(const std::string& source, const SceneOptions& options)
+    : hidden_(new Hidden{
+          scene::load(source, {.variant = options.materialVariant, .allowOutside = options.allowOutside}), {}, {}}) {
   for (const scene::Animation& animation : hidden_->scene.rig.animations)
     hidden_->animations.push_back({animation.name, animation.duration});
   for (const scene::Camera& camera : hidden_->scene.cameras)

@@ -40,6 +40,7 @@ struct FrameInputs {
 
   float aoRadius = 0, aoStrength = 1;  // ambient occlusion: metres, exponent
   ShadowMaps* shadows = nullptr;       // null: nothing casts any. Fitted to a view: there is one view then
+  bool atCentres = false;              // pixels have one sample, at their centre: what holds none is not drawn
 };
 
 // An image as large as the frame, with a layer a view.

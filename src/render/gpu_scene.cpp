@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "base/log.h"
+#include "base/parallel.h"
 #include "render/light_tree.h"
 #include "shared/color.h"
 #include "shared/light.h"
@@ -44,15 +45,20 @@ bool holdsColor(uint32_t slot) {
   return slot == shared::kTextureBaseColor || slot == shared::kTextureEmissive || slot == shared::kTextureSpecularColor;
 }
 
+constexpr uint32_t kInstancesAtOnce = 16384;  // a thread's share: waking another costs less
+
+constexpr Sphere kNowhere{glm::vec3(0), -std::numeric_limits<float>::infinity()};  // touches nothing
+
 // Instances by material, then mesh, then their order in the scene: few changes of material, and runs of instances that
 // one draw takes.
 std::vector<uint32_t> drawOrder(const scene::Scene& scene) {
   std::vector<uint32_t> order(scene.instances.size());
   std::iota(order.begin(), order.end(), 0u);
-  std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
+  const auto before = [&](uint32_t a, uint32_t b) {
     const scene::Instance &x = scene.instances[a], &y = scene.instances[b];
     return std::tie(x.material, x.mesh) < std::tie(y.material, y.mesh);
-  });
+  };
+  if (!std::is_sorted(order.begin(), order.end(), before)) std::stable_sort(order.begin(), order.end(), before);
   return order;
 }
 
@@ -132,28 +138,32 @@ void GpuScene::uploadMeshes(vk::Uploader& uploader, const scene::Scene& scene) {
 
 void GpuScene::uploadInstances(vk::Uploader& uploader, const scene::Pose& pose) {
   const std::vector<glm::mat4> transforms = scene::instanceTransforms(scene_, pose);
-  hostInstances_.clear();
-  hostInstances_.reserve(order_.size());
+  hostInstances_.resize(order_.size());
+  bounds_.resize(order_.size());
+  parallelFor(order_.size(), kInstancesAtOnce, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      const scene::Instance& instance = scene_.instances[order_[i]];
+      const glm::mat4& toWorld = transforms[order_[i]];
+      const bool mirrored = glm::determinant(glm::mat3(toWorld)) < 0;
+      hostInstances_[i] = {glm::mat4x3(toWorld), instance.mesh, instance.material, instance.id,
+                           mirrored ? shared::kInstanceMirrored : 0u};
+      const bool hidden = i + 1 < order_.size() && hides(order_[i + 1], order_[i], transforms);
+      bounds_[i] = hidden ? kNowhere : boundsOf(instance, toWorld, pose);
+    }
+  });
   draws_.clear();
-  bounds_.clear();
-  for (uint32_t next : order_) {
-    const scene::Instance& instance = scene_.instances[next];
-    const glm::mat4& toWorld = transforms[next];
-    bool mirrored = glm::determinant(glm::mat3(toWorld)) < 0;
-    uint32_t index = static_cast<uint32_t>(hostInstances_.size());
-    hostInstances_.push_back({glm::mat4x3(toWorld), instance.mesh, instance.material, instance.id,
-                              mirrored ? shared::kInstanceMirrored : 0u});
-
-    bool joins = !draws_.empty() && draws_.back().mirrored == mirrored &&
-                 draws_.back().firstIndex == firstIndices_[instance.mesh] &&
-                 draws_.back().material == instance.material;
+  for (uint32_t index = 0; index < hostInstances_.size(); ++index) {
+    const shared::Instance& instance = hostInstances_[index];
+    const bool mirrored = instance.flags == shared::kInstanceMirrored;
+    const bool joins = !draws_.empty() && draws_.back().mirrored == mirrored &&
+                       draws_.back().firstIndex == firstIndices_[instance.mesh] &&
+                       draws_.back().material == instance.material;
     if (joins)
       ++draws_.back().instanceCount;
     else
       draws_.push_back({index, 1, firstIndices_[instance.mesh],
                         static_cast<uint32_t>(scene_.meshes[instance.mesh].indices.size()), instance.material,
                         mirrored});
-    bounds_.push_back(boundsOf(instance, toWorld, pose));
   }
   if (!instances_) instances_ = makeBuffer(device_, "instances", hostInstances_.size() * sizeof(shared::Instance));
   uploader.upload(instances_, bytesOf(hostInstances_));
@@ -167,6 +177,13 @@ vk::Buffer GpuScene::uploadMoved(vk::Uploader& uploader, const scene::Pose& pose
   vk::Buffer buffer = makeBuffer(device_, name, instances.size() * sizeof(shared::Instance));
   uploader.upload(buffer, bytesOf(instances));
   return buffer;
+}
+
+// Whether an instance is drawn again, after it, where it stands: then nothing of it is ever seen.
+bool GpuScene::hides(uint32_t later, uint32_t earlier, const std::vector<glm::mat4>& transforms) const {
+  const scene::Instance &a = scene_.instances[later], &b = scene_.instances[earlier];
+  return a.mesh == b.mesh && a.material == b.material && transforms[later] == transforms[earlier] &&
+         !(scene_.materials[a.material].data.flags & shared::kMaterialBlended);
 }
 
 Sphere GpuScene::boundsOf(const scene::Instance& instance, const glm::mat4& toWorld, const scene::Pose& pose) const {
@@ -388,40 +405,49 @@ void GpuScene::writeMaterialSets() {
   vkUpdateDescriptorSets(device_.get(), static_cast<uint32_t>(writes.size()), writes.data(), 0, nullptr);
 }
 
-std::vector<Draw> GpuScene::visible(const shared::View& view, bool blended) const {
+std::vector<Draw> GpuScene::visible(const shared::View& view, bool blended, bool atCentres) const {
   const Frustum frustum(view);
+  const auto mayShow = [&](const Sphere& bounds) {
+    return frustum.touches(bounds) && (!atCentres || frustum.holdsCentre(bounds));
+  };
   std::vector<Draw> visible;
   for (const Draw& draw : draws_)
     if (blended == ((materials_[draw.material].flags & shared::kMaterialBlended) != 0))
-      appendRuns(
-          draw, [&](const Sphere& bounds) { return frustum.touches(bounds); }, visible);
+      appendRuns(draw, mayShow, visible);
   return visible;
 }
 
-std::vector<Draw> GpuScene::visibleDraws(const shared::View& view) const {
-  return visible(view, false);
+std::vector<Draw> GpuScene::visibleDraws(const shared::View& view, bool atCentres) const {
+  return visible(view, false, atCentres);
 }
 
-std::vector<Draw> GpuScene::visibleBlended(const shared::View& view) const {
-  return visible(view, true);
+std::vector<Draw> GpuScene::visibleBlended(const shared::View& view, bool atCentres) const {
+  return visible(view, true, atCentres);
 }
 
 void GpuScene::appendRuns(const Draw& draw, const std::function<bool(const Sphere&)>& wanted,
                           std::vector<Draw>& runs) const {
-  bool open = false;  // whether the run may grow
-  for (uint32_t i = draw.firstInstance; i < draw.firstInstance + draw.instanceCount; ++i) {
-    if (!wanted(bounds_[i])) {
-      open = false;
-      continue;
+  const auto append = [&](std::vector<Draw>& to, size_t own, uint32_t first, uint32_t count) {
+    if (to.size() > own && to.back().firstInstance + to.back().instanceCount == first) {
+      to.back().instanceCount += count;
+      return;
     }
-    if (!open) {
-      runs.push_back(draw);
-      runs.back().firstInstance = i;
-      runs.back().instanceCount = 0;
-      open = true;
-    }
-    ++runs.back().instanceCount;
-  }
+    to.push_back(draw);
+    to.back().firstInstance = first;
+    to.back().instanceCount = count;
+  };
+  const auto look = [&](uint32_t begin, uint32_t end, std::vector<Draw>& to, size_t own) {
+    for (uint32_t i = draw.firstInstance + begin; i < draw.firstInstance + end; ++i)
+      if (wanted(bounds_[i])) append(to, own, i, 1);
+  };
+  const size_t own = runs.size();  // what comes from here on is this draw's
+  if (draw.instanceCount <= kInstancesAtOnce) return look(0, draw.instanceCount, runs, own);
+  std::vector<std::vector<Draw>> parts((draw.instanceCount + kInstancesAtOnce - 1) / kInstancesAtOnce);
+  parallelFor(draw.instanceCount, kInstancesAtOnce, [&](size_t begin, size_t end) {
+    look(static_cast<uint32_t>(begin), static_cast<uint32_t>(end), parts[begin / kInstancesAtOnce], 0);
+  });
+  for (const std::vector<Draw>& part : parts)
+    for (const Draw& run : part) append(runs, own, run.firstInstance, run.instanceCount);
 }
 
 void GpuScene::describe(shared::FrameConstants& frame) const {

@@ -34,9 +34,10 @@ class GpuScene {
   const std::vector<Draw>& draws() const { return draws_; }
   // Draws with at least one instance that may lie inside the view's frustum, in order; exact per instance: of what
   // hides what lies behind it (opaque and masked materials), and of what is alpha-blended.
-  std::vector<Draw> visibleDraws(const shared::View& view) const;
-  std::vector<Draw> visibleBlended(const shared::View& view) const;
-  // Appends to `runs` the parts of a draw whose instances have bounds that are `wanted`.
+  // `atCentres`: only those are wanted that may hold the centre of a pixel, since pixels have no other sample.
+  std::vector<Draw> visibleDraws(const shared::View& view, bool atCentres) const;
+  std::vector<Draw> visibleBlended(const shared::View& view, bool atCentres) const;
+  // Appends to `runs` the parts of a draw whose instances have bounds that are `wanted`, which is asked on all threads.
   void appendRuns(const Draw& draw, const std::function<bool(const Sphere&)>& wanted, std::vector<Draw>& runs) const;
 
   const Sphere& bounds(uint32_t instance) const { return bounds_[instance]; }  // numbered as on the device
@@ -72,10 +73,11 @@ class GpuScene {
   void describe(shared::FrameConstants& frame) const;
 
  private:
-  std::vector<Draw> visible(const shared::View& view, bool blended) const;
+  std::vector<Draw> visible(const shared::View& view, bool blended, bool atCentres) const;
   void uploadMeshes(vk::Uploader& uploader, const scene::Scene& scene);
   void uploadInstances(vk::Uploader& uploader, const scene::Pose& pose);
   vk::Buffer uploadMoved(vk::Uploader& uploader, const scene::Pose& pose, const char* name) const;
+  bool hides(uint32_t later, uint32_t earlier, const std::vector<glm::mat4>& transforms) const;
   Sphere boundsOf(const scene::Instance& instance, const glm::mat4& toWorld, const scene::Pose& pose) const;
   void uploadMaterials(vk::Uploader& uploader, const scene::Scene& scene);
   void uploadMaterialUniforms(vk::Uploader& uploader);

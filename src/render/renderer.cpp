@@ -6,6 +6,7 @@
 #include <iterator>
 
 #include "base/log.h"
+#include "base/memory.h"
 #include "render/aov_read.h"
 #include "render/gbuffer/geometry_pass.h"
 #include "render/gbuffer/raw_read.h"
@@ -45,6 +46,7 @@ struct Renderer::Job {
   std::vector<shared::View> views;
   vk::Buffer viewBuffer, constants;
   std::optional<ShadowMaps> shadows;  // none where no light casts any
+  MemoryClaim memory;                 // of the pictures
   bool continues = false;             // the history of temporal anti-aliasing is that of these views, a frame before
 
   size_t pixels() const { return size_t{settings.width} * settings.height; }
@@ -177,6 +179,9 @@ std::vector<output::FrameOutput> Renderer::render(std::span<const scene::Camera>
 std::vector<output::FrameOutput> Renderer::renderViews(const Views& views, const Settings& settings, bool continues) {
   Job job{.cameras = views, .settings = settings};
   job.continues = continues && history_.fits(settings.width, settings.height, views.now.size());
+  uint64_t bytes = settings.display ? 4 : 0;  // a pixel
+  for (output::Aov aov : settings.aovs) bytes += 4 * output::info(aov).channels;
+  job.memory.grow(bytes * job.pixels() * views.now.size(), "the pictures");
   job.pictures.resize(views.now.size());
   for (output::FrameOutput& picture : job.pictures) {
     picture.width = settings.width;
@@ -256,7 +261,8 @@ FrameInputs Renderer::prepareViews(Job& job, glm::vec2 jitter) {
           .lights = gpuScene_.lights(),
           .aoRadius = s.ao.radius.value_or(kAoRadiusShare * boundsRadius_),
           .aoStrength = s.ao.strength,
-          .shadows = job.shadows ? &*job.shadows : nullptr};
+          .shadows = job.shadows ? &*job.shadows : nullptr,
+          .atCentres = s.samples == 1};
 }
 
 Frame& Renderer::frameFor(const FrameSetup& setup) {

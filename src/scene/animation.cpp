@@ -219,18 +219,19 @@ Pose poseAt(const Scene& scene, const Playback& playback, double seconds) {
 }
 
 std::vector<glm::mat4> instanceTransforms(const Scene& scene, const Pose& pose) {
-  std::vector<glm::mat4> transforms;
-  transforms.reserve(scene.instances.size());
-  for (size_t i = 0; i < scene.instances.size(); ++i) {
-    const Instance& instance = scene.instances[i];
-    if (pose.empty()) {
-      transforms.push_back(instance.toWorld);
-      continue;
+  std::vector<glm::mat4> transforms(scene.instances.size());
+  parallelFor(transforms.size(), 16384, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      const Instance& instance = scene.instances[i];
+      if (pose.empty()) {
+        transforms[i] = instance.toWorld;
+        continue;
+      }
+      dmat4 world = instance.posed ? dmat4(1) : worldOf(scene, pose, instance.node);
+      if (!scene.rig.offsets.empty()) world = world * scene.rig.offsets[i];
+      transforms[i] = toWorldFromGltf() * glm::mat4(world);
     }
-    dmat4 world = instance.posed ? dmat4(1) : worldOf(scene, pose, instance.node);
-    if (!scene.rig.offsets.empty()) world = world * scene.rig.offsets[i];
-    transforms.push_back(toWorldFromGltf() * glm::mat4(world));
-  }
+  });
   return transforms;
 }
 

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/log.h"
+#include "base/memory.h"
 #include "base/parallel.h"
 #include "scene/gltf_document.h"
 #include "scene/gltf_instances.h"
@@ -19,8 +20,6 @@ namespace latelight::scene {
 namespace gltf {
 namespace {
 
-constexpr size_t kMaxTextureBytes = size_t{16} << 30;
-
 struct Job {
   size_t cost;  // to be started largest first, or one thread ends alone
   std::function<void()> run;
@@ -33,13 +32,13 @@ void addTextureJobs(const Document& document, const TextureTable& table, Scene& 
     auto [image, srgb] = table.requests()[i];
     const ImageSource& source = document.images[size_t(image)];
     if (!source.problem.empty()) badInput("{}", source.problem);
-    if ((total += mipChainBytes(imageSize(source.encoded, source.name))) > kMaxTextureBytes)
-      badInput("its textures need more than {} GiB", kMaxTextureBytes >> 30);
+    total += mipChainBytes(imageSize(source.encoded, source.name));
     // Decoding costs by the encoded byte, not by the pixel: 40 ns against 1.
     jobs.push_back({source.encoded.size() * 40, [&texture = scene.textures[i], &source, srgb = srgb] {
                       texture = decodeTexture(source.encoded, srgb, source.name);
                     }});
   }
+  scene.memory.grow(total, "its textures");
 }
 
 void addMeshJobs(const Document& document, const Hierarchy& hierarchy, const std::vector<MeshRequest>& requests,
@@ -64,9 +63,20 @@ void runJobs(std::vector<Job>& jobs, const std::string& name) {
   });
 }
 
+// What meshes and instances take once they are loaded.
+uint64_t geometryBytes(const Scene& scene) {
+  uint64_t bytes = scene.instances.size() * sizeof(Instance) + scene.nodes.size() * sizeof(Node);
+  for (const Mesh& mesh : scene.meshes) {
+    const uint64_t vertex = sizeof(vec3) + sizeof(shared::VertexAttributes);
+    bytes += mesh.positions.size() * (mesh.deformation ? 2 : 1) * vertex +
+             mesh.extras.size() * sizeof(shared::VertexExtra) + mesh.indices.size() * sizeof(uint32_t);
+  }
+  return bytes;
+}
+
 Scene import(const std::filesystem::path& path, const LoadOptions& options) {
   Document document;
-  openDocument(document, path);
+  openDocument(document, path, Enclosure(path, options.allowOutside));
   Scene scene;
   scene.name = path.stem().string();
   scene.source = path.string();
@@ -85,6 +95,8 @@ Scene import(const std::filesystem::path& path, const LoadOptions& options) {
   addTextureJobs(document, textures, scene, jobs);
   addMeshJobs(document, hierarchy, requests, scene, jobs);
   runJobs(jobs, scene.name);
+  document.budget.release();
+  scene.memory.grow(geometryBytes(scene), "its meshes");
   return scene;
 }
 
@@ -99,7 +111,7 @@ Scene loadGltf(const std::filesystem::path& path, const LoadOptions& options) {
     if (sentence.find(path.string()) != std::string::npos) throw;
     throw Error(error.code(), fmt::format("{}: {}", path.string(), sentence));
   } catch (const std::bad_alloc&) {
-    badInput("{}: it needs more memory than there is", path.string());
+    failWithoutMemory(fmt::format("the scene {}", path.string()));
   }
 }
 

@@ -3,14 +3,12 @@
 #include <cstring>
 #include <optional>
 #include <string_view>
-#include <system_error>
 
+#include "base/enclosure.h"
 #include "base/error.h"
-#include "base/files.h"
 #include "scene/gltf_document.h"
 
 namespace latelight::scene::gltf {
-namespace fs = std::filesystem;
 using nlohmann::json;
 namespace {
 
@@ -72,36 +70,51 @@ std::vector<std::byte> readDataUri(std::string_view uri, const std::string& name
   return {begin, begin + plain.size()};
 }
 
-std::vector<std::byte> readBeside(const fs::path& folder, std::string_view uri, const std::string& name) {
-  if (uri.find("://") != std::string_view::npos)
-    badInput("{} is at {}; only files on this machine are read: download it beside the scene", name, uri);
+std::vector<std::byte> readBeside(const Enclosure& enclosure, std::string_view uri, const std::string& name) {
+  if (uri.find("://") != std::string_view::npos || uri.starts_with("file:"))
+    badInput("{} is at {}; only files beside the scene are read: put it there, and name it by its relative path", name,
+             uri);
   std::string decoded = percentDecode(uri);
   if (decoded.empty() || decoded.find('\0') != std::string::npos) badInput("{} has no usable file name", name);
-  fs::path path = folder / fs::path(decoded);
-  std::error_code ignored;
-  if (!fs::is_regular_file(path, ignored)) badInput("{} is the file {}, which is not there", name, path.string());
-  return readFile(path);
+  try {
+    return enclosure.read(decoded);
+  } catch (const Error& error) {
+    throw Error(error.code(), fmt::format("{} {}", name, error.what()));
+  }
 }
 
-Bytes readUri(Document& document, const fs::path& folder, std::string_view uri, const std::string& name) {
-  document.files.push_back(uri.starts_with("data:") ? readDataUri(uri, name) : readBeside(folder, uri, name));
+Bytes readUri(Document& document, const Enclosure& enclosure, std::string_view uri, const std::string& name) {
+  document.files.push_back(uri.starts_with("data:") ? readDataUri(uri, name) : readBeside(enclosure, uri, name));
   document.inputBytes += document.files.back().size();
   return document.files.back();
 }
+
+const json::json_pointer kCompressedView("/extensions/EXT_meshopt_compression");
 
 bool isFallback(const json& buffer) {
   json::json_pointer pointer("/extensions/EXT_meshopt_compression/fallback");
   return buffer.contains(pointer) && buffer.at(pointer).get<bool>();
 }
 
-// A fallback buffer has bytes only for readers without EXT_meshopt_compression: it stays empty here.
-Bytes readBuffer(Document& document, const json& buffer, size_t index, const fs::path& folder, Bytes binary) {
+// Which buffers are read: where views lie that are not compressed, and the bytes of those that are.
+std::vector<bool> findRead(const json& buffers, const json& views) {
+  std::vector<bool> read(buffers.size());
+  for (const json& view : views)
+    read[(view.contains(kCompressedView) ? view.at(kCompressedView) : view)["buffer"].get<size_t>()] = true;
+  return read;
+}
+
+// A fallback buffer has bytes only for readers without EXT_meshopt_compression: it stays empty here. Files that require
+// the extension may leave its bytes out, and say so or not: then it is one that has no bytes and that nothing reads.
+Bytes readBuffer(Document& document, const json& buffer, size_t index, bool isRead, const Enclosure& enclosure,
+                 Bytes binary) {
   std::string name = fmt::format("buffers[{}]", index);
   size_t length = buffer["byteLength"].get<size_t>();
-  if (isFallback(buffer)) return {};
+  const bool isEmpty = !buffer.contains("uri") && (index > 0 || binary.empty());
+  if (isFallback(buffer) || (isEmpty && !isRead)) return {};
   Bytes bytes;
   if (buffer.contains("uri"))
-    bytes = readUri(document, folder, buffer["uri"].get_ref<const std::string&>(), name);
+    bytes = readUri(document, enclosure, buffer["uri"].get_ref<const std::string&>(), name);
   else if (index == 0 && !binary.empty())
     bytes = binary;
   else
@@ -120,7 +133,7 @@ Bytes slice(const std::vector<Bytes>& buffers, const json& view, size_t index) {
 }
 
 // A picture that can't be found is an error only if a material uses it.
-ImageSource readImage(Document& document, const json& image, size_t index, const fs::path& folder) {
+ImageSource readImage(Document& document, const json& image, size_t index, const Enclosure& enclosure) {
   ImageSource source;
   std::string label = image.value("name", std::string());
   bool embedded = image.contains("bufferView");
@@ -133,7 +146,7 @@ ImageSource readImage(Document& document, const json& image, size_t index, const
     source.encoded = document.views[image["bufferView"].get<size_t>()];
   } else if (image.contains("uri")) {
     try {
-      source.encoded = readUri(document, folder, image["uri"].get_ref<const std::string&>(), source.name);
+      source.encoded = readUri(document, enclosure, image["uri"].get_ref<const std::string&>(), source.name);
     } catch (const Error& error) {
       source.problem = error.what();
     }
@@ -162,25 +175,28 @@ void Budget::charge(size_t bytes, std::string_view what) const {
       badInput("{} asks for {} MiB, which with the rest is far more than a file of this size can hold", what,
                bytes >> 20);
   } while (!left_.compare_exchange_weak(left, left - bytes));
+  memory_.grow(bytes, what);
 }
 
-void readBuffers(Document& document, const json& root, const fs::path& folder, Bytes binary) {
+void readBuffers(Document& document, const json& root, const Enclosure& enclosure, Bytes binary) {
   const json none = json::array();
   auto arrayOf = [&](const char* key) -> const json& {
     auto found = root.find(key);
     return found == root.end() ? none : *found;
   };
   std::vector<Bytes> buffers;
-  for (const json& buffer : arrayOf("buffers"))
-    buffers.push_back(readBuffer(document, buffer, buffers.size(), folder, binary));
+  const std::vector<bool> read = findRead(arrayOf("buffers"), arrayOf("bufferViews"));
+  for (const json& buffer : arrayOf("buffers")) {
+    const size_t index = buffers.size();
+    buffers.push_back(readBuffer(document, buffer, index, read[index], enclosure, binary));
+  }
   document.budget.setInput(document.inputBytes);
   for (const json& view : arrayOf("bufferViews")) {
-    bool compressed = view.contains(json::json_pointer("/extensions/EXT_meshopt_compression"));
-    document.views.push_back(compressed ? Bytes() : slice(buffers, view, document.views.size()));
+    document.views.push_back(view.contains(kCompressedView) ? Bytes() : slice(buffers, view, document.views.size()));
   }
   decodeMeshopt(document, root, buffers);
   for (const json& image : arrayOf("images"))
-    document.images.push_back(readImage(document, image, document.images.size(), folder));
+    document.images.push_back(readImage(document, image, document.images.size(), enclosure));
 }
 
 }  // namespace latelight::scene::gltf

@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "base/error.h"
+#include "base/log.h"
 #include "scene/gltf_document.h"
 #include "scene/gltf_schema.h"
 
@@ -21,6 +22,25 @@ uint32_t wordAt(Bytes bytes, size_t at) {  // GLB is little-endian
   uint32_t word = 0;
   for (size_t i = 0; i < 4; ++i) word |= uint32_t(bytes[at + i]) << (8 * i);
   return word;
+}
+
+// Whether a chunk's header can lie there, and its bytes behind it.
+bool chunkFits(Bytes file, size_t at) {
+  return at + kChunkHeaderBytes <= file.size() && wordAt(file, at) <= file.size() - at - kChunkHeaderBytes;
+}
+
+// Where the chunk behind one that ends at `end` begins. Chunks are padded to 4 bytes, and their lengths count that;
+// some writers pad and don't count, others do neither.
+size_t behindChunk(Bytes file, size_t end, bool isJson) {
+  const size_t padded = (end + 3) / 4 * 4;
+  if (padded == end || end + kChunkHeaderBytes > file.size() || chunkFits(file, padded)) return padded;
+  const char* which = isJson ? "JSON" : "binary";
+  if (!chunkFits(file, end))
+    badInput("the .glb file's {} chunk ends at byte {}, which is no multiple of 4, and no other chunk lies behind it",
+             which, end);
+  warn("the .glb file's {} chunk ends at byte {} instead of a multiple of 4: it was not written as glTF asks", which,
+       end);
+  return end;
 }
 
 Container readBinary(Bytes file) {
@@ -41,7 +61,7 @@ Container readBinary(Bytes file) {
     if (first != (type == kJsonChunk)) badInput("the .glb file's first chunk, and no other, should be JSON");
     if (type == kJsonChunk) container.json = chunk;
     if (type == kBinaryChunk && container.binary.empty()) container.binary = chunk;
-    at += (size + 3) / 4 * 4;  // chunks are padded to 4 bytes
+    at = behindChunk(file, at + size, type == kJsonChunk);
   }
   if (container.json.empty()) badInput("the .glb file has no JSON chunk");
   return container;
@@ -82,6 +102,26 @@ void checkVersion(const nlohmann::json& root) {
 Container readContainer(Bytes file) {
   if (file.size() >= 4 && wordAt(file, 0) == kMagic) return readBinary(file);
   return {file, {}};
+}
+
+uint64_t treeBytes(Bytes json) {
+  // As nlohmann::json keeps them on 64 bits: a value is 16, in a vector that grows by doubling; an object a map of
+  // nodes with a key's string in each. What strings hold is at most the text.
+  constexpr uint64_t kValue = 32, kArray = 48, kObject = 64, kMember = 112;
+  uint64_t bytes = json.size();
+  bool inString = false;
+  for (size_t i = 0; i < json.size(); ++i) {
+    const char c = char(json[i]);
+    if (inString) {
+      i += c == '\\';
+      inString = c != '"';
+    } else if (c == '"') {
+      inString = true;
+    } else {
+      bytes += c == ',' ? kValue : c == ':' ? kMember : c == '[' ? kArray : c == '{' ? kObject : 0;
+    }
+  }
+  return bytes;
 }
 
 nlohmann::json readJson(Bytes bytes) {

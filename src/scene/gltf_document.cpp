@@ -1,10 +1,13 @@
 #include "scene/gltf_document.h"
 
 #include <limits>
+#include <map>
+#include <numeric>
 #include <string_view>
 
 #include "base/error.h"
 #include "base/files.h"
+#include "scene/scene.h"
 
 namespace latelight::scene::gltf {
 using nlohmann::json;
@@ -36,27 +39,52 @@ void restoreIndices(tinygltf::Model& model) {
         primitive.indices = indexOr(*hidden, "accessor", -1);
 }
 
-// tinygltf drops what it can't read: then indices that were checked no longer fit.
-template <typename T>
-void checkCount(const json& root, const char* key, const std::vector<T>& read) {
-  auto found = root.find(key);
-  if ((found == root.end() ? 0 : found->size()) != read.size()) badInput("its {} can't be read", key);
+// How many things of each kind the JSON has.
+struct Counts {
+  std::map<std::string, size_t> arrays;
+  std::vector<size_t> primitives;  // of each mesh
+
+  explicit Counts(const json& root) {
+    for (const auto& [key, value] : root.items())
+      if (value.is_array()) arrays[key] = value.size();
+    if (auto meshes = root.find("meshes"); meshes != root.end())
+      for (const json& mesh : *meshes) primitives.push_back(mesh["primitives"].size());
+  }
+  size_t of(const char* key) const {
+    auto found = arrays.find(key);
+    return found == arrays.end() ? 0 : found->second;
+  }
+};
+
+// What tinygltf's model takes, and what is made of each node: its name and path, kept and looked up.
+size_t modelBytes(const Counts& counts) {
+  constexpr size_t kNames = 512;
+  return counts.of("nodes") * (sizeof(tinygltf::Node) + sizeof(Node) + kNames) +
+         counts.of("accessors") * sizeof(tinygltf::Accessor) + counts.of("bufferViews") * sizeof(tinygltf::BufferView) +
+         counts.of("materials") * (sizeof(tinygltf::Material) + sizeof(Material)) +
+         std::accumulate(counts.primitives.begin(), counts.primitives.end(), size_t{0}) *
+             (sizeof(tinygltf::Primitive) + sizeof(Mesh));
 }
 
-void checkModel(const json& root, const tinygltf::Model& model) {
-  checkCount(root, "accessors", model.accessors);
-  checkCount(root, "bufferViews", model.bufferViews);
-  checkCount(root, "cameras", model.cameras);
-  checkCount(root, "materials", model.materials);
-  checkCount(root, "meshes", model.meshes);
-  checkCount(root, "nodes", model.nodes);
-  checkCount(root, "samplers", model.samplers);
-  checkCount(root, "scenes", model.scenes);
-  checkCount(root, "skins", model.skins);
-  checkCount(root, "textures", model.textures);
+// tinygltf drops what it can't read: then indices that were checked no longer fit.
+template <typename T>
+void checkCount(const Counts& counts, const char* key, const std::vector<T>& read) {
+  if (counts.of(key) != read.size()) badInput("its {} can't be read", key);
+}
+
+void checkModel(const Counts& counts, const tinygltf::Model& model) {
+  checkCount(counts, "accessors", model.accessors);
+  checkCount(counts, "bufferViews", model.bufferViews);
+  checkCount(counts, "cameras", model.cameras);
+  checkCount(counts, "materials", model.materials);
+  checkCount(counts, "meshes", model.meshes);
+  checkCount(counts, "nodes", model.nodes);
+  checkCount(counts, "samplers", model.samplers);
+  checkCount(counts, "scenes", model.scenes);
+  checkCount(counts, "skins", model.skins);
+  checkCount(counts, "textures", model.textures);
   for (size_t i = 0; i < model.meshes.size(); ++i)
-    if (model.meshes[i].primitives.size() != root["meshes"][i]["primitives"].size())
-      badInput("meshes[{}].primitives can't be read", i);
+    if (model.meshes[i].primitives.size() != counts.primitives[i]) badInput("meshes[{}].primitives can't be read", i);
 }
 
 }  // namespace
@@ -66,22 +94,26 @@ void readModel(Document& document, json root) {
   if (root.contains("animations")) document.animations = root["animations"];
   for (const char* key : {"buffers", "images", "animations", "extras"}) root.erase(key);
   hideIndices(root);
+  const Counts counts(root);
+  document.budget.charge(modelBytes(counts), "its nodes and primitives");
   std::string text = root.dump(-1, ' ', false, json::error_handler_t::replace);
+  root = nullptr;  // tinygltf makes a tree of its own
   if (text.size() > std::numeric_limits<unsigned>::max()) badInput("its JSON is too large");
   tinygltf::TinyGLTF loader;
   std::string error, warning;
   if (!loader.LoadASCIIFromString(&document.model, &error, &warning, text.data(), unsigned(text.size()), ""))
     badInput("it is not valid glTF: {}", std::string_view(error).substr(0, error.find('\n')));
-  checkModel(root, document.model);
+  checkModel(counts, document.model);
   restoreIndices(document.model);
 }
 
-void openDocument(Document& document, const std::filesystem::path& path) {
+void openDocument(Document& document, const std::filesystem::path& path, const Enclosure& enclosure) {
   document.files.push_back(readFile(path));
   document.inputBytes = document.files.back().size();
   Container container = readContainer(document.files.back());
+  const MemoryClaim tree(treeBytes(container.json), "its JSON");
   json root = readJson(container.json);
-  readBuffers(document, root, path.parent_path(), container.binary);
+  readBuffers(document, root, enclosure, container.binary);
   readModel(document, std::move(root));
 }
 

@@ -13,6 +13,9 @@
 #include <string>
 #include <vector>
 
+#include "base/enclosure.h"
+#include "base/memory.h"
+
 namespace latelight::scene::gltf {
 
 using Bytes = std::span<const std::byte>;
@@ -24,15 +27,19 @@ struct ImageSource {
 };
 
 // What loading may allocate or touch, in bytes, so that a small file can't ask for 100 GB or for a day of work: all
-// accessors may name the same bytes, and compressed ones may claim any size. Honest files stay far below.
+// accessors may name the same bytes, and compressed ones may claim any size. Honest files stay far below. What a file
+// asks for is taken from the machine's memory too (base/memory.h), honest or not.
 class Budget {
  public:
   void setInput(size_t inputBytes) { left_ = (size_t{1} << 30) + 256 * inputBytes; }
-  // Throws Error(BadInput) naming `what` when the file asks for more than that.
+  // Throws Error(BadInput) naming `what` when the file asks for more than that, Error(DeviceLost) when for more than
+  // may be taken.
   void charge(size_t bytes, std::string_view what) const;
+  void release() { memory_ = {}; }  // when all is loaded
 
  private:
   mutable std::atomic<size_t> left_ = 0;
+  mutable MemoryClaim memory_;
 };
 
 struct Document {
@@ -59,9 +66,11 @@ Container readContainer(Bytes file);
 // Parsed, validated JSON. Throws Error(BadInput) on anything malformed or on a required extension that is not
 // supported.
 nlohmann::json readJson(Bytes text);
+// About what the tree of that takes, bytes; text that is no JSON gets some number.
+uint64_t treeBytes(Bytes json);
 
-// Fills views and images from the file's buffers: the binary chunk, data URIs, and files beside `folder`.
-void readBuffers(Document& document, const nlohmann::json& root, const std::filesystem::path& folder, Bytes binary);
+// Fills views and images from the file's buffers: the binary chunk, data URIs, and files that `enclosure` holds.
+void readBuffers(Document& document, const nlohmann::json& root, const Enclosure& enclosure, Bytes binary);
 
 // The files that buffers and images name, as seen from the document's folder.
 std::vector<std::filesystem::path> filesBeside(const nlohmann::json& root);
@@ -72,7 +81,7 @@ void decodeMeshopt(Document& document, const nlohmann::json& root, const std::ve
 // Hands the JSON to tinygltf, patched so that it touches nothing that could fail.
 void readModel(Document& document, nlohmann::json root);
 
-void openDocument(Document& document, const std::filesystem::path& path);
+void openDocument(Document& document, const std::filesystem::path& path, const Enclosure& enclosure);
 
 // --- extensions
 // -------------------------------------------------------------------------------------------------------

@@ -1,31 +1,53 @@
 #include "scene/gltf_instances.h"
 
 #include <algorithm>
+#include <functional>
 #include <map>
 #include <tuple>
 #include <unordered_set>
+#include <utility>
 
 #include "base/error.h"
 #include "base/hash.h"
 #include "base/log.h"
+#include "base/parallel.h"
 #include "scene/gltf_accessor.h"
 #include "scene/gltf_material.h"
 
 namespace latelight::scene::gltf {
 namespace {
 
-// Ids are hashes of what they name, and unique: who comes later in the file gives way.
+// Ids are hashes of what they name, and unique: who comes later in the file gives way. Those that are taken lie in one
+// table, each at the first free place behind its hash, since there may be ten million.
 class Ids {
  public:
-  uint32_t make(const std::string& name) {
-    uint32_t id = hash32(name);
-    for (unsigned attempt = 2; id == 0 || !used_.insert(id).second; ++attempt)
-      id = hash32(fmt::format("{}~{}", name, attempt));
+  // `hash` is that of the name.
+  uint32_t make(uint32_t hash, const std::function<std::string()>& name) {
+    uint32_t id = hash;
+    for (unsigned attempt = 2; id == 0 || !insert(id); ++attempt) id = hash32(fmt::format("{}~{}", name(), attempt));
     return id;
   }
 
  private:
-  std::unordered_set<uint32_t> used_;
+  bool insert(uint32_t id) {
+    if (2 * ++count_ > table_.size()) grow();
+    uint32_t& place = find(id);
+    return std::exchange(place, id) != id;
+  }
+  uint32_t& find(uint32_t id) {
+    size_t place = id & (table_.size() - 1);
+    while (table_[place] != 0 && table_[place] != id) place = (place + 1) & (table_.size() - 1);
+    return table_[place];
+  }
+  void grow() {
+    std::vector<uint32_t> old(std::max<size_t>(1024, table_.size() * 2));
+    old.swap(table_);
+    for (uint32_t id : old)
+      if (id != 0) find(id) = id;
+  }
+
+  std::vector<uint32_t> table_;  // a power of two, at most half full; 0: free
+  size_t count_ = 0;
 };
 
 // Primitives whose bytes are the same, in whichever mesh: exporters repeat a geometry for each material.
@@ -51,10 +73,21 @@ std::optional<TangentSpace> tangentSpaceOf(const Material& material, const tinyg
   return TangentSpace{t.uvSet, vec2(t.row0), vec2(t.row1)};
 }
 
-// EXT_mesh_gpu_instancing: transforms below the node's own; one identity where the node has none.
-std::vector<glm::dmat4> instanceTransforms(const Document& document, const tinygltf::Node& node, size_t index) {
+// EXT_mesh_gpu_instancing: where instances stand below their node; one, at the node itself, where it has none.
+struct Placements {
+  size_t count = 1;
+  std::vector<vec4> translations, rotations, scales;  // empty, or as many
+
+  glm::dmat4 operator[](size_t i) const {
+    return composeTransform(translations.empty() ? glm::dvec3(0) : glm::dvec3(translations[i]),
+                            rotations.empty() ? glm::dvec4(0, 0, 0, 1) : glm::dvec4(rotations[i]),
+                            scales.empty() ? glm::dvec3(1) : glm::dvec3(scales[i]));
+  }
+};
+
+Placements readPlacements(const Document& document, const tinygltf::Node& node, size_t index) {
   const tinygltf::Value* object = extension(node.extensions, "EXT_mesh_gpu_instancing");
-  if (!object) return {glm::dmat4(1)};
+  if (!object) return {};
   const tinygltf::Value& attributes = object->Get("attributes");
   std::optional<size_t> count;
   auto read = [&](const char* key, vec4 otherwise, bool normalized) {
@@ -66,20 +99,17 @@ std::vector<glm::dmat4> instanceTransforms(const Document& document, const tinyg
     if (count.value_or(elements.count) != elements.count)
       badInput("nodes[{}] has EXT_mesh_gpu_instancing attributes of different lengths", index);
     count = elements.count;
-    document.budget.charge(elements.count * (sizeof(Instance) + sizeof(glm::dmat4) + 3 * sizeof(vec4)), elements.name);
+    document.budget.charge(elements.count * (sizeof(Instance) + 3 * sizeof(vec4)), elements.name);
     values = readFinite<4>(elements, 0, elements.count, otherwise.w);
     return values;
   };
-  std::vector<vec4> translations = read("TRANSLATION", vec4(0), false);
-  std::vector<vec4> rotations = read("ROTATION", vec4(0, 0, 0, 1), true);  // whole numbers are always fractions here
-  std::vector<vec4> scales = read("SCALE", vec4(1), false);
-  std::vector<glm::dmat4> transforms(count.value_or(0));
-  for (size_t i = 0; i < transforms.size(); ++i)
-    transforms[i] = composeTransform(translations.empty() ? glm::dvec3(0) : glm::dvec3(translations[i]),
-                                     rotations.empty() ? glm::dvec4(0, 0, 0, 1) : glm::dvec4(rotations[i]),
-                                     scales.empty() ? glm::dvec3(1) : glm::dvec3(scales[i]));
-  if (transforms.empty()) warn("nodes[{}] has EXT_mesh_gpu_instancing without instances, and is not drawn", index);
-  return transforms;
+  Placements placements;
+  placements.translations = read("TRANSLATION", vec4(0), false);
+  placements.rotations = read("ROTATION", vec4(0, 0, 0, 1), true);  // whole numbers are always fractions here
+  placements.scales = read("SCALE", vec4(1), false);
+  placements.count = count.value_or(0);
+  if (placements.count == 0) warn("nodes[{}] has EXT_mesh_gpu_instancing without instances, and is not drawn", index);
+  return placements;
 }
 
 class Placer {
@@ -103,7 +133,7 @@ class Placer {
     const tinygltf::Node& node = document_.model.nodes[index];
     if (node.mesh < 0) return;
     const tinygltf::Mesh& mesh = document_.model.meshes[size_t(node.mesh)];
-    std::vector<glm::dmat4> transforms = instanceTransforms(document_, node, index);
+    const Placements placements = readPlacements(document_, node, index);
     bool instanced = extension(node.extensions, "EXT_mesh_gpu_instancing");
     for (size_t p = 0; p < mesh.primitives.size(); ++p) {
       const tinygltf::Primitive& primitive = mesh.primitives[p];
@@ -122,12 +152,23 @@ class Placer {
       instance.posed = posed;
       std::string name = scene_.nodes[place].path;
       if (mesh.primitives.size() > 1) name += fmt::format("/primitive{}", p);
-      document_.budget.charge(transforms.size() * 2 * sizeof(Instance), name);
-      for (size_t k = 0; k < transforms.size(); ++k) {
-        instance.toWorld = toWorldFromGltf() * mat4(world * transforms[k]);
-        instance.id = ids_.make(instanced ? fmt::format("{}/instance{}", name, k) : name);
-        if (instanced) placeBelow(transforms[k]);
-        scene_.instances.push_back(instance);
+      document_.budget.charge(placements.count * 2 * sizeof(Instance), name);
+      const auto nameOf = [&](size_t k) { return instanced ? fmt::format("{}/instance{}", name, k) : name; };
+      const size_t first = scene_.instances.size();
+      scene_.instances.resize(first + placements.count, instance);
+      if (instanced && !scene_.rig.empty()) scene_.rig.offsets.resize(scene_.instances.size(), glm::dmat4(1));
+      parallelFor(placements.count, 4096, [&](size_t begin, size_t end) {
+        for (size_t k = begin; k < end; ++k) {
+          const glm::dmat4 below = placements[k];
+          scene_.instances[first + k].toWorld = toWorldFromGltf() * mat4(world * below);
+          scene_.instances[first + k].id = hash32(nameOf(k));
+          // Of the instances below a node that may move.
+          if (instanced && !scene_.rig.empty()) scene_.rig.offsets[first + k] = below;
+        }
+      });
+      for (size_t k = 0; k < placements.count; ++k) {
+        uint32_t& id = scene_.instances[first + k].id;
+        id = ids_.make(id, [&] { return nameOf(k); });
       }
     }
   }
@@ -149,13 +190,6 @@ class Placer {
       scene_.materials.push_back(defaultMaterial());
     }
     return *default_;
-  }
-
-  // Notes the transform of the instance to come below its node, where nodes may move.
-  void placeBelow(const glm::dmat4& transform) {
-    if (scene_.rig.empty()) return;
-    scene_.rig.offsets.resize(scene_.instances.size(), glm::dmat4(1));
-    scene_.rig.offsets.push_back(transform);
   }
 
   // The node itself if an animation moves its weights, else -1.

@@ -100,8 +100,8 @@ Sampler samplerOf(const tinygltf::Model& model, int index) {
 }
 
 int imageOf(const tinygltf::Texture& texture) {
-  if (const Value* webp = extension(texture.extensions, "EXT_texture_webp")) return indexOr(*webp, "source", -1);
-  return texture.source;
+  const Value* webp = extension(texture.extensions, "EXT_texture_webp");
+  return webp ? indexOr(*webp, "source", texture.source) : texture.source;
 }
 
 class MaterialReader {

@@ -260,7 +260,7 @@ constexpr Rule kMaterialRules[] = {object("pbrMetallicRoughness", &kPbr),
                                    extensions(&kMaterialExtensions)};
 constexpr Schema kMaterial{kMaterialRules};
 
-constexpr Rule kWebpRules[] = {index("source", Target::Images, true)};
+constexpr Rule kWebpRules[] = {index("source", Target::Images)};
 constexpr Schema kWebp{kWebpRules};
 constexpr Rule kTextureExtensionRules[] = {object("EXT_texture_webp", &kWebp)};
 constexpr Schema kTextureExtensions{kTextureExtensionRules};

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "base/memory.h"
 
 namespace latelight::scene {
 namespace {
@@ -22,7 +23,7 @@ FloatImage decodePicture(std::span<const std::byte> bytes, const std::string& na
   if (startsWith(bytes, {0x76, 0x2f, 0x31, 0x01})) return decodeExr(bytes, name);
   badInput("'{}' is neither a Radiance .hdr nor an OpenEXR .exr picture; give one of those", name);
 } catch (const std::bad_alloc&) {
-  badInput("'{}' is larger than the memory at hand; make it smaller", name);
+  failWithoutMemory(fmt::format("'{}'", name));
 }
 
 void checkPictureSize(int64_t width, int64_t height, const std::string& name) {

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <fstream>
+#include <mutex>
 #include <string_view>
 
 #include "base/error.h"
+#include "base/parallel.h"
 
 namespace latelight::scene {
 namespace {
@@ -24,6 +26,8 @@ bool endsWith(std::string_view text, std::string_view ending) {
 
 // A .glb file starts with "glTF"; a .gltf file is a JSON object, perhaps after a byte-order mark.
 bool looksLikeGltf(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) return true;  // a pipe: what is looked at is gone
   std::array<char, 64> head{};
   std::ifstream file(path, std::ios::binary);
   file.read(head.data(), head.size());
@@ -44,6 +48,18 @@ mat4 rigid(const glm::dmat4& m, bool& degenerate) {
   x = glm::normalize(glm::cross(y, z));
   y = glm::cross(z, x);
   return mat4(dmat4(dvec4(x, 0), dvec4(y, 0), dvec4(z, 0), m[3]));
+}
+
+void addBounds(const Scene& scene, const Instance& instance, Bounds& bounds) {
+  const Mesh& mesh = scene.meshes[instance.mesh];
+  if (mesh.positions.empty()) return;
+  for (int corner = 0; corner < 8; ++corner) {
+    const vec3 p(corner & 1 ? mesh.boundsMax.x : mesh.boundsMin.x, corner & 2 ? mesh.boundsMax.y : mesh.boundsMin.y,
+                 corner & 4 ? mesh.boundsMax.z : mesh.boundsMin.z);
+    const vec3 world = instance.toWorld * vec4(p, 1.0f);
+    bounds.min = glm::min(bounds.min, world);
+    bounds.max = glm::max(bounds.max, world);
+  }
 }
 
 Scene loadBuiltin(const std::string& source, const LoadOptions& options) {
@@ -70,19 +86,16 @@ uint64_t Scene::triangleCount() const {
 }
 
 Bounds worldBounds(const Scene& scene) {
-  Bounds bounds;
-  for (const Instance& instance : scene.instances) {
-    const Mesh& mesh = scene.meshes[instance.mesh];
-    if (mesh.positions.empty()) continue;
-    for (int corner = 0; corner < 8; ++corner) {
-      const vec3 p(corner & 1 ? mesh.boundsMax.x : mesh.boundsMin.x, corner & 2 ? mesh.boundsMax.y : mesh.boundsMin.y,
-                   corner & 4 ? mesh.boundsMax.z : mesh.boundsMin.z);
-      const vec3 world = instance.toWorld * vec4(p, 1.0f);
-      bounds.min = glm::min(bounds.min, world);
-      bounds.max = glm::max(bounds.max, world);
-    }
-  }
-  return bounds;
+  Bounds all;
+  std::mutex mutex;
+  parallelFor(scene.instances.size(), 16384, [&](size_t begin, size_t end) {
+    Bounds some;
+    for (size_t i = begin; i < end; ++i) addBounds(scene, scene.instances[i], some);
+    std::lock_guard lock(mutex);
+    all.min = glm::min(all.min, some.min);
+    all.max = glm::max(all.max, some.max);
+  });
+  return all;
 }
 
 mat4 toWorldFromGltf() {

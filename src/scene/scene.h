@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "base/memory.h"
 #include "scene/animation.h"
 #include "shared/types.h"
 
@@ -132,6 +133,7 @@ struct Scene {
   std::vector<Light> lights;
   std::vector<std::string> variants;  // KHR_materials_variants
   Rig rig;                            // what moves; all of the above is at rest
+  MemoryClaim memory;                 // what it takes of the machine's
 
   uint64_t triangleCount() const;  // of all instances
 };
@@ -155,6 +157,8 @@ void placeLight(Light& light, const glm::dmat4& world);
 
 struct LoadOptions {
   std::string variant;  // KHR_materials_variants by name; empty: the file's default
+  // Folders that the file may have read beside its own and what lies below that; base/enclosure.h.
+  std::vector<std::string> allowOutside;
 };
 
 // A .gltf or .glb file, or "builtin:NAME[,key=value...]". Throws Error(BadInput) naming the file and what is wrong.

@@ -1,6 +1,7 @@
 #include "vk/instance.h"
 
 #include "base/error.h"
+#include "base/memory.h"
 #include "vk/loader.h"
 
 namespace latelight::vk {
@@ -25,6 +26,11 @@ constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
 }  // namespace
 
 Instance::Instance(bool validation) {
+  // Drivers that run out of addresses abort, crash, or are not found.
+  constexpr uint64_t kDriver = uint64_t{512} << 20;
+  if (const uint64_t left = addressesLeft(); left < kDriver)
+    fail(ExitCode::DeviceLost, "A Vulkan driver takes {} MiB of addresses, but {} MiB are left: raise `ulimit -v`.",
+         kDriver >> 20, left >> 20);
   const Loader loader = loadVulkan();
   if (!loader.found())
     fail(ExitCode::NoDevice, "There is no Vulkan loader ({}): install libvulkan1, and run `latelight doctor`.",

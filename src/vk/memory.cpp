@@ -1,10 +1,9 @@
 #include "vk/memory.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 
 #include "base/error.h"
+#include "base/memory.h"
 #include "vk/device.h"
 
 namespace latelight::vk {
@@ -18,6 +17,7 @@ struct Allocator::Block {
   std::byte* mapped = nullptr;
   BlockRanges ranges{0};
   uint64_t allocations = 0;
+  MemoryClaim claim;  // where it is the machine's memory
 };
 
 namespace {
@@ -58,12 +58,6 @@ uint32_t findType(const VkPhysicalDeviceMemoryProperties& memory, uint32_t allow
 
 double mebibytes(VkDeviceSize bytes) {
   return static_cast<double>(bytes) / (1 << 20);
-}
-
-// What the machine has, bytes. A CPU device's heap says 2 GiB of each allocation and nothing of their sum; memory
-// beyond the machine's is granted, and the process killed when it is touched.
-VkDeviceSize physicalMemory() {
-  return static_cast<VkDeviceSize>(sysconf(_SC_PHYS_PAGES)) * static_cast<VkDeviceSize>(sysconf(_SC_PAGESIZE));
 }
 
 }  // namespace
@@ -110,12 +104,14 @@ Allocator::Block& Allocator::addBlock(VkDeviceSize size, uint32_t type, bool lin
   info.allocationSize = size;
   info.memoryTypeIndex = type;
   const VkMemoryType& memoryType = properties_.memoryTypes[type];
-  const VkDeviceSize heap = properties_.memoryHeaps[memoryType.heapIndex].size;
-  const VkDeviceSize room = device_.isCpu() ? physicalMemory() : heap;
-  const bool full = size > heap || (device_.isCpu() && reserved() + size > room);
-  const VkResult result =
-      full ? VK_ERROR_OUT_OF_DEVICE_MEMORY : vkAllocateMemory(device_.get(), &info, nullptr, &block->memory);
-  if (result == VK_ERROR_OUT_OF_DEVICE_MEMORY || result == VK_ERROR_OUT_OF_HOST_MEMORY) failFull(size, room);
+  const VkMemoryHeap& heap = properties_.memoryHeaps[memoryType.heapIndex];
+  // A CPU device's heap says 2 GiB of each allocation and nothing of their sum; memory beyond the machine's is granted,
+  // and the process killed when it is touched.
+  if (device_.isCpu() || !(heap.flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT))
+    block->claim = MemoryClaim(size, fmt::format("what {} works on", device_.info().name));
+  const VkResult result = size > heap.size ? VK_ERROR_OUT_OF_DEVICE_MEMORY
+                                           : vkAllocateMemory(device_.get(), &info, nullptr, &block->memory);
+  if (result == VK_ERROR_OUT_OF_DEVICE_MEMORY || result == VK_ERROR_OUT_OF_HOST_MEMORY) failFull(size, heap.size);
   VK_CHECK(result);
   blocks_.push_back(std::move(block));
   Block& added = *blocks_.back();

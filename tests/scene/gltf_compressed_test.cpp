@@ -75,6 +75,15 @@ TEST(GltfCompressed, BrokenMeshopt) {
   EXPECT_THAT(errorOf(b), HasSubstr("which has 0"));  // the fallback buffer
 }
 
+// Files that require the extension leave the fallback's bytes out, and many don't say that it is one.
+TEST(GltfCompressed, MeshoptWithoutAFallback) {
+  GltfBuilder b = meshoptFile();
+  b.root["buffers"][1].erase("extensions");
+  EXPECT_EQ(b.load().meshes.at(0).positions, Grid().positions);
+  b.root["bufferViews"][1].erase("extensions");  // now something reads it
+  EXPECT_THAT(errorOf(b), HasSubstr("buffers[1] has neither a uri"));
+}
+
 TEST(GltfCompressed, DracoByBothMethods) {
   Grid grid;
   for (int method : {draco::MESH_SEQUENTIAL_ENCODING, draco::MESH_EDGEBREAKER_ENCODING}) {
@@ -144,6 +153,11 @@ TEST(GltfCompressed, WebpTextures) {
   ASSERT_EQ(texture.width, 2u);
   EXPECT_EQ(texture.levels, 2u);
   EXPECT_EQ(std::memcmp(texture.pixels.get(), pixels, sizeof(pixels)), 0);
+  // The extension may leave its picture out: then the texture's own counts.
+  b.root["textures"][0] = {{"source", 0}, {"extensions", {{"EXT_texture_webp", json::object()}}}};
+  EXPECT_EQ(b.load().textures.size(), 1u);
+  b.root["textures"][0] = {{"extensions", {{"EXT_texture_webp", json::object()}}}};
+  EXPECT_EQ(b.load().textures.size(), 0u);
 }
 
 }  // namespace

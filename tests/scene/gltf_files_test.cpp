@@ -9,6 +9,7 @@ namespace latelight::scene::test {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::AllOf;
 using testing::HasSubstr;
 
 std::string errorOfFile(const fs::path& path) {
@@ -74,6 +75,71 @@ TEST(GltfFiles, BrokenContainers) {
   EXPECT_THAT(errorOfBytes({}), HasSubstr("empty"));
 }
 
+// A chunk's length in its header that counts no padding, with the padding there or not.
+std::vector<std::byte> unaligned(const GltfBuilder& b, bool padded) {
+  std::vector<std::byte> bytes = b.glb();
+  const size_t length = size_t(bytes[12]) | size_t(bytes[13]) << 8 | size_t(bytes[14]) << 16;
+  EXPECT_EQ(bytes[20 + length - 1], std::byte{' '});  // or there is nothing to leave out
+  for (size_t i = 0; i < 4; ++i) bytes[12 + i] = std::byte((length - 1) >> (8 * i));
+  if (padded) return bytes;
+  bytes.erase(bytes.begin() + std::ptrdiff_t(20 + length - 1));
+  for (size_t i = 0; i < 4; ++i) bytes[8 + i] = std::byte(bytes.size() >> (8 * i));
+  return bytes;
+}
+
+TEST(GltfFiles, ChunksThatAreNotAligned) {
+  GltfBuilder b = triangleFile();
+  while (b.glb()[20 + size_t(b.glb()[12]) + (size_t(b.glb()[13]) << 8) - 1] != std::byte{' '})
+    b.root["asset"]["generator"] = b.root["asset"].value("generator", std::string()) + "x";
+  const std::vector<vec3> wanted = b.load().meshes.at(0).positions;
+  EXPECT_EQ(GltfBuilder::loadBytes(unaligned(b, true), "scene.glb").meshes.at(0).positions, wanted);
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(GltfBuilder::loadBytes(unaligned(b, false), "scene.glb").meshes.at(0).positions, wanted);
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("JSON chunk ends at byte"));
+  std::vector<std::byte> broken = unaligned(b, false);
+  const size_t end = 20 + (size_t(broken[12]) | size_t(broken[13]) << 8);
+  broken[end + 3] = std::byte{0x7f};  // the binary chunk's length
+  EXPECT_THAT(errorOfBytes(broken), HasSubstr("which is no multiple of 4"));
+}
+
+TEST(GltfFiles, StayInTheirFolder) {
+  TemporaryFolder folder;
+  fs::create_directories(folder.path() / "scene");
+  GltfBuilder b = triangleFile();
+  writeBytes(folder.path() / "secret.bin", b.buffer);
+  writeBytes(folder.path() / "scene/own.bin", b.buffer);
+  fs::create_symlink("../secret.bin", folder.path() / "scene/link.bin");
+  const fs::path scene = folder.path() / "scene/s.gltf";
+  const auto write = [&](const std::string& uri) {
+    b.root["buffers"] = {{{"byteLength", b.buffer.size()}, {"uri", uri}}};
+    const std::string text = b.root.dump();
+    writeBytes(scene, std::as_bytes(std::span(text)));
+  };
+  const std::string secret = (folder.path() / "secret.bin").string();
+  for (const std::string& uri : {std::string("../secret.bin"), std::string("..%2fsecret.bin"),
+                                 std::string("%2e%2e/secret.bin"), std::string("link.bin"), secret}) {
+    write(uri);
+    EXPECT_THAT(errorOfFile(scene), HasSubstr("outside the scene's folder")) << uri;
+    EXPECT_EQ(loadGltf(scene, {.allowOutside = {folder.path().string()}}).meshes.size(), 1u) << uri;
+  }
+  for (const std::string& uri : {"file://" + secret, "file:" + secret, std::string("http://localhost/secret.bin")}) {
+    write(uri);
+    EXPECT_THAT(errorOfFile(scene), HasSubstr("only files beside the scene")) << uri;
+    EXPECT_THROW(loadGltf(scene, {.allowOutside = {"/"}}), Error) << uri;
+  }
+  write("/proc/self/environ");
+  EXPECT_THROW(loadGltf(scene, {.allowOutside = {"/"}}), Error);
+  write("own.bin");
+  EXPECT_EQ(loadGltf(scene, {}).meshes.size(), 1u);
+  // Pictures too.
+  b.add("images", {{"uri", "../secret.png"}});
+  writeBytes(folder.path() / "secret.png", b.buffer);
+  b.add("textures", {{"source", 0}});
+  b.primitive()["material"] = b.add("materials", {{"normalTexture", {{"index", 0}}}});
+  write("own.bin");
+  EXPECT_THAT(errorOfFile(scene), AllOf(HasSubstr("images[0]"), HasSubstr("../secret.png"), HasSubstr("outside")));
+}
+
 TEST(GltfFiles, BrokenJson) {
   EXPECT_THAT(errorOfText("{"), HasSubstr("not glTF"));
   EXPECT_THAT(errorOfText("[]"), HasSubstr("asset"));
@@ -95,7 +161,7 @@ TEST(GltfFiles, Buffers) {
   b.root["buffers"] = {{{"byteLength", 100000}}};
   EXPECT_THAT(errorOf(b), HasSubstr("buffers[0] should have 100000 bytes"));
   b.root["buffers"] = {{{"byteLength", 12}, {"uri", "https://example.com/a.bin"}}};
-  EXPECT_THAT(errorOf(b), HasSubstr("only files on this machine"));
+  EXPECT_THAT(errorOf(b), HasSubstr("only files beside the scene"));
   b.root["buffers"] = {{{"byteLength", 3}, {"uri", "data:;base64,AAA*"}}};
   EXPECT_THAT(errorOf(b), HasSubstr("base64"));
   b.root["buffers"] = {{{"byteLength", 3}, {"uri", "data:application/octet-stream"}}};

@@ -4,8 +4,10 @@
 #include <cmath>
 #include <glm/gtc/matrix_access.hpp>
 #include <set>
+#include <unordered_set>
 
 #include "base/hash.h"
+#include "base/memory.h"
 #include "gltf_builder.h"
 #include "scene/framing.h"
 
@@ -254,6 +256,75 @@ TEST(GltfNodes, ExtrasSayWhatLightsCastShadows) {
   EXPECT_EQ(scene.lights[2].size, 0);
   EXPECT_EQ(scene.lights[3].castShadow, false);
   EXPECT_EQ(scene.lights[3].size, .25f);
+}
+
+// A bound on memory is kept before memory is asked for, by all that files can ask for.
+class GltfMemory : public testing::Test {
+ protected:
+  ~GltfMemory() override { setMemoryLimit(0); }
+  static std::string refusal(const GltfBuilder& b, uint64_t limit) {
+    setMemoryLimit(limit);
+    return errorOf(b, ExitCode::DeviceLost);
+  }
+};
+
+TEST_F(GltfMemory, BoundsTextures) {
+  // A PNG's header alone; it is never decoded.
+  const std::vector<uint8_t> header = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n', 0,    0,    0,
+                                       13,   'I', 'H', 'D', 'R',  0,    0,    0x20, 0,    0,    0,
+                                       0x20, 0,   8,   6,   0,    0,    0,    0x72, 0xaa, 0xca, 0x59};
+  GltfBuilder b = triangleFile();
+  b.add("images", {{"bufferView", b.view(header)}});
+  b.add("textures", {{"source", 0}});
+  b.primitive()["material"] = b.add("materials", {{"normalTexture", {{"index", 0}}}});
+  EXPECT_THAT(refusal(b, 256 << 20), testing::HasSubstr("its textures: 342 MiB are needed"));
+}
+
+TEST_F(GltfMemory, BoundsAccessorsNodesAndJson) {
+  GltfBuilder zeros = triangleFile();
+  zeros.primitive()["attributes"]["POSITION"] =
+      zeros.add("accessors", {{"componentType", kFloat}, {"type", "VEC3"}, {"count", 30 << 20}});
+  zeros.primitive()["attributes"].erase("TEXCOORD_0");
+  EXPECT_THAT(refusal(zeros, 256 << 20), testing::HasSubstr("no memory for accessors[2]: 360 MiB"));
+  GltfBuilder nodes = triangleFile();
+  for (int i = 0; i < 20000; ++i) nodes.add("nodes", json::object());
+  EXPECT_THAT(refusal(nodes, 8 << 20), testing::HasSubstr("its nodes"));
+  EXPECT_THAT(refusal(nodes, 1 << 20), testing::HasSubstr("its JSON"));
+  // What has been refused gives all of it back.
+  setMemoryLimit(64 << 20);
+  EXPECT_EQ(nodes.load().meshes.size(), 1u);
+}
+
+TEST_F(GltfMemory, BoundsInstances) {
+  GltfBuilder b = triangleFile();
+  const int count = 1 << 20;
+  const int zeros = b.add("accessors", {{"componentType", kFloat}, {"type", "VEC3"}, {"count", count}});
+  b.root["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {{"TRANSLATION", zeros}};
+  EXPECT_THAT(refusal(b, 64 << 20), testing::HasSubstr("no memory for"));
+  setMemoryLimit(uint64_t{2} << 30);
+  const Scene scene = b.load();
+  EXPECT_EQ(scene.instances.size(), size_t(count));
+  // While it lives, it counts.
+  EXPECT_THROW(MemoryClaim((uint64_t{2} << 30) - (64 << 20), "more"), Error);
+}
+
+// Two in a hundred thousand names may have the same hash.
+TEST(GltfNodes, ManyInstancesHaveIdsOfTheirOwn) {
+  GltfBuilder b = triangleFile();
+  const size_t count = 200000;
+  std::vector<vec3> places(count);
+  for (size_t i = 0; i < count; ++i) places[i] = vec3(float(i), 2, 3);
+  b.root["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {{"TRANSLATION", b.vectors(places)}};
+  const Scene scene = b.load();
+  ASSERT_EQ(scene.instances.size(), count);
+  std::unordered_set<uint32_t> ids;
+  for (size_t i = 0; i < count; ++i) {
+    ids.insert(scene.instances[i].id);
+    EXPECT_EQ(vec3(toGltfFromWorld() * scene.instances[i].toWorld[3]), places[i]);
+  }
+  EXPECT_EQ(ids.size(), count);
+  EXPECT_FALSE(ids.contains(0));
+  EXPECT_EQ(scene.instances[7].id, hash32(scene.nodes[0].path + "/instance7"));
 }
 
 }  // namespace

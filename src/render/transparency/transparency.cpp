@@ -32,7 +32,7 @@ vk::Pipeline makeBlendedPipeline(vk::Device& device, const GpuScene& scene, cons
 
 std::vector<std::vector<Draw>> blendedDraws(const FrameInputs& inputs) {
   std::vector<std::vector<Draw>> draws;
-  for (const shared::View& view : inputs.views) draws.push_back(inputs.scene.visibleBlended(view));
+  for (const shared::View& view : inputs.views) draws.push_back(inputs.scene.visibleBlended(view, inputs.atCentres));
   return draws;
 }
 

@@ -97,8 +97,8 @@ void drawScene(graph::Context& context, const FrameInputs& inputs, uint32_t view
       drawRun(context, draw);
     }
   };
-  drawAll(inputs.scene.visibleDraws(inputs.views[view]));
-  if (inputs.blendedToo) drawAll(inputs.scene.visibleBlended(inputs.views[view]));
+  drawAll(inputs.scene.visibleDraws(inputs.views[view], inputs.atCentres));
+  if (inputs.blendedToo) drawAll(inputs.scene.visibleBlended(inputs.views[view], inputs.atCentres));
 }
 
 void beginView(graph::Context& context, const FrameInputs& inputs, uint32_t view,

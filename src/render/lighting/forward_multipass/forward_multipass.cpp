@@ -135,7 +135,7 @@ class ForwardMultipass final : public LightingTechnique {
     SceneBinder binder(context, inputs, view, light_.opaque, light_.masked, images);
     uint64_t passes = 0;
     std::vector<Draw> runs;
-    for (const Draw& draw : inputs.scene.visibleDraws(inputs.views[view])) {
+    for (const Draw& draw : inputs.scene.visibleDraws(inputs.views[view], inputs.atCentres)) {
       if (inputs.scene.material(draw.material).flags & shared::kMaterialUnlit) continue;
       const vk::Pipeline& pipeline = binder.bind(draw);
       for (const shared::Light& light : inputs.lights) {

@@ -1,0 +1,130 @@
+#include "base/memory.h"
+
+#include <sys/resource.h>
+#include <sys/sysinfo.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <charconv>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+
+#include "base/error.h"
+
+namespace latelight {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr uint64_t kUnlimited = std::numeric_limits<uint64_t>::max();
+
+std::atomic<uint64_t> chosenLimit = 0;
+std::atomic<uint64_t> taken = 0;
+
+// The first number of a file; kUnlimited where there is none ("max").
+uint64_t numberIn(const fs::path& path) {
+  uint64_t value = 0;
+  return std::ifstream(path) >> value ? value : kUnlimited;
+}
+
+// What the kernel would give to new programs without swapping; of old kernels what is not used at all.
+uint64_t freeOnMachine() {
+  std::ifstream file("/proc/meminfo");
+  std::string key;
+  for (uint64_t kibibytes = 0; file >> key; file.ignore(std::numeric_limits<std::streamsize>::max(), '\n'))
+    if (key == "MemAvailable:" && file >> kibibytes) return kibibytes << 10;
+  struct sysinfo info {};
+  return sysinfo(&info) == 0 ? uint64_t{info.freeram} * info.mem_unit : kUnlimited;
+}
+
+// The same of the control groups that this process is in, version 2 and 1.
+uint64_t freeInContainers() {
+  uint64_t least = kUnlimited;
+  const auto look = [&](const fs::path& folder, const char* limit, const char* usage) {
+    const uint64_t most = numberIn(folder / limit), used = numberIn(folder / usage);
+    if (most != kUnlimited && used != kUnlimited) least = std::min(least, most - std::min(most, used));
+  };
+  std::ifstream file("/proc/self/cgroup");
+  for (std::string line; std::getline(file, line);) {
+    if (!line.starts_with("0::/")) continue;
+    const fs::path root = "/sys/fs/cgroup";
+    for (fs::path group = line.substr(4); !group.empty(); group = group.parent_path())
+      look(root / group, "memory.max", "memory.current");
+    look(root, "memory.max", "memory.current");
+  }
+  look("/sys/fs/cgroup/memory", "memory.limit_in_bytes", "memory.usage_in_bytes");
+  return least;
+}
+
+uint64_t defaultLimit() {
+  static const uint64_t limit = std::min({freeOnMachine(), freeInContainers(), addressesLeft()}) / 4 * 3;
+  return limit;
+}
+
+std::string mebibytes(uint64_t bytes) {
+  return fmt::format("{} MiB", (bytes >> 20) + (bytes % (1 << 20) != 0));
+}
+
+}  // namespace
+
+uint64_t addressesLeft() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return kUnlimited;
+  const uint64_t pages = numberIn("/proc/self/statm");
+  const uint64_t used = pages == kUnlimited ? 0 : pages * static_cast<uint64_t>(sysconf(_SC_PAGESIZE));
+  return limit.rlim_cur - std::min<uint64_t>(limit.rlim_cur, used);
+}
+
+uint64_t memoryLimit() {
+  const uint64_t chosen = chosenLimit;
+  return chosen ? chosen : defaultLimit();
+}
+
+void setMemoryLimit(uint64_t bytes) {
+  chosenLimit = bytes;
+}
+
+void MemoryClaim::grow(uint64_t bytes, std::string_view what) {
+  const uint64_t limit = memoryLimit();
+  uint64_t before = taken;
+  do {
+    if (bytes > limit || before > limit - bytes)
+      fail(ExitCode::DeviceLost,
+           "there is no memory for {}: {} are needed, and {} of the {} that may be taken are in use; use something "
+           "smaller, or allow more with --memory",
+           what, mebibytes(bytes), mebibytes(before), mebibytes(limit));
+  } while (!taken.compare_exchange_weak(before, before + bytes));
+  bytes_ += bytes;
+}
+
+MemoryClaim::~MemoryClaim() {
+  taken -= bytes_;
+}
+
+MemoryClaim::MemoryClaim(MemoryClaim&& other) noexcept : bytes_(other.bytes_.exchange(0)) {}
+
+MemoryClaim& MemoryClaim::operator=(MemoryClaim&& other) noexcept {
+  bytes_ = other.bytes_.exchange(bytes_);
+  return *this;
+}
+
+void failWithoutMemory(std::string_view what) {
+  fail(ExitCode::DeviceLost, "the machine has no memory left for {}; use something smaller", what);
+}
+
+uint64_t parseMemory(std::string_view text) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, std::chars_format::fixed);
+  std::string_view unit(end, static_cast<size_t>(text.data() + text.size() - end));
+  constexpr std::string_view kLetters = "KMGT";
+  const size_t power = unit.empty() ? std::string_view::npos : kLetters.find(static_cast<char>(unit[0] & ~0x20));
+  const bool known =
+      unit.empty() || unit == "B" ||
+      (power != std::string_view::npos && (unit.size() == 1 || unit.substr(1) == "B" || unit.substr(1) == "iB"));
+  if (error != std::errc() || !known) return 0;
+  if (power != std::string_view::npos) value *= static_cast<double>(uint64_t{1} << (10 * (power + 1)));
+  return value >= 1 && value < 0x1p63 ? static_cast<uint64_t>(value) : 0;
+}
+
+}  // namespace latelight

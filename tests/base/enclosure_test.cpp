@@ -1,0 +1,159 @@
+// What a file may have read for it, and what not.
+#include "base/enclosure.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <fstream>
+#include <thread>
+
+#include "base/error.h"
+
+namespace latelight {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+
+// A folder "scene" with "scene.gltf", "a.bin" and "deep/b.bin", and beside it "secret.bin" and "other/c.bin".
+class Enclosures : public testing::Test {
+ protected:
+  Enclosures() {
+    std::string name = (fs::temp_directory_path() / "latelight-enclosure-XXXXXX").string();
+    root = fs::canonical(mkdtemp(name.data()));
+    for (const char* folder : {"scene/deep", "other"}) fs::create_directories(root / folder);
+    for (const char* file : {"scene/scene.gltf", "scene/a.bin", "scene/deep/b.bin", "secret.bin", "other/c.bin"})
+      std::ofstream(root / file) << file;
+  }
+  ~Enclosures() override { fs::remove_all(root); }
+
+  std::string read(const fs::path& name) const { return readFor(root / "scene/scene.gltf", name); }
+  std::string readFor(const fs::path& owner, const fs::path& name, std::vector<std::string> allowed = {}) const {
+    const std::vector<std::byte> bytes = Enclosure(owner, allowed).read(name);
+    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+  }
+  std::string refusal(const fs::path& name, std::vector<std::string> allowed = {}) const {
+    try {
+      readFor(root / "scene/scene.gltf", name, std::move(allowed));
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ExitCode::BadInput);
+      return error.what();
+    }
+    ADD_FAILURE() << name << " was read";
+    return "";
+  }
+  void link(const char* to, const char* name) const { fs::create_symlink(to, root / name); }
+
+  fs::path root;
+};
+
+TEST_F(Enclosures, HoldWhatLiesInAndBelow) {
+  EXPECT_EQ(read("a.bin"), "scene/a.bin");
+  EXPECT_EQ(read("deep/b.bin"), "scene/deep/b.bin");
+  EXPECT_EQ(read("deep/../a.bin"), "scene/a.bin");
+  EXPECT_EQ(read("../scene/a.bin"), "scene/a.bin");
+  EXPECT_EQ(read(root / "scene/a.bin"), "scene/a.bin");
+}
+
+TEST_F(Enclosures, RefuseWhatLiesOutside) {
+  for (const fs::path& name : {fs::path("../secret.bin"), root / "secret.bin", fs::path("/etc/passwd"),
+                               fs::path("deep/../../secret.bin"), fs::path("../other/c.bin")})
+    EXPECT_THAT(refusal(name),
+                AllOf(HasSubstr(name.string()), HasSubstr("outside the scene's folder"), HasSubstr("--allow-outside")));
+  EXPECT_THAT(refusal("nowhere.bin"), HasSubstr("nowhere.bin, which is not there"));
+  // A folder whose name begins alike is another one.
+  fs::create_directories(root / "scene2");
+  std::ofstream(root / "scene2/d.bin") << "d";
+  EXPECT_THAT(refusal("../scene2/d.bin"), HasSubstr("outside"));
+}
+
+TEST_F(Enclosures, FollowLinksToTheirEnd) {
+  link("a.bin", "scene/inside.bin");
+  link("../secret.bin", "scene/outside.bin");
+  link("../other", "scene/folder");
+  link("circle.bin", "scene/circle.bin");
+  EXPECT_EQ(read("inside.bin"), "scene/a.bin");
+  EXPECT_THAT(refusal("outside.bin"), AllOf(HasSubstr("outside.bin"), HasSubstr((root / "secret.bin").string())));
+  EXPECT_THAT(refusal("folder/c.bin"), HasSubstr((root / "other/c.bin").string()));
+  EXPECT_THAT(refusal("circle.bin"), HasSubstr("can't be found"));
+}
+
+// Scenes are often kept as links, alone or with all their files.
+TEST_F(Enclosures, ASceneThatIsALinkHasTwoFolders) {
+  fs::create_directories(root / "links");
+  link("../scene/scene.gltf", "links/scene.gltf");
+  std::ofstream(root / "links/near.bin") << "near";
+  EXPECT_EQ(readFor(root / "links/scene.gltf", "near.bin"), "near");
+  EXPECT_EQ(readFor(root / "links/scene.gltf", "a.bin"), "scene/a.bin");
+  link("../scene/a.bin", "links/a.bin");
+  EXPECT_EQ(readFor(root / "links/scene.gltf", "a.bin"), "scene/a.bin");
+  EXPECT_THROW(readFor(root / "links/scene.gltf", "../secret.bin"), Error);
+}
+
+TEST_F(Enclosures, AllowedFoldersAreHeldToo) {
+  const std::string other = (root / "other").string();
+  EXPECT_EQ(readFor(root / "scene/scene.gltf", "../other/c.bin", {other}), "other/c.bin");
+  EXPECT_EQ(readFor(root / "scene/scene.gltf", "../secret.bin", {other, root.string()}), "secret.bin");
+  EXPECT_THAT(refusal("../secret.bin", {other}), HasSubstr("outside"));
+  EXPECT_THROW(readFor("scene.gltf", "a.bin", {(root / "secret.bin").string()}), Error);
+  try {
+    Enclosure(root / "scene/scene.gltf", std::vector<std::string>{(root / "none").string()});
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::Usage);
+  }
+}
+
+TEST_F(Enclosures, AreOfFilesAloneEvenWhereAllIsAllowed) {
+  ASSERT_EQ(mkfifo((root / "scene/pipe").c_str(), 0600), 0);
+  link("/dev/zero", "scene/zero");
+  link("/proc/self/environ", "scene/environ");
+  const int socketFile = socket(AF_UNIX, SOCK_STREAM, 0);
+  sockaddr_un address{.sun_family = AF_UNIX, .sun_path = {}};
+  const std::string path = (root / "scene/socket").string();
+  ASSERT_LT(path.size(), sizeof(address.sun_path));
+  path.copy(address.sun_path, path.size());
+  ASSERT_EQ(bind(socketFile, reinterpret_cast<const sockaddr*>(&address), sizeof(address)), 0);
+  close(socketFile);
+  for (const char* name : {"pipe", "zero", "environ", "socket", "deep", "/dev/zero", "/proc/self/environ",
+                           "/proc/version", "/sys/kernel/mm/transparent_hugepage/enabled"}) {
+    if (!fs::exists(root / "scene" / name)) continue;  // containers without /sys
+    EXPECT_THAT(refusal(name, {"/"}), AllOf(HasSubstr(name), HasSubstr("no file of data"))) << name;
+  }
+}
+
+// A name that is a good file when it is looked at and a link when it is opened.
+TEST_F(Enclosures, AreNotDeceivedByWhatChanges) {
+  std::atomic<bool> done = false;
+  std::thread swapper([&] {
+    for (bool good = false; !done; good = !good) {
+      std::error_code ignored;
+      fs::remove(root / "scene/next", ignored);
+      if (good)
+        fs::copy_file(root / "scene/a.bin", root / "scene/next", ignored);
+      else
+        fs::create_symlink("../secret.bin", root / "scene/next", ignored);
+      fs::rename(root / "scene/next", root / "scene/swapped", ignored);
+    }
+  });
+  unsigned secrets = 0;
+  for (int i = 0; i < 3000; ++i) {
+    try {
+      secrets += read("swapped") == "secret.bin";
+    } catch (const Error&) {
+    }
+  }
+  done = true;
+  swapper.join();
+  EXPECT_EQ(secrets, 0u);
+}
+
+}  // namespace
+}  // namespace latelight

@@ -1,0 +1,180 @@
+// What is left out on the host before anything is drawn: never what shows, and nearly all of what does not.
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+#include <random>
+
+#include "render/frustum.h"
+#include "render/support.h"
+#include "render/view.h"
+
+namespace latelight::render::test {
+namespace {
+
+using glm::dvec2;
+using glm::dvec3;
+using glm::vec3;
+using output::Aov;
+
+constexpr uint32_t kWidth = 64, kHeight = 48;
+
+// Distance of a point from the ray through a pixel's centre, as the camera has it: double precision, no matrices of
+// ours.
+double distanceToRay(const scene::Camera& camera, dvec2 pixel, dvec3 point) {
+  const double aspect = double(kWidth) / kHeight;
+  const dvec2 ndc(2 * pixel.x / kWidth - 1 - camera.principal.x, 1 - 2 * pixel.y / kHeight - camera.principal.y);
+  const glm::dmat4 pose(camera.toWorld);
+  if (camera.orthographic) {
+    const dvec3 from(pose * glm::dvec4(ndc.x * camera.yHalf * aspect, 0, ndc.y * camera.yHalf, 1));
+    return glm::length(glm::cross(point - from, dvec3(pose[1])));
+  }
+  const double half = std::tan(camera.verticalFov / 2.0);
+  const dvec3 direction = glm::normalize(dvec3(pose * glm::dvec4(ndc.x * half * aspect, 1, ndc.y * half, 0)));
+  const dvec3 toPoint = point - dvec3(pose[3]);
+  if (glm::dot(toPoint, direction) < 0) return glm::length(toPoint);
+  return glm::length(glm::cross(toPoint, direction));
+}
+
+std::vector<scene::Camera> cameras() {
+  std::vector<scene::Camera> all(4);
+  all[0].toWorld = glm::translate(glm::mat4(1), vec3(0, -5, 0));
+  all[1].toWorld = glm::rotate(glm::translate(glm::mat4(1), vec3(1, -4, 2)), 0.7f, glm::normalize(vec3(1, 2, 3)));
+  all[1].principal = {0.3f, -0.4f};
+  all[2].toWorld = all[0].toWorld;
+  all[2].orthographic = true;
+  all[2].yHalf = 3;
+  all[3].toWorld = glm::translate(glm::mat4(1), vec3(1e5f, -1e5f, 1e5f));  // where float is coarse
+  return all;
+}
+
+TEST(Culling, KeepsWhateverHoldsThePixelsCentre) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<float> unit(0, 1);
+  for (const scene::Camera& camera : cameras()) {
+    const Frustum frustum(makeView(camera, kWidth, kHeight));
+    unsigned seen = 0;
+    for (int i = 0; i < 3000; ++i) {
+      // Around a point on the ray of some pixel's centre, by up to a few times its own radius.
+      const dvec2 pixel(std::floor(unit(random) * kWidth) + 0.5, std::floor(unit(random) * kHeight) + 0.5);
+      const float radius = std::pow(10.0f, -4 + 4 * unit(random)), away = 0.5f + 12 * unit(random);
+      const double half = std::tan(camera.verticalFov / 2.0);
+      const dvec2 ndc(2 * pixel.x / kWidth - 1 - camera.principal.x, 1 - 2 * pixel.y / kHeight - camera.principal.y);
+      const dvec2 extent = dvec2(camera.orthographic ? camera.yHalf : half * away) * dvec2(double(kWidth) / kHeight, 1);
+      const vec3 offset = (vec3(unit(random), unit(random), unit(random)) - 0.5f) * 3.0f * radius;
+      const vec3 centre =
+          vec3(glm::dmat4(camera.toWorld) * glm::dvec4(ndc.x * extent.x, away, ndc.y * extent.y, 1)) + offset;
+      if (distanceToRay(camera, pixel, dvec3(centre)) > radius) continue;
+      ++seen;
+      EXPECT_TRUE(frustum.holdsCentre({centre, radius})) << i;
+    }
+    EXPECT_GT(seen, 300u);
+  }
+}
+
+TEST(Culling, LeavesOutNearlyAllThatIsSmallerThanPixels) {
+  std::mt19937 random(2);
+  std::uniform_real_distribution<float> unit(-1, 1);
+  const Frustum frustum(makeView(cameras().front(), kWidth, kHeight));
+  unsigned kept = 0;
+  for (int i = 0; i < 10000; ++i)  // 0.02 pixels wide; a quarter of a pixel each way is kept for rounding
+    kept += frustum.holdsCentre({vec3(unit(random), 0, unit(random)), 0.001f});
+  EXPECT_LT(kept, 1200u);
+}
+
+class CullingTest : public RenderTest {};
+
+// Squares of half a pixel, far more of them than pixels: each pixel shows the nearest that holds its centre.
+TEST_F(CullingTest, DrawsEveryInstanceThatShows) {
+  constexpr uint32_t kSide = 64, kCount = 40000;
+  constexpr float kHalf = 0.3f / kSide * 2;  // of a square's side: 0.6 pixels
+  scene::Scene scene;
+  scene.materials.push_back(scene::builtin::plainMaterial("grey", vec3(0.5f), 0, 1));
+  scene.meshes.push_back(squareMesh());
+  scene.nodes.push_back({.name = "squares", .path = "/squares"});
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> unit(-1, 1);
+  std::vector<vec3> places;  // glTF's frame
+  for (uint32_t i = 0; i < kCount; ++i) {
+    places.push_back({unit(random), unit(random), unit(random)});
+    scene.instances.push_back({.id = i + 1});
+    scene.instances.back().toWorld =
+        scene::toWorldFromGltf() * glm::scale(glm::translate(glm::mat4(1), places[i]), vec3(kHalf));
+  }
+  // The nearest of each pixel, and whether some edge lies too close to its centre to say.
+  std::vector<uint32_t> wanted(kSide * kSide);
+  std::vector<bool> unsure(kSide * kSide);
+  for (uint32_t i = 0; i < kCount; ++i) {
+    const dvec2 p((places[i].x + 1) / 2 * kSide, (1 - places[i].y) / 2 * kSide);
+    for (int y = std::max(0, int(p.y) - 2); y <= std::min(int(kSide) - 1, int(p.y) + 2); ++y)
+      for (int x = std::max(0, int(p.x) - 2); x <= std::min(int(kSide) - 1, int(p.x) + 2); ++x) {
+        const double edge = std::max(std::abs(x + 0.5 - p.x), std::abs(y + 0.5 - p.y)) - 0.3;
+        const size_t pixel = size_t(y) * kSide + size_t(x);
+        uint32_t& nearest = wanted[pixel];
+        if (nearest != 0 && places[nearest - 1].z > places[i].z + 1e-5) continue;
+        if (std::abs(edge) < 0.01) unsure[pixel] = true;
+        if (edge >= 0) continue;
+        if (nearest == 0 || places[i].z > places[nearest - 1].z) nearest = i + 1;
+      }
+  }
+  const output::FrameOutput frame = renderOne(device(), scene, frontCamera(1, 4), settingsOf(kSide, kSide, {Aov::Id}));
+  const std::vector<uint32_t>& ids = imageOf(frame, Aov::Id).ids;
+  unsigned compared = 0;
+  for (size_t pixel = 0; pixel < ids.size(); ++pixel) {
+    if (unsure[pixel]) continue;
+    ++compared;
+    EXPECT_EQ(ids[pixel], wanted[pixel]) << pixel;
+  }
+  EXPECT_GT(compared, kSide * kSide / 2);
+  EXPECT_THAT(wanted, testing::Contains(testing::Ne(0u)));
+}
+
+uint32_t instancesOf(const std::vector<Draw>& draws) {
+  uint32_t count = 0;
+  for (const Draw& draw : draws) count += draw.instanceCount;
+  return count;
+}
+
+// Operations are counted, not time: ten million instances that show nowhere must not be drawn.
+TEST_F(CullingTest, DrawsFewOfManyInstances) {
+  constexpr uint32_t kGrid = 450;
+  scene::Scene scene;
+  scene.materials.push_back(scene::builtin::plainMaterial("grey", vec3(0.5f), 0, 1));
+  scene.meshes.push_back(squareMesh());
+  scene.nodes.push_back({.name = "grid", .path = "/grid"});
+  for (uint32_t i = 0; i < kGrid * kGrid; ++i) {
+    scene.instances.push_back({.id = i + 1});
+    const vec3 place = vec3(i % kGrid, i / kGrid, 0) * (2.0f / kGrid) - vec3(1, 1, 0);
+    scene.instances.back().toWorld =
+        scene::toWorldFromGltf() * glm::scale(glm::translate(glm::mat4(1), place), vec3(0.1f / kGrid));
+  }
+  const GpuScene uploaded(device(), scene);
+  ASSERT_EQ(uploaded.draws().size(), 1u);
+  const shared::View view = makeView(frontCamera(1, 4), 64, 64);
+  EXPECT_EQ(instancesOf(uploaded.visibleDraws(view, false)), kGrid * kGrid);
+  EXPECT_LT(instancesOf(uploaded.visibleDraws(view, true)), kGrid * kGrid / 4);
+  // Runs are as long as they can be, though they are found by several threads.
+  EXPECT_EQ(uploaded.visibleDraws(view, false).size(), 1u);
+}
+
+// The same thing drawn many times in one place is seen once: as the last of them.
+TEST_F(CullingTest, DrawsOneOfManyInTheSamePlace) {
+  scene::Scene scene;
+  scene.materials.push_back(scene::builtin::plainMaterial("grey", vec3(0.5f), 0, 1));
+  scene.materials.push_back(scene.materials.front());
+  scene.materials.back().data.flags |= shared::kMaterialBlended;
+  scene.meshes.push_back(squareMesh());
+  scene.nodes.push_back({.name = "pile", .path = "/pile"});
+  for (uint32_t i = 0; i < 100; ++i) scene.instances.push_back({.material = i / 50, .id = i + 1});
+  for (scene::Instance& instance : scene.instances) instance.toWorld = scene::toWorldFromGltf();
+  const GpuScene uploaded(device(), scene);
+  const scene::Camera camera = frontCamera(1, 4);
+  const shared::View view = makeView(camera, 8, 8);
+  EXPECT_EQ(instancesOf(uploaded.visibleDraws(view, true)), 1u);
+  EXPECT_EQ(instancesOf(uploaded.visibleBlended(view, true)), 50u);  // these add up
+  const output::FrameOutput frame = renderOne(device(), scene, camera, settingsOf(8, 8, {Aov::Id}));
+  EXPECT_THAT(imageOf(frame, Aov::Id).ids, testing::Each(50u));
+}
+
+}  // namespace
+}  // namespace latelight::render::test
