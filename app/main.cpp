@@ -53,8 +53,9 @@ void checkDashes(const CLI::App& cli, int argc, char** argv) {
     if (name.size() < 3 || name[0] != '-' || name[1] == '-' || takesValue(cli, argv[i - 1])) continue;
     if (isLongOption(cli, name.substr(1)))
       badUsage("\"{}\" has one dash, and long options have two: -{}", argument, name);
-    const bool flags = name.find_first_not_of("hq", 1) == std::string::npos;
-    if ((name[1] == 'h' || name[1] == 'q') && !flags)
+    // Flags in one word, and behind them perhaps -o with its value.
+    const size_t rest = name.find_first_not_of("hq", 1);
+    if (rest > 1 && rest != std::string::npos && name[rest] != 'o')
       badUsage("there is no option \"{}\"; see latelight --help", argument);
   }
 }

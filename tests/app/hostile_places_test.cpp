@@ -1,0 +1,324 @@
+// Where the program runs badly: outputs onto inputs, pipes, links and full disks, streams that can't be written to,
+// ends by signals, and names and arguments that are no words.
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <spawn.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "app/folder.h"
+#include "app/models.h"
+#include "app/process.h"
+#include "small_disk.h"
+
+namespace latelight::app {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+using testing::StartsWith;
+
+constexpr int kUsage = 2, kBadInput = 3, kNoDevice = 4;
+constexpr const char* kPng = "\x89PNG\r\n\x1a\n";
+
+// A triangle that fills the view, with a buffer and a picture beside it. Its node's name acts on terminals.
+constexpr const char* kTriangle = R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+  "nodes": [{"mesh": 0, "name": "\u001b[2J\n\u009bx"}],
+  "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+  "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+                 "min": [-9, -9, 0], "max": [9, 9, 0]}],
+  "bufferViews": [{"buffer": 0, "byteLength": 36}], "buffers": [{"uri": "s.bin", "byteLength": 36}],
+  "images": [{"uri": "t%2Epng"}]})";
+
+class Places : public testing::Test {
+ protected:
+  Places() {
+    const float corners[9] = {-9, -9, 0, 9, -9, 0, 0, 9, 0};
+    folder.write("s.gltf", kTriangle);
+    folder.write("s.bin", std::as_bytes(std::span(corners)));
+    folder.write("t.png", "a texture");
+    folder.write("e.exr", exrPanorama(16, 8));
+  }
+  Outcome run(std::vector<std::string> arguments) const {
+    return latelight({.arguments = std::move(arguments), .folder = folder.path()});
+  }
+  Outcome render(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.begin(), {"render", "--size", "32x18", "--device", "cpu"});
+    return run(std::move(arguments));
+  }
+  // The program by a shell's command; "$0" is its name.
+  Outcome shell(const std::string& command) const {
+    return runProcess("/bin/sh", {.arguments = {"-c", command, LATELIGHT_PROGRAM}, .folder = folder.path()});
+  }
+  void expectRefused(const Outcome& outcome, const std::string& says, int code = kUsage) const {
+    EXPECT_EQ(outcome.code, code) << outcome.text();
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    EXPECT_THAT(outcome.err, AllOf(StartsWith("latelight: "), HasSubstr(says)));
+    EXPECT_EQ(outcome.out, "");
+  }
+  int modeOf(const char* name) const { return static_cast<int>(fs::status(folder.path() / name).permissions()); }
+  Folder folder;
+};
+
+// --- outputs, inputs, and what stands where they go -----------------------------------------------------------------
+
+TEST_F(Places, NothingThatIsReadIsWrittenOver) {
+  fs::create_symlink("s.gltf", folder.path() / "link.dot");
+  ASSERT_EQ(render({"builtin:boxes", "-o", "a.png"}).code, 0);
+  const std::vector<std::string> names = folder.names();
+  std::map<std::string, std::string> before;
+  for (const std::string& name : names) before[name] = folder.read(name);
+  const char* says = "read by this very command";
+  for (const char* graph : {"s.gltf", "./s.gltf", "link.dot", "s.bin", "t.png", "e.exr"})
+    expectRefused(render({"s.gltf", "-o", "b.png", "--hdri", "e.exr", "--dump-graph", graph}), says);
+  expectRefused(render({"s.gltf", "-o", "t.png"}), says);
+  expectRefused(render({"s.gltf", "-o", "t.png", "--debug", "depth"}), says);
+  expectRefused(render({"builtin:boxes", "--hdri", "e.exr", "-o", "e.exr"}), says);
+  expectRefused(run({"compare", "a.png", "a.png", "--diff", "a.png"}), says);
+  EXPECT_EQ(folder.names(), names);
+  for (const auto& [name, bytes] : before) EXPECT_EQ(folder.read(name), bytes) << name;
+}
+
+TEST_F(Places, TwoOutputsOfOneNameAreWrongUse) {
+  const std::vector<std::string> names = folder.names();
+  fs::create_symlink("y.png", folder.path() / "x.png");
+  folder.write("y.png", "old");
+  expectRefused(render({"s.gltf", "-o", "z.png", "--dump-graph", "z.png"}), "'z.png'");
+  expectRefused(render({"s.gltf", "-o", "x.png", "--dump-graph", "y.png"}), "one file");
+  expectRefused(render({"s.gltf", "-o", "z.exr", "--aov", "depth", "--dump-graph", "z.json"}), "'z.json'");
+  expectRefused(render({"s.gltf", "-o", "z.png", "--aov", "color,depth", "--dump-graph", "z.depth.png"}),
+                "z.depth.png");
+  expectRefused(render({"s.gltf", "-o", "{scene}.{frame}.png", "--frames", "0-9", "--dump-graph", "s.0007.png"}),
+                "'s.0007.png'");
+  EXPECT_EQ(folder.read("y.png"), "old");
+  EXPECT_EQ(folder.names().size(), names.size() + 2);
+}
+
+TEST_F(Places, PipesNeedReaders) {
+  ASSERT_EQ(mkfifo((folder.path() / "p.png").c_str(), 0600), 0);
+  expectRefused(render({"builtin:boxes", "-o", "p.png"}), "nobody reads");
+  const Outcome read = shell("cat p.png & \"$0\" render builtin:boxes --size 32x18 --device cpu -o p.png && wait");
+  EXPECT_EQ(read.code, 0) << read.text();
+  EXPECT_THAT(read.out, StartsWith(kPng));
+}
+
+TEST_F(Places, WhatIsReplacedKeepsItsModeAndMayRefuse) {
+  for (const char* name : {"a.png", "b.png"}) folder.write(name, "old");
+  chmod((folder.path() / "a.png").c_str(), 0600);
+  chmod((folder.path() / "b.png").c_str(), 0444);
+  EXPECT_EQ(render({"builtin:boxes", "-o", "a.png"}).code, 0);
+  EXPECT_THAT(folder.read("a.png"), StartsWith(kPng));
+  EXPECT_EQ(modeOf("a.png"), 0600);
+  expectRefused(render({"builtin:boxes", "-o", "b.png"}), "read-only");
+  expectRefused(render({"builtin:boxes", "-o", "a.png", "--dump-graph", "b.png"}), "read-only");
+  expectRefused(run({"compare", "a.png", "a.png", "--diff", "b.png"}), "read-only");
+  EXPECT_EQ(folder.read("b.png"), "old");
+}
+
+TEST_F(Places, LinksAreFollowedToWhatIsThere) {
+  folder.write("old.png", "old");
+  fs::create_symlink("old.png", folder.path() / "good.png");
+  fs::create_symlink("gone.png", folder.path() / "dangling.png");
+  const std::vector<std::string> names = folder.names();
+  EXPECT_EQ(render({"builtin:boxes", "-o", "good.png"}).code, 0);
+  EXPECT_THAT(folder.read("old.png"), StartsWith(kPng));
+  EXPECT_TRUE(fs::is_symlink(folder.path() / "good.png"));
+  expectRefused(render({"builtin:boxes", "-o", "dangling.png"}), "'gone.png', which is not there");
+  EXPECT_EQ(folder.names(), names);
+  fs::create_symlink("circle.png", folder.path() / "circle.png");
+  expectRefused(render({"builtin:boxes", "-o", "circle.png"}), "in a circle");
+  EXPECT_TRUE(fs::is_symlink(folder.path() / "circle.png"));
+}
+
+TEST_F(Places, StudiesFindOutBeforehandWhetherTheyMayWrite) {
+  const std::vector<std::string> names = folder.names();
+  const auto study = [&](const char* out) { return run({"study", "depth", "--device", "cpu", "-o", out}); };
+  expectRefused(study("/proc/study"), "/proc/study");
+  expectRefused(study("/proc"), "/proc");
+  expectRefused(study("s.bin"), "no folder");
+  expectRefused(study("no/such"), "no/such");
+  // Nothing comes of it: its folder goes again.
+  expectRefused(run({"study", "depth", "--device", "5", "-o", "new"}), "\"5\"", kNoDevice);
+  EXPECT_EQ(folder.names(), names);
+  fs::create_directory(folder.path() / "old");
+  folder.write("old/depth.csv", "mine");
+  chmod((folder.path() / "old/depth.csv").c_str(), 0444);
+  expectRefused(study("old"), "read-only");
+  EXPECT_EQ(folder.read("old/depth.csv"), "mine");
+}
+
+// --- streams, disks and ends ----------------------------------------------------------------------------------------
+
+TEST_F(Places, ErrorsThatCannotBeWrittenKeepTheirCode) {
+  EXPECT_EQ(shell("exec \"$0\" render none.glb -o a.png 2>/dev/full").code, kBadInput);
+  EXPECT_EQ(shell("exec \"$0\" render none.glb -o a.png 2>&-").code, kBadInput);
+  EXPECT_EQ(shell("exec \"$0\" render --nothing 2>/dev/full").code, kUsage);
+  EXPECT_EQ(shell("exec \"$0\" list >&- 2>&-").code, kUsage);
+  EXPECT_EQ(shell("exec \"$0\" list >/dev/full 2>/dev/full").code, kUsage);
+  EXPECT_EQ(shell("ulimit -f 0; exec \"$0\" render none.glb -o a.png 2>errors").code, kBadInput);
+  EXPECT_EQ(shell("ulimit -f 0; exec \"$0\" list >out 2>errors").code, kUsage);
+  expectRefused(shell("exec \"$0\" list >&-"), "standard output");
+}
+
+// The first file that is opened would take a closed stream's place, and get what is printed.
+TEST_F(Places, ClosedStreamsGetIntoNoFile) {
+  const Outcome outcome =
+      shell("exec \"$0\" render s.gltf -o a.png --size 32x18 --device cpu --hdri nothing <&- >&- 2>&-");
+  EXPECT_EQ(outcome.code, kBadInput);
+  const Outcome picked =
+      shell("exec \"$0\" render s.gltf -o a.png --pick 9,9 --hdri none --size 32x18 --device cpu <&- >&- 2>&-");
+  EXPECT_EQ(picked.code, kUsage) << "what --pick says can't be said";
+  EXPECT_EQ(render({"s.gltf", "-o", "b.png", "--hdri", "none"}).code, 0);
+  EXPECT_EQ(folder.read("a.png"), folder.read("b.png"));
+}
+
+TEST_F(Places, PipesThatAreClosedEarlyAreErrors) {
+  const Outcome outcome = shell("{ \"$0\" list --json; echo $? >code; } | true");
+  EXPECT_EQ(folder.read("code"), "2\n") << outcome.text();
+  EXPECT_THAT(outcome.err, HasSubstr("standard output"));
+}
+
+// The driver maps an index with holes into memory: writing into them on a full disk ended the program by SIGBUS.
+TEST_F(Places, AFullDiskOfTheDriversCacheIsNotTheEnd) {
+  const test::SmallDisk disk(16u << 10);
+  if (!disk) GTEST_SKIP() << "This user may not mount a small disk.";
+  disk.fill();
+  const Outcome outcome =
+      latelight({.arguments = {"render", "s.gltf", "-o", "a.png", "--size", "32x18", "--device", "cpu"},
+                 .environment = {{"XDG_CACHE_HOME", disk.path().string()}},
+                 .folder = folder.path()});
+  EXPECT_EQ(outcome.code, 0) << outcome.text();
+  EXPECT_THAT(outcome.err, AllOf(StartsWith("warning: "), HasSubstr("no room"), HasSubstr(disk.path().string())));
+  EXPECT_THAT(folder.read("a.png"), StartsWith(kPng));
+}
+
+TEST_F(Places, AFullDiskOfThePictureIsASentence) {
+  const test::SmallDisk disk(16u << 10);
+  if (!disk) GTEST_SKIP() << "This user may not mount a small disk.";
+  disk.fill();
+  expectRefused(render({"s.gltf", "-o", (disk.path() / "a.exr").string()}), "No space left");
+  EXPECT_EQ(std::distance(fs::directory_iterator(disk.path()), fs::directory_iterator()), 1);
+}
+
+// A run of many frames, ended at some moment after its first file is there.
+int endedBy(int signal, const Folder& folder, unsigned microseconds) {
+  const std::string out = folder.at("{frame}.{aov}.npy");
+  const char* arguments[] = {LATELIGHT_PROGRAM, "render", "builtin:boxes", "--size",  "64x36",
+                             "--device",        "cpu",    "--frames",      "0-99999", "--aov",
+                             "depth,normal",    "-o",     out.c_str(),     nullptr};
+  pid_t process = 0;
+  if (posix_spawn(&process, LATELIGHT_PROGRAM, nullptr, nullptr, const_cast<char**>(arguments), environ) != 0)
+    return -1;
+  int status = 0;
+  while (folder.names().empty() && waitpid(process, &status, WNOHANG) == 0) usleep(1000);
+  usleep(microseconds);
+  kill(process, signal);
+  return waitpid(process, &status, 0) == process && WIFSIGNALED(status) ? WTERMSIG(status) : -1;
+}
+
+// The moments between are tests/base/temporary_file_test.cpp's.
+TEST_F(Places, SignalsLeaveWholeFilesOnly) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    Folder frames;
+    EXPECT_EQ(endedBy(signal, frames, 7919), signal);
+    EXPECT_FALSE(frames.names().empty());
+    for (const std::string& name : frames.names()) EXPECT_FALSE(name.starts_with('.')) << name;
+  }
+}
+
+// --- names and arguments --------------------------------------------------------------------------------------------
+
+TEST_F(Places, PickedNamesDoNotActOnTerminals) {
+  const Outcome text = render({"s.gltf", "--pick", "16,9"});
+  EXPECT_EQ(text.code, 0) << text.text();
+  EXPECT_THAT(text.out, AllOf(HasSubstr("?[2J??x\n"), Not(HasSubstr("\x1b"))));
+  const nlohmann::json report = nlohmann::json::parse(render({"s.gltf", "--pick", "16,9", "--json"}).out);
+  EXPECT_THAT(report["picked"][0]["node"].get<std::string>(), HasSubstr("\x1b[2J\n"));
+}
+
+TEST_F(Places, PathsNeedNotBeUtf8) {
+  fs::copy_file(folder.path() / "s.gltf", folder.path() / "\xff.gltf");
+  const Outcome outcome = render({"\xff.gltf", "-o", "a\xff.exr", "--aov", "depth", "--json"});
+  EXPECT_EQ(outcome.code, 0) << outcome.text();
+  EXPECT_EQ(nlohmann::json::parse(outcome.out)["files"].size(), 2u);
+  EXPECT_TRUE(fs::exists(folder.path() / "a\xff.exr"));
+  EXPECT_FALSE(nlohmann::json::parse(folder.read("a\xff.json")).empty());
+}
+
+TEST_F(Places, LongOptionsHaveTwoDashes) {
+  for (const std::vector<std::string>& arguments :
+       std::vector<std::vector<std::string>>{{"-hdri", "x"},
+                                             {"render", "-hdri", "x"},
+                                             {"render", "-hdri=x"},
+                                             {"render", "builtin:boxes", "-o", "a.png", "-size", "32x18"},
+                                             {"render", "builtin:boxes", "-out", "a.png"},
+                                             {"study", "-help"},
+                                             {"list", "-hurry"}})
+    expectRefused(run(arguments), arguments.size() > 1 && arguments[1] == "-hurry" ? "no option" : "two");
+  EXPECT_EQ(run({"render", "-h"}).code, 0);
+  EXPECT_EQ(run({"-qh"}).code, 0);
+  EXPECT_EQ(run({"render", "s.gltf", "-qoa.png", "--hdri", "none", "--size", "32x18", "--device", "cpu"}).code, 0);
+  EXPECT_THAT(folder.read("a.png"), StartsWith(kPng));
+  // A value is what stands where one is due.
+  expectRefused(run({"render", "s.gltf", "-o", "b.png", "--variant", "-hdri"}), "-hdri");
+}
+
+TEST_F(Places, ValuesAreNotEmpty) {
+  for (const char* list : {"--lights", "--triangles", "--sizes", "--bits"}) {
+    expectRefused(run({"study", list[2] == 'b' ? "normals" : "lights", "--device", "cpu", list, ""}), list);
+    expectRefused(run({"study", list[2] == 'b' ? "normals" : "lights", "--device", "cpu", list, ","}), list);
+  }
+  for (const char* option : {"--aov", "--hdri", "--debug", "--eye", "--frames", "--dump-graph", "--variant"})
+    expectRefused(render({"builtin:boxes", "-o", "a.png", option, ""}), option);
+}
+
+TEST_F(Places, LongArgumentsAreNotRepeatedWhole) {
+  const std::string text(5000, 'a');
+  const std::vector<std::string> good{"render", "builtin:boxes", "-o", "a.png"};
+  std::vector<std::vector<std::string>> wrong{{text},
+                                              {"list", text},
+                                              {"study", text},
+                                              {"compare", text, text},
+                                              {"render", text, "-o", "a.png"},
+                                              {"render", "builtin:" + text, "-o", "a.png"},
+                                              {"render", "builtin:boxes", "-o", text + ".png"},
+                                              {"render", "builtin:boxes", "-o", text},
+                                              {"study", "lights", "--lights", text}};
+  for (const char* option :
+       {"--size",   "--camera",    "--eye",          "--orbit",    "--fov",     "--frame",      "--time",
+        "--frames", "--animation", "--turn",         "--layout",   "--normals", "--lighting",   "--shadow-lights",
+        "--sun",    "--aa",        "--hdri",         "--exposure", "--tonemap", "--background", "--aov",
+        "--pick",   "--debug",     "--normal-frame", "--axes",     "--device",  "--nothing"}) {
+    wrong.push_back(good);
+    wrong.back().insert(wrong.back().end(), {option, text});
+    wrong.push_back(good);
+    wrong.back().push_back(option + ("=" + text));
+  }
+  std::vector<Outcome> outcomes(wrong.size());
+  inPairs(wrong.size(), [&](size_t i) { outcomes[i] = run(wrong[i]); });
+  for (size_t i = 0; i < wrong.size(); ++i) {
+    EXPECT_TRUE(outcomes[i].code >= kUsage && outcomes[i].code <= kNoDevice) << outcomes[i].text();
+    EXPECT_LT(outcomes[i].err.size(), 1200u) << outcomes[i].err;
+    EXPECT_EQ(std::count(outcomes[i].err.begin(), outcomes[i].err.end(), '\n'), 1) << outcomes[i].err;
+  }
+}
+
+TEST_F(Places, ANumberIsADevicesIndexAndNoPartOfItsName) {
+  // The CPU device's name has its LLVM's version and "256 bits" in it.
+  for (const char* number : {"5", "256", "15"})
+    expectRefused(run({"render", "builtin:boxes", "-o", "a.png", "--device", number}), number, kNoDevice);
+}
+
+}  // namespace
+}  // namespace latelight::app
