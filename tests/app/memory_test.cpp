@@ -33,7 +33,7 @@ TEST(OutOfMemory, IsExitFiveUnderAnyLimitOfAddresses) {
   for (unsigned mebibytes : {200, 350, 500, 600, 700, 850, 1000, 1500, 4000}) {
     SCOPED_TRACE(mebibytes);
     Folder folder;
-    folder.write("scene.glb", std::as_bytes(std::span(texturedModel())));
+    folder.write("scene.glb", texturedModel());
     const Outcome outcome = limited(folder, mebibytes, "render scene.glb -o o.png --size 64x36 --device cpu --quiet");
     expectPictureOrRefusal(folder, outcome);
     refused |= outcome.code == 5;
@@ -47,7 +47,7 @@ TEST(OutOfMemory, IsExitFiveUnderTheProgramsOwnBound) {
   for (const char* memory : {"1M", "100M", "4G"}) {
     SCOPED_TRACE(memory);
     Folder folder;
-    folder.write("scene.glb", std::as_bytes(std::span(texturedModel())));
+    folder.write("scene.glb", texturedModel());
     const Outcome outcome = latelight({.arguments = {"render", "scene.glb", "-o", "o.png", "--size", "64x36",
                                                      "--device", "cpu", "--quiet", "--memory", memory},
                                        .folder = folder.path()});
@@ -61,7 +61,7 @@ TEST(OutOfMemory, IsExitFiveUnderTheProgramsOwnBound) {
 
 TEST(OutOfMemory, OfPicturesIsSaidBeforeTheyAreDrawn) {
   Folder folder;
-  folder.write("scene.glb", std::as_bytes(std::span(texturedModel())));
+  folder.write("scene.glb", texturedModel());
   expectPictureOrRefusal(folder,
                          latelight({.arguments = {"render", "scene.glb", "-o", "o.exr", "--size", "8192x8192", "--aov",
                                                   "position,normal", "--device", "cpu", "--quiet", "--memory", "1G"},
