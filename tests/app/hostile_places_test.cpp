@@ -221,7 +221,7 @@ int endedBy(int signal, const Folder& folder, unsigned microseconds) {
   if (posix_spawn(&process, LATELIGHT_PROGRAM, nullptr, nullptr, const_cast<char**>(arguments), environ) != 0)
     return -1;
   int status = 0;
-  while (folder.names().empty() && waitpid(process, &status, WNOHANG) == 0) usleep(1000);
+  while (!fs::exists(folder.path() / "00000.depth.npy") && waitpid(process, &status, WNOHANG) == 0) usleep(1000);
   usleep(microseconds);
   kill(process, signal);
   return waitpid(process, &status, 0) == process && WIFSIGNALED(status) ? WTERMSIG(status) : -1;
