@@ -12,14 +12,15 @@
 
 #include "app/dot.h"
 #include "app/folder.h"
-#include "app/models.h"
 #include "base/hash.h"
+#include "models/models.h"
 #include "output/aov.h"
 #include "output/read.h"
 
 namespace latelight::app {
 namespace {
 
+using namespace models;
 using nlohmann::json;
 using output::ReadImage;
 using testing::ElementsAre;

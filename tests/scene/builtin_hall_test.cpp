@@ -220,7 +220,7 @@ TEST(Hall, IsTheSameEachTime) {
   EXPECT_NE(hashOfScene(hall(name)), hashOfScene(load(hallNamed(",triangles=1M,lights=1000,seed=8"))));
 }
 
-// What this test program prints when it builds a hall and does nothing else (BuiltinHallProbe).
+// What this test program prints when it builds a hall and does nothing else (HallInAProcess).
 struct Probe {
   unsigned long long hash = 0, triangles = 0;
   long kilobytes = 0;
@@ -232,7 +232,7 @@ Probe probe(const std::string& name, const char* threads) {
   EXPECT_GT(length, 0);
   self[std::max<ssize_t>(0, length)] = 0;
   const std::string command = std::string("LATELIGHT_THREADS=") + threads + " LATELIGHT_PROBE='" + name + "' '" + self +
-                              "' --gtest_filter=BuiltinHallProbe.DISABLED_Run --gtest_also_run_disabled_tests";
+                              "' --gtest_filter=HallInAProcess.DISABLED_Run --gtest_also_run_disabled_tests";
   Probe result;
   FILE* pipe = popen(command.c_str(), "r");
   char line[512];
@@ -242,7 +242,7 @@ Probe probe(const std::string& name, const char* threads) {
   return result;
 }
 
-TEST(BuiltinHallProbe, DISABLED_Run) {
+TEST(HallInAProcess, DISABLED_Run) {
   const char* name = std::getenv("LATELIGHT_PROBE");
   if (!name)
     GTEST_SKIP() << "Only a probe that the tests below start, in a process of its own, has something to build.";
