@@ -96,7 +96,8 @@ struct Renderer::DataPasses {
   GeometryPass geometry;
   std::unique_ptr<MotionPass> motion;  // once it is asked for
   DataPasses(vk::Device& device, const GpuScene& scene, const Layout& layout)
-      : depth(device, scene), geometry(device, scene, FrameSetup{.layout = &layout}) {}
+      : depth(device, scene),
+        geometry(device, scene, FrameSetup{.layout = &layout, .textureSlots = scene.textureSlots()}) {}
 };
 
 Renderer::Renderer(vk::Device& device, const scene::Scene& scene, const scene::Environment* environment)
@@ -247,6 +248,7 @@ Frame& Renderer::frameFor(const Job& job, bool countLights) {
                    .volumesOrder = indexByName(volumesOrders(), s.volumesOrder, "order of light volumes"),
                    .countLights = countLights,
                    .ambientOcclusion = indexByName(ambientOcclusions(), s.ao.method, "ambient occlusion"),
+                   .textureSlots = gpuScene_.textureSlots(),
                    .fog = s.fog.density > 0,
                    .transparency = {indexByName(transparencies(), s.transparency, "method of transparency")},
                    .shadowFormat = indexByName(shadowFormats(), shadows, "shadow format"),
