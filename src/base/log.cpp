@@ -14,7 +14,6 @@ namespace latelight {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr auto kSilence = std::chrono::milliseconds(300);   // work shorter than this shows no bar
 constexpr auto kInterval = std::chrono::milliseconds(100);  // between two drawings
 constexpr int kBarWidth = 30;                               // characters
 constexpr const char* kClearLine = "\r\x1b[K";
@@ -95,9 +94,9 @@ void setQuiet(bool value) {
 struct Progress::State {
   std::string what;
   uint64_t total;
-  Clock::time_point start = Clock::now();
+  Clock::duration silence;
   std::atomic<uint64_t> done = 0;
-  std::atomic<Clock::rep> nextDraw = (start + kSilence).time_since_epoch().count();
+  std::atomic<Clock::rep> nextDraw = (Clock::now() + silence).time_since_epoch().count();
   bool drawn = false;  // guarded by `terminal`
 
   void draw() {
@@ -113,8 +112,11 @@ struct Progress::State {
   }
 };
 
-Progress::Progress(std::string_view what, uint64_t total)
-    : state_(quiet || total == 0 || !isTerminal() ? nullptr : new State{printable(what), total}) {}
+Progress::Progress(std::string_view what, uint64_t total, double silence)
+    : state_(quiet || total == 0 || !isTerminal()
+                 ? nullptr
+                 : new State{printable(what), total,
+                             std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(silence))}) {}
 
 Progress::~Progress() {
   if (state_ && state_->drawn) {

@@ -24,11 +24,12 @@ void warn(fmt::format_string<Args...> format, Args&&... args) {
 // --quiet: no warnings, no progress.
 void setQuiet(bool quiet);
 
-// A progress bar on standard error while it lives; silent unless standard error is a terminal, and for the first 0.3 s.
+// A progress bar on standard error while it lives; silent unless standard error is a terminal, and for the first
+// `silence` seconds: short work needs no bar.
 // step() may be called from any thread.
 class Progress {
  public:
-  Progress(std::string_view what, uint64_t total);
+  Progress(std::string_view what, uint64_t total, double silence = 0.3);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;

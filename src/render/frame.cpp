@@ -24,6 +24,7 @@ std::vector<vk::Constant> FrameSetup::constants() const {
           {5, shadowFormat},
           {6, shadowFilter | (sunInGbuffer ? 256u : 0u)},
           {7, everySample ? 1u : 0u},
+          {8, textureSlots},
           {13, ambientOcclusion}};
 }
 

@@ -88,6 +88,7 @@ struct FrameSetup {
   uint32_t volumesOrder = 0;    // kVolumes*: of the technique `volumes`
   bool countLights = false;
   uint32_t ambientOcclusion = 0;  // kAo*
+  uint32_t textureSlots = ~0u;    // bit i: a material may have a texture in slot i (GpuScene::textureSlots)
   bool fog = false;               // the constants have some
   TransparencySetup transparency;
   uint32_t shadowFormat = 0;  // kShadow*

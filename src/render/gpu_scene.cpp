@@ -13,6 +13,7 @@
 #include "base/log.h"
 #include "base/parallel.h"
 #include "render/light_tree.h"
+#include "render/texture_kinds.h"
 #include "shared/color.h"
 #include "shared/light.h"
 
@@ -236,6 +237,7 @@ void GpuScene::uploadMaterials(vk::Uploader& uploader, const scene::Scene& scene
   materialBuffer_ = makeBuffer(device_, "materials", materials_.size() * sizeof(shared::Material));
   uploader.upload(materialBuffer_, bytesOf(materials_));
   uploadMaterialUniforms(uploader);
+  const bool alike = makesSizesAlike(device_, scene.textures);
   for (const scene::Texture& texture : scene.textures) {
     vk::Image& image = textures_.emplace_back(
         device_, vk::ImageDesc{.format = texture.srgb ? VK_FORMAT_R8G8B8A8_SRGB : VK_FORMAT_R8G8B8A8_UNORM,
@@ -243,12 +245,12 @@ void GpuScene::uploadMaterials(vk::Uploader& uploader, const scene::Scene& scene
                                .height = texture.height,
                                .levels = texture.levels,
                                .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT,
-                               .name = texture.name});
+                               .name = texture.name,
+                               .oddBase = alike && getsOddBase(device_, texture.width, texture.height)});
     uploader.upload(image, {texture.pixels.get(), texture.bytes()});
   }
   // What an empty slot is bound to. Never sampled: Material::textures says which slots hold a texture. A full texture
-  // of the slot's usual format all the same: lavapipe compiles a shader anew for every combination of formats, kinds of
-  // sizes and samplers that a draw binds (0.1 s each), and the empty ones should not add to them.
+  // of the slot's usual format and kind of size all the same, so that it makes no combination of its own.
   for (VkFormat format : {VK_FORMAT_R8G8B8A8_UNORM, VK_FORMAT_R8G8B8A8_SRGB}) {
     vk::Image& empty = emptyTextures_.emplace_back(
         device_, vk::ImageDesc{.format = format,
@@ -256,10 +258,18 @@ void GpuScene::uploadMaterials(vk::Uploader& uploader, const scene::Scene& scene
                                .height = 2,
                                .levels = 2,
                                .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT,
-                               .name = "empty"});
+                               .name = "empty",
+                               .oddBase = alike});
     static constexpr std::array<std::byte, 5 * 4> kBlack{};
     uploader.upload(empty, kBlack);
   }
+}
+
+uint32_t GpuScene::textureSlots() const {
+  if (!device_.isCpu()) return ~0u;
+  uint32_t slots = 0;
+  for (const shared::Material& material : materials_) slots |= material.textures;
+  return slots;
 }
 
 void GpuScene::uploadMaterialUniforms(vk::Uploader& uploader) {
@@ -383,11 +393,13 @@ void GpuScene::writeMaterialSets() {
   std::vector<VkDescriptorBufferInfo> uniforms;
   uniforms.reserve(count);
   std::vector<VkWriteDescriptorSet> writes;
+  const std::vector<SlotSamplers> samplers = slotSamplers(scene_.materials);
   for (uint32_t i = 0; i < count; ++i) {
     for (uint32_t slot = 0; slot < shared::kTextureCount; ++slot) {
-      const scene::TextureSlot& bound = scene_.materials[i].slots[slot];
-      const vk::Image& image = bound.texture >= 0 ? textures_[bound.texture] : emptyTextures_[holdsColor(slot)];
-      images.push_back({sampler(bound.sampler), image.view(), VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL});
+      const int texture = scene_.materials[i].slots[slot].texture;
+      const vk::Image& image = texture >= 0 ? textures_[texture] : emptyTextures_[holdsColor(slot)];
+      images.push_back(
+          {sampler(samplers[i][slot].value_or(scene::Sampler{})), image.view(), VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL});
     }
     writes.push_back({.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
                       .dstSet = materialSets_[i],

@@ -44,6 +44,9 @@ class GpuScene {
   const shared::Material& material(uint32_t index) const { return materials_[index]; }
   VkDescriptorSet materialSet(uint32_t index) const { return materialSets_[index]; }
   VkDescriptorSetLayout materialSetLayout() const { return materialSetLayout_.get(); }
+  // What shaders are made for: bit i where a material has a texture in slot i. All bits but on a CPU device, which
+  // takes its time to compile a slot; elsewhere all scenes share their pipelines.
+  uint32_t textureSlots() const;
   VkBuffer indexBuffer() const { return indices_.get(); }
   uint32_t lightCount() const { return static_cast<uint32_t>(hostLights_.size()); }
   std::span<const shared::Light> lights() const { return hostLights_; }  // as the device has them

@@ -128,7 +128,8 @@ struct Renderer::DataPasses {
   GeometryPass geometry;
   std::unique_ptr<MotionPass> motion;  // once it is asked for
   DataPasses(vk::Device& device, const GpuScene& scene, const Layout& layout)
-      : depth(device, scene), geometry(device, scene, FrameSetup{.layout = &layout}) {}
+      : depth(device, scene),
+        geometry(device, scene, FrameSetup{.layout = &layout, .textureSlots = scene.textureSlots()}) {}
 };
 
 Renderer::Renderer(vk::Device& device, const scene::Scene& scene, const scene::Environment* environment)
@@ -265,7 +266,8 @@ FrameInputs Renderer::prepareViews(Job& job, glm::vec2 jitter) {
           .atCentres = s.samples == 1};
 }
 
-Frame& Renderer::frameFor(const FrameSetup& setup) {
+Frame& Renderer::frameFor(FrameSetup setup) {
+  setup.textureSlots = gpuScene_.textureSlots();
   constexpr size_t kKept = 8;  // a picture's frame and the one that counts its lights, for a few choices in turn
   auto kept = std::find_if(frames_.begin(), frames_.end(), [&](const KeptFrame& k) { return k.setup == setup; });
   if (kept == frames_.end()) {

@@ -74,7 +74,7 @@ class Renderer {
   graph::Executor& run(const graph::Graph& graph);
   FrameInputs prepareViews(Job& job, glm::vec2 jitter);
   void prepareShadows(Job& job);
-  Frame& frameFor(const FrameSetup& setup);
+  Frame& frameFor(FrameSetup setup);
 
   vk::Device& device_;
   const scene::Scene& scene_;

@@ -26,11 +26,17 @@ VkImageView makeView(Device& device, VkImage image, const ImageDesc& desc, VkIma
   // Samplers, which take whole arrays, read one aspect of depth and stencil; attachments, which take layers, have both.
   VkImageAspectFlags aspect = isDepth(desc.format) ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
   if (hasStencil(desc.format) && type == VK_IMAGE_VIEW_TYPE_2D) aspect |= VK_IMAGE_ASPECT_STENCIL_BIT;
-  info.subresourceRange = {aspect, 0, levels, firstLayer, layers};
+  info.subresourceRange = {aspect, desc.firstLevel(), levels, firstLayer, layers};
   VkImageView view = VK_NULL_HANDLE;
   VK_CHECK(vkCreateImageView(device.get(), &info, nullptr, &view));
   device.setName(VK_OBJECT_TYPE_IMAGE_VIEW, number(view), desc.name.c_str());
   return view;
+}
+
+// Of the VkImage's lowest level.
+VkExtent2D baseSize(const ImageDesc& desc) {
+  if (desc.oddBase) return {2 * desc.width + 1, 2 * desc.height + 1};
+  return {desc.width, desc.height};
 }
 
 // Whether the host can fill the image where it lies: saves a copy, and the transfer is one thread's on a CPU device.
@@ -43,16 +49,18 @@ bool isHostTexture(Device& device, const ImageDesc& desc) {
   VkImageFormatProperties properties;
   const VkResult result = vkGetPhysicalDeviceImageFormatProperties(device.physical(), desc.format, VK_IMAGE_TYPE_2D,
                                                                    VK_IMAGE_TILING_LINEAR, desc.usage, 0, &properties);
-  return result == VK_SUCCESS && properties.maxMipLevels >= desc.levels && properties.maxExtent.width >= desc.width &&
-         properties.maxExtent.height >= desc.height;
+  const VkExtent2D size = baseSize(desc);
+  return result == VK_SUCCESS && properties.maxMipLevels >= desc.levels + desc.firstLevel() &&
+         properties.maxExtent.width >= size.width && properties.maxExtent.height >= size.height;
 }
 
 VkImageCreateInfo imageInfo(const ImageDesc& desc, bool hostTexture) {
   VkImageCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO};
   info.imageType = VK_IMAGE_TYPE_2D;
   info.format = desc.format;
-  info.extent = {desc.width, desc.height, 1};
-  info.mipLevels = desc.levels;
+  const VkExtent2D size = baseSize(desc);
+  info.extent = {size.width, size.height, 1};
+  info.mipLevels = desc.levels + desc.firstLevel();
   info.arrayLayers = desc.layers;
   info.samples = static_cast<VkSampleCountFlagBits>(desc.samples);
   info.tiling = hostTexture ? VK_IMAGE_TILING_LINEAR : VK_IMAGE_TILING_OPTIMAL;
@@ -65,7 +73,8 @@ VkImageCreateInfo imageInfo(const ImageDesc& desc, bool hostTexture) {
 void checkSize(Device& device, const ImageDesc& desc) {
   const VkPhysicalDeviceLimits& limits = device.properties().limits;
   const uint32_t most = limits.maxImageDimension2D;
-  if (desc.width > most || desc.height > most || desc.layers > limits.maxImageArrayLayers)
+  const VkExtent2D size = baseSize(desc);
+  if (size.width > most || size.height > most || desc.layers > limits.maxImageArrayLayers)
     fail(ExitCode::Usage, "An image of {}x{} with {} layers ({}) is too large for {}: it allows {}x{} with {} layers.",
          desc.width, desc.height, desc.layers, desc.name, device.info().name, most, most, limits.maxImageArrayLayers);
   VkImageFormatProperties properties;

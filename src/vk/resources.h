@@ -58,7 +58,11 @@ struct ImageDesc {
   uint32_t samples = 1;
   VkImageUsageFlags usage = 0;
   std::string name;
+  // Of a texture: a level that nothing uses lies below level 0, and both its sides are odd. All else, size, levels,
+  // views and uploads, is without it.
+  bool oddBase = false;
   bool operator==(const ImageDesc&) const = default;
+  uint32_t firstLevel() const { return oddBase ? 1 : 0; }  // of the VkImage
 };
 
 class Image {

@@ -122,7 +122,7 @@ void Uploader::writeInPlace(const Image& to, std::span<const std::byte> data) {
     const size_t rowBytes = std::max(desc.width >> level, 1u) * texelBytes(desc.format);
     const size_t rows = std::max(desc.height >> level, 1u);
     assert(rows * rowBytes <= data.size());
-    const VkImageSubresource part{VK_IMAGE_ASPECT_COLOR_BIT, level, 0};
+    const VkImageSubresource part{VK_IMAGE_ASPECT_COLOR_BIT, desc.firstLevel() + level, 0};
     VkSubresourceLayout layout;
     vkGetImageSubresourceLayout(device_.get(), to.get(), &part, &layout);
     std::byte* target = to.mapped() + layout.offset;
@@ -158,7 +158,7 @@ void Uploader::upload(const Image& to, std::span<const std::byte> data) {
       copy.image = to.get();
       copy.region.bufferOffset = copy.from;
       copy.region.imageSubresource = {isDepth(desc.format) ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT,
-                                      level, 0, 1};
+                                      desc.firstLevel() + level, 0, 1};
       copy.region.imageOffset = {0, static_cast<int32_t>(row), 0};
       copy.region.imageExtent = {width, rows, 1};
       if (std::exchange(first, false))

@@ -8,9 +8,11 @@
 #include <vector>
 
 #include "app/folder.h"
-#include "app/models.h"
+#include "models/models.h"
 
 namespace latelight::app {
+
+using namespace models;
 
 struct GoodScene {
   std::string name;                    // for messages

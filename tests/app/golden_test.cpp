@@ -5,14 +5,15 @@
 #include <cstdlib>
 
 #include "app/folder.h"
-#include "app/models.h"
 #include "app/process.h"
+#include "models/models.h"
 #include "output/compare.h"
 #include "output/files.h"
 
 namespace latelight::app {
 namespace {
 
+using namespace models;
 namespace fs = std::filesystem;
 
 // A pixel may differ by two levels: devices round the G-buffer, textures and exp2 differently. Where an edge, a

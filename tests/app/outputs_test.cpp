@@ -12,14 +12,15 @@
 
 #include "app/dot.h"
 #include "app/folder.h"
-#include "app/models.h"
 #include "base/hash.h"
+#include "models/models.h"
 #include "output/aov.h"
 #include "output/read.h"
 
 namespace latelight::app {
 namespace {
 
+using namespace models;
 using nlohmann::json;
 using output::ReadImage;
 using testing::ElementsAre;
@@ -301,6 +302,21 @@ TEST_F(Outputs, PickedPixelsAreTheDataOutputs) {
 }
 
 // --- the same again -------------------------------------------------------------------------------------------------
+
+// lavapipe keeps each shader that it compiled as a file of its own. It would be one for nearly every material.
+TEST_F(Outputs, ManyMaterialsNeedFewShaders) {
+  folder.write("many.glb", manyMaterialsModel());
+  const std::string cache = folder.path() / "cache";
+  const Outcome outcome =
+      latelight({.arguments = {"render", "many.glb", "-o", "a.png", "--size", "64x36", "--device", "cpu"},
+                 .environment = {{"MESA_SHADER_CACHE_DIR", cache}},
+                 .folder = folder.path()});
+  ASSERT_EQ(outcome.code, 0) << outcome.text();
+  size_t shaders = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(cache)) shaders += entry.is_regular_file();
+  EXPECT_GE(shaders, 5u) << "it keeps them elsewhere";
+  EXPECT_LE(shaders, 40u);
+}
 
 TEST_F(Outputs, TheSameCommandTwiceGivesTheSameBytes) {
   folder.write("model.glb", punctualModel());

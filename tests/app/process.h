@@ -16,7 +16,7 @@ struct Command {
   std::map<std::string, std::string> environment;  // beside this process's; XDG_CACHE_HOME is caches() unless set here
   std::filesystem::path folder;                    // to run in; empty: this process's
   std::filesystem::path standardOutput;            // a file to open for it, as with ">"; empty: captured in `out`
-  std::chrono::seconds timeout{60};                // killed after it
+  std::chrono::seconds timeout{3600};              // it has hung, and is killed
 };
 
 struct Outcome {

@@ -7,12 +7,13 @@
 #include <algorithm>
 
 #include "app/folder.h"
-#include "app/models.h"
 #include "app/process.h"
+#include "models/models.h"
 
 namespace latelight::app {
 namespace {
 
+using namespace models;
 using testing::HasSubstr;
 
 constexpr int kUsage = 2, kBadInput = 3, kNoDevice = 4;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <condition_variable>
 #include <cstdlib>
 #include <mutex>
 #include <set>
@@ -43,11 +44,14 @@ TEST(Parallel, TakesAGrainOfZeroAsOne) {
 
 TEST(Parallel, RunsOnSeveralThreads) {
   std::mutex mutex;
+  std::condition_variable arrival;
   std::set<std::thread::id> threads;
+  // The first call waits for one on another thread: with a single thread that would never come.
   parallelFor(64, 1, [&](size_t, size_t) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-    std::lock_guard lock(mutex);
+    std::unique_lock lock(mutex);
     threads.insert(std::this_thread::get_id());
+    arrival.notify_all();
+    arrival.wait_for(lock, std::chrono::minutes(10), [&] { return threads.size() > 1; });
   });
   EXPECT_GT(threads.size(), 1u);
   EXPECT_LE(threads.size(), threadCount());

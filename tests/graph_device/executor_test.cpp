@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <memory>
 #include <stdexcept>
 
@@ -247,15 +248,14 @@ TEST_F(Executors, TimeEachPassThatRan) {
   graph.exports(b, Use::CopySource);
   EXPECT_THAT(executor.times(), IsEmpty());
   for (int round = 0; round < 2; ++round) {
+    const auto start = std::chrono::steady_clock::now();
     run(executor, graph);
+    const std::chrono::duration<double, std::milli> all = std::chrono::steady_clock::now() - start;
     ASSERT_EQ(executor.times().size(), 2u);
     EXPECT_EQ(executor.times()[0].name, "fill");
     EXPECT_EQ(executor.times()[1].name, "copy");
-    // 16 MiB in less than 10 us would be 1.6 TB/s, in more than 10 s a broken clock.
-    for (const PassTime& time : executor.times()) {
-      EXPECT_GT(time.milliseconds, 0.01) << time.name;
-      EXPECT_LT(time.milliseconds, 10000.0) << time.name;
-    }
+    for (const PassTime& time : executor.times()) EXPECT_GT(time.milliseconds, 0) << time.name;
+    EXPECT_LT(executor.times()[0].milliseconds + executor.times()[1].milliseconds, all.count());
   }
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "models/models.h"
 #include "motion/files.h"
 #include "motion/reference_motion.h"
 #include "render/gbuffer/layout.h"
@@ -63,7 +64,7 @@ class MotionTest : public RenderTest {
   }
 
   static void expectModelReprojected(const std::string& name, const std::string& animation, double seconds) {
-    const scene::Scene scene = scene::load(sharedModel(name).string());
+    const scene::Scene scene = scene::load(models::modelPath(name).string());
     const scene::Camera camera = cameraOf(scene, kWidth, kHeight);
     Moment moment = momentOf(scene, seconds, animation);
     expectReprojected(scene, camera, moment, 0.5);
@@ -72,14 +73,11 @@ class MotionTest : public RenderTest {
   }
 };
 
-TEST_F(MotionTest, FoxAgreesWithReprojection) {
-  SKIP_WITHOUT(sharedModel("Fox.glb"));
-  expectModelReprojected("Fox.glb", "Run", 0.4);
-}
-
-TEST_F(MotionTest, CesiumManAgreesWithReprojection) {
-  SKIP_WITHOUT(sharedModel("CesiumMan.glb"));
-  expectModelReprojected("CesiumMan.glb", "", 0.7);
+TEST_F(MotionTest, ModelsAgreeWithReprojection) {
+  expectModelReprojected("skinned.glb", "bend", 0.4);
+  expectModelReprojected("morphed.glb", "breathe", 0.3);
+  for (const std::string& name : models::withReal({}, {"Fox.glb", "CesiumMan.glb"}))
+    name == "Fox.glb" ? expectModelReprojected(name, "Run", 0.4) : expectModelReprojected(name, "", 0.7);
 }
 
 TEST_F(MotionTest, MovingCameraInTheHallAgreesWithReprojection) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "models/models.h"
 #include "motion/files.h"
 #include "render/support.h"
 
@@ -76,10 +77,11 @@ class TemporalTest : public RenderTest {
   }
 };
 
-TEST_F(TemporalTest, FoxWalksNearSuperSampling) {
-  SKIP_WITHOUT(sharedModel("Fox.glb"));
-  const scene::Scene scene = scene::load(sharedModel("Fox.glb").string());
-  expectNear({scene, "Walk", 0.1, 8}, 22, 1.2);
+TEST_F(TemporalTest, SkinnedModelsMoveNearSuperSampling) {
+  for (const std::string& name : models::withReal({"skinned.glb"}, {"Fox.glb"})) {
+    const scene::Scene scene = scene::load(models::modelPath(name).string());
+    expectNear({scene, name == "Fox.glb" ? "Walk" : "bend", 0.1, 8}, 22, 1.1);
+  }
 }
 
 TEST_F(TemporalTest, BoxRollsNearSuperSampling) {

@@ -1,6 +1,5 @@
 #include "output/png.h"
 
-#include <chrono>
 #include <cstring>
 
 #include "support.h"

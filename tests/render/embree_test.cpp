@@ -15,6 +15,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "models/models.h"
 #include "render/reference_caster.h"
 #include "render/support.h"
 
@@ -186,24 +187,15 @@ class EmbreeTest : public RenderTest {
   }
 };
 
-TEST_F(EmbreeTest, DamagedHelmet) {
-  SKIP_WITHOUT(sharedModel("DamagedHelmet.glb"));
-  compareFile(sharedModel("DamagedHelmet.glb"), 0.2);
-}
-
-TEST_F(EmbreeTest, Fox) {
-  SKIP_WITHOUT(sharedModel("Fox.glb"));
-  compareFile(sharedModel("Fox.glb"), 0.05);
-}
-
-TEST_F(EmbreeTest, CesiumMan) {
-  SKIP_WITHOUT(sharedModel("CesiumMan.glb"));
-  compareFile(sharedModel("CesiumMan.glb"), 0.05);
+TEST_F(EmbreeTest, Models) {
+  for (const std::string& name : models::withReal({"skinned.glb", "morphed.glb", "punctual.glb", "many_materials.glb"},
+                                                  {"DamagedHelmet.glb", "Fox.glb", "CesiumMan.glb"}))
+    compareFile(models::modelPath(name), 0.04);
 }
 
 TEST_F(EmbreeTest, TwoCylinderEngine) {
-  const std::filesystem::path path = assimpModel("2CylinderEngine-glTF-Binary/2CylinderEngine.glb");
-  SKIP_WITHOUT(path);
+  const std::filesystem::path path = "/usr/share/assimp/models/glTF2/2CylinderEngine-glTF-Binary/2CylinderEngine.glb";
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << "Debian's assimp-testmodels is not installed";
   compareFile(path, 0.1);
 }
 

@@ -5,7 +5,6 @@
 
 #include <fmt/core.h>
 #include <algorithm>
-#include <chrono>
 #include <cstring>
 #include <random>
 
@@ -166,14 +165,10 @@ TEST(LightTree, ASpotsBoxIsSmallerThanItsSphere) {
   EXPECT_NEAR(size.x, 2 * std::sin(0.5f) * spot.reach, 0.002f * spot.reach);
 }
 
-TEST(LightTree, AMillionLightsTakeLittleTimeAndMemory) {
+TEST(LightTree, AMillionLightsTakeLittleMemory) {
   const std::vector<Light> lights = Lights(11).make(1'000'000, 1);
-  const auto start = std::chrono::steady_clock::now();
   const LightTree tree = buildLightTree(lights);
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  fmt::print("1 M lights: {:.3f} s, {} nodes\n", seconds, tree.nodes.size());
   EXPECT_LT(tree.nodes.size() * sizeof(LightBox), 2u << 20);
-  EXPECT_LT(seconds, 3.0);  // on a loaded machine
 }
 
 }  // namespace

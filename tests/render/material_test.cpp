@@ -98,6 +98,12 @@ scene::Texture deviceTexture(const HostTexture& t) {
   return textureOf(t.width, t.height, t.srgb, t.texels);
 }
 
+// In a scene with one of these, textures whose sides are powers of two are stored in another way
+// (vk::ImageDesc::oddBase).
+HostTexture oddTexture() {
+  return hostTexture(5, 3, false, 1);
+}
+
 // --- one square -----------------------------------------------------------------------------------------------------
 
 struct Square {
@@ -208,10 +214,12 @@ TEST_F(MaterialTest, WrapModesAndFiltersAsTheSamplerSays) {
   for (scene::Wrap wrapU : kWraps)
     for (scene::Wrap wrapV : kWraps)
       for (scene::Filter filter : {scene::Filter::Nearest, scene::Filter::Linear}) {
+        const bool besideOdd = wrapU == wrapV;
         SCOPED_TRACE(fmt::format("wrap {} {}, filter {}", int(wrapU), int(wrapV), int(filter)));
         const Sampler sampler{wrapU, wrapV, filter, filter, scene::MipFilter::None};
         Square square;
         setTexture(square.material, shared::kTextureMetallicRoughness, square.add(texture), sampler);
+        if (besideOdd) square.add(oddTexture());
         // From -1.4 to 2.2 and from -1.3 to 1.5: every wrap shows on both sides.
         shared::TextureTransform& t = square.material.data.transforms[shared::kTextureMetallicRoughness];
         t.row0 = {3.6f, 0, -1.4f};
@@ -231,7 +239,7 @@ TEST_F(MaterialTest, WrapModesAndFiltersAsTheSamplerSays) {
 }
 
 // A texture whose levels differ by a constant, seen at `texelsPerPixel`: which level is read shows in its value.
-float levelSeen(vk::Device& device, float texelsPerPixel, Sampler sampler) {
+float levelSeen(vk::Device& device, float texelsPerPixel, Sampler sampler, bool besideOdd = false) {
   constexpr uint32_t kTexels = 256;
   Square square;
   scene::Texture texture = scene::makeTexture({kTexels, kTexels}, false, "levels");
@@ -242,6 +250,7 @@ float levelSeen(vk::Device& device, float texelsPerPixel, Sampler sampler) {
     offset += bytes;
   }
   square.scene.textures.push_back(std::move(texture));
+  if (besideOdd) square.add(oddTexture());
   setTexture(square.material, shared::kTextureMetallicRoughness, 0, sampler);
   const float scale = texelsPerPixel * kSize / kTexels;
   shared::TextureTransform& t = square.material.data.transforms[shared::kTextureMetallicRoughness];
@@ -265,6 +274,7 @@ TEST_F(MaterialTest, MipLevelsFollowTheFootprint) {
     EXPECT_NEAR(levelSeen(device(), texels, nearest), level, 0.01f);
     EXPECT_NEAR(levelSeen(device(), texels, linear), level, 0.1f);
     EXPECT_NEAR(levelSeen(device(), texels, none), 0, 0.01f);
+    EXPECT_NEAR(levelSeen(device(), texels, linear, true), level, 0.1f);
   }
   EXPECT_NEAR(levelSeen(device(), std::exp2(2.5f), linear), 2.5f, 0.1f);  // between two levels
   EXPECT_NEAR(levelSeen(device(), 0.25f, linear), 0, 0.01f);              // magnified

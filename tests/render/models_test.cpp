@@ -1,8 +1,9 @@
-// Every lighting technique on real models, under the studio and under lights of every kind around them: the deferred
+// Every lighting technique on whole models, under the studio and under lights of every kind around them: the deferred
 // ones give what fullscreen gives on the same layout, the forward ones what the layout plain gives.
 #include <cmath>
 #include <cstdlib>
 
+#include "models/models.h"
 #include "render/lighting/technique.h"
 #include "render/support.h"
 #include "scene/framing.h"
@@ -36,11 +37,10 @@ void addLights(scene::Scene& scene) {
   sun.intensity = 0.4f;
 }
 
-class ModelsTest : public RenderTest, public testing::WithParamInterface<const char*> {};
+class ModelsTest : public RenderTest, public testing::WithParamInterface<std::string> {};
 
 TEST_P(ModelsTest, LooksTheSameByEveryTechnique) {
-  SKIP_WITHOUT(sharedModel(GetParam()));
-  scene::Scene scene = scene::load(sharedModel(GetParam()));
+  scene::Scene scene = scene::load(models::modelPath(GetParam()));
   addLights(scene);
   const scene::Environment studio = scene::loadEnvironment("studio");
   Renderer renderer(device(), scene, &studio);
@@ -64,12 +64,11 @@ TEST_P(ModelsTest, LooksTheSameByEveryTechnique) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Shared, ModelsTest,
-                         testing::Values("DamagedHelmet.glb", "Fox.glb", "CesiumMan.glb", "lights_punctual.glb"),
-                         [](const auto& info) {
-                           const std::string file = info.param;
-                           return file.substr(0, file.find('.'));
-                         });
+INSTANTIATE_TEST_SUITE_P(Files, ModelsTest,
+                         testing::ValuesIn(models::withReal({"punctual.glb", "blended.glb", "textured.glb"},
+                                                            {"DamagedHelmet.glb", "Fox.glb", "CesiumMan.glb",
+                                                             "lights_punctual.glb"})),
+                         caseName);
 
 }  // namespace
 }  // namespace latelight::render::test

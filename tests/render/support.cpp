@@ -34,12 +34,8 @@ void RenderTest::TearDown() {
   for (const std::string& message : device().validationMessages()) ADD_FAILURE() << message;
 }
 
-std::filesystem::path sharedModel(const std::string& name) {
-  return std::filesystem::path(LATELIGHT_SOURCE_DIR) / "../shared/models" / name;
-}
-
-std::filesystem::path assimpModel(const std::string& name) {
-  return std::filesystem::path("/usr/share/assimp/models/glTF2") / name;
+std::string caseName(const testing::TestParamInfo<std::string>& info) {
+  return info.param.substr(0, info.param.find('.'));
 }
 
 output::FrameOutput renderOne(vk::Device& device, const scene::Scene& scene, const scene::Camera& camera,

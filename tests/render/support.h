@@ -26,13 +26,8 @@ class RenderTest : public testing::Test {
   void TearDown() override;
 };
 
-// A model beside the checkout, which may not be there, and one of Debian's assimp-testmodels.
-std::filesystem::path sharedModel(const std::string& name);
-std::filesystem::path assimpModel(const std::string& name);
-
-#define SKIP_WITHOUT(path)            \
-  if (!std::filesystem::exists(path)) \
-  GTEST_SKIP() << "skipped: the optional model " << (path) << " is not there, so nothing was compared with it"
+// A test's name, of a file's.
+std::string caseName(const testing::TestParamInfo<std::string>& info);
 
 inline Settings settingsOf(uint32_t width, uint32_t height, std::vector<output::Aov> aovs = {}) {
   Settings settings;

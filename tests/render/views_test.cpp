@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "models/models.h"
 #include "render/session.h"
 #include "render/support.h"
 
@@ -106,12 +107,14 @@ TEST_F(ViewsTest, ThreeAtOnceAreThreeAloneSuperSampledInAnotherLayout) {
   compare(scene, threeCameras(scene), settings);
 }
 
-TEST_F(ViewsTest, ATexturedModelIsTheSameEachTime) {
-  SKIP_WITHOUT(sharedModel("DamagedHelmet.glb"));
-  const scene::Scene scene = scene::load(sharedModel("DamagedHelmet.glb"));
-  std::vector<scene::Camera> cameras(2, cameraOf(scene, kWidth, kHeight));
-  cameras[1].verticalFov *= 0.5f;
-  compare(scene, cameras, settingsOf(kWidth, kHeight));
+TEST_F(ViewsTest, TexturedModelsAreTheSameEachTime) {
+  for (const std::string& name : models::withReal({"textured.glb"}, {"DamagedHelmet.glb"})) {
+    SCOPED_TRACE(name);
+    const scene::Scene scene = scene::load(models::modelPath(name));
+    std::vector<scene::Camera> cameras(2, cameraOf(scene, kWidth, kHeight));
+    cameras[1].verticalFov *= 0.5f;
+    compare(scene, cameras, settingsOf(kWidth, kHeight));
+  }
 }
 
 // K and pose as the side file states them (docs/conventions.md).

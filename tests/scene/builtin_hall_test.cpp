@@ -3,7 +3,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <map>
@@ -221,10 +220,9 @@ TEST(Hall, IsTheSameEachTime) {
   EXPECT_NE(hashOfScene(hall(name)), hashOfScene(load(hallNamed(",triangles=1M,lights=1000,seed=8"))));
 }
 
-// What this test program prints when it builds a hall and does nothing else (BuiltinHallProbe).
+// What this test program prints when it builds a hall and does nothing else (HallInAProcess).
 struct Probe {
   unsigned long long hash = 0, triangles = 0;
-  double seconds = 0;
   long kilobytes = 0;
 };
 
@@ -234,27 +232,25 @@ Probe probe(const std::string& name, const char* threads) {
   EXPECT_GT(length, 0);
   self[std::max<ssize_t>(0, length)] = 0;
   const std::string command = std::string("LATELIGHT_THREADS=") + threads + " LATELIGHT_PROBE='" + name + "' '" + self +
-                              "' --gtest_filter=BuiltinHallProbe.DISABLED_Run --gtest_also_run_disabled_tests";
+                              "' --gtest_filter=HallInAProcess.DISABLED_Run --gtest_also_run_disabled_tests";
   Probe result;
   FILE* pipe = popen(command.c_str(), "r");
   char line[512];
   while (pipe && std::fgets(line, sizeof(line), pipe))
-    std::sscanf(line, "probe %llx %llu %lf %ld", &result.hash, &result.triangles, &result.seconds, &result.kilobytes);
+    std::sscanf(line, "probe %llx %llu %ld", &result.hash, &result.triangles, &result.kilobytes);
   EXPECT_EQ(pipe ? pclose(pipe) : -1, 0);
   return result;
 }
 
-TEST(BuiltinHallProbe, DISABLED_Run) {
+TEST(HallInAProcess, DISABLED_Run) {
   const char* name = std::getenv("LATELIGHT_PROBE");
   if (!name)
     GTEST_SKIP() << "Only a probe that the tests below start, in a process of its own, has something to build.";
-  const auto start = std::chrono::steady_clock::now();
   const Scene scene = load(name);
-  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
-  std::printf("probe %llx %llu %f %ld\n", static_cast<unsigned long long>(hashOfScene(scene)),
-              static_cast<unsigned long long>(scene.triangleCount()), seconds.count(), usage.ru_maxrss);
+  std::printf("probe %llx %llu %ld\n", static_cast<unsigned long long>(hashOfScene(scene)),
+              static_cast<unsigned long long>(scene.triangleCount()), usage.ru_maxrss);
 }
 
 TEST(Hall, IsTheSameForAnyNumberOfThreads) {
@@ -265,14 +261,10 @@ TEST(Hall, IsTheSameForAnyNumberOfThreads) {
   EXPECT_EQ(one.hash, five.hash);
 }
 
-TEST(Hall, BuildsQuicklyInLittleMemory) {
+TEST(Hall, BuildsInLittleMemory) {
   const Probe big = probe(hallNamed(",triangles=10M"), "2");
   EXPECT_NEAR(double(big.triangles), 10e6, 10e6 * kHallTriangleTolerance);
-#ifdef NDEBUG
-  EXPECT_LT(big.seconds, 30) << "10 s is the target on two free cores";
-#endif
   EXPECT_LT(big.kilobytes, 3l << 20);
-  RecordProperty("seconds", std::to_string(big.seconds));
   RecordProperty("kilobytes", std::to_string(big.kilobytes));
 }
 

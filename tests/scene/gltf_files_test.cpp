@@ -1,9 +1,11 @@
 // Whole files: containers, URIs, versions, extensions, and models from elsewhere.
 #include <gmock/gmock.h>
 
+#include <bit>
 #include <cmath>
 
 #include "gltf_builder.h"
+#include "models/models.h"
 
 namespace latelight::scene::test {
 namespace {
@@ -226,37 +228,53 @@ TEST(GltfFiles, AssimpsMalformedModels) {
     EXPECT_FALSE(errorOfFile(kAssimp / name).empty()) << name;
 }
 
-const fs::path kModels = fs::path(LATELIGHT_SOURCE_DIR) / "../shared/models";
-
-TEST(GltfFiles, DamagedHelmet) {
-  if (!fs::exists(kModels / "DamagedHelmet.glb")) GTEST_SKIP() << "../shared/models/DamagedHelmet.glb is not there";
-  Scene scene = loadGltf(kModels / "DamagedHelmet.glb", {});
-  EXPECT_EQ(scene.triangleCount(), 15452u);
-  ASSERT_EQ(scene.textures.size(), 5u);
-  for (const Texture& texture : scene.textures) EXPECT_EQ(texture.levels, 12u);
-  for (const auto& attributes : scene.meshes[0].attributes) {
-    ASSERT_NEAR(glm::length(vec3(attributes.tangent)), 1, 1e-5f);
-    ASSERT_NEAR(glm::dot(vec3(attributes.tangent), attributes.normal), 0, 1e-5f);
-    ASSERT_EQ(std::abs(attributes.tangent.w), 1);
+// Triangles, textures and their mip levels, and tangents of each mesh.
+void expectTextured(const std::string& name, size_t triangles, size_t textures, uint32_t mostLevels) {
+  SCOPED_TRACE(name);
+  const Scene scene = loadGltf(models::modelPath(name), {});
+  EXPECT_EQ(scene.triangleCount(), triangles);
+  ASSERT_EQ(scene.textures.size(), textures);
+  uint32_t most = 0;
+  for (const Texture& texture : scene.textures) {
+    EXPECT_EQ(texture.levels, uint32_t(std::bit_width(std::max(texture.width, texture.height))));
+    most = std::max(most, texture.levels);
+  }
+  EXPECT_EQ(most, mostLevels);
+  for (const Instance& instance : scene.instances) {
+    if (scene.materials[instance.material].slots[shared::kTextureNormal].texture < 0) continue;
+    for (const auto& attributes : scene.meshes[instance.mesh].attributes) {
+      ASSERT_NEAR(glm::length(vec3(attributes.tangent)), 1, 1e-5f);
+      ASSERT_NEAR(glm::dot(vec3(attributes.tangent), attributes.normal), 0, 1e-5f);
+      ASSERT_EQ(std::abs(attributes.tangent.w), 1);
+    }
   }
 }
 
-TEST(GltfFiles, SkinnedModelsStandUpright) {
-  if (!fs::exists(kModels / "Fox.glb")) GTEST_SKIP() << "../shared/models/Fox.glb is not there";
-  Bounds fox = worldBounds(loadGltf(kModels / "Fox.glb", {}));
-  EXPECT_NEAR(fox.min.z, -0.12f, 0.1f);  // four feet on the ground, in centimetres
-  EXPECT_NEAR(fox.max.z, 78.9f, 0.1f);
-  EXPECT_NEAR(fox.max.y - fox.min.y, 154.7f, 0.2f);
-  Bounds man = worldBounds(loadGltf(kModels / "CesiumMan.glb", {}));
-  EXPECT_NEAR(man.min.z, 0, 0.01f);
-  EXPECT_NEAR(man.max.z, 1.507f, 0.01f);
+TEST(GltfFiles, TexturedModels) {
+  expectTextured("many_materials.glb", 57'600, 50, 9);
+  for (const std::string& name : models::withReal({}, {"DamagedHelmet.glb"})) expectTextured(name, 15'452, 5, 12);
 }
 
-TEST(GltfFiles, PunctualLightsModel) {
-  if (!fs::exists(kModels / "lights_punctual.glb")) GTEST_SKIP() << "../shared/models/lights_punctual.glb is not there";
-  Scene scene = loadGltf(kModels / "lights_punctual.glb", {});
-  EXPECT_EQ(scene.lights.size(), 3u);
-  EXPECT_EQ(scene.cameras.size(), 1u);
+// The lowest and the highest place, and how long it is from back to front.
+void expectUpright(const std::string& name, vec3 lowHighLong, float tolerance) {
+  SCOPED_TRACE(name);
+  const Bounds bounds = worldBounds(loadGltf(models::modelPath(name), {}));
+  expectNear({bounds.min.z, bounds.max.z, bounds.max.y - bounds.min.y}, lowHighLong, tolerance);
+}
+
+TEST(GltfFiles, SkinnedModelsStandUpright) {
+  expectUpright("skinned.glb", {0, 2, 0.6f}, 0.01f);
+  for (const std::string& name : models::withReal({}, {"Fox.glb", "CesiumMan.glb"}))
+    name == "Fox.glb" ? expectUpright(name, {-0.12f, 78.9f, 154.7f}, 0.2f)  // centimetres
+                      : expectUpright(name, {0, 1.507f, 1.138f}, 0.02f);
+}
+
+TEST(GltfFiles, ModelsWithPunctualLights) {
+  for (const std::string& name : models::withReal({"punctual.glb"}, {"lights_punctual.glb"})) {
+    const Scene scene = loadGltf(models::modelPath(name), {});
+    EXPECT_EQ(scene.lights.size(), 3u) << name;
+    EXPECT_EQ(scene.cameras.size(), 1u) << name;
+  }
 }
 
 }  // namespace

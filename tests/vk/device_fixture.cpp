@@ -32,7 +32,7 @@ std::vector<std::byte> readBack(Device& device, const Image& image) {
     const VkDeviceSize bytes = VkDeviceSize{width} * height * texelBytes(desc.format);
     VkBufferImageCopy region{};
     region.bufferOffset = padded;
-    region.imageSubresource = {aspect, level, 0, 1};
+    region.imageSubresource = {aspect, desc.firstLevel() + level, 0, 1};
     region.imageExtent = {width, height, 1};
     regions.push_back(region);
     spans.emplace_back(padded, bytes);
@@ -48,7 +48,7 @@ std::vector<std::byte> readBack(Device& device, const Image& image) {
     barrier.oldLayout = VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL;
     barrier.newLayout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
     barrier.image = image.get();
-    barrier.subresourceRange = {image.aspect(), 0, desc.levels, 0, desc.layers};
+    barrier.subresourceRange = {image.aspect(), 0, VK_REMAINING_MIP_LEVELS, 0, desc.layers};
     VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
     info.imageMemoryBarrierCount = 1;
     info.pImageMemoryBarriers = &barrier;

@@ -59,12 +59,13 @@ TEST_P(UploadTest, ImagesOfEveryFormatAndOddSizesComeBackAsTheyWere) {
     std::vector<Image> images;
     std::vector<std::vector<std::byte>> data;
     Uploader uploader(device(), GetParam());
-    for (auto [width, height, levels] : {std::array{1u, 1u, 1u}, {7u, 5u, 3u}, {131u, 67u, 8u}, {1u, 300u, 2u}}) {
-      const ImageDesc desc{format, width, height, 1, levels, 1, kTexture, formatName(format)};
-      images.emplace_back(device(), desc);
-      data.push_back(texels(desc, static_cast<uint32_t>(data.size())));
-      uploader.upload(images.back(), data.back());
-    }
+    for (auto [width, height, levels] : {std::array{1u, 1u, 1u}, {7u, 5u, 3u}, {131u, 67u, 8u}, {1u, 300u, 2u}})
+      for (bool oddBase : {false, true}) {
+        const ImageDesc desc{format, width, height, 1, levels, 1, kTexture, formatName(format), oddBase};
+        images.emplace_back(device(), desc);
+        data.push_back(texels(desc, static_cast<uint32_t>(data.size())));
+        uploader.upload(images.back(), data.back());
+      }
     uploader.flush();
     for (size_t i = 0; i < images.size(); ++i) {
       std::vector<std::byte> back = readBack(device(), images[i]);

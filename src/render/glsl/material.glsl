@@ -26,7 +26,9 @@ vec2 transformedUv(TextureTransform t, vec4 uvSets) {
 
 vec2 textureUv(TextureTransform t) { return transformedUv(t, varyingUv); }
 
-bool hasTexture(Material m, uint slot) { return (m.textures & (1u << slot)) != 0u; }
+// FrameSetup::textureSlots: what no material of the scene has a texture in need not be compiled.
+layout(constant_id = 8) const uint kTextureSlots = ~0u;
+bool hasTexture(Material m, uint slot) { return (m.textures & kTextureSlots & (1u << slot)) != 0u; }
 
 #ifdef MULTISAMPLED
 // Levels follow from the gradients between pixels' centres: centroids lie anywhere in their pixels, and differences between

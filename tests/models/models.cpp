@@ -1,132 +1,29 @@
-#include "app/models.h"
+#include "models/models.h"
 
 #include <meshoptimizer.h>
-#include <turbojpeg.h>
-#include <webp/encode.h>
 
 #include <array>
 #include <cmath>
 #include <cstdlib>
-#include <functional>
-#include <glm/gtc/constants.hpp>
-#include <glm/gtc/quaternion.hpp>
 #include <numeric>
-#include <stdexcept>
 
+#include "models/parts.h"
 #include "output/exr.h"
-#include "output/png.h"
-#include "scene/gltf_builder.h"
 
-namespace latelight::app {
+namespace latelight::models {
 
 namespace {
 
 using glm::vec2;
 using glm::vec3;
 using glm::vec4;
-using nlohmann::json;
-using output::Picture;
-using scene::test::GltfBuilder;
 
-// --- geometry -------------------------------------------------------------------------------------------------------
-
-struct Shape {
-  std::vector<vec3> positions, normals;
-  std::vector<vec2> uv;
-  std::vector<uint16_t> indices;
-};
-
-// A rectangle of width x height in the XY plane that faces +Z; v down.
-Shape card(float width, float height) {
-  Shape s;
-  for (const vec2 corner : {vec2(-1, -1), vec2(1, -1), vec2(1, 1), vec2(-1, 1)}) {
-    s.positions.emplace_back(corner.x * width / 2, corner.y * height / 2, 0);
-    s.normals.emplace_back(0, 0, 1);
-    s.uv.push_back(vec2(corner.x, -corner.y) * 0.5f + 0.5f);
-  }
-  s.indices = {0, 1, 2, 0, 2, 3};
-  return s;
-}
-
-// A unit sphere about the origin; the seam of its uv is at -Z.
-Shape sphere(int columns, int rows) {
-  Shape s;
-  for (int row = 0; row <= rows; ++row)
-    for (int column = 0; column <= columns; ++column) {
-      const vec2 uv(static_cast<float>(column) / static_cast<float>(columns),
-                    static_cast<float>(row) / static_cast<float>(rows));
-      const float azimuth = glm::two_pi<float>() * uv.x, polar = glm::pi<float>() * uv.y;
-      s.normals.emplace_back(-std::sin(polar) * std::sin(azimuth), std::cos(polar),
-                             -std::sin(polar) * std::cos(azimuth));
-      s.uv.push_back(uv);
-    }
-  s.positions = s.normals;
-  for (int row = 0; row < rows; ++row)
-    for (int column = 0; column < columns; ++column) {
-      const auto a = static_cast<uint16_t>(row * (columns + 1) + column);
-      const auto b = static_cast<uint16_t>(a + columns + 1);
-      const auto right = [](uint16_t i) { return static_cast<uint16_t>(i + 1); };
-      for (const uint16_t i : {a, b, right(b), a, right(b), right(a)}) s.indices.push_back(i);
-    }
-  return s;
-}
-
-json primitive(GltfBuilder& file, const Shape& shape, int material) {
-  json attributes{{"POSITION", file.positions(shape.positions)}, {"NORMAL", file.vectors(shape.normals)}};
-  attributes["TEXCOORD_0"] = file.vectors(shape.uv);
-  const int indices =
-      file.accessor(file.view(shape.indices), scene::test::kUnsignedShort, "SCALAR", shape.indices.size());
-  return {{"attributes", attributes}, {"indices", indices}, {"material", material}};
-}
-
-int mesh(GltfBuilder& file, const Shape& shape, int material) {
-  return file.add("meshes", {{"primitives", json::array({primitive(file, shape, material)})}});
-}
-
-json rotation(float degrees, vec3 axis) {
-  const glm::quat q = glm::angleAxis(glm::radians(degrees), axis);
-  return {q.x, q.y, q.z, q.w};
-}
 const json kLyingFlat = rotation(-90, vec3(1, 0, 0));
-
-void place(GltfBuilder& file, const char* name, int mesh, vec3 at, json more = json::object()) {
-  more["name"] = name;
-  more["mesh"] = mesh;
-  more["translation"] = {at.x, at.y, at.z};
-  file.node(more);
-}
-
-int plain(GltfBuilder& file, const char* name, vec3 color, float metallic, float roughness) {
-  return file.add("materials", {{"name", name},
-                                {"pbrMetallicRoughness",
-                                 {{"baseColorFactor", {color.r, color.g, color.b, 1}},
-                                  {"metallicFactor", metallic},
-                                  {"roughnessFactor", roughness}}}});
-}
-
-void perspectiveCamera(GltfBuilder& file, const char* name, vec3 at, float pitch) {
-  const int camera = file.add("cameras", {{"type", "perspective"}, {"perspective", {{"yfov", 0.7}, {"znear", 0.1}}}});
-  file.node({{"name", name},
-             {"camera", camera},
-             {"translation", {at.x, at.y, at.z}},
-             {"rotation", rotation(pitch, vec3(1, 0, 0))}});
-}
 
 // --- pictures -------------------------------------------------------------------------------------------------------
 
-Picture paint(uint32_t side, const std::function<vec4(vec2)>& color) {
-  Picture picture{side, side, {}};
-  for (uint32_t y = 0; y < side; ++y)
-    for (uint32_t x = 0; x < side; ++x) {
-      const vec4 c = color((vec2(x, y) + 0.5f) / static_cast<float>(side));
-      for (int i = 0; i < 4; ++i)
-        picture.rgba.push_back(static_cast<uint8_t>(std::lround(glm::clamp(c[i], 0.0f, 1.0f) * 255)));
-    }
-  return picture;
-}
-
 Picture paintChecker() {
-  return paint(64, [](vec2 uv) {
+  return paint(64, 64, [](vec2 uv) {
     const bool light = (static_cast<int>(uv.x * 4) + static_cast<int>(uv.y * 4)) % 2 == 0;
     return light ? vec4(0.9, 0.85, 0.7, 1) : vec4(0.25, 0.4, 0.55, 1);
   });
@@ -134,7 +31,7 @@ Picture paintChecker() {
 
 // Rounded bumps, one a checker's field.
 Picture paintBumps() {
-  return paint(64, [](vec2 uv) {
+  return paint(64, 64, [](vec2 uv) {
     const vec2 within = glm::fract(uv * 4.0f) * 2.0f - 1.0f;
     const vec2 slope = glm::length(within) < 0.9f ? within * 0.6f : vec2(0);
     return vec4(glm::normalize(vec3(slope.x, -slope.y, 1)) * 0.5f + 0.5f, 1);
@@ -143,62 +40,21 @@ Picture paintBumps() {
 
 // Occlusion in R, roughness in G, metalness in B: bands of metal, rougher downwards.
 Picture paintMetalRoughness() {
-  return paint(64, [](vec2 uv) {
+  return paint(64, 64, [](vec2 uv) {
     const bool metal = static_cast<int>(uv.x * 8) % 2 == 0;
     return vec4(1, 0.15f + 0.7f * uv.y, metal ? 1 : 0, 1);
   });
 }
 
 Picture paintHoles() {
-  return paint(64, [](vec2 uv) {
+  return paint(64, 64, [](vec2 uv) {
     const vec2 within = glm::fract(uv * 3.0f) - 0.5f;
     return vec4(0.8, 0.25, 0.15, glm::length(within) < 0.33f ? 0 : 1);
   });
 }
 
 Picture paintGlow() {
-  return paint(32, [](vec2 uv) { return vec4(uv.x, 0.6f * uv.y, 1 - uv.x, 1); });
-}
-
-Bytes copyOf(const void* data, size_t size) {
-  const auto* bytes = static_cast<const std::byte*>(data);
-  return {bytes, bytes + size};
-}
-
-Bytes encodeJpeg(const Picture& picture) {
-  const tjhandle codec = tjInitCompress();
-  unsigned char* data = nullptr;
-  unsigned long size = 0;
-  const int failed = tjCompress2(codec, picture.rgba.data(), static_cast<int>(picture.width), 0,
-                                 static_cast<int>(picture.height), TJPF_RGBA, &data, &size, TJSAMP_420, 90, 0);
-  Bytes bytes = copyOf(data, failed ? 0 : size);
-  tjFree(data);
-  tjDestroy(codec);
-  if (bytes.empty()) throw std::runtime_error("libturbojpeg can't write the test's picture");
-  return bytes;
-}
-
-Bytes encodeWebp(const Picture& picture) {
-  uint8_t* data = nullptr;
-  const size_t size =
-      WebPEncodeLosslessRGBA(picture.rgba.data(), static_cast<int>(picture.width), static_cast<int>(picture.height),
-                             static_cast<int>(picture.width) * 4, &data);
-  Bytes bytes = copyOf(data, size);
-  WebPFree(data);
-  if (bytes.empty()) throw std::runtime_error("libwebp can't write the test's picture");
-  return bytes;
-}
-
-// The index of a new texture. JPEG has no alpha: pictures that need it stay PNG.
-int addTexture(GltfBuilder& file, const Picture& picture, PictureKind kind, bool alpha = false) {
-  if (alpha && kind == PictureKind::Jpeg) kind = PictureKind::Png;
-  const char* type = kind == PictureKind::Jpeg ? "image/jpeg" : kind == PictureKind::Webp ? "image/webp" : "image/png";
-  const Bytes bytes = kind == PictureKind::Jpeg   ? encodeJpeg(picture)
-                      : kind == PictureKind::Webp ? encodeWebp(picture)
-                                                  : output::encodePng(picture);
-  const int image = file.add("images", {{"bufferView", file.view(bytes)}, {"mimeType", type}});
-  if (kind != PictureKind::Webp) return file.add("textures", {{"source", image}});
-  return file.add("textures", {{"extensions", {{"EXT_texture_webp", {{"source", image}}}}}});
+  return paint(32, 32, [](vec2 uv) { return vec4(uv.x, 0.6f * uv.y, 1 - uv.x, 1); });
 }
 
 // --- textured model -------------------------------------------------------------------------------------------------
@@ -433,6 +289,31 @@ std::string embeddedModel() {
   return buildTextured(PictureKind::Png).embedded();
 }
 
+Bytes blendedModel() {
+  GltfBuilder file;
+  const Shape ball = sphere(32, 16);
+  const auto glass = [&](const char* name, vec3 color, float alpha) {
+    const int material = plain(file, name, color, 0, 0.2f);
+    json& made = file.root["materials"][material];
+    made["alphaMode"] = "BLEND";
+    made["doubleSided"] = true;
+    made["pbrMetallicRoughness"]["baseColorFactor"][3] = alpha;
+    return material;
+  };
+  place(file, "floor", mesh(file, card(6, 5), tiledMaterial(file, PictureKind::Png)), {0, 0, 0},
+        {{"rotation", kLyingFlat}});
+  place(file, "chalk", mesh(file, ball, plain(file, "chalk", vec3(0.8f), 0, 0.9f)), {-1.2f, 1, -0.8f});
+  place(file, "gold", mesh(file, ball, plain(file, "gold", {1, 0.77f, 0.34f}, 1, 0.35f)), {1.2f, 1, -0.8f});
+  place(file, "bubble", mesh(file, ball, glass("bubble", {0.6f, 0.8f, 1}, 0.25f)), {0, 0.7f, 0.7f},
+        {{"scale", {0.6, 0.6, 0.6}}});
+  place(file, "red pane", mesh(file, card(1.6f, 2), glass("red glass", {0.9f, 0.1f, 0.1f}, 0.4f)), {-1, 1, 1.2f},
+        {{"rotation", rotation(15, vec3(0, 1, 0))}});
+  place(file, "green pane", mesh(file, card(1.6f, 2), glass("green glass", {0.1f, 0.8f, 0.2f}, 0.6f)), {0.6f, 1, 1.6f});
+  place(file, "holes", mesh(file, card(1.2f, 1.2f), cutMaterial(file, PictureKind::Png)), {1.8f, 0.8f, 1});
+  perspectiveCamera(file, "front", {0, 1.6f, 6}, -6);
+  return file.glb();
+}
+
 Bytes intricateModel() {
   GltfBuilder file;
   const int red = plain(file, "red", {0.8f, 0.15f, 0.1f}, 0, 0.5f),
@@ -447,6 +328,18 @@ Bytes intricateModel() {
       {{"byteLength", file.buffer.size()}},
       {{"byteLength", 1 << 16}, {"extensions", {{"EXT_meshopt_compression", {{"fallback", true}}}}}}};
   return file.glb();
+}
+
+std::map<std::string, Bytes> allModels() {
+  return {{"punctual.glb", punctualModel()},
+          {"textured.glb", texturedModel()},
+          {"intricate.glb", intricateModel()},
+          {"skinned.glb", skinnedModel()},
+          {"morphed.glb", morphedModel()},
+          {"blended.glb", blendedModel()},
+          {"many_materials.glb", manyMaterialsModel()},
+          {"sky.hdr", radiancePanorama(1024, 512)},
+          {"sky.exr", exrPanorama(1024, 512)}};
 }
 
 Bytes radiancePanorama(uint32_t width, uint32_t height) {
@@ -476,4 +369,4 @@ Bytes exrPanorama(uint32_t width, uint32_t height) {
   return output::encodeExr(images, {});
 }
 
-}  // namespace latelight::app
+}  // namespace latelight::models
