@@ -62,6 +62,15 @@ uint64_t defaultLimit() {
   return limit;
 }
 
+// The limit, or less where `ulimit -v` leaves less beside what is taken already: a driver that finds no addresses for
+// its compiler and its threads crashes.
+uint64_t limitBeside(uint64_t before) {
+  constexpr uint64_t kForDrivers = uint64_t{256} << 20;
+  const uint64_t left = addressesLeft();
+  if (left == kUnlimited) return memoryLimit();
+  return std::min(memoryLimit(), before + left - std::min(left, kForDrivers));
+}
+
 std::string mebibytes(uint64_t bytes) {
   return fmt::format("{} MiB", (bytes >> 20) + (bytes % (1 << 20) != 0));
 }
@@ -86,8 +95,8 @@ void setMemoryLimit(uint64_t bytes) {
 }
 
 void MemoryClaim::grow(uint64_t bytes, std::string_view what) {
-  const uint64_t limit = memoryLimit();
   uint64_t before = taken;
+  const uint64_t limit = limitBeside(before);
   do {
     if (bytes > limit || before > limit - bytes)
       fail(ExitCode::DeviceLost,
