@@ -28,7 +28,12 @@ bool makesSizesAlike(const vk::Device& device, const std::vector<scene::Texture>
   const auto odd = [](const scene::Texture& t) {
     return !std::has_single_bit(t.width) || !std::has_single_bit(t.height);
   };
-  return device.isCpu() && std::ranges::any_of(textures, odd);
+  // An odd base is four times as large as its texture. It is never written to, so it takes addresses, not memory; but
+  // drivers bound those too, and where textures are large the shaders' compiling is not what takes time.
+  constexpr uint64_t kMostTexels = uint64_t{32} << 20;
+  uint64_t texels = 0;
+  for (const scene::Texture& t : textures) texels += uint64_t{t.width} * t.height;
+  return device.isCpu() && texels <= kMostTexels && std::ranges::any_of(textures, odd);
 }
 
 bool getsOddBase(const vk::Device& device, uint32_t width, uint32_t height) {

@@ -13,8 +13,9 @@
 
 namespace latelight::render {
 
-// Whether sizes of these textures are of several kinds, on a device to which that matters. Then those with a power of
-// two get an odd base (vk::ImageDesc::oddBase), whose size is the one that counts.
+// Whether sizes of these textures are of several kinds, on a device to which that matters, and all of them together are
+// not too large for it. Then those with a power of two get an odd base (vk::ImageDesc::oddBase), whose size is the one
+// that counts.
 bool makesSizesAlike(const vk::Device& device, const std::vector<scene::Texture>& textures);
 
 // Whether a texture of that size is one to give an odd base; not where this would be larger than the device allows.
