@@ -1,0 +1,14 @@
+// One small glTF file with everything that a picture may have to cope with.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace latelight::app {
+
+// Textured, masked, blended, unlit and double-sided surfaces; a mirrored node; one without normals and texture
+// coordinates; one skinned and one morphed; lights of each kind that move; a camera that moves, "front", and an
+// orthographic one, "above". Animations "move" and "sway", variants "red" and "blue", lights "sun", "lamp" and "spot".
+std::vector<std::byte> everythingModel();
+
+}  // namespace latelight::app
