@@ -1,6 +1,7 @@
 // latelight: the command line. Exit codes are base/error.h's.
 #include <fcntl.h>
 #include <fmt/core.h>
+#include <poll.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -142,6 +143,12 @@ void holdStandardStreams() {
     if (fcntl(stream, F_GETFD) < 0 && errno == EBADF) open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
 }
 
+// Whoever reads standard output has seen enough, as head has after a few lines.
+bool readerLeft() {
+  pollfd output{.fd = STDOUT_FILENO, .events = POLLOUT, .revents = 0};
+  return poll(&output, 1, 0) > 0 && (output.revents & POLLERR);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -153,6 +160,10 @@ int main(int argc, char** argv) {
   const int code = run(argc, argv);
   // Text leaves when its buffer does: a full disk may show only here.
   if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return code;
+  if (readerLeft()) {  // as every program ends then: without a word
+    std::signal(SIGPIPE, SIG_DFL);
+    std::raise(SIGPIPE);
+  }
   complain("can't write to standard output; free some space, or send it elsewhere");
   return static_cast<int>(ExitCode::Usage);
 }

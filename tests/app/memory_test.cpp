@@ -6,12 +6,13 @@
 #include <algorithm>
 
 #include "app/folder.h"
-#include "app/models.h"
 #include "app/process.h"
+#include "models/models.h"
 
 namespace latelight::app {
 namespace {
 
+using namespace models;
 using testing::HasSubstr;
 
 // The program under a limit on its address space, MiB.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "models/models.h"
 #include "render/support.h"
 #include "scene/framing.h"
 
@@ -159,7 +160,7 @@ TEST_F(DefaultLayoutTest, HoldsTheBuiltInScenes) {
 // Under the studio and a sun that is brighter than it.
 class DefaultLayoutModelTest : public DefaultLayoutTest, public testing::WithParamInterface<std::filesystem::path> {};
 TEST_P(DefaultLayoutModelTest, IsHeld) {
-  SKIP_WITHOUT(GetParam());
+  if (!std::filesystem::exists(GetParam())) GTEST_SKIP() << GetParam() << " is not there: install assimp-testmodels";
   const scene::Scene scene = scene::load(GetParam().string());
   const scene::Environment studio = scene::loadEnvironment("studio");
   Settings settings = settingsOf(240, 180);
@@ -173,10 +174,20 @@ std::string nameOf(const testing::TestParamInfo<std::filesystem::path>& info) {
   return name;
 }
 
-INSTANTIATE_TEST_SUITE_P(Shared, DefaultLayoutModelTest,
-                         testing::Values(sharedModel("DamagedHelmet.glb"), sharedModel("Fox.glb"),
-                                         sharedModel("CesiumMan.glb"), sharedModel("lights_punctual.glb")),
-                         nameOf);
+std::vector<std::filesystem::path> testModels() {
+  std::vector<std::filesystem::path> paths;
+  for (const std::string& name :
+       models::withReal({"punctual.glb", "textured.glb", "blended.glb"},
+                        {"DamagedHelmet.glb", "Fox.glb", "CesiumMan.glb", "lights_punctual.glb"}))
+    paths.push_back(models::modelPath(name));
+  return paths;
+}
+INSTANTIATE_TEST_SUITE_P(Models, DefaultLayoutModelTest, testing::ValuesIn(testModels()), nameOf);
+
+// Of Debian's package assimp-testmodels.
+std::filesystem::path assimpModel(const char* name) {
+  return std::filesystem::path("/usr/share/assimp/models/glTF2") / name;
+}
 INSTANTIATE_TEST_SUITE_P(
     Assimp, DefaultLayoutModelTest,
     testing::Values(assimpModel("BoxTextured-glTF-Binary/BoxTextured.glb"),
