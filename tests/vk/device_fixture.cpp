@@ -1,6 +1,7 @@
 #include "vk/device_fixture.h"
 
 #include <algorithm>
+#include <cstdlib>
 
 namespace latelight::vk {
 
@@ -17,7 +18,9 @@ class Shutdown : public testing::Environment {
 }  // namespace
 
 Device& DeviceTest::device() {
-  if (!shared) shared = std::make_unique<Device>(DeviceOptions{.selector = "cpu", .validation = true});
+  const char* name = std::getenv("LATELIGHT_TEST_DEVICE");
+  if (!shared)
+    shared = std::make_unique<Device>(DeviceOptions{.selector = name && *name ? name : "cpu", .validation = true});
   return *shared;
 }
 

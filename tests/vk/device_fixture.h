@@ -1,4 +1,5 @@
-// A CPU device under validation, shared by the tests of a process; any message fails the test that caused it.
+// A device under validation, shared by the tests of a process; any message fails the test that caused it. It is a CPU
+// device unless LATELIGHT_TEST_DEVICE names another one.
 #pragma once
 
 #include <gtest/gtest.h>
