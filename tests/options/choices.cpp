@@ -22,7 +22,7 @@ Values namesIn(const Range& range) {
 // The names of a registry, and what is none.
 template <typename Range>
 Choice oneOf(double share, const Range& range, Rate rate = Rate::Draw) {
-  return {share, namesIn(range), {"nothing", ""}, rate};
+  return {share, namesIn(range), {"nothing"}, rate};
 }
 
 // Numbers, the ends of what is allowed among them, and those that lie beyond.
@@ -51,7 +51,8 @@ Values aovLists() {
     all += (all.empty() ? "" : ",") + std::string(aov.name);
     if (aov.png != output::PngCoding::None) png += (png.empty() ? "" : ",") + std::string(aov.name);
   }
-  lists.insert(lists.end(), {all, png, all, png});
+  lists.insert(lists.end(), 6, all);
+  lists.insert(lists.end(), 3, png);
   return lists;
 }
 
@@ -62,29 +63,31 @@ Values debugPictures() {
 }
 
 // The hall is drawn small and with glass; others as they are.
-Values scenes(const std::string& model) {
+Values scenes(const Values& models) {
   Values names;
   for (const scene::Builtin& builtin : scene::builtins()) {
     std::string name = "builtin:" + std::string(builtin.name);
     if (builtin.name == "hall") name += ",triangles=50k,lights=12,glass=1";
     names.push_back(name);
   }
-  names.insert(names.end(), 2 * names.size(), model);  // most draws, for it has everything
+  for (int i = 0; i < 2; ++i) names.insert(names.end(), models.begin(), models.end());  // they have more to show
   return names;
 }
 
 using Table = std::map<std::string, Choice>;
 
-void addScene(Table& t, const std::string& model) {
-  t["SCENE"] = {1, scenes(model), {"builtin:nothing"}, Rate::Group};
+void addScene(Table& t, const Values& models, const std::filesystem::path& folder) {
+  t["SCENE"] = {1, scenes(models), {"builtin:nothing"}, Rate::Group};
   t["--variant"] = {0.15, {"red", "blue"}, {"green"}, Rate::Group};
+  t["--allow-outside"] = {0.1, {folder.string()}, {}};  // looked at where a file is loaded
+  t["--memory"] = {0.1, {"4G", "100G"}, {"0", "much", "-1G"}};
   t["--size"] = {1, {"48x27", "48x27", "48x27", "33x17", "7x40", "1x1"}, {"0x9", "20000x9", "48", "-4x4"}};
   t["--camera"] = {0.15, {"0"}, {"99", "nobody"}};
   t["--eye"] = {0.2, {"0.3,1.2,6", "0,1,0.2", "-3,2,3"}, {"1,2", "a,b,c", "nan,0,0"}};
   t["--target"] = {0.15, {"0,0.5,0", "1,1,-1"}, {"1,2"}};
   t["--up"] = {0.1, {"0,1,0", "1,1,0"}, {"0,1"}};
   t["--orbit"] = {0.15, {"30,20", "-120,-10,4", "0,89"}, {"1", "x,y"}};
-  t["--fov"] = number(0.2, {"40", "100", "1", "170"}, {"0", "-5", "180"});
+  t["--fov"] = number(0.2, {"40", "100", "1", "179"}, {"0", "-5", "180", "1e-308"});
   t["--frame"] = {0.1, {"0", "7"}, {"-1", "x"}};
 }
 
@@ -108,12 +111,15 @@ void addLook(Table& t, const std::string& panorama) {
   t["--transparency"] = oneOf(0.5, render::transparencies(), Rate::Group);
   t["--shadows"] = oneOf(0.6, render::shadowFormats(), Rate::Group);
   t["--shadow-filter"] = oneOf(0.5, render::shadowFilters(), Rate::Group);
-  t["--shadow-lights"] = {0.3, {"auto", "all", "none", "0", "2", "lamp", "spot,sun"}, {""}};
+  t["--shadow-lights"] = {
+      0.3, {"auto", "all", "none", "0", "2", "lamp", "spot,sun"}, {}};  // names are looked for where lights shine
   t["--shadow-atlas"] = {0.3, {"256", "1000", "16384"}, {"255", "16385", "x"}};
   t["--light-size"] = number(0.2, {"0", "0.3", "1e6"}, {"-1", "inf"});
   t["--sun-angle"] = number(0.2, {"0", "5", "90"}, {"-1", "91"});
   t["--sun"] = {0.25, {"30,40", "-60,-10,0", "0,90,1e6"}, {"1", "a,b", "0,0,-1"}};
   t["--aa"] = {0.7, antiAliasings(), {"ss0", "ss17", "msaa"}, Rate::Group};
+  t["--anisotropy"] = number(0.2, {"1", "2", "16"}, {"0", "17"});
+  t["--anisotropy"].rate = Rate::Group;
   t["--hdri"] = {0.4, {"studio", "none", panorama}, {}, Rate::Group};
   t["--hdri-rotate"] = number(0.15, {"0", "90", "-721.5"}, {"inf"});
   t["--hdri-intensity"] = number(0.15, {"0", "2.5", "1e30"}, {"-1", "inf"});
@@ -143,7 +149,7 @@ void addOutput(Table& t, const std::filesystem::path& folder) {
                  at("{scene}/o.{aov}.{camera}.png"), "-"},
                 {at("o.gif"), at("{x}.png"), at("none/o.png"), folder.string() + "/"}};
   t["--aov"] = {0.7, aovLists(), {"nothing", "color,,depth"}};
-  t["--data-surfaces"] = oneOf(0.4, render::dataSurfaces());
+  t["--data-surfaces"] = oneOf(0.6, render::dataSurfaces());
   t["--pick"] = {0.12, {"0,0"}, {"99,0", "1", "-1,0"}};
   t["--debug"] = {0.2, debugPictures(), {"nothing"}};
   t["--normal-frame"] = {0.3, {"world", "opencv", "opengl"}, {"file"}};
@@ -157,10 +163,10 @@ void addOutput(Table& t, const std::filesystem::path& folder) {
 
 }  // namespace
 
-std::map<std::string, Choice> choicesIn(const std::filesystem::path& folder, const std::string& model,
+std::map<std::string, Choice> choicesIn(const std::filesystem::path& folder, const std::vector<std::string>& models,
                                         const std::string& panorama) {
   Table table;
-  addScene(table, model);
+  addScene(table, models, folder);
   addTime(table);
   addLook(table, panorama);
   addPost(table);

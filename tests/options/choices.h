@@ -20,8 +20,8 @@ struct Choice {
 };
 
 // By option, as "--size"; "SCENE" is the argument. Names come from the registries, so what is added there is drawn
-// too. `model` and `panorama`: files. `folder`: for output.
-std::map<std::string, Choice> choicesIn(const std::filesystem::path& folder, const std::string& model,
+// too. `models` and `panorama`: files. `folder`: for output.
+std::map<std::string, Choice> choicesIn(const std::filesystem::path& folder, const std::vector<std::string>& models,
                                         const std::string& panorama);
 
 }  // namespace latelight::app

@@ -109,7 +109,7 @@ void addFloorAndWall(GltfBuilder& file) {
   place(file, "wall", wall, {0.5f, 1.5f, -2.5f}, {3, 1.5f, 1});  // beside it there is nothing
 }
 
-void addCards(GltfBuilder& file) {
+void addCards(GltfBuilder& file, const Kinds& kinds) {
   const int holes = addTexture(file, {220, 90, 60, 255}, {220, 90, 60, 0});
   const int panes = addTexture(file, {90, 200, 90, 160}, {200, 200, 255, 0});
   const auto card = [&](const char* name, int material, vec3 at, float degrees) {
@@ -119,14 +119,19 @@ void addCards(GltfBuilder& file) {
   const auto textured = [](int texture) {
     return json{{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", texture}}}}}};
   };
-  json masked = textured(holes);
-  masked.update({{"alphaMode", "MASK"}, {"doubleSided", true}});
-  card("masked", addMaterial(file, "masked", vec4(1), 0, 0.6f, masked), {-2.2f, 0.8f, 0.4f}, 200);
-  json pane = textured(panes);
-  pane.update({{"alphaMode", "BLEND"}, {"doubleSided", true}});
-  card("pane", addMaterial(file, "pane", vec4(1), 0, 0.2f, pane), {-0.7f, 0.9f, 1.2f}, 25);
-  card("glass", addMaterial(file, "glass", vec4(0.6f, 0.8f, 1, 0.3f), 0, 0.05f, {{"alphaMode", "BLEND"}}),
-       {-0.4f, 1, 1.5f}, -20);
+  if (kinds.masked) {
+    json masked = textured(holes);
+    masked.update({{"alphaMode", "MASK"}, {"doubleSided", true}});
+    card("masked", addMaterial(file, "masked", vec4(1), 0, 0.6f, masked), {-2.2f, 0.8f, 0.4f}, 200);
+  }
+  if (kinds.blended) {
+    json pane = textured(panes);
+    pane.update({{"alphaMode", "BLEND"}, {"doubleSided", true}});
+    card("pane", addMaterial(file, "pane", vec4(1), 0, 0.2f, pane), {-0.7f, 0.9f, 1.2f}, 25);
+    card("glass", addMaterial(file, "glass", vec4(0.6f, 0.8f, 1, 0.3f), 0, 0.05f, {{"alphaMode", "BLEND"}}),
+         {-0.4f, 1, 1.5f}, -20);
+  }
+  if (!kinds.opaque) return;
   file.use("KHR_materials_unlit");
   card("unlit",
        addMaterial(file, "unlit", vec4(0.2f, 0.9f, 0.4f, 1), 0, 1,
@@ -235,30 +240,31 @@ void addCameras(GltfBuilder& file) {
 
 }  // namespace
 
-std::vector<std::byte> everythingModel() {
+std::vector<std::byte> everythingModel(const Kinds& kinds) {
   GltfBuilder file;
-  file.use("KHR_lights_punctual");
   addCameras(file);
-  addFloorAndWall(file);
-  addCards(file);
-  addBoxes(file);
-  const int cloth = addMaterial(file, "cloth", vec4(0.7f, 0.5f, 0.2f, 1), 0, 0.8f, {{"doubleSided", true}});
-  const int joint = addSkinned(file, cloth), pillow = addMorphed(file, cloth);
-  const int sun = addLight(file, "sun", {{"type", "directional"}, {"intensity", 1.5}}, {0, 5, 0}, -50);
-  const int lamp =
-      addLight(file, "lamp", {{"type", "point"}, {"intensity", 12}, {"range", 5}, {"color", {0.3, 0.6, 1}}},
-               {-1.1f, 2.2f, 1.2f}, 0);
-  addLight(file, "spot", {{"type", "spot"}, {"intensity", 60}, {"spot", {{"outerConeAngle", 0.4}}}}, {2, 4, 2}, -60);
-
-  Animation move(file, "move");
+  Animation move(file, "move"), sway(file, "sway");
   move.move(kFront, {0, 1.6f, 6.5f}, {0.6f, 1.8f, 5.5f});
-  move.turn(sun, -50, -20, vec3(1, 0, 0));
-  move.move(lamp, {-1.1f, 2.2f, 1.2f}, {1.5f, 1, 1.5f});
+  addCards(file, kinds);
+  if (kinds.opaque) {
+    addFloorAndWall(file);
+    addBoxes(file);
+    const int cloth = addMaterial(file, "cloth", vec4(0.7f, 0.5f, 0.2f, 1), 0, 0.8f, {{"doubleSided", true}});
+    sway.turn(addSkinned(file, cloth), 0, 70, vec3(0, 0, 1));
+    const int weights = file.accessor(file.view(std::vector<float>{0, 1}), scene::test::kFloat, "SCALAR", 2);
+    sway.add(addMorphed(file, cloth), "weights", weights);
+  }
+  if (kinds.lights) {
+    file.use("KHR_lights_punctual");
+    move.turn(addLight(file, "sun", {{"type", "directional"}, {"intensity", 1.5}}, {0, 5, 0}, -50), -50, -20,
+              vec3(1, 0, 0));
+    move.move(addLight(file, "lamp", {{"type", "point"}, {"intensity", 12}, {"range", 5}, {"color", {0.3, 0.6, 1}}},
+                       {-1.1f, 2.2f, 1.2f}, 0),
+              {-1.1f, 2.2f, 1.2f}, {1.5f, 1, 1.5f});
+    addLight(file, "spot", {{"type", "spot"}, {"intensity", 60}, {"spot", {{"outerConeAngle", 0.4}}}}, {2, 4, 2}, -60);
+  }
   move.finish();
-  Animation sway(file, "sway");
-  sway.turn(joint, 0, 70, vec3(0, 0, 1));
-  sway.add(pillow, "weights", file.accessor(file.view(std::vector<float>{0, 1}), scene::test::kFloat, "SCALAR", 2));
-  sway.finish();
+  if (kinds.opaque) sway.finish();
   return file.glb();
 }
 

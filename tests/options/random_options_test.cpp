@@ -46,7 +46,7 @@ std::vector<std::string> argumentsOf(const Options& options) {
   for (const auto& [name, value] : options) {
     if (name == "SCENE")
       arguments.push_back(value);
-    else if (value.empty() && name != "--normals")
+    else if (value.empty())  // a flag
       arguments.push_back(name);
     else
       arguments.push_back(name + "=" + value);
@@ -224,6 +224,10 @@ class RandomOptions : public render::test::RenderTest {
  protected:
   RandomOptions() {
     inputs.write("everything.glb", everythingModel());
+    inputs.write("no_masked.glb", everythingModel({.masked = false}));
+    inputs.write("no_blended.glb", everythingModel({.blended = false}));
+    inputs.write("no_lights.glb", everythingModel({.lights = false}));
+    inputs.write("glass_alone.glb", everythingModel({.opaque = false, .masked = false}));
     output::AovImage sky = output::makeAovImage(output::Aov::Color, 32, 16);
     for (size_t i = 0; i < sky.values.size(); ++i) sky.values[i] = static_cast<float>(i % 40) / 20;
     const output::AovImage* images[] = {&sky};
@@ -231,7 +235,11 @@ class RandomOptions : public render::test::RenderTest {
     inputs.write("sky.exr", output::encodeExr(images, plain));
   }
   std::map<std::string, Choice> choices() const {
-    return choicesIn(outputs.path(), inputs.at("everything.glb"), inputs.at("sky.exr"));
+    std::vector<std::string> models;
+    for (const std::string& name : inputs.names())
+      if (name.ends_with(".glb")) models.push_back(inputs.at(name));
+    models.insert(models.end(), 2, inputs.at("everything.glb"));
+    return choicesIn(outputs.path(), models, inputs.at("sky.exr"));
   }
   void empty() const {
     for (const auto& entry : std::filesystem::directory_iterator(outputs.path()))
