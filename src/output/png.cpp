@@ -30,6 +30,8 @@ const Bytef* zlibBytes(const std::byte* bytes) {
   return reinterpret_cast<const Bytef*>(bytes);
 }
 
+constexpr size_t kChunkBytes = 12;  // of a chunk beside its data
+
 void putChunk(std::vector<std::byte>& out, const char (&type)[5], std::span<const std::byte> data) {
   putBigEndian(out, static_cast<uint32_t>(data.size()));
   const size_t begin = out.size();
@@ -77,6 +79,7 @@ Stripe deflateStripe(std::vector<std::byte> raw, bool last) {
   [[maybe_unused]] const int result = deflate(&stream, last ? Z_FINISH : Z_SYNC_FLUSH);
   assert(result == (last ? Z_STREAM_END : Z_OK) && stream.avail_in == 0);
   stripe.deflated.resize(stream.total_out);
+  stripe.deflated.shrink_to_fit();  // many wait at once
   deflateEnd(&stream);
   return stripe;
 }
@@ -103,7 +106,13 @@ void putPixels(std::vector<std::byte>& out, std::vector<Stripe> stripes) {
   putBigEndian(stripes.back().deflated, static_cast<uint32_t>(adler));
   std::vector<std::byte>& first = stripes.front().deflated;
   first.insert(first.begin(), std::begin(kZlibHeader), std::end(kZlibHeader));
-  for (const Stripe& stripe : stripes) putChunk(out, "IDAT", stripe.deflated);
+  size_t bytes = out.size();
+  for (const Stripe& stripe : stripes) bytes += stripe.deflated.size() + kChunkBytes;
+  out.reserve(bytes + kChunkBytes);  // IEND too
+  for (Stripe& stripe : stripes) {
+    putChunk(out, "IDAT", stripe.deflated);
+    stripe = Stripe();  // so that a large file is in memory once
+  }
 }
 
 std::vector<std::byte> imageHeader(uint32_t width, uint32_t height, uint32_t channels, uint32_t bits) {

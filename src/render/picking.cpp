@@ -53,11 +53,16 @@ std::vector<Picked> pick(Renderer& renderer, const scene::Scene& scene, const sc
   Settings data = settings;
   data.display = false;
   data.aovs = {Aov::Id, Aov::Position, Aov::Normal, Aov::GeoNormal, Aov::Depth, Aov::Distance, Aov::Uv};
-  const output::FrameOutput frame = std::move(renderer.render({&camera, 1}, data, moment).front());
-  std::vector<Picked> picked;
-  for (const glm::uvec2 pixel : pixels) {
-    picked.push_back(describe(scene, {frame, size_t{pixel.y} * settings.width + pixel.x}));
-    picked.back().pixel = pixel;
+  std::vector<Picked> picked(pixels.size());
+  for (const Strip strip : stripsOf(data)) {
+    const auto lies = [&](glm::uvec2 pixel) { return pixel.y >= strip.first && pixel.y - strip.first < strip.rows; };
+    if (std::none_of(pixels.begin(), pixels.end(), lies)) continue;
+    const output::FrameOutput frame = renderer.renderStrip(camera, data, strip, moment);
+    for (size_t i = 0; i < pixels.size(); ++i) {
+      if (!lies(pixels[i])) continue;
+      picked[i] = describe(scene, {frame, size_t{pixels[i].y - strip.first} * settings.width + pixels[i].x});
+      picked[i].pixel = pixels[i];
+    }
   }
   return picked;
 }

@@ -38,18 +38,24 @@ struct Renderer::Views {
   }
 };
 
-// Some views of a call of render(): its settings and what it builds.
+// Some views of a call of render(): its settings and what it builds, a strip of their pictures at a time.
 struct Renderer::Job {
   const Views& cameras;
   const Settings& settings;
-  std::vector<output::FrameOutput> pictures;
+  Strip strip{0, settings.height};
+  std::vector<output::FrameOutput> pictures;  // of the strip
   std::vector<shared::View> views;
   vk::Buffer viewBuffer, constants;
   std::optional<ShadowMaps> shadows;  // none where no light casts any
   MemoryClaim memory;                 // of the pictures
+  size_t strips = 1;                  // that are rendered one after the other
+  std::optional<Progress> progress;   // over all of them, and the frames that each takes
   bool continues = false;             // the history of temporal anti-aliasing is that of these views, a frame before
 
-  size_t pixels() const { return size_t{settings.width} * settings.height; }
+  size_t pixels() const { return size_t{settings.width} * strip.rows; }
+  shared::View viewOf(const scene::Camera& camera, glm::vec2 jitter = glm::vec2(0)) const {
+    return render::viewOf(makeView(camera, settings.width, settings.height, jitter), strip);
+  }
 };
 
 namespace {
@@ -64,6 +70,20 @@ size_t viewsAtOnce(const Settings& settings, bool shadows) {
   const uint64_t bytes =
       bytesOf("exact") + settings.samples * (bytesOf(settings.layout) + 32) + (settings.temporal ? 112 : 48);
   return std::clamp<uint64_t>(kBudget / (bytes * settings.width * settings.height), 1, kLayers);
+}
+
+// Of what leaves.
+uint64_t bytesAPixel(const Settings& settings) {
+  uint64_t bytes = settings.display ? 4 : 0;
+  for (output::Aov aov : settings.aovs) bytes += 4 * output::info(aov).channels;
+  return bytes;
+}
+
+// Outputs that nothing is in yet, of so many rows.
+output::FrameOutput emptyOutput(const Settings& settings, uint32_t rows) {
+  output::FrameOutput empty{.width = settings.width, .height = rows, .aovs = {}, .display = {}};
+  for (output::Aov aov : settings.aovs) empty.aovs.push_back({aov, settings.width, rows, {}, {}});
+  return empty;
 }
 
 // Data alone need no light.
@@ -180,26 +200,49 @@ std::vector<output::FrameOutput> Renderer::render(std::span<const scene::Camera>
 std::vector<output::FrameOutput> Renderer::renderViews(const Views& views, const Settings& settings, bool continues) {
   Job job{.cameras = views, .settings = settings};
   job.continues = continues && history_.fits(settings.width, settings.height, views.now.size());
-  uint64_t bytes = settings.display ? 4 : 0;  // a pixel
-  for (output::Aov aov : settings.aovs) bytes += 4 * output::info(aov).channels;
-  job.memory.grow(bytes * job.pixels() * views.now.size(), "the pictures");
-  job.pictures.resize(views.now.size());
-  for (output::FrameOutput& picture : job.pictures) {
-    picture.width = settings.width;
-    picture.height = settings.height;
-    for (output::Aov aov : settings.aovs) picture.aovs.push_back({aov, settings.width, settings.height, {}, {}});
-  }
-  auto asked = [&](auto&& wanted) { return std::any_of(settings.aovs.begin(), settings.aovs.end(), wanted); };
-  const bool linear = output::contains(settings.aovs, output::Aov::Color);
+  const std::vector<Strip> strips = stripsOf(settings);
+  uint64_t rows = settings.height;
+  if (strips.size() > 1) rows += strips.front().rows;  // of the strip in work
+  job.memory.grow(bytesAPixel(settings) * settings.width * rows * views.now.size(), "the pictures");
   if (lightsSomething(settings)) prepareShadows(job);
-  if (settings.display || linear) renderColor(job);
-  if (asked(isLightCount)) renderLightCounts(job);
-  if (output::contains(settings.aovs, output::Aov::Samples)) renderSampleCounts(job);
-  if (asked(isData)) renderData(job);
-  return std::move(job.pictures);
+  job.strips = strips.size();
+  if (strips.size() == 1) {
+    renderStrip(job, strips.front());
+    return std::move(job.pictures);
+  }
+  std::vector<output::FrameOutput> whole(views.now.size(), emptyOutput(settings, settings.height));
+  for (const Strip strip : strips) {
+    renderStrip(job, strip);
+    for (size_t view = 0; view < whole.size(); ++view) append(whole[view], job.pictures[view]);
+  }
+  return whole;
 }
 
-// For the first view, whatever its jitter: samples of one picture share their shadow maps' places.
+output::FrameOutput Renderer::renderStrip(const scene::Camera& camera, const Settings& settings, Strip strip,
+                                          const Moment& moment) {
+  begin(settings, moment);
+  const Views views({&camera, 1}, moment);
+  Job job{.cameras = views, .settings = settings};
+  job.memory.grow(bytesAPixel(settings) * settings.width * strip.rows, "the pictures");
+  if (lightsSomething(settings)) prepareShadows(job);
+  renderStrip(job, strip);
+  return std::move(job.pictures.front());
+}
+
+// Fills the job's pictures with that strip of them.
+void Renderer::renderStrip(Job& job, Strip strip) {
+  const Settings& s = job.settings;
+  job.strip = strip;
+  job.pictures.assign(job.cameras.now.size(), emptyOutput(s, strip.rows));
+  auto asked = [&](auto&& wanted) { return std::any_of(s.aovs.begin(), s.aovs.end(), wanted); };
+  if (s.display || output::contains(s.aovs, output::Aov::Color)) renderColor(job);
+  if (asked(isLightCount)) renderLightCounts(job);
+  if (output::contains(s.aovs, output::Aov::Samples)) renderSampleCounts(job);
+  if (asked(isData)) renderData(job);
+}
+
+// For the first view, whatever its jitter and all of its strips: samples of one picture share their shadow maps'
+// places.
 void Renderer::prepareShadows(Job& job) {
   const ShadowScene scene{gpuScene_.lights(), gpuScene_.lightSources(), gpuScene_.sceneLights(),
                           gpuScene_.posed() ? gpuScene_.posedBounds() : scene::worldBounds(scene_)};
@@ -222,10 +265,10 @@ void Renderer::prepareShadows(Job& job) {
 FrameInputs Renderer::prepareViews(Job& job, glm::vec2 jitter) {
   const Settings& s = job.settings;
   job.views.clear();
-  for (const scene::Camera& camera : job.cameras.now) job.views.push_back(makeView(camera, s.width, s.height, jitter));
+  for (const scene::Camera& camera : job.cameras.now) job.views.push_back(job.viewOf(camera, jitter));
   std::vector<shared::View> all = job.views;
-  for (const scene::Camera& camera : job.cameras.previous) all.push_back(makeView(camera, s.width, s.height));
-  for (const scene::Camera& camera : job.cameras.next) all.push_back(makeView(camera, s.width, s.height));
+  for (const scene::Camera& camera : job.cameras.previous) all.push_back(job.viewOf(camera));
+  for (const scene::Camera& camera : job.cameras.next) all.push_back(job.viewOf(camera));
   vk::BufferDesc upload{.kind = vk::MemoryKind::Upload};
   upload.name = "views";
   upload.size = all.size() * sizeof(shared::View);
@@ -257,7 +300,7 @@ FrameInputs Renderer::prepareViews(Job& job, glm::vec2 jitter) {
           .views = job.views,
           .constants = job.constants.address(),
           .width = s.width,
-          .height = s.height,
+          .height = job.strip.rows,
           .environmentBackground = hasEnvironment_ && s.background == Background::Environment,
           .lights = gpuScene_.lights(),
           .aoRadius = s.ao.radius.value_or(kAoRadiusShare * boundsRadius_),
@@ -329,14 +372,14 @@ void Renderer::renderColor(Job& job) {
     sum = vk::Image(device_,
                     {.format = VK_FORMAT_R32G32B32A32_SFLOAT,
                      .width = s.width,
-                     .height = s.height,
+                     .height = job.strip.rows,
                      .layers = static_cast<uint32_t>(job.cameras.now.size()),
                      .usage = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
                      .name = "sum"});
   }
   const bool linear = output::contains(s.aovs, output::Aov::Color);
 
-  Progress progress("Rendering", n);
+  if (!job.progress) job.progress.emplace("Rendering", n * job.strips);
   for (size_t i = 0; i < n; ++i) {
     const bool last = i + 1 == n;
     FrameInputs inputs = prepareViews(job, jitters[i]);
@@ -365,7 +408,7 @@ void Renderer::renderColor(Job& job) {
       i = ~size_t{0};
       continue;
     }
-    progress.step();
+    job.progress->step();
     if (!last) continue;
     const bool floats = graph.desc(finished.linear).format == VK_FORMAT_R32G32B32A32_SFLOAT;
     if (surfaces) {

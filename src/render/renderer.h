@@ -16,6 +16,7 @@
 #include "render/post/post.h"
 #include "render/post/taa/taa.h"
 #include "render/settings.h"
+#include "render/strips.h"
 #include "scene/scene.h"
 #include "vk/device.h"
 
@@ -48,6 +49,10 @@ class Renderer {
   std::vector<output::FrameOutput> render(std::span<const scene::Camera> cameras, const Settings& settings,
                                           const Moment& moment = {});
 
+  // One of stripsOf(settings) alone: as many rows, the same as in the whole picture.
+  output::FrameOutput renderStrip(const scene::Camera& camera, const Settings& settings, Strip strip,
+                                  const Moment& moment = {});
+
   // The targets of the picture's own G-buffer, at the pixel centres. Throws Error(Usage) where it has none.
   output::RawGbuffer readTargets(const scene::Camera& camera, const Settings& settings, const Moment& moment = {});
 
@@ -64,6 +69,7 @@ class Renderer {
   struct Views;
   void begin(const Settings& settings, const Moment& moment);
   std::vector<output::FrameOutput> renderViews(const Views& views, const Settings& settings, bool continues);
+  void renderStrip(Job& job, Strip strip);
   void renderColor(Job& job);
   std::vector<glm::vec2> jittersOf(const Job& job) const;
   graph::ImageId addTemporal(graph::Graph& graph, const FrameInputs& inputs, const LitFrame& lit,

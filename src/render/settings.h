@@ -43,6 +43,7 @@ struct SunLight {
 
 struct Settings {
   uint32_t width = 1280, height = 720;
+  uint32_t stripPixels = 1u << 23;  // larger pictures are rendered in strips of at most so many: strips.h
   std::string layout = "compact";
   std::string normals = "octahedral";
   std::string normalSpace = "layout";

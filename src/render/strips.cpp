@@ -1,0 +1,55 @@
+#include "render/strips.h"
+
+#include <algorithm>
+
+namespace latelight::render {
+
+namespace {
+
+// A multiple of the side of every block of pixels that passes work on: 2 of derivatives, 16 of workgroups and tiles.
+constexpr uint32_t kBlock = 64;
+
+bool needsNeighbours(const Settings& s) {
+  const bool color = s.display || output::contains(s.aovs, output::Aov::Color);
+  return color && (s.temporal || s.fxaa || s.bloom.strength > 0 || s.ao.method != "none");
+}
+
+template <typename T>
+void append(std::vector<T>& whole, const std::vector<T>& strip, size_t most) {
+  whole.reserve(most);
+  whole.insert(whole.end(), strip.begin(), strip.end());
+}
+
+}  // namespace
+
+std::vector<Strip> stripsOf(const Settings& s) {
+  if (uint64_t{s.width} * s.height <= s.stripPixels || needsNeighbours(s)) return {{0, s.height}};
+  const uint32_t blocks = std::max<uint32_t>(1, s.stripPixels / (s.width * kBlock));
+  const uint32_t rows = blocks * kBlock;
+  std::vector<Strip> strips;
+  for (uint32_t first = 0; first < s.height; first += rows) strips.push_back({first, std::min(rows, s.height - first)});
+  return strips;
+}
+
+// NDC of a strip is that of the whole times `times`, and moved.
+shared::View viewOf(const shared::View& whole, Strip strip) {
+  const double height = whole.size.y, rows = strip.rows, times = height / rows;
+  shared::View view = whole;
+  view.size.y = static_cast<float>(rows);
+  view.projection.V = static_cast<float>(whole.projection.V * times);
+  view.projection.Z = static_cast<float>(whole.projection.Z * times + (rows - height + 2.0 * strip.first) / rows);
+  view.jitter.y = static_cast<float>(whole.jitter.y * times);
+  return view;
+}
+
+void append(output::FrameOutput& whole, const output::FrameOutput& strip) {
+  const size_t pixels = size_t{whole.width} * whole.height;
+  if (!strip.display.empty()) append(whole.display, strip.display, 4 * pixels);
+  for (size_t i = 0; i < whole.aovs.size(); ++i) {
+    const output::AovImage& from = strip.aovs[i];
+    if (!from.values.empty()) append(whole.aovs[i].values, from.values, pixels * output::info(from.aov).channels);
+    if (!from.ids.empty()) append(whole.aovs[i].ids, from.ids, pixels);
+  }
+}
+
+}  // namespace latelight::render

@@ -1,0 +1,258 @@
+// Pictures rendered in strips against the same pictures rendered whole: nothing may show where they were parted.
+#include "render/strips.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "render/picking.h"
+#include "render/support.h"
+#include "render/view.h"
+#include "vk/memory.h"
+
+namespace latelight::render::test {
+namespace {
+
+using output::Aov;
+
+constexpr uint32_t kWidth = 96, kHeight = 200;  // strips of 64, 64, 64 and 8 rows
+constexpr uint32_t kStripPixels = kWidth * 100;
+constexpr size_t kHandful = 6;
+
+// A scene with a glass box, lit by three lights of which all cast shadows.
+scene::Scene litBoxes() {
+  scene::Scene scene = scene::load("builtin:boxes");
+  scene::Material& glass = scene.materials[3];
+  glass.data.flags |= shared::kMaterialBlended;
+  glass.data.baseColor.a = 0.5f;
+  for (const glm::vec3 position : {glm::vec3(-3, -4, 4), glm::vec3(3, -3, 5)}) {
+    scene::Light& light = scene.lights.emplace_back();
+    light.name = "lamp";
+    light.type = shared::kLightPoint;
+    light.position = position;
+    light.intensity = 30;
+    light.range = 9.0f;
+  }
+  return scene;
+}
+
+Settings stripped(Settings settings) {
+  settings.stripPixels = kStripPixels;
+  return settings;
+}
+
+struct Parting {
+  const char* name;
+  void (*change)(Settings&, scene::Camera&);
+};
+const Parting kPartings[] = {
+    {"plain", [](Settings&, scene::Camera&) {}},
+    {"msaa4OffCentre",
+     [](Settings& s, scene::Camera& c) {
+       s.samples = 4;
+       c.principal = {0.3f, -0.45f};
+     }},
+    {"superSampledClustered",
+     [](Settings& s, scene::Camera&) {
+       s.superSampling = 2;
+       s.lighting = "clustered";
+       s.background = Background::Environment;
+     }},
+    {"orthographicVolumes",
+     [](Settings& s, scene::Camera& c) {
+       s.lighting = "volumes";
+       s.fog.density = 0.05f;
+       c.orthographic = true;
+       c.yHalf = 3;
+       c.farClip = 40;
+     }},
+};
+
+class StripsTest : public RenderTest, public testing::WithParamInterface<Parting> {};
+
+// How far an output's values may lie apart, by rounding alone. A strip's projection rounds otherwise than the whole's.
+struct Tolerance {
+  double absolute, relative;
+};
+// Where a CPU device cuts triangles at the strip's border, the cut parts the samples of pixels it runs through: with
+// several samples the surface is lit elsewhere within such a pixel.
+Tolerance toleranceOf(Aov aov, uint32_t samples) {
+  switch (aov) {
+    case Aov::Depth:
+    case Aov::Distance:
+      return {0, 1e-6};
+    case Aov::Position:
+      return {1e-5, 1e-6};  // metres; the camera is about ten away
+    case Aov::Motion:
+      return {1e-3, 0};  // pixels
+    case Aov::Color:
+      return samples > 1 ? Tolerance{1e-2, 2e-2} : Tolerance{2e-3, 2e-3};  // half floats
+    case Aov::Uv:
+      return {1e-5, 0};  // a pixel is 0.02 and more
+    default:
+      return {2e-6, 0};
+  }
+}
+
+// Pixels whose values lie farther apart than rounding explains.
+std::vector<bool> unlike(const output::AovImage& a, const output::AovImage& b, uint32_t samples) {
+  const size_t pixels = size_t{a.width} * a.height;
+  std::vector<bool> differs(pixels);
+  for (size_t i = 0; i < a.ids.size(); ++i) differs[i] = a.ids[i] != b.ids[i];
+  const Tolerance t = toleranceOf(a.aov, samples);
+  for (size_t i = 0; i < a.values.size(); ++i) {
+    const double x = a.values[i], y = b.values[i];
+    if (x != y && !(std::abs(x - y) <= t.absolute + t.relative * std::abs(y)))
+      differs[i / (a.values.size() / pixels)] = true;
+  }
+  return differs;
+}
+
+TEST_P(StripsTest, EqualTheWholePicture) {
+  const scene::Scene scene = litBoxes();
+  const scene::Environment studio = scene::loadEnvironment("studio");
+  Settings settings = settingsOf(kWidth, kHeight);
+  settings.display = true;
+  settings.shadows = "d32";
+  settings.sun = SunLight{.azimuth = 0.6f, .elevation = 0.8f};
+  for (const output::AovInfo& info : output::aovs()) settings.aovs.push_back(info.aov);
+  scene::Camera camera = scene.cameras.front();
+  GetParam().change(settings, camera);
+  Moment moment;
+  moment.previousCameras = {camera};
+  moment.nextCameras = {camera};
+  moment.previousCameras[0].toWorld[3].x -= 0.1f;
+  moment.nextCameras[0].toWorld[3].z += 0.2f;
+
+  Renderer renderer(device(), scene, &studio);
+  const output::FrameOutput whole = std::move(renderer.render({&camera, 1}, settings, moment).front());
+  const output::FrameOutput strips = std::move(renderer.render({&camera, 1}, stripped(settings), moment).front());
+  EXPECT_EQ(strips.width, kWidth);
+  EXPECT_EQ(strips.height, kHeight);
+  ASSERT_EQ(strips.aovs.size(), whole.aovs.size());
+  for (size_t i = 0; i < whole.aovs.size(); ++i) {
+    SCOPED_TRACE(output::info(whole.aovs[i].aov).name);
+    EXPECT_EQ(strips.aovs[i].height, kHeight);
+    ASSERT_EQ(strips.aovs[i].values.size(), whole.aovs[i].values.size());
+    ASSERT_EQ(strips.aovs[i].ids.size(), whole.aovs[i].ids.size());
+    const std::vector<bool> differs = unlike(strips.aovs[i], whole.aovs[i], settings.samples);
+    const auto count = static_cast<size_t>(std::count(differs.begin(), differs.end(), true));
+    EXPECT_LE(count, kHandful);
+  }
+  ASSERT_EQ(strips.display.size(), size_t{4} * kWidth * kHeight);
+  ASSERT_EQ(whole.display.size(), strips.display.size());
+  size_t apart = 0;
+  for (size_t i = 0; i < whole.display.size(); ++i) apart += std::abs(int{whole.display[i]} - strips.display[i]) > 1;
+  EXPECT_LE(apart, 4 * kHandful);
+}
+
+INSTANTIATE_TEST_SUITE_P(Render, StripsTest, testing::ValuesIn(kPartings),
+                         [](const auto& info) { return std::string(info.param.name); });
+
+TEST_F(RenderTest, PickingFromAStripIsPickingFromTheWhole) {
+  const scene::Scene scene = litBoxes();
+  Renderer renderer(device(), scene, nullptr);
+  const Settings settings = settingsOf(kWidth, kHeight);
+  const std::vector<glm::uvec2> pixels{{48, 199}, {30, 63}, {60, 64}, {48, 130}, {5, 1}};
+  const auto whole = pick(renderer, scene, scene.cameras.front(), settings, pixels);
+  const auto strips = pick(renderer, scene, scene.cameras.front(), stripped(settings), pixels);
+  ASSERT_EQ(strips.size(), pixels.size());
+  for (size_t i = 0; i < pixels.size(); ++i) {
+    EXPECT_EQ(strips[i].pixel, pixels[i]);
+    EXPECT_EQ(strips[i].id, whole[i].id);
+    EXPECT_EQ(strips[i].node, whole[i].node);
+    EXPECT_NEAR(strips[i].depth, whole[i].depth, 1e-6 * whole[i].depth);
+  }
+  EXPECT_NE(strips[0].id, 0u);
+}
+
+// What the device works on while it renders: the picture's targets, several at once, and what they are read back to.
+TEST_F(RenderTest, StripsTakeAStripsMemory) {
+  const scene::Scene scene = scene::load("builtin:boxes");
+  const auto taken = [&](const Settings& settings) {
+    Renderer renderer(device(), scene, nullptr);
+    const uint64_t before = device().memory().statistics().usedBytes;
+    renderer.render({&scene.cameras.front(), 1}, settings);
+    return device().memory().statistics().usedBytes - before;
+  };
+  Settings settings = settingsOf(512, 512, {Aov::Depth, Aov::Normal});
+  settings.display = true;
+  const uint64_t whole = taken(settings);
+  settings.stripPixels = 512 * 64;
+  const uint64_t strips = taken(settings);  // eight of them
+  EXPECT_GT(whole, uint64_t{512} * 512 * 32);
+  EXPECT_LT(strips, whole / 6);
+}
+
+// A closed form: the ray of a pixel is that of the camera's own picture, whichever strip shows it.
+TEST(Strips, EachPixelKeepsItsRay) {
+  scene::Camera camera;
+  camera.principal = {0.3f, -0.7f};
+  for (const bool orthographic : {false, true}) {
+    camera.orthographic = orthographic;
+    camera.yHalf = 3;
+    camera.farClip = orthographic ? 100.0f : camera.farClip;
+    const glm::vec2 jitter(0.25f, -0.375f);
+    const shared::View whole = makeView(camera, 1000, 3000, jitter);
+    for (const Strip strip : {Strip{0, 64}, Strip{1024, 512}, Strip{2944, 56}}) {
+      const shared::View view = viewOf(whole, strip);
+      EXPECT_EQ(view.size, glm::vec2(1000, strip.rows));
+      for (const uint32_t row : {0u, strip.rows / 2, strip.rows - 1}) {
+        const glm::dvec2 pixel(700.5, strip.first + row + 0.5);
+        // Half a height is 1 / V of the camera's plane at 1 m, and the sample lies off the pixel's centre by the
+        // jitter.
+        const double half = orthographic ? 3.0 : std::tan(0.5 * double{camera.verticalFov});
+        const double x = ((2 * (pixel.x + jitter.x) / 1000 - 1) - camera.principal.x) * half / 3;
+        const double z = ((1 - 2 * (pixel.y + jitter.y) / 3000) - camera.principal.y) * half;
+        const glm::vec2 ndc = shared::pixelToNdc({700.5f, static_cast<float>(row) + 0.5f}, view.size);
+        const glm::vec3 seen = shared::viewPositionAtDepth(view.projection, ndc, 1);
+        EXPECT_NEAR(seen.x, x, 1e-6 * half);
+        EXPECT_NEAR(seen.z, z, 1e-6 * half);
+        const glm::vec4 clip = shared::projectToClip(view.projection, seen);
+        EXPECT_NEAR(clip.y / clip.w, ndc.y, 1e-5);
+      }
+    }
+  }
+}
+
+TEST(Strips, CoverThePictureOnce) {
+  Settings s;
+  s.width = 16384;
+  s.height = 16383;
+  const std::vector<Strip> strips = stripsOf(s);
+  EXPECT_GT(strips.size(), 1u);
+  uint32_t next = 0;
+  for (const Strip strip : strips) {
+    EXPECT_EQ(strip.first, next);
+    EXPECT_EQ(strip.first % 64, 0u);
+    EXPECT_GE(strip.rows, 1u);
+    EXPECT_LE(uint64_t{strip.rows} * s.width, s.stripPixels);
+    next += strip.rows;
+  }
+  EXPECT_EQ(next, s.height);
+  s.width = 3840;
+  s.height = 2160;
+  EXPECT_EQ(stripsOf(s).size(), 1u);
+}
+
+// Pixels of these depend on pixels that a strip does not have; data do not.
+TEST(Strips, WhatNeedsNeighboursIsWhole) {
+  Settings large;
+  large.width = large.height = 16384;
+  for (void (*change)(Settings&) :
+       {+[](Settings& s) { s.fxaa = true; }, +[](Settings& s) { s.temporal = true; },
+        +[](Settings& s) { s.ao.method = "gtao"; }, +[](Settings& s) { s.bloom.strength = 0.1f; }}) {
+    Settings s = large;
+    change(s);
+    EXPECT_EQ(stripsOf(s).size(), 1u);
+    s.display = false;
+    s.aovs = {Aov::Depth};
+    EXPECT_GT(stripsOf(s).size(), 1u);
+    s.aovs = {Aov::Color};
+    EXPECT_EQ(stripsOf(s).size(), 1u);
+  }
+}
+
+}  // namespace
+}  // namespace latelight::render::test
