@@ -91,7 +91,13 @@ void addCompareCommand(CLI::App& app) {
                    "A value is beyond it if |a-b| > T max(1, |a|, |b|), PNG values being in [0, 1]; default: one level "
                    "for 8 and 16 bits, 1e-4 for floats, 0 for integers")
       ->type_name("T")
-      ->check(CLI::NonNegativeNumber);
+      ->check(CLI::Validator(
+          [](const std::string& text) {
+            double number = -1;
+            const bool right = CLI::detail::lexical_cast(text, number) && number >= 0;
+            return right ? std::string() : "it takes a number from 0 upwards, not " + text;
+          },
+          ""));
   command->add_option("--share", arguments->share, "Alike if at most this share of the pixels is beyond; default 0")
       ->type_name("S")
       ->check(CLI::Range(0.0, 1.0));
