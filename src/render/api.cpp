@@ -253,9 +253,9 @@ std::vector<Pick> Renderer::pick(const Camera& camera, const std::vector<std::ar
   for (const auto& [x, y] : pixels) places.push_back({x, y});
   const auto three = [](glm::vec3 v) { return std::array<float, 3>{v.x, v.y, v.z}; };
   std::vector<Pick> picks;
-  for (const render::Picked& p : render::pick(hidden_->renderer, hidden_->scene, internalCamera(camera, hidden_->scene),
-                                              internalSettings(options), places,
-                                              internalMoment(options, hidden_->scene, 1)))
+  for (const render::Picked& p :
+       render::pick(hidden_->renderer, hidden_->scene, internalCamera(camera, hidden_->scene),
+                    internalSettings(options), places, internalMoment(options, hidden_->scene, 1)))
     picks.push_back({p.id,
                      p.node,
                      p.mesh,
