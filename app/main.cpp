@@ -26,6 +26,11 @@ void complain(std::string_view sentence) {
   std::fputs(("latelight: " + printable(sentence) + "\n").c_str(), stderr);
 }
 
+int outOfMemory() {
+  complain("out of memory; use a smaller scene or picture");
+  return static_cast<int>(ExitCode::DeviceLost);
+}
+
 std::string commandNames(const CLI::App& cli) {
   std::string names;
   for (const CLI::App* command : cli.get_subcommands(nullptr))
@@ -124,11 +129,9 @@ int run(int argc, char** argv) {
     complain(error.what());
     return static_cast<int>(error.code());
   } catch (const std::bad_alloc&) {
-    complain("out of memory; use a smaller scene or picture");
-    return static_cast<int>(ExitCode::DeviceLost);
+    return outOfMemory();
   } catch (const std::length_error&) {  // more than any machine has
-    complain("out of memory; use a smaller scene or picture");
-    return static_cast<int>(ExitCode::DeviceLost);
+    return outOfMemory();
   } catch (const std::exception& error) {
     if (std::ferror(stdout)) return static_cast<int>(ExitCode::Usage);  // main() says it
     complain(fmt::format("internal error: {}", error.what()));

@@ -1,5 +1,6 @@
 // What a file may have read for it, and what not.
 #include "base/enclosure.h"
+#include "app/folder.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -26,13 +27,10 @@ using testing::HasSubstr;
 class Enclosures : public testing::Test {
  protected:
   Enclosures() {
-    std::string name = (fs::temp_directory_path() / "latelight-enclosure-XXXXXX").string();
-    root = fs::canonical(mkdtemp(name.data()));
     for (const char* folder : {"scene/deep", "other"}) fs::create_directories(root / folder);
     for (const char* file : {"scene/scene.gltf", "scene/a.bin", "scene/deep/b.bin", "secret.bin", "other/c.bin"})
       std::ofstream(root / file) << file;
   }
-  ~Enclosures() override { fs::remove_all(root); }
 
   std::string read(const fs::path& name) const { return readFor(root / "scene/scene.gltf", name); }
   std::string readFor(const fs::path& owner, const fs::path& name, std::vector<std::string> allowed = {}) const {
@@ -51,7 +49,8 @@ class Enclosures : public testing::Test {
   }
   void link(const char* to, const char* name) const { fs::create_symlink(to, root / name); }
 
-  fs::path root;
+  app::Folder folder;
+  const fs::path root = fs::canonical(folder.path());
 };
 
 TEST_F(Enclosures, HoldWhatLiesInAndBelow) {

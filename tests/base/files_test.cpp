@@ -1,4 +1,5 @@
 #include "base/files.h"
+#include "app/folder.h"
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
@@ -48,15 +49,11 @@ std::string sentence(ExitCode code, const std::function<void()>& call) {
 
 class Files : public testing::Test {
  protected:
-  Files() {
-    std::string name = (fs::temp_directory_path() / "latelight-files-XXXXXX").string();
-    folder = mkdtemp(name.data());
-  }
-  ~Files() override { fs::remove_all(folder); }
   size_t entries() const {
     return static_cast<size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
   }
-  fs::path folder;
+  app::Folder temporary;
+  const fs::path folder = temporary.path();
 };
 
 TEST_F(Files, ComeBackAsWritten) {

@@ -1,5 +1,6 @@
 // What is left where a program ends while it writes: nothing, or what the next one sweeps.
 #include "base/temporary_file.h"
+#include "app/folder.h"
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
@@ -29,11 +30,6 @@ using testing::IsEmpty;
 
 class Temporaries : public testing::Test {
  protected:
-  Temporaries() {
-    std::string name = (fs::temp_directory_path() / "latelight-temporaries-XXXXXX").string();
-    folder = mkdtemp(name.data());
-  }
-  ~Temporaries() override { fs::remove_all(folder); }
   std::vector<std::string> names() const {
     std::vector<std::string> all;
     for (const auto& entry : fs::directory_iterator(folder)) all.push_back(entry.path().filename().string());
@@ -45,7 +41,8 @@ class Temporaries : public testing::Test {
     std::erase_if(all, [](const std::string& name) { return !name.starts_with('.'); });
     return all;
   }
-  fs::path folder;
+  app::Folder temporary;
+  const fs::path folder = temporary.path();
 };
 
 // `body` in a process of its own.
