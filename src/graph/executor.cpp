@@ -258,7 +258,8 @@ void Executor::run(const Graph& graph, const Plan& plan) {
   });
   const std::vector<double> milliseconds = timers.read();
   for (size_t i = 0; i < milliseconds.size(); ++i) {
-    times_.push_back({graph.passName(plan.steps[i].pass), milliseconds[i]});
+    const uint32_t pass = plan.steps[i].pass;
+    times_.push_back({graph.passStage(pass), graph.passName(pass), milliseconds[i]});
   }
 }
 

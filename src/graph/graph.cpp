@@ -18,6 +18,12 @@ void requireFit(const Use use, bool image, const std::string& name) {
 
 }  // namespace
 
+const char* name(Stage stage) {
+  constexpr const char* kNames[] = {"upload",   "deformation",  "visibility", "shadows", "geometry",
+                                    "lighting", "transparency", "post",       "output"};
+  return kNames[static_cast<size_t>(stage)];
+}
+
 ImageId Graph::create(const vk::ImageDesc& desc) {
   images_.push_back({.desc = desc});
   return {static_cast<uint32_t>(images_.size() - 1)};
@@ -40,7 +46,7 @@ BufferId Graph::import(const vk::Buffer& buffer, std::optional<Use> before) {
   return {static_cast<uint32_t>(buffers_.size() - 1)};
 }
 
-void Graph::pass(std::string_view name, std::vector<Access> accesses, Record record) {
+void Graph::pass(Stage stage, std::string_view name, std::vector<Access> accesses, Record record) {
   for (const Access& access : accesses) {
     assert(bool(access.image) != bool(access.buffer));
     require(access);
@@ -52,7 +58,7 @@ void Graph::pass(std::string_view name, std::vector<Access> accesses, Record rec
            name, desc(access.image).name, useInfo(access.use).name, useInfo(other.use).name);
     }
   }
-  passes_.push_back({std::string(name), std::move(accesses), std::move(record)});
+  passes_.push_back({stage, std::string(name), std::move(accesses), std::move(record)});
 }
 
 void Graph::require(const Access& access) {

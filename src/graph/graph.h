@@ -3,10 +3,9 @@
 //
 //   Graph graph;
 //   ImageId depth = graph.create(ImageDesc{...});
-//   graph.pass("geometry", {{depth, Use::DepthAttachment}}, [=](Context& c) { ... c.image(depth) ... });
-//   graph.exports(color);             // what must survive: passes that lead to no export are culled
-//   Plan plan = graph.compile();      // plain data, no device: tests read it
-//   executor.run(graph, plan, ...);
+//   graph.pass(Stage::Geometry, "geometry", {{depth, Use::DepthAttachment}}, [=](Context& c) { ... c.image(depth) ...
+//   }); graph.exports(color);             // what must survive: passes that lead to no export are culled Plan plan =
+//   graph.compile();      // plain data, no device: tests read it executor.run(graph, plan, ...);
 #pragma once
 
 #include <volk.h>
@@ -74,7 +73,22 @@ class Context;
 
 using Record = std::function<void(Context&)>;
 
+// What a pass is for: reports and studies add up times by it, whatever passes are called.
+enum class Stage : uint8_t {
+  Upload,       // scene data to the device
+  Deformation,  // skins and morph targets
+  Visibility,   // which surface each sample shows
+  Shadows,      // shadow maps and what is made of them
+  Geometry,     // materials into the G-buffer
+  Lighting,
+  Transparency,  // what is alpha-blended
+  Post,          // composition and post-processing
+  Output,        // packing and read-back
+};
+const char* name(Stage stage);  // "visibility"
+
 struct Pass {
+  Stage stage;
   std::string name;
   std::vector<Access> accesses;
   Record record;
@@ -127,7 +141,7 @@ class Graph {
   BufferId import(const vk::Buffer& buffer, std::optional<Use> before);
 
   // Several uses of one image in one pass must share a layout, else Error(Internal).
-  void pass(std::string_view name, std::vector<Access> accesses, Record record);
+  void pass(Stage stage, std::string_view name, std::vector<Access> accesses, Record record);
 
   // The resource is needed after the frame, for `use`.
   void exports(ImageId image, Use use);
@@ -141,6 +155,7 @@ class Graph {
 
   size_t passCount() const { return passes_.size(); }
   const std::string& passName(uint32_t pass) const { return passes_[pass].name; }
+  Stage passStage(uint32_t pass) const { return passes_[pass].stage; }
   const vk::ImageDesc& desc(ImageId id) const;
   const vk::BufferDesc& desc(BufferId id) const;
 
@@ -164,6 +179,7 @@ class Graph {
 };
 
 struct PassTime {
+  Stage stage;
   std::string name;
   double milliseconds;
 };

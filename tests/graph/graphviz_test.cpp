@@ -55,10 +55,10 @@ TEST(Graphviz, ShowsPassesResourcesAndWhatIsCulled) {
   const BufferId out = graph.create(vk::BufferDesc{.size = 1024, .name = "say \"out\" \\ back"});
   const vk::Buffer outside;
   const BufferId scene = graph.import(outside, std::nullopt);
-  graph.pass("geometry", {{scene, Use::VertexRead}, {color, Use::ColorAttachment}}, {});
-  graph.pass("debug", {{color, Use::ColorAttachmentLoad}}, {});
-  graph.pass("copy", {{color, Use::CopySource}, {out, Use::CopyTarget}}, {});
-  graph.pass("unseen", {{out, Use::StorageRead}}, {});
+  graph.pass(Stage::Post, "geometry", {{scene, Use::VertexRead}, {color, Use::ColorAttachment}}, {});
+  graph.pass(Stage::Post, "debug", {{color, Use::ColorAttachmentLoad}}, {});
+  graph.pass(Stage::Post, "copy", {{color, Use::CopySource}, {out, Use::CopyTarget}}, {});
+  graph.pass(Stage::Post, "unseen", {{out, Use::StorageRead}}, {});
   graph.exports(out, Use::HostRead);
   const Dot dot(graph.graphviz());
   ASSERT_EQ(dot.nodes.size(), 7u);

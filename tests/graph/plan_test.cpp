@@ -19,7 +19,7 @@ class Plans : public testing::Test {
         vk::ImageDesc{.format = VK_FORMAT_R8G8B8A8_UNORM, .width = 64, .height = 32, .layers = layers, .name = name});
   }
   BufferId buffer(const char* name) { return graph.create(vk::BufferDesc{.size = 256, .name = name}); }
-  void pass(const char* name, std::vector<Access> accesses) { graph.pass(name, std::move(accesses), {}); }
+  void pass(const char* name, std::vector<Access> accesses) { graph.pass(Stage::Post, name, std::move(accesses), {}); }
   std::vector<std::string> plan() const { return planText(graph, graph.compile()); }
   std::string complaint() const {
     try {

@@ -87,7 +87,7 @@ struct RandomGraph {
         if (writes(use)) defined[i] = true;
       }
     }
-    graph.pass(fmt::format("p{}", index), pass.accesses, {});
+    graph.pass(Stage::Post, fmt::format("p{}", index), pass.accesses, {});
     passes.push_back(pass);
   }
 

@@ -40,20 +40,20 @@ class Executors : public testing::Test {
   }
 
   void fill(Graph& graph, const char* name, BufferId buffer, uint32_t value) {
-    graph.pass(name, {{buffer, Use::CopyTarget}}, [=, this](Context& c) {
+    graph.pass(Stage::Post, name, {{buffer, Use::CopyTarget}}, [=, this](Context& c) {
       ran.push_back(name);
       vkCmdFillBuffer(c.get(), c.buffer(buffer).get(), 0, VK_WHOLE_SIZE, value);
     });
   }
   void copy(Graph& graph, const char* name, BufferId from, BufferId to) {
-    graph.pass(name, {{from, Use::CopySource}, {to, Use::CopyTarget}}, [=, this](Context& c) {
+    graph.pass(Stage::Post, name, {{from, Use::CopySource}, {to, Use::CopyTarget}}, [=, this](Context& c) {
       ran.push_back(name);
       const VkBufferCopy region{0, 0, c.buffer(to).size()};
       vkCmdCopyBuffer(c.get(), c.buffer(from).get(), c.buffer(to).get(), 1, &region);
     });
   }
   void copy(Graph& graph, const char* name, ImageId from, BufferId to) {
-    graph.pass(name, {{from, Use::CopySource}, {to, Use::CopyTarget}}, [=](Context& c) {
+    graph.pass(Stage::Post, name, {{from, Use::CopySource}, {to, Use::CopyTarget}}, [=](Context& c) {
       const vk::ImageDesc& desc = c.image(from).desc();
       VkBufferImageCopy region{};
       region.imageSubresource = {c.image(from).aspect(), 0, 0, desc.layers};
@@ -63,7 +63,7 @@ class Executors : public testing::Test {
     });
   }
   void clear(Graph& graph, const char* name, ImageId image, uint32_t value) {
-    graph.pass(name, {{image, Use::CopyTarget}}, [=](Context& c) {
+    graph.pass(Stage::Post, name, {{image, Use::CopyTarget}}, [=](Context& c) {
       VkClearColorValue color{};
       color.uint32[0] = value;
       const VkImageSubresourceRange all{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, VK_REMAINING_ARRAY_LAYERS};
@@ -103,13 +103,14 @@ TEST_F(Executors, RunAChainOfImagesWithLayers) {
   const BufferId out = graph.create(readbackDesc(16 * 16 * 4 * kLayers));
   clear(graph, "clear", first, 77);
   clear(graph, "clear second", second, 5);
-  graph.pass("copy the middle layer", {{first, Use::CopySource}, {second, Use::CopyTarget}}, [=](Context& c) {
-    VkImageCopy region{};
-    region.srcSubresource = region.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 1};
-    region.extent = {16, 16, 1};
-    vkCmdCopyImage(c.get(), c.image(first).get(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, c.image(second).get(),
-                   VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
-  });
+  graph.pass(Stage::Post, "copy the middle layer", {{first, Use::CopySource}, {second, Use::CopyTarget}},
+             [=](Context& c) {
+               VkImageCopy region{};
+               region.srcSubresource = region.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 1};
+               region.extent = {16, 16, 1};
+               vkCmdCopyImage(c.get(), c.image(first).get(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+                              c.image(second).get(), VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
+             });
   copy(graph, "read back", second, out);
   graph.exports(out, Use::HostRead);
   run(executor, graph);
@@ -152,10 +153,10 @@ TEST_F(Executors, GiveAttachmentsTheLayoutsTheyNeed) {
   const ImageId depth = graph.create(depthDesc);
   const BufferId colorOut = graph.create(readbackDesc()), depthOut = graph.create(readbackDesc());
   constexpr VkImageLayout kAttachment = VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL;
-  graph.pass("geometry", {{color, Use::ColorAttachment}, {depth, Use::DepthAttachment}}, [=](Context& c) {
+  graph.pass(Stage::Post, "geometry", {{color, Use::ColorAttachment}, {depth, Use::DepthAttachment}}, [=](Context& c) {
     render(c, &c.image(color), &c.image(depth), kAttachment, VK_ATTACHMENT_LOAD_OP_CLEAR, [] {});
   });
-  graph.pass("over", {{color, Use::ColorAttachmentLoad}, {depth, Use::DepthTest}}, [=](Context& c) {
+  graph.pass(Stage::Post, "over", {{color, Use::ColorAttachmentLoad}, {depth, Use::DepthTest}}, [=](Context& c) {
     render(c, &c.image(color), &c.image(depth), VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL, VK_ATTACHMENT_LOAD_OP_LOAD, [&] {
       VkClearAttachment upper{VK_IMAGE_ASPECT_COLOR_BIT, 0, {}};
       upper.clearValue.color.uint32[0] = 9;
@@ -275,7 +276,7 @@ TEST_F(Executors, PassOnWhatAPassThrowsAndWorkAfter) {
   Executor executor(*device);
   Graph broken;
   const BufferId a = broken.create(bufferDesc("a"));
-  broken.pass("throws", {{a, Use::CopyTarget}}, [](Context&) { throw std::runtime_error("no"); });
+  broken.pass(Stage::Post, "throws", {{a, Use::CopyTarget}}, [](Context&) { throw std::runtime_error("no"); });
   broken.exports(a, Use::CopySource);
   EXPECT_THROW(run(executor, broken), std::runtime_error);
 
@@ -291,7 +292,7 @@ TEST_F(Executors, RefuseResourcesThatNoPassDeclared) {
   Executor executor(*device);
   Graph graph;
   const BufferId a = graph.create(bufferDesc("a")), undeclared = graph.create(bufferDesc("undeclared"));
-  graph.pass("asks", {{a, Use::CopyTarget}}, [=](Context& c) { c.buffer(undeclared); });
+  graph.pass(Stage::Post, "asks", {{a, Use::CopyTarget}}, [=](Context& c) { c.buffer(undeclared); });
   graph.exports(a, Use::CopySource);
   EXPECT_THROW(run(executor, graph), Error);
 }
@@ -302,7 +303,7 @@ TEST_F(Executors, RefuseResourcesThatOnlyAnotherPassDeclared) {
   Graph graph;
   const BufferId a = graph.create(bufferDesc("a")), b = graph.create(bufferDesc("b"));
   fill(graph, "fills", b, 1);
-  graph.pass("asks", {{a, Use::CopyTarget}}, [=](Context& c) { c.buffer(b); });
+  graph.pass(Stage::Post, "asks", {{a, Use::CopyTarget}}, [=](Context& c) { c.buffer(b); });
   graph.exports(a, Use::CopySource);
   graph.exports(b, Use::CopySource);
   EXPECT_THROW(run(executor, graph), Error);

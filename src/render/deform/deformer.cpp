@@ -158,33 +158,33 @@ void Deformer::run(const Poses& poses) {
   const graph::BufferId attributes = graph.import(attributes_, graph::Use::VertexRead);
   graph.exports(positions, graph::Use::VertexRead);
   graph.exports(attributes, graph::Use::VertexRead);
-  graph.pass("deform", {{positions, graph::Use::StorageWrite}, {attributes, graph::Use::StorageWrite}},
-             [&](graph::Context& context) {
-               for (size_t i = 0; i < parts_.size(); ++i) {
-                 const Part& part = parts_[i];
-                 const scene::Deformation& d = *part.deformation;
-                 const uint32_t count = static_cast<uint32_t>(d.positions.size());
-                 const DeformPush push{
-                     .positions = basePositions_.address() + part.firstVertex * sizeof(glm::vec3),
-                     .attributes = baseAttributes_.address() + part.firstVertex * sizeof(shared::VertexAttributes),
-                     .joints = joints_.address() + part.joints,
-                     .jointWeights = jointWeights_.address() + part.jointWeights,
-                     .deltas = deltas_.address() + part.deltas,
-                     .palette = matrices.address() + palette.places[i].matrices,
-                     .weights = weights.address() + palette.places[i].weights,
-                     .outPositions = positions_.address() + part.firstVertex * sizeof(glm::vec3),
-                     .outAttributes = attributes_.address() + part.firstVertex * sizeof(shared::VertexAttributes),
-                     .vertices = count,
-                     .stride = vertices_,
-                     .influences = d.influences,
-                     .jointCount = palette.places[i].jointCount,
-                     .targets = static_cast<uint32_t>(d.targets.size()),
-                     .flatNormals = d.flatNormals ? 1u : 0u};
-                 context.commands().bind(pipeline_, {}, push);
-                 vkCmdDispatch(context.get(), (std::min(count, kColumns) + 255) / 256, 3,
-                               (count + kColumns - 1) / kColumns);
-               }
-             });
+  graph.pass(
+      graph::Stage::Deformation, "deform",
+      {{positions, graph::Use::StorageWrite}, {attributes, graph::Use::StorageWrite}}, [&](graph::Context& context) {
+        for (size_t i = 0; i < parts_.size(); ++i) {
+          const Part& part = parts_[i];
+          const scene::Deformation& d = *part.deformation;
+          const uint32_t count = static_cast<uint32_t>(d.positions.size());
+          const DeformPush push{
+              .positions = basePositions_.address() + part.firstVertex * sizeof(glm::vec3),
+              .attributes = baseAttributes_.address() + part.firstVertex * sizeof(shared::VertexAttributes),
+              .joints = joints_.address() + part.joints,
+              .jointWeights = jointWeights_.address() + part.jointWeights,
+              .deltas = deltas_.address() + part.deltas,
+              .palette = matrices.address() + palette.places[i].matrices,
+              .weights = weights.address() + palette.places[i].weights,
+              .outPositions = positions_.address() + part.firstVertex * sizeof(glm::vec3),
+              .outAttributes = attributes_.address() + part.firstVertex * sizeof(shared::VertexAttributes),
+              .vertices = count,
+              .stride = vertices_,
+              .influences = d.influences,
+              .jointCount = palette.places[i].jointCount,
+              .targets = static_cast<uint32_t>(d.targets.size()),
+              .flatNormals = d.flatNormals ? 1u : 0u};
+          context.commands().bind(pipeline_, {}, push);
+          vkCmdDispatch(context.get(), (std::min(count, kColumns) + 255) / 256, 3, (count + kColumns - 1) / kColumns);
+        }
+      });
   executor_.run(graph, graph.compile());
 }
 

@@ -43,7 +43,7 @@ void GeometryPass::add(graph::Graph& graph, const FrameInputs& inputs, Gbuffer& 
   colors.push_back(gbuffer.sampleLight);
   std::vector<graph::Access> accesses{{gbuffer.sampleDepth, graph::Use::DepthTest}};
   for (graph::ImageId color : colors) accesses.emplace_back(color, graph::Use::ColorAttachment);
-  graph.pass("geometry " + layout_.name, std::move(accesses),
+  graph.pass(graph::Stage::Geometry, "geometry " + layout_.name, std::move(accesses),
              [=, this, depth = gbuffer.sampleDepth](graph::Context& context) {
                for (uint32_t view = 0; view < inputs.views.size(); ++view) {
                  beginView(context, inputs, view, colors, {depth, false});

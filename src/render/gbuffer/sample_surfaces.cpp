@@ -56,7 +56,7 @@ graph::ImageId SampleSurfacesPass::add(graph::Graph& graph, const FrameInputs& i
   read.push_back(gbuffer.sampleLight);
   std::vector<graph::Access> accesses{{surfaces, graph::Use::StorageWrite}};
   for (graph::ImageId image : read) accesses.emplace_back(image, graph::Use::SampledCompute);
-  graph.pass("surfaces of samples", std::move(accesses), [=, this](graph::Context& context) {
+  graph.pass(graph::Stage::Geometry, "surfaces of samples", std::move(accesses), [=, this](graph::Context& context) {
     struct {
       VkDeviceAddress frame;
     } push{inputs.constants};
@@ -82,7 +82,8 @@ PixelDepthPass::PixelDepthPass(vk::Device& device) : sampler_(vk::makeSampler(de
 
 graph::ImageId PixelDepthPass::add(graph::Graph& graph, const FrameInputs& inputs, graph::ImageId sampleDepth) const {
   const graph::ImageId depth = createTarget(graph, inputs, kDepthFormat, "depth of pixels");
-  graph.pass("depth of pixels", {{depth, graph::Use::DepthAttachment}, {sampleDepth, graph::Use::SampledFragment}},
+  graph.pass(graph::Stage::Visibility, "depth of pixels",
+             {{depth, graph::Use::DepthAttachment}, {sampleDepth, graph::Use::SampledFragment}},
              [=, this](graph::Context& context) {
                for (uint32_t view = 0; view < inputs.views.size(); ++view) {
                  beginView(context, inputs, view, {}, {depth, true});

@@ -46,7 +46,7 @@ void LightListsTechnique::add(graph::Graph& graph, const FrameInputs& inputs, co
   if (gbuffer.surfaces) read.push_back(gbuffer.surfaces);
   std::vector<graph::Access> accesses{{cells, graph::Use::StorageWrite}, {entries, graph::Use::StorageWrite}};
   for (graph::ImageId image : read) accesses.emplace_back(image, graph::Use::SampledCompute);
-  graph.pass("light lists", std::move(accesses),
+  graph.pass(graph::Stage::Lighting, "light lists", std::move(accesses),
              [=, this, views = static_cast<uint32_t>(inputs.views.size())](graph::Context& context) {
                std::vector<vk::BoundImage> images;
                for (graph::ImageId image : read) images.push_back({context.image(image).arrayView(), sampler_.get()});
@@ -57,7 +57,7 @@ void LightListsTechnique::add(graph::Graph& graph, const FrameInputs& inputs, co
   accesses = LightingShader::accesses(gbuffer);
   accesses.emplace_back(cells, graph::Use::StorageRead);
   accesses.emplace_back(entries, graph::Use::StorageRead);
-  graph.pass("lighting " + desc_.name, accesses,
+  graph.pass(graph::Stage::Lighting, "lighting " + desc_.name, accesses,
              [=, this](graph::Context& context) { shader_.dispatch(context, inputs, gbuffer, pushOf(context)); });
 }
 

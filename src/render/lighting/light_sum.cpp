@@ -18,7 +18,8 @@ FinishSum::FinishSum(vk::Device& device, const FrameSetup& setup)
       sampler_(vk::makeSampler(device, vk::kNearestSampler)) {}
 
 void FinishSum::add(graph::Graph& graph, const FrameInputs& inputs, graph::ImageId sum, graph::ImageId light) const {
-  graph.pass("forward finish", {{sum, graph::Use::SampledCompute}, {light, graph::Use::StorageWrite}},
+  graph.pass(graph::Stage::Lighting, "forward finish",
+             {{sum, graph::Use::SampledCompute}, {light, graph::Use::StorageWrite}},
              [=, this, views = static_cast<uint32_t>(inputs.views.size()), width = inputs.width,
               height = inputs.height](graph::Context& context) {
                context.commands().bind(

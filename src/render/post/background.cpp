@@ -8,15 +8,16 @@ BackgroundPass::BackgroundPass(vk::Device& device)
                                                          .name = "background"})) {}
 
 void BackgroundPass::add(graph::Graph& graph, const FrameInputs& inputs, const Gbuffer& gbuffer) const {
-  graph.pass(
-      "background", {{gbuffer.light, graph::Use::StorageReadWrite}}, [this, inputs, gbuffer](graph::Context& context) {
-        struct {
-          VkDeviceAddress frame;
-        } push{inputs.constants};
-        context.commands().bind(pipeline_, {{context.image(gbuffer.light).arrayView()}, inputs.environment.radiance()},
-                                push);
-        context.commands().dispatch(inputs.width, inputs.height, static_cast<uint32_t>(inputs.views.size()), 16, 16);
-      });
+  graph.pass(graph::Stage::Post, "background", {{gbuffer.light, graph::Use::StorageReadWrite}},
+             [this, inputs, gbuffer](graph::Context& context) {
+               struct {
+                 VkDeviceAddress frame;
+               } push{inputs.constants};
+               context.commands().bind(
+                   pipeline_, {{context.image(gbuffer.light).arrayView()}, inputs.environment.radiance()}, push);
+               context.commands().dispatch(inputs.width, inputs.height, static_cast<uint32_t>(inputs.views.size()), 16,
+                                           16);
+             });
 }
 
 }  // namespace latelight::render

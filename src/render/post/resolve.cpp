@@ -21,7 +21,7 @@ AccumulatePass::AccumulatePass(vk::Device& device)
 void AccumulatePass::add(graph::Graph& graph, graph::ImageId frame, graph::ImageId sum, bool first) const {
   vk::ImageDesc desc = graph.desc(frame);
   graph.pass(
-      "accumulate",
+      graph::Stage::Post, "accumulate",
       {{frame, graph::Use::SampledCompute}, {sum, first ? graph::Use::StorageWrite : graph::Use::StorageReadWrite}},
       [=, this](graph::Context& context) {
         context.commands().bind(pipeline_,
@@ -44,7 +44,7 @@ graph::BufferId createPixels(graph::Graph& graph, graph::ImageId picture) {
 graph::BufferId ComposePass::add(graph::Graph& graph, graph::ImageId picture, const ComposeSettings& settings) const {
   vk::ImageDesc desc = graph.desc(picture);
   graph::BufferId pixels = createPixels(graph, picture);
-  graph.pass("compose", {{picture, graph::Use::SampledCompute}, {pixels, graph::Use::StorageWrite}},
+  graph.pass(graph::Stage::Post, "compose", {{picture, graph::Use::SampledCompute}, {pixels, graph::Use::StorageWrite}},
              [=, this](graph::Context& context) {
                context.commands().bind(pipeline_, {{context.image(picture).arrayView(), sampler_.get()}},
                                        ComposePush(settings, context.buffer(pixels).address()));
@@ -58,8 +58,8 @@ graph::BufferId addReadback(graph::Graph& graph, graph::ImageId image) {
   vk::ImageDesc desc = graph.desc(image);
   graph::BufferId buffer = graph.create(hostBuffer(
       "read back " + desc.name, uint64_t{vk::texelBytes(desc.format)} * desc.width * desc.height * desc.layers));
-  graph.pass("read back " + desc.name, {{image, graph::Use::CopySource}, {buffer, graph::Use::CopyTarget}},
-             [=](graph::Context& context) {
+  graph.pass(graph::Stage::Output, "read back " + desc.name,
+             {{image, graph::Use::CopySource}, {buffer, graph::Use::CopyTarget}}, [=](graph::Context& context) {
                const vk::Image& source = context.image(image);
                VkBufferImageCopy region{.imageSubresource = {source.aspect(), 0, 0, desc.layers},
                                         .imageExtent = {desc.width, desc.height, 1}};

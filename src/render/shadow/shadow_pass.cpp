@@ -111,7 +111,7 @@ graph::ImageId ShadowPass::add(graph::Graph& graph, const FrameInputs& inputs) c
     accesses.emplace_back(atlas, graph::Use::ColorAttachment);
   }
   accesses.emplace_back(depth, graph::Use::DepthAttachment);
-  graph.pass("shadow maps", std::move(accesses), [=, this](graph::Context& context) {
+  graph.pass(graph::Stage::Shadows, "shadow maps", std::move(accesses), [=, this](graph::Context& context) {
     const VkRenderingAttachmentInfo color =
         cleared(context.image(atlas).view(), VkClearValue{.color = emptyTexel(format_)});
     const VkRenderingAttachmentInfo depthTarget =

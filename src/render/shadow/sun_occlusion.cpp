@@ -74,7 +74,7 @@ void SunOcclusionPass::add(graph::Graph& graph, const FrameInputs& inputs, const
   for (graph::ImageId image : gbuffer.targets)
     if (image != target) accesses.emplace_back(image, graph::Use::SampledFragment);
   appendLitAccesses(accesses, gbuffer, graph::Use::SampledFragment);
-  graph.pass("sun occlusion", std::move(accesses), [=, this](graph::Context& context) {
+  graph.pass(graph::Stage::Shadows, "sun occlusion", std::move(accesses), [=, this](graph::Context& context) {
     for (uint32_t view = 0; view < inputs.views.size(); ++view) {
       beginView(context, inputs, view, std::span(&target, 1), {stencil, true}, ColorUse::Keep);
       vkCmdSetStencilReference(context.get(), VK_STENCIL_FACE_FRONT_AND_BACK, kMayBeLit);

@@ -160,8 +160,8 @@ shared::FragmentLists Exact::listsOf(graph::Context& context, const Buffers& b) 
 }
 
 void Exact::addClear(graph::Graph& graph, const Buffers& b) {
-  graph.pass("transparency clear", {{b.counts, graph::Use::CopyTarget}, {b.totals, graph::Use::CopyTarget}},
-             [=](graph::Context& context) {
+  graph.pass(graph::Stage::Transparency, "transparency clear",
+             {{b.counts, graph::Use::CopyTarget}, {b.totals, graph::Use::CopyTarget}}, [=](graph::Context& context) {
                for (graph::BufferId buffer : {b.counts, b.totals})
                  vkCmdFillBuffer(context.get(), context.buffer(buffer).get(), 0, VK_WHOLE_SIZE, 0);
              });
@@ -175,7 +175,7 @@ void Exact::addStore(graph::Graph& graph, const FrameInputs& inputs, const Gbuff
                                       {b.counts, graph::Use::FragmentReadWrite},
                                       {b.totals, graph::Use::FragmentReadWrite}};
   appendLitAccesses(accesses, gbuffer, graph::Use::SampledFragment);
-  graph.pass("transparency store", std::move(accesses), [=, this](graph::Context& context) {
+  graph.pass(graph::Stage::Transparency, "transparency store", std::move(accesses), [=, this](graph::Context& context) {
     std::vector<vk::BoundImage> images;
     appendLitImages(images, context, inputs, gbuffer);
     const shared::FragmentLists lists = listsOf(context, b);
@@ -198,7 +198,7 @@ void Exact::addStore(graph::Graph& graph, const FrameInputs& inputs, const Gbuff
 
 void Exact::addPlace(graph::Graph& graph, const Buffers& b) const {
   constexpr uint32_t kRow = 65536;  // fragments_place.comp
-  graph.pass("transparency place",
+  graph.pass(graph::Stage::Transparency, "transparency place",
              {{b.counts, graph::Use::StorageRead},
               {b.totals, graph::Use::StorageReadWrite},
               {b.starts, graph::Use::StorageWrite}},
@@ -206,7 +206,7 @@ void Exact::addPlace(graph::Graph& graph, const Buffers& b) const {
                context.commands().bind(place_, {}, PlacePush{listsOf(context, b), b.pixels});
                context.commands().dispatch(std::min(b.pixels, kRow), (b.pixels + kRow - 1) / kRow, 1, kGroup, 1);
              });
-  graph.pass("transparency gather",
+  graph.pass(graph::Stage::Transparency, "transparency gather",
              {{b.fragments, graph::Use::StorageRead},
               {b.starts, graph::Use::StorageRead},
               {b.totals, graph::Use::StorageRead},
@@ -227,12 +227,13 @@ graph::BufferId Exact::addSort(graph::Graph& graph, const Buffers& b) const {
     for (graph::BufferId read : {b.fragments, b.counts, b.starts, b.totals, b.lists})
       accesses.emplace_back(read, graph::Use::StorageRead);
     if (source != b.lists) accesses.emplace_back(source, graph::Use::StorageRead);
-    graph.pass("transparency sort", std::move(accesses), [=, this](graph::Context& context) {
-      context.commands().bind(
-          sort_, {},
-          SortPush{listsOf(context, b), context.buffer(source).address(), context.buffer(target).address(), run});
-      dispatchOverFragments(context, b);
-    });
+    graph.pass(
+        graph::Stage::Transparency, "transparency sort", std::move(accesses), [=, this](graph::Context& context) {
+          context.commands().bind(
+              sort_, {},
+              SortPush{listsOf(context, b), context.buffer(source).address(), context.buffer(target).address(), run});
+          dispatchOverFragments(context, b);
+        });
     from = target;
   };
   if (b.room.longest > kShortList) addStep(0);
@@ -247,19 +248,21 @@ void Exact::addBlend(graph::Graph& graph, graph::ImageId light, const Buffers& b
     for (graph::BufferId read : {b.fragments, b.counts, b.starts, b.totals, b.lists})
       accesses.emplace_back(read, graph::Use::StorageRead);
     if (sorted != b.lists) accesses.emplace_back(sorted, graph::Use::StorageRead);
-    graph.pass("transparency blend", std::move(accesses), [=, this](graph::Context& context) {
-      context.commands().bind(blend_, {{context.image(light).arrayView()}},
-                              BlendPush{listsOf(context, b), context.buffer(sorted).address(), first, kBlendedAtOnce});
-      context.commands().dispatch(desc.width, desc.height, desc.layers, 16, 16);
-    });
+    graph.pass(graph::Stage::Transparency, "transparency blend", std::move(accesses),
+               [=, this](graph::Context& context) {
+                 context.commands().bind(
+                     blend_, {{context.image(light).arrayView()}},
+                     BlendPush{listsOf(context, b), context.buffer(sorted).address(), first, kBlendedAtOnce});
+                 context.commands().dispatch(desc.width, desc.height, desc.layers, 16, 16);
+               });
   }
 }
 
 graph::BufferId Exact::addReadback(graph::Graph& graph, const Buffers& b) {
   const graph::BufferId host = graph.create(vk::BufferDesc{
       .size = sizeof(shared::FragmentTotals), .kind = vk::MemoryKind::Readback, .name = "totals of fragments, host"});
-  graph.pass("transparency totals", {{b.totals, graph::Use::CopySource}, {host, graph::Use::CopyTarget}},
-             [=](graph::Context& context) {
+  graph.pass(graph::Stage::Transparency, "transparency totals",
+             {{b.totals, graph::Use::CopySource}, {host, graph::Use::CopyTarget}}, [=](graph::Context& context) {
                const VkBufferCopy region{0, 0, sizeof(shared::FragmentTotals)};
                vkCmdCopyBuffer(context.get(), context.buffer(b.totals).get(), context.buffer(host).get(), 1, &region);
              });

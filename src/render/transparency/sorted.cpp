@@ -43,16 +43,17 @@ class Sorted final : public Transparency {
     std::vector<graph::Access> accesses{{gbuffer.depth, graph::Use::DepthTest},
                                         {gbuffer.light, graph::Use::ColorAttachmentLoad}};
     appendLitAccesses(accesses, gbuffer, graph::Use::SampledFragment);
-    graph.pass("transparency sorted", std::move(accesses), [=, this](graph::Context& context) {
-      std::vector<vk::BoundImage> images;
-      appendLitImages(images, context, inputs, gbuffer);
-      for (uint32_t view = 0; view < inputs.views.size(); ++view) {
-        beginView(context, inputs, view, {&gbuffer.light, 1}, {gbuffer.depth, false}, ColorUse::Keep);
-        SceneBinder binder(context, inputs, view, pipeline_, pipeline_, images);
-        for (const Draw& draw : draws[view]) drawFaces(context, inputs.scene, binder, draw);
-        vkCmdEndRendering(context.get());
-      }
-    });
+    graph.pass(graph::Stage::Transparency, "transparency sorted", std::move(accesses),
+               [=, this](graph::Context& context) {
+                 std::vector<vk::BoundImage> images;
+                 appendLitImages(images, context, inputs, gbuffer);
+                 for (uint32_t view = 0; view < inputs.views.size(); ++view) {
+                   beginView(context, inputs, view, {&gbuffer.light, 1}, {gbuffer.depth, false}, ColorUse::Keep);
+                   SceneBinder binder(context, inputs, view, pipeline_, pipeline_, images);
+                   for (const Draw& draw : draws[view]) drawFaces(context, inputs.scene, binder, draw);
+                   vkCmdEndRendering(context.get());
+                 }
+               });
   }
 
  private:

@@ -31,20 +31,21 @@ class Weighted final : public Transparency {
                                         {sums[0], graph::Use::ColorAttachment},
                                         {sums[1], graph::Use::ColorAttachment}};
     appendLitAccesses(accesses, gbuffer, graph::Use::SampledFragment);
-    graph.pass("transparency weighted", std::move(accesses), [=, this](graph::Context& context) {
-      std::vector<vk::BoundImage> images;
-      appendLitImages(images, context, inputs, gbuffer);
-      for (uint32_t view = 0; view < inputs.views.size(); ++view) {
-        beginView(context, inputs, view, sums, {gbuffer.depth, false});
-        SceneBinder binder(context, inputs, view, draw_, draw_, images);
-        for (const Draw& draw : draws[view]) {
-          binder.bind(draw);
-          drawRun(context, draw);
-        }
-        vkCmdEndRendering(context.get());
-      }
-    });
-    graph.pass("transparency blend",
+    graph.pass(graph::Stage::Transparency, "transparency weighted", std::move(accesses),
+               [=, this](graph::Context& context) {
+                 std::vector<vk::BoundImage> images;
+                 appendLitImages(images, context, inputs, gbuffer);
+                 for (uint32_t view = 0; view < inputs.views.size(); ++view) {
+                   beginView(context, inputs, view, sums, {gbuffer.depth, false});
+                   SceneBinder binder(context, inputs, view, draw_, draw_, images);
+                   for (const Draw& draw : draws[view]) {
+                     binder.bind(draw);
+                     drawRun(context, draw);
+                   }
+                   vkCmdEndRendering(context.get());
+                 }
+               });
+    graph.pass(graph::Stage::Transparency, "transparency blend",
                {{sums[0], graph::Use::SampledCompute},
                 {sums[1], graph::Use::SampledCompute},
                 {gbuffer.light, graph::Use::StorageReadWrite}},

@@ -135,13 +135,14 @@ DepthPass::DepthPass(vk::Device& device, const GpuScene& scene, uint32_t samples
 
 graph::ImageId DepthPass::add(graph::Graph& graph, const FrameInputs& inputs) const {
   graph::ImageId depth = createTarget(graph, inputs, kDepthFormat, "depth", samples_);
-  graph.pass("depth", {{depth, graph::Use::DepthAttachment}}, [=, this](graph::Context& context) {
-    for (uint32_t view = 0; view < inputs.views.size(); ++view) {
-      beginView(context, inputs, view, {}, {depth, true});
-      drawScene(context, inputs, view, opaque_, masked_);
-      vkCmdEndRendering(context.get());
-    }
-  });
+  graph.pass(graph::Stage::Visibility, "depth", {{depth, graph::Use::DepthAttachment}},
+             [=, this](graph::Context& context) {
+               for (uint32_t view = 0; view < inputs.views.size(); ++view) {
+                 beginView(context, inputs, view, {}, {depth, true});
+                 drawScene(context, inputs, view, opaque_, masked_);
+                 vkCmdEndRendering(context.get());
+               }
+             });
   return depth;
 }
 

@@ -44,7 +44,7 @@ MotionPass::MotionPass(vk::Device& device, const GpuScene& scene, MotionUse use)
 
 graph::ImageId MotionPass::add(graph::Graph& graph, const FrameInputs& inputs, graph::ImageId depth) const {
   const graph::ImageId motion = createTarget(graph, inputs, format_, "motion");
-  graph.pass("motion", {{depth, graph::Use::DepthTest}, {motion, graph::Use::ColorAttachment}},
+  graph.pass(graph::Stage::Geometry, "motion", {{depth, graph::Use::DepthTest}, {motion, graph::Use::ColorAttachment}},
              [=, this](graph::Context& context) {
                for (uint32_t view = 0; view < inputs.views.size(); ++view) {
                  beginView(context, inputs, view, std::span(&motion, 1), {depth, false});

@@ -26,7 +26,7 @@ class Forward final : public LightingTechnique {
     std::vector<graph::Access> accesses{{gbuffer.sampleDepth, graph::Use::DepthTest}};
     for (graph::ImageId color : colors) accesses.emplace_back(color, graph::Use::ColorAttachment);
     appendLitAccesses(accesses, gbuffer, graph::Use::SampledFragment);
-    graph.pass("lighting forward", std::move(accesses),
+    graph.pass(graph::Stage::Lighting, "lighting forward", std::move(accesses),
                [=, this, depth = gbuffer.sampleDepth](graph::Context& context) {
                  std::vector<vk::BoundImage> images;
                  appendLitImages(images, context, inputs, gbuffer);

@@ -95,15 +95,16 @@ class ForwardMultipass final : public LightingTechnique {
     std::vector<graph::Access> accesses{{gbuffer.sampleDepth, graph::Use::DepthTest}};
     for (graph::ImageId color : colors) accesses.emplace_back(color, graph::Use::ColorAttachment);
     appendLitAccesses(accesses, gbuffer, graph::Use::SampledFragment);
-    graph.pass("forward base", std::move(accesses), [=, this, depth = gbuffer.sampleDepth](graph::Context& context) {
-      std::vector<vk::BoundImage> images;
-      appendLitImages(images, context, inputs, gbuffer);
-      for (uint32_t view = 0; view < inputs.views.size(); ++view) {
-        beginView(context, inputs, view, colors, {depth, false});
-        drawScene(context, inputs, view, base_.opaque, base_.masked, images);
-        vkCmdEndRendering(context.get());
-      }
-    });
+    graph.pass(graph::Stage::Lighting, "forward base", std::move(accesses),
+               [=, this, depth = gbuffer.sampleDepth](graph::Context& context) {
+                 std::vector<vk::BoundImage> images;
+                 appendLitImages(images, context, inputs, gbuffer);
+                 for (uint32_t view = 0; view < inputs.views.size(); ++view) {
+                   beginView(context, inputs, view, colors, {depth, false});
+                   drawScene(context, inputs, view, base_.opaque, base_.masked, images);
+                   vkCmdEndRendering(context.get());
+                 }
+               });
   }
 
   void addLights(graph::Graph& graph, const FrameInputs& inputs, const Gbuffer& gbuffer, Targets targets) const {
@@ -113,18 +114,19 @@ class ForwardMultipass final : public LightingTechnique {
                                         {targets.surfaces, graph::Use::SampledFragment}};
     for (graph::ImageId color : colors) accesses.emplace_back(color, graph::Use::ColorAttachmentLoad);
     appendLitAccesses(accesses, gbuffer, graph::Use::SampledFragment);
-    graph.pass("forward lights", std::move(accesses), [=, this, depth = gbuffer.sampleDepth](graph::Context& context) {
-      std::vector<vk::BoundImage> images;
-      appendLitImages(images, context, inputs, gbuffer);
-      images.push_back({context.image(targets.surfaces).arrayView(), sampler_.get()});
-      uint64_t passes = 0;
-      for (uint32_t view = 0; view < inputs.views.size(); ++view) {
-        beginView(context, inputs, view, colors, {depth, false}, ColorUse::Keep);
-        passes += drawLights(context, inputs, view, images);
-        vkCmdEndRendering(context.get());
-      }
-      warnOfManyPasses("lighting by forward-multipass", passes);
-    });
+    graph.pass(graph::Stage::Lighting, "forward lights", std::move(accesses),
+               [=, this, depth = gbuffer.sampleDepth](graph::Context& context) {
+                 std::vector<vk::BoundImage> images;
+                 appendLitImages(images, context, inputs, gbuffer);
+                 images.push_back({context.image(targets.surfaces).arrayView(), sampler_.get()});
+                 uint64_t passes = 0;
+                 for (uint32_t view = 0; view < inputs.views.size(); ++view) {
+                   beginView(context, inputs, view, colors, {depth, false}, ColorUse::Keep);
+                   passes += drawLights(context, inputs, view, images);
+                   vkCmdEndRendering(context.get());
+                 }
+                 warnOfManyPasses("lighting by forward-multipass", passes);
+               });
   }
 
   // Every light over every object it may reach. Lights change within an object, not objects within a light: the sum is

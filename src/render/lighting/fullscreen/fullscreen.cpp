@@ -25,7 +25,7 @@ class Fullscreen final : public LightingTechnique {
     if (inputs.scene.lightCount() > most_)
       badUsage("fullscreen goes through at most {} lights on a CPU device, and there are {}: choose tiled or clustered",
                most_, inputs.scene.lightCount());
-    graph.pass("lighting fullscreen", LightingShader::accesses(gbuffer),
+    graph.pass(graph::Stage::Lighting, "lighting fullscreen", LightingShader::accesses(gbuffer),
                [this, inputs, gbuffer](graph::Context& context) {
                  shader_.dispatch(context, inputs, gbuffer, LightingPush{inputs.constants});
                });

@@ -187,7 +187,7 @@ class Volumes final : public LightingTechnique {
     for (graph::ImageId image : gbufferInputs(gbuffer)) accesses.emplace_back(image, graph::Use::SampledFragment);
     for (graph::ImageId color : colors) accesses.emplace_back(color, graph::Use::ColorAttachment);
     appendLitAccesses(accesses, gbuffer, graph::Use::SampledFragment);
-    graph.pass("light volumes", std::move(accesses), [=, this](graph::Context& context) {
+    graph.pass(graph::Stage::Lighting, "light volumes", std::move(accesses), [=, this](graph::Context& context) {
       uint64_t passes = 0;
       for (uint32_t view = 0; view < inputs.views.size(); ++view) {
         beginView(context, inputs, view, colors, {stencil, true});
@@ -361,7 +361,7 @@ class Volumes final : public LightingTechnique {
     for (graph::Access& access : accesses)
       if (setup_.countLights && access.image == gbuffer.lightCounts) access.use = graph::Use::StorageReadWrite;
     accesses.emplace_back(sum, graph::Use::SampledCompute);
-    graph.pass("lighting volumes", std::move(accesses), [=, this](graph::Context& context) {
+    graph.pass(graph::Stage::Lighting, "lighting volumes", std::move(accesses), [=, this](graph::Context& context) {
       finish_.dispatch(context, inputs, gbuffer, LightingPush{inputs.constants},
                        {{context.image(sum).arrayView(), sampler_.get()}});
     });

@@ -81,7 +81,7 @@ void AmbientOcclusionPass::addOcclusion(graph::Graph& graph, const FrameInputs& 
   sources.push_back(gbuffer.depth);
   std::vector<graph::Access> accesses{{hidden, graph::Use::StorageWrite}};
   for (graph::ImageId source : sources) accesses.emplace_back(source, graph::Use::SampledCompute);
-  graph.pass("ambient occlusion", std::move(accesses), [=, this](graph::Context& context) {
+  graph.pass(graph::Stage::Lighting, "ambient occlusion", std::move(accesses), [=, this](graph::Context& context) {
     std::vector<vk::BoundImage> images;
     for (graph::ImageId source : sources) images.push_back({context.image(source).arrayView(), sampler_.get()});
     images.push_back({context.image(hidden).arrayView()});
@@ -95,7 +95,7 @@ void AmbientOcclusionPass::addDenoise(graph::Graph& graph, const FrameInputs& in
                                       std::array<graph::ImageId, 2> hiddenAndResult, uint32_t axis) const {
   const auto [hidden, result] = hiddenAndResult;
   graph.pass(
-      "ambient occlusion denoise",
+      graph::Stage::Lighting, "ambient occlusion denoise",
       {{depth, graph::Use::SampledCompute}, {hidden, graph::Use::SampledCompute}, {result, graph::Use::StorageWrite}},
       [=, this](graph::Context& context) {
         context.commands().bind(denoise_[axis],

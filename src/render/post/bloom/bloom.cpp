@@ -49,7 +49,7 @@ graph::ImageId BloomPass::addDown(graph::Graph& graph, graph::ImageId source, co
   struct {
     float scale, threshold;
   } push{first ? parameters.scale : 1.0f, first ? parameters.threshold : 0.0f};
-  graph.pass("bloom down", {{source, graph::Use::SampledCompute}, {half, graph::Use::StorageWrite}},
+  graph.pass(graph::Stage::Post, "bloom down", {{source, graph::Use::SampledCompute}, {half, graph::Use::StorageWrite}},
              [=, this, &pipeline](graph::Context& context) {
                context.commands().bind(
                    pipeline, {{context.image(source).arrayView(), sampler_.get()}, {context.image(half).arrayView()}},
@@ -63,7 +63,7 @@ graph::ImageId BloomPass::addUp(graph::Graph& graph, graph::ImageId fine, graph:
   const vk::ImageDesc desc = likeButNamed(graph.desc(fine), graph.desc(fine).name + ", all of it");
   const graph::ImageId joined = graph.create(desc);
   graph.pass(
-      "bloom up",
+      graph::Stage::Post, "bloom up",
       {{fine, graph::Use::SampledCompute}, {coarse, graph::Use::SampledCompute}, {joined, graph::Use::StorageWrite}},
       [=, this](graph::Context& context) {
         context.commands().bind(up_,
@@ -93,7 +93,7 @@ graph::ImageId BloomPass::add(graph::Graph& graph, graph::ImageId picture, const
     float scale, threshold, strength;
   } push{parameters.scale, parameters.threshold, parameters.strength};
   graph.pass(
-      "bloom blend",
+      graph::Stage::Post, "bloom blend",
       {{picture, graph::Use::SampledCompute}, {glow, graph::Use::SampledCompute}, {result, graph::Use::StorageWrite}},
       [=, this](graph::Context& context) {
         context.commands().bind(blend_,

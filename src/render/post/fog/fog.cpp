@@ -10,7 +10,8 @@ FogPass::FogPass(vk::Device& device)
 
 void FogPass::add(graph::Graph& graph, const FrameInputs& inputs, const Gbuffer& gbuffer) const {
   graph.pass(
-      "fog", {{gbuffer.depth, graph::Use::SampledCompute}, {gbuffer.light, graph::Use::StorageReadWrite}},
+      graph::Stage::Post, "fog",
+      {{gbuffer.depth, graph::Use::SampledCompute}, {gbuffer.light, graph::Use::StorageReadWrite}},
       [this, inputs, gbuffer](graph::Context& context) {
         context.commands().bind(
             pipeline_,

@@ -18,7 +18,8 @@ graph::BufferId FxaaPass::add(graph::Graph& graph, graph::ImageId picture, const
           .layers = desc.layers,
           .name = "display"};
   const graph::ImageId display = graph.create(desc);
-  graph.pass("compose", {{picture, graph::Use::SampledCompute}, {display, graph::Use::StorageWrite}},
+  graph.pass(graph::Stage::Post, "compose",
+             {{picture, graph::Use::SampledCompute}, {display, graph::Use::StorageWrite}},
              [=, this](graph::Context& context) {
                context.commands().bind(
                    input_, {{context.image(picture).arrayView(), sampler_.get()}, {context.image(display).arrayView()}},
@@ -26,7 +27,7 @@ graph::BufferId FxaaPass::add(graph::Graph& graph, graph::ImageId picture, const
                context.commands().dispatch(desc.width, desc.height, desc.layers, 16, 16);
              });
   const graph::BufferId pixels = createPixels(graph, picture);
-  graph.pass("fxaa", {{display, graph::Use::SampledCompute}, {pixels, graph::Use::StorageWrite}},
+  graph.pass(graph::Stage::Post, "fxaa", {{display, graph::Use::SampledCompute}, {pixels, graph::Use::StorageWrite}},
              [=, this](graph::Context& context) {
                context.commands().bind(fxaa_, {{context.image(display).arrayView(), sampler_.get()}},
                                        ComposePush(settings, context.buffer(pixels).address()));

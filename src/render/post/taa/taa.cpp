@@ -104,7 +104,7 @@ graph::ImageId TemporalPass::add(graph::Graph& graph, const FrameInputs& inputs,
   accesses.emplace_back(color, graph::Use::StorageWrite);
   accesses.emplace_back(state, graph::Use::StorageWrite);
   const float samples = begins ? static_cast<float>(kTemporalSamples) : 0.0f;
-  graph.pass("temporal", std::move(accesses), [=, this](graph::Context& context) {
+  graph.pass(graph::Stage::Post, "temporal", std::move(accesses), [=, this](graph::Context& context) {
     struct {
       VkDeviceAddress frame;
       float scale, samples;

@@ -17,7 +17,7 @@ class Interlaced final : public LightingTechnique {
   Interlaced(vk::Device& device, const FrameSetup& setup) : shader_(device, setup, "interlaced.comp") {}
 
   void add(graph::Graph& graph, const FrameInputs& inputs, const Gbuffer& gbuffer) const override {
-    graph.pass("lighting interlaced", LightingShader::accesses(gbuffer),
+    graph.pass(graph::Stage::Lighting, "lighting interlaced", LightingShader::accesses(gbuffer),
                [this, inputs, gbuffer](graph::Context& context) {
                  for (uint32_t row : {0u, 1u}) {  // no pixel is in both, so nothing has to wait
                    FrameInputs field = inputs;
