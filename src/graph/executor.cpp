@@ -237,7 +237,7 @@ void Executor::run(const Graph& graph, const Plan& plan) {
   materialize(graph, plan);
   descriptors_.reset();
   Timers& timers = pool_->timers;
-  device_.submit([&](VkCommandBuffer buffer) {
+  device_.submitAndWait([&](VkCommandBuffer buffer) {
     vk::Commands commands(device_, buffer, descriptors_);
     Context context;
     context.commands_ = &commands;

@@ -128,7 +128,7 @@ Buffer& Buffer::operator=(Buffer&& other) noexcept {
 
 Buffer::~Buffer() {
   if (!buffer_) return;
-  device_->bury([device = device_, buffer = buffer_, allocation = allocation_] {
+  device_->deferDeletion([device = device_, buffer = buffer_, allocation = allocation_] {
     vkDestroyBuffer(device->get(), buffer, nullptr);
     device->memory().release(allocation);
   });
@@ -178,7 +178,7 @@ Image& Image::operator=(Image&& other) noexcept {
 Image::~Image() {
   if (!image_) return;
   layerViews_.push_back(arrayView_);
-  device_->bury([device = device_, image = image_, views = std::move(layerViews_), allocation = allocation_] {
+  device_->deferDeletion([device = device_, image = image_, views = std::move(layerViews_), allocation = allocation_] {
     for (VkImageView view : views) vkDestroyImageView(device->get(), view, nullptr);
     vkDestroyImage(device->get(), image, nullptr);
     device->memory().release(allocation);

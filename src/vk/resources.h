@@ -1,4 +1,4 @@
-// Buffers and images that own their memory. Move-only; destruction is deferred (Device::bury).
+// Buffers and images that own their memory. Move-only; destruction is deferred (Device::deferDeletion).
 #pragma once
 
 #include <volk.h>
