@@ -2,10 +2,14 @@
 // images, GPU timers and debug labels follow. Passes run in the order they were added.
 //
 //   Graph graph;
-//   ImageId depth = graph.create(ImageDesc{...});
-//   graph.pass(Stage::Geometry, "geometry", {{depth, Use::DepthAttachment}}, [=](Context& c) { ... c.image(depth) ...
-//   }); graph.exports(color);             // what must survive: passes that lead to no export are culled Plan plan =
-//   graph.compile();      // plain data, no device: tests read it executor.run(graph, plan, ...);
+//   ImageId color = graph.create(ImageDesc{...});
+//   graph.pass(Stage::Lighting, "light", {{color, Use::StorageWrite}}, [=](Context& c) { ... c.image(color) ... });
+//   graph.exports(color, Use::CopySource);  // what must survive: passes that lead to no export are culled
+//
+//   Plan plan = graph.compile();                     // plain data, no device: tests read it
+//   Submission done = executor.submit(graph, plan);  // returns at once
+//   done.wait();
+//   done.image(color) ...
 #pragma once
 
 #include <volk.h>
@@ -184,28 +188,53 @@ struct PassTime {
   double milliseconds;
 };
 
-// Runs graphs on a device; keeps transient images and buffers from one run to the next.
-class Executor {
+// A graph on its way through the device, then its results. The transient resources that were exported belong to it:
+// once it is dropped and has finished, others may have them. It may outlive its executor, not the device, and may be
+// held by another thread.
+class Submission {
  public:
-  explicit Executor(vk::Device& device);
-  ~Executor();
-  // Records the plan with a debug label and two timestamps a pass, submits, and waits. What a pass throws is rethrown.
-  void run(const Graph& graph, const Plan& plan);
-  // Of the last run: GPU milliseconds a pass, in order. Empty where the device has no timestamps.
-  const std::vector<PassTime>& times() const { return times_; }
-  // Of the last run: a transient resource that was exported, or an imported one (valid until the next run).
+  Submission();  // of nothing: done
+  Submission(Submission&&) noexcept;
+  Submission& operator=(Submission&&) noexcept;
+  ~Submission();
+  bool done() const;
+  void wait() const;
+  // GPU milliseconds a pass, in order; waits. Empty where the device has no timestamps.
+  const std::vector<PassTime>& times() const;
+  // A transient resource that was exported, or an imported one: Error(Internal) for all others. To be read by the host
+  // after wait().
   const vk::Image& image(ImageId id) const;
   const vk::Buffer& buffer(BufferId id) const;
 
  private:
-  struct Pool;
-  void materialize(const Graph& graph, const Plan& plan);
-  vk::Device& device_;
-  std::unique_ptr<Pool> pool_;
-  vk::DescriptorPool descriptors_;
-  std::vector<PassTime> times_;
-  std::vector<const vk::Image*> images_;
-  std::vector<const vk::Buffer*> buffers_;
+  friend class Executor;
+  struct State;
+  explicit Submission(std::shared_ptr<State> state);
+  std::shared_ptr<State> state_;
+};
+
+// Runs graphs on a device; keeps transient images and buffers from one submission to the next.
+class Executor {
+ public:
+  static constexpr size_t kInFlight = 3;  // submissions at once; one more waits for the oldest
+
+  explicit Executor(vk::Device& device);
+  ~Executor();
+  // Records the plan with a debug label and two timestamps a pass, and submits it without waiting. It begins with a
+  // barrier over all memory, so that submissions may use the same transients one after the other. What a pass throws
+  // is rethrown, and nothing is submitted.
+  Submission submit(const Graph& graph, const Plan& plan);
+
+  // Submits and waits; the rest is of the last run.
+  void run(const Graph& graph, const Plan& plan);
+  const std::vector<PassTime>& times() const { return last_.times(); }
+  const vk::Image& image(ImageId id) const { return last_.image(id); }
+  const vk::Buffer& buffer(BufferId id) const { return last_.buffer(id); }
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+  Submission last_;
 };
 
 }  // namespace latelight::graph

@@ -6,10 +6,12 @@
 #include <chrono>
 #include <memory>
 #include <stdexcept>
+#include <thread>
 
 #include "base/error.h"
 #include "graph/graph.h"
 #include "vk/device.h"
+#include "vk/gate.h"
 
 namespace latelight::graph {
 namespace {
@@ -207,13 +209,16 @@ TEST_F(Executors, KeepTransientResourcesFromRunToRun) {
     const BufferId out = graph.create(readbackDesc(width * 16 * 4));
     clear(graph, "one", one, 1);
     clear(graph, "two", two, 2);
+    VkImage first = VK_NULL_HANDLE;
+    graph.pass(Stage::Post, "look", {{one, Use::CopySource}, {out, Use::CopyTarget}},
+               [&, one](Context& c) { first = c.image(one).get(); });
     copy(graph, "read back", one, out);
     graph.exports(out, Use::HostRead);
     graph.exports(two, Use::CopySource);
     run(executor, graph);
     EXPECT_THAT(contents(executor.buffer(out)), Each(1u));
-    EXPECT_NE(executor.image(one).get(), executor.image(two).get());
-    look(executor.image(one).get(), executor.buffer(out).get());
+    EXPECT_NE(first, executor.image(two).get());
+    look(executor.image(two).get(), executor.buffer(out).get());
   };
   VkImage image = VK_NULL_HANDLE;
   VkBuffer buffer = VK_NULL_HANDLE;
@@ -236,6 +241,123 @@ TEST_F(Executors, KeepTransientResourcesFromRunToRun) {
   EXPECT_LT(largeOnly, withSmall);
   for (int i = 0; i < 6; ++i) frame(32, [](VkImage, VkBuffer) {});
   EXPECT_EQ(usedBytes(), largeOnly);
+}
+
+TEST_F(Executors, HaveSeveralSubmissionsInFlight) {
+  Executor executor(*device);
+  vk::Gate gate(*device);
+  std::vector<Submission> submissions;
+  std::vector<BufferId> outs;
+  for (uint32_t i = 0; i < Executor::kInFlight; ++i) {
+    Graph graph;
+    const BufferId a = graph.create(bufferDesc("a"));
+    outs.push_back(graph.create(readbackDesc()));
+    graph.pass(Stage::Post, "gate", {{a, Use::CopyTarget}}, [&, i](Context& c) {
+      if (i == 0) gate.wait(c.get());
+    });
+    fill(graph, "fill", a, 100 + i);
+    copy(graph, "read back", a, outs.back());
+    graph.exports(outs.back(), Use::HostRead);
+    submissions.push_back(executor.submit(graph, graph.compile()));
+  }
+  for (const Submission& submission : submissions) EXPECT_FALSE(submission.done());
+  gate.open();
+  submissions.back().wait();
+  for (uint32_t i = 0; i < submissions.size(); ++i) {
+    EXPECT_TRUE(submissions[i].done());
+    EXPECT_THAT(contents(submissions[i].buffer(outs[i])), Each(100 + i));
+    EXPECT_EQ(submissions[i].times().size(), 3u);
+  }
+}
+
+TEST_F(Executors, WaitForTheOldestWhereTooManyAreInFlight) {
+  Executor executor(*device);
+  const auto submit = [&](uint32_t value, const std::function<void(VkCommandBuffer)>& recorded) {
+    Graph graph;
+    const BufferId out = graph.create(readbackDesc());
+    graph.pass(Stage::Post, "first", {{out, Use::CopyTarget}}, [&](Context& c) { recorded(c.get()); });
+    fill(graph, "fill", out, value);
+    graph.exports(out, Use::HostRead);
+    return std::pair(executor.submit(graph, graph.compile()), out);
+  };
+  vk::Gate gate(*device);
+  std::vector<std::pair<Submission, BufferId>> all;
+  const auto oldestIsDone = [&] { EXPECT_TRUE(all[all.size() - Executor::kInFlight].first.done()); };
+  for (uint32_t i = 0; i < Executor::kInFlight; ++i)
+    all.push_back(submit(i, [&](VkCommandBuffer commands) { gate.wait(commands); }));
+  std::thread opener([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    gate.open();
+  });
+  for (uint32_t i = Executor::kInFlight; i < 20; ++i)
+    all.push_back(submit(i, [&](VkCommandBuffer) { oldestIsDone(); }));
+  opener.join();
+  for (uint32_t i = 0; i < all.size(); ++i) {
+    all[i].first.wait();
+    EXPECT_THAT(contents(all[i].first.buffer(all[i].second)), Each(i)) << "each keeps its own";
+  }
+}
+
+TEST_F(Executors, GiveResultsToOthersOnceTheyAreDropped) {
+  Executor executor(*device);
+  const auto submit = [&](Submission& submission) {
+    Graph graph;
+    const BufferId out = graph.create(readbackDesc());
+    fill(graph, "fill", out, 1);
+    graph.exports(out, Use::HostRead);
+    submission = executor.submit(graph, graph.compile());
+    return submission.buffer(out).get();
+  };
+  Submission a, b;
+  const VkBuffer first = submit(a), second = submit(b);
+  EXPECT_NE(first, second);
+  a.wait();
+  a = Submission();
+  EXPECT_EQ(submit(a), first);
+  // One that is dropped in flight keeps its own until it has finished.
+  vk::Gate gate(*device);
+  Graph held;
+  const BufferId out = held.create(readbackDesc());
+  held.pass(Stage::Post, "gate", {{out, Use::CopyTarget}}, [&](Context& c) { gate.wait(c.get()); });
+  held.exports(out, Use::HostRead);
+  const VkBuffer busy = executor.submit(held, held.compile()).buffer(out).get();
+  Submission c;
+  EXPECT_NE(submit(c), busy);
+  gate.open();
+  c.wait();
+  Submission d;
+  EXPECT_EQ(submit(d), busy);
+}
+
+TEST_F(Executors, LeaveResultsToSubmissionsThatOutliveThem) {
+  Submission submission;
+  BufferId out;
+  vk::Gate gate(*device);
+  {
+    Executor executor(*device);
+    Graph graph;
+    const BufferId a = graph.create(bufferDesc("a"));
+    out = graph.create(readbackDesc());
+    graph.pass(Stage::Post, "gate", {{a, Use::CopyTarget}}, [&](Context& c) { gate.wait(c.get()); });
+    fill(graph, "fill", a, 12);
+    copy(graph, "read back", a, out);
+    graph.exports(out, Use::HostRead);
+    submission = executor.submit(graph, graph.compile());
+    executor.submit(graph, graph.compile());  // dropped in flight, with its executor
+  }
+  EXPECT_FALSE(submission.done());
+  gate.open();
+  EXPECT_EQ(submission.times().size(), 3u);
+  EXPECT_THAT(contents(submission.buffer(out)), Each(12u));
+}
+
+TEST_F(Executors, GiveNoResultsOfNothing) {
+  const Submission nothing;
+  EXPECT_TRUE(nothing.done());
+  nothing.wait();
+  EXPECT_THAT(nothing.times(), IsEmpty());
+  EXPECT_THROW(nothing.buffer(BufferId{0}), Error);
+  EXPECT_THROW(nothing.image(ImageId{0}), Error);
 }
 
 TEST_F(Executors, TimeEachPassThatRan) {
@@ -279,6 +401,7 @@ TEST_F(Executors, PassOnWhatAPassThrowsAndWorkAfter) {
   broken.pass(Stage::Post, "throws", {{a, Use::CopyTarget}}, [](Context&) { throw std::runtime_error("no"); });
   broken.exports(a, Use::CopySource);
   EXPECT_THROW(run(executor, broken), std::runtime_error);
+  EXPECT_THAT(executor.times(), IsEmpty());
 
   Graph graph;
   const BufferId out = graph.create(readbackDesc());
