@@ -234,7 +234,7 @@ const vk::Buffer& Submission::buffer(BufferId id) const {
 struct Executor::Impl {
   explicit Impl(vk::Device& device) : labels(device.instance()), stock(std::make_shared<Stock>(device)) {}
   void makeRoom();
-  void materialize(const Graph& graph, const Plan& plan, Submission::State& state);
+  void materialize(const Graph& graph, Plan& plan, Submission::State& state);
   void record(const Graph& graph, const Plan& plan, Submission::State& state, VkCommandBuffer buffer);
 
   LabelCalls labels;
@@ -254,21 +254,28 @@ void Executor::Impl::makeRoom() {
   }
 }
 
-// Every imported resource, and a transient one for each that a pass of the plan uses.
-void Executor::Impl::materialize(const Graph& graph, const Plan& plan, Submission::State& state) {
+// Every imported resource, and one for each transient of the plan, which gets its aliasing barriers.
+void Executor::Impl::materialize(const Graph& graph, Plan& plan, Submission::State& state) {
   for (const Graph::ImageNode& node : graph.images_) state.images.push_back(node.imported);
   for (const Graph::BufferNode& node : graph.buffers_) state.buffers.push_back(node.imported);
-  for (const Plan::Step& step : plan.steps) {
-    for (const Access& access : graph.passes_[step.pass].accesses) {
-      if (access.image && !state.images[access.image.index]) {
-        state.pooledImages.push_back(stock->transients.take(graph.desc(access.image)));
-        state.images[access.image.index] = &state.pooledImages.back()->resource;
-      } else if (access.buffer && !state.buffers[access.buffer.index]) {
-        state.pooledBuffers.push_back(stock->transients.take(graph.desc(access.buffer)));
-        state.buffers[access.buffer.index] = &state.pooledBuffers.back()->resource;
-      }
+  for (const Plan::Transient& kept : plan.kept) {
+    if (kept.image) {
+      state.pooledImages.push_back(stock->transients.take(graph.desc(kept.image)));
+      state.images[kept.image.index] = &state.pooledImages.back()->resource;
+    } else {
+      state.pooledBuffers.push_back(stock->transients.take(graph.desc(kept.buffer)));
+      state.buffers[kept.buffer.index] = &state.pooledBuffers.back()->resource;
     }
   }
+  const PlacedTransients& placed = stock->transients.place(graph, plan);
+  for (size_t i = 0; i < plan.lives.size(); ++i) {
+    if (plan.lives[i].image) {
+      state.images[plan.lives[i].image.index] = &std::get<vk::Image>(placed.resources[i]);
+    } else {
+      state.buffers[plan.lives[i].buffer.index] = &std::get<vk::Buffer>(placed.resources[i]);
+    }
+  }
+  addAliasingBarriers(plan, placed.footprints, placed.packing);
 }
 
 void Executor::Impl::record(const Graph& graph, const Plan& plan, Submission::State& state, VkCommandBuffer buffer) {
@@ -292,6 +299,7 @@ void Executor::Impl::record(const Graph& graph, const Plan& plan, Submission::St
     timers.mark(buffer, mark++);
   }
   recordBarriers(buffer, plan.after, state.images, state.buffers);
+  timers.end(buffer);
 }
 
 Submission Executor::submit(const Graph& graph, const Plan& plan) {
@@ -299,8 +307,9 @@ Submission Executor::submit(const Graph& graph, const Plan& plan) {
   impl_->makeRoom();
   stock.transients.tick();
   const auto state = std::make_shared<Submission::State>(impl_->stock);
-  impl_->materialize(graph, plan, *state);
-  state->value = stock.device.submit([&](VkCommandBuffer buffer) { impl_->record(graph, plan, *state, buffer); });
+  Plan placed = plan;
+  impl_->materialize(graph, placed, *state);
+  state->value = stock.device.submit([&](VkCommandBuffer buffer) { impl_->record(graph, placed, *state, buffer); });
   impl_->inFlight.push_back(state);
   // The rest of the transients may be given to others before anyone looks.
   for (size_t i = 0; i < state->images.size(); ++i)

@@ -125,19 +125,35 @@ struct Barrier {
 };
 
 // What compile() decided: for each pass that runs, the barriers before it. Then the barriers after the last pass, that
-// bring imported and exported resources to their final use.
+// bring imported and exported resources to their final use. And what each transient needs of memory, and when.
 struct Plan {
   struct Step {
     uint32_t pass;  // index in the order added
     std::vector<Barrier> before;
   };
+  struct Transient {
+    ImageId image;  // exactly one of image and buffer is set
+    BufferId buffer;
+  };
+  // Of a transient that may share its memory with others before and after it.
+  struct Life : Transient {
+    uint32_t first = 0, last = 0;           // steps that use it, both included
+    VkPipelineStageFlags2 firstStages = 0;  // of its first use
+    VkAccessFlags2 firstAccess = 0;
+    VkPipelineStageFlags2 lastStages = 0;  // what comes after it waits for these
+    VkAccessFlags2 lastWrites = 0;         // of these stages: not yet available
+  };
   std::vector<Step> steps;
   std::vector<Barrier> after;
+  std::vector<Life> lives;      // transients in device memory that are not exported, by first step
+  std::vector<Transient> kept;  // the others: exported, or visible to the host
 };
 
 class Graph {
  public:
-  ImageId create(const vk::ImageDesc& desc);  // transient: lives in the executor's pool, contents undefined at first
+  // Transient: contents undefined at first. Where it is in device memory and not exported, others that are used before
+  // or after it lie in the same bytes.
+  ImageId create(const vk::ImageDesc& desc);
   BufferId create(const vk::BufferDesc& desc);
   // Resources from outside. `before`: how they were used last, or nothing if their contents don't matter (images) or
   // came from the host (buffers). Those that are not exported go back to `before` after passes that changed them.
@@ -212,6 +228,13 @@ class Submission {
   explicit Submission(std::shared_ptr<State> state);
   std::shared_ptr<State> state_;
 };
+
+// Bytes of device memory that a plan's transients take: known before anything runs.
+struct TransientBytes {
+  uint64_t peak = 0;             // as they are placed: those whose lives do not overlap share memory
+  uint64_t withoutAliasing = 0;  // were each to have its own
+};
+TransientBytes transientBytes(vk::Device& device, const Graph& graph, const Plan& plan);
 
 // Runs graphs on a device; keeps transient images and buffers from one submission to the next.
 class Executor {

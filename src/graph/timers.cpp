@@ -23,6 +23,8 @@ void Timers::begin(VkCommandBuffer commands, uint32_t passes) {
     VkQueryPool pool = VK_NULL_HANDLE;
     VK_CHECK(vkCreateQueryPool(device_.get(), &info, nullptr, &pool));
     pool_ = vk::Handle<VkQueryPool>(device_, pool);
+    ticks_ = vk::Buffer(device_,
+                        {.size = capacity_ * sizeof(uint64_t), .kind = vk::MemoryKind::Readback, .name = "timestamps"});
   }
   vkCmdResetQueryPool(commands, pool_.get(), 0, marks_);
 }
@@ -37,16 +39,27 @@ void Timers::mark(VkCommandBuffer commands, uint32_t index) {
   vkCmdPipelineBarrier2(commands, &nothing);
 }
 
+void Timers::end(VkCommandBuffer commands) {
+  if (marks_ == 0) return;
+  vkCmdCopyQueryPoolResults(commands, pool_.get(), 0, marks_, ticks_.get(), 0, sizeof(uint64_t),
+                            VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT);
+  VkMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
+  barrier.srcStageMask = VK_PIPELINE_STAGE_2_COPY_BIT;
+  barrier.srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT;
+  barrier.dstStageMask = VK_PIPELINE_STAGE_2_HOST_BIT;
+  barrier.dstAccessMask = VK_ACCESS_2_HOST_READ_BIT;
+  VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+  info.memoryBarrierCount = 1;
+  info.pMemoryBarriers = &barrier;
+  vkCmdPipelineBarrier2(commands, &info);
+}
+
 std::vector<double> Timers::read() const {
   std::vector<double> result(marks_ / 2);
-  std::vector<uint64_t> ticks(marks_);
-  if (marks_ == 0) return result;
-  VK_CHECK(vkGetQueryPoolResults(device_.get(), pool_.get(), 0, marks_, ticks.size() * sizeof(uint64_t), ticks.data(),
-                                 sizeof(uint64_t), VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT));
+  const uint64_t* ticks = ticks_.as<uint64_t>();
   const double period = device_.properties().limits.timestampPeriod;  // nanoseconds a tick
-  for (size_t i = 0; i < result.size(); ++i) {
+  for (size_t i = 0; i < result.size(); ++i)
     result[i] = static_cast<double>((ticks[2 * i + 1] - ticks[2 * i]) & mask_) * period * 1e-6;
-  }
   return result;
 }
 

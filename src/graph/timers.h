@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "vk/device.h"
+#include "vk/resources.h"
 
 namespace latelight::graph {
 
@@ -17,6 +17,9 @@ class Timers {
   void begin(VkCommandBuffer commands, uint32_t passes);
   // The time when all work recorded so far is done.
   void mark(VkCommandBuffer commands, uint32_t index);
+  // After the last mark(): the times go to where the host reads them. (vkGetQueryPoolResults waits for all submissions
+  // of a CPU device, later ones too.)
+  void end(VkCommandBuffer commands);
   // Milliseconds between the marks 2i and 2i + 1, of a submission that has finished.
   std::vector<double> read() const;
 
@@ -24,6 +27,7 @@ class Timers {
   vk::Device& device_;
   uint64_t mask_ = 0;  // of the bits that count; 0: no timestamps
   vk::Handle<VkQueryPool> pool_;
+  vk::Buffer ticks_;  // 64 bits a mark
   uint32_t capacity_ = 0, marks_ = 0;
 };
 

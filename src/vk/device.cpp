@@ -239,11 +239,13 @@ Device::Device(const DeviceOptions& options) : impl_(std::make_unique<Impl>(vali
   for (VkPhysicalDevice device : all) list.push_back(describe(device, static_cast<uint32_t>(list.size())));
   info_ = chooseDevice(list, options.selector).device;
   physical_ = all[info_.index];
-  VkPhysicalDeviceMaintenance4Properties limits{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_4_PROPERTIES};
+  VkPhysicalDeviceMaintenance3Properties memory{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES};
+  VkPhysicalDeviceMaintenance4Properties limits{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_4_PROPERTIES, &memory};
   VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &limits};
   vkGetPhysicalDeviceProperties2(physical_, &properties);
   properties_ = properties.properties;
   maxBufferSize_ = limits.maxBufferSize;
+  maxAllocationSize_ = memory.maxMemoryAllocationSize;
   queueFamily_ = findQueueFamily(physical_);
 
   impl.extensions = offeredExtensions(physical_);

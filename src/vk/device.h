@@ -64,7 +64,8 @@ class Device {
   const DeviceInfo& info() const { return info_; }
   const VkPhysicalDeviceProperties& properties() const { return properties_; }
   bool isCpu() const { return properties_.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU; }
-  VkDeviceSize maxBufferSize() const { return maxBufferSize_; }  // bytes
+  VkDeviceSize maxBufferSize() const { return maxBufferSize_; }          // bytes
+  VkDeviceSize maxAllocationSize() const { return maxAllocationSize_; }  // bytes of one allocation of memory
   bool has(const char* extension) const;  // enabled: all of kOptionalExtensions that the device offers are
 
   // Records and submits, without waiting. The one way work reaches the queue; one submission is recorded at a time, and
@@ -102,7 +103,7 @@ class Device {
   uint32_t queueFamily_ = 0;
   VkPipelineCache pipelineCache_ = VK_NULL_HANDLE;
   VkPhysicalDeviceProperties properties_{};
-  VkDeviceSize maxBufferSize_ = 0;
+  VkDeviceSize maxBufferSize_ = 0, maxAllocationSize_ = 0;
   DeviceInfo info_;
   std::atomic<uint64_t> pipelinesMade_ = 0;
   std::unique_ptr<Allocator> allocator_;
