@@ -195,15 +195,33 @@ void gatherFinal(const Nodes& nodes, States<Id>& states) {
   }
 }
 
+// After a pass of the prologue, of all memory: also what it read may be written from here on.
+constexpr Barrier kAfterPrologue{
+    .sourceStage = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT | VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+    .targetStage = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+    .sourceAccess = VK_ACCESS_2_TRANSFER_WRITE_BIT | VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT,
+    .targetAccess = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT};
+
+// Each of its barriers stands before what comes next.
+std::vector<Barrier> addPrologue(const std::vector<Pass>& passes, Plan& plan) {
+  std::vector<Barrier> barriers;
+  for (uint32_t i = 0; i < passes.size(); ++i) {
+    if (!passes[i].prologue) continue;
+    plan.steps.push_back({i, std::exchange(barriers, {kAfterPrologue})});
+  }
+  return barriers;
+}
+
 }  // namespace
 
 Plan Graph::compile() const {
   Plan plan;
+  std::vector<Barrier> first = addPrologue(passes_, plan);
   States<ImageId> images(images_);
   States<BufferId> buffers(buffers_);
   const std::vector<bool> runs = alive();
   for (uint32_t i = 0; i < passes_.size(); ++i) {
-    if (!runs[i]) continue;
+    if (!runs[i] || passes_[i].prologue) continue;
     for (const Access& access : passes_[i].accesses) {
       if (access.image) {
         images.gather(access.image, access.use);
@@ -212,7 +230,7 @@ Plan Graph::compile() const {
       }
     }
     const uint32_t index = static_cast<uint32_t>(plan.steps.size());
-    Plan::Step& step = plan.steps.emplace_back(Plan::Step{.pass = i});
+    Plan::Step& step = plan.steps.emplace_back(Plan::Step{i, std::exchange(first, {})});
     const std::string who = "pass '" + passes_[i].name + "'";
     images.apply(who, index, step.before);
     buffers.apply(who, index, step.before);
@@ -223,6 +241,7 @@ Plan Graph::compile() const {
                    [](const Plan::Life& a, const Plan::Life& b) { return a.first < b.first; });
   gatherFinal(images_, images);
   gatherFinal(buffers_, buffers);
+  plan.after = std::move(first);
   const uint32_t end = static_cast<uint32_t>(plan.steps.size());
   images.apply("the export", end, plan.after);
   buffers.apply("the export", end, plan.after);

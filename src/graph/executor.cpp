@@ -38,26 +38,47 @@ VkBufferMemoryBarrier2 translate(const Barrier& barrier, const vk::Buffer& buffe
   return result;
 }
 
+VkMemoryBarrier2 translate(const Barrier& barrier) {
+  VkMemoryBarrier2 result{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
+  result.srcStageMask = barrier.sourceStage;
+  result.srcAccessMask = barrier.sourceAccess;
+  result.dstStageMask = barrier.targetStage;
+  result.dstAccessMask = barrier.targetAccess;
+  return result;
+}
+
 // `images` and `buffers`: of the graph, by index.
 void recordBarriers(VkCommandBuffer commands, const std::vector<Barrier>& barriers,
                     const std::vector<const vk::Image*>& images, const std::vector<const vk::Buffer*>& buffers) {
   if (barriers.empty()) return;
   std::vector<VkImageMemoryBarrier2> ofImages;
   std::vector<VkBufferMemoryBarrier2> ofBuffers;
+  std::vector<VkMemoryBarrier2> ofMemory;
   for (const Barrier& barrier : barriers) {
     if (barrier.image) {
       ofImages.push_back(translate(barrier, *images.at(barrier.image.index)));
-    } else {
+    } else if (barrier.buffer) {
       ofBuffers.push_back(translate(barrier, *buffers.at(barrier.buffer.index)));
+    } else {
+      ofMemory.push_back(translate(barrier));
     }
   }
   VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+  info.memoryBarrierCount = static_cast<uint32_t>(ofMemory.size());
+  info.pMemoryBarriers = ofMemory.data();
   info.imageMemoryBarrierCount = static_cast<uint32_t>(ofImages.size());
   info.pImageMemoryBarriers = ofImages.data();
   info.bufferMemoryBarrierCount = static_cast<uint32_t>(ofBuffers.size());
   info.pBufferMemoryBarriers = ofBuffers.data();
   vkCmdPipelineBarrier2(commands, &info);
 }
+
+// Before each submission: it comes after those before it on the queue, whose transients have the same memory.
+const std::vector<Barrier> kAfterOthers = {
+    {.sourceStage = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+     .targetStage = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+     .sourceAccess = VK_ACCESS_2_MEMORY_WRITE_BIT,
+     .targetAccess = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT}};
 
 // Null where VK_EXT_debug_utils is not enabled.
 struct LabelCalls {
@@ -146,18 +167,6 @@ std::unique_ptr<Recorder> Stock::takeRecorder() {
 void Stock::giveBack(std::unique_ptr<Recorder> recorder) {
   std::lock_guard lock(mutex);
   recorders.push_back(std::move(recorder));
-}
-
-// Work of other submissions on the same queue comes before or after all of this one's: they share transients' memory.
-void recordFullBarrier(VkCommandBuffer commands) {
-  VkMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
-  barrier.srcStageMask = barrier.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
-  barrier.srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT;
-  barrier.dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
-  VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
-  info.memoryBarrierCount = 1;
-  info.pMemoryBarriers = &barrier;
-  vkCmdPipelineBarrier2(commands, &info);
 }
 
 }  // namespace
@@ -285,7 +294,7 @@ void Executor::Impl::record(const Graph& graph, const Plan& plan, Submission::St
   context.images_ = &state.images;
   context.buffers_ = &state.buffers;
   Timers& timers = state.recorder->timers;
-  recordFullBarrier(buffer);
+  recordBarriers(buffer, kAfterOthers, {}, {});
   timers.begin(buffer, static_cast<uint32_t>(plan.steps.size()));
   uint32_t mark = 0;
   for (const Plan::Step& step : plan.steps) {

@@ -96,6 +96,7 @@ struct Pass {
   std::string name;
   std::vector<Access> accesses;
   Record record;
+  bool prologue = false;
 };
 
 // What a running pass sees.
@@ -117,7 +118,7 @@ class Context {
 };
 
 struct Barrier {
-  ImageId image;  // exactly one of image and buffer is set
+  ImageId image;  // at most one of image and buffer is set; with neither it is of all memory
   BufferId buffer;
   VkPipelineStageFlags2 sourceStage = 0, targetStage = 0;
   VkAccessFlags2 sourceAccess = 0, targetAccess = 0;
@@ -162,6 +163,11 @@ class Graph {
 
   // Several uses of one image in one pass must share a layout, else Error(Internal).
   void pass(Stage stage, std::string_view name, std::vector<Access> accesses, Record record);
+
+  // A pass that writes, by copies or in compute shaders, buffers that the graph does not know and others read by
+  // address: uploads, deformation. It always runs, before all that are not of the prologue, in the order added; what it
+  // wrote is seen by every later pass, the prologue's too.
+  void prologue(Stage stage, std::string_view name, Record record);
 
   // The resource is needed after the frame, for `use`.
   void exports(ImageId image, Use use);

@@ -336,6 +336,37 @@ TEST_F(Executors, TimeEachPassThatRan) {
   }
 }
 
+// A buffer that no graph knows, filled and read with no barrier but the prologue's.
+TEST_F(Executors, RunThePrologueFirstAndMakeItSeen) {
+  Executor executor(*device);
+  const vk::Buffer scene(*device, bufferDesc("scene")), copied(*device, bufferDesc("copied"));
+  const auto copyAll = [](VkCommandBuffer commands, const vk::Buffer& from, const vk::Buffer& to) {
+    const VkBufferCopy region{0, 0, 1024};
+    vkCmdCopyBuffer(commands, from.get(), to.get(), 1, &region);
+  };
+  Graph graph;
+  const BufferId out = graph.create(readbackDesc());
+  graph.pass(Stage::Output, "read back", {{out, Use::CopyTarget}},
+             [&](Context& c) { copyAll(c.get(), copied, c.buffer(out)); });
+  graph.prologue(Stage::Upload, "upload",
+                 [&](Context& c) { vkCmdFillBuffer(c.get(), scene.get(), 0, VK_WHOLE_SIZE, 21); });
+  graph.prologue(Stage::Deformation, "deform", [&](Context& c) { copyAll(c.get(), scene, copied); });
+  graph.prologue(Stage::Upload, "upload more",
+                 [&](Context& c) { vkCmdFillBuffer(c.get(), scene.get(), 0, VK_WHOLE_SIZE, 22); });
+  graph.exports(out, Use::HostRead);
+  run(executor, graph);
+  EXPECT_THAT(contents(executor.buffer(out)), Each(21u));
+  std::vector<std::string> names;
+  for (const PassTime& time : executor.times()) names.push_back(time.name);
+  EXPECT_THAT(names, ElementsAre("upload", "deform", "upload more", "read back"));
+  EXPECT_EQ(executor.times()[1].stage, Stage::Deformation);
+
+  Plan plan = graph.compile();
+  plan.steps.at(1).before.clear();
+  executor.run(graph, plan);
+  EXPECT_THAT(device->validationMessages(), testing::Contains(HasSubstr("SYNC-HAZARD-READ-AFTER-WRITE")));
+}
+
 TEST_F(Executors, TimeMorePassesThanBefore) {
   Executor executor(*device);
   for (const int passes : {1, 40, 100, 3}) {
