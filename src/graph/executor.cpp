@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "graph/constants.h"
 #include "graph/graph.h"
 #include "graph/timers.h"
 #include "graph/transients.h"
@@ -145,12 +146,14 @@ struct Recorder {
 
 // What submissions take from their executor and give back; lives as long as one of them.
 struct Stock {
-  explicit Stock(vk::Device& device) : device(device), transients(device) {}
+  explicit Stock(vk::Device& device)
+      : device(device), transients(device), constants(std::make_shared<ConstantPool>(device)) {}
   std::unique_ptr<Recorder> takeRecorder();
   void giveBack(std::unique_ptr<Recorder> recorder);
 
   vk::Device& device;
   TransientPool transients;
+  std::shared_ptr<ConstantPool> constants;
   std::mutex mutex;  // guards the next
   std::vector<std::unique_ptr<Recorder>> recorders;
 };
@@ -184,16 +187,19 @@ struct Submission::State {
   std::vector<std::unique_ptr<PooledImage>> pooledImages;
   std::vector<std::unique_ptr<PooledBuffer>> pooledBuffers;
 
-  std::mutex mutex;  // guards the two below, until it has finished
+  std::mutex mutex;  // guards the rest, until it has finished
   std::unique_ptr<Recorder> recorder;
+  std::vector<std::shared_ptr<ConstantChunk>> constants;
   std::vector<PassTime> times;
 };
 
-// Nobody looks at the results any more. The executor keeps it until it has finished; without one, nobody takes again.
+// Nobody looks at the results any more. The executor keeps it until it has finished; without one, nobody takes again
+// what is given back here, but graphs may still take constants.
 Submission::State::~State() {
   if (recorder) stock->giveBack(std::move(recorder));
   for (auto& image : pooledImages) stock->transients.giveBack(std::move(image));
   for (auto& buffer : pooledBuffers) stock->transients.giveBack(std::move(buffer));
+  if (!constants.empty()) stock->device.deferDeletion([constants = std::move(constants)] {});
 }
 
 // Waits, and takes the times from the queries before another submission writes them.
@@ -205,6 +211,7 @@ void Submission::State::finish() {
   times.resize(milliseconds.size());  // none without timestamps
   for (size_t i = 0; i < milliseconds.size(); ++i) times[i].milliseconds = milliseconds[i];
   stock->giveBack(std::move(recorder));
+  constants.clear();
 }
 
 Submission::Submission() = default;
@@ -254,6 +261,8 @@ struct Executor::Impl {
 Executor::Executor(vk::Device& device) : impl_(std::make_unique<Impl>(device)) {}
 
 Executor::~Executor() = default;
+
+Graph::Graph(Executor& executor) : constantPool_(executor.impl_->stock->constants) {}
 
 // For one more submission. Lets go of those that have finished.
 void Executor::Impl::makeRoom() {
@@ -315,7 +324,9 @@ Submission Executor::submit(const Graph& graph, const Plan& plan) {
   Stock& stock = *impl_->stock;
   impl_->makeRoom();
   stock.transients.tick();
+  stock.constants->tick();
   const auto state = std::make_shared<Submission::State>(impl_->stock);
+  state->constants = graph.constants_;
   Plan placed = plan;
   impl_->materialize(graph, placed, *state);
   state->value = stock.device.submit([&](VkCommandBuffer buffer) { impl_->record(graph, placed, *state, buffer); });

@@ -1,7 +1,7 @@
 // The frame graph: passes declare what they read and write; which passes run, the barriers between them, transient
 // images, GPU timers and debug labels follow. Passes run in the order they were added.
 //
-//   Graph graph;
+//   Graph graph(executor);
 //   ImageId color = graph.create(ImageDesc{...});
 //   graph.pass(Stage::Lighting, "light", {{color, Use::StorageWrite}}, [=](Context& c) { ... c.image(color) ... });
 //   graph.exports(color, Use::CopySource);  // what must survive: passes that lead to no export are culled
@@ -18,6 +18,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -72,8 +73,10 @@ struct Access {
   Use use;
 };
 
-class Executor;
+class ConstantChunk;
+class ConstantPool;
 class Context;
+class Executor;
 
 using Record = std::function<void(Context&)>;
 
@@ -152,6 +155,13 @@ struct Plan {
 
 class Graph {
  public:
+  Graph() = default;                   // plain data
+  explicit Graph(Executor& executor);  // with room for constants()
+
+  // Copies what the host knows now, a frame's constants or its views, to where shaders read it. It stays there for as
+  // long as the graph lives, or a submission of it runs. Meant for little: a GPU reads it over the bus.
+  VkDeviceAddress constants(std::span<const std::byte> bytes);
+
   // Transient: contents undefined at first. Where it is in device memory and not exported, others that are used before
   // or after it lie in the same bytes.
   ImageId create(const vk::ImageDesc& desc);
@@ -202,6 +212,8 @@ class Graph {
   std::vector<Pass> passes_;
   std::vector<ImageNode> images_;
   std::vector<BufferNode> buffers_;
+  std::shared_ptr<ConstantPool> constantPool_;  // none without an executor
+  std::vector<std::shared_ptr<ConstantChunk>> constants_;
 };
 
 struct PassTime {
@@ -261,6 +273,7 @@ class Executor {
   const vk::Buffer& buffer(BufferId id) const { return last_.buffer(id); }
 
  private:
+  friend class Graph;
   struct Impl;
   std::unique_ptr<Impl> impl_;
   Submission last_;
