@@ -249,9 +249,11 @@ const vk::Buffer& Submission::buffer(BufferId id) const {
 
 struct Executor::Impl {
   explicit Impl(vk::Device& device) : labels(device.instance()), stock(std::make_shared<Stock>(device)) {}
-  void makeRoom();
+  void finishOldest();
+  std::shared_ptr<Submission::State> prepare(const Graph& graph, Plan& plan);
   void materialize(const Graph& graph, Plan& plan, Submission::State& state);
   void record(const Graph& graph, const Plan& plan, Submission::State& state, VkCommandBuffer buffer);
+  static void keepResults(const Graph& graph, Submission::State& state);
 
   LabelCalls labels;
   std::shared_ptr<Stock> stock;
@@ -264,12 +266,27 @@ Executor::~Executor() = default;
 
 Graph::Graph(Executor& executor) : constantPool_(executor.impl_->stock->constants) {}
 
-// For one more submission. Lets go of those that have finished.
-void Executor::Impl::makeRoom() {
-  while (!inFlight.empty() && (inFlight.size() >= kInFlight || stock->device.finished(inFlight.front()->value))) {
-    inFlight.front()->finish();
-    inFlight.pop_front();
+void Executor::Impl::finishOldest() {
+  inFlight.front()->finish();
+  inFlight.pop_front();
+}
+
+// All that the plan needs. What cannot be had while other graphs' resources are kept may be had without them.
+std::shared_ptr<Submission::State> Executor::Impl::prepare(const Graph& graph, Plan& plan) {
+  const auto tryTo = [&] {
+    auto state = std::make_shared<Submission::State>(stock);
+    state->constants = graph.constants_;
+    materialize(graph, plan, *state);
+    return state;
+  };
+  try {
+    return tryTo();
+  } catch (const Error& error) {
+    if (error.code() != ExitCode::DeviceLost) throw;
   }
+  while (!inFlight.empty()) finishOldest();
+  stock->transients.clear();
+  return tryTo();
 }
 
 // Every imported resource, and one for each transient of the plan, which gets its aliasing barriers.
@@ -320,22 +337,26 @@ void Executor::Impl::record(const Graph& graph, const Plan& plan, Submission::St
   timers.end(buffer);
 }
 
+// Other transients may be another submission's before anyone looks.
+void Executor::Impl::keepResults(const Graph& graph, Submission::State& state) {
+  for (size_t i = 0; i < state.images.size(); ++i)
+    if (!graph.images_[i].imported && !graph.images_[i].exported) state.images[i] = nullptr;
+  for (size_t i = 0; i < state.buffers.size(); ++i)
+    if (!graph.buffers_[i].imported && !graph.buffers_[i].exported) state.buffers[i] = nullptr;
+}
+
 Submission Executor::submit(const Graph& graph, const Plan& plan) {
-  Stock& stock = *impl_->stock;
-  impl_->makeRoom();
-  stock.transients.tick();
-  stock.constants->tick();
-  const auto state = std::make_shared<Submission::State>(impl_->stock);
-  state->constants = graph.constants_;
+  Impl& impl = *impl_;
+  vk::Device& device = impl.stock->device;
+  while (impl.inFlight.size() >= kInFlight) impl.finishOldest();
+  while (!impl.inFlight.empty() && device.finished(impl.inFlight.front()->value)) impl.finishOldest();
+  impl.stock->transients.tick();
+  impl.stock->constants->tick();
   Plan placed = plan;
-  impl_->materialize(graph, placed, *state);
-  state->value = stock.device.submit([&](VkCommandBuffer buffer) { impl_->record(graph, placed, *state, buffer); });
-  impl_->inFlight.push_back(state);
-  // The rest of the transients may be given to others before anyone looks.
-  for (size_t i = 0; i < state->images.size(); ++i)
-    if (!graph.images_[i].imported && !graph.images_[i].exported) state->images[i] = nullptr;
-  for (size_t i = 0; i < state->buffers.size(); ++i)
-    if (!graph.buffers_[i].imported && !graph.buffers_[i].exported) state->buffers[i] = nullptr;
+  const std::shared_ptr<Submission::State> state = impl.prepare(graph, placed);
+  state->value = device.submit([&](VkCommandBuffer buffer) { impl.record(graph, placed, *state, buffer); });
+  impl.inFlight.push_back(state);
+  Impl::keepResults(graph, *state);
   return Submission(state);
 }
 

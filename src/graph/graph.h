@@ -1,5 +1,5 @@
-// The frame graph: passes declare what they read and write; which passes run, the barriers between them, transient
-// images, GPU timers and debug labels follow. Passes run in the order they were added.
+// The frame graph: passes declare what they read and write; which passes run, the barriers between them, the memory of
+// transients, GPU timers and debug labels follow. Passes run in the order they were added, after the prologue.
 //
 //   Graph graph(executor);
 //   ImageId color = graph.create(ImageDesc{...});
@@ -263,7 +263,7 @@ class Executor {
   ~Executor();
   // Records the plan with a debug label and two timestamps a pass, and submits it without waiting. It begins with a
   // barrier over all memory, so that submissions may use the same transients one after the other. What a pass throws
-  // is rethrown, and nothing is submitted.
+  // is rethrown, and nothing is submitted. Where the device has no room, what is kept from other graphs is freed first.
   Submission submit(const Graph& graph, const Plan& plan);
 
   // Submits and waits; the rest is of the last run.

@@ -120,6 +120,13 @@ void TransientPool::tick() {
   tidy(buffers_, now_);
 }
 
+void TransientPool::clear() {
+  std::lock_guard lock(mutex_);
+  placed_.clear();
+  images_.clear();
+  buffers_.clear();
+}
+
 std::unique_ptr<PooledImage> TransientPool::take(const vk::ImageDesc& desc) {
   std::lock_guard lock(mutex_);
   std::unique_ptr<PooledImage> image = find(images_, desc);

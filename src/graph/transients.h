@@ -41,6 +41,7 @@ class TransientPool {
   explicit TransientPool(vk::Device& device) : device_(device) {}
   // A submission begins: frees what none of the last few took (pictures of another size, a graph that ran once).
   void tick();
+  void clear();  // frees all that nobody has now
   // All that plan.lives need, made once for graphs that are equal. Submissions in flight have the same ones: the queue
   // runs them one after the other. Valid until the next tick().
   const PlacedTransients& place(const Graph& graph, const Plan& plan);

@@ -1,6 +1,8 @@
 // Transients that share memory on the CPU device.
 #include <set>
 
+#include "base/error.h"
+#include "base/memory.h"
 #include "executor_fixture.h"
 
 namespace latelight::graph {
@@ -127,6 +129,42 @@ TEST_F(SharedMemory, IsSharedByGraphsInTurn) {
   EXPECT_LT(usedBytes() - start, large + 512 * 500 * 4 + 4096) << "another result, but not another image";
   for (int i = 0; i < 6; ++i) run(executor, 16);
   EXPECT_LT(usedBytes() - start, large / 4);
+}
+
+// Bytes that may still be claimed.
+uint64_t claimable() {
+  uint64_t bytes = 0;
+  for (uint64_t step = uint64_t{1} << 42; step > 0; step /= 2) {
+    try {
+      const MemoryClaim claim(bytes + step, "a test");
+      bytes += step;
+    } catch (const Error&) {
+    }
+  }
+  return bytes;
+}
+
+// With room for one graph's transients, not for two graphs'.
+TEST_F(SharedMemory, MakesRoomForOthersWhereThereIsNoneLeft) {
+  constexpr uint64_t kMiB = 1 << 20;
+  Executor executor(*device);
+  const auto run = [&](uint64_t mebibytes) {
+    Graph graph;
+    const BufferId large = graph.create(bufferDesc("large", mebibytes * kMiB)), out = graph.create(readbackDesc());
+    graph.pass(Stage::Post, "write", {{large, Use::CopyTarget}}, [=](Context& c) {
+      vkCmdFillBuffer(c.get(), c.buffer(large).get(), 0, 1024, static_cast<uint32_t>(mebibytes));
+    });
+    copy(graph, "read", large, out);
+    graph.exports(out, Use::HostRead);
+    executor.run(graph, graph.compile());
+    EXPECT_THAT(contents(executor.buffer(out)), testing::Each(mebibytes));
+  };
+  run(150);
+  const MemoryClaim others(claimable() - 30 * kMiB, "a test");
+  run(60);
+  run(150);
+  EXPECT_THROW(run(200), Error);
+  run(60);
 }
 
 // The second resource is written where the first is still read. The layers know that two buffers, or two images, have

@@ -1,6 +1,7 @@
 // The executor on the CPU device.
 #include <algorithm>
 #include <chrono>
+#include <future>
 #include <stdexcept>
 #include <thread>
 
@@ -303,6 +304,25 @@ TEST_F(Executors, GiveResultsWhileLaterSubmissionsRun) {
   EXPECT_EQ(submission.times().size(), 1u);
   EXPECT_THAT(contents(submission.buffer(out)), Each(3u));
   EXPECT_FALSE(held.done());
+}
+
+TEST_F(Executors, LeaveResultsToAnotherThread) {
+  Executor executor(*device);
+  std::vector<std::future<void>> readers;
+  for (uint32_t i = 0; i < 50; ++i) {
+    Graph graph;
+    const BufferId a = graph.create(bufferDesc("a")), out = graph.create(readbackDesc());
+    fill(graph, "fill", a, i);
+    copy(graph, "read back", a, out);
+    graph.exports(out, Use::HostRead);
+    const auto read = [i, out](Submission submission) {
+      submission.wait();
+      EXPECT_THAT(contents(submission.buffer(out)), Each(i));
+      EXPECT_EQ(submission.times().size(), 2u);
+    };
+    readers.push_back(std::async(std::launch::async, read, executor.submit(graph, graph.compile())));
+  }
+  for (std::future<void>& reader : readers) reader.get();
 }
 
 TEST_F(Executors, GiveNoResultsOfNothing) {
