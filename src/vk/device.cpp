@@ -300,16 +300,13 @@ void Device::wait(uint64_t submission) {
   impl_->deleteFinished();
 }
 
+// Even where it may die at once it comes after those that were given up before.
 void Device::deferDeletion(std::function<void()> destroy) {
   {
     std::lock_guard lock(impl_->deleting);
-    const uint64_t value = impl_->submitted + (impl_->recording ? 1 : 0);
-    if (impl_->finishedValue() < value) {
-      impl_->deletions.push_back({value, std::move(destroy)});
-      return;
-    }
+    impl_->deletions.push_back({impl_->submitted + (impl_->recording ? 1 : 0), std::move(destroy)});
   }
-  destroy();
+  impl_->deleteFinished();
 }
 
 void Device::setName(VkObjectType type, uint64_t object, const char* name) {
