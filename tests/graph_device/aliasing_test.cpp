@@ -85,7 +85,7 @@ TEST_F(SharedMemory, IsTheSameForEqualGraphs) {
   Executor executor(*device);
   std::set<VkImage> images;
   std::vector<Submission> submissions;
-  uint64_t used = 0;
+  const uint64_t start = usedBytes();
   for (uint32_t round = 0; round < 12; ++round) {
     Graph graph;
     const ImageId image = graph.create(imageDesc("image"));
@@ -100,10 +100,10 @@ TEST_F(SharedMemory, IsTheSameForEqualGraphs) {
     submissions.front().wait();
     EXPECT_THAT(contents(submissions.front().buffer(out)), testing::Each(round + 1 - Executor::kInFlight));
     submissions.erase(submissions.begin());
-    if (round == 6) used = usedBytes();
   }
   EXPECT_EQ(images.size(), 1u) << "submissions in flight have it in turn";
-  EXPECT_EQ(usedBytes(), used);
+  // One image; results and timestamps for those in flight, and for one that is looked at.
+  EXPECT_LE(usedBytes() - start, 1024 + (Executor::kInFlight + 1) * (1024 + 512));
 }
 
 // Graphs in turn that are alike in size have one memory; it goes when the graphs go.
