@@ -2,6 +2,7 @@
 // one unit. Terms are those of the Vulkan specification, chapter 7 (Synchronization): a write must be made available,
 // then visible to the stages and accesses that read it; a read only has to be over before the resource is written
 // again.
+#include <algorithm>
 #include <type_traits>
 #include <utility>
 
@@ -29,6 +30,11 @@ struct State {
   VkAccessFlags2 sourceAccess = 0;
   VkPipelineStageFlags2 readStages = 0;  // of all reads since
   std::vector<Visible> visible;          // since
+
+  // What must be over before something else happens to the memory. Reads come after the write, and their barriers made
+  // it available: to wait for them is enough, and moves no memory.
+  VkPipelineStageFlags2 lastStages() const { return readStages ? readStages : sourceStages; }
+  VkAccessFlags2 lastWrites() const { return readStages ? 0 : sourceAccess; }
 
   VkPipelineStageFlags2 unseeing(const Need& need) const;  // of its stages, those that the contents aren't visible to
   void startWith(const Need& before);
@@ -66,12 +72,9 @@ std::optional<Barrier> State::use(const Need& need) {
 
   std::optional<Barrier> barrier;
   if (transition || (waiting && (sourceStages | readStages))) {
-    // Reads come after the write, and their barriers made it available: to wait for them is enough, and moves no
-    // memory.
-    const bool afterReads = overwrite && readStages;
-    barrier = Barrier{.sourceStage = afterReads ? readStages : sourceStages,
+    barrier = Barrier{.sourceStage = overwrite ? lastStages() : sourceStages,
                       .targetStage = waiting,
-                      .sourceAccess = afterReads ? 0 : sourceAccess,
+                      .sourceAccess = overwrite ? lastWrites() : sourceAccess,
                       .targetAccess = unwritten && !transition ? 0 : need.access,
                       .oldLayout = transition && !need.keeps ? VK_IMAGE_LAYOUT_UNDEFINED : layout,
                       .newLayout = need.layout};
@@ -99,7 +102,7 @@ class States {
 
  public:
   template <typename Nodes>
-  explicit States(const Nodes& nodes) : states_(nodes.size()), needs_(nodes.size()) {
+  explicit States(const Nodes& nodes) : states_(nodes.size()), needs_(nodes.size()), lives_(nodes.size()) {
     for (size_t i = 0; i < nodes.size(); ++i) {
       names_.push_back(&nodes[i].desc.name);
       // A buffer that the host filled is visible to all that is submitted after.
@@ -119,10 +122,11 @@ class States {
   }
 
   // Appends the barriers for all that was gathered since the last call. `who` reads, for the sentence.
-  void apply(const std::string& who, std::vector<Barrier>& barriers) {
+  void apply(const std::string& who, uint32_t step, std::vector<Barrier>& barriers) {
     for (const Id id : touched_) {
       const Need need = std::exchange(needs_[id.index], {});
       State& state = states_[id.index];
+      noteUse(lives_[id.index], step, need);
       if (need.reads && !state.defined) {
         fail(ExitCode::Internal, "frame graph: {} reads '{}', which nothing wrote", who, *names_[id.index]);
       }
@@ -138,9 +142,42 @@ class States {
     touched_.clear();
   }
 
+  // Of the transients that were used.
+  template <typename Nodes>
+  void addTransients(const Nodes& nodes, Plan& plan) const {
+    for (uint32_t i = 0; i < nodes.size(); ++i) {
+      if (nodes[i].imported || lives_[i].firstStages == 0) continue;
+      Plan::Life life = lives_[i];
+      if constexpr (kImages) {
+        life.image = {i};
+      } else {
+        life.buffer = {i};
+      }
+      life.lastStages = states_[i].lastStages();
+      life.lastWrites = states_[i].lastWrites();
+      if (nodes[i].exported || !inDeviceMemory(nodes[i].desc)) {
+        plan.kept.push_back(life);
+      } else {
+        plan.lives.push_back(life);
+      }
+    }
+  }
+
  private:
+  static void noteUse(Plan::Life& life, uint32_t step, const Need& need) {
+    if (life.firstStages == 0) {
+      life.first = step;
+      life.firstStages = need.stages;
+      life.firstAccess = need.access;
+    }
+    life.last = step;
+  }
+  static bool inDeviceMemory(const vk::ImageDesc&) { return true; }
+  static bool inDeviceMemory(const vk::BufferDesc& desc) { return desc.kind == vk::MemoryKind::Device; }
+
   std::vector<State> states_;
   std::vector<Need> needs_;  // of the pass at hand
+  std::vector<Plan::Life> lives_;
   std::vector<Id> touched_;
   std::vector<const std::string*> names_;
 };
@@ -158,15 +195,33 @@ void gatherFinal(const Nodes& nodes, States<Id>& states) {
   }
 }
 
+// After a pass of the prologue, of all memory: also what it read may be written from here on.
+constexpr Barrier kAfterPrologue{
+    .sourceStage = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT | VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+    .targetStage = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+    .sourceAccess = VK_ACCESS_2_TRANSFER_WRITE_BIT | VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT,
+    .targetAccess = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT};
+
+// Each of its barriers stands before what comes next.
+std::vector<Barrier> addPrologue(const std::vector<Pass>& passes, Plan& plan) {
+  std::vector<Barrier> barriers;
+  for (uint32_t i = 0; i < passes.size(); ++i) {
+    if (!passes[i].prologue) continue;
+    plan.steps.push_back({i, std::exchange(barriers, {kAfterPrologue})});
+  }
+  return barriers;
+}
+
 }  // namespace
 
 Plan Graph::compile() const {
   Plan plan;
+  std::vector<Barrier> first = addPrologue(passes_, plan);
   States<ImageId> images(images_);
   States<BufferId> buffers(buffers_);
   const std::vector<bool> runs = alive();
   for (uint32_t i = 0; i < passes_.size(); ++i) {
-    if (!runs[i]) continue;
+    if (!runs[i] || passes_[i].prologue) continue;
     for (const Access& access : passes_[i].accesses) {
       if (access.image) {
         images.gather(access.image, access.use);
@@ -174,15 +229,22 @@ Plan Graph::compile() const {
         buffers.gather(access.buffer, access.use);
       }
     }
-    Plan::Step& step = plan.steps.emplace_back(Plan::Step{.pass = i});
+    const uint32_t index = static_cast<uint32_t>(plan.steps.size());
+    Plan::Step& step = plan.steps.emplace_back(Plan::Step{i, std::exchange(first, {})});
     const std::string who = "pass '" + passes_[i].name + "'";
-    images.apply(who, step.before);
-    buffers.apply(who, step.before);
+    images.apply(who, index, step.before);
+    buffers.apply(who, index, step.before);
   }
+  images.addTransients(images_, plan);
+  buffers.addTransients(buffers_, plan);
+  std::stable_sort(plan.lives.begin(), plan.lives.end(),
+                   [](const Plan::Life& a, const Plan::Life& b) { return a.first < b.first; });
   gatherFinal(images_, images);
   gatherFinal(buffers_, buffers);
-  images.apply("the export", plan.after);
-  buffers.apply("the export", plan.after);
+  plan.after = std::move(first);
+  const uint32_t end = static_cast<uint32_t>(plan.steps.size());
+  images.apply("the export", end, plan.after);
+  buffers.apply("the export", end, plan.after);
   return plan;
 }
 

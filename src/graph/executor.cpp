@@ -1,41 +1,17 @@
 #include <algorithm>
+#include <deque>
 #include <memory>
+#include <mutex>
+#include <utility>
 
 #include "base/error.h"
+#include "graph/constants.h"
 #include "graph/graph.h"
+#include "graph/timers.h"
+#include "graph/transients.h"
 
 namespace latelight::graph {
 namespace {
-
-// Transient resources of one kind, found again by their whole description.
-template <typename Resource, typename Desc>
-class Shelf {
- public:
-  // One that nobody took in this run. Runs are numbered from 1.
-  const Resource* take(vk::Device& device, const Desc& desc, uint64_t run) {
-    for (Entry& entry : entries_) {
-      if (entry.lastRun == run || entry.desc != desc) continue;
-      entry.lastRun = run;
-      return entry.resource.get();
-    }
-    entries_.push_back({desc, std::make_unique<Resource>(device, desc), run});
-    return entries_.back().resource.get();
-  }
-
-  // Frees what no recent run took: pictures of another size, a graph that ran once.
-  void tidy(uint64_t run) {
-    constexpr uint64_t kKeptRuns = 4;
-    std::erase_if(entries_, [&](const Entry& entry) { return entry.lastRun + kKeptRuns < run; });
-  }
-
- private:
-  struct Entry {
-    Desc desc;  // as asked for: the resource may round its own up
-    std::unique_ptr<Resource> resource;
-    uint64_t lastRun;
-  };
-  std::vector<Entry> entries_;
-};
 
 VkImageMemoryBarrier2 translate(const Barrier& barrier, const vk::Image& image) {
   VkImageMemoryBarrier2 result{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
@@ -63,26 +39,47 @@ VkBufferMemoryBarrier2 translate(const Barrier& barrier, const vk::Buffer& buffe
   return result;
 }
 
+VkMemoryBarrier2 translate(const Barrier& barrier) {
+  VkMemoryBarrier2 result{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
+  result.srcStageMask = barrier.sourceStage;
+  result.srcAccessMask = barrier.sourceAccess;
+  result.dstStageMask = barrier.targetStage;
+  result.dstAccessMask = barrier.targetAccess;
+  return result;
+}
+
 // `images` and `buffers`: of the graph, by index.
-void record(VkCommandBuffer commands, const std::vector<Barrier>& barriers, const std::vector<const vk::Image*>& images,
-            const std::vector<const vk::Buffer*>& buffers) {
+void recordBarriers(VkCommandBuffer commands, const std::vector<Barrier>& barriers,
+                    const std::vector<const vk::Image*>& images, const std::vector<const vk::Buffer*>& buffers) {
   if (barriers.empty()) return;
   std::vector<VkImageMemoryBarrier2> ofImages;
   std::vector<VkBufferMemoryBarrier2> ofBuffers;
+  std::vector<VkMemoryBarrier2> ofMemory;
   for (const Barrier& barrier : barriers) {
     if (barrier.image) {
       ofImages.push_back(translate(barrier, *images.at(barrier.image.index)));
-    } else {
+    } else if (barrier.buffer) {
       ofBuffers.push_back(translate(barrier, *buffers.at(barrier.buffer.index)));
+    } else {
+      ofMemory.push_back(translate(barrier));
     }
   }
   VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+  info.memoryBarrierCount = static_cast<uint32_t>(ofMemory.size());
+  info.pMemoryBarriers = ofMemory.data();
   info.imageMemoryBarrierCount = static_cast<uint32_t>(ofImages.size());
   info.pImageMemoryBarriers = ofImages.data();
   info.bufferMemoryBarrierCount = static_cast<uint32_t>(ofBuffers.size());
   info.pBufferMemoryBarriers = ofBuffers.data();
   vkCmdPipelineBarrier2(commands, &info);
 }
+
+// Before each submission: it comes after those before it on the queue, whose transients have the same memory.
+const std::vector<Barrier> kAfterOthers = {
+    {.sourceStage = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+     .targetStage = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+     .sourceAccess = VK_ACCESS_2_MEMORY_WRITE_BIT,
+     .targetAccess = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT}};
 
 // Null where VK_EXT_debug_utils is not enabled.
 struct LabelCalls {
@@ -116,65 +113,6 @@ class Label {
   VkCommandBuffer commands_;
 };
 
-// Two timestamps a pass. Without any where the queue has none.
-class Timers {
- public:
-  explicit Timers(vk::Device& device) : device_(device) {
-    uint32_t count = 0;
-    vkGetPhysicalDeviceQueueFamilyProperties(device.physical(), &count, nullptr);
-    std::vector<VkQueueFamilyProperties> families(count);
-    vkGetPhysicalDeviceQueueFamilyProperties(device.physical(), &count, families.data());
-    const uint32_t bits = families.at(device.queueFamily()).timestampValidBits;
-    mask_ = bits >= 64 ? ~uint64_t{0} : (uint64_t{1} << bits) - 1;
-  }
-
-  // Outside render passes; before any mark().
-  void begin(VkCommandBuffer commands, uint32_t passes) {
-    marks_ = mask_ ? 2 * passes : 0;
-    if (marks_ == 0) return;
-    if (marks_ > capacity_) {
-      VkQueryPoolCreateInfo info{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
-      info.queryType = VK_QUERY_TYPE_TIMESTAMP;
-      info.queryCount = capacity_ = std::max(marks_, 64u);
-      VkQueryPool pool = VK_NULL_HANDLE;
-      VK_CHECK(vkCreateQueryPool(device_.get(), &info, nullptr, &pool));
-      pool_ = vk::Handle<VkQueryPool>(device_, pool);
-    }
-    vkCmdResetQueryPool(commands, pool_.get(), 0, marks_);
-  }
-
-  // The time when all work recorded so far is done.
-  void mark(VkCommandBuffer commands, uint32_t index) {
-    if (marks_ == 0) return;
-    vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, pool_.get(), index);
-    if (!device_.isCpu()) return;
-    // lavapipe takes the time when its rasterizer is flushed next, which copies and dispatches don't wait for: their
-    // own time would fall before the mark. A barrier flushes.
-    const VkDependencyInfo nothing{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
-    vkCmdPipelineBarrier2(commands, &nothing);
-  }
-
-  // Milliseconds between the marks 2i and 2i + 1, of a submission that has finished.
-  std::vector<double> read() const {
-    std::vector<double> result(marks_ / 2);
-    std::vector<uint64_t> ticks(marks_);
-    if (marks_ == 0) return result;
-    VK_CHECK(vkGetQueryPoolResults(device_.get(), pool_.get(), 0, marks_, ticks.size() * sizeof(uint64_t), ticks.data(),
-                                   sizeof(uint64_t), VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT));
-    const double period = device_.properties().limits.timestampPeriod;  // nanoseconds a tick
-    for (size_t i = 0; i < result.size(); ++i) {
-      result[i] = static_cast<double>((ticks[2 * i + 1] - ticks[2 * i]) & mask_) * period * 1e-6;
-    }
-    return result;
-  }
-
- private:
-  vk::Device& device_;
-  uint64_t mask_ = 0;  // of the bits that count; 0: no timestamps
-  vk::Handle<VkQueryPool> pool_;
-  uint32_t capacity_ = 0, marks_ = 0;
-};
-
 }  // namespace
 
 const vk::Image& Context::image(ImageId id) const {
@@ -197,82 +135,235 @@ bool Context::declares(BufferId id) const {
                      [&](const Access& access) { return access.buffer == id; });
 }
 
-struct Executor::Pool {
-  explicit Pool(vk::Device& device) : labels(device.instance()), timers(device) {}
-  Shelf<vk::Image, vk::ImageDesc> images;
-  Shelf<vk::Buffer, vk::BufferDesc> buffers;
-  LabelCalls labels;
+namespace {
+
+// What a submission records with. Used again once it has finished.
+struct Recorder {
+  explicit Recorder(vk::Device& device) : descriptors(device), timers(device) {}
+  vk::DescriptorPool descriptors;
   Timers timers;
-  uint64_t run = 0;
 };
 
-Executor::Executor(vk::Device& device) : device_(device), pool_(std::make_unique<Pool>(device)), descriptors_(device) {}
+// What submissions take from their executor and give back; lives as long as one of them.
+struct Stock {
+  explicit Stock(vk::Device& device)
+      : device(device), transients(device), constants(std::make_shared<ConstantPool>(device)) {}
+  std::unique_ptr<Recorder> takeRecorder();
+  void giveBack(std::unique_ptr<Recorder> recorder);
 
-Executor::~Executor() = default;
+  vk::Device& device;
+  TransientPool transients;
+  std::shared_ptr<ConstantPool> constants;
+  std::mutex mutex;  // guards the next
+  std::vector<std::unique_ptr<Recorder>> recorders;
+};
 
-// Every imported resource, and a transient one for each that a pass of the plan uses.
-void Executor::materialize(const Graph& graph, const Plan& plan) {
-  const uint64_t run = ++pool_->run;
-  images_.assign(graph.images_.size(), nullptr);
-  buffers_.assign(graph.buffers_.size(), nullptr);
-  for (size_t i = 0; i < images_.size(); ++i) images_[i] = graph.images_[i].imported;
-  for (size_t i = 0; i < buffers_.size(); ++i) buffers_[i] = graph.buffers_[i].imported;
-  for (const Plan::Step& step : plan.steps) {
-    for (const Access& access : graph.passes_[step.pass].accesses) {
-      if (access.image) {
-        const vk::Image*& image = images_[access.image.index];
-        if (!image) image = pool_->images.take(device_, graph.desc(access.image), run);
-      } else {
-        const vk::Buffer*& buffer = buffers_[access.buffer.index];
-        if (!buffer) buffer = pool_->buffers.take(device_, graph.desc(access.buffer), run);
-      }
-    }
-  }
-  pool_->images.tidy(run);
-  pool_->buffers.tidy(run);
+std::unique_ptr<Recorder> Stock::takeRecorder() {
+  std::lock_guard lock(mutex);
+  if (recorders.empty()) return std::make_unique<Recorder>(device);
+  std::unique_ptr<Recorder> recorder = std::move(recorders.back());
+  recorders.pop_back();
+  recorder->descriptors.reset();
+  return recorder;
 }
 
-void Executor::run(const Graph& graph, const Plan& plan) {
-  times_.clear();
-  materialize(graph, plan);
-  descriptors_.reset();
-  Timers& timers = pool_->timers;
-  device_.submit([&](VkCommandBuffer buffer) {
-    vk::Commands commands(device_, buffer, descriptors_);
-    Context context;
-    context.commands_ = &commands;
-    context.images_ = &images_;
-    context.buffers_ = &buffers_;
-    timers.begin(buffer, static_cast<uint32_t>(plan.steps.size()));
-    uint32_t mark = 0;
-    for (const Plan::Step& step : plan.steps) {
-      const Pass& pass = graph.passes_[step.pass];
-      const Label label(pool_->labels, buffer, pass.name);
-      timers.mark(buffer, mark++);
-      record(buffer, step.before, images_, buffers_);
-      context.pass_ = &pass;
-      if (pass.record) pass.record(context);
-      timers.mark(buffer, mark++);
-    }
-    record(buffer, plan.after, images_, buffers_);
-  });
-  const std::vector<double> milliseconds = timers.read();
-  for (size_t i = 0; i < milliseconds.size(); ++i) {
-    const uint32_t pass = plan.steps[i].pass;
-    times_.push_back({graph.passStage(pass), graph.passName(pass), milliseconds[i]});
-  }
+void Stock::giveBack(std::unique_ptr<Recorder> recorder) {
+  std::lock_guard lock(mutex);
+  recorders.push_back(std::move(recorder));
 }
 
-const vk::Image& Executor::image(ImageId id) const {
-  const vk::Image* image = images_.at(id.index);
-  if (!image) fail(ExitCode::Internal, "frame graph: image {} was not part of the last run", id.index);
+}  // namespace
+
+struct Submission::State {
+  explicit State(std::shared_ptr<Stock> stock) : stock(std::move(stock)), recorder(this->stock->takeRecorder()) {}
+  ~State();
+  void finish();
+
+  std::shared_ptr<Stock> stock;
+  uint64_t value = 0;  // on the device's timeline
+  // Of the graph, by index. After recording those alone that are results: imported, or exported.
+  std::vector<const vk::Image*> images;
+  std::vector<const vk::Buffer*> buffers;
+  std::vector<std::unique_ptr<PooledImage>> pooledImages;
+  std::vector<std::unique_ptr<PooledBuffer>> pooledBuffers;
+
+  std::mutex mutex;  // guards the rest, until it has finished
+  std::unique_ptr<Recorder> recorder;
+  std::vector<std::shared_ptr<ConstantChunk>> constants;
+  std::vector<PassTime> times;
+};
+
+// Nobody looks at the results any more. The executor keeps it until it has finished; without one, nobody takes again
+// what is given back here, but graphs may still take constants.
+Submission::State::~State() {
+  if (recorder) stock->giveBack(std::move(recorder));
+  for (auto& image : pooledImages) stock->transients.giveBack(std::move(image));
+  for (auto& buffer : pooledBuffers) stock->transients.giveBack(std::move(buffer));
+  if (!constants.empty()) stock->device.deferDeletion([constants = std::move(constants)] {});
+}
+
+// Waits, and takes the times from the queries before another submission writes them.
+void Submission::State::finish() {
+  stock->device.wait(value);
+  std::lock_guard lock(mutex);
+  if (!recorder) return;
+  const std::vector<double> milliseconds = recorder->timers.read();
+  times.resize(milliseconds.size());  // none without timestamps
+  for (size_t i = 0; i < milliseconds.size(); ++i) times[i].milliseconds = milliseconds[i];
+  stock->giveBack(std::move(recorder));
+  constants.clear();
+}
+
+Submission::Submission() = default;
+Submission::Submission(std::shared_ptr<State> state) : state_(std::move(state)) {}
+Submission::Submission(Submission&&) noexcept = default;
+Submission& Submission::operator=(Submission&&) noexcept = default;
+Submission::~Submission() = default;
+
+bool Submission::done() const {
+  return !state_ || state_->stock->device.finished(state_->value);
+}
+
+void Submission::wait() const {
+  if (state_) state_->finish();
+}
+
+const std::vector<PassTime>& Submission::times() const {
+  static const std::vector<PassTime> none;
+  if (!state_) return none;
+  state_->finish();
+  return state_->times;
+}
+
+const vk::Image& Submission::image(ImageId id) const {
+  const vk::Image* image = state_ ? state_->images.at(id.index) : nullptr;
+  if (!image) fail(ExitCode::Internal, "frame graph: image {} is not a result of the submission", id.index);
   return *image;
 }
 
-const vk::Buffer& Executor::buffer(BufferId id) const {
-  const vk::Buffer* buffer = buffers_.at(id.index);
-  if (!buffer) fail(ExitCode::Internal, "frame graph: buffer {} was not part of the last run", id.index);
+const vk::Buffer& Submission::buffer(BufferId id) const {
+  const vk::Buffer* buffer = state_ ? state_->buffers.at(id.index) : nullptr;
+  if (!buffer) fail(ExitCode::Internal, "frame graph: buffer {} is not a result of the submission", id.index);
   return *buffer;
+}
+
+struct Executor::Impl {
+  explicit Impl(vk::Device& device) : labels(device.instance()), stock(std::make_shared<Stock>(device)) {}
+  void finishOldest();
+  std::shared_ptr<Submission::State> prepare(const Graph& graph, Plan& plan);
+  void materialize(const Graph& graph, Plan& plan, Submission::State& state);
+  void record(const Graph& graph, const Plan& plan, Submission::State& state, VkCommandBuffer buffer);
+  static void keepResults(const Graph& graph, Submission::State& state);
+
+  LabelCalls labels;
+  std::shared_ptr<Stock> stock;
+  std::deque<std::shared_ptr<Submission::State>> inFlight;  // the oldest first
+};
+
+Executor::Executor(vk::Device& device) : impl_(std::make_unique<Impl>(device)) {}
+
+Executor::~Executor() = default;
+
+Graph::Graph(Executor& executor) : constantPool_(executor.impl_->stock->constants) {}
+
+void Executor::Impl::finishOldest() {
+  inFlight.front()->finish();
+  inFlight.pop_front();
+}
+
+// All that the plan needs. What cannot be had while other graphs' resources are kept may be had without them.
+std::shared_ptr<Submission::State> Executor::Impl::prepare(const Graph& graph, Plan& plan) {
+  const auto tryTo = [&] {
+    auto state = std::make_shared<Submission::State>(stock);
+    state->constants = graph.constants_;
+    materialize(graph, plan, *state);
+    return state;
+  };
+  try {
+    return tryTo();
+  } catch (const Error& error) {
+    if (error.code() != ExitCode::DeviceLost) throw;
+  }
+  while (!inFlight.empty()) finishOldest();
+  stock->transients.clear();
+  return tryTo();
+}
+
+// Every imported resource, and one for each transient of the plan, which gets its aliasing barriers.
+void Executor::Impl::materialize(const Graph& graph, Plan& plan, Submission::State& state) {
+  for (const Graph::ImageNode& node : graph.images_) state.images.push_back(node.imported);
+  for (const Graph::BufferNode& node : graph.buffers_) state.buffers.push_back(node.imported);
+  for (const Plan::Transient& kept : plan.kept) {
+    if (kept.image) {
+      state.pooledImages.push_back(stock->transients.take(graph.desc(kept.image)));
+      state.images[kept.image.index] = &state.pooledImages.back()->resource;
+    } else {
+      state.pooledBuffers.push_back(stock->transients.take(graph.desc(kept.buffer)));
+      state.buffers[kept.buffer.index] = &state.pooledBuffers.back()->resource;
+    }
+  }
+  const PlacedTransients& placed = stock->transients.place(graph, plan);
+  for (size_t i = 0; i < plan.lives.size(); ++i) {
+    if (plan.lives[i].image) {
+      state.images[plan.lives[i].image.index] = &std::get<vk::Image>(placed.resources[i]);
+    } else {
+      state.buffers[plan.lives[i].buffer.index] = &std::get<vk::Buffer>(placed.resources[i]);
+    }
+  }
+  addAliasingBarriers(plan, placed.footprints, placed.packing);
+}
+
+void Executor::Impl::record(const Graph& graph, const Plan& plan, Submission::State& state, VkCommandBuffer buffer) {
+  vk::Commands commands(stock->device, buffer, state.recorder->descriptors);
+  Context context;
+  context.commands_ = &commands;
+  context.images_ = &state.images;
+  context.buffers_ = &state.buffers;
+  Timers& timers = state.recorder->timers;
+  recordBarriers(buffer, kAfterOthers, {}, {});
+  timers.begin(buffer, static_cast<uint32_t>(plan.steps.size()));
+  uint32_t mark = 0;
+  for (const Plan::Step& step : plan.steps) {
+    const Pass& pass = graph.passes_[step.pass];
+    state.times.push_back({pass.stage, pass.name, 0});
+    const Label label(labels, buffer, pass.name);
+    timers.mark(buffer, mark++);
+    recordBarriers(buffer, step.before, state.images, state.buffers);
+    context.pass_ = &pass;
+    if (pass.record) pass.record(context);
+    timers.mark(buffer, mark++);
+  }
+  recordBarriers(buffer, plan.after, state.images, state.buffers);
+  timers.end(buffer);
+}
+
+// Other transients may be another submission's before anyone looks.
+void Executor::Impl::keepResults(const Graph& graph, Submission::State& state) {
+  for (size_t i = 0; i < state.images.size(); ++i)
+    if (!graph.images_[i].imported && !graph.images_[i].exported) state.images[i] = nullptr;
+  for (size_t i = 0; i < state.buffers.size(); ++i)
+    if (!graph.buffers_[i].imported && !graph.buffers_[i].exported) state.buffers[i] = nullptr;
+}
+
+Submission Executor::submit(const Graph& graph, const Plan& plan) {
+  Impl& impl = *impl_;
+  vk::Device& device = impl.stock->device;
+  while (impl.inFlight.size() >= kInFlight) impl.finishOldest();
+  while (!impl.inFlight.empty() && device.finished(impl.inFlight.front()->value)) impl.finishOldest();
+  impl.stock->transients.tick();
+  impl.stock->constants->tick();
+  Plan placed = plan;
+  const std::shared_ptr<Submission::State> state = impl.prepare(graph, placed);
+  state->value = device.submit([&](VkCommandBuffer buffer) { impl.record(graph, placed, *state, buffer); });
+  impl.inFlight.push_back(state);
+  Impl::keepResults(graph, *state);
+  return Submission(state);
+}
+
+void Executor::run(const Graph& graph, const Plan& plan) {
+  last_ = Submission();
+  last_ = submit(graph, plan);
+  last_.wait();
 }
 
 }  // namespace latelight::graph

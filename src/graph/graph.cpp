@@ -61,6 +61,10 @@ void Graph::pass(Stage stage, std::string_view name, std::vector<Access> accesse
   passes_.push_back({stage, std::string(name), std::move(accesses), std::move(record)});
 }
 
+void Graph::prologue(Stage stage, std::string_view name, Record record) {
+  passes_.push_back({stage, std::string(name), {}, std::move(record), true});
+}
+
 void Graph::require(const Access& access) {
   if (access.image) {
     vk::ImageDesc& image = images_.at(access.image.index).desc;
@@ -92,7 +96,7 @@ const vk::BufferDesc& Graph::desc(BufferId id) const {
 }
 
 // Liveness, backwards: a pass is alive if what it writes into some resource is seen by the export or by a later pass
-// that is alive. An overwriting use ends the life of what was there before.
+// that is alive. An overwriting use ends the life of what was there before. What the prologue writes is not known.
 std::vector<bool> Graph::alive() const {
   std::vector<bool> images(images_.size()), buffers(buffers_.size()), result(passes_.size());
   for (size_t i = 0; i < images_.size(); ++i) images[i] = images_[i].exported.has_value();
@@ -100,6 +104,7 @@ std::vector<bool> Graph::alive() const {
   const auto seen = [&](const Access& a) { return a.image ? images[a.image.index] : buffers[a.buffer.index]; };
   for (size_t i = passes_.size(); i-- > 0;) {
     const std::vector<Access>& accesses = passes_[i].accesses;
+    result[i] = passes_[i].prologue;
     for (const Access& access : accesses) result[i] = result[i] || (writes(access.use) && seen(access));
     if (!result[i]) continue;
     for (const Access& access : accesses) {

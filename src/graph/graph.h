@@ -1,11 +1,15 @@
-// The frame graph: passes declare what they read and write; which passes run, the barriers between them, transient
-// images, GPU timers and debug labels follow. Passes run in the order they were added.
+// The frame graph: passes declare what they read and write; which passes run, the barriers between them, the memory of
+// transients, GPU timers and debug labels follow. Passes run in the order they were added, after the prologue.
 //
-//   Graph graph;
-//   ImageId depth = graph.create(ImageDesc{...});
-//   graph.pass(Stage::Geometry, "geometry", {{depth, Use::DepthAttachment}}, [=](Context& c) { ... c.image(depth) ...
-//   }); graph.exports(color);             // what must survive: passes that lead to no export are culled Plan plan =
-//   graph.compile();      // plain data, no device: tests read it executor.run(graph, plan, ...);
+//   Graph graph(executor);
+//   ImageId color = graph.create(ImageDesc{...});
+//   graph.pass(Stage::Lighting, "light", {{color, Use::StorageWrite}}, [=](Context& c) { ... c.image(color) ... });
+//   graph.exports(color, Use::CopySource);  // what must survive: passes that lead to no export are culled
+//
+//   Plan plan = graph.compile();                     // plain data, no device: tests read it
+//   Submission done = executor.submit(graph, plan);  // returns at once
+//   done.wait();
+//   done.image(color) ...
 #pragma once
 
 #include <volk.h>
@@ -14,6 +18,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -68,8 +73,10 @@ struct Access {
   Use use;
 };
 
-class Executor;
+class ConstantChunk;
+class ConstantPool;
 class Context;
+class Executor;
 
 using Record = std::function<void(Context&)>;
 
@@ -92,6 +99,7 @@ struct Pass {
   std::string name;
   std::vector<Access> accesses;
   Record record;
+  bool prologue = false;
 };
 
 // What a running pass sees.
@@ -113,7 +121,7 @@ class Context {
 };
 
 struct Barrier {
-  ImageId image;  // exactly one of image and buffer is set
+  ImageId image;  // at most one of image and buffer is set; with neither it is of all memory
   BufferId buffer;
   VkPipelineStageFlags2 sourceStage = 0, targetStage = 0;
   VkAccessFlags2 sourceAccess = 0, targetAccess = 0;
@@ -121,19 +129,42 @@ struct Barrier {
 };
 
 // What compile() decided: for each pass that runs, the barriers before it. Then the barriers after the last pass, that
-// bring imported and exported resources to their final use.
+// bring imported and exported resources to their final use. And what each transient needs of memory, and when.
 struct Plan {
   struct Step {
     uint32_t pass;  // index in the order added
     std::vector<Barrier> before;
   };
+  struct Transient {
+    ImageId image;  // exactly one of image and buffer is set
+    BufferId buffer;
+  };
+  // Of a transient that may share its memory with others before and after it.
+  struct Life : Transient {
+    uint32_t first = 0, last = 0;           // steps that use it, both included
+    VkPipelineStageFlags2 firstStages = 0;  // of its first use
+    VkAccessFlags2 firstAccess = 0;
+    VkPipelineStageFlags2 lastStages = 0;  // what comes after it waits for these
+    VkAccessFlags2 lastWrites = 0;         // of these stages: not yet available
+  };
   std::vector<Step> steps;
   std::vector<Barrier> after;
+  std::vector<Life> lives;      // transients in device memory that are not exported, by first step
+  std::vector<Transient> kept;  // the others: exported, or visible to the host
 };
 
 class Graph {
  public:
-  ImageId create(const vk::ImageDesc& desc);  // transient: lives in the executor's pool, contents undefined at first
+  Graph() = default;                   // plain data
+  explicit Graph(Executor& executor);  // with room for constants()
+
+  // Copies what the host knows now, a frame's constants or its views, to where shaders read it. It stays there for as
+  // long as the graph lives, or a submission of it runs. Meant for little: a GPU reads it over the bus.
+  VkDeviceAddress constants(std::span<const std::byte> bytes);
+
+  // Transient: contents undefined at first. Where it is in device memory and not exported, others that are used before
+  // or after it lie in the same bytes.
+  ImageId create(const vk::ImageDesc& desc);
   BufferId create(const vk::BufferDesc& desc);
   // Resources from outside. `before`: how they were used last, or nothing if their contents don't matter (images) or
   // came from the host (buffers). Those that are not exported go back to `before` after passes that changed them.
@@ -142,6 +173,11 @@ class Graph {
 
   // Several uses of one image in one pass must share a layout, else Error(Internal).
   void pass(Stage stage, std::string_view name, std::vector<Access> accesses, Record record);
+
+  // A pass that writes, by copies or in compute shaders, buffers that the graph does not know and others read by
+  // address: uploads, deformation. It always runs, before all that are not of the prologue, in the order added; what it
+  // wrote is seen by every later pass, the prologue's too.
+  void prologue(Stage stage, std::string_view name, Record record);
 
   // The resource is needed after the frame, for `use`.
   void exports(ImageId image, Use use);
@@ -176,6 +212,8 @@ class Graph {
   std::vector<Pass> passes_;
   std::vector<ImageNode> images_;
   std::vector<BufferNode> buffers_;
+  std::shared_ptr<ConstantPool> constantPool_;  // none without an executor
+  std::vector<std::shared_ptr<ConstantChunk>> constants_;
 };
 
 struct PassTime {
@@ -184,28 +222,61 @@ struct PassTime {
   double milliseconds;
 };
 
-// Runs graphs on a device; keeps transient images and buffers from one run to the next.
-class Executor {
+// A graph on its way through the device, then its results. The transient resources that were exported belong to it:
+// once it is dropped and has finished, others may have them. It may outlive its executor, not the device, and may be
+// held by another thread.
+class Submission {
  public:
-  explicit Executor(vk::Device& device);
-  ~Executor();
-  // Records the plan with a debug label and two timestamps a pass, submits, and waits. What a pass throws is rethrown.
-  void run(const Graph& graph, const Plan& plan);
-  // Of the last run: GPU milliseconds a pass, in order. Empty where the device has no timestamps.
-  const std::vector<PassTime>& times() const { return times_; }
-  // Of the last run: a transient resource that was exported, or an imported one (valid until the next run).
+  Submission();  // of nothing: done
+  Submission(Submission&&) noexcept;
+  Submission& operator=(Submission&&) noexcept;
+  ~Submission();
+  bool done() const;
+  void wait() const;
+  // GPU milliseconds a pass, in order; waits. Empty where the device has no timestamps.
+  const std::vector<PassTime>& times() const;
+  // A transient resource that was exported, or an imported one: Error(Internal) for all others. To be read by the host
+  // after wait().
   const vk::Image& image(ImageId id) const;
   const vk::Buffer& buffer(BufferId id) const;
 
  private:
-  struct Pool;
-  void materialize(const Graph& graph, const Plan& plan);
-  vk::Device& device_;
-  std::unique_ptr<Pool> pool_;
-  vk::DescriptorPool descriptors_;
-  std::vector<PassTime> times_;
-  std::vector<const vk::Image*> images_;
-  std::vector<const vk::Buffer*> buffers_;
+  friend class Executor;
+  struct State;
+  explicit Submission(std::shared_ptr<State> state);
+  std::shared_ptr<State> state_;
+};
+
+// Bytes of device memory that a plan's transients take: known before anything runs.
+struct TransientBytes {
+  uint64_t peak = 0;             // as they are placed: those whose lives do not overlap share memory
+  uint64_t withoutAliasing = 0;  // were each to have its own
+};
+TransientBytes transientBytes(vk::Device& device, const Graph& graph, const Plan& plan);
+
+// Runs graphs on a device; keeps transient images and buffers from one submission to the next.
+class Executor {
+ public:
+  static constexpr size_t kInFlight = 3;  // submissions at once; one more waits for the oldest
+
+  explicit Executor(vk::Device& device);
+  ~Executor();
+  // Records the plan with a debug label and two timestamps a pass, and submits it without waiting. It begins with a
+  // barrier over all memory, so that submissions may use the same transients one after the other. What a pass throws
+  // is rethrown, and nothing is submitted. Where the device has no room, what is kept from other graphs is freed first.
+  Submission submit(const Graph& graph, const Plan& plan);
+
+  // Submits and waits; the rest is of the last run.
+  void run(const Graph& graph, const Plan& plan);
+  const std::vector<PassTime>& times() const { return last_.times(); }
+  const vk::Image& image(ImageId id) const { return last_.image(id); }
+  const vk::Buffer& buffer(BufferId id) const { return last_.buffer(id); }
+
+ private:
+  friend class Graph;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+  Submission last_;
 };
 
 }  // namespace latelight::graph

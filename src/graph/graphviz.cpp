@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
-#include <tuple>
+#include <algorithm>
+#include <numeric>
 
 #include "graph/graph.h"
 #include "graph/use.h"
@@ -45,25 +46,32 @@ std::string resources(const Nodes& nodes, char prefix) {
   return text;
 }
 
+// Where a pass writes over what it keeps, the arrow has two ends.
+std::string arrow(size_t index, const Access& access) {
+  const UseInfo& info = useInfo(access.use);
+  const std::string pass = fmt::format("p{}", index);
+  const std::string resource =
+      access.image ? fmt::format("i{}", access.image.index) : fmt::format("b{}", access.buffer.index);
+  return fmt::format("  {} -> {} [label=\"{}\"{}];\n", info.writing ? pass : resource, info.writing ? resource : pass,
+                     info.name, info.writing && info.keeps ? ", dir=both" : "");
+}
+
 }  // namespace
 
+// Passes of the prologue have a bold line; culled ones a dashed one.
 std::string Graph::graphviz() const {
   const std::vector<bool> runs = alive();
   std::string text = "digraph frame {\n  rankdir=TB;\n  node [fontname=\"sans-serif\"];\n";
   text += resources(images_, 'i') + resources(buffers_, 'b');
-  for (size_t i = 0; i < passes_.size(); ++i) {
-    text +=
-        fmt::format("  p{} [shape=box, label={}{}];\n", i, quoted(passes_[i].name), runs[i] ? "" : ", style=dashed");
-    if (i > 0) text += fmt::format("  p{} -> p{} [style=invis];\n", i - 1, i);  // keeps the order on the page
-    for (const Access& access : passes_[i].accesses) {
-      const std::string resource =
-          access.image ? fmt::format("i{}", access.image.index) : fmt::format("b{}", access.buffer.index);
-      const UseInfo& info = useInfo(access.use);
-      // Where a pass writes over what it keeps, the arrow has two ends.
-      const std::string pass = fmt::format("p{}", i);
-      text += fmt::format("  {} -> {} [label=\"{}\"{}];\n", info.writing ? pass : resource,
-                          info.writing ? resource : pass, info.name, info.writing && info.keeps ? ", dir=both" : "");
-    }
+  std::vector<size_t> order(passes_.size());
+  std::iota(order.begin(), order.end(), size_t{0});
+  std::stable_partition(order.begin(), order.end(), [&](size_t i) { return passes_[i].prologue; });
+  for (size_t place = 0; place < order.size(); ++place) {
+    const size_t i = order[place];
+    const char* style = passes_[i].prologue ? ", style=bold" : (runs[i] ? "" : ", style=dashed");
+    text += fmt::format("  p{} [shape=box, label={}{}];\n", i, quoted(passes_[i].name), style);
+    if (place > 0) text += fmt::format("  p{} -> p{} [style=invis];\n", order[place - 1], i);  // the order on the page
+    for (const Access& access : passes_[i].accesses) text += arrow(i, access);
   }
   return text + "}\n";
 }

@@ -51,7 +51,7 @@ std::vector<shared::vec4> DeviceEvaluation::run(const vk::Pipeline& pipeline, st
     std::memcpy(inputs_.mapped(), &inputs[first], count * sizeof(shared::vec4));
     const EvaluationPush push{inputs_.address(), outputs_.address(), static_cast<uint32_t>(count), projection};
     vk::DescriptorPool pool(device_);
-    device_.submit([&](VkCommandBuffer buffer) {
+    device_.submitAndWait([&](VkCommandBuffer buffer) {
       vk::Commands commands(device_, buffer, pool);
       commands.bind(pipeline, std::initializer_list<vk::BoundImage>{}, push);
       commands.dispatch(push.count, 1, 1, kGroup, 1);

@@ -1,9 +1,12 @@
 #include "vk/device.h"
 
-#include <cassert>
+#include <algorithm>
 #include <cstdlib>
 #include <cstring>
+#include <deque>
+#include <iterator>
 #include <optional>
+#include <utility>
 
 #include "base/error.h"
 #include "base/files.h"
@@ -15,49 +18,165 @@
 
 namespace latelight::vk {
 
-struct Device::Hidden {
-  explicit Hidden(bool validation) : instance(validation) {}
-  ~Hidden();
-  void drain();
+struct Device::Impl {
+  explicit Impl(bool validation) : instance(validation) {}
+  ~Impl();
+  void openTimeline();
+  uint64_t finishedValue() const;
+  void waitFor(uint64_t value) const;
+  void deleteFinished();
+
+  // A pool for each, so that one is reset while others still run.
+  struct CommandBuffer {
+    VkCommandPool pool = VK_NULL_HANDLE;
+    VkCommandBuffer buffer = VK_NULL_HANDLE;
+    uint64_t value = 0;  // of the submission that it was part of last
+  };
+  CommandBuffer& takeCommandBuffer(uint32_t queueFamily);
+  CommandBuffer makeCommandBuffer(uint32_t queueFamily) const;
+  uint64_t send(VkQueue queue, CommandBuffer& commands);
+
+  // Objects given up, each with the value that the timeline must have reached; in order of these.
+  struct Deletion {
+    uint64_t value;
+    std::function<void()> destroy;
+  };
+  class Recording;
 
   Instance instance;
   VkDevice device = VK_NULL_HANDLE;
-  VkCommandPool commandPool = VK_NULL_HANDLE;
-  VkCommandBuffer commands = VK_NULL_HANDLE;
-  VkFence fence = VK_NULL_HANDLE;
+  VkSemaphore timeline = VK_NULL_HANDLE;
   VkPipelineCache pipelineCache = VK_NULL_HANDLE;
   std::string cacheName;
   size_t cacheBytes = 0;  // as it was when loaded or last saved
   std::vector<const char*> extensions;
   PFN_vkSetDebugUtilsObjectNameEXT setName = nullptr;
 
-  std::mutex submitting;  // one submission at a time
-  std::mutex burying;     // guards the two below
-  bool busy = false;      // a submission is being recorded or runs
-  std::vector<std::function<void()>> graveyard;
+  std::mutex submitting;  // one submission at a time; guards the next
+  std::deque<CommandBuffer> commandBuffers;
+  std::mutex deleting;     // guards the three below
+  uint64_t submitted = 0;  // the timeline's value once all work is done
+  bool recording = false;
+  std::vector<Deletion> deletions;
 };
 
-Device::Hidden::~Hidden() {
+Device::Impl::~Impl() {
   if (device) {
     vkDestroyPipelineCache(device, pipelineCache, nullptr);
-    vkDestroyFence(device, fence, nullptr);
-    vkDestroyCommandPool(device, commandPool, nullptr);
+    for (const CommandBuffer& commands : commandBuffers) vkDestroyCommandPool(device, commands.pool, nullptr);
+    vkDestroySemaphore(device, timeline, nullptr);
     vkDestroyDevice(device, nullptr);
   }
   // What nobody asked for, leaks reported by vkDestroyDevice among it, should not be lost.
   for (const std::string& message : instance.takeMessages()) warn(message);
 }
 
-// Called once the queue is idle: what is buried from here on may die at once.
-void Device::Hidden::drain() {
-  std::vector<std::function<void()>> dead;
-  {
-    std::lock_guard lock(burying);
-    busy = false;
-    dead.swap(graveyard);
-  }
-  for (auto& destroy : dead) destroy();
+void Device::Impl::openTimeline() {
+  VkSemaphoreTypeCreateInfo type{VK_STRUCTURE_TYPE_SEMAPHORE_TYPE_CREATE_INFO};
+  type.semaphoreType = VK_SEMAPHORE_TYPE_TIMELINE;
+  const VkSemaphoreCreateInfo info{VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO, &type, 0};
+  VK_CHECK(vkCreateSemaphore(device, &info, nullptr, &timeline));
 }
+
+// Of a lost device nothing has finished for certain: 0. Whoever waits hears of it.
+uint64_t Device::Impl::finishedValue() const {
+  uint64_t value = 0;
+  return vkGetSemaphoreCounterValue(device, timeline, &value) == VK_SUCCESS ? value : 0;
+}
+
+void Device::Impl::waitFor(uint64_t value) const {
+  VkSemaphoreWaitInfo info{VK_STRUCTURE_TYPE_SEMAPHORE_WAIT_INFO};
+  info.semaphoreCount = 1;
+  info.pSemaphores = &timeline;
+  info.pValues = &value;
+  VK_CHECK(vkWaitSemaphores(device, &info, UINT64_MAX));
+}
+
+void Device::Impl::deleteFinished() {
+  std::vector<Deletion> dead;
+  {
+    std::lock_guard lock(deleting);
+    if (deletions.empty()) return;
+    const uint64_t done = finishedValue();
+    const auto end =
+        std::find_if(deletions.begin(), deletions.end(), [&](const Deletion& d) { return d.value > done; });
+    dead.assign(std::make_move_iterator(deletions.begin()), std::make_move_iterator(end));
+    deletions.erase(deletions.begin(), end);
+  }
+  for (const Deletion& deletion : dead) deletion.destroy();
+}
+
+// The first that is free: a caller that waits each time has one, which stays in the processor's caches.
+Device::Impl::CommandBuffer& Device::Impl::takeCommandBuffer(uint32_t queueFamily) {
+  constexpr size_t kMost = 8;  // submissions in flight; one more waits for the oldest
+  const uint64_t done = finishedValue();
+  for (CommandBuffer& commands : commandBuffers)
+    if (commands.value <= done) return commands;
+  if (commandBuffers.size() == kMost) {
+    const auto byValue = [](const CommandBuffer& a, const CommandBuffer& b) { return a.value < b.value; };
+    CommandBuffer& oldest = *std::min_element(commandBuffers.begin(), commandBuffers.end(), byValue);
+    waitFor(oldest.value);
+    return oldest;
+  }
+  return commandBuffers.emplace_back(makeCommandBuffer(queueFamily));
+}
+
+Device::Impl::CommandBuffer Device::Impl::makeCommandBuffer(uint32_t queueFamily) const {
+  CommandBuffer commands;
+  VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
+  pool.flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT;
+  pool.queueFamilyIndex = queueFamily;
+  VK_CHECK(vkCreateCommandPool(device, &pool, nullptr, &commands.pool));
+  VkCommandBufferAllocateInfo buffer{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
+  buffer.commandPool = commands.pool;
+  buffer.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
+  buffer.commandBufferCount = 1;
+  const VkResult result = vkAllocateCommandBuffers(device, &buffer, &commands.buffer);
+  if (result != VK_SUCCESS) vkDestroyCommandPool(device, commands.pool, nullptr);
+  VK_CHECK(result);
+  return commands;
+}
+
+uint64_t Device::Impl::send(VkQueue queue, CommandBuffer& commands) {
+  const uint64_t value = submitted + 1;  // changed by this function alone, one thread at a time
+  VkCommandBufferSubmitInfo buffer{VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO};
+  buffer.commandBuffer = commands.buffer;
+  VkSemaphoreSubmitInfo signal{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO};
+  signal.semaphore = timeline;
+  signal.value = value;
+  signal.stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+  VkSubmitInfo2 info{VK_STRUCTURE_TYPE_SUBMIT_INFO_2};
+  info.commandBufferInfoCount = 1;
+  info.pCommandBufferInfos = &buffer;
+  info.signalSemaphoreInfoCount = 1;
+  info.pSignalSemaphoreInfos = &signal;
+  VK_CHECK(vkQueueSubmit2(queue, 1, &info, VK_NULL_HANDLE));
+  commands.value = value;
+  std::lock_guard lock(deleting);
+  return submitted = value;
+}
+
+// While it lives, what is given up waits for the submission to come. Should none come, it waits for those before.
+class Device::Impl::Recording {
+ public:
+  explicit Recording(Impl& impl) : impl_(impl) {
+    std::lock_guard lock(impl_.deleting);
+    impl_.recording = true;
+  }
+  ~Recording() {
+    {
+      std::lock_guard lock(impl_.deleting);
+      impl_.recording = false;
+      for (Deletion& deletion : impl_.deletions) deletion.value = std::min(deletion.value, impl_.submitted);
+    }
+    impl_.deleteFinished();
+  }
+  Recording(const Recording&) = delete;
+  Recording& operator=(const Recording&) = delete;
+
+ private:
+  Impl& impl_;
+};
 
 namespace {
 
@@ -112,122 +231,106 @@ VkPipelineCache makePipelineCache(VkDevice device, const std::vector<std::byte>&
 
 }  // namespace
 
-Device::Device(const DeviceOptions& options) : hidden_(std::make_unique<Hidden>(validationWanted(options))) {
-  Hidden& hidden = *hidden_;
-  instance_ = hidden.instance.get();
-  const std::vector<VkPhysicalDevice> all = hidden.instance.devices();
+Device::Device(const DeviceOptions& options) : impl_(std::make_unique<Impl>(validationWanted(options))) {
+  Impl& impl = *impl_;
+  instance_ = impl.instance.get();
+  const std::vector<VkPhysicalDevice> all = impl.instance.devices();
   std::vector<DeviceInfo> list;
   for (VkPhysicalDevice device : all) list.push_back(describe(device, static_cast<uint32_t>(list.size())));
   info_ = chooseDevice(list, options.selector).device;
   physical_ = all[info_.index];
-  VkPhysicalDeviceMaintenance4Properties limits{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_4_PROPERTIES};
+  VkPhysicalDeviceMaintenance3Properties memory{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES};
+  VkPhysicalDeviceMaintenance4Properties limits{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_4_PROPERTIES, &memory};
   VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &limits};
   vkGetPhysicalDeviceProperties2(physical_, &properties);
   properties_ = properties.properties;
   maxBufferSize_ = limits.maxBufferSize;
+  maxAllocationSize_ = memory.maxMemoryAllocationSize;
   queueFamily_ = findQueueFamily(physical_);
 
-  hidden.extensions = offeredExtensions(physical_);
-  device_ = hidden.device = makeDevice(physical_, queueFamily_, hidden.extensions);
+  impl.extensions = offeredExtensions(physical_);
+  device_ = impl.device = makeDevice(physical_, queueFamily_, impl.extensions);
   reserveDriverCache();  // which the driver has made by now, if it had none
   vkGetDeviceQueue(device_, queueFamily_, 0, &queue_);
-  if (hidden.instance.debugUtils())
-    hidden.setName = reinterpret_cast<PFN_vkSetDebugUtilsObjectNameEXT>(
+  if (impl.instance.debugUtils())
+    impl.setName = reinterpret_cast<PFN_vkSetDebugUtilsObjectNameEXT>(
         vkGetInstanceProcAddr(instance_, "vkSetDebugUtilsObjectNameEXT"));
 
-  VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
-  pool.flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT;
-  pool.queueFamilyIndex = queueFamily_;
-  VK_CHECK(vkCreateCommandPool(device_, &pool, nullptr, &hidden.commandPool));
-  VkCommandBufferAllocateInfo buffer{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
-  buffer.commandPool = hidden.commandPool;
-  buffer.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
-  buffer.commandBufferCount = 1;
-  VK_CHECK(vkAllocateCommandBuffers(device_, &buffer, &hidden.commands));
-  VkFenceCreateInfo fence{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
-  VK_CHECK(vkCreateFence(device_, &fence, nullptr, &hidden.fence));
-
-  hidden.cacheName = fmt::format("pipelines-{}-{:08x}", info_.uuid, properties_.driverVersion);
-  pipelineCache_ = hidden.pipelineCache =
-      makePipelineCache(device_, loadCache(hidden.cacheName).value_or(std::vector<std::byte>{}));
-  VK_CHECK(vkGetPipelineCacheData(device_, pipelineCache_, &hidden.cacheBytes, nullptr));
+  impl.openTimeline();
+  impl.cacheName = fmt::format("pipelines-{}-{:08x}", info_.uuid, properties_.driverVersion);
+  pipelineCache_ = impl.pipelineCache =
+      makePipelineCache(device_, loadCache(impl.cacheName).value_or(std::vector<std::byte>{}));
+  VK_CHECK(vkGetPipelineCacheData(device_, pipelineCache_, &impl.cacheBytes, nullptr));
   allocator_ = std::make_unique<Allocator>(*this);
 }
 
 Device::~Device() {
   vkDeviceWaitIdle(device_);
-  hidden_->drain();
+  // All that still waits dies, whatever became of the timeline; what dies may give up more.
+  while (!impl_->deletions.empty())
+    for (const Impl::Deletion& deletion : std::exchange(impl_->deletions, {})) deletion.destroy();
   savePipelineCache();
 }
 
 bool Device::has(const char* extension) const {
-  for (const char* name : hidden_->extensions)
+  for (const char* name : impl_->extensions)
     if (std::strcmp(name, extension) == 0) return true;
   return false;
 }
 
-void Device::submit(const std::function<void(VkCommandBuffer)>& record) {
-  std::lock_guard submitting(hidden_->submitting);
-  {
-    std::lock_guard lock(hidden_->burying);
-    hidden_->busy = true;
-  }
-  // Whatever happens below, nothing of this submission runs any more when it is left, and the dead may go.
-  struct Drain {
-    Hidden* hidden;
-    ~Drain() { hidden->drain(); }
-  } drain{hidden_.get()};
-
-  VkCommandBuffer commands = hidden_->commands;
-  VK_CHECK(vkResetCommandPool(device_, hidden_->commandPool, 0));
+uint64_t Device::submit(const std::function<void(VkCommandBuffer)>& record) {
+  std::lock_guard submitting(impl_->submitting);
+  const Impl::Recording recording(*impl_);
+  Impl::CommandBuffer& commands = impl_->takeCommandBuffer(queueFamily_);
+  VK_CHECK(vkResetCommandPool(device_, commands.pool, 0));
   VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
   begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
-  VK_CHECK(vkBeginCommandBuffer(commands, &begin));
-  record(commands);
-  VK_CHECK(vkEndCommandBuffer(commands));
-  VkCommandBufferSubmitInfo buffer{VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO};
-  buffer.commandBuffer = commands;
-  VkSubmitInfo2 info{VK_STRUCTURE_TYPE_SUBMIT_INFO_2};
-  info.commandBufferInfoCount = 1;
-  info.pCommandBufferInfos = &buffer;
-  VK_CHECK(vkQueueSubmit2(queue_, 1, &info, hidden_->fence));
-  VK_CHECK(vkWaitForFences(device_, 1, &hidden_->fence, VK_TRUE, UINT64_MAX));
-  VK_CHECK(vkResetFences(device_, 1, &hidden_->fence));
+  VK_CHECK(vkBeginCommandBuffer(commands.buffer, &begin));
+  record(commands.buffer);
+  VK_CHECK(vkEndCommandBuffer(commands.buffer));
+  return impl_->send(queue_, commands);
 }
 
-void Device::bury(std::function<void()> destroy) {
+bool Device::finished(uint64_t submission) const {
+  return impl_->finishedValue() >= submission;
+}
+
+void Device::wait(uint64_t submission) {
+  impl_->waitFor(submission);
+  impl_->deleteFinished();
+}
+
+// Even where it may die at once it comes after those that were given up before.
+void Device::deferDeletion(std::function<void()> destroy) {
   {
-    std::lock_guard lock(hidden_->burying);
-    if (hidden_->busy) {
-      hidden_->graveyard.push_back(std::move(destroy));
-      return;
-    }
+    std::lock_guard lock(impl_->deleting);
+    impl_->deletions.push_back({impl_->submitted + (impl_->recording ? 1 : 0), std::move(destroy)});
   }
-  destroy();
+  impl_->deleteFinished();
 }
 
 void Device::setName(VkObjectType type, uint64_t object, const char* name) {
-  if (!hidden_->setName || !*name) return;
+  if (!impl_->setName || !*name) return;
   VkDebugUtilsObjectNameInfoEXT info{VK_STRUCTURE_TYPE_DEBUG_UTILS_OBJECT_NAME_INFO_EXT};
   info.objectType = type;
   info.objectHandle = object;
   info.pObjectName = name;
-  VK_CHECK(hidden_->setName(device_, &info));
+  VK_CHECK(impl_->setName(device_, &info));
 }
 
 std::vector<std::string> Device::validationMessages() {
-  return hidden_->instance.takeMessages();
+  return impl_->instance.takeMessages();
 }
 
 void Device::savePipelineCache() {
   size_t size = 0;
   if (vkGetPipelineCacheData(device_, pipelineCache_, &size, nullptr) != VK_SUCCESS) return;
-  if (size <= hidden_->cacheBytes) return;
+  if (size <= impl_->cacheBytes) return;
   std::vector<std::byte> file(size);
   if (vkGetPipelineCacheData(device_, pipelineCache_, &size, file.data()) != VK_SUCCESS) return;
   file.resize(size);
-  storeCache(hidden_->cacheName, file);
-  hidden_->cacheBytes = size;
+  storeCache(impl_->cacheName, file);
+  impl_->cacheBytes = size;
 }
 
 }  // namespace latelight::vk

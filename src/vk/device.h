@@ -1,4 +1,5 @@
-// One Vulkan 1.3 device, headless: instance, device, one queue, memory, pipeline cache, graveyard.
+// One Vulkan 1.3 device, headless: instance, device, one queue and its timeline, memory, pipeline cache, deletion
+// queue.
 #pragma once
 
 #include <volk.h>
@@ -63,14 +64,21 @@ class Device {
   const DeviceInfo& info() const { return info_; }
   const VkPhysicalDeviceProperties& properties() const { return properties_; }
   bool isCpu() const { return properties_.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU; }
-  VkDeviceSize maxBufferSize() const { return maxBufferSize_; }  // bytes
+  VkDeviceSize maxBufferSize() const { return maxBufferSize_; }          // bytes
+  VkDeviceSize maxAllocationSize() const { return maxAllocationSize_; }  // bytes of one allocation of memory
   bool has(const char* extension) const;  // enabled: all of kOptionalExtensions that the device offers are
 
-  // Records, submits and waits. The one way work reaches the queue.
-  void submit(const std::function<void(VkCommandBuffer)>& record);
+  // Records and submits, without waiting. The one way work reaches the queue; one submission is recorded at a time, and
+  // any thread may submit. Returns the submission's value on the device's timeline: values grow by one, and
+  // submissions finish in their order. What `record` throws is rethrown, and nothing is submitted.
+  uint64_t submit(const std::function<void(VkCommandBuffer)>& record);
+  bool finished(uint64_t submission) const;
+  void wait(uint64_t submission);  // until it has finished
+  void submitAndWait(const std::function<void(VkCommandBuffer)>& record) { wait(submit(record)); }
 
-  // Runs `destroy` once everything submitted so far, and the submission now being recorded, has finished.
-  void bury(std::function<void()> destroy);
+  // Deferred deletion: runs `destroy` once every submission made so far, and the one being recorded, has finished: in
+  // submit() or wait(), here where they have finished already, or in the destructor.
+  void deferDeletion(std::function<void()> destroy);
 
   // Gives an object the name that debuggers and validation messages show. Nothing without VK_EXT_debug_utils.
   void setName(VkObjectType type, uint64_t object, const char* name);
@@ -86,8 +94,8 @@ class Device {
   void savePipelineCache();
 
  private:
-  struct Hidden;  // validation sink, graveyard, loader
-  std::unique_ptr<Hidden> hidden_;
+  struct Impl;  // loader, validation messages, timeline, command buffers, deletion queue
+  std::unique_ptr<Impl> impl_;
   VkInstance instance_ = VK_NULL_HANDLE;
   VkPhysicalDevice physical_ = VK_NULL_HANDLE;
   VkDevice device_ = VK_NULL_HANDLE;
@@ -95,7 +103,7 @@ class Device {
   uint32_t queueFamily_ = 0;
   VkPipelineCache pipelineCache_ = VK_NULL_HANDLE;
   VkPhysicalDeviceProperties properties_{};
-  VkDeviceSize maxBufferSize_ = 0;
+  VkDeviceSize maxBufferSize_ = 0, maxAllocationSize_ = 0;
   DeviceInfo info_;
   std::atomic<uint64_t> pipelinesMade_ = 0;
   std::unique_ptr<Allocator> allocator_;

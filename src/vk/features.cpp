@@ -26,6 +26,7 @@ constexpr Feature kRequired[] = {
     CORE(geometryShader, "the triangle's number in fragment shaders"),
     LATER(v12, bufferDeviceAddress, "buffers read by address"),
     LATER(v12, scalarBlockLayout, "structures laid out as in C++"),
+    LATER(v12, timelineSemaphore, "submissions waited for by number"),
     LATER(v13, dynamicRendering, "rendering without render pass objects"),
     LATER(v13, synchronization2, "the second synchronization interface"),
     LATER(v13, maintenance4, "Vulkan 1.3's shader interface rules"),

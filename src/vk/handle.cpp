@@ -79,7 +79,7 @@ void check(VkResult result, const char* call, const char* file, int line) {
 
 template <typename T>
 Handle<T>::~Handle() {
-  if (object_) device_->bury([device = device_->get(), object = object_] { destroy(device, object); });
+  if (object_) device_->deferDeletion([device = device_->get(), object = object_] { destroy(device, object); });
 }
 
 template class Handle<VkPipeline>;

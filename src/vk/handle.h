@@ -1,5 +1,5 @@
-// RAII for Vulkan objects. Destruction is deferred: an object handed to the graveyard dies when every submission that
-// was recorded before has finished.
+// RAII for Vulkan objects. Destruction is deferred (Device::deferDeletion): an object that is given up dies when every
+// submission that may use it has finished.
 #pragma once
 
 #include <volk.h>
@@ -26,7 +26,7 @@ class Handle {
     std::swap(object_, other.object_);
     return *this;
   }
-  ~Handle();  // hands the object to the device's graveyard (vk/handle.cpp lists the types)
+  ~Handle();  // defers the object's deletion (vk/handle.cpp lists the types)
 
   T get() const { return object_; }
   explicit operator bool() const { return object_ != VK_NULL_HANDLE; }

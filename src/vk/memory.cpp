@@ -70,10 +70,15 @@ Allocator::~Allocator() {
   for (const auto& block : blocks_) vkFreeMemory(device_.get(), block->memory, nullptr);
 }
 
-Allocation Allocator::allocate(const VkMemoryRequirements& needs, MemoryKind kind, bool linear, bool dedicated) {
+uint32_t Allocator::typeFor(const VkMemoryRequirements& needs, MemoryKind kind) const {
   const uint32_t type = findType(properties_, needs.memoryTypeBits, wishFor(kind, device_.isCpu()));
   if (type == ~0u)
     fail(ExitCode::Internal, "No memory type suits a resource (allowed types {:#x}).", needs.memoryTypeBits);
+  return type;
+}
+
+Allocation Allocator::allocate(const VkMemoryRequirements& needs, MemoryKind kind, bool linear, bool dedicated) {
+  const uint32_t type = typeFor(needs, kind);
   std::lock_guard lock(mutex_);
   dedicated = dedicated || needs.size > kLargestShared;
   if (!dedicated)
@@ -158,6 +163,16 @@ Allocator::Statistics Allocator::statistics() const {
     total.usedBytes += block->size - block->ranges.freeBytes();
   }
   return total;
+}
+
+Heap::Heap(Device& device, uint32_t type, VkDeviceSize size, VkDeviceSize alignment)
+    : device_(device),
+      type_(type),
+      alignment_(alignment),
+      allocation_(device.memory().allocate({size, alignment, 1u << type}, MemoryKind::Device, true, false)) {}
+
+Heap::~Heap() {
+  device_.deferDeletion([&memory = device_.memory(), allocation = allocation_] { memory.release(allocation); });
 }
 
 }  // namespace latelight::vk

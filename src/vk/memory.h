@@ -54,6 +54,8 @@ class Allocator {
   ~Allocator();
   // Throws Error(DeviceLost) with the sizes in the sentence where the device has no room.
   Allocation allocate(const VkMemoryRequirements& needs, MemoryKind kind, bool linear, bool dedicated);
+  // The memory type that such an allocation comes from.
+  uint32_t typeFor(const VkMemoryRequirements& needs, MemoryKind kind) const;
   void release(const Allocation& allocation);
   struct Statistics {
     uint64_t blocks = 0, allocations = 0, reservedBytes = 0, usedBytes = 0;
@@ -70,6 +72,29 @@ class Allocator {
   VkPhysicalDeviceMemoryProperties properties_{};
   mutable std::mutex mutex_;
   std::vector<std::unique_ptr<Block>> blocks_;
+};
+
+// Device memory that several resources are bound to, at offsets that their owner chooses: those that are never in use
+// at once may overlap. Destruction is deferred. Buffers and images lie side by side in it, so what is placed takes
+// whole multiples of bufferImageGranularity.
+class Heap {
+ public:
+  Heap(Device& device, uint32_t type, VkDeviceSize size, VkDeviceSize alignment);
+  ~Heap();
+  Heap(const Heap&) = delete;
+  Heap& operator=(const Heap&) = delete;
+
+  uint32_t type() const { return type_; }
+  VkDeviceSize size() const { return allocation_.size; }
+  VkDeviceSize alignment() const { return alignment_; }  // of offset 0
+  VkDeviceMemory memory() const { return allocation_.memory; }
+  VkDeviceSize offset() const { return allocation_.offset; }  // in memory()
+
+ private:
+  Device& device_;
+  uint32_t type_;
+  VkDeviceSize alignment_;
+  Allocation allocation_;
 };
 
 }  // namespace latelight::vk

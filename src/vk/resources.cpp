@@ -85,32 +85,64 @@ void checkSize(Device& device, const ImageDesc& desc) {
          device.info().name, formatName(desc.format), desc.samples, desc.usage, desc.name);
 }
 
+VkImage createImage(Device& device, const ImageDesc& desc, bool hostTexture) {
+  checkSize(device, desc);
+  const VkImageCreateInfo info = imageInfo(desc, hostTexture);
+  VkImage image = VK_NULL_HANDLE;
+  VK_CHECK(vkCreateImage(device.get(), &info, nullptr, &image));
+  return image;
+}
+
+BufferDesc completed(BufferDesc desc) {
+  if (desc.size == 0) desc.size = 16;
+  desc.usage |=
+      VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+  return desc;
+}
+
+VkBufferCreateInfo bufferInfo(Device& device, const BufferDesc& desc) {
+  if (desc.size > device.maxBufferSize())
+    fail(ExitCode::DeviceLost, "A buffer of {} bytes ({}) is too large for {}, which allows {}: use a smaller scene.",
+         desc.size, desc.name, device.info().name, device.maxBufferSize());
+  VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
+  info.size = desc.size;
+  info.usage = desc.usage;
+  return info;
+}
+
+VkBuffer createBuffer(Device& device, const BufferDesc& desc) {
+  const VkBufferCreateInfo info = bufferInfo(device, desc);
+  VkBuffer buffer = VK_NULL_HANDLE;
+  VK_CHECK(vkCreateBuffer(device.get(), &info, nullptr, &buffer));
+  return buffer;
+}
+
 }  // namespace
 
-Buffer::Buffer(Device& device, const BufferDesc& desc) : device_(&device), desc_(desc) {
-  if (desc_.size == 0) desc_.size = 16;
-  desc_.usage |=
-      VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
-  VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
-  info.size = desc_.size;
-  info.usage = desc_.usage;
-  if (info.size > device.maxBufferSize())
-    fail(ExitCode::DeviceLost, "A buffer of {} bytes ({}) is too large for {}, which allows {}: use a smaller scene.",
-         info.size, desc_.name, device.info().name, device.maxBufferSize());
-  VK_CHECK(vkCreateBuffer(device.get(), &info, nullptr, &buffer_));
+// Once the delegated constructor is done, the destructor cleans up after what throws.
+Buffer::Buffer(Device& device, const BufferDesc& desc) : Buffer() {
+  device_ = &device;
+  desc_ = completed(desc);
+  buffer_ = createBuffer(device, desc_);
   VkMemoryRequirements needs;
   vkGetBufferMemoryRequirements(device.get(), buffer_, &needs);
-  try {
-    allocation_ = device.memory().allocate(needs, desc_.kind, true, false);
-  } catch (...) {
-    vkDestroyBuffer(device.get(), buffer_, nullptr);
-    throw;
-  }
-  VK_CHECK(vkBindBufferMemory(device.get(), buffer_, allocation_.memory, allocation_.offset));
+  allocation_ = device.memory().allocate(needs, desc_.kind, true, false);
+  bind(allocation_.memory, allocation_.offset);
+}
+
+Buffer::Buffer(Device& device, const BufferDesc& desc, const Heap& heap, VkDeviceSize offset) : Buffer() {
+  device_ = &device;
+  desc_ = completed(desc);
+  buffer_ = createBuffer(device, desc_);
+  bind(heap.memory(), heap.offset() + offset);
+}
+
+void Buffer::bind(VkDeviceMemory memory, VkDeviceSize offset) {
+  VK_CHECK(vkBindBufferMemory(device_->get(), buffer_, memory, offset));
   VkBufferDeviceAddressInfo address{VK_STRUCTURE_TYPE_BUFFER_DEVICE_ADDRESS_INFO};
   address.buffer = buffer_;
-  address_ = vkGetBufferDeviceAddress(device.get(), &address);
-  device.setName(VK_OBJECT_TYPE_BUFFER, number(buffer_), desc_.name.c_str());
+  address_ = vkGetBufferDeviceAddress(device_->get(), &address);
+  device_->setName(VK_OBJECT_TYPE_BUFFER, number(buffer_), desc_.name.c_str());
 }
 
 Buffer::Buffer(Buffer&& other) noexcept {
@@ -128,27 +160,34 @@ Buffer& Buffer::operator=(Buffer&& other) noexcept {
 
 Buffer::~Buffer() {
   if (!buffer_) return;
-  device_->bury([device = device_, buffer = buffer_, allocation = allocation_] {
+  device_->deferDeletion([device = device_, buffer = buffer_, allocation = allocation_] {
     vkDestroyBuffer(device->get(), buffer, nullptr);
-    device->memory().release(allocation);
+    if (allocation.memory) device->memory().release(allocation);
   });
 }
 
-Image::Image(Device& device, const ImageDesc& desc) : device_(&device), desc_(desc) {
-  checkSize(device, desc_);
-  const bool hostTexture = isHostTexture(device, desc_);
-  const VkImageCreateInfo info = imageInfo(desc_, hostTexture);
-  VK_CHECK(vkCreateImage(device.get(), &info, nullptr, &image_));
+Image::Image(Device& device, const ImageDesc& desc) : Image() {
+  const bool hostTexture = isHostTexture(device, desc);
+  device_ = &device;
+  desc_ = desc;
+  image_ = createImage(device, desc, hostTexture);
   VkMemoryRequirements needs;
   vkGetImageMemoryRequirements(device.get(), image_, &needs);
-  try {
-    allocation_ = device.memory().allocate(needs, MemoryKind::Device, hostTexture, (desc_.usage & kAttachment) != 0);
-  } catch (...) {
-    vkDestroyImage(device.get(), image_, nullptr);
-    throw;
-  }
-  VK_CHECK(vkBindImageMemory(device.get(), image_, allocation_.memory, allocation_.offset));
+  allocation_ = device.memory().allocate(needs, MemoryKind::Device, hostTexture, (desc.usage & kAttachment) != 0);
   hostWritable_ = hostTexture && allocation_.mapped;
+  bind(allocation_.memory, allocation_.offset);
+}
+
+Image::Image(Device& device, const ImageDesc& desc, const Heap& heap, VkDeviceSize offset) : Image() {
+  device_ = &device;
+  desc_ = desc;
+  image_ = createImage(device, desc, false);
+  bind(heap.memory(), heap.offset() + offset);
+}
+
+void Image::bind(VkDeviceMemory memory, VkDeviceSize offset) {
+  Device& device = *device_;
+  VK_CHECK(vkBindImageMemory(device.get(), image_, memory, offset));
   device.setName(VK_OBJECT_TYPE_IMAGE, number(image_), desc_.name.c_str());
 
   constexpr VkImageUsageFlags kViewed = kAttachment | VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_STORAGE_BIT;
@@ -178,10 +217,10 @@ Image& Image::operator=(Image&& other) noexcept {
 Image::~Image() {
   if (!image_) return;
   layerViews_.push_back(arrayView_);
-  device_->bury([device = device_, image = image_, views = std::move(layerViews_), allocation = allocation_] {
+  device_->deferDeletion([device = device_, image = image_, views = std::move(layerViews_), allocation = allocation_] {
     for (VkImageView view : views) vkDestroyImageView(device->get(), view, nullptr);
     vkDestroyImage(device->get(), image, nullptr);
-    device->memory().release(allocation);
+    if (allocation.memory) device->memory().release(allocation);
   });
 }
 
@@ -193,6 +232,25 @@ VkImageAspectFlags Image::aspect() const {
 VkImageView Image::layerView(uint32_t layer) const {
   assert(layer < layerViews_.size());
   return layerViews_[layer];
+}
+
+VkMemoryRequirements memoryRequirements(Device& device, const BufferDesc& desc) {
+  const VkBufferCreateInfo buffer = bufferInfo(device, completed(desc));
+  VkDeviceBufferMemoryRequirements info{VK_STRUCTURE_TYPE_DEVICE_BUFFER_MEMORY_REQUIREMENTS};
+  info.pCreateInfo = &buffer;
+  VkMemoryRequirements2 needs{VK_STRUCTURE_TYPE_MEMORY_REQUIREMENTS_2};
+  vkGetDeviceBufferMemoryRequirements(device.get(), &info, &needs);
+  return needs.memoryRequirements;
+}
+
+VkMemoryRequirements memoryRequirements(Device& device, const ImageDesc& desc, Home home) {
+  checkSize(device, desc);
+  const VkImageCreateInfo image = imageInfo(desc, home == Home::Own && isHostTexture(device, desc));
+  VkDeviceImageMemoryRequirements info{VK_STRUCTURE_TYPE_DEVICE_IMAGE_MEMORY_REQUIREMENTS};
+  info.pCreateInfo = &image;
+  VkMemoryRequirements2 needs{VK_STRUCTURE_TYPE_MEMORY_REQUIREMENTS_2};
+  vkGetDeviceImageMemoryRequirements(device.get(), &info, &needs);
+  return needs.memoryRequirements;
 }
 
 float maxAnisotropy(const Device& device) {

@@ -1,4 +1,5 @@
-// Buffers and images that own their memory. Move-only; destruction is deferred (Device::bury).
+// Buffers and images, with memory of their own or in a heap. Move-only; destruction is deferred
+// (Device::deferDeletion).
 #pragma once
 
 #include <volk.h>
@@ -27,6 +28,8 @@ class Buffer {
  public:
   Buffer() = default;
   Buffer(Device& device, const BufferDesc& desc);
+  // In a heap, at an offset of it; never mapped. memoryRequirements() says what it takes.
+  Buffer(Device& device, const BufferDesc& desc, const Heap& heap, VkDeviceSize offset);
   Buffer(Buffer&&) noexcept;
   Buffer& operator=(Buffer&&) noexcept;
   ~Buffer();
@@ -43,11 +46,12 @@ class Buffer {
   explicit operator bool() const { return buffer_ != VK_NULL_HANDLE; }
 
  private:
+  void bind(VkDeviceMemory memory, VkDeviceSize offset);
   Device* device_ = nullptr;
   BufferDesc desc_;
   VkBuffer buffer_ = VK_NULL_HANDLE;
   VkDeviceAddress address_ = 0;
-  Allocation allocation_;
+  Allocation allocation_;  // none in a heap
 };
 
 struct ImageDesc {
@@ -69,6 +73,8 @@ class Image {
  public:
   Image() = default;
   Image(Device& device, const ImageDesc& desc);
+  // In a heap, at an offset of it; never written by the host. memoryRequirements() says what it takes.
+  Image(Device& device, const ImageDesc& desc, const Heap& heap, VkDeviceSize offset);
   Image(Image&&) noexcept;
   Image& operator=(Image&&) noexcept;
   ~Image();
@@ -87,14 +93,20 @@ class Image {
   std::byte* mapped() const { return allocation_.mapped; }
 
  private:
+  void bind(VkDeviceMemory memory, VkDeviceSize offset);
   Device* device_ = nullptr;
   ImageDesc desc_;
   VkImage image_ = VK_NULL_HANDLE;
   VkImageView arrayView_ = VK_NULL_HANDLE;
   std::vector<VkImageView> layerViews_;
-  Allocation allocation_;
+  Allocation allocation_;  // none in a heap
   mutable bool hostWritable_ = false;
 };
+
+// Of a resource with memory of its own, or placed in a heap; without making one.
+enum class Home : uint8_t { Own, Heap };
+VkMemoryRequirements memoryRequirements(Device& device, const BufferDesc& desc);
+VkMemoryRequirements memoryRequirements(Device& device, const ImageDesc& desc, Home home);
 
 struct SamplerDesc {
   VkFilter magnify = VK_FILTER_LINEAR, minify = VK_FILTER_LINEAR;

@@ -176,7 +176,7 @@ void Uploader::flush() {
   if (copies_.empty()) return;
   const std::vector<Copy> copies = std::exchange(copies_, {});
   pending_ = 0;
-  device_.submit([&](VkCommandBuffer commands) {
+  device_.submitAndWait([&](VkCommandBuffer commands) {
     std::vector<VkImageMemoryBarrier2> before, after;
     for (const Copy& copy : copies) {
       before.insert(before.end(), copy.before.begin(), copy.before.end());

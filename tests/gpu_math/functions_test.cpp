@@ -92,7 +92,7 @@ void Results::run() {
     uint count;
   } const push{arguments.address(), results.address(), kCount};
   vk::DescriptorPool pool(device_);
-  device_.submit([&](VkCommandBuffer buffer) {
+  device_.submitAndWait([&](VkCommandBuffer buffer) {
     vk::Commands commands(device_, buffer, pool);
     commands.bind(pipeline, std::initializer_list<vk::BoundImage>{}, push);
     commands.dispatch(kCount, static_cast<uint32_t>(std::size(kCases)), 1, kGroup, 1);

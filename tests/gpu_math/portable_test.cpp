@@ -70,7 +70,7 @@ class BoundShader {
   }
 
   void run(uint columns, uint rows) {
-    device_.submit([&](VkCommandBuffer commands) {
+    device_.submitAndWait([&](VkCommandBuffer commands) {
       vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline_.get());
       vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout_.get(), 0, 1, &set_, 0, nullptr);
       vkCmdDispatch(commands, columns / kGroup, rows, 1);

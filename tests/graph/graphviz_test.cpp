@@ -73,6 +73,18 @@ TEST(Graphviz, ShowsPassesResourcesAndWhatIsCulled) {
                                                 "i0>p2 label=\"CopySource\"", "b0>p3 label=\"StorageRead\""}));
 }
 
+TEST(Graphviz, ShowsThePrologueFirst) {
+  Graph graph;
+  const BufferId out = graph.create(vk::BufferDesc{.size = 4, .name = "out"});
+  graph.pass(Stage::Post, "write", {{out, Use::StorageWrite}}, {});
+  graph.prologue(Stage::Upload, "upload", {});
+  graph.exports(out, Use::HostRead);
+  const Dot dot(graph.graphviz());
+  EXPECT_THAT(dot.nodes.at("p1"), HasSubstr("label=\"upload\", style=bold"));
+  EXPECT_THAT(dot.nodes.at("p0"), Not(HasSubstr("style")));
+  EXPECT_THAT(dot.edges, testing::Contains("p1>p0 style=invis"));
+}
+
 TEST(Graphviz, OfAnEmptyGraphIsAGraph) {
   EXPECT_TRUE(Dot(Graph().graphviz()).nodes.empty());
 }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <bit>
+#include <optional>
+#include <set>
 
 #include "base/hash.h"
 
@@ -173,6 +175,18 @@ class Memory {
     }
   }
 
+  // Other contents come to the same bytes: after these barriers, first used by these stages.
+  void handOver(const std::vector<Barrier>& barriers, Stages stages, std::vector<std::string>& wrong) const {
+    for (const std::vector<Operation>* operations : {&writes_, &reads_}) {
+      for (Operation operation : *operations) {
+        for (const Barrier& barrier : barriers) operation.meet(barrier);
+        if (!operation.isBefore(stages)) wrong.push_back("memory that is used anew while it is in use");
+        if (operation.writing && (operation.reachedMemory & stages) != stages)
+          wrong.push_back("memory that is used anew before a write to it is available");
+      }
+    }
+  }
+
  private:
   // A transition reads and writes the whole image between the barrier's two scopes.
   void transition(const Barrier& barrier, std::vector<std::string>& wrong) {
@@ -218,20 +232,75 @@ std::vector<Use> usesOf(const ModelPass& pass, const Resource& resource) {
   return uses;
 }
 
+// The resource after all steps.
+Memory runSteps(const Resource& resource, const std::vector<ModelPass>& passes, const Plan& plan,
+                std::vector<std::string>& wrong) {
+  Memory memory(resource);
+  for (const Plan::Step& step : plan.steps) {
+    for (const Barrier& barrier : step.before) {
+      if (concerns(barrier, resource)) memory.barrier(barrier, wrong);
+    }
+    const std::vector<Use> uses = usesOf(passes[step.pass], resource);
+    if (!uses.empty()) memory.access(uses, wrong);
+  }
+  return memory;
+}
+
+// The steps from a resource's first use to its last, and what is before the first. Nothing if it has none.
+struct Occupation {
+  const Resource* resource;
+  size_t first, last;
+  Stages stages;
+  std::vector<Barrier> barriers;
+};
+
+std::vector<Occupation> occupationsOf(const std::vector<Resource>& resources, const std::vector<ModelPass>& passes,
+                                      const Plan& plan, uint64_t byte) {
+  std::vector<Occupation> occupations;
+  for (const Resource& resource : resources) {
+    if (byte < resource.begin || resource.end <= byte) continue;
+    std::optional<Occupation> occupation;
+    for (size_t i = 0; i < plan.steps.size(); ++i) {
+      const std::vector<Use> uses = usesOf(passes[plan.steps[i].pass], resource);
+      if (uses.empty()) continue;
+      if (!occupation) {
+        occupation = Occupation{.resource = &resource, .first = i};
+        for (const Use use : uses) occupation->stages |= effectOf(use).stages;
+        for (const Barrier& barrier : plan.steps[i].before)
+          if (concerns(barrier, resource)) occupation->barriers.push_back(barrier);
+      }
+      occupation->last = i;
+    }
+    if (occupation) occupations.push_back(*occupation);
+  }
+  std::sort(occupations.begin(), occupations.end(),
+            [](const Occupation& a, const Occupation& b) { return a.first < b.first; });
+  return occupations;
+}
+
 }  // namespace
+
+std::vector<std::string> findAliasingHazards(const std::vector<Resource>& resources,
+                                             const std::vector<ModelPass>& passes, const Plan& plan) {
+  std::vector<std::string> wrong, elsewhere;
+  std::set<uint64_t> bytes;  // one of each range that the same resources share
+  for (const Resource& resource : resources) bytes.insert({resource.begin, resource.end});
+  for (const uint64_t byte : bytes) {
+    const std::vector<Occupation> occupations = occupationsOf(resources, passes, plan, byte);
+    for (size_t i = 1; i < occupations.size(); ++i) {
+      const Occupation &before = occupations[i - 1], &after = occupations[i];
+      if (before.last >= after.first) wrong.push_back("two resources at once in the same bytes");
+      runSteps(*before.resource, passes, plan, elsewhere).handOver(after.barriers, after.stages, wrong);
+    }
+  }
+  return wrong;
+}
 
 std::vector<std::string> findHazards(const std::vector<Resource>& resources, const std::vector<ModelPass>& passes,
                                      const Plan& plan) {
   std::vector<std::string> wrong;
   for (const Resource& resource : resources) {
-    Memory memory(resource);
-    for (const Plan::Step& step : plan.steps) {
-      for (const Barrier& barrier : step.before) {
-        if (concerns(barrier, resource)) memory.barrier(barrier, wrong);
-      }
-      const std::vector<Use> uses = usesOf(passes[step.pass], resource);
-      if (!uses.empty()) memory.access(uses, wrong);
-    }
+    Memory memory = runSteps(resource, passes, plan, wrong);
     for (const Barrier& barrier : plan.after) {
       if (concerns(barrier, resource)) memory.barrier(barrier, wrong);
     }

@@ -15,6 +15,8 @@ struct Resource {
   BufferId buffer;
   bool imported = false;
   std::vector<Use> before, exported;  // one or none
+  // Bytes of memory that others have too, before and after; none: memory of its own.
+  uint64_t begin = 0, end = 0;
 };
 
 struct ModelPass {
@@ -24,6 +26,11 @@ struct ModelPass {
 // What is wrong with the plan, each in a few words; nothing if it is right.
 std::vector<std::string> findHazards(const std::vector<Resource>& resources, const std::vector<ModelPass>& passes,
                                      const Plan& plan);
+
+// What is wrong between resources that share bytes: two at once, or one that comes before the other is over. Of the
+// barriers of the one that comes, only those before its first use count.
+std::vector<std::string> findAliasingHazards(const std::vector<Resource>& resources,
+                                             const std::vector<ModelPass>& passes, const Plan& plan);
 
 // The exported contents, as hashes of all that went into them, when the passes listed run in that order.
 std::vector<uint64_t> exportedValues(const std::vector<Resource>& resources, const std::vector<ModelPass>& passes,

@@ -311,6 +311,27 @@ TEST_F(Plans, PassOnAnImportThatNothingTouches) {
   EXPECT_THAT(plan(), ElementsAre("end", "  : copy[-] -> frag[T] source>readonly"));
 }
 
+TEST_F(Plans, BeginWithThePrologue) {
+  const BufferId a = buffer("a");
+  graph.prologue(Stage::Upload, "upload", {});
+  pass("draw", {{a, Use::FragmentWrite}});
+  graph.prologue(Stage::Deformation, "deform", {});
+  pass("unseen", {{buffer("unseen"), Use::StorageWrite}});
+  graph.exports(a, Use::HostRead);
+  EXPECT_THAT(plan(), ElementsAre("upload",                                  //
+                                  "deform",                                  //
+                                  "  memory: comp|copy[Sw|Xw] -> all[R|W]",  //
+                                  "draw",                                    //
+                                  "  memory: comp|copy[Sw|Xw] -> all[R|W]",  //
+                                  "end",                                     //
+                                  "  a: frag[Sw] -> host[H]"));
+}
+
+TEST_F(Plans, MayBeAPrologueAlone) {
+  graph.prologue(Stage::Upload, "upload", {});
+  EXPECT_THAT(plan(), ElementsAre("upload", "end", "  memory: comp|copy[Sw|Xw] -> all[R|W]"));
+}
+
 TEST_F(Plans, RefuseToReadWhatNothingWrote) {
   const ImageId color = image("color"), out = image("out");
   pass("light", {{color, Use::SampledFragment}, {out, Use::ColorAttachment}});

@@ -3,6 +3,7 @@
 //   "light"                                               a pass that runs
 //   "  color: color[Cw] -> frag[T] attachment>readonly"   a barrier before it: stages[accesses] -> ..., layouts
 //   "  count: comp[Sw] -> draw[I]"                        of a buffer
+//   "  memory: copy[Xw] -> all[R|W]"                      of all memory
 //   "end"                                                 the barriers after the last pass follow
 #pragma once
 
@@ -29,7 +30,8 @@ std::string flagText(Flags flags, const std::vector<std::pair<Flags, const char*
 }
 
 inline std::string stageText(VkPipelineStageFlags2 stages) {
-  return flagText<VkPipelineStageFlags2>(stages, {{VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT, "draw"},
+  return flagText<VkPipelineStageFlags2>(stages, {{VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, "all"},
+                                                  {VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT, "draw"},
                                                   {VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT, "vert"},
                                                   {VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT, "frag"},
                                                   {VK_PIPELINE_STAGE_2_EARLY_FRAGMENT_TESTS_BIT, "early"},
@@ -51,7 +53,9 @@ inline std::string accessText(VkAccessFlags2 access) {
                                            {VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT, "Sw"},
                                            {VK_ACCESS_2_TRANSFER_READ_BIT, "Xr"},
                                            {VK_ACCESS_2_TRANSFER_WRITE_BIT, "Xw"},
-                                           {VK_ACCESS_2_HOST_READ_BIT, "H"}});
+                                           {VK_ACCESS_2_HOST_READ_BIT, "H"},
+                                           {VK_ACCESS_2_MEMORY_READ_BIT, "R"},
+                                           {VK_ACCESS_2_MEMORY_WRITE_BIT, "W"}});
 }
 
 inline std::string layoutText(VkImageLayout layout) {
@@ -74,10 +78,12 @@ inline std::string layoutText(VkImageLayout layout) {
 }
 
 inline std::string barrierText(const Graph& graph, const Barrier& barrier) {
-  std::string text = fmt::format("  {}: {}[{}] -> {}[{}]",
-                                 barrier.image ? graph.desc(barrier.image).name : graph.desc(barrier.buffer).name,
-                                 stageText(barrier.sourceStage), accessText(barrier.sourceAccess),
-                                 stageText(barrier.targetStage), accessText(barrier.targetAccess));
+  std::string name = "memory";
+  if (barrier.image) name = graph.desc(barrier.image).name;
+  if (barrier.buffer) name = graph.desc(barrier.buffer).name;
+  std::string text =
+      fmt::format("  {}: {}[{}] -> {}[{}]", name, stageText(barrier.sourceStage), accessText(barrier.sourceAccess),
+                  stageText(barrier.targetStage), accessText(barrier.targetAccess));
   if (barrier.image) text += fmt::format(" {}", layoutText(barrier.oldLayout));
   if (barrier.image && barrier.oldLayout != barrier.newLayout)
     text += fmt::format(">{}", layoutText(barrier.newLayout));

@@ -1,15 +1,13 @@
-// The executor on the CPU device, under validation with synchronization checks.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
+// The executor on the CPU device.
 #include <algorithm>
 #include <chrono>
-#include <memory>
+#include <future>
 #include <stdexcept>
+#include <thread>
 
 #include "base/error.h"
-#include "graph/graph.h"
-#include "vk/device.h"
+#include "executor_fixture.h"
+#include "vk/gate.h"
 
 namespace latelight::graph {
 namespace {
@@ -18,64 +16,6 @@ using testing::Each;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
-
-class Executors : public testing::Test {
- protected:
-  static void SetUpTestSuite() {
-    device = std::make_unique<vk::Device>(vk::DeviceOptions{.selector = "cpu", .validation = true});
-  }
-  static void TearDownTestSuite() { device.reset(); }
-  void TearDown() override { EXPECT_THAT(device->validationMessages(), IsEmpty()); }
-
-  static vk::BufferDesc bufferDesc(const char* name, VkDeviceSize size = 1024) { return {.size = size, .name = name}; }
-  static vk::BufferDesc readbackDesc(VkDeviceSize size = 1024) {
-    return {.size = size, .kind = vk::MemoryKind::Readback, .name = "readback"};
-  }
-  static vk::ImageDesc imageDesc(const char* name, uint32_t layers = 1) {
-    return {.format = VK_FORMAT_R32_UINT, .width = 16, .height = 16, .layers = layers, .name = name};
-  }
-  static std::vector<uint32_t> contents(const vk::Buffer& buffer) {
-    const uint32_t* words = buffer.as<uint32_t>();
-    return {words, words + buffer.size() / sizeof(uint32_t)};
-  }
-
-  void fill(Graph& graph, const char* name, BufferId buffer, uint32_t value) {
-    graph.pass(Stage::Post, name, {{buffer, Use::CopyTarget}}, [=, this](Context& c) {
-      ran.push_back(name);
-      vkCmdFillBuffer(c.get(), c.buffer(buffer).get(), 0, VK_WHOLE_SIZE, value);
-    });
-  }
-  void copy(Graph& graph, const char* name, BufferId from, BufferId to) {
-    graph.pass(Stage::Post, name, {{from, Use::CopySource}, {to, Use::CopyTarget}}, [=, this](Context& c) {
-      ran.push_back(name);
-      const VkBufferCopy region{0, 0, c.buffer(to).size()};
-      vkCmdCopyBuffer(c.get(), c.buffer(from).get(), c.buffer(to).get(), 1, &region);
-    });
-  }
-  void copy(Graph& graph, const char* name, ImageId from, BufferId to) {
-    graph.pass(Stage::Post, name, {{from, Use::CopySource}, {to, Use::CopyTarget}}, [=](Context& c) {
-      const vk::ImageDesc& desc = c.image(from).desc();
-      VkBufferImageCopy region{};
-      region.imageSubresource = {c.image(from).aspect(), 0, 0, desc.layers};
-      region.imageExtent = {desc.width, desc.height, 1};
-      vkCmdCopyImageToBuffer(c.get(), c.image(from).get(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, c.buffer(to).get(), 1,
-                             &region);
-    });
-  }
-  void clear(Graph& graph, const char* name, ImageId image, uint32_t value) {
-    graph.pass(Stage::Post, name, {{image, Use::CopyTarget}}, [=](Context& c) {
-      VkClearColorValue color{};
-      color.uint32[0] = value;
-      const VkImageSubresourceRange all{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, VK_REMAINING_ARRAY_LAYERS};
-      vkCmdClearColorImage(c.get(), c.image(image).get(), VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, &color, 1, &all);
-    });
-  }
-  void run(Executor& executor, const Graph& graph) { executor.run(graph, graph.compile()); }
-
-  static std::unique_ptr<vk::Device> device;
-  std::vector<std::string> ran;
-};
-std::unique_ptr<vk::Device> Executors::device;
 
 TEST_F(Executors, RunAChainOfBuffers) {
   Executor executor(*device);
@@ -207,13 +147,16 @@ TEST_F(Executors, KeepTransientResourcesFromRunToRun) {
     const BufferId out = graph.create(readbackDesc(width * 16 * 4));
     clear(graph, "one", one, 1);
     clear(graph, "two", two, 2);
+    VkImage first = VK_NULL_HANDLE;
+    graph.pass(Stage::Post, "look", {{one, Use::CopySource}, {out, Use::CopyTarget}},
+               [&, one](Context& c) { first = c.image(one).get(); });
     copy(graph, "read back", one, out);
     graph.exports(out, Use::HostRead);
     graph.exports(two, Use::CopySource);
     run(executor, graph);
     EXPECT_THAT(contents(executor.buffer(out)), Each(1u));
-    EXPECT_NE(executor.image(one).get(), executor.image(two).get());
-    look(executor.image(one).get(), executor.buffer(out).get());
+    EXPECT_NE(first, executor.image(two).get());
+    look(executor.image(two).get(), executor.buffer(out).get());
   };
   VkImage image = VK_NULL_HANDLE;
   VkBuffer buffer = VK_NULL_HANDLE;
@@ -238,6 +181,159 @@ TEST_F(Executors, KeepTransientResourcesFromRunToRun) {
   EXPECT_EQ(usedBytes(), largeOnly);
 }
 
+TEST_F(Executors, HaveSeveralSubmissionsInFlight) {
+  Executor executor(*device);
+  vk::Gate gate(*device);
+  std::vector<Submission> submissions;
+  std::vector<BufferId> outs;
+  for (uint32_t i = 0; i < Executor::kInFlight; ++i) {
+    Graph graph;
+    const BufferId a = graph.create(bufferDesc("a"));
+    outs.push_back(graph.create(readbackDesc()));
+    graph.pass(Stage::Post, "gate", {{a, Use::CopyTarget}}, [&, i](Context& c) {
+      if (i == 0) gate.wait(c.get());
+    });
+    fill(graph, "fill", a, 100 + i);
+    copy(graph, "read back", a, outs.back());
+    graph.exports(outs.back(), Use::HostRead);
+    submissions.push_back(executor.submit(graph, graph.compile()));
+  }
+  for (const Submission& submission : submissions) EXPECT_FALSE(submission.done());
+  gate.open();
+  submissions.back().wait();
+  for (uint32_t i = 0; i < submissions.size(); ++i) {
+    EXPECT_TRUE(submissions[i].done());
+    EXPECT_THAT(contents(submissions[i].buffer(outs[i])), Each(100 + i));
+    EXPECT_EQ(submissions[i].times().size(), 3u);
+  }
+}
+
+TEST_F(Executors, WaitForTheOldestWhereTooManyAreInFlight) {
+  Executor executor(*device);
+  const auto submit = [&](uint32_t value, const std::function<void(VkCommandBuffer)>& recorded) {
+    Graph graph;
+    const BufferId out = graph.create(readbackDesc());
+    graph.pass(Stage::Post, "first", {{out, Use::CopyTarget}}, [&](Context& c) { recorded(c.get()); });
+    fill(graph, "fill", out, value);
+    graph.exports(out, Use::HostRead);
+    return std::pair(executor.submit(graph, graph.compile()), out);
+  };
+  vk::Gate gate(*device);
+  std::vector<std::pair<Submission, BufferId>> all;
+  const auto oldestIsDone = [&] { EXPECT_TRUE(all[all.size() - Executor::kInFlight].first.done()); };
+  for (uint32_t i = 0; i < Executor::kInFlight; ++i)
+    all.push_back(submit(i, [&](VkCommandBuffer commands) { gate.wait(commands); }));
+  std::thread opener([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    gate.open();
+  });
+  for (uint32_t i = Executor::kInFlight; i < 20; ++i)
+    all.push_back(submit(i, [&](VkCommandBuffer) { oldestIsDone(); }));
+  opener.join();
+  for (uint32_t i = 0; i < all.size(); ++i) {
+    all[i].first.wait();
+    EXPECT_THAT(contents(all[i].first.buffer(all[i].second)), Each(i)) << "each keeps its own";
+  }
+}
+
+TEST_F(Executors, GiveResultsToOthersOnceTheyAreDropped) {
+  Executor executor(*device);
+  const auto submit = [&](Submission& submission) {
+    Graph graph;
+    const BufferId out = graph.create(readbackDesc());
+    fill(graph, "fill", out, 1);
+    graph.exports(out, Use::HostRead);
+    submission = executor.submit(graph, graph.compile());
+    return submission.buffer(out).get();
+  };
+  Submission a, b;
+  const VkBuffer first = submit(a), second = submit(b);
+  EXPECT_NE(first, second);
+  a.wait();
+  a = Submission();
+  EXPECT_EQ(submit(a), first);
+  // One that is dropped in flight keeps its own until it has finished.
+  vk::Gate gate(*device);
+  Graph held;
+  const BufferId out = held.create(readbackDesc());
+  held.pass(Stage::Post, "gate", {{out, Use::CopyTarget}}, [&](Context& c) { gate.wait(c.get()); });
+  held.exports(out, Use::HostRead);
+  const VkBuffer busy = executor.submit(held, held.compile()).buffer(out).get();
+  Submission c;
+  EXPECT_NE(submit(c), busy);
+  gate.open();
+  c.wait();
+  Submission d;
+  EXPECT_EQ(submit(d), busy);
+}
+
+TEST_F(Executors, LeaveResultsToSubmissionsThatOutliveThem) {
+  Submission submission;
+  BufferId out;
+  vk::Gate gate(*device);
+  {
+    Executor executor(*device);
+    Graph graph;
+    const BufferId a = graph.create(bufferDesc("a"));
+    out = graph.create(readbackDesc());
+    graph.pass(Stage::Post, "gate", {{a, Use::CopyTarget}}, [&](Context& c) { gate.wait(c.get()); });
+    fill(graph, "fill", a, 12);
+    copy(graph, "read back", a, out);
+    graph.exports(out, Use::HostRead);
+    submission = executor.submit(graph, graph.compile());
+    executor.submit(graph, graph.compile());  // dropped in flight, with its executor
+  }
+  EXPECT_FALSE(submission.done());
+  gate.open();
+  EXPECT_EQ(submission.times().size(), 3u);
+  EXPECT_THAT(contents(submission.buffer(out)), Each(12u));
+}
+
+// Would wait for ever where a result is late for what was submitted after it.
+TEST_F(Executors, GiveResultsWhileLaterSubmissionsRun) {
+  Executor executor(*device);
+  vk::Gate gate(*device);
+  Graph graph, later;
+  const BufferId out = graph.create(readbackDesc()), a = later.create(bufferDesc("a"));
+  fill(graph, "fill", out, 3);
+  graph.exports(out, Use::HostRead);
+  later.pass(Stage::Post, "gate", {{a, Use::CopyTarget}}, [&](Context& c) { gate.wait(c.get()); });
+  later.exports(a, Use::CopySource);
+  const Submission submission = executor.submit(graph, graph.compile());
+  const Submission held = executor.submit(later, later.compile());
+  EXPECT_EQ(submission.times().size(), 1u);
+  EXPECT_THAT(contents(submission.buffer(out)), Each(3u));
+  EXPECT_FALSE(held.done());
+}
+
+TEST_F(Executors, LeaveResultsToAnotherThread) {
+  Executor executor(*device);
+  std::vector<std::future<void>> readers;
+  for (uint32_t i = 0; i < 50; ++i) {
+    Graph graph;
+    const BufferId a = graph.create(bufferDesc("a")), out = graph.create(readbackDesc());
+    fill(graph, "fill", a, i);
+    copy(graph, "read back", a, out);
+    graph.exports(out, Use::HostRead);
+    const auto read = [i, out](Submission submission) {
+      submission.wait();
+      EXPECT_THAT(contents(submission.buffer(out)), Each(i));
+      EXPECT_EQ(submission.times().size(), 2u);
+    };
+    readers.push_back(std::async(std::launch::async, read, executor.submit(graph, graph.compile())));
+  }
+  for (std::future<void>& reader : readers) reader.get();
+}
+
+TEST_F(Executors, GiveNoResultsOfNothing) {
+  const Submission nothing;
+  EXPECT_TRUE(nothing.done());
+  nothing.wait();
+  EXPECT_THAT(nothing.times(), IsEmpty());
+  EXPECT_THROW(nothing.buffer(BufferId{0}), Error);
+  EXPECT_THROW(nothing.image(ImageId{0}), Error);
+}
+
 TEST_F(Executors, TimeEachPassThatRan) {
   Executor executor(*device);
   Graph graph;
@@ -260,6 +356,37 @@ TEST_F(Executors, TimeEachPassThatRan) {
   }
 }
 
+// A buffer that no graph knows, filled and read with no barrier but the prologue's.
+TEST_F(Executors, RunThePrologueFirstAndMakeItSeen) {
+  Executor executor(*device);
+  const vk::Buffer scene(*device, bufferDesc("scene")), copied(*device, bufferDesc("copied"));
+  const auto copyAll = [](VkCommandBuffer commands, const vk::Buffer& from, const vk::Buffer& to) {
+    const VkBufferCopy region{0, 0, 1024};
+    vkCmdCopyBuffer(commands, from.get(), to.get(), 1, &region);
+  };
+  Graph graph;
+  const BufferId out = graph.create(readbackDesc());
+  graph.pass(Stage::Output, "read back", {{out, Use::CopyTarget}},
+             [&](Context& c) { copyAll(c.get(), copied, c.buffer(out)); });
+  graph.prologue(Stage::Upload, "upload",
+                 [&](Context& c) { vkCmdFillBuffer(c.get(), scene.get(), 0, VK_WHOLE_SIZE, 21); });
+  graph.prologue(Stage::Deformation, "deform", [&](Context& c) { copyAll(c.get(), scene, copied); });
+  graph.prologue(Stage::Upload, "upload more",
+                 [&](Context& c) { vkCmdFillBuffer(c.get(), scene.get(), 0, VK_WHOLE_SIZE, 22); });
+  graph.exports(out, Use::HostRead);
+  run(executor, graph);
+  EXPECT_THAT(contents(executor.buffer(out)), Each(21u));
+  std::vector<std::string> names;
+  for (const PassTime& time : executor.times()) names.push_back(time.name);
+  EXPECT_THAT(names, ElementsAre("upload", "deform", "upload more", "read back"));
+  EXPECT_EQ(executor.times()[1].stage, Stage::Deformation);
+
+  Plan plan = graph.compile();
+  plan.steps.at(1).before.clear();
+  executor.run(graph, plan);
+  EXPECT_THAT(device->validationMessages(), testing::Contains(HasSubstr("SYNC-HAZARD-READ-AFTER-WRITE")));
+}
+
 TEST_F(Executors, TimeMorePassesThanBefore) {
   Executor executor(*device);
   for (const int passes : {1, 40, 100, 3}) {
@@ -279,6 +406,7 @@ TEST_F(Executors, PassOnWhatAPassThrowsAndWorkAfter) {
   broken.pass(Stage::Post, "throws", {{a, Use::CopyTarget}}, [](Context&) { throw std::runtime_error("no"); });
   broken.exports(a, Use::CopySource);
   EXPECT_THROW(run(executor, broken), std::runtime_error);
+  EXPECT_THAT(executor.times(), IsEmpty());
 
   Graph graph;
   const BufferId out = graph.create(readbackDesc());

@@ -42,7 +42,7 @@ std::vector<std::byte> readBack(Device& device, const Image& image) {
     padded += (bytes + 63) / 64 * 64;
   }
   const Buffer buffer(device, {padded, VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryKind::Readback, "read back"});
-  device.submit([&](VkCommandBuffer commands) {
+  device.submitAndWait([&](VkCommandBuffer commands) {
     VkImageMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
     barrier.srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
     barrier.srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT;

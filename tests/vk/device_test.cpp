@@ -12,6 +12,7 @@
 #include "base/files.h"
 #include "vk/device_fixture.h"
 #include "vk/features.h"
+#include "vk/gate.h"
 
 namespace latelight::vk {
 namespace {
@@ -39,7 +40,7 @@ TEST_F(DeviceTest, IsAUsableCpuDevice) {
 // Two writes of the same bytes with nothing between them. A missing validation layer must fail here.
 TEST_F(DeviceTest, APlantedHazardIsReported) {
   const Buffer buffer(device(), {.size = 4096, .name = "hazard"});
-  device().submit([&](VkCommandBuffer commands) {
+  device().submitAndWait([&](VkCommandBuffer commands) {
     vkCmdFillBuffer(commands, buffer.get(), 0, 2048, 1);
     vkCmdFillBuffer(commands, buffer.get(), 1024, 2048, 2);
   });
@@ -49,20 +50,96 @@ TEST_F(DeviceTest, APlantedHazardIsReported) {
   EXPECT_THAT(messages.front(), HasSubstr("hazard")) << "objects are named";
 }
 
-TEST_F(DeviceTest, BuriesAtOnceWhenIdleAndAfterTheSubmissionElse) {
+TEST_F(DeviceTest, DeletesAtOnceWhenIdleAndAfterTheSubmissionElse) {
   int dead = 0;
-  device().bury([&] { ++dead; });
+  device().deferDeletion([&] { ++dead; });
   EXPECT_EQ(dead, 1);
-  device().submit([&](VkCommandBuffer) {
-    device().bury([&] { ++dead; });
+  device().submitAndWait([&](VkCommandBuffer) {
+    device().deferDeletion([&] { ++dead; });
     EXPECT_EQ(dead, 1);
   });
   EXPECT_EQ(dead, 2);
 }
 
+TEST_F(DeviceTest, SubmitsWithoutWaitingAndFinishesInOrder) {
+  const Buffer target(device(), {.size = 64, .kind = MemoryKind::Readback});
+  Gate gate(device());
+  const uint64_t first = device().submit([&](VkCommandBuffer commands) { gate.wait(commands); });
+  const uint64_t second = device().submit([&](VkCommandBuffer commands) {
+    vkCmdFillBuffer(commands, target.get(), 0, VK_WHOLE_SIZE, 7);
+    recordHostBarrier(commands);
+  });
+  EXPECT_EQ(second, first + 1);
+  EXPECT_FALSE(device().finished(first));
+  EXPECT_FALSE(device().finished(second));
+  gate.open();
+  device().wait(second);
+  EXPECT_TRUE(device().finished(first));
+  EXPECT_TRUE(device().finished(second));
+  EXPECT_EQ(target.as<uint32_t>()[15], 7u);
+}
+
+TEST_F(DeviceTest, DeletesWhenTheSubmissionsMadeSoFarHaveFinished) {
+  Gate gate(device());
+  int dead = 0;
+  const uint64_t first = device().submit([&](VkCommandBuffer commands) {
+    device().deferDeletion([&] { ++dead; });
+    gate.wait(commands);
+  });
+  device().deferDeletion([&] { ++dead; });
+  EXPECT_EQ(dead, 0);
+  gate.open();
+  device().wait(first);
+  EXPECT_EQ(dead, 2);
+}
+
+// What was given up in a submission that never came may still be used by those before.
+TEST_F(DeviceTest, ASubmissionThatThrowsDeletesAfterThoseBeforeIt) {
+  Gate gate(device());
+  int dead = 0;
+  const uint64_t before = device().submit([&](VkCommandBuffer commands) { gate.wait(commands); });
+  const auto record = [&](VkCommandBuffer) {
+    device().deferDeletion([&] { ++dead; });
+    throw std::runtime_error("no");
+  };
+  EXPECT_THROW(device().submit(record), std::runtime_error);
+  EXPECT_EQ(dead, 0);
+  gate.open();
+  device().wait(before);
+  EXPECT_EQ(dead, 1);
+}
+
+TEST_F(DeviceTest, ManySubmissionsNeedNoWait) {
+  const Buffer counter(device(), {.size = 64, .kind = MemoryKind::Readback});
+  uint64_t last = 0;
+  for (uint32_t i = 0; i < 40; ++i) {
+    last = device().submit([&](VkCommandBuffer commands) {
+      recordHostBarrier(commands);
+      const Buffer brief(device(), {.size = 64});
+      vkCmdFillBuffer(commands, brief.get(), 0, VK_WHOLE_SIZE, i);
+      vkCmdFillBuffer(commands, counter.get(), 4 * (i % 16), 4, i);
+      recordHostBarrier(commands);
+    });
+  }
+  device().wait(last);
+  for (uint32_t i = 0; i < 16; ++i) EXPECT_EQ(counter.as<uint32_t>()[i], i < 8 ? 32 + i : 16 + i);
+}
+
+TEST(DeviceEnd, DeletesWhatStillWaits) {
+  int dead = 0;
+  {
+    Device device({.selector = "cpu", .validation = true});
+    device.submit([&](VkCommandBuffer) {
+      device.deferDeletion([&] { device.deferDeletion([&] { ++dead; }); });
+      const Buffer brief(device, {.size = 64});
+    });
+  }
+  EXPECT_EQ(dead, 1);
+}
+
 TEST_F(DeviceTest, AResourceDroppedWhileRecordingLivesUntilTheWorkIsDone) {
   const Buffer target(device(), {.size = 64, .kind = MemoryKind::Readback});
-  device().submit([&](VkCommandBuffer commands) {
+  device().submitAndWait([&](VkCommandBuffer commands) {
     const Buffer brief(device(), {.size = 64, .kind = MemoryKind::Upload});
     std::memset(brief.mapped(), 0x5a, 64);
     const VkBufferCopy region{0, 0, 64};
@@ -75,12 +152,12 @@ TEST_F(DeviceTest, AResourceDroppedWhileRecordingLivesUntilTheWorkIsDone) {
 TEST_F(DeviceTest, AnExceptionWhileRecordingLeavesTheDeviceUsable) {
   int dead = 0;
   const auto record = [&](VkCommandBuffer) {
-    device().bury([&] { ++dead; });
+    device().deferDeletion([&] { ++dead; });
     throw std::runtime_error("no");
   };
-  EXPECT_THROW(device().submit(record), std::runtime_error);
+  EXPECT_THROW(device().submitAndWait(record), std::runtime_error);
   EXPECT_EQ(dead, 1);
-  device().submit([](VkCommandBuffer) {});
+  device().submitAndWait([](VkCommandBuffer) {});
 }
 
 TEST_F(DeviceTest, SubmitsFromManyThreads) {
@@ -89,7 +166,7 @@ TEST_F(DeviceTest, SubmitsFromManyThreads) {
   std::vector<std::future<void>> tasks;
   for (uint32_t i = 0; i < 8; ++i)
     tasks.push_back(std::async(std::launch::async, [&, i] {
-      device().submit([&](VkCommandBuffer commands) {
+      device().submitAndWait([&](VkCommandBuffer commands) {
         vkCmdFillBuffer(commands, buffers[i].get(), 0, VK_WHOLE_SIZE, i);
         recordHostBarrier(commands);
       });
@@ -177,7 +254,7 @@ TEST(DeviceStart, TwoDevicesLiveAtOnce) {
   Device plain({.selector = "cpu", .validation = false}), validated({.selector = "cpu", .validation = true});
   for (Device* device : {&plain, &validated}) {
     const Buffer buffer(*device, {.size = 64, .kind = MemoryKind::Readback, .name = "shared name"});
-    device->submit([&](VkCommandBuffer commands) {
+    device->submitAndWait([&](VkCommandBuffer commands) {
       vkCmdFillBuffer(commands, buffer.get(), 0, VK_WHOLE_SIZE, 7);
       recordHostBarrier(commands);
     });

@@ -59,7 +59,7 @@ TEST_F(DeviceTest, AComputePipelineReadsImagesConstantsAndAddresses) {
   const std::vector<std::byte> picture = pattern(kWidth * kHeight * 4);
   Uploader(device()).upload(tiny.source, picture);
   DescriptorPool pool(device());
-  device().submit([&](VkCommandBuffer buffer) {
+  device().submitAndWait([&](VkCommandBuffer buffer) {
     recordLayout(buffer, tiny.target, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL);
     Commands commands(device(), buffer, pool);
     commands.bind(tiny.pipeline, {{tiny.source.view(), tiny.sampler.get()}, {tiny.target.view()}},

@@ -1,0 +1,158 @@
+#include "graph/aliasing.h"
+
+#include <algorithm>
+#include <functional>
+#include <numeric>
+#include <optional>
+
+namespace latelight::graph {
+namespace {
+
+uint64_t alignUp(uint64_t offset, uint64_t alignment) {
+  return (offset + alignment - 1) & ~(alignment - 1);
+}
+
+bool liveAtOnce(const Footprint& a, const Footprint& b) {
+  return a.first <= b.last && b.first <= a.last;
+}
+
+// Places footprints one after the other, each at the lowest offset that is free for as long as it lives.
+class Packer {
+ public:
+  Packer(std::span<const Footprint> footprints, uint64_t largestHeap)
+      : footprints_(footprints), largestHeap_(largestHeap) {
+    result_.places.resize(footprints.size());
+  }
+
+  void place(size_t index) {
+    const Footprint& footprint = footprints_[index];
+    const auto fits = [&](uint32_t heap, uint64_t offset) {
+      return result_.heaps[heap].type == footprint.type && offset + footprint.size <= largestHeap_;
+    };
+    uint32_t heap = 0;
+    uint64_t offset = 0;
+    for (; heap < result_.heaps.size(); ++heap)
+      if (offset = lowestOffset(heap, footprint); fits(heap, offset)) break;
+    if (heap == result_.heaps.size()) {
+      result_.heaps.push_back({footprint.type, 0, 1});
+      placed_.emplace_back();
+      offset = 0;
+    }
+    Packing::Heap& taken = result_.heaps[heap];
+    taken.size = std::max(taken.size, offset + footprint.size);
+    taken.alignment = std::max(taken.alignment, footprint.alignment);
+    result_.places[index] = {heap, offset};
+    const auto after = [&](uint64_t o, size_t i) { return o < result_.places[i].offset; };
+    placed_[heap].insert(std::upper_bound(placed_[heap].begin(), placed_[heap].end(), offset, after), index);
+  }
+
+  Packing take() { return std::move(result_); }
+
+ private:
+  uint64_t lowestOffset(uint32_t heap, const Footprint& footprint) const {
+    uint64_t offset = 0;
+    for (const size_t other : placed_[heap]) {
+      if (!liveAtOnce(footprints_[other], footprint)) continue;
+      if (offset + footprint.size <= result_.places[other].offset) break;
+      offset = std::max(offset, alignUp(result_.places[other].offset + footprints_[other].size, footprint.alignment));
+    }
+    return offset;
+  }
+
+  std::span<const Footprint> footprints_;
+  uint64_t largestHeap_;
+  Packing result_;
+  std::vector<std::vector<size_t>> placed_;  // footprints by heap, by offset
+};
+
+// What lay last in each byte of a heap that was ever used.
+class Occupants {
+ public:
+  // Puts a life into a range; what lay there before.
+  std::vector<size_t> replace(uint64_t begin, uint64_t end, size_t life) {
+    std::vector<size_t> before;
+    std::vector<Range> rest;
+    for (const Range& range : ranges_) {
+      if (range.end <= begin || end <= range.begin) {
+        rest.push_back(range);
+        continue;
+      }
+      before.push_back(range.life);
+      if (range.begin < begin) rest.push_back({range.begin, begin, range.life});
+      if (end < range.end) rest.push_back({end, range.end, range.life});
+    }
+    rest.push_back({begin, end, life});
+    ranges_ = std::move(rest);
+    return before;
+  }
+
+ private:
+  struct Range {
+    uint64_t begin, end;
+    size_t life;
+  };
+  std::vector<Range> ranges_;
+};
+
+// An image has a barrier there, out of the undefined layout; a buffer has none.
+Barrier& barrierOfFirstUse(Plan& plan, const Plan::Life& life) {
+  std::vector<Barrier>& barriers = plan.steps[life.first].before;
+  if (life.image)
+    for (Barrier& barrier : barriers)
+      if (barrier.image == life.image) return barrier;
+  return barriers.emplace_back(Barrier{
+      .image = life.image, .buffer = life.buffer, .targetStage = life.firstStages, .targetAccess = life.firstAccess});
+}
+
+}  // namespace
+
+uint64_t Packing::bytes() const {
+  return std::accumulate(heaps.begin(), heaps.end(), uint64_t{0},
+                         [](uint64_t sum, const Heap& heap) { return sum + heap.size; });
+}
+
+Packing pack(std::span<const Footprint> footprints, uint64_t largestHeap) {
+  // No order is best for all; each of these is for some.
+  using Measure = std::function<double(const Footprint&)>;
+  const Measure measures[] = {
+      [](const Footprint& f) { return static_cast<double>(f.size); },
+      [](const Footprint& f) { return static_cast<double>(f.size) * (f.last - f.first + 1); },
+      [](const Footprint& f) { return static_cast<double>(f.last - f.first); },
+      [](const Footprint& f) { return -static_cast<double>(f.first); },
+  };
+  std::optional<Packing> best;
+  for (const Measure& measure : measures) {
+    std::vector<size_t> order(footprints.size());
+    std::iota(order.begin(), order.end(), size_t{0});
+    std::stable_sort(order.begin(), order.end(),
+                     [&](size_t a, size_t b) { return measure(footprints[a]) > measure(footprints[b]); });
+    Packer packer(footprints, largestHeap);
+    for (const size_t index : order) packer.place(index);
+    Packing packing = packer.take();
+    if (!best || packing.bytes() < best->bytes()) best = std::move(packing);
+  }
+  return *best;
+}
+
+void addAliasingBarriers(Plan& plan, std::span<const Footprint> footprints, const Packing& packing) {
+  std::vector<size_t> order(footprints.size());
+  std::iota(order.begin(), order.end(), size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](size_t a, size_t b) { return footprints[a].first < footprints[b].first; });
+  std::vector<Occupants> heaps(packing.heaps.size());
+  for (const size_t index : order) {
+    const auto [heap, offset] = packing.places[index];
+    VkPipelineStageFlags2 stages = 0;
+    VkAccessFlags2 access = 0;
+    for (const size_t before : heaps[heap].replace(offset, offset + footprints[index].size, index)) {
+      stages |= plan.lives[before].lastStages;
+      access |= plan.lives[before].lastWrites;
+    }
+    if (!stages) continue;
+    Barrier& barrier = barrierOfFirstUse(plan, plan.lives[index]);
+    barrier.sourceStage |= stages;
+    barrier.sourceAccess |= access;
+  }
+}
+
+}  // namespace latelight::graph

@@ -1,0 +1,67 @@
+#include "graph/constants.h"
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+#include "base/error.h"
+#include "graph/graph.h"
+
+namespace latelight::graph {
+namespace {
+
+constexpr VkDeviceSize kChunkBytes = VkDeviceSize{64} << 10;
+constexpr VkDeviceSize kAlignment = 16;  // what a buffer reference of scalar layout takes, and vectors like
+constexpr uint64_t kKept = 4;            // submissions that a free chunk is kept for
+
+}  // namespace
+
+ConstantChunk::ConstantChunk(vk::Device& device, VkDeviceSize size)
+    : buffer_(device, {.size = size, .kind = vk::MemoryKind::Upload, .name = "constants"}) {}
+
+VkDeviceAddress ConstantChunk::append(std::span<const std::byte> bytes) {
+  const VkDeviceSize offset = used_;
+  if (!bytes.empty()) std::memcpy(buffer_.mapped() + offset, bytes.data(), bytes.size());
+  used_ = (offset + bytes.size() + kAlignment - 1) / kAlignment * kAlignment;
+  return buffer_.address() + offset;
+}
+
+void ConstantPool::tick() {
+  std::lock_guard lock(mutex_);
+  ++now_;
+  std::erase_if(free_, [&](const auto& chunk) { return chunk->lastUse_ + kKept < now_; });
+}
+
+std::shared_ptr<ConstantChunk> ConstantPool::take(VkDeviceSize size) {
+  std::unique_ptr<ConstantChunk> chunk;
+  {
+    std::lock_guard lock(mutex_);
+    const auto found = std::find_if(free_.begin(), free_.end(), [&](const auto& c) { return c->hasRoom(size); });
+    if (found != free_.end()) {
+      chunk = std::move(*found);
+      free_.erase(found);
+    }
+  }
+  if (!chunk) chunk = std::make_unique<ConstantChunk>(device_, std::max(size, kChunkBytes));
+  const auto giveBackTo = [pool = shared_from_this()](ConstantChunk* dropped) {
+    pool->giveBack(std::unique_ptr<ConstantChunk>(dropped));
+  };
+  return std::shared_ptr<ConstantChunk>(chunk.release(), giveBackTo);
+}
+
+void ConstantPool::giveBack(std::unique_ptr<ConstantChunk> chunk) {
+  std::lock_guard lock(mutex_);
+  chunk->used_ = 0;
+  chunk->lastUse_ = now_;
+  free_.push_back(std::move(chunk));
+}
+
+VkDeviceAddress Graph::constants(std::span<const std::byte> bytes) {
+  if (!constantPool_)
+    fail(ExitCode::Internal, "frame graph: a graph that was made without an executor has no room for constants");
+  if (constants_.empty() || !constants_.back()->hasRoom(bytes.size()))
+    constants_.push_back(constantPool_->take(bytes.size()));
+  return constants_.back()->append(bytes);
+}
+
+}  // namespace latelight::graph

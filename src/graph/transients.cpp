@@ -1,0 +1,154 @@
+#include "graph/transients.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace latelight::graph {
+namespace {
+
+constexpr uint64_t kKept = 4;  // submissions for which nothing is freed that none of them takes
+
+// Null where none is free.
+template <typename Entry, typename Desc>
+std::unique_ptr<Entry> find(std::vector<std::unique_ptr<Entry>>& free, const Desc& desc) {
+  const auto found = std::find_if(free.begin(), free.end(), [&](const auto& entry) { return entry->desc == desc; });
+  if (found == free.end()) return nullptr;
+  std::unique_ptr<Entry> entry = std::move(*found);
+  free.erase(found);
+  return entry;
+}
+
+template <typename Entry>
+void tidy(std::vector<std::unique_ptr<Entry>>& free, uint64_t now) {
+  std::erase_if(free, [&](const auto& entry) { return entry->lastUse + kKept < now; });
+}
+
+using Desc = PlacedTransients::Desc;
+
+Desc descOf(const Graph& graph, const Plan::Transient& transient) {
+  if (transient.image) return graph.desc(transient.image);
+  return graph.desc(transient.buffer);
+}
+
+// In whole pages of bufferImageGranularity: no image shares one with a buffer that is used at the same time.
+Footprint footprintOf(vk::Device& device, const Desc& desc, const Plan::Life& life) {
+  const VkMemoryRequirements needs = std::holds_alternative<vk::ImageDesc>(desc)
+                                         ? vk::memoryRequirements(device, std::get<vk::ImageDesc>(desc), vk::Home::Heap)
+                                         : vk::memoryRequirements(device, std::get<vk::BufferDesc>(desc));
+  const VkDeviceSize page = std::max<VkDeviceSize>(device.properties().limits.bufferImageGranularity, 1);
+  return {.size = (needs.size + page - 1) / page * page,
+          .alignment = std::max(needs.alignment, page),
+          .type = device.memory().typeFor(needs, vk::MemoryKind::Device),
+          .first = life.first,
+          .last = life.last};
+}
+
+bool isFor(const PlacedTransients& placed, const Graph& graph, const Plan& plan) {
+  if (placed.descs.size() != plan.lives.size()) return false;
+  for (size_t i = 0; i < plan.lives.size(); ++i) {
+    const Footprint& footprint = placed.footprints[i];
+    if (footprint.first != plan.lives[i].first || footprint.last != plan.lives[i].last) return false;
+    if (placed.descs[i] != descOf(graph, plan.lives[i])) return false;
+  }
+  return true;
+}
+
+PlacedTransients::Resource makeResource(vk::Device& device, const Desc& desc, const vk::Heap& heap,
+                                        VkDeviceSize offset) {
+  if (const auto* image = std::get_if<vk::ImageDesc>(&desc)) return vk::Image(device, *image, heap, offset);
+  return vk::Buffer(device, std::get<vk::BufferDesc>(desc), heap, offset);
+}
+
+}  // namespace
+
+std::vector<Footprint> footprintsOf(vk::Device& device, const Graph& graph, const Plan& plan) {
+  std::vector<Footprint> footprints;
+  for (const Plan::Life& life : plan.lives) footprints.push_back(footprintOf(device, descOf(graph, life), life));
+  return footprints;
+}
+
+TransientBytes transientBytes(vk::Device& device, const Graph& graph, const Plan& plan) {
+  const std::vector<Footprint> footprints = footprintsOf(device, graph, plan);
+  TransientBytes bytes{.peak = pack(footprints, device.maxAllocationSize()).bytes()};
+  for (const Footprint& footprint : footprints) bytes.withoutAliasing += footprint.size;
+  for (const Plan::Transient& kept : plan.kept) {
+    const VkDeviceSize size = kept.image ? vk::memoryRequirements(device, graph.desc(kept.image), vk::Home::Own).size
+                                         : vk::memoryRequirements(device, graph.desc(kept.buffer)).size;
+    bytes.peak += size;
+    bytes.withoutAliasing += size;
+  }
+  return bytes;
+}
+
+// One of another plan's where it fits and is no more than twice as large: plans in turn share memory, and a small one
+// does not hold on to a large one's.
+std::shared_ptr<vk::Heap> TransientPool::heapFor(const Packing::Heap& needed,
+                                                 const std::vector<std::shared_ptr<vk::Heap>>& taken) {
+  for (const auto& placed : placed_)
+    for (const auto& heap : placed->heaps) {
+      if (heap->type() != needed.type || heap->alignment() % needed.alignment != 0) continue;
+      if (heap->size() < needed.size || heap->size() > 2 * needed.size) continue;
+      if (std::find(taken.begin(), taken.end(), heap) == taken.end()) return heap;
+    }
+  return std::make_shared<vk::Heap>(device_, needed.type, needed.size, needed.alignment);
+}
+
+const PlacedTransients& TransientPool::place(const Graph& graph, const Plan& plan) {
+  for (const auto& placed : placed_) {
+    if (!isFor(*placed, graph, plan)) continue;
+    placed->lastUse = now_;
+    return *placed;
+  }
+  auto placed = std::make_unique<PlacedTransients>();
+  placed->lastUse = now_;
+  for (const Plan::Life& life : plan.lives) placed->descs.push_back(descOf(graph, life));
+  placed->footprints = footprintsOf(device_, graph, plan);
+  placed->packing = pack(placed->footprints, device_.maxAllocationSize());
+  for (const Packing::Heap& heap : placed->packing.heaps) placed->heaps.push_back(heapFor(heap, placed->heaps));
+  for (size_t i = 0; i < plan.lives.size(); ++i) {
+    const auto [heap, offset] = placed->packing.places[i];
+    placed->resources.push_back(makeResource(device_, placed->descs[i], *placed->heaps[heap], offset));
+  }
+  return *placed_.emplace_back(std::move(placed));
+}
+
+void TransientPool::tick() {
+  std::lock_guard lock(mutex_);
+  ++now_;
+  tidy(placed_, now_);
+  tidy(images_, now_);
+  tidy(buffers_, now_);
+}
+
+void TransientPool::clear() {
+  std::lock_guard lock(mutex_);
+  placed_.clear();
+  images_.clear();
+  buffers_.clear();
+}
+
+std::unique_ptr<PooledImage> TransientPool::take(const vk::ImageDesc& desc) {
+  std::lock_guard lock(mutex_);
+  std::unique_ptr<PooledImage> image = find(images_, desc);
+  return image ? std::move(image) : std::make_unique<PooledImage>(device_, desc);
+}
+
+std::unique_ptr<PooledBuffer> TransientPool::take(const vk::BufferDesc& desc) {
+  std::lock_guard lock(mutex_);
+  std::unique_ptr<PooledBuffer> buffer = find(buffers_, desc);
+  return buffer ? std::move(buffer) : std::make_unique<PooledBuffer>(device_, desc);
+}
+
+void TransientPool::giveBack(std::unique_ptr<PooledImage> image) {
+  std::lock_guard lock(mutex_);
+  image->lastUse = now_;
+  images_.push_back(std::move(image));
+}
+
+void TransientPool::giveBack(std::unique_ptr<PooledBuffer> buffer) {
+  std::lock_guard lock(mutex_);
+  buffer->lastUse = now_;
+  buffers_.push_back(std::move(buffer));
+}
+
+}  // namespace latelight::graph

@@ -1,0 +1,67 @@
+// The transient pool: memory and objects for the transients of graphs, kept from one submission to the next.
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <variant>
+#include <vector>
+
+#include "graph/aliasing.h"
+#include "graph/graph.h"
+#include "vk/memory.h"
+
+namespace latelight::graph {
+
+// A resource and what was asked for: it may round its own description up.
+template <typename Resource, typename Desc>
+struct Pooled {
+  Pooled(vk::Device& device, const Desc& desc) : desc(desc), resource(device, desc) {}
+  Desc desc;
+  Resource resource;
+  uint64_t lastUse = 0;  // the pool's count of submissions
+};
+using PooledImage = Pooled<vk::Image, vk::ImageDesc>;
+using PooledBuffer = Pooled<vk::Buffer, vk::BufferDesc>;
+
+// The transients of a plan that share memory, at offsets in heaps; by their index in plan.lives.
+struct PlacedTransients {
+  using Desc = std::variant<vk::ImageDesc, vk::BufferDesc>;
+  using Resource = std::variant<vk::Image, vk::Buffer>;
+  std::vector<Desc> descs;
+  std::vector<Footprint> footprints;
+  Packing packing;
+  std::vector<std::shared_ptr<vk::Heap>> heaps;  // of the packing
+  std::vector<Resource> resources;
+  uint64_t lastUse = 0;
+};
+
+// Any thread may give back; one at a time does the rest.
+class TransientPool {
+ public:
+  explicit TransientPool(vk::Device& device) : device_(device) {}
+  // A submission begins: frees what none of the last few took (pictures of another size, a graph that ran once).
+  void tick();
+  void clear();  // frees all that nobody has now
+  // All that plan.lives need, made once for graphs that are equal. Submissions in flight have the same ones: the queue
+  // runs them one after the other. Valid until the next tick().
+  const PlacedTransients& place(const Graph& graph, const Plan& plan);
+  // For results, which their submission has alone.
+  std::unique_ptr<PooledImage> take(const vk::ImageDesc& desc);
+  std::unique_ptr<PooledBuffer> take(const vk::BufferDesc& desc);
+  void giveBack(std::unique_ptr<PooledImage> image);
+  void giveBack(std::unique_ptr<PooledBuffer> buffer);
+
+ private:
+  std::shared_ptr<vk::Heap> heapFor(const Packing::Heap& needed, const std::vector<std::shared_ptr<vk::Heap>>& taken);
+  vk::Device& device_;
+  std::vector<std::unique_ptr<PlacedTransients>> placed_;
+  std::mutex mutex_;  // guards the rest
+  uint64_t now_ = 0;  // submissions so far
+  std::vector<std::unique_ptr<PooledImage>> images_;
+  std::vector<std::unique_ptr<PooledBuffer>> buffers_;
+};
+
+// What plan.lives take on a device, in their order.
+std::vector<Footprint> footprintsOf(vk::Device& device, const Graph& graph, const Plan& plan);
+
+}  // namespace latelight::graph

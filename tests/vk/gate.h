@@ -1,0 +1,30 @@
+#pragma once
+
+#include "vk/device.h"
+
+namespace latelight::vk {
+
+// Holds the queue up until the host opens it: what was submitted has not finished before, and must after.
+class Gate {
+ public:
+  explicit Gate(Device& device) : device_(device) {
+    const VkEventCreateInfo info{VK_STRUCTURE_TYPE_EVENT_CREATE_INFO};
+    VK_CHECK(vkCreateEvent(device.get(), &info, nullptr, &event_));
+  }
+  ~Gate() {
+    open();
+    device_.submitAndWait([](VkCommandBuffer) {});
+    vkDestroyEvent(device_.get(), event_, nullptr);
+  }
+  void wait(VkCommandBuffer commands) const {
+    vkCmdWaitEvents(commands, 1, &event_, VK_PIPELINE_STAGE_HOST_BIT, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, 0, nullptr, 0,
+                    nullptr, 0, nullptr);
+  }
+  void open() { VK_CHECK(vkSetEvent(device_.get(), event_)); }
+
+ private:
+  Device& device_;
+  VkEvent event_ = VK_NULL_HANDLE;
+};
+
+}  // namespace latelight::vk
