@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <stdexcept>
 
 #include "app/dot.h"
@@ -133,6 +135,42 @@ TEST_F(Outputs, PngHoldsTheNumbersOfTheExrAsItsCodingSays) {
   }
   EXPECT_GT(drawn, z.size() / 10);
   EXPECT_LT(drawn, z.size() * 9 / 10);
+}
+
+// The same in every format, and resolved by the side file; a group's nodes have the group's.
+TEST_F(Outputs, IdsPartsAndMaterialsAreTheSameInEveryFormat) {
+  folder.write("model.glb", texturedModel());
+  const auto with = [](const std::string& out) {
+    return std::vector<std::string>{"model.glb", "--id-depth", "0", "-o", out, "--aov", "id,part,material"};
+  };
+  render(with("a.exr"));
+  render(with("a.{aov}.npy"));
+  render(with("a.{aov}.png"));
+  const json side = readJson("a.json");
+  EXPECT_EQ(side["settings"]["id-depth"], "0");
+  std::map<std::string, std::set<double>> seen;
+  for (const char* name : {"id", "part", "material"}) {
+    const std::vector<double> exr = values(read("a.exr"), name);
+    EXPECT_EQ(read(std::string("a.") + name + ".npy").channels.front().values, exr);
+    const ReadImage png = read(std::string("a.") + name + ".png");
+    for (size_t i = 0; i < exr.size(); ++i)
+      ASSERT_NEAR(255 * (values(png, "R")[i] + 256 * values(png, "G")[i] + 65536 * values(png, "B")[i] +
+                         16777216 * values(png, "A")[i]),
+                  exr[i], 1e-3);
+    seen[name] = {exr.begin(), exr.end()};
+  }
+  std::set<double> ids{0}, parts{0}, materials{0};
+  for (const auto& [id, entry] : side["ids"].items()) {
+    ids.insert(std::stod(id));
+    EXPECT_EQ(entry["parent"], 0) << "all are roots";
+    for (const json& part : entry["parts"]) parts.insert(part["id"].get<double>());
+  }
+  for (const auto& [id, material] : side["materials"].items()) materials.insert(std::stod(id));
+  EXPECT_THAT(ids, IsSupersetOf(seen["id"]));
+  EXPECT_THAT(parts, IsSupersetOf(seen["part"]));
+  EXPECT_THAT(materials, IsSupersetOf(seen["material"]));
+  EXPECT_GE(seen["part"].size(), seen["id"].size());
+  EXPECT_GT(seen["id"].size(), 1u);
 }
 
 // The floor's ids are those of its node's path, and every id in the picture is in the manifest.
