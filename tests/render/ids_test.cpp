@@ -1,5 +1,6 @@
 // Ids in pictures: what a person would point at, its parts and their materials, and the manifest that resolves them.
 #include <gmock/gmock.h>
+#include <latelight/latelight.h>
 
 #include <map>
 #include <set>
@@ -29,7 +30,7 @@ json quad(GltfBuilder& file, float left, float right, int material, bool skinned
   if (!skinned) return primitive;
   primitive["attributes"]["JOINTS_0"] =
       file.accessor(file.view(std::vector<uint8_t>(24)), scene::test::kUnsignedByte, "VEC4", 6);
-  primitive["attributes"]["WEIGHTS_0"] = file.vectors(std::vector<vec4>(6, vec4(1, 0, 0, 0)));
+  primitive["attributes"]["WEIGHTS_0"] = file.vectors(std::vector<glm::vec4>(6, glm::vec4(1, 0, 0, 0)));
   return primitive;
 }
 
@@ -56,11 +57,17 @@ GltfBuilder shelfFile() {
   return b;
 }
 
+class ShelfFile {
+ public:
+  ShelfFile() { scene::test::writeBytes(path(), shelfFile().glb()); }
+  std::string path() const { return (folder_.path() / "shelf.glb").string(); }
+
+ private:
+  scene::test::TemporaryFolder folder_;
+};
+
 scene::Scene shelf(const scene::IdGrouping& grouping = {}) {
-  const scene::test::TemporaryFolder folder;
-  const std::string file = (folder.path() / "shelf.glb").string();
-  scene::test::writeBytes(file, shelfFile().glb());
-  return scene::load(file, {.ids = grouping});
+  return scene::load(ShelfFile().path(), {.ids = grouping});
 }
 
 const IdEntry* find(const IdManifest& manifest, uint32_t id) {
@@ -191,6 +198,35 @@ TEST_F(Ids, PickedPixelsKnowTheirMeshAndMaterial) {
       EXPECT_EQ(picked.material, scene.materials[instance.material].name);
     }
   }
+}
+
+TEST_F(Ids, OfThePublicApiAreInItsManifest) {
+  const ShelfFile file;
+  const latelight::Scene scene(file.path(), latelight::SceneOptions{.idNodes = {"Shelf"}});
+  const json manifest = json::parse(scene.idManifest());
+  latelight::Renderer renderer(scene, "cpu");
+  latelight::Options options;
+  options.width = options.height = kSize;
+  options.aovs = {"id", "part", "material"};
+  const latelight::Camera camera = scene.defaultCamera(1);
+  const latelight::Frame frame = renderer.render(camera, options);
+  std::set<uint32_t> seen;
+  for (size_t i = 0; i < size_t{kSize} * kSize; ++i) {
+    const uint32_t id = frame.aovs.at("id").ids[i];
+    if (!seen.insert(id).second || id == 0) continue;
+    const json& entry = manifest["ids"].at(std::to_string(id));
+    const json part = {{"id", frame.aovs.at("part").ids[i]}, {"material", frame.aovs.at("material").ids[i]}};
+    EXPECT_TRUE(std::ranges::any_of(entry["parts"], [&](const json& candidate) {
+      return candidate["id"] == part["id"] && candidate["material"] == part["material"];
+    })) << entry;
+    EXPECT_TRUE(manifest["materials"].contains(part["material"].dump()));
+    const latelight::Pick pick =
+        renderer.pick(camera, {{static_cast<uint32_t>(i % kSize), static_cast<uint32_t>(i / kSize)}}, options).front();
+    EXPECT_EQ(pick.id, id);
+    EXPECT_EQ(pick.part, part["id"].get<uint32_t>());
+  }
+  EXPECT_THAT(seen, testing::IsSupersetOf({0u, hash32("/Shelf"), hash32("/Row/instance2"), hash32("/Body")}));
+  EXPECT_THROW(latelight::Scene(file.path(), latelight::SceneOptions{.idNodes = {"Cupboard"}}), latelight::Error);
 }
 
 }  // namespace
