@@ -320,12 +320,13 @@ TEST_F(Outputs, PickedPixelsAreTheDataOutputs) {
   EXPECT_THAT(folder.names(), testing::IsEmpty());
   for (const json& pass : report["gpu"])
     EXPECT_THAT(pass["pass"].get<std::string>(), testing::Not(testing::StartsWith("lighting")));
-  render(with({"-o", "a.exr", "--aov", "depth,position,normal,id"}));
+  render(with({"-o", "a.exr", "--aov", "depth,position,normal,id,part"}));
   const ReadImage image = read("a.exr");
   const json &first = report["picked"][0], &second = report["picked"][1];
   constexpr size_t kAt = 20 * kWidth + 32;
   EXPECT_EQ(first["pixel"], (json{32, 20}));
   EXPECT_EQ(first["id"].get<double>(), values(image, "id")[kAt]);
+  EXPECT_EQ(first["part"].get<double>(), values(image, "part")[kAt]);
   EXPECT_EQ(first["depth"].get<float>(), values(image, "Z")[kAt]);
   EXPECT_EQ(first["position"][1].get<float>(), values(image, "P.Y")[kAt]);
   EXPECT_EQ(first["normal"][2].get<float>(), values(image, "N.Z")[kAt]);
@@ -333,8 +334,8 @@ TEST_F(Outputs, PickedPixelsAreTheDataOutputs) {
   EXPECT_EQ(second, (json{{"pixel", {0, 0}}, {"id", 0}}));
 
   const Outcome text = render(with({"--pick", "32,20", "--pick", "0,0", "-o", "b.png"}));
-  EXPECT_THAT(text.out, HasSubstr("pixel 32,20\n  id         " + first["id"].dump() + "\n  node       " +
-                                  first["node"].get<std::string>()));
+  EXPECT_THAT(text.out, HasSubstr("pixel 32,20\n  id         " + first["id"].dump() + "\n  part       " +
+                                  first["part"].dump() + "\n  node       " + first["node"].get<std::string>()));
   EXPECT_THAT(text.out, HasSubstr("pixel 0,0: background\n"));
   EXPECT_EQ(read("b.png").width, kWidth);
 }
