@@ -264,7 +264,8 @@ void render(RenderOptions& o) {
   // The device starts while the scene loads: they share nothing.
   auto deviceStart = inBackground(
       [&] { return std::make_unique<vk::Device>(vk::DeviceOptions{.selector = o.device, .validation = o.validate}); });
-  const scene::Scene scene = scene::load(o.scene, {.variant = o.variant, .allowOutside = o.allowOutside});
+  const scene::Scene scene =
+      scene::load(o.scene, {.variant = o.variant, .allowOutside = o.allowOutside, .ids = o.idGrouping});
   const Timeline timeline(scene, o);
   timeline.cameraAt(timeline.first());  // what is wrong with it shows before all else
   const std::string environmentName = environmentOf(o, scene);

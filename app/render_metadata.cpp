@@ -2,9 +2,11 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
+#include "render/id_manifest.h"
 #include "render/session.h"
 #include "render/view.h"
 
@@ -70,6 +72,8 @@ std::map<std::string, std::string> describeSettings(const RenderOptions& o, cons
   if (o.time || o.turn != 0) settings["fps"] = fmt::format("{}", o.fps);
   if (!o.animation.empty()) settings["animation"] = o.animation;
   if (o.loop) settings["loop"] = "true";
+  if (o.idGrouping.depth) settings["id-depth"] = fmt::format("{}", *o.idGrouping.depth);
+  if (!o.idGrouping.nodes.empty()) settings["id-nodes"] = o.idNodes;
   if (o.turn != 0) settings["turn"] = fmt::format("{}", o.turn);
   return settings;
 }
@@ -89,9 +93,7 @@ output::Metadata describeRender(const scene::Scene& scene, const scene::Camera& 
   m.device = {device.info().name, device.info().driver, device.info().uuid};
   m.versions = {{"latelight", LATELIGHT_VERSION}, {"vulkan", device.info().apiVersion}};
   m.settings = describeSettings(o, environment);
-  for (const scene::Instance& instance : scene.instances)
-    m.ids.push_back({instance.id, scene.nodes[instance.node].path, scene.meshes[instance.mesh].name,
-                     scene.materials[instance.material].name});
+  if (std::ranges::any_of(o.settings.aovs, output::holdsIds)) m.ids = render::idManifest(scene);
   return m;
 }
 

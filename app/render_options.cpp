@@ -5,7 +5,9 @@
 #include "app/parse.h"
 #include "app/render_pick.h"
 #include "base/memory.h"
+#include "base/text.h"
 #include "render/gbuffer/layout.h"
+#include "scene/ids.h"
 
 namespace latelight::app {
 
@@ -17,6 +19,11 @@ void parseSettings(RenderOptions& o) {
     setMemoryLimit(limit);
   }
   std::tie(s.width, s.height) = parseSize(o.size);
+  if (!o.idNodes.empty()) {
+    const std::vector<std::string_view> names = splitAtCommas(o.idNodes);
+    o.idGrouping.nodes.assign(names.begin(), names.end());
+  }
+  scene::checkGrouping(o.idGrouping);
   render::setAntiAliasing(s, o.aa);
   s.environmentRotation = static_cast<float>(o.hdriRotate * M_PI / 180.0);
   s.sunAngle = static_cast<float>(o.sunAngle * M_PI / 180.0);
@@ -78,6 +85,10 @@ void addSceneOptions(CLI::App& c, RenderOptions& o) {
       ->take_all();
   c.add_option("--memory", o.memory,
                "Memory of the machine that may be taken, as in 4G or 512M; default: three quarters of what is free");
+  c.add_option("--id-depth", o.idGrouping.depth,
+               "Nodes deeper than N have the id of their ancestor at depth N; the scene's roots are at depth 0");
+  c.add_option("--id-nodes", o.idNodes,
+               "Nodes, by comma, as names or paths: all below each has its id; the deepest that is named counts");
   c.add_option("--camera", o.camera, "The scene's camera by name or number");
   c.add_option("--eye", o.eye, "Camera position x,y,z in the scene file's frame, metres");
   c.add_option("--target", o.target, "What --eye looks at, x,y,z");

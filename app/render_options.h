@@ -10,6 +10,7 @@
 
 #include "output/aov.h"
 #include "render/settings.h"
+#include "scene/scene.h"
 
 namespace latelight::app {
 
@@ -17,6 +18,8 @@ struct RenderOptions {
   std::string scene = "builtin:hall", out, size = "1280x720", variant;
   std::vector<std::string> allowOutside;
   std::string memory;
+  std::string idNodes;
+  scene::IdGrouping idGrouping;
   std::string camera, eye, target, up, orbit;
   std::optional<double> fov;
   std::vector<std::string> picks;

@@ -49,8 +49,9 @@ void printPicked(const std::vector<render::Picked>& picked, const std::string& f
       continue;
     }
     fmt::print("pixel {},{}\n", p.pixel.x, p.pixel.y);
-    fmt::print("  id         {}\n  node       {}\n  mesh       {}\n  material   {}\n", p.id, nameOr(p.node, unnamed),
-               nameOr(p.mesh, unnamed), nameOr(p.material, unnamed));
+    fmt::print("  id         {}\n  part       {}\n  node       {}\n  mesh       {}\n  primitive  {}\n  material   {}\n",
+               p.id, p.part, nameOr(p.node, unnamed), nameOr(p.mesh, unnamed), p.primitive,
+               nameOr(p.material, unnamed));
     fmt::print("  position   {} m ({})\n", text(p.position), frame);
     fmt::print("  normal     {} ({})\n  geonormal  {} ({})\n", text(p.normal), normalFrame, text(p.geonormal),
                normalFrame);
@@ -64,7 +65,8 @@ Json describePicked(const std::vector<render::Picked>& picked) {
   for (const render::Picked& p : picked) {
     Json row{{"pixel", {p.pixel.x, p.pixel.y}}, {"id", p.id}};
     if (p.id != 0) {
-      row.update({{"node", p.node}, {"mesh", p.mesh}, {"material", p.material}});
+      row.update({{"part", p.part}, {"node", p.node}, {"mesh", p.mesh}});
+      row.update({{"primitive", p.primitive}, {"material", p.material}});
       row.update({{"position", array(p.position)}, {"normal", array(p.normal)}, {"geonormal", array(p.geonormal)}});
       row.update({{"depth", p.depth}, {"distance", p.distance}, {"uv", {p.uv.x, p.uv.y}}});
     }

@@ -74,8 +74,13 @@ struct Animation {
 };
 
 struct SceneOptions {
-  std::string materialVariant;            // KHR_materials_variants by name; empty: the file's default
-  std::vector<std::string> allowOutside;  // folders it may read files from, beside its own and what lies below that
+  std::string materialVariant{};            // KHR_materials_variants by name; empty: the file's default
+  std::vector<std::string> allowOutside{};  // folders it may read files from, beside its own and what lies below that
+  // Whole subtrees of nodes under one "id"; at most one of the two. Nodes deeper than idDepth have the id of their
+  // ancestor at that depth (roots are at 0); of idNodes, names or paths, each one's subtree has its id, but for what
+  // lies below another of them. A name that no node has throws Error(Usage).
+  std::optional<uint32_t> idDepth{};
+  std::vector<std::string> idNodes{};
 };
 
 // A .gltf or .glb file, or "builtin:hall", "builtin:spheres", "builtin:boxes". Loaded once, rendered as often as
@@ -89,6 +94,9 @@ class LATELIGHT_API Scene {
   Scene& operator=(Scene&&) noexcept;
 
   uint64_t triangleCount() const;
+  // What the ids in the outputs "id", "part" and "material" stand for, as JSON: the "ids" and "materials" of the side
+  // file that docs/conventions.md describes.
+  std::string idManifest() const;
   const std::vector<Camera>& cameras() const;  // the scene's own, at rest
   const std::vector<Animation>& animations() const;
   // The scene's own cameras where they are at a time; as Options::time, animation and loop say.
@@ -164,7 +172,7 @@ struct Options {
 struct Aov {
   uint32_t channels = 0;
   std::vector<float> values;  // channels interleaved, rows from the top
-  std::vector<uint32_t> ids;  // instead of values for "id"
+  std::vector<uint32_t> ids;  // instead of values for "id", "part" and "material"
 };
 
 struct Frame {
@@ -175,8 +183,10 @@ struct Frame {
 
 // What a pixel shows, at its centre. Positions and normals are in the scene file's frame.
 struct Pick {
-  uint32_t id = 0;  // as in the output "id"; 0: background, and nothing below is set
+  uint32_t id = 0;    // as in the output "id"; 0: background, and nothing below is set
+  uint32_t part = 0;  // as in the output "part"
   std::string node, mesh, material;
+  uint32_t primitive = 0;  // of the mesh
   std::array<float, 3> position{}, normal{}, geonormal{};
   float depth = 0, distance = 0;  // metres
   std::array<float, 2> uv{};

@@ -113,7 +113,25 @@ constexpr std::array<AovInfo, kAovCount> kAovs{{
      PngCoding::IdBytes,
      0,
      "1",
-     "Stable id of the object, as in the manifest; 0 is background"},
+     "Stable id of the node, or of the group it is in, as in the manifest; 0 is background"},
+    {Aov::Part,
+     "part",
+     1,
+     {"part"},
+     ExrType::Uint,
+     PngCoding::IdBytes,
+     0,
+     "1",
+     "Stable id of the node's primitive, as in the manifest; 0 is background"},
+    {Aov::Material,
+     "material",
+     1,
+     {"material"},
+     ExrType::Uint,
+     PngCoding::IdBytes,
+     0,
+     "1",
+     "Stable id of the material, as in the manifest; 0 is background"},
     {Aov::Uv,
      "uv",
      2,
@@ -195,6 +213,10 @@ bool contains(std::span<const Aov> aovs, Aov aov) {
   return std::find(aovs.begin(), aovs.end(), aov) != aovs.end();
 }
 
+bool holdsIds(Aov aov) {
+  return info(aov).exr == ExrType::Uint;
+}
+
 std::vector<Aov> parseAovs(std::string_view list) {
   std::vector<Aov> result;
   for (std::string_view part : splitAtCommas(list)) {
@@ -210,7 +232,7 @@ AovImage makeAovImage(Aov aov, uint32_t width, uint32_t height) {
   AovImage image{aov, width, height, {}, {}};
   const size_t pixels = size_t{width} * height;
   const AovInfo& entry = info(aov);
-  if (entry.exr == ExrType::Uint) {
+  if (holdsIds(aov)) {
     image.ids.assign(pixels, 0);
   } else {
     image.values.assign(pixels * entry.channels, entry.background);

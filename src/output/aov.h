@@ -24,13 +24,15 @@ enum class Aov : uint8_t {
   Emissive,
   Ao,
   Id,
+  Part,
+  Material,
   Uv,
   LightsTested,
   LightsUsed,
   Samples,
   Motion,
 };
-inline constexpr size_t kAovCount = 17;
+inline constexpr size_t kAovCount = 19;
 
 // How an OpenEXR file stores a channel. Half: 11 bits of precision, finite values beyond 65504 are stored as 65504.
 enum class ExrType : uint8_t { Half, Float, Uint };
@@ -66,6 +68,9 @@ const AovInfo& info(Aov aov);
 
 bool contains(std::span<const Aov> aovs, Aov aov);
 
+// id, part and material: what the id manifest lists.
+bool holdsIds(Aov aov);
+
 // "depth,normal,id" in that order, without repeats. Throws Error(Usage) that names what there is.
 std::vector<Aov> parseAovs(std::string_view list);
 
@@ -73,8 +78,8 @@ std::vector<Aov> parseAovs(std::string_view list);
 struct AovImage {
   Aov aov = Aov::Color;
   uint32_t width = 0, height = 0;
-  std::vector<float> values;  // width * height * channels; empty for Aov::Id
-  std::vector<uint32_t> ids;  // width * height; only for Aov::Id
+  std::vector<float> values;  // width * height * channels; empty where holdsIds()
+  std::vector<uint32_t> ids;  // width * height, there instead
 };
 
 // All values are background.

@@ -201,6 +201,8 @@ Picture debugPicture(const AovImage& image, const AovImage* ids) {
     case Aov::Ao:
       return paint(image, ids, greys(image));
     case Aov::Id:
+    case Aov::Part:
+    case Aov::Material:
       return paint(image, ids, idColors(image));
     case Aov::Uv:
       return paint(image, ids, uvColors(image));

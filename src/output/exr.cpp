@@ -11,6 +11,8 @@
 #include <OpenEXR/ImfStringAttribute.h>
 #include <OpenEXR/ImfThreading.h>
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -74,14 +76,42 @@ glm::dmat4 ndcFromCamera(const CameraMetadata& camera, double width, double heig
   return glm::transpose(rows);
 }
 
-Imf::IDManifest manifestOf(const Metadata& metadata) {
-  Imf::IDManifest manifest;
-  Imf::IDManifest::ChannelGroupManifest& group = manifest.add(std::string(info(Aov::Id).exrChannels[0]));
-  group.setComponents({"node", "mesh", "material"});
+Imf::IDManifest::ChannelGroupManifest& addGroup(Imf::IDManifest& manifest, Aov aov,
+                                                const std::vector<std::string>& components) {
+  Imf::IDManifest::ChannelGroupManifest& group = manifest.add(std::string(info(aov).exrChannels[0]));
+  group.setComponents(components);
   group.setLifetime(Imf::IDManifest::LIFETIME_STABLE);
   group.setEncodingScheme(Imf::IDManifest::ID_SCHEME);
   group.setHashScheme(Imf::IDManifest::NOTHASHED);
-  for (const IdEntry& entry : metadata.ids) group.insert(entry.id, {entry.node, entry.mesh, entry.material});
+  return group;
+}
+
+// "/forest/tree", or of a copy "/forest/tree/instance7", as its id is made from.
+std::string nodeText(const std::string& node, const std::optional<uint32_t>& copy) {
+  return copy ? fmt::format("{}/instance{}", node, *copy) : node;
+}
+
+Imf::IDManifest manifestOf(const IdManifest& ids, std::span<const Aov> aovs) {
+  Imf::IDManifest manifest;
+  if (contains(aovs, Aov::Id)) {
+    auto& group = addGroup(manifest, Aov::Id, {"node", "parent", "mesh", "materials", "skinned"});
+    for (const IdEntry& entry : ids.ids)
+      group.insert(entry.id,
+                   {nodeText(entry.node, entry.copy), std::to_string(entry.parent), entry.mesh,
+                    fmt::format("{}", fmt::join(ids.materialsOf(entry), ", ")), entry.skinned ? "yes" : "no"});
+  }
+  if (contains(aovs, Aov::Part)) {
+    auto& group = addGroup(manifest, Aov::Part, {"id", "node", "mesh", "primitive", "material"});
+    for (const IdEntry& entry : ids.ids)
+      for (const IdPart& part : entry.parts)
+        group.insert(part.id, {std::to_string(entry.id), nodeText(part.node, part.copy), part.mesh,
+                               std::to_string(part.primitive), std::to_string(part.material)});
+  }
+  if (contains(aovs, Aov::Material)) {
+    auto& group = addGroup(manifest, Aov::Material, {"name", "index"});
+    for (const IdMaterial& material : ids.materials)
+      group.insert(material.id, {material.name, std::to_string(material.index)});
+  }
   return manifest;
 }
 
@@ -117,9 +147,9 @@ Imf::Header headerOf(std::span<const AovImage* const> images, const Metadata& me
   const auto program = metadata.versions.find("latelight");
   header.insert("software",
                 Imf::StringAttribute("latelight" + (program == metadata.versions.end() ? "" : " " + program->second)));
-  if (contains(aovs, Aov::Id)) Imf::addIDManifest(header, manifestOf(metadata));
+  if (std::ranges::any_of(aovs, holdsIds)) Imf::addIDManifest(header, manifestOf(metadata.ids, aovs));
   Metadata withoutIds = metadata;
-  withoutIds.ids.clear();
+  withoutIds.ids = {};
   header.insert("latelight", Imf::StringAttribute(sideFile(withoutIds, first.width, first.height, aovs, {})));
   return header;
 }

@@ -13,8 +13,9 @@
 namespace latelight::output {
 
 // All AOVs in one part, channels as AovInfo says. Attributes: chromaticities (Rec.709), software, worldToCamera and
-// worldToNDC as OpenEXR defines them, idManifest (OpenEXR's own, for channel id), and latelight: the side file's text
-// without its files and ids. The same input gives the same bytes, whatever the number of threads.
+// worldToNDC as OpenEXR defines them, idManifest (OpenEXR's own, for the channels id, part and material), and
+// latelight: the side file's text without its files and ids. The same input gives the same bytes, whatever the number
+// of threads.
 std::vector<std::byte> encodeExr(std::span<const AovImage* const> images, const Metadata& metadata);
 
 // Throws Error(BadInput) that names `path`.

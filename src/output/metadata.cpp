@@ -90,21 +90,6 @@ Json aovOf(const AovInfo& aov, const Metadata& metadata) {
   return json;
 }
 
-Json idsOf(const Metadata& metadata) {
-  std::vector<const IdEntry*> entries;
-  for (const IdEntry& entry : metadata.ids) entries.push_back(&entry);
-  std::stable_sort(entries.begin(), entries.end(), [](const IdEntry* a, const IdEntry* b) { return a->id < b->id; });
-  const auto same = [](const IdEntry* a, const IdEntry* b) { return a->id == b->id; };
-  entries.erase(std::unique(entries.begin(), entries.end(), same), entries.end());
-  // Keys ascend; pushed straight into the vector that an ordered_json object is, because [] searches it each time.
-  Json::object_t object;
-  for (const IdEntry* entry : entries) {
-    static_cast<std::vector<Json::object_t::value_type>&>(object).emplace_back(
-        std::to_string(entry->id), Json{{"node", entry->node}, {"mesh", entry->mesh}, {"material", entry->material}});
-  }
-  return object;
-}
-
 Json conventions() {
   return {
       {"pixels", "x to the right, y down; the first pixel's centre, upper left, is (0.5, 0.5)"},
@@ -116,10 +101,6 @@ Json conventions() {
 }
 
 }  // namespace
-
-std::string idManifest(const Metadata& metadata) {
-  return textOf(idsOf(metadata));
-}
 
 std::string sideFile(const Metadata& metadata, uint32_t width, uint32_t height, std::span<const Aov> aovs,
                      std::span<const std::string> files) {
@@ -141,8 +122,10 @@ std::string sideFile(const Metadata& metadata, uint32_t width, uint32_t height, 
   json["device"] = {{"name", metadata.device.name}, {"driver", metadata.device.driver}, {"uuid", metadata.device.uuid}};
   json["versions"] = metadata.versions;
   json["settings"] = metadata.settings;
-  const bool ids = contains(aovs, Aov::Id);
-  if (ids && !metadata.ids.empty()) json["ids"] = idsOf(metadata);
+  if (std::ranges::any_of(aovs, holdsIds) && !metadata.ids.empty()) {
+    json["ids"] = describeIds(metadata.ids);
+    json["materials"] = describeMaterials(metadata.ids);
+  }
   return textOf(json);
 }
 

@@ -7,9 +7,9 @@
 #include <map>
 #include <span>
 #include <string>
-#include <vector>
 
 #include "output/aov.h"
+#include "output/id_manifest.h"
 
 namespace latelight::output {
 
@@ -30,13 +30,6 @@ struct DeviceMetadata {
   std::string name, driver, uuid;
 };
 
-// One entry of the id manifest.
-struct IdEntry {
-  uint32_t id = 0;
-  std::string node;  // the node's path
-  std::string mesh, material;
-};
-
 struct Metadata {
   std::string scene;         // the scene's name: {scene}
   std::string source;        // what the user named
@@ -51,11 +44,8 @@ struct Metadata {
   DeviceMetadata device;
   std::map<std::string, std::string> versions;  // program, API, ...
   std::map<std::string, std::string> settings;  // what the picture depends on, as on the command line
-  std::vector<IdEntry> ids;                     // any order; of several with one id the first counts
+  IdManifest ids;                               // may be left empty where no output holds ids
 };
-
-// The id manifest as JSON: {"<id>": {"node": ..., "mesh": ..., "material": ...}, ...}, ids ascending, in decimal.
-std::string idManifest(const Metadata& metadata);
 
 // The whole side file as JSON text. The same input gives the same bytes. `files` are the names of what was written, one
 // an AOV, relative to the side file.

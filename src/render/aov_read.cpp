@@ -20,7 +20,8 @@ using output::Aov;
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-// Where each data output lies in the layout `exact`: target, first channel, channels.
+// Where each data output lies in the layout `exact`: target, first channel, channels. In the order of Aov; an output
+// that lies in two targets has two entries, in the order of its own channels.
 struct Source {
   Aov aov;
   const char* target;
@@ -38,13 +39,17 @@ constexpr Source kSources[] = {
     {Aov::Emissive, "emissive", 0, 3},
     {Aov::Ao, "position", 3, 1},
     {Aov::Id, "ids", 0, 1},
-    {Aov::Uv, "ids", 1, 2},
+    {Aov::Part, "ids", 1, 1},
+    {Aov::Material, "ids", 2, 1},
+    {Aov::Uv, "f0", 3, 1},
+    {Aov::Uv, "emissive", 3, 1},
     {Aov::Motion, "motion", 0, 4},  // a target beside the layout's
 };
+static_assert(std::ranges::is_sorted(kSources, {}, &Source::aov));
 
-const Source* findSource(Aov aov) {
-  auto found = std::find_if(std::begin(kSources), std::end(kSources), [&](const Source& s) { return s.aov == aov; });
-  return found == std::end(kSources) ? nullptr : found;
+std::span<const Source> sourcesOf(Aov aov) {
+  const auto [first, last] = std::ranges::equal_range(kSources, aov, {}, &Source::aov);
+  return {first, last};
 }
 
 vec3 gltfFromWorld(vec3 v) {
@@ -112,7 +117,7 @@ void readColor(output::FrameOutput& to, const vk::Buffer& from, size_t view, boo
 }
 
 bool isData(Aov aov) {
-  return findSource(aov) != nullptr;
+  return !sourcesOf(aov).empty();
 }
 
 bool isLightCount(Aov aov) {
@@ -167,44 +172,46 @@ DataReadback::DataReadback(graph::Graph& graph, const Layout& exact, const Gbuff
       if (exact.targets[i].name == target) return gbuffer.targets[i];
     return target == "motion" ? motion : gbuffer.depth;
   };
-  for (Aov aov : aovs) {
-    const Source* source = findSource(aov);
-    if (source && !buffers_.contains(source->target))
-      buffers_[source->target] = addReadback(graph, image(source->target));
-  }
+  for (Aov aov : aovs)
+    for (const Source& source : sourcesOf(aov))
+      if (!buffers_.contains(source.target)) buffers_[source.target] = addReadback(graph, image(source.target));
 }
 
 void DataReadback::read(const graph::Executor& done, const shared::View& view, size_t layer, const Settings& settings,
                         bool yUp, output::FrameOutput& to) const {
   for (output::AovImage& image : to.aovs) {
-    const Source* source = findSource(image.aov);
-    if (!source) continue;
     const size_t pixels = size_t{image.width} * image.height;
-    const vk::Buffer& buffer = done.buffer(buffers_.at(source->target));
-    if (std::strcmp(source->target, "depth") == 0) {
-      readDepth(image, buffer.as<float>() + layer * pixels, view);
-      continue;
-    }
-    const float* texels = buffer.as<float>() + layer * pixels * 4 + source->first;  // every other target has 4 channels
-    if (image.aov == Aov::Id) {
-      image.ids.resize(pixels);
-      const uint32_t* ids = buffer.as<uint32_t>() + layer * pixels * 4;
-      forEachPixel(image, [&](size_t i) { image.ids[i] = ids[4 * i]; });
-      continue;
-    }
-    image.values.resize(pixels * source->count);
-    const bool direction = image.aov == Aov::Normal || image.aov == Aov::GeoNormal;
-    if (direction || image.aov == Aov::Position) {
-      auto transform = normalTransform(view, direction ? settings.normalFrame : NormalFrame::World, yUp);
+    const uint32_t channels = output::info(image.aov).channels;
+    uint32_t channel = 0;  // of the output: where this source's begin
+    for (const Source& source : sourcesOf(image.aov)) {
+      const vk::Buffer& buffer = done.buffer(buffers_.at(source.target));
+      if (std::strcmp(source.target, "depth") == 0) {
+        readDepth(image, buffer.as<float>() + layer * pixels, view);
+        continue;
+      }
+      const size_t begin = layer * pixels * 4 + source.first;  // every other target has 4 channels
+      if (output::holdsIds(image.aov)) {
+        image.ids.resize(pixels);
+        const uint32_t* ids = buffer.as<uint32_t>() + begin;
+        forEachPixel(image, [&](size_t i) { image.ids[i] = ids[4 * i]; });
+        continue;
+      }
+      image.values.resize(pixels * channels);
+      const float* texels = buffer.as<float>() + begin;
+      const bool direction = image.aov == Aov::Normal || image.aov == Aov::GeoNormal;
+      if (direction || image.aov == Aov::Position) {
+        auto transform = normalTransform(view, direction ? settings.normalFrame : NormalFrame::World, yUp);
+        forEachPixel(image, [&](size_t i) {
+          vec3 v = transform(vec3(texels[4 * i], texels[4 * i + 1], texels[4 * i + 2]));
+          std::memcpy(&image.values[3 * i], &v, sizeof(v));
+        });
+        continue;
+      }
       forEachPixel(image, [&](size_t i) {
-        vec3 v = transform(vec3(texels[4 * i], texels[4 * i + 1], texels[4 * i + 2]));
-        std::memcpy(&image.values[3 * i], &v, sizeof(v));
+        for (uint32_t c = 0; c < source.count; ++c) image.values[channels * i + channel + c] = texels[4 * i + c];
       });
-      continue;
+      channel += source.count;
     }
-    forEachPixel(image, [&](size_t i) {
-      for (uint32_t c = 0; c < source->count; ++c) image.values[source->count * i + c] = texels[4 * i + c];
-    });
   }
 }
 

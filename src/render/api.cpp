@@ -5,6 +5,7 @@
 #include <glm/gtc/constants.hpp>
 
 #include "base/error.h"
+#include "render/id_manifest.h"
 #include "render/picking.h"
 #include "render/renderer.h"
 #include "render/session.h"
@@ -171,11 +172,14 @@ struct Scene::Hidden {
 };
 
 Scene::Scene(const std::string& source, const std::string& materialVariant)
-    : Scene(source, SceneOptions{.materialVariant = materialVariant, .allowOutside = {}}) {}
+    : Scene(source, SceneOptions{.materialVariant = materialVariant}) {}
 
 Scene::Scene(const std::string& source, const SceneOptions& options)
-    : hidden_(new Hidden{
-          scene::load(source, {.variant = options.materialVariant, .allowOutside = options.allowOutside}), {}, {}}) {
+    : hidden_(new Hidden{scene::load(source, {.variant = options.materialVariant,
+                                              .allowOutside = options.allowOutside,
+                                              .ids = {options.idDepth, options.idNodes}}),
+                         {},
+                         {}}) {
   for (const scene::Animation& animation : hidden_->scene.rig.animations)
     hidden_->animations.push_back({animation.name, animation.duration});
   for (const scene::Camera& camera : hidden_->scene.cameras)
@@ -187,6 +191,9 @@ Scene& Scene::operator=(Scene&&) noexcept = default;
 
 uint64_t Scene::triangleCount() const {
   return hidden_->scene.triangleCount();
+}
+std::string Scene::idManifest() const {
+  return output::idManifestText(render::idManifest(hidden_->scene));
 }
 const std::vector<Camera>& Scene::cameras() const {
   return hidden_->cameras;
@@ -257,9 +264,11 @@ std::vector<Pick> Renderer::pick(const Camera& camera, const std::vector<std::ar
        render::pick(hidden_->renderer, hidden_->scene, internalCamera(camera, hidden_->scene),
                     internalSettings(options), places, internalMoment(options, hidden_->scene, 1)))
     picks.push_back({p.id,
+                     p.part,
                      p.node,
                      p.mesh,
                      p.material,
+                     p.primitive,
                      three(p.position),
                      three(p.normal),
                      three(p.geonormal),

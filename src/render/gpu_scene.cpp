@@ -146,8 +146,8 @@ void GpuScene::uploadInstances(vk::Uploader& uploader, const scene::Pose& pose) 
       const scene::Instance& instance = scene_.instances[order_[i]];
       const glm::mat4& toWorld = transforms[order_[i]];
       const bool mirrored = glm::determinant(glm::mat3(toWorld)) < 0;
-      hostInstances_[i] = {glm::mat4x3(toWorld), instance.mesh, instance.material, instance.id,
-                           mirrored ? shared::kInstanceMirrored : 0u};
+      hostInstances_[i] = {glm::mat4x3(toWorld), instance.mesh, instance.material,
+                           instance.id,          instance.part, mirrored ? shared::kInstanceMirrored : 0u};
       const bool hidden = i + 1 < order_.size() && hides(order_[i + 1], order_[i], transforms);
       bounds_[i] = hidden ? kNowhere : boundsOf(instance, toWorld, pose);
     }

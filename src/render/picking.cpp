@@ -17,7 +17,7 @@ struct DataAt {
   const output::AovImage& image(Aov aov) const {
     return *std::find_if(frame.aovs.begin(), frame.aovs.end(), [&](const auto& image) { return image.aov == aov; });
   }
-  uint32_t id() const { return image(Aov::Id).ids[pixel]; }
+  uint32_t id(Aov aov) const { return image(aov).ids[pixel]; }
   float scalar(Aov aov) const { return image(aov).values[pixel]; }
   glm::vec2 two(Aov aov) const { return {image(aov).values[2 * pixel], image(aov).values[2 * pixel + 1]}; }
   glm::vec3 three(Aov aov) const {
@@ -28,13 +28,15 @@ struct DataAt {
 
 Picked describe(const scene::Scene& scene, const DataAt& data) {
   Picked p;
-  p.id = data.id();
+  p.id = data.id(Aov::Id);
   if (p.id == 0) return p;
+  p.part = data.id(Aov::Part);
   const auto found = std::find_if(scene.instances.begin(), scene.instances.end(),
-                                  [&](const scene::Instance& instance) { return instance.id == p.id; });
-  if (found == scene.instances.end()) fail(ExitCode::Internal, "No instance of the scene has the id {}.", p.id);
+                                  [&](const scene::Instance& instance) { return instance.part == p.part; });
+  if (found == scene.instances.end()) fail(ExitCode::Internal, "No instance of the scene is the part {}.", p.part);
   p.node = scene.nodes[found->node].path;
-  p.mesh = scene.meshes[found->mesh].name;
+  p.mesh = scene.nodes[found->node].mesh;
+  p.primitive = found->primitive;
   p.material = scene.materials[found->material].name;
   p.position = data.three(Aov::Position);
   p.normal = data.three(Aov::Normal);
@@ -52,7 +54,7 @@ std::vector<Picked> pick(Renderer& renderer, const scene::Scene& scene, const sc
   checkPixels(settings, pixels);
   Settings data = settings;
   data.display = false;
-  data.aovs = {Aov::Id, Aov::Position, Aov::Normal, Aov::GeoNormal, Aov::Depth, Aov::Distance, Aov::Uv};
+  data.aovs = {Aov::Id, Aov::Part, Aov::Position, Aov::Normal, Aov::GeoNormal, Aov::Depth, Aov::Distance, Aov::Uv};
   std::vector<Picked> picked(pixels.size());
   for (const Strip strip : stripsOf(data)) {
     const auto lies = [&](glm::uvec2 pixel) { return pixel.y >= strip.first && pixel.y - strip.first < strip.rows; };

@@ -14,7 +14,9 @@ namespace latelight::render {
 struct Picked {
   glm::uvec2 pixel{0};
   uint32_t id = 0;                   // 0: background, and nothing below is set
-  std::string node, mesh, material;  // the node's path, names
+  uint32_t part = 0;                 // by which the rest was found
+  std::string node, mesh, material;  // the node's path, even where the id is a group's; names
+  uint32_t primitive = 0;            // of the mesh
   glm::vec3 position{0}, normal{0}, geonormal{0};
   float depth = 0, distance = 0;  // metres: along the view axis, and along the ray
   glm::vec2 uv{0};

@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "scene/builtin/make.h"
+#include "scene/ids.h"
 
 namespace latelight::scene {
 namespace {
@@ -118,6 +119,9 @@ Scene makeBuiltin(const std::string& name) {
   Scene scene = builtin.make(values);
   scene.name = builtin.name;
   scene.source = "builtin:" + name;
+  identifyMaterials(scene);
+  for (const Instance& instance : scene.instances)
+    scene.nodes[instance.node].mesh = scene.meshes[instance.mesh].name;  // each node has one primitive at most
   return scene;
 }
 

@@ -13,6 +13,7 @@
 #include "scene/gltf_material.h"
 #include "scene/gltf_mesh.h"
 #include "scene/gltf_nodes.h"
+#include "scene/ids.h"
 #include "scene/scene.h"
 #include "scene/texture.h"
 
@@ -90,6 +91,7 @@ Scene import(const std::filesystem::path& path, const LoadOptions& options) {
   TextureTable textures;
   scene.materials = readMaterials(document, textures);
   std::vector<MeshRequest> requests = placeInstances(document, hierarchy, variant, scene);
+  identifyMaterials(scene);
 
   std::vector<Job> jobs;
   addTextureJobs(document, textures, scene, jobs);

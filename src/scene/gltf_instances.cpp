@@ -1,8 +1,8 @@
 #include "scene/gltf_instances.h"
 
 #include <algorithm>
-#include <functional>
 #include <map>
+#include <span>
 #include <tuple>
 #include <unordered_set>
 #include <utility>
@@ -13,42 +13,10 @@
 #include "base/parallel.h"
 #include "scene/gltf_accessor.h"
 #include "scene/gltf_material.h"
+#include "scene/ids.h"
 
 namespace latelight::scene::gltf {
 namespace {
-
-// Ids are hashes of what they name, and unique: who comes later in the file gives way. Those that are taken lie in one
-// table, each at the first free place behind its hash, since there may be ten million.
-class Ids {
- public:
-  // `hash` is that of the name.
-  uint32_t make(uint32_t hash, const std::function<std::string()>& name) {
-    uint32_t id = hash;
-    for (unsigned attempt = 2; id == 0 || !insert(id); ++attempt) id = hash32(fmt::format("{}~{}", name(), attempt));
-    return id;
-  }
-
- private:
-  bool insert(uint32_t id) {
-    if (2 * ++count_ > table_.size()) grow();
-    uint32_t& place = find(id);
-    return std::exchange(place, id) != id;
-  }
-  uint32_t& find(uint32_t id) {
-    size_t place = id & (table_.size() - 1);
-    while (table_[place] != 0 && table_[place] != id) place = (place + 1) & (table_.size() - 1);
-    return table_[place];
-  }
-  void grow() {
-    std::vector<uint32_t> old(std::max<size_t>(1024, table_.size() * 2));
-    old.swap(table_);
-    for (uint32_t id : old)
-      if (id != 0) find(id) = id;
-  }
-
-  std::vector<uint32_t> table_;  // a power of two, at most half full; 0: free
-  size_t count_ = 0;
-};
 
 // Primitives whose bytes are the same, in whichever mesh: exporters repeat a geometry for each material.
 using Geometry = std::tuple<std::map<std::string, int>, std::vector<std::map<std::string, int>>, int, int, int>;
@@ -122,6 +90,7 @@ class Placer {
   }
 
   std::vector<MeshRequest> run() {
+    for (Node& node : scene_.nodes) node.id = ids_.make(node.path);
     for (size_t i = 0; i < hierarchy_.order.size(); ++i) placeNode(i);
     if (!scene_.rig.offsets.empty()) scene_.rig.offsets.resize(scene_.instances.size(), glm::dmat4(1));
     return std::move(requests_);
@@ -132,44 +101,72 @@ class Placer {
     size_t index = size_t(hierarchy_.order[place]);
     const tinygltf::Node& node = document_.model.nodes[index];
     if (node.mesh < 0) return;
-    const tinygltf::Mesh& mesh = document_.model.meshes[size_t(node.mesh)];
+    scene_.nodes[place].mesh = meshName(document_, node.mesh);
     const Placements placements = readPlacements(document_, node, index);
-    bool instanced = extension(node.extensions, "EXT_mesh_gpu_instancing");
-    for (size_t p = 0; p < mesh.primitives.size(); ++p) {
-      const tinygltf::Primitive& primitive = mesh.primitives[p];
-      if (!isDrawn(primitive)) continue;
-      uint32_t material = materialFor(primitive);
-      MeshRequest request{.mesh = node.mesh,
-                          .primitive = int(p),
-                          .skin = primitive.attributes.contains("JOINTS_0") ? node.skin : -1,
-                          .weights = weightsOf(node, mesh, primitive),
-                          .weightsNode = primitive.targets.empty() ? -1 : movedWeights(int(index)),
-                          .tangentSpace = tangentSpaceOf(scene_.materials[material], primitive)};
-      // A skinned mesh is posed in the file's frame already: its own node does not move it.
-      const bool posed = request.skin >= 0;
-      glm::dmat4 world = posed ? glm::dmat4(1) : hierarchy_.world[index];
-      Instance instance{.mesh = find(request, primitive), .material = material, .node = uint32_t(place)};
-      instance.posed = posed;
-      std::string name = scene_.nodes[place].path;
-      if (mesh.primitives.size() > 1) name += fmt::format("/primitive{}", p);
-      document_.budget.charge(placements.count * 2 * sizeof(Instance), name);
-      const auto nameOf = [&](size_t k) { return instanced ? fmt::format("{}/instance{}", name, k) : name; };
-      const size_t first = scene_.instances.size();
-      scene_.instances.resize(first + placements.count, instance);
-      if (instanced && !scene_.rig.empty()) scene_.rig.offsets.resize(scene_.instances.size(), glm::dmat4(1));
-      parallelFor(placements.count, 4096, [&](size_t begin, size_t end) {
-        for (size_t k = begin; k < end; ++k) {
-          const glm::dmat4 below = placements[k];
-          scene_.instances[first + k].toWorld = toWorldFromGltf() * mat4(world * below);
-          scene_.instances[first + k].id = hash32(nameOf(k));
-          // Of the instances below a node that may move.
-          if (instanced && !scene_.rig.empty()) scene_.rig.offsets[first + k] = below;
-        }
-      });
-      for (size_t k = 0; k < placements.count; ++k) {
-        uint32_t& id = scene_.instances[first + k].id;
-        id = ids_.make(id, [&] { return nameOf(k); });
+    const size_t first = scene_.instances.size();
+    const size_t primitives = document_.model.meshes[size_t(node.mesh)].primitives.size();
+    for (size_t p = 0; p < primitives; ++p) placePrimitive(place, p, placements);
+    identify(scene_.nodes[place], primitives > 1, std::span(scene_.instances).subspan(first), placements.count);
+  }
+
+  void placePrimitive(size_t place, size_t p, const Placements& placements) {
+    size_t index = size_t(hierarchy_.order[place]);
+    const tinygltf::Node& node = document_.model.nodes[index];
+    const tinygltf::Mesh& mesh = document_.model.meshes[size_t(node.mesh)];
+    const tinygltf::Primitive& primitive = mesh.primitives[p];
+    if (!isDrawn(primitive)) return;
+    uint32_t material = materialFor(primitive);
+    MeshRequest request{.mesh = node.mesh,
+                        .primitive = int(p),
+                        .skin = primitive.attributes.contains("JOINTS_0") ? node.skin : -1,
+                        .weights = weightsOf(node, mesh, primitive),
+                        .weightsNode = primitive.targets.empty() ? -1 : movedWeights(int(index)),
+                        .tangentSpace = tangentSpaceOf(scene_.materials[material], primitive)};
+    // A skinned mesh is posed in the file's frame already: its own node does not move it.
+    const bool posed = request.skin >= 0;
+    glm::dmat4 world = posed ? glm::dmat4(1) : hierarchy_.world[index];
+    Instance instance{.mesh = find(request, primitive), .material = material, .node = uint32_t(place)};
+    instance.primitive = uint32_t(p);
+    instance.posed = posed;
+    document_.budget.charge(placements.count * 2 * sizeof(Instance), scene_.nodes[place].path);
+    const bool instanced = extension(node.extensions, "EXT_mesh_gpu_instancing");
+    const size_t first = scene_.instances.size();
+    scene_.instances.resize(first + placements.count, instance);
+    if (instanced && !scene_.rig.empty()) scene_.rig.offsets.resize(scene_.instances.size(), glm::dmat4(1));
+    parallelFor(placements.count, 4096, [&](size_t begin, size_t end) {
+      for (size_t k = begin; k < end; ++k) {
+        const glm::dmat4 below = placements[k];
+        scene_.instances[first + k].toWorld = toWorldFromGltf() * mat4(world * below);
+        if (instanced) scene_.instances[first + k].copy = int(k);
+        // Of the instances below a node that may move.
+        if (instanced && !scene_.rig.empty()) scene_.rig.offsets[first + k] = below;
       }
+    });
+  }
+
+  // The ids of a node's instances: primitive by primitive, each in as many copies.
+  void identify(const Node& node, bool several, std::span<Instance> instances, size_t copies) {
+    const auto nameOf = [&](const Instance& instance, bool part) {
+      std::string name = node.path;
+      if (part && several) name += fmt::format("/primitive{}", instance.primitive);
+      if (instance.copy >= 0) name += fmt::format("/instance{}", instance.copy);
+      return name;
+    };
+    parallelFor(instances.size(), 4096, [&](size_t begin, size_t end) {
+      for (Instance& instance : instances.subspan(begin, end - begin)) {
+        instance.id = hash32(nameOf(instance, false));
+        instance.part = hash32(nameOf(instance, true));
+      }
+    });
+    for (size_t i = 0; i < instances.size(); ++i) {
+      Instance& instance = instances[i];
+      instance.part = parts_.make(instance.part, [&] { return nameOf(instance, true); });
+      if (instance.copy < 0)
+        instance.id = node.id;
+      else if (i >= copies)
+        instance.id = instances[i - copies].id;
+      else
+        instance.id = ids_.make(instance.id, [&] { return nameOf(instance, false); });
     }
   }
 
@@ -217,7 +214,7 @@ class Placer {
   std::map<Geometry, std::vector<uint32_t>> known_;
   std::optional<uint32_t> default_;
   std::unordered_set<uint32_t> moved_;  // nodes whose weights an animation moves
-  Ids ids_;
+  UniqueIds ids_, parts_;               // of nodes and copies; of instances
 };
 
 }  // namespace

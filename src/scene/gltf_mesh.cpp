@@ -132,6 +132,11 @@ void poseAtRest(const Document& document, const Hierarchy& hierarchy, const Mesh
 
 }  // namespace
 
+std::string meshName(const Document& document, int mesh) {
+  const std::string& name = document.model.meshes[size_t(mesh)].name;
+  return name.empty() ? fmt::format("mesh{}", mesh) : name;
+}
+
 Mesh buildMesh(const Document& document, const Hierarchy& hierarchy, const MeshRequest& request) {
   const tinygltf::Mesh& parent = document.model.meshes[size_t(request.mesh)];
   const tinygltf::Primitive& primitive = parent.primitives[size_t(request.primitive)];
@@ -161,7 +166,7 @@ Mesh buildMesh(const Document& document, const Hierarchy& hierarchy, const MeshR
   }
   requireFinite(mesh.positions, source.name);
   computeBounds(mesh);
-  mesh.name = parent.name.empty() ? fmt::format("mesh{}", request.mesh) : parent.name;
+  mesh.name = meshName(document, request.mesh);
   if (parent.primitives.size() > 1) mesh.name += fmt::format("/primitive{}", request.primitive);
   return mesh;
 }

@@ -3,6 +3,7 @@
 
 #include <compare>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "scene/gltf_document.h"
@@ -27,6 +28,9 @@ struct MeshRequest {
   std::optional<TangentSpace> tangentSpace;  // where tangents are needed
   bool operator==(const MeshRequest&) const = default;
 };
+
+// A mesh of the file by name; one without is "mesh<index>".
+std::string meshName(const Document& document, int mesh);
 
 // Triangles the primitive has; 0 for points, lines and primitives without positions.
 size_t triangleCount(const Document& document, const tinygltf::Primitive& primitive);

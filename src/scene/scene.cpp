@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "scene/ids.h"
 
 namespace latelight::scene {
 namespace {
@@ -70,6 +71,19 @@ Scene loadBuiltin(const std::string& source, const LoadOptions& options) {
   return scene;
 }
 
+Scene loadFile(const std::string& source, const LoadOptions& options) {
+  const std::filesystem::path path(source);
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  if (!std::filesystem::exists(status))
+    badInput("There is no scene file {}: give a .gltf or .glb file, or a built-in scene such as builtin:hall", source);
+  if (std::filesystem::is_directory(status))
+    badInput("{} is a folder: give a .gltf or .glb file, or a built-in scene such as builtin:hall", source);
+  if (!endsWith(source, ".gltf") && !endsWith(source, ".glb") && !looksLikeGltf(path))
+    badInput("{} is not a glTF file: give a .gltf or .glb file, or a built-in scene such as builtin:hall", source);
+  return loadGltf(path, options);
+}
+
 }  // namespace
 
 size_t Texture::bytes() const {
@@ -123,17 +137,10 @@ void placeLight(Light& light, const glm::dmat4& world) {
 }
 
 Scene load(const std::string& source, const LoadOptions& options) {
-  if (source.starts_with(kBuiltin)) return loadBuiltin(source, options);
-  const std::filesystem::path path(source);
-  std::error_code error;
-  const auto status = std::filesystem::status(path, error);
-  if (!std::filesystem::exists(status))
-    badInput("There is no scene file {}: give a .gltf or .glb file, or a built-in scene such as builtin:hall", source);
-  if (std::filesystem::is_directory(status))
-    badInput("{} is a folder: give a .gltf or .glb file, or a built-in scene such as builtin:hall", source);
-  if (!endsWith(source, ".gltf") && !endsWith(source, ".glb") && !looksLikeGltf(path))
-    badInput("{} is not a glTF file: give a .gltf or .glb file, or a built-in scene such as builtin:hall", source);
-  return loadGltf(path, options);
+  checkGrouping(options.ids);
+  Scene scene = source.starts_with(kBuiltin) ? loadBuiltin(source, options) : loadFile(source, options);
+  groupIds(scene, options.ids);
+  return scene;
 }
 
 }  // namespace latelight::scene

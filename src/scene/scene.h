@@ -73,7 +73,11 @@ struct Instance {
   uint32_t mesh = 0;
   uint32_t material = 0;
   uint32_t node = 0;  // index into Scene::nodes
-  uint32_t id = 0;    // stable, unique in the scene, never 0
+  // Stable and never 0 (ids.h). `id` is the node's, or that of the group it is in; without groups each copy of a mesh
+  // that EXT_mesh_gpu_instancing makes has one of its own. `part` is the instance's alone.
+  uint32_t id = 0, part = 0;
+  uint32_t primitive = 0;  // of the node's mesh
+  int copy = -1;           // which of its node's, by EXT_mesh_gpu_instancing; -1: it has none
   mat4 toWorld{1};
   bool posed = false;  // skinned: its vertices are in the file's frame, and its node does not move it (3.7.3.3)
 };
@@ -81,6 +85,8 @@ struct Instance {
 struct Node {
   std::string name;
   std::string path;  // "/Root/Arm/Hand": names from the root; unnamed nodes are "node<index>", twins get "#2", "#3"...
+  std::string mesh;  // the name of the mesh that hangs on it; empty: none does
+  uint32_t id = 0;   // stable, unique in the scene, never 0; of nodes in a group that of the group's topmost
   int parent = -1;
   mat4 local{1};    // the file's own frame
   mat4 toWorld{1};  // the renderer's world
@@ -155,13 +161,25 @@ mat4 toGltfFromWorld();
 bool placeCamera(Camera& camera, const glm::dmat4& world);
 void placeLight(Light& light, const glm::dmat4& world);
 
+// Whole subtrees of nodes under one id: that of their topmost node. At most one of the two.
+struct IdGrouping {
+  // Nodes deeper than that have the id of their ancestor at that depth. Roots are at depth 0, their children at 1; a
+  // copy by EXT_mesh_gpu_instancing is a step deeper than its node.
+  std::optional<uint32_t> depth;
+  // Names or paths of nodes, a name for every node that has it: each one's subtree has its id, but for what lies below
+  // another of them.
+  std::vector<std::string> nodes;
+};
+
 struct LoadOptions {
   std::string variant;  // KHR_materials_variants by name; empty: the file's default
   // Folders that the file may have read beside its own and what lies below that; base/enclosure.h.
   std::vector<std::string> allowOutside;
+  IdGrouping ids{};
 };
 
-// A .gltf or .glb file, or "builtin:NAME[,key=value...]". Throws Error(BadInput) naming the file and what is wrong.
+// A .gltf or .glb file, or "builtin:NAME[,key=value...]". Throws Error(BadInput) naming the file and what is wrong, and
+// Error(Usage) for options that don't fit the scene.
 Scene load(const std::string& source, const LoadOptions& options = {});
 
 Scene loadGltf(const std::filesystem::path& path, const LoadOptions& options);  // gltf.cpp

@@ -22,8 +22,10 @@ struct Surface {
   float sun;       // of the sun's light, what no shadow takes: a layout with GBUFFER_SUN_TARGET keeps it, elsewhere 1
   vec2 uv;         // UV set 0
   vec2 motion;     // pixels, y down, without jitter: to where it was a frame before
-  uint id;         // 0: background
-  uint flags;      // kSurface*
+  uint id;         // of the node or its group, the part and the material (shared/types.h); 0: background
+  uint part;
+  uint material;
+  uint flags;  // kSurface*
 };
 SH_CONST uint kSurfaceUnlit = 1u;  // KHR_materials_unlit: its baseColor is what leaves it
 
@@ -44,6 +46,8 @@ SH_FUNC Surface emptySurface() {
   s.uv = vec2(0.0f, 0.0f);
   s.motion = vec2(0.0f, 0.0f);
   s.id = 0u;
+  s.part = 0u;
+  s.material = 0u;
   s.flags = 0u;
   return s;
 }

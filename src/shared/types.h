@@ -38,7 +38,8 @@ struct Instance {
   mat4x3 objectToWorld;  // affine, column vectors
   uint mesh;
   uint material;
-  uint id;     // stable, never 0: the value of the id AOV
+  uint id;  // the values of the data outputs id and part: stable, never 0
+  uint part;
   uint flags;  // kInstance*
 };
 SH_CONST uint kInstanceMirrored = 1u;  // negative determinant: front faces are clockwise
@@ -73,6 +74,7 @@ struct Material {
   float f0;       // of the dielectric, from KHR_materials_ior: ((ior - 1) / (ior + 1))^2
   uint flags;     // kMaterial*
   uint textures;  // bit i: texture slot i is present
+  uint id;        // the value of the data output material: stable, never 0
   TextureTransform transforms[7];
 };
 SH_CONST uint kMaterialUnlit = 1u;
@@ -168,9 +170,9 @@ SH_END
 static_assert(sizeof(latelight::shared::VertexAttributes) == 36);
 static_assert(sizeof(latelight::shared::VertexExtra) == 24);
 static_assert(sizeof(latelight::shared::Mesh) == 56);
-static_assert(sizeof(latelight::shared::Instance) == 64);
+static_assert(sizeof(latelight::shared::Instance) == 68);
 static_assert(sizeof(latelight::shared::TextureTransform) == 28);
-static_assert(sizeof(latelight::shared::Material) == 76 + 7 * 28);
+static_assert(sizeof(latelight::shared::Material) == 80 + 7 * 28);
 static_assert(sizeof(latelight::shared::Light) == 60);
 static_assert(sizeof(latelight::shared::ShadowMap) == 88);
 static_assert(sizeof(latelight::shared::LightBox) == 24);

@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <stdexcept>
 
 #include "app/dot.h"
@@ -133,6 +135,42 @@ TEST_F(Outputs, PngHoldsTheNumbersOfTheExrAsItsCodingSays) {
   }
   EXPECT_GT(drawn, z.size() / 10);
   EXPECT_LT(drawn, z.size() * 9 / 10);
+}
+
+// The same in every format, and resolved by the side file; a group's nodes have the group's.
+TEST_F(Outputs, IdsPartsAndMaterialsAreTheSameInEveryFormat) {
+  folder.write("model.glb", texturedModel());
+  const auto with = [](const std::string& out) {
+    return std::vector<std::string>{"model.glb", "--id-depth", "0", "-o", out, "--aov", "id,part,material"};
+  };
+  render(with("a.exr"));
+  render(with("a.{aov}.npy"));
+  render(with("a.{aov}.png"));
+  const json side = readJson("a.json");
+  EXPECT_EQ(side["settings"]["id-depth"], "0");
+  std::map<std::string, std::set<double>> seen;
+  for (const char* name : {"id", "part", "material"}) {
+    const std::vector<double> exr = values(read("a.exr"), name);
+    EXPECT_EQ(read(std::string("a.") + name + ".npy").channels.front().values, exr);
+    const ReadImage png = read(std::string("a.") + name + ".png");
+    for (size_t i = 0; i < exr.size(); ++i)
+      ASSERT_NEAR(255 * (values(png, "R")[i] + 256 * values(png, "G")[i] + 65536 * values(png, "B")[i] +
+                         16777216 * values(png, "A")[i]),
+                  exr[i], 1e-3);
+    seen[name] = {exr.begin(), exr.end()};
+  }
+  std::set<double> ids{0}, parts{0}, materials{0};
+  for (const auto& [id, entry] : side["ids"].items()) {
+    ids.insert(std::stod(id));
+    EXPECT_EQ(entry["parent"], 0) << "all are roots";
+    for (const json& part : entry["parts"]) parts.insert(part["id"].get<double>());
+  }
+  for (const auto& [id, material] : side["materials"].items()) materials.insert(std::stod(id));
+  EXPECT_THAT(ids, IsSupersetOf(seen["id"]));
+  EXPECT_THAT(parts, IsSupersetOf(seen["part"]));
+  EXPECT_THAT(materials, IsSupersetOf(seen["material"]));
+  EXPECT_GE(seen["part"].size(), seen["id"].size());
+  EXPECT_GT(seen["id"].size(), 1u);
 }
 
 // The floor's ids are those of its node's path, and every id in the picture is in the manifest.
@@ -282,12 +320,13 @@ TEST_F(Outputs, PickedPixelsAreTheDataOutputs) {
   EXPECT_THAT(folder.names(), testing::IsEmpty());
   for (const json& pass : report["gpu"])
     EXPECT_THAT(pass["pass"].get<std::string>(), testing::Not(testing::StartsWith("lighting")));
-  render(with({"-o", "a.exr", "--aov", "depth,position,normal,id"}));
+  render(with({"-o", "a.exr", "--aov", "depth,position,normal,id,part"}));
   const ReadImage image = read("a.exr");
   const json &first = report["picked"][0], &second = report["picked"][1];
   constexpr size_t kAt = 20 * kWidth + 32;
   EXPECT_EQ(first["pixel"], (json{32, 20}));
   EXPECT_EQ(first["id"].get<double>(), values(image, "id")[kAt]);
+  EXPECT_EQ(first["part"].get<double>(), values(image, "part")[kAt]);
   EXPECT_EQ(first["depth"].get<float>(), values(image, "Z")[kAt]);
   EXPECT_EQ(first["position"][1].get<float>(), values(image, "P.Y")[kAt]);
   EXPECT_EQ(first["normal"][2].get<float>(), values(image, "N.Z")[kAt]);
@@ -295,8 +334,8 @@ TEST_F(Outputs, PickedPixelsAreTheDataOutputs) {
   EXPECT_EQ(second, (json{{"pixel", {0, 0}}, {"id", 0}}));
 
   const Outcome text = render(with({"--pick", "32,20", "--pick", "0,0", "-o", "b.png"}));
-  EXPECT_THAT(text.out, HasSubstr("pixel 32,20\n  id         " + first["id"].dump() + "\n  node       " +
-                                  first["node"].get<std::string>()));
+  EXPECT_THAT(text.out, HasSubstr("pixel 32,20\n  id         " + first["id"].dump() + "\n  part       " +
+                                  first["part"].dump() + "\n  node       " + first["node"].get<std::string>()));
   EXPECT_THAT(text.out, HasSubstr("pixel 0,0: background\n"));
   EXPECT_EQ(read("b.png").width, kWidth);
 }

@@ -81,6 +81,8 @@ void addScene(Table& t, const Values& models, const std::filesystem::path& folde
   t["--variant"] = {0.15, {"red", "blue"}, {"green"}, Rate::Group};
   t["--allow-outside"] = {0.1, {folder.string()}, {}};  // looked at where a file is loaded
   t["--memory"] = {0.1, {"4G", "100G"}, {"0", "much", "-1G"}};
+  t["--id-depth"] = {0.15, {"0", "1", "9"}, {"-1", "deep"}, Rate::Group};
+  t["--id-nodes"] = {0.15, {"box", "/floor,mirrored", "lower,strip"}, {}, Rate::Group};  // looked for in the scene
   t["--size"] = {1, {"48x27", "48x27", "48x27", "33x17", "7x40", "1x1"}, {"0x9", "20000x9", "48", "-4x4"}};
   t["--camera"] = {0.15, {"0"}, {"99", "nobody"}};
   t["--eye"] = {0.2, {"0.3,1.2,6", "0,1,0.2", "-3,2,3"}, {"1,2", "a,b,c", "nan,0,0"}};

@@ -99,7 +99,8 @@ class Drawing {
     drop("--target", !o.contains("--eye"));
     drop("--up", !o.contains("--eye"));
     const bool builtin = o.at("SCENE").starts_with("builtin:");
-    for (const char* name : {"--variant", "--animation"}) drop(name, builtin);
+    for (const char* name : {"--variant", "--animation", "--id-nodes"}) drop(name, builtin);
+    drop("--id-nodes", o.contains("--id-depth"));
     if (o.contains("--layout")) {
       const render::Layout& layout = render::findLayout(o.at("--layout"));
       drop("--normals", layout.fixedNormal);
@@ -143,8 +144,9 @@ class Stage {
   void endGroup() { renderers_.clear(); }
 
   const scene::Scene& scene(const RenderOptions& o) {
-    auto& kept = scenes_[o.scene + "\n" + o.variant];
-    if (!kept) kept = std::make_unique<scene::Scene>(scene::load(o.scene, {.variant = o.variant}));
+    const std::string depth = o.idGrouping.depth ? fmt::format("{}", *o.idGrouping.depth) : "";
+    auto& kept = scenes_[fmt::format("{}\n{}\n{}\n{}", o.scene, o.variant, depth, o.idNodes)];
+    if (!kept) kept = std::make_unique<scene::Scene>(scene::load(o.scene, {.variant = o.variant, .ids = o.idGrouping}));
     return *kept;
   }
   render::Renderer& renderer(const scene::Scene& scene, const std::string& environment) {

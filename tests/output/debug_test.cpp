@@ -64,12 +64,15 @@ TEST(DebugPicture, OfDepthSurvivesOneDepthAndNone) {
 }
 
 TEST(DebugPicture, OfIdsTellsNeighboursApart) {
-  AovImage ids = makeAovImage(Aov::Id, 64, 1);
-  for (uint32_t i = 0; i < 64; ++i) ids.ids[i] = i + 1;
-  const Picture picture = debugPicture(ids);
-  for (uint32_t i = 0; i + 1 < 64; ++i) {
-    const Pixel a = pixel(picture, i), b = pixel(picture, i + 1);
-    EXPECT_GT(std::abs(a[0] - b[0]) + std::abs(a[1] - b[1]) + std::abs(a[2] - b[2]), 40) << i;
+  for (const Aov aov : {Aov::Id, Aov::Part, Aov::Material}) {
+    AovImage ids = makeAovImage(aov, 64, 1);
+    for (uint32_t i = 0; i < 64; ++i) ids.ids[i] = i;
+    const Picture picture = debugPicture(ids);
+    EXPECT_EQ(pixel(picture, 0), background());
+    for (uint32_t i = 0; i + 1 < 64; ++i) {
+      const Pixel a = pixel(picture, i), b = pixel(picture, i + 1);
+      EXPECT_GT(std::abs(a[0] - b[0]) + std::abs(a[1] - b[1]) + std::abs(a[2] - b[2]), 40) << i;
+    }
   }
 }
 

@@ -22,7 +22,10 @@ using testing::HasSubstr;
 Metadata someMetadata() {
   Metadata metadata;
   metadata.versions = {{"latelight", "1.2.3"}};
-  metadata.ids = {{77, "/B", "mesh b", "red"}, {5, "/A", "mesh a", "blue"}};
+  metadata.ids.ids = {
+      {5, "/A", {}, 0, "mesh a", false, {{6, "/A", {}, "mesh a", 0, 9}}},
+      {77, "/A/B", 3, 5, "mesh b", true, {{7, "/A/B", 3, "mesh b", 0, 8}, {8, "/A/B", 3, "mesh b", 1, 9}}}};
+  metadata.ids.materials = {{8, "red", 1}, {9, "blue", 0}};
   return metadata;
 }
 
@@ -56,6 +59,7 @@ TEST_F(Exr, HasTheChannelsOfTheDesign) {
                                                        {"emissive.R", Imf::HALF}, {"emissive.G", Imf::HALF},
                                                        {"emissive.B", Imf::HALF}, {"ao", Imf::HALF},
                                                        {"id", Imf::UINT},         {"uv.U", Imf::FLOAT},
+                                                       {"part", Imf::UINT},       {"material", Imf::UINT},
                                                        {"uv.V", Imf::FLOAT},      {"lights.tested", Imf::FLOAT},
                                                        {"samples", Imf::FLOAT},   {"lights.used", Imf::FLOAT},
                                                        {"motion.X", Imf::FLOAT},  {"motion.Y", Imf::FLOAT},
@@ -114,9 +118,22 @@ TEST_F(Exr, CarriesTheIdManifestOfOpenExr) {
   const Imf::IDManifest manifest = Imf::idManifest(file);
   ASSERT_EQ(manifest.size(), 1u);
   const auto& group = manifest[manifest.find("id")];
-  EXPECT_EQ(group.getComponents(), (std::vector<std::string>{"node", "mesh", "material"}));
+  EXPECT_EQ(group.getComponents(), (std::vector<std::string>{"node", "parent", "mesh", "materials", "skinned"}));
   EXPECT_EQ(group.size(), 2u);
-  EXPECT_EQ(group.find(77).text(), (std::vector<std::string>{"/B", "mesh b", "red"}));
+  EXPECT_EQ(group.find(5).text(), (std::vector<std::string>{"/A", "0", "mesh a", "blue", "no"}));
+  EXPECT_EQ(group.find(77).text(), (std::vector<std::string>{"/A/B/instance3", "5", "mesh b", "red, blue", "yes"}));
+
+  write({numbers(Aov::Material, 4, 4), numbers(Aov::Part, 4, 4)}, someMetadata());
+  const Imf::Header both = header();
+  const Imf::IDManifest two = Imf::idManifest(both);
+  ASSERT_EQ(two.size(), 2u);
+  const auto& parts = two[two.find("part")];
+  EXPECT_EQ(parts.getComponents(), (std::vector<std::string>{"id", "node", "mesh", "primitive", "material"}));
+  EXPECT_EQ(parts.size(), 3u);
+  EXPECT_EQ(parts.find(8).text(), (std::vector<std::string>{"77", "/A/B/instance3", "mesh b", "1", "9"}));
+  const auto& materials = two[two.find("material")];
+  EXPECT_EQ(materials.getComponents(), (std::vector<std::string>{"name", "index"}));
+  EXPECT_EQ(materials.find(9).text(), (std::vector<std::string>{"blue", "0"}));
 
   write({numbers(Aov::Depth, 4, 4)}, someMetadata());
   EXPECT_FALSE(Imf::hasIDManifest(header()));

@@ -25,7 +25,7 @@ Metadata full() {
   m.device = {"llvmpipe", "Mesa 22.3.6", "00ff"};
   m.versions = {{"vulkan", "1.3"}, {"latelight", "0.1.0"}};
   m.settings = {{"tonemap", "aces"}};
-  m.ids = {{4000000000u, "/Z", "mz", "mat"}, {5, "/A", "ma", ""}, {40, "/B", "mb", "mat"}};
+  m.ids.ids = {{.id = 5, .node = "/A"}, {.id = 4000000000u, .node = "/A/Z", .parent = 5}};
   return m;
 }
 
@@ -78,43 +78,22 @@ TEST(SideFile, DescribesEachAov) {
   }
 }
 
-TEST(IdManifest, HasDecimalKeysInOrder) {
-  const Json ids = Json::parse(idManifest(full()));
-  std::vector<std::string> keys;
-  for (const auto& [key, entry] : ids.items()) {
-    keys.push_back(key);
-    EXPECT_EQ(entry.size(), 3u);
-  }
-  EXPECT_EQ(keys, (std::vector<std::string>{"5", "40", "4000000000"}));
-  EXPECT_EQ(ids["40"], Json({{"node", "/B"}, {"mesh", "mb"}, {"material", "mat"}}));
-}
-
-TEST(IdManifest, TakesTheFirstOfEntriesWithOneId) {
-  Metadata m;
-  m.ids = {{7, "/first", "", ""}, {7, "/second", "", ""}};
-  const std::string text = idManifest(m);
-  EXPECT_THAT(text, testing::HasSubstr("/first"));
-  EXPECT_THAT(text, testing::Not(testing::HasSubstr("/second")));
-}
-
-TEST(IdManifest, IsInTheSideFileWithIds) {
+TEST(SideFile, HasTheIdManifestOfOutputsThatHoldIds) {
   EXPECT_FALSE(parsed({Aov::Depth}, {"a"}).contains("ids"));
-  EXPECT_EQ(parsed({Aov::Id}, {"a"})["ids"], Json::parse(idManifest(full())));
+  for (const Aov aov : {Aov::Id, Aov::Part, Aov::Material}) {
+    const Json json = parsed({aov}, {"a"}), manifest = Json::parse(idManifestText(full().ids));
+    EXPECT_EQ(json["ids"], manifest["ids"]);
+    EXPECT_EQ(json["materials"], manifest["materials"]);
+    EXPECT_EQ(json["ids"].size(), 2u);
+  }
 }
 
 TEST(SideFile, SurvivesNamesThatAreNotUtf8) {
   Metadata m = full();
-  m.ids[0].node = "/\xff\xfe\"\n";
+  m.ids.ids[1].node = "/\xff\xfe\"\n";
   m.scene = std::string(1, '\xc3');
   const Json json = Json::parse(sideFile(m, 1, 1, std::vector{Aov::Id}, std::vector<std::string>{"a"}));
   EXPECT_EQ(json["ids"]["4000000000"]["node"], "/\xef\xbf\xbd\xef\xbf\xbd\"\n");
-}
-
-TEST(SideFile, OfManyObjectsIsQuick) {
-  Metadata m;
-  for (uint32_t i = 0; i < 200000; ++i) m.ids.push_back({i * 2654435761u, "/n", "m", "m"});
-  const auto ids = nlohmann::json::parse(idManifest(m));  // with a search for each key it would take minutes
-  EXPECT_EQ(ids.size(), 200000u);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Depth, distance, position, normals, uv and id at every pixel centre, against an independent CPU ray caster.
+// Depth, distance, position, normals, uv and part at every pixel centre, against an independent CPU ray caster.
 //
 // An *edge pixel* is one where the rasterizer may rightly choose another triangle than the ray does:
 //   edge  the pixel's centre lies within 1/256 px of the projection of a triangle's edge that is not hidden (its depth
@@ -7,7 +7,7 @@
 //         the diagonal of a cell, 0.0028 px; the rest of the 0.0039 px is for rounding in float32.
 //   tie   two surfaces lie within the tolerance of depth of each other along the ray
 //   mask  an alpha mask cuts differently at one of four points 1/256 px beside the centre
-// Any other difference fails the test. Ids may differ at no more than 0.1 % of the pixels where anything is seen.
+// Any other difference fails the test. Parts may differ at no more than 0.1 % of the pixels where anything is seen.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -28,7 +28,7 @@ using output::Aov;
 
 constexpr uint32_t kWidth = 640, kHeight = 360;
 constexpr double kDepthTolerance = 1e-4;  // relative
-constexpr double kMostEdgeIds = 1e-3;
+constexpr double kMostEdgeParts = 1e-3;
 // Of attributes, in units of their change over a pixel where that is large: the CPU device keeps them as planes over
 // the picture in float32, so what is left is its 6e-8 after a cancellation of up to a thousand pixels.
 constexpr double kInterpolation = 2e-4;
@@ -39,21 +39,21 @@ struct Worst {
 };
 
 struct Report {
-  size_t covered = 0, edges = 0, ids = 0, other = 0, unexplained = 0;
+  size_t covered = 0, edges = 0, parts = 0, other = 0, unexplained = 0;
   Worst depth, distance, position, geonormal, normal, uv;
   std::string first;  // the first unexplained pixel, in words
 
   void merge(const Report& r) {
-    covered += r.covered, edges += r.edges, ids += r.ids, other += r.other, unexplained += r.unexplained;
+    covered += r.covered, edges += r.edges, parts += r.parts, other += r.other, unexplained += r.unexplained;
     depth.add(r.depth.value), distance.add(r.distance.value), position.add(r.position.value);
     geonormal.add(r.geonormal.value), normal.add(r.normal.value), uv.add(r.uv.value);
     if (first.empty()) first = r.first;
   }
 };
 
-// The differences at one pixel, as multiples of what is allowed, but for the id.
+// The differences at one pixel, as multiples of what is allowed, but for the part.
 struct Difference {
-  bool id = false;
+  bool part = false;
   double depth = 0, distance = 0, position = 0, geonormal = 0, normal = 0, uv = 0;
   double most() const { return std::max({depth, distance, position, geonormal, normal, uv}); }
 };
@@ -63,7 +63,7 @@ class Comparison {
   Comparison(vk::Device& device, const scene::Scene& scene, const scene::Camera& camera)
       : scene_(scene), caster_(scene, camera, kWidth, kHeight) {
     Settings settings = settingsOf(
-        kWidth, kHeight, {Aov::Depth, Aov::Distance, Aov::Position, Aov::GeoNormal, Aov::Normal, Aov::Uv, Aov::Id});
+        kWidth, kHeight, {Aov::Depth, Aov::Distance, Aov::Position, Aov::GeoNormal, Aov::Normal, Aov::Uv, Aov::Part});
     settings.zUp = true;
     frame_ = renderOne(device, scene, camera, settings);
   }
@@ -84,8 +84,8 @@ class Comparison {
     const size_t pixel = size_t{y} * kWidth + x;
     const dvec2 centre(x + 0.5, y + 0.5);
     const std::optional<Hit> hit = caster_.cast(centre);
-    const uint32_t id = imageOf(frame_, Aov::Id).ids[pixel];
-    if (!hit && id == 0) {
+    const uint32_t part = imageOf(frame_, Aov::Part).ids[pixel];
+    if (!hit && part == 0) {
       if (!backgroundEverywhere(pixel)) report.unexplained++, report.first = fmt::format("background at {} {}", x, y);
       return;
     }
@@ -95,12 +95,12 @@ class Comparison {
     report.edges += atEdge;
 
     Difference d;
-    d.id = (hit ? hit->id : 0) != id;
-    if (!d.id) d = difference(*hit, pixel);
-    if (d.id || d.most() > 1) {
-      (d.id ? report.ids : report.other)++;
+    d.part = (hit ? hit->part : 0) != part;
+    if (!d.part) d = difference(*hit, pixel);
+    if (d.part || d.most() > 1) {
+      (d.part ? report.parts : report.other)++;
       if (atEdge || tie(centre, hit) || maskEdge(centre, hit)) return;
-      if (report.unexplained++ == 0) report.first = describe(x, y, hit, id, d);
+      if (report.unexplained++ == 0) report.first = describe(x, y, hit, part, d);
       return;
     }
     report.depth.add(d.depth * kDepthTolerance), report.distance.add(d.distance * kDepthTolerance);
@@ -145,17 +145,19 @@ class Comparison {
     constexpr double r = ReferenceCaster::kEdgeReach;
     for (dvec2 offset : {dvec2(r, 0), dvec2(-r, 0), dvec2(0, r), dvec2(0, -r)}) {
       const std::optional<Hit> beside = caster_.cast(centre + offset);
-      if ((beside ? beside->id : 0) != (hit ? hit->id : 0)) return true;
+      if ((beside ? beside->part : 0) != (hit ? hit->part : 0)) return true;
     }
     return false;
   }
 
-  std::string describe(uint32_t x, uint32_t y, const std::optional<Hit>& hit, uint32_t id, const Difference& d) const {
+  std::string describe(uint32_t x, uint32_t y, const std::optional<Hit>& hit, uint32_t part,
+                       const Difference& d) const {
     return fmt::format(
-        "pixel {} {}: id {} where the caster sees {}; depth {} against {}; times the tolerance: depth {:.3g}, distance "
+        "pixel {} {}: part {} where the caster sees {}; depth {} against {}; times the tolerance: depth {:.3g}, "
+        "distance "
         "{:.3g}, position {:.3g}, geonormal {:.3g}, normal {:.3g}, uv {:.3g}",
-        x, y, id, hit ? hit->id : 0, imageOf(frame_, Aov::Depth).values[size_t{y} * kWidth + x], hit ? hit->depth : 0,
-        d.depth, d.distance, d.position, d.geonormal, d.normal, d.uv);
+        x, y, part, hit ? hit->part : 0, imageOf(frame_, Aov::Depth).values[size_t{y} * kWidth + x],
+        hit ? hit->depth : 0, d.depth, d.distance, d.position, d.geonormal, d.normal, d.uv);
   }
 
   const scene::Scene& scene_;
@@ -171,14 +173,15 @@ class EmbreeTest : public RenderTest {
     const Report r = Comparison(device(), scene, camera).run();
     const double covered = static_cast<double>(r.covered);
     fmt::print(
-        "{}: {} pixels covered; edge pixels {:.4f} %, ids differ at {:.4f} %, other values at {:.4f} %; elsewhere the "
+        "{}: {} pixels covered; edge pixels {:.4f} %, parts differ at {:.4f} %, other values at {:.4f} %; elsewhere "
+        "the "
         "most are: depth {:.2e}, distance {:.2e}, position {:.2e} (relative), normal {:.2f}, geonormal {:.2f} and uv "
         "{:.2f} of their tolerance\n",
-        name, r.covered, 100 * r.edges / covered, 100 * r.ids / covered, 100 * r.other / covered, r.depth.value,
+        name, r.covered, 100 * r.edges / covered, 100 * r.parts / covered, 100 * r.other / covered, r.depth.value,
         r.distance.value, r.position.value, r.normal.value, r.geonormal.value, r.uv.value);
     EXPECT_GT(covered, leastCover * kWidth * kHeight);
     EXPECT_EQ(r.unexplained, 0u) << r.first;
-    EXPECT_LT(r.ids, kMostEdgeIds * covered);
+    EXPECT_LT(r.parts, kMostEdgeParts * covered);
   }
 
   static void compareFile(const std::filesystem::path& path, double leastCover) {

@@ -194,7 +194,7 @@ Sample randomSample(Random& random, uint32_t encoding, uint32_t space = 0, uint3
   s.emissive = random.color() * 10.0f;
   s.ao = sample.context.ao = random.uniform();
   s.uv = vec2(random.uniform(-3, 3), random.uniform(-3, 3));
-  s.id = static_cast<uint32_t>(random.bits());
+  for (uint32_t* id : {&s.id, &s.part, &s.material}) *id = static_cast<uint32_t>(random.bits());
   s.motion = vec2(random.uniform(-31.75f, 31.75f), random.uniform(-31.75f, 31.75f));
   return sample;
 }
@@ -359,6 +359,8 @@ TEST(Layouts, ExactKeepsEverything) {
     ASSERT_EQ(a.emissive, b.emissive);
     ASSERT_EQ(a.uv, b.uv);
     ASSERT_EQ(a.id, b.id);
+    ASSERT_EQ(a.part, b.part);
+    ASSERT_EQ(a.material, b.material);
     ASSERT_EQ(a.flags, b.flags);
     ASSERT_EQ(a.f0, b.f0);
   }

@@ -259,14 +259,14 @@ TEST_P(MsaaModels, EdgesAreBetterByAFactor) {
   const ShadingCounts counts = renderer.shadingCounts().value();
   settings.everySample = true;
   const Values samples = color(renderer, camera, settings);
-  settings = settingsOf(kWidth, kHeight, {Aov::Color, Aov::Id});
+  settings = settingsOf(kWidth, kHeight, {Aov::Color, Aov::Part});
   const output::FrameOutput plain = std::move(renderer.render({&camera, 1}, settings).front());
   const Values& none = imageOf(plain, Aov::Color).values;
   settings.aovs = {Aov::Color};
   settings.superSampling = 4;
   const Values sixteen = color(renderer, camera, settings);
 
-  const std::vector<bool> edge = edges(imageOf(plain, Aov::Id));
+  const std::vector<bool> edge = edges(imageOf(plain, Aov::Part));
   double off = 0, errorNone = 0, error4 = 0, errorEvery = 0;
   size_t count = 0;
   for (size_t i = 0; i < edge.size(); ++i) {

@@ -194,7 +194,7 @@ Hit ReferenceCaster::refine(const Ray& ray, uint32_t index, uint32_t triangle) c
   const dvec3 n = surface.areaNormal(triangle);
   const double facing = glm::dot(n, ray.direction) < 0 ? 1 : -1;
 
-  Hit hit{.instance = index, .triangle = triangle, .id = surface.instance->id};
+  Hit hit{.instance = index, .triangle = triangle, .part = surface.instance->part};
   hit.depth = glm::dot(n, a - ray.origin) / glm::dot(n, ray.direction);
   hit.position = ray.origin + hit.depth * ray.direction;
   hit.distance = hit.depth * glm::length(ray.direction);

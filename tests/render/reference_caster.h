@@ -17,7 +17,7 @@ namespace latelight::render::test {
 
 struct Hit {
   uint32_t instance, triangle;
-  uint32_t id;
+  uint32_t part;
   double depth;                            // metres along the view axis
   double distance;                         // metres from where the ray starts: the eye, or the camera's plane
   glm::dvec3 position, geonormal, normal;  // world; normals unit, towards the viewer; `normal` without a normal map

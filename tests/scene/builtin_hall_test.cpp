@@ -145,6 +145,8 @@ TEST(Hall, IdsAndPathsAreUniqueAndStable) {
   for (const Instance& instance : scene.instances) {
     EXPECT_NE(instance.id, 0u);
     EXPECT_TRUE(ids.insert(instance.id).second) << scene.nodes[instance.node].path;
+    EXPECT_EQ(instance.part, instance.id);
+    EXPECT_EQ(scene.nodes[instance.node].mesh, scene.meshes[instance.mesh].name);
   }
   for (const Node& node : scene.nodes) EXPECT_TRUE(paths.insert(node.path).second) << node.path;
   EXPECT_TRUE(paths.contains("/hall/column 3/shaft"));

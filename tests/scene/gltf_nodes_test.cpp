@@ -48,12 +48,15 @@ TEST(GltfNodes, PathsAreUniqueAndIdsComeFromThem) {
   EXPECT_THAT(paths, ElementsAre("/Car", "/Car/Wheel", "/Car/Wheel#2", "/Car/node3", "/Car/Wheel#2#2"));
   ASSERT_EQ(scene.instances.size(), 4u);
   EXPECT_EQ(scene.meshes.size(), 1u);
-  for (const Instance& instance : scene.instances) EXPECT_EQ(instance.id, hash32(scene.nodes[instance.node].path));
+  for (const Instance& instance : scene.instances) {
+    EXPECT_EQ(instance.id, hash32(scene.nodes[instance.node].path));
+    EXPECT_EQ(instance.part, instance.id);
+  }
   EXPECT_EQ(scene.nodes[1].parent, 0);
   EXPECT_EQ(scene.nodes[0].parent, -1);
 }
 
-TEST(GltfNodes, SeveralPrimitivesHaveIdsOfTheirOwn) {
+TEST(GltfNodes, PrimitivesOfANodeArePartsOfIt) {
   GltfBuilder b = triangleFile();
   b.root["nodes"][0]["name"] = "Box";
   json second = b.primitive();
@@ -61,8 +64,11 @@ TEST(GltfNodes, SeveralPrimitivesHaveIdsOfTheirOwn) {
   b.root["meshes"][0]["primitives"].push_back(second);
   Scene scene = b.load();
   ASSERT_EQ(scene.instances.size(), 2u);
-  EXPECT_EQ(scene.instances[0].id, hash32("/Box/primitive0"));
-  EXPECT_EQ(scene.instances[1].id, hash32("/Box/primitive1"));
+  for (uint32_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(scene.instances[i].id, hash32("/Box"));
+    EXPECT_EQ(scene.instances[i].part, hash32(fmt::format("/Box/primitive{}", i)));
+    EXPECT_EQ(scene.instances[i].primitive, i);
+  }
   EXPECT_EQ(scene.meshes.size(), 1u);  // the same geometry in another material
   EXPECT_EQ(scene.materials[scene.instances[0].material].name, "default");
   EXPECT_EQ(scene.materials[scene.instances[1].material].name, "second");
@@ -128,9 +134,14 @@ TEST(GltfNodes, IdsNeverCollide) {
   int t = b.positions(std::vector<vec3>(100000, vec3(0)));
   b.root["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {{"TRANSLATION", t}};
   std::set<uint32_t> ids;
-  for (const Instance& instance : b.load().instances) ids.insert(instance.id);
+  std::set<uint32_t> parts;
+  const Scene scene = b.load();
+  for (const Instance& instance : scene.instances) ids.insert(instance.id), parts.insert(instance.part);
   EXPECT_EQ(ids.size(), 100000u);
   EXPECT_FALSE(ids.contains(0));
+  EXPECT_FALSE(ids.contains(scene.nodes[0].id));
+  EXPECT_EQ(parts.size(), 100000u);
+  EXPECT_FALSE(parts.contains(0));
 }
 
 TEST(GltfNodes, PerspectiveCameras) {

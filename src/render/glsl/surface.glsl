@@ -80,6 +80,8 @@ Surface evaluateMaterial(FrameConstants frame, Instance instance, Material m) {
   s.f90 = specular;
   s.uv = varyingUv.xy;
   s.id = instance.id;
+  s.part = instance.part;
+  s.material = m.id;
   s.flags = (m.flags & kMaterialUnlit) != 0u ? kSurfaceUnlit : 0u;
   return s;
 }

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "base/hash.h"
-
 namespace latelight::scene::builtin {
 
 SceneBuilder::SceneBuilder(const std::string& root) {
@@ -11,6 +9,7 @@ SceneBuilder::SceneBuilder(const std::string& root) {
   node.name = root;
   node.path = "/" + root;
   node.toWorld = toWorldFromGltf();
+  node.id = ids_.make(node.path);
   paths_.insert(node.path);
   scene.nodes.push_back(std::move(node));
 }
@@ -24,6 +23,7 @@ uint32_t SceneBuilder::addNode(const std::string& name, uint32_t parent, const m
   const std::string path = scene.nodes[parent].path + "/" + name;
   node.path = path;
   for (int twin = 2; !paths_.insert(node.path).second; ++twin) node.path = fmt::format("{}#{}", path, twin);
+  node.id = ids_.make(node.path);
   scene.nodes.push_back(std::move(node));
   return static_cast<uint32_t>(scene.nodes.size() - 1);
 }
@@ -36,8 +36,8 @@ uint32_t SceneBuilder::addInstance(const std::string& name, uint32_t parent, uin
   instance.material = material;
   instance.node = node;
   instance.toWorld = scene.nodes[node].toWorld;
-  instance.id = hash32(scene.nodes[node].path);
-  while (instance.id == 0 || !ids_.insert(instance.id).second) ++instance.id;
+  instance.id = scene.nodes[node].id;
+  instance.part = instance.id;  // the node's one primitive
   scene.instances.push_back(instance);
   return node;
 }

@@ -4,7 +4,7 @@
 #include <string>
 #include <unordered_set>
 
-#include "scene/scene.h"
+#include "scene/ids.h"
 
 namespace latelight::scene::builtin {
 
@@ -14,7 +14,7 @@ class SceneBuilder {
 
   // A node under `parent`; its path is the parent's, a slash and the name, with "#2" and so on for twins.
   uint32_t addNode(const std::string& name, uint32_t parent, const mat4& local = mat4(1));
-  // A node with a mesh. The instance's id is the hash of the node's path, or the next free number after it.
+  // A node with a mesh.
   uint32_t addInstance(const std::string& name, uint32_t parent, uint32_t mesh, uint32_t material,
                        const mat4& local = mat4(1));
   void addCamera(const std::string& name, vec3 eye, vec3 target, float verticalFov);
@@ -24,7 +24,7 @@ class SceneBuilder {
 
  private:
   std::unordered_set<std::string> paths_;
-  std::unordered_set<uint32_t> ids_;
+  UniqueIds ids_;
 };
 
 // A material with neutral glTF defaults and no textures.

@@ -14,9 +14,9 @@
   T(1, normal, R32G32B32A32_SFLOAT, vec4, "xyz: world normal; w: roughness")                               \
   T(2, geonormal, R32G32B32A32_SFLOAT, vec4, "xyz: the triangle's world normal; w: metallic")              \
   T(3, albedo, R32G32B32A32_SFLOAT, vec4, "rgb: base colour; a: reflectance at grazing angles")            \
-  T(4, f0, R32G32B32A32_SFLOAT, vec4, "rgb: dielectric reflectance at normal incidence; a: 1 where unlit") \
-  T(5, emissive, R32G32B32A32_SFLOAT, vec4, "rgb: emitted radiance")                                       \
-  T(6, ids, R32G32B32A32_UINT, uvec4, "r: id; gb: UV set 0 as float bits")
+  T(4, f0, R32G32B32A32_SFLOAT, vec4, "rgb: dielectric reflectance at normal incidence; a: u of UV set 0") \
+  T(5, emissive, R32G32B32A32_SFLOAT, vec4, "rgb: emitted radiance; a: v of UV set 0")                     \
+  T(6, ids, R32G32B32A32_UINT, uvec4, "r: id; g: id of the part; b: id of the material; a: 1 where unlit")
 
 GBUFFER_BEGIN
 
@@ -26,9 +26,9 @@ SH_FUNC GbufferTexel packGbuffer(Surface s, GbufferContext c) {
   t.normal = vec4(s.normal.x, s.normal.y, s.normal.z, s.roughness);
   t.geonormal = vec4(s.geonormal.x, s.geonormal.y, s.geonormal.z, s.metallic);
   t.albedo = vec4(s.baseColor.x, s.baseColor.y, s.baseColor.z, s.f90);
-  t.f0 = vec4(s.f0.x, s.f0.y, s.f0.z, (s.flags & kSurfaceUnlit) != 0u ? 1.0f : 0.0f);
-  t.emissive = vec4(s.emissive.x, s.emissive.y, s.emissive.z, 0.0f);
-  t.ids = uvec4(s.id, floatBitsToUint(s.uv.x), floatBitsToUint(s.uv.y), 0u);
+  t.f0 = vec4(s.f0.x, s.f0.y, s.f0.z, s.uv.x);
+  t.emissive = vec4(s.emissive.x, s.emissive.y, s.emissive.z, s.uv.y);
+  t.ids = uvec4(s.id, s.part, s.material, s.flags & kSurfaceUnlit);
   return t;
 }
 
@@ -44,9 +44,11 @@ SH_FUNC Surface unpackGbuffer(GbufferTexel t, GbufferContext c) {
   s.f90 = t.albedo.w;
   s.f0 = vec3(t.f0.x, t.f0.y, t.f0.z);
   s.emissive = vec3(t.emissive.x, t.emissive.y, t.emissive.z);
+  s.uv = vec2(t.f0.w, t.emissive.w);
   s.id = t.ids.x;
-  s.uv = vec2(uintBitsToFloat(t.ids.y), uintBitsToFloat(t.ids.z));
-  s.flags = t.f0.w > 0.5f ? kSurfaceUnlit : 0u;
+  s.part = t.ids.y;
+  s.material = t.ids.z;
+  s.flags = t.ids.w;
   return s;
 }
 

@@ -1,0 +1,70 @@
+#include "output/id_manifest.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <string_view>
+#include <unordered_set>
+
+namespace latelight::output {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Straight into the vector that an ordered_json object is, because [] searches it each time. Ids are unique.
+void append(Json::object_t& object, uint32_t id, Json value) {
+  static_cast<std::vector<Json::object_t::value_type>&>(object).emplace_back(std::to_string(id), std::move(value));
+}
+
+Json describePart(const IdPart& part) {
+  Json json{{"id", part.id}, {"node", part.node}};
+  if (part.copy) json["copy"] = *part.copy;
+  json["mesh"] = part.mesh;
+  json["primitive"] = part.primitive;
+  json["material"] = part.material;
+  return json;
+}
+
+Json describeEntry(const IdEntry& entry, const std::vector<std::string>& materials) {
+  Json json{{"node", entry.node}};
+  if (entry.copy) json["copy"] = *entry.copy;
+  json["parent"] = entry.parent;
+  json["mesh"] = entry.mesh;
+  json["materials"] = materials;
+  json["skinned"] = entry.skinned;
+  Json& parts = json["parts"] = Json::array();
+  for (const IdPart& part : entry.parts) parts.push_back(describePart(part));
+  return json;
+}
+
+}  // namespace
+
+std::vector<std::string> IdManifest::materialsOf(const IdEntry& entry) const {
+  std::unordered_set<std::string_view> seen;
+  std::vector<std::string> names;
+  for (const IdPart& part : entry.parts) {
+    const auto found = std::ranges::lower_bound(materials, part.material, {}, &IdMaterial::id);
+    if (found == materials.end() || found->id != part.material) continue;
+    if (seen.insert(found->name).second) names.push_back(found->name);
+  }
+  return names;
+}
+
+Json describeIds(const IdManifest& manifest) {
+  Json::object_t object;
+  for (const IdEntry& entry : manifest.ids) append(object, entry.id, describeEntry(entry, manifest.materialsOf(entry)));
+  return object;
+}
+
+Json describeMaterials(const IdManifest& manifest) {
+  Json::object_t object;
+  for (const IdMaterial& material : manifest.materials)
+    append(object, material.id, {{"name", material.name}, {"index", material.index}});
+  return object;
+}
+
+std::string idManifestText(const IdManifest& manifest) {
+  const Json json{{"ids", describeIds(manifest)}, {"materials", describeMaterials(manifest)}};
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";  // names need not be UTF-8
+}
+
+}  // namespace latelight::output

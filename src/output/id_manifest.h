@@ -1,0 +1,58 @@
+// The id manifest: what the ids in a picture stand for.
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace latelight::output {
+
+// A primitive of a node, or of one of the node's copies.
+struct IdPart {
+  uint32_t id = 0;
+  std::string node;              // the node's path
+  std::optional<uint32_t> copy;  // which one, of a node that EXT_mesh_gpu_instancing copies
+  std::string mesh;              // the node's
+  uint32_t primitive = 0;        // of the mesh
+  uint32_t material = 0;         // its id
+};
+
+// A node with all that has its id: its own parts, and in a group those of the nodes below it.
+struct IdEntry {
+  uint32_t id = 0;
+  std::string node;              // the node's path
+  std::optional<uint32_t> copy;  // which one, where copies have ids of their own
+  uint32_t parent = 0;           // the id that the node hangs below; 0: it is a root
+  std::string mesh;              // the node's own; empty: it has none
+  bool skinned = false;          // a skin moves one of its parts
+  std::vector<IdPart> parts;     // in the scene's order; none: it is listed because others hang below it
+};
+
+struct IdMaterial {
+  uint32_t id = 0;
+  std::string name;
+  uint32_t index = 0;  // in the scene's list
+};
+
+struct IdManifest {
+  // Each by ascending ids.
+  std::vector<IdEntry> ids;
+  std::vector<IdMaterial> materials;
+
+  bool empty() const { return ids.empty(); }
+  // The names of those of an entry's parts, without repeats, in their order.
+  std::vector<std::string> materialsOf(const IdEntry& entry) const;
+};
+
+// {"<id>": {"node": ..., "parent": ..., "mesh": ..., "materials": [...], "skinned": ..., "parts": [...]}, ...}, ids in
+// decimal; of copies "copy", too.
+nlohmann::ordered_json describeIds(const IdManifest& manifest);
+// {"<id>": {"name": ..., "index": ...}, ...}
+nlohmann::ordered_json describeMaterials(const IdManifest& manifest);
+
+// Both, as "ids" and "materials" of one JSON object.
+std::string idManifestText(const IdManifest& manifest);
+
+}  // namespace latelight::output

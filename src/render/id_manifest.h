@@ -1,0 +1,11 @@
+// The id manifest of a scene: every id that a picture of it may hold, and the nodes that those hang below.
+#pragma once
+
+#include "output/id_manifest.h"
+#include "scene/scene.h"
+
+namespace latelight::render {
+
+output::IdManifest idManifest(const scene::Scene& scene);
+
+}  // namespace latelight::render

@@ -1,0 +1,105 @@
+#include "scene/ids.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string_view>
+#include <unordered_map>
+#include <utility>
+
+#include "base/error.h"
+#include "base/hash.h"
+#include "base/log.h"
+
+namespace latelight::scene {
+
+uint32_t UniqueIds::make(uint32_t hash, const std::function<std::string()>& name) {
+  uint32_t id = hash;
+  for (unsigned attempt = 2; id == 0 || !insert(id); ++attempt) id = hash32(fmt::format("{}~{}", name(), attempt));
+  return id;
+}
+
+uint32_t UniqueIds::make(const std::string& name) {
+  return make(hash32(name), [&] { return name; });
+}
+
+bool UniqueIds::insert(uint32_t id) {
+  if (2 * (count_ + 1) > table_.size()) grow();
+  uint32_t& place = find(id);
+  const bool isNew = std::exchange(place, id) != id;
+  count_ += isNew;
+  return isNew;
+}
+
+uint32_t& UniqueIds::find(uint32_t id) {
+  size_t place = id & (table_.size() - 1);
+  while (table_[place] != 0 && table_[place] != id) place = (place + 1) & (table_.size() - 1);
+  return table_[place];
+}
+
+void UniqueIds::grow() {
+  std::vector<uint32_t> old(std::max<size_t>(1024, table_.size() * 2));
+  old.swap(table_);
+  for (uint32_t id : old)
+    if (id != 0) find(id) = id;
+}
+
+void identifyMaterials(Scene& scene) {
+  UniqueIds ids;
+  for (size_t i = 0; i < scene.materials.size(); ++i) {
+    Material& material = scene.materials[i];
+    material.data.id = ids.make(material.name.empty() ? fmt::format("material{}", i) : material.name);
+  }
+}
+
+namespace {
+
+// Which nodes give their id to all below them.
+std::vector<bool> nodesAtDepth(const Scene& scene, uint32_t depth) {
+  std::vector<uint32_t> depths(scene.nodes.size());
+  std::vector<bool> chosen(scene.nodes.size());
+  for (size_t i = 0; i < scene.nodes.size(); ++i) {
+    const int parent = scene.nodes[i].parent;
+    depths[i] = parent < 0 ? 0 : depths[size_t(parent)] + 1;
+    chosen[i] = depths[i] == depth;
+  }
+  return chosen;
+}
+
+std::vector<bool> nodesCalled(const Scene& scene, const std::vector<std::string>& names) {
+  std::unordered_map<std::string_view, bool> found;
+  for (const std::string& name : names) found[name] = false;
+  std::vector<bool> chosen(scene.nodes.size());
+  for (size_t i = 0; i < scene.nodes.size(); ++i)
+    for (const std::string_view name : {std::string_view(scene.nodes[i].name), std::string_view(scene.nodes[i].path)})
+      if (const auto at = found.find(name); at != found.end()) chosen[i] = at->second = true;
+  for (const std::string& name : names)
+    if (!found[name])
+      badUsage("{} has no node \"{}\" to group ids under: give names of its nodes, or paths as /Root/Arm",
+               printable(scene.source), printable(name));
+  return chosen;
+}
+
+}  // namespace
+
+void checkGrouping(const IdGrouping& grouping) {
+  if (grouping.depth && !grouping.nodes.empty())
+    badUsage("ids are grouped by a depth or by names of nodes (--id-depth, --id-nodes); use one of them");
+}
+
+void groupIds(Scene& scene, const IdGrouping& grouping) {
+  checkGrouping(grouping);
+  if (!grouping.depth && grouping.nodes.empty()) return;
+  const std::vector<bool> chosen =
+      grouping.depth ? nodesAtDepth(scene, *grouping.depth) : nodesCalled(scene, grouping.nodes);
+  std::vector<uint32_t> groups(scene.nodes.size());  // the id of the group each node is in, or 0
+  for (size_t i = 0; i < scene.nodes.size(); ++i) {  // parents first
+    Node& node = scene.nodes[i];
+    groups[i] = chosen[i] ? node.id : node.parent < 0 ? 0 : groups[size_t(node.parent)];
+    if (groups[i] != 0) node.id = groups[i];
+  }
+  for (Instance& instance : scene.instances)
+    if (groups[instance.node] != 0) instance.id = groups[instance.node];
+}
+
+}  // namespace latelight::scene

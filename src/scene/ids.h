@@ -1,0 +1,41 @@
+// Ids of nodes, parts and materials: hashes of what they are called, so that they stay what they are when others come
+// and go.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "scene/scene.h"
+
+namespace latelight::scene {
+
+// Ids that are never 0 and never the same: where two names have one hash, the later one is hashed again with "~2" and
+// so on behind it. Those that are taken lie in one table, each at the first free place behind its hash, since there may
+// be ten million.
+class UniqueIds {
+ public:
+  // `hash` is hash32() of the name.
+  uint32_t make(uint32_t hash, const std::function<std::string()>& name);
+  uint32_t make(const std::string& name);
+
+ private:
+  bool insert(uint32_t id);
+  uint32_t& find(uint32_t id);
+  void grow();
+
+  std::vector<uint32_t> table_;  // a power of two, at most half full; 0: free
+  size_t count_ = 0;
+};
+
+// Gives each material its id, by its name; one without a name is "material<index>".
+void identifyMaterials(Scene& scene);
+
+// Throws Error(Usage) where both ways of grouping are asked for.
+void checkGrouping(const IdGrouping& grouping);
+
+// Changes the ids of nodes and instances as asked. Throws Error(Usage) for a name that no node has.
+void groupIds(Scene& scene, const IdGrouping& grouping);
+
+}  // namespace latelight::scene

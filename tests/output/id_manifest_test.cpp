@@ -1,0 +1,61 @@
+#include "output/id_manifest.h"
+
+#include <nlohmann/json.hpp>
+
+#include "support.h"
+
+namespace latelight::output {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// /A, which has no mesh, over the skinned /A/B of three parts and the copies of /A/C.
+IdManifest some() {
+  IdManifest manifest;
+  manifest.ids = {{5, "/A", {}, 0, "", false, {}},
+                  {40,
+                   "/A/B",
+                   {},
+                   5,
+                   "body",
+                   true,
+                   {{41, "/A/B", {}, "body", 0, 8}, {42, "/A/B", {}, "body", 2, 9}, {43, "/A/B", {}, "body", 3, 8}}},
+                  {50, "/A/C", {}, 5, "leaf", false, {}},
+                  {4000000000u, "/A/C", 7, 50, "leaf", false, {{51, "/A/C", 7, "leaf", 0, 9}}}};
+  manifest.materials = {{8, "skin", 1}, {9, "cloth", 0}};
+  return manifest;
+}
+
+TEST(IdManifest, SaysWhatIdsStandFor) {
+  const Json json = Json::parse(idManifestText(some()));
+  std::vector<std::string> keys;
+  for (const auto& [key, entry] : json["ids"].items()) keys.push_back(key);
+  EXPECT_EQ(keys, (std::vector<std::string>{"5", "40", "50", "4000000000"}));
+  EXPECT_EQ(json["ids"]["40"],
+            Json({{"node", "/A/B"},
+                  {"parent", 5},
+                  {"mesh", "body"},
+                  {"materials", {"skin", "cloth"}},
+                  {"skinned", true},
+                  {"parts",
+                   {{{"id", 41}, {"node", "/A/B"}, {"mesh", "body"}, {"primitive", 0}, {"material", 8}},
+                    {{"id", 42}, {"node", "/A/B"}, {"mesh", "body"}, {"primitive", 2}, {"material", 9}},
+                    {{"id", 43}, {"node", "/A/B"}, {"mesh", "body"}, {"primitive", 3}, {"material", 8}}}}}));
+  EXPECT_EQ(json["ids"]["5"]["materials"], Json::array());
+  EXPECT_EQ(json["ids"]["5"]["parts"], Json::array());
+  EXPECT_FALSE(json["ids"]["50"].contains("copy"));
+  EXPECT_EQ(json["ids"]["4000000000"]["copy"], 7);
+  EXPECT_EQ(json["ids"]["4000000000"]["parts"][0]["copy"], 7);
+  EXPECT_EQ(json["materials"],
+            Json({{"8", {{"name", "skin"}, {"index", 1}}}, {"9", {{"name", "cloth"}, {"index", 0}}}}));
+}
+
+TEST(IdManifest, OfManyObjectsIsQuick) {
+  IdManifest manifest;
+  for (uint32_t i = 0; i < 200000; ++i) manifest.ids.push_back({.id = i + 1, .node = "/n", .mesh = "m"});
+  const Json json = Json::parse(idManifestText(manifest));  // with a search for each key it would take minutes
+  EXPECT_EQ(json["ids"].size(), 200000u);
+}
+
+}  // namespace
+}  // namespace latelight::output
