@@ -2,15 +2,16 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <tuple>
 #include <utility>
 
 #include "app/commands.h"
-#include "app/parse.h"
+#include "app/render_options.h"
 #include "output/aov.h"
 #include "render/gbuffer/layout.h"
-#include "render/lighting/technique.h"
 #include "render/settings.h"
 #include "scene/builtin.h"
 #include "vk/resources.h"
@@ -84,17 +85,52 @@ Json listNormals() {
   return rows;
 }
 
-Json listLighting() {
+Json listNames(std::span<const render::NamedOption> names) {
   Json rows = Json::array();
-  for (const render::TechniqueInfo& technique : render::techniques())
-    rows.push_back({{"name", technique.name}, {"description", technique.description}});
+  for (const render::NamedOption& named : names)
+    rows.push_back({{"name", named.name}, {"description", named.description}});
   return rows;
 }
 
-template <typename Option>
-Json listOptions(const std::vector<Option>& options) {
+const char* kindName(render::OptionKind kind) {
+  switch (kind) {
+    case render::OptionKind::Flag:
+      return "flag";
+    case render::OptionKind::Integer:
+      return "integer";
+    case render::OptionKind::Number:
+      return "number";
+    case render::OptionKind::Choice:
+      return "name";
+    case render::OptionKind::Text:
+      return "text";
+    case render::OptionKind::List:
+      return "texts";
+  }
+  return "";
+}
+
+Json describeOption(const render::Option& option, bool inApi) {
+  Json row{{"name", render::longName(option)}, {"description", option.help}, {"group", option.group}};
+  row["type"] = kindName(option.kind);
+  if (!option.names.empty()) {
+    row["names"] = Json::array();
+    for (const render::NamedOption& named : option.names) row["names"].push_back(named.name);
+  }
+  if (std::isfinite(option.range.least)) row[option.range.open ? "above" : "least"] = option.range.least;
+  if (std::isfinite(option.range.most)) row["most"] = option.range.most;
+  if (!option.unit.empty() && option.kind != render::OptionKind::List) row["unit"] = option.unit;
+  if (!option.normal.empty()) row["default"] = option.normal;
+  if (!option.without.empty()) row["without"] = option.without;
+  row["compiled"] = option.effect == render::OptionEffect::Compiled;
+  if (inApi) row["member"] = option.member;  // of latelight::Options
+  return row;
+}
+
+Json listOptions() {
   Json rows = Json::array();
-  for (const Option& option : options) rows.push_back({{"name", option.name}, {"description", option.description}});
+  for (const render::Option& option : commandOptions()) rows.push_back(describeOption(option, false));
+  for (const render::Option& option : render::options()) rows.push_back(describeOption(option, true));
   return rows;
 }
 
@@ -160,40 +196,59 @@ void printLayout(const Json& row) {
              row["samples"] == 1 ? "" : "s", sizeText(here), beside(sizeText(original)));
 }
 
+// Type, what is taken and the default on one line, the help on another.
+void printOption(const Json& row) {
+  std::string takes = text(row["type"]);
+  if (row.contains("names")) {
+    takes = "";
+    for (const Json& name : row["names"]) takes += (takes.empty() ? "" : "|") + text(name);
+  }
+  const auto bound = [&](const char* key, const char* before) {
+    if (row.contains(key)) takes += fmt::format("{}{:g}", before, row[key].get<double>());
+  };
+  bound("least", " from ");
+  bound("above", " above ");
+  bound("most", " to ");
+  if (row.contains("unit")) takes += " " + text(row["unit"]);
+  fmt::print("  {:<20}{}\n{:<24}{}{}{}\n", text(row["name"]), text(row["description"]), "", takes,
+             row.contains("default") ? ", default " + text(row["default"]) : "",
+             row["compiled"].get<bool>() ? ", compiled into pipelines" : "");
+}
+
 struct Topic {
-  const char* name;
-  Json (*rows)(const PictureSize&);
+  std::string name;
+  std::function<Json(const PictureSize&)> rows;
   void (*print)(const Json& row) = printRow;
 };
-const Topic kTopics[] = {
-    {"layouts", listLayouts, printLayout},
-    {"normals", [](const PictureSize&) { return listNormals(); }},
-    {"normal-spaces", [](const PictureSize&) { return listOptions(render::normalSpaces()); }},
-    {"positions", [](const PictureSize&) { return listOptions(render::positionMethods()); }},
-    {"lighting", [](const PictureSize&) { return listLighting(); }},
-    {"shading", [](const PictureSize&) { return listOptions(render::shadings()); }},
-    {"tonemaps", [](const PictureSize&) { return listOptions(render::tonemaps()); }},
-    {"aa", [](const PictureSize&) { return listOptions(render::antiAliasings()); }},
-    {"ao", [](const PictureSize&) { return listOptions(render::ambientOcclusions()); }},
-    {"post", [](const PictureSize&) { return listOptions(render::postEffects()); }},
-    {"shadows", [](const PictureSize&) { return listOptions(render::shadowFormats()); }},
-    {"shadow-filters", [](const PictureSize&) { return listOptions(render::shadowFilters()); }},
-    {"volumes-orders", [](const PictureSize&) { return listOptions(render::volumesOrders()); }},
-    {"transparency", [](const PictureSize&) { return listOptions(render::transparencies()); }},
-    {"data-surfaces", [](const PictureSize&) { return listOptions(render::dataSurfaces()); }},
-    {"aovs", [](const PictureSize&) { return listAovs(); }},
-    {"scenes", [](const PictureSize&) { return listScenes(); }},
-};
 
-struct Options {
+// The lists that have more to say than a name and a description, and those of the names that options take.
+std::vector<Topic> makeTopics() {
+  std::vector<Topic> topics = {
+      {"options", [](const PictureSize&) { return listOptions(); }, printOption},
+      {"layouts", listLayouts, printLayout},
+      {"normals", [](const PictureSize&) { return listNormals(); }},
+      {"post", [](const PictureSize&) { return listNames(render::postEffects()); }},
+      {"aovs", [](const PictureSize&) { return listAovs(); }},
+      {"scenes", [](const PictureSize&) { return listScenes(); }},
+  };
+  const auto isThere = [&](std::string_view name) {
+    return std::any_of(topics.begin(), topics.end(), [&](const Topic& topic) { return topic.name == name; });
+  };
+  for (const render::Option& option : render::options())
+    if (*option.topic && !isThere(option.topic))
+      topics.push_back({option.topic, [&option](const PictureSize&) { return listNames(option.names); }});
+  return topics;
+}
+
+struct ListOptions {
   std::string topic, size = "1280x720";
   uint32_t samples = 1;
   bool json = false;
 };
 
-PictureSize parsePicture(const Options& o) {
+PictureSize parsePicture(const ListOptions& o) {
   PictureSize picture;
-  std::tie(picture.width, picture.height) = parseSize(o.size);
+  std::tie(picture.width, picture.height) = render::readSize("--size", o.size);
   picture.samples = o.samples;
   constexpr uint32_t kMaxSide = 1u << 16, kMaxSamples = 256;  // far beyond any target
   if (!picture.count() || std::max(picture.width, picture.height) > kMaxSide || o.samples > kMaxSamples)
@@ -201,14 +256,15 @@ PictureSize parsePicture(const Options& o) {
   return picture;
 }
 
-void list(const Options& o) {
+void list(const ListOptions& o) {
   const PictureSize picture = parsePicture(o);
+  const std::vector<Topic> topics = makeTopics();
   std::vector<std::pair<const Topic*, Json>> chosen;
-  for (const Topic& t : kTopics)
+  for (const Topic& t : topics)
     if (o.topic.empty() || o.topic == t.name) chosen.emplace_back(&t, t.rows(picture));
   if (chosen.empty()) {
     std::string names;
-    for (const Topic& t : kTopics) names += (names.empty() ? "" : ", ") + std::string(t.name);
+    for (const Topic& t : topics) names += (names.empty() ? "" : ", ") + t.name;
     badUsage("there is no list of \"{}\"; there are: {}", o.topic, names);
   }
   if (o.json) {
@@ -226,8 +282,8 @@ void list(const Options& o) {
 }  // namespace
 
 void addListCommand(CLI::App& app) {
-  auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("list", "List what can be chosen: layouts, normals, lighting, ...");
+  auto options = std::make_shared<ListOptions>();
+  CLI::App* command = app.add_subcommand("list", "List what can be chosen: options, layouts, normals, lighting, ...");
   command->add_option("TOPIC", options->topic, "One of the lists; all of them without it");
   command->add_option("--size", options->size, "The picture whose G-buffers are measured, in pixels")
       ->capture_default_str();

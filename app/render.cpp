@@ -186,7 +186,7 @@ RenderedFrame renderFrame(RenderRun& run, uint32_t frame) {
     rendered.picture = std::move(run.renderer.render(std::span(&camera, 1), run.options.settings, moment).front());
   RenderOptions shown = run.options;
   shown.frame = frame;
-  shown.time = run.timeline.secondsAt(frame);
+  shown.settings.time = run.timeline.secondsAt(frame);
   rendered.metadata = describeRender(run.scene, camera, run.device, run.environment, shown);
   rendered.metadata.frameDigits = run.timeline.frameDigits();
   run.times.render += seconds(mark);
@@ -226,16 +226,17 @@ void renderSequence(RenderRun& run) {
 }  // namespace
 
 RenderPlan planRender(RenderOptions& o) {
-  parseSettings(o);
+  checkOptions(o);
   checkTime(o);
-  RenderPlan plan{.debug = parseDebug(o.debug, o.time || !o.frames.empty() || o.turn != 0)};
+  RenderPlan plan{.debug = parseDebug(o.debug, o.settings.time || !o.frames.empty() || o.turn != 0)};
   plan.request = planOutput(o, plan.debug);
   return plan;
 }
 
 std::string environmentOf(const RenderOptions& o, const scene::Scene& scene) {
   // A background to show is a reason for an environment, lights or not.
-  return render::environmentName(scene, o.hdri.empty() && o.background == "hdri" ? "studio" : o.hdri);
+  return render::environmentName(
+      scene, o.hdri.empty() && o.settings.background.kind == render::Background::Environment ? "studio" : o.hdri);
 }
 
 void renderAll(RenderRun& run) {
@@ -249,7 +250,9 @@ void renderAll(RenderRun& run) {
   run.times.total += seconds(start);
 
   if (o.json) printReport(run.scene, run.device, run.renderer, run.files, run.picked, run.times);
-  if (!o.json) printPicked(run.picked, run.scene.yUp && !o.settings.zUp ? "gltf" : "z-up", o.normalFrame);
+  if (!o.json)
+    printPicked(run.picked, run.scene.yUp && o.settings.axes == render::Axes::File ? "gltf" : "z-up",
+                render::nameOf(o.settings.normalFrame));
   for (const std::string& message : run.device.validationMessages())
     fail(ExitCode::Internal, "the Vulkan validation layer says: {}", message);
 }
@@ -289,10 +292,7 @@ void addRenderCommand(CLI::App& app) {
   auto options = std::make_shared<RenderOptions>();
   CLI::App* command = app.add_subcommand("render", "Render a scene to pictures and per-pixel data");
   addRenderOptions(*command, *options);
-  command->callback([options, command] {
-    noteChoices(*command, *options);
-    render(*options);
-  });
+  command->callback([options] { render(*options); });
 }
 
 }  // namespace latelight::app

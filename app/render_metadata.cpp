@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 
 #include "render/id_manifest.h"
@@ -22,59 +21,31 @@ output::CameraMetadata describeCamera(const scene::Camera& camera, const scene::
   const double halfWidth = s.width * 0.5, halfHeight = s.height * 0.5;
   const shared::Projection& p = view.projection;
   m.intrinsics = {p.H * halfWidth, 0, halfWidth * (1 + p.X), 0, p.V * halfHeight, halfHeight * (1 - p.Z), 0, 0, 1};
-  m.cameraToWorld = render::openCvPose(camera, scene, s.zUp);
+  m.cameraToWorld = render::openCvPose(camera, scene, s.axes == render::Axes::ZUp);
   m.orthographic = camera.orthographic;
   m.nearClip = camera.nearClip;
   m.farClip = camera.farClip;
   return m;
 }
 
+// What the picture depends on, as the command line has it. What leaves in which frame is said beside it.
 std::map<std::string, std::string> describeSettings(const RenderOptions& o, const std::string& environment) {
-  const render::Settings& s = o.settings;
-  std::map<std::string, std::string> settings = {
-      {"size", fmt::format("{}x{}", s.width, s.height)},
-      {"layout", s.layout},
-      {"normals", s.normals},
-      {"normal-space", s.normalSpace},
-      {"position", s.position},
-      {"lighting", s.lighting},
-      {"shading", s.shading},
-      {"tonemap", s.tonemap},
-      {"volumes-order", s.volumesOrder},
-      {"transparency", s.transparency},
-      {"data-surfaces", s.dataSurfaces},
-      {"shadows", s.shadows},
-      {"shadow-filter", s.shadowFilter},
-      {"shadow-lights", s.shadowLights},
-      {"shadow-atlas", fmt::format("{}", s.shadowAtlas)},
-      {"light-size", fmt::format("{}", s.lightSize)},
-      {"sun-angle", fmt::format("{}", o.sunAngle)},
-      {"sun", o.sun.empty() ? "none" : o.sun},
-      {"aa", o.aa},
-      {"anisotropy", s.anisotropy ? fmt::format("{}", *s.anisotropy) : "by the device"},
-      {"exposure", fmt::format("{}", s.exposure)},
-      {"hdri", environment.empty() ? "none" : environment},
-      {"hdri-rotate", fmt::format("{}", o.hdriRotate)},
-      {"hdri-intensity", fmt::format("{}", s.environmentIntensity)},
-      {"background", o.background},
-      {"ao", s.ao.method},
-      {"ao-radius", s.ao.radius ? fmt::format("{}", *s.ao.radius) : "by the scene"},
-      {"ao-strength", fmt::format("{}", s.ao.strength)},
-      {"bloom", fmt::format("{}", s.bloom.strength)},
-      {"bloom-radius", fmt::format("{}", s.bloom.radius)},
-      {"bloom-threshold", fmt::format("{}", s.bloom.threshold)},
-      {"bloom-fireflies", s.bloom.fireflies},
-      {"fog", fmt::format("{}", s.fog.density)},
-      {"fog-color", o.fogColor},
-      {"fog-height", fmt::format("{}", s.fog.height)},
-      {"fog-base", fmt::format("{}", s.fog.base)}};
-  if (o.time) settings["time"] = fmt::format("{}", *o.time);
-  if (o.time || o.turn != 0) settings["fps"] = fmt::format("{}", o.fps);
-  if (!o.animation.empty()) settings["animation"] = o.animation;
-  if (o.loop) settings["loop"] = "true";
-  if (o.idGrouping.depth) settings["id-depth"] = fmt::format("{}", *o.idGrouping.depth);
-  if (!o.idGrouping.nodes.empty()) settings["id-nodes"] = o.idNodes;
+  std::map<std::string, std::string> settings;
+  for (const render::Option& option : render::options()) {
+    const auto given = o.given.find(render::keyOf(option));
+    const std::string& text = given != o.given.end()  ? given->second
+                              : option.normal.empty() ? option.without
+                                                      : option.normal;
+    if (!text.empty()) settings[std::string(render::keyOf(option))] = text;
+  }
+  for (const char* elsewhere : {"axes", "normal-frame"}) settings.erase(elsewhere);
+  settings["hdri"] = environment.empty() ? "none" : environment;
+  const std::optional<double> time = o.settings.time;  // of the frame, in a sequence
+  if (time) settings["time"] = fmt::format("{}", *time);
+  if (o.idDepth) settings["id-depth"] = fmt::format("{}", *o.idDepth);
+  if (!o.idNodes.empty()) settings["id-nodes"] = o.idNodes;
   if (o.turn != 0) settings["turn"] = fmt::format("{}", o.turn);
+  if (!time && o.turn == 0) settings.erase("fps");
   return settings;
 }
 
@@ -87,9 +58,9 @@ output::Metadata describeRender(const scene::Scene& scene, const scene::Camera& 
   m.source = scene.source;
   m.frame = o.frame;
   m.camera = describeCamera(camera, scene, o);
-  m.axes = scene.yUp && !o.settings.zUp ? "gltf" : "z-up";
-  m.normalFrame = o.normalFrame;
-  m.exposure = std::exp2(o.settings.exposure);
+  m.axes = scene.yUp && o.settings.axes == render::Axes::File ? "gltf" : "z-up";
+  m.normalFrame = render::nameOf(o.settings.normalFrame);
+  m.exposure = render::exposureFactor(o.settings);
   m.device = {device.info().name, device.info().driver, device.info().uuid};
   m.versions = {{"latelight", LATELIGHT_VERSION}, {"vulkan", device.info().apiVersion}};
   m.settings = describeSettings(o, environment);

@@ -4,47 +4,44 @@
 #include <CLI/CLI.hpp>
 #include <cstdint>
 #include <glm/vec2.hpp>
+#include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "output/aov.h"
+#include "render/options.h"
 #include "render/settings.h"
 #include "scene/scene.h"
 
 namespace latelight::app {
 
 struct RenderOptions {
-  std::string scene = "builtin:hall", out, size = "1280x720", variant;
-  std::vector<std::string> allowOutside;
-  std::string memory;
-  std::string idNodes;
-  scene::IdGrouping idGrouping;
-  std::string camera, eye, target, up, orbit;
-  std::optional<double> fov;
-  std::vector<std::string> picks;
-  std::vector<glm::uvec2> pixels;  // those
-  std::string aovs, debug, hdri, background = "transparent", aa = "none", normalFrame = "world", axes = "file";
-  std::string device = "auto", graph;
-  std::string fogColor = "#bcbcbc";  // linear 0.5
-  std::string animation, frames;
-  std::optional<double> time;
-  double fps = 24, turn = 0;
-  bool loop = false, frameChosen = false;
-  double hdriRotate = 0;
-  std::string sun;
-  double sunAngle = 0.53;
-  uint32_t frame = 0;
-  bool json = false, noSideFile = false, validate = false;
-  bool normalsChosen = false, positionChosen = false;  // rather than left at their defaults
+#define OPTION_GROUP(title)
+#define OPTION_FLAG(member, ...) bool member = false;
+#define OPTION_NUMBER(Type, member, name, normal, ...) Type member = normal;
+#define OPTION_OPTIONAL(Type, member, ...) std::optional<Type> member;
+#define OPTION_TEXT(Type, member, name, normal, ...) Type member = normal;
+#define OPTION_LIST(member, ...) std::vector<std::string> member;
+#include "app/render_command.def"
+
   render::Settings settings;
+  scene::IdGrouping idGrouping;  // of `idDepth` and `idNodes`
+  std::map<std::string, std::string, std::less<>> given;  // what of all that was, by its key ("exposure"), as text
+  std::vector<glm::uvec2> pixels;                         // of `picks`
+
+  bool isGiven(std::string_view key) const {
+    return given.contains(key);
+  }
 };
 
+// Those of the command line alone; render::options() are the others.
+std::span<const render::Option> commandOptions();
+
 void addRenderOptions(CLI::App& command, RenderOptions& options);
-// After parsing: which options were given, where that makes a difference from their defaults.
-void noteChoices(const CLI::App& command, RenderOptions& options);
-// Fills options.settings from the options that are words. Throws Error(Usage).
-void parseSettings(RenderOptions& options);
+// Completes what parsing alone does not: limits, and what contradicts each other. Throws Error(Usage).
+void checkOptions(RenderOptions& options);
 
 // What --debug shows: "sheet", AOV names, or "targets". The picture then leaves as a PNG of those.
 struct DebugRequest {

@@ -14,13 +14,7 @@ namespace latelight::app {
 
 namespace {
 
-constexpr double kMostSeconds = 1e6, kMostFps = 1e4, kMostTurn = 1e6;
 constexpr uint32_t kMostFrames = 1'000'000;
-
-void checkRange(const char* option, double value, double least, double most, const char* unit) {
-  if (!(value >= least && value <= most))
-    badUsage("{} takes a number from {:g} to {:g} {}, not {}", option, least, most, unit, value);
-}
 
 // What --target names, or the middle of the scene at rest.
 glm::vec3 pivotOf(const scene::Scene& scene, const RenderOptions& o) {
@@ -35,19 +29,17 @@ glm::vec3 pivotOf(const scene::Scene& scene, const RenderOptions& o) {
 }  // namespace
 
 void checkTime(const RenderOptions& o) {
-  checkRange("--fps", o.fps, 1e-3, kMostFps, "frames a second");
-  checkRange("--turn", o.turn, -kMostTurn, kMostTurn, "degrees a second");
-  if (o.time) checkRange("--time", *o.time, -kMostSeconds, kMostSeconds, "seconds");
-  if (o.time && !o.frames.empty()) badUsage("--time shows one moment and --frames many; use one of them");
+  const bool timed = o.settings.time.has_value();
+  if (timed && !o.frames.empty()) badUsage("--time shows one moment and --frames many; use one of them");
   if (o.frames.empty()) {
-    const bool plays = !o.animation.empty() || o.loop;
-    if (plays && !o.time) badUsage("--animation and --loop need --time or --frames, which say when");
+    const bool plays = !o.settings.animation.empty() || o.settings.loop;
+    if (plays && !timed) badUsage("--animation and --loop need --time or --frames, which say when");
     return;
   }
   if (!o.picks.empty()) badUsage("--pick shows what a pixel shows at one moment: use --time instead of --frames");
   const auto [first, last] = parseFrames(o.frames);
   if (last - first >= kMostFrames) badUsage("--frames takes at most {} frames, not \"{}\"", kMostFrames, o.frames);
-  if (o.frameChosen) badUsage("--frame and --frames each fill in {{frame}}; use one of them");
+  if (o.isGiven("frame")) badUsage("--frame and --frames each fill in {{frame}}; use one of them");
   if (o.out.find("{frame}") == std::string::npos && first != last)
     badUsage("--frames needs {{frame}} in -o, as in out/{{frame}}.png, or each frame would replace the one before");
 }
@@ -55,10 +47,10 @@ void checkTime(const RenderOptions& o) {
 Timeline::Timeline(const scene::Scene& scene, const RenderOptions& o)
     : scene_(scene),
       options_(o),
-      playback_(scene::choosePlayback(scene, o.animation, o.loop)),
+      playback_(scene::choosePlayback(scene, o.settings.animation, o.settings.loop)),
       pivot_(pivotOf(scene, o)),
       sequence_(!o.frames.empty()),
-      still_(!sequence_ && !o.time) {
+      still_(!sequence_ && !o.settings.time) {
   if (sequence_)
     std::tie(first_, last_) = parseFrames(o.frames);
   else
@@ -70,8 +62,8 @@ uint32_t Timeline::frameDigits() const {
 }
 
 std::optional<double> Timeline::secondsAt(uint32_t frame) const {
-  if (sequence_) return frame / options_.fps;
-  return options_.time;
+  if (sequence_) return frame / options_.settings.framesPerSecond;
+  return options_.settings.time;
 }
 
 scene::Pose Timeline::poseAt(double seconds) const {
@@ -93,7 +85,7 @@ scene::Camera Timeline::cameraAt(uint32_t frame) const {
 }
 
 render::Moment Timeline::momentAt(uint32_t frame) const {
-  const double seconds = secondsAt(frame).value_or(0), step = 1 / options_.fps;
+  const double seconds = secondsAt(frame).value_or(0), step = 1 / options_.settings.framesPerSecond;
   render::Moment moment{.poses = {poseAt(seconds - step), poseAt(seconds), poseAt(seconds + step)}};
   moment.previousCameras = {cameraAt(seconds - step)};
   moment.nextCameras = {cameraAt(seconds + step)};

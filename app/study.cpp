@@ -10,6 +10,7 @@
 #include "base/files.h"
 #include "base/text.h"
 #include "output/files.h"
+#include "render/settings.h"
 #include "scene/builtin.h"
 #include "study/study.h"
 #include "vk/driver_cache.h"
@@ -44,7 +45,7 @@ void parseSweep(const Arguments& a, study::SweepOptions& sweep) {
   if (!a.lights.empty()) sweep.lights = parseCounts("--lights", a.lights);
   if (!a.triangles.empty()) sweep.triangles = parseCounts("--triangles", a.triangles);
   if (a.sizes.empty()) return;
-  for (std::string_view part : splitAtCommas(a.sizes)) sweep.sizes.push_back(parseSize(part, "--sizes"));
+  for (std::string_view part : splitAtCommas(a.sizes)) sweep.sizes.push_back(render::readSize("--sizes", part));
 }
 
 // "8,10,16,float", or ranges as in "8-16".

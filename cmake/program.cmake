@@ -13,7 +13,8 @@ target_include_directories(latelight_program PRIVATE ${PROJECT_SOURCE_DIR})
 
 # The library is made of every module's objects, since nothing inside refers to the API's functions; linking the modules
 # besides brings only what they depend on. Its target is not named `latelight`: in the build folder that is the program.
-file(GLOB public_headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/include/latelight/*.h)
+file(GLOB public_headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/include/latelight/*.h
+  ${PROJECT_SOURCE_DIR}/include/latelight/*.def)
 list(REMOVE_ITEM modules latelight_study)  # the program's alone
 list(TRANSFORM modules REPLACE "(.+)" "$<TARGET_OBJECTS:\\1>" OUTPUT_VARIABLE objects)
 set(exports ${PROJECT_SOURCE_DIR}/cmake/exports.map)

@@ -1,8 +1,10 @@
-# Every shader under src/render and src/study becomes SPIR-V and is embedded, named by its file. A shader that includes "gbuffer_layout.h"
-# (or gbuffer_read.glsl, which does) is compiled once for each G-buffer layout and named <file>@<layout>. One that reads
-# targets of several samples a pixel by gbuffer_read.glsl or multisample.glsl is compiled for those too, with MULTISAMPLED
-# defined, and named <file>+msaa or <file>@<layout>+msaa; one that defines MULTISAMPLED itself has no other form,
-# and one that defines ONE_SAMPLE not that one.
+# Every shader under src/render and src/study becomes SPIR-V and is embedded, named by its file. Behind #version and
+# #extension, its first line says of which variants there are several:
+#   // variants: layout, multisampled
+# layout: it includes "gbuffer_layout.h" (or gbuffer_read.glsl, which does), is compiled once for each G-buffer layout and
+# named <file>@<layout>. multisampled: it reads or writes targets by multisample.glsl or gbuffer_read.glsl, is compiled
+# for several samples a pixel too, with MULTISAMPLED defined, and named <file>+msaa or <file>@<layout>+msaa. One that
+# defines MULTISAMPLED itself has no other form, and one that defines ONE_SAMPLE not that one.
 set(LATELIGHT_SPIRV ${PROJECT_BINARY_DIR}/spirv)
 # Debug information holds the sources and where they lay: not for what is shipped.
 set(LATELIGHT_SHADER_DEBUG $<$<NOT:$<CONFIG:Release>>:-g>)
@@ -19,6 +21,35 @@ function(latelight_compile_shader source name includes out)
     VERBATIM
     COMMENT "Compiling shader ${name}")
   set(${out} ${spirv} PARENT_SCOPE)
+endfunction()
+
+# latelight_declared_variants(source out): what a shader says of its variants, checked against what it includes.
+function(latelight_declared_variants source out)
+  get_filename_component(file ${source} NAME)
+  file(READ ${source} text)
+  set(declared "")
+  if(text MATCHES "^(#(version|extension)[^\n]*\n)*// variants: ([^\n]*)\n")
+    string(REPLACE ", " ";" declared "${CMAKE_MATCH_3}")
+  endif()
+  set(used "")
+  if(text MATCHES "#include \"(gbuffer_layout\\.h|render/glsl/gbuffer_read\\.glsl)\"")
+    list(APPEND used layout)
+  endif()
+  if(text MATCHES "#include \"render/glsl/(multisample|gbuffer_read)\\.glsl\"" AND NOT text MATCHES "#define (MULTISAMPLED|ONE_SAMPLE)")
+    list(APPEND used multisampled)
+  endif()
+  list(JOIN used ", " wanted)
+  foreach(variant IN LISTS used)
+    if(NOT variant IN_LIST declared)
+      message(FATAL_ERROR "${file} has an include that differs by ${variant} but does not say so: its first line behind #version and #extension must be \"// variants: ${wanted}\".")
+    endif()
+  endforeach()
+  foreach(variant IN LISTS declared)
+    if(NOT variant IN_LIST used)
+      message(FATAL_ERROR "${file} declares the variant \"${variant}\", but includes nothing that differs by it.")
+    endif()
+  endforeach()
+  set(${out} ${declared} PARENT_SCOPE)
 endfunction()
 
 # latelight_shaders(module): embeds them in that module, with generated/shaders.inc listing SHADER(symbol, "name").
@@ -39,12 +70,12 @@ function(latelight_shaders module)
     endif()
     list(APPEND files ${file})
     set_property(DIRECTORY ${PROJECT_SOURCE_DIR} APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${source})
-    file(READ ${source} text)
+    latelight_declared_variants(${source} declared)
     set(variants "-")
-    if(text MATCHES "#include \"(gbuffer_layout.h|render/glsl/gbuffer_read.glsl)\"")
+    if("layout" IN_LIST declared)
       set(variants ${LATELIGHT_LAYOUTS})
     endif()
-    if(text MATCHES "#include \"render/glsl/(multisample|gbuffer_read).glsl\"" AND NOT text MATCHES "#define (MULTISAMPLED|ONE_SAMPLE)")
+    if("multisampled" IN_LIST declared)
       list(TRANSFORM variants APPEND "+msaa" OUTPUT_VARIABLE multisampled)
       list(APPEND variants ${multisampled})
     endif()

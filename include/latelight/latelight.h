@@ -11,44 +11,21 @@
 // own frame (glTF: right-handed, Y up). Every function may throw latelight::Error.
 #pragma once
 
+#include <latelight/error.h>
+
 #include <array>
 #include <cstdint>
 #include <limits>
 #include <map>
 #include <memory>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <vector>
-
-#define LATELIGHT_API __attribute__((visibility("default")))
 
 namespace latelight {
 
 // The library's version, as in "0.1.0".
 LATELIGHT_API const char* version();
-
-// The program ends with these.
-enum class ExitCode {
-  Done = 0,
-  Internal = 1,
-  Usage = 2,       // an argument that can't be
-  BadInput = 3,    // a file that is missing, broken or needs what is not supported
-  NoDevice = 4,    // no Vulkan 1.3 device
-  DeviceLost = 5,  // or out of memory, its or the machine's
-  SomeFramesFailed = 6,
-};
-
-// One sentence: what, where, what to do.
-class LATELIGHT_API Error : public std::runtime_error {
- public:
-  Error(ExitCode code, const std::string& sentence);
-  ~Error() override;
-  ExitCode code() const { return code_; }
-
- private:
-  ExitCode code_;
-};
 
 // Bytes of the machine's memory that this process may take for scenes, pictures and devices that run on the CPU; what
 // would take more throws Error(DeviceLost) before it does. 0, as at first: three quarters of what is free.
@@ -83,8 +60,90 @@ struct SceneOptions {
   std::vector<std::string> idNodes{};
 };
 
+// --- what a scene consists of, to be read and edited ----------------------------------------------------------------
+
+// What a function below takes for an element of a scene; small, and copied freely. Of an element that was removed it is
+// refused, with Error(Usage), even where another has its place by now; so is one of another scene.
+template <typename Element>
+struct Handle {
+  uint32_t scene = 0;  // 0: of none
+  uint32_t index = 0, generation = 0;
+  bool operator==(const Handle&) const = default;
+};
+
+// Row-major: object space to the scene file's frame; the last row is 0 0 0 1.
+using Transform = std::array<double, 16>;
+
+enum class AlphaMode { Opaque, Mask, Blend };
+
+// glTF's metallic-roughness material. Factors multiply the textures that the material has.
+struct Material {
+  std::string name;  // given when it is added; setMaterial() leaves it as it is
+  uint32_t id = 0;   // as in the output "material"; the scene gives it
+  std::array<float, 4> baseColor{1, 1, 1, 1};
+  float metallic = 1, roughness = 1;       // 0 to 1
+  std::array<float, 3> emissive{0, 0, 0};  // radiance; may be above 1
+  AlphaMode alphaMode = AlphaMode::Opaque;
+  float alphaCutoff = 0.5f;  // with AlphaMode::Mask: what has less alpha is not there
+  bool doubleSided = false, unlit = false;
+  float normalScale = 1;        // of the normal map's slopes
+  float occlusionStrength = 1;  // 0 to 1
+  float specular = 1;           // KHR_materials_specular
+  std::array<float, 3> specularColor{1, 1, 1};
+  float f0 = 0.04f;  // what a dielectric reflects at normal incidence: ((ior - 1) / (ior + 1))^2
+};
+
+enum class LightType { Directional, Point, Spot };
+
+// As in KHR_lights_punctual.
+struct Light {
+  std::string name;
+  LightType type = LightType::Point;
+  std::array<float, 3> position{0, 0, 0};    // not of directional lights
+  std::array<float, 3> direction{0, 0, -1};  // from the light, of any length; not of point lights
+  std::array<float, 3> color{1, 1, 1};
+  float intensity = 1;                   // candela; of directional lights lux
+  std::optional<float> range;            // metres; without one it reaches everything
+  double innerCone = 0, outerCone = 45;  // half angles of spot lights, degrees
+  double size = 0;                       // radius, metres; of directional lights what they fill across, degrees
+  std::optional<bool> castShadow;        // true: before all lights that don't say; false: never
+};
+
+// Triangles, as they are at rest.
+struct Mesh {
+  std::string name;
+  uint64_t vertices = 0, triangles = 0;
+  std::array<float, 3> boundsMin{}, boundsMax{};  // object space
+  bool deforms = false;                           // a skin or morph targets move its vertices
+};
+
+// A mesh that a program makes, in object space. Positions are required; each of the others is empty, or has one value a
+// position.
+struct MeshData {
+  std::string name;
+  std::vector<std::array<float, 3>> positions;
+  std::vector<uint32_t> indices;              // three a triangle, fronts counter-clockwise; empty: each three positions
+  std::vector<std::array<float, 3>> normals;  // empty: flat, those of the triangles, which then share no vertex
+  std::vector<std::array<float, 4>> tangents;  // and the bitangent's sign; empty: made from uv, where there is some
+  std::vector<std::array<float, 2>> uv, uv1;   // the first and the second set, v down
+  std::vector<std::array<float, 4>> colors;    // linear; multiply the base colour
+};
+
+// A mesh placed in the scene.
+struct Instance {
+  std::string node;  // path of the node that shows it, "/Root/Arm/Hand"
+  Handle<Mesh> mesh;
+  Handle<Material> material;
+  Transform transform{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};  // at rest
+  uint32_t id = 0, part = 0;                                            // as in the outputs of that name
+};
+
 // A .gltf or .glb file, or "builtin:hall", "builtin:spheres", "builtin:boxes". Loaded once, rendered as often as
-// wanted.
+// wanted, and edited between frames: renderers upload what changed before their next frame, and give the very picture
+// that one made afresh would give, but for the environment, which is chosen when a renderer is made.
+//
+// An edit throws Error(Usage) for what can't be, in a sentence that names it, and changes nothing then. No renderer of
+// the scene may be at work in another thread meanwhile.
 class LATELIGHT_API Scene {
  public:
   explicit Scene(const std::string& source, const std::string& materialVariant = "");
@@ -105,6 +164,39 @@ class LATELIGHT_API Scene {
   Camera defaultCamera(float aspect) const;
   Camera lookAt(std::array<float, 3> eye, std::array<float, 3> target, float verticalFov = 40) const;
 
+  // Instances: what is seen. Lists are in the scene's order.
+  std::vector<Handle<Instance>> instances() const;
+  // Those of a node by its path: one a primitive of its mesh. Throws Error(Usage) where no node is called so.
+  std::vector<Handle<Instance>> instancesOf(const std::string& node) const;
+  Instance instance(Handle<Instance> instance) const;
+  // From then on no animation moves it (skins and morph targets still do).
+  void setTransform(Handle<Instance> instance, const Transform& transform);
+  void assignMaterial(Handle<Instance> instance, Handle<Material> material);
+  // With a root node of its own, "/name", or "/name#2" and so on where that is taken, and ids of that path. Without a
+  // name it has the mesh's.
+  Handle<Instance> addInstance(Handle<Mesh> mesh, Handle<Material> material, const Transform& transform,
+                               const std::string& name = "");
+  void removeInstance(Handle<Instance> instance);
+
+  std::vector<Handle<Material>> materials() const;
+  Material material(Handle<Material> material) const;
+  void setMaterial(Handle<Material> material, const Material& values);  // its textures stay
+  // Without textures, or with those of another material.
+  Handle<Material> addMaterial(const Material& values, std::optional<Handle<Material>> texturesOf = {});
+
+  std::vector<Handle<Light>> lights() const;
+  Light light(Handle<Light> light) const;
+  // A light that is moved or turned follows its node no longer.
+  void setLight(Handle<Light> light, const Light& values);
+  Handle<Light> addLight(const Light& values);
+  void removeLight(Handle<Light> light);
+
+  // Several instances may show one mesh: all of them change with it.
+  std::vector<Handle<Mesh>> meshes() const;
+  Mesh mesh(Handle<Mesh> mesh) const;
+  void setMesh(Handle<Mesh> mesh, const MeshData& data);  // no skin deforms it from then on; no name: it keeps its own
+  Handle<Mesh> addMesh(const MeshData& data);
+
  private:
   friend class Renderer;
   struct Hidden;
@@ -117,56 +209,26 @@ struct Sun {
   float illuminance = 3.14159265f;    // lux
 };
 
-// The choices of `latelight render`; names are those of `latelight list`.
+// The choices of `latelight render`. options.def, beside this file, is the list of them: every entry there is a member
+// here, with its default, what it takes and what it does. Values are checked when a picture is rendered.
 struct Options {
-  uint32_t width = 1280, height = 720;
-  std::string layout = "compact";
-  std::string normals = "octahedral";
-  std::string normalSpace = "layout";    // or "world", "view"
-  std::string position = "ray";          // how a layout without positions rebuilds them: or "matrix", "reciprocal"
-  std::string lighting = "fullscreen";   // `latelight list lighting`
-  std::string volumesOrder = "classic";  // of the technique volumes: or "killzone"
-  std::string shading = "ggx";           // or "ggx-compensated", "blinn-phong"
-  std::string tonemap = "khronos";
-  std::string transparency = "exact";   // `latelight list transparency`
-  std::string dataSurfaces = "opaque";  // which surfaces the outputs in `aovs` and pick() show: or "any"
-  std::string shadows = "d32";          // or "none", "d16", "rgba8", "rgba8-classic"
-  std::string shadowFilter = "pcf";     // or "hard", "pcss"
-  std::string shadowLights = "auto";    // or "all", "none", a number, names of lights by comma
-  uint32_t shadowAtlas = 4096;          // side of the square that all shadow maps fit in, texels
-  float lightSize = 0.05f;              // metres: radius of lights that have none of their own, for "pcss"
-  float sunAngle = 0.53f;               // degrees across: the same of directional lights
-  std::optional<Sun> sun;               // a directional light beside the scene's
-  uint32_t superSampling = 1;           // N x N ordered samples a pixel
-  uint32_t samples = 1;                 // a pixel, by the device's multisampling: 1 or 4, without superSampling
-  uint32_t anisotropy = 0;  // samples of a texture along a pixel's footprint, 1 to 16; 0: the device's usual
-  float exposure = 0;       // EV
-  float environmentIntensity = 1;
-  float environmentRotation = 0;  // degrees
-  bool environmentBackground = false;
-  // Composition and post-processing (docs/post.md); off by default.
-  std::string ambientOcclusion = "none";  // or "gtao"
-  float aoRadius = 0;                     // metres; 0: by the scene's size
-  float aoStrength = 1;
-  float bloom = 0;                                  // the share of light that glows, 0 to 1
-  float bloomRadius = 0.7f;                         // 0 to 1
-  float bloomThreshold = 0;                         // luminance that is left alone
-  std::string bloomFireflies = "damp";              // or "keep"
-  float fogDensity = 0;                             // 1/m
-  std::array<float, 3> fogColor{0.5f, 0.5f, 0.5f};  // linear, after exposure
-  float fogHeight = 0;                              // metres in which it thins out; 0: the same everywhere
-  float fogBase = 0;                                // metres, up
-  bool fxaa = false;
+#define OPTION_FLAG(member, ...) bool member = false;
+#define OPTION_NUMBER(type, member, name, normal, ...) type member = normal;
+#define OPTION_ANGLE(member, name, normal, ...) double member = normal;
+#define OPTION_OPTIONAL(type, member, ...) std::optional<type> member;
+#define OPTION_CHOICE(Enum, member, name, normal, ...) std::string member = normal;
+#define OPTION_ENTRY(Type, member, name, normal, ...) std::string member = normal;
+#define OPTION_TEXT(Type, member, name, normal, ...) std::string member = normal;
+#define OPTION_SIZE(width, height, name, normalWidth, normalHeight, ...) \
+  uint32_t width = normalWidth, height = normalHeight;
+#define OPTION_SUN(member, ...) std::optional<Sun> member;
+#include <latelight/options.def>
 
-  std::optional<double> time;                        // seconds; none: the scene at rest
-  std::string animation;                             // which plays: a name, a number, or "all"; empty: the first
-  bool loop = false;                                 // times beyond its end begin again; else its ends hold
-  double framesPerSecond = 24;                       // "motion" is to a frame before and a frame after
-  std::vector<Camera> previousCameras, nextCameras;  // then, as many as are rendered; none: cameras stand
-  bool temporalAntiAliasing = false;
-  bool continues = false;  // a sequence: this frame follows the one rendered last
-
+  // What the command line has in another form.
   std::vector<std::string> aovs;  // beside the picture: "depth", "normal", ...; "color" is the linear picture
+  std::vector<Camera> previousCameras, nextCameras;  // where they were and will be, a frame before and after the time:
+                                                     // as many as are rendered; none: cameras stand
+  bool continues = false;                            // a sequence: this frame follows the one rendered last
 };
 
 struct Aov {
@@ -181,7 +243,7 @@ struct Frame {
   std::map<std::string, Aov> aovs;
 };
 
-// What a pixel shows, at its centre. Positions and normals are in the scene file's frame.
+// What a pixel shows, at its centre. Positions and normals are in the frames that Options::axes and normalFrame say.
 struct Pick {
   uint32_t id = 0;    // as in the output "id"; 0: background, and nothing below is set
   uint32_t part = 0;  // as in the output "part"

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <fmt/format.h>
-#include <latelight/latelight.h>
+#include <latelight/error.h>
 
 #include <string>
 #include <string_view>

@@ -1,5 +1,6 @@
 #include "base/memory.h"
 
+#include <latelight/latelight.h>
 #include <sys/resource.h>
 #include <sys/sysinfo.h>
 #include <unistd.h>

@@ -1,8 +1,6 @@
 // How much of the machine's memory the process may take, and what it has taken of that.
 #pragma once
 
-#include <latelight/latelight.h>
-
 #include <atomic>
 #include <cstdint>
 #include <string>

@@ -65,31 +65,43 @@ class Packer {
   std::vector<std::vector<size_t>> placed_;  // footprints by heap, by offset
 };
 
-// What lay last in each byte of a heap that was ever used.
+// What whoever comes next into some memory waits for.
+struct Pending {
+  VkPipelineStageFlags2 stages = 0;
+  VkAccessFlags2 writes = 0;
+  // Of an image that buffers have followed since, whose barriers are of them alone: an image waits for it, too.
+  VkPipelineStageFlags2 imageStages = 0;
+  VkAccessFlags2 imageWrites = 0;
+  void operator|=(const Pending& other) {
+    stages |= other.stages, writes |= other.writes;
+    imageStages |= other.imageStages, imageWrites |= other.imageWrites;
+  }
+};
+
+// What is pending in each byte of a heap that was ever used.
 class Occupants {
  public:
-  // Puts a life into a range; what lay there before.
-  std::vector<size_t> replace(uint64_t begin, uint64_t end, size_t life) {
-    std::vector<size_t> before;
+  Pending in(uint64_t begin, uint64_t end) const {
+    Pending all;
+    for (const Range& range : ranges_)
+      if (begin < range.end && range.begin < end) all |= range.pending;
+    return all;
+  }
+
+  void replace(uint64_t begin, uint64_t end, const Pending& pending) {
     std::vector<Range> rest;
     for (const Range& range : ranges_) {
-      if (range.end <= begin || end <= range.begin) {
-        rest.push_back(range);
-        continue;
-      }
-      before.push_back(range.life);
-      if (range.begin < begin) rest.push_back({range.begin, begin, range.life});
-      if (end < range.end) rest.push_back({end, range.end, range.life});
+      if (range.begin < begin) rest.push_back({range.begin, std::min(range.end, begin), range.pending});
+      if (end < range.end) rest.push_back({std::max(range.begin, end), range.end, range.pending});
     }
-    rest.push_back({begin, end, life});
+    rest.push_back({begin, end, pending});
     ranges_ = std::move(rest);
-    return before;
   }
 
  private:
   struct Range {
     uint64_t begin, end;
-    size_t life;
+    Pending pending;
   };
   std::vector<Range> ranges_;
 };
@@ -142,16 +154,17 @@ void addAliasingBarriers(Plan& plan, std::span<const Footprint> footprints, cons
   std::vector<Occupants> heaps(packing.heaps.size());
   for (const size_t index : order) {
     const auto [heap, offset] = packing.places[index];
-    VkPipelineStageFlags2 stages = 0;
-    VkAccessFlags2 access = 0;
-    for (const size_t before : heaps[heap].replace(offset, offset + footprints[index].size, index)) {
-      stages |= plan.lives[before].lastStages;
-      access |= plan.lives[before].lastWrites;
-    }
-    if (!stages) continue;
-    Barrier& barrier = barrierOfFirstUse(plan, plan.lives[index]);
-    barrier.sourceStage |= stages;
-    barrier.sourceAccess |= access;
+    const Plan::Life& life = plan.lives[index];
+    const uint64_t end = offset + footprints[index].size;
+    const Pending before = heaps[heap].in(offset, end);
+    Pending own{life.lastStages, life.lastWrites};
+    if (life.image && life.lastWrites) own.imageStages = life.lastStages, own.imageWrites = life.lastWrites;
+    if (life.buffer) own.imageStages = before.imageStages, own.imageWrites = before.imageWrites;
+    heaps[heap].replace(offset, end, own);
+    if (!before.stages) continue;
+    Barrier& barrier = barrierOfFirstUse(plan, life);
+    barrier.sourceStage |= before.stages | (life.image ? before.imageStages : 0);
+    barrier.sourceAccess |= before.writes | (life.image ? before.imageWrites : 0);
   }
 }
 

@@ -48,10 +48,29 @@ VkMemoryBarrier2 translate(const Barrier& barrier) {
   return result;
 }
 
+// An image whose contents begin anew where something has been before: as a rule others, in the same memory.
+bool beginsInUsedMemory(const Barrier& barrier) {
+  return barrier.image && barrier.oldLayout == VK_IMAGE_LAYOUT_UNDEFINED && barrier.sourceStage != 0;
+}
+
+// Where memory changes hands: the layers' synchronization checks follow what lay there before by no narrower barrier
+// once images and buffers of several sizes have shared it.
+void recordFullBarrier(VkCommandBuffer commands) {
+  VkMemoryBarrier2 all{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
+  all.srcStageMask = all.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+  all.srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT;
+  all.dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
+  VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+  info.memoryBarrierCount = 1;
+  info.pMemoryBarriers = &all;
+  vkCmdPipelineBarrier2(commands, &info);
+}
+
 // `images` and `buffers`: of the graph, by index.
 void recordBarriers(VkCommandBuffer commands, const std::vector<Barrier>& barriers,
                     const std::vector<const vk::Image*>& images, const std::vector<const vk::Buffer*>& buffers) {
   if (barriers.empty()) return;
+  if (std::any_of(barriers.begin(), barriers.end(), beginsInUsedMemory)) recordFullBarrier(commands);
   std::vector<VkImageMemoryBarrier2> ofImages;
   std::vector<VkBufferMemoryBarrier2> ofBuffers;
   std::vector<VkMemoryBarrier2> ofMemory;

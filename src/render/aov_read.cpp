@@ -165,6 +165,16 @@ void countShadings(ShadingCounts& counts, const vk::Buffer& surfaces, size_t pix
   }
 }
 
+uint32_t exactTargets(std::span<const Aov> aovs) {
+  const Layout& exact = findLayout("exact");
+  uint32_t wanted = 0;
+  for (const Aov aov : aovs)
+    for (const Source& source : sourcesOf(aov))
+      for (size_t i = 0; i < exact.targets.size(); ++i)
+        if (std::strcmp(exact.targets[i].name, source.target) == 0) wanted |= 1u << i;
+  return wanted;
+}
+
 DataReadback::DataReadback(graph::Graph& graph, const Layout& exact, const Gbuffer& gbuffer, graph::ImageId motion,
                            std::span<const Aov> aovs) {
   auto image = [&](std::string_view target) {

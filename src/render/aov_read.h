@@ -5,8 +5,9 @@
 #include <span>
 
 #include "graph/graph.h"
+#include "output/files.h"
 #include "render/frame.h"
-#include "render/renderer.h"
+#include "render/settings.h"
 
 namespace latelight::render {
 
@@ -23,8 +24,19 @@ bool isData(output::Aov aov);
 // Aov::Samples, from a frame's surfaces of pixels, or, where it has none, from its depth.
 void readSampleCounts(output::FrameOutput& to, const vk::Buffer& from, size_t view, bool surfaces);
 
+// How often the pixels of pictures were shaded.
+struct ShadingCounts {
+  uint64_t pixels = 0;    // of the pictures
+  uint64_t drawn = 0;     // of them, those that show anything
+  uint64_t several = 0;   // and those that show several surfaces, so that they are shaded more than once
+  uint64_t shadings = 0;  // of all pixels
+};
+
 // Of surfaces of pixels, added to `counts`.
 void countShadings(ShadingCounts& counts, const vk::Buffer& surfaces, size_t pixels);
+
+// The targets of the layout `exact` that these outputs lie in, a bit each.
+uint32_t exactTargets(std::span<const output::Aov> aovs);
 
 // Reads back the targets of the layout `exact` that the data outputs asked for need.
 class DataReadback {

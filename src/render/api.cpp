@@ -5,6 +5,7 @@
 #include <glm/gtc/constants.hpp>
 
 #include "base/error.h"
+#include "render/api_scene.h"
 #include "render/id_manifest.h"
 #include "render/picking.h"
 #include "render/renderer.h"
@@ -81,47 +82,26 @@ render::SunLight internalSun(const Sun& sun) {
 
 render::Settings internalSettings(const Options& o) {
   render::Settings s;
-  s.width = o.width;
-  s.height = o.height;
-  s.layout = o.layout;
-  s.normals = o.normals;
-  s.normalSpace = o.normalSpace;
-  s.position = o.position;
-  s.volumesOrder = o.volumesOrder;
-  s.lighting = o.lighting;
-  s.shading = o.shading;
-  s.tonemap = o.tonemap;
-  s.transparency = o.transparency;
-  s.dataSurfaces = o.dataSurfaces;
-  s.shadows = o.shadows;
-  s.shadowFilter = o.shadowFilter;
-  s.shadowLights = o.shadowLights;
-  s.shadowAtlas = o.shadowAtlas;
-  s.lightSize = o.lightSize;
-  s.sunAngle = o.sunAngle / kDegrees;
-  if (o.sun) s.sun = internalSun(*o.sun);
-  s.superSampling = o.superSampling;
-  s.samples = o.samples;
-  if (o.anisotropy) s.anisotropy = o.anisotropy;
-  s.exposure = o.exposure;
-  s.environmentIntensity = o.environmentIntensity;
-  s.environmentRotation = o.environmentRotation / kDegrees;
-  s.temporal = o.temporalAntiAliasing;
-  if (o.environmentBackground) s.background = render::Background::Environment;
-  s.ao = {o.ambientOcclusion, o.aoRadius == 0 ? std::nullopt : std::optional(o.aoRadius), o.aoStrength};
-  s.bloom = {o.bloom, o.bloomRadius, o.bloomThreshold, o.bloomFireflies};
-  s.fog = {o.fogDensity, {o.fogColor[0], o.fogColor[1], o.fogColor[2]}, o.fogHeight, o.fogBase};
-  s.fxaa = o.fxaa;
+#define OPTION_FLAG(member, ...) s.member = o.member;
+#define OPTION_NUMBER(Type, member, ...) s.member = o.member;
+#define OPTION_ANGLE(member, ...) s.member = render::radians(o.member);
+#define OPTION_OPTIONAL(Type, member, ...) s.member = o.member;
+#define OPTION_CHOICE(Enum, member, name, ...) s.member = render::readChoice<decltype(s.member)>(name, o.member);
+#define OPTION_ENTRY(Type, member, name, ...) s.member = &render::readEntry<render::Type>(name, o.member);
+#define OPTION_TEXT(Type, member, name, ...) s.member = render::readText<decltype(s.member)>(name, o.member);
+#define OPTION_SIZE(width, height, ...) s.width = o.width, s.height = o.height;
+#define OPTION_SUN(member, ...) \
+  if (o.member) s.member = internalSun(*o.member);
+#include <latelight/options.def>
   std::string names;
   for (const std::string& name : o.aovs) names += (names.empty() ? "" : ",") + name;
   if (!names.empty()) s.aovs = output::parseAovs(names);
+  render::checkSettings(s);
   return s;
 }
 
-void checkTime(double time, double framesPerSecond) {
+void checkTime(double time) {
   if (!std::isfinite(time)) badUsage("the time must be a number of seconds");
-  if (!(framesPerSecond > 0) || !std::isfinite(framesPerSecond))
-    badUsage("the frames a second must be a number above 0, not {}", framesPerSecond);
 }
 
 std::vector<scene::Camera> internalCameras(const std::vector<Camera>& cameras, const scene::Scene& scene,
@@ -133,17 +113,16 @@ std::vector<scene::Camera> internalCameras(const std::vector<Camera>& cameras, c
   return internal;
 }
 
-render::Moment internalMoment(const Options& o, const scene::Scene& scene, size_t cameras) {
+render::Moment internalMoment(const Options& o, const render::Settings& s, const scene::Scene& scene, size_t cameras) {
   render::Moment moment;
   moment.previousCameras = internalCameras(o.previousCameras, scene, cameras);
   moment.nextCameras = internalCameras(o.nextCameras, scene, cameras);
   moment.continues = o.continues;
-  if (!o.time) return moment;
-  checkTime(*o.time, o.framesPerSecond);
-  const scene::Playback playback = scene::choosePlayback(scene, o.animation, o.loop);
-  const double step = 1 / o.framesPerSecond;
-  moment.poses = {scene::poseAt(scene, playback, *o.time - step), scene::poseAt(scene, playback, *o.time),
-                  scene::poseAt(scene, playback, *o.time + step)};
+  if (!s.time) return moment;
+  const scene::Playback playback = scene::choosePlayback(scene, s.animation, s.loop);
+  const double step = 1 / s.framesPerSecond;
+  moment.poses = {scene::poseAt(scene, playback, *s.time - step), scene::poseAt(scene, playback, *s.time),
+                  scene::poseAt(scene, playback, *s.time + step)};
   return moment;
 }
 
@@ -165,21 +144,13 @@ const char* version() {
   return LATELIGHT_VERSION;
 }
 
-struct Scene::Hidden {
-  scene::Scene scene;
-  std::vector<Camera> cameras;
-  std::vector<Animation> animations;
-};
-
 Scene::Scene(const std::string& source, const std::string& materialVariant)
     : Scene(source, SceneOptions{.materialVariant = materialVariant}) {}
 
 Scene::Scene(const std::string& source, const SceneOptions& options)
     : hidden_(new Hidden{scene::load(source, {.variant = options.materialVariant,
                                               .allowOutside = options.allowOutside,
-                                              .ids = {options.idDepth, options.idNodes}}),
-                         {},
-                         {}}) {
+                                              .ids = {options.idDepth, options.idNodes}})}) {
   for (const scene::Animation& animation : hidden_->scene.rig.animations)
     hidden_->animations.push_back({animation.name, animation.duration});
   for (const scene::Camera& camera : hidden_->scene.cameras)
@@ -204,7 +175,7 @@ const std::vector<Animation>& Scene::animations() const {
 }
 
 std::vector<Camera> Scene::camerasAt(double time, const std::string& animation, bool loop) const {
-  checkTime(time, 1);
+  checkTime(time);
   const scene::Scene& scene = hidden_->scene;
   const scene::Pose pose = scene::poseAt(scene, scene::choosePlayback(scene, animation, loop), time);
   std::vector<Camera> cameras;
@@ -247,22 +218,23 @@ Frame Renderer::render(const Camera& camera, const Options& options) {
 std::vector<Frame> Renderer::render(const std::vector<Camera>& cameras, const Options& options) {
   if (cameras.empty()) badUsage("nothing can be rendered without a camera");
   const std::vector<scene::Camera> internal = internalCameras(cameras, hidden_->scene, cameras.size());
-  const render::Moment moment = internalMoment(options, hidden_->scene, cameras.size());
+  const render::Settings settings = internalSettings(options);
+  const render::Moment moment = internalMoment(options, settings, hidden_->scene, cameras.size());
   std::vector<Frame> frames;
-  for (output::FrameOutput& frame : hidden_->renderer.render(internal, internalSettings(options), moment))
+  for (output::FrameOutput& frame : hidden_->renderer.render(internal, settings, moment))
     frames.push_back(publicFrame(std::move(frame)));
   return frames;
 }
 
 std::vector<Pick> Renderer::pick(const Camera& camera, const std::vector<std::array<uint32_t, 2>>& pixels,
                                  const Options& options) {
+  const render::Settings settings = internalSettings(options);
   std::vector<glm::uvec2> places;
   for (const auto& [x, y] : pixels) places.push_back({x, y});
   const auto three = [](glm::vec3 v) { return std::array<float, 3>{v.x, v.y, v.z}; };
   std::vector<Pick> picks;
-  for (const render::Picked& p :
-       render::pick(hidden_->renderer, hidden_->scene, internalCamera(camera, hidden_->scene),
-                    internalSettings(options), places, internalMoment(options, hidden_->scene, 1)))
+  for (const render::Picked& p : render::pick(hidden_->renderer, hidden_->scene, internalCamera(camera, hidden_->scene),
+                                              settings, places, internalMoment(options, settings, hidden_->scene, 1)))
     picks.push_back({p.id,
                      p.part,
                      p.node,

@@ -1,51 +1,48 @@
 // The frame: what its passes share, and the list of them (frame.cpp).
 #pragma once
 
-#include <memory>
+#include <functional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "graph/graph.h"
 #include "render/gbuffer/layout.h"
 #include "render/gpu_environment.h"
 #include "render/gpu_scene.h"
+#include "render/pass.h"
 #include "shared/types.h"
 
 namespace latelight::render {
 
-class DepthPass;
-class GeometryPass;
-class LightingTechnique;
+class Visibility;
 struct TechniqueInfo;
-class BackgroundPass;
-class AmbientOcclusionPass;
-class FogPass;
-class Transparency;
-class ShadowPass;
-class SunOcclusionPass;
-struct ShadowMaps;
-class SampleSurfacesPass;
-class PixelDepthPass;
+struct FrameSetup;
+struct FrameShadows;
+struct Overflow;
 
-// What a frame draws: one scene seen by V views, each a layer of every target.
-struct FrameInputs {
+// A frame that is being built: one scene seen by V views, each a layer of every target. Passes refer to it until their
+// graph has been submitted.
+struct FrameContext : Builder {
   const GpuScene& scene;
   const GpuEnvironment& environment;
+  const Visibility& visibility;
+  const FrameSetup& setup;
   std::span<const shared::View> views;  // as the device's constants have them
   VkDeviceAddress constants;            // shared::FrameConstants
   uint32_t width, height;
-  bool environmentBackground = false;  // draw the environment where nothing else is
-  bool blendedToo = false;  // what is blended is a surface like any other where its alpha is above 0: for data outputs
   std::span<const shared::Light> lights;  // those of the constants, on the host
+  bool environmentBackground = false;     // draw the environment where nothing else is
+  float aoRadius = 0, aoStrength = 1;     // ambient occlusion: metres, exponent
+  FrameShadows* shadows = nullptr;        // null: nothing casts any
+  Overflow* overflow = nullptr;           // what passes have guessed the size of; null where none does
 
-  float aoRadius = 0, aoStrength = 1;  // ambient occlusion: metres, exponent
-  ShadowMaps* shadows = nullptr;       // null: nothing casts any. Fitted to a view: there is one view then
-  bool atCentres = false;              // pixels have one sample, at their centre: what holds none is not drawn
+  uint32_t viewCount() const { return static_cast<uint32_t>(views.size()); }
+  glm::uvec3 pixels() const { return {width, height, viewCount()}; }  // of a dispatch over all views
 };
 
 // An image as large as the frame, with a layer a view.
-graph::ImageId createTarget(graph::Graph& graph, const FrameInputs& inputs, VkFormat format, const std::string& name,
-                            uint32_t samples = 1);
+graph::ImageId createTarget(const FrameContext& f, VkFormat format, const std::string& name, uint32_t samples = 1);
 
 // A G-buffer being built: the layout's targets, and the two that every layout has.
 struct Gbuffer {
@@ -54,7 +51,7 @@ struct Gbuffer {
   graph::ImageId light;  // emitted radiance and ambient occlusion; the lighting technique leaves the lit picture here
   graph::ImageId lightCounts;       // lights tested and used (kCountsFormat); one texel where they are not counted
   graph::ImageId shadows;           // the atlas of shadow maps; none where nothing casts shadows
-  graph::ImageId ambientOcclusion;  // visible share of the hemisphere; one texel, 1, where there is none
+  graph::ImageId ambientOcclusion;  // visible share of the hemisphere; none where the setup has none
   // With several samples a pixel the targets have them, and these two, which the geometry pass draws to; `depth` and
   // `light` keep one a pixel, so that what comes after lighting need not know. With one sample they are the same
   // images.
@@ -66,8 +63,7 @@ struct Gbuffer {
 struct TransparencySetup {
   uint32_t method = 0;      // kTransparency*
   bool everyLight = false;  // go through all lights, not through those that the light tree has near: the reference
-  uint64_t fragments = 0;   // that `exact` has room for at first; 0: one a pixel
-  uint64_t most = 0;        // fragments that it may keep; 0: as many as the device takes
+  uint64_t most = 0;        // fragments that `exact` may keep; 0: as many as the device takes
   bool operator==(const TransparencySetup&) const = default;
 };
 
@@ -76,8 +72,7 @@ inline std::string shaderVariant(const std::string& shader, uint32_t samples) {
   return samples > 1 ? shader + "+msaa" : shader;
 }
 
-// What pipelines are made for. What does not matter to a setup is left at its default, so that setups that are drawn
-// alike are equal.
+// The choices of a frame that its shaders are compiled for.
 struct FrameSetup {
   const Layout* layout = nullptr;
   uint32_t normalEncoding = 0;  // kNormal_*
@@ -86,6 +81,7 @@ struct FrameSetup {
   uint32_t normalSpace = 0;     // kNormalSpace*
   uint32_t positionMethod = 0;  // kPosition*
   uint32_t volumesOrder = 0;    // kVolumes*: of the technique `volumes`
+  uint32_t targets = ~0u;       // bit i: the layout's target i is wanted
   bool countLights = false;
   uint32_t ambientOcclusion = 0;  // kAo*
   uint32_t textureSlots = ~0u;    // bit i: a material may have a texture in slot i (GpuScene::textureSlots)
@@ -96,14 +92,25 @@ struct FrameSetup {
   bool sunInGbuffer = false;  // the layout's sunTarget is filled, and lighting reads the sun's shadow there
   uint32_t samples = 1;       // a pixel: 1 or 4
   bool everySample = false;   // each is shaded, alike or not: the reference
-  bool operator==(const FrameSetup&) const = default;
 
   // Of every shader that includes render/glsl/setup.glsl; a shader's own start at kFirstOwnConstant.
   std::vector<vk::Constant> constants() const;
   std::string variant(const std::string& shader) const { return shaderVariant(shader, samples); }
 };
+bool keepsSun(const FrameSetup& setup);  // what FrameSetup::sunInGbuffer is to be
 inline constexpr uint32_t kFirstOwnConstant = 16;
 inline constexpr VkFormat kCountsFormat = VK_FORMAT_R32G32B32A32_SFLOAT;  // r: lights tested, g: lights used
+
+// Things whose size only the device finds out. What turns out too large for its room leaves the picture wanting: the
+// room grows, and the same graph is built and run again.
+struct Overflow {
+  uint64_t fragments = 0;    // room for blended fragments; 0: one a pixel
+  uint32_t longestList = 0;  // of one pixel's fragments, a power of two
+  // Of the graph that is being built. After it has run: true where something overflowed, after making room for it.
+  std::vector<std::function<bool(const graph::Executor& done)>> checks;
+
+  bool happened(const graph::Executor& done);  // runs the checks, and forgets them
+};
 
 // What leaves a frame.
 struct LitFrame {
@@ -112,33 +119,11 @@ struct LitFrame {
   Gbuffer gbuffer;             // no targets where the technique is a forward one
 };
 
-// The pipelines of a setup, and the passes they run.
-class Frame {
- public:
-  Frame(vk::Device& device, const GpuScene& scene, const FrameSetup& setup);
-  ~Frame();
-  // Adds the frame's passes.
-  LitFrame add(graph::Graph& graph, const FrameInputs& inputs) const;
-  // The same but for blended surfaces, which are in no G-buffer and in no count.
-  LitFrame addOpaque(graph::Graph& graph, const FrameInputs& inputs) const;
-  // After a run of the graph that add() filled last: whether the picture lacks something that memory had no room for.
-  // The frame has made room; the same has to be added and run again.
-  bool outgrown(const graph::Executor& done) const;
-
- private:
-  FrameSetup setup_;
-  bool onCpu_;
-  std::unique_ptr<DepthPass> depth_;
-  std::unique_ptr<PixelDepthPass> pixelDepth_;    // null with one sample
-  std::unique_ptr<ShadowPass> shadows_;           // null where the setup has none
-  std::unique_ptr<GeometryPass> geometry_;        // null for forward techniques
-  std::unique_ptr<SampleSurfacesPass> surfaces_;  // null for forward techniques, and with one sample
-  std::unique_ptr<AmbientOcclusionPass> ambientOcclusion_;
-  std::unique_ptr<SunOcclusionPass> sun_;  // null where the layout has no channel for it
-  std::unique_ptr<LightingTechnique> lighting_;
-  std::unique_ptr<BackgroundPass> background_;
-  std::unique_ptr<FogPass> fog_;                // null without fog
-  std::unique_ptr<Transparency> transparency_;  // null where nothing is blended
-};
+// Adds the passes of a frame.
+LitFrame addFrame(const FrameContext& f);
+// The same but for blended surfaces, which are in no G-buffer and in no count.
+LitFrame addOpaque(const FrameContext& f);
+// The same with depth that is there already.
+LitFrame addLit(const FrameContext& f, graph::ImageId depth);
 
 }  // namespace latelight::render

@@ -64,7 +64,6 @@ GpuEnvironment::GpuEnvironment(vk::Device& device, const scene::Environment* giv
                         .wrapU = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
                         .wrapV = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE};
   clampSampler_ = vk::makeSampler(device, clamp);
-  fetchSampler_ = vk::makeSampler(device, vk::kNearestSampler);
   clamp.wrapU = VK_SAMPLER_ADDRESS_MODE_REPEAT;
   equirectangularSampler_ = vk::makeSampler(device, clamp);
 }

@@ -15,13 +15,13 @@ class GpuEnvironment {
   uint32_t levels() const { return specular_.desc().levels; }
   // Prefiltered specular, diffuse, split-sum table, table of lobes: the first bindings of lit_maps.h.
   std::vector<vk::BoundImage> bindings() const;
-  static constexpr size_t kBindings = 4;
-  VkSampler fetchSampler() const { return fetchSampler_.get(); }  // for maps that are only fetched from
+  // For an array of maps that a shader does not read: something must be bound.
+  vk::BoundImage nothing() const { return {specular_.arrayView(), clampSampler_.get()}; }
   vk::BoundImage radiance() const { return {radiance_.view(), equirectangularSampler_.get()}; }  // for backgrounds
 
  private:
   vk::Image specular_, diffuse_, table_, lobes_, radiance_;
-  vk::Handle<VkSampler> clampSampler_, equirectangularSampler_, fetchSampler_;
+  vk::Handle<VkSampler> clampSampler_, equirectangularSampler_;
 };
 
 }  // namespace latelight::render

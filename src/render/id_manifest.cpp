@@ -19,6 +19,7 @@ class Collector {
 
   output::IdManifest run() {
     for (const scene::Instance& instance : scene_.instances) {
+      if (instance.removed) continue;
       output::IdEntry& entry = entryOf(instance);
       entry.skinned |= instance.posed;
       const scene::Node& node = scene_.nodes[instance.node];

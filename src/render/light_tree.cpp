@@ -169,13 +169,20 @@ LightBox lightBox(const Light& light) {
 LightTree buildLightTree(const std::vector<Light>& lights) {
   LightTree tree;
   tree.lights.reserve(lights.size());
-  for (const Light& light : lights)
-    if (light.type == shared::kLightDirectional) tree.lights.push_back(light);
+  for (uint32_t i = 0; i < lights.size(); ++i) {
+    if (lights[i].type != shared::kLightDirectional) continue;
+    tree.lights.push_back(lights[i]);
+    tree.sources.push_back(i);
+  }
   tree.directionalLights = static_cast<uint32_t>(tree.lights.size());
   const std::vector<Key> order = orderOf(lights);
   tree.lights.resize(lights.size());
+  tree.sources.resize(lights.size());
   parallelFor(order.size(), kGrain, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) tree.lights[tree.directionalLights + i] = lights[order[i].light];
+    for (size_t i = begin; i < end; ++i) {
+      tree.lights[tree.directionalLights + i] = lights[order[i].light];
+      tree.sources[tree.directionalLights + i] = order[i].light;
+    }
   });
   buildNodes(tree);
   return tree;

@@ -14,6 +14,7 @@ shared::LightBox lightBox(const shared::Light& light);
 
 struct LightTree {
   std::vector<shared::Light> lights;    // directional ones first, in the order they came; then the local ones
+  std::vector<uint32_t> sources;        // of each, its place among those that came
   uint32_t directionalLights = 0;       // how many of them are directional
   std::vector<shared::LightBox> nodes;  // at least the root's children
   uint32_t firstLeaf = 0;

@@ -2,23 +2,14 @@
 
 namespace latelight::render {
 
-void appendLitBindings(std::vector<vk::Binding>& bindings) {
-  bindings.insert(bindings.end(), kLitMaps, vk::Binding::Sampled);
-}
-
-void appendLitAccesses(std::vector<graph::Access>& accesses, const Gbuffer& gbuffer, graph::Use use) {
-  if (gbuffer.shadows) accesses.emplace_back(gbuffer.shadows, use);
-  accesses.emplace_back(gbuffer.ambientOcclusion, use);
-}
-
-void appendLitImages(std::vector<vk::BoundImage>& images, graph::Context& context, const FrameInputs& inputs,
-                     const Gbuffer& gbuffer) {
-  const std::vector<vk::BoundImage> environment = inputs.environment.bindings();
-  images.insert(images.end(), environment.begin(), environment.end());
-  // Something must be bound where there are no shadows too; it is never read.
-  images.push_back({gbuffer.shadows ? context.image(gbuffer.shadows).view() : environment.front().view,
-                    inputs.environment.fetchSampler()});
-  images.push_back({context.image(gbuffer.ambientOcclusion).arrayView(), inputs.environment.fetchSampler()});
+void appendLitMaps(Bindings& bindings, const FrameContext& f, const Gbuffer& gbuffer) {
+  for (const vk::BoundImage& map : f.environment.bindings()) bindings.outside(map);
+  for (const graph::ImageId map : {gbuffer.shadows, gbuffer.ambientOcclusion}) {
+    if (map)
+      bindings.sampled(map);
+    else
+      bindings.outside(f.environment.nothing());  // something must be bound; it is never read
+  }
 }
 
 }  // namespace latelight::render

@@ -32,7 +32,7 @@ Picked describe(const scene::Scene& scene, const DataAt& data) {
   if (p.id == 0) return p;
   p.part = data.id(Aov::Part);
   const auto found = std::find_if(scene.instances.begin(), scene.instances.end(),
-                                  [&](const scene::Instance& instance) { return instance.part == p.part; });
+                                  [&](const scene::Instance& i) { return i.part == p.part && !i.removed; });
   if (found == scene.instances.end()) fail(ExitCode::Internal, "No instance of the scene is the part {}.", p.part);
   p.node = scene.nodes[found->node].path;
   p.mesh = scene.nodes[found->node].mesh;

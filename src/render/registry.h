@@ -31,10 +31,4 @@ auto& findByName(const Range& range, std::string_view name, std::string_view wha
   badUsage("there is no {} \"{}\"; there are: {}", what, name, namesOf(range));
 }
 
-// The place of that name in the range: the value of the shader constants that follow its order.
-template <typename Range>
-uint32_t indexByName(const Range& range, std::string_view name, std::string_view what) {
-  return static_cast<uint32_t>(&findByName(range, name, what) - &*std::begin(range));
-}
-
 }  // namespace latelight::render

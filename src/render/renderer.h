@@ -10,25 +10,17 @@
 #include "graph/graph.h"
 #include "output/files.h"
 #include "output/targets.h"
-#include "render/frame.h"
+#include "render/aov_read.h"
 #include "render/gpu_environment.h"
 #include "render/gpu_scene.h"
-#include "render/post/post.h"
 #include "render/post/taa/taa.h"
 #include "render/settings.h"
 #include "render/strips.h"
+#include "render/view_set.h"
 #include "scene/scene.h"
 #include "vk/device.h"
 
 namespace latelight::render {
-
-// How often the pixels of pictures were shaded.
-struct ShadingCounts {
-  uint64_t pixels = 0;    // of the pictures
-  uint64_t drawn = 0;     // of them, those that show anything
-  uint64_t several = 0;   // and those that show several surfaces, so that they are shaded more than once
-  uint64_t shadings = 0;  // of all pixels
-};
 
 // Where everything is when a picture is made, and where it was and will be a frame before and after. As it is at first:
 // the scene at rest, and cameras that stand.
@@ -70,39 +62,25 @@ class Renderer {
   void begin(const Settings& settings, const Moment& moment);
   std::vector<output::FrameOutput> renderViews(const Views& views, const Settings& settings, bool continues);
   void renderStrip(Job& job, Strip strip);
-  void renderColor(Job& job);
   std::vector<glm::vec2> jittersOf(const Job& job) const;
-  graph::ImageId addTemporal(graph::Graph& graph, const FrameInputs& inputs, const LitFrame& lit,
-                             graph::ImageId picture, bool begins);
-  void renderLightCounts(Job& job);
-  void renderSampleCounts(Job& job);
-  void renderData(Job& job);
+  bool tryStrip(Job& job);  // false: something overflowed, and has room now
+  bool castsShadows(const Settings& settings) const;
+  void planShadows(Job& job);
+  vk::Image makeSum(const Job& job);
+  RenderState state();
   graph::Executor& run(const graph::Graph& graph);
-  FrameInputs prepareViews(Job& job, glm::vec2 jitter);
-  void prepareShadows(Job& job);
-  Frame& frameFor(FrameSetup setup);
 
   vk::Device& device_;
   const scene::Scene& scene_;
   GpuScene gpuScene_;
   GpuEnvironment environment_;
   bool hasEnvironment_;
-  std::optional<SunLight> sun_;  // among the lights of gpuScene_, after the scene's own
+  DrawOrder drawOrder_;
   graph::Executor executor_;
-  struct KeptFrame {
-    FrameSetup setup;
-    std::unique_ptr<Frame> frame;
-  };
-  std::vector<KeptFrame> frames_;  // the one used last comes first
-  struct DataPasses;
-  std::unique_ptr<DataPasses> data_;
-  PostChain post_;
-  float boundsRadius_;  // of the sphere around the scene, metres
+  Overflow overflow_;
   std::vector<graph::PassTime> times_;
   std::optional<ShadingCounts> shadingCounts_;
   std::string graphviz_;
-  struct Temporal;
-  std::unique_ptr<Temporal> temporal_;  // once it is asked for
   TemporalHistory history_;
 };
 

@@ -1,5 +1,7 @@
 #include "render/session.h"
 
+#include <algorithm>
+
 #include "render/view.h"
 
 namespace latelight::render {
@@ -19,7 +21,7 @@ glm::dmat4 viewFromOpenCv() {
 std::string environmentName(const scene::Scene& scene, const std::string& asked) {
   if (asked == "none") return "";
   if (!asked.empty()) return asked;
-  return scene.lights.empty() ? "studio" : "";
+  return std::ranges::all_of(scene.lights, &scene::Light::removed) ? "studio" : "";
 }
 
 std::optional<scene::Environment> loadEnvironment(const std::string& name) {

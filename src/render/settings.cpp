@@ -1,117 +1,205 @@
 #include "render/settings.h"
 
+#include <array>
+#include <charconv>
 #include <cmath>
 
 #include "base/error.h"
 #include "base/text.h"
 #include "render/gbuffer/layout.h"
 #include "render/lighting/technique.h"
+#include "render/lighting/volumes/volumes.h"
+#include "render/post/ambient_occlusion/ambient_occlusion.h"
+#include "render/post/bloom/bloom.h"
 #include "render/registry.h"
+#include "render/transparency/transparency.h"
+#include "shared/color.h"
+#include "shared/shade.h"
+#include "shared/shadow.h"
+#include "shared/tonemap.h"
 
 namespace latelight::render {
 
-const std::vector<NamedOption>& shadings() {
-  static const std::vector<NamedOption> all = {
-      {"ggx", "metallic-roughness of the glTF 2.0 specification: Trowbridge-Reitz, Smith, Schlick"},
-      {"blinn-phong", "normalised Blinn-Phong with specular colour and exponent"},
-      {"ggx-compensated", "ggx with the light that microfacets pass on to each other, under lights too"},
+// The constants that shaders and passes switch on.
+static_assert(indexOf(Tonemap::Khronos) == shared::kTonemapKhronosNeutral);
+static_assert(indexOf(Tonemap::Aces) == shared::kTonemapAces);
+static_assert(indexOf(Tonemap::Agx) == shared::kTonemapAgx);
+static_assert(indexOf(Tonemap::Reinhard) == shared::kTonemapReinhard);
+static_assert(indexOf(Tonemap::None) == shared::kTonemapNone);
+static_assert(indexOf(Shading::Ggx) == shared::kShadingGgx);
+static_assert(indexOf(Shading::BlinnPhong) == shared::kShadingBlinnPhong);
+static_assert(indexOf(Shading::GgxCompensated) == shared::kShadingGgxCompensated);
+static_assert(indexOf(NormalSpace::Layout) == shared::kNormalSpaceLayout);
+static_assert(indexOf(NormalSpace::World) == shared::kNormalSpaceWorld);
+static_assert(indexOf(NormalSpace::View) == shared::kNormalSpaceView);
+static_assert(indexOf(PositionMethod::Ray) == shared::kPositionRay);
+static_assert(indexOf(PositionMethod::Matrix) == shared::kPositionMatrix);
+static_assert(indexOf(PositionMethod::Reciprocal) == shared::kPositionReciprocal);
+static_assert(indexOf(ShadowFormat::None) == shared::kShadowNone);
+static_assert(indexOf(ShadowFormat::D32) == shared::kShadowD32);
+static_assert(indexOf(ShadowFormat::D16) == shared::kShadowD16);
+static_assert(indexOf(ShadowFormat::Rgba8) == shared::kShadowRgba8);
+static_assert(indexOf(ShadowFormat::Rgba8Classic) == shared::kShadowRgba8Classic);
+static_assert(indexOf(ShadowFilter::Hard) == shared::kShadowFilterHard);
+static_assert(indexOf(ShadowFilter::Pcf) == shared::kShadowFilterPcf);
+static_assert(indexOf(ShadowFilter::Pcss) == shared::kShadowFilterPcss);
+static_assert(indexOf(VolumesOrder::Classic) == kVolumesClassic);
+static_assert(indexOf(VolumesOrder::Killzone) == kVolumesKillzone);
+static_assert(indexOf(TransparencyMethod::Exact) == kTransparencyExact);
+static_assert(indexOf(TransparencyMethod::Sorted) == kTransparencySorted);
+static_assert(indexOf(TransparencyMethod::Weighted) == kTransparencyWeighted);
+static_assert(indexOf(TransparencyMethod::None) == kTransparencyNone);
+static_assert(indexOf(AmbientOcclusion::None) == kAoNone);
+static_assert(indexOf(AmbientOcclusion::Gtao) == kAoGtao);
+static_assert(indexOf(BloomFireflies::Damp) == kBloomDamp);
+static_assert(indexOf(BloomFireflies::Keep) == kBloomKeep);
+
+namespace {
+
+// Numbers by comma; empty where any part is no number.
+std::vector<float> numbersIn(std::string_view text) {
+  std::vector<float> values;
+  for (std::string_view part : splitAtCommas(text)) {
+    const std::optional<float> value = parseNumber<float>(part);
+    if (!value) return {};
+    values.push_back(*value);
+  }
+  return values;
+}
+
+// Two hexadecimal digits, as a share of 255.
+std::optional<float> channelIn(std::string_view digits) {
+  unsigned value = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value, 16);
+  if (error != std::errc() || end != digits.data() + digits.size()) return std::nullopt;
+  return static_cast<float>(value) / 255.0f;
+}
+
+// "#rrggbb" or "r,g,b", sRGB, as linear.
+std::optional<Color> colorIn(std::string_view text) {
+  std::vector<float> code;
+  if (text.size() == 7 && text[0] == '#')
+    for (size_t i = 1; i < 7; i += 2) code.push_back(channelIn(text.substr(i, 2)).value_or(-1.0f));
+  else
+    code = numbersIn(text);
+  if (code.size() != 3) return std::nullopt;
+  Color color;
+  for (int i = 0; i < 3; ++i) {
+    if (!(code[i] >= 0 && code[i] <= 1)) return std::nullopt;
+    color[i] = shared::linearFromSrgb(code[i]);
+  }
+  return color;
+}
+
+template <typename Range>
+auto& entryNamed(const char* option, const Range& registry, std::string_view name) {
+  for (const auto& entry : registry)
+    if (entry.name == name) return entry;
+  badUsage("{} takes one of these, not \"{}\": {}", option, name, namesOf(registry));
+}
+
+}  // namespace
+
+uint32_t readChoiceIndex(const char* option, std::span<const NamedOption> names, std::string_view text) {
+  return static_cast<uint32_t>(&entryNamed(option, names, text) - names.data());
+}
+
+template <>
+const Layout& readEntry<Layout>(const char* option, std::string_view name) {
+  return entryNamed(option, layouts(), name);
+}
+
+template <>
+const NormalEncoding& readEntry<NormalEncoding>(const char* option, std::string_view name) {
+  return entryNamed(option, normalEncodings(), name);
+}
+
+template <>
+const TechniqueInfo& readEntry<TechniqueInfo>(const char* option, std::string_view name) {
+  return entryNamed(option, techniques(), name);
+}
+
+template <>
+std::string readText<std::string>(const char*, std::string_view text) {
+  return std::string(text);
+}
+
+template <>
+Color readText<Color>(const char* option, std::string_view text) {
+  const std::optional<Color> color = colorIn(text);
+  if (!color) badUsage("{} takes #rrggbb, or r,g,b between 0 and 1, not \"{}\"", option, text);
+  return *color;
+}
+
+template <>
+Background readText<Background>(const char* option, std::string_view text) {
+  if (text == "transparent") return {};
+  if (text == "hdri") return {.kind = Background::Environment};
+  const std::optional<Color> color = colorIn(text);
+  if (!color) badUsage("{} takes transparent, hdri, #rrggbb, or r,g,b between 0 and 1, not \"{}\"", option, text);
+  return {.kind = Background::Color, .color = *color};
+}
+
+std::span<const AntiAliasingMode> antiAliasingModes() {
+  static const AntiAliasingMode all[] = {
+      {"none", "one sample a pixel, at its centre", AntiAliasing{}},
+      {"fxaa", "one sample a pixel; jagged edges are found in the finished picture and softened",
+       AntiAliasing{.fxaa = true}},
+      {"msaa4", "multisampling: four samples a pixel, each surface of a pixel shaded once", AntiAliasing{.samples = 4}},
+      {"taa", "temporal: each frame of a sequence blended into the ones before; a still is the mean of 16 frames",
+       AntiAliasing{.temporal = true}},
+      {"ssN", "super-sampling: N x N ordered samples a pixel, as in ss2 or ss4", std::nullopt},
   };
   return all;
 }
 
-const std::vector<NamedOption>& tonemaps() {
-  static const std::vector<NamedOption> all = {
-      {"khronos", "Khronos PBR neutral: base colours stay true"},
-      {"aces", "ACES filmic (Hill's fit of RRT and ODT)"},
-      {"agx", "AgX (Sobotka), base look"},
-      {"reinhard", "Reinhard on luminance"},
-      {"none", "clamped to [0, 1]"},
-  };
-  return all;
+template <>
+AntiAliasing readText<AntiAliasing>(const char* option, std::string_view text) {
+  for (const AntiAliasingMode& mode : antiAliasingModes())
+    if (mode.sets && text == mode.name) return *mode.sets;
+  if (text.starts_with("ss")) {
+    const auto n = parseNumber<uint32_t>(text.substr(2));
+    if (n && *n >= 1 && *n <= kMostSuperSampling) return {.superSampling = *n};
+  }
+  badUsage("{} takes one of {}, with N from 1 to {} as in ss4 or ss16, not \"{}\"", option,
+           namesOf(antiAliasingModes()), kMostSuperSampling, text);
 }
 
-const std::vector<NamedOption>& volumesOrders() {
-  static const std::vector<NamedOption> all = {
-      {"classic", "mark where a volume's back faces fail the depth test; light what is marked, at any depth"},
-      {"killzone", "mark where they pass the reversed test; light what is marked and lies behind the front faces"},
-  };
-  return all;
+template <>
+ShadowLights readText<ShadowLights>(const char* option, std::string_view text) {
+  if (text == "auto") return {};
+  ShadowLights lights{.automatic = false};
+  if (text == "all") return lights;
+  if (text == "none") {
+    lights.most = 0;
+  } else if (const auto number = parseNumber<uint32_t>(text)) {
+    lights.most = *number;
+  } else {
+    for (std::string_view name : splitAtCommas(text)) lights.names.emplace_back(name);
+  }
+  return lights;
 }
 
-const std::vector<NamedOption>& normalSpaces() {
-  static const std::vector<NamedOption> all = {
-      {"layout", "the layout's own"},
-      {"world", "world space; not for encodings of the near hemisphere alone, which stay in view space"},
-      {"view", "view space, the encoding's +Z towards the viewer"},
-  };
-  return all;
+template <>
+SunLight readText<SunLight>(const char* option, std::string_view text) {
+  const std::vector<float> v = numbersIn(text);
+  if (v.size() != 2 && v.size() != 3)
+    badUsage("{} takes azimuth,elevation[,lux] in degrees, as in 30,40 or 30,40,3, not \"{}\"", option, text);
+  SunLight sun{.azimuth = v[0] * radians(1), .elevation = v[1] * radians(1)};
+  if (v.size() == 3) sun.illuminance = v[2];
+  return sun;
 }
 
-const std::vector<NamedOption>& positionMethods() {
-  static const std::vector<NamedOption> all = {
-      {"ray", "the view ray times view depth B / (d - A)"},
-      {"matrix", "the full inverse projection matrix, and a division by w"},
-      {"reciprocal", "the view ray times 1 / (P d + Q): a multiply-add and a reciprocal"},
-  };
-  return all;
+std::pair<uint32_t, uint32_t> readSize(const char* option, std::string_view text) {
+  if (const size_t x = text.find('x'); x != std::string_view::npos) {
+    const auto width = parseNumber<uint32_t>(text.substr(0, x)), height = parseNumber<uint32_t>(text.substr(x + 1));
+    if (width && height) return {*width, *height};
+  }
+  badUsage("{} takes a width and a height in pixels, as in 1280x720, not \"{}\"", option, text);
 }
 
-const std::vector<NamedOption>& shadowFormats() {
-  static const std::vector<NamedOption> all = {
-      {"none", "no light casts shadows"},
-      {"d32", "a depth image of 32-bit floats"},
-      {"d16", "a depth image of 16 bits: half the memory"},
-      {"rgba8", "four bytes of a colour image: the float's own 32 bits, no error"},
-      {"rgba8-classic", "four bytes as EncodeFloatRGBA has them: digits to base 255, 2e-7 off, and 1 becomes 0"},
-  };
-  return all;
-}
-
-const std::vector<NamedOption>& shadowFilters() {
-  static const std::vector<NamedOption> all = {
-      {"hard", "the one texel that holds the point: edges as the texels are"},
-      {"pcf", "nine comparisons, weighted by a quadratic B-spline 3 texels wide"},
-      {"pcss", "as wide as the light's own size makes it: 16 comparisons to find what blocks, 64 to filter"},
-  };
-  return all;
-}
-
-const std::vector<NamedOption>& transparencies() {
-  static const std::vector<NamedOption> all = {
-      {"exact", "every fragment kept and sorted in its pixel: right for any number of layers in any order"},
-      {"sorted", "objects from far to near: right where they do not interpenetrate and each is convex"},
-      {"weighted", "no order: coverage is right, colours of several layers are a weighted mean"},
-      {"none", "blended surfaces are left out"},
-  };
-  return all;
-}
-
-const std::vector<NamedOption>& dataSurfaces() {
-  static const std::vector<NamedOption> all = {
-      {"opaque", "the nearest surface that is not alpha-blended"},
-      {"any", "the nearest surface of all: blended ones count where their alpha is above 0"},
-  };
-  return all;
-}
-
-const std::vector<NamedOption>& ambientOcclusions() {
-  static const std::vector<NamedOption> all = {
-      {"none", "the sky is hidden by material textures alone"},
-      {"gtao", "ground-truth ambient occlusion: horizons in the depth buffer, cosine-weighted (Jimenez et al. 2016)"},
-  };
-  return all;
-}
-
-const std::vector<NamedOption>& bloomFireflies() {
-  static const std::vector<NamedOption> all = {
-      {"damp", "lone bright pixels glow less (Karis average), so that they don't flicker; some light is lost"},
-      {"keep", "every pixel glows by its light: no light is lost"},
-  };
-  return all;
-}
-
-const std::vector<NamedOption>& postEffects() {
-  static const std::vector<NamedOption> all = {
+std::span<const NamedOption> postEffects() {
+  static const NamedOption all[] = {
       {"ambient-occlusion", "--ao gtao: corners and contacts get less light from the environment"},
       {"fog", "--fog DENSITY: a medium, uniform or falling off with height, between the camera and what it sees"},
       {"bloom", "--bloom STRENGTH: bright places glow"},
@@ -120,107 +208,8 @@ const std::vector<NamedOption>& postEffects() {
   return all;
 }
 
-const std::vector<AntiAliasing>& antiAliasings() {
-  static const std::vector<AntiAliasing> all = {
-      {"none", "one sample a pixel, at its centre", [](Settings&) {}},
-      {"fxaa", "one sample a pixel; jagged edges are found in the finished picture and softened",
-       [](Settings& s) { s.fxaa = true; }},
-      {"msaa4", "multisampling: four samples a pixel, each surface of a pixel shaded once",
-       [](Settings& s) { s.samples = 4; }},
-      {"taa", "temporal: each frame of a sequence blended into the ones before; a still is the mean of 16 frames",
-       [](Settings& s) { s.temporal = true; }},
-      {"ssN", "super-sampling: N x N ordered samples a pixel, as in ss2 or ss4", nullptr},
-  };
-  return all;
-}
-
-void setAntiAliasing(Settings& settings, const std::string& name) {
-  for (const AntiAliasing& aa : antiAliasings())
-    if (aa.set && name == aa.name) return aa.set(settings);
-  if (name.starts_with("ss")) {
-    const auto n = parseNumber<uint32_t>(std::string_view(name).substr(2));
-    if (n && *n >= 1 && *n <= 16) {
-      settings.superSampling = *n;
-      return;
-    }
-  }
-  badUsage("--aa takes one of {}, with N from 1 to 16 as in ss4 or ss16, not \"{}\"", namesOf(antiAliasings()), name);
-}
-
-namespace {
-
-// Throws where it is not a number from `least` to `most`.
-void checkNumber(const char* what, float value, float least, float most) {
-  if (!(value >= least && value <= most))
-    badUsage("{} must be a number between {} and {}, not {}", what, least, most, value);
-}
-
-void checkPost(const Settings& s) {
-  constexpr float kMany = 1e6f;  // metres, or fogs a metre: nothing larger shows anything
-  findByName(ambientOcclusions(), s.ao.method, "ambient occlusion");
-  if (s.ao.radius && !(*s.ao.radius > 0 && std::isfinite(*s.ao.radius)))
-    badUsage("the radius of ambient occlusion must be a number of metres above 0, not {}", *s.ao.radius);
-  checkNumber("the strength of ambient occlusion", s.ao.strength, 0, 10);
-  checkNumber("the strength of bloom", s.bloom.strength, 0, 1);
-  checkNumber("the radius of bloom", s.bloom.radius, 0, 1);
-  checkNumber("the threshold of bloom", s.bloom.threshold, 0, 65504);
-  findByName(bloomFireflies(), s.bloom.fireflies, "treatment of fireflies");
-  checkNumber("the density of fog", s.fog.density, 0, kMany);
-  for (int i = 0; i < 3; ++i) checkNumber("a channel of the fog's colour", s.fog.color[i], 0, 65504);
-  checkNumber("the height in which fog thins out", s.fog.height, 0, kMany);
-  checkNumber("the height at which fog has its density", s.fog.base, -kMany, kMany);
-}
-
-void checkShadows(const Settings& s) {
-  findByName(shadowFormats(), s.shadows, "shadow format");
-  findByName(shadowFilters(), s.shadowFilter, "shadow filter");
-  constexpr uint32_t kLeast = 256, kMost = 16384;
-  if (s.shadowAtlas < kLeast || s.shadowAtlas > kMost)
-    badUsage("the shadow atlas's side must lie between {} and {} texels, not {}", kLeast, kMost, s.shadowAtlas);
-  if (!std::isfinite(s.lightSize) || s.lightSize < 0)
-    badUsage("the size of lights must be a number of metres of at least 0, not {}", s.lightSize);
-  constexpr float kWidest = 1.5707964f;
-  if (!(s.sunAngle >= 0 && s.sunAngle <= kWidest))
-    badUsage("the angle that directional lights fill must lie between 0 and 90 degrees");
-  if (!s.sun) return;
-  if (!std::isfinite(s.sun->azimuth) || !std::isfinite(s.sun->elevation))
-    badUsage("the sun's azimuth and elevation must be numbers of degrees");
-  if (!std::isfinite(s.sun->illuminance) || s.sun->illuminance < 0)
-    badUsage("the sun's illuminance must be a number of lux of at least 0, not {}", s.sun->illuminance);
-}
-
-}  // namespace
-
-void checkSettings(const Settings& s) {
-  constexpr uint32_t kMaxSide = 16384;  // maxImageDimension2D every Vulkan 1.3 device we know of offers
-  if (s.width == 0 || s.height == 0 || s.width > kMaxSide || s.height > kMaxSide)
-    badUsage("a picture of {}x{} pixels can't be made; each side must lie between 1 and {}", s.width, s.height,
-             kMaxSide);
-  if (s.superSampling < 1 || s.superSampling > 16)
-    badUsage("super-sampling takes 1 to 16 samples along each side, not {}", s.superSampling);
-  if (s.samples != 1 && s.samples != 4) badUsage("multisampling takes 1 or 4 samples a pixel, not {}", s.samples);
-  if ((s.samples > 1) + (s.superSampling > 1) + s.temporal > 1)
-    badUsage(
-        "multisampling, super-sampling and temporal anti-aliasing each choose the samples of a pixel; use one of them");
-  if (s.anisotropy && (*s.anisotropy < 1 || *s.anisotropy > 16))
-    badUsage("anisotropic filters take 1 to 16 samples, not {}", *s.anisotropy);
-  if (!std::isfinite(s.exposure) || std::abs(s.exposure) > 60)
-    badUsage("the exposure must be a number between -60 and 60 EV, not {}", s.exposure);
-  if (!std::isfinite(s.environmentIntensity) || s.environmentIntensity < 0)
-    badUsage("the environment's intensity must be a number of at least 0, not {}", s.environmentIntensity);
-  if (!std::isfinite(s.environmentRotation)) badUsage("the environment's rotation must be a number of degrees");
-  checkShadows(s);
-  checkPost(s);
-  findLayout(s.layout);
-  findNormalEncoding(s.normals);
-  findByName(normalSpaces(), s.normalSpace, "space of normals");
-  findByName(positionMethods(), s.position, "position method");
-  findTechnique(s.lighting);
-  findByName(shadings(), s.shading, "shading model");
-  findByName(tonemaps(), s.tonemap, "tonemap");
-  findByName(transparencies(), s.transparency, "method of transparency");
-  findByName(dataSurfaces(), s.dataSurfaces, "choice of surfaces for data");
-  findByName(volumesOrders(), s.volumesOrder, "order of light volumes");
+float exposureFactor(const Settings& settings) {
+  return std::exp2(settings.exposure);
 }
 
 }  // namespace latelight::render

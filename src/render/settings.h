@@ -1,37 +1,79 @@
-// What a picture is rendered with: the choices of `latelight render`, as data.
+// What a picture is rendered with: the choices of `latelight render`, as data. The table of options
+// (include/latelight/options.def) lists them; here they have the types that the renderer works with.
 #pragma once
 
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <limits>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "output/aov.h"
 
 namespace latelight::render {
 
-enum class NormalFrame { World, OpenCv, OpenGl };  // of the normal and geonormal outputs
-enum class Background { Transparent, Color, Environment };
+struct Layout;
+struct NormalEncoding;
+struct TechniqueInfo;
 
-// Composition and post-processing (docs/post.md); all off by default.
-struct AmbientOcclusionSettings {
-  std::string method = "none";
-  std::optional<float> radius;  // metres; without, a share of the scene's size (kAoRadiusShare)
-  float strength = 1;           // the visible share of the sky is raised to it
+// A name that an option takes, and what it stands for.
+struct NamedOption {
+  const char* name;
+  const char* description;
 };
-struct BloomSettings {
-  float strength = 0;   // the share of light that is spread, 0 to 1
-  float radius = 0.7f;  // 0 to 1: the share of it that goes on from each size of glow to the next, twice as wide
-  float threshold = 0;  // luminance that is left alone
-  std::string fireflies = "damp";
-};
-struct FogSettings {
-  float density = 0;      // extinction, 1/m
-  glm::vec3 color{0.5f};  // linear; as the picture has it after exposure
-  float height = 0;       // metres upwards in which density falls to 1/e; 0: the same everywhere
-  float base = 0;         // metres, where density is `density`: up in the scene file's frame
+
+// An enumeration for each OPTION_CHOICE, numbered as the constants of the shaders that take it.
+#define OPTION_CHOICE(Enum, member, name, normal, topic, effect, help, ...) enum class Enum : uint32_t { __VA_ARGS__ };
+#define OPTION_NAME(constant, name, description) constant,
+#include <latelight/options.def>
+
+// Its names, in its order.
+template <typename Enum>
+inline constexpr std::span<const NamedOption> kChoices{};
+#define OPTION_CHOICE(Enum, member, name, normal, topic, effect, help, ...) \
+  inline constexpr NamedOption kNamesOf##Enum[] = {__VA_ARGS__};            \
+  template <>                                                               \
+  inline constexpr std::span<const NamedOption> kChoices<Enum> = kNamesOf##Enum;
+#define OPTION_NAME(constant, name, description) {name, description},
+#include <latelight/options.def>
+
+template <typename Enum>
+constexpr std::span<const NamedOption> choices() {
+  static_assert(!kChoices<Enum>.empty(), "not the enumeration of an option");
+  return kChoices<Enum>;
+}
+
+// What shaders switch on.
+template <typename Enum>
+constexpr uint32_t indexOf(Enum choice) {
+  return static_cast<uint32_t>(choice);
+}
+template <typename Enum>
+constexpr const char* nameOf(Enum choice) {
+  return choices<Enum>()[indexOf(choice)].name;
+}
+
+// The choice of that name, nothing where there is none.
+template <typename Enum>
+constexpr std::optional<Enum> choiceNamed(std::string_view name) {
+  const std::span<const NamedOption> all = choices<Enum>();
+  for (uint32_t i = 0; i < all.size(); ++i)
+    if (name == all[i].name) return static_cast<Enum>(i);
+  return std::nullopt;
+}
+
+using Color = glm::vec3;  // linear, of a display
+
+// What lies behind everything.
+struct Background {
+  enum Kind { Transparent, Color, Environment };
+  Kind kind = Transparent;
+  render::Color color{0};
+  bool operator==(const Background&) const = default;
 };
 
 // A directional light. Azimuth and elevation say where it comes from, as an orbiting camera's do.
@@ -41,80 +83,96 @@ struct SunLight {
   bool operator==(const SunLight&) const = default;
 };
 
-struct Settings {
-  uint32_t width = 1280, height = 720;
-  uint32_t stripPixels = 1u << 23;  // larger pictures are rendered in strips of at most so many: strips.h
-  std::string layout = "compact";
-  std::string normals = "octahedral";
-  std::string normalSpace = "layout";
-  std::string position = "ray";
-  std::string lighting = "fullscreen";
-  std::string shading = "ggx";
-  std::string tonemap = "khronos";
-  std::string volumesOrder = "classic";  // of the lighting technique `volumes`
-  std::string transparency = "exact";    // how alpha-blended surfaces are drawn
-  std::string dataSurfaces = "opaque";   // which surfaces data outputs show
-  uint32_t superSampling = 1;            // N: N x N ordered samples a pixel, in N * N frames
-  uint32_t samples = 1;                  // of the hardware's, a pixel: 1, or 4 (MSAA)
-  bool everySample = false;              // all of those are shaded, alike or not: the reference of MSAA
-  bool countSurfaces = false;            // fills Renderer::shadingCounts()
-  bool temporal = false;                 // temporal anti-aliasing; not together with super-sampling
-  std::optional<uint32_t> anisotropy;    // samples of a texture along a pixel's footprint; none: the device's usual
-  float exposure = 0;                    // EV: radiance is multiplied by 2^exposure
-  float environmentIntensity = 1;
-  float environmentRotation = 0;  // radians about the up axis, +X towards +Z of the glTF frame
-  // Shadows: shadow/plan.h.
-  std::string shadows = "d32";        // how depth is stored; none: no shadows
-  std::string shadowFilter = "pcf";   // how it becomes light
-  std::string shadowLights = "auto";  // which lights cast them: auto, all, none, a number, or names by comma
-  uint32_t shadowAtlas = 4096;        // side of the square that all maps have to fit in, texels
-  float lightSize = 0.05f;            // metres: radius of point and spot lights that have none of their own, for pcss
-  float sunAngle = 0.0093f;           // radians across: of directional lights that have none of their own, for pcss
-  std::optional<SunLight> sun;        // beside the scene's lights
-
-  Background background = Background::Transparent;
-  glm::vec3 backgroundColor{0};  // linear display colour
-
-  AmbientOcclusionSettings ao;
-  BloomSettings bloom;
-  FogSettings fog;
-  bool fxaa = false;
-
-  bool display = true;            // the tonemapped picture
-  std::vector<output::Aov> aovs;  // beside it; Color is the linear picture
-  NormalFrame normalFrame = NormalFrame::World;
-  bool zUp = false;  // positions, normals and poses in the renderer's world instead of the scene file's frame
-};
-
-// The names that options take, each list in the order of its constants: kShading*, kTonemap*, kVolumes*, kNormalSpace*,
-// kPosition*, kTransparency*, kShadow*, kShadowFilter*, kAo*, kBloom*.
-struct NamedOption {
-  const char* name;
-  const char* description;
-};
-const std::vector<NamedOption>& shadings();
-const std::vector<NamedOption>& tonemaps();
-const std::vector<NamedOption>& volumesOrders();
-const std::vector<NamedOption>& normalSpaces();
-const std::vector<NamedOption>& positionMethods();
-const std::vector<NamedOption>& ambientOcclusions();  // --ao, in the order of kAo*
-const std::vector<NamedOption>& bloomFireflies();     // --bloom-fireflies, in the order of kBloom*
-const std::vector<NamedOption>& postEffects();        // every effect, and the option that turns it on
-
-// --aa by name: what each sets. ssN, for any N, is setAntiAliasing()'s own.
+inline constexpr uint32_t kMostSuperSampling = 16;
+// How a pixel is sampled; at most one of the first three differs from its default.
 struct AntiAliasing {
+  uint32_t superSampling = 1;  // N: N x N ordered samples a pixel, in N * N frames
+  uint32_t samples = 1;        // of the hardware's, a pixel: 1, or 4 (MSAA)
+  bool temporal = false;       // each frame is blended into those before
+  bool fxaa = false;           // the finished picture's edges are softened
+  bool operator==(const AntiAliasing&) const = default;
+};
+
+// --aa by name: what each sets. ssN stands for any N.
+struct AntiAliasingMode {
   const char* name;
   const char* description;
-  void (*set)(Settings&);
+  std::optional<AntiAliasing> sets;
 };
-const std::vector<AntiAliasing>& antiAliasings();
-void setAntiAliasing(Settings& settings, const std::string& name);  // throws Error(Usage)
-const std::vector<NamedOption>& transparencies();
-const std::vector<NamedOption>& dataSurfaces();
-const std::vector<NamedOption>& shadowFormats();
-const std::vector<NamedOption>& shadowFilters();
+std::span<const AntiAliasingMode> antiAliasingModes();
 
-// Throws Error(Usage) with a sentence where a value is out of range or a name unknown.
+// Which lights may cast shadows (shadow/choose.h).
+struct ShadowLights {
+  static constexpr uint32_t kAll = std::numeric_limits<uint32_t>::max();
+  bool automatic = true;           // the few most important ones
+  uint32_t most = kAll;            // else at most so many
+  std::vector<std::string> names;  // of those that may; none: any light
+  bool operator==(const ShadowLights&) const = default;
+};
+
+// The value of an option from its text. Each throws Error(Usage) with a sentence that begins with the option's name.
+uint32_t readChoiceIndex(const char* option, std::span<const NamedOption> names, std::string_view text);
+template <typename Enum>
+Enum readChoice(const char* option, std::string_view text) {
+  return static_cast<Enum>(readChoiceIndex(option, choices<Enum>(), text));
+}
+template <typename Entry>
+const Entry& readEntry(const char* option, std::string_view name);
+template <>
+const Layout& readEntry<Layout>(const char* option, std::string_view name);
+template <>
+const NormalEncoding& readEntry<NormalEncoding>(const char* option, std::string_view name);
+template <>
+const TechniqueInfo& readEntry<TechniqueInfo>(const char* option, std::string_view name);
+template <typename T>
+T readText(const char* option, std::string_view text);
+template <>
+std::string readText<std::string>(const char* option, std::string_view text);
+template <>
+Color readText<Color>(const char* option, std::string_view text);  // "#rrggbb" or "r,g,b", sRGB
+template <>
+Background readText<Background>(const char* option, std::string_view text);
+template <>
+AntiAliasing readText<AntiAliasing>(const char* option, std::string_view text);
+template <>
+ShadowLights readText<ShadowLights>(const char* option, std::string_view text);
+template <>
+SunLight readText<SunLight>(const char* option, std::string_view text);             // "az,el[,lux]", degrees
+std::pair<uint32_t, uint32_t> readSize(const char* option, std::string_view text);  // "1280x720"
+
+inline float radians(double degrees) {
+  return static_cast<float>(degrees * 3.14159265358979323846 / 180.0);
+}
+
+// The members are those of latelight::Options, angles in radians.
+struct Settings {
+#define OPTION_FLAG(member, ...) bool member = false;
+#define OPTION_NUMBER(Type, member, name, normal, ...) Type member = normal;
+#define OPTION_ANGLE(member, name, normal, ...) float member = radians(normal);
+#define OPTION_OPTIONAL(Type, member, ...) std::optional<Type> member;
+#define OPTION_CHOICE(Enum, member, name, normal, ...) Enum member = choiceNamed<Enum>(normal).value();
+#define OPTION_ENTRY(Type, member, name, normal, ...) const Type* member = &readEntry<Type>(name, normal);
+#define OPTION_TEXT(Type, member, name, normal, ...) Type member = readText<Type>(name, normal);
+#define OPTION_SIZE(width, height, name, normalWidth, normalHeight, ...) \
+  uint32_t width = normalWidth, height = normalHeight;
+#define OPTION_SUN(member, ...) std::optional<SunLight> member;
+#include <latelight/options.def>
+
+  // What no option says.
+  bool display = true;              // the tonemapped picture
+  std::vector<output::Aov> aovs;    // beside it; Color is the linear picture
+  uint32_t stripPixels = 1u << 23;  // larger pictures are rendered in strips of at most so many: strips.h
+  bool everySample = false;         // of MSAA all are shaded, alike or not: the reference
+  bool countSurfaces = false;       // fills Renderer::shadingCounts()
+};
+
+// Radiance is multiplied by it.
+float exposureFactor(const Settings& settings);
+
+// Every effect of the post-processing, and the option that turns it on.
+std::span<const NamedOption> postEffects();
+
+// Throws Error(Usage) with a sentence where a value is out of range, or two contradict each other.
 void checkSettings(const Settings& settings);
 
 }  // namespace latelight::render

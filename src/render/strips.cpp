@@ -11,7 +11,7 @@ constexpr uint32_t kBlock = 64;
 
 bool needsNeighbours(const Settings& s) {
   const bool color = s.display || output::contains(s.aovs, output::Aov::Color);
-  return color && (s.temporal || s.fxaa || s.bloom.strength > 0 || s.ao.method != "none");
+  return color && (s.aa.temporal || s.aa.fxaa || s.bloom > 0 || s.ambientOcclusion != AmbientOcclusion::None);
 }
 
 template <typename T>

@@ -223,7 +223,7 @@ std::vector<glm::mat4> instanceTransforms(const Scene& scene, const Pose& pose) 
   parallelFor(transforms.size(), 16384, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       const Instance& instance = scene.instances[i];
-      if (pose.empty()) {
+      if (pose.empty() || instance.placed) {
         transforms[i] = instance.toWorld;
         continue;
       }

@@ -5,7 +5,6 @@
 
 #include "base/error.h"
 #include "scene/gltf_vertices.h"
-#include "scene/tangents.h"
 
 namespace latelight::scene::gltf {
 namespace {
@@ -49,50 +48,11 @@ void requireFinite(const std::vector<vec3>& positions, const std::string& name) 
       badInput("{} has positions that are not finite once posed", name);
 }
 
-void repairTangents(std::vector<vec4>& tangents) {
-  for (vec4& t : tangents) {
-    float length2 = glm::dot(vec3(t), vec3(t));
-    bool usable = length2 > 1e-30f && std::isfinite(length2);
-    t = usable ? vec4(vec3(t) / std::sqrt(length2), t.w < 0 ? -1.0f : 1.0f) : vec4(0);
-  }
-}
-
-template <typename T>
-void appendCopies(std::vector<T>& stream, const std::vector<uint32_t>& copies) {
-  if (stream.empty()) return;
-  stream.reserve(stream.size() + copies.size());
-  for (uint32_t vertex : copies) stream.push_back(stream[vertex]);
-}
-
 void makeTangents(const TangentSpace& space, Vertices& v, std::vector<uint32_t>& indices) {
   std::vector<vec2> uv = v.uv[space.uvSet];
   if (uv.empty()) return;
   for (vec2& t : uv) t = vec2(glm::dot(space.row0, t), glm::dot(space.row1, t));
-  TangentFrames frames = generateTangents(v.positions, v.normals, uv, indices);
-  appendCopies(v.positions, frames.copies);
-  appendCopies(v.normals, frames.copies);
-  appendCopies(v.colors, frames.copies);
-  appendCopies(v.uv[0], frames.copies);
-  appendCopies(v.uv[1], frames.copies);
-  appendCopies(v.origin, frames.copies);
-  v.tangents = std::move(frames.tangents);
-}
-
-Mesh pack(Vertices v, std::vector<uint32_t> indices) {
-  Mesh mesh;
-  size_t count = v.positions.size();
-  mesh.attributes.resize(count);
-  for (size_t i = 0; i < count; ++i)
-    mesh.attributes[i] = {v.normals[i], v.tangents.empty() ? vec4(0) : v.tangents[i],
-                          v.uv[0].empty() ? vec2(0) : v.uv[0][i]};
-  if (!v.uv[1].empty() || !v.colors.empty()) {
-    mesh.extras.resize(count);
-    for (size_t i = 0; i < count; ++i)
-      mesh.extras[i] = {v.uv[1].empty() ? vec2(0) : v.uv[1][i], v.colors.empty() ? vec4(1) : v.colors[i]};
-  }
-  mesh.positions = std::move(v.positions);
-  mesh.indices = std::move(indices);
-  return mesh;
+  scene::makeTangents(uv, v, indices);
 }
 
 void computeBounds(Mesh& mesh) {

@@ -1,4 +1,4 @@
-// A primitive on its way to a scene::Mesh: separate streams, as glTF has them.
+// A primitive on its way to a scene::Mesh: where its streams lie, and how they are read.
 #pragma once
 
 #include <map>
@@ -7,6 +7,7 @@
 
 #include "scene/gltf_accessor.h"
 #include "scene/gltf_mesh.h"
+#include "scene/vertices.h"
 
 namespace latelight::scene::gltf {
 
@@ -16,14 +17,6 @@ struct Source {
   std::map<std::string, Elements> attributes;
   std::vector<uint32_t> indices;  // a triangle list, counted from `first`
   size_t first = 0, count = 0;    // the vertices that the indices use
-};
-
-// All empty, or one a vertex.
-struct Vertices {
-  std::vector<vec3> positions, normals;
-  std::vector<vec4> tangents, colors;
-  std::vector<vec2> uv[2];
-  std::vector<uint32_t> origin;  // of each, its number in the primitive's own streams, counted from Source::first
 };
 
 // gltf_topology.cpp: finds the data, decodes Draco, unrolls strips and fans, checks every index.
@@ -39,9 +32,5 @@ void readMorphTargets(const Document& document, const tinygltf::Primitive& primi
                       const std::vector<uint32_t>& origin, Deformation& deformation);
 // From bind space to the file's own frame, of each joint, as the nodes are at rest.
 std::vector<mat4> restJoints(const Document& document, const Hierarchy& hierarchy, int skin);
-
-// gltf_normals.cpp: what glTF 2.0 (3.7.2.1) wants where normals are missing, and where they are zero or not finite.
-void makeFlatNormals(Vertices& vertices, std::vector<uint32_t>& indices);
-void repairNormals(Vertices& vertices, const std::vector<uint32_t>& indices);
 
 }  // namespace latelight::scene::gltf

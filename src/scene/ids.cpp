@@ -10,12 +10,13 @@
 #include "base/error.h"
 #include "base/hash.h"
 #include "base/log.h"
+#include "scene/scene.h"
 
 namespace latelight::scene {
 
 uint32_t UniqueIds::make(uint32_t hash, const std::function<std::string()>& name) {
   uint32_t id = hash;
-  for (unsigned attempt = 2; id == 0 || !insert(id); ++attempt) id = hash32(fmt::format("{}~{}", name(), attempt));
+  for (unsigned attempt = 2; !take(id); ++attempt) id = hash32(fmt::format("{}~{}", name(), attempt));
   return id;
 }
 
@@ -23,12 +24,28 @@ uint32_t UniqueIds::make(const std::string& name) {
   return make(hash32(name), [&] { return name; });
 }
 
-bool UniqueIds::insert(uint32_t id) {
+bool UniqueIds::take(uint32_t id) {
+  if (id == 0) return false;
   if (2 * (count_ + 1) > table_.size()) grow();
   uint32_t& place = find(id);
   const bool isNew = std::exchange(place, id) != id;
   count_ += isNew;
   return isNew;
+}
+
+// Those behind it that its place was in the way of move up.
+void UniqueIds::release(uint32_t id) {
+  if (table_.empty() || id == 0 || find(id) != id) return;
+  const size_t mask = table_.size() - 1;
+  auto hole = static_cast<size_t>(&find(id) - table_.data());
+  for (size_t at = (hole + 1) & mask; table_[at] != 0; at = (at + 1) & mask) {
+    const size_t home = table_[at] & mask;
+    if (((at - home) & mask) < ((at - hole) & mask)) continue;
+    table_[hole] = table_[at];
+    hole = at;
+  }
+  table_[hole] = 0;
+  --count_;
 }
 
 uint32_t& UniqueIds::find(uint32_t id) {

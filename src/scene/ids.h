@@ -7,9 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "scene/scene.h"
-
 namespace latelight::scene {
+
+struct IdGrouping;
+struct Scene;
 
 // Ids that are never 0 and never the same: where two names have one hash, the later one is hashed again with "~2" and
 // so on behind it. Those that are taken lie in one table, each at the first free place behind its hash, since there may
@@ -19,9 +20,10 @@ class UniqueIds {
   // `hash` is hash32() of the name.
   uint32_t make(uint32_t hash, const std::function<std::string()>& name);
   uint32_t make(const std::string& name);
+  bool take(uint32_t id);     // false: it is 0, or taken
+  void release(uint32_t id);  // one that is taken is free again
 
  private:
-  bool insert(uint32_t id);
   uint32_t& find(uint32_t id);
   void grow();
 

@@ -95,7 +95,8 @@ size_t Texture::bytes() const {
 
 uint64_t Scene::triangleCount() const {
   uint64_t count = 0;
-  for (const Instance& instance : instances) count += meshes[instance.mesh].indices.size() / 3;
+  for (const Instance& instance : instances)
+    if (!instance.removed) count += meshes[instance.mesh].indices.size() / 3;
   return count;
 }
 
@@ -104,7 +105,8 @@ Bounds worldBounds(const Scene& scene) {
   std::mutex mutex;
   parallelFor(scene.instances.size(), 16384, [&](size_t begin, size_t end) {
     Bounds some;
-    for (size_t i = begin; i < end; ++i) addBounds(scene, scene.instances[i], some);
+    for (size_t i = begin; i < end; ++i)
+      if (!scene.instances[i].removed) addBounds(scene, scene.instances[i], some);
     std::lock_guard lock(mutex);
     all.min = glm::min(all.min, some.min);
     all.max = glm::max(all.max, some.max);

@@ -15,6 +15,8 @@
 
 #include "base/memory.h"
 #include "scene/animation.h"
+#include "scene/edit_log.h"
+#include "scene/ids.h"
 #include "shared/types.h"
 
 namespace latelight::scene {
@@ -79,7 +81,9 @@ struct Instance {
   uint32_t primitive = 0;  // of the node's mesh
   int copy = -1;           // which of its node's, by EXT_mesh_gpu_instancing; -1: it has none
   mat4 toWorld{1};
-  bool posed = false;  // skinned: its vertices are in the file's frame, and its node does not move it (3.7.3.3)
+  bool posed = false;    // skinned: its vertices are in the file's frame, and its node does not move it (3.7.3.3)
+  bool placed = false;   // its transform was set by an edit (edit.h): no animation moves it
+  bool removed = false;  // a gap that the next instance added takes (edit.h)
 };
 
 struct Node {
@@ -87,6 +91,7 @@ struct Node {
   std::string path;  // "/Root/Arm/Hand": names from the root; unnamed nodes are "node<index>", twins get "#2", "#3"...
   std::string mesh;  // the name of the mesh that hangs on it; empty: none does
   uint32_t id = 0;   // stable, unique in the scene, never 0; of nodes in a group that of the group's topmost
+  bool added = false;  // with an instance, by an edit (edit.h): it goes with it
   int parent = -1;
   mat4 local{1};    // the file's own frame
   mat4 toWorld{1};  // the renderer's world
@@ -123,6 +128,28 @@ struct Light {
   // point or spot light than that is its own body and casts no shadow.
   float size = 0;
   std::optional<bool> castShadow;  // true: before all lights that don't say; false: never
+  bool removed = false;            // a gap that the next light added takes (edit.h)
+  bool operator==(const Light&) const = default;
+};
+
+// Places of elements that were removed. How often a place was emptied tells the element that has it from those before.
+struct Gaps {
+  std::vector<uint32_t> free;
+  std::vector<uint32_t> emptied;  // by place; 0 for those behind its end
+  uint32_t generation(uint32_t place) const { return place < emptied.size() ? emptied[place] : 0; }
+};
+
+// What has changed since the scene was made (edit.h).
+struct SceneEdits {
+  EditLog meshes, materials, instances, lights;
+  Gaps instanceGaps, lightGaps;
+  std::vector<uint32_t> freeNodes;  // of instances that were added, and removed
+  // Of nodes and of instances, so that those that are added get others; made when the first one is.
+  struct KnownIds {
+    UniqueIds nodes, parts, materials;
+  };
+  std::optional<KnownIds> ids;
+  uint32_t twins = 1;  // tells apart what is added under one name
 };
 
 struct Scene {
@@ -139,7 +166,8 @@ struct Scene {
   std::vector<Light> lights;
   std::vector<std::string> variants;  // KHR_materials_variants
   Rig rig;                            // what moves; all of the above is at rest
-  MemoryClaim memory;                 // what it takes of the machine's
+  SceneEdits edits;
+  MemoryClaim memory;  // what it takes of the machine's
 
   uint64_t triangleCount() const;  // of all instances
 };

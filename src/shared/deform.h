@@ -1,10 +1,16 @@
-// What a skin's blended joint matrix, of columns x, y, z, does to directions.
+// What deformation adds to a vertex, and what a skin's blended joint matrix, of columns x, y, z, does to directions.
 #ifndef LATELIGHT_SHARED_DEFORM_H
 #define LATELIGHT_SHARED_DEFORM_H
 
 #include "shared/lang.h"
 
 SH_BEGIN
+
+struct MorphDelta {  // of one vertex, by one morph target
+  vec3 position;
+  vec3 normal;
+  vec3 tangent;
+};
 
 // By the cofactor matrix: the inverse transpose times the determinant, and fine where that is 0. Unit; `normal` where
 // nothing of it is left.

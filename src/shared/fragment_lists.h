@@ -34,7 +34,7 @@ struct FragmentLists {
 };
 
 // Which number in `order` a draw's first triangle has.
-struct DrawOrder {
+struct FragmentOrder {
   uint first;
   uint firstInstance;
   uint triangles;  // an instance

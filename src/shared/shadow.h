@@ -10,23 +10,17 @@
 
 SH_BEGIN
 
-// How depth is stored, in the order of shadowFormats().
+// How depth is stored, as ShadowFormat numbers it.
 SH_CONST uint kShadowNone = 0u;
 SH_CONST uint kShadowD32 = 1u;
 SH_CONST uint kShadowD16 = 2u;
 SH_CONST uint kShadowRgba8 = 3u;
 SH_CONST uint kShadowRgba8Classic = 4u;
 
-// How stored depths become light, in the order of shadowFilters().
+// How stored depths become light, as ShadowFilter numbers it.
 SH_CONST uint kShadowFilterHard = 0u;
 SH_CONST uint kShadowFilterPcf = 1u;
 SH_CONST uint kShadowFilterPcss = 2u;
-
-// Set in the address of a light's maps: it is the sun, the first directional light that casts shadows, which layouts
-// with GBUFFER_SUN_TARGET have a channel for.
-SH_CONST uint kShadowSun = 1u;
-// And in bit 1: its maps are the faces of a cube.
-SH_CONST uint kShadowCube = 2u;
 
 // No surface is stored as 1: that is what nothing is, and what rgba8-classic makes 0 of. One level of 16 bits below.
 SH_CONST float kShadowFarthest = 65534.0f / 65535.0f;

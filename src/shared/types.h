@@ -96,7 +96,22 @@ struct Light {  // KHR_lights_punctual
   vec3 intensity;   // colour times candela (point, spot) or lux (directional)
   float spotScale;  // spot cone: clamp(cos * spotScale + spotOffset, 0, 1)^2
   float spotOffset;
-  uvec2 shadow;  // address of its first ShadowMap, low word and high word; 0: it has none
+};
+
+// --- shadows --------------------------------------------------------------------------------------------------------
+
+// Which lights cast shadows differs from view to view, and they are few: a bit a light says whether it does in some
+// view, and the set bits are numbered, as columns of a table with a row a view.
+struct ShadowBits {  // of 32 lights
+  uint lights;       // bit i: light 32 w + i of the frame
+  uint before;       // how many lights before them have their bit set
+};
+
+struct LightShadow {  // of one light in one view
+  uint first;         // its first map among the frame's
+  uint maps;          // from there on: 6 are faces of a cube or cascades, more than one of a directional light cascades,
+                      // finest first; 0: it casts no shadows in this view
+  uint sun;           // 1: the first directional light that casts some, which layouts may have a channel for
 };
 
 // One square tile of the shadow atlas, and what of the world it shows (render/shadow). With q = dot(row, (p, 1)) of a
@@ -114,7 +129,7 @@ struct ShadowMap {
   float lightSize;    // radius of the light in metres; for a directional one the tangent of half its angle
   vec2 low;           // the tile's first corner, atlas texels
   float size;         // its side, texels
-  uint maps;          // of this light, from this one on: 6 are faces of a cube, the others cascades, finest first
+  uint layer;         // of the atlas
 };
 
 // Above the local lights (point and spot) stands a tree of boxes, a heap without pointers: the children of node h are
@@ -147,6 +162,9 @@ struct FrameConstants {
   uint64_t materials;  // Material[]
   uint64_t lights;     // Light[lightCount]: first the directional ones, then the local ones as the tree has them
   uint64_t lightTree;  // LightBox[]
+  uint64_t shadowBits;   // ShadowBits[(lightCount + 31) / 32]
+  uint64_t lightShadows; // LightShadow[viewCount][shadowColumns]
+  uint64_t shadowMaps;   // ShadowMap[]
   // A frame before and a frame after: arrays like `instances` and `views`, and the very same where nothing moves.
   uint64_t previousInstances;
   uint64_t nextInstances;
@@ -156,6 +174,7 @@ struct FrameConstants {
   uint lightCount;
   uint directionalLights;
   uint lightTreeLeaves;        // the first leaf's number
+  uint shadowColumns;          // lights that cast shadows in some view
   float exposure;              // linear factor
   float environmentIntensity;  // 0: no environment
   float environmentCos;        // rotation about Z, see shared/environment.h
@@ -173,7 +192,7 @@ static_assert(sizeof(latelight::shared::Mesh) == 56);
 static_assert(sizeof(latelight::shared::Instance) == 68);
 static_assert(sizeof(latelight::shared::TextureTransform) == 28);
 static_assert(sizeof(latelight::shared::Material) == 80 + 7 * 28);
-static_assert(sizeof(latelight::shared::Light) == 60);
+static_assert(sizeof(latelight::shared::Light) == 52);
 static_assert(sizeof(latelight::shared::ShadowMap) == 88);
 static_assert(sizeof(latelight::shared::LightBox) == 24);
 static_assert(sizeof(latelight::shared::View) == 152);

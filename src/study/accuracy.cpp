@@ -237,11 +237,11 @@ class AccuracyStudy {
   std::vector<Pixel> read(const scene::Scene& scene, const scene::Environment* environment) {
     render::Settings settings;
     settings.width = kWidth, settings.height = kHeight;
-    settings.layout = "exact";
-    settings.shadows = "none";
+    settings.layout = &render::findLayout("exact");
+    settings.shadows = render::ShadowFormat::None;
     settings.display = false;
     settings.aovs = {Aov::Color, Aov::Normal, Aov::Position, Aov::Id};
-    settings.zUp = true;
+    settings.axes = render::Axes::ZUp;
     render::Renderer renderer(device_, scene, environment);
     const scene::Camera& camera = scene.cameras.front();
     const output::FrameOutput frame = std::move(renderer.render(std::span(&camera, 1), settings).front());

@@ -40,7 +40,9 @@ DeviceEvaluation::DeviceEvaluation(const Options& options)
                {.size = kBatch * sizeof(shared::vec4), .kind = vk::MemoryKind::Readback, .name = "study outputs"}) {}
 
 vk::Pipeline DeviceEvaluation::make(const std::string& shader, const std::vector<vk::Constant>& constants) {
-  return vk::makePipeline(device_, vk::ComputeDesc{.shader = shader, .constants = constants, .name = shader});
+  return vk::makePipeline(
+      device_,
+      vk::ComputeDesc{.shader = shader, .constants = constants, .pushBytes = sizeof(EvaluationPush), .name = shader});
 }
 
 std::vector<shared::vec4> DeviceEvaluation::run(const vk::Pipeline& pipeline, std::span<const shared::vec4> inputs,

@@ -277,8 +277,8 @@ class LightStudy {
     // One of its own, so that memory is this technique's alone.
     render::Renderer renderer(device_, scene, nullptr);
     const uint64_t before = device_.memory().statistics().usedBytes;
-    render::Settings settings{.width = place.size.first, .height = place.size.second, .lighting = technique.name};
-    settings.shadows = "none";  // what light costs, not what stands before it
+    render::Settings settings{.width = place.size.first, .height = place.size.second, .lighting = &technique};
+    settings.shadows = render::ShadowFormat::None;  // what light costs, not what stands before it
     const std::span<const scene::Camera> camera(&scene.cameras.front(), 1);
     Measurement m{.triangles = scene.triangleCount()};
     const Clock::time_point start = Clock::now();
@@ -327,8 +327,7 @@ class LightStudy {
   // Of the layout and what every frame has beside it; a forward technique has no layout.
   static double bytesPerPixel(const TechniqueInfo& technique) {
     const render::Settings settings;
-    const render::LayoutBytes bytes =
-        render::findLayout(settings.layout).bytesPerPixel(render::findNormalEncoding(settings.normals).index);
+    const render::LayoutBytes bytes = settings.layout->bytesPerPixel(settings.normals->index);
     return technique.forward ? bytes.depth + bytes.light : bytes.total();
   }
 

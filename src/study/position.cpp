@@ -87,7 +87,7 @@ class PositionStudy {
     const Samples s = makeSamples(p, count_);
     const auto all = [](size_t) { return true; };
     std::vector<Line> lines;
-    for (uint32_t method = 0; method < render::positionMethods().size(); ++method) {
+    for (uint32_t method = 0; method < render::choices<render::PositionMethod>().size(); ++method) {
       const std::vector<vec4> onDevice = device_.run(device_.make("study_position.comp", {{0, method}}), s.inputs, p);
       const auto hostPoint = [&](size_t i) {
         const vec4& in = s.inputs[i];
@@ -103,8 +103,8 @@ class PositionStudy {
       const Statistics device = summary([&](size_t i) { return glm::distance(dvec3(onDevice[i]), s.drawn[i]); });
       const Statistics deviceOwn =
           summary([&](size_t i) { return glm::distance(dvec3(onDevice[i]), s.represented[i]); });
-      table_.rows.push_back({named.name, principal, render::positionMethods()[method].name, host.mean(), host.rms(),
-                             host.maximum, hostOwn.mean(), hostOwn.maximum, device.mean(), device.maximum,
+      table_.rows.push_back({named.name, principal, render::choices<render::PositionMethod>()[method].name, host.mean(),
+                             host.rms(), host.maximum, hostOwn.mean(), hostOwn.maximum, device.mean(), device.maximum,
                              deviceOwn.maximum});
       lines.push_back({kColors[method], largestOfParts(own)});
     }

@@ -15,6 +15,7 @@
 #include "vk/features.h"
 #include "vk/instance.h"
 #include "vk/memory.h"
+#include "vk/object_cache.h"
 
 namespace latelight::vk {
 
@@ -231,7 +232,8 @@ VkPipelineCache makePipelineCache(VkDevice device, const std::vector<std::byte>&
 
 }  // namespace
 
-Device::Device(const DeviceOptions& options) : impl_(std::make_unique<Impl>(validationWanted(options))) {
+Device::Device(const DeviceOptions& options) : validation_(validationWanted(options)) {
+  impl_ = std::make_unique<Impl>(validation_);
   Impl& impl = *impl_;
   instance_ = impl.instance.get();
   const std::vector<VkPhysicalDevice> all = impl.instance.devices();
@@ -262,10 +264,12 @@ Device::Device(const DeviceOptions& options) : impl_(std::make_unique<Impl>(vali
       makePipelineCache(device_, loadCache(impl.cacheName).value_or(std::vector<std::byte>{}));
   VK_CHECK(vkGetPipelineCacheData(device_, pipelineCache_, &impl.cacheBytes, nullptr));
   allocator_ = std::make_unique<Allocator>(*this);
+  cache_ = std::make_unique<ObjectCache>(*this);
 }
 
 Device::~Device() {
   vkDeviceWaitIdle(device_);
+  cache_.reset();
   // All that still waits dies, whatever became of the timeline; what dies may give up more.
   while (!impl_->deletions.empty())
     for (const Impl::Deletion& deletion : std::exchange(impl_->deletions, {})) deletion.destroy();

@@ -17,6 +17,7 @@
 namespace latelight::vk {
 
 class Allocator;
+class ObjectCache;
 
 // What `latelight devices` and the JSON side file say of a device.
 struct DeviceInfo {
@@ -60,6 +61,7 @@ class Device {
   VkQueue queue() const { return queue_; }
   uint32_t queueFamily() const { return queueFamily_; }
   Allocator& memory() { return *allocator_; }
+  ObjectCache& cache() { return *cache_; }
   VkPipelineCache pipelineCache() const { return pipelineCache_; }
   const DeviceInfo& info() const { return info_; }
   const VkPhysicalDeviceProperties& properties() const { return properties_; }
@@ -83,6 +85,7 @@ class Device {
   // Gives an object the name that debuggers and validation messages show. Nothing without VK_EXT_debug_utils.
   void setName(VkObjectType type, uint64_t object, const char* name);
 
+  bool underValidation() const { return validation_; }
   // What the validation layers said since the last call (warnings and errors). Empty without validation.
   std::vector<std::string> validationMessages();
 
@@ -101,12 +104,14 @@ class Device {
   VkDevice device_ = VK_NULL_HANDLE;
   VkQueue queue_ = VK_NULL_HANDLE;
   uint32_t queueFamily_ = 0;
+  bool validation_ = false;
   VkPipelineCache pipelineCache_ = VK_NULL_HANDLE;
   VkPhysicalDeviceProperties properties_{};
   VkDeviceSize maxBufferSize_ = 0, maxAllocationSize_ = 0;
   DeviceInfo info_;
   std::atomic<uint64_t> pipelinesMade_ = 0;
   std::unique_ptr<Allocator> allocator_;
+  std::unique_ptr<ObjectCache> cache_;
 };
 
 }  // namespace latelight::vk

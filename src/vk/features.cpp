@@ -23,6 +23,7 @@ namespace {
 
 constexpr Feature kRequired[] = {
     CORE(shaderInt64, "64-bit integers in shaders"),
+    CORE(independentBlend, "targets that are written or not, each by itself"),
     CORE(geometryShader, "the triangle's number in fragment shaders"),
     LATER(v12, bufferDeviceAddress, "buffers read by address"),
     LATER(v12, scalarBlockLayout, "structures laid out as in C++"),
@@ -37,7 +38,6 @@ constexpr Feature kRequired[] = {
 constexpr Feature kOptional[] = {
     CORE(samplerAnisotropy, "anisotropic texture filters"),
     CORE(fragmentStoresAndAtomics, "writes from fragment shaders"),
-    CORE(independentBlend, "different blending for each target"),
     CORE(depthClamp, "depth clamped instead of clipped"),
     CORE(sampleRateShading, "shading for each sample"),
     CORE(shaderStorageImageWriteWithoutFormat, "storage images of any format"),

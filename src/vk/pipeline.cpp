@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "vk/interface_check.h"
 #include "vk/resources.h"
 
 namespace latelight::vk {
@@ -48,15 +49,14 @@ class Stage {
 };
 
 Stage::Stage(Device& device, VkShaderStageFlagBits stage, std::span<const uint32_t> code,
-             std::span<const Constant> constants) {
+             std::span<const Constant> constants)
+    : constants_(constants.begin(), constants.end()) {
   VkShaderModuleCreateInfo create{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
   create.codeSize = code.size_bytes();
   create.pCode = code.data();
   VkShaderModule module = VK_NULL_HANDLE;
   VK_CHECK(vkCreateShaderModule(device.get(), &create, nullptr, &module));
   module_ = Handle<VkShaderModule>(device, module);
-  constants_.assign(constants.begin(), constants.end());
-  constants_.push_back({kCpuDeviceConstant, device.isCpu() ? 1u : 0u});
   for (size_t i = 0; i < constants_.size(); ++i)
     entries_.push_back({constants_[i].id, static_cast<uint32_t>(i * sizeof(Constant) + offsetof(Constant, value)), 4});
   specialization_.mapEntryCount = static_cast<uint32_t>(entries_.size());
@@ -67,6 +67,22 @@ Stage::Stage(Device& device, VkShaderStageFlagBits stage, std::span<const uint32
   info_.module = module;
   info_.pName = "main";
   info_.pSpecializationInfo = &specialization_;
+}
+
+std::vector<Constant> withDeviceConstants(const Device& device, std::span<const Constant> constants) {
+  std::vector<Constant> all(constants.begin(), constants.end());
+  all.push_back({kCpuDeviceConstant, device.isCpu() ? 1u : 0u});
+  return all;
+}
+
+#ifdef NDEBUG
+constexpr bool kDebugBuild = false;
+#else
+constexpr bool kDebugBuild = true;
+#endif
+
+void checkStages(const Device& device, std::span<const CheckedStage> stages, const DeclaredInterface& declared) {
+  if (kDebugBuild || device.underValidation()) checkInterface(stages, declared);
 }
 
 Pipeline makeLayout(Device& device, std::span<const Binding> bindings, VkDescriptorSetLayout materialSet) {
@@ -89,7 +105,6 @@ Pipeline makeLayout(Device& device, std::span<const Binding> bindings, VkDescrip
 void finish(Device& device, Pipeline& made, VkPipeline pipeline, VkPipelineBindPoint point, const std::string& name) {
   made.pipeline = Handle<VkPipeline>(device, pipeline);
   made.point = point;
-  device.countPipeline();
   device.setName(VK_OBJECT_TYPE_PIPELINE, reinterpret_cast<uint64_t>(pipeline), name.c_str());
 }
 
@@ -128,6 +143,8 @@ FixedState::FixedState(const GraphicsDesc& desc) {
   target.dstColorBlendFactor = kept(desc.blend == Blend::Over);
   target.dstAlphaBlendFactor = kept(desc.blend == Blend::Over || desc.blend == Blend::SumAndOver);
   targets.assign(desc.colors.size(), target);
+  for (size_t i = 0; i < targets.size(); ++i)
+    if ((desc.colorsWritten >> i & 1u) == 0) targets[i].colorWriteMask = 0;
   rendering.colorAttachmentCount = static_cast<uint32_t>(desc.colors.size());
   rendering.pColorAttachmentFormats = desc.colors.data();
   rendering.depthAttachmentFormat = desc.depth;
@@ -169,6 +186,13 @@ std::span<const uint32_t> shaderCode(std::string_view name) {
   fail(ExitCode::Internal, "No shader called {} is embedded.", name);
 }
 
+std::vector<std::string_view> shaderNames() {
+  std::vector<std::string_view> names;
+  for (const EmbeddedShader& shader : kShaders)
+    if (shader.name) names.push_back(shader.name);
+  return names;
+}
+
 VkDescriptorType descriptorType(Binding binding) {
   switch (binding) {
     case Binding::Sampled:
@@ -200,9 +224,13 @@ Handle<VkDescriptorSetLayout> makeSetLayout(Device& device, std::span<const Bind
 }
 
 Pipeline makePipeline(Device& device, const ComputeDesc& desc) {
+  const std::span<const uint32_t> code = desc.code.empty() ? shaderCode(desc.shader) : std::span(desc.code);
+  const std::vector<Constant> constants = withDeviceConstants(device, desc.constants);
+  const CheckedStage checked{desc.code.empty() ? desc.shader : desc.name, code};
+  checkStages(device, std::span(&checked, 1),
+              {.bindings = desc.bindings, .constants = constants, .pushBytes = desc.pushBytes});
   Pipeline made = makeLayout(device, desc.bindings, VK_NULL_HANDLE);
-  const Stage stage(device, VK_SHADER_STAGE_COMPUTE_BIT,
-                    desc.code.empty() ? shaderCode(desc.shader) : std::span<const uint32_t>(desc.code), desc.constants);
+  const Stage stage(device, VK_SHADER_STAGE_COMPUTE_BIT, code, constants);
   VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
   info.stage = stage.info();
   info.layout = made.layout.get();
@@ -213,12 +241,20 @@ Pipeline makePipeline(Device& device, const ComputeDesc& desc) {
 }
 
 Pipeline makePipeline(Device& device, const GraphicsDesc& desc) {
+  const std::vector<Constant> constants = withDeviceConstants(device, desc.constants);
+  std::vector<CheckedStage> checked{{desc.vertex, shaderCode(desc.vertex)}};
+  if (!desc.fragment.empty()) checked.push_back({desc.fragment, shaderCode(desc.fragment)});
+  checkStages(device, checked,
+              {.bindings = desc.bindings,
+               .materialSet = desc.materialSet != VK_NULL_HANDLE,
+               .constants = constants,
+               .pushBytes = desc.pushBytes});
   Pipeline made = makeLayout(device, desc.bindings, desc.materialSet);
-  const Stage vertex(device, VK_SHADER_STAGE_VERTEX_BIT, shaderCode(desc.vertex), desc.constants);
+  const Stage vertex(device, VK_SHADER_STAGE_VERTEX_BIT, checked[0].code, constants);
   std::vector<VkPipelineShaderStageCreateInfo> stages{vertex.info()};
   std::optional<Stage> fragment;
   if (!desc.fragment.empty()) {
-    fragment.emplace(device, VK_SHADER_STAGE_FRAGMENT_BIT, shaderCode(desc.fragment), desc.constants);
+    fragment.emplace(device, VK_SHADER_STAGE_FRAGMENT_BIT, checked[1].code, constants);
     stages.push_back(fragment->info());
   }
   FixedState state(desc);

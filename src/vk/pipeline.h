@@ -1,6 +1,9 @@
 // Pipelines, made before recording. Shaders are SPIR-V embedded in the library, named by their file under src/render
 // without folder: "geometry.frag"; one that is compiled for each G-buffer layout is "geometry.frag@thin".
 //
+// Where a device runs under validation, and in debug builds, what a description declares is checked against the shaders
+// (interface_check.h).
+//
 // Every pipeline has the same shape: push constants (at most 128 bytes, all stages), set 0 for what the pass binds
 // (images, by binding order), set 1 (geometry) for one material's textures. Buffers are read by address.
 #pragma once
@@ -21,6 +24,7 @@ namespace latelight::vk {
 
 // SPIR-V words of an embedded shader. Throws Error(Internal) if there is none of that name.
 std::span<const uint32_t> shaderCode(std::string_view name);
+std::vector<std::string_view> shaderNames();  // of all that are embedded
 
 enum class Binding : uint8_t { Sampled, Storage, Uniform };  // combined image sampler; storage image; uniform buffer
 
@@ -47,6 +51,7 @@ struct ComputeDesc {
   std::string shader;
   std::vector<Binding> bindings;
   std::vector<Constant> constants;
+  uint32_t pushBytes = 0;  // of the push constants that will be set; 0: not said, and not checked
   std::string name;
   std::vector<uint32_t> code;  // SPIR-V words to take instead of an embedded shader
 };
@@ -65,7 +70,9 @@ struct GraphicsDesc {
   std::vector<Binding> bindings;
   VkDescriptorSetLayout materialSet = VK_NULL_HANDLE;  // set 1, or none
   std::vector<Constant> constants;                     // both stages
+  uint32_t pushBytes = 0;                              // as ComputeDesc's
   std::vector<VkFormat> colors;
+  uint32_t colorsWritten = ~0u;  // bit i: color i is. Others than all, or none, take the optional feature
   VkFormat depth = VK_FORMAT_UNDEFINED;
   VkCompareOp depthCompare = VK_COMPARE_OP_GREATER;  // depth is reversed
   bool depthWrite = true;

@@ -30,61 +30,7 @@ struct Help {
 
 TEST(CommandLine, HelpNamesEveryOption) {
   const std::vector<Help> helps{
-      {"render",
-       {"SCENE",
-        "--out",
-        "-o",
-        "--size",
-        "--variant",
-        "--camera",
-        "--eye",
-        "--target",
-        "--up",
-        "--orbit",
-        "--fov",
-        "--frame",
-        "--layout",
-        "--normals",
-        "--normal-space",
-        "--position",
-        "--lighting",
-        "--volumes-order",
-        "--shadows",
-        "--shadow-filter",
-        "--shadow-lights",
-        "--shadow-atlas",
-        "--light-size",
-        "--sun-angle",
-        "--sun",
-        "--shading",
-        "--aa",
-        "--anisotropy",
-        "--hdri",
-        "--hdri-rotate",
-        "--hdri-intensity",
-        "--exposure",
-        "--tonemap",
-        "--background",
-        "--ao",
-        "--ao-radius",
-        "--ao-strength",
-        "--bloom",
-        "--bloom-radius",
-        "--bloom-threshold",
-        "--bloom-fireflies",
-        "--fog",
-        "--fog-color",
-        "--fog-height",
-        "--fog-base",
-        "--aov",
-        "--debug",
-        "--normal-frame",
-        "--axes",
-        "--no-side-file",
-        "--device",
-        "--json",
-        "--dump-graph",
-        "--validate"}},
+      {"render", {"SCENE", "--out", "-o", "--size", "--json"}},
       {"list", {"TOPIC", "--size", "--samples", "--json"}},
       {"devices", {"--json"}},
       {"study", {"NAME", "--out", "--seed", "--bits", "--lights", "--triangles", "--sizes", "--budget"}},
@@ -98,6 +44,37 @@ TEST(CommandLine, HelpNamesEveryOption) {
     const std::string text = succeed({help.command, "--help"}).out;
     for (const char* name : help.names) EXPECT_THAT(text, HasSubstr(name)) << help.command;
   }
+}
+
+// Every row of the table of options is in the help, with its default and the first of its names.
+TEST(CommandLine, HelpFollowsTheTableOfOptions) {
+  const std::string help = succeed({"render", "--help"}).out;
+  const json options = json::parse(succeed({"list", "options", "--json"}).out)["options"];
+  EXPECT_GT(options.size(), 50u);
+  for (const json& option : options) {
+    const std::string name = option["name"];
+    const size_t at = help.find("\n  " + (name == "--out" ? "-o," + name : name) + " ");
+    ASSERT_NE(at, std::string::npos) << name;
+    const std::string line = help.substr(at + 1, help.find('\n', at + 1) - at - 1);
+    if (option.contains("default")) EXPECT_THAT(line, HasSubstr("=" + option["default"].get<std::string>())) << name;
+    EXPECT_THAT(line, HasSubstr(option["description"].get<std::string>()));
+  }
+}
+
+// What the table says a number may be is what the command takes, and what its sentence says.
+TEST(CommandLine, ChecksFollowTheTableOfOptions) {
+  const json options = json::parse(succeed({"list", "options", "--json"}).out)["options"];
+  size_t checked = 0;
+  for (const json& option : options) {
+    if (!option.contains("most") || option["type"] == "text") continue;
+    const std::string name = option["name"], tooMuch = std::to_string(option["most"].get<int64_t>() + 1);
+    const Outcome outcome = latelight({"render", "builtin:boxes", "-o", "a.png", name, tooMuch});
+    EXPECT_EQ(outcome.code, 2) << name;
+    EXPECT_THAT(outcome.err, HasSubstr(name + " takes a "));
+    EXPECT_THAT(outcome.err, HasSubstr("not \"" + tooMuch + "\"\n"));
+    ++checked;
+  }
+  EXPECT_GT(checked, 10u);
 }
 
 TEST(CommandLine, TellsItsVersion) {
@@ -134,7 +111,8 @@ TEST(List, AgreesWithWhatErrorsOffer) {
   const std::map<std::string, std::string> options{
       {"layouts", "--layout"},     {"normals", "--normals"},   {"normal-spaces", "--normal-space"},
       {"positions", "--position"}, {"lighting", "--lighting"}, {"shading", "--shading"},
-      {"tonemaps", "--tonemap"},   {"aovs", "--aov"},          {"ao", "--ao"}};
+      {"tonemaps", "--tonemap"},   {"aovs", "--aov"},          {"ao", "--ao"},
+      {"axes", "--axes"},          {"shadows", "--shadows"}};
   for (const auto& [topic, option] : options) {
     const std::string sentence = latelight({"render", "builtin:boxes", "-o", "a.png", option, "?"}).err;
     std::string names;

@@ -284,7 +284,7 @@ TEST_F(Outputs, ReportIsJson) {
     EXPECT_LE(report["seconds"][phase].get<double>(), report["seconds"]["total"].get<double>()) << phase;
   std::vector<std::string> passes;
   for (const json& pass : report["gpu"]) passes.push_back(pass["pass"]);
-  EXPECT_THAT(passes, IsSupersetOf({std::string("geometry compact"), std::string("lighting fullscreen")}));
+  EXPECT_THAT(passes, IsSupersetOf({std::string("geometry compact"), std::string("lighting clustered")}));
 }
 
 TEST_F(Outputs, WhatDoesNotLeaveIsNotRendered) {
@@ -299,7 +299,7 @@ TEST_F(Outputs, GraphIsInTheDotLanguage) {
   render({"builtin:boxes", "-o", "a.exr", "--aov", "color,depth", "--dump-graph", "frame.dot"});
   const Dot graph = parseDot(folder.read("frame.dot"));
   EXPECT_TRUE(graph.directed);
-  EXPECT_THAT(graph.labels(), IsSupersetOf({std::string("geometry compact"), std::string("lighting fullscreen")}));
+  EXPECT_THAT(graph.labels(), IsSupersetOf({std::string("geometry compact"), std::string("lighting clustered")}));
   EXPECT_GT(graph.edges.size(), 4u);
   for (const auto& [from, to] : graph.edges) {
     EXPECT_TRUE(graph.nodes.contains(from)) << from;

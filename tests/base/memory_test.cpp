@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <latelight/latelight.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>

@@ -72,7 +72,7 @@ struct Stage {
     settings.environmentIntensity = 0.15f;
   }
   Picture render(const std::string& technique) {
-    settings.lighting = technique;
+    settings.lighting = &findTechnique(technique);
     ++combinations;
     return std::move(renderer.render(scene.cameras, settings).front().display);
   }
@@ -110,21 +110,21 @@ class EachLayout : public CombinationsTest, public testing::WithParamInterface<s
 
 TEST_P(EachLayout, LightsAlikeByEveryTechnique) {
   const Layout& layout = findLayout(GetParam());
-  stage->settings.layout = layout.name;
+  stage->settings.layout = &layout;
   stage->combinations = 0;
   for (const NormalEncoding& encoding : normalEncodings()) {
     if (layout.fixedNormal && &encoding != &normalEncodings().front()) continue;
-    for (const NamedOption& position : positionMethods()) {
-      if (layout.fixedPosition && &position != &positionMethods().front()) continue;
-      stage->settings.normals = encoding.name;
-      stage->settings.position = position.name;
+    for (const NamedOption& position : choices<PositionMethod>()) {
+      if (layout.fixedPosition && &position != &choices<PositionMethod>().front()) continue;
+      stage->settings.normals = &encoding;
+      stage->settings.position = choiceNamed<PositionMethod>(position.name).value();
       SCOPED_TRACE(fmt::format("{}, {} normals, position by {}", layout.name, encoding.name, position.name));
       compareTechniques(false);
     }
   }
   fmt::print("{}: {} combinations of {}; of position by {}; of {}\n", layout.name, stage->combinations,
              layout.fixedNormal ? "its own normals" : namesOf(normalEncodings()),
-             layout.fixedPosition ? "itself" : namesOf(positionMethods()), namesOf(deferredTechniques()));
+             layout.fixedPosition ? "itself" : namesOf(choices<PositionMethod>()), namesOf(deferredTechniques()));
 }
 
 std::vector<std::string> layoutNames() {
@@ -138,33 +138,33 @@ INSTANTIATE_TEST_SUITE_P(All, EachLayout, testing::ValuesIn(layoutNames()),
 
 TEST_P(EachLayout, ShadowsAlikeByEveryFormat) {
   const Layout& layout = findLayout(GetParam());
-  stage->settings.layout = layout.name;
-  stage->settings.normals = "octahedral";
-  stage->settings.position = "ray";
+  stage->settings.layout = &layout;
+  stage->settings.normals = &findNormalEncoding("octahedral");
+  stage->settings.position = PositionMethod::Ray;
   const Picture unshadowed = stage->render("fullscreen");
-  stage->settings.shadows = "d32";
+  stage->settings.shadows = ShadowFormat::D32;
   const Picture expected = stage->render("fullscreen");
   EXPECT_GT(worstDifference(unshadowed, expected), 50);
-  for (const NamedOption& format : shadowFormats()) {
+  for (const NamedOption& format : choices<ShadowFormat>()) {
     if (format.name == std::string("none") || format.name == std::string("d32")) continue;
     SCOPED_TRACE(format.name);
-    stage->settings.shadows = format.name;
+    stage->settings.shadows = choiceNamed<ShadowFormat>(format.name).value();
     // Where a point lies at the very depth of what is stored, a rounding decides; 16 bits more often.
     EXPECT_LE(shareBeyond(stage->render("fullscreen"), expected, 2), 0.01);
   }
-  stage->settings.shadows = "none";
+  stage->settings.shadows = ShadowFormat::None;
 }
 
 // More samples bring the picture nearer to sixteen a pixel. FXAA has one, and here, where shapes are a few pixels wide,
 // it can but guess: it only has to stay about as near.
 TEST_P(EachLayout, SmoothsEdgesByEveryAntiAliasing) {
-  stage->settings.layout = findLayout(GetParam()).name;
-  stage->settings.normals = "octahedral";
-  stage->settings.position = "ray";
-  stage->settings.shadows = "d32";
+  stage->settings.layout = &findLayout(GetParam());
+  stage->settings.normals = &findNormalEncoding("octahedral");
+  stage->settings.position = PositionMethod::Ray;
+  stage->settings.shadows = ShadowFormat::D32;
   const auto render = [](const std::string& name) {
     const Settings kept = stage->settings;
-    setAntiAliasing(stage->settings, name);
+    stage->settings.aa = readText<AntiAliasing>("--aa", name);
     Picture picture = stage->render("fullscreen");
     stage->settings = kept;
     return picture;
@@ -172,8 +172,8 @@ TEST_P(EachLayout, SmoothsEdgesByEveryAntiAliasing) {
   const Picture smooth = render("ss4");
   const double jagged = meanSquare(render("none"), smooth);
   std::string report;
-  for (const AntiAliasing& aa : antiAliasings()) {
-    const std::string name = aa.set ? aa.name : "ss2";  // ssN
+  for (const AntiAliasingMode& aa : antiAliasingModes()) {
+    const std::string name = aa.sets ? aa.name : "ss2";  // ssN
     if (name == "none") continue;
     const double share = meanSquare(render(name), smooth) / jagged;
     EXPECT_LT(share, name == "fxaa" ? 1.25 : 0.15) << name;
@@ -181,29 +181,29 @@ TEST_P(EachLayout, SmoothsEdgesByEveryAntiAliasing) {
     report += fmt::format(" {} {:.2f}", name, share);
   }
   fmt::print("{}: of the squared error without, to ss4:{}\n", GetParam(), report);
-  stage->settings.shadows = "none";
+  stage->settings.shadows = ShadowFormat::None;
 }
 
 // Every deferred technique looks up alike: with one layout, and with one that keeps the sun's shadow.
 TEST_F(CombinationsTest, ShadowsAlikeByEveryTechnique) {
-  stage->settings.shadows = "d32";
+  stage->settings.shadows = ShadowFormat::D32;
   for (const char* layout : {"thin", "killzone2"}) {
     SCOPED_TRACE(layout);
-    stage->settings.layout = layout;
+    stage->settings.layout = &findLayout(layout);
     compareTechniques(false);
   }
-  stage->settings.shadows = "none";
+  stage->settings.shadows = ShadowFormat::None;
 }
 
 // They have no layout: what they light is what a layout that loses nothing holds.
 class ForwardTechniques : public CombinationsTest {};
 
 TEST_F(ForwardTechniques, LightAlikeTheFloatsOfPlain) {
-  stage->settings.layout = "plain";
+  stage->settings.layout = &findLayout("plain");
   compareTechniques(true);
-  stage->settings.shadows = "d32";
+  stage->settings.shadows = ShadowFormat::D32;
   compareTechniques(true);
-  stage->settings.shadows = "none";
+  stage->settings.shadows = ShadowFormat::None;
 }
 
 // What a layout says of its positions decides which position methods it is rendered with.

@@ -35,9 +35,9 @@ class MsaaCombinations : public RenderTest, public testing::WithParamInterface<s
     Settings settings = settingsOf(kWidth, kHeight, {Aov::Color});
     settings.display = true;
     settings.environmentIntensity = 0.15f;
-    settings.layout = layout;
-    settings.lighting = technique;
-    settings.samples = samples;
+    settings.layout = &findLayout(layout);
+    settings.lighting = &findTechnique(technique);
+    settings.aa.samples = samples;
     return std::move(stage->renderer.render(stage->scene.cameras, settings).front());
   }
   static std::unique_ptr<Stage> stage;

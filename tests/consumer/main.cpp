@@ -6,6 +6,47 @@
 #include <cstdio>
 #include <cstring>
 
+namespace {
+
+// The example of docs/cpp.md.
+bool edits() {
+  latelight::Scene scene("builtin:boxes");
+  latelight::Renderer renderer(scene, "cpu");
+  const std::vector<uint8_t> before = renderer.render(scene.defaultCamera(16.0f / 9)).rgba;
+
+  auto box = scene.instancesOf("/boxes/matte").front();
+  latelight::Transform transform = scene.instance(box).transform;
+  transform[7] += 0.5;  // up
+  scene.setTransform(box, transform);
+
+  auto paint = scene.instance(box).material;
+  latelight::Material red = scene.material(paint);
+  red.baseColor = {0.8f, 0.05f, 0.05f, 1};
+  scene.setMaterial(paint, red);
+
+  latelight::Light lamp;
+  lamp.position = {0, 3, 2};
+  lamp.intensity = 40;
+  scene.addLight(lamp);
+
+  latelight::MeshData triangle;
+  triangle.name = "flag";
+  triangle.positions = {{0, 1, 0}, {1, 1, 0}, {0, 2, 0}};
+  auto flag =
+      scene.addInstance(scene.addMesh(triangle), paint, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}, "flag");
+
+  latelight::Frame frame = renderer.render(scene.defaultCamera(16.0f / 9));
+  scene.removeInstance(flag);  // from here on the handle is refused
+  try {
+    scene.removeInstance(flag);
+    return false;
+  } catch (const latelight::Error& error) {
+    return error.code() == latelight::ExitCode::Usage && frame.rgba != before;
+  }
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
   if (argc != 2 || std::strcmp(latelight::version(), argv[1]) != 0) return 2;
   latelight::Scene scene("builtin:boxes");
@@ -28,5 +69,5 @@ int main(int argc, char** argv) {
     if (error.code() != latelight::ExitCode::BadInput) return 1;
   }
   std::printf("latelight %s\n", latelight::version());
-  return sizes && drawn ? 0 : 1;
+  return sizes && drawn && edits() ? 0 : 1;
 }

@@ -1,133 +1,112 @@
-// The structs of shared/types.h lie in device memory as they do in the host's.
+// Every struct that C++ and shaders share lies in device memory as it does in the host's; what shaders have in memory
+// is one of them.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cstddef>
+#include <map>
+#include <set>
 
 #include "gpu_math/spirv.h"
-#include "shared/types.h"
+#include "struct_headers.h"
+#include "vk/reflection.h"
 
 namespace latelight::shared {
 namespace {
+
+using testing::ContainerEq;
+using testing::IsEmpty;
 
 struct HostMember {
   std::string name;
   size_t offset;
 };
 struct HostStruct {
-  std::string name;
   size_t size;
-  bool inArrays;  // read as an element of an array: its size matters too
   std::vector<HostMember> members;
 };
 
-#define MEMBER(type, member)        \
-  HostMember {                      \
-#member, offsetof(type, member) \
-  }
-
-std::vector<HostStruct> hostStructs() {
-  return {
-      {"Projection",
-       sizeof(Projection),
-       false,
-       {MEMBER(Projection, H), MEMBER(Projection, V), MEMBER(Projection, A), MEMBER(Projection, B),
-        MEMBER(Projection, X), MEMBER(Projection, Z), MEMBER(Projection, kind)}},
-      {"VertexAttributes",
-       sizeof(VertexAttributes),
-       true,
-       {MEMBER(VertexAttributes, normal), MEMBER(VertexAttributes, tangent), MEMBER(VertexAttributes, uv0)}},
-      {"VertexExtra", sizeof(VertexExtra), true, {MEMBER(VertexExtra, uv1), MEMBER(VertexExtra, color)}},
-      {"Mesh",
-       sizeof(Mesh),
-       true,
-       {MEMBER(Mesh, positions), MEMBER(Mesh, attributes), MEMBER(Mesh, extras), MEMBER(Mesh, indices),
-        MEMBER(Mesh, previousPositions), MEMBER(Mesh, nextPositions), MEMBER(Mesh, vertexCount),
-        MEMBER(Mesh, triangleCount)}},
-      {"Instance",
-       sizeof(Instance),
-       true,
-       {MEMBER(Instance, objectToWorld), MEMBER(Instance, mesh), MEMBER(Instance, material), MEMBER(Instance, id),
-        MEMBER(Instance, part), MEMBER(Instance, flags)}},
-      {"TextureTransform",
-       sizeof(TextureTransform),
-       true,
-       {MEMBER(TextureTransform, row0), MEMBER(TextureTransform, row1), MEMBER(TextureTransform, uvSet)}},
-      {"Material",
-       sizeof(Material),
-       true,
-       {MEMBER(Material, baseColor), MEMBER(Material, emissive), MEMBER(Material, metallic),
-        MEMBER(Material, roughness), MEMBER(Material, normalScale), MEMBER(Material, occlusionStrength),
-        MEMBER(Material, alphaCutoff), MEMBER(Material, specularColor), MEMBER(Material, specular),
-        MEMBER(Material, f0), MEMBER(Material, flags), MEMBER(Material, textures), MEMBER(Material, id),
-        MEMBER(Material, transforms)}},
-      {"Light",
-       sizeof(Light),
-       true,
-       {MEMBER(Light, position), MEMBER(Light, reach), MEMBER(Light, direction), MEMBER(Light, type),
-        MEMBER(Light, intensity), MEMBER(Light, spotScale), MEMBER(Light, spotOffset), MEMBER(Light, shadow)}},
-      {"Fog", sizeof(Fog), false, {MEMBER(Fog, color), MEMBER(Fog, density), MEMBER(Fog, falloff), MEMBER(Fog, base)}},
-      {"LightBox", sizeof(LightBox), true, {MEMBER(LightBox, low), MEMBER(LightBox, high)}},
-      {"View",
-       sizeof(View),
-       true,
-       {MEMBER(View, worldToView), MEMBER(View, viewToWorld), MEMBER(View, projection), MEMBER(View, eye),
-        MEMBER(View, size), MEMBER(View, jitter)}},
-      {"FrameConstants",
-       sizeof(FrameConstants),
-       false,
-       {MEMBER(FrameConstants, views),
-        MEMBER(FrameConstants, instances),
-        MEMBER(FrameConstants, meshes),
-        MEMBER(FrameConstants, materials),
-        MEMBER(FrameConstants, lights),
-        MEMBER(FrameConstants, lightTree),
-        MEMBER(FrameConstants, previousInstances),
-        MEMBER(FrameConstants, nextInstances),
-        MEMBER(FrameConstants, previousViews),
-        MEMBER(FrameConstants, nextViews),
-        MEMBER(FrameConstants, viewCount),
-        MEMBER(FrameConstants, lightCount),
-        MEMBER(FrameConstants, directionalLights),
-        MEMBER(FrameConstants, lightTreeLeaves),
-        MEMBER(FrameConstants, exposure),
-        MEMBER(FrameConstants, environmentIntensity),
-        MEMBER(FrameConstants, environmentCos),
-        MEMBER(FrameConstants, environmentSin),
-        MEMBER(FrameConstants, environmentLevels),
-        MEMBER(FrameConstants, fog)}},
+// By name; structs.inc has what the build found in the headers.
+const std::map<std::string, HostStruct>& hostStructs() {
+#define MEMBER(type, member) {#member, offsetof(type, member)},
+#define STRUCT(type, members) {#type, {sizeof(type), {members}}},
+  static const std::map<std::string, HostStruct> structs = {
+#include "structs.inc"
   };
+#undef STRUCT
+#undef MEMBER
+  return structs;
 }
 
-// Blocks (FrameRef, Push...) are the shader's own; every other struct in a buffer must be one of the host's.
-bool isBlock(const std::string& name) {
-  return name == "Push" || (name.size() > 3 && name.ends_with("Ref"));
+// In what the device's struct differs from the host's; nothing where they are the same.
+std::string difference(const HostStruct& host, const vk::StructLayout& device) {
+  if (device.members.size() != host.members.size())
+    return fmt::format("{} has {} members, {} on the host", device.name, device.members.size(), host.members.size());
+  for (size_t i = 0; i < host.members.size(); ++i) {
+    const vk::MemberLayout& member = device.members[i];
+    if (member.name != host.members[i].name || member.offset != host.members[i].offset)
+      return fmt::format("{}::{} is at {}, {} at {} on the host", device.name, member.name, member.offset,
+                         host.members[i].name, host.members[i].offset);
+    if (member.matrixStride != 0 && member.matrixStride != sizeof(vec3))
+      return fmt::format("{}::{} has columns of {} bytes", device.name, member.name, member.matrixStride);
+  }
+  if (device.stride != 0 && device.stride != host.size)
+    return fmt::format("{} takes {} bytes in arrays, {} on the host", device.name, device.stride, host.size);
+  return "";
+}
+
+// The same of a struct of a shader, by its name.
+std::string difference(const vk::StructLayout& device) {
+  const auto host = hostStructs().find(device.name);
+  return host == hostStructs().end() ? device.name + " is in no shared header" : difference(host->second, device);
 }
 
 TEST(Layouts, EveryMemberLiesWhereTheHostHasIt) {
-  const auto device = test::structLayouts(test::readSpirv("gpu_math_layouts"));
-  for (const HostStruct& host : hostStructs()) {
-    ASSERT_TRUE(device.count(host.name)) << host.name << " is not in the shader";
-    const test::StructLayout& layout = device.at(host.name);
-    ASSERT_EQ(layout.members.size(), host.members.size()) << host.name;
-    for (size_t i = 0; i < host.members.size(); ++i) {
-      EXPECT_EQ(layout.members[i], host.members[i].name) << host.name;
-      EXPECT_EQ(layout.offsets[i], host.members[i].offset) << host.name << "::" << host.members[i].name;
-    }
-    if (host.inArrays) {
-      EXPECT_EQ(layout.stride, host.size) << host.name;
-    }
-    for (const auto& [member, stride] : layout.matrices) EXPECT_EQ(stride, sizeof(vec3)) << host.name;
+  std::set<std::string> host, inArrays;
+  for (const auto& [name, layout] : hostStructs()) host.insert(name);
+  for (const vk::StructLayout& layout : vk::reflect(test::readSpirv("gpu_math_layouts")).structs) {
+    if (layout.isBlock) continue;
+    EXPECT_THAT(difference(layout), IsEmpty());
+    if (layout.stride != 0) inArrays.insert(layout.name);  // else a type of its own, as a member of another struct
   }
+  EXPECT_THAT(inArrays, ContainerEq(host));
+  for (const char* name : {"Projection", "Fog", "FrameConstants", "Fragment", "DrawPush", "LightDraw", "TemporalPush"})
+    EXPECT_TRUE(hostStructs().contains(name)) << name;
 }
 
-TEST(Layouts, EveryStructOfTheDeviceIsChecked) {
-  std::vector<std::string> checked;
-  for (const HostStruct& host : hostStructs()) checked.push_back(host.name);
-  for (const auto& [name, layout] : test::structLayouts(test::readSpirv("gpu_math_layouts"))) {
-    if (!isBlock(name)) {
-      EXPECT_NE(std::find(checked.begin(), checked.end(), name), checked.end()) << name;
+TEST(Layouts, ShadersHaveNoOtherStructsInMemory) {
+  size_t compared = 0;
+  for (const std::string_view shader : vk::shaderNames()) {
+    for (const vk::StructLayout& layout : vk::reflect(vk::shaderCode(shader)).structs) {
+      if (layout.isBlock) continue;
+      ++compared;
+      EXPECT_THAT(difference(layout), IsEmpty()) << shader;
     }
   }
+  EXPECT_GT(compared, vk::shaderNames().size());
+}
+
+TEST(Layouts, DifferencesAreNoticed) {
+  const HostStruct host{8, {{"a", 0}, {"b", 4}}};
+  const vk::StructLayout same{.name = "S", .bytes = 8, .stride = 8, .members = {{"a", 0, 0}, {"b", 4, 0}}};
+  EXPECT_EQ(difference(host, same), "");
+  vk::StructLayout other = same;
+  other.members[1].offset = 8;
+  EXPECT_EQ(difference(host, other), "S::b is at 8, b at 4 on the host");
+  other = same;
+  std::swap(other.members[0].name, other.members[1].name);
+  EXPECT_EQ(difference(host, other), "S::b is at 0, a at 0 on the host");
+  other = same;
+  other.members.pop_back();
+  EXPECT_EQ(difference(host, other), "S has 1 members, 2 on the host");
+  other = same;
+  other.stride = 16;
+  EXPECT_EQ(difference(host, other), "S takes 16 bytes in arrays, 8 on the host");
+  other = same;
+  other.members[0].matrixStride = 16;
+  EXPECT_EQ(difference(host, other), "S::a has columns of 16 bytes");
+  EXPECT_EQ(difference(same), "S is in no shared header");
 }
 
 }  // namespace

@@ -39,9 +39,10 @@ class MotionTest : public RenderTest {
  protected:
   // The largest difference over all pixels that both see the same of, which must be nearly all of those drawn.
   static void expectReprojected(const scene::Scene& scene, const scene::Camera& camera, const Moment& moment,
-                                double least) {
+                                double least, DataSurfaces surfaces = DataSurfaces::Opaque) {
     Renderer renderer(device(), scene, nullptr);
-    const Settings settings = settingsOf(kWidth, kHeight, {Aov::Motion, Aov::Depth});
+    Settings settings = settingsOf(kWidth, kHeight, {Aov::Motion, Aov::Depth});
+    settings.dataSurfaces = surfaces;
     const output::FrameOutput frame = std::move(renderer.render({&camera, 1}, settings, moment).front());
     const std::vector<ReferencePixel> expected = referenceMotion(scene, moment, camera, kWidth, kHeight);
     const std::vector<float>&motion = imageOf(frame, Aov::Motion).values, &depth = imageOf(frame, Aov::Depth).values;
@@ -85,6 +86,15 @@ TEST_F(MotionTest, MovingCameraInTheHallAgreesWithReprojection) {
   Moment moment;
   moveCamera(moment, camera);
   expectReprojected(hall(), camera, moment, 0.5);
+}
+
+// Glass is among what the rays hit, and shows wherever it is.
+TEST_F(MotionTest, BlendedSurfacesAgreeWithReprojectionWhereTheirDataLeave) {
+  const scene::Scene scene = scene::load("builtin:hall,triangles=50k,lights=1,glass=1");
+  const scene::Camera camera = cameraOf(scene, kWidth, kHeight);
+  Moment moment;
+  moveCamera(moment, camera);
+  expectReprojected(scene, camera, moment, 0.5, DataSurfaces::Any);
 }
 
 TEST_F(MotionTest, SyntheticFilesAgreeWithReprojection) {
@@ -197,7 +207,7 @@ TEST_F(MotionTest, Killzone2KeepsMotionInItsEightBits) {
   Settings settings = settingsOf(kWidth, kHeight, {Aov::Motion});
   Renderer renderer(device(), scene, nullptr);
   const output::FrameOutput frame = std::move(renderer.render({&camera, 1}, settings, moment).front());
-  settings.layout = "killzone2";
+  settings.layout = &findLayout("killzone2");
   const output::RawGbuffer raw = renderer.readTargets(camera, settings, moment);
   const std::vector<float>& motion = imageOf(frame, Aov::Motion).values;
   const auto target = std::find_if(raw.targets.begin(), raw.targets.end(),

@@ -41,9 +41,9 @@ class TemporalTest : public RenderTest {
                                      const std::string& layout = "thin") {
     Settings settings = settingsOf(kWidth, kHeight);
     settings.display = true;
-    settings.temporal = temporal;
-    settings.superSampling = superSampling;
-    settings.layout = layout;
+    settings.aa.temporal = temporal;
+    settings.aa.superSampling = superSampling;
+    settings.layout = &findLayout(layout);
     const scene::Environment environment = constantEnvironment();
     Renderer renderer(device(), sequence.scene, &environment);
     const scene::Camera camera = cameraOf(sequence.scene, kWidth, kHeight);

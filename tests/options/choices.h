@@ -19,8 +19,8 @@ struct Choice {
   Rate rate = Rate::Draw;
 };
 
-// By option, as "--size"; "SCENE" is the argument. Names come from the registries, so what is added there is drawn
-// too. `models` and `panorama`: files. `folder`: for output.
+// By option, as "--size"; "SCENE" is the argument. Flags, numbers and names come from the table of options, so what is
+// added there is drawn too; texts are given here. `models` and `panorama`: files. `folder`: for output.
 std::map<std::string, Choice> choicesIn(const std::filesystem::path& folder, const std::vector<std::string>& models,
                                         const std::string& panorama);
 

@@ -47,8 +47,8 @@ glm::mat4 wallOf(float half) {
 
 Settings aoSettings(uint32_t width, uint32_t height, float radius) {
   Settings settings = settingsOf(width, height, {Aov::Color});
-  settings.ao.method = "gtao";
-  settings.ao.radius = radius;
+  settings.ambientOcclusion = AmbientOcclusion::Gtao;
+  settings.aoRadius = radius;
   return settings;
 }
 
@@ -99,8 +99,8 @@ TEST_F(AmbientOcclusionTest, AnOpenPlaneHidesNothingOfItself) {
       Renderer renderer(device(), plane, &environment);
       for (float radius : {0.5f, 20.0f}) {
         Settings settings = aoSettings(160, 90, radius);
-        settings.layout = layout;
-        settings.lighting = lighting;
+        settings.layout = &findLayout(layout);
+        settings.lighting = &findTechnique(lighting);
         const std::vector<scene::Camera> cameras = camerasOver(plane);
         const std::vector<output::FrameOutput> frames = renderer.render(cameras, settings);
         for (size_t i = 0; i < frames.size(); ++i) {
@@ -228,7 +228,7 @@ TEST_F(AmbientOcclusionTest, EveryLayoutAndTechniqueShowsTheSame) {
   const scene::Scene scene = whiteBoxes();
   const scene::Environment environment = constantEnvironment();
   Settings settings = aoSettings(97, 55, 1);
-  settings.layout = "exact";
+  settings.layout = &findLayout("exact");
   Renderer renderer(device(), scene, &environment);
   const auto shown = [&] { return visible(renderer.render({&scene.cameras.front(), 1}, settings).front()); };
   const std::vector<float> exact = shown();
@@ -238,17 +238,17 @@ TEST_F(AmbientOcclusionTest, EveryLayoutAndTechniqueShowsTheSame) {
     return sum / double(exact.size());
   };
   for (const Layout& layout : layouts()) {
-    settings.layout = layout.name;
+    settings.layout = &layout;
     EXPECT_LT(meanFrom(shown()), 2e-3) << layout.name;
   }
-  settings.layout = "exact";
+  settings.layout = &findLayout("exact");
   for (const TechniqueInfo& technique : techniques()) {
-    settings.lighting = technique.name;
+    settings.lighting = &technique;
     // Boxes are flat: normals from depth differ at their edges alone.
     EXPECT_LT(meanFrom(shown()), technique.forward ? 5e-3 : 1e-6) << technique.name;
   }
-  settings.lighting = "fullscreen";
-  settings.ao.strength = 0;
+  settings.lighting = &findTechnique("fullscreen");
+  settings.aoStrength = 0;
   for (float v : shown()) EXPECT_TRUE(v < 0 || v > 1 - 1e-3);
 }
 

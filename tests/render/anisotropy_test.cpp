@@ -124,11 +124,11 @@ TEST_F(AnisotropyTest, FollowsTheTextureWithEveryWayToDrawIt) {
   expectSharper(
       "deferred", [](Settings&) {}, same);
   expectSharper(
-      "msaa4", [](Settings& s) { s.samples = 4; }, same);
+      "msaa4", [](Settings& s) { s.aa.samples = 4; }, same);
   expectSharper(
-      "ss2", [](Settings& s) { s.superSampling = 2; }, same);
+      "ss2", [](Settings& s) { s.aa.superSampling = 2; }, same);
   expectSharper(
-      "forward", [](Settings& s) { s.lighting = "forward"; }, same);
+      "forward", [](Settings& s) { s.lighting = &findTechnique("forward"); }, same);
   expectSharper(
       "blended", [](Settings&) {}, [](scene::Material& m) { m.data.flags |= shared::kMaterialBlended; });
   expectSharper(

@@ -102,7 +102,6 @@ class BloomTest : public RenderTest {
   static std::vector<std::vector<vec4>> bloomed(const std::vector<std::vector<vec4>>& pictures, uint32_t width,
                                                 uint32_t height, const BloomParameters& parameters) {
     std::vector<std::vector<vec4>> results;
-    const BloomPass pass(device());
     graph::Executor executor(device());
     for (const std::vector<vec4>& picture : pictures) {
       const vk::Image image(device(), {.format = VK_FORMAT_R32G32B32A32_SFLOAT,
@@ -112,8 +111,8 @@ class BloomTest : public RenderTest {
                                        .name = "picture"});
       vk::Uploader(device()).upload(image, std::as_bytes(std::span(picture)));
       graph::Graph graph;
-      const graph::BufferId values =
-          addReadback(graph, pass.add(graph, graph.import(image, graph::Use::SampledCompute), parameters));
+      const graph::ImageId imported = graph.import(image, graph::Use::SampledCompute);
+      const graph::BufferId values = addReadback(graph, addBloom({device(), graph}, imported, parameters));
       executor.run(graph, graph.compile());
       const vec4* from = executor.buffer(values).as<vec4>();
       results.emplace_back(from, from + picture.size());

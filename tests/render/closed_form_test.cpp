@@ -132,8 +132,8 @@ TEST_F(BoxesTest, EveryDataOutputIsTheFacesOwn) {
 TEST_F(BoxesTest, RadianceIsTheFacesOwn) {
   const scene::Scene scene = scene::load("builtin:boxes");
   Settings settings = settingsOf(kWidth, kHeight, {Aov::Color});
-  settings.layout = "exact";
-  settings.tonemap = "none";
+  settings.layout = &findLayout("exact");
+  settings.tonemap = Tonemap::None;
   settings.display = true;
   const output::FrameOutput frame = renderOne(device(), scene, scene.cameras.front(), settings);
   const auto& color = imageOf(frame, Aov::Color).values;
@@ -274,8 +274,8 @@ class PlaneTest : public RenderTest {
   Levels compare(const PlaneMaterial& material, const scene::Light& light, const std::string& layout) {
     const scene::Scene scene = planeScene(material, light);
     Settings settings = settingsOf(kSize, kSize, {Aov::Color});
-    settings.layout = layout;
-    settings.tonemap = "none";
+    settings.layout = &findLayout(layout);
+    settings.tonemap = Tonemap::None;
     settings.display = true;
     const output::FrameOutput frame = renderOne(device(), scene, frontPerspective(kFov, 3), settings);
     Levels worst;
@@ -320,12 +320,12 @@ TEST_F(PlaneTest, SoDoesTheDefaultLayoutToALevel) {
          {std::span<const PlaneMaterial>(kPlaneMaterials), std::span<const PlaneMaterial>(kTintedMaterials)})
       for (const PlaneMaterial& material : materials) {
         SCOPED_TRACE(std::string(light.name) + " on " + material.name);
-        const Levels worst = compare(material, light.light, Settings().layout);
+        const Levels worst = compare(material, light.light, Settings().layout->name);
         EXPECT_LT(worst.linear, 0.75);
         EXPECT_LE(worst.display, 1.25);
         linear = std::max(linear, worst.linear);
       }
-  fmt::print("layout {}: {:.3f} levels before rounding to 8 bits\n", Settings().layout, linear);
+  fmt::print("layout {}: {:.3f} levels before rounding to 8 bits\n", Settings().layout->name, linear);
 }
 
 TEST_F(PlaneTest, SoDoesThinWhereItHoldsTheMaterial) {
@@ -367,7 +367,7 @@ class FurnaceTest : public RenderTest {
   static double deviation(const scene::Environment& environment) {
     const scene::Scene scene = whiteSpheres();
     Settings settings = settingsOf(120, 120, {Aov::Color});
-    settings.layout = "exact";
+    settings.layout = &findLayout("exact");
     const output::FrameOutput frame = renderOne(device(), scene, frontCamera(1.6f), settings, &environment);
     const auto& color = imageOf(frame, Aov::Color).values;
     double worst = 0;
@@ -422,8 +422,8 @@ TEST_F(FurnaceTest, UnlitSurfacesShowTheirBaseColourExactly) {
     light.intensity = 100;
     builder.scene.lights.push_back(light);
     Settings settings = settingsOf(9, 9);
-    settings.layout = layout;
-    settings.tonemap = "none";
+    settings.layout = &findLayout(layout);
+    settings.tonemap = Tonemap::None;
     settings.display = true;
     const scene::Environment environment = constantEnvironment();
     const output::FrameOutput frame = renderOne(device(), builder.scene, frontCamera(), settings, &environment);

@@ -8,6 +8,7 @@
 #include "render/frustum.h"
 #include "render/support.h"
 #include "render/view.h"
+#include "render/visibility/draw_order.h"
 
 namespace latelight::render::test {
 namespace {
@@ -129,12 +130,6 @@ TEST_F(CullingTest, DrawsEveryInstanceThatShows) {
   EXPECT_THAT(wanted, testing::Contains(testing::Ne(0u)));
 }
 
-uint32_t instancesOf(const std::vector<Draw>& draws) {
-  uint32_t count = 0;
-  for (const Draw& draw : draws) count += draw.instanceCount;
-  return count;
-}
-
 // Operations are counted, not time: ten million instances that show nowhere must not be drawn.
 TEST_F(CullingTest, DrawsFewOfManyInstances) {
   constexpr uint32_t kGrid = 450;
@@ -149,12 +144,20 @@ TEST_F(CullingTest, DrawsFewOfManyInstances) {
         scene::toWorldFromGltf() * glm::scale(glm::translate(glm::mat4(1), place), vec3(0.1f / kGrid));
   }
   const GpuScene uploaded(device(), scene);
-  ASSERT_EQ(uploaded.draws().size(), 1u);
+  DrawOrder order;
+  order.update(uploaded);
   const shared::View view = makeView(frontCamera(1, 4), 64, 64);
-  EXPECT_EQ(instancesOf(uploaded.visibleDraws(view, false)), kGrid * kGrid);
-  EXPECT_LT(instancesOf(uploaded.visibleDraws(view, true)), kGrid * kGrid / 4);
-  // Runs are as long as they can be, though they are found by several threads.
-  EXPECT_EQ(uploaded.visibleDraws(view, false).size(), 1u);
+  const Frustum frustum(view);
+  const auto select = [&](bool atCentres) {
+    return order.select(uploaded, DrawOrder::Kind::Solid, [&](const Sphere& bounds) {
+      return frustum.touches(bounds) && (!atCentres || frustum.holdsCentre(bounds));
+    });
+  };
+  EXPECT_EQ(select(false).instances.size(), kGrid * kGrid);
+  EXPECT_LT(select(true).instances.size(), kGrid * kGrid / 4);
+  // One draw, though its instances are found by several threads.
+  EXPECT_EQ(select(false).draws.size(), 1u);
+  EXPECT_TRUE(std::ranges::is_sorted(select(true).instances));
 }
 
 // The same thing drawn many times in one place is seen once: as the last of them.
@@ -168,10 +171,12 @@ TEST_F(CullingTest, DrawsOneOfManyInTheSamePlace) {
   for (uint32_t i = 0; i < 100; ++i) scene.instances.push_back({.material = i / 50, .id = i + 1});
   for (scene::Instance& instance : scene.instances) instance.toWorld = scene::toWorldFromGltf();
   const GpuScene uploaded(device(), scene);
+  DrawOrder order;
+  order.update(uploaded);
   const scene::Camera camera = frontCamera(1, 4);
-  const shared::View view = makeView(camera, 8, 8);
-  EXPECT_EQ(instancesOf(uploaded.visibleDraws(view, true)), 1u);
-  EXPECT_EQ(instancesOf(uploaded.visibleBlended(view, true)), 50u);  // these add up
+  const auto all = [](const Sphere&) { return true; };
+  EXPECT_EQ(order.select(uploaded, DrawOrder::Kind::Solid, all).instances, std::vector<uint32_t>{49});
+  EXPECT_EQ(order.select(uploaded, DrawOrder::Kind::Blended, all).instances.size(), 50u);  // these add up
   const output::FrameOutput frame = renderOne(device(), scene, camera, settingsOf(8, 8, {Aov::Id}));
   EXPECT_THAT(imageOf(frame, Aov::Id).ids, testing::Each(50u));
 }

@@ -49,10 +49,10 @@ class DefaultLayoutTest : public RenderTest {
     settings.display = true;
     Renderer renderer(device(), scene, environment);
     const auto render = [&](const std::string& layout) {
-      settings.layout = layout;
+      settings.layout = &findLayout(layout);
       return std::move(renderer.render({&camera, 1}, settings).front().display);
     };
-    const std::vector<uint8_t> exact = render("exact"), stored = render(Settings().layout), thin = render("thin");
+    const std::vector<uint8_t> exact = render("exact"), stored = render(Settings().layout->name), thin = render("thin");
     EXPECT_GT(brighterThan(exact, 20), exact.size() / 4 / 20);  // there is something to compare
     const Apart difference = apart(stored, exact), thins = apart(thin, exact);
     fmt::print("{}: {} levels apart at most, {:.4f} % of the pixels by more than one; thin {}, {:.4f} %\n", name,
@@ -128,7 +128,7 @@ TEST_F(DefaultLayoutTest, HoldsOddMaterialsUnderLights) {
   for (float strength : {1.0f, 30.0f})  // black paint in the sun
     for (const char* tonemap : {"khronos", "none"}) {
       Settings settings = settingsOf(350, 300);
-      settings.tonemap = tonemap;
+      settings.tonemap = choiceNamed<Tonemap>(tonemap).value();
       expectExact(oddSpheres(strength), nullptr, settings,
                   fmt::format("odd spheres, lights times {}, tonemap {}", strength, tonemap).c_str());
     }
@@ -143,7 +143,7 @@ TEST_F(DefaultLayoutTest, HoldsOddMaterialsUnderAnEnvironment) {
 
 TEST_F(DefaultLayoutTest, HoldsThemShadedByBlinnPhong) {
   Settings settings = settingsOf(175, 150);
-  settings.shading = "blinn-phong";
+  settings.shading = Shading::BlinnPhong;
   expectExact(oddSpheres(2), nullptr, settings, "odd spheres, Blinn-Phong");
 }
 

@@ -10,6 +10,7 @@
 #include <memory>
 #include <tuple>
 
+#include "render/frame_bench.h"
 #include "render/lighting/forward/forward.h"
 #include "render/lighting/volumes/volume_mesh.h"
 #include "render/lighting/volumes/volumes.h"
@@ -49,68 +50,36 @@ struct LightRange {
 class Bench {
  public:
   Bench(vk::Device& device, const scene::Scene& scene, const scene::Environment* environment = nullptr)
-      : device_(device),
-        lights_(scene.lights),
-        scene_(device, scene),
-        environment_(device, environment),
-        executor_(device),
-        compose_(device),
+      : frames_(device, scene, environment),
+        lights_(static_cast<uint32_t>(scene.lights.size())),
         intensity_(environment ? 0.5f : 0.0f) {}
 
-  LightRange allLights() const { return {0, static_cast<uint32_t>(lights_.size())}; }
+  LightRange allLights() const { return {0, lights_}; }
 
   LitPicture light(const FrameSetup& setup, std::span<const shared::View> views, LightRange range) {
-    const auto first = lights_.begin() + range.first;
-    scene_.setLights({first, first + range.count});
-    shared::FrameConstants constants{};
-    scene_.describe(constants);
-    const vk::Buffer viewBuffer = upload("views", views.data(), views.size_bytes());
-    constants.views = viewBuffer.address();
-    constants.viewCount = static_cast<uint32_t>(views.size());
-    constants.exposure = 1.25f;
-    constants.environmentIntensity = intensity_;
-    constants.environmentCos = 1;
-    constants.environmentLevels = static_cast<float>(environment_.levels());
-    const vk::Buffer constantBuffer = upload("frame constants", &constants, sizeof(constants));
-    FrameInputs inputs{scene_, environment_, views, constantBuffer.address(), kWidth, kHeight};
-    inputs.lights = scene_.lights();
-
+    frames_.shine(range.first, range.count);
     graph::Graph graph;
-    const LitFrame frame = frameOf(setup).add(graph, inputs);
-    const graph::BufferId display = compose_.add(graph, frame.picture, {});
+    const FrameContext& f = frames_.frame(graph, setup, {views.begin(), views.end()},
+                                          {.exposure = 1.25f, .environmentIntensity = intensity_});
+    const LitFrame frame = addFrame(f);
+    const graph::BufferId display = addCompose(f, frame.picture, {});
     graph::BufferId counts;
     if (setup.countLights) counts = addReadback(graph, frame.lightCounts);
-    executor_.run(graph, graph.compile());
+    const graph::Executor& done = frames_.run(graph);
     const size_t pixels = size_t{kWidth} * kHeight * views.size();
     LitPicture picture;
-    const uint8_t* bytes = executor_.buffer(display).as<uint8_t>();
+    const uint8_t* bytes = done.buffer(display).as<uint8_t>();
     picture.display.assign(bytes, bytes + 4 * pixels);
     if (!setup.countLights) return picture;
-    const vec4* values = executor_.buffer(counts).as<vec4>();
+    const vec4* values = done.buffer(counts).as<vec4>();
     picture.counts.assign(values, values + pixels);
     return picture;
   }
 
  private:
-  vk::Buffer upload(const char* name, const void* data, size_t bytes) {
-    vk::Buffer buffer(device_, {.size = bytes, .kind = vk::MemoryKind::Upload, .name = name});
-    std::memcpy(buffer.mapped(), data, bytes);
-    return buffer;
-  }
-  const Frame& frameOf(const FrameSetup& s) {
-    auto& frame = frames_[{s.layout, s.lighting, s.shading, s.countLights, s.volumesOrder}];
-    if (!frame) frame = std::make_unique<Frame>(device_, scene_, s);
-    return *frame;
-  }
-
-  vk::Device& device_;
-  std::vector<scene::Light> lights_;
-  GpuScene scene_;
-  GpuEnvironment environment_;
-  graph::Executor executor_;
-  ComposePass compose_;
+  FrameBench frames_;
+  uint32_t lights_;
   float intensity_;
-  std::map<std::tuple<const Layout*, const TechniqueInfo*, uint32_t, bool, uint32_t>, std::unique_ptr<Frame>> frames_;
 };
 
 FrameSetup setupOf(const char* technique, const char* layout, uint32_t order = kVolumesClassic) {
@@ -325,9 +294,7 @@ TEST_F(DrawnLightingTest, ForwardIsFullscreenOnTheExactLayout) {
 
 TEST_F(DrawnLightingTest, ForwardsLoopsAgree) {
   TechniqueInfo plain = findTechnique("forward");
-  plain.make = [](vk::Device& device, const GpuScene& scene, const FrameSetup& setup) {
-    return makeForward(device, scene, setup, ForwardLoop::Plain);
-  };
+  plain.add = [](const FrameContext& f, const Gbuffer& gbuffer) { addForward(f, gbuffer, ForwardLoop::Plain); };
   FrameSetup setup = setupOf("forward", "exact");
   setup.shading = 1;
   const LitPicture dealt = stage->bright.light(setup, stage->views, stage->bright.allLights());
@@ -342,7 +309,7 @@ TEST_F(DrawnLightingTest, ForwardMultipassIsFullscreenOnTheExactLayout) {
 TEST_F(DrawnLightingTest, VolumesAreFullscreen) {
   for (auto [layout, order] :
        {std::pair{"thin", kVolumesClassic}, {"thin", kVolumesKillzone}, {"exact", kVolumesKillzone}}) {
-    SCOPED_TRACE(fmt::format("{}, {}", layout, volumesOrders()[order].name));
+    SCOPED_TRACE(fmt::format("{}, {}", layout, choices<VolumesOrder>()[order].name));
     compareInRoom(setupOf("volumes", layout, order), layout);
   }
 }
@@ -403,7 +370,7 @@ TEST_F(DrawnLightingTest, StencilCullingRejects) {
     return testedBy(stage->dark, stage->views, order, stage->find(name));
   };
   for (uint32_t order : {kVolumesClassic, kVolumesKillzone}) {
-    SCOPED_TRACE(volumesOrders()[order].name);
+    SCOPED_TRACE(choices<VolumesOrder>()[order].name);
     EXPECT_EQ(tested(order, "in the air before all surfaces"), 0);
     EXPECT_EQ(tested(order, "behind the camera, not reaching it"), 0);
     EXPECT_GT(tested(order, "near plane cuts the sphere"), 0);

@@ -64,7 +64,7 @@ class Comparison {
       : scene_(scene), caster_(scene, camera, kWidth, kHeight) {
     Settings settings = settingsOf(
         kWidth, kHeight, {Aov::Depth, Aov::Distance, Aov::Position, Aov::GeoNormal, Aov::Normal, Aov::Uv, Aov::Part});
-    settings.zUp = true;
+    settings.axes = Axes::ZUp;
     frame_ = renderOne(device, scene, camera, settings);
   }
 

@@ -75,31 +75,7 @@ shared::Surface ReadGbuffer::surface(size_t pixel) const {
 }
 
 GbufferReader::GbufferReader(vk::Device& device, const scene::Scene& scene, const scene::Environment* environment)
-    : device_(device),
-      lights_(scene.lights),
-      scene_(device, scene),
-      environment_(device, environment),
-      executor_(device),
-      depth_(device, scene_) {}
-
-const GeometryPass& GbufferReader::geometry(const FrameSetup& setup) {
-  auto& made = geometries_[{setup.layout, setup.normalEncoding, setup.normalSpace}];
-  if (!made) made = std::make_unique<GeometryPass>(device_, scene_, setup);
-  return *made;
-}
-
-const LightingTechnique& GbufferReader::lighting(const FrameSetup& setup) {
-  auto& made = techniques_[{setup.layout, setup.normalEncoding, setup.lighting, setup.shading, setup.normalSpace,
-                            setup.positionMethod}];
-  if (!made) made = setup.lighting->make(device_, scene_, setup);
-  return *made;
-}
-
-vk::Buffer GbufferReader::upload(const char* name, const void* data, size_t bytes) {
-  vk::Buffer buffer(device_, {.size = bytes, .kind = vk::MemoryKind::Upload, .name = name});
-  std::memcpy(buffer.mapped(), data, bytes);
-  return buffer;
-}
+    : frames_(device, scene, environment) {}
 
 ReadGbuffer GbufferReader::read(const FrameSetup& setup, const scene::Camera& camera, uint32_t width, uint32_t height,
                                 const LightSettings& light) {
@@ -110,50 +86,36 @@ ReadGbuffer GbufferReader::read(const FrameSetup& setup, const scene::Camera& ca
                      .view = makeView(camera, width, height),
                      .width = width,
                      .height = height};
-  const vk::Buffer views = upload("views", &result.view, sizeof(result.view));
-  const auto first = lights_.begin() + light.firstLight;
-  scene_.setLights({first, first + light.lightCount});
-  shared::FrameConstants frame{};
-  scene_.describe(frame);
-  frame.views = frame.previousViews = frame.nextViews = views.address();
-  frame.viewCount = 1;
-  frame.exposure = light.exposure;
-  frame.environmentIntensity = light.environmentIntensity;
-  frame.environmentCos = std::cos(light.environmentRotation);
-  frame.environmentSin = std::sin(light.environmentRotation);
-  frame.environmentLevels = static_cast<float>(environment_.levels());
-  const vk::Buffer constants = upload("frame constants", &frame, sizeof(frame));
-  FrameInputs inputs{scene_, environment_, {&result.view, 1}, constants.address(), width, height};
-  inputs.lights = scene_.lights();
-
+  frames_.shine(light.firstLight, light.lightCount);
   graph::Graph graph;
-  Gbuffer gbuffer{.depth = depth_.add(graph, inputs)};
-  gbuffer.light = createTarget(graph, inputs, kLightFormat, "light");
+  const FrameContext& f = frames_.frame(graph, setup, {result.view},
+                                        {light.exposure, light.environmentIntensity, light.environmentRotation});
+  Gbuffer gbuffer{.depth = f.visibility.addDepth(f)};
+  gbuffer.light = createTarget(f, kLightFormat, "light");
   gbuffer.sampleDepth = gbuffer.depth;
   gbuffer.sampleLight = gbuffer.light;
   gbuffer.lightCounts = graph.create(vk::ImageDesc{.format = kCountsFormat, .width = 1, .height = 1, .layers = 1});
-  const AmbientOcclusionPass ambientOcclusion(device_, setup);  // as the setup has it; lives until the graph has run
-  geometry(setup).add(graph, inputs, gbuffer);
+  f.visibility.addGbuffer(f, gbuffer);
   std::vector<graph::BufferId> targets;
   for (graph::ImageId target : gbuffer.targets) targets.push_back(addReadback(graph, target));
   const graph::BufferId depth = addReadback(graph, gbuffer.depth), before = addReadback(graph, gbuffer.light);
-  gbuffer.ambientOcclusion = ambientOcclusion.add(graph, inputs, gbuffer);
-  lighting(setup).add(graph, inputs, gbuffer);
+  gbuffer.ambientOcclusion = addAmbientOcclusion(f, gbuffer);
+  setup.lighting->add(f, gbuffer);
   const graph::BufferId after = addReadback(graph, gbuffer.light);
-  executor_.run(graph, graph.compile());
+  const graph::Executor& done = frames_.run(graph);
 
   const size_t pixels = size_t{width} * height;
   const auto decode = [&](graph::BufferId buffer, VkFormat format) {
     std::vector<TargetValue> values(pixels);
     for (size_t i = 0; i < pixels; ++i)
-      values[i] = decodeTexel(format, executor_.buffer(buffer).mapped() + i * vk::texelBytes(format));
+      values[i] = decodeTexel(format, done.buffer(buffer).mapped() + i * vk::texelBytes(format));
     return values;
   };
   for (size_t i = 0; i < targets.size(); ++i)
     result.targets.push_back(decode(targets[i], setup.layout->format(i, setup.normalEncoding)));
   for (const TargetValue& value : decode(before, kLightFormat)) result.before.push_back(value.f);
   for (const TargetValue& value : decode(after, kLightFormat)) result.after.push_back(value.f);
-  const float* depths = executor_.buffer(depth).as<float>();
+  const float* depths = done.buffer(depth).as<float>();
   result.depth.assign(depths, depths + pixels);
   return result;
 }

@@ -1,17 +1,13 @@
 // The device's own G-buffer on the host: every target before lighting, and the lit picture after it.
 #pragma once
 
-#include <map>
-#include <memory>
 #include <string>
-#include <tuple>
 #include <vector>
 
-#include "render/gbuffer/geometry_pass.h"
+#include "render/frame_bench.h"
 #include "render/gbuffer/layout.h"
 #include "render/lighting/technique.h"
 #include "render/support.h"
-#include "render/visibility/hardware.h"
 
 namespace latelight::render::test {
 
@@ -46,20 +42,7 @@ class GbufferReader {
                    const LightSettings& light = {});
 
  private:
-  vk::Buffer upload(const char* name, const void* data, size_t bytes);
-  const GeometryPass& geometry(const FrameSetup& setup);
-  const LightingTechnique& lighting(const FrameSetup& setup);
-
-  vk::Device& device_;
-  std::vector<scene::Light> lights_;  // the scene's
-  GpuScene scene_;
-  GpuEnvironment environment_;
-  graph::Executor executor_;
-  DepthPass depth_;
-  std::map<std::tuple<const Layout*, uint32_t, uint32_t>, std::unique_ptr<GeometryPass>> geometries_;
-  std::map<std::tuple<const Layout*, uint32_t, const TechniqueInfo*, uint32_t, uint32_t, uint32_t>,
-           std::unique_ptr<LightingTechnique>>
-      techniques_;
+  FrameBench frames_;
 };
 
 }  // namespace latelight::render::test

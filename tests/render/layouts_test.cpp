@@ -251,7 +251,7 @@ TEST(Layouts, RandomSurfacesSurviveTheirStoredBits) {
       Random random(7);
       for (int i = 0; i < 20000 && !testing::Test::HasFailure(); ++i) {
         SCOPED_TRACE(i);
-        const uint32_t space = i % normalSpaces().size(), position = i / 3 % positionMethods().size();
+        const uint32_t space = i % choices<NormalSpace>().size(), position = i / 3 % choices<PositionMethod>().size();
         Sample sample = randomSample(random, encoding.index, space, position);
         if (bounds.viewersSide) turnToViewer(sample);
         expectWithin(sample.surface, stored(layout, sample), bounds);
@@ -481,14 +481,14 @@ class PicturesTest : public RenderTest {
                       const scene::Environment* environment) {
     Settings settings = settingsOf(320, 180);
     settings.display = true;
-    settings.layout = "exact";
+    settings.layout = &findLayout("exact");
     const scene::Camera camera = cameraOf(scene, settings.width, settings.height);
     Renderer renderer(device(), scene, environment);
     const std::vector<uint8_t> exact = renderer.render({&camera, 1}, settings).front().display;
     for (const Allowed& a : allowed) {
       SCOPED_TRACE(fmt::format("{}, {}, {}", name, a.layout, a.normals));
-      settings.layout = a.layout;
-      settings.normals = a.normals;
+      settings.layout = &findLayout(a.layout);
+      settings.normals = &findNormalEncoding(a.normals);
       const Difference d = difference(renderer.render({&camera, 1}, settings).front().display, exact);
       fmt::print("{}, {}, {}: mean {:.3f} levels, 99.9 % within {}\n", name, a.layout, a.normals, d.mean, d.percentile);
       EXPECT_GT(d.count, 10000u);
@@ -578,7 +578,7 @@ TEST_F(PlainTest, DiffersFromEveryLayoutByItsQuantisationAlone) {
   const scene::Camera camera = cameraOf(scene, settings.width, settings.height);
   Renderer renderer(device(), scene, nullptr);
   const auto render = [&](const std::string& layout) {
-    settings.layout = layout;
+    settings.layout = &findLayout(layout);
     return renderer.render({&camera, 1}, settings).front().display;
   };
   const std::vector<uint8_t> plain = render("plain");
@@ -679,9 +679,9 @@ TEST_F(HalfPlaneTest, SamplesAreCountedAndApproachTheCoverage) {
   for (uint32_t n : {1u, 2u, 4u}) {
     SCOPED_TRACE(n);
     Settings settings = settingsOf(kSize, kSize, {Aov::Color});
-    settings.superSampling = n;
+    settings.aa.superSampling = n;
     settings.display = true;
-    settings.tonemap = "none";
+    settings.tonemap = Tonemap::None;
     const output::FrameOutput frame = renderOne(device(), scene, frontCamera(), settings);
     double sum = 0, worst = 0;
     size_t crossed = 0;
@@ -725,7 +725,7 @@ TEST_F(HalfPlaneTest, DataStayAtThePixelsCentre) {
   Settings settings = settingsOf(160, 90, data);
   settings.display = true;
   const output::FrameOutput one = renderOne(device(), scene, scene.cameras.front(), settings);
-  settings.superSampling = 4;
+  settings.aa.superSampling = 4;
   const output::FrameOutput sixteen = renderOne(device(), scene, scene.cameras.front(), settings);
   EXPECT_FALSE(one.display == sixteen.display);
   for (Aov aov : data) {

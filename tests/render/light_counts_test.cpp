@@ -41,7 +41,7 @@ TEST_F(RenderTest, LightsAreCountedByEveryTechnique) {
   Settings settings = settingsOf(kSize, kSize, {Aov::LightsTested, Aov::LightsUsed});
   for (const TechniqueInfo& technique : techniques()) {
     SCOPED_TRACE(technique.name);
-    settings.lighting = technique.name;
+    settings.lighting = &technique;
     const scene::Camera camera = frontCamera(2);
     const output::FrameOutput frame = std::move(renderer.render({&camera, 1}, settings).front());
     size_t inPoint = 0, inSpot = 0;

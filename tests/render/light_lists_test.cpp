@@ -7,6 +7,7 @@
 #include <cstring>
 #include <random>
 
+#include "render/frame_bench.h"
 #include "render/post/resolve.h"
 #include "render/support.h"
 #include "render/view.h"
@@ -27,41 +28,27 @@ struct Picture {
 // A scene in device memory, drawn by any technique.
 class Stage {
  public:
-  Stage(vk::Device& device, const scene::Scene& scene)
-      : device_(device), scene_(device, scene), environment_(device, nullptr), executor_(device) {}
-  GpuScene& scene() { return scene_; }
+  Stage(vk::Device& device, const scene::Scene& scene) : frames_(device, scene) {}
+  GpuScene& scene() { return frames_.scene(); }
 
   Picture draw(const TechniqueInfo& technique, const char* layout, std::span<const scene::Camera> cameras,
                uint32_t width, uint32_t height) {
     std::vector<shared::View> views;
     for (const scene::Camera& camera : cameras) views.push_back(makeView(camera, width, height));
-    const vk::Buffer viewBuffer = upload("views", views.data(), views.size() * sizeof(shared::View));
-    shared::FrameConstants frame{};
-    scene_.describe(frame);
-    frame.views = viewBuffer.address();
-    frame.viewCount = static_cast<uint32_t>(views.size());
-    frame.exposure = 1;
-    const vk::Buffer constants = upload("frame constants", &frame, sizeof(frame));
     const FrameSetup setup{.layout = &findLayout(layout), .lighting = &technique, .countLights = true};
-    const Frame passes(device_, scene_, setup);
     graph::Graph graph;
-    const LitFrame lit = passes.add(graph, {scene_, environment_, views, constants.address(), width, height});
+    const LitFrame lit = addFrame(frames_.frame(graph, setup, views));
     const graph::BufferId light = addReadback(graph, lit.picture), counts = addReadback(graph, lit.lightCounts);
-    executor_.run(graph, graph.compile());
+    const graph::Executor& done = frames_.run(graph);
     const size_t values = size_t{width} * height * views.size() * 4;
     Picture picture;
-    picture.light.assign(executor_.buffer(light).as<uint16_t>(), executor_.buffer(light).as<uint16_t>() + values);
-    picture.counts.assign(executor_.buffer(counts).as<float>(), executor_.buffer(counts).as<float>() + values);
+    picture.light.assign(done.buffer(light).as<uint16_t>(), done.buffer(light).as<uint16_t>() + values);
+    picture.counts.assign(done.buffer(counts).as<float>(), done.buffer(counts).as<float>() + values);
     average(picture);
     return picture;
   }
 
  private:
-  vk::Buffer upload(const char* name, const void* data, size_t bytes) {
-    vk::Buffer buffer(device_, {.size = bytes, .kind = vk::MemoryKind::Upload, .name = name});
-    std::memcpy(buffer.mapped(), data, bytes);
-    return buffer;
-  }
   static void average(Picture& picture) {
     double pixels = 0;
     for (size_t i = 0; i < picture.counts.size(); i += 4) {
@@ -73,10 +60,7 @@ class Stage {
     if (pixels > 0) picture.tested /= pixels, picture.used /= pixels;
   }
 
-  vk::Device& device_;
-  GpuScene scene_;
-  GpuEnvironment environment_;
-  graph::Executor executor_;
+  FrameBench frames_;
 };
 
 float displayed(uint16_t half) {
@@ -184,12 +168,9 @@ const TechniqueInfo* const kFullscreen = &findTechnique("fullscreen");
 template <uint32_t Cells, uint32_t Entries>
 TechniqueInfo withRoomFor() {
   return {
-      .name = "small",
-      .description = "lists of few lights",
-      .make = [](vk::Device& device, const GpuScene&, const FrameSetup& setup) -> std::unique_ptr<LightingTechnique> {
-        return std::make_unique<LightListsTechnique>(
-            device, setup,
-            LightListsDesc{.name = Cells == 1 ? "tiled" : "clustered", .cellsATile = Cells, .entriesATile = Entries});
+      .name = "small", .description = "lists of few lights", .add = [](const FrameContext& f, const Gbuffer& gbuffer) {
+        addLightLists(f, gbuffer,
+                      {.name = Cells == 1 ? "tiled" : "clustered", .cellsATile = Cells, .entriesATile = Entries});
       }};
 }
 

@@ -46,7 +46,8 @@ TEST_P(ModelsTest, LooksTheSameByEveryTechnique) {
   Renderer renderer(device(), scene, &studio);
   const scene::Camera camera = cameraOf(scene, kWidth, kHeight);
   const auto picture = [&](const std::string& layout, const std::string& lighting) {
-    Settings settings{.width = kWidth, .height = kHeight, .layout = layout, .lighting = lighting};
+    Settings settings{
+        .width = kWidth, .height = kHeight, .layout = &findLayout(layout), .lighting = &findTechnique(lighting)};
     return std::move(renderer.render({&camera, 1}, settings).front().display);
   };
   const std::vector<uint8_t> thin = picture("thin", "fullscreen"), plain = picture("plain", "fullscreen");

@@ -19,7 +19,7 @@ using Values = std::vector<float>;
 
 Settings multisampled(uint32_t width, uint32_t height, std::vector<Aov> aovs = {Aov::Color}) {
   Settings settings = settingsOf(width, height, std::move(aovs));
-  settings.samples = 4;
+  settings.aa.samples = 4;
   return settings;
 }
 
@@ -50,7 +50,7 @@ TEST_F(MsaaTest, CoverageIsThatOfTheFourSamples) {
   Settings settings = multisampled(kSize, kSize);
   for (const TechniqueInfo& technique : techniques()) {
     SCOPED_TRACE(technique.name);
-    settings.lighting = technique.name;
+    settings.lighting = &technique;
     const Values picture = color(renderer, frontCamera(), settings);
     const auto at = [&](size_t x, size_t y) { return &picture[4 * (y * kSize + x)]; };
     EXPECT_EQ(at(16, 16)[3], 1);
@@ -71,7 +71,7 @@ TEST_F(MsaaTest, EnvironmentFillsWhatIsNotCovered) {
   const scene::Environment environment = constantEnvironment();
   Renderer renderer(device(), scene, &environment);
   Settings settings = multisampled(kSize, kSize);
-  settings.background = Background::Environment;
+  settings.background.kind = Background::Environment;
   const Values picture = color(renderer, frontCamera(), settings);
   const float* edge = &picture[4 * (16 * kSize + 8)];
   EXPECT_NEAR(edge[0], 0.5f * 0.25f + 0.5f, 1e-3f);
@@ -92,7 +92,7 @@ TEST_F(MsaaTest, MasksAreCutForEachSample) {
     const double edge = 8 + 16 * (0.25 + 0.5 * (1 - cutoff));  // pixels from the left
     for (const char* technique : {"forward", "fullscreen"}) {
       Settings settings = multisampled(kSize, kSize);
-      settings.lighting = technique;
+      settings.lighting = &findTechnique(technique);
       const Values picture = color(renderer, frontCamera(), settings);
       for (uint32_t x = 12; x < 20; ++x) {
         int covered = 0;
@@ -116,9 +116,9 @@ TEST_F(MsaaTest, PixelsOfOneSurfaceAreLitAtTheirCentre) {
     if (technique.forward) continue;
     SCOPED_TRACE(technique.name);
     Settings settings = multisampled(kSize, kSize);
-    settings.lighting = technique.name;
+    settings.lighting = &technique;
     const Values four = color(renderer, frontCamera(0.5f), settings);
-    settings.samples = 1;
+    settings.aa.samples = 1;
     const Values one = color(renderer, frontCamera(0.5f), settings);
     for (size_t i = 0; i < one.size(); ++i) ASSERT_NEAR(four[i], one[i], 2e-3f * one[i] + 1e-5f) << i / 4;
   }
@@ -132,7 +132,7 @@ TEST_F(MsaaTest, ViewsAtOnceAreTheViewsAlone) {
   for (const char* technique : {"fullscreen", "volumes"}) {
     SCOPED_TRACE(technique);
     Settings settings = multisampled(kSize, kSize, {Aov::Color, Aov::Samples});
-    settings.lighting = technique;
+    settings.lighting = &findTechnique(technique);
     const std::vector<output::FrameOutput> both = renderer.render(cameras, settings);
     for (size_t i = 0; i < 2; ++i) {
       const output::FrameOutput alone = std::move(renderer.render({&cameras[i], 1}, settings).front());
@@ -149,9 +149,9 @@ TEST_F(MsaaTest, VolumesOfManyLightsAgree) {
   settings.display = true;
   const scene::Camera camera = cameraOf(scene, 64, 36);
   const std::vector<uint8_t> expected = std::move(renderer.render({&camera, 1}, settings).front().display);
-  settings.lighting = "volumes";
+  settings.lighting = &findTechnique("volumes");
   for (const char* order : {"classic", "killzone"}) {
-    settings.volumesOrder = order;
+    settings.volumesOrder = choiceNamed<VolumesOrder>(order).value();
     const std::vector<uint8_t> volumes = std::move(renderer.render({&camera, 1}, settings).front().display);
     int worst = 0;
     for (size_t i = 0; i < expected.size(); ++i) worst = std::max(worst, std::abs(expected[i] - volumes[i]));
@@ -162,10 +162,10 @@ TEST_F(MsaaTest, VolumesOfManyLightsAgree) {
 TEST_F(MsaaTest, OtherNumbersOfSamplesAreRefused) {
   Settings settings = multisampled(8, 8);
   EXPECT_NO_THROW(checkSettings(settings));
-  settings.superSampling = 2;
+  settings.aa.superSampling = 2;
   EXPECT_THROW(checkSettings(settings), Error);
   settings = multisampled(8, 8);
-  settings.samples = 8;
+  settings.aa.samples = 8;
   EXPECT_THROW(checkSettings(settings), Error);
 }
 
@@ -188,7 +188,7 @@ TEST_F(MsaaTest, SurfacesOfConstantShadingLoseNothing) {
     if (technique.forward) continue;
     SCOPED_TRACE(technique.name);
     Settings settings = multisampled(64, 64, {Aov::Color, Aov::Samples});
-    settings.lighting = technique.name;
+    settings.lighting = &technique;
     const scene::Camera camera = frontCamera();
     const output::FrameOutput surfaces = std::move(renderer.render({&camera, 1}, settings).front());
     settings.everySample = true;
@@ -263,7 +263,7 @@ TEST_P(MsaaModels, EdgesAreBetterByAFactor) {
   const output::FrameOutput plain = std::move(renderer.render({&camera, 1}, settings).front());
   const Values& none = imageOf(plain, Aov::Color).values;
   settings.aovs = {Aov::Color};
-  settings.superSampling = 4;
+  settings.aa.superSampling = 4;
   const Values sixteen = color(renderer, camera, settings);
 
   const std::vector<bool> edge = edges(imageOf(plain, Aov::Part));

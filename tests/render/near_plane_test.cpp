@@ -154,9 +154,9 @@ TEST_F(NearPlaneTest, NothingDependsOnHowNearItIs) {
   }
   scene::Camera camera = scene::lookAt(scene, {3, 2, 7}, {0, 0.5f, 0});
   Settings plain = settingsOf(96, 54, {Aov::Color, Aov::Depth, Aov::Position, Aov::Normal, Aov::Motion});
-  plain.shadows = "d32";
-  plain.ao.method = "gtao";
-  plain.fog.density = 0.02f;
+  plain.shadows = ShadowFormat::D32;
+  plain.ambientOcclusion = AmbientOcclusion::Gtao;
+  plain.fogDensity = 0.02f;
   const auto with = [&](auto&& change) {
     Settings settings = plain;
     change(settings);
@@ -164,11 +164,20 @@ TEST_F(NearPlaneTest, NothingDependsOnHowNearItIs) {
   };
   const std::vector<Settings> all{
       plain,
-      with([](Settings& s) { s.lighting = "tiled", s.position = "matrix", s.transparency = "sorted"; }),
-      with([](Settings& s) { s.lighting = "clustered", s.position = "reciprocal", s.transparency = "weighted"; }),
-      with([](Settings& s) { s.lighting = "volumes", s.volumesOrder = "killzone", s.layout = "killzone2"; }),
-      with([](Settings& s) { s.lighting = "forward", s.temporal = true; }),
-      with([](Settings& s) { s.lighting = "clustered", s.samples = 4; })};
+      with([](Settings& s) {
+        s.lighting = &findTechnique("tiled"), s.position = PositionMethod::Matrix,
+        s.transparency = TransparencyMethod::Sorted;
+      }),
+      with([](Settings& s) {
+        s.lighting = &findTechnique("clustered"), s.position = PositionMethod::Reciprocal,
+        s.transparency = TransparencyMethod::Weighted;
+      }),
+      with([](Settings& s) {
+        s.lighting = &findTechnique("volumes"), s.volumesOrder = VolumesOrder::Killzone,
+        s.layout = &findLayout("killzone2");
+      }),
+      with([](Settings& s) { s.lighting = &findTechnique("forward"), s.aa.temporal = true; }),
+      with([](Settings& s) { s.lighting = &findTechnique("clustered"), s.aa.samples = 4; })};
   Renderer renderer(device(), scene, nullptr);
   for (const Settings& settings : all) {
     std::vector<output::FrameOutput> frames;

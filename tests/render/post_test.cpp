@@ -67,10 +67,10 @@ TEST_F(PostTest, FxaaBringsEdgesNearerToSuperSampling) {
     Settings settings = settingsOf(320, 180);
     const scene::Camera camera = c.scene.cameras.front();
     const auto plain = shown(renderer, camera, settings);
-    settings.fxaa = true;
+    settings.aa.fxaa = true;
     const auto smooth = shown(renderer, camera, settings);
-    settings.fxaa = false;
-    settings.superSampling = 4;
+    settings.aa.fxaa = false;
+    settings.aa.superSampling = 4;
     const Edges e = compareEdges(plain, smooth, shown(renderer, camera, settings), 320);
     fmt::print("{}: {} edge pixels, mean square {:.0f} without, {:.0f} with FXAA: {:.2f} times less\n", c.name,
                e.pixels, e.without / double(e.pixels), e.with / double(e.pixels), e.without / e.with);
@@ -84,12 +84,12 @@ TEST_F(PostTest, FxaaBringsEdgesNearerToSuperSampling) {
 // --- fog ------------------------------------------------------------------------------------------------------------
 
 // What of light gets from `from` to `to`, by Simpson's rule on the density; glTF's frame, Y up.
-double transmittance(const FogSettings& fog, dvec3 from, dvec3 to) {
+double transmittance(const Settings& s, dvec3 from, dvec3 to) {
   constexpr int kSteps = 2000;
   double sum = 0;
   for (int i = 0; i <= kSteps; ++i) {
     const double y = glm::mix(from, to, double(i) / kSteps).y;
-    const double density = fog.density * (fog.height > 0 ? std::exp(-(y - fog.base) / fog.height) : 1.0);
+    const double density = s.fogDensity * (s.fogHeight > 0 ? std::exp(-(y - s.fogBase) / s.fogHeight) : 1.0);
     sum += density * (i == 0 || i == kSteps ? 1 : i % 2 ? 4 : 2);
   }
   return std::exp(-sum * glm::length(to - from) / kSteps / 3);
@@ -107,7 +107,8 @@ TEST_F(PostTest, FogIsTheIntegralOfItsDensity) {
       SCOPED_TRACE(fmt::format("orthographic {}, height {}", camera.orthographic, height));
       Settings settings = settingsOf(96, 64, {Aov::Color, Aov::Position, Aov::Distance});
       const auto before = renderer.render({&camera, 1}, settings).front();
-      settings.fog = {.density = 0.08f, .color = {0.3f, 0.5f, 0.9f}, .height = height, .base = 0.5f};
+      settings.fogDensity = 0.08f, settings.fogColor = {0.3f, 0.5f, 0.9f};
+      settings.fogHeight = height, settings.fogBase = 0.5f;
       const auto after = renderer.render({&camera, 1}, settings).front();
       EXPECT_EQ(imageOf(before, Aov::Position).values, imageOf(after, Aov::Position).values);
       const glm::mat4 pose = scene::toGltfFromWorld() * camera.toWorld;
@@ -117,7 +118,7 @@ TEST_F(PostTest, FogIsTheIntegralOfItsDensity) {
         if (b[3] == 0) {
           ++open;
           EXPECT_TRUE(height > 0 || a[3] > 0.999f);  // fog without end
-          for (int c = 0; c < 3; ++c) ASSERT_NEAR(a[c], a[3] * settings.fog.color[c], 1e-3);
+          for (int c = 0; c < 3; ++c) ASSERT_NEAR(a[c], a[3] * settings.fogColor[c], 1e-3);
           continue;
         }
         ++covered;
@@ -125,9 +126,9 @@ TEST_F(PostTest, FogIsTheIntegralOfItsDensity) {
         const dvec3 from = camera.orthographic
                                ? p - double{imageOf(after, Aov::Distance).values[i]} * glm::normalize(dvec3(pose[1]))
                                : dvec3(pose[3]);
-        const double t = transmittance(settings.fog, from, p);
+        const double t = transmittance(settings, from, p);
         for (int c = 0; c < 3; ++c)
-          ASSERT_NEAR(a[c], b[c] * t + settings.fog.color[c] * (1 - t), 2e-3 * (1 + b[c])) << i;
+          ASSERT_NEAR(a[c], b[c] * t + settings.fogColor[c] * (1 - t), 2e-3 * (1 + b[c])) << i;
         ASSERT_EQ(a[3], 1.0f);
       }
       EXPECT_GT(covered, 1000u);
@@ -144,19 +145,23 @@ TEST_F(PostTest, OffIsOffAndOnShows) {
   const scene::Environment environment = constantEnvironment();
   Renderer renderer(device(), scene, &environment);
   Settings plain = settingsOf(80, 45);
-  plain.lighting = "tiled";
+  plain.lighting = &findTechnique("tiled");
   const auto without = shown(renderer, scene.cameras.front(), plain);
-  const Change off[] = {[](Settings& s) { s.bloom = {.strength = 0, .radius = 0.2f, .threshold = 3}; },
-                        [](Settings& s) { s.fog = {.density = 0, .height = 4}; },
-                        [](Settings& s) { s.ao = {.method = "none", .radius = 3, .strength = 5}; },
-                        [](Settings& s) { s.ao = {.method = "gtao", .radius = 1e-20f, .strength = 5}; }};
+  const Change off[] = {[](Settings& s) { s.bloom = 0, s.bloomRadius = 0.2f, s.bloomThreshold = 3; },
+                        [](Settings& s) { s.fogDensity = 0, s.fogHeight = 4; },
+                        [](Settings& s) { s.aoRadius = 3, s.aoStrength = 5; },
+                        [](Settings& s) {
+                          s.ambientOcclusion = AmbientOcclusion::Gtao;
+                          s.aoRadius = 1e-20f, s.aoStrength = 5;
+                        }};
   for (const Change& change : off) {
     Settings settings = plain;
     change(settings);
     EXPECT_EQ(shown(renderer, scene.cameras.front(), settings), without);
   }
-  const Change on[] = {[](Settings& s) { s.bloom.strength = 0.2f; }, [](Settings& s) { s.fog.density = 0.1f; },
-                       [](Settings& s) { s.ao.method = "gtao"; }, [](Settings& s) { s.fxaa = true; }};
+  const Change on[] = {[](Settings& s) { s.bloom = 0.2f; }, [](Settings& s) { s.fogDensity = 0.1f; },
+                       [](Settings& s) { s.ambientOcclusion = AmbientOcclusion::Gtao; },
+                       [](Settings& s) { s.aa.fxaa = true; }};
   Settings everything = plain;
   for (const Change& change : on) {
     Settings settings = plain;
@@ -166,7 +171,7 @@ TEST_F(PostTest, OffIsOffAndOnShows) {
   }
   for (uint32_t samples : {1u, 2u})
     for (auto [width, height] : {std::pair{80u, 45u}, {1u, 1u}, {3u, 2u}}) {
-      everything.superSampling = samples;
+      everything.aa.superSampling = samples;
       everything.width = width, everything.height = height;
       const auto once = shown(renderer, scene.cameras.front(), everything);
       EXPECT_EQ(once, shown(renderer, scene.cameras.front(), everything));
@@ -178,21 +183,19 @@ TEST_F(PostTest, BadValuesAreSaidInASentence) {
   Renderer renderer(device(), scene, nullptr);
   static constexpr float kNan = std::numeric_limits<float>::quiet_NaN(), kInf = std::numeric_limits<float>::infinity();
   const std::pair<const char*, Change> wrong[] = {
-      {"radius of ambient occlusion", [](Settings& s) { s.ao.radius = 0; }},
-      {"radius of ambient occlusion", [](Settings& s) { s.ao.radius = -1; }},
-      {"radius of ambient occlusion", [](Settings& s) { s.ao.radius = kNan; }},
-      {"radius of ambient occlusion", [](Settings& s) { s.ao.radius = kInf; }},
-      {"strength of ambient occlusion", [](Settings& s) { s.ao.strength = kNan; }},
-      {"ambient occlusion \"ssao\"", [](Settings& s) { s.ao.method = "ssao"; }},
-      {"strength of bloom", [](Settings& s) { s.bloom.strength = -0.1f; }},
-      {"strength of bloom", [](Settings& s) { s.bloom.strength = kNan; }},
-      {"radius of bloom", [](Settings& s) { s.bloom.radius = 1.5f; }},
-      {"threshold of bloom", [](Settings& s) { s.bloom.threshold = -1; }},
-      {"fireflies", [](Settings& s) { s.bloom.fireflies = "?"; }},
-      {"density of fog", [](Settings& s) { s.fog.density = kInf; }},
-      {"fog's colour", [](Settings& s) { s.fog.color.y = kNan; }},
-      {"fog thins", [](Settings& s) { s.fog.height = -1; }},
-      {"fog has its density", [](Settings& s) { s.fog.base = kNan; }}};
+      {"--ao-radius takes a number above 0 metres", [](Settings& s) { s.aoRadius = 0; }},
+      {"--ao-radius takes a number above 0 metres", [](Settings& s) { s.aoRadius = -1; }},
+      {"--ao-radius takes a number above 0 metres", [](Settings& s) { s.aoRadius = kNan; }},
+      {"--ao-radius takes a number above 0 metres", [](Settings& s) { s.aoRadius = kInf; }},
+      {"--ao-strength", [](Settings& s) { s.aoStrength = kNan; }},
+      {"--bloom takes a number from 0 to 1", [](Settings& s) { s.bloom = -0.1f; }},
+      {"--bloom takes a number from 0 to 1", [](Settings& s) { s.bloom = kNan; }},
+      {"--bloom-radius", [](Settings& s) { s.bloomRadius = 1.5f; }},
+      {"--bloom-threshold", [](Settings& s) { s.bloomThreshold = -1; }},
+      {"--fog takes a number from 0 to 1000000 1/m", [](Settings& s) { s.fogDensity = kInf; }},
+      {"--fog-color", [](Settings& s) { s.fogColor.y = kNan; }},
+      {"--fog-height", [](Settings& s) { s.fogHeight = -1; }},
+      {"--fog-base", [](Settings& s) { s.fogBase = kNan; }}};
   for (const auto& [says, change] : wrong) {
     Settings settings = settingsOf(8, 8);
     change(settings);

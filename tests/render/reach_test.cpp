@@ -95,9 +95,9 @@ class ReachTest : public RenderTest {
   };
   Result compare(Renderer& renderer, const Plane& plane, const Choice& choice, float half, float exposure = 0) {
     Settings settings = settingsOf(kSize, kSize, {Aov::Color});
-    settings.layout = "exact";
-    settings.lighting = choice.lighting;
-    settings.volumesOrder = choice.order;
+    settings.layout = &findLayout("exact");
+    settings.lighting = &findTechnique(choice.lighting);
+    settings.volumesOrder = choiceNamed<VolumesOrder>(choice.order).value();
     settings.exposure = exposure;
     const scene::Camera camera = frontCamera(half);
     const output::FrameOutput frame = std::move(renderer.render({&camera, 1}, settings).front());

@@ -265,8 +265,8 @@ std::vector<const TechniqueInfo*> deferredTechniques() {
 TEST_F(RelightTest, HostShadesTheDevicesGbufferAlike) {
   const std::vector<const TechniqueInfo*> deferred = deferredTechniques();
   const std::vector<latelight::test::Combination> chosen =
-      latelight::test::pairwise({layouts().size(), normalEncodings().size(), deferred.size(), shadings().size(),
-                                 bench->cases.size(), normalSpaces().size(), positionMethods().size()},
+      latelight::test::pairwise({layouts().size(), normalEncodings().size(), deferred.size(), choices<Shading>().size(),
+                                 bench->cases.size(), choices<NormalSpace>().size(), choices<PositionMethod>().size()},
                                 [](const auto& c) { return c[1] == 0 || !layouts()[c[0]].fixedNormal; });
   std::vector<Agreement> totals(bench->cases.size());
   for (const auto& c : chosen) {
@@ -278,8 +278,8 @@ TEST_F(RelightTest, HostShadesTheDevicesGbufferAlike) {
                            .positionMethod = uint32_t(c[6])};
     const auto& [name, settings] = bench->cases[c[4]];
     SCOPED_TRACE(fmt::format("{}, {} in {} space, {}, {}, {} light, position by {}", setup.layout->name,
-                             normalEncodings()[c[1]].name, normalSpaces()[c[5]].name, setup.lighting->name,
-                             shadings()[c[3]].name, name, positionMethods()[c[6]].name));
+                             normalEncodings()[c[1]].name, choices<NormalSpace>()[c[5]].name, setup.lighting->name,
+                             choices<Shading>()[c[3]].name, name, choices<PositionMethod>()[c[6]].name));
     const ReadGbuffer gbuffer = bench->read(setup, settings);
     const Agreement a = compare(gbuffer, std::span(bench->lights).subspan(settings.firstLight, settings.lightCount),
                                 bench->hostStudio, setup.shading, settings);

@@ -7,11 +7,12 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "base/error.h"
+#include "render/frame_bench.h"
 #include "render/gbuffer/layout.h"
 #include "render/post/resolve.h"
 #include "render/shadow/cascades.h"
 #include "render/shadow/choose.h"
-#include "render/shadow/shadow_pass.h"
+#include "render/shadow/frame_shadows.h"
 #include "render/support.h"
 #include "render/view.h"
 #include "shared/light.h"
@@ -57,10 +58,10 @@ scene::Light lightOf(uint32_t type, vec3 position, vec3 target) {
 
 Settings shadowSettings(const char* format, const char* filter) {
   Settings settings = settingsOf(kSize, kSize, {Aov::Color, Aov::Position, Aov::Normal});
-  settings.layout = "exact";
-  settings.shadows = format;
-  settings.shadowFilter = filter;
-  settings.zUp = true;
+  settings.layout = &findLayout("exact");
+  settings.shadows = choiceNamed<ShadowFormat>(format).value();
+  settings.shadowFilter = choiceNamed<ShadowFilter>(filter).value();
+  settings.axes = Axes::ZUp;
   return settings;
 }
 
@@ -75,7 +76,7 @@ class ShadowTest : public RenderTest {
     Renderer renderer(device(), scene, nullptr);
     const scene::Camera camera = frontCamera(kHalf, 4);
     Settings without = settings;
-    without.shadows = "none";
+    without.shadows = ShadowFormat::None;
     const output::FrameOutput open = std::move(renderer.render({&camera, 1}, without).front());
     Shadowed result{std::move(renderer.render({&camera, 1}, settings).front()), {}};
     for (size_t i = 0; i < size_t{kSize} * kSize; ++i) {
@@ -88,15 +89,15 @@ class ShadowTest : public RenderTest {
   // Of the light's only map, or of the one whose texels are widest on the wall.
   static ShadowPlan plan(const scene::Scene& scene, const Settings& settings) {
     const GpuScene uploaded(device(), scene);
-    const ShadowScene described{uploaded.lights(), uploaded.lightSources(), uploaded.sceneLights(),
-                                scene::worldBounds(scene)};
+    const GpuLights& lights = uploaded.lights();
+    const ShadowScene described{lights.lights(), lights.sources(), lights.authored(), scene::worldBounds(scene)};
     return planShadows(described, makeView(frontCamera(kHalf, 4), kSize, kSize), settings);
   }
 };
 
 // The finest map of a light that shows the point, as findShadowMap() of glsl/shadow.glsl has it.
 const shared::ShadowMap* mapAt(const ShadowPlan& plan, const scene::Light& light, vec3 p, uint32_t filter) {
-  if (plan.maps.front().maps == 6) return &plan.maps[shared::shadowFace(p - light.position)];
+  if (plan.lights.front().maps == 6) return &plan.maps[shared::shadowFace(p - light.position)];
   for (const shared::ShadowMap& m : plan.maps)
     if (shared::shadowInside(m, shared::shadowPoint(m, p).texel, shared::shadowReach(filter) + 0.5f)) return &m;
   return nullptr;
@@ -189,8 +190,8 @@ TEST_F(ShadowTest, TheSunsShadowInTheGbufferIsTheSunsShadow) {
   const scene::Scene scene = boardBeforeWall(lightOf(shared::kLightDirectional, {-1, -1, 0.2f}, {0, 0, 0}));
   Settings settings = shadowSettings("d32", "pcf");
   const Shadowed expected = render(scene, settings);
-  settings.layout = "killzone2";
-  ASSERT_GE(findLayout(settings.layout).sunTarget, 0);
+  settings.layout = &findLayout("killzone2");
+  ASSERT_GE(settings.layout->sunTarget, 0);
   const Shadowed kept = render(scene, settings);
   size_t between = 0, beyond = 0;
   for (size_t i = 0; i < kept.factor.size(); ++i) {
@@ -269,26 +270,20 @@ TEST_F(ShadowTest, DevicesLookUpWhatTheHostLooksUp) {
       SCOPED_TRACE(fmt::format("{} light, {}", edge.name, format));
       const scene::Scene scene = boardBeforeWall(edge.light);
       const Settings settings = shadowSettings(format, "pcf");
-      const auto index =
-          static_cast<uint32_t>(std::find_if(shadowFormats().begin(), shadowFormats().end(),
-                                             [&](const NamedOption& o) { return o.name == std::string(format); }) -
-                                shadowFormats().begin());
+      const uint32_t index = indexOf(settings.shadows);
       // The maps once more, read back.
-      GpuScene uploaded(device(), scene);
-      const GpuEnvironment dark(device(), nullptr);
-      shared::FrameConstants constants{};
-      uploaded.describe(constants);
-      ShadowMaps maps = uploadShadows(device(), plan(scene, settings), constants, index);
-      FrameSetup setup{.shadowFormat = index, .shadowFilter = shared::kShadowFilterPcf};
-      const ShadowPass pass(device(), uploaded, setup);
-      FrameInputs inputs{.scene = uploaded, .environment = dark, .views = {}, .constants = 0, .width = 1, .height = 1};
-      inputs.shadows = &maps;
-      graph::Executor executor(device());
+      FrameBench bench(device(), scene);
+      const shared::View view = makeView(frontCamera(kHalf, 4), kSize, kSize);
+      FrameShadows shadows(device(), bench.scene(), {&view, 1}, settings);
+      const ShadowPlan& plan = shadows.plan(0);
       graph::Graph graph;
-      const graph::BufferId read = addReadback(graph, pass.add(graph, inputs));
-      executor.run(graph, graph.compile());
-      HostAtlas atlas{maps.plan.width, std::vector<float>(size_t{maps.plan.width} * maps.plan.height)};
-      const std::byte* texels = executor.buffer(read).mapped();
+      FrameContext f = bench.frame(graph, {.shadowFormat = index, .shadowFilter = shared::kShadowFilterPcf}, {view});
+      f.shadows = &shadows;
+      const graph::ImageId drawn = graph.import(shadows.atlas(), std::nullopt);
+      f.visibility.addShadowMaps(f, drawn);
+      const graph::BufferId read = addReadback(graph, drawn);
+      const std::byte* texels = bench.run(graph).buffer(read).mapped();
+      HostAtlas atlas{plan.width, std::vector<float>(size_t{plan.width} * plan.height)};
       for (size_t i = 0; i < atlas.depths.size(); ++i) {
         const auto* bytes = reinterpret_cast<const uint8_t*>(texels + 4 * i);
         const auto packed = [&] { return shared::vec4(bytes[0], bytes[1], bytes[2], bytes[3]) / 255.0f; };
@@ -303,9 +298,8 @@ TEST_F(ShadowTest, DevicesLookUpWhatTheHostLooksUp) {
       size_t lit = 0, dark0 = 0, beyond = 0;
       for (size_t i = 0; i < shadowed.factor.size(); ++i) {
         if (shadowed.factor[i] < 0) continue;
-        const float expected =
-            hostFactor(atlas, maps.plan, edge.light, vec3At(imageOf(shadowed.frame, Aov::Position), i),
-                       vec3At(imageOf(shadowed.frame, Aov::Normal), i));
+        const float expected = hostFactor(atlas, plan, edge.light, vec3At(imageOf(shadowed.frame, Aov::Position), i),
+                                          vec3At(imageOf(shadowed.frame, Aov::Normal), i));
         lit += expected > 0.9f;
         dark0 += expected < 0.1f;
         beyond += std::abs(shadowed.factor[i] - expected) > 4e-3f;
@@ -328,7 +322,7 @@ TEST_F(ShadowTest, SamplesOfAPictureShareTheirMaps) {
       SCOPED_TRACE(fmt::format("{}, {}", format, aa));
       Settings settings = shadowSettings(format, "pcf");
       settings.width = settings.height = kSmall;
-      setAntiAliasing(settings, aa);
+      settings.aa = readText<AntiAliasing>("--aa", aa);
       Renderer renderer(device(), scene, nullptr);
       const output::FrameOutput first = std::move(renderer.render({&camera, 1}, settings).front());
       // That of the last sample.
@@ -385,9 +379,9 @@ TEST_F(ShadowTest, NothingShadowsItself) {
 ShadowPlan hallPlan(const scene::Scene& scene, const GpuScene& uploaded, const scene::Camera& camera,
                     const std::string& lights) {
   Settings settings;
-  settings.shadowLights = lights;
-  const ShadowScene described{uploaded.lights(), uploaded.lightSources(), uploaded.sceneLights(),
-                              scene::worldBounds(scene)};
+  settings.shadowLights = readText<ShadowLights>("--shadow-lights", lights);
+  const GpuLights& all = uploaded.lights();
+  const ShadowScene described{all.lights(), all.sources(), all.authored(), scene::worldBounds(scene)};
   return planShadows(described, makeView(camera, 640, 360), settings);
 }
 
@@ -462,7 +456,7 @@ TEST_F(ShadowTest, TheSceneSaysWhichLightsCast) {
   const auto chosen = [&](const char* lights) {
     std::vector<uint32_t> sources;
     for (const ShadowPlan::Entry& entry : hallPlan(scene, uploaded, frontPerspective(1, 3), lights).lights)
-      sources.push_back(uploaded.lightSources()[entry.light]);
+      sources.push_back(uploaded.lights().sources()[entry.light]);
     return sources;
   };
   EXPECT_EQ(chosen("all"), (std::vector<uint32_t>{2, 1}));

@@ -50,19 +50,19 @@ const Parting kPartings[] = {
     {"plain", [](Settings&, scene::Camera&) {}},
     {"msaa4OffCentre",
      [](Settings& s, scene::Camera& c) {
-       s.samples = 4;
+       s.aa.samples = 4;
        c.principal = {0.3f, -0.45f};
      }},
     {"superSampledClustered",
      [](Settings& s, scene::Camera&) {
-       s.superSampling = 2;
-       s.lighting = "clustered";
-       s.background = Background::Environment;
+       s.aa.superSampling = 2;
+       s.lighting = &findTechnique("clustered");
+       s.background.kind = Background::Environment;
      }},
     {"orthographicVolumes",
      [](Settings& s, scene::Camera& c) {
-       s.lighting = "volumes";
-       s.fog.density = 0.05f;
+       s.lighting = &findTechnique("volumes");
+       s.fogDensity = 0.05f;
        c.orthographic = true;
        c.yHalf = 3;
        c.farClip = 40;
@@ -114,7 +114,7 @@ TEST_P(StripsTest, EqualTheWholePicture) {
   const scene::Environment studio = scene::loadEnvironment("studio");
   Settings settings = settingsOf(kWidth, kHeight);
   settings.display = true;
-  settings.shadows = "d32";
+  settings.shadows = ShadowFormat::D32;
   settings.sun = SunLight{.azimuth = 0.6f, .elevation = 0.8f};
   for (const output::AovInfo& info : output::aovs()) settings.aovs.push_back(info.aov);
   scene::Camera camera = scene.cameras.front();
@@ -136,7 +136,7 @@ TEST_P(StripsTest, EqualTheWholePicture) {
     EXPECT_EQ(strips.aovs[i].height, kHeight);
     ASSERT_EQ(strips.aovs[i].values.size(), whole.aovs[i].values.size());
     ASSERT_EQ(strips.aovs[i].ids.size(), whole.aovs[i].ids.size());
-    const std::vector<bool> differs = unlike(strips.aovs[i], whole.aovs[i], settings.samples);
+    const std::vector<bool> differs = unlike(strips.aovs[i], whole.aovs[i], settings.aa.samples);
     const auto count = static_cast<size_t>(std::count(differs.begin(), differs.end(), true));
     EXPECT_LE(count, kHandful);
   }
@@ -241,8 +241,8 @@ TEST(Strips, WhatNeedsNeighboursIsWhole) {
   Settings large;
   large.width = large.height = 16384;
   for (void (*change)(Settings&) :
-       {+[](Settings& s) { s.fxaa = true; }, +[](Settings& s) { s.temporal = true; },
-        +[](Settings& s) { s.ao.method = "gtao"; }, +[](Settings& s) { s.bloom.strength = 0.1f; }}) {
+       {+[](Settings& s) { s.aa.fxaa = true; }, +[](Settings& s) { s.aa.temporal = true; },
+        +[](Settings& s) { s.ambientOcclusion = AmbientOcclusion::Gtao; }, +[](Settings& s) { s.bloom = 0.1f; }}) {
     Settings s = large;
     change(s);
     EXPECT_EQ(stripsOf(s).size(), 1u);

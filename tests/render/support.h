@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "render/gbuffer/layout.h"
+#include "render/lighting/technique.h"
 #include "render/renderer.h"
 #include "scene/builtin/scene_builder.h"
 #include "scene/environment.h"
@@ -34,7 +36,8 @@ inline Settings settingsOf(uint32_t width, uint32_t height, std::vector<output::
   settings.width = width;
   settings.height = height;
   settings.display = false;
-  settings.shadows = "none";  // most tests know what unshadowed light is
+  settings.shadows = ShadowFormat::None;             // most tests know what unshadowed light is
+  settings.lighting = &findTechnique("fullscreen");  // the reference
   settings.aovs = std::move(aovs);
   return settings;
 }

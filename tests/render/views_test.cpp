@@ -6,6 +6,8 @@
 #include <cstring>
 
 #include "models/models.h"
+#include "render/gbuffer/layout.h"
+#include "render/lighting/technique.h"
 #include "render/session.h"
 #include "render/support.h"
 
@@ -101,10 +103,75 @@ TEST_F(ViewsTest, ThreeAtOnceAreThreeAlone) {
 TEST_F(ViewsTest, ThreeAtOnceAreThreeAloneSuperSampledInAnotherLayout) {
   const scene::Scene scene = scene::load("builtin:boxes");
   Settings settings = settingsOf(kWidth, kHeight);
-  settings.superSampling = 2;
-  settings.layout = "optimized";
-  settings.background = Background::Environment;
+  settings.aa.superSampling = 2;
+  settings.layout = &findLayout("optimized");
+  settings.background.kind = Background::Environment;
   compare(scene, threeCameras(scene), settings);
+}
+
+// Shadow maps are chosen, fitted and drawn for each view: the cameras see different lights, one of them none.
+scene::Scene litHall() {
+  return scene::load("builtin:hall,triangles=50k,lights=40,glass=1");
+}
+
+std::vector<scene::Camera> hallCameras(const scene::Scene& scene) {
+  std::vector<scene::Camera> cameras(4, cameraOf(scene, kWidth, kHeight));
+  cameras[1].toWorld[3] += glm::vec4(1, 6, 0.5f, 0);
+  cameras[2].orthographic = true;
+  cameras[2].yHalf = 6;
+  cameras[3].toWorld[3].z += 1000;
+  return cameras;
+}
+
+TEST_F(ViewsTest, ManyAtOnceWithShadowsAreManyAlone) {
+  const scene::Scene scene = litHall();
+  Settings settings = settingsOf(96, 64);
+  settings.sun = SunLight{.azimuth = 0.5f, .elevation = 0.8f};
+  settings.dataSurfaces = DataSurfaces::Any;
+  for (const auto& [format, filter, layout, lighting] : {std::tuple{"d32", "pcf", "compact", "clustered"},
+                                                         {"rgba8-classic", "pcss", "killzone2", "fullscreen"},
+                                                         {"d16", "hard", "exact", "volumes"},
+                                                         {"rgba8", "pcf", "compact", "forward"},
+                                                         {"d32", "pcf", "compact", "forward-multipass"}}) {
+    SCOPED_TRACE(fmt::format("{}, {}, {}, {}", format, filter, layout, lighting));
+    settings.shadows = readChoice<ShadowFormat>("--shadows", format);
+    settings.shadowFilter = readChoice<ShadowFilter>("--shadow-filter", filter);
+    settings.layout = &findLayout(layout);
+    settings.lighting = &findTechnique(lighting);
+    compare(scene, hallCameras(scene), settings);
+  }
+}
+
+// Each camera has its own history.
+TEST_F(ViewsTest, TemporalSequencesOfManyCamerasAreThoseOfEach) {
+  const scene::Scene scene = litHall();
+  Settings settings = settingsOf(96, 64, {Aov::Depth, Aov::Motion});
+  settings.display = true;
+  settings.shadows = ShadowFormat::D32;
+  settings.aa.temporal = true;
+  const auto at = [&](int frame) {
+    std::vector<scene::Camera> cameras = hallCameras(scene);
+    for (scene::Camera& camera : cameras) camera.toWorld[3].x += 0.02f * static_cast<float>(frame);
+    return cameras;
+  };
+  Renderer together(device(), scene, nullptr);
+  std::vector<std::unique_ptr<Renderer>> alone;
+  for (size_t i = 0; i < at(0).size(); ++i) alone.push_back(std::make_unique<Renderer>(device(), scene, nullptr));
+  for (int frame = 0; frame < 3; ++frame) {
+    SCOPED_TRACE(fmt::format("frame {}", frame));
+    const Moment all{
+        .poses = {}, .previousCameras = at(frame - 1), .nextCameras = at(frame + 1), .continues = frame > 0};
+    const std::vector<output::FrameOutput> frames = together.render(at(frame), settings, all);
+    for (size_t i = 0; i < alone.size(); ++i) {
+      SCOPED_TRACE(fmt::format("camera {}", i));
+      const Moment one{.poses = {},
+                       .previousCameras = {all.previousCameras[i]},
+                       .nextCameras = {all.nextCameras[i]},
+                       .continues = frame > 0};
+      const scene::Camera camera = at(frame)[i];
+      expectSame(frames[i], alone[i]->render({&camera, 1}, settings, one).front());
+    }
+  }
 }
 
 TEST_F(ViewsTest, TexturedModelsAreTheSameEachTime) {
@@ -139,7 +206,7 @@ TEST_F(ViewsTest, PositionsProjectBackToTheirPixels) {
     for (bool zUp : {false, true}) {
       SCOPED_TRACE(
           fmt::format("orthographic {}, principal point {}, z-up {}", camera.orthographic, camera.principal.x, zUp));
-      settings.zUp = zUp;
+      settings.axes = zUp ? Axes::ZUp : Axes::File;
       const output::FrameOutput frame = renderOne(device(), scene, camera, settings);
       const Pinhole pinhole(camera, scene, zUp);
       size_t covered = 0;

@@ -1,5 +1,6 @@
 // The node tree, instances and their ids, cameras and lights.
 #include <gmock/gmock.h>
+#include <latelight/latelight.h>
 
 #include <cmath>
 #include <glm/gtc/matrix_access.hpp>

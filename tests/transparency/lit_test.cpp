@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "base/error.h"
+#include "render/frame_bench.h"
 #include "render/gbuffer/layout.h"
 #include "render/lighting/technique.h"
 #include "render/post/resolve.h"
@@ -65,52 +66,34 @@ scene::Scene glassRoom(uint32_t lights) {
 
 class Bench {
  public:
-  Bench(vk::Device& device, const scene::Scene& scene)
-      : device_(device), scene_(device, scene), environment_(device, nullptr), executor_(device) {}
+  Bench(vk::Device& device, const scene::Scene& scene) : frames_(device, scene) {}
 
   struct Result {
     std::vector<uint16_t> halves;  // RGBA
     uint32_t runs = 0;
   };
-  Result render(const TransparencySetup& transparency) {
-    const Frame frame(
-        device_, scene_,
-        {.layout = &findLayout("thin"), .lighting = &findTechnique("fullscreen"), .transparency = transparency});
+  // With room for so many fragments at first.
+  Result render(const TransparencySetup& transparency, uint64_t fragments = 0) {
+    const FrameSetup setup{
+        .layout = &findLayout("thin"), .lighting = &findTechnique("fullscreen"), .transparency = transparency};
     const shared::View view = makeView(frontPerspective(0.9f, 4), kWidth, kHeight);
-    shared::FrameConstants constants{};
-    scene_.describe(constants);
-    const vk::Buffer views = upload("views", view), buffer = [&] {
-      constants.views = views.address();
-      constants.viewCount = 1;
-      constants.exposure = 1;
-      return upload("constants", constants);
-    }();
-    FrameInputs inputs{scene_, environment_, {&view, 1}, buffer.address(), kWidth, kHeight};
-    inputs.lights = scene_.lights();
+    Overflow overflow{.fragments = fragments};
     Result result;
     for (;;) {
       graph::Graph graph;
-      const graph::BufferId picture = addReadback(graph, frame.add(graph, inputs).picture);
-      executor_.run(graph, graph.compile());
+      const graph::BufferId picture =
+          addReadback(graph, addFrame(frames_.frame(graph, setup, {view}, {}, &overflow)).picture);
+      const graph::Executor& done = frames_.run(graph);
       ++result.runs;
-      if (frame.outgrown(executor_)) continue;
-      const uint16_t* halves = executor_.buffer(picture).as<uint16_t>();
+      if (overflow.happened(done)) continue;
+      const uint16_t* halves = done.buffer(picture).as<uint16_t>();
       result.halves.assign(halves, halves + size_t{4} * kWidth * kHeight);
       return result;
     }
   }
 
  private:
-  template <typename T>
-  vk::Buffer upload(const char* name, const T& value) {
-    vk::Buffer buffer(device_, {.size = sizeof(T), .kind = vk::MemoryKind::Upload, .name = name});
-    std::memcpy(buffer.mapped(), &value, sizeof(T));
-    return buffer;
-  }
-  vk::Device& device_;
-  GpuScene scene_;
-  GpuEnvironment environment_;
-  graph::Executor executor_;
+  FrameBench frames_;
 };
 
 class LitGlass : public RenderTest {};
@@ -119,11 +102,11 @@ class LitGlass : public RenderTest {};
 TEST_F(LitGlass, MemoryGrowsUntilAllFits) {
   const scene::Scene scene = glassRoom(20);
   Bench bench(device(), scene);
-  const Bench::Result ample = bench.render({.fragments = 1 << 20}), tight = bench.render({.fragments = 1});
+  const Bench::Result ample = bench.render({}, 1 << 20), tight = bench.render({}, 1);
   EXPECT_EQ(ample.runs, 1u);
   EXPECT_EQ(tight.runs, 2u);
   EXPECT_EQ(tight.halves, ample.halves);
-  EXPECT_EQ(bench.render({.fragments = 1 << 20}).halves, ample.halves);  // the same bytes again
+  EXPECT_EQ(bench.render({}, 1 << 20).halves, ample.halves);  // the same bytes again
 }
 
 // Where the device has no more room, a sentence that names the way out; never a picture that lacks something.
@@ -131,7 +114,7 @@ TEST_F(LitGlass, MemoryThatEndsIsSaid) {
   const scene::Scene scene = glassRoom(1);
   Bench bench(device(), scene);
   try {
-    bench.render({.fragments = 1, .most = 100});
+    bench.render({.most = 100}, 1);
     ADD_FAILURE() << "100 fragments were enough";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ExitCode::DeviceLost);
@@ -165,11 +148,11 @@ TEST_F(LitGlass, IsAlikeWithEveryTechniqueAndLayout) {
   const scene::Scene scene = glassRoom(20);
   Renderer renderer(device(), scene, nullptr);
   Settings settings = settingsOf(kWidth, kHeight, {Aov::Color});
-  settings.layout = "exact";
+  settings.layout = &findLayout("exact");
   const std::vector<float> expected = colorOf(renderer, settings);
   size_t glassAlone = 0;
   const auto compare = [&] {
-    SCOPED_TRACE(settings.lighting + ", " + settings.layout);
+    SCOPED_TRACE(settings.lighting->name + ", " + settings.layout->name);
     const std::vector<float> picture = colorOf(renderer, settings);
     for (size_t i = 0; i < picture.size(); i += 4) {
       const bool alone = expected[i + 3] > 0 && expected[i + 3] < 0.999f;
@@ -179,12 +162,12 @@ TEST_F(LitGlass, IsAlikeWithEveryTechniqueAndLayout) {
     }
   };
   for (const TechniqueInfo& technique : techniques()) {
-    settings.lighting = technique.name;
+    settings.lighting = &technique;
     compare();
   }
-  settings.lighting = "tiled";
+  settings.lighting = &findTechnique("tiled");
   for (const Layout& layout : layouts()) {
-    settings.layout = layout.name;
+    settings.layout = &layout;
     compare();
   }
   EXPECT_GT(glassAlone, (techniques().size() + layouts().size()) * kWidth * kHeight / 20);
@@ -202,9 +185,9 @@ TEST_F(LitGlass, WithAlphaOneIsTheOpaqueSurface) {
   const scene::Environment environment = constantEnvironment();
   Renderer blended(device(), scene, &environment), solid(device(), opaque, &environment);
   Settings settings = settingsOf(kWidth, kHeight, {Aov::Color});
-  settings.lighting = "forward";
-  for (const NamedOption& shading : shadings()) {
-    settings.shading = shading.name;
+  settings.lighting = &findTechnique("forward");
+  for (const NamedOption& shading : choices<Shading>()) {
+    settings.shading = choiceNamed<Shading>(shading.name).value();
     const std::vector<float> expected = colorOf(solid, settings), picture = colorOf(blended, settings);
     for (size_t i = 0; i < picture.size(); ++i)
       ASSERT_NEAR(picture[i], expected[i], 1.0 / 255 * std::max(1.0f, expected[i])) << shading.name << " " << i;
@@ -219,7 +202,7 @@ TEST_F(LitGlass, ViewsTogetherAreViewsAlone) {
   for (const char* method : {"exact", "sorted", "weighted"}) {
     SCOPED_TRACE(method);
     Settings settings = settingsOf(kWidth, kHeight, {Aov::Color});
-    settings.transparency = method;
+    settings.transparency = choiceNamed<TransparencyMethod>(method).value();
     const auto together = renderer.render(cameras, settings);
     for (size_t i = 0; i < cameras.size(); ++i)
       EXPECT_EQ(imageOf(together[i], Aov::Color).values,

@@ -19,13 +19,13 @@ class OutputsBesideGlass : public RenderTest {
 // One alone, so that no pass for another makes what it lacks; then once more, for which nothing has to be compiled.
 TEST_F(OutputsBesideGlass, AreThereOneByOne) {
   Renderer renderer(device(), scene, nullptr);
-  for (const NamedOption& surfaces : dataSurfaces())
-    for (const NamedOption& method : transparencies())
+  for (const NamedOption& surfaces : choices<DataSurfaces>())
+    for (const NamedOption& method : choices<TransparencyMethod>())
       for (const output::AovInfo& aov : output::aovs()) {
         SCOPED_TRACE(std::string(aov.name) + " of " + surfaces.name + " surfaces, " + method.name);
         Settings settings = settingsOf(9, 7, {aov.aov});
-        settings.dataSurfaces = surfaces.name;
-        settings.transparency = method.name;
+        settings.dataSurfaces = choiceNamed<DataSurfaces>(surfaces.name).value();
+        settings.transparency = choiceNamed<TransparencyMethod>(method.name).value();
         const output::FrameOutput frame = std::move(renderer.render({&camera, 1}, settings).front());
         for (const float value : imageOf(frame, aov.aov).values)
           EXPECT_TRUE(std::isfinite(value) || value == aov.background);

@@ -5,13 +5,10 @@
 #include "base/error.h"
 #include "vk/commands.h"
 #include "vk/device_fixture.h"
+#include "vk/tiny_shader.h"
 
 namespace latelight::vk {
 namespace {
-
-constexpr uint32_t kTinyShader[] = {
-#include "vk/tiny_shader.inc"
-};
 
 struct Push {
   uint64_t words;
@@ -24,6 +21,7 @@ struct Tiny {
   explicit Tiny(Device& device)
       : pipeline(makePipeline(device, ComputeDesc{.bindings = {Binding::Sampled, Binding::Storage},
                                                   .constants = {{3, 5}},
+                                                  .pushBytes = sizeof(Push),
                                                   .name = "tiny",
                                                   .code = {std::begin(kTinyShader), std::end(kTinyShader)}})),
         source(device, {VK_FORMAT_R8G8B8A8_UNORM, kWidth, kHeight, 1, 1, 1,

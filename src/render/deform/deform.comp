@@ -7,13 +7,8 @@
 
 layout(local_size_x = 256) in;
 
-struct MorphDelta {
-  vec3 position, normal, tangent;
-};
-
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer DeltaRef { MorphDelta v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer FloatRef { float v[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer UintRef { uint v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer MatrixRef { mat4x3 v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer PositionsOut { vec3 v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer AttributesOut { VertexAttributes v[]; };

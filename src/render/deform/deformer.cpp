@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <cstring>
 
+#include "shared/deform.h"
+
 namespace latelight::render {
 
 namespace {
-
-struct MorphDelta {  // deform.comp
-  glm::vec3 position{0}, normal{0}, tangent{0};
-};
 
 struct DeformPush {  // deform.comp
   VkDeviceAddress positions, attributes, joints, jointWeights, deltas, palette, weights, outPositions, outAttributes;
@@ -38,13 +36,14 @@ uint64_t append(std::vector<T>& all, const std::vector<T>& some) {
   return offset;
 }
 
-std::vector<MorphDelta> deltasOf(const scene::Deformation& d) {
+std::vector<shared::MorphDelta> deltasOf(const scene::Deformation& d) {
   const size_t count = d.positions.size();
-  std::vector<MorphDelta> deltas(count * d.targets.size());
+  std::vector<shared::MorphDelta> deltas(count * d.targets.size(),
+                                         shared::MorphDelta{glm::vec3(0), glm::vec3(0), glm::vec3(0)});
   for (size_t t = 0; t < d.targets.size(); ++t) {
     const scene::MorphTarget& target = d.targets[t];
     for (size_t i = 0; i < count; ++i) {
-      MorphDelta& delta = deltas[t * count + i];
+      shared::MorphDelta& delta = deltas[t * count + i];
       if (!target.positions.empty()) delta.position = target.positions[i];
       if (!target.normals.empty()) delta.normal = target.normals[i];
       if (!target.tangents.empty()) delta.tangent = target.tangents[i];
@@ -87,7 +86,8 @@ Deformer::Deformer(vk::Device& device, const scene::Scene& scene)
     : device_(device),
       scene_(scene),
       executor_(device),
-      pipeline_(vk::makePipeline(device, vk::ComputeDesc{.shader = "deform.comp", .name = "deform"})) {
+      pipeline_(device.cache().pipeline(
+          vk::ComputeDesc{.shader = "deform.comp", .pushBytes = sizeof(DeformPush), .name = "deform"})) {
   partOf_.assign(scene.meshes.size(), ~0u);
   for (size_t mesh = 0; mesh < scene.meshes.size(); ++mesh) {
     const scene::Deformation* deformation = scene.meshes[mesh].deformation.get();
@@ -109,7 +109,7 @@ void Deformer::upload() {
   std::vector<shared::VertexAttributes> attributes;
   std::vector<uint32_t> joints;
   std::vector<float> jointWeights;
-  std::vector<MorphDelta> deltas;
+  std::vector<shared::MorphDelta> deltas;
   for (Part& part : parts_) {
     const scene::Deformation& d = *part.deformation;
     append(positions, d.positions);
@@ -122,7 +122,7 @@ void Deformer::upload() {
   baseAttributes_ = makeBuffer<shared::VertexAttributes>(device_, "base attributes", attributes.size());
   joints_ = makeBuffer<uint32_t>(device_, "joints", joints.size());
   jointWeights_ = makeBuffer<float>(device_, "joint weights", jointWeights.size());
-  deltas_ = makeBuffer<MorphDelta>(device_, "morph targets", deltas.size());
+  deltas_ = makeBuffer<shared::MorphDelta>(device_, "morph targets", deltas.size());
   vk::Uploader uploader(device_);
   uploadAll(uploader, basePositions_, positions);
   uploadAll(uploader, baseAttributes_, attributes);
@@ -181,7 +181,7 @@ void Deformer::run(const Poses& poses) {
               .jointCount = palette.places[i].jointCount,
               .targets = static_cast<uint32_t>(d.targets.size()),
               .flatNormals = d.flatNormals ? 1u : 0u};
-          context.commands().bind(pipeline_, {}, push);
+          context.commands().bind(pipeline_.get(), {}, push);
           vkCmdDispatch(context.get(), (std::min(count, kColumns) + 255) / 256, 3, (count + kColumns - 1) / kColumns);
         }
       });

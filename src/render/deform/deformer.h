@@ -10,7 +10,7 @@
 #include "scene/scene.h"
 #include "shared/types.h"
 #include "vk/device.h"
-#include "vk/pipeline.h"
+#include "vk/object_cache.h"
 #include "vk/resources.h"
 
 namespace latelight::render {
@@ -49,7 +49,7 @@ class Deformer {
   vk::Device& device_;
   const scene::Scene& scene_;
   graph::Executor executor_;
-  vk::Pipeline pipeline_;
+  vk::PipelineRef pipeline_;
   std::vector<Part> parts_;
   std::vector<uint32_t> partOf_;  // by mesh; ~0u: none
   uint32_t vertices_ = 0;

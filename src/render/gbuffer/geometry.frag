@@ -1,14 +1,14 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+// variants: layout, multisampled
 #include "render/glsl/common.glsl"
 #include "render/glsl/multisample.glsl"
-#include "render/glsl/varyings.glsl"
-#include "render/glsl/material.glsl"
-#include "render/glsl/surface.glsl"
+#include "render/visibility/varyings.glsl"
+#include "render/visibility/surface_fragment.glsl"
 #include "render/glsl/setup.glsl"
 #include "gbuffer_layout.h"
 #ifdef GBUFFER_KEEPS_MOTION
-#include "render/glsl/motion_varyings.glsl"
+#include "render/visibility/motion_varyings.glsl"
 #endif
 
 layout(constant_id = 16) const uint kAlphaMasked = 0;
@@ -23,8 +23,9 @@ void main() {
   gl_SampleMask[0] = -1;
 #endif
   FrameConstants frame = FrameRef(push.frame).v;
-  Instance instance = frameInstance(frame, varyingInstance);
-  Surface s = evaluateMaterial(frame, instance, drawMaterial());
+  Material m = drawMaterial();
+  SurfacePoint p = fragmentPoint();
+  Surface s = evaluateMaterial(frame, m, p);
   bool unlit = (s.flags & kSurfaceUnlit) != 0u;
   vec3 emitted = unlit ? s.baseColor : s.emissive;
   lightAccumulation = vec4(min(emitted * frame.exposure, vec3(65504.0)), s.ao);
@@ -46,5 +47,5 @@ void main() {
   GBUFFER_TARGETS(WRITE)
   // What the mask cuts out left no depth, but another surface may lie at the very same one. Last, since textures need
   // the whole quad.
-  if (kAlphaMasked != 0u) cutFragment(drawMaterial());
+  if (kAlphaMasked != 0u) cutFragment(m, p);
 }

@@ -1,5 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+// variants: layout
 // Parts each pixel's samples by the surface they show, so that a pixel is lit once for each surface: the mark of the
 // pixels that are shaded per sample.
 //
@@ -13,16 +14,12 @@
 #define GBUFFER_SAMPLED_ONLY
 #define GBUFFER_NO_SURFACES
 #include "render/glsl/gbuffer_read.glsl"
+#include "render/lighting/lighting_push.h"
 
 layout(local_size_x = 16, local_size_y = 16) in;
 layout(set = 0, binding = GBUFFER_BINDINGS, r32ui) uniform writeonly uimage2DArray surfacesTarget;
 
-struct SurfacesPush {
-  uint64_t frame;  // FrameConstants
-};
-layout(push_constant, scalar) uniform Push {
-  SurfacesPush push;
-};
+layout(push_constant, scalar) uniform Push { LightingPush push; };
 
 // Differences that one surface may have within a pixel. Looser ones lose edges, closer ones take curved surfaces and
 // textures for edges: docs/antialiasing.md has what these cost and leave.

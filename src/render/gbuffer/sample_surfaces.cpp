@@ -1,8 +1,9 @@
 #include "render/gbuffer/sample_surfaces.h"
 
 #include "base/error.h"
+#include "render/lighting/lighting_push.h"
 #include "render/lighting/technique.h"
-#include "render/visibility/hardware.h"
+#include "render/visibility/draw.h"
 
 namespace latelight::render {
 
@@ -38,60 +39,45 @@ void requireSamples(const vk::Device& device, const FrameSetup& setup) {
   for (size_t i = 0; i < setup.layout->targets.size(); ++i) need(setup.layout->format(i, setup.normalEncoding), kColor);
 }
 
-SampleSurfacesPass::SampleSurfacesPass(vk::Device& device, const FrameSetup& setup)
-    : sampler_(vk::makeSampler(device, vk::kNearestSampler)) {
-  vk::ComputeDesc desc;
-  desc.shader = "sample_surfaces.comp@" + setup.layout->file;
-  desc.bindings.assign(setup.layout->targets.size() + 2, vk::Binding::Sampled);  // and depth, light
-  desc.bindings.push_back(vk::Binding::Storage);
-  desc.constants = setup.constants();
-  desc.name = "surfaces of samples";
-  pipeline_ = vk::makePipeline(device, desc);
-}
-
-graph::ImageId SampleSurfacesPass::add(graph::Graph& graph, const FrameInputs& inputs, const Gbuffer& gbuffer) const {
-  const graph::ImageId surfaces = createTarget(graph, inputs, kSurfacesFormat, "surfaces of pixels");
-  std::vector<graph::ImageId> read = gbuffer.targets;
-  read.push_back(gbuffer.sampleDepth);
-  read.push_back(gbuffer.sampleLight);
-  std::vector<graph::Access> accesses{{surfaces, graph::Use::StorageWrite}};
-  for (graph::ImageId image : read) accesses.emplace_back(image, graph::Use::SampledCompute);
-  graph.pass(graph::Stage::Geometry, "surfaces of samples", std::move(accesses), [=, this](graph::Context& context) {
-    struct {
-      VkDeviceAddress frame;
-    } push{inputs.constants};
-    std::vector<vk::BoundImage> images;
-    for (graph::ImageId image : read) images.push_back({context.image(image).arrayView(), sampler_.get()});
-    images.push_back({context.image(surfaces).arrayView()});
-    context.commands().bind(pipeline_, images, push);
-    context.commands().dispatch(inputs.width, inputs.height, static_cast<uint32_t>(inputs.views.size()), 16, 16);
-  });
+graph::ImageId addSampleSurfaces(const FrameContext& f, const Gbuffer& gbuffer) {
+  const graph::ImageId surfaces = createTarget(f, kSurfacesFormat, "surfaces of pixels");
+  Bindings bindings(f.device);
+  bindings.sampled(gbuffer.targets).sampled(gbuffer.sampleDepth).sampled(gbuffer.sampleLight);
+  bindings.storage(surfaces, graph::Use::StorageWrite);
+  addCompute(f,
+             {.stage = graph::Stage::Geometry,
+              .name = "surfaces of samples",
+              .shader = "sample_surfaces.comp@" + f.setup.layout->file,
+              .bindings = std::move(bindings),
+              .size = f.pixels(),
+              .constants = f.setup.constants()},
+             shared::LightingPush{f.constants});
   return surfaces;
 }
 
-PixelDepthPass::PixelDepthPass(vk::Device& device) : sampler_(vk::makeSampler(device, vk::kNearestSampler)) {
+graph::ImageId addDepthResolve(const FrameContext& f, graph::ImageId sampleDepth) {
+  Bindings bindings(f.device, graph::Use::SampledFragment);
+  bindings.sampled(sampleDepth);
   vk::GraphicsDesc desc;
   desc.vertex = "screen.vert";
-  desc.fragment = "pixel_depth.frag";
-  desc.bindings = {vk::Binding::Sampled};
+  desc.fragment = "depth_resolve.frag";
+  desc.bindings = bindings.kinds();
+  desc.pushBytes = sizeof(uint32_t);
   desc.depth = kDepthFormat;
   desc.depthCompare = VK_COMPARE_OP_ALWAYS;
-  desc.name = "depth of pixels";
-  pipeline_ = vk::makePipeline(device, desc);
-}
-
-graph::ImageId PixelDepthPass::add(graph::Graph& graph, const FrameInputs& inputs, graph::ImageId sampleDepth) const {
-  const graph::ImageId depth = createTarget(graph, inputs, kDepthFormat, "depth of pixels");
-  graph.pass(graph::Stage::Visibility, "depth of pixels",
-             {{depth, graph::Use::DepthAttachment}, {sampleDepth, graph::Use::SampledFragment}},
-             [=, this](graph::Context& context) {
-               for (uint32_t view = 0; view < inputs.views.size(); ++view) {
-                 beginView(context, inputs, view, {}, {depth, true});
-                 context.commands().bind(pipeline_, {{context.image(sampleDepth).arrayView(), sampler_.get()}}, view);
-                 drawScreen(context);
-                 vkCmdEndRendering(context.get());
-               }
-             });
+  desc.name = "depth resolve";
+  const vk::PipelineRef pipeline = f.device.cache().pipeline(desc);
+  const graph::ImageId depth = createTarget(f, kDepthFormat, "depth of pixels");
+  f.graph.pass(graph::Stage::Visibility, "depth resolve",
+               {{depth, graph::Use::DepthAttachment}, {sampleDepth, graph::Use::SampledFragment}},
+               [=, &f](graph::Context& context) {
+                 for (uint32_t view = 0; view < f.viewCount(); ++view) {
+                   beginView(context, f, view, {}, {depth, true});
+                   context.commands().bind(pipeline.get(), bindings.images(context), view);
+                   recordScreen(context);
+                   vkCmdEndRendering(context.get());
+                 }
+               });
   return depth;
 }
 

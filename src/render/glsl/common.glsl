@@ -12,11 +12,13 @@ layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Mes
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer MaterialRef { Material v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LightRef { Light v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ShadowMapRef { ShadowMap v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ShadowBitsRef { ShadowBits v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LightShadowRef { LightShadow v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LightTreeRef { LightBox v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer PositionRef { vec3 v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer AttributesRef { VertexAttributes v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ExtraRef { VertexExtra v[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer IndexRef { uint v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer UintRef { uint v[]; };
 
 View frameView(FrameConstants frame, uint index) { return ViewRef(frame.views).v[index]; }
 Instance frameInstance(FrameConstants frame, uint index) { return InstanceRef(frame.instances).v[index]; }

@@ -15,8 +15,11 @@ Light broadcastLight(Light l, uint lane) {
   r.intensity = subgroupBroadcast(l.intensity, lane);
   r.spotScale = subgroupBroadcast(l.spotScale, lane);
   r.spotOffset = subgroupBroadcast(l.spotOffset, lane);
-  r.shadow = subgroupBroadcast(l.shadow, lane);
   return r;
+}
+
+LightShadow broadcastShadow(LightShadow s, uint lane) {
+  return LightShadow(subgroupBroadcast(s.first, lane), subgroupBroadcast(s.maps, lane), subgroupBroadcast(s.sun, lane));
 }
 
 // Whether the light may reach into the box.
@@ -29,25 +32,39 @@ bool reaches(Light l, vec3 low, vec3 high) {
 struct Shading {
   Surface s;
   vec3 toEye;
+  uint view;
   bool lit;        // this lane takes part
   vec3 low, high;  // around the surfaces of those that do
   vec3 radiance;   // what lights have sent to the eye so far
 };
 
-Shading startShading(Surface s, vec3 toEye, bool lit) {
+Shading startShading(Surface s, vec3 toEye, uint view, bool lit) {
   const float kFar = 3.0e38;
-  return Shading(s, toEye, lit, subgroupMin(lit ? s.position : vec3(kFar)), subgroupMax(lit ? s.position : vec3(-kFar)),
-                 vec3(0.0));
+  return Shading(s, toEye, view, lit, subgroupMin(lit ? s.position : vec3(kFar)),
+                 subgroupMax(lit ? s.position : vec3(-kFar)), vec3(0.0));
 }
 
-void shadeHits(inout Shading shading, Light mine, uvec4 hits, bool shadowed) {
+// A light that a lane brings.
+struct DealtLight {
+  Light light;
+  LightShadow shadow;
+};
+
+DealtLight dealtLight(FrameConstants frame, uint view, uint index) {
+  return DealtLight(frameLight(frame, index), shadowOf(frame, view, index));
+}
+
+void shadeHits(inout Shading shading, FrameConstants frame, DealtLight mine, uvec4 hits, bool shadowed) {
   while (any(notEqual(hits, uvec4(0u)))) {
     uint lane = subgroupBallotFindLSB(hits);
     hits[lane >> 5u] &= ~(1u << (lane & 31u));
-    Light light = broadcastLight(mine, lane);
+    Light light = broadcastLight(mine.light, lane);
     float used = lightsUsed;
-    vec3 radiance =
-        shadowed ? shadeOneLight(light, shading.s, shading.toEye) : shadeUnshadowed(light, shading.s, shading.toEye);
+    vec3 radiance = vec3(0.0);
+    if (shadowed)
+      radiance = shadeOneLight(frame, light, broadcastShadow(mine.shadow, lane), shading.s, shading.toEye);
+    else
+      radiance = shadeUnshadowed(light, shading.s, shading.toEye);
     if (shading.lit)
       shading.radiance += radiance;
     else
@@ -58,36 +75,37 @@ void shadeHits(inout Shading shading, Light mine, uvec4 hits, bool shadowed) {
 // Each lane brings a light; those that hit are shaded by all lanes, in the order of the lanes: first those without
 // shadows, then, in a loop of their own, those that have some. (On lavapipe both sides of a branch run, but a loop of a
 // subgroup without such lights runs its lookups once at most, not once a light.)
-void shadeDealt(inout Shading shading, Light mine, bool hit) {
-  bool shadowed = kShadowFormat != kShadowNone && mine.shadow != uvec2(0u);
-  shadeHits(shading, mine, subgroupBallot(hit && !shadowed), false);
-  if (kShadowFormat != kShadowNone) shadeHits(shading, mine, subgroupBallot(hit && shadowed), true);
+void shadeDealt(inout Shading shading, FrameConstants frame, DealtLight mine, bool hit) {
+  bool shadowed = kShadowFormat != kShadowNone && mine.shadow.maps != 0u;
+  shadeHits(shading, frame, mine, subgroupBallot(hit && !shadowed), false);
+  if (kShadowFormat != kShadowNone) shadeHits(shading, frame, mine, subgroupBallot(hit && shadowed), true);
 }
 
 // The lights [first, end) of the frame.
 void shadeRange(inout Shading shading, FrameConstants frame, uint first, uint end) {
   for (; first < end; first += lanesPresent) {
     uint index = first + laneRank;
-    Light mine = frameLight(frame, min(index, end - 1u));
-    shadeDealt(shading, mine, index < end && reaches(mine, shading.low, shading.high));
+    DealtLight mine = dealtLight(frame, shading.view, min(index, end - 1u));
+    shadeDealt(shading, frame, mine, index < end && reaches(mine.light, shading.low, shading.high));
   }
 }
 
 // Radiance that all of the frame's lights send from `s` to the eye. Every invocation of the subgroup must call it;
 // `lit` is false for those without a surface.
-vec3 shadeAllLights(FrameConstants frame, Surface s, vec3 toEye, bool lit) {
+vec3 shadeAllLights(FrameConstants frame, uint view, Surface s, vec3 toEye, bool lit) {
   lightsTested += float(frame.lightCount);
   countLanes();
-  Shading shading = startShading(s, toEye, lit);
+  Shading shading = startShading(s, toEye, view, lit);
   shadeRange(shading, frame, 0u, frame.lightCount);
   return shading.radiance;
 }
 
 // The same, each light loaded by every invocation: the reference, and for devices whose fragment shaders have no
 // subgroups.
-vec3 shadeAllLightsPlainly(FrameConstants frame, Surface s, vec3 toEye) {
+vec3 shadeAllLightsPlainly(FrameConstants frame, uint view, Surface s, vec3 toEye) {
   lightsTested += float(frame.lightCount);
   vec3 radiance = vec3(0.0);
-  for (uint i = 0u; i < frame.lightCount; ++i) radiance += shadeOneLight(frameLight(frame, i), s, toEye);
+  for (uint i = 0u; i < frame.lightCount; ++i)
+    radiance += shadeOneLight(frame, frameLight(frame, i), shadowOf(frame, view, i), s, toEye);
   return radiance;
 }

@@ -17,7 +17,7 @@ layout(set = 0, binding = LIT_MAPS_BINDING) uniform sampler2D environmentSpecula
 layout(set = 0, binding = LIT_MAPS_BINDING + 1) uniform sampler2D environmentDiffuse;
 layout(set = 0, binding = LIT_MAPS_BINDING + 2) uniform sampler2D reflectanceTable;
 layout(set = 0, binding = LIT_MAPS_BINDING + 3) uniform sampler2D lobeTable;
-layout(set = 0, binding = LIT_MAPS_BINDING + 4) uniform sampler2D shadowAtlas;
+layout(set = 0, binding = LIT_MAPS_BINDING + 4) uniform sampler2DArray shadowAtlas;
 layout(set = 0, binding = LIT_MAPS_BINDING + 5) uniform sampler2DArray ambientOcclusion;
 
 // The share of the hemisphere over a pixel of a view that nothing near hides.

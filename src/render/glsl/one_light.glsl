@@ -18,13 +18,20 @@ vec3 shadeUnshadowed(Light light, Surface s, vec3 toEye) {
 }
 
 // Radiance that one light sends from `s` to the eye.
-vec3 shadeOneLight(Light light, Surface s, vec3 toEye) {
+vec3 shadeOneLight(FrameConstants frame, Light light, LightShadow shadow, Surface s, vec3 toEye) {
   LightSample arriving = sampleLight(light, s.position);
   vec3 radiance = shadeLight(s, toEye, arriving, kShading);
-  if (kShadowFormat != kShadowNone && light.shadow != uvec2(0u) && any(greaterThan(radiance, vec3(0.0))))
-    radiance *= shadowFactor(light, s, arriving.toLight);
+  if (kShadowFormat != kShadowNone && shadow.maps != 0u && any(greaterThan(radiance, vec3(0.0))))
+    radiance *= shadowFactor(frame, light, shadow, s, arriving.toLight);
   if (kCountLights != 0u && any(greaterThan(radiance, vec3(0.0)))) lightsUsed += 1.0;
   return radiance;
+}
+
+
+// Its shadow maps, where the frame has any.
+LightShadow shadowOf(FrameConstants frame, uint view, uint light) {
+  if (kShadowFormat == kShadowNone) return LightShadow(0u, 0u, 0u);
+  return lightShadow(frame, view, light);
 }
 
 #endif

@@ -8,9 +8,8 @@ layout(constant_id = 2) const uint kCountLights = 0;
 layout(constant_id = 3) const uint kNormalSpace = 0;
 layout(constant_id = 4) const uint kPositionMethod = 0;
 layout(constant_id = 5) const uint kShadowFormat = 0;  // kShadow* of shared/shadow.h
-layout(constant_id = 6) const uint kShadowChoices = 0;
-const uint kShadowFilter = kShadowChoices & 255u;       // kShadowFilter*
-const bool kSunInGbuffer = (kShadowChoices & 256u) != 0u;  // FrameSetup::sunInGbuffer
+layout(constant_id = 6) const uint kShadowFilter = 0;  // kShadowFilter*
+layout(constant_id = 9) const uint kSunInGbuffer = 0;  // FrameSetup::sunInGbuffer
 layout(constant_id = 7) const uint kEverySample = 0;
 layout(constant_id = 13) const uint kAmbientOcclusion = 0;
 #endif

@@ -3,13 +3,7 @@
 #include "render/glsl/lights.glsl"
 #include "render/glsl/lit_pixel.glsl"
 #include "render/glsl/tree_lights.glsl"
-
-struct CellsPush {
-  uint64_t frame;    // FrameConstants
-  uint64_t cells;    // CellsRef
-  uint64_t entries;  // EntriesRef
-  uvec2 tiles;       // of a view
-};
+#include "render/lighting/lighting_push.h"
 
 struct CellLights {
   CellsRef cells;      // of this workgroup's tile
@@ -23,8 +17,8 @@ void shadeList(inout Shading shading, FrameConstants frame, EntriesRef entries, 
   for (uint next = 0u; next < end; next += lanesPresent) {
     uint i = min(next + laneRank, end - 1u);
     uint light = i < frame.directionalLights ? i : entries.v[first + i - frame.directionalLights];
-    Light mine = frameLight(frame, light);
-    shadeDealt(shading, mine, next + laneRank < end && reaches(mine, shading.low, shading.high));
+    DealtLight mine = dealtLight(frame, shading.view, light);
+    shadeDealt(shading, frame, mine, next + laneRank < end && reaches(mine.light, shading.low, shading.high));
   }
 }
 
@@ -60,7 +54,7 @@ vec3 shadeFromCells(LitPixel pixel, View view, FrameConstants frame, CellsPush p
   while (subgroupAny(waits)) {
     uint next = subgroupMin(waits ? slice : kSlices);
     bool now = waits && slice == next;
-    Shading shading = startShading(pixel.s, pixel.toEye, now);
+    Shading shading = startShading(pixel.s, pixel.toEye, uint(pixel.place.z), now);
     shadeCell(shading, frame, lights, kCellsATile == 1u ? 0u : next);
     if (now) radiance = shading.radiance;
     waits = waits && !now;

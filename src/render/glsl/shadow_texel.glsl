@@ -1,4 +1,4 @@
-// What shadow.frag and shadow_masked.frag write. After varyings.glsl with DRAW_PUSH_SHADOW.
+// What shadow.frag and shadow_masked.frag write. After varyings.glsl with ShadowDraw.
 #include "render/glsl/setup.glsl"
 #include "shared/shadow.h"
 
@@ -6,7 +6,7 @@ layout(location = 0) out vec4 packedDepth;  // of the formats that are no depth 
 
 void writeShadow() {
   float depth = 2.0 * gl_FragCoord.z / gl_FragCoord.w;
-  float bias = shadowCasterBias(dFdx(depth), dFdy(depth), shadowUnit / gl_FragCoord.w, kShadowFilter);
+  float bias = shadowCasterBias(dFdx(depth), dFdy(depth), more.unit / gl_FragCoord.w, kShadowFilter);
   depth = clamp(depth + bias, 0.0, kShadowFarthest);
   gl_FragDepth = depth;
   packedDepth = kShadowFormat == kShadowRgba8 ? packDepth(depth) : packDepthClassic(depth);

@@ -1,47 +1,40 @@
-// The Surface a fragment of the scene shows, from the draw's material and what is interpolated: for the geometry pass and
-// for forward lighting alike. After varyings.glsl and material.glsl.
+// The Surface at a point of the scene, by its material: for the geometry pass and for forward lighting alike.
 #ifndef LATELIGHT_SURFACE_GLSL
 #define LATELIGHT_SURFACE_GLSL
+#include "render/glsl/material.glsl"
 #include "shared/surface.h"
-
-#ifdef MULTISAMPLED
-// A shader that says which samples it leaves would else run before the depth test, and here that has the last word: no
-// depth is written.
-layout(early_fragment_tests) in;
-#endif
 
 // The unperturbed normal, towards the viewer: interpolated, or, where opposite normals cancel, that of the plane on
 // screen. (Not triangleNormal(): its loads would then be needed in every layout, and they cost more than all the rest.)
-vec3 vertexNormal(float facing) {
-  float squared = dot(varyingNormal, varyingNormal);
-  vec3 plane = cross(dFdy(varyingPosition), dFdx(varyingPosition));
-  float area = dot(plane, plane);
-  if (squared > 1e-12) return varyingNormal * (facing * inversesqrt(squared));
-  return area > 0.0 ? plane * inversesqrt(area) : vec3(0.0, 0.0, 1.0);
+vec3 vertexNormal(SurfacePoint p) {
+  float squared = dot(p.normal, p.normal);
+  float area = dot(p.plane, p.plane);
+  if (squared > 1e-12) return p.normal * (p.facing * inversesqrt(squared));
+  return area > 0.0 ? p.plane * inversesqrt(area) : vec3(0.0, 0.0, 1.0);
 }
 
 // Perturbs the normal by the material's map through the vertices' tangent frame (seed 000; glTF 2.0, section 3.9.3).
-vec3 mappedNormal(Material m, vec3 n, float facing) {
+vec3 mappedNormal(Material m, SurfacePoint p, vec3 n) {
   if (!hasTexture(m, kTextureNormal)) return n;
-  vec3 map = FETCH(m, 2).xyz * 2.0 - 1.0;
-  vec3 tangent = varyingTangent.xyz - n * dot(n, varyingTangent.xyz);
+  vec3 map = sampleTexture(m, kTextureNormal, p).xyz * 2.0 - 1.0;
+  vec3 tangent = p.tangent.xyz - n * dot(n, p.tangent.xyz);
   float squared = dot(tangent, tangent);
   if (squared < 1e-12) return n;  // no tangent frame here
   vec3 t = tangent * inversesqrt(squared);
-  vec3 b = cross(n * facing, t) * (varyingTangent.w < 0.0 ? -1.0 : 1.0);
+  vec3 b = cross(n * p.facing, t) * (p.tangent.w < 0.0 ? -1.0 : 1.0);
   map.xy *= m.normalScale;
   // On a back face the whole frame turns with the normal (glTF 2.0, section 3.9.1, doubleSided).
-  vec3 mapped = facing * (t * map.x + b * map.y) + n * map.z;
+  vec3 mapped = p.facing * (t * map.x + b * map.y) + n * map.z;
   float length2 = dot(mapped, mapped);
   return length2 > 1e-24 ? mapped * inversesqrt(length2) : n;
 }
 
 // The triangle's own normal from its vertices, exact where screen-space derivatives of small triangles are not.
-vec3 triangleNormal(FrameConstants frame, Instance instance, float facing) {
+vec3 triangleNormal(FrameConstants frame, Instance instance, SurfacePoint p) {
   Mesh mesh = frameMesh(frame, instance.mesh);
-  IndexRef indices = IndexRef(mesh.indices);
+  UintRef indices = UintRef(mesh.indices);
   PositionRef positions = PositionRef(mesh.positions);
-  uint first = 3u * uint(gl_PrimitiveID);
+  uint first = 3u * p.triangle;
   vec3 a = positions.v[indices.v[first]];
   // Edges are formed in object space: far from the world's origin their ends differ in the last bits alone.
   vec3 ab = mat3(instance.objectToWorld) * (positions.v[indices.v[first + 1u]] - a);
@@ -49,36 +42,36 @@ vec3 triangleNormal(FrameConstants frame, Instance instance, float facing) {
   vec3 extent = max(abs(ab), abs(ac));
   float scale = 1.0 / max(max(extent.x, max(extent.y, extent.z)), 1e-37);
   float handedness = (instance.flags & kInstanceMirrored) != 0u ? -1.0 : 1.0;
-  vec3 n = cross(ab * scale, ac * scale) * (handedness * facing);
+  vec3 n = cross(ab * scale, ac * scale) * (handedness * p.facing);
   float squared = dot(n, n);
   return squared > 0.0 ? n * inversesqrt(squared) : vec3(0.0, 0.0, 1.0);
 }
 
-Surface evaluateMaterial(FrameConstants frame, Instance instance, Material m) {
-  float facing = gl_FrontFacing ? 1.0 : -1.0;
+Surface evaluateMaterial(FrameConstants frame, Material m, SurfacePoint p) {
+  Instance instance = frameInstance(frame, p.instance);
   Surface s = emptySurface();
-  s.position = varyingPosition;
-  s.geonormal = triangleNormal(frame, instance, facing);
-  s.normal = mappedNormal(m, vertexNormal(facing), facing);
-  s.baseColor = baseColor(m).rgb;
+  s.position = p.position;
+  s.geonormal = triangleNormal(frame, instance, p);
+  s.normal = mappedNormal(m, p, vertexNormal(p));
+  s.baseColor = baseColor(m, p).rgb;
   s.metallic = m.metallic;
   s.roughness = m.roughness;
   if (hasTexture(m, kTextureMetallicRoughness)) {
-    vec4 t = FETCH(m, 1);
+    vec4 t = sampleTexture(m, kTextureMetallicRoughness, p);
     s.metallic *= t.b;
     s.roughness *= t.g;
   }
-  if (hasTexture(m, kTextureOcclusion)) s.ao = 1.0 + m.occlusionStrength * (FETCH(m, 3).r - 1.0);
+  if (hasTexture(m, kTextureOcclusion)) s.ao = 1.0 + m.occlusionStrength * (sampleTexture(m, kTextureOcclusion, p).r - 1.0);
   s.emissive = m.emissive;
-  if (hasTexture(m, kTextureEmissive)) s.emissive *= FETCH(m, 4).rgb;
+  if (hasTexture(m, kTextureEmissive)) s.emissive *= sampleTexture(m, kTextureEmissive, p).rgb;
   // KHR_materials_specular: f0 is tinted and capped at 1 before the weight scales both ends.
   float specular = m.specular;
-  if (hasTexture(m, kTextureSpecular)) specular *= FETCH(m, 5).a;
+  if (hasTexture(m, kTextureSpecular)) specular *= sampleTexture(m, kTextureSpecular, p).a;
   vec3 specularColor = m.specularColor;
-  if (hasTexture(m, kTextureSpecularColor)) specularColor *= FETCH(m, 6).rgb;
+  if (hasTexture(m, kTextureSpecularColor)) specularColor *= sampleTexture(m, kTextureSpecularColor, p).rgb;
   s.f0 = min(m.f0 * specularColor, vec3(1.0)) * specular;
   s.f90 = specular;
-  s.uv = varyingUv.xy;
+  s.uv = p.uv.xy;
   s.id = instance.id;
   s.part = instance.part;
   s.material = m.id;

@@ -1,5 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+// variants: multisampled
 // The sum of all lights becomes the lit picture: of several samples a pixel the mean.
 #include "render/glsl/multisample.glsl"
 layout(local_size_x = 16, local_size_y = 16) in;

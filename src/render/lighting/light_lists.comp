@@ -1,5 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+// variants: multisampled
 // Lists of the lights that may reach the samples of each cell of a picture (with several samples a pixel: the middles of
 // its surfaces, which is where they are lit). A subgroup makes those of a tile: it bounds the
 // cell's samples (explicit bounds: Olsson, Billeter and Assarsson 2012, Clustered Deferred and Forward Shading, HPG) and
@@ -12,6 +13,7 @@
 #include "render/glsl/light_cells.glsl"
 #include "render/glsl/light_tree.glsl"
 #include "render/glsl/multisample.glsl"
+#include "render/lighting/lighting_push.h"
 
 const uint kTilesAGroup = 8u;
 layout(local_size_x = 256) in;
@@ -20,13 +22,7 @@ layout(set = 0, binding = 0) uniform TARGET_SAMPLER gbufferDepth;
 layout(set = 0, binding = 1) uniform usampler2DArray pixelSurfaces;
 #endif
 
-struct ListsPush {
-  uint64_t frame;    // FrameConstants
-  uint64_t cells;    // CellsRef
-  uint64_t entries;  // EntriesRef
-  uvec2 tiles;       // of a view
-};
-layout(push_constant, scalar) uniform Push { ListsPush push; };
+layout(push_constant, scalar) uniform Push { CellsPush push; };
 
 struct Tile {
   View view;

@@ -1,19 +1,13 @@
 #include "render/lighting/light_lists.h"
 
+#include "render/lighting/lighting_push.h"
+#include "render/lighting/lighting_shader.h"
+
 namespace latelight::render {
 
 namespace {
 
 constexpr uint32_t kTileSize = 16, kTilesAGroup = 8;  // light_cells.glsl, light_lists.comp
-
-struct ListsPush {  // light_lists.comp; CellsPush of shade_cells.glsl
-  VkDeviceAddress frame, cells, entries;
-  uint32_t tilesX, tilesY;
-};
-
-std::vector<vk::Constant> ownConstants(const LightListsDesc& desc) {
-  return {{kFirstOwnConstant, desc.cellsATile}, {kFirstOwnConstant + 1, desc.entriesATile}};
-}
 
 uint32_t tilesAlong(uint32_t pixels) {
   return (pixels + kTileSize - 1) / kTileSize;
@@ -21,44 +15,37 @@ uint32_t tilesAlong(uint32_t pixels) {
 
 }  // namespace
 
-LightListsTechnique::LightListsTechnique(vk::Device& device, const FrameSetup& setup, const LightListsDesc& desc)
-    : desc_(desc),
-      lists_(vk::makePipeline(
-          device, vk::ComputeDesc{.shader = setup.variant("light_lists.comp"),
-                                  .bindings = std::vector<vk::Binding>(setup.samples > 1 ? 2 : 1, vk::Binding::Sampled),
-                                  .constants = ownConstants(desc),
-                                  .name = desc.name + " light lists"})),
-      shader_(device, setup, desc.name + ".comp", ownConstants(desc)),
-      sampler_(vk::makeSampler(device, vk::kNearestSampler)) {}
-
-void LightListsTechnique::add(graph::Graph& graph, const FrameInputs& inputs, const Gbuffer& gbuffer) const {
-  const uint32_t tilesX = tilesAlong(inputs.width), tilesY = tilesAlong(inputs.height);
-  const VkDeviceSize tiles = VkDeviceSize{tilesX} * tilesY * inputs.views.size();
+void addLightLists(const FrameContext& f, const Gbuffer& gbuffer, const LightListsDesc& desc) {
+  const glm::uvec2 tiles(tilesAlong(f.width), tilesAlong(f.height));
+  const VkDeviceSize count = VkDeviceSize{tiles.x} * tiles.y * f.viewCount();
   const graph::BufferId cells =
-      graph.create(vk::BufferDesc{.size = tiles * 8 * (desc_.cellsATile + 1), .name = "light cells"});
+      f.graph.create(vk::BufferDesc{.size = count * 8 * (desc.cellsATile + 1), .name = "light cells"});
   const graph::BufferId entries =
-      graph.create(vk::BufferDesc{.size = tiles * 4 * desc_.entriesATile, .name = "light entries"});
-  const auto pushOf = [=, constants = inputs.constants](graph::Context& context) {
-    return ListsPush{constants, context.buffer(cells).address(), context.buffer(entries).address(), tilesX, tilesY};
+      f.graph.create(vk::BufferDesc{.size = count * 4 * desc.entriesATile, .name = "light entries"});
+  const auto pushOf = [=, frame = f.constants](graph::Context& context) {
+    return shared::CellsPush{frame, context.buffer(cells).address(), context.buffer(entries).address(), tiles};
   };
+  const std::vector<vk::Constant> own{{kFirstOwnConstant, desc.cellsATile}, {kFirstOwnConstant + 1, desc.entriesATile}};
 
-  std::vector<graph::ImageId> read{gbuffer.sampleDepth};
-  if (gbuffer.surfaces) read.push_back(gbuffer.surfaces);
-  std::vector<graph::Access> accesses{{cells, graph::Use::StorageWrite}, {entries, graph::Use::StorageWrite}};
-  for (graph::ImageId image : read) accesses.emplace_back(image, graph::Use::SampledCompute);
-  graph.pass(graph::Stage::Lighting, "light lists", std::move(accesses),
-             [=, this, views = static_cast<uint32_t>(inputs.views.size())](graph::Context& context) {
-               std::vector<vk::BoundImage> images;
-               for (graph::ImageId image : read) images.push_back({context.image(image).arrayView(), sampler_.get()});
-               context.commands().bind(lists_, images, pushOf(context));
-               context.commands().dispatch(tilesX, tilesY, views, kTilesAGroup, 1);
-             });
+  Bindings samples(f.device);
+  samples.sampled(gbuffer.sampleDepth);
+  if (gbuffer.surfaces) samples.sampled(gbuffer.surfaces);
+  addCompute(f,
+             {.stage = graph::Stage::Lighting,
+              .name = "light lists",
+              .shader = f.setup.variant("light_lists.comp"),
+              .bindings = std::move(samples),
+              .size = {tiles, f.viewCount()},
+              .constants = own,
+              .buffers = {{cells, graph::Use::StorageWrite}, {entries, graph::Use::StorageWrite}},
+              .groupX = kTilesAGroup,
+              .groupY = 1},
+             pushOf);
 
-  accesses = LightingShader::accesses(gbuffer);
-  accesses.emplace_back(cells, graph::Use::StorageRead);
-  accesses.emplace_back(entries, graph::Use::StorageRead);
-  graph.pass(graph::Stage::Lighting, "lighting " + desc_.name, accesses,
-             [=, this](graph::Context& context) { shader_.dispatch(context, inputs, gbuffer, pushOf(context)); });
+  ComputePass lighting = lightingPass(f, gbuffer, "lighting " + desc.name, desc.name + ".comp");
+  lighting.constants.insert(lighting.constants.end(), own.begin(), own.end());
+  lighting.buffers = {{cells, graph::Use::StorageRead}, {entries, graph::Use::StorageRead}};
+  addCompute(f, std::move(lighting), pushOf);
 }
 
 }  // namespace latelight::render

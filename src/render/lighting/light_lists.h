@@ -4,7 +4,6 @@
 
 #include <string>
 
-#include "render/lighting/lighting_shader.h"
 #include "render/lighting/technique.h"
 
 namespace latelight::render {
@@ -18,16 +17,6 @@ struct LightListsDesc {
 };
 inline constexpr uint32_t kSlices = 32;  // glsl/light_cells.glsl
 
-class LightListsTechnique final : public LightingTechnique {
- public:
-  LightListsTechnique(vk::Device& device, const FrameSetup& setup, const LightListsDesc& desc);
-  void add(graph::Graph& graph, const FrameInputs& inputs, const Gbuffer& gbuffer) const override;
-
- private:
-  LightListsDesc desc_;
-  vk::Pipeline lists_;
-  LightingShader shader_;
-  vk::Handle<VkSampler> sampler_;
-};
+void addLightLists(const FrameContext& f, const Gbuffer& gbuffer, const LightListsDesc& desc);
 
 }  // namespace latelight::render

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "render/frame.h"
-#include "vk/pipeline.h"
 
 namespace latelight::render {
 
@@ -15,14 +14,6 @@ void warnOfManyPasses(const char* technique, uint64_t passes);
 
 // Makes a sum of lights the lit picture: the mean of a pixel's samples where it has several, and no value above what
 // the picture holds (of any sample, as no frame of a super-sampled picture has one).
-class FinishSum {
- public:
-  FinishSum(vk::Device& device, const FrameSetup& setup);
-  void add(graph::Graph& graph, const FrameInputs& inputs, graph::ImageId sum, graph::ImageId light) const;
-
- private:
-  vk::Pipeline pipeline_;
-  vk::Handle<VkSampler> sampler_;
-};
+void addFinishSum(const FrameContext& f, graph::ImageId sum, graph::ImageId light);
 
 }  // namespace latelight::render

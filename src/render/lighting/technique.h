@@ -2,7 +2,6 @@
 // beside its shaders; folder NAME defines `TechniqueInfo technique_NAME()`, and that is all the registry needs.
 #pragma once
 
-#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -11,21 +10,15 @@
 
 namespace latelight::render {
 
-class LightingTechnique {
- public:
-  virtual ~LightingTechnique() = default;
-  // Adds the passes that leave the lit picture in gbuffer.light, alpha 1 where a surface is. A deferred technique finds
-  // emitted radiance and ambient occlusion there; a forward one finds no targets, and nothing in it. Every technique
-  // shades with shared/shade.h over the same lights, so all give the same picture. Where the setup counts lights,
-  // gbuffer.lightCounts gets them too.
-  virtual void add(graph::Graph& graph, const FrameInputs& inputs, const Gbuffer& gbuffer) const = 0;
-};
-
 struct TechniqueInfo {
   std::string name;         // filled in by the registry: the folder's, with - for _
   const char* description;  // one line
   bool forward = false;     // draws the scene itself after the depth pass: no geometry pass, no layout
-  std::unique_ptr<LightingTechnique> (*make)(vk::Device& device, const GpuScene& scene, const FrameSetup& setup);
+  // Adds the passes that leave the lit picture in gbuffer.light, alpha 1 where a surface is. A deferred technique finds
+  // emitted radiance and ambient occlusion there; a forward one finds no targets, and nothing in it. Every technique
+  // shades with shared/shade.h over the same lights, so all give the same picture. Where the setup counts lights,
+  // gbuffer.lightCounts gets them too.
+  void (*add)(const FrameContext& f, const Gbuffer& gbuffer);
 };
 
 std::span<const TechniqueInfo> techniques();

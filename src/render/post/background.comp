@@ -2,15 +2,13 @@
 #extension GL_GOOGLE_include_directive : require
 // The environment where nothing is drawn, or not in all of a pixel.
 #include "render/glsl/common.glsl"
+#include "render/post/background_push.h"
 #include "shared/environment.h"
 
 layout(local_size_x = 16, local_size_y = 16) in;
 layout(set = 0, binding = 0, rgba16f) uniform image2DArray lightTarget;
 layout(set = 0, binding = 1) uniform sampler2D environmentPicture;  // equirectangular
 
-struct BackgroundPush {
-  uint64_t frame;  // FrameConstants
-};
 layout(push_constant, scalar) uniform Push { BackgroundPush push; };
 
 void main() {

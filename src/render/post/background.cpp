@@ -1,23 +1,19 @@
 #include "render/post/background.h"
 
+#include "render/post/background_push.h"
+
 namespace latelight::render {
 
-BackgroundPass::BackgroundPass(vk::Device& device)
-    : pipeline_(vk::makePipeline(device, vk::ComputeDesc{.shader = "background.comp",
-                                                         .bindings = {vk::Binding::Storage, vk::Binding::Sampled},
-                                                         .name = "background"})) {}
-
-void BackgroundPass::add(graph::Graph& graph, const FrameInputs& inputs, const Gbuffer& gbuffer) const {
-  graph.pass(graph::Stage::Post, "background", {{gbuffer.light, graph::Use::StorageReadWrite}},
-             [this, inputs, gbuffer](graph::Context& context) {
-               struct {
-                 VkDeviceAddress frame;
-               } push{inputs.constants};
-               context.commands().bind(
-                   pipeline_, {{context.image(gbuffer.light).arrayView()}, inputs.environment.radiance()}, push);
-               context.commands().dispatch(inputs.width, inputs.height, static_cast<uint32_t>(inputs.views.size()), 16,
-                                           16);
-             });
+void addBackground(const FrameContext& f, const Gbuffer& gbuffer) {
+  addCompute(
+      f,
+      {.stage = graph::Stage::Post,
+       .name = "background",
+       .shader = "background.comp",
+       .bindings =
+           Bindings(f.device).storage(gbuffer.light, graph::Use::StorageReadWrite).outside(f.environment.radiance()),
+       .size = f.pixels()},
+      shared::BackgroundPush{f.constants});
 }
 
 }  // namespace latelight::render

@@ -2,17 +2,9 @@
 #pragma once
 
 #include "render/frame.h"
-#include "vk/pipeline.h"
 
 namespace latelight::render {
 
-class BackgroundPass {
- public:
-  explicit BackgroundPass(vk::Device& device);
-  void add(graph::Graph& graph, const FrameInputs& inputs, const Gbuffer& gbuffer) const;
-
- private:
-  vk::Pipeline pipeline_;
-};
+void addBackground(const FrameContext& f, const Gbuffer& gbuffer);
 
 }  // namespace latelight::render

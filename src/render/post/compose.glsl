@@ -1,16 +1,10 @@
 // The finished picture from the linear one: tonemap, background colour; then sRGB, 8 bits.
 #include "render/glsl/common.glsl"
+#include "render/post/compose_push.h"
 #include "shared/color.h"
 #include "shared/tonemap.h"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer PixelsRef { uint v[]; };
-
-struct ComposePush {
-  uint64_t pixels;   // uint[layers * height * width]: R lowest
-  float scale;       // 1 / number of accumulated frames
-  uint tonemap;      // kTonemap*
-  vec4 background;   // linear display colour; alpha 0: transparent
-};
 
 // Linear display colour and straight alpha, as PNG has it: the colour is that of the covered part alone. `c` is
 // premultiplied.

@@ -1,10 +1,10 @@
 #include "render/post/resolve.h"
 
+#include "render/post/accumulate_push.h"
+
 namespace latelight::render {
 
 namespace {
-
-constexpr uint32_t kGroup = 16;  // local_size of both shaders
 
 vk::BufferDesc hostBuffer(const std::string& name, uint64_t bytes) {
   return {.size = bytes, .kind = vk::MemoryKind::Readback, .name = name};
@@ -12,45 +12,38 @@ vk::BufferDesc hostBuffer(const std::string& name, uint64_t bytes) {
 
 }  // namespace
 
-AccumulatePass::AccumulatePass(vk::Device& device)
-    : pipeline_(vk::makePipeline(device, vk::ComputeDesc{.shader = "accumulate.comp",
-                                                         .bindings = {vk::Binding::Sampled, vk::Binding::Storage},
-                                                         .name = "accumulate"})),
-      sampler_(vk::makeSampler(device, vk::kNearestSampler)) {}
-
-void AccumulatePass::add(graph::Graph& graph, graph::ImageId frame, graph::ImageId sum, bool first) const {
-  vk::ImageDesc desc = graph.desc(frame);
-  graph.pass(
-      graph::Stage::Post, "accumulate",
-      {{frame, graph::Use::SampledCompute}, {sum, first ? graph::Use::StorageWrite : graph::Use::StorageReadWrite}},
-      [=, this](graph::Context& context) {
-        context.commands().bind(pipeline_,
-                                {{context.image(frame).arrayView(), sampler_.get()}, {context.image(sum).arrayView()}},
-                                uint32_t{first});
-        context.commands().dispatch(desc.width, desc.height, desc.layers, kGroup, kGroup);
-      });
+void addAccumulate(const Builder& b, graph::ImageId frame, graph::ImageId sum, bool first) {
+  const graph::Use use = first ? graph::Use::StorageWrite : graph::Use::StorageReadWrite;
+  addCompute(b,
+             {.stage = graph::Stage::Post,
+              .name = "accumulate",
+              .shader = "accumulate.comp",
+              .bindings = Bindings(b.device).sampled(frame).storage(sum, use),
+              .size = texels(b.graph, frame)},
+             shared::AccumulatePush{first});
 }
 
-ComposePass::ComposePass(vk::Device& device)
-    : pipeline_(vk::makePipeline(
-          device, vk::ComputeDesc{.shader = "compose.comp", .bindings = {vk::Binding::Sampled}, .name = "compose"})),
-      sampler_(vk::makeSampler(device, vk::kNearestSampler)) {}
-
-graph::BufferId createPixels(graph::Graph& graph, graph::ImageId picture) {
-  const vk::ImageDesc& desc = graph.desc(picture);
-  return graph.create(hostBuffer("picture", uint64_t{4} * desc.width * desc.height * desc.layers));
+shared::ComposePush composePush(const ComposeSettings& settings, VkDeviceAddress pixels) {
+  return {pixels, settings.scale, settings.tonemap, settings.background};
 }
 
-graph::BufferId ComposePass::add(graph::Graph& graph, graph::ImageId picture, const ComposeSettings& settings) const {
-  vk::ImageDesc desc = graph.desc(picture);
-  graph::BufferId pixels = createPixels(graph, picture);
-  graph.pass(graph::Stage::Post, "compose", {{picture, graph::Use::SampledCompute}, {pixels, graph::Use::StorageWrite}},
-             [=, this](graph::Context& context) {
-               context.commands().bind(pipeline_, {{context.image(picture).arrayView(), sampler_.get()}},
-                                       ComposePush(settings, context.buffer(pixels).address()));
-               context.commands().dispatch(desc.width, desc.height, desc.layers, kGroup, kGroup);
-             });
-  graph.exports(pixels, graph::Use::HostRead);
+graph::BufferId addCompose(const Builder& b, graph::ImageId picture, const ComposeSettings& settings) {
+  return addFinalPass(b, "compose", picture, settings);
+}
+
+graph::BufferId addFinalPass(const Builder& b, const std::string& name, graph::ImageId picture,
+                             const ComposeSettings& settings) {
+  const glm::uvec3 size = texels(b.graph, picture);
+  const graph::BufferId pixels = b.graph.create(hostBuffer("picture", uint64_t{4} * size.x * size.y * size.z));
+  addCompute(b,
+             {.stage = graph::Stage::Post,
+              .name = name,
+              .shader = name + ".comp",
+              .bindings = Bindings(b.device).sampled(picture),
+              .size = size,
+              .buffers = {{pixels, graph::Use::StorageWrite}}},
+             [=](graph::Context& context) { return composePush(settings, context.buffer(pixels).address()); });
+  b.graph.exports(pixels, graph::Use::HostRead);
   return pixels;
 }
 

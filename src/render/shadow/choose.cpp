@@ -4,11 +4,9 @@
 #include <bit>
 #include <cmath>
 #include <limits>
-#include <string_view>
 
 #include "base/error.h"
 #include "base/log.h"
-#include "base/text.h"
 #include "shared/color.h"
 
 namespace latelight::render {
@@ -19,25 +17,10 @@ constexpr uint32_t kLargestTile = 2048, kLeastCascade = 128;
 
 // --- who ------------------------------------------------------------------------------------------------------------
 
-// What --shadow-lights says.
-struct Wanted {
-  uint32_t most = kAutomaticShadows;
-  bool counted = false;            // a number was asked for
-  std::vector<std::string> names;  // none: any light
-};
-
-Wanted parseWanted(const std::string& text, std::span<const scene::Light> lights) {
-  constexpr uint32_t kAny = std::numeric_limits<uint32_t>::max();
-  if (text == "auto") return {};
-  if (text == "all") return {.most = kAny, .counted = true};
-  if (text == "none") return {.most = 0};
-  if (const auto number = parseNumber<uint32_t>(text)) return {.most = *number, .counted = true};
-  Wanted wanted{.most = kAny, .counted = true};
-  for (std::string_view name : splitAtCommas(text)) wanted.names.emplace_back(name);
+void checkNames(const ShadowLights& wanted, std::span<const scene::Light> lights) {
   for (const std::string& name : wanted.names)
     if (std::none_of(lights.begin(), lights.end(), [&](const scene::Light& light) { return light.name == name; }))
       badUsage("no light is called \"{}\": --shadow-lights takes auto, all, none, a number, or names of lights", name);
-  return wanted;
 }
 
 // How far the light reaches of the scene, metres.
@@ -67,7 +50,7 @@ struct Candidate {
   }
 };
 
-std::vector<Candidate> candidates(const ShadowScene& scene, const shared::View& view, const Wanted& wanted,
+std::vector<Candidate> candidates(const ShadowScene& scene, const shared::View& view, const ShadowLights& wanted,
                                   bool anyCascade) {
   const Frustum frustum(view);
   std::vector<Candidate> found;
@@ -84,7 +67,7 @@ std::vector<Candidate> candidates(const ShadowScene& scene, const shared::View& 
     found.push_back(
         {i, scene.sources[i], directional, authored.castShadow.value_or(false), importance(light, scene, view)});
   }
-  const size_t count = std::min<size_t>(found.size(), wanted.most);
+  const size_t count = std::min<size_t>(found.size(), wanted.automatic ? kAutomaticShadows : wanted.most);
   std::partial_sort(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(count), found.end());
   found.resize(count);
   return found;
@@ -156,7 +139,8 @@ std::optional<double> shadowCone(const shared::Light& light) {
 
 std::vector<ShadowCaster> chooseShadowCasters(const ShadowScene& scene, const shared::View& view,
                                               const Settings& settings, uint32_t cascades) {
-  const Wanted wanted = parseWanted(settings.shadowLights, scene.authored);
+  const ShadowLights& wanted = settings.shadowLights;
+  checkNames(wanted, scene.authored);
   std::vector<ShadowCaster> casters;
   for (const Candidate& candidate : candidates(scene, view, wanted, cascades > 0)) {
     const shared::Light& light = scene.lights[candidate.light];
@@ -165,7 +149,7 @@ std::vector<ShadowCaster> chooseShadowCasters(const ShadowScene& scene, const sh
   }
   const size_t asked = casters.size();
   const size_t dropped = fit(casters, scene, uint64_t{settings.shadowAtlas} * settings.shadowAtlas);
-  if (dropped && wanted.counted)
+  if (dropped && !wanted.automatic)
     warn("the {} most important of {} lights cast shadows: a shadow atlas of {} texels has no room for more",
          asked - dropped, asked, settings.shadowAtlas);
   return casters;

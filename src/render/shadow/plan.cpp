@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 
-#include "render/registry.h"
 #include "render/shadow/cascades.h"
 #include "render/shadow/choose.h"
 #include "shared/shadow.h"
@@ -161,11 +160,9 @@ struct Planner {
     return own > 0 ? own : settings.lightSize;
   }
 
-  void addMap(const Frame& f, const AtlasTile& tile, float lightSize, uint32_t maps,
-              const std::optional<Sphere>& within) {
+  void addMap(const Frame& f, const AtlasTile& tile, float lightSize, const std::optional<Sphere>& within) {
     shared::ShadowMap& map = plan.maps.emplace_back(mapOf(f, tile));
     map.lightSize = lightSize;
-    map.maps = maps;
     map.depthSlack = slackOf(format);
     const double scale = f.perspective ? 1 / f.far : 1;
     const double unit = map.texel * map.depthScale * (f.perspective ? f.far : 1);
@@ -175,31 +172,39 @@ struct Planner {
 
   void add(const ShadowCaster& caster, std::span<const AtlasTile> tiles) {
     const shared::Light& light = scene.lights[caster.light];
-    plan.lights.push_back({caster.light, static_cast<uint32_t>(plan.maps.size())});
+    plan.lights.push_back({caster.light, static_cast<uint32_t>(plan.maps.size()), caster.maps});
     const auto lightSize = static_cast<float>(lightRadius(light, caster.light));
     const dvec3 direction = glm::normalize(dvec3(light.direction));
     if (light.type == shared::kLightDirectional) {
+      if (!plan.sun) plan.sun = caster.light;
       const Axes axes = axesAlong(direction);
       const Interval depths = overCorners(scene.bounds, [&](dvec3 p) { return glm::dot(axes.away, p); });
       for (uint32_t i = 0; i < caster.maps; ++i)
-        addMap(cascadeFrame(axes, spheres[i], depths, caster.size), tiles[i], lightSize, caster.maps, std::nullopt);
+        addMap(cascadeFrame(axes, spheres[i], depths, caster.size), tiles[i], lightSize, std::nullopt);
       return;
     }
     const Sphere within{light.position, light.reach};
     const double own = scene.authored[scene.sources[caster.light]].size;
     if (const std::optional<double> cone = shadowCone(light))
       addMap(localFrame(light, axesAlong(direction), std::tan(*cone), own, scene.bounds, caster.size), tiles[0],
-             lightSize, 1, within);
+             lightSize, within);
     else
       for (uint32_t i = 0; i < 6; ++i)
-        addMap(localFrame(light, cubeAxes()[i], 1, own, scene.bounds, caster.size), tiles[i], lightSize, 6, within);
+        addMap(localFrame(light, cubeAxes()[i], 1, own, scene.bounds, caster.size), tiles[i], lightSize, within);
   }
 };
 
 }  // namespace
 
+uint64_t shadowTexels(const Settings& s) {
+  const uint64_t side = std::max(s.width, s.height), most = uint64_t{s.shadowAtlas} * s.shadowAtlas;
+  const bool automatic = s.shadowLights.automatic;
+  // A map is at most about as wide as the picture; cubes have six.
+  return automatic ? std::min(most, 2 * 6 * kAutomaticShadows * side * side) : most;
+}
+
 ShadowPlan planShadows(const ShadowScene& scene, const shared::View& view, const Settings& settings) {
-  const uint32_t format = indexByName(shadowFormats(), settings.shadows, "shadow format");
+  const uint32_t format = indexOf(settings.shadows);
   if (format == shared::kShadowNone || scene.bounds.empty()) return {};
   Planner planner{scene, settings, format, fitCascades(view, scene.bounds), {}};
   const std::vector<ShadowCaster> casters =

@@ -29,18 +29,14 @@ struct ShadowPlan {
   struct Entry {
     uint32_t light;  // among the frame's
     uint32_t first;  // of its maps
+    uint32_t maps;   // that it has
   };
   uint32_t width = 0, height = 0;       // of the atlas
   std::vector<ShadowView> views;        // one a map
   std::vector<shared::ShadowMap> maps;  // as lookups read them
   std::vector<Entry> lights;
+  std::optional<uint32_t> sun;  // of them, the first directional one
   bool empty() const { return lights.empty(); }
-  // The first directional light that casts shadows, or null.
-  const Entry* sun(std::span<const shared::Light> frameLights) const {
-    for (const Entry& entry : lights)
-      if (frameLights[entry.light].type == shared::kLightDirectional) return &entry;
-    return nullptr;
-  }
 };
 
 struct ShadowScene {
@@ -52,6 +48,7 @@ struct ShadowScene {
 
 // Directional lights come first, then the others by how bright each would be at the eye, scene order settling ties; a
 // light whose reach the view does not touch has none. Throws Error(Usage) for names that no light has.
+uint64_t shadowTexels(const Settings& settings);  // of the maps of one view, at most
 ShadowPlan planShadows(const ShadowScene& scene, const shared::View& view, const Settings& settings);
 
 }  // namespace latelight::render

@@ -2,12 +2,12 @@
 #extension GL_GOOGLE_include_directive : require
 // shadow.frag for alpha-masked materials.
 #include "render/glsl/common.glsl"
-#define DRAW_PUSH_SHADOW
-#include "render/glsl/varyings.glsl"
-#include "render/glsl/material.glsl"
+#define DRAW_PUSH ShadowDraw
+#include "render/visibility/varyings.glsl"
+#include "render/visibility/fragment_point.glsl"
 #include "render/glsl/shadow_texel.glsl"
 
 void main() {
   writeShadow();
-  if (cutOut(drawMaterial())) discard;
+  if (cutOut(drawMaterial(), fragmentPoint())) discard;
 }

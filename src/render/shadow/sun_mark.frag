@@ -1,11 +1,14 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+// variants: layout
 // Pixels that the sun may light, for stencil: those that face it.
 #include "render/glsl/common.glsl"
 #define ONE_SAMPLE
 #define GBUFFER_SAMPLED_ONLY
 #include "render/glsl/gbuffer_read.glsl"
-#include "render/shadow/sun_push.glsl"
+#include "render/shadow/sun_push.h"
+
+layout(push_constant, scalar) uniform Push { SunPush push; };
 
 void main() {
   ivec3 pixel = ivec3(ivec2(gl_FragCoord.xy), int(push.view));

@@ -4,23 +4,10 @@
 #pragma once
 
 #include "render/frame.h"
-#include "vk/pipeline.h"
 
 namespace latelight::render {
 
-class SunOcclusionPass {
- public:
-  // The setup's layout has a sunTarget.
-  SunOcclusionPass(vk::Device& device, const FrameSetup& setup);
-  // After the geometry pass. Nothing where no directional light casts shadows.
-  void add(graph::Graph& graph, const FrameInputs& inputs, const Gbuffer& gbuffer) const;
-
- private:
-  std::vector<vk::BoundImage> images(graph::Context& context, const FrameInputs& inputs, const Gbuffer& gbuffer) const;
-
-  size_t target_;
-  vk::Pipeline mark_, fill_;
-  vk::Handle<VkSampler> sampler_;
-};
+// After the geometry pass, of a layout that has a sunTarget. Nothing where no directional light casts shadows.
+void addSunOcclusion(const FrameContext& f, const Gbuffer& gbuffer);
 
 }  // namespace latelight::render

@@ -4,9 +4,8 @@
 // the surfaces that the lists of `tiled` and `clustered` are made for, and the walk needs no lists, is bounded by what
 // reaches the fragments, and comes to lights in the one order that all techniques sum in.
 #extension GL_GOOGLE_include_directive : require
-#include "render/glsl/varyings.glsl"
-#include "render/glsl/material.glsl"
-#include "render/glsl/surface.glsl"
+#include "render/visibility/varyings.glsl"
+#include "render/visibility/surface_fragment.glsl"
 #include "shared/gbuffer.h"
 #include "render/glsl/environment.glsl"
 #include "render/glsl/fog.glsl"
@@ -17,9 +16,9 @@
 layout(constant_id = 16) const uint kEveryLight = 0;  // the reference, and for devices without subgroups here
 
 vec3 lightsAt(FrameConstants frame, Surface s, vec3 toEye, bool shows) {
-  if (kEveryLight != 0u) return shadeAllLightsPlainly(frame, s, toEye);
+  if (kEveryLight != 0u) return shadeAllLightsPlainly(frame, push.view, s, toEye);
   countLanes();
-  Shading shading = startShading(s, toEye, shows);
+  Shading shading = startShading(s, toEye, push.view, shows);
   shadeRange(shading, frame, 0u, frame.directionalLights);
   shadeTree(shading, frame, true);
   return shading.radiance;
@@ -35,8 +34,9 @@ vec4 throughFog(Fog fog, View view, vec3 position, vec4 color) {
 // that leaves the surface, emission and reflections included. Every invocation of the subgroup must call it.
 vec4 blendedFragment(FrameConstants frame) {
   Material m = drawMaterial();
-  Surface s = evaluateMaterial(frame, frameInstance(frame, varyingInstance), m);
-  float alpha = clamp(baseColor(m).a, 0.0, 1.0);
+  SurfacePoint p = fragmentPoint();
+  Surface s = evaluateMaterial(frame, m, p);
+  float alpha = clamp(baseColor(m, p).a, 0.0, 1.0);
   bool unlit = (s.flags & kSurfaceUnlit) != 0u;
   vec3 emitted = unlit ? s.baseColor : s.emissive;
   if (unlit) s = withoutReflection(s);

@@ -1,5 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+// variants: multisampled
 #ifdef MULTISAMPLED
 #extension GL_ARB_post_depth_coverage : require
 layout(post_depth_coverage) in;  // else samples that the depth test took away would count as covered
@@ -9,23 +10,24 @@ layout(post_depth_coverage) in;  // else samples that the depth test took away w
 // instead, so that a pixel's can be laid side by side and be sorted by many.)
 #include "render/glsl/common.glsl"
 #include "render/glsl/multisample.glsl"
-#define DRAW_PUSH_FRAGMENTS
+#define DRAW_PUSH FragmentDraw
 #include "render/transparency/fragment_lists.glsl"
 #include "render/transparency/blended.glsl"
 
+layout(location = 9) flat in uint varyingDrawn;
 layout(early_fragment_tests) in;  // what is hidden stores nothing
 
 void main() {
   FrameConstants frame = FrameRef(push.frame).v;
   vec4 color = blendedFragment(frame);
   if (color.a <= 0.0) return;
-  FragmentLists lists = push.lists;
+  FragmentLists lists = more.lists;
   vec2 size = frameView(frame, push.view).size;
   uvec2 place = uvec2(gl_FragCoord.xy);
   Fragment f;
   f.color = uvec2(packHalf2x16(color.rg), packHalf2x16(color.ba));
   f.depth = floatBitsToUint(gl_FragCoord.z);
-  f.order = push.order.first + (varyingInstance - push.order.firstInstance) * push.order.triangles + uint(gl_PrimitiveID);
+  f.order = more.order.first + (varyingDrawn - more.order.firstInstance) * more.order.triangles + uint(gl_PrimitiveID);
   f.pixel = (push.view * uint(size.y) + place.y) * uint(size.x) + place.x;
   f.rank = atomicAdd(WordsRef(lists.counts).v[f.pixel], 1u);
   f.coverage = uint(gl_SampleMaskIn[0]);

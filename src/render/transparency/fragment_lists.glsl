@@ -15,7 +15,7 @@ uint64_t sortKeyOf(FragmentLists lists, uint fragment) {
 }
 
 // Whether something did not fit: then nothing of the lists may be used, and the frame will be redone.
-bool outgrown(FragmentLists lists) {
+bool overflowed(FragmentLists lists) {
   FragmentTotals t = TotalsRef(lists.totals).v;
   return t.carries != 0u || t.placed > lists.capacity || t.longest > lists.longest;
 }

@@ -3,6 +3,7 @@
 // exact, last pass: each pixel's fragments over its lit picture, farthest first (Porter and Duff 1984, Compositing Digital
 // Images), in linear light.
 #include "render/glsl/common.glsl"
+#include "render/transparency/exact_push.h"
 #include "render/transparency/fragment_lists.glsl"
 #include "render/transparency/short_list.glsl"
 
@@ -11,11 +12,6 @@ layout(constant_id = 16) const uint kSamples = 1;
 layout(local_size_x = 16, local_size_y = 16) in;
 layout(set = 0, binding = 0, rgba16f) uniform image2DArray lightTarget;
 
-struct BlendPush {
-  FragmentLists lists;
-  uint64_t sorted;     // uint[capacity]: long lists in order
-  uint first, count;   // the part of long lists that is blended now: lavapipe ends longer loops without a word
-};
 layout(push_constant, scalar) uniform Push { BlendPush push; };
 
 vec4 samples[kSamples];  // what each sample shows so far
@@ -29,7 +25,7 @@ void lay(uint fragment) {
 
 void main() {
   ivec3 place = ivec3(gl_GlobalInvocationID), size = imageSize(lightTarget);
-  if (any(greaterThanEqual(place.xy, size.xy)) || outgrown(push.lists)) return;
+  if (any(greaterThanEqual(place.xy, size.xy)) || overflowed(push.lists)) return;
   uint pixel = uint((place.z * size.y + place.y) * size.x + place.x);
   uint count = WordsRef(push.lists.counts).v[pixel];
   bool isShort = count <= kShortList;

@@ -2,18 +2,16 @@
 #extension GL_GOOGLE_include_directive : require
 // exact, third pass: the fragments of a pixel side by side, unsorted.
 #include "render/glsl/common.glsl"
+#include "render/transparency/exact_push.h"
 #include "render/transparency/fragment_lists.glsl"
 
 layout(local_size_x = 256) in;
 
-struct GatherPush {
-  FragmentLists lists;
-};
 layout(push_constant, scalar) uniform Push { GatherPush push; };
 
 void main() {
   FragmentLists lists = push.lists;
-  if (outgrown(lists)) return;
+  if (overflowed(lists)) return;
   uint count = TotalsRef(lists.totals).v.placed;
   FragmentsRef fragments = FragmentsRef(lists.fragments);
   for (uint i = gl_GlobalInvocationID.x; i < count; i += gl_NumWorkGroups.x * 256u)

@@ -2,14 +2,11 @@
 #extension GL_GOOGLE_include_directive : require
 // exact, second pass: each pixel's part of the arrays. Which part is whose depends on who came first, and no result does.
 #include "render/glsl/common.glsl"
+#include "render/transparency/exact_push.h"
 #include "render/transparency/fragment_lists.glsl"
 
 layout(local_size_x = 256) in;
 
-struct PlacePush {
-  FragmentLists lists;
-  uint pixels;
-};
 layout(push_constant, scalar) uniform Push { PlacePush push; };
 
 void main() {

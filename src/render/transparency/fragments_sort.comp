@@ -4,16 +4,12 @@
 // invocation a run; the others merge pairs of runs, an invocation an element, which finds its place by a binary search in the
 // other run. So a list of n takes O(log n) steps of O(n log n) work together, without a loop of n anywhere.
 #include "render/glsl/common.glsl"
+#include "render/transparency/exact_push.h"
 #include "render/transparency/fragment_lists.glsl"
 #include "render/transparency/short_list.glsl"
 
 layout(local_size_x = 256) in;
 
-struct SortPush {
-  FragmentLists lists;
-  uint64_t from, to;  // uint[capacity]; short lists are left alone
-  uint run;           // length of the runs that are merged; 0: make the first ones
-};
 layout(push_constant, scalar) uniform Push { SortPush push; };
 
 // Of a run, how many come before `key`.
@@ -44,7 +40,7 @@ void merge(uint place, uint start, uint end, uint fragment) {
 }
 
 void main() {
-  if (outgrown(push.lists)) return;
+  if (overflowed(push.lists)) return;
   uint total = TotalsRef(push.lists.totals).v.placed;
   for (uint i = gl_GlobalInvocationID.x; i < total; i += gl_NumWorkGroups.x * 256u) {
     // Whose place it is says the unsorted list, which has short lists too.

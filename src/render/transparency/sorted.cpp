@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "render/lit_maps.h"
-#include "render/transparency/methods.h"
+#include "render/transparency/transparency.h"
 #include "render/visibility/hardware.h"
 
 namespace latelight::render {
@@ -11,17 +11,17 @@ namespace latelight::render {
 namespace {
 
 // One draw an instance, by the view depth of their bounds' centres, farthest first; alike ones as the scene has them.
-std::vector<Draw> backToFront(const GpuScene& scene, const shared::View& view, const std::vector<Draw>& draws) {
+std::vector<Draw> backToFront(const FrameContext& f, const DeviceDraws& draws, uint32_t view) {
   struct Placed {
     float depth;
     Draw draw;
   };
   std::vector<Placed> placed;
-  for (Draw draw : draws) {
-    const uint32_t end = draw.firstInstance + draw.instanceCount;
-    for (draw.instanceCount = 1; draw.firstInstance < end; ++draw.firstInstance) {
-      const glm::vec3 centre = view.worldToView * glm::vec4(scene.bounds(draw.firstInstance).centre, 1.0f);
-      placed.push_back({centre.y, draw});
+  for (Draw draw : draws[view]) {
+    const uint32_t end = draw.first + draw.count;
+    for (draw.count = 1; draw.first < end; ++draw.first) {
+      const glm::vec3 centre = f.scene.instances().bounds(draws.instance(draw.first)).centre;
+      placed.push_back({(f.views[view].worldToView * glm::vec4(centre, 1.0f)).y, draw});
     }
   }
   std::stable_sort(placed.begin(), placed.end(), [](const Placed& a, const Placed& b) { return a.depth > b.depth; });
@@ -30,52 +30,39 @@ std::vector<Draw> backToFront(const GpuScene& scene, const shared::View& view, c
   return sorted;
 }
 
-class Sorted final : public Transparency {
- public:
-  Sorted(vk::Device& device, const GpuScene& scene, const FrameSetup& setup)
-      : pipeline_(makeBlendedPipeline(device, scene, setup, {"blended_over.frag", {kLightFormat}, vk::Blend::Over})) {}
-
-  void add(graph::Graph& graph, const FrameInputs& inputs, const Gbuffer& gbuffer) override {
-    std::vector<std::vector<Draw>> draws = blendedDraws(inputs);
-    if (!anyDraw(draws)) return;
-    for (size_t view = 0; view < draws.size(); ++view)
-      draws[view] = backToFront(inputs.scene, inputs.views[view], draws[view]);
-    std::vector<graph::Access> accesses{{gbuffer.depth, graph::Use::DepthTest},
-                                        {gbuffer.light, graph::Use::ColorAttachmentLoad}};
-    appendLitAccesses(accesses, gbuffer, graph::Use::SampledFragment);
-    graph.pass(graph::Stage::Transparency, "transparency sorted", std::move(accesses),
-               [=, this](graph::Context& context) {
-                 std::vector<vk::BoundImage> images;
-                 appendLitImages(images, context, inputs, gbuffer);
-                 for (uint32_t view = 0; view < inputs.views.size(); ++view) {
-                   beginView(context, inputs, view, {&gbuffer.light, 1}, {gbuffer.depth, false}, ColorUse::Keep);
-                   SceneBinder binder(context, inputs, view, pipeline_, pipeline_, images);
-                   for (const Draw& draw : draws[view]) drawFaces(context, inputs.scene, binder, draw);
-                   vkCmdEndRendering(context.get());
-                 }
-               });
+// Of what shows both faces the back ones first: right for convex meshes.
+void recordFaces(graph::Context& context, const GpuScene& scene, SceneBinder& binder, const Draw& draw) {
+  binder.bind(draw);
+  if (scene.materials().record(draw.material).flags & shared::kMaterialDoubleSided) {
+    vkCmdSetCullMode(context.get(), VK_CULL_MODE_FRONT_BIT);
+    recordDraw(context, scene, draw);
+    vkCmdSetCullMode(context.get(), VK_CULL_MODE_BACK_BIT);
   }
-
- private:
-  // Of what shows both faces the back ones first: right for convex meshes.
-  static void drawFaces(graph::Context& context, const GpuScene& scene, SceneBinder& binder, const Draw& draw) {
-    binder.bind(draw);
-    if (scene.material(draw.material).flags & shared::kMaterialDoubleSided) {
-      vkCmdSetCullMode(context.get(), VK_CULL_MODE_FRONT_BIT);
-      drawRun(context, draw);
-      vkCmdSetCullMode(context.get(), VK_CULL_MODE_BACK_BIT);
-    }
-    drawRun(context, draw);
-  }
-
-  vk::Pipeline pipeline_;
-};
+  recordDraw(context, scene, draw);
+}
 
 }  // namespace
 
-std::unique_ptr<Transparency> makeSortedTransparency(vk::Device& device, const GpuScene& scene,
-                                                     const FrameSetup& setup) {
-  return std::make_unique<Sorted>(device, scene, setup);
+void addSortedTransparency(const FrameContext& f, const Gbuffer& gbuffer) {
+  const DeviceDraws& draws = hardwareOf(f, "sorted transparency").blended();
+  const Bindings maps = litMaps(f, gbuffer, graph::Use::SampledFragment);
+  const ScenePipelines pipelines = blendedPipelines(
+      f, maps, {.fragment = "blended_over.frag", .colors = {kLightFormat}, .blend = vk::Blend::Over});
+  std::vector<graph::Access> accesses = maps.accesses();
+  accesses.emplace_back(gbuffer.depth, graph::Use::DepthTest);
+  accesses.emplace_back(gbuffer.light, graph::Use::ColorAttachmentLoad);
+  f.graph.pass(graph::Stage::Transparency, "transparency sorted", std::move(accesses),
+               [=, &f, &draws](graph::Context& context) {
+                 const std::vector<vk::BoundImage> images = maps.images(context);
+                 for (uint32_t view = 0; view < f.viewCount(); ++view) {
+                   beginView(context, f, view, {&gbuffer.light, 1}, {gbuffer.depth, false}, ColorUse::Keep);
+                   SceneBinder binder(context, f.scene,
+                                      {.frame = f.constants, .instances = draws.instances(), .view = view}, pipelines,
+                                      images);
+                   for (const Draw& draw : backToFront(f, draws, view)) recordFaces(context, f.scene, binder, draw);
+                   vkCmdEndRendering(context.get());
+                 }
+               });
 }
 
 }  // namespace latelight::render

@@ -1,58 +1,45 @@
 #include "render/transparency/transparency.h"
 
-#include <algorithm>
-
 #include "base/error.h"
 #include "render/lighting/forward/forward.h"
-#include "render/lit_maps.h"
-#include "render/transparency/methods.h"
-#include "render/visibility/hardware.h"
+#include "render/visibility/visibility.h"
 
 namespace latelight::render {
 
-vk::Pipeline makeBlendedPipeline(vk::Device& device, const GpuScene& scene, const FrameSetup& setup,
-                                 const BlendedTarget& target) {
-  const bool everyLight = setup.transparency.everyLight || forwardLoop(device) == ForwardLoop::Plain;
+ScenePipelines blendedPipelines(const FrameContext& f, const Bindings& maps, const BlendedTarget& target) {
+  const bool everyLight = f.setup.transparency.everyLight || forwardLoop(f.device) == ForwardLoop::Plain;
   vk::GraphicsDesc desc;
-  desc.vertex = "scene.vert";
+  desc.vertex = target.vertex.empty() ? "scene.vert" : target.vertex;
   desc.fragment = target.fragment;
   desc.samples = target.samples;
-  appendLitBindings(desc.bindings);
-  desc.materialSet = scene.materialSetLayout();
-  desc.constants = setup.constants();
+  desc.bindings = maps.kinds();
+  desc.materialSet = GpuMaterials::setLayout(f.device);
+  desc.constants = f.setup.constants();
   desc.constants.push_back({kFirstOwnConstant, everyLight ? 1u : 0u});
+  desc.pushBytes = target.pushBytes;
   desc.colors = target.colors;
   desc.depth = kDepthFormat;
   desc.depthCompare = VK_COMPARE_OP_GREATER_OR_EQUAL;
   desc.depthWrite = false;
   desc.blend = target.blend;
   desc.name = target.fragment;
-  return vk::makePipeline(device, desc);
+  const vk::PipelineRef pipeline = f.device.cache().pipeline(desc);
+  return {pipeline, pipeline};
 }
 
-std::vector<std::vector<Draw>> blendedDraws(const FrameInputs& inputs) {
-  std::vector<std::vector<Draw>> draws;
-  for (const shared::View& view : inputs.views) draws.push_back(inputs.scene.visibleBlended(view, inputs.atCentres));
-  return draws;
-}
-
-bool anyDraw(const std::vector<std::vector<Draw>>& draws) {
-  return std::any_of(draws.begin(), draws.end(), [](const std::vector<Draw>& view) { return !view.empty(); });
-}
-
-std::unique_ptr<Transparency> makeTransparency(vk::Device& device, const GpuScene& scene, const FrameSetup& setup) {
-  if (!anyBlended(scene)) return nullptr;
-  switch (setup.transparency.method) {
+void addTransparency(const FrameContext& f, const Gbuffer& gbuffer) {
+  if (!f.visibility.anyBlended()) return;
+  switch (f.setup.transparency.method) {
     case kTransparencyExact:
-      return makeExactTransparency(device, scene, setup);
+      return addExactTransparency(f, gbuffer);
     case kTransparencySorted:
-      return makeSortedTransparency(device, scene, setup);
+      return addSortedTransparency(f, gbuffer);
     case kTransparencyWeighted:
-      return makeWeightedTransparency(device, scene, setup);
+      return addWeightedTransparency(f, gbuffer);
     case kTransparencyNone:
-      return nullptr;
+      return;
     default:
-      fail(ExitCode::Internal, "There is no method of transparency {}.", setup.transparency.method);
+      fail(ExitCode::Internal, "There is no method of transparency {}.", f.setup.transparency.method);
   }
 }
 

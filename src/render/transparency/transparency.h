@@ -2,27 +2,39 @@
 // docs/transparency.md says how the methods differ.
 #pragma once
 
-#include <memory>
+#include <string>
+#include <vector>
 
 #include "render/frame.h"
+#include "render/visibility/draw.h"
 
 namespace latelight::render {
 
-// FrameSetup::transparency.method, in the order of transparencies() in settings.h.
+// FrameSetup::transparency.method, as TransparencyMethod numbers it.
 inline constexpr uint32_t kTransparencyExact = 0, kTransparencySorted = 1, kTransparencyWeighted = 2,
                           kTransparencyNone = 3;
 
-class Transparency {
- public:
-  virtual ~Transparency() = default;
-  // Adds the passes that lay blended surfaces over the lit picture in gbuffer.light, premultiplied by alpha; none where
-  // no view has any.
-  virtual void add(graph::Graph& graph, const FrameInputs& inputs, const Gbuffer& gbuffer) = 0;
-  // As Frame::outgrown().
-  virtual bool outgrown(const graph::Executor&) { return false; }
-};
+// Adds the passes that lay blended surfaces over the lit picture in gbuffer.light, premultiplied by alpha; none where
+// no view has any.
+void addTransparency(const FrameContext& f, const Gbuffer& gbuffer);
 
-// Null where the scene has no blended material, or they are to be left out.
-std::unique_ptr<Transparency> makeTransparency(vk::Device& device, const GpuScene& scene, const FrameSetup& setup);
+void addExactTransparency(const FrameContext& f, const Gbuffer& gbuffer);
+void addSortedTransparency(const FrameContext& f, const Gbuffer& gbuffer);
+void addWeightedTransparency(const FrameContext& f, const Gbuffer& gbuffer);
+
+// Samples a pixel at which `exact` keeps fragments: those of the frame where a fragment can tell which of them the depth
+// test has left, else 1.
+uint32_t fragmentSamples(const vk::Device& device, const FrameSetup& setup);
+
+// Pipelines that draw blended fragments (blended.glsl): tested against depth, which they leave alone. What lies exactly
+// on an opaque surface, a decal, is seen. The lit maps are set 0.
+struct BlendedTarget {
+  std::string vertex, fragment;  // shaders; no vertex shader: the usual one
+  uint32_t pushBytes = sizeof(shared::DrawPush);
+  std::vector<VkFormat> colors{};
+  vk::Blend blend = vk::Blend::Replace;
+  uint32_t samples = 1;  // those of the frame, or 1: then depth is that of pixels
+};
+ScenePipelines blendedPipelines(const FrameContext& f, const Bindings& maps, const BlendedTarget& target);
 
 }  // namespace latelight::render

@@ -3,74 +3,46 @@
 // mean.
 #include "render/lighting/light_sum.h"
 #include "render/lit_maps.h"
-#include "render/transparency/methods.h"
+#include "render/transparency/transparency.h"
 #include "render/visibility/hardware.h"
 
 namespace latelight::render {
 
-namespace {
-
-class Weighted final : public Transparency {
- public:
-  Weighted(vk::Device& device, const GpuScene& scene, const FrameSetup& setup)
-      : sumFormat_(lightSumFormat(device)),
-        draw_(makeBlendedPipeline(device, scene, setup,
-                                  {"blended_weighted.frag", {sumFormat_, sumFormat_}, vk::Blend::SumAndOver})),
-        blend_(vk::makePipeline(
-            device, vk::ComputeDesc{.shader = "weighted_blend.comp",
-                                    .bindings = {vk::Binding::Sampled, vk::Binding::Sampled, vk::Binding::Storage},
-                                    .name = "weighted blend"})),
-        sampler_(vk::makeSampler(device, vk::kNearestSampler)) {}
-
-  void add(graph::Graph& graph, const FrameInputs& inputs, const Gbuffer& gbuffer) override {
-    const std::vector<std::vector<Draw>> draws = blendedDraws(inputs);
-    if (!anyDraw(draws)) return;
-    const std::vector<graph::ImageId> sums{createTarget(graph, inputs, sumFormat_, "weighted colours"),
-                                           createTarget(graph, inputs, sumFormat_, "weights")};
-    std::vector<graph::Access> accesses{{gbuffer.depth, graph::Use::DepthTest},
-                                        {sums[0], graph::Use::ColorAttachment},
-                                        {sums[1], graph::Use::ColorAttachment}};
-    appendLitAccesses(accesses, gbuffer, graph::Use::SampledFragment);
-    graph.pass(graph::Stage::Transparency, "transparency weighted", std::move(accesses),
-               [=, this](graph::Context& context) {
-                 std::vector<vk::BoundImage> images;
-                 appendLitImages(images, context, inputs, gbuffer);
-                 for (uint32_t view = 0; view < inputs.views.size(); ++view) {
-                   beginView(context, inputs, view, sums, {gbuffer.depth, false});
-                   SceneBinder binder(context, inputs, view, draw_, draw_, images);
-                   for (const Draw& draw : draws[view]) {
-                     binder.bind(draw);
-                     drawRun(context, draw);
-                   }
+void addWeightedTransparency(const FrameContext& f, const Gbuffer& gbuffer) {
+  const DeviceDraws& draws = hardwareOf(f, "weighted transparency").blended();
+  const VkFormat format = lightSumFormat(f.device);
+  const std::vector<graph::ImageId> sums{createTarget(f, format, "weighted colours"),
+                                         createTarget(f, format, "weights")};
+  const Bindings maps = litMaps(f, gbuffer, graph::Use::SampledFragment);
+  const ScenePipelines pipelines =
+      blendedPipelines(f, maps,
+                       {.fragment = "blended_weighted.frag",
+                        .colors = {format, format},
+                        .blend = vk::Blend::SumAndOver});
+  std::vector<graph::Access> accesses = maps.accesses();
+  accesses.emplace_back(gbuffer.depth, graph::Use::DepthTest);
+  for (graph::ImageId sum : sums) accesses.emplace_back(sum, graph::Use::ColorAttachment);
+  f.graph.pass(graph::Stage::Transparency, "transparency weighted", std::move(accesses),
+               [=, &f, &draws](graph::Context& context) {
+                 const std::vector<vk::BoundImage> images = maps.images(context);
+                 for (uint32_t view = 0; view < f.viewCount(); ++view) {
+                   beginView(context, f, view, sums, {gbuffer.depth, false});
+                   SceneBinder binder(context, f.scene,
+                                      {.frame = f.constants, .instances = draws.instances(), .view = view}, pipelines,
+                                      images);
+                   recordDraws(context, f.scene, binder, draws[view]);
                    vkCmdEndRendering(context.get());
                  }
                });
-    graph.pass(graph::Stage::Transparency, "transparency blend",
-               {{sums[0], graph::Use::SampledCompute},
-                {sums[1], graph::Use::SampledCompute},
-                {gbuffer.light, graph::Use::StorageReadWrite}},
-               [=, this](graph::Context& context) {
-                 context.commands().bind(blend_,
-                                         {{context.image(sums[0]).arrayView(), sampler_.get()},
-                                          {context.image(sums[1]).arrayView(), sampler_.get()},
-                                          {context.image(gbuffer.light).arrayView()}},
-                                         uint32_t{0});
-                 context.commands().dispatch(inputs.width, inputs.height, static_cast<uint32_t>(inputs.views.size()),
-                                             16, 16);
-               });
-  }
-
- private:
-  VkFormat sumFormat_;
-  vk::Pipeline draw_, blend_;
-  vk::Handle<VkSampler> sampler_;
-};
-
-}  // namespace
-
-std::unique_ptr<Transparency> makeWeightedTransparency(vk::Device& device, const GpuScene& scene,
-                                                       const FrameSetup& setup) {
-  return std::make_unique<Weighted>(device, scene, setup);
+  Bindings bindings(f.device);
+  bindings.sampled(sums).storage(gbuffer.light, graph::Use::StorageReadWrite);
+  addCompute(f,
+             {.stage = graph::Stage::Transparency,
+              .name = "transparency blend",
+              .shader = "weighted_blend.comp",
+              .bindings = std::move(bindings),
+              .size = f.pixels()},
+             NoPush{});
 }
 
 }  // namespace latelight::render

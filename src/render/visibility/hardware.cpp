@@ -1,149 +1,198 @@
 #include "render/visibility/hardware.h"
 
-#include <algorithm>
+#include "base/error.h"
+#include "base/parallel.h"
+#include "render/gbuffer/layout.h"
+#include "render/lit_maps.h"
+#include "render/transparency/transparency.h"
 
 namespace latelight::render {
 
 namespace {
 
-struct DrawPush {  // varyings.glsl
-  VkDeviceAddress frame;
-  uint32_t view;
-};
-
-vk::Pipeline makeDepthPipeline(vk::Device& device, const GpuScene& scene, bool masked, uint32_t samples) {
+// What all draws behind the depth pass have: only surfaces at the very depth that it left are shaded.
+vk::GraphicsDesc behindDepth(const FrameSetup& setup) {
   vk::GraphicsDesc desc;
-  desc.vertex = "scene.vert";
-  desc.fragment = masked ? shaderVariant("masked.frag", samples) : "";
-  desc.materialSet = scene.materialSetLayout();
   desc.depth = kDepthFormat;
-  desc.samples = samples;
-  desc.name = masked ? "depth masked" : "depth";
-  return vk::makePipeline(device, desc);
+  desc.depthCompare = VK_COMPARE_OP_EQUAL;
+  desc.depthWrite = false;
+  desc.samples = setup.samples;
+  desc.constants = setup.constants();
+  return desc;
 }
 
-VkRenderingAttachmentInfo attachment(VkImageView view, VkImageLayout layout, VkAttachmentLoadOp load,
-                                     VkAttachmentStoreOp store) {
-  return {.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
-          .imageView = view,
-          .imageLayout = layout,
-          .loadOp = load,
-          .storeOp = store};
+// Of a target that a shader has and nobody wants: as little memory as there can be, and nothing is written to it.
+VkFormat unusedFormat(VkFormat wanted) {
+  const bool integers = std::string_view(vk::formatName(wanted)).ends_with("UINT");
+  return integers ? VK_FORMAT_R8_UINT : VK_FORMAT_R8_UNORM;
 }
 
 }  // namespace
 
-bool isMasked(const shared::Material& material) {
-  return (material.flags & shared::kMaterialMasked) != 0;
-}
+HardwareVisibility::HardwareVisibility(vk::Device& device, const GpuScene& scene, const DrawOrder& order,
+                                       std::span<const shared::View> views, const HardwareOptions& options)
+    : device_(device),
+      scene_(scene),
+      order_(order),
+      options_(options),
+      solid_(select(DrawOrder::Kind::Solid, views)),
+      blended_(select(DrawOrder::Kind::Blended, views)) {}
 
-bool isBlended(const shared::Material& material) {
-  return (material.flags & shared::kMaterialBlended) != 0;
-}
-
-bool anyMasked(const GpuScene& scene) {
-  return std::any_of(scene.draws().begin(), scene.draws().end(),
-                     [&](const Draw& draw) { return isMasked(scene.material(draw.material)); });
-}
-
-bool anyBlended(const GpuScene& scene) {
-  return std::any_of(scene.draws().begin(), scene.draws().end(),
-                     [&](const Draw& draw) { return isBlended(scene.material(draw.material)); });
-}
-
-SceneBinder::SceneBinder(graph::Context& context, const FrameInputs& inputs, uint32_t view, const vk::Pipeline& opaque,
-                         const vk::Pipeline& masked, std::span<const vk::BoundImage> images)
-    : context_(context), inputs_(inputs), view_(view), opaque_(opaque), masked_(masked), images_(images) {
-  vkCmdBindIndexBuffer(context.get(), inputs.scene.indexBuffer(), 0, VK_INDEX_TYPE_UINT32);
-}
-
-const vk::Pipeline& SceneBinder::bind(const Draw& draw) {
-  VkCommandBuffer commands = context_.get();
-  const GpuScene& scene = inputs_.scene;
-  const shared::Material& material = scene.material(draw.material);
-  const vk::Pipeline& pipeline = isMasked(material) || isBlended(material) ? masked_ : opaque_;
-  if (bound_ != &pipeline) {
-    const DrawPush push{inputs_.constants, view_};
-    context_.commands().bind(pipeline, images_, std::as_bytes(std::span(&push, 1)));
-    bound_ = &pipeline;
-    material_ = ~0u;
-  }
-  if (material_ != draw.material) {
-    context_.commands().bindMaterial(pipeline, scene.materialSet(draw.material));
-    bool doubleSided = (material.flags & shared::kMaterialDoubleSided) != 0;
-    vkCmdSetCullMode(commands, doubleSided ? VK_CULL_MODE_NONE : VK_CULL_MODE_BACK_BIT);
-    material_ = draw.material;
-  }
-  vkCmdSetFrontFace(commands, draw.mirrored ? VK_FRONT_FACE_CLOCKWISE : VK_FRONT_FACE_COUNTER_CLOCKWISE);
-  return pipeline;
-}
-
-void drawRun(graph::Context& context, const Draw& draw) {
-  vkCmdDrawIndexed(context.get(), draw.indexCount, draw.instanceCount, draw.firstIndex, 0, draw.firstInstance);
-}
-
-void drawScreen(graph::Context& context) {
-  vkCmdSetFrontFace(context.get(), VK_FRONT_FACE_COUNTER_CLOCKWISE);
-  vkCmdSetCullMode(context.get(), VK_CULL_MODE_NONE);
-  vkCmdDraw(context.get(), 3, 1, 0, 0);
-}
-
-void drawScene(graph::Context& context, const FrameInputs& inputs, uint32_t view, const vk::Pipeline& opaque,
-               const vk::Pipeline& masked, std::span<const vk::BoundImage> images) {
-  SceneBinder binder(context, inputs, view, opaque, masked, images);
-  const auto drawAll = [&](const std::vector<Draw>& draws) {
-    for (const Draw& draw : draws) {
-      binder.bind(draw);
-      drawRun(context, draw);
+DeviceDraws HardwareVisibility::select(DrawOrder::Kind kind, std::span<const shared::View> views) const {
+  std::vector<DrawList> lists(views.size());
+  parallelFor(views.size(), 1, [&](size_t begin, size_t end) {
+    for (size_t view = begin; view < end; ++view) {
+      const Frustum frustum(views[view]);
+      lists[view] = order_.select(scene_, kind, [&](const Sphere& bounds) {
+        return frustum.touches(bounds) && (!options_.atCentres || frustum.holdsCentre(bounds));
+      });
     }
+  });
+  return {device_, std::move(lists)};
+}
+
+bool HardwareVisibility::anyBlended() const {
+  return !blended_.empty();
+}
+
+void HardwareVisibility::recordSolid(graph::Context& context, const FrameContext& f, uint32_t view,
+                                     const ScenePipelines& pipelines, std::span<const vk::BoundImage> images) const {
+  const auto record = [&](const DeviceDraws& draws) {
+    SceneBinder binder(context, scene_, {.frame = f.constants, .instances = draws.instances(), .view = view}, pipelines,
+                       images);
+    recordDraws(context, scene_, binder, draws[view]);
   };
-  drawAll(inputs.scene.visibleDraws(inputs.views[view], inputs.atCentres));
-  if (inputs.blendedToo) drawAll(inputs.scene.visibleBlended(inputs.views[view], inputs.atCentres));
+  record(solid_);
+  if (options_.blendedToo) record(blended_);
 }
 
-void beginView(graph::Context& context, const FrameInputs& inputs, uint32_t view,
-               std::span<const graph::ImageId> colors, DepthUse depth, ColorUse use) {
-  std::vector<VkRenderingAttachmentInfo> targets;
-  const VkAttachmentLoadOp load = use == ColorUse::Clear ? VK_ATTACHMENT_LOAD_OP_CLEAR : VK_ATTACHMENT_LOAD_OP_LOAD;
-  for (graph::ImageId color : colors)
-    targets.push_back(attachment(context.image(color).layerView(view), VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL, load,
-                                 VK_ATTACHMENT_STORE_OP_STORE));
-  VkRenderingAttachmentInfo depthTarget =
-      depth.clear ? attachment(context.image(depth.image).layerView(view), VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL,
-                               VK_ATTACHMENT_LOAD_OP_CLEAR, VK_ATTACHMENT_STORE_OP_STORE)
-                  : attachment(context.image(depth.image).layerView(view), VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL,
-                               VK_ATTACHMENT_LOAD_OP_LOAD, VK_ATTACHMENT_STORE_OP_NONE);
-  VkRect2D area{{0, 0}, {inputs.width, inputs.height}};
-  VkRenderingInfo rendering{.sType = VK_STRUCTURE_TYPE_RENDERING_INFO,
-                            .renderArea = area,
-                            .layerCount = 1,
-                            .colorAttachmentCount = static_cast<uint32_t>(targets.size()),
-                            .pColorAttachments = targets.data(),
-                            .pDepthAttachment = &depthTarget};
-  if (vk::hasStencil(context.image(depth.image).desc().format)) rendering.pStencilAttachment = &depthTarget;
-  vkCmdBeginRendering(context.get(), &rendering);
-  VkViewport viewport{
-      0, static_cast<float>(inputs.height), static_cast<float>(inputs.width), -static_cast<float>(inputs.height), 0, 1};
-  vkCmdSetViewport(context.get(), 0, 1, &viewport);
-  vkCmdSetScissor(context.get(), 0, 1, &area);
-}
-
-DepthPass::DepthPass(vk::Device& device, const GpuScene& scene, uint32_t samples)
-    : samples_(samples), opaque_(makeDepthPipeline(device, scene, false, samples)) {
-  if (anyMasked(scene) || anyBlended(scene)) masked_ = makeDepthPipeline(device, scene, true, samples);
-}
-
-graph::ImageId DepthPass::add(graph::Graph& graph, const FrameInputs& inputs) const {
-  graph::ImageId depth = createTarget(graph, inputs, kDepthFormat, "depth", samples_);
-  graph.pass(graph::Stage::Visibility, "depth", {{depth, graph::Use::DepthAttachment}},
-             [=, this](graph::Context& context) {
-               for (uint32_t view = 0; view < inputs.views.size(); ++view) {
-                 beginView(context, inputs, view, {}, {depth, true});
-                 drawScene(context, inputs, view, opaque_, masked_);
-                 vkCmdEndRendering(context.get());
-               }
-             });
+// Finds the nearest surface of every pixel first, so that the geometry pass shades each pixel once (seed 000, early
+// depth-stencil). Equal depths are settled in the geometry pass, where what is drawn last wins.
+graph::ImageId HardwareVisibility::addDepth(const FrameContext& f) const {
+  vk::GraphicsDesc desc;
+  desc.depth = kDepthFormat;
+  desc.samples = f.setup.samples;
+  desc.name = "depth";
+  vk::GraphicsDesc masked = desc;
+  masked.fragment = f.setup.variant("masked.frag");
+  masked.constants = f.setup.constants();
+  const ScenePipelines pipelines{scenePipelines(f.device, desc).opaque, scenePipelines(f.device, masked).masked};
+  const graph::ImageId depth = createTarget(f, kDepthFormat, "depth", f.setup.samples);
+  f.graph.pass(graph::Stage::Visibility, "depth", {{depth, graph::Use::DepthAttachment}},
+               [=, &f, this](graph::Context& context) {
+                 for (uint32_t view = 0; view < f.viewCount(); ++view) {
+                   beginView(context, f, view, {}, {depth, true});
+                   recordSolid(context, f, view, pipelines);
+                   vkCmdEndRendering(context.get());
+                 }
+               });
   return depth;
+}
+
+void HardwareVisibility::addGbuffer(const FrameContext& f, Gbuffer& gbuffer) const {
+  const Layout& layout = *f.setup.layout;
+  vk::GraphicsDesc desc = behindDepth(f.setup);
+  if (layout.keepsMotion) desc.vertex = "scene_motion.vert";
+  desc.fragment = f.setup.variant("geometry.frag@" + layout.file);
+  desc.name = "geometry " + layout.name;
+  const auto lightTarget = static_cast<uint32_t>(layout.targets.size());
+  desc.colorsWritten = (f.setup.targets & ((1u << lightTarget) - 1)) | (gbuffer.sampleLight ? 1u << lightTarget : 0u);
+  for (uint32_t i = 0; i < lightTarget; ++i) {
+    const bool wanted = (desc.colorsWritten >> i & 1u) != 0;
+    const VkFormat format = layout.format(i, f.setup.normalEncoding);
+    desc.colors.push_back(wanted ? format : unusedFormat(format));
+    gbuffer.targets.push_back(
+        createTarget(f, desc.colors.back(), layout.name + " " + layout.targets[i].name, f.setup.samples));
+  }
+  if (!gbuffer.sampleLight) gbuffer.sampleLight = createTarget(f, unusedFormat(kLightFormat), "no light");
+  desc.colors.push_back(f.graph.desc(gbuffer.sampleLight).format);
+  const ScenePipelines pipelines = scenePipelines(f.device, desc);
+
+  std::vector<graph::ImageId> colors = gbuffer.targets;
+  colors.push_back(gbuffer.sampleLight);
+  std::vector<graph::Access> accesses{{gbuffer.sampleDepth, graph::Use::DepthTest}};
+  for (graph::ImageId color : colors) accesses.emplace_back(color, graph::Use::ColorAttachment);
+  f.graph.pass(graph::Stage::Geometry, desc.name, std::move(accesses),
+               [=, &f, this, depth = gbuffer.sampleDepth, written = desc.colorsWritten](graph::Context& context) {
+                 for (uint32_t view = 0; view < f.viewCount(); ++view) {
+                   beginView(context, f, view, colors, {depth, false}, ColorUse::Clear, written);
+                   recordSolid(context, f, view, pipelines);
+                   vkCmdEndRendering(context.get());
+                 }
+               });
+}
+
+graph::ImageId HardwareVisibility::addMotion(const FrameContext& f, graph::ImageId depth, MotionUse use) const {
+  const VkFormat format = use == MotionUse::Data ? VK_FORMAT_R32G32B32A32_SFLOAT : VK_FORMAT_R16G16B16A16_SFLOAT;
+  vk::GraphicsDesc desc = behindDepth(f.setup);
+  desc.samples = 1;
+  desc.colors = {format};
+  desc.name = "motion";
+  vk::GraphicsDesc nowhere = desc;
+  nowhere.vertex = "screen.vert";
+  nowhere.fragment = "motion_background.frag";
+  nowhere.pushBytes = sizeof(shared::DrawPush);
+  desc.vertex = "scene_motion.vert";
+  desc.fragment = "motion.frag";
+  const vk::PipelineRef background = f.device.cache().pipeline(nowhere);
+  const ScenePipelines pipelines = scenePipelines(f.device, desc);
+  const graph::ImageId motion = createTarget(f, format, "motion");
+  f.graph.pass(graph::Stage::Geometry, "motion",
+               {{depth, graph::Use::DepthTest}, {motion, graph::Use::ColorAttachment}},
+               [=, &f, this](graph::Context& context) {
+                 for (uint32_t view = 0; view < f.viewCount(); ++view) {
+                   beginView(context, f, view, std::span(&motion, 1), {depth, false});
+                   context.commands().bind(background.get(), {}, shared::DrawPush{.frame = f.constants, .view = view});
+                   recordScreen(context);
+                   recordSolid(context, f, view, pipelines);
+                   vkCmdEndRendering(context.get());
+                 }
+               });
+  return motion;
+}
+
+void HardwareVisibility::addFragments(const FrameContext& f, const Gbuffer& gbuffer,
+                                      const FragmentBuffers& buffers) const {
+  const uint32_t samples = fragmentSamples(f.device, f.setup);
+  const BlendedTarget target{.vertex = "scene_ordered.vert",
+                             .fragment = shaderVariant("blended_store.frag", samples),
+                             .pushBytes = pushBytesWith<shared::FragmentDraw>(),
+                             .samples = samples};
+  const graph::ImageId depth = samples > 1 ? gbuffer.sampleDepth : gbuffer.depth;
+  const Bindings maps = litMaps(f, gbuffer, graph::Use::SampledFragment);
+  const ScenePipelines pipelines = blendedPipelines(f, maps, target);
+  std::vector<graph::Access> accesses = maps.accesses();
+  accesses.insert(accesses.end(), {{depth, graph::Use::DepthTest},
+                                   {buffers.fragments, graph::Use::FragmentWrite},
+                                   {buffers.counts, graph::Use::FragmentReadWrite},
+                                   {buffers.totals, graph::Use::FragmentReadWrite}});
+  f.graph.pass(
+      graph::Stage::Transparency, "transparency store", std::move(accesses), [=, &f, this](graph::Context& context) {
+        const std::vector<vk::BoundImage> images = maps.images(context);
+        const shared::FragmentLists lists{.fragments = context.buffer(buffers.fragments).address(),
+                                          .counts = context.buffer(buffers.counts).address(),
+                                          .totals = context.buffer(buffers.totals).address(),
+                                          .capacity = buffers.capacity};
+        for (uint32_t view = 0; view < f.viewCount(); ++view) {
+          beginView(context, f, view, {}, {depth, false});
+          SceneBinder binder(context, scene_, {.frame = f.constants, .instances = blended_.instances(), .view = view},
+                             pipelines, images);
+          uint32_t order = 0;  // beyond 2^32 triangles in a view it starts again
+          for (const Draw& draw : blended_[view]) {
+            const vk::Pipeline& pipeline = binder.bind(draw);
+            const uint32_t triangles = scene_.geometry().indexCount(draw.mesh) / 3;
+            pushMore(context, pipeline, shared::FragmentDraw{lists, {order, draw.first, triangles}});
+            recordDraw(context, scene_, draw);
+            order += triangles * draw.count;
+          }
+          vkCmdEndRendering(context.get());
+        }
+      });
+}
+
+const HardwareVisibility& hardwareOf(const FrameContext& f, const char* technique) {
+  if (const auto* hardware = dynamic_cast<const HardwareVisibility*>(&f.visibility)) return *hardware;
+  badUsage("{} draws with the graphics pipeline: it takes the raster hardware", technique);
 }
 
 }  // namespace latelight::render

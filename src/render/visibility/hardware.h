@@ -1,61 +1,51 @@
-// Hardware visibility: drawing the scene with the graphics pipeline, and the depth pass.
+// Visibility by the graphics pipeline: the scene is drawn, a view after the other. Culling and draw lists are its own.
 #pragma once
 
-#include "render/frame.h"
-#include "vk/pipeline.h"
+#include <memory>
+#include <vector>
+
+#include "render/visibility/draw.h"
+#include "render/visibility/visibility.h"
 
 namespace latelight::render {
 
-bool isMasked(const shared::Material& material);   // alpha decides what is drawn
-bool isBlended(const shared::Material& material);  // alpha decides how much: render/transparency draws it
-bool anyMasked(const GpuScene& scene);
-bool anyBlended(const GpuScene& scene);
+// Which surfaces count as solid, and where pixels are looked at.
+struct HardwareOptions {
+  bool blendedToo = false;  // what is blended is a surface like any other where its alpha is above 0: for data outputs
+  bool atCentres = false;   // pixels have one sample, at their centre: what holds none is not drawn
+};
 
-// Draws what may be visible in a view, in the order of the instances on the device, within a rendering that has begun.
-// Materials that are masked use `masked`; blended ones are left out, or (FrameInputs::blendedToo) drawn last by it,
-// where their alpha is above 0. Both pipelines take scene.vert and the scene's material set. `images` are set 0 of
-// both.
-void drawScene(graph::Context& context, const FrameInputs& inputs, uint32_t view, const vk::Pipeline& opaque,
-               const vk::Pipeline& masked, std::span<const vk::BoundImage> images = {});
-
-// Makes state follow the draws of one view: pipeline, set 0, material, culling. What stays the same is not set again.
-class SceneBinder {
+// Of one set of views. Culls them when it is made, once for all that is drawn.
+class HardwareVisibility final : public Visibility {
  public:
-  SceneBinder(graph::Context& context, const FrameInputs& inputs, uint32_t view, const vk::Pipeline& opaque,
-              const vk::Pipeline& masked, std::span<const vk::BoundImage> images);
-  const vk::Pipeline& bind(const Draw& draw);  // the pipeline that is now bound
+  HardwareVisibility(vk::Device& device, const GpuScene& scene, const DrawOrder& order,
+                     std::span<const shared::View> views, const HardwareOptions& options = {});
+
+  graph::ImageId addDepth(const FrameContext& f) const override;
+  void addGbuffer(const FrameContext& f, Gbuffer& gbuffer) const override;
+  graph::ImageId addMotion(const FrameContext& f, graph::ImageId depth, MotionUse use) const override;
+  void addShadowMaps(const FrameContext& f, graph::ImageId atlas) const override;
+  void addFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers) const override;
+  bool anyBlended() const override;
+
+  // What techniques draw that have shaders of their own.
+  const DeviceDraws& solid() const { return solid_; }      // a list a view
+  const DeviceDraws& blended() const { return blended_; }  // the same
+  // Draws what is solid in a view, within a rendering that has begun.
+  void recordSolid(graph::Context& context, const FrameContext& f, uint32_t view, const ScenePipelines& pipelines,
+                   std::span<const vk::BoundImage> images = {}) const;
 
  private:
-  graph::Context& context_;
-  const FrameInputs& inputs_;
-  const uint32_t view_;
-  const vk::Pipeline &opaque_, &masked_;
-  const std::span<const vk::BoundImage> images_;
-  const vk::Pipeline* bound_ = nullptr;
-  uint32_t material_ = ~0u;
-};
-void drawRun(graph::Context& context, const Draw& draw);  // with what is bound
-void drawScreen(graph::Context& context);                 // one triangle over the picture, seen from both sides
+  DeviceDraws select(DrawOrder::Kind kind, std::span<const shared::View> views) const;
 
-// Begins rendering to a layer of these targets, y up as projection.h has it. Colours are cleared to 0, or kept.
-struct DepthUse {
-  graph::ImageId image;
-  bool clear;  // stencil too where there is any; else tested only
+  vk::Device& device_;
+  const GpuScene& scene_;
+  const DrawOrder& order_;
+  HardwareOptions options_;
+  DeviceDraws solid_, blended_;
 };
-enum class ColorUse { Clear, Keep };
-void beginView(graph::Context& context, const FrameInputs& inputs, uint32_t view,
-               std::span<const graph::ImageId> colors, DepthUse depth, ColorUse use = ColorUse::Clear);
 
-// Finds the nearest surface of every pixel first, so that the geometry pass shades each pixel once (seed 000, early
-// depth-stencil). Reversed depth; equal depths are settled in the geometry pass, where what is drawn last wins.
-class DepthPass {
- public:
-  DepthPass(vk::Device& device, const GpuScene& scene, uint32_t samples = 1);
-  graph::ImageId add(graph::Graph& graph, const FrameInputs& inputs) const;
-
- private:
-  uint32_t samples_;
-  vk::Pipeline opaque_, masked_;
-};
+// The frame's, for a technique that draws the scene itself. Error(Usage) where visibility is another's.
+const HardwareVisibility& hardwareOf(const FrameContext& f, const char* technique);
 
 }  // namespace latelight::render

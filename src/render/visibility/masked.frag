@@ -1,14 +1,15 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+// variants: multisampled
 // Depth of alpha-masked materials.
 #include "render/glsl/common.glsl"
 #include "render/glsl/multisample.glsl"
-#include "render/glsl/varyings.glsl"
-#include "render/glsl/material.glsl"
+#include "render/visibility/varyings.glsl"
+#include "render/visibility/fragment_point.glsl"
 
 void main() {
 #ifdef MULTISAMPLED
   gl_SampleMask[0] = -1;
 #endif
-  cutFragment(drawMaterial());
+  cutFragment(drawMaterial(), fragmentPoint());
 }

@@ -2,9 +2,9 @@
 #extension GL_GOOGLE_include_directive : require
 // Motion of what is drawn: to the frame before, and to the frame after.
 #include "render/glsl/common.glsl"
-#include "render/glsl/varyings.glsl"
-#include "render/glsl/material.glsl"
-#include "render/glsl/motion_varyings.glsl"
+#include "render/visibility/varyings.glsl"
+#include "render/visibility/fragment_point.glsl"
+#include "render/visibility/motion_varyings.glsl"
 
 layout(constant_id = 16) const uint kAlphaMasked = 0;
 
@@ -13,5 +13,5 @@ layout(location = 0) out vec4 motion;
 void main() {
   motion = surfaceMotion(frameView(FrameRef(push.frame).v, push.view).size);
   // As in geometry.frag: last, since textures need the whole quad.
-  if (kAlphaMasked != 0u && cutOut(drawMaterial())) discard;
+  if (kAlphaMasked != 0u && cutOut(drawMaterial(), fragmentPoint())) discard;
 }

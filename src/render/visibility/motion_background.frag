@@ -2,12 +2,9 @@
 #extension GL_GOOGLE_include_directive : require
 // Motion where nothing is drawn: of the environment, which is infinitely far, so that only the camera's rotation moves it.
 #include "render/glsl/common.glsl"
+#include "render/visibility/draw_push.h"
 #include "shared/motion.h"
 
-struct DrawPush {  // varyings.glsl
-  uint64_t frame;  // FrameConstants
-  uint view;
-};
 layout(push_constant, scalar) uniform Push { DrawPush push; };
 
 layout(location = 0) out vec4 motion;

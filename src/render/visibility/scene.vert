@@ -1,3 +1,3 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "render/glsl/scene_vertex.glsl"
+#include "render/visibility/scene_vertex.glsl"

@@ -1,4 +1,4 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #define MOTION
-#include "render/glsl/scene_vertex.glsl"
+#include "render/visibility/scene_vertex.glsl"

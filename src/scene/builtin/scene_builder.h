@@ -5,6 +5,7 @@
 #include <unordered_set>
 
 #include "scene/ids.h"
+#include "scene/scene.h"
 
 namespace latelight::scene::builtin {
 

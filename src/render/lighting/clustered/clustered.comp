@@ -1,5 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+// variants: layout, multisampled
 // clustered: the lights of a list for each slice of a tile at the pixels that lie in it.
 #include "render/glsl/common.glsl"
 #include "render/glsl/gbuffer_read.glsl"

@@ -6,9 +6,8 @@ namespace latelight::render {
 TechniqueInfo technique_clustered() {
   return {
       .description = "lights listed for each depth slice of each tile, by the box of the samples in it",
-      .make = [](vk::Device& device, const GpuScene&, const FrameSetup& setup) -> std::unique_ptr<LightingTechnique> {
-        return std::make_unique<LightListsTechnique>(device, setup,
-                                                     LightListsDesc{.name = "clustered", .cellsATile = kSlices});
+      .add = [](const FrameContext& f, const Gbuffer& gbuffer) {
+        addLightLists(f, gbuffer, {.name = "clustered", .cellsATile = kSlices});
       }};
 }
 

@@ -3,6 +3,7 @@
 #include "render/lighting/forward/forward.h"
 
 #include "render/lighting/light_sum.h"
+#include "render/lighting/technique.h"
 #include "render/lit_maps.h"
 #include "render/visibility/hardware.h"
 
@@ -10,63 +11,23 @@ namespace latelight::render {
 
 namespace {
 
-constexpr uint32_t kAlphaMasked = kFirstOwnConstant, kPlainLoop = kFirstOwnConstant + 1;  // forward.frag
+constexpr uint32_t kPlainLoop = kFirstOwnConstant + 1;  // forward.frag
 
-class Forward final : public LightingTechnique {
- public:
-  Forward(vk::Device& device, const GpuScene& scene, const FrameSetup& setup, ForwardLoop loop)
-      : countLights_(setup.countLights), opaque_(makePipeline(device, scene, setup, {false, loop})) {
-    if (anyMasked(scene)) masked_ = makePipeline(device, scene, setup, {true, loop});
-    if (setup.samples > 1) resolve_.emplace(device, setup);
-  }
-
-  void add(graph::Graph& graph, const FrameInputs& inputs, const Gbuffer& gbuffer) const override {
-    std::vector<graph::ImageId> colors{gbuffer.sampleLight};
-    if (countLights_) colors.push_back(gbuffer.lightCounts);
-    std::vector<graph::Access> accesses{{gbuffer.sampleDepth, graph::Use::DepthTest}};
-    for (graph::ImageId color : colors) accesses.emplace_back(color, graph::Use::ColorAttachment);
-    appendLitAccesses(accesses, gbuffer, graph::Use::SampledFragment);
-    graph.pass(graph::Stage::Lighting, "lighting forward", std::move(accesses),
-               [=, this, depth = gbuffer.sampleDepth](graph::Context& context) {
-                 std::vector<vk::BoundImage> images;
-                 appendLitImages(images, context, inputs, gbuffer);
-                 for (uint32_t view = 0; view < inputs.views.size(); ++view) {
-                   beginView(context, inputs, view, colors, {depth, false});
-                   drawScene(context, inputs, view, opaque_, masked_, images);
-                   vkCmdEndRendering(context.get());
-                 }
-               });
-    if (resolve_) resolve_->add(graph, inputs, gbuffer.sampleLight, gbuffer.light);
-  }
-
- private:
-  struct Kind {
-    bool masked;
-    ForwardLoop loop;
-  };
-  static vk::Pipeline makePipeline(vk::Device& device, const GpuScene& scene, const FrameSetup& setup, Kind kind) {
-    vk::GraphicsDesc desc;
-    desc.vertex = "scene.vert";
-    desc.fragment = setup.variant("forward.frag");
-    appendLitBindings(desc.bindings);
-    desc.materialSet = scene.materialSetLayout();
-    desc.constants = setup.constants();
-    desc.constants.push_back({kAlphaMasked, kind.masked ? 1u : 0u});
-    desc.constants.push_back({kPlainLoop, kind.loop == ForwardLoop::Plain ? 1u : 0u});
-    desc.colors = {kLightFormat};
-    if (setup.countLights) desc.colors.push_back(kCountsFormat);
-    desc.depth = kDepthFormat;
-    desc.depthCompare = VK_COMPARE_OP_EQUAL;
-    desc.depthWrite = false;
-    desc.samples = setup.samples;
-    desc.name = kind.masked ? "forward masked" : "forward";
-    return vk::makePipeline(device, desc);
-  }
-
-  bool countLights_;
-  vk::Pipeline opaque_, masked_;
-  std::optional<FinishSum> resolve_;  // of several samples a pixel
-};
+ScenePipelines pipelinesOf(const FrameContext& f, const Bindings& maps, ForwardLoop loop) {
+  vk::GraphicsDesc desc;
+  desc.fragment = f.setup.variant("forward.frag");
+  desc.bindings = maps.kinds();
+  desc.constants = f.setup.constants();
+  desc.constants.push_back({kPlainLoop, loop == ForwardLoop::Plain ? 1u : 0u});
+  desc.colors = {kLightFormat};
+  if (f.setup.countLights) desc.colors.push_back(kCountsFormat);
+  desc.depth = kDepthFormat;
+  desc.depthCompare = VK_COMPARE_OP_EQUAL;
+  desc.depthWrite = false;
+  desc.samples = f.setup.samples;
+  desc.name = "forward";
+  return scenePipelines(f.device, desc);
+}
 
 }  // namespace
 
@@ -81,16 +42,31 @@ ForwardLoop forwardLoop(vk::Device& device) {
   return dealt ? ForwardLoop::Dealt : ForwardLoop::Plain;
 }
 
-std::unique_ptr<LightingTechnique> makeForward(vk::Device& device, const GpuScene& scene, const FrameSetup& setup,
-                                               ForwardLoop loop) {
-  return std::make_unique<Forward>(device, scene, setup, loop);
+void addForward(const FrameContext& f, const Gbuffer& gbuffer, ForwardLoop loop) {
+  const HardwareVisibility& hardware = hardwareOf(f, "forward lighting");
+  const Bindings maps = litMaps(f, gbuffer, graph::Use::SampledFragment);
+  const ScenePipelines pipelines = pipelinesOf(f, maps, loop);
+  std::vector<graph::ImageId> colors{gbuffer.sampleLight};
+  if (f.setup.countLights) colors.push_back(gbuffer.lightCounts);
+  std::vector<graph::Access> accesses = maps.accesses();
+  accesses.emplace_back(gbuffer.sampleDepth, graph::Use::DepthTest);
+  for (graph::ImageId color : colors) accesses.emplace_back(color, graph::Use::ColorAttachment);
+  f.graph.pass(graph::Stage::Lighting, "lighting forward", std::move(accesses),
+               [=, &f, &hardware, depth = gbuffer.sampleDepth](graph::Context& context) {
+                 const std::vector<vk::BoundImage> images = maps.images(context);
+                 for (uint32_t view = 0; view < f.viewCount(); ++view) {
+                   beginView(context, f, view, colors, {depth, false});
+                   hardware.recordSolid(context, f, view, pipelines, images);
+                   vkCmdEndRendering(context.get());
+                 }
+               });
+  if (f.setup.samples > 1) addFinishSum(f, gbuffer.sampleLight, gbuffer.light);
 }
 
 TechniqueInfo technique_forward() {
   return {.description = "one draw an object, all lights in its shader; no G-buffer",
           .forward = true,
-          .make = [](vk::Device& device, const GpuScene& scene, const FrameSetup& setup)
-              -> std::unique_ptr<LightingTechnique> { return makeForward(device, scene, setup, forwardLoop(device)); }};
+          .add = [](const FrameContext& f, const Gbuffer& gbuffer) { addForward(f, gbuffer, forwardLoop(f.device)); }};
 }
 
 }  // namespace latelight::render

@@ -1,11 +1,11 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+// variants: multisampled
 // forward: material and all lights of a visible surface in one shader (seed 000, single-pass lighting).
 #include "render/glsl/common.glsl"
 #include "render/glsl/multisample.glsl"
-#include "render/glsl/varyings.glsl"
-#include "render/glsl/material.glsl"
-#include "render/glsl/surface.glsl"
+#include "render/visibility/varyings.glsl"
+#include "render/visibility/surface_fragment.glsl"
 #include "shared/gbuffer.h"
 #include "render/glsl/environment.glsl"
 #include "render/glsl/lights.glsl"
@@ -21,7 +21,9 @@ void main() {
   gl_SampleMask[0] = -1;
 #endif
   FrameConstants frame = FrameRef(push.frame).v;
-  Surface s = evaluateMaterial(frame, frameInstance(frame, varyingInstance), drawMaterial());
+  Material m = drawMaterial();
+  SurfacePoint p = fragmentPoint();
+  Surface s = evaluateMaterial(frame, m, p);
   s.ao *= visibleHemisphere(ivec3(ivec2(gl_FragCoord.xy), int(push.view)));
   bool unlit = (s.flags & kSurfaceUnlit) != 0u;
   vec3 emitted = unlit ? s.baseColor : s.emissive;
@@ -29,13 +31,13 @@ void main() {
   vec3 toEye = directionToEye(frameView(frame, push.view), s.position);
   vec3 radiance = environmentLight(frame, s, toEye);
   prepareForLights(s, toEye);
-  radiance += kPlainLoop != 0u ? shadeAllLightsPlainly(frame, s, toEye)
-                               : shadeAllLights(frame, s, toEye, true);
+  radiance += kPlainLoop != 0u ? shadeAllLightsPlainly(frame, push.view, s, toEye)
+                               : shadeAllLights(frame, push.view, s, toEye, true);
   // Emitted radiance has its own ceiling, as in the light accumulation target of the deferred techniques.
   vec3 sum = min(emitted * frame.exposure, vec3(65504.0)) + radiance * frame.exposure;
   picture = vec4(min(sum, vec3(65504.0)), 1.0);
   counts = lightCount();
   // What the mask cuts out left no depth, but another surface may lie at the very same one. Last, since textures need
   // the whole quad.
-  if (kAlphaMasked != 0u) cutFragment(drawMaterial());
+  if (kAlphaMasked != 0u) cutFragment(m, p);
 }

@@ -1,7 +1,7 @@
 // forward: the scene is drawn once more after the depth pass, and each fragment loops over all lights.
 #pragma once
 
-#include "render/lighting/technique.h"
+#include "render/frame.h"
 
 namespace latelight::render {
 
@@ -10,7 +10,6 @@ namespace latelight::render {
 enum class ForwardLoop : uint32_t { Dealt, Plain };
 ForwardLoop forwardLoop(vk::Device& device);  // the better one that it can
 
-std::unique_ptr<LightingTechnique> makeForward(vk::Device& device, const GpuScene& scene, const FrameSetup& setup,
-                                               ForwardLoop loop);
+void addForward(const FrameContext& f, const Gbuffer& gbuffer, ForwardLoop loop);
 
 }  // namespace latelight::render

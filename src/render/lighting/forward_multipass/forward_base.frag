@@ -1,11 +1,11 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+// variants: multisampled
 // forward-multipass, first pass: what a surface shows without lights, and which one it is.
 #include "render/glsl/common.glsl"
 #include "render/glsl/multisample.glsl"
-#include "render/glsl/varyings.glsl"
-#include "render/glsl/material.glsl"
-#include "render/glsl/surface.glsl"
+#include "render/visibility/varyings.glsl"
+#include "render/visibility/surface_fragment.glsl"
 #include "shared/gbuffer.h"
 #include "render/glsl/environment.glsl"
 
@@ -20,7 +20,9 @@ void main() {
   gl_SampleMask[0] = -1;
 #endif
   FrameConstants frame = FrameRef(push.frame).v;
-  Surface s = evaluateMaterial(frame, frameInstance(frame, varyingInstance), drawMaterial());
+  Material m = drawMaterial();
+  SurfacePoint p = fragmentPoint();
+  Surface s = evaluateMaterial(frame, m, p);
   s.ao *= visibleHemisphere(ivec3(ivec2(gl_FragCoord.xy), int(push.view)));
   bool unlit = (s.flags & kSurfaceUnlit) != 0u;
   vec3 emitted = unlit ? s.baseColor : s.emissive;
@@ -30,5 +32,5 @@ void main() {
   surface = uvec2(varyingInstance, gl_PrimitiveID);
   counts = vec4(0.0);
   // As in geometry.frag: last, since textures need the whole quad.
-  if (kAlphaMasked != 0u) cutFragment(drawMaterial());
+  if (kAlphaMasked != 0u) cutFragment(m, p);
 }

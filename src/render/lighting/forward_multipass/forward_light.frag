@@ -1,11 +1,11 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+// variants: multisampled
 // forward-multipass, a light's pass: the whole material once more, lit by one light.
 #include "render/glsl/common.glsl"
-#define DRAW_PUSH_LIGHT
-#include "render/glsl/varyings.glsl"
-#include "render/glsl/material.glsl"
-#include "render/glsl/surface.glsl"
+#define DRAW_PUSH LightDraw
+#include "render/visibility/varyings.glsl"
+#include "render/visibility/surface_fragment.glsl"
 #include "render/glsl/multisample.glsl"
 #include "render/glsl/environment.glsl"
 #include "render/glsl/one_light.glsl"
@@ -19,10 +19,12 @@ layout(location = 1) out vec4 counts;
 
 void main() {
   FrameConstants frame = FrameRef(push.frame).v;
-  Surface s = evaluateMaterial(frame, frameInstance(frame, varyingInstance), drawMaterial());
+  Material m = drawMaterial();
+  SurfacePoint p = fragmentPoint();
+  Surface s = evaluateMaterial(frame, m, p);
   vec3 toEye = directionToEye(frameView(frame, push.view), s.position);
   prepareForLights(s, toEye);
-  vec3 one = shadeOneLight(push.light, s, toEye);
+  vec3 one = shadeOneLight(frame, more.light, more.shadow, s, toEye);
   lightsTested = 1.0;
   // Of several surfaces at one depth all pass the test, and only the one that shows may be added to.
   ivec3 pixel = ivec3(ivec2(gl_FragCoord.xy), int(push.view));
@@ -35,5 +37,5 @@ void main() {
 #endif
   radiance = shows ? vec4(one * frame.exposure, 0.0) : vec4(0.0);
   counts = shows ? lightCount() : vec4(0.0);
-  if (kAlphaMasked != 0u) cutFragment(drawMaterial());
+  if (kAlphaMasked != 0u) cutFragment(m, p);
 }

@@ -3,6 +3,7 @@
 #include "render/lighting/light_sum.h"
 #include "render/lighting/technique.h"
 #include "render/lit_maps.h"
+#include "render/shadow/frame_shadows.h"
 #include "render/visibility/hardware.h"
 
 namespace latelight::render {
@@ -11,53 +12,18 @@ namespace {
 
 constexpr VkFormat kSurfaceFormat = VK_FORMAT_R32G32_UINT;  // instance and triangle
 
-struct LightPush {  // varyings.glsl with DRAW_PUSH_LIGHT
-  VkDeviceAddress frame;
-  uint32_t view;
-  shared::Light light;
+struct Targets {
+  graph::ImageId sum, surfaces;
 };
 
-// The draws of a scene in one of its two passes, for opaque and masked materials.
-struct ScenePipelines {
-  vk::Pipeline opaque, masked;
-  ScenePipelines(vk::Device& device, const GpuScene& scene, const FrameSetup& setup, vk::GraphicsDesc desc) {
-    desc.vertex = "scene.vert";
-    desc.materialSet = scene.materialSetLayout();
-    desc.depth = kDepthFormat;
-    desc.depthCompare = VK_COMPARE_OP_EQUAL;
-    desc.depthWrite = false;
-    desc.constants.push_back({kFirstOwnConstant, 0});
-    desc.samples = setup.samples;
-    opaque = vk::makePipeline(device, desc);
-    if (!anyMasked(scene)) return;
-    desc.constants.back().value = 1;
-    desc.name += " masked";
-    masked = vk::makePipeline(device, desc);
-  }
-};
-
-vk::GraphicsDesc baseDesc(const FrameSetup& setup, VkFormat sum) {
-  vk::GraphicsDesc desc;
-  desc.fragment = setup.variant("forward_base.frag");
-  appendLitBindings(desc.bindings);
-  desc.constants = setup.constants();
-  desc.colors = {sum, kSurfaceFormat};
-  if (setup.countLights) desc.colors.push_back(kCountsFormat);
-  desc.name = "forward base";
-  return desc;
-}
-
-vk::GraphicsDesc lightDesc(const FrameSetup& setup, VkFormat sum) {
-  vk::GraphicsDesc desc;
-  desc.fragment = setup.variant("forward_light.frag");
-  appendLitBindings(desc.bindings);
-  desc.bindings.push_back(vk::Binding::Sampled);  // the surfaces
-  desc.constants = setup.constants();
-  desc.colors = {sum};
-  if (setup.countLights) desc.colors.push_back(kCountsFormat);
-  desc.blend = vk::Blend::Add;
-  desc.name = "forward light";
-  return desc;
+ScenePipelines pipelinesOf(const FrameContext& f, vk::GraphicsDesc desc) {
+  desc.depth = kDepthFormat;
+  desc.depthCompare = VK_COMPARE_OP_EQUAL;
+  desc.depthWrite = false;
+  desc.samples = f.setup.samples;
+  desc.constants = f.setup.constants();
+  if (f.setup.countLights) desc.colors.push_back(kCountsFormat);
+  return scenePipelines(f.device, desc);
 }
 
 bool reaches(const shared::Light& light, const Sphere& bounds) {
@@ -65,111 +31,127 @@ bool reaches(const shared::Light& light, const Sphere& bounds) {
   return light.type == shared::kLightDirectional || distance < light.reach + bounds.radius;
 }
 
-class ForwardMultipass final : public LightingTechnique {
- public:
-  ForwardMultipass(vk::Device& device, const GpuScene& scene, const FrameSetup& setup)
-      : countLights_(setup.countLights),
-        samples_(setup.samples),
-        sumFormat_(lightSumFormat(device)),
-        base_(device, scene, setup, baseDesc(setup, sumFormat_)),
-        light_(device, scene, setup, lightDesc(setup, sumFormat_)),
-        finish_(device, setup),
-        sampler_(vk::makeSampler(device, vk::kNearestSampler)) {}
-
-  void add(graph::Graph& graph, const FrameInputs& inputs, const Gbuffer& gbuffer) const override {
-    const Targets targets{createTarget(graph, inputs, sumFormat_, "sum of lights", samples_),
-                          createTarget(graph, inputs, kSurfaceFormat, "surfaces", samples_)};
-    addBase(graph, inputs, gbuffer, targets);
-    addLights(graph, inputs, gbuffer, targets);
-    finish_.add(graph, inputs, targets.sum, gbuffer.light);
-  }
-
- private:
-  struct Targets {
-    graph::ImageId sum, surfaces;
-  };
-
-  void addBase(graph::Graph& graph, const FrameInputs& inputs, const Gbuffer& gbuffer, Targets targets) const {
-    std::vector<graph::ImageId> colors{targets.sum, targets.surfaces};
-    if (countLights_) colors.push_back(gbuffer.lightCounts);
-    std::vector<graph::Access> accesses{{gbuffer.sampleDepth, graph::Use::DepthTest}};
-    for (graph::ImageId color : colors) accesses.emplace_back(color, graph::Use::ColorAttachment);
-    appendLitAccesses(accesses, gbuffer, graph::Use::SampledFragment);
-    graph.pass(graph::Stage::Lighting, "forward base", std::move(accesses),
-               [=, this, depth = gbuffer.sampleDepth](graph::Context& context) {
-                 std::vector<vk::BoundImage> images;
-                 appendLitImages(images, context, inputs, gbuffer);
-                 for (uint32_t view = 0; view < inputs.views.size(); ++view) {
-                   beginView(context, inputs, view, colors, {depth, false});
-                   drawScene(context, inputs, view, base_.opaque, base_.masked, images);
+// What the scene shows without lights.
+void addBase(const FrameContext& f, const Gbuffer& gbuffer, Targets targets) {
+  const HardwareVisibility& hardware = hardwareOf(f, "forward-multipass lighting");
+  const Bindings maps = litMaps(f, gbuffer, graph::Use::SampledFragment);
+  vk::GraphicsDesc desc;
+  desc.fragment = f.setup.variant("forward_base.frag");
+  desc.bindings = maps.kinds();
+  desc.colors = {f.graph.desc(targets.sum).format, kSurfaceFormat};
+  desc.name = "forward base";
+  const ScenePipelines pipelines = pipelinesOf(f, desc);
+  std::vector<graph::ImageId> colors{targets.sum, targets.surfaces};
+  if (f.setup.countLights) colors.push_back(gbuffer.lightCounts);
+  std::vector<graph::Access> accesses = maps.accesses();
+  accesses.emplace_back(gbuffer.sampleDepth, graph::Use::DepthTest);
+  for (graph::ImageId color : colors) accesses.emplace_back(color, graph::Use::ColorAttachment);
+  f.graph.pass(graph::Stage::Lighting, "forward base", std::move(accesses),
+               [=, &f, &hardware, depth = gbuffer.sampleDepth](graph::Context& context) {
+                 const std::vector<vk::BoundImage> images = maps.images(context);
+                 for (uint32_t view = 0; view < f.viewCount(); ++view) {
+                   beginView(context, f, view, colors, {depth, false});
+                   hardware.recordSolid(context, f, view, pipelines, images);
                    vkCmdEndRendering(context.get());
                  }
                });
-  }
+}
 
-  void addLights(graph::Graph& graph, const FrameInputs& inputs, const Gbuffer& gbuffer, Targets targets) const {
-    std::vector<graph::ImageId> colors{targets.sum};
-    if (countLights_) colors.push_back(gbuffer.lightCounts);
-    std::vector<graph::Access> accesses{{gbuffer.sampleDepth, graph::Use::DepthTest},
-                                        {targets.surfaces, graph::Use::SampledFragment}};
-    for (graph::ImageId color : colors) accesses.emplace_back(color, graph::Use::ColorAttachmentLoad);
-    appendLitAccesses(accesses, gbuffer, graph::Use::SampledFragment);
-    graph.pass(graph::Stage::Lighting, "forward lights", std::move(accesses),
-               [=, this, depth = gbuffer.sampleDepth](graph::Context& context) {
-                 std::vector<vk::BoundImage> images;
-                 appendLitImages(images, context, inputs, gbuffer);
-                 images.push_back({context.image(targets.surfaces).arrayView(), sampler_.get()});
+bool reachesAny(const FrameContext& f, const DeviceDraws& draws, const Draw& draw, const shared::Light& light) {
+  for (uint32_t i = draw.first; i < draw.first + draw.count; ++i)
+    if (reaches(light, f.scene.instances().bounds(draws.instance(i)))) return true;
+  return false;
+}
+
+// Draws those of a draw's instances that a light reaches. Returns the number of draws.
+uint64_t recordReached(graph::Context& context, const FrameContext& f, const DeviceDraws& draws, const Draw& draw,
+                       const shared::Light& light) {
+  uint64_t passes = 0;
+  Draw run = draw;
+  run.count = 0;
+  const auto flush = [&] {
+    if (run.count == 0) return;
+    recordDraw(context, f.scene, run);
+    run.count = 0;
+    ++passes;
+  };
+  for (uint32_t i = draw.first; i < draw.first + draw.count; ++i) {
+    if (!reaches(light, f.scene.instances().bounds(draws.instance(i)))) {
+      flush();
+      continue;
+    }
+    if (run.count++ == 0) run.first = i;
+  }
+  flush();
+  return passes;
+}
+
+// Every light over every object it may reach. Lights change within an object, not objects within a light: the sum is
+// the same, and a light is 64 bytes of push constants where a material is seven textures. Returns the number of draws.
+uint64_t recordLights(graph::Context& context, const FrameContext& f, const DeviceDraws& draws, uint32_t view,
+                      SceneBinder& binder) {
+  uint64_t passes = 0;
+  for (const Draw& draw : draws[view]) {
+    if (f.scene.materials().record(draw.material).flags & shared::kMaterialUnlit) continue;
+    const vk::Pipeline& pipeline = binder.bind(draw);
+    for (uint32_t light = 0; light < f.lights.size(); ++light) {
+      if (!reachesAny(f, draws, draw, f.lights[light])) continue;
+      pushMore(context, pipeline,
+               shared::LightDraw{f.lights[light], f.shadows ? f.shadows->of(view, light) : shared::LightShadow{}});
+      passes += recordReached(context, f, draws, draw, f.lights[light]);
+    }
+  }
+  return passes;
+}
+
+void addLights(const FrameContext& f, const Gbuffer& gbuffer, Targets targets) {
+  const HardwareVisibility& hardware = hardwareOf(f, "forward-multipass lighting");
+  Bindings bindings = litMaps(f, gbuffer, graph::Use::SampledFragment);
+  bindings.sampled(targets.surfaces);
+  vk::GraphicsDesc desc;
+  desc.fragment = f.setup.variant("forward_light.frag");
+  desc.pushBytes = pushBytesWith<shared::LightDraw>();
+  desc.bindings = bindings.kinds();
+  desc.colors = {f.graph.desc(targets.sum).format};
+  desc.blend = vk::Blend::Add;
+  desc.name = "forward light";
+  const ScenePipelines pipelines = pipelinesOf(f, desc);
+  std::vector<graph::ImageId> colors{targets.sum};
+  if (f.setup.countLights) colors.push_back(gbuffer.lightCounts);
+  std::vector<graph::Access> accesses = bindings.accesses();
+  accesses.emplace_back(gbuffer.sampleDepth, graph::Use::DepthTest);
+  for (graph::ImageId color : colors) accesses.emplace_back(color, graph::Use::ColorAttachmentLoad);
+  f.graph.pass(graph::Stage::Lighting, "forward lights", std::move(accesses),
+               [=, &f, &hardware, depth = gbuffer.sampleDepth](graph::Context& context) {
+                 const std::vector<vk::BoundImage> images = bindings.images(context);
+                 const DeviceDraws& draws = hardware.solid();
                  uint64_t passes = 0;
-                 for (uint32_t view = 0; view < inputs.views.size(); ++view) {
-                   beginView(context, inputs, view, colors, {depth, false}, ColorUse::Keep);
-                   passes += drawLights(context, inputs, view, images);
+                 for (uint32_t view = 0; view < f.viewCount(); ++view) {
+                   beginView(context, f, view, colors, {depth, false}, ColorUse::Keep);
+                   SceneBinder binder(context, f.scene,
+                                      {.frame = f.constants, .instances = draws.instances(), .view = view}, pipelines,
+                                      images);
+                   passes += recordLights(context, f, draws, view, binder);
                    vkCmdEndRendering(context.get());
                  }
                  warnOfManyPasses("lighting by forward-multipass", passes);
                });
-  }
+}
 
-  // Every light over every object it may reach. Lights change within an object, not objects within a light: the sum is
-  // the same, and a light is 60 bytes of push constants where a material is seven textures. Returns the number of
-  // draws.
-  uint64_t drawLights(graph::Context& context, const FrameInputs& inputs, uint32_t view,
-                      std::span<const vk::BoundImage> images) const {
-    SceneBinder binder(context, inputs, view, light_.opaque, light_.masked, images);
-    uint64_t passes = 0;
-    std::vector<Draw> runs;
-    for (const Draw& draw : inputs.scene.visibleDraws(inputs.views[view], inputs.atCentres)) {
-      if (inputs.scene.material(draw.material).flags & shared::kMaterialUnlit) continue;
-      const vk::Pipeline& pipeline = binder.bind(draw);
-      for (const shared::Light& light : inputs.lights) {
-        runs.clear();
-        inputs.scene.appendRuns(
-            draw, [&](const Sphere& bounds) { return reaches(light, bounds); }, runs);
-        if (runs.empty()) continue;
-        context.commands().push(pipeline, LightPush{inputs.constants, view, light});
-        for (const Draw& run : runs) drawRun(context, run);
-        passes += runs.size();
-      }
-    }
-    return passes;
-  }
-
-  bool countLights_;
-  uint32_t samples_;
-  VkFormat sumFormat_;
-  ScenePipelines base_, light_;
-  FinishSum finish_;
-  vk::Handle<VkSampler> sampler_;
-};
+void add(const FrameContext& f, const Gbuffer& gbuffer) {
+  const Targets targets{createTarget(f, lightSumFormat(f.device), "sum of lights", f.setup.samples),
+                        createTarget(f, kSurfaceFormat, "surfaces", f.setup.samples)};
+  addBase(f, gbuffer, targets);
+  addLights(f, gbuffer, targets);
+  addFinishSum(f, targets.sum, gbuffer.light);
+}
 
 }  // namespace
 
 TechniqueInfo technique_forward_multipass() {
   return {.description = "one additive pass a light over every object, depth-equal; no G-buffer",
           .forward = true,
-          .make = [](vk::Device& device, const GpuScene& scene,
-                     const FrameSetup& setup) -> std::unique_ptr<LightingTechnique> {
-            return std::make_unique<ForwardMultipass>(device, scene, setup);
-          }};
+          .add = add};
 }
 
 }  // namespace latelight::render

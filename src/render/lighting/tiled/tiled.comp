@@ -1,5 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+// variants: layout, multisampled
 // tiled: the lights of a tile's list at each of its pixels.
 #include "render/glsl/common.glsl"
 #include "render/glsl/gbuffer_read.glsl"

@@ -6,8 +6,8 @@ namespace latelight::render {
 TechniqueInfo technique_tiled() {
   return {
       .description = "lights listed for each tile of 16x16 pixels, by its samples' box and 2.5D depth mask",
-      .make = [](vk::Device& device, const GpuScene&, const FrameSetup& setup) -> std::unique_ptr<LightingTechnique> {
-        return std::make_unique<LightListsTechnique>(device, setup, LightListsDesc{.name = "tiled"});
+      .add = [](const FrameContext& f, const Gbuffer& gbuffer) {
+        addLightLists(f, gbuffer, {.name = "tiled"});
       }};
 }
 

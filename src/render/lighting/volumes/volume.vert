@@ -1,7 +1,9 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "render/glsl/common.glsl"
-#include "render/lighting/volumes/volume_push.glsl"
+#include "render/lighting/volumes/volume_push.h"
+
+layout(push_constant, scalar) uniform Push { VolumePush push; };
 
 // Beyond what spotOffset / spotScale keep of the angle: their rounding moves a narrow cone's by 3.5e-4 radians.
 const float kAngleMargin = 1e-3;

@@ -1,16 +1,19 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+// variants: multisampled
 // Copies depth to where there is stencil beside it: with several samples a pixel, for each sample that of its surface,
 // which is lit in one place. (Where a pixel spans metres a light may reach that place and not all of the samples.)
+#include "render/glsl/common.glsl"
 #include "render/glsl/multisample.glsl"
+#include "render/lighting/volumes/volume_push.h"
 layout(set = 0, binding = 0) uniform TARGET_SAMPLER depthSource;
 #ifdef MULTISAMPLED
 layout(set = 0, binding = 1) uniform usampler2DArray pixelSurfaces;
 #endif
-layout(push_constant) uniform Push { layout(offset = 16) uint view; };  // as volume_push.glsl has it
+layout(push_constant, scalar) uniform Push { VolumePush push; };
 
 void main() {
-  ivec3 pixel = ivec3(ivec2(gl_FragCoord.xy), int(view));
+  ivec3 pixel = ivec3(ivec2(gl_FragCoord.xy), int(push.view));
 #ifdef MULTISAMPLED
   uint surface = surfaceWithSample(texelFetch(pixelSurfaces, pixel, 0).r, uint(gl_SampleID));
   gl_FragDepth = depthOfSamples(depthSource, pixel, surface);

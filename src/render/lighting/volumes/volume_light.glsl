@@ -1,7 +1,9 @@
 // One light at a surface that its volume covers. After gbuffer_read.glsl, with GBUFFER_SAMPLED_ONLY.
 #include "render/glsl/environment.glsl"
 #include "render/glsl/one_light.glsl"
-#include "render/lighting/volumes/volume_push.glsl"
+#include "render/lighting/volumes/volume_push.h"
+
+layout(push_constant, scalar) uniform Push { VolumePush push; };
 
 // Not by address, whose loads cost lavapipe more than the light.
 layout(set = 0, binding = AFTER_LIT_MAPS, scalar) uniform ViewUniform { View view; };
@@ -21,7 +23,8 @@ void lightSurface(ivec3 pixel, uint samples) {
   if ((s.flags & kSurfaceUnlit) != 0u) s = withoutReflection(s);
   vec3 toEye = directionToEye(view, s.position);
   prepareForLights(s, toEye);
-  vec3 one = shadeOneLight(push.light, s, toEye);
+  FrameConstants frame = FrameRef(push.frame).v;
+  vec3 one = shadeOneLight(frame, push.light, push.shadow, s, toEye);
   lightsTested = 1.0;
   // Volumes that reach the far plane cover background too.
   radiance = depth != 0.0 ? vec4(one, 0.0) : vec4(0.0);

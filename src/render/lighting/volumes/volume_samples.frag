@@ -1,5 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+// variants: layout
 // As volume.frag, a fragment a sample: where a pixel's samples show different surfaces.
 #define MULTISAMPLED
 #include "render/glsl/common.glsl"

@@ -1,16 +1,15 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+// variants: layout, multisampled
 // The lit picture: emitted radiance, environment, and the lights that the volumes added up.
 #include "render/glsl/common.glsl"
 #include "render/glsl/gbuffer_read.glsl"
 #include "render/glsl/lit_pixel.glsl"
+#include "render/lighting/lighting_push.h"
 
 layout(local_size_x = 16, local_size_y = 16) in;
 layout(set = 0, binding = AFTER_LIT_MAPS) uniform TARGET_SAMPLER lightSum;
 
-struct LightingPush {
-  uint64_t frame;  // FrameConstants
-};
 layout(push_constant, scalar) uniform Push { LightingPush push; };
 
 vec3 lightsAt(FrameConstants frame, View view, LitPixel p) {

@@ -3,34 +3,29 @@
 // directional lights one triangle over the picture. Depth is reversed here: the seed's LESS is GREATER.
 #include <cmath>
 #include <cstring>
+#include <memory>
 
 #include "render/frustum.h"
 #include "render/lighting/light_sum.h"
+#include "render/lighting/lighting_push.h"
 #include "render/lighting/lighting_shader.h"
 #include "render/lighting/technique.h"
 #include "render/lighting/volumes/volume_mesh.h"
+#include "render/lighting/volumes/volume_push.h"
 #include "render/lighting/volumes/volumes.h"
 #include "render/lit_maps.h"
-#include "render/visibility/hardware.h"
+#include "render/shadow/frame_shadows.h"
+#include "render/visibility/draw.h"
 
 namespace latelight::render {
 
 namespace {
 
 constexpr VkFormat kStencilFormat = VK_FORMAT_D32_SFLOAT_S8_UINT;
-enum Shape : uint32_t { kShapeScreen, kShapeSphere, kShapeCone };  // volume_push.glsl
-
-struct VolumePush {  // volume_push.glsl
-  VkDeviceAddress frame, vertices;
-  uint32_t view;
-  uint32_t shape;
-  float reach;
-  shared::Light light;
-};
-
-struct LightingPush {  // volumes.comp
-  VkDeviceAddress frame;
-};
+using shared::kShapeCone;
+using shared::kShapeScreen;
+using shared::kShapeSphere;
+using shared::VolumePush;
 
 // --- the draws ------------------------------------------------------------------------------------------------------
 
@@ -95,7 +90,7 @@ VkStencilOpState besideSeveral(const StepState& step) {
 
 // What to do for one light in one view.
 struct VolumeDraw {
-  Shape shape;
+  uint32_t shape;  // kShape*
   std::optional<Step> mark;
   Step light;
   float reach = 0;  // of a volume, metres
@@ -119,7 +114,7 @@ class VolumePlan {
     const bool cutFar = depth + extent >= shared::viewDepth(view_.projection, 0.0f);
     // Clamped, back faces beyond the far plane stay; clipped, they would leave what they hold unmarked.
     if (cutFar && !depthClamp_) return screen;
-    const Shape shape = isCone(light) ? kShapeCone : kShapeSphere;
+    const uint32_t shape = isCone(light) ? kShapeCone : kShapeSphere;
     if (projectedRadius(reach) < kLeastMarkedRadius)
       return VolumeDraw{shape, std::nullopt, kLightUnmarked, reach.radius};
     if (order_ == kVolumesClassic) return VolumeDraw{shape, kMarkClassic, kLightMarked, reach.radius};
@@ -157,236 +152,245 @@ class VolumePlan {
 
 // --- the technique --------------------------------------------------------------------------------------------------
 
-class Volumes final : public LightingTechnique {
- public:
-  Volumes(vk::Device& device, const FrameSetup& setup)
-      : device_(device),
-        setup_(setup),
-        sumFormat_(lightSumFormat(device)),
-        finish_(device, setup, "volumes.comp", {}, {vk::Binding::Sampled}),
-        sampler_(vk::makeSampler(device, vk::kNearestSampler)) {
-    VkPhysicalDeviceFeatures features;
-    vkGetPhysicalDeviceFeatures(device.physical(), &features);
-    depthClamp_ = features.depthClamp;  // an optional feature that is enabled where it is offered
-    copyDepth_ = makeDepthCopy(device);
-    for (const StepState& step : kSteps) steps_.push_back(makeStep(device, step, kRatePixel));
-    if (multisampled()) {
-      markSeveral_ = makeSeveralMark(device);
-      for (const StepState& step : kSteps) sampleSteps_.push_back(makeStep(device, step, kRateSample));
-    }
-    upload(device);
-  }
+// The meshes, and a view each as a uniform: volume.frag reads it for every light, and loads by address cost lavapipe
+// more than the light.
+struct VolumeBuffers {
+  VolumeMesh::Part sphere, cone;
+  vk::Buffer vertices, indices;
+  std::vector<vk::Buffer> views;
 
-  void add(graph::Graph& graph, const FrameInputs& inputs, const Gbuffer& gbuffer) const override {
-    const graph::ImageId sum = createTarget(graph, inputs, sumFormat_, "sum of lights", setup_.samples);
-    const graph::ImageId stencil = createTarget(graph, inputs, kStencilFormat, "depth and stencil", setup_.samples);
-    std::vector<graph::ImageId> colors{sum};
-    if (setup_.countLights) colors.push_back(gbuffer.lightCounts);
-
-    std::vector<graph::Access> accesses{{stencil, graph::Use::DepthAttachment}};
-    for (graph::ImageId image : gbufferInputs(gbuffer)) accesses.emplace_back(image, graph::Use::SampledFragment);
-    for (graph::ImageId color : colors) accesses.emplace_back(color, graph::Use::ColorAttachment);
-    appendLitAccesses(accesses, gbuffer, graph::Use::SampledFragment);
-    graph.pass(graph::Stage::Lighting, "light volumes", std::move(accesses), [=, this](graph::Context& context) {
-      uint64_t passes = 0;
-      for (uint32_t view = 0; view < inputs.views.size(); ++view) {
-        beginView(context, inputs, view, colors, {stencil, true});
-        passes += drawVolumes(context, inputs, gbuffer, view);
-        vkCmdEndRendering(context.get());
-      }
-      warnOfManyPasses("lighting by volumes", passes);
-    });
-    addFinish(graph, inputs, gbuffer, sum);
+  explicit VolumeBuffers(const FrameContext& f) {
+    static const VolumeMesh mesh = makeVolumeMesh();
+    sphere = mesh.sphere;
+    cone = mesh.cone;
+    vertices = uploaded(f.device, std::span(mesh.vertices), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
+    indices = uploaded(f.device, std::span(mesh.indices), VK_BUFFER_USAGE_INDEX_BUFFER_BIT);
+    for (const shared::View& view : f.views)
+      views.push_back(uploaded(f.device, std::span(&view, 1), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT));
   }
 
  private:
-  bool multisampled() const { return setup_.samples > 1; }
+  template <typename T>
+  static vk::Buffer uploaded(vk::Device& device, std::span<T> values, VkBufferUsageFlags usage) {
+    vk::Buffer buffer(device, {.size = values.size_bytes(),
+                               .usage = usage,
+                               .kind = vk::MemoryKind::Upload,
+                               .name = "light volumes"});
+    std::memcpy(buffer.mapped(), values.data(), values.size_bytes());
+    return buffer;
+  }
+};
+
+// The pass that draws all lights' volumes into their sum.
+class VolumesPass {
+ public:
+  VolumesPass(const FrameContext& f, const Gbuffer& gbuffer, VkFormat sumFormat)
+      : f_(f),
+        depthClamp_(hasDepthClamp(f.device)),
+        sumFormat_(sumFormat),
+        buffers_(f),
+        inputs_(inputs(f, gbuffer)),
+        depth_(f.device, graph::Use::SampledFragment),
+        several_(f.device, graph::Use::SampledFragment) {
+    depth_.sampled(gbuffer.sampleDepth);
+    if (gbuffer.surfaces) depth_.sampled(gbuffer.surfaces);
+    if (gbuffer.surfaces) several_.sampled(gbuffer.surfaces);
+    copyDepth_ = depthCopyPipeline();
+    for (const StepState& step : kSteps) steps_.push_back(stepPipeline(step, kRatePixel));
+    if (!multisampled()) return;
+    markSeveral_ = severalPipeline();
+    for (const StepState& step : kSteps) sampleSteps_.push_back(stepPipeline(step, kRateSample));
+  }
+
+  std::vector<graph::Access> accesses() const { return inputs_.accesses(); }
+
+  // Every light of a view, within a rendering that has begun. Returns how many.
+  uint64_t record(graph::Context& context, uint32_t view) const;
+
+ private:
+  static bool hasDepthClamp(const vk::Device& device) {
+    VkPhysicalDeviceFeatures features;
+    vkGetPhysicalDeviceFeatures(device.physical(), &features);
+    return features.depthClamp;  // an optional feature that is enabled where it is offered
+  }
+  static Bindings inputs(const FrameContext& f, const Gbuffer& gbuffer) {
+    Bindings bindings(f.device, graph::Use::SampledFragment);
+    bindings.sampled(gbufferInputs(gbuffer));
+    appendLitMaps(bindings, f, gbuffer);
+    return bindings;
+  }
+  // With the view's uniform behind them.
+  std::vector<vk::Binding> inputKinds() const {
+    std::vector<vk::Binding> kinds = inputs_.kinds();
+    kinds.push_back(vk::Binding::Uniform);
+    return kinds;
+  }
+  bool multisampled() const { return f_.setup.samples > 1; }
 
   vk::GraphicsDesc describe(const StepState& step) const {
     vk::GraphicsDesc desc;
     desc.vertex = "volume.vert";
-    desc.bindings.assign(gbufferInputs(setup_), vk::Binding::Sampled);
-    appendLitBindings(desc.bindings);
-    desc.bindings.push_back(vk::Binding::Uniform);  // the view
+    desc.bindings = inputKinds();
     desc.colors = {sumFormat_};
-    if (setup_.countLights) desc.colors.push_back(kCountsFormat);
-    desc.constants = setup_.constants();
+    if (f_.setup.countLights) desc.colors.push_back(kCountsFormat);
+    desc.constants = f_.setup.constants();
+    desc.pushBytes = sizeof(VolumePush);
     desc.depth = kStencilFormat;
     desc.depthCompare = step.depth;
     desc.depthWrite = false;
     desc.depthClamp = depthClamp_;
     desc.stencil = step.stencil;
-    desc.samples = setup_.samples;
+    desc.samples = f_.setup.samples;
     desc.colorWrite = step.lights;
     desc.blend = step.lights ? vk::Blend::Add : vk::Blend::Replace;
     desc.name = std::string("volumes ") + step.name;
     return desc;
   }
 
-  vk::Pipeline makeStep(vk::Device& device, const StepState& step, Rate rate) const {
+  vk::PipelineRef stepPipeline(const StepState& step, Rate rate) const {
     vk::GraphicsDesc desc = describe(step);
     if (multisampled()) desc.stencil = besideSeveral(step);
-    const std::string& layout = setup_.layout->file;
+    const std::string& layout = f_.setup.layout->file;
     if (step.lights)
-      desc.fragment = rate == kRateSample ? "volume_samples.frag@" + layout : setup_.variant("volume.frag@" + layout);
-    return vk::makePipeline(device, desc);
+      desc.fragment =
+          rate == kRateSample ? "volume_samples.frag@" + layout : f_.setup.variant("volume.frag@" + layout);
+    return f_.device.cache().pipeline(desc);
   }
 
-  vk::Pipeline makeDepthCopy(vk::Device& device) const {
+  vk::PipelineRef depthCopyPipeline() const {
     vk::GraphicsDesc desc = describe({"depth", false, VK_COMPARE_OP_ALWAYS, std::nullopt, VK_CULL_MODE_NONE});
-    desc.fragment = setup_.variant("volume_depth.frag");
-    desc.bindings.assign(multisampled() ? 2 : 1, vk::Binding::Sampled);
+    desc.fragment = f_.setup.variant("volume_depth.frag");
+    desc.bindings = depth_.kinds();
     desc.depthWrite = true;
-    return vk::makePipeline(device, desc);
+    return f_.device.cache().pipeline(desc);
   }
 
-  vk::Pipeline makeSeveralMark(vk::Device& device) const {
+  vk::PipelineRef severalPipeline() const {
     vk::GraphicsDesc desc =
         describe({"mark several surfaces", false, VK_COMPARE_OP_ALWAYS, kMarkSeveral, VK_CULL_MODE_NONE});
     desc.fragment = "volume_edges.frag";
-    desc.bindings = {vk::Binding::Sampled};
-    return vk::makePipeline(device, desc);
-  }
-
-  void upload(vk::Device& device) {
-    const VolumeMesh mesh = makeVolumeMesh();
-    sphere_ = mesh.sphere;
-    cone_ = mesh.cone;
-    vk::Uploader uploader(device);
-    const auto make = [&](const char* name, const auto& values, VkBufferUsageFlags usage) {
-      const auto bytes = std::as_bytes(std::span(values));
-      vk::Buffer buffer(device, {.size = bytes.size(), .usage = usage, .name = name});
-      uploader.upload(buffer, bytes);
-      return buffer;
-    };
-    vertices_ = make("light volumes", mesh.vertices, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
-    indices_ = make("light volume indices", mesh.indices, VK_BUFFER_USAGE_INDEX_BUFFER_BIT);
-    uploader.flush();
-  }
-
-  // Every light of a view, within a rendering that has begun. Returns how many.
-  uint64_t drawVolumes(graph::Context& context, const FrameInputs& inputs, const Gbuffer& gbuffer,
-                       uint32_t view) const {
-    VkCommandBuffer commands = context.get();
-    VolumePush push{inputs.constants, vertices_.address(), view, kShapeScreen, 0, {}};
-    std::vector<vk::BoundImage> depth{{context.image(gbuffer.sampleDepth).arrayView(), sampler_.get()}};
-    if (gbuffer.surfaces) depth.push_back({context.image(gbuffer.surfaces).arrayView(), sampler_.get()});
-    context.commands().bind(copyDepth_, depth, push);
-    drawScreen(context);
-    markSeveral(context, gbuffer, push);
-
-    std::vector<vk::BoundImage> images;
-    for (graph::ImageId image : gbufferInputs(gbuffer))
-      images.push_back({context.image(image).arrayView(), sampler_.get()});
-    appendLitImages(images, context, inputs, gbuffer);
-    const vk::Buffer viewUniform = uploadView(inputs.views[view]);  // lives on until the frame is done
-    images.push_back({.uniform = viewUniform.get()});
-    context.commands().bind(steps_[kLightScreen], images, push);  // all steps' layouts are alike: set 0 stays bound
-    vkCmdBindIndexBuffer(commands, indices_.get(), 0, VK_INDEX_TYPE_UINT32);
-
-    const VolumePlan plan(inputs.views[view], inputs.scene.posedBounds(), setup_.volumesOrder, depthClamp_);
-    uint32_t reference = 0;  // of the last light that was marked; 0 is what stencil is cleared to
-    uint64_t passes = 0;
-    for (const shared::Light& light : inputs.lights) {
-      const std::optional<VolumeDraw> draw = plan.of(light);
-      if (!draw) continue;
-      push.light = light;
-      push.shape = draw->shape;
-      push.reach = draw->reach;
-      context.commands().push(steps_[kLightScreen], push);
-      if (draw->mark) {
-        if (reference == (multisampled() ? kSeveralSurfaces - 1 : 0xff)) {
-          clearStencil(commands, inputs);
-          markSeveral(context, gbuffer, push);
-          context.commands().bind(steps_[kLightScreen], images, push);
-          reference = 0;
-        }
-        vkCmdSetStencilReference(commands, VK_STENCIL_FACE_FRONT_AND_BACK, ++reference);
-        record(commands, *draw->mark, draw->shape, steps_[*draw->mark]);
-      }
-      recordLight(commands, *draw, reference);
-      ++passes;
-    }
-    return passes;
-  }
-
-  vk::Buffer uploadView(const shared::View& view) const {
-    vk::Buffer buffer(device_, {.size = sizeof(view),
-                                .usage = VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
-                                .kind = vk::MemoryKind::Upload,
-                                .name = "view"});
-    std::memcpy(buffer.mapped(), &view, sizeof(view));
-    return buffer;
+    desc.bindings = several_.kinds();
+    return f_.device.cache().pipeline(desc);
   }
 
   // Every light marks with a value of its own, so stencil is cleared once in as many lights as there are values.
-  static void clearStencil(VkCommandBuffer commands, const FrameInputs& inputs) {
+  void clearStencil(VkCommandBuffer commands) const {
     const VkClearAttachment clear{.aspectMask = VK_IMAGE_ASPECT_STENCIL_BIT};
-    const VkClearRect rect{{{0, 0}, {inputs.width, inputs.height}}, 0, 1};
+    const VkClearRect rect{{{0, 0}, {f_.width, f_.height}}, 0, 1};
     vkCmdClearAttachments(commands, 1, &clear, 1, &rect);
   }
 
-  void markSeveral(graph::Context& context, const Gbuffer& gbuffer, VolumePush push) const {
+  void markSeveral(graph::Context& context, VolumePush push) const {
     if (!multisampled()) return;
     push.shape = kShapeScreen;
     VkCommandBuffer commands = context.get();
-    context.commands().bind(markSeveral_, {{context.image(gbuffer.surfaces).arrayView(), sampler_.get()}}, push);
+    context.commands().bind(markSeveral_.get(), several_.images(context), push);
     vkCmdSetStencilReference(commands, VK_STENCIL_FACE_FRONT_AND_BACK, kSeveralSurfaces);
-    drawScreen(context);
+    recordScreen(context);
   }
 
   void recordLight(VkCommandBuffer commands, const VolumeDraw& draw, uint32_t reference) const {
-    if (!multisampled()) return record(commands, draw.light, draw.shape, steps_[draw.light]);
+    if (!multisampled()) return recordStep(commands, draw.light, draw.shape, steps_[draw.light]);
     for (const Rate rate : {kRatePixel, kRateSample}) {
       const uint32_t several = rate == kRateSample ? kSeveralSurfaces : 0;
       vkCmdSetStencilReference(commands, VK_STENCIL_FACE_FRONT_AND_BACK, reference | several);
-      record(commands, draw.light, draw.shape, (several ? sampleSteps_ : steps_)[draw.light]);
+      recordStep(commands, draw.light, draw.shape, (several ? sampleSteps_ : steps_)[draw.light]);
     }
   }
 
-  void record(VkCommandBuffer commands, Step step, Shape shape, const vk::Pipeline& pipeline) const {
-    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline.pipeline.get());
+  void recordStep(VkCommandBuffer commands, Step step, uint32_t shape, const vk::PipelineRef& pipeline) const {
+    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline.get().pipeline.get());
     vkCmdSetCullMode(commands, kSteps[step].cull);
     if (shape == kShapeScreen) {
       vkCmdDraw(commands, 3, 1, 0, 0);
       return;
     }
-    const VolumeMesh::Part& part = shape == kShapeCone ? cone_ : sphere_;
+    const VolumeMesh::Part& part = shape == kShapeCone ? buffers_.cone : buffers_.sphere;
     vkCmdDrawIndexed(commands, part.indexCount, 1, part.firstIndex, static_cast<int32_t>(part.firstVertex), 0);
   }
 
-  void addFinish(graph::Graph& graph, const FrameInputs& inputs, const Gbuffer& gbuffer, graph::ImageId sum) const {
-    std::vector<graph::Access> accesses = LightingShader::accesses(gbuffer);
-    // The volumes counted already.
-    for (graph::Access& access : accesses)
-      if (setup_.countLights && access.image == gbuffer.lightCounts) access.use = graph::Use::StorageReadWrite;
-    accesses.emplace_back(sum, graph::Use::SampledCompute);
-    graph.pass(graph::Stage::Lighting, "lighting volumes", std::move(accesses), [=, this](graph::Context& context) {
-      finish_.dispatch(context, inputs, gbuffer, LightingPush{inputs.constants},
-                       {{context.image(sum).arrayView(), sampler_.get()}});
-    });
-  }
-
-  vk::Device& device_;
-  FrameSetup setup_;
+  const FrameContext& f_;
+  bool depthClamp_;
   VkFormat sumFormat_;
-  LightingShader finish_;
-  vk::Handle<VkSampler> sampler_;
-  bool depthClamp_ = false;
-  vk::Pipeline copyDepth_, markSeveral_;
-  std::vector<vk::Pipeline> steps_, sampleSteps_;  // as kSteps, at either rate; none of samples where there is one
-  vk::Buffer vertices_, indices_;
-  VolumeMesh::Part sphere_{}, cone_{};
+  VolumeBuffers buffers_;
+  Bindings inputs_, depth_, several_;
+  vk::PipelineRef copyDepth_, markSeveral_;
+  std::vector<vk::PipelineRef> steps_, sampleSteps_;  // as kSteps, at either rate; none of samples where there is one
 };
+
+uint64_t VolumesPass::record(graph::Context& context, uint32_t view) const {
+  VkCommandBuffer commands = context.get();
+  VolumePush push{
+      .frame = f_.constants, .vertices = buffers_.vertices.address(), .view = view, .shape = kShapeScreen};
+  context.commands().bind(copyDepth_.get(), depth_.images(context), push);
+  recordScreen(context);
+  markSeveral(context, push);
+
+  std::vector<vk::BoundImage> images = inputs_.images(context);
+  images.push_back({.uniform = buffers_.views[view].get()});
+  const vk::Pipeline& screen = steps_[kLightScreen].get();
+  context.commands().bind(screen, images, push);  // all steps' layouts are alike: set 0 stays bound
+  vkCmdBindIndexBuffer(commands, buffers_.indices.get(), 0, VK_INDEX_TYPE_UINT32);
+
+  const VolumePlan plan(f_.views[view], f_.scene.instances().allBounds(), f_.setup.volumesOrder, depthClamp_);
+  uint32_t reference = 0;  // of the last light that was marked; 0 is what stencil is cleared to
+  uint64_t passes = 0;
+  for (uint32_t light = 0; light < f_.lights.size(); ++light) {
+    const std::optional<VolumeDraw> draw = plan.of(f_.lights[light]);
+    if (!draw) continue;
+    push.light = f_.lights[light];
+    push.shadow = f_.shadows ? f_.shadows->of(view, light) : shared::LightShadow{};
+    push.shape = draw->shape;
+    push.reach = draw->reach;
+    context.commands().push(screen, push);
+    if (draw->mark) {
+      if (reference == (multisampled() ? kSeveralSurfaces - 1 : 0xff)) {
+        clearStencil(commands);
+        markSeveral(context, push);
+        context.commands().bind(screen, images, push);
+        reference = 0;
+      }
+      vkCmdSetStencilReference(commands, VK_STENCIL_FACE_FRONT_AND_BACK, ++reference);
+      recordStep(commands, *draw->mark, draw->shape, steps_[*draw->mark]);
+    }
+    recordLight(commands, *draw, reference);
+    ++passes;
+  }
+  return passes;
+}
+
+void addVolumes(const FrameContext& f, const Gbuffer& gbuffer, graph::ImageId sum) {
+  const graph::ImageId stencil = createTarget(f, kStencilFormat, "depth and stencil", f.setup.samples);
+  std::vector<graph::ImageId> colors{sum};
+  if (f.setup.countLights) colors.push_back(gbuffer.lightCounts);
+  const auto pass = std::make_shared<VolumesPass>(f, gbuffer, f.graph.desc(sum).format);
+  std::vector<graph::Access> accesses = pass->accesses();
+  accesses.emplace_back(stencil, graph::Use::DepthAttachment);
+  for (graph::ImageId color : colors) accesses.emplace_back(color, graph::Use::ColorAttachment);
+  f.graph.pass(graph::Stage::Lighting, "light volumes", std::move(accesses), [=, &f](graph::Context& context) {
+    uint64_t passes = 0;
+    for (uint32_t view = 0; view < f.viewCount(); ++view) {
+      beginView(context, f, view, colors, {stencil, true});
+      passes += pass->record(context, view);
+      vkCmdEndRendering(context.get());
+    }
+    warnOfManyPasses("lighting by volumes", passes);
+  });
+}
+
+void add(const FrameContext& f, const Gbuffer& gbuffer) {
+  const graph::ImageId sum = createTarget(f, lightSumFormat(f.device), "sum of lights", f.setup.samples);
+  addVolumes(f, gbuffer, sum);
+  ComputePass finish = lightingPass(f, gbuffer, "lighting volumes", "volumes.comp",
+                                    {.counts = f.setup.countLights});
+  finish.bindings.sampled(sum);
+  addCompute(f, std::move(finish), shared::LightingPush{f.constants});
+}
 
 }  // namespace
 
 TechniqueInfo technique_volumes() {
-  return {
-      .description = "a sphere or cone a light, drawn with two-step stencil culling; deferred",
-      .make = [](vk::Device& device, const GpuScene&, const FrameSetup& setup) -> std::unique_ptr<LightingTechnique> {
-        return std::make_unique<Volumes>(device, setup);
-      }};
+  return {.description = "a sphere or cone a light, drawn with two-step stencil culling; deferred", .add = add};
 }
 
 }  // namespace latelight::render

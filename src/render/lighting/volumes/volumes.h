@@ -5,7 +5,7 @@
 
 namespace latelight::render {
 
-// FrameSetup::volumesOrder, in the order of volumesOrders().
+// FrameSetup::volumesOrder, as VolumesOrder numbers it.
 inline constexpr uint32_t kVolumesClassic = 0, kVolumesKillzone = 1;
 
 // Pixels. A volume whose sphere looks smaller is lit without being marked first: the marking would cost more than it

@@ -4,6 +4,7 @@
 // the four phases alike and has the pixel in its middle. Those that lie neither in the pixel's plane nor as deep as it is are
 // left out, the less the nearer they are to that.
 #include "render/glsl/common.glsl"
+#include "render/post/ambient_occlusion/ambient_occlusion_push.h"
 #include "shared/ambient_occlusion.h"
 
 layout(local_size_x = 16, local_size_y = 16) in;
@@ -11,12 +12,6 @@ layout(constant_id = 16) const uint kLast = 0;  // the second axis: hidden becom
 layout(set = 0, binding = 0) uniform sampler2DArray gbufferDepth;
 layout(set = 0, binding = 1) uniform sampler2DArray hidden;
 layout(set = 0, binding = 2, r32f) uniform writeonly image2DArray result;
-
-struct DenoisePush {
-  uint64_t frame;   // FrameConstants
-  float tolerance;  // metres off the plane at which a pixel counts no more
-  float strength;   // exponent
-};
 layout(push_constant, scalar) uniform Push { DenoisePush push; };
 
 const ivec3 kAxis = kLast == 0u ? ivec3(1, 0, 0) : ivec3(0, 1, 0);

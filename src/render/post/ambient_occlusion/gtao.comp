@@ -1,5 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+// variants: layout
 // Ambient occlusion of a G-buffer: normals are the layout's own.
 #include "render/glsl/common.glsl"
 #define ONE_SAMPLE

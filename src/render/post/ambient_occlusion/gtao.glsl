@@ -4,16 +4,11 @@
 //
 // Nothing is random: the 4 by 4 pixels of a block cut their hemispheres in different directions, evenly spread over all
 // of them together, and ambient_occlusion_denoise.comp averages blocks.
+#include "render/post/ambient_occlusion/ambient_occlusion_push.h"
 #include "shared/ambient_occlusion.h"
 
 layout(constant_id = 16) const uint kSlicesAPixel = 3;
 layout(constant_id = 17) const uint kStepsASide = 6;
-
-struct OcclusionPush {
-  uint64_t frame;  // FrameConstants
-  float radius;    // metres
-  float reach;     // pixels, at most: samples lie no farther apart than the picture makes sense of
-};
 layout(push_constant, scalar) uniform Push { OcclusionPush push; };
 
 // A pixel and the plane it lies in on screen.

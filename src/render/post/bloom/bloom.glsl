@@ -1,5 +1,7 @@
 // What the passes of bloom share. A level's texel i covers texels 2i and 2i + 1 of the level below it; beyond its edges a
 // picture goes on as its own mirror image, so that nothing leaves it and no edge is darker.
+#extension GL_EXT_scalar_block_layout : require
+#include "render/post/bloom/bloom_push.h"
 #include "shared/color.h"
 
 ivec2 mirrored(ivec2 p, ivec2 size) {

@@ -8,13 +8,7 @@ layout(local_size_x = 16, local_size_y = 16) in;
 layout(set = 0, binding = 0) uniform sampler2DArray picture;  // linear, premultiplied by alpha
 layout(set = 0, binding = 1) uniform sampler2DArray glow;     // half as large
 layout(set = 0, binding = 2, rgba32f) uniform writeonly image2DArray result;
-
-struct BlendPush {
-  float scale;  // of the picture
-  float threshold;
-  float strength;
-};
-layout(push_constant) uniform Push { BlendPush push; };
+layout(push_constant, scalar) uniform Push { BloomBlendPush push; };
 
 void main() {
   ivec3 place = ivec3(gl_GlobalInvocationID);

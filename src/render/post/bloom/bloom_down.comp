@@ -9,12 +9,7 @@ layout(local_size_x = 16, local_size_y = 16) in;
 layout(constant_id = 16) const uint kDamp = 0;  // Karis' average in each group
 layout(set = 0, binding = 0) uniform sampler2DArray source;
 layout(set = 0, binding = 1, rgba32f) uniform writeonly image2DArray result;
-
-struct DownPush {
-  float scale;  // of the source
-  float threshold;
-};
-layout(push_constant) uniform Push { DownPush push; };
+layout(push_constant, scalar) uniform Push { BloomDownPush push; };
 
 // Mean of the four texels from `corner` on.
 vec3 tap(ivec3 corner, ivec2 size) {

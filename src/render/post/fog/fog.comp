@@ -3,14 +3,12 @@
 // The lit picture through fog. Where nothing is drawn the whole depth of the fog covers it.
 #include "render/glsl/common.glsl"
 #include "render/glsl/fog.glsl"
+#include "render/post/fog/fog_push.h"
 
 layout(local_size_x = 16, local_size_y = 16) in;
 layout(set = 0, binding = 0) uniform sampler2DArray gbufferDepth;
 layout(set = 0, binding = 1, rgba16f) uniform image2DArray lightTarget;
 
-struct FogPush {
-  uint64_t frame;  // FrameConstants
-};
 layout(push_constant, scalar) uniform Push { FogPush push; };
 
 void main() {

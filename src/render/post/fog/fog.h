@@ -3,18 +3,9 @@
 #pragma once
 
 #include "render/frame.h"
-#include "vk/pipeline.h"
 
 namespace latelight::render {
 
-class FogPass {
- public:
-  explicit FogPass(vk::Device& device);
-  void add(graph::Graph& graph, const FrameInputs& inputs, const Gbuffer& gbuffer) const;
-
- private:
-  vk::Pipeline pipeline_;
-  vk::Handle<VkSampler> sampler_;
-};
+void addFog(const FrameContext& f, const Gbuffer& gbuffer);
 
 }  // namespace latelight::render

@@ -2,39 +2,22 @@
 
 namespace latelight::render {
 
-FxaaPass::FxaaPass(vk::Device& device)
-    : input_(vk::makePipeline(device, vk::ComputeDesc{.shader = "fxaa_input.comp",
-                                                      .bindings = {vk::Binding::Sampled, vk::Binding::Storage},
-                                                      .name = "fxaa input"})),
-      fxaa_(vk::makePipeline(
-          device, vk::ComputeDesc{.shader = "fxaa.comp", .bindings = {vk::Binding::Sampled}, .name = "fxaa"})),
-      sampler_(vk::makeSampler(device, vk::kNearestSampler)) {}
-
-graph::BufferId FxaaPass::add(graph::Graph& graph, graph::ImageId picture, const ComposeSettings& settings) const {
-  vk::ImageDesc desc = graph.desc(picture);
-  desc = {.format = VK_FORMAT_R32G32B32A32_SFLOAT,  // so that what is left alone is rounded as without
-          .width = desc.width,
-          .height = desc.height,
-          .layers = desc.layers,
-          .name = "display"};
-  const graph::ImageId display = graph.create(desc);
-  graph.pass(graph::Stage::Post, "compose",
-             {{picture, graph::Use::SampledCompute}, {display, graph::Use::StorageWrite}},
-             [=, this](graph::Context& context) {
-               context.commands().bind(
-                   input_, {{context.image(picture).arrayView(), sampler_.get()}, {context.image(display).arrayView()}},
-                   ComposePush(settings, 0));
-               context.commands().dispatch(desc.width, desc.height, desc.layers, 16, 16);
-             });
-  const graph::BufferId pixels = createPixels(graph, picture);
-  graph.pass(graph::Stage::Post, "fxaa", {{display, graph::Use::SampledCompute}, {pixels, graph::Use::StorageWrite}},
-             [=, this](graph::Context& context) {
-               context.commands().bind(fxaa_, {{context.image(display).arrayView(), sampler_.get()}},
-                                       ComposePush(settings, context.buffer(pixels).address()));
-               context.commands().dispatch(desc.width, desc.height, desc.layers, 16, 16);
-             });
-  graph.exports(pixels, graph::Use::HostRead);
-  return pixels;
+graph::BufferId addFxaa(const Builder& b, graph::ImageId picture, const ComposeSettings& settings) {
+  const glm::uvec3 size = texels(b.graph, picture);
+  const graph::ImageId display =
+      b.graph.create(vk::ImageDesc{.format = VK_FORMAT_R32G32B32A32_SFLOAT,  // what is left alone is rounded as without
+                                   .width = size.x,
+                                   .height = size.y,
+                                   .layers = size.z,
+                                   .name = "display"});
+  addCompute(b,
+             {.stage = graph::Stage::Post,
+              .name = "compose",
+              .shader = "fxaa_input.comp",
+              .bindings = Bindings(b.device).sampled(picture).storage(display, graph::Use::StorageWrite),
+              .size = size},
+             composePush(settings, 0));
+  return addFinalPass(b, "fxaa", display, settings);
 }
 
 }  // namespace latelight::render

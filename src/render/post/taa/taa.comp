@@ -4,6 +4,7 @@
 // is as it is. B. Karis, High Quality Temporal Supersampling, SIGGRAPH 2014; M. Salvi, An Excursion in Temporal
 // Supersampling, GDC 2016; J. Jimenez, Filmic SMAA, SIGGRAPH 2016 (the bicubic of nine bilinear fetches).
 #include "render/glsl/common.glsl"
+#include "render/post/taa/temporal_push.h"
 
 layout(local_size_x = 16, local_size_y = 16) in;
 layout(set = 0, binding = 0) uniform sampler2DArray frame;     // jittered; or the sum of the first frames
@@ -14,11 +15,7 @@ layout(set = 0, binding = 4) uniform sampler2DArray oldState;  // r: nearness; g
 layout(set = 0, binding = 5, rgba32f) uniform writeonly image2DArray newColor;
 layout(set = 0, binding = 6, rgba32f) uniform writeonly image2DArray newState;
 
-layout(push_constant, scalar) uniform Push {
-  uint64_t frame;  // FrameConstants
-  float scale;     // of the picture: 1 / frames in the sum
-  float samples;   // that the sum is of, where a history begins; 0 where it goes on
-} push;
+layout(push_constant, scalar) uniform Push { TemporalPush push; };
 
 // What a mean is of at most: a pixel that moves is blurred a little at each step and must forget sooner.
 const float kMostStill = 64.0, kMostMoving = 5.0;

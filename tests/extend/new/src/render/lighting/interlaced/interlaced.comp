@@ -1,20 +1,20 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+// variants: layout, multisampled
 // interlaced: every second row of the picture, every light at every pixel of them.
 #include "render/glsl/common.glsl"
 #include "render/glsl/gbuffer_read.glsl"
 #include "render/glsl/lights.glsl"
 #include "render/glsl/lit_pixel.glsl"
+#include "render/lighting/interlaced/interlaced_push.h"
 
 layout(local_size_x = 16, local_size_y = 16) in;
 
-struct FieldPush {
-  uint64_t frame;  // FrameConstants
-  uint firstRow;   // 0 or 1
-};
 layout(push_constant, scalar) uniform Push { FieldPush push; };
 
-vec3 lightsAt(FrameConstants frame, View view, LitPixel p) { return shadeAllLights(frame, p.s, p.toEye, p.lit); }
+vec3 lightsAt(FrameConstants frame, View view, LitPixel p) {
+  return shadeAllLights(frame, uint(p.place.z), p.s, p.toEye, p.lit);
+}
 
 void main() {
   ivec3 place = ivec3(gl_GlobalInvocationID);

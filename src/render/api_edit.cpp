@@ -1,0 +1,377 @@
+// The public API's edits: handles, units and frames of latelight.h become those of scene/edit.h.
+#include <atomic>
+#include <cmath>
+#include <glm/gtc/constants.hpp>
+
+#include "base/error.h"
+#include "base/log.h"
+#include "render/api_scene.h"
+#include "scene/edit.h"
+#include "scene/vertices.h"
+
+namespace latelight {
+
+namespace {
+
+using glm::mat4;
+using glm::vec2;
+using glm::vec3;
+using glm::vec4;
+
+constexpr double kDegrees = 180.0 / glm::pi<double>();
+
+// --- frames ---------------------------------------------------------------------------------------------------------
+
+mat4 worldFromFile(const scene::Scene& scene) {
+  return scene.yUp ? scene::toWorldFromGltf() : mat4(1);
+}
+mat4 fileFromWorld(const scene::Scene& scene) {
+  return scene.yUp ? scene::toGltfFromWorld() : mat4(1);
+}
+
+vec3 three(const std::array<float, 3>& v) {
+  return {v[0], v[1], v[2]};
+}
+std::array<float, 3> three(const vec3& v) {
+  return {v.x, v.y, v.z};
+}
+
+Transform publicTransform(const mat4& toWorld, const scene::Scene& scene) {
+  const mat4 toFile = fileFromWorld(scene) * toWorld;
+  Transform rows;
+  for (int row = 0; row < 4; ++row)
+    for (int column = 0; column < 4; ++column) rows[4 * row + column] = toFile[column][row];
+  return rows;
+}
+
+mat4 internalTransform(const Transform& rows, const scene::Scene& scene) {
+  mat4 toFile;
+  for (int row = 0; row < 4; ++row)
+    for (int column = 0; column < 4; ++column) toFile[column][row] = static_cast<float>(rows[4 * row + column]);
+  for (const double number : rows)
+    if (!std::isfinite(static_cast<float>(number)))
+      badUsage("the transform of an instance has a number that is not finite");
+  return worldFromFile(scene) * toFile;
+}
+
+// --- materials ------------------------------------------------------------------------------------------------------
+
+constexpr uint32_t kAlphaFlags[] = {0, shared::kMaterialMasked, shared::kMaterialBlended};  // by AlphaMode
+
+Material publicMaterial(const scene::Material& from) {
+  const shared::Material& m = from.data;
+  Material out;
+  out.name = from.name;
+  out.id = m.id;
+  out.baseColor = {m.baseColor.r, m.baseColor.g, m.baseColor.b, m.baseColor.a};
+  out.metallic = m.metallic;
+  out.roughness = m.roughness;
+  out.emissive = three(m.emissive);
+  if (m.flags & shared::kMaterialMasked) out.alphaMode = AlphaMode::Mask;
+  if (m.flags & shared::kMaterialBlended) out.alphaMode = AlphaMode::Blend;
+  out.alphaCutoff = m.alphaCutoff;
+  out.doubleSided = (m.flags & shared::kMaterialDoubleSided) != 0;
+  out.unlit = (m.flags & shared::kMaterialUnlit) != 0;
+  out.normalScale = m.normalScale;
+  out.occlusionStrength = m.occlusionStrength;
+  out.specular = m.specular;
+  out.specularColor = three(m.specularColor);
+  out.f0 = m.f0;
+  return out;
+}
+
+// `like`: whose textures it has.
+scene::Material internalMaterial(const Material& from, const scene::Material& like) {
+  scene::Material out = like;
+  out.name = from.name;
+  const auto alpha = static_cast<size_t>(from.alphaMode);
+  if (alpha >= std::size(kAlphaFlags)) badUsage("the material \"{}\" has an unknown alpha mode", printable(from.name));
+  shared::Material& m = out.data;
+  m.baseColor = {from.baseColor[0], from.baseColor[1], from.baseColor[2], from.baseColor[3]};
+  m.metallic = from.metallic;
+  m.roughness = from.roughness;
+  m.emissive = three(from.emissive);
+  m.flags = kAlphaFlags[alpha];
+  if (from.doubleSided) m.flags |= shared::kMaterialDoubleSided;
+  if (from.unlit) m.flags |= shared::kMaterialUnlit;
+  m.alphaCutoff = from.alphaCutoff;
+  m.normalScale = from.normalScale;
+  m.occlusionStrength = from.occlusionStrength;
+  m.specular = from.specular;
+  m.specularColor = three(from.specularColor);
+  m.f0 = from.f0;
+  return out;
+}
+
+scene::Material untextured() {
+  scene::Material material;
+  for (shared::TextureTransform& transform : material.data.transforms) transform = {vec3(1, 0, 0), vec3(0, 1, 0), 0};
+  return material;
+}
+
+// --- lights ---------------------------------------------------------------------------------------------------------
+
+constexpr uint32_t kLightTypes[] = {shared::kLightDirectional, shared::kLightPoint, shared::kLightSpot};
+
+Light publicLight(const scene::Light& from, const scene::Scene& scene) {
+  const mat4 toFile = fileFromWorld(scene);
+  const bool directional = from.type == shared::kLightDirectional;
+  Light out;
+  out.name = from.name;
+  for (size_t type = 0; type < std::size(kLightTypes); ++type)
+    if (kLightTypes[type] == from.type) out.type = static_cast<LightType>(type);
+  out.position = three(vec3(toFile * vec4(from.position, 1)));
+  out.direction = three(vec3(toFile * vec4(from.direction, 0)));
+  out.color = three(from.color);
+  out.intensity = from.intensity;
+  out.range = from.range;
+  out.innerCone = from.innerCone * kDegrees;
+  out.outerCone = from.outerCone * kDegrees;
+  out.size = directional ? from.size * kDegrees : from.size;
+  out.castShadow = from.castShadow;
+  return out;
+}
+
+vec3 unitDirection(const Light& light) {
+  const glm::dvec3 direction(three(light.direction));
+  const double length = glm::length(direction);
+  if (!std::isfinite(length) || length == 0)
+    badUsage("the direction of the light \"{}\" must be finite, and not of length 0", printable(light.name));
+  return vec3(direction / length);
+}
+
+// `like`: as it was, which keeps its node where it is not moved. It is that of its own file, so that a direction that
+// was read comes back as it is.
+scene::Light internalLight(const Light& from, const scene::Scene& scene, const scene::Light& like = {}) {
+  const mat4 toWorld = worldFromFile(scene);
+  const auto type = static_cast<size_t>(from.type);
+  if (type >= std::size(kLightTypes)) badUsage("the light \"{}\" has an unknown type", printable(from.name));
+  const Light before = publicLight(like, scene);
+  scene::Light out = like;
+  out.name = from.name;
+  out.type = kLightTypes[type];
+  if (from.position != before.position) out.position = vec3(toWorld * vec4(three(from.position), 1));
+  if (from.direction != before.direction) out.direction = vec3(toWorld * vec4(unitDirection(from), 0));
+  if (out.position != like.position || out.direction != like.direction) out.node = -1;
+  out.color = three(from.color);
+  out.intensity = from.intensity;
+  out.range = from.range;
+  out.innerCone = static_cast<float>(from.innerCone / kDegrees);
+  out.outerCone = static_cast<float>(from.outerCone / kDegrees);
+  out.size = static_cast<float>(out.type == shared::kLightDirectional ? from.size / kDegrees : from.size);
+  out.castShadow = from.castShadow;
+  return out;
+}
+
+// --- meshes ---------------------------------------------------------------------------------------------------------
+
+template <typename To, typename From>
+std::vector<To> stream(const std::vector<From>& values, const MeshData& mesh, const char* what) {
+  if (!values.empty() && values.size() != mesh.positions.size())
+    badUsage("the mesh \"{}\" has {} positions and {} {}: give as many, or none", printable(mesh.name),
+             mesh.positions.size(), values.size(), what);
+  std::vector<To> out(values.size());
+  for (size_t i = 0; i < values.size(); ++i)
+    for (size_t k = 0; k < values[i].size(); ++k) {
+      if (!std::isfinite(values[i][k]))
+        badUsage("the {} of the mesh \"{}\" must be finite numbers, not {}", what, printable(mesh.name), values[i][k]);
+      out[i][static_cast<int>(k)] = values[i][k];
+    }
+  return out;
+}
+
+std::vector<uint32_t> trianglesOf(const MeshData& mesh) {
+  std::vector<uint32_t> indices = mesh.indices;
+  if (indices.empty())
+    for (uint32_t i = 0; i < mesh.positions.size(); ++i) indices.push_back(i);
+  if (indices.size() % 3 != 0)
+    badUsage("the mesh \"{}\" has {} {}, which is no multiple of three", printable(mesh.name), indices.size(),
+             mesh.indices.empty() ? "positions and no indices" : "indices");
+  for (const uint32_t index : indices)
+    if (index >= mesh.positions.size())
+      badUsage("the mesh \"{}\" has the index {} and only {} positions", printable(mesh.name), index,
+               mesh.positions.size());
+  return indices;
+}
+
+scene::Mesh internalMesh(const MeshData& from) {
+  std::vector<uint32_t> indices = trianglesOf(from);
+  scene::Vertices v;
+  v.positions = stream<vec3>(from.positions, from, "positions");
+  v.normals = stream<vec3>(from.normals, from, "normals");
+  v.tangents = stream<vec4>(from.tangents, from, "tangents");
+  v.uv[0] = stream<vec2>(from.uv, from, "texture coordinates");
+  v.uv[1] = stream<vec2>(from.uv1, from, "second texture coordinates");
+  v.colors = stream<vec4>(from.colors, from, "colours");
+  scene::Mesh mesh = scene::makeMesh(std::move(v), std::move(indices));
+  mesh.name = from.name;
+  return mesh;
+}
+
+}  // namespace
+
+// --- handles --------------------------------------------------------------------------------------------------------
+
+namespace {
+
+// `generation`: that of the place's element now.
+template <typename Element>
+uint32_t indexOf(Handle<Element> handle, uint32_t scene, size_t count, uint32_t generation, const char* what) {
+  if (handle.scene == 0) badUsage("the handle of {} is empty: take one from the scene", what);
+  if (handle.scene != scene || handle.index >= count) badUsage("the handle of {} is that of another scene", what);
+  if (handle.generation != generation) badUsage("the handle of {} is of one that has been removed", what);
+  return handle.index;
+}
+
+template <typename Element, typename T>
+std::vector<Handle<Element>> handles(const std::vector<T>& elements, auto handleOf, auto wanted) {
+  std::vector<Handle<Element>> all;
+  for (uint32_t i = 0; i < elements.size(); ++i)
+    if (wanted(elements[i])) all.push_back(handleOf(i));
+  return all;
+}
+
+constexpr auto isPresent = [](const auto& element) { return !element.removed; };
+constexpr auto isAny = [](const auto&) { return true; };
+
+}  // namespace
+
+uint32_t Scene::Hidden::nextNumber() {
+  static std::atomic<uint32_t> made = 0;
+  return ++made;
+}
+
+uint32_t Scene::Hidden::index(Handle<Instance> h) const {
+  return indexOf(h, number, scene.instances.size(), scene.edits.instanceGaps.generation(h.index), "an instance");
+}
+uint32_t Scene::Hidden::index(Handle<Material> h) const {
+  return indexOf(h, number, scene.materials.size(), 0, "a material");
+}
+uint32_t Scene::Hidden::index(Handle<Light> h) const {
+  return indexOf(h, number, scene.lights.size(), scene.edits.lightGaps.generation(h.index), "a light");
+}
+uint32_t Scene::Hidden::index(Handle<Mesh> h) const {
+  return indexOf(h, number, scene.meshes.size(), 0, "a mesh");
+}
+
+// --- instances ------------------------------------------------------------------------------------------------------
+
+std::vector<Handle<Instance>> Scene::instances() const {
+  return handles<Instance>(
+      hidden_->scene.instances, [&](uint32_t i) { return hidden_->instance(i); }, isPresent);
+}
+
+std::vector<Handle<Instance>> Scene::instancesOf(const std::string& node) const {
+  const scene::Scene& scene = hidden_->scene;
+  for (uint32_t found = 0; found < scene.nodes.size(); ++found) {
+    if (node.empty() || scene.nodes[found].path != node) continue;
+    return handles<Instance>(
+        scene.instances, [&](uint32_t i) { return hidden_->instance(i); },
+        [&](const scene::Instance& instance) { return !instance.removed && instance.node == found; });
+  }
+  badUsage("the scene has no node \"{}\": give the path of one, as in /Root/Arm", printable(node));
+}
+
+Instance Scene::instance(Handle<Instance> instance) const {
+  const scene::Scene& scene = hidden_->scene;
+  const scene::Instance& from = scene.instances[hidden_->index(instance)];
+  return {scene.nodes[from.node].path,
+          hidden_->mesh(from.mesh),
+          hidden_->material(from.material),
+          publicTransform(from.toWorld, scene),
+          from.id,
+          from.part};
+}
+
+void Scene::setTransform(Handle<Instance> instance, const Transform& transform) {
+  scene::setTransform(hidden_->scene, hidden_->index(instance), internalTransform(transform, hidden_->scene));
+}
+
+void Scene::assignMaterial(Handle<Instance> instance, Handle<Material> material) {
+  scene::setMaterialOf(hidden_->scene, hidden_->index(instance), hidden_->index(material));
+}
+
+Handle<Instance> Scene::addInstance(Handle<Mesh> mesh, Handle<Material> material, const Transform& transform,
+                                    const std::string& name) {
+  return hidden_->instance(scene::addInstance(hidden_->scene, hidden_->index(mesh), hidden_->index(material),
+                                              internalTransform(transform, hidden_->scene), name));
+}
+
+void Scene::removeInstance(Handle<Instance> instance) {
+  scene::removeInstance(hidden_->scene, hidden_->index(instance));
+}
+
+// --- materials ------------------------------------------------------------------------------------------------------
+
+std::vector<Handle<Material>> Scene::materials() const {
+  return handles<Material>(
+      hidden_->scene.materials, [&](uint32_t i) { return hidden_->material(i); }, isAny);
+}
+
+Material Scene::material(Handle<Material> material) const {
+  return publicMaterial(hidden_->scene.materials[hidden_->index(material)]);
+}
+
+void Scene::setMaterial(Handle<Material> material, const Material& values) {
+  const uint32_t index = hidden_->index(material);
+  scene::setMaterial(hidden_->scene, index, internalMaterial(values, hidden_->scene.materials[index]));
+}
+
+Handle<Material> Scene::addMaterial(const Material& values, std::optional<Handle<Material>> texturesOf) {
+  const scene::Material like = texturesOf ? hidden_->scene.materials[hidden_->index(*texturesOf)] : untextured();
+  return hidden_->material(scene::addMaterial(hidden_->scene, internalMaterial(values, like)));
+}
+
+// --- lights ---------------------------------------------------------------------------------------------------------
+
+std::vector<Handle<Light>> Scene::lights() const {
+  return handles<Light>(
+      hidden_->scene.lights, [&](uint32_t i) { return hidden_->light(i); }, isPresent);
+}
+
+Light Scene::light(Handle<Light> light) const {
+  return publicLight(hidden_->scene.lights[hidden_->index(light)], hidden_->scene);
+}
+
+void Scene::setLight(Handle<Light> light, const Light& values) {
+  const uint32_t index = hidden_->index(light);
+  scene::setLight(hidden_->scene, index, internalLight(values, hidden_->scene, hidden_->scene.lights[index]));
+}
+
+Handle<Light> Scene::addLight(const Light& values) {
+  return hidden_->light(scene::addLight(hidden_->scene, internalLight(values, hidden_->scene)));
+}
+
+void Scene::removeLight(Handle<Light> light) {
+  scene::removeLight(hidden_->scene, hidden_->index(light));
+}
+
+// --- meshes ---------------------------------------------------------------------------------------------------------
+
+std::vector<Handle<Mesh>> Scene::meshes() const {
+  return handles<Mesh>(
+      hidden_->scene.meshes, [&](uint32_t i) { return hidden_->mesh(i); }, isAny);
+}
+
+Mesh Scene::mesh(Handle<Mesh> mesh) const {
+  const scene::Mesh& from = hidden_->scene.meshes[hidden_->index(mesh)];
+  return {from.name,
+          from.positions.size(),
+          from.indices.size() / 3,
+          three(from.boundsMin),
+          three(from.boundsMax),
+          from.deformation != nullptr};
+}
+
+void Scene::setMesh(Handle<Mesh> mesh, const MeshData& data) {
+  const uint32_t index = hidden_->index(mesh);
+  scene::Mesh made = internalMesh(data);
+  if (made.name.empty()) made.name = hidden_->scene.meshes[index].name;
+  scene::setMesh(hidden_->scene, index, std::move(made));
+}
+
+Handle<Mesh> Scene::addMesh(const MeshData& data) {
+  return hidden_->mesh(scene::addMesh(hidden_->scene, internalMesh(data)));
+}
+
+}  // namespace latelight

@@ -1,0 +1,51 @@
+// A list of records in device memory that follows one on the host.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <span>
+#include <vector>
+
+#include "vk/resources.h"
+
+namespace latelight::render {
+
+template <typename T>
+class GpuList {
+ public:
+  GpuList(vk::Device& device, const char* name, VkBufferUsageFlags usage = 0)
+      : device_(device), name_(name), usage_(usage | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT) {}
+
+  // All of it. What is in use by frames in flight lives on until they have finished.
+  void upload(vk::Uploader& uploader, std::span<const T> all) {
+    reserve(all.size());
+    uploader.upload(buffer_, std::as_bytes(all));
+  }
+  // Some elements of it, ascending; `all` may have grown.
+  void upload(vk::Uploader& uploader, std::span<const T> all, std::span<const uint32_t> changed) {
+    if (all.size() > capacity_) return upload(uploader, all);
+    for (size_t i = 0; i < changed.size();) {
+      const uint32_t first = changed[i];
+      uint32_t end = first;
+      while (i < changed.size() && changed[i] == end) ++i, ++end;
+      uploader.upload(buffer_, std::as_bytes(all.subspan(first, end - first)), first * sizeof(T));
+    }
+  }
+  VkDeviceAddress address() const { return buffer_ ? buffer_.address() : 0; }
+  const vk::Buffer& buffer() const { return buffer_; }
+
+ private:
+  void reserve(size_t count) {
+    if (buffer_ && count <= capacity_) return;
+    // The first time exactly as many as there are; then with room to grow.
+    capacity_ = buffer_ ? std::bit_ceil(count) : count;
+    buffer_ = vk::Buffer(device_, {.size = capacity_ * sizeof(T), .usage = usage_, .name = name_});
+  }
+  vk::Device& device_;
+  const char* name_;
+  VkBufferUsageFlags usage_;
+  vk::Buffer buffer_;
+  size_t capacity_ = 0;
+};
+
+}  // namespace latelight::render

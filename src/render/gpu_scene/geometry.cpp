@@ -1,0 +1,63 @@
+#include "render/gpu_scene/geometry.h"
+
+namespace latelight::render {
+
+namespace {
+
+template <typename T>
+std::span<const std::byte> bytesOf(const std::vector<T>& values) {
+  return std::as_bytes(std::span(values));
+}
+
+}  // namespace
+
+GpuGeometry::GpuGeometry(vk::Device& device, const scene::Scene& scene, vk::Uploader& uploader)
+    : device_(device), scene_(scene), list_(device, "meshes") {
+  streams_.resize(scene.meshes.size());
+  records_.resize(scene.meshes.size());
+  for (uint32_t mesh = 0; mesh < records_.size(); ++mesh) uploadMesh(uploader, mesh);
+  list_.upload(uploader, records_);
+}
+
+void GpuGeometry::uploadMesh(vk::Uploader& uploader, uint32_t index) {
+  const scene::Mesh& mesh = scene_.meshes[index];
+  uint64_t bytes = 0;
+  const auto append = [&](size_t size) {
+    constexpr uint64_t kAlignment = 16;
+    const uint64_t offset = (bytes + kAlignment - 1) / kAlignment * kAlignment;
+    bytes = offset + size;
+    return offset;
+  };
+  append(bytesOf(mesh.indices).size());
+  const uint64_t positions = append(bytesOf(mesh.positions).size());
+  const uint64_t attributes = append(bytesOf(mesh.attributes).size());
+  const uint64_t extras = append(bytesOf(mesh.extras).size());
+  constexpr VkBufferUsageFlags kUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDEX_BUFFER_BIT;
+  vk::Buffer& buffer = streams_[index] = vk::Buffer(device_, {.size = bytes, .usage = kUsage, .name = mesh.name});
+  uploader.upload(buffer, bytesOf(mesh.indices));
+  uploader.upload(buffer, bytesOf(mesh.positions), positions);
+  uploader.upload(buffer, bytesOf(mesh.attributes), attributes);
+  uploader.upload(buffer, bytesOf(mesh.extras), extras);
+  shared::Mesh& record = records_[index];
+  record.indices = buffer.address();
+  record.positions = record.previousPositions = record.nextPositions = buffer.address() + positions;
+  record.attributes = buffer.address() + attributes;
+  record.extras = mesh.extras.empty() ? 0 : buffer.address() + extras;
+  record.vertexCount = static_cast<uint32_t>(mesh.positions.size());
+  record.triangleCount = static_cast<uint32_t>(mesh.indices.size() / 3);
+}
+
+void GpuGeometry::update(vk::Uploader& uploader, std::span<const uint32_t> changed) {
+  streams_.resize(scene_.meshes.size());
+  records_.resize(scene_.meshes.size());
+  for (const uint32_t mesh : changed) uploadMesh(uploader, mesh);
+  list_.upload(uploader, records_, changed);
+}
+
+void GpuGeometry::pose(vk::Uploader& uploader, const Deformer* deformer) {
+  std::vector<shared::Mesh> records = records_;
+  if (deformer) deformer->describe(records);
+  list_.upload(uploader, records);
+}
+
+}  // namespace latelight::render

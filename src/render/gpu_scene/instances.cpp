@@ -1,0 +1,100 @@
+#include "render/gpu_scene/instances.h"
+
+#include <cmath>
+#include <limits>
+
+#include "base/parallel.h"
+
+namespace latelight::render {
+
+namespace {
+
+constexpr size_t kInstancesAtOnce = 16384;  // a thread's share: waking another costs less
+
+constexpr Sphere kNowhere{glm::vec3(0), -std::numeric_limits<float>::infinity()};  // touches nothing
+
+Sphere boundsOf(const scene::ReachBox& box, const glm::mat4& toWorld) {
+  glm::mat3 linear(toWorld);
+  // The largest stretch is at most the Frobenius norm: a sphere that holds the box under any transform.
+  float stretch =
+      std::sqrt(glm::dot(linear[0], linear[0]) + glm::dot(linear[1], linear[1]) + glm::dot(linear[2], linear[2]));
+  return {glm::vec3(toWorld * glm::vec4((box.low + box.high) * 0.5f, 1.0f)),
+          glm::length(box.high - box.low) * 0.5f * stretch};
+}
+
+}  // namespace
+
+GpuInstances::GpuInstances(vk::Device& device, const scene::Scene& scene, vk::Uploader& uploader)
+    : scene_(scene),
+      list_(device, "instances"),
+      previous_(device, "previous instances"),
+      next_(device, "next instances") {
+  pose(uploader, {}, nullptr);
+}
+
+void GpuInstances::place(uint32_t index, const glm::mat4& toWorld, const scene::Pose& pose, const Deformer* deformer) {
+  const scene::Instance& instance = scene_.instances[index];
+  const bool mirrored = glm::determinant(glm::mat3(toWorld)) < 0;
+  records_[index] = {.objectToWorld = glm::mat4x3(toWorld),
+                     .mesh = instance.mesh,
+                     .material = instance.material,
+                     .id = instance.id,
+                     .part = instance.part,
+                     .flags = mirrored ? shared::kInstanceMirrored : 0u};
+  if (instance.removed) {
+    bounds_[index] = kNowhere;
+    return;
+  }
+  const scene::Mesh& mesh = scene_.meshes[instance.mesh];
+  const bool deformed = deformer && mesh.deformation && !pose.empty();
+  bounds_[index] = boundsOf(
+      deformed ? deformer->boundsOf(instance.mesh, pose) : scene::ReachBox{mesh.boundsMin, mesh.boundsMax}, toWorld);
+}
+
+void GpuInstances::pose(vk::Uploader& uploader, const Poses& poses, const Deformer* deformer) {
+  const std::vector<glm::mat4> transforms = scene::instanceTransforms(scene_, poses.current);
+  records_.resize(transforms.size());
+  bounds_.resize(transforms.size());
+  parallelFor(transforms.size(), kInstancesAtOnce, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i)
+      place(static_cast<uint32_t>(i), transforms[i], poses.current, deformer);
+  });
+  list_.upload(uploader, records_);
+  moves_ = !poses.current.empty();
+  if (moves_) uploadMoved(previous_, uploader, poses.previous);
+  if (moves_) uploadMoved(next_, uploader, poses.next);
+  ++revision_;
+}
+
+// Of the instances as they are, but elsewhere.
+void GpuInstances::uploadMoved(GpuList<shared::Instance>& list, vk::Uploader& uploader, const scene::Pose& pose) const {
+  const std::vector<glm::mat4> transforms = scene::instanceTransforms(scene_, pose);
+  std::vector<shared::Instance> instances = records_;
+  for (size_t i = 0; i < instances.size(); ++i) instances[i].objectToWorld = glm::mat4x3(transforms[i]);
+  list.upload(uploader, instances);
+}
+
+void GpuInstances::update(vk::Uploader& uploader, std::span<const uint32_t> changed) {
+  records_.resize(scene_.instances.size());
+  bounds_.resize(scene_.instances.size(), kNowhere);
+  for (const uint32_t index : changed) place(index, scene_.instances[index].toWorld, {}, nullptr);
+  list_.upload(uploader, records_, changed);
+  ++revision_;
+}
+
+scene::Bounds GpuInstances::allBounds() const {
+  scene::Bounds all;
+  for (const Sphere& sphere : bounds_) {
+    all.min = glm::min(all.min, sphere.centre - sphere.radius);
+    all.max = glm::max(all.max, sphere.centre + sphere.radius);
+  }
+  return all;
+}
+
+void GpuInstances::describe(shared::FrameConstants& frame) const {
+  frame.instances = list_.address();
+  frame.previousInstances = moves_ ? previous_.address() : list_.address();
+  frame.nextInstances = moves_ ? next_.address() : list_.address();
+}
+
+}  // namespace latelight::render

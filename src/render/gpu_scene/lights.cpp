@@ -1,0 +1,88 @@
+#include "render/gpu_scene/lights.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "base/log.h"
+#include "render/light_tree.h"
+#include "shared/color.h"
+#include "shared/light.h"
+
+namespace latelight::render {
+
+namespace {
+
+// A light without a range has no end: what it gives far away still shows as a highlight on gloss, and in the sum of
+// many lights. Any bound on what may be lost in those lets it reach farther than the scene does.
+shared::Light deviceLight(const scene::Light& light) {
+  shared::Light l{};
+  l.position = light.position;
+  l.direction = light.direction;
+  l.type = light.type;
+  l.intensity = light.color * light.intensity;
+  l.reach = std::numeric_limits<float>::infinity();
+  if (light.type != shared::kLightDirectional) l.reach = light.range.value_or(l.reach);
+  if (light.type == shared::kLightSpot) shared::spotCone(light.innerCone, light.outerCone, l.spotScale, l.spotOffset);
+  return l;
+}
+
+bool isSound(const shared::Light& l) {
+  for (const glm::vec3& v : {l.position, l.direction, l.intensity})
+    if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z)) return false;
+  return !std::isnan(l.reach) && std::isfinite(l.spotScale) && std::isfinite(l.spotOffset);
+}
+
+// Uploads what is not as it was.
+template <typename T>
+void uploadChanges(GpuList<T>& list, vk::Uploader& uploader, const std::vector<T>& before, const std::vector<T>& now) {
+  std::vector<uint32_t> changed;
+  for (size_t i = 0; i < now.size(); ++i)
+    if (i >= before.size() || std::memcmp(&before[i], &now[i], sizeof(T)) != 0)
+      changed.push_back(static_cast<uint32_t>(i));
+  if (list.address() == 0)
+    list.upload(uploader, now);
+  else
+    list.upload(uploader, now, changed);
+}
+
+}  // namespace
+
+void GpuLights::set(vk::Uploader& uploader, std::vector<scene::Light> lights) {
+  authored_ = std::move(lights);
+  std::erase_if(authored_, [](const scene::Light& light) { return light.removed; });
+  std::vector<shared::Light> shining;
+  std::vector<uint32_t> sources;
+  size_t broken = 0;
+  for (uint32_t i = 0; i < authored_.size(); ++i) {
+    const shared::Light l = deviceLight(authored_[i]);
+    broken += !isSound(l);
+    if (!isSound(l) || !(l.reach > 0) || !(shared::maxChannel(l.intensity) > 0)) continue;
+    shining.push_back(l);
+    sources.push_back(i);
+  }
+  if (broken) warn("{} of {} lights are left out: a number of theirs is not finite", broken, authored_.size());
+  LightTree tree = buildLightTree(shining);
+  sources_.clear();
+  for (const uint32_t source : tree.sources) sources_.push_back(sources[source]);
+  directional_ = tree.directionalLights;
+  endless_ = static_cast<uint32_t>(
+                 std::ranges::count(tree.lights, std::numeric_limits<float>::infinity(), &shared::Light::reach)) -
+             directional_;
+  leaves_ = tree.firstLeaf;
+  uploadChanges(list_, uploader, lights_, tree.lights);
+  uploadChanges(tree_, uploader, nodes_, tree.nodes);
+  lights_ = std::move(tree.lights);
+  nodes_ = std::move(tree.nodes);
+}
+
+void GpuLights::describe(shared::FrameConstants& frame) const {
+  frame.lights = list_.address();
+  frame.lightTree = tree_.address();
+  frame.lightCount = count();
+  frame.directionalLights = directional_;
+  frame.lightTreeLeaves = leaves_;
+}
+
+}  // namespace latelight::render

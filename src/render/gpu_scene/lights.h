@@ -1,0 +1,37 @@
+// Lights in device memory, in the order of the light tree.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "render/gpu_scene/buffer.h"
+#include "scene/scene.h"
+#include "shared/types.h"
+
+namespace latelight::render {
+
+class GpuLights {
+ public:
+  explicit GpuLights(vk::Device& device) : list_(device, "lights"), tree_(device, "light tree") {}
+  // Of these lights, those that shine.
+  void set(vk::Uploader& uploader, std::vector<scene::Light> lights);
+
+  uint32_t count() const { return static_cast<uint32_t>(lights_.size()); }
+  std::span<const shared::Light> lights() const { return lights_; }  // as the device has them
+  uint32_t endless() const { return endless_; }                      // of them: point and spot lights without a range
+  std::span<const scene::Light> authored() const { return authored_; }  // as they were set, without gaps
+  std::span<const uint32_t> sources() const { return sources_; }        // of lights(): which of authored()
+
+  void describe(shared::FrameConstants& frame) const;
+
+ private:
+  std::vector<scene::Light> authored_;
+  std::vector<shared::Light> lights_;
+  std::vector<uint32_t> sources_;
+  std::vector<shared::LightBox> nodes_;  // of the tree
+  GpuList<shared::Light> list_;
+  GpuList<shared::LightBox> tree_;
+  uint32_t directional_ = 0, endless_ = 0, leaves_ = 0;
+};
+
+}  // namespace latelight::render

@@ -1,0 +1,22 @@
+// What shaders are pushed that light a whole picture.
+#ifndef LATELIGHT_LIGHTING_PUSH_H
+#define LATELIGHT_LIGHTING_PUSH_H
+
+#include "shared/lang.h"
+
+SH_BEGIN
+
+struct LightingPush {
+  uint64_t frame;  // FrameConstants
+};
+
+struct CellsPush {     // where pictures are lit by tiles
+  uint64_t frame;      // FrameConstants
+  uint64_t cells;      // CellsRef of light_cells.glsl
+  uint64_t entries;    // EntriesRef
+  uvec2 tiles;         // of a view
+};
+
+SH_END
+
+#endif

@@ -1,0 +1,47 @@
+#include "render/pass.h"
+
+namespace latelight::render {
+
+Bindings& Bindings::sampled(graph::ImageId image, const vk::SamplerDesc& sampler) {
+  slots_.push_back({vk::Binding::Sampled, image, use_, {.sampler = device_.cache().sampler(sampler)}});
+  return *this;
+}
+
+Bindings& Bindings::sampled(const std::vector<graph::ImageId>& images) {
+  for (const graph::ImageId image : images) sampled(image);
+  return *this;
+}
+
+Bindings& Bindings::storage(graph::ImageId image, graph::Use use) {
+  slots_.push_back({vk::Binding::Storage, image, use, {}});
+  return *this;
+}
+
+Bindings& Bindings::outside(vk::BoundImage image, vk::Binding kind) {
+  slots_.push_back({kind, {}, use_, image});
+  return *this;
+}
+
+std::vector<vk::Binding> Bindings::kinds() const {
+  std::vector<vk::Binding> kinds;
+  for (const Slot& slot : slots_) kinds.push_back(slot.kind);
+  return kinds;
+}
+
+std::vector<graph::Access> Bindings::accesses() const {
+  std::vector<graph::Access> accesses;
+  for (const Slot& slot : slots_)
+    if (slot.image) accesses.emplace_back(slot.image, slot.use);
+  return accesses;
+}
+
+std::vector<vk::BoundImage> Bindings::images(graph::Context& context) const {
+  std::vector<vk::BoundImage> images;
+  for (const Slot& slot : slots_) {
+    images.push_back(slot.bound);
+    if (slot.image) images.back().view = context.image(slot.image).arrayView();
+  }
+  return images;
+}
+
+}  // namespace latelight::render

@@ -1,0 +1,102 @@
+// What passes are made with: an image's binding, its use and what a shader finds there are said once.
+#pragma once
+
+#include <concepts>
+#include <glm/vec3.hpp>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "graph/graph.h"
+#include "vk/object_cache.h"
+
+namespace latelight::render {
+
+// A graph that is being filled, and the device that will run it.
+struct Builder {
+  vk::Device& device;
+  graph::Graph& graph;
+};
+
+// Set 0 of a shader, binding by binding.
+class Bindings {
+ public:
+  // `use`: of what is sampled, SampledCompute or SampledFragment.
+  explicit Bindings(vk::Device& device, graph::Use use = graph::Use::SampledCompute) : device_(device), use_(use) {}
+  Bindings& sampled(graph::ImageId image) { return sampled(image, vk::kNearestSampler); }  // only fetched from
+  Bindings& sampled(graph::ImageId image, const vk::SamplerDesc& sampler);
+  Bindings& sampled(const std::vector<graph::ImageId>& images);
+  Bindings& storage(graph::ImageId image, graph::Use use);  // StorageRead, StorageWrite or StorageReadWrite
+  Bindings& outside(vk::BoundImage image, vk::Binding kind = vk::Binding::Sampled);  // not of the graph
+
+  std::vector<vk::Binding> kinds() const;
+  std::vector<graph::Access> accesses() const;
+  std::vector<vk::BoundImage> images(graph::Context& context) const;
+
+ private:
+  struct Slot {
+    vk::Binding kind;
+    graph::ImageId image;  // none: from outside
+    graph::Use use;
+    vk::BoundImage bound;  // without the view where `image` has it
+  };
+  vk::Device& device_;
+  graph::Use use_;
+  std::vector<Slot> slots_;
+};
+
+struct ComputePass {
+  graph::Stage stage;
+  std::string name;
+  std::string shader;
+  Bindings bindings;
+  glm::uvec3 size{1};                      // invocations: pixels and layers
+  std::vector<vk::Constant> constants{};   // specialization
+  std::vector<graph::Access> buffers{};    // read and written by address
+  uint32_t groupX = 16, groupY = 16;       // local_size of the shader
+};
+
+struct NoPush {};  // of shaders without push constants
+template <typename Constants>
+constexpr uint32_t pushBytes() {
+  return std::is_empty_v<Constants> ? 0 : sizeof(Constants);
+}
+
+// Adds a pass of one dispatch; push(context) gives its push constants.
+template <std::invocable<graph::Context&> Push>
+void addCompute(const Builder& b, ComputePass pass, Push push) {
+  using Constants = std::invoke_result_t<Push, graph::Context&>;
+  const vk::PipelineRef pipeline = b.device.cache().pipeline(vk::ComputeDesc{.shader = pass.shader,
+                                                                             .bindings = pass.bindings.kinds(),
+                                                                             .constants = pass.constants,
+                                                                             .pushBytes = pushBytes<Constants>(),
+                                                                             .name = pass.name});
+  std::vector<graph::Access> accesses = pass.bindings.accesses();
+  accesses.insert(accesses.end(), pass.buffers.begin(), pass.buffers.end());
+  const auto [stage, name] = std::pair(pass.stage, pass.name);
+  b.graph.pass(stage, name, std::move(accesses),
+               [pipeline, pass = std::move(pass), push = std::move(push)](graph::Context& context) {
+                 const Constants constants = push(context);
+                 const std::vector<vk::BoundImage> images = pass.bindings.images(context);
+                 context.commands().bind(pipeline.get(), std::span(images),
+                                         std::as_bytes(std::span(&constants, 1)).first(pushBytes<Constants>()));
+                 context.commands().dispatch(pass.size.x, pass.size.y, pass.size.z, pass.groupX, pass.groupY);
+               });
+}
+
+// The same where push constants are known already.
+template <typename Constants>
+  requires(!std::invocable<Constants, graph::Context&>)
+void addCompute(const Builder& b, ComputePass pass, const Constants& push) {
+  addCompute(b, std::move(pass), [push](graph::Context&) { return push; });
+}
+
+// The size of a dispatch over an image.
+inline glm::uvec3 texels(const graph::Graph& graph, graph::ImageId image) {
+  const vk::ImageDesc& desc = graph.desc(image);
+  return {desc.width, desc.height, desc.layers};
+}
+
+}  // namespace latelight::render

@@ -1,0 +1,19 @@
+// Push constants of background.comp.
+#ifndef LATELIGHT_RENDER_POST_BACKGROUND_PUSH_H
+#define LATELIGHT_RENDER_POST_BACKGROUND_PUSH_H
+
+#include "shared/lang.h"
+
+SH_BEGIN
+
+struct BackgroundPush {
+  uint64_t frame;  // FrameConstants
+};
+
+SH_END
+
+#if defined(__cplusplus)
+static_assert(sizeof(latelight::shared::BackgroundPush) == 8);
+#endif
+
+#endif

@@ -1,0 +1,22 @@
+// Push constants of the shaders that compose the picture (compose.glsl).
+#ifndef LATELIGHT_RENDER_POST_COMPOSE_PUSH_H
+#define LATELIGHT_RENDER_POST_COMPOSE_PUSH_H
+
+#include "shared/lang.h"
+
+SH_BEGIN
+
+struct ComposePush {
+  uint64_t pixels;  // uint[layers * height * width]: R lowest
+  float scale;      // 1 / number of accumulated frames
+  uint tonemap;     // kTonemap*
+  vec4 background;  // linear display colour; alpha 0: transparent
+};
+
+SH_END
+
+#if defined(__cplusplus)
+static_assert(sizeof(latelight::shared::ComposePush) == 32);
+#endif
+
+#endif

@@ -1,0 +1,21 @@
+// Push constants of taa.comp.
+#ifndef LATELIGHT_RENDER_POST_TEMPORAL_PUSH_H
+#define LATELIGHT_RENDER_POST_TEMPORAL_PUSH_H
+
+#include "shared/lang.h"
+
+SH_BEGIN
+
+struct TemporalPush {
+  uint64_t frame;  // FrameConstants
+  float scale;     // of the picture: 1 / frames in the sum
+  float samples;   // that the sum is of, where a history begins; 0 where it goes on
+};
+
+SH_END
+
+#if defined(__cplusplus)
+static_assert(sizeof(latelight::shared::TemporalPush) == 16);
+#endif
+
+#endif

@@ -1,0 +1,188 @@
+#include "render/request.h"
+
+#include <algorithm>
+
+#include "render/lighting/technique.h"
+#include "render/post/resolve.h"
+#include "render/transparency/transparency.h"
+
+namespace latelight::render {
+
+using output::Aov;
+
+FrameSetup frameSetup(const Settings& s, bool shadows) {
+  FrameSetup setup{.layout = s.layout,
+                   .normalEncoding = s.normals->index,
+                   .lighting = s.lighting,
+                   .shading = indexOf(s.shading),
+                   .normalSpace = indexOf(s.normalSpace),
+                   .positionMethod = indexOf(s.position),
+                   .volumesOrder = indexOf(s.volumesOrder),
+                   .ambientOcclusion = indexOf(s.ambientOcclusion),
+                   .fog = s.fogDensity > 0,
+                   .transparency = {indexOf(s.transparency)},
+                   .samples = s.aa.samples,
+                   .everySample = s.everySample && s.aa.samples > 1};
+  if (shadows) {
+    setup.shadowFormat = indexOf(s.shadows);
+    setup.shadowFilter = indexOf(s.shadowFilter);
+    setup.sunInGbuffer = keepsSun(setup);
+  }
+  return setup;
+}
+
+bool asksFor(const Settings& settings, bool (*wanted)(Aov)) {
+  return std::any_of(settings.aovs.begin(), settings.aovs.end(), wanted);
+}
+
+bool isLit(const Settings& s) {
+  return s.display || output::contains(s.aovs, Aov::Color) || asksFor(s, isLightCount);
+}
+
+Request::Request(const RenderState& state, const Settings& settings, const ViewsInTime& steady,
+                 const ViewsInTime& jittered, FrameShadows* shadows)
+    : state_(state), settings_(settings), steadyViews_(steady), jitteredViews_(jittered), shadows_(shadows) {}
+
+bool Request::isSteady() const {
+  return settings_.aa.samples == 1 && jitteredViews_.now.front().jitter == shared::vec2(0);
+}
+
+ViewSet& Request::steady() {
+  if (!steady_) steady_.emplace(state_, steadyViews_, settings_, shadows_, HardwareOptions{.atCentres = true});
+  return *steady_;
+}
+
+ViewSet& Request::jittered() {
+  if (isSteady()) return steady();
+  const HardwareOptions options{.atCentres = settings_.aa.samples == 1};
+  if (!jittered_) jittered_.emplace(state_, jitteredViews_, settings_, shadows_, options);
+  return *jittered_;
+}
+
+// What shows at the pixels' centres, found once for all that asks.
+graph::ImageId Request::steadyDepth() {
+  if (!steadyDepth_) steadyDepth_ = steady().visibility().addDepth(steady().frame(graph_, FrameSetup{}));
+  return steadyDepth_;
+}
+
+// The picture's frame, lit. It counts lights at the same time if it may: they are counted at pixels' centres.
+LitFrame Request::addPicture() {
+  FrameSetup setup = frameSetup(settings_, shadows_ != nullptr);
+  setup.countLights = isSteady() && asksFor(settings_, isLightCount);
+  const FrameContext& f = jittered().frame(graph_, setup);
+  const LitFrame lit = isSteady() ? addLit(f, steadyDepth()) : addOpaque(f);
+  addTransparency(f, lit.gbuffer);
+  return lit;
+}
+
+void Request::accumulate(const vk::Image& sum, bool first) {
+  const graph::ImageId total = graph_.import(sum, first ? std::nullopt : std::optional(graph::Use::StorageReadWrite));
+  addAccumulate({state_.device, graph_}, addPicture().picture, total, first);
+  graph_.exports(total, graph::Use::StorageReadWrite);
+}
+
+void Request::finish(const vk::Image* sum, uint32_t count, TemporalHistory* history, bool continues) {
+  if (settings_.display || asks(Aov::Color)) {
+    lit_ = addPicture();
+    graph::ImageId picture = lit_->picture;
+    if (sum) {
+      const graph::ImageId total = graph_.import(*sum, graph::Use::StorageReadWrite);
+      addAccumulate({state_.device, graph_}, picture, total, false);
+      picture = total;
+    }
+    if (history) {
+      const FrameContext& f = jittered().frame(graph_, FrameSetup{});
+      const graph::ImageId depth = lit_->gbuffer.depth;
+      const graph::ImageId motion = jittered().visibility().addMotion(f, depth, MotionUse::Reproject);
+      picture = addTemporal(f, {picture, depth, motion}, *history, !continues);
+      count = 1;
+    }
+    addPost(*lit_, picture, count);
+  }
+  if (asksFor(settings_, isLightCount)) addLightCounts();
+  if (asks(Aov::Samples)) addSampleCounts();
+  if (asksFor(settings_, isData)) addData();
+}
+
+void Request::addPost(const LitFrame& lit, graph::ImageId picture, uint32_t count) {
+  finished_ = finishPicture({state_.device, graph_}, picture, 1.0f / static_cast<float>(count), settings_);
+  floats_ = graph_.desc(finished_.linear).format == VK_FORMAT_R32G32B32A32_SFLOAT;
+  if (asks(Aov::Color)) linear_ = addReadback(graph_, finished_.linear);
+  if (settings_.countSurfaces && lit.gbuffer.surfaces) surfaces_ = addReadback(graph_, lit.gbuffer.surfaces);
+}
+
+// How many lights each pixel's centre cost: the picture's own frame, or one like it without what is laid over that.
+void Request::addLightCounts() {
+  if (lit_ && isSteady()) {
+    lightCounts_ = addReadback(graph_, lit_->lightCounts);
+    return;
+  }
+  FrameSetup setup = frameSetup(settings_, shadows_ != nullptr);
+  setup.countLights = true;
+  setup.fog = false;
+  setup.samples = 1;
+  setup.everySample = false;
+  setup.sunInGbuffer = shadows_ && keepsSun(setup);
+  lightCounts_ = addReadback(graph_, addLit(steady().frame(graph_, setup), steadyDepth()).lightCounts);
+}
+
+// How often the picture's own frame shades each pixel. Where there is no picture its lighting leads to nothing that is
+// read, so it does not run.
+void Request::addSampleCounts() {
+  graph::ImageId counts;
+  if (settings_.aa.samples > 1) {
+    if (!lit_) lit_ = addOpaque(jittered().frame(graph_, frameSetup(settings_, shadows_ != nullptr)));
+    counts = lit_->gbuffer.surfaces ? lit_->gbuffer.surfaces : lit_->gbuffer.depth;
+    countsSurfaces_ = bool(lit_->gbuffer.surfaces);
+  } else {
+    counts = steadyDepth();
+  }
+  sampleCounts_ = addReadback(graph_, counts);
+}
+
+// Data leaves at pixel centres, in full precision, whatever layout and anti-aliasing the picture has: from a G-buffer
+// of its own in the layout `exact`, of which only the targets are made that something asked for lies in.
+void Request::addData() {
+  ViewSet* set = &steady();
+  graph::ImageId depth;
+  if (settings_.dataSurfaces == DataSurfaces::Any && steady().visibility().anyBlended()) {
+    solid_.emplace(state_, steadyViews_, settings_, nullptr, HardwareOptions{.blendedToo = true, .atCentres = true});
+    set = &*solid_;
+    depth = solid_->visibility().addDepth(solid_->frame(graph_, FrameSetup{}));
+  } else {
+    depth = steadyDepth();
+  }
+  FrameSetup setup{.layout = &findLayout("exact")};
+  setup.targets = exactTargets(settings_.aovs);
+  const FrameContext& f = set->frame(graph_, setup);
+  Gbuffer gbuffer{.depth = depth, .sampleDepth = depth};
+  if (setup.targets) set->visibility().addGbuffer(f, gbuffer);
+  graph::ImageId motion;
+  if (asks(Aov::Motion)) motion = set->visibility().addMotion(f, depth, MotionUse::Data);
+  data_.emplace(graph_, *setup.layout, gbuffer, motion, settings_.aovs);
+}
+
+void Request::read(const graph::Executor& done, bool yUp, std::vector<output::FrameOutput>& pictures) const {
+  for (size_t view = 0; view < pictures.size(); ++view) {
+    output::FrameOutput& picture = pictures[view];
+    const size_t pixels = size_t{picture.width} * picture.height;
+    if (settings_.display) {
+      const uint8_t* from = done.buffer(finished_.display).as<uint8_t>() + view * pixels * 4;
+      picture.display.assign(from, from + pixels * 4);
+    }
+    if (linear_) readColor(picture, done.buffer(linear_), view, floats_, finished_.scale);
+    if (lightCounts_) readLightCounts(picture, done.buffer(lightCounts_), view);
+    if (sampleCounts_) readSampleCounts(picture, done.buffer(sampleCounts_), view, countsSurfaces_);
+    if (data_) data_->read(done, steadyViews_.now[view], view, settings_, yUp, picture);
+  }
+}
+
+void Request::countShadings(const graph::Executor& done, std::optional<ShadingCounts>& counts) const {
+  if (!surfaces_) return;
+  if (!counts) counts.emplace();
+  const shared::vec2 size = steadyViews_.now.front().size;
+  render::countShadings(*counts, done.buffer(surfaces_),
+                        static_cast<size_t>(size.x) * static_cast<size_t>(size.y) * steadyViews_.now.size());
+}
+
+}  // namespace latelight::render

@@ -1,0 +1,65 @@
+// What is asked of some views, as one graph: picture, data and counts share what they see.
+#pragma once
+
+#include <optional>
+
+#include "output/files.h"
+#include "render/aov_read.h"
+#include "render/post/post.h"
+#include "render/post/taa/taa.h"
+#include "render/view_set.h"
+
+namespace latelight::render {
+
+FrameSetup frameSetup(const Settings& settings, bool shadows);
+bool isLit(const Settings& settings);  // data alone need no light
+bool asksFor(const Settings& settings, bool (*wanted)(output::Aov));
+
+class Request {
+ public:
+  // `steady`: the views without jitter; `jittered`: the same with the jitter of the picture's frame that is rendered
+  // now. `shadows`: of these views, or null.
+  Request(const RenderState& state, const Settings& settings, const ViewsInTime& steady, const ViewsInTime& jittered,
+          FrameShadows* shadows);
+
+  // Adds the picture's frame to `sum`, and asks for nothing else: one of several samples of a pixel.
+  void accumulate(const vk::Image& sum, bool first);
+  // Everything that is asked for. Of a picture of several frames `sum` holds those before, `count` with this one.
+  // `history`: of temporal anti-aliasing, or null; `continues`: it has the frame before this picture.
+  void finish(const vk::Image* sum, uint32_t count, TemporalHistory* history, bool continues);
+
+  const graph::Graph& graph() const { return graph_; }
+
+  // After the graph has run.
+  void read(const graph::Executor& done, bool yUp, std::vector<output::FrameOutput>& pictures) const;
+  void countShadings(const graph::Executor& done, std::optional<ShadingCounts>& counts) const;
+
+ private:
+  bool asks(output::Aov aov) const { return output::contains(settings_.aovs, aov); }
+  ViewSet& steady();
+  ViewSet& jittered();
+  bool isSteady() const;  // the picture's frame has one sample a pixel, at its centre
+  LitFrame addPicture();
+  void addPost(const LitFrame& lit, graph::ImageId picture, uint32_t count);
+  void addLightCounts();
+  void addSampleCounts();
+  void addData();
+  graph::ImageId steadyDepth();
+
+  const RenderState& state_;
+  const Settings& settings_;
+  ViewsInTime steadyViews_, jitteredViews_;
+  FrameShadows* shadows_;
+  graph::Graph graph_;
+  std::optional<ViewSet> steady_, jittered_, solid_;  // solid_: blended surfaces count as solid
+  graph::ImageId steadyDepth_;
+  std::optional<LitFrame> lit_;  // the picture's, as it was before transparency
+
+  FinishedPicture finished_;
+  bool floats_ = false;  // of the linear picture
+  graph::BufferId linear_, lightCounts_, sampleCounts_, surfaces_;
+  bool countsSurfaces_ = false;  // sampleCounts_ holds surfaces of samples, else depth
+  std::optional<DataReadback> data_;
+};
+
+}  // namespace latelight::render

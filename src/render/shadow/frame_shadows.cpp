@@ -1,0 +1,137 @@
+#include "render/shadow/frame_shadows.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "shared/shadow.h"
+
+namespace latelight::render {
+
+namespace {
+
+template <typename T>
+vk::Buffer uploaded(vk::Device& device, const char* name, const std::vector<T>& values) {
+  vk::Buffer buffer(device, {.size = values.size() * sizeof(T), .kind = vk::MemoryKind::Upload, .name = name});
+  if (!values.empty()) std::memcpy(buffer.mapped(), values.data(), values.size() * sizeof(T));
+  return buffer;
+}
+
+bool sameMaps(const ShadowPlan& a, const ShadowPlan::Entry& of, const ShadowPlan& b, const ShadowPlan::Entry& other) {
+  if (of.maps != other.maps) return false;
+  for (uint32_t i = 0; i < of.maps; ++i) {
+    const shared::ShadowMap &x = a.maps[of.first + i], &y = b.maps[other.first + i];
+    const shared::View &from = a.views[of.first + i].drawn, &to = b.views[other.first + i].drawn;
+    if (std::memcmp(&x, &y, sizeof(x)) != 0 || std::memcmp(&from, &to, sizeof(from)) != 0) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+VkFormat shadowImageFormat(uint32_t format) {
+  if (shadowIsPacked(format)) return VK_FORMAT_R8G8B8A8_UNORM;
+  return format == shared::kShadowD16 ? VK_FORMAT_D16_UNORM : VK_FORMAT_D32_SFLOAT;
+}
+
+bool shadowIsPacked(uint32_t format) {
+  return format == shared::kShadowRgba8 || format == shared::kShadowRgba8Classic;
+}
+
+FrameShadows::FrameShadows(vk::Device& device, const GpuScene& scene, std::span<const shared::View> views,
+                           const Settings& settings)
+    : format_(indexOf(settings.shadows)) {
+  const ShadowScene planned{scene.lights().lights(), scene.lights().sources(), scene.lights().authored(),
+                            scene.bounds()};
+  for (const shared::View& view : views) {
+    plans_.push_back(planShadows(planned, view, settings));
+    for (const ShadowPlan::Entry& entry : plans_.back().lights) columns_.push_back(entry.light);
+  }
+  std::sort(columns_.begin(), columns_.end());
+  columns_.erase(std::unique(columns_.begin(), columns_.end()), columns_.end());
+  if (columns_.empty()) return;
+  number(scene.lights().count());
+  upload(device);
+}
+
+void FrameShadows::number(uint32_t lights) {
+  bits_.resize((lights + 31) / 32);
+  for (const uint32_t light : columns_) bits_[light / 32].lights |= 1u << (light % 32);
+  for (size_t i = 1; i < bits_.size(); ++i)
+    bits_[i].before = bits_[i - 1].before + static_cast<uint32_t>(std::popcount(bits_[i - 1].lights));
+  table_.resize(plans_.size() * columns_.size());
+  for (size_t view = 0; view < plans_.size(); ++view) {
+    for (const ShadowPlan::Entry& entry : plans_[view].lights) {
+      const auto column = std::lower_bound(columns_.begin(), columns_.end(), entry.light) - columns_.begin();
+      table_[view * columns_.size() + static_cast<size_t>(column)] = enter(static_cast<uint32_t>(view), entry);
+    }
+  }
+}
+
+// The maps of a light in a view: those of an earlier view that are the same to the bit, or new ones.
+shared::LightShadow FrameShadows::enter(uint32_t view, const ShadowPlan::Entry& entry) {
+  const ShadowPlan& plan = plans_[view];
+  shared::LightShadow shadow{0, entry.maps, plan.sun == entry.light ? 1u : 0u};
+  for (uint32_t earlier = 0; earlier < view; ++earlier) {
+    for (const ShadowPlan::Entry& other : plans_[earlier].lights) {
+      if (other.light != entry.light || !sameMaps(plan, entry, plans_[earlier], other)) continue;
+      shadow.first = of(earlier, entry.light).first;
+      return shadow;
+    }
+  }
+  shadow.first = static_cast<uint32_t>(maps_.size());
+  for (uint32_t i = entry.first; i < entry.first + entry.maps; ++i) {
+    maps_.push_back({view, &plan.views[i]});
+    records_.push_back(plan.maps[i]);
+    records_.back().layer = view;
+  }
+  return shadow;
+}
+
+void FrameShadows::upload(vk::Device& device) {
+  vk::ImageDesc atlas{.format = shadowImageFormat(format_),
+                      .layers = viewCount(),
+                      .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
+                      .name = "shadow atlas"};
+  atlas.usage |=
+      shadowIsPacked(format_) ? VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT : VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT;
+  std::vector<shared::View> views;
+  for (const ShadowPlan& plan : plans_) {
+    atlas.width = std::max(atlas.width, plan.width);
+    atlas.height = std::max(atlas.height, plan.height);
+  }
+  for (const Map& map : maps_) views.push_back(map.view->drawn);
+  atlas_ = vk::Image(device, atlas);
+  bitsBuffer_ = uploaded(device, "shadow bits", bits_);
+  tableBuffer_ = uploaded(device, "shadows of lights", table_);
+  mapsBuffer_ = uploaded(device, "shadow maps", records_);
+  viewsBuffer_ = uploaded(device, "shadow views", views);
+  constantsBuffer_ = uploaded(device, "shadow constants", std::vector<shared::FrameConstants>(1));
+}
+
+shared::LightShadow FrameShadows::of(uint32_t view, uint32_t light) const {
+  const auto column = std::lower_bound(columns_.begin(), columns_.end(), light);
+  if (column == columns_.end() || *column != light) return {};
+  return table_[view * columns_.size() + static_cast<size_t>(column - columns_.begin())];
+}
+
+std::optional<uint32_t> FrameShadows::sun(uint32_t view) const {
+  return plans_[view].sun;
+}
+
+void FrameShadows::describe(shared::FrameConstants& frame) const {
+  if (empty()) return;
+  frame.shadowBits = bitsBuffer_.address();
+  frame.lightShadows = tableBuffer_.address();
+  frame.shadowMaps = mapsBuffer_.address();
+  frame.shadowColumns = static_cast<uint32_t>(columns_.size());
+}
+
+VkDeviceAddress FrameShadows::mapConstants(const shared::FrameConstants& frame) {
+  shared::FrameConstants constants = frame;
+  constants.views = constants.previousViews = constants.nextViews = viewsBuffer_.address();
+  constants.viewCount = static_cast<uint32_t>(maps_.size());
+  std::memcpy(constantsBuffer_.mapped(), &constants, sizeof(constants));
+  return constantsBuffer_.address();
+}
+
+}  // namespace latelight::render

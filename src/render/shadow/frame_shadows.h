@@ -1,0 +1,62 @@
+// The shadow maps of a frame: planned for each of its views, drawn once, looked up by light and view.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "render/gpu_scene.h"
+#include "render/settings.h"
+#include "render/shadow/plan.h"
+#include "vk/resources.h"
+
+namespace latelight::render {
+
+class FrameShadows {
+ public:
+  // Plans for these views. Nothing of the scene changes for it.
+  FrameShadows(vk::Device& device, const GpuScene& scene, std::span<const shared::View> views,
+               const Settings& settings);
+
+  bool empty() const { return columns_.empty(); }  // no light casts any, in no view
+  const ShadowPlan& plan(uint32_t view) const { return plans_[view]; }
+  uint32_t viewCount() const { return static_cast<uint32_t>(plans_.size()); }
+  shared::LightShadow of(uint32_t view, uint32_t light) const;
+  std::optional<uint32_t> sun(uint32_t view) const;  // the light that is the sun there
+
+  // For the frame's constants.
+  void describe(shared::FrameConstants& frame) const;
+
+  // What is to be drawn, by layer. Views that see a light alike share its maps: they lie in the first one's layer.
+  struct Map {
+    uint32_t layer;
+    const ShadowView* view;
+  };
+  std::span<const Map> maps() const { return maps_; }
+  // Constants of a frame whose views are the maps, in their order.
+  VkDeviceAddress mapConstants(const shared::FrameConstants& frame);
+
+  // A layer a view. Drawn once for all samples of a picture.
+  const vk::Image& atlas() const { return atlas_; }
+  bool takeDrawing() { return std::exchange(undrawn_, false); }  // true once: for the graph that draws the maps
+
+ private:
+  void number(uint32_t lights);
+  shared::LightShadow enter(uint32_t view, const ShadowPlan::Entry& entry);
+  void upload(vk::Device& device);
+
+  uint32_t format_;  // kShadow*
+  std::vector<ShadowPlan> plans_;
+  std::vector<Map> maps_;
+  std::vector<shared::ShadowMap> records_;  // of maps_
+  std::vector<uint32_t> columns_;           // lights that cast shadows in some view, ascending
+  std::vector<shared::ShadowBits> bits_;
+  std::vector<shared::LightShadow> table_;  // a row a view
+  vk::Image atlas_;
+  vk::Buffer bitsBuffer_, tableBuffer_, mapsBuffer_, viewsBuffer_, constantsBuffer_;
+  bool undrawn_ = true;
+};
+
+VkFormat shadowImageFormat(uint32_t format);  // of the atlas
+bool shadowIsPacked(uint32_t format);         // depth is packed in the bytes of a colour
+
+}  // namespace latelight::render

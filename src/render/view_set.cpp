@@ -1,0 +1,78 @@
+#include "render/view_set.h"
+
+#include <cmath>
+#include <cstring>
+
+#include "render/post/ambient_occlusion/ambient_occlusion.h"
+
+namespace latelight::render {
+
+namespace {
+
+vk::Buffer uploaded(vk::Device& device, const char* name, const void* data, size_t bytes) {
+  vk::Buffer buffer(device, {.size = bytes, .kind = vk::MemoryKind::Upload, .name = name});
+  std::memcpy(buffer.mapped(), data, bytes);
+  return buffer;
+}
+
+}  // namespace
+
+ViewSet::ViewSet(const RenderState& state, const ViewsInTime& views, const Settings& settings, FrameShadows* shadows,
+                 const HardwareOptions& options)
+    : state_(state),
+      views_(views),
+      settings_(settings),
+      shadows_(shadows),
+      visibility_(state.device, state.scene, state.order, views_.now, options) {
+  uploadConstants(settings);
+}
+
+void ViewSet::uploadConstants(const Settings& s) {
+  std::vector<shared::View> all = views_.now;
+  all.insert(all.end(), views_.previous.begin(), views_.previous.end());
+  all.insert(all.end(), views_.next.begin(), views_.next.end());
+  viewBuffer_ = uploaded(state_.device, "views", all.data(), all.size() * sizeof(shared::View));
+
+  shared::FrameConstants frame{};
+  state_.scene.describe(frame);
+  if (shadows_) shadows_->describe(frame);
+  frame.views = viewBuffer_.address();
+  frame.previousViews = frame.views + views_.now.size() * sizeof(shared::View);
+  frame.nextViews = frame.previousViews + views_.now.size() * sizeof(shared::View);
+  frame.viewCount = static_cast<uint32_t>(views_.now.size());
+  frame.exposure = exposureFactor(s);
+  frame.environmentIntensity = state_.hasEnvironment ? s.environmentIntensity : 0.0f;
+  frame.environmentCos = std::cos(s.environmentRotation);
+  frame.environmentSin = std::sin(s.environmentRotation);
+  frame.environmentLevels = static_cast<float>(state_.environment.levels());
+  frame.fog = {.color = s.fogColor,
+               .density = s.fogDensity,
+               .falloff = s.fogHeight > 0 ? 1 / s.fogHeight : 0.0f,
+               .base = s.fogBase};
+  constants_ = uploaded(state_.device, "frame constants", &frame, sizeof(frame));
+}
+
+const FrameContext& ViewSet::frame(graph::Graph& graph, const FrameSetup& setup) {
+  FrameSetup& kept = setups_.emplace_back(setup);
+  kept.textureSlots = state_.scene.materials().textureSlots();
+  const shared::vec2 size = views_.now.front().size;
+  return frames_.emplace_back(FrameContext{
+      {state_.device, graph},
+      state_.scene,
+      state_.environment,
+      visibility_,
+      kept,
+      views_.now,
+      constants_.address(),
+      static_cast<uint32_t>(size.x),
+      static_cast<uint32_t>(size.y),
+      state_.scene.lights().lights(),
+      state_.hasEnvironment && settings_.background.kind == Background::Environment,
+      settings_.aoRadius.value_or(kAoRadiusShare * state_.scene.bounds().radius()),
+      settings_.aoStrength,
+      kept.shadowFormat ? shadows_ : nullptr,
+      &state_.overflow,
+  });
+}
+
+}  // namespace latelight::render

@@ -1,0 +1,128 @@
+#include "render/visibility/draw.h"
+
+#include <algorithm>
+
+namespace latelight::render {
+
+namespace {
+
+VkRenderingAttachmentInfo attachment(VkImageView view, VkImageLayout layout, VkAttachmentLoadOp load,
+                                     VkAttachmentStoreOp store) {
+  return {.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
+          .imageView = view,
+          .imageLayout = layout,
+          .loadOp = load,
+          .storeOp = store};
+}
+
+bool cutsOut(const shared::Material& material) {
+  return (material.flags & (shared::kMaterialMasked | shared::kMaterialBlended)) != 0;
+}
+
+}  // namespace
+
+DeviceDraws::DeviceDraws(vk::Device& device, std::vector<DrawList> lists) {
+  size_t count = 0;
+  for (const DrawList& list : lists) count += list.instances.size();
+  instances_ = vk::Buffer(
+      device, {.size = count * sizeof(uint32_t), .kind = vk::MemoryKind::Upload, .name = "instances to draw"});
+  uint32_t first = 0;
+  for (DrawList& list : lists) {
+    for (Draw& draw : list.draws) draw.first += first;
+    std::copy(list.instances.begin(), list.instances.end(), instances_.as<uint32_t>() + first);
+    first += static_cast<uint32_t>(list.instances.size());
+    draws_.push_back(std::move(list.draws));
+  }
+}
+
+bool DeviceDraws::empty() const {
+  return std::all_of(draws_.begin(), draws_.end(), [](const std::vector<Draw>& list) { return list.empty(); });
+}
+
+ScenePipelines scenePipelines(vk::Device& device, vk::GraphicsDesc desc) {
+  if (desc.vertex.empty()) desc.vertex = "scene.vert";
+  if (desc.pushBytes == 0) desc.pushBytes = sizeof(shared::DrawPush);
+  desc.materialSet = GpuMaterials::setLayout(device);
+  desc.constants.push_back({kFirstOwnConstant, 0});
+  ScenePipelines pipelines{.opaque = device.cache().pipeline(desc), .masked = {}};
+  desc.constants.back().value = 1;
+  desc.name += " masked";
+  pipelines.masked = device.cache().pipeline(desc);
+  return pipelines;
+}
+
+SceneBinder::SceneBinder(graph::Context& context, const GpuScene& scene, const shared::DrawPush& push,
+                         const ScenePipelines& pipelines, std::span<const vk::BoundImage> images)
+    : context_(context), scene_(scene), push_(push), pipelines_(pipelines), images_(images) {}
+
+const vk::Pipeline& SceneBinder::bind(const Draw& draw) {
+  VkCommandBuffer commands = context_.get();
+  const shared::Material& material = scene_.materials().record(draw.material);
+  const vk::Pipeline& pipeline = (cutsOut(material) ? pipelines_.masked : pipelines_.opaque).get();
+  if (bound_ != &pipeline) {
+    context_.commands().bind(pipeline, images_, std::as_bytes(std::span(&push_, 1)));
+    bound_ = &pipeline;
+    material_ = ~0u;
+  }
+  if (material_ != draw.material) {
+    context_.commands().bindMaterial(pipeline, scene_.materials().set(draw.material));
+    const bool doubleSided = (material.flags & shared::kMaterialDoubleSided) != 0;
+    vkCmdSetCullMode(commands, doubleSided ? VK_CULL_MODE_NONE : VK_CULL_MODE_BACK_BIT);
+    material_ = draw.material;
+  }
+  if (mesh_ != draw.mesh) {
+    vkCmdBindIndexBuffer(commands, scene_.geometry().indexBuffer(draw.mesh), 0, VK_INDEX_TYPE_UINT32);
+    mesh_ = draw.mesh;
+  }
+  vkCmdSetFrontFace(commands, draw.mirrored ? VK_FRONT_FACE_CLOCKWISE : VK_FRONT_FACE_COUNTER_CLOCKWISE);
+  return pipeline;
+}
+
+void recordDraw(graph::Context& context, const GpuScene& scene, const Draw& draw) {
+  vkCmdDrawIndexed(context.get(), scene.geometry().indexCount(draw.mesh), draw.count, 0, 0, draw.first);
+}
+
+void recordDraws(graph::Context& context, const GpuScene& scene, SceneBinder& binder, const std::vector<Draw>& draws) {
+  for (const Draw& draw : draws) {
+    binder.bind(draw);
+    recordDraw(context, scene, draw);
+  }
+}
+
+void recordScreen(graph::Context& context) {
+  vkCmdSetFrontFace(context.get(), VK_FRONT_FACE_COUNTER_CLOCKWISE);
+  vkCmdSetCullMode(context.get(), VK_CULL_MODE_NONE);
+  vkCmdDraw(context.get(), 3, 1, 0, 0);
+}
+
+void beginView(graph::Context& context, const FrameContext& f, uint32_t view, std::span<const graph::ImageId> colors,
+               DepthUse depth, ColorUse use, uint32_t written) {
+  std::vector<VkRenderingAttachmentInfo> targets;
+  const VkAttachmentLoadOp load = use == ColorUse::Clear ? VK_ATTACHMENT_LOAD_OP_CLEAR : VK_ATTACHMENT_LOAD_OP_LOAD;
+  for (size_t i = 0; i < colors.size(); ++i) {
+    const bool wanted = (written >> i & 1u) != 0;
+    targets.push_back(attachment(context.image(colors[i]).layerView(view), VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL,
+                                 wanted ? load : VK_ATTACHMENT_LOAD_OP_DONT_CARE,
+                                 wanted ? VK_ATTACHMENT_STORE_OP_STORE : VK_ATTACHMENT_STORE_OP_DONT_CARE));
+  }
+  VkRenderingAttachmentInfo depthTarget =
+      depth.clear ? attachment(context.image(depth.image).layerView(view), VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL,
+                               VK_ATTACHMENT_LOAD_OP_CLEAR, VK_ATTACHMENT_STORE_OP_STORE)
+                  : attachment(context.image(depth.image).layerView(view), VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL,
+                               VK_ATTACHMENT_LOAD_OP_LOAD, VK_ATTACHMENT_STORE_OP_NONE);
+  VkRect2D area{{0, 0}, {f.width, f.height}};
+  VkRenderingInfo rendering{.sType = VK_STRUCTURE_TYPE_RENDERING_INFO,
+                            .renderArea = area,
+                            .layerCount = 1,
+                            .colorAttachmentCount = static_cast<uint32_t>(targets.size()),
+                            .pColorAttachments = targets.data(),
+                            .pDepthAttachment = &depthTarget};
+  if (vk::hasStencil(context.image(depth.image).desc().format)) rendering.pStencilAttachment = &depthTarget;
+  vkCmdBeginRendering(context.get(), &rendering);
+  VkViewport viewport{0, static_cast<float>(f.height), static_cast<float>(f.width), -static_cast<float>(f.height), 0,
+                      1};
+  vkCmdSetViewport(context.get(), 0, 1, &viewport);
+  vkCmdSetScissor(context.get(), 0, 1, &area);
+}
+
+}  // namespace latelight::render

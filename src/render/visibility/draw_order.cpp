@@ -1,0 +1,76 @@
+#include "render/visibility/draw_order.h"
+
+#include <algorithm>
+#include <tuple>
+
+#include "base/parallel.h"
+
+namespace latelight::render {
+
+namespace {
+
+constexpr size_t kInstancesAtOnce = 16384;  // a thread's share: waking another costs less
+
+bool isBlended(const GpuScene& scene, uint32_t instance) {
+  const uint32_t material = scene.instances().record(instance).material;
+  return (scene.materials().record(material).flags & shared::kMaterialBlended) != 0;
+}
+
+bool standsWhere(const shared::Instance& a, const shared::Instance& b) {
+  return a.mesh == b.mesh && a.material == b.material && a.objectToWorld == b.objectToWorld;
+}
+
+// Puts an instance behind those that are there: into the last draw, if it is like those.
+void append(DrawList& list, const shared::Instance& record, uint32_t instance) {
+  const bool mirrored = (record.flags & shared::kInstanceMirrored) != 0;
+  const bool joins = !list.draws.empty() && list.draws.back().mesh == record.mesh &&
+                     list.draws.back().material == record.material && list.draws.back().mirrored == mirrored;
+  if (!joins)
+    list.draws.push_back({record.mesh, record.material, mirrored, static_cast<uint32_t>(list.instances.size()), 0});
+  ++list.draws.back().count;
+  list.instances.push_back(instance);
+}
+
+}  // namespace
+
+void DrawOrder::update(const GpuScene& scene) {
+  const GpuInstances& all = scene.instances();
+  if (instances_ == all.revision() && materials_ == scene.materials().revision()) return;
+  instances_ = all.revision();
+  materials_ = scene.materials().revision();
+  const auto before = [&](uint32_t a, uint32_t b) {
+    const shared::Instance &x = all.record(a), &y = all.record(b);
+    return std::tie(x.material, x.mesh, a) < std::tie(y.material, y.mesh, b);
+  };
+  if (order_.size() > all.count()) order_.clear();
+  while (order_.size() < all.count()) order_.push_back(static_cast<uint32_t>(order_.size()));
+  if (!std::is_sorted(order_.begin(), order_.end(), before)) std::sort(order_.begin(), order_.end(), before);
+  anyBlended_ = std::any_of(order_.begin(), order_.end(), [&](uint32_t i) { return isBlended(scene, i); });
+  hidden_.assign(order_.size(), 0);
+  parallelFor(order_.size(), kInstancesAtOnce, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end && i + 1 < order_.size(); ++i)
+      hidden_[i] = standsWhere(all.record(order_[i]), all.record(order_[i + 1])) && !isBlended(scene, order_[i]) &&
+                   all.bounds(order_[i + 1]).radius >= 0;  // one that was removed hides nothing
+  });
+}
+
+DrawList DrawOrder::select(const GpuScene& scene, Kind kind, const std::function<bool(const Sphere&)>& wanted) const {
+  if (kind == Kind::Blended && !anyBlended_) return {};
+  const GpuInstances& all = scene.instances();
+  const auto look = [&](size_t begin, size_t end, std::vector<uint32_t>& found) {
+    for (size_t i = begin; i < end; ++i) {
+      const uint32_t instance = order_[i];
+      if (!hidden_[i] && isBlended(scene, instance) == (kind == Kind::Blended) && wanted(all.bounds(instance)))
+        found.push_back(instance);
+    }
+  };
+  std::vector<std::vector<uint32_t>> parts((order_.size() + kInstancesAtOnce - 1) / kInstancesAtOnce);
+  parallelFor(order_.size(), kInstancesAtOnce,
+              [&](size_t begin, size_t end) { look(begin, end, parts[begin / kInstancesAtOnce]); });
+  DrawList list;
+  for (const std::vector<uint32_t>& part : parts)
+    for (const uint32_t instance : part) append(list, all.record(instance), instance);
+  return list;
+}
+
+}  // namespace latelight::render

@@ -1,0 +1,38 @@
+// What a visibility technique gives: which surface each sample of a frame's views shows, and what is made of those
+// surfaces. All views of a frame at once. Everything else in the frame is the same whatever the technique.
+#pragma once
+
+#include "render/frame.h"
+#include "shared/fragment_lists.h"
+
+namespace latelight::render {
+
+// What motion is for: to find a pixel in the frame before, in half floats; or data outputs, in floats.
+enum class MotionUse { Reproject, Data };
+
+// Where blended fragments are kept (shared/fragment_lists.h), as buffers of the graph.
+struct FragmentBuffers {
+  graph::BufferId fragments, counts, totals;
+  uint32_t capacity;  // fragments
+};
+
+class Visibility {
+ public:
+  virtual ~Visibility() = default;
+
+  // Depth of the nearest surface of every sample (setup.samples), reversed, 0 where there is none. Where two surfaces
+  // have the very same depth, the later one shows: by material, mesh, then their order in the scene.
+  virtual graph::ImageId addDepth(const FrameContext& f) const = 0;
+  // Adds the layout's targets to the G-buffer and fills them and its light target, from the surfaces that show.
+  virtual void addGbuffer(const FrameContext& f, Gbuffer& gbuffer) const = 0;
+  // R16G16B16A16_SFLOAT or R32G32B32A32_SFLOAT: xy to the frame before, zw to the frame after, of what shows at the
+  // pixels' centres. Pixels, y down, without jitter.
+  virtual graph::ImageId addMotion(const FrameContext& f, graph::ImageId depth, MotionUse use) const = 0;
+  // The shadow maps of f.shadows into `atlas`, a layer a view.
+  virtual void addShadowMaps(const FrameContext& f, graph::ImageId atlas) const = 0;
+  // Lit fragments of blended surfaces that nothing hides, in no order.
+  virtual void addFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers) const = 0;
+  virtual bool anyBlended() const = 0;  // of its views, does any show blended surfaces?
+};
+
+}  // namespace latelight::render

@@ -1,0 +1,199 @@
+#include "scene/edit.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "base/hash.h"
+#include "scene/edit_check.h"
+
+namespace latelight::scene {
+
+namespace {
+
+template <typename T>
+T& at(std::vector<T>& elements, uint32_t index, const char* what) {
+  if (index >= elements.size()) badUsage("there is no {} {}: the scene has {}", what, index, elements.size());
+  return elements[index];
+}
+
+template <typename T>
+T& present(std::vector<T>& elements, uint32_t index, const char* what) {
+  T& element = at(elements, index, what);
+  if (element.removed) badUsage("the {} {} has been removed", what, index);
+  return element;
+}
+
+// Where the next element goes: a gap, or the end.
+template <typename T>
+uint32_t place(std::vector<T>& elements, std::vector<uint32_t>& gaps, T element) {
+  if (gaps.empty()) {
+    elements.push_back(std::move(element));
+    return static_cast<uint32_t>(elements.size() - 1);
+  }
+  const uint32_t index = gaps.back();
+  gaps.pop_back();
+  elements[index] = std::move(element);
+  return index;
+}
+
+void empty(Gaps& gaps, uint32_t place) {
+  gaps.free.push_back(place);
+  if (gaps.emptied.size() <= place) gaps.emptied.resize(size_t{place} + 1);
+  ++gaps.emptied[place];
+}
+
+SceneEdits::KnownIds& idsOf(Scene& scene) {
+  if (scene.edits.ids) return *scene.edits.ids;
+  SceneEdits::KnownIds& ids = scene.edits.ids.emplace();
+  for (const Node& node : scene.nodes) ids.nodes.take(node.id);
+  for (const Instance& instance : scene.instances) {
+    ids.nodes.take(instance.id);  // copies have their own
+    ids.parts.take(instance.part);
+  }
+  for (const Material& material : scene.materials) ids.materials.take(material.data.id);
+  return ids;
+}
+
+// The name, or "<name>#<number>", that has an id of its own, and that id.
+std::pair<std::string, uint32_t> uniqueName(UniqueIds& ids, uint32_t& twins, const std::string& name) {
+  std::string unique = name;
+  uint32_t id = hash32(unique);
+  while (!ids.take(id)) id = hash32(unique = fmt::format("{}#{}", name, ++twins));
+  return {unique, id};
+}
+
+uint32_t addNode(Scene& scene, const std::string& name, const std::string& mesh, const mat4& toWorld) {
+  auto [path, id] = uniqueName(idsOf(scene).nodes, scene.edits.twins, "/" + name);
+  Node node{.name = name, .path = std::move(path), .mesh = mesh, .id = id, .added = true};
+  node.toWorld = toWorld;
+  node.local = scene.yUp ? toGltfFromWorld() * toWorld : toWorld;
+  return place(scene.nodes, scene.edits.freeNodes, std::move(node));
+}
+
+void removeNode(Scene& scene, uint32_t index) {
+  idsOf(scene).nodes.release(scene.nodes[index].id);
+  scene.nodes[index] = {};
+  scene.edits.freeNodes.push_back(index);
+}
+
+}  // namespace
+
+void setTransform(Scene& scene, uint32_t instance, const mat4& toWorld) {
+  checkTransform(toWorld);
+  Instance& edited = present(scene.instances, instance, "instance");
+  edited.toWorld = toWorld;
+  edited.placed = true;
+  scene.edits.instances.note(instance);
+}
+
+void setMaterialOf(Scene& scene, uint32_t instance, uint32_t material) {
+  at(scene.materials, material, "material");
+  present(scene.instances, instance, "instance").material = material;
+  scene.edits.instances.note(instance);
+}
+
+uint32_t addInstance(Scene& scene, uint32_t mesh, uint32_t material, const mat4& toWorld, const std::string& name) {
+  const std::string meshName = at(scene.meshes, mesh, "mesh").name;
+  at(scene.materials, material, "material");
+  checkTransform(toWorld);
+  checkName(name);
+  Instance instance{.mesh = mesh, .material = material, .toWorld = toWorld, .placed = true};
+  std::string own = !name.empty() ? name : !meshName.empty() ? meshName : "instance";
+  std::ranges::replace(own, '/', '.');  // of a mesh's name: primitives have one
+  instance.node = addNode(scene, own, meshName, toWorld);
+  instance.id = scene.nodes[instance.node].id;
+  instance.part = idsOf(scene).parts.make(scene.nodes[instance.node].path);
+  const uint32_t index = place(scene.instances, scene.edits.instanceGaps.free, instance);
+  scene.edits.instances.note(index);
+  return index;
+}
+
+void removeInstance(Scene& scene, uint32_t instance) {
+  Instance& removed = present(scene.instances, instance, "instance");
+  if (scene.nodes[removed.node].added) {
+    idsOf(scene).parts.release(removed.part);
+    removeNode(scene, removed.node);
+  }
+  removed.removed = true;
+  empty(scene.edits.instanceGaps, instance);
+  scene.edits.instances.note(instance);
+}
+
+void setMaterial(Scene& scene, uint32_t material, const Material& data) {
+  Material& edited = at(scene.materials, material, "material");
+  checkMaterial(scene, data);
+  const std::string name = edited.name;
+  const uint32_t id = edited.data.id;
+  edited = data;
+  edited.name = name;
+  edited.data.id = id;
+  scene.edits.materials.note(material);
+}
+
+uint32_t addMaterial(Scene& scene, const Material& material) {
+  checkMaterial(scene, material);
+  const auto index = static_cast<uint32_t>(scene.materials.size());
+  Material added = material;
+  const std::string name = added.name.empty() ? fmt::format("material{}", index) : added.name;
+  added.data.id = uniqueName(idsOf(scene).materials, scene.edits.twins, name).second;
+  scene.materials.push_back(std::move(added));
+  scene.edits.materials.note(index);
+  return index;
+}
+
+void setLight(Scene& scene, uint32_t light, const Light& data) {
+  Light& edited = present(scene.lights, light, "light");
+  checkLight(scene, data);
+  edited = data;
+  edited.removed = false;
+  scene.edits.lights.note(light);
+}
+
+uint32_t addLight(Scene& scene, const Light& light) {
+  checkLight(scene, light);
+  Light added = light;
+  added.removed = false;
+  const uint32_t index = place(scene.lights, scene.edits.lightGaps.free, std::move(added));
+  scene.edits.lights.note(index);
+  return index;
+}
+
+void removeLight(Scene& scene, uint32_t light) {
+  present(scene.lights, light, "light").removed = true;
+  empty(scene.edits.lightGaps, light);
+  scene.edits.lights.note(light);
+}
+
+namespace {
+
+void findBounds(Mesh& mesh) {
+  mesh.boundsMin = mesh.boundsMax = mesh.positions.empty() ? vec3(0) : mesh.positions.front();
+  for (const vec3& p : mesh.positions) {
+    mesh.boundsMin = glm::min(mesh.boundsMin, p);
+    mesh.boundsMax = glm::max(mesh.boundsMax, p);
+  }
+}
+
+}  // namespace
+
+void setMesh(Scene& scene, uint32_t mesh, Mesh data) {
+  Mesh& edited = at(scene.meshes, mesh, "mesh");
+  checkMesh(scene, data);
+  findBounds(data);
+  edited = std::move(data);
+  scene.edits.meshes.note(mesh);
+}
+
+uint32_t addMesh(Scene& scene, Mesh mesh) {
+  checkMesh(scene, mesh);
+  findBounds(mesh);
+  const auto index = static_cast<uint32_t>(scene.meshes.size());
+  scene.meshes.push_back(std::move(mesh));
+  scene.edits.meshes.note(index);
+  return index;
+}
+
+}  // namespace latelight::scene

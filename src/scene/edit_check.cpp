@@ -1,0 +1,137 @@
+#include "scene/edit_check.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/constants.hpp>
+#include <limits>
+#include <span>
+
+#include "base/error.h"
+#include "base/log.h"
+
+namespace latelight::scene {
+
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+// A bound that is infinite is no number that a value may have.
+void checkRange(float value, float low, float high, const char* what, const std::string& whose) {
+  if (std::isfinite(value) && value >= low && value <= high) return;
+  if (high == kInfinity) badUsage("the {} of {} must be a number of at least {}, not {}", what, whose, low, value);
+  badUsage("the {} of {} must lie between {} and {}, not be {}", what, whose, low, high, value);
+}
+
+void checkRange(std::span<const float> values, float low, float high, const char* what, const std::string& whose) {
+  for (const float value : values) checkRange(value, low, high, what, whose);
+}
+
+void checkFinite(std::span<const float> values, const char* what, const std::string& whose) {
+  for (const float value : values)
+    if (!std::isfinite(value)) badUsage("the {} of {} must be finite numbers, not {}", what, whose, value);
+}
+
+std::span<const float> numbers(const vec2& v) {
+  return {&v.x, 2};
+}
+std::span<const float> numbers(const vec3& v) {
+  return {&v.x, 3};
+}
+std::span<const float> numbers(const vec4& v) {
+  return {&v.x, 4};
+}
+
+void checkTextures(const Scene& scene, const Material& material, const std::string& whose) {
+  for (uint32_t slot = 0; slot < shared::kTextureCount; ++slot) {
+    const int texture = material.slots[slot].texture;
+    if (texture < -1 || texture >= static_cast<int>(scene.textures.size()))
+      badUsage("{} has a texture {}, and the scene has {}", whose, texture, scene.textures.size());
+    if ((texture >= 0) != ((material.data.textures >> slot & 1u) != 0))
+      badUsage("{} says of texture slot {} both that it is filled and that it is not", whose, slot);
+  }
+}
+
+void checkDeformation(const Scene& scene, const Mesh& mesh, const std::string& whose) {
+  const Deformation& d = *mesh.deformation;
+  if (d.positions.size() != mesh.positions.size() || d.attributes.size() != mesh.positions.size())
+    badUsage("{} has {} positions and a deformation of {}", whose, mesh.positions.size(), d.positions.size());
+  if (d.skin >= static_cast<int>(scene.rig.skins.size()) || d.weightsNode >= static_cast<int>(scene.rig.nodes.size()))
+    badUsage("{} moves by a skin or by weights that the scene has not", whose);
+}
+
+}  // namespace
+
+void checkTransform(const mat4& toWorld) {
+  checkFinite({&toWorld[0][0], 16}, "transform", "an instance");
+  if (toWorld[0][3] != 0 || toWorld[1][3] != 0 || toWorld[2][3] != 0 || toWorld[3][3] != 1)
+    badUsage("the transform of an instance must have the last row 0 0 0 1");
+}
+
+void checkName(const std::string& name) {
+  if (name.find('/') != std::string::npos)
+    badUsage("the name of an instance can't have a slash, as \"{}\" has: it is one step of a path", printable(name));
+}
+
+void checkMaterial(const Scene& scene, const Material& material) {
+  const std::string whose = fmt::format("the material \"{}\"", printable(material.name));
+  const shared::Material& m = material.data;
+  checkRange(numbers(m.baseColor), 0, kInfinity, "base colour", whose);
+  checkRange(numbers(m.emissive), 0, kInfinity, "emitted light", whose);
+  checkRange(m.metallic, 0, 1, "metallic share", whose);
+  checkRange(m.roughness, 0, 1, "roughness", whose);
+  checkRange(m.normalScale, -kInfinity, kInfinity, "normal scale", whose);
+  checkRange(m.occlusionStrength, 0, 1, "occlusion strength", whose);
+  checkRange(m.alphaCutoff, 0, kInfinity, "alpha cutoff", whose);
+  checkRange(numbers(m.specularColor), 0, kInfinity, "specular colour", whose);
+  checkRange(m.specular, 0, kInfinity, "specular strength", whose);
+  checkRange(m.f0, 0, 1, "reflectance f0", whose);
+  constexpr uint32_t kBoth = shared::kMaterialMasked | shared::kMaterialBlended;
+  if ((m.flags & kBoth) == kBoth) badUsage("{} is both masked and blended", whose);
+  checkTextures(scene, material, whose);
+}
+
+void checkLight(const Scene& scene, const Light& light) {
+  const std::string whose = fmt::format("the light \"{}\"", printable(light.name));
+  if (light.type > shared::kLightSpot) badUsage("{} has the unknown type {}", whose, light.type);
+  checkFinite(numbers(light.position), "position", whose);
+  checkFinite(numbers(light.direction), "direction", whose);
+  if (std::abs(glm::length(light.direction) - 1) > 1e-3f) badUsage("the direction of {} must be of length 1", whose);
+  checkRange(numbers(light.color), 0, kInfinity, "colour", whose);
+  checkRange(light.intensity, 0, kInfinity, "intensity", whose);
+  checkRange(light.size, 0, kInfinity, "size", whose);
+  if (light.range && !(std::isfinite(*light.range) && *light.range > 0))
+    badUsage("the range of {} must be a number above 0, not {}: without one it has no end", whose, *light.range);
+  if (light.type == shared::kLightSpot && !(light.innerCone >= 0 && light.innerCone <= light.outerCone &&
+                                            light.outerCone > 0 && light.outerCone <= glm::half_pi<float>()))
+    badUsage("the cones of {} must be half angles: the inner one at least 0, the outer one no less, up to 90 degrees",
+             whose);
+  if (light.node < -1 || light.node >= static_cast<int>(scene.nodes.size()))
+    badUsage("{} follows a node {}, and the scene has {}", whose, light.node, scene.nodes.size());
+}
+
+void checkMesh(const Scene& scene, const Mesh& mesh) {
+  const std::string whose = fmt::format("the mesh \"{}\"", printable(mesh.name));
+  const size_t count = mesh.positions.size();
+  if (mesh.attributes.size() != count || (!mesh.extras.empty() && mesh.extras.size() != count))
+    badUsage("{} has {} positions, {} normals and {} colours: give as many of each, or none of the last", whose, count,
+             mesh.attributes.size(), mesh.extras.size());
+  if (mesh.indices.size() % 3 != 0)
+    badUsage("{} has {} indices, which is no multiple of three", whose, mesh.indices.size());
+  for (const uint32_t index : mesh.indices)
+    if (index >= count) badUsage("{} has the index {} and only {} vertices", whose, index, count);
+  for (const vec3& p : mesh.positions) checkFinite(numbers(p), "positions", whose);
+  for (const shared::VertexAttributes& a : mesh.attributes) {
+    checkFinite(numbers(a.normal), "normals", whose);
+    checkFinite(numbers(a.tangent), "tangents", whose);
+    checkFinite(numbers(a.uv0), "texture coordinates", whose);
+  }
+  for (const shared::VertexExtra& e : mesh.extras) {
+    checkFinite(numbers(e.uv1), "texture coordinates", whose);
+    checkFinite(numbers(e.color), "colours", whose);
+  }
+  if (mesh.deformation) checkDeformation(scene, mesh, whose);
+}
+
+}  // namespace latelight::scene

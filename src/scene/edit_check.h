@@ -1,0 +1,17 @@
+// What may be written into a scene that is being rendered (edit.h). Each throws Error(Usage) with one sentence that
+// names what can't be.
+#pragma once
+
+#include <string>
+
+#include "scene/scene.h"
+
+namespace latelight::scene {
+
+void checkTransform(const mat4& toWorld);
+void checkName(const std::string& name);  // of an instance
+void checkMaterial(const Scene& scene, const Material& material);
+void checkLight(const Scene& scene, const Light& light);
+void checkMesh(const Scene& scene, const Mesh& mesh);
+
+}  // namespace latelight::scene

@@ -1,0 +1,123 @@
+#include "scene/vertices.h"
+
+#include <cmath>
+
+#include "scene/tangents.h"
+
+namespace latelight::scene {
+namespace {
+
+template <typename T>
+void unshare(std::vector<T>& stream, const std::vector<uint32_t>& indices) {
+  if (stream.empty()) return;
+  std::vector<T> out(indices.size());
+  for (size_t i = 0; i < indices.size(); ++i) out[i] = stream[indices[i]];
+  stream = std::move(out);
+}
+
+// Twice the triangle's area long; doubles, because tiny triangles' products underflow.
+glm::dvec3 areaNormal(const Vertices& v, const uint32_t* corner) {
+  glm::dvec3 a = v.positions[corner[0]], b = v.positions[corner[1]], c = v.positions[corner[2]];
+  return glm::cross(b - a, c - a);
+}
+
+vec3 unitOrUp(glm::dvec3 normal) {
+  double length = glm::length(normal);
+  return length > 0 && std::isfinite(length) ? vec3(normal / length) : vec3(0, 0, 1);
+}
+
+template <typename T>
+void appendCopies(std::vector<T>& stream, const std::vector<uint32_t>& copies) {
+  if (stream.empty()) return;
+  stream.reserve(stream.size() + copies.size());
+  for (uint32_t vertex : copies) stream.push_back(stream[vertex]);
+}
+
+bool isUsable(vec3 normal) {
+  float length2 = glm::dot(normal, normal);
+  return length2 > 1e-30f && std::isfinite(length2);
+}
+
+}  // namespace
+
+void makeFlatNormals(Vertices& v, std::vector<uint32_t>& indices) {
+  unshare(v.positions, indices);
+  unshare(v.colors, indices);
+  unshare(v.uv[0], indices);
+  unshare(v.uv[1], indices);
+  unshare(v.origin, indices);
+  v.tangents.clear();  // without normals, tangents mean nothing
+  for (size_t i = 0; i < indices.size(); ++i) indices[i] = uint32_t(i);
+  v.normals.resize(indices.size());
+  for (size_t i = 0; i + 2 < indices.size(); i += 3) {
+    vec3 normal = unitOrUp(areaNormal(v, &indices[i]));
+    for (size_t corner = i; corner < i + 3; ++corner) v.normals[corner] = normal;
+  }
+}
+
+void repairNormals(Vertices& v, const std::vector<uint32_t>& indices) {
+  std::vector<bool> broken(v.normals.size());
+  bool any = false;
+  for (size_t i = 0; i < v.normals.size(); ++i) {
+    if (isUsable(v.normals[i]))
+      v.normals[i] = glm::normalize(v.normals[i]);
+    else
+      broken[i] = any = true;
+  }
+  if (!any) return;
+  std::vector<glm::dvec3> sums(v.normals.size(), glm::dvec3(0));
+  for (size_t i = 0; i + 2 < indices.size(); i += 3) {
+    glm::dvec3 normal = areaNormal(v, &indices[i]);
+    for (size_t corner = i; corner < i + 3; ++corner) sums[indices[corner]] += normal;
+  }
+  for (size_t i = 0; i < v.normals.size(); ++i)
+    if (broken[i]) v.normals[i] = unitOrUp(sums[i]);
+}
+
+void repairTangents(std::vector<vec4>& tangents) {
+  for (vec4& t : tangents) {
+    float length2 = glm::dot(vec3(t), vec3(t));
+    bool usable = length2 > 1e-30f && std::isfinite(length2);
+    t = usable ? vec4(vec3(t) / std::sqrt(length2), t.w < 0 ? -1.0f : 1.0f) : vec4(0);
+  }
+}
+
+void makeTangents(std::span<const vec2> uv, Vertices& v, std::vector<uint32_t>& indices) {
+  TangentFrames frames = generateTangents(v.positions, v.normals, uv, indices);
+  appendCopies(v.positions, frames.copies);
+  appendCopies(v.normals, frames.copies);
+  appendCopies(v.colors, frames.copies);
+  appendCopies(v.uv[0], frames.copies);
+  appendCopies(v.uv[1], frames.copies);
+  appendCopies(v.origin, frames.copies);
+  v.tangents = std::move(frames.tangents);
+}
+
+Mesh pack(Vertices v, std::vector<uint32_t> indices) {
+  Mesh mesh;
+  size_t count = v.positions.size();
+  mesh.attributes.resize(count);
+  for (size_t i = 0; i < count; ++i)
+    mesh.attributes[i] = {v.normals[i], v.tangents.empty() ? vec4(0) : v.tangents[i],
+                          v.uv[0].empty() ? vec2(0) : v.uv[0][i]};
+  if (!v.uv[1].empty() || !v.colors.empty()) {
+    mesh.extras.resize(count);
+    for (size_t i = 0; i < count; ++i)
+      mesh.extras[i] = {v.uv[1].empty() ? vec2(0) : v.uv[1][i], v.colors.empty() ? vec4(1) : v.colors[i]};
+  }
+  mesh.positions = std::move(v.positions);
+  mesh.indices = std::move(indices);
+  return mesh;
+}
+
+Mesh makeMesh(Vertices v, std::vector<uint32_t> indices) {
+  if (v.normals.empty())
+    makeFlatNormals(v, indices);
+  else
+    repairNormals(v, indices);
+  repairTangents(v.tangents);
+  if (v.tangents.empty() && !v.uv[0].empty()) makeTangents(std::vector(v.uv[0]), v, indices);
+  return pack(std::move(v), std::move(indices));
+}
+
+}  // namespace latelight::scene

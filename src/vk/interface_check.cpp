@@ -1,0 +1,85 @@
+#include "vk/interface_check.h"
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "vk/reflection.h"
+
+namespace latelight::vk {
+
+namespace {
+
+constexpr uint32_t kMostPushBytes = 128;  // that every Vulkan device has
+
+const char* kindName(std::optional<Binding> kind) {
+  if (!kind) return "something else";
+  switch (*kind) {
+    case Binding::Sampled:
+      return "a sampled image";
+    case Binding::Storage:
+      return "a storage image";
+    case Binding::Uniform:
+      return "a uniform buffer";
+  }
+  fail(ExitCode::Internal, "There is no binding of kind {}.", static_cast<int>(*kind));
+}
+
+void checkBindings(const std::string& shader, const Reflection& found, const DeclaredInterface& declared) {
+  for (const UsedBinding& used : found.bindings) {
+    if (used.set == 1 && declared.materialSet) continue;
+    if (used.set > 0)
+      fail(ExitCode::Internal, "{} uses {} of descriptor set {}, which its pipeline does not have.", shader, used.name,
+           used.set);
+    if (used.binding >= declared.bindings.size())
+      fail(ExitCode::Internal, "{} uses binding {} ({}), but its pipeline declares only {}.", shader, used.binding,
+           used.name, declared.bindings.size());
+    const Binding kind = declared.bindings[used.binding];
+    if (used.kind != kind)
+      fail(ExitCode::Internal, "Binding {} ({}) of {} is {}, but its pipeline declares {}.", used.binding, used.name,
+           shader, kindName(used.kind), kindName(kind));
+  }
+}
+
+void checkConstants(const std::string& shader, const Reflection& found, std::span<const Constant> given) {
+  for (const DeclaredConstant& constant : found.constants) {
+    const bool isGiven =
+        std::any_of(given.begin(), given.end(), [&](const Constant& c) { return c.id == constant.id; });
+    if (isGiven && !constant.isWord)
+      fail(ExitCode::Internal, "Specialization constant {} ({}) of {} is neither a bool nor a 32-bit integer.",
+           constant.id, constant.name, shader);
+  }
+}
+
+bool fits(const PushBlock& block, uint32_t bytes) {
+  const uint32_t padded = (block.bytes + block.alignment - 1) / block.alignment * block.alignment;
+  return block.bytes <= bytes && bytes <= padded;
+}
+
+void checkPush(std::span<const CheckedStage> stages, std::span<const Reflection> found, uint32_t bytes) {
+  if (bytes > kMostPushBytes)
+    fail(ExitCode::Internal, "The pipeline of {} pushes {} bytes, and a device may take no more than {}.",
+         stages[0].shader, bytes, kMostPushBytes);
+  size_t longest = 0;
+  for (size_t i = 0; i < found.size(); ++i)
+    if (found[i].push && (!found[longest].push || found[i].push->bytes > found[longest].push->bytes)) longest = i;
+  const std::optional<PushBlock>& block = found[longest].push;
+  if (!block)
+    fail(ExitCode::Internal, "{} has no push constants, but its pipeline pushes {} bytes.", stages[0].shader, bytes);
+  if (!fits(*block, bytes))
+    fail(ExitCode::Internal, "The push constants ({}) of {} take {} bytes, but its pipeline pushes {}.", block->name,
+         stages[longest].shader, block->bytes, bytes);
+}
+
+}  // namespace
+
+void checkInterface(std::span<const CheckedStage> stages, const DeclaredInterface& declared) {
+  std::vector<Reflection> found;
+  for (const auto& [shader, code] : stages) {
+    found.push_back(reflect(code));
+    checkBindings(shader, found.back(), declared);
+    checkConstants(shader, found.back(), declared.constants);
+  }
+  if (declared.pushBytes > 0) checkPush(stages, found, declared.pushBytes);
+}
+
+}  // namespace latelight::vk

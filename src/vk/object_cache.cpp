@@ -1,0 +1,94 @@
+#include "vk/object_cache.h"
+
+#include <type_traits>
+
+#include "base/parallel.h"
+
+namespace latelight::vk {
+
+namespace {
+
+// A description as bytes: equal where the descriptions are.
+class Key {
+ public:
+  template <typename T>
+    requires std::is_arithmetic_v<T> || std::is_enum_v<T> || std::is_pointer_v<T>
+  Key& add(const T& value) {
+    text_.append(reinterpret_cast<const char*>(&value), sizeof(value));
+    return *this;
+  }
+  Key& add(const std::string& text) {
+    add(text.size());
+    text_ += text;
+    return *this;
+  }
+  Key& add(const Constant& constant) { return add(constant.id).add(constant.value); }
+  Key& add(const VkStencilOpState& s) {
+    return add(s.failOp).add(s.passOp).add(s.depthFailOp).add(s.compareOp).add(s.compareMask).add(s.writeMask);
+  }
+  template <typename T>
+  Key& add(const std::vector<T>& values) {
+    add(values.size());
+    for (const T& value : values) add(value);
+    return *this;
+  }
+  std::string take() { return std::move(text_); }
+
+ private:
+  std::string text_;
+};
+
+std::string keyOf(const ComputeDesc& d) {
+  return Key().add('c').add(d.shader).add(d.bindings).add(d.constants).add(d.pushBytes).add(d.code).take();
+}
+
+std::string keyOf(const GraphicsDesc& d) {
+  Key key;
+  key.add('g').add(d.vertex).add(d.fragment).add(d.bindings).add(d.materialSet).add(d.constants);
+  key.add(d.pushBytes).add(d.colors);
+  key.add(d.depth).add(d.depthCompare).add(d.depthWrite).add(d.depthClamp).add(d.colorWrite).add(d.blend);
+  key.add(d.alphaOnly).add(d.colorsWritten).add(d.samples).add(d.stencil.has_value());
+  if (d.stencil) key.add(*d.stencil);
+  return key.take();
+}
+
+}  // namespace
+
+ObjectCache::~ObjectCache() {
+  for (const auto& [key, made] : pipelines_) made.wait();
+}
+
+template <typename Desc>
+PipelineRef ObjectCache::find(std::string key, const Desc& desc) {
+  std::lock_guard lock(mutex_);
+  auto& made = pipelines_[std::move(key)];
+  if (!made.valid()) {
+    device_.countPipeline();
+    made = inBackground([this, desc] { return makePipeline(device_, desc); }).share();
+  }
+  return PipelineRef(made);
+}
+
+PipelineRef ObjectCache::pipeline(const ComputeDesc& desc) {
+  return find(keyOf(desc), desc);
+}
+
+PipelineRef ObjectCache::pipeline(const GraphicsDesc& desc) {
+  return find(keyOf(desc), desc);
+}
+
+VkSampler ObjectCache::sampler(const SamplerDesc& desc) {
+  std::lock_guard lock(mutex_);
+  for (const auto& [known, sampler] : samplers_)
+    if (known == desc) return sampler.get();
+  return samplers_.emplace_back(desc, makeSampler(device_, desc)).second.get();
+}
+
+VkDescriptorSetLayout ObjectCache::setLayout(const std::vector<Binding>& bindings) {
+  std::lock_guard lock(mutex_);
+  auto& layout = setLayouts_[bindings];
+  if (!layout) layout = makeSetLayout(device_, bindings);
+  return layout.get();
+}
+
+}  // namespace latelight::vk

@@ -1,0 +1,368 @@
+#include "vk/reflection.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "base/error.h"
+
+namespace latelight::vk {
+
+namespace {
+
+// The parts of the SPIR-V specification, 1.6, that are read here.
+constexpr uint32_t kMagic = 0x07230203;
+constexpr size_t kHeaderWords = 5;
+enum Op : uint32_t {
+  kOpName = 5,
+  kOpMemberName = 6,
+  kOpEntryPoint = 15,
+  kOpTypeBool = 20,
+  kOpTypeInt = 21,
+  kOpTypeFloat = 22,
+  kOpTypeVector = 23,
+  kOpTypeMatrix = 24,
+  kOpTypeImage = 25,
+  kOpTypeSampledImage = 27,
+  kOpTypeArray = 28,
+  kOpTypeRuntimeArray = 29,
+  kOpTypeStruct = 30,
+  kOpTypePointer = 32,
+  kOpConstant = 43,
+  kOpSpecConstantTrue = 48,
+  kOpSpecConstantFalse = 49,
+  kOpSpecConstant = 50,
+  kOpFunction = 54,
+  kOpFunctionEnd = 56,
+  kOpFunctionCall = 57,
+  kOpVariable = 59,
+  kOpImageTexelPointer = 60,
+  kOpLoad = 61,
+  kOpStore = 62,
+  kOpCopyMemory = 63,
+  kOpAccessChain = 65,
+  kOpInBoundsAccessChain = 66,
+  kOpPtrAccessChain = 67,
+  kOpArrayLength = 68,
+  kOpInBoundsPtrAccessChain = 70,
+  kOpDecorate = 71,
+  kOpMemberDecorate = 72,
+  kOpCopyObject = 83,
+};
+enum Decoration : uint32_t {
+  kSpecId = 1,
+  kBlock = 2,
+  kArrayStride = 6,
+  kMatrixStride = 7,
+  kBinding = 33,
+  kDescriptorSet = 34,
+  kOffset = 35,
+};
+enum StorageClass : uint32_t { kUniformConstant = 0, kUniform = 2, kPushConstant = 9 };
+constexpr uint32_t kDimBuffer = 5, kSampledStorage = 2;  // of OpTypeImage
+
+struct Instruction {
+  uint32_t op = 0;
+  std::span<const uint32_t> operands;  // result type and result id among them
+};
+
+using Decorations = std::map<uint32_t, uint32_t>;  // decoration -> its first operand, or 0
+
+// A module's declarations by id, and the bodies of its functions.
+class Module {
+ public:
+  explicit Module(std::span<const uint32_t> code);
+
+  std::vector<UsedBinding> bindings() const;
+  std::optional<PushBlock> push() const;
+  std::vector<DeclaredConstant> constants() const;
+  std::vector<StructLayout> structs() const;
+
+ private:
+  void read(const Instruction& instruction);
+  void declare(const Instruction& instruction);
+  std::set<uint32_t> usedVariables() const;
+
+  const Instruction& definition(uint32_t id) const;
+  std::string name(uint32_t id) const;
+  std::string memberName(uint32_t type, uint32_t member) const;
+  std::optional<uint32_t> decoration(uint32_t id, Decoration kind) const;
+  uint32_t memberDecoration(uint32_t type, uint32_t member, Decoration kind) const;  // 0: has none
+  const Instruction& pointee(const Instruction& variable) const;
+  std::string variableName(uint32_t id) const;
+
+  std::optional<Binding> kindOf(const Instruction& variable) const;
+  uint32_t bytesOf(uint32_t type, uint32_t matrixStride) const;
+  uint32_t bytesOfStruct(const Instruction& type) const;
+  uint32_t alignmentOf(uint32_t type) const;
+  uint32_t strideOfArrays(uint32_t element) const;
+
+  std::map<uint32_t, std::string> names_;
+  std::map<uint32_t, std::map<uint32_t, std::string>> memberNames_;
+  std::map<uint32_t, Decorations> decorations_;
+  std::map<uint32_t, std::map<uint32_t, Decorations>> memberDecorations_;
+  std::map<uint32_t, Instruction> definitions_;  // types, constants and variables of the module
+  std::map<uint32_t, std::vector<Instruction>> functions_;
+  uint32_t entry_ = 0, inside_ = 0;  // functions: the entry point's, the one that is being read
+};
+
+std::string text(std::span<const uint32_t> words) {
+  const std::string all(reinterpret_cast<const char*>(words.data()), words.size_bytes());
+  return all.substr(0, all.find('\0'));
+}
+
+Module::Module(std::span<const uint32_t> code) {
+  if (code.size() < kHeaderWords || code[0] != kMagic) fail(ExitCode::Internal, "A shader is no SPIR-V.");
+  for (size_t at = kHeaderWords; at < code.size();) {
+    const size_t words = code[at] >> 16;
+    if (words == 0 || words > code.size() - at) fail(ExitCode::Internal, "A shader's SPIR-V breaks off.");
+    read({code[at] & 0xffffu, code.subspan(at + 1, words - 1)});
+    at += words;
+  }
+  if (inside_ != 0) fail(ExitCode::Internal, "A shader's SPIR-V breaks off.");
+}
+
+void Module::read(const Instruction& instruction) {
+  const auto& [op, operands] = instruction;
+  switch (op) {
+    case kOpName:
+      names_[operands[0]] = text(operands.subspan(1));
+      break;
+    case kOpMemberName:
+      memberNames_[operands[0]][operands[1]] = text(operands.subspan(2));
+      break;
+    case kOpEntryPoint:
+      entry_ = operands[1];
+      break;
+    case kOpDecorate:
+      decorations_[operands[0]][operands[1]] = operands.size() > 2 ? operands[2] : 0;
+      break;
+    case kOpMemberDecorate:
+      memberDecorations_[operands[0]][operands[1]][operands[2]] = operands.size() > 3 ? operands[3] : 0;
+      break;
+    case kOpFunction:
+      inside_ = operands[1];
+      break;
+    case kOpFunctionEnd:
+      inside_ = 0;
+      break;
+    default:
+      if (inside_ != 0)
+        functions_[inside_].push_back(instruction);
+      else
+        declare(instruction);
+  }
+}
+
+void Module::declare(const Instruction& instruction) {
+  const auto& [op, operands] = instruction;
+  if (op >= kOpTypeBool && op <= kOpTypePointer) definitions_[operands[0]] = instruction;
+  const bool constant = op == kOpConstant || (op >= kOpSpecConstantTrue && op <= kOpSpecConstant);
+  if (constant || op == kOpVariable) definitions_[operands[1]] = instruction;
+}
+
+const Instruction& Module::definition(uint32_t id) const {
+  static const Instruction none;
+  const auto found = definitions_.find(id);
+  return found == definitions_.end() ? none : found->second;
+}
+
+std::string Module::name(uint32_t id) const {
+  const auto found = names_.find(id);
+  return found == names_.end() ? std::string() : found->second;
+}
+
+std::string Module::memberName(uint32_t type, uint32_t member) const {
+  const auto of = memberNames_.find(type);
+  return of == memberNames_.end() || !of->second.contains(member) ? std::string() : of->second.at(member);
+}
+
+std::optional<uint32_t> Module::decoration(uint32_t id, Decoration kind) const {
+  const auto of = decorations_.find(id);
+  if (of == decorations_.end()) return std::nullopt;
+  const auto found = of->second.find(kind);
+  return found == of->second.end() ? std::nullopt : std::optional(found->second);
+}
+
+uint32_t Module::memberDecoration(uint32_t type, uint32_t member, Decoration kind) const {
+  const auto of = memberDecorations_.find(type);
+  if (of == memberDecorations_.end() || !of->second.contains(member)) return 0;
+  const Decorations& found = of->second.at(member);
+  return found.contains(kind) ? found.at(kind) : 0;
+}
+
+const Instruction& Module::pointee(const Instruction& variable) const {
+  return definition(definition(variable.operands[0]).operands[2]);
+}
+
+// A block without a name for itself has its type's.
+std::string Module::variableName(uint32_t id) const {
+  const std::string own = name(id);
+  return own.empty() ? name(pointee(definition(id)).operands[0]) : own;
+}
+
+// --- what is used ---------------------------------------------------------------------------------------------------
+
+// Those operands of an instruction that may be pointers to variables of the module.
+std::span<const uint32_t> pointersOf(const Instruction& instruction) {
+  const auto& [op, operands] = instruction;
+  switch (op) {
+    case kOpStore:
+      return operands.first(1);
+    case kOpCopyMemory:
+      return operands.first(2);
+    case kOpLoad:
+    case kOpImageTexelPointer:
+    case kOpAccessChain:
+    case kOpInBoundsAccessChain:
+    case kOpPtrAccessChain:
+    case kOpInBoundsPtrAccessChain:
+    case kOpArrayLength:
+    case kOpCopyObject:
+      return operands.subspan(2, 1);
+    case kOpFunctionCall:
+      return operands.subspan(3);  // arguments
+    default:
+      return {};
+  }
+}
+
+std::set<uint32_t> Module::usedVariables() const {
+  std::set<uint32_t> used, seen{entry_};
+  std::vector<uint32_t> open{entry_};
+  while (!open.empty()) {
+    const auto function = functions_.find(open.back());
+    open.pop_back();
+    if (function == functions_.end()) continue;
+    for (const Instruction& instruction : function->second) {
+      for (uint32_t id : pointersOf(instruction))
+        if (definition(id).op == kOpVariable) used.insert(id);
+      if (instruction.op == kOpFunctionCall && seen.insert(instruction.operands[2]).second)
+        open.push_back(instruction.operands[2]);
+    }
+  }
+  return used;
+}
+
+std::optional<Binding> Module::kindOf(const Instruction& variable) const {
+  const Instruction& type = pointee(variable);
+  if (variable.operands[2] == kUniform && type.op == kOpTypeStruct) return Binding::Uniform;
+  if (variable.operands[2] != kUniformConstant) return std::nullopt;
+  const Instruction& image = type.op == kOpTypeSampledImage ? definition(type.operands[1]) : type;
+  if (image.op != kOpTypeImage || image.operands[2] == kDimBuffer) return std::nullopt;
+  if (type.op == kOpTypeSampledImage) return Binding::Sampled;
+  return image.operands[6] == kSampledStorage ? std::optional(Binding::Storage) : std::nullopt;
+}
+
+std::vector<UsedBinding> Module::bindings() const {
+  std::vector<UsedBinding> found;
+  for (uint32_t id : usedVariables())
+    if (const std::optional<uint32_t> binding = decoration(id, kBinding))
+      found.push_back({decoration(id, kDescriptorSet).value_or(0), *binding, kindOf(definition(id)), variableName(id)});
+  std::sort(found.begin(), found.end(), [](const UsedBinding& a, const UsedBinding& b) {
+    return std::pair(a.set, a.binding) < std::pair(b.set, b.binding);
+  });
+  return found;
+}
+
+std::vector<DeclaredConstant> Module::constants() const {
+  std::vector<DeclaredConstant> found;
+  for (const auto& [id, instruction] : definitions_) {
+    const std::optional<uint32_t> number = decoration(id, kSpecId);
+    if (!number) continue;
+    const Instruction& type = definition(instruction.operands[0]);
+    const bool isWord = type.op == kOpTypeBool || (type.op == kOpTypeInt && type.operands[1] == 32);
+    found.push_back({*number, isWord, name(id)});
+  }
+  return found;
+}
+
+// --- how structs lie ------------------------------------------------------------------------------------------------
+
+uint32_t Module::bytesOf(uint32_t id, uint32_t matrixStride) const {
+  const auto& [op, operands] = definition(id);
+  switch (op) {
+    case kOpTypeInt:
+    case kOpTypeFloat:
+      return operands[1] / 8;
+    case kOpTypeVector:
+      return bytesOf(operands[1], 0) * operands[2];
+    case kOpTypeMatrix:
+      return matrixStride * (operands[2] - 1) + bytesOf(operands[1], 0);
+    case kOpTypeArray: {
+      const uint32_t count = definition(operands[2]).operands[2];
+      return decoration(id, kArrayStride).value_or(0) * (count - 1) + bytesOf(operands[1], matrixStride);
+    }
+    case kOpTypeStruct:
+      return bytesOfStruct(definition(id));
+    case kOpTypePointer:
+      return sizeof(VkDeviceAddress);
+    default:
+      return 0;  // an array without end
+  }
+}
+
+uint32_t Module::bytesOfStruct(const Instruction& type) const {
+  const uint32_t id = type.operands[0];
+  uint32_t end = 0;
+  for (uint32_t i = 0; i + 1 < type.operands.size(); ++i)
+    end = std::max(
+        end, memberDecoration(id, i, kOffset) + bytesOf(type.operands[i + 1], memberDecoration(id, i, kMatrixStride)));
+  return end;
+}
+
+uint32_t Module::alignmentOf(uint32_t id) const {
+  const auto& [op, operands] = definition(id);
+  switch (op) {
+    case kOpTypeVector:
+    case kOpTypeMatrix:
+    case kOpTypeArray:
+      return alignmentOf(operands[1]);
+    case kOpTypeStruct: {
+      uint32_t most = 1;
+      for (uint32_t member : operands.subspan(1)) most = std::max(most, alignmentOf(member));
+      return most;
+    }
+    default:
+      return bytesOf(id, 0);
+  }
+}
+
+uint32_t Module::strideOfArrays(uint32_t element) const {
+  for (const auto& [id, type] : definitions_)
+    if ((type.op == kOpTypeArray || type.op == kOpTypeRuntimeArray) && type.operands[1] == element)
+      if (const std::optional<uint32_t> stride = decoration(id, kArrayStride)) return *stride;
+  return 0;
+}
+
+std::optional<PushBlock> Module::push() const {
+  for (const auto& [id, instruction] : definitions_) {
+    if (instruction.op != kOpVariable || instruction.operands[2] != kPushConstant) continue;
+    const Instruction& type = pointee(instruction);
+    return PushBlock{name(type.operands[0]), bytesOfStruct(type), alignmentOf(type.operands[0])};
+  }
+  return std::nullopt;
+}
+
+std::vector<StructLayout> Module::structs() const {
+  std::vector<StructLayout> found;
+  for (const auto& [id, members] : memberDecorations_) {
+    const Instruction& type = definition(id);
+    if (type.op != kOpTypeStruct || !members.contains(0) || !members.at(0).contains(kOffset)) continue;
+    StructLayout layout{name(id), decoration(id, kBlock).has_value(), bytesOfStruct(type), strideOfArrays(id), {}};
+    for (const auto& [index, decorations] : members)
+      layout.members.push_back({memberName(id, index), memberDecoration(id, index, kOffset),
+                                memberDecoration(id, index, kMatrixStride)});
+    found.push_back(std::move(layout));
+  }
+  return found;
+}
+
+}  // namespace
+
+Reflection reflect(std::span<const uint32_t> code) {
+  const Module module(code);
+  return {module.bindings(), module.push(), module.constants(), module.structs()};
+}
+
+}  // namespace latelight::vk

@@ -1,0 +1,267 @@
+// Edits by the public API.
+#include <gmock/gmock.h>
+#include <latelight/latelight.h>
+
+#include <algorithm>
+#include <cstring>
+#include <functional>
+#include <limits>
+
+#include "models/models.h"
+
+namespace latelight {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr Transform kAsItIs{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+
+Transform placed(double x, double y, double z, double size = 1) {
+  return {size, 0, 0, x, 0, size, 0, y, 0, 0, size, z, 0, 0, 0, 1};
+}
+
+Scene punctual() {
+  return Scene(models::modelPath("punctual.glb").string());
+}
+
+// Faces +Z.
+MeshData square() {
+  MeshData mesh;
+  mesh.name = "square";
+  mesh.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+  mesh.indices = {0, 1, 2, 0, 2, 3};
+  return mesh;
+}
+
+Options small() {
+  Options options;
+  options.width = 48;
+  options.height = 32;
+  options.aovs = {"color", "depth", "normal"};
+  return options;
+}
+
+bool operator==(const Aov& a, const Aov& b) {
+  const auto same = [](const auto& x, const auto& y) {
+    return x.size() == y.size() && (x.empty() || std::memcmp(x.data(), y.data(), x.size() * sizeof(x[0])) == 0);
+  };
+  return a.channels == b.channels && same(a.values, b.values) && same(a.ids, b.ids);
+}
+
+void expectSame(const Frame& actual, const Frame& expected) {
+  EXPECT_EQ(actual.rgba, expected.rgba);
+  for (const auto& [name, aov] : expected.aovs) EXPECT_TRUE(actual.aovs.at(name) == aov) << name;
+}
+
+std::string refusal(const std::function<void()>& edit) {
+  try {
+    edit();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::Usage);
+    return error.what();
+  }
+  return "nothing was refused";
+}
+
+TEST(EditApi, ListsWhatTheSceneHas) {
+  const Scene scene = punctual();
+  ASSERT_GT(scene.instances().size(), 2u);
+  for (const Handle<Instance> handle : scene.instances()) {
+    const Instance instance = scene.instance(handle);
+    EXPECT_THAT(scene.instancesOf(instance.node), testing::Contains(handle));
+    EXPECT_THAT(scene.meshes(), testing::Contains(instance.mesh));
+    EXPECT_THAT(scene.materials(), testing::Contains(instance.material));
+    EXPECT_THAT(scene.idManifest(), HasSubstr("\"" + std::to_string(instance.id) + "\""));
+    EXPECT_THAT(scene.idManifest(), HasSubstr("\"" + std::to_string(scene.material(instance.material).id) + "\""));
+    const Mesh mesh = scene.mesh(instance.mesh);
+    EXPECT_GT(mesh.triangles, 0u);
+    EXPECT_LT(mesh.boundsMin[0], mesh.boundsMax[0]);
+  }
+  std::vector<LightType> types;
+  for (const Handle<Light> light : scene.lights()) types.push_back(scene.light(light).type);
+  EXPECT_THAT(types, testing::UnorderedElementsAre(LightType::Directional, LightType::Point, LightType::Spot));
+  EXPECT_THAT(refusal([&] { scene.instancesOf("/nobody"); }), HasSubstr("\"/nobody\""));
+}
+
+TEST(EditApi, WhatIsReadCanBeWrittenBack) {
+  Scene scene = punctual();
+  Renderer renderer(scene, "cpu");
+  const Camera camera = scene.defaultCamera(1.5f);
+  const Frame before = renderer.render(camera, small());
+  for (const auto handle : scene.instances()) scene.setTransform(handle, scene.instance(handle).transform);
+  for (const auto handle : scene.materials()) scene.setMaterial(handle, scene.material(handle));
+  for (const auto handle : scene.lights()) scene.setLight(handle, scene.light(handle));
+  expectSame(renderer.render(camera, small()), before);
+}
+
+TEST(EditApi, EachFrameIsThatOfARendererMadeAfresh) {
+  Scene scene = punctual();
+  Renderer renderer(scene, "cpu");
+  const Camera camera = scene.defaultCamera(1.5f);
+  const Frame before = renderer.render(camera, small());
+  const auto check = [&] {
+    const Frame frame = renderer.render(camera, small());
+    expectSame(frame, Renderer(scene, "cpu").render(camera, small()));
+    return frame;
+  };
+  Material red = scene.material(scene.materials()[0]);
+  red.baseColor = {1, 0, 0, 1};
+  red.roughness = 0.3f;
+  scene.setMaterial(scene.materials()[0], red);
+  EXPECT_NE(check().rgba, before.rgba);
+  Light light = scene.light(scene.lights()[1]);
+  light.color = {0.2f, 1, 0.2f};
+  light.position[1] += 0.5f;
+  scene.setLight(scene.lights()[1], light);
+  check();
+  scene.setMesh(scene.instance(scene.instances()[1]).mesh, square());
+  check();
+  scene.removeInstance(scene.instances().back());
+  scene.removeLight(scene.lights().front());
+  check();
+}
+
+TEST(EditApi, TransformsAreInTheFilesFrame) {
+  Scene scene = punctual();
+  const Handle<Instance> moved = scene.instances().back();
+  scene.setTransform(moved, placed(1, 2, -3, 0.5));
+  EXPECT_EQ(scene.instance(moved).transform, placed(1, 2, -3, 0.5));
+  Light light;
+  light.type = LightType::Spot;
+  light.position = {1, 2, 3};
+  light.direction = {0, -2, 0};
+  light.innerCone = 10;
+  light.outerCone = 30;
+  const Light read = scene.light(scene.addLight(light));
+  EXPECT_EQ(read.position, light.position);
+  EXPECT_EQ(read.direction, (std::array<float, 3>{0, -1, 0}));
+  EXPECT_NEAR(read.innerCone, 10, 1e-5);
+  EXPECT_NEAR(read.outerCone, 30, 1e-5);
+}
+
+TEST(EditApi, WhatIsAddedIsSeenAndFoundByItsIds) {
+  Scene scene("builtin:boxes");
+  Renderer renderer(scene, "cpu");
+  Camera camera = scene.lookAt({0, 50, 10}, {0, 50, 0});
+  Material paint;
+  paint.name = "paint";
+  paint.baseColor = {0.1f, 0.8f, 0.3f, 1};
+  const Handle<Instance> sign =
+      scene.addInstance(scene.addMesh(square()), scene.addMaterial(paint), placed(0, 50, 0), "sign");
+  const auto pick = [&] { return renderer.pick(camera, {{24, 16}}, small()).front(); };
+  const Pick seen = pick();
+  EXPECT_EQ(seen.node, "/sign");
+  EXPECT_EQ(seen.mesh, "square");
+  EXPECT_EQ(seen.material, "paint");
+  EXPECT_EQ(seen.id, scene.instance(sign).id);
+  EXPECT_EQ(seen.part, scene.instance(sign).part);
+  EXPECT_NEAR(seen.depth, 10, 1e-4);
+  EXPECT_EQ(seen.geonormal, (std::array<float, 3>{0, 0, 1}));
+  EXPECT_THAT(scene.idManifest(), HasSubstr("/sign"));
+  EXPECT_THAT(scene.instancesOf("/sign"), testing::ElementsAre(sign));
+  scene.removeInstance(sign);
+  EXPECT_EQ(pick().id, 0u);
+  EXPECT_THAT(scene.idManifest(), testing::Not(HasSubstr("/sign")));
+  EXPECT_THAT(refusal([&] { scene.instancesOf("/sign"); }), HasSubstr("no node \"/sign\""));
+}
+
+// As an importer does: those of the triangles, and tangents along the texture coordinates.
+TEST(EditApi, NormalsAreMadeWhereThereAreNone) {
+  Scene scene("builtin:boxes");
+  Renderer renderer(scene, "cpu");
+  const Camera camera = scene.lookAt({0, 50, 10}, {0, 50, 0});
+  MeshData roof;  // two triangles that share an edge, and lean apart
+  roof.positions = {{-1, -1, -1}, {0, -1, 0}, {0, 1, 0}, {1, -1, -1}};
+  roof.indices = {0, 1, 2, 1, 3, 2};
+  roof.uv = {{0, 1}, {0.5f, 1}, {0.5f, 0}, {1, 1}};
+  const Handle<Mesh> mesh = scene.addMesh(roof);
+  EXPECT_EQ(scene.mesh(mesh).vertices, 6u);
+  EXPECT_EQ(scene.mesh(mesh).triangles, 2u);
+  EXPECT_EQ(scene.mesh(mesh).boundsMin, (std::array<float, 3>{-1, -1, -1}));
+  scene.addInstance(mesh, scene.addMaterial({}), placed(0, 50, 0, 2));
+  const auto picks = renderer.pick(camera, {{22, 18}, {25, 18}}, small());
+  const float s = std::sqrt(0.5f);
+  for (int i = 0; i < 2; ++i) {
+    for (int k = 0; k < 3; ++k) EXPECT_NEAR(picks[i].normal[k], picks[i].geonormal[k], 1e-6);
+    EXPECT_NEAR(picks[i].normal[0], i == 0 ? -s : s, 1e-6);
+    EXPECT_NEAR(picks[i].normal[2], s, 1e-6);
+  }
+  roof.indices.clear();
+  EXPECT_THAT(refusal([&] { scene.setMesh(mesh, roof); }), HasSubstr("4 positions and no indices"));
+  roof.positions.pop_back();
+  roof.uv.pop_back();
+  scene.setMesh(mesh, roof);
+  EXPECT_EQ(scene.mesh(mesh).triangles, 1u);
+}
+
+TEST(EditApi, HandlesOfWhatWasRemovedAreRefused) {
+  Scene scene = punctual();
+  const Handle<Instance> gone = scene.instances()[1];
+  const Instance was = scene.instance(gone);
+  const Handle<Light> dark = scene.lights()[0];
+  const Light light = scene.light(dark);
+  scene.removeInstance(gone);
+  scene.removeLight(dark);
+  const std::string sentence = "the handle of an instance is of one that has been removed";
+  EXPECT_EQ(refusal([&] { scene.setTransform(gone, kAsItIs); }), sentence);
+  const Handle<Instance> next = scene.addInstance(was.mesh, was.material, was.transform);
+  EXPECT_EQ(next.index, gone.index);
+  EXPECT_NE(next, gone);
+  EXPECT_EQ(refusal([&] { scene.setTransform(gone, kAsItIs); }), sentence);
+  EXPECT_EQ(refusal([&] { scene.instance(gone); }), sentence);
+  EXPECT_EQ(refusal([&] { scene.assignMaterial(gone, was.material); }), sentence);
+  EXPECT_EQ(refusal([&] { scene.removeInstance(gone); }), sentence);
+  EXPECT_EQ(scene.addLight(light).index, dark.index);
+  EXPECT_EQ(refusal([&] { scene.setLight(dark, light); }), "the handle of a light is of one that has been removed");
+  EXPECT_EQ(refusal([&] { scene.removeLight(dark); }), "the handle of a light is of one that has been removed");
+  EXPECT_EQ(scene.instance(next).mesh, was.mesh);
+}
+
+TEST(EditApi, HandlesOfNothingAndOfOtherScenesAreRefused) {
+  Scene scene = punctual(), other = punctual();
+  EXPECT_EQ(refusal([&] { scene.mesh({}); }), "the handle of a mesh is empty: take one from the scene");
+  EXPECT_EQ(refusal([&] { scene.material(other.materials()[0]); }),
+            "the handle of a material is that of another scene");
+  EXPECT_EQ(refusal([&] { scene.removeLight(other.lights()[0]); }), "the handle of a light is that of another scene");
+  const Handle<Material> material = scene.materials()[0];
+  const Scene moved = std::move(scene);
+  EXPECT_EQ(moved.material(material).name, other.material(other.materials()[0]).name);
+}
+
+TEST(EditApi, ValuesThatCannotBeAreRefused) {
+  Scene scene = punctual();
+  const auto instance = scene.instances()[0];
+  Transform transform = kAsItIs;
+  transform[3] = kNaN;
+  EXPECT_THAT(refusal([&] { scene.setTransform(instance, transform); }), HasSubstr("not finite"));
+  transform = kAsItIs;
+  transform[12] = 1;
+  EXPECT_THAT(refusal([&] { scene.setTransform(instance, transform); }), HasSubstr("last row 0 0 0 1"));
+  Material material;
+  material.name = "mine";
+  material.roughness = 2;
+  EXPECT_EQ(refusal([&] { scene.addMaterial(material); }),
+            "the roughness of the material \"mine\" must lie between 0 and 1, not be 2");
+  Light light;
+  light.name = "lamp";
+  light.direction = {0, 0, 0};
+  EXPECT_THAT(refusal([&] { scene.addLight(light); }), HasSubstr("direction of the light \"lamp\""));
+  light.direction = {0, 0, -1};
+  light.type = LightType::Spot;
+  light.outerCone = 100;
+  EXPECT_THAT(refusal([&] { scene.addLight(light); }), HasSubstr("cones of the light \"lamp\""));
+  MeshData mesh = square();
+  mesh.indices[5] = 9;
+  EXPECT_EQ(refusal([&] { scene.addMesh(mesh); }), "the mesh \"square\" has the index 9 and only 4 positions");
+  mesh = square();
+  mesh.normals = {{0, 0, 1}};
+  EXPECT_EQ(refusal([&] { scene.addMesh(mesh); }),
+            "the mesh \"square\" has 4 positions and 1 normals: give as many, or none");
+  mesh = square();
+  mesh.positions[2][1] = float(kNaN);
+  EXPECT_THAT(refusal([&] { scene.addMesh(mesh); }), HasSubstr("positions of the mesh \"square\""));
+}
+
+}  // namespace
+}  // namespace latelight

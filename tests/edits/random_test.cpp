@@ -1,0 +1,247 @@
+// A program that edits: whatever is done to a scene between frames, each frame is that of a renderer made afresh.
+#include <malloc.h>
+
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "edits/workshop.h"
+#include "scene/edit.h"
+#include "vk/memory.h"
+
+namespace latelight::render::test {
+namespace {
+
+using glm::vec3;
+using scene::Instance;
+using scene::Light;
+using scene::Material;
+
+constexpr uint32_t kEdits = 10000, kFrames = 60;
+constexpr uint32_t kMostInstances = 24, kMostLights = 12, kMostMaterials = 12, kMostMeshes = 8;
+constexpr uint32_t kSun = 0;    // stays, so that every frame has shadows
+constexpr uint32_t kFloor = 0;  // a material
+
+class Editor {
+ public:
+  Editor(scene::Scene& scene, uint32_t seed) : scene_(scene), dice_(seed) {}
+
+  void edit() {
+    switch (dice_.below(12)) {
+      case 0:
+      case 1:
+      case 2:
+        return scene::setTransform(scene_, anyInstance(), transform());
+      case 3:
+        return addInstance();
+      case 4:
+        return removeInstance();
+      case 5:
+        return scene::setMaterialOf(scene_, anyInstance(), anyMaterial());
+      case 6:
+        return scene::setMaterial(scene_, anyMaterial(), material());
+      case 7:
+        return setLight();
+      case 8:
+        return addLight();
+      case 9:
+        return removeLight();
+      case 10:
+        return scene::setMesh(scene_, dice_.below(count(scene_.meshes)), mesh());
+      default:
+        return addShape();
+    }
+  }
+
+  // What is much the same whatever was done before: as many of everything as there may be, all of one kind.
+  void level() {
+    fill();
+    for (uint32_t i = 0; i < scene_.meshes.size(); ++i) scene::setMesh(scene_, i, squareMesh());
+    for (uint32_t i = 0; i < scene_.materials.size(); ++i) scene::setMaterial(scene_, i, plain());
+    for (uint32_t i = 0; i < scene_.instances.size(); ++i) {
+      if (scene_.instances[i].removed) continue;
+      scene::setMaterialOf(scene_, i, kFloor);
+      scene::setTransform(scene_, i, glm::mat4(1));
+    }
+    Light light = scene_.lights[kSun];
+    for (uint32_t i = 0; i < scene_.lights.size(); ++i)
+      if (!scene_.lights[i].removed) scene::setLight(scene_, i, light);
+  }
+
+ private:
+  // Until there is no room for more of anything.
+  void fill() {
+    while (present(scene_.instances) < kMostInstances) addInstance();
+    while (present(scene_.lights) < kMostLights) addLight();
+    while (scene_.materials.size() < kMostMaterials) addShape();
+    while (scene_.meshes.size() < kMostMeshes) addShape();
+  }
+
+  template <typename T>
+  static uint32_t count(const std::vector<T>& all) {
+    return static_cast<uint32_t>(all.size());
+  }
+  template <typename T>
+  static uint32_t present(const std::vector<T>& all) {
+    return static_cast<uint32_t>(std::ranges::count(all, false, &T::removed));
+  }
+  template <typename T>
+  uint32_t any(const std::vector<T>& all, uint32_t first = 0) {
+    uint32_t index = 0;
+    do index = first + dice_.below(count(all) - first);
+    while (all[index].removed);
+    return index;
+  }
+  uint32_t anyInstance() { return any(scene_.instances); }
+  uint32_t anyMaterial() { return dice_.below(count(scene_.materials)); }
+
+  glm::mat4 transform() {
+    glm::mat4 m = glm::translate(glm::mat4(1), dice_.inside({-2, -2, 0}, {2, 2, 2}));
+    m = glm::rotate(m, dice_.between(-3, 3), glm::normalize(dice_.inside(vec3(0.1f), vec3(1))));
+    m = glm::scale(m, dice_.inside(vec3(0.1f), vec3(1.2f)));
+    if (dice_.chance(0.3f)) m[dice_.below(3)] *= -1.0f;
+    return m;
+  }
+
+  void addInstance() {
+    if (present(scene_.instances) == kMostInstances) return removeInstance();
+    // Now and then just where another is: what is drawn last shows.
+    const bool twin = dice_.chance(0.3f);
+    const Instance& like = scene_.instances[anyInstance()];
+    const uint32_t mesh = twin ? like.mesh : dice_.below(count(scene_.meshes));
+    const uint32_t material = twin && dice_.chance(0.5f) ? like.material : anyMaterial();
+    const glm::mat4 where = twin ? like.toWorld : transform();
+    scene::addInstance(scene_, mesh, material, where, dice_.chance(0.5f) ? "added" : "");
+  }
+
+  void removeInstance() {
+    if (present(scene_.instances) > 4) scene::removeInstance(scene_, anyInstance());
+  }
+
+  static Material plain() { return scene::builtin::plainMaterial("", vec3(0.5f), 0, 0.5f); }
+
+  // In the slots that the scene has at first.
+  Material material() {
+    Material m = scene::builtin::plainMaterial("", dice_.inside(vec3(0), vec3(1)), dice_.unit(), dice_.unit());
+    if (dice_.chance(0.4f))
+      setTexture(m, shared::kTextureBaseColor, 0, dice_.chance(0.5f) ? kNearest : scene::Sampler());
+    if (dice_.chance(0.4f)) setTexture(m, shared::kTextureMetallicRoughness, 1);
+    if (dice_.chance(0.3f)) setTexture(m, shared::kTextureEmissive, 2);
+    if (dice_.chance(0.3f)) m.data.emissive = dice_.inside(vec3(0), vec3(2));
+    constexpr uint32_t kAlpha[] = {0, 0, shared::kMaterialMasked, shared::kMaterialBlended};
+    m.data.flags = kAlpha[dice_.below(4)];
+    if (dice_.chance(0.4f)) m.data.flags |= shared::kMaterialDoubleSided;
+    if (dice_.chance(0.1f)) m.data.flags |= shared::kMaterialUnlit;
+    m.data.baseColor.a = dice_.unit();
+    m.data.alphaCutoff = dice_.unit();
+    return m;
+  }
+
+  Light light() {
+    Light l{.name = "light", .type = dice_.below(3), .intensity = dice_.between(0, 4)};
+    l.color = dice_.inside(vec3(0), vec3(1));
+    l.position = dice_.inside({-3, -3, 0.2f}, {3, 3, 3});
+    l.direction = glm::normalize(dice_.inside({-1, -1, -2}, {1, 1, -0.5f}));
+    if (dice_.chance(0.7f)) l.range = dice_.between(0.5f, 6);
+    l.outerCone = dice_.between(0.1f, 1.5f);
+    l.innerCone = l.outerCone * dice_.unit();
+    l.size = dice_.chance(0.5f) ? 0.1f : 0;
+    if (dice_.chance(0.5f)) l.castShadow = dice_.chance(0.5f);
+    if (dice_.chance(0.1f)) l.intensity = 0;
+    return l;
+  }
+
+  void setLight() {
+    const uint32_t index = any(scene_.lights);
+    Light changed = light();
+    if (index == kSun) changed = scene_.lights[kSun], changed.direction = light().direction;
+    scene::setLight(scene_, index, changed);
+  }
+
+  void addLight() {
+    if (present(scene_.lights) == kMostLights) return removeLight();
+    scene::addLight(scene_, light());
+  }
+
+  void removeLight() {
+    if (present(scene_.lights) > 1) scene::removeLight(scene_, any(scene_.lights, kSun + 1));
+  }
+
+  scene::Mesh mesh() {
+    switch (dice_.below(4)) {
+      case 0:
+        return squareMesh();
+      case 1:
+        return squareMesh(true);
+      default:
+        return sphereMesh(dice_.between(0.1f, 0.8f));
+    }
+  }
+
+  void addShape() {
+    if (scene_.materials.size() < kMostMaterials) scene::addMaterial(scene_, material());
+    if (scene_.meshes.size() < kMostMeshes) scene::addMesh(scene_, mesh());
+  }
+
+  scene::Scene& scene_;
+  Dice dice_;
+};
+
+class EditsTest : public RenderTest {
+ protected:
+  scene::Scene scene_ = workshop();
+  const scene::Environment sky_ = constantEnvironment();
+  const Settings settings_ = workshopSettings();
+  const scene::Camera camera_ = workshopCamera();
+
+  output::FrameOutput render(Renderer& renderer) const {
+    return std::move(renderer.render({&camera_, 1}, settings_).front());
+  }
+  output::FrameOutput fresh(const scene::Scene& scene) { return renderOne(device(), scene, camera_, settings_, &sky_); }
+};
+
+TEST_F(EditsTest, TenThousandEditsAsIfEachFrameWereTheFirst) {
+  vk::Device own({.selector = "cpu", .validation = true});  // what is made on it is made for edits
+  Renderer renderer(own, scene_, &sky_);
+  expectSame(render(renderer), fresh(scene_));
+  const uint64_t pipelines = own.pipelinesMade();
+  Editor editor(scene_, 9);
+  for (uint32_t i = 0; i < kEdits && !HasFailure(); ++i) {
+    editor.edit();
+    if ((i + 1) % (kEdits / kFrames) != 0) continue;
+    SCOPED_TRACE("after edit " + std::to_string(i));
+    const output::FrameOutput frame = render(renderer);
+    expectSame(frame, fresh(scene_));
+    expectSame(frame, fresh(withoutGaps(scene_)));
+  }
+  EXPECT_EQ(own.pipelinesMade(), pipelines);
+  for (const std::string& message : own.validationMessages()) ADD_FAILURE() << message;
+}
+
+// What the renderer and its device take after the same frame, halfway and at the end. Without validation, which keeps
+// what it has seen.
+TEST_F(EditsTest, TenThousandEditsTakeNoMemory) {
+  struct Taken {
+    uint64_t allocations, deviceBytes;
+    size_t hostBytes;
+  };
+  vk::Device own({.selector = "cpu"});
+  Renderer renderer(own, scene_, &sky_);
+  Editor editor(scene_, 5);
+  std::vector<Taken> taken;
+  for (uint32_t i = 0; i < kEdits; ++i) {
+    editor.edit();
+    if ((i + 1) % (kEdits / kFrames) == 0) render(renderer);
+    if ((i + 1) % (kEdits / 2) != 0) continue;
+    editor.level();
+    for (int again = 0; again < 8; ++again) render(renderer);  // until nothing is kept of frames before
+    const vk::Allocator::Statistics statistics = own.memory().statistics();
+    const auto host = mallinfo2();
+    taken.push_back({statistics.allocations, statistics.usedBytes, host.uordblks + host.hblkhd});
+  }
+  ASSERT_EQ(taken.size(), 2u);
+  EXPECT_LE(taken[1].allocations, taken[0].allocations);
+  EXPECT_LE(taken[1].deviceBytes, taken[0].deviceBytes);
+  EXPECT_LE(taken[1].hostBytes, taken[0].hostBytes + (64 << 10)) << "13 bytes an edit";
+}
+
+}  // namespace
+}  // namespace latelight::render::test

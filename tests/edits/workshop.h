@@ -1,0 +1,49 @@
+// What the tests of edits share: a small scene of every kind of material, light and instance, and frames that are to be
+// the same.
+#pragma once
+
+#include <cstdint>
+#include <random>
+#include <vector>
+
+#include "render/support.h"
+
+namespace latelight::render::test {
+
+// A floor, spheres and cards: opaque, masked, blended, double-sided, unlit and glowing ones, some of them mirrored,
+// under a directional, a point and a spot light. Three textures, in the slots of base colour, metal-roughness and
+// emission.
+scene::Scene workshop();
+scene::Camera workshopCamera();
+
+// A small picture of it with shadows, and all kinds of data.
+Settings workshopSettings();
+
+// The same but for its gaps, as it would be if what was removed had never been there.
+scene::Scene withoutGaps(const scene::Scene& scene);
+
+// Numbers that are the same with every library.
+class Dice {
+ public:
+  explicit Dice(uint32_t seed) : engine_(seed) {}
+  uint32_t below(uint32_t count) { return static_cast<uint32_t>(engine_() % count); }
+  bool chance(float share) { return unit() < share; }
+  float unit() { return static_cast<float>(engine_() >> 8) * 0x1p-24f; }
+  float between(float low, float high) { return low + (high - low) * unit(); }
+  glm::vec3 inside(glm::vec3 low, glm::vec3 high) {
+    const float x = unit(), y = unit(), z = unit();
+    return low + (high - low) * glm::vec3(x, y, z);
+  }
+
+ private:
+  std::mt19937 engine_;
+};
+
+// Adds failures that say which outputs of two frames differ, and where first.
+void expectSame(const output::FrameOutput& actual, const output::FrameOutput& expected);
+
+// A frame of the renderer, and the same from one made afresh: they are to be the same.
+void expectAsFresh(Renderer& renderer, vk::Device& device, const scene::Scene& scene, const Settings& settings,
+                   const scene::Environment* environment = nullptr, const Moment& moment = {});
+
+}  // namespace latelight::render::test

@@ -1,0 +1,65 @@
+#include "render/frame_bench.h"
+
+#include <cmath>
+#include <cstring>
+
+namespace latelight::render::test {
+
+FrameBench::FrameBench(vk::Device& device, const scene::Scene& scene, const scene::Environment* environment)
+    : device_(device),
+      lights_(scene.lights),
+      scene_(device, scene),
+      environment_(device, environment),
+      executor_(device) {
+  order_.update(scene_);
+}
+
+void FrameBench::shine(uint32_t first, uint32_t count) {
+  const auto begin = lights_.begin() + first;
+  scene_.setLights({begin, begin + count});
+}
+
+vk::Buffer FrameBench::upload(const char* name, const void* data, size_t bytes) {
+  vk::Buffer buffer(device_, {.size = bytes, .kind = vk::MemoryKind::Upload, .name = name});
+  std::memcpy(buffer.mapped(), data, bytes);
+  return buffer;
+}
+
+const FrameContext& FrameBench::frame(graph::Graph& graph, const FrameSetup& setup, std::vector<shared::View> views,
+                                      const BenchLight& light, Overflow* overflow) {
+  kept_ = std::make_unique<Kept>();
+  kept_->views = std::move(views);
+  kept_->setup = setup;
+  kept_->viewBuffer = upload("views", kept_->views.data(), kept_->views.size() * sizeof(shared::View));
+  shared::FrameConstants frame{};
+  scene_.describe(frame);
+  frame.views = frame.previousViews = frame.nextViews = kept_->viewBuffer.address();
+  frame.viewCount = static_cast<uint32_t>(kept_->views.size());
+  frame.exposure = light.exposure;
+  frame.environmentIntensity = light.environmentIntensity;
+  frame.environmentCos = std::cos(light.environmentRotation);
+  frame.environmentSin = std::sin(light.environmentRotation);
+  frame.environmentLevels = static_cast<float>(environment_.levels());
+  kept_->constants = upload("frame constants", &frame, sizeof(frame));
+  kept_->visibility = std::make_unique<HardwareVisibility>(device_, scene_, order_, kept_->views);
+  const shared::vec2 size = kept_->views.front().size;
+  kept_->context = std::make_unique<FrameContext>(FrameContext{{device_, graph},
+                                                               scene_,
+                                                               environment_,
+                                                               *kept_->visibility,
+                                                               kept_->setup,
+                                                               kept_->views,
+                                                               kept_->constants.address(),
+                                                               static_cast<uint32_t>(size.x),
+                                                               static_cast<uint32_t>(size.y),
+                                                               scene_.lights().lights()});
+  kept_->context->overflow = overflow;
+  return *kept_->context;
+}
+
+const graph::Executor& FrameBench::run(const graph::Graph& graph) {
+  executor_.run(graph, graph.compile());
+  return executor_;
+}
+
+}  // namespace latelight::render::test

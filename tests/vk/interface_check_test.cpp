@@ -1,0 +1,140 @@
+#include "vk/interface_check.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "base/error.h"
+#include "vk/device_fixture.h"
+#include "vk/reflection.h"
+#include "vk/tiny_shader.h"
+
+namespace latelight::vk {
+namespace {
+
+using testing::ElementsAre;
+using testing::FieldsAre;
+
+constexpr Binding kRight[] = {Binding::Sampled, Binding::Storage};
+
+// What is said of the tiny shader in a pipeline that declares this; nothing where they fit.
+std::string said(const DeclaredInterface& declared) {
+  const CheckedStage stage{"tiny", kTinyShader};
+  try {
+    checkInterface(std::span(&stage, 1), declared);
+    return "";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::Internal);
+    return error.what();
+  }
+}
+
+TEST(Reflection, FindsWhatAShaderUses) {
+  const Reflection found = reflect(kTinyShader);
+  EXPECT_THAT(found.bindings, ElementsAre(FieldsAre(0u, 0u, Binding::Sampled, "source"),
+                                          FieldsAre(0u, 1u, Binding::Storage, "target")));
+  ASSERT_TRUE(found.push);
+  EXPECT_THAT(*found.push, FieldsAre("Push", 20u, 8u));
+  EXPECT_THAT(found.constants, ElementsAre(FieldsAre(3u, true, "kFactor")));
+}
+
+TEST(Reflection, RefusesWhatIsNoSpirv) {
+  EXPECT_THROW(reflect({}), Error);
+  EXPECT_THROW(reflect(std::span(kTinyShader).subspan(1)), Error);
+  EXPECT_THROW(reflect(std::span(kTinyShader).first(std::size(kTinyShader) - 1)), Error);
+}
+
+TEST(InterfaceCheck, PassesWhatFits) {
+  constexpr Constant constants[] = {{3, 5}, {4, 1}};
+  EXPECT_EQ(said({.bindings = kRight, .constants = constants, .pushBytes = 20}), "");
+  EXPECT_EQ(said({.bindings = kRight, .pushBytes = 24}), "") << "with the padding at the end of a C++ struct";
+  EXPECT_EQ(said({.bindings = kRight}), "") << "push constants are not said";
+  constexpr Binding more[] = {Binding::Sampled, Binding::Storage, Binding::Uniform};
+  EXPECT_EQ(said({.bindings = more}), "") << "bindings of another stage";
+}
+
+TEST(InterfaceCheck, NamesABindingOfAnotherKind) {
+  constexpr Binding sampled[] = {Binding::Sampled, Binding::Sampled};
+  EXPECT_EQ(said({.bindings = sampled}),
+            "Binding 1 (target) of tiny is a storage image, but its pipeline declares a sampled image.");
+  constexpr Binding uniform[] = {Binding::Uniform, Binding::Storage};
+  EXPECT_EQ(said({.bindings = uniform}),
+            "Binding 0 (source) of tiny is a sampled image, but its pipeline declares a uniform buffer.");
+}
+
+TEST(InterfaceCheck, NamesABindingThatIsMissing) {
+  EXPECT_EQ(said({.bindings = std::span(kRight).first(1)}),
+            "tiny uses binding 1 (target), but its pipeline declares only 1.");
+}
+
+TEST(InterfaceCheck, NamesPushConstantsOfAnotherSize) {
+  EXPECT_EQ(said({.bindings = kRight, .pushBytes = 16}),
+            "The push constants (Push) of tiny take 20 bytes, but its pipeline pushes 16.");
+  EXPECT_EQ(said({.bindings = kRight, .pushBytes = 28}),
+            "The push constants (Push) of tiny take 20 bytes, but its pipeline pushes 28.");
+  EXPECT_EQ(said({.bindings = kRight, .pushBytes = 132}),
+            "The pipeline of tiny pushes 132 bytes, and a device may take no more than 128.");
+}
+
+// The tiny shader with its specialization constant's type made another: OpTypeInt 32 0 becomes 16 bits wide.
+TEST(InterfaceCheck, NamesAConstantOfAnotherType) {
+  std::vector<uint32_t> code(std::begin(kTinyShader), std::end(kTinyShader));
+  constexpr uint32_t kOpTypeInt = 4 << 16 | 21;  // its first word; then come id, width and sign
+  for (size_t at = 5; at < code.size(); at += code[at] >> 16)
+    if (code[at] == kOpTypeInt && code[at + 2] == 32 && code[at + 3] == 0) code[at + 2] = 16;
+  const CheckedStage stage{"tiny", code};
+  constexpr Constant constants[] = {{3, 5}}, others[] = {{4, 5}};
+  EXPECT_NO_THROW(checkInterface(std::span(&stage, 1), {.bindings = kRight, .constants = others}));
+  try {
+    checkInterface(std::span(&stage, 1), {.bindings = kRight, .constants = constants});
+    FAIL() << "is not noticed";
+  } catch (const Error& error) {
+    EXPECT_STREQ(error.what(), "Specialization constant 3 (kFactor) of tiny is neither a bool nor a 32-bit integer.");
+  }
+}
+
+TEST(InterfaceCheck, OneStageMayDeclareTheBeginningOfWhatAnotherIsPushed) {
+  const CheckedStage stages[] = {{"scene.vert", shaderCode("scene.vert")}, {"shadow.frag", shaderCode("shadow.frag")}};
+  EXPECT_NO_THROW(checkInterface(stages, {.pushBytes = 28}));
+  try {
+    checkInterface(stages, {.pushBytes = 24});
+    FAIL() << "is not noticed";
+  } catch (const Error& error) {
+    EXPECT_STREQ(error.what(), "The push constants (Push) of shadow.frag take 28 bytes, but its pipeline pushes 24.");
+  }
+  const CheckedStage alone{"screen.vert", shaderCode("screen.vert")};
+  try {
+    checkInterface(std::span(&alone, 1), {.pushBytes = 24});
+    FAIL() << "is not noticed";
+  } catch (const Error& error) {
+    EXPECT_STREQ(error.what(), "screen.vert has no push constants, but its pipeline pushes 24 bytes.");
+  }
+}
+
+TEST(InterfaceCheck, NamesADescriptorSetThatIsMissing) {
+  const CheckedStage stages[] = {{"scene.vert", shaderCode("scene.vert")}, {"masked.frag", shaderCode("masked.frag")}};
+  EXPECT_NO_THROW(checkInterface(stages, {.materialSet = true}));
+  try {
+    checkInterface(stages, {});
+    FAIL() << "is not noticed";
+  } catch (const Error& error) {
+    EXPECT_STREQ(error.what(),
+                 "masked.frag uses materialTexture0 of descriptor set 1, which its pipeline does not have.");
+  }
+}
+
+TEST_F(DeviceTest, PipelinesAreCheckedUnderValidation) {
+  ASSERT_TRUE(device().underValidation());
+  try {
+    makePipeline(device(), ComputeDesc{.bindings = {Binding::Sampled, Binding::Sampled},
+                                       .name = "planted",
+                                       .code = {std::begin(kTinyShader), std::end(kTinyShader)}});
+    FAIL() << "is not noticed";
+  } catch (const Error& error) {
+    EXPECT_STREQ(error.what(),
+                 "Binding 1 (target) of planted is a storage image, but its pipeline declares a sampled image.");
+  }
+  EXPECT_THROW(makePipeline(device(), GraphicsDesc{.vertex = "screen.vert", .pushBytes = 4, .name = "planted"}), Error);
+}
+
+}  // namespace
+}  // namespace latelight::vk

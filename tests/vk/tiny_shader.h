@@ -1,0 +1,12 @@
+// A small compute shader with a binding of two kinds, push constants and a specialization constant.
+#pragma once
+
+#include <cstdint>
+
+namespace latelight::vk {
+
+inline constexpr uint32_t kTinyShader[] = {
+#include "vk/tiny_shader.inc"
+};
+
+}  // namespace latelight::vk
