@@ -7,21 +7,6 @@
 
 namespace latelight::app {
 
-namespace {
-
-// Numbers by comma; empty where any part is no number.
-std::vector<float> parseNumbers(std::string_view text) {
-  std::vector<float> values;
-  for (std::string_view part : splitAtCommas(text)) {
-    const std::optional<float> value = parseNumber<float>(part);
-    if (!value) return {};
-    values.push_back(*value);
-  }
-  return values;
-}
-
-}  // namespace
-
 glm::vec3 parseVector(const std::string& option, const std::string& text) {
   std::vector<float> v = parseNumbers(text);
   if (v.size() != 3) badUsage("{} takes three numbers x,y,z, not \"{}\"", option, text);

@@ -32,4 +32,15 @@ inline std::vector<std::string_view> splitAtCommas(std::string_view text) {
   return parts;
 }
 
+// Numbers by comma; empty where any part is no number.
+inline std::vector<float> parseNumbers(std::string_view text) {
+  std::vector<float> values;
+  for (std::string_view part : splitAtCommas(text)) {
+    const std::optional<float> value = parseNumber<float>(part);
+    if (!value) return {};
+    values.push_back(*value);
+  }
+  return values;
+}
+
 }  // namespace latelight

@@ -56,14 +56,9 @@ bool beginsInUsedMemory(const Barrier& barrier) {
 // Where memory changes hands: the layers' synchronization checks follow what lay there before by no narrower barrier
 // once images and buffers of several sizes have shared it.
 void recordFullBarrier(VkCommandBuffer commands) {
-  VkMemoryBarrier2 all{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
-  all.srcStageMask = all.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
-  all.srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT;
-  all.dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
-  VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
-  info.memoryBarrierCount = 1;
-  info.pMemoryBarriers = &all;
-  vkCmdPipelineBarrier2(commands, &info);
+  vk::recordMemoryBarrier(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_ACCESS_2_MEMORY_WRITE_BIT,
+                          VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+                          VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT);
 }
 
 // `images` and `buffers`: of the graph, by index.
@@ -92,13 +87,6 @@ void recordBarriers(VkCommandBuffer commands, const std::vector<Barrier>& barrie
   info.pBufferMemoryBarriers = ofBuffers.data();
   vkCmdPipelineBarrier2(commands, &info);
 }
-
-// Before each submission: it comes after those before it on the queue, whose transients have the same memory.
-const std::vector<Barrier> kAfterOthers = {
-    {.sourceStage = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
-     .targetStage = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
-     .sourceAccess = VK_ACCESS_2_MEMORY_WRITE_BIT,
-     .targetAccess = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT}};
 
 // Null where VK_EXT_debug_utils is not enabled.
 struct LabelCalls {
@@ -339,7 +327,7 @@ void Executor::Impl::record(const Graph& graph, const Plan& plan, Submission::St
   context.images_ = &state.images;
   context.buffers_ = &state.buffers;
   Timers& timers = state.recorder->timers;
-  recordBarriers(buffer, kAfterOthers, {}, {});
+  recordFullBarrier(buffer);  // submissions before it on the queue have the same memory for their transients
   timers.begin(buffer, static_cast<uint32_t>(plan.steps.size()));
   uint32_t mark = 0;
   for (const Plan::Step& step : plan.steps) {

@@ -56,17 +56,6 @@ static_assert(indexOf(BloomFireflies::Keep) == kBloomKeep);
 
 namespace {
 
-// Numbers by comma; empty where any part is no number.
-std::vector<float> numbersIn(std::string_view text) {
-  std::vector<float> values;
-  for (std::string_view part : splitAtCommas(text)) {
-    const std::optional<float> value = parseNumber<float>(part);
-    if (!value) return {};
-    values.push_back(*value);
-  }
-  return values;
-}
-
 // Two hexadecimal digits, as a share of 255.
 std::optional<float> channelIn(std::string_view digits) {
   unsigned value = 0;
@@ -81,7 +70,7 @@ std::optional<Color> colorIn(std::string_view text) {
   if (text.size() == 7 && text[0] == '#')
     for (size_t i = 1; i < 7; i += 2) code.push_back(channelIn(text.substr(i, 2)).value_or(-1.0f));
   else
-    code = numbersIn(text);
+    code = parseNumbers(text);
   if (code.size() != 3) return std::nullopt;
   Color color;
   for (int i = 0; i < 3; ++i) {
@@ -182,7 +171,7 @@ ShadowLights readText<ShadowLights>(const char* option, std::string_view text) {
 
 template <>
 SunLight readText<SunLight>(const char* option, std::string_view text) {
-  const std::vector<float> v = numbersIn(text);
+  const std::vector<float> v = parseNumbers(text);
   if (v.size() != 2 && v.size() != 3)
     badUsage("{} takes azimuth,elevation[,lux] in degrees, as in 30,40 or 30,40,3, not \"{}\"", option, text);
   SunLight sun{.azimuth = v[0] * radians(1), .elevation = v[1] * radians(1)};

@@ -1,21 +1,10 @@
 #include "render/view_set.h"
 
 #include <cmath>
-#include <cstring>
 
 #include "render/post/ambient_occlusion/ambient_occlusion.h"
 
 namespace latelight::render {
-
-namespace {
-
-vk::Buffer uploaded(vk::Device& device, const char* name, const void* data, size_t bytes) {
-  vk::Buffer buffer(device, {.size = bytes, .kind = vk::MemoryKind::Upload, .name = name});
-  std::memcpy(buffer.mapped(), data, bytes);
-  return buffer;
-}
-
-}  // namespace
 
 ViewSet::ViewSet(const RenderState& state, const ViewsInTime& views, const Settings& settings, FrameShadows* shadows,
                  const HardwareOptions& options)
@@ -31,7 +20,7 @@ void ViewSet::uploadConstants(const Settings& s) {
   std::vector<shared::View> all = views_.now;
   all.insert(all.end(), views_.previous.begin(), views_.previous.end());
   all.insert(all.end(), views_.next.begin(), views_.next.end());
-  viewBuffer_ = uploaded(state_.device, "views", all.data(), all.size() * sizeof(shared::View));
+  viewBuffer_ = vk::uploadedBuffer(state_.device, "views", std::as_bytes(std::span(all)));
 
   shared::FrameConstants frame{};
   state_.scene.describe(frame);
@@ -49,7 +38,7 @@ void ViewSet::uploadConstants(const Settings& s) {
                .density = s.fogDensity,
                .falloff = s.fogHeight > 0 ? 1 / s.fogHeight : 0.0f,
                .base = s.fogBase};
-  constants_ = uploaded(state_.device, "frame constants", &frame, sizeof(frame));
+  constants_ = vk::uploadedBuffer(state_.device, "frame constants", std::as_bytes(std::span(&frame, 1)));
 }
 
 const FrameContext& ViewSet::frame(graph::Graph& graph, const FrameSetup& setup) {

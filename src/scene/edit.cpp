@@ -167,18 +167,6 @@ void removeLight(Scene& scene, uint32_t light) {
   scene.edits.lights.note(light);
 }
 
-namespace {
-
-void findBounds(Mesh& mesh) {
-  mesh.boundsMin = mesh.boundsMax = mesh.positions.empty() ? vec3(0) : mesh.positions.front();
-  for (const vec3& p : mesh.positions) {
-    mesh.boundsMin = glm::min(mesh.boundsMin, p);
-    mesh.boundsMax = glm::max(mesh.boundsMax, p);
-  }
-}
-
-}  // namespace
-
 void setMesh(Scene& scene, uint32_t mesh, Mesh data) {
   Mesh& edited = at(scene.meshes, mesh, "mesh");
   checkMesh(scene, data);

@@ -55,14 +55,6 @@ void makeTangents(const TangentSpace& space, Vertices& v, std::vector<uint32_t>&
   scene::makeTangents(uv, v, indices);
 }
 
-void computeBounds(Mesh& mesh) {
-  mesh.boundsMin = mesh.boundsMax = mesh.positions[0];
-  for (const vec3& p : mesh.positions) {
-    mesh.boundsMin = glm::min(mesh.boundsMin, p);
-    mesh.boundsMax = glm::max(mesh.boundsMax, p);
-  }
-}
-
 // How the mesh moves; null where it has neither a skin nor weights that an animation moves.
 std::shared_ptr<Deformation> readDeformation(const Document& document, const MeshRequest& request, const Source& source,
                                              const std::vector<uint32_t>& origin, const Mesh& mesh) {
@@ -125,7 +117,7 @@ Mesh buildMesh(const Document& document, const Hierarchy& hierarchy, const MeshR
     if (!document.animations.empty()) mesh.deformation = std::move(deformation);
   }
   requireFinite(mesh.positions, source.name);
-  computeBounds(mesh);
+  findBounds(mesh);
   mesh.name = meshName(document, request.mesh);
   if (parent.primitives.size() > 1) mesh.name += fmt::format("/primitive{}", request.primitive);
   return mesh;

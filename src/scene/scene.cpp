@@ -100,6 +100,14 @@ uint64_t Scene::triangleCount() const {
   return count;
 }
 
+void findBounds(Mesh& mesh) {
+  mesh.boundsMin = mesh.boundsMax = mesh.positions.empty() ? vec3(0) : mesh.positions.front();
+  for (const vec3& p : mesh.positions) {
+    mesh.boundsMin = glm::min(mesh.boundsMin, p);
+    mesh.boundsMax = glm::max(mesh.boundsMax, p);
+  }
+}
+
 Bounds worldBounds(const Scene& scene) {
   Bounds all;
   std::mutex mutex;

@@ -179,6 +179,7 @@ struct Bounds {
   float radius() const { return empty() ? 0.0f : glm::length(max - min) * 0.5f; }
 };
 Bounds worldBounds(const Scene&);
+void findBounds(Mesh& mesh);  // of its positions; zero where it has none
 
 // glTF's frame (X right, Y up, Z towards the viewer) to the renderer's (X right, Y away, Z up), and back.
 mat4 toWorldFromGltf();

@@ -78,10 +78,23 @@ void DescriptorPool::reset() {
   current_ = 0;
 }
 
+void recordMemoryBarrier(VkCommandBuffer commands, VkPipelineStageFlags2 fromStages, VkAccessFlags2 fromAccess,
+                         VkPipelineStageFlags2 toStages, VkAccessFlags2 toAccess) {
+  VkMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
+  barrier.srcStageMask = fromStages;
+  barrier.srcAccessMask = fromAccess;
+  barrier.dstStageMask = toStages;
+  barrier.dstAccessMask = toAccess;
+  VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+  info.memoryBarrierCount = 1;
+  info.pMemoryBarriers = &barrier;
+  vkCmdPipelineBarrier2(commands, &info);
+}
+
 void Commands::bind(const Pipeline& pipeline, std::span<const BoundImage> images, std::span<const std::byte> push) {
   vkCmdBindPipeline(commands_, pipeline.point, pipeline.pipeline.get());
   if (!images.empty()) {
-    const VkDescriptorSet set = pool_.make(pipeline.set0.get(), pipeline.bindings, images);
+    const VkDescriptorSet set = pool_.make(pipeline.set0, pipeline.bindings, images);
     vkCmdBindDescriptorSets(commands_, pipeline.point, pipeline.layout.get(), 0, 1, &set, 0, nullptr);
   }
   if (!push.empty())

@@ -35,6 +35,9 @@ class DescriptorPool {
   size_t current_ = 0;
 };
 
+void recordMemoryBarrier(VkCommandBuffer commands, VkPipelineStageFlags2 fromStages, VkAccessFlags2 fromAccess,
+                         VkPipelineStageFlags2 toStages, VkAccessFlags2 toAccess);
+
 class Commands {
  public:
   Commands(Device& device, VkCommandBuffer commands, DescriptorPool& pool)

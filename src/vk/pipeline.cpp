@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "vk/interface_check.h"
+#include "vk/object_cache.h"
 #include "vk/resources.h"
 
 namespace latelight::vk {
@@ -88,8 +89,8 @@ void checkStages(const Device& device, std::span<const CheckedStage> stages, con
 Pipeline makeLayout(Device& device, std::span<const Binding> bindings, VkDescriptorSetLayout materialSet) {
   Pipeline made;
   made.bindings.assign(bindings.begin(), bindings.end());
-  made.set0 = makeSetLayout(device, bindings);
-  const VkDescriptorSetLayout sets[] = {made.set0.get(), materialSet};
+  made.set0 = device.cache().setLayout(made.bindings);
+  const VkDescriptorSetLayout sets[] = {made.set0, materialSet};
   const VkPushConstantRange push{VK_SHADER_STAGE_ALL, 0, 128};
   VkPipelineLayoutCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
   info.setLayoutCount = materialSet ? 2 : 1;

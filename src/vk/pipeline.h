@@ -42,8 +42,8 @@ Handle<VkDescriptorSetLayout> makeSetLayout(Device& device, std::span<const Bind
 struct Pipeline {
   Handle<VkPipeline> pipeline;
   Handle<VkPipelineLayout> layout;
-  Handle<VkDescriptorSetLayout> set0;
-  std::vector<Binding> bindings;  // of set 0
+  VkDescriptorSetLayout set0 = VK_NULL_HANDLE;  // the cache's
+  std::vector<Binding> bindings;                // of set 0
   VkPipelineBindPoint point = VK_PIPELINE_BIND_POINT_COMPUTE;
 };
 
@@ -72,7 +72,7 @@ struct GraphicsDesc {
   std::vector<Constant> constants;                     // both stages
   uint32_t pushBytes = 0;                              // as ComputeDesc's
   std::vector<VkFormat> colors;
-  uint32_t colorsWritten = ~0u;  // bit i: color i is. Others than all, or none, take the optional feature
+  uint32_t colorsWritten = ~0u;  // bit i: color i is
   VkFormat depth = VK_FORMAT_UNDEFINED;
   VkCompareOp depthCompare = VK_COMPARE_OP_GREATER;  // depth is reversed
   bool depthWrite = true;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cstring>
 
 #include "base/error.h"
 
@@ -164,6 +165,13 @@ Buffer::~Buffer() {
     vkDestroyBuffer(device->get(), buffer, nullptr);
     if (allocation.memory) device->memory().release(allocation);
   });
+}
+
+Buffer uploadedBuffer(Device& device, const std::string& name, std::span<const std::byte> bytes,
+                      VkBufferUsageFlags usage) {
+  Buffer buffer(device, {.size = bytes.size(), .usage = usage, .kind = MemoryKind::Upload, .name = name});
+  if (!bytes.empty()) std::memcpy(buffer.mapped(), bytes.data(), bytes.size());
+  return buffer;
 }
 
 Image::Image(Device& device, const ImageDesc& desc) : Image() {

@@ -54,6 +54,10 @@ class Buffer {
   Allocation allocation_;  // none in a heap
 };
 
+// In host-visible memory, with these bytes in it.
+Buffer uploadedBuffer(Device& device, const std::string& name, std::span<const std::byte> bytes,
+                      VkBufferUsageFlags usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
+
 struct ImageDesc {
   VkFormat format = VK_FORMAT_UNDEFINED;
   uint32_t width = 1, height = 1;

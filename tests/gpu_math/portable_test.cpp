@@ -8,6 +8,7 @@
 #include "gpu_math/spirv.h"
 #include "shared/portable_cases.h"
 #include "shared/random.h"
+#include "vk/commands.h"
 #include "vk/resources.h"
 
 namespace latelight::shared {
@@ -74,15 +75,8 @@ class BoundShader {
       vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline_.get());
       vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout_.get(), 0, 1, &set_, 0, nullptr);
       vkCmdDispatch(commands, columns / kGroup, rows, 1);
-      VkMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
-      barrier.srcStageMask = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT;
-      barrier.srcAccessMask = VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT;
-      barrier.dstStageMask = VK_PIPELINE_STAGE_2_HOST_BIT;
-      barrier.dstAccessMask = VK_ACCESS_2_HOST_READ_BIT;
-      VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
-      info.memoryBarrierCount = 1;
-      info.pMemoryBarriers = &barrier;
-      vkCmdPipelineBarrier2(commands, &info);
+      vk::recordMemoryBarrier(commands, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT,
+                              VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT);
     });
   }
 

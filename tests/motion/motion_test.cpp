@@ -247,7 +247,7 @@ TEST_F(MotionTest, DevicesVerticesLieWhereTheCpusDo) {
     mesh.positions = vertices.positions;
     mesh.attributes = vertices.attributes;
     mesh.deformation = nullptr;
-    scene::builtin::computeBounds(mesh);
+    scene::findBounds(mesh);
     const output::FrameOutput expected =
         renderOne(device(), posed, camera, settingsOf(kWidth, kHeight, {Aov::Depth, Aov::Normal}));
     const std::vector<float>&a = imageOf(frame, Aov::Depth).values, &b = imageOf(expected, Aov::Depth).values;

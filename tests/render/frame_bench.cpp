@@ -1,7 +1,6 @@
 #include "render/frame_bench.h"
 
 #include <cmath>
-#include <cstring>
 
 namespace latelight::render::test {
 
@@ -19,18 +18,12 @@ void FrameBench::shine(uint32_t first, uint32_t count) {
   scene_.setLights({begin, begin + count});
 }
 
-vk::Buffer FrameBench::upload(const char* name, const void* data, size_t bytes) {
-  vk::Buffer buffer(device_, {.size = bytes, .kind = vk::MemoryKind::Upload, .name = name});
-  std::memcpy(buffer.mapped(), data, bytes);
-  return buffer;
-}
-
 const FrameContext& FrameBench::frame(graph::Graph& graph, const FrameSetup& setup, std::vector<shared::View> views,
                                       const BenchLight& light, Overflow* overflow) {
   kept_ = std::make_unique<Kept>();
   kept_->views = std::move(views);
   kept_->setup = setup;
-  kept_->viewBuffer = upload("views", kept_->views.data(), kept_->views.size() * sizeof(shared::View));
+  kept_->viewBuffer = vk::uploadedBuffer(device_, "views", std::as_bytes(std::span(kept_->views)));
   shared::FrameConstants frame{};
   scene_.describe(frame);
   frame.views = frame.previousViews = frame.nextViews = kept_->viewBuffer.address();
@@ -40,7 +33,7 @@ const FrameContext& FrameBench::frame(graph::Graph& graph, const FrameSetup& set
   frame.environmentCos = std::cos(light.environmentRotation);
   frame.environmentSin = std::sin(light.environmentRotation);
   frame.environmentLevels = static_cast<float>(environment_.levels());
-  kept_->constants = upload("frame constants", &frame, sizeof(frame));
+  kept_->constants = vk::uploadedBuffer(device_, "frame constants", std::as_bytes(std::span(&frame, 1)));
   kept_->visibility = std::make_unique<HardwareVisibility>(device_, scene_, order_, kept_->views);
   const shared::vec2 size = kept_->views.front().size;
   kept_->context = std::make_unique<FrameContext>(FrameContext{{device_, graph},

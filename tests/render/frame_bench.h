@@ -27,8 +27,6 @@ class FrameBench {
   const graph::Executor& run(const graph::Graph& graph);
 
  private:
-  vk::Buffer upload(const char* name, const void* data, size_t bytes);
-
   vk::Device& device_;
   std::vector<scene::Light> lights_;  // the scene's
   GpuScene scene_;

@@ -69,7 +69,7 @@ scene::Mesh squareMesh(bool extras) {
     if (extras) mesh.extras.push_back({uv * glm::vec2(2, 3), glm::vec4(1)});
   }
   mesh.indices = {0, 1, 3, 1, 2, 3};
-  scene::builtin::computeBounds(mesh);
+  scene::findBounds(mesh);
   return mesh;
 }
 
@@ -90,7 +90,7 @@ scene::Mesh sphereMesh(float radius) {
       const uint32_t a = j * (kMeridians + 1) + i, b = a + kMeridians + 1;  // above, and below it
       mesh.indices.insert(mesh.indices.end(), {a, b, b + 1, a, b + 1, a + 1});
     }
-  scene::builtin::computeBounds(mesh);
+  scene::findBounds(mesh);
   return mesh;
 }
 

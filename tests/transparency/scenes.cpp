@@ -18,7 +18,7 @@ scene::Scene sceneOf(const std::vector<ColoredTriangle>& triangles) {
       mesh.attributes.push_back({vec3(0, 0, 1), vec4(0), glm::vec2(0)});
       mesh.extras.push_back({glm::vec2(0), triangle.color});
     }
-  scene::builtin::computeBounds(mesh);
+  scene::findBounds(mesh);
   stack.builder.addInstance("triangles", stack.builder.kRoot, 0, material, glm::mat4(1));
   return std::move(stack.scene);
 }

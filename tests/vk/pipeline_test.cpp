@@ -80,7 +80,7 @@ TEST_F(DeviceTest, DescriptorSetsGrowAndAreUsedAgain) {
   DescriptorPool pool(device());
   std::vector<VkDescriptorSet> sets;
   for (int round = 0; round < 3; ++round) {
-    for (int i = 0; i < 1000; ++i) sets.push_back(pool.make(tiny.pipeline.set0.get(), tiny.pipeline.bindings, images));
+    for (int i = 0; i < 1000; ++i) sets.push_back(pool.make(tiny.pipeline.set0, tiny.pipeline.bindings, images));
     EXPECT_EQ(std::count(sets.begin(), sets.end(), VkDescriptorSet{VK_NULL_HANDLE}), 0);
     pool.reset();
   }

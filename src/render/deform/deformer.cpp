@@ -1,7 +1,6 @@
 #include "render/deform/deformer.h"
 
 #include <algorithm>
-#include <cstring>
 
 #include "shared/deform.h"
 
@@ -19,13 +18,6 @@ constexpr uint32_t kColumns = 1u << 20;  // vertices a layer of workgroups: thei
 template <typename T>
 vk::Buffer makeBuffer(vk::Device& device, const char* name, uint64_t count) {
   return vk::Buffer(device, {.size = count * sizeof(T), .name = name});
-}
-
-template <typename T>
-vk::Buffer makeUpload(vk::Device& device, const char* name, const std::vector<T>& values) {
-  vk::Buffer buffer(device, {.size = values.size() * sizeof(T), .kind = vk::MemoryKind::Upload, .name = name});
-  if (!values.empty()) std::memcpy(buffer.mapped(), values.data(), values.size() * sizeof(T));
-  return buffer;
 }
 
 // Where to put one part's values behind the others'.
@@ -151,8 +143,8 @@ Deformer::Palette Deformer::gather(const Poses& poses) const {
 
 void Deformer::run(const Poses& poses) {
   const Palette palette = gather(poses);
-  const vk::Buffer matrices = makeUpload(device_, "joint matrices", palette.matrices);
-  const vk::Buffer weights = makeUpload(device_, "morph weights", palette.weights);
+  const vk::Buffer matrices = vk::uploadedBuffer(device_, "joint matrices", std::as_bytes(std::span(palette.matrices)));
+  const vk::Buffer weights = vk::uploadedBuffer(device_, "morph weights", std::as_bytes(std::span(palette.weights)));
   graph::Graph graph;
   const graph::BufferId positions = graph.import(positions_, graph::Use::VertexRead);
   const graph::BufferId attributes = graph.import(attributes_, graph::Use::VertexRead);

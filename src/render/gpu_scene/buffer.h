@@ -13,8 +13,7 @@ namespace latelight::render {
 template <typename T>
 class GpuList {
  public:
-  GpuList(vk::Device& device, const char* name, VkBufferUsageFlags usage = 0)
-      : device_(device), name_(name), usage_(usage | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT) {}
+  GpuList(vk::Device& device, const char* name) : device_(device), name_(name) {}
 
   // All of it. What is in use by frames in flight lives on until they have finished.
   void upload(vk::Uploader& uploader, std::span<const T> all) {
@@ -32,18 +31,16 @@ class GpuList {
     }
   }
   VkDeviceAddress address() const { return buffer_ ? buffer_.address() : 0; }
-  const vk::Buffer& buffer() const { return buffer_; }
 
  private:
   void reserve(size_t count) {
     if (buffer_ && count <= capacity_) return;
     // The first time exactly as many as there are; then with room to grow.
     capacity_ = buffer_ ? std::bit_ceil(count) : count;
-    buffer_ = vk::Buffer(device_, {.size = capacity_ * sizeof(T), .usage = usage_, .name = name_});
+    buffer_ = vk::Buffer(device_, {.size = capacity_ * sizeof(T), .name = name_});
   }
   vk::Device& device_;
   const char* name_;
-  VkBufferUsageFlags usage_;
   vk::Buffer buffer_;
   size_t capacity_ = 0;
 };

@@ -11,9 +11,7 @@ namespace {
 
 template <typename T>
 vk::Buffer uploaded(vk::Device& device, const char* name, const std::vector<T>& values) {
-  vk::Buffer buffer(device, {.size = values.size() * sizeof(T), .kind = vk::MemoryKind::Upload, .name = name});
-  if (!values.empty()) std::memcpy(buffer.mapped(), values.data(), values.size() * sizeof(T));
-  return buffer;
+  return vk::uploadedBuffer(device, name, std::as_bytes(std::span(values)));
 }
 
 bool sameMaps(const ShadowPlan& a, const ShadowPlan::Entry& of, const ShadowPlan& b, const ShadowPlan::Entry& other) {
@@ -59,26 +57,27 @@ void FrameShadows::number(uint32_t lights) {
   for (size_t i = 1; i < bits_.size(); ++i)
     bits_[i].before = bits_[i - 1].before + static_cast<uint32_t>(std::popcount(bits_[i - 1].lights));
   table_.resize(plans_.size() * columns_.size());
-  for (size_t view = 0; view < plans_.size(); ++view) {
+  std::vector<std::vector<Drawn>> drawn(columns_.size());
+  for (uint32_t view = 0; view < viewCount(); ++view) {
     for (const ShadowPlan::Entry& entry : plans_[view].lights) {
       const auto column = std::lower_bound(columns_.begin(), columns_.end(), entry.light) - columns_.begin();
-      table_[view * columns_.size() + static_cast<size_t>(column)] = enter(static_cast<uint32_t>(view), entry);
+      table_[view * columns_.size() + static_cast<size_t>(column)] =
+          enter(view, entry, drawn[static_cast<size_t>(column)]);
     }
   }
 }
 
 // The maps of a light in a view: those of an earlier view that are the same to the bit, or new ones.
-shared::LightShadow FrameShadows::enter(uint32_t view, const ShadowPlan::Entry& entry) {
+shared::LightShadow FrameShadows::enter(uint32_t view, const ShadowPlan::Entry& entry, std::vector<Drawn>& drawn) {
   const ShadowPlan& plan = plans_[view];
   shared::LightShadow shadow{0, entry.maps, plan.sun == entry.light ? 1u : 0u};
-  for (uint32_t earlier = 0; earlier < view; ++earlier) {
-    for (const ShadowPlan::Entry& other : plans_[earlier].lights) {
-      if (other.light != entry.light || !sameMaps(plan, entry, plans_[earlier], other)) continue;
-      shadow.first = of(earlier, entry.light).first;
-      return shadow;
-    }
+  for (const Drawn& other : drawn) {
+    if (!sameMaps(plan, entry, plans_[other.view], *other.entry)) continue;
+    shadow.first = other.first;
+    return shadow;
   }
   shadow.first = static_cast<uint32_t>(maps_.size());
+  drawn.push_back({view, &entry, shadow.first});
   for (uint32_t i = entry.first; i < entry.first + entry.maps; ++i) {
     maps_.push_back({view, &plan.views[i]});
     records_.push_back(plan.maps[i]);

@@ -40,8 +40,13 @@ class FrameShadows {
   bool takeDrawing() { return std::exchange(undrawn_, false); }  // true once: for the graph that draws the maps
 
  private:
+  struct Drawn {  // maps of a light that no earlier view has alike
+    uint32_t view;
+    const ShadowPlan::Entry* entry;
+    uint32_t first;  // among maps_
+  };
   void number(uint32_t lights);
-  shared::LightShadow enter(uint32_t view, const ShadowPlan::Entry& entry);
+  shared::LightShadow enter(uint32_t view, const ShadowPlan::Entry& entry, std::vector<Drawn>& drawn);
   void upload(vk::Device& device);
 
   uint32_t format_;  // kShadow*

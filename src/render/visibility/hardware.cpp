@@ -10,7 +10,14 @@ namespace latelight::render {
 
 namespace {
 
-// What all draws behind the depth pass have: only surfaces at the very depth that it left are shaded.
+// Of a target that a shader has and nobody wants: as little memory as there can be, and nothing is written to it.
+VkFormat unusedFormat(VkFormat wanted) {
+  const bool integers = std::string_view(vk::formatName(wanted)).ends_with("UINT");
+  return integers ? VK_FORMAT_R8_UINT : VK_FORMAT_R8_UNORM;
+}
+
+}  // namespace
+
 vk::GraphicsDesc behindDepth(const FrameSetup& setup) {
   vk::GraphicsDesc desc;
   desc.depth = kDepthFormat;
@@ -20,14 +27,6 @@ vk::GraphicsDesc behindDepth(const FrameSetup& setup) {
   desc.constants = setup.constants();
   return desc;
 }
-
-// Of a target that a shader has and nobody wants: as little memory as there can be, and nothing is written to it.
-VkFormat unusedFormat(VkFormat wanted) {
-  const bool integers = std::string_view(vk::formatName(wanted)).ends_with("UINT");
-  return integers ? VK_FORMAT_R8_UINT : VK_FORMAT_R8_UNORM;
-}
-
-}  // namespace
 
 HardwareVisibility::HardwareVisibility(vk::Device& device, const GpuScene& scene, const DrawOrder& order,
                                        std::span<const shared::View> views, const HardwareOptions& options)
@@ -66,6 +65,28 @@ void HardwareVisibility::recordSolid(graph::Context& context, const FrameContext
   if (options_.blendedToo) record(blended_);
 }
 
+void HardwareVisibility::addSolid(const FrameContext& f, graph::Stage stage, vk::GraphicsDesc desc,
+                                  const Bindings& inputs, graph::ImageId depth,
+                                  const std::vector<graph::ImageId>& colors) const {
+  desc.bindings = inputs.kinds();
+  std::vector<graph::Access> accesses = inputs.accesses();
+  accesses.emplace_back(depth, graph::Use::DepthTest);
+  for (graph::ImageId color : colors) {
+    desc.colors.push_back(f.graph.desc(color).format);
+    accesses.emplace_back(color, graph::Use::ColorAttachment);
+  }
+  const ScenePipelines pipelines = scenePipelines(f.device, desc);
+  f.graph.pass(stage, desc.name, std::move(accesses),
+               [=, &f, this, written = desc.colorsWritten](graph::Context& context) {
+                 const std::vector<vk::BoundImage> images = inputs.images(context);
+                 for (uint32_t view = 0; view < f.viewCount(); ++view) {
+                   beginView(context, f, view, colors, {depth, false}, ColorUse::Clear, written);
+                   recordSolid(context, f, view, pipelines, images);
+                   vkCmdEndRendering(context.get());
+                 }
+               });
+}
+
 // Finds the nearest surface of every pixel first, so that the geometry pass shades each pixel once (seed 000, early
 // depth-stencil). Equal depths are settled in the geometry pass, where what is drawn last wins.
 graph::ImageId HardwareVisibility::addDepth(const FrameContext& f) const {
@@ -100,26 +121,13 @@ void HardwareVisibility::addGbuffer(const FrameContext& f, Gbuffer& gbuffer) con
   for (uint32_t i = 0; i < lightTarget; ++i) {
     const bool wanted = (desc.colorsWritten >> i & 1u) != 0;
     const VkFormat format = layout.format(i, f.setup.normalEncoding);
-    desc.colors.push_back(wanted ? format : unusedFormat(format));
-    gbuffer.targets.push_back(
-        createTarget(f, desc.colors.back(), layout.name + " " + layout.targets[i].name, f.setup.samples));
+    gbuffer.targets.push_back(createTarget(f, wanted ? format : unusedFormat(format),
+                                           layout.name + " " + layout.targets[i].name, f.setup.samples));
   }
   if (!gbuffer.sampleLight) gbuffer.sampleLight = createTarget(f, unusedFormat(kLightFormat), "no light");
-  desc.colors.push_back(f.graph.desc(gbuffer.sampleLight).format);
-  const ScenePipelines pipelines = scenePipelines(f.device, desc);
-
   std::vector<graph::ImageId> colors = gbuffer.targets;
   colors.push_back(gbuffer.sampleLight);
-  std::vector<graph::Access> accesses{{gbuffer.sampleDepth, graph::Use::DepthTest}};
-  for (graph::ImageId color : colors) accesses.emplace_back(color, graph::Use::ColorAttachment);
-  f.graph.pass(graph::Stage::Geometry, desc.name, std::move(accesses),
-               [=, &f, this, depth = gbuffer.sampleDepth, written = desc.colorsWritten](graph::Context& context) {
-                 for (uint32_t view = 0; view < f.viewCount(); ++view) {
-                   beginView(context, f, view, colors, {depth, false}, ColorUse::Clear, written);
-                   recordSolid(context, f, view, pipelines);
-                   vkCmdEndRendering(context.get());
-                 }
-               });
+  addSolid(f, graph::Stage::Geometry, desc, Bindings(f.device), gbuffer.sampleDepth, colors);
 }
 
 graph::ImageId HardwareVisibility::addMotion(const FrameContext& f, graph::ImageId depth, MotionUse use) const {

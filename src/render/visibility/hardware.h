@@ -31,6 +31,10 @@ class HardwareVisibility final : public Visibility {
   // What techniques draw that have shaders of their own.
   const DeviceDraws& solid() const { return solid_; }      // a list a view
   const DeviceDraws& blended() const { return blended_; }  // the same
+  // Adds a pass named desc.name that shades what addDepth() left visible, into `colors`: a target of each of
+  // desc.colorsWritten. `desc` as behindDepth() makes it; its bindings and colours are filled in here.
+  void addSolid(const FrameContext& f, graph::Stage stage, vk::GraphicsDesc desc, const Bindings& inputs,
+                graph::ImageId depth, const std::vector<graph::ImageId>& colors) const;
   // Draws what is solid in a view, within a rendering that has begun.
   void recordSolid(graph::Context& context, const FrameContext& f, uint32_t view, const ScenePipelines& pipelines,
                    std::span<const vk::BoundImage> images = {}) const;
@@ -44,6 +48,9 @@ class HardwareVisibility final : public Visibility {
   HardwareOptions options_;
   DeviceDraws solid_, blended_;
 };
+
+// What all draws behind the depth pass have: only surfaces at the very depth that it left are shaded.
+vk::GraphicsDesc behindDepth(const FrameSetup& setup);
 
 // The frame's, for a technique that draws the scene itself. Error(Usage) where visibility is another's.
 const HardwareVisibility& hardwareOf(const FrameContext& f, const char* technique);

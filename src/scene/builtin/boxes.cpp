@@ -66,7 +66,7 @@ Mesh unitCube() {
     }
     for (uint32_t i : {0, 1, 2, 0, 2, 3}) mesh.indices.push_back(first + i);
   }
-  computeBounds(mesh);
+  findBounds(mesh);
   return mesh;
 }
 

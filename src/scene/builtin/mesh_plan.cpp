@@ -260,7 +260,7 @@ Mesh buildMesh(const MeshPlan& plan) {
     for (size_t i = begin; i < end; ++i)
       if (rows[i].j < rows[i].place.patch->rows) build.indexRow(rows[i].place, rows[i].j, rows[i].index);
   });
-  computeBounds(mesh);
+  findBounds(mesh);
   return mesh;
 }
 

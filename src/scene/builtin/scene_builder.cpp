@@ -70,14 +70,4 @@ Material plainMaterial(const std::string& name, vec3 baseColor, float metallic, 
   return material;
 }
 
-void computeBounds(Mesh& mesh) {
-  Bounds bounds;
-  for (const vec3& p : mesh.positions) {
-    bounds.min = glm::min(bounds.min, p);
-    bounds.max = glm::max(bounds.max, p);
-  }
-  mesh.boundsMin = bounds.min;
-  mesh.boundsMax = bounds.max;
-}
-
 }  // namespace latelight::scene::builtin

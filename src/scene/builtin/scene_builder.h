@@ -31,6 +31,4 @@ class SceneBuilder {
 // A material with neutral glTF defaults and no textures.
 Material plainMaterial(const std::string& name, vec3 baseColor, float metallic, float roughness);
 
-void computeBounds(Mesh& mesh);
-
 }  // namespace latelight::scene::builtin

@@ -44,7 +44,7 @@ Mesh sphere() {
     }
   }
   // At the south pole the triangle a d c has a and b in one place, at the north pole a b d has c and d.
-  computeBounds(mesh);
+  findBounds(mesh);
   return mesh;
 }
 

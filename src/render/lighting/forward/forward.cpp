@@ -13,22 +13,6 @@ namespace {
 
 constexpr uint32_t kPlainLoop = kFirstOwnConstant + 1;  // forward.frag
 
-ScenePipelines pipelinesOf(const FrameContext& f, const Bindings& maps, ForwardLoop loop) {
-  vk::GraphicsDesc desc;
-  desc.fragment = f.setup.variant("forward.frag");
-  desc.bindings = maps.kinds();
-  desc.constants = f.setup.constants();
-  desc.constants.push_back({kPlainLoop, loop == ForwardLoop::Plain ? 1u : 0u});
-  desc.colors = {kLightFormat};
-  if (f.setup.countLights) desc.colors.push_back(kCountsFormat);
-  desc.depth = kDepthFormat;
-  desc.depthCompare = VK_COMPARE_OP_EQUAL;
-  desc.depthWrite = false;
-  desc.samples = f.setup.samples;
-  desc.name = "forward";
-  return scenePipelines(f.device, desc);
-}
-
 }  // namespace
 
 ForwardLoop forwardLoop(vk::Device& device) {
@@ -45,21 +29,13 @@ ForwardLoop forwardLoop(vk::Device& device) {
 void addForward(const FrameContext& f, const Gbuffer& gbuffer, ForwardLoop loop) {
   const HardwareVisibility& hardware = hardwareOf(f, "forward lighting");
   const Bindings maps = litMaps(f, gbuffer, graph::Use::SampledFragment);
-  const ScenePipelines pipelines = pipelinesOf(f, maps, loop);
+  vk::GraphicsDesc desc = behindDepth(f.setup);
+  desc.fragment = f.setup.variant("forward.frag");
+  desc.constants.push_back({kPlainLoop, loop == ForwardLoop::Plain ? 1u : 0u});
+  desc.name = "lighting forward";
   std::vector<graph::ImageId> colors{gbuffer.sampleLight};
   if (f.setup.countLights) colors.push_back(gbuffer.lightCounts);
-  std::vector<graph::Access> accesses = maps.accesses();
-  accesses.emplace_back(gbuffer.sampleDepth, graph::Use::DepthTest);
-  for (graph::ImageId color : colors) accesses.emplace_back(color, graph::Use::ColorAttachment);
-  f.graph.pass(graph::Stage::Lighting, "lighting forward", std::move(accesses),
-               [=, &f, &hardware, depth = gbuffer.sampleDepth](graph::Context& context) {
-                 const std::vector<vk::BoundImage> images = maps.images(context);
-                 for (uint32_t view = 0; view < f.viewCount(); ++view) {
-                   beginView(context, f, view, colors, {depth, false});
-                   hardware.recordSolid(context, f, view, pipelines, images);
-                   vkCmdEndRendering(context.get());
-                 }
-               });
+  hardware.addSolid(f, graph::Stage::Lighting, desc, maps, gbuffer.sampleDepth, colors);
   if (f.setup.samples > 1) addFinishSum(f, gbuffer.sampleLight, gbuffer.light);
 }
 

@@ -16,16 +16,6 @@ struct Targets {
   graph::ImageId sum, surfaces;
 };
 
-ScenePipelines pipelinesOf(const FrameContext& f, vk::GraphicsDesc desc) {
-  desc.depth = kDepthFormat;
-  desc.depthCompare = VK_COMPARE_OP_EQUAL;
-  desc.depthWrite = false;
-  desc.samples = f.setup.samples;
-  desc.constants = f.setup.constants();
-  if (f.setup.countLights) desc.colors.push_back(kCountsFormat);
-  return scenePipelines(f.device, desc);
-}
-
 bool reaches(const shared::Light& light, const Sphere& bounds) {
   const float distance = glm::length(light.position - bounds.centre);
   return light.type == shared::kLightDirectional || distance < light.reach + bounds.radius;
@@ -34,49 +24,30 @@ bool reaches(const shared::Light& light, const Sphere& bounds) {
 // What the scene shows without lights.
 void addBase(const FrameContext& f, const Gbuffer& gbuffer, Targets targets) {
   const HardwareVisibility& hardware = hardwareOf(f, "forward-multipass lighting");
-  const Bindings maps = litMaps(f, gbuffer, graph::Use::SampledFragment);
-  vk::GraphicsDesc desc;
+  vk::GraphicsDesc desc = behindDepth(f.setup);
   desc.fragment = f.setup.variant("forward_base.frag");
-  desc.bindings = maps.kinds();
-  desc.colors = {f.graph.desc(targets.sum).format, kSurfaceFormat};
   desc.name = "forward base";
-  const ScenePipelines pipelines = pipelinesOf(f, desc);
   std::vector<graph::ImageId> colors{targets.sum, targets.surfaces};
   if (f.setup.countLights) colors.push_back(gbuffer.lightCounts);
-  std::vector<graph::Access> accesses = maps.accesses();
-  accesses.emplace_back(gbuffer.sampleDepth, graph::Use::DepthTest);
-  for (graph::ImageId color : colors) accesses.emplace_back(color, graph::Use::ColorAttachment);
-  f.graph.pass(graph::Stage::Lighting, "forward base", std::move(accesses),
-               [=, &f, &hardware, depth = gbuffer.sampleDepth](graph::Context& context) {
-                 const std::vector<vk::BoundImage> images = maps.images(context);
-                 for (uint32_t view = 0; view < f.viewCount(); ++view) {
-                   beginView(context, f, view, colors, {depth, false});
-                   hardware.recordSolid(context, f, view, pipelines, images);
-                   vkCmdEndRendering(context.get());
-                 }
-               });
-}
-
-bool reachesAny(const FrameContext& f, const DeviceDraws& draws, const Draw& draw, const shared::Light& light) {
-  for (uint32_t i = draw.first; i < draw.first + draw.count; ++i)
-    if (reaches(light, f.scene.instances().bounds(draws.instance(i)))) return true;
-  return false;
+  hardware.addSolid(f, graph::Stage::Lighting, desc, litMaps(f, gbuffer, graph::Use::SampledFragment),
+                    gbuffer.sampleDepth, colors);
 }
 
 // Draws those of a draw's instances that a light reaches. Returns the number of draws.
 uint64_t recordReached(graph::Context& context, const FrameContext& f, const DeviceDraws& draws, const Draw& draw,
-                       const shared::Light& light) {
+                       const vk::Pipeline& pipeline, const shared::LightDraw& push) {
   uint64_t passes = 0;
   Draw run = draw;
   run.count = 0;
   const auto flush = [&] {
     if (run.count == 0) return;
+    if (passes == 0) pushMore(context, pipeline, push);
     recordDraw(context, f.scene, run);
     run.count = 0;
     ++passes;
   };
   for (uint32_t i = draw.first; i < draw.first + draw.count; ++i) {
-    if (!reaches(light, f.scene.instances().bounds(draws.instance(i)))) {
+    if (!reaches(push.light, f.scene.instances().bounds(draws.instance(i)))) {
       flush();
       continue;
     }
@@ -95,10 +66,8 @@ uint64_t recordLights(graph::Context& context, const FrameContext& f, const Devi
     if (f.scene.materials().record(draw.material).flags & shared::kMaterialUnlit) continue;
     const vk::Pipeline& pipeline = binder.bind(draw);
     for (uint32_t light = 0; light < f.lights.size(); ++light) {
-      if (!reachesAny(f, draws, draw, f.lights[light])) continue;
-      pushMore(context, pipeline,
-               shared::LightDraw{f.lights[light], f.shadows ? f.shadows->of(view, light) : shared::LightShadow{}});
-      passes += recordReached(context, f, draws, draw, f.lights[light]);
+      const shared::LightShadow shadow = f.shadows ? f.shadows->of(view, light) : shared::LightShadow{};
+      passes += recordReached(context, f, draws, draw, pipeline, {f.lights[light], shadow});
     }
   }
   return passes;
@@ -108,14 +77,15 @@ void addLights(const FrameContext& f, const Gbuffer& gbuffer, Targets targets) {
   const HardwareVisibility& hardware = hardwareOf(f, "forward-multipass lighting");
   Bindings bindings = litMaps(f, gbuffer, graph::Use::SampledFragment);
   bindings.sampled(targets.surfaces);
-  vk::GraphicsDesc desc;
+  vk::GraphicsDesc desc = behindDepth(f.setup);
   desc.fragment = f.setup.variant("forward_light.frag");
   desc.pushBytes = pushBytesWith<shared::LightDraw>();
   desc.bindings = bindings.kinds();
   desc.colors = {f.graph.desc(targets.sum).format};
   desc.blend = vk::Blend::Add;
   desc.name = "forward light";
-  const ScenePipelines pipelines = pipelinesOf(f, desc);
+  if (f.setup.countLights) desc.colors.push_back(kCountsFormat);
+  const ScenePipelines pipelines = scenePipelines(f.device, desc);
   std::vector<graph::ImageId> colors{targets.sum};
   if (f.setup.countLights) colors.push_back(gbuffer.lightCounts);
   std::vector<graph::Access> accesses = bindings.accesses();

@@ -2,7 +2,6 @@
 // can't light (seed 000; Hargreaves and Harris 2004, Deferred Shading). Point lights are spheres, spot lights cones,
 // directional lights one triangle over the picture. Depth is reversed here: the seed's LESS is GREATER.
 #include <cmath>
-#include <cstring>
 #include <memory>
 
 #include "render/frustum.h"
@@ -172,12 +171,7 @@ struct VolumeBuffers {
  private:
   template <typename T>
   static vk::Buffer uploaded(vk::Device& device, std::span<T> values, VkBufferUsageFlags usage) {
-    vk::Buffer buffer(device, {.size = values.size_bytes(),
-                               .usage = usage,
-                               .kind = vk::MemoryKind::Upload,
-                               .name = "light volumes"});
-    std::memcpy(buffer.mapped(), values.data(), values.size_bytes());
-    return buffer;
+    return vk::uploadedBuffer(device, "light volumes", std::as_bytes(values), usage);
   }
 };
 
@@ -186,6 +180,7 @@ class VolumesPass {
  public:
   VolumesPass(const FrameContext& f, const Gbuffer& gbuffer, VkFormat sumFormat)
       : f_(f),
+        sceneBounds_(f.scene.instances().allBounds()),
         depthClamp_(hasDepthClamp(f.device)),
         sumFormat_(sumFormat),
         buffers_(f),
@@ -252,8 +247,7 @@ class VolumesPass {
     if (multisampled()) desc.stencil = besideSeveral(step);
     const std::string& layout = f_.setup.layout->file;
     if (step.lights)
-      desc.fragment =
-          rate == kRateSample ? "volume_samples.frag@" + layout : f_.setup.variant("volume.frag@" + layout);
+      desc.fragment = rate == kRateSample ? "volume_samples.frag@" + layout : f_.setup.variant("volume.frag@" + layout);
     return f_.device.cache().pipeline(desc);
   }
 
@@ -310,6 +304,7 @@ class VolumesPass {
   }
 
   const FrameContext& f_;
+  scene::Bounds sceneBounds_;
   bool depthClamp_;
   VkFormat sumFormat_;
   VolumeBuffers buffers_;
@@ -320,8 +315,7 @@ class VolumesPass {
 
 uint64_t VolumesPass::record(graph::Context& context, uint32_t view) const {
   VkCommandBuffer commands = context.get();
-  VolumePush push{
-      .frame = f_.constants, .vertices = buffers_.vertices.address(), .view = view, .shape = kShapeScreen};
+  VolumePush push{.frame = f_.constants, .vertices = buffers_.vertices.address(), .view = view, .shape = kShapeScreen};
   context.commands().bind(copyDepth_.get(), depth_.images(context), push);
   recordScreen(context);
   markSeveral(context, push);
@@ -332,7 +326,7 @@ uint64_t VolumesPass::record(graph::Context& context, uint32_t view) const {
   context.commands().bind(screen, images, push);  // all steps' layouts are alike: set 0 stays bound
   vkCmdBindIndexBuffer(commands, buffers_.indices.get(), 0, VK_INDEX_TYPE_UINT32);
 
-  const VolumePlan plan(f_.views[view], f_.scene.instances().allBounds(), f_.setup.volumesOrder, depthClamp_);
+  const VolumePlan plan(f_.views[view], sceneBounds_, f_.setup.volumesOrder, depthClamp_);
   uint32_t reference = 0;  // of the last light that was marked; 0 is what stencil is cleared to
   uint64_t passes = 0;
   for (uint32_t light = 0; light < f_.lights.size(); ++light) {
@@ -381,8 +375,7 @@ void addVolumes(const FrameContext& f, const Gbuffer& gbuffer, graph::ImageId su
 void add(const FrameContext& f, const Gbuffer& gbuffer) {
   const graph::ImageId sum = createTarget(f, lightSumFormat(f.device), "sum of lights", f.setup.samples);
   addVolumes(f, gbuffer, sum);
-  ComputePass finish = lightingPass(f, gbuffer, "lighting volumes", "volumes.comp",
-                                    {.counts = f.setup.countLights});
+  ComputePass finish = lightingPass(f, gbuffer, "lighting volumes", "volumes.comp", {.counts = f.setup.countLights});
   finish.bindings.sampled(sum);
   addCompute(f, std::move(finish), shared::LightingPush{f.constants});
 }
