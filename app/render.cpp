@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <exception>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -167,28 +168,43 @@ void checkFiles(const RenderOptions& o, const RenderPlan& plan, const scene::Sce
   }
 }
 
+// On its way: its ticket, or, for --debug targets, what is done already.
+struct PendingFrame {
+  output::Metadata metadata;
+  std::optional<render::Ticket> picture;
+  output::RawGbuffer targets;
+};
+
 struct RenderedFrame {
   output::FrameOutput picture;
   output::RawGbuffer targets;  // instead, for --debug targets
   output::Metadata metadata;
 };
 
-RenderedFrame renderFrame(RenderRun& run, uint32_t frame) {
+PendingFrame startFrame(RenderRun& run, uint32_t frame) {
   const auto mark = Clock::now();
   const scene::Camera camera = run.timeline.cameraAt(frame);
   const render::Moment moment = run.timeline.momentAt(frame);
-  RenderedFrame rendered;
+  PendingFrame pending;
   if (!run.options.pixels.empty())
     run.picked = render::pick(run.renderer, run.scene, camera, run.options.settings, run.options.pixels, moment);
   if (run.plan.debug && run.plan.debug->targets)
-    rendered.targets = run.renderer.readTargets(camera, run.options.settings, moment);
+    pending.targets = run.renderer.readTargets(camera, run.options.settings, moment);
   else if (!run.options.out.empty())
-    rendered.picture = std::move(run.renderer.render(std::span(&camera, 1), run.options.settings, moment).front());
+    pending.picture = run.renderer.submit(std::span(&camera, 1), run.options.settings, moment);
   RenderOptions shown = run.options;
   shown.frame = frame;
   shown.settings.time = run.timeline.secondsAt(frame);
-  rendered.metadata = describeRender(run.scene, camera, run.device, run.environment, shown);
-  rendered.metadata.frameDigits = run.timeline.frameDigits();
+  pending.metadata = describeRender(run.scene, camera, run.device, run.environment, shown);
+  pending.metadata.frameDigits = run.timeline.frameDigits();
+  run.times.render += seconds(mark);
+  return pending;
+}
+
+RenderedFrame finishFrame(RenderRun& run, PendingFrame&& pending) {
+  const auto mark = Clock::now();
+  RenderedFrame rendered{.targets = std::move(pending.targets), .metadata = std::move(pending.metadata)};
+  if (pending.picture) rendered.picture = std::move(pending.picture->take().front());
   run.times.render += seconds(mark);
   return rendered;
 }
@@ -206,18 +222,28 @@ void writeFrame(RenderRun& run, const RenderedFrame& frame) {
   run.times.write += seconds(mark);
 }
 
-// Frames that can't be written don't keep the others from it.
+// Each frame is rendered while the one before it is written. Frames that can't be written don't keep the others from
+// it; what can't be rendered ends it, once all before it are written.
 void renderSequence(RenderRun& run) {
   uint32_t failed = 0;
   std::string first;
-  for (uint32_t frame = run.timeline.first(); frame <= run.timeline.last(); ++frame) {
-    const RenderedFrame rendered = renderFrame(run, frame);
+  std::optional<PendingFrame> next = startFrame(run, run.timeline.first());
+  std::exception_ptr ended;
+  for (uint32_t frame = run.timeline.first(); next; ++frame) {
+    PendingFrame current = *std::exchange(next, std::nullopt);
+    try {
+      if (frame < run.timeline.last()) next = startFrame(run, frame + 1);
+    } catch (...) {
+      ended = std::current_exception();
+    }
+    const RenderedFrame rendered = finishFrame(run, std::move(current));
     try {
       writeFrame(run, rendered);
     } catch (const Error& error) {
       if (failed++ == 0) first = fmt::format("frame {}: {}", frame, error.what());
     }
   }
+  if (ended) std::rethrow_exception(ended);
   if (failed > 0)
     fail(ExitCode::SomeFramesFailed, "{} of {} frames were not written; {}", failed,
          run.timeline.last() - run.timeline.first() + 1, first);
@@ -245,7 +271,7 @@ void renderAll(RenderRun& run) {
   if (run.timeline.isSequence())
     renderSequence(run);
   else
-    writeFrame(run, renderFrame(run, run.timeline.first()));
+    writeFrame(run, finishFrame(run, startFrame(run, run.timeline.first())));
   if (!o.graph.empty()) writeFile(o.graph, std::as_bytes(std::span(run.renderer.graphviz())));
   run.times.total += seconds(start);
 

@@ -254,7 +254,26 @@ struct Pick {
   std::array<float, 2> uv{};
 };
 
-// One scene on one device. Not thread-safe; use one a thread.
+// Pictures on their way: what Renderer::submit() returns.
+class LATELIGHT_API Ticket {
+ public:
+  ~Ticket();
+  Ticket(Ticket&&) noexcept;
+  Ticket& operator=(Ticket&&) noexcept;
+
+  bool done() const;  // take() would not wait for the device
+  // The pictures, in the order of their cameras; waits for them. Once: Error(Usage) after that. What went wrong on the
+  // way is thrown here.
+  std::vector<Frame> take();
+
+ private:
+  friend class Renderer;
+  Ticket();
+  struct Hidden;
+  std::unique_ptr<Hidden> hidden_;
+};
+
+// One scene on one device. Not thread-safe; use one a thread, and take its tickets there.
 class LATELIGHT_API Renderer {
  public:
   // `device`: "auto", "cpu", an index, a part of a name or a UUID. `environment`: a .hdr or .exr file, "studio",
@@ -267,13 +286,18 @@ class LATELIGHT_API Renderer {
   Frame render(const Camera& camera, const Options& options = {});
   // Several cameras at once, faster than one by one.
   std::vector<Frame> render(const std::vector<Camera>& cameras, const Options& options = {});
+  // The same, and returns while the device works on them: meanwhile the scene may be edited, pictures that were taken
+  // be written, and more be submitted. Up to three tickets keep a device busy; each holds its pictures' memory until
+  // it is taken or dropped.
+  Ticket submit(const std::vector<Camera>& cameras, const Options& options = {});
   // What pixels (x, y from the upper left) of such a picture show, in their order. Lights nothing.
   std::vector<Pick> pick(const Camera& camera, const std::vector<std::array<uint32_t, 2>>& pixels,
                          const Options& options = {});
 
  private:
+  friend class Ticket;
   struct Hidden;
-  std::unique_ptr<Hidden> hidden_;
+  std::shared_ptr<Hidden> hidden_;  // its tickets keep it too
 };
 
 }  // namespace latelight

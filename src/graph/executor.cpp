@@ -367,10 +367,11 @@ Submission Executor::submit(const Graph& graph, const Plan& plan) {
   return Submission(state);
 }
 
-void Executor::run(const Graph& graph, const Plan& plan) {
+const Submission& Executor::run(const Graph& graph, const Plan& plan) {
   last_ = Submission();
   last_ = submit(graph, plan);
   last_.wait();
+  return last_;
 }
 
 }  // namespace latelight::graph

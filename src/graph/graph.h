@@ -267,7 +267,7 @@ class Executor {
   Submission submit(const Graph& graph, const Plan& plan);
 
   // Submits and waits; the rest is of the last run.
-  void run(const Graph& graph, const Plan& plan);
+  const Submission& run(const Graph& graph, const Plan& plan);
   const std::vector<PassTime>& times() const { return last_.times(); }
   const vk::Image& image(ImageId id) const { return last_.image(id); }
   const vk::Buffer& buffer(BufferId id) const { return last_.buffer(id); }

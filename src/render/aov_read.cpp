@@ -187,7 +187,7 @@ DataReadback::DataReadback(graph::Graph& graph, const Layout& exact, const Gbuff
       if (!buffers_.contains(source.target)) buffers_[source.target] = addReadback(graph, image(source.target));
 }
 
-void DataReadback::read(const graph::Executor& done, const shared::View& view, size_t layer, const Settings& settings,
+void DataReadback::read(const graph::Submission& done, const shared::View& view, size_t layer, const Settings& settings,
                         bool yUp, output::FrameOutput& to) const {
   for (output::AovImage& image : to.aovs) {
     const size_t pixels = size_t{image.width} * image.height;

@@ -45,7 +45,7 @@ class DataReadback {
   DataReadback(graph::Graph& graph, const Layout& exact, const Gbuffer& gbuffer, graph::ImageId motion,
                std::span<const output::Aov> aovs);
   // Fills the AovImages of `to` except Color and the counts of lights. `yUp`: into glTF's frame.
-  void read(const graph::Executor& done, const shared::View& view, size_t layer, const Settings& settings, bool yUp,
+  void read(const graph::Submission& done, const shared::View& view, size_t layer, const Settings& settings, bool yUp,
             output::FrameOutput& to) const;
 
  private:

@@ -216,14 +216,39 @@ Frame Renderer::render(const Camera& camera, const Options& options) {
 }
 
 std::vector<Frame> Renderer::render(const std::vector<Camera>& cameras, const Options& options) {
+  return submit(cameras, options).take();
+}
+
+struct Ticket::Hidden {
+  std::shared_ptr<Renderer::Hidden> renderer;
+  render::Ticket ticket;
+};
+
+Ticket::Ticket() = default;
+Ticket::~Ticket() = default;
+Ticket::Ticket(Ticket&&) noexcept = default;
+Ticket& Ticket::operator=(Ticket&&) noexcept = default;
+
+bool Ticket::done() const {
+  return !hidden_ || hidden_->ticket.done();
+}
+
+std::vector<Frame> Ticket::take() {
+  if (!hidden_) badUsage("these pictures have been taken already");
+  const std::unique_ptr<Hidden> taken = std::move(hidden_);
+  std::vector<Frame> frames;
+  for (output::FrameOutput& frame : taken->ticket.take()) frames.push_back(publicFrame(std::move(frame)));
+  return frames;
+}
+
+Ticket Renderer::submit(const std::vector<Camera>& cameras, const Options& options) {
   if (cameras.empty()) badUsage("nothing can be rendered without a camera");
   const std::vector<scene::Camera> internal = internalCameras(cameras, hidden_->scene, cameras.size());
   const render::Settings settings = internalSettings(options);
   const render::Moment moment = internalMoment(options, settings, hidden_->scene, cameras.size());
-  std::vector<Frame> frames;
-  for (output::FrameOutput& frame : hidden_->renderer.render(internal, settings, moment))
-    frames.push_back(publicFrame(std::move(frame)));
-  return frames;
+  Ticket ticket;
+  ticket.hidden_.reset(new Ticket::Hidden{hidden_, hidden_->renderer.submit(internal, settings, moment)});
+  return ticket;
 }
 
 std::vector<Pick> Renderer::pick(const Camera& camera, const std::vector<std::array<uint32_t, 2>>& pixels,

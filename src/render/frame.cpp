@@ -16,16 +16,11 @@
 namespace latelight::render {
 
 std::vector<vk::Constant> FrameSetup::constants() const {
-  return {{0, normalEncoding},
-          {1, shading},
-          {2, countLights ? 1u : 0u},
-          {3, normalSpace},
-          {4, positionMethod},
-          {5, shadowFormat},
-          {6, shadowFilter},
-          {7, everySample ? 1u : 0u},
-          {8, textureSlots},
-          {9, sunInGbuffer ? 1u : 0u},
+  return {{0, normalEncoding},        {1, shading},
+          {2, countLights ? 1u : 0u}, {3, normalSpace},
+          {4, positionMethod},        {5, shadowFormat},
+          {6, shadowFilter},          {7, everySample ? 1u : 0u},
+          {8, textureSlots},          {9, sunInGbuffer ? 1u : 0u},
           {13, ambientOcclusion}};
 }
 
@@ -38,9 +33,10 @@ graph::ImageId createTarget(const FrameContext& f, VkFormat format, const std::s
                                       .name = name});
 }
 
-bool Overflow::happened(const graph::Executor& done) {
+bool overflowed(const std::vector<Overflow::Check>& checks, const graph::Submission& done) {
+  if (!checks.empty()) done.wait();
   bool any = false;
-  for (const auto& check : std::exchange(checks, {})) any = check(done) || any;
+  for (const Overflow::Check& check : checks) any = check(done) || any;
   return any;
 }
 

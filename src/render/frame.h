@@ -107,10 +107,12 @@ struct Overflow {
   uint64_t fragments = 0;    // room for blended fragments; 0: one a pixel
   uint32_t longestList = 0;  // of one pixel's fragments, a power of two
   // Of the graph that is being built. After it has run: true where something overflowed, after making room for it.
-  std::vector<std::function<bool(const graph::Executor& done)>> checks;
-
-  bool happened(const graph::Executor& done);  // runs the checks, and forgets them
+  using Check = std::function<bool(const graph::Submission& done)>;
+  std::vector<Check> checks;
 };
+
+// Whether any of a graph's checks says so; waits for it.
+bool overflowed(const std::vector<Overflow::Check>& checks, const graph::Submission& done);
 
 // What leaves a frame.
 struct LitFrame {

@@ -22,6 +22,7 @@ GpuScene::GpuScene(vk::Device& device, const scene::Scene& scene, vk::Uploader&&
       instances_(device, scene, uploader),
       materials_(device, scene, uploader),
       lights_(device),
+      uploads_(device, vk::UploadMode::Deferred),
       seen_(revisionsOf(scene)) {
   lights_.set(uploader, scene.lights);
   uploader.flush();
@@ -33,52 +34,63 @@ GpuScene::Seen GpuScene::revisionsOf(const scene::Scene& scene) {
 }
 
 void GpuScene::update(const Poses& poses, const std::optional<scene::Light>& sun) {
-  vk::Uploader uploader(device_);
   const Seen now = revisionsOf(scene_);
   const bool poseChanges = posed_ || !poses.current.empty();
   const bool lightsMove = poseChanges && std::any_of(scene_.lights.begin(), scene_.lights.end(),
                                                      [](const scene::Light& light) { return light.node >= 0; });
-  follow(uploader);
-  if (poseChanges) pose(uploader, poses);
+  follow();
+  if (poseChanges) pose(poses);
   if (lightsMove || now.lights != seen_.lights || sun != sun_) {
     sun_ = sun;
     std::vector<scene::Light> lights = scene::posedLights(scene_, poses.current);
     if (sun) lights.push_back(*sun);
-    lights_.set(uploader, std::move(lights));
+    lights_.set(uploads_, std::move(lights));
   }
   seen_ = now;
-  uploader.flush();
 }
 
-void GpuScene::follow(vk::Uploader& uploader) {
+void GpuScene::addChanges(graph::Graph& graph) const {
+  if (!uploads_.empty())
+    graph.prologue(graph::Stage::Upload, "upload", [this](graph::Context& context) { uploads_.record(context.get()); });
+  if (deformationWaits_) deformer_->addTo(graph);
+}
+
+void GpuScene::changesSubmitted() {
+  uploads_.forget();
+  deformationWaits_ = false;
+}
+
+void GpuScene::follow() {
   const scene::SceneEdits& edits = scene_.edits;
   if (const auto meshes = edits.meshes.since(seen_.meshes); !meshes.empty()) {
-    geometry_.update(uploader, meshes);
+    geometry_.update(uploads_, meshes);
     deformer_.reset();
+    deformationWaits_ = false;
     bounds_.reset();
     // The bounds of their instances follow.
     std::vector<uint32_t> moved;
     for (uint32_t i = 0; i < scene_.instances.size(); ++i)
       if (std::ranges::binary_search(meshes, scene_.instances[i].mesh)) moved.push_back(i);
-    instances_.update(uploader, moved);
+    instances_.update(uploads_, moved);
   }
   if (const auto materials = edits.materials.since(seen_.materials); !materials.empty())
-    materials_.update(uploader, materials);
+    materials_.update(uploads_, materials);
   if (const auto instances = edits.instances.since(seen_.instances); !instances.empty()) {
-    instances_.update(uploader, instances);
+    instances_.update(uploads_, instances);
     bounds_.reset();
   }
 }
 
-void GpuScene::pose(vk::Uploader& uploader, const Poses& poses) {
+void GpuScene::pose(const Poses& poses) {
   posed_ = !poses.current.empty();
   bounds_.reset();
   if (deforms(scene_)) {
-    if (!deformer_) deformer_ = std::make_unique<Deformer>(device_, scene_);
-    if (posed_) deformer_->run(poses);
-    geometry_.pose(uploader, posed_ ? deformer_.get() : nullptr);
+    if (!deformer_) deformer_ = std::make_unique<Deformer>(device_, scene_, uploads_);
+    if (posed_) deformer_->pose(poses);
+    deformationWaits_ = posed_;
+    geometry_.pose(uploads_, posed_ ? deformer_.get() : nullptr);
   }
-  instances_.pose(uploader, poses, deformer_.get());
+  instances_.pose(uploads_, poses, deformer_.get());
 }
 
 void GpuScene::setLights(std::vector<scene::Light> lights) {

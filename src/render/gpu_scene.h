@@ -24,10 +24,15 @@ class GpuScene {
   const GpuLights& lights() const { return lights_; }
 
   // Follows what was edited since, and moves instances, deformed meshes and the scene's lights to where these poses
-  // have them. `sun`: beside the scene's lights. Uploads what changed, which for a static scene is nothing.
+  // have them. `sun`: beside the scene's lights. What the device has to do for it, which for a static scene is nothing,
+  // waits for the next graph.
   void update(const Poses& poses, const std::optional<scene::Light>& sun = {});
+  // Adds what waits to a graph, before all else: uploads, then deformation. It waits until changesSubmitted().
+  void addChanges(graph::Graph& graph) const;
+  void changesSubmitted();
   void setAnisotropy(uint32_t samples) { materials_.setAnisotropy(samples); }
-  void setLights(std::vector<scene::Light> lights);  // others than the scene's, until it is edited or posed
+  // Others than the scene's, until it is edited or posed; at once.
+  void setLights(std::vector<scene::Light> lights);
 
   scene::Bounds bounds() const;  // of all instances as they are
 
@@ -40,8 +45,8 @@ class GpuScene {
     uint64_t meshes, materials, instances, lights;
   };
   static Seen revisionsOf(const scene::Scene& scene);
-  void follow(vk::Uploader& uploader);
-  void pose(vk::Uploader& uploader, const Poses& poses);
+  void follow();
+  void pose(const Poses& poses);
 
   vk::Device& device_;
   const scene::Scene& scene_;
@@ -50,6 +55,8 @@ class GpuScene {
   GpuMaterials materials_;
   GpuLights lights_;
   std::unique_ptr<Deformer> deformer_;  // once poses are set, if a mesh needs it
+  vk::Uploader uploads_;                // that wait
+  bool deformationWaits_ = false;
   Seen seen_;
   bool posed_ = false;  // else the scene is at rest
   std::optional<scene::Light> sun_;

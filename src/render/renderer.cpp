@@ -2,73 +2,25 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 
 #include "base/error.h"
-#include "base/log.h"
-#include "base/memory.h"
 #include "render/gbuffer/raw_read.h"
+#include "render/job.h"
 #include "render/lighting/technique.h"
 #include "render/request.h"
 #include "render/view.h"
 
 namespace latelight::render {
 
-// Cameras that are rendered at once, and where they were and will be.
-struct Renderer::Views {
-  std::span<const scene::Camera> now, previous, next;
-
-  Views(std::span<const scene::Camera> cameras, const Moment& moment)
-      : now(cameras),
-        previous(moment.previousCameras.empty() ? cameras : moment.previousCameras),
-        next(moment.nextCameras.empty() ? cameras : moment.nextCameras) {}
-  Views part(size_t first, size_t count) const {
-    Views some = *this;
-    for (std::span<const scene::Camera>* cameras : {&some.now, &some.previous, &some.next})
-      *cameras = cameras->subspan(first, count);
-    return some;
-  }
-};
-
-// Some views of a call of render(): its settings and what it builds, a strip of their pictures at a time.
-struct Renderer::Job {
-  const Views& cameras;
-  const Settings& settings;
-  Strip strip{0, settings.height};
-  std::vector<output::FrameOutput> pictures;  // of the strip
-  std::optional<FrameShadows> shadows;        // none where no light casts any
-  MemoryClaim memory;                         // of the pictures
-  size_t strips = 1;                          // that are rendered one after the other
-  std::optional<Progress> progress;           // over all of them, and the frames that each takes
-  bool continues = false;  // the history of temporal anti-aliasing is that of these views, a frame before
-
-  ViewsInTime views(glm::vec2 jitter) const {
-    ViewsInTime all;
-    for (const scene::Camera& camera : cameras.now) all.now.push_back(viewOf(camera, jitter));
-    for (const scene::Camera& camera : cameras.previous) all.previous.push_back(viewOf(camera));
-    for (const scene::Camera& camera : cameras.next) all.next.push_back(viewOf(camera));
-    return all;
-  }
-
- private:
-  shared::View viewOf(const scene::Camera& camera, glm::vec2 jitter = glm::vec2(0)) const {
-    return render::viewOf(makeView(camera, settings.width, settings.height, jitter), strip);
-  }
-};
-
 namespace {
 
-// More views are rendered in turn, so that many cameras take no more memory than a few: targets of a GiB, data
-// outputs, the sum of super-sampled frames, shadow maps and what post-processing needs included.
-size_t viewsAtOnce(const Settings& settings, bool shadows) {
-  constexpr uint64_t kBudget = uint64_t{1} << 30;
-  constexpr uint64_t kLayers = 256;  // the least maxImageArrayLayers of Vulkan
-  const auto bytesOf = [](const Layout& layout) { return uint64_t{layout.bytesPerPixel(0).total()}; };
-  const uint64_t pixel = bytesOf(findLayout("exact")) + settings.aa.samples * (bytesOf(*settings.layout) + 32) +
-                         (settings.aa.temporal ? 112 : 48);
-  uint64_t bytes = pixel * settings.width * settings.height;
-  if (shadows) bytes += 4 * shadowTexels(settings);
-  return std::clamp<uint64_t>(kBudget / bytes, 1, kLayers);
+constexpr size_t kMostViews = 256;  // at once: the least maxImageArrayLayers of Vulkan
+constexpr size_t kPartsAhead = 2;   // of a job that are on their way when the next begins: they hold their results
+
+// What the device may take for views that are rendered at once. A CPU's caches gain nothing from more.
+uint64_t memoryForViews(const vk::Device& device) {
+  constexpr uint64_t kGiB = uint64_t{1} << 30;
+  return device.isCpu() ? kGiB : std::clamp<uint64_t>(device.info().memory / 8, kGiB, 16 * kGiB);
 }
 
 // Of what leaves.
@@ -76,13 +28,6 @@ uint64_t bytesAPixel(const Settings& settings) {
   uint64_t bytes = settings.display ? 4 : 0;
   for (output::Aov aov : settings.aovs) bytes += 4 * output::info(aov).channels;
   return bytes;
-}
-
-// Outputs that nothing is in yet, of so many rows.
-output::FrameOutput emptyOutput(const Settings& settings, uint32_t rows) {
-  output::FrameOutput empty{.width = settings.width, .height = rows, .aovs = {}, .display = {}};
-  for (output::Aov aov : settings.aovs) empty.aovs.push_back({aov, settings.width, rows, {}, {}});
-  return empty;
 }
 
 scene::Light lightOf(const SunLight& sun) {
@@ -103,7 +48,8 @@ Renderer::Renderer(vk::Device& device, const scene::Scene& scene, const scene::E
       gpuScene_(device, scene),
       environment_(device, environment),
       hasEnvironment_(environment != nullptr),
-      executor_(device) {}
+      executor_(device),
+      state_{device_, executor_, gpuScene_, environment_, hasEnvironment_, drawOrder_, overflow_} {}
 
 Renderer::~Renderer() = default;
 
@@ -112,85 +58,85 @@ void Renderer::begin(const Settings& settings, const Moment& moment) {
   if (settings.background.kind == Background::Environment && !hasEnvironment_)
     badUsage(
         "the environment can't be the background where there is none: choose one (a .hdr or .exr file, or studio)");
+  settle();
   gpuScene_.setAnisotropy(settings.anisotropy.value_or(usualAnisotropy(device_)));
   gpuScene_.update(moment.poses, settings.sun ? std::optional(lightOf(*settings.sun)) : std::nullopt);
   drawOrder_.update(gpuScene_);
-  times_.clear();
-  shadingCounts_.reset();
-  graphviz_.clear();
 }
 
 bool Renderer::castsShadows(const Settings& settings) const {
   return settings.shadows != ShadowFormat::None && gpuScene_.lights().count() > 0 && isLit(settings);
 }
 
-RenderState Renderer::state() {
-  return {device_, gpuScene_, environment_, hasEnvironment_, drawOrder_, overflow_};
-}
-
 // For the whole pictures, whatever their jitter: samples and strips of one share their maps' places.
-void Renderer::planShadows(Job& job) {
-  if (!castsShadows(job.settings)) return;
+std::shared_ptr<FrameShadows> Renderer::planShadows(std::span<const scene::Camera> cameras, const Settings& settings) {
+  if (!castsShadows(settings)) return nullptr;
   std::vector<shared::View> views;
-  for (const scene::Camera& camera : job.cameras.now)
-    views.push_back(makeView(camera, job.settings.width, job.settings.height));
-  job.shadows.emplace(device_, gpuScene_, views, job.settings);
-  if (job.shadows->empty()) job.shadows.reset();
+  for (const scene::Camera& camera : cameras) views.push_back(makeView(camera, settings.width, settings.height));
+  auto shadows = std::make_shared<FrameShadows>(device_, gpuScene_, views, settings);
+  return shadows->empty() ? nullptr : shadows;
 }
 
-std::vector<output::FrameOutput> Renderer::render(std::span<const scene::Camera> cameras, const Settings& settings,
-                                                  const Moment& moment) {
-  begin(settings, moment);
-  const Views views(cameras, moment);
-  std::vector<output::FrameOutput> pictures;
-  const size_t atOnce = viewsAtOnce(settings, castsShadows(settings));
-  for (size_t first = 0; first < cameras.size(); first += atOnce) {
-    std::vector<output::FrameOutput> some = renderViews(views.part(first, std::min(atOnce, cameras.size() - first)),
-                                                        settings, moment.continues && atOnce >= cameras.size());
-    std::move(some.begin(), some.end(), std::back_inserter(pictures));
-  }
-  return pictures;
-}
-
-std::vector<output::FrameOutput> Renderer::renderViews(const Views& views, const Settings& settings, bool continues) {
-  Job job{.cameras = views, .settings = settings};
-  job.continues = continues && history_.fits(settings.width, settings.height, views.now.size());
-  const std::vector<Strip> strips = stripsOf(settings);
-  uint64_t rows = settings.height;
-  if (strips.size() > 1) rows += strips.front().rows;  // of the strip in work
-  job.memory.grow(bytesAPixel(settings) * settings.width * rows * views.now.size(), "the pictures");
-  planShadows(job);
-  job.strips = strips.size();
-  if (strips.size() == 1) {
-    renderStrip(job, strips.front());
-    return std::move(job.pictures);
-  }
-  std::vector<output::FrameOutput> whole(views.now.size(), emptyOutput(settings, settings.height));
-  for (const Strip strip : strips) {
-    renderStrip(job, strip);
-    for (size_t view = 0; view < whole.size(); ++view) append(whole[view], job.pictures[view]);
-  }
-  return whole;
+Ticket Renderer::submit(std::span<const scene::Camera> cameras, const Settings& settings, const Moment& moment) {
+  return {*this, start(cameras, settings, moment, stripsOf(settings))};
 }
 
 output::FrameOutput Renderer::renderStrip(const scene::Camera& camera, const Settings& settings, Strip strip,
                                           const Moment& moment) {
+  return std::move(Ticket(*this, start({&camera, 1}, settings, moment, {&strip, 1})).take().front());
+}
+
+std::shared_ptr<RenderJob> Renderer::start(std::span<const scene::Camera> cameras, const Settings& settings,
+                                           const Moment& moment, std::span<const Strip> strips) {
   begin(settings, moment);
-  const Views views({&camera, 1}, moment);
-  Job job{.cameras = views, .settings = settings};
-  job.memory.grow(bytesAPixel(settings) * settings.width * strip.rows, "the pictures");
-  planShadows(job);
-  renderStrip(job, strip);
-  return std::move(job.pictures.front());
+  const uint32_t rows = strips.size() > 1 ? settings.height : strips.front().rows;
+  const auto job = std::make_shared<RenderJob>(cameras, settings, moment, rows);
+  uint64_t claimed = rows;
+  if (strips.size() > 1) claimed += strips.front().rows;  // of the strip in work
+  job->memory.grow(bytesAPixel(settings) * settings.width * claimed * cameras.size(), "the pictures");
+  size_t atOnce = std::min(cameras.size(), kMostViews);
+  if (castsShadows(settings))
+    atOnce = std::clamp<uint64_t>(memoryForViews(device_) / (4 * shadowTexels(settings)), 1, atOnce);
+  for (size_t first = 0; first < cameras.size();) {
+    const size_t count = std::min(atOnce, cameras.size() - first);
+    const size_t fits = startViews(job, first, count, strips);
+    if (fits < count)
+      atOnce = fits;
+    else
+      first += count;
+  }
+  return job;
+}
+
+size_t Renderer::startViews(const std::shared_ptr<RenderJob>& job, size_t first, size_t count,
+                            std::span<const Strip> strips) {
+  const Settings& s = job->settings;
+  const std::shared_ptr<FrameShadows> shadows = planShadows(std::span(job->now).subspan(first, count), s);
+  for (const Strip strip : strips) {
+    while (job->parts.size() >= kPartsAhead) read(*job);
+    settle();
+    RenderPart& part = job->parts.emplace_back(*job, first, count, strip, shadows);
+    part.continues = job->continues && count == job->viewCount() && history_.fits(s.width, s.height, count);
+    if (!job->progress) job->progress.emplace("Rendering", jittersOf(part).size() * strips.size() * job->viewCount());
+    uint64_t bytes = count > 1 && strip.first == strips.front().first ? memoryForViews(device_) : 0;
+    Start started = Start::Overflowed;
+    while (started == Start::Overflowed) started = startPart(part, bytes);
+    if (started == Start::TooManyViews) {
+      job->parts.pop_back();
+      return std::clamp<uint64_t>(count * memoryForViews(device_) / bytes, 1, count - 1);
+    }
+    if (!part.checks.empty()) unsettled_ = {job, &part};
+  }
+  return count;
 }
 
 // The samples of a picture, a frame each, as offsets from the pixel's centre.
-std::vector<glm::vec2> Renderer::jittersOf(const Job& job) const {
-  const Settings& s = job.settings;
+std::vector<glm::vec2> Renderer::jittersOf(const RenderPart& part) const {
+  const Settings& s = part.job.settings;
   if (!s.display && !output::contains(s.aovs, output::Aov::Color)) return {glm::vec2(0)};
   if (s.aa.temporal) {
     const std::vector<glm::vec2>& all = temporalJitters();
-    if (!job.continues) return all;
+    if (!part.continues) return all;
     return {all[history_.frames() % all.size()]};
   }
   const uint32_t side = s.aa.superSampling;
@@ -202,68 +148,104 @@ std::vector<glm::vec2> Renderer::jittersOf(const Job& job) const {
   return jitters;
 }
 
-// Fills the job's pictures with that strip of them. What overflows is done again from the first frame on: the sum has
-// one that lacks something.
-void Renderer::renderStrip(Job& job, Strip strip) {
-  job.strip = strip;
-  job.pictures.assign(job.cameras.now.size(), emptyOutput(job.settings, strip.rows));
-  while (!tryStrip(job)) {
-  }
-}
-
-bool Renderer::tryStrip(Job& job) {
-  const Settings& s = job.settings;
-  const std::vector<glm::vec2> jitters = jittersOf(job);
-  const size_t n = jitters.size();
-  if (!job.progress) job.progress.emplace("Rendering", n * job.strips);
-  const RenderState state = this->state();
-  const ViewsInTime steady = job.views(glm::vec2(0));
-  FrameShadows* shadows = job.shadows ? &*job.shadows : nullptr;
+// What overflows is done again from the first sample on: the sum has one that lacks something. `room`: bytes that the
+// first graph may take, or 0; becomes what it would take where that is more.
+Renderer::Start Renderer::startPart(RenderPart& part, uint64_t& room) {
+  const Settings& s = part.job.settings;
+  const std::vector<glm::vec2> jitters = jittersOf(part);
+  const ViewsInTime steady = part.views(glm::vec2(0));
+  part.earlier.clear();
   vk::Image sum;
-  if (n > 1) sum = makeSum(job);
-  for (size_t i = 0; i + 1 < n; ++i) {
-    Request request(state, s, steady, job.views(jitters[i]), shadows);
-    request.accumulate(sum, i == 0);
-    if (overflow_.happened(run(request.graph()))) return false;
-    job.progress->step();
+  if (jitters.size() > 1) sum = makeSum(part);
+  for (size_t i = 0; i < jitters.size(); ++i) {
+    Request& request = part.request.emplace(state_, s, steady, part.views(jitters[i]), part.shadows.get());
+    const bool last = i + 1 == jitters.size();
+    TemporalHistory* history = s.aa.temporal ? &history_ : nullptr;
+    if (last)
+      request.finish(i > 0 ? &sum : nullptr, static_cast<uint32_t>(jitters.size()), history, i == 0);
+    else
+      request.accumulate(sum, i == 0);
+    part.checks = std::exchange(overflow_.checks, {});
+    if (i == 0 && room > 0) {
+      const uint64_t needed = transientBytes(device_, request.graph(), request.graph().compile()).peak;
+      if (needed > room) {
+        room = needed;
+        if (last && history) history->undo();
+        return Start::TooManyViews;
+      }
+    }
+    part.submission = submit(request.graph());
+    if (last) break;
+    if (overflowed(std::exchange(part.checks, {}), part.submission)) return Start::Overflowed;
+    part.earlier.push_back(std::move(part.submission));
+    part.job.progress->step(part.count);
   }
-  Request request(state, s, steady, job.views(jitters.back()), shadows);
-  TemporalHistory* history = s.aa.temporal ? &history_ : nullptr;
-  const bool continues = n == 1;
-  request.finish(n > 1 ? &sum : nullptr, static_cast<uint32_t>(n), history, continues);
-  graphviz_ = request.graph().graphviz();
-  const graph::Executor& done = run(request.graph());
-  if (overflow_.happened(done)) {
-    if (history) history_.undo();
-    return false;
-  }
-  job.progress->step();
-  request.read(done, scene_.yUp && s.axes == Axes::File, job.pictures);
-  request.countShadings(done, shadingCounts_);
-  return true;
+  return Start::Done;
 }
 
-vk::Image Renderer::makeSum(const Job& job) {
+graph::Submission Renderer::submit(graph::Graph& graph) {
+  gpuScene_.addChanges(graph);
+  graph::Submission submission = executor_.submit(graph, graph.compile());
+  gpuScene_.changesSubmitted();
+  return submission;
+}
+
+void Renderer::settle() {
+  if (!unsettled_) return;
+  const std::shared_ptr<RenderPart> part = std::exchange(unsettled_, nullptr);
+  try {
+    while (overflowed(std::exchange(part->checks, {}), part->submission)) {
+      if (part->job.settings.aa.temporal) history_.undo();
+      uint64_t anyRoom = 0;
+      while (startPart(*part, anyRoom) == Start::Overflowed) {
+      }
+    }
+  } catch (...) {
+    part->job.error = std::current_exception();
+  }
+}
+
+void Renderer::read(RenderJob& job) {
+  RenderPart& part = job.parts.front();
+  if (unsettled_.get() == &part) settle();
+  if (job.error) std::rethrow_exception(job.error);
+  part.submission.wait();
+  std::vector<output::FrameOutput> pictures(part.count, emptyOutput(job.settings, part.strip.rows));
+  part.request->read(part.submission, scene_.yUp && job.settings.axes == Axes::File, pictures);
+  part.request->countShadings(part.submission, job.shadingCounts);
+  for (const graph::Submission& earlier : part.earlier) job.addTimes(earlier);
+  job.addTimes(part.submission);
+  job.graphviz = part.request->graph().graphviz();
+  job.keep(part, std::move(pictures));
+  job.progress->step(part.count);
+  job.parts.pop_front();
+}
+
+std::vector<output::FrameOutput> Renderer::finish(RenderJob& job) {
+  while (!job.parts.empty()) read(job);
+  job.progress.reset();
+  times_ = std::move(job.times);
+  shadingCounts_ = job.shadingCounts;
+  graphviz_ = std::move(job.graphviz);
+  return std::move(job.pictures);
+}
+
+bool Ticket::done() const {
+  return std::ranges::all_of(job_->parts, [](const RenderPart& part) { return part.submission.done(); });
+}
+
+std::vector<output::FrameOutput> Ticket::take() {
+  return renderer_->finish(*std::exchange(job_, nullptr));
+}
+
+vk::Image Renderer::makeSum(const RenderPart& part) {
   return {device_,
           {.format = VK_FORMAT_R32G32B32A32_SFLOAT,
-           .width = job.settings.width,
-           .height = job.strip.rows,
-           .layers = static_cast<uint32_t>(job.cameras.now.size()),
+           .width = part.job.settings.width,
+           .height = part.strip.rows,
+           .layers = static_cast<uint32_t>(part.count),
            .usage = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
            .name = "sum"}};
-}
-
-graph::Executor& Renderer::run(const graph::Graph& graph) {
-  executor_.run(graph, graph.compile());
-  for (const graph::PassTime& time : executor_.times()) {
-    auto known =
-        std::find_if(times_.begin(), times_.end(), [&](const graph::PassTime& t) { return t.name == time.name; });
-    if (known == times_.end())
-      times_.push_back(time);
-    else
-      known->milliseconds += time.milliseconds;
-  }
-  return executor_;
 }
 
 output::RawGbuffer Renderer::readTargets(const scene::Camera& camera, const Settings& settings, const Moment& moment) {
@@ -273,17 +255,22 @@ output::RawGbuffer Renderer::readTargets(const scene::Camera& camera, const Sett
              settings.lighting->name);
   Settings atCentres = settings;
   atCentres.aa.samples = 1;
-  const Views views({&camera, 1}, moment);
-  Job job{.cameras = views, .settings = atCentres};
+  RenderJob job({&camera, 1}, atCentres, moment, settings.height);
   const Layout& layout = *settings.layout;
-  if (layout.sunTarget >= 0) planShadows(job);  // else nothing in the targets is lit
-  ViewSet set(state(), job.views(glm::vec2(0)), atCentres, job.shadows ? &*job.shadows : nullptr,
-              HardwareOptions{.atCentres = true});
-  graph::Graph graph;
-  const LitFrame lit = addOpaque(set.frame(graph, frameSetup(atCentres, job.shadows.has_value())));
+  std::shared_ptr<FrameShadows> shadows;
+  if (layout.sunTarget >= 0) shadows = planShadows(job.now, atCentres);  // else nothing in the targets is lit
+  const RenderPart part(job, 0, 1, {0, settings.height}, shadows);
+  ViewSet set(state_, part.views(glm::vec2(0)), atCentres, shadows.get(), HardwareOptions{.atCentres = true});
+  graph::Graph graph(executor_);
+  const LitFrame lit = addOpaque(set.frame(graph, frameSetup(atCentres, shadows != nullptr)));
   const RawReadback readback(graph, layout, settings.normals->index, lit.gbuffer);
+  const graph::Submission done = submit(graph);
+  done.wait();
+  job.addTimes(done);
+  times_ = job.times;
+  shadingCounts_.reset();
   graphviz_ = graph.graphviz();
-  return readback.read(run(graph), set.views().front());
+  return readback.read(done, set.views().front());
 }
 
 }  // namespace latelight::render

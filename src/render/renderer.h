@@ -13,23 +13,18 @@
 #include "render/aov_read.h"
 #include "render/gpu_environment.h"
 #include "render/gpu_scene.h"
+#include "render/moment.h"
 #include "render/post/taa/taa.h"
 #include "render/settings.h"
 #include "render/strips.h"
+#include "render/ticket.h"
 #include "render/view_set.h"
 #include "scene/scene.h"
 #include "vk/device.h"
 
 namespace latelight::render {
 
-// Where everything is when a picture is made, and where it was and will be a frame before and after. As it is at first:
-// the scene at rest, and cameras that stand.
-struct Moment {
-  Poses poses;
-  std::vector<scene::Camera> previousCameras, nextCameras;  // as many as there are cameras, or none
-  // It follows the one that was rendered last, by a frame: temporal anti-aliasing goes on from there.
-  bool continues = false;
-};
+struct RenderPart;
 
 class Renderer {
  public:
@@ -37,9 +32,15 @@ class Renderer {
   Renderer(vk::Device& device, const scene::Scene& scene, const scene::Environment* environment);
   ~Renderer();
 
-  // One picture a camera, several at once. Throws Error(Usage) for settings that can't be.
+  // Begins one picture a camera, several at once, and returns while the device works on them: meanwhile the scene may
+  // be edited, and more be submitted. Throws Error(Usage) for settings that can't be.
+  Ticket submit(std::span<const scene::Camera> cameras, const Settings& settings, const Moment& moment = {});
+
+  // The same, and waits.
   std::vector<output::FrameOutput> render(std::span<const scene::Camera> cameras, const Settings& settings,
-                                          const Moment& moment = {});
+                                          const Moment& moment = {}) {
+    return submit(cameras, settings, moment).take();
+  }
 
   // One of stripsOf(settings) alone: as many rows, the same as in the whole picture.
   output::FrameOutput renderStrip(const scene::Camera& camera, const Settings& settings, Strip strip,
@@ -48,27 +49,33 @@ class Renderer {
   // The targets of the picture's own G-buffer, at the pixel centres. Throws Error(Usage) where it has none.
   output::RawGbuffer readTargets(const scene::Camera& camera, const Settings& settings, const Moment& moment = {});
 
-  // GPU milliseconds a pass of the last render(), summed over its frames, in the order of the passes. Empty where the
+  // GPU milliseconds a pass of what was taken last, summed over its frames, in the order of the passes. Empty where the
   // device has no timestamps.
   const std::vector<graph::PassTime>& times() const { return times_; }
-  // Of the last render(), all its pictures: with several samples a pixel, a deferred technique, and countSurfaces.
+  // Of the same, all its pictures: with several samples a pixel, a deferred technique, and countSurfaces.
   const std::optional<ShadingCounts>& shadingCounts() const { return shadingCounts_; }
-  // Graphviz of the picture's last frame; of the data's where only data were asked for.
+  // Graphviz of its last graph.
   const std::string& graphviz() const { return graphviz_; }
 
  private:
-  struct Job;
-  struct Views;
+  friend class Ticket;
   void begin(const Settings& settings, const Moment& moment);
-  std::vector<output::FrameOutput> renderViews(const Views& views, const Settings& settings, bool continues);
-  void renderStrip(Job& job, Strip strip);
-  std::vector<glm::vec2> jittersOf(const Job& job) const;
-  bool tryStrip(Job& job);  // false: something overflowed, and has room now
+  std::shared_ptr<RenderJob> start(std::span<const scene::Camera> cameras, const Settings& settings,
+                                   const Moment& moment, std::span<const Strip> strips);
+  // Some views of a job, a strip after the other. Gives how many there is room for at once: where that is fewer,
+  // nothing of them is on its way.
+  size_t startViews(const std::shared_ptr<RenderJob>& job, size_t first, size_t count, std::span<const Strip> strips);
+  enum class Start { Done, Overflowed, TooManyViews };
+  Start startPart(RenderPart& part, uint64_t& bytes);
+  graph::Submission submit(graph::Graph& graph);
+  void settle();
+  void read(RenderJob& job);  // its oldest part
+  std::vector<output::FrameOutput> finish(RenderJob& job);
+
+  std::vector<glm::vec2> jittersOf(const RenderPart& part) const;
   bool castsShadows(const Settings& settings) const;
-  void planShadows(Job& job);
-  vk::Image makeSum(const Job& job);
-  RenderState state();
-  graph::Executor& run(const graph::Graph& graph);
+  std::shared_ptr<FrameShadows> planShadows(std::span<const scene::Camera> cameras, const Settings& settings);
+  vk::Image makeSum(const RenderPart& part);
 
   vk::Device& device_;
   const scene::Scene& scene_;
@@ -78,10 +85,14 @@ class Renderer {
   DrawOrder drawOrder_;
   graph::Executor executor_;
   Overflow overflow_;
+  RenderState state_;
+  TemporalHistory history_;
+  // The last part on its way, where something may have overflowed in it: that is found out, and done again, before
+  // anything changes what it sees.
+  std::shared_ptr<RenderPart> unsettled_;
   std::vector<graph::PassTime> times_;
   std::optional<ShadingCounts> shadingCounts_;
   std::string graphviz_;
-  TemporalHistory history_;
 };
 
 }  // namespace latelight::render

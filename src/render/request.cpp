@@ -41,7 +41,12 @@ bool isLit(const Settings& s) {
 
 Request::Request(const RenderState& state, const Settings& settings, const ViewsInTime& steady,
                  const ViewsInTime& jittered, FrameShadows* shadows)
-    : state_(state), settings_(settings), steadyViews_(steady), jitteredViews_(jittered), shadows_(shadows) {}
+    : state_(state),
+      settings_(settings),
+      steadyViews_(steady),
+      jitteredViews_(jittered),
+      shadows_(shadows),
+      graph_(state.executor) {}
 
 bool Request::isSteady() const {
   return settings_.aa.samples == 1 && jitteredViews_.now.front().jitter == shared::vec2(0);
@@ -162,7 +167,7 @@ void Request::addData() {
   data_.emplace(graph_, *setup.layout, gbuffer, motion, settings_.aovs);
 }
 
-void Request::read(const graph::Executor& done, bool yUp, std::vector<output::FrameOutput>& pictures) const {
+void Request::read(const graph::Submission& done, bool yUp, std::vector<output::FrameOutput>& pictures) const {
   for (size_t view = 0; view < pictures.size(); ++view) {
     output::FrameOutput& picture = pictures[view];
     const size_t pixels = size_t{picture.width} * picture.height;
@@ -177,7 +182,7 @@ void Request::read(const graph::Executor& done, bool yUp, std::vector<output::Fr
   }
 }
 
-void Request::countShadings(const graph::Executor& done, std::optional<ShadingCounts>& counts) const {
+void Request::countShadings(const graph::Submission& done, std::optional<ShadingCounts>& counts) const {
   if (!surfaces_) return;
   if (!counts) counts.emplace();
   const shared::vec2 size = steadyViews_.now.front().size;

@@ -28,11 +28,11 @@ class Request {
   // `history`: of temporal anti-aliasing, or null; `continues`: it has the frame before this picture.
   void finish(const vk::Image* sum, uint32_t count, TemporalHistory* history, bool continues);
 
-  const graph::Graph& graph() const { return graph_; }
+  graph::Graph& graph() { return graph_; }
 
   // After the graph has run.
-  void read(const graph::Executor& done, bool yUp, std::vector<output::FrameOutput>& pictures) const;
-  void countShadings(const graph::Executor& done, std::optional<ShadingCounts>& counts) const;
+  void read(const graph::Submission& done, bool yUp, std::vector<output::FrameOutput>& pictures) const;
+  void countShadings(const graph::Submission& done, std::optional<ShadingCounts>& counts) const;
 
  private:
   bool asks(output::Aov aov) const { return output::contains(settings_.aovs, aov); }

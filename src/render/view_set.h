@@ -16,6 +16,7 @@ namespace latelight::render {
 // What a renderer renders, and what it has learned.
 struct RenderState {
   vk::Device& device;
+  graph::Executor& executor;
   const GpuScene& scene;
   const GpuEnvironment& environment;
   bool hasEnvironment;

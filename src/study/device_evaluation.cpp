@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "base/error.h"
+#include "study/evaluation_push.h"
 #include "vk/commands.h"
 
 namespace latelight::study {
@@ -12,12 +13,6 @@ namespace {
 
 constexpr size_t kBatch = size_t{1} << 19;
 constexpr uint32_t kGroup = 64;  // local_size of evaluation.glsl
-
-struct EvaluationPush {  // evaluation.glsl
-  VkDeviceAddress inputs, outputs;
-  uint32_t count;
-  shared::Projection projection;
-};
 
 void waitForHost(VkCommandBuffer commands) {
   vk::recordMemoryBarrier(commands, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT,
@@ -35,7 +30,8 @@ DeviceEvaluation::DeviceEvaluation(const Options& options)
 vk::Pipeline DeviceEvaluation::make(const std::string& shader, const std::vector<vk::Constant>& constants) {
   return vk::makePipeline(
       device_,
-      vk::ComputeDesc{.shader = shader, .constants = constants, .pushBytes = sizeof(EvaluationPush), .name = shader});
+      vk::ComputeDesc{
+          .shader = shader, .constants = constants, .pushBytes = sizeof(shared::EvaluationPush), .name = shader});
 }
 
 std::vector<shared::vec4> DeviceEvaluation::run(const vk::Pipeline& pipeline, std::span<const shared::vec4> inputs,
@@ -44,7 +40,7 @@ std::vector<shared::vec4> DeviceEvaluation::run(const vk::Pipeline& pipeline, st
   for (size_t first = 0; first < inputs.size(); first += kBatch) {
     const size_t count = std::min(kBatch, inputs.size() - first);
     std::memcpy(inputs_.mapped(), &inputs[first], count * sizeof(shared::vec4));
-    const EvaluationPush push{inputs_.address(), outputs_.address(), static_cast<uint32_t>(count), projection};
+    const shared::EvaluationPush push{inputs_.address(), outputs_.address(), static_cast<uint32_t>(count), projection};
     vk::DescriptorPool pool(device_);
     device_.submitAndWait([&](VkCommandBuffer buffer) {
       vk::Commands commands(device_, buffer, pool);

@@ -295,6 +295,11 @@ uint64_t Device::submit(const std::function<void(VkCommandBuffer)>& record) {
   return impl_->send(queue_, commands);
 }
 
+uint64_t Device::submissions() const {
+  std::lock_guard lock(impl_->deleting);
+  return impl_->submitted;
+}
+
 bool Device::finished(uint64_t submission) const {
   return impl_->finishedValue() >= submission;
 }

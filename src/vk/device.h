@@ -74,6 +74,7 @@ class Device {
   // any thread may submit. Returns the submission's value on the device's timeline: values grow by one, and
   // submissions finish in their order. What `record` throws is rethrown, and nothing is submitted.
   uint64_t submit(const std::function<void(VkCommandBuffer)>& record);
+  uint64_t submissions() const;  // the value of the last one
   bool finished(uint64_t submission) const;
   void wait(uint64_t submission);  // until it has finished
   void submitAndWait(const std::function<void(VkCommandBuffer)>& record) { wait(submit(record)); }

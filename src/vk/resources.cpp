@@ -143,6 +143,7 @@ void Buffer::bind(VkDeviceMemory memory, VkDeviceSize offset) {
   VkBufferDeviceAddressInfo address{VK_STRUCTURE_TYPE_BUFFER_DEVICE_ADDRESS_INFO};
   address.buffer = buffer_;
   address_ = vkGetBufferDeviceAddress(device_->get(), &address);
+  bornAfter_ = device_->submissions();
   device_->setName(VK_OBJECT_TYPE_BUFFER, number(buffer_), desc_.name.c_str());
 }
 
@@ -155,6 +156,7 @@ Buffer& Buffer::operator=(Buffer&& other) noexcept {
   std::swap(desc_, other.desc_);
   std::swap(buffer_, other.buffer_);
   std::swap(address_, other.address_);
+  std::swap(bornAfter_, other.bornAfter_);
   std::swap(allocation_, other.allocation_);
   return *this;
 }

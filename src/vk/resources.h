@@ -44,11 +44,14 @@ class Buffer {
     return reinterpret_cast<T*>(allocation_.mapped);
   }
   explicit operator bool() const { return buffer_ != VK_NULL_HANDLE; }
+  // Nothing has been submitted since it was made, so that nothing in flight uses it.
+  bool isNew() const { return bornAfter_ == device_->submissions(); }
 
  private:
   void bind(VkDeviceMemory memory, VkDeviceSize offset);
   Device* device_ = nullptr;
   BufferDesc desc_;
+  uint64_t bornAfter_ = 0;
   VkBuffer buffer_ = VK_NULL_HANDLE;
   VkDeviceAddress address_ = 0;
   Allocation allocation_;  // none in a heap
@@ -125,30 +128,47 @@ inline constexpr SamplerDesc kNearestSampler{VK_FILTER_NEAREST, VK_FILTER_NEARES
 Handle<VkSampler> makeSampler(Device& device, const SamplerDesc& desc);
 float maxAnisotropy(const Device& device);  // 1 where the device has no anisotropic filter
 
-// Copies of host data to the device, gathered and submitted together. The data is copied before upload() returns,
-// through 16 MiB of staging memory. flush() (or the destructor, which turns an error into a warning) submits and waits.
-// Host-visible destinations (CPU devices) are written directly, by all cores. Images end in
-// VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL.
+// How an Uploader brings data to the device.
+enum class UploadMode : uint8_t {
+  Direct,    // host-visible destinations (CPU devices) are written where they are, by all cores; others are gathered
+  Staged,    // all are gathered, as on a device with memory of its own
+  Deferred,  // as Direct, but what a submission in flight may be using is gathered, and waits for record()
+};
+
+// Copies of host data to the device. The data is copied before upload() returns, to staging memory: 16 MiB, and where
+// that is full, flush(); Deferred 64 MiB. flush() (or the destructor, which turns an error into a warning) submits what
+// is gathered and waits. Images end in VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL.
 class Uploader {
  public:
-  // `alwaysStage`: host-visible memory goes through staging memory too, as on a device with memory of its own.
-  explicit Uploader(Device& device, bool alwaysStage = false);
+  explicit Uploader(Device& device, UploadMode mode = UploadMode::Direct);
   ~Uploader();
   void upload(const Buffer& to, std::span<const std::byte> data, VkDeviceSize offset = 0);
   // `data`: all levels one after the other, level 0 first, tightly packed; one layer.
   void upload(const Image& to, std::span<const std::byte> data);
   void flush();
 
+  // Deferred: instead of flush(), records what is gathered with a submission of others, after which forget() drops it.
+  // What comes behind it must wait for the copies.
+  bool empty() const { return batches_.empty(); }
+  void record(VkCommandBuffer commands) const;
+  void forget();
+
  private:
   struct Copy;
-  // Room for `size` bytes at a multiple of `alignment` in the staging buffer; flushes first where it is full.
-  VkDeviceSize stage(std::span<const std::byte> data, VkDeviceSize alignment);
+  struct Source {
+    VkBuffer buffer;
+    VkDeviceSize offset;
+  };
+  // Puts data into staging memory, at a multiple of `alignment`; flushes first where it is full.
+  Source stage(std::span<const std::byte> data, VkDeviceSize alignment);
   void writeInPlace(const Image& to, std::span<const std::byte> data);
+  Copy& add(Copy copy);
   Device& device_;
-  bool alwaysStage_;
-  std::vector<Copy> copies_;
-  Buffer staging_;
-  VkDeviceSize pending_ = 0;  // bytes of staging_ in use
+  UploadMode mode_;
+  std::vector<std::vector<Copy>> batches_;  // those of a batch write to different places: they run in any order
+  std::vector<Buffer> staging_;             // the last is being filled
+  VkDeviceSize used_ = 0;                   // bytes of the last in use
+  VkDeviceSize pending_ = 0;                // bytes of those before
 };
 
 // Bytes a texel of an uncompressed colour or depth format, as buffers hold it; of D24S8 and D32S8 the depth alone.

@@ -5,6 +5,7 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "base/parallel.h"
+#include "vk/commands.h"
 #include "vk/resources.h"
 
 namespace latelight::vk {
@@ -13,6 +14,8 @@ namespace {
 
 // Large enough that submissions cost little beside the copies, small enough to stay in a CPU device's cache.
 constexpr VkDeviceSize kStagingBytes = VkDeviceSize{16} << 20;
+// What waits for a submission of others is mostly little; it has memory that doubles, up to so much in all.
+constexpr VkDeviceSize kFirstDeferredBytes = VkDeviceSize{256} << 10, kDeferredBytes = VkDeviceSize{64} << 20;
 // A thread's share of a copy; below it, waking another thread costs more than it saves.
 constexpr size_t kGrain = size_t{2} << 20;
 
@@ -56,21 +59,25 @@ void recordBarriers(VkCommandBuffer commands, const std::vector<VkImageMemoryBar
   vkCmdPipelineBarrier2(commands, &info);
 }
 
+BufferDesc stagingDesc(VkDeviceSize size) {
+  return {size, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, MemoryKind::Upload, "staging"};
+}
+
 }  // namespace
 
-// From the staging buffer into a buffer or into rows of one level of an image (none: the host has written it, and only
-// its layout is to change). A large image is several copies, and these may be in several submissions: the first and the
+// From staging memory into a buffer or into rows of one level of an image (none: the host has written it, and only its
+// layout is to change). A large image is several copies, and these may be in several submissions: the first and the
 // last change its layout.
 struct Uploader::Copy {
-  VkDeviceSize from = 0;
+  Source from{};
   VkBuffer buffer = VK_NULL_HANDLE;
   VkDeviceSize to = 0, size = 0;
   VkImage image = VK_NULL_HANDLE;
   VkBufferImageCopy region{};
-  std::vector<VkImageMemoryBarrier2> before, after;
+  std::vector<VkImageMemoryBarrier2> before{}, after{};
 };
 
-Uploader::Uploader(Device& device, bool alwaysStage) : device_(device), alwaysStage_(alwaysStage) {}
+Uploader::Uploader(Device& device, UploadMode mode) : device_(device), mode_(mode) {}
 
 Uploader::~Uploader() {
   try {
@@ -80,28 +87,42 @@ Uploader::~Uploader() {
   }
 }
 
-VkDeviceSize Uploader::stage(std::span<const std::byte> data, VkDeviceSize alignment) {
+Uploader::Source Uploader::stage(std::span<const std::byte> data, VkDeviceSize alignment) {
   assert(data.size() <= kStagingBytes);
-  VkDeviceSize offset = (pending_ + alignment - 1) / alignment * alignment;
-  if (offset + data.size() > kStagingBytes) {
-    flush();
+  VkDeviceSize offset = (used_ + alignment - 1) / alignment * alignment;
+  if (staging_.empty() || offset + data.size() > staging_.back().size()) {
     offset = 0;
+    if (mode_ != UploadMode::Deferred) {
+      flush();
+      if (staging_.empty()) staging_.emplace_back(device_, stagingDesc(kStagingBytes));
+    } else {
+      const VkDeviceSize last = staging_.empty() ? 0 : staging_.back().size();
+      if (pending_ + last + data.size() > kDeferredBytes) flush();
+      const VkDeviceSize size = std::clamp(2 * last, kFirstDeferredBytes, kStagingBytes);
+      if (!staging_.empty()) pending_ += staging_.back().size();
+      staging_.emplace_back(device_, stagingDesc(std::max<VkDeviceSize>(size, data.size())));
+    }
   }
-  if (!staging_)
-    staging_ = Buffer(device_, {kStagingBytes, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, MemoryKind::Upload, "staging"});
-  copyOnAllCores(staging_.mapped() + offset, data.data(), data.size());
-  pending_ = offset + data.size();
-  return offset;
+  copyOnAllCores(staging_.back().mapped() + offset, data.data(), data.size());
+  used_ = offset + data.size();
+  return {staging_.back().get(), offset};
+}
+
+// Behind those of its batch, or in a new one where it writes to where one of those does.
+Uploader::Copy& Uploader::add(Copy copy) {
+  const auto overlaps = [&](const Copy& other) {
+    if (copy.image) return copy.image == other.image && !copy.before.empty();
+    return copy.buffer == other.buffer && copy.to < other.to + other.size && other.to < copy.to + copy.size;
+  };
+  if (batches_.empty() || std::any_of(batches_.back().begin(), batches_.back().end(), overlaps))
+    batches_.emplace_back();
+  return batches_.back().emplace_back(std::move(copy));
 }
 
 void Uploader::upload(const Buffer& to, std::span<const std::byte> data, VkDeviceSize offset) {
   assert(offset + data.size() <= to.size());
-  if (to.mapped() && !alwaysStage_) return copyOnAllCores(to.mapped() + offset, data.data(), data.size());
-  // Copies of one submission run in any order: what is written twice is written by two.
-  const auto overlaps = [&](const Copy& copy) {
-    return copy.buffer == to.get() && offset < copy.to + copy.size && copy.to < offset + data.size();
-  };
-  if (std::any_of(copies_.begin(), copies_.end(), overlaps)) flush();
+  const bool inPlace = mode_ == UploadMode::Direct || (mode_ == UploadMode::Deferred && to.isNew());
+  if (to.mapped() && inPlace) return copyOnAllCores(to.mapped() + offset, data.data(), data.size());
   while (!data.empty()) {
     const std::span piece = data.first(std::min<size_t>(data.size(), kStagingBytes));
     Copy copy;
@@ -109,7 +130,7 @@ void Uploader::upload(const Buffer& to, std::span<const std::byte> data, VkDevic
     copy.buffer = to.get();
     copy.to = offset;
     copy.size = piece.size();
-    copies_.push_back(std::move(copy));
+    add(std::move(copy));
     offset += piece.size();
     data = data.subspan(piece.size());
   }
@@ -136,14 +157,13 @@ void Uploader::writeInPlace(const Image& to, std::span<const std::byte> data) {
   Copy copy;
   copy.image = to.get();
   copy.after = {transition(to, VK_IMAGE_LAYOUT_PREINITIALIZED, VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL)};
-  copies_.push_back(std::move(copy));
+  add(std::move(copy));
 }
 
 void Uploader::upload(const Image& to, std::span<const std::byte> data) {
-  if (to.takeHostWrite() && !alwaysStage_) return writeInPlace(to, data);
+  if (to.takeHostWrite() && mode_ != UploadMode::Staged) return writeInPlace(to, data);
   const ImageDesc& desc = to.desc();
   const size_t texel = texelBytes(desc.format);
-  if (std::any_of(copies_.begin(), copies_.end(), [&](const Copy& copy) { return copy.image == to.get(); })) flush();
   bool first = true;
   for (uint32_t level = 0; level < desc.levels; ++level) {
     const uint32_t width = std::max(desc.width >> level, 1u), height = std::max(desc.height >> level, 1u);
@@ -156,7 +176,7 @@ void Uploader::upload(const Image& to, std::span<const std::byte> data) {
       // Offsets are multiples of four and of the texel.
       copy.from = stage(data.first(rows * rowBytes), 4 * texel);
       copy.image = to.get();
-      copy.region.bufferOffset = copy.from;
+      copy.region.bufferOffset = copy.from.offset;
       copy.region.imageSubresource = {isDepth(desc.format) ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT,
                                       desc.firstLevel() + level, 0, 1};
       copy.region.imageOffset = {0, static_cast<int32_t>(row), 0};
@@ -165,33 +185,44 @@ void Uploader::upload(const Image& to, std::span<const std::byte> data) {
         copy.before = {transition(to, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL)};
       if (level + 1 == desc.levels && row + rows == height)
         copy.after = {transition(to, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL)};
-      copies_.push_back(std::move(copy));
+      add(std::move(copy));
       data = data.subspan(rows * rowBytes);
     }
   }
   assert(data.empty());
 }
 
-void Uploader::flush() {
-  if (copies_.empty()) return;
-  const std::vector<Copy> copies = std::exchange(copies_, {});
-  pending_ = 0;
-  device_.submitAndWait([&](VkCommandBuffer commands) {
+void Uploader::record(VkCommandBuffer commands) const {
+  for (const std::vector<Copy>& batch : batches_) {
+    // Submissions before it may still read what is written here; those of the last batch, write it.
+    recordMemoryBarrier(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_ACCESS_2_MEMORY_WRITE_BIT,
+                        VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT);
     std::vector<VkImageMemoryBarrier2> before, after;
-    for (const Copy& copy : copies) {
+    for (const Copy& copy : batch) {
       before.insert(before.end(), copy.before.begin(), copy.before.end());
       after.insert(after.end(), copy.after.begin(), copy.after.end());
     }
     recordBarriers(commands, before);
-    for (const Copy& copy : copies) {
-      const VkBufferCopy region{copy.from, copy.to, copy.size};
-      if (copy.buffer) vkCmdCopyBuffer(commands, staging_.get(), copy.buffer, 1, &region);
+    for (const Copy& copy : batch) {
+      const VkBufferCopy region{copy.from.offset, copy.to, copy.size};
+      if (copy.buffer) vkCmdCopyBuffer(commands, copy.from.buffer, copy.buffer, 1, &region);
       if (copy.image && copy.region.imageExtent.width > 0)
-        vkCmdCopyBufferToImage(commands, staging_.get(), copy.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1,
+        vkCmdCopyBufferToImage(commands, copy.from.buffer, copy.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1,
                                &copy.region);
     }
     recordBarriers(commands, after);
-  });
+  }
+}
+
+void Uploader::forget() {
+  batches_.clear();
+  used_ = pending_ = 0;
+  if (mode_ == UploadMode::Deferred) staging_.clear();
+}
+
+void Uploader::flush() {
+  if (!batches_.empty()) device_.submitAndWait([&](VkCommandBuffer commands) { record(commands); });
+  forget();
 }
 
 }  // namespace latelight::vk

@@ -4,7 +4,7 @@
 # Not the texels of G-buffer layouts, which macros make and no memory holds.
 function(latelight_shared_structs folder)
   file(GLOB_RECURSE headers RELATIVE ${PROJECT_SOURCE_DIR}/src CONFIGURE_DEPENDS
-    ${PROJECT_SOURCE_DIR}/src/shared/*.h ${PROJECT_SOURCE_DIR}/src/render/*_push.h)
+    ${PROJECT_SOURCE_DIR}/src/shared/*.h ${PROJECT_SOURCE_DIR}/src/render/*_push.h ${PROJECT_SOURCE_DIR}/src/study/*_push.h)
   list(FILTER headers EXCLUDE REGEX "^shared/gbuffer/")
   set(includes "")
   set(table "")

@@ -274,6 +274,7 @@ class RandomOptions : public render::test::RenderTest {
     ASSERT_EQ(first.files.size(), second.files.size());
     for (const auto& [name, bytes] : first.files) {
       if (name == "-" && timesOut) continue;
+      if (name.ends_with(".dot")) continue;  // uploads what the command before left otherwise: once
       EXPECT_TRUE(second.files.at(name) == bytes) << name << " has other bytes";
     }
   }

@@ -65,7 +65,7 @@ class Bench {
     const graph::BufferId display = addCompose(f, frame.picture, {});
     graph::BufferId counts;
     if (setup.countLights) counts = addReadback(graph, frame.lightCounts);
-    const graph::Executor& done = frames_.run(graph);
+    const graph::Submission& done = frames_.run(graph);
     const size_t pixels = size_t{kWidth} * kHeight * views.size();
     LitPicture picture;
     const uint8_t* bytes = done.buffer(display).as<uint8_t>();

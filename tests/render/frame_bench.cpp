@@ -50,9 +50,8 @@ const FrameContext& FrameBench::frame(graph::Graph& graph, const FrameSetup& set
   return *kept_->context;
 }
 
-const graph::Executor& FrameBench::run(const graph::Graph& graph) {
-  executor_.run(graph, graph.compile());
-  return executor_;
+const graph::Submission& FrameBench::run(const graph::Graph& graph) {
+  return executor_.run(graph, graph.compile());
 }
 
 }  // namespace latelight::render::test

@@ -24,7 +24,7 @@ class FrameBench {
   // A frame to add passes to, of a graph that is run before the next frame is asked for.
   const FrameContext& frame(graph::Graph& graph, const FrameSetup& setup, std::vector<shared::View> views,
                             const BenchLight& light = {}, Overflow* overflow = nullptr);
-  const graph::Executor& run(const graph::Graph& graph);
+  const graph::Submission& run(const graph::Graph& graph);
 
  private:
   vk::Device& device_;

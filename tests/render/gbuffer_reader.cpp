@@ -102,7 +102,7 @@ ReadGbuffer GbufferReader::read(const FrameSetup& setup, const scene::Camera& ca
   gbuffer.ambientOcclusion = addAmbientOcclusion(f, gbuffer);
   setup.lighting->add(f, gbuffer);
   const graph::BufferId after = addReadback(graph, gbuffer.light);
-  const graph::Executor& done = frames_.run(graph);
+  const graph::Submission& done = frames_.run(graph);
 
   const size_t pixels = size_t{width} * height;
   const auto decode = [&](graph::BufferId buffer, VkFormat format) {

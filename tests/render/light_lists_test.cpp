@@ -39,7 +39,7 @@ class Stage {
     graph::Graph graph;
     const LitFrame lit = addFrame(frames_.frame(graph, setup, views));
     const graph::BufferId light = addReadback(graph, lit.picture), counts = addReadback(graph, lit.lightCounts);
-    const graph::Executor& done = frames_.run(graph);
+    const graph::Submission& done = frames_.run(graph);
     const size_t values = size_t{width} * height * views.size() * 4;
     Picture picture;
     picture.light.assign(done.buffer(light).as<uint16_t>(), done.buffer(light).as<uint16_t>() + values);

@@ -58,7 +58,7 @@ TEST_P(UploadTest, ImagesOfEveryFormatAndOddSizesComeBackAsTheyWere) {
   for (VkFormat format : formats) {
     std::vector<Image> images;
     std::vector<std::vector<std::byte>> data;
-    Uploader uploader(device(), GetParam());
+    Uploader uploader(device(), GetParam() ? UploadMode::Staged : UploadMode::Direct);
     for (auto [width, height, levels] : {std::array{1u, 1u, 1u}, {7u, 5u, 3u}, {131u, 67u, 8u}, {1u, 300u, 2u}})
       for (bool oddBase : {false, true}) {
         const ImageDesc desc{format, width, height, 1, levels, 1, kTexture, formatName(format), oddBase};
@@ -83,7 +83,7 @@ TEST_P(UploadTest, AnImageLargerThanTheStagingMemoryArrivesWhole) {
   const Image small(device(), {VK_FORMAT_R8_UNORM, 3, 3, 1, 1, 1, kTexture, "small"});
   const std::vector<std::byte> data = texels(desc, 3), few = pattern(9);
   {
-    Uploader uploader(device(), GetParam());
+    Uploader uploader(device(), GetParam() ? UploadMode::Staged : UploadMode::Direct);
     uploader.upload(small, few);
     uploader.upload(image, data);
     uploader.upload(small, pattern(9, 2));
@@ -99,7 +99,7 @@ TEST_F(DeviceTest, BuffersArriveDirectlyAndThroughStaging) {
       std::vector<std::byte> expected = pattern(size + 8, 9);
       std::memcpy(buffer.mapped(), expected.data(), expected.size());
       const std::vector<std::byte> data = pattern(size);
-      Uploader uploader(device(), alwaysStage);
+      Uploader uploader(device(), alwaysStage ? UploadMode::Staged : UploadMode::Direct);
       uploader.upload(buffer, data, 4);
       uploader.flush();
       std::copy(data.begin(), data.end(), expected.begin() + 4);
@@ -110,7 +110,7 @@ TEST_F(DeviceTest, BuffersArriveDirectlyAndThroughStaging) {
 TEST_F(DeviceTest, TheLaterOfTwoOverlappingUploadsWins) {
   const Buffer buffer(device(), {.size = 100});
   {
-    Uploader uploader(device(), true);
+    Uploader uploader(device(), UploadMode::Staged);
     uploader.upload(buffer, std::vector<std::byte>(100, std::byte{1}));
     uploader.upload(buffer, std::vector<std::byte>(10, std::byte{2}), 50);
     uploader.upload(buffer, {}, 100);

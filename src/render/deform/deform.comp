@@ -3,6 +3,7 @@
 // Vertices of one mesh, morphed and skinned (glTF 2.0, 3.7.2.2 and 3.7.3), of three poses at once: a frame before, now
 // and a frame after. scene::deform() is the same on the CPU.
 #include "render/glsl/common.glsl"
+#include "render/deform/deform_push.h"
 #include "shared/deform.h"
 
 layout(local_size_x = 256) in;
@@ -13,16 +14,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Mat
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer PositionsOut { vec3 v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer AttributesOut { VertexAttributes v[]; };
 
-layout(push_constant, scalar) uniform Push {
-  uint64_t positions, attributes;   // of the mesh before all of it
-  uint64_t joints, jointWeights;    // uint and float: `influences` a vertex
-  uint64_t deltas;                  // MorphDelta[targets][vertices]
-  uint64_t palette;                 // mat4x3[3][jointCount]
-  uint64_t weights;                 // float[3][targets]
-  uint64_t outPositions;            // vec3[3][stride]: before, now, after
-  uint64_t outAttributes;           // of now alone
-  uint vertices, stride, influences, jointCount, targets, flatNormals;
-} push;
+layout(push_constant, scalar) uniform Push { DeformPush push; };
 
 const uint kNow = 1u;
 

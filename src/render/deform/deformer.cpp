@@ -2,16 +2,12 @@
 
 #include <algorithm>
 
+#include "render/deform/deform_push.h"
 #include "shared/deform.h"
 
 namespace latelight::render {
 
 namespace {
-
-struct DeformPush {  // deform.comp
-  VkDeviceAddress positions, attributes, joints, jointWeights, deltas, palette, weights, outPositions, outAttributes;
-  uint32_t vertices, stride, influences, jointCount, targets, flatNormals;
-};
 
 constexpr uint32_t kColumns = 1u << 20;  // vertices a layer of workgroups: their count along an axis has a limit
 
@@ -64,22 +60,11 @@ void uploadAll(vk::Uploader& uploader, const vk::Buffer& to, const std::vector<T
 
 }  // namespace
 
-struct Deformer::Palette {
-  std::vector<glm::mat4x3> matrices;
-  std::vector<float> weights;
-  struct Place {                 // of a part
-    uint64_t matrices, weights;  // byte offsets
-    uint32_t jointCount;
-  };
-  std::vector<Place> places;
-};
-
-Deformer::Deformer(vk::Device& device, const scene::Scene& scene)
+Deformer::Deformer(vk::Device& device, const scene::Scene& scene, vk::Uploader& uploader)
     : device_(device),
       scene_(scene),
-      executor_(device),
       pipeline_(device.cache().pipeline(
-          vk::ComputeDesc{.shader = "deform.comp", .pushBytes = sizeof(DeformPush), .name = "deform"})) {
+          vk::ComputeDesc{.shader = "deform.comp", .pushBytes = sizeof(shared::DeformPush), .name = "deform"})) {
   partOf_.assign(scene.meshes.size(), ~0u);
   for (size_t mesh = 0; mesh < scene.meshes.size(); ++mesh) {
     const scene::Deformation* deformation = scene.meshes[mesh].deformation.get();
@@ -91,12 +76,12 @@ Deformer::Deformer(vk::Device& device, const scene::Scene& scene)
                       .firstVertex = vertices_});
     vertices_ += static_cast<uint32_t>(deformation->positions.size());
   }
-  upload();
+  upload(uploader);
   positions_ = makeBuffer<glm::vec3>(device, "deformed positions", uint64_t{3} * vertices_);
   attributes_ = makeBuffer<shared::VertexAttributes>(device, "deformed attributes", vertices_);
 }
 
-void Deformer::upload() {
+void Deformer::upload(vk::Uploader& uploader) {
   std::vector<glm::vec3> positions;
   std::vector<shared::VertexAttributes> attributes;
   std::vector<uint32_t> joints;
@@ -115,69 +100,60 @@ void Deformer::upload() {
   joints_ = makeBuffer<uint32_t>(device_, "joints", joints.size());
   jointWeights_ = makeBuffer<float>(device_, "joint weights", jointWeights.size());
   deltas_ = makeBuffer<shared::MorphDelta>(device_, "morph targets", deltas.size());
-  vk::Uploader uploader(device_);
   uploadAll(uploader, basePositions_, positions);
   uploadAll(uploader, baseAttributes_, attributes);
   uploadAll(uploader, joints_, joints);
   uploadAll(uploader, jointWeights_, jointWeights);
   uploadAll(uploader, deltas_, deltas);
-  uploader.flush();
 }
 
-Deformer::Palette Deformer::gather(const Poses& poses) const {
-  Palette palette;
+void Deformer::pose(const Poses& poses) {
+  palette_ = {};
   for (const Part& part : parts_) {
-    Palette::Place place{.matrices = palette.matrices.size() * sizeof(glm::mat4x3),
-                         .weights = palette.weights.size() * sizeof(float),
+    Palette::Place place{.matrices = palette_.matrices.size() * sizeof(glm::mat4x3),
+                         .weights = palette_.weights.size() * sizeof(float),
                          .jointCount = 0};
     for (const scene::Pose* pose : {&poses.previous, &poses.current, &poses.next}) {
       const std::vector<glm::mat4> joints = jointsOf(scene_, *part.deformation, *pose);
       place.jointCount = static_cast<uint32_t>(joints.size());
-      for (const glm::mat4& joint : joints) palette.matrices.emplace_back(joint);
-      append(palette.weights, weightsOf(*part.deformation, *pose));
+      for (const glm::mat4& joint : joints) palette_.matrices.emplace_back(joint);
+      append(palette_.weights, weightsOf(*part.deformation, *pose));
     }
-    palette.places.push_back(place);
+    palette_.places.push_back(place);
   }
-  return palette;
 }
 
-void Deformer::run(const Poses& poses) {
-  const Palette palette = gather(poses);
-  const vk::Buffer matrices = vk::uploadedBuffer(device_, "joint matrices", std::as_bytes(std::span(palette.matrices)));
-  const vk::Buffer weights = vk::uploadedBuffer(device_, "morph weights", std::as_bytes(std::span(palette.weights)));
-  graph::Graph graph;
-  const graph::BufferId positions = graph.import(positions_, graph::Use::VertexRead);
-  const graph::BufferId attributes = graph.import(attributes_, graph::Use::VertexRead);
-  graph.exports(positions, graph::Use::VertexRead);
-  graph.exports(attributes, graph::Use::VertexRead);
-  graph.pass(
-      graph::Stage::Deformation, "deform",
-      {{positions, graph::Use::StorageWrite}, {attributes, graph::Use::StorageWrite}}, [&](graph::Context& context) {
-        for (size_t i = 0; i < parts_.size(); ++i) {
-          const Part& part = parts_[i];
-          const scene::Deformation& d = *part.deformation;
-          const uint32_t count = static_cast<uint32_t>(d.positions.size());
-          const DeformPush push{
-              .positions = basePositions_.address() + part.firstVertex * sizeof(glm::vec3),
-              .attributes = baseAttributes_.address() + part.firstVertex * sizeof(shared::VertexAttributes),
-              .joints = joints_.address() + part.joints,
-              .jointWeights = jointWeights_.address() + part.jointWeights,
-              .deltas = deltas_.address() + part.deltas,
-              .palette = matrices.address() + palette.places[i].matrices,
-              .weights = weights.address() + palette.places[i].weights,
-              .outPositions = positions_.address() + part.firstVertex * sizeof(glm::vec3),
-              .outAttributes = attributes_.address() + part.firstVertex * sizeof(shared::VertexAttributes),
-              .vertices = count,
-              .stride = vertices_,
-              .influences = d.influences,
-              .jointCount = palette.places[i].jointCount,
-              .targets = static_cast<uint32_t>(d.targets.size()),
-              .flatNormals = d.flatNormals ? 1u : 0u};
-          context.commands().bind(pipeline_.get(), {}, push);
-          vkCmdDispatch(context.get(), (std::min(count, kColumns) + 255) / 256, 3, (count + kColumns - 1) / kColumns);
-        }
-      });
-  executor_.run(graph, graph.compile());
+void Deformer::addTo(graph::Graph& graph) const {
+  const VkDeviceAddress matrices = graph.constants(std::as_bytes(std::span(palette_.matrices)));
+  const VkDeviceAddress weights = graph.constants(std::as_bytes(std::span(palette_.weights)));
+  graph.prologue(graph::Stage::Deformation, "deform",
+                 [this, matrices, weights](graph::Context& context) { record(context, matrices, weights); });
+}
+
+void Deformer::record(graph::Context& context, VkDeviceAddress matrices, VkDeviceAddress weights) const {
+  for (size_t i = 0; i < parts_.size(); ++i) {
+    const Part& part = parts_[i];
+    const scene::Deformation& d = *part.deformation;
+    const uint32_t count = static_cast<uint32_t>(d.positions.size());
+    const shared::DeformPush push{
+        .positions = basePositions_.address() + part.firstVertex * sizeof(glm::vec3),
+        .attributes = baseAttributes_.address() + part.firstVertex * sizeof(shared::VertexAttributes),
+        .joints = joints_.address() + part.joints,
+        .jointWeights = jointWeights_.address() + part.jointWeights,
+        .deltas = deltas_.address() + part.deltas,
+        .palette = matrices + palette_.places[i].matrices,
+        .weights = weights + palette_.places[i].weights,
+        .outPositions = positions_.address() + part.firstVertex * sizeof(glm::vec3),
+        .outAttributes = attributes_.address() + part.firstVertex * sizeof(shared::VertexAttributes),
+        .vertices = count,
+        .stride = vertices_,
+        .influences = d.influences,
+        .jointCount = palette_.places[i].jointCount,
+        .targets = static_cast<uint32_t>(d.targets.size()),
+        .flatNormals = d.flatNormals ? 1u : 0u};
+    context.commands().bind(pipeline_.get(), {}, push);
+    vkCmdDispatch(context.get(), (std::min(count, kColumns) + 255) / 256, 3, (count + kColumns - 1) / kColumns);
+  }
 }
 
 void Deformer::describe(std::span<shared::Mesh> meshes) const {

@@ -23,12 +23,14 @@ struct Poses {
 class Deformer {
  public:
   // Uploads what the scene's deformed meshes are before all deformation. There must be one at least.
-  Deformer(vk::Device& device, const scene::Scene& scene);
+  Deformer(vk::Device& device, const scene::Scene& scene, vk::Uploader& uploader);
 
-  // Works out all their vertices, of all three poses, none of which may be empty; waits until that is done.
-  void run(const Poses& poses);
+  // Takes joint matrices and weights of all three poses, none of which may be empty.
+  void pose(const Poses& poses);
+  // Adds what works out all vertices of those poses, in the prologue.
+  void addTo(graph::Graph& graph) const;
 
-  // Makes the records of deformed meshes point to what run() left.
+  // Makes the records of deformed meshes point to where that leaves them.
   void describe(std::span<shared::Mesh> meshes) const;
 
   // What holds a deformed mesh in the pose, in its object space.
@@ -42,19 +44,27 @@ class Deformer {
     uint32_t firstVertex;                   // among the vertices of all parts
     uint64_t joints, jointWeights, deltas;  // byte offsets
   };
-  struct Palette;  // joint matrices and weights of all parts and poses, on the host
-  void upload();
-  Palette gather(const Poses& poses) const;
+  struct Palette {  // joint matrices and weights of all parts and poses
+    std::vector<glm::mat4x3> matrices;
+    std::vector<float> weights;
+    struct Place {                 // of a part
+      uint64_t matrices, weights;  // byte offsets
+      uint32_t jointCount;
+    };
+    std::vector<Place> places;
+  };
+  void upload(vk::Uploader& uploader);
+  void record(graph::Context& context, VkDeviceAddress matrices, VkDeviceAddress weights) const;
 
   vk::Device& device_;
   const scene::Scene& scene_;
-  graph::Executor executor_;
   vk::PipelineRef pipeline_;
   std::vector<Part> parts_;
   std::vector<uint32_t> partOf_;  // by mesh; ~0u: none
   uint32_t vertices_ = 0;
   vk::Buffer basePositions_, baseAttributes_, joints_, jointWeights_, deltas_;
-  vk::Buffer positions_, attributes_;  // run()'s
+  vk::Buffer positions_, attributes_;  // deformed
+  Palette palette_;
 };
 
 }  // namespace latelight::render

@@ -57,7 +57,7 @@ RawReadback::RawReadback(graph::Graph& graph, const Layout& layout, uint32_t nor
   targets_.push_back({std::move(light), kLightFormat, addReadback(graph, gbuffer.light)});
 }
 
-output::RawGbuffer RawReadback::read(const graph::Executor& done, const shared::View& view) const {
+output::RawGbuffer RawReadback::read(const graph::Submission& done, const shared::View& view) const {
   output::RawGbuffer gbuffer{.width = static_cast<uint32_t>(view.size.x), .height = static_cast<uint32_t>(view.size.y)};
   const size_t pixels = size_t{gbuffer.width} * gbuffer.height;
   for (const Target& target : targets_) {

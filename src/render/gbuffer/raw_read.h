@@ -14,7 +14,7 @@ class RawReadback {
   // Reads back the layout's targets, the light accumulation target, lit, and depth.
   RawReadback(graph::Graph& graph, const Layout& layout, uint32_t normalEncoding, const Gbuffer& gbuffer);
   // Of the first view.
-  output::RawGbuffer read(const graph::Executor& done, const shared::View& view) const;
+  output::RawGbuffer read(const graph::Submission& done, const shared::View& view) const;
 
  private:
   struct Target {

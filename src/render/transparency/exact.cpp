@@ -116,15 +116,15 @@ void addPlace(const FrameContext& f, const Buffers& b) {
   place.buffers = {{b.counts, graph::Use::StorageRead},
                    {b.totals, graph::Use::StorageReadWrite},
                    {b.starts, graph::Use::StorageWrite}};
-  addCompute(f, std::move(place),
-             [=](graph::Context& context) { return shared::PlacePush{listsOf(context, b), b.pixels, 0}; });
+  addCompute(f, std::move(place), [=](graph::Context& context) {
+    return shared::PlacePush{listsOf(context, b), b.pixels, 0};
+  });
   ComputePass gather = step(f, "transparency gather", "fragments_gather.comp", b.room.fragments);
   gather.buffers = {{b.fragments, graph::Use::StorageRead},
                     {b.starts, graph::Use::StorageRead},
                     {b.totals, graph::Use::StorageRead},
                     {b.lists, graph::Use::StorageWrite}};
-  addCompute(f, std::move(gather),
-             [=](graph::Context& context) { return shared::GatherPush{listsOf(context, b)}; });
+  addCompute(f, std::move(gather), [=](graph::Context& context) { return shared::GatherPush{listsOf(context, b)}; });
 }
 
 std::vector<graph::Access> readLists(const Buffers& b, graph::BufferId sorted) {
@@ -168,8 +168,7 @@ void addBlend(const FrameContext& f, graph::ImageId light, const Buffers& b, gra
                 .constants = {{kFirstOwnConstant, fragmentSamples(f.device, f.setup)}},
                 .buffers = readLists(b, sorted)},
                [=](graph::Context& context) {
-                 return shared::BlendPush{listsOf(context, b), context.buffer(sorted).address(), first,
-                                          kBlendedAtOnce};
+                 return shared::BlendPush{listsOf(context, b), context.buffer(sorted).address(), first, kBlendedAtOnce};
                });
   }
 }
@@ -199,7 +198,7 @@ void addCheck(const FrameContext& f, const Buffers& b) {
                });
   f.graph.exports(host, graph::Use::HostRead);
   if (f.overflow)
-    f.overflow->checks.push_back([&f, host, room = b.room](const graph::Executor& done) {
+    f.overflow->checks.push_back([&f, host, room = b.room](const graph::Submission& done) {
       return overflowed(f, room, *done.buffer(host).as<shared::FragmentTotals>());
     });
 }
@@ -215,8 +214,7 @@ void addExactTransparency(const FrameContext& f, const Gbuffer& gbuffer) {
   requireStores(f.device);
   const Buffers b = createBuffers(f, roomFor(f));
   addClear(f.graph, b);
-  f.visibility.addFragments(f, gbuffer,
-                            {b.fragments, b.counts, b.totals, static_cast<uint32_t>(b.room.fragments)});
+  f.visibility.addFragments(f, gbuffer, {b.fragments, b.counts, b.totals, static_cast<uint32_t>(b.room.fragments)});
   addPlace(f, b);
   addBlend(f, gbuffer.light, b, addSort(f, b));
   addCheck(f, b);

@@ -1,0 +1,33 @@
+// Push constants of deform.comp.
+#ifndef LATELIGHT_RENDER_DEFORM_PUSH_H
+#define LATELIGHT_RENDER_DEFORM_PUSH_H
+
+#include "shared/lang.h"
+
+SH_BEGIN
+
+struct DeformPush {
+  uint64_t positions;      // vec3, of the mesh before all of it
+  uint64_t attributes;     // VertexAttributes, likewise
+  uint64_t joints;         // uint: `influences` a vertex
+  uint64_t jointWeights;   // float: `influences` a vertex
+  uint64_t deltas;         // MorphDelta[targets][vertices]
+  uint64_t palette;        // mat4x3[3][jointCount]
+  uint64_t weights;        // float[3][targets]
+  uint64_t outPositions;   // vec3[3][stride]: before, now, after
+  uint64_t outAttributes;  // VertexAttributes, of now alone
+  uint vertices;
+  uint stride;
+  uint influences;
+  uint jointCount;
+  uint targets;
+  uint flatNormals;
+};
+
+SH_END
+
+#if defined(__cplusplus)
+static_assert(sizeof(latelight::shared::DeformPush) == 96);
+#endif
+
+#endif

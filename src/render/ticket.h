@@ -1,0 +1,27 @@
+// What Renderer::submit() returns: pictures on their way.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "output/files.h"
+
+namespace latelight::render {
+
+class Renderer;
+struct RenderJob;
+
+class Ticket {
+ public:
+  Ticket(Renderer& renderer, std::shared_ptr<RenderJob> job) : renderer_(&renderer), job_(std::move(job)) {}
+  bool done() const;  // take() would not wait for the device
+  // The pictures, in the order of their cameras; waits for them. Once, while the renderer lives. What went wrong on the
+  // way is thrown here.
+  std::vector<output::FrameOutput> take();
+
+ private:
+  Renderer* renderer_;
+  std::shared_ptr<RenderJob> job_;
+};
+
+}  // namespace latelight::render
