@@ -1,5 +1,4 @@
-// The pictures a frame can be asked for (arbitrary output variables, AOVs): one table says what each is called, what is
-// in it, and how files hold it. docs/conventions.md and `latelight list aovs` are made from it.
+// The pictures a frame can be asked for (arbitrary output variables, AOVs), as outputs.def has them.
 #pragma once
 
 #include <array>
@@ -11,28 +10,17 @@
 
 namespace latelight::output {
 
+// In the order of outputs.def, which says what each is.
 enum class Aov : uint8_t {
-  Color,
-  Depth,
-  Distance,
-  Normal,
-  GeoNormal,
-  Position,
-  Albedo,
-  Metallic,
-  Roughness,
-  Emissive,
-  Ao,
-  Id,
-  Part,
-  Material,
-  Uv,
-  LightsTested,
-  LightsUsed,
-  Samples,
-  Motion,
+#define OUTPUT(aov, ...) aov,
+#include "output/outputs.def"
+#undef OUTPUT
 };
-inline constexpr size_t kAovCount = 19;
+inline constexpr size_t kAovCount = 0
+#define OUTPUT(...) +1
+#include "output/outputs.def"
+#undef OUTPUT
+    ;
 
 // How an OpenEXR file stores a channel. Half: 11 bits of precision, finite values beyond 65504 are stored as 65504.
 enum class ExrType : uint8_t { Half, Float, Uint };

@@ -42,7 +42,8 @@ bool odd(float x) {
   return fraction(x * 0.5f) >= 0.5f;
 }
 
-// --- one function an AOV's kind: pixel index to colour, or nothing for background -----------------------------------
+// --- by outputs.def, a function of each picture: pixel index to colour, or nothing for background
+// ---------------------
 
 auto depthColors(const AovImage& image) {
   std::vector<float> finite;
@@ -178,41 +179,22 @@ Picture paint(const AovImage& image, const AovImage* ids, ColorOf&& colorOf) {
   return picture;
 }
 
+// These show something where the pixel's centre, which ids are of, is background.
+bool coversMoreThanIds(Aov aov) {
+  return aov == Aov::Color || aov == Aov::Samples || aov == Aov::Motion;
+}
+
 }  // namespace
 
 Picture debugPicture(const AovImage& image, const AovImage* ids) {
   assert(!ids || (ids->width == image.width && ids->height == image.height));
+  if (coversMoreThanIds(image.aov)) ids = nullptr;
   switch (image.aov) {
-    case Aov::Color:
-      return paint(image, nullptr, overBackground(image));
-    case Aov::Depth:
-    case Aov::Distance:
-      return paint(image, ids, depthColors(image));
-    case Aov::Normal:
-    case Aov::GeoNormal:
-      return paint(image, ids, normalColors(image));
-    case Aov::Position:
-      return paint(image, ids, positionColors(image));
-    case Aov::Albedo:
-    case Aov::Emissive:
-      return paint(image, ids, lightColors(image));
-    case Aov::Metallic:
-    case Aov::Roughness:
-    case Aov::Ao:
-      return paint(image, ids, greys(image));
-    case Aov::Id:
-    case Aov::Part:
-    case Aov::Material:
-      return paint(image, ids, idColors(image));
-    case Aov::Uv:
-      return paint(image, ids, uvColors(image));
-    case Aov::LightsTested:
-    case Aov::LightsUsed:
-      return paint(image, ids, countColors(image));
-    case Aov::Samples:
-      return paint(image, nullptr, sampleColors(image));
-    case Aov::Motion:
-      return paint(image, nullptr, motionColors(image));
+#define OUTPUT(aov, name, channels, exrChannels, exr, png, background, unit, description, colors, ...) \
+  case Aov::aov:                                                                                       \
+    return paint(image, ids, colors(image));
+#include "output/outputs.def"
+#undef OUTPUT
   }
   return {};
 }

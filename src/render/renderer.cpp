@@ -133,7 +133,7 @@ size_t Renderer::startViews(const std::shared_ptr<RenderJob>& job, size_t first,
 // The samples of a picture, a frame each, as offsets from the pixel's centre.
 std::vector<glm::vec2> Renderer::jittersOf(const RenderPart& part) const {
   const Settings& s = part.job.settings;
-  if (!s.display && !output::contains(s.aovs, output::Aov::Color)) return {glm::vec2(0)};
+  if (!showsPicture(s)) return {glm::vec2(0)};
   if (s.aa.temporal) {
     const std::vector<glm::vec2>& all = temporalJitters();
     if (!part.continues) return all;
@@ -154,11 +154,12 @@ Renderer::Start Renderer::startPart(RenderPart& part, uint64_t& room) {
   const Settings& s = part.job.settings;
   const std::vector<glm::vec2> jitters = jittersOf(part);
   const ViewsInTime steady = part.views(glm::vec2(0));
+  const bool yUp = scene_.yUp && s.axes == Axes::File;
   part.earlier.clear();
   vk::Image sum;
   if (jitters.size() > 1) sum = makeSum(part);
   for (size_t i = 0; i < jitters.size(); ++i) {
-    Request& request = part.request.emplace(state_, s, steady, part.views(jitters[i]), part.shadows.get());
+    Request& request = part.request.emplace(state_, s, yUp, steady, part.views(jitters[i]), part.shadows.get());
     const bool last = i + 1 == jitters.size();
     TemporalHistory* history = s.aa.temporal ? &history_ : nullptr;
     if (last)
@@ -211,7 +212,7 @@ void Renderer::read(RenderJob& job) {
   if (job.error) std::rethrow_exception(job.error);
   part.submission.wait();
   std::vector<output::FrameOutput> pictures(part.count, emptyOutput(job.settings, part.strip.rows));
-  part.request->read(part.submission, scene_.yUp && job.settings.axes == Axes::File, pictures);
+  part.request->read(part.submission, pictures);
   part.request->countShadings(part.submission, job.shadingCounts);
   for (const graph::Submission& earlier : part.earlier) job.addTimes(earlier);
   job.addTimes(part.submission);

@@ -8,8 +8,6 @@
 
 namespace latelight::render {
 
-using output::Aov;
-
 FrameSetup frameSetup(const Settings& s, bool shadows) {
   FrameSetup setup{.layout = s.layout,
                    .normalEncoding = s.normals->index,
@@ -31,22 +29,23 @@ FrameSetup frameSetup(const Settings& s, bool shadows) {
   return setup;
 }
 
-bool asksFor(const Settings& settings, bool (*wanted)(Aov)) {
-  return std::any_of(settings.aovs.begin(), settings.aovs.end(), wanted);
+bool showsPicture(const Settings& s) {
+  return s.display || asksFor(s, Origin::Picture);
 }
 
 bool isLit(const Settings& s) {
-  return s.display || output::contains(s.aovs, Aov::Color) || asksFor(s, isLightCount);
+  return showsPicture(s) || asksFor(s, Origin::LightCounts);
 }
 
-Request::Request(const RenderState& state, const Settings& settings, const ViewsInTime& steady,
+Request::Request(const RenderState& state, const Settings& settings, bool yUp, const ViewsInTime& steady,
                  const ViewsInTime& jittered, FrameShadows* shadows)
     : state_(state),
       settings_(settings),
       steadyViews_(steady),
       jitteredViews_(jittered),
       shadows_(shadows),
-      graph_(state.executor) {}
+      graph_(state.executor),
+      outputs_(settings, yUp) {}
 
 bool Request::isSteady() const {
   return settings_.aa.samples == 1 && jitteredViews_.now.front().jitter == shared::vec2(0);
@@ -73,7 +72,7 @@ graph::ImageId Request::steadyDepth() {
 // The picture's frame, lit. It counts lights at the same time if it may: they are counted at pixels' centres.
 LitFrame Request::addPicture() {
   FrameSetup setup = frameSetup(settings_, shadows_ != nullptr);
-  setup.countLights = isSteady() && asksFor(settings_, isLightCount);
+  setup.countLights = isSteady() && asksFor(settings_, Origin::LightCounts);
   const FrameContext& f = jittered().frame(graph_, setup);
   const LitFrame lit = isSteady() ? addLit(f, steadyDepth()) : addOpaque(f);
   addTransparency(f, lit.gbuffer);
@@ -87,7 +86,7 @@ void Request::accumulate(const vk::Image& sum, bool first) {
 }
 
 void Request::finish(const vk::Image* sum, uint32_t count, TemporalHistory* history, bool continues) {
-  if (settings_.display || asks(Aov::Color)) {
+  if (showsPicture(settings_)) {
     lit_ = addPicture();
     graph::ImageId picture = lit_->picture;
     if (sum) {
@@ -104,31 +103,35 @@ void Request::finish(const vk::Image* sum, uint32_t count, TemporalHistory* hist
     }
     addPost(*lit_, picture, count);
   }
-  if (asksFor(settings_, isLightCount)) addLightCounts();
-  if (asks(Aov::Samples)) addSampleCounts();
-  if (asksFor(settings_, isData)) addData();
+  if (asksFor(settings_, Origin::LightCounts)) addLightCounts();
+  if (asksFor(settings_, Origin::SampleCounts)) addSampleCounts();
+  if (asksFor(settings_, Origin::Surface) || asksFor(settings_, Origin::Motion)) addData();
 }
 
 void Request::addPost(const LitFrame& lit, graph::ImageId picture, uint32_t count) {
-  finished_ = finishPicture({state_.device, graph_}, picture, 1.0f / static_cast<float>(count), settings_);
-  floats_ = graph_.desc(finished_.linear).format == VK_FORMAT_R32G32B32A32_SFLOAT;
-  if (asks(Aov::Color)) linear_ = addReadback(graph_, finished_.linear);
+  const Builder b{state_.device, graph_};
+  const FinishedPicture finished = finishPicture(b, picture, 1.0f / static_cast<float>(count), settings_);
+  outputs_.add(
+      b, Origin::Picture, [&](std::string_view) { return finished.linear; }, 0, finished.scale);
+  display_ = finished.display;
   if (settings_.countSurfaces && lit.gbuffer.surfaces) surfaces_ = addReadback(graph_, lit.gbuffer.surfaces);
 }
 
 // How many lights each pixel's centre cost: the picture's own frame, or one like it without what is laid over that.
 void Request::addLightCounts() {
+  graph::ImageId counts;
   if (lit_ && isSteady()) {
-    lightCounts_ = addReadback(graph_, lit_->lightCounts);
-    return;
+    counts = lit_->lightCounts;
+  } else {
+    FrameSetup setup = frameSetup(settings_, shadows_ != nullptr);
+    setup.countLights = true;
+    setup.fog = false;
+    setup.samples = 1;
+    setup.everySample = false;
+    setup.sunInGbuffer = shadows_ && keepsSun(setup);
+    counts = addLit(steady().frame(graph_, setup), steadyDepth()).lightCounts;
   }
-  FrameSetup setup = frameSetup(settings_, shadows_ != nullptr);
-  setup.countLights = true;
-  setup.fog = false;
-  setup.samples = 1;
-  setup.everySample = false;
-  setup.sunInGbuffer = shadows_ && keepsSun(setup);
-  lightCounts_ = addReadback(graph_, addLit(steady().frame(graph_, setup), steadyDepth()).lightCounts);
+  outputs_.add({state_.device, graph_}, Origin::LightCounts, [&](std::string_view) { return counts; });
 }
 
 // How often the picture's own frame shades each pixel. Where there is no picture its lighting leads to nothing that is
@@ -138,11 +141,10 @@ void Request::addSampleCounts() {
   if (settings_.aa.samples > 1) {
     if (!lit_) lit_ = addOpaque(jittered().frame(graph_, frameSetup(settings_, shadows_ != nullptr)));
     counts = lit_->gbuffer.surfaces ? lit_->gbuffer.surfaces : lit_->gbuffer.depth;
-    countsSurfaces_ = bool(lit_->gbuffer.surfaces);
   } else {
     counts = steadyDepth();
   }
-  sampleCounts_ = addReadback(graph_, counts);
+  outputs_.add({state_.device, graph_}, Origin::SampleCounts, [&](std::string_view) { return counts; });
 }
 
 // Data leaves at pixel centres, in full precision, whatever layout and anti-aliasing the picture has: from a G-buffer
@@ -162,24 +164,19 @@ void Request::addData() {
   const FrameContext& f = set->frame(graph_, setup);
   Gbuffer gbuffer{.depth = depth, .sampleDepth = depth};
   if (setup.targets) set->visibility().addGbuffer(f, gbuffer);
-  graph::ImageId motion;
-  if (asks(Aov::Motion)) motion = set->visibility().addMotion(f, depth, MotionUse::Data);
-  data_.emplace(graph_, *setup.layout, gbuffer, motion, settings_.aovs);
+  const auto target = [&](std::string_view name) {
+    for (size_t i = 0; i < gbuffer.targets.size(); ++i)
+      if (setup.layout->targets[i].name == name) return gbuffer.targets[i];
+    return depth;
+  };
+  outputs_.add(f, Origin::Surface, target, f.constants);
+  if (!asksFor(settings_, Origin::Motion)) return;
+  const graph::ImageId motion = set->visibility().addMotion(f, depth, MotionUse::Data);
+  outputs_.add(f, Origin::Motion, [&](std::string_view) { return motion; });
 }
 
-void Request::read(const graph::Submission& done, bool yUp, std::vector<output::FrameOutput>& pictures) const {
-  for (size_t view = 0; view < pictures.size(); ++view) {
-    output::FrameOutput& picture = pictures[view];
-    const size_t pixels = size_t{picture.width} * picture.height;
-    if (settings_.display) {
-      const uint8_t* from = done.buffer(finished_.display).as<uint8_t>() + view * pixels * 4;
-      picture.display.assign(from, from + pixels * 4);
-    }
-    if (linear_) readColor(picture, done.buffer(linear_), view, floats_, finished_.scale);
-    if (lightCounts_) readLightCounts(picture, done.buffer(lightCounts_), view);
-    if (sampleCounts_) readSampleCounts(picture, done.buffer(sampleCounts_), view, countsSurfaces_);
-    if (data_) data_->read(done, steadyViews_.now[view], view, settings_, yUp, picture);
-  }
+void Request::read(const graph::Submission& done, std::vector<output::FrameOutput>& pictures) const {
+  outputs_.read(done, display_, pictures);
 }
 
 void Request::countShadings(const graph::Submission& done, std::optional<ShadingCounts>& counts) const {

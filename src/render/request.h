@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "output/files.h"
-#include "render/aov_read.h"
+#include "render/outputs/outputs.h"
 #include "render/post/post.h"
 #include "render/post/taa/taa.h"
 #include "render/view_set.h"
@@ -12,15 +12,16 @@
 namespace latelight::render {
 
 FrameSetup frameSetup(const Settings& settings, bool shadows);
+bool showsPicture(const Settings& settings);
 bool isLit(const Settings& settings);  // data alone need no light
-bool asksFor(const Settings& settings, bool (*wanted)(output::Aov));
 
 class Request {
  public:
   // `steady`: the views without jitter; `jittered`: the same with the jitter of the picture's frame that is rendered
   // now. `shadows`: of these views, or null.
-  Request(const RenderState& state, const Settings& settings, const ViewsInTime& steady, const ViewsInTime& jittered,
-          FrameShadows* shadows);
+  // `yUp`: world positions and directions leave in glTF's frame.
+  Request(const RenderState& state, const Settings& settings, bool yUp, const ViewsInTime& steady,
+          const ViewsInTime& jittered, FrameShadows* shadows);
 
   // Adds the picture's frame to `sum`, and asks for nothing else: one of several samples of a pixel.
   void accumulate(const vk::Image& sum, bool first);
@@ -31,11 +32,10 @@ class Request {
   graph::Graph& graph() { return graph_; }
 
   // After the graph has run.
-  void read(const graph::Submission& done, bool yUp, std::vector<output::FrameOutput>& pictures) const;
+  void read(const graph::Submission& done, std::vector<output::FrameOutput>& pictures) const;
   void countShadings(const graph::Submission& done, std::optional<ShadingCounts>& counts) const;
 
  private:
-  bool asks(output::Aov aov) const { return output::contains(settings_.aovs, aov); }
   ViewSet& steady();
   ViewSet& jittered();
   bool isSteady() const;  // the picture's frame has one sample a pixel, at its centre
@@ -55,11 +55,8 @@ class Request {
   graph::ImageId steadyDepth_;
   std::optional<LitFrame> lit_;  // the picture's, as it was before transparency
 
-  FinishedPicture finished_;
-  bool floats_ = false;  // of the linear picture
-  graph::BufferId linear_, lightCounts_, sampleCounts_, surfaces_;
-  bool countsSurfaces_ = false;  // sampleCounts_ holds surfaces of samples, else depth
-  std::optional<DataReadback> data_;
+  PackedOutputs outputs_;
+  graph::BufferId display_, surfaces_;
 };
 
 }  // namespace latelight::render

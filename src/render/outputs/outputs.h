@@ -1,0 +1,65 @@
+// Outputs on their way out: packed on the device into arrays as programs and files have them, in the units and axes of
+// docs/conventions.md, and copied from there to pictures. Where each comes from stands in output/outputs.def.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "graph/graph.h"
+#include "output/files.h"
+#include "render/pass.h"
+#include "render/settings.h"
+
+namespace latelight::render {
+
+// What has to be rendered for an output.
+enum class Origin {
+  Picture,       // the lit picture
+  LightCounts,   // a frame that counts lights
+  SampleCounts,  // the picture's own frame, whether it is lit or not
+  Surface,       // a G-buffer in the layout `exact`, at pixel centres
+  Motion,
+};
+Origin originOf(output::Aov aov);
+bool asksFor(const Settings& settings, Origin origin);
+
+// The targets of the layout `exact` that these outputs lie in, a bit each.
+uint32_t exactTargets(std::span<const output::Aov> aovs);
+
+class PackedOutputs {
+ public:
+  // `yUp`: positions and directions of the world leave in glTF's frame.
+  PackedOutputs(const Settings& settings, bool yUp) : settings_(settings), yUp_(yUp) {}
+
+  // Adds the passes that pack those of an origin that are asked for. `image`: of a target, by its name in outputs.def.
+  // `frame`: FrameConstants of the same views, for Surface. `scale`: of values.
+  void add(const Builder& b, Origin origin, const std::function<graph::ImageId(std::string_view)>& image,
+           VkDeviceAddress frame = 0, float scale = 1);
+
+  // After the graph has run: fills these outputs of as many pictures as there are views, and `display`'s (RGBA8, a view
+  // after the other; or none).
+  void read(const graph::Submission& done, graph::BufferId display, std::vector<output::FrameOutput>& pictures) const;
+
+ private:
+  uint32_t axesOf(uint32_t packing) const;
+  const Settings& settings_;
+  bool yUp_;
+  std::vector<std::pair<output::Aov, graph::BufferId>> buffers_;
+};
+
+// How often the pixels of pictures were shaded.
+struct ShadingCounts {
+  uint64_t pixels = 0;    // of the pictures
+  uint64_t drawn = 0;     // of them, those that show anything
+  uint64_t several = 0;   // and those that show several surfaces, so that they are shaded more than once
+  uint64_t shadings = 0;  // of all pixels
+};
+
+// Of surfaces of pixels (kSurfacesFormat), added to `counts`.
+void countShadings(ShadingCounts& counts, const vk::Buffer& surfaces, size_t pixels);
+
+}  // namespace latelight::render
