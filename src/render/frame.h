@@ -21,6 +21,9 @@ struct FrameSetup;
 struct FrameShadows;
 struct Overflow;
 
+// Of a buffer of views: shaders read it by address, and draws as a vertex buffer.
+inline constexpr VkBufferUsageFlags kViewUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT;
+
 // A frame that is being built: one scene seen by V views, each a layer of every target. Passes refer to it until their
 // graph has been submitted.
 struct FrameContext : Builder {
@@ -30,6 +33,7 @@ struct FrameContext : Builder {
   const FrameSetup& setup;
   std::span<const shared::View> views;  // as the device's constants have them
   VkDeviceAddress constants;            // shared::FrameConstants
+  VkBuffer viewBuffer;                  // its View[], to draw with
   uint32_t width, height;
   std::span<const shared::Light> lights;  // those of the constants, on the host
   bool environmentBackground = false;     // draw the environment where nothing else is

@@ -20,7 +20,7 @@ void ViewSet::uploadConstants(const Settings& s) {
   std::vector<shared::View> all = views_.now;
   all.insert(all.end(), views_.previous.begin(), views_.previous.end());
   all.insert(all.end(), views_.next.begin(), views_.next.end());
-  viewBuffer_ = vk::uploadedBuffer(state_.device, "views", std::as_bytes(std::span(all)));
+  viewBuffer_ = vk::uploadedBuffer(state_.device, "views", std::as_bytes(std::span(all)), kViewUsage);
 
   shared::FrameConstants frame{};
   state_.scene.describe(frame);
@@ -53,6 +53,7 @@ const FrameContext& ViewSet::frame(graph::Graph& graph, const FrameSetup& setup)
       kept,
       views_.now,
       constants_.address(),
+      viewBuffer_.get(),
       static_cast<uint32_t>(size.x),
       static_cast<uint32_t>(size.y),
       state_.scene.lights().lights(),

@@ -43,6 +43,7 @@ struct Instance {
   uint flags;  // kInstance*
 };
 SH_CONST uint kInstanceMirrored = 1u;  // negative determinant: front faces are clockwise
+SH_CONST uint kInstanceExtras = 2u;    // its mesh has VertexExtra
 
 // --- materials ------------------------------------------------------------------------------------------------------
 
@@ -109,9 +110,9 @@ struct ShadowBits {  // of 32 lights
 
 struct LightShadow {  // of one light in one view
   uint first;         // its first map among the frame's
-  uint maps;          // from there on: 6 are faces of a cube or cascades, more than one of a directional light cascades,
-                      // finest first; 0: it casts no shadows in this view
-  uint sun;           // 1: the first directional light that casts some, which layouts may have a channel for
+  uint maps;  // from there on: 6 are faces of a cube or cascades, more than one of a directional light cascades,
+              // finest first; 0: it casts no shadows in this view
+  uint sun;   // 1: the first directional light that casts some, which layouts may have a channel for
 };
 
 // One square tile of the shadow atlas, and what of the world it shows (render/shadow). With q = dot(row, (p, 1)) of a
@@ -156,15 +157,15 @@ struct View {
 };
 
 struct FrameConstants {
-  uint64_t views;      // View[viewCount]
-  uint64_t instances;  // Instance[]
-  uint64_t meshes;     // Mesh[]
-  uint64_t materials;  // Material[]
-  uint64_t lights;     // Light[lightCount]: first the directional ones, then the local ones as the tree has them
-  uint64_t lightTree;  // LightBox[]
-  uint64_t shadowBits;   // ShadowBits[(lightCount + 31) / 32]
-  uint64_t lightShadows; // LightShadow[viewCount][shadowColumns]
-  uint64_t shadowMaps;   // ShadowMap[]
+  uint64_t views;         // View[viewCount]
+  uint64_t instances;     // Instance[]
+  uint64_t meshes;        // Mesh[]
+  uint64_t materials;     // Material[]
+  uint64_t lights;        // Light[lightCount]: first the directional ones, then the local ones as the tree has them
+  uint64_t lightTree;     // LightBox[]
+  uint64_t shadowBits;    // ShadowBits[(lightCount + 31) / 32]
+  uint64_t lightShadows;  // LightShadow[viewCount][shadowColumns]
+  uint64_t shadowMaps;    // ShadowMap[]
   // A frame before and a frame after: arrays like `instances` and `views`, and the very same where nothing moves.
   uint64_t previousInstances;
   uint64_t nextInstances;

@@ -1,5 +1,6 @@
 #include "vk/object_cache.h"
 
+#include <chrono>
 #include <type_traits>
 
 #include "base/parallel.h"
@@ -26,6 +27,8 @@ class Key {
   Key& add(const VkStencilOpState& s) {
     return add(s.failOp).add(s.passOp).add(s.depthFailOp).add(s.compareOp).add(s.compareMask).add(s.writeMask);
   }
+  Key& add(const VertexAttribute& a) { return add(a.location).add(a.format).add(a.offset); }
+  Key& add(const VertexBuffer& b) { return add(b.stride).add(b.perInstance).add(b.attributes); }
   template <typename T>
   Key& add(const std::vector<T>& values) {
     add(values.size());
@@ -45,7 +48,7 @@ std::string keyOf(const ComputeDesc& d) {
 std::string keyOf(const GraphicsDesc& d) {
   Key key;
   key.add('g').add(d.vertex).add(d.fragment).add(d.bindings).add(d.materialSet).add(d.constants);
-  key.add(d.pushBytes).add(d.colors);
+  key.add(d.vertexBuffers).add(d.pushBytes).add(d.colors);
   key.add(d.depth).add(d.depthCompare).add(d.depthWrite).add(d.depthClamp).add(d.colorWrite).add(d.blend);
   key.add(d.alphaOnly).add(d.colorsWritten).add(d.samples).add(d.stencil.has_value());
   if (d.stencil) key.add(*d.stencil);
@@ -55,26 +58,35 @@ std::string keyOf(const GraphicsDesc& d) {
 }  // namespace
 
 ObjectCache::~ObjectCache() {
-  for (const auto& [key, made] : pipelines_) made.wait();
+  for (const auto& [key, made] : pipelines_)
+    if (made.wait_for(std::chrono::seconds(0)) != std::future_status::deferred) made.wait();
 }
 
 template <typename Desc>
-PipelineRef ObjectCache::find(std::string key, const Desc& desc) {
+PipelineRef ObjectCache::find(std::string key, const Desc& desc, bool now) {
   std::lock_guard lock(mutex_);
   auto& made = pipelines_[std::move(key)];
   if (!made.valid()) {
-    device_.countPipeline();
-    made = inBackground([this, desc] { return makePipeline(device_, desc); }).share();
+    if (now) device_.countPipeline();
+    const auto make = [this, desc, now] {
+      if (!now) device_.countPipeline();
+      return makePipeline(device_, desc);
+    };
+    made = (now ? inBackground(make) : std::async(std::launch::deferred, make)).share();
   }
   return PipelineRef(made);
 }
 
+PipelineRef ObjectCache::perhaps(const GraphicsDesc& desc) {
+  return find(keyOf(desc), desc, !device_.isCpu());
+}
+
 PipelineRef ObjectCache::pipeline(const ComputeDesc& desc) {
-  return find(keyOf(desc), desc);
+  return find(keyOf(desc), desc, true);
 }
 
 PipelineRef ObjectCache::pipeline(const GraphicsDesc& desc) {
-  return find(keyOf(desc), desc);
+  return find(keyOf(desc), desc, true);
 }
 
 VkSampler ObjectCache::sampler(const SamplerDesc& desc) {

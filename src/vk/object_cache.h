@@ -36,13 +36,15 @@ class ObjectCache {
   // its pipelines while its graph is built, and needs the first when it is recorded. Safe from any thread.
   PipelineRef pipeline(const ComputeDesc& desc);
   PipelineRef pipeline(const GraphicsDesc& desc);
+  // One that may never be needed. On a CPU device, whose cores have better to do, it is made when it is bound first.
+  PipelineRef perhaps(const GraphicsDesc& desc);
   VkSampler sampler(const SamplerDesc& desc);
   VkSampler fetchSampler() { return sampler(kNearestSampler); }  // for what is only fetched from
   VkDescriptorSetLayout setLayout(const std::vector<Binding>& bindings);
 
  private:
   template <typename Desc>
-  PipelineRef find(std::string key, const Desc& desc);
+  PipelineRef find(std::string key, const Desc& desc, bool now);
   Device& device_;
   std::mutex mutex_;
   std::map<std::string, std::shared_future<Pipeline>> pipelines_;

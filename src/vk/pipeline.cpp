@@ -117,6 +117,8 @@ struct FixedState {
 
   std::vector<VkPipelineColorBlendAttachmentState> targets;
   VkPipelineRenderingCreateInfo rendering{VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO};
+  std::vector<VkVertexInputBindingDescription> vertexBindings;
+  std::vector<VkVertexInputAttributeDescription> vertexAttributes;
   VkPipelineVertexInputStateCreateInfo vertices{VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
   VkPipelineInputAssemblyStateCreateInfo assembly{VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO};
   VkPipelineViewportStateCreateInfo viewport{VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO};
@@ -146,6 +148,17 @@ FixedState::FixedState(const GraphicsDesc& desc) {
   targets.assign(desc.colors.size(), target);
   for (size_t i = 0; i < targets.size(); ++i)
     if ((desc.colorsWritten >> i & 1u) == 0) targets[i].colorWriteMask = 0;
+  for (const VertexBuffer& buffer : desc.vertexBuffers) {
+    const auto binding = static_cast<uint32_t>(vertexBindings.size());
+    vertexBindings.push_back(
+        {binding, buffer.stride, buffer.perInstance ? VK_VERTEX_INPUT_RATE_INSTANCE : VK_VERTEX_INPUT_RATE_VERTEX});
+    for (const VertexAttribute& a : buffer.attributes)
+      vertexAttributes.push_back({a.location, binding, a.format, a.offset});
+  }
+  vertices.vertexBindingDescriptionCount = static_cast<uint32_t>(vertexBindings.size());
+  vertices.pVertexBindingDescriptions = vertexBindings.data();
+  vertices.vertexAttributeDescriptionCount = static_cast<uint32_t>(vertexAttributes.size());
+  vertices.pVertexAttributeDescriptions = vertexAttributes.data();
   rendering.colorAttachmentCount = static_cast<uint32_t>(desc.colors.size());
   rendering.pColorAttachmentFormats = desc.colors.data();
   rendering.depthAttachmentFormat = desc.depth;

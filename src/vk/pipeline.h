@@ -65,8 +65,21 @@ enum class Blend : uint8_t {
   SumAndOver,  // colours are added, alpha as with Over
 };
 
+struct VertexAttribute {
+  uint32_t location;
+  VkFormat format;
+  uint32_t offset;  // bytes, from the element's beginning
+  bool operator==(const VertexAttribute&) const = default;
+};
+struct VertexBuffer {
+  uint32_t stride;   // bytes; 0: all read the one element
+  bool perInstance;  // an element an instance, else one a vertex
+  std::vector<VertexAttribute> attributes;
+};
+
 struct GraphicsDesc {
   std::string vertex, fragment;
+  std::vector<VertexBuffer> vertexBuffers;  // by binding
   std::vector<Binding> bindings;
   VkDescriptorSetLayout materialSet = VK_NULL_HANDLE;  // set 1, or none
   std::vector<Constant> constants;                     // both stages

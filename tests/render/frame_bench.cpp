@@ -23,7 +23,7 @@ const FrameContext& FrameBench::frame(graph::Graph& graph, const FrameSetup& set
   kept_ = std::make_unique<Kept>();
   kept_->views = std::move(views);
   kept_->setup = setup;
-  kept_->viewBuffer = vk::uploadedBuffer(device_, "views", std::as_bytes(std::span(kept_->views)));
+  kept_->viewBuffer = vk::uploadedBuffer(device_, "views", std::as_bytes(std::span(kept_->views)), kViewUsage);
   shared::FrameConstants frame{};
   scene_.describe(frame);
   frame.views = frame.previousViews = frame.nextViews = kept_->viewBuffer.address();
@@ -43,6 +43,7 @@ const FrameContext& FrameBench::frame(graph::Graph& graph, const FrameSetup& set
                                                                kept_->setup,
                                                                kept_->views,
                                                                kept_->constants.address(),
+                                                               kept_->viewBuffer.get(),
                                                                static_cast<uint32_t>(size.x),
                                                                static_cast<uint32_t>(size.y),
                                                                scene_.lights().lights()});

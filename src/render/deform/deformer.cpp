@@ -13,7 +13,8 @@ constexpr uint32_t kColumns = 1u << 20;  // vertices a layer of workgroups: thei
 
 template <typename T>
 vk::Buffer makeBuffer(vk::Device& device, const char* name, uint64_t count) {
-  return vk::Buffer(device, {.size = count * sizeof(T), .name = name});
+  constexpr VkBufferUsageFlags kUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT;
+  return vk::Buffer(device, {.size = count * sizeof(T), .usage = kUsage, .name = name});
 }
 
 // Where to put one part's values behind the others'.
@@ -156,16 +157,19 @@ void Deformer::record(graph::Context& context, VkDeviceAddress matrices, VkDevic
   }
 }
 
-void Deformer::describe(std::span<shared::Mesh> meshes) const {
+void Deformer::describe(std::span<shared::Mesh> meshes, std::span<VertexStreams> streams) const {
   for (const Part& part : parts_) {
-    const auto at = [&](uint32_t pose) {
-      return positions_.address() + (uint64_t{pose} * vertices_ + part.firstVertex) * sizeof(glm::vec3);
+    const auto offset = [&](uint32_t pose) {
+      return (uint64_t{pose} * vertices_ + part.firstVertex) * sizeof(glm::vec3);
     };
+    const auto at = [&](uint32_t pose) { return positions_.address() + offset(pose); };
+    const uint64_t attributes = part.firstVertex * sizeof(shared::VertexAttributes);
     shared::Mesh& mesh = meshes[part.mesh];
     mesh.previousPositions = at(0);
     mesh.positions = at(1);
     mesh.nextPositions = at(2);
-    mesh.attributes = attributes_.address() + part.firstVertex * sizeof(shared::VertexAttributes);
+    mesh.attributes = attributes_.address() + attributes;
+    streams[part.mesh] = {positions_.get(), attributes_.get(), offset(1), attributes};
   }
 }
 

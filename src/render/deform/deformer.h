@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "graph/graph.h"
+#include "render/gpu_scene/geometry.h"
 #include "scene/animation.h"
 #include "scene/scene.h"
 #include "shared/types.h"
@@ -30,8 +31,8 @@ class Deformer {
   // Adds what works out all vertices of those poses, in the prologue.
   void addTo(graph::Graph& graph) const;
 
-  // Makes the records of deformed meshes point to where that leaves them.
-  void describe(std::span<shared::Mesh> meshes) const;
+  // Makes the records and streams of deformed meshes point to where that leaves them.
+  void describe(std::span<shared::Mesh> meshes, std::span<VertexStreams> streams) const;
 
   // What holds a deformed mesh in the pose, in its object space.
   scene::ReachBox boundsOf(uint32_t mesh, const scene::Pose& pose) const;

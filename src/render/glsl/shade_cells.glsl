@@ -6,30 +6,16 @@
 #include "render/lighting/lighting_push.h"
 
 struct CellLights {
-  CellsRef cells;      // of this workgroup's tile
-  EntriesRef entries;  // of the same
+  CellsRef cells;    // of this workgroup's tile
+  uint64_t entries;  // of the same: uint[]
 };
 
-// The frame's directional lights, then `count` entries from `first` on. One loop for both: on lavapipe every loop costs a
-// light more than it goes through.
-void shadeList(inout Shading shading, FrameConstants frame, EntriesRef entries, uint first, uint count) {
-  uint end = frame.directionalLights + count;
-  for (uint next = 0u; next < end; next += lanesPresent) {
-    uint i = min(next + laneRank, end - 1u);
-    uint light = i < frame.directionalLights ? i : entries.v[first + i - frame.directionalLights];
-    DealtLight mine = dealtLight(frame, shading.view, light);
-    shadeDealt(shading, frame, mine, next + laneRank < end && reaches(mine.light, shading.low, shading.high));
-  }
-}
-
-// What all lights send to the lanes that take part, whose surfaces lie in one cell of the tile.
+// What all lights send to the lanes that take part, whose surfaces lie in one cell of the tile. Where its list did not
+// fit they come from the tree.
 void shadeCell(inout Shading shading, FrameConstants frame, CellLights lights, uint cell) {
   uvec2 list = lights.cells.v[1u + cell];
   bool fits = list.y != kOverflow;
-  uint count = fits ? list.y : 0u;
-  if (shading.lit) lightsTested += float(frame.directionalLights + count);
-  shadeList(shading, frame, lights.entries, list.x, count);
-  shadeTree(shading, frame, !fits);  // where the list did not fit
+  shadeNear(shading, frame, lights.entries + uint64_t(list.x) * 4u, fits ? list.y : 0u, !fits);
 }
 
 // --- a pixel --------------------------------------------------------------------------------------------------------
@@ -46,7 +32,7 @@ ivec3 placeInTile() {
 vec3 shadeFromCells(LitPixel pixel, View view, FrameConstants frame, CellsPush push) {
   uint64_t tile = tileOf(gl_WorkGroupID, push.tiles);
   CellLights lights = CellLights(CellsRef(push.cells + tile * (8u * (kCellsATile + 1u))),
-                                 EntriesRef(push.entries + tile * (4u * kEntriesATile)));
+                                 push.entries + tile * (4u * kEntriesATile));
   bool together = kCellsATile == 1u && lights.cells.v[1].y != kOverflow;
   uint slice = together ? 0u : sliceOf(depthKey(view.projection, pixel.depth), lights.cells.v[0]);
   vec3 radiance = vec3(0.0);

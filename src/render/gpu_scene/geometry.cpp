@@ -1,5 +1,7 @@
 #include "render/gpu_scene/geometry.h"
 
+#include "render/deform/deformer.h"
+
 namespace latelight::render {
 
 namespace {
@@ -13,10 +15,12 @@ std::span<const std::byte> bytesOf(const std::vector<T>& values) {
 
 GpuGeometry::GpuGeometry(vk::Device& device, const scene::Scene& scene, vk::Uploader& uploader)
     : device_(device), scene_(scene), list_(device, "meshes") {
-  streams_.resize(scene.meshes.size());
+  buffers_.resize(scene.meshes.size());
   records_.resize(scene.meshes.size());
+  rest_.resize(scene.meshes.size());
   for (uint32_t mesh = 0; mesh < records_.size(); ++mesh) uploadMesh(uploader, mesh);
   list_.upload(uploader, records_);
+  posed_ = rest_;
 }
 
 void GpuGeometry::uploadMesh(vk::Uploader& uploader, uint32_t index) {
@@ -32,8 +36,9 @@ void GpuGeometry::uploadMesh(vk::Uploader& uploader, uint32_t index) {
   const uint64_t positions = append(bytesOf(mesh.positions).size());
   const uint64_t attributes = append(bytesOf(mesh.attributes).size());
   const uint64_t extras = append(bytesOf(mesh.extras).size());
-  constexpr VkBufferUsageFlags kUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDEX_BUFFER_BIT;
-  vk::Buffer& buffer = streams_[index] = vk::Buffer(device_, {.size = bytes, .usage = kUsage, .name = mesh.name});
+  constexpr VkBufferUsageFlags kUsage =
+      VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDEX_BUFFER_BIT | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT;
+  vk::Buffer& buffer = buffers_[index] = vk::Buffer(device_, {.size = bytes, .usage = kUsage, .name = mesh.name});
   uploader.upload(buffer, bytesOf(mesh.indices));
   uploader.upload(buffer, bytesOf(mesh.positions), positions);
   uploader.upload(buffer, bytesOf(mesh.attributes), attributes);
@@ -44,19 +49,23 @@ void GpuGeometry::uploadMesh(vk::Uploader& uploader, uint32_t index) {
   record.attributes = buffer.address() + attributes;
   record.extras = mesh.extras.empty() ? 0 : buffer.address() + extras;
   record.vertexCount = static_cast<uint32_t>(mesh.positions.size());
+  rest_[index] = {buffer.get(), buffer.get(), positions, attributes};
   record.triangleCount = static_cast<uint32_t>(mesh.indices.size() / 3);
 }
 
 void GpuGeometry::update(vk::Uploader& uploader, std::span<const uint32_t> changed) {
-  streams_.resize(scene_.meshes.size());
+  buffers_.resize(scene_.meshes.size());
   records_.resize(scene_.meshes.size());
+  rest_.resize(scene_.meshes.size());
   for (const uint32_t mesh : changed) uploadMesh(uploader, mesh);
   list_.upload(uploader, records_, changed);
+  posed_ = rest_;
 }
 
 void GpuGeometry::pose(vk::Uploader& uploader, const Deformer* deformer) {
   std::vector<shared::Mesh> records = records_;
-  if (deformer) deformer->describe(records);
+  posed_ = rest_;
+  if (deformer) deformer->describe(records, posed_);
   list_.upload(uploader, records);
 }
 

@@ -3,12 +3,19 @@
 
 #include <vector>
 
-#include "render/deform/deformer.h"
 #include "render/gpu_scene/buffer.h"
 #include "scene/scene.h"
 #include "shared/types.h"
 
 namespace latelight::render {
+
+class Deformer;
+
+// Where the vertices of a mesh are read from as it is drawn.
+struct VertexStreams {
+  VkBuffer positions = VK_NULL_HANDLE, attributes = VK_NULL_HANDLE;  // vec3[], shared::VertexAttributes[]
+  VkDeviceSize firstPosition = 0, firstAttribute = 0;                // byte offsets
+};
 
 class GpuGeometry {
  public:
@@ -18,7 +25,8 @@ class GpuGeometry {
   // Records as they are at rest, or (not null) where the deformer has the vertices.
   void pose(vk::Uploader& uploader, const Deformer* deformer);
 
-  VkBuffer indexBuffer(uint32_t mesh) const { return streams_[mesh].get(); }  // from its beginning on
+  const VertexStreams& streams(uint32_t mesh) const { return posed_[mesh]; }
+  VkBuffer indexBuffer(uint32_t mesh) const { return buffers_[mesh].get(); }  // from its beginning on
   uint32_t indexCount(uint32_t mesh) const { return 3 * records_[mesh].triangleCount; }
   VkDeviceAddress address() const { return list_.address(); }  // shared::Mesh[]
 
@@ -26,8 +34,9 @@ class GpuGeometry {
   void uploadMesh(vk::Uploader& uploader, uint32_t mesh);
   vk::Device& device_;
   const scene::Scene& scene_;
-  std::vector<vk::Buffer> streams_;    // by mesh: indices, positions, attributes, extras
+  std::vector<vk::Buffer> buffers_;    // by mesh: indices, positions, attributes, extras
   std::vector<shared::Mesh> records_;  // at rest
+  std::vector<VertexStreams> rest_, posed_;
   GpuList<shared::Mesh> list_;
 };
 

@@ -40,7 +40,8 @@ void GpuInstances::place(uint32_t index, const glm::mat4& toWorld, const scene::
                      .material = instance.material,
                      .id = instance.id,
                      .part = instance.part,
-                     .flags = mirrored ? shared::kInstanceMirrored : 0u};
+                     .flags = (mirrored ? shared::kInstanceMirrored : 0u) |
+                              (scene_.meshes[instance.mesh].extras.empty() ? 0u : shared::kInstanceExtras)};
   if (instance.removed) {
     bounds_[index] = kNowhere;
     return;
@@ -56,8 +57,7 @@ void GpuInstances::pose(vk::Uploader& uploader, const Poses& poses, const Deform
   records_.resize(transforms.size());
   bounds_.resize(transforms.size());
   parallelFor(transforms.size(), kInstancesAtOnce, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i)
-      place(static_cast<uint32_t>(i), transforms[i], poses.current, deformer);
+    for (size_t i = begin; i < end; ++i) place(static_cast<uint32_t>(i), transforms[i], poses.current, deformer);
   });
   list_.upload(uploader, records_);
   moves_ = !poses.current.empty();

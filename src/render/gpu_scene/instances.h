@@ -23,9 +23,10 @@ class GpuInstances {
   uint32_t count() const { return static_cast<uint32_t>(records_.size()); }
   const shared::Instance& record(uint32_t instance) const { return records_[instance]; }
   const Sphere& bounds(uint32_t instance) const { return bounds_[instance]; }  // touches nothing where it was removed
-  scene::Bounds allBounds() const;  // around those spheres
-  uint64_t revision() const { return revision_; }  // grows whenever one changes
+  scene::Bounds allBounds() const;                                             // around those spheres
+  uint64_t revision() const { return revision_; }                              // grows whenever one changes
 
+  VkDeviceAddress address() const { return list_.address(); }  // shared::Instance[]
   void describe(shared::FrameConstants& frame) const;
 
  private:

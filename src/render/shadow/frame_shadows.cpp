@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "render/frame.h"
 #include "shared/shadow.h"
 
 namespace latelight::render {
@@ -103,7 +104,7 @@ void FrameShadows::upload(vk::Device& device) {
   bitsBuffer_ = uploaded(device, "shadow bits", bits_);
   tableBuffer_ = uploaded(device, "shadows of lights", table_);
   mapsBuffer_ = uploaded(device, "shadow maps", records_);
-  viewsBuffer_ = uploaded(device, "shadow views", views);
+  viewsBuffer_ = vk::uploadedBuffer(device, "shadow views", std::as_bytes(std::span(views)), kViewUsage);
   constantsBuffer_ = uploaded(device, "shadow constants", std::vector<shared::FrameConstants>(1));
 }
 

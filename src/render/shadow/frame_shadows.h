@@ -34,6 +34,7 @@ class FrameShadows {
   std::span<const Map> maps() const { return maps_; }
   // Constants of a frame whose views are the maps, in their order.
   VkDeviceAddress mapConstants(const shared::FrameConstants& frame);
+  VkBuffer mapViews() const { return viewsBuffer_.get(); }  // their View[]
 
   // A layer a view. Drawn once for all samples of a picture.
   const vk::Image& atlas() const { return atlas_; }

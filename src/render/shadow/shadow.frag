@@ -5,6 +5,7 @@
 // gl_FragCoord.z times w, whatever the kind of map, and nothing has to be loaded. Twice that is depth.
 #include "render/glsl/common.glsl"
 #define DRAW_PUSH ShadowDraw
+#define NO_VARYINGS
 #include "render/visibility/varyings.glsl"
 #include "render/glsl/shadow_texel.glsl"
 

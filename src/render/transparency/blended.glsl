@@ -19,8 +19,7 @@ vec3 lightsAt(FrameConstants frame, Surface s, vec3 toEye, bool shows) {
   if (kEveryLight != 0u) return shadeAllLightsPlainly(frame, push.view, s, toEye);
   countLanes();
   Shading shading = startShading(s, toEye, push.view, shows);
-  shadeRange(shading, frame, 0u, frame.directionalLights);
-  shadeTree(shading, frame, true);
+  shadeNear(shading, frame, 0ul, 0u, true);
   return shading.radiance;
 }
 

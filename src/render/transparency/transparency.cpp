@@ -10,6 +10,7 @@ ScenePipelines blendedPipelines(const FrameContext& f, const Bindings& maps, con
   const bool everyLight = f.setup.transparency.everyLight || forwardLoop(f.device) == ForwardLoop::Plain;
   vk::GraphicsDesc desc;
   desc.vertex = target.vertex.empty() ? "scene.vert" : target.vertex;
+  desc.vertexBuffers = sceneVertexBuffers(desc.vertex);
   desc.fragment = target.fragment;
   desc.samples = target.samples;
   desc.bindings = maps.kinds();

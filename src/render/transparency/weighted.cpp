@@ -14,11 +14,8 @@ void addWeightedTransparency(const FrameContext& f, const Gbuffer& gbuffer) {
   const std::vector<graph::ImageId> sums{createTarget(f, format, "weighted colours"),
                                          createTarget(f, format, "weights")};
   const Bindings maps = litMaps(f, gbuffer, graph::Use::SampledFragment);
-  const ScenePipelines pipelines =
-      blendedPipelines(f, maps,
-                       {.fragment = "blended_weighted.frag",
-                        .colors = {format, format},
-                        .blend = vk::Blend::SumAndOver});
+  const ScenePipelines pipelines = blendedPipelines(
+      f, maps, {.fragment = "blended_weighted.frag", .colors = {format, format}, .blend = vk::Blend::SumAndOver});
   std::vector<graph::Access> accesses = maps.accesses();
   accesses.emplace_back(gbuffer.depth, graph::Use::DepthTest);
   for (graph::ImageId sum : sums) accesses.emplace_back(sum, graph::Use::ColorAttachment);
@@ -27,9 +24,7 @@ void addWeightedTransparency(const FrameContext& f, const Gbuffer& gbuffer) {
                  const std::vector<vk::BoundImage> images = maps.images(context);
                  for (uint32_t view = 0; view < f.viewCount(); ++view) {
                    beginView(context, f, view, sums, {gbuffer.depth, false});
-                   SceneBinder binder(context, f.scene,
-                                      {.frame = f.constants, .instances = draws.instances(), .view = view}, pipelines,
-                                      images);
+                   SceneBinder binder(context, f.scene, draws, {f.constants, f.viewBuffer, view}, pipelines, images);
                    recordDraws(context, f.scene, binder, draws[view]);
                    vkCmdEndRendering(context.get());
                  }

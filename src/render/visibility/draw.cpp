@@ -1,6 +1,7 @@
 #include "render/visibility/draw.h"
 
 #include <algorithm>
+#include <cstddef>
 
 namespace latelight::render {
 
@@ -15,6 +16,9 @@ VkRenderingAttachmentInfo attachment(VkImageView view, VkImageLayout layout, VkA
           .storeOp = store};
 }
 
+// Vertex buffers of scene draws, by binding.
+constexpr uint32_t kPositions = 0, kAttributes = 1, kInstances = 2;  // 3: views
+
 bool cutsOut(const shared::Material& material) {
   return (material.flags & (shared::kMaterialMasked | shared::kMaterialBlended)) != 0;
 }
@@ -24,8 +28,10 @@ bool cutsOut(const shared::Material& material) {
 DeviceDraws::DeviceDraws(vk::Device& device, std::vector<DrawList> lists) {
   size_t count = 0;
   for (const DrawList& list : lists) count += list.instances.size();
-  instances_ = vk::Buffer(
-      device, {.size = count * sizeof(uint32_t), .kind = vk::MemoryKind::Upload, .name = "instances to draw"});
+  instances_ = vk::Buffer(device, {.size = count * sizeof(uint32_t),
+                                   .usage = VK_BUFFER_USAGE_VERTEX_BUFFER_BIT,
+                                   .kind = vk::MemoryKind::Upload,
+                                   .name = "instances to draw"});
   uint32_t first = 0;
   for (DrawList& list : lists) {
     for (Draw& draw : list.draws) draw.first += first;
@@ -39,21 +45,58 @@ bool DeviceDraws::empty() const {
   return std::all_of(draws_.begin(), draws_.end(), [](const std::vector<Draw>& list) { return list.empty(); });
 }
 
-ScenePipelines scenePipelines(vk::Device& device, vk::GraphicsDesc desc) {
-  if (desc.vertex.empty()) desc.vertex = "scene.vert";
-  if (desc.pushBytes == 0) desc.pushBytes = sizeof(shared::DrawPush);
-  desc.materialSet = GpuMaterials::setLayout(device);
-  desc.constants.push_back({kFirstOwnConstant, 0});
-  ScenePipelines pipelines{.opaque = device.cache().pipeline(desc), .masked = {}};
-  desc.constants.back().value = 1;
-  desc.name += " masked";
-  pipelines.masked = device.cache().pipeline(desc);
-  return pipelines;
+std::vector<vk::VertexBuffer> sceneVertexBuffers(const std::string& vertexShader) {
+  using shared::VertexAttributes;
+  constexpr uint32_t kColumn = sizeof(glm::vec3), kProjection = offsetof(shared::View, projection);
+  constexpr uint32_t kPrincipal = kProjection + offsetof(shared::Projection, X);
+  constexpr uint32_t kKind = kProjection + offsetof(shared::Projection, kind);
+  std::vector<vk::VertexBuffer> buffers{{kColumn, false, {{0, VK_FORMAT_R32G32B32_SFLOAT, 0}}},
+                                        {sizeof(VertexAttributes), false, {}},
+                                        {sizeof(uint32_t), true, {{4, VK_FORMAT_R32_UINT, 0}}},
+                                        {0,
+                                         true,
+                                         {{5, VK_FORMAT_R32G32B32_SFLOAT, 0},
+                                          {6, VK_FORMAT_R32G32B32_SFLOAT, kColumn},
+                                          {7, VK_FORMAT_R32G32B32_SFLOAT, 2 * kColumn},
+                                          {8, VK_FORMAT_R32G32B32_SFLOAT, 3 * kColumn},
+                                          {9, VK_FORMAT_R32G32B32A32_SFLOAT, kProjection},
+                                          {10, VK_FORMAT_R32G32_SFLOAT, kPrincipal},
+                                          {11, VK_FORMAT_R32_UINT, kKind}}}};
+  if (vertexShader != "scene_depth.vert")
+    buffers[kAttributes].attributes = {{1, VK_FORMAT_R32G32B32_SFLOAT, offsetof(VertexAttributes, normal)},
+                                       {2, VK_FORMAT_R32G32B32A32_SFLOAT, offsetof(VertexAttributes, tangent)},
+                                       {3, VK_FORMAT_R32G32_SFLOAT, offsetof(VertexAttributes, uv0)}};
+  return buffers;
 }
 
-SceneBinder::SceneBinder(graph::Context& context, const GpuScene& scene, const shared::DrawPush& push,
-                         const ScenePipelines& pipelines, std::span<const vk::BoundImage> images)
-    : context_(context), scene_(scene), push_(push), pipelines_(pipelines), images_(images) {}
+ScenePipelines scenePipelines(vk::Device& device, const vk::GraphicsDesc& opaque, const vk::GraphicsDesc& masked) {
+  const auto completed = [&](vk::GraphicsDesc desc, uint32_t isMasked) {
+    if (desc.vertex.empty()) desc.vertex = "scene.vert";
+    desc.vertexBuffers = sceneVertexBuffers(desc.vertex);
+    if (desc.pushBytes == 0) desc.pushBytes = sizeof(shared::DrawPush);
+    desc.materialSet = GpuMaterials::setLayout(device);
+    desc.constants.push_back({kFirstOwnConstant, isMasked});
+    if (isMasked) desc.name += " masked";
+    return desc;
+  };
+  return {device.cache().pipeline(completed(opaque, 0)), device.cache().perhaps(completed(masked, 1))};
+}
+
+ScenePipelines scenePipelines(vk::Device& device, const vk::GraphicsDesc& desc) {
+  return scenePipelines(device, desc, desc);
+}
+
+SceneBinder::SceneBinder(graph::Context& context, const GpuScene& scene, const DeviceDraws& draws,
+                         const DrawnView& view, const ScenePipelines& pipelines, std::span<const vk::BoundImage> images)
+    : context_(context),
+      scene_(scene),
+      push_{.frame = view.frame, .instances = scene.instances().address(), .view = view.view},
+      pipelines_(pipelines),
+      images_(images) {
+  const VkBuffer buffers[] = {draws.instances(), view.views};
+  const VkDeviceSize offsets[] = {0, view.view * sizeof(shared::View)};
+  vkCmdBindVertexBuffers(context.get(), kInstances, 2, buffers, offsets);
+}
 
 const vk::Pipeline& SceneBinder::bind(const Draw& draw) {
   VkCommandBuffer commands = context_.get();
@@ -71,6 +114,10 @@ const vk::Pipeline& SceneBinder::bind(const Draw& draw) {
     material_ = draw.material;
   }
   if (mesh_ != draw.mesh) {
+    const VertexStreams& streams = scene_.geometry().streams(draw.mesh);
+    const VkBuffer buffers[] = {streams.positions, streams.attributes};
+    const VkDeviceSize offsets[] = {streams.firstPosition, streams.firstAttribute};
+    vkCmdBindVertexBuffers(commands, kPositions, 2, buffers, offsets);
     vkCmdBindIndexBuffer(commands, scene_.geometry().indexBuffer(draw.mesh), 0, VK_INDEX_TYPE_UINT32);
     mesh_ = draw.mesh;
   }

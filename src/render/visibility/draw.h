@@ -19,7 +19,7 @@ class DeviceDraws {
   const std::vector<Draw>& operator[](size_t list) const { return draws_[list]; }
   bool empty() const;                                                                   // none has any
   uint32_t instance(uint32_t place) const { return instances_.as<uint32_t>()[place]; }  // as the scene numbers them
-  VkDeviceAddress instances() const { return instances_.address(); }
+  VkBuffer instances() const { return instances_.get(); }  // uint[], which the draws find their instances by
 
  private:
   std::vector<std::vector<Draw>> draws_;  // `first` counts over all lists
@@ -31,15 +31,24 @@ class DeviceDraws {
 struct ScenePipelines {
   vk::PipelineRef opaque, masked;
 };
-// `desc` without its vertex shader, material set and kAlphaMasked (kFirstOwnConstant), which this fills in; fragment
-// shaders have the constant. It pushes DrawPush alone unless desc.pushBytes says more.
-ScenePipelines scenePipelines(vk::Device& device, vk::GraphicsDesc desc);
+// Vertex buffers of a shader of scene draws: of scene_depth.vert, or of those that read attributes too.
+std::vector<vk::VertexBuffer> sceneVertexBuffers(const std::string& vertexShader);
+// `desc` without its vertex shader and buffers, material set and kAlphaMasked (kFirstOwnConstant), which this fills in;
+// fragment shaders have the constant. It pushes DrawPush alone unless desc.pushBytes says more.
+ScenePipelines scenePipelines(vk::Device& device, const vk::GraphicsDesc& desc);
+ScenePipelines scenePipelines(vk::Device& device, const vk::GraphicsDesc& opaque, const vk::GraphicsDesc& masked);
 
 // Makes state follow the draws of one view: pipeline, set 0, material, culling. What stays the same is not set again.
+struct DrawnView {
+  VkDeviceAddress frame;  // shared::FrameConstants
+  VkBuffer views;         // its View[]
+  uint32_t view;          // of them
+};
+
 class SceneBinder {
  public:
   // `images`: set 0 of both pipelines.
-  SceneBinder(graph::Context& context, const GpuScene& scene, const shared::DrawPush& push,
+  SceneBinder(graph::Context& context, const GpuScene& scene, const DeviceDraws& draws, const DrawnView& view,
               const ScenePipelines& pipelines, std::span<const vk::BoundImage> images = {});
   const vk::Pipeline& bind(const Draw& draw);  // returns the pipeline that is now bound
 

@@ -10,7 +10,7 @@ SH_BEGIN
 
 struct DrawPush {      // 24 bytes
   uint64_t frame;      // FrameConstants
-  uint64_t instances;  // uint[]: which instance each of the draws' instances is
+  uint64_t instances;  // Instance[]
   uint view;
   uint padding;  // what follows begins at a multiple of 8 in C++
 };

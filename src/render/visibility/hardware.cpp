@@ -57,8 +57,7 @@ bool HardwareVisibility::anyBlended() const {
 void HardwareVisibility::recordSolid(graph::Context& context, const FrameContext& f, uint32_t view,
                                      const ScenePipelines& pipelines, std::span<const vk::BoundImage> images) const {
   const auto record = [&](const DeviceDraws& draws) {
-    SceneBinder binder(context, scene_, {.frame = f.constants, .instances = draws.instances(), .view = view}, pipelines,
-                       images);
+    SceneBinder binder(context, scene_, draws, {f.constants, f.viewBuffer, view}, pipelines, images);
     recordDraws(context, scene_, binder, draws[view]);
   };
   record(solid_);
@@ -97,7 +96,8 @@ graph::ImageId HardwareVisibility::addDepth(const FrameContext& f) const {
   vk::GraphicsDesc masked = desc;
   masked.fragment = f.setup.variant("masked.frag");
   masked.constants = f.setup.constants();
-  const ScenePipelines pipelines{scenePipelines(f.device, desc).opaque, scenePipelines(f.device, masked).masked};
+  desc.vertex = "scene_depth.vert";
+  const ScenePipelines pipelines = scenePipelines(f.device, desc, masked);
   const graph::ImageId depth = createTarget(f, kDepthFormat, "depth", f.setup.samples);
   f.graph.pass(graph::Stage::Visibility, "depth", {{depth, graph::Use::DepthAttachment}},
                [=, &f, this](graph::Context& context) {
@@ -174,28 +174,27 @@ void HardwareVisibility::addFragments(const FrameContext& f, const Gbuffer& gbuf
                                    {buffers.fragments, graph::Use::FragmentWrite},
                                    {buffers.counts, graph::Use::FragmentReadWrite},
                                    {buffers.totals, graph::Use::FragmentReadWrite}});
-  f.graph.pass(
-      graph::Stage::Transparency, "transparency store", std::move(accesses), [=, &f, this](graph::Context& context) {
-        const std::vector<vk::BoundImage> images = maps.images(context);
-        const shared::FragmentLists lists{.fragments = context.buffer(buffers.fragments).address(),
-                                          .counts = context.buffer(buffers.counts).address(),
-                                          .totals = context.buffer(buffers.totals).address(),
-                                          .capacity = buffers.capacity};
-        for (uint32_t view = 0; view < f.viewCount(); ++view) {
-          beginView(context, f, view, {}, {depth, false});
-          SceneBinder binder(context, scene_, {.frame = f.constants, .instances = blended_.instances(), .view = view},
-                             pipelines, images);
-          uint32_t order = 0;  // beyond 2^32 triangles in a view it starts again
-          for (const Draw& draw : blended_[view]) {
-            const vk::Pipeline& pipeline = binder.bind(draw);
-            const uint32_t triangles = scene_.geometry().indexCount(draw.mesh) / 3;
-            pushMore(context, pipeline, shared::FragmentDraw{lists, {order, draw.first, triangles}});
-            recordDraw(context, scene_, draw);
-            order += triangles * draw.count;
-          }
-          vkCmdEndRendering(context.get());
-        }
-      });
+  f.graph.pass(graph::Stage::Transparency, "transparency store", std::move(accesses),
+               [=, &f, this](graph::Context& context) {
+                 const std::vector<vk::BoundImage> images = maps.images(context);
+                 const shared::FragmentLists lists{.fragments = context.buffer(buffers.fragments).address(),
+                                                   .counts = context.buffer(buffers.counts).address(),
+                                                   .totals = context.buffer(buffers.totals).address(),
+                                                   .capacity = buffers.capacity};
+                 for (uint32_t view = 0; view < f.viewCount(); ++view) {
+                   beginView(context, f, view, {}, {depth, false});
+                   SceneBinder binder(context, scene_, blended_, {f.constants, f.viewBuffer, view}, pipelines, images);
+                   uint32_t order = 0;  // beyond 2^32 triangles in a view it starts again
+                   for (const Draw& draw : blended_[view]) {
+                     const vk::Pipeline& pipeline = binder.bind(draw);
+                     const uint32_t triangles = scene_.geometry().indexCount(draw.mesh) / 3;
+                     pushMore(context, pipeline, shared::FragmentDraw{lists, {order, draw.first, triangles}});
+                     recordDraw(context, scene_, draw);
+                     order += triangles * draw.count;
+                   }
+                   vkCmdEndRendering(context.get());
+                 }
+               });
 }
 
 const HardwareVisibility& hardwareOf(const FrameContext& f, const char* technique) {

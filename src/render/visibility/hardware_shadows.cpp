@@ -22,7 +22,8 @@ ScenePipelines shadowPipelines(const FrameContext& f) {
   desc.name = "shadow";
   vk::GraphicsDesc masked = desc;
   masked.fragment = "shadow_masked.frag";
-  return {scenePipelines(f.device, desc).opaque, scenePipelines(f.device, masked).masked};
+  desc.vertex = "scene_depth.vert";
+  return scenePipelines(f.device, desc, masked);
 }
 
 // What a map holds where nothing is: the farthest. rgba8-classic makes 0 of 1, so its maps are cleared to what no
@@ -114,8 +115,7 @@ void HardwareVisibility::addShadowMaps(const FrameContext& f, graph::ImageId atl
       const uint32_t layer = maps[i].layer;
       if (i == 0 || layer != maps[i - 1].layer) beginAtlas(context, targets, f.shadows->plan(layer), layer);
       setTile(context, maps[i].view->tile);
-      SceneBinder binder(context, scene_, {.frame = constants, .instances = casters->instances(), .view = i},
-                         pipelines);
+      SceneBinder binder(context, scene_, *casters, {constants, f.shadows->mapViews(), i}, pipelines);
       for (const Draw& draw : (*casters)[i]) {
         pushMore(context, binder.bind(draw), shared::ShadowDraw{maps[i].view->unit});
         vkCmdSetCullMode(context.get(), VK_CULL_MODE_NONE);

@@ -1,4 +1,5 @@
-// The vertex shader of scene draws. MOTION before the include: where the vertex was and will be besides.
+// The vertex shader of scene draws. MOTION before the include: where the vertex was and will be besides. NO_VARYINGS:
+// where it is, and nothing else.
 #define VERTEX_STAGE
 #include "render/glsl/common.glsl"
 #include "render/visibility/varyings.glsl"
@@ -12,17 +13,35 @@ layout(location = 9) flat out uint varyingDrawn;
 // The geometry pass compares for equality with the depth that the depth pass left.
 invariant gl_Position;
 
+// What comes from vertex buffers (draw.cpp): lavapipe loads by address lane by lane, which cost four times as much as the
+// rest of this shader. What is the same for all vertices of a draw is an element of an instance.
+layout(location = 0) in vec3 inPosition;
+#ifndef NO_VARYINGS
+layout(location = 1) in vec3 inNormal;
+layout(location = 2) in vec4 inTangent;
+layout(location = 3) in vec2 inUv0;
+#endif
+layout(location = 4) in uint inInstance;  // as the scene numbers them
+layout(location = 5) in vec3 inWorldToView[4];  // columns
+layout(location = 9) in vec4 inProjection;
+layout(location = 10) in vec2 inPrincipal;
+layout(location = 11) in uint inProjectionKind;
+
+vec3 placeVertex(Instance instance) {
+  Projection projection = Projection(inProjection.x, inProjection.y, inProjection.z, inProjection.w, inPrincipal.x,
+                                     inPrincipal.y, inProjectionKind);
+  mat4x3 worldToView = mat4x3(inWorldToView[0], inWorldToView[1], inWorldToView[2], inWorldToView[3]);
+  vec3 world = instance.objectToWorld * vec4(inPosition, 1.0);
+  gl_Position = projectToClip(projection, worldToView * vec4(world, 1.0));
+  return world;
+}
+
+#ifdef NO_VARYINGS
+void main() { placeVertex(InstanceRef(push.instances).v[inInstance]); }
+#else
 void main() {
-  FrameConstants frame = FrameRef(push.frame).v;
-  uint index = UintRef(push.instances).v[gl_InstanceIndex];
-  Instance instance = frameInstance(frame, index);
-  Mesh mesh = frameMesh(frame, instance.mesh);
-  View view = frameView(frame, push.view);
-
-  vec3 world = instance.objectToWorld * vec4(PositionRef(mesh.positions).v[gl_VertexIndex], 1.0);
-  gl_Position = projectToClip(view.projection, view.worldToView * vec4(world, 1.0));
-
-  VertexAttributes attributes = AttributesRef(mesh.attributes).v[gl_VertexIndex];
+  Instance instance = InstanceRef(push.instances).v[inInstance];
+  vec3 world = placeVertex(instance);
   mat3 linear = mat3(instance.objectToWorld);
   // Directions only: without the scale, which may be 1e-6 in quantised meshes and would underflow in products.
   linear /= max(max(length(linear[0]), max(length(linear[1]), length(linear[2]))), 1e-37);
@@ -30,21 +49,24 @@ void main() {
   mat3 cofactor = mat3(cross(linear[1], linear[2]), cross(linear[2], linear[0]), cross(linear[0], linear[1]));
   float handedness = (instance.flags & kInstanceMirrored) != 0u ? -1.0 : 1.0;
   varyingPosition = world;
-  vec3 normal = handedness * (cofactor * attributes.normal);
+  vec3 normal = handedness * (cofactor * inNormal);
   varyingNormal = normal * inversesqrt(max(dot(normal, normal), 1e-37));
-  varyingTangent = vec4(linear * attributes.tangent.xyz, attributes.tangent.w * handedness);
-  varyingUv = vec4(attributes.uv0, attributes.uv0);
+  varyingTangent = vec4(linear * inTangent.xyz, inTangent.w * handedness);
+  varyingUv = vec4(inUv0, inUv0);
   varyingColor = vec4(1.0);
-  if (mesh.extras != 0ul) {
-    VertexExtra extra = ExtraRef(mesh.extras).v[gl_VertexIndex];
+  // A loop, since lavapipe runs a branch whether any lane takes it or not.
+  for (bool some = (instance.flags & kInstanceExtras) != 0u; some; some = false) {
+    VertexExtra extra = ExtraRef(frameMesh(FrameRef(push.frame).v, instance.mesh).extras).v[gl_VertexIndex];
     varyingUv.zw = extra.uv1;
     varyingColor = extra.color;
   }
-  varyingInstance = index;
+  varyingInstance = inInstance;
 #ifdef FRAGMENT_ORDER
   varyingDrawn = gl_InstanceIndex;
 #endif
 #ifdef MOTION
-  passMotion(frame, view, mesh, world, index);
+  FrameConstants frame = FrameRef(push.frame).v;
+  passMotion(frame, frameView(frame, push.view), frameMesh(frame, instance.mesh), world, inInstance);
 #endif
 }
+#endif

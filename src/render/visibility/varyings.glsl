@@ -1,4 +1,4 @@
-// What vertex and fragment shaders of scene draws share: push constants and what is interpolated.
+// What vertex and fragment shaders of scene draws share: push constants, and (without NO_VARYINGS) what is interpolated.
 #include "render/visibility/draw_push.h"
 
 #ifdef DRAW_PUSH  // before the include: what the fragment shader is pushed besides
@@ -10,6 +10,7 @@ layout(push_constant, scalar) uniform Push {
 layout(push_constant, scalar) uniform Push { DrawPush push; };
 #endif
 
+#ifndef NO_VARYINGS
 #ifdef VERTEX_STAGE
 #define VARYING out
 #define VARYING_INSIDE out
@@ -29,3 +30,4 @@ layout(location = 2) VARYING_INSIDE vec4 varyingTangent;   // world, not unit; w
 layout(location = 3) VARYING_INSIDE vec4 varyingUv;        // UV sets 0 and 1
 layout(location = 4) VARYING_INSIDE vec4 varyingColor;
 layout(location = 5) flat VARYING uint varyingInstance;
+#endif

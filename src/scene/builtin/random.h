@@ -55,7 +55,7 @@ inline float noise2(float x, float y, uint32_t period, uint32_t seed) {
   const int32_t i = detail::floorOf(x), j = detail::floorOf(y), n = static_cast<int32_t>(period);
   const float u = detail::quintic(x - float(i)), v = detail::quintic(y - float(j));
   const auto wrap = [n](int32_t k) {
-    k %= n;
+    if (k < 0 || k >= n) k %= n;  // a division would be most of the noise's time
     return static_cast<uint32_t>(k < 0 ? k + n : k);
   };
   const uint32_t x0 = wrap(i), y0 = wrap(j), x1 = x0 + 1 == period ? 0 : x0 + 1, y1 = y0 + 1 == period ? 0 : y0 + 1;

@@ -98,9 +98,7 @@ void addLights(const FrameContext& f, const Gbuffer& gbuffer, Targets targets) {
                  uint64_t passes = 0;
                  for (uint32_t view = 0; view < f.viewCount(); ++view) {
                    beginView(context, f, view, colors, {depth, false}, ColorUse::Keep);
-                   SceneBinder binder(context, f.scene,
-                                      {.frame = f.constants, .instances = draws.instances(), .view = view}, pipelines,
-                                      images);
+                   SceneBinder binder(context, f.scene, draws, {f.constants, f.viewBuffer, view}, pipelines, images);
                    passes += recordLights(context, f, draws, view, binder);
                    vkCmdEndRendering(context.get());
                  }
