@@ -15,7 +15,6 @@ namespace latelight::render {
 namespace {
 
 constexpr size_t kMostViews = 256;  // at once: the least maxImageArrayLayers of Vulkan
-constexpr size_t kPartsAhead = 2;   // of a job that are on their way when the next begins: they hold their results
 
 // What the device may take for views that are rendered at once. A CPU's caches gain nothing from more.
 uint64_t memoryForViews(const vk::Device& device) {
@@ -73,7 +72,7 @@ std::shared_ptr<FrameShadows> Renderer::planShadows(std::span<const scene::Camer
   if (!castsShadows(settings)) return nullptr;
   std::vector<shared::View> views;
   for (const scene::Camera& camera : cameras) views.push_back(makeView(camera, settings.width, settings.height));
-  auto shadows = std::make_shared<FrameShadows>(device_, gpuScene_, views, settings);
+  auto shadows = std::make_shared<FrameShadows>(device_, gpuScene_, views, settings, shadowAtlas_);
   return shadows->empty() ? nullptr : shadows;
 }
 
@@ -111,9 +110,10 @@ std::shared_ptr<RenderJob> Renderer::start(std::span<const scene::Camera> camera
 size_t Renderer::startViews(const std::shared_ptr<RenderJob>& job, size_t first, size_t count,
                             std::span<const Strip> strips) {
   const Settings& s = job->settings;
+  settle();  // shadow maps that are planned from here on take the place of others
   const std::shared_ptr<FrameShadows> shadows = planShadows(std::span(job->now).subspan(first, count), s);
   for (const Strip strip : strips) {
-    while (job->parts.size() >= kPartsAhead) read(*job);
+    while (!job->parts.empty()) read(*job);  // a strip takes a strip's memory
     settle();
     RenderPart& part = job->parts.emplace_back(*job, first, count, strip, shadows);
     part.continues = job->continues && count == job->viewCount() && history_.fits(s.width, s.height, count);

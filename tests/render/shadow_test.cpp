@@ -274,7 +274,8 @@ TEST_F(ShadowTest, DevicesLookUpWhatTheHostLooksUp) {
       // The maps once more, read back.
       FrameBench bench(device(), scene);
       const shared::View view = makeView(frontCamera(kHalf, 4), kSize, kSize);
-      FrameShadows shadows(device(), bench.scene(), {&view, 1}, settings);
+      KeptAtlas kept;
+      FrameShadows shadows(device(), bench.scene(), {&view, 1}, settings, kept);
       const ShadowPlan& plan = shadows.plan(0);
       graph::Graph graph;
       FrameContext f = bench.frame(graph, {.shadowFormat = index, .shadowFilter = shared::kShadowFilterPcf}, {view});

@@ -25,6 +25,13 @@ bool sameMaps(const ShadowPlan& a, const ShadowPlan::Entry& of, const ShadowPlan
   return true;
 }
 
+// Whether an atlas has room for what another has, and not much more.
+bool holds(const vk::ImageDesc& atlas, const vk::ImageDesc& needed) {
+  const auto texels = [](const vk::ImageDesc& d) { return uint64_t{d.width} * d.height * d.layers; };
+  return atlas.format == needed.format && atlas.width >= needed.width && atlas.height >= needed.height &&
+         atlas.layers >= needed.layers && texels(atlas) <= 4 * texels(needed);
+}
+
 }  // namespace
 
 VkFormat shadowImageFormat(uint32_t format) {
@@ -37,7 +44,7 @@ bool shadowIsPacked(uint32_t format) {
 }
 
 FrameShadows::FrameShadows(vk::Device& device, const GpuScene& scene, std::span<const shared::View> views,
-                           const Settings& settings)
+                           const Settings& settings, KeptAtlas& kept)
     : format_(indexOf(settings.shadows)) {
   const ShadowScene planned{scene.lights().lights(), scene.lights().sources(), scene.lights().authored(),
                             scene.bounds()};
@@ -49,7 +56,7 @@ FrameShadows::FrameShadows(vk::Device& device, const GpuScene& scene, std::span<
   columns_.erase(std::unique(columns_.begin(), columns_.end()), columns_.end());
   if (columns_.empty()) return;
   number(scene.lights().count());
-  upload(device);
+  upload(device, kept);
 }
 
 void FrameShadows::number(uint32_t lights) {
@@ -60,11 +67,13 @@ void FrameShadows::number(uint32_t lights) {
   table_.resize(plans_.size() * columns_.size());
   std::vector<std::vector<Drawn>> drawn(columns_.size());
   for (uint32_t view = 0; view < viewCount(); ++view) {
+    const size_t before = maps_.size();
     for (const ShadowPlan::Entry& entry : plans_[view].lights) {
       const auto column = std::lower_bound(columns_.begin(), columns_.end(), entry.light) - columns_.begin();
       table_[view * columns_.size() + static_cast<size_t>(column)] =
           enter(view, entry, drawn[static_cast<size_t>(column)]);
     }
+    if (maps_.size() > before) ++layers_;
   }
 }
 
@@ -80,16 +89,16 @@ shared::LightShadow FrameShadows::enter(uint32_t view, const ShadowPlan::Entry& 
   shadow.first = static_cast<uint32_t>(maps_.size());
   drawn.push_back({view, &entry, shadow.first});
   for (uint32_t i = entry.first; i < entry.first + entry.maps; ++i) {
-    maps_.push_back({view, &plan.views[i]});
+    maps_.push_back({layers_, view, &plan.views[i]});
     records_.push_back(plan.maps[i]);
-    records_.back().layer = view;
+    records_.back().layer = layers_;
   }
   return shadow;
 }
 
-void FrameShadows::upload(vk::Device& device) {
+void FrameShadows::upload(vk::Device& device, KeptAtlas& kept) {
   vk::ImageDesc atlas{.format = shadowImageFormat(format_),
-                      .layers = viewCount(),
+                      .layers = layers_,
                       .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
                       .name = "shadow atlas"};
   atlas.usage |=
@@ -100,7 +109,8 @@ void FrameShadows::upload(vk::Device& device) {
     atlas.height = std::max(atlas.height, plan.height);
   }
   for (const Map& map : maps_) views.push_back(map.view->drawn);
-  atlas_ = vk::Image(device, atlas);
+  if (!kept || !holds(kept->desc(), atlas)) kept = std::make_shared<const vk::Image>(device, atlas);
+  atlas_ = kept;
   bitsBuffer_ = uploaded(device, "shadow bits", bits_);
   tableBuffer_ = uploaded(device, "shadows of lights", table_);
   mapsBuffer_ = uploaded(device, "shadow maps", records_);

@@ -1,6 +1,7 @@
 // The shadow maps of a frame: planned for each of its views, drawn once, looked up by light and view.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -11,11 +12,14 @@
 
 namespace latelight::render {
 
+// An atlas, kept for the frames to come: to make one takes longer than to draw it. Frames use it one after the other.
+using KeptAtlas = std::shared_ptr<const vk::Image>;
+
 class FrameShadows {
  public:
-  // Plans for these views. Nothing of the scene changes for it.
-  FrameShadows(vk::Device& device, const GpuScene& scene, std::span<const shared::View> views,
-               const Settings& settings);
+  // Plans for these views. Nothing of the scene changes for it. `kept`: taken where it fits, else replaced.
+  FrameShadows(vk::Device& device, const GpuScene& scene, std::span<const shared::View> views, const Settings& settings,
+               KeptAtlas& kept);
 
   bool empty() const { return columns_.empty(); }  // no light casts any, in no view
   const ShadowPlan& plan(uint32_t view) const { return plans_[view]; }
@@ -26,9 +30,10 @@ class FrameShadows {
   // For the frame's constants.
   void describe(shared::FrameConstants& frame) const;
 
-  // What is to be drawn, by layer. Views that see a light alike share its maps: they lie in the first one's layer.
+  // What is to be drawn, by layer. Views that see a light alike share its maps: they lie where the first one's are.
   struct Map {
     uint32_t layer;
+    uint32_t plan;  // whose it is
     const ShadowView* view;
   };
   std::span<const Map> maps() const { return maps_; }
@@ -36,8 +41,8 @@ class FrameShadows {
   VkDeviceAddress mapConstants(const shared::FrameConstants& frame);
   VkBuffer mapViews() const { return viewsBuffer_.get(); }  // their View[]
 
-  // A layer a view. Drawn once for all samples of a picture.
-  const vk::Image& atlas() const { return atlas_; }
+  // A layer for each view that has maps of its own. Drawn once for all samples of a picture.
+  const vk::Image& atlas() const { return *atlas_; }
   bool takeDrawing() { return std::exchange(undrawn_, false); }  // true once: for the graph that draws the maps
 
  private:
@@ -48,7 +53,7 @@ class FrameShadows {
   };
   void number(uint32_t lights);
   shared::LightShadow enter(uint32_t view, const ShadowPlan::Entry& entry, std::vector<Drawn>& drawn);
-  void upload(vk::Device& device);
+  void upload(vk::Device& device, KeptAtlas& kept);
 
   uint32_t format_;  // kShadow*
   std::vector<ShadowPlan> plans_;
@@ -57,7 +62,8 @@ class FrameShadows {
   std::vector<uint32_t> columns_;           // lights that cast shadows in some view, ascending
   std::vector<shared::ShadowBits> bits_;
   std::vector<shared::LightShadow> table_;  // a row a view
-  vk::Image atlas_;
+  KeptAtlas atlas_;
+  uint32_t layers_ = 0;
   vk::Buffer bitsBuffer_, tableBuffer_, mapsBuffer_, viewsBuffer_, constantsBuffer_;
   bool undrawn_ = true;
 };

@@ -113,7 +113,7 @@ void HardwareVisibility::addShadowMaps(const FrameContext& f, graph::ImageId atl
     const std::span<const FrameShadows::Map> maps = f.shadows->maps();
     for (uint32_t i = 0; i < maps.size(); ++i) {
       const uint32_t layer = maps[i].layer;
-      if (i == 0 || layer != maps[i - 1].layer) beginAtlas(context, targets, f.shadows->plan(layer), layer);
+      if (i == 0 || layer != maps[i - 1].layer) beginAtlas(context, targets, f.shadows->plan(maps[i].plan), layer);
       setTile(context, maps[i].view->tile);
       SceneBinder binder(context, scene_, *casters, {constants, f.shadows->mapViews(), i}, pipelines);
       for (const Draw& draw : (*casters)[i]) {
