@@ -10,7 +10,7 @@ namespace latelight::graph {
 namespace {
 
 // A string in double quotes as the DOT language has it; "\n" in `text` stays a line break.
-std::string quoted(std::string_view text) {
+std::string inQuotes(std::string_view text) {
   std::string result = "\"";
   for (const char c : text) {
     if (c == '\n') {
@@ -40,7 +40,7 @@ template <typename Nodes>
 std::string resources(const Nodes& nodes, char prefix) {
   std::string text;
   for (size_t i = 0; i < nodes.size(); ++i) {
-    text += fmt::format("  {}{} [shape=ellipse, label={}{}{}];\n", prefix, i, quoted(describe(nodes[i].desc)),
+    text += fmt::format("  {}{} [shape=ellipse, label={}{}{}];\n", prefix, i, inQuotes(describe(nodes[i].desc)),
                         nodes[i].imported ? ", style=filled" : "", nodes[i].exported ? ", peripheries=2" : "");
   }
   return text;
@@ -69,7 +69,7 @@ std::string Graph::graphviz() const {
   for (size_t place = 0; place < order.size(); ++place) {
     const size_t i = order[place];
     const char* style = passes_[i].prologue ? ", style=bold" : (runs[i] ? "" : ", style=dashed");
-    text += fmt::format("  p{} [shape=box, label={}{}];\n", i, quoted(passes_[i].name), style);
+    text += fmt::format("  p{} [shape=box, label={}{}];\n", i, inQuotes(passes_[i].name), style);
     if (place > 0) text += fmt::format("  p{} -> p{} [style=invis];\n", order[place - 1], i);  // the order on the page
     for (const Access& access : passes_[i].accesses) text += arrow(i, access);
   }
