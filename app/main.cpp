@@ -146,7 +146,7 @@ void holdStandardStreams() {
     if (fcntl(stream, F_GETFD) < 0 && errno == EBADF) open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
 }
 
-// Whoever reads standard output has seen enough, as head has after a few lines.
+// The reader of standard output has closed it, as head does after a few lines.
 bool readerLeft() {
   pollfd output{.fd = STDOUT_FILENO, .events = POLLOUT, .revents = 0};
   return poll(&output, 1, 0) > 0 && (output.revents & POLLERR);

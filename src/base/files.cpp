@@ -99,7 +99,7 @@ struct Place {
   bool isFile() const { return mode == 0 || S_ISREG(mode); }
 };
 
-// Throws Error(Usage) for what is not to be written to, whoever asks.
+// Throws Error(Usage) for what must not be written to, even where permissions would allow it.
 Place findPlace(const fs::path& path) {
   if (path.empty()) badUsage("can't write to a file without a name; give the name of a file");
   struct stat status {};

@@ -65,7 +65,7 @@ class Packer {
   std::vector<std::vector<size_t>> placed_;  // footprints by heap, by offset
 };
 
-// What whoever comes next into some memory waits for.
+// What the next user of some memory waits for.
 struct Pending {
   VkPipelineStageFlags2 stages = 0;
   VkAccessFlags2 writes = 0;

@@ -52,7 +52,7 @@ VkPipelineStageFlags2 State::unseeing(const Need& need) const {
   return result;
 }
 
-// As another graph, or whoever had the resource, left it.
+// As another graph, or the resource's previous user, left it.
 void State::startWith(const Need& before) {
   layout = before.layout;
   defined = true;

@@ -105,8 +105,8 @@ bool keepsSun(const FrameSetup& setup);  // what FrameSetup::sunInGbuffer is to 
 inline constexpr uint32_t kFirstOwnConstant = 16;
 inline constexpr VkFormat kCountsFormat = VK_FORMAT_R32G32B32A32_SFLOAT;  // r: lights tested, g: lights used
 
-// Things whose size only the device finds out. What turns out too large for its room leaves the picture wanting: the
-// room grows, and the same graph is built and run again.
+// Buffers whose size only the device finds out. One that overflows leaves the picture incomplete: it grows, and the
+// same graph is built and run again.
 struct Overflow {
   uint64_t fragments = 0;    // room for blended fragments; 0: one a pixel
   uint32_t longestList = 0;  // of one pixel's fragments, a power of two

@@ -40,14 +40,14 @@ uint64_t spread(uint64_t x) {
   return (x | x << 2) & 0x1249249249249249u;
 }
 
-// Lights of alike reach, each class four times the next, largest first: one large light among small ones would make
+// Lights of alike radius, each class four times the next, largest first: one large light among small ones would make
 // every box above it large. Metres, whatever the scene, so that one far light more doesn't reorder the others.
-uint64_t reachClass(float reach) {
-  return static_cast<uint64_t>(15 - (std::clamp(std::ilogb(reach), -12, 19) + 12) / 2);
+uint64_t radiusClass(float radius) {
+  return static_cast<uint64_t>(15 - (std::clamp(std::ilogb(radius), -12, 19) + 12) / 2);
 }
 
 struct Key {
-  uint64_t code;  // reach class, then place along a Morton curve
+  uint64_t code;  // radius class, then place along a Morton curve
   uint32_t light;
   bool operator<(const Key& other) const { return code != other.code ? code < other.code : light < other.light; }
 };
@@ -98,7 +98,7 @@ std::vector<Key> orderOf(const std::vector<Light>& lights) {
   parallelFor(keys.size(), kGrain, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       const Light& light = lights[keys[i].light];
-      keys[i].code = reachClass(light.reach) << (3 * kAxisBits) | curve.at(light.position);
+      keys[i].code = radiusClass(light.radius) << (3 * kAxisBits) | curve.at(light.position);
     }
   });
   sortOnAllCores(keys);
@@ -155,12 +155,12 @@ LightBox lightBox(const Light& light) {
         extent[side][i] = axis <= outer ? 1.0f : static_cast<float>(std::cos(axis - outer));
       }
   }
-  // Rounding, in what the device computes too: of the direction's length, of the reach, and of positions far out.
+  // Rounding, in what the device computes too: of the direction's length, of the radius, and of positions far out.
   const vec3 slack = glm::abs(light.position) * 1e-6f;
   const auto metres = [&](vec3 reaches) {
-    // Where no direction in the cone comes near, the apex is farthest out. (0 times an infinite reach would be no
+    // Where no direction in the cone comes near, the apex is farthest out. (0 times an infinite radius would be no
     // number.)
-    for (int i = 0; i < 3; ++i) reaches[i] = reaches[i] > -5e-4f ? (reaches[i] + 5e-4f) * light.reach : 0.0f;
+    for (int i = 0; i < 3; ++i) reaches[i] = reaches[i] > -5e-4f ? (reaches[i] + 5e-4f) * light.radius : 0.0f;
     return reaches;
   };
   return {light.position - metres(extent[1]) - slack, light.position + metres(extent[0]) + slack};

@@ -1,4 +1,4 @@
-// Changes to a scene that is being rendered. Whoever shows the scene follows: what changed is uploaded before the next
+// Changes to a scene that is being rendered. Renderers of the scene follow: what changed is uploaded before the next
 // frame, and nothing else. Elements keep their numbers: an instance or a light that is removed leaves a gap, which the
 // next one that is added takes.
 //

@@ -1,4 +1,4 @@
-// Cameras that nobody had to place: a default view of a scene, an orbit around it, and a look from one point to
+// Cameras that need not be placed by hand: a default view of a scene, an orbit around it, and a look from one point to
 // another.
 //
 // "The file's own frame" is glTF's (Y up, front +Z) where Scene::yUp, else the renderer's (Z up, front -Y). Angles in

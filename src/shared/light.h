@@ -16,10 +16,10 @@ struct LightSample {
 // Squared distance, m^2, below which a light comes no nearer: keeps 1/d^2 finite.
 SH_CONST float kMinLightDistance2 = 1e-12f;
 
-// The window of KHR_lights_punctual: 1 at the light, 0 from `reach` on. Both in metres; a reach of +inf never ends.
-SH_FUNC float lightWindow(float distance, float reach) {
-  if (reach <= 0.0f) return 0.0f;
-  float x = distance / reach;
+// The window of KHR_lights_punctual: 1 at the light, 0 from `radius` on. Both in metres; a radius of +inf never ends.
+SH_FUNC float lightWindow(float distance, float radius) {
+  if (radius <= 0.0f) return 0.0f;
+  float x = distance / radius;
   return clamp(1.0f - x * x * x * x, 0.0f, 1.0f);
 }
 
@@ -40,7 +40,7 @@ SH_FUNC LightSample sampleLight(Light light, vec3 position) {
   }
   vec3 offset = light.position - position;
   float distance2 = max(dot(offset, offset), kMinLightDistance2);
-  float attenuation = lightWindow(sqrt(distance2), light.reach) / distance2;
+  float attenuation = lightWindow(sqrt(distance2), light.radius) / distance2;
   s.toLight = offset * inversesqrt(distance2);
   if (light.type == kLightSpot) {
     float cone = saturate(-dot(light.direction, s.toLight) * light.spotScale + light.spotOffset);

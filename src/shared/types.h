@@ -91,7 +91,7 @@ SH_CONST uint kLightSpot = 2u;
 
 struct Light {  // KHR_lights_punctual
   vec3 position;
-  float reach;      // metres: glTF's range; light is windowed to 0 there (shared/light.h). +inf without one
+  float radius;     // metres: glTF's range; light is windowed to 0 there (shared/light.h). +inf without one
   vec3 direction;   // from the light, unit (directional and spot)
   uint type;        // kLight*
   vec3 intensity;   // colour times candela (point, spot) or lux (directional)

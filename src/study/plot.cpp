@@ -26,7 +26,7 @@ namespace {
 // Okabe and Ito's colours, which people with any colour vision can tell apart; point types differ as well.
 constexpr std::array kColors = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"};
 
-std::string quoted(const std::string& text) {
+std::string inQuotes(const std::string& text) {
   std::string result = "\"";
   for (const char c : text) {
     if (c == '"' || c == '\\') result += '\\';
@@ -112,8 +112,8 @@ std::string gnuplotScript(const Plot& plot) {
       "} else {\n"
       "  set terminal png noenhanced size 880,560\n"
       "}\n";
-  text += fmt::format("set title {}\nset xlabel {}\nset ylabel {}\n", quoted(plot.title), quoted(plot.xLabel),
-                      quoted(plot.yLabel));
+  text += fmt::format("set title {}\nset xlabel {}\nset ylabel {}\n", inQuotes(plot.title), inQuotes(plot.xLabel),
+                      inQuotes(plot.yLabel));
   text +=
       "set logscale xy\nset format x \"%.0s%c\"\nset format y \"%g\"\nset grid xtics ytics lt 1 lw 0.5 lc rgb "
       "\"#cccccc\"\n"
@@ -126,9 +126,9 @@ std::string gnuplotScript(const Plot& plot) {
     for (const Sample& s : curve.samples)
       if (s.x > 0 && s.y > 0) text += fmt::format("{} {}\n", s.x, s.y);
     text += "EOD\n";
-    lines +=
-        fmt::format("{}$curve{} using 1:2 with linespoints lw 2 ps 1.2 pt {} lc rgb \"{}\" title {}",
-                    number ? ", \\\n  " : "", number, number + 4, kColors[number % kColors.size()], quoted(curve.name));
+    lines += fmt::format("{}$curve{} using 1:2 with linespoints lw 2 ps 1.2 pt {} lc rgb \"{}\" title {}",
+                         number ? ", \\\n  " : "", number, number + 4, kColors[number % kColors.size()],
+                         inQuotes(curve.name));
     ++number;
   }
   return number ? text + "plot " + lines + "\n" : text;

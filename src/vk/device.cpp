@@ -79,7 +79,7 @@ void Device::Impl::openTimeline() {
   VK_CHECK(vkCreateSemaphore(device, &info, nullptr, &timeline));
 }
 
-// Of a lost device nothing has finished for certain: 0. Whoever waits hears of it.
+// 0 of a lost device, of which nothing is known to have finished; waiting for it then throws.
 uint64_t Device::Impl::finishedValue() const {
   uint64_t value = 0;
   return vkGetSemaphoreCounterValue(device, timeline, &value) == VK_SUCCESS ? value : 0;

@@ -90,7 +90,7 @@ class Device {
   // What the validation layers said since the last call (warnings and errors). Empty without validation.
   std::vector<std::string> validationMessages();
 
-  // Pipelines made so far. To make them is dear: what is rendered once more should make none.
+  // Pipelines made so far. Making one is expensive: a frame that is rendered again should make none.
   uint64_t pipelinesMade() const { return pipelinesMade_; }
   void countPipeline() { ++pipelinesMade_; }
 

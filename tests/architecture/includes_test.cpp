@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <map>
 #include <set>
 
 #include "architecture/include_rules.h"
@@ -42,9 +43,39 @@ TEST(IncludeRules, CatchWhatPointsTheWrongWay) {
   EXPECT_THAT(wrong("render", "#include <volk.h>\n#include \"graph/graph.h\"\n// #include \"app/x.h\"\n"), IsEmpty());
 }
 
+TEST(IncludeRules, CatchWhatReachesUpInsideRender) {
+  EXPECT_THAT(includesFromAbove("render/gpu_scene/lights.cpp", "#include \"render/frame.h\"\n"),
+              ElementsAre("render/frame.h"));
+  EXPECT_THAT(includesFromAbove("render/post/fog/fog.h", "#include \"render/request.h\"\n#include \"render/pass.h\"\n"),
+              ElementsAre("render/request.h"));
+  EXPECT_THAT(includesFromAbove("render/request.cpp", "#include \"render/renderer.h\"\n"),
+              ElementsAre("render/renderer.h"));
+  EXPECT_THAT(includesFromAbove("render/renderer.cpp", "#include \"render/request.h\"\n#include \"scene/scene.h\"\n"),
+              IsEmpty());
+}
+
+TEST(IncludeRules, FindTheWayToVulkan) {
+  const std::map<std::string, std::string> files = {
+      {"a.h", "#include <vector>\n#include \"b.h\"\n#include \"c.h\"\n"},
+      {"b.h", "#include \"a.h\"\n"},  // a circle
+      {"c.h", "#include <volk.h>\n"},
+  };
+  const auto textOf = [&](const std::string& path) { return files.contains(path) ? files.at(path) : std::string(); };
+  EXPECT_THAT(wayToVulkan("#include \"a.h\"\n", textOf), ElementsAre("a.h", "c.h", "volk.h"));
+  EXPECT_THAT(wayToVulkan("#include \"b.h\"\n",
+                          [&](const std::string& path) { return path == "c.h" ? std::string() : textOf(path); }),
+              IsEmpty());
+}
+
 bool isSource(const fs::path& path) {
   static const std::set<std::string> endings = {".h", ".cpp", ".glsl", ".vert", ".frag", ".comp", ".inc"};
   return endings.contains(path.extension().string());
+}
+
+std::string textOf(const fs::path& path) {
+  if (!fs::is_regular_file(path)) return "";
+  const std::vector<std::byte> bytes = readFile(path);
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
 // What the build writes; some of it once a layout, in folders of their own.
@@ -64,11 +95,33 @@ size_t check(const fs::path& root, const std::string& folder) {
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root)) {
     if (!entry.is_regular_file() || !isSource(entry.path())) continue;
     ++count;
-    const std::vector<std::byte> bytes = readFile(entry.path());
-    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-    EXPECT_THAT(wrongIncludes(folder, text, isGenerated), IsEmpty()) << entry.path();
+    EXPECT_THAT(wrongIncludes(folder, textOf(entry.path()), isGenerated), IsEmpty()) << entry.path();
   }
   return count;
+}
+
+TEST(Includes, PointDownInsideRender) {
+  const fs::path source = fs::path(LATELIGHT_SOURCE_DIR) / "src";
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(source / "render")) {
+    if (entry.path().extension() != ".h" && entry.path().extension() != ".cpp") continue;
+    const std::string path = fs::relative(entry.path(), source).string();
+    EXPECT_THAT(includesFromAbove(path, textOf(entry.path())), IsEmpty()) << path;
+  }
+}
+
+// However far away: what is below the renderer compiles on a machine without Vulkan, and so does a user of the API.
+TEST(Includes, ComeToVulkanOnlyWhereItIsUsed) {
+  const fs::path root = LATELIGHT_SOURCE_DIR;
+  const auto included = [&](const std::string& path) {
+    const std::string text = textOf(root / "src" / path);
+    return text.empty() ? textOf(root / "include" / path) : text;
+  };
+  for (const char* folder : {"src/base", "src/shared", "src/scene", "src/output", "include"}) {
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / folder)) {
+      if (entry.is_regular_file() && isSource(entry.path()))
+        EXPECT_THAT(wayToVulkan(textOf(entry.path()), included), IsEmpty()) << entry.path();
+    }
+  }
 }
 
 TEST(Includes, PointTheRightWay) {

@@ -122,6 +122,30 @@ TEST(EditApi, EachFrameIsThatOfARendererMadeAfresh) {
   check();
 }
 
+TEST(EditApi, TicketsGiveTheSceneAsItWasSubmitted) {
+  Scene scene = punctual();
+  const Camera camera = scene.defaultCamera(1.5f);
+  const Frame before = Renderer(scene, "cpu").render(camera, small());
+  auto renderer = std::make_unique<Renderer>(scene, "cpu");
+  Ticket first = renderer->submit({camera}, small());
+  Ticket dropped = renderer->submit({camera}, small());
+  Material red = scene.material(scene.materials()[0]);
+  red.baseColor = {1, 0, 0, 1};
+  scene.setMaterial(scene.materials()[0], red);
+  Ticket second = renderer->submit({camera, camera}, small());
+  EXPECT_THAT(refusal([&] { renderer->submit({}, small()); }), HasSubstr("camera"));
+  dropped = std::move(first);  // the one that it was is never taken
+  renderer.reset();            // tickets keep what they need
+  const std::vector<Frame> after = second.take();
+  ASSERT_EQ(after.size(), 2u);
+  expectSame(after[0], after[1]);
+  expectSame(after[0], Renderer(scene, "cpu").render(camera, small()));
+  expectSame(dropped.take().front(), before);
+  EXPECT_NE(after[0].rgba, before.rgba);
+  EXPECT_TRUE(dropped.done());
+  EXPECT_THAT(refusal([&] { dropped.take(); }), HasSubstr("taken already"));
+}
+
 TEST(EditApi, TransformsAreInTheFilesFrame) {
   Scene scene = punctual();
   const Handle<Instance> moved = scene.instances().back();

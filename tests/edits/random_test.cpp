@@ -1,6 +1,7 @@
 // A program that edits: whatever is done to a scene between frames, each frame is that of a renderer made afresh.
 #include <malloc.h>
 
+#include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "edits/workshop.h"
@@ -195,6 +196,7 @@ class EditsTest : public RenderTest {
   output::FrameOutput render(Renderer& renderer) const {
     return std::move(renderer.render({&camera_, 1}, settings_).front());
   }
+  size_t leastHostBytes(Renderer& renderer) const;
   output::FrameOutput fresh(const scene::Scene& scene) { return renderOne(device(), scene, camera_, settings_, &sky_); }
 };
 
@@ -216,6 +218,17 @@ TEST_F(EditsTest, TenThousandEditsAsIfEachFrameWereTheFirst) {
   for (const std::string& message : own.validationMessages()) ADD_FAILURE() << message;
 }
 
+// What the host's heap keeps: now and then a frame leaves the driver a command buffer more until the next.
+size_t EditsTest::leastHostBytes(Renderer& renderer) const {
+  size_t least = ~size_t{0};
+  for (int again = 0; again < 8; ++again) {
+    render(renderer);
+    const auto host = mallinfo2();
+    least = std::min(least, host.uordblks + host.hblkhd);
+  }
+  return least;
+}
+
 // What the renderer and its device take after the same frame, halfway and at the end. Without validation, which keeps
 // what it has seen.
 TEST_F(EditsTest, TenThousandEditsTakeNoMemory) {
@@ -234,8 +247,7 @@ TEST_F(EditsTest, TenThousandEditsTakeNoMemory) {
     editor.level();
     for (int again = 0; again < 8; ++again) render(renderer);  // until nothing is kept of frames before
     const vk::Allocator::Statistics statistics = own.memory().statistics();
-    const auto host = mallinfo2();
-    taken.push_back({statistics.allocations, statistics.usedBytes, host.uordblks + host.hblkhd});
+    taken.push_back({statistics.allocations, statistics.usedBytes, leastHostBytes(renderer)});
   }
   ASSERT_EQ(taken.size(), 2u);
   EXPECT_LE(taken[1].allocations, taken[0].allocations);

@@ -34,10 +34,10 @@ class Lights {  // random ones of every kind, size and place
     light.position = vec3(between(-50, 50), between(-50, 50), between(-5, 5));
     light.direction = direction();
     light.intensity = vec3(between(0.1f, 10));
-    light.reach = std::exp2(between(-6, 6));
+    light.radius = std::exp2(between(-6, 6));
     const float outer = between(0.01f, 1.57f);
     if (type == shared::kLightSpot) shared::spotCone(between(0, 1) * outer, outer, light.spotScale, light.spotOffset);
-    if (type == shared::kLightDirectional) light.reach = std::numeric_limits<float>::infinity();
+    if (type == shared::kLightDirectional) light.radius = std::numeric_limits<float>::infinity();
     return light;
   }
   std::vector<Light> make(size_t local, size_t directional) {
@@ -59,7 +59,7 @@ bool holds(const LightBox& outer, const LightBox& inner) {
 std::vector<std::vector<float>> sorted(const std::vector<Light>& lights) {
   std::vector<std::vector<float>> all;
   for (const Light& l : lights)
-    all.push_back({l.position.x, l.position.y, l.position.z, l.reach, l.direction.x, l.direction.y, l.direction.z,
+    all.push_back({l.position.x, l.position.y, l.position.z, l.radius, l.direction.x, l.direction.y, l.direction.z,
                    static_cast<float>(l.type), l.intensity.x, l.spotScale, l.spotOffset});
   std::sort(all.begin(), all.end());
   return all;
@@ -104,14 +104,14 @@ TEST(LightTree, HoldsEveryLightOnceAndInOrder) {
 
 TEST(LightTree, NeighboursStandTogether) {
   std::vector<Light> lights = Lights(8).make(20000, 0);
-  for (Light& light : lights) light.reach = 0.5f;
+  for (Light& light : lights) light.radius = 0.5f;
   const LightTree tree = buildLightTree(lights);
   double sizes = 0, leaves = 0;
   walk(tree, 0, {vec3(-1e30f), vec3(1e30f)}, [&](uint32_t, const LightBox& box) {
     sizes += glm::length(box.high - box.low);
     ++leaves;
   });
-  // 32 of 20000 lights in 100 m x 100 m x 10 m fill a cube with a diagonal of 9.4 m, 10.9 m with their reach. Strewn,
+  // 32 of 20000 lights in 100 m x 100 m x 10 m fill a cube with a diagonal of 9.4 m, 10.9 m with their radius. Strewn,
   // they would have a box of 140 m.
   EXPECT_LT(sizes / leaves, 25);
 }
@@ -126,7 +126,7 @@ TEST(LightTree, NoLightReachesOutOfItsBox) {
       // Near the axis's end, near the cone's rim, and anywhere.
       vec3 d = random.direction();
       if (j % 3 == 0) d = glm::normalize(light.direction + 0.05f * d);
-      const vec3 position = light.position + d * light.reach * random.between(0.9f, 1.0f);
+      const vec3 position = light.position + d * light.radius * random.between(0.9f, 1.0f);
       if (shared::maxChannel(shared::sampleLight(light, position).irradiance) <= 0) continue;
       ++lit;
       ASSERT_TRUE(holds(box, {position, position})) << i;
@@ -141,7 +141,7 @@ TEST(LightTree, NoEndlessLightReachesOutOfItsBox) {
   size_t lit = 0, bounded = 0;
   for (int i = 0; i < 1000; ++i) {
     Light light = random.make(i % 4 ? shared::kLightSpot : shared::kLightPoint);
-    light.reach = std::numeric_limits<float>::infinity();
+    light.radius = std::numeric_limits<float>::infinity();
     const LightBox box = lightBox(light);
     for (int axis = 0; axis < 3; ++axis) bounded += std::isfinite(box.low[axis]) + std::isfinite(box.high[axis]);
     for (int j = 0; j < 300; ++j) {
@@ -161,8 +161,8 @@ TEST(LightTree, ASpotsBoxIsSmallerThanItsSphere) {
   spot.direction = {0, 0, 1};
   shared::spotCone(0.1f, 0.5f, spot.spotScale, spot.spotOffset);
   const vec3 size = lightBox(spot).high - lightBox(spot).low;
-  EXPECT_NEAR(size.z, spot.reach, 0.002f * spot.reach);
-  EXPECT_NEAR(size.x, 2 * std::sin(0.5f) * spot.reach, 0.002f * spot.reach);
+  EXPECT_NEAR(size.z, spot.radius, 0.002f * spot.radius);
+  EXPECT_NEAR(size.x, 2 * std::sin(0.5f) * spot.radius, 0.002f * spot.radius);
 }
 
 TEST(LightTree, AMillionLightsTakeLittleMemory) {

@@ -101,7 +101,7 @@ shared::Light hostLight(const scene::Light& light) {
   l.direction = light.direction;
   l.type = light.type;
   l.intensity = light.color * light.intensity;
-  l.reach = light.range.value_or(std::numeric_limits<float>::infinity());
+  l.radius = light.range.value_or(std::numeric_limits<float>::infinity());
   if (light.type == shared::kLightSpot) shared::spotCone(light.innerCone, light.outerCone, l.spotScale, l.spotOffset);
   return l;
 }

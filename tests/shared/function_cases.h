@@ -58,7 +58,7 @@ SH_FUNC Surface someSurface(Arguments a) {
 SH_FUNC Light someLight(Arguments a, uint type) {
   Light light;
   light.position = a.n * a.w.x;
-  light.reach = a.w.y;
+  light.radius = a.w.y;
   light.direction = a.l;
   light.type = type;
   light.intensity = a.c;

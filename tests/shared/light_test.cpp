@@ -9,12 +9,12 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-Light pointLight(vec3 position, vec3 intensity, float reach) {
+Light pointLight(vec3 position, vec3 intensity, float radius) {
   Light light{};
   light.type = kLightPoint;
   light.position = position;
   light.intensity = intensity;
-  light.reach = reach;
+  light.radius = radius;
   return light;
 }
 
@@ -26,7 +26,7 @@ TEST(LightWindow, IsTheOneOfKhrLightsPunctual) {
   EXPECT_EQ(lightWindow(9.0f, 8.0f), 0.0f);
   EXPECT_EQ(lightWindow(1e30f, 8.0f), 0.0f);
   EXPECT_EQ(lightWindow(1e30f, kInfinity), 1.0f);
-  EXPECT_EQ(lightWindow(0.0f, 0.0f), 0.0f);  // a light without reach, not 0 / 0
+  EXPECT_EQ(lightWindow(0.0f, 0.0f), 0.0f);  // a light without radius, not 0 / 0
 }
 
 TEST(SampleLight, DirectionalIsTheSameEverywhere) {
@@ -34,7 +34,7 @@ TEST(SampleLight, DirectionalIsTheSameEverywhere) {
   light.type = kLightDirectional;
   light.direction = vec3(0.0f, 0.6f, -0.8f);
   light.intensity = vec3(3.0f, 2.0f, 1.0f);
-  light.reach = kInfinity;
+  light.radius = kInfinity;
   const LightSample s = sampleLight(light, vec3(1e5f, -3.0f, 7.0f));
   EXPECT_EQ(s.toLight, vec3(0.0f, -0.6f, 0.8f));
   EXPECT_EQ(s.irradiance, light.intensity);

@@ -9,7 +9,7 @@
 Light broadcastLight(Light l, uint lane) {
   Light r;
   r.position = subgroupBroadcast(l.position, lane);
-  r.reach = subgroupBroadcast(l.reach, lane);
+  r.radius = subgroupBroadcast(l.radius, lane);
   r.direction = subgroupBroadcast(l.direction, lane);
   r.type = subgroupBroadcast(l.type, lane);
   r.intensity = subgroupBroadcast(l.intensity, lane);
@@ -25,7 +25,7 @@ LightShadow broadcastShadow(LightShadow s, uint lane) {
 // Whether the light may reach into the box.
 bool reaches(Light l, vec3 low, vec3 high) {
   vec3 d = max(max(low - l.position, l.position - high), vec3(0.0));
-  return l.type == kLightDirectional || dot(d, d) < l.reach * l.reach;
+  return l.type == kLightDirectional || dot(d, d) < l.radius * l.radius;
 }
 
 // What the lanes of a subgroup that shade together have in common, and each lane's own surface.

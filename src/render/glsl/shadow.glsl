@@ -72,7 +72,7 @@ float shadowPcss(ShadowMap m, ShadowPoint p, vec2 plane) {
 }
 
 // The finest map of a light that has the point and the filter's reach around it. False: none has. (One load for each
-// map that is looked at: by address, and so dear on lavapipe. And the condition stands before the load: what only the
+// map that is looked at: by address, which is expensive on lavapipe. And the condition stands before the load: what only the
 // body of a loop defines, lavapipe 22.3 takes from the last round for lanes that left in an earlier one.)
 bool findShadowMap(FrameConstants frame, Light light, LightShadow shadow, vec3 position, out ShadowMap m) {
   ShadowMapRef maps = ShadowMapRef(frame.shadowMaps);

@@ -22,8 +22,8 @@ shared::Light deviceLight(const scene::Light& light) {
   l.direction = light.direction;
   l.type = light.type;
   l.intensity = light.color * light.intensity;
-  l.reach = std::numeric_limits<float>::infinity();
-  if (light.type != shared::kLightDirectional) l.reach = light.range.value_or(l.reach);
+  l.radius = std::numeric_limits<float>::infinity();
+  if (light.type != shared::kLightDirectional) l.radius = light.range.value_or(l.radius);
   if (light.type == shared::kLightSpot) shared::spotCone(light.innerCone, light.outerCone, l.spotScale, l.spotOffset);
   return l;
 }
@@ -31,7 +31,7 @@ shared::Light deviceLight(const scene::Light& light) {
 bool isSound(const shared::Light& l) {
   for (const glm::vec3& v : {l.position, l.direction, l.intensity})
     if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z)) return false;
-  return !std::isnan(l.reach) && std::isfinite(l.spotScale) && std::isfinite(l.spotOffset);
+  return !std::isnan(l.radius) && std::isfinite(l.spotScale) && std::isfinite(l.spotOffset);
 }
 
 // Uploads what is not as it was.
@@ -58,7 +58,7 @@ void GpuLights::set(vk::Uploader& uploader, std::vector<scene::Light> lights) {
   for (uint32_t i = 0; i < authored_.size(); ++i) {
     const shared::Light l = deviceLight(authored_[i]);
     broken += !isSound(l);
-    if (!isSound(l) || !(l.reach > 0) || !(shared::maxChannel(l.intensity) > 0)) continue;
+    if (!isSound(l) || !(l.radius > 0) || !(shared::maxChannel(l.intensity) > 0)) continue;
     shining.push_back(l);
     sources.push_back(i);
   }
@@ -68,7 +68,7 @@ void GpuLights::set(vk::Uploader& uploader, std::vector<scene::Light> lights) {
   for (const uint32_t source : tree.sources) sources_.push_back(sources[source]);
   directional_ = tree.directionalLights;
   endless_ = static_cast<uint32_t>(
-                 std::ranges::count(tree.lights, std::numeric_limits<float>::infinity(), &shared::Light::reach)) -
+                 std::ranges::count(tree.lights, std::numeric_limits<float>::infinity(), &shared::Light::radius)) -
              directional_;
   leaves_ = tree.firstLeaf;
   uploadChanges(list_, uploader, lights_, tree.lights);

@@ -168,7 +168,7 @@ bool reachesTile(Tile tile, vec3 centre, float reach) {
 uint slicesReached(Tile tile, Light l) {
   vec3 centre = tile.view.worldToView * vec4(l.position, 1.0);
   float depth = centre.y;
-  float reach = l.reach + 1e-4 * (l.reach + abs(centre.x) + abs(depth) + abs(centre.z));
+  float reach = l.radius + 1e-4 * (l.radius + abs(centre.x) + abs(depth) + abs(centre.z));
   uint a = keyAt(tile.view.projection, depth - reach), b = keyAt(tile.view.projection, depth + reach);
   uint near = min(max(a, b), tile.slices.x), far = min(a, b);
   uint mask = (0xffffffffu << sliceOf(near, tile.slices)) & (0xffffffffu >> (31u - sliceOf(far, tile.slices)));
@@ -179,7 +179,7 @@ uint slicesReached(Tile tile, Light l) {
 // One way through for all lanes: votes follow, and lanes that parted need not have met again by then.
 bool listed(Tile tile, Cell cell, Light l) {
   vec3 d = max(max(cell.low - l.position, l.position - cell.high), vec3(0.0));
-  bool near = dot(d, d) < l.reach * l.reach;
+  bool near = dot(d, d) < l.radius * l.radius;
   bool inCone = coneReaches(l, cell.low, cell.high);
   bool inSlices = true;
   if (kCellsATile == 1u) inSlices = (slicesReached(tile, l) & cell.slices) != 0u;

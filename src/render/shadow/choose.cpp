@@ -25,7 +25,7 @@ void checkNames(const ShadowLights& wanted, std::span<const scene::Light> lights
 
 // How far the light reaches of the scene, metres.
 float reachIn(const ShadowScene& scene, const shared::Light& light) {
-  return std::min(light.reach, 2 * scene.bounds.radius());
+  return std::min(light.radius, 2 * scene.bounds.radius());
 }
 
 // The light at the eye, lux; a directional light's everywhere.
@@ -63,7 +63,7 @@ std::vector<Candidate> candidates(const ShadowScene& scene, const shared::View& 
              std::find(wanted.names.begin(), wanted.names.end(), authored.name) != wanted.names.end();
     };
     if (!authored.castShadow.value_or(true) || !named()) continue;
-    if (directional ? !anyCascade : !frustum.touches({light.position, light.reach})) continue;
+    if (directional ? !anyCascade : !frustum.touches({light.position, light.radius})) continue;
     found.push_back(
         {i, scene.sources[i], directional, authored.castShadow.value_or(false), importance(light, scene, view)});
   }

@@ -25,11 +25,19 @@ bool sameMaps(const ShadowPlan& a, const ShadowPlan::Entry& of, const ShadowPlan
   return true;
 }
 
-// Whether an atlas has room for what another has, and not much more.
 bool holds(const vk::ImageDesc& atlas, const vk::ImageDesc& needed) {
-  const auto texels = [](const vk::ImageDesc& d) { return uint64_t{d.width} * d.height * d.layers; };
   return atlas.format == needed.format && atlas.width >= needed.width && atlas.height >= needed.height &&
-         atlas.layers >= needed.layers && texels(atlas) <= 4 * texels(needed);
+         atlas.layers >= needed.layers;
+}
+
+std::shared_ptr<const vk::Image> atlasFor(vk::Device& device, const vk::ImageDesc& needed, KeptAtlas& kept) {
+  if (device.isCpu()) return std::make_shared<const vk::Image>(device, needed);  // memory is had at once there
+  constexpr uint32_t kMostLarger = 4;
+  const bool fits = kept.image && holds(kept.image->desc(), needed);
+  const bool larger = fits && kept.image->desc() != needed;
+  kept.larger = larger ? kept.larger + 1 : 0;
+  if (!fits || kept.larger > kMostLarger) kept = {std::make_shared<const vk::Image>(device, needed), 0};
+  return kept.image;
 }
 
 }  // namespace
@@ -109,8 +117,7 @@ void FrameShadows::upload(vk::Device& device, KeptAtlas& kept) {
     atlas.height = std::max(atlas.height, plan.height);
   }
   for (const Map& map : maps_) views.push_back(map.view->drawn);
-  if (!kept || !holds(kept->desc(), atlas)) kept = std::make_shared<const vk::Image>(device, atlas);
-  atlas_ = kept;
+  atlas_ = atlasFor(device, atlas, kept);
   bitsBuffer_ = uploaded(device, "shadow bits", bits_);
   tableBuffer_ = uploaded(device, "shadows of lights", table_);
   mapsBuffer_ = uploaded(device, "shadow maps", records_);

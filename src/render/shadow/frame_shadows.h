@@ -12,8 +12,12 @@
 
 namespace latelight::render {
 
-// An atlas, kept for the frames to come: to make one takes longer than to draw it. Frames use it one after the other.
-using KeptAtlas = std::shared_ptr<const vk::Image>;
+// An atlas that is kept for the frames to come: to make one takes longer than to draw it. Frames use it one after the
+// other. One that is larger than they need is kept for a few of them.
+struct KeptAtlas {
+  std::shared_ptr<const vk::Image> image;
+  uint32_t larger = 0;  // frames in a row that needed less
+};
 
 class FrameShadows {
  public:
@@ -62,7 +66,7 @@ class FrameShadows {
   std::vector<uint32_t> columns_;           // lights that cast shadows in some view, ascending
   std::vector<shared::ShadowBits> bits_;
   std::vector<shared::LightShadow> table_;  // a row a view
-  KeptAtlas atlas_;
+  std::shared_ptr<const vk::Image> atlas_;
   uint32_t layers_ = 0;
   vk::Buffer bitsBuffer_, tableBuffer_, mapsBuffer_, viewsBuffer_, constantsBuffer_;
   bool undrawn_ = true;

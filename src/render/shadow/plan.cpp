@@ -132,7 +132,7 @@ Frame localFrame(const shared::Light& light, const Axes& axes, double tangent, d
   const dvec3 origin(light.position);
   const double farthest = overCorners(bounds, [&](dvec3 p) { return glm::length(p - origin); }).high;
   Frame f{.axes = axes, .origin = origin, .perspective = true, .half = withMargin(tangent, size)};
-  f.far = 1.001 * std::min<double>(light.reach, farthest) + 1e-6;
+  f.far = 1.001 * std::min<double>(light.radius, farthest) + 1e-6;
   // Depth is linear and needs no near plane; but coordinates are rounded, and a surface that the light lies in must not
   // hide half of the world from it.
   const double rounding = 1e-5 * std::max({std::abs(origin.x), std::abs(origin.y), std::abs(origin.z)});
@@ -183,7 +183,7 @@ struct Planner {
         addMap(cascadeFrame(axes, spheres[i], depths, caster.size), tiles[i], lightSize, std::nullopt);
       return;
     }
-    const Sphere within{light.position, light.reach};
+    const Sphere within{light.position, light.radius};
     const double own = scene.authored[scene.sources[caster.light]].size;
     if (const std::optional<double> cone = shadowCone(light))
       addMap(localFrame(light, axesAlong(direction), std::tan(*cone), own, scene.bounds, caster.size), tiles[0],

@@ -18,7 +18,7 @@ struct Targets {
 
 bool reaches(const shared::Light& light, const Sphere& bounds) {
   const float distance = glm::length(light.position - bounds.centre);
-  return light.type == shared::kLightDirectional || distance < light.reach + bounds.radius;
+  return light.type == shared::kLightDirectional || distance < light.radius + bounds.radius;
 }
 
 // What the scene shows without lights.

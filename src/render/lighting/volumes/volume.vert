@@ -7,7 +7,7 @@ layout(push_constant, scalar) uniform Push { VolumePush push; };
 
 // Beyond what spotOffset / spotScale keep of the angle: their rounding moves a narrow cone's by 3.5e-4 radians.
 const float kAngleMargin = 1e-3;
-const float kLengthMargin = 0.01;  // of the reach: as kVolumeMargin of volume_mesh.h
+const float kLengthMargin = 0.01;  // of the radius: as kVolumeMargin of volume_mesh.h
 
 // A vertex of the cone about +z, its tip at the origin: see kConeTip, kConeRim, kConeTop of volume_mesh.h.
 vec3 coneVertex(vec3 v, Light light) {
@@ -15,7 +15,7 @@ vec3 coneVertex(vec3 v, Light light) {
   vec2 rim = vec2(sin(angle), cos(angle));  // from the axis, along it
   vec2 top = vec2(tan(0.5 * angle), 1.0 + kLengthMargin);
   vec2 profile = v.z < 0.5 ? vec2(0.0, -kLengthMargin) : v.z < 1.5 ? rim : top;
-  return vec3(v.xy * profile.x, profile.y) * push.reach;
+  return vec3(v.xy * profile.x, profile.y) * push.radius;
 }
 
 vec3 rotateFromAxis(vec3 v, vec3 axis) {
@@ -33,7 +33,7 @@ void main() {
   if (push.shape == kShapeCone)
     v = rotateFromAxis(coneVertex(v, push.light), push.light.direction);
   else
-    v *= push.reach;
+    v *= push.radius;
   View view = frameView(FrameRef(push.frame).v, push.view);
   gl_Position = projectToClip(view.projection, view.worldToView * vec4(push.light.position + v, 1.0));
 }

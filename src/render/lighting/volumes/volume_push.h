@@ -10,8 +10,8 @@ struct VolumePush {
   uint64_t frame;     // FrameConstants
   uint64_t vertices;  // vec3[]: volume_mesh.h
   uint view;
-  uint shape;   // kShape*
-  float reach;  // of the mesh, metres: the light's, or of one without an end how far the scene goes
+  uint shape;    // kShape*
+  float radius;  // of the mesh, metres: the light's, or of one without an end how far the scene goes
   LightShadow shadow;
   Light light;
 };

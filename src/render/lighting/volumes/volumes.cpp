@@ -92,7 +92,7 @@ struct VolumeDraw {
   uint32_t shape;  // kShape*
   std::optional<Step> mark;
   Step light;
-  float reach = 0;  // of a volume, metres
+  float radius = 0;  // of a volume, metres
 };
 
 // Chooses the draws of lights in a view.
@@ -104,21 +104,20 @@ class VolumePlan {
   std::optional<VolumeDraw> of(const shared::Light& light) const {
     const VolumeDraw screen{kShapeScreen, std::nullopt, kLightScreen};
     if (light.type == shared::kLightDirectional) return screen;
-    const bool endless = std::isinf(light.reach);
-    const Sphere reach{light.position, endless ? farthest(light) : light.reach};
-    if (endless && (!isCone(light) || !std::isfinite(reach.radius))) return screen;
-    if (!frustum_.touches(reach)) return std::nullopt;
+    const bool endless = std::isinf(light.radius);
+    const Sphere lit{light.position, endless ? farthest(light) : light.radius};
+    if (endless && (!isCone(light) || !std::isfinite(lit.radius))) return screen;
+    if (!frustum_.touches(lit)) return std::nullopt;
     const float depth = (view_.worldToView * glm::vec4(light.position, 1.0f)).y;
-    const float extent = kVolumeExtent * reach.radius;
+    const float extent = kVolumeExtent * lit.radius;
     const bool cutFar = depth + extent >= shared::viewDepth(view_.projection, 0.0f);
     // Clamped, back faces beyond the far plane stay; clipped, they would leave what they hold unmarked.
     if (cutFar && !depthClamp_) return screen;
     const uint32_t shape = isCone(light) ? kShapeCone : kShapeSphere;
-    if (projectedRadius(reach) < kLeastMarkedRadius)
-      return VolumeDraw{shape, std::nullopt, kLightUnmarked, reach.radius};
-    if (order_ == kVolumesClassic) return VolumeDraw{shape, kMarkClassic, kLightMarked, reach.radius};
+    if (projectedRadius(lit) < kLeastMarkedRadius) return VolumeDraw{shape, std::nullopt, kLightUnmarked, lit.radius};
+    if (order_ == kVolumesClassic) return VolumeDraw{shape, kMarkClassic, kLightMarked, lit.radius};
     const bool cutNear = depth - extent <= shared::viewDepth(view_.projection, 1.0f);
-    return VolumeDraw{shape, kMarkKillzone, cutNear ? kLightMarked : kLightMarkedBehind, reach.radius};
+    return VolumeDraw{shape, kMarkKillzone, cutNear ? kLightMarked : kLightMarkedBehind, lit.radius};
   }
 
  private:
@@ -335,7 +334,7 @@ uint64_t VolumesPass::record(graph::Context& context, uint32_t view) const {
     push.light = f_.lights[light];
     push.shadow = f_.shadows ? f_.shadows->of(view, light) : shared::LightShadow{};
     push.shape = draw->shape;
-    push.reach = draw->reach;
+    push.radius = draw->radius;
     context.commands().push(screen, push);
     if (draw->mark) {
       if (reference == (multisampled() ? kSeveralSurfaces - 1 : 0xff)) {

@@ -1,0 +1,11 @@
+// Old photographs: an example of a post-processing effect.
+#pragma once
+
+#include "render/pass.h"
+
+namespace latelight::render {
+
+// `strength`: 0 to 1.
+graph::ImageId addSepia(const Builder& b, graph::ImageId picture, float strength);
+
+}  // namespace latelight::render
