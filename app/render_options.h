@@ -27,7 +27,7 @@ struct RenderOptions {
 #include "app/render_command.def"
 
   render::Settings settings;
-  scene::IdGrouping idGrouping;  // of `idDepth` and `idNodes`
+  scene::IdGrouping idGrouping;                           // of `idDepth` and `idNodes`
   std::map<std::string, std::string, std::less<>> given;  // what of all that was, by its key ("exposure"), as text
   std::vector<glm::uvec2> pixels;                         // of `picks`
 

@@ -52,10 +52,10 @@ struct ComputePass {
   std::string name;
   std::string shader;
   Bindings bindings;
-  glm::uvec3 size{1};                      // invocations: pixels and layers
-  std::vector<vk::Constant> constants{};   // specialization
-  std::vector<graph::Access> buffers{};    // read and written by address
-  uint32_t groupX = 16, groupY = 16;       // local_size of the shader
+  glm::uvec3 size{1};                     // invocations: pixels and layers
+  std::vector<vk::Constant> constants{};  // specialization
+  std::vector<graph::Access> buffers{};   // read and written by address
+  uint32_t groupX = 16, groupY = 16;      // local_size of the shader
 };
 
 struct NoPush {};  // of shaders without push constants

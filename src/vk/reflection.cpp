@@ -351,8 +351,8 @@ std::vector<StructLayout> Module::structs() const {
     if (type.op != kOpTypeStruct || !members.contains(0) || !members.at(0).contains(kOffset)) continue;
     StructLayout layout{name(id), decoration(id, kBlock).has_value(), bytesOfStruct(type), strideOfArrays(id), {}};
     for (const auto& [index, decorations] : members)
-      layout.members.push_back({memberName(id, index), memberDecoration(id, index, kOffset),
-                                memberDecoration(id, index, kMatrixStride)});
+      layout.members.push_back(
+          {memberName(id, index), memberDecoration(id, index, kOffset), memberDecoration(id, index, kMatrixStride)});
     found.push_back(std::move(layout));
   }
   return found;

@@ -90,7 +90,9 @@ TEST_F(MsaaForward, LightsAlikeByBothTechniques) {
   double sum = 0;
   for (size_t i = 0; i < a.size(); ++i) {
     sum += std::abs(std::min(a[i], 1.0f) - std::min(b[i], 1.0f));
-    if (i % 4 == 3) { ASSERT_EQ(a[i], b[i]) << "coverage of pixel " << i / 4; }
+    if (i % 4 == 3) {
+      ASSERT_EQ(a[i], b[i]) << "coverage of pixel " << i / 4;
+    }
   }
   fmt::print("forward and fullscreen differ by {:.5f} in the mean\n", sum / static_cast<double>(a.size()));
   EXPECT_LT(sum / static_cast<double>(a.size()), 0.003);

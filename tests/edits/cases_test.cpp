@@ -154,7 +154,8 @@ class EditMovingTest : public RenderTest, public testing::WithParamInterface<std
     return moment;
   }
   uint32_t moving() const {
-    const auto found = std::ranges::find_if(scene_.meshes, [](const scene::Mesh& mesh) { return mesh.deformation != nullptr; });
+    const auto found =
+        std::ranges::find_if(scene_.meshes, [](const scene::Mesh& mesh) { return mesh.deformation != nullptr; });
     return static_cast<uint32_t>(found - scene_.meshes.begin());
   }
   scene::Scene scene_ = scene::load(models::modelPath(GetParam()).string());

@@ -10,11 +10,11 @@ struct LightingPush {
   uint64_t frame;  // FrameConstants
 };
 
-struct CellsPush {     // where pictures are lit by tiles
-  uint64_t frame;      // FrameConstants
-  uint64_t cells;      // CellsRef of light_cells.glsl
-  uint64_t entries;    // EntriesRef
-  uvec2 tiles;         // of a view
+struct CellsPush {   // where pictures are lit by tiles
+  uint64_t frame;    // FrameConstants
+  uint64_t cells;    // CellsRef of light_cells.glsl
+  uint64_t entries;  // EntriesRef
+  uvec2 tiles;       // of a view
 };
 
 SH_END

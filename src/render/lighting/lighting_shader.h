@@ -13,8 +13,9 @@ namespace latelight::render {
 // the surfaces of pixels.
 std::vector<graph::ImageId> gbufferInputs(const Gbuffer& gbuffer);
 
-// A pass over every pixel of every view, in workgroups of 16 by 16, for addCompute(). `file`: the shader's, compiled for
-// each layout. `kept`: what earlier passes have left there. Constants of its own start at kFirstOwnConstant, bindings of its own behind the lit maps'.
+// A pass over every pixel of every view, in workgroups of 16 by 16, for addCompute(). `file`: the shader's, compiled
+// for each layout. `kept`: what earlier passes have left there. Constants of its own start at kFirstOwnConstant,
+// bindings of its own behind the lit maps'.
 struct KeptByLighting {
   bool picture = false, counts = false;
 };

@@ -22,8 +22,8 @@ void addExactTransparency(const FrameContext& f, const Gbuffer& gbuffer);
 void addSortedTransparency(const FrameContext& f, const Gbuffer& gbuffer);
 void addWeightedTransparency(const FrameContext& f, const Gbuffer& gbuffer);
 
-// Samples a pixel at which `exact` keeps fragments: those of the frame where a fragment can tell which of them the depth
-// test has left, else 1.
+// Samples a pixel at which `exact` keeps fragments: those of the frame where a fragment can tell which of them the
+// depth test has left, else 1.
 uint32_t fragmentSamples(const vk::Device& device, const FrameSetup& setup);
 
 // Pipelines that draw blended fragments (blended.glsl): tested against depth, which they leave alone. What lies exactly

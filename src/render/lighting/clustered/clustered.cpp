@@ -4,11 +4,10 @@
 namespace latelight::render {
 
 TechniqueInfo technique_clustered() {
-  return {
-      .description = "lights listed for each depth slice of each tile, by the box of the samples in it",
-      .add = [](const FrameContext& f, const Gbuffer& gbuffer) {
-        addLightLists(f, gbuffer, {.name = "clustered", .cellsATile = kSlices});
-      }};
+  return {.description = "lights listed for each depth slice of each tile, by the box of the samples in it",
+          .add = [](const FrameContext& f, const Gbuffer& gbuffer) {
+            addLightLists(f, gbuffer, {.name = "clustered", .cellsATile = kSlices});
+          }};
 }
 
 }  // namespace latelight::render

@@ -10,8 +10,8 @@ namespace {
 
 void add(const FrameContext& f, const Gbuffer& gbuffer) {
   for (const uint32_t row : {0u, 1u}) {
-    ComputePass field = lightingPass(f, gbuffer, "lighting interlaced", "interlaced.comp",
-                                     {.picture = row > 0, .counts = row > 0});
+    ComputePass field =
+        lightingPass(f, gbuffer, "lighting interlaced", "interlaced.comp", {.picture = row > 0, .counts = row > 0});
     field.size.y = (f.height + 1 - row) / 2;
     if (field.size.y > 0) addCompute(f, std::move(field), shared::FieldPush{f.constants, row});
   }
