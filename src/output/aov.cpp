@@ -18,7 +18,6 @@ constexpr std::array<AovInfo, kAovCount> kAovs{{
 #define OUTPUT(aov, name, channels, exrChannels, exr, png, background, unit, description, ...) \
   {Aov::aov, name, channels, {UNBRACKETED exrChannels}, ExrType::exr, PngCoding::png, background, unit, description},
 #include "output/outputs.def"
-#undef OUTPUT
 }};
 
 std::optional<Aov> findAov(std::string_view name) {

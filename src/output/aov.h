@@ -14,12 +14,10 @@ namespace latelight::output {
 enum class Aov : uint8_t {
 #define OUTPUT(aov, ...) aov,
 #include "output/outputs.def"
-#undef OUTPUT
 };
 inline constexpr size_t kAovCount = 0
 #define OUTPUT(...) +1
 #include "output/outputs.def"
-#undef OUTPUT
     ;
 
 // How an OpenEXR file stores a channel. Half: 11 bits of precision, finite values beyond 65504 are stored as 65504.

@@ -42,8 +42,7 @@ bool odd(float x) {
   return fraction(x * 0.5f) >= 0.5f;
 }
 
-// --- by outputs.def, a function of each picture: pixel index to colour, or nothing for background
-// ---------------------
+// --- the functions that outputs.def names: pixel index to colour, or nothing for background -------------------------
 
 auto depthColors(const AovImage& image) {
   std::vector<float> finite;
@@ -194,7 +193,6 @@ Picture debugPicture(const AovImage& image, const AovImage* ids) {
   case Aov::aov:                                                                                       \
     return paint(image, ids, colors(image));
 #include "output/outputs.def"
-#undef OUTPUT
   }
   return {};
 }

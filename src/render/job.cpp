@@ -33,10 +33,6 @@ ViewsInTime RenderPart::views(glm::vec2 jitter) const {
   return {viewsOf(job.now, jitter), viewsOf(job.previous, glm::vec2(0)), viewsOf(job.next, glm::vec2(0))};
 }
 
-std::span<const scene::Camera> RenderPart::cameras() const {
-  return std::span(job.now).subspan(first, count);
-}
-
 // Strips come from the top.
 void RenderJob::keep(const RenderPart& part, std::vector<output::FrameOutput>&& some) {
   if (part.strip.rows == rows) {

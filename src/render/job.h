@@ -26,7 +26,6 @@ struct RenderPart {
       : job(job), first(first), count(count), strip(strip), shadows(std::move(shadows)) {}
 
   ViewsInTime views(glm::vec2 jitter) const;
-  std::span<const scene::Camera> cameras() const;
 
   RenderJob& job;
   size_t first, count;  // views

@@ -167,15 +167,17 @@ Renderer::Start Renderer::startPart(RenderPart& part, uint64_t& room) {
     else
       request.accumulate(sum, i == 0);
     part.checks = std::exchange(overflow_.checks, {});
+    gpuScene_.addChanges(request.graph());
+    const graph::Plan plan = request.graph().compile();
     if (i == 0 && room > 0) {
-      const uint64_t needed = transientBytes(device_, request.graph(), request.graph().compile()).peak;
+      const uint64_t needed = transientBytes(device_, request.graph(), plan).peak;
       if (needed > room) {
         room = needed;
         if (last && history) history->undo();
         return Start::TooManyViews;
       }
     }
-    part.submission = submit(request.graph());
+    part.submission = submit(request.graph(), plan);
     if (last) break;
     if (overflowed(std::exchange(part.checks, {}), part.submission)) return Start::Overflowed;
     part.earlier.push_back(std::move(part.submission));
@@ -184,9 +186,9 @@ Renderer::Start Renderer::startPart(RenderPart& part, uint64_t& room) {
   return Start::Done;
 }
 
-graph::Submission Renderer::submit(graph::Graph& graph) {
-  gpuScene_.addChanges(graph);
-  graph::Submission submission = executor_.submit(graph, graph.compile());
+// The graph has the scene's changes.
+graph::Submission Renderer::submit(const graph::Graph& graph, const graph::Plan& plan) {
+  graph::Submission submission = executor_.submit(graph, plan);
   gpuScene_.changesSubmitted();
   return submission;
 }
@@ -265,7 +267,8 @@ output::RawGbuffer Renderer::readTargets(const scene::Camera& camera, const Sett
   graph::Graph graph(executor_);
   const LitFrame lit = addOpaque(set.frame(graph, frameSetup(atCentres, shadows != nullptr)));
   const RawReadback readback(graph, layout, settings.normals->index, lit.gbuffer);
-  const graph::Submission done = submit(graph);
+  gpuScene_.addChanges(graph);
+  const graph::Submission done = submit(graph, graph.compile());
   done.wait();
   job.addTimes(done);
   times_ = job.times;

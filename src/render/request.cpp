@@ -29,10 +29,6 @@ FrameSetup frameSetup(const Settings& s, bool shadows) {
   return setup;
 }
 
-bool showsPicture(const Settings& s) {
-  return s.display || asksFor(s, Origin::Picture);
-}
-
 bool isLit(const Settings& s) {
   return showsPicture(s) || asksFor(s, Origin::LightCounts);
 }

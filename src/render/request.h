@@ -12,7 +12,6 @@
 namespace latelight::render {
 
 FrameSetup frameSetup(const Settings& settings, bool shadows);
-bool showsPicture(const Settings& settings);
 bool isLit(const Settings& settings);  // data alone need no light
 
 class Request {

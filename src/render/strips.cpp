@@ -1,5 +1,7 @@
 #include "render/strips.h"
 
+#include "render/outputs/outputs.h"
+
 #include <algorithm>
 
 namespace latelight::render {
@@ -10,8 +12,7 @@ namespace {
 constexpr uint32_t kBlock = 64;
 
 bool needsNeighbours(const Settings& s) {
-  const bool color = s.display || output::contains(s.aovs, output::Aov::Color);
-  return color && (s.aa.temporal || s.aa.fxaa || s.bloom > 0 || s.ambientOcclusion != AmbientOcclusion::None);
+  return showsPicture(s) && (s.aa.temporal || s.aa.fxaa || s.bloom > 0 || s.ambientOcclusion != AmbientOcclusion::None);
 }
 
 template <typename T>

@@ -45,7 +45,6 @@ constexpr Source kSources[] = {
 #define OUTPUT(aov, name, channels, exrChannels, exr, png, background, unit, description, debug, origin, packing, ...) \
   source(Origin::origin, packing PLACES_OF(__VA_ARGS__, PLACES_2, PLACES_1)(__VA_ARGS__)),
 #include "output/outputs.def"
-#undef OUTPUT
 };
 
 const Source& sourceOf(Aov aov) {
@@ -80,6 +79,10 @@ Origin originOf(Aov aov) {
 
 bool asksFor(const Settings& settings, Origin origin) {
   return std::ranges::any_of(settings.aovs, [&](Aov aov) { return originOf(aov) == origin; });
+}
+
+bool showsPicture(const Settings& settings) {
+  return settings.display || asksFor(settings, Origin::Picture);
 }
 
 uint32_t exactTargets(std::span<const Aov> aovs) {
