@@ -4,7 +4,9 @@
 # layout: it includes "gbuffer_layout.h" (or gbuffer_read.glsl, which does), is compiled once for each G-buffer layout and
 # named <file>@<layout>. multisampled: it reads or writes targets by multisample.glsl or gbuffer_read.glsl, is compiled
 # for several samples a pixel too, with MULTISAMPLED defined, and named <file>+msaa or <file>@<layout>+msaa. One that
-# defines MULTISAMPLED itself has no other form, and one that defines ONE_SAMPLE not that one.
+# defines MULTISAMPLED itself has no other form, and one that defines ONE_SAMPLE not that one. textured: it samples
+# materials' textures by fragment_point.glsl, and each of its forms is compiled again with TEXTURES_BY_INDEX defined, named
+# <form>+indexed, for devices with descriptor indexing.
 set(LATELIGHT_SPIRV ${PROJECT_BINARY_DIR}/spirv)
 # Debug information holds the sources and where they lay: not for what is shipped.
 set(LATELIGHT_SHADER_DEBUG $<$<NOT:$<CONFIG:Release>>:-g>)
@@ -37,6 +39,9 @@ function(latelight_declared_variants source out)
   endif()
   if(text MATCHES "#include \"render/glsl/(multisample|gbuffer_read)\\.glsl\"" AND NOT text MATCHES "#define (MULTISAMPLED|ONE_SAMPLE)")
     list(APPEND used multisampled)
+  endif()
+  if(text MATCHES "#include \"render/(visibility/fragment_point|visibility/surface_fragment|transparency/blended)\\.glsl\"")
+    list(APPEND used textured)
   endif()
   list(JOIN used ", " wanted)
   foreach(variant IN LISTS used)
@@ -79,15 +84,22 @@ function(latelight_shaders module)
       list(TRANSFORM variants APPEND "+msaa" OUTPUT_VARIABLE multisampled)
       list(APPEND variants ${multisampled})
     endif()
+    if("textured" IN_LIST declared)
+      list(TRANSFORM variants APPEND "+indexed" OUTPUT_VARIABLE indexed)
+      list(APPEND variants ${indexed})
+    endif()
     foreach(variant IN LISTS variants)
-      string(REPLACE "+msaa" "" layout ${variant})
+      string(REGEX REPLACE "\\+.*" "" layout ${variant})
       string(REPLACE "@-" "" name ${file}@${variant})
       set(includes "")
       if(NOT layout STREQUAL "-")
         list(APPEND includes -I${LATELIGHT_GENERATED}/layout/${layout})
       endif()
-      if(NOT layout STREQUAL variant)
+      if(variant MATCHES "\\+msaa")
         list(APPEND includes -DMULTISAMPLED)
+      endif()
+      if(variant MATCHES "\\+indexed")
+        list(APPEND includes -DTEXTURES_BY_INDEX)
       endif()
       latelight_compile_shader(${source} ${name} "${includes}" spirv)
       list(APPEND compiled ${spirv})

@@ -77,6 +77,7 @@ struct Material {
   uint textures;  // bit i: texture slot i is present
   uint id;        // the value of the data output material: stable, never 0
   TextureTransform transforms[7];
+  uint images[7];  // by slot: its texture among the scene's, where shaders find textures by index
 };
 SH_CONST uint kMaterialUnlit = 1u;
 SH_CONST uint kMaterialMasked = 2u;  // alphaCutoff applies
@@ -192,7 +193,7 @@ static_assert(sizeof(latelight::shared::VertexExtra) == 24);
 static_assert(sizeof(latelight::shared::Mesh) == 56);
 static_assert(sizeof(latelight::shared::Instance) == 68);
 static_assert(sizeof(latelight::shared::TextureTransform) == 28);
-static_assert(sizeof(latelight::shared::Material) == 80 + 7 * 28);
+static_assert(sizeof(latelight::shared::Material) == 80 + 7 * 28 + 7 * 4);
 static_assert(sizeof(latelight::shared::Light) == 52);
 static_assert(sizeof(latelight::shared::ShadowMap) == 88);
 static_assert(sizeof(latelight::shared::LightBox) == 24);

@@ -102,8 +102,9 @@ void Commands::bind(const Pipeline& pipeline, std::span<const BoundImage> images
                        push.data());
 }
 
-void Commands::bindMaterial(const Pipeline& pipeline, VkDescriptorSet set) {
-  vkCmdBindDescriptorSets(commands_, pipeline.point, pipeline.layout.get(), 1, 1, &set, 0, nullptr);
+void Commands::bindSceneSets(const Pipeline& pipeline, std::span<const VkDescriptorSet> sets, uint32_t offset) {
+  vkCmdBindDescriptorSets(commands_, pipeline.point, pipeline.layout.get(), 1, static_cast<uint32_t>(sets.size()),
+                          sets.data(), 1, &offset);
 }
 
 void Commands::dispatch(uint32_t width, uint32_t height, uint32_t layers, uint32_t groupX, uint32_t groupY) {

@@ -219,6 +219,22 @@ VkDevice makeDevice(VkPhysicalDevice physical, uint32_t queueFamily, const std::
   return device;
 }
 
+// As many combined image samplers as one set takes, less those that other sets of a pipeline have.
+uint32_t longestTextureArray(VkPhysicalDevice physical, const VkPhysicalDeviceVulkan12Properties& limits) {
+  Features offered;
+  vkGetPhysicalDeviceFeatures2(physical, &offered.core);
+  const VkPhysicalDeviceVulkan12Features& has = offered.v12;
+  if (!has.runtimeDescriptorArray || !has.descriptorBindingVariableDescriptorCount ||
+      !has.descriptorBindingSampledImageUpdateAfterBind || !has.shaderSampledImageArrayNonUniformIndexing)
+    return 0;
+  constexpr uint32_t kOthers = 256, kMost = 1u << 20;
+  const uint32_t fewest = std::min(
+      {limits.maxPerStageDescriptorUpdateAfterBindSamplers, limits.maxPerStageDescriptorUpdateAfterBindSampledImages,
+       limits.maxPerStageUpdateAfterBindResources, limits.maxDescriptorSetUpdateAfterBindSamplers,
+       limits.maxDescriptorSetUpdateAfterBindSampledImages, limits.maxUpdateAfterBindDescriptorsInAllPools});
+  return std::min(std::max(fewest, kOthers) - kOthers, kMost);
+}
+
 VkPipelineCache makePipelineCache(VkDevice device, const std::vector<std::byte>& bytes) {
   VkPipelineCacheCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO};
   info.initialDataSize = bytes.size();
@@ -242,12 +258,14 @@ Device::Device(const DeviceOptions& options) : validation_(validationWanted(opti
   info_ = chooseDevice(list, options.selector).device;
   physical_ = all[info_.index];
   VkPhysicalDeviceMaintenance3Properties memory{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES};
-  VkPhysicalDeviceMaintenance4Properties limits{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_4_PROPERTIES, &memory};
+  VkPhysicalDeviceVulkan12Properties indexing{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_PROPERTIES, &memory};
+  VkPhysicalDeviceMaintenance4Properties limits{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_4_PROPERTIES, &indexing};
   VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &limits};
   vkGetPhysicalDeviceProperties2(physical_, &properties);
   properties_ = properties.properties;
   maxBufferSize_ = limits.maxBufferSize;
   maxAllocationSize_ = memory.maxMemoryAllocationSize;
+  if (options.descriptorIndexing) maxTextureArray_ = longestTextureArray(physical_, indexing);
   queueFamily_ = findQueueFamily(physical_);
 
   impl.extensions = offeredExtensions(physical_);

@@ -46,6 +46,7 @@ DeviceChoice chooseDevice(const std::vector<DeviceInfo>& devices, const std::str
 struct DeviceOptions {
   std::string selector = "auto";
   bool validation = false;  // Khronos validation with synchronization checks; messages go to validationMessages()
+  bool descriptorIndexing = true;  // use it where the device has it
 };
 
 class Device {
@@ -69,6 +70,8 @@ class Device {
   VkDeviceSize maxBufferSize() const { return maxBufferSize_; }          // bytes
   VkDeviceSize maxAllocationSize() const { return maxAllocationSize_; }  // bytes of one allocation of memory
   bool has(const char* extension) const;  // enabled: all of kOptionalExtensions that the device offers are
+  // The longest Binding::TextureArray. 0: the device has no descriptor indexing.
+  uint32_t maxTextureArray() const { return maxTextureArray_; }
 
   // Records and submits, without waiting. The one way work reaches the queue; one submission is recorded at a time, and
   // any thread may submit. Returns the submission's value on the device's timeline: values grow by one, and
@@ -109,6 +112,7 @@ class Device {
   VkPipelineCache pipelineCache_ = VK_NULL_HANDLE;
   VkPhysicalDeviceProperties properties_{};
   VkDeviceSize maxBufferSize_ = 0, maxAllocationSize_ = 0;
+  uint32_t maxTextureArray_ = 0;
   DeviceInfo info_;
   std::atomic<uint64_t> pipelinesMade_ = 0;
   std::unique_ptr<Allocator> allocator_;

@@ -49,6 +49,10 @@ constexpr Feature kOptional[] = {
     LATER(v12, shaderInt8, "8-bit integers in shaders"),
     LATER(v12, shaderBufferInt64Atomics, "64-bit atomics in buffers"),
     LATER(v12, shaderSharedInt64Atomics, "64-bit atomics in shared memory"),
+    LATER(v12, runtimeDescriptorArray, "arrays of textures of any length"),
+    LATER(v12, descriptorBindingVariableDescriptorCount, "arrays of textures as long as a scene needs"),
+    LATER(v12, descriptorBindingSampledImageUpdateAfterBind, "arrays of very many textures"),
+    LATER(v12, shaderSampledImageArrayNonUniformIndexing, "textures by an index of each invocation's own"),
     LATER(v13, subgroupSizeControl, "a chosen subgroup size"),
     LATER(v13, computeFullSubgroups, "full subgroups in compute shaders"),
 };

@@ -19,22 +19,29 @@ const char* kindName(std::optional<Binding> kind) {
     case Binding::Storage:
       return "a storage image";
     case Binding::Uniform:
+    case Binding::DynamicUniform:
       return "a uniform buffer";
+    case Binding::TextureArray:
+      return "an array of textures";
   }
   fail(ExitCode::Internal, "There is no binding of kind {}.", static_cast<int>(*kind));
 }
 
+bool isKind(std::optional<Binding> used, Binding declared) {
+  return used == declared || (used == Binding::Uniform && declared == Binding::DynamicUniform);
+}
+
 void checkBindings(const std::string& shader, const Reflection& found, const DeclaredInterface& declared) {
   for (const UsedBinding& used : found.bindings) {
-    if (used.set == 1 && declared.materialSet) continue;
-    if (used.set > 0)
+    if (used.set > declared.sceneSets.size())
       fail(ExitCode::Internal, "{} uses {} of descriptor set {}, which its pipeline does not have.", shader, used.name,
            used.set);
-    if (used.binding >= declared.bindings.size())
+    const std::span<const Binding> bindings = used.set == 0 ? declared.bindings : declared.sceneSets[used.set - 1];
+    if (used.binding >= bindings.size())
       fail(ExitCode::Internal, "{} uses binding {} ({}), but its pipeline declares only {}.", shader, used.binding,
-           used.name, declared.bindings.size());
-    const Binding kind = declared.bindings[used.binding];
-    if (used.kind != kind)
+           used.name, bindings.size());
+    const Binding kind = bindings[used.binding];
+    if (!isKind(used.kind, kind))
       fail(ExitCode::Internal, "Binding {} ({}) of {} is {}, but its pipeline declares {}.", used.binding, used.name,
            shader, kindName(used.kind), kindName(kind));
   }

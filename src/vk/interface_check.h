@@ -16,8 +16,8 @@ struct CheckedStage {
 
 // What a pipeline declares for all of its stages.
 struct DeclaredInterface {
-  std::span<const Binding> bindings;  // set 0
-  bool materialSet = false;           // set 1 is there
+  std::span<const Binding> bindings;                  // set 0
+  std::span<const std::vector<Binding>> sceneSets{};  // sets 1 and on
   std::span<const Constant> constants;
   uint32_t pushBytes = 0;  // 0: not said, and not checked
 };

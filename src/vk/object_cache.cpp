@@ -47,7 +47,7 @@ std::string keyOf(const ComputeDesc& d) {
 
 std::string keyOf(const GraphicsDesc& d) {
   Key key;
-  key.add('g').add(d.vertex).add(d.fragment).add(d.bindings).add(d.materialSet).add(d.constants);
+  key.add('g').add(d.vertex).add(d.fragment).add(d.bindings).add(d.sceneSets).add(d.constants);
   key.add(d.vertexBuffers).add(d.pushBytes).add(d.colors);
   key.add(d.depth).add(d.depthCompare).add(d.depthWrite).add(d.depthClamp).add(d.colorWrite).add(d.blend);
   key.add(d.alphaOnly).add(d.colorsWritten).add(d.samples).add(d.stencil.has_value());

@@ -86,15 +86,17 @@ void checkStages(const Device& device, std::span<const CheckedStage> stages, con
   if (kDebugBuild || device.underValidation()) checkInterface(stages, declared);
 }
 
-Pipeline makeLayout(Device& device, std::span<const Binding> bindings, VkDescriptorSetLayout materialSet) {
+Pipeline makeLayout(Device& device, std::span<const Binding> bindings,
+                    std::span<const std::vector<Binding>> sceneSets) {
   Pipeline made;
   made.bindings.assign(bindings.begin(), bindings.end());
   made.set0 = device.cache().setLayout(made.bindings);
-  const VkDescriptorSetLayout sets[] = {made.set0, materialSet};
+  std::vector<VkDescriptorSetLayout> sets{made.set0};
+  for (const std::vector<Binding>& set : sceneSets) sets.push_back(device.cache().setLayout(set));
   const VkPushConstantRange push{VK_SHADER_STAGE_ALL, 0, 128};
   VkPipelineLayoutCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
-  info.setLayoutCount = materialSet ? 2 : 1;
-  info.pSetLayouts = sets;
+  info.setLayoutCount = static_cast<uint32_t>(sets.size());
+  info.pSetLayouts = sets.data();
   info.pushConstantRangeCount = 1;
   info.pPushConstantRanges = &push;
   VkPipelineLayout layout = VK_NULL_HANDLE;
@@ -194,9 +196,18 @@ FixedState::FixedState(const GraphicsDesc& desc) {
 
 }  // namespace
 
-std::span<const uint32_t> shaderCode(std::string_view name) {
+namespace {
+
+std::span<const uint32_t> findShader(std::string_view name) {
   for (const EmbeddedShader& shader : kShaders)
     if (shader.name && shader.name == name) return {shader.begin, shader.end};
+  return {};
+}
+
+}  // namespace
+
+std::span<const uint32_t> shaderCode(std::string_view name) {
+  if (const std::span<const uint32_t> code = findShader(name); !code.empty()) return code;
   fail(ExitCode::Internal, "No shader called {} is embedded.", name);
 }
 
@@ -207,31 +218,54 @@ std::vector<std::string_view> shaderNames() {
   return names;
 }
 
+bool hasShader(std::string_view name) {
+  return !findShader(name).empty();
+}
+
 VkDescriptorType descriptorType(Binding binding) {
   switch (binding) {
     case Binding::Sampled:
+    case Binding::TextureArray:
       return VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
     case Binding::Storage:
       return VK_DESCRIPTOR_TYPE_STORAGE_IMAGE;
     case Binding::Uniform:
       return VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
+    case Binding::DynamicUniform:
+      return VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC;
   }
   fail(ExitCode::Internal, "There is no binding of kind {}.", static_cast<int>(binding));
 }
 
 Handle<VkDescriptorSetLayout> makeSetLayout(Device& device, std::span<const Binding> bindings) {
   std::vector<VkDescriptorSetLayoutBinding> slots;
+  std::vector<VkDescriptorBindingFlags> flags(bindings.size());
+  bool isArray = false;
   for (Binding binding : bindings) {
     VkDescriptorSetLayoutBinding slot{};
     slot.binding = static_cast<uint32_t>(slots.size());
     slot.descriptorType = descriptorType(binding);
     slot.descriptorCount = 1;
     slot.stageFlags = VK_SHADER_STAGE_ALL;
+    if (binding == Binding::TextureArray) {
+      isArray = true;
+      slot.descriptorCount = device.maxTextureArray();
+      flags[slots.size()] =
+          VK_DESCRIPTOR_BINDING_VARIABLE_DESCRIPTOR_COUNT_BIT | VK_DESCRIPTOR_BINDING_UPDATE_AFTER_BIND_BIT;
+    }
     slots.push_back(slot);
   }
   VkDescriptorSetLayoutCreateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
   info.bindingCount = static_cast<uint32_t>(slots.size());
   info.pBindings = slots.data();
+  const VkDescriptorSetLayoutBindingFlagsCreateInfo flagged{
+      .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_BINDING_FLAGS_CREATE_INFO,
+      .bindingCount = info.bindingCount,
+      .pBindingFlags = flags.data()};
+  if (isArray) {
+    info.pNext = &flagged;
+    info.flags = VK_DESCRIPTOR_SET_LAYOUT_CREATE_UPDATE_AFTER_BIND_POOL_BIT;
+  }
   VkDescriptorSetLayout layout = VK_NULL_HANDLE;
   VK_CHECK(vkCreateDescriptorSetLayout(device.get(), &info, nullptr, &layout));
   return Handle<VkDescriptorSetLayout>(device, layout);
@@ -243,7 +277,7 @@ Pipeline makePipeline(Device& device, const ComputeDesc& desc) {
   const CheckedStage checked{desc.code.empty() ? desc.shader : desc.name, code};
   checkStages(device, std::span(&checked, 1),
               {.bindings = desc.bindings, .constants = constants, .pushBytes = desc.pushBytes});
-  Pipeline made = makeLayout(device, desc.bindings, VK_NULL_HANDLE);
+  Pipeline made = makeLayout(device, desc.bindings, {});
   const Stage stage(device, VK_SHADER_STAGE_COMPUTE_BIT, code, constants);
   VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
   info.stage = stage.info();
@@ -258,12 +292,10 @@ Pipeline makePipeline(Device& device, const GraphicsDesc& desc) {
   const std::vector<Constant> constants = withDeviceConstants(device, desc.constants);
   std::vector<CheckedStage> checked{{desc.vertex, shaderCode(desc.vertex)}};
   if (!desc.fragment.empty()) checked.push_back({desc.fragment, shaderCode(desc.fragment)});
-  checkStages(device, checked,
-              {.bindings = desc.bindings,
-               .materialSet = desc.materialSet != VK_NULL_HANDLE,
-               .constants = constants,
-               .pushBytes = desc.pushBytes});
-  Pipeline made = makeLayout(device, desc.bindings, desc.materialSet);
+  checkStages(
+      device, checked,
+      {.bindings = desc.bindings, .sceneSets = desc.sceneSets, .constants = constants, .pushBytes = desc.pushBytes});
+  Pipeline made = makeLayout(device, desc.bindings, desc.sceneSets);
   const Stage vertex(device, VK_SHADER_STAGE_VERTEX_BIT, checked[0].code, constants);
   std::vector<VkPipelineShaderStageCreateInfo> stages{vertex.info()};
   std::optional<Stage> fragment;

@@ -5,7 +5,7 @@
 // (interface_check.h).
 //
 // Every pipeline has the same shape: push constants (at most 128 bytes, all stages), set 0 for what the pass binds
-// (images, by binding order), set 1 (geometry) for one material's textures. Buffers are read by address.
+// (images, by binding order), and from set 1 on those of a scene (gpu_scene/materials.h). Buffers are read by address.
 #pragma once
 
 #include <volk.h>
@@ -25,8 +25,16 @@ namespace latelight::vk {
 // SPIR-V words of an embedded shader. Throws Error(Internal) if there is none of that name.
 std::span<const uint32_t> shaderCode(std::string_view name);
 std::vector<std::string_view> shaderNames();  // of all that are embedded
+bool hasShader(std::string_view name);
 
-enum class Binding : uint8_t { Sampled, Storage, Uniform };  // combined image sampler; storage image; uniform buffer
+enum class Binding : uint8_t {
+  Sampled,         // combined image sampler
+  Storage,         // storage image
+  Uniform,         // uniform buffer
+  DynamicUniform,  // uniform buffer at an offset that is given when it is bound
+  TextureArray,    // combined image samplers, as many as a set is allocated with: the last of its set, and only where
+                   // Device::maxTextureArray() is not 0
+};
 
 VkDescriptorType descriptorType(Binding binding);
 
@@ -81,9 +89,9 @@ struct GraphicsDesc {
   std::string vertex, fragment;
   std::vector<VertexBuffer> vertexBuffers;  // by binding
   std::vector<Binding> bindings;
-  VkDescriptorSetLayout materialSet = VK_NULL_HANDLE;  // set 1, or none
-  std::vector<Constant> constants;                     // both stages
-  uint32_t pushBytes = 0;                              // as ComputeDesc's
+  std::vector<std::vector<Binding>> sceneSets;  // sets 1 and on
+  std::vector<Constant> constants;              // both stages
+  uint32_t pushBytes = 0;                       // as ComputeDesc's
   std::vector<VkFormat> colors;
   uint32_t colorsWritten = ~0u;  // bit i: color i is
   VkFormat depth = VK_FORMAT_UNDEFINED;

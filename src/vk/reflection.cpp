@@ -248,6 +248,8 @@ std::optional<Binding> Module::kindOf(const Instruction& variable) const {
   const Instruction& type = pointee(variable);
   if (variable.operands[2] == kUniform && type.op == kOpTypeStruct) return Binding::Uniform;
   if (variable.operands[2] != kUniformConstant) return std::nullopt;
+  if (type.op == kOpTypeRuntimeArray)
+    return definition(type.operands[1]).op == kOpTypeSampledImage ? std::optional(Binding::TextureArray) : std::nullopt;
   const Instruction& image = type.op == kOpTypeSampledImage ? definition(type.operands[1]) : type;
   if (image.op != kOpTypeImage || image.operands[2] == kDimBuffer) return std::nullopt;
   if (type.op == kOpTypeSampledImage) return Binding::Sampled;

@@ -14,7 +14,7 @@ namespace latelight::vk {
 
 struct UsedBinding {
   uint32_t set, binding;
-  std::optional<Binding> kind;  // none: an array, or a kind that no pipeline here has
+  std::optional<Binding> kind;  // Uniform where a pipeline may declare DynamicUniform; none: one that no pipeline has
   std::string name;
 };
 

@@ -24,6 +24,7 @@ endfunction()
 set(layout "#include \"gbuffer_layout.h\"\n")
 set(samples "#include \"render/glsl/multisample.glsl\"\n")
 set(both "#include \"render/glsl/gbuffer_read.glsl\"\n")
+set(textures "#include \"render/visibility/fragment_point.glsl\"\n")
 set(add "its first line behind #version and #extension must be")
 
 expect("void main() {}\n" "variants: []")
@@ -31,12 +32,14 @@ expect("// variants: layout\n${layout}" "variants: [layout]")
 expect("// variants: multisampled\n${samples}" "variants: [multisampled]")
 expect("// variants: layout, multisampled\n${both}" "variants: [layout;multisampled]")
 expect("// variants: layout\n#define ONE_SAMPLE\n${both}" "variants: [layout]")
+expect("// variants: textured\n${textures}" "variants: [textured]")
 expect("#define MULTISAMPLED\n${samples}" "variants: []")
 
 expect("${layout}" "planted.comp has an include that differs by layout but does not say so: ${add} \"// variants: layout\".")
 expect("// variants: layout\n${both}"
   "planted.comp has an include that differs by multisampled but does not say so: ${add} \"// variants: layout, multisampled\".")
 expect("${samples}// variants: multisampled\n" "planted.comp has an include that differs by multisampled but does not say so")
+expect("${textures}" "planted.comp has an include that differs by textured but does not say so: ${add} \"// variants: textured\".")
 expect("// variants: layout\nvoid main() {}\n"
   "planted.comp declares the variant \"layout\", but includes nothing that differs by it.")
 expect("// variants: multisampled\n#define ONE_SAMPLE\n${samples}"

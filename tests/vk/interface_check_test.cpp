@@ -112,7 +112,8 @@ TEST(InterfaceCheck, OneStageMayDeclareTheBeginningOfWhatAnotherIsPushed) {
 
 TEST(InterfaceCheck, NamesADescriptorSetThatIsMissing) {
   const CheckedStage stages[] = {{"scene.vert", shaderCode("scene.vert")}, {"masked.frag", shaderCode("masked.frag")}};
-  EXPECT_NO_THROW(checkInterface(stages, {.materialSet = true}));
+  const std::vector<Binding> sets[] = {std::vector<Binding>(7, Binding::Sampled), {Binding::DynamicUniform}};
+  EXPECT_NO_THROW(checkInterface(stages, {.sceneSets = sets}));
   try {
     checkInterface(stages, {});
     FAIL() << "is not noticed";

@@ -2,6 +2,9 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_buffer_reference2 : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
+#ifdef TEXTURES_BY_INDEX
+#extension GL_EXT_nonuniform_qualifier : require  // arrays without a size
+#endif
 
 #include "shared/types.h"
 

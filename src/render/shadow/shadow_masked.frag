@@ -1,5 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+// variants: textured
 // shadow.frag for alpha-masked materials.
 #include "render/glsl/common.glsl"
 #define DRAW_PUSH ShadowDraw

@@ -1,5 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+// variants: textured
 // sorted: a blended fragment for the blending unit, which lays it over what is there.
 #include "render/glsl/common.glsl"
 #include "render/transparency/blended.glsl"

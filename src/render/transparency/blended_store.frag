@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// variants: multisampled
+// variants: multisampled, textured
 #ifdef MULTISAMPLED
 #extension GL_ARB_post_depth_coverage : require
 layout(post_depth_coverage) in;  // else samples that the depth test took away would count as covered

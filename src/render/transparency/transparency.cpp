@@ -11,10 +11,10 @@ ScenePipelines blendedPipelines(const FrameContext& f, const Bindings& maps, con
   vk::GraphicsDesc desc;
   desc.vertex = target.vertex.empty() ? "scene.vert" : target.vertex;
   desc.vertexBuffers = sceneVertexBuffers(desc.vertex);
-  desc.fragment = target.fragment;
+  desc.fragment = materialVariant(f.device, target.fragment);
   desc.samples = target.samples;
   desc.bindings = maps.kinds();
-  desc.materialSet = GpuMaterials::setLayout(f.device);
+  desc.sceneSets = GpuMaterials::setBindings(f.device);
   desc.constants = f.setup.constants();
   desc.constants.push_back({kFirstOwnConstant, everyLight ? 1u : 0u});
   desc.pushBytes = target.pushBytes;

@@ -74,7 +74,8 @@ ScenePipelines scenePipelines(vk::Device& device, const vk::GraphicsDesc& opaque
     if (desc.vertex.empty()) desc.vertex = "scene.vert";
     desc.vertexBuffers = sceneVertexBuffers(desc.vertex);
     if (desc.pushBytes == 0) desc.pushBytes = sizeof(shared::DrawPush);
-    desc.materialSet = GpuMaterials::setLayout(device);
+    desc.fragment = materialVariant(device, desc.fragment);
+    desc.sceneSets = GpuMaterials::setBindings(device);
     desc.constants.push_back({kFirstOwnConstant, isMasked});
     if (isMasked) desc.name += " masked";
     return desc;
@@ -108,7 +109,8 @@ const vk::Pipeline& SceneBinder::bind(const Draw& draw) {
     material_ = ~0u;
   }
   if (material_ != draw.material) {
-    context_.commands().bindMaterial(pipeline, scene_.materials().set(draw.material));
+    const MaterialSets bound = scene_.materials().sets(draw.material);
+    context_.commands().bindSceneSets(pipeline, bound.sets, bound.offset);
     const bool doubleSided = (material.flags & shared::kMaterialDoubleSided) != 0;
     vkCmdSetCullMode(commands, doubleSided ? VK_CULL_MODE_NONE : VK_CULL_MODE_BACK_BIT);
     material_ = draw.material;

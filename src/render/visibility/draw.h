@@ -33,8 +33,8 @@ struct ScenePipelines {
 };
 // Vertex buffers of a shader of scene draws: of scene_depth.vert, or of those that read attributes too.
 std::vector<vk::VertexBuffer> sceneVertexBuffers(const std::string& vertexShader);
-// `desc` without its vertex shader and buffers, material set and kAlphaMasked (kFirstOwnConstant), which this fills in;
-// fragment shaders have the constant. It pushes DrawPush alone unless desc.pushBytes says more.
+// `desc` without its vertex shader and buffers, material sets and kAlphaMasked (kFirstOwnConstant), which this fills
+// in; fragment shaders have the constant. It pushes DrawPush alone unless desc.pushBytes says more.
 ScenePipelines scenePipelines(vk::Device& device, const vk::GraphicsDesc& desc);
 ScenePipelines scenePipelines(vk::Device& device, const vk::GraphicsDesc& opaque, const vk::GraphicsDesc& masked);
 

@@ -1,7 +1,13 @@
-// The point of a surface that a fragment shows, and the draw's material: its textures are set 1. After varyings.glsl.
+// The point of a surface that a fragment shows, and the draw's material: its textures are set 1, its record set 2
+// (gpu_scene/materials.h). After varyings.glsl.
 #include "render/glsl/material.glsl"
 #include "render/glsl/multisample.glsl"
 
+#ifdef TEXTURES_BY_INDEX
+layout(set = 1, binding = 0) uniform sampler2D materialTextures[];
+// All invocations of a draw have one material, so the index is uniform.
+#define TEXTURE(m, slot) materialTextures[m.images[slot]]
+#else
 layout(set = 1, binding = 0) uniform sampler2D materialTexture0;
 layout(set = 1, binding = 1) uniform sampler2D materialTexture1;
 layout(set = 1, binding = 2) uniform sampler2D materialTexture2;
@@ -9,6 +15,8 @@ layout(set = 1, binding = 3) uniform sampler2D materialTexture3;
 layout(set = 1, binding = 4) uniform sampler2D materialTexture4;
 layout(set = 1, binding = 5) uniform sampler2D materialTexture5;
 layout(set = 1, binding = 6) uniform sampler2D materialTexture6;
+#define TEXTURE(m, slot) materialTexture##slot
+#endif
 // The draw's material as a uniform buffer, not by address: texture coordinates depend on it, so helper invocations must
 // see it too or derivatives break at triangle edges, and loads by address may give them nothing.
 //
@@ -16,7 +24,7 @@ layout(set = 1, binding = 6) uniform sampler2D materialTexture6;
 // compiles a variant of the shader for the material's values at every draw, 2.5 ms each, and never frees it. Only there:
 // it costs an H200 a fifth of the geometry pass.
 layout(constant_id = 100) const uint kCpuDevice = 0;
-layout(set = 1, binding = 7, scalar) uniform MaterialUniform { Material materials[1]; };
+layout(set = 2, binding = 0, scalar) uniform MaterialUniform { Material materials[1]; };
 Material drawMaterial() { return materials[kCpuDevice != 0u ? uint(push.frame >> 63) : 0u]; }
 
 #ifdef MULTISAMPLED
@@ -36,13 +44,13 @@ vec4 centreUv() { return interpolateAtOffset(varyingUv, vec2(0.0)); }
 
 vec4 sampleTexture(Material m, uint slot, SurfacePoint p) {
   switch (slot) {
-    case 0u: return TEXEL(materialTexture0, m.transforms[0]);
-    case 1u: return TEXEL(materialTexture1, m.transforms[1]);
-    case 2u: return TEXEL(materialTexture2, m.transforms[2]);
-    case 3u: return TEXEL(materialTexture3, m.transforms[3]);
-    case 4u: return TEXEL(materialTexture4, m.transforms[4]);
-    case 5u: return TEXEL(materialTexture5, m.transforms[5]);
-    default: return TEXEL(materialTexture6, m.transforms[6]);
+    case 0u: return TEXEL(TEXTURE(m, 0), m.transforms[0]);
+    case 1u: return TEXEL(TEXTURE(m, 1), m.transforms[1]);
+    case 2u: return TEXEL(TEXTURE(m, 2), m.transforms[2]);
+    case 3u: return TEXEL(TEXTURE(m, 3), m.transforms[3]);
+    case 4u: return TEXEL(TEXTURE(m, 4), m.transforms[4]);
+    case 5u: return TEXEL(TEXTURE(m, 5), m.transforms[5]);
+    default: return TEXEL(TEXTURE(m, 6), m.transforms[6]);
   }
 }
 
@@ -67,7 +75,7 @@ int uncutSamples(Material m) {
   for (int i = 0; i < int(kSamples); ++i) {
     precise float alpha = m.baseColor.a * interpolateAtSample(varyingColor, i).a;
     if (hasTexture(m, kTextureBaseColor))
-      alpha *= texture(materialTexture0, transformedUv(m.transforms[0], interpolateAtSample(varyingUv, i))).a;
+      alpha *= texture(TEXTURE(m, 0), transformedUv(m.transforms[0], interpolateAtSample(varyingUv, i))).a;
     if (alpha >= m.alphaCutoff) left |= 1 << i;
   }
   return left;

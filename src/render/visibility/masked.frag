@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// variants: multisampled
+// variants: multisampled, textured
 // Depth of alpha-masked materials.
 #include "render/glsl/common.glsl"
 #include "render/glsl/multisample.glsl"

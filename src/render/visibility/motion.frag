@@ -1,5 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+// variants: textured
 // Motion of what is drawn: to the frame before, and to the frame after.
 #include "render/glsl/common.glsl"
 #include "render/visibility/varyings.glsl"

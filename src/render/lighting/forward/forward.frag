@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// variants: multisampled
+// variants: multisampled, textured
 // forward: material and all lights of a visible surface in one shader (seed 000, single-pass lighting).
 #include "render/glsl/common.glsl"
 #include "render/glsl/multisample.glsl"

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// variants: multisampled
+// variants: multisampled, textured
 // forward-multipass, first pass: what a surface shows without lights, and which one it is.
 #include "render/glsl/common.glsl"
 #include "render/glsl/multisample.glsl"

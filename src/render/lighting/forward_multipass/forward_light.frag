@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// variants: multisampled
+// variants: multisampled, textured
 // forward-multipass, a light's pass: the whole material once more, lit by one light.
 #include "render/glsl/common.glsl"
 #define DRAW_PUSH LightDraw

@@ -1,0 +1,185 @@
+#include "render/gpu_scene/texture_sets.h"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "base/error.h"
+#include "render/gpu_scene/textures.h"
+#include "render/texture_kinds.h"
+#include "vk/object_cache.h"
+
+namespace latelight::render {
+
+namespace {
+
+// --- a set a material -----------------------------------------------------------------------------------------------
+
+class BoundTextures final : public TextureSets {
+ public:
+  BoundTextures(vk::Device& device, const scene::Scene& scene, const GpuTextures& textures)
+      : device_(device), scene_(scene), textures_(textures) {}
+  void update(std::span<const uint32_t> materials) override;
+  VkDescriptorSet set(uint32_t material) const override { return sets_[material].set; }
+  TextureIndices indices(uint32_t) const override { return {}; }
+
+ private:
+  struct Set {
+    VkDescriptorPool pool = VK_NULL_HANDLE;
+    VkDescriptorSet set = VK_NULL_HANDLE;
+  };
+  Set allocate();
+  vk::Device& device_;
+  const scene::Scene& scene_;
+  const GpuTextures& textures_;
+  std::vector<vk::Handle<VkDescriptorPool>> pools_;
+  std::vector<Set> sets_;
+};
+
+void BoundTextures::update(std::span<const uint32_t> materials) {
+  sets_.resize(scene_.materials.size());
+  const std::vector<SlotSamplers> samplers = slotSamplers(scene_.materials);
+  for (const uint32_t material : materials) {
+    if (const Set old = sets_[material]; old.set)
+      device_.deferDeletion([device = device_.get(), old] { vkFreeDescriptorSets(device, old.pool, 1, &old.set); });
+    sets_[material] = allocate();
+    std::array<VkDescriptorImageInfo, shared::kTextureCount> images;
+    for (uint32_t slot = 0; slot < shared::kTextureCount; ++slot)
+      images[slot] = {textures_.sampler(samplers[material][slot].value_or(scene::Sampler{})),
+                      textures_.view(material, slot), VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL};
+    const VkWriteDescriptorSet write{.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+                                     .dstSet = sets_[material].set,
+                                     .descriptorCount = shared::kTextureCount,
+                                     .descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
+                                     .pImageInfo = images.data()};
+    vkUpdateDescriptorSets(device_.get(), 1, &write, 0, nullptr);
+  }
+}
+
+BoundTextures::Set BoundTextures::allocate() {
+  constexpr uint32_t kSetsInPool = 256;
+  const VkDescriptorSetLayout layout = device_.cache().setLayout(textureBindings(device_));
+  VkDescriptorSetAllocateInfo info{
+      .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO, .descriptorSetCount = 1, .pSetLayouts = &layout};
+  Set made;
+  for (const vk::Handle<VkDescriptorPool>& pool : pools_) {
+    info.descriptorPool = made.pool = pool.get();
+    if (vkAllocateDescriptorSets(device_.get(), &info, &made.set) == VK_SUCCESS) return made;
+  }
+  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, kSetsInPool * shared::kTextureCount};
+  const VkDescriptorPoolCreateInfo poolInfo{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
+                                            .flags = VK_DESCRIPTOR_POOL_CREATE_FREE_DESCRIPTOR_SET_BIT,
+                                            .maxSets = kSetsInPool,
+                                            .poolSizeCount = 1,
+                                            .pPoolSizes = &size};
+  VK_CHECK(vkCreateDescriptorPool(device_.get(), &poolInfo, nullptr, &made.pool));
+  pools_.emplace_back(device_, made.pool);
+  info.descriptorPool = made.pool;
+  VK_CHECK(vkAllocateDescriptorSets(device_.get(), &info, &made.set));
+  return made;
+}
+
+// --- one array ------------------------------------------------------------------------------------------------------
+
+class IndexedTextures final : public TextureSets {
+ public:
+  IndexedTextures(vk::Device& device, const scene::Scene& scene, const GpuTextures& textures)
+      : device_(device), scene_(scene), textures_(textures) {}
+  void update(std::span<const uint32_t> materials) override;
+  VkDescriptorSet set(uint32_t) const override { return set_; }
+  TextureIndices indices(uint32_t material) const override { return indices_[material]; }
+
+ private:
+  uint32_t indexOf(uint32_t material, uint32_t slot);
+  void renew(const std::vector<VkDescriptorImageInfo>& images);
+
+  struct Entry {
+    VkImageView view;
+    scene::Sampler sampler;
+  };
+  vk::Device& device_;
+  const scene::Scene& scene_;
+  const GpuTextures& textures_;
+  std::vector<Entry> entries_;  // none is ever taken away: there are no more than pairs of textures and samplers
+  std::map<VkImageView, std::vector<uint32_t>> entriesOf_;
+  std::vector<TextureIndices> indices_;  // by material
+  std::vector<VkSampler> samplers_;      // of the entries that the set has
+  vk::Handle<VkDescriptorPool> pool_;    // of this set alone
+  VkDescriptorSet set_ = VK_NULL_HANDLE;
+};
+
+uint32_t IndexedTextures::indexOf(uint32_t material, uint32_t slot) {
+  const Entry wanted{textures_.view(material, slot), scene_.materials[material].slots[slot].sampler};
+  std::vector<uint32_t>& known = entriesOf_[wanted.view];
+  for (const uint32_t index : known)
+    if (entries_[index].sampler == wanted.sampler) return index;
+  if (entries_.size() >= device_.maxTextureArray())
+    badInput("the scene's materials use more textures than the device can index, {}", device_.maxTextureArray());
+  entries_.push_back(wanted);
+  return known.emplace_back(static_cast<uint32_t>(entries_.size() - 1));
+}
+
+void IndexedTextures::update(std::span<const uint32_t> materials) {
+  indices_.resize(scene_.materials.size());
+  for (const uint32_t material : materials)
+    for (uint32_t slot = 0; slot < shared::kTextureCount; ++slot) indices_[material][slot] = indexOf(material, slot);
+  std::vector<VkDescriptorImageInfo> images;
+  std::vector<VkSampler> samplers;
+  for (const Entry& entry : entries_) {
+    samplers.push_back(textures_.sampler(entry.sampler));
+    images.push_back({samplers.back(), entry.view, VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL});
+  }
+  if (samplers == samplers_ || images.empty()) return;
+  samplers_ = std::move(samplers);
+  renew(images);
+}
+
+void IndexedTextures::renew(const std::vector<VkDescriptorImageInfo>& images) {
+  const auto count = static_cast<uint32_t>(images.size());
+  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, count};
+  const VkDescriptorPoolCreateInfo poolInfo{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
+                                            .flags = VK_DESCRIPTOR_POOL_CREATE_UPDATE_AFTER_BIND_BIT,
+                                            .maxSets = 1,
+                                            .poolSizeCount = 1,
+                                            .pPoolSizes = &size};
+  VkDescriptorPool pool = VK_NULL_HANDLE;
+  VK_CHECK(vkCreateDescriptorPool(device_.get(), &poolInfo, nullptr, &pool));
+  pool_ = vk::Handle<VkDescriptorPool>(device_, pool);
+  const VkDescriptorSetVariableDescriptorCountAllocateInfo length{
+      .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_VARIABLE_DESCRIPTOR_COUNT_ALLOCATE_INFO,
+      .descriptorSetCount = 1,
+      .pDescriptorCounts = &count};
+  const VkDescriptorSetLayout layout = device_.cache().setLayout(textureBindings(device_));
+  const VkDescriptorSetAllocateInfo info{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
+                                         .pNext = &length,
+                                         .descriptorPool = pool,
+                                         .descriptorSetCount = 1,
+                                         .pSetLayouts = &layout};
+  VK_CHECK(vkAllocateDescriptorSets(device_.get(), &info, &set_));
+  const VkWriteDescriptorSet write{.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+                                   .dstSet = set_,
+                                   .descriptorCount = count,
+                                   .descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
+                                   .pImageInfo = images.data()};
+  vkUpdateDescriptorSets(device_.get(), 1, &write, 0, nullptr);
+}
+
+}  // namespace
+
+std::unique_ptr<TextureSets> makeTextureSets(vk::Device& device, const scene::Scene& scene,
+                                             const GpuTextures& textures) {
+  if (device.maxTextureArray() > 0) return std::make_unique<IndexedTextures>(device, scene, textures);
+  return std::make_unique<BoundTextures>(device, scene, textures);
+}
+
+std::vector<vk::Binding> textureBindings(const vk::Device& device) {
+  if (device.maxTextureArray() > 0) return {vk::Binding::TextureArray};
+  return std::vector<vk::Binding>(shared::kTextureCount, vk::Binding::Sampled);
+}
+
+std::string materialVariant(const vk::Device& device, const std::string& shader) {
+  const std::string indexed = shader + "+indexed";
+  return device.maxTextureArray() > 0 && vk::hasShader(indexed) ? indexed : shader;
+}
+
+}  // namespace latelight::render
