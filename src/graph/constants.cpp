@@ -12,7 +12,7 @@ namespace {
 
 constexpr VkDeviceSize kChunkBytes = VkDeviceSize{64} << 10;
 constexpr VkDeviceSize kAlignment = 16;  // what a buffer reference of scalar layout takes, and vectors like
-constexpr uint64_t kKept = 4;            // submissions that a free chunk is kept for
+constexpr uint64_t kChunkKept = 4;            // submissions that a free chunk is kept for
 
 }  // namespace
 
@@ -29,7 +29,7 @@ VkDeviceAddress ConstantChunk::append(std::span<const std::byte> bytes) {
 void ConstantPool::tick() {
   std::lock_guard lock(mutex_);
   ++now_;
-  std::erase_if(free_, [&](const auto& chunk) { return chunk->lastUse_ + kKept < now_; });
+  std::erase_if(free_, [&](const auto& chunk) { return chunk->lastUse_ + kChunkKept < now_; });
 }
 
 std::shared_ptr<ConstantChunk> ConstantPool::take(VkDeviceSize size) {

@@ -6,7 +6,7 @@
 namespace latelight::graph {
 namespace {
 
-constexpr uint64_t kKept = 4;  // submissions for which nothing is freed that none of them takes
+constexpr uint64_t kTransientKept = 4;  // submissions for which nothing is freed that none of them takes
 
 // Null where none is free.
 template <typename Entry, typename Desc>
@@ -20,7 +20,7 @@ std::unique_ptr<Entry> find(std::vector<std::unique_ptr<Entry>>& free, const Des
 
 template <typename Entry>
 void tidy(std::vector<std::unique_ptr<Entry>>& free, uint64_t now) {
-  std::erase_if(free, [&](const auto& entry) { return entry->lastUse + kKept < now; });
+  std::erase_if(free, [&](const auto& entry) { return entry->lastUse + kTransientKept < now; });
 }
 
 using Desc = PlacedTransients::Desc;

@@ -17,7 +17,7 @@ namespace latelight::scene {
 namespace {
 
 // Raised whenever the same source becomes other bytes, by a new filter or a new studio.
-constexpr uint32_t kVersion = 2;
+constexpr uint32_t kFileVersion = 2;
 constexpr uint32_t kMagic = 0x564e454c;  // "LENV"
 constexpr size_t kMostImages = 16;
 constexpr uint32_t kStudioHeight = 256;
@@ -26,7 +26,7 @@ constexpr uint32_t kStudioHeight = 256;
 // -------------------------------------------------------------------
 
 struct CacheHeader {
-  uint32_t magic = kMagic, version = kVersion;
+  uint32_t magic = kMagic, version = kFileVersion;
   uint64_t key = 0;
   uint32_t imageCount = 0, unused = 0;  // radiance, diffuse, specular levels
   struct Size {
@@ -35,7 +35,7 @@ struct CacheHeader {
 };
 
 std::string cacheName(uint64_t key) {
-  return fmt::format("environment-{:016x}-{}.bin", key, kVersion);
+  return fmt::format("environment-{:016x}-{}.bin", key, kFileVersion);
 }
 
 // The images in the order of the cache. Works on constant and changeable environments.
@@ -69,7 +69,7 @@ std::optional<CacheHeader> validHeader(std::span<const std::byte> entry, uint64_
   CacheHeader header;
   if (entry.size() < sizeof(header)) return std::nullopt;
   std::memcpy(&header, entry.data(), sizeof(header));
-  if (header.magic != kMagic || header.version != kVersion || header.key != key) return std::nullopt;
+  if (header.magic != kMagic || header.version != kFileVersion || header.key != key) return std::nullopt;
   if (header.imageCount < 4 || header.imageCount > kMostImages) return std::nullopt;
   uint64_t bytes = sizeof(header);
   for (uint32_t i = 0; i < header.imageCount; ++i) {

@@ -26,7 +26,7 @@ namespace {
 using glm::vec3;
 
 // Raised whenever the table's numbers change.
-constexpr uint32_t kVersion = 1;
+constexpr uint32_t kLobeVersion = 1;
 
 // Bands that stand for all from the first to the last; lobes so narrow that only higher ones see them are their own
 // levels' anyway.
@@ -203,7 +203,7 @@ std::vector<vec3> computeTable(uint32_t size) {
 }  // namespace
 
 std::vector<vec3> ggxLobeTable(uint32_t size) {
-  return cachedTable<vec3>(fmt::format("ggx-lobe-{}-{}.bin", size, kVersion), size_t{size} * size,
+  return cachedTable<vec3>(fmt::format("ggx-lobe-{}-{}.bin", size, kLobeVersion), size_t{size} * size,
                            [&] { return computeTable(size); });
 }
 

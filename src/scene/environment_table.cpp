@@ -12,7 +12,7 @@ namespace {
 using glm::vec2;
 
 // Raised whenever the table's numbers change.
-constexpr uint32_t kVersion = 1;
+constexpr uint32_t kTableVersion = 1;
 
 // Weights of f0 and f90: the integral of D V F (n.l) over light directions.
 vec2 integrate(float nv, float roughness) {
@@ -39,7 +39,7 @@ std::vector<vec2> computeTable(uint32_t size) {
 
 // 64 x 64 take 10 ms on two cores: more than the picture that needs them may take.
 std::vector<vec2> ggxReflectanceTable(uint32_t size) {
-  return cachedTable<vec2>(fmt::format("ggx-reflectance-{}-{}.bin", size, kVersion), size_t{size} * size,
+  return cachedTable<vec2>(fmt::format("ggx-reflectance-{}-{}.bin", size, kTableVersion), size_t{size} * size,
                            [&] { return computeTable(size); });
 }
 

@@ -13,7 +13,7 @@
 namespace latelight::scene {
 namespace {
 
-using Node = EnvironmentTree::Node;
+using TreeNode = EnvironmentTree::Node;
 using Level = EnvironmentTree::Level;
 
 constexpr double kTau = 2.0 * std::numbers::pi;
@@ -43,7 +43,7 @@ double azimuth(uint32_t column, uint32_t width) {
 }
 
 Level leaves(const FloatImage& image) {
-  Level level{image.width, image.height, std::vector<Node>(size_t{image.width} * image.height)};
+  Level level{image.width, image.height, std::vector<TreeNode>(size_t{image.width} * image.height)};
   std::vector<glm::vec2> circle(image.width);
   for (uint32_t x = 0; x < image.width; ++x)
     circle[x] = glm::vec2(direction(std::numbers::pi / 2, azimuth(x, image.width)));
@@ -62,10 +62,10 @@ Level leaves(const FloatImage& image) {
 }
 
 // Where the light of four nodes has its centre. The small constant gives the geometric centre where there is none.
-Node merge(const std::array<const Node*, 4>& children, const Band& b) {
-  Node node{glm::vec3(0), static_cast<float>(b.size), glm::vec3(0), static_cast<float>(b.solidAngle)};
+TreeNode merge(const std::array<const TreeNode*, 4>& children, const Band& b) {
+  TreeNode node{glm::vec3(0), static_cast<float>(b.size), glm::vec3(0), static_cast<float>(b.solidAngle)};
   float whole = 0;
-  for (const Node* child : children) {
+  for (const TreeNode* child : children) {
     const float power = (child->radiance.x + child->radiance.y + child->radiance.z + 1e-6f) * child->solidAngle;
     node.direction += child->direction * power;
     node.radiance += child->radiance * child->solidAngle;
@@ -77,13 +77,13 @@ Node merge(const std::array<const Node*, 4>& children, const Band& b) {
 }
 
 Level parents(const Level& children) {
-  Level level{children.width / 2, children.height / 2, std::vector<Node>(children.nodes.size() / 4)};
+  Level level{children.width / 2, children.height / 2, std::vector<TreeNode>(children.nodes.size() / 4)};
   parallelFor(level.height, 16, [&](size_t begin, size_t end) {
     for (size_t y = begin; y < end; ++y) {
       const Band b = band(static_cast<uint32_t>(y), level);
       for (size_t x = 0; x < level.width; ++x) {
-        const Node* upper = &children.at(2 * x, 2 * y);
-        const Node* lower = &children.at(2 * x, 2 * y + 1);
+        const TreeNode* upper = &children.at(2 * x, 2 * y);
+        const TreeNode* lower = &children.at(2 * x, 2 * y + 1);
         level.nodes[y * level.width + x] = merge({upper, upper + 1, lower, lower + 1}, b);
       }
     }
@@ -123,7 +123,7 @@ Tile makeTile(uint32_t left, uint32_t top, uint32_t size) {
 // The nodes whose sum stands for the environment as this tile's lobes see it, in the order of the walk.
 class Walk {
  public:
-  Walk(const std::vector<Level>& levels, const Tile& tile, float halfWidth, std::vector<Node>& nodes)
+  Walk(const std::vector<Level>& levels, const Tile& tile, float halfWidth, std::vector<TreeNode>& nodes)
       : levels_(levels), tile_(tile), halfWidth_(halfWidth), nodes_(nodes) {
     nodes_.clear();
     for (uint32_t y = 0; y < levels[0].height; ++y) {
@@ -133,7 +133,7 @@ class Walk {
 
  private:
   void visit(size_t level, uint32_t x, uint32_t y) {
-    const Node& node = levels_[level].at(x, y);
+    const TreeNode& node = levels_[level].at(x, y);
     // Behind the horizon of every texel, and so all that is in it: it reaches at most 1.5 sizes from its centre.
     if (glm::dot(node.direction, tile_.axis) < -(tile_.radius + 1.5f * node.size)) return;
     const float distance = glm::length(node.direction - tile_.axis) - tile_.radius;
@@ -151,13 +151,13 @@ class Walk {
   const std::vector<Level>& levels_;
   const Tile& tile_;
   const float halfWidth_;
-  std::vector<Node>& nodes_;
+  std::vector<TreeNode>& nodes_;
 };
 
 constexpr uint32_t kLanes = 8;
 using Lanes = float __attribute__((vector_size(kLanes * sizeof(float))));
 
-LATELIGHT_VECTOR_CLONES void sumNodes(const std::vector<Node>& nodes, Lobe lobe, float alpha, const Tile& tile,
+LATELIGHT_VECTOR_CLONES void sumNodes(const std::vector<TreeNode>& nodes, Lobe lobe, float alpha, const Tile& tile,
                                       glm::vec4* sums) {
   for (uint32_t group = 0; group < kTile * kTile; group += kLanes) {
     Lanes x, y, z;
@@ -166,7 +166,7 @@ LATELIGHT_VECTOR_CLONES void sumNodes(const std::vector<Node>& nodes, Lobe lobe,
       x[i] = d.x, y[i] = d.y, z[i] = d.z;
     }
     Lanes red{}, green{}, blue{}, whole{};
-    for (const Node& node : nodes) {
+    for (const TreeNode& node : nodes) {
       const Lanes c = x * node.direction.x + y * node.direction.y + z * node.direction.z;
       Lanes weight = c > 0.0f ? c : Lanes{};
       toLobeWeight(lobe, alpha, weight);
@@ -185,7 +185,7 @@ struct TileJob {
   uint32_t left, top;
 };
 
-void convolveTile(const EnvironmentTree& tree, const TileJob& job, std::vector<Node>& nodes) {
+void convolveTile(const EnvironmentTree& tree, const TileJob& job, std::vector<TreeNode>& nodes) {
   const float alpha = job.map->roughness * job.map->roughness;
   const Tile tile = makeTile(job.left, job.top, job.map->image->width);
   // Where D falls to a half: tan(half vector's angle) = 0.64 alpha, and the lobe is twice as wide.
@@ -215,7 +215,7 @@ void convolve(const EnvironmentTree& tree, const std::vector<LobeMap>& maps) {
   }
   Progress progress("Filtering the environment", jobs.size());
   parallelFor(jobs.size(), 8, [&](size_t begin, size_t end) {
-    std::vector<Node> nodes;
+    std::vector<TreeNode> nodes;
     for (size_t i = begin; i < end; ++i) convolveTile(tree, jobs[i], nodes), progress.step();
   });
   for (const LobeMap& map : maps) closeSeams(*map.image);

@@ -52,7 +52,7 @@ Samples makeSamples(const Projection& p, uint32_t count) {
   return s;
 }
 
-constexpr std::array<uint8_t, 3> kColors[] = {{236, 236, 232}, {90, 170, 255}, {255, 170, 60}};
+constexpr std::array<uint8_t, 3> kMethodColors[] = {{236, 236, 232}, {90, 170, 255}, {255, 170, 60}};
 
 class PositionStudy {
  public:
@@ -106,7 +106,7 @@ class PositionStudy {
       table_.rows.push_back({named.name, principal, render::choices<render::PositionMethod>()[method].name, host.mean(),
                              host.rms(), host.maximum, hostOwn.mean(), hostOwn.maximum, device.mean(), device.maximum,
                              deviceOwn.maximum});
-      lines.push_back({kColors[method], largestOfParts(own)});
+      lines.push_back({kMethodColors[method], largestOfParts(own)});
     }
     return logPlot(lines, 1e-9, 10, 4);
   }

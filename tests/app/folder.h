@@ -31,7 +31,7 @@ class Folder {
   const std::filesystem::path& path() const { return path_; }
   std::string at(std::string_view name) const { return (path_ / name).string(); }
 
-  // Names of all files below, sorted; folders with a slash at the end. Hidden ones too.
+  // Names of all files below, sorted; folders with a slash at the end. Impl ones too.
   std::vector<std::string> names() const {
     std::vector<std::string> all;
     for (const auto& entry : std::filesystem::recursive_directory_iterator(path_))

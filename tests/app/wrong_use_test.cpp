@@ -74,7 +74,7 @@ TEST_P(WrongUseTest, EndsWithItsCodeAndOneSentence) {
   EXPECT_EQ(folder.names(), before);
 }
 
-std::string nameOf(const testing::TestParamInfo<WrongUse>& info) {
+std::string wrongUseName(const testing::TestParamInfo<WrongUse>& info) {
   return info.param.name;
 }
 
@@ -160,7 +160,7 @@ INSTANTIATE_TEST_SUITE_P(
         WrongUse{"CompareBroken", {"compare", "two.png", "two.png"}, kBadInput, {"two.png"}},
         WrongUse{"CompareTolerance", {"compare", "two.png", "two.png", "--tolerance", "nan"}, kUsage, {"--tolerance"}},
         WrongUse{"CompareShare", {"compare", "two.png", "two.png", "--share", "nan"}, kUsage, {"--share"}}),
-    nameOf);
+    wrongUseName);
 
 // render builtin:boxes -o a.png and what is wrong.
 WrongUse option(const char* name, std::vector<std::string> wrong, std::vector<std::string> says) {
@@ -185,7 +185,7 @@ INSTANTIATE_TEST_SUITE_P(
                     option("SamplesNone", {"--aa", "ss0"}, {"ss0"}),
                     option("SamplesMany", {"--aa", "ss17"}, {"ss17", "ss16"}),
                     option("Frame", {"--frame=-1"}, {"--frame"})),
-    nameOf);
+    wrongUseName);
 
 INSTANTIATE_TEST_SUITE_P(
     Cameras, WrongUseTest,
@@ -213,7 +213,7 @@ INSTANTIATE_TEST_SUITE_P(
                              {"render", "good.glb", "-o", "a.png", "--camera", "side"},
                              kUsage,
                              {"\"side\"", "\"front\"", "\"above/orthographic\""}}),
-    nameOf);
+    wrongUseName);
 
 INSTANTIATE_TEST_SUITE_P(
     Times, WrongUseTest,
@@ -233,7 +233,7 @@ INSTANTIATE_TEST_SUITE_P(
                     option("AnimationWithoutTime", {"--animation", "walk"}, {"--animation", "--time"}),
                     option("AnimationUnknown", {"--time", "1", "--animation", "walk"}, {"\"walk\"", "it has none"}),
                     option("AllOfNoAnimations", {"--time", "1", "--animation", "all"}, {"has no animation"})),
-    nameOf);
+    wrongUseName);
 
 INSTANTIATE_TEST_SUITE_P(
     Looks, WrongUseTest,
@@ -260,7 +260,7 @@ INSTANTIATE_TEST_SUITE_P(
                     option("Variant", {"--variant", "red"}, {"red"}),
                     option("NormalFrame", {"--normal-frame", "maya"}, {"maya", "opencv"}),
                     option("Axes", {"--axes", "maya"}, {"maya", "z-up"})),
-    nameOf);
+    wrongUseName);
 
 WrongUse output(const char* name, std::string out, std::vector<std::string> more, std::vector<std::string> says) {
   std::vector<std::string> arguments{"render",   "builtin:boxes", "--size", "64x36",
@@ -291,7 +291,7 @@ INSTANTIATE_TEST_SUITE_P(
                     output("GraphUnwritable", "a.png", {"--dump-graph", "nowhere/g.dot"}, {"nowhere/g.dot"}),
                     output("GraphIsAFolder", "a.png", {"--dump-graph", "scene.gltf"}, {"scene.gltf"}),
                     output("ReportIntoThePicture", "-", {"--json"}, {"--json", "-o"})),
-    nameOf);
+    wrongUseName);
 
 WrongUse scene(const char* name, std::string scene, std::vector<std::string> says, int code = kBadInput) {
   return {name, {"render", std::move(scene), "-o", "a.png"}, code, std::move(says)};
@@ -322,7 +322,7 @@ INSTANTIATE_TEST_SUITE_P(
                  {"render", "builtin:boxes", "-o", "a.png", "--hdri", "scene.gltf"},
                  kBadInput,
                  {"scene.gltf"}}),
-    nameOf);
+    wrongUseName);
 
 const std::vector<std::string> kRender{"render", "builtin:boxes", "-o", "a.png", "--size", "64x36"};
 std::vector<std::string> renderOn(const char* device) {
@@ -346,7 +346,7 @@ INSTANTIATE_TEST_SUITE_P(
         WrongUse{"UnknownDevice", renderOn("Voodoo"), kNoDevice, {"Voodoo", "auto, cpu"}},
         WrongUse{"UnknownNumber", renderOn("99"), kNoDevice, {"99"}},
         WrongUse{"NamelessDevice", renderOn(""), kNoDevice, {"auto, cpu"}}),
-    nameOf);
+    wrongUseName);
 
 // As a user who may not write there: root may write anywhere, so it lends the program to nobody (65534).
 TEST(WrongUse, AFolderThatIsReadOnlyIsNamedBeforeRendering) {

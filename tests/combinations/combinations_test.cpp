@@ -127,12 +127,6 @@ TEST_P(EachLayout, LightsAlikeByEveryTechnique) {
              layout.fixedPosition ? "itself" : namesOf(choices<PositionMethod>()), namesOf(deferredTechniques()));
 }
 
-std::vector<std::string> layoutNames() {
-  std::vector<std::string> names;
-  for (const Layout& layout : layouts()) names.push_back(layout.name);
-  return names;
-}
-
 INSTANTIATE_TEST_SUITE_P(All, EachLayout, testing::ValuesIn(layoutNames()),
                          [](const testing::TestParamInfo<std::string>& info) { return findLayout(info.param).file; });
 

@@ -16,7 +16,7 @@ namespace {
 using output::Aov;
 using Values = std::vector<float>;  // RGBA, linear
 
-constexpr uint32_t kWidth = 48, kHeight = 27;
+constexpr uint32_t kMsaaWidth = 48, kMsaaHeight = 27;
 
 class MsaaCombinations : public RenderTest, public testing::WithParamInterface<std::string> {
  protected:
@@ -32,7 +32,7 @@ class MsaaCombinations : public RenderTest, public testing::WithParamInterface<s
   static void TearDownTestSuite() { stage.reset(); }
 
   static output::FrameOutput render(const std::string& layout, const std::string& technique, uint32_t samples = 4) {
-    Settings settings = settingsOf(kWidth, kHeight, {Aov::Color});
+    Settings settings = settingsOf(kMsaaWidth, kMsaaHeight, {Aov::Color});
     settings.display = true;
     settings.environmentIntensity = 0.15f;
     settings.layout = &findLayout(layout);
@@ -44,7 +44,7 @@ class MsaaCombinations : public RenderTest, public testing::WithParamInterface<s
 };
 std::unique_ptr<MsaaCombinations::Stage> MsaaCombinations::stage;
 
-int worstDifference(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
+int largestDifference(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
   int worst = a.size() == b.size() ? 0 : 256;
   for (size_t i = 0; i < std::min(a.size(), b.size()); ++i) worst = std::max(worst, std::abs(a[i] - b[i]));
   return worst;
@@ -61,18 +61,13 @@ TEST_P(MsaaCombinations, LightsAlikeByEveryDeferredTechnique) {
   const std::string layout = findLayout(GetParam()).name;
   const output::FrameOutput expected = render(layout, "fullscreen");
   EXPECT_GT(partlyCovered(expected), 10u);
-  EXPECT_GT(worstDifference(expected.display, render(layout, "fullscreen", 1).display), 32);  // smooth edges
+  EXPECT_GT(largestDifference(expected.display, render(layout, "fullscreen", 1).display), 32);  // smooth edges
   for (const TechniqueInfo& technique : techniques()) {
     if (technique.forward || technique.name == "fullscreen") continue;
-    EXPECT_LE(worstDifference(render(layout, technique.name).display, expected.display), 1) << technique.name;
+    EXPECT_LE(largestDifference(render(layout, technique.name).display, expected.display), 1) << technique.name;
   }
 }
 
-std::vector<std::string> layoutNames() {
-  std::vector<std::string> names;
-  for (const Layout& layout : layouts()) names.push_back(layout.name);
-  return names;
-}
 INSTANTIATE_TEST_SUITE_P(All, MsaaCombinations, testing::ValuesIn(layoutNames()),
                          [](const testing::TestParamInfo<std::string>& info) { return findLayout(info.param).file; });
 
@@ -83,7 +78,7 @@ using MsaaForward = MsaaCombinations;
 TEST_F(MsaaForward, LightsAlikeByBothTechniques) {
   const output::FrameOutput forward = render("plain", "forward"), multipass = render("plain", "forward-multipass");
   EXPECT_GT(partlyCovered(forward), 10u);
-  EXPECT_LE(worstDifference(forward.display, multipass.display), 1);
+  EXPECT_LE(largestDifference(forward.display, multipass.display), 1);
   const Values& a = imageOf(forward, Aov::Color).values;
   const output::FrameOutput deferred = render("plain", "fullscreen");
   const Values& b = imageOf(deferred, Aov::Color).values;

@@ -3,6 +3,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "render/support.h"
+#include "shared/light.h"
 
 namespace latelight::render::test {
 
@@ -94,6 +95,12 @@ void addLights(Maker& m) {
 }
 
 }  // namespace
+
+std::vector<std::string> layoutNames() {
+  std::vector<std::string> names;
+  for (const Layout& layout : layouts()) names.push_back(layout.name);
+  return names;
+}
 
 scene::Scene everyKind() {
   Maker m;

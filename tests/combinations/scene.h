@@ -7,4 +7,6 @@ namespace latelight::render::test {
 
 scene::Scene everyKind();
 
+std::vector<std::string> layoutNames();
+
 }  // namespace latelight::render::test

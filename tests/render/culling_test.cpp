@@ -18,13 +18,14 @@ using glm::dvec3;
 using glm::vec3;
 using output::Aov;
 
-constexpr uint32_t kWidth = 64, kHeight = 48;
+constexpr uint32_t kCullingWidth = 64, kCullingHeight = 48;
 
 // Distance of a point from the ray through a pixel's centre, as the camera has it: double precision, no matrices of
 // ours.
 double distanceToRay(const scene::Camera& camera, dvec2 pixel, dvec3 point) {
-  const double aspect = double(kWidth) / kHeight;
-  const dvec2 ndc(2 * pixel.x / kWidth - 1 - camera.principal.x, 1 - 2 * pixel.y / kHeight - camera.principal.y);
+  const double aspect = double(kCullingWidth) / kCullingHeight;
+  const dvec2 ndc(2 * pixel.x / kCullingWidth - 1 - camera.principal.x,
+                  1 - 2 * pixel.y / kCullingHeight - camera.principal.y);
   const glm::dmat4 pose(camera.toWorld);
   if (camera.orthographic) {
     const dvec3 from(pose * glm::dvec4(ndc.x * camera.yHalf * aspect, 0, ndc.y * camera.yHalf, 1));
@@ -53,15 +54,18 @@ TEST(Culling, KeepsWhateverHoldsThePixelsCentre) {
   std::mt19937 random(1);
   std::uniform_real_distribution<float> unit(0, 1);
   for (const scene::Camera& camera : cameras()) {
-    const Frustum frustum(makeView(camera, kWidth, kHeight));
+    const Frustum frustum(makeView(camera, kCullingWidth, kCullingHeight));
     unsigned seen = 0;
     for (int i = 0; i < 3000; ++i) {
       // Around a point on the ray of some pixel's centre, by up to a few times its own radius.
-      const dvec2 pixel(std::floor(unit(random) * kWidth) + 0.5, std::floor(unit(random) * kHeight) + 0.5);
+      const dvec2 pixel(std::floor(unit(random) * kCullingWidth) + 0.5,
+                        std::floor(unit(random) * kCullingHeight) + 0.5);
       const float radius = std::pow(10.0f, -4 + 4 * unit(random)), away = 0.5f + 12 * unit(random);
       const double half = std::tan(camera.verticalFov / 2.0);
-      const dvec2 ndc(2 * pixel.x / kWidth - 1 - camera.principal.x, 1 - 2 * pixel.y / kHeight - camera.principal.y);
-      const dvec2 extent = dvec2(camera.orthographic ? camera.yHalf : half * away) * dvec2(double(kWidth) / kHeight, 1);
+      const dvec2 ndc(2 * pixel.x / kCullingWidth - 1 - camera.principal.x,
+                      1 - 2 * pixel.y / kCullingHeight - camera.principal.y);
+      const dvec2 extent =
+          dvec2(camera.orthographic ? camera.yHalf : half * away) * dvec2(double(kCullingWidth) / kCullingHeight, 1);
       const vec3 offset = (vec3(unit(random), unit(random), unit(random)) - 0.5f) * 3.0f * radius;
       const vec3 centre =
           vec3(glm::dmat4(camera.toWorld) * glm::dvec4(ndc.x * extent.x, away, ndc.y * extent.y, 1)) + offset;
@@ -76,7 +80,7 @@ TEST(Culling, KeepsWhateverHoldsThePixelsCentre) {
 TEST(Culling, LeavesOutNearlyAllThatIsSmallerThanPixels) {
   std::mt19937 random(2);
   std::uniform_real_distribution<float> unit(-1, 1);
-  const Frustum frustum(makeView(cameras().front(), kWidth, kHeight));
+  const Frustum frustum(makeView(cameras().front(), kCullingWidth, kCullingHeight));
   unsigned kept = 0;
   for (int i = 0; i < 10000; ++i)  // 0.02 pixels wide; a quarter of a pixel each way is kept for rounding
     kept += frustum.holdsCentre({vec3(unit(random), 0, unit(random)), 0.001f});

@@ -8,11 +8,12 @@
 #include <random>
 
 #include "render/frame_bench.h"
-#include "render/post/resolve.h"
+#include "render/readback.h"
 #include "render/support.h"
 #include "render/view.h"
 #include "scene/half.h"
 #include "shared/color.h"
+#include "shared/light.h"
 
 namespace latelight::render::test {
 namespace {
@@ -176,7 +177,7 @@ TechniqueInfo withRoomFor() {
 
 class LightListsTest : public RenderTest {};
 
-constexpr uint32_t kWidth = 150, kHeight = 83;  // no multiples of a tile
+constexpr uint32_t kListWidth = 150, kListHeight = 83;  // no multiples of a tile
 
 TEST_F(LightListsTest, LightsInHardPlacesAreAllFound) {
   const scene::Scene scene = scene::load("builtin:boxes");
@@ -184,11 +185,11 @@ TEST_F(LightListsTest, LightsInHardPlacesAreAllFound) {
   Stage stage(device(), scene);
   stage.scene().setLights(hardLights(scene));
   for (const char* layout : {"thin", "exact"}) {
-    const Picture reference = stage.draw(*kFullscreen, layout, cameras, kWidth, kHeight);
+    const Picture reference = stage.draw(*kFullscreen, layout, cameras, kListWidth, kListHeight);
     EXPECT_GT(reference.used, 5);
     for (const TechniqueInfo* technique : {kTiled, kClustered}) {
       SCOPED_TRACE(fmt::format("{}, {}", technique->name, layout));
-      const Picture picture = stage.draw(*technique, layout, cameras, kWidth, kHeight);
+      const Picture picture = stage.draw(*technique, layout, cameras, kListWidth, kListHeight);
       expectSame(picture, reference);
       EXPECT_LT(picture.tested, 0.3 * reference.tested);
       fmt::print("{}: {:.1f} tested, {:.1f} used of {:.0f}\n", technique->name, picture.tested, picture.used,
@@ -202,9 +203,9 @@ TEST_F(LightListsTest, NoLightsOrOnlyDirectionalOnes) {
   Stage stage(device(), scene);
   for (const std::vector<scene::Light>& lights : {std::vector<scene::Light>{}, {sun({1, 2, -3}), sun({-1, 1, -1})}}) {
     stage.scene().setLights(lights);
-    const Picture reference = stage.draw(*kFullscreen, "thin", manyCameras(scene), kWidth, kHeight);
+    const Picture reference = stage.draw(*kFullscreen, "thin", manyCameras(scene), kListWidth, kListHeight);
     for (const TechniqueInfo* technique : {kTiled, kClustered}) {
-      const Picture picture = stage.draw(*technique, "thin", manyCameras(scene), kWidth, kHeight);
+      const Picture picture = stage.draw(*technique, "thin", manyCameras(scene), kListWidth, kListHeight);
       expectSame(picture, reference);
       EXPECT_EQ(picture.tested, static_cast<double>(lights.size()));
     }
@@ -221,9 +222,9 @@ TEST_F(LightListsTest, ListsThatDontFitChangeNothing) {
       {kTiled, {withRoomFor<1, 1>(), withRoomFor<1, 12>()}},
       {kClustered, {withRoomFor<kSlices, 1>(), withRoomFor<kSlices, 12>(), withRoomFor<kSlices, 40>()}}};
   for (const auto& [technique, small] : cases) {
-    const Picture reference = stage.draw(*technique, "thin", cameras, kWidth, kHeight);
+    const Picture reference = stage.draw(*technique, "thin", cameras, kListWidth, kListHeight);
     for (const TechniqueInfo& other : small) {
-      const Picture picture = stage.draw(other, "thin", cameras, kWidth, kHeight);
+      const Picture picture = stage.draw(other, "thin", cameras, kListWidth, kListHeight);
       expectSame(picture, reference);
       if (device().isCpu()) {
         EXPECT_TRUE(picture.light == reference.light);
@@ -238,8 +239,8 @@ TEST_F(LightListsTest, TheSameBytesEachTime) {
   Stage stage(device(), scene);
   stage.scene().setLights(hardLights(scene));
   for (const TechniqueInfo& technique : {*kTiled, *kClustered, withRoomFor<kSlices, 12>()})
-    expectIdentical(stage.draw(technique, "thin", manyCameras(scene), kWidth, kHeight),
-                    stage.draw(technique, "thin", manyCameras(scene), kWidth, kHeight));
+    expectIdentical(stage.draw(technique, "thin", manyCameras(scene), kListWidth, kListHeight),
+                    stage.draw(technique, "thin", manyCameras(scene), kListWidth, kListHeight));
 }
 
 TEST_F(LightListsTest, TheHallIsTheSameWithAnyNumberOfLights) {

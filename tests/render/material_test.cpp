@@ -23,7 +23,7 @@ using output::Aov;
 using scene::Sampler;
 using shared::Surface;
 
-constexpr uint32_t kSize = 64;
+constexpr uint32_t kMaterialSize = 64;
 
 // Linear width of a code of 8-bit sRGB around a linear value, times `factor`. The CPU device decodes sRGB by a
 // polynomial; Vulkan asks for half a code.
@@ -34,7 +34,8 @@ float halfCode(float linear, float factor = 1) {
 }
 
 dvec2 uvOf(size_t pixel) {
-  return {(static_cast<double>(pixel % kSize) + 0.5) / kSize, (static_cast<double>(pixel / kSize) + 0.5) / kSize};
+  return {(static_cast<double>(pixel % kMaterialSize) + 0.5) / kMaterialSize,
+          (static_cast<double>(pixel / kMaterialSize) + 0.5) / kMaterialSize};
 }
 
 std::vector<glm::u8vec4> randomTexels(uint32_t count, uint64_t seed) {
@@ -128,13 +129,13 @@ class MaterialTest : public RenderTest {
   // What each pixel holds, through the layout that keeps everything.
   static ReadGbuffer read(const scene::Scene& scene, const scene::Camera& camera = frontCamera()) {
     GbufferReader reader(device(), scene, nullptr);
-    return reader.read({&findLayout("exact"), 0, &findTechnique("fullscreen"), shared::kShadingGgx}, camera, kSize,
-                       kSize);
+    return reader.read({&findLayout("exact"), 0, &findTechnique("fullscreen"), shared::kShadingGgx}, camera,
+                       kMaterialSize, kMaterialSize);
   }
   template <typename F>
   static void forEach(const ReadGbuffer& gbuffer, F&& check) {
-    for (size_t i = 0; i < size_t{kSize} * kSize && !HasFatalFailure(); ++i) {
-      SCOPED_TRACE(fmt::format("pixel {} {}", i % kSize, i / kSize));
+    for (size_t i = 0; i < size_t{kMaterialSize} * kMaterialSize && !HasFatalFailure(); ++i) {
+      SCOPED_TRACE(fmt::format("pixel {} {}", i % kMaterialSize, i / kMaterialSize));
       ASSERT_NE(gbuffer.depth[i], 0.0f);
       check(gbuffer.surface(i), uvOf(i));
     }
@@ -252,16 +253,17 @@ float levelSeen(vk::Device& device, float texelsPerPixel, Sampler sampler, bool 
   square.scene.textures.push_back(std::move(texture));
   if (besideOdd) square.add(oddTexture());
   setTexture(square.material, shared::kTextureMetallicRoughness, 0, sampler);
-  const float scale = texelsPerPixel * kSize / kTexels;
+  const float scale = texelsPerPixel * kMaterialSize / kTexels;
   shared::TextureTransform& t = square.material.data.transforms[shared::kTextureMetallicRoughness];
   t.row0 = {scale, 0, 0};
   t.row1 = {0, scale, 0};
   square.place();
   GbufferReader reader(device, square.scene, nullptr);
-  const ReadGbuffer gbuffer =
-      reader.read({&findLayout("exact"), 0, &findTechnique("fullscreen"), 0}, frontCamera(), kSize, kSize);
+  const ReadGbuffer gbuffer = reader.read({&findLayout("exact"), 0, &findTechnique("fullscreen"), 0}, frontCamera(),
+                                          kMaterialSize, kMaterialSize);
   const float first = gbuffer.surface(0).metallic;
-  for (size_t i = 0; i < size_t{kSize} * kSize; ++i) EXPECT_NEAR(gbuffer.surface(i).metallic, first, 1e-2f);
+  for (size_t i = 0; i < size_t{kMaterialSize} * kMaterialSize; ++i)
+    EXPECT_NEAR(gbuffer.surface(i).metallic, first, 1e-2f);
   return first * 255 / 20;
 }
 
@@ -337,8 +339,9 @@ void expectMasked(vk::Device& device, float distance) {
   local[3].z = distance;
   square.place(local);
   const output::FrameOutput frame =
-      renderOne(device, square.scene, frontCamera(), settingsOf(kSize, kSize, {Aov::Id, Aov::Albedo, Aov::Depth}));
-  for (size_t i = 0; i < size_t{kSize} * kSize; ++i) {
+      renderOne(device, square.scene, frontCamera(),
+                settingsOf(kMaterialSize, kMaterialSize, {Aov::Id, Aov::Albedo, Aov::Depth}));
+  for (size_t i = 0; i < size_t{kMaterialSize} * kMaterialSize; ++i) {
     const dvec2 uv = uvOf(i);
     const int texel = static_cast<int>(uv.y * 4) * 4 + static_cast<int>(uv.x * 4);
     const bool there = texel >= 6;
@@ -363,8 +366,8 @@ TEST_F(MaterialTest, AMaskTakesFactorAndVertexAlpha) {
   square.material.data.alphaCutoff = 0.5f;  // alpha is 0.8 (1 - u)
   square.place();
   const ReadGbuffer gbuffer = read(square.scene);
-  for (size_t i = 0; i < size_t{kSize} * kSize; ++i)
-    ASSERT_EQ(gbuffer.depth[i] != 0, 0.8 * (1 - uvOf(i).x) >= 0.5) << "pixel " << i % kSize;
+  for (size_t i = 0; i < size_t{kMaterialSize} * kMaterialSize; ++i)
+    ASSERT_EQ(gbuffer.depth[i] != 0, 0.8 * (1 - uvOf(i).x) >= 0.5) << "pixel " << i % kMaterialSize;
 }
 
 TEST_F(MaterialTest, AlphaOfOpaqueMaterialsMeansNothing) {
@@ -497,7 +500,8 @@ TEST_F(MaterialTest, ExtensionsOfAFileReachTheSurface) {
     ASSERT_EQ(s.f90, 0.5f);
     expectNormals(s, kZ, kZ);
   }
-  EXPECT_NEAR(static_cast<double>(covered), kSize * kSize / 8.0, kSize);  // half of a quarter of the picture
+  EXPECT_NEAR(static_cast<double>(covered), kMaterialSize * kMaterialSize / 8.0,
+              kMaterialSize);  // half of a quarter of the picture
 }
 
 TEST_F(MaterialTest, UnlitFilesKeepTheirBaseColour) {

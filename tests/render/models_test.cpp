@@ -7,11 +7,12 @@
 #include "render/lighting/technique.h"
 #include "render/support.h"
 #include "scene/framing.h"
+#include "shared/light.h"
 
 namespace latelight::render::test {
 namespace {
 
-constexpr uint32_t kWidth = 160, kHeight = 120;
+constexpr uint32_t kModelWidth = 160, kModelHeight = 120;
 
 // Forty points and spots on a spiral around the model, and one directional light. Every third ends at its range.
 void addLights(scene::Scene& scene) {
@@ -44,10 +45,12 @@ TEST_P(ModelsTest, LooksTheSameByEveryTechnique) {
   addLights(scene);
   const scene::Environment studio = scene::loadEnvironment("studio");
   Renderer renderer(device(), scene, &studio);
-  const scene::Camera camera = cameraOf(scene, kWidth, kHeight);
+  const scene::Camera camera = cameraOf(scene, kModelWidth, kModelHeight);
   const auto picture = [&](const std::string& layout, const std::string& lighting) {
-    Settings settings{
-        .width = kWidth, .height = kHeight, .layout = &findLayout(layout), .lighting = &findTechnique(lighting)};
+    Settings settings{.width = kModelWidth,
+                      .height = kModelHeight,
+                      .layout = &findLayout(layout),
+                      .lighting = &findTechnique(lighting)};
     return std::move(renderer.render({&camera, 1}, settings).front().display);
   };
   const std::vector<uint8_t> thin = picture("thin", "fullscreen"), plain = picture("plain", "fullscreen");

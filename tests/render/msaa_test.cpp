@@ -10,6 +10,7 @@
 #include "models/models.h"
 #include "render/lighting/technique.h"
 #include "render/support.h"
+#include "shared/light.h"
 
 namespace latelight::render::test {
 namespace {

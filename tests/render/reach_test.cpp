@@ -11,6 +11,7 @@
 #include "render/lighting/technique.h"
 #include "render/support.h"
 #include "shared/brdf_reference.h"
+#include "shared/light.h"
 
 namespace latelight::render::test {
 namespace {
@@ -79,7 +80,7 @@ double srgbLevel(double x) {
 struct Choice {
   std::string name, lighting, order = "classic";
 };
-std::vector<Choice> choices() {
+std::vector<Choice> reachChoices() {
   std::vector<Choice> all{{"volumes killzone", "volumes", "killzone"}};
   for (const TechniqueInfo& technique : techniques()) all.push_back({technique.name, technique.name});
   return all;
@@ -118,7 +119,7 @@ class ReachTest : public RenderTest {
 
   void expectEverywhere(const Plane& plane, float half, double brightest, float exposure = 0) {
     Renderer renderer(device(), plane.builder.scene, nullptr);
-    for (const Choice& choice : choices()) {
+    for (const Choice& choice : reachChoices()) {
       SCOPED_TRACE(choice.name);
       const Result result = compare(renderer, plane, choice, half, exposure);
       EXPECT_LT(result.worst, 0.1);  // half floats (0.055 levels), and the BRDF in floats

@@ -16,6 +16,7 @@
 #include "scene/half.h"
 #include "shared/diffuse_specular.h"
 #include "shared/environment.h"
+#include "shared/light.h"
 #include "shared/normal_bounds.h"
 #include "shared/shade.h"
 
@@ -27,7 +28,7 @@ using shared::vec2;
 using shared::vec3;
 using shared::vec4;
 
-constexpr uint32_t kSize = 160;
+constexpr uint32_t kRelightSize = 160;
 constexpr uint32_t kTableSize = 32, kLobeTableSize = 16;  // the renderer's own choices
 
 // --- environment lookups, as render/glsl/environment.glsl has them --------------------------------------------------
@@ -245,7 +246,7 @@ class RelightTest : public RenderTest {
       for (const scene::Light& light : scene.lights) lights.push_back(hostLight(light));
     }
     ReadGbuffer read(const FrameSetup& setup, const LightSettings& settings) {
-      return reader.read(setup, scene.cameras.front(), kSize, kSize, settings);
+      return reader.read(setup, scene.cameras.front(), kRelightSize, kRelightSize, settings);
     }
   };
   static void SetUpTestSuite() { bench = std::make_unique<Bench>(device()); }
@@ -283,7 +284,7 @@ TEST_F(RelightTest, HostShadesTheDevicesGbufferAlike) {
     const ReadGbuffer gbuffer = bench->read(setup, settings);
     const Agreement a = compare(gbuffer, std::span(bench->lights).subspan(settings.firstLight, settings.lightCount),
                                 bench->hostStudio, setup.shading, settings);
-    EXPECT_GT(a.lit, kSize * kSize / 3u);
+    EXPECT_GT(a.lit, kRelightSize * kRelightSize / 3u);
     EXPECT_GT(a.brightest, 0.5);
     EXPECT_LE(static_cast<double>(a.beyond), kMostBeyond * static_cast<double>(a.lit));
     add(totals[c[4]], a);

@@ -9,7 +9,7 @@
 #include "base/error.h"
 #include "render/frame_bench.h"
 #include "render/gbuffer/layout.h"
-#include "render/post/resolve.h"
+#include "render/readback.h"
 #include "render/shadow/cascades.h"
 #include "render/shadow/choose.h"
 #include "render/shadow/frame_shadows.h"
@@ -25,11 +25,11 @@ using glm::vec2;
 using glm::vec3;
 using output::Aov;
 
-constexpr uint32_t kSize = 256;
-constexpr float kHalf = 2;                   // of the picture, metres
-constexpr float kWall = 2, kOccluder = 1;    // their planes' y, world
-constexpr float kEdge = -0.5f;               // the occluder's right edge, x
-constexpr float kPixel = 2 * kHalf / kSize;  // metres
+constexpr uint32_t kShadowSize = 256;
+constexpr float kHalf = 2;                         // of the picture, metres
+constexpr float kWall = 2, kOccluder = 1;          // their planes' y, world
+constexpr float kEdge = -0.5f;                     // the occluder's right edge, x
+constexpr float kPixel = 2 * kHalf / kShadowSize;  // metres
 
 // A wall in the plane y = 2, and 1 m before it a board whose right edge is at x = -0.5; seen along +y.
 scene::Scene boardBeforeWall(const scene::Light& light) {
@@ -57,7 +57,7 @@ scene::Light lightOf(uint32_t type, vec3 position, vec3 target) {
 }
 
 Settings shadowSettings(const char* format, const char* filter) {
-  Settings settings = settingsOf(kSize, kSize, {Aov::Color, Aov::Position, Aov::Normal});
+  Settings settings = settingsOf(kShadowSize, kShadowSize, {Aov::Color, Aov::Position, Aov::Normal});
   settings.layout = &findLayout("exact");
   settings.shadows = choiceNamed<ShadowFormat>(format).value();
   settings.shadowFilter = choiceNamed<ShadowFilter>(filter).value();
@@ -79,7 +79,7 @@ class ShadowTest : public RenderTest {
     without.shadows = ShadowFormat::None;
     const output::FrameOutput open = std::move(renderer.render({&camera, 1}, without).front());
     Shadowed result{std::move(renderer.render({&camera, 1}, settings).front()), {}};
-    for (size_t i = 0; i < size_t{kSize} * kSize; ++i) {
+    for (size_t i = 0; i < size_t{kShadowSize} * kShadowSize; ++i) {
       const float all = imageOf(open, Aov::Color).values[4 * i], some = imageOf(result.frame, Aov::Color).values[4 * i];
       result.factor.push_back(all > 0 ? some / all : -1);
     }
@@ -91,7 +91,7 @@ class ShadowTest : public RenderTest {
     const GpuScene uploaded(device(), scene);
     const GpuLights& lights = uploaded.lights();
     const ShadowScene described{lights.lights(), lights.sources(), lights.authored(), scene::worldBounds(scene)};
-    return planShadows(described, makeView(frontCamera(kHalf, 4), kSize, kSize), settings);
+    return planShadows(described, makeView(frontCamera(kHalf, 4), kShadowSize, kShadowSize), settings);
   }
 };
 
@@ -105,8 +105,8 @@ const shared::ShadowMap* mapAt(const ShadowPlan& plan, const scene::Light& light
 
 // Where the factor crosses `level` along the picture's middle row, from `from` on rightwards; metres.
 float crossing(const std::vector<float>& factor, float from, float level) {
-  const size_t row = size_t{kSize / 2} * kSize;
-  for (auto x = static_cast<size_t>((from + kHalf) / kPixel); x + 1 < kSize; ++x) {
+  const size_t row = size_t{kShadowSize / 2} * kShadowSize;
+  for (auto x = static_cast<size_t>((from + kHalf) / kPixel); x + 1 < kShadowSize; ++x) {
     const float a = factor[row + x], b = factor[row + x + 1];
     if (a < level && b >= level) return -kHalf + (static_cast<float>(x) + 0.5f + (level - a) / (b - a)) * kPixel;
   }
@@ -150,8 +150,8 @@ TEST_F(ShadowTest, EdgesLieWhereTheyShouldToATexel) {
       EXPECT_LT(footprint, 0.07f);
       EXPECT_LE(std::abs(found - edge.edge), footprint);
       // Both sides: all or nothing, away from the edge and within the light's cone.
-      const size_t row = size_t{kSize / 2} * kSize;
-      for (size_t x = 0; x < kSize; ++x) {
+      const size_t row = size_t{kShadowSize / 2} * kShadowSize;
+      for (size_t x = 0; x < kShadowSize; ++x) {
         const float at = -kHalf + (static_cast<float>(x) + 0.5f) * kPixel, factor = shadowed.factor[row + x];
         if (factor < 0 || std::abs(at - edge.edge) < 4 * footprint + kPixel || at < kEdge + 4 * footprint) continue;
         EXPECT_NEAR(factor, at > edge.edge ? 1.0f : 0.0f, 2e-3f) << at;
@@ -177,7 +177,7 @@ TEST_F(ShadowTest, WhatIsNearALightCastsToo) {
     const Shadowed shadowed = render(scene, shadowSettings("d32", "hard"));
     const auto factorAt = [](const Shadowed& s, float x, float z) {
       const auto column = static_cast<size_t>((x + kHalf) / kPixel), row = static_cast<size_t>((kHalf - z) / kPixel);
-      return s.factor[row * kSize + column];
+      return s.factor[row * kShadowSize + column];
     };
     // On the wall it is 300 times as large and as far away: 0.6 m to each side of where the light points.
     EXPECT_NEAR(factorAt(open, target.x, target.z), 1, 1e-3f);
@@ -273,7 +273,7 @@ TEST_F(ShadowTest, DevicesLookUpWhatTheHostLooksUp) {
       const uint32_t index = indexOf(settings.shadows);
       // The maps once more, read back.
       FrameBench bench(device(), scene);
-      const shared::View view = makeView(frontCamera(kHalf, 4), kSize, kSize);
+      const shared::View view = makeView(frontCamera(kHalf, 4), kShadowSize, kShadowSize);
       KeptAtlas kept;
       FrameShadows shadows(device(), bench.scene(), {&view, 1}, settings, kept);
       const ShadowPlan& plan = shadows.plan(0);

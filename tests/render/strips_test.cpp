@@ -9,6 +9,7 @@
 #include "render/picking.h"
 #include "render/support.h"
 #include "render/view.h"
+#include "shared/light.h"
 #include "vk/memory.h"
 
 namespace latelight::render::test {
@@ -16,8 +17,8 @@ namespace {
 
 using output::Aov;
 
-constexpr uint32_t kWidth = 96, kHeight = 200;  // strips of 64, 64, 64 and 8 rows
-constexpr uint32_t kStripPixels = kWidth * 100;
+constexpr uint32_t kStripWidth = 96, kStripHeight = 200;  // strips of 64, 64, 64 and 8 rows
+constexpr uint32_t kStripPixels = kStripWidth * 100;
 constexpr size_t kHandful = 6;
 
 // A scene with a glass box, lit by three lights of which all cast shadows.
@@ -112,7 +113,7 @@ std::vector<bool> unlike(const output::AovImage& a, const output::AovImage& b, u
 TEST_P(StripsTest, EqualTheWholePicture) {
   const scene::Scene scene = litBoxes();
   const scene::Environment studio = scene::loadEnvironment("studio");
-  Settings settings = settingsOf(kWidth, kHeight);
+  Settings settings = settingsOf(kStripWidth, kStripHeight);
   settings.display = true;
   settings.shadows = ShadowFormat::D32;
   settings.sun = SunLight{.azimuth = 0.6f, .elevation = 0.8f};
@@ -128,19 +129,19 @@ TEST_P(StripsTest, EqualTheWholePicture) {
   Renderer renderer(device(), scene, &studio);
   const output::FrameOutput whole = std::move(renderer.render({&camera, 1}, settings, moment).front());
   const output::FrameOutput strips = std::move(renderer.render({&camera, 1}, stripped(settings), moment).front());
-  EXPECT_EQ(strips.width, kWidth);
-  EXPECT_EQ(strips.height, kHeight);
+  EXPECT_EQ(strips.width, kStripWidth);
+  EXPECT_EQ(strips.height, kStripHeight);
   ASSERT_EQ(strips.aovs.size(), whole.aovs.size());
   for (size_t i = 0; i < whole.aovs.size(); ++i) {
     SCOPED_TRACE(output::info(whole.aovs[i].aov).name);
-    EXPECT_EQ(strips.aovs[i].height, kHeight);
+    EXPECT_EQ(strips.aovs[i].height, kStripHeight);
     ASSERT_EQ(strips.aovs[i].values.size(), whole.aovs[i].values.size());
     ASSERT_EQ(strips.aovs[i].ids.size(), whole.aovs[i].ids.size());
     const std::vector<bool> differs = unlike(strips.aovs[i], whole.aovs[i], settings.aa.samples);
     const auto count = static_cast<size_t>(std::count(differs.begin(), differs.end(), true));
     EXPECT_LE(count, kHandful);
   }
-  ASSERT_EQ(strips.display.size(), size_t{4} * kWidth * kHeight);
+  ASSERT_EQ(strips.display.size(), size_t{4} * kStripWidth * kStripHeight);
   ASSERT_EQ(whole.display.size(), strips.display.size());
   size_t apart = 0;
   for (size_t i = 0; i < whole.display.size(); ++i) apart += std::abs(int{whole.display[i]} - strips.display[i]) > 1;
@@ -153,7 +154,7 @@ INSTANTIATE_TEST_SUITE_P(Render, StripsTest, testing::ValuesIn(kPartings),
 TEST_F(RenderTest, PickingFromAStripIsPickingFromTheWhole) {
   const scene::Scene scene = litBoxes();
   Renderer renderer(device(), scene, nullptr);
-  const Settings settings = settingsOf(kWidth, kHeight);
+  const Settings settings = settingsOf(kStripWidth, kStripHeight);
   const std::vector<glm::uvec2> pixels{{48, 199}, {30, 63}, {60, 64}, {48, 130}, {5, 1}};
   const auto whole = pick(renderer, scene, scene.cameras.front(), settings, pixels);
   const auto strips = pick(renderer, scene, scene.cameras.front(), stripped(settings), pixels);

@@ -20,7 +20,7 @@ using glm::dvec3;
 using glm::dvec4;
 using output::Aov;
 
-constexpr uint32_t kWidth = 200, kHeight = 120;
+constexpr uint32_t kViewWidth = 200, kViewHeight = 120;
 
 std::vector<Aov> everyAov() {
   std::vector<Aov> all;
@@ -97,12 +97,12 @@ TEST_F(ViewsTest, ManyCamerasAreRenderedInTurn) {
 
 TEST_F(ViewsTest, ThreeAtOnceAreThreeAlone) {
   const scene::Scene scene = scene::load("builtin:boxes");
-  compare(scene, threeCameras(scene), settingsOf(kWidth, kHeight));
+  compare(scene, threeCameras(scene), settingsOf(kViewWidth, kViewHeight));
 }
 
 TEST_F(ViewsTest, ThreeAtOnceAreThreeAloneSuperSampledInAnotherLayout) {
   const scene::Scene scene = scene::load("builtin:boxes");
-  Settings settings = settingsOf(kWidth, kHeight);
+  Settings settings = settingsOf(kViewWidth, kViewHeight);
   settings.aa.superSampling = 2;
   settings.layout = &findLayout("optimized");
   settings.background.kind = Background::Environment;
@@ -115,7 +115,7 @@ scene::Scene litHall() {
 }
 
 std::vector<scene::Camera> hallCameras(const scene::Scene& scene) {
-  std::vector<scene::Camera> cameras(4, cameraOf(scene, kWidth, kHeight));
+  std::vector<scene::Camera> cameras(4, cameraOf(scene, kViewWidth, kViewHeight));
   cameras[1].toWorld[3] += glm::vec4(1, 6, 0.5f, 0);
   cameras[2].orthographic = true;
   cameras[2].yHalf = 6;
@@ -178,9 +178,9 @@ TEST_F(ViewsTest, TexturedModelsAreTheSameEachTime) {
   for (const std::string& name : models::withReal({"textured.glb"}, {"DamagedHelmet.glb"})) {
     SCOPED_TRACE(name);
     const scene::Scene scene = scene::load(models::modelPath(name));
-    std::vector<scene::Camera> cameras(2, cameraOf(scene, kWidth, kHeight));
+    std::vector<scene::Camera> cameras(2, cameraOf(scene, kViewWidth, kViewHeight));
     cameras[1].verticalFov *= 0.5f;
-    compare(scene, cameras, settingsOf(kWidth, kHeight));
+    compare(scene, cameras, settingsOf(kViewWidth, kViewHeight));
   }
 }
 
@@ -191,8 +191,8 @@ struct Pinhole {
   bool orthographic;
 
   Pinhole(const scene::Camera& camera, const scene::Scene& scene, bool zUp)
-      : focal(0.5 * kHeight / (camera.orthographic ? camera.yHalf : std::tan(0.5 * camera.verticalFov))),
-        centre(0.5 * kWidth * (1 + camera.principal.x), 0.5 * kHeight * (1 - camera.principal.y)),
+      : focal(0.5 * kViewHeight / (camera.orthographic ? camera.yHalf : std::tan(0.5 * camera.verticalFov))),
+        centre(0.5 * kViewWidth * (1 + camera.principal.x), 0.5 * kViewHeight * (1 - camera.principal.y)),
         toCamera(glm::inverse(openCvPose(camera, scene, zUp))),
         orthographic(camera.orthographic) {}
 
@@ -201,7 +201,7 @@ struct Pinhole {
 
 TEST_F(ViewsTest, PositionsProjectBackToTheirPixels) {
   const scene::Scene scene = scene::load("builtin:boxes");
-  Settings settings = settingsOf(kWidth, kHeight, {Aov::Position, Aov::Depth, Aov::Distance});
+  Settings settings = settingsOf(kViewWidth, kViewHeight, {Aov::Position, Aov::Depth, Aov::Distance});
   for (const scene::Camera& camera : threeCameras(scene))
     for (bool zUp : {false, true}) {
       SCOPED_TRACE(
@@ -211,18 +211,18 @@ TEST_F(ViewsTest, PositionsProjectBackToTheirPixels) {
       const Pinhole pinhole(camera, scene, zUp);
       size_t covered = 0;
       double worst = 0, worstDepth = 0, worstDistance = 0;
-      for (size_t i = 0; i < size_t{kWidth} * kHeight; ++i) {
+      for (size_t i = 0; i < size_t{kViewWidth} * kViewHeight; ++i) {
         const double depth = imageOf(frame, Aov::Depth).values[i], distance = imageOf(frame, Aov::Distance).values[i];
         if (std::isinf(depth)) continue;
         ++covered;
         const dvec3 p = pinhole.toCamera * dvec4(vec3At(imageOf(frame, Aov::Position), i), 1);
-        const dvec2 centre(static_cast<double>(i % kWidth) + 0.5, static_cast<double>(i / kWidth) + 0.5);
+        const dvec2 centre(static_cast<double>(i % kViewWidth) + 0.5, static_cast<double>(i / kViewWidth) + 0.5);
         worst = std::max(worst, glm::length(pinhole.project(p) - centre));
         worstDepth = std::max(worstDepth, std::abs(p.z - depth) / depth);
         worstDistance =
             std::max(worstDistance, std::abs((camera.orthographic ? p.z : glm::length(p)) - distance) / distance);
       }
-      EXPECT_GT(covered, kWidth * kHeight / 2u);
+      EXPECT_GT(covered, kViewWidth * kViewHeight / 2u);
       EXPECT_LT(worst, 1e-3);  // pixels
       EXPECT_LT(worstDepth, 1e-5);
       EXPECT_LT(worstDistance, 1e-5);
@@ -235,14 +235,14 @@ TEST_F(ViewsTest, NormalsComeInTheFrameAskedFor) {
   const float turn = 0.3f;  // about the vertical, so that the frames differ by more than axes' names
   camera.toWorld[0] = glm::vec4(std::cos(turn), std::sin(turn), 0, 0);
   camera.toWorld[1] = glm::vec4(-std::sin(turn), std::cos(turn), 0, 0);
-  Settings settings = settingsOf(kWidth, kHeight, {Aov::Normal, Aov::GeoNormal});
+  Settings settings = settingsOf(kViewWidth, kViewHeight, {Aov::Normal, Aov::GeoNormal});
   const output::FrameOutput world = renderOne(device(), scene, camera, settings);
   const glm::dmat3 toCamera(glm::inverse(openCvPose(camera, scene, false)));
   for (auto [frame, sign] : {std::pair{NormalFrame::OpenCv, 1.0}, {NormalFrame::OpenGl, -1.0}}) {
     settings.normalFrame = frame;
     const output::FrameOutput local = renderOne(device(), scene, camera, settings);
     for (Aov aov : {Aov::Normal, Aov::GeoNormal})
-      for (size_t i = 0; i < size_t{kWidth} * kHeight; ++i) {
+      for (size_t i = 0; i < size_t{kViewWidth} * kViewHeight; ++i) {
         const dvec3 expected = dvec3(1, sign, sign) * (toCamera * dvec3(vec3At(imageOf(world, aov), i)));
         ASSERT_LT(glm::length(dvec3(vec3At(imageOf(local, aov), i)) - expected), 1e-6) << "pixel " << i;
       }

@@ -28,7 +28,7 @@ Options tiny() {
   return options;
 }
 
-const Table& tableOf(const Result& result, const std::string& name) {
+const Table& tableCalled(const Result& result, const std::string& name) {
   return *std::find_if(result.tables.begin(), result.tables.end(), [&](const Table& t) { return t.name == name; });
 }
 
@@ -54,7 +54,7 @@ const Result& study() {
 }
 
 TEST(LightStudy, MeasuresEveryTechniqueAtEveryPlace) {
-  const Table& table = tableOf(study(), "lights");
+  const Table& table = tableCalled(study(), "lights");
   std::set<std::string> seen;
   for (const std::vector<Cell>& row : table.rows) {
     SCOPED_TRACE(text(table, row, "technique"));
@@ -78,7 +78,7 @@ TEST(LightStudy, MeasuresEveryTechniqueAtEveryPlace) {
 }
 
 TEST(LightStudy, CountsLights) {
-  const Table& table = tableOf(study(), "lights");
+  const Table& table = tableCalled(study(), "lights");
   std::map<double, std::set<double>> used;  // by lights
   for (const std::vector<Cell>& row : table.rows) {
     if (text(table, row, "sweep") != "lights") continue;
@@ -97,7 +97,7 @@ TEST(LightStudy, CountsLights) {
 }
 
 TEST(LightStudy, WritesPassesOfEveryMeasurement) {
-  const Table& table = tableOf(study(), "lights-passes");
+  const Table& table = tableCalled(study(), "lights-passes");
   std::set<std::string> passes;
   for (const std::vector<Cell>& row : table.rows)
     if (text(table, row, "technique") == "tiled") passes.insert(text(table, row, "pass"));
@@ -111,7 +111,7 @@ TEST(LightStudy, StopsWhereTheNextStepWouldTakeTooLong) {
   options.sweep.lights = {1, 4, 16};
   options.sweep.budget = 1e-6;
   const Result result = studyLights(options);
-  const Table& table = tableOf(result, "lights");
+  const Table& table = tableCalled(result, "lights");
   size_t measured = 0, skipped = 0;
   for (const std::vector<Cell>& row : table.rows) {
     if (text(table, row, "sweep") != "lights") continue;

@@ -6,10 +6,10 @@
 namespace latelight::scene::builtin {
 namespace {
 
-constexpr double kStep = 1e-5;
+constexpr double kTangentStep = 1e-5;
 
 dvec2 derivative(const std::function<dvec2(double)>& at, double t) {
-  const double a = std::max(0.0, t - kStep), b = std::min(1.0, t + kStep);
+  const double a = std::max(0.0, t - kTangentStep), b = std::min(1.0, t + kTangentStep);
   return (at(b) - at(a)) / (b - a);
 }
 
@@ -287,6 +287,10 @@ std::vector<Patch> sweepPolygon(const Profile& profile, const std::vector<dvec2>
     }
   }
   return patches;
+}
+
+std::vector<dvec2> square(double half) {
+  return {{half, half}, {half, -half}, {-half, -half}, {-half, half}};
 }
 
 Patch quad(dvec3 a, dvec3 b, dvec3 c, dvec3 d, uint32_t columns, uint32_t rows, double tile) {

@@ -85,6 +85,9 @@ std::vector<Patch> sweep(const Profile& profile, const Path& path, const Detail&
 std::vector<Patch> sweepPolygon(const Profile& profile, const std::vector<dvec2>& cornersXZ, bool closed,
                                 uint32_t columns, const Detail& detail, double tile = 1);
 
+// The corners of a square around the origin, for sweepPolygon().
+std::vector<dvec2> square(double half);
+
 // A flat polygon with three or four corners as one patch: a b along u, a d along v, front towards ab x ad.
 Patch quad(dvec3 a, dvec3 b, dvec3 c, dvec3 d, uint32_t columns, uint32_t rows, double tile = 1);
 

@@ -10,7 +10,7 @@ namespace latelight::scene::builtin::hall {
 namespace {
 
 // Of one bay of the right aisle, at (0, 0, 0) in the middle of its floor; the nave is towards -X.
-const vec3 kBayOnTheRight(float(kAisleX), 0, 0);
+const vec3 kAisleBay(float(kAisleX), 0, 0);
 constexpr double kDado = 1.5;
 
 // The groin vault's ceiling is the higher of two barrels across each other. Its four cells, between the groins (the
@@ -38,7 +38,7 @@ Patch cell(const Detail& detail, bool alongZ, double sign) {
 }
 
 MeshPlan groinVault(const Detail& detail) {
-  MeshPlan plan{"groin vault", {}, shadeInHall(kBayOnTheRight), {}};
+  MeshPlan plan{"groin vault", {}, shadeInHall(kAisleBay), {}};
   for (const double sign : {-1.0, 1.0}) {
     plan.add(cell(detail, true, sign));
     plan.add(cell(detail, false, sign));
@@ -113,21 +113,21 @@ WallGrid wallGrid(const Detail& detail) {
 }
 
 MeshPlan outerWall(const Detail& detail) {
-  MeshPlan plan{"outer wall", {}, shadeInHall(kBayOnTheRight), {}};
+  MeshPlan plan{"outer wall", {}, shadeInHall(kAisleBay), {}};
   plan.add(wallWithWindow(kOuterFace, kBay / 2, kDado, 7.25, kWindowSill, kWindowSpring, kWindowRadius,
                           wallGrid(detail), kAshlarTile));
   return plan;
 }
 
 MeshPlan dado(const Detail& detail) {
-  MeshPlan plan{"dado", {}, shadeInHall(kBayOnTheRight), {}};
+  MeshPlan plan{"dado", {}, shadeInHall(kAisleBay), {}};
   const uint32_t along = detail.segments(6, 1), up = detail.segments(3, 1);
   plan.add(wallPanel(kOuterFace, -kBay / 2, kBay / 2, 0.2, kDado, along, up, kTileTile));
   return plan;
 }
 
 MeshPlan dadoMouldings(const Detail& detail) {
-  MeshPlan plan{"dado mouldings", {}, shadeInHall(kBayOnTheRight), {}};
+  MeshPlan plan{"dado mouldings", {}, shadeInHall(kAisleBay), {}};
   const double z = kBay / 2;
   const Path wall = straight({kAisleHalf, 0, -z}, {kAisleHalf, 0, z}, {-1, 0, 0}, {0, 1, 0}, detail.segments(2));
   Profile skirting(0.05, 0);
@@ -175,7 +175,7 @@ MeshPlan windowPane(const Detail& detail) {
 
 // Above the vault: floor, back wall with a blind niche, and a ceiling.
 MeshPlan galleryRoom(const Detail& detail) {
-  MeshPlan plan{"gallery room", {}, shadeInHall(kBayOnTheRight), {}};
+  MeshPlan plan{"gallery room", {}, shadeInHall(kAisleBay), {}};
   const double x0 = kColumnX - kAisleX - 0.2, x1 = kAisleHalf, z = kBay / 2;
   const uint32_t n = detail.segments(3, 1);
   plan.add(quad({x0, kGalleryTop, -z}, {x1, kGalleryTop, -z}, {x1, kGalleryTop, z}, {x0, kGalleryTop, z}, n, n,
@@ -185,7 +185,7 @@ MeshPlan galleryRoom(const Detail& detail) {
 }
 
 MeshPlan galleryFloor(const Detail& detail) {
-  MeshPlan plan{"gallery floor", {}, shadeInHall(kBayOnTheRight), {}};
+  MeshPlan plan{"gallery floor", {}, shadeInHall(kAisleBay), {}};
   const double x0 = kColumnX - kAisleX - 0.2, x1 = kAisleHalf, z = kBay / 2;
   const uint32_t n = detail.segments(3, 1);
   plan.add(quad({x0, kGalleryFloor - 0.005, z}, {x1, kGalleryFloor - 0.005, z}, {x1, kGalleryFloor - 0.005, -z},

@@ -9,7 +9,6 @@ namespace latelight::scene::builtin::hall {
 namespace {
 
 // Of one bay at x = 0, its middle at z = 0; the nave is towards -X. Copies for the other side are turned.
-const vec3 kBayOnTheRight(float(kColumnX), 0, 0);
 const Plane kNaveFace{{-kWallHalf, 0, 0}, {0, 0, 1}, {0, 1, 0}};
 const Plane kAisleFace{{kWallHalf, 0, 0}, {0, 0, -1}, {0, 1, 0}};
 

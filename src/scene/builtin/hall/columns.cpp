@@ -13,10 +13,6 @@ constexpr int kFlutes = 20;
 constexpr double kShaftFoot = 0.6, kShaftHead = 3.86, kHeadRadius = 0.3;
 const vec3 kSomewhere(float(kColumnX), 0, float(kBay / 2));  // a column's place: all have the same surroundings
 
-std::vector<dvec2> square(double half) {
-  return {{half, half}, {half, -half}, {-half, -half}, {-half, half}};
-}
-
 Path around(const Detail& detail, double normal, uint32_t least, double radius) {
   return circle(Axis{}, detail.segments(normal, least), radius);
 }

@@ -15,10 +15,6 @@ namespace {
 constexpr double kPlinthTop = 1.0;
 constexpr double kFigureFoot = kApseSteps * kApseStep;
 
-std::vector<dvec2> square(double half) {
-  return {{half, half}, {half, -half}, {-half, -half}, {-half, half}};
-}
-
 MeshPlan plinth(const Detail& detail) {
   MeshPlan plan{"plinth", {}, shadeInHall({float(kColumnX), 0, 0}), {}};
   Profile p(0.05, 0);

@@ -10,7 +10,6 @@ namespace latelight::scene::builtin::hall {
 namespace {
 
 // Of one bay at x = 0, as in the arcades.
-const vec3 kBayOnTheRight(float(kColumnX), 0, 0);
 constexpr double kRailLow = 8.64, kPlinthHigh = 8.0;
 constexpr double kPierHalf = kGalleryPitch / 2 - kGalleryArchRadius;
 

@@ -97,6 +97,9 @@ inline double bayBoundary(int boundary) {
   return boundary * kBay - kHalfLength;
 }
 
+// The middle of a bay of the arcade at +X.
+inline const vec3 kBayOnTheRight(float(kColumnX), 0, 0);
+
 // Parts: each file one.
 void addColumns(HallBuilder& hall);
 void addArcades(HallBuilder& hall);
