@@ -14,6 +14,7 @@
 #include "render/gbuffer/layout.h"
 #include "render/settings.h"
 #include "scene/builtin.h"
+#include "scene/light_types.h"
 #include "vk/resources.h"
 
 namespace latelight::app {
@@ -82,6 +83,13 @@ Json listNormals() {
                     {"description", encoding.description},
                     {"channels", encoding.channels},
                     {"hemisphereOnly", encoding.hemisphere}});
+  return rows;
+}
+
+Json listLights() {
+  Json rows = Json::array();
+  for (const scene::LightType& type : scene::lightTypes())
+    rows.push_back({{"name", type.name}, {"description", type.description}});
   return rows;
 }
 
@@ -227,6 +235,7 @@ std::vector<Topic> makeTopics() {
       {"options", [](const PictureSize&) { return listOptions(); }, printOption},
       {"layouts", listLayouts, printLayout},
       {"normals", [](const PictureSize&) { return listNormals(); }},
+      {"lights", [](const PictureSize&) { return listLights(); }},
       {"post", [](const PictureSize&) { return listNames(render::postEffects()); }},
       {"aovs", [](const PictureSize&) { return listAovs(); }},
       {"scenes", [](const PictureSize&) { return listScenes(); }},

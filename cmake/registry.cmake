@@ -1,5 +1,5 @@
-# Registries: one file a G-buffer layout, one file a normal encoding, one folder a lighting technique. The build lists the
-# folders and writes what the code includes; nothing else names them.
+# Registries: one file a G-buffer layout, a normal encoding or a type of light, one folder a lighting technique. The build
+# lists the folders and writes what the code includes; nothing else names them.
 set(LATELIGHT_GENERATED ${PROJECT_BINARY_DIR}/generated)
 
 # latelight_list(out glob directories?): the names, without ending, of the folders or of the headers that match.
@@ -23,6 +23,7 @@ endfunction()
 
 latelight_list(LATELIGHT_LAYOUTS src/shared/gbuffer/* FALSE)
 latelight_list(LATELIGHT_NORMALS src/shared/normal/* FALSE)
+latelight_list(LATELIGHT_LIGHTS src/shared/light/* FALSE)
 latelight_list(LATELIGHT_LIGHTING src/render/lighting/* TRUE)
 
 # generated/normals.h (GLSL and C++): every encoding, numbered in the order of their names, and the switch over them.
@@ -69,6 +70,55 @@ ${decode}  return vec3(0.0f, 0.0f, 1.0f);
 }
 SH_END
 #define LATELIGHT_NORMALS(X)${table}
+#endif
+")
+
+# generated/light_types.h (GLSL and C++): every type of light, numbered in the order of their names (shared/light.h).
+set(includes "")
+set(constants "")
+set(directional "")
+set(cone "")
+set(distribution "")
+set(table "")
+set(index 0)
+foreach(name IN LISTS LATELIGHT_LIGHTS)
+  string(SUBSTRING ${name} 0 1 first)
+  string(SUBSTRING ${name} 1 -1 rest)
+  string(TOUPPER ${first} first)
+  string(APPEND includes "#include \"shared/light/${name}.h\"\n")
+  string(APPEND constants "SH_CONST uint kLight${first}${rest} = ${index}u;\n")
+  string(APPEND directional " ||\n         (type == ${index}u && kLightReach_${name} == kReachEverywhere)")
+  string(APPEND cone " ||\n         (type == ${index}u && kLightReach_${name} == kReachCone)")
+  set(source ${PROJECT_SOURCE_DIR}/src/shared/light/${name}.h)
+  set_property(DIRECTORY ${PROJECT_SOURCE_DIR} APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${source})
+  file(STRINGS ${source} shape REGEX "lightDistribution_${name}")
+  if(shape)
+    string(APPEND distribution "  if (light.type == ${index}u) return lightDistribution_${name}(light, toLight);\n")
+  endif()
+  string(APPEND table "  X(${name}, ${index})")
+  math(EXPR index "${index} + 1")
+endforeach()
+string(REPLACE ")  X(" ") X(" table "${table}")
+latelight_generate(light_types.h "// Written by cmake/registry.cmake from the files in src/shared/light.
+#ifndef LATELIGHT_GENERATED_LIGHT_TYPES_H
+#define LATELIGHT_GENERATED_LIGHT_TYPES_H
+${includes}
+SH_BEGIN
+${constants}SH_CONST uint kLightTypes = ${index}u;
+// Whether it reaches everywhere, and has a direction and no place.
+SH_FUNC bool lightIsDirectional(uint type) {
+  return false${directional};
+}
+// Whether it reaches what is in its cone alone.
+SH_FUNC bool lightHasCone(uint type) {
+  return false${cone};
+}
+// Its intensity in a direction, as a factor. `toLight`: unit, from where it shines on.
+SH_FUNC float lightDistribution(Light light, vec3 toLight) {
+${distribution}  return 1.0f;
+}
+SH_END
+#define LATELIGHT_LIGHTS(X)${table}
 #endif
 ")
 

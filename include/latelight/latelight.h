@@ -93,12 +93,10 @@ struct Material {
   float f0 = 0.04f;  // what a dielectric reflects at normal incidence: ((ior - 1) / (ior + 1))^2
 };
 
-enum class LightType { Directional, Point, Spot };
-
 // As in KHR_lights_punctual.
 struct Light {
   std::string name;
-  LightType type = LightType::Point;
+  std::string type = "point";                // or another of `latelight list lights`
   std::array<float, 3> position{0, 0, 0};    // not of directional lights
   std::array<float, 3> direction{0, 0, -1};  // from the light, of any length; not of point lights
   std::array<float, 3> color{1, 1, 1};
@@ -199,8 +197,8 @@ class LATELIGHT_API Scene {
 
  private:
   friend class Renderer;
-  struct Hidden;
-  std::unique_ptr<Hidden> hidden_;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 // A directional light by where it comes from: azimuth 0 is the scene's front (+Z), 90 its right (+X).
@@ -254,6 +252,12 @@ struct Pick {
   std::array<float, 2> uv{};
 };
 
+// Where pictures are until they are taken.
+enum class Results {
+  ToHost,    // on their way to the host from the moment they are done
+  OnDevice,  // in the device's memory; a ticket that is dropped costs no copy
+};
+
 // Pictures on their way: what Renderer::submit() returns.
 class LATELIGHT_API Ticket {
  public:
@@ -269,8 +273,8 @@ class LATELIGHT_API Ticket {
  private:
   friend class Renderer;
   Ticket();
-  struct Hidden;
-  std::unique_ptr<Hidden> hidden_;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 // One scene on one device. Not thread-safe; use one a thread, and take its tickets there.
@@ -289,15 +293,15 @@ class LATELIGHT_API Renderer {
   // The same, and returns while the device works on them: meanwhile the scene may be edited, pictures that were taken
   // be written, and more be submitted. Up to three tickets keep a device busy; each holds its pictures' memory until
   // it is taken or dropped.
-  Ticket submit(const std::vector<Camera>& cameras, const Options& options = {});
+  Ticket submit(const std::vector<Camera>& cameras, const Options& options = {}, Results results = Results::ToHost);
   // What pixels (x, y from the upper left) of such a picture show, in their order. Lights nothing.
   std::vector<Pick> pick(const Camera& camera, const std::vector<std::array<uint32_t, 2>>& pixels,
                          const Options& options = {});
 
  private:
   friend class Ticket;
-  struct Hidden;
-  std::shared_ptr<Hidden> hidden_;  // its tickets keep it too
+  struct Impl;
+  std::shared_ptr<Impl> impl_;  // its tickets keep it too
 };
 
 }  // namespace latelight

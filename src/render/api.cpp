@@ -126,6 +126,10 @@ render::Moment internalMoment(const Options& o, const render::Settings& s, const
   return moment;
 }
 
+render::Results internalResults(Results results) {
+  return results == Results::OnDevice ? render::Results::OnDevice : render::Results::ToHost;
+}
+
 Frame publicFrame(output::FrameOutput&& from) {
   Frame frame;
   frame.width = from.width;
@@ -148,35 +152,34 @@ Scene::Scene(const std::string& source, const std::string& materialVariant)
     : Scene(source, SceneOptions{.materialVariant = materialVariant}) {}
 
 Scene::Scene(const std::string& source, const SceneOptions& options)
-    : hidden_(new Hidden{scene::load(source, {.variant = options.materialVariant,
-                                              .allowOutside = options.allowOutside,
-                                              .ids = {options.idDepth, options.idNodes}})}) {
-  for (const scene::Animation& animation : hidden_->scene.rig.animations)
-    hidden_->animations.push_back({animation.name, animation.duration});
-  for (const scene::Camera& camera : hidden_->scene.cameras)
-    hidden_->cameras.push_back(publicCamera(camera, hidden_->scene));
+    : impl_(new Impl{scene::load(source, {.variant = options.materialVariant,
+                                          .allowOutside = options.allowOutside,
+                                          .ids = {options.idDepth, options.idNodes}})}) {
+  for (const scene::Animation& animation : impl_->scene.rig.animations)
+    impl_->animations.push_back({animation.name, animation.duration});
+  for (const scene::Camera& camera : impl_->scene.cameras) impl_->cameras.push_back(publicCamera(camera, impl_->scene));
 }
 Scene::~Scene() = default;
 Scene::Scene(Scene&&) noexcept = default;
 Scene& Scene::operator=(Scene&&) noexcept = default;
 
 uint64_t Scene::triangleCount() const {
-  return hidden_->scene.triangleCount();
+  return impl_->scene.triangleCount();
 }
 std::string Scene::idManifest() const {
-  return output::idManifestText(render::idManifest(hidden_->scene));
+  return output::idManifestText(render::idManifest(impl_->scene));
 }
 const std::vector<Camera>& Scene::cameras() const {
-  return hidden_->cameras;
+  return impl_->cameras;
 }
 
 const std::vector<Animation>& Scene::animations() const {
-  return hidden_->animations;
+  return impl_->animations;
 }
 
 std::vector<Camera> Scene::camerasAt(double time, const std::string& animation, bool loop) const {
   checkTime(time);
-  const scene::Scene& scene = hidden_->scene;
+  const scene::Scene& scene = impl_->scene;
   const scene::Pose pose = scene::poseAt(scene, scene::choosePlayback(scene, animation, loop), time);
   std::vector<Camera> cameras;
   for (const scene::Camera& camera : scene::posedCameras(scene, pose)) cameras.push_back(publicCamera(camera, scene));
@@ -184,29 +187,29 @@ std::vector<Camera> Scene::camerasAt(double time, const std::string& animation, 
 }
 
 Camera Scene::defaultCamera(float aspect) const {
-  if (!hidden_->cameras.empty()) return hidden_->cameras.front();
+  if (!impl_->cameras.empty()) return impl_->cameras.front();
   if (!(aspect > 0) || !std::isfinite(aspect)) badUsage("a picture's aspect must be a number above 0, not {}", aspect);
-  return publicCamera(scene::frameScene(hidden_->scene, aspect), hidden_->scene);
+  return publicCamera(scene::frameScene(impl_->scene, aspect), impl_->scene);
 }
 
 Camera Scene::lookAt(std::array<float, 3> eye, std::array<float, 3> target, float verticalFov) const {
-  return publicCamera(scene::lookAt(hidden_->scene, {eye[0], eye[1], eye[2]}, {target[0], target[1], target[2]}, {},
+  return publicCamera(scene::lookAt(impl_->scene, {eye[0], eye[1], eye[2]}, {target[0], target[1], target[2]}, {},
                                     verticalFov / kDegrees),
-                      hidden_->scene);
+                      impl_->scene);
 }
 
-struct Renderer::Hidden {
+struct Renderer::Impl {
   const scene::Scene& scene;
   vk::Device device;
   render::Renderer renderer;
 
-  Hidden(const scene::Scene& scene, const std::string& selector, const std::optional<scene::Environment>& environment)
+  Impl(const scene::Scene& scene, const std::string& selector, const std::optional<scene::Environment>& environment)
       : scene(scene), device({.selector = selector}), renderer(device, scene, environment ? &*environment : nullptr) {}
 };
 
 Renderer::Renderer(const Scene& scene, const std::string& device, const std::string& environment)
-    : hidden_(new Hidden(scene.hidden_->scene, device,
-                         render::loadEnvironment(render::environmentName(scene.hidden_->scene, environment)))) {}
+    : impl_(new Impl(scene.impl_->scene, device,
+                     render::loadEnvironment(render::environmentName(scene.impl_->scene, environment)))) {}
 Renderer::~Renderer() = default;
 Renderer::Renderer(Renderer&&) noexcept = default;
 Renderer& Renderer::operator=(Renderer&&) noexcept = default;
@@ -219,8 +222,8 @@ std::vector<Frame> Renderer::render(const std::vector<Camera>& cameras, const Op
   return submit(cameras, options).take();
 }
 
-struct Ticket::Hidden {
-  std::shared_ptr<Renderer::Hidden> renderer;
+struct Ticket::Impl {
+  std::shared_ptr<Renderer::Impl> renderer;
   render::Ticket ticket;
 };
 
@@ -230,24 +233,25 @@ Ticket::Ticket(Ticket&&) noexcept = default;
 Ticket& Ticket::operator=(Ticket&&) noexcept = default;
 
 bool Ticket::done() const {
-  return !hidden_ || hidden_->ticket.done();
+  return !impl_ || impl_->ticket.done();
 }
 
 std::vector<Frame> Ticket::take() {
-  if (!hidden_) badUsage("these pictures have been taken already");
-  const std::unique_ptr<Hidden> taken = std::move(hidden_);
+  if (!impl_) badUsage("these pictures have been taken already");
+  const std::unique_ptr<Impl> taken = std::move(impl_);
   std::vector<Frame> frames;
   for (output::FrameOutput& frame : taken->ticket.take()) frames.push_back(publicFrame(std::move(frame)));
   return frames;
 }
 
-Ticket Renderer::submit(const std::vector<Camera>& cameras, const Options& options) {
+Ticket Renderer::submit(const std::vector<Camera>& cameras, const Options& options, Results results) {
   if (cameras.empty()) badUsage("nothing can be rendered without a camera");
-  const std::vector<scene::Camera> internal = internalCameras(cameras, hidden_->scene, cameras.size());
+  const std::vector<scene::Camera> internal = internalCameras(cameras, impl_->scene, cameras.size());
   const render::Settings settings = internalSettings(options);
-  const render::Moment moment = internalMoment(options, settings, hidden_->scene, cameras.size());
+  const render::Moment moment = internalMoment(options, settings, impl_->scene, cameras.size());
   Ticket ticket;
-  ticket.hidden_.reset(new Ticket::Hidden{hidden_, hidden_->renderer.submit(internal, settings, moment)});
+  ticket.impl_.reset(
+      new Ticket::Impl{impl_, impl_->renderer.submit(internal, settings, moment, internalResults(results))});
   return ticket;
 }
 
@@ -258,8 +262,8 @@ std::vector<Pick> Renderer::pick(const Camera& camera, const std::vector<std::ar
   for (const auto& [x, y] : pixels) places.push_back({x, y});
   const auto three = [](glm::vec3 v) { return std::array<float, 3>{v.x, v.y, v.z}; };
   std::vector<Pick> picks;
-  for (const render::Picked& p : render::pick(hidden_->renderer, hidden_->scene, internalCamera(camera, hidden_->scene),
-                                              settings, places, internalMoment(options, settings, hidden_->scene, 1)))
+  for (const render::Picked& p : render::pick(impl_->renderer, impl_->scene, internalCamera(camera, impl_->scene),
+                                              settings, places, internalMoment(options, settings, impl_->scene, 1)))
     picks.push_back({p.id,
                      p.part,
                      p.node,

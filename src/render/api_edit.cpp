@@ -7,7 +7,9 @@
 #include "base/log.h"
 #include "render/api_scene.h"
 #include "scene/edit.h"
+#include "scene/light_types.h"
 #include "scene/vertices.h"
+#include "shared/light.h"
 
 namespace latelight {
 
@@ -111,15 +113,12 @@ scene::Material untextured() {
 
 // --- lights ---------------------------------------------------------------------------------------------------------
 
-constexpr uint32_t kLightTypes[] = {shared::kLightDirectional, shared::kLightPoint, shared::kLightSpot};
-
 Light publicLight(const scene::Light& from, const scene::Scene& scene) {
   const mat4 toFile = fileFromWorld(scene);
-  const bool directional = from.type == shared::kLightDirectional;
+  const bool directional = shared::lightIsDirectional(from.type);
   Light out;
   out.name = from.name;
-  for (size_t type = 0; type < std::size(kLightTypes); ++type)
-    if (kLightTypes[type] == from.type) out.type = static_cast<LightType>(type);
+  out.type = scene::lightTypes()[from.type].name;
   out.position = three(vec3(toFile * vec4(from.position, 1)));
   out.direction = three(vec3(toFile * vec4(from.direction, 0)));
   out.color = three(from.color);
@@ -144,12 +143,12 @@ vec3 unitDirection(const Light& light) {
 // was read comes back as it is.
 scene::Light internalLight(const Light& from, const scene::Scene& scene, const scene::Light& like = {}) {
   const mat4 toWorld = worldFromFile(scene);
-  const auto type = static_cast<size_t>(from.type);
-  if (type >= std::size(kLightTypes)) badUsage("the light \"{}\" has an unknown type", printable(from.name));
+  const std::optional<uint32_t> type = scene::findLightType(from.type);
+  if (!type) badUsage("the light \"{}\" has the unknown type \"{}\"", printable(from.name), printable(from.type));
   const Light before = publicLight(like, scene);
   scene::Light out = like;
   out.name = from.name;
-  out.type = kLightTypes[type];
+  out.type = *type;
   if (from.position != before.position) out.position = vec3(toWorld * vec4(three(from.position), 1));
   if (from.direction != before.direction) out.direction = vec3(toWorld * vec4(unitDirection(from), 0));
   if (out.position != like.position || out.direction != like.direction) out.node = -1;
@@ -158,7 +157,7 @@ scene::Light internalLight(const Light& from, const scene::Scene& scene, const s
   out.range = from.range;
   out.innerCone = static_cast<float>(from.innerCone / kDegrees);
   out.outerCone = static_cast<float>(from.outerCone / kDegrees);
-  out.size = static_cast<float>(out.type == shared::kLightDirectional ? from.size / kDegrees : from.size);
+  out.size = static_cast<float>(shared::lightIsDirectional(out.type) ? from.size / kDegrees : from.size);
   out.castShadow = from.castShadow;
   return out;
 }
@@ -236,21 +235,21 @@ constexpr auto isAny = [](const auto&) { return true; };
 
 }  // namespace
 
-uint32_t Scene::Hidden::nextNumber() {
+uint32_t Scene::Impl::nextNumber() {
   static std::atomic<uint32_t> made = 0;
   return ++made;
 }
 
-uint32_t Scene::Hidden::index(Handle<Instance> h) const {
+uint32_t Scene::Impl::index(Handle<Instance> h) const {
   return indexOf(h, number, scene.instances.size(), scene.edits.instanceGaps.generation(h.index), "an instance");
 }
-uint32_t Scene::Hidden::index(Handle<Material> h) const {
+uint32_t Scene::Impl::index(Handle<Material> h) const {
   return indexOf(h, number, scene.materials.size(), 0, "a material");
 }
-uint32_t Scene::Hidden::index(Handle<Light> h) const {
+uint32_t Scene::Impl::index(Handle<Light> h) const {
   return indexOf(h, number, scene.lights.size(), scene.edits.lightGaps.generation(h.index), "a light");
 }
-uint32_t Scene::Hidden::index(Handle<Mesh> h) const {
+uint32_t Scene::Impl::index(Handle<Mesh> h) const {
   return indexOf(h, number, scene.meshes.size(), 0, "a mesh");
 }
 
@@ -258,103 +257,103 @@ uint32_t Scene::Hidden::index(Handle<Mesh> h) const {
 
 std::vector<Handle<Instance>> Scene::instances() const {
   return handles<Instance>(
-      hidden_->scene.instances, [&](uint32_t i) { return hidden_->instance(i); }, isPresent);
+      impl_->scene.instances, [&](uint32_t i) { return impl_->instance(i); }, isPresent);
 }
 
 std::vector<Handle<Instance>> Scene::instancesOf(const std::string& node) const {
-  const scene::Scene& scene = hidden_->scene;
+  const scene::Scene& scene = impl_->scene;
   for (uint32_t found = 0; found < scene.nodes.size(); ++found) {
     if (node.empty() || scene.nodes[found].path != node) continue;
     return handles<Instance>(
-        scene.instances, [&](uint32_t i) { return hidden_->instance(i); },
+        scene.instances, [&](uint32_t i) { return impl_->instance(i); },
         [&](const scene::Instance& instance) { return !instance.removed && instance.node == found; });
   }
   badUsage("the scene has no node \"{}\": give the path of one, as in /Root/Arm", printable(node));
 }
 
 Instance Scene::instance(Handle<Instance> instance) const {
-  const scene::Scene& scene = hidden_->scene;
-  const scene::Instance& from = scene.instances[hidden_->index(instance)];
+  const scene::Scene& scene = impl_->scene;
+  const scene::Instance& from = scene.instances[impl_->index(instance)];
   return {scene.nodes[from.node].path,
-          hidden_->mesh(from.mesh),
-          hidden_->material(from.material),
+          impl_->mesh(from.mesh),
+          impl_->material(from.material),
           publicTransform(from.toWorld, scene),
           from.id,
           from.part};
 }
 
 void Scene::setTransform(Handle<Instance> instance, const Transform& transform) {
-  scene::setTransform(hidden_->scene, hidden_->index(instance), internalTransform(transform, hidden_->scene));
+  scene::setTransform(impl_->scene, impl_->index(instance), internalTransform(transform, impl_->scene));
 }
 
 void Scene::assignMaterial(Handle<Instance> instance, Handle<Material> material) {
-  scene::setMaterialOf(hidden_->scene, hidden_->index(instance), hidden_->index(material));
+  scene::setMaterialOf(impl_->scene, impl_->index(instance), impl_->index(material));
 }
 
 Handle<Instance> Scene::addInstance(Handle<Mesh> mesh, Handle<Material> material, const Transform& transform,
                                     const std::string& name) {
-  return hidden_->instance(scene::addInstance(hidden_->scene, hidden_->index(mesh), hidden_->index(material),
-                                              internalTransform(transform, hidden_->scene), name));
+  return impl_->instance(scene::addInstance(impl_->scene, impl_->index(mesh), impl_->index(material),
+                                            internalTransform(transform, impl_->scene), name));
 }
 
 void Scene::removeInstance(Handle<Instance> instance) {
-  scene::removeInstance(hidden_->scene, hidden_->index(instance));
+  scene::removeInstance(impl_->scene, impl_->index(instance));
 }
 
 // --- materials ------------------------------------------------------------------------------------------------------
 
 std::vector<Handle<Material>> Scene::materials() const {
   return handles<Material>(
-      hidden_->scene.materials, [&](uint32_t i) { return hidden_->material(i); }, isAny);
+      impl_->scene.materials, [&](uint32_t i) { return impl_->material(i); }, isAny);
 }
 
 Material Scene::material(Handle<Material> material) const {
-  return publicMaterial(hidden_->scene.materials[hidden_->index(material)]);
+  return publicMaterial(impl_->scene.materials[impl_->index(material)]);
 }
 
 void Scene::setMaterial(Handle<Material> material, const Material& values) {
-  const uint32_t index = hidden_->index(material);
-  scene::setMaterial(hidden_->scene, index, internalMaterial(values, hidden_->scene.materials[index]));
+  const uint32_t index = impl_->index(material);
+  scene::setMaterial(impl_->scene, index, internalMaterial(values, impl_->scene.materials[index]));
 }
 
 Handle<Material> Scene::addMaterial(const Material& values, std::optional<Handle<Material>> texturesOf) {
-  const scene::Material like = texturesOf ? hidden_->scene.materials[hidden_->index(*texturesOf)] : untextured();
-  return hidden_->material(scene::addMaterial(hidden_->scene, internalMaterial(values, like)));
+  const scene::Material like = texturesOf ? impl_->scene.materials[impl_->index(*texturesOf)] : untextured();
+  return impl_->material(scene::addMaterial(impl_->scene, internalMaterial(values, like)));
 }
 
 // --- lights ---------------------------------------------------------------------------------------------------------
 
 std::vector<Handle<Light>> Scene::lights() const {
   return handles<Light>(
-      hidden_->scene.lights, [&](uint32_t i) { return hidden_->light(i); }, isPresent);
+      impl_->scene.lights, [&](uint32_t i) { return impl_->light(i); }, isPresent);
 }
 
 Light Scene::light(Handle<Light> light) const {
-  return publicLight(hidden_->scene.lights[hidden_->index(light)], hidden_->scene);
+  return publicLight(impl_->scene.lights[impl_->index(light)], impl_->scene);
 }
 
 void Scene::setLight(Handle<Light> light, const Light& values) {
-  const uint32_t index = hidden_->index(light);
-  scene::setLight(hidden_->scene, index, internalLight(values, hidden_->scene, hidden_->scene.lights[index]));
+  const uint32_t index = impl_->index(light);
+  scene::setLight(impl_->scene, index, internalLight(values, impl_->scene, impl_->scene.lights[index]));
 }
 
 Handle<Light> Scene::addLight(const Light& values) {
-  return hidden_->light(scene::addLight(hidden_->scene, internalLight(values, hidden_->scene)));
+  return impl_->light(scene::addLight(impl_->scene, internalLight(values, impl_->scene)));
 }
 
 void Scene::removeLight(Handle<Light> light) {
-  scene::removeLight(hidden_->scene, hidden_->index(light));
+  scene::removeLight(impl_->scene, impl_->index(light));
 }
 
 // --- meshes ---------------------------------------------------------------------------------------------------------
 
 std::vector<Handle<Mesh>> Scene::meshes() const {
   return handles<Mesh>(
-      hidden_->scene.meshes, [&](uint32_t i) { return hidden_->mesh(i); }, isAny);
+      impl_->scene.meshes, [&](uint32_t i) { return impl_->mesh(i); }, isAny);
 }
 
 Mesh Scene::mesh(Handle<Mesh> mesh) const {
-  const scene::Mesh& from = hidden_->scene.meshes[hidden_->index(mesh)];
+  const scene::Mesh& from = impl_->scene.meshes[impl_->index(mesh)];
   return {from.name,
           from.positions.size(),
           from.indices.size() / 3,
@@ -364,14 +363,14 @@ Mesh Scene::mesh(Handle<Mesh> mesh) const {
 }
 
 void Scene::setMesh(Handle<Mesh> mesh, const MeshData& data) {
-  const uint32_t index = hidden_->index(mesh);
+  const uint32_t index = impl_->index(mesh);
   scene::Mesh made = internalMesh(data);
-  if (made.name.empty()) made.name = hidden_->scene.meshes[index].name;
-  scene::setMesh(hidden_->scene, index, std::move(made));
+  if (made.name.empty()) made.name = impl_->scene.meshes[index].name;
+  scene::setMesh(impl_->scene, index, std::move(made));
 }
 
 Handle<Mesh> Scene::addMesh(const MeshData& data) {
-  return hidden_->mesh(scene::addMesh(hidden_->scene, internalMesh(data)));
+  return impl_->mesh(scene::addMesh(impl_->scene, internalMesh(data)));
 }
 
 }  // namespace latelight

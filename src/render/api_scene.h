@@ -7,7 +7,7 @@
 
 namespace latelight {
 
-struct Scene::Hidden {
+struct Scene::Impl {
   scene::Scene scene;
   std::vector<Camera> cameras{};
   std::vector<Animation> animations{};

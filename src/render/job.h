@@ -50,6 +50,7 @@ struct RenderJob {
   Settings settings;
   uint32_t rows;  // of the pictures
   bool continues;
+  Results results = Results::ToHost;
   std::deque<RenderPart> parts;  // that have not been read, in their order; they stay where they are
   std::vector<output::FrameOutput> pictures;
   MemoryClaim memory;                // of the pictures

@@ -9,6 +9,7 @@
 
 #include "base/parallel.h"
 #include "shared/color.h"
+#include "shared/light.h"
 
 namespace latelight::render {
 
@@ -90,7 +91,7 @@ std::vector<Key> orderOf(const std::vector<Light>& lights) {
   LightBox around = kEmpty;
   std::vector<Key> keys;
   for (uint32_t i = 0; i < lights.size(); ++i) {
-    if (lights[i].type == shared::kLightDirectional) continue;
+    if (shared::lightIsDirectional(lights[i].type)) continue;
     around = join(around, {lights[i].position, lights[i].position});
     keys.push_back({0, i});
   }
@@ -145,7 +146,7 @@ void buildNodes(LightTree& tree) {
 
 LightBox lightBox(const Light& light) {
   std::array<vec3, 2> extent{vec3(1), vec3(1)};  // towards + and -, in reaches
-  if (light.type == shared::kLightSpot) {
+  if (shared::lightHasCone(light.type)) {
     const double outer = std::acos(std::clamp(-double{light.spotOffset} / light.spotScale, -1.0, 1.0));
     for (int side = 0; side < 2; ++side)
       for (int i = 0; i < 3; ++i) {
@@ -170,7 +171,7 @@ LightTree buildLightTree(const std::vector<Light>& lights) {
   LightTree tree;
   tree.lights.reserve(lights.size());
   for (uint32_t i = 0; i < lights.size(); ++i) {
-    if (lights[i].type != shared::kLightDirectional) continue;
+    if (!shared::lightIsDirectional(lights[i].type)) continue;
     tree.lights.push_back(lights[i]);
     tree.sources.push_back(i);
   }

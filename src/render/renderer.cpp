@@ -9,6 +9,7 @@
 #include "render/lighting/technique.h"
 #include "render/request.h"
 #include "render/view.h"
+#include "shared/light.h"
 
 namespace latelight::render {
 
@@ -76,8 +77,9 @@ std::shared_ptr<FrameShadows> Renderer::planShadows(std::span<const scene::Camer
   return shadows->empty() ? nullptr : shadows;
 }
 
-Ticket Renderer::submit(std::span<const scene::Camera> cameras, const Settings& settings, const Moment& moment) {
-  return {*this, start(cameras, settings, moment, stripsOf(settings))};
+Ticket Renderer::submit(std::span<const scene::Camera> cameras, const Settings& settings, const Moment& moment,
+                        Results results) {
+  return {*this, start(cameras, settings, moment, stripsOf(settings), results)};
 }
 
 output::FrameOutput Renderer::renderStrip(const scene::Camera& camera, const Settings& settings, Strip strip,
@@ -86,10 +88,11 @@ output::FrameOutput Renderer::renderStrip(const scene::Camera& camera, const Set
 }
 
 std::shared_ptr<RenderJob> Renderer::start(std::span<const scene::Camera> cameras, const Settings& settings,
-                                           const Moment& moment, std::span<const Strip> strips) {
+                                           const Moment& moment, std::span<const Strip> strips, Results results) {
   begin(settings, moment);
   const uint32_t rows = strips.size() > 1 ? settings.height : strips.front().rows;
   const auto job = std::make_shared<RenderJob>(cameras, settings, moment, rows);
+  job->results = results;
   uint64_t claimed = rows;
   if (strips.size() > 1) claimed += strips.front().rows;  // of the strip in work
   job->memory.grow(bytesAPixel(settings) * settings.width * claimed * cameras.size(), "the pictures");
@@ -113,7 +116,9 @@ size_t Renderer::startViews(const std::shared_ptr<RenderJob>& job, size_t first,
   settle();  // shadow maps that are planned from here on take the place of others
   const std::shared_ptr<FrameShadows> shadows = planShadows(std::span(job->now).subspan(first, count), s);
   for (const Strip strip : strips) {
-    while (!job->parts.empty()) read(*job);  // a strip takes a strip's memory
+    // A strip takes a strip's memory; of many views some are read while the device has the next.
+    const size_t waiting = strips.size() > 1 ? 0 : 1;
+    while (job->results == Results::ToHost && job->parts.size() > waiting) read(*job);
     settle();
     RenderPart& part = job->parts.emplace_back(*job, first, count, strip, shadows);
     part.continues = job->continues && count == job->viewCount() && history_.fits(s.width, s.height, count);
@@ -166,6 +171,7 @@ Renderer::Start Renderer::startPart(RenderPart& part, uint64_t& room) {
       request.finish(i > 0 ? &sum : nullptr, static_cast<uint32_t>(jitters.size()), history, i == 0);
     else
       request.accumulate(sum, i == 0);
+    if (last) request.leave(part.job.results);
     part.checks = std::exchange(overflow_.checks, {});
     gpuScene_.addChanges(request.graph());
     const graph::Plan plan = request.graph().compile();

@@ -34,7 +34,8 @@ class Renderer {
 
   // Begins one picture a camera, several at once, and returns while the device works on them: meanwhile the scene may
   // be edited, and more be submitted. Throws Error(Usage) for settings that can't be.
-  Ticket submit(std::span<const scene::Camera> cameras, const Settings& settings, const Moment& moment = {});
+  Ticket submit(std::span<const scene::Camera> cameras, const Settings& settings, const Moment& moment = {},
+                Results results = Results::ToHost);
 
   // The same, and waits.
   std::vector<output::FrameOutput> render(std::span<const scene::Camera> cameras, const Settings& settings,
@@ -61,7 +62,8 @@ class Renderer {
   friend class Ticket;
   void begin(const Settings& settings, const Moment& moment);
   std::shared_ptr<RenderJob> start(std::span<const scene::Camera> cameras, const Settings& settings,
-                                   const Moment& moment, std::span<const Strip> strips);
+                                   const Moment& moment, std::span<const Strip> strips,
+                                   Results results = Results::ToHost);
   // Some views of a job, a strip after the other. Gives how many there is room for at once: where that is fewer,
   // nothing of them is on its way.
   size_t startViews(const std::shared_ptr<RenderJob>& job, size_t first, size_t count, std::span<const Strip> strips);

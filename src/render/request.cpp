@@ -4,6 +4,7 @@
 
 #include "render/lighting/technique.h"
 #include "render/post/resolve.h"
+#include "render/readback.h"
 #include "render/transparency/transparency.h"
 
 namespace latelight::render {
@@ -104,12 +105,16 @@ void Request::finish(const vk::Image* sum, uint32_t count, TemporalHistory* hist
   if (asksFor(settings_, Origin::Surface) || asksFor(settings_, Origin::Motion)) addData();
 }
 
+void Request::leave(Results results) {
+  outputs_.leave({state_.device, graph_}, results);
+}
+
 void Request::addPost(const LitFrame& lit, graph::ImageId picture, uint32_t count) {
   const Builder b{state_.device, graph_};
   const FinishedPicture finished = finishPicture(b, picture, 1.0f / static_cast<float>(count), settings_);
   outputs_.add(
       b, Origin::Picture, [&](std::string_view) { return finished.linear; }, 0, finished.scale);
-  display_ = finished.display;
+  if (finished.display) outputs_.addDisplay(finished.display);
   if (settings_.countSurfaces && lit.gbuffer.surfaces) surfaces_ = addReadback(graph_, lit.gbuffer.surfaces);
 }
 
@@ -172,7 +177,7 @@ void Request::addData() {
 }
 
 void Request::read(const graph::Submission& done, std::vector<output::FrameOutput>& pictures) const {
-  outputs_.read(done, display_, pictures);
+  outputs_.read(state_.device, state_.executor, done, pictures);
 }
 
 void Request::countShadings(const graph::Submission& done, std::optional<ShadingCounts>& counts) const {

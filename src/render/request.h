@@ -27,6 +27,7 @@ class Request {
   // Everything that is asked for. Of a picture of several frames `sum` holds those before, `count` with this one.
   // `history`: of temporal anti-aliasing, or null; `continues`: it has the frame before this picture.
   void finish(const vk::Image* sum, uint32_t count, TemporalHistory* history, bool continues);
+  void leave(Results results);  // what was asked for, as the last step
 
   graph::Graph& graph() { return graph_; }
 
@@ -55,7 +56,7 @@ class Request {
   std::optional<LitFrame> lit_;  // the picture's, as it was before transparency
 
   PackedOutputs outputs_;
-  graph::BufferId display_, surfaces_;
+  graph::BufferId surfaces_;
 };
 
 }  // namespace latelight::render

@@ -15,8 +15,8 @@ class Ticket {
  public:
   Ticket(Renderer& renderer, std::shared_ptr<RenderJob> job) : renderer_(&renderer), job_(std::move(job)) {}
   bool done() const;  // take() would not wait for the device
-  // The pictures, in the order of their cameras; waits for them. Once, while the renderer lives. What went wrong on the
-  // way is thrown here.
+  // The pictures, in the order of their cameras; waits for them, and brings them from the device where they were left
+  // there. Once, while the renderer lives. What went wrong on the way is thrown here.
   std::vector<output::FrameOutput> take();
 
  private:

@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/log.h"
+#include "shared/light.h"
 
 namespace latelight::scene {
 
@@ -94,7 +95,7 @@ void checkMaterial(const Scene& scene, const Material& material) {
 
 void checkLight(const Scene& scene, const Light& light) {
   const std::string whose = fmt::format("the light \"{}\"", printable(light.name));
-  if (light.type > shared::kLightSpot) badUsage("{} has the unknown type {}", whose, light.type);
+  if (light.type >= shared::kLightTypes) badUsage("{} has the unknown type {}", whose, light.type);
   checkFinite(numbers(light.position), "position", whose);
   checkFinite(numbers(light.direction), "direction", whose);
   if (std::abs(glm::length(light.direction) - 1) > 1e-3f) badUsage("the direction of {} must be of length 1", whose);
@@ -103,7 +104,7 @@ void checkLight(const Scene& scene, const Light& light) {
   checkRange(light.size, 0, kInfinity, "size", whose);
   if (light.range && !(std::isfinite(*light.range) && *light.range > 0))
     badUsage("the range of {} must be a number above 0, not {}: without one it has no end", whose, *light.range);
-  if (light.type == shared::kLightSpot && !(light.innerCone >= 0 && light.innerCone <= light.outerCone &&
+  if (shared::lightHasCone(light.type) && !(light.innerCone >= 0 && light.innerCone <= light.outerCone &&
                                             light.outerCone > 0 && light.outerCone <= glm::half_pi<float>()))
     badUsage("the cones of {} must be half angles: the inner one at least 0, the outer one no less, up to 90 degrees",
              whose);

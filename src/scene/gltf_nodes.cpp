@@ -10,6 +10,8 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "scene/framing.h"
+#include "scene/light_types.h"
+#include "shared/light.h"
 
 namespace latelight::scene::gltf {
 namespace {
@@ -138,18 +140,13 @@ Camera readCamera(const tinygltf::Camera& source) {
 
 Light readLight(const tinygltf::Light& source) {
   Light light;
-  if (source.type == "directional")
-    light.type = shared::kLightDirectional;
-  else if (source.type == "point")
-    light.type = shared::kLightPoint;
-  else if (source.type == "spot")
-    light.type = shared::kLightSpot;
-  else
-    badInput("a light has the unknown type \"{}\"", source.type);
+  const std::optional<uint32_t> type = findLightType(source.type);
+  if (!type) badInput("a light has the unknown type \"{}\"", source.type);
+  light.type = *type;
   if (source.color.size() == 3) light.color = vec3(source.color[0], source.color[1], source.color[2]);
   light.intensity = float(source.intensity);
   if (source.range > 0) light.range = float(source.range);
-  if (light.type == shared::kLightSpot) {
+  if (shared::lightHasCone(light.type)) {
     light.outerCone = float(source.spot.outerConeAngle);
     light.innerCone = std::min(float(source.spot.innerConeAngle), light.outerCone);
   }
@@ -166,7 +163,7 @@ const tinygltf::Value* lightExtra(const tinygltf::Node& node, const tinygltf::Li
 void readShadowExtras(const tinygltf::Node& node, const tinygltf::Light& source, Light& light) {
   const tinygltf::Value* cast = lightExtra(node, source, "castShadow");
   if (cast && cast->IsBool()) light.castShadow = cast->Get<bool>();
-  const bool directional = light.type == shared::kLightDirectional;
+  const bool directional = shared::lightIsDirectional(light.type);
   const tinygltf::Value* size = lightExtra(node, source, directional ? "angle" : "radius");
   const double value = size && size->IsNumber() ? size->GetNumberAsDouble() : 0;
   if (std::isfinite(value) && value > 0) light.size = float(directional ? std::min(value, 90.0) * M_PI / 180 : value);

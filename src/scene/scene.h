@@ -114,11 +114,13 @@ struct Camera {
   int node = -1;      // that it follows, index into Scene::nodes
 };
 
+extern const uint32_t kPointLight;  // kLightPoint: this header need not change with every type that is added
+
 struct Light {
   std::string name;
-  uint32_t type = shared::kLightPoint;
+  uint32_t type = kPointLight;  // kLight* (shared/light.h)
   vec3 color{1};
-  float intensity = 1;  // candela (point, spot), lux (directional)
+  float intensity = 1;  // candela; of directional ones lux
   std::optional<float> range;
   float innerCone = 0, outerCone = 0.785398163f;  // half angles
   vec3 position{0};                               // world

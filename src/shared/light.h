@@ -1,7 +1,16 @@
 // Punctual lights: KHR_lights_punctual's attenuation, windowed so that lights with a range end there.
+//
+// A type of light is a file in shared/light, NAME.h, called as files and the command line call it. It has
+//   LIGHT_DESCRIPTION_NAME               a line of words
+//   kLightReach_NAME                     kReach*: what has to be searched for it, and how it casts shadows
+//   lightDistribution_NAME(light, toLight)  its intensity towards `toLight * -1` (a unit vector), as a factor; without
+//                                        this function it is 1
+// From the files follow kLightName, the predicates below (generated/light_types.h), glTF's names and `latelight list
+// lights`.
 #ifndef LATELIGHT_SHARED_LIGHT_H
 #define LATELIGHT_SHARED_LIGHT_H
 
+#include "light_types.h"
 #include "shared/color.h"
 #include "shared/lang.h"
 #include "shared/types.h"
@@ -33,7 +42,7 @@ SH_FUNC void spotCone(float inner, float outer, SH_OUT(float) scale, SH_OUT(floa
 // What `light` sends to a world position. A point at the light itself gets no direction (0, 0, 0), and so no light.
 SH_FUNC LightSample sampleLight(Light light, vec3 position) {
   LightSample s;
-  if (light.type == kLightDirectional) {
+  if (lightIsDirectional(light.type)) {
     s.toLight = light.direction * -1.0f;
     s.irradiance = light.intensity;
     return s;
@@ -42,11 +51,7 @@ SH_FUNC LightSample sampleLight(Light light, vec3 position) {
   float distance2 = max(dot(offset, offset), kMinLightDistance2);
   float attenuation = lightWindow(sqrt(distance2), light.radius) / distance2;
   s.toLight = offset * inversesqrt(distance2);
-  if (light.type == kLightSpot) {
-    float cone = saturate(-dot(light.direction, s.toLight) * light.spotScale + light.spotOffset);
-    attenuation *= cone * cone;
-  }
-  s.irradiance = light.intensity * attenuation;
+  s.irradiance = light.intensity * (attenuation * lightDistribution(light, s.toLight));
   return s;
 }
 

@@ -86,16 +86,17 @@ SH_CONST uint kMaterialBlended = 8u;  // alpha lets through what lies behind; ne
 
 // --- lights ---------------------------------------------------------------------------------------------------------
 
-SH_CONST uint kLightDirectional = 0u;
-SH_CONST uint kLightPoint = 1u;
-SH_CONST uint kLightSpot = 2u;
+// What a type of light reaches.
+SH_CONST uint kReachEverywhere = 0u;  // it has a direction and no place
+SH_CONST uint kReachSphere = 1u;      // as far as its radius
+SH_CONST uint kReachCone = 2u;        // as far, within its cone
 
 struct Light {  // KHR_lights_punctual
   vec3 position;
   float radius;     // metres: glTF's range; light is windowed to 0 there (shared/light.h). +inf without one
-  vec3 direction;   // from the light, unit (directional and spot)
-  uint type;        // kLight*
-  vec3 intensity;   // colour times candela (point, spot) or lux (directional)
+  vec3 direction;   // from the light, unit
+  uint type;        // kLight*: the files in shared/light, in the order of their names
+  vec3 intensity;   // colour times candela, or lux where it reaches everywhere
   float spotScale;  // spot cone: clamp(cos * spotScale + spotOffset, 0, 1)^2
   float spotOffset;
 };

@@ -14,6 +14,7 @@
 #include "scene/builtin.h"
 #include "scene/environment_filter.h"
 #include "scene/half.h"
+#include "shared/light.h"
 #include "study/light_truth.h"
 #include "study/study.h"
 

@@ -15,7 +15,7 @@ namespace {
 
 using output::Aov;
 
-constexpr uint32_t kFrames = 10;
+constexpr uint32_t kTicketFrames = 10;
 
 // The scene of a frame: other transforms, materials, lights and instances each time.
 void editFor(scene::Scene& scene, uint32_t frame) {
@@ -63,24 +63,25 @@ class TicketsTest : public RenderTest {
     {
       Story story = begin();
       Renderer renderer(device(), story.scene, &story.sky);
-      for (uint32_t frame = 0; frame < kFrames; ++frame) {
+      for (uint32_t frame = 0; frame < kTicketFrames; ++frame) {
         const Moment moment = story.at(frame);
         expected.push_back(std::move(renderer.render({&story.camera, 1}, story.settings, moment).front()));
       }
     }
-    for (const size_t ahead : {1, 3, 6}) {
+    constexpr std::pair<size_t, Results> kWays[] = {{1, Results::ToHost}, {3, Results::OnDevice}, {6, Results::ToHost}};
+    for (const auto& [ahead, results] : kWays) {
       Story story = begin();
       Renderer renderer(device(), story.scene, &story.sky);
       std::deque<Ticket> tickets;
       uint32_t taken = 0;
-      const auto take = [&] {
+      const auto take = [&, ahead = ahead] {
         SCOPED_TRACE(fmt::format("frame {}, up to {} ahead", taken, ahead));
         expectSame(tickets.front().take().front(), expected[taken++]);
         tickets.pop_front();
       };
-      for (uint32_t frame = 0; frame < kFrames; ++frame) {
+      for (uint32_t frame = 0; frame < kTicketFrames; ++frame) {
         const Moment moment = story.at(frame);
-        tickets.push_back(renderer.submit({&story.camera, 1}, story.settings, moment));
+        tickets.push_back(renderer.submit({&story.camera, 1}, story.settings, moment, results));
         if (tickets.size() > ahead) take();
       }
       while (!tickets.empty()) take();

@@ -1,4 +1,5 @@
 #include "edits/workshop.h"
+#include "shared/light.h"
 
 #include <cstring>
 #include <glm/gtc/matrix_transform.hpp>

@@ -13,6 +13,7 @@
 #include "scene/builtin.h"
 #include "shared/brdf_reference.h"
 #include "shared/color.h"
+#include "shared/light.h"
 
 namespace latelight::render::test {
 namespace {

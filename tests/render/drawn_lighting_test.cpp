@@ -15,8 +15,10 @@
 #include "render/lighting/volumes/volume_mesh.h"
 #include "render/lighting/volumes/volumes.h"
 #include "render/post/resolve.h"
+#include "render/readback.h"
 #include "render/support.h"
 #include "render/view.h"
+#include "shared/light.h"
 #include "shared/random.h"
 
 namespace latelight::render::test {
@@ -62,7 +64,7 @@ class Bench {
     const FrameContext& f = frames_.frame(graph, setup, {views.begin(), views.end()},
                                           {.exposure = 1.25f, .environmentIntensity = intensity_});
     const LitFrame frame = addFrame(f);
-    const graph::BufferId display = addCompose(f, frame.picture, {});
+    const graph::BufferId display = addReadback(f, addCompose(f, frame.picture, {}));
     graph::BufferId counts;
     if (setup.countLights) counts = addReadback(graph, frame.lightCounts);
     const graph::Submission& done = frames_.run(graph);

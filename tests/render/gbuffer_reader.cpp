@@ -6,7 +6,7 @@
 
 #include "render/gbuffer/texel.h"
 #include "render/post/ambient_occlusion/ambient_occlusion.h"
-#include "render/post/resolve.h"
+#include "render/readback.h"
 #include "render/view.h"
 #include "render/visibility/hardware.h"
 #include "scene/half.h"

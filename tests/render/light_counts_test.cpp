@@ -2,6 +2,7 @@
 // known.
 #include "render/lighting/technique.h"
 #include "render/support.h"
+#include "shared/light.h"
 
 namespace latelight::render::test {
 namespace {

@@ -10,6 +10,7 @@
 #include "builtin_checks.h"
 #include "scene/builtin.h"
 #include "scene/builtin/exact_math.h"
+#include "shared/light.h"
 #include "shared/projection.h"
 
 namespace latelight::scene {

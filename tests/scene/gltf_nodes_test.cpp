@@ -11,6 +11,7 @@
 #include "base/memory.h"
 #include "gltf_builder.h"
 #include "scene/framing.h"
+#include "shared/light.h"
 
 namespace latelight::scene::test {
 namespace {

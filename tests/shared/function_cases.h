@@ -11,6 +11,7 @@
 
 #include "shared/environment.h"
 #include "shared/gbuffer.h"
+#include "shared/light.h"
 #include "shared/shade.h"
 #include "shared/tonemap.h"
 

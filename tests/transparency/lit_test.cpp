@@ -8,10 +8,11 @@
 #include "render/frame_bench.h"
 #include "render/gbuffer/layout.h"
 #include "render/lighting/technique.h"
-#include "render/post/resolve.h"
+#include "render/readback.h"
 #include "render/registry.h"
 #include "render/transparency/transparency.h"
 #include "render/view.h"
+#include "shared/light.h"
 #include "shared/random.h"
 #include "transparency/scenes.h"
 

@@ -4,7 +4,7 @@
 
 #include "base/parallel.h"
 #include "render/gbuffer/texel.h"
-#include "render/post/resolve.h"
+#include "render/readback.h"
 #include "vk/resources.h"
 
 namespace latelight::render {

@@ -5,6 +5,7 @@
 // on lavapipe a load by address is a loop over lanes, and both sides of a branch always run.
 #include "render/glsl/lanes.glsl"
 #include "render/glsl/one_light.glsl"
+#include "shared/light.h"
 
 Light broadcastLight(Light l, uint lane) {
   Light r;
@@ -25,7 +26,7 @@ LightShadow broadcastShadow(LightShadow s, uint lane) {
 // Whether the light may reach into the box.
 bool reaches(Light l, vec3 low, vec3 high) {
   vec3 d = max(max(low - l.position, l.position - high), vec3(0.0));
-  return l.type == kLightDirectional || dot(d, d) < l.radius * l.radius;
+  return lightIsDirectional(l.type) || dot(d, d) < l.radius * l.radius;
 }
 
 // What the lanes of a subgroup that shade together have in common, and each lane's own surface.

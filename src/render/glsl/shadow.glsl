@@ -6,6 +6,7 @@
 #include "render/glsl/setup.glsl"
 #include "shared/shadow.h"
 #include "shared/surface.h"
+#include "shared/light.h"
 
 // The maps of a light in a view, or none.
 LightShadow lightShadow(FrameConstants frame, uint view, uint light) {
@@ -77,7 +78,7 @@ float shadowPcss(ShadowMap m, ShadowPoint p, vec2 plane) {
 bool findShadowMap(FrameConstants frame, Light light, LightShadow shadow, vec3 position, out ShadowMap m) {
   ShadowMapRef maps = ShadowMapRef(frame.shadowMaps);
   float room = shadowReach(kShadowFilter) + 0.5;
-  bool directional = light.type == kLightDirectional;
+  bool directional = lightIsDirectional(light.type);
   bool cube = !directional && shadow.maps == 6u;
   uint next = shadow.first + (cube ? shadowFace(position - light.position) : 0u);
   uint end = directional ? shadow.first + shadow.maps : next + 1u;

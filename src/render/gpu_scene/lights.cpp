@@ -23,8 +23,8 @@ shared::Light deviceLight(const scene::Light& light) {
   l.type = light.type;
   l.intensity = light.color * light.intensity;
   l.radius = std::numeric_limits<float>::infinity();
-  if (light.type != shared::kLightDirectional) l.radius = light.range.value_or(l.radius);
-  if (light.type == shared::kLightSpot) shared::spotCone(light.innerCone, light.outerCone, l.spotScale, l.spotOffset);
+  if (!shared::lightIsDirectional(light.type)) l.radius = light.range.value_or(l.radius);
+  if (shared::lightHasCone(light.type)) shared::spotCone(light.innerCone, light.outerCone, l.spotScale, l.spotOffset);
   return l;
 }
 

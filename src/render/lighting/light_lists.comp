@@ -14,6 +14,7 @@
 #include "render/glsl/light_tree.glsl"
 #include "render/glsl/multisample.glsl"
 #include "render/lighting/lighting_push.h"
+#include "shared/light.h"
 
 const uint kTilesAGroup = 8u;
 layout(local_size_x = 256) in;
@@ -183,7 +184,7 @@ bool listed(Tile tile, Cell cell, Light l) {
   bool inCone = coneReaches(l, cell.low, cell.high);
   bool inSlices = true;
   if (kCellsATile == 1u) inSlices = (slicesReached(tile, l) & cell.slices) != 0u;
-  bool aimed = l.type != kLightSpot || inCone;
+  bool aimed = !lightHasCone(l.type) || inCone;
   return near && aimed && inSlices;
 }
 

@@ -7,6 +7,7 @@
 #include "base/parallel.h"
 #include "render/gbuffer/layout.h"
 #include "render/outputs/pack_push.h"
+#include "render/readback.h"
 
 namespace latelight::render {
 
@@ -55,22 +56,6 @@ bool holdsIntegers(VkFormat format) {
   return std::string_view(vk::formatName(format)).ends_with("UINT");
 }
 
-// Where the host can read it: a CPU device packs it there, others copy it.
-graph::BufferId addHostCopy(const Builder& b, graph::BufferId packed) {
-  graph::BufferId host = packed;
-  if (!b.device.isCpu()) {
-    const uint64_t bytes = b.graph.desc(packed).size;
-    host = b.graph.create(vk::BufferDesc{.size = bytes, .kind = vk::MemoryKind::Readback, .name = "output, host"});
-    b.graph.pass(graph::Stage::Output, "read back", {{packed, graph::Use::CopySource}, {host, graph::Use::CopyTarget}},
-                 [=](graph::Context& context) {
-                   const VkBufferCopy region{0, 0, bytes};
-                   vkCmdCopyBuffer(context.get(), context.buffer(packed).get(), context.buffer(host).get(), 1, &region);
-                 });
-  }
-  b.graph.exports(host, graph::Use::HostRead);
-  return host;
-}
-
 }  // namespace
 
 Origin originOf(Aov aov) {
@@ -113,10 +98,8 @@ void PackedOutputs::add(const Builder& b, Origin origin, const std::function<gra
     const glm::uvec3 size = texels(b.graph, first);
     const uint32_t channels = output::info(aov).channels;
     const bool integers = holdsIntegers(b.graph.desc(first).format);
-    const graph::BufferId packed =
-        b.graph.create(vk::BufferDesc{.size = uint64_t{4} * channels * size.x * size.y * size.z,
-                                      .kind = b.device.isCpu() ? vk::MemoryKind::Readback : vk::MemoryKind::Device,
-                                      .name = "output " + std::string(output::info(aov).name)});
+    const graph::BufferId packed = createResult(b, "output " + std::string(output::info(aov).name),
+                                                uint64_t{4} * channels * size.x * size.y * size.z);
     Bindings bindings(b.device);
     bindings.sampled(first);
     if (!integers) bindings.sampled(second);
@@ -139,34 +122,61 @@ void PackedOutputs::add(const Builder& b, Origin origin, const std::function<gra
                  filled.values = context.buffer(packed).address();
                  return filled;
                });
-    buffers_.emplace_back(aov, addHostCopy(b, packed));
+    results_.push_back({aov, packed});
   }
 }
 
-void PackedOutputs::read(const graph::Submission& done, graph::BufferId display,
+void PackedOutputs::leave(const Builder& b, Results results) {
+  std::vector<graph::BufferId> buffers;
+  for (const Result& result : results_) buffers.push_back(result.buffer);
+  onHost_ = results == Results::ToHost || b.device.isCpu();
+  if (onHost_)
+    buffers = addReadback(b, buffers);
+  else
+    keepResults(b, buffers);
+  for (size_t i = 0; i < results_.size(); ++i) results_[i].buffer = buffers[i];
+}
+
+void PackedOutputs::read(vk::Device& device, graph::Executor& executor, const graph::Submission& done,
                          std::vector<output::FrameOutput>& pictures) const {
-  const size_t perPicture = buffers_.size() + 1;  // the last: display
-  parallelFor(pictures.size() * perPicture, 1, [&](size_t begin, size_t end) {
+  if (onHost_) {
+    std::vector<const vk::Buffer*> buffers;
+    for (const Result& result : results_) buffers.push_back(&done.buffer(result.buffer));
+    return unpack(buffers, pictures);
+  }
+  graph::Graph graph(executor);
+  std::vector<graph::BufferId> imported;
+  for (const Result& result : results_)
+    imported.push_back(graph.import(done.buffer(result.buffer), graph::Use::CopySource));
+  const std::vector<graph::BufferId> host = addReadback({device, graph}, imported);
+  const graph::Submission copied = executor.submit(graph, graph.compile());
+  copied.wait();
+  std::vector<const vk::Buffer*> buffers;
+  for (const graph::BufferId buffer : host) buffers.push_back(&copied.buffer(buffer));
+  unpack(buffers, pictures);
+}
+
+void PackedOutputs::unpack(std::span<const vk::Buffer* const> buffers,
+                           std::vector<output::FrameOutput>& pictures) const {
+  parallelFor(pictures.size() * results_.size(), 1, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
-      const size_t view = i / perPicture, buffer = i % perPicture;
+      const size_t view = i / results_.size(), result = i % results_.size();
       output::FrameOutput& picture = pictures[view];
       const size_t pixels = size_t{picture.width} * picture.height;
-      if (buffer == buffers_.size()) {
-        if (!display) continue;
-        const uint8_t* from = done.buffer(display).as<uint8_t>() + view * 4 * pixels;
-        picture.display.assign(from, from + 4 * pixels);
+      const auto assign = [&]<typename T>(std::vector<T>& values, size_t channels) {
+        const T* from = buffers[result]->as<T>() + view * channels * pixels;
+        values.assign(from, from + channels * pixels);
+      };
+      const std::optional<Aov> aov = results_[result].aov;
+      if (!aov) {
+        assign(picture.display, 4);
         continue;
       }
-      const auto [aov, packed] = buffers_[buffer];
-      output::AovImage& image = *std::ranges::find(picture.aovs, aov, &output::AovImage::aov);
-      const size_t count = pixels * output::info(aov).channels;
-      if (output::holdsIds(aov)) {
-        const uint32_t* from = done.buffer(packed).as<uint32_t>() + view * count;
-        image.ids.assign(from, from + count);
-      } else {
-        const float* from = done.buffer(packed).as<float>() + view * count;
-        image.values.assign(from, from + count);
-      }
+      output::AovImage& image = *std::ranges::find(picture.aovs, *aov, &output::AovImage::aov);
+      if (output::holdsIds(*aov))
+        assign(image.ids, output::info(*aov).channels);
+      else
+        assign(image.values, output::info(*aov).channels);
     }
   });
 }

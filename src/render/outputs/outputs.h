@@ -6,7 +6,6 @@
 #include <optional>
 #include <span>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "graph/graph.h"
@@ -31,6 +30,12 @@ bool showsPicture(const Settings& settings);  // to look at, or as an output
 // The targets of the layout `exact` that these outputs lie in, a bit each.
 uint32_t exactTargets(std::span<const output::Aov> aovs);
 
+// Where the results of a submission are, until they are asked for.
+enum class Results {
+  ToHost,    // on their way to the host from the moment they are there
+  OnDevice,  // in device memory
+};
+
 class PackedOutputs {
  public:
   // `yUp`: positions and directions of the world leave in glTF's frame.
@@ -41,15 +46,26 @@ class PackedOutputs {
   void add(const Builder& b, Origin origin, const std::function<graph::ImageId(std::string_view)>& image,
            VkDeviceAddress frame = 0, float scale = 1);
 
-  // After the graph has run: fills these outputs of as many pictures as there are views, and `display`'s (RGBA8, a view
-  // after the other; or none).
-  void read(const graph::Submission& done, graph::BufferId display, std::vector<output::FrameOutput>& pictures) const;
+  // The picture to look at: RGBA8, a view after the other.
+  void addDisplay(graph::BufferId pixels) { results_.push_back({std::nullopt, pixels}); }
+  // After all that are asked for have been added.
+  void leave(const Builder& b, Results results);
+
+  // After the graph has run: fills these outputs of as many pictures as there are views.
+  void read(vk::Device& device, graph::Executor& executor, const graph::Submission& done,
+            std::vector<output::FrameOutput>& pictures) const;
 
  private:
+  struct Result {
+    std::optional<output::Aov> aov;  // none: the picture to look at
+    graph::BufferId buffer;
+  };
   uint32_t axesOf(uint32_t packing) const;
+  void unpack(std::span<const vk::Buffer* const> buffers, std::vector<output::FrameOutput>& pictures) const;
   const Settings& settings_;
   bool yUp_;
-  std::vector<std::pair<output::Aov, graph::BufferId>> buffers_;
+  std::vector<Result> results_;
+  bool onHost_ = true;
 };
 
 // How often the pixels of pictures were shaded.

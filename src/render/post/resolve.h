@@ -18,13 +18,10 @@ struct ComposeSettings {
 };
 shared::ComposePush composePush(const ComposeSettings& settings, VkDeviceAddress pixels);
 
-// The finished picture: RGBA8, sRGB, straight alpha; a layer after the other. Host-readable.
+// The finished picture as a result (readback.h): RGBA8, sRGB, straight alpha; a layer after the other.
 graph::BufferId addCompose(const Builder& b, graph::ImageId picture, const ComposeSettings& settings);
 // The pass that leaves the finished picture, by the shader `name`.comp, which writes as compose.glsl does.
 graph::BufferId addFinalPass(const Builder& b, const std::string& name, graph::ImageId picture,
                              const ComposeSettings& settings);
-
-// Copies a whole image (level 0, all layers, tightly packed) to a buffer the host can read after the run.
-graph::BufferId addReadback(graph::Graph& graph, graph::ImageId image);
 
 }  // namespace latelight::render

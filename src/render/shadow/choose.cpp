@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "shared/color.h"
+#include "shared/light.h"
 
 namespace latelight::render {
 
@@ -31,7 +32,7 @@ float reachIn(const ShadowScene& scene, const shared::Light& light) {
 // The light at the eye, lux; a directional light's everywhere.
 float importance(const shared::Light& light, const ShadowScene& scene, const shared::View& view) {
   const float candela = shared::maxChannel(light.intensity);
-  if (light.type == shared::kLightDirectional) return candela;
+  if (shared::lightIsDirectional(light.type)) return candela;
   const glm::vec3 to = light.position - view.eye;
   const float nearest = 0.01f * reachIn(scene, light);
   return candela / std::max(glm::dot(to, to), nearest * nearest);
@@ -57,7 +58,7 @@ std::vector<Candidate> candidates(const ShadowScene& scene, const shared::View& 
   for (uint32_t i = 0; i < scene.lights.size(); ++i) {
     const shared::Light& light = scene.lights[i];
     const scene::Light& authored = scene.authored[scene.sources[i]];
-    const bool directional = light.type == shared::kLightDirectional;
+    const bool directional = shared::lightIsDirectional(light.type);
     const auto named = [&] {
       return wanted.names.empty() ||
              std::find(wanted.names.begin(), wanted.names.end(), authored.name) != wanted.names.end();
@@ -86,7 +87,7 @@ uint32_t tileSize(double texels, uint32_t least, uint32_t most) {
 uint32_t sizeOf(const shared::Light& light, const ShadowScene& scene, const shared::View& view, uint32_t maps) {
   const double picture = std::max(view.size.x, view.size.y);
   const uint32_t cascade = tileSize(picture, kLeastCascade, kLargestTile);
-  if (light.type == shared::kLightDirectional) return cascade;
+  if (shared::lightIsDirectional(light.type)) return cascade;
   const double reach = reachIn(scene, light);
   const double distance = std::max<double>(glm::length(light.position - view.eye), 0.5 * reach);
   const bool perspective = view.projection.kind == shared::kPerspective;
@@ -104,7 +105,7 @@ uint64_t areaOf(const std::vector<ShadowCaster>& casters) {
 bool halve(std::vector<ShadowCaster>& casters, const ShadowScene& scene, bool directionalToo, uint32_t least) {
   bool halved = false;
   for (ShadowCaster& caster : casters) {
-    const bool directional = scene.lights[caster.light].type == shared::kLightDirectional;
+    const bool directional = shared::lightIsDirectional(scene.lights[caster.light].type);
     if ((directional && !directionalToo) || caster.size <= least) continue;
     caster.size /= 2;
     halved = true;
@@ -130,7 +131,7 @@ size_t fit(std::vector<ShadowCaster>& casters, const ShadowScene& scene, uint64_
 
 std::optional<double> shadowCone(const shared::Light& light) {
   constexpr double kWidest = 1.05, kNarrowest = 2e-3;  // radians; wider than 60 degrees a single map is mostly rim
-  if (light.type != shared::kLightSpot) return std::nullopt;
+  if (!shared::lightHasCone(light.type)) return std::nullopt;
   // The rounding of spotOffset / spotScale moves a narrow cone by up to 3.5e-4.
   const double half = std::acos(std::clamp(-double{light.spotOffset} / light.spotScale, -1.0, 1.0)) + 1e-3;
   if (half > kWidest) return std::nullopt;

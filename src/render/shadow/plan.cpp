@@ -6,6 +6,7 @@
 
 #include "render/shadow/cascades.h"
 #include "render/shadow/choose.h"
+#include "shared/light.h"
 #include "shared/shadow.h"
 
 namespace latelight::render {
@@ -156,7 +157,7 @@ struct Planner {
 
   double lightRadius(const shared::Light& light, uint32_t index) const {
     const float own = scene.authored[scene.sources[index]].size;
-    if (light.type == shared::kLightDirectional) return std::tan(0.5 * (own > 0 ? own : settings.sunAngle));
+    if (shared::lightIsDirectional(light.type)) return std::tan(0.5 * (own > 0 ? own : settings.sunAngle));
     return own > 0 ? own : settings.lightSize;
   }
 
@@ -175,7 +176,7 @@ struct Planner {
     plan.lights.push_back({caster.light, static_cast<uint32_t>(plan.maps.size()), caster.maps});
     const auto lightSize = static_cast<float>(lightRadius(light, caster.light));
     const dvec3 direction = glm::normalize(dvec3(light.direction));
-    if (light.type == shared::kLightDirectional) {
+    if (shared::lightIsDirectional(light.type)) {
       if (!plan.sun) plan.sun = caster.light;
       const Axes axes = axesAlong(direction);
       const Interval depths = overCorners(scene.bounds, [&](dvec3 p) { return glm::dot(axes.away, p); });

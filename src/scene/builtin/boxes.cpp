@@ -1,6 +1,7 @@
 #include "scene/builtin.h"
 #include "scene/builtin/make.h"
 #include "scene/builtin/scene_builder.h"
+#include "shared/light.h"
 
 namespace latelight::scene {
 namespace {

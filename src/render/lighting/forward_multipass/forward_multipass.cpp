@@ -5,6 +5,7 @@
 #include "render/lit_maps.h"
 #include "render/shadow/frame_shadows.h"
 #include "render/visibility/hardware.h"
+#include "shared/light.h"
 
 namespace latelight::render {
 
@@ -18,7 +19,7 @@ struct Targets {
 
 bool reaches(const shared::Light& light, const Sphere& bounds) {
   const float distance = glm::length(light.position - bounds.centre);
-  return light.type == shared::kLightDirectional || distance < light.radius + bounds.radius;
+  return shared::lightIsDirectional(light.type) || distance < light.radius + bounds.radius;
 }
 
 // What the scene shows without lights.

@@ -15,6 +15,7 @@
 #include "render/lit_maps.h"
 #include "render/shadow/frame_shadows.h"
 #include "render/visibility/draw.h"
+#include "shared/light.h"
 
 namespace latelight::render {
 
@@ -103,7 +104,7 @@ class VolumePlan {
 
   std::optional<VolumeDraw> of(const shared::Light& light) const {
     const VolumeDraw screen{kShapeScreen, std::nullopt, kLightScreen};
-    if (light.type == shared::kLightDirectional) return screen;
+    if (shared::lightIsDirectional(light.type)) return screen;
     const bool endless = std::isinf(light.radius);
     const Sphere lit{light.position, endless ? farthest(light) : light.radius};
     if (endless && (!isCone(light) || !std::isfinite(lit.radius))) return screen;
@@ -124,7 +125,7 @@ class VolumePlan {
   // Wider cones than 80 degrees are hardly smaller than the sphere.
   static bool isCone(const shared::Light& light) {
     constexpr float kCos80 = 0.17364818f;
-    return light.type == shared::kLightSpot && -light.spotOffset > kCos80 * light.spotScale;
+    return shared::lightHasCone(light.type) && -light.spotOffset > kCos80 * light.spotScale;
   }
 
   // From the light to what is farthest of the scene, and as much more as rounding may need.

@@ -1,0 +1,15 @@
+// KHR_lights_punctual's directional light: infinitely far away, so that all of its light comes from one direction.
+#ifndef LATELIGHT_SHARED_LIGHT_DIRECTIONAL_H
+#define LATELIGHT_SHARED_LIGHT_DIRECTIONAL_H
+
+#include "shared/types.h"
+
+#define LIGHT_DESCRIPTION_directional "from infinitely far away, in lux"
+
+SH_BEGIN
+
+SH_CONST uint kLightReach_directional = kReachEverywhere;
+
+SH_END
+
+#endif

@@ -1,0 +1,15 @@
+// KHR_lights_punctual's point light: alike in all directions.
+#ifndef LATELIGHT_SHARED_LIGHT_POINT_H
+#define LATELIGHT_SHARED_LIGHT_POINT_H
+
+#include "shared/types.h"
+
+#define LIGHT_DESCRIPTION_point "from a point in all directions, in candela"
+
+SH_BEGIN
+
+SH_CONST uint kLightReach_point = kReachSphere;
+
+SH_END
+
+#endif

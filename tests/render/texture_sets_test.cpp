@@ -1,0 +1,82 @@
+// Textures found by index in one array, against a set of textures for each material: on devices that have both ways.
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "models/models.h"
+#include "render/support.h"
+#include "scene/edit.h"
+#include "scene/gltf_builder.h"
+
+namespace latelight::render::test {
+namespace {
+
+using output::Aov;
+
+constexpr uint32_t kTextureWidth = 320, kTextureHeight = 180;
+
+class TextureSetsTest : public RenderTest {
+ protected:
+  void SetUp() override {
+    RenderTest::SetUp();
+    if (device().maxTextureArray() == 0) GTEST_SKIP() << "skipped: the device has no descriptor indexing";
+    bound_ = std::make_unique<vk::Device>(
+        vk::DeviceOptions{.selector = device().info().uuid, .validation = true, .descriptorIndexing = false});
+    ASSERT_EQ(bound_->maxTextureArray(), 0u);
+  }
+  void TearDown() override {
+    RenderTest::TearDown();
+    if (!bound_) return;
+    for (const std::string& message : bound_->validationMessages()) ADD_FAILURE() << message;
+  }
+  void compare(const scene::Scene& scene, Settings settings) {
+    const scene::Camera camera = cameraOf(scene, kTextureWidth, kTextureHeight);
+    const scene::Environment sky = constantEnvironment();
+    const output::FrameOutput one = renderOne(device(), scene, camera, settings, &sky);
+    const output::FrameOutput other = renderOne(*bound_, scene, camera, settings, &sky);
+    for (const Aov aov : settings.aovs) {
+      double worst = 0;
+      for (size_t i = 0; i < imageOf(one, aov).values.size(); ++i)
+        worst = std::max(worst, std::abs(double{imageOf(one, aov).values[i]} - imageOf(other, aov).values[i]));
+      EXPECT_LT(worst, 1e-5) << output::info(aov).name;
+    }
+  }
+  std::unique_ptr<vk::Device> bound_;
+};
+
+TEST_F(TextureSetsTest, AHundredMaterialsLookAlike) {
+  scene::Scene scene = scene::test::GltfBuilder::loadBytes(models::manyMaterialsModel(), "many.glb");
+  for (const char* technique : {"clustered", "forward"})
+    for (const uint32_t samples : {1u, 4u}) {
+      SCOPED_TRACE(fmt::format("{} {}", technique, samples));
+      Settings settings =
+          settingsOf(kTextureWidth, kTextureHeight, {Aov::Color, Aov::Albedo, Aov::Normal, Aov::Roughness});
+      settings.lighting = &findTechnique(technique);
+      settings.aa.samples = samples;
+      settings.shadows = ShadowFormat::D32;
+      compare(scene, settings);
+    }
+}
+
+TEST_F(TextureSetsTest, EditsAndAnisotropyAreFollowed) {
+  scene::Scene scene = scene::test::GltfBuilder::loadBytes(models::manyMaterialsModel(), "many.glb");
+  const scene::Camera camera = cameraOf(scene, kTextureWidth, kTextureHeight);
+  Renderer kept(device(), scene, nullptr);
+  for (uint32_t step = 0; step < 4; ++step) {
+    Settings settings = settingsOf(kTextureWidth, kTextureHeight, {Aov::Albedo});
+    settings.anisotropy = step % 2 ? 1 : 8;
+    for (uint32_t i = 0; i < 10; ++i) {
+      const uint32_t material = 10 * step + i;
+      scene::Material changed = scene.materials[material];
+      changed.slots[shared::kTextureBaseColor].sampler = kNearest;
+      setMaterialOf(scene, material, addMaterial(scene, changed));
+    }
+    const output::FrameOutput now = std::move(kept.render({&camera, 1}, settings).front());
+    EXPECT_EQ(imageOf(now, Aov::Albedo).values,
+              imageOf(renderOne(device(), scene, camera, settings), Aov::Albedo).values);
+    compare(scene, settings);
+  }
+}
+
+}  // namespace
+}  // namespace latelight::render::test
