@@ -14,7 +14,7 @@ void addDoctorCommand(CLI::App& app);
 void addCompareCommand(CLI::App& app);
 void addStudyCommand(CLI::App& app);
 
-// Thrown to end with a code and no sentence: what had to be said is printed already.
+// Thrown to end with an exit code and no message, which has been printed already.
 struct Exit {
   ExitCode code;
 };

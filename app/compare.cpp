@@ -1,4 +1,4 @@
-// latelight compare A B: how far two pictures are apart, and whether that is near enough.
+// latelight compare A B: how much two pictures differ, and whether that is within tolerance.
 #include <fmt/core.h>
 
 #include <cmath>
@@ -20,7 +20,7 @@ namespace {
 
 struct Arguments {
   std::string first, second;
-  double tolerance = -1;  // below 0: by the files' types
+  double tolerance = -1;  // below 0: from the files' types
   double share = 0;
   std::string difference;
   std::vector<std::string> channels;
@@ -75,7 +75,7 @@ void run(const Arguments& arguments) {
     output::writePicture(arguments.difference, output::differencePicture(a, b, options));
   }
   arguments.json ? printJson(comparison, alike) : printText(comparison, alike);
-  // By the definition of the command 1 means "not alike"; it is not an internal error.
+  // For this command 1 means "different", not an internal error.
   if (!alike) throw Exit{static_cast<ExitCode>(1)};
 }
 

@@ -1,4 +1,4 @@
-// latelight list: what can be chosen, from the registries.
+// latelight list: the available choices, from the registries.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// What a picture is that costs are given for.
+// The picture size for which costs are given.
 struct PictureSize {
   uint32_t width = 1280, height = 720, samples = 1;
   uint64_t count() const { return uint64_t{width} * height * samples; }
@@ -34,7 +34,7 @@ Json describeTarget(const char* name, VkFormat format, const char* channels) {
       {"name", name}, {"format", vk::formatName(format)}, {"bytes", vk::texelBytes(format)}, {"channels", channels}};
 }
 
-// One that every layout has beside its own, and how the design that the layout follows had it.
+// A target that every layout has in addition to its own, and its format in the original design.
 Json describeSharedTarget(const char* name, VkFormat format, VkFormat original, const char* channels) {
   Json target = describeTarget(name, format, channels);
   if (original != format) target["originalFormat"] = vk::formatName(original);
@@ -204,7 +204,7 @@ void printLayout(const Json& row) {
              row["samples"] == 1 ? "" : "s", sizeText(here), beside(sizeText(original)));
 }
 
-// Type, what is taken and the default on one line, the help on another.
+// Type, accepted values and default on one line, the help on another.
 void printOption(const Json& row) {
   std::string takes = text(row["type"]);
   if (row.contains("names")) {
@@ -229,7 +229,7 @@ struct Topic {
   void (*print)(const Json& row) = printRow;
 };
 
-// The lists that have more to say than a name and a description, and those of the names that options take.
+// The lists with more than a name and a description, and those of the names that options take.
 std::vector<Topic> makeTopics() {
   std::vector<Topic> topics = {
       {"options", [](const PictureSize&) { return listOptions(); }, printOption},

@@ -21,7 +21,7 @@ namespace {
 
 using namespace latelight;
 
-// Where standard error can't be written to, the exit code alone has to say it.
+// Where standard error can't be written to, only the exit code is left.
 void complain(std::string_view sentence) {
   std::fputs(("latelight: " + printable(sentence) + "\n").c_str(), stderr);
 }
@@ -52,21 +52,21 @@ bool isLongOption(const CLI::App& cli, const std::string& name) {
   return false;
 }
 
-// One dash introduces letters: to CLI11 "-hdri" is "-h" and more, for which it prints the help.
+// A single dash introduces letters: CLI11 reads "-hdri" as "-h" and more, and prints the help.
 void checkDashes(const CLI::App& cli, int argc, char** argv) {
   for (int i = 1; i < argc && std::string_view(argv[i]) != "--"; ++i) {
     const std::string argument = argv[i], name = argument.substr(0, argument.find('='));
     if (name.size() < 3 || name[0] != '-' || name[1] == '-' || takesValue(cli, argv[i - 1])) continue;
     if (isLongOption(cli, name.substr(1)))
       badUsage("\"{}\" has one dash, and long options have two: -{}", argument, name);
-    // Flags in one word, and behind them perhaps -o with its value.
+    // Flags in one word, perhaps followed by -o with its value.
     const size_t rest = name.find_first_not_of("hq", 1);
     if (rest > 1 && rest != std::string::npos && name[rest] != 'o')
       badUsage("there is no option \"{}\"; see latelight --help", argument);
   }
 }
 
-// CLI11's sentence, with what it repeats of the arguments shortened where that is too long to be read.
+// CLI11's message, with the arguments it repeats shortened where they are too long to be read.
 std::string inWords(const CLI::ParseError& error, int argc, char** argv) {
   std::string sentence = error.what();
   for (int i = 1; i < argc; ++i) {
@@ -78,8 +78,8 @@ std::string inWords(const CLI::ParseError& error, int argc, char** argv) {
   return sentence;
 }
 
-// An empty value is that of a shell's variable which is not set, and no wish for what is normal. Some options say so in
-// better words of their own.
+// An empty value comes from an unset shell variable; it does not ask for the default. Some options have a better
+// message of their own.
 void refuseEmptyValues(CLI::App& cli) {
   const CLI::Validator check(
       [](const std::string& value) { return value.empty() ? "its value is empty" : std::string(); }, "");
@@ -130,17 +130,17 @@ int run(int argc, char** argv) {
     return static_cast<int>(error.code());
   } catch (const std::bad_alloc&) {
     return outOfMemory();
-  } catch (const std::length_error&) {  // more than any machine has
+  } catch (const std::length_error&) {  // more than any machine's memory
     return outOfMemory();
   } catch (const std::exception& error) {
-    if (std::ferror(stdout)) return static_cast<int>(ExitCode::Usage);  // main() says it
+    if (std::ferror(stdout)) return static_cast<int>(ExitCode::Usage);  // main() reports it
     complain(fmt::format("internal error: {}", error.what()));
     return static_cast<int>(ExitCode::Internal);
   }
 }
 
-// A standard stream that the caller closed would become the first file that is opened, and what is printed would go
-// there. Opened the wrong way round, it fails as a closed one does.
+// If the caller closed a standard stream, the first file opened would take its descriptor, and output would go there.
+// Opened with the wrong access mode, the stream fails like a closed one.
 void holdStandardStreams() {
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
     if (fcntl(stream, F_GETFD) < 0 && errno == EBADF) open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
@@ -156,14 +156,15 @@ bool readerLeft() {
 
 int main(int argc, char** argv) {
   holdStandardStreams();
-  // A file that reaches the limit on sizes, and a pipe whose reader goes, are errors of write(), and not the end.
+  // A file that reaches the size limit, and a pipe whose reader is gone, should fail in write() instead of ending the
+  // process.
   std::signal(SIGXFSZ, SIG_IGN);
   std::signal(SIGPIPE, SIG_IGN);
   removeTemporaryFilesOnSignals();
   const int code = run(argc, argv);
-  // Text leaves when its buffer does: a full disk may show only here.
+  // Text is written when its buffer is flushed: a full disk may show only here.
   if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return code;
-  if (readerLeft()) {  // as every program ends then: without a word
+  if (readerLeft()) {  // as programs usually end then: silently
     std::signal(SIGPIPE, SIG_DFL);
     std::raise(SIGPIPE);
   }

@@ -71,7 +71,7 @@ void printReport(const scene::Scene& scene, const vk::Device& device, const rend
   fmt::print("{}\n", report.dump(2, ' ', false, Json::error_handler_t::replace));
 }
 
-// What {aov} stands for in the name of --debug's picture.
+// The value of {aov} in the name of --debug's picture.
 std::string_view debugName(const DebugRequest& debug) {
   if (debug.targets) return "targets";
   return debug.sheet ? "sheet" : output::info(debug.aovs.front()).name;
@@ -110,7 +110,7 @@ void checkStandardOutput(const RenderOptions& o) {
     badUsage("-o -, --dump-graph -, --json and --pick without --json each fill standard output; use one of them");
 }
 
-// What leaves, checked before anything costs time; and what has to be rendered for it.
+// The outputs, checked before any expensive work, and what has to be rendered for them.
 output::OutputRequest planOutput(RenderOptions& o, const std::optional<DebugRequest>& debug) {
   output::OutputRequest request{.pattern = o.out};
   if (!o.aovs.empty()) request.aovs = output::parseAovs(o.aovs);
@@ -131,11 +131,11 @@ output::OutputRequest planOutput(RenderOptions& o, const std::optional<DebugRequ
   s.display = debug ? output::contains(debug->aovs, output::Aov::Color) : output::usesDisplay(request);
   if (s.display && !debug) std::erase(s.aovs, output::Aov::Color);
   if (debug && !debug->targets && !output::contains(s.aovs, output::Aov::Id))
-    s.aovs.push_back(output::Aov::Id);  // what is background
+    s.aovs.push_back(output::Aov::Id);  // tells the background
   return request;
 }
 
-// What one frame writes, and --dump-graph.
+// The files that one frame writes, and --dump-graph.
 std::vector<std::filesystem::path> outputsOf(const RenderOptions& o, const RenderPlan& plan,
                                              const output::Metadata& metadata) {
   std::vector<std::filesystem::path> paths;
@@ -147,8 +147,7 @@ std::vector<std::filesystem::path> outputsOf(const RenderOptions& o, const Rende
   return paths;
 }
 
-// Throws Error(Usage) where a file would be written over what the scene and its environment are read from, or over
-// another that leaves.
+// Throws Error(Usage) where a file would overwrite an input of the scene or its environment, or another output.
 void checkFiles(const RenderOptions& o, const RenderPlan& plan, const scene::Scene& scene, const Timeline& timeline,
                 const std::string& environment) {
   std::vector<std::filesystem::path> inputs = scene.files;
@@ -161,14 +160,14 @@ void checkFiles(const RenderOptions& o, const RenderPlan& plan, const scene::Sce
   for (named.frame = timeline.first(); named.frame <= timeline.last(); ++named.frame) {
     const std::vector<std::filesystem::path> outputs = outputsOf(o, plan, named);
     used.checkOutputs(outputs);
-    // Frames that can't be written don't keep the others from it.
+    // A frame that can't be written does not stop the others.
     if (timeline.isSequence()) continue;
     for (const std::filesystem::path& path : outputs)
       if (std::filesystem::exists(path)) checkWritable(path);
   }
 }
 
-// On its way: its ticket, or, for --debug targets, what is done already.
+// A frame in flight: its ticket, or, for --debug targets, the finished result.
 struct PendingFrame {
   output::Metadata metadata;
   std::optional<render::Ticket> picture;
@@ -222,8 +221,8 @@ void writeFrame(RenderRun& run, const RenderedFrame& frame) {
   run.times.write += seconds(mark);
 }
 
-// Each frame is rendered while the one before it is written. Frames that can't be written don't keep the others from
-// it; what can't be rendered ends it, once all before it are written.
+// Each frame is rendered while the previous one is written. A frame that can't be written does not stop the others; one
+// that can't be rendered ends the sequence, once all earlier ones are written.
 void renderSequence(RenderRun& run) {
   uint32_t failed = 0;
   std::string first;
@@ -260,7 +259,7 @@ RenderPlan planRender(RenderOptions& o) {
 }
 
 std::string environmentOf(const RenderOptions& o, const scene::Scene& scene) {
-  // A background to show is a reason for an environment, lights or not.
+  // Showing the background needs an environment, with or without lights.
   return render::environmentName(
       scene, o.hdri.empty() && o.settings.background.kind == render::Background::Environment ? "studio" : o.hdri);
 }
@@ -296,7 +295,7 @@ void render(RenderOptions& o) {
   const scene::Scene scene =
       scene::load(o.scene, {.variant = o.variant, .allowOutside = o.allowOutside, .ids = o.idGrouping});
   const Timeline timeline(scene, o);
-  timeline.cameraAt(timeline.first());  // what is wrong with it shows before all else
+  timeline.cameraAt(timeline.first());  // reports errors before anything else
   const std::string environmentName = environmentOf(o, scene);
   checkFiles(o, plan, scene, timeline, environmentName);
   const std::optional<scene::Environment> environment = render::loadEnvironment(environmentName);

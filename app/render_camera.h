@@ -1,4 +1,4 @@
-// Which camera `latelight render` looks through.
+// The camera of `latelight render`.
 #pragma once
 
 #include "app/render_options.h"
@@ -6,8 +6,8 @@
 
 namespace latelight::app {
 
-// By --camera, --eye, --orbit, or the scene's first, or one that shows all of it. Throws Error(Usage). `cameras`: the
-// scene's, where they are when the picture is made.
+// From --camera, --eye, --orbit, or the scene's first, or one that shows the whole scene. Throws Error(Usage).
+// `cameras`: the scene's, posed at the picture's time.
 scene::Camera chooseCamera(const scene::Scene& scene, const std::vector<scene::Camera>& cameras,
                            const RenderOptions& options);
 

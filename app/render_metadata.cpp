@@ -28,7 +28,7 @@ output::CameraMetadata describeCamera(const scene::Camera& camera, const scene::
   return m;
 }
 
-// What the picture depends on, as the command line has it. What leaves in which frame is said beside it.
+// The settings that the picture depends on, as on the command line. The frames of outputs are stated separately.
 std::map<std::string, std::string> describeSettings(const RenderOptions& o, const std::string& environment) {
   std::map<std::string, std::string> settings;
   for (const render::Option& option : render::options()) {

@@ -1,4 +1,4 @@
-// What the JSON side file says of a picture.
+// The metadata of a picture for the JSON side file.
 #pragma once
 
 #include <string>

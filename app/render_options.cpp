@@ -52,7 +52,7 @@ const render::OptionTable<RenderOptions>& commandTable() {
   return made;
 }
 
-// What stands for the value in the help.
+// The placeholder for the value in the help.
 std::string valueName(const Option& option) {
   switch (option.kind) {
     case OptionKind::Flag:
@@ -90,7 +90,7 @@ std::string helpText(const Option& option) {
   return text;
 }
 
-// `read`: takes the text of a value, and gives it as metadata have it.
+// `read`: takes the text of a value, and returns it as it appears in metadata.
 template <typename Read>
 void addOption(CLI::App& command, RenderOptions& o, const Option& option, Read read) {
   const auto take = [&o, &option, read](const std::string& text) {
@@ -161,7 +161,7 @@ std::optional<DebugRequest> parseDebug(const std::string& debug, bool moving) {
   } else if (debug == "sheet") {
     request.sheet = true;
     for (const output::AovInfo& aov : output::aovs()) {
-      if (aov.aov == output::Aov::Samples) continue;  // the same everywhere but with --aa msaa4
+      if (aov.aov == output::Aov::Samples) continue;  // the same everywhere except with --aa msaa4
       if (aov.aov != output::Aov::Motion || moving) request.aovs.push_back(aov.aov);
     }
   } else {

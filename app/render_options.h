@@ -28,7 +28,7 @@ struct RenderOptions {
 
   render::Settings settings;
   scene::IdGrouping idGrouping;                           // of `idDepth` and `idNodes`
-  std::map<std::string, std::string, std::less<>> given;  // what of all that was, by its key ("exposure"), as text
+  std::map<std::string, std::string, std::less<>> given;  // the options that were given, by key ("exposure"), as text
   std::vector<glm::uvec2> pixels;                         // of `picks`
 
   bool isGiven(std::string_view key) const {
@@ -36,18 +36,18 @@ struct RenderOptions {
   }
 };
 
-// Those of the command line alone; render::options() are the others.
+// Those of the command line only; render::options() has the others.
 std::span<const render::Option> commandOptions();
 
 void addRenderOptions(CLI::App& command, RenderOptions& options);
-// Completes what parsing alone does not: limits, and what contradicts each other. Throws Error(Usage).
+// Checks beyond parsing: limits and contradictions. Throws Error(Usage).
 void checkOptions(RenderOptions& options);
 
-// What --debug shows: "sheet", AOV names, or "targets". The picture then leaves as a PNG of those.
+// The argument of --debug: "sheet", AOV names, or "targets". The output is then a PNG of those.
 struct DebugRequest {
   std::vector<output::Aov> aovs;
   bool sheet = false;
-  bool targets = false;  // the layout's own, instead of AOVs
+  bool targets = false;  // the layout's own targets, instead of AOVs
 };
 // `moving`: whether there is motion to show on the sheet.
 std::optional<DebugRequest> parseDebug(const std::string& debug, bool moving);

@@ -1,5 +1,5 @@
-// `latelight render` in parts: what is asked for, and a run of it on a device, a scene and a renderer that are there.
-// The command makes them for one run; the test of random options shares them among many.
+// `latelight render` in two parts: the request, and a run of it on an existing device, scene and renderer. The command
+// creates them for one run; the test of random options shares them among many.
 #pragma once
 
 #include <filesystem>
@@ -21,7 +21,7 @@ struct RenderPlan {
   std::optional<DebugRequest> debug;
   output::OutputRequest request;
 };
-// Checks the options before anything costs time, and fills in options.settings. Throws Error(Usage).
+// Checks the options before any expensive work, and fills in options.settings. Throws Error(Usage).
 RenderPlan planRender(RenderOptions& options);
 
 // The name of the environment that lights the scene; empty: none does.
@@ -31,7 +31,7 @@ struct RenderTimes {  // seconds
   double load = 0, upload = 0, render = 0, write = 0, total = 0;
 };
 
-// What the frames of one run share.
+// State shared by the frames of one run.
 struct RenderRun {
   const RenderOptions& options;
   const RenderPlan& plan;
@@ -45,8 +45,8 @@ struct RenderRun {
   std::vector<render::Picked> picked{};
 };
 
-// Renders, writes and reports all of it. Throws Error: SomeFramesFailed, Internal for what validation says, and what
-// the renderer and writing throw.
+// Renders, writes and reports everything. Throws Error: SomeFramesFailed, Internal for validation messages, and errors
+// of the renderer and of writing.
 void renderAll(RenderRun& run);
 
 }  // namespace latelight::app

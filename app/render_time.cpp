@@ -16,7 +16,7 @@ namespace {
 
 constexpr uint32_t kMostFrames = 1'000'000;
 
-// What --target names, or the middle of the scene at rest.
+// The point given by --target, or the centre of the scene at rest.
 glm::vec3 pivotOf(const scene::Scene& scene, const RenderOptions& o) {
   if (!o.target.empty()) {
     const glm::vec3 target = parseVector("--target", o.target);

@@ -1,4 +1,4 @@
-// When `latelight render` shows a scene: one moment, or the frames of a sequence; and how its camera turns.
+// The times that `latelight render` shows: one moment, or the frames of a sequence; and how the camera turns.
 #pragma once
 
 #include <optional>
@@ -10,12 +10,12 @@
 
 namespace latelight::app {
 
-// Throws Error(Usage) for what can be known to be wrong before the scene is loaded.
+// Throws Error(Usage) for errors that can be found before the scene is loaded.
 void checkTime(const RenderOptions& options);
 
 class Timeline {
  public:
-  // Throws Error(Usage) for an animation that the scene has not.
+  // Throws Error(Usage) for an animation that the scene doesn't have.
   Timeline(const scene::Scene& scene, const RenderOptions& options);
 
   bool isSequence() const { return sequence_; }
@@ -24,7 +24,7 @@ class Timeline {
   uint32_t frameDigits() const;
   std::optional<double> secondsAt(uint32_t frame) const;  // nothing: the scene at rest
 
-  // The camera of a frame, and where everything is, a frame before and after included.
+  // The camera of a frame, and where everything is, including the previous and the next frame.
   scene::Camera cameraAt(uint32_t frame) const;
   render::Moment momentAt(uint32_t frame) const;
 
@@ -35,7 +35,7 @@ class Timeline {
   const scene::Scene& scene_;
   const RenderOptions& options_;
   scene::Playback playback_;
-  glm::vec3 pivot_;  // that --turn turns about, world
+  glm::vec3 pivot_;  // the centre of --turn, world space
   bool sequence_ = false, still_ = false;
   uint32_t first_ = 0, last_ = 0;
 };

@@ -78,10 +78,10 @@ nlohmann::ordered_json toJson(const Arguments& a, const study::Result& result) {
   return json;
 }
 
-// The folder that results go to, made where it is missing; if nothing comes of them, it goes again.
+// The folder for results, created if missing, and removed again if there are none.
 class ResultFolder {
  public:
-  // Finds out whether it can be written to before anything costs time. `study`: what its files' names begin with.
+  // Checks that it can be written to before any expensive work. `study`: the prefix of its files' names.
   ResultFolder(const std::filesystem::path& path, const std::string& study);
   ~ResultFolder() {
     std::error_code ignored;

@@ -1,4 +1,4 @@
-// What every function of Latelight's public C++ API may throw. latelight.h includes it.
+// The exception that every function of Latelight's public C++ API may throw. latelight.h includes it.
 #pragma once
 
 #include <stdexcept>
@@ -8,14 +8,14 @@
 
 namespace latelight {
 
-// The program ends with these.
+// The program's exit codes.
 enum class ExitCode {
   Done = 0,
   Internal = 1,
-  Usage = 2,       // an argument that can't be
-  BadInput = 3,    // a file that is missing, broken or needs what is not supported
+  Usage = 2,       // an invalid argument
+  BadInput = 3,    // a file that is missing, broken or needs unsupported features
   NoDevice = 4,    // no Vulkan 1.3 device
-  DeviceLost = 5,  // or out of memory, its or the machine's
+  DeviceLost = 5,  // or out of memory, on the device or the machine
   SomeFramesFailed = 6,
 };
 

@@ -17,6 +17,6 @@ std::string shortened(std::string_view text) {
 
 Error::Error(ExitCode code, const std::string& sentence) : std::runtime_error(printable(sentence)), code_(code) {}
 
-Error::~Error() = default;  // here, so that the type has one home and can be caught across the library's border
+Error::~Error() = default;  // defined here, so that the type can be caught across the library boundary
 
 }  // namespace latelight

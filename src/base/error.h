@@ -10,10 +10,10 @@
 
 namespace latelight {
 
-// What a sentence repeats of a user's or a file's text: all of it, or the ends of what is too long to be read.
+// User or file text as repeated in a message: all of it, or only its ends where it is too long to be read.
 std::string shortened(std::string_view text);
 
-// shortened() for texts; all else as it is.
+// shortened() for texts; anything else unchanged.
 template <typename T>
 decltype(auto) shortenedIfText(const T& value) {
   if constexpr (std::is_convertible_v<const T&, std::string_view>)

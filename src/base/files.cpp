@@ -55,7 +55,7 @@ int writeAll(int fd, std::span<const std::byte> bytes) {
   return 0;
 }
 
-// 0 or an errno. `size` is what the file says it has; pipes and files of /proc say 0.
+// 0 or an errno. `size` is the size that the file reports; pipes and files in /proc report 0.
 int readAll(int fd, size_t size, std::vector<std::byte>& bytes) {
   constexpr size_t kChunk = size_t{1} << 16;
   bytes.resize(size);
@@ -90,16 +90,16 @@ int readAll(int fd, size_t size, std::vector<std::byte>& bytes) {
   badUsage("can't write '{}': {}; {}", path.string(), reason(error), advice);
 }
 
-// What stands where a file is to be written.
+// What exists where a file is to be written.
 struct Place {
   fs::path path;    // links followed
-  mode_t mode = 0;  // as stat has it; 0: nothing stands there
-  uid_t user = 0;   // whose it is
+  mode_t mode = 0;  // as from stat; 0: nothing exists there
+  uid_t user = 0;   // its owner
   gid_t group = 0;
   bool isFile() const { return mode == 0 || S_ISREG(mode); }
 };
 
-// Throws Error(Usage) for what must not be written to, even where permissions would allow it.
+// Throws Error(Usage) for anything that must not be written to, even where permissions would allow it.
 Place findPlace(const fs::path& path) {
   if (path.empty()) badUsage("can't write to a file without a name; give the name of a file");
   struct stat status {};
@@ -114,18 +114,18 @@ Place findPlace(const fs::path& path) {
   if (S_ISBLK(status.st_mode) || S_ISSOCK(status.st_mode))
     badUsage("can't write '{}': it is a {}; give the name of a file", path.string(),
              S_ISBLK(status.st_mode) ? "disk" : "socket");
-  // Asked for by its bits too: root may write to any.
+  // Checks the mode bits too, since root may write to any file.
   if (S_ISREG(status.st_mode) && ((status.st_mode & 0222) == 0 || access(path.c_str(), W_OK) != 0))
     badUsage("can't write '{}': the file that is there is read-only; allow writing (chmod u+w), or choose another name",
              path.string());
-  // To where links lead, so that they stay.
+  // The target of links, so that they are kept.
   std::error_code error;
   const fs::path target = fs::canonical(path, error);
   return {error ? path : target, status.st_mode, status.st_uid, status.st_gid};
 }
 
-// 0 or an errno. Makes the new file what the one is that it replaces, as far as this user may; set-user-ID and its like
-// are not passed on.
+// 0 or an errno. Gives the new file the attributes of the one it replaces, as far as this user may; set-user-ID and the
+// like are not kept.
 int takeOver(int fd, const Place& place) {
   constexpr auto kSameUser = static_cast<uid_t>(-1);
   constexpr auto kSameGroup = static_cast<gid_t>(-1);
@@ -133,7 +133,7 @@ int takeOver(int fd, const Place& place) {
   if (fstat(fd, &made) != 0) return errno;
   [[maybe_unused]] const bool user = made.st_uid == place.user || fchown(fd, place.user, kSameGroup) == 0;
   const bool group = made.st_gid == place.group || fchown(fd, kSameUser, place.group) == 0;
-  // What its group was allowed is not for another one.
+  // The old group's permissions must not go to another group.
   return fchmod(fd, place.mode & (group ? 0777 : 0707)) == 0 ? 0 : errno;
 }
 
@@ -173,7 +173,7 @@ std::vector<std::byte> readFile(int fd, const fs::path& path) {
   if (S_ISDIR(status.st_mode)) failToRead(path, "it is a folder, not a file");
   if (!S_ISREG(status.st_mode) && !S_ISFIFO(status.st_mode)) failToRead(path, "it is not a file");
   if (S_ISFIFO(status.st_mode)) fcntl(fd, F_SETFL, 0);
-  // Asked for first: where memory is overcommitted, the allocation would succeed and the process be killed later.
+  // Checked first: where memory is overcommitted, the allocation would succeed and the process be killed later.
   const auto size = static_cast<uint64_t>(status.st_size);
   const std::string what = fmt::format("the file '{}'", path.string());
   const MemoryClaim claim(size, what);
@@ -229,8 +229,8 @@ std::optional<fs::path> cacheFolder() {
   return folder;
 }
 
-// An entry ends in the XXH3 of what is before it: drivers trust the pipeline caches they are given, and a machine that
-// lost power may show a file whose name arrived and whose contents did not.
+// An entry ends with the XXH3 of everything before it: drivers trust the pipeline caches they are given, and after a
+// power loss a file may exist under its name without its contents.
 std::optional<std::vector<std::byte>> loadCache(std::string_view name) {
   assert(name.find('/') == std::string_view::npos);
   const std::optional<fs::path> folder = cacheFolder();
@@ -258,10 +258,10 @@ void storeCache(std::string_view name, std::span<const std::byte> bytes) try {
   std::vector<std::byte> entry(bytes.size() + sizeof(sum));
   if (!bytes.empty()) std::memcpy(entry.data(), bytes.data(), bytes.size());
   std::memcpy(entry.data() + bytes.size(), &sum, sizeof(sum));
-  // Whatever stands there, a pipe or a link too. A full disk: no entry, no harm.
+  // Replaces whatever exists there, even a pipe or a link. On a full disk there is just no entry.
   replace({.path = *folder / name}, entry);
 } catch (const std::exception&) {
-  // A cache is never required: not even its memory.
+  // A cache is never required, so running out of memory for it is no error.
 }
 
 }  // namespace latelight

@@ -12,20 +12,20 @@ namespace latelight {
 
 // The whole file. Throws Error(BadInput) with a sentence that names the file if it can't be read.
 std::vector<std::byte> readFile(const std::filesystem::path& path);
-// The same of a file that is open; `path` is its name for the sentence.
+// The same for an open file; `path` is its name for the message.
 std::vector<std::byte> readFile(int fd, const std::filesystem::path& path);
 
-// Writes beside `path`, then renames; a failure leaves no file and throws Error(Usage) with what to do. A file that is
-// there is replaced where its mode allows writing, and keeps its mode, group and owner. Links are followed: what they
-// lead to is replaced, and has to be there. Into pipes, which need a reader, and character devices it is written as it
-// is. "-" is standard output.
+// Writes to a temporary file next to `path`, then renames it; a failure leaves no file and throws Error(Usage) with
+// what to do. An existing file is replaced where its mode allows writing, and keeps its mode, group and owner. Links
+// are followed: their target is replaced, and must exist. Pipes, which need a reader, and character devices are written
+// to directly. "-" is standard output.
 void writeFile(const std::filesystem::path& path, std::span<const std::byte> bytes);
 
-// Throws as writeFile would, as far as can be known without the bytes: tries whether a file can be made there.
+// Throws as writeFile would, as far as can be known without the bytes: tries to create a file there.
 void checkWritable(const std::filesystem::path& path);
 
-// $XDG_CACHE_HOME/latelight (or ~/.cache/latelight), made if missing; nothing where no folder can be had: a cache is
-// never required.
+// $XDG_CACHE_HOME/latelight (or ~/.cache/latelight), created if missing; nothing where that fails: a cache is never
+// required.
 std::optional<std::filesystem::path> cacheFolder();
 
 // A cache entry by name, or nothing. Storing never throws and never leaves half a file.

@@ -7,7 +7,7 @@
 
 namespace latelight {
 
-// FNV-1a, 32 bits (Fowler, Noll, Vo): short strings, ids that leave the program.
+// FNV-1a, 32 bits (Fowler, Noll, Vo): short strings, ids in outputs.
 constexpr uint32_t hash32(std::string_view text) {
   uint32_t h = 0x811c9dc5u;
   for (char c : text) h = (h ^ static_cast<uint8_t>(c)) * 0x01000193u;

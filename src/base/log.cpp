@@ -14,7 +14,7 @@ namespace latelight {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr auto kInterval = std::chrono::milliseconds(100);  // between two drawings
+constexpr auto kInterval = std::chrono::milliseconds(100);  // between two redraws
 constexpr int kBarWidth = 30;                               // characters
 constexpr const char* kClearLine = "\r\x1b[K";
 
@@ -38,7 +38,7 @@ struct Character {
 };
 constexpr uint32_t kInvalid = ~0u;
 
-// The first character of a text that is not empty; kInvalid and one byte where it is no UTF-8 (Unicode 15, table 3-7).
+// The first character of a non-empty text; kInvalid and one byte where it is not UTF-8 (Unicode 15, table 3-7).
 Character firstOf(std::string_view text) {
   const auto byte = [&](size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
   const uint32_t lead = byte(0);
@@ -133,7 +133,7 @@ void Progress::step(uint64_t count) {
   const Clock::time_point now = Clock::now();
   Clock::rep due = state_->nextDraw;
   if (now.time_since_epoch().count() < due) return;
-  // Of several threads that find it due, one draws.
+  // If several threads find a redraw due, only one draws.
   if (state_->nextDraw.compare_exchange_strong(due, (now + kInterval).time_since_epoch().count())) state_->draw();
 }
 

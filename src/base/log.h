@@ -1,4 +1,4 @@
-// What the user reads on standard error besides errors: warnings, each once, and progress.
+// Output on standard error besides errors: warnings, each once, and progress.
 #pragma once
 
 #include <fmt/format.h>
@@ -9,12 +9,12 @@
 
 namespace latelight {
 
-// Names from a scene file are part of sentences: they must not carry a terminal's control sequences, nor a line's end,
-// nor turn the direction of what stands beside them. Such characters (C0 and C1 controls, line and paragraph
-// separators, bidirectional controls), and bytes that are no UTF-8, become "?".
+// Names from a scene file are part of sentences: they must not contain terminal control sequences or line breaks, nor
+// change the direction of the text around them. Such characters (C0 and C1 controls, line and paragraph separators,
+// bidirectional controls), and bytes that are not UTF-8, become "?".
 std::string printable(std::string_view text);
 
-// Prints "warning: <sentence>" on standard error; the same sentence only once a process. Thread-safe.
+// Prints "warning: <sentence>" on standard error; the same sentence only once per process. Thread-safe.
 void warn(const std::string& sentence);
 template <typename... Args>
 void warn(fmt::format_string<Args...> format, Args&&... args) {

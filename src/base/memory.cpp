@@ -29,7 +29,7 @@ uint64_t numberIn(const fs::path& path) {
   return std::ifstream(path) >> value ? value : kUnlimited;
 }
 
-// What the kernel would give to new programs without swapping; of old kernels what is not used at all.
+// The memory available to new programs without swapping; on old kernels only unused memory.
 uint64_t freeOnMachine() {
   std::ifstream file("/proc/meminfo");
   std::string key;
@@ -39,7 +39,7 @@ uint64_t freeOnMachine() {
   return sysinfo(&info) == 0 ? uint64_t{info.freeram} * info.mem_unit : kUnlimited;
 }
 
-// The same of the control groups that this process is in, version 2 and 1.
+// The same for the control groups of this process, versions 2 and 1.
 uint64_t freeInContainers() {
   uint64_t least = kUnlimited;
   const auto look = [&](const fs::path& folder, const char* limit, const char* usage) {
@@ -63,8 +63,8 @@ uint64_t defaultLimit() {
   return limit;
 }
 
-// The limit, or less where `ulimit -v` leaves less beside what is taken already: a driver that finds no addresses for
-// its compiler and its threads crashes.
+// The limit, or less where `ulimit -v` leaves less on top of current use: a driver without address space for its
+// compiler and threads crashes.
 uint64_t limitBeside(uint64_t before) {
   constexpr uint64_t kForDrivers = uint64_t{256} << 20;
   const uint64_t left = addressesLeft();

@@ -1,4 +1,4 @@
-// How much of the machine's memory the process may take, and what it has taken of that.
+// How much of the machine's memory the process may use, and how much it has claimed.
 #pragma once
 
 #include <atomic>
@@ -8,19 +8,19 @@
 
 namespace latelight {
 
-// Bytes: what was set, or three quarters of what the machine, its containers and the process's own limits had free when
-// that was first asked for.
+// Bytes: the value set, or three quarters of the memory that the machine, its containers and the process's own limits
+// had free at the first call.
 uint64_t memoryLimit();
 // latelight::setMemoryLimit() of the public header sets it.
 
-// What the process's own limit on address space ("ulimit -v") leaves, bytes; 2^64 - 1 without one.
+// The address space left by the process's own limit ("ulimit -v"), bytes; 2^64 - 1 without one.
 uint64_t addressesLeft();
 
-// Memory that something large takes, or is about to take: it counts against the limit for as long as this lives.
+// Memory that something large uses, or is about to use: it counts against the limit for this object's lifetime.
 class MemoryClaim {
  public:
   MemoryClaim() = default;
-  // Throws Error(DeviceLost) with a sentence that names `what` ("its textures") where that is more than is left.
+  // Throws Error(DeviceLost) with a message that names `what` ("its textures") where that exceeds what is left.
   MemoryClaim(uint64_t bytes, std::string_view what) { grow(bytes, what); }
   ~MemoryClaim();
   MemoryClaim(MemoryClaim&& other) noexcept;
@@ -32,11 +32,11 @@ class MemoryClaim {
   std::atomic<uint64_t> bytes_ = 0;
 };
 
-// Where an allocation failed all the same: Error(DeviceLost).
+// For an allocation that failed nevertheless: Error(DeviceLost).
 [[noreturn]] void failWithoutMemory(std::string_view what);
 
-// "512M", "4G", "1.5G", "70000K", or bytes; binary multiples, whatever is behind the letter ("4GB", "4GiB"). 0 where it
-// is no such size.
+// "512M", "4G", "1.5G", "70000K", or bytes; binary multiples, whatever follows the letter ("4GB", "4GiB"). 0 where it
+// is not such a size.
 uint64_t parseMemory(std::string_view text);
 
 }  // namespace latelight

@@ -36,11 +36,11 @@ std::optional<size_t> threadsAskedFor() {
 size_t coresLent() {
   cpu_set_t set;
   if (sched_getaffinity(0, sizeof(set), &set) == 0) return static_cast<size_t>(std::max(1, CPU_COUNT(&set)));
-  return std::max(1u, std::thread::hardware_concurrency());  // more cores than cpu_set_t has bits
+  return std::max(1u, std::thread::hardware_concurrency());  // more cores than bits in cpu_set_t
 }
 
-// One parallelFor. Chunks are handed out in order, so when some chunk throws, every chunk before it was handed out too:
-// keeping the exception of the first chunk makes the one that leaves the same on every run.
+// One parallelFor. Chunks are handed out in order, so when a chunk throws, all earlier ones were handed out too:
+// keeping the exception of the first chunk makes the one rethrown the same on every run.
 struct Job {
   Job(size_t count, size_t grain, const std::function<void(size_t, size_t)>& body)
       : count(count), grain(grain), chunks((count + grain - 1) / grain), body(body) {}
@@ -94,14 +94,14 @@ class Pool {
       std::lock_guard lock(mutex_);
       std::erase(jobs_, job);
     }
-    // Who waits here waits for chunks that run: nesting can't deadlock.
+    // Waiting here is only for running chunks: nesting can't deadlock.
     std::unique_lock lock(job->mutex);
     job->finished.wait(lock, [&] { return job->running == 0; });
   }
 
  private:
   // The newest job with work left: inner loops finish before outer ones. Joined under the pool's lock, so that run(),
-  // having taken the job off the list, knows that nobody joins later.
+  // having taken the job off the list, knows that no thread joins later.
   std::shared_ptr<Job> join() {
     std::unique_lock lock(mutex_);
     std::shared_ptr<Job> job;

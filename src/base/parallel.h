@@ -1,4 +1,4 @@
-// One pool of threads for the process, as many as the machine lends it.
+// One thread pool for the process, with a thread for each available core.
 #pragma once
 
 #include <cstddef>
@@ -17,7 +17,7 @@ void parallelFor(size_t count, size_t grain, const std::function<void(size_t beg
 // Runs `task` on a thread of its own: for work that mostly waits or that has its own phases (device start-up, loading).
 template <typename F>
 auto inBackground(F&& task) {
-  // Where no thread can be had, when its result is asked for.
+  // Where no thread can be created, it runs when its result is requested.
   return std::async(std::launch::async | std::launch::deferred, std::forward<F>(task));
 }
 

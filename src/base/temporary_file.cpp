@@ -29,13 +29,13 @@ constexpr size_t kMostOfName = 200;  // bytes of the target's name; most file sy
 TemporaryFile* first = nullptr;
 std::atomic_flag listTaken;
 
-// Waits by sleeping: nothing better may be called in a signal handler.
+// Waits by sleeping: nothing better is allowed in a signal handler.
 void takeList() {
   constexpr timespec kMillisecond{0, 1'000'000};
   while (listTaken.test_and_set(std::memory_order_acquire)) nanosleep(&kMillisecond, nullptr);
 }
 
-// The list, for a thread that no signal interrupts meanwhile: so a handler that waits for it waits for another thread.
+// The list, locked with signals blocked, so that a handler that waits for it always waits for another thread.
 class List {
  public:
   List() {
@@ -78,7 +78,7 @@ void removeUnlessLocked(const fs::path& path) {
   close(fd);
 }
 
-// Once a process and folder.
+// Once per process and folder.
 void sweep(const fs::path& folder) {
   static std::mutex mutex;
   static std::unordered_set<std::string> swept;
@@ -104,10 +104,10 @@ TemporaryFile::TemporaryFile(const fs::path& target, mode_t permissions) {
   } while (error_ == EEXIST);
 }
 
-// EEXIST where the name is another's, or where a sweep took the file before it was locked.
+// EEXIST where the name is taken, or where a sweep removed the file before it was locked.
 int TemporaryFile::makeOnce(mode_t permissions) {
   {
-    const List list;  // made and listed at once: a signal finds it listed, or not there
+    const List list;  // created and listed atomically: a signal finds it listed, or not existing
     fd_ = open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, permissions);
     if (fd_ < 0) return errno;
     next_ = first;
@@ -115,7 +115,7 @@ int TemporaryFile::makeOnce(mode_t permissions) {
     first = this;
     listed_ = true;
   }
-  // Where file systems have no locks nothing is swept either.
+  // On file systems without locks nothing is swept either.
   const bool swept = flock(fd_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
   struct stat status {};
   if (!swept && (fstat(fd_, &status) != 0 || status.st_nlink > 0)) return 0;
@@ -124,13 +124,13 @@ int TemporaryFile::makeOnce(mode_t permissions) {
 }
 
 int TemporaryFile::become(const fs::path& target) {
-  // On network file systems a full disk may show only where a descriptor is closed. That of a copy: the lock has to
-  // last until the file has its name.
+  // On network file systems a full disk may show only when a descriptor is closed. Closes a duplicate: the lock must
+  // last until the file is renamed.
   const int copy = fcntl(fd_, F_DUPFD_CLOEXEC, 0);
   if (copy < 0 || close(copy) != 0) return errno;
   const List list;
   if (rename(path_.c_str(), target.c_str()) != 0) return errno;
-  leaveList();  // at once: its old name may be another's soon
+  leaveList();  // at once: its old name may soon be reused
   return 0;
 }
 
@@ -157,7 +157,7 @@ TemporaryFile::~TemporaryFile() {
 }
 
 void removeTemporaryFiles(int signal) {
-  takeList();  // and never gives it back: no thread makes another file, nor says that its file went
+  takeList();  // and never releases it: no thread creates another file, or unlists one
   for (TemporaryFile* file = first; file; file = file->next_) unlink(file->path_.c_str());
   raise(signal);  // ends the process once this returns: SA_RESETHAND brought the default action back
 }

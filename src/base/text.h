@@ -10,7 +10,7 @@
 
 namespace latelight {
 
-// The whole text as one finite number; nothing where any of it is something else, or too large.
+// The whole text as one finite number; nothing where any part is not, or it is too large.
 template <typename T>
 std::optional<T> parseNumber(std::string_view text) {
   T value{};
@@ -32,7 +32,7 @@ inline std::vector<std::string_view> splitAtCommas(std::string_view text) {
   return parts;
 }
 
-// Numbers by comma; empty where any part is no number.
+// Numbers separated by commas; empty where any part is not a number.
 inline std::vector<float> parseNumbers(std::string_view text) {
   std::vector<float> values;
   for (std::string_view part : splitAtCommas(text)) {

@@ -16,7 +16,7 @@ bool liveAtOnce(const Footprint& a, const Footprint& b) {
   return a.first <= b.last && b.first <= a.last;
 }
 
-// Places footprints one after the other, each at the lowest offset that is free for as long as it lives.
+// Places footprints one after the other, each at the lowest offset that is free for its whole lifetime.
 class Packer {
  public:
   Packer(std::span<const Footprint> footprints, uint64_t largestHeap)
@@ -65,11 +65,12 @@ class Packer {
   std::vector<std::vector<size_t>> placed_;  // footprints by heap, by offset
 };
 
-// What the next user of some memory waits for.
+// What the next user of a memory range waits for.
 struct Pending {
   VkPipelineStageFlags2 stages = 0;
   VkAccessFlags2 writes = 0;
-  // Of an image that buffers have followed since, whose barriers are of them alone: an image waits for it, too.
+  // From an image that buffers have since followed, whose barriers cover only the buffers: the next image waits for it,
+  // too.
   VkPipelineStageFlags2 imageStages = 0;
   VkAccessFlags2 imageWrites = 0;
   void operator|=(const Pending& other) {
@@ -78,7 +79,7 @@ struct Pending {
   }
 };
 
-// What is pending in each byte of a heap that was ever used.
+// The pending waits of each byte range of a heap used so far.
 class Occupants {
  public:
   Pending in(uint64_t begin, uint64_t end) const {
@@ -124,7 +125,7 @@ uint64_t Packing::bytes() const {
 }
 
 Packing pack(std::span<const Footprint> footprints, uint64_t largestHeap) {
-  // No order is best for all; each of these is for some.
+  // No order is best for all graphs; each of these is best for some.
   using Measure = std::function<double(const Footprint&)>;
   const Measure measures[] = {
       [](const Footprint& f) { return static_cast<double>(f.size); },

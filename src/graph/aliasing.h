@@ -9,10 +9,10 @@
 
 namespace latelight::graph {
 
-// The bytes that a transient takes, and from which step of the plan to which, both included.
+// The bytes that a transient takes, and its first and last step in the plan, both included.
 struct Footprint {
   uint64_t size = 0, alignment = 1;  // alignment: a power of two
-  uint32_t type = 0;                 // of memory: each has heaps of its own
+  uint32_t type = 0;                 // memory type: each has heaps of its own
   uint32_t first = 0, last = 0;
 };
 
@@ -26,17 +26,17 @@ struct Packing {
     uint32_t type;
     uint64_t size, alignment;
   };
-  std::vector<Placement> places;  // one a footprint
+  std::vector<Placement> places;  // one per footprint
   std::vector<Heap> heaps;
   uint64_t bytes() const;  // of all heaps
 };
 
-// Places for all footprints, in few bytes: those that are needed in one and the same step don't overlap. A heap has at
-// most `largestHeap` bytes, unless one footprint alone has more.
+// Packs all footprints into few bytes: those that are needed in the same step don't overlap. A heap has at most
+// `largestHeap` bytes, unless a single footprint has more.
 Packing pack(std::span<const Footprint> footprints, uint64_t largestHeap);
 
-// The first use of each transient waits for the last uses of all that lay in its bytes before. `footprints` and
-// `packing` are of plan.lives, in their order.
+// The first use of each transient waits for the last uses of all transients that had its bytes before. `footprints` and
+// `packing` are those of plan.lives, in order.
 void addAliasingBarriers(Plan& plan, std::span<const Footprint> footprints, const Packing& packing);
 
 }  // namespace latelight::graph

@@ -1,7 +1,7 @@
-// Barriers from declared uses. One state a resource follows the passes that run, in order; the whole image or buffer is
-// one unit. Terms are those of the Vulkan specification, chapter 7 (Synchronization): a write must be made available,
-// then visible to the stages and accesses that read it; a read only has to be over before the resource is written
-// again.
+// Barriers from declared uses. One state per resource is tracked through the passes that run, in order; the whole image
+// or buffer is one unit. Terms are those of the Vulkan specification, chapter 7 (Synchronization): a write must be made
+// available, then visible to the stages and accesses that read it; a read only has to be finished before the resource
+// is written again.
 #include <algorithm>
 #include <type_traits>
 #include <utility>
@@ -13,30 +13,30 @@
 namespace latelight::graph {
 namespace {
 
-// Stages and accesses that a barrier made the contents visible to.
+// Stages and accesses to which a barrier made the contents visible.
 struct Visible {
   VkPipelineStageFlags2 stages;
   VkAccessFlags2 access;
 };
 
-// What happened to one resource so far.
+// The state of one resource so far.
 struct State {
   VkImageLayout layout = VK_IMAGE_LAYOUT_UNDEFINED;
   bool defined = false;  // it has contents
   bool changed = false;  // by this plan: written, or moved to another layout
-  // Where the contents come from: the last write. After a layout transition, which no stage performs and which is
+  // The source of the contents: the last write. After a layout transition, which no stage performs and which is
   // available at once, the stages that waited for it: a barrier that starts there is ordered after it.
   VkPipelineStageFlags2 sourceStages = 0;
   VkAccessFlags2 sourceAccess = 0;
   VkPipelineStageFlags2 readStages = 0;  // of all reads since
   std::vector<Visible> visible;          // since
 
-  // What must be over before something else happens to the memory. Reads come after the write, and their barriers made
-  // it available: to wait for them is enough, and moves no memory.
+  // What must be finished before the memory is used otherwise. Reads come after the write, and their barriers made it
+  // available: waiting for them is enough, without a memory barrier.
   VkPipelineStageFlags2 lastStages() const { return readStages ? readStages : sourceStages; }
   VkAccessFlags2 lastWrites() const { return readStages ? 0 : sourceAccess; }
 
-  VkPipelineStageFlags2 unseeing(const Need& need) const;  // of its stages, those that the contents aren't visible to
+  VkPipelineStageFlags2 unseeing(const Need& need) const;  // its stages to which the contents aren't visible yet
   void startWith(const Need& before);
   std::optional<Barrier> use(const Need& need);
 };
@@ -52,7 +52,7 @@ VkPipelineStageFlags2 State::unseeing(const Need& need) const {
   return result;
 }
 
-// As another graph, or the resource's previous user, left it.
+// The state left by another graph, or by the resource's previous user.
 void State::startWith(const Need& before) {
   layout = before.layout;
   defined = true;
@@ -63,7 +63,7 @@ void State::startWith(const Need& before) {
   visible = {{before.stages, before.access}};
 }
 
-// The barrier that `need` takes before it, and the state after it.
+// The barrier required before `need`, and the state after it.
 std::optional<Barrier> State::use(const Need& need) {
   const bool transition = layout != need.layout;
   const bool overwrite = transition || need.writing;
@@ -105,7 +105,7 @@ class States {
   explicit States(const Nodes& nodes) : states_(nodes.size()), needs_(nodes.size()), lives_(nodes.size()) {
     for (size_t i = 0; i < nodes.size(); ++i) {
       names_.push_back(&nodes[i].desc.name);
-      // A buffer that the host filled is visible to all that is submitted after.
+      // A buffer that the host filled is visible to everything submitted later.
       states_[i].defined = !kImages && nodes[i].imported;
       if (!nodes[i].before) continue;
       Need before;
@@ -121,7 +121,7 @@ class States {
     needs_[id.index].add(use, kImages);
   }
 
-  // Appends the barriers for all that was gathered since the last call. `who` reads, for the sentence.
+  // Appends the barriers for everything gathered since the last call. `who` reads, for the error message.
   void apply(const std::string& who, uint32_t step, std::vector<Barrier>& barriers) {
     for (const Id id : touched_) {
       const Need need = std::exchange(needs_[id.index], {});
@@ -142,7 +142,7 @@ class States {
     touched_.clear();
   }
 
-  // Of the transients that were used.
+  // Lives of the transients that were used.
   template <typename Nodes>
   void addTransients(const Nodes& nodes, Plan& plan) const {
     for (uint32_t i = 0; i < nodes.size(); ++i) {
@@ -176,13 +176,13 @@ class States {
   static bool inDeviceMemory(const vk::BufferDesc& desc) { return desc.kind == vk::MemoryKind::Device; }
 
   std::vector<State> states_;
-  std::vector<Need> needs_;  // of the pass at hand
+  std::vector<Need> needs_;  // of the current pass
   std::vector<Plan::Life> lives_;
   std::vector<Id> touched_;
   std::vector<const std::string*> names_;
 };
 
-// Exported resources end ready for their use. What was borrowed from outside and changed goes back as it came.
+// Exported resources end ready for their use. Imported ones that changed return to their previous use.
 template <typename Id, typename Nodes>
 void gatherFinal(const Nodes& nodes, States<Id>& states) {
   for (uint32_t i = 0; i < nodes.size(); ++i) {
@@ -195,14 +195,14 @@ void gatherFinal(const Nodes& nodes, States<Id>& states) {
   }
 }
 
-// After a pass of the prologue, of all memory: also what it read may be written from here on.
+// After a pass of the prologue, over all memory: what it read may be written from here on, too.
 constexpr Barrier kAfterPrologue{
     .sourceStage = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT | VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
     .targetStage = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
     .sourceAccess = VK_ACCESS_2_TRANSFER_WRITE_BIT | VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT,
     .targetAccess = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT};
 
-// Each of its barriers stands before what comes next.
+// Each of its barriers precedes the next pass.
 std::vector<Barrier> addPrologue(const std::vector<Pass>& passes, Plan& plan) {
   std::vector<Barrier> barriers;
   for (uint32_t i = 0; i < passes.size(); ++i) {

@@ -11,8 +11,8 @@ namespace latelight::graph {
 namespace {
 
 constexpr VkDeviceSize kChunkBytes = VkDeviceSize{64} << 10;
-constexpr VkDeviceSize kAlignment = 16;  // what a buffer reference of scalar layout takes, and vectors like
-constexpr uint64_t kChunkKept = 4;            // submissions that a free chunk is kept for
+constexpr VkDeviceSize kAlignment = 16;  // the alignment for buffer references of scalar layout, and good for vectors
+constexpr uint64_t kChunkKept = 4;       // submissions for which a free chunk is kept
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-// Memory for a graph's constants: host visible, in chunks that are used again when neither a graph nor a submission in
+// Memory for a graph's constants: host visible, in chunks that are reused once neither a graph nor a submission in
 // flight needs them.
 #pragma once
 
@@ -25,11 +25,11 @@ class ConstantChunk {
   uint64_t lastUse_ = 0;
 };
 
-// Any thread may take, and give back by dropping.
+// Any thread may take chunks, and return them by dropping them.
 class ConstantPool : public std::enable_shared_from_this<ConstantPool> {
  public:
   explicit ConstantPool(vk::Device& device) : device_(device) {}
-  // A submission begins: frees what none of the last few took.
+  // A submission begins: frees chunks that none of the last few took.
   void tick();
   std::shared_ptr<ConstantChunk> take(VkDeviceSize size);
 

@@ -48,20 +48,21 @@ VkMemoryBarrier2 translate(const Barrier& barrier) {
   return result;
 }
 
-// An image whose contents begin anew where something has been before: as a rule others, in the same memory.
+// An image whose contents are discarded where earlier uses must finish first: usually those of others in the same
+// memory.
 bool beginsInUsedMemory(const Barrier& barrier) {
   return barrier.image && barrier.oldLayout == VK_IMAGE_LAYOUT_UNDEFINED && barrier.sourceStage != 0;
 }
 
-// Where memory changes hands: the layers' synchronization checks follow what lay there before by no narrower barrier
-// once images and buffers of several sizes have shared it.
+// Where memory changes owner: synchronization validation tracks earlier contents through nothing narrower than a full
+// barrier once images and buffers of several sizes have shared the memory.
 void recordFullBarrier(VkCommandBuffer commands) {
   vk::recordMemoryBarrier(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_ACCESS_2_MEMORY_WRITE_BIT,
                           VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
                           VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT);
 }
 
-// `images` and `buffers`: of the graph, by index.
+// `images` and `buffers`: the graph's, by index.
 void recordBarriers(VkCommandBuffer commands, const std::vector<Barrier>& barriers,
                     const std::vector<const vk::Image*>& images, const std::vector<const vk::Buffer*>& buffers) {
   if (barriers.empty()) return;
@@ -144,14 +145,14 @@ bool Context::declares(BufferId id) const {
 
 namespace {
 
-// What a submission records with. Used again once it has finished.
+// The recording objects of a submission, reused once it has finished.
 struct Recorder {
   explicit Recorder(vk::Device& device) : descriptors(device), timers(device) {}
   vk::DescriptorPool descriptors;
   Timers timers;
 };
 
-// What submissions take from their executor and give back; lives as long as one of them.
+// What submissions take from their executor and return; lives as long as any of them.
 struct Stock {
   explicit Stock(vk::Device& device)
       : device(device), transients(device), constants(std::make_shared<ConstantPool>(device)) {}
@@ -161,7 +162,7 @@ struct Stock {
   vk::Device& device;
   TransientPool transients;
   std::shared_ptr<ConstantPool> constants;
-  std::mutex mutex;  // guards the next
+  std::mutex mutex;  // guards the following
   std::vector<std::unique_ptr<Recorder>> recorders;
 };
 
@@ -188,7 +189,7 @@ struct Submission::State {
 
   std::shared_ptr<Stock> stock;
   uint64_t value = 0;  // on the device's timeline
-  // Of the graph, by index. After recording those alone that are results: imported, or exported.
+  // The graph's, by index. After recording only the results are left: imported or exported resources.
   std::vector<const vk::Image*> images;
   std::vector<const vk::Buffer*> buffers;
   std::vector<std::unique_ptr<PooledImage>> pooledImages;
@@ -200,8 +201,8 @@ struct Submission::State {
   std::vector<PassTime> times;
 };
 
-// Nobody looks at the results any more. The executor keeps it until it has finished; without one, nobody takes again
-// what is given back here, but graphs may still take constants.
+// The results are no longer needed. The executor keeps it until it has finished; without an executor nothing returned
+// here is reused, but graphs may still take constants.
 Submission::State::~State() {
   if (recorder) stock->giveBack(std::move(recorder));
   for (auto& image : pooledImages) stock->transients.giveBack(std::move(image));
@@ -209,7 +210,7 @@ Submission::State::~State() {
   if (!constants.empty()) stock->device.deferDeletion([constants = std::move(constants)] {});
 }
 
-// Waits, and takes the times from the queries before another submission writes them.
+// Waits, and reads the times from the queries before another submission overwrites them.
 void Submission::State::finish() {
   stock->device.wait(value);
   std::lock_guard lock(mutex);
@@ -264,7 +265,7 @@ struct Executor::Impl {
 
   LabelCalls labels;
   std::shared_ptr<Stock> stock;
-  std::deque<std::shared_ptr<Submission::State>> inFlight;  // the oldest first
+  std::deque<std::shared_ptr<Submission::State>> inFlight;  // oldest first
 };
 
 Executor::Executor(vk::Device& device) : impl_(std::make_unique<Impl>(device)) {}
@@ -278,7 +279,7 @@ void Executor::Impl::finishOldest() {
   inFlight.pop_front();
 }
 
-// All that the plan needs. What cannot be had while other graphs' resources are kept may be had without them.
+// Everything the plan needs. If an allocation fails while other graphs' resources are kept, it is retried without them.
 std::shared_ptr<Submission::State> Executor::Impl::prepare(const Graph& graph, Plan& plan) {
   const auto tryTo = [&] {
     auto state = std::make_shared<Submission::State>(stock);
@@ -296,7 +297,7 @@ std::shared_ptr<Submission::State> Executor::Impl::prepare(const Graph& graph, P
   return tryTo();
 }
 
-// Every imported resource, and one for each transient of the plan, which gets its aliasing barriers.
+// Every imported resource, and one for each transient of the plan, with its aliasing barriers.
 void Executor::Impl::materialize(const Graph& graph, Plan& plan, Submission::State& state) {
   for (const Graph::ImageNode& node : graph.images_) state.images.push_back(node.imported);
   for (const Graph::BufferNode& node : graph.buffers_) state.buffers.push_back(node.imported);
@@ -327,7 +328,7 @@ void Executor::Impl::record(const Graph& graph, const Plan& plan, Submission::St
   context.images_ = &state.images;
   context.buffers_ = &state.buffers;
   Timers& timers = state.recorder->timers;
-  recordFullBarrier(buffer);  // submissions before it on the queue have the same memory for their transients
+  recordFullBarrier(buffer);  // earlier submissions on the queue use the same memory for their transients
   timers.begin(buffer, static_cast<uint32_t>(plan.steps.size()));
   uint32_t mark = 0;
   for (const Plan::Step& step : plan.steps) {
@@ -344,7 +345,7 @@ void Executor::Impl::record(const Graph& graph, const Plan& plan, Submission::St
   timers.end(buffer);
 }
 
-// Other transients may be another submission's before anyone looks.
+// Other transients may belong to another submission by the time results are read.
 void Executor::Impl::keepResults(const Graph& graph, Submission::State& state) {
   for (size_t i = 0; i < state.images.size(); ++i)
     if (!graph.images_[i].imported && !graph.images_[i].exported) state.images[i] = nullptr;

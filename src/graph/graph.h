@@ -1,5 +1,6 @@
-// The frame graph: passes declare what they read and write; which passes run, the barriers between them, the memory of
-// transients, GPU timers and debug labels follow. Passes run in the order they were added, after the prologue.
+// The frame graph: passes declare what they read and write; from that follow which passes run, the barriers between
+// them, the memory of transients, GPU timers and debug labels. Passes run in the order they were added, after the
+// prologue.
 //
 //   Graph graph(executor);
 //   ImageId color = graph.create(ImageDesc{...});
@@ -39,31 +40,31 @@ struct BufferId {
   bool operator==(const BufferId&) const = default;
 };
 
-// How a pass uses a resource, all of it: every layer, level and byte. One table in use.cpp gives each its stages,
-// access and image layout (and vk::Image usage: callers that create() an image leave `usage` 0). A pass that draws or
-// computes one layer or part of many, with others' results in the rest, must say that it keeps them:
-// ...Load, StorageReadWrite.
+// How a pass uses a resource as a whole: every layer, level and byte. One table in use.cpp gives each use its stages,
+// access and image layout (and vk::Image usage: callers that create() an image leave `usage` 0). A pass that writes
+// only some layers or parts, with others' results in the rest, must declare that it keeps them: ...Load,
+// StorageReadWrite.
 enum class Use : uint8_t {
-  ColorAttachment,      // cleared or overwritten: what was there before is not needed
+  ColorAttachment,      // cleared or overwritten: earlier contents are not needed
   ColorAttachmentLoad,  // read and written: blending, drawing over
   DepthAttachment,      // cleared or overwritten
-  DepthAttachmentLoad,  // tested and written over what is there
+  DepthAttachmentLoad,  // tested and written, keeping earlier contents
   DepthTest,            // tested, not written: store operation NONE
   SampledFragment,
   SampledCompute,
   StorageRead,        // compute
-  StorageWrite,       // compute: overwritten whole
+  StorageWrite,       // compute: overwritten completely
   StorageReadWrite,   // compute
-  FragmentWrite,      // storage in fragment shaders: what was there before is not needed
+  FragmentWrite,      // storage in fragment shaders: earlier contents are not needed
   FragmentReadWrite,  // atomics
   VertexRead,         // buffers read by address in vertex or fragment shaders
   IndirectRead,
   CopySource,
-  CopyTarget,  // copies, fills, clears; may be of a part: what was there before stays
+  CopyTarget,  // copies, fills, clears, possibly partial: earlier contents are kept
   HostRead,    // after the frame, by the host
 };
 bool writes(Use use);
-bool reads(Use use);  // needs what was there before, or leaves a part of it
+bool reads(Use use);  // needs earlier contents, or keeps part of them
 
 struct Access {
   Access(ImageId image, Use use) : image(image), use(use) {}
@@ -80,15 +81,15 @@ class Executor;
 
 using Record = std::function<void(Context&)>;
 
-// What a pass is for: reports and studies add up times by it, whatever passes are called.
+// The purpose of a pass: reports and studies sum times by stage, whatever passes are called.
 enum class Stage : uint8_t {
   Upload,       // scene data to the device
   Deformation,  // skins and morph targets
-  Visibility,   // which surface each sample shows
-  Shadows,      // shadow maps and what is made of them
+  Visibility,   // the surface that each sample shows
+  Shadows,      // shadow maps and images made from them
   Geometry,     // materials into the G-buffer
   Lighting,
-  Transparency,  // what is alpha-blended
+  Transparency,  // alpha-blended surfaces
   Post,          // composition and post-processing
   Output,        // packing and read-back
 };
@@ -102,12 +103,12 @@ struct Pass {
   bool prologue = false;
 };
 
-// What a running pass sees.
+// The context of a running pass.
 class Context {
  public:
   vk::Commands& commands() { return *commands_; }
   VkCommandBuffer get() const { return commands_->get(); }
-  // Of a resource that the pass declared. Another's may not be there in every graph: Error(Internal).
+  // Only for resources that the pass declared; others may not exist in every graph: Error(Internal).
   const vk::Image& image(ImageId id) const;
   const vk::Buffer& buffer(BufferId id) const;
   bool declares(BufferId id) const;
@@ -121,15 +122,15 @@ class Context {
 };
 
 struct Barrier {
-  ImageId image;  // at most one of image and buffer is set; with neither it is of all memory
+  ImageId image;  // at most one of image and buffer is set; with neither it covers all memory
   BufferId buffer;
   VkPipelineStageFlags2 sourceStage = 0, targetStage = 0;
   VkAccessFlags2 sourceAccess = 0, targetAccess = 0;
   VkImageLayout oldLayout = VK_IMAGE_LAYOUT_UNDEFINED, newLayout = VK_IMAGE_LAYOUT_UNDEFINED;  // images only
 };
 
-// What compile() decided: for each pass that runs, the barriers before it. Then the barriers after the last pass, that
-// bring imported and exported resources to their final use. And what each transient needs of memory, and when.
+// The result of compile(): the barriers before each pass that runs; the barriers after the last pass, which bring
+// imported and exported resources to their final use; and the memory that each transient needs, and when.
 struct Plan {
   struct Step {
     uint32_t pass;  // index in the order added
@@ -139,18 +140,18 @@ struct Plan {
     ImageId image;  // exactly one of image and buffer is set
     BufferId buffer;
   };
-  // Of a transient that may share its memory with others before and after it.
+  // The life of a transient that may share its memory with others before and after it.
   struct Life : Transient {
     uint32_t first = 0, last = 0;           // steps that use it, both included
     VkPipelineStageFlags2 firstStages = 0;  // of its first use
     VkAccessFlags2 firstAccess = 0;
-    VkPipelineStageFlags2 lastStages = 0;  // what comes after it waits for these
+    VkPipelineStageFlags2 lastStages = 0;  // its successor waits for these
     VkAccessFlags2 lastWrites = 0;         // of these stages: not yet available
   };
   std::vector<Step> steps;
   std::vector<Barrier> after;
   std::vector<Life> lives;      // transients in device memory that are not exported, by first step
-  std::vector<Transient> kept;  // the others: exported, or visible to the host
+  std::vector<Transient> kept;  // the others: exported or host-visible
 };
 
 class Graph {
@@ -158,12 +159,12 @@ class Graph {
   Graph() = default;                   // plain data
   explicit Graph(Executor& executor);  // with room for constants()
 
-  // Copies what the host knows now, a frame's constants or its views, to where shaders read it. It stays there for as
-  // long as the graph lives, or a submission of it runs. Meant for little: a GPU reads it over the bus.
+  // Copies data known on the host, such as a frame's constants or views, to memory that shaders read. It stays valid
+  // while the graph lives or a submission of it runs. Meant for little data: a GPU reads it over the bus.
   VkDeviceAddress constants(std::span<const std::byte> bytes);
 
-  // Transient: contents undefined at first. Where it is in device memory and not exported, others that are used before
-  // or after it lie in the same bytes.
+  // Transient: contents are undefined at first. In device memory and not exported, it shares bytes with others used
+  // before or after it.
   ImageId create(const vk::ImageDesc& desc);
   BufferId create(const vk::BufferDesc& desc);
   // Resources from outside. `before`: how they were used last, or nothing if their contents don't matter (images) or
@@ -174,9 +175,9 @@ class Graph {
   // Several uses of one image in one pass must share a layout, else Error(Internal).
   void pass(Stage stage, std::string_view name, std::vector<Access> accesses, Record record);
 
-  // A pass that writes, by copies or in compute shaders, buffers that the graph does not know and others read by
-  // address: uploads, deformation. It always runs, before all that are not of the prologue, in the order added; what it
-  // wrote is seen by every later pass, the prologue's too.
+  // A pass that writes, by copies or in compute shaders, buffers outside the graph that others read by address:
+  // uploads, deformation. It always runs, before all passes outside the prologue, in the order added; its writes are
+  // visible to every later pass, including those of the prologue.
   void prologue(Stage stage, std::string_view name, Record record);
 
   // The resource is needed after the frame, for `use`.
@@ -207,8 +208,8 @@ class Graph {
     const vk::Buffer* imported = nullptr;
     std::optional<Use> before, exported;
   };
-  void require(const Access& access);  // checks that the use fits, and adds the usage flags it takes
-  std::vector<bool> alive() const;     // one a pass
+  void require(const Access& access);  // checks that the use fits, and adds the usage flags it needs
+  std::vector<bool> alive() const;     // one per pass
   std::vector<Pass> passes_;
   std::vector<ImageNode> images_;
   std::vector<BufferNode> buffers_;
@@ -222,18 +223,17 @@ struct PassTime {
   double milliseconds;
 };
 
-// A graph on its way through the device, then its results. The transient resources that were exported belong to it:
-// once it is dropped and has finished, others may have them. It may outlive its executor, not the device, and may be
-// held by another thread.
+// A graph in flight, then its results. It owns the exported transient resources: once it is dropped and has finished,
+// others may use them. It may outlive its executor but not the device, and may be held by another thread.
 class Submission {
  public:
-  Submission();  // of nothing: done
+  Submission();  // empty: done
   Submission(Submission&&) noexcept;
   Submission& operator=(Submission&&) noexcept;
   ~Submission();
   bool done() const;
   void wait() const;
-  // GPU milliseconds a pass, in order; waits. Empty where the device has no timestamps.
+  // GPU milliseconds per pass, in order; waits. Empty where the device has no timestamps.
   const std::vector<PassTime>& times() const;
   // A transient resource that was exported, or an imported one: Error(Internal) for all others. To be read by the host
   // after wait().
@@ -249,24 +249,25 @@ class Submission {
 
 // Bytes of device memory that a plan's transients take: known before anything runs.
 struct TransientBytes {
-  uint64_t peak = 0;             // as they are placed: those whose lives do not overlap share memory
-  uint64_t withoutAliasing = 0;  // were each to have its own
+  uint64_t peak = 0;             // as placed: those whose lives do not overlap share memory
+  uint64_t withoutAliasing = 0;  // if each had its own
 };
 TransientBytes transientBytes(vk::Device& device, const Graph& graph, const Plan& plan);
 
 // Runs graphs on a device; keeps transient images and buffers from one submission to the next.
 class Executor {
  public:
-  static constexpr size_t kInFlight = 3;  // submissions at once; one more waits for the oldest
+  static constexpr size_t kInFlight = 3;  // concurrent submissions; one more waits for the oldest
 
   explicit Executor(vk::Device& device);
   ~Executor();
-  // Records the plan with a debug label and two timestamps a pass, and submits it without waiting. It begins with a
-  // barrier over all memory, so that submissions may use the same transients one after the other. What a pass throws
-  // is rethrown, and nothing is submitted. Where the device has no room, what is kept from other graphs is freed first.
+  // Records the plan with a debug label and two timestamps per pass, and submits it without waiting. It begins with a
+  // barrier over all memory, so that submissions may use the same transients one after the other. Exceptions from
+  // passes are rethrown, and nothing is submitted. Where the device has no room, resources kept from other graphs are
+  // freed first.
   Submission submit(const Graph& graph, const Plan& plan);
 
-  // Submits and waits; the rest is of the last run.
+  // Submits and waits; the members below refer to the last run.
   const Submission& run(const Graph& graph, const Plan& plan);
   const std::vector<PassTime>& times() const { return last_.times(); }
   const vk::Image& image(ImageId id) const { return last_.image(id); }

@@ -9,7 +9,7 @@
 namespace latelight::graph {
 namespace {
 
-// A string in double quotes as the DOT language has it; "\n" in `text` stays a line break.
+// A string in double quotes as in the DOT language; "\n" in `text` stays a line break.
 std::string inQuotes(std::string_view text) {
   std::string result = "\"";
   for (const char c : text) {
@@ -46,7 +46,7 @@ std::string resources(const Nodes& nodes, char prefix) {
   return text;
 }
 
-// Where a pass writes over what it keeps, the arrow has two ends.
+// Where a pass writes and keeps earlier contents, the arrow has two heads.
 std::string arrow(size_t index, const Access& access) {
   const UseInfo& info = useInfo(access.use);
   const std::string pass = fmt::format("p{}", index);

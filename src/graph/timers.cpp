@@ -35,8 +35,8 @@ void Timers::mark(VkCommandBuffer commands, uint32_t index) {
   if (marks_ == 0) return;
   vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, pool_.get(), index);
   if (!device_.isCpu()) return;
-  // lavapipe takes the time when its rasterizer is flushed next, which copies and dispatches don't wait for: their
-  // own time would fall before the mark. A barrier flushes.
+  // lavapipe takes the timestamp at the next flush of its rasterizer, which copies and dispatches don't wait for: their
+  // time would be attributed to the wrong side of the mark. A barrier flushes.
   const VkDependencyInfo nothing{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
   vkCmdPipelineBarrier2(commands, &nothing);
 }
@@ -52,7 +52,7 @@ void Timers::end(VkCommandBuffer commands) {
 std::vector<double> Timers::read() const {
   std::vector<double> result(marks_ / 2);
   const uint64_t* ticks = ticks_.as<uint64_t>();
-  const double period = device_.properties().limits.timestampPeriod;  // nanoseconds a tick
+  const double period = device_.properties().limits.timestampPeriod;  // nanoseconds per tick
   for (size_t i = 0; i < result.size(); ++i)
     result[i] = static_cast<double>((ticks[2 * i + 1] - ticks[2 * i]) & mask_) * period * 1e-6;
   return result;

@@ -1,4 +1,4 @@
-// Two timestamps a pass. Without any where the queue has none.
+// Two timestamps per pass; none where the queue does not support them.
 #pragma once
 
 #include <volk.h>
@@ -17,17 +17,17 @@ class Timers {
   void begin(VkCommandBuffer commands, uint32_t passes);
   // The time when all work recorded so far is done.
   void mark(VkCommandBuffer commands, uint32_t index);
-  // After the last mark(): the times go to where the host reads them. (vkGetQueryPoolResults waits for all submissions
-  // of a CPU device, later ones too.)
+  // After the last mark(): copies the times to memory that the host reads. (vkGetQueryPoolResults waits for all
+  // submissions of a CPU device, later ones too.)
   void end(VkCommandBuffer commands);
   // Milliseconds between the marks 2i and 2i + 1, of a submission that has finished.
   std::vector<double> read() const;
 
  private:
   vk::Device& device_;
-  uint64_t mask_ = 0;  // of the bits that count; 0: no timestamps
+  uint64_t mask_ = 0;  // of the valid bits; 0: no timestamps
   vk::Handle<VkQueryPool> pool_;
-  vk::Buffer ticks_;  // 64 bits a mark
+  vk::Buffer ticks_;  // 64 bits per mark
   uint32_t capacity_ = 0, marks_ = 0;
 };
 

@@ -6,7 +6,7 @@
 namespace latelight::graph {
 namespace {
 
-constexpr uint64_t kTransientKept = 4;  // submissions for which nothing is freed that none of them takes
+constexpr uint64_t kTransientKept = 4;  // submissions after which unused entries are freed
 
 // Null where none is free.
 template <typename Entry, typename Desc>
@@ -30,7 +30,7 @@ Desc descOf(const Graph& graph, const Plan::Transient& transient) {
   return graph.desc(transient.buffer);
 }
 
-// In whole pages of bufferImageGranularity: no image shares one with a buffer that is used at the same time.
+// In whole pages of bufferImageGranularity, so that no image shares a page with a buffer that is used at the same time.
 Footprint footprintOf(vk::Device& device, const Desc& desc, const Plan::Life& life) {
   const VkMemoryRequirements needs = std::holds_alternative<vk::ImageDesc>(desc)
                                          ? vk::memoryRequirements(device, std::get<vk::ImageDesc>(desc), vk::Home::Heap)
@@ -80,8 +80,8 @@ TransientBytes transientBytes(vk::Device& device, const Graph& graph, const Plan
   return bytes;
 }
 
-// One of another plan's where it fits and is no more than twice as large: plans in turn share memory, and a small one
-// does not hold on to a large one's.
+// A heap of another plan where it fits and is no more than twice as large: alternating plans share memory, and a small
+// one does not keep a large one's alive.
 std::shared_ptr<vk::Heap> TransientPool::heapFor(const Packing::Heap& needed,
                                                  const std::vector<std::shared_ptr<vk::Heap>>& taken) {
   for (const auto& placed : placed_)

@@ -12,7 +12,7 @@
 
 namespace latelight::graph {
 
-// A resource and what was asked for: it may round its own description up.
+// A resource and the description asked for, since it may round its own up.
 template <typename Resource, typename Desc>
 struct Pooled {
   Pooled(vk::Device& device, const Desc& desc) : desc(desc), resource(device, desc) {}
@@ -35,17 +35,18 @@ struct PlacedTransients {
   uint64_t lastUse = 0;
 };
 
-// Any thread may give back; one at a time does the rest.
+// Any thread may return resources; everything else is for one thread at a time.
 class TransientPool {
  public:
   explicit TransientPool(vk::Device& device) : device_(device) {}
-  // A submission begins: frees what none of the last few took (pictures of another size, a graph that ran once).
+  // A submission begins: frees resources that none of the last few took (pictures of another size, a graph that ran
+  // once).
   void tick();
-  void clear();  // frees all that nobody has now
-  // All that plan.lives need, made once for graphs that are equal. Submissions in flight have the same ones: the queue
-  // runs them one after the other. Valid until the next tick().
+  void clear();  // frees everything not in use
+  // Everything that plan.lives need, created once for equal graphs. Submissions in flight share it: the queue runs them
+  // one after the other. Valid until the next tick().
   const PlacedTransients& place(const Graph& graph, const Plan& plan);
-  // For results, which their submission has alone.
+  // For results, which belong to their submission alone.
   std::unique_ptr<PooledImage> take(const vk::ImageDesc& desc);
   std::unique_ptr<PooledBuffer> take(const vk::BufferDesc& desc);
   void giveBack(std::unique_ptr<PooledImage> image);
@@ -61,7 +62,7 @@ class TransientPool {
   std::vector<std::unique_ptr<PooledBuffer>> buffers_;
 };
 
-// What plan.lives take on a device, in their order.
+// Footprints of plan.lives on a device, in order.
 std::vector<Footprint> footprintsOf(vk::Device& device, const Graph& graph, const Plan& plan);
 
 }  // namespace latelight::graph

@@ -14,7 +14,7 @@ constexpr VkPipelineStageFlags2 kFragment = VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_
 constexpr VkPipelineStageFlags2 kDraw = VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT | kFragment;
 constexpr VkPipelineStageFlags2 kCopy = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT;  // copies, blits, resolves and clears
 
-// Blending and depth tests read the attachment even where what was there before the pass doesn't matter.
+// Blending and depth tests read the attachment even where its contents before the pass don't matter.
 constexpr VkAccessFlags2 kColorRead = VK_ACCESS_2_COLOR_ATTACHMENT_READ_BIT;
 constexpr VkAccessFlags2 kColorWrite = VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT;
 constexpr VkAccessFlags2 kDepthRead = VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_READ_BIT;
@@ -23,7 +23,7 @@ constexpr VkAccessFlags2 kSampled = VK_ACCESS_2_SHADER_SAMPLED_READ_BIT;
 constexpr VkAccessFlags2 kStorageRead = VK_ACCESS_2_SHADER_STORAGE_READ_BIT;
 constexpr VkAccessFlags2 kStorageWrite = VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT;
 
-// One layout for all that only reads, so that a depth buffer can be tested and sampled in one pass.
+// One layout for all read-only uses, so that a depth buffer can be tested and sampled in one pass.
 constexpr VkImageLayout kAttachment = VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL;
 constexpr VkImageLayout kReadOnly = VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL;
 constexpr VkImageLayout kGeneral = VK_IMAGE_LAYOUT_GENERAL;

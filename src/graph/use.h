@@ -1,4 +1,4 @@
-// What each Use means to Vulkan: the one table that barriers, layouts and usage flags come from.
+// What each Use means in Vulkan: the one table from which barriers, layouts and usage flags follow.
 #pragma once
 
 #include "graph/graph.h"
@@ -10,23 +10,23 @@ struct UseInfo {
   VkPipelineStageFlags2 stages;
   VkAccessFlags2 reading, writing;
   VkImageLayout layout;            // UNDEFINED: not for images
-  VkImageUsageFlags imageUsage;    // what an image must be made with
-  VkBufferUsageFlags bufferUsage;  // what a buffer must be made with, beside transfer and device address
+  VkImageUsageFlags imageUsage;    // required to create an image
+  VkBufferUsageFlags bufferUsage;  // required to create a buffer, besides transfer and device address
   bool forBuffers;
-  bool keeps;  // what was there before is needed, or may stay in part
+  bool keeps;  // earlier contents are needed, or may partly be kept
 
   bool forImages() const { return layout != VK_IMAGE_LAYOUT_UNDEFINED; }
 };
 const UseInfo& useInfo(Use use);
 
-// All uses that one pass makes of one resource, together.
+// All uses of one resource in one pass, combined.
 struct Need {
   VkPipelineStageFlags2 stages = 0;
   VkAccessFlags2 access = 0;  // reading and writing
   VkAccessFlags2 writing = 0;
   VkImageLayout layout = VK_IMAGE_LAYOUT_UNDEFINED;  // of buffers: always
-  bool keeps = false;                                // one of the uses keeps what was there before
-  bool reads = false;                                // undefined contents would show
+  bool keeps = false;                                // one of the uses keeps earlier contents
+  bool reads = false;                                // undefined contents would be read
 
   void add(Use use, bool image);
 };

@@ -1,4 +1,4 @@
-// The pictures a frame can be asked for (arbitrary output variables, AOVs), as outputs.def has them.
+// The outputs that a frame can be asked for (arbitrary output variables, AOVs), from outputs.def.
 #pragma once
 
 #include <array>
@@ -23,16 +23,16 @@ inline constexpr size_t kAovCount = 0
 // How an OpenEXR file stores a channel. Half: 11 bits of precision, finite values beyond 65504 are stored as 65504.
 enum class ExrType : uint8_t { Half, Float, Uint };
 
-// How a PNG file stores an AOV. Clamped means to what the coding can hold; NaN is stored as 0.
+// How a PNG file stores an AOV. Clamped means to the range of the coding; NaN is stored as 0.
 enum class PngCoding : uint8_t {
   None,        // not offered: the range of the values is not known beforehand
-  Display,     // 8 bit RGBA, sRGB, straight alpha, tonemapped: for looking at
+  Display,     // 8 bit RGBA, sRGB, straight alpha, tonemapped: for viewing
   Srgb,        // 8 bit RGB, sRGB, clamped to [0, 1]
   Unit,        // 16 bit, [0, 1] as 0..65535, clamped
-  Signed,      // 16 bit, [-1, 1] as n * 0.5 + 0.5, clamped; background is 0, which no unit normal is
+  Signed,      // 16 bit, [-1, 1] as n * 0.5 + 0.5, clamped; background is 0, a code that no unit normal has
   Millimetre,  // 16 bit grey, rounded; 65535 stands for 65.535 m and beyond, 0 for background
-  Fraction,    // 16 bit RGB: the part after the point, u - floor(u), of u and v; blue is 0
-  Count,       // 16 bit grey; 65535 stands for that many and more
+  Fraction,    // 16 bit RGB: the fraction, u - floor(u), of u and v; blue is 0
+  Count,       // 16 bit grey; 65535 stands for that many or more
   IdBytes,     // 8 bit RGBA: the id's bytes, R the lowest (alpha is the highest byte, not coverage)
 };
 
@@ -57,7 +57,7 @@ bool contains(std::span<const Aov> aovs, Aov aov);
 // id, part and material: what the id manifest lists.
 bool holdsIds(Aov aov);
 
-// "depth,normal,id" in that order, without repeats. Throws Error(Usage) that names what there is.
+// "depth,normal,id" in that order, without repeats. Throws Error(Usage) that lists the names.
 std::vector<Aov> parseAovs(std::string_view list);
 
 // One AOV of one view. Rows from the top, channels interleaved.
@@ -65,13 +65,13 @@ struct AovImage {
   Aov aov = Aov::Color;
   uint32_t width = 0, height = 0;
   std::vector<float> values;  // width * height * channels; empty where holdsIds()
-  std::vector<uint32_t> ids;  // width * height, there instead
+  std::vector<uint32_t> ids;  // width * height, where holdsIds()
 };
 
 // All values are background.
 AovImage makeAovImage(Aov aov, uint32_t width, uint32_t height);
 
-// RGBA, 8 bits a channel, sRGB, straight alpha, rows from the top: pictures for people.
+// RGBA, 8 bits a channel, sRGB, straight alpha, rows from the top: pictures for viewing.
 struct Picture {
   uint32_t width = 0, height = 0;
   std::vector<uint8_t> rgba;

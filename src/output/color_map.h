@@ -7,11 +7,11 @@
 
 namespace latelight::output {
 
-using Rgb = std::array<float, 3>;  // in [0, 1], sRGB-coded unless said otherwise
+using Rgb = std::array<float, 3>;  // in [0, 1], sRGB-encoded unless stated otherwise
 
-// Cubehelix: brightness rises evenly while the hue turns, so it reads the same in grey. D. A. Green, "A colour scheme
-// for the display of astronomical intensity images", Bull. Astr. Soc. India 39 (2011), 289; its default start and
-// turns.
+// Cubehelix: brightness rises evenly while the hue rotates, so it also reads well in grey. D. A. Green, "A colour
+// scheme for the display of astronomical intensity images", Bull. Astr. Soc. India 39 (2011), 289; its default start
+// and turns.
 inline Rgb cubehelix(float lambda) {
   constexpr float kStart = 0.5f, kTurns = -1.5f, kHue = 1.0f;
   const float angle = 2 * std::numbers::pi_v<float> * (kStart / 3 + 1 + kTurns * lambda);

@@ -36,7 +36,7 @@ struct Pair {
   const Channel* b;
   double tolerance;
 
-  // |a - b|; equal infinities and two NaNs are no difference, any other meeting of these with a number is infinite.
+  // |a - b|; equal infinities and two NaNs count as no difference; any other pair with one of these is infinite.
   double difference(size_t i) const {
     const double x = a->values[i], y = b->values[i];
     if (x == y || (std::isnan(x) && std::isnan(y))) return 0;
@@ -44,12 +44,12 @@ struct Pair {
     return std::abs(x - y);
   }
 
-  // The difference in units of the tolerance; beyond it above 1.
+  // The difference in units of the tolerance: above 1 is beyond it.
   double excess(size_t i) const {
     const double d = difference(i);
     if (d == 0 || d == kInf) return d;
     const double scale = std::max({1.0, std::abs(a->values[i]), std::abs(b->values[i])});
-    // A level of 8 bits is 1/255 only to rounding: x/255 - (x-1)/255 may come out larger.
+    // An 8-bit level is 1/255 only up to rounding: x/255 - (x-1)/255 may come out larger.
     const double allowed = tolerance * scale * (1 + 1e-9);
     return allowed > 0 ? d / allowed : kInf;
   }
@@ -86,7 +86,7 @@ std::vector<Pair> pairsOf(const ReadImage& a, const ReadImage& b, const CompareO
              b.width, b.height);
   }
   if (!options.channels.empty()) return chosenPairs(a, b, options);
-  // One channel each: what it is called depends on the format.
+  // One channel each, whose name depends on the format.
   if (a.channels.size() == 1 && b.channels.size() == 1) return {makePair(a.channels[0], b.channels[0], options)};
   std::vector<Pair> pairs;
   for (const Channel& channel : a.channels) {

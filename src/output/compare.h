@@ -1,4 +1,4 @@
-// How far two pictures are apart.
+// How much two pictures differ.
 #pragma once
 
 #include <optional>
@@ -20,8 +20,8 @@ struct CompareOptions {
 };
 
 struct Comparison {
-  // Of |a - b| over all compared values; where neither is finite and they are equal (or both NaN) it is 0, where they
-  // differ it is infinite: `maximum` is then infinite, mean and PSNR leave such values out and `unlike` counts them.
+  // |a - b| over all compared values. Non-finite values that are equal (or both NaN) count as 0, others as infinite:
+  // `maximum` is then infinite, mean and PSNR leave such values out and `unlike` counts them.
   double maximum = 0;
   double mean = 0;
   // Decibels: 10 log10(peak^2 / mean square); peak is the largest finite magnitude in the first picture, or 1 for PNG.
@@ -29,7 +29,7 @@ struct Comparison {
   double psnr = 0;
   uint64_t pixels = 0;  // in a picture
   uint64_t beyond = 0;  // pixels with a value beyond tolerance
-  uint64_t unlike = 0;  // values that are infinite or NaN in one picture only, or differently so
+  uint64_t unlike = 0;  // values that are infinite or NaN in only one picture, or differently so
   uint32_t worstX = 0, worstY = 0;
   std::string worstChannel;  // where `maximum` is
   double share() const { return pixels ? static_cast<double>(beyond) / static_cast<double>(pixels) : 0; }

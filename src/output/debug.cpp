@@ -25,7 +25,7 @@ Rgb fromHsv(float hue, float saturation, float value) {
   return {channel(5), channel(3), channel(1)};
 }
 
-// Ids are hashes already, but those of a few objects may be close: spread them (Knuth's multiplicative hash).
+// Ids are hashes already, but those of a few objects may be close, so spread them (Knuth's multiplicative hash).
 Rgb idColor(uint32_t id) {
   const uint32_t h = id * 2654435761u;
   const auto bits = [&](int shift, int count) {
@@ -51,7 +51,7 @@ auto depthColors(const AovImage& image) {
   const Range range = rangeOf(std::move(finite));
   return [&image, range](size_t i) -> std::optional<Rgb> {
     if (!std::isfinite(image.values[i])) return std::nullopt;
-    return cubehelix(0.95f - 0.7f * range.at(image.values[i]));  // the dark end is left to the background
+    return cubehelix(0.95f - 0.7f * range.at(image.values[i]));  // the dark end is for the background
   };
 }
 
@@ -67,8 +67,8 @@ auto normalColors(const AovImage& image) {
   };
 }
 
-// Where in the bounds a position is gives its colour; a three-dimensional chequer, about twelve cells along the longest
-// side and a power of ten of a metre in size, or half or a fifth of one, gives its scale.
+// The colour shows the position within the bounds; a three-dimensional checkerboard shows the scale: about twelve cells
+// along the longest side, each a power of ten metres in size, or half or a fifth of one.
 auto positionColors(const AovImage& image) {
   std::array<Range, 3> ranges{};
   for (size_t axis = 0; axis < 3; ++axis) {
@@ -88,7 +88,7 @@ auto positionColors(const AovImage& image) {
     bool dark = false;
     Rgb color{};
     for (size_t axis = 0; axis < 3; ++axis) {
-      // The offset keeps floors and walls, which like round numbers, away from the cells' sides.
+      // The offset keeps floors and walls, which tend to be at round numbers, away from the cells' sides.
       dark ^= odd(std::floor(p[axis] / cell + 0.37f));
       color[axis] = 0.2f + 0.8f * ranges[axis].at(p[axis]);
     }
@@ -126,14 +126,14 @@ auto greys(const AovImage& image) {
   return [&image](size_t i) -> std::optional<Rgb> { return Rgb{image.values[i], image.values[i], image.values[i]}; };
 }
 
-// A step of colour a doubling, so that one light and thousands both show; the same in every picture.
+// One colour step per doubling, so that one light and thousands are both visible; the same in every picture.
 auto countColors(const AovImage& image) {
   return [&image](size_t i) -> std::optional<Rgb> {
     return cubehelix(0.95f * std::min(std::log2(1 + std::max(image.values[i], 0.0f)) / 12, 1.0f));
   };
 }
 
-// 1 is dark, 4 and more are bright. A pixel may be shaded whose centre, where ids come from, is background.
+// 1 is dark, 4 and more are bright. A shaded pixel's centre, where ids come from, may be background.
 auto sampleColors(const AovImage& image) {
   return [&image](size_t i) -> std::optional<Rgb> {
     if (image.values[i] == 0) return std::nullopt;
@@ -148,7 +148,7 @@ auto idColors(const AovImage& image) {
   };
 }
 
-// The direction to the frame before as a hue (right is red, down is green and yellow), its length as brightness.
+// The direction to the previous frame as hue (right is red, down is green and yellow), its length as brightness.
 auto motionColors(const AovImage& image) {
   std::vector<float> lengths;
   for (size_t i = 0; i < image.values.size(); i += 4) {
@@ -178,7 +178,7 @@ Picture paint(const AovImage& image, const AovImage* ids, ColorOf&& colorOf) {
   return picture;
 }
 
-// These show something where the pixel's centre, which ids are of, is background.
+// These may have values where the pixel's centre, from which ids come, is background.
 bool coversMoreThanIds(Aov aov) {
   return aov == Aov::Color || aov == Aov::Samples || aov == Aov::Motion;
 }

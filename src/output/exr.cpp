@@ -70,7 +70,7 @@ glm::dmat4 ndcFromCamera(const CameraMetadata& camera, double width, double heig
         glm::dvec4(from[0], from[1], camera.orthographic ? 0 : from[2], camera.orthographic ? from[2] : 0) / size;
   }
   if (!camera.orthographic) {
-    rows[2] = glm::dvec4(0, 0, 0, 1);  // z is of no meaning here; this keeps the matrix invertible
+    rows[2] = glm::dvec4(0, 0, 0, 1);  // z has no meaning here; this keeps the matrix invertible
     rows[3] = glm::dvec4(k[6], k[7], k[8], 0);
   }
   return glm::transpose(rows);
@@ -155,7 +155,7 @@ Imf::Header headerOf(std::span<const AovImage* const> images, const Metadata& me
 }
 
 half halfOf(float value) {
-  // Finite light stays finite: an overflow to infinity would spread over whatever filters it.
+  // Finite light stays finite: infinity would spread through any filter.
   if (std::isfinite(value)) value = std::clamp(value, -65504.0f, 65504.0f);
   return half(value);
 }
@@ -174,7 +174,7 @@ void addSlices(Imf::FrameBuffer& buffer, const AovImage& image, const void* data
   const size_t bytes = entry.exr == ExrType::Half ? 2 : 4;
   const size_t xStride = bytes * entry.channels;
   for (uint32_t c = 0; c < entry.channels; ++c) {
-    // OpenEXR takes writable pointers for reading files; writing only reads them.
+    // OpenEXR's pointers are writable, for reading files; writing only reads them.
     char* base = const_cast<char*>(static_cast<const char*>(data)) + bytes * c;
     buffer.insert(std::string(entry.exrChannels[c]),
                   Imf::Slice(pixelType(entry.exr), base, xStride, xStride * image.width));

@@ -37,7 +37,7 @@ class MemoryIn : public Imf::IStream {
 // The pixels of one channel, 32 bits each: unsigned integers, or floats (which hold any half exactly).
 using Plane = std::vector<uint32_t>;
 
-// All channels at once: each pass over the file decompresses all of it.
+// All channels at once, since each pass over the file decompresses all of it.
 std::vector<Plane> readPlanes(Imf::InputFile& file, const ReadImage& image) {
   const Imath::Box2i window = file.header().dataWindow();
   std::vector<Plane> planes(image.channels.size(), Plane(size_t{image.width} * image.height));

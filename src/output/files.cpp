@@ -35,7 +35,7 @@ std::string fileSafe(std::string name, std::string_view fallback) {
   return name.empty() ? std::string(fallback) : name;
 }
 
-// What stands in the pattern's braces, by name; throws for an unknown one.
+// Replaces the pattern's placeholders, by name; throws for an unknown one.
 template <typename ValueOf>
 std::string fillIn(std::string_view pattern, ValueOf&& valueOf) {
   std::string result;
@@ -79,8 +79,8 @@ void checkPng(std::span<const Aov> aovs) {
   }
 }
 
-// The folder that has to be there before rendering: above the first one that a name is filled into; of a sequence, the
-// lowest that is there.
+// The folder that must exist before rendering: above the first one with a placeholder; for a sequence, the deepest
+// existing one.
 fs::path standingFolder(const fs::path& pattern) {
   fs::path folder;
   for (const fs::path& part : pattern.parent_path()) {
@@ -142,7 +142,7 @@ fs::path fillPattern(std::string_view pattern, std::string_view aov, const Metad
 }
 
 void makeFilledFolders(const fs::path& pattern, const fs::path& path) {
-  std::error_code ignored;  // writing says what is wrong
+  std::error_code ignored;  // writing reports what is wrong
   if (pattern.parent_path().string().find('{') != std::string::npos || hasPlaceholder(pattern.string(), "frame"))
     fs::create_directories(path.parent_path(), ignored);
 }
@@ -188,7 +188,7 @@ std::vector<fs::path> writeOutput(const OutputRequest& request, const FrameOutpu
           encode(format, together ? std::span(request.aovs) : std::span(request.aovs).subspan(i, 1), frame, metadata));
   if (wantsSideFile(request)) {
     const fs::path& side = paths.back();
-    std::vector<std::string> names;  // one an AOV, as seen from the side file
+    std::vector<std::string> names;  // one per AOV, relative to the side file
     for (size_t i = 0; i < request.aovs.size(); ++i)
       names.push_back(paths[together ? 0 : i].lexically_proximate(side.parent_path()).generic_string());
     const std::string text = sideFile(metadata, frame.width, frame.height, request.aovs, names);

@@ -1,4 +1,4 @@
-// From a rendered frame to files: which, named how, in what format.
+// From a rendered frame to files: their names and formats.
 #pragma once
 
 #include <filesystem>
@@ -15,15 +15,15 @@ namespace latelight::output {
 enum class Format { Png, Exr, Npy };
 
 struct OutputRequest {
-  // The ending picks the format: .png, .exr, .npy. {aov}, {frame}, {camera} and {scene} are filled in; other braces are
-  // an error. Several AOVs go into one .exr, or into one file each where the pattern says {aov}; .png and .npy hold one
-  // each, so without {aov} the AOV's name is put before the ending: out.depth.png; colour stays out.png.
-  // Folders named by braces are made, and all where the pattern says {frame}; others must be there. "-" is standard
-  // output: a PNG of the first AOV.
+  // The extension picks the format: .png, .exr, .npy. {aov}, {frame}, {camera} and {scene} are filled in; other braces
+  // are an error. Several AOVs go into one .exr, or into one file each where the pattern says {aov}; .png and .npy hold
+  // one each, so without {aov} the AOV's name is inserted before the extension: out.depth.png; colour stays out.png.
+  // Folders from the first placeholder on are created, and all where the pattern has {frame}; others must exist. "-" is
+  // standard output: a PNG of the first AOV.
   std::string pattern;
   std::vector<Aov> aovs{Aov::Color};
-  // The JSON side file: pattern with .json for its ending and "meta" for {aov}. Unset: if any AOV but color is asked
-  // for. Never with "-".
+  // The JSON side file: the pattern with .json as its extension and "meta" for {aov}. Unset: if any AOV but color is
+  // asked for. Never with "-".
   std::optional<bool> sideFile;
 };
 
@@ -36,27 +36,27 @@ struct FrameOutput {
   std::vector<uint8_t> display;
 };
 
-// The format that the pattern's ending picks. Throws Error(Usage) that names the three.
+// The format by the pattern's extension. Throws Error(Usage) that names the three.
 Format formatOf(std::string_view pattern);
 
-// Whether colour leaves at all, and as FrameOutput::display (PNG), not as the Color AOV.
+// Whether colour is output, and as FrameOutput::display (PNG), not as the Color AOV.
 bool usesDisplay(const OutputRequest& request);
 
-// The path of one output: what stands in the pattern's braces filled in.
+// The path of one output: the pattern with its placeholders filled in.
 std::filesystem::path fillPattern(std::string_view pattern, std::string_view aov, const Metadata& metadata);
 
-// Makes those folders of a path so filled in that need not be there.
+// Creates the folders of such a path that need not exist.
 void makeFilledFolders(const std::filesystem::path& pattern, const std::filesystem::path& path);
 
-// Throws Error(Usage) for whatever can be known to go wrong before rendering: ending, placeholders, an AOV that the
-// format does not offer, a folder that is missing or can't be written to.
+// Throws Error(Usage) for errors that can be found before rendering: the extension, placeholders, an AOV that the
+// format does not support, a folder that is missing or can't be written to.
 void checkOutput(const OutputRequest& request);
 
-// What writeOutput writes: one path an AOV, or one for all, then the side file's. None for "-".
+// The files that writeOutput writes: one path per AOV, or one for all, then the side file's. None for "-".
 std::vector<std::filesystem::path> outputPaths(const OutputRequest& request, const Metadata& metadata);
 
 // Writes all files, each whole or not at all, and returns their paths (the side file last; none for "-").
-// Throws Error(Usage) where one can't be written; then this call's other files may be there already.
+// Throws Error(Usage) where one can't be written; other files of this call may then exist already.
 std::vector<std::filesystem::path> writeOutput(const OutputRequest& request, const FrameOutput& frame,
                                                const Metadata& metadata);
 

@@ -10,7 +10,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Straight into the vector that an ordered_json object is, because [] searches it each time. Ids are unique.
+// Directly into the vector underlying an ordered_json object, because [] searches it each time. Ids are unique.
 void append(Json::object_t& object, uint32_t id, Json value) {
   static_cast<std::vector<Json::object_t::value_type>&>(object).emplace_back(std::to_string(id), std::move(value));
 }

@@ -1,4 +1,4 @@
-// The id manifest: what the ids in a picture stand for.
+// The id manifest: the meaning of the ids in a picture.
 #pragma once
 
 #include <cstdint>
@@ -19,15 +19,15 @@ struct IdPart {
   uint32_t material = 0;         // its id
 };
 
-// A node with all that has its id: its own parts, and in a group those of the nodes below it.
+// A node with all parts that have its id: its own, and in a group those of the nodes below it.
 struct IdEntry {
   uint32_t id = 0;
   std::string node;              // the node's path
   std::optional<uint32_t> copy;  // which one, where copies have ids of their own
-  uint32_t parent = 0;           // the id that the node hangs below; 0: it is a root
+  uint32_t parent = 0;           // the id of the node's parent; 0: it is a root
   std::string mesh;              // the node's own; empty: it has none
   bool skinned = false;          // a skin moves one of its parts
-  std::vector<IdPart> parts;     // in the scene's order; none: it is listed because others hang below it
+  std::vector<IdPart> parts;     // in scene order; empty: listed because it has descendants with parts
 };
 
 struct IdMaterial {
@@ -37,17 +37,17 @@ struct IdMaterial {
 };
 
 struct IdManifest {
-  // Each by ascending ids.
+  // Each sorted by id.
   std::vector<IdEntry> ids;
   std::vector<IdMaterial> materials;
 
   bool empty() const { return ids.empty(); }
-  // The names of those of an entry's parts, without repeats, in their order.
+  // The names of the materials of an entry's parts, without repeats, in order.
   std::vector<std::string> materialsOf(const IdEntry& entry) const;
 };
 
 // {"<id>": {"node": ..., "parent": ..., "mesh": ..., "materials": [...], "skinned": ..., "parts": [...]}, ...}, ids in
-// decimal; of copies "copy", too.
+// decimal; copies also have "copy".
 nlohmann::ordered_json describeIds(const IdManifest& manifest);
 // {"<id>": {"name": ..., "index": ...}, ...}
 nlohmann::ordered_json describeMaterials(const IdManifest& manifest);

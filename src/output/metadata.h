@@ -1,4 +1,4 @@
-// What a reader of the files has to know besides the pixels, and the JSON side file that says it.
+// Everything that a reader of the files must know besides the pixels, and the JSON side file with it.
 #pragma once
 
 #include <array>
@@ -15,11 +15,12 @@ namespace latelight::output {
 
 struct CameraMetadata {
   std::string name;
-  // A point (x, y, z) of the camera frame is seen at pixel ((K row 0).p / w, (K row 1).p / w), w = (K row 2).p; for an
-  // orthographic camera K multiplies (x, y, 1) instead. Row-major, pixels. Pixel centres are at half-integers: that of
-  // the first pixel, top left, is (0.5, 0.5), so a centred principal point is (width / 2, height / 2).
+  // A point (x, y, z) in the camera frame is seen at pixel coordinate ((K row 0).p / w, (K row 1).p / w), w = (K row
+  // 2).p; for an orthographic camera K multiplies (x, y, 1) instead. Row-major, pixels. Pixel centres are at
+  // half-integers: that of the first pixel, top left, is (0.5, 0.5), so a centred principal point is (width / 2, height
+  // / 2).
   std::array<double, 9> intrinsics{1, 0, 0, 0, 1, 0, 0, 0, 1};
-  glm::dmat4 cameraToWorld{1};  // column vectors; of the camera frame that `convention` names
+  glm::dmat4 cameraToWorld{1};  // for column vectors, in the camera frame that `convention` names
   // "opencv": X right, Y down, Z forward. "opengl": X right, Y up, Z backward.
   std::string convention = "opencv";
   bool orthographic = false;
@@ -34,7 +35,7 @@ struct Metadata {
   std::string scene;         // the scene's name: {scene}
   std::string source;        // what the user named
   uint32_t frame = 0;        // {frame}
-  uint32_t frameDigits = 4;  // that it is written with, zeros before
+  uint32_t frameDigits = 4;  // width of the frame number, zero-padded
   CameraMetadata camera;
   // The frame that positions and poses are in: "gltf" (X right, Y up, Z towards the viewer) or "z-up".
   std::string axes = "gltf";
@@ -43,12 +44,12 @@ struct Metadata {
   float exposure = 1;  // linear factor that colour was multiplied by
   DeviceMetadata device;
   std::map<std::string, std::string> versions;  // program, API, ...
-  std::map<std::string, std::string> settings;  // what the picture depends on, as on the command line
+  std::map<std::string, std::string> settings;  // the options that the picture depends on, as on the command line
   IdManifest ids;                               // may be left empty where no output holds ids
 };
 
-// The whole side file as JSON text. The same input gives the same bytes. `files` are the names of what was written, one
-// an AOV, relative to the side file.
+// The whole side file as JSON text. The same input gives the same bytes. `files` are the names of the files written,
+// one per AOV, relative to the side file.
 std::string sideFile(const Metadata& metadata, uint32_t width, uint32_t height, std::span<const Aov> aovs,
                      std::span<const std::string> files);
 

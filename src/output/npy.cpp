@@ -53,7 +53,7 @@ class HeaderReader {
   }
 
  private:
-  // Where the text begins; sets text_.
+  // Finds the beginning of the text; sets text_.
   size_t find() {
     if (bytes_.size() < 12) broken("it ends in its header");
     const size_t lengthBytes = bytes_[6] == 1 ? 2 : 4;

@@ -11,7 +11,7 @@
 
 namespace latelight::output {
 
-// What the stored numbers mean.
+// The meaning of the stored numbers.
 enum class PngLight { Srgb, Data };
 
 // Rows of `channels` (1 grey, 2 grey and alpha, 3 RGB, 4 RGBA) times `bits` / 8 bytes, 16 bit in the machine's order.
@@ -19,7 +19,7 @@ enum class PngLight { Srgb, Data };
 std::vector<std::byte> encodePng(uint32_t width, uint32_t height, uint32_t channels, uint32_t bits,
                                  const std::byte* pixels, PngLight light);
 
-// An AOV by its PngCoding. Colour is taken out of premultiplied alpha and clamped. The AOV must have a coding.
+// An AOV by its PngCoding. Colour is un-premultiplied and clamped. The AOV must have a coding.
 std::vector<std::byte> encodePng(const AovImage& image);
 std::vector<std::byte> encodePng(const Picture& picture);
 

@@ -1,4 +1,4 @@
-// How the numbers of an AOV become those of a PNG file: PngCoding, one function each.
+// Converts the numbers of an AOV to those of a PNG file: one function per PngCoding.
 #include <algorithm>
 #include <cmath>
 

@@ -15,7 +15,7 @@ struct Layout {
   uint32_t channels, bytes;
 };
 
-// What libspng is to decode to: palettes, less than 8 bits and transparent colours are expanded.
+// The format that libspng decodes to: palettes, less than 8 bits and transparent colours are expanded.
 Layout layoutOf(spng_ctx* context, const spng_ihdr& header) {
   spng_trns transparent{};
   const bool keyed = spng_get_trns(context, &transparent) == SPNG_OK;
@@ -36,8 +36,7 @@ Layout layoutOf(spng_ctx* context, const spng_ihdr& header) {
   }
 }
 
-// Deflate packs at most 1032 bytes into one: a header that promises more is broken, and memory for it would be asked
-// for in vain.
+// Deflate packs at most 1032 bytes into one: a header that promises more is broken, and memory for it would be wasted.
 bool canHold(size_t fileBytes, const spng_ihdr& header) {
   constexpr uint64_t kSamples[] = {1, 0, 3, 1, 2, 0, 4};  // of a pixel, by colour type
   const uint64_t bits = kSamples[header.color_type] * header.bit_depth;
@@ -54,7 +53,7 @@ ReadImage decodePng(std::span<const std::byte> bytes, const std::filesystem::pat
   };
   const std::unique_ptr<spng_ctx, decltype(&spng_ctx_free)> context(spng_ctx_new(0), spng_ctx_free);
   if (!context) throw std::bad_alloc();
-  constexpr size_t kMostInChunk = size_t{16} << 20;  // of text, profiles, ...: deflated ones can grow a thousandfold
+  constexpr size_t kMostInChunk = size_t{16} << 20;  // of text, profiles, ...: compressed ones can grow a thousandfold
   check(spng_set_chunk_limits(context.get(), kMostInChunk, 4 * kMostInChunk));
   check(spng_set_png_buffer(context.get(), bytes.data(), bytes.size()));
   spng_ihdr header{};

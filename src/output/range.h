@@ -1,4 +1,4 @@
-// The range of values that a picture of data shows.
+// The range of values shown in a picture of data.
 #pragma once
 
 #include <algorithm>

@@ -12,7 +12,7 @@ namespace latelight::output {
 enum class ChannelType : uint8_t { Unorm8, Unorm16, Half, Float, Double, Integer };
 
 struct Channel {
-  // EXR: its own. PNG, and NPY of up to four channels: Y; Y A; R G B; R G B A. NPY of more: "0", "1", ...
+  // EXR: its own. PNG, and NPY of up to four channels: Y; Y A; R G B; R G B A. NPY with more: "0", "1", ...
   std::string name;
   ChannelType type = ChannelType::Float;
   // Unorm8 and Unorm16 (PNG) are in [0, 1]; everything else is the stored number, exactly.
@@ -26,7 +26,7 @@ struct ReadImage {
 };
 
 // Reads any PNG, a single-part EXR of scan lines or tiles (luminance-chroma and deep ones excepted), or an NPY of shape
-// (H, W) or (H, W, C); told by their first bytes, not by name. Throws Error(BadInput) naming the file and what is
+// (H, W) or (H, W, C); recognized by their first bytes, not by name. Throws Error(BadInput) naming the file and what is
 // wrong.
 ReadImage readImage(const std::filesystem::path& path);
 

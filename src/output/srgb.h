@@ -1,4 +1,4 @@
-// The sRGB transfer function (IEC 61966-2-1), for pictures on their way out.
+// The sRGB transfer function (IEC 61966-2-1), for output pictures.
 #pragma once
 
 #include <array>

@@ -44,7 +44,7 @@ bool isAlpha(const Described& part) {
 
 struct Scale {
   std::function<float(float)> apply;
-  std::string note;  // of what was done to the values, for the label
+  std::string note;  // how the values were scaled, for the label
 };
 
 Scale floatScale(const std::vector<float>& values, bool color) {
@@ -76,7 +76,7 @@ Scale scaleOf(TargetKind kind, const std::vector<float>& values, bool alpha) {
     default:
       break;
   }
-  // Small codes, of ids for example, would all look black.
+  // Small codes, such as ids, would all look black.
   const float most = values.empty() ? 0 : *std::max_element(values.begin(), values.end());
   if (alpha && most > 0 && most <= 16 / 255.0f)
     return {[most](float x) { return x / most; }, fmt::format("white is {:.0f} / 255", most * 255)};

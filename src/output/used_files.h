@@ -1,4 +1,4 @@
-// What a command reads and writes, so that nothing is written over what it read or has just written.
+// The files that a command reads and writes, so that it never overwrites its inputs or its other outputs.
 #pragma once
 
 #include <filesystem>
@@ -14,8 +14,8 @@ class UsedFiles {
  public:
   explicit UsedFiles(std::span<const std::filesystem::path> inputs);
 
-  // Throws Error(Usage) where one of these, whatever it is called and through whatever links, is an input, or where two
-  // of them are one file. "-", an empty name and devices are no files.
+  // Throws Error(Usage) where one of these, through any name or link, is an input, or where two of them are the same
+  // file. "-", an empty name and devices don't count as files.
   void checkOutputs(std::span<const std::filesystem::path> outputs);
 
  private:

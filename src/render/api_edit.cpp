@@ -1,4 +1,4 @@
-// The public API's edits: handles, units and frames of latelight.h become those of scene/edit.h.
+// The public API's edits: converts handles, units and frames of latelight.h to those of scene/edit.h.
 #include <atomic>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
@@ -82,7 +82,7 @@ Material publicMaterial(const scene::Material& from) {
   return out;
 }
 
-// `like`: whose textures it has.
+// `like`: the material whose textures it keeps.
 scene::Material internalMaterial(const Material& from, const scene::Material& like) {
   scene::Material out = like;
   out.name = from.name;
@@ -139,8 +139,8 @@ vec3 unitDirection(const Light& light) {
   return vec3(direction / length);
 }
 
-// `like`: as it was, which keeps its node where it is not moved. It is that of its own file, so that a direction that
-// was read comes back as it is.
+// `like`: the light before the edit, in its file's frame. It keeps its node where it is not moved, and a direction that
+// was read comes back unchanged.
 scene::Light internalLight(const Light& from, const scene::Scene& scene, const scene::Light& like = {}) {
   const mat4 toWorld = worldFromFile(scene);
   const std::optional<uint32_t> type = scene::findLightType(from.type);
@@ -213,7 +213,7 @@ scene::Mesh internalMesh(const MeshData& from) {
 
 namespace {
 
-// `generation`: that of the place's element now.
+// `generation`: that of the slot's current element.
 template <typename Element>
 uint32_t indexOf(Handle<Element> handle, uint32_t scene, size_t count, uint32_t generation, const char* what) {
   if (handle.scene == 0) badUsage("the handle of {} is empty: take one from the scene", what);

@@ -1,4 +1,4 @@
-// What the public API's scene hides.
+// The private part of the public API's scene.
 #pragma once
 
 #include <latelight/latelight.h>
@@ -11,9 +11,9 @@ struct Scene::Impl {
   scene::Scene scene;
   std::vector<Camera> cameras{};
   std::vector<Animation> animations{};
-  uint32_t number = nextNumber();  // that its handles know it by
+  uint32_t number = nextNumber();  // by which its handles know it
 
-  // Of an element that is there; throws Error(Usage) for a handle of none.
+  // The index of an existing element; throws Error(Usage) for any other handle.
   uint32_t index(Handle<Instance> instance) const;
   uint32_t index(Handle<Material> material) const;
   uint32_t index(Handle<Light> light) const;

@@ -42,15 +42,15 @@ bool overflowed(const std::vector<Overflow::Check>& checks, const graph::Submiss
 
 namespace {
 
-// One texel where lights are not counted: shaders that could count must have something bound.
+// One texel where lights are not counted: shaders that can count need something bound.
 graph::ImageId createCounts(const FrameContext& f) {
   if (f.setup.countLights) return createTarget(f, kCountsFormat, "light counts");
   return f.graph.create(
       vk::ImageDesc{.format = kCountsFormat, .width = 1, .height = 1, .layers = 1, .name = "no light counts"});
 }
 
-// lavapipe ends a shader's loops after 65535 rounds, all loops together, without a word: one round for each light that
-// reaches a subgroup, and up to two to find it where a fragment shader has few lanes. The others would be missing.
+// lavapipe silently ends a shader's loops after 65535 iterations, all loops together: one for each light that reaches a
+// subgroup, and up to two to find it where a fragment shader has few lanes. The remaining lights would be missing.
 void refuseTooManyEndless(const FrameContext& f) {
   constexpr uint32_t kMost = 20'000;  // for one sample a pixel
   const uint32_t most = kMost / f.setup.samples, endless = f.scene.lights().endless();
@@ -70,7 +70,8 @@ graph::ImageId addShadows(const FrameContext& f) {
 
 }  // namespace
 
-// The sun's shadow has one value a pixel, and edges of several samples need more: they look it up where they are lit.
+// The G-buffer holds one value of the sun's shadow per pixel, and multisampled edges need more: they look it up when
+// lit.
 bool keepsSun(const FrameSetup& setup) {
   return setup.shadowFormat && !setup.lighting->forward && setup.layout->sunTarget >= 0 && setup.samples == 1;
 }

@@ -21,11 +21,11 @@ struct FrameSetup;
 struct FrameShadows;
 struct Overflow;
 
-// Of a buffer of views: shaders read it by address, and draws as a vertex buffer.
+// Usage of a buffer of views: shaders read it by address, and draws as a vertex buffer.
 inline constexpr VkBufferUsageFlags kViewUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT;
 
-// A frame that is being built: one scene seen by V views, each a layer of every target. Passes refer to it until their
-// graph has been submitted.
+// A frame being built: one scene seen by V views, each a layer of every target. Passes refer to it until their graph
+// has been submitted.
 struct FrameContext : Builder {
   const GpuScene& scene;
   const GpuEnvironment& environment;
@@ -36,13 +36,13 @@ struct FrameContext : Builder {
   VkBuffer viewBuffer;                  // its View[], to draw with
   uint32_t width, height;
   std::span<const shared::Light> lights;  // those of the constants, on the host
-  bool environmentBackground = false;     // draw the environment where nothing else is
+  bool environmentBackground = false;     // draw the environment where nothing else is drawn
   float aoRadius = 0, aoStrength = 1;     // ambient occlusion: metres, exponent
   FrameShadows* shadows = nullptr;        // null: nothing casts any
-  Overflow* overflow = nullptr;           // what passes have guessed the size of; null where none does
+  Overflow* overflow = nullptr;           // buffers whose size passes have to guess; null where there are none
 
   uint32_t viewCount() const { return static_cast<uint32_t>(views.size()); }
-  glm::uvec3 pixels() const { return {width, height, viewCount()}; }  // of a dispatch over all views
+  glm::uvec3 pixels() const { return {width, height, viewCount()}; }  // the size of a dispatch over all views
 };
 
 // An image as large as the frame, with a layer a view.
@@ -56,8 +56,8 @@ struct Gbuffer {
   graph::ImageId lightCounts;       // lights tested and used (kCountsFormat); one texel where they are not counted
   graph::ImageId shadows;           // the atlas of shadow maps; none where nothing casts shadows
   graph::ImageId ambientOcclusion;  // visible share of the hemisphere; none where the setup has none
-  // With several samples a pixel the targets have them, and these two, which the geometry pass draws to; `depth` and
-  // `light` keep one a pixel, so that what comes after lighting need not know. With one sample they are the same
+  // With several samples a pixel, the targets and these two, which the geometry pass draws to, are multisampled;
+  // `depth` and `light` keep one sample, so that passes after lighting need not know. With one sample they are the same
   // images.
   graph::ImageId sampleDepth, sampleLight;
   graph::ImageId surfaces;  // of pixels, by their samples (kSurfacesFormat); none with one sample, or no targets
@@ -66,17 +66,17 @@ struct Gbuffer {
 // How blended surfaces are drawn (render/transparency).
 struct TransparencySetup {
   uint32_t method = 0;      // kTransparency*
-  bool everyLight = false;  // go through all lights, not through those that the light tree has near: the reference
-  uint64_t most = 0;        // fragments that `exact` may keep; 0: as many as the device takes
+  bool everyLight = false;  // loop over all lights instead of walking the light tree: the reference
+  uint64_t most = 0;        // limit on the fragments that `exact` keeps; 0: that of the device
   bool operator==(const TransparencySetup&) const = default;
 };
 
-// The form of a shader that draws to or reads targets of several samples a pixel.
+// The shader variant that draws to or reads multisampled targets.
 inline std::string shaderVariant(const std::string& shader, uint32_t samples) {
   return samples > 1 ? shader + "+msaa" : shader;
 }
 
-// The choices of a frame that its shaders are compiled for.
+// The settings of a frame for which its shaders are specialized.
 struct FrameSetup {
   const Layout* layout = nullptr;
   uint32_t normalEncoding = 0;  // kNormal_*
@@ -95,9 +95,10 @@ struct FrameSetup {
   uint32_t shadowFilter = 0;  // kShadowFilter*
   bool sunInGbuffer = false;  // the layout's sunTarget is filled, and lighting reads the sun's shadow there
   uint32_t samples = 1;       // a pixel: 1 or 4
-  bool everySample = false;   // each is shaded, alike or not: the reference
+  bool everySample = false;   // each is shaded, even if they are alike: the reference
 
-  // Of every shader that includes render/glsl/setup.glsl; a shader's own start at kFirstOwnConstant.
+  // Specialization constants of every shader that includes render/glsl/setup.glsl; a shader's own start at
+  // kFirstOwnConstant.
   std::vector<vk::Constant> constants() const;
   std::string variant(const std::string& shader) const { return shaderVariant(shader, samples); }
 };
@@ -105,20 +106,21 @@ bool keepsSun(const FrameSetup& setup);  // what FrameSetup::sunInGbuffer is to 
 inline constexpr uint32_t kFirstOwnConstant = 16;
 inline constexpr VkFormat kCountsFormat = VK_FORMAT_R32G32B32A32_SFLOAT;  // r: lights tested, g: lights used
 
-// Buffers whose size only the device finds out. One that overflows leaves the picture incomplete: it grows, and the
-// same graph is built and run again.
+// Buffers whose required size is known only on the device. After an overflow the picture is incomplete: the buffer
+// grows, and the same graph is built and run again.
 struct Overflow {
   uint64_t fragments = 0;    // room for blended fragments; 0: one a pixel
   uint32_t longestList = 0;  // of one pixel's fragments, a power of two
-  // Of the graph that is being built. After it has run: true where something overflowed, after making room for it.
+  // Checks of the graph being built, to be called after it has run. Each returns true if something overflowed, after
+  // making room for it.
   using Check = std::function<bool(const graph::Submission& done)>;
   std::vector<Check> checks;
 };
 
-// Whether any of a graph's checks says so; waits for it.
+// Whether anything in the graph overflowed; waits for the graph.
 bool overflowed(const std::vector<Overflow::Check>& checks, const graph::Submission& done);
 
-// What leaves a frame.
+// The outputs of a frame.
 struct LitFrame {
   graph::ImageId picture;      // linear radiance times exposure, premultiplied; alpha 1 where something is drawn
   graph::ImageId lightCounts;  // as Gbuffer::lightCounts
@@ -127,9 +129,9 @@ struct LitFrame {
 
 // Adds the passes of a frame.
 LitFrame addFrame(const FrameContext& f);
-// The same but for blended surfaces, which are in no G-buffer and in no count.
+// The same without blended surfaces, which are in no G-buffer and in no count.
 LitFrame addOpaque(const FrameContext& f);
-// The same with depth that is there already.
+// The same with existing depth.
 LitFrame addLit(const FrameContext& f, graph::ImageId depth);
 
 }  // namespace latelight::render

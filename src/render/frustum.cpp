@@ -20,7 +20,7 @@ Frustum::Frustum(const shared::View& view)
   up_ = {0.5f * view.size.y * p.V, 0.5f * view.size.y * (1 + p.Z)};
 }
 
-// A pixel's centre lies at every whole number and a half. Rasterisers move corners by up to a sixteenth of a pixel.
+// Pixel centres are at half-integer coordinates. Rasterisers move vertices by up to a sixteenth of a pixel.
 bool Frustum::holdsCentre(const Axis& axis, float at, float depth, float radius) const {
   constexpr float kMoved = 0.125f;
   float low = at - radius, high = at + radius;
@@ -32,12 +32,12 @@ bool Frustum::holdsCentre(const Axis& axis, float at, float depth, float radius)
   }
   low = axis.offset + axis.scale * low - kMoved;
   high = axis.offset + axis.scale * high + kMoved;
-  return !(std::ceil(low - 0.5f) > std::floor(high - 0.5f));  // true for what is not a number
+  return !(std::ceil(low - 0.5f) > std::floor(high - 0.5f));  // true for NaN
 }
 
 bool Frustum::holdsCentre(const Sphere& sphere) const {
   const glm::vec3 c = worldToView_ * glm::vec4(sphere.centre, 1.0f);
-  // Far from the origin the places of vertices are rounded by more than small things are large.
+  // Far from the origin the rounding of vertex positions exceeds the size of small objects.
   constexpr float kRounding = 1e-6f;
   const glm::vec3 size = glm::abs(sphere.centre) + glm::abs(worldToView_[3]);
   const float radius = sphere.radius + kRounding * (size.x + size.y + size.z);

@@ -1,4 +1,4 @@
-// What a view may see, for culling on the host.
+// The part of the world that a view may see, for culling on the host.
 #pragma once
 
 #include <array>
@@ -16,8 +16,8 @@ struct Sphere {  // world space, metres
 class Frustum {
  public:
   explicit Frustum(const shared::View& view);
-  bool touches(const Sphere& sphere) const;  // never false for a sphere of which something shows
-  // Whether the centre of a pixel may lie in what the sphere covers; never false where one does.
+  bool touches(const Sphere& sphere) const;  // never false for a partly visible sphere
+  // Whether the sphere may cover a pixel centre; never false where it does.
   bool holdsCentre(const Sphere& sphere) const;
 
  private:

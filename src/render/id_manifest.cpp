@@ -47,7 +47,7 @@ class Collector {
     return manifest_.ids[place->second];
   }
 
-  // The node that its id belongs to, and all above it.
+  // Adds the node that owns this node's id, and all its ancestors.
   void addNode(uint32_t index) {
     for (int above = int(index); above >= 0;) {
       const scene::Node& node = scene_.nodes[owners_[size_t(above)]];
@@ -59,8 +59,8 @@ class Collector {
   }
 
   const scene::Scene& scene_;
-  std::vector<uint32_t> owners_;                 // of each node, the topmost of those that share its id
-  std::unordered_map<uint32_t, size_t> places_;  // of ids in manifest_.ids
+  std::vector<uint32_t> owners_;                 // for each node, the topmost of those that share its id
+  std::unordered_map<uint32_t, size_t> places_;  // indices of ids in manifest_.ids
   output::IdManifest manifest_;
 };
 

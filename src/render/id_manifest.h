@@ -1,4 +1,4 @@
-// The id manifest of a scene: every id that a picture of it may hold, and the nodes that those hang below.
+// The id manifest of a scene: every id that a picture of it may contain, and the ancestors of their nodes.
 #pragma once
 
 #include "output/id_manifest.h"

@@ -41,19 +41,19 @@ uint64_t spread(uint64_t x) {
   return (x | x << 2) & 0x1249249249249249u;
 }
 
-// Lights of alike radius, each class four times the next, largest first: one large light among small ones would make
-// every box above it large. Metres, whatever the scene, so that one far light more doesn't reorder the others.
+// Classes of similar radius, each four times the next, largest first: one large light among small ones would enlarge
+// every box above it. Absolute, in metres, so that adding one distant light doesn't reorder the others.
 uint64_t radiusClass(float radius) {
   return static_cast<uint64_t>(15 - (std::clamp(std::ilogb(radius), -12, 19) + 12) / 2);
 }
 
 struct Key {
-  uint64_t code;  // radius class, then place along a Morton curve
+  uint64_t code;  // radius class, then position along a Morton curve
   uint32_t light;
   bool operator<(const Key& other) const { return code != other.code ? code < other.code : light < other.light; }
 };
 
-struct Curve {  // through cubes of one size: a flat scene's lights get no flat boxes
+struct Curve {  // over cubes: a flat scene's lights get no flat boxes
   vec3 low;
   float scale;
 
@@ -71,7 +71,7 @@ struct Curve {  // through cubes of one size: a flat scene's lights get no flat 
   }
 };
 
-// Chunks sorted, then merged two by two. No two keys are equal, so that there is one result.
+// Chunks are sorted, then merged two by two. No two keys are equal, so the result is unique.
 void sortOnAllCores(std::vector<Key>& keys) {
   constexpr size_t kChunk = 1 << 15;
   const auto place = [&](size_t chunk, size_t size) {
@@ -131,7 +131,7 @@ void buildNodes(LightTree& tree) {
   for (size_t room = kLightTreeWidth; room < leaves; room *= kLightTreeWidth)
     firstOfLevel = kLightTreeWidth * (firstOfLevel + 1);
   tree.firstLeaf = static_cast<uint32_t>(firstOfLevel);
-  // Whole groups of siblings, and the root's even where there is no light.
+  // Whole groups of siblings; the root's exists even where there is no light.
   tree.nodes.assign(firstOfLevel + kLightTreeWidth * std::max<size_t>(groupsOf(leaves), 1), kEmpty);
   const Light* lights = tree.lights.data() + tree.directionalLights;
   boundGroups(&tree.nodes[firstOfLevel], leaves, local, [&](size_t i) { return lightBox(lights[i]); });
@@ -145,22 +145,22 @@ void buildNodes(LightTree& tree) {
 }  // namespace
 
 LightBox lightBox(const Light& light) {
-  std::array<vec3, 2> extent{vec3(1), vec3(1)};  // towards + and -, in reaches
+  std::array<vec3, 2> extent{vec3(1), vec3(1)};  // towards + and -, in radii
   if (shared::lightHasCone(light.type)) {
     const double outer = std::acos(std::clamp(-double{light.spotOffset} / light.spotScale, -1.0, 1.0));
     for (int side = 0; side < 2; ++side)
       for (int i = 0; i < 3; ++i) {
-        // The direction in the cone that comes nearest to the axis; negative if none comes near.
+        // The cosine between the axis and the cone's nearest direction; negative if that points away.
         const double axis =
             std::acos(std::clamp(double{side == 0 ? light.direction[i] : -light.direction[i]}, -1.0, 1.0));
         extent[side][i] = axis <= outer ? 1.0f : static_cast<float>(std::cos(axis - outer));
       }
   }
-  // Rounding, in what the device computes too: of the direction's length, of the radius, and of positions far out.
+  // Slack for rounding, also on the device: of the direction's length, of the radius, and of positions far from the
+  // origin.
   const vec3 slack = glm::abs(light.position) * 1e-6f;
   const auto metres = [&](vec3 reaches) {
-    // Where no direction in the cone comes near, the apex is farthest out. (0 times an infinite radius would be no
-    // number.)
+    // Where the whole cone points away, its apex is the extreme point. (0 times an infinite radius would be NaN.)
     for (int i = 0; i < 3; ++i) reaches[i] = reaches[i] > -5e-4f ? (reaches[i] + 5e-4f) * light.radius : 0.0f;
     return reaches;
   };

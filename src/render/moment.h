@@ -1,4 +1,4 @@
-// When a picture is made.
+// The moment that a picture shows.
 #pragma once
 
 #include <vector>
@@ -8,12 +8,12 @@
 
 namespace latelight::render {
 
-// Where everything is when a picture is made, and where it was and will be a frame before and after. As it is at first:
-// the scene at rest, and cameras that stand.
+// Where everything is at that moment, and where it was and will be in the previous and the next frame. By default the
+// scene is at rest, and cameras are static.
 struct Moment {
   Poses poses;
   std::vector<scene::Camera> previousCameras, nextCameras;  // as many as there are cameras, or none
-  // It follows the one that was submitted last, by a frame: temporal anti-aliasing goes on from there.
+  // It is the frame after the one submitted last: temporal anti-aliasing continues from there.
   bool continues = false;
 };
 

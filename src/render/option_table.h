@@ -32,7 +32,7 @@ void checkNumber(const Option& option, T value) {
   if (!option.range.holds(value)) refuse(option, fmt::format("{}", value));
 }
 
-// Of a text's type, where it has them: names that the text may be, and what its value has to hold to.
+// For a text's type, where it has them: the names it may take, and the constraints on its value.
 template <typename T>
 std::vector<NamedOption> namesOfText() {
   return {};
@@ -107,7 +107,7 @@ class OptionTable {
     });
   }
 
-  // Of a registry, whose entries have a name and a description.
+  // From a registry, whose entries have a name and a description.
   template <typename Entry>
   void entry(const Entry* Target::*member, Option option, const char* normal, const char* topic,
              std::span<const NamedOption> names) {
@@ -132,7 +132,7 @@ class OptionTable {
         [member](const Target& t, const Option& o) { checkText(o, t.*member); });
   }
 
-  // What has a form of its own.
+  // Values with a syntax of their own.
   void add(Option option, std::function<std::string(Target&, const Option&, std::string_view)> read,
            std::function<void(const Target&, const Option&)> check = {}) {
     option.group = group_;
@@ -142,7 +142,7 @@ class OptionTable {
   }
 
   std::span<const Option> options() const { return options_; }
-  // Sets the member from the text, and gives that text as metadata have it.
+  // Sets the member from the text, and returns that text as it appears in metadata.
   std::string read(Target& target, const Option& option, std::string_view text) const {
     return readers_[static_cast<size_t>(&option - options_.data())](target, option, text);
   }

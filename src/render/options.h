@@ -1,4 +1,4 @@
-// The table of options at run time: what the command line, its help, `latelight list` and the tests read of it.
+// The table of options at run time, for the command line, its help, `latelight list` and the tests.
 #pragma once
 
 #include <cmath>
@@ -12,10 +12,10 @@
 
 namespace latelight::render {
 
-// What a number may be.
+// The values that a number may take.
 struct Range {
   double least = -std::numeric_limits<double>::infinity(), most = std::numeric_limits<double>::infinity();
-  bool open = false;  // `least` itself may not be
+  bool open = false;  // excludes `least` itself
   bool holds(double value) const {
     return std::isfinite(value) && (open ? value > least : value >= least) && value <= most;
   }
@@ -34,21 +34,21 @@ inline Range anything() {
 }
 
 enum class OptionKind { Flag, Integer, Number, Choice, Text, List };
-enum class OptionEffect { Runtime, Compiled };  // Compiled: a change of it makes new pipelines
+enum class OptionEffect { Runtime, Compiled };  // Compiled: changing it creates new pipelines
 
 struct Option {
-  std::string group;   // the heading that it stands under
+  std::string group;   // the heading that it is listed under
   const char* name;    // "--exposure"; "-o,--out" with its letter; "SCENE" for the argument
-  const char* member;  // of latelight::Options, or of what the command line keeps for itself
+  const char* member;  // of latelight::Options, or of the command line's own options
   OptionKind kind = OptionKind::Text;
   OptionEffect effect = OptionEffect::Runtime;
   const char* help = "";
   std::string normal = {};              // the default, as text; empty: none
-  std::string without = {};             // what holds where it is not given and has no default, in words
+  std::string without = {};             // what applies where it is not given and has no default, in words
   Range range = {};                     // of Integer and Number
   std::string unit = {};                // of those
   const char* topic = "";               // of `latelight list`, which describes its names
-  std::vector<NamedOption> names = {};  // of Choice, and of texts that have some
+  std::vector<NamedOption> names = {};  // of Choice, and of texts with names
 };
 
 std::string_view longName(const Option& option);  // "--out"
@@ -56,11 +56,11 @@ std::string_view keyOf(const Option& option);     // in metadata and JSON: "out"
 
 // "0 to 1 metres"; empty where any number without a unit is taken.
 std::string rangeText(const Option& option);
-// Throws Error(Usage): what the option takes, and what was given instead.
+// Throws Error(Usage) that says what the option takes, and what was given instead.
 [[noreturn]] void refuse(const Option& option, std::string_view given);
 
-// The options of a picture, in the order of options.def. read() sets one from its text, and gives that text as metadata
-// have it, or throws Error(Usage).
+// The options of a picture, in the order of options.def. read() sets one from its text, and returns that text as it
+// appears in metadata, or throws Error(Usage).
 std::span<const Option> options();
 std::string read(Settings& settings, const Option& option, std::string_view text);
 

@@ -1,4 +1,4 @@
-// What passes are made with: an image's binding, its use and what a shader finds there are said once.
+// Helpers to declare passes: an image's binding, its use and its descriptor are declared once.
 #pragma once
 
 #include <concepts>
@@ -14,7 +14,7 @@
 
 namespace latelight::render {
 
-// A graph that is being filled, and the device that will run it.
+// A graph being built, and the device that will run it.
 struct Builder {
   vk::Device& device;
   graph::Graph& graph;
@@ -23,13 +23,13 @@ struct Builder {
 // Set 0 of a shader, binding by binding.
 class Bindings {
  public:
-  // `use`: of what is sampled, SampledCompute or SampledFragment.
+  // `use`: of sampled images, SampledCompute or SampledFragment.
   explicit Bindings(vk::Device& device, graph::Use use = graph::Use::SampledCompute) : device_(device), use_(use) {}
   Bindings& sampled(graph::ImageId image) { return sampled(image, vk::kNearestSampler); }  // only fetched from
   Bindings& sampled(graph::ImageId image, const vk::SamplerDesc& sampler);
   Bindings& sampled(const std::vector<graph::ImageId>& images);
   Bindings& storage(graph::ImageId image, graph::Use use);  // StorageRead, StorageWrite or StorageReadWrite
-  Bindings& outside(vk::BoundImage image, vk::Binding kind = vk::Binding::Sampled);  // not of the graph
+  Bindings& outside(vk::BoundImage image, vk::Binding kind = vk::Binding::Sampled);  // not in the graph
 
   std::vector<vk::Binding> kinds() const;
   std::vector<graph::Access> accesses() const;
@@ -38,7 +38,7 @@ class Bindings {
  private:
   struct Slot {
     vk::Binding kind;
-    graph::ImageId image;  // none: from outside
+    graph::ImageId image;  // none: from outside the graph
     graph::Use use;
     vk::BoundImage bound;  // without the view where `image` has it
   };
@@ -58,7 +58,7 @@ struct ComputePass {
   uint32_t groupX = 16, groupY = 16;      // local_size of the shader
 };
 
-struct NoPush {};  // of shaders without push constants
+struct NoPush {};  // for shaders without push constants
 template <typename Constants>
 constexpr uint32_t pushBytes() {
   return std::is_empty_v<Constants> ? 0 : sizeof(Constants);
@@ -86,7 +86,7 @@ void addCompute(const Builder& b, ComputePass pass, Push push) {
                });
 }
 
-// The same where push constants are known already.
+// The same with push constants that are already known.
 template <typename Constants>
   requires(!std::invocable<Constants, graph::Context&>)
 void addCompute(const Builder& b, ComputePass pass, const Constants& push) {

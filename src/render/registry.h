@@ -1,4 +1,4 @@
-// What the registries of layouts, encodings, techniques, ... share: names and looking one up.
+// Shared by the registries of layouts, encodings, techniques, ...: names and lookup.
 #pragma once
 
 #include <algorithm>
@@ -23,7 +23,7 @@ std::string namesOf(const Range& range) {
   return names;
 }
 
-// The entry of that name, or Error(Usage) that lists what there is.
+// The entry of that name, or Error(Usage) that lists the names.
 template <typename Range>
 auto& findByName(const Range& range, std::string_view name, std::string_view what) {
   for (const auto& entry : range)

@@ -60,13 +60,13 @@ ViewSet& Request::jittered() {
   return *jittered_;
 }
 
-// What shows at the pixels' centres, found once for all that asks.
+// The surfaces at pixel centres, found once for all that need them.
 graph::ImageId Request::steadyDepth() {
   if (!steadyDepth_) steadyDepth_ = steady().visibility().addDepth(steady().frame(graph_, FrameSetup{}));
   return steadyDepth_;
 }
 
-// The picture's frame, lit. It counts lights at the same time if it may: they are counted at pixels' centres.
+// The picture's frame, lit. It also counts lights if it can: they are counted at pixel centres.
 LitFrame Request::addPicture() {
   FrameSetup setup = frameSetup(settings_, shadows_ != nullptr);
   setup.countLights = isSteady() && asksFor(settings_, Origin::LightCounts);
@@ -118,7 +118,8 @@ void Request::addPost(const LitFrame& lit, graph::ImageId picture, uint32_t coun
   if (settings_.countSurfaces && lit.gbuffer.surfaces) surfaces_ = addReadback(graph_, lit.gbuffer.surfaces);
 }
 
-// How many lights each pixel's centre cost: the picture's own frame, or one like it without what is laid over that.
+// The number of lights evaluated for each pixel's centre: from the picture's own frame, or from one like it without
+// blended surfaces.
 void Request::addLightCounts() {
   graph::ImageId counts;
   if (lit_ && isSteady()) {
@@ -135,8 +136,8 @@ void Request::addLightCounts() {
   outputs_.add({state_.device, graph_}, Origin::LightCounts, [&](std::string_view) { return counts; });
 }
 
-// How often the picture's own frame shades each pixel. Where there is no picture its lighting leads to nothing that is
-// read, so it does not run.
+// How often the picture's own frame shades each pixel. Where no picture is asked for, its lighting leads to no export
+// and is culled.
 void Request::addSampleCounts() {
   graph::ImageId counts;
   if (settings_.aa.samples > 1) {
@@ -148,8 +149,8 @@ void Request::addSampleCounts() {
   outputs_.add({state_.device, graph_}, Origin::SampleCounts, [&](std::string_view) { return counts; });
 }
 
-// Data leaves at pixel centres, in full precision, whatever layout and anti-aliasing the picture has: from a G-buffer
-// of its own in the layout `exact`, of which only the targets are made that something asked for lies in.
+// Data leaves at pixel centres, in full precision, whatever layout and anti-aliasing the picture has: from a separate
+// G-buffer in the layout `exact`, with only the targets that the requested outputs need.
 void Request::addData() {
   ViewSet* set = &steady();
   graph::ImageId depth;

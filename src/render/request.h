@@ -1,4 +1,4 @@
-// What is asked of some views, as one graph: picture, data and counts share what they see.
+// Everything asked of some views, as one graph: picture, data and counts share visibility.
 #pragma once
 
 #include <optional>
@@ -12,26 +12,26 @@
 namespace latelight::render {
 
 FrameSetup frameSetup(const Settings& settings, bool shadows);
-bool isLit(const Settings& settings);  // data alone need no light
+bool isLit(const Settings& settings);  // data alone need no lighting
 
 class Request {
  public:
   // `steady`: the views without jitter; `jittered`: the same with the jitter of the picture's frame that is rendered
   // now. `shadows`: of these views, or null.
-  // `yUp`: world positions and directions leave in glTF's frame.
+  // `yUp`: world positions and directions are output in glTF's frame.
   Request(const RenderState& state, const Settings& settings, bool yUp, const ViewsInTime& steady,
           const ViewsInTime& jittered, FrameShadows* shadows);
 
-  // Adds the picture's frame to `sum`, and asks for nothing else: one of several samples of a pixel.
+  // Adds the picture's frame to `sum` and nothing else: one of several samples per pixel.
   void accumulate(const vk::Image& sum, bool first);
-  // Everything that is asked for. Of a picture of several frames `sum` holds those before, `count` with this one.
+  // Adds everything asked for. For a picture of several frames `sum` holds the earlier ones; `count` includes this one.
   // `history`: of temporal anti-aliasing, or null; `continues`: it has the frame before this picture.
   void finish(const vk::Image* sum, uint32_t count, TemporalHistory* history, bool continues);
   void leave(Results results);  // what was asked for, as the last step
 
   graph::Graph& graph() { return graph_; }
 
-  // After the graph has run.
+  // Call after the graph has run.
   void read(const graph::Submission& done, std::vector<output::FrameOutput>& pictures) const;
   void countShadings(const graph::Submission& done, std::optional<ShadingCounts>& counts) const;
 
@@ -53,7 +53,7 @@ class Request {
   graph::Graph graph_;
   std::optional<ViewSet> steady_, jittered_, solid_;  // solid_: blended surfaces count as solid
   graph::ImageId steadyDepth_;
-  std::optional<LitFrame> lit_;  // the picture's, as it was before transparency
+  std::optional<LitFrame> lit_;  // the picture's, before transparency
 
   PackedOutputs outputs_;
   graph::BufferId surfaces_;

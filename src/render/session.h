@@ -1,5 +1,4 @@
-// What the command line and the API decide the same way: which environment lights a scene, and cameras in the frames
-// that leave the program.
+// Shared by the command line and the API: the choice of a scene's environment, and camera poses in external frames.
 #pragma once
 
 #include <optional>

@@ -1,5 +1,5 @@
-// What a picture is rendered with: the choices of `latelight render`, as data. The table of options
-// (include/latelight/options.def) lists them; here they have the types that the renderer works with.
+// The settings of a picture: the choices of `latelight render`, as data. The table of options
+// (include/latelight/options.def) lists them; here they have the renderer's own types.
 #pragma once
 
 #include <cstdint>
@@ -20,18 +20,18 @@ struct Layout;
 struct NormalEncoding;
 struct TechniqueInfo;
 
-// A name that an option takes, and what it stands for.
+// A name that an option takes, and its value.
 struct NamedOption {
   const char* name;
   const char* description;
 };
 
-// An enumeration for each OPTION_CHOICE, numbered as the constants of the shaders that take it.
+// An enumeration for each OPTION_CHOICE, numbered as the shaders' constants for it.
 #define OPTION_CHOICE(Enum, member, name, normal, topic, effect, help, ...) enum class Enum : uint32_t { __VA_ARGS__ };
 #define OPTION_NAME(constant, name, description) constant,
 #include <latelight/options.def>
 
-// Its names, in its order.
+// Its names, in order.
 template <typename Enum>
 inline constexpr std::span<const NamedOption> kChoices{};
 #define OPTION_CHOICE(Enum, member, name, normal, topic, effect, help, ...) \
@@ -47,7 +47,7 @@ constexpr std::span<const NamedOption> choices() {
   return kChoices<Enum>;
 }
 
-// What shaders switch on.
+// The value that shaders switch on.
 template <typename Enum>
 constexpr uint32_t indexOf(Enum choice) {
   return static_cast<uint32_t>(choice);
@@ -57,7 +57,7 @@ constexpr const char* nameOf(Enum choice) {
   return choices<Enum>()[indexOf(choice)].name;
 }
 
-// The choice of that name, nothing where there is none.
+// The choice of that name, if there is one.
 template <typename Enum>
 constexpr std::optional<Enum> choiceNamed(std::string_view name) {
   const std::span<const NamedOption> all = choices<Enum>();
@@ -87,8 +87,8 @@ inline constexpr uint32_t kMostSuperSampling = 16;
 // How a pixel is sampled; at most one of the first three differs from its default.
 struct AntiAliasing {
   uint32_t superSampling = 1;  // N: N x N ordered samples a pixel, in N * N frames
-  uint32_t samples = 1;        // of the hardware's, a pixel: 1, or 4 (MSAA)
-  bool temporal = false;       // each frame is blended into those before
+  uint32_t samples = 1;        // of the hardware, per pixel: 1, or 4 (MSAA)
+  bool temporal = false;       // each frame is blended into the earlier ones
   bool fxaa = false;           // the finished picture's edges are softened
   bool operator==(const AntiAliasing&) const = default;
 };
@@ -105,12 +105,12 @@ std::span<const AntiAliasingMode> antiAliasingModes();
 struct ShadowLights {
   static constexpr uint32_t kAll = std::numeric_limits<uint32_t>::max();
   bool automatic = true;           // the few most important ones
-  uint32_t most = kAll;            // else at most so many
-  std::vector<std::string> names;  // of those that may; none: any light
+  uint32_t most = kAll;            // else at most this many
+  std::vector<std::string> names;  // of those that may; empty: any light
   bool operator==(const ShadowLights&) const = default;
 };
 
-// The value of an option from its text. Each throws Error(Usage) with a sentence that begins with the option's name.
+// The value of an option from its text. Each throws Error(Usage) with a message that begins with the option's name.
 uint32_t readChoiceIndex(const char* option, std::span<const NamedOption> names, std::string_view text);
 template <typename Enum>
 Enum readChoice(const char* option, std::string_view text) {
@@ -158,15 +158,15 @@ struct Settings {
 #define OPTION_SUN(member, ...) std::optional<SunLight> member;
 #include <latelight/options.def>
 
-  // What no option says.
+  // Settings without an option.
   bool display = true;              // the tonemapped picture
-  std::vector<output::Aov> aovs;    // beside it; Color is the linear picture
-  uint32_t stripPixels = 1u << 23;  // larger pictures are rendered in strips of at most so many: strips.h
-  bool everySample = false;         // of MSAA all are shaded, alike or not: the reference
+  std::vector<output::Aov> aovs;    // in addition; Color is the linear picture
+  uint32_t stripPixels = 1u << 23;  // larger pictures are rendered in strips of at most this many: strips.h
+  bool everySample = false;         // MSAA: all are shaded, even if alike: the reference
   bool countSurfaces = false;       // fills Renderer::shadingCounts()
 };
 
-// Radiance is multiplied by it.
+// The factor for radiance.
 float exposureFactor(const Settings& settings);
 
 // Every effect of the post-processing, and the option that turns it on.

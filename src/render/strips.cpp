@@ -8,7 +8,7 @@ namespace latelight::render {
 
 namespace {
 
-// A multiple of the side of every block of pixels that passes work on: 2 of derivatives, 16 of workgroups and tiles.
+// A multiple of the side of every pixel block that passes work on: 2 for derivatives, 16 for workgroups and tiles.
 constexpr uint32_t kBlock = 64;
 
 bool needsNeighbours(const Settings& s) {
@@ -32,7 +32,7 @@ std::vector<Strip> stripsOf(const Settings& s) {
   return strips;
 }
 
-// NDC of a strip is that of the whole times `times`, and moved.
+// NDC of a strip is that of the whole picture, scaled by `times` and offset.
 shared::View viewOf(const shared::View& whole, Strip strip) {
   const double height = whole.size.y, rows = strip.rows, times = height / rows;
   shared::View view = whole;

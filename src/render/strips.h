@@ -1,5 +1,5 @@
-// Large pictures in horizontal strips: each is rendered as a picture of its own, so that what the device works on takes
-// no more memory than a strip of it.
+// Large pictures in horizontal strips: each is rendered as a picture of its own, so that the device needs memory for
+// one strip only.
 #pragma once
 
 #include <cstdint>
@@ -17,15 +17,15 @@ struct Strip {
 };
 
 // From the top; the whole picture where it is small, or where a pixel of it depends on pixels far away: with bloom,
-// ambient occlusion, FXAA and temporal anti-aliasing. By size and settings alone, so that the same picture is always
-// made of the same strips. Seams lie between blocks of pixels that are shaded together, so that none shows.
+// ambient occlusion, FXAA and temporal anti-aliasing. Depends on size and settings only, so that the same picture
+// always has the same strips. Seams lie between blocks of pixels that are shaded together, so that none is visible.
 std::vector<Strip> stripsOf(const Settings& settings);
 
-// What a view of the whole picture shows in the strip: each pixel has the same ray.
+// The strip's part of a view of the whole picture: each pixel has the same ray.
 shared::View viewOf(const shared::View& whole, Strip strip);
 
-// Puts a strip's outputs under those of the strips above it; `whole` has its size and its outputs, and is empty at
-// first. Memory for all of its rows is set aside then.
+// Appends a strip's outputs below those of earlier strips. `whole` is empty at first; memory for all of its rows is
+// reserved then.
 void append(output::FrameOutput& whole, const output::FrameOutput& strip);
 
 }  // namespace latelight::render

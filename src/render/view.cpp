@@ -23,7 +23,7 @@ void setReversedDepth(shared::Projection& p, float nearClip, float farClip) {
 
 shared::View makeView(const scene::Camera& camera, uint32_t width, uint32_t height, glm::vec2 jitter) {
   shared::View view{};
-  // A camera's pose may carry a scale; a view is rigid.
+  // A camera's pose may include a scale; a view is rigid.
   glm::mat4 pose = camera.toWorld;
   for (int i = 0; i < 3; ++i) pose[i] = glm::vec4(glm::normalize(glm::vec3(pose[i])), 0.0f);
   view.viewToWorld = glm::mat4x3(pose);

@@ -1,4 +1,4 @@
-// Cameras to the View that shaders read.
+// Converts cameras to the View that shaders read.
 #pragma once
 
 #include "scene/scene.h"

@@ -1,5 +1,5 @@
-// A set of views of a scene on its way through a graph: their constants in device memory, what of the scene they may
-// see, and the frames that are built of them. Lives until the graph has been submitted.
+// A set of views of a scene in a graph: their constants in device memory, the part of the scene that they may see, and
+// the frames built for them. Lives until the graph has been submitted.
 #pragma once
 
 #include <deque>
@@ -13,7 +13,7 @@
 
 namespace latelight::render {
 
-// What a renderer renders, and what it has learned.
+// What a renderer renders with, including the buffer sizes it has learned.
 struct RenderState {
   vk::Device& device;
   graph::Executor& executor;
@@ -24,7 +24,7 @@ struct RenderState {
   Overflow& overflow;
 };
 
-// As many of each: where views are, and were a frame before and will be a frame after, without jitter.
+// The same number of each: where views are, were in the previous frame and will be in the next, without jitter.
 struct ViewsInTime {
   std::vector<shared::View> now, previous, next;
 };

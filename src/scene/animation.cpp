@@ -25,11 +25,11 @@ glm::dquat quaternion(const dvec4& v) {
   return length > 0 ? glm::dquat(v.w / length, v.x / length, v.y / length, v.z / length) : glm::dquat(1, 0, 0, 0);
 }
 
-// Where a time lies among the keys: between `key` and the next, `fraction` of the way.
+// The position of a time among the keys: between `key` and the next, `fraction` of the way.
 struct Place {
   size_t key;
   double fraction;
-  double span;  // seconds from the one to the other
+  double span;  // seconds from one to the other
 };
 
 // Before the first key and after the last the ends hold (glTF 2.0, 3.11).
@@ -41,7 +41,7 @@ Place placeOf(const std::vector<float>& times, double seconds) {
   return {after - 1, (seconds - from) / span, span};
 }
 
-// glTF 2.0, appendix C: a Hermite spline with tangents a second.
+// glTF 2.0, appendix C: a Hermite spline with tangents per second.
 double cubic(const float* key, uint32_t width, uint32_t i, const Place& place) {
   const double u = place.fraction, u2 = u * u, u3 = u2 * u, span = place.span;
   const double from = key[width + i], leaving = key[2 * width + i];
@@ -54,7 +54,7 @@ double cubic(const float* key, uint32_t width, uint32_t i, const Place& place) {
 dvec4 slerp(const float* from, const float* to, double fraction) {
   const glm::dquat a = quaternion({from[0], from[1], from[2], from[3]});
   const glm::dquat b = quaternion({to[0], to[1], to[2], to[3]});
-  const glm::dquat q = glm::slerp(a, b, fraction);  // the short way round
+  const glm::dquat q = glm::slerp(a, b, fraction);  // along the shorter arc
   return {q.x, q.y, q.z, q.w};
 }
 
@@ -310,7 +310,7 @@ ReachBox deformedBox(const Reach& reach, std::span<const glm::mat4> joints, std:
     // A linear map stretches a sphere along axis i by the length of its row i.
     glm::vec3 half;
     for (int i = 0; i < 3; ++i) half[i] = glm::length(glm::vec3(m[0][i], m[1][i], m[2][i])) * (sphere.radius + moved);
-    // What the shader rounds otherwise.
+    // Slack for the shader's different rounding.
     half = half * 1.0001f + (glm::abs(centre) + half) * 1e-6f;
     box = {glm::min(box.low, centre - half), glm::max(box.high, centre + half)};
   }

@@ -1,5 +1,5 @@
-// What moves in a scene, as plain data, and where it is at a time: animated nodes, skins and morph targets of glTF 2.0
-// (3.7.2.2, 3.7.3, 3.11). Evaluated on the CPU; render/deform does to vertices on the device what deform() does here.
+// The moving parts of a scene, as plain data, and their poses over time: animated nodes, skins and morph targets of
+// glTF 2.0 (3.7.2.2, 3.7.3, 3.11). Evaluated on the CPU; render/deform is the device version of deform().
 #pragma once
 
 #include <cstdint>
@@ -24,9 +24,9 @@ struct Track {
   uint32_t node = 0;  // index into Rig::nodes
   AnimatedProperty property = AnimatedProperty::Translation;
   Interpolation interpolation = Interpolation::Linear;
-  uint32_t width = 3;         // numbers a value: 3, 4 (a quaternion, xyzw), or as many as there are weights
-  std::vector<float> times;   // seconds, never falling, at least one
-  std::vector<float> values;  // `width` a time; Cubic: three times that, the tangent in, the value, the tangent out
+  uint32_t width = 3;         // components per value: 3, 4 (a quaternion, xyzw), or the number of weights
+  std::vector<float> times;   // seconds, non-decreasing, at least one
+  std::vector<float> values;  // `width` per time; Cubic: three times that: in-tangent, value, out-tangent
 };
 
 struct Animation {
@@ -37,7 +37,7 @@ struct Animation {
 
 struct RigNode {
   int parent = -1;
-  bool hasMatrix = false;  // then `matrix` is its transform, and nothing moves it but its parents
+  bool hasMatrix = false;  // then `matrix` is its transform, and only its parents move it
   glm::dmat4 matrix{1};
   glm::dvec3 translation{0}, scale{1};
   glm::dvec4 rotation{0, 0, 0, 1};  // xyzw
@@ -49,20 +49,20 @@ struct Skin {
   std::vector<glm::mat4> inverseBind;
 };
 
-// Everything that poses need. Empty where the file has no animation: then nothing moves.
+// Everything that poses need. Empty where the file has no animations.
 struct Rig {
-  std::vector<RigNode> nodes;   // all of the file, in its order: joints need not be in the scene shown
+  std::vector<RigNode> nodes;   // all of the file's, in order: joints need not be in the scene shown
   std::vector<uint32_t> order;  // of them, parents first
   std::vector<Skin> skins;
   std::vector<Animation> animations;
-  std::vector<uint32_t> sceneNodes;  // of each of Scene::nodes, its place in `nodes`
-  // EXT_mesh_gpu_instancing: of each instance, its transform below its node. Empty where no node has several.
+  std::vector<uint32_t> sceneNodes;  // for each of Scene::nodes, its index in `nodes`
+  // EXT_mesh_gpu_instancing: each instance's transform relative to its node. Empty where no node has several.
   std::vector<glm::dmat4> offsets;
 
   bool empty() const { return nodes.empty(); }
 };
 
-struct MorphTarget {  // what is added; each empty, or one a vertex
+struct MorphTarget {  // deltas; each empty, or one per vertex
   std::vector<glm::vec3> positions, normals, tangents;
 };
 
@@ -70,34 +70,34 @@ struct MorphTarget {  // what is added; each empty, or one a vertex
 struct Deformation {
   int skin = -1;                     // index into Rig::skins; -1: none
   int weightsNode = -1;              // the node whose weights count, index into Rig::nodes; -1: no morph targets
-  bool flatNormals = false;          // the file has none: those of the triangles, which share no vertices
-  std::vector<glm::vec3> positions;  // before all of it
-  std::vector<shared::VertexAttributes> attributes;  // texture coordinates stay
-  uint32_t influences = 0;                           // joints a vertex: a multiple of 4, 0 where there is no skin
-  std::vector<uint32_t> joints;                      // of the skin; `influences` a vertex
+  bool flatNormals = false;          // the file has no normals: uses those of the triangles, which share no vertices
+  std::vector<glm::vec3> positions;  // undeformed
+  std::vector<shared::VertexAttributes> attributes;  // texture coordinates don't change
+  uint32_t influences = 0;                           // joints per vertex: a multiple of 4, 0 where there is no skin
+  std::vector<uint32_t> joints;                      // of the skin; `influences` per vertex
   std::vector<float> jointWeights;                   // the same; at least 0, their sum is 1
   std::vector<MorphTarget> targets;
 };
 
-// Where all nodes are at a time. An empty one is the pose at rest, as the file has it.
+// The pose of all nodes at a time. An empty one is the pose at rest, as in the file.
 struct Pose {
   std::vector<glm::dmat4> world;            // of Rig::nodes, in the file's own frame
   std::vector<std::vector<float>> weights;  // of Rig::nodes
   bool empty() const { return world.empty(); }
 };
 
-// What plays: animations by their number, later ones over earlier ones where both move the same.
+// The animations that play, by number; later ones override earlier ones.
 struct Playback {
   std::vector<uint32_t> animations;
-  bool loop = false;  // time beyond the end begins again; else the ends hold
+  bool loop = false;  // time past the end wraps around; else the ends hold
 };
 
-// "", the first one; a name or a number; "all". Throws Error(Usage) that lists what the scene has. A scene without
-// animations has nothing to play, which is fine where nothing is asked for.
+// "", the first one; a name or a number; "all". Throws Error(Usage) that lists the scene's animations. A scene without
+// animations is fine where none is asked for.
 Playback choosePlayback(const Scene& scene, const std::string& wanted, bool loop);
 float duration(const Scene& scene, const Playback& playback);  // the longest one's
-// Any finite time will do. Empty where the scene has nothing that moves. Throws Error(BadInput) where a transform
-// leaves the range of floats.
+// Any finite time is valid. Empty where nothing in the scene moves. Throws Error(BadInput) where a transform overflows
+// floats.
 Pose poseAt(const Scene& scene, const Playback& playback, double seconds);
 
 // --- a pose's consequences; those of an empty pose are what the scene itself holds -----------------------------------
@@ -105,7 +105,7 @@ Pose poseAt(const Scene& scene, const Playback& playback, double seconds);
 std::vector<glm::mat4> instanceTransforms(const Scene& scene, const Pose& pose);
 std::vector<Camera> posedCameras(const Scene& scene, const Pose& pose);
 std::vector<Light> posedLights(const Scene& scene, const Pose& pose);
-// From bind space to the file's own frame; the skinned mesh's own node does not count (3.7.3.3).
+// From bind space to the file's own frame; the skinned mesh's own node is ignored (3.7.3.3).
 std::vector<glm::mat4> jointMatrices(const Skin& skin, const Pose& pose);
 
 struct DeformedVertices {
@@ -115,17 +115,17 @@ struct DeformedVertices {
 DeformedVertices deform(const Deformation& deformation, std::span<const glm::mat4> joints,
                         std::span<const float> weights);
 
-// The vertices that one joint moves, before it does: whatever the joints do, a skinned vertex is a mean of where each
-// of its joints would carry it, so the carried spheres hold the mesh.
+// Bounds of the undeformed vertices that one joint moves. A skinned vertex is a weighted mean of the positions that its
+// joints would give it, so the box around the transformed spheres contains the mesh.
 struct JointSphere {
   uint32_t joint;
   glm::vec3 centre;
   float radius;
 };
-// How far a deformation reaches, for culling.
+// The extent of a deformation, for culling.
 struct Reach {
-  std::vector<JointSphere> spheres;  // without a skin: one, of joint 0, which is to be the identity
-  std::vector<float> targets;        // of each morph target, the farthest it moves a vertex
+  std::vector<JointSphere> spheres;  // without a skin: one, of joint 0, which must be the identity
+  std::vector<float> targets;        // for each morph target, the farthest it moves a vertex
 };
 Reach reachOf(const Deformation& deformation);
 struct ReachBox {
@@ -133,7 +133,7 @@ struct ReachBox {
 };
 ReachBox deformedBox(const Reach& reach, std::span<const glm::mat4> joints, std::span<const float> weights);
 
-// Translation, rotation (quaternion xyzw, made unit), scale.
+// Translation, rotation (quaternion xyzw, normalised), scale.
 glm::dmat4 composeTransform(glm::dvec3 translation, glm::dvec4 rotation, glm::dvec3 scale);
 
 }  // namespace latelight::scene

@@ -1,4 +1,4 @@
-// The built-in scenes: "builtin:NAME[,key=value...]". All are made in glTF's frame (Y up), and are the same bytes on
+// The built-in scenes: "builtin:NAME[,key=value...]". All are made in glTF's frame (Y up), and are byte-identical on
 // every machine and for any number of threads.
 #pragma once
 
@@ -25,7 +25,7 @@ struct Builtin {
   std::string_view name;
   std::string_view description;
   std::span<const BuiltinParameter> parameters;
-  Scene (*make)(std::span<const uint64_t> values);  // one a parameter, in order and in range
+  Scene (*make)(std::span<const uint64_t> values);  // one per parameter, in order and in range
 };
 std::span<const Builtin> builtins();
 
@@ -34,8 +34,8 @@ std::optional<uint64_t> parseCount(std::string_view text);
 
 // --- builtin:boxes --------------------------------------------------------------------------------------------------
 //
-// A scene whose pictures can be worked out by hand. Frame: glTF's, metres. Nothing but axis-aligned boxes over a floor,
-// in front of a wall, and one directional light; nothing casts shadows in the figures given here.
+// A scene whose pictures can be computed by hand. Frame: glTF's, metres. Only axis-aligned boxes over a floor, in front
+// of a wall, and one directional light; the figures given here are without shadows.
 //
 // The camera looks exactly along -Z, so every face towards it has one planar depth: kBoxesEye.z - max.z. With
 // V = 1 / tan(fov / 2) = 2, a picture h pixels high and w wide sees the point p at the pixel coordinate (y down)
@@ -43,7 +43,7 @@ std::optional<uint64_t> parseCount(std::string_view text);
 //
 // The light travels along (-2, -6, -3) / 7 with 7 pi / 6 lux, so a matte face (metallic 0, specular 0) of base colour c
 // has radiance c * E / pi * cos: 1 c where it faces up, c / 2 where it faces the camera (+Z), c / 3 where it faces +X,
-// and 0 elsewhere. Emissive adds; what is unlit shows its base colour.
+// and 0 elsewhere. Emission is added; unlit boxes show their base colour.
 struct BoxesBox {
   std::string_view name;  // the node "/boxes/<name>"; its id is hash32 of that path
   vec3 min, max;

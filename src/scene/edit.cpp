@@ -26,7 +26,7 @@ T& present(std::vector<T>& elements, uint32_t index, const char* what) {
   return element;
 }
 
-// Where the next element goes: a gap, or the end.
+// The slot for the next element: a gap, or the end.
 template <typename T>
 uint32_t place(std::vector<T>& elements, std::vector<uint32_t>& gaps, T element) {
   if (gaps.empty()) {
@@ -57,7 +57,7 @@ SceneEdits::KnownIds& idsOf(Scene& scene) {
   return ids;
 }
 
-// The name, or "<name>#<number>", that has an id of its own, and that id.
+// The name, or "<name>#<number>", whose id is unused, and that id.
 std::pair<std::string, uint32_t> uniqueName(UniqueIds& ids, uint32_t& twins, const std::string& name) {
   std::string unique = name;
   uint32_t id = hash32(unique);

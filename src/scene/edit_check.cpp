@@ -18,7 +18,7 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-// A bound that is infinite is no number that a value may have.
+// An infinite bound is exclusive.
 void checkRange(float value, float low, float high, const char* what, const std::string& whose) {
   if (std::isfinite(value) && value >= low && value <= high) return;
   if (high == kInfinity) badUsage("the {} of {} must be a number of at least {}, not {}", what, whose, low, value);

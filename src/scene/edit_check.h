@@ -1,5 +1,5 @@
-// What may be written into a scene that is being rendered (edit.h). Each throws Error(Usage) with one sentence that
-// names what can't be.
+// Checks of values written into a scene that is being rendered (edit.h). Each throws Error(Usage) with one sentence
+// that names the invalid value.
 #pragma once
 
 #include <string>

@@ -1,5 +1,6 @@
-// Which elements of a list changed since when, so that copies of it, on devices, can follow: each copy remembers the
-// revision that it has seen. Nothing is kept for nobody: an element that changes again is known once.
+// Records which elements of a list changed since a revision, so that copies of it on devices can follow: each copy
+// remembers the revision that it has seen. An element that changes again has a single entry, so the log does not grow
+// without bound.
 #pragma once
 
 #include <cstddef>

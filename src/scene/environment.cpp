@@ -16,7 +16,7 @@
 namespace latelight::scene {
 namespace {
 
-// Raised whenever the same source becomes other bytes, by a new filter or a new studio.
+// Incremented whenever the same source gives different bytes, through a new filter or a new studio.
 constexpr uint32_t kFileVersion = 2;
 constexpr uint32_t kMagic = 0x564e454c;  // "LENV"
 constexpr size_t kMostImages = 16;
@@ -38,7 +38,7 @@ std::string cacheName(uint64_t key) {
   return fmt::format("environment-{:016x}-{}.bin", key, kFileVersion);
 }
 
-// The images in the order of the cache. Works on constant and changeable environments.
+// The images in cache order. Works on const and mutable environments.
 template <typename E>
 auto imagesOf(E& environment) {
   std::vector<decltype(&environment.radiance)> images{&environment.radiance, &environment.diffuse};
@@ -64,7 +64,7 @@ void store(uint64_t key, const Environment& environment) {
   storeCache(cacheName(key), entry);
 }
 
-// Nothing unless the entry is what this version stores for this key, to the byte.
+// Nothing unless the entry has exactly the layout that this version stores for this key.
 std::optional<CacheHeader> validHeader(std::span<const std::byte> entry, uint64_t key) {
   CacheHeader header;
   if (entry.size() < sizeof(header)) return std::nullopt;

@@ -1,5 +1,5 @@
-// Environment light: an equirectangular picture becomes what shading reads. Computed on the CPU, so every device lights
-// with the same numbers, and kept in the cache by the picture's hash.
+// Environment light: the maps that shading reads, from an equirectangular picture. Computed on the CPU, so every device
+// lights with the same numbers, and cached by the picture's hash.
 #pragma once
 
 #include <array>
@@ -18,8 +18,8 @@ struct HalfImage {
   std::vector<uint16_t> pixels;
 };
 
-// Perceptual roughness that each level of Environment::specular is of: closest where the lobe is narrow, since what
-// lies between two levels is a mixture of both.
+// The perceptual roughness of each level of Environment::specular: densest where the lobe is narrow, since values
+// between two levels are a mixture of both.
 inline constexpr std::array kSpecularRoughness{0.0f, 0.1f, 0.2f, 0.32f, 0.5f, 1.0f};
 
 struct Environment {
@@ -27,11 +27,11 @@ struct Environment {
   // Radiance as an equirectangular picture, for backgrounds: centre column at +X of the glTF frame, top row at the
   // zenith.
   HalfImage radiance;
-  // Radiance prefiltered with lobes that are round about the direction (environment_tree.h), one octahedral map a
-  // level, read bilinearly through octahedralTexture() of shared/environment.h, without a seam. Level i is of roughness
-  // kSpecularRoughness[i] and half the size of the one before: together they are one mip chain.
+  // Radiance prefiltered with lobes that are round about the direction (environment_tree.h), one octahedral map per
+  // level, read bilinearly through octahedralTexture() of shared/environment.h, without a seam. Level i has roughness
+  // kSpecularRoughness[i] and half the size of the previous one: together they form a mip chain.
   std::vector<HalfImage> specular;
-  // Irradiance / pi over an octahedral map of the same kind: what a white Lambertian surface would reflect.
+  // Irradiance / pi over an octahedral map of the same kind: the radiance of a white Lambertian surface.
   HalfImage diffuse;
 };
 
@@ -44,9 +44,9 @@ Environment loadEnvironment(const std::string& source);
 // Uses the cache.
 std::vector<glm::vec2> ggxReflectanceTable(uint32_t size);
 
-// What of an Environment stands for the lobe of a rough surface: the mean radiance over it is that of the specular
-// levels, mixed between the two next to y, at lobeDirection() of lean x, but for the share z, which is that of the
-// diffuse map about the normal. n.v from 0 to 1 along a row and perceptual roughness along a column, both ends included
+// How the maps of an Environment approximate the lobe of a rough surface: its mean radiance is that of the specular
+// levels, interpolated at level y, in lobeDirection() of lean x, except for the share z, which comes from the diffuse
+// map about the normal. n.v from 0 to 1 along a row and perceptual roughness along a column, both ends included
 // (lobeTexture() of shared/environment.h). size * size entries. Uses the cache. (environment_lobe.cpp)
 std::vector<glm::vec3> ggxLobeTable(uint32_t size);
 

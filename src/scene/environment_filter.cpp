@@ -13,7 +13,7 @@ namespace latelight::scene {
 namespace {
 
 constexpr uint32_t kMostRadianceWidth = 4096;
-// A sun's irradiance has a crease at its horizon, which only small texels keep sharp.
+// A sun's irradiance has a crease at its horizon, which needs small texels to stay sharp.
 constexpr uint32_t kDiffuseSize = 128;
 
 FloatImage limitWidth(FloatImage picture, uint32_t width) {
@@ -22,7 +22,7 @@ FloatImage limitWidth(FloatImage picture, uint32_t width) {
   return resizeEquirectangular(picture, width, static_cast<uint32_t>(std::max<uint64_t>(height, 1)));
 }
 
-// Narrower than this a lobe of level 1 can't see: a leaf of 1024 columns is an eighth of its half width.
+// Finer than a lobe of level 1 can resolve: a leaf of 1024 columns is an eighth of its half width.
 EnvironmentTree makeTree(const FloatImage& picture) {
   const uint32_t width = std::clamp(std::bit_floor(picture.width), 256u, 1024u);
   return EnvironmentTree(resizeEquirectangular(picture, width, width / 2));
@@ -37,7 +37,7 @@ Environment filterEnvironment(FloatImage picture) {
 
   Environment environment;
   environment.radiance = toHalf(picture);
-  // Halves from a fine mirror to 32 texels (16 for a coarse picture) at roughness 1.
+  // Halves in size from a fine mirror to 32 texels (16 for a coarse picture) at roughness 1.
   constexpr size_t kLevels = kSpecularRoughness.size();
   for (size_t i = 0; i < kLevels; ++i) environment.specular.push_back(makeOctahedralMap(mirrorSize >> i));
   environment.diffuse = makeOctahedralMap(kDiffuseSize);

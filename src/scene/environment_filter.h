@@ -1,4 +1,4 @@
-// From a picture to an environment, without files and cache.
+// From a picture to an environment, without files or cache.
 #pragma once
 
 #include "scene/environment.h"
@@ -6,8 +6,8 @@
 
 namespace latelight::scene {
 
-// Filters an equirectangular picture of any size. Values are clamped to [0, 65504], the range of halves; NaN becomes 0.
-// The same bytes for any number of threads.
+// Filters an equirectangular picture of any size. Values are clamped to [0, 65504], the range of half floats; NaN
+// becomes 0. The same bytes for any number of threads.
 Environment filterEnvironment(FloatImage picture);
 
 }  // namespace latelight::scene

@@ -1,11 +1,10 @@
-// Which of an environment's maps stand for the lobe of a rough surface, and where they are looked up.
+// Approximates the lobe of a rough surface by an environment's maps: which ones, and where they are looked up.
 //
-// A rough lobe is no round one about the reflected ray: it leans to the normal, is stretched away from it at grazing
-// views, and has long tails. What shading can have of it for a few lookups is a mixture of a round lobe (two levels of
-// the specular maps in one direction) and the cosine lobe about the normal (the diffuse map, which is looked up
-// anyway). Of all these mixtures the one is taken whose mean radiance differs least from the true lobe's in the mean of
-// many environments: least squares over bands of spherical harmonics, weighed by how much light environments have in
-// them.
+// A rough lobe is not round about the reflected ray: it leans towards the normal, is stretched away from it at grazing
+// views, and has long tails. With a few lookups shading can use a mixture of a round lobe (two levels of the specular
+// maps in one direction) and the cosine lobe about the normal (the diffuse map, which is looked up anyway). The mixture
+// chosen is the one whose mean radiance differs least from the true lobe's on average over many environments: least
+// squares over bands of spherical harmonics, weighted by the typical power of environments in them.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -25,18 +24,18 @@ namespace {
 
 using glm::vec3;
 
-// Raised whenever the table's numbers change.
+// Incremented whenever the table's numbers change.
 constexpr uint32_t kLobeVersion = 1;
 
-// Bands that stand for all from the first to the last; lobes so narrow that only higher ones see them are their own
-// levels' anyway.
+// Sampled bands from the first to the last; lobes so narrow that only higher bands resolve them match their own levels
+// anyway.
 constexpr std::array kBands{1, 2, 3, 4, 5, 6, 8, 10, 13, 17, 23, 32, 48};
 using Moments = std::array<double, kBands.size()>;  // means of Legendre polynomials over a lobe, about some axis
 
 // Weights of the bands' squared errors. Natural light has about the power b^-2 in each of the 2b + 1 harmonics of band
-// b; a lamp has as much in all. Steeper than either, since a picture shows light about logarithmically: of the
-// exponents 2, 2.5, 3 and 3.5 the last has the least mean error in 8-bit levels over the environments of
-// docs/accuracy.md.
+// b; a lamp has equal power in all. The weights are steeper than either, since pictures show light roughly
+// logarithmically: of the exponents 2, 2.5, 3 and 3.5 the last has the least mean error in 8-bit levels over the
+// environments of docs/accuracy.md.
 Moments bandWeights() {
   Moments weights;
   for (size_t i = 0; i < kBands.size(); ++i) {
@@ -47,8 +46,8 @@ Moments bandWeights() {
   return weights;
 }
 
-// Sums of the polynomials of the bands at many cosines, each times its weight. In floats: a loop over samples inside of
-// that over bands is one of vectors.
+// Weighted sums of the bands' polynomials at many cosines. In floats, with the loop over samples inside the one over
+// bands, so that it vectorises.
 Moments legendreSums(const std::vector<float>& cosines, const std::vector<float>& weights) {
   Moments sums{};
   std::vector<float> before(cosines.size(), 1.0f), now = cosines;
@@ -69,7 +68,7 @@ Moments legendreSums(const std::vector<float>& cosines, const std::vector<float>
   return sums;
 }
 
-// Of a round lobe about its axis.
+// Moments of a round lobe about its axis.
 Moments momentsOf(Lobe lobe, float alpha) {
   constexpr int kSteps = 4000;
   std::vector<float> cosines(kSteps), weights(kSteps);
@@ -92,7 +91,7 @@ double dot(const Moments& weights, const Moments& a, const Moments& b) {
   return sum;
 }
 
-// The lobes to choose from.
+// The candidate lobes.
 struct Choices {
   Moments bands = bandWeights(), cosine = momentsOf(Lobe::Cosine, 1.0f);
   std::vector<Moments> levels;
@@ -111,7 +110,7 @@ struct Choices {
   }
 };
 
-// The lobe that the choices are held against: of a metal of reflectance 0.5, halfway between those that shading mixes.
+// The reference lobe: that of a metal of reflectance 0.5, halfway between those that shading mixes.
 class TrueLobe {
  public:
   TrueLobe(float nv, float roughness) : samples_(ggxSamples(nv, roughness)) {
@@ -140,7 +139,7 @@ class Search {
     aboutNormal_ = lobe_.moments(0, 1);
   }
 
-  // A coarse grid over lean and level, then finer ones about the best found.
+  // A coarse grid over lean and level, then finer ones around the best one found.
   vec3 run() {
     constexpr int kLeans = 8, kLevels = 12;
     for (int pass = 0; pass < 4; ++pass) {
@@ -160,7 +159,7 @@ class Search {
   }
 
  private:
-  // Squared error but for a constant, with the share of the cosine lobe that makes it least.
+  // Squared error up to a constant, with the share of the cosine lobe that minimises it.
   void consider(double lean, double level, const Moments& seen, const Moments& polynomials) {
     const Moments narrow = choices_.at(level);
     Moments between;

@@ -21,7 +21,7 @@ Rgba load(const float* from) {
   return value;
 }
 
-// Sums of a row's first pixels, wrapping around it.
+// Prefix sums of a row's pixels, wrapping around.
 class RowSums {
  public:
   explicit RowSums(size_t width) : width_(width), sums_(width + 1) {}
@@ -47,8 +47,8 @@ class RowSums {
   std::vector<glm::dvec4> sums_;
 };
 
-// The picture's pixels crowd towards the poles, where one texel of the map may span hundreds. Averages each row over
-// 1 / sin(polar angle) pixels, which makes the picture equally sharp in both directions everywhere.
+// The picture's pixels crowd towards the poles, where one texel of the map may cover hundreds. Averages each row over 1
+// / sin(polar angle) pixels, which makes the picture equally sharp in both directions everywhere.
 FloatImage evenOut(const FloatImage& image) {
   FloatImage result(image.width, image.height);
   const auto width = static_cast<double>(image.width);
@@ -69,7 +69,7 @@ FloatImage evenOut(const FloatImage& image) {
   return result;
 }
 
-// Bilinear; wraps sideways, ends at the poles.
+// Bilinear; wraps horizontally, clamps at the poles.
 Rgba sample(const FloatImage& image, const glm::vec3& direction) {
   const glm::vec2 uv = shared::equirectangular(direction);
   const float x = uv.x * static_cast<float>(image.width) - 0.5f, y = uv.y * static_cast<float>(image.height) - 0.5f;
@@ -102,7 +102,7 @@ Rgba sampleFour(const FloatImage& image, float x, float y, uint32_t size) {
 
 void resampleMirror(const FloatImage& image, HalfImage& map) {
   const FloatImage even = evenOut(image);
-  const bool one = image.width <= map.width;  // then no texel spans more than three quarters of a pixel
+  const bool one = image.width <= map.width;  // then no texel covers more than three quarters of a pixel
   parallelFor(map.height, 8, [&](size_t begin, size_t end) {
     std::vector<float> row(size_t{4} * map.width);
     for (size_t y = begin; y < end; ++y) {

@@ -1,4 +1,4 @@
-// The sharp end of the prefiltered maps: an equirectangular picture laid out over the octahedron.
+// The sharp end of the prefiltered maps: an equirectangular picture resampled to an octahedral map.
 #pragma once
 
 #include "scene/environment.h"
@@ -6,8 +6,8 @@
 
 namespace latelight::scene {
 
-// Fills `map` from `image` (radiance clamped), which is at most twice as wide: a texel then spans at most one and a
-// half pixels, which the samples taken cover.
+// Fills `map` from `image` (radiance clamped), which is at most twice as wide: a texel then covers at most one and a
+// half pixels, within the footprint of the samples taken.
 void resampleMirror(const FloatImage& image, HalfImage& map);
 
 }  // namespace latelight::scene

@@ -10,7 +10,7 @@
 namespace latelight::scene {
 namespace {
 
-// What one new column or row is made of: `count` old ones from `first`, weights adding up to 1.
+// The sources of one new column or row: `count` old ones from `first`, with weights that sum to 1.
 struct Overlap {
   size_t first = 0, count = 0;
   size_t weights = 0;  // index of the first in Overlaps::weights
@@ -26,7 +26,7 @@ Overlaps overlaps(size_t from, size_t to, Measure measure) {
   Overlaps result;
   result.spans.resize(to);
   for (size_t i = 0; i < to; ++i) {
-    // In units of 1 / (from * to), so that edges which coincide do so exactly.
+    // In units of 1 / (from * to), so that coincident edges are exactly equal.
     const size_t begin = i * from, end = (i + 1) * from;
     const size_t first = begin / to, last = (end - 1) / to;
     const auto at = [&](size_t edge) { return measure(static_cast<double>(edge) / static_cast<double>(from * to)); };

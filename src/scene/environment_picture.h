@@ -1,4 +1,4 @@
-// Equirectangular pictures on their way into an environment: cleaned, resized, made halves.
+// Prepares equirectangular pictures for an environment: cleaned, resized, converted to half floats.
 #pragma once
 
 #include "scene/environment.h"
@@ -6,12 +6,12 @@
 
 namespace latelight::scene {
 
-// Radiance of what a picture may hold: NaN and negatives become 0, what is above the largest half (infinity too) that
-// half.
+// Radiance from any value in a picture: NaN and negatives become 0, values above the largest half (including infinity)
+// that half.
 void clampRadiance(FloatImage& image);
 
 // Each pixel of the result is the mean radiance over its part of the sphere: exact box filtering for any pair of sizes,
-// rows weighed by their solid angle. Works both ways: enlarging repeats pixels.
+// rows weighted by their solid angle. Enlarging repeats pixels.
 FloatImage resizeEquirectangular(const FloatImage& image, uint32_t width, uint32_t height);
 
 HalfImage toHalf(const FloatImage& image);

@@ -1,7 +1,6 @@
-// The built-in studio: where a scene has no light of its own, what lights it. A photographer's product set: a large
-// soft key overhead, two weaker fills at the sides, one a little warm and one a little cool, a strip behind for the
-// rim, in a dark-grey room whose floor throws some light back. Neutral on average; all edges are smooth, so that it
-// filters well.
+// The built-in studio, which lights scenes without lights of their own. A photographer's product set: a large soft key
+// overhead, two weaker fills at the sides, one a little warm and one a little cool, a strip behind for the rim, in a
+// dark-grey room whose floor reflects some light. Neutral on average; all edges are smooth, so that it filters well.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -15,13 +14,13 @@ namespace {
 using glm::vec2;
 using glm::vec3;
 
-// A rectangular lamp, as its outline on a plane at distance 1 from the middle of the room. World axes: Z up; the usual
+// A rectangular lamp, as its outline on a plane at distance 1 from the centre of the room. World axes: Z up; the usual
 // camera looks along +Y.
 struct SoftBox {
   vec3 direction;   // of its centre
   vec3 across;      // roughly along its first side
-  vec2 halfExtent;  // tangents of half angles: across, and at right angles to that
-  float edge;       // half the width of its soft edge, the same measure
+  vec2 halfExtent;  // tangents of half angles: across, and perpendicular to it
+  float edge;       // half the width of its soft edge, in the same unit
   vec3 radiance;
 };
 
@@ -37,7 +36,7 @@ float smooth(float low, float high, float x) {
   return t * t * (3.0f - 2.0f * t);
 }
 
-// 1 inside, 0 outside; brighter in the middle, as cloth in front of a lamp is.
+// 1 inside, 0 outside; brighter in the middle, like cloth in front of a lamp.
 float coverage(const SoftBox& box, const vec3& d) {
   const vec3 axis = glm::normalize(box.direction);
   const float along = glm::dot(d, axis);
@@ -51,7 +50,7 @@ float coverage(const SoftBox& box, const vec3& d) {
   return inside * (1.0f - 0.25f * std::min(glm::dot(q, q) * 0.5f, 1.0f));
 }
 
-// Walls and ceiling are dark; the floor is lit by the key, most beneath it; no line where they meet.
+// Walls and ceiling are dark; the floor is lit by the key, most below it; there is no line where they meet.
 float room(const vec3& d) {
   const float wall = 0.17f + 0.05f * smooth(-0.2f, 0.9f, d.z);
   const float floor = 0.18f + 0.16f * smooth(0.0f, -1.0f, d.z);

@@ -11,7 +11,7 @@ namespace {
 
 using glm::vec2;
 
-// Raised whenever the table's numbers change.
+// Incremented whenever the table's numbers change.
 constexpr uint32_t kTableVersion = 1;
 
 // Weights of f0 and f90: the integral of D V F (n.l) over light directions.
@@ -37,7 +37,7 @@ std::vector<vec2> computeTable(uint32_t size) {
 
 }  // namespace
 
-// 64 x 64 take 10 ms on two cores: more than the picture that needs them may take.
+// 64 x 64 take 10 ms on two cores, which may be more than the picture that needs them.
 std::vector<vec2> ggxReflectanceTable(uint32_t size) {
   return cachedTable<vec2>(fmt::format("ggx-reflectance-{}-{}.bin", size, kTableVersion), size_t{size} * size,
                            [&] { return computeTable(size); });

@@ -61,7 +61,7 @@ Level leaves(const FloatImage& image) {
   return level;
 }
 
-// Where the light of four nodes has its centre. The small constant gives the geometric centre where there is none.
+// The centroid of the light of four nodes. The small constant gives the geometric centre where there is no light.
 TreeNode merge(const std::array<const TreeNode*, 4>& children, const Band& b) {
   TreeNode node{glm::vec3(0), static_cast<float>(b.size), glm::vec3(0), static_cast<float>(b.solidAngle)};
   float whole = 0;
@@ -96,9 +96,9 @@ Level parents(const Level& children) {
 constexpr uint32_t kTile = 8;  // output texels along a side of a tile
 
 // A node is opened while it is wider than both this share of its distance to the tile and this share of the lobe's half
-// width, which counts up to 0.4 radians: a wide lobe ends at its horizon with the slope of a cosine all the same.
-// Measured on sun-lit and indoor pictures against leaves alone: 0.1 % off in the mean and 0.5 % at worst, less than one
-// step of 8 bits.
+// width, capped at 0.4 radians: even a wide lobe ends at its horizon with the slope of a cosine. Measured on sun-lit
+// and indoor pictures against using only leaves: 0.1 % off in the mean and 0.5 % at worst, less than one step of 8
+// bits.
 constexpr float kOpening = 0.18f, kFinest = 0.25f, kWidest = 0.4f;
 
 struct Tile {
@@ -120,7 +120,7 @@ Tile makeTile(uint32_t left, uint32_t top, uint32_t size) {
   return tile;
 }
 
-// The nodes whose sum stands for the environment as this tile's lobes see it, in the order of the walk.
+// The nodes whose sum approximates the environment for this tile's lobes, in the order of the walk.
 class Walk {
  public:
   Walk(const std::vector<Level>& levels, const Tile& tile, float halfWidth, std::vector<TreeNode>& nodes)
@@ -134,7 +134,7 @@ class Walk {
  private:
   void visit(size_t level, uint32_t x, uint32_t y) {
     const TreeNode& node = levels_[level].at(x, y);
-    // Behind the horizon of every texel, and so all that is in it: it reaches at most 1.5 sizes from its centre.
+    // Behind the horizon of every texel, with everything in it: a node extends at most 1.5 sizes from its centre.
     if (glm::dot(node.direction, tile_.axis) < -(tile_.radius + 1.5f * node.size)) return;
     const float distance = glm::length(node.direction - tile_.axis) - tile_.radius;
     if (level + 1 == levels_.size() ||
@@ -188,7 +188,7 @@ struct TileJob {
 void convolveTile(const EnvironmentTree& tree, const TileJob& job, std::vector<TreeNode>& nodes) {
   const float alpha = job.map->roughness * job.map->roughness;
   const Tile tile = makeTile(job.left, job.top, job.map->image->width);
-  // Where D falls to a half: tan(half vector's angle) = 0.64 alpha, and the lobe is twice as wide.
+  // D falls to half at tan(half vector's angle) = 0.64 alpha, and the lobe is twice as wide.
   const Walk walk(tree.levels(), tile, 2.0f * std::atan(0.64f * alpha), nodes);
   std::array<glm::vec4, kTile * kTile> sums;
   sumNodes(nodes, job.map->lobe, alpha, tile, sums.data());

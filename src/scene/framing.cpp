@@ -15,7 +15,7 @@ constexpr double kAzimuth = 0.6, kElevation = 0.3;  // of the default view
 constexpr double kMargin = 0.04;                    // of the picture's half extents, on each side
 constexpr double kLargest = 1e15;                   // beyond, squares leave the range of float
 
-// What there is to see: never empty, never without extent.
+// The visible bounds: never empty, never without extent.
 struct Box {
   dvec3 min, max;
   dvec3 centre() const { return (min + max) * 0.5; }
@@ -30,7 +30,7 @@ Box visibleBox(const Scene& scene) {
   };
   if (bounds.empty() || !sane(bounds.min) || !sane(bounds.max)) return box;
   box = {dvec3(bounds.min), dvec3(bounds.max)};
-  // A point, or something so small for where it is that float can't resolve a camera around it.
+  // A point, or something so small relative to its position that floats can't resolve a camera around it.
   const dvec3 c = box.centre();
   const double resolvable = 1e-5 * std::max({std::abs(c.x), std::abs(c.y), std::abs(c.z)});
   const double least = std::max(resolvable, 1e-15);
@@ -54,8 +54,8 @@ Axes orbitAxes(double azimuth, double elevation) {
 }
 
 // Floats reach from 2^-126 to 2^127. Device depth is near / depth: with 2^-64 of the distance to the scene's far side
-// it stays above that for what lies 2^62 times as far away, and what is nearer is far below what coordinates around an
-// eye resolve. A power of two moves exponents alone: the digits of a depth are the same for each of them.
+// it does not underflow up to 2^62 times as far away, and anything nearer is far below the resolution of coordinates
+// around an eye. A power of two only changes exponents: the mantissa of a depth is the same for each of them.
 float nearPlane(const Box& box, dvec3 eye) {
   const double farthest = glm::length(eye - box.centre()) + box.radius();
   return static_cast<float>(std::ldexp(1.0, std::ilogb(farthest) - 64));
@@ -109,7 +109,7 @@ Camera frameScene(const Scene& scene, float aspect) {
     badUsage("A picture of aspect {:g} can't be framed: width and height must be positive", aspect);
   const Box box = visibleBox(scene);
   const Axes axes = orbitAxes(kAzimuth, kElevation);
-  // Pictures far from square are narrowed along their long side before the perspective there gets extreme.
+  // Pictures far from square are narrowed along their long side before the perspective becomes extreme.
   double v = std::tan(0.5 * kDefaultVerticalFov);
   if (aspect < 1.0f) v /= std::max(double{aspect}, 0.5);
   if (aspect > 2.5f) v *= 2.5 / aspect;

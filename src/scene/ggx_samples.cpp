@@ -18,7 +18,7 @@ constexpr uint32_t kRings = 20, kTurns = 16;
 struct Grid {
   struct Point {
     float x, y;    // x from 0 to 1, y from -1 to 1
-    float weight;  // all together 1
+    float weight;  // the sum is 1
   };
   std::array<Point, kRings * kTurns> points;
   Grid() {
@@ -33,8 +33,8 @@ struct Grid {
 
 }  // namespace
 
-// The grid becomes half vectors as likely as the normals that the viewer sees (Heitz 2018, "Sampling the GGX
-// Distribution of Visible Normals", JCGT 7(4)), whose density over l is G1(v) D / (4 n.v): what is left to average is
+// Maps the grid to half vectors distributed like the normals visible to the viewer (Heitz 2018, "Sampling the GGX
+// Distribution of Visible Normals", JCGT 7(4)), whose density over l is G1(v) D / (4 n.v): the remaining integrand is
 // smooth and at most 1.
 std::vector<GgxSample> ggxSamples(float nv, float roughness) {
   static const Grid grid;

@@ -22,7 +22,7 @@ namespace gltf {
 namespace {
 
 struct Job {
-  size_t cost;  // to be started largest first, or one thread ends alone
+  size_t cost;  // the largest start first, or one thread finishes alone
   std::function<void()> run;
 };
 
@@ -34,7 +34,7 @@ void addTextureJobs(const Document& document, const TextureTable& table, Scene& 
     const ImageSource& source = document.images[size_t(image)];
     if (!source.problem.empty()) badInput("{}", source.problem);
     total += mipChainBytes(imageSize(source.encoded, source.name));
-    // Decoding costs by the encoded byte, not by the pixel: 40 ns against 1.
+    // Decoding time goes with encoded bytes, not pixels: 40 ns against 1.
     jobs.push_back({source.encoded.size() * 40, [&texture = scene.textures[i], &source, srgb = srgb] {
                       texture = decodeTexture(source.encoded, srgb, source.name);
                     }});
@@ -64,7 +64,7 @@ void runJobs(std::vector<Job>& jobs, const std::string& name) {
   });
 }
 
-// What meshes and instances take once they are loaded.
+// The memory of meshes and instances once they are loaded.
 uint64_t geometryBytes(const Scene& scene) {
   uint64_t bytes = scene.instances.size() * sizeof(Instance) + scene.nodes.size() * sizeof(Node);
   for (const Mesh& mesh : scene.meshes) {

@@ -35,7 +35,7 @@ const std::byte* within(const Document& document, int view, size_t offset, size_
   return bytes.data() + offset;
 }
 
-// A view of its own for elements that are no plain slice of the file.
+// A view of its own for elements that are not a plain slice of the file.
 std::byte* own(const Document& document, Elements& elements, size_t size) {
   size_t bytes = elements.count * size;
   document.budget.charge(bytes, elements.name);
@@ -155,7 +155,7 @@ Elements resolve(const Document& document, int index) {
   if (accessor.sparse.isSparse)
     applySparse(document, accessor, elements, size);
   else if (accessor.bufferView < 0)
-    own(document, elements, size);  // zeros, says the specification
+    own(document, elements, size);  // zeros, by the specification
   return elements;
 }
 

@@ -9,7 +9,7 @@
 
 namespace latelight::scene::gltf {
 
-// Elements of one accessor, wherever they lie: bounds are checked, so reading `count` of them is safe.
+// Elements of one accessor, wherever they are stored: bounds are checked, so reading `count` of them is safe.
 struct Elements {
   const std::byte* data = nullptr;
   size_t count = 0;
@@ -24,15 +24,15 @@ struct Elements {
 // Bytes of a component type, or 0 if glTF has no such type.
 size_t componentBytes(int componentType);
 
-// Throws Error(BadInput) if the accessor reaches past its bufferView or is malformed. Sparse ones are put together.
+// Throws Error(BadInput) if the accessor reaches past its bufferView or is malformed. Sparse ones are assembled.
 Elements resolve(const Document& document, int accessor);
 
 // `count` elements from `first` on as vectors of N floats, converted as glTF 2.0 (3.6.2.2) and KHR_mesh_quantization
-// say. Components the accessor lacks become `fill`; those it has too many are dropped.
+// say. Missing components become `fill`; surplus ones are dropped.
 template <int N>
 void readVectors(const Elements& elements, size_t first, size_t count, glm::vec<N, float>* out, float fill = 0);
 
-// The same for all, and Error(BadInput) where one is not finite.
+// The same for all elements; Error(BadInput) where one is not finite.
 template <int N>
 std::vector<glm::vec<N, float>> readFinite(const Elements& elements, size_t first, size_t count, float fill = 0);
 

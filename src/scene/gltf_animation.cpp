@@ -1,4 +1,4 @@
-// Animations and skins (glTF 2.0, 3.7.3 and 3.11), and the nodes as they need them.
+// Animations and skins (glTF 2.0, 3.7.3 and 3.11), and the nodes in the form they need.
 #include <algorithm>
 #include <glm/gtc/matrix_access.hpp>
 #include <optional>
@@ -22,7 +22,7 @@ Interpolation readInterpolation(const json& sampler, const std::string& name) {
   badInput("{} has the unknown interpolation \"{}\"", name, text);
 }
 
-// Nothing for what is no property of a node: KHR_animation_pointer's.
+// Nothing for targets that are not node properties: KHR_animation_pointer's.
 std::optional<AnimatedProperty> readProperty(const json& target, const std::string& name) {
   const std::string path = target["path"].get<std::string>();
   if (path == "translation") return AnimatedProperty::Translation;
@@ -52,7 +52,7 @@ std::vector<float> readTimes(const Document& document, int accessor, const std::
   return times;
 }
 
-// Whole numbers are normalised whether or not the accessor says so: no rotation or weight has others.
+// Integers are normalised whether or not the accessor says so: rotations and weights allow nothing else.
 std::vector<float> readValues(const Document& document, int accessor, const Track& track, const std::string& name) {
   Elements elements = resolve(document, accessor);
   elements.normalized = true;
@@ -159,7 +159,7 @@ Skin readSkin(const Document& document, int index) {
   document.budget.charge(elements.count * sizeof(mat4), elements.name);
   skin.inverseBind = readMatrices(elements);
   skin.inverseBind.resize(source.joints.size());
-  for (mat4& m : skin.inverseBind) m = glm::row(m, 3, vec4(0, 0, 0, 1));  // glTF 2.0, 3.7.3.1: what it is to be
+  for (mat4& m : skin.inverseBind) m = glm::row(m, 3, vec4(0, 0, 0, 1));  // as glTF 2.0, 3.7.3.1 requires
   return skin;
 }
 

@@ -1,4 +1,4 @@
-// The bytes behind bufferViews and images: the binary chunk, data URIs (RFC 2397), and files beside.
+// The bytes of bufferViews and images: the binary chunk, data URIs (RFC 2397), and external files.
 #include <array>
 #include <cstring>
 #include <optional>
@@ -19,7 +19,7 @@ std::optional<int> hexDigit(char c) {
   return std::nullopt;
 }
 
-// RFC 3986, 2.1. A '%' without two digits stays: some exporters forget to encode it.
+// RFC 3986, 2.1. A '%' without two digits is kept: some exporters forget to encode it.
 std::string percentDecode(std::string_view text) {
   std::string out;
   out.reserve(text.size());
@@ -96,7 +96,7 @@ bool isFallback(const json& buffer) {
   return buffer.contains(pointer) && buffer.at(pointer).get<bool>();
 }
 
-// Which buffers are read: where views lie that are not compressed, and the bytes of those that are.
+// The buffers that are read: those of uncompressed views, and those with the bytes of compressed ones.
 std::vector<bool> findRead(const json& buffers, const json& views) {
   std::vector<bool> read(buffers.size());
   for (const json& view : views)
@@ -105,7 +105,7 @@ std::vector<bool> findRead(const json& buffers, const json& views) {
 }
 
 // A fallback buffer has bytes only for readers without EXT_meshopt_compression: it stays empty here. Files that require
-// the extension may leave its bytes out, and say so or not: then it is one that has no bytes and that nothing reads.
+// the extension may omit its bytes, declared or not: then it is a buffer without bytes that nothing reads.
 Bytes readBuffer(Document& document, const json& buffer, size_t index, bool isRead, const Enclosure& enclosure,
                  Bytes binary) {
   std::string name = fmt::format("buffers[{}]", index);

@@ -24,13 +24,13 @@ uint32_t wordAt(Bytes bytes, size_t at) {  // GLB is little-endian
   return word;
 }
 
-// Whether a chunk's header can lie there, and its bytes behind it.
+// Whether there is room for a chunk's header and the bytes after it.
 bool chunkFits(Bytes file, size_t at) {
   return at + kChunkHeaderBytes <= file.size() && wordAt(file, at) <= file.size() - at - kChunkHeaderBytes;
 }
 
-// Where the chunk behind one that ends at `end` begins. Chunks are padded to 4 bytes, and their lengths count that;
-// some writers pad and don't count, others do neither.
+// The start of the chunk after one that ends at `end`. Chunks are padded to 4 bytes, and their lengths count that; some
+// writers pad and don't count, others do neither.
 size_t behindChunk(Bytes file, size_t end, bool isJson) {
   const size_t padded = (end + 3) / 4 * 4;
   if (padded == end || end + kChunkHeaderBytes > file.size() || chunkFits(file, padded)) return padded;
@@ -105,8 +105,8 @@ Container readContainer(Bytes file) {
 }
 
 uint64_t treeBytes(Bytes json) {
-  // As nlohmann::json keeps them on 64 bits: a value is 16, in a vector that grows by doubling; an object a map of
-  // nodes with a key's string in each. What strings hold is at most the text.
+  // Sizes in nlohmann::json on 64 bits: a value is 16, in a vector that grows by doubling; an object is a map of nodes,
+  // each with its key's string. The contents of strings are at most the text.
   constexpr uint64_t kValue = 32, kArray = 48, kObject = 64, kMember = 112;
   uint64_t bytes = json.size();
   bool inString = false;
@@ -138,7 +138,7 @@ nlohmann::json readJson(Bytes bytes) {
     badInput("it is not glTF: {}", reason);
   }
   if (!root.is_object() || !root.contains("asset")) badInput("it is not glTF: its JSON has no \"asset\"");
-  // What can't be read at all is said before details.
+  // Unreadable files are reported before details.
   if (root["asset"].is_object() && root["asset"].contains("version") && root["asset"]["version"].is_string())
     checkVersion(root);
   checkExtensions(root);

@@ -13,8 +13,8 @@ namespace latelight::scene::gltf {
 using nlohmann::json;
 namespace {
 
-// tinygltf refuses indices whose accessor has no bufferView, though Draco's and all-zero ones have none. They travel
-// under a name of our own.
+// tinygltf refuses indices whose accessor has no bufferView, though Draco's and all-zero ones have none. They are
+// passed under a name of our own.
 constexpr const char* kIndicesKey = "LATELIGHT_indices";
 
 void hideIndices(json& root) {
@@ -39,7 +39,7 @@ void restoreIndices(tinygltf::Model& model) {
         primitive.indices = indexOr(*hidden, "accessor", -1);
 }
 
-// How many things of each kind the JSON has.
+// The number of elements of each kind in the JSON.
 struct Counts {
   std::map<std::string, size_t> arrays;
   std::vector<size_t> primitives;  // of each mesh
@@ -56,7 +56,7 @@ struct Counts {
   }
 };
 
-// What tinygltf's model takes, and what is made of each node: its name and path, kept and looked up.
+// The memory of tinygltf's model, and of each node: its name and path, stored and indexed.
 size_t modelBytes(const Counts& counts) {
   constexpr size_t kNames = 512;
   return counts.of("nodes") * (sizeof(tinygltf::Node) + sizeof(Node) + kNames) +
@@ -66,7 +66,7 @@ size_t modelBytes(const Counts& counts) {
              (sizeof(tinygltf::Primitive) + sizeof(Mesh));
 }
 
-// tinygltf drops what it can't read: then indices that were checked no longer fit.
+// tinygltf drops elements it can't read, which would invalidate checked indices.
 template <typename T>
 void checkCount(const Counts& counts, const char* key, const std::vector<T>& read) {
   if (counts.of(key) != read.size()) badInput("its {} can't be read", key);
@@ -97,7 +97,7 @@ void readModel(Document& document, json root) {
   const Counts counts(root);
   document.budget.charge(modelBytes(counts), "its nodes and primitives");
   std::string text = root.dump(-1, ' ', false, json::error_handler_t::replace);
-  root = nullptr;  // tinygltf makes a tree of its own
+  root = nullptr;  // tinygltf builds a tree of its own
   if (text.size() > std::numeric_limits<unsigned>::max()) badInput("its JSON is too large");
   tinygltf::TinyGLTF loader;
   std::string error, warning;

@@ -44,8 +44,8 @@ struct Sizes {
   uint64_t faces = 0, points = 0;
 };
 
-// What the decoder will allocate for, read ahead of it: it believes the header (Draco bitstream 2.2, the one that the
-// extension names; sections "Header", "Sequential connectivity" and "EdgeBreaker connectivity").
+// The sizes that the decoder will allocate, read in advance, since it trusts the header (Draco bitstream 2.2, the one
+// that the extension names; sections "Header", "Sequential connectivity" and "EdgeBreaker connectivity").
 std::optional<Sizes> peekSizes(Bytes data) {
   constexpr uint64_t kMesh = 1, kMetadataFlag = 0x8000;
   HeaderReader reader(data);
@@ -53,9 +53,9 @@ std::optional<Sizes> peekSizes(Bytes data) {
   std::optional<uint64_t> type = reader.fixed(1), method = reader.fixed(1), flags = reader.fixed(2);
   constexpr uint64_t kMagic = 0x4F43415244;  // "DRACO"
   if (!flags || *magic != kMagic || *type != kMesh || *major != 2 || *minor < 2) return std::nullopt;
-  if (*flags & kMetadataFlag) return std::nullopt;  // lies between here and the sizes; glTF has no use for it
+  if (*flags & kMetadataFlag) return std::nullopt;  // comes before the sizes; glTF does not use it
   Sizes sizes;
-  if (*method == 1) reader.fixed(1);  // EdgeBreaker: how it is traversed
+  if (*method == 1) reader.fixed(1);  // EdgeBreaker: the traversal method
   std::optional<uint64_t> first = reader.varint(), second = reader.varint();
   if (!first || !second) return std::nullopt;
   if (*method == 1) return Sizes{.faces = *second, .points = *first};
@@ -88,7 +88,7 @@ bool convert(const draco::Mesh& mesh, const draco::PointAttribute& attribute, co
   }
 }
 
-// The accessor says what type the values have; Draco only how many there are.
+// The accessor gives the type of the values, Draco only their number.
 Elements readAttribute(const Document& document, const draco::Mesh& mesh, int uniqueId, int accessorIndex,
                        const std::string& name) {
   const tinygltf::Accessor& accessor = document.model.accessors[size_t(accessorIndex)];
@@ -114,7 +114,7 @@ Elements readAttribute(const Document& document, const draco::Mesh& mesh, int un
 std::unique_ptr<draco::Mesh> decodeBytes(const Document& document, Bytes data, const std::string& name) {
   std::optional<Sizes> sizes = peekSizes(data);
   if (!sizes) badInput("{} is no mesh of Draco's bitstream 2.2", name);
-  // Connectivity and attributes take the decoder some 100 bytes a face or point.
+  // For connectivity and attributes the decoder needs about 100 bytes per face or point.
   document.budget.charge((sizes->faces + sizes->points) * 100, name);
   draco::DecoderBuffer buffer;
   buffer.Init(reinterpret_cast<const char*>(data.data()), data.size());

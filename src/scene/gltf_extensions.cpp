@@ -1,4 +1,4 @@
-// Which extensions are read, and what is said of the others.
+// The supported extensions, and the messages about the others.
 #include <algorithm>
 #include <string>
 #include <string_view>
@@ -16,7 +16,7 @@ constexpr std::string_view kSupported[] = {
     "KHR_materials_unlit",     "KHR_materials_variants",          "KHR_mesh_quantization", "KHR_texture_transform",
 };
 
-// Say nothing about how the scene looks at rest.
+// Extensions that don't affect how the scene looks at rest.
 constexpr std::string_view kHarmless[] = {
     "KHR_xmp_json_ld",
     "KHR_xmp",
@@ -55,7 +55,7 @@ void checkExtensions(const nlohmann::json& root) {
   auto required = root.find("extensionsRequired");
   if (required != root.end() && required->is_array()) {
     for (const nlohmann::json& item : *required) {
-      if (!item.is_string()) continue;  // validate() says so
+      if (!item.is_string()) continue;  // validate() reports it
       std::string name = item.get<std::string>();
       if (!contains(kSupported, name))
         badInput("it requires the glTF extension {}, which is not supported: export it without", name);

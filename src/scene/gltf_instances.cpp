@@ -33,7 +33,7 @@ std::vector<double> weightsOf(const tinygltf::Node& node, const tinygltf::Mesh& 
   return idle ? std::vector<double>() : weights;
 }
 
-// Tangents are made for the texture that uses them: its UV set, turned by its transform.
+// Tangents are generated for the texture that uses them: its UV set, with its transform applied.
 std::optional<TangentSpace> tangentSpaceOf(const Material& material, const tinygltf::Primitive& p) {
   bool given = p.attributes.contains("TANGENT") && p.attributes.contains("NORMAL");
   if (given || !(material.data.textures & 1u << shared::kTextureNormal)) return std::nullopt;
@@ -41,7 +41,8 @@ std::optional<TangentSpace> tangentSpaceOf(const Material& material, const tinyg
   return TangentSpace{t.uvSet, vec2(t.row0), vec2(t.row1)};
 }
 
-// EXT_mesh_gpu_instancing: where instances stand below their node; one, at the node itself, where it has none.
+// EXT_mesh_gpu_instancing: the placements of instances relative to their node; a single one, the node itself, where
+// there are none.
 struct Placements {
   size_t count = 1;
   std::vector<vec4> translations, rotations, scales;  // empty, or as many
@@ -73,7 +74,7 @@ Placements readPlacements(const Document& document, const tinygltf::Node& node, 
   };
   Placements placements;
   placements.translations = read("TRANSLATION", vec4(0), false);
-  placements.rotations = read("ROTATION", vec4(0, 0, 0, 1), true);  // whole numbers are always fractions here
+  placements.rotations = read("ROTATION", vec4(0, 0, 0, 1), true);  // integers are always normalised here
   placements.scales = read("SCALE", vec4(1), false);
   placements.count = count.value_or(0);
   if (placements.count == 0) warn("nodes[{}] has EXT_mesh_gpu_instancing without instances, and is not drawn", index);
@@ -138,13 +139,13 @@ class Placer {
         const glm::dmat4 below = placements[k];
         scene_.instances[first + k].toWorld = toWorldFromGltf() * mat4(world * below);
         if (instanced) scene_.instances[first + k].copy = int(k);
-        // Of the instances below a node that may move.
+        // Placements of the instances of a node that may move.
         if (instanced && !scene_.rig.empty()) scene_.rig.offsets[first + k] = below;
       }
     });
   }
 
-  // The ids of a node's instances: primitive by primitive, each in as many copies.
+  // The ids of a node's instances: primitive by primitive, with all copies of each.
   void identify(const Node& node, bool several, std::span<Instance> instances, size_t copies) {
     const auto nameOf = [&](const Instance& instance, bool part) {
       std::string name = node.path;
@@ -192,7 +193,7 @@ class Placer {
   // The node itself if an animation moves its weights, else -1.
   int movedWeights(int node) const { return moved_.contains(uint32_t(node)) ? node : -1; }
 
-  // The place of an equal request, or of this one appended.
+  // The index of an equal request, or of this one appended.
   uint32_t find(const MeshRequest& request, const tinygltf::Primitive& primitive) {
     std::vector<uint32_t>& candidates = known_[geometryOf(primitive)];
     for (uint32_t candidate : candidates) {

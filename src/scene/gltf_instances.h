@@ -1,4 +1,4 @@
-// Which meshes stand where: instances with their ids, and the list of distinct meshes they need.
+// Instances with their ids and transforms, and the list of distinct meshes they need.
 #pragma once
 
 #include <vector>

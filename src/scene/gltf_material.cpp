@@ -12,9 +12,9 @@ namespace {
 
 using tinygltf::Value;
 
-constexpr float kDielectricF0 = 0.04f;  // of the default index of refraction, 1.5
+constexpr float kDielectricF0 = 0.04f;  // for the default index of refraction, 1.5
 
-// What all kinds of texture reference have.
+// Common to all kinds of texture references.
 struct Reference {
   int texture = -1;
   int uvSet = 0;
@@ -47,7 +47,7 @@ double elementOr(const Value& object, const char* key, size_t i, double otherwis
   return element.IsNumber() ? element.GetNumberAsDouble() : otherwise;
 }
 
-// Translation * rotation * scale. The rotation is counter-clockwise as seen in the picture, whose v runs down.
+// Translation * rotation * scale. The rotation is counter-clockwise as seen in the image, whose v runs down.
 void setTransform(shared::TextureTransform& out, const Reference& reference) {
   int uvSet = reference.uvSet;
   out.row0 = vec3(1, 0, 0);

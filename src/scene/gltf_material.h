@@ -1,4 +1,4 @@
-// Materials, and the textures they ask for.
+// Materials, and the textures they use.
 #pragma once
 
 #include <map>
@@ -10,7 +10,7 @@
 
 namespace latelight::scene::gltf {
 
-// Each pair of a picture and its coding becomes one scene texture.
+// Each pair of an image and its encoding becomes one scene texture.
 class TextureTable {
  public:
   struct Request {
@@ -29,7 +29,7 @@ class TextureTable {
 
 std::vector<Material> readMaterials(const Document& document, TextureTable& textures);
 
-// glTF 2.0, 3.9.6: of primitives that have none.
+// glTF 2.0, 3.9.6: for primitives without a material.
 Material defaultMaterial();
 
 // Index of the variant of that name, -1 for an empty name. Throws Error(Usage) listing the names if there is none.

@@ -9,7 +9,7 @@
 namespace latelight::scene::gltf {
 namespace {
 
-// What one vertex costs on its way, streams and result together.
+// The memory of one vertex during loading, streams and result together.
 constexpr size_t kVertexBytes = 2 * (sizeof(vec3) + sizeof(shared::VertexAttributes) + sizeof(shared::VertexExtra));
 
 const Elements* find(const Source& source, const char* key) {
@@ -17,7 +17,7 @@ const Elements* find(const Source& source, const char* key) {
   return found == source.attributes.end() ? nullptr : &found->second;
 }
 
-// Colours are normalised whether or not the accessor says so: whole numbers up to 65535 are no colours.
+// Colours are normalised whether or not the accessor says so: integers up to 65535 are not valid colours.
 std::vector<vec4> readColors(Elements elements, const Source& source) {
   elements.normalized = true;
   return readFinite<4>(elements, source.first, source.count, 1.0f);
@@ -28,7 +28,7 @@ Vertices readVertices(const Source& source) {
   v.positions = readFinite<3>(*find(source, "POSITION"), source.first, source.count);
   if (const Elements* e = find(source, "NORMAL")) {
     v.normals.resize(source.count);
-    readVectors<3>(*e, source.first, source.count, v.normals.data());  // broken ones are mended later
+    readVectors<3>(*e, source.first, source.count, v.normals.data());  // invalid ones are repaired later
   }
   if (const Elements* e = find(source, "TANGENT"); e && !v.normals.empty()) {
     v.tangents.resize(source.count);
@@ -55,7 +55,7 @@ void makeTangents(const TangentSpace& space, Vertices& v, std::vector<uint32_t>&
   scene::makeTangents(uv, v, indices);
 }
 
-// How the mesh moves; null where it has neither a skin nor weights that an animation moves.
+// The mesh's deformation; null where it has neither a skin nor animated weights.
 std::shared_ptr<Deformation> readDeformation(const Document& document, const MeshRequest& request, const Source& source,
                                              const std::vector<uint32_t>& origin, const Mesh& mesh) {
   auto deformation = std::make_shared<Deformation>();
@@ -71,7 +71,7 @@ std::shared_ptr<Deformation> readDeformation(const Document& document, const Mes
   return deformation;
 }
 
-// The mesh as its joints and weights are at rest.
+// The mesh with its joints and weights at rest.
 void poseAtRest(const Document& document, const Hierarchy& hierarchy, const MeshRequest& request,
                 const Deformation& deformation, Mesh& mesh) {
   std::vector<mat4> joints;
@@ -112,7 +112,7 @@ Mesh buildMesh(const Document& document, const Hierarchy& hierarchy, const MeshR
   const std::vector<uint32_t> origin = std::move(vertices.origin);
   Mesh mesh = pack(std::move(vertices), std::move(indices));
   if (auto deformation = readDeformation(document, request, source, origin, mesh)) {
-    deformation->flatNormals = flat && origin.size() == mesh.indices.size();  // not where tangents split a vertex
+    deformation->flatNormals = flat && origin.size() == mesh.indices.size();  // not where tangents split vertices
     poseAtRest(document, hierarchy, request, *deformation, mesh);
     if (!document.animations.empty()) mesh.deformation = std::move(deformation);
   }

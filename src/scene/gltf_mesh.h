@@ -19,23 +19,23 @@ struct TangentSpace {
   bool operator==(const TangentSpace&) const = default;
 };
 
-// What one scene::Mesh is made from. Equal requests give equal meshes.
+// The inputs of one scene::Mesh. Equal requests give equal meshes.
 struct MeshRequest {
   int mesh = 0, primitive = 0;
   int skin = -1;                             // its bind pose, in the file's own frame; -1: none
-  std::vector<double> weights;               // of morph targets at rest; empty: none of them counts
-  int weightsNode = -1;                      // the glTF node whose weights an animation moves; -1: nobody's
+  std::vector<double> weights;               // of morph targets at rest; empty: morph targets are ignored
+  int weightsNode = -1;                      // the glTF node whose weights are animated; -1: none
   std::optional<TangentSpace> tangentSpace;  // where tangents are needed
   bool operator==(const MeshRequest&) const = default;
 };
 
-// A mesh of the file by name; one without is "mesh<index>".
+// The name of a mesh of the file; "mesh<index>" without one.
 std::string meshName(const Document& document, int mesh);
 
 // Triangles the primitive has; 0 for points, lines and primitives without positions.
 size_t triangleCount(const Document& document, const tinygltf::Primitive& primitive);
 
-// Throws Error(BadInput) with the primitive's place. Thread-safe.
+// Throws Error(BadInput) that names the primitive. Thread-safe.
 Mesh buildMesh(const Document& document, const Hierarchy& hierarchy, const MeshRequest& request);
 
 }  // namespace latelight::scene::gltf

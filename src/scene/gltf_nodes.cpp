@@ -20,7 +20,7 @@ using glm::dmat4;
 using glm::dvec3;
 using glm::dvec4;
 
-constexpr size_t kMaxPathBytes = size_t{256} << 20;  // a chain of n nodes has paths of n^2 characters in all
+constexpr size_t kMaxPathBytes = size_t{256} << 20;  // a chain of n nodes has paths of n^2 characters in total
 
 dmat4 localTransform(const tinygltf::Node& node) {
   if (node.matrix.size() == 16) return readMatrix(node.matrix);
@@ -36,7 +36,7 @@ bool isFinite(const dmat4& m) {
   return true;
 }
 
-// Of each node, or -1. A node has one parent at most (glTF 2.0, 3.5.2).
+// The parent of each node, or -1. A node has at most one (glTF 2.0, 3.5.2).
 std::vector<int> findParents(const tinygltf::Model& model) {
   std::vector<int> parents(model.nodes.size(), -1);
   for (size_t i = 0; i < model.nodes.size(); ++i) {
@@ -50,7 +50,7 @@ std::vector<int> findParents(const tinygltf::Model& model) {
   return parents;
 }
 
-// Transforms of all nodes, in the scene shown or not: joints may lie elsewhere. Who is never reached is in a cycle.
+// Transforms of all nodes, in the scene shown or not: joints may be outside of it. Unreachable nodes are in a cycle.
 std::vector<dmat4> worldTransforms(const tinygltf::Model& model, const std::vector<int>& parents) {
   std::vector<dmat4> world(model.nodes.size());
   std::vector<int> pending;
@@ -108,7 +108,7 @@ class Paths {
   }
 
  private:
-  std::unordered_map<std::string, unsigned> twins_;  // so that a million equal names take a million steps
+  std::unordered_map<std::string, unsigned> twins_;  // so that a million equal names need only a million steps
   std::unordered_set<std::string> used_;
   size_t bytes_ = 0;
 };
@@ -153,7 +153,7 @@ Light readLight(const tinygltf::Light& source) {
   return light;
 }
 
-// Extras of a light, or of the node it hangs on, which come first: what KHR_lights_punctual has no word for.
+// Extras of a light, or of its node, which take precedence: properties that KHR_lights_punctual lacks.
 const tinygltf::Value* lightExtra(const tinygltf::Node& node, const tinygltf::Light& light, const char* key) {
   for (const tinygltf::Value* extras : {&node.extras, &light.extras})
     if (extras->IsObject() && extras->Has(key)) return &extras->Get(key);

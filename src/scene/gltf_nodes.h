@@ -1,4 +1,4 @@
-// The node tree, and what hangs on it beside meshes: cameras and lights.
+// The node tree with its cameras and lights.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -14,8 +14,8 @@ struct Hierarchy {
   std::vector<int> order;         // glTF nodes of the scene shown, parents first; Scene::nodes has them in this order
 };
 
-// A node's own matrix. Its last row is to be 0 0 0 1, being that of a transform (glTF 2.0, 3.5.3), and is taken as
-// that, with a warning where it is not.
+// A node's own matrix. Its last row must be 0 0 0 1 (glTF 2.0, 3.5.3), and is treated as such, with a warning where it
+// is not.
 glm::dmat4 readMatrix(const std::vector<double>& columns);
 
 // Fills scene.nodes. Throws Error(BadInput) on cycles, double parents and transforms that are not finite.
@@ -25,7 +25,7 @@ Hierarchy readNodes(const Document& document, Scene& scene);
 void readCameras(const Document& document, const Hierarchy& hierarchy, Scene& scene);
 void readLights(const Document& document, const Hierarchy& hierarchy, Scene& scene);
 
-// Fills scene.rig, but for the offsets of instances, if the file has animations. Throws Error(BadInput).
+// Fills scene.rig, except for the offsets of instances, if the file has animations. Throws Error(BadInput).
 void readRig(const Document& document, const Hierarchy& hierarchy, Scene& scene);
 
 }  // namespace latelight::scene::gltf

@@ -1,4 +1,4 @@
-// What moves a primitive's vertices: its morph targets (glTF 2.0, 3.7.2.2) and its skin's joints (3.7.3).
+// The deformation of a primitive's vertices: its morph targets (glTF 2.0, 3.7.2.2) and its skin's joints (3.7.3).
 #include <algorithm>
 #include <cmath>
 
@@ -19,7 +19,7 @@ void addDeltas(const Elements& deltas, const Source& source, float weight, std::
 void addTarget(const std::string& key, const Elements& deltas, const Source& source, float weight, Vertices& v) {
   if (key == "POSITION") return addDeltas(deltas, source, weight, v.positions);
   if (key == "NORMAL") return addDeltas(deltas, source, weight, v.normals);
-  if (key == "TANGENT") return addDeltas(deltas, source, weight, v.tangents);  // three components: w stays
+  if (key == "TANGENT") return addDeltas(deltas, source, weight, v.tangents);  // three components: w is unchanged
   if (key == "TEXCOORD_0") return addDeltas(deltas, source, weight, v.uv[0]);
   if (key == "TEXCOORD_1") return addDeltas(deltas, source, weight, v.uv[1]);
   if (key == "COLOR_0") return addDeltas(deltas, source, weight, v.colors);
@@ -62,7 +62,7 @@ std::vector<Influences> readInfluences(const Document& document, const Source& s
   }
 }
 
-// Weights should add up to 1, and after quantisation don't quite; those below 0 count as 0.
+// Weights should sum to 1, which quantised ones only approximate; negative ones count as 0.
 void normalizeWeights(std::span<float> weights) {
   float total = 0;
   for (float& weight : weights) total += weight = std::max(weight, 0.0f);

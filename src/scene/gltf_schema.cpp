@@ -14,7 +14,7 @@ namespace {
 
 using nlohmann::json;
 
-// Arrays of the file that an index may point into.
+// Arrays in the file that an index may refer to.
 enum class Target {
   Accessors,
   Buffers,
@@ -66,7 +66,7 @@ struct Schema {
 };
 
 constexpr double kMaxCount = 4294967295.0;
-constexpr double kMaxInt = 2147483647.0;       // what tinygltf keeps in an int
+constexpr double kMaxInt = 2147483647.0;       // tinygltf stores these in an int
 constexpr double kMaxBytes = 1099511627776.0;  // 1 TiB: sums of a few can't overflow
 constexpr double kPositive = 1.17549435e-38;   // the smallest normal float
 constexpr double kMaxFloat = std::numeric_limits<float>::max();

@@ -6,8 +6,8 @@
 namespace latelight::scene::gltf {
 
 // Checks every property this importer reads, core and extensions: types, ranges, array lengths, and that each index
-// points into its array. Whole numbers written as 3.0 become integers, which tinygltf expects. Unknown properties pass.
-// Throws Error(BadInput) with the property's place, as in "accessors[3].count is missing".
+// points into its array. Whole numbers written as 3.0 become integers, which tinygltf expects. Unknown properties are
+// allowed. Throws Error(BadInput) with the property's path, as in "accessors[3].count is missing".
 void validate(nlohmann::json& root);
 
 }  // namespace latelight::scene::gltf

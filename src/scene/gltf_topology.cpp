@@ -1,4 +1,4 @@
-// Which vertices make which triangles.
+// Triangles from a primitive's vertices.
 #include <algorithm>
 #include <limits>
 #include <numeric>
@@ -18,7 +18,7 @@ size_t trianglesOf(int mode, size_t corners) {
   return strip && corners >= 3 ? corners - 2 : 0;
 }
 
-// glTF 2.0, 3.7.2.1: every second triangle of a strip turns the other way.
+// glTF 2.0, 3.7.2.1: every second triangle of a strip has the opposite winding.
 std::vector<uint32_t> unroll(std::vector<uint32_t> corners, int mode) {
   size_t triangles = trianglesOf(mode, corners.size());
   if (mode == TINYGLTF_MODE_TRIANGLES) {

@@ -1,4 +1,4 @@
-// A primitive on its way to a scene::Mesh: where its streams lie, and how they are read.
+// A primitive during conversion to a scene::Mesh: its data, and how they are read.
 #pragma once
 
 #include <map>
@@ -11,7 +11,7 @@
 
 namespace latelight::scene::gltf {
 
-// Where a primitive's data lie.
+// The locations of a primitive's data.
 struct Source {
   std::string name;  // "meshes[2].primitives[0]"
   std::map<std::string, Elements> attributes;
@@ -22,7 +22,7 @@ struct Source {
 // gltf_topology.cpp: finds the data, decodes Draco, unrolls strips and fans, checks every index.
 Source readSource(const Document& document, const tinygltf::Primitive& primitive, std::string name);
 
-// gltf_pose.cpp: adds morph targets by weight, of positions, normals and tangents only where `geometry`.
+// gltf_pose.cpp: adds weighted morph targets, of positions, normals and tangents only where `geometry`.
 void applyMorphTargets(const Document& document, const tinygltf::Primitive& primitive, const Source& source,
                        const std::vector<double>& weights, bool geometry, Vertices& vertices);
 // gltf_pose.cpp: the same as data, for vertices that come from `origin`. Nothing where a primitive has no weights.
@@ -30,7 +30,7 @@ void readSkinWeights(const Document& document, int skin, const Source& source, c
                      Deformation& deformation);
 void readMorphTargets(const Document& document, const tinygltf::Primitive& primitive, const Source& source,
                       const std::vector<uint32_t>& origin, Deformation& deformation);
-// From bind space to the file's own frame, of each joint, as the nodes are at rest.
+// From bind space to the file's own frame, for each joint, with the nodes at rest.
 std::vector<mat4> restJoints(const Document& document, const Hierarchy& hierarchy, int skin);
 
 }  // namespace latelight::scene::gltf

@@ -1,5 +1,6 @@
 // Half floats (IEEE 754 binary16) from floats and back, rounded to the nearest, ties to even: with F16C where the
-// processor has it, with Imath's code elsewhere. Both give the same bits for every float but the payloads of NaNs.
+// processor has it, with Imath's code elsewhere. Both give the same bits for every float, except for the payloads of
+// NaNs.
 #pragma once
 
 #include <Imath/half.h>

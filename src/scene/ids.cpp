@@ -33,7 +33,7 @@ bool UniqueIds::take(uint32_t id) {
   return isNew;
 }
 
-// Those behind it that its place was in the way of move up.
+// Moves entries that probed past the released slot into it.
 void UniqueIds::release(uint32_t id) {
   if (table_.empty() || id == 0 || find(id) != id) return;
   const size_t mask = table_.size() - 1;
@@ -71,7 +71,7 @@ void identifyMaterials(Scene& scene) {
 
 namespace {
 
-// Which nodes give their id to all below them.
+// The nodes that give their id to all their descendants.
 std::vector<bool> nodesAtDepth(const Scene& scene, uint32_t depth) {
   std::vector<uint32_t> depths(scene.nodes.size());
   std::vector<bool> chosen(scene.nodes.size());

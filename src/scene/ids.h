@@ -1,5 +1,5 @@
-// Ids of nodes, parts and materials: hashes of what they are called, so that they stay what they are when others come
-// and go.
+// Ids of nodes, parts and materials: hashes of their names, so that they stay the same when others are added or
+// removed.
 #pragma once
 
 #include <cstdint>
@@ -12,16 +12,15 @@ namespace latelight::scene {
 struct IdGrouping;
 struct Scene;
 
-// Ids that are never 0 and never the same: where two names have one hash, the later one is hashed again with "~2" and
-// so on behind it. Those that are taken lie in one table, each at the first free place behind its hash, since there may
-// be ten million.
+// Ids that are never 0 and unique: where two names have the same hash, the later one is hashed again with "~2" and so
+// on appended. Taken ids are in one open-addressing table with linear probing, since there may be ten million.
 class UniqueIds {
  public:
   // `hash` is hash32() of the name.
   uint32_t make(uint32_t hash, const std::function<std::string()>& name);
   uint32_t make(const std::string& name);
   bool take(uint32_t id);     // false: it is 0, or taken
-  void release(uint32_t id);  // one that is taken is free again
+  void release(uint32_t id);  // makes a taken id free again
 
  private:
   uint32_t& find(uint32_t id);
@@ -31,7 +30,7 @@ class UniqueIds {
   size_t count_ = 0;
 };
 
-// Gives each material its id, by its name; one without a name is "material<index>".
+// Gives each material its id, from its name; one without a name is "material<index>".
 void identifyMaterials(Scene& scene);
 
 // Throws Error(Usage) where both ways of grouping are asked for.

@@ -17,7 +17,7 @@ void copyTexel(HalfImage& map, size_t fromX, size_t fromY, size_t toX, size_t to
   std::memcpy(texel(map, toX, toY), texel(map, fromX, fromY), 4 * sizeof(uint16_t));
 }
 
-// A step over an edge comes back beside the point that faces the middle of that edge from the other side.
+// A step across an edge re-enters at the point mirrored about the middle of that edge.
 void foldBack(float& across, float& along) {
   if (std::abs(across) <= 1.0f) return;
   across = (across > 0.0f ? 2.0f : -2.0f) - across;

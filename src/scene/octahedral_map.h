@@ -1,6 +1,6 @@
-// Octahedral maps as pictures. Texel i of a side of `size` texels stands at octahedral coordinate 2 i / (size - 2) - 1:
-// the axes and the edges of the square, where the map has its creases, are texel centres, so bilinear filtering never
-// cuts a corner there (measured: a third of the error of texels beside the creases). The last row and column lie beyond
+// Octahedral maps as images. Texel i of a side of `size` texels is at octahedral coordinate 2 i / (size - 2) - 1: the
+// axes and the edges of the square, where the map is creased, are at texel centres, so bilinear filtering never cuts
+// across a crease (measured: a third of the error of texels next to the creases). The last row and column are beyond
 // the edge.
 #pragma once
 
@@ -12,14 +12,14 @@ inline HalfImage makeOctahedralMap(uint32_t size) {
   return {size, size, std::vector<uint16_t>(size_t{4} * size * size)};
 }
 
-// Unit direction of the texel at (x, y), which may be fractions, up to a texel outside of the square.
+// Unit direction of the texel at (x, y), which may be fractional, up to a texel outside the square.
 glm::vec3 mapDirection(float x, float y, uint32_t size);
 
 // Stores RGBA of a texel.
 void setTexel(HalfImage& map, uint32_t x, uint32_t y, const glm::vec4& value);
 
-// Makes equal the texels that are the same direction, and fills the last row and column: each edge of the square meets
-// itself, turned about its middle.
+// Makes texels of the same direction equal, and fills the last row and column: each edge of the square meets itself,
+// mirrored about its middle.
 void closeSeams(HalfImage& map);
 
 }  // namespace latelight::scene

@@ -49,7 +49,7 @@ class MemoryStream : public Imf::IStream {
   uint64_t next_ = 0;
 };
 
-// What the four channels of the picture are called in the file; one name may serve several.
+// The names of the picture's four channels in the file; one name may serve several.
 using ChannelNames = std::array<std::string, 4>;
 
 std::optional<ChannelNames> channelsOf(const Imf::ChannelList& list, const std::string& layer) {
@@ -112,7 +112,7 @@ void readRows(Imf::InputPart& part, const Window& window, const ChannelNames& ch
 }
 
 FloatImage readData(Imf::InputPart& part, const Window& window, const ChannelNames& channels) {
-  // One row first: where the width is broken, it fails here and not with two gigabytes of zeros at hand.
+  // One row first: an invalid width fails here, before two gigabytes of zeros are allocated.
   FloatImage row(static_cast<uint32_t>(window.width), 1);
   readRows(part, window, channels, row);
   FloatImage image(static_cast<uint32_t>(window.width), static_cast<uint32_t>(window.height));
@@ -120,7 +120,7 @@ FloatImage readData(Imf::InputPart& part, const Window& window, const ChannelNam
   return image;
 }
 
-// The data may be a crop of the picture (the rest is black) or more than it.
+// The data window may be a part of the picture (the rest is black) or exceed it.
 FloatImage placeInDisplay(FloatImage data, const Window& from, const Window& to) {
   if (from == to) return data;
   FloatImage image(static_cast<uint32_t>(to.width), static_cast<uint32_t>(to.height));
@@ -175,7 +175,7 @@ FloatImage decodeExr(std::span<const std::byte> bytes, const std::string& name) 
   } catch (const Error&) {
     throw;
   } catch (const std::bad_alloc&) {
-    throw;  // decodePicture says so
+    throw;  // decodePicture reports it
   } catch (const std::exception& error) {
     std::string why = error.what();
     std::replace(why.begin(), why.end(), '\n', ' ');

@@ -1,4 +1,4 @@
-// Pictures of high dynamic range: Radiance .hdr and OpenEXR .exr files to floats.
+// High dynamic range pictures: Radiance .hdr and OpenEXR .exr files to floats.
 #pragma once
 
 #include <cstddef>
@@ -26,10 +26,10 @@ inline constexpr uint64_t kMostPicturePixels = uint64_t{1} << 27;
 inline constexpr uint32_t kLongestPictureSide = 65536;
 
 // The file's values as they are, NaN, infinities and negatives included; alpha is 1 where the file has none. The format
-// is told by the contents, not by the name. Throws Error(BadInput) that names the file and what is wrong in it.
+// is recognized by the contents, not by the name. Throws Error(BadInput) that names the file and what is wrong in it.
 FloatImage readPicture(const std::filesystem::path& path);
 
-// The same of bytes in memory; `name` is for errors.
+// The same for bytes in memory; `name` is for errors.
 FloatImage decodePicture(std::span<const std::byte> bytes, const std::string& name);
 
 // Radiance's RGBE (Ward 1991, Graphics Gems II, "Real Pixels"): flat, old run lengths and new ones; rows in any of the
@@ -40,8 +40,8 @@ FloatImage decodeRadiance(std::span<const std::byte> bytes, const std::string& n
 // Throws Error(BadInput) if a picture is larger than that.
 void checkPictureSize(int64_t width, int64_t height, const std::string& name);
 
-// OpenEXR: scan lines or tiles, of several parts the first; R G B or Y, in half, float or uint, with or without A, and
-// where no such channels are, the first layer that has R G B. The picture is the display window. (picture_exr.cpp)
+// OpenEXR: scan lines or tiles, the first of several parts; R G B or Y, in half, float or uint, with or without A, and
+// where there are no such channels, the first layer with R G B. The picture is the display window. (picture_exr.cpp)
 FloatImage decodeExr(std::span<const std::byte> bytes, const std::string& name);
 
 }  // namespace latelight::scene

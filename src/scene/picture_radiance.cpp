@@ -119,7 +119,7 @@ void readNewRow(Reader& reader, std::vector<Rgbe>& row) {
 }
 
 // Flat pixels with old run lengths: a pixel 1 1 1 n repeats the last one n times, and more such pixels in a row are the
-// higher bytes of the count. No true pixel looks so: one of its mantissas is at least 128.
+// higher bytes of the count. No real pixel has this form: one of its mantissas is at least 128.
 void readOldRow(Reader& reader, std::vector<Rgbe>& row) {
   unsigned shift = 0;
   for (size_t x = 0; x < row.size();) {
@@ -171,8 +171,8 @@ void convertRow(const std::vector<Rgbe>& row, bool rightToLeft, const std::array
 FloatImage decodeRadiance(std::span<const std::byte> bytes, const std::string& name) {
   Reader reader(bytes, name);
   const Header header = readHeader(reader, name);
-  // The fewest bytes a row can take (old runs: a pixel and its count), and one row first: where the size is broken, it
-  // fails here and not with two gigabytes of zeros at hand.
+  // The fewest bytes a row can take (old runs: a pixel and its count), and one row first: an invalid size fails here,
+  // before two gigabytes of zeros are allocated.
   if (reader.left() < header.height * std::min<uint64_t>(8, uint64_t{4} * header.width)) {
     badInput("'{}' is truncated: {} bytes can't hold {} x {} pixels; fetch it again", name, bytes.size(), header.width,
              header.height);

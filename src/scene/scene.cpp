@@ -28,7 +28,7 @@ bool endsWith(std::string_view text, std::string_view ending) {
 // A .glb file starts with "glTF"; a .gltf file is a JSON object, perhaps after a byte-order mark.
 bool looksLikeGltf(const std::filesystem::path& path) {
   std::error_code ignored;
-  if (!std::filesystem::is_regular_file(path, ignored)) return true;  // a pipe: what is looked at is gone
+  if (!std::filesystem::is_regular_file(path, ignored)) return true;  // a pipe: peeked bytes would be lost
   std::array<char, 64> head{};
   std::ifstream file(path, std::ios::binary);
   file.read(head.data(), head.size());
@@ -39,7 +39,7 @@ bool looksLikeGltf(const std::filesystem::path& path) {
   return first != std::string_view::npos && text[first] == '{';
 }
 
-// A rigid frame from a transform that may scale: camera space has the file's metres whatever its node does.
+// A rigid frame from a transform that may scale: camera space is in the file's metres, whatever its node's scale.
 mat4 rigid(const glm::dmat4& m, bool& degenerate) {
   using glm::dmat4, glm::dvec3, glm::dvec4;
   dvec3 x = m[0], y = m[1], z = m[2];
@@ -123,7 +123,7 @@ Bounds worldBounds(const Scene& scene) {
 }
 
 mat4 toWorldFromGltf() {
-  // Columns: where glTF's X (right), Y (up) and Z (towards the viewer) point in the world.
+  // Columns: the world directions of glTF's X (right), Y (up) and Z (towards the viewer).
   return mat4(vec4(1, 0, 0, 0), vec4(0, 0, 1, 0), vec4(0, -1, 0, 0), vec4(0, 0, 0, 1));
 }
 
@@ -133,7 +133,7 @@ mat4 toGltfFromWorld() {
 
 bool placeCamera(Camera& camera, const glm::dmat4& world) {
   bool degenerate = false;
-  // Camera space changes its axes just as the world does.
+  // Camera space changes its axes in the same way as the world.
   camera.toWorld = toWorldFromGltf() * rigid(world, degenerate) * toGltfFromWorld();
   return !degenerate;
 }

@@ -1,4 +1,4 @@
-// A scene as plain data: what glTF files and the built-in scenes become, and what render/ uploads. No Vulkan.
+// A scene as plain data: loaded from glTF files or built in, and uploaded by render/. No Vulkan.
 //
 // Object space is the file's own. World space is the renderer's (X right, Y away, Z up), so every world transform of a
 // glTF scene includes toWorldFromGltf(). Lengths in metres, angles in radians, colours linear Rec.709.
@@ -26,13 +26,13 @@ using glm::vec2;
 using glm::vec3;
 using glm::vec4;
 
-// Pixels that are never zero-filled and only move. RGBA, 8 bits a channel, all mip levels one after the other, level 0
-// first, rows from the top, each level max(1, size >> level) pixels.
+// Move-only pixel storage that is never zero-filled. RGBA, 8 bits a channel, all mip levels one after the other, level
+// 0 first, rows from the top, each level max(1, size >> level) pixels.
 struct Texture {
   std::string name;
   uint32_t width = 0, height = 0;
   uint32_t levels = 0;  // the full chain: floor(log2(max(width, height))) + 1
-  bool srgb = false;    // colour channels are sRGB-coded (mip levels were averaged in linear light); alpha is linear
+  bool srgb = false;    // colour channels are sRGB-encoded (mip levels were averaged in linear light); alpha is linear
   std::unique_ptr<std::byte[]> pixels;
   size_t bytes() const;  // of all levels
 };
@@ -54,7 +54,7 @@ struct TextureSlot {
 
 struct Material {
   std::string name;
-  shared::Material data{};  // as the shaders read it
+  shared::Material data{};  // as shaders read it
   TextureSlot slots[shared::kTextureCount];
 };
 
@@ -63,10 +63,10 @@ struct Mesh {
   std::string name;
   std::vector<vec3> positions;
   std::vector<shared::VertexAttributes> attributes;
-  std::vector<shared::VertexExtra> extras;  // empty, or one a vertex
-  std::vector<uint32_t> indices;            // 3 a triangle, counter-clockwise front faces
+  std::vector<shared::VertexExtra> extras;  // empty, or one per vertex
+  std::vector<uint32_t> indices;            // 3 per triangle, counter-clockwise front faces
   vec3 boundsMin{0}, boundsMax{0};          // object space
-  // How its vertices move; null where they don't. Then positions, normals and tangents above are those at rest.
+  // The deformation of its vertices, or null. With one, positions, normals and tangents above are those at rest.
   std::shared_ptr<const Deformation> deformation;
 };
 
@@ -75,30 +75,29 @@ struct Instance {
   uint32_t mesh = 0;
   uint32_t material = 0;
   uint32_t node = 0;  // index into Scene::nodes
-  // Stable and never 0 (ids.h). `id` is the node's, or that of the group it is in; without groups each copy of a mesh
-  // that EXT_mesh_gpu_instancing makes has one of its own. `part` is the instance's alone.
+  // Stable and never 0 (ids.h). `id` is the node's, or that of the group it is in; without groups each copy made by
+  // EXT_mesh_gpu_instancing has its own. `part` is unique to the instance.
   uint32_t id = 0, part = 0;
   uint32_t primitive = 0;  // of the node's mesh
-  int copy = -1;           // which of its node's, by EXT_mesh_gpu_instancing; -1: it has none
+  int copy = -1;           // its number among the node's, by EXT_mesh_gpu_instancing; -1: no copies
   mat4 toWorld{1};
   bool posed = false;    // skinned: its vertices are in the file's frame, and its node does not move it (3.7.3.3)
   bool placed = false;   // its transform was set by an edit (edit.h): no animation moves it
-  bool removed = false;  // a gap that the next instance added takes (edit.h)
+  bool removed = false;  // a gap that the next added instance fills (edit.h)
 };
 
 struct Node {
   std::string name;
   std::string path;  // "/Root/Arm/Hand": names from the root; unnamed nodes are "node<index>", twins get "#2", "#3"...
-  std::string mesh;  // the name of the mesh that hangs on it; empty: none does
-  uint32_t id = 0;   // stable, unique in the scene, never 0; of nodes in a group that of the group's topmost
-  bool added = false;  // with an instance, by an edit (edit.h): it goes with it
+  std::string mesh;  // the name of its mesh; empty: it has none
+  uint32_t id = 0;   // stable, unique in the scene, never 0; in a group, that of the topmost node
+  bool added = false;  // by an edit, with an instance (edit.h): removed with it
   int parent = -1;
   mat4 local{1};    // the file's own frame
   mat4 toWorld{1};  // the renderer's world
 };
 
-// The near plane, metres, of a camera that nobody gave one, in a scene measured in metres. It costs nothing: see
-// framing.h.
+// The default near plane of a camera, metres, in a scene measured in metres. It costs no precision: see framing.h.
 inline constexpr float kNearClip = 0x1p-40f;
 
 struct Camera {
@@ -126,38 +125,38 @@ struct Light {
   vec3 position{0};                               // world
   vec3 direction{0, 0, -1};                       // world, unit, from the light
   int node = -1;                                  // that it follows, index into Scene::nodes
-  // Radius in metres; of a directional light the angle it fills, radians across. 0: not known. What lies nearer to a
+  // Source radius in metres; for a directional light its angular diameter in radians. 0: unknown. Geometry nearer to a
   // point or spot light than that is its own body and casts no shadow.
   float size = 0;
-  std::optional<bool> castShadow;  // true: before all lights that don't say; false: never
-  bool removed = false;            // a gap that the next light added takes (edit.h)
+  std::optional<bool> castShadow;  // true: before all lights without this; false: never
+  bool removed = false;            // a gap that the next added light fills (edit.h)
   bool operator==(const Light&) const = default;
 };
 
-// Places of elements that were removed. How often a place was emptied tells the element that has it from those before.
+// Slots of removed elements. How often a slot was emptied distinguishes its current element from earlier ones.
 struct Gaps {
   std::vector<uint32_t> free;
-  std::vector<uint32_t> emptied;  // by place; 0 for those behind its end
+  std::vector<uint32_t> emptied;  // by slot; 0 for those beyond its end
   uint32_t generation(uint32_t place) const { return place < emptied.size() ? emptied[place] : 0; }
 };
 
-// What has changed since the scene was made (edit.h).
+// Changes since the scene was created (edit.h).
 struct SceneEdits {
   EditLog meshes, materials, instances, lights;
   Gaps instanceGaps, lightGaps;
-  std::vector<uint32_t> freeNodes;  // of instances that were added, and removed
-  // Of nodes and of instances, so that those that are added get others; made when the first one is.
+  std::vector<uint32_t> freeNodes;  // of instances that were added and removed
+  // Ids of nodes and of instances, so that added ones get unused ids; filled when the first one is added.
   struct KnownIds {
     UniqueIds nodes, parts, materials;
   };
   std::optional<KnownIds> ids;
-  uint32_t twins = 1;  // tells apart what is added under one name
+  uint32_t twins = 1;  // distinguishes elements added under the same name
 };
 
 struct Scene {
-  std::string name;                          // the file's name without folder and ending, or the built-in's
+  std::string name;                          // the file's name without folder and extension, or the built-in's
   std::string source;                        // what the user named
-  std::vector<std::filesystem::path> files;  // that were read: that one and those it names
+  std::vector<std::filesystem::path> files;  // that were read: this one and those it names
   bool yUp = true;  // the file's own frame is glTF's (Y up, camera along -Z); else the renderer's Z up
   std::vector<Texture> textures;
   std::vector<Material> materials;
@@ -167,9 +166,9 @@ struct Scene {
   std::vector<Camera> cameras;
   std::vector<Light> lights;
   std::vector<std::string> variants;  // KHR_materials_variants
-  Rig rig;                            // what moves; all of the above is at rest
+  Rig rig;                            // the moving parts; everything above is at rest
   SceneEdits edits;
-  MemoryClaim memory;  // what it takes of the machine's
+  MemoryClaim memory;  // its share of the machine's memory
 
   uint64_t triangleCount() const;  // of all instances
 };
@@ -181,30 +180,30 @@ struct Bounds {
   float radius() const { return empty() ? 0.0f : glm::length(max - min) * 0.5f; }
 };
 Bounds worldBounds(const Scene&);
-void findBounds(Mesh& mesh);  // of its positions; zero where it has none
+void findBounds(Mesh& mesh);  // from its positions; zero where it has none
 
 // glTF's frame (X right, Y up, Z towards the viewer) to the renderer's (X right, Y away, Z up), and back.
 mat4 toWorldFromGltf();
 mat4 toGltfFromWorld();
 
-// Where a node's transform in the file's own frame puts what hangs on it. False where the node is scaled to nothing:
-// then the camera keeps its place and looks along -Z.
+// Applies a node's transform in the file's own frame to its camera or light. False where the node's scale is zero: then
+// the camera keeps its position and looks along -Z.
 bool placeCamera(Camera& camera, const glm::dmat4& world);
 void placeLight(Light& light, const glm::dmat4& world);
 
 // Whole subtrees of nodes under one id: that of their topmost node. At most one of the two.
 struct IdGrouping {
-  // Nodes deeper than that have the id of their ancestor at that depth. Roots are at depth 0, their children at 1; a
-  // copy by EXT_mesh_gpu_instancing is a step deeper than its node.
+  // Nodes deeper than this have the id of their ancestor at this depth. Roots are at depth 0, their children at 1; a
+  // copy by EXT_mesh_gpu_instancing is one level deeper than its node.
   std::optional<uint32_t> depth;
-  // Names or paths of nodes, a name for every node that has it: each one's subtree has its id, but for what lies below
-  // another of them.
+  // Names or paths of nodes; a name selects every node that has it. Each one's subtree has its id, except for the part
+  // below another of them.
   std::vector<std::string> nodes;
 };
 
 struct LoadOptions {
   std::string variant;  // KHR_materials_variants by name; empty: the file's default
-  // Folders that the file may have read beside its own and what lies below that; base/enclosure.h.
+  // Folders that the file may read in addition to its own and those below; base/enclosure.h.
   std::vector<std::string> allowOutside;
   IdGrouping ids{};
 };

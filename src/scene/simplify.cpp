@@ -31,7 +31,7 @@ void simplify(Scene& scene, uint64_t triangles) {
   if (scene.triangleCount() <= triangles) return;
   std::vector<Indices> fine;
   for (const Mesh& mesh : scene.meshes) fine.push_back(mesh.indices);
-  // Clustering leaves fewer triangles than asked, by a factor that only trying tells.
+  // Clustering leaves fewer triangles than requested, by a factor that only trial and error finds.
   double share = static_cast<double>(triangles) / static_cast<double>(scene.triangleCount());
   constexpr int kTries = 6;
   for (int i = 0; i < kTries; ++i) {

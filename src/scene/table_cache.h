@@ -11,8 +11,7 @@
 
 namespace latelight::scene {
 
-// The `count` entries of that name in the cache, else those that compute() returns. The name holds all they follow
-// from.
+// The `count` entries of that name in the cache, else those that compute() returns. The name must identify all inputs.
 template <typename Entry, typename Compute>
 std::vector<Entry> cachedTable(const std::string& name, size_t count, Compute compute) {
   const std::optional<std::vector<std::byte>> entry = loadCache(name);

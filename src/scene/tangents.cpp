@@ -22,7 +22,7 @@ float angleOf(float cosine) {
   return cosine < 0 ? 3.14159265f - a : a;
 }
 
-// Zero where the length is: callers add it up or test it.
+// Zero where the length is zero: callers sum it or test it.
 vec3 unitOrZero(vec3 v) {
   float length2 = glm::dot(v, v);
   return length2 > 0 && std::isfinite(length2) ? v / std::sqrt(length2) : vec3(0);
@@ -32,14 +32,14 @@ vec3 ontoPlane(vec3 v, vec3 normal) {
   return v - normal * glm::dot(normal, v);
 }
 
-// Any unit vector at right angles to a unit normal (Duff et al., "Building an Orthonormal Basis, Revisited", 2017).
+// Any unit vector perpendicular to a unit normal (Duff et al., "Building an Orthonormal Basis, Revisited", 2017).
 vec3 perpendicular(vec3 n) {
   float sign = std::copysign(1.0f, n.z);
   float a = -1.0f / (sign + n.z);
   return {1.0f + sign * n.x * n.x * a, sign * n.x * n.y * a, -sign * n.x};
 }
 
-// Vertices that are equal in all that matters get one number, the first such vertex's: open addressing, linear probing.
+// Vertices that are equal in all relevant attributes get the number of the first one: open addressing, linear probing.
 class Welder {
  public:
   Welder(std::span<const vec3> positions, std::span<const vec3> normals, std::span<const vec2> uv)
@@ -124,7 +124,7 @@ class Accumulator {
     return vec4(tangent, hand == kRight ? 1.0f : -1.0f);
   }
 
-  // Of a vertex that only triangles without UV area use: its twins' if they have one.
+  // For a vertex used only by triangles without UV area: that of its duplicates, if they have one.
   vec4 anyFrame(uint32_t vertex) {
     bool mirrored = sum(vertex, kRight) == vec3(0) && sum(vertex, kLeft) != vec3(0);
     return frame(vertex, mirrored ? kLeft : kRight);

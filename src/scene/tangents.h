@@ -9,7 +9,7 @@
 namespace latelight::scene {
 
 struct TangentFrames {
-  std::vector<glm::vec4> tangents;  // one a vertex, those appended included: xyz unit, w the bitangent's sign
+  std::vector<glm::vec4> tangents;  // one per vertex, including appended ones: xyz unit, w the bitangent's sign
   // Vertices to append to the mesh, as copies of these: where triangles of both handednesses (mirrored UVs) share one.
   std::vector<uint32_t> copies;
 };
@@ -18,7 +18,7 @@ struct TangentFrames {
 // (3.7.2.1) asks for: each triangle's UV gradient is projected to the vertex normal's plane and weighted by the
 // corner's angle; vertices equal in position, normal and UV share their tangent whether or not they are one vertex;
 // triangles of different handedness don't. Unlike it, triangles around a vertex need not be connected by edges to be
-// averaged. Indices (3 a triangle) are changed to appended vertices where needed. `uv` has v down, as glTF's.
+// averaged. Indices (3 per triangle) are changed to appended vertices where needed. `uv` has v down, as in glTF.
 TangentFrames generateTangents(std::span<const glm::vec3> positions, std::span<const glm::vec3> normals,
                                std::span<const glm::vec2> uv, std::span<uint32_t> indices);
 

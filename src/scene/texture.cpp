@@ -46,7 +46,7 @@ ImageSize checkedSize(const Codec& codec, std::span<const std::byte> encoded, co
   return size;
 }
 
-// Textures are written once from end to end: with 4 KiB pages the faults cost more than the mip levels.
+// Textures are written once, sequentially: with 4 KiB pages the page faults cost more than the mip levels.
 void preferHugePages(std::byte* begin, size_t bytes) {
   constexpr uintptr_t kHugePage = 2u << 20;
   uintptr_t first = (reinterpret_cast<uintptr_t>(begin) + kHugePage - 1) & ~(kHugePage - 1);

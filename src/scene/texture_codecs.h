@@ -1,4 +1,4 @@
-// One codec a file, texture_<codec>.cpp: what texture.cpp chooses from by a picture's first bytes.
+// One codec per file, texture_<codec>.cpp; texture.cpp chooses by a picture's first bytes.
 #pragma once
 
 #include <cstddef>

@@ -52,7 +52,7 @@ ImageSize size(std::span<const std::byte> encoded, const std::string& name) {
   return readHeader(encoded, name).size;
 }
 
-// Adobe's four-channel JPEGs store inverted inks, which the decoder passes on: 255 is no ink.
+// Adobe's four-channel JPEGs store inverted inks, which the decoder passes through: 255 is no ink.
 void decodeInks(const Header& header, std::span<const std::byte> encoded, const std::string& name, std::byte* rgba) {
   decompress(header, encoded, name, TJPF_CMYK, rgba);
   size_t pixels = size_t(header.size.width) * header.size.height;

@@ -1,4 +1,4 @@
-// Mip levels by a box filter. Integer arithmetic throughout: every machine makes the same bytes.
+// Mip levels by a box filter. Integer arithmetic throughout, so every machine gives the same bytes.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -43,7 +43,7 @@ const SrgbTables& srgbTables() {
   return tables;
 }
 
-// Rows of even size: four pixels become one. Two channels to a register half, so that sums don't meet.
+// Rows of even size: four pixels become one. Two channels per register, spaced so that sums don't overlap.
 LATELIGHT_VECTOR_CLONES
 void halveRow(const uint32_t* above, const uint32_t* below, uint32_t* target, size_t count) {
   constexpr uint32_t kLanes = 0x00ff00ffu, kHalf = 0x00020002u;
@@ -70,8 +70,8 @@ void halveRowSrgb(const uint32_t* aboveRow, const uint32_t* belowRow, uint32_t* 
   }
 }
 
-// The source pixels that target pixel `i` covers along one axis, and how much of each, in units of 1 / total. An odd
-// size n covers n / ((n - 1) / 2) pixels: two and a bit, with weights that change along the row (Guthe and Heckbert,
+// The source pixels that target pixel `i` covers along one axis, and their weights, in units of 1 / total. An odd size
+// n covers n / ((n - 1) / 2) pixels: two and a bit, with weights that change along the row (Guthe and Heckbert,
 // "Non-power-of-two mipmap creation", NVIDIA 2005).
 struct Taps {
   uint32_t first;

@@ -1,4 +1,4 @@
-// The kinds that glTF does not allow but files in the wild contain.
+// Formats that glTF does not allow but that occur in real files.
 #define STB_IMAGE_IMPLEMENTATION
 #define STB_IMAGE_STATIC
 #define STBI_ONLY_BMP

@@ -1,5 +1,5 @@
-// LATELIGHT_VECTOR_CLONES before a function compiles it for wide vectors too; the loader takes what the processor has.
-// The clones compute the same bits: -ffp-contract=off, and no sum is reordered.
+// LATELIGHT_VECTOR_CLONES before a function compiles it for wide vectors too; the loader picks the version for the
+// processor. The clones compute the same bits: -ffp-contract=off, and no sum is reordered.
 #pragma once
 
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)

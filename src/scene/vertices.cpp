@@ -15,7 +15,7 @@ void unshare(std::vector<T>& stream, const std::vector<uint32_t>& indices) {
   stream = std::move(out);
 }
 
-// Twice the triangle's area long; doubles, because tiny triangles' products underflow.
+// Its length is twice the triangle's area; doubles, because tiny triangles' products underflow.
 glm::dvec3 areaNormal(const Vertices& v, const uint32_t* corner) {
   glm::dvec3 a = v.positions[corner[0]], b = v.positions[corner[1]], c = v.positions[corner[2]];
   return glm::cross(b - a, c - a);
@@ -46,7 +46,7 @@ void makeFlatNormals(Vertices& v, std::vector<uint32_t>& indices) {
   unshare(v.uv[0], indices);
   unshare(v.uv[1], indices);
   unshare(v.origin, indices);
-  v.tangents.clear();  // without normals, tangents mean nothing
+  v.tangents.clear();  // without normals, tangents are meaningless
   for (size_t i = 0; i < indices.size(); ++i) indices[i] = uint32_t(i);
   v.normals.resize(indices.size());
   for (size_t i = 0; i + 2 < indices.size(); i += 3) {

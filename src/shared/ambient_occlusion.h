@@ -1,6 +1,6 @@
-// What ground-truth ambient occlusion is made of (Jimenez, Wu, Pesce, Jarabo 2016, Practical Realtime Strategies for
+// The formulas of ground-truth ambient occlusion (Jimenez, Wu, Pesce, Jarabo 2016, Practical Realtime Strategies for
 // Accurate Indirect Occlusion, Activision technical memo): the hemisphere above a point is cut into slices, half planes
-// through the direction to the eye V; in each the horizon's angle from V bounds what is seen of the sky, and the
+// through the direction to the eye V; in each the horizon's angle from V bounds the visible sky, and the
 // cosine-weighted arc has a closed form.
 #ifndef LATELIGHT_SHARED_AMBIENT_OCCLUSION_H
 #define LATELIGHT_SHARED_AMBIENT_OCCLUSION_H
@@ -10,7 +10,7 @@
 
 SH_BEGIN
 
-// How much an occluder counts at a distance: all of it nearby, nothing at the radius, smoothly between.
+// An occluder's weight at a distance: 1 nearby, 0 at the radius, smooth in between.
 SH_FUNC float occlusionFalloff(float distance, float radius) {
   float x = distance / radius;
   float left = 1.0f - x * x;
@@ -37,7 +37,7 @@ SH_FUNC float visibleArc(SliceNormal n, float c) {
   return 0.25f * (n.cosine - cos2 * n.cosine - sin2 * n.sine + 2.0f * quickAcos(c) * n.sine);
 }
 
-// The same up to the plane that the normal stands on, at n + pi/2.
+// The same up to the plane perpendicular to the normal, at n + pi/2.
 SH_FUNC float wholeArc(SliceNormal n) {
   return 0.25f * (2.0f * n.cosine + (2.0f * n.angle + kPi) * n.sine);
 }
@@ -47,13 +47,13 @@ SH_FUNC bool abovePlane(SliceNormal n, float c) {
   return c * n.cosine + sqrt(max(1.0f - c * c, 0.0f)) * n.sine > 0.0f;
 }
 
-// The unit normal, in view space and towards the viewer, of the plane that is seen at NDC (x, y) in this device depth,
-// whose depth changes by `gradient` a unit of NDC. Exact: device depth is an affine function of NDC on any plane.
+// The unit normal, in view space and towards the viewer, of the plane seen at NDC (x, y) at this device depth, which
+// changes by `gradient` per unit of NDC. Exact: device depth is an affine function of NDC on any plane.
 SH_FUNC vec3 normalFromDepth(Projection p, vec2 ndc, float deviceDepth, vec2 gradient) {
   float x = gradient.x * p.H, z = gradient.y * p.V, y = -p.A;
   if (p.kind == kPerspective) y = deviceDepth - p.A - x * (ndc.x - p.X) / p.H - z * (ndc.y - p.Z) / p.V;
   vec3 n = vec3(x, y, z);
-  // As small as device depth, whose square floats may not hold.
+  // As small as device depth, whose square may underflow.
   float most = max(abs(x), max(abs(y), abs(z)));
   // Reversed and conventional depth give opposite signs.
   vec3 toEye = vec3(0.0f, -1.0f, 0.0f);
@@ -64,7 +64,7 @@ SH_FUNC vec3 normalFromDepth(Projection p, vec2 ndc, float deviceDepth, vec2 gra
   return n * (side * inversesqrt(dot(n, n)));
 }
 
-// How far apart in device depth two points are that lie `distance` metres apart along the view axis.
+// The difference in device depth of two points `distance` metres apart along the view axis.
 SH_FUNC float deviceDepthStep(Projection p, float deviceDepth, float distance) {
   if (p.kind == kOrthographic) return abs(p.A) * distance;
   float inverse = deviceDepth - p.A;  // B / y

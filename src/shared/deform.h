@@ -1,4 +1,4 @@
-// What deformation adds to a vertex, and what a skin's blended joint matrix, of columns x, y, z, does to directions.
+// The morph data of a vertex, and how a skin's blended joint matrix, of columns x, y, z, transforms directions.
 #ifndef LATELIGHT_SHARED_DEFORM_H
 #define LATELIGHT_SHARED_DEFORM_H
 
@@ -12,8 +12,8 @@ struct MorphDelta {  // of one vertex, by one morph target
   vec3 tangent;
 };
 
-// By the cofactor matrix: the inverse transpose times the determinant, and fine where that is 0. Unit; `normal` where
-// nothing of it is left.
+// By the cofactor matrix: the inverse transpose times the determinant, defined even where that is 0. Unit; `normal`
+// where the result vanishes.
 SH_FUNC vec3 skinnedNormal(vec3 x, vec3 y, vec3 z, vec3 normal) {
   vec3 yz = cross(y, z);
   vec3 n = yz * normal.x + cross(z, x) * normal.y + cross(x, y) * normal.z;
@@ -22,7 +22,7 @@ SH_FUNC vec3 skinnedNormal(vec3 x, vec3 y, vec3 z, vec3 normal) {
   return squared > 1e-30f ? n * (sign / sqrt(squared)) : normal;
 }
 
-// Unit; `tangent` where nothing of it is left. w, the sign of the bitangent, stays.
+// Unit; `tangent` where the result vanishes. w, the sign of the bitangent, is kept.
 SH_FUNC vec4 skinnedTangent(vec3 x, vec3 y, vec3 z, vec4 tangent) {
   vec3 t = x * tangent.x + y * tangent.y + z * tangent.z;
   float squared = dot(t, t);

@@ -1,4 +1,4 @@
-// Diffuse and specular colours in place of base colour and metalness, for the G-buffer layouts of that age.
+// Diffuse and specular colours in place of base colour and metalness, for G-buffer layouts from before metalness.
 #ifndef LATELIGHT_SHARED_DIFFUSE_SPECULAR_H
 #define LATELIGHT_SHARED_DIFFUSE_SPECULAR_H
 
@@ -10,16 +10,17 @@
 SH_BEGIN
 
 // What a surface reflects diffusely at normal incidence. glTF's diffuse part is diffuseColor (1 - F), with the F of the
-// dielectric alone. A surface without metalness and with the mixed specular colour has the F of the mix instead, which
-// is larger: a partly metallic surface would come out too dark. Both have 1 - F = (1 - f0)(1 - w) with Schlick's weight
-// w where the grazing reflectance is 1; so what is stored is colour times (1 - f0), and the other factor is divided out
-// again by withDiffuseSpecular(). Exact for lights then; nearly so for environments, whose F is not quite linear in f0.
+// dielectric alone. A surface described without metalness, by the mixed specular colour, has the F of the mix instead,
+// which is larger: a partly metallic surface would come out too dark. Both have 1 - F = (1 - f0)(1 - w) with Schlick's
+// weight w where the grazing reflectance is 1; so what is stored is colour times (1 - f0), and the other factor is
+// divided out again by withDiffuseSpecular(). Exact for lights then; nearly so for environments, whose F is not quite
+// linear in f0.
 SH_FUNC vec3 diffuseAtNormalIncidence(Surface s) {
   return diffuseColor(s) * (1.0f - maxChannel(s.f0));
 }
 
-// The surface without metalness that shades as the one that diffuseAtNormalIncidence(), specularF0() and specularF90()
-// were taken of.
+// The surface without metalness that shades like the one from which diffuseAtNormalIncidence(), specularF0() and
+// specularF90() were taken.
 SH_FUNC Surface withDiffuseSpecular(Surface s, vec3 diffuse, vec3 specular, float f90) {
   float left = 1.0f - maxChannel(specular);
   float scale = left > 0.0f ? 1.0f / left : 0.0f;
@@ -31,7 +32,7 @@ SH_FUNC Surface withDiffuseSpecular(Surface s, vec3 diffuse, vec3 specular, floa
 }
 
 // Base colour and dielectric reflectance of diffuseColor(), specularF0() and metalness, all in floats: nothing is lost.
-// Near metalness 1 the dielectric's is divided by nearly 0, but weighs as little.
+// Near metalness 1 the dielectric's is divided by nearly 0, but has as little weight.
 SH_FUNC Surface withMetalness(Surface s, vec3 diffuse, vec3 specular, float metallic) {
   float rest = 1.0f - metallic;
   s.metallic = metallic;
@@ -54,7 +55,7 @@ SH_FUNC float roughnessFromPower8(float stored) {
   return roughnessFromExponent(stored * 255.0f);
 }
 
-// A power in a float, without the limit that shading puts on it: environments are looked up by the roughness itself.
+// A power in a float, without the limit that shading imposes: environments are looked up by the roughness itself.
 // Roughness 0 becomes 1e-6.
 SH_FUNC float powerFromRoughness(float roughness) {
   float r = max(roughness, 1e-6f);

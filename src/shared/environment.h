@@ -7,29 +7,29 @@
 
 SH_BEGIN
 
-// World direction to the environment's own frame: a turn about Z. At 0 the picture's centre column is at +X; at +90
+// World direction to the environment's own frame: a rotation about Z. At 0 the picture's centre column is at +X; at +90
 // degrees it is at +Z of the glTF frame, which is -Y of the world.
 SH_FUNC vec3 rotateToEnvironment(vec3 d, float cosine, float sine) {
   return vec3(cosine * d.x - sine * d.y, sine * d.x + cosine * d.y, d.z);
 }
 
-// Where the prefiltered maps are looked up for a rough lobe, unit: towards the reflected ray, but leaning to the
-// normal. `lean` is the sine of the angle to the normal as a share of the reflected ray's: 1 is that ray, 0 the normal.
+// The unit direction in which prefiltered maps are looked up for a rough lobe: the reflected ray, leaning towards the
+// normal. `lean` is the sine of its angle to the normal, relative to the reflected ray's: 1 is that ray, 0 the normal.
 SH_FUNC vec3 lobeDirection(vec3 normal, vec3 toEye, float lean) {
   vec3 along = (normal * dot(normal, toEye) - toEye) * lean;
   return along + normal * sqrt(max(1.0f - dot(along, along), 0.0f));
 }
 
-// Texture coordinate in the table of lobes, `size` texels wide, whose first and last ones are at 0 and 1.
+// Texture coordinate in the table of lobes, `size` texels wide, whose first and last texels are at 0 and 1.
 SH_FUNC vec2 lobeTexture(float nv, float roughness, float size) {
   float scale = (size - 1.0f) / size;
   float first = 0.5f / size;
   return vec2(first + nv * scale, first + roughness * scale);
 }
 
-// Texture coordinate in [0, 1]^2 of an octahedral map `size` texels wide. Texel i stands at o = 2 i / (size - 2) - 1:
-// the axes and the square's edges, where the map has its creases, are texel centres, and bilinear filtering needs no
-// texel beyond them (the last row and column are spare).
+// Texture coordinate in [0, 1]^2 of an octahedral map `size` texels wide. Texel i is at o = 2 i / (size - 2) - 1: the
+// axes and the square's edges, where the map is creased, are at texel centres, and bilinear filtering needs no texel
+// beyond them (the last row and column are unused).
 SH_FUNC vec2 octahedralTexture(vec2 o, float size) {
   float scale = (size - 2.0f) / size * 0.5f;
   float middle = (size - 1.0f) / size * 0.5f;

@@ -1,9 +1,9 @@
-// Fog: a medium that takes light from a ray and adds its own colour, in closed form. Density falls exponentially with
-// height, or is the same everywhere.
+// Fog: a medium that attenuates a ray and adds its own colour, in closed form. Density falls exponentially with height,
+// or is the same everywhere.
 //
 // Wenzel 2006 (Real-time Atmospheric Effects in Games, SIGGRAPH course: the optical depth of exponential height fog
-// along a ray) and Quilez 2010 (Better Fog, iquilezles.org). Extinction and in-scattering are equal: the fog is as
-// bright from everywhere, so along a ray of transmittance T it adds colour (1 - T).
+// along a ray) and Quilez 2010 (Better Fog, iquilezles.org). Extinction and in-scattering are equal: the fog is equally
+// bright from all directions, so along a ray of transmittance T it adds colour (1 - T).
 #ifndef LATELIGHT_SHARED_FOG_H
 #define LATELIGHT_SHARED_FOG_H
 
@@ -12,19 +12,19 @@
 SH_BEGIN
 
 struct Fog {      // all zero: none
-  vec3 color;     // linear, as the picture has it after exposure: what is seen through fog without end
+  vec3 color;     // linear, after exposure: the colour of infinitely deep fog
   float density;  // extinction at the height `base`, 1/m
   float falloff;  // density is multiplied by exp(-falloff (z - base)); 1/m, 0: the same everywhere
   float base;     // world z, metres
 };
 
-// (1 - exp(-x)) / x, which is 1 at 0. By its series where the difference would lose its digits.
+// (1 - exp(-x)) / x, which is 1 at 0. By its series where the difference would lose precision.
 SH_FUNC float meanExponential(float x) {
   if (abs(x) < 1e-2f) return 1.0f - x * (0.5f - x * (1.0f / 6.0f));
   return (1.0f - exp(-x)) / x;
 }
 
-// Fog of this depth hides everything, and larger exponents could overflow.
+// Fog of this optical depth hides everything, and larger exponents could overflow.
 SH_CONST float kFogMaxExponent = 60.0f;
 
 SH_FUNC float fogDensityAt(Fog fog, float z) {
@@ -38,7 +38,7 @@ SH_FUNC float fogOpticalDepth(Fog fog, vec3 origin, vec3 direction, float distan
   return fogDensityAt(fog, origin.z + min(rise, 0.0f)) * distance * meanExponential(fog.falloff * abs(rise));
 }
 
-// The same to where the ray leaves the fog; kFogMaxExponent where it never does.
+// The same for an infinite ray; kFogMaxExponent where it never leaves the fog.
 SH_FUNC float fogOpticalDepthToInfinity(Fog fog, vec3 origin, vec3 direction) {
   float thinning = fog.falloff * direction.z;  // of the exponent, 1/m
   if (fog.density <= 0.0f) return 0.0f;

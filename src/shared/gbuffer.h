@@ -1,4 +1,4 @@
-// What a G-buffer layout file (shared/gbuffer/<name>.h) is made of, and how to write one:
+// The contents of a G-buffer layout file (shared/gbuffer/<name>.h):
 //
 //   #define GBUFFER_DESCRIPTION "one line for `latelight list layouts`"
 //   #define GBUFFER_FIXED_NORMAL "how"        if its normals have a form of their own and ignore the normal encoding
@@ -18,13 +18,14 @@
 // Vulkan formats, bytes a pixel, debug names and the C++ registry all follow from this list; nothing else names a
 // layout.
 //
-// A layout that stores Surface::motion defines GBUFFER_KEEPS_MOTION; for the others it is not worked out.
+// A layout that stores Surface::motion defines GBUFFER_KEEPS_MOTION; for the others it is not computed.
 //
-// A layout that stores Surface::flags defines GBUFFER_KEEPS_FLAGS; the others get unlit surfaces as ones that reflect
-// nothing (their base colour is in the light accumulation target already).
+// A layout that stores Surface::flags defines GBUFFER_KEEPS_FLAGS; for the others unlit surfaces reflect nothing (their
+// base colour is already in the light accumulation target).
 //
-// Beside its targets every layout has the depth buffer (D32_SFLOAT, reversed) and the frame's light accumulation target
-// (RGBA16F): emitted radiance in rgb, and ambient occlusion in alpha for the layouts that have no room of their own.
+// In addition to its targets every layout has the depth buffer (D32_SFLOAT, reversed) and the frame's light
+// accumulation target (RGBA16F): emitted radiance in rgb, and ambient occlusion in alpha for the layouts that have no
+// room for it.
 #ifndef LATELIGHT_SHARED_GBUFFER_H
 #define LATELIGHT_SHARED_GBUFFER_H
 
@@ -37,7 +38,7 @@
 
 #define GBUFFER_MEMBER(index, name, format, type, channels) type name;
 #if defined(__cplusplus)
-// Each layout has a namespace of its own, named by the file that is compiled for it.
+// Each layout has a namespace of its own, named by the source file compiled for it.
 #define GBUFFER_BEGIN                   \
   SH_BEGIN namespace LATELIGHT_LAYOUT { \
     struct GbufferTexel {               \
@@ -95,19 +96,19 @@ SH_FUNC float fromBits(uint x, uint bits) {
 
 // --- normals --------------------------------------------------------------------------------------------------------
 
-// The space a layout encodes normals in. The encodings' frame has +Z where they are best; for view space that is
-// towards the viewer: (x, z, -y) of X right, Y away, Z up.
+// The space a layout encodes normals in. Encodings are most accurate at +Z; in view space that is towards the viewer:
+// (x, z, -y) of X right, Y away, Z up.
 SH_CONST uint kNormalSpaceLayout = 0u;  // the layout's own
 SH_CONST uint kNormalSpaceWorld = 1u;
 SH_CONST uint kNormalSpaceView = 2u;
 
-// An encoding that lacks the far hemisphere is of use in view space alone. `layoutSpace`: the layout's own.
+// An encoding without the far hemisphere can be used in view space only. `layoutSpace`: the layout's own.
 SH_FUNC bool normalsInViewSpace(GbufferContext c, uint layoutSpace) {
   if (normalHemisphereOnly(c.normalEncoding)) return true;
   return (c.normalSpace == kNormalSpaceLayout ? layoutSpace : c.normalSpace) == kNormalSpaceView;
 }
 
-// A unit world normal in the frame that it is encoded in, and back.
+// A unit world normal to the frame in which it is encoded, and back.
 SH_FUNC vec3 toNormalSpace(GbufferContext c, uint layoutSpace, vec3 n) {
   if (!normalsInViewSpace(c, layoutSpace)) return n;
   vec3 v = rotateToView(c.view, n);
@@ -151,7 +152,7 @@ SH_FUNC vec3 unpackNormal24(uint encoding, uint packed) {
 
 // --- colours --------------------------------------------------------------------------------------------------------
 
-// Linear colour in sRGB code, 8 bits a channel.
+// Linear colour to sRGB, 8 bits a channel.
 SH_FUNC uint packColor24(vec3 c) {
   return toBits(srgbFromLinear(saturate(c.x)), 8u) | (toBits(srgbFromLinear(saturate(c.y)), 8u) << 8u) |
          (toBits(srgbFromLinear(saturate(c.z)), 8u) << 16u);

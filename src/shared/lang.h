@@ -1,4 +1,4 @@
-// What lets one header be GLSL, HLSL and C++: write only what all three read.
+// Lets one header be GLSL, HLSL and C++: use only what all three accept.
 //
 // Rules for every header in src/shared: no swizzles (name each component), vector constructors list every component
 // (HLSL has no float3(x)), ternaries on scalars only, no samplers, no double or bool in structs, functions SH_FUNC,
@@ -90,8 +90,8 @@ inline float uintBitsToFloat(uint x) {
 #define uvec4 uint4
 #define mat3 float3x3
 #define mat4 float4x4
-#define mat4x3 float3x4  // HLSL counts rows first
-#define uint64_t uint2   // glslang's HLSL has no 64-bit integers; a buffer address is all we keep in them
+#define mat4x3 float3x4  // HLSL names rows first
+#define uint64_t uint2   // glslang's HLSL has no 64-bit integers; they only hold buffer addresses
 #define mix lerp
 #define fract frac
 #define inversesqrt rsqrt

@@ -1,13 +1,13 @@
 // Projection and its inverse, in the coordinate system of the engine notes (seed 004): right-handed, X right, Y away
 // from the viewer, Z up. View depth is Y.
 //
-// The matrix is nothing but {H, V, A, B} and a principal point:
+// The matrix consists of {H, V, A, B} and a principal point:
 //
 //   perspective    clip = (H x + X y, V z + Z y, A y + B, y)
 //   orthographic   clip = (H x + X,   V z + Z,   A y + B, 1)
 //
 // Device depth is clip.z / clip.w in [0, 1]. Conventional, reversed and infinite depth are values of A and B; so is the
-// off-centre principal point a value of X and Z (in NDC). NDC is y up; pixel rows run down.
+// off-centre principal point a value of X and Z (in NDC). NDC has y up; pixel rows run down.
 #ifndef LATELIGHT_SHARED_PROJECTION_H
 #define LATELIGHT_SHARED_PROJECTION_H
 
@@ -53,7 +53,7 @@ SH_CONST uint kPositionRay = 0u;         // the view ray times view depth B / (d
 SH_CONST uint kPositionMatrix = 1u;      // the full inverse matrix, and the division by w
 SH_CONST uint kPositionReciprocal = 2u;  // the view ray times 1 / (P d + Q)
 
-// The inverse of the projection's matrix by columns, without a matrix type: languages differ in what those multiply.
+// The inverse of the projection's matrix by columns, without a matrix type, whose products differ between languages.
 // Any invertible projection has one; inverseProjection() writes out this kind's.
 struct InverseProjection {
   vec4 x, y, z, w;  // what NDC x, NDC y, device depth and 1 are multiplied by; sums to view-space (x, y, z) w, and w

@@ -14,12 +14,12 @@ SH_CONST uint kShadingGgx = 0u;
 SH_CONST uint kShadingBlinnPhong = 1u;
 SH_CONST uint kShadingGgxCompensated = 2u;
 
-// Least n.v: interpolated and mapped normals may point away from the eye that sees the surface.
+// The minimum n.v: interpolated and mapped normals may point away from the eye.
 SH_CONST float kMinNv = 1e-4f;
 
 // glTF 2.0, appendix B: mix(dielectric, metal, metallic), both over one specular lobe; the dielectric's diffuse part
-// gets what its Fresnel term leaves, by the largest channel (KHR_materials_specular). With energy compensated what is
-// not reflected at once is s.scattered instead. 1/sr.
+// gets what its Fresnel term leaves, by the largest channel (KHR_materials_specular). With energy compensation,
+// s.scattered replaces everything but the single reflection. 1/sr.
 SH_FUNC vec3 ggxBrdf(Surface s, float nl, float nv, float nh, float sin2, float vh, uint shading) {
   float alpha = ggxAlpha(s.roughness);
   float lobe = ggxDistribution(nh, sin2, alpha) * ggxVisibility(nl, nv, alpha);
@@ -46,7 +46,7 @@ SH_FUNC vec3 shadeLight(Surface s, vec3 toEye, LightSample light, uint shading) 
   vec3 sum = light.toLight + toEye;
   float squared = dot(sum, sum);
   vec3 h =
-      sum * (squared > 1e-12f ? inversesqrt(squared) : 0.0f);  // light from behind the eye's far side: no highlight
+      sum * (squared > 1e-12f ? inversesqrt(squared) : 0.0f);  // light from exactly opposite the eye gives no highlight
   vec3 across = cross(s.normal, h);
   float sin2 = dot(across, across);
   float nh = saturate(dot(s.normal, h));
@@ -60,15 +60,15 @@ SH_FUNC vec3 shadeLight(Surface s, vec3 toEye, LightSample light, uint shading) 
   return brdf * light.irradiance * nl;
 }
 
-// Shares of all light from around that a microfacet surface of reflectance f0 to f90 sends towards the eye: reflected
-// once, and reflected several times between facets, which leaves the surface nearly as a Lambertian one's does.
+// Shares of uniform light from all directions that a microfacet surface of reflectance f0 to f90 sends towards the eye:
+// reflected once, and reflected several times between facets, which leaves the surface nearly Lambertian.
 //   table  split-sum scale and bias of f0 and f90 at (n.v, roughness)
 //
-// What a white surface does not reflect once meets two facets, and then each further one with a chance that grows with
-// roughness: a walk over Smith's surface (Heitz et al. 2016, Multiple-Scattering Microfacet BSDFs with the Smith Model)
-// gives 3/4 of that lost share. So white surfaces return all light, as by Fdez-Aguera (2019, A Multiple-Scattering
-// Microfacet Model for Real-Time Image Based Lighting, JCGT 8(1)), whose own series, 1 - E for the chance of every
-// bounce from the second on, gives coloured ones up to 9 % less than the walk.
+// Light that a white surface does not reflect in one bounce hits a second facet, and then further ones with a
+// probability that grows with roughness: a random walk over Smith's surface (Heitz et al. 2016, Multiple-Scattering
+// Microfacet BSDFs with the Smith Model) gives 3/4 of that lost share. So white surfaces return all light, as in
+// Fdez-Aguera (2019, A Multiple-Scattering Microfacet Model for Real-Time Image Based Lighting, JCGT 8(1)), whose own
+// series, 1 - E for the chance of every bounce from the second on, gives coloured ones up to 9 % less than the walk.
 struct Reflectance {
   vec3 once;
   vec3 more;
@@ -84,8 +84,8 @@ SH_FUNC Reflectance reflectance(vec3 f0, float f90, vec2 table) {
   return r;
 }
 
-// The same of a whole surface, and what it scatters like a Lambertian one: several reflections between facets, and the
-// diffuse part, which gets what reflection leaves.
+// The same for a whole surface, and the part it scatters like a Lambertian one: multiple reflections between facets,
+// and the diffuse part, which gets what reflection leaves.
 struct SurfaceReflectance {
   vec3 once;
   vec3 scattered;
@@ -100,8 +100,8 @@ SH_FUNC SurfaceReflectance surfaceReflectance(Surface s, vec2 table) {
   return r;
 }
 
-// Lagarde and de Rousiers 2014 (Moving Frostbite to Physically Based Rendering, listing 26): ambient occlusion as the
-// reflected lobe sees it.
+// Lagarde and de Rousiers 2014 (Moving Frostbite to Physically Based Rendering, listing 26): specular occlusion from
+// ambient occlusion.
 SH_FUNC float specularOcclusion(float nv, float ao, float alpha) {
   return saturate(pow(nv + ao, exp2(-16.0f * alpha - 1.0f)) - 1.0f + ao);
 }

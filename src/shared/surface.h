@@ -1,5 +1,5 @@
-// Surface: everything a G-buffer may carry about the point a pixel sees. Every layout packs from it and unpacks to it;
-// every lighting technique shades it. World space (Z up), linear Rec.709, metres.
+// Surface: everything a G-buffer may store about the point seen by a pixel. Every layout packs from it and unpacks to
+// it; every lighting technique shades it. World space (Z up), linear Rec.709, metres.
 #ifndef LATELIGHT_SHARED_SURFACE_H
 #define LATELIGHT_SHARED_SURFACE_H
 
@@ -19,15 +19,15 @@ struct Surface {
   vec3 emissive;
   vec3 scattered;  // in no layout: surfaceReflectance() of shade.h, where the shading is kShadingGgxCompensated
   float ao;        // 1: unoccluded
-  float sun;       // of the sun's light, what no shadow takes: a layout with GBUFFER_SUN_TARGET keeps it, elsewhere 1
+  float sun;       // unshadowed share of the sun's light, in layouts with GBUFFER_SUN_TARGET; elsewhere 1
   vec2 uv;         // UV set 0
-  vec2 motion;     // pixels, y down, without jitter: to where it was a frame before
+  vec2 motion;     // pixels, y down, without jitter: to where it was in the previous frame
   uint id;         // of the node or its group, the part and the material (shared/types.h); 0: background
   uint part;
   uint material;
   uint flags;  // kSurface*
 };
-SH_CONST uint kSurfaceUnlit = 1u;  // KHR_materials_unlit: its baseColor is what leaves it
+SH_CONST uint kSurfaceUnlit = 1u;  // KHR_materials_unlit: outputs its baseColor
 
 SH_FUNC Surface emptySurface() {
   Surface s;
@@ -67,7 +67,7 @@ SH_FUNC float specularF90(Surface s) {
   return s.f90 + (1.0f - s.f90) * s.metallic;
 }
 
-// A surface that reflects nothing: what remains for lighting of an unlit material, and of the background.
+// A surface that reflects nothing: used in lighting for unlit materials and the background.
 SH_FUNC Surface withoutReflection(Surface s) {
   s.baseColor = vec3(0.0f, 0.0f, 0.0f);
   s.metallic = 0.0f;

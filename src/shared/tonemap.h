@@ -1,5 +1,5 @@
 // Tone mapping: linear Rec.709, any finite value >= 0, to linear display light in [0, 1]. The sRGB transfer function
-// comes after. All operators map black to black and grow with grey.
+// comes after. All operators map black to black and are monotonic in grey.
 #ifndef LATELIGHT_SHARED_TONEMAP_H
 #define LATELIGHT_SHARED_TONEMAP_H
 

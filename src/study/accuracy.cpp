@@ -1,5 +1,5 @@
-// How far finished pictures are from the truth (light_truth.h): spheres of many materials and roughnesses under each
-// kind of light, at chosen pixels, by the pixel's own normal and view.
+// The error of finished pictures against the reference (light_truth.h): spheres of many materials and roughnesses under
+// each kind of light, at selected pixels, with the pixel's own normal and view.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -43,7 +43,7 @@ constexpr NamedMaterial kMaterials[scene::kSpheresRows] = {{"white dielectric", 
                                                            {"red metal", Coloured, {0.9f, 0.2f, 0.15f}, 1}};
 constexpr float kRoughness[scene::kSpheresColumns] = {0, 0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.6f, 0.8f, 1};
 
-// builtin:spheres, a material a row and a roughness a column.
+// builtin:spheres, one material per row and one roughness per column.
 scene::Scene spheres() {
   scene::Scene scene = scene::load("builtin:spheres");
   for (uint32_t i = 0; i < scene.materials.size(); ++i) {
@@ -130,7 +130,7 @@ std::vector<scene::Light> punctualLights() {
   return {directional, point, spot};
 }
 
-// KHR_lights_punctual: what reaches `position`, at normal incidence, without a range.
+// KHR_lights_punctual: irradiance at `position`, at normal incidence, without a range.
 double illuminance(const scene::Light& light, const dvec3& position, dvec3& toLight) {
   if (light.type == shared::kLightDirectional) {
     toLight = -dvec3(light.direction);
@@ -151,10 +151,10 @@ double illuminance(const scene::Light& light, const dvec3& position, dvec3& toLi
 // --- pixels ---------------------------------------------------------------------------------------------------------
 
 constexpr uint32_t kWidth = 468, kHeight = 260;  // a sphere is about 45 pixels wide
-// Pixels of a sphere, of those that show it from n.v 0.5 up and below: three to one, as a sphere's picture has them.
+// Pixels per sphere with n.v of at least 0.5 and with less: three to one, as in a sphere's picture.
 constexpr size_t kFacing = 27, kGrazing = 9;
 
-constexpr uint32_t kWalks = 20;  // a sample: they are quick, and serve all environments
+constexpr uint32_t kWalks = 20;  // per sample: they are fast, and shared by all environments
 
 struct Pixel {
   shared::Surface surface;
@@ -181,7 +181,7 @@ size_t bandOf(float roughness) {
   return roughness < 0.25f ? 0 : roughness < 0.7f ? 1 : 2;
 }
 
-// Every how many-th of `count` pixels, so that about `wanted` are taken.
+// Appends up to `wanted` elements, evenly spaced.
 template <typename T>
 void takeSpread(std::vector<T>& to, const std::vector<T>& from, size_t wanted) {
   for (size_t i = 0; i < std::min(wanted, from.size()); ++i)
@@ -341,7 +341,7 @@ class AccuracyStudy {
   const uint32_t samples_;
   const std::vector<std::string> files_;
   std::vector<std::string> lights_;
-  std::vector<Bounces> bounces_;  // of each pixel's surface
+  std::vector<Bounces> bounces_;  // one per pixel's surface
   std::map<Place, Errors> bands_;
   std::map<std::tuple<size_t, size_t, size_t, bool>, Errors> spheres_;
 };

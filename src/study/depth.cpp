@@ -1,4 +1,4 @@
-// What depth formats and packings lose of view depth under each kind of projection, and of depth itself.
+// The error of depth formats and packings in view depth under each kind of projection, and in device depth itself.
 #include <fmt/format.h>
 
 #include <bit>
@@ -70,7 +70,7 @@ class DepthStudy {
     }
     const vk::Pipeline pipeline = device_.make("study_depth.comp", {{0, format.id}});
     const std::vector<vec4> onDevice = device_.run(pipeline, depths, perspectives().front().projection);
-    // 1 itself is a case apart where it becomes 0, and has a column of its own.
+    // 1 itself is a special case where it becomes 0, and has a column of its own.
     const auto below = [&](size_t i) { return depths[i].x < 1; };
     const auto summary = [&](const std::function<double(size_t)>& stored) {
       const std::vector<double> errors =

@@ -1,4 +1,4 @@
-// What a depth format or packing gives back of a device depth: GLSL and C++.
+// Round trip of a device depth through a format or packing: GLSL and C++.
 #ifndef LATELIGHT_STUDY_DEPTH_FORMATS_H
 #define LATELIGHT_STUDY_DEPTH_FORMATS_H
 

@@ -1,4 +1,4 @@
-// A compute shader as a function from one vec4 to another, over many: what studies measure on the device.
+// A compute shader as a function from one vec4 to another, over many inputs: for measurements on the device.
 #pragma once
 
 #include <memory>

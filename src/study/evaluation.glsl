@@ -1,4 +1,4 @@
-// One vec4 in, one vec4 out, for each invocation: what every study's shader is. It defines evaluate().
+// The frame of every study's shader: one vec4 in, one vec4 out per invocation. The shader defines evaluate().
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_buffer_reference2 : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require

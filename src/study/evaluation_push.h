@@ -1,4 +1,4 @@
-// Push constants of what includes evaluation.glsl.
+// Push constants of shaders that include evaluation.glsl.
 #ifndef LATELIGHT_STUDY_EVALUATION_PUSH_H
 #define LATELIGHT_STUDY_EVALUATION_PUSH_H
 

@@ -51,7 +51,7 @@ double determination(std::span<const std::vector<double>> rows, std::span<const 
 std::optional<LinearFit> fitLinear(std::span<const std::vector<double>> rows, std::span<const double> y) {
   if (rows.empty() || rows.size() < rows[0].size()) return std::nullopt;
   const size_t n = rows[0].size();
-  std::vector<double> scale(n, 0);  // lights x triangles beside 1: the normal equations square what they are given
+  std::vector<double> scale(n, 0);  // lights x triangles next to 1: the normal equations square the magnitudes
   for (const std::vector<double>& row : rows)
     for (size_t i = 0; i < n; ++i) scale[i] = std::max(scale[i], std::abs(row[i]));
   if (std::find(scale.begin(), scale.end(), 0.0) != scale.end()) return std::nullopt;

@@ -1,4 +1,4 @@
-// Least squares: how a measured cost grows.
+// Least-squares fits of how a measured cost grows.
 #pragma once
 
 #include <optional>
@@ -11,8 +11,8 @@ struct Sample {
   double x, y;
 };
 
-// The part of a sweep, x growing, that no longer costs what it costs anyway: from where y is twice the first. Of one
-// that hardly grows, the last three.
+// The part of a sweep, x increasing, that fixed costs no longer dominate: from where y is twice the first. For one that
+// hardly grows, the last three.
 std::vector<Sample> growingPart(std::vector<Sample> sweep);
 
 struct PowerFit {
@@ -20,7 +20,7 @@ struct PowerFit {
   double factor;
   double r2;  // of log y
 };
-// Of log y against log x. Nothing with less than two different x; samples that are not positive are left out.
+// Fit of log y against log x. Nothing with fewer than two distinct x; samples that are not positive are left out.
 std::optional<PowerFit> fitPower(std::span<const Sample> samples);
 
 struct LinearFit {

@@ -15,7 +15,7 @@ using glm::dvec3;
 using shared::Surface;
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kLeastCosine = 1e-4;  // of normal and eye
+constexpr double kLeastCosine = 1e-4;  // between normal and eye
 
 // --- the microsurface: normal is Z ----------------------------------------------------------------------------------
 
@@ -54,8 +54,8 @@ double largest(const dvec3& v) {
   return std::max({v.x, v.y, v.z});
 }
 
-// A facet's normal as likely as it is seen from `from`, which may come from below (Heitz 2018, Sampling the GGX
-// Distribution of Visible Normals, JCGT 7(4)).
+// Samples the facet normals visible from `from`, which may come from below (Heitz 2018, Sampling the GGX Distribution
+// of Visible Normals, JCGT 7(4)).
 dvec3 visibleNormal(const dvec3& from, double alpha, double u, double v) {
   const dvec3 stretched = glm::normalize(dvec3(alpha * from.x, alpha * from.y, from.z));
   const double across = std::hypot(stretched.x, stretched.y);
@@ -67,12 +67,12 @@ dvec3 visibleNormal(const dvec3& from, double alpha, double u, double v) {
   return glm::normalize(dvec3(alpha * h.x, alpha * h.y, std::max(h.z, 1e-12)));
 }
 
-// Facets lie at heights spread evenly over [-1, 1]. Where a ray from `height` along `ray` meets the next one, or above
-// 1 where it leaves.
+// Facets have heights uniform in [-1, 1]. The height at which a ray from `height` along `ray` hits the next one, or
+// above 1 where it leaves.
 double nextHeight(double height, const dvec3& ray, double alpha, double u) {
   constexpr double kLeft = 2;
   if (ray.z > 0.9999) return kLeft;
-  const double below = (height + 1) / 2;  // share of the facets
+  const double below = (height + 1) / 2;  // share of facets below
   if (ray.z < -0.9999) return 2 * u * below - 1;
   if (std::abs(ray.z) < 1e-4) return height;
   const double l = lambda(ray.z, alpha);
@@ -88,7 +88,7 @@ double lattice(uint32_t i, int dimension) {
   return x - std::floor(x);
 }
 
-// The numbers of one walk of many: those that decide most from the lattice, the others at random.
+// The random numbers of one walk of many: the most important ones from the lattice, the others pseudo-random.
 class WalkNumbers {
  public:
   explicit WalkNumbers(uint32_t walk) : walk_(walk), state_(walk) {}
@@ -106,12 +106,12 @@ class WalkNumbers {
   uint64_t state_;
 };
 
-// Turn about the normal from the eye's side, 0 to 1, the same to either side.
+// Azimuth about the normal from the eye's side, 0 to 1, symmetric on both sides.
 double turn(const dvec3& d) {
   return std::abs(std::atan2(d.y, d.x)) / kPi;
 }
 
-// The surface's own directions: the normal is Z, the eye over +X.
+// The surface's own frame: the normal is Z, the eye above +X.
 struct Frame {
   dvec3 x, y, z, eye;
 
@@ -145,7 +145,7 @@ dvec3 gltfBrdf(const Surface& s, const dvec3& toLight, const dvec3& toEye) {
 
 struct EnvironmentTruth::Direct {
   dvec3 once{0}, irradiance{0};  // irradiance over pi
-  dvec3 dielectric{0};           // share of all light from around that the dielectric reflects once
+  dvec3 dielectric{0};           // share of light from all directions that the dielectric reflects once
 };
 
 Bounces::Bounces(const Surface& s, const dvec3& toEye, uint32_t walks) {

@@ -1,11 +1,11 @@
-// What light makes of a surface, by the papers' formulas in double precision and by integration: what the renderer's
-// approximations are held against. Shares no code with what shades.
+// The reference for shading: the papers' formulas in double precision, and integration. The renderer's approximations
+// are measured against it. Shares no code with the shaders.
 //
-// The surface is glTF 2.0's (appendix B): a rough dielectric or metal whose microfacets are Trowbridge and Reitz', hide
-// each other as Smith's do (height-correlated) and reflect by Schlick's term. What they reflect once is the BRDF of the
-// specification. What they pass on to each other before it leaves is found by a walk over them (Heitz et al. 2016,
-// Multiple-Scattering Microfacet BSDFs with the Smith Model), so that a white surface returns all light. The diffuse
-// part of a dielectric gets what reflection leaves of light from the eye's direction.
+// The surface is glTF 2.0's (appendix B): a rough dielectric or metal with the Trowbridge-Reitz microfacet
+// distribution, Smith's masking and shadowing (height-correlated) and Schlick's Fresnel term. Single reflections are
+// the BRDF of the specification. Multiple scattering between facets is computed by a random walk over them (Heitz et
+// al. 2016, Multiple-Scattering Microfacet BSDFs with the Smith Model), so that a white surface returns all light. The
+// diffuse part of a dielectric gets what reflection leaves of light from the eye's direction.
 #pragma once
 
 #include <array>
@@ -24,15 +24,15 @@ double srgbLevel(double linear);
 // surface.
 glm::dvec3 gltfBrdf(const shared::Surface& surface, const glm::dvec3& toLight, const glm::dvec3& toEye);
 
-// Where light from the eye leaves a surface after more than one reflection between facets: by height and by turn from
-// the eye, which counts as the same to either side; and the share that goes along, mixed by metalness. Found by as many
-// walks.
+// The directions in which light from the eye leaves a surface after more than one reflection between facets: by height
+// and by azimuth from the eye, symmetric on both sides; and the share of it, mixed by metalness. Found by the given
+// number of walks.
 class Bounces {
  public:
   Bounces(const shared::Surface& surface, const glm::dvec3& toEye, uint32_t walks);
   glm::dvec3 towards(const glm::dvec3& direction) const;  // in the surface's frame, up to a factor
   const glm::dvec3& whole() const { return whole_; }
-  const glm::dvec3& dielectric() const { return dielectric_; }  // the whole of a dielectric alone
+  const glm::dvec3& dielectric() const { return dielectric_; }  // the total for a dielectric alone
 
  private:
   static constexpr int kSide = 16;
@@ -44,7 +44,7 @@ class Bounces {
 
 class EnvironmentTruth {
  public:
-  // Equirectangular, as scene/environment.h has it; each pixel is of one radiance all over.
+  // Equirectangular, as in scene/environment.h; each pixel has constant radiance.
   explicit EnvironmentTruth(scene::FloatImage picture);
 
   // Radiance that leaves `surface` to the unit direction `toEye`, by multiple importance sampling (Veach 1997) of the
@@ -61,7 +61,7 @@ class EnvironmentTruth {
   Direct direct(const shared::Surface& surface, const glm::dvec3& toEye, uint32_t samples) const;
   glm::dvec3 afterBounces(const Bounces& bounces, const shared::Surface& surface, const glm::dvec3& toEye) const;
 
-  scene::FloatImage picture_, small_;  // small: for what is nearly as wide as a cosine
+  scene::FloatImage picture_, small_;  // small: for lobes nearly as wide as a cosine
   std::vector<double> sums_;           // of power, up to each pixel
 };
 

@@ -31,13 +31,13 @@ using Clock = std::chrono::steady_clock;
 using render::TechniqueInfo;
 using Size = std::pair<uint32_t, uint32_t>;
 
-// Of each measurement; the first one warms caches. Fewer where they take longer than the limit, more where they are
-// short.
+// Frames of each measurement; the first one warms caches. Fewer where they take longer than the limit, more where they
+// are short.
 constexpr uint32_t kFrames = 3, kMostFrames = 10;
 constexpr double kShort = 0.1;         // seconds, of all frames of a measurement
 constexpr uint64_t kBaseLights = 100;  // at most, of those listed
 constexpr uint64_t kGridLights[] = {1, 10, 100};
-constexpr float kEverywhere = 1000;  // metres: beyond any place of the hall
+constexpr float kEverywhere = 1000;  // metres: larger than the hall
 
 constexpr std::string_view kOverLights = "lights", kOverTriangles = "triangles", kOverSize = "size", kGrid = "grid";
 
@@ -48,28 +48,28 @@ double secondsSince(Clock::time_point start) {
 // --- what is measured -----------------------------------------------------------------------------------------------
 
 struct Place {
-  bool everywhere = false;  // all lights reach all of the hall, instead of the less far the more there are
+  bool everywhere = false;  // all lights reach the whole hall, instead of a radius that shrinks with their number
   uint64_t triangles = 0, lights = 0;
   Size size;
   auto operator<=>(const Place&) const = default;
 };
 
-// A place as a step of the lines it lies on: a technique stops where any of them does.
+// A point as a step of the sweeps it belongs to: a technique stops where any of them does.
 struct Step {
   size_t number;  // in the plan
   std::string_view sweep;
   Place place;
-  std::vector<std::pair<std::string, double>> lines;  // name, place along it
+  std::vector<std::pair<std::string, double>> lines;  // name, position along it
 };
 
 struct Measurement {
-  std::vector<graph::PassTime> passes;  // the least of each
+  std::vector<graph::PassTime> passes;  // the minimum of each
   uint32_t frames = 0;
-  double seconds = 0;      // of one frame, the least, as the host sees it
-  double bytes = 0;        // device memory beside the scene's
+  double seconds = 0;      // of one frame, the minimum, measured on the host
+  double bytes = 0;        // device memory in addition to the scene's
   uint64_t triangles = 0;  // as built
   struct LightCounts {
-    double tested, used;  // mean of all pixels
+    double tested, used;  // mean over all pixels
   };
   std::optional<LightCounts> counts;  // in the sweep over lights
 
@@ -122,7 +122,7 @@ SweepOptions withDefaults(SweepOptions o, bool cpu) {
 // One list varies at a time, from the base point; then the grid, for which one number of triangles is too few.
 std::vector<Step> planSteps(const SweepOptions& o) {
   const auto few = std::upper_bound(o.lights.begin(), o.lights.end(), kBaseLights);
-  // Lights and sizes vary in a hall that is whole.
+  // Lights and sizes vary in a hall that is not simplified.
   const auto whole =
       std::find_if(o.triangles.begin(), o.triangles.end(), [](uint64_t t) { return t >= kCoarsestHall; });
   const Place base{false, whole == o.triangles.end() ? o.triangles.front() : *whole,
@@ -147,7 +147,7 @@ std::vector<Step> planSteps(const SweepOptions& o) {
   return steps;
 }
 
-// Everything that can be wrong, before anything costs time.
+// All checks, before any expensive work.
 void check(const SweepOptions& o) {
   const auto hall = std::find_if(scene::builtins().begin(), scene::builtins().end(),
                                  [](const scene::Builtin& builtin) { return builtin.name == "hall"; });
@@ -200,7 +200,8 @@ class LightStudy {
     return lines;
   }
 
-  // By scene, so that each is made once; few or small ones come first, so every line grows. The table follows the plan.
+  // Ordered by scene, so that each is created once; few or small ones come first, so every sweep grows. The table
+  // follows the plan.
   void takeAll(const std::vector<Step>& steps) {
     std::vector<const Step*> order;
     for (const Step& step : steps) order.push_back(&step);
@@ -218,7 +219,7 @@ class LightStudy {
                      [](const Row& a, const Row& b) { return a.step.number < b.step.number; });
   }
 
-  // Measures a step, or says why not.
+  // Measures a step, or reports why not.
   void take(const Step& step, const TechniqueInfo& technique) {
     const std::vector<SweepLine*> lines = linesOf(step, technique);
     double expected = 0;
@@ -261,7 +262,7 @@ class LightStudy {
     return hall;
   }
 
-  // The last scene is kept: all that is measured in it comes before the next.
+  // The last scene is kept: all its measurements come before the next scene.
   const scene::Scene& sceneOf(const Place& place) {
     const std::pair key(place.triangles, place.lights);
     if (sceneKey_ != key || (everywhere_ && !place.everywhere)) scene_ = loadHall(place);
@@ -274,11 +275,11 @@ class LightStudy {
 
   Measurement measure(const Place& place, const TechniqueInfo& technique, bool count) {
     const scene::Scene& scene = sceneOf(place);
-    // One of its own, so that memory is this technique's alone.
+    // A separate one, so that memory is this technique's alone.
     render::Renderer renderer(device_, scene, nullptr);
     const uint64_t before = device_.memory().statistics().usedBytes;
     render::Settings settings{.width = place.size.first, .height = place.size.second, .lighting = &technique};
-    settings.shadows = render::ShadowFormat::None;  // what light costs, not what stands before it
+    settings.shadows = render::ShadowFormat::None;  // the cost of light, not of shadows
     const std::span<const scene::Camera> camera(&scene.cameras.front(), 1);
     Measurement m{.triangles = scene.triangleCount()};
     const Clock::time_point start = Clock::now();
@@ -324,7 +325,7 @@ class LightStudy {
             double(p.size.second)};
   }
 
-  // Of the layout and what every frame has beside it; a forward technique has no layout.
+  // The layout's bytes and those that every frame has in addition; a forward technique has no layout.
   static double bytesPerPixel(const TechniqueInfo& technique) {
     const render::Settings settings;
     const render::LayoutBytes bytes = settings.layout->bytesPerPixel(settings.normals->index);
@@ -368,7 +369,7 @@ class LightStudy {
     return table;
   }
 
-  // What a sweep varies, what of a frame is looked at, and in which words.
+  // What a sweep varies, the part of a frame that is measured, and its labels.
   struct Axis {
     std::string_view sweep;
     const char *of, *unit;
@@ -417,8 +418,8 @@ class LightStudy {
     return grid;
   }
 
-  // Milliseconds that one more light costs, against triangles: from one light to the most that at least two numbers of
-  // triangles were measured with.
+  // The milliseconds that one more light costs, against triangles: from one light to the highest number measured with
+  // at least two numbers of triangles.
   static std::vector<Sample> costOfALight(const std::vector<const Row*>& grid) {
     for (size_t i = std::size(kGridLights); i-- > 1;) {
       std::vector<Sample> costs;
@@ -435,8 +436,8 @@ class LightStudy {
     return {};
   }
 
-  // Sum: a + b lights + c triangles. Product: a + b triangles + c lights x triangles, as many constants: whatever the
-  // technique, the scene is drawn once without lights.
+  // Sum: a + b lights + c triangles. Product: a + b triangles + c lights x triangles, the same number of constants:
+  // whatever the technique, the scene is drawn once without lights.
   Table models() const {
     Table table{"lights-model",
                 {"technique", "grows with", "R2 of sum", "R2 of product", "points", "ms a light, fewest triangles",
@@ -454,7 +455,7 @@ class LightStudy {
       }
       const std::optional<LinearFit> sum = fitLinear(sums, times), product = fitLinear(products, times);
       const std::vector<Sample> costs = costOfALight(grid);
-      if (!sum || !product || costs.size() < 2) continue;  // too little of the grid to tell
+      if (!sum || !product || costs.size() < 2) continue;  // too few points of the grid
       table.rows.push_back({technique.name, sum->r2 > product->r2 ? "lights + triangles" : "lights x triangles",
                             sum->r2, product->r2, double(times.size()), costs.front().y, costs.back().y,
                             costs.front().x, costs.back().x});
@@ -492,7 +493,7 @@ class LightStudy {
   bool pictures_;
   scene::Scene scene_;
   std::pair<uint64_t, uint64_t> sceneKey_;  // triangles and lights of scene_
-  bool everywhere_ = false;                 // its lights' reach
+  bool everywhere_ = false;                 // its lights' radius
   std::map<std::pair<std::string, Place>, Measurement> measured_;
   std::map<std::pair<std::string, std::string>, SweepLine> lines_;  // technique, line
   std::vector<Row> rows_;

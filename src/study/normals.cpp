@@ -1,4 +1,4 @@
-// What each normal encoding loses at each number of bits, over the sphere and over the hemisphere towards the viewer,
+// The error of each normal encoding at each number of bits, over the sphere and over the hemisphere towards the viewer,
 // on the host and on the device.
 #include <fmt/format.h>
 
@@ -33,8 +33,8 @@ vec4 unit(double x, double y, double z) {
   return {float(x * scale), float(y * scale), float(z * scale), 0};
 }
 
-// Where encodings fold, wrap or end: axes, corners and edges of the octahedron, the three great circles through the
-// axes and the surroundings of the poles, with steps to either side.
+// Directions where encodings fold, wrap or end: axes, corners and edges of the octahedron, the three great circles
+// through the axes and the surroundings of the poles, with steps to either side.
 void addHardDirections(std::vector<vec4>& list) {
   for (int x = -1; x <= 1; ++x)
     for (int y = -1; y <= 1; ++y)
@@ -58,8 +58,8 @@ double random(uint64_t& state) {
   return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-53;
 }
 
-// Fibonacci's lattice (Gonzalez 2010, "Measurement of areas on a sphere using Fibonacci and latitude-longitude
-// lattices"), or random directions; and the hard ones.
+// The Fibonacci lattice (Gonzalez 2010, "Measurement of areas on a sphere using Fibonacci and latitude-longitude
+// lattices"), or random directions; and the difficult ones.
 Directions makeDirections(const Options& options) {
   Directions directions{std::vector<vec4>(options.samples), options.samples};
   uint64_t state = options.seed.value_or(0);
@@ -73,7 +73,7 @@ Directions makeDirections(const Options& options) {
   return directions;
 }
 
-// In double, and not by acos, which knows nothing below 1e-2 degrees of a float's cosine.
+// In double, and not by acos, which can't resolve angles below 1e-2 degrees from a float's cosine.
 double degreesBetween(const vec3& a, const vec3& b) {
   const glm::dvec3 u(a), v(b);
   return std::atan2(glm::length(glm::cross(u, v)), glm::dot(u, v)) * 180 / std::numbers::pi;
@@ -84,7 +84,7 @@ std::string budget(uint32_t bits, uint32_t channels) {
   return channels == 2 ? fmt::format("{0}+{0}", bits) : fmt::format("{0}+{0}+{0}", bits);
 }
 
-// Errors beyond it are as bright in maps, and in the last bin of histograms: about three times the usual mean.
+// Errors beyond it are shown as this in maps, and in the last bin of histograms: about three times the usual mean.
 double topDegrees(uint32_t bits) {
   return bits == 0 ? 3e-5 : 256 / std::exp2(bits);
 }

@@ -1,4 +1,4 @@
-// Pictures of measurements. The contact sheet of output/debug.h puts them side by side, labelled.
+// Pictures of measurements. The contact sheet of output/debug.h arranges and labels them.
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@ namespace latelight::study {
 // as if seen through the first. Cubehelix from 0 (black) to `top` (white); each pixel is a mean over its area.
 output::Picture sphereMap(const std::function<double(shared::vec3)>& valueOf, double top);
 
-// Bars, the highest filling the picture.
+// A bar chart; the highest bar fills the picture.
 output::Picture histogramPicture(std::span<const size_t> counts);
 
 struct Line {

@@ -23,7 +23,7 @@ namespace latelight::study {
 
 namespace {
 
-// Okabe and Ito's colours, which people with any colour vision can tell apart; point types differ as well.
+// Okabe and Ito's colours, distinguishable with any colour vision; point types differ as well.
 constexpr std::array kColors = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"};
 
 std::string inQuotes(const std::string& text) {
@@ -76,7 +76,7 @@ int spawnGnuplot(int input, int output, pid_t& child) {
   return error;
 }
 
-// A script in a file rather than a pipe: nobody waits for anybody, whatever their sizes.
+// A script in a file rather than a pipe, which can't deadlock, whatever the sizes.
 Drawn runGnuplot(const std::string& script) {
   const std::unique_ptr<std::FILE, Close> file(std::tmpfile());
   int ends[2];

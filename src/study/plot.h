@@ -1,4 +1,4 @@
-// Plots by gnuplot, which is called as a program: its script is kept beside the picture, and draws it anywhere.
+// Plots by gnuplot, run as a program: its script is kept next to the picture, and can redraw it anywhere.
 #pragma once
 
 #include <string>
@@ -16,15 +16,15 @@ struct Curve {
 
 // Curves over logarithmic axes.
 struct Plot {
-  std::string name;  // of its files, without ending
+  std::string name;  // of its files, without extension
   std::string title, xLabel, yLabel;
   std::vector<Curve> curves;
 };
 
-// What gnuplot 5 makes a PNG of on its standard output. The same plot gives the same text.
+// The script from which gnuplot 5 writes a PNG to its standard output. The same plot gives the same text.
 std::string gnuplotScript(const Plot& plot);
 
-// NAME.gnuplot of each plot, and NAME.png where gnuplot is there; a warning where it is not or fails.
+// NAME.gnuplot for each plot, and NAME.png where gnuplot is installed; a warning where it is not or fails.
 std::vector<NamedFile> drawPlots(const std::vector<Plot>& plots);
 
 }  // namespace latelight::study

@@ -1,4 +1,4 @@
-// The projections that the studies of depth and position go through.
+// The projections used by the studies of depth and position.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace latelight::study {
 
-inline constexpr double kNear = 0.1, kFar = 1000;  // metres: of the samples too, where the far plane is at infinity
+inline constexpr double kNear = 0.1, kFar = 1000;  // metres; also limits the samples where the far plane is at infinity
 
 struct NamedProjection {
   std::string name;

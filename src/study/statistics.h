@@ -1,4 +1,4 @@
-// Errors of many samples, summed up. The order of summation is fixed, so the same samples give the same digits on any
+// Error statistics over many samples. The order of summation is fixed, so the same samples give the same digits on any
 // number of threads.
 #pragma once
 
@@ -13,19 +13,20 @@ struct Statistics {
   size_t count = 0;  // samples with a finite error
   size_t lost = 0;   // samples with an infinite one
   double sum = 0, sumOfSquares = 0;
-  double maximum = 0;   // of all that are finite
-  size_t worst = 0;     // the sample that has it
+  double maximum = 0;   // of the finite ones
+  size_t worst = 0;     // the sample with the maximum
   double mean() const;  // 0 without samples
   double rms() const;
 };
 
-// errorOf(i) of every sample, in parallel.
+// errorOf(i) for every sample, in parallel.
 std::vector<double> errorsOf(size_t count, const std::function<double(size_t)>& errorOf);
 
-// Over the samples that `takes` takes. Those from `even` on count for the maximum only: they crowd at hard places.
+// Over the samples that `takes` accepts. Those from `even` on count for the maximum only: they are concentrated in
+// difficult directions.
 Statistics summarize(std::span<const double> errors, size_t even, const std::function<bool(size_t)>& takes);
 
-// How many of the first `even` samples fall into each of `bins` equal parts of [0, top); beyond it the last counts.
+// How many of the first `even` samples fall into each of `bins` equal parts of [0, top); larger ones count in the last.
 std::vector<size_t> histogramOf(std::span<const double> errors, size_t even, double top, size_t bins,
                                 const std::function<bool(size_t)>& takes);
 

@@ -16,9 +16,9 @@
 
 namespace latelight::study {
 
-// What `lights` sweeps over; empty lists: the study's own choice for the kind of device.
+// The sweeps of `lights`; empty lists: the study's own choice for the kind of device.
 struct SweepOptions {
-  double budget = 10;  // seconds: a step that would take longer, all its frames, is left out
+  double budget = 10;  // seconds: a step whose frames would take longer in total is left out
   std::vector<uint64_t> lights, triangles;
   std::vector<std::pair<uint32_t, uint32_t>> sizes;  // pixels
 };
@@ -26,16 +26,16 @@ struct SweepOptions {
 struct Options {
   std::string device = "auto";   // a selector of vk/device.h
   bool validation = false;       // any message of the Vulkan validation layers is an error
-  uint32_t samples = 4'000'000;  // directions; a quarter as many depths; of light a thousandth at each pixel
-  std::vector<uint32_t> bits;    // a channel, 8 to 16, 0 for floats; empty: the study's own choice
+  uint32_t samples = 4'000'000;  // directions; a quarter as many depths; for light a thousandth per pixel
+  std::vector<uint32_t> bits;    // per channel, 8 to 16, 0 for floats; empty: the study's own choice
   std::optional<uint32_t> seed;  // directions: random ones instead of a lattice
   SweepOptions sweep;
-  std::vector<std::string> environments;  // of `accuracy`: files beside its own ones
+  std::vector<std::string> environments;  // of `accuracy`: files in addition to its own
   bool pictures = false;
 };
 
 struct NamedPicture {
-  std::string name;  // of the file, without ending
+  std::string name;  // of the file, without extension
   output::Picture picture;
 };
 
@@ -45,10 +45,10 @@ struct NamedFile {
 };
 
 struct Result {
-  std::string device;  // what ran it, beside the host
+  std::string device;  // the device used in addition to the host
   std::vector<Table> tables;
   std::vector<NamedPicture> pictures;
-  std::vector<NamedFile> files;  // as another program takes or made them
+  std::vector<NamedFile> files;  // for or from other programs
 };
 
 struct Study {

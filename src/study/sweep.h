@@ -1,4 +1,4 @@
-// Where a sweep ends: the time of its next step, foretold from those before it.
+// When a sweep ends: predicts the time of its next step from earlier ones.
 #pragma once
 
 #include <optional>
@@ -12,9 +12,9 @@ namespace latelight::study {
 class SweepLine {
  public:
   void add(double x, double seconds) { steps_.push_back({x, seconds}); }
-  // Seconds of a step at x: the last step's, grown as from the last but one to the last, not faster than x^2. A single
-  // step does not tell its constant part from what grows, so it counts as growing half way between not at all and as x.
-  // Nothing before the first.
+  // Seconds of a step at x: extrapolates the growth between the last two steps, at most as x^2. A single step does not
+  // separate constant and growing parts, so it is taken to grow halfway between not at all and as x. Nothing before the
+  // first.
   std::optional<double> expected(double x) const;
   void stop() { stopped_ = true; }
   bool stopped() const { return stopped_; }

@@ -13,7 +13,7 @@ namespace {
 std::string shortText(const Cell& cell) {
   if (const auto* text = std::get_if<std::string>(&cell)) return *text;
   const double number = std::get<double>(cell);
-  // Counts in full; the known figures are of three digits.
+  // Counts in full; measured numbers with three digits.
   return number == std::floor(number) && std::abs(number) < 1e9 ? fmt::format("{:.0f}", number)
                                                                 : fmt::format("{:#.3g}", number);
 }

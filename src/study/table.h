@@ -14,7 +14,7 @@ struct Table {
   std::string name;                  // of its file, and in JSON
   std::vector<std::string> columns;  // with their unit: "mean deg"
   std::vector<std::vector<Cell>> rows;
-  bool shown = true;  // on standard output; long ones are for files alone
+  bool shown = true;  // on standard output; long ones go to files only
 };
 
 std::string toText(const Table& table);  // columns aligned, numbers of three significant digits

@@ -12,13 +12,13 @@ BlockRanges::BlockRanges(uint64_t size) {
 
 uint64_t BlockRanges::allocate(uint64_t size, uint64_t alignment) {
   assert(alignment > 0 && (alignment & (alignment - 1)) == 0);
-  // Distinct allocations have distinct offsets, empty ones too.
+  // Distinct allocations have distinct offsets, even empty ones.
   if (size == 0) size = 1;
   for (auto range = free_.begin(); range != free_.end(); ++range) {
     const auto [begin, bytes] = *range;
     const uint64_t offset = (begin + alignment - 1) & ~(alignment - 1);
     const uint64_t padding = offset - begin;
-    // Compared so that no sum can wrap.
+    // Compared so that no sum can overflow.
     if (padding > bytes || size > bytes - padding) continue;
     const uint64_t rest = bytes - padding - size;
     if (padding > 0)

@@ -1,4 +1,4 @@
-// Which devices there are, and which one a selector means.
+// Lists devices, and resolves device selectors.
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -91,9 +91,9 @@ DeviceChoice chooseAutomatically(const std::vector<DeviceInfo>& devices) {
        join(devices[0].missing));
 }
 
-// The device whose number, UUID or name this is, and why; null: none.
+// The device with this number, UUID or name, and the reason; null: none.
 std::pair<const DeviceInfo*, std::string> find(const std::vector<DeviceInfo>& devices, const std::string& selector) {
-  // A number is an index, whatever names have in them.
+  // A number is an index, whatever the names contain.
   const bool digits = selector.find_first_not_of("0123456789") == std::string::npos;
   if (digits && selector.size() < 2 * VK_UUID_SIZE) {
     const std::optional<uint32_t> index = parseNumber<uint32_t>(selector);

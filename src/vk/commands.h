@@ -1,4 +1,4 @@
-// A thin layer over VkCommandBuffer, so that a pass reads in a few lines.
+// A thin layer over VkCommandBuffer, so that passes are short.
 #pragma once
 
 #include <volk.h>
@@ -12,8 +12,8 @@
 
 namespace latelight::vk {
 
-// An image as a shader sees it. `sampler` for Binding::Sampled; layout GENERAL for storage, READ_ONLY_OPTIMAL else.
-// Or, for Binding::Uniform, a whole buffer.
+// An image as a shader sees it. `sampler` for Binding::Sampled; layout GENERAL for storage, else READ_ONLY_OPTIMAL. Or,
+// for Binding::Uniform, a whole buffer.
 struct BoundImage {
   VkImageView view = VK_NULL_HANDLE;
   VkSampler sampler = VK_NULL_HANDLE;

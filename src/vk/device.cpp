@@ -31,13 +31,13 @@ struct Device::Impl {
   struct CommandBuffer {
     VkCommandPool pool = VK_NULL_HANDLE;
     VkCommandBuffer buffer = VK_NULL_HANDLE;
-    uint64_t value = 0;  // of the submission that it was part of last
+    uint64_t value = 0;  // of its last submission
   };
   CommandBuffer& takeCommandBuffer(uint32_t queueFamily);
   CommandBuffer makeCommandBuffer(uint32_t queueFamily) const;
   uint64_t send(VkQueue queue, CommandBuffer& commands);
 
-  // Objects given up, each with the value that the timeline must have reached; in order of these.
+  // Released objects, each with the timeline value that must be reached first; in order of values.
   struct Deletion {
     uint64_t value;
     std::function<void()> destroy;
@@ -49,14 +49,14 @@ struct Device::Impl {
   VkSemaphore timeline = VK_NULL_HANDLE;
   VkPipelineCache pipelineCache = VK_NULL_HANDLE;
   std::string cacheName;
-  size_t cacheBytes = 0;  // as it was when loaded or last saved
+  size_t cacheBytes = 0;  // when loaded or last saved
   std::vector<const char*> extensions;
   PFN_vkSetDebugUtilsObjectNameEXT setName = nullptr;
 
-  std::mutex submitting;  // one submission at a time; guards the next
+  std::mutex submitting;  // one submission at a time; guards the following
   std::deque<CommandBuffer> commandBuffers;
   std::mutex deleting;     // guards the three below
-  uint64_t submitted = 0;  // the timeline's value once all work is done
+  uint64_t submitted = 0;  // the timeline's value after all submitted work
   bool recording = false;
   std::vector<Deletion> deletions;
 };
@@ -68,7 +68,7 @@ Device::Impl::~Impl() {
     vkDestroySemaphore(device, timeline, nullptr);
     vkDestroyDevice(device, nullptr);
   }
-  // What nobody asked for, leaks reported by vkDestroyDevice among it, should not be lost.
+  // Unretrieved messages, such as leaks reported by vkDestroyDevice, should not be lost.
   for (const std::string& message : instance.takeMessages()) warn(message);
 }
 
@@ -79,7 +79,7 @@ void Device::Impl::openTimeline() {
   VK_CHECK(vkCreateSemaphore(device, &info, nullptr, &timeline));
 }
 
-// 0 of a lost device, of which nothing is known to have finished; waiting for it then throws.
+// 0 for a lost device, where nothing is known to have finished; waiting for it then throws.
 uint64_t Device::Impl::finishedValue() const {
   uint64_t value = 0;
   return vkGetSemaphoreCounterValue(device, timeline, &value) == VK_SUCCESS ? value : 0;
@@ -107,9 +107,9 @@ void Device::Impl::deleteFinished() {
   for (const Deletion& deletion : dead) deletion.destroy();
 }
 
-// The first that is free: a caller that waits each time has one, which stays in the processor's caches.
+// The first free one: a caller that waits each time always gets the same, which stays in the CPU's caches.
 Device::Impl::CommandBuffer& Device::Impl::takeCommandBuffer(uint32_t queueFamily) {
-  constexpr size_t kMost = 8;  // submissions in flight; one more waits for the oldest
+  constexpr size_t kMost = 8;  // submissions in flight; a further one waits for the oldest
   const uint64_t done = finishedValue();
   for (CommandBuffer& commands : commandBuffers)
     if (commands.value <= done) return commands;
@@ -139,7 +139,7 @@ Device::Impl::CommandBuffer Device::Impl::makeCommandBuffer(uint32_t queueFamily
 }
 
 uint64_t Device::Impl::send(VkQueue queue, CommandBuffer& commands) {
-  const uint64_t value = submitted + 1;  // changed by this function alone, one thread at a time
+  const uint64_t value = submitted + 1;  // changed only by this function, one thread at a time
   VkCommandBufferSubmitInfo buffer{VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO};
   buffer.commandBuffer = commands.buffer;
   VkSemaphoreSubmitInfo signal{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO};
@@ -157,7 +157,7 @@ uint64_t Device::Impl::send(VkQueue queue, CommandBuffer& commands) {
   return submitted = value;
 }
 
-// While it lives, what is given up waits for the submission to come. Should none come, it waits for those before.
+// While this lives, released objects wait for the coming submission. Should it fail, they wait for the earlier ones.
 class Device::Impl::Recording {
  public:
   explicit Recording(Impl& impl) : impl_(impl) {
@@ -270,7 +270,7 @@ Device::Device(const DeviceOptions& options) : validation_(validationWanted(opti
 
   impl.extensions = offeredExtensions(physical_);
   device_ = impl.device = makeDevice(physical_, queueFamily_, impl.extensions);
-  reserveDriverCache();  // which the driver has made by now, if it had none
+  reserveDriverCache();  // which the driver has created by now, if it was missing
   vkGetDeviceQueue(device_, queueFamily_, 0, &queue_);
   if (impl.instance.debugUtils())
     impl.setName = reinterpret_cast<PFN_vkSetDebugUtilsObjectNameEXT>(
@@ -288,7 +288,7 @@ Device::Device(const DeviceOptions& options) : validation_(validationWanted(opti
 Device::~Device() {
   vkDeviceWaitIdle(device_);
   cache_.reset();
-  // All that still waits dies, whatever became of the timeline; what dies may give up more.
+  // Destroys everything still waiting, whatever the timeline's state; destruction may release more objects.
   while (!impl_->deletions.empty())
     for (const Impl::Deletion& deletion : std::exchange(impl_->deletions, {})) deletion.destroy();
   savePipelineCache();
@@ -327,7 +327,7 @@ void Device::wait(uint64_t submission) {
   impl_->deleteFinished();
 }
 
-// Even where it may die at once it comes after those that were given up before.
+// Even where it may be destroyed at once, it comes after those released earlier.
 void Device::deferDeletion(std::function<void()> destroy) {
   {
     std::lock_guard lock(impl_->deleting);

@@ -19,7 +19,7 @@ namespace latelight::vk {
 class Allocator;
 class ObjectCache;
 
-// What `latelight devices` and the JSON side file say of a device.
+// The properties of a device for `latelight devices` and the JSON side file.
 struct DeviceInfo {
   uint32_t index = 0;                // in the order the loader lists them
   std::string name;                  // VkPhysicalDeviceProperties::deviceName
@@ -28,15 +28,15 @@ struct DeviceInfo {
   std::string driver;                // name and version in words
   std::string apiVersion;            // "1.3.230"
   uint64_t memory = 0;               // bytes of device-local heaps
-  std::vector<std::string> missing;  // what Latelight needs and it lacks, in plain words; empty: usable
+  std::vector<std::string> missing;  // required features that it lacks, in plain words; empty: usable
 };
 
 // Every device the loader lists. Throws Error(NoDevice) where there is no loader or no driver.
 std::vector<DeviceInfo> listDevices();
 
-// The one that `selector` means, and why, in a sentence. selector: "auto" (the first usable of discrete, integrated,
-// virtual, cpu), "cpu", an index, a part of a name (case ignored), or a UUID.
-// Throws Error(NoDevice) saying what is there, or that the chosen one lacks something.
+// The device selected by `selector`, and the reason, in a sentence. selector: "auto" (the first usable of discrete,
+// integrated, virtual, cpu), "cpu", an index, a part of a name (case ignored), or a UUID. Throws Error(NoDevice) that
+// lists the devices, or says what the chosen one lacks.
 struct DeviceChoice {
   DeviceInfo device;
   std::string why;
@@ -73,31 +73,31 @@ class Device {
   // The longest Binding::TextureArray. 0: the device has no descriptor indexing.
   uint32_t maxTextureArray() const { return maxTextureArray_; }
 
-  // Records and submits, without waiting. The one way work reaches the queue; one submission is recorded at a time, and
-  // any thread may submit. Returns the submission's value on the device's timeline: values grow by one, and
-  // submissions finish in their order. What `record` throws is rethrown, and nothing is submitted.
+  // Records and submits, without waiting. All work reaches the queue this way; one submission is recorded at a time,
+  // and any thread may submit. Returns the submission's value on the device's timeline: values grow by one, and
+  // submissions finish in order. Exceptions from `record` are rethrown, and nothing is submitted.
   uint64_t submit(const std::function<void(VkCommandBuffer)>& record);
   uint64_t submissions() const;  // the value of the last one
   bool finished(uint64_t submission) const;
-  void wait(uint64_t submission);  // until it has finished
+  void wait(uint64_t submission);  // returns when it has finished
   void submitAndWait(const std::function<void(VkCommandBuffer)>& record) { wait(submit(record)); }
 
   // Deferred deletion: runs `destroy` once every submission made so far, and the one being recorded, has finished: in
-  // submit() or wait(), here where they have finished already, or in the destructor.
+  // submit() or wait(), immediately if they have finished already, or in the destructor.
   void deferDeletion(std::function<void()> destroy);
 
-  // Gives an object the name that debuggers and validation messages show. Nothing without VK_EXT_debug_utils.
+  // Gives an object the name that debuggers and validation messages show. Does nothing without VK_EXT_debug_utils.
   void setName(VkObjectType type, uint64_t object, const char* name);
 
   bool underValidation() const { return validation_; }
-  // What the validation layers said since the last call (warnings and errors). Empty without validation.
+  // Messages of the validation layers since the last call (warnings and errors). Empty without validation.
   std::vector<std::string> validationMessages();
 
-  // Pipelines made so far. Making one is expensive: a frame that is rendered again should make none.
+  // Pipelines created so far. Creating one is expensive: a frame that is rendered again should create none.
   uint64_t pipelinesMade() const { return pipelinesMade_; }
   void countPipeline() { ++pipelinesMade_; }
 
-  // Writes the pipeline cache to the cache folder if it grew. The destructor does it too.
+  // Writes the pipeline cache to the cache folder if it grew. The destructor does so too.
   void savePipelineCache();
 
  private:

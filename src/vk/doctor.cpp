@@ -66,7 +66,7 @@ void examineDrivers(std::vector<Finding>& findings) {
   }
 }
 
-// A kernel driver without its Vulkan part is the usual state of a compute cluster's containers.
+// A kernel driver without its Vulkan part is common in containers on compute clusters.
 void examineNvidia(Diagnosis& diagnosis) {
   const bool listed = std::any_of(diagnosis.devices.begin(), diagnosis.devices.end(), [](const DeviceInfo& device) {
     return device.name.find("NVIDIA") != std::string::npos;
@@ -107,7 +107,7 @@ void examineLoaded(Diagnosis& diagnosis) {
   try {
     diagnosis.devices = listDevices();
   } catch (const Error& error) {
-    // The sentence ends with the advice to run this.
+    // Error messages end with the advice to run this command.
     const std::string sentence = error.what();
     diagnosis.findings.push_back(
         {false, sentence.substr(0, sentence.find(": run `latelight doctor`")) + ".", installDriver()});

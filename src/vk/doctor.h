@@ -1,4 +1,4 @@
-// What is missing between this machine and a picture, in plain words.
+// What this machine lacks to render, in plain words.
 #pragma once
 
 #include <string>
@@ -20,10 +20,10 @@ struct Diagnosis {
   bool usable = false;  // some device can render
 };
 
-// What can be said of a list of devices: each one's use, and what `auto` chooses.
+// Findings about a list of devices: whether each is usable, and which one `auto` chooses.
 std::vector<Finding> examineDevices(const std::vector<DeviceInfo>& devices);
 
-// Looks at everything, also where the first thing is missing already. Never throws for what it finds.
+// Checks everything, even after something is found missing. Never throws because of a finding.
 Diagnosis diagnose();
 
 }  // namespace latelight::vk

@@ -120,7 +120,7 @@ DriverProbe probeDriver(const fs::path& file) {
   }
   if (!dlsym(handle, "vk_icdGetInstanceProcAddr") && !dlsym(handle, "vkGetInstanceProcAddr"))
     probe.error = fmt::format("names the library {}, which is not a Vulkan driver", probe.library);
-  // Not closed: the loader will open it again, and drivers have been seen to crash when unloaded.
+  // Not closed: the loader will open it again, and some drivers crash when unloaded.
   return probe;
 }
 

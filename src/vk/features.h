@@ -1,4 +1,4 @@
-// What Latelight asks of a device, as data: device creation, `devices` and `doctor` read the same tables.
+// Latelight's device requirements, as data: device creation, `devices` and `doctor` read the same tables.
 #pragma once
 
 #include <volk.h>
@@ -22,7 +22,7 @@ struct Features {
 
 struct Feature {
   const char* name;   // Vulkan's
-  const char* words;  // what it is, for a user
+  const char* words;  // description for users
   VkBool32& (*of)(Features&);
 };
 

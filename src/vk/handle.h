@@ -1,4 +1,4 @@
-// RAII for Vulkan objects. Destruction is deferred (Device::deferDeletion): an object that is given up dies when every
+// RAII for Vulkan objects. Destruction is deferred (Device::deferDeletion): a released object is destroyed once every
 // submission that may use it has finished.
 #pragma once
 
@@ -10,7 +10,7 @@ namespace latelight::vk {
 
 class Device;
 
-// Throws Error(DeviceLost or Internal) with the call's text, its result and place.
+// Throws Error(DeviceLost or Internal) with the call's text, result and location.
 void check(VkResult result, const char* call, const char* file, int line);
 #define VK_CHECK(call) ::latelight::vk::check((call), #call, __FILE__, __LINE__)
 

@@ -26,7 +26,7 @@ constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
 }  // namespace
 
 Instance::Instance(bool validation) {
-  // Drivers that run out of addresses abort, crash, or are not found.
+  // Drivers that run out of address space abort, crash, or are not found.
   constexpr uint64_t kDriver = uint64_t{512} << 20;
   if (const uint64_t left = addressesLeft(); left < kDriver)
     fail(ExitCode::DeviceLost, "A Vulkan driver takes {} MiB of addresses, but {} MiB are left: raise `ulimit -v`.",
@@ -43,7 +43,7 @@ Instance::Instance(bool validation) {
     result = create(validation, false);
   }
   if (result != VK_SUCCESS) failInstance(result);
-  // Instance functions for all: several devices of different drivers may live at once.
+  // Global instance functions: several devices of different drivers may exist at once.
   volkLoadInstance(instance_);
 }
 

@@ -1,4 +1,4 @@
-// A Vulkan instance, what it lists, and what the validation layers say through it.
+// A Vulkan instance, its devices, and the messages of its validation layers.
 #pragma once
 
 #include <volk.h>
@@ -36,7 +36,7 @@ class Instance {
   std::vector<std::string> messages_;
 };
 
-// All that `devices` says of a device.
+// Everything that `devices` reports about a device.
 DeviceInfo describe(VkPhysicalDevice device, uint32_t index);
 
 // A queue family for graphics and compute, or ~0u.

@@ -1,4 +1,4 @@
-// The Vulkan loader, found at run time: nothing links libvulkan, so the program can say what is missing.
+// The Vulkan loader, found at run time: nothing links libvulkan, so that the program can report what is missing.
 #pragma once
 
 #include <volk.h>
@@ -8,13 +8,13 @@
 namespace latelight::vk {
 
 struct Loader {
-  std::string library;  // what was opened, or tried
-  std::string error;    // dlopen's words; empty: loaded
+  std::string library;  // the library opened, or tried
+  std::string error;    // dlopen's message; empty: loaded
   bool found() const { return error.empty(); }
 };
 
-// Opens libvulkan.so.1, or what LATELIGHT_VULKAN_LOADER names, and loads the global functions. Once a process where it
-// succeeds. Never throws.
+// Opens libvulkan.so.1, or what LATELIGHT_VULKAN_LOADER names, and loads the global functions. A success is kept for
+// the rest of the process. Never throws.
 Loader loadVulkan();
 
 }  // namespace latelight::vk

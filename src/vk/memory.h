@@ -1,5 +1,5 @@
-// Device memory: 64 MiB blocks a memory type, linear and optimal resources apart, render targets and large resources in
-// allocations of their own, host-visible blocks mapped for as long as they live.
+// Device memory: 64 MiB blocks per memory type, linear and optimal resources separate, render targets and large
+// resources in allocations of their own, host-visible blocks persistently mapped.
 #pragma once
 
 #include <volk.h>
@@ -15,7 +15,8 @@ namespace latelight::vk {
 
 class Device;
 
-// Offsets inside one block: first fit over a sorted free list, neighbours merged on free. No Vulkan: tested alone.
+// Offsets inside one block: first fit over a sorted free list, neighbours merged on free. No Vulkan: can be tested
+// alone.
 class BlockRanges {
  public:
   explicit BlockRanges(uint64_t size);
@@ -43,7 +44,7 @@ struct Allocation {
   VkDeviceSize offset = 0;
   VkDeviceSize size = 0;
   std::byte* mapped = nullptr;  // host-visible memory only
-  void* block = nullptr;        // the allocator's own
+  void* block = nullptr;        // private to the allocator
 };
 
 class Allocator {
@@ -52,9 +53,9 @@ class Allocator {
 
   explicit Allocator(Device& device);
   ~Allocator();
-  // Throws Error(DeviceLost) with the sizes in the sentence where the device has no room.
+  // Throws Error(DeviceLost) with the sizes in the message where the device has no room.
   Allocation allocate(const VkMemoryRequirements& needs, MemoryKind kind, bool linear, bool dedicated);
-  // The memory type that such an allocation comes from.
+  // The memory type of such an allocation.
   uint32_t typeFor(const VkMemoryRequirements& needs, MemoryKind kind) const;
   void release(const Allocation& allocation);
   struct Statistics {
@@ -74,9 +75,9 @@ class Allocator {
   std::vector<std::unique_ptr<Block>> blocks_;
 };
 
-// Device memory that several resources are bound to, at offsets that their owner chooses: those that are never in use
-// at once may overlap. Destruction is deferred. Buffers and images lie side by side in it, so what is placed takes
-// whole multiples of bufferImageGranularity.
+// Device memory to which several resources are bound, at offsets that their owner chooses: those that are never in use
+// at the same time may overlap. Destruction is deferred. It contains both buffers and images, so placements are whole
+// multiples of bufferImageGranularity.
 class Heap {
  public:
   Heap(Device& device, uint32_t type, VkDeviceSize size, VkDeviceSize alignment);

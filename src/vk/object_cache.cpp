@@ -9,7 +9,7 @@ namespace latelight::vk {
 
 namespace {
 
-// A description as bytes: equal where the descriptions are.
+// A description as bytes: equal if and only if the descriptions are equal.
 class Key {
  public:
   template <typename T>

@@ -1,5 +1,5 @@
-// What a device makes once and keeps for as long as it lives, found again by its description: pipelines, samplers, and
-// layouts of descriptor sets.
+// Objects that a device creates once and keeps for its lifetime, looked up by description: pipelines, samplers, and
+// descriptor set layouts.
 #pragma once
 
 #include <volk.h>
@@ -17,7 +17,7 @@
 
 namespace latelight::vk {
 
-// A pipeline of the cache, which may still be in the making: get() waits for it, and rethrows what its making threw.
+// A cached pipeline, which may still be compiling: get() waits for it, and rethrows exceptions from its creation.
 class PipelineRef {
  public:
   PipelineRef() = default;
@@ -32,14 +32,14 @@ class ObjectCache {
  public:
   explicit ObjectCache(Device& device) : device_(device) {}
   ~ObjectCache();
-  // What is asked for the first time is made on threads of its own, several pipelines at once: a frame asks for all of
-  // its pipelines while its graph is built, and needs the first when it is recorded. Safe from any thread.
+  // New objects are created on separate threads, several pipelines at once: a frame asks for all of its pipelines while
+  // its graph is built, and needs the first when it is recorded. Thread-safe.
   PipelineRef pipeline(const ComputeDesc& desc);
   PipelineRef pipeline(const GraphicsDesc& desc);
-  // One that may never be needed. On a CPU device, whose cores have better to do, it is made when it is bound first.
+  // A pipeline that may never be needed. On a CPU device, whose cores are busy, it is created when first bound.
   PipelineRef perhaps(const GraphicsDesc& desc);
   VkSampler sampler(const SamplerDesc& desc);
-  VkSampler fetchSampler() { return sampler(kNearestSampler); }  // for what is only fetched from
+  VkSampler fetchSampler() { return sampler(kNearestSampler); }  // for images that are only fetched from
   VkDescriptorSetLayout setLayout(const std::vector<Binding>& bindings);
 
  private:

@@ -32,7 +32,7 @@ constexpr EmbeddedShader kShaders[] = {
     {nullptr, nullptr, nullptr},
 };
 
-// Makes one stage, its specialization constants included. Neither copied nor moved: `info` points into it.
+// Creates one stage, including its specialization constants. Neither copied nor moved: `info` points into it.
 class Stage {
  public:
   Stage(Device& device, VkShaderStageFlagBits stage, std::span<const uint32_t> code,

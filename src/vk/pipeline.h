@@ -1,11 +1,11 @@
-// Pipelines, made before recording. Shaders are SPIR-V embedded in the library, named by their file under src/render
-// without folder: "geometry.frag"; one that is compiled for each G-buffer layout is "geometry.frag@thin".
+// Pipelines, created before recording. Shaders are SPIR-V embedded in the library, named by their file under src/render
+// without its folder: "geometry.frag"; one that is compiled for each G-buffer layout is "geometry.frag@thin".
 //
-// Where a device runs under validation, and in debug builds, what a description declares is checked against the shaders
+// Where a device runs under validation, and in debug builds, descriptions are checked against the shaders
 // (interface_check.h).
 //
-// Every pipeline has the same shape: push constants (at most 128 bytes, all stages), set 0 for what the pass binds
-// (images, by binding order), and from set 1 on those of a scene (gpu_scene/materials.h). Buffers are read by address.
+// Every pipeline has the same shape: push constants (at most 128 bytes, all stages), set 0 for the pass's images (in
+// binding order), and from set 1 on those of a scene (gpu_scene/materials.h). Buffers are read by address.
 #pragma once
 
 #include <volk.h>
@@ -24,7 +24,7 @@ namespace latelight::vk {
 
 // SPIR-V words of an embedded shader. Throws Error(Internal) if there is none of that name.
 std::span<const uint32_t> shaderCode(std::string_view name);
-std::vector<std::string_view> shaderNames();  // of all that are embedded
+std::vector<std::string_view> shaderNames();  // of all embedded shaders
 bool hasShader(std::string_view name);
 
 enum class Binding : uint8_t {
@@ -42,7 +42,7 @@ struct Constant {  // specialization constant
   uint32_t id;
   uint32_t value;
 };
-// Every shader may declare this one: 1 on a device that is a CPU, for ways round lavapipe that would cost a GPU.
+// Every shader may declare this one: 1 on a CPU device, for lavapipe workarounds that would cost time on a GPU.
 inline constexpr uint32_t kCpuDeviceConstant = 100;
 
 Handle<VkDescriptorSetLayout> makeSetLayout(Device& device, std::span<const Binding> bindings);
@@ -59,29 +59,29 @@ struct ComputeDesc {
   std::string shader;
   std::vector<Binding> bindings;
   std::vector<Constant> constants;
-  uint32_t pushBytes = 0;  // of the push constants that will be set; 0: not said, and not checked
+  uint32_t pushBytes = 0;  // of the push constants that will be set; 0: not declared, and not checked
   std::string name;
-  std::vector<uint32_t> code;  // SPIR-V words to take instead of an embedded shader
+  std::vector<uint32_t> code;  // SPIR-V words to use instead of an embedded shader
 };
 Pipeline makePipeline(Device& device, const ComputeDesc& desc);
 
-// What becomes of a colour that is there already.
+// How colours are blended with existing ones.
 enum class Blend : uint8_t {
   Replace,
-  Add,         // colours, alpha too, are added to it
-  Over,        // colours premultiplied by alpha lie over it
+  Add,         // colours, including alpha, are added
+  Over,        // premultiplied over operator
   SumAndOver,  // colours are added, alpha as with Over
 };
 
 struct VertexAttribute {
   uint32_t location;
   VkFormat format;
-  uint32_t offset;  // bytes, from the element's beginning
+  uint32_t offset;  // bytes, from the start of the element
   bool operator==(const VertexAttribute&) const = default;
 };
 struct VertexBuffer {
-  uint32_t stride;   // bytes; 0: all read the one element
-  bool perInstance;  // an element an instance, else one a vertex
+  uint32_t stride;   // bytes; 0: all read the same element
+  bool perInstance;  // one element per instance, else one per vertex
   std::vector<VertexAttribute> attributes;
 };
 
@@ -93,15 +93,15 @@ struct GraphicsDesc {
   std::vector<Constant> constants;              // both stages
   uint32_t pushBytes = 0;                       // as ComputeDesc's
   std::vector<VkFormat> colors;
-  uint32_t colorsWritten = ~0u;  // bit i: color i is
+  uint32_t colorsWritten = ~0u;  // bit i: color i is written
   VkFormat depth = VK_FORMAT_UNDEFINED;
   VkCompareOp depthCompare = VK_COMPARE_OP_GREATER;  // depth is reversed
   bool depthWrite = true;
   bool depthClamp = false;                  // needs the optional feature
-  std::optional<VkStencilOpState> stencil;  // of both faces; the reference is dynamic. `depth` must have stencil
+  std::optional<VkStencilOpState> stencil;  // for both faces; the reference is dynamic. `depth` must have stencil
   bool colorWrite = true;
   Blend blend = Blend::Replace;
-  bool alphaOnly = false;  // of colours, alpha alone is written
+  bool alphaOnly = false;  // only alpha is written to colours
   uint32_t samples = 1;
   std::string name;
 };

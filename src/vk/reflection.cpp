@@ -10,7 +10,7 @@ namespace latelight::vk {
 
 namespace {
 
-// The parts of the SPIR-V specification, 1.6, that are read here.
+// The parts of the SPIR-V specification, 1.6, that are needed here.
 constexpr uint32_t kMagic = 0x07230203;
 constexpr size_t kHeaderWords = 5;
 enum Op : uint32_t {
@@ -63,7 +63,7 @@ constexpr uint32_t kDimBuffer = 5, kSampledStorage = 2;  // of OpTypeImage
 
 struct Instruction {
   uint32_t op = 0;
-  std::span<const uint32_t> operands;  // result type and result id among them
+  std::span<const uint32_t> operands;  // including result type and result id
 };
 
 using Decorations = std::map<uint32_t, uint32_t>;  // decoration -> its first operand, or 0
@@ -103,7 +103,7 @@ class Module {
   std::map<uint32_t, std::map<uint32_t, Decorations>> memberDecorations_;
   std::map<uint32_t, Instruction> definitions_;  // types, constants and variables of the module
   std::map<uint32_t, std::vector<Instruction>> functions_;
-  uint32_t entry_ = 0, inside_ = 0;  // functions: the entry point's, the one that is being read
+  uint32_t entry_ = 0, inside_ = 0;  // functions: the entry point's, and the one being read
 };
 
 std::string text(std::span<const uint32_t> words) {
@@ -195,7 +195,7 @@ const Instruction& Module::pointee(const Instruction& variable) const {
   return definition(definition(variable.operands[0]).operands[2]);
 }
 
-// A block without a name for itself has its type's.
+// A block without a name of its own has its type's.
 std::string Module::variableName(uint32_t id) const {
   const std::string own = name(id);
   return own.empty() ? name(pointee(definition(id)).operands[0]) : own;
@@ -203,7 +203,7 @@ std::string Module::variableName(uint32_t id) const {
 
 // --- what is used ---------------------------------------------------------------------------------------------------
 
-// Those operands of an instruction that may be pointers to variables of the module.
+// The operands of an instruction that may be pointers to module variables.
 std::span<const uint32_t> pointersOf(const Instruction& instruction) {
   const auto& [op, operands] = instruction;
   switch (op) {
@@ -300,7 +300,7 @@ uint32_t Module::bytesOf(uint32_t id, uint32_t matrixStride) const {
     case kOpTypePointer:
       return sizeof(VkDeviceAddress);
     default:
-      return 0;  // an array without end
+      return 0;  // a runtime array
   }
 }
 

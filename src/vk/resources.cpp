@@ -24,7 +24,8 @@ VkImageView makeView(Device& device, VkImage image, const ImageDesc& desc, VkIma
   info.image = image;
   info.viewType = type;
   info.format = desc.format;
-  // Samplers, which take whole arrays, read one aspect of depth and stencil; attachments, which take layers, have both.
+  // Sampled views, which cover whole arrays, read one aspect of depth and stencil; attachments, which are single
+  // layers, have both.
   VkImageAspectFlags aspect = isDepth(desc.format) ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
   if (hasStencil(desc.format) && type == VK_IMAGE_VIEW_TYPE_2D) aspect |= VK_IMAGE_ASPECT_STENCIL_BIT;
   info.subresourceRange = {aspect, desc.firstLevel(), levels, firstLayer, layers};
@@ -34,13 +35,13 @@ VkImageView makeView(Device& device, VkImage image, const ImageDesc& desc, VkIma
   return view;
 }
 
-// Of the VkImage's lowest level.
+// Size of the VkImage's level 0.
 VkExtent2D baseSize(const ImageDesc& desc) {
   if (desc.oddBase) return {2 * desc.width + 1, 2 * desc.height + 1};
   return {desc.width, desc.height};
 }
 
-// Whether the host can fill the image where it lies: saves a copy, and the transfer is one thread's on a CPU device.
+// Whether the host can fill the image in place: saves a copy, and on a CPU device transfers run on a single thread.
 bool isHostTexture(Device& device, const ImageDesc& desc) {
   constexpr VkImageUsageFlags kTexture =
       VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
@@ -70,7 +71,7 @@ VkImageCreateInfo imageInfo(const ImageDesc& desc, bool hostTexture) {
   return info;
 }
 
-// A picture of a size that the device has not is the user's to change: say so before the driver crashes on it.
+// A size that the device does not support is for the user to change: report it before the driver crashes.
 void checkSize(Device& device, const ImageDesc& desc) {
   const VkPhysicalDeviceLimits& limits = device.properties().limits;
   const uint32_t most = limits.maxImageDimension2D;
@@ -120,7 +121,7 @@ VkBuffer createBuffer(Device& device, const BufferDesc& desc) {
 
 }  // namespace
 
-// Once the delegated constructor is done, the destructor cleans up after what throws.
+// Once the delegated constructor is done, the destructor cleans up after exceptions.
 Buffer::Buffer(Device& device, const BufferDesc& desc) : Buffer() {
   device_ = &device;
   desc_ = completed(desc);
@@ -203,7 +204,7 @@ void Image::bind(VkDeviceMemory memory, VkDeviceSize offset) {
   constexpr VkImageUsageFlags kViewed = kAttachment | VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_STORAGE_BIT;
   if (!(desc_.usage & kViewed)) return;
   arrayView_ = makeView(device, image_, desc_, VK_IMAGE_VIEW_TYPE_2D_ARRAY, 0, desc_.layers, desc_.levels);
-  // An attachment's view has one level; a texture's has them all.
+  // An attachment's view has one level, a texture's has all.
   const uint32_t levels = desc_.layers == 1 && !(desc_.usage & kAttachment) ? desc_.levels : 1;
   for (uint32_t layer = 0; layer < desc_.layers; ++layer)
     layerViews_.push_back(makeView(device, image_, desc_, VK_IMAGE_VIEW_TYPE_2D, layer, 1, levels));
@@ -266,7 +267,7 @@ VkMemoryRequirements memoryRequirements(Device& device, const ImageDesc& desc, H
 float maxAnisotropy(const Device& device) {
   VkPhysicalDeviceFeatures features;
   vkGetPhysicalDeviceFeatures(device.physical(), &features);
-  // An optional feature that is enabled where it is offered.
+  // An optional feature that is enabled where the device offers it.
   return features.samplerAnisotropy ? device.properties().limits.maxSamplerAnisotropy : 1;
 }
 

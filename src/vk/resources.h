@@ -28,7 +28,7 @@ class Buffer {
  public:
   Buffer() = default;
   Buffer(Device& device, const BufferDesc& desc);
-  // In a heap, at an offset of it; never mapped. memoryRequirements() says what it takes.
+  // In a heap, at an offset; never mapped. memoryRequirements() has its size.
   Buffer(Device& device, const BufferDesc& desc, const Heap& heap, VkDeviceSize offset);
   Buffer(Buffer&&) noexcept;
   Buffer& operator=(Buffer&&) noexcept;
@@ -44,7 +44,7 @@ class Buffer {
     return reinterpret_cast<T*>(allocation_.mapped);
   }
   explicit operator bool() const { return buffer_ != VK_NULL_HANDLE; }
-  // Nothing has been submitted since it was made, so that nothing in flight uses it.
+  // Nothing has been submitted since it was created, so that nothing in flight uses it.
   bool isNew() const { return bornAfter_ == device_->submissions(); }
 
  private:
@@ -57,20 +57,20 @@ class Buffer {
   Allocation allocation_;  // none in a heap
 };
 
-// In host-visible memory, with these bytes in it.
+// In host-visible memory, initialised with these bytes.
 Buffer uploadedBuffer(Device& device, const std::string& name, std::span<const std::byte> bytes,
                       VkBufferUsageFlags usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
 
 struct ImageDesc {
   VkFormat format = VK_FORMAT_UNDEFINED;
   uint32_t width = 1, height = 1;
-  uint32_t layers = 1;  // array layers: one a view for a frame's targets
+  uint32_t layers = 1;  // array layers: one per view for a frame's targets
   uint32_t levels = 1;  // mip levels
   uint32_t samples = 1;
   VkImageUsageFlags usage = 0;
   std::string name;
-  // Of a texture: a level that nothing uses lies below level 0, and both its sides are odd. All else, size, levels,
-  // views and uploads, is without it.
+  // For a texture: adds an unused level below level 0 whose sides are both odd. Size, levels, views and uploads don't
+  // include it.
   bool oddBase = false;
   bool operator==(const ImageDesc&) const = default;
   uint32_t firstLevel() const { return oddBase ? 1 : 0; }  // of the VkImage
@@ -80,7 +80,7 @@ class Image {
  public:
   Image() = default;
   Image(Device& device, const ImageDesc& desc);
-  // In a heap, at an offset of it; never written by the host. memoryRequirements() says what it takes.
+  // In a heap, at an offset; never written by the host. memoryRequirements() has its size.
   Image(Device& device, const ImageDesc& desc, const Heap& heap, VkDeviceSize offset);
   Image(Image&&) noexcept;
   Image& operator=(Image&&) noexcept;
@@ -94,8 +94,8 @@ class Image {
   VkImageView view() const { return layerView(0); }     // 2D, layer 0, all levels where layers == 1
   explicit operator bool() const { return image_ != VK_NULL_HANDLE; }
 
-  // Textures of a CPU device are linear, and until their first layout transition the host may write them where they
-  // are. takeHostWrite() is true once, for the writer; the layout is then VK_IMAGE_LAYOUT_PREINITIALIZED.
+  // Textures of a CPU device are linear, and until their first layout transition the host may write them in place.
+  // takeHostWrite() is true once, for the writer; the layout is then VK_IMAGE_LAYOUT_PREINITIALIZED.
   bool takeHostWrite() const { return std::exchange(hostWritable_, false); }
   std::byte* mapped() const { return allocation_.mapped; }
 
@@ -110,7 +110,7 @@ class Image {
   mutable bool hostWritable_ = false;
 };
 
-// Of a resource with memory of its own, or placed in a heap; without making one.
+// For a resource with memory of its own, or placed in a heap, without creating one.
 enum class Home : uint8_t { Own, Heap };
 VkMemoryRequirements memoryRequirements(Device& device, const BufferDesc& desc);
 VkMemoryRequirements memoryRequirements(Device& device, const ImageDesc& desc, Home home);
@@ -120,7 +120,7 @@ struct SamplerDesc {
   VkSamplerMipmapMode mip = VK_SAMPLER_MIPMAP_MODE_LINEAR;
   VkSamplerAddressMode wrapU = VK_SAMPLER_ADDRESS_MODE_REPEAT, wrapV = VK_SAMPLER_ADDRESS_MODE_REPEAT;
   float maxLod = VK_LOD_CLAMP_NONE;
-  float anisotropy = 1;  // samples along a pixel's footprint, at most; no more than the device can take
+  float anisotropy = 1;  // maximum samples along a pixel's footprint, within the device's limit
   bool operator==(const SamplerDesc&) const = default;
 };
 // For texelFetch, which needs a sampler bound and ignores it.
@@ -128,16 +128,16 @@ inline constexpr SamplerDesc kNearestSampler{VK_FILTER_NEAREST, VK_FILTER_NEARES
 Handle<VkSampler> makeSampler(Device& device, const SamplerDesc& desc);
 float maxAnisotropy(const Device& device);  // 1 where the device has no anisotropic filter
 
-// How an Uploader brings data to the device.
+// How an Uploader transfers data to the device.
 enum class UploadMode : uint8_t {
-  Direct,    // host-visible destinations (CPU devices) are written where they are, by all cores; others are gathered
-  Staged,    // all are gathered, as on a device with memory of its own
-  Deferred,  // as Direct, but what a submission in flight may be using is gathered, and waits for record()
+  Direct,    // host-visible destinations (CPU devices) are written in place, by all cores; others are staged
+  Staged,    // all are staged, as on a device with memory of its own
+  Deferred,  // as Direct, but anything a submission in flight may use is staged, and waits for record()
 };
 
-// Copies of host data to the device. The data is copied before upload() returns, to staging memory: 16 MiB, and where
-// that is full, flush(); Deferred 64 MiB. flush() (or the destructor, which turns an error into a warning) submits what
-// is gathered and waits. Images end in VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL.
+// Copies of host data to the device. The data is copied before upload() returns, to staging memory: 16 MiB, with a
+// flush() when full; Deferred 64 MiB. flush() (or the destructor, which turns an error into a warning) submits the
+// staged copies and waits. Images end in VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL.
 class Uploader {
  public:
   explicit Uploader(Device& device, UploadMode mode = UploadMode::Direct);
@@ -147,8 +147,8 @@ class Uploader {
   void upload(const Image& to, std::span<const std::byte> data);
   void flush();
 
-  // Deferred: instead of flush(), records what is gathered with a submission of others, after which forget() drops it.
-  // What comes behind it must wait for the copies.
+  // Deferred: instead of flush(), records the staged copies as part of another submission, after which forget() drops
+  // them. Work recorded after it must wait for the copies.
   bool empty() const { return batches_.empty(); }
   void record(VkCommandBuffer commands) const;
   void forget();
@@ -165,13 +165,13 @@ class Uploader {
   Copy& add(Copy copy);
   Device& device_;
   UploadMode mode_;
-  std::vector<std::vector<Copy>> batches_;  // those of a batch write to different places: they run in any order
+  std::vector<std::vector<Copy>> batches_;  // copies of a batch write to different locations: they run in any order
   std::vector<Buffer> staging_;             // the last is being filled
-  VkDeviceSize used_ = 0;                   // bytes of the last in use
-  VkDeviceSize pending_ = 0;                // bytes of those before
+  VkDeviceSize used_ = 0;                   // bytes in use of the last
+  VkDeviceSize pending_ = 0;                // bytes in use of the others
 };
 
-// Bytes a texel of an uncompressed colour or depth format, as buffers hold it; of D24S8 and D32S8 the depth alone.
+// Bytes per texel of an uncompressed colour or depth format in a buffer; for D24S8 and D32S8 only the depth.
 uint32_t texelBytes(VkFormat format);
 const char* formatName(VkFormat format);  // "R8G8B8A8_SRGB"
 bool isDepth(VkFormat format);

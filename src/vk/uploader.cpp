@@ -12,9 +12,9 @@ namespace latelight::vk {
 
 namespace {
 
-// Large enough that submissions cost little beside the copies, small enough to stay in a CPU device's cache.
+// Large enough that submissions cost little compared with the copies, small enough to stay in a CPU device's cache.
 constexpr VkDeviceSize kStagingBytes = VkDeviceSize{16} << 20;
-// What waits for a submission of others is mostly little; it has memory that doubles, up to so much in all.
+// Copies waiting for another submission are mostly small; their memory grows by doubling, up to this total.
 constexpr VkDeviceSize kFirstDeferredBytes = VkDeviceSize{256} << 10, kDeferredBytes = VkDeviceSize{64} << 20;
 // A thread's share of a copy; below it, waking another thread costs more than it saves.
 constexpr size_t kGrain = size_t{2} << 20;
@@ -108,7 +108,7 @@ Uploader::Source Uploader::stage(std::span<const std::byte> data, VkDeviceSize a
   return {staging_.back().get(), offset};
 }
 
-// Behind those of its batch, or in a new one where it writes to where one of those does.
+// Appends it to the current batch, or to a new one where it overlaps one of that batch.
 Uploader::Copy& Uploader::add(Copy copy) {
   const auto overlaps = [&](const Copy& other) {
     if (copy.image) return copy.image == other.image && !copy.before.empty();
@@ -136,7 +136,7 @@ void Uploader::upload(const Buffer& to, std::span<const std::byte> data, VkDevic
   }
 }
 
-// Rows of a linear image lie rowPitch apart.
+// Rows of a linear image are rowPitch apart.
 void Uploader::writeInPlace(const Image& to, std::span<const std::byte> data) {
   const ImageDesc& desc = to.desc();
   for (uint32_t level = 0; level < desc.levels; ++level) {
@@ -194,7 +194,7 @@ void Uploader::upload(const Image& to, std::span<const std::byte> data) {
 
 void Uploader::record(VkCommandBuffer commands) const {
   for (const std::vector<Copy>& batch : batches_) {
-    // Submissions before it may still read what is written here; those of the last batch, write it.
+    // Earlier submissions may still read the destinations; copies of the previous batch may still write them.
     recordMemoryBarrier(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_ACCESS_2_MEMORY_WRITE_BIT,
                         VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT);
     std::vector<VkImageMemoryBarrier2> before, after;

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Vertices of one mesh, morphed and skinned (glTF 2.0, 3.7.2.2 and 3.7.3), of three poses at once: a frame before, now
-// and a frame after. scene::deform() is the same on the CPU.
+// Vertices of one mesh, morphed and skinned (glTF 2.0, 3.7.2.2 and 3.7.3), for three poses at once: previous, current
+// and next frame. scene::deform() is the same on the CPU.
 #include "render/glsl/common.glsl"
 #include "render/deform/deform_push.h"
 #include "shared/deform.h"

@@ -9,7 +9,7 @@ namespace latelight::render {
 
 namespace {
 
-constexpr uint32_t kColumns = 1u << 20;  // vertices a layer of workgroups: their count along an axis has a limit
+constexpr uint32_t kColumns = 1u << 20;  // vertices per layer of workgroups: their count along an axis is limited
 
 template <typename T>
 vk::Buffer makeBuffer(vk::Device& device, const char* name, uint64_t count) {
@@ -17,7 +17,7 @@ vk::Buffer makeBuffer(vk::Device& device, const char* name, uint64_t count) {
   return vk::Buffer(device, {.size = count * sizeof(T), .usage = kUsage, .name = name});
 }
 
-// Where to put one part's values behind the others'.
+// Appends one part's values to the others' and returns where.
 template <typename T>
 uint64_t append(std::vector<T>& all, const std::vector<T>& some) {
   const uint64_t offset = all.size() * sizeof(T);

@@ -16,25 +16,25 @@
 
 namespace latelight::render {
 
-// The pose that is shown, and those a frame before and a frame after. Empty ones are the scene at rest.
+// The current pose, and those of the previous and the next frame. Empty ones are the scene at rest.
 struct Poses {
   scene::Pose previous, current, next;
 };
 
 class Deformer {
  public:
-  // Uploads what the scene's deformed meshes are before all deformation. There must be one at least.
+  // Uploads the scene's deformed meshes before deformation. There must be at least one.
   Deformer(vk::Device& device, const scene::Scene& scene, vk::Uploader& uploader);
 
   // Takes joint matrices and weights of all three poses, none of which may be empty.
   void pose(const Poses& poses);
-  // Adds what works out all vertices of those poses, in the prologue.
+  // Adds the passes that compute all vertices of those poses, to the prologue.
   void addTo(graph::Graph& graph) const;
 
-  // Makes the records and streams of deformed meshes point to where that leaves them.
+  // Points the records and streams of deformed meshes to the results.
   void describe(std::span<shared::Mesh> meshes, std::span<VertexStreams> streams) const;
 
-  // What holds a deformed mesh in the pose, in its object space.
+  // Bounds of a deformed mesh in the pose, in its object space.
   scene::ReachBox boundsOf(uint32_t mesh, const scene::Pose& pose) const;
 
  private:

@@ -45,7 +45,7 @@ void main() {
   GbufferTexel texel = packGbuffer(s, context);
 #define WRITE(index, name, format, type, channels) gbuffer_##name = texel.name;
   GBUFFER_TARGETS(WRITE)
-  // What the mask cuts out left no depth, but another surface may lie at the very same one. Last, since textures need
-  // the whole quad.
+  // Masked-out fragments left no depth, but another surface may lie at exactly the same depth. Last, since textures
+  // need the whole quad.
   if (kAlphaMasked != 0u) cutFragment(m, p);
 }

@@ -1,4 +1,4 @@
-// The registry of G-buffer layouts: one a file in src/shared/gbuffer, compiled here as C++ and in shaders as GLSL.
+// The registry of G-buffer layouts: one per file in src/shared/gbuffer, compiled as C++ here and as GLSL in shaders.
 #pragma once
 
 #include <volk.h>
@@ -12,7 +12,7 @@
 
 namespace latelight::render {
 
-// What one texel of a target holds, as a shader reads it: normalised and float formats in f, integers in u.
+// One texel of a target, as a shader reads it: normalised and float formats in f, integers in u.
 struct TargetValue {
   shared::vec4 f{0};
   shared::uvec4 u{0};
@@ -35,13 +35,13 @@ struct Layout {
   std::string name;  // as users write it
   const char* description;
   std::vector<LayoutTarget> targets;
-  const char* fixedNormal;    // how it keeps normals whatever the encoding chosen; null where it follows that
-  const char* fixedPosition;  // how it keeps positions; null where they are made from depth, by the method chosen
+  const char* fixedNormal;    // its fixed normal encoding; null where it follows the chosen one
+  const char* fixedPosition;  // how it stores positions; null where they are reconstructed from depth
   int sunTarget;              // whose alpha is the sun's shadow (shadow/sun_occlusion.h); -1: none
   bool keepsMotion;           // stores Surface::motion
-  // Of the design that the layout follows; frames here have kDepthFormat and kLightFormat beside every layout.
+  // Formats in the design that the layout follows; frames here use kDepthFormat and kLightFormat with every layout.
   VkFormat originalDepth, originalLight;
-  // The layout's pack and unpack as C++; one value a target, in their order.
+  // The layout's pack and unpack in C++; one value per target, in order.
   std::vector<TargetValue> (*pack)(const shared::Surface&, const shared::GbufferContext&);
   shared::Surface (*unpack)(std::span<const TargetValue>, const shared::GbufferContext&);
 

@@ -1,4 +1,4 @@
-// Included once a layout by a generated source (cmake/registry.cmake), after the layout's own header and with
+// Included once per layout by a generated source (cmake/registry.cmake), after the layout's own header and with
 // LATELIGHT_LAYOUT defined as its name: turns GBUFFER_TARGETS into the layout's entry in the registry.
 #include "render/gbuffer/layout.h"
 #include "render/registry.h"

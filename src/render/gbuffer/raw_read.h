@@ -1,4 +1,4 @@
-// The targets of a frame's G-buffer as they are stored, for pictures of them.
+// The targets of a frame's G-buffer as stored, for pictures of them.
 #pragma once
 
 #include <vector>

@@ -1,14 +1,14 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // variants: layout
-// Parts each pixel's samples by the surface they show, so that a pixel is lit once for each surface: the mark of the
-// pixels that are shaded per sample.
+// Per-sample classification: groups each pixel's samples by the surface they show, so that a pixel is lit once for each
+// surface. Pixels with several surfaces are those shaded per sample.
 //
-// A fragment that covers a pixel leaves one value in all its samples: where all are the same to the bit, nothing has to
-// be compared (that is what seed 000's SV_Coverage tells, and it holds where surfaces cut through each other besides).
-// Where they differ, most are still one surface: the triangles of a smooth mesh, or one texture. So two samples show
-// one surface where the first one's plane, extended, passes near the second one's place, and normals, materials and
-// emitted light are about the same.
+// A fragment that covers a whole pixel writes one value to all its samples: where all are bit-identical, nothing has to
+// be compared (this tells what seed 000's SV_Coverage tells, and also holds where surfaces intersect). Where they
+// differ, most still show one surface: the triangles of a smooth mesh, or one texture. So two samples show one surface
+// if the first one's plane, extended, passes near the second one's position, and normals, materials and emitted light
+// are similar.
 #define MULTISAMPLED
 #include "render/glsl/common.glsl"
 #define GBUFFER_SAMPLED_ONLY
@@ -21,8 +21,8 @@ layout(set = 0, binding = GBUFFER_BINDINGS, r32ui) uniform writeonly uimage2DArr
 
 layout(push_constant, scalar) uniform Push { LightingPush push; };
 
-// Differences that one surface may have within a pixel. Looser ones lose edges, closer ones take curved surfaces and
-// textures for edges: docs/antialiasing.md has what these cost and leave.
+// Differences that one surface may have within a pixel. Looser thresholds miss edges, tighter ones take curved surfaces
+// and textures for edges: docs/antialiasing.md has the cost and error of these.
 const float kLeastCosine = 0.97;  // of two normals: 14 degrees
 const float kMostAlbedo = 0.06;   // linear colour, f0, metalness times a half
 const float kMostRoughness = 0.12;
@@ -63,7 +63,7 @@ bool sameSurface(Sample a, Sample b, float size) {
   return near && dot(a.s.normal, b.s.normal) >= kLeastCosine && sameMaterial(a, b);
 }
 
-// Whether all samples hold what the first one does.
+// Whether all samples equal the first.
 bool allAlike(ivec3 pixel) {
   GbufferTexel first = readTexel(pixel, 0);
   vec4 light = texelFetch(lightOfSamples, pixel, 0);
@@ -85,7 +85,7 @@ Sample readSample(View view, ivec3 pixel, int index, float depth) {
   return r;
 }
 
-// Each sample joins the first surface whose first sample it is like.
+// Each sample joins the first surface whose first sample it matches.
 uint partSamples(View view, ivec3 pixel, vec4 depths) {
   Sample samples[4];
   for (int i = 0; i < 4; ++i) samples[i] = readSample(view, pixel, i, depths[i]);

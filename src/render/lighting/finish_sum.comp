@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // variants: multisampled
-// The sum of all lights becomes the lit picture: of several samples a pixel the mean.
+// Turns the sum of all lights into the lit picture: the mean where a pixel has several samples.
 #include "render/glsl/multisample.glsl"
 layout(local_size_x = 16, local_size_y = 16) in;
 layout(set = 0, binding = 0) uniform TARGET_SAMPLER lightSum;

@@ -1,14 +1,14 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // variants: multisampled
-// Lists of the lights that may reach the samples of each cell of a picture (with several samples a pixel: the middles of
-// its surfaces, which is where they are lit). A subgroup makes those of a tile: it bounds the
-// cell's samples (explicit bounds: Olsson, Billeter and Assarsson 2012, Clustered Deferred and Forward Shading, HPG) and
-// walks the light tree with that box. A tile that is one cell has a mask of the slices that hold samples, and drops lights
+// Lists of the lights that may reach the samples of each cell of a picture (with several samples a pixel: the centres
+// of its surfaces, which is where they are lit). A subgroup builds those of one tile: it bounds the cell's samples
+// (explicit bounds: Olsson, Billeter and Assarsson 2012, Clustered Deferred and Forward Shading, HPG) and walks the
+// light tree with that box. A tile that is one cell has a mask of the slices that contain samples, and drops lights
 // that reach none of those (2.5D culling: Harada 2012, A 2.5D Culling for Forward+, SIGGRAPH Asia technical briefs).
 //
-// A tile's entries are its own, so that no list depends on which was made first. One that is longer than the room left
-// is marked, and the lighting shader walks the tree in its place.
+// Each tile has its own entries, so that no list depends on which was built first. A list that overflows is marked, and
+// the lighting shader walks the tree instead.
 #include "render/glsl/common.glsl"
 #include "render/glsl/light_cells.glsl"
 #include "render/glsl/light_tree.glsl"
@@ -31,7 +31,7 @@ struct Tile {
   uvec2 corner;  // its first pixel
   uint index;    // among those of all views
   uvec2 slices;
-  uint occupied;  // slices that hold samples
+  uint occupied;  // slices that contain samples
   uint used;      // entries
 };
 
@@ -60,7 +60,7 @@ uvec2 tilePixel(Tile tile, uint first) { return tile.corner + pixelOfTile(min(fi
 
 // --- slices ---------------------------------------------------------------------------------------------------------
 
-// The least bits a slice: in a perspective view slices are at least 1/8 to 1/16 of their distance deep, in an
+// The minimum bits per slice: in a perspective view slices are at least 1/8 to 1/16 of their distance deep, in an
 // orthographic one as deep as a tile is wide. Thinner ones would split tiles without dropping lights.
 uint leastSliceBits(View view) {
   Projection p = view.projection;
@@ -85,7 +85,7 @@ bool findSlices(inout Tile tile) {
   nearest = subgroupMax(nearest);
   farthest = subgroupMin(farthest);
   if (farthest > nearest) return false;
-  // The fewest bits that leave less than kSlices slices.
+  // The fewest bits that leave fewer than kSlices slices.
   uint bits = uint(max(findMSB(nearest - farthest) - 4, 0));
   tile.slices = uvec2(nearest, max(bits, leastSliceBits(tile.view)));
   uint occupied = 0u;
@@ -104,12 +104,12 @@ bool findSlices(inout Tile tile) {
 // --- what reaches a cell --------------------------------------------------------------------------------------------
 
 struct Cell {
-  uint slices;  // those it is made of
+  uint slices;  // that the cell consists of
   vec3 low, high;
 };
 
-// Around the cell's samples in world space. Layouts that store positions hold them as they were interpolated, a few
-// millionths of the distance from what depth says.
+// Around the cell's samples in world space. Layouts that store positions store interpolated ones, which differ from
+// those by depth by a few millionths of the distance.
 Cell cellOf(Tile tile, uint slices) {
   vec3 low = vec3(3.0e38), high = vec3(-3.0e38);
   for (uint first = 0u; first < 256u; first += lanesPresent) {
@@ -165,7 +165,7 @@ bool reachesTile(Tile tile, vec3 centre, float reach) {
          betweenSides(p.V, p.Z, vec2(last.y, first.y), centre.z, centre.y, reach, perspective);
 }
 
-// The slices of the tile that a light reaches.
+// The tile's slices that a light reaches.
 uint slicesReached(Tile tile, Light l) {
   vec3 centre = tile.view.worldToView * vec4(l.position, 1.0);
   float depth = centre.y;
@@ -177,7 +177,7 @@ uint slicesReached(Tile tile, Light l) {
   return reaches ? mask : 0u;
 }
 
-// One way through for all lanes: votes follow, and lanes that parted need not have met again by then.
+// No branches, so that control flow is uniform: votes follow, and diverged lanes need not have reconverged by then.
 bool listed(Tile tile, Cell cell, Light l) {
   vec3 d = max(max(cell.low - l.position, l.position - cell.high), vec3(0.0));
   bool near = dot(d, d) < l.radius * l.radius;
@@ -190,8 +190,8 @@ bool listed(Tile tile, Cell cell, Light l) {
 
 // --- lists ----------------------------------------------------------------------------------------------------------
 
-// Appends the lights that reach the cell to the tile's entries; returns how many there are, or more than there is room
-// for, as soon as that is certain.
+// Appends the lights that reach the cell to the tile's entries; returns their number, or on overflow at once a number
+// larger than there is room for.
 uint appendList(Tile tile, Cell cell, FrameConstants frame) {
   EntriesRef entries = EntriesRef(push.entries + uint64_t(tile.index) * (4u * kEntriesATile));
   uint count = 0u, leaf;

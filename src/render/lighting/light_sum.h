@@ -1,4 +1,4 @@
-// What techniques that add one light after the other share: the target they add in, and a word on long frames.
+// Shared by techniques that add one light after the other: the target of the sum, and a warning about long frames.
 #pragma once
 
 #include "render/frame.h"
@@ -12,8 +12,8 @@ VkFormat lightSumFormat(vk::Device& device);
 // Warns of frames that draw very many lights one by one.
 void warnOfManyPasses(const char* technique, uint64_t passes);
 
-// Makes a sum of lights the lit picture: the mean of a pixel's samples where it has several, and no value above what
-// the picture holds (of any sample, as no frame of a super-sampled picture has one).
+// Turns a sum of lights into the lit picture: the mean of a pixel's samples where it has several, each sample clamped
+// to the largest value that the picture can hold (as in each frame of a super-sampled picture).
 void addFinishSum(const FrameContext& f, graph::ImageId sum, graph::ImageId light);
 
 }  // namespace latelight::render

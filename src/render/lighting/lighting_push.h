@@ -1,4 +1,4 @@
-// What shaders are pushed that light a whole picture.
+// Push constants of the shaders that light a whole picture.
 #ifndef LATELIGHT_LIGHTING_PUSH_H
 #define LATELIGHT_LIGHTING_PUSH_H
 
@@ -10,11 +10,11 @@ struct LightingPush {
   uint64_t frame;  // FrameConstants
 };
 
-struct CellsPush {   // where pictures are lit by tiles
+struct CellsPush {   // of techniques that light by tiles
   uint64_t frame;    // FrameConstants
   uint64_t cells;    // CellsRef of light_cells.glsl
   uint64_t entries;  // EntriesRef
-  uvec2 tiles;       // of a view
+  uvec2 tiles;       // per view
 };
 
 SH_END

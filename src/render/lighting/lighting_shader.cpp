@@ -15,7 +15,7 @@ ComputePass lightingPass(const FrameContext& f, const Gbuffer& gbuffer, const st
                          const std::string& file, KeptByLighting kept) {
   Bindings bindings(f.device);
   bindings.sampled(gbufferInputs(gbuffer));
-  // What the geometry pass left of light is elsewhere where pixels have several samples.
+  // With several samples a pixel the geometry pass leaves its light in another image.
   const bool reads = kept.picture || !gbuffer.surfaces;
   bindings.storage(gbuffer.light, reads ? graph::Use::StorageReadWrite : graph::Use::StorageWrite);
   bindings.storage(gbuffer.lightCounts, kept.counts ? graph::Use::StorageReadWrite : graph::Use::StorageWrite);

@@ -1,5 +1,5 @@
-// Compute shaders that light a G-buffer. Set 0 is the same for all of them: what gbuffer_read.glsl has, then what
-// lit_maps.glsl has.
+// Compute shaders that light a G-buffer. Set 0 is the same for all of them: the bindings of gbuffer_read.glsl, then
+// those of lit_maps.glsl.
 #pragma once
 
 #include <string>
@@ -9,13 +9,13 @@
 
 namespace latelight::render {
 
-// What gbuffer_read.glsl samples: the layout's targets, depth, and with several samples a pixel the light they had and
-// the surfaces of pixels.
+// The images that gbuffer_read.glsl samples: the layout's targets, depth, and with several samples a pixel their light
+// from the geometry pass and the surfaces of pixels.
 std::vector<graph::ImageId> gbufferInputs(const Gbuffer& gbuffer);
 
 // A pass over every pixel of every view, in workgroups of 16 by 16, for addCompute(). `file`: the shader's, compiled
-// for each layout. `kept`: what earlier passes have left there. Constants of its own start at kFirstOwnConstant,
-// bindings of its own behind the lit maps'.
+// for each layout. `kept`: images whose contents from earlier passes are kept. Its own constants start at
+// kFirstOwnConstant, its own bindings after the lit maps.
 struct KeptByLighting {
   bool picture = false, counts = false;
 };

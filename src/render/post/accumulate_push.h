@@ -7,7 +7,7 @@
 SH_BEGIN
 
 struct AccumulatePush {
-  uint first;  // 1: nothing is in the sum yet
+  uint first;  // 1: the sum is still empty
 };
 
 SH_END

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The environment where nothing is drawn, or not in all of a pixel.
+// The environment where nothing is drawn, or where a pixel is partly covered.
 #include "render/glsl/common.glsl"
 #include "render/post/background_push.h"
 #include "shared/environment.h"

@@ -1,5 +1,5 @@
-// What happens to a picture after its frames are lit: the list of post-processing passes (post.cpp). Each effect is a
-// folder beside this file.
+// Post-processing, after a picture's frames are lit: the list of passes is in post.cpp. Each effect is a folder next to
+// this file.
 #pragma once
 
 #include "render/pass.h"
@@ -9,11 +9,11 @@ namespace latelight::render {
 
 struct FinishedPicture {
   graph::ImageId linear;    // before the tonemap; fog and bloom included
-  float scale = 1;          // that it still has to be multiplied by
-  graph::BufferId display;  // RGBA8 as addCompose() has it; none unless asked for
+  float scale = 1;          // by which it still has to be multiplied
+  graph::BufferId display;  // RGBA8 as from addCompose(); none unless asked for
 };
 
-// `scale`: 1 / number of frames that `picture` is the sum of.
+// `scale`: 1 / number of frames summed in `picture`.
 FinishedPicture finishPicture(const Builder& b, graph::ImageId picture, float scale, const Settings& settings);
 
 }  // namespace latelight::render

@@ -18,9 +18,9 @@ struct ComposeSettings {
 };
 shared::ComposePush composePush(const ComposeSettings& settings, VkDeviceAddress pixels);
 
-// The finished picture as a result (readback.h): RGBA8, sRGB, straight alpha; a layer after the other.
+// The finished picture as a result (readback.h): RGBA8, sRGB, straight alpha; one layer after the other.
 graph::BufferId addCompose(const Builder& b, graph::ImageId picture, const ComposeSettings& settings);
-// The pass that leaves the finished picture, by the shader `name`.comp, which writes as compose.glsl does.
+// Adds the pass that writes the finished picture, by the shader `name`.comp, which writes as compose.glsl does.
 graph::BufferId addFinalPass(const Builder& b, const std::string& name, graph::ImageId picture,
                              const ComposeSettings& settings);
 

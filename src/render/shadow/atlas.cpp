@@ -23,7 +23,7 @@ AtlasPlan packAtlas(std::span<const uint32_t> sizes) {
   std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return sizes[a] > sizes[b]; });
   AtlasPlan plan;
   plan.tiles.resize(sizes.size());
-  uint64_t cells = 0;  // of the least tile's size, taken so far: always a multiple of what the next tile takes
+  uint64_t cells = 0;  // of the smallest tile's size, taken so far: always a multiple of the next tile's count
   for (const uint32_t i : order) {
     plan.tiles[i] = {everySecondBit(cells) * kLeastShadowTile, everySecondBit(cells >> 1) * kLeastShadowTile, sizes[i]};
     const uint64_t side = sizes[i] / kLeastShadowTile;

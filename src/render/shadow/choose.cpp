@@ -24,12 +24,12 @@ void checkNames(const ShadowLights& wanted, std::span<const scene::Light> lights
       badUsage("no light is called \"{}\": --shadow-lights takes auto, all, none, a number, or names of lights", name);
 }
 
-// How far the light reaches of the scene, metres.
+// How far the light reaches within the scene, metres.
 float reachIn(const ShadowScene& scene, const shared::Light& light) {
   return std::min(light.radius, 2 * scene.bounds.radius());
 }
 
-// The light at the eye, lux; a directional light's everywhere.
+// The illuminance at the eye, lux; for a directional light the same everywhere.
 float importance(const shared::Light& light, const ShadowScene& scene, const shared::View& view) {
   const float candela = shared::maxChannel(light.intensity);
   if (shared::lightIsDirectional(light.type)) return candela;
@@ -42,7 +42,7 @@ struct Candidate {
   uint32_t light, source;
   bool directional, asked;  // asked: by the scene itself
   float importance;
-  // Most important first; no two are alike.
+  // Most important first; no two compare equal.
   bool operator<(const Candidate& other) const {
     if (asked != other.asked) return asked;
     if (directional != other.directional) return directional;
@@ -76,14 +76,14 @@ std::vector<Candidate> candidates(const ShadowScene& scene, const shared::View& 
 
 // --- how large ------------------------------------------------------------------------------------------------------
 
-// The power of two that is nearest by ratio, within bounds that are such powers.
+// The nearest power of two by ratio, within bounds that are powers of two themselves.
 uint32_t tileSize(double texels, uint32_t least, uint32_t most) {
   const double clamped = std::clamp(texels, double(least), double(most));
   return 1u << static_cast<uint32_t>(std::lround(std::log2(clamped)));
 }
 
-// About as many texels as pixels: a cascade's tile is as wide as the picture; a local light's as wide as what it
-// reaches on screen, and of a cube's face half that.
+// About as many texels as pixels: a cascade's tile is as wide as the picture, a local light's as wide as its sphere on
+// screen, and a cube's face half that.
 uint32_t sizeOf(const shared::Light& light, const ShadowScene& scene, const shared::View& view, uint32_t maps) {
   const double picture = std::max(view.size.x, view.size.y);
   const uint32_t cascade = tileSize(picture, kLeastCascade, kLargestTile);
@@ -101,7 +101,7 @@ uint64_t areaOf(const std::vector<ShadowCaster>& casters) {
   return area;
 }
 
-// Halves what is larger than `least`; false where nothing is.
+// Halves sizes larger than `least`; false where there are none.
 bool halve(std::vector<ShadowCaster>& casters, const ShadowScene& scene, bool directionalToo, uint32_t least) {
   bool halved = false;
   for (ShadowCaster& caster : casters) {
@@ -113,7 +113,7 @@ bool halve(std::vector<ShadowCaster>& casters, const ShadowScene& scene, bool di
   return halved;
 }
 
-// Returns how many lights had to go.
+// Returns how many lights had to be dropped.
 size_t fit(std::vector<ShadowCaster>& casters, const ShadowScene& scene, uint64_t room) {
   constexpr uint32_t kFine = 256;  // below this, cascades give up as much as the others
   while (areaOf(casters) > room && halve(casters, scene, false, kFine)) {
@@ -130,9 +130,9 @@ size_t fit(std::vector<ShadowCaster>& casters, const ShadowScene& scene, uint64_
 }  // namespace
 
 std::optional<double> shadowCone(const shared::Light& light) {
-  constexpr double kWidest = 1.05, kNarrowest = 2e-3;  // radians; wider than 60 degrees a single map is mostly rim
+  constexpr double kWidest = 1.05, kNarrowest = 2e-3;  // radians; beyond 60 degrees a map is mostly rim
   if (!shared::lightHasCone(light.type)) return std::nullopt;
-  // The rounding of spotOffset / spotScale moves a narrow cone by up to 3.5e-4.
+  // The rounding of spotOffset / spotScale changes a narrow cone's angle by up to 3.5e-4.
   const double half = std::acos(std::clamp(-double{light.spotOffset} / light.spotScale, -1.0, 1.0)) + 1e-3;
   if (half > kWidest) return std::nullopt;
   return std::max(half, kNarrowest);

@@ -11,14 +11,14 @@ struct ShadowCaster {
   uint32_t size;   // of each map's tile
 };
 
-inline constexpr uint32_t kAutomaticShadows = 8;  // lights, where the settings leave the choice to importance
+inline constexpr uint32_t kAutomaticShadows = 8;  // lights, where the settings choose automatically
 
-// In the order of their importance. `cascades`: of a directional light. All tiles together take at most the square of
-// settings.shadowAtlas: local lights' are halved first, then all; last the least important lights go without.
+// In the order of their importance. `cascades`: per directional light. All tiles together take at most the square of
+// settings.shadowAtlas: local lights' are halved first, then all; finally the least important lights are dropped.
 std::vector<ShadowCaster> chooseShadowCasters(const ShadowScene& scene, const shared::View& view,
                                               const Settings& settings, uint32_t cascades);
 
-// Half the angle of the cone that a spot's map shows; nothing where it takes a cube.
+// The half angle of a spot's map; nothing where the light takes a cube.
 std::optional<double> shadowCone(const shared::Light& light);
 
 }  // namespace latelight::render

@@ -31,7 +31,7 @@ bool holds(const vk::ImageDesc& atlas, const vk::ImageDesc& needed) {
 }
 
 std::shared_ptr<const vk::Image> atlasFor(vk::Device& device, const vk::ImageDesc& needed, KeptAtlas& kept) {
-  if (device.isCpu()) return std::make_shared<const vk::Image>(device, needed);  // memory is had at once there
+  if (device.isCpu()) return std::make_shared<const vk::Image>(device, needed);  // allocation is instant there
   constexpr uint32_t kMostLarger = 4;
   const bool fits = kept.image && holds(kept.image->desc(), needed);
   const bool larger = fits && kept.image->desc() != needed;
@@ -85,7 +85,7 @@ void FrameShadows::number(uint32_t lights) {
   }
 }
 
-// The maps of a light in a view: those of an earlier view that are the same to the bit, or new ones.
+// The maps of a light in a view: those of an earlier view where they are bit-identical, or new ones.
 shared::LightShadow FrameShadows::enter(uint32_t view, const ShadowPlan::Entry& entry, std::vector<Drawn>& drawn) {
   const ShadowPlan& plan = plans_[view];
   shared::LightShadow shadow{0, entry.maps, plan.sun == entry.light ? 1u : 0u};

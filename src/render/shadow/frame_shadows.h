@@ -12,8 +12,8 @@
 
 namespace latelight::render {
 
-// An atlas that is kept for the frames to come: to make one takes longer than to draw it. Frames use it one after the
-// other. One that is larger than they need is kept for a few of them.
+// An atlas kept for later frames: creating one takes longer than drawing it. Frames use it one after the other. One
+// that is larger than needed is kept for a few frames.
 struct KeptAtlas {
   std::shared_ptr<const vk::Image> image;
   uint32_t larger = 0;  // frames in a row that needed less
@@ -21,11 +21,11 @@ struct KeptAtlas {
 
 class FrameShadows {
  public:
-  // Plans for these views. Nothing of the scene changes for it. `kept`: taken where it fits, else replaced.
+  // Plans shadows for these views, without changing the scene. `kept`: used where it fits, else replaced.
   FrameShadows(vk::Device& device, const GpuScene& scene, std::span<const shared::View> views, const Settings& settings,
                KeptAtlas& kept);
 
-  bool empty() const { return columns_.empty(); }  // no light casts any, in no view
+  bool empty() const { return columns_.empty(); }  // no light casts shadows in any view
   const ShadowPlan& plan(uint32_t view) const { return plans_[view]; }
   uint32_t viewCount() const { return static_cast<uint32_t>(plans_.size()); }
   shared::LightShadow of(uint32_t view, uint32_t light) const;
@@ -34,14 +34,14 @@ class FrameShadows {
   // For the frame's constants.
   void describe(shared::FrameConstants& frame) const;
 
-  // What is to be drawn, by layer. Views that see a light alike share its maps: they lie where the first one's are.
+  // The maps to be drawn, by layer. Views in which a light has the same maps share those of the first one.
   struct Map {
     uint32_t layer;
-    uint32_t plan;  // whose it is
+    uint32_t plan;  // the plan it belongs to
     const ShadowView* view;
   };
   std::span<const Map> maps() const { return maps_; }
-  // Constants of a frame whose views are the maps, in their order.
+  // Constants of a frame whose views are the maps, in order.
   VkDeviceAddress mapConstants(const shared::FrameConstants& frame);
   VkBuffer mapViews() const { return viewsBuffer_.get(); }  // their View[]
 
@@ -50,7 +50,7 @@ class FrameShadows {
   bool takeDrawing() { return std::exchange(undrawn_, false); }  // true once: for the graph that draws the maps
 
  private:
-  struct Drawn {  // maps of a light that no earlier view has alike
+  struct Drawn {  // maps of a light that no earlier view shares
     uint32_t view;
     const ShadowPlan::Entry* entry;
     uint32_t first;  // among maps_
@@ -65,7 +65,7 @@ class FrameShadows {
   std::vector<shared::ShadowMap> records_;  // of maps_
   std::vector<uint32_t> columns_;           // lights that cast shadows in some view, ascending
   std::vector<shared::ShadowBits> bits_;
-  std::vector<shared::LightShadow> table_;  // a row a view
+  std::vector<shared::LightShadow> table_;  // one row per view
   std::shared_ptr<const vk::Image> atlas_;
   uint32_t layers_ = 0;
   vk::Buffer bitsBuffer_, tableBuffer_, mapsBuffer_, viewsBuffer_, constantsBuffer_;
@@ -73,6 +73,6 @@ class FrameShadows {
 };
 
 VkFormat shadowImageFormat(uint32_t format);  // of the atlas
-bool shadowIsPacked(uint32_t format);         // depth is packed in the bytes of a colour
+bool shadowIsPacked(uint32_t format);         // depth is packed into the bytes of a colour
 
 }  // namespace latelight::render

@@ -15,7 +15,7 @@ namespace {
 
 using glm::dvec3;
 
-// Texels kept free at each side of a tile: for the filter's reach, the normal offset and half a texel of snapping.
+// Texels kept free at each side of a tile: for the filter radius, the normal offset and half a texel of snapping.
 constexpr uint32_t kMargin = 4;
 
 struct Axes {
@@ -28,12 +28,12 @@ Axes axesAlong(dvec3 away) {
   return {right, away, glm::cross(right, away)};
 }
 
-std::array<Axes, 6> cubeAxes() {  // as shadowFace() numbers them
+std::array<Axes, 6> cubeAxes() {  // numbered as in shadowFace()
   return {axesAlong({1, 0, 0}),  axesAlong({-1, 0, 0}), axesAlong({0, 1, 0}),
           axesAlong({0, -1, 0}), axesAlong({0, 0, 1}),  axesAlong({0, 0, -1})};
 }
 
-// What is closest and farthest from a plane through the world's origin.
+// The smallest and the largest distance from a plane through the world's origin.
 struct Interval {
   double low = 1e300, high = -1e300;
 };
@@ -56,7 +56,7 @@ struct Frame {
   dvec3 origin{0};
   bool perspective = false;
   double half = 1;                // metres at 1 m distance, or metres
-  double across = 0, upward = 0;  // of the middle from the origin, metres; orthographic maps alone
+  double across = 0, upward = 0;  // of the centre from the origin, metres; orthographic maps only
   double near = 0, far = 1;       // metres along `away`
 };
 
@@ -77,8 +77,8 @@ shared::View viewOf(const Frame& f, double scale, uint32_t size) {
   p.H = p.V = static_cast<float>(1 / f.half);
   p.X = static_cast<float>(-f.across / f.half);
   p.Z = static_cast<float>(-f.upward / f.half);
-  // Half of the map's depth before the division by w: 0 at `near`, and well below w at `far`, where rounding would else
-  // decide what is clipped.
+  // Half of the map's depth before the division by w: 0 at `near`, and well below w at `far`, where rounding would
+  // otherwise decide what is clipped.
   p.A = static_cast<float>(0.5 / ((f.far - f.near) * scale));
   p.B = static_cast<float>(-0.5 * f.near / (f.far - f.near));
   return view;
@@ -117,7 +117,7 @@ double withMargin(double half, uint32_t size) {
 
 Frame cascadeFrame(const Axes& axes, const Sphere& sphere, const Interval& depths, uint32_t size) {
   Frame f{.axes = axes, .half = withMargin(sphere.radius, size)};
-  // Whole texels from the world's origin: as the view moves, the same texels show the same places.
+  // Snapped to whole texels from the world's origin: as the view moves, a texel keeps covering the same positions.
   const double texel = 2 * f.half / size;
   f.across = std::round(glm::dot(axes.right, dvec3(sphere.centre)) / texel) * texel;
   f.upward = std::round(glm::dot(axes.up, dvec3(sphere.centre)) / texel) * texel;
@@ -127,21 +127,21 @@ Frame cascadeFrame(const Axes& axes, const Sphere& sphere, const Interval& depth
   return f;
 }
 
-// What lies nearer than the light's own radius is its own body, such as its glass, and casts no shadow.
+// Geometry nearer than the light's own size is its body, such as its glass, and casts no shadow.
 Frame localFrame(const shared::Light& light, const Axes& axes, double tangent, double radius,
                  const scene::Bounds& bounds, uint32_t size) {
   const dvec3 origin(light.position);
   const double farthest = overCorners(bounds, [&](dvec3 p) { return glm::length(p - origin); }).high;
   Frame f{.axes = axes, .origin = origin, .perspective = true, .half = withMargin(tangent, size)};
   f.far = 1.001 * std::min<double>(light.radius, farthest) + 1e-6;
-  // Depth is linear and needs no near plane; but coordinates are rounded, and a surface that the light lies in must not
-  // hide half of the world from it.
+  // Depth is linear and needs no near plane; but coordinates are rounded, and a surface that contains the light must
+  // not hide half of the world from it.
   const double rounding = 1e-5 * std::max({std::abs(origin.x), std::abs(origin.y), std::abs(origin.z)});
   f.near = std::min(std::max(radius, std::min(rounding, 1e-4 * f.far)), 0.5 * f.far);
   return f;
 }
 
-// What stored depth may be below what was written, or rounding make of it, in depth.
+// How far stored depth may be below the depth written, by quantization or rounding.
 float slackOf(uint32_t format) {
   constexpr float kRounding = 2e-6f;
   if (format == shared::kShadowD16) return 1.0f / 65535.0f + kRounding;
@@ -200,7 +200,7 @@ struct Planner {
 uint64_t shadowTexels(const Settings& s) {
   const uint64_t side = std::max(s.width, s.height), most = uint64_t{s.shadowAtlas} * s.shadowAtlas;
   const bool automatic = s.shadowLights.automatic;
-  // A map is at most about as wide as the picture; cubes have six.
+  // A map is at most about as wide as the picture; a cube has six.
   return automatic ? std::min(most, 2 * 6 * kAutomaticShadows * side * side) : most;
 }
 

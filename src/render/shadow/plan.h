@@ -1,5 +1,5 @@
-// Which lights cast shadows in a frame, and what their shadow maps show: decided on the host, before anything is drawn,
-// and so the same for every lighting technique.
+// Which lights cast shadows in a frame, and what their shadow maps cover: decided on the host, before anything is
+// drawn, and so the same for every lighting technique.
 #pragma once
 
 #include <cstdint>
@@ -21,33 +21,33 @@ struct ShadowView {
   shared::View view;             // rigid, for culling
   shared::View drawn;            // the same with lengths divided by the map's farthest depth: see shadow.frag
   AtlasTile tile;                // of the atlas
-  float unit;                    // depth from a texel to the next on a plane of slope 1 (times w / far in perspective)
-  std::optional<Sphere> within;  // what lies outside casts nothing into it
+  float unit;                    // depth change per texel on a plane of slope 1 (times w / far in perspective)
+  std::optional<Sphere> within;  // nothing outside casts shadows into the map
 };
 
 struct ShadowPlan {
   struct Entry {
     uint32_t light;  // among the frame's
     uint32_t first;  // of its maps
-    uint32_t maps;   // that it has
+    uint32_t maps;   // how many it has
   };
   uint32_t width = 0, height = 0;       // of the atlas
-  std::vector<ShadowView> views;        // one a map
+  std::vector<ShadowView> views;        // one per map
   std::vector<shared::ShadowMap> maps;  // as lookups read them
   std::vector<Entry> lights;
-  std::optional<uint32_t> sun;  // of them, the first directional one
+  std::optional<uint32_t> sun;  // the first directional light that casts shadows
   bool empty() const { return lights.empty(); }
 };
 
 struct ShadowScene {
   std::span<const shared::Light> lights;  // the frame's
-  std::span<const uint32_t> sources;      // of each, which of the scene's lights it is
+  std::span<const uint32_t> sources;      // for each, its index among the scene's lights
   std::span<const scene::Light> authored;
   scene::Bounds bounds;
 };
 
 // Directional lights come first, then the others by how bright each would be at the eye, scene order settling ties; a
-// light whose reach the view does not touch has none. Throws Error(Usage) for names that no light has.
+// light whose sphere the view does not touch has none. Throws Error(Usage) for names that no light has.
 uint64_t shadowTexels(const Settings& settings);  // of the maps of one view, at most
 ShadowPlan planShadows(const ShadowScene& scene, const shared::View& view, const Settings& settings);
 

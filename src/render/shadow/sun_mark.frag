@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // variants: layout
-// Pixels that the sun may light, for stencil: those that face it.
+// Marks the pixels that the sun may light in stencil: those that face it.
 #include "render/glsl/common.glsl"
 #define ONE_SAMPLE
 #define GBUFFER_SAMPLED_ONLY

@@ -36,7 +36,7 @@ vk::PipelineRef stepPipeline(const FrameContext& f, const Bindings& bindings, bo
   return f.device.cache().pipeline(desc);
 }
 
-// What is written can't be read too. Of that target only what shadows have no use for is missed.
+// A target that is written can't be read as well. Shadows need nothing that is in it.
 Bindings bindings(const FrameContext& f, const Gbuffer& gbuffer, size_t target) {
   Bindings bindings(f.device, graph::Use::SampledFragment);
   for (size_t i = 0; i < gbuffer.targets.size(); ++i)

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // variants: layout
-// The sun's shadow at the pixels that sun_mark.frag left, into the alpha of a target of the G-buffer.
+// Writes the sun's shadow at the pixels that sun_mark.frag kept to the alpha of a G-buffer target.
 #include "render/glsl/common.glsl"
 #define ONE_SAMPLE
 #define GBUFFER_SAMPLED_ONLY

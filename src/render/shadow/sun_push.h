@@ -1,4 +1,4 @@
-// What the shaders of sun_occlusion.cpp are pushed.
+// Push constants of the shaders of sun_occlusion.cpp.
 #ifndef LATELIGHT_SUN_PUSH_H
 #define LATELIGHT_SUN_PUSH_H
 

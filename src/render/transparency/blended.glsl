@@ -1,8 +1,8 @@
 // The fragment of a blended surface, lit: the same material, BRDF and lights, in the same order, as deferred surfaces get.
 //
-// The lights come from a walk through the light tree with the box around the subgroup's fragments: a fragment lies before
-// the surfaces that the lists of `tiled` and `clustered` are made for, and the walk needs no lists, is bounded by what
-// reaches the fragments, and comes to lights in the one order that all techniques sum in.
+// The lights come from a walk through the light tree with the box around the subgroup's fragments: a fragment lies in
+// front of the surfaces that the lists of `tiled` and `clustered` are built for, and the walk needs no lists, its cost
+// is bounded by the lights that reach the fragments, and it finds lights in the order in which all techniques sum them.
 #extension GL_GOOGLE_include_directive : require
 #include "render/visibility/varyings.glsl"
 #include "render/visibility/surface_fragment.glsl"
@@ -24,14 +24,15 @@ vec3 lightsAt(FrameConstants frame, Surface s, vec3 toEye, bool shows) {
   return shading.radiance;
 }
 
-// Where the surface covers a share of the pixel, fog before it covers the same share: what is behind has its own already.
+// Where the surface covers a share of the pixel, fog in front of it covers the same share: surfaces behind have their
+// own fog already.
 vec4 throughFog(Fog fog, View view, vec3 position, vec4 color) {
   vec3 seen = view.worldToView * vec4(position, 1.0);
   return seenThroughFog(fog, color, fogTransmittanceTo(fog, view, seen));
 }
 
-// Radiance times exposure, premultiplied by alpha, and alpha: the over operator of glTF 2.0, section 3.9.4, covers all
-// that leaves the surface, emission and reflections included. Every invocation of the subgroup must call it.
+// Radiance times exposure, premultiplied by alpha, and alpha: the over operator of glTF 2.0, section 3.9.4, applies to
+// everything that leaves the surface, emission and reflections included. Every invocation of the subgroup must call it.
 vec4 blendedFragment(FrameConstants frame) {
   Material m = drawMaterial();
   SurfacePoint p = fragmentPoint();

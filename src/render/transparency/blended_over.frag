@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // variants: textured
-// sorted: a blended fragment for the blending unit, which lays it over what is there.
+// sorted: outputs a blended fragment for fixed-function blending.
 #include "render/glsl/common.glsl"
 #include "render/transparency/blended.glsl"
 

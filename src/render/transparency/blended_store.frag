@@ -3,11 +3,11 @@
 // variants: multisampled, textured
 #ifdef MULTISAMPLED
 #extension GL_ARB_post_depth_coverage : require
-layout(post_depth_coverage) in;  // else samples that the depth test took away would count as covered
+layout(post_depth_coverage) in;  // else samples that failed the depth test would count as covered
 #endif
-// exact, first pass: every fragment is kept, with what its place in the pixel's order follows from. (Yang, Hensley, Grün and
-// Thibieroz 2010, Real-Time Concurrent Linked List Construction on the GPU, CGF 29(4), link theirs; here each gets a rank
-// instead, so that a pixel's can be laid side by side and be sorted by many.)
+// exact, first pass: every fragment is stored, with the keys that determine its position in the pixel's order. (Yang,
+// Hensley, Grün and Thibieroz 2010, Real-Time Concurrent Linked List Construction on the GPU, CGF 29(4), link theirs;
+// here each gets a rank instead, so that a pixel's fragments can be contiguous and be sorted by many invocations.)
 #include "render/glsl/common.glsl"
 #include "render/glsl/multisample.glsl"
 #define DRAW_PUSH FragmentDraw
@@ -15,7 +15,7 @@ layout(post_depth_coverage) in;  // else samples that the depth test took away w
 #include "render/transparency/blended.glsl"
 
 layout(location = 9) flat in uint varyingDrawn;
-layout(early_fragment_tests) in;  // what is hidden stores nothing
+layout(early_fragment_tests) in;  // hidden fragments store nothing
 
 void main() {
   FrameConstants frame = FrameRef(push.frame).v;

@@ -1,7 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // variants: textured
-// weighted: sums that need no order (McGuire and Bavoil 2013, Weighted Blended Order-Independent Transparency, JCGT 2(2)).
+// weighted: order-independent sums (McGuire and Bavoil 2013, Weighted Blended Order-Independent Transparency, JCGT
+// 2(2)).
 #include "render/glsl/common.glsl"
 #include "render/transparency/blended.glsl"
 

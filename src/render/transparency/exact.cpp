@@ -1,7 +1,7 @@
-// exact: every fragment is kept, sorted in its pixel, and blended: any number of layers, interpenetrating ones too.
+// exact: all fragments of a pixel are stored, sorted and blended: any number of layers, even interpenetrating ones.
 //
-// Where the fragments, or the longest list, are more than the frame was recorded for, nothing is blended; a
-// check of the totals finds it and makes room, and the frame is done again.
+// If the fragments, or the longest list, overflow the room that the frame was recorded with, nothing is blended; a
+// check of the totals detects it and makes room, and the frame is rendered again.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -17,7 +17,7 @@ namespace {
 
 using shared::kShortList;
 
-constexpr uint32_t kGroup = 256;                         // invocations of the shaders that go over fragments
+constexpr uint32_t kGroup = 256;                         // invocations of the shaders that loop over fragments
 constexpr uint32_t kMostGroups = 4096;                   // of them in flight; each takes its share
 constexpr uint32_t kBlendedAtOnce = 16'384;              // of a long list: far from lavapipe's limit on loops
 constexpr uint64_t kLeastRoom = 1 << 16;                 // fragments
@@ -32,13 +32,13 @@ void requireStores(vk::Device& device) {
          device.info().name);
 }
 
-// The hard bound: fragments lie in one buffer.
+// The hard limit: fragments are in one buffer.
 uint64_t mostRoom(vk::Device& device, const TransparencySetup& setup) {
   const uint64_t most = std::min(kMostRoom, device.maxBufferSize() / sizeof(shared::Fragment));
   return setup.most ? std::min(most, setup.most) : most;
 }
 
-// What a frame has room for.
+// The room that a frame has.
 struct Room {
   uint64_t fragments;
   uint32_t longest;  // list; a power of two
@@ -135,7 +135,7 @@ std::vector<graph::Access> readLists(const Buffers& b, graph::BufferId sorted) {
   return accesses;
 }
 
-// The array that has the long lists in order.
+// The array with the sorted long lists.
 graph::BufferId addSort(const FrameContext& f, const Buffers& b) {
   graph::BufferId from = b.lists;
   size_t steps = 0;
@@ -173,7 +173,7 @@ void addBlend(const FrameContext& f, graph::ImageId light, const Buffers& b, gra
   }
 }
 
-// Whether something did not fit; makes room for it, with some more: the next frame may see more.
+// Whether something overflowed; makes room for it, and some more, since the next frame may need it.
 bool overflowed(const FrameContext& f, Room room, const shared::FragmentTotals& totals) {
   const uint64_t needed = uint64_t{totals.carries} << 32 | totals.placed;
   if (needed <= room.fragments && totals.longest <= room.longest) return false;
@@ -205,7 +205,7 @@ void addCheck(const FrameContext& f, const Buffers& b) {
 
 }  // namespace
 
-// Not on lavapipe, which takes 17 times as long for the same fragments then.
+// Not on lavapipe, where the same fragments then take 17 times as long.
 uint32_t fragmentSamples(const vk::Device& device, const FrameSetup& setup) {
   return device.has(VK_EXT_POST_DEPTH_COVERAGE_EXTENSION_NAME) && !device.isCpu() ? setup.samples : 1;
 }

@@ -1,4 +1,4 @@
-// What the passes of exact transparency are pushed behind the one that stores fragments.
+// Push constants of the passes of exact transparency after the one that stores fragments.
 #ifndef LATELIGHT_EXACT_PUSH_H
 #define LATELIGHT_EXACT_PUSH_H
 
@@ -18,7 +18,7 @@ struct GatherPush {  // fragments_gather.comp
 
 struct SortPush {  // fragments_sort.comp
   FragmentLists lists;
-  uint64_t from;  // uint[capacity]; short lists are left alone
+  uint64_t from;  // uint[capacity]; short lists are not sorted here
   uint64_t to;
   uint run;  // length of the runs that are merged; 0: make the first ones
   uint padding;
@@ -27,7 +27,7 @@ struct SortPush {  // fragments_sort.comp
 struct BlendPush {  // fragments_blend.comp
   FragmentLists lists;
   uint64_t sorted;  // uint[capacity]: long lists in order
-  uint first;       // the part of long lists that is blended now: lavapipe ends longer loops without a word
+  uint first;       // the part of long lists that is blended now: lavapipe silently ends longer loops
   uint count;
 };
 

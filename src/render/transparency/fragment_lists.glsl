@@ -7,14 +7,14 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer FragmentsRef
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer WordsRef { uint v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer TotalsRef { FragmentTotals v; };
 
-// Farther ones first, and of the very same depth those drawn earlier: no two of a pixel are alike.
+// Farther ones first, and at exactly the same depth those drawn earlier: no two fragments of a pixel compare equal.
 uint64_t sortKey(Fragment f) { return uint64_t(f.depth) << 32 | uint64_t(f.order); }
 uint64_t sortKeyOf(FragmentLists lists, uint fragment) {
   FragmentsRef fragments = FragmentsRef(lists.fragments);
   return uint64_t(fragments.v[fragment].depth) << 32 | uint64_t(fragments.v[fragment].order);
 }
 
-// Whether something did not fit: then nothing of the lists may be used, and the frame will be redone.
+// Whether something overflowed: then the lists must not be used, and the frame will be redone.
 bool overflowed(FragmentLists lists) {
   FragmentTotals t = TotalsRef(lists.totals).v;
   return t.carries != 0u || t.placed > lists.capacity || t.longest > lists.longest;

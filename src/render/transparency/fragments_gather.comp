@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// exact, third pass: the fragments of a pixel side by side, unsorted.
+// exact, third pass: makes the fragments of a pixel contiguous, unsorted.
 #include "render/glsl/common.glsl"
 #include "render/transparency/exact_push.h"
 #include "render/transparency/fragment_lists.glsl"

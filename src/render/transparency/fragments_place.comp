@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// exact, second pass: each pixel's part of the arrays. Which part is whose depends on who came first, and no result does.
+// exact, second pass: allocates each pixel's part of the arrays. The allocation depends on execution order, but no
+// result does.
 #include "render/glsl/common.glsl"
 #include "render/transparency/exact_push.h"
 #include "render/transparency/fragment_lists.glsl"

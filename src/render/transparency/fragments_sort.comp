@@ -1,8 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// exact, where lists are long: a step of a merge sort over all of them at once. The first sorts runs of kShortList, an
-// invocation a run; the others merge pairs of runs, an invocation an element, which finds its place by a binary search in the
-// other run. So a list of n takes O(log n) steps of O(n log n) work together, without a loop of n anywhere.
+// exact, where lists are long: a step of a merge sort over all of them at once. The first sorts runs of kShortList, one
+// invocation per run; the others merge pairs of runs, one invocation per element, which finds its position by a binary
+// search in the other run. So a list of n takes O(log n) steps of O(n log n) work in total, with no loop of length n.
 #include "render/glsl/common.glsl"
 #include "render/transparency/exact_push.h"
 #include "render/transparency/fragment_lists.glsl"
@@ -12,7 +12,7 @@ layout(local_size_x = 256) in;
 
 layout(push_constant, scalar) uniform Push { SortPush push; };
 
-// Of a run, how many come before `key`.
+// The number of elements of a run that come before `key`.
 uint countBefore(uint first, uint end, uint64_t key) {
   uint low = first;
   while (low < end) {
@@ -43,7 +43,7 @@ void main() {
   if (overflowed(push.lists)) return;
   uint total = TotalsRef(push.lists.totals).v.placed;
   for (uint i = gl_GlobalInvocationID.x; i < total; i += gl_NumWorkGroups.x * 256u) {
-    // Whose place it is says the unsorted list, which has short lists too.
+    // The pixel that owns the slot comes from the unsorted list, which has short lists too.
     uint fragment = WordsRef(push.lists.lists).v[i];
     uint pixel = FragmentsRef(push.lists.fragments).v[fragment].pixel;
     uint start = WordsRef(push.lists.starts).v[pixel], count = WordsRef(push.lists.counts).v[pixel];

@@ -1,8 +1,9 @@
 // Sorting of a few fragments by one invocation.
 uint64_t shortKeys[kShortList];
-uint shortList[kShortList];  // numbers of fragments
+uint shortList[kShortList];  // indices of fragments
 
-// Fills both with `count` fragments from `first` on, in order: by insertion, which is quick where they come nearly sorted.
+// Fills both with `count` fragments from `first` on, in order: by insertion sort, which is fast for nearly sorted
+// input.
 void sortShortList(FragmentLists lists, uint first, uint count) {
   for (uint i = 0u; i < count; ++i) {
     uint fragment = WordsRef(lists.lists).v[first + i];

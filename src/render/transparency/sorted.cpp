@@ -1,5 +1,5 @@
-// sorted: instances from the farthest to the nearest, blended by the hardware. The classic way: right where instances
-// do not interpenetrate and each is convex.
+// sorted: instances from the farthest to the nearest, with fixed-function blending. The classic method: right where
+// instances do not interpenetrate and each is convex.
 #include <algorithm>
 
 #include "render/lit_maps.h"
@@ -10,7 +10,7 @@ namespace latelight::render {
 
 namespace {
 
-// One draw an instance, by the view depth of their bounds' centres, farthest first; alike ones as the scene has them.
+// One draw per instance, by the view depth of its bounds' centre, farthest first; equal ones in scene order.
 std::vector<Draw> backToFront(const FrameContext& f, const DeviceDraws& draws, uint32_t view) {
   struct Placed {
     float depth;
@@ -30,7 +30,7 @@ std::vector<Draw> backToFront(const FrameContext& f, const DeviceDraws& draws, u
   return sorted;
 }
 
-// Of what shows both faces the back ones first: right for convex meshes.
+// For double-sided materials back faces first: right for convex meshes.
 void recordFaces(graph::Context& context, const GpuScene& scene, SceneBinder& binder, const Draw& draw) {
   binder.bind(draw);
   if (scene.materials().record(draw.material).flags & shared::kMaterialDoubleSided) {

@@ -10,30 +10,30 @@
 
 namespace latelight::render {
 
-// FrameSetup::transparency.method, as TransparencyMethod numbers it.
+// FrameSetup::transparency.method, numbered as in TransparencyMethod.
 inline constexpr uint32_t kTransparencyExact = 0, kTransparencySorted = 1, kTransparencyWeighted = 2,
                           kTransparencyNone = 3;
 
-// Adds the passes that lay blended surfaces over the lit picture in gbuffer.light, premultiplied by alpha; none where
-// no view has any.
+// Adds the passes that blend surfaces over the lit picture in gbuffer.light, premultiplied by alpha; none where no view
+// has any.
 void addTransparency(const FrameContext& f, const Gbuffer& gbuffer);
 
 void addExactTransparency(const FrameContext& f, const Gbuffer& gbuffer);
 void addSortedTransparency(const FrameContext& f, const Gbuffer& gbuffer);
 void addWeightedTransparency(const FrameContext& f, const Gbuffer& gbuffer);
 
-// Samples a pixel at which `exact` keeps fragments: those of the frame where a fragment can tell which of them the
-// depth test has left, else 1.
+// Samples per pixel at which `exact` stores fragments: the frame's where fragments can read their coverage after the
+// depth test, else 1.
 uint32_t fragmentSamples(const vk::Device& device, const FrameSetup& setup);
 
-// Pipelines that draw blended fragments (blended.glsl): tested against depth, which they leave alone. What lies exactly
-// on an opaque surface, a decal, is seen. The lit maps are set 0.
+// Pipelines that draw blended fragments (blended.glsl): depth is tested, not written. A surface exactly on an opaque
+// one, such as a decal, is visible. The lit maps are set 0.
 struct BlendedTarget {
   std::string vertex, fragment;  // shaders; no vertex shader: the usual one
   uint32_t pushBytes = sizeof(shared::DrawPush);
   std::vector<VkFormat> colors{};
   vk::Blend blend = vk::Blend::Replace;
-  uint32_t samples = 1;  // those of the frame, or 1: then depth is that of pixels
+  uint32_t samples = 1;  // those of the frame, or 1, with resolved depth
 };
 ScenePipelines blendedPipelines(const FrameContext& f, const Bindings& maps, const BlendedTarget& target);
 

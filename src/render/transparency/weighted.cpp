@@ -1,5 +1,5 @@
 // weighted: blended fragments in any order into two sums (McGuire and Bavoil 2013, Weighted Blended Order-Independent
-// Transparency, JCGT 2(2)), then their mean colour over the picture. Coverage is right; colours of several layers are a
+// Transparency, JCGT 2(2)), then their mean colour over the picture. Coverage is exact; colours of several layers are a
 // mean.
 #include "render/lighting/light_sum.h"
 #include "render/lit_maps.h"

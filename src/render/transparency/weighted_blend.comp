@@ -1,5 +1,5 @@
 #version 460
-// weighted, the end: the mean colour of a pixel's blended surfaces over its lit picture.
+// weighted, last pass: the mean colour of a pixel's blended surfaces over its lit picture.
 layout(local_size_x = 16, local_size_y = 16) in;
 layout(set = 0, binding = 0) uniform sampler2DArray colors;  // blended_weighted.frag
 layout(set = 0, binding = 1) uniform sampler2DArray weights;

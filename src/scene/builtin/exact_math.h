@@ -1,6 +1,6 @@
-// Elementary functions from nothing but IEEE additions, multiplications, divisions and square roots, which every
-// machine rounds alike: libm's own differ in the last bit between versions and machines, and the built-in scenes must
-// not. Accurate to about 1e-13, which is far more than geometry in float needs.
+// Elementary functions from IEEE additions, multiplications, divisions and square roots only, which every machine
+// rounds alike: libm's differ in the last bit between versions and machines, and the built-in scenes must not. Accurate
+// to about 1e-13, far better than geometry in floats needs.
 #pragma once
 
 #include <bit>

@@ -9,7 +9,7 @@
 namespace latelight::scene::builtin {
 namespace {
 
-// Of [0, 1]: differences small against any curvature here, large against rounding.
+// A step in [0, 1]: small relative to any curvature here, large relative to rounding.
 constexpr double kStep = 1e-5;
 
 dvec3 unitOr(dvec3 v, dvec3 otherwise) {
@@ -50,7 +50,7 @@ Displaced displace(const Relief& relief, vec3 p, vec3 n) {
   return {p + here, glm::normalize(n - slope)};
 }
 
-// Where a patch's vertices and indices go in the mesh.
+// The offsets of a patch's vertices and indices in the mesh.
 struct Place {
   const Patch* patch;
   size_t vertex, index;
@@ -71,7 +71,7 @@ class MeshBuild {
     }
   }
 
-  // Normals of a row of a patch whose vertices are all in place.
+  // Normals of a row of a patch whose positions are all set.
   void averageRow(const Place& place, uint32_t j) {
     const Patch& patch = *place.patch;
     const bool point = (patch.pointV0 && j == 0) || (patch.pointV1 && j == patch.rows);
@@ -89,7 +89,7 @@ class MeshBuild {
     }
   }
 
-  // Two triangles a quad along its shorter diagonal; none where it has shrunk to a point.
+  // Two triangles per quad along its shorter diagonal; none where it is degenerate.
   void indexRow(const Place& place, uint32_t j, size_t at) {
     const Patch& patch = *place.patch;
     const bool first = patch.pointV0 && j == 0, last = patch.pointV1 && j + 1 == patch.rows;
@@ -152,7 +152,7 @@ class MeshBuild {
     mesh_.positions[at] = position;
     mesh_.attributes[at] = {normal, vec4(tangent, point.handedness), vec2(point.uv)};
     if (!plan_.shade) return;
-    // What is shaded by its surroundings is lit by them: the shadow is warmer than the light.
+    // Occluded surfaces are lit by their surroundings: the shadow is warmer than the light.
     const float dark = 1 - plan_.shade(position, normal);
     mesh_.extras[at] = {vec2(point.uv), vec4(1 - 0.9f * dark, 1 - 0.96f * dark, 1 - dark, 1)};
   }

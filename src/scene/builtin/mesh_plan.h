@@ -10,7 +10,7 @@
 
 namespace latelight::scene::builtin {
 
-// How finely to tessellate: 1 is the hall at its default size, and triangles grow with its square.
+// Tessellation scale: 1 is the hall at its default size, and the number of triangles grows with its square.
 struct Detail {
   double scale = 1;
   // Segments along a line that has `normal` of them at scale 1.
@@ -29,7 +29,7 @@ using Surface = std::function<SurfacePoint(double u, double v)>;
 // columns x rows quads over u and v in [0, 1]; its front is on the side of dP/du x dP/dv.
 struct Patch {
   uint32_t columns = 1, rows = 1;
-  bool closedU = false, closedV = false;  // u (v) = 1 is the same place as 0, but has its own uv
+  bool closedU = false, closedV = false;  // u (v) = 1 is the same position as 0, but has its own uv
   bool pointV0 = false, pointV1 = false;  // the row at v = 0 (1) is one point
   bool pointU0 = false, pointU1 = false;  // the column at u = 0 (1) is one point
   bool averaged = false;                  // normals are those of the triangles around, for creases finer than the grid
@@ -42,7 +42,7 @@ struct Patch {
 // A surface from its positions and uv alone: the frame comes from differences inside of [0, 1].
 Surface surfaceOf(std::function<dvec3(double, double)> position, std::function<dvec2(double, double)> uv);
 
-// What is left of light at a point of a surface, [0, 1], in the mesh's own space: baked into vertex colours.
+// The unoccluded share of light at a point of a surface, [0, 1], in the mesh's own space: baked into vertex colours.
 using Shade = std::function<float(vec3 position, vec3 normal)>;
 
 // Unevenness of hewn stone: moves every vertex by one field of space, so that touching patches stay together. The field

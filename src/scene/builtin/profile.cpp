@@ -23,7 +23,7 @@ dvec2 rightOf(dvec2 direction) {
   return length > 0 ? dvec2(direction.y, -direction.x) / length : dvec2(1, 0);
 }
 
-// From this detail downwards profiles lose their small members, up to kCoarsest metres deep.
+// Below this detail profiles lose their small members, up to kCoarsest metres deep.
 constexpr double kAllMembers = 0.45, kCoarsest = 0.05;
 
 double membersLost(const Detail& detail) {
@@ -38,8 +38,8 @@ double distanceToChord(dvec2 p, dvec2 a, dvec2 b) {
   return glm::length(p - a - ab * t);
 }
 
-// Marks which points between two kept ones to keep (Douglas and Peucker 1973, Algorithms for the reduction of the
-// number of points required to represent a digitized line or its caricature).
+// Marks the points to keep between two kept ones (Douglas and Peucker 1973, Algorithms for the reduction of the number
+// of points required to represent a digitized line or its caricature).
 void keepFarPoints(const std::vector<dvec2>& points, size_t first, size_t last, double tolerance,
                    std::vector<bool>& keep) {
   size_t farthest = first;
@@ -57,7 +57,7 @@ void keepFarPoints(const std::vector<dvec2>& points, size_t first, size_t last, 
   keepFarPoints(points, farthest, last, tolerance, keep);
 }
 
-// The profile's points thinned out; where it bends by less than about 50 degrees it becomes smooth.
+// The profile's points, simplified; where it bends by less than about 50 degrees it becomes smooth.
 std::vector<Profile::Run> simplified(const std::vector<Profile::Run>& runs, double tolerance) {
   std::vector<dvec2> points;
   for (const Profile::Run& run : runs)
@@ -68,7 +68,7 @@ std::vector<Profile::Run> simplified(const std::vector<Profile::Run>& runs, doub
     low = glm::min(low, p);
     high = glm::max(high, p);
   }
-  tolerance = std::min(tolerance, 0.3 * std::min(high.x - low.x, high.y - low.y));  // what is slender stays itself
+  tolerance = std::min(tolerance, 0.3 * std::min(high.x - low.x, high.y - low.y));  // keeps slender profiles intact
   std::vector<bool> keep(points.size());
   keep.front() = keep.back() = true;
   keepFarPoints(points, 0, points.size() - 1, tolerance, keep);

@@ -1,5 +1,5 @@
-// Mouldings: a profile drawn in the plane, and swept along a line, a circle or an arch. Nearly all architecture is
-// that.
+// Mouldings: a profile drawn in the plane, and swept along a line, a circle or an arch. Nearly all architecture is made
+// of these.
 //
 // A profile's x points away from the axis or the wall, its y along the axis or up; the outside is to the right of its
 // direction of travel, so a column's profile runs upwards.
@@ -16,18 +16,18 @@ class Profile {
  public:
   Profile(double x, double y);
 
-  // Straight to a point; it meets what comes before in a sharp edge, unless smooth() was called between.
+  // Straight to a point; it meets the previous element in a sharp edge, unless smooth() was called between.
   Profile& line(double x, double y);
   // A circular arc; `quarters` of a full turn it bends, positive to the left (a convex moulding), negative to the right
   // (a concave one).
   Profile& arc(double x, double y, double quarters, double segmentsAQuarter = 3);
   // A smooth curve (Catmull-Rom) through the points.
   Profile& curve(const std::vector<dvec2>& points, double segmentsEach = 2);
-  // The next element goes on from the last one without an edge.
+  // The next element continues the last one without an edge.
   Profile& smooth();
   Profile& segments(double normal, uint32_t least = 1);  // of the last element, at detail 1
 
-  // Leaves no member out at low detail: for thin shells, whose two sides would cross.
+  // Keeps all members at low detail: for thin shells, whose two sides would cross.
   Profile& whole();
 
   struct Point {
@@ -36,7 +36,7 @@ class Profile {
   };
   // Points between two sharp edges.
   using Run = std::vector<Point>;
-  // At low detail, mouldings that are finer than it are left out.
+  // At low detail, finer mouldings are left out.
   std::vector<Run> sample(const Detail& detail) const;
 
   double meanX() const;
@@ -54,7 +54,7 @@ class Profile {
   bool smoothNext_ = false, whole_ = false;
 };
 
-// Where a profile stands along its path: position = origin + x X + y Y, and the path goes towards Y x X (cross
+// The position of a profile along its path: position = origin + x X + y Y, and the path goes towards Y x X (cross
 // product).
 struct Frame {
   dvec3 origin, x, y;
@@ -64,16 +64,16 @@ struct Frame {
 struct Path {
   uint32_t columns = 1;
   bool closed = false;
-  double wholeTiles = 0;  // metres around a closed path, which are rounded to whole tiles so that textures meet
+  double wholeTiles = 0;  // length of a closed path, metres, rounded to whole tiles so that textures meet
   std::function<Frame(double u)> frame;
 };
 
-// An axis, and the direction from it where the sweep begins; it turns from `from` towards axis x from.
+// An axis, and the direction from it where the sweep begins; it rotates from `from` towards axis x from.
 struct Axis {
   dvec3 origin{0}, axis{0, 1, 0}, from{1, 0, 0};
 };
 Path circle(const Axis& axis, uint32_t columns, double radius);
-// Turns from first to last; `radius` measures its uv.
+// Turns from first to last; `radius` scales its uv.
 Path circleArc(const Axis& axis, double firstTurn, double lastTurn, uint32_t columns, double radius);
 Path straight(dvec3 from, dvec3 to, dvec3 x, dvec3 y, uint32_t columns);
 

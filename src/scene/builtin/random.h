@@ -1,4 +1,4 @@
-// Random numbers and noise that depend on nothing but integers: the same on every machine, in any order of evaluation.
+// Random numbers and noise that depend only on integers: the same on every machine, in any order of evaluation.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,7 @@ constexpr double unitOf(uint32_t bits) {
   return bits * (1.0 / 4294967296.0);
 }
 
-// A stream of numbers by its seed.
+// A stream of numbers from a seed.
 class Random {
  public:
   explicit constexpr Random(uint32_t seed, uint32_t stream = 0) : seed_(hashOf(seed, stream, 0x51ed270bu)) {}

@@ -17,7 +17,7 @@ namespace {
 
 constexpr uint32_t kMeridians = 160, kParallels = 80;  // a chord's error is 0.02 % of the radius
 
-// Rows from the south pole, with the seam's vertices doubled; a pole is one vertex a meridian, so that each triangle
+// Rows from the south pole, with the seam's vertices doubled; a pole has one vertex per meridian, so that each triangle
 // there has its own tangent.
 void addVertices(Mesh& mesh) {
   for (uint32_t j = 0; j <= kParallels; ++j) {
@@ -43,7 +43,7 @@ Mesh sphere() {
       if (j + 1 < kParallels) mesh.indices.insert(mesh.indices.end(), {a, d, c});
     }
   }
-  // At the south pole the triangle a d c has a and b in one place, at the north pole a b d has c and d.
+  // At the south pole a and b of the quad coincide, leaving triangle a d c; at the north pole c and d, leaving a b d.
   findBounds(mesh);
   return mesh;
 }

@@ -1,4 +1,4 @@
-// Textures made by a function of place: base colour, normal and roughness with metalness of one surface together.
+// Textures from a function of position: base colour, normal, and roughness with metalness of one surface together.
 #pragma once
 
 #include <functional>
@@ -10,7 +10,7 @@
 namespace latelight::scene::builtin {
 
 struct MapTexel {
-  vec3 color{0.5f};  // sRGB-coded
+  vec3 color{0.5f};  // sRGB-encoded
   float height = 0;  // texels: its slopes become the normal map
   vec2 tilt{0};      // added to the normal's x and y
   float roughness = 1;
@@ -21,9 +21,9 @@ struct SurfaceMaps {
   int color = -1, normal = -1, roughness = -1;  // indices into Scene::textures
 };
 
-// `texel` gets the place in [0, 1)^2, y down, and is called on all threads. The maps tile if it does.
+// `texel` gets the position in [0, 1)^2, y down, and is called on all threads. The maps tile if the function does.
 SurfaceMaps addMaps(Scene& scene, const std::string& name, ImageSize size, const std::function<MapTexel(vec2)>& texel);
-// Colour alone.
+// Colour only.
 int addColorMap(Scene& scene, const std::string& name, ImageSize size, const std::function<vec3(vec2)>& color);
 
 }  // namespace latelight::scene::builtin

@@ -15,7 +15,7 @@ struct TubePoint {
 };
 using TubeCurve = std::function<TubePoint(double v)>;
 
-// `closed`: v = 1 is where v = 0 is; else the ends are open unless `pointed`. uv: x around, y along, in tiles.
+// `closed`: v = 1 coincides with v = 0; else the ends are open unless `pointed`. uv: x around, y along, in tiles.
 Patch tube(TubeCurve curve, uint32_t around, uint32_t rows, bool closed, bool pointed, dvec2 tiles = {1, 1});
 
 // A pointed tube with an edge along each side, like a leaf: its two faces don't share normals.

@@ -64,7 +64,7 @@ std::vector<Patch> wallWithWindow(const Plane& plane, double half, double bottom
   std::vector<Patch> patches = wallAboveArch(plane, half, spring, radius, top, grid, tile);
   patches.push_back(wallPanel(plane, -half, -radius, sill, spring, grid.across, grid.up, tile));
   patches.push_back(wallPanel(plane, radius, half, sill, spring, grid.across, grid.up, tile));
-  // Below, columns go on from those beside and under the opening, so that no vertex meets an edge between two others.
+  // Below, columns continue those next to and under the opening, so that there are no T-junctions.
   if (sill <= bottom) return patches;
   patches.push_back(wallPanel(plane, -half, -radius, bottom, sill, grid.across, grid.up, tile));
   patches.push_back(wallPanel(plane, -radius, radius, bottom, sill, grid.across, grid.up, tile));

@@ -20,8 +20,8 @@ struct WallGrid {
 Patch wallPanel(const Plane& plane, double s0, double s1, double y0, double y1, uint32_t across, uint32_t up,
                 double tile);
 
-// The wall above an arch: from s = -half to half and y = spring to top, but for the half disc of `radius` around
-// (0, spring).
+// The wall above an arch: from s = -half to half and y = spring to top, except for the half disc of `radius` around (0,
+// spring).
 std::vector<Patch> wallAboveArch(const Plane& plane, double half, double spring, double radius, double top,
                                  const WallGrid& grid, double tile);
 

@@ -1,4 +1,4 @@
-// Blinn-Phong (Blinn 1977) with a specular colour and exponent, as the seeds 000 and 002 light with, normalised.
+// Blinn-Phong (Blinn 1977) with a specular colour and exponent, as in seeds 000 and 002, normalised.
 #ifndef LATELIGHT_SHARED_BRDF_BLINN_PHONG_H
 #define LATELIGHT_SHARED_BRDF_BLINN_PHONG_H
 
@@ -7,7 +7,7 @@
 
 SH_BEGIN
 
-// The exponent whose lobe is as wide as GGX's or Beckmann's of that alpha: 2 / alpha^2 - 2 (Walter et al. 2007,
+// The exponent whose lobe is as wide as the GGX or Beckmann lobe of that alpha: 2 / alpha^2 - 2 (Walter et al. 2007,
 // section 5.2). From 0 at roughness 1 to 2.1e6 at the smallest alpha.
 SH_FUNC float exponentFromRoughness(float roughness) {
   float alpha = ggxAlpha(roughness);
@@ -19,16 +19,16 @@ SH_FUNC float roughnessFromExponent(float exponent) {
   return sqrt(sqrt(2.0f / (exponent + 2.0f)));
 }
 
-// log2 of a cosine in (0, 1] whose squared sine is `sin2`: by the sine near 1, where the cosine has lost its digits.
+// log2 of a cosine in (0, 1] whose squared sine is `sin2`: from the sine near 1, where the cosine has lost precision.
 SH_FUNC float log2Cosine(float cosine, float sin2) {
   if (sin2 < 0.01f) return -0.72134752f * sin2 * (1.0f + sin2 * (0.5f + sin2 * (1.0f / 3.0f)));
   return log2(cosine);
 }
 
-// The lobe (n.h)^exponent, times what makes a white one reflect all light at normal incidence and less elsewhere:
-// (n + 2)(n + 4) / (8 pi (2^(-n/2) + n)), exact, where the common (n + 8) / (8 pi) reflects up to 1.075 (Giesen 2009,
-// Phong and Blinn-Phong normalization factors). 1/sr. `nh` is n.h and `sin2` |n x h|^2, without which large
-// exponents would multiply the rounding of n.h.
+// The lobe (n.h)^exponent, normalised so that a white one reflects all light at normal incidence and less elsewhere: (n
+// + 2)(n + 4) / (8 pi (2^(-n/2) + n)), exact, where the common (n + 8) / (8 pi) reflects up to 1.075 (Giesen 2009,
+// Phong and Blinn-Phong normalization factors). 1/sr. `nh` is n.h and `sin2` |n x h|^2, without which large exponents
+// would amplify the rounding of n.h.
 SH_FUNC float blinnPhong(float nh, float sin2, float exponent) {
   if (nh <= 0.0f) return 0.0f;
   float scale = (exponent + 2.0f) * (exponent + 4.0f) / (exp2(-0.5f * exponent) + exponent) * (0.125f * kInvPi);

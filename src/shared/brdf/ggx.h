@@ -17,7 +17,7 @@ SH_FUNC float ggxAlpha(float roughness) {
 }
 
 // Trowbridge-Reitz distribution (Walter et al. 2007, equation 33), 1/sr. `nh` is n.h and `sin2` |n x h|^2: the usual
-// 1 + (n.h)^2 (alpha^2 - 1) loses all digits in float32 where n.h is near 1, which is where a smooth lobe lives.
+// 1 + (n.h)^2 (alpha^2 - 1) loses all precision in float32 where n.h is near 1, which is where a smooth lobe lies.
 SH_FUNC float ggxDistribution(float nh, float sin2, float alpha) {
   if (nh <= 0.0f) return 0.0f;
   float a2 = alpha * alpha;
@@ -26,8 +26,8 @@ SH_FUNC float ggxDistribution(float nh, float sin2, float alpha) {
 }
 
 // Smith masking and shadowing, height-correlated (Heitz 2014, equation 99), over 4 n.l n.v: the form that appendix B
-// names as the more accurate one. What it leaves over is what microfacets pass on to each other, exactly: a walk over
-// the facets of Smith's surface meets the same numbers.
+// names as the more accurate one. The energy that it loses is exactly that of multiple scattering: a random walk over
+// the facets of Smith's surface gives the same numbers.
 SH_FUNC float ggxVisibility(float nl, float nv, float alpha) {
   float a2 = alpha * alpha;
   float l = nv * sqrt(a2 + (1.0f - a2) * nl * nl);

@@ -1,13 +1,13 @@
 // battlefield3: the G-buffer of Battlefield 3 (row 8; J. Andersson, DirectX 11 Rendering in Battlefield 3, GDC 2011,
 // DICE; seed 000 repeats Killzone's table in its place). Four targets of four bytes, 20 bytes a pixel with depth.
 //
-// What has no counterpart here is mapped: sky visibility is ambient occlusion; the environment id is 0, since a scene
-// has one environment; the material parameter is metalness; and irradiance, light that was there before any lamp's, is
-// emitted radiance (its successor kept both in that target: Lagarde and de Rousiers 2014, Moving Frostbite to
-// Physically Based Rendering, section 4.5).
+// Channels without a counterpart here are mapped: sky visibility is ambient occlusion; the environment id is 0, since a
+// scene has one environment; the material parameter is metalness; and irradiance, which is baked light, holds emitted
+// radiance (its successor kept both in that target: Lagarde and de Rousiers 2014, Moving Frostbite to Physically Based
+// Rendering, section 4.5).
 //
-// Its nature, kept: eight bits a component of the normal; one grey dielectric reflectance; the material id tells what
-// reflects nothing and what is not lit.
+// Its limitations are kept: eight bits per component of the normal; one grey dielectric reflectance; the material id
+// marks surfaces that reflect nothing and unlit ones.
 #ifndef LATELIGHT_SHARED_GBUFFER_BATTLEFIELD3_H
 #define LATELIGHT_SHARED_GBUFFER_BATTLEFIELD3_H
 

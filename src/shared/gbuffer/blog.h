@@ -1,8 +1,8 @@
 // blog: the G-buffer of seed 002 (row 10): lit colour, UUID, world position, octahedral normal in R16G16, albedo,
 // specular + exponent. 60 bytes a pixel with depth.
 //
-// Its lit colour is what every frame here has as its light accumulation target, in floats of 32 bits there. Colours and
-// position are floats, as in the post; normals alone are quantised.
+// Its lit colour corresponds to the light accumulation target of every frame here, but in 32-bit floats. Colours and
+// position are floats, as in the post; only normals are quantised.
 #ifndef LATELIGHT_SHARED_GBUFFER_BLOG_H
 #define LATELIGHT_SHARED_GBUFFER_BLOG_H
 

@@ -1,10 +1,10 @@
-// compact: what is lit from it is, to a level of 8 bits, what is lit from floats. 20 bytes a pixel, depth included. The
-// default.
+// compact: lighting from it matches lighting from floats to within one 8-bit level. 20 bytes a pixel, depth included.
+// The default.
 //
-// Eye and display weigh ratios, not differences: a lobe's peak goes with 1 / roughness^4, a strong light makes a dark
-// colour bright. So colours, roughness and reflectances are stored by their roots, whose steps shrink towards 0, and
-// metalness has small steps at both ends. Normals take most: the highlight of the smoothest surface is 1e-3 radians
-// wide (kGgxMinAlpha), and an error of 5e-6 changes its flank by 1 %.
+// Relative errors matter, not absolute ones: a lobe's peak is proportional to 1 / roughness^4, and a strong light makes
+// a dark colour bright. So colours, roughness and reflectances are stored as square roots, whose steps shrink towards
+// 0, and metalness has small steps at both ends. Normals take the most bits: the highlight of the smoothest surface is
+// 1e-3 radians wide (kGgxMinAlpha), and an error of 5e-6 changes its flank by 1 %.
 #ifndef LATELIGHT_SHARED_GBUFFER_COMPACT_H
 #define LATELIGHT_SHARED_GBUFFER_COMPACT_H
 
@@ -18,7 +18,7 @@
 
 GBUFFER_BEGIN
 
-// A value in [0, 1] by its root, and back.
+// A value in [0, 1] as its square root, and back.
 SH_FUNC uint rootBits(float x, uint bits) {
   return toBits(sqrt(saturate(x)), bits);
 }
@@ -27,8 +27,8 @@ SH_FUNC float fromRootBits(uint x, uint bits) {
   return root * root;
 }
 
-// Metalness by the root of half its distance to the nearer end: what is nearly a metal keeps its little diffuse light,
-// what is nearly none its reflectance.
+// Metalness as the square root of half its distance to the nearer end: near-metals keep their little diffuse light,
+// near-dielectrics their reflectance.
 SH_FUNC uint packMetallic(float m) {
   return toBits(m <= 0.5f ? sqrt(max(m, 0.0f) * 0.5f) : 1.0f - sqrt(max(1.0f - m, 0.0f) * 0.5f), 10u);
 }
@@ -57,8 +57,8 @@ SH_FUNC vec3 unpackNormal40(uint encoding, uint low, uint high) {
   return decodeNormal(encoding, vec3(fromBits(low, bits), fromBits(y, bits), fromBits(z, bits)), normal40Levels(two));
 }
 
-// A dielectric's f0 as a share of its f90, which glTF's is at most: 8 bits of each channel below, the ninth of each
-// above. One without colour has 16 bits, and the last bit says so.
+// A dielectric's f0 as a share of its f90, which it never exceeds in glTF: 8 bits of each channel in the lower word,
+// the ninth of each in the upper. A grey one has 16 bits, flagged by the last bit.
 SH_CONST uint kUntinted = 8u;
 SH_FUNC uvec2 packReflectance(vec3 share) {
   if (share.x == share.y && share.y == share.z) return uvec2(rootBits(share.x, 16u), kUntinted);

@@ -1,8 +1,8 @@
 // engine: the G-buffer of the engine notes, seed 004 (row 9). 16 bytes a pixel with depth.
 //
-// The notes name channels and no formats; here normals have ten bits a component, in the format whose fourth channel is
-// as useless as the notes leave theirs, and colours eight (sRGB-coded). There is no room for a grazing reflectance: it
-// is 1 for whatever has a specular colour.
+// The notes name channels but no formats; here normals have ten bits per component, in a format whose fourth channel is
+// unused, as in the notes, and colours eight (sRGB-encoded). There is no room for a grazing reflectance: it is 1
+// wherever there is a specular colour.
 #ifndef LATELIGHT_SHARED_GBUFFER_ENGINE_H
 #define LATELIGHT_SHARED_GBUFFER_ENGINE_H
 

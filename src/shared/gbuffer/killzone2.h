@@ -1,11 +1,11 @@
 // killzone2: the G-buffer of Killzone 2 (row 7; M. Valient, Deferred Rendering in Killzone 2, Develop 2007, Guerrilla).
-// There 20 bytes a pixel: light accumulation + intensity, three targets of four bytes, depth and stencil.
+// 20 bytes a pixel in the original: light accumulation + intensity, three targets of four bytes, depth and stencil.
 //
-// Its nature, kept: a normal without the sign of its view depth, so what is turned away from the view plane (seen at
-// the rim of a wide view, or by a normal map) comes back mirrored; near the rim x and z of eleven bits leave an error
-// of about a degree. A specular power of eight bits. One colour and a specular intensity: a coloured highlight has the
-// albedo's colour, by as much as its intensity is beyond the usual dielectric's. Motion within an eighth of a pixel,
-// and up to 32 pixels a frame; what is faster keeps no more than that of each axis.
+// Its limitations are kept: a normal without the sign of its view depth, so normals turned away from the view plane (at
+// the rim of a wide view, or by a normal map) come back mirrored; near the rim x and z of eleven bits leave an error of
+// about a degree. A specular power of eight bits. One colour and a specular intensity: a coloured highlight has the
+// albedo's colour, as far as its intensity exceeds a usual dielectric's. Motion to within an eighth of a pixel, clamped
+// to 32 pixels a frame on each axis.
 #ifndef LATELIGHT_SHARED_GBUFFER_KILLZONE2_H
 #define LATELIGHT_SHARED_GBUFFER_KILLZONE2_H
 
@@ -28,7 +28,7 @@
 
 GBUFFER_BEGIN
 
-// The intensity up to which a surface counts as no metal; its root is a code of eight bits exactly, 51.
+// The intensity up to which a surface counts as a dielectric; its square root is exactly an 8-bit code, 51.
 SH_CONST float kDielectricIntensity = 0.04f;
 
 // The metalness that makes specularF0()'s largest channel `intensity`.
@@ -37,7 +37,7 @@ SH_FUNC float metallicFromIntensity(float intensity, float largestBase) {
   return range > 1e-3f ? saturate((intensity - kDielectricIntensity) / range) : 0.0f;
 }
 
-// Motion in pixels as eight bits a channel, and back: code 128 is none at all.
+// Motion in pixels as eight bits a channel, and back: code 128 is no motion.
 SH_CONST float kMotionSteps = 4.0f;  // a pixel
 SH_FUNC float motionCode(float pixels) {
   return clamp(floor(pixels * kMotionSteps + 128.5f), 0.0f, 255.0f) / 255.0f;

@@ -1,8 +1,8 @@
 // optimized: the optimised G-buffer of seed 000 (row 6): view-space normal in two channels, diffuse, specular and
 // power, position from depth. 16 bytes a pixel with depth.
 //
-// Its nature, kept: a specular power of eight bits, power / 255, so nothing shinier than a Blinn-Phong power of 255
-// (perceptual roughness 0.30) survives; colours of eight bits (sRGB-coded here).
+// Its limitations are kept: a specular power of eight bits, power / 255, so nothing shinier than a Blinn-Phong power of
+// 255 (perceptual roughness 0.30) survives; colours of eight bits (sRGB-encoded here).
 #ifndef LATELIGHT_SHARED_GBUFFER_OPTIMIZED_H
 #define LATELIGHT_SHARED_GBUFFER_OPTIMIZED_H
 

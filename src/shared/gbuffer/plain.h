@@ -1,8 +1,8 @@
 // plain: the G-buffer that seed 000 begins with (row 5): normal, diffuse albedo, specular albedo + power, position, all
-// in floats. 68 bytes a pixel with depth: what the other layouts save on.
+// in floats. 68 bytes a pixel with depth, which the other layouts reduce.
 //
-// The alpha channels that the seed leaves at 1 hold what glTF's materials have beside those, so nothing that lighting
-// needs is lost, and what is lit from it equals what is lit without any G-buffer.
+// The alpha channels that the seed leaves at 1 hold the other parameters of glTF's materials, so nothing that lighting
+// needs is lost, and the picture equals one lit without any G-buffer.
 #ifndef LATELIGHT_SHARED_GBUFFER_PLAIN_H
 #define LATELIGHT_SHARED_GBUFFER_PLAIN_H
 

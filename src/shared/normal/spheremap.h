@@ -1,11 +1,11 @@
-// Spheremap: CryEngine 3's (Mittring 2009, "A bit more deferred"), in the form of [0, 1]. The sphere as a disc, +Z in
-// its centre, -Z its whole rim: made for view space, where few normals come near the rim.
+// Spheremap: CryEngine 3's (Mittring 2009, "A bit more deferred"), in [0, 1]. The sphere as a disc, with +Z at its
+// centre and -Z its whole rim: made for view space, where few normals are near the rim.
 //
 //   encode  normalize(n.xy) * sqrt(0.5 - 0.5 n.z)
 //
-// normalize() has no answer at the poles, and near +Z the root of 1 - z has lost its digits. Since |n.xy|^2 =
-// (1 - z)(1 + z), the same point is n.xy / sqrt(2 + 2 z), which the near half uses; the far half, where 1 + z
-// has lost its digits, uses the formula as it stands.
+// normalize() is undefined at the poles, and near +Z the root of 1 - z loses precision. Since |n.xy|^2 = (1 - z)(1 +
+// z), the same point is n.xy / sqrt(2 + 2 z), which the near half uses; the far half, where 1 + z loses precision, uses
+// the formula as it is.
 #ifndef LATELIGHT_SHARED_NORMAL_SPHEREMAP_H
 #define LATELIGHT_SHARED_NORMAL_SPHEREMAP_H
 
@@ -23,7 +23,7 @@ SH_FUNC vec2 spheremapFromDirection(vec3 n) {
   return vec2(n.x * s, n.y * s);
 }
 
-// Its inverse. Points that rounding left outside the disc are -Z.
+// Its inverse. Points that rounding put outside the disc are -Z.
 SH_FUNC vec3 directionFromSpheremap(vec2 p) {
   float f = max(1.0f - p.x * p.x - p.y * p.y, 0.0f);
   float s = 2.0f * sqrt(f);

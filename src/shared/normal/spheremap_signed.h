@@ -1,6 +1,6 @@
-// Spheremap in the signed form of seed 000's optimised G-buffer, which keeps the disc's point as it is, for SNORM and
-// float targets. (The slide writes n.xy * sqrt(-n.z * 0.5 + 0.5): it forgot to normalise n.xy, and its own decoder then
-// gives back another direction.) In UNORM channels it is stored as SNORM would, with a code for 0.
+// Spheremap in the signed form of seed 000's optimised G-buffer, which stores the point of the disc unchanged, for
+// SNORM and float targets. (The slide writes n.xy * sqrt(-n.z * 0.5 + 0.5): it omits normalising n.xy, and its own
+// decoder then returns another direction.) In UNORM channels it is stored as SNORM would, with a code for 0.
 #ifndef LATELIGHT_SHARED_NORMAL_SPHEREMAP_SIGNED_H
 #define LATELIGHT_SHARED_NORMAL_SPHEREMAP_SIGNED_H
 

@@ -1,5 +1,5 @@
 // Spherical coordinates with both angles: about Z, and from +Z. Costs one more atan2, sine and cosine than angle and z,
-// and has no bad place: its codes crowd at the poles instead.
+// and is nowhere inaccurate: its codes crowd at the poles instead.
 #ifndef LATELIGHT_SHARED_NORMAL_SPHERICAL_ANGLES_H
 #define LATELIGHT_SHARED_NORMAL_SPHERICAL_ANGLES_H
 

@@ -1,5 +1,5 @@
-// Spherical coordinates as seed 000 has them: the angle about Z, and z itself. Cylinders keep areas, so its mean error
-// is near the best; but z says little of the angle to a pole, and there the error is largest.
+// Spherical coordinates as in seed 000: the angle about Z, and z itself. The cylindrical projection preserves areas, so
+// the mean error is near the best; but near a pole z barely depends on the angle, and there the error is largest.
 #ifndef LATELIGHT_SHARED_NORMAL_SPHERICAL_Z_H
 #define LATELIGHT_SHARED_NORMAL_SPHERICAL_Z_H
 

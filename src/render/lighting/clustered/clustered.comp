@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // variants: layout, multisampled
-// clustered: the lights of a list for each slice of a tile at the pixels that lie in it.
+// clustered: shades each pixel with the light list of its slice of its tile.
 #include "render/glsl/common.glsl"
 #include "render/glsl/gbuffer_read.glsl"
 #include "render/glsl/shade_cells.glsl"

@@ -1,4 +1,4 @@
-// clustered: a list of lights for each slice of depth of each tile, by the bounds of the samples in it.
+// clustered: a light list for each depth slice of each tile, by the bounds of the samples in it.
 #include "render/lighting/light_lists.h"
 
 namespace latelight::render {

@@ -1,4 +1,4 @@
-// Seed 000, single-pass lighting: for each object, all lights in one shader. O(pixels x lights), beside drawing every
+// Seed 000, single-pass lighting: for each object, all lights in one shader. O(pixels x lights), plus drawing every
 // object once; the depth pass before it keeps hidden surfaces from being lit.
 #include "render/lighting/forward/forward.h"
 

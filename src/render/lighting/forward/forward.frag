@@ -37,7 +37,7 @@ void main() {
   vec3 sum = min(emitted * frame.exposure, vec3(65504.0)) + radiance * frame.exposure;
   picture = vec4(min(sum, vec3(65504.0)), 1.0);
   counts = lightCount();
-  // What the mask cuts out left no depth, but another surface may lie at the very same one. Last, since textures need
-  // the whole quad.
+  // Masked-out fragments left no depth, but another surface may lie at exactly the same depth. Last, since textures
+  // need the whole quad.
   if (kAlphaMasked != 0u) cutFragment(m, p);
 }

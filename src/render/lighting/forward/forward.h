@@ -5,10 +5,10 @@
 
 namespace latelight::render {
 
-// How a fragment goes through the lights: dealt to the lanes of its subgroup, as compute shaders do, or each loaded by
-// every fragment: the plain reference, and the way of devices without subgroups in fragment shaders.
+// How a fragment loops over lights: distributed over the lanes of its subgroup, as in compute shaders, or each loaded
+// by every fragment: the plain reference, and the path for devices without subgroups in fragment shaders.
 enum class ForwardLoop : uint32_t { Dealt, Plain };
-ForwardLoop forwardLoop(vk::Device& device);  // the better one that it can
+ForwardLoop forwardLoop(vk::Device& device);  // the better one that the device supports
 
 void addForward(const FrameContext& f, const Gbuffer& gbuffer, ForwardLoop loop);
 

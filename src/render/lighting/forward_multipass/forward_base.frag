@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // variants: multisampled, textured
-// forward-multipass, first pass: what a surface shows without lights, and which one it is.
+// forward-multipass, first pass: the surface's radiance without lights, and which surface it is.
 #include "render/glsl/common.glsl"
 #include "render/glsl/multisample.glsl"
 #include "render/visibility/varyings.glsl"

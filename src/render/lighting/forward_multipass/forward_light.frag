@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // variants: multisampled, textured
-// forward-multipass, a light's pass: the whole material once more, lit by one light.
+// forward-multipass, a light's pass: evaluates the whole material again, lit by one light.
 #include "render/glsl/common.glsl"
 #define DRAW_PUSH LightDraw
 #include "render/visibility/varyings.glsl"
@@ -26,7 +26,7 @@ void main() {
   prepareForLights(s, toEye);
   vec3 one = shadeOneLight(frame, more.light, more.shadow, s, toEye);
   lightsTested = 1.0;
-  // Of several surfaces at one depth all pass the test, and only the one that shows may be added to.
+  // All surfaces at the same depth pass the test, but light may be added only to the visible one.
   ivec3 pixel = ivec3(ivec2(gl_FragCoord.xy), int(push.view));
   uint showing = 0u;  // samples
   for (int i = 0; i < int(kSamples); ++i)

@@ -1,5 +1,5 @@
-// forward-multipass: after the depth pass the scene is drawn once for what it shows without lights, and then once more
-// for each light, added where depth is equal (seed 000, multi-pass lighting). O(lights x triangles).
+// forward-multipass: after the depth pass the scene is drawn once without lights, and then once more for each light,
+// added where depth is equal (seed 000, multi-pass lighting). O(lights x triangles).
 #include "render/lighting/light_sum.h"
 #include "render/lighting/technique.h"
 #include "render/lit_maps.h"
@@ -22,7 +22,7 @@ bool reaches(const shared::Light& light, const Sphere& bounds) {
   return shared::lightIsDirectional(light.type) || distance < light.radius + bounds.radius;
 }
 
-// What the scene shows without lights.
+// The scene without lights.
 void addBase(const FrameContext& f, const Gbuffer& gbuffer, Targets targets) {
   const HardwareVisibility& hardware = hardwareOf(f, "forward-multipass lighting");
   vk::GraphicsDesc desc = behindDepth(f.setup);
@@ -34,7 +34,7 @@ void addBase(const FrameContext& f, const Gbuffer& gbuffer, Targets targets) {
                     gbuffer.sampleDepth, colors);
 }
 
-// Draws those of a draw's instances that a light reaches. Returns the number of draws.
+// Draws the instances of a draw call that a light reaches. Returns the number of draws.
 uint64_t recordReached(graph::Context& context, const FrameContext& f, const DeviceDraws& draws, const Draw& draw,
                        const vk::Pipeline& pipeline, const shared::LightDraw& push) {
   uint64_t passes = 0;
@@ -58,8 +58,9 @@ uint64_t recordReached(graph::Context& context, const FrameContext& f, const Dev
   return passes;
 }
 
-// Every light over every object it may reach. Lights change within an object, not objects within a light: the sum is
-// the same, and a light is 64 bytes of push constants where a material is seven textures. Returns the number of draws.
+// Every light over every object it may reach. The outer loop is over objects, the inner one over lights: the sum is the
+// same, and switching lights takes 64 bytes of push constants where switching materials takes seven textures. Returns
+// the number of draws.
 uint64_t recordLights(graph::Context& context, const FrameContext& f, const DeviceDraws& draws, uint32_t view,
                       SceneBinder& binder) {
   uint64_t passes = 0;

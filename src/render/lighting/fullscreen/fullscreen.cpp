@@ -9,8 +9,8 @@ namespace latelight::render {
 
 namespace {
 
-// lavapipe ends a shader's loops after 65535 rounds, all loops together: two rounds for each subgroup's share of lights
-// and one for each light that reaches it. It says nothing, and the other lights are missing.
+// lavapipe silently ends a shader's loops after 65535 iterations, all loops together: two for each subgroup's share of
+// lights and one for each light that reaches it. The remaining lights would be missing.
 constexpr uint32_t kMostOnCpu = 200'000;  // for one sample a pixel
 
 void add(const FrameContext& f, const Gbuffer& gbuffer) {

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // variants: layout, multisampled
-// tiled: the lights of a tile's list at each of its pixels.
+// tiled: shades each pixel with the light list of its tile.
 #include "render/glsl/common.glsl"
 #include "render/glsl/gbuffer_read.glsl"
 #include "render/glsl/shade_cells.glsl"

@@ -1,4 +1,4 @@
-// tiled: a list of lights for each tile of 16 by 16 pixels, by the bounds and the mask of depths of its samples.
+// tiled: a light list for each tile of 16 by 16 pixels, by the bounds and the depth mask of its samples.
 #include "render/lighting/light_lists.h"
 
 namespace latelight::render {

@@ -1,8 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // variants: layout, multisampled
-// One light at the pixels its volume covers, added to the others: a fragment a pixel. (Of a pixel with several surfaces
-// volume_samples.frag lights each sample.)
+// One light at the pixels its volume covers, added to the others: one fragment per pixel. (In pixels with several
+// surfaces volume_samples.frag lights each sample.)
 #include "render/glsl/common.glsl"
 #define GBUFFER_SAMPLED_ONLY
 #include "render/glsl/gbuffer_read.glsl"

@@ -5,11 +5,11 @@
 
 layout(push_constant, scalar) uniform Push { VolumePush push; };
 
-// Beyond what spotOffset / spotScale keep of the angle: their rounding moves a narrow cone's by 3.5e-4 radians.
+// Margin for the angle from spotOffset / spotScale, whose rounding changes that of a narrow cone by 3.5e-4 radians.
 const float kAngleMargin = 1e-3;
 const float kLengthMargin = 0.01;  // of the radius: as kVolumeMargin of volume_mesh.h
 
-// A vertex of the cone about +z, its tip at the origin: see kConeTip, kConeRim, kConeTop of volume_mesh.h.
+// A vertex of the cone about +z, its tip at the origin: see kConeTip, kConeRim, kConeTop in volume_mesh.h.
 vec3 coneVertex(vec3 v, Light light) {
   float angle = acos(clamp(-light.spotOffset / light.spotScale, -1.0, 1.0)) + kAngleMargin;
   vec2 rim = vec2(sin(angle), cos(angle));  // from the axis, along it

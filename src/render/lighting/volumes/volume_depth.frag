@@ -1,8 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // variants: multisampled
-// Copies depth to where there is stencil beside it: with several samples a pixel, for each sample that of its surface,
-// which is lit in one place. (Where a pixel spans metres a light may reach that place and not all of the samples.)
+// Copies depth to a target with stencil: with several samples a pixel, each sample gets the depth of its surface, which
+// is lit at one position. (Where a pixel spans metres, a light may reach that position but not all of the samples.)
 #include "render/glsl/common.glsl"
 #include "render/glsl/multisample.glsl"
 #include "render/lighting/volumes/volume_push.h"

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Leaves the pixels with several surfaces, for stencil to mark.
+// Discards all but the pixels with several surfaces, which stencil then marks.
 #define MULTISAMPLED
 #include "render/glsl/common.glsl"
 #include "render/glsl/multisample.glsl"

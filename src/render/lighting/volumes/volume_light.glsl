@@ -5,7 +5,7 @@
 
 layout(push_constant, scalar) uniform Push { VolumePush push; };
 
-// Not by address, whose loads cost lavapipe more than the light.
+// Not by address: such loads cost more than the light itself on lavapipe.
 layout(set = 0, binding = AFTER_LIT_MAPS, scalar) uniform ViewUniform { View view; };
 
 layout(location = 0) out vec4 radiance;
@@ -15,7 +15,7 @@ layout(location = 1) out vec4 counts;
 void lightSurface(ivec3 pixel, uint samples) {
 #ifdef MULTISAMPLED
   float depth = depthOfSamples(gbufferDepth, pixel, samples);
-  Surface s = readSurface(view, pixel, max(samples, 1u), depth, 1.0);  // occlusion is the environment's alone
+  Surface s = readSurface(view, pixel, max(samples, 1u), depth, 1.0);  // occlusion affects only the environment
 #else
   float depth = texelFetch(gbufferDepth, pixel, 0).r;
   Surface s = readSurface(view, pixel, depth, 1.0);

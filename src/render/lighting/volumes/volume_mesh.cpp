@@ -30,7 +30,7 @@ Shell icosahedron() {
         v[(axis + 2) % 3] = b;
         shell.vertices.push_back(glm::normalize(v));
       }
-  // Faces are the triples of neighbours; neighbours are as near as any two corners come.
+  // Faces are triples of neighbours, which are corners at the smallest distance.
   const float edge = 2.0f / std::sqrt(1.0f + g * g);
   const auto near = [&](uint32_t a, uint32_t b) {
     return glm::length(shell.vertices[a] - shell.vertices[b]) < 1.1f * edge;
@@ -42,7 +42,7 @@ Shell icosahedron() {
   return shell;
 }
 
-// Every triangle as four, new corners on the unit sphere.
+// Splits every triangle into four, with new corners on the unit sphere.
 Shell subdivide(const Shell& coarse) {
   Shell fine{coarse.vertices, {}};
   std::map<std::pair<uint32_t, uint32_t>, uint32_t> middles;
@@ -59,7 +59,7 @@ Shell subdivide(const Shell& coarse) {
   return fine;
 }
 
-// The unit sphere lies inside: the nearest face is pushed out to touch it, and a margin further.
+// The unit sphere lies inside: the nearest face is pushed out to touch it, plus a margin.
 Shell circumscribedSphere() {
   Shell shell = subdivide(icosahedron());
   float nearest = 1;
@@ -93,7 +93,7 @@ Shell circumscribedCone() {
   return shell;
 }
 
-// Where a cone's vertex comes to lie for a half angle of 45 degrees and reach 1: any angle orders its corners alike.
+// The position of a cone's vertex for a half angle of 45 degrees and radius 1: corners are ordered alike at any angle.
 vec3 coneSample(vec3 v) {
   const float along = v.z == kConeTip ? 0.0f : v.z == kConeRim ? 0.7071f : 1.0f;
   const float radius = v.z == kConeTip ? 0.0f : v.z == kConeRim ? 0.7071f : 0.4142f;

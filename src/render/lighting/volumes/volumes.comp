@@ -14,7 +14,8 @@ layout(push_constant, scalar) uniform Push { LightingPush push; };
 
 vec3 lightsAt(FrameConstants frame, View view, LitPixel p) {
 #ifdef MULTISAMPLED
-  // The samples of a surface hold the same light, but where the rim of a volume parts them: the one that is inside has all.
+  // The samples of a surface hold the same light, except where the rim of a volume separates them: the one inside has
+  // all of it.
   vec3 sum = vec3(0.0);
   for (int i = 0; i < 4; ++i)
     if ((p.samples >> i & 1u) != 0u) sum = max(sum, texelFetch(lightSum, p.place, i).rgb);

@@ -1,5 +1,5 @@
-// volumes: each light is drawn as a mesh around what it reaches, and stencil culling keeps its shader from pixels it
-// can't light (seed 000; Hargreaves and Harris 2004, Deferred Shading). Point lights are spheres, spot lights cones,
+// volumes: each light is drawn as a mesh around the space it reaches, and stencil culling keeps its shader off pixels
+// it can't light (seed 000; Hargreaves and Harris 2004, Deferred Shading). Point lights are spheres, spot lights cones,
 // directional lights one triangle over the picture. Depth is reversed here: the seed's LESS is GREATER.
 #include <cmath>
 #include <memory>
@@ -43,8 +43,8 @@ constexpr VkStencilOpState kMarked = stencilOps(VK_COMPARE_OP_EQUAL, VK_STENCIL_
 
 enum Step : uint32_t { kMarkClassic, kMarkKillzone, kLightMarked, kLightMarkedBehind, kLightUnmarked, kLightScreen };
 
-// A volume is convex, so at each pixel it has one front face and one back face, or, where the camera is inside, a back
-// face alone. A surface can only be lit where the back face lies behind it: that is what both orders mark.
+// A volume is convex, so at each pixel it has one front face and one back face, or, where the camera is inside, only a
+// back face. A surface can only be lit where the back face lies behind it: both orders mark those pixels.
 struct StepState {
   const char* name;
   bool lights;  // else it marks
@@ -53,15 +53,15 @@ struct StepState {
   VkCullModeFlags cull;
 };
 constexpr StepState kSteps[] = {
-    // Seed 000, first step: depth LESS, stencil ALWAYS, depth-fail REPLACE. Drawn with the back faces: what they fail
-    // against lies in front of them.
+    // Seed 000, first step: depth LESS, stencil ALWAYS, depth-fail REPLACE. Drawn with the back faces: where they fail,
+    // the surface lies in front of them.
     {"mark", false, VK_COMPARE_OP_GREATER, kMarkOnFail, VK_CULL_MODE_FRONT_BIT},
     // Valient 2007 (Deferred Rendering in Killzone 2): back faces, depth GREATER-EQUAL, stencil written on pass.
     {"mark killzone", false, VK_COMPARE_OP_LESS_OR_EQUAL, kMarkOnPass, VK_CULL_MODE_FRONT_BIT},
     // Seed 000, second step: depth ALWAYS, stencil EQUAL. Back faces, since the camera may be inside.
     {"light", true, VK_COMPARE_OP_ALWAYS, kMarked, VK_CULL_MODE_FRONT_BIT},
-    // Killzone's second step: front faces, depth LESS-EQUAL, stencil EQUAL. Not where the near plane may have cut the
-    // front faces away.
+    // Killzone's second step: front faces, depth LESS-EQUAL, stencil EQUAL. Not where the near plane may have clipped
+    // the front faces.
     {"light killzone", true, VK_COMPARE_OP_GREATER_OR_EQUAL, kMarked, VK_CULL_MODE_BACK_BIT},
     // Tiny volumes: the back faces' depth test alone, as in Killzone 2.
     {"light unmarked", true, VK_COMPARE_OP_LESS_OR_EQUAL, std::nullopt, VK_CULL_MODE_FRONT_BIT},
@@ -69,8 +69,8 @@ constexpr StepState kSteps[] = {
     {"light screen", true, VK_COMPARE_OP_LESS, std::nullopt, VK_CULL_MODE_NONE},
 };
 
-// With several samples a pixel, stencil's highest bit marks the pixels with several surfaces, which are lit a sample at
-// a time; the others once a pixel (seed 000). The other bits are the lights'.
+// With several samples a pixel, the highest stencil bit marks the pixels with several surfaces, which are lit per
+// sample; the others are lit once per pixel (seed 000). The other bits number the lights.
 enum Rate : uint32_t { kRatePixel, kRateSample };
 constexpr uint32_t kSeveralSurfaces = 0x80;
 constexpr VkStencilOpState kMarkSeveral{.failOp = VK_STENCIL_OP_KEEP,
@@ -80,7 +80,7 @@ constexpr VkStencilOpState kMarkSeveral{.failOp = VK_STENCIL_OP_KEEP,
                                         .compareMask = kSeveralSurfaces,
                                         .writeMask = kSeveralSurfaces};
 
-// A step's stencil beside that bit. What lights without a mark still compares the bit.
+// A step's stencil state combined with that bit. Steps that light without a mark still test the bit.
 VkStencilOpState besideSeveral(const StepState& step) {
   VkStencilOpState stencil = step.stencil.value_or(kMarked);
   stencil.writeMask = 0xff & ~kSeveralSurfaces;
@@ -112,7 +112,7 @@ class VolumePlan {
     const float depth = (view_.worldToView * glm::vec4(light.position, 1.0f)).y;
     const float extent = kVolumeExtent * lit.radius;
     const bool cutFar = depth + extent >= shared::viewDepth(view_.projection, 0.0f);
-    // Clamped, back faces beyond the far plane stay; clipped, they would leave what they hold unmarked.
+    // With depth clamp, back faces beyond the far plane are kept; clipped, they would leave the pixels inside unmarked.
     if (cutFar && !depthClamp_) return screen;
     const uint32_t shape = isCone(light) ? kShapeCone : kShapeSphere;
     if (projectedRadius(lit) < kLeastMarkedRadius) return VolumeDraw{shape, std::nullopt, kLightUnmarked, lit.radius};
@@ -128,12 +128,12 @@ class VolumePlan {
     return shared::lightHasCone(light.type) && -light.spotOffset > kCos80 * light.spotScale;
   }
 
-  // From the light to what is farthest of the scene, and as much more as rounding may need.
+  // From the light to the farthest point of the scene, with a margin for rounding.
   float farthest(const shared::Light& light) const {
     return 1.001f * glm::length(glm::max(glm::abs(scene_.min - light.position), glm::abs(scene_.max - light.position)));
   }
 
-  // Of a sphere, pixels; infinite with the camera inside.
+  // Of a sphere, in pixels; infinite with the camera inside.
   float projectedRadius(const Sphere& sphere) const {
     const float scale = view_.projection.V * view_.size.y * 0.5f;
     if (view_.projection.kind == shared::kOrthographic) return sphere.radius * scale;
@@ -151,8 +151,8 @@ class VolumePlan {
 
 // --- the technique --------------------------------------------------------------------------------------------------
 
-// The meshes, and a view each as a uniform: volume.frag reads it for every light, and loads by address cost lavapipe
-// more than the light.
+// The meshes, and each view as a uniform buffer: volume.frag reads it for every light, and loads by address cost more
+// than the light itself on lavapipe.
 struct VolumeBuffers {
   VolumeMesh::Part sphere, cone;
   vk::Buffer vertices, indices;
@@ -199,7 +199,7 @@ class VolumesPass {
 
   std::vector<graph::Access> accesses() const { return inputs_.accesses(); }
 
-  // Every light of a view, within a rendering that has begun. Returns how many.
+  // Draws every light of a view, within a rendering that has begun. Returns their number.
   uint64_t record(graph::Context& context, uint32_t view) const;
 
  private:
@@ -214,7 +214,7 @@ class VolumesPass {
     appendLitMaps(bindings, f, gbuffer);
     return bindings;
   }
-  // With the view's uniform behind them.
+  // With the view's uniform buffer after them.
   std::vector<vk::Binding> inputKinds() const {
     std::vector<vk::Binding> kinds = inputs_.kinds();
     kinds.push_back(vk::Binding::Uniform);
@@ -267,7 +267,7 @@ class VolumesPass {
     return f_.device.cache().pipeline(desc);
   }
 
-  // Every light marks with a value of its own, so stencil is cleared once in as many lights as there are values.
+  // Every light marks with its own value, so stencil is cleared only when the values run out.
   void clearStencil(VkCommandBuffer commands) const {
     const VkClearAttachment clear{.aspectMask = VK_IMAGE_ASPECT_STENCIL_BIT};
     const VkClearRect rect{{{0, 0}, {f_.width, f_.height}}, 0, 1};
@@ -310,7 +310,7 @@ class VolumesPass {
   VolumeBuffers buffers_;
   Bindings inputs_, depth_, several_;
   vk::PipelineRef copyDepth_, markSeveral_;
-  std::vector<vk::PipelineRef> steps_, sampleSteps_;  // as kSteps, at either rate; none of samples where there is one
+  std::vector<vk::PipelineRef> steps_, sampleSteps_;  // as kSteps, per pixel and, with several samples, per sample
 };
 
 uint64_t VolumesPass::record(graph::Context& context, uint32_t view) const {
@@ -323,7 +323,7 @@ uint64_t VolumesPass::record(graph::Context& context, uint32_t view) const {
   std::vector<vk::BoundImage> images = inputs_.images(context);
   images.push_back({.uniform = buffers_.views[view].get()});
   const vk::Pipeline& screen = steps_[kLightScreen].get();
-  context.commands().bind(screen, images, push);  // all steps' layouts are alike: set 0 stays bound
+  context.commands().bind(screen, images, push);  // all steps have the same layout: set 0 stays bound
   vkCmdBindIndexBuffer(commands, buffers_.indices.get(), 0, VK_INDEX_TYPE_UINT32);
 
   const VolumePlan plan(f_.views[view], sceneBounds_, f_.setup.volumesOrder, depthClamp_);

@@ -1,4 +1,4 @@
-// volumes: what can be chosen, and what its tests want to know.
+// volumes: its options, and the constants that its tests need.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@ namespace latelight::render {
 // FrameSetup::volumesOrder, as VolumesOrder numbers it.
 inline constexpr uint32_t kVolumesClassic = 0, kVolumesKillzone = 1;
 
-// Pixels. A volume whose sphere looks smaller is lit without being marked first: the marking would cost more than it
+// Pixels. A volume whose projected sphere is smaller is lit without being marked first: marking would cost more than it
 // saves, and the picture is the same.
 inline constexpr float kLeastMarkedRadius = 8;
 

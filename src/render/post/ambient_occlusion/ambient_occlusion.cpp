@@ -7,16 +7,16 @@ namespace latelight::render {
 
 namespace {
 
-// Beyond this share of the picture's height, samples would lie so far apart that they miss what is between them.
+// Beyond this share of the picture's height, samples would be so far apart that they miss occluders between them.
 constexpr float kReachShare = 0.5f;
-// Of the radius: pixels that far off each other's plane share no occlusion.
+// Share of the radius: pixels that far off each other's plane share no occlusion.
 constexpr float kToleranceShare = 0.3f;
 
 graph::ImageId addOcclusion(const FrameContext& f, const Gbuffer& gbuffer) {
   const graph::ImageId hidden = createTarget(f, kAoFormat, "hidden");
   Bindings bindings(f.device);
   std::string shader = "gtao_depth.comp";
-  // Forward techniques leave no normals, and several samples a pixel no single one: they come from depth then.
+  // Forward techniques write no normals, and several samples a pixel no single one: then they are derived from depth.
   if (!f.setup.lighting->forward && f.setup.samples == 1) {
     shader = "gtao.comp@" + f.setup.layout->file;
     bindings.sampled(gbuffer.targets);
@@ -33,7 +33,7 @@ graph::ImageId addOcclusion(const FrameContext& f, const Gbuffer& gbuffer) {
   return hidden;
 }
 
-// Averages along one axis; along the second, hidden becomes visible.
+// Averages along one axis; the second also turns hidden into visible shares.
 graph::ImageId addDenoise(const FrameContext& f, graph::ImageId depth, graph::ImageId hidden, uint32_t axis) {
   const graph::ImageId result = createTarget(f, kAoFormat, axis == 0 ? "hidden, averaged across" : "ambient occlusion");
   addCompute(f,

@@ -1,14 +1,14 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Averages occlusion over a block of the pattern, along one axis: five pixels, the outer ones by half, which weighs each of
-// the four phases alike and has the pixel in its middle. Those that lie neither in the pixel's plane nor as deep as it is are
-// left out, the less the nearer they are to that.
+// Averages occlusion over a block of the pattern, along one axis: five pixels, the outer ones at half weight, which
+// weights the four phases equally and is centred on the pixel. Pixels fade out with their distance from the pixel's
+// plane or from its depth, whichever is smaller.
 #include "render/glsl/common.glsl"
 #include "render/post/ambient_occlusion/ambient_occlusion_push.h"
 #include "shared/ambient_occlusion.h"
 
 layout(local_size_x = 16, local_size_y = 16) in;
-layout(constant_id = 16) const uint kLast = 0;  // the second axis: hidden becomes visible
+layout(constant_id = 16) const uint kLast = 0;  // the second axis: outputs visible instead of hidden shares
 layout(set = 0, binding = 0) uniform sampler2DArray gbufferDepth;
 layout(set = 0, binding = 1) uniform sampler2DArray hidden;
 layout(set = 0, binding = 2, r32f) uniform writeonly image2DArray result;
@@ -36,7 +36,7 @@ void main() {
   float tolerance = max(deviceDepthStep(view.projection, depths[2], push.tolerance), 1.0e-37);
   float sum = values[2], weights = 1.0;
   for (int i = 0; i < 5; ++i) {
-    // A strip one pixel wide has the slope of what is beside it: as deep as the pixel will do, too.
+    // A strip one pixel wide takes its slope from its surroundings, so the same depth as the pixel counts, too.
     float step = depths[i] - depths[2];
     float off = min(abs(step - slope * float(i - 2)), abs(step));
     float weight = i == 2 || depths[i] == 0.0 ? 0.0 : max(1.0 - off / tolerance, 0.0);

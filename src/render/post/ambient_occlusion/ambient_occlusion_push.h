@@ -10,13 +10,13 @@ SH_BEGIN
 struct OcclusionPush {
   uint64_t frame;  // FrameConstants
   float radius;    // metres
-  float reach;     // pixels, at most: samples lie no farther apart than the picture makes sense of
+  float reach;     // pixels, at most: keeps samples from being too far apart
 };
 
 // Of ambient_occlusion_denoise.comp.
 struct DenoisePush {
   uint64_t frame;   // FrameConstants
-  float tolerance;  // metres off the plane at which a pixel counts no more
+  float tolerance;  // metres off the plane at which a pixel no longer counts
   float strength;   // exponent
 };
 

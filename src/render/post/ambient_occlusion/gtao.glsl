@@ -1,9 +1,9 @@
-// Ground-truth ambient occlusion of one pixel from the depth around it. After common.glsl and `gbufferDepth`. The shader
-// that includes it knows the normal; what is left here is how much of the cosine-weighted hemisphere is hidden
+// Ground-truth ambient occlusion of one pixel from the depth around it. Include after common.glsl and `gbufferDepth`.
+// The including shader provides the normal; this computes how much of the cosine-weighted hemisphere is hidden
 // (shared/ambient_occlusion.h).
 //
-// Nothing is random: the 4 by 4 pixels of a block cut their hemispheres in different directions, evenly spread over all
-// of them together, and ambient_occlusion_denoise.comp averages blocks.
+// Nothing is random: the 4 by 4 pixels of a block slice their hemispheres in different directions, evenly spread over
+// the block, and ambient_occlusion_denoise.comp averages blocks.
 #include "render/post/ambient_occlusion/ambient_occlusion_push.h"
 #include "shared/ambient_occlusion.h"
 
@@ -11,12 +11,12 @@ layout(constant_id = 16) const uint kSlicesAPixel = 3;
 layout(constant_id = 17) const uint kStepsASide = 6;
 layout(push_constant, scalar) uniform Push { OcclusionPush push; };
 
-// A pixel and the plane it lies in on screen.
+// A pixel and its surface's plane in screen space.
 struct Center {
   ivec3 place;
   vec2 pixel;  // its centre
   float depth;
-  vec2 slope;  // change of device depth a pixel, of the nearer neighbour on each axis: that of the same surface
+  vec2 slope;  // change of device depth per pixel, to the nearer neighbour on each axis, which is on the same surface
   vec3 position;  // view space
   vec3 toEye;
 };
@@ -31,7 +31,7 @@ float smallerStep(float before, float here, float after) {
 }
 
 vec2 slopeAt(ivec3 place, ivec2 size, float depth) {
-  // At the picture's edge the missing neighbour repeats the pixel and would count as a flat one.
+  // At the picture's edge the missing neighbour repeats the pixel and would count as flat.
   float left = place.x > 0 ? depthAt(place - ivec3(1, 0, 0), size) : 3.0e38;
   float right = place.x + 1 < size.x ? depthAt(place + ivec3(1, 0, 0), size) : 3.0e38;
   float above = place.y > 0 ? depthAt(place - ivec3(0, 1, 0), size) : 3.0e38;
@@ -53,12 +53,12 @@ Center centerAt(View view, ivec3 place, float depth) {
 }
 
 vec3 normalFromDepth(View view, Center c) {
-  // A pixel is 2 / width of NDC wide, and NDC's y runs up.
+  // A pixel is 2 / width wide in NDC, and NDC's y points up.
   vec2 gradient = c.slope * 0.5 * view.size * vec2(1.0, -1.0);
   return normalFromDepth(view.projection, pixelToNdc(c.pixel, view.size), c.depth, gradient);
 }
 
-// View-space position of what is seen `offset` pixels away; false: nothing.
+// View-space position of the surface `offset` pixels away; false: there is none.
 bool sampleAt(View view, Center c, vec2 offset, out vec3 position) {
   position = vec3(0.0);
   vec2 exact = c.pixel + offset;
@@ -66,15 +66,15 @@ bool sampleAt(View view, Center c, vec2 offset, out vec3 position) {
   bool inside = all(greaterThanEqual(exact, vec2(0.0))) && all(lessThan(exact, view.size));
   float depth = inside ? texelFetch(gbufferDepth, ivec3(texel, c.place.z), 0).r : 0.0;
   if (depth == 0.0) return false;
-  // The slice passes the texel beside its centre. Moved there along the pixel's own plane, a plane's samples lie in the
-  // plane to the last bit that matters, at any angle: nothing flat hides itself.
+  // The slice does not pass through the texel's centre. The sample is moved into the slice along the pixel's own plane,
+  // so that a plane's samples lie exactly in the plane at any angle: nothing flat occludes itself.
   depth += dot(c.slope, exact - (vec2(texel) + 0.5));
   position = viewPositionAtDepth(view.projection, pixelToNdc(exact, view.size), viewDepth(view.projection, depth));
   return depth > 0.0 || view.projection.kind == kOrthographic;
 }
 
-// How much of half a slice is hidden: what each sample raises the horizon by counts as near as it is. A sample keeps
-// others from counting behind it as far as it counts itself, so that nothing jumps where it leaves the radius.
+// The hidden share of half a slice: each sample's rise of the horizon is weighted by its distance. A sample blocks
+// later ones behind it only as far as it counts itself, so that nothing jumps where it leaves the radius.
 float hiddenArc(View view, Center c, vec2 direction, SliceNormal n, vec2 steps) {
   float visible = wholeArc(n), hidden = 0.0, before = 0.0;
   for (uint i = 0u; i < kStepsASide; ++i) {
@@ -85,7 +85,7 @@ float hiddenArc(View view, Center c, vec2 direction, SliceNormal n, vec2 steps) 
     vec3 delta = position - c.position;
     float distance = length(delta);
     float cosine = clamp(dot(delta, c.toEye) / max(distance, 1.0e-30), -1.0, 1.0);
-    // What hides the sky between the last horizon and this one lies between the two samples.
+    // The occluder of the sky between the last horizon and this one lies between the two samples.
     float nearer = distance * 0.5 * (1.0 + before / along);
     before = along;
     float weight = there && abovePlane(n, cosine) ? occlusionFalloff(nearer, push.radius) : 0.0;
@@ -104,10 +104,10 @@ SliceNormal sliceNormal(vec3 normal, vec3 toEye, vec3 tangent) {
   return SliceNormal(n.y < 0.0 ? -quickAcos(n.x) : quickAcos(n.x), n.x, n.y);
 }
 
-// Of the direction at `angle` on the picture, both ways.
+// The hidden share along the direction at `angle` in the picture, both ways.
 float hiddenSlice(View view, Center c, vec3 normal, float angle, vec2 steps) {
   vec2 direction = vec2(cos(angle), sin(angle));  // pixels, y down
-  // The view-space direction that looks like it, across V.
+  // The view-space direction that projects to it, perpendicular to V.
   vec3 across = vec3(direction.x / (view.projection.H * view.size.x), 0.0,
                      -direction.y / (view.projection.V * view.size.y));
   vec3 tangent = normalize(across - c.toEye * dot(across, c.toEye));
@@ -123,7 +123,7 @@ float occlusionAt(View view, Center c, vec3 normal) {
   float metre = view.projection.V * view.size.y * 0.5 / (view.projection.kind == kPerspective ? c.position.y : 1.0);
   float pixels = min(push.radius * metre, push.reach);
   if (pixels <= 1.0) return 0.0;
-  // Two orders of the block's 16 pixels: one for directions, one for where along them the steps begin.
+  // Two orders of the block's 16 pixels: one for directions, one for the offset of the steps along them.
   uint x = uint(c.place.x) & 3u, y = uint(c.place.y) & 3u;
   float turn = (float((x + y & 3u) * 4u + y) + 0.5) / 16.0;
   float start = (float(((x + 2u * y) & 3u) * 4u + (x ^ y)) + 0.5) / 16.0;

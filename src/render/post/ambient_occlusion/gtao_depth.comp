@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Ambient occlusion where there is no G-buffer: normals are those of the depth buffer's planes.
+// Ambient occlusion where there is no G-buffer: normals are derived from the depth buffer's planes.
 #include "render/glsl/common.glsl"
 layout(set = 0, binding = 0) uniform sampler2DArray gbufferDepth;
 #include "render/post/ambient_occlusion/gtao.glsl"

@@ -1,5 +1,5 @@
-// What the passes of bloom share. A level's texel i covers texels 2i and 2i + 1 of the level below it; beyond its edges a
-// picture goes on as its own mirror image, so that nothing leaves it and no edge is darker.
+// Shared by the passes of bloom. A level's texel i covers texels 2i and 2i + 1 of the level below it; beyond its edges
+// a picture is mirrored, so that no light leaves it and no edge is darker.
 #extension GL_EXT_scalar_block_layout : require
 #include "render/post/bloom/bloom_push.h"
 #include "shared/color.h"
@@ -10,7 +10,7 @@ ivec2 mirrored(ivec2 p, ivec2 size) {
   return clamp(p, ivec2(0), size - 1);  // pictures smaller than the filter
 }
 
-// The light that glows: all of it, or what is beyond a luminance.
+// The light that glows: all of it, or the part beyond a luminance.
 vec3 glowing(vec3 c, float threshold) {
   if (threshold <= 0.0) return c;
   float l = luminance(c);

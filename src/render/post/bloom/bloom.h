@@ -1,4 +1,4 @@
-// Bloom (docs/post/bloom.md): a share of every pixel's light spread over its surroundings, by a chain of ever smaller
+// Bloom (docs/post/bloom.md): spreads a share of every pixel's light over its surroundings, by a chain of downsampled
 // pictures.
 #pragma once
 
@@ -6,7 +6,7 @@
 
 namespace latelight::render {
 
-inline constexpr uint32_t kBloomDamp = 0, kBloomKeep = 1;  // as BloomFireflies numbers them
+inline constexpr uint32_t kBloomDamp = 0, kBloomKeep = 1;  // numbered as in BloomFireflies
 
 struct BloomParameters {
   float scale = 1;  // of the picture

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The picture, with a share of its light moved to where the glow has it: no light is added.
+// The picture with a share of its light replaced by the glow: no light is added.
 #include "render/post/bloom/bloom.glsl"
 #include "render/post/bloom/bloom_up.glsl"
 
@@ -16,7 +16,8 @@ void main() {
   vec4 c = texelFetch(picture, place, 0) * push.scale;
   vec3 arrives = enlarged(glow, place) * push.strength;
   vec3 leaves = glowing(c.rgb, push.threshold) * push.strength;
-  // Light over nothing has to cover it to be seen in a picture with straight alpha: as much as its brightest channel.
+  // In a picture with straight alpha, light over a transparent background needs coverage to be visible: that of its
+  // brightest channel.
   float alpha = c.a + (1.0 - c.a) * min(maxChannel(arrives), 1.0);
   imageStore(result, place, vec4(c.rgb + (arrives - leaves), alpha));
 }

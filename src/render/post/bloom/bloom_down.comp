@@ -21,8 +21,8 @@ vec3 tap(ivec3 corner, ivec2 size) {
   return sum * 0.25;
 }
 
-// Karis 2013 (Tone mapping, graphicrants.blogspot.com): a mean in which the brighter counts less, so that one texel beyond
-// all others does not outshine them.
+// Karis 2013 (Tone mapping, graphicrants.blogspot.com): a mean in which brighter texels count less, so that a single
+// one does not outshine all others.
 vec3 groupMean(vec3 a, vec3 b, vec3 c, vec3 d) {
   if (kDamp == 0u) return (a + b + c + d) * 0.25;
   vec4 w = 1.0 / (1.0 + vec4(luminance(a), luminance(b), luminance(c), luminance(d)));

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// A level of glow: its own share, and what is left to the coarser ones.
+// A level of glow: its own share, plus that of the coarser levels.
 #include "render/post/bloom/bloom.glsl"
 #include "render/post/bloom/bloom_up.glsl"
 

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The lit picture through fog. Where nothing is drawn the whole depth of the fog covers it.
+// The lit picture through fog. Where nothing is drawn it is covered by fog to infinity.
 #include "render/glsl/common.glsl"
 #include "render/glsl/fog.glsl"
 #include "render/post/fog/fog_push.h"

@@ -1,4 +1,4 @@
-// Fog over what is lit so far, by the depth of what is opaque (docs/post/fog.md). What is drawn afterwards brings its
+// Fog over the picture lit so far, by the depth of opaque surfaces (docs/post/fog.md). Surfaces drawn later apply their
 // own, with the same functions of shared/fog.h.
 #pragma once
 

@@ -1,11 +1,11 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // Fast approximate anti-aliasing, written from the description of FXAA 3.11's quality path (Lottes 2009, FXAA, NVIDIA white
-// paper): where contrast is high, find which way the edge runs, follow it to both of its ends, and take in as much of the
-// pixel across as the edge, drawn from end to end, would cover.
+// paper): where contrast is high, find the edge's direction, follow it to both ends, and blend in as much of the
+// neighbour across as the edge, drawn from end to end, would cover.
 //
-// Light is blended linearly, as more samples a pixel would be; contrast is seen in its square root, near to how the
-// picture is coded. Where opacity changes more than light does, the edge is one of opacity.
+// Light is blended linearly, as with more samples a pixel; contrast is measured in its square root, close to the
+// picture's encoding. Where opacity changes more than light does, the edge is one of opacity.
 #include "render/post/compose.glsl"
 
 layout(local_size_x = 16, local_size_y = 16) in;
@@ -14,7 +14,7 @@ layout(push_constant, scalar) uniform Push { ComposePush push; };
 
 const float kLeastContrast = 1.0 / 32.0;   // of a picture in [0, 1]; below it no edge shows
 const float kLeastRelative = 1.0 / 8.0;    // of the brightest neighbour
-const float kSubpixel = 0.75;              // how much lone pixels are softened, 0 to 1
+const float kSubpixel = 0.75;              // how much isolated pixels are softened, 0 to 1
 const int kSearchSteps = 11;
 const int kSearchStep[kSearchSteps] = int[](1, 1, 1, 1, 1, 2, 2, 2, 2, 4, 8);
 
@@ -38,7 +38,7 @@ float at(Pixel p, ivec2 offset) {
 // Between a pixel of the edge's row and its neighbour across.
 float edgeAt(Pixel p, ivec2 offset, ivec2 across) { return 0.5 * (at(p, offset) + at(p, offset + across)); }
 
-// Where the edge ends on either side: pixels from here, and how the mean across has changed there.
+// The end of the edge on one side: its distance in pixels, and how the mean across has changed there.
 struct End {
   float distance, change;
   bool found;
@@ -62,7 +62,7 @@ float coverage(Pixel p, ivec2 along, ivec2 across, float here, float there) {
     search(ahead, p, along, across, mean, limit, reached);
   }
   End nearer = back.distance < ahead.distance ? back : ahead;
-  // The nearer end must bend to this pixel's side: else the neighbour is the one that the run cuts.
+  // The nearer end must bend to this pixel's side: otherwise the run cuts the neighbour instead.
   bool bends = (nearer.change < 0.0) != (here - mean < 0.0);
   return bends ? 0.5 - nearer.distance / (back.distance + ahead.distance) : 0.0;
 }

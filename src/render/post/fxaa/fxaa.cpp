@@ -5,7 +5,7 @@ namespace latelight::render {
 graph::BufferId addFxaa(const Builder& b, graph::ImageId picture, const ComposeSettings& settings) {
   const glm::uvec3 size = texels(b.graph, picture);
   const graph::ImageId display =
-      b.graph.create(vk::ImageDesc{.format = VK_FORMAT_R32G32B32A32_SFLOAT,  // what is left alone is rounded as without
+      b.graph.create(vk::ImageDesc{.format = VK_FORMAT_R32G32B32A32_SFLOAT,  // unchanged pixels round as without FXAA
                                    .width = size.x,
                                    .height = size.y,
                                    .layers = size.z,

@@ -5,7 +5,7 @@
 
 namespace latelight::render {
 
-// As addCompose().
+// Like addCompose().
 graph::BufferId addFxaa(const Builder& b, graph::ImageId picture, const ComposeSettings& settings);
 
 }  // namespace latelight::render

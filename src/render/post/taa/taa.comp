@@ -1,33 +1,34 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Temporal anti-aliasing: one jittered frame more, blended into what earlier frames left. docs/taa.md says why each step
-// is as it is. B. Karis, High Quality Temporal Supersampling, SIGGRAPH 2014; M. Salvi, An Excursion in Temporal
-// Supersampling, GDC 2016; J. Jimenez, Filmic SMAA, SIGGRAPH 2016 (the bicubic of nine bilinear fetches).
+// Temporal anti-aliasing: blends one more jittered frame into the history. docs/taa.md explains each step. B. Karis,
+// High Quality Temporal Supersampling, SIGGRAPH 2014; M. Salvi, An Excursion in Temporal Supersampling, GDC 2016; J.
+// Jimenez, Filmic SMAA, SIGGRAPH 2016 (the bicubic of nine bilinear fetches).
 #include "render/glsl/common.glsl"
 #include "render/post/taa/temporal_push.h"
 
 layout(local_size_x = 16, local_size_y = 16) in;
 layout(set = 0, binding = 0) uniform sampler2DArray frame;     // jittered; or the sum of the first frames
 layout(set = 0, binding = 1) uniform sampler2DArray depth;     // of the jittered frame
-layout(set = 0, binding = 2) uniform sampler2DArray motion;    // pixels: xy to the frame before, zw to the frame after
-layout(set = 0, binding = 3) uniform sampler2DArray oldColor;  // what this left a frame before; linear filter
+layout(set = 0, binding = 2) uniform sampler2DArray motion;    // pixels: xy to the previous frame, zw to the next
+layout(set = 0, binding = 3) uniform sampler2DArray oldColor;  // history from the previous frame; linear filter
 layout(set = 0, binding = 4) uniform sampler2DArray oldState;  // r: nearness; g: samples in the colour; b: pixels it moves, to either side
 layout(set = 0, binding = 5, rgba32f) uniform writeonly image2DArray newColor;
 layout(set = 0, binding = 6, rgba32f) uniform writeonly image2DArray newState;
 
 layout(push_constant, scalar) uniform Push { TemporalPush push; };
 
-// What a mean is of at most: a pixel that moves is blurred a little at each step and must forget sooner.
+// The most samples in a mean: a moving pixel is blurred a little at each step and must forget sooner.
 const float kMostStill = 64.0, kMostMoving = 5.0;
-// The box of what is near holds most of what history may be (Salvi's gamma).
+// The size of the neighbours' box, which must contain most valid history (Salvi's gamma).
 const float kGamma = 1.0;
-// A still pixel goes only a part of the way into the box: a detail that one jitter in several hits would else flicker.
+// A still pixel moves only part of the way into the box: detail that one jitter in several hits would flicker
+// otherwise.
 const float kStillPull = 0.1;
-// Pixels: what half floats leave of a motion of none.
+// Pixels: what rounding to half floats may leave of zero motion.
 const float kStill = 0.005;
 const float kDepthTolerance = 1.1;
 
-// 1 / metres, 0 for the background; of an orthographic view the device's depth.
+// 1 / metres, 0 for the background; device depth in an orthographic view.
 float nearness(View view, ivec3 pixel) {
   float d = texelFetch(depth, pixel, 0).r;
   if (view.projection.kind != kPerspective) return d;
@@ -36,7 +37,7 @@ float nearness(View view, ivec3 pixel) {
 
 float luma(vec3 c) { return dot(c, vec3(0.2126, 0.7152, 0.0722)); }
 
-// Bright colours are pressed together (Karis's weight), then split into luma and chroma, in which boxes are tight.
+// Bright colours are compressed (Karis's weight), then split into luma and chroma, in which boxes are tight.
 vec4 toBoxSpace(vec4 c) {
   vec3 t = c.rgb / (1.0 + max(luma(c.rgb), 0.0));
   return vec4(dot(t, vec3(0.25, 0.5, 0.25)), dot(t, vec3(0.5, 0.0, -0.5)), dot(t, vec3(-0.25, 0.5, -0.25)), c.a);
@@ -80,7 +81,7 @@ Near lookAround(View view, ivec3 pixel, ivec2 size) {
   return n;
 }
 
-// Catmull-Rom, which blurs less than bilinear does at every step.
+// Catmull-Rom, which blurs less than bilinear at every step.
 vec4 sampleHistory(vec2 position, ivec2 size, int layer) {
   vec2 centre = floor(position - 0.5) + 0.5, f = position - centre;
   vec2 w0 = f * (-0.5 + f * (1.0 - 0.5 * f)), w1 = 1.0 + f * f * (-2.5 + 1.5 * f);
@@ -95,7 +96,7 @@ vec4 sampleHistory(vec2 position, ivec2 size, int layer) {
   return max(sum, vec4(0.0));
 }
 
-// Towards the box's middle until it is within (Salvi): no channel is cut off alone, which would change the hue.
+// Towards the box's centre until it is inside (Salvi): clamping each channel alone would change the hue.
 vec4 clipToBox(vec4 history, Near n) {
   vec4 offset = history - n.mean;
   vec4 units = abs(offset) / max(n.deviation * kGamma, vec4(1e-4));
@@ -111,7 +112,7 @@ void main() {
   vec4 current = texelFetch(frame, pixel, 0) * push.scale;
   float here = nearness(view, pixel);
   Near near = lookAround(view, pixel, size);
-  // Of the nearest, so that edges move with their object (Karis).
+  // Motion of the nearest surface, so that edges move with their object (Karis).
   vec4 way = texelFetch(motion, near.nearest, 0);
   vec2 moved = way.xy;
   float speed = max(length(way.xy), length(way.zw));
@@ -126,9 +127,9 @@ void main() {
 
   ivec3 from = ivec3(clamp(ivec2(floor(before)), ivec2(0), size - 1), pixel.z);
   vec3 state = texelFetch(oldState, from, 0).rgb;
-  float moving = clamp(max(length(moved), state.b) * 4.0, 0.0, 1.0);  // or did: what left may have left a part of an edge
+  float moving = clamp(max(length(moved), state.b) * 4.0, 0.0, 1.0);  // or did: part of an edge may be left behind
   bool uncovered = state.r > near.most * kDepthTolerance + 1e-6 || state.r * kDepthTolerance + 1e-6 < near.least;
-  // Where neither moves, it is a detail thinner than a pixel that this jitter has missed.
+  // Where neither moves, it is subpixel detail that this jitter has missed.
   if (!inside || (uncovered && moving > 4.0 * kStill)) {
     imageStore(newColor, pixel, near.smoothed);
     imageStore(newState, pixel, vec4(here, 1.0, speed, 0.0));

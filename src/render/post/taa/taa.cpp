@@ -6,13 +6,13 @@ namespace latelight::render {
 
 namespace {
 
-// Halves would lose what one of 64 samples adds to the colour.
+// Half floats would lose what one of 64 samples adds to the colour.
 constexpr VkFormat kHistoryFormat = VK_FORMAT_R32G32B32A32_SFLOAT;
 constexpr vk::SamplerDesc kHistorySampler{.mip = VK_SAMPLER_MIPMAP_MODE_NEAREST,
                                           .wrapU = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
                                           .wrapV = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE};
 
-// The digits of `index` in that base, behind the point in reverse order.
+// The radical inverse: the digits of `index` in that base, reversed after the point.
 float radicalInverse(uint32_t index, uint32_t base) {
   float value = 0, place = 1;
   for (; index > 0; index /= base) {
@@ -68,7 +68,7 @@ void TemporalHistory::begin(const FrameContext& f) {
 graph::ImageId addTemporal(const FrameContext& f, const TemporalSources& sources, TemporalHistory& history,
                            bool begins) {
   if (begins) history.begin(f);
-  // Something must be bound for the old ones; where a history begins, it is not read.
+  // Something must be bound for the history images; where a history begins, it is not read.
   graph::ImageId oldColor = sources.picture, oldState = sources.picture;
   if (!begins) {
     oldColor = f.graph.import(history.color_[history.newest_], graph::Use::SampledCompute);

@@ -1,4 +1,4 @@
-// Temporal anti-aliasing: jittered frames of a sequence, each blended into what the earlier ones left.
+// Temporal anti-aliasing: jittered frames of a sequence, each blended into the history of earlier ones.
 #pragma once
 
 #include <glm/vec2.hpp>
@@ -9,24 +9,25 @@
 
 namespace latelight::render {
 
-// Frames that a still picture, and the first of a sequence, is the mean of; and the length of the jitter's cycle.
+// The number of frames averaged for a still picture and for the first of a sequence, and the length of the jitter
+// cycle.
 inline constexpr uint32_t kTemporalSamples = 16;
 
-// Offsets from the pixel's centre, pixels: Halton's sequence in bases 2 and 3, less its mean.
+// Offsets from the pixel's centre, pixels: the Halton sequence in bases 2 and 3, minus its mean.
 const std::vector<glm::vec2>& temporalJitters();
 
-// Of a frame; `motion`: MotionUse::Reproject.
+// Images of a frame; `motion`: MotionUse::Reproject.
 struct TemporalSources {
   graph::ImageId picture, depth, motion;
 };
 
-// What one frame leaves to the next.
+// The history that one frame leaves to the next.
 class TemporalHistory {
  public:
   // Whether there is one, of that size.
   bool fits(uint32_t width, uint32_t height, size_t views) const;
   uint32_t frames() const { return frames_; }        // since it began
-  void undo() { newest_ = 1 - newest_, --frames_; }  // what the last frame left to it
+  void undo() { newest_ = 1 - newest_, --frames_; }  // reverts the last frame's update
 
  private:
   friend graph::ImageId addTemporal(const FrameContext& f, const TemporalSources& sources, TemporalHistory& history,
@@ -38,8 +39,8 @@ class TemporalHistory {
   bool filled_ = false;
 };
 
-// A history begins with the sum of kTemporalSamples frames, depth and motion those of the last; gives their mean. It
-// goes on with a frame; gives the frame without its jitter's edges.
+// A history begins with the sum of kTemporalSamples frames, with depth and motion of the last; the result is their
+// mean. It continues with single frames; the result is the anti-aliased frame.
 graph::ImageId addTemporal(const FrameContext& f, const TemporalSources& sources, TemporalHistory& history,
                            bool begins);
 

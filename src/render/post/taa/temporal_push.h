@@ -9,7 +9,7 @@ SH_BEGIN
 struct TemporalPush {
   uint64_t frame;  // FrameConstants
   float scale;     // of the picture: 1 / frames in the sum
-  float samples;   // that the sum is of, where a history begins; 0 where it goes on
+  float samples;   // in the sum, where a history begins; 0 where it continues
 };
 
 SH_END

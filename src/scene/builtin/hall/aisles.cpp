@@ -9,12 +9,12 @@
 namespace latelight::scene::builtin::hall {
 namespace {
 
-// Of one bay of the right aisle, at (0, 0, 0) in the middle of its floor; the nave is towards -X.
+// One bay of the right aisle, with (0, 0, 0) in the middle of its floor; the nave is towards -X.
 const vec3 kAisleBay(float(kAisleX), 0, 0);
 constexpr double kDado = 1.5;
 
-// The groin vault's ceiling is the higher of two barrels across each other. Its four cells, between the groins (the
-// diagonals) and the bay's edges: over a cell's own axis only one of them counts.
+// The groin vault's ceiling is the higher of two crossing barrels. Its four cells, between the groins (the diagonals)
+// and the bay's edges: within a cell only one of them is visible.
 Patch cell(const Detail& detail, bool alongZ, double sign) {
   Patch patch;
   patch.columns = 2 * detail.segments(5, 2);  // even: the groins' kink is in the middle
@@ -46,7 +46,7 @@ MeshPlan groinVault(const Detail& detail) {
   return plan;
 }
 
-// A rib under half an ellipse from `from` over the bay's crown to the opposite corner.
+// A rib along half an ellipse from `from` over the bay's crown to the opposite corner.
 Path ribPath(dvec3 half, uint32_t segments) {
   Path path;
   path.columns = segments;
@@ -77,7 +77,7 @@ MeshPlan diagonalRibs(const Detail& detail) {
   for (const double sign : {-1.0, 1.0})
     plan.add(sweep(profile, ribPath({kAisleHalf, kAisleRise, sign * kBay / 2}, detail.segments(18, 6)), detail,
                    kPlasterTile));
-  // The boss where they meet.
+  // The boss where the ribs meet.
   Profile boss(0.0, -0.2);
   boss.arc(0.17, -0.1, 0.8, 3).line(0.2, -0.09).line(0.2, 0.02);
   Path path = circle({{0, kArchSpring + kAisleRise, 0}, {0, 1, 0}, {1, 0, 0}}, detail.segments(14, 6), 0.15);
@@ -146,7 +146,7 @@ MeshPlan windowFrame(const Detail& detail) {
   p.line(r + 0.16, 0.04).arc(r + 0.1, 0.06, 0.9, 2).line(r + 0.06, 0.06).line(r + 0.05, 0.03).line(r, 0.025);
   p.line(r, 0).line(r - 0.05, -depth);
   plan.add(sweep(p, archPath(kOuterFace, kWindowSpring, r, detail.segments(14, 4)), detail, kPlasterTile));
-  // The jambs go on straight down from the arch's ends.
+  // The jambs continue straight down from the arch's ends.
   const auto jamb = [&](double s) {
     const dvec3 foot = kOuterFace.origin + dvec3(0, kWindowSill, 0),
                 head = kOuterFace.origin + dvec3(0, kWindowSpring, 0);

@@ -8,7 +8,7 @@
 namespace latelight::scene::builtin::hall {
 namespace {
 
-// Of one bay at x = 0, its middle at z = 0; the nave is towards -X. Copies for the other side are turned.
+// One bay at x = 0, with its middle at z = 0; the nave is towards -X. Copies for the other side are rotated.
 const Plane kNaveFace{{-kWallHalf, 0, 0}, {0, 0, 1}, {0, 1, 0}};
 const Plane kAisleFace{{kWallHalf, 0, 0}, {0, 0, -1}, {0, 1, 0}};
 
@@ -68,7 +68,7 @@ MeshPlan keystone(const Detail& detail) {
       };
       plan.add(std::move(patch));
     }
-    // Its cheeks, as strips from the wall's middle to the face.
+    // Its sides, as strips from the wall's middle to the face.
     for (const double cheek : {-1.0, 1.0}) {
       std::vector<dvec2> outline;
       const std::vector<Profile::Run> runs = side.sample(detail);
@@ -158,7 +158,7 @@ MeshPlan roundel(const Detail& detail) {
   MeshPlan plan{"roundel", {}, {}, {}};
   Profile disc(0.2, 0);
   disc.arc(0, 0.045, 0.5, 3);
-  // A lathe's profile runs from its rim inwards where the front is upwards.
+  // A lathe's profile runs from its rim inwards if the front faces up.
   plan.add(sweep(disc, circle({{0, 0, 0}, {-1, 0, 0}, {0, 0, 1}}, detail.segments(20, 6), 0.2), detail, kMarbleTile));
   return plan;
 }

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kFlutes = 20;
 constexpr double kShaftFoot = 0.6, kShaftHead = 3.86, kHeadRadius = 0.3;
-const vec3 kSomewhere(float(kColumnX), 0, float(kBay / 2));  // a column's place: all have the same surroundings
+const vec3 kSomewhere(float(kColumnX), 0, float(kBay / 2));  // a column's position: all have the same surroundings
 
 Path around(const Detail& detail, double normal, uint32_t least, double radius) {
   return circle(Axis{}, detail.segments(normal, least), radius);
@@ -65,7 +65,7 @@ MeshPlan shaft(const Detail& detail) {
         [height](double u, double v) { return dvec2(u * 2, -height(v) * (kShaftHead - kShaftFoot) / kMarbleTile); });
     plan.add(std::move(patch));
   }
-  // The flutes' own shadow: darker the further in.
+  // The flutes' own occlusion: darker farther in.
   plan.shade = [hall = plan.shade](vec3 p, vec3 n) {
     const double t = std::clamp((p.y - kShaftFoot) / (kShaftHead - kShaftFoot), 0.0, 1.0);
     const double depth = shaftRadius(t) - std::sqrt(double{p.x} * p.x + double{p.z} * p.z);
@@ -87,7 +87,7 @@ MeshPlan capital(const Detail& detail) {
   return plan;
 }
 
-// A leaf that leaves the bell at `foot`, rises and curls outwards.
+// A leaf that starts at the bell at `foot`, rises and curls outwards.
 std::vector<Patch> leaf(const Detail& detail, double turn, double foot, double height, double reach) {
   const auto curve = [=](double v) {
     const double curl = smooth(0.55, 1, v);

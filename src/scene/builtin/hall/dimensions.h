@@ -1,5 +1,5 @@
-// The hall's measures, in metres in its own frame: Y up, the nave along Z, the apse at -Z, the door at +Z. Those that
-// pieces are placed by are multiples of 1/16, so that copies moved in float meet exactly.
+// The hall's measures, in metres in its own frame: Y up, the nave along Z, the apse at -Z, the door at +Z. Those used
+// to place pieces are multiples of 1/16, so that copies moved in floats meet exactly.
 #pragma once
 
 namespace latelight::scene::builtin::hall {

@@ -9,10 +9,10 @@
 namespace latelight::scene::builtin::hall {
 namespace {
 
-// An end in its own frame: the wall's face is the plane z = 0, the hall is towards +Z. The west end is turned.
+// An end in its own frame: the wall's face is the plane z = 0, the hall is towards +Z. The west end is rotated.
 const Plane kFace{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
 const vec3 kEast(0, 0, -float(kHalfLength));
-constexpr double kHalfNave = kColumnX;            // the wall goes on behind the arcades
+constexpr double kHalfNave = kColumnX;            // the wall continues behind the arcades
 constexpr double kInside = kApseRadius + 0.0625;  // the apse's walls, behind its arch's edge
 constexpr double kApseFloor = kApseSteps * kApseStep;
 
@@ -91,7 +91,7 @@ MeshPlan semidome(const Detail& detail) {
   };
   patch.surface = surfaceOf(
       [=](double u, double v) { return dvec3(0, kApseSpring, 0) + kInside * direction(u, 1 - v); },
-      // Lambert's azimuthal projection about the middle: equal areas, and little stretch within a quarter sphere.
+      // Lambert's azimuthal projection about the middle: equal areas, and little distortion within a quarter sphere.
       [=](double u, double v) {
         const dvec3 d = direction(u, 1 - v);
         const double x = d.x, y = (d.y + d.z) * std::sqrt(0.5), towards = (d.y - d.z) * std::sqrt(0.5);
@@ -224,7 +224,7 @@ MeshPlan roseGlass(const Detail& detail) {
     const Plane turned{plane.origin, plane.s * half, plane.y * half};
     std::vector<Patch> pane = roundHeadedPane(turned, half * kRoseHeight, half * kRoseHeight, kRoseRadius + 0.06,
                                               {detail.segments(16, 8), 1, 1}, kRoseRadius);
-    plan.add(std::move(pane.front()));  // the half disc alone
+    plan.add(std::move(pane.front()));  // only the half disc
   }
   return plan;
 }
@@ -242,7 +242,7 @@ MeshPlan door(const Detail& detail) {
     for (int row = 0; row < 4; ++row) {
       const double x = column * 0.72, y = 0.52 + row * 0.86;
       const std::vector<dvec2> corners{{0.6, 0.36}, {0.6, -0.36}, {-0.6, -0.36}, {-0.6, 0.36}};
-      // Laid flat by sweepPolygon, then set upright: its +Y becomes the wall's front.
+      // Built flat by sweepPolygon, then set upright: its +Y becomes the wall's front.
       glm::dmat4 upright(1);
       upright[1] = {0, 0, 1, 0};
       upright[2] = {0, -1, 0, 0};

@@ -1,4 +1,4 @@
-// What the hall displays: bodies of many shapes and materials on plinths under the arches, and a figure in the apse.
+// The hall's exhibits: bodies of many shapes and materials on plinths under the arches, and a figure in the apse.
 #include <fmt/format.h>
 
 #include <memory>
@@ -132,7 +132,7 @@ MeshPlan twistedVase(const Detail& detail) {
       const dvec2 cs = onCircle(u);
       SurfacePoint point;
       point.position = {r * cs.x, at.y, -r * cs.y};
-      point.normal = {cs.x, 0, -cs.y};  // until the triangles' own are known
+      point.normal = {cs.x, 0, -cs.y};  // until the triangles' normals are known
       point.tangent = {-cs.y, 0, -cs.x};
       point.uv = {2 * u, -2 * at.y};
       return point;

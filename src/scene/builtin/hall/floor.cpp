@@ -30,7 +30,8 @@ Patch strip(double x0, double x1, uint32_t columns, uint32_t rows, std::function
 void addFloor(HallBuilder& hall, uint64_t spareTriangles) {
   const Detail& d = hall.detail;
   const uint32_t rows = d.segments(10, 2);
-  // What the other parts' rounding left over goes into columns here, which meet only their own like.
+  // The triangles left over by the other parts' rounding go into columns here, which meet only columns of the same
+  // kind.
   const uint32_t spareColumns = static_cast<uint32_t>(spareTriangles / (uint64_t{2} * rows * kBays));
   const uint32_t columns = d.segments(16, 2) + spareColumns;
   const double tile = kMarbleTile;

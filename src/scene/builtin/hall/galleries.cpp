@@ -1,4 +1,4 @@
-// The galleries above the aisles: three small arches a bay on slender columns, behind a balustrade.
+// The galleries above the aisles: three small arches per bay on slender columns, behind a balustrade.
 #include <fmt/format.h>
 
 #include "scene/builtin/hall/hall.h"
@@ -9,7 +9,7 @@
 namespace latelight::scene::builtin::hall {
 namespace {
 
-// Of one bay at x = 0, as in the arcades.
+// One bay at x = 0, as in the arcades.
 constexpr double kRailLow = 8.64, kPlinthHigh = 8.0;
 constexpr double kPierHalf = kGalleryPitch / 2 - kGalleryArchRadius;
 

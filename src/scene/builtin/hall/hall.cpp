@@ -10,7 +10,7 @@ namespace latelight::scene::builtin {
 namespace hall {
 namespace {
 
-// Hewn stone shows its unevenness once triangles are finer than it: from twice the default's detail on.
+// The unevenness of hewn stone needs triangles finer than it: from twice the default detail on.
 Relief reliefAt(const Detail& detail, uint32_t seed) {
   const double t = std::clamp((detail.scale - 1.5) / 2.5, 0.0, 1.0);
   Relief relief;
@@ -65,7 +65,7 @@ uint32_t HallBuilder::place(const std::string& name, uint32_t parent, uint32_t m
 }
 
 void HallBuilder::finish() {
-  // What is too fine for this detail is no mesh either.
+  // Parts too fine for this detail get no mesh either.
   std::vector<uint32_t> renumbered(plans_.size());
   uint32_t kept = 0;
   for (size_t i = 0; i < plans_.size(); ++i) {
@@ -117,7 +117,7 @@ uint64_t trianglesAt(double scale, const HallParameters& p) {
   return hall.triangles();
 }
 
-// The greatest detail that stays within the request; counts grow with it, in steps.
+// The highest detail within the request; counts grow with it, in steps.
 double detailFor(const HallParameters& p) {
   double low = 0.02, high = 1;
   while (trianglesAt(high, p) <= p.triangles) high *= 2;

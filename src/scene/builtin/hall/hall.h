@@ -10,7 +10,7 @@
 
 namespace latelight::scene::builtin::hall {
 
-// What surfaces are made of: an index into the scene's materials.
+// The stuff of surfaces: an index into the scene's materials.
 enum class Stuff : uint32_t {
   NaveFloor,
   AisleFloor,
@@ -32,8 +32,8 @@ enum class Stuff : uint32_t {
   Ceramic,
   Celadon,
   Obsidian,
-  LampGlass,  // of a light that burns
-  DarkGlass,  // of one that doesn't
+  LampGlass,  // of a lit lamp
+  DarkGlass,  // of an unlit one
   WindowGlass,
   CaseGlass,  // blended, as all that follow: only in a hall with glass
   AmberGlass,
@@ -42,17 +42,17 @@ enum class Stuff : uint32_t {
   Count
 };
 
-// Sides of their textures in metres.
+// Side lengths of their textures in metres.
 inline constexpr double kAshlarTile = 2.25, kPlasterTile = 3.0, kMarbleTile = 1.5, kMosaicTile = 1.0, kTileTile = 0.9;
 double tileOf(Stuff stuff);
 
-// A light's possible place: the one that the hall's own lamps have.
+// A possible position of a light: those of the hall's own lamps.
 struct LampSite {
   vec3 position;
   vec3 color;
   float weight;       // of its intensity
   float range;        // metres, when all sites are lit
-  uint32_t instance;  // whose material shows whether it burns; kNoInstance for hidden ones
+  uint32_t instance;  // whose material shows whether it is lit; kNoInstance for hidden ones
 };
 inline constexpr uint32_t kNoInstance = ~0u;
 
@@ -73,7 +73,7 @@ class HallBuilder {
 
   uint64_t triangles() const { return triangles_; }
   bool counting() const { return counting_; }
-  // Builds what was planned into the scene.
+  // Builds the planned meshes into the scene.
   void finish();
 
   SceneBuilder builder;
@@ -100,7 +100,7 @@ inline double bayBoundary(int boundary) {
 // The middle of a bay of the arcade at +X.
 inline const vec3 kBayOnTheRight(float(kColumnX), 0, 0);
 
-// Parts: each file one.
+// Parts, one per file.
 void addColumns(HallBuilder& hall);
 void addArcades(HallBuilder& hall);
 void addGalleries(HallBuilder& hall);
@@ -111,10 +111,10 @@ void addFloor(HallBuilder& hall, uint64_t spareTriangles);
 void addExhibits(HallBuilder& hall);
 void addLamps(HallBuilder& hall);
 
-// Fill scene.textures and scene.materials, in the order of Stuff: all of it, or what is not blended.
+// Fill scene.textures and scene.materials, in the order of Stuff: all of them, or the unblended ones.
 void addMaterials(Scene& scene, uint32_t seed, bool glass);
 
-// The one named "main" first.
+// The one named "main" comes first.
 void addCameras(SceneBuilder& builder);
 
 // Exactly `count` point lights: the lamps' sites first, then small ones over all surfaces; exposed for the

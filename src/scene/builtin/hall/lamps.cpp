@@ -1,5 +1,5 @@
-// Lamps that hang and stand in the hall, each with the place of its light: chandeliers in the nave, lanterns under the
-// arches, in the aisles and galleries, and candle stands in the apse. One hundred in all.
+// Lamps that hang and stand in the hall, each with the position of its light: chandeliers in the nave, lanterns under
+// the arches, in the aisles and galleries, and candle stands in the apse. One hundred in all.
 #include <fmt/format.h>
 
 #include "scene/builtin/hall/hall.h"
@@ -50,7 +50,7 @@ MeshPlan lanternGlass(const Detail& detail) {
   return plan;
 }
 
-// From y = 0 up to `length`, links that stand across each other in turn.
+// From y = 0 up to `length`, with alternating perpendicular links.
 MeshPlan chain(const Detail& detail, const char* name, double length) {
   MeshPlan plan{name, {}, {}, {}};
   plan.add(rod({0, -0.02, 0}, {0, length + 0.02, 0}, 0.012, detail.segments(5, 3)));
@@ -153,7 +153,7 @@ void addCandleStand(HallBuilder& hall, const Meshes& meshes, const std::string& 
   hall.lamp(site);
 }
 
-// One before each column, which it lights from below, and four in the apse.
+// One in front of each column, which it lights from below, and four in the apse.
 void addCandleStands(HallBuilder& hall, const Meshes& meshes) {
   int number = 0;
   for (int boundary = kBays; boundary >= 0; --boundary)

@@ -1,8 +1,8 @@
 // The hall's lights, from one to a million, always with the same exposure.
 //
-// The first hundred burn in the hall's lamps. More are small ones, strewn evenly over its surfaces a little way off;
-// the more there are, the shorter their range, so that about as many reach any point whatever their number. Few
-// cast shadows unless all are asked to, so ranges also keep lamps from shining through too many walls.
+// The first hundred are in the hall's lamps. Further ones are small, scattered evenly over its surfaces at a small
+// distance; the more there are, the shorter their range, so that about as many reach any point whatever their number.
+// By default few lights cast shadows, so ranges also limit light leaking through walls.
 #include <algorithm>
 #include <array>
 
@@ -14,8 +14,7 @@
 namespace latelight::scene::builtin::hall {
 namespace {
 
-// A flat or round piece of the hall's surface, about where it is: what lights are strewn over and exposure is measured
-// on.
+// An approximate flat or round piece of the hall's surface, for scattering lights and measuring exposure.
 struct Spot {
   dvec3 position, normal;  // glTF's frame
 };
@@ -120,8 +119,8 @@ Light pointLight(const char* name, vec3 position, vec3 color, double intensity, 
   return light;
 }
 
-// Lamps in an order such that the first n are spread out over the hall, whatever n: each the farthest from those
-// before.
+// Lamps in an order such that the first n are spread out over the hall, for any n: each is the farthest from the
+// earlier ones.
 std::vector<size_t> spreadOrder(const std::vector<LampSite>& lamps) {
   const vec3 start = inWorld({0, kVaultSpring - 3, 9});  // the nearest lamp in the main camera's view
   std::vector<float> nearest(lamps.size());
@@ -137,7 +136,7 @@ std::vector<size_t> spreadOrder(const std::vector<LampSite>& lamps) {
   return order;
 }
 
-// Holds the glass that a lamp burns in, of any kind: metres.
+// Radius that encloses the glass of any lamp: metres.
 constexpr float kGlassRadius = 0.24f;
 
 void addLampLights(HallBuilder& hall, uint32_t count) {
@@ -167,13 +166,13 @@ vec3 smallColor(Random& random) {
 // Each point of a surface is reached by about this many small lights.
 constexpr double kOverlap = 14;
 
-// `illuminance` is what they add to the hall's surfaces on average, before exposure.
+// `illuminance` is their average contribution to the hall's surfaces, before exposure.
 void addSmallLights(HallBuilder& hall, uint32_t count, double illuminance) {
   Scene& scene = hall.builder.scene;
   const double density = count / regionsArea();
   const double range = std::min(2.5, std::sqrt(kOverlap / (kPi * density)));
   const double off = 0.35 * range;
-  // A light of 1 cd at that distance sends about half of 2 pi lm to its surface within its range.
+  // A light of 1 cd at this distance sends about half of 2 pi lm to its surface within its range.
   const double intensity = std::min(illuminance / (density * kPi), illuminance * 2 * off * off);
   scene.lights.resize(scene.lights.size() + count);
   Light* lights = scene.lights.data() + scene.lights.size() - count;
@@ -188,7 +187,8 @@ void addSmallLights(HallBuilder& hall, uint32_t count, double illuminance) {
   });
 }
 
-// Where a ray of the main camera's view meets the hall, taken as floor, walls and vault without their columns.
+// The point where a ray of the main camera's view hits the hall, approximated by floor, walls and vault without
+// columns.
 Spot firstWall(dvec3 eye, dvec3 d) {
   double nearest = 1e9;
   Spot spot{};
@@ -224,7 +224,7 @@ std::vector<Spot> meteredSpots(const Camera& camera) {
   return spots;
 }
 
-// What reaching a light takes, close together: most lights reach none of the metered spots.
+// The data of the range test, packed: most lights reach none of the metered spots.
 struct Reach {
   vec3 position;
   float range2;
@@ -262,8 +262,8 @@ std::vector<double> illuminances(const Scene& scene) {
   return result;
 }
 
-// Scales all lights such that what the main camera sees of the hall is about this bright on average. Bright spots count
-// only as white.
+// Scales all lights such that the main camera's view has about this average brightness. Bright spots count only as
+// white.
 constexpr double kMeanRadiance = 0.28, kAlbedo = 0.5, kWhite = 0.8;
 
 void expose(Scene& scene) {

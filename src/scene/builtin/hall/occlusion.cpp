@@ -82,7 +82,7 @@ float openDistance(vec3 p) {
 }
 
 Shade shadeInHall(vec3 offset) {
-  // Distances along the normal that are nearer to something than to where they start tell of a corner (Evans 2006, Fast
+  // Points along the normal that are nearer to another surface than to their start indicate a corner (Evans 2006, Fast
   // Approximations for Global Illumination on Dynamic Scenes).
   return [offset](vec3 position, vec3 normal) {
     const vec3 p = position + offset;

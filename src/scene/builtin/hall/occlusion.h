@@ -1,6 +1,6 @@
-// How much of the light at a place its surroundings take away. The first picture has neither shadows nor an
-// environment, so that corners, the ground under a plinth and the insides of mouldings would look as bright as open
-// walls; what dirt and age do to them stands in for it.
+// The share of light at a point that its surroundings occlude. The default picture has few shadows and no environment,
+// so corners, the ground under a plinth and the insides of mouldings would look as bright as open walls; baked
+// occlusion, like dirt and age, stands in for that.
 #pragma once
 
 #include "scene/builtin/mesh_plan.h"
@@ -11,8 +11,7 @@ namespace latelight::scene::builtin::hall {
 // inside.
 float openDistance(vec3 p);
 
-// Shade of a mesh whose points are moved by `offset` into the hall: of all its copies, those with the same
-// surroundings.
+// Shade of a mesh whose points are moved by `offset` into the hall, for all its copies with the same surroundings.
 Shade shadeInHall(vec3 offset = vec3(0));
 
 }  // namespace latelight::scene::builtin::hall

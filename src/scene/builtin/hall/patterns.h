@@ -1,4 +1,4 @@
-// The looks of the hall's stones, as functions of place: see SurfaceMaps.
+// The appearance of the hall's stones, as functions of position: see SurfaceMaps.
 #pragma once
 
 #include "scene/builtin/surface_maps.h"

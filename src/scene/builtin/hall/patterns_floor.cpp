@@ -1,4 +1,4 @@
-// The floors: opus sectile, cut stones of four marbles in a geometric pattern (as the Cosmati laid it).
+// The floors: opus sectile, cut stones of four marbles in a geometric pattern (in Cosmatesque style).
 #include <algorithm>
 #include <cmath>
 
@@ -11,11 +11,11 @@ namespace {
 
 enum Stone : uint32_t { White, Cream, Red, Green, Black };
 
-// sRGB-coded.
+// sRGB-encoded.
 constexpr vec3 kStoneColors[] = {
     {0.86f, 0.83f, 0.78f}, {0.79f, 0.71f, 0.59f}, {0.47f, 0.27f, 0.22f}, {0.25f, 0.34f, 0.30f}, {0.16f, 0.16f, 0.17f}};
 
-// A cut stone: what it is, which one, and how far its nearest edge is, in metres.
+// A cut stone: its kind, its number, and the distance to its nearest edge, in metres.
 struct Piece {
   Stone stone = White;
   uint32_t id = 0;
@@ -43,7 +43,7 @@ Piece checker(vec2 p, float side, Stone a, Stone b, uint32_t seed) {
   return {((i + j) & 1) ? b : a, hashOf(i, j, seed), edge};
 }
 
-// Squares set on their corners, each with a smaller square upright inside.
+// Squares set on their corners, each with a smaller upright square inside.
 Piece lozenges(vec2 p, float side) {
   const vec2 turned = vec2(p.x + p.y, p.x - p.y) * 0.70710678f;
   Piece piece = checker(turned, side, Cream, Green, 11);
@@ -61,7 +61,7 @@ Piece ringPieces(float turns, float radius, int count, Stone a, Stone b, uint32_
   return {(i & 1) ? b : a, hashOf(i, seed), edge};
 }
 
-// Triangles that point in and out by turns.
+// Triangles that alternately point in and out.
 Piece teeth(float turns, float radius, float r0, float r1, int count, Stone a, Stone b, uint32_t seed) {
   const float q = turns * float(count);
   const float saw = 2 * std::abs(q - std::floor(q) - 0.5f);  // 1 at the piece's edge, 0 in its middle
@@ -136,7 +136,7 @@ Piece aislePiece(vec2 p) {
   return nearer(piece, inner * 0.7f);
 }
 
-// Each stone is cut from another place of its quarry and laid not quite level.
+// Each stone is cut from a different part of its quarry and laid not quite level.
 MapTexel polished(Piece piece, vec2 metres, uint32_t seed) {
   const uint32_t id = hashOf(piece.id, seed);
   const auto part = [id](uint32_t k) { return float(unitOf(hashOf(id, k))); };

@@ -9,7 +9,7 @@
 namespace latelight::scene::builtin::hall {
 namespace {
 
-// A cell of a grid that tiles, and where in it.
+// A cell of a tiling grid, and the position in it.
 struct Cell {
   uint32_t x, y;
   vec2 inside;  // [0, 1)^2
@@ -89,7 +89,7 @@ vec3 darkMarble(vec2 place, uint32_t seed) {
 
 MapTexel mosaic(vec2 place, uint32_t seed) {
   constexpr uint32_t kTesserae = 48;
-  // Rows that waver, as laid by hand.
+  // Wavering rows, as if laid by hand.
   const vec2 wavering = place + 0.004f * vec2(fractal2(place, 6, 2, seed), fractal2(place, 6, 2, seed + 9));
   const Cell cell = cellAt(wavering + 1.0f, kTesserae, kTesserae, 0.5f);
   const uint32_t id = hashOf(cell.x, cell.y, seed, 17);
@@ -114,7 +114,7 @@ MapTexel glazedTile(vec2 place, uint32_t seed) {
   const uint32_t id = hashOf(cell.x, cell.y, seed, 23);
   const vec2 p = cell.inside - 0.5f, a = glm::abs(p);
   const float edge = 0.5f - std::max(a.x, a.y), joint = 1 - smoothly(0.015f, 0.03f, edge);
-  // An eight-pointed star: two squares across each other.
+  // An eight-pointed star: two squares rotated against each other.
   const float upright = std::max(a.x, a.y), turned = (a.x + a.y) * 0.70710678f;
   const float star = std::min(upright, turned), core = std::max(upright, turned);
   const float hue = part(id, 1), wash = fractal2(place, 10, 4, seed + 3);
@@ -125,7 +125,7 @@ MapTexel glazedTile(vec2 place, uint32_t seed) {
   MapTexel texel;
   texel.color = glm::mix(color * (1 + 0.25f * wash), vec3(0.6f, 0.56f, 0.48f), joint);
   texel.roughness = 0.2f + 0.1f * part(id, 2) + 0.6f * joint;
-  // Glaze pools: a tile is a low pillow, and none lies quite even.
+  // Glaze pools: a tile is a low pillow, and none is quite level.
   texel.tilt = p * (0.12f + 2.2f * smoothly(0.42f, 0.5f, std::max(a.x, a.y)) * 0.1f) +
                vec2(part(id, 3) - 0.5f, part(id, 4) - 0.5f) * 0.05f;
   texel.height = 0.4f * wash - 1.2f * joint;

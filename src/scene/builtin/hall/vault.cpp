@@ -60,7 +60,7 @@ std::vector<Patch> frame(const Profile& profile, const Detail& detail) {
   return patches;
 }
 
-// What a coffer's depth hides, from how far behind the surface it is.
+// The occlusion by a coffer's depth, from the distance behind the surface.
 Shade coffersShade() {
   return [](vec3 p, vec3) {
     const float d = std::sqrt(p.x * p.x + p.y * p.y) - float(kVaultRadius);
@@ -159,7 +159,7 @@ MeshPlan bars(const Detail& detail) {
     const Plane plane{{0, 0, (i - kAlong * 0.5) * kPitch}, {1, 0, 0}, {0, 1, 0}};
     plan.add(sweep(across, archPath(plane, 0, r, segments), detail, kPlasterTile));
   }
-  // A shell behind the coffers, so that no joint between them is open to the sky.
+  // A shell behind the coffers, so that no sky shows through joints between them.
   Profile shell(r + 0.3, z);
   shell.line(r + 0.3, -z);
   plan.add(sweep(shell, archPath({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, 0, r, segments / 2), detail, kPlasterTile));
@@ -179,7 +179,7 @@ MeshPlan rib(const Detail& detail) {
   return plan;
 }
 
-// Turned about the vault's axis.
+// Rotated about the vault's axis.
 mat4 turnedAround(double turn, double z) {
   const dvec2 cs = onCircle(turn);
   mat4 m(1);
