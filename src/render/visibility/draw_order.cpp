@@ -46,10 +46,10 @@ void DrawOrder::update(const GpuScene& scene) {
   while (order_.size() < all.count()) order_.push_back(static_cast<uint32_t>(order_.size()));
   if (!std::is_sorted(order_.begin(), order_.end(), before)) std::sort(order_.begin(), order_.end(), before);
   anyBlended_ = std::any_of(order_.begin(), order_.end(), [&](uint32_t i) { return isBlended(scene, i); });
-  impl_.assign(order_.size(), 0);
+  hidden_.assign(order_.size(), 0);
   parallelFor(order_.size(), kInstancesAtOnce, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end && i + 1 < order_.size(); ++i)
-      impl_[i] = standsWhere(all.record(order_[i]), all.record(order_[i + 1])) && !isBlended(scene, order_[i]) &&
+      hidden_[i] = standsWhere(all.record(order_[i]), all.record(order_[i + 1])) && !isBlended(scene, order_[i]) &&
                  all.bounds(order_[i + 1]).radius >= 0;  // one that was removed hides nothing
   });
 }
@@ -60,7 +60,7 @@ DrawList DrawOrder::select(const GpuScene& scene, Kind kind, const std::function
   const auto look = [&](size_t begin, size_t end, std::vector<uint32_t>& found) {
     for (size_t i = begin; i < end; ++i) {
       const uint32_t instance = order_[i];
-      if (!impl_[i] && isBlended(scene, instance) == (kind == Kind::Blended) && wanted(all.bounds(instance)))
+      if (!hidden_[i] && isBlended(scene, instance) == (kind == Kind::Blended) && wanted(all.bounds(instance)))
         found.push_back(instance);
     }
   };

@@ -37,7 +37,7 @@ class DrawOrder {
  private:
   std::vector<uint32_t> order_;
   // Of order_: drawn again, after it, where it stands, so that nothing of it is ever seen.
-  std::vector<uint8_t> impl_;
+  std::vector<uint8_t> hidden_;
   bool anyBlended_ = false;
   uint64_t instances_ = 0, materials_ = 0;  // revisions that it follows
 };
