@@ -10,6 +10,13 @@
 set(LATELIGHT_SPIRV ${PROJECT_BINARY_DIR}/spirv)
 # Debug information holds the sources and where they lay: not for what is shipped.
 set(LATELIGHT_SHADER_DEBUG $<$<NOT:$<CONFIG:Release>>:-g>)
+# What is shipped is simplified first: drivers take it in up to seven times as fast, which with lavapipe was a third of a
+# small picture's time. Nothing that may round otherwise: spirv-opt's -O and -Os rearrange arithmetic.
+find_program(SPIRV_OPT spirv-opt REQUIRED)
+set(LATELIGHT_SPIRV_OPT ${SPIRV_OPT} --target-env=vulkan1.3 --scalar-block-layout --merge-return --inline-entry-points-exhaustive
+  --eliminate-dead-functions --private-to-local --scalar-replacement=0 --convert-local-access-chains
+  --eliminate-local-single-block --eliminate-local-single-store --ssa-rewrite --eliminate-dead-code-aggressive
+  --vector-dce --eliminate-dead-inserts --eliminate-dead-branches --cfg-cleanup --eliminate-dead-code-aggressive)
 
 function(latelight_compile_shader source name includes out)
   set(spirv ${LATELIGHT_SPIRV}/${name}.spv)
@@ -17,6 +24,7 @@ function(latelight_compile_shader source name includes out)
     OUTPUT ${spirv}
     COMMAND ${GLSLANG} --quiet --target-env vulkan1.3 ${LATELIGHT_SHADER_DEBUG} -I${PROJECT_SOURCE_DIR}/src -I${LATELIGHT_GENERATED} ${includes}
             --depfile ${spirv}.d -o ${spirv} ${source}
+    COMMAND "$<$<CONFIG:Release>:${LATELIGHT_SPIRV_OPT};${spirv};-o;${spirv}>"
     COMMAND_EXPAND_LISTS
     MAIN_DEPENDENCY ${source}
     DEPFILE ${spirv}.d
