@@ -109,6 +109,7 @@ void GpuScene::describe(shared::FrameConstants& frame) const {
   lights_.describe(frame);
   frame.meshes = geometry_.address();
   frame.materials = materials_.address();
+  frame.textures = materials_.textureRecords();
 }
 
 }  // namespace latelight::render

@@ -30,6 +30,8 @@ class GpuScene {
   // Adds what waits to a graph, before all else: uploads, then deformation. It waits until changesSubmitted().
   void addChanges(graph::Graph& graph) const;
   void changesSubmitted();
+  vk::Uploader& uploads() { return uploads_; }  // with those
+  void keepTexels() { materials_.keepTexels(uploads_); }
   void setAnisotropy(uint32_t samples) { materials_.setAnisotropy(samples); }
   // Others than the scene's, until it is edited or posed; at once.
   void setLights(std::vector<scene::Light> lights);

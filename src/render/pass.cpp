@@ -39,7 +39,9 @@ std::vector<vk::BoundImage> Bindings::images(graph::Context& context) const {
   std::vector<vk::BoundImage> images;
   for (const Slot& slot : slots_) {
     images.push_back(slot.bound);
-    if (slot.image) images.back().view = context.image(slot.image).arrayView();
+    if (!slot.image) continue;
+    const vk::Image& image = context.image(slot.image);
+    images.back().view = slot.kind == vk::Binding::Storage ? image.storageView() : image.arrayView();
   }
   return images;
 }

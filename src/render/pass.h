@@ -52,10 +52,14 @@ struct ComputePass {
   std::string name;
   std::string shader;
   Bindings bindings;
-  glm::uvec3 size{1};                     // invocations: pixels and layers
+  glm::uvec3 size{1};                     // invocations: pixels and layers; unless `groups` has workgroups
   std::vector<vk::Constant> constants{};  // specialization
   std::vector<graph::Access> buffers{};   // read and written by address
   uint32_t groupX = 16, groupY = 16;      // local_size of the shader
+  graph::BufferId groups{};               // indirect: as many workgroups as it says, at this offset
+  VkDeviceSize groupsOffset = 0;
+  VkDescriptorSet sceneSet = VK_NULL_HANDLE;  // set 1, of these bindings
+  std::vector<vk::Binding> sceneBindings{};
 };
 
 struct NoPush {};  // for shaders without push constants
@@ -68,13 +72,16 @@ constexpr uint32_t pushBytes() {
 template <std::invocable<graph::Context&> Push>
 void addCompute(const Builder& b, ComputePass pass, Push push) {
   using Constants = std::invoke_result_t<Push, graph::Context&>;
-  const vk::PipelineRef pipeline = b.device.cache().pipeline(vk::ComputeDesc{.shader = pass.shader,
-                                                                             .bindings = pass.bindings.kinds(),
-                                                                             .constants = pass.constants,
-                                                                             .pushBytes = pushBytes<Constants>(),
-                                                                             .name = pass.name});
+  vk::ComputeDesc desc{.shader = pass.shader,
+                       .bindings = pass.bindings.kinds(),
+                       .constants = pass.constants,
+                       .pushBytes = pushBytes<Constants>(),
+                       .name = pass.name};
+  if (pass.sceneSet) desc.sceneSets = {pass.sceneBindings};
+  const vk::PipelineRef pipeline = b.device.cache().pipeline(desc);
   std::vector<graph::Access> accesses = pass.bindings.accesses();
   accesses.insert(accesses.end(), pass.buffers.begin(), pass.buffers.end());
+  if (pass.groups) accesses.emplace_back(pass.groups, graph::Use::IndirectRead);
   const auto [stage, name] = std::pair(pass.stage, pass.name);
   b.graph.pass(stage, name, std::move(accesses),
                [pipeline, pass = std::move(pass), push = std::move(push)](graph::Context& context) {
@@ -82,7 +89,11 @@ void addCompute(const Builder& b, ComputePass pass, Push push) {
                  const std::vector<vk::BoundImage> images = pass.bindings.images(context);
                  context.commands().bind(pipeline.get(), std::span(images),
                                          std::as_bytes(std::span(&constants, 1)).first(pushBytes<Constants>()));
-                 context.commands().dispatch(pass.size.x, pass.size.y, pass.size.z, pass.groupX, pass.groupY);
+                 if (pass.sceneSet) context.commands().bindSceneSets(pipeline.get(), std::span(&pass.sceneSet, 1));
+                 if (pass.groups)
+                   context.commands().dispatchIndirect(context.buffer(pass.groups), pass.groupsOffset);
+                 else
+                   context.commands().dispatch(pass.size.x, pass.size.y, pass.size.z, pass.groupX, pass.groupY);
                });
 }
 

@@ -48,8 +48,9 @@ Renderer::Renderer(vk::Device& device, const scene::Scene& scene, const scene::E
       gpuScene_(device, scene),
       environment_(device, environment),
       hasEnvironment_(environment != nullptr),
+      ranks_(device),
       executor_(device),
-      state_{device_, executor_, gpuScene_, environment_, hasEnvironment_, drawOrder_, overflow_} {}
+      state_{device_, executor_, gpuScene_, environment_, hasEnvironment_, drawOrder_, ranks_, overflow_} {}
 
 Renderer::~Renderer() = default;
 
@@ -62,6 +63,10 @@ void Renderer::begin(const Settings& settings, const Moment& moment) {
   gpuScene_.setAnisotropy(settings.anisotropy.value_or(usualAnisotropy(device_)));
   gpuScene_.update(moment.poses, settings.sun ? std::optional(lightOf(*settings.sun)) : std::nullopt);
   drawOrder_.update(gpuScene_);
+  if (!rastersInCompute(settings)) return;
+  requireComputeRaster(device_);
+  ranks_.update(gpuScene_, drawOrder_, gpuScene_.uploads());
+  if (device_.maxTextureArray() == 0) gpuScene_.keepTexels();
 }
 
 bool Renderer::castsShadows(const Settings& settings) const {

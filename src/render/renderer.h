@@ -85,6 +85,7 @@ class Renderer {
   GpuEnvironment environment_;
   bool hasEnvironment_;
   DrawOrder drawOrder_;
+  InstanceRanks ranks_;
   graph::Executor executor_;
   Overflow overflow_;
   RenderState state_;

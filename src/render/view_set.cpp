@@ -2,9 +2,25 @@
 
 #include <cmath>
 
+#include "render/lighting/technique.h"
 #include "render/post/ambient_occlusion/ambient_occlusion.h"
 
 namespace latelight::render {
+
+bool rastersInCompute(const Settings& settings) {
+  return settings.raster == Raster::Compute && !settings.lighting->forward && settings.aa.samples == 1;
+}
+
+namespace {
+
+std::unique_ptr<Visibility> makeVisibility(const RenderState& state, std::span<const shared::View> views,
+                                           const Settings& settings, const HardwareOptions& options) {
+  if (rastersInCompute(settings))
+    return std::make_unique<ComputeVisibility>(state.device, state.scene, state.order, state.ranks, views, options);
+  return std::make_unique<HardwareVisibility>(state.device, state.scene, state.order, views, options);
+}
+
+}  // namespace
 
 ViewSet::ViewSet(const RenderState& state, const ViewsInTime& views, const Settings& settings, FrameShadows* shadows,
                  const HardwareOptions& options)
@@ -12,7 +28,7 @@ ViewSet::ViewSet(const RenderState& state, const ViewsInTime& views, const Setti
       views_(views),
       settings_(settings),
       shadows_(shadows),
-      visibility_(state.device, state.scene, state.order, views_.now, options) {
+      visibility_(makeVisibility(state, views_.now, settings, options)) {
   uploadConstants(settings);
 }
 
@@ -49,7 +65,7 @@ const FrameContext& ViewSet::frame(graph::Graph& graph, const FrameSetup& setup)
       {state_.device, graph},
       state_.scene,
       state_.environment,
-      visibility_,
+      *visibility_,
       kept,
       views_.now,
       constants_.address(),

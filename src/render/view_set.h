@@ -3,12 +3,14 @@
 #pragma once
 
 #include <deque>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "render/frame.h"
 #include "render/settings.h"
 #include "render/shadow/frame_shadows.h"
+#include "render/visibility/compute/compute.h"
 #include "render/visibility/hardware.h"
 
 namespace latelight::render {
@@ -21,8 +23,13 @@ struct RenderState {
   const GpuEnvironment& environment;
   bool hasEnvironment;
   const DrawOrder& order;
+  const InstanceRanks& ranks;
   Overflow& overflow;
 };
+
+// Whether these settings' frames find what is visible in compute shaders: techniques that draw the scene, and several
+// samples a pixel, take the graphics pipeline.
+bool rastersInCompute(const Settings& settings);
 
 // The same number of each: where views are, were in the previous frame and will be in the next, without jitter.
 struct ViewsInTime {
@@ -38,7 +45,7 @@ class ViewSet {
   const FrameContext& frame(graph::Graph& graph, const FrameSetup& setup);
 
   std::span<const shared::View> views() const { return views_.now; }
-  const Visibility& visibility() const { return visibility_; }
+  const Visibility& visibility() const { return *visibility_; }
 
  private:
   void uploadConstants(const Settings& settings);
@@ -47,7 +54,7 @@ class ViewSet {
   ViewsInTime views_;
   const Settings& settings_;
   FrameShadows* shadows_;
-  HardwareVisibility visibility_;
+  std::unique_ptr<Visibility> visibility_;
   vk::Buffer viewBuffer_, constants_;
   std::deque<FrameSetup> setups_;
   std::deque<FrameContext> frames_;

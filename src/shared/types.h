@@ -77,8 +77,23 @@ struct Material {
   uint textures;  // bit i: texture slot i is present
   uint id;        // the value of the data output material: stable, never 0
   TextureTransform transforms[7];
-  uint images[7];  // by slot: its texture among the scene's, where shaders find textures by index
+  uint images[7];  // by slot: its texture and sampler among the scene's, where shaders find them by index
 };
+// A texture and its sampler, for shaders that filter themselves: where the device has no descriptor indexing.
+struct TextureRecord {  // 28 bytes
+  uint64_t texels;      // RGBA8, level after level
+  uint width, height;   // of level 0
+  uint levels;
+  uint flags;  // kTexture*
+  uint padding;
+};
+SH_CONST uint kTextureSrgb = 1u;
+SH_CONST uint kTextureMagnifyNearest = 2u;
+SH_CONST uint kTextureMinifyNearest = 4u;
+SH_CONST uint kTextureMipNearest = 8u;
+SH_CONST uint kTextureMipNone = 16u;
+SH_CONST uint kTextureWrapShift = 8u;  // u's, and v's two bits higher: 0 repeat, 1 mirror, 2 clamp
+
 SH_CONST uint kMaterialUnlit = 1u;
 SH_CONST uint kMaterialMasked = 2u;  // alphaCutoff applies
 SH_CONST uint kMaterialDoubleSided = 4u;
@@ -163,6 +178,7 @@ struct FrameConstants {
   uint64_t instances;     // Instance[]
   uint64_t meshes;        // Mesh[]
   uint64_t materials;     // Material[]
+  uint64_t textures;      // TextureRecord[], where compute shaders filter textures themselves; else 0
   uint64_t lights;        // Light[lightCount]: first the directional ones, then the local ones as the tree has them
   uint64_t lightTree;     // LightBox[]
   uint64_t shadowBits;    // ShadowBits[(lightCount + 31) / 32]

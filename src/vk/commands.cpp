@@ -102,13 +102,18 @@ void Commands::bind(const Pipeline& pipeline, std::span<const BoundImage> images
                        push.data());
 }
 
-void Commands::bindSceneSets(const Pipeline& pipeline, std::span<const VkDescriptorSet> sets, uint32_t offset) {
+void Commands::bindSceneSets(const Pipeline& pipeline, std::span<const VkDescriptorSet> sets,
+                             std::span<const uint32_t> offsets) {
   vkCmdBindDescriptorSets(commands_, pipeline.point, pipeline.layout.get(), 1, static_cast<uint32_t>(sets.size()),
-                          sets.data(), 1, &offset);
+                          sets.data(), static_cast<uint32_t>(offsets.size()), offsets.data());
 }
 
 void Commands::dispatch(uint32_t width, uint32_t height, uint32_t layers, uint32_t groupX, uint32_t groupY) {
   vkCmdDispatch(commands_, (width + groupX - 1) / groupX, (height + groupY - 1) / groupY, layers);
+}
+
+void Commands::dispatchIndirect(const Buffer& groups, VkDeviceSize offset) {
+  vkCmdDispatchIndirect(commands_, groups.get(), offset);
 }
 
 }  // namespace latelight::vk

@@ -61,10 +61,12 @@ class Commands {
     static_assert(sizeof(Push) <= 128);
     vkCmdPushConstants(commands_, pipeline.layout.get(), VK_SHADER_STAGE_ALL, 0, sizeof(Push), &push);
   }
-  // Sets 1 and on, with the offset of a DynamicUniform in the last.
-  void bindSceneSets(const Pipeline& pipeline, std::span<const VkDescriptorSet> sets, uint32_t offset);
+  // Sets 1 and on, with an offset for each DynamicUniform among them.
+  void bindSceneSets(const Pipeline& pipeline, std::span<const VkDescriptorSet> sets,
+                     std::span<const uint32_t> offsets = {});
   // Enough workgroups of `groupX` by `groupY` for `width` by `height` invocations, `layers` deep.
   void dispatch(uint32_t width, uint32_t height, uint32_t layers, uint32_t groupX, uint32_t groupY);
+  void dispatchIndirect(const Buffer& groups, VkDeviceSize offset);  // three counts of workgroups lie there
 
  private:
   Device& device_;

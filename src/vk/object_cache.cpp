@@ -42,7 +42,7 @@ class Key {
 };
 
 std::string keyOf(const ComputeDesc& d) {
-  return Key().add('c').add(d.shader).add(d.bindings).add(d.constants).add(d.pushBytes).add(d.code).take();
+  return Key().add('c').add(d.shader).add(d.bindings).add(d.sceneSets).add(d.constants).add(d.pushBytes).add(d.code).take();
 }
 
 std::string keyOf(const GraphicsDesc& d) {

@@ -58,6 +58,7 @@ struct Pipeline {
 struct ComputeDesc {
   std::string shader;
   std::vector<Binding> bindings;
+  std::vector<std::vector<Binding>> sceneSets{};  // sets 1 and on
   std::vector<Constant> constants;
   uint32_t pushBytes = 0;  // of the push constants that will be set; 0: not declared, and not checked
   std::string name;

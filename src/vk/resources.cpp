@@ -18,12 +18,35 @@ uint64_t number(T object) {
 constexpr VkImageUsageFlags kAttachment =
     VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT;
 
+// What sRGB images are written as in compute shaders, which encode colours themselves: no sRGB format has storage.
+VkFormat linearFormat(VkFormat format) {
+  switch (format) {
+    case VK_FORMAT_R8G8B8A8_SRGB:
+      return VK_FORMAT_R8G8B8A8_UNORM;
+    case VK_FORMAT_B8G8R8A8_SRGB:
+      return VK_FORMAT_B8G8R8A8_UNORM;
+    default:
+      return format;
+  }
+}
+
+bool isWrittenLinear(const ImageDesc& desc) {
+  return (desc.usage & VK_IMAGE_USAGE_STORAGE_BIT) && linearFormat(desc.format) != desc.format;
+}
+
+VkImageCreateFlags flagsOf(const ImageDesc& desc) {
+  return isWrittenLinear(desc) ? VK_IMAGE_CREATE_MUTABLE_FORMAT_BIT | VK_IMAGE_CREATE_EXTENDED_USAGE_BIT : 0;
+}
+
 VkImageView makeView(Device& device, VkImage image, const ImageDesc& desc, VkImageViewType type, uint32_t firstLayer,
-                     uint32_t layers, uint32_t levels) {
+                     uint32_t layers, uint32_t levels, bool storage = false) {
   VkImageViewCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
   info.image = image;
   info.viewType = type;
-  info.format = desc.format;
+  info.format = storage ? linearFormat(desc.format) : desc.format;
+  VkImageViewUsageCreateInfo usage{VK_STRUCTURE_TYPE_IMAGE_VIEW_USAGE_CREATE_INFO};
+  usage.usage = storage ? VK_IMAGE_USAGE_STORAGE_BIT : desc.usage & ~VK_IMAGE_USAGE_STORAGE_BIT;
+  if (isWrittenLinear(desc)) info.pNext = &usage;
   // Sampled views, which cover whole arrays, read one aspect of depth and stencil; attachments, which are single
   // layers, have both.
   VkImageAspectFlags aspect = isDepth(desc.format) ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
@@ -58,6 +81,7 @@ bool isHostTexture(Device& device, const ImageDesc& desc) {
 
 VkImageCreateInfo imageInfo(const ImageDesc& desc, bool hostTexture) {
   VkImageCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO};
+  info.flags = flagsOf(desc);
   info.imageType = VK_IMAGE_TYPE_2D;
   info.format = desc.format;
   const VkExtent2D size = baseSize(desc);
@@ -81,7 +105,8 @@ void checkSize(Device& device, const ImageDesc& desc) {
          desc.width, desc.height, desc.layers, desc.name, device.info().name, most, most, limits.maxImageArrayLayers);
   VkImageFormatProperties properties;
   const VkResult result = vkGetPhysicalDeviceImageFormatProperties(device.physical(), desc.format, VK_IMAGE_TYPE_2D,
-                                                                   VK_IMAGE_TILING_OPTIMAL, desc.usage, 0, &properties);
+                                                                   VK_IMAGE_TILING_OPTIMAL, desc.usage, flagsOf(desc),
+                                                                   &properties);
   if (result != VK_SUCCESS || !(properties.sampleCounts & desc.samples))
     fail(ExitCode::NoDevice, "{} has no {} images with {} samples for usage {:#x} ({}): choose another device.",
          device.info().name, formatName(desc.format), desc.samples, desc.usage, desc.name);
@@ -204,6 +229,8 @@ void Image::bind(VkDeviceMemory memory, VkDeviceSize offset) {
   constexpr VkImageUsageFlags kViewed = kAttachment | VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_STORAGE_BIT;
   if (!(desc_.usage & kViewed)) return;
   arrayView_ = makeView(device, image_, desc_, VK_IMAGE_VIEW_TYPE_2D_ARRAY, 0, desc_.layers, desc_.levels);
+  if (isWrittenLinear(desc_))
+    storageView_ = makeView(device, image_, desc_, VK_IMAGE_VIEW_TYPE_2D_ARRAY, 0, desc_.layers, 1, true);
   // An attachment's view has one level, a texture's has all.
   const uint32_t levels = desc_.layers == 1 && !(desc_.usage & kAttachment) ? desc_.levels : 1;
   for (uint32_t layer = 0; layer < desc_.layers; ++layer)
@@ -219,6 +246,7 @@ Image& Image::operator=(Image&& other) noexcept {
   std::swap(desc_, other.desc_);
   std::swap(image_, other.image_);
   std::swap(arrayView_, other.arrayView_);
+  std::swap(storageView_, other.storageView_);
   std::swap(layerViews_, other.layerViews_);
   std::swap(hostWritable_, other.hostWritable_);
   std::swap(allocation_, other.allocation_);
@@ -227,7 +255,7 @@ Image& Image::operator=(Image&& other) noexcept {
 
 Image::~Image() {
   if (!image_) return;
-  layerViews_.push_back(arrayView_);
+  layerViews_.insert(layerViews_.end(), {arrayView_, storageView_});
   device_->deferDeletion([device = device_, image = image_, views = std::move(layerViews_), allocation = allocation_] {
     for (VkImageView view : views) vkDestroyImageView(device->get(), view, nullptr);
     vkDestroyImage(device->get(), image, nullptr);

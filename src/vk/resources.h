@@ -90,6 +90,8 @@ class Image {
   const ImageDesc& desc() const { return desc_; }
   VkImageAspectFlags aspect() const;
   VkImageView arrayView() const { return arrayView_; }  // 2D_ARRAY, all layers and levels
+  // The same to be written by compute shaders. An sRGB image is written as it lies in memory: they encode its colours.
+  VkImageView storageView() const { return storageView_ ? storageView_ : arrayView_; }
   VkImageView layerView(uint32_t layer) const;          // 2D, one layer, level 0: attachments, textures
   VkImageView view() const { return layerView(0); }     // 2D, layer 0, all levels where layers == 1
   explicit operator bool() const { return image_ != VK_NULL_HANDLE; }
@@ -104,7 +106,7 @@ class Image {
   Device* device_ = nullptr;
   ImageDesc desc_;
   VkImage image_ = VK_NULL_HANDLE;
-  VkImageView arrayView_ = VK_NULL_HANDLE;
+  VkImageView arrayView_ = VK_NULL_HANDLE, storageView_ = VK_NULL_HANDLE;
   std::vector<VkImageView> layerViews_;
   Allocation allocation_;  // none in a heap
   mutable bool hostWritable_ = false;

@@ -34,6 +34,11 @@ void RenderTest::TearDown() {
   for (const std::string& message : device().validationMessages()) ADD_FAILURE() << message;
 }
 
+Raster testRaster() {
+  const char* name = std::getenv("LATELIGHT_TEST_RASTER");
+  return name && *name ? choiceNamed<Raster>(name).value() : Raster::Hardware;
+}
+
 std::string caseName(const testing::TestParamInfo<std::string>& info) {
   return info.param.substr(0, info.param.find('.'));
 }

@@ -31,11 +31,15 @@ class RenderTest : public testing::Test {
 // A test's name, of a file's.
 std::string caseName(const testing::TestParamInfo<std::string>& info);
 
+// LATELIGHT_TEST_RASTER=compute: the raster of all tests that say none themselves.
+Raster testRaster();
+
 inline Settings settingsOf(uint32_t width, uint32_t height, std::vector<output::Aov> aovs = {}) {
   Settings settings;
   settings.width = width;
   settings.height = height;
   settings.display = false;
+  settings.raster = testRaster();
   settings.shadows = ShadowFormat::None;             // most tests know what unshadowed light is
   settings.lighting = &findTechnique("fullscreen");  // the reference
   settings.aovs = std::move(aovs);

@@ -40,8 +40,7 @@ void GpuMaterials::update(vk::Uploader& uploader, std::span<const uint32_t> chan
   records_.resize(scene_.materials.size());
   for (const uint32_t material : changed) {
     shared::Material& record = records_[material] = scene_.materials[material].data;
-    const TextureIndices indices = textures_.sets().indices(material);
-    std::ranges::copy(indices, record.images);
+    std::ranges::copy(textures_.indices(material), record.images);
     textureSlots_ |= record.textures;
   }
   if (records_.empty()) return;

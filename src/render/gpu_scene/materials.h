@@ -27,6 +27,9 @@ class GpuMaterials {
 
   const shared::Material& record(uint32_t material) const { return records_[material]; }
   MaterialSets sets(uint32_t material) const;
+  VkDescriptorSet textureSet() const { return textures_.sets().set(0); }  // of all materials: where they are indexed
+  void keepTexels(vk::Uploader& uploader) { textures_.keepTexels(uploader); }
+  VkDeviceAddress textureRecords() const { return textures_.records(); }
   static std::vector<std::vector<vk::Binding>> setBindings(const vk::Device& device);  // of sets 1 and 2
   // What shaders are made for: bit i where a material has, or had, a texture in slot i. All bits but on a CPU device,
   // which takes its time to compile a slot; elsewhere all scenes share their pipelines.

@@ -1,7 +1,5 @@
 #include "render/gpu_scene/texture_sets.h"
 
-#include <algorithm>
-#include <map>
 #include <utility>
 
 #include "base/error.h"
@@ -21,7 +19,6 @@ class BoundTextures final : public TextureSets {
       : device_(device), scene_(scene), textures_(textures) {}
   void update(std::span<const uint32_t> materials) override;
   VkDescriptorSet set(uint32_t material) const override { return sets_[material].set; }
-  TextureIndices indices(uint32_t) const override { return {}; }
 
  private:
   struct Set {
@@ -83,53 +80,30 @@ BoundTextures::Set BoundTextures::allocate() {
 
 class IndexedTextures final : public TextureSets {
  public:
-  IndexedTextures(vk::Device& device, const scene::Scene& scene, const GpuTextures& textures)
-      : device_(device), scene_(scene), textures_(textures) {}
+  IndexedTextures(vk::Device& device, const GpuTextures& textures) : device_(device), textures_(textures) {}
   void update(std::span<const uint32_t> materials) override;
   VkDescriptorSet set(uint32_t) const override { return set_; }
-  TextureIndices indices(uint32_t material) const override { return indices_[material]; }
 
  private:
-  uint32_t indexOf(uint32_t material, uint32_t slot);
   void renew(const std::vector<VkDescriptorImageInfo>& images);
 
-  struct Entry {
-    VkImageView view;
-    scene::Sampler sampler;
-  };
   vk::Device& device_;
-  const scene::Scene& scene_;
   const GpuTextures& textures_;
-  std::vector<Entry> entries_;  // none is ever taken away: there are no more than pairs of textures and samplers
-  std::map<VkImageView, std::vector<uint32_t>> entriesOf_;
-  std::vector<TextureIndices> indices_;  // by material
-  std::vector<VkSampler> samplers_;      // of the entries that the set has
-  vk::Handle<VkDescriptorPool> pool_;    // of this set alone
+  std::vector<VkSampler> samplers_;    // of the entries that the set has
+  vk::Handle<VkDescriptorPool> pool_;  // of this set alone
   VkDescriptorSet set_ = VK_NULL_HANDLE;
 };
 
-uint32_t IndexedTextures::indexOf(uint32_t material, uint32_t slot) {
-  const Entry wanted{textures_.view(material, slot), scene_.materials[material].slots[slot].sampler};
-  std::vector<uint32_t>& known = entriesOf_[wanted.view];
-  for (const uint32_t index : known)
-    if (entries_[index].sampler == wanted.sampler) return index;
-  if (entries_.size() >= device_.maxTextureArray())
+void IndexedTextures::update(std::span<const uint32_t>) {
+  if (textures_.entries().size() > device_.maxTextureArray())
     badInput("the scene's materials use more textures than the device can index, {}", device_.maxTextureArray());
-  entries_.push_back(wanted);
-  return known.emplace_back(static_cast<uint32_t>(entries_.size() - 1));
-}
-
-void IndexedTextures::update(std::span<const uint32_t> materials) {
-  indices_.resize(scene_.materials.size());
-  for (const uint32_t material : materials)
-    for (uint32_t slot = 0; slot < shared::kTextureCount; ++slot) indices_[material][slot] = indexOf(material, slot);
   std::vector<VkDescriptorImageInfo> images;
   std::vector<VkSampler> samplers;
-  for (const Entry& entry : entries_) {
+  for (const GpuTextures::Entry& entry : textures_.entries()) {
     samplers.push_back(textures_.sampler(entry.sampler));
-    images.push_back({samplers.back(), entry.view, VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL});
+    images.push_back({samplers.back(), textures_.view(entry), VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL});
   }
-  if (samplers == samplers_ || images.empty()) return;
+  if (samplers == samplers_) return;
   samplers_ = std::move(samplers);
   renew(images);
 }
@@ -168,7 +142,7 @@ void IndexedTextures::renew(const std::vector<VkDescriptorImageInfo>& images) {
 
 std::unique_ptr<TextureSets> makeTextureSets(vk::Device& device, const scene::Scene& scene,
                                              const GpuTextures& textures) {
-  if (device.maxTextureArray() > 0) return std::make_unique<IndexedTextures>(device, scene, textures);
+  if (device.maxTextureArray() > 0) return std::make_unique<IndexedTextures>(device, textures);
   return std::make_unique<BoundTextures>(device, scene, textures);
 }
 

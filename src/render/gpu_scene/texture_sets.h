@@ -28,7 +28,6 @@ class TextureSets {
   // they are until those have finished.
   virtual void update(std::span<const uint32_t> materials) = 0;
   virtual VkDescriptorSet set(uint32_t material) const = 0;
-  virtual TextureIndices indices(uint32_t material) const = 0;  // by slot; Material::images
 };
 
 std::unique_ptr<TextureSets> makeTextureSets(vk::Device& device, const scene::Scene& scene,

@@ -1,7 +1,9 @@
 #include "render/gpu_scene/textures.h"
 
+#include <algorithm>
 #include <array>
 #include <numeric>
+#include <utility>
 
 #include "render/texture_kinds.h"
 #include "vk/object_cache.h"
@@ -22,6 +24,10 @@ VkSamplerAddressMode addressMode(scene::Wrap wrap) {
   return VK_SAMPLER_ADDRESS_MODE_REPEAT;
 }
 
+uint32_t wrapBits(scene::Wrap wrap) {
+  return wrap == scene::Wrap::Clamp ? 2 : wrap == scene::Wrap::Mirror ? 1 : 0;
+}
+
 bool holdsColor(uint32_t slot) {
   return slot == shared::kTextureBaseColor || slot == shared::kTextureEmissive || slot == shared::kTextureSpecularColor;
 }
@@ -36,6 +42,7 @@ GpuTextures::GpuTextures(vk::Device& device, const scene::Scene& scene, vk::Uplo
     : device_(device),
       scene_(scene),
       sizesAlike_(makesSizesAlike(device, scene.textures)),
+      records_(device, "texture records"),
       sets_(makeTextureSets(device, scene, *this)) {
   uploadEmptyTextures(uploader);
 }
@@ -53,7 +60,55 @@ void GpuTextures::update(vk::Uploader& uploader, std::span<const uint32_t> mater
                                .oddBase = sizesAlike_ && getsOddBase(device_, texture.width, texture.height)});
     uploader.upload(image, {texture.pixels.get(), texture.bytes()});
   }
+  indices_.resize(scene_.materials.size());
+  for (const uint32_t material : materials) addEntries(material);
+  if (keepsTexels_) uploadTexels(uploader);
   sets_->update(materials);
+}
+
+void GpuTextures::addEntries(uint32_t material) {
+  for (uint32_t slot = 0; slot < shared::kTextureCount; ++slot) {
+    const scene::TextureSlot& bound = scene_.materials[material].slots[slot];
+    uint32_t& index = indices_[material][slot] = 0;
+    if (bound.texture < 0) continue;
+    const auto known = std::ranges::find_if(
+        entries_, [&](const Entry& e) { return e.texture == bound.texture && e.sampler == bound.sampler; });
+    index = static_cast<uint32_t>(known - entries_.begin());
+    if (known == entries_.end()) entries_.push_back({bound.texture, bound.sampler});
+  }
+}
+
+void GpuTextures::keepTexels(vk::Uploader& uploader) {
+  if (std::exchange(keepsTexels_, true)) return;
+  uploadTexels(uploader);
+}
+
+void GpuTextures::uploadTexels(vk::Uploader& uploader) {
+  while (texels_.size() < scene_.textures.size()) {
+    const scene::Texture& texture = scene_.textures[texels_.size()];
+    texels_.emplace_back(device_, vk::BufferDesc{.size = texture.bytes(), .name = texture.name});
+    uploader.upload(texels_.back(), {texture.pixels.get(), texture.bytes()});
+  }
+  std::vector<shared::TextureRecord> records;
+  for (const Entry& entry : entries_) records.push_back(recordOf(entry));
+  records_.upload(uploader, records);
+}
+
+shared::TextureRecord GpuTextures::recordOf(const Entry& entry) const {
+  if (entry.texture < 0) return {};
+  const scene::Texture& texture = scene_.textures[static_cast<size_t>(entry.texture)];
+  const scene::Sampler& s = entry.sampler;
+  uint32_t flags = texture.srgb ? shared::kTextureSrgb : 0;
+  if (s.magnify == scene::Filter::Nearest) flags |= shared::kTextureMagnifyNearest;
+  if (s.minify == scene::Filter::Nearest) flags |= shared::kTextureMinifyNearest;
+  if (s.mip == scene::MipFilter::Nearest) flags |= shared::kTextureMipNearest;
+  if (s.mip == scene::MipFilter::None) flags |= shared::kTextureMipNone;
+  flags |= (wrapBits(s.wrapU) | wrapBits(s.wrapV) << 2) << shared::kTextureWrapShift;
+  return {.texels = texels_[static_cast<size_t>(entry.texture)].address(),
+          .width = texture.width,
+          .height = texture.height,
+          .levels = texture.levels,
+          .flags = flags};
 }
 
 // What an empty slot is bound to. Never sampled: Material::textures says which slots hold a texture. A full texture of
@@ -71,6 +126,10 @@ void GpuTextures::uploadEmptyTextures(vk::Uploader& uploader) {
     static constexpr std::array<std::byte, 5 * 4> kBlack{};
     uploader.upload(empty, kBlack);
   }
+}
+
+VkImageView GpuTextures::view(const Entry& entry) const {
+  return (entry.texture >= 0 ? textures_[static_cast<size_t>(entry.texture)] : emptyTextures_.front()).view();
 }
 
 VkImageView GpuTextures::view(uint32_t material, uint32_t slot) const {

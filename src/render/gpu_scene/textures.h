@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "render/gpu_scene/buffer.h"
 #include "render/gpu_scene/texture_sets.h"
 #include "scene/scene.h"
 #include "vk/resources.h"
@@ -21,13 +22,30 @@ class GpuTextures {
   // Samples of a texture along a pixel's footprint, at most: 1 (none) at first.
   void setAnisotropy(uint32_t samples);
 
+  // Every pair of texture and sampler that a material uses, or has used; the first is of no texture. By slot of a
+  // material: Material::images.
+  struct Entry {
+    int texture = -1;  // of the scene
+    scene::Sampler sampler;
+  };
+  std::span<const Entry> entries() const { return entries_; }
+  const TextureIndices& indices(uint32_t material) const { return indices_[material]; }
+
   const TextureSets& sets() const { return *sets_; }
-  // What a slot of a material is bound to, and its view; where it has no texture, one that is never sampled.
+  VkImageView view(const Entry& entry) const;
+  // What a slot of a material is bound to; where it has no texture, one that is never sampled.
   VkImageView view(uint32_t material, uint32_t slot) const;
   VkSampler sampler(const scene::Sampler& sampler) const;
 
+  // From now on texels are kept in buffers too, for shaders that filter themselves (texels.glsl).
+  void keepTexels(vk::Uploader& uploader);
+  VkDeviceAddress records() const { return records_.address(); }  // shared::TextureRecord[], by entry; 0: not kept
+
  private:
   void uploadEmptyTextures(vk::Uploader& uploader);
+  void uploadTexels(vk::Uploader& uploader);
+  void addEntries(uint32_t material);
+  shared::TextureRecord recordOf(const Entry& entry) const;
 
   vk::Device& device_;
   const scene::Scene& scene_;
@@ -35,6 +53,11 @@ class GpuTextures {
   uint32_t anisotropy_ = 1;
   std::vector<vk::Image> textures_;
   std::vector<vk::Image> emptyTextures_;  // linear, sRGB
+  std::vector<Entry> entries_{1};
+  std::vector<TextureIndices> indices_;  // by material
+  bool keepsTexels_ = false;
+  std::vector<vk::Buffer> texels_;  // by texture
+  GpuList<shared::TextureRecord> records_;
   std::unique_ptr<TextureSets> sets_;
 };
 

@@ -44,18 +44,19 @@ void recordFaces(graph::Context& context, const GpuScene& scene, SceneBinder& bi
 }  // namespace
 
 void addSortedTransparency(const FrameContext& f, const Gbuffer& gbuffer) {
-  const DeviceDraws& draws = hardwareOf(f, "sorted transparency").blended();
+  const DeviceDraws& draws = f.visibility.drawn().blended();
+  const graph::ImageId depth = attachableDepth(f, gbuffer.depth);
   const Bindings maps = litMaps(f, gbuffer, graph::Use::SampledFragment);
   const ScenePipelines pipelines =
       blendedPipelines(f, maps, {.fragment = "blended_over.frag", .colors = {kLightFormat}, .blend = vk::Blend::Over});
   std::vector<graph::Access> accesses = maps.accesses();
-  accesses.emplace_back(gbuffer.depth, graph::Use::DepthTest);
+  accesses.emplace_back(depth, graph::Use::DepthTest);
   accesses.emplace_back(gbuffer.light, graph::Use::ColorAttachmentLoad);
   f.graph.pass(graph::Stage::Transparency, "transparency sorted", std::move(accesses),
                [=, &f, &draws](graph::Context& context) {
                  const std::vector<vk::BoundImage> images = maps.images(context);
                  for (uint32_t view = 0; view < f.viewCount(); ++view) {
-                   beginView(context, f, view, {&gbuffer.light, 1}, {gbuffer.depth, false}, ColorUse::Keep);
+                   beginView(context, f, view, {&gbuffer.light, 1}, {depth, false}, ColorUse::Keep);
                    SceneBinder binder(context, f.scene, draws, {f.constants, f.viewBuffer, view}, pipelines, images);
                    for (const Draw& draw : backToFront(f, draws, view)) recordFaces(context, f.scene, binder, draw);
                    vkCmdEndRendering(context.get());

@@ -9,7 +9,8 @@
 namespace latelight::render {
 
 void addWeightedTransparency(const FrameContext& f, const Gbuffer& gbuffer) {
-  const DeviceDraws& draws = hardwareOf(f, "weighted transparency").blended();
+  const DeviceDraws& draws = f.visibility.drawn().blended();
+  const graph::ImageId depth = attachableDepth(f, gbuffer.depth);
   const VkFormat format = lightSumFormat(f.device);
   const std::vector<graph::ImageId> sums{createTarget(f, format, "weighted colours"),
                                          createTarget(f, format, "weights")};
@@ -17,13 +18,13 @@ void addWeightedTransparency(const FrameContext& f, const Gbuffer& gbuffer) {
   const ScenePipelines pipelines = blendedPipelines(
       f, maps, {.fragment = "blended_weighted.frag", .colors = {format, format}, .blend = vk::Blend::SumAndOver});
   std::vector<graph::Access> accesses = maps.accesses();
-  accesses.emplace_back(gbuffer.depth, graph::Use::DepthTest);
+  accesses.emplace_back(depth, graph::Use::DepthTest);
   for (graph::ImageId sum : sums) accesses.emplace_back(sum, graph::Use::ColorAttachment);
   f.graph.pass(graph::Stage::Transparency, "transparency weighted", std::move(accesses),
                [=, &f, &draws](graph::Context& context) {
                  const std::vector<vk::BoundImage> images = maps.images(context);
                  for (uint32_t view = 0; view < f.viewCount(); ++view) {
-                   beginView(context, f, view, sums, {gbuffer.depth, false});
+                   beginView(context, f, view, sums, {depth, false});
                    SceneBinder binder(context, f.scene, draws, {f.constants, f.viewBuffer, view}, pipelines, images);
                    recordDraws(context, f.scene, binder, draws[view]);
                    vkCmdEndRendering(context.get());

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "render/gbuffer/layout.h"
+
 namespace latelight::render {
 
 namespace {
@@ -110,7 +112,7 @@ const vk::Pipeline& SceneBinder::bind(const Draw& draw) {
   }
   if (material_ != draw.material) {
     const MaterialSets bound = scene_.materials().sets(draw.material);
-    context_.commands().bindSceneSets(pipeline, bound.sets, bound.offset);
+    context_.commands().bindSceneSets(pipeline, bound.sets, std::span(&bound.offset, 1));
     const bool doubleSided = (material.flags & shared::kMaterialDoubleSided) != 0;
     vkCmdSetCullMode(commands, doubleSided ? VK_CULL_MODE_NONE : VK_CULL_MODE_BACK_BIT);
     material_ = draw.material;
@@ -136,6 +138,33 @@ void recordDraws(graph::Context& context, const GpuScene& scene, SceneBinder& bi
     binder.bind(draw);
     recordDraw(context, scene, draw);
   }
+}
+
+graph::ImageId attachableDepth(const FrameContext& f, graph::ImageId depth) {
+  if (vk::isDepth(f.graph.desc(depth).format)) return depth;
+  Bindings bindings(f.device, graph::Use::SampledFragment);
+  bindings.sampled(depth);
+  vk::GraphicsDesc desc;
+  desc.vertex = "screen.vert";
+  desc.fragment = "depth_copy.frag";
+  desc.bindings = bindings.kinds();
+  desc.pushBytes = sizeof(uint32_t);
+  desc.depth = kDepthFormat;
+  desc.depthCompare = VK_COMPARE_OP_ALWAYS;
+  desc.name = "depth copy";
+  const vk::PipelineRef pipeline = f.device.cache().pipeline(desc);
+  const graph::ImageId copy = createTarget(f, kDepthFormat, "depth to test against");
+  f.graph.pass(graph::Stage::Transparency, "depth copy",
+               {{copy, graph::Use::DepthAttachment}, {depth, graph::Use::SampledFragment}},
+               [=, &f](graph::Context& context) {
+                 for (uint32_t view = 0; view < f.viewCount(); ++view) {
+                   beginView(context, f, view, {}, {copy, true});
+                   context.commands().bind(pipeline.get(), bindings.images(context), view);
+                   recordScreen(context);
+                   vkCmdEndRendering(context.get());
+                 }
+               });
+  return copy;
 }
 
 void recordScreen(graph::Context& context) {

@@ -77,6 +77,9 @@ void pushMore(graph::Context& context, const vk::Pipeline& pipeline, const More&
                      &more);
 }
 
+// A frame's depth as draws can be tested against it: a copy where compute shaders found it.
+graph::ImageId attachableDepth(const FrameContext& f, graph::ImageId depth);
+
 // One triangle over the picture, seen from both sides.
 void recordScreen(graph::Context& context);
 

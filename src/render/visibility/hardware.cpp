@@ -166,7 +166,7 @@ void HardwareVisibility::addFragments(const FrameContext& f, const Gbuffer& gbuf
                              .fragment = shaderVariant("blended_store.frag", samples),
                              .pushBytes = pushBytesWith<shared::FragmentDraw>(),
                              .samples = samples};
-  const graph::ImageId depth = samples > 1 ? gbuffer.sampleDepth : gbuffer.depth;
+  const graph::ImageId depth = attachableDepth(f, samples > 1 ? gbuffer.sampleDepth : gbuffer.depth);
   const Bindings maps = litMaps(f, gbuffer, graph::Use::SampledFragment);
   const ScenePipelines pipelines = blendedPipelines(f, maps, target);
   std::vector<graph::Access> accesses = maps.accesses();

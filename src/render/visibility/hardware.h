@@ -27,6 +27,7 @@ class HardwareVisibility final : public Visibility {
   void addShadowMaps(const FrameContext& f, graph::ImageId atlas) const override;
   void addFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers) const override;
   bool anyBlended() const override;
+  const HardwareVisibility& drawn() const override { return *this; }
 
   // What techniques draw that have shaders of their own.
   const DeviceDraws& solid() const { return solid_; }      // a list a view

@@ -16,6 +16,8 @@ struct FragmentBuffers {
   uint32_t capacity;  // fragments
 };
 
+class HardwareVisibility;
+
 class Visibility {
  public:
   virtual ~Visibility() = default;
@@ -33,6 +35,8 @@ class Visibility {
   // Lit fragments of blended surfaces that nothing hides, in no order.
   virtual void addFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers) const = 0;
   virtual bool anyBlended() const = 0;  // of its views, does any show blended surfaces?
+  // For techniques that draw blended surfaces themselves.
+  virtual const HardwareVisibility& drawn() const = 0;
 };
 
 }  // namespace latelight::render

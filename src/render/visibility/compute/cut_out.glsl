@@ -1,0 +1,10 @@
+// Whether alpha takes away what a triangle has in a pixel. After raster.glsl and surface_point.glsl.
+bool cutOutAt(uint viewIndex, ivec2 pixel, uint id) {
+  FrameConstants frame = FrameRef(push.buffers.frame).v;
+#ifndef TEXTURES_BY_INDEX
+  textureRecords = frame.textures;
+#endif
+  SeenTriangle t = seenTriangle(frame, push.buffers.ranks, push.ranks, id);
+  SurfacePoint p = seenPoint(frame, frameView(frame, viewIndex), t, vec2(pixel) + 0.5);
+  return cutOut(frameMaterial(frame, frameInstance(frame, t.rank.instance).material), p);
+}

@@ -1,0 +1,37 @@
+// The instances of a scene in the order of drawing, numbered so that every triangle of them has an id of 32 bits: what
+// the visibility buffer holds.
+#pragma once
+
+#include <vector>
+
+#include "render/gpu_scene/buffer.h"
+#include "render/visibility/compute/raster_push.h"
+#include "render/visibility/draw_order.h"
+
+namespace latelight::render {
+
+class InstanceRanks {
+ public:
+  explicit InstanceRanks(vk::Device& device) : list_(device, "instances in order") {}
+  // Follows the scene; costs nothing where no instance has changed. What the device lacks is uploaded with `uploader`.
+  void update(const GpuScene& scene, const DrawOrder& order, vk::Uploader& uploader);
+
+  VkDeviceAddress address() const {
+    return list_.address();
+  }                                  // shared::RankedInstance[]: solid ones, then blended ones
+  struct Share {                     // the solid ones, or all of them
+    uint32_t ranks = 0, cutOut = 0;  // instances; those whose alpha takes parts of them away
+    uint64_t parts = 0;              // of kRasterGroup triangles, in all
+  };
+  const Share& solid() const { return solid_; }
+  const Share& all() const { return all_; }
+  bool anyBlended() const { return all_.ranks > solid_.ranks; }
+
+ private:
+  std::vector<shared::RankedInstance> records_;
+  GpuList<shared::RankedInstance> list_;
+  Share solid_, all_;
+  uint64_t instances_ = 0, materials_ = 0;  // revisions that it follows
+};
+
+}  // namespace latelight::render

@@ -1,0 +1,19 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// The workgroups of the next indirect dispatch: one for each entry of a queue, in rows of kRasterRow.
+#include "render/glsl/common.glsl"
+#include "render/visibility/compute/raster_push.h"
+
+layout(local_size_x = 1) in;
+layout(push_constant, scalar) uniform Push { RasterArgumentsPush push; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer CountersRef { RasterCounters v; };
+
+void main() {
+  CountersRef counters = CountersRef(push.counters);
+  uint count = push.which == kQueueWork      ? counters.v.work
+               : push.which == kQueueClipped ? (counters.v.clipped + 63u) / 64u
+               : push.which == kQueueLarge   ? counters.v.large
+                                             : counters.v.jobs;
+  count = min(count, push.room);
+  counters.v.groups = uvec3(min(count, kRasterRow), (count + kRasterRow - 1u) / kRasterRow, 1u);
+}

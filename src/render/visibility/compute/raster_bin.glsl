@@ -1,0 +1,18 @@
+// A workgroup a large triangle: BIN(tile, triangle) for each tile that it touches.
+#include "render/visibility/compute/raster_tile.glsl"
+
+layout(local_size_x = 32) in;
+
+void main() {
+  uint number = groupNumber();
+  if (number >= min(CountersRef(push.buffers.counters).v.large, push.largeRoom)) return;
+  LargeTriangle large = LargeRef(push.buffers.large).v[number];
+  Triangle t = triangleOf(large);
+  PixelBox box = onScreen(pixelsOf(t));
+  uvec2 low = uvec2(box.low) / kRasterTile, size = uvec2(box.high) / kRasterTile - low + 1u, tiles = tilesOfView();
+  TilesRef table = TilesRef(push.buffers.tiles);
+  for (uint i = gl_LocalInvocationIndex; i < size.x * size.y; i += 32u) {
+    uvec2 tile = low + uvec2(i % size.x, i / size.x);
+    if (touches(t, ivec2(tile * kRasterTile), int(kRasterTile))) BIN((large.view * tiles.y + tile.y) * tiles.x + tile.x, number);
+  }
+}

@@ -1,0 +1,67 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Triangles that cross the near or far plane, or reach beyond the guard band: what remains of each, as a fan of large
+// triangles. A crossing is computed from the inside end of its edge to the outside one, whichever triangle asks, so that
+// neighbours get the very same vertex.
+#include "render/visibility/compute/raster.glsl"
+
+layout(local_size_x = 64) in;
+
+const uint kMostCorners = 9u;
+
+struct Polygon {
+  vec4 corners[kMostCorners];
+  uint count;
+};
+
+vec4 crossing(vec4 inside, vec4 outside, uint plane) {
+  precise float near = planeDistance(inside, plane), far = planeDistance(outside, plane);
+  precise float t = near / (near - far);
+  precise vec4 at = inside + (outside - inside) * t;
+  return at;
+}
+
+Polygon clip(Polygon p, uint plane) {
+  Polygon kept;
+  kept.count = 0u;
+  for (uint i = 0u; i < p.count; ++i) {
+    vec4 from = p.corners[i], to = p.corners[i + 1u < p.count ? i + 1u : 0u];
+    bool fromInside = planeDistance(from, plane) >= 0.0, toInside = planeDistance(to, plane) >= 0.0;
+    if (fromInside && kept.count < kMostCorners) kept.corners[kept.count++] = from;
+    if (fromInside != toInside && kept.count < kMostCorners)
+      kept.corners[kept.count++] = fromInside ? crossing(from, to, plane) : crossing(to, from, plane);
+  }
+  return kept;
+}
+
+bool isFinite(vec4 v) { return !any(isnan(v)) && !any(isinf(v)); }
+
+void main() {
+  uint index = groupNumber() * 64u + gl_LocalInvocationIndex;
+  if (index >= min(CountersRef(push.buffers.counters).v.clipped, push.clippedRoom)) return;
+  ClippedTriangle work = ClippedRef(push.buffers.clipped).v[index];
+  RankedInstance r = RankRef(push.buffers.ranks).v[work.rank];
+  FrameConstants frame = FrameRef(push.buffers.frame).v;
+  View view = frameView(frame, work.view);
+  mat4x3 toWorld = frameInstance(frame, r.instance).objectToWorld;
+  Mesh mesh = frameMesh(frame, r.mesh);
+  uvec3 indices = triangleIndices(mesh, work.triangle);
+  PositionRef positions = PositionRef(mesh.positions);
+  Polygon p;
+  for (uint i = 0u; i < 3u; ++i) {
+    p.corners[i] = clipPosition(view, toWorld, positions.v[indices[i]]);
+    if (!isFinite(p.corners[i])) return;
+  }
+  p.count = 3u;
+  for (uint plane = 0u; plane < 6u; ++plane) p = clip(p, plane);
+  if (p.count < 3u) return;
+  ScreenVertex first = screenVertex(p.corners[0]), before = screenVertex(p.corners[1]);
+  for (uint i = 2u; i < p.count; ++i) {
+    ScreenVertex next = screenVertex(p.corners[i]);
+    Triangle t = Triangle(first.at, before.at, next.at, vec3(first.depth, before.depth, next.depth),
+                          r.firstTriangle + work.triangle + 1u);
+    before = next;
+    if (isEmpty(onScreen(pixelsOf(t)))) continue;
+    if (orient(t, (r.flags & kRankDoubleSided) != 0u, (r.flags & kRankMirrored) != 0u)) pushLarge(work.view, t);
+  }
+}

@@ -1,0 +1,9 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// variants: textured
+// Triangles of instances whose alpha takes parts of them away.
+#include "render/visibility/compute/raster.glsl"
+#include "render/visibility/compute/surface_point.glsl"
+#include "render/visibility/compute/cut_out.glsl"
+#define CUT_OUT
+#include "render/visibility/compute/raster_groups.glsl"

@@ -1,0 +1,9 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Lists the large triangles of each tile, in no order.
+#define BIN(tile, triangle)                                             \
+  {                                                                     \
+    uint place = atomicAdd(table.v[2u * (tile) + 1u], 1u);              \
+    if (place < push.entryRoom) EntriesRef(push.buffers.entries).v[place] = triangle; \
+  }
+#include "render/visibility/compute/raster_bin.glsl"

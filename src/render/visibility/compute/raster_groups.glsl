@@ -1,0 +1,117 @@
+// A thread a triangle: small ones are rasterized at once; those of some size by the whole workgroup, one after the other;
+// large ones, and those that cross the volume's planes, are queued. After raster.glsl; CUT_OUT: after cut_out.glsl.
+
+layout(local_size_x = 128) in;
+
+const int kSmallBox = 24;    // pixels
+const int kLargestSide = 127;  // pixels of a box in which edges fit into 32 bits: 2 (127 * 256)^2 < 2^31
+
+shared uint mediumCount;
+shared Triangle medium[128];
+
+struct Edges {  // weights of the corners at a pixel's centre, and what they grow by to the right and down
+  ivec3 at, right, down;
+  ivec3 bias;  // 0 on edges that are the triangle's own, else -1
+};
+
+Edges edgesAt(Triangle t, ivec2 pixel) {
+  ivec2 p = pixel * kSubpixels + kSubpixels / 2;
+  ivec2 u = t.c - t.b, v = t.a - t.c, w = t.b - t.a;
+  ivec2 fromB = p - t.b, fromC = p - t.c, fromA = p - t.a;
+  Edges e;
+  e.at = ivec3(u.x * fromB.y - u.y * fromB.x, v.x * fromC.y - v.y * fromC.x, w.x * fromA.y - w.y * fromA.x);
+  e.right = ivec3(-u.y, -v.y, -w.y) * kSubpixels;
+  e.down = ivec3(u.x, v.x, w.x) * kSubpixels;
+  e.bias = ivec3(ownsEdge(u) ? 0 : -1, ownsEdge(v) ? 0 : -1, ownsEdge(w) ? 0 : -1);
+  return e;
+}
+
+float areaScale(Triangle t) {
+  ivec2 u = t.b - t.a, v = t.c - t.a;
+  return 1.0 / float(u.x * v.y - u.y * v.x);
+}
+
+void testPixel(uint view, Triangle t, ivec2 pixel, ivec3 weights, ivec3 bias, float scale) {
+  ivec3 biased = weights + bias;
+  if ((biased.x | biased.y | biased.z) < 0) return;
+#ifdef CUT_OUT
+  if (cutOutAt(view, pixel, t.id)) return;
+#endif
+  writeVisible(view, pixel, depthAt(t.depth, float(weights.x), float(weights.y), float(weights.z), scale), t.id);
+}
+
+void rasterSmall(uint view, Triangle t, PixelBox box) {
+  Edges e = edgesAt(t, box.low);
+  float scale = areaScale(t);
+  for (int y = box.low.y; y <= box.high.y; ++y) {
+    ivec3 weights = e.at;
+    for (int x = box.low.x; x <= box.high.x; ++x) {
+      testPixel(view, t, ivec2(x, y), weights, e.bias, scale);
+      weights += e.right;
+    }
+    e.at += e.down;
+  }
+}
+
+void rasterMedium(uint view, Triangle t) {
+  PixelBox box = onScreen(pixelsOf(t));
+  Edges e = edgesAt(t, box.low);
+  float scale = areaScale(t);
+  int across = box.high.x - box.low.x + 1, count = across * (box.high.y - box.low.y + 1);
+  for (int i = int(gl_LocalInvocationIndex); i < count; i += 128) {
+    ivec2 offset = ivec2(i % across, i / across);
+    testPixel(view, t, box.low + offset, e.at + e.right * offset.x + e.down * offset.y, e.bias, scale);
+  }
+}
+
+// What this thread does with a triangle; true: it is of some size.
+bool takeTriangle(RankedInstance r, RasterWork work, uint triangle, View view, mat4x3 toWorld, Mesh mesh, out Triangle t) {
+  uvec3 indices = triangleIndices(mesh, triangle);
+  PositionRef positions = PositionRef(mesh.positions);
+  vec4 a = clipPosition(view, toWorld, positions.v[indices.x]);
+  vec4 b = clipPosition(view, toWorld, positions.v[indices.y]);
+  vec4 c = clipPosition(view, toWorld, positions.v[indices.z]);
+  if ((sidesOutside(a) & sidesOutside(b) & sidesOutside(c)) != 0u) return false;
+  uint outsideA = planesOutside(a), outsideB = planesOutside(b), outsideC = planesOutside(c);
+  if ((outsideA & outsideB & outsideC) != 0u) return false;
+  if ((outsideA | outsideB | outsideC) != 0u) {
+    uint place = atomicAdd(CountersRef(push.buffers.counters).v.clipped, 1u);
+    if (place < push.clippedRoom)
+      ClippedRef(push.buffers.clipped).v[place] = ClippedTriangle(work.rank, triangle, work.view);
+    return false;
+  }
+  ScreenVertex sa = screenVertex(a), sb = screenVertex(b), sc = screenVertex(c);
+  t = Triangle(sa.at, sb.at, sc.at, vec3(sa.depth, sb.depth, sc.depth), r.firstTriangle + triangle + 1u);
+  PixelBox whole = pixelsOf(t), box = onScreen(whole);
+  if (isEmpty(box)) return false;
+  if (!orient(t, (r.flags & kRankDoubleSided) != 0u, (r.flags & kRankMirrored) != 0u)) return false;
+  ivec2 corners = max(t.a, max(t.b, t.c)) - min(t.a, min(t.b, t.c));
+  ivec2 size = box.high - box.low + 1;
+  if (max(corners.x, corners.y) > kLargestSide * kSubpixels) {
+    pushLarge(work.view, t);
+    return false;
+  }
+  if (size.x * size.y > kSmallBox) return true;
+  rasterSmall(work.view, t, box);
+  return false;
+}
+
+void main() {
+  uint group = groupNumber();
+  if (gl_LocalInvocationIndex == 0u) mediumCount = 0u;
+  barrier();
+  // The last row of workgroups has more than there is work.
+  uint last = CountersRef(push.buffers.counters).v.work;
+  RasterWork work = WorkRef(push.buffers.work).v[min(group, max(last, 1u) - 1u)];
+  RankedInstance r = RankRef(push.buffers.ranks).v[work.rank];
+  FrameConstants frame = FrameRef(push.buffers.frame).v;
+  uint triangle = work.part * kRasterGroup + gl_LocalInvocationIndex;
+  if (group < last && triangle < r.triangles) {
+    Triangle t;
+    if (takeTriangle(r, work, triangle, frameView(frame, work.view), frameInstance(frame, r.instance).objectToWorld,
+                     frameMesh(frame, r.mesh), t))
+      medium[atomicAdd(mediumCount, 1u)] = t;
+  }
+  barrier();
+  for (uint i = 0u; i < mediumCount; ++i) rasterMedium(work.view, medium[i]);
+}

@@ -1,0 +1,28 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// variants: textured
+// As raster_large.comp, for what alpha takes parts away of: pixel by pixel.
+#include "render/visibility/compute/raster_tile.glsl"
+#include "render/visibility/compute/surface_point.glsl"
+#include "render/visibility/compute/cut_out.glsl"
+
+layout(local_size_x = 16, local_size_y = 16) in;
+
+void main() {
+  uint number = groupNumber();
+  if (number >= min(CountersRef(push.buffers.counters).v.jobs, push.jobRoom)) return;
+  RasterJob job = JobsRef(push.buffers.jobs).v[number];
+  uvec2 tiles = tilesOfView();
+  uint view = job.tile / (tiles.x * tiles.y), inView = job.tile % (tiles.x * tiles.y);
+  ivec2 corner = ivec2(inView % tiles.x, inView / tiles.x) * int(kRasterTile) + ivec2(gl_LocalInvocationID.xy);
+  for (uint i = 0u; i < job.count * 16u; ++i) {
+    Triangle t = triangleOf(LargeRef(push.buffers.large).v[EntriesRef(push.buffers.entries).v[job.first + i / 16u]]);
+    ivec2 pixel = corner + ivec2(i % 4u, i / 4u % 4u) * 16;
+    Edge a = edgeAt(t.b, t.c, pixel), b = edgeAt(t.c, t.a, pixel), c = edgeAt(t.a, t.b, pixel);
+    bool inside = ((a.at + a.bias) | (b.at + b.bias) | (c.at + c.bias)) >= 0;
+    if (!inside || any(greaterThanEqual(pixel, ivec2(push.width, push.height))) || cutOutAt(view, pixel, t.id)) continue;
+    ivec2 u = t.b - t.a, v = t.c - t.a;
+    float scale = 1.0 / float(int64_t(u.x) * int64_t(v.y) - int64_t(u.y) * int64_t(v.x));
+    writeVisible(view, pixel, depthAt(t.depth, float(a.at), float(b.at), float(c.at), scale), t.id);
+  }
+}

@@ -1,0 +1,101 @@
+// What the shaders of visibility in compute share with the host (compute.h): the instances in the order of drawing, and
+// the queues between the steps of rasterization.
+#ifndef LATELIGHT_RASTER_PUSH_H
+#define LATELIGHT_RASTER_PUSH_H
+
+#include "shared/types.h"
+
+SH_BEGIN
+
+SH_CONST uint kRasterGroup = 128u;         // triangles that a workgroup of raster.comp takes
+SH_CONST uint kRasterRow = 32768u;         // workgroups in a row of an indirect dispatch
+SH_CONST uint kRasterTile = 64u;           // pixels across, of what raster_large.comp does at once
+SH_CONST uint kRasterJobTriangles = 128u;  // of one tile, at most, in one of its workgroups
+SH_CONST int kSubpixels = 256;             // positions in a pixel, across
+
+// A solid instance. Ids of what is visible are counted over all of them: triangle t of this one is firstTriangle + t
+// + 1.
+struct RankedInstance {  // 36 bytes
+  vec3 centre;           // of a sphere around it, world
+  float radius;          // metres; below 0: it is gone
+  uint instance;
+  uint mesh;
+  uint firstTriangle;
+  uint triangles;
+  uint flags;  // kRank*
+};
+SH_CONST uint kRankDoubleSided = 1u;
+SH_CONST uint kRankMirrored = 2u;
+SH_CONST uint kRankCutOut = 4u;  // its alpha takes parts of it away
+
+struct RasterWork {  // kRasterGroup triangles of an instance in a view
+  uint rank;
+  uint part;
+  uint view;
+};
+
+struct ClippedTriangle {  // one that crosses a plane of the view's volume
+  uint rank;
+  uint triangle;
+  uint view;
+};
+
+// On screen: corners in subpixels from the upper left, in clockwise order as seen, with their device depth.
+struct LargeTriangle {  // 44 bytes
+  int ax, ay, bx, by, cx, cy;
+  float az, bz, cz;
+  uint id;
+  uint view;
+};
+
+struct RasterJob {    // some large triangles of one tile
+  uint tile;          // of all views
+  uint first, count;  // among the entries
+};
+
+struct RasterCounters {
+  uint work, clipped, large, entries, jobs;  // how many there are; they may be more than there is room for
+  uvec3 groups;                              // of the next indirect dispatch
+};
+
+struct RasterBuffers {  // addresses
+  uint64_t frame;       // FrameConstants
+  uint64_t ranks;       // RankedInstance[]
+  uint64_t visible;     // uint64_t a pixel: depth's bits << 32 | id; 0: nothing
+  uint64_t work;        // RasterWork[]
+  uint64_t clipped;     // ClippedTriangle[]
+  uint64_t large;       // LargeTriangle[]
+  uint64_t tiles;       // uint[2] a tile: how many large triangles, and where its entries begin
+  uint64_t entries;     // uint[], large triangles by tile
+  uint64_t jobs;        // RasterJob[]
+  uint64_t counters;    // RasterCounters
+};
+
+struct RasterPush {
+  RasterBuffers buffers;
+  uint ranks, views;
+  uint width, height;                               // pixels of a view
+  uint clippedRoom, largeRoom, entryRoom, jobRoom;  // of the queues
+};
+
+struct RasterArgumentsPush {
+  uint64_t counters;
+  uint which;  // kQueue*
+  uint room;
+};
+SH_CONST uint kQueueWork = 0u;
+SH_CONST uint kQueueClipped = 1u;
+SH_CONST uint kQueueLarge = 2u;
+SH_CONST uint kQueueJobs = 3u;
+
+struct ResolvePush {
+  uint64_t frame;
+  uint64_t ranks;
+  uint64_t visible;
+  uint rankCount;
+  uint padding;
+};
+
+SH_END
+
+#endif

@@ -1,0 +1,25 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Where the entries of each tile begin, and the jobs that they make.
+#include "render/visibility/compute/raster_tile.glsl"
+
+layout(local_size_x = 64) in;
+
+void main() {
+  uvec2 tiles = tilesOfView();
+  uint tile = gl_GlobalInvocationID.x;
+  if (tile >= tiles.x * tiles.y * push.views) return;
+  TilesRef table = TilesRef(push.buffers.tiles);
+  uint count = table.v[2u * tile];
+  if (count == 0u) return;
+  CountersRef counters = CountersRef(push.buffers.counters);
+  uint first = atomicAdd(counters.v.entries, count);
+  table.v[2u * tile + 1u] = first;
+  if (first + count > push.entryRoom) return;  // there is no room: all of it is done again
+  uint jobs = (count + kRasterJobTriangles - 1u) / kRasterJobTriangles;
+  uint place = atomicAdd(counters.v.jobs, jobs);
+  for (uint i = 0u; i < jobs && place + i < push.jobRoom; ++i) {
+    uint begin = i * kRasterJobTriangles;
+    JobsRef(push.buffers.jobs).v[place + i] = RasterJob(tile, first + begin, min(count - begin, kRasterJobTriangles));
+  }
+}

@@ -1,0 +1,86 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// variants: layout, textured
+// From the visibility buffer to a G-buffer: the material of what each pixel shows.
+#include "render/glsl/common.glsl"
+#include "render/visibility/compute/surface_point.glsl"
+#include "render/glsl/surface.glsl"
+#include "render/glsl/setup.glsl"
+#include "gbuffer_layout.h"
+#ifdef GBUFFER_KEEPS_MOTION
+#include "render/visibility/compute/seen_motion.glsl"
+#endif
+
+layout(local_size_x = 16, local_size_y = 16) in;
+layout(push_constant, scalar) uniform Push { ResolvePush push; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer VisibleRef { uint64_t v[]; };
+layout(constant_id = 16) const uint kTargets = ~0u;  // bit i: target i is wanted; the one after the last: light
+layout(constant_id = 17) const uint kSrgb = 0u;      // bit i: target i is stored in sRGB
+
+#define IMAGE_vec4 image2DArray
+#define IMAGE_uint uimage2DArray
+#define IMAGE_uvec2 uimage2DArray
+#define IMAGE_uvec4 uimage2DArray
+#define TARGET(index, name, format, type, channels) \
+  layout(set = 0, binding = index) writeonly uniform IMAGE_##type target_##name;
+GBUFFER_TARGETS(TARGET)
+#define COUNT(index, name, format, type, channels) +1
+layout(set = 0, binding = 0 GBUFFER_TARGETS(COUNT), rgba16f) writeonly uniform image2DArray lightAccumulation;
+
+float toSrgb(float c) { return c <= 0.0031308 ? 12.92 * c : 1.055 * pow(c, 1.0 / 2.4) - 0.055; }
+vec4 stored(uint index, vec4 v) {
+  vec3 c = clamp(v.rgb, 0.0, 1.0);
+  return (kSrgb >> index & 1u) != 0u ? vec4(toSrgb(c.r), toSrgb(c.g), toSrgb(c.b), v.a) : v;
+}
+uvec4 stored(uint index, uint v) { return uvec4(v, 0u, 0u, 0u); }
+uvec4 stored(uint index, uvec2 v) { return uvec4(v, 0u, 0u); }
+uvec4 stored(uint index, uvec4 v) { return v; }
+
+void store(ivec3 pixel, GbufferTexel texel, vec4 light) {
+#define STORE(index, name, format, type, channels) \
+  if ((kTargets >> index & 1u) != 0u) imageStore(target_##name, pixel, stored(index, texel.name));
+  GBUFFER_TARGETS(STORE)
+  if ((kTargets >> (0 GBUFFER_TARGETS(COUNT)) & 1u) != 0u) imageStore(lightAccumulation, pixel, light);
+}
+
+GbufferTexel emptyTexel() {
+  GbufferTexel texel;
+#define EMPTY(index, name, format, type, channels) texel.name = type(0);
+  GBUFFER_TARGETS(EMPTY)
+  return texel;
+}
+
+void main() {
+  FrameConstants frame = FrameRef(push.frame).v;
+  ivec3 pixel = ivec3(gl_GlobalInvocationID);
+  View view = frameView(frame, uint(pixel.z));
+  ivec2 size = ivec2(view.size);
+  if (any(greaterThanEqual(pixel.xy, size))) return;
+  uint id = uint(VisibleRef(push.visible).v[(pixel.z * size.y + pixel.y) * size.x + pixel.x]);
+  if (id == 0u) {
+    store(pixel, emptyTexel(), vec4(0.0));
+    return;
+  }
+#ifndef TEXTURES_BY_INDEX
+  textureRecords = frame.textures;
+#endif
+  SeenTriangle t = seenTriangle(frame, push.ranks, push.rankCount, id);
+  SurfacePoint p = seenPoint(frame, view, t, vec2(pixel.xy) + 0.5);
+  Surface s = evaluateMaterial(frame, frameMaterial(frame, frameInstance(frame, t.rank.instance).material), p);
+  bool unlit = (s.flags & kSurfaceUnlit) != 0u;
+  vec3 emitted = unlit ? s.baseColor : s.emissive;
+  vec4 light = vec4(min(emitted * frame.exposure, vec3(65504.0)), s.ao);
+#ifndef GBUFFER_KEEPS_FLAGS
+  if (unlit) s = withoutReflection(s);
+#endif
+  GbufferContext context;
+  context.view = view;
+  context.pixel = vec2(pixel.xy) + 0.5;
+  context.normalEncoding = kNormalEncoding;
+  context.normalSpace = kNormalSpace;
+  context.positionMethod = kPositionMethod;
+#ifdef GBUFFER_KEEPS_MOTION
+  s.motion = seenMotion(frame, view, uint(pixel.z), t, vec2(pixel.xy) + 0.5).xy;
+#endif
+  store(pixel, packGbuffer(s, context), light);
+}

@@ -1,0 +1,26 @@
+// Motion of what a pixel shows. After surface_point.glsl.
+#include "shared/motion.h"
+
+vec3 clipOf(View view, mat4x3 toWorld, uint64_t positions, uint vertex) {
+  vec3 world = toWorld * vec4(PositionRef(positions).v[vertex], 1.0);
+  return steadyClip(view, view.worldToView * vec4(world, 1.0));
+}
+
+// xy: to the frame before; zw: to the frame after.
+vec4 seenMotion(FrameConstants frame, View view, uint viewIndex, SeenTriangle t, vec2 pixel) {
+  mat4x3 now = frameInstance(frame, t.rank.instance).objectToWorld;
+  mat4x3 before = InstanceRef(frame.previousInstances).v[t.rank.instance].objectToWorld;
+  mat4x3 after = InstanceRef(frame.nextInstances).v[t.rank.instance].objectToWorld;
+  View viewBefore = ViewRef(frame.previousViews).v[viewIndex], viewAfter = ViewRef(frame.nextViews).v[viewIndex];
+  Mesh mesh = frameMesh(frame, t.rank.mesh);
+  vec3 corners[3], clipNow = vec3(0.0), clipBefore = vec3(0.0), clipAfter = vec3(0.0);
+  for (int i = 0; i < 3; ++i)
+    corners[i] = view.worldToView * vec4(now * vec4(PositionRef(mesh.positions).v[t.indices[i]], 1.0), 1.0);
+  Weights w = weightsAt(view, corners[0], corners[1], corners[2], pixel);
+  for (int i = 0; i < 3; ++i) {
+    clipNow += w.at[i] * clipOf(view, now, mesh.positions, t.indices[i]);
+    clipBefore += w.at[i] * clipOf(viewBefore, before, mesh.previousPositions, t.indices[i]);
+    clipAfter += w.at[i] * clipOf(viewAfter, after, mesh.nextPositions, t.indices[i]);
+  }
+  return vec4(motionBetween(clipNow, clipBefore, view.size), motionBetween(clipNow, clipAfter, view.size));
+}

@@ -1,0 +1,80 @@
+// Which triangle a pixel shows, by the number that the visibility buffer has there, and where the ray through the pixel's
+// centre meets it (Moeller and Trumbore 1997, Fast, Minimum Storage Ray/Triangle Intersection, JGT 2(1)), with the exact
+// derivatives of that, so that textures need no neighbours.
+#ifndef LATELIGHT_SEEN_TRIANGLE_GLSL
+#define LATELIGHT_SEEN_TRIANGLE_GLSL
+#include "render/visibility/compute/raster_push.h"
+
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer RankRef { RankedInstance v[]; };
+
+// --- which triangle -------------------------------------------------------------------------------------------------
+
+struct SeenTriangle {
+  RankedInstance rank;
+  uint number;  // of its mesh
+  uvec3 indices;
+};
+
+SeenTriangle seenTriangle(FrameConstants frame, uint64_t ranks, uint rankCount, uint id) {
+  uint low = 0u, high = rankCount - 1u;
+  while (low < high) {
+    uint middle = (low + high + 1u) / 2u;
+    if (RankRef(ranks).v[middle].firstTriangle < id) low = middle; else high = middle - 1u;
+  }
+  SeenTriangle t;
+  t.rank = RankRef(ranks).v[low];
+  t.number = id - 1u - t.rank.firstTriangle;
+  UintRef indices = UintRef(frameMesh(frame, t.rank.mesh).indices);
+  t.indices = uvec3(indices.v[3u * t.number], indices.v[3u * t.number + 1u], indices.v[3u * t.number + 2u]);
+  return t;
+}
+
+// --- where on it ----------------------------------------------------------------------------------------------------
+
+struct Weights {  // of the three corners, and what they grow by a pixel to the right and down
+  vec3 at, right, down;
+};
+
+// Corners in view space.
+Weights weightsAt(View view, vec3 a, vec3 b, vec3 c, vec2 pixel) {
+  vec2 ndc = pixelToNdc(pixel, view.size);
+  vec2 step = vec2(2.0, -2.0) / view.size;
+  vec3 toB = b - a, toC = c - a;
+  vec3 ray = viewRay(view.projection, ndc);
+  vec3 origin = vec3(0.0), rightward, downward;
+  bool perspective = view.projection.kind == kPerspective;
+  if (perspective) {
+    rightward = vec3(step.x / view.projection.H, 0.0, 0.0);
+    downward = vec3(0.0, 0.0, step.y / view.projection.V);
+  } else {
+    origin = viewPositionAtDepth(view.projection, ndc, 0.0);
+    rightward = vec3(step.x / view.projection.H, 0.0, 0.0);
+    downward = vec3(0.0, 0.0, step.y / view.projection.V);
+  }
+  vec3 t = origin - a;
+  Weights w;
+  vec2 uv, uvRight, uvDown;
+  vec3 normal = cross(toC, toB);
+  float scale = 1.0 / dot(ray, normal);
+  if (perspective) {
+    vec3 forB = cross(toC, t), forC = cross(t, toB);
+    uv = vec2(dot(ray, forB), dot(ray, forC)) * scale;
+    uvRight = (vec2(dot(rightward, forB), dot(rightward, forC)) - uv * dot(rightward, normal)) * scale;
+    uvDown = (vec2(dot(downward, forB), dot(downward, forC)) - uv * dot(downward, normal)) * scale;
+  } else {
+    vec3 forB = cross(ray, toC), forC = cross(toB, ray);
+    float sideways = 1.0 / dot(toB, forB);
+    uv = vec2(dot(t, forB), dot(t, forC)) * sideways;
+    uvRight = vec2(dot(rightward, forB), dot(rightward, forC)) * sideways;
+    uvDown = vec2(dot(downward, forB), dot(downward, forC)) * sideways;
+  }
+  // Snapping to subpixels lets pixels just outside of the triangle show it, and grazing rays meet its plane anywhere.
+  uv = clamp(uv, vec2(0.0), vec2(1.0));
+  uv /= max(uv.x + uv.y, 1.0);
+  w.at = vec3(1.0 - uv.x - uv.y, uv);
+  w.right = vec3(-uvRight.x - uvRight.y, uvRight);
+  w.down = vec3(-uvDown.x - uvDown.y, uvDown);
+  return w;
+}
+
+#endif

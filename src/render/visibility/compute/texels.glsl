@@ -1,0 +1,59 @@
+// Texture filtering in shader code, where a compute shader can't choose among images: lavapipe has no descriptor
+// indexing. Levels and filters follow Vulkan 1.3, section 16.6 to 16.9, without anisotropy.
+#ifndef LATELIGHT_TEXELS_GLSL
+#define LATELIGHT_TEXELS_GLSL
+
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer TextureRef { TextureRecord v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer TexelRef { uint v[]; };
+
+int wrapped(int at, int size, uint mode) {
+  if (mode == 2u) return clamp(at, 0, size - 1);
+  int period = mode == 1u ? 2 * size : size;
+  int inside = at - period * int(floor(float(at) / float(period)));
+  inside = clamp(inside, 0, period - 1);
+  return inside < size ? inside : 2 * size - 1 - inside;
+}
+
+float fromSrgb(float s) { return s <= 0.04045 ? s / 12.92 : pow((s + 0.055) / 1.055, 2.4); }
+
+vec4 texelAt(TextureRecord t, uint first, ivec2 size, ivec2 at) {
+  uint wrapU = t.flags >> kTextureWrapShift & 3u, wrapV = t.flags >> (kTextureWrapShift + 2u) & 3u;
+  vec4 c = unpackUnorm4x8(
+      TexelRef(t.texels).v[first + uint(wrapped(at.y, size.y, wrapV) * size.x + wrapped(at.x, size.x, wrapU))]);
+  if ((t.flags & kTextureSrgb) != 0u) c.rgb = vec3(fromSrgb(c.r), fromSrgb(c.g), fromSrgb(c.b));
+  return c;
+}
+
+vec4 filteredLevel(TextureRecord t, uint level, vec2 uv, bool nearest) {
+  uint first = 0u;
+  ivec2 size = ivec2(t.width, t.height);
+  for (uint i = 0u; i < level; ++i) {
+    first += uint(size.x * size.y);
+    size = max(size / 2, ivec2(1));
+  }
+  vec2 at = uv * vec2(size);
+  if (nearest) return texelAt(t, first, size, ivec2(floor(at)));
+  at -= 0.5;
+  ivec2 low = ivec2(floor(at));
+  vec2 share = at - floor(at);
+  vec4 upper = mix(texelAt(t, first, size, low), texelAt(t, first, size, low + ivec2(1, 0)), share.x);
+  vec4 lower = mix(texelAt(t, first, size, low + ivec2(0, 1)), texelAt(t, first, size, low + ivec2(1, 1)), share.x);
+  return mix(upper, lower, share.y);
+}
+
+vec4 filteredTexture(TextureRecord t, vec2 uv, vec2 dx, vec2 dy) {
+  vec2 size = vec2(t.width, t.height);
+  float footprint = max(dot(dx * size, dx * size), dot(dy * size, dy * size));
+  float level = 0.5 * log2(max(footprint, 1e-37));
+  if (!(level > 0.0)) return filteredLevel(t, 0u, uv, (t.flags & kTextureMagnifyNearest) != 0u);
+  bool nearest = (t.flags & kTextureMinifyNearest) != 0u;
+  if ((t.flags & kTextureMipNone) != 0u) return filteredLevel(t, 0u, uv, nearest);
+  level = min(level, float(t.levels - 1u));
+  if ((t.flags & kTextureMipNearest) != 0u) return filteredLevel(t, uint(ceil(level + 0.5) - 1.0), uv, nearest);
+  uint below = uint(level);
+  vec4 fine = filteredLevel(t, below, uv, nearest);
+  if (level == float(below)) return fine;
+  return mix(fine, filteredLevel(t, below + 1u, uv, nearest), level - float(below));
+}
+
+#endif

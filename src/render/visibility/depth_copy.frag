@@ -1,0 +1,7 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Depth that compute shaders found, for draws to be tested against.
+layout(push_constant) uniform Push { uint view; };
+layout(set = 0, binding = 0) uniform sampler2DArray depths;
+
+void main() { gl_FragDepth = texelFetch(depths, ivec3(gl_FragCoord.xy, view), 0).r; }
