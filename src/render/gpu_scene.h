@@ -32,7 +32,7 @@ class GpuScene {
   void changesSubmitted();
   vk::Uploader& uploads() { return uploads_; }  // with those
   void keepTexels() { materials_.keepTexels(uploads_); }
-  void setAnisotropy(uint32_t samples) { materials_.setAnisotropy(samples); }
+  void setAnisotropy(uint32_t samples) { materials_.setAnisotropy(uploads_, samples); }
   // Others than the scene's, until it is edited or posed; at once.
   void setLights(std::vector<scene::Light> lights);
 

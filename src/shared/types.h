@@ -84,8 +84,8 @@ struct TextureRecord {  // 28 bytes
   uint64_t texels;      // RGBA8, level after level
   uint width, height;   // of level 0
   uint levels;
-  uint flags;  // kTexture*
-  uint padding;
+  uint flags;       // kTexture*
+  uint anisotropy;  // samples along a pixel's footprint, at most
 };
 SH_CONST uint kTextureSrgb = 1u;
 SH_CONST uint kTextureMagnifyNearest = 2u;

@@ -23,7 +23,7 @@ class GpuMaterials {
   GpuMaterials(vk::Device& device, const scene::Scene& scene, vk::Uploader& uploader);
   // Materials that were edited or added; textures that were added.
   void update(vk::Uploader& uploader, std::span<const uint32_t> changed);
-  void setAnisotropy(uint32_t samples) { textures_.setAnisotropy(samples); }
+  void setAnisotropy(vk::Uploader& uploader, uint32_t samples) { textures_.setAnisotropy(uploader, samples); }
 
   const shared::Material& record(uint32_t material) const { return records_[material]; }
   MaterialSets sets(uint32_t material) const;

@@ -28,6 +28,12 @@ uint32_t wrapBits(scene::Wrap wrap) {
   return wrap == scene::Wrap::Clamp ? 2 : wrap == scene::Wrap::Mirror ? 1 : 0;
 }
 
+// Files that ask for blocks of texels, or for no levels, get what they ask for.
+bool isAnisotropic(const scene::Sampler& sampler) {
+  return sampler.magnify == scene::Filter::Linear && sampler.minify == scene::Filter::Linear &&
+         sampler.mip != scene::MipFilter::None;
+}
+
 bool holdsColor(uint32_t slot) {
   return slot == shared::kTextureBaseColor || slot == shared::kTextureEmissive || slot == shared::kTextureSpecularColor;
 }
@@ -108,7 +114,8 @@ shared::TextureRecord GpuTextures::recordOf(const Entry& entry) const {
           .width = texture.width,
           .height = texture.height,
           .levels = texture.levels,
-          .flags = flags};
+          .flags = flags,
+          .anisotropy = isAnisotropic(s) ? anisotropy_ : 1};
 }
 
 // What an empty slot is bound to. Never sampled: Material::textures says which slots hold a texture. A full texture of
@@ -147,15 +154,14 @@ VkSampler GpuTextures::sampler(const scene::Sampler& sampler) const {
       .wrapV = addressMode(sampler.wrapV),
       // Vulkan's way to say "no mip levels" (VkSamplerCreateInfo, note on GL filters)
       .maxLod = sampler.mip == scene::MipFilter::None ? 0.25f : VK_LOD_CLAMP_NONE};
-  // Files that ask for blocks of texels, or for no levels, get what they ask for.
-  if (desc.magnify == VK_FILTER_LINEAR && desc.minify == VK_FILTER_LINEAR && sampler.mip != scene::MipFilter::None)
-    desc.anisotropy = static_cast<float>(anisotropy_);
+  if (isAnisotropic(sampler)) desc.anisotropy = static_cast<float>(anisotropy_);
   return device_.cache().sampler(desc);
 }
 
-void GpuTextures::setAnisotropy(uint32_t samples) {
+void GpuTextures::setAnisotropy(vk::Uploader& uploader, uint32_t samples) {
   if (samples == anisotropy_) return;
   anisotropy_ = samples;
+  if (keepsTexels_) uploadTexels(uploader);
   std::vector<uint32_t> all(scene_.materials.size());
   std::iota(all.begin(), all.end(), 0u);
   sets_->update(all);

@@ -20,7 +20,7 @@ class GpuTextures {
   // Textures that were added, and materials that were edited or added.
   void update(vk::Uploader& uploader, std::span<const uint32_t> materials);
   // Samples of a texture along a pixel's footprint, at most: 1 (none) at first.
-  void setAnisotropy(uint32_t samples);
+  void setAnisotropy(vk::Uploader& uploader, uint32_t samples);
 
   // Every pair of texture and sampler that a material uses, or has used; the first is of no texture. By slot of a
   // material: Material::images.

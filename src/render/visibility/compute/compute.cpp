@@ -20,7 +20,7 @@ struct Room {
 };
 
 Room roomOf(const FrameContext& f) {
-  Room room{1u << 14, 1u << 16, 1u << 20};
+  Room room{1u << 12, 1u << 13, 1u << 16};
   if (!f.overflow) return room;
   room.clipped = std::max(room.clipped, f.overflow->clippedTriangles);
   room.large = std::max(room.large, f.overflow->largeTriangles);

@@ -20,9 +20,13 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer CountersRef 
 
 // --- vertices -------------------------------------------------------------------------------------------------------
 
-vec4 clipPosition(View view, mat4x3 toWorld, vec3 position) {
+vec3 seenPosition(View view, mat4x3 toWorld, vec3 position) {
   precise vec3 world = toWorld * vec4(position, 1.0);
   precise vec3 seen = view.worldToView * vec4(world, 1.0);
+  return seen;
+}
+
+vec4 clipPosition(View view, vec3 seen) {
   precise vec4 clip = projectToClip(view.projection, seen);
   return clip;
 }
@@ -56,17 +60,17 @@ uint sidesOutside(vec4 clip) {
          (clip.y < -clip.w ? 8u : 0u);
 }
 
-struct ScreenVertex {
-  ivec2 at;     // subpixels from the upper left
-  float depth;  // of the device
-};
-
-ScreenVertex screenVertex(vec4 clip) {
+// In subpixels from the upper left.
+ivec2 screenPosition(vec4 clip) {
   precise float scale = 1.0 / clip.w;
   precise float x = (clip.x * scale * 0.5 + 0.5) * (float(push.width) * float(kSubpixels));
   precise float y = (0.5 - clip.y * scale * 0.5) * (float(push.height) * float(kSubpixels));
-  precise float depth = clip.z * scale;
-  return ScreenVertex(ivec2(floor(vec2(x, y) + 0.5)), clamp(depth, 0.0, 1.0));
+  return ivec2(floor(vec2(x, y) + 0.5));
+}
+
+float deviceDepthOf(vec4 clip) {
+  precise float depth = clip.z / clip.w;
+  return clamp(depth, 0.0, 1.0);
 }
 
 // --- triangles ------------------------------------------------------------------------------------------------------
@@ -74,9 +78,50 @@ ScreenVertex screenVertex(vec4 clip) {
 // Clockwise as seen (y is down), so that what is inside has three positive weights.
 struct Triangle {
   ivec2 a, b, c;
-  vec3 depth;
+  vec3 plane;  // as LargeTriangle's
+  float least, most;
   uint id;
 };
+
+// The depth of the very plane that the triangle lies in, not of the snapped one: where a surface is seen at a grazing angle
+// a subpixel is far in depth. Corners in view space.
+vec3 depthPlane(View view, vec3 a, vec3 b, vec3 c) {
+  Projection p = view.projection;
+  vec3 ab = b - a, ac = c - a;
+  vec3 extent = max(abs(ab), abs(ac));
+  float scale = 1.0 / max(max(extent.x, max(extent.y, extent.z)), 1e-37);
+  precise vec3 n = cross(ab * scale, ac * scale);
+  precise float d = dot(n, a);
+  if (p.kind == kPerspective) {
+    precise vec3 plane = n * (p.B / d);
+    return vec3(plane.x, plane.y + p.A, plane.z);
+  }
+  precise float tilt = p.A / n.y;
+  return vec3(-tilt * n.x, p.B + tilt * d, -tilt * n.z);
+}
+
+// What depth grows by a pixel to the right and down.
+vec2 depthSteps(View view, vec3 plane) {
+  return vec2(2.0 * plane.x / (view.projection.H * view.size.x), -2.0 * plane.z / (view.projection.V * view.size.y));
+}
+
+float depthAt(View view, Triangle t, ivec2 pixel) {
+  vec2 ndc = pixelToNdc(vec2(pixel) + 0.5, view.size);
+  precise float x = (ndc.x - view.projection.X) / view.projection.H, z = (ndc.y - view.projection.Z) / view.projection.V;
+  precise float depth = t.plane.x * x + t.plane.y + t.plane.z * z;
+  return depth;
+}
+
+// The depth that pixels of a triangle may have: its corners', and as much more as the plane rises in a subpixel, since
+// snapping lets it cover pixels just outside. Seen edge-on a plane gives any depth at all; a corner's will do.
+void setRange(inout Triangle t, View view, float least, float most) {
+  vec2 steps = abs(depthSteps(view, t.plane));
+  float more = min((steps.x + steps.y) / float(kSubpixels), most - least);
+  more = more >= 0.0 ? more : most - least;  // no number
+  t.least = max(least - more, 0.0);
+  t.most = min(most + more, 1.0);
+}
+float withinRange(Triangle t, float depth) { return clamp(depth >= 0.0 ? depth : t.least, t.least, t.most); }
 
 // The pixels whose centres may be inside: both included; none where a corner of `low` is beyond that of `high`.
 struct PixelBox {
@@ -103,13 +148,6 @@ void writeVisible(uint view, ivec2 pixel, float depth, uint id) {
   if (visible.v[index] < value) atomicMax(visible.v[index], value);
 }
 
-// Weights of the corners are exact; what they sum up has the relative error of a few roundings, however far away.
-float depthAt(vec3 depth, float a, float b, float c, float scale) {
-  precise float sum = depth.x * a + depth.y * b + depth.z * c;
-  precise float scaled = sum * scale;
-  return scaled;
-}
-
 // Turns the triangle so that it is clockwise; false where it is to be left out: seen from its back, or without an area.
 bool orient(inout Triangle t, bool doubleSided, bool mirrored) {
   int64_t area = int64_t(t.b.x - t.a.x) * int64_t(t.c.y - t.a.y) - int64_t(t.b.y - t.a.y) * int64_t(t.c.x - t.a.x);
@@ -121,7 +159,6 @@ bool orient(inout Triangle t, bool doubleSided, bool mirrored) {
     ivec2 b = t.b;
     t.b = t.c;
     t.c = b;
-    t.depth = t.depth.xzy;
   }
   return true;
 }
@@ -129,8 +166,8 @@ bool orient(inout Triangle t, bool doubleSided, bool mirrored) {
 void pushLarge(uint view, Triangle t) {
   uint place = atomicAdd(CountersRef(push.buffers.counters).v.large, 1u);
   if (place < push.largeRoom)
-    LargeRef(push.buffers.large).v[place] = LargeTriangle(t.a.x, t.a.y, t.b.x, t.b.y, t.c.x, t.c.y, t.depth.x, t.depth.y,
-                                                          t.depth.z, t.id, view);
+    LargeRef(push.buffers.large).v[place] =
+        LargeTriangle(t.a.x, t.a.y, t.b.x, t.b.y, t.c.x, t.c.y, t.plane, t.least, t.most, t.id, view);
 }
 
 uvec3 triangleIndices(Mesh mesh, uint triangle) {

@@ -48,18 +48,30 @@ void main() {
   uvec3 indices = triangleIndices(mesh, work.triangle);
   PositionRef positions = PositionRef(mesh.positions);
   Polygon p;
+  vec3 seen[3];
   for (uint i = 0u; i < 3u; ++i) {
-    p.corners[i] = clipPosition(view, toWorld, positions.v[indices[i]]);
+    seen[i] = seenPosition(view, toWorld, positions.v[indices[i]]);
+    p.corners[i] = clipPosition(view, seen[i]);
     if (!isFinite(p.corners[i])) return;
   }
   p.count = 3u;
   for (uint plane = 0u; plane < 6u; ++plane) p = clip(p, plane);
   if (p.count < 3u) return;
-  ScreenVertex first = screenVertex(p.corners[0]), before = screenVertex(p.corners[1]);
+  float least = 1.0, most = 0.0;
+  for (uint i = 0u; i < p.count; ++i) {
+    least = min(least, deviceDepthOf(p.corners[i]));
+    most = max(most, deviceDepthOf(p.corners[i]));
+  }
+  Triangle t;
+  t.id = r.firstTriangle + work.triangle + 1u;
+  t.plane = depthPlane(view, seen[0], seen[1], seen[2]);
+  setRange(t, view, least, most);
+  ivec2 first = screenPosition(p.corners[0]), before = screenPosition(p.corners[1]);
   for (uint i = 2u; i < p.count; ++i) {
-    ScreenVertex next = screenVertex(p.corners[i]);
-    Triangle t = Triangle(first.at, before.at, next.at, vec3(first.depth, before.depth, next.depth),
-                          r.firstTriangle + work.triangle + 1u);
+    ivec2 next = screenPosition(p.corners[i]);
+    t.a = first;
+    t.b = before;
+    t.c = next;
     before = next;
     if (isEmpty(onScreen(pixelsOf(t)))) continue;
     if (orient(t, (r.flags & kRankDoubleSided) != 0u, (r.flags & kRankMirrored) != 0u)) pushLarge(work.view, t);

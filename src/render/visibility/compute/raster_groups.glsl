@@ -26,41 +26,40 @@ Edges edgesAt(Triangle t, ivec2 pixel) {
   return e;
 }
 
-float areaScale(Triangle t) {
-  ivec2 u = t.b - t.a, v = t.c - t.a;
-  return 1.0 / float(u.x * v.y - u.y * v.x);
-}
-
-void testPixel(uint view, Triangle t, ivec2 pixel, ivec3 weights, ivec3 bias, float scale) {
+void testPixel(uint view, Triangle t, ivec2 pixel, ivec3 weights, ivec3 bias, float depth) {
   ivec3 biased = weights + bias;
   if ((biased.x | biased.y | biased.z) < 0) return;
 #ifdef CUT_OUT
   if (cutOutAt(view, pixel, t.id)) return;
 #endif
-  writeVisible(view, pixel, depthAt(t.depth, float(weights.x), float(weights.y), float(weights.z), scale), t.id);
+  writeVisible(view, pixel, withinRange(t, depth), t.id);
 }
 
-void rasterSmall(uint view, Triangle t, PixelBox box) {
+void rasterSmall(uint index, View view, Triangle t, PixelBox box) {
   Edges e = edgesAt(t, box.low);
-  float scale = areaScale(t);
+  float corner = depthAt(view, t, box.low);
+  vec2 steps = depthSteps(view, t.plane);
   for (int y = box.low.y; y <= box.high.y; ++y) {
     ivec3 weights = e.at;
     for (int x = box.low.x; x <= box.high.x; ++x) {
-      testPixel(view, t, ivec2(x, y), weights, e.bias, scale);
+      vec2 offset = vec2(ivec2(x, y) - box.low);
+      testPixel(index, t, ivec2(x, y), weights, e.bias, corner + dot(steps, offset));
       weights += e.right;
     }
     e.at += e.down;
   }
 }
 
-void rasterMedium(uint view, Triangle t) {
+void rasterMedium(uint index, View view, Triangle t) {
   PixelBox box = onScreen(pixelsOf(t));
   Edges e = edgesAt(t, box.low);
-  float scale = areaScale(t);
+  float corner = depthAt(view, t, box.low);
+  vec2 steps = depthSteps(view, t.plane);
   int across = box.high.x - box.low.x + 1, count = across * (box.high.y - box.low.y + 1);
   for (int i = int(gl_LocalInvocationIndex); i < count; i += 128) {
     ivec2 offset = ivec2(i % across, i / across);
-    testPixel(view, t, box.low + offset, e.at + e.right * offset.x + e.down * offset.y, e.bias, scale);
+    testPixel(index, t, box.low + offset, e.at + e.right * offset.x + e.down * offset.y, e.bias,
+              corner + dot(steps, vec2(offset)));
   }
 }
 
@@ -68,9 +67,10 @@ void rasterMedium(uint view, Triangle t) {
 bool takeTriangle(RankedInstance r, RasterWork work, uint triangle, View view, mat4x3 toWorld, Mesh mesh, out Triangle t) {
   uvec3 indices = triangleIndices(mesh, triangle);
   PositionRef positions = PositionRef(mesh.positions);
-  vec4 a = clipPosition(view, toWorld, positions.v[indices.x]);
-  vec4 b = clipPosition(view, toWorld, positions.v[indices.y]);
-  vec4 c = clipPosition(view, toWorld, positions.v[indices.z]);
+  vec3 seenA = seenPosition(view, toWorld, positions.v[indices.x]);
+  vec3 seenB = seenPosition(view, toWorld, positions.v[indices.y]);
+  vec3 seenC = seenPosition(view, toWorld, positions.v[indices.z]);
+  vec4 a = clipPosition(view, seenA), b = clipPosition(view, seenB), c = clipPosition(view, seenC);
   if ((sidesOutside(a) & sidesOutside(b) & sidesOutside(c)) != 0u) return false;
   uint outsideA = planesOutside(a), outsideB = planesOutside(b), outsideC = planesOutside(c);
   if ((outsideA & outsideB & outsideC) != 0u) return false;
@@ -80,11 +80,14 @@ bool takeTriangle(RankedInstance r, RasterWork work, uint triangle, View view, m
       ClippedRef(push.buffers.clipped).v[place] = ClippedTriangle(work.rank, triangle, work.view);
     return false;
   }
-  ScreenVertex sa = screenVertex(a), sb = screenVertex(b), sc = screenVertex(c);
-  t = Triangle(sa.at, sb.at, sc.at, vec3(sa.depth, sb.depth, sc.depth), r.firstTriangle + triangle + 1u);
+  t = Triangle(screenPosition(a), screenPosition(b), screenPosition(c), vec3(0.0), 0.0, 0.0,
+               r.firstTriangle + triangle + 1u);
   PixelBox whole = pixelsOf(t), box = onScreen(whole);
   if (isEmpty(box)) return false;
   if (!orient(t, (r.flags & kRankDoubleSided) != 0u, (r.flags & kRankMirrored) != 0u)) return false;
+  vec3 depths = vec3(deviceDepthOf(a), deviceDepthOf(b), deviceDepthOf(c));
+  t.plane = depthPlane(view, seenA, seenB, seenC);
+  setRange(t, view, min(depths.x, min(depths.y, depths.z)), max(depths.x, max(depths.y, depths.z)));
   ivec2 corners = max(t.a, max(t.b, t.c)) - min(t.a, min(t.b, t.c));
   ivec2 size = box.high - box.low + 1;
   if (max(corners.x, corners.y) > kLargestSide * kSubpixels) {
@@ -92,7 +95,7 @@ bool takeTriangle(RankedInstance r, RasterWork work, uint triangle, View view, m
     return false;
   }
   if (size.x * size.y > kSmallBox) return true;
-  rasterSmall(work.view, t, box);
+  rasterSmall(work.view, view, t, box);
   return false;
 }
 
@@ -113,5 +116,6 @@ void main() {
       medium[atomicAdd(mediumCount, 1u)] = t;
   }
   barrier();
-  for (uint i = 0u; i < mediumCount; ++i) rasterMedium(work.view, medium[i]);
+  View view = frameView(frame, work.view);
+  for (uint i = 0u; i < mediumCount; ++i) rasterMedium(work.view, view, medium[i]);
 }

@@ -15,22 +15,23 @@ void main() {
   uvec2 tiles = tilesOfView();
   uint view = job.tile / (tiles.x * tiles.y), inView = job.tile % (tiles.x * tiles.y);
   ivec2 corner = ivec2(inView % tiles.x, inView / tiles.x) * int(kRasterTile) + ivec2(gl_LocalInvocationID.xy) * kBlock;
+  View seen = frameView(FrameRef(push.buffers.frame).v, view);
   uint64_t shown[kBlock * kBlock];
   [[unroll]] for (int i = 0; i < kBlock * kBlock; ++i) shown[i] = uint64_t(0);
   float farthest = 0.0;  // of what shows in the block
   for (uint i = 0u; i < job.count; ++i) {
     Triangle t = triangleOf(LargeRef(push.buffers.large).v[EntriesRef(push.buffers.entries).v[job.first + i]]);
-    if (max(t.depth.x, max(t.depth.y, t.depth.z)) < farthest) continue;
+    if (t.most < farthest) continue;
     Edge a = edgeAt(t.b, t.c, corner), b = edgeAt(t.c, t.a, corner), c = edgeAt(t.a, t.b, corner);
     if (min(largest(a, kBlock), min(largest(b, kBlock), largest(c, kBlock))) < 0) continue;
-    ivec2 u = t.b - t.a, v = t.c - t.a;
-    float scale = 1.0 / float(int64_t(u.x) * int64_t(v.y) - int64_t(u.y) * int64_t(v.x));
+    float first = depthAt(seen, t, corner);
+    vec2 steps = depthSteps(seen, t.plane);
     uint64_t least = ~uint64_t(0);
     [[unroll]] for (int y = 0; y < kBlock; ++y) {
       int64_t wa = a.at, wb = b.at, wc = c.at;
       [[unroll]] for (int x = 0; x < kBlock; ++x) {
         if (((wa + a.bias) | (wb + b.bias) | (wc + c.bias)) >= 0) {
-          float depth = depthAt(t.depth, float(wa), float(wb), float(wc), scale);
+          float depth = withinRange(t, first + dot(steps, vec2(x, y)));
           shown[y * kBlock + x] =
               max(shown[y * kBlock + x], uint64_t(floatBitsToUint(depth)) << 32 | uint64_t(t.id));
         }

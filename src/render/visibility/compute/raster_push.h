@@ -40,10 +40,11 @@ struct ClippedTriangle {  // one that crosses a plane of the view's volume
   uint view;
 };
 
-// On screen: corners in subpixels from the upper left, in clockwise order as seen, with their device depth.
-struct LargeTriangle {  // 44 bytes
+// On screen: corners in subpixels from the upper left, in clockwise order as seen.
+struct LargeTriangle {  // 52 bytes
   int ax, ay, bx, by, cx, cy;
-  float az, bz, cz;
+  vec3 plane;         // device depth at a pixel is dot(plane, (x, 1, z)) of its viewRay(), without its depth
+  float least, most;  // of the depth
   uint id;
   uint view;
 };

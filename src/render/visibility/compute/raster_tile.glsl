@@ -29,7 +29,7 @@ int64_t smallest(Edge e, int side) {
 }
 
 Triangle triangleOf(LargeTriangle t) {
-  return Triangle(ivec2(t.ax, t.ay), ivec2(t.bx, t.by), ivec2(t.cx, t.cy), vec3(t.az, t.bz, t.cz), t.id);
+  return Triangle(ivec2(t.ax, t.ay), ivec2(t.bx, t.by), ivec2(t.cx, t.cy), t.plane, t.least, t.most, t.id);
 }
 
 bool touches(Triangle t, ivec2 corner, int side) {

@@ -68,9 +68,9 @@ Weights weightsAt(View view, vec3 a, vec3 b, vec3 c, vec2 pixel) {
     uvRight = vec2(dot(rightward, forB), dot(rightward, forC)) * sideways;
     uvDown = vec2(dot(downward, forB), dot(downward, forC)) * sideways;
   }
-  // Snapping to subpixels lets pixels just outside of the triangle show it, and grazing rays meet its plane anywhere.
-  uv = clamp(uv, vec2(0.0), vec2(1.0));
-  uv /= max(uv.x + uv.y, 1.0);
+  // Snapping to subpixels lets pixels just outside of the triangle show it. Those of one that is seen edge-on meet its plane
+  // anywhere.
+  uv = clamp(uv, vec2(-1.0), vec2(2.0));
   w.at = vec3(1.0 - uv.x - uv.y, uv);
   w.right = vec3(-uvRight.x - uvRight.y, uvRight);
   w.down = vec3(-uvDown.x - uvDown.y, uvDown);

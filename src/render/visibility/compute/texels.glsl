@@ -1,5 +1,5 @@
 // Texture filtering in shader code, where a compute shader can't choose among images: lavapipe has no descriptor
-// indexing. Levels and filters follow Vulkan 1.3, section 16.6 to 16.9, without anisotropy.
+// indexing. Levels and filters follow Vulkan 1.3, sections 16.6 to 16.9.
 #ifndef LATELIGHT_TEXELS_GLSL
 #define LATELIGHT_TEXELS_GLSL
 
@@ -41,10 +41,7 @@ vec4 filteredLevel(TextureRecord t, uint level, vec2 uv, bool nearest) {
   return mix(upper, lower, share.y);
 }
 
-vec4 filteredTexture(TextureRecord t, vec2 uv, vec2 dx, vec2 dy) {
-  vec2 size = vec2(t.width, t.height);
-  float footprint = max(dot(dx * size, dx * size), dot(dy * size, dy * size));
-  float level = 0.5 * log2(max(footprint, 1e-37));
+vec4 filteredAtLevel(TextureRecord t, vec2 uv, float level) {
   if (!(level > 0.0)) return filteredLevel(t, 0u, uv, (t.flags & kTextureMagnifyNearest) != 0u);
   bool nearest = (t.flags & kTextureMinifyNearest) != 0u;
   if ((t.flags & kTextureMipNone) != 0u) return filteredLevel(t, 0u, uv, nearest);
@@ -54,6 +51,20 @@ vec4 filteredTexture(TextureRecord t, vec2 uv, vec2 dx, vec2 dy) {
   vec4 fine = filteredLevel(t, below, uv, nearest);
   if (level == float(below)) return fine;
   return mix(fine, filteredLevel(t, below + 1u, uv, nearest), level - float(below));
+}
+
+// `anisotropy`: samples along the footprint, at most; the level follows from the share of each.
+vec4 filteredTexture(TextureRecord t, vec2 uv, vec2 dx, vec2 dy) {
+  vec2 size = vec2(t.width, t.height);
+  float across = length(dx * size), down = length(dy * size);
+  float longer = max(max(across, down), 1e-18), shorter = min(across, down);
+  uint samples = uint(clamp(ceil(longer / max(shorter, 1e-18)), 1.0, float(max(t.anisotropy, 1u))));
+  float level = log2(longer / float(samples));
+  vec2 way = across >= down ? dx : dy;
+  vec4 sum = vec4(0.0);
+  for (uint i = 0u; i < samples; ++i)
+    sum += filteredAtLevel(t, uv + way * ((float(i) + 0.5) / float(samples) - 0.5), level);
+  return sum / float(samples);
 }
 
 #endif
