@@ -4,6 +4,7 @@
 #ifndef LATELIGHT_RASTER_GLSL
 #define LATELIGHT_RASTER_GLSL
 #extension GL_EXT_shader_atomic_int64 : require
+#extension GL_KHR_shader_subgroup_basic : require
 #include "render/glsl/common.glsl"
 #include "render/visibility/compute/seen_triangle.glsl"
 
@@ -69,7 +70,8 @@ ivec2 screenPosition(vec4 clip) {
 }
 
 float deviceDepthOf(vec4 clip) {
-  precise float depth = clip.z / clip.w;
+  precise float inverse = 1.0 / clip.w;
+  precise float depth = clip.z * inverse;
   return clamp(depth, 0.0, 1.0);
 }
 
@@ -93,7 +95,8 @@ vec3 depthPlane(View view, vec3 a, vec3 b, vec3 c) {
   precise vec3 n = cross(ab * scale, ac * scale);
   precise float d = dot(n, a);
   if (p.kind == kPerspective) {
-    precise vec3 plane = n * (p.B / d);
+    precise float inverse = 1.0 / d;  // before B, a power of two in tests: then nothing depends on where the near plane is
+    precise vec3 plane = n * inverse * p.B;
     return vec3(plane.x, plane.y + p.A, plane.z);
   }
   precise float tilt = p.A / n.y;

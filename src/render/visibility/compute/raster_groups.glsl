@@ -1,5 +1,5 @@
-// A thread a triangle: small ones are rasterized at once; those of some size by the whole workgroup, one after the other;
-// large ones, and those that cross the volume's planes, are queued. After raster.glsl; CUT_OUT: after cut_out.glsl.
+// A thread a triangle: small ones are rasterized at once; those of some size by a subgroup each; large ones, and those that
+// cross the volume's planes, are queued. After raster.glsl; CUT_OUT: after cut_out.glsl.
 
 layout(local_size_x = 128) in;
 
@@ -56,7 +56,7 @@ void rasterMedium(uint index, View view, Triangle t) {
   float corner = depthAt(view, t, box.low);
   vec2 steps = depthSteps(view, t.plane);
   int across = box.high.x - box.low.x + 1, count = across * (box.high.y - box.low.y + 1);
-  for (int i = int(gl_LocalInvocationIndex); i < count; i += 128) {
+  for (int i = int(gl_SubgroupInvocationID); i < count; i += int(gl_SubgroupSize)) {
     ivec2 offset = ivec2(i % across, i / across);
     testPixel(index, t, box.low + offset, e.at + e.right * offset.x + e.down * offset.y, e.bias,
               corner + dot(steps, vec2(offset)));
@@ -117,5 +117,5 @@ void main() {
   }
   barrier();
   View view = frameView(frame, work.view);
-  for (uint i = 0u; i < mediumCount; ++i) rasterMedium(work.view, view, medium[i]);
+  for (uint i = gl_SubgroupID; i < mediumCount; i += gl_NumSubgroups) rasterMedium(work.view, view, medium[i]);
 }
