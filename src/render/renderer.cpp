@@ -274,7 +274,7 @@ output::RawGbuffer Renderer::readTargets(const scene::Camera& camera, const Sett
   std::shared_ptr<FrameShadows> shadows;
   if (layout.sunTarget >= 0) shadows = planShadows(job.now, atCentres);  // else nothing in the targets is lit
   const RenderPart part(job, 0, 1, {0, settings.height}, shadows);
-  ViewSet set(state_, part.views(glm::vec2(0)), atCentres, shadows.get(), HardwareOptions{.atCentres = true});
+  ViewSet set(state_, part.views(glm::vec2(0)), atCentres, shadows.get(), VisibilityOptions{.atCentres = true});
   graph::Graph graph(executor_);
   const LitFrame lit = addOpaque(set.frame(graph, frameSetup(atCentres, shadows != nullptr)));
   const RawReadback readback(graph, layout, settings.normals->index, lit.gbuffer);

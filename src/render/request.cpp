@@ -49,13 +49,13 @@ bool Request::isSteady() const {
 }
 
 ViewSet& Request::steady() {
-  if (!steady_) steady_.emplace(state_, steadyViews_, settings_, shadows_, HardwareOptions{.atCentres = true});
+  if (!steady_) steady_.emplace(state_, steadyViews_, settings_, shadows_, VisibilityOptions{.atCentres = true});
   return *steady_;
 }
 
 ViewSet& Request::jittered() {
   if (isSteady()) return steady();
-  const HardwareOptions options{.atCentres = settings_.aa.samples == 1};
+  const VisibilityOptions options{.atCentres = settings_.aa.samples == 1};
   if (!jittered_) jittered_.emplace(state_, jitteredViews_, settings_, shadows_, options);
   return *jittered_;
 }
@@ -155,7 +155,7 @@ void Request::addData() {
   ViewSet* set = &steady();
   graph::ImageId depth;
   if (settings_.dataSurfaces == DataSurfaces::Any && steady().visibility().anyBlended()) {
-    solid_.emplace(state_, steadyViews_, settings_, nullptr, HardwareOptions{.blendedToo = true, .atCentres = true});
+    solid_.emplace(state_, steadyViews_, settings_, nullptr, VisibilityOptions{.blendedToo = true, .atCentres = true});
     set = &*solid_;
     depth = solid_->visibility().addDepth(solid_->frame(graph_, FrameSetup{}));
   } else {

@@ -14,7 +14,7 @@ bool rastersInCompute(const Settings& settings) {
 namespace {
 
 std::unique_ptr<Visibility> makeVisibility(const RenderState& state, std::span<const shared::View> views,
-                                           const Settings& settings, const HardwareOptions& options) {
+                                           const Settings& settings, const VisibilityOptions& options) {
   if (rastersInCompute(settings))
     return std::make_unique<ComputeVisibility>(state.device, state.scene, state.order, state.ranks, views, options);
   return std::make_unique<HardwareVisibility>(state.device, state.scene, state.order, views, options);
@@ -23,7 +23,7 @@ std::unique_ptr<Visibility> makeVisibility(const RenderState& state, std::span<c
 }  // namespace
 
 ViewSet::ViewSet(const RenderState& state, const ViewsInTime& views, const Settings& settings, FrameShadows* shadows,
-                 const HardwareOptions& options)
+                 const VisibilityOptions& options)
     : state_(state),
       views_(views),
       settings_(settings),

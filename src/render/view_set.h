@@ -40,7 +40,7 @@ class ViewSet {
  public:
   // `shadows`: of these views, or null.
   ViewSet(const RenderState& state, const ViewsInTime& views, const Settings& settings, FrameShadows* shadows,
-          const HardwareOptions& options);
+          const VisibilityOptions& options);
   // A frame of these views, to add passes to.
   const FrameContext& frame(graph::Graph& graph, const FrameSetup& setup);
 

@@ -29,7 +29,7 @@ vk::GraphicsDesc behindDepth(const FrameSetup& setup) {
 }
 
 HardwareVisibility::HardwareVisibility(vk::Device& device, const GpuScene& scene, const DrawOrder& order,
-                                       std::span<const shared::View> views, const HardwareOptions& options)
+                                       std::span<const shared::View> views, const VisibilityOptions& options)
     : device_(device),
       scene_(scene),
       order_(order),

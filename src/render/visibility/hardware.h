@@ -9,17 +9,11 @@
 
 namespace latelight::render {
 
-// Which surfaces count as solid, and where pixels are looked at.
-struct HardwareOptions {
-  bool blendedToo = false;  // what is blended is a surface like any other where its alpha is above 0: for data outputs
-  bool atCentres = false;   // pixels have one sample, at their centre: what holds none is not drawn
-};
-
 // Of one set of views. Culls them when it is made, once for all that is drawn.
 class HardwareVisibility final : public Visibility {
  public:
   HardwareVisibility(vk::Device& device, const GpuScene& scene, const DrawOrder& order,
-                     std::span<const shared::View> views, const HardwareOptions& options = {});
+                     std::span<const shared::View> views, const VisibilityOptions& options = {});
 
   graph::ImageId addDepth(const FrameContext& f) const override;
   void addGbuffer(const FrameContext& f, Gbuffer& gbuffer) const override;
@@ -46,7 +40,7 @@ class HardwareVisibility final : public Visibility {
   vk::Device& device_;
   const GpuScene& scene_;
   const DrawOrder& order_;
-  HardwareOptions options_;
+  VisibilityOptions options_;
   DeviceDraws solid_, blended_;
 };
 

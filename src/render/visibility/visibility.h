@@ -16,6 +16,12 @@ struct FragmentBuffers {
   uint32_t capacity;  // fragments
 };
 
+// Which surfaces count as solid, and where pixels are looked at.
+struct VisibilityOptions {
+  bool blendedToo = false;  // what is blended is a surface like any other where its alpha is above 0: for data outputs
+  bool atCentres = false;   // pixels have one sample, at their centre: what holds none is not drawn
+};
+
 class HardwareVisibility;
 
 class Visibility {

@@ -58,7 +58,7 @@ void requireComputeRaster(const vk::Device& device) {
 
 ComputeVisibility::ComputeVisibility(vk::Device& device, const GpuScene& scene, const DrawOrder& order,
                                      const InstanceRanks& ranks, std::span<const shared::View> views,
-                                     const HardwareOptions& options)
+                                     const VisibilityOptions& options)
     : device_(device),
       scene_(scene),
       order_(order),

@@ -18,7 +18,7 @@ void requireComputeRaster(const vk::Device& device);
 class ComputeVisibility final : public Visibility {
  public:
   ComputeVisibility(vk::Device& device, const GpuScene& scene, const DrawOrder& order, const InstanceRanks& ranks,
-                    std::span<const shared::View> views, const HardwareOptions& options);
+                    std::span<const shared::View> views, const VisibilityOptions& options);
 
   graph::ImageId addDepth(const FrameContext& f) const override;
   void addGbuffer(const FrameContext& f, Gbuffer& gbuffer) const override;
@@ -38,7 +38,7 @@ class ComputeVisibility final : public Visibility {
   const DrawOrder& order_;
   const InstanceRanks& ranks_;
   std::vector<shared::View> views_;
-  HardwareOptions options_;
+  VisibilityOptions options_;
   InstanceRanks::Share share_;
   mutable std::unique_ptr<HardwareVisibility> drawn_;  // once something is
   mutable graph::BufferId visible_;                    // of the graph that is being built, once addDepth() was called

@@ -3,7 +3,8 @@
 
 layout(local_size_x = 128) in;
 
-const int kSmallBox = 24;    // pixels
+const int kSmallBox = 12;      // pixels
+const int kMediumBox = 512;   // a subgroup's loop over more would keep its workgroup waiting
 const int kLargestSide = 127;  // pixels of a box in which edges fit into 32 bits: 2 (127 * 256)^2 < 2^31
 
 shared uint mediumCount;
@@ -90,7 +91,7 @@ bool takeTriangle(RankedInstance r, RasterWork work, uint triangle, View view, m
   setRange(t, view, min(depths.x, min(depths.y, depths.z)), max(depths.x, max(depths.y, depths.z)));
   ivec2 corners = max(t.a, max(t.b, t.c)) - min(t.a, min(t.b, t.c));
   ivec2 size = box.high - box.low + 1;
-  if (max(corners.x, corners.y) > kLargestSide * kSubpixels) {
+  if (max(corners.x, corners.y) > kLargestSide * kSubpixels || size.x * size.y > kMediumBox) {
     pushLarge(work.view, t);
     return false;
   }
