@@ -166,6 +166,7 @@ Renderer::Start Renderer::startPart(RenderPart& part, uint64_t& room) {
   const ViewsInTime steady = part.views(glm::vec2(0));
   const bool yUp = scene_.yUp && s.axes == Axes::File;
   part.earlier.clear();
+  if (std::exchange(part.started, true) && part.shadows) part.shadows->drawAgain();
   vk::Image sum;
   if (jitters.size() > 1) sum = makeSum(part);
   for (size_t i = 0; i < jitters.size(); ++i) {

@@ -197,6 +197,10 @@ std::span<const NamedOption> postEffects() {
   return all;
 }
 
+bool rastersInCompute(const Settings& settings) {
+  return settings.raster == Raster::Compute && !settings.lighting->forward && settings.aa.samples == 1;
+}
+
 float exposureFactor(const Settings& settings) {
   return std::exp2(settings.exposure);
 }

@@ -168,6 +168,9 @@ struct Settings {
 
 // The factor for radiance.
 float exposureFactor(const Settings& settings);
+// Whether these settings' frames find what is visible in compute shaders: techniques that draw the scene, and several
+// samples a pixel, take the graphics pipeline.
+bool rastersInCompute(const Settings& settings);
 
 // Every effect of the post-processing, and the option that turns it on.
 std::span<const NamedOption> postEffects();

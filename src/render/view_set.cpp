@@ -2,14 +2,9 @@
 
 #include <cmath>
 
-#include "render/lighting/technique.h"
 #include "render/post/ambient_occlusion/ambient_occlusion.h"
 
 namespace latelight::render {
-
-bool rastersInCompute(const Settings& settings) {
-  return settings.raster == Raster::Compute && !settings.lighting->forward && settings.aa.samples == 1;
-}
 
 namespace {
 

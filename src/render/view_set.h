@@ -27,10 +27,6 @@ struct RenderState {
   Overflow& overflow;
 };
 
-// Whether these settings' frames find what is visible in compute shaders: techniques that draw the scene, and several
-// samples a pixel, take the graphics pipeline.
-bool rastersInCompute(const Settings& settings);
-
 // The same number of each: where views are, were in the previous frame and will be in the next, without jitter.
 struct ViewsInTime {
   std::vector<shared::View> now, previous, next;

@@ -42,8 +42,9 @@ std::shared_ptr<const vk::Image> atlasFor(vk::Device& device, const vk::ImageDes
 
 }  // namespace
 
-VkFormat shadowImageFormat(uint32_t format) {
+VkFormat shadowImageFormat(uint32_t format, bool inCompute) {
   if (shadowIsPacked(format)) return VK_FORMAT_R8G8B8A8_UNORM;
+  if (inCompute) return format == shared::kShadowD16 ? VK_FORMAT_R16_UNORM : VK_FORMAT_R32_SFLOAT;
   return format == shared::kShadowD16 ? VK_FORMAT_D16_UNORM : VK_FORMAT_D32_SFLOAT;
 }
 
@@ -53,7 +54,7 @@ bool shadowIsPacked(uint32_t format) {
 
 FrameShadows::FrameShadows(vk::Device& device, const GpuScene& scene, std::span<const shared::View> views,
                            const Settings& settings, KeptAtlas& kept)
-    : format_(indexOf(settings.shadows)) {
+    : format_(indexOf(settings.shadows)), inCompute_(rastersInCompute(settings)) {
   const ShadowScene planned{scene.lights().lights(), scene.lights().sources(), scene.lights().authored(),
                             scene.bounds()};
   for (const shared::View& view : views) {
@@ -105,12 +106,13 @@ shared::LightShadow FrameShadows::enter(uint32_t view, const ShadowPlan::Entry& 
 }
 
 void FrameShadows::upload(vk::Device& device, KeptAtlas& kept) {
-  vk::ImageDesc atlas{.format = shadowImageFormat(format_),
+  vk::ImageDesc atlas{.format = shadowImageFormat(format_, inCompute_),
                       .layers = layers_,
                       .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
                       .name = "shadow atlas"};
-  atlas.usage |=
-      shadowIsPacked(format_) ? VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT : VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT;
+  atlas.usage |= inCompute_                ? VK_IMAGE_USAGE_STORAGE_BIT
+                 : shadowIsPacked(format_) ? VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT
+                                           : VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT;
   std::vector<shared::View> views;
   for (const ShadowPlan& plan : plans_) {
     atlas.width = std::max(atlas.width, plan.width);

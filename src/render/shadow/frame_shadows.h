@@ -47,6 +47,7 @@ class FrameShadows {
 
   // A layer for each view that has maps of its own. Drawn once for all samples of a picture.
   const vk::Image& atlas() const { return *atlas_; }
+  void drawAgain() { undrawn_ = true; }  // for a graph that is run again, since something overflowed
   bool takeDrawing() { return std::exchange(undrawn_, false); }  // true once: for the graph that draws the maps
 
  private:
@@ -60,6 +61,7 @@ class FrameShadows {
   void upload(vk::Device& device, KeptAtlas& kept);
 
   uint32_t format_;  // kShadow*
+  bool inCompute_;   // the maps are stored by compute shaders
   std::vector<ShadowPlan> plans_;
   std::vector<Map> maps_;
   std::vector<shared::ShadowMap> records_;  // of maps_
@@ -72,7 +74,7 @@ class FrameShadows {
   bool undrawn_ = true;
 };
 
-VkFormat shadowImageFormat(uint32_t format);  // of the atlas
-bool shadowIsPacked(uint32_t format);         // depth is packed into the bytes of a colour
+VkFormat shadowImageFormat(uint32_t format, bool inCompute = false);  // of the atlas: drawn to, or stored to
+bool shadowIsPacked(uint32_t format);                                 // depth is packed into the bytes of a colour
 
 }  // namespace latelight::render

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <bit>
+#include <set>
 
 #include "base/error.h"
 #include "render/gbuffer/layout.h"
 #include "render/readback.h"
+#include "render/shadow/frame_shadows.h"
 #include "vk/features.h"
 
 namespace latelight::render {
@@ -41,8 +43,8 @@ bool overflowedRaster(const FrameContext& f, const Room& room, const RasterCount
   return any;
 }
 
-uint32_t tilesOf(const FrameContext& f) {
-  return ((f.width + kRasterTile - 1) / kRasterTile) * ((f.height + kRasterTile - 1) / kRasterTile) * f.viewCount();
+uint32_t tilesOf(const RasterViews& v) {
+  return ((v.width + kRasterTile - 1) / kRasterTile) * ((v.height + kRasterTile - 1) / kRasterTile) * v.count;
 }
 
 }  // namespace
@@ -83,14 +85,14 @@ struct ComputeVisibility::Buffers {
   Room room;
   uint32_t jobRoom;
 
-  Buffers(const FrameContext& f, const InstanceRanks::Share& share) : room(roomOf(f)) {
+  Buffers(const FrameContext& f, const RasterViews& views, const InstanceRanks::Share& share) : room(roomOf(f)) {
     const auto make = [&](const char* name, uint64_t bytes) {
       return f.graph.create(vk::BufferDesc{.size = bytes, .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, .name = name});
     };
-    const uint32_t tileCount = tilesOf(f);
+    const uint32_t tileCount = tilesOf(views);
     jobRoom = tileCount + room.entries / kRasterJobTriangles;
-    visible = make("visible", uint64_t{8} * f.width * f.height * f.viewCount());
-    work = make("raster work", sizeof(RasterWork) * share.parts * f.viewCount());
+    visible = make("visible", uint64_t{8} * views.width * views.height * views.count);
+    work = make("raster work", sizeof(RasterWork) * share.parts * views.count);
     clipped = make("clipped triangles", sizeof(ClippedTriangle) * room.clipped);
     large = make("large triangles", sizeof(LargeTriangle) * room.large);
     tiles = make("raster tiles", uint64_t{8} * tileCount);
@@ -131,7 +133,8 @@ void readsTextures(const FrameContext& f, ComputePass& pass) {
 }  // namespace
 
 // One chain of steps over the instances that alpha takes parts away of, or over the others.
-void ComputeVisibility::addRaster(const FrameContext& f, const Buffers& b, bool cutOut) const {
+void ComputeVisibility::addRaster(const FrameContext& f, const RasterViews& views, const Buffers& b,
+                                  bool cutOut) const {
   std::vector<graph::Access> anew;
   for (const graph::BufferId buffer : {b.work, b.clipped, b.large, b.tiles, b.entries, b.jobs, b.counters})
     anew.emplace_back(buffer, graph::Use::CopyTarget);
@@ -141,7 +144,7 @@ void ComputeVisibility::addRaster(const FrameContext& f, const Buffers& b, bool 
   });
   const auto push = [=, this, &f](graph::Context& context) {
     const auto address = [&](graph::BufferId buffer) { return context.buffer(buffer).address(); };
-    return RasterPush{.buffers = {.frame = f.constants,
+    return RasterPush{.buffers = {.frame = views.constants,
                                   .ranks = ranks_.address(),
                                   .visible = address(b.visible),
                                   .work = address(b.work),
@@ -151,14 +154,15 @@ void ComputeVisibility::addRaster(const FrameContext& f, const Buffers& b, bool 
                                   .entries = address(b.entries),
                                   .jobs = address(b.jobs),
                                   .counters = address(b.counters)},
+                      .within = views.within,
                       .ranks = share_.ranks,
-                      .views = f.viewCount(),
-                      .width = f.width,
-                      .height = f.height,
+                      .views = views.count,
+                      .width = views.width,
+                      .height = views.height,
                       .clippedRoom = b.room.clipped,
                       .largeRoom = b.room.large,
                       .entryRoom = b.room.entries,
-                      .jobRoom = b.jobRoom};
+                      .bothSides = views.bothSides ? 1u : 0u};
   };
   const auto over = [&](const char* shader, glm::uvec3 groups) {
     ComputePass pass = rasterStep(f, shader, b.accesses());
@@ -178,13 +182,13 @@ void ComputeVisibility::addRaster(const FrameContext& f, const Buffers& b, bool 
     pass.groupsOffset = offsetof(RasterCounters, groups);
     addCompute(f, std::move(pass), push);
   };
-  const auto most = static_cast<uint32_t>(share_.parts * f.viewCount());
+  const auto most = static_cast<uint32_t>(share_.parts * views.count);
   over("raster_cull.comp",
-       {std::min(share_.ranks, kRasterRow), (share_.ranks + kRasterRow - 1) / kRasterRow, f.viewCount()});
+       {std::min(share_.ranks, kRasterRow), (share_.ranks + kRasterRow - 1) / kRasterRow, views.count});
   overQueue(cutOut ? "raster_cut_out.comp" : "raster.comp", kQueueWork, most, cutOut);
   overQueue("raster_clip.comp", kQueueClipped, (b.room.clipped + 63) / 64);
   overQueue("raster_count.comp", kQueueLarge, b.room.large);
-  over("raster_tiles.comp", {(tilesOf(f) + 63) / 64, 1, 1});
+  over("raster_tiles.comp", {(tilesOf(views) + 63) / 64, 1, 1});
   overQueue("raster_fill.comp", kQueueLarge, b.room.large);
   overQueue(cutOut ? "raster_large_cut_out.comp" : "raster_large.comp", kQueueJobs, b.jobRoom, cutOut);
   if (!f.overflow) return;
@@ -208,15 +212,20 @@ ResolvePush ComputeVisibility::resolvePush(graph::Context& context, const FrameC
           .rankCount = share_.ranks};
 }
 
-graph::ImageId ComputeVisibility::addDepth(const FrameContext& f) const {
-  const Buffers b(f, share_);
-  visible_ = b.visible;
+// What these views show, as a buffer of the graph.
+graph::BufferId ComputeVisibility::addVisible(const FrameContext& f, const RasterViews& views) const {
+  const Buffers b(f, views, share_);
   f.graph.pass(graph::Stage::Visibility, "raster clear", {{b.visible, graph::Use::CopyTarget}},
                [=](graph::Context& context) {
                  vkCmdFillBuffer(context.get(), context.buffer(b.visible).get(), 0, VK_WHOLE_SIZE, 0);
                });
-  if (share_.ranks > share_.cutOut) addRaster(f, b, false);
-  if (share_.cutOut > 0) addRaster(f, b, true);
+  if (share_.ranks > share_.cutOut) addRaster(f, views, b, false);
+  if (share_.cutOut > 0) addRaster(f, views, b, true);
+  return b.visible;
+}
+
+graph::ImageId ComputeVisibility::addDepth(const FrameContext& f) const {
+  visible_ = addVisible(f, {f.constants, f.width, f.height, f.viewCount()});
   const graph::ImageId depth = createTarget(f, VK_FORMAT_R32_SFLOAT, "depth");
   addCompute(f,
              {.stage = graph::Stage::Visibility,
@@ -277,11 +286,87 @@ graph::ImageId ComputeVisibility::addMotion(const FrameContext& f, graph::ImageI
   return motion;
 }
 
-// --- what is still drawn --------------------------------------------------------------------------------------------
+// --- shadow maps ----------------------------------------------------------------------------------------------------
+
+namespace {
+
+// Of a map, with depth reversed, as visibility has it.
+shared::View reversed(const ShadowView& map) {
+  shared::View view = map.view;
+  shared::Projection& p = view.projection;
+  const float range = 0.5f / p.A, near = -2 * p.B * range;
+  if (p.kind == shared::kPerspective) {
+    p.B = std::max(near, 1e-6f * (near + range));
+    p.A = 0;
+  } else {
+    p.A = -1 / range;
+    p.B = (near + range) / range;
+  }
+  return view;
+}
+
+ShadowTarget targetOf(const FrameShadows::Map& map) {
+  const shared::Projection& p = map.view->view.projection;
+  const float range = 0.5f / p.A, near = -2 * p.B * range;
+  const AtlasTile& tile = map.view->tile;
+  const float far = p.kind == shared::kPerspective ? near + range : 0;
+  return {tile.x, tile.y, map.layer, p.A, p.B, map.view->unit, far};
+}
+
+template <typename T>
+VkDeviceAddress constantsOf(graph::Graph& graph, const std::vector<T>& values) {
+  return graph.constants(std::as_bytes(std::span(values)));
+}
+
+}  // namespace
+
+// Maps of one size at once, into `atlas`, of which they overwrite their tiles.
+void ComputeVisibility::addShadowMapsOf(const FrameContext& f, uint32_t size, graph::ImageId atlas,
+                                        graph::Use use) const {
+  std::vector<shared::View> views;
+  std::vector<glm::vec4> within;
+  std::vector<ShadowTarget> targets;
+  for (const FrameShadows::Map& map : f.shadows->maps()) {
+    if (map.view->tile.size != size) continue;
+    constexpr float kEverywhere = 1e18f;  // whose square is a number
+    const Sphere sphere = map.view->within.value_or(Sphere{glm::vec3(0), kEverywhere});
+    views.push_back(reversed(*map.view));
+    within.emplace_back(sphere.centre, std::min(sphere.radius, kEverywhere));
+    targets.push_back(targetOf(map));
+  }
+  shared::FrameConstants frame{};
+  scene_.describe(frame);
+  frame.views = frame.previousViews = frame.nextViews = constantsOf(f.graph, views);
+  frame.viewCount = static_cast<uint32_t>(views.size());
+  const VkDeviceAddress constants = constantsOf(f.graph, std::vector{frame});
+  const VkDeviceAddress places = constantsOf(f.graph, targets);
+  const graph::BufferId visible =
+      addVisible(f, {constants, size, size, frame.viewCount, constantsOf(f.graph, within), true});
+  addCompute(f,
+             {.stage = graph::Stage::Shadows,
+              .name = "shadow maps",
+              .shader = "shadow_store.comp",
+              .bindings = Bindings(f.device).storage(atlas, use),
+              .size = {size, size, frame.viewCount},
+              .constants = f.setup.constants(),
+              .buffers = {{visible, graph::Use::StorageRead}}},
+             [=, this](graph::Context& context) {
+               return ShadowStorePush{constants, ranks_.address(), context.buffer(visible).address(),
+                                      places,    share_.ranks,     size};
+             });
+}
 
 void ComputeVisibility::addShadowMaps(const FrameContext& f, graph::ImageId atlas) const {
-  drawn().addShadowMaps(f, atlas);
+  std::set<uint32_t> sizes;
+  for (const FrameShadows::Map& map : f.shadows->maps()) sizes.insert(map.view->tile.size);
+  graph::Use use = graph::Use::StorageWrite;
+  for (const uint32_t size : sizes) {
+    addShadowMapsOf(f, size, atlas, use);
+    use = graph::Use::StorageReadWrite;
+  }
 }
+
+// --- what is still drawn --------------------------------------------------------------------------------------------
 
 void ComputeVisibility::addFragments(const FrameContext& f, const Gbuffer& gbuffer,
                                      const FragmentBuffers& buffers) const {

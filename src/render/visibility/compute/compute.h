@@ -2,7 +2,7 @@
 // number of the nearest one, and from that into whatever asks. Instances are culled on the device, for all views in one
 // chain of dispatches. The result is the same whatever order workgroups run in.
 //
-// Shadow maps and blended surfaces are still drawn, by HardwareVisibility.
+// Blended surfaces are still drawn, by HardwareVisibility.
 #pragma once
 
 #include <memory>
@@ -11,6 +11,14 @@
 #include "render/visibility/hardware.h"
 
 namespace latelight::render {
+
+// Views of one size that are rasterized together.
+struct RasterViews {
+  VkDeviceAddress constants;  // shared::FrameConstants
+  uint32_t width, height, count;
+  VkDeviceAddress within = 0;  // RasterPush::within
+  bool bothSides = false;
+};
 
 // Throws Error(NoDevice) where a device lacks what these shaders need.
 void requireComputeRaster(const vk::Device& device);
@@ -30,7 +38,9 @@ class ComputeVisibility final : public Visibility {
 
  private:
   struct Buffers;
-  void addRaster(const FrameContext& f, const Buffers& buffers, bool cutOut) const;
+  void addRaster(const FrameContext& f, const RasterViews& views, const Buffers& buffers, bool cutOut) const;
+  graph::BufferId addVisible(const FrameContext& f, const RasterViews& views) const;
+  void addShadowMapsOf(const FrameContext& f, uint32_t size, graph::ImageId atlas, graph::Use use) const;
   shared::ResolvePush resolvePush(graph::Context& context, const FrameContext& f) const;
 
   vk::Device& device_;

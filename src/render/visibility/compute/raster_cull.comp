@@ -22,6 +22,8 @@ bool mayShow(View view, vec3 centre, float radius) {
 
 layout(constant_id = 16) const uint kCutOut = 0u;  // 1: instances whose alpha takes parts away, else the others
 
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer SphereRef { vec4 v[]; };
+
 shared uint first;
 
 void main() {
@@ -30,6 +32,12 @@ void main() {
   RankedInstance r = RankRef(push.buffers.ranks).v[rank];
   if ((r.flags & kRankCutOut) != 0u != (kCutOut != 0u)) return;
   if (r.radius < 0.0 || !mayShow(frameView(FrameRef(push.buffers.frame).v, view), r.centre, r.radius)) return;
+  if (push.within != uint64_t(0)) {
+    vec4 within = SphereRef(push.within).v[view];
+    vec3 way = r.centre - within.xyz;
+    float reach = r.radius + within.w;
+    if (dot(way, way) > reach * reach) return;
+  }
   uint parts = (r.triangles + kRasterGroup - 1u) / kRasterGroup;
   if (gl_LocalInvocationIndex == 0u) first = atomicAdd(CountersRef(push.buffers.counters).v.work, parts);
   barrier();

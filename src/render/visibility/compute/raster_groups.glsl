@@ -85,7 +85,7 @@ bool takeTriangle(RankedInstance r, RasterWork work, uint triangle, View view, m
                r.firstTriangle + triangle + 1u);
   PixelBox whole = pixelsOf(t), box = onScreen(whole);
   if (isEmpty(box)) return false;
-  if (!orient(t, (r.flags & kRankDoubleSided) != 0u, (r.flags & kRankMirrored) != 0u)) return false;
+  if (!orient(t, (r.flags & kRankDoubleSided) != 0u || push.bothSides != 0u, (r.flags & kRankMirrored) != 0u)) return false;
   vec3 depths = vec3(deviceDepthOf(a), deviceDepthOf(b), deviceDepthOf(c));
   t.plane = depthPlane(view, seenA, seenB, seenC);
   setRange(t, view, min(depths.x, min(depths.y, depths.z)), max(depths.x, max(depths.y, depths.z)));

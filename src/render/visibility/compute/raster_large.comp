@@ -10,7 +10,7 @@ const int kBlock = 4;
 
 void main() {
   uint number = groupNumber();
-  if (number >= min(CountersRef(push.buffers.counters).v.jobs, push.jobRoom)) return;
+  if (number >= CountersRef(push.buffers.counters).v.jobs) return;
   RasterJob job = JobsRef(push.buffers.jobs).v[number];
   uvec2 tiles = tilesOfView();
   uint view = job.tile / (tiles.x * tiles.y), inView = job.tile % (tiles.x * tiles.y);

@@ -74,9 +74,28 @@ struct RasterBuffers {  // addresses
 
 struct RasterPush {
   RasterBuffers buffers;
+  uint64_t within;  // vec4[views]: spheres that hold all that matters to a view, centre and radius; 0: none
   uint ranks, views;
-  uint width, height;                               // pixels of a view
-  uint clippedRoom, largeRoom, entryRoom, jobRoom;  // of the queues
+  uint width, height;                      // pixels of a view
+  uint clippedRoom, largeRoom, entryRoom;  // of the queues
+  uint bothSides;                          // 1: back faces too, whatever their material says
+};
+
+// Where a shadow map goes, and what its texels are (shared/shadow.h).
+struct ShadowTarget {
+  uint x, y, layer;  // of the atlas
+  float A, B;        // depth is 2 (A y + B) at y metres along the map's axis
+  float unit;        // ShadowView::unit
+  float far;         // metres; 0: an orthographic map
+};
+
+struct ShadowStorePush {
+  uint64_t frame;  // FrameConstants, whose views are the maps
+  uint64_t ranks;
+  uint64_t visible;
+  uint64_t targets;  // ShadowTarget[]
+  uint rankCount;
+  uint size;  // texels of a map, across
 };
 
 struct RasterArgumentsPush {

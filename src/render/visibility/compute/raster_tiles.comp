@@ -15,10 +15,10 @@ void main() {
   CountersRef counters = CountersRef(push.buffers.counters);
   uint first = atomicAdd(counters.v.entries, count);
   table.v[2u * tile + 1u] = first;
-  if (first + count > push.entryRoom) return;  // there is no room: all of it is done again
+  if (first + count > push.entryRoom) return;  // all of it is done again; where entries have room, jobs have
   uint jobs = (count + kRasterJobTriangles - 1u) / kRasterJobTriangles;
   uint place = atomicAdd(counters.v.jobs, jobs);
-  for (uint i = 0u; i < jobs && place + i < push.jobRoom; ++i) {
+  for (uint i = 0u; i < jobs; ++i) {
     uint begin = i * kRasterJobTriangles;
     JobsRef(push.buffers.jobs).v[place + i] = RasterJob(tile, first + begin, min(count - begin, kRasterJobTriangles));
   }

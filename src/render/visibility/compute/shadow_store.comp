@@ -1,0 +1,55 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// From the visibility buffer of shadow maps to their tiles of the atlas: depth, linear in metres, and the caster's slope
+// bias, as shadow.frag has them.
+#include "render/glsl/common.glsl"
+#include "render/visibility/compute/seen_triangle.glsl"
+#include "render/glsl/setup.glsl"
+#include "shared/shadow.h"
+
+layout(local_size_x = 16, local_size_y = 16) in;
+layout(push_constant, scalar) uniform Push { ShadowStorePush push; };
+layout(set = 0, binding = 0) writeonly uniform image2DArray atlas;
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer VisibleRef { uint64_t v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer TargetRef { ShadowTarget v[]; };
+
+// What y grows by a texel across and down, where the triangle's plane has it.
+vec2 slopes(FrameConstants frame, View view, uint id, float y, vec2 texel) {
+  SeenTriangle t = seenTriangle(frame, push.ranks, push.rankCount, id);
+  Instance instance = frameInstance(frame, t.rank.instance);
+  PositionRef positions = PositionRef(frameMesh(frame, instance.mesh).positions);
+  vec3 corners[3];
+  for (int i = 0; i < 3; ++i)
+    corners[i] = view.worldToView * vec4(instance.objectToWorld * vec4(positions.v[t.indices[i]], 1.0), 1.0);
+  vec3 n = cross(corners[1] - corners[0], corners[2] - corners[0]);
+  vec2 steps = vec2(2.0 / view.projection.H, 2.0 / view.projection.V) / float(push.size);
+  if (view.projection.kind == kOrthographic) return -vec2(n.x, n.z) * steps / n.y;
+  vec3 ray = viewRay(view.projection, pixelToNdc(texel, view.size));
+  return -y * vec2(n.x, n.z) * steps / dot(n, ray);
+}
+
+float biasedDepth(FrameConstants frame, View view, ShadowTarget target, uint64_t visible, vec2 texel) {
+  float y = viewDepth(view.projection, uintBitsToFloat(uint(visible >> 32)));
+  vec2 rise = 2.0 * target.A * slopes(frame, view, uint(visible), y, texel);
+  float steep = abs(rise.x) + abs(rise.y);
+  float unit = target.unit * (target.far > 0.0 ? y / target.far : 1.0);
+  // Of a plane that is seen edge-on the steepest bias will do.
+  float bias = shadowCasterBias(steep < 3.0e38 ? steep : 3.0e38, 0.0, unit, kShadowFilter);
+  return clamp(2.0 * (target.A * y + target.B) + bias, 0.0, kShadowFarthest);
+}
+
+void main() {
+  uvec3 at = gl_GlobalInvocationID;
+  if (at.x >= push.size || at.y >= push.size) return;
+  FrameConstants frame = FrameRef(push.frame).v;
+  ShadowTarget target = TargetRef(push.targets).v[at.z];
+  uint64_t visible = VisibleRef(push.visible).v[(at.z * push.size + at.y) * push.size + at.x];
+  bool shows = visible != uint64_t(0);
+  float depth = 1.0;
+  if (shows) depth = biasedDepth(frame, frameView(frame, at.z), target, visible, vec2(at.xy) + 0.5);
+  // What nothing is drawn to holds the farthest depth; of rgba8-classic, which makes 0 of 1, what no depth is packed to.
+  vec4 texel = vec4(depth);
+  if (kShadowFormat == kShadowRgba8) texel = packDepth(depth);
+  if (kShadowFormat == kShadowRgba8Classic) texel = shows ? packDepthClassic(depth) : vec4(1.0);
+  imageStore(atlas, ivec3(target.x + at.x, target.y + at.y, target.layer), texel);
+}
