@@ -112,6 +112,7 @@ Settings workshopSettings() {
   settings.width = 48;
   settings.height = 32;
   settings.shadowAtlas = 1024;
+  settings.raster = testRaster();
   using output::Aov;
   settings.aovs = {Aov::Color, Aov::Depth, Aov::Id, Aov::Part, Aov::Material, Aov::Normal, Aov::Motion};
   return settings;

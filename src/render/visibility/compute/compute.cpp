@@ -92,7 +92,8 @@ struct ComputeVisibility::Buffers {
     const uint32_t tileCount = tilesOf(views);
     jobRoom = tileCount + room.entries / kRasterJobTriangles;
     visible = make("visible", uint64_t{8} * views.width * views.height * views.count);
-    work = make("raster work", sizeof(RasterWork) * share.parts * views.count);
+    // Rounded up, so that a scene that is edited does not ask for another size with every instance.
+    work = make("raster work", sizeof(RasterWork) * std::bit_ceil(share.parts) * views.count);
     clipped = make("clipped triangles", sizeof(ClippedTriangle) * room.clipped);
     large = make("large triangles", sizeof(LargeTriangle) * room.large);
     tiles = make("raster tiles", uint64_t{8} * tileCount);
