@@ -31,7 +31,7 @@ struct RenderPart {
   size_t first, count;  // views
   Strip strip;
   std::shared_ptr<FrameShadows> shadows;  // of all strips; null where no light casts any
-  bool started = false;    // once, at least: what overflows is started again
+  bool started = false;                   // once, at least: what overflows is started again
   bool continues = false;  // the history of temporal anti-aliasing is that of these views, a frame before
   std::vector<graph::Submission> earlier;  // of all samples but the last
   std::optional<Request> request;          // the last, and its submission

@@ -275,11 +275,9 @@ Pipeline makePipeline(Device& device, const ComputeDesc& desc) {
   const std::span<const uint32_t> code = desc.code.empty() ? shaderCode(desc.shader) : std::span(desc.code);
   const std::vector<Constant> constants = withDeviceConstants(device, desc.constants);
   const CheckedStage checked{desc.code.empty() ? desc.shader : desc.name, code};
-  checkStages(device, std::span(&checked, 1),
-              {.bindings = desc.bindings,
-               .sceneSets = desc.sceneSets,
-               .constants = constants,
-               .pushBytes = desc.pushBytes});
+  checkStages(
+      device, std::span(&checked, 1),
+      {.bindings = desc.bindings, .sceneSets = desc.sceneSets, .constants = constants, .pushBytes = desc.pushBytes});
   Pipeline made = makeLayout(device, desc.bindings, desc.sceneSets);
   const Stage stage(device, VK_SHADER_STAGE_COMPUTE_BIT, code, constants);
   VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};

@@ -104,9 +104,9 @@ void checkSize(Device& device, const ImageDesc& desc) {
     fail(ExitCode::Usage, "An image of {}x{} with {} layers ({}) is too large for {}: it allows {}x{} with {} layers.",
          desc.width, desc.height, desc.layers, desc.name, device.info().name, most, most, limits.maxImageArrayLayers);
   VkImageFormatProperties properties;
-  const VkResult result = vkGetPhysicalDeviceImageFormatProperties(device.physical(), desc.format, VK_IMAGE_TYPE_2D,
-                                                                   VK_IMAGE_TILING_OPTIMAL, desc.usage, flagsOf(desc),
-                                                                   &properties);
+  const VkResult result =
+      vkGetPhysicalDeviceImageFormatProperties(device.physical(), desc.format, VK_IMAGE_TYPE_2D,
+                                               VK_IMAGE_TILING_OPTIMAL, desc.usage, flagsOf(desc), &properties);
   if (result != VK_SUCCESS || !(properties.sampleCounts & desc.samples))
     fail(ExitCode::NoDevice, "{} has no {} images with {} samples for usage {:#x} ({}): choose another device.",
          device.info().name, formatName(desc.format), desc.samples, desc.usage, desc.name);

@@ -92,8 +92,8 @@ class Image {
   VkImageView arrayView() const { return arrayView_; }  // 2D_ARRAY, all layers and levels
   // The same to be written by compute shaders. An sRGB image is written as it lies in memory: they encode its colours.
   VkImageView storageView() const { return storageView_ ? storageView_ : arrayView_; }
-  VkImageView layerView(uint32_t layer) const;          // 2D, one layer, level 0: attachments, textures
-  VkImageView view() const { return layerView(0); }     // 2D, layer 0, all levels where layers == 1
+  VkImageView layerView(uint32_t layer) const;       // 2D, one layer, level 0: attachments, textures
+  VkImageView view() const { return layerView(0); }  // 2D, layer 0, all levels where layers == 1
   explicit operator bool() const { return image_ != VK_NULL_HANDLE; }
 
   // Textures of a CPU device are linear, and until their first layout transition the host may write them in place.
