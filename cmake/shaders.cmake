@@ -1,17 +1,17 @@
 # Every shader under src/render and src/study becomes SPIR-V and is embedded, named by its file. Behind #version and
 # #extension, its first line says of which variants there are several:
 #   // variants: layout, multisampled
-# layout: it includes "gbuffer_layout.h" (or gbuffer_read.glsl, which does), is compiled once for each G-buffer layout and
-# named <file>@<layout>. multisampled: it reads or writes targets by multisample.glsl or gbuffer_read.glsl, is compiled
-# for several samples a pixel too, with MULTISAMPLED defined, and named <file>+msaa or <file>@<layout>+msaa. One that
-# defines MULTISAMPLED itself has no other form, and one that defines ONE_SAMPLE not that one. textured: it samples
-# materials' textures by fragment_point.glsl, and each of its forms is compiled again with TEXTURES_BY_INDEX defined, named
-# <form>+indexed, for devices with descriptor indexing.
+# layout: it includes "gbuffer_layout.h" (or gbuffer_read.glsl or gbuffer_write.glsl, which do), is compiled once for
+# each G-buffer layout and named <file>@<layout>. multisampled: it reads or writes targets by multisample.glsl or
+# gbuffer_read.glsl, is compiled for several samples a pixel too, with MULTISAMPLED defined, and named <file>+msaa or
+# <file>@<layout>+msaa. One that defines MULTISAMPLED itself has no other form, and one that defines ONE_SAMPLE not that
+# one. textured: it samples materials' textures by fragment_point.glsl, and each of its forms is compiled again with
+# TEXTURES_BY_INDEX defined, named <form>+indexed, for devices with descriptor indexing.
 set(LATELIGHT_SPIRV ${PROJECT_BINARY_DIR}/spirv)
 # Debug information holds the sources and where they lay: not for what is shipped.
 set(LATELIGHT_SHADER_DEBUG $<$<NOT:$<CONFIG:Release>>:-g>)
-# What is shipped is simplified first: drivers take it in up to seven times as fast, which with lavapipe was a third of a
-# small picture's time. Nothing that may round otherwise: spirv-opt's -O and -Os rearrange arithmetic.
+# What is shipped is simplified first: lavapipe takes it in five times as fast, which was a third of a small picture's
+# time. Nothing that may round otherwise: spirv-opt's -O and -Os rearrange arithmetic.
 find_program(SPIRV_OPT spirv-opt REQUIRED)
 set(LATELIGHT_SPIRV_OPT ${SPIRV_OPT} --target-env=vulkan1.3 --scalar-block-layout --merge-return --inline-entry-points-exhaustive
   --eliminate-dead-functions --private-to-local --scalar-replacement=0 --convert-local-access-chains
@@ -42,7 +42,7 @@ function(latelight_declared_variants source out)
     string(REPLACE ", " ";" declared "${CMAKE_MATCH_3}")
   endif()
   set(used "")
-  if(text MATCHES "#include \"(gbuffer_layout\\.h|render/glsl/gbuffer_read\\.glsl)\"")
+  if(text MATCHES "#include \"(gbuffer_layout\\.h|render/glsl/gbuffer_(read|write)\\.glsl)\"")
     list(APPEND used layout)
   endif()
   if(text MATCHES "#include \"render/glsl/(multisample|gbuffer_read)\\.glsl\"" AND NOT text MATCHES "#define (MULTISAMPLED|ONE_SAMPLE)")

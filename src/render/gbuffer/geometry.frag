@@ -5,8 +5,7 @@
 #include "render/glsl/multisample.glsl"
 #include "render/visibility/varyings.glsl"
 #include "render/visibility/surface_fragment.glsl"
-#include "render/glsl/setup.glsl"
-#include "gbuffer_layout.h"
+#include "render/glsl/gbuffer_write.glsl"
 #ifdef GBUFFER_KEEPS_MOTION
 #include "render/visibility/motion_varyings.glsl"
 #endif
@@ -26,19 +25,9 @@ void main() {
   Material m = drawMaterial();
   SurfacePoint p = fragmentPoint();
   Surface s = evaluateMaterial(frame, m, p);
-  bool unlit = (s.flags & kSurfaceUnlit) != 0u;
-  vec3 emitted = unlit ? s.baseColor : s.emissive;
-  lightAccumulation = vec4(min(emitted * frame.exposure, vec3(65504.0)), s.ao);
-#ifndef GBUFFER_KEEPS_FLAGS
-  if (unlit) s = withoutReflection(s);
-#endif
-
-  GbufferContext context;
-  context.view = frameView(frame, push.view);
-  context.pixel = gl_FragCoord.xy;
-  context.normalEncoding = kNormalEncoding;
-  context.normalSpace = kNormalSpace;
-  context.positionMethod = kPositionMethod;
+  lightAccumulation = emittedLight(frame, s);
+  s = keptSurface(s);
+  GbufferContext context = gbufferContext(frameView(frame, push.view), gl_FragCoord.xy);
 #ifdef GBUFFER_KEEPS_MOTION
   s.motion = surfaceMotion(context.view.size).xy;
 #endif

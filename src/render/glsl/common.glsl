@@ -26,6 +26,10 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Uin
 View frameView(FrameConstants frame, uint index) { return ViewRef(frame.views).v[index]; }
 Instance frameInstance(FrameConstants frame, uint index) { return InstanceRef(frame.instances).v[index]; }
 Mesh frameMesh(FrameConstants frame, uint index) { return MeshRef(frame.meshes).v[index]; }
+uvec3 triangleIndices(Mesh mesh, uint triangle) {
+  UintRef indices = UintRef(mesh.indices);
+  return uvec3(indices.v[3u * triangle], indices.v[3u * triangle + 1u], indices.v[3u * triangle + 2u]);
+}
 Material frameMaterial(FrameConstants frame, uint index) { return MaterialRef(frame.materials).v[index]; }
 Light frameLight(FrameConstants frame, uint index) { return LightRef(frame.lights).v[index]; }
 LightBox frameLightBox(FrameConstants frame, uint node) { return LightTreeRef(frame.lightTree).v[node]; }

@@ -7,6 +7,7 @@
 #include "gbuffer_layout.h"
 #include "render/glsl/multisample.glsl"
 #include "render/glsl/setup.glsl"
+#include "render/glsl/gbuffer_context.glsl"
 
 #define GBUFFER_SAMPLER_vec4 TARGET_SAMPLER
 #define GBUFFER_SAMPLER_uint TARGET_USAMPLER
@@ -46,14 +47,9 @@ GbufferTexel readTexel(ivec3 pixel, int index) {
 
 // The Surface of a texel, at that place in the picture and of that depth, which must not be the background's (0).
 Surface unpackSurface(View view, vec2 place, GbufferTexel texel, float depth, float ao) {
-  GbufferContext context;
-  context.view = view;
-  context.pixel = place;
+  GbufferContext context = gbufferContext(view, place);
   context.depth = depth;
   context.ao = ao;
-  context.normalEncoding = kNormalEncoding;
-  context.normalSpace = kNormalSpace;
-  context.positionMethod = kPositionMethod;
   return unpackGbuffer(texel, context);
 }
 

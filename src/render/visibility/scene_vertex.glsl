@@ -2,6 +2,7 @@
 // where it is, and nothing else.
 #define VERTEX_STAGE
 #include "render/glsl/common.glsl"
+#include "render/glsl/vertex_directions.glsl"
 #include "render/visibility/varyings.glsl"
 #ifdef FRAGMENT_ORDER  // before the include: the place of the instance among those that are drawn
 layout(location = 9) flat out uint varyingDrawn;
@@ -51,16 +52,10 @@ void main() {
   Instance instance = InstanceRef(push.instances).v[inInstance];
   vec3 world = placeVertex(instance);
   VertexAttributes attributes = vertexAttributes(instance);
-  mat3 linear = mat3(instance.objectToWorld);
-  // Directions only: without the scale, which may be 1e-6 in quantised meshes and would underflow in products.
-  linear /= max(max(length(linear[0]), max(length(linear[1]), length(linear[2]))), 1e-37);
-  // The cofactor matrix carries normals under any scale, shear or mirror; only the sign of a mirror must be taken out.
-  mat3 cofactor = mat3(cross(linear[1], linear[2]), cross(linear[2], linear[0]), cross(linear[0], linear[1]));
-  float handedness = (instance.flags & kInstanceMirrored) != 0u ? -1.0 : 1.0;
+  VertexDirections directions = vertexDirections(instance);
   varyingPosition = world;
-  vec3 normal = handedness * (cofactor * attributes.normal);
-  varyingNormal = normal * inversesqrt(max(dot(normal, normal), 1e-37));
-  varyingTangent = vec4(linear * attributes.tangent.xyz, attributes.tangent.w * handedness);
+  varyingNormal = worldNormal(directions, attributes.normal);
+  varyingTangent = worldTangent(directions, attributes.tangent);
   varyingUv = vec4(attributes.uv0, attributes.uv0);
   varyingColor = vec4(1.0);
   // A loop, since lavapipe runs a branch whether any lane takes it or not.

@@ -7,10 +7,10 @@
 #extension GL_KHR_shader_subgroup_basic : require
 #include "render/glsl/common.glsl"
 #include "render/visibility/compute/seen_triangle.glsl"
+#include "render/visibility/compute/visible.glsl"
 
 layout(push_constant, scalar) uniform Push { RasterPush push; };
 
-layout(buffer_reference, scalar, buffer_reference_align = 8) buffer VisibleRef { uint64_t v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer WorkRef { RasterWork v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer ClippedRef { ClippedTriangle v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer LargeRef { LargeTriangle v[]; };
@@ -143,16 +143,16 @@ bool isEmpty(PixelBox box) { return any(greaterThan(box.low, box.high)); }
 // Whether the centre of a pixel on this edge, going that way around the triangle, belongs to it: top and left edges.
 bool ownsEdge(ivec2 way) { return way.y < 0 || (way.y == 0 && way.x > 0); }
 
-// The id is the larger the later it is drawn: of equal depths the last one shows.
-void writeVisible(uint view, ivec2 pixel, float depth, uint id) {
+void writeVisible(uint view, ivec2 pixel, uint64_t value) {
   VisibleRef visible = VisibleRef(push.buffers.visible);
-  uint index = (view * push.height + uint(pixel.y)) * push.width + uint(pixel.x);
-  uint64_t value = uint64_t(floatBitsToUint(depth)) << 32 | uint64_t(id);
+  uint index = visibleIndex(uvec3(pixel, view), uvec2(push.width, push.height));
   if (visible.v[index] < value) atomicMax(visible.v[index], value);
 }
 
 // Turns the triangle so that it is clockwise; false where it is to be left out: seen from its back, or without an area.
-bool orient(inout Triangle t, bool doubleSided, bool mirrored) {
+bool orient(inout Triangle t, RankedInstance r) {
+  bool doubleSided = (r.flags & kRankDoubleSided) != 0u || push.bothSides != 0u;
+  bool mirrored = (r.flags & kRankMirrored) != 0u;
   int64_t area = int64_t(t.b.x - t.a.x) * int64_t(t.c.y - t.a.y) - int64_t(t.b.y - t.a.y) * int64_t(t.c.x - t.a.x);
   if (area == 0) return false;
   // Front faces are counter-clockwise as seen, unless the instance is mirrored.
@@ -171,11 +171,6 @@ void pushLarge(uint view, Triangle t) {
   if (place < push.largeRoom)
     LargeRef(push.buffers.large).v[place] =
         LargeTriangle(t.a.x, t.a.y, t.b.x, t.b.y, t.c.x, t.c.y, t.plane, t.least, t.most, t.id, view);
-}
-
-uvec3 triangleIndices(Mesh mesh, uint triangle) {
-  UintRef indices = UintRef(mesh.indices);
-  return uvec3(indices.v[3u * triangle], indices.v[3u * triangle + 1u], indices.v[3u * triangle + 2u]);
 }
 
 // The workgroup's number in an indirect dispatch (raster_arguments.comp).

@@ -74,6 +74,6 @@ void main() {
     t.c = next;
     before = next;
     if (isEmpty(onScreen(pixelsOf(t)))) continue;
-    if (orient(t, (r.flags & kRankDoubleSided) != 0u || push.bothSides != 0u, (r.flags & kRankMirrored) != 0u)) pushLarge(work.view, t);
+    if (orient(t, r)) pushLarge(work.view, t);
   }
 }

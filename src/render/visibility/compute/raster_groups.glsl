@@ -4,7 +4,7 @@
 layout(local_size_x = 128) in;
 
 const int kSmallBox = 12;      // pixels
-const int kMediumBox = 512;   // a subgroup's loop over more would keep its workgroup waiting
+const int kMediumBox = 512;    // a subgroup's loop over more would keep its workgroup waiting
 const int kLargestSide = 127;  // pixels of a box in which edges fit into 32 bits: 2 (127 * 256)^2 < 2^31
 
 shared uint mediumCount;
@@ -33,7 +33,7 @@ void testPixel(uint view, Triangle t, ivec2 pixel, ivec3 weights, ivec3 bias, fl
 #ifdef CUT_OUT
   if (cutOutAt(view, pixel, t.id)) return;
 #endif
-  writeVisible(view, pixel, withinRange(t, depth), t.id);
+  writeVisible(view, pixel, visibleValue(withinRange(t, depth), t.id));
 }
 
 void rasterSmall(uint index, View view, Triangle t, PixelBox box) {
@@ -83,9 +83,9 @@ bool takeTriangle(RankedInstance r, RasterWork work, uint triangle, View view, m
   }
   t = Triangle(screenPosition(a), screenPosition(b), screenPosition(c), vec3(0.0), 0.0, 0.0,
                r.firstTriangle + triangle + 1u);
-  PixelBox whole = pixelsOf(t), box = onScreen(whole);
+  PixelBox box = onScreen(pixelsOf(t));
   if (isEmpty(box)) return false;
-  if (!orient(t, (r.flags & kRankDoubleSided) != 0u || push.bothSides != 0u, (r.flags & kRankMirrored) != 0u)) return false;
+  if (!orient(t, r)) return false;
   vec3 depths = vec3(deviceDepthOf(a), deviceDepthOf(b), deviceDepthOf(c));
   t.plane = depthPlane(view, seenA, seenB, seenC);
   setRange(t, view, min(depths.x, min(depths.y, depths.z)), max(depths.x, max(depths.y, depths.z)));

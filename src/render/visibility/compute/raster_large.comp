@@ -12,10 +12,9 @@ void main() {
   uint number = groupNumber();
   if (number >= CountersRef(push.buffers.counters).v.jobs) return;
   RasterJob job = JobsRef(push.buffers.jobs).v[number];
-  uvec2 tiles = tilesOfView();
-  uint view = job.tile / (tiles.x * tiles.y), inView = job.tile % (tiles.x * tiles.y);
-  ivec2 corner = ivec2(inView % tiles.x, inView / tiles.x) * int(kRasterTile) + ivec2(gl_LocalInvocationID.xy) * kBlock;
-  View seen = frameView(FrameRef(push.buffers.frame).v, view);
+  TilePlace place = placeOf(job.tile);
+  ivec2 corner = place.corner + ivec2(gl_LocalInvocationID.xy) * kBlock;
+  View seen = frameView(FrameRef(push.buffers.frame).v, place.view);
   uint64_t shown[kBlock * kBlock];
   [[unroll]] for (int i = 0; i < kBlock * kBlock; ++i) shown[i] = uint64_t(0);
   float farthest = 0.0;  // of what shows in the block
@@ -32,8 +31,7 @@ void main() {
       [[unroll]] for (int x = 0; x < kBlock; ++x) {
         if (((wa + a.bias) | (wb + b.bias) | (wc + c.bias)) >= 0) {
           float depth = withinRange(t, first + dot(steps, vec2(x, y)));
-          shown[y * kBlock + x] =
-              max(shown[y * kBlock + x], uint64_t(floatBitsToUint(depth)) << 32 | uint64_t(t.id));
+          shown[y * kBlock + x] = max(shown[y * kBlock + x], visibleValue(depth, t.id));
         }
         least = min(least, shown[y * kBlock + x]);
         wa += a.right;
@@ -44,14 +42,11 @@ void main() {
       b.at += b.down;
       c.at += c.down;
     }
-    farthest = uintBitsToFloat(uint(least >> 32));
+    farthest = visibleDepth(least);
   }
-  VisibleRef visible = VisibleRef(push.buffers.visible);
   [[unroll]] for (int i = 0; i < kBlock * kBlock; ++i) {
     ivec2 pixel = corner + ivec2(i % kBlock, i / kBlock);
-    if (shown[i] != 0 && pixel.x < int(push.width) && pixel.y < int(push.height)) {
-      uint index = (view * push.height + uint(pixel.y)) * push.width + uint(pixel.x);
-      if (visible.v[index] < shown[i]) atomicMax(visible.v[index], shown[i]);
-    }
+    if (shown[i] != 0 && pixel.x < int(push.width) && pixel.y < int(push.height))
+      writeVisible(place.view, pixel, shown[i]);
   }
 }

@@ -12,16 +12,16 @@ void main() {
   uint number = groupNumber();
   if (number >= CountersRef(push.buffers.counters).v.jobs) return;
   RasterJob job = JobsRef(push.buffers.jobs).v[number];
-  uvec2 tiles = tilesOfView();
-  uint view = job.tile / (tiles.x * tiles.y), inView = job.tile % (tiles.x * tiles.y);
-  ivec2 corner = ivec2(inView % tiles.x, inView / tiles.x) * int(kRasterTile) + ivec2(gl_LocalInvocationID.xy);
-  View seen = frameView(FrameRef(push.buffers.frame).v, view);
+  TilePlace place = placeOf(job.tile);
+  ivec2 corner = place.corner + ivec2(gl_LocalInvocationID.xy);
+  View seen = frameView(FrameRef(push.buffers.frame).v, place.view);
   for (uint i = 0u; i < job.count * 16u; ++i) {
     Triangle t = triangleOf(LargeRef(push.buffers.large).v[EntriesRef(push.buffers.entries).v[job.first + i / 16u]]);
     ivec2 pixel = corner + ivec2(i % 4u, i / 4u % 4u) * 16;
     Edge a = edgeAt(t.b, t.c, pixel), b = edgeAt(t.c, t.a, pixel), c = edgeAt(t.a, t.b, pixel);
     bool inside = ((a.at + a.bias) | (b.at + b.bias) | (c.at + c.bias)) >= 0;
-    if (!inside || any(greaterThanEqual(pixel, ivec2(push.width, push.height))) || cutOutAt(view, pixel, t.id)) continue;
-    writeVisible(view, pixel, withinRange(t, depthAt(seen, t, pixel)), t.id);
+    if (!inside || any(greaterThanEqual(pixel, ivec2(push.width, push.height))) || cutOutAt(place.view, pixel, t.id))
+      continue;
+    writeVisible(place.view, pixel, visibleValue(withinRange(t, depthAt(seen, t, pixel)), t.id));
   }
 }

@@ -1,9 +1,20 @@
-// Large triangles and the tiles that they touch. A subgroup would do for a triangle, but a workgroup is of one size.
+// Large triangles and the tiles that they touch.
 #ifndef LATELIGHT_RASTER_TILE_GLSL
 #define LATELIGHT_RASTER_TILE_GLSL
 #include "render/visibility/compute/raster.glsl"
 
 uvec2 tilesOfView() { return (uvec2(push.width, push.height) + kRasterTile - 1u) / kRasterTile; }
+
+// Tiles are numbered by row, then by view.
+struct TilePlace {
+  uint view;
+  ivec2 corner;  // the first pixel
+};
+TilePlace placeOf(uint tile) {
+  uvec2 tiles = tilesOfView();
+  uint inView = tile % (tiles.x * tiles.y);
+  return TilePlace(tile / (tiles.x * tiles.y), ivec2(inView % tiles.x, inView / tiles.x) * int(kRasterTile));
+}
 
 struct Edge {    // weight of a corner: at a pixel's centre, and what it grows by to the right and down
   int64_t at, right, down;
@@ -20,12 +31,9 @@ Edge edgeAt(ivec2 from, ivec2 to, ivec2 pixel) {
   return e;
 }
 
-// Over `side` by `side` pixels from where the edge is: the largest and the smallest weight.
+// Over `side` by `side` pixels from where the edge is: the largest weight.
 int64_t largest(Edge e, int side) {
   return e.at + e.bias + int64_t(side - 1) * (max(e.right, int64_t(0)) + max(e.down, int64_t(0)));
-}
-int64_t smallest(Edge e, int side) {
-  return e.at + e.bias + int64_t(side - 1) * (min(e.right, int64_t(0)) + min(e.down, int64_t(0)));
 }
 
 Triangle triangleOf(LargeTriangle t) {

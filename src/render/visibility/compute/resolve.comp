@@ -5,15 +5,15 @@
 #include "render/glsl/common.glsl"
 #include "render/visibility/compute/surface_point.glsl"
 #include "render/glsl/surface.glsl"
-#include "render/glsl/setup.glsl"
-#include "gbuffer_layout.h"
+#include "render/glsl/gbuffer_write.glsl"
+#include "render/visibility/compute/visible.glsl"
+#include "shared/color.h"
 #ifdef GBUFFER_KEEPS_MOTION
 #include "render/visibility/compute/seen_motion.glsl"
 #endif
 
 layout(local_size_x = 16, local_size_y = 16) in;
 layout(push_constant, scalar) uniform Push { ResolvePush push; };
-layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer VisibleRef { uint64_t v[]; };
 layout(constant_id = 16) const uint kTargets = ~0u;  // bit i: target i is wanted; the one after the last: light
 layout(constant_id = 17) const uint kSrgb = 0u;      // bit i: target i is stored in sRGB
 
@@ -27,10 +27,8 @@ GBUFFER_TARGETS(TARGET)
 #define COUNT(index, name, format, type, channels) +1
 layout(set = 0, binding = 0 GBUFFER_TARGETS(COUNT), rgba16f) writeonly uniform image2DArray lightAccumulation;
 
-float toSrgb(float c) { return c <= 0.0031308 ? 12.92 * c : 1.055 * pow(c, 1.0 / 2.4) - 0.055; }
 vec4 stored(uint index, vec4 v) {
-  vec3 c = clamp(v.rgb, 0.0, 1.0);
-  return (kSrgb >> index & 1u) != 0u ? vec4(toSrgb(c.r), toSrgb(c.g), toSrgb(c.b), v.a) : v;
+  return (kSrgb >> index & 1u) != 0u ? vec4(srgbFromLinear(clamp(v.rgb, 0.0, 1.0)), v.a) : v;
 }
 uvec4 stored(uint index, uint v) { return uvec4(v, 0u, 0u, 0u); }
 uvec4 stored(uint index, uvec2 v) { return uvec4(v, 0u, 0u); }
@@ -56,7 +54,7 @@ void main() {
   View view = frameView(frame, uint(pixel.z));
   ivec2 size = ivec2(view.size);
   if (any(greaterThanEqual(pixel.xy, size))) return;
-  uint id = uint(VisibleRef(push.visible).v[(pixel.z * size.y + pixel.y) * size.x + pixel.x]);
+  uint id = visibleId(VisibleRef(push.visible).v[visibleIndex(uvec3(pixel), uvec2(size))]);
   if (id == 0u) {
     store(pixel, emptyTexel(), vec4(0.0));
     return;
@@ -64,23 +62,14 @@ void main() {
 #ifndef TEXTURES_BY_INDEX
   textureRecords = frame.textures;
 #endif
+  vec2 centre = vec2(pixel.xy) + 0.5;
   SeenTriangle t = seenTriangle(frame, push.ranks, push.rankCount, id);
-  SurfacePoint p = seenPoint(frame, view, t, vec2(pixel.xy) + 0.5);
+  SurfacePoint p = seenPoint(frame, view, t, centre);
   Surface s = evaluateMaterial(frame, frameMaterial(frame, frameInstance(frame, t.rank.instance).material), p);
-  bool unlit = (s.flags & kSurfaceUnlit) != 0u;
-  vec3 emitted = unlit ? s.baseColor : s.emissive;
-  vec4 light = vec4(min(emitted * frame.exposure, vec3(65504.0)), s.ao);
-#ifndef GBUFFER_KEEPS_FLAGS
-  if (unlit) s = withoutReflection(s);
-#endif
-  GbufferContext context;
-  context.view = view;
-  context.pixel = vec2(pixel.xy) + 0.5;
-  context.normalEncoding = kNormalEncoding;
-  context.normalSpace = kNormalSpace;
-  context.positionMethod = kPositionMethod;
+  vec4 light = emittedLight(frame, s);
+  s = keptSurface(s);
 #ifdef GBUFFER_KEEPS_MOTION
-  s.motion = seenMotion(frame, view, uint(pixel.z), t, vec2(pixel.xy) + 0.5).xy;
+  s.motion = seenMotion(frame, view, uint(pixel.z), t, centre).xy;
 #endif
-  store(pixel, packGbuffer(s, context), light);
+  store(pixel, packGbuffer(s, gbufferContext(view, centre)), light);
 }

@@ -24,8 +24,7 @@ SeenTriangle seenTriangle(FrameConstants frame, uint64_t ranks, uint rankCount, 
   SeenTriangle t;
   t.rank = RankRef(ranks).v[low];
   t.number = id - 1u - t.rank.firstTriangle;
-  UintRef indices = UintRef(frameMesh(frame, t.rank.mesh).indices);
-  t.indices = uvec3(indices.v[3u * t.number], indices.v[3u * t.number + 1u], indices.v[3u * t.number + 2u]);
+  t.indices = triangleIndices(frameMesh(frame, t.rank.mesh), t.number);
   return t;
 }
 
@@ -41,27 +40,18 @@ Weights weightsAt(View view, vec3 a, vec3 b, vec3 c, vec2 pixel) {
   vec2 step = vec2(2.0, -2.0) / view.size;
   vec3 toB = b - a, toC = c - a;
   vec3 ray = viewRay(view.projection, ndc);
-  vec3 origin = vec3(0.0), rightward, downward;
-  bool perspective = view.projection.kind == kPerspective;
-  if (perspective) {
-    rightward = vec3(step.x / view.projection.H, 0.0, 0.0);
-    downward = vec3(0.0, 0.0, step.y / view.projection.V);
-  } else {
-    origin = viewPositionAtDepth(view.projection, ndc, 0.0);
-    rightward = vec3(step.x / view.projection.H, 0.0, 0.0);
-    downward = vec3(0.0, 0.0, step.y / view.projection.V);
-  }
-  vec3 t = origin - a;
-  Weights w;
+  // Of the ray's direction, or where it is orthographic, of its origin.
+  vec3 rightward = vec3(step.x / view.projection.H, 0.0, 0.0), downward = vec3(0.0, 0.0, step.y / view.projection.V);
   vec2 uv, uvRight, uvDown;
-  vec3 normal = cross(toC, toB);
-  float scale = 1.0 / dot(ray, normal);
-  if (perspective) {
+  if (view.projection.kind == kPerspective) {
+    vec3 t = -a, normal = cross(toC, toB);
+    float scale = 1.0 / dot(ray, normal);
     vec3 forB = cross(toC, t), forC = cross(t, toB);
     uv = vec2(dot(ray, forB), dot(ray, forC)) * scale;
     uvRight = (vec2(dot(rightward, forB), dot(rightward, forC)) - uv * dot(rightward, normal)) * scale;
     uvDown = (vec2(dot(downward, forB), dot(downward, forC)) - uv * dot(downward, normal)) * scale;
   } else {
+    vec3 t = viewPositionAtDepth(view.projection, ndc, 0.0) - a;
     vec3 forB = cross(ray, toC), forC = cross(toB, ray);
     float sideways = 1.0 / dot(toB, forB);
     uv = vec2(dot(t, forB), dot(t, forC)) * sideways;
@@ -71,10 +61,8 @@ Weights weightsAt(View view, vec3 a, vec3 b, vec3 c, vec2 pixel) {
   // Snapping to subpixels lets pixels just outside of the triangle show it. Those of one that is seen edge-on meet its plane
   // anywhere.
   uv = clamp(uv, vec2(-1.0), vec2(2.0));
-  w.at = vec3(1.0 - uv.x - uv.y, uv);
-  w.right = vec3(-uvRight.x - uvRight.y, uvRight);
-  w.down = vec3(-uvDown.x - uvDown.y, uvDown);
-  return w;
+  return Weights(vec3(1.0 - uv.x - uv.y, uv), vec3(-uvRight.x - uvRight.y, uvRight),
+                 vec3(-uvDown.x - uvDown.y, uvDown));
 }
 
 #endif

@@ -4,13 +4,13 @@
 // bias, as shadow.frag has them.
 #include "render/glsl/common.glsl"
 #include "render/visibility/compute/seen_triangle.glsl"
+#include "render/visibility/compute/visible.glsl"
 #include "render/glsl/setup.glsl"
 #include "shared/shadow.h"
 
 layout(local_size_x = 16, local_size_y = 16) in;
 layout(push_constant, scalar) uniform Push { ShadowStorePush push; };
 layout(set = 0, binding = 0) writeonly uniform image2DArray atlas;
-layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer VisibleRef { uint64_t v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer TargetRef { ShadowTarget v[]; };
 
 // What y grows by a texel across and down, where the triangle's plane has it.
@@ -29,8 +29,8 @@ vec2 slopes(FrameConstants frame, View view, uint id, float y, vec2 texel) {
 }
 
 float biasedDepth(FrameConstants frame, View view, ShadowTarget target, uint64_t visible, vec2 texel) {
-  float y = viewDepth(view.projection, uintBitsToFloat(uint(visible >> 32)));
-  vec2 rise = 2.0 * target.A * slopes(frame, view, uint(visible), y, texel);
+  float y = viewDepth(view.projection, visibleDepth(visible));
+  vec2 rise = 2.0 * target.A * slopes(frame, view, visibleId(visible), y, texel);
   float steep = abs(rise.x) + abs(rise.y);
   float unit = target.unit * (target.far > 0.0 ? y / target.far : 1.0);
   // Of a plane that is seen edge-on the steepest bias will do.
@@ -43,7 +43,7 @@ void main() {
   if (at.x >= push.size || at.y >= push.size) return;
   FrameConstants frame = FrameRef(push.frame).v;
   ShadowTarget target = TargetRef(push.targets).v[at.z];
-  uint64_t visible = VisibleRef(push.visible).v[(at.z * push.size + at.y) * push.size + at.x];
+  uint64_t visible = VisibleRef(push.visible).v[visibleIndex(at, uvec2(push.size))];
   bool shows = visible != uint64_t(0);
   float depth = 1.0;
   if (shows) depth = biasedDepth(frame, frameView(frame, at.z), target, visible, vec2(at.xy) + 0.5);

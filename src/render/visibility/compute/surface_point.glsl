@@ -2,13 +2,13 @@
 #ifndef LATELIGHT_SURFACE_POINT_GLSL
 #define LATELIGHT_SURFACE_POINT_GLSL
 #include "render/glsl/material.glsl"
+#include "render/glsl/vertex_directions.glsl"
 #include "render/visibility/compute/seen_triangle.glsl"
 
 // --- what is there --------------------------------------------------------------------------------------------------
 
 vec4 uvRight, uvDown;  // of the point that is being looked at, in both UV sets
 
-VertexAttributes attributesOf(Mesh mesh, uint vertex) { return AttributesRef(mesh.attributes).v[vertex]; }
 VertexExtra extraOf(Mesh mesh, Instance instance, VertexAttributes attributes, uint vertex) {
   if ((instance.flags & kInstanceExtras) != 0u) return ExtraRef(mesh.extras).v[vertex];
   return VertexExtra(attributes.uv0, vec4(1.0));
@@ -23,16 +23,12 @@ SurfacePoint seenPoint(FrameConstants frame, View view, SeenTriangle t, vec2 pix
   VertexExtra extras[3];
   for (int i = 0; i < 3; ++i) {
     world[i] = instance.objectToWorld * vec4(positions.v[t.indices[i]], 1.0);
-    attributes[i] = attributesOf(mesh, t.indices[i]);
+    attributes[i] = AttributesRef(mesh.attributes).v[t.indices[i]];
     extras[i] = extraOf(mesh, instance, attributes[i], t.indices[i]);
   }
   Weights w = weightsAt(view, view.worldToView * vec4(world[0], 1.0), view.worldToView * vec4(world[1], 1.0),
                         view.worldToView * vec4(world[2], 1.0), pixel);
-  mat3 linear = mat3(instance.objectToWorld);
-  // As in scene_vertex.glsl.
-  linear /= max(max(length(linear[0]), max(length(linear[1]), length(linear[2]))), 1e-37);
-  mat3 cofactor = mat3(cross(linear[1], linear[2]), cross(linear[2], linear[0]), cross(linear[0], linear[1]));
-  float handedness = (instance.flags & kInstanceMirrored) != 0u ? -1.0 : 1.0;
+  VertexDirections directions = vertexDirections(instance);
   SurfacePoint p;
   p.position = vec3(0.0);
   p.normal = vec3(0.0);
@@ -42,18 +38,17 @@ SurfacePoint seenPoint(FrameConstants frame, View view, SeenTriangle t, vec2 pix
   uvRight = vec4(0.0);
   uvDown = vec4(0.0);
   for (int i = 0; i < 3; ++i) {
-    vec3 normal = handedness * (cofactor * attributes[i].normal);
     vec4 uv = vec4(attributes[i].uv0, extras[i].uv1);
     p.position += w.at[i] * world[i];
-    p.normal += w.at[i] * (normal * inversesqrt(max(dot(normal, normal), 1e-37)));
-    p.tangent += w.at[i] * vec4(linear * attributes[i].tangent.xyz, attributes[i].tangent.w * handedness);
+    p.normal += w.at[i] * worldNormal(directions, attributes[i].normal);
+    p.tangent += w.at[i] * worldTangent(directions, attributes[i].tangent);
     p.uv += w.at[i] * uv;
     p.color += w.at[i] * extras[i].color;
     uvRight += w.right[i] * uv;
     uvDown += w.down[i] * uv;
   }
   vec3 ab = world[1] - world[0], ac = world[2] - world[0];
-  vec3 plane = cross(ab, ac) * handedness;
+  vec3 plane = cross(ab, ac) * directions.handedness;
   vec3 toEye = view.projection.kind == kPerspective ? view.eye - world[0] : view.viewToWorld * vec4(0.0, -1.0, 0.0, 0.0);
   p.facing = dot(plane, toEye) >= 0.0 ? 1.0 : -1.0;
   p.plane = plane * p.facing;

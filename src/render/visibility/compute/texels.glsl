@@ -2,6 +2,7 @@
 // indexing. Levels and filters follow Vulkan 1.3, sections 16.6 to 16.9.
 #ifndef LATELIGHT_TEXELS_GLSL
 #define LATELIGHT_TEXELS_GLSL
+#include "shared/color.h"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer TextureRef { TextureRecord v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer TexelRef { uint v[]; };
@@ -14,13 +15,11 @@ int wrapped(int at, int size, uint mode) {
   return inside < size ? inside : 2 * size - 1 - inside;
 }
 
-float fromSrgb(float s) { return s <= 0.04045 ? s / 12.92 : pow((s + 0.055) / 1.055, 2.4); }
-
 vec4 texelAt(TextureRecord t, uint first, ivec2 size, ivec2 at) {
   uint wrapU = t.flags >> kTextureWrapShift & 3u, wrapV = t.flags >> (kTextureWrapShift + 2u) & 3u;
   vec4 c = unpackUnorm4x8(
       TexelRef(t.texels).v[first + uint(wrapped(at.y, size.y, wrapV) * size.x + wrapped(at.x, size.x, wrapU))]);
-  if ((t.flags & kTextureSrgb) != 0u) c.rgb = vec3(fromSrgb(c.r), fromSrgb(c.g), fromSrgb(c.b));
+  if ((t.flags & kTextureSrgb) != 0u) c.rgb = linearFromSrgb(c.rgb);
   return c;
 }
 

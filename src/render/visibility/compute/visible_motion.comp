@@ -4,11 +4,11 @@
 #include "render/glsl/common.glsl"
 #include "render/visibility/compute/seen_triangle.glsl"
 #include "render/visibility/compute/seen_motion.glsl"
+#include "render/visibility/compute/visible.glsl"
 #include "render/visibility/background_motion.glsl"
 
 layout(local_size_x = 16, local_size_y = 16) in;
 layout(push_constant, scalar) uniform Push { ResolvePush push; };
-layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer VisibleRef { uint64_t v[]; };
 layout(set = 0, binding = 0) writeonly uniform image2DArray motion;
 
 void main() {
@@ -17,7 +17,7 @@ void main() {
   View view = frameView(frame, uint(pixel.z));
   ivec2 size = ivec2(view.size);
   if (any(greaterThanEqual(pixel.xy, size))) return;
-  uint id = uint(VisibleRef(push.visible).v[(pixel.z * size.y + pixel.y) * size.x + pixel.x]);
+  uint id = visibleId(VisibleRef(push.visible).v[visibleIndex(uvec3(pixel), uvec2(size))]);
   vec2 centre = vec2(pixel.xy) + 0.5;
   vec4 found = id == 0u ? backgroundMotion(frame, view, uint(pixel.z), centre)
                         : seenMotion(frame, view, uint(pixel.z), seenTriangle(frame, push.ranks, push.rankCount, id), centre);
