@@ -5,8 +5,8 @@
 # each G-buffer layout and named <file>@<layout>. multisampled: it reads or writes targets by multisample.glsl or
 # gbuffer_read.glsl, is compiled for several samples a pixel too, with MULTISAMPLED defined, and named <file>+msaa or
 # <file>@<layout>+msaa. One that defines MULTISAMPLED itself has no other form, and one that defines ONE_SAMPLE not that
-# one. textured: it samples materials' textures by fragment_point.glsl, and each of its forms is compiled again with
-# TEXTURES_BY_INDEX defined, named <form>+indexed, for devices with descriptor indexing.
+# one. textured: it samples materials' textures by fragment_point.glsl or surface_point.glsl, and each of its forms is
+# compiled again with TEXTURES_BY_INDEX defined, named <form>+indexed, for devices with descriptor indexing.
 set(LATELIGHT_SPIRV ${PROJECT_BINARY_DIR}/spirv)
 # Debug information holds the sources and where they lay: not for what is shipped.
 set(LATELIGHT_SHADER_DEBUG $<$<NOT:$<CONFIG:Release>>:-g>)

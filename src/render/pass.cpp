@@ -46,4 +46,15 @@ std::vector<vk::BoundImage> Bindings::images(graph::Context& context) const {
   return images;
 }
 
+void addClear(const Builder& b, graph::Stage stage, const char* name, const std::vector<graph::BufferId>& cleared,
+              const std::vector<graph::BufferId>& anew) {
+  std::vector<graph::Access> accesses;
+  for (const auto& buffers : {cleared, anew})
+    for (const graph::BufferId buffer : buffers) accesses.emplace_back(buffer, graph::Use::CopyTarget);
+  b.graph.pass(stage, name, std::move(accesses), [=](graph::Context& context) {
+    for (const graph::BufferId buffer : cleared)
+      vkCmdFillBuffer(context.get(), context.buffer(buffer).get(), 0, VK_WHOLE_SIZE, 0);
+  });
+}
+
 }  // namespace latelight::render

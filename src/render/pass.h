@@ -104,6 +104,10 @@ void addCompute(const Builder& b, ComputePass pass, const Constants& push) {
   addCompute(b, std::move(pass), [push](graph::Context&) { return push; });
 }
 
+// Adds a pass that fills buffers with zeros. `anew`: others, whose contents do not matter from here on.
+void addClear(const Builder& b, graph::Stage stage, const char* name, const std::vector<graph::BufferId>& cleared,
+              const std::vector<graph::BufferId>& anew = {});
+
 // The size of a dispatch over an image.
 inline glm::uvec3 texels(const graph::Graph& graph, graph::ImageId image) {
   const vk::ImageDesc& desc = graph.desc(image);

@@ -20,21 +20,17 @@ void keepResults(const Builder& b, std::span<const graph::BufferId> results) {
     b.graph.exports(result, b.device.isCpu() ? graph::Use::HostRead : graph::Use::CopySource);
 }
 
-std::vector<graph::BufferId> addReadback(const Builder& b, std::span<const graph::BufferId> results) {
-  std::vector<graph::BufferId> from(results.begin(), results.end());
-  if (b.device.isCpu() || from.empty()) {
-    keepResults(b, from);
-    return from;
-  }
+std::vector<graph::BufferId> copyToHost(const Builder& b, graph::Stage stage, const char* name,
+                                        const std::vector<graph::BufferId>& from) {
   std::vector<graph::BufferId> host;
   std::vector<graph::Access> accesses;
-  for (const graph::BufferId result : from) {
-    const vk::BufferDesc& desc = b.graph.desc(result);
+  for (const graph::BufferId buffer : from) {
+    const vk::BufferDesc& desc = b.graph.desc(buffer);
     host.push_back(b.graph.create(hostBuffer(desc.name + ", host", desc.size)));
-    accesses.emplace_back(result, graph::Use::CopySource);
+    accesses.emplace_back(buffer, graph::Use::CopySource);
     accesses.emplace_back(host.back(), graph::Use::CopyTarget);
   }
-  b.graph.pass(graph::Stage::Output, "read back", std::move(accesses), [=](graph::Context& context) {
+  b.graph.pass(stage, name, std::move(accesses), [=](graph::Context& context) {
     for (size_t i = 0; i < from.size(); ++i) {
       const VkBufferCopy all{0, 0, context.buffer(from[i]).size()};
       vkCmdCopyBuffer(context.get(), context.buffer(from[i]).get(), context.buffer(host[i]).get(), 1, &all);
@@ -42,6 +38,13 @@ std::vector<graph::BufferId> addReadback(const Builder& b, std::span<const graph
   });
   for (const graph::BufferId copy : host) b.graph.exports(copy, graph::Use::HostRead);
   return host;
+}
+
+std::vector<graph::BufferId> addReadback(const Builder& b, std::span<const graph::BufferId> results) {
+  const std::vector<graph::BufferId> from(results.begin(), results.end());
+  if (!b.device.isCpu() && !from.empty()) return copyToHost(b, graph::Stage::Output, "read back", from);
+  keepResults(b, from);
+  return from;
 }
 
 graph::BufferId addReadback(const Builder& b, graph::BufferId result) {

@@ -14,6 +14,10 @@ graph::BufferId createResult(const Builder& b, const std::string& name, uint64_t
 
 // Keeps results of a graph after it has run, where they are.
 void keepResults(const Builder& b, std::span<const graph::BufferId> results);
+// Copies buffers as they are now to where the host can read them after the graph has run; gives them there, in their
+// order.
+std::vector<graph::BufferId> copyToHost(const Builder& b, graph::Stage stage, const char* name,
+                                        const std::vector<graph::BufferId>& from);
 // Brings results to where the host can read them after the graph has run; gives them there, in their order.
 std::vector<graph::BufferId> addReadback(const Builder& b, std::span<const graph::BufferId> results);
 // The same of one.

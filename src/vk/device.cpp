@@ -45,6 +45,7 @@ struct Device::Impl {
   class Recording;
 
   Instance instance;
+  Features enabled;
   VkDevice device = VK_NULL_HANDLE;
   VkSemaphore timeline = VK_NULL_HANDLE;
   VkPipelineCache pipelineCache = VK_NULL_HANDLE;
@@ -198,8 +199,10 @@ std::vector<const char*> offeredExtensions(VkPhysicalDevice physical) {
   return names;
 }
 
-VkDevice makeDevice(VkPhysicalDevice physical, uint32_t queueFamily, const std::vector<const char*>& extensions) {
-  Features offered, enabled;
+// Enables what is required and what is offered of the optional features, and notes it in `enabled`.
+VkDevice makeDevice(VkPhysicalDevice physical, uint32_t queueFamily, const std::vector<const char*>& extensions,
+                    Features& enabled) {
+  Features offered;
   vkGetPhysicalDeviceFeatures2(physical, &offered.core);
   for (const Feature& feature : requiredFeatures()) feature.of(enabled) = VK_TRUE;
   for (const Feature& feature : optionalFeatures()) feature.of(enabled) = feature.of(offered);
@@ -220,10 +223,8 @@ VkDevice makeDevice(VkPhysicalDevice physical, uint32_t queueFamily, const std::
 }
 
 // As many combined image samplers as one set takes, less those that other sets of a pipeline have.
-uint32_t longestTextureArray(VkPhysicalDevice physical, const VkPhysicalDeviceVulkan12Properties& limits) {
-  Features offered;
-  vkGetPhysicalDeviceFeatures2(physical, &offered.core);
-  const VkPhysicalDeviceVulkan12Features& has = offered.v12;
+uint32_t longestTextureArray(const VkPhysicalDeviceVulkan12Features& has,
+                             const VkPhysicalDeviceVulkan12Properties& limits) {
   if (!has.runtimeDescriptorArray || !has.descriptorBindingVariableDescriptorCount ||
       !has.descriptorBindingSampledImageUpdateAfterBind || !has.shaderSampledImageArrayNonUniformIndexing)
     return 0;
@@ -265,11 +266,11 @@ Device::Device(const DeviceOptions& options) : validation_(validationWanted(opti
   properties_ = properties.properties;
   maxBufferSize_ = limits.maxBufferSize;
   maxAllocationSize_ = memory.maxMemoryAllocationSize;
-  if (options.descriptorIndexing) maxTextureArray_ = longestTextureArray(physical_, indexing);
   queueFamily_ = findQueueFamily(physical_);
 
   impl.extensions = offeredExtensions(physical_);
-  device_ = impl.device = makeDevice(physical_, queueFamily_, impl.extensions);
+  device_ = impl.device = makeDevice(physical_, queueFamily_, impl.extensions, impl.enabled);
+  if (options.descriptorIndexing) maxTextureArray_ = longestTextureArray(impl.enabled.v12, indexing);
   reserveDriverCache();  // which the driver has created by now, if it was missing
   vkGetDeviceQueue(device_, queueFamily_, 0, &queue_);
   if (impl.instance.debugUtils())
@@ -292,6 +293,10 @@ Device::~Device() {
   while (!impl_->deletions.empty())
     for (const Impl::Deletion& deletion : std::exchange(impl_->deletions, {})) deletion.destroy();
   savePipelineCache();
+}
+
+const Features& Device::features() const {
+  return impl_->enabled;
 }
 
 bool Device::has(const char* extension) const {

@@ -17,6 +17,7 @@
 namespace latelight::vk {
 
 class Allocator;
+struct Features;
 class ObjectCache;
 
 // The properties of a device for `latelight devices` and the JSON side file.
@@ -70,6 +71,7 @@ class Device {
   VkDeviceSize maxBufferSize() const { return maxBufferSize_; }          // bytes
   VkDeviceSize maxAllocationSize() const { return maxAllocationSize_; }  // bytes of one allocation of memory
   bool has(const char* extension) const;  // enabled: all of kOptionalExtensions that the device offers are
+  const Features& features() const;       // that are enabled: the required ones, and the optional ones that it offers
   // The longest Binding::TextureArray. 0: the device has no descriptor indexing.
   uint32_t maxTextureArray() const { return maxTextureArray_; }
 

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "base/error.h"
+#include "vk/features.h"
 
 namespace latelight::vk {
 
@@ -293,10 +294,7 @@ VkMemoryRequirements memoryRequirements(Device& device, const ImageDesc& desc, H
 }
 
 float maxAnisotropy(const Device& device) {
-  VkPhysicalDeviceFeatures features;
-  vkGetPhysicalDeviceFeatures(device.physical(), &features);
-  // An optional feature that is enabled where the device offers it.
-  return features.samplerAnisotropy ? device.properties().limits.maxSamplerAnisotropy : 1;
+  return device.features().core.features.samplerAnisotropy ? device.properties().limits.maxSamplerAnisotropy : 1;
 }
 
 Handle<VkSampler> makeSampler(Device& device, const SamplerDesc& desc) {

@@ -171,8 +171,8 @@ TEST_F(ComputeRasterTest, HugeTrianglesCoverEachPixelOnce) {
 // --- against the graphics pipeline ----------------------------------------------------------------------------------
 
 struct Difference {
-  size_t pixels = 0, ids = 0;                  // ids: that differ
-  double normals = 0, depths = 0, albedo = 0;  // largest, where ids are the same; depth relative
+  size_t pixels = 0, ids = 0;     // ids: that differ
+  double depths = 0, albedo = 0;  // largest, where ids are the same; depth relative
 };
 
 class AgainstHardware : public RenderTest {

@@ -4,6 +4,7 @@
 #include "render/lighting/lighting_push.h"
 #include "render/lighting/technique.h"
 #include "render/visibility/draw.h"
+#include "vk/features.h"
 
 namespace latelight::render {
 
@@ -21,8 +22,7 @@ bool hasSamples(const vk::Device& device, VkFormat format, VkImageUsageFlags usa
 void requireSamples(const vk::Device& device, const FrameSetup& setup) {
   constexpr VkImageUsageFlags kColor = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT;
   constexpr VkImageUsageFlags kDepth = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT;
-  VkPhysicalDeviceFeatures features;
-  vkGetPhysicalDeviceFeatures(device.physical(), &features);
+  const VkPhysicalDeviceFeatures& features = device.features().core.features;
   const auto refuse = [&](const std::string& what) {
     fail(ExitCode::NoDevice, "{} has no {}, which msaa{} needs: choose another anti-aliasing, such as ss2.",
          device.info().name, what, setup.samples);
@@ -56,29 +56,7 @@ graph::ImageId addSampleSurfaces(const FrameContext& f, const Gbuffer& gbuffer) 
 }
 
 graph::ImageId addDepthResolve(const FrameContext& f, graph::ImageId sampleDepth) {
-  Bindings bindings(f.device, graph::Use::SampledFragment);
-  bindings.sampled(sampleDepth);
-  vk::GraphicsDesc desc;
-  desc.vertex = "screen.vert";
-  desc.fragment = "depth_resolve.frag";
-  desc.bindings = bindings.kinds();
-  desc.pushBytes = sizeof(uint32_t);
-  desc.depth = kDepthFormat;
-  desc.depthCompare = VK_COMPARE_OP_ALWAYS;
-  desc.name = "depth resolve";
-  const vk::PipelineRef pipeline = f.device.cache().pipeline(desc);
-  const graph::ImageId depth = createTarget(f, kDepthFormat, "depth of pixels");
-  f.graph.pass(graph::Stage::Visibility, "depth resolve",
-               {{depth, graph::Use::DepthAttachment}, {sampleDepth, graph::Use::SampledFragment}},
-               [=, &f](graph::Context& context) {
-                 for (uint32_t view = 0; view < f.viewCount(); ++view) {
-                   beginView(context, f, view, {}, {depth, true});
-                   context.commands().bind(pipeline.get(), bindings.images(context), view);
-                   recordScreen(context);
-                   vkCmdEndRendering(context.get());
-                 }
-               });
-  return depth;
+  return addScreenDepth(f, graph::Stage::Visibility, "depth resolve", "depth_resolve.frag", sampleDepth);
 }
 
 }  // namespace latelight::render

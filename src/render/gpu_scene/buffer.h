@@ -3,12 +3,20 @@
 
 #include <algorithm>
 #include <bit>
+#include <numeric>
 #include <span>
 #include <vector>
 
 #include "vk/resources.h"
 
 namespace latelight::render {
+
+// The numbers of all elements of a list.
+inline std::vector<uint32_t> allOf(size_t count) {
+  std::vector<uint32_t> all(count);
+  std::iota(all.begin(), all.end(), 0u);
+  return all;
+}
 
 template <typename T>
 class GpuList {

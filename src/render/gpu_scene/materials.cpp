@@ -2,19 +2,8 @@
 
 #include <algorithm>
 #include <bit>
-#include <numeric>
 
 namespace latelight::render {
-
-namespace {
-
-std::vector<uint32_t> allOf(size_t count) {
-  std::vector<uint32_t> all(count);
-  std::iota(all.begin(), all.end(), 0u);
-  return all;
-}
-
-}  // namespace
 
 GpuMaterials::GpuMaterials(vk::Device& device, const scene::Scene& scene, vk::Uploader& uploader)
     : device_(device),

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <numeric>
 #include <utility>
 
 #include "render/texture_kinds.h"
@@ -66,6 +65,7 @@ void GpuTextures::update(vk::Uploader& uploader, std::span<const uint32_t> mater
                                .oddBase = sizesAlike_ && getsOddBase(device_, texture.width, texture.height)});
     uploader.upload(image, {texture.pixels.get(), texture.bytes()});
   }
+  entriesOf_.resize(textures_.size());
   indices_.resize(scene_.materials.size());
   for (const uint32_t material : materials) addEntries(material);
   if (keepsTexels_) uploadTexels(uploader);
@@ -77,10 +77,14 @@ void GpuTextures::addEntries(uint32_t material) {
     const scene::TextureSlot& bound = scene_.materials[material].slots[slot];
     uint32_t& index = indices_[material][slot] = 0;
     if (bound.texture < 0) continue;
-    const auto known = std::ranges::find_if(
-        entries_, [&](const Entry& e) { return e.texture == bound.texture && e.sampler == bound.sampler; });
-    index = static_cast<uint32_t>(known - entries_.begin());
-    if (known == entries_.end()) entries_.push_back({bound.texture, bound.sampler});
+    std::vector<uint32_t>& known = entriesOf_[static_cast<size_t>(bound.texture)];
+    const auto found = std::ranges::find(known, bound.sampler, [&](uint32_t i) { return entries_[i].sampler; });
+    if (found == known.end()) {
+      index = known.emplace_back(static_cast<uint32_t>(entries_.size()));
+      entries_.push_back({bound.texture, bound.sampler});
+    } else {
+      index = *found;
+    }
   }
 }
 
@@ -162,9 +166,7 @@ void GpuTextures::setAnisotropy(vk::Uploader& uploader, uint32_t samples) {
   if (samples == anisotropy_) return;
   anisotropy_ = samples;
   if (keepsTexels_) uploadTexels(uploader);
-  std::vector<uint32_t> all(scene_.materials.size());
-  std::iota(all.begin(), all.end(), 0u);
-  sets_->update(all);
+  sets_->update(allOf(scene_.materials.size()));
 }
 
 }  // namespace latelight::render

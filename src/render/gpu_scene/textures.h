@@ -54,7 +54,8 @@ class GpuTextures {
   std::vector<vk::Image> textures_;
   std::vector<vk::Image> emptyTextures_;  // linear, sRGB
   std::vector<Entry> entries_{1};
-  std::vector<TextureIndices> indices_;  // by material
+  std::vector<std::vector<uint32_t>> entriesOf_;  // by texture
+  std::vector<TextureIndices> indices_;           // by material
   bool keepsTexels_ = false;
   std::vector<vk::Buffer> texels_;  // by texture
   GpuList<shared::TextureRecord> records_;

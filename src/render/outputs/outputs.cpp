@@ -126,37 +126,33 @@ void PackedOutputs::add(const Builder& b, Origin origin, const std::function<gra
   }
 }
 
-void PackedOutputs::leave(const Builder& b, Results results) {
+std::vector<graph::BufferId> PackedOutputs::buffers() const {
   std::vector<graph::BufferId> buffers;
   for (const Result& result : results_) buffers.push_back(result.buffer);
+  return buffers;
+}
+
+void PackedOutputs::leave(const Builder& b, Results results) {
   onHost_ = results == Results::ToHost || b.device.isCpu();
-  if (onHost_)
-    buffers = addReadback(b, buffers);
-  else
-    keepResults(b, buffers);
-  for (size_t i = 0; i < results_.size(); ++i) results_[i].buffer = buffers[i];
+  if (!onHost_) return keepResults(b, buffers());
+  const std::vector<graph::BufferId> host = addReadback(b, buffers());
+  for (size_t i = 0; i < results_.size(); ++i) results_[i].buffer = host[i];
 }
 
 void PackedOutputs::read(vk::Device& device, graph::Executor& executor, const graph::Submission& done,
                          std::vector<output::FrameOutput>& pictures) const {
-  if (onHost_) {
-    std::vector<const vk::Buffer*> buffers;
-    for (const Result& result : results_) buffers.push_back(&done.buffer(result.buffer));
-    return unpack(buffers, pictures);
-  }
+  if (onHost_) return unpack(done, buffers(), pictures);
   graph::Graph graph(executor);
   std::vector<graph::BufferId> imported;
-  for (const Result& result : results_)
-    imported.push_back(graph.import(done.buffer(result.buffer), graph::Use::CopySource));
+  for (const graph::BufferId buffer : buffers())
+    imported.push_back(graph.import(done.buffer(buffer), graph::Use::CopySource));
   const std::vector<graph::BufferId> host = addReadback({device, graph}, imported);
   const graph::Submission copied = executor.submit(graph, graph.compile());
   copied.wait();
-  std::vector<const vk::Buffer*> buffers;
-  for (const graph::BufferId buffer : host) buffers.push_back(&copied.buffer(buffer));
-  unpack(buffers, pictures);
+  unpack(copied, host, pictures);
 }
 
-void PackedOutputs::unpack(std::span<const vk::Buffer* const> buffers,
+void PackedOutputs::unpack(const graph::Submission& done, std::span<const graph::BufferId> buffers,
                            std::vector<output::FrameOutput>& pictures) const {
   parallelFor(pictures.size() * results_.size(), 1, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
@@ -164,7 +160,7 @@ void PackedOutputs::unpack(std::span<const vk::Buffer* const> buffers,
       output::FrameOutput& picture = pictures[view];
       const size_t pixels = size_t{picture.width} * picture.height;
       const auto assign = [&]<typename T>(std::vector<T>& values, size_t channels) {
-        const T* from = buffers[result]->as<T>() + view * channels * pixels;
+        const T* from = done.buffer(buffers[result]).as<T>() + view * channels * pixels;
         values.assign(from, from + channels * pixels);
       };
       const std::optional<Aov> aov = results_[result].aov;

@@ -61,7 +61,9 @@ class PackedOutputs {
     graph::BufferId buffer;
   };
   uint32_t axesOf(uint32_t packing) const;
-  void unpack(std::span<const vk::Buffer* const> buffers, std::vector<output::FrameOutput>& pictures) const;
+  std::vector<graph::BufferId> buffers() const;
+  void unpack(const graph::Submission& done, std::span<const graph::BufferId> buffers,
+              std::vector<output::FrameOutput>& pictures) const;
   const Settings& settings_;
   bool yUp_;
   std::vector<Result> results_;

@@ -7,9 +7,11 @@
 #include <bit>
 
 #include "base/error.h"
+#include "render/readback.h"
 #include "render/transparency/exact_push.h"
 #include "render/transparency/transparency.h"
 #include "render/visibility/visibility.h"
+#include "vk/features.h"
 
 namespace latelight::render {
 
@@ -24,9 +26,7 @@ constexpr uint64_t kLeastRoom = 1 << 16;                 // fragments
 constexpr uint64_t kMostRoom = (uint64_t{1} << 31) - 1;  // indices into buffers are signed in SPIR-V
 
 void requireStores(vk::Device& device) {
-  VkPhysicalDeviceFeatures features;
-  vkGetPhysicalDeviceFeatures(device.physical(), &features);
-  if (!features.fragmentStoresAndAtomics)
+  if (!device.features().core.features.fragmentStoresAndAtomics)
     fail(ExitCode::NoDevice,
          "{} can't write to memory from fragment shaders, which exact transparency takes: choose sorted or weighted",
          device.info().name);
@@ -87,14 +87,6 @@ shared::FragmentLists listsOf(graph::Context& context, const Buffers& b) {
           .lists = address(b.lists),
           .capacity = static_cast<uint32_t>(b.room.fragments),
           .longest = b.room.longest};
-}
-
-void addClear(graph::Graph& graph, const Buffers& b) {
-  graph.pass(graph::Stage::Transparency, "transparency clear",
-             {{b.counts, graph::Use::CopyTarget}, {b.totals, graph::Use::CopyTarget}}, [=](graph::Context& context) {
-               for (graph::BufferId buffer : {b.counts, b.totals})
-                 vkCmdFillBuffer(context.get(), context.buffer(buffer).get(), 0, VK_WHOLE_SIZE, 0);
-             });
 }
 
 // A step over all fragments, or over as many invocations as they are at most.
@@ -189,14 +181,7 @@ bool overflowed(const FrameContext& f, Room room, const shared::FragmentTotals& 
 }
 
 void addCheck(const FrameContext& f, const Buffers& b) {
-  const graph::BufferId host = f.graph.create(vk::BufferDesc{
-      .size = sizeof(shared::FragmentTotals), .kind = vk::MemoryKind::Readback, .name = "totals of fragments, host"});
-  f.graph.pass(graph::Stage::Transparency, "transparency totals",
-               {{b.totals, graph::Use::CopySource}, {host, graph::Use::CopyTarget}}, [=](graph::Context& context) {
-                 const VkBufferCopy region{0, 0, sizeof(shared::FragmentTotals)};
-                 vkCmdCopyBuffer(context.get(), context.buffer(b.totals).get(), context.buffer(host).get(), 1, &region);
-               });
-  f.graph.exports(host, graph::Use::HostRead);
+  const graph::BufferId host = copyToHost(f, graph::Stage::Transparency, "transparency totals", {b.totals}).front();
   if (f.overflow)
     f.overflow->checks.push_back([&f, host, room = b.room](const graph::Submission& done) {
       return overflowed(f, room, *done.buffer(host).as<shared::FragmentTotals>());
@@ -213,7 +198,7 @@ uint32_t fragmentSamples(const vk::Device& device, const FrameSetup& setup) {
 void addExactTransparency(const FrameContext& f, const Gbuffer& gbuffer) {
   requireStores(f.device);
   const Buffers b = createBuffers(f, roomFor(f));
-  addClear(f.graph, b);
+  addClear(f, graph::Stage::Transparency, "transparency clear", {b.counts, b.totals});
   f.visibility.addFragments(f, gbuffer, {b.fragments, b.counts, b.totals, static_cast<uint32_t>(b.room.fragments)});
   addPlace(f, b);
   addBlend(f, gbuffer.light, b, addSort(f, b));

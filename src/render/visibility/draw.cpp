@@ -140,31 +140,35 @@ void recordDraws(graph::Context& context, const GpuScene& scene, SceneBinder& bi
   }
 }
 
-graph::ImageId attachableDepth(const FrameContext& f, graph::ImageId depth) {
-  if (vk::isDepth(f.graph.desc(depth).format)) return depth;
+graph::ImageId addScreenDepth(const FrameContext& f, graph::Stage stage, const char* name, const char* shader,
+                              graph::ImageId from) {
   Bindings bindings(f.device, graph::Use::SampledFragment);
-  bindings.sampled(depth);
+  bindings.sampled(from);
   vk::GraphicsDesc desc;
   desc.vertex = "screen.vert";
-  desc.fragment = "depth_copy.frag";
+  desc.fragment = shader;
   desc.bindings = bindings.kinds();
   desc.pushBytes = sizeof(uint32_t);
   desc.depth = kDepthFormat;
   desc.depthCompare = VK_COMPARE_OP_ALWAYS;
-  desc.name = "depth copy";
+  desc.name = name;
   const vk::PipelineRef pipeline = f.device.cache().pipeline(desc);
-  const graph::ImageId copy = createTarget(f, kDepthFormat, "depth to test against");
-  f.graph.pass(graph::Stage::Transparency, "depth copy",
-               {{copy, graph::Use::DepthAttachment}, {depth, graph::Use::SampledFragment}},
+  const graph::ImageId depth = createTarget(f, kDepthFormat, name);
+  f.graph.pass(stage, name, {{depth, graph::Use::DepthAttachment}, {from, graph::Use::SampledFragment}},
                [=, &f](graph::Context& context) {
                  for (uint32_t view = 0; view < f.viewCount(); ++view) {
-                   beginView(context, f, view, {}, {copy, true});
+                   beginView(context, f, view, {}, {depth, true});
                    context.commands().bind(pipeline.get(), bindings.images(context), view);
                    recordScreen(context);
                    vkCmdEndRendering(context.get());
                  }
                });
-  return copy;
+  return depth;
+}
+
+graph::ImageId attachableDepth(const FrameContext& f, graph::ImageId depth) {
+  if (vk::isDepth(f.graph.desc(depth).format)) return depth;
+  return addScreenDepth(f, graph::Stage::Transparency, "depth copy", "depth_copy.frag", depth);
 }
 
 void recordScreen(graph::Context& context) {

@@ -77,6 +77,9 @@ void pushMore(graph::Context& context, const vk::Pipeline& pipeline, const More&
                      &more);
 }
 
+// One triangle over each view that leaves depth as a fragment shader finds it in `from`.
+graph::ImageId addScreenDepth(const FrameContext& f, graph::Stage stage, const char* name, const char* shader,
+                              graph::ImageId from);
 // A frame's depth as draws can be tested against it: a copy where compute shaders found it.
 graph::ImageId attachableDepth(const FrameContext& f, graph::ImageId depth);
 

@@ -16,6 +16,7 @@
 #include "render/shadow/frame_shadows.h"
 #include "render/visibility/draw.h"
 #include "shared/light.h"
+#include "vk/features.h"
 
 namespace latelight::render {
 
@@ -181,7 +182,7 @@ class VolumesPass {
   VolumesPass(const FrameContext& f, const Gbuffer& gbuffer, VkFormat sumFormat)
       : f_(f),
         sceneBounds_(f.scene.instances().allBounds()),
-        depthClamp_(hasDepthClamp(f.device)),
+        depthClamp_(f.device.features().core.features.depthClamp),
         sumFormat_(sumFormat),
         buffers_(f),
         inputs_(inputs(f, gbuffer)),
@@ -203,11 +204,6 @@ class VolumesPass {
   uint64_t record(graph::Context& context, uint32_t view) const;
 
  private:
-  static bool hasDepthClamp(const vk::Device& device) {
-    VkPhysicalDeviceFeatures features;
-    vkGetPhysicalDeviceFeatures(device.physical(), &features);
-    return features.depthClamp;  // an optional feature that is enabled where it is offered
-  }
   static Bindings inputs(const FrameContext& f, const Gbuffer& gbuffer) {
     Bindings bindings(f.device, graph::Use::SampledFragment);
     bindings.sampled(gbufferInputs(gbuffer));

@@ -50,9 +50,8 @@ uint32_t tilesOf(const RasterViews& v) {
 }  // namespace
 
 void requireComputeRaster(const vk::Device& device) {
-  vk::Features offered;
-  vkGetPhysicalDeviceFeatures2(device.physical(), &offered.core);
-  if (!offered.v12.shaderBufferInt64Atomics || !offered.core.features.shaderStorageImageWriteWithoutFormat)
+  const vk::Features& has = device.features();
+  if (!has.v12.shaderBufferInt64Atomics || !has.core.features.shaderStorageImageWriteWithoutFormat)
     fail(ExitCode::NoDevice,
          "{} lacks 64-bit atomics or storage images of any format, which the raster compute needs: choose hardware.",
          device.info().name);
@@ -126,6 +125,7 @@ ComputePass rasterStep(const FrameContext& f, const char* shader, std::vector<gr
 // Shaders that look up materials' textures.
 void readsTextures(const FrameContext& f, ComputePass& pass) {
   pass.shader = materialVariant(f.device, pass.shader);
+  pass.constants = f.setup.constants();
   if (f.device.maxTextureArray() == 0) return;
   pass.sceneSet = f.scene.materials().textureSet();
   pass.sceneBindings = textureBindings(f.device);
@@ -136,13 +136,8 @@ void readsTextures(const FrameContext& f, ComputePass& pass) {
 // One chain of steps over the instances that alpha takes parts away of, or over the others.
 void ComputeVisibility::addRaster(const FrameContext& f, const RasterViews& views, const Buffers& b,
                                   bool cutOut) const {
-  std::vector<graph::Access> anew;
-  for (const graph::BufferId buffer : {b.work, b.clipped, b.large, b.tiles, b.entries, b.jobs, b.counters})
-    anew.emplace_back(buffer, graph::Use::CopyTarget);
-  f.graph.pass(graph::Stage::Visibility, "raster clear", std::move(anew), [=](graph::Context& context) {
-    for (const graph::BufferId buffer : {b.counters, b.tiles})
-      vkCmdFillBuffer(context.get(), context.buffer(buffer).get(), 0, VK_WHOLE_SIZE, 0);
-  });
+  addClear(f, graph::Stage::Visibility, "raster clear", {b.counters, b.tiles},
+           {b.work, b.clipped, b.large, b.entries, b.jobs});
   const auto push = [=, this, &f](graph::Context& context) {
     const auto address = [&](graph::BufferId buffer) { return context.buffer(buffer).address(); };
     return RasterPush{.buffers = {.frame = views.constants,
@@ -165,10 +160,10 @@ void ComputeVisibility::addRaster(const FrameContext& f, const RasterViews& view
                       .entryRoom = b.room.entries,
                       .bothSides = views.bothSides ? 1u : 0u};
   };
-  const auto over = [&](const char* shader, glm::uvec3 groups) {
+  const auto over = [&](const char* shader, glm::uvec3 groups, std::vector<vk::Constant> constants = {}) {
     ComputePass pass = rasterStep(f, shader, b.accesses());
     pass.size = groups;
-    pass.constants = {{kFirstOwnConstant, cutOut ? 1u : 0u}};
+    pass.constants = std::move(constants);
     addCompute(f, std::move(pass), push);
   };
   const auto overQueue = [&](const char* shader, uint32_t which, uint32_t room, bool textures = false) {
@@ -177,7 +172,6 @@ void ComputeVisibility::addRaster(const FrameContext& f, const RasterViews& view
       return RasterArgumentsPush{context.buffer(b.counters).address(), which, room};
     });
     ComputePass pass = rasterStep(f, shader, b.accesses());
-    pass.constants = f.setup.constants();
     if (textures) readsTextures(f, pass);
     pass.groups = b.counters;
     pass.groupsOffset = offsetof(RasterCounters, groups);
@@ -185,7 +179,8 @@ void ComputeVisibility::addRaster(const FrameContext& f, const RasterViews& view
   };
   const auto most = static_cast<uint32_t>(share_.parts * views.count);
   over("raster_cull.comp",
-       {std::min(share_.ranks, kRasterRow), (share_.ranks + kRasterRow - 1) / kRasterRow, views.count});
+       {std::min(share_.ranks, kRasterRow), (share_.ranks + kRasterRow - 1) / kRasterRow, views.count},
+       {{kFirstOwnConstant, cutOut ? 1u : 0u}});
   overQueue(cutOut ? "raster_cut_out.comp" : "raster.comp", kQueueWork, most, cutOut);
   overQueue("raster_clip.comp", kQueueClipped, (b.room.clipped + 63) / 64);
   overQueue("raster_count.comp", kQueueLarge, b.room.large);
@@ -193,33 +188,28 @@ void ComputeVisibility::addRaster(const FrameContext& f, const RasterViews& view
   overQueue("raster_fill.comp", kQueueLarge, b.room.large);
   overQueue(cutOut ? "raster_large_cut_out.comp" : "raster_large.comp", kQueueJobs, b.jobRoom, cutOut);
   if (!f.overflow) return;
-  const graph::BufferId host = f.graph.create(vk::BufferDesc{
-      .size = sizeof(RasterCounters), .kind = vk::MemoryKind::Readback, .name = "raster counters, host"});
-  f.graph.pass(graph::Stage::Visibility, "raster counters",
-               {{b.counters, graph::Use::CopySource}, {host, graph::Use::CopyTarget}}, [=](graph::Context& context) {
-                 const VkBufferCopy all{0, 0, sizeof(RasterCounters)};
-                 vkCmdCopyBuffer(context.get(), context.buffer(b.counters).get(), context.buffer(host).get(), 1, &all);
-               });
-  f.graph.exports(host, graph::Use::HostRead);
+  const graph::BufferId host = copyToHost(f, graph::Stage::Visibility, "raster counters", {b.counters}).front();
   f.overflow->checks.push_back([&f, host, room = b.room](const graph::Submission& done) {
     return overflowedRaster(f, room, *done.buffer(host).as<RasterCounters>());
   });
 }
 
-ResolvePush ComputeVisibility::resolvePush(graph::Context& context, const FrameContext& f) const {
-  return {.frame = f.constants,
-          .ranks = ranks_.address(),
-          .visible = context.buffer(visible_).address(),
-          .rankCount = share_.ranks};
+// A pass over all pixels of what is visible.
+void ComputeVisibility::addResolve(const FrameContext& f, ComputePass pass) const {
+  pass.size = f.pixels();
+  pass.buffers = {{visible_, graph::Use::StorageRead}};
+  addCompute(f, std::move(pass), [this, &f](graph::Context& context) {
+    return ResolvePush{.frame = f.constants,
+                       .ranks = ranks_.address(),
+                       .visible = context.buffer(visible_).address(),
+                       .rankCount = share_.ranks};
+  });
 }
 
 // What these views show, as a buffer of the graph.
 graph::BufferId ComputeVisibility::addVisible(const FrameContext& f, const RasterViews& views) const {
   const Buffers b(f, views, share_);
-  f.graph.pass(graph::Stage::Visibility, "raster clear", {{b.visible, graph::Use::CopyTarget}},
-               [=](graph::Context& context) {
-                 vkCmdFillBuffer(context.get(), context.buffer(b.visible).get(), 0, VK_WHOLE_SIZE, 0);
-               });
+  addClear(f, graph::Stage::Visibility, "raster clear", {b.visible});
   if (share_.ranks > share_.cutOut) addRaster(f, views, b, false);
   if (share_.cutOut > 0) addRaster(f, views, b, true);
   return b.visible;
@@ -228,14 +218,10 @@ graph::BufferId ComputeVisibility::addVisible(const FrameContext& f, const Raste
 graph::ImageId ComputeVisibility::addDepth(const FrameContext& f) const {
   visible_ = addVisible(f, {f.constants, f.width, f.height, f.viewCount()});
   const graph::ImageId depth = createTarget(f, VK_FORMAT_R32_SFLOAT, "depth");
-  addCompute(f,
-             {.stage = graph::Stage::Visibility,
-              .name = "depth",
-              .shader = "visible_depth.comp",
-              .bindings = Bindings(f.device).storage(depth, graph::Use::StorageWrite),
-              .size = f.pixels(),
-              .buffers = {{visible_, graph::Use::StorageRead}}},
-             [=, this, &f](graph::Context& context) { return resolvePush(context, f); });
+  addResolve(f, {.stage = graph::Stage::Visibility,
+                 .name = "depth",
+                 .shader = "visible_depth.comp",
+                 .bindings = Bindings(f.device).storage(depth, graph::Use::StorageWrite)});
   return depth;
 }
 
@@ -264,26 +250,19 @@ void ComputeVisibility::addGbuffer(const FrameContext& f, Gbuffer& gbuffer) cons
   ComputePass pass{.stage = graph::Stage::Geometry,
                    .name = "geometry " + layout.name,
                    .shader = "resolve.comp@" + layout.file,
-                   .bindings = std::move(bindings),
-                   .size = f.pixels(),
-                   .constants = f.setup.constants(),
-                   .buffers = {{visible_, graph::Use::StorageRead}}};
+                   .bindings = std::move(bindings)};
   readsTextures(f, pass);
   pass.constants.insert(pass.constants.end(), {{kFirstOwnConstant, wanted}, {kFirstOwnConstant + 1, srgb}});
-  addCompute(f, std::move(pass), [=, this, &f](graph::Context& context) { return resolvePush(context, f); });
+  addResolve(f, std::move(pass));
 }
 
 graph::ImageId ComputeVisibility::addMotion(const FrameContext& f, graph::ImageId depth, MotionUse use) const {
   const VkFormat format = use == MotionUse::Data ? VK_FORMAT_R32G32B32A32_SFLOAT : VK_FORMAT_R16G16B16A16_SFLOAT;
   const graph::ImageId motion = createTarget(f, format, "motion");
-  addCompute(f,
-             {.stage = graph::Stage::Geometry,
-              .name = "motion",
-              .shader = "visible_motion.comp",
-              .bindings = Bindings(f.device).storage(motion, graph::Use::StorageWrite),
-              .size = f.pixels(),
-              .buffers = {{visible_, graph::Use::StorageRead}}},
-             [=, this, &f](graph::Context& context) { return resolvePush(context, f); });
+  addResolve(f, {.stage = graph::Stage::Geometry,
+                 .name = "motion",
+                 .shader = "visible_motion.comp",
+                 .bindings = Bindings(f.device).storage(motion, graph::Use::StorageWrite)});
   return motion;
 }
 
@@ -291,26 +270,34 @@ graph::ImageId ComputeVisibility::addMotion(const FrameContext& f, graph::ImageI
 
 namespace {
 
+// Metres along a map's axis.
+struct ShadowDepths {
+  float near, far;
+};
+ShadowDepths depthsOf(const shared::Projection& map) {
+  const float range = 0.5f / map.A, near = -2 * map.B * range;
+  return {near, near + range};
+}
+
 // Of a map, with depth reversed, as visibility has it.
 shared::View reversed(const ShadowView& map) {
   shared::View view = map.view;
   shared::Projection& p = view.projection;
-  const float range = 0.5f / p.A, near = -2 * p.B * range;
+  const auto [near, far] = depthsOf(p);
   if (p.kind == shared::kPerspective) {
-    p.B = std::max(near, 1e-6f * (near + range));
+    p.B = std::max(near, 1e-6f * far);
     p.A = 0;
   } else {
-    p.A = -1 / range;
-    p.B = (near + range) / range;
+    p.A = -1 / (far - near);
+    p.B = far / (far - near);
   }
   return view;
 }
 
 ShadowTarget targetOf(const FrameShadows::Map& map) {
   const shared::Projection& p = map.view->view.projection;
-  const float range = 0.5f / p.A, near = -2 * p.B * range;
   const AtlasTile& tile = map.view->tile;
-  const float far = p.kind == shared::kPerspective ? near + range : 0;
+  const float far = p.kind == shared::kPerspective ? depthsOf(p).far : 0;
   return {tile.x, tile.y, map.layer, p.A, p.B, map.view->unit, far};
 }
 

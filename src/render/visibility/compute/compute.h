@@ -41,7 +41,7 @@ class ComputeVisibility final : public Visibility {
   void addRaster(const FrameContext& f, const RasterViews& views, const Buffers& buffers, bool cutOut) const;
   graph::BufferId addVisible(const FrameContext& f, const RasterViews& views) const;
   void addShadowMapsOf(const FrameContext& f, uint32_t size, graph::ImageId atlas, graph::Use use) const;
-  shared::ResolvePush resolvePush(graph::Context& context, const FrameContext& f) const;
+  void addResolve(const FrameContext& f, ComputePass pass) const;
 
   vk::Device& device_;
   const GpuScene& scene_;

@@ -16,10 +16,10 @@ class InstanceRanks {
   // Follows the scene; costs nothing where no instance has changed. What the device lacks is uploaded with `uploader`.
   void update(const GpuScene& scene, const DrawOrder& order, vk::Uploader& uploader);
 
-  VkDeviceAddress address() const {
-    return list_.address();
-  }                                  // shared::RankedInstance[]: solid ones, then blended ones
-  struct Share {                     // the solid ones, or all of them
+  // shared::RankedInstance[]: solid ones, then blended ones.
+  VkDeviceAddress address() const { return list_.address(); }
+  // Of the solid ones, or of all of them.
+  struct Share {
     uint32_t ranks = 0, cutOut = 0;  // instances; those whose alpha takes parts of them away
     uint64_t parts = 0;              // of kRasterGroup triangles, in all
   };
