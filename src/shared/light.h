@@ -25,11 +25,18 @@ struct LightSample {
 // Squared distance, m^2, below which a light comes no nearer: keeps 1/d^2 finite.
 SH_CONST float kMinLightDistance2 = 1e-12f;
 
-// The window of KHR_lights_punctual: 1 at the light, 0 from `radius` on. Both in metres; a radius of +inf never ends.
-SH_FUNC float lightWindow(float distance, float radius) {
-  if (radius <= 0.0f) return 0.0f;
-  float x = distance / radius;
-  return clamp(1.0f - x * x * x * x, 0.0f, 1.0f);
+// Squared distance, m^2, from which on all is alike: keeps products finite.
+SH_CONST float kMaxLightDistance2 = 3e38f;
+
+// Light::inverseRadius2 of a radius above 0, in metres.
+SH_FUNC float inverseRadius2(float radius) {
+  return 1.0f / (radius * radius);
+}
+
+// The window of KHR_lights_punctual: 1 at the light, 0 from its radius on; without one, 1 everywhere. m^2 and 1/m^2.
+SH_FUNC float lightWindow(float distance2, float inverseRadius2) {
+  float x = distance2 * inverseRadius2;
+  return clamp(1.0f - x * x, 0.0f, 1.0f);
 }
 
 // Spot cone of KHR_lights_punctual: attenuation is saturate(cos * scale + offset)^2. Angles from the axis, radians.
@@ -48,9 +55,10 @@ SH_FUNC LightSample sampleLight(Light light, vec3 position) {
     return s;
   }
   vec3 offset = light.position - position;
-  float distance2 = max(dot(offset, offset), kMinLightDistance2);
-  float attenuation = lightWindow(sqrt(distance2), light.radius) / distance2;
-  s.toLight = offset * inversesqrt(distance2);
+  float distance2 = clamp(dot(offset, offset), kMinLightDistance2, kMaxLightDistance2);
+  float inverse = inversesqrt(distance2);  // for the attenuation too: a GPU has one such unit for eight multipliers
+  s.toLight = offset * inverse;
+  float attenuation = lightWindow(distance2, light.inverseRadius2) * (inverse * inverse);
   s.irradiance = light.intensity * (attenuation * lightDistribution(light, s.toLight));
   return s;
 }

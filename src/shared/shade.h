@@ -17,47 +17,78 @@ SH_CONST uint kShadingGgxCompensated = 2u;
 // The minimum n.v: interpolated and mapped normals may point away from the eye.
 SH_CONST float kMinNv = 1e-4f;
 
+// What a surface reflects from any light towards one eye, as far as it does not depend on the light: computed once.
+struct SurfaceBrdf {
+  vec3 normal;    // unit
+  vec3 toEye;     // unit
+  float nv;       // n.v, at least kMinNv
+  vec3 diffuse;   // 1/sr, before the Fresnel term takes its share
+  float taken0;   // that share at normal incidence
+  float taken90;  // and at grazing incidence
+  vec3 f0;        // reflectance of the specular lobe at normal incidence
+  float f90;      // and at grazing incidence
+  float width;    // of the lobe: alpha^2, or Blinn-Phong's exponent
+  float scale;    // of the lobe: the eye's part of Smith's masking, or Blinn-Phong's normalisation
+};
+
 // glTF 2.0, appendix B: mix(dielectric, metal, metallic), both over one specular lobe; the dielectric's diffuse part
-// gets what its Fresnel term leaves, by the largest channel (KHR_materials_specular). With energy compensation,
-// s.scattered replaces everything but the single reflection. 1/sr.
-SH_FUNC vec3 ggxBrdf(Surface s, float nl, float nv, float nh, float sin2, float vh, uint shading) {
+// gets what its Fresnel term leaves, by the largest channel (KHR_materials_specular). Schlick's term is linear in f0
+// and f90, so that of the mixture is the mixture of both, and the largest channel is that of the largest f0. With
+// energy compensation, s.scattered replaces everything but the single reflection.
+SH_FUNC SurfaceBrdf ggxBrdf(Surface s, vec3 toEye, uint shading) {
+  SurfaceBrdf b;
+  b.normal = s.normal;
+  b.toEye = toEye;
+  b.nv = clamp(dot(s.normal, toEye), kMinNv, 1.0f);
+  bool compensated = shading == kShadingGgxCompensated;
+  b.diffuse = (compensated ? s.scattered : diffuseColor(s)) * kInvPi;
+  b.taken0 = compensated ? 0.0f : maxChannel(s.f0);
+  b.taken90 = compensated ? 0.0f : s.f90;
+  b.f0 = specularF0(s);
+  b.f90 = specularF90(s);
   float alpha = ggxAlpha(s.roughness);
-  float lobe = ggxDistribution(nh, sin2, alpha) * ggxVisibility(nl, nv, alpha);
-  vec3 dielectric = schlick(s.f0, s.f90, vh);
-  vec3 metal = schlick(s.baseColor, 1.0f, vh);
-  vec3 fresnel = dielectric + (metal - dielectric) * s.metallic;
-  vec3 scattered = s.scattered;
-  if (shading != kShadingGgxCompensated) scattered = diffuseColor(s) * (1.0f - maxChannel(dielectric));
-  return scattered * kInvPi + fresnel * lobe;
+  b.width = alpha * alpha;
+  b.scale = smithRoot(b.nv, b.width);
+  return b;
 }
 
 // The seeds' diffuse and specular colours under one normalised lobe, without Fresnel; the dielectric's diffuse part
-// gets what its specular colour leaves, so that no surface reflects more than it receives at normal incidence. 1/sr.
-SH_FUNC vec3 blinnPhongBrdf(Surface s, float nh, float sin2) {
-  return diffuseColor(s) * ((1.0f - maxChannel(s.f0)) * kInvPi) +
-         specularF0(s) * blinnPhong(nh, sin2, exponentFromRoughness(s.roughness));
+// gets what its specular colour leaves, so that no surface reflects more than it receives at normal incidence.
+SH_FUNC SurfaceBrdf blinnPhongBrdf(Surface s, vec3 toEye) {
+  SurfaceBrdf b = ggxBrdf(s, toEye, kShadingBlinnPhong);
+  b.width = exponentFromRoughness(s.roughness);
+  b.scale = blinnPhongScale(b.width);
+  return b;
 }
 
-// Radiance leaving `s` towards the eye by one light. `toEye` is unit, world space.
-SH_FUNC vec3 shadeLight(Surface s, vec3 toEye, LightSample light, uint shading) {
-  float nl = dot(s.normal, light.toLight);
+SH_FUNC SurfaceBrdf surfaceBrdf(Surface s, vec3 toEye, uint shading) {
+  if (shading == kShadingBlinnPhong) return blinnPhongBrdf(s, toEye);
+  return ggxBrdf(s, toEye, shading);
+}
+
+// Radiance leaving the surface towards the eye by one light.
+SH_FUNC vec3 shadeLight(SurfaceBrdf b, LightSample light, uint shading) {
+  float nl = dot(b.normal, light.toLight);
   if (nl <= 0.0f) return vec3(0.0f, 0.0f, 0.0f);
   nl = min(nl, 1.0f);
-  vec3 sum = light.toLight + toEye;
+  // The half vector is half / |half|; light from exactly opposite the eye gives no highlight.
+  vec3 sum = light.toLight + b.toEye;
   float squared = dot(sum, sum);
-  vec3 h =
-      sum * (squared > 1e-12f ? inversesqrt(squared) : 0.0f);  // light from exactly opposite the eye gives no highlight
-  vec3 across = cross(s.normal, h);
+  float inverse = squared > 1e-12f ? inversesqrt(squared) : 0.0f;
+  vec3 h = sum * inverse;
+  vec3 across = cross(b.normal, h);
   float sin2 = dot(across, across);
-  float nh = saturate(dot(s.normal, h));
-  vec3 brdf;
+  float nh = saturate(dot(b.normal, h));
+  float weight = 0.0f, lobe;
   if (shading == kShadingBlinnPhong) {
-    brdf = blinnPhongBrdf(s, nh, sin2);
+    lobe = blinnPhong(nh, sin2, b.width, b.scale);
   } else {
-    float nv = clamp(dot(s.normal, toEye), kMinNv, 1.0f);
-    brdf = ggxBrdf(s, nl, nv, nh, sin2, saturate(dot(toEye, h)), shading);
+    weight = schlickWeight(saturate(dot(b.toEye, h)));
+    lobe = ggxLobe(nh, sin2, nl, b.nv, b.width, b.scale);
   }
-  return brdf * light.irradiance * nl;
+  vec3 fresnel = b.f0 + (vec3(b.f90, b.f90, b.f90) - b.f0) * weight;
+  float left = 1.0f - (b.taken0 + (b.taken90 - b.taken0) * weight);
+  return (b.diffuse * left + fresnel * lobe) * light.irradiance * nl;
 }
 
 // Shares of uniform light from all directions that a microfacet surface of reflectance f0 to f90 sends towards the eye:

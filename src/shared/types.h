@@ -106,14 +106,16 @@ SH_CONST uint kReachEverywhere = 0u;  // it has a direction and no place
 SH_CONST uint kReachSphere = 1u;      // as far as its radius
 SH_CONST uint kReachCone = 2u;        // as far, within its cone
 
-struct Light {  // KHR_lights_punctual
+struct Light {  // KHR_lights_punctual. Four loads of 16 bytes
   vec3 position;
-  float radius;     // metres: glTF's range; light is windowed to 0 there (shared/light.h). +inf without one
-  vec3 direction;   // from the light, unit
-  uint type;        // kLight*: the files in shared/light, in the order of their names
-  vec3 intensity;   // colour times candela, or lux where it reaches everywhere
-  float spotScale;  // spot cone: clamp(cos * spotScale + spotOffset, 0, 1)^2
+  float inverseRadius2;  // 1 / radius^2; 0 without one
+  vec3 intensity;        // colour times candela, or lux where it reaches everywhere
+  uint type;             // kLight*: the files in shared/light, in the order of their names
+  vec3 direction;        // from the light, unit
+  float radius;          // metres: glTF's range; light is windowed to 0 there (shared/light.h). +inf without one
+  float spotScale;       // spot cone: clamp(cos * spotScale + spotOffset, 0, 1)^2
   float spotOffset;
+  float padding[2];
 };
 
 // --- shadows --------------------------------------------------------------------------------------------------------
@@ -211,7 +213,7 @@ static_assert(sizeof(latelight::shared::Mesh) == 56);
 static_assert(sizeof(latelight::shared::Instance) == 68);
 static_assert(sizeof(latelight::shared::TextureTransform) == 28);
 static_assert(sizeof(latelight::shared::Material) == 80 + 7 * 28 + 7 * 4);
-static_assert(sizeof(latelight::shared::Light) == 52);
+static_assert(sizeof(latelight::shared::Light) == 64);
 static_assert(sizeof(latelight::shared::ShadowMap) == 88);
 static_assert(sizeof(latelight::shared::LightBox) == 24);
 static_assert(sizeof(latelight::shared::View) == 152);

@@ -261,8 +261,10 @@ Device::Device(const DeviceOptions& options) : validation_(validationWanted(opti
   VkPhysicalDeviceMaintenance3Properties memory{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES};
   VkPhysicalDeviceVulkan12Properties indexing{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_PROPERTIES, &memory};
   VkPhysicalDeviceMaintenance4Properties limits{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_4_PROPERTIES, &indexing};
-  VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &limits};
+  VkPhysicalDeviceSubgroupProperties subgroups{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES, &limits};
+  VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &subgroups};
   vkGetPhysicalDeviceProperties2(physical_, &properties);
+  subgroupSize_ = subgroups.subgroupSize;
   properties_ = properties.properties;
   maxBufferSize_ = limits.maxBufferSize;
   maxAllocationSize_ = memory.maxMemoryAllocationSize;

@@ -68,6 +68,7 @@ class Device {
   const DeviceInfo& info() const { return info_; }
   const VkPhysicalDeviceProperties& properties() const { return properties_; }
   bool isCpu() const { return properties_.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU; }
+  uint32_t subgroupSize() const { return subgroupSize_; }                // lanes of a full one
   VkDeviceSize maxBufferSize() const { return maxBufferSize_; }          // bytes
   VkDeviceSize maxAllocationSize() const { return maxAllocationSize_; }  // bytes of one allocation of memory
   bool has(const char* extension) const;  // enabled: all of kOptionalExtensions that the device offers are
@@ -115,6 +116,7 @@ class Device {
   VkPhysicalDeviceProperties properties_{};
   VkDeviceSize maxBufferSize_ = 0, maxAllocationSize_ = 0;
   uint32_t maxTextureArray_ = 0;
+  uint32_t subgroupSize_ = 0;
   DeviceInfo info_;
   std::atomic<uint64_t> pipelinesMade_ = 0;
   std::unique_ptr<Allocator> allocator_;

@@ -42,8 +42,9 @@ struct Constant {  // specialization constant
   uint32_t id;
   uint32_t value;
 };
-// Every shader may declare this one: 1 on a CPU device, for lavapipe workarounds that would cost time on a GPU.
-inline constexpr uint32_t kCpuDeviceConstant = 100;
+// Every shader may declare these: 1 on a CPU device, for lavapipe workarounds that would cost time on a GPU; and the
+// lanes of a full subgroup.
+inline constexpr uint32_t kCpuDeviceConstant = 100, kSubgroupSizeConstant = 101;
 
 Handle<VkDescriptorSetLayout> makeSetLayout(Device& device, std::span<const Binding> bindings);
 

@@ -338,8 +338,8 @@ TEST(Layouts, DiffuseAndSpecularColoursShadeAsMetalnessDoes) {
     if (glm::dot(toEye, a.normal) < 0) toEye = -toEye;
     const shared::LightSample light{.toLight = random.direction(), .irradiance = vec3(1)};
     for (const uint32_t shading : {shared::kShadingGgx, shared::kShadingBlinnPhong}) {
-      const vec3 expected = shared::shadeLight(a, toEye, light, shading);
-      ASSERT_LE(glm::length(shared::shadeLight(b, toEye, light, shading) - expected),
+      const vec3 expected = shared::shadeLight(shared::surfaceBrdf(a, toEye, shading), light, shading);
+      ASSERT_LE(glm::length(shared::shadeLight(shared::surfaceBrdf(b, toEye, shading), light, shading) - expected),
                 1e-5f + 1e-4f * glm::length(expected))
           << i << ", shading " << shading;
     }

@@ -103,6 +103,7 @@ shared::Light hostLight(const scene::Light& light) {
   l.type = light.type;
   l.intensity = light.color * light.intensity;
   l.radius = light.range.value_or(std::numeric_limits<float>::infinity());
+  l.inverseRadius2 = shared::inverseRadius2(l.radius);
   if (light.type == shared::kLightSpot) shared::spotCone(light.innerCone, light.outerCone, l.spotScale, l.spotOffset);
   return l;
 }
@@ -199,8 +200,9 @@ vec3 expectedRadiance(const ReadGbuffer& gbuffer, size_t pixel, std::span<const 
   vec3 radiance(0);
   if (settings.environmentIntensity > 0) radiance += environment.light(s, toEye, settings);
   s.scattered = shared::surfaceReflectance(s, environment.splitSum(s, toEye)).scattered;
+  const shared::SurfaceBrdf brdf = shared::surfaceBrdf(s, toEye, shading);
   for (const shared::Light& light : lights)
-    radiance += shared::shadeLight(s, toEye, shared::sampleLight(light, s.position), shading);
+    radiance += shared::shadeLight(brdf, shared::sampleLight(light, s.position), shading);
   return glm::min(vec3(gbuffer.before[pixel]) + radiance * settings.exposure, vec3(65504.0f));
 }
 

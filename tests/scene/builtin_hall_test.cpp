@@ -187,7 +187,7 @@ double brightness(const Scene& scene) {
           const float facing = glm::dot(to, n) / d;
           if (facing > 0)
             radiance += 0.5 / shared::kPi * light.intensity * shared::luminance(light.color) * facing / d2 *
-                        shared::lightWindow(d, *light.range);
+                        shared::lightWindow(d2, shared::inverseRadius2(*light.range));
         }
         sum += std::min(radiance, 1.0);
         ++count;

@@ -59,7 +59,7 @@ SH_FUNC Surface someSurface(Arguments a) {
 SH_FUNC Light someLight(Arguments a, uint type) {
   Light light;
   light.position = a.n * a.w.x;
-  light.radius = a.w.y;
+  light.inverseRadius2 = inverseRadius2(a.w.y);
   light.direction = a.l;
   light.type = type;
   light.intensity = a.c;
@@ -132,65 +132,68 @@ SH_FUNC vec4 surfaceReflectanceOf(Arguments a) {
   return vec4(r.once.x, r.once.y, r.scattered.x, r.scattered.y);
 }
 
-#define FUNCTION_CASES(C)                                                                                          \
-  C(srgbFromLinear, 2e-6f, 1e-7f, (pad(srgbFromLinear(a.u.x))))                                                    \
-  C(linearFromSrgb, 4e-6f, 1e-7f, (pad(linearFromSrgb(a.u.x))))                                                    \
-  C(luminance, 5e-7f, 0.0f, (pad(luminance(a.c))))                                                                 \
-  C(maxChannel, 0.0f, 0.0f, (pad(maxChannel(a.c))))                                                                \
-  C(lightWindow, 1e-6f, 3e-6f, (pad(lightWindow(a.w.x, a.w.y))))                                                   \
-  C(spotCone, 2e-5f, 0.0f, (coneOf(a)))                                                                            \
-  C(directionalLight, 0.0f, 0.0f, (pad(sampleLight(someLight(a, kLightDirectional), a.v).toLight)))                \
-  C(pointDirection, 1e-6f, 5e-7f, (pad(sampleLight(someLight(a, kLightPoint), a.v).toLight)))                      \
-  C(pointIrradiance, 1e-4f, 1e-5f, (pad(sampleLight(someLight(a, kLightPoint), a.v * 0.5f).irradiance)))           \
-  C(spotIrradiance, 1e-4f, 1e-5f, (pad(sampleLight(someLight(a, kLightSpot), a.v * 0.5f).irradiance)))             \
-  C(ggxAlpha, 2e-7f, 0.0f, (pad(ggxAlpha(a.u.x))))                                                                 \
-  C(ggxDistribution, 5e-6f, 0.0f, (pad(ggxDistribution(a.u.x, 1.0f - a.u.x * a.u.x, ggxAlpha(a.u.y)))))            \
-  C(ggxVisibility, 3e-6f, 0.0f, (pad(ggxVisibility(a.u.x + 1e-4f, a.u.z + 1e-4f, ggxAlpha(a.u.y)))))               \
-  C(schlickWeight, 1e-6f, 0.0f, (pad(schlickWeight(a.u.x))))                                                       \
-  C(schlick, 5e-7f, 5e-7f, (pad(schlick(a.c, a.u.y, a.u.x))))                                                      \
-  C(exponentFromRoughness, 2e-6f, 1e-6f, (pad(exponentFromRoughness(a.u.x))))                                      \
-  C(roughnessFromExponent, 1e-6f, 0.0f, (pad(roughnessFromExponent(a.w.x))))                                       \
-  C(log2Cosine, 3e-6f, 5e-7f, (pad(log2Cosine(a.u.x + 1e-4f, 1.0f - a.u.x * a.u.x))))                              \
-  C(blinnPhong, 5e-4f, 1e-6f, (pad(blinnPhong(a.u.x, 1.0f - a.u.x * a.u.x, a.w.x))))                               \
-  C(diffuseColor, 2e-7f, 1e-7f, (pad(diffuseColor(someSurface(a)))))                                               \
-  C(specularF0, 2e-7f, 2e-7f, (pad(specularF0(someSurface(a)))))                                                   \
-  C(specularF90, 2e-7f, 2e-7f, (pad(specularF90(someSurface(a)))))                                                 \
-  C(withoutReflection, 0.0f, 0.0f, (pad(specularF0(withoutReflection(someSurface(a))))))                           \
-  C(shadeLightGgx, 2e-3f, 1e-6f, (pad(shadeLight(someSurface(a), a.v, someSample(a), kShadingGgx))))               \
-  C(shadeLightBlinnPhong, 2e-3f, 1e-6f, (pad(shadeLight(someSurface(a), a.v, someSample(a), kShadingBlinnPhong)))) \
-  C(shadeLightGgxCompensated, 2e-3f, 1e-6f,                                                                        \
-    (pad(shadeLight(someSurface(a), a.v, someSample(a), kShadingGgxCompensated))))                                 \
-  C(reflectance, 2e-6f, 2e-7f, (reflectanceOf(a)))                                                                 \
-  C(surfaceReflectance, 2e-6f, 1e-6f, (surfaceReflectanceOf(a)))                                                   \
-  C(specularOcclusion, 2e-6f, 1e-6f, (pad(specularOcclusion(a.u.x + 1e-4f, a.u.y, a.u.z))))                        \
-  C(shadeEnvironment, 5e-6f, 2e-6f,                                                                                \
-    (pad(shadeEnvironment(someSurface(a), a.v, a.c, a.d, vec2(0.9f * a.u.x, 0.1f * a.u.w)))))                      \
-  C(tonemapKhronosNeutral, 5e-6f, 1e-6f, (pad(tonemap(kTonemapKhronosNeutral, a.c * a.w.x))))                      \
-  C(tonemapAces, 1e-5f, 1e-6f, (pad(tonemap(kTonemapAces, a.c * a.w.x))))                                          \
-  C(tonemapAgx, 5e-5f, 5e-6f, (pad(tonemap(kTonemapAgx, a.c * a.w.x))))                                            \
-  C(tonemapReinhard, 1e-6f, 0.0f, (pad(tonemap(kTonemapReinhard, a.c * a.w.x))))                                   \
-  C(tonemapNone, 0.0f, 0.0f, (pad(tonemap(kTonemapNone, a.c * a.w.x))))                                            \
-  C(octahedralFromDirection, 5e-7f, 5e-7f, (pad(octahedralFromDirection(a.n))))                                    \
-  C(directionFromOctahedral, 5e-7f, 5e-7f, (pad(directionFromOctahedral(vec2(a.u.x * 2.0f - 1.0f, a.n.y)))))       \
-  C(rotateToEnvironment, 5e-7f, 5e-7f, (pad(rotateToEnvironment(a.n, a.l.x, a.l.y))))                              \
-  C(lobeDirection, 5e-7f, 3e-6f, (pad(lobeDirection(a.n, a.v, 0.99f * a.u.x))))                                    \
-  C(lobeTexture, 5e-7f, 0.0f, (pad(lobeTexture(a.u.x, a.u.y, 16.0f))))                                             \
-  C(octahedralTexture, 5e-7f, 0.0f, (pad(octahedralTexture(vec2(a.n.x, a.n.y), 64.0f))))                           \
-  C(equirectangular, 0.0f, 8e-5f, (panorama(a.n)))                                                                 \
-  C(projectToClip, 5e-7f, 5e-4f, (projectToClip(someProjection(a), a.n * a.w.x)))                                  \
-  C(viewDepth, 5e-6f, 0.0f, (pad(viewDepth(someProjection(a), a.u.z))))                                            \
-  C(deviceDepth, 5e-7f, 1e-6f, (pad(deviceDepth(someProjection(a), a.w.x))))                                       \
-  C(viewPositionAtDepth, 1e-6f, 5e-4f, (pad(viewPositionAtDepth(someProjection(a), vec2(a.n.x, a.n.y), a.w.x))))   \
-  C(viewRay, 1e-6f, 5e-7f, (pad(viewRay(someProjection(a), vec2(a.n.x, a.n.y)))))                                  \
-  C(pixelToNdc, 5e-7f, 5e-7f, (pad(pixelToNdc(vec2(a.w.x, a.w.y), vec2(640.0f, 480.0f)))))                         \
-  C(positionFromDepth, 1e-5f, 1e-4f, (pad(positionFromDepth(someContext(a)))))                                     \
-  C(rotateToView, 1e-6f, 1e-6f, (pad(rotateToView(someContext(a).view, a.v))))                                     \
-  C(rotateToWorld, 1e-6f, 1e-6f, (pad(rotateToWorld(someContext(a).view, a.v))))                                   \
-  C(toBits, 0.0f, 1.0f, (pad(float(toBits(a.u.x, 12u)))))                                                          \
-  C(fromBits, 3e-7f, 0.0f, (pad(fromBits(a.k, 1u + (a.k >> 28u)))))                                                \
-  C(packNormal24, 0.0f, 3.0e-3f, (pad(unpackNormal24(someEncoding(a), packNormal24(someEncoding(a), a.n)))))       \
-  C(unpackNormal24, 5e-7f, 5e-7f, (pad(unpackNormal24(someEncoding(a), a.k & 0xffffffu))))                         \
-  C(packColor24, 0.0f, 1.0f, (bytes(packColor24(a.c))))                                                            \
+#define FUNCTION_CASES(C)                                                                                              \
+  C(srgbFromLinear, 2e-6f, 1e-7f, (pad(srgbFromLinear(a.u.x))))                                                        \
+  C(linearFromSrgb, 4e-6f, 1e-7f, (pad(linearFromSrgb(a.u.x))))                                                        \
+  C(luminance, 5e-7f, 0.0f, (pad(luminance(a.c))))                                                                     \
+  C(maxChannel, 0.0f, 0.0f, (pad(maxChannel(a.c))))                                                                    \
+  C(lightWindow, 1e-6f, 3e-6f, (pad(lightWindow(a.w.x, a.w.y))))                                                       \
+  C(spotCone, 2e-5f, 0.0f, (coneOf(a)))                                                                                \
+  C(directionalLight, 0.0f, 0.0f, (pad(sampleLight(someLight(a, kLightDirectional), a.v).toLight)))                    \
+  C(pointDirection, 1e-6f, 5e-7f, (pad(sampleLight(someLight(a, kLightPoint), a.v).toLight)))                          \
+  C(pointIrradiance, 1e-4f, 1e-5f, (pad(sampleLight(someLight(a, kLightPoint), a.v * 0.5f).irradiance)))               \
+  C(spotIrradiance, 1e-4f, 1e-5f, (pad(sampleLight(someLight(a, kLightSpot), a.v * 0.5f).irradiance)))                 \
+  C(ggxAlpha, 2e-7f, 0.0f, (pad(ggxAlpha(a.u.x))))                                                                     \
+  C(ggxDistribution, 5e-6f, 0.0f, (pad(ggxDistribution(a.u.x, 1.0f - a.u.x * a.u.x, ggxAlpha(a.u.y)))))                \
+  C(ggxVisibility, 3e-6f, 0.0f, (pad(ggxVisibility(a.u.x + 1e-4f, a.u.z + 1e-4f, ggxAlpha(a.u.y)))))                   \
+  C(schlickWeight, 1e-6f, 0.0f, (pad(schlickWeight(a.u.x))))                                                           \
+  C(schlick, 5e-7f, 5e-7f, (pad(schlick(a.c, a.u.y, a.u.x))))                                                          \
+  C(exponentFromRoughness, 2e-6f, 1e-6f, (pad(exponentFromRoughness(a.u.x))))                                          \
+  C(roughnessFromExponent, 1e-6f, 0.0f, (pad(roughnessFromExponent(a.w.x))))                                           \
+  C(log2Cosine, 3e-6f, 5e-7f, (pad(log2Cosine(a.u.x + 1e-4f, 1.0f - a.u.x * a.u.x))))                                  \
+  C(blinnPhong, 5e-4f, 1e-6f, (pad(blinnPhong(a.u.x, 1.0f - a.u.x * a.u.x, a.w.x, blinnPhongScale(a.w.x)))))           \
+  C(diffuseColor, 2e-7f, 1e-7f, (pad(diffuseColor(someSurface(a)))))                                                   \
+  C(specularF0, 2e-7f, 2e-7f, (pad(specularF0(someSurface(a)))))                                                       \
+  C(specularF90, 2e-7f, 2e-7f, (pad(specularF90(someSurface(a)))))                                                     \
+  C(withoutReflection, 0.0f, 0.0f, (pad(specularF0(withoutReflection(someSurface(a))))))                               \
+  C(shadeLightGgx, 2e-3f, 1e-6f,                                                                                       \
+    (pad(shadeLight(surfaceBrdf(someSurface(a), a.v, kShadingGgx), someSample(a), kShadingGgx))))                      \
+  C(shadeLightBlinnPhong, 2e-3f, 1e-6f,                                                                                \
+    (pad(shadeLight(surfaceBrdf(someSurface(a), a.v, kShadingBlinnPhong), someSample(a), kShadingBlinnPhong))))        \
+  C(shadeLightGgxCompensated, 2e-3f, 1e-6f,                                                                            \
+    (pad(                                                                                                              \
+        shadeLight(surfaceBrdf(someSurface(a), a.v, kShadingGgxCompensated), someSample(a), kShadingGgxCompensated)))) \
+  C(reflectance, 2e-6f, 2e-7f, (reflectanceOf(a)))                                                                     \
+  C(surfaceReflectance, 2e-6f, 1e-6f, (surfaceReflectanceOf(a)))                                                       \
+  C(specularOcclusion, 2e-6f, 1e-6f, (pad(specularOcclusion(a.u.x + 1e-4f, a.u.y, a.u.z))))                            \
+  C(shadeEnvironment, 5e-6f, 2e-6f,                                                                                    \
+    (pad(shadeEnvironment(someSurface(a), a.v, a.c, a.d, vec2(0.9f * a.u.x, 0.1f * a.u.w)))))                          \
+  C(tonemapKhronosNeutral, 5e-6f, 1e-6f, (pad(tonemap(kTonemapKhronosNeutral, a.c * a.w.x))))                          \
+  C(tonemapAces, 1e-5f, 1e-6f, (pad(tonemap(kTonemapAces, a.c * a.w.x))))                                              \
+  C(tonemapAgx, 5e-5f, 5e-6f, (pad(tonemap(kTonemapAgx, a.c * a.w.x))))                                                \
+  C(tonemapReinhard, 1e-6f, 0.0f, (pad(tonemap(kTonemapReinhard, a.c * a.w.x))))                                       \
+  C(tonemapNone, 0.0f, 0.0f, (pad(tonemap(kTonemapNone, a.c * a.w.x))))                                                \
+  C(octahedralFromDirection, 5e-7f, 5e-7f, (pad(octahedralFromDirection(a.n))))                                        \
+  C(directionFromOctahedral, 5e-7f, 5e-7f, (pad(directionFromOctahedral(vec2(a.u.x * 2.0f - 1.0f, a.n.y)))))           \
+  C(rotateToEnvironment, 5e-7f, 5e-7f, (pad(rotateToEnvironment(a.n, a.l.x, a.l.y))))                                  \
+  C(lobeDirection, 5e-7f, 3e-6f, (pad(lobeDirection(a.n, a.v, 0.99f * a.u.x))))                                        \
+  C(lobeTexture, 5e-7f, 0.0f, (pad(lobeTexture(a.u.x, a.u.y, 16.0f))))                                                 \
+  C(octahedralTexture, 5e-7f, 0.0f, (pad(octahedralTexture(vec2(a.n.x, a.n.y), 64.0f))))                               \
+  C(equirectangular, 0.0f, 8e-5f, (panorama(a.n)))                                                                     \
+  C(projectToClip, 5e-7f, 5e-4f, (projectToClip(someProjection(a), a.n * a.w.x)))                                      \
+  C(viewDepth, 5e-6f, 0.0f, (pad(viewDepth(someProjection(a), a.u.z))))                                                \
+  C(deviceDepth, 5e-7f, 1e-6f, (pad(deviceDepth(someProjection(a), a.w.x))))                                           \
+  C(viewPositionAtDepth, 1e-6f, 5e-4f, (pad(viewPositionAtDepth(someProjection(a), vec2(a.n.x, a.n.y), a.w.x))))       \
+  C(viewRay, 1e-6f, 5e-7f, (pad(viewRay(someProjection(a), vec2(a.n.x, a.n.y)))))                                      \
+  C(pixelToNdc, 5e-7f, 5e-7f, (pad(pixelToNdc(vec2(a.w.x, a.w.y), vec2(640.0f, 480.0f)))))                             \
+  C(positionFromDepth, 1e-5f, 1e-4f, (pad(positionFromDepth(someContext(a)))))                                         \
+  C(rotateToView, 1e-6f, 1e-6f, (pad(rotateToView(someContext(a).view, a.v))))                                         \
+  C(rotateToWorld, 1e-6f, 1e-6f, (pad(rotateToWorld(someContext(a).view, a.v))))                                       \
+  C(toBits, 0.0f, 1.0f, (pad(float(toBits(a.u.x, 12u)))))                                                              \
+  C(fromBits, 3e-7f, 0.0f, (pad(fromBits(a.k, 1u + (a.k >> 28u)))))                                                    \
+  C(packNormal24, 0.0f, 3.0e-3f, (pad(unpackNormal24(someEncoding(a), packNormal24(someEncoding(a), a.n)))))           \
+  C(unpackNormal24, 5e-7f, 5e-7f, (pad(unpackNormal24(someEncoding(a), a.k & 0xffffffu))))                             \
+  C(packColor24, 0.0f, 1.0f, (bytes(packColor24(a.c))))                                                                \
   C(unpackColor24, 4e-6f, 1e-7f, (pad(unpackColor24(a.k))))
 
 SH_FUNC vec4 evaluateFunction(uint function, Arguments a) {

@@ -15,18 +15,19 @@ Light pointLight(vec3 position, vec3 intensity, float radius) {
   light.position = position;
   light.intensity = intensity;
   light.radius = radius;
+  light.inverseRadius2 = inverseRadius2(radius);
   return light;
 }
 
 TEST(LightWindow, IsTheOneOfKhrLightsPunctual) {
-  EXPECT_EQ(lightWindow(0.0f, 8.0f), 1.0f);
-  EXPECT_FLOAT_EQ(lightWindow(4.0f, 8.0f), 0.9375f);      // 1 - (1/2)^4
-  EXPECT_FLOAT_EQ(lightWindow(6.0f, 8.0f), 0.68359375f);  // 1 - (3/4)^4
-  EXPECT_EQ(lightWindow(8.0f, 8.0f), 0.0f);
-  EXPECT_EQ(lightWindow(9.0f, 8.0f), 0.0f);
-  EXPECT_EQ(lightWindow(1e30f, 8.0f), 0.0f);
-  EXPECT_EQ(lightWindow(1e30f, kInfinity), 1.0f);
-  EXPECT_EQ(lightWindow(0.0f, 0.0f), 0.0f);  // a light without radius, not 0 / 0
+  const float eight = inverseRadius2(8.0f);
+  EXPECT_EQ(lightWindow(0.0f, eight), 1.0f);
+  EXPECT_FLOAT_EQ(lightWindow(16.0f, eight), 0.9375f);      // 1 - (1/2)^4
+  EXPECT_FLOAT_EQ(lightWindow(36.0f, eight), 0.68359375f);  // 1 - (3/4)^4
+  EXPECT_EQ(lightWindow(64.0f, eight), 0.0f);
+  EXPECT_EQ(lightWindow(81.0f, eight), 0.0f);
+  EXPECT_EQ(lightWindow(kMaxLightDistance2, eight), 0.0f);
+  EXPECT_EQ(lightWindow(kMaxLightDistance2, inverseRadius2(kInfinity)), 1.0f);
 }
 
 TEST(SampleLight, DirectionalIsTheSameEverywhere) {

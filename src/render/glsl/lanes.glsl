@@ -15,4 +15,18 @@ void countLanes() {
   lanesPresent = subgroupBallotBitCount(present);
   laneRank = subgroupBallotExclusiveBitCount(present);
 }
+
+// Ballots of 32 lanes are one word: GPUs index a vector by way of memory.
+const bool kOneWord = kSubgroupSize <= 32u;
+bool anyLane(uvec4 ballot) { return kOneWord ? ballot.x != 0u : any(notEqual(ballot, uvec4(0u))); }
+
+// Takes the first lane out of a ballot.
+uint takeLane(inout uvec4 ballot) {
+  uint lane = kOneWord ? uint(findLSB(ballot.x)) : subgroupBallotFindLSB(ballot);
+  if (kOneWord)
+    ballot.x &= ballot.x - 1u;
+  else
+    ballot[lane >> 5u] &= ~(1u << (lane & 31u));
+  return lane;
+}
 #endif

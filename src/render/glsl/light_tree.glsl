@@ -16,11 +16,7 @@ uint votesByRank(bool vote) {
   uvec4 votes = subgroupBallot(vote);
 #ifdef PARTIAL_SUBGROUPS  // before the include: in fragment shaders lanes are missing; compute's workgroups of 256 are full
   uint packed = 0u;
-  while (any(notEqual(votes, uvec4(0u)))) {
-    uint lane = subgroupBallotFindLSB(votes);
-    votes[lane >> 5u] &= ~(1u << (lane & 31u));
-    packed |= 1u << subgroupBroadcast(laneRank, lane);
-  }
+  while (anyLane(votes)) packed |= 1u << subgroupBroadcast(laneRank, takeLane(votes));
   return packed;
 #else
   return votes.x;

@@ -10,10 +10,10 @@
 Light broadcastLight(Light l, uint lane) {
   Light r;
   r.position = subgroupBroadcast(l.position, lane);
-  r.radius = subgroupBroadcast(l.radius, lane);
-  r.direction = subgroupBroadcast(l.direction, lane);
-  r.type = subgroupBroadcast(l.type, lane);
+  r.inverseRadius2 = subgroupBroadcast(l.inverseRadius2, lane);
   r.intensity = subgroupBroadcast(l.intensity, lane);
+  r.type = subgroupBroadcast(l.type, lane);
+  r.direction = subgroupBroadcast(l.direction, lane);
   r.spotScale = subgroupBroadcast(l.spotScale, lane);
   r.spotOffset = subgroupBroadcast(l.spotOffset, lane);
   return r;
@@ -32,7 +32,7 @@ bool reaches(Light l, vec3 low, vec3 high) {
 // What the lanes of a subgroup that shade together have in common, and each lane's own surface.
 struct Shading {
   Surface s;
-  vec3 toEye;
+  SurfaceBrdf brdf;
   uint view;
   bool lit;        // this lane takes part
   vec3 low, high;  // around the surfaces of those that do
@@ -41,31 +41,37 @@ struct Shading {
 
 Shading startShading(Surface s, vec3 toEye, uint view, bool lit) {
   const float kFar = 3.0e38;
-  return Shading(s, toEye, view, lit, subgroupMin(lit ? s.position : vec3(kFar)),
+  return Shading(s, surfaceBrdf(s, toEye, kShading), view, lit, subgroupMin(lit ? s.position : vec3(kFar)),
                  subgroupMax(lit ? s.position : vec3(-kFar)), vec3(0.0));
 }
 
 // A light that a lane brings.
 struct DealtLight {
+  uint index;
   Light light;
   LightShadow shadow;
 };
 
 DealtLight dealtLight(FrameConstants frame, uint view, uint index) {
-  return DealtLight(frameLight(frame, index), shadowOf(frame, view, index));
+  return DealtLight(index, frameLight(frame, index), shadowOf(frame, view, index));
+}
+
+// What a lane brought, for all. On GPUs a load that all lanes share costs less than a dozen broadcasts.
+Light lightOfLane(FrameConstants frame, DealtLight mine, uint lane) {
+  if (kCpuDevice != 0u) return broadcastLight(mine.light, lane);
+  return frameLight(frame, subgroupBroadcast(mine.index, lane));
 }
 
 void shadeHits(inout Shading shading, FrameConstants frame, DealtLight mine, uvec4 hits, bool shadowed) {
-  while (any(notEqual(hits, uvec4(0u)))) {
-    uint lane = subgroupBallotFindLSB(hits);
-    hits[lane >> 5u] &= ~(1u << (lane & 31u));
-    Light light = broadcastLight(mine.light, lane);
+  while (anyLane(hits)) {
+    uint lane = takeLane(hits);
+    Light light = lightOfLane(frame, mine, lane);
     float used = lightsUsed;
     vec3 radiance = vec3(0.0);
     if (shadowed)
-      radiance = shadeOneLight(frame, light, broadcastShadow(mine.shadow, lane), shading.s, shading.toEye);
+      radiance = shadeOneLight(frame, light, broadcastShadow(mine.shadow, lane), shading.s, shading.brdf);
     else
-      radiance = shadeUnshadowed(light, shading.s, shading.toEye);
+      radiance = shadeUnshadowed(light, shading.s, shading.brdf);
     if (shading.lit)
       shading.radiance += radiance;
     else
@@ -105,8 +111,9 @@ vec3 shadeAllLights(FrameConstants frame, uint view, Surface s, vec3 toEye, bool
 // subgroups.
 vec3 shadeAllLightsPlainly(FrameConstants frame, uint view, Surface s, vec3 toEye) {
   lightsTested += float(frame.lightCount);
+  SurfaceBrdf brdf = surfaceBrdf(s, toEye, kShading);
   vec3 radiance = vec3(0.0);
   for (uint i = 0u; i < frame.lightCount; ++i)
-    radiance += shadeOneLight(frame, frameLight(frame, i), shadowOf(frame, view, i), s, toEye);
+    radiance += shadeOneLight(frame, frameLight(frame, i), shadowOf(frame, view, i), s, brdf);
   return radiance;
 }

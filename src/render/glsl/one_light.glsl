@@ -11,16 +11,16 @@ float lightsUsed = 0.0;
 vec4 lightCount() { return vec4(lightsTested, lightsUsed, 0.0, 0.0); }
 
 // Radiance that one light sends from `s` to the eye, as if nothing stood between them.
-vec3 shadeUnshadowed(Light light, Surface s, vec3 toEye) {
-  vec3 radiance = shadeLight(s, toEye, sampleLight(light, s.position), kShading);
+vec3 shadeUnshadowed(Light light, Surface s, SurfaceBrdf brdf) {
+  vec3 radiance = shadeLight(brdf, sampleLight(light, s.position), kShading);
   if (kCountLights != 0u && any(greaterThan(radiance, vec3(0.0)))) lightsUsed += 1.0;
   return radiance;
 }
 
 // Radiance that one light sends from `s` to the eye.
-vec3 shadeOneLight(FrameConstants frame, Light light, LightShadow shadow, Surface s, vec3 toEye) {
+vec3 shadeOneLight(FrameConstants frame, Light light, LightShadow shadow, Surface s, SurfaceBrdf brdf) {
   LightSample arriving = sampleLight(light, s.position);
-  vec3 radiance = shadeLight(s, toEye, arriving, kShading);
+  vec3 radiance = shadeLight(brdf, arriving, kShading);
   if (kShadowFormat != kShadowNone && shadow.maps != 0u && any(greaterThan(radiance, vec3(0.0))))
     radiance *= shadowFactor(frame, light, shadow, s, arriving.toLight);
   if (kCountLights != 0u && any(greaterThan(radiance, vec3(0.0)))) lightsUsed += 1.0;

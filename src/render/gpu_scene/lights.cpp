@@ -24,6 +24,7 @@ shared::Light deviceLight(const scene::Light& light) {
   l.intensity = light.color * light.intensity;
   l.radius = std::numeric_limits<float>::infinity();
   if (!shared::lightIsDirectional(light.type)) l.radius = light.range.value_or(l.radius);
+  l.inverseRadius2 = shared::inverseRadius2(l.radius);
   if (shared::lightHasCone(light.type)) shared::spotCone(light.innerCone, light.outerCone, l.spotScale, l.spotOffset);
   return l;
 }

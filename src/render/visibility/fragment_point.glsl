@@ -23,7 +23,6 @@ layout(set = 1, binding = 6) uniform sampler2D materialTexture6;
 // An array of one, indexed by a 0 that no compiler knows (no address has its highest bit): lavapipe 22.3 otherwise
 // compiles a variant of the shader for the material's values at every draw, 2.5 ms each, and never frees it. Only there:
 // it costs an H200 a fifth of the geometry pass.
-layout(constant_id = 100) const uint kCpuDevice = 0;
 layout(set = 2, binding = 0, scalar) uniform MaterialUniform { Material materials[1]; };
 Material drawMaterial() { return materials[kCpuDevice != 0u ? uint(push.frame >> 63) : 0u]; }
 

@@ -14,8 +14,6 @@ layout(location = 9) flat out uint varyingDrawn;
 // The geometry pass compares for equality with the depth that the depth pass left.
 invariant gl_Position;
 
-layout(constant_id = 100) const uint kCpuDevice = 0;
-
 // What comes from vertex buffers (draw.cpp): lavapipe loads by address lane by lane, which cost four times as much as the
 // rest of this shader. What is the same for all vertices of a draw is an element of an instance.
 layout(location = 0) in vec3 inPosition;

@@ -25,13 +25,16 @@ SH_FUNC float log2Cosine(float cosine, float sin2) {
   return log2(cosine);
 }
 
-// The lobe (n.h)^exponent, normalised so that a white one reflects all light at normal incidence and less elsewhere: (n
-// + 2)(n + 4) / (8 pi (2^(-n/2) + n)), exact, where the common (n + 8) / (8 pi) reflects up to 1.075 (Giesen 2009,
-// Phong and Blinn-Phong normalization factors). 1/sr. `nh` is n.h and `sin2` |n x h|^2, without which large exponents
-// would amplify the rounding of n.h.
-SH_FUNC float blinnPhong(float nh, float sin2, float exponent) {
+// The lobe (n.h)^exponent times a scale, so that a white one reflects all light at normal incidence and less elsewhere:
+// (n + 2)(n + 4) / (8 pi (2^(-n/2) + n)), exact, where the common (n + 8) / (8 pi) reflects up to 1.075 (Giesen 2009,
+// Phong and Blinn-Phong normalization factors).
+SH_FUNC float blinnPhongScale(float exponent) {
+  return (exponent + 2.0f) * (exponent + 4.0f) / (exp2(-0.5f * exponent) + exponent) * (0.125f * kInvPi);
+}
+
+// 1/sr. `nh` is n.h and `sin2` |n x h|^2, without which large exponents would amplify the rounding of n.h.
+SH_FUNC float blinnPhong(float nh, float sin2, float exponent, float scale) {
   if (nh <= 0.0f) return 0.0f;
-  float scale = (exponent + 2.0f) * (exponent + 4.0f) / (exp2(-0.5f * exponent) + exponent) * (0.125f * kInvPi);
   return scale * exp2(exponent * log2Cosine(nh, sin2));
 }
 

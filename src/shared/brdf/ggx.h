@@ -16,23 +16,37 @@ SH_FUNC float ggxAlpha(float roughness) {
   return max(roughness * roughness, kGgxMinAlpha);
 }
 
-// Trowbridge-Reitz distribution (Walter et al. 2007, equation 33), 1/sr. `nh` is n.h and `sin2` |n x h|^2: the usual
-// 1 + (n.h)^2 (alpha^2 - 1) loses all precision in float32 where n.h is near 1, which is where a smooth lobe lies.
+// Trowbridge-Reitz distribution (Walter et al. 2007, equation 33) is alpha^2 / (pi d^2) of this d. `nh` is n.h, `sin2`
+// |n x h|^2 and `a2` alpha^2: the usual 1 + (n.h)^2 (a2 - 1) loses all precision in float32 where n.h is near 1, which
+// is where a smooth lobe lies.
+SH_FUNC float ggxDenominator(float nh, float sin2, float a2) {
+  return nh * nh * a2 + sin2;
+}
+
+// 1/sr. 0 where the half vector is below the surface.
 SH_FUNC float ggxDistribution(float nh, float sin2, float alpha) {
   if (nh <= 0.0f) return 0.0f;
   float a2 = alpha * alpha;
-  float d = nh * nh * a2 + sin2;
+  float d = ggxDenominator(nh, sin2, a2);
   return a2 * kInvPi / (d * d);
 }
 
-// Smith masking and shadowing, height-correlated (Heitz 2014, equation 99), over 4 n.l n.v: the form that appendix B
-// names as the more accurate one. The energy that it loses is exactly that of multiple scattering: a random walk over
-// the facets of Smith's surface gives the same numbers.
+// Smith masking and shadowing, height-correlated (Heitz 2014, equation 99), over 4 n.l n.v, is 1 / 2 (n.v root(n.l) +
+// n.l root(n.v)): the form that appendix B names as the more accurate one. The energy that it loses is exactly that of
+// multiple scattering: a random walk over the facets of Smith's surface gives the same numbers.
+SH_FUNC float smithRoot(float cosine, float a2) {
+  return sqrt(a2 + (1.0f - a2) * cosine * cosine);
+}
 SH_FUNC float ggxVisibility(float nl, float nv, float alpha) {
   float a2 = alpha * alpha;
-  float l = nv * sqrt(a2 + (1.0f - a2) * nl * nl);
-  float v = nl * sqrt(a2 + (1.0f - a2) * nv * nv);
-  return 0.5f / (l + v);
+  return 0.5f / (nv * smithRoot(nl, a2) + nl * smithRoot(nv, a2));
+}
+
+// Their product by one division, of which GPUs do few. `eyeRoot` is smithRoot(nv, a2).
+SH_FUNC float ggxLobe(float nh, float sin2, float nl, float nv, float a2, float eyeRoot) {
+  if (nh <= 0.0f) return 0.0f;
+  float d = ggxDenominator(nh, sin2, a2);
+  return a2 * (0.5f * kInvPi) / (d * d * (nv * smithRoot(nl, a2) + nl * eyeRoot));
 }
 
 // Schlick 1994: weight of the grazing reflectance at v.h.

@@ -24,7 +24,7 @@ void main() {
   Surface s = evaluateMaterial(frame, m, p);
   vec3 toEye = directionToEye(frameView(frame, push.view), s.position);
   prepareForLights(s, toEye);
-  vec3 one = shadeOneLight(frame, more.light, more.shadow, s, toEye);
+  vec3 one = shadeOneLight(frame, more.light, more.shadow, s, surfaceBrdf(s, toEye, kShading));
   lightsTested = 1.0;
   // All surfaces at the same depth pass the test, but light may be added only to the visible one.
   ivec3 pixel = ivec3(ivec2(gl_FragCoord.xy), int(push.view));

@@ -24,7 +24,7 @@ void lightSurface(ivec3 pixel, uint samples) {
   vec3 toEye = directionToEye(view, s.position);
   prepareForLights(s, toEye);
   FrameConstants frame = FrameRef(push.frame).v;
-  vec3 one = shadeOneLight(frame, push.light, push.shadow, s, toEye);
+  vec3 one = shadeOneLight(frame, push.light, push.shadow, s, surfaceBrdf(s, toEye, kShading));
   lightsTested = 1.0;
   // Volumes that reach the far plane cover background too.
   radiance = depth != 0.0 ? vec4(one, 0.0) : vec4(0.0);

@@ -246,8 +246,9 @@ double illuminanceAt(const std::vector<Light>& lights, const std::vector<Reach>&
     const float distance2 = glm::dot(to, to), facing = glm::dot(to, normal);
     if (distance2 >= reaches[i].range2 || facing <= 0) continue;
     const Light& light = lights[i];
-    const float distance = std::sqrt(distance2), window = shared::lightWindow(distance, *light.range);
-    sum += double(light.intensity) * shared::luminance(light.color) * window * facing / (distance2 * distance);
+    const float window = shared::lightWindow(distance2, shared::inverseRadius2(*light.range));
+    sum +=
+        double(light.intensity) * shared::luminance(light.color) * window * facing / (distance2 * std::sqrt(distance2));
   }
   return sum;
 }
