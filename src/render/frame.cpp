@@ -70,12 +70,6 @@ graph::ImageId addShadows(const FrameContext& f) {
 
 }  // namespace
 
-// The G-buffer holds one value of the sun's shadow per pixel, and multisampled edges need more: they look it up when
-// lit.
-bool keepsSun(const FrameSetup& setup) {
-  return setup.shadowFormat && !setup.lighting->forward && setup.layout->sunTarget >= 0 && setup.samples == 1;
-}
-
 LitFrame addOpaque(const FrameContext& f) {
   return addLit(f, f.visibility.addDepth(f));
 }

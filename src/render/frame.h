@@ -102,7 +102,6 @@ struct FrameSetup {
   std::vector<vk::Constant> constants() const;
   std::string variant(const std::string& shader) const { return shaderVariant(shader, samples); }
 };
-bool keepsSun(const FrameSetup& setup);  // what FrameSetup::sunInGbuffer is to be
 inline constexpr uint32_t kFirstOwnConstant = 16;
 inline constexpr VkFormat kCountsFormat = VK_FORMAT_R32G32B32A32_SFLOAT;  // r: lights tested, g: lights used
 

@@ -9,6 +9,18 @@
 
 namespace latelight::render {
 
+namespace {
+
+// FrameSetup::sunInGbuffer. The G-buffer holds one value of the sun's shadow per pixel, and multisampled edges need
+// more: they look it up when lit. So does a frame that nothing is drawn in: to write one channel takes the graphics
+// pipeline.
+bool keepsSun(const FrameSetup& setup, const Settings& s) {
+  return setup.shadowFormat && !setup.lighting->forward && setup.layout->sunTarget >= 0 && setup.samples == 1 &&
+         !rastersInCompute(s);
+}
+
+}  // namespace
+
 FrameSetup frameSetup(const Settings& s, bool shadows) {
   FrameSetup setup{.layout = s.layout,
                    .normalEncoding = s.normals->index,
@@ -25,7 +37,7 @@ FrameSetup frameSetup(const Settings& s, bool shadows) {
   if (shadows) {
     setup.shadowFormat = indexOf(s.shadows);
     setup.shadowFilter = indexOf(s.shadowFilter);
-    setup.sunInGbuffer = keepsSun(setup);
+    setup.sunInGbuffer = keepsSun(setup, s);
   }
   return setup;
 }
@@ -130,7 +142,7 @@ void Request::addLightCounts() {
     setup.fog = false;
     setup.samples = 1;
     setup.everySample = false;
-    setup.sunInGbuffer = shadows_ && keepsSun(setup);
+    setup.sunInGbuffer = shadows_ && keepsSun(setup, settings_);
     counts = addLit(steady().frame(graph_, setup), steadyDepth()).lightCounts;
   }
   outputs_.add({state_.device, graph_}, Origin::LightCounts, [&](std::string_view) { return counts; });

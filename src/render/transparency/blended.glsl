@@ -1,52 +1,10 @@
-// The fragment of a blended surface, lit: the same material, BRDF and lights, in the same order, as deferred surfaces get.
-//
-// The lights come from a walk through the light tree with the box around the subgroup's fragments: a fragment lies in
-// front of the surfaces that the lists of `tiled` and `clustered` are built for, and the walk needs no lists, its cost
-// is bounded by the lights that reach the fragments, and it finds lights in the order in which all techniques sum them.
+// The fragment of a blended surface, lit.
 #extension GL_GOOGLE_include_directive : require
 #include "render/visibility/varyings.glsl"
 #include "render/visibility/surface_fragment.glsl"
-#include "shared/gbuffer.h"
-#include "render/glsl/environment.glsl"
-#include "render/glsl/fog.glsl"
-#include "render/glsl/lights.glsl"
 #define PARTIAL_SUBGROUPS
-#include "render/glsl/tree_lights.glsl"
+#include "render/transparency/blended_light.glsl"
 
-layout(constant_id = 16) const uint kEveryLight = 0;  // the reference, and for devices without subgroups here
-
-vec3 lightsAt(FrameConstants frame, Surface s, vec3 toEye, bool shows) {
-  if (kEveryLight != 0u) return shadeAllLightsPlainly(frame, push.view, s, toEye);
-  countLanes();
-  Shading shading = startShading(s, toEye, push.view, shows);
-  shadeRange(shading, frame, 0u, frame.directionalLights);
-  shadeTree(shading, frame);  // a loop of its own: with one for both, this shader took an H200 4 % longer
-  return shading.radiance;
-}
-
-// Where the surface covers a share of the pixel, fog in front of it covers the same share: surfaces behind have their
-// own fog already.
-vec4 throughFog(Fog fog, View view, vec3 position, vec4 color) {
-  vec3 seen = view.worldToView * vec4(position, 1.0);
-  return seenThroughFog(fog, color, fogTransmittanceTo(fog, view, seen));
-}
-
-// Radiance times exposure, premultiplied by alpha, and alpha: the over operator of glTF 2.0, section 3.9.4, applies to
-// everything that leaves the surface, emission and reflections included. Every invocation of the subgroup must call it.
 vec4 blendedFragment(FrameConstants frame) {
-  Material m = drawMaterial();
-  SurfacePoint p = fragmentPoint();
-  Surface s = evaluateMaterial(frame, m, p);
-  float alpha = clamp(baseColor(m, p).a, 0.0, 1.0);
-  bool unlit = (s.flags & kSurfaceUnlit) != 0u;
-  vec3 emitted = unlit ? s.baseColor : s.emissive;
-  if (unlit) s = withoutReflection(s);
-  vec3 toEye = directionToEye(frameView(frame, push.view), s.position);
-  vec3 radiance = environmentLight(frame, s, toEye);
-  prepareForLights(s, toEye);
-  radiance += lightsAt(frame, s, toEye, alpha > 0.0);
-  vec3 sum = min(emitted * frame.exposure, vec3(65504.0)) + radiance * frame.exposure;
-  vec4 color = vec4(min(sum, vec3(65504.0)), 1.0);
-  if (frame.fog.density > 0.0) color = throughFog(frame.fog, frameView(frame, push.view), s.position, color);
-  return vec4(color.rgb * alpha, alpha);
+  return blendedColor(frame, push.view, drawMaterial(), fragmentPoint(), true);
 }

@@ -5,15 +5,10 @@
 // 2(2)).
 #include "render/glsl/common.glsl"
 #include "render/transparency/blended.glsl"
+#include "render/transparency/weight.glsl"
 
 layout(location = 0) out vec4 colors;   // rgb: the sum of premultiplied radiance times weight; a: coverage
 layout(location = 1) out float weights;  // the sum of alpha times weight
-
-// Their equation 7, for depths between 0.1 and 500; here in metres.
-float weightAt(float depth, float alpha) {
-  float a = abs(depth) / 5.0, b = abs(depth) / 200.0;
-  return alpha * clamp(10.0 / (1e-5 + a * a + pow(b, 6.0)), 1e-2, 3e3);
-}
 
 void main() {
   FrameConstants frame = FrameRef(push.frame).v;

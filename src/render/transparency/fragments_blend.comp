@@ -1,13 +1,15 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// exact, last pass: each pixel's fragments over its lit picture, farthest first (Porter and Duff 1984, Compositing Digital
-// Images), in linear light.
+// The last pass: each pixel's fragments over its lit picture, in their order (Porter and Duff 1984, Compositing Digital
+// Images), or their weighted mean, in linear light.
 #include "render/glsl/common.glsl"
-#include "render/transparency/exact_push.h"
+#include "render/transparency/fragments_push.h"
 #include "render/transparency/fragment_lists.glsl"
 #include "render/transparency/short_list.glsl"
+#include "render/transparency/weight.glsl"
 
 layout(constant_id = 16) const uint kSamples = 1;
+layout(constant_id = 17) const uint kWeighted = 0;
 
 layout(local_size_x = 16, local_size_y = 16) in;
 layout(set = 0, binding = 0, rgba16f) uniform image2DArray lightTarget;
@@ -15,12 +17,26 @@ layout(set = 0, binding = 0, rgba16f) uniform image2DArray lightTarget;
 layout(push_constant, scalar) uniform Push { BlendPush push; };
 
 vec4 samples[kSamples];  // what each sample shows so far
+// weighted, of each sample: the sum of premultiplied radiance and of alpha, times weight; and what shows through.
+vec4 sums[kSamples];
+float through[kSamples];
 
-void lay(uint fragment) {
+void lay(uint fragment, Projection projection) {
   Fragment f = FragmentsRef(push.lists.fragments).v[fragment];
   vec4 color = vec4(unpackHalf2x16(f.color.x), unpackHalf2x16(f.color.y));
-  for (uint i = 0u; i < kSamples; ++i)
-    if ((f.coverage >> i & 1u) != 0u) samples[i] = color + samples[i] * (1.0 - color.a);
+  float weight = 1.0;
+  if (kWeighted != 0u) weight = weightAt(viewDepth(projection, uintBitsToFloat(f.depth)), color.a);
+  for (uint i = 0u; i < kSamples; ++i) {
+    if ((f.coverage >> i & 1u) == 0u) continue;
+    samples[i] = color + samples[i] * (1.0 - color.a);
+    sums[i] += color * weight;
+    through[i] *= 1.0 - color.a;
+  }
+}
+
+vec4 weightedMean(uint i, vec4 picture) {
+  vec4 mean = sums[i].a > 0.0 ? vec4(sums[i].rgb / sums[i].a, 1.0) : vec4(0.0);
+  return mean * (1.0 - through[i]) + picture * through[i];
 }
 
 void main() {
@@ -32,15 +48,20 @@ void main() {
   if (count <= push.first) return;
   uint start = WordsRef(push.lists.starts).v[pixel];
   vec4 picture = imageLoad(lightTarget, place);
-  for (uint i = 0u; i < kSamples; ++i) samples[i] = picture;
+  Projection projection = frameView(FrameRef(push.frame).v, uint(place.z)).projection;
+  for (uint i = 0u; i < kSamples; ++i) {
+    samples[i] = picture;
+    sums[i] = vec4(0.0);
+    through[i] = 1.0;
+  }
   if (isShort) {
     sortShortList(push.lists, start, count);
-    for (uint i = 0u; i < count; ++i) lay(shortList[i]);
+    for (uint i = 0u; i < count; ++i) lay(shortList[i], projection);
   } else {
     uint end = min(count, push.first + push.count);
-    for (uint i = push.first; i < end; ++i) lay(WordsRef(push.sorted).v[start + i]);
+    for (uint i = push.first; i < end; ++i) lay(WordsRef(push.sorted).v[start + i], projection);
   }
   vec4 sum = vec4(0.0);
-  for (uint i = 0u; i < kSamples; ++i) sum += samples[i];
+  for (uint i = 0u; i < kSamples; ++i) sum += kWeighted != 0u ? weightedMean(i, picture) : samples[i];
   imageStore(lightTarget, place, min(sum / float(kSamples), vec4(vec3(65504.0), 1.0)));
 }

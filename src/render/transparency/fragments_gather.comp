@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 // exact, third pass: makes the fragments of a pixel contiguous, unsorted.
 #include "render/glsl/common.glsl"
-#include "render/transparency/exact_push.h"
+#include "render/transparency/fragments_push.h"
 #include "render/transparency/fragment_lists.glsl"
 
 layout(local_size_x = 256) in;

@@ -3,7 +3,7 @@
 // exact, second pass: allocates each pixel's part of the arrays. The allocation depends on execution order, but no
 // result does.
 #include "render/glsl/common.glsl"
-#include "render/transparency/exact_push.h"
+#include "render/transparency/fragments_push.h"
 #include "render/transparency/fragment_lists.glsl"
 
 layout(local_size_x = 256) in;

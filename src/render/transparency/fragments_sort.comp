@@ -4,7 +4,7 @@
 // invocation per run; the others merge pairs of runs, one invocation per element, which finds its position by a binary
 // search in the other run. So a list of n takes O(log n) steps of O(n log n) work in total, with no loop of length n.
 #include "render/glsl/common.glsl"
-#include "render/transparency/exact_push.h"
+#include "render/transparency/fragments_push.h"
 #include "render/transparency/fragment_lists.glsl"
 #include "render/transparency/short_list.glsl"
 

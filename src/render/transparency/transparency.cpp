@@ -29,18 +29,18 @@ ScenePipelines blendedPipelines(const FrameContext& f, const Bindings& maps, con
 }
 
 void addTransparency(const FrameContext& f, const Gbuffer& gbuffer) {
-  if (!f.visibility.anyBlended()) return;
-  switch (f.setup.transparency.method) {
+  const uint32_t method = f.setup.transparency.method;
+  if (method == kTransparencyNone || !f.visibility.anyBlended()) return;
+  if (!f.visibility.drawn()) return addFragmentLists(f, gbuffer);
+  switch (method) {
     case kTransparencyExact:
-      return addExactTransparency(f, gbuffer);
+      return addFragmentLists(f, gbuffer);
     case kTransparencySorted:
       return addSortedTransparency(f, gbuffer);
     case kTransparencyWeighted:
       return addWeightedTransparency(f, gbuffer);
-    case kTransparencyNone:
-      return;
     default:
-      fail(ExitCode::Internal, "There is no method of transparency {}.", f.setup.transparency.method);
+      fail(ExitCode::Internal, "There is no method of transparency {}.", method);
   }
 }
 

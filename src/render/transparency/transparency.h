@@ -18,7 +18,8 @@ inline constexpr uint32_t kTransparencyExact = 0, kTransparencySorted = 1, kTran
 // has any.
 void addTransparency(const FrameContext& f, const Gbuffer& gbuffer);
 
-void addExactTransparency(const FrameContext& f, const Gbuffer& gbuffer);
+// exact, and every method where nothing is drawn by the graphics pipeline.
+void addFragmentLists(const FrameContext& f, const Gbuffer& gbuffer);
 void addSortedTransparency(const FrameContext& f, const Gbuffer& gbuffer);
 void addWeightedTransparency(const FrameContext& f, const Gbuffer& gbuffer);
 

@@ -9,7 +9,7 @@
 namespace latelight::render {
 
 void addWeightedTransparency(const FrameContext& f, const Gbuffer& gbuffer) {
-  const DeviceDraws& draws = f.visibility.drawn().blended();
+  const DeviceDraws& draws = f.visibility.drawn()->blended();
   const graph::ImageId depth = attachableDepth(f, gbuffer.depth);
   const VkFormat format = lightSumFormat(f.device);
   const std::vector<graph::ImageId> sums{createTarget(f, format, "weighted colours"),

@@ -5,6 +5,7 @@
 #include "render/gbuffer/layout.h"
 #include "render/lit_maps.h"
 #include "render/transparency/transparency.h"
+#include "vk/features.h"
 
 namespace latelight::render {
 
@@ -159,8 +160,20 @@ graph::ImageId HardwareVisibility::addMotion(const FrameContext& f, graph::Image
   return motion;
 }
 
+namespace {
+
+void requireStores(const vk::Device& device) {
+  if (!device.features().core.features.fragmentStoresAndAtomics)
+    fail(ExitCode::NoDevice,
+         "{} can't write to memory from fragment shaders, which exact transparency takes: choose sorted or weighted",
+         device.info().name);
+}
+
+}  // namespace
+
 void HardwareVisibility::addFragments(const FrameContext& f, const Gbuffer& gbuffer,
                                       const FragmentBuffers& buffers) const {
+  requireStores(f.device);
   const uint32_t samples = fragmentSamples(f.device, f.setup);
   const BlendedTarget target{.vertex = "scene_ordered.vert",
                              .fragment = shaderVariant("blended_store.frag", samples),

@@ -20,8 +20,9 @@ class HardwareVisibility final : public Visibility {
   graph::ImageId addMotion(const FrameContext& f, graph::ImageId depth, MotionUse use) const override;
   void addShadowMaps(const FrameContext& f, graph::ImageId atlas) const override;
   void addFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers) const override;
+  void lightFragments(const FrameContext&, const Gbuffer&, const FragmentBuffers&) const override {}  // they are
   bool anyBlended() const override;
-  const HardwareVisibility& drawn() const override { return *this; }
+  const HardwareVisibility* drawn() const override { return this; }
 
   // What techniques draw that have shaders of their own.
   const DeviceDraws& solid() const { return solid_; }      // a list a view

@@ -12,8 +12,9 @@ enum class MotionUse { Reproject, Data };
 
 // Where blended fragments are kept (shared/fragment_lists.h), as buffers of the graph.
 struct FragmentBuffers {
-  graph::BufferId fragments, counts, totals;
+  graph::BufferId fragments, counts, totals, lists;
   uint32_t capacity;  // fragments
+  uint32_t longest;   // list
 };
 
 // Which surfaces count as solid, and where pixels are looked at.
@@ -38,11 +39,13 @@ class Visibility {
   virtual graph::ImageId addMotion(const FrameContext& f, graph::ImageId depth, MotionUse use) const = 0;
   // The shadow maps of f.shadows into `atlas`, a layer a view.
   virtual void addShadowMaps(const FrameContext& f, graph::ImageId atlas) const = 0;
-  // Lit fragments of blended surfaces that nothing hides, in no order.
+  // Fragments of blended surfaces that nothing hides, in no order. Then, once they are in lists (unsorted, as
+  // FragmentLists::lists), their light, where they have none yet; with the method `sorted`, their keys too.
   virtual void addFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers) const = 0;
-  virtual bool anyBlended() const = 0;  // of its views, does any show blended surfaces?
-  // For techniques that draw blended surfaces themselves.
-  virtual const HardwareVisibility& drawn() const = 0;
+  virtual void lightFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers) const = 0;
+  virtual bool anyBlended() const = 0;  // may any of its views show blended surfaces?
+  // What draws by the graphics pipeline; null: nothing does.
+  virtual const HardwareVisibility* drawn() const = 0;
 };
 
 }  // namespace latelight::render

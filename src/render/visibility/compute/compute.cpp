@@ -6,8 +6,10 @@
 
 #include "base/error.h"
 #include "render/gbuffer/layout.h"
+#include "render/lit_maps.h"
 #include "render/readback.h"
 #include "render/shadow/frame_shadows.h"
+#include "render/transparency/transparency.h"
 #include "vk/features.h"
 
 namespace latelight::render {
@@ -57,25 +59,9 @@ void requireComputeRaster(const vk::Device& device) {
          device.info().name);
 }
 
-ComputeVisibility::ComputeVisibility(vk::Device& device, const GpuScene& scene, const DrawOrder& order,
-                                     const InstanceRanks& ranks, std::span<const shared::View> views,
+ComputeVisibility::ComputeVisibility(const GpuScene& scene, const InstanceRanks& ranks,
                                      const VisibilityOptions& options)
-    : device_(device),
-      scene_(scene),
-      order_(order),
-      ranks_(ranks),
-      views_(views.begin(), views.end()),
-      options_(options),
-      share_(options.blendedToo ? ranks.all() : ranks.solid()) {}
-
-const HardwareVisibility& ComputeVisibility::drawn() const {
-  if (!drawn_) drawn_ = std::make_unique<HardwareVisibility>(device_, scene_, order_, views_, options_);
-  return *drawn_;
-}
-
-bool ComputeVisibility::anyBlended() const {
-  return ranks_.anyBlended() && drawn().anyBlended();
-}
+    : scene_(scene), ranks_(ranks), share_(options.blendedToo ? ranks.all() : ranks.solid()) {}
 
 // --- what is visible ------------------------------------------------------------------------------------------------
 
@@ -84,13 +70,16 @@ struct ComputeVisibility::Buffers {
   Room room;
   uint32_t jobRoom;
 
-  Buffers(const FrameContext& f, const RasterViews& views, const InstanceRanks::Share& share) : room(roomOf(f)) {
+  // Into what is visible already, or anew.
+  Buffers(const FrameContext& f, const RasterViews& views, const InstanceRanks::Share& share,
+          graph::BufferId known = {})
+      : visible(known), room(roomOf(f)) {
     const auto make = [&](const char* name, uint64_t bytes) {
       return f.graph.create(vk::BufferDesc{.size = bytes, .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, .name = name});
     };
     const uint32_t tileCount = tilesOf(views);
     jobRoom = tileCount + room.entries / kRasterJobTriangles;
-    visible = make("visible", uint64_t{8} * views.width * views.height * views.count);
+    if (!visible) visible = make("visible", uint64_t{8} * views.width * views.height * views.count);
     // Rounded up, so that a scene that is edited does not ask for another size with every instance.
     work = make("raster work", sizeof(RasterWork) * std::bit_ceil(share.parts) * views.count);
     clipped = make("clipped triangles", sizeof(ClippedTriangle) * room.clipped);
@@ -112,8 +101,9 @@ struct ComputeVisibility::Buffers {
 namespace {
 
 // A step of rasterization: reads and writes any of its buffers.
-ComputePass rasterStep(const FrameContext& f, const char* shader, std::vector<graph::Access> buffers) {
-  return {.stage = graph::Stage::Visibility,
+ComputePass rasterStep(const FrameContext& f, graph::Stage stage, const char* shader,
+                       std::vector<graph::Access> buffers) {
+  return {.stage = stage,
           .name = "raster",
           .shader = shader,
           .bindings = Bindings(f.device),
@@ -133,11 +123,22 @@ void readsTextures(const FrameContext& f, ComputePass& pass) {
 
 }  // namespace
 
-// One chain of steps over the instances that alpha takes parts away of, or over the others.
+// The steps of rasterization are one chain for each of these, since what is done at a pixel that a triangle covers
+// differs.
+struct ComputeVisibility::Chain {
+  graph::Stage stage;
+  const char *small, *large;  // shaders
+  uint32_t wanted, asked;     // of the instances' flags
+  bool textures = false;
+  graph::BufferId lists{};                // of what is blended: shared::FragmentLists
+  std::vector<graph::BufferId> filled{};  // the buffers of those
+};
+
 void ComputeVisibility::addRaster(const FrameContext& f, const RasterViews& views, const Buffers& b,
-                                  bool cutOut) const {
-  addClear(f, graph::Stage::Visibility, "raster clear", {b.counters, b.tiles},
-           {b.work, b.clipped, b.large, b.entries, b.jobs});
+                                  const Chain& chain) const {
+  const bool blended{chain.lists};
+  const InstanceRanks::Share& share = blended ? ranks_.all() : share_;
+  addClear(f, chain.stage, "raster clear", {b.counters, b.tiles}, {b.work, b.clipped, b.large, b.entries, b.jobs});
   const auto push = [=, this, &f](graph::Context& context) {
     const auto address = [&](graph::BufferId buffer) { return context.buffer(buffer).address(); };
     return RasterPush{.buffers = {.frame = views.constants,
@@ -151,7 +152,8 @@ void ComputeVisibility::addRaster(const FrameContext& f, const RasterViews& view
                                   .jobs = address(b.jobs),
                                   .counters = address(b.counters)},
                       .within = views.within,
-                      .ranks = share_.ranks,
+                      .fragments = blended ? address(chain.lists) : 0,
+                      .ranks = share.ranks,
                       .views = views.count,
                       .width = views.width,
                       .height = views.height,
@@ -160,35 +162,42 @@ void ComputeVisibility::addRaster(const FrameContext& f, const RasterViews& view
                       .entryRoom = b.room.entries,
                       .bothSides = views.bothSides ? 1u : 0u};
   };
+  const auto step = [&](const char* shader) {
+    ComputePass pass = rasterStep(f, chain.stage, shader, b.accesses());
+    if (blended) pass.buffers.emplace_back(chain.lists, graph::Use::StorageRead);
+    for (const graph::BufferId buffer : chain.filled) pass.buffers.emplace_back(buffer, graph::Use::StorageReadWrite);
+    return pass;
+  };
   const auto over = [&](const char* shader, glm::uvec3 groups, std::vector<vk::Constant> constants = {}) {
-    ComputePass pass = rasterStep(f, shader, b.accesses());
+    ComputePass pass = step(shader);
     pass.size = groups;
     pass.constants = std::move(constants);
     addCompute(f, std::move(pass), push);
   };
   const auto overQueue = [&](const char* shader, uint32_t which, uint32_t room, bool textures = false) {
-    ComputePass arguments = rasterStep(f, "raster_arguments.comp", {{b.counters, graph::Use::StorageReadWrite}});
+    ComputePass arguments =
+        rasterStep(f, chain.stage, "raster_arguments.comp", {{b.counters, graph::Use::StorageReadWrite}});
     addCompute(f, std::move(arguments), [=](graph::Context& context) {
       return RasterArgumentsPush{context.buffer(b.counters).address(), which, room};
     });
-    ComputePass pass = rasterStep(f, shader, b.accesses());
+    ComputePass pass = step(shader);
     if (textures) readsTextures(f, pass);
     pass.groups = b.counters;
     pass.groupsOffset = offsetof(RasterCounters, groups);
     addCompute(f, std::move(pass), push);
   };
-  const auto most = static_cast<uint32_t>(share_.parts * views.count);
+  const auto most = static_cast<uint32_t>(share.parts * views.count);
   over("raster_cull.comp",
-       {std::min(share_.ranks, kRasterRow), (share_.ranks + kRasterRow - 1) / kRasterRow, views.count},
-       {{kFirstOwnConstant, cutOut ? 1u : 0u}});
-  overQueue(cutOut ? "raster_cut_out.comp" : "raster.comp", kQueueWork, most, cutOut);
+       {std::min(share.ranks, kRasterRow), (share.ranks + kRasterRow - 1) / kRasterRow, views.count},
+       {{kFirstOwnConstant, chain.wanted}, {kFirstOwnConstant + 1, chain.asked}});
+  overQueue(chain.small, kQueueWork, most, chain.textures);
   overQueue("raster_clip.comp", kQueueClipped, (b.room.clipped + 63) / 64);
   overQueue("raster_count.comp", kQueueLarge, b.room.large);
   over("raster_tiles.comp", {(tilesOf(views) + 63) / 64, 1, 1});
   overQueue("raster_fill.comp", kQueueLarge, b.room.large);
-  overQueue(cutOut ? "raster_large_cut_out.comp" : "raster_large.comp", kQueueJobs, b.jobRoom, cutOut);
+  overQueue(chain.large, kQueueJobs, b.jobRoom, chain.textures);
   if (!f.overflow) return;
-  const graph::BufferId host = copyToHost(f, graph::Stage::Visibility, "raster counters", {b.counters}).front();
+  const graph::BufferId host = copyToHost(f, chain.stage, "raster counters", {b.counters}).front();
   f.overflow->checks.push_back([&f, host, room = b.room](const graph::Submission& done) {
     return overflowedRaster(f, room, *done.buffer(host).as<RasterCounters>());
   });
@@ -210,8 +219,12 @@ void ComputeVisibility::addResolve(const FrameContext& f, ComputePass pass) cons
 graph::BufferId ComputeVisibility::addVisible(const FrameContext& f, const RasterViews& views) const {
   const Buffers b(f, views, share_);
   addClear(f, graph::Stage::Visibility, "raster clear", {b.visible});
-  if (share_.ranks > share_.cutOut) addRaster(f, views, b, false);
-  if (share_.cutOut > 0) addRaster(f, views, b, true);
+  if (share_.ranks > share_.cutOut)
+    addRaster(f, views, b, {graph::Stage::Visibility, "raster.comp", "raster_large.comp", 0, kRankCutOut});
+  if (share_.cutOut > 0)
+    addRaster(
+        f, views, b,
+        {graph::Stage::Visibility, "raster_cut_out.comp", "raster_large_cut_out.comp", kRankCutOut, kRankCutOut, true});
   return b.visible;
 }
 
@@ -354,11 +367,68 @@ void ComputeVisibility::addShadowMaps(const FrameContext& f, graph::ImageId atla
   }
 }
 
-// --- what is still drawn --------------------------------------------------------------------------------------------
+// --- blended surfaces -----------------------------------------------------------------------------------------------
+
+namespace {
+
+FragmentLists listsOf(graph::Context& context, const FragmentBuffers& buffers) {
+  const auto address = [&](graph::BufferId buffer) {
+    return context.declares(buffer) ? context.buffer(buffer).address() : VkDeviceAddress{0};
+  };
+  return {.fragments = address(buffers.fragments),
+          .counts = address(buffers.counts),
+          .totals = address(buffers.totals),
+          .lists = address(buffers.lists),
+          .capacity = buffers.capacity,
+          .longest = buffers.longest};
+}
+
+}  // namespace
 
 void ComputeVisibility::addFragments(const FrameContext& f, const Gbuffer& gbuffer,
                                      const FragmentBuffers& buffers) const {
-  drawn().addFragments(f, gbuffer, buffers);
+  const RasterViews views{f.constants, f.width, f.height, f.viewCount()};
+  const graph::BufferId lists = f.graph.create(vk::BufferDesc{.size = sizeof(FragmentLists), .name = "fragment lists"});
+  const std::vector<graph::BufferId> filled{buffers.fragments, buffers.counts, buffers.totals};
+  std::vector<graph::Access> accesses{{lists, graph::Use::CopyTarget},
+                                      {buffers.fragments, graph::Use::StorageWrite},
+                                      {buffers.counts, graph::Use::StorageReadWrite},
+                                      {buffers.totals, graph::Use::StorageReadWrite}};
+  f.graph.pass(graph::Stage::Transparency, "fragment lists", std::move(accesses), [=](graph::Context& context) {
+    const FragmentLists value = listsOf(context, buffers);
+    vkCmdUpdateBuffer(context.get(), context.buffer(lists).get(), 0, sizeof(value), &value);
+  });
+  addRaster(f, views, Buffers(f, views, ranks_.all(), visible_),
+            {graph::Stage::Transparency, "raster_blended.comp", "raster_large_blended.comp", kRankBlended, kRankBlended,
+             false, lists, filled});
+}
+
+void ComputeVisibility::lightFragments(const FrameContext& f, const Gbuffer& gbuffer,
+                                       const FragmentBuffers& buffers) const {
+  ComputePass pass{
+      .stage = graph::Stage::Transparency,
+      .name = "transparency light",
+      .shader = "light_fragments.comp",
+      .bindings = litMaps(f, gbuffer, graph::Use::SampledCompute),
+      .size = {std::min(buffers.capacity, kFragmentRow), (buffers.capacity + kFragmentRow - 1) / kFragmentRow, 1},
+      .buffers = {{buffers.fragments, graph::Use::StorageReadWrite},
+                  {buffers.totals, graph::Use::StorageRead},
+                  {buffers.lists, graph::Use::StorageRead}},
+      .groupX = 256,
+      .groupY = 1};
+  readsTextures(f, pass);
+  const TransparencySetup& setup = f.setup.transparency;
+  pass.constants.insert(pass.constants.end(), {{kFirstOwnConstant, setup.everyLight ? 1u : 0u},
+                                               {kFirstOwnConstant + 1, setup.method == kTransparencySorted ? 1u : 0u}});
+  addCompute(f, std::move(pass), [=, this, &f](graph::Context& context) {
+    return FragmentLightPush{.lists = listsOf(context, buffers),
+                             .frame = f.constants,
+                             .ranks = ranks_.address(),
+                             .rankCount = ranks_.all().ranks,
+                             .firstTriangle = ranks_.solidTriangles(),
+                             .width = f.width,
+                             .height = f.height};
+  });
 }
 
 }  // namespace latelight::render

@@ -1,14 +1,10 @@
 // Visibility in compute shaders: triangles are rasterized into a buffer that holds, for each pixel, the depth and the
 // number of the nearest one, and from that into whatever asks. Instances are culled on the device, for all views in one
-// chain of dispatches. The result is the same whatever order workgroups run in.
-//
-// Blended surfaces are still drawn, by HardwareVisibility.
+// chain of dispatches. The result is the same whatever order workgroups run in. Nothing is drawn.
 #pragma once
 
-#include <memory>
-
 #include "render/visibility/compute/ranks.h"
-#include "render/visibility/hardware.h"
+#include "render/visibility/visibility.h"
 
 namespace latelight::render {
 
@@ -25,33 +21,29 @@ void requireComputeRaster(const vk::Device& device);
 
 class ComputeVisibility final : public Visibility {
  public:
-  ComputeVisibility(vk::Device& device, const GpuScene& scene, const DrawOrder& order, const InstanceRanks& ranks,
-                    std::span<const shared::View> views, const VisibilityOptions& options);
+  ComputeVisibility(const GpuScene& scene, const InstanceRanks& ranks, const VisibilityOptions& options);
 
   graph::ImageId addDepth(const FrameContext& f) const override;
   void addGbuffer(const FrameContext& f, Gbuffer& gbuffer) const override;
   graph::ImageId addMotion(const FrameContext& f, graph::ImageId depth, MotionUse use) const override;
   void addShadowMaps(const FrameContext& f, graph::ImageId atlas) const override;
   void addFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers) const override;
-  bool anyBlended() const override;
-  const HardwareVisibility& drawn() const override;
+  void lightFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers) const override;
+  bool anyBlended() const override { return ranks_.anyBlended(); }
+  const HardwareVisibility* drawn() const override { return nullptr; }
 
  private:
   struct Buffers;
-  void addRaster(const FrameContext& f, const RasterViews& views, const Buffers& buffers, bool cutOut) const;
+  struct Chain;
+  void addRaster(const FrameContext& f, const RasterViews& views, const Buffers& buffers, const Chain& chain) const;
   graph::BufferId addVisible(const FrameContext& f, const RasterViews& views) const;
   void addShadowMapsOf(const FrameContext& f, uint32_t size, graph::ImageId atlas, graph::Use use) const;
   void addResolve(const FrameContext& f, ComputePass pass) const;
 
-  vk::Device& device_;
   const GpuScene& scene_;
-  const DrawOrder& order_;
   const InstanceRanks& ranks_;
-  std::vector<shared::View> views_;
-  VisibilityOptions options_;
   InstanceRanks::Share share_;
-  mutable std::unique_ptr<HardwareVisibility> drawn_;  // once something is
-  mutable graph::BufferId visible_;                    // of the graph that is being built, once addDepth() was called
+  mutable graph::BufferId visible_;  // of the graph that is being built, once addDepth() was called
 };
 
 }  // namespace latelight::render

@@ -8,3 +8,7 @@ bool cutOutAt(uint viewIndex, ivec2 pixel, uint id) {
   SurfacePoint p = seenPoint(frame, frameView(frame, viewIndex), t, vec2(pixel) + 0.5);
   return cutOut(frameMaterial(frame, frameInstance(frame, t.rank.instance).material), p);
 }
+
+void hit(uint view, ivec2 pixel, float depth, uint id) {
+  if (!cutOutAt(view, pixel, id)) writeVisible(view, pixel, visibleValue(depth, id));
+}

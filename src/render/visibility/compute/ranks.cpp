@@ -11,6 +11,7 @@ uint32_t flagsOf(const shared::Instance& instance, const shared::Material& mater
   if (material.flags & shared::kMaterialDoubleSided) flags |= shared::kRankDoubleSided;
   if (instance.flags & shared::kInstanceMirrored) flags |= shared::kRankMirrored;
   if (material.flags & (shared::kMaterialMasked | shared::kMaterialBlended)) flags |= shared::kRankCutOut;
+  if (material.flags & shared::kMaterialBlended) flags |= shared::kRankBlended;
   return flags;
 }
 
@@ -37,7 +38,10 @@ void InstanceRanks::update(const GpuScene& scene, const DrawOrder& order, vk::Up
       all_.cutOut += (flags & shared::kRankCutOut) != 0;
       all_.parts += (count + shared::kRasterGroup - 1) / shared::kRasterGroup;
     }
-    if (kind == DrawOrder::Kind::Solid) solid_ = all_;
+    if (kind == DrawOrder::Kind::Solid) {
+      solid_ = all_;
+      solidTriangles_ = static_cast<uint32_t>(triangles);
+    }
   }
   constexpr uint64_t kMost = ~uint32_t{0};
   if (triangles >= kMost)

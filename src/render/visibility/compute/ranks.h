@@ -26,11 +26,13 @@ class InstanceRanks {
   const Share& solid() const { return solid_; }
   const Share& all() const { return all_; }
   bool anyBlended() const { return all_.ranks > solid_.ranks; }
+  uint32_t solidTriangles() const { return solidTriangles_; }  // before those of the blended ones
 
  private:
   std::vector<shared::RankedInstance> records_;
   GpuList<shared::RankedInstance> list_;
   Share solid_, all_;
+  uint32_t solidTriangles_ = 0;
   uint64_t instances_ = 0, materials_ = 0;  // revisions that it follows
 };
 

@@ -2,4 +2,6 @@
 #extension GL_GOOGLE_include_directive : require
 // Triangles of opaque instances.
 #include "render/visibility/compute/raster.glsl"
+
+void hit(uint view, ivec2 pixel, float depth, uint id) { writeVisible(view, pixel, visibleValue(depth, id)); }
 #include "render/visibility/compute/raster_groups.glsl"

@@ -20,7 +20,9 @@ bool mayShow(View view, vec3 centre, float radius) {
   return abs(p.H * c.x + p.X) <= 1.0 + p.H * r && abs(p.V * c.z + p.Z) <= 1.0 + p.V * r;
 }
 
-layout(constant_id = 16) const uint kCutOut = 0u;  // 1: instances whose alpha takes parts away, else the others
+// Which instances: those that have these flags and no others of them.
+layout(constant_id = 16) const uint kWanted = 0u;
+layout(constant_id = 17) const uint kAsked = 0u;
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer SphereRef { vec4 v[]; };
 
@@ -30,7 +32,7 @@ void main() {
   uint rank = groupNumber(), view = gl_WorkGroupID.z;
   if (rank >= push.ranks) return;
   RankedInstance r = RankRef(push.buffers.ranks).v[rank];
-  if ((r.flags & kRankCutOut) != 0u != (kCutOut != 0u)) return;
+  if ((r.flags & kAsked) != kWanted) return;
   if (r.radius < 0.0 || !mayShow(frameView(FrameRef(push.buffers.frame).v, view), r.centre, r.radius)) return;
   if (push.within != uint64_t(0)) {
     vec4 within = SphereRef(push.within).v[view];

@@ -5,5 +5,4 @@
 #include "render/visibility/compute/raster.glsl"
 #include "render/visibility/compute/surface_point.glsl"
 #include "render/visibility/compute/cut_out.glsl"
-#define CUT_OUT
 #include "render/visibility/compute/raster_groups.glsl"

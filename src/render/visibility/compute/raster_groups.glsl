@@ -1,5 +1,5 @@
 // A thread a triangle: small ones are rasterized at once; those of some size by a subgroup each; large ones, and those that
-// cross the volume's planes, are queued. After raster.glsl; CUT_OUT: after cut_out.glsl.
+// cross the volume's planes, are queued. After raster.glsl and hit(), which takes what they cover.
 
 layout(local_size_x = 128) in;
 
@@ -30,10 +30,7 @@ Edges edgesAt(Triangle t, ivec2 pixel) {
 void testPixel(uint view, Triangle t, ivec2 pixel, ivec3 weights, ivec3 bias, float depth) {
   ivec3 biased = weights + bias;
   if ((biased.x | biased.y | biased.z) < 0) return;
-#ifdef CUT_OUT
-  if (cutOutAt(view, pixel, t.id)) return;
-#endif
-  writeVisible(view, pixel, visibleValue(withinRange(t, depth), t.id));
+  hit(view, pixel, withinRange(t, depth), t.id);
 }
 
 void rasterSmall(uint index, View view, Triangle t, PixelBox box) {

@@ -1,27 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // variants: textured
-// As raster_large.comp, for what alpha takes parts away of: pixel by pixel.
+// As raster_large.comp, for what alpha takes parts away of.
 #include "render/visibility/compute/raster_tile.glsl"
 #include "render/visibility/compute/surface_point.glsl"
 #include "render/visibility/compute/cut_out.glsl"
-
-layout(local_size_x = 16, local_size_y = 16) in;
-
-void main() {
-  uint number = groupNumber();
-  if (number >= CountersRef(push.buffers.counters).v.jobs) return;
-  RasterJob job = JobsRef(push.buffers.jobs).v[number];
-  TilePlace place = placeOf(job.tile);
-  ivec2 corner = place.corner + ivec2(gl_LocalInvocationID.xy);
-  View seen = frameView(FrameRef(push.buffers.frame).v, place.view);
-  for (uint i = 0u; i < job.count * 16u; ++i) {
-    Triangle t = triangleOf(LargeRef(push.buffers.large).v[EntriesRef(push.buffers.entries).v[job.first + i / 16u]]);
-    ivec2 pixel = corner + ivec2(i % 4u, i / 4u % 4u) * 16;
-    Edge a = edgeAt(t.b, t.c, pixel), b = edgeAt(t.c, t.a, pixel), c = edgeAt(t.a, t.b, pixel);
-    bool inside = ((a.at + a.bias) | (b.at + b.bias) | (c.at + c.bias)) >= 0;
-    if (!inside || any(greaterThanEqual(pixel, ivec2(push.width, push.height))) || cutOutAt(place.view, pixel, t.id))
-      continue;
-    writeVisible(place.view, pixel, visibleValue(withinRange(t, depthAt(seen, t, pixel)), t.id));
-  }
-}
+#include "render/visibility/compute/raster_large_pixels.glsl"

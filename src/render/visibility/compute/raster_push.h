@@ -3,6 +3,7 @@
 #ifndef LATELIGHT_RASTER_PUSH_H
 #define LATELIGHT_RASTER_PUSH_H
 
+#include "shared/fragment_lists.h"
 #include "shared/types.h"
 
 SH_BEGIN
@@ -27,6 +28,7 @@ struct RankedInstance {  // 36 bytes
 SH_CONST uint kRankDoubleSided = 1u;
 SH_CONST uint kRankMirrored = 2u;
 SH_CONST uint kRankCutOut = 4u;  // its alpha takes parts of it away
+SH_CONST uint kRankBlended = 8u;
 
 struct RasterWork {  // kRasterGroup triangles of an instance in a view
   uint rank;
@@ -74,7 +76,8 @@ struct RasterBuffers {  // addresses
 
 struct RasterPush {
   RasterBuffers buffers;
-  uint64_t within;  // vec4[views]: spheres that hold all that matters to a view, centre and radius; 0: none
+  uint64_t within;     // vec4[views]: spheres that hold all that matters to a view, centre and radius; 0: none
+  uint64_t fragments;  // FragmentLists, of what is blended
   uint ranks, views;
   uint width, height;                      // pixels of a view
   uint clippedRoom, largeRoom, entryRoom;  // of the queues
@@ -115,6 +118,16 @@ struct ResolvePush {
   uint rankCount;
   uint padding;
 };
+
+struct FragmentLightPush {
+  FragmentLists lists;
+  uint64_t frame;
+  uint64_t ranks;
+  uint rankCount;
+  uint firstTriangle;  // of the blended instances
+  uint width, height;  // pixels of a view
+};
+SH_CONST uint kFragmentRow = 65536u;  // invocations in a row of its dispatch
 
 SH_END
 

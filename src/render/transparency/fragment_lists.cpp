@@ -1,4 +1,6 @@
-// exact: all fragments of a pixel are stored, sorted and blended: any number of layers, even interpenetrating ones.
+// All fragments of a pixel are stored, put in order and blended: any number of layers, even interpenetrating ones. That
+// is the method exact; where nothing is drawn by the graphics pipeline the others work so too, sorted by another order,
+// and weighted by a mean.
 //
 // If the fragments, or the longest list, overflow the room that the frame was recorded with, nothing is blended; a
 // check of the totals detects it and makes room, and the frame is rendered again.
@@ -8,10 +10,9 @@
 
 #include "base/error.h"
 #include "render/readback.h"
-#include "render/transparency/exact_push.h"
+#include "render/transparency/fragments_push.h"
 #include "render/transparency/transparency.h"
 #include "render/visibility/visibility.h"
-#include "vk/features.h"
 
 namespace latelight::render {
 
@@ -24,13 +25,6 @@ constexpr uint32_t kMostGroups = 4096;                   // of them in flight; e
 constexpr uint32_t kBlendedAtOnce = 16'384;              // of a long list: far from lavapipe's limit on loops
 constexpr uint64_t kLeastRoom = 1 << 16;                 // fragments
 constexpr uint64_t kMostRoom = (uint64_t{1} << 31) - 1;  // indices into buffers are signed in SPIR-V
-
-void requireStores(vk::Device& device) {
-  if (!device.features().core.features.fragmentStoresAndAtomics)
-    fail(ExitCode::NoDevice,
-         "{} can't write to memory from fragment shaders, which exact transparency takes: choose sorted or weighted",
-         device.info().name);
-}
 
 // The hard limit: fragments are in one buffer.
 uint64_t mostRoom(vk::Device& device, const TransparencySetup& setup) {
@@ -147,6 +141,10 @@ graph::BufferId addSort(const FrameContext& f, const Buffers& b) {
   return from;
 }
 
+bool isWeighted(const FrameContext& f) {
+  return f.setup.transparency.method == kTransparencyWeighted;
+}
+
 void addBlend(const FrameContext& f, graph::ImageId light, const Buffers& b, graph::BufferId sorted) {
   for (uint32_t first = 0; first < b.room.longest; first += kBlendedAtOnce) {
     Bindings bindings(f.device);
@@ -157,10 +155,12 @@ void addBlend(const FrameContext& f, graph::ImageId light, const Buffers& b, gra
                 .shader = "fragments_blend.comp",
                 .bindings = std::move(bindings),
                 .size = f.pixels(),
-                .constants = {{kFirstOwnConstant, fragmentSamples(f.device, f.setup)}},
+                .constants = {{kFirstOwnConstant, fragmentSamples(f.device, f.setup)},
+                              {kFirstOwnConstant + 1, isWeighted(f) ? 1u : 0u}},
                 .buffers = readLists(b, sorted)},
-               [=](graph::Context& context) {
-                 return shared::BlendPush{listsOf(context, b), context.buffer(sorted).address(), first, kBlendedAtOnce};
+               [=, &f](graph::Context& context) {
+                 return shared::BlendPush{listsOf(context, b), context.buffer(sorted).address(), first, kBlendedAtOnce,
+                                          f.constants};
                });
   }
 }
@@ -172,8 +172,8 @@ bool overflowed(const FrameContext& f, Room room, const shared::FragmentTotals& 
   const uint64_t most = mostRoom(f.device, f.setup.transparency);
   if (needed > most)
     fail(ExitCode::DeviceLost,
-         "exact transparency has {} fragments of {} bytes to keep in this picture, and {} takes {} at most: choose "
-         "sorted or weighted, or a smaller picture",
+         "transparency has {} fragments of {} bytes to keep in this picture, and {} takes {} at most: choose a smaller "
+         "picture, or sorted or weighted with the raster hardware",
          needed, sizeof(shared::Fragment), f.device.info().name, most);
   if (needed > room.fragments) f.overflow->fragments = std::min(needed + needed / 4, most);
   f.overflow->longestList = std::max(room.longest, std::bit_ceil(totals.longest));
@@ -195,12 +195,18 @@ uint32_t fragmentSamples(const vk::Device& device, const FrameSetup& setup) {
   return device.has(VK_EXT_POST_DEPTH_COVERAGE_EXTENSION_NAME) && !device.isCpu() ? setup.samples : 1;
 }
 
-void addExactTransparency(const FrameContext& f, const Gbuffer& gbuffer) {
-  requireStores(f.device);
+void addFragmentLists(const FrameContext& f, const Gbuffer& gbuffer) {
   const Buffers b = createBuffers(f, roomFor(f));
   addClear(f, graph::Stage::Transparency, "transparency clear", {b.counts, b.totals});
-  f.visibility.addFragments(f, gbuffer, {b.fragments, b.counts, b.totals, static_cast<uint32_t>(b.room.fragments)});
+  const FragmentBuffers fragments{.fragments = b.fragments,
+                                  .counts = b.counts,
+                                  .totals = b.totals,
+                                  .lists = b.lists,
+                                  .capacity = static_cast<uint32_t>(b.room.fragments),
+                                  .longest = b.room.longest};
+  f.visibility.addFragments(f, gbuffer, fragments);
   addPlace(f, b);
+  f.visibility.lightFragments(f, gbuffer, fragments);
   addBlend(f, gbuffer.light, b, addSort(f, b));
   addCheck(f, b);
 }

@@ -1,6 +1,6 @@
-// Push constants of the passes of exact transparency after the one that stores fragments.
-#ifndef LATELIGHT_EXACT_PUSH_H
-#define LATELIGHT_EXACT_PUSH_H
+// Push constants of the passes over lists of fragments.
+#ifndef LATELIGHT_FRAGMENTS_PUSH_H
+#define LATELIGHT_FRAGMENTS_PUSH_H
 
 #include "shared/fragment_lists.h"
 
@@ -29,6 +29,7 @@ struct BlendPush {  // fragments_blend.comp
   uint64_t sorted;  // uint[capacity]: long lists in order
   uint first;       // the part of long lists that is blended now: lavapipe silently ends longer loops
   uint count;
+  uint64_t frame;  // FrameConstants
 };
 
 SH_END
@@ -36,7 +37,7 @@ SH_END
 #if defined(__cplusplus)
 static_assert(sizeof(latelight::shared::PlacePush) == 56);
 static_assert(sizeof(latelight::shared::SortPush) == 72);
-static_assert(sizeof(latelight::shared::BlendPush) == 64);
+static_assert(sizeof(latelight::shared::BlendPush) == 72);
 #endif
 
 #endif
