@@ -8,10 +8,23 @@
 
 #include "app/commands.h"
 #include "base/log.h"
+#include "render/raster_choice.h"
+#include "vk/device.h"
 
 namespace latelight::app {
 
 namespace {
+
+// Which raster `auto` stands for on the device that `auto` chooses.
+vk::Finding examineRaster() {
+  try {
+    vk::Device device;
+    const render::RasterChoice choice = render::chooseRaster(device, {});
+    return {true, fmt::format("`--raster auto` chooses {}: {}.", render::nameOf(choice.raster), choice.why), ""};
+  } catch (const Error& error) {
+    return {false, fmt::format("Rasterization can't be measured: {}", error.what()), ""};
+  }
+}
 
 void printText(const vk::Diagnosis& diagnosis) {
   for (const vk::Finding& finding : diagnosis.findings) {
@@ -35,7 +48,8 @@ void addDoctorCommand(CLI::App& app) {
   auto json = std::make_shared<bool>(false);
   command->add_flag("--json", *json, "Findings as JSON");
   command->callback([json] {
-    const vk::Diagnosis diagnosis = vk::diagnose();
+    vk::Diagnosis diagnosis = vk::diagnose();
+    if (diagnosis.usable) diagnosis.findings.push_back(examineRaster());
     *json ? printJson(diagnosis) : printText(diagnosis);
     if (!diagnosis.usable) throw Exit{ExitCode::NoDevice};
   });

@@ -105,6 +105,7 @@ int parseAndRun(int argc, char** argv) {
   app::addDoctorCommand(cli);
   app::addCompareCommand(cli);
   app::addStudyCommand(cli);
+  app::addBenchCommand(cli);
   refuseEmptyValues(cli);
   checkDashes(cli, argc, argv);
   try {

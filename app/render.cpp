@@ -20,6 +20,7 @@
 #include "output/files.h"
 #include "output/targets.h"
 #include "output/used_files.h"
+#include "render/raster_choice.h"
 #include "render/renderer.h"
 #include "render/session.h"
 #include "vk/driver_cache.h"
@@ -303,6 +304,7 @@ void render(RenderOptions& o) {
 
   const std::unique_ptr<vk::Device> device = deviceStart.get();
   const auto mark = Clock::now();
+  o.settings.raster = render::chooseRaster(*device, o.settings).raster;
   render::Renderer renderer(*device, scene, environment ? &*environment : nullptr);
   RenderRun run{o, plan, scene, timeline, environmentName, *device, renderer};
   run.times.load = loaded;

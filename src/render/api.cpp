@@ -8,6 +8,7 @@
 #include "render/api_scene.h"
 #include "render/id_manifest.h"
 #include "render/picking.h"
+#include "render/raster_choice.h"
 #include "render/renderer.h"
 #include "render/session.h"
 #include "scene/framing.h"
@@ -97,6 +98,12 @@ render::Settings internalSettings(const Options& o) {
   for (const std::string& name : o.aovs) names += (names.empty() ? "" : ",") + name;
   if (!names.empty()) s.aovs = output::parseAovs(names);
   render::checkSettings(s);
+  return s;
+}
+
+render::Settings settingsFor(vk::Device& device, const Options& o) {
+  render::Settings s = internalSettings(o);
+  s.raster = render::chooseRaster(device, s).raster;
   return s;
 }
 
@@ -247,7 +254,7 @@ std::vector<Frame> Ticket::take() {
 Ticket Renderer::submit(const std::vector<Camera>& cameras, const Options& options, Results results) {
   if (cameras.empty()) badUsage("nothing can be rendered without a camera");
   const std::vector<scene::Camera> internal = internalCameras(cameras, impl_->scene, cameras.size());
-  const render::Settings settings = internalSettings(options);
+  const render::Settings settings = settingsFor(impl_->device, options);
   const render::Moment moment = internalMoment(options, settings, impl_->scene, cameras.size());
   Ticket ticket;
   ticket.impl_.reset(
@@ -257,7 +264,7 @@ Ticket Renderer::submit(const std::vector<Camera>& cameras, const Options& optio
 
 std::vector<Pick> Renderer::pick(const Camera& camera, const std::vector<std::array<uint32_t, 2>>& pixels,
                                  const Options& options) {
-  const render::Settings settings = internalSettings(options);
+  const render::Settings settings = settingsFor(impl_->device, options);
   std::vector<glm::uvec2> places;
   for (const auto& [x, y] : pixels) places.push_back({x, y});
   const auto three = [](glm::vec3 v) { return std::array<float, 3>{v.x, v.y, v.z}; };

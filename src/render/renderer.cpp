@@ -1,5 +1,7 @@
 #include "render/renderer.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -9,6 +11,7 @@
 #include "render/lighting/technique.h"
 #include "render/request.h"
 #include "render/view.h"
+#include "render/visibility/compute/compute.h"
 #include "shared/light.h"
 
 namespace latelight::render {
@@ -40,6 +43,26 @@ scene::Light lightOf(const SunLight& sun) {
   return light;
 }
 
+std::vector<std::string> techniquesThatCompute() {
+  std::vector<std::string> names;
+  for (const TechniqueInfo& technique : techniques())
+    if (!technique.draws) names.push_back(technique.name);
+  return names;
+}
+
+// What the device lacks for these settings is said before anything is built.
+void requireRaster(const vk::Device& device, const Settings& settings) {
+  const std::string& name = device.info().name;
+  const bool compute = rastersInCompute(settings);
+  if (!device.hasGraphics() && (!compute || settings.lighting->draws))
+    fail(ExitCode::NoDevice,
+         "{} has no graphics pipeline: choose the raster compute, one of the techniques {}, and one sample a pixel.",
+         name, fmt::join(techniquesThatCompute(), ", "));
+  if (!compute) return;
+  if (const std::string lacks = computeRasterLacks(device); !lacks.empty())
+    fail(ExitCode::NoDevice, "{} can't rasterize in compute: {}; choose hardware.", name, lacks);
+}
+
 }  // namespace
 
 Renderer::Renderer(vk::Device& device, const scene::Scene& scene, const scene::Environment* environment)
@@ -63,8 +86,8 @@ void Renderer::begin(const Settings& settings, const Moment& moment) {
   gpuScene_.setAnisotropy(settings.anisotropy.value_or(usualAnisotropy(device_)));
   gpuScene_.update(moment.poses, settings.sun ? std::optional(lightOf(*settings.sun)) : std::nullopt);
   drawOrder_.update(gpuScene_);
+  requireRaster(device_, settings);
   if (!rastersInCompute(settings)) return;
-  requireComputeRaster(device_);
   ranks_.update(gpuScene_, drawOrder_, gpuScene_.uploads());
   if (device_.maxTextureArray() == 0) gpuScene_.keepTexels();
 }
@@ -166,6 +189,7 @@ Renderer::Start Renderer::startPart(RenderPart& part, uint64_t& room) {
   const ViewsInTime steady = part.views(glm::vec2(0));
   const bool yUp = scene_.yUp && s.axes == Axes::File;
   part.earlier.clear();
+  overflow_.checks.clear();  // what an error has left
   if (std::exchange(part.started, true) && part.shadows) part.shadows->drawAgain();
   vk::Image sum;
   if (jitters.size() > 1) sum = makeSum(part);

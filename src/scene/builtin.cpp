@@ -59,6 +59,11 @@ constexpr BuiltinParameter kHallParameters[] = {
     {"glass", "1: glass cases around the exhibits, half of which are of coloured glass", 0, 1, 0},
 };
 
+constexpr BuiltinParameter kTrianglesParameters[] = {
+    {"count", "triangles", 1, 50'000'000, 1'000'000},
+    {"size", "tenths of a pixel, of their legs, in a picture 2048 pixels high", 1, 20'480, 15},
+};
+
 constexpr Builtin kBuiltins[] = {
     {"hall", "a colonnaded hall with a coffered vault, lit by warm lights", kHallParameters,
      [](std::span<const uint64_t> v) {
@@ -72,6 +77,8 @@ constexpr Builtin kBuiltins[] = {
      "axis-aligned boxes with a closed-form answer",
      {},
      [](std::span<const uint64_t>) { return builtin::makeBoxes(); }},
+    {"triangles", "random triangles, to measure rasterization with", kTrianglesParameters,
+     [](std::span<const uint64_t> v) { return builtin::makeTriangles(v[0], 0.1 * static_cast<double>(v[1])); }},
 };
 
 }  // namespace

@@ -32,6 +32,10 @@ std::span<const Builtin> builtins();
 // "300k", "1.5M", "42": digits, at most one point, and a suffix. Nothing if it's not a whole number that fits.
 std::optional<uint64_t> parseCount(std::string_view text);
 
+// --- builtin:triangles ----------------------------------------------------------------------------------------------
+
+inline constexpr uint32_t kTrianglesPicture = 2048;  // pixels, of the picture for which their size is given
+
 // --- builtin:boxes --------------------------------------------------------------------------------------------------
 //
 // A scene whose pictures can be computed by hand. Frame: glTF's, metres. Only axis-aligned boxes over a floor, in front

@@ -1,7 +1,9 @@
 // Lists devices, and resolves device selectors.
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cctype>
+#include <iterator>
 #include <optional>
 
 #include "base/error.h"
@@ -48,8 +50,11 @@ std::vector<std::string> findMissing(VkPhysicalDevice device, uint32_t apiVersio
   if (apiVersion < VK_API_VERSION_1_3) return {fmt::format("Vulkan 1.3 (it has {})", versionName(apiVersion))};
   Features features;
   vkGetPhysicalDeviceFeatures2(device, &features.core);
-  std::vector<std::string> missing = missingFeatures(features);
-  if (findQueueFamily(device) == ~0u) missing.push_back("a queue for graphics and compute");
+  std::vector<std::string> missing = missingFeatures(requiredFeatures(), features);
+  if (!findQueueFamily(device, VK_QUEUE_COMPUTE_BIT)) missing.push_back("a queue for compute");
+  // It must be able to draw, or to do without.
+  if (!missingFeatures(computeFeatures(), features).empty())
+    std::ranges::copy(missingToDraw(device), std::back_inserter(missing));
   VkPhysicalDeviceSubgroupProperties subgroup{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
   VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &subgroup};
   vkGetPhysicalDeviceProperties2(device, &properties);
@@ -58,9 +63,6 @@ std::vector<std::string> findMissing(VkPhysicalDevice device, uint32_t apiVersio
   if ((subgroup.supportedOperations & kOperations) != kOperations ||
       !(subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT))
     missing.push_back("ballots and reductions in compute subgroups");
-  constexpr uint32_t kColorAttachments = 8;  // the layout `exact` and the light target
-  if (properties.properties.limits.maxColorAttachments < kColorAttachments)
-    missing.push_back(fmt::format("{} colour attachments", kColorAttachments));
   return missing;
 }
 
@@ -113,15 +115,31 @@ std::pair<const DeviceInfo*, std::string> find(const std::vector<DeviceInfo>& de
 
 }  // namespace
 
-uint32_t findQueueFamily(VkPhysicalDevice device) {
+std::optional<uint32_t> findQueueFamily(VkPhysicalDevice device, VkQueueFlags kinds) {
   uint32_t count = 0;
   vkGetPhysicalDeviceQueueFamilyProperties(device, &count, nullptr);
   std::vector<VkQueueFamilyProperties> families(count);
   vkGetPhysicalDeviceQueueFamilyProperties(device, &count, families.data());
-  constexpr VkQueueFlags kNeeded = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
+  std::optional<uint32_t> best;
   for (uint32_t i = 0; i < count; ++i)
-    if ((families[i].queueFlags & kNeeded) == kNeeded) return i;
-  return ~0u;
+    if ((families[i].queueFlags & kinds) == kinds &&
+        (!best || std::popcount(families[i].queueFlags) < std::popcount(families[*best].queueFlags)))
+      best = i;
+  return best;
+}
+
+std::vector<std::string> missingToDraw(VkPhysicalDevice device) {
+  Features features;
+  vkGetPhysicalDeviceFeatures2(device, &features.core);
+  std::vector<std::string> missing = missingFeatures(graphicsFeatures(), features);
+  if (!findQueueFamily(device, VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT))
+    missing.push_back("a queue for graphics and compute");
+  VkPhysicalDeviceProperties properties;
+  vkGetPhysicalDeviceProperties(device, &properties);
+  constexpr uint32_t kColorAttachments = 8;  // the layout `exact` and the light target
+  if (properties.limits.maxColorAttachments < kColorAttachments)
+    missing.push_back(fmt::format("{} colour attachments", kColorAttachments));
+  return missing;
 }
 
 DeviceInfo describe(VkPhysicalDevice device, uint32_t index) {

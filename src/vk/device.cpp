@@ -205,7 +205,8 @@ VkDevice makeDevice(VkPhysicalDevice physical, uint32_t queueFamily, const std::
   Features offered;
   vkGetPhysicalDeviceFeatures2(physical, &offered.core);
   for (const Feature& feature : requiredFeatures()) feature.of(enabled) = VK_TRUE;
-  for (const Feature& feature : optionalFeatures()) feature.of(enabled) = feature.of(offered);
+  for (const auto features : {graphicsFeatures(), computeFeatures(), optionalFeatures()})
+    for (const Feature& feature : features) feature.of(enabled) = feature.of(offered);
 
   const float priority = 1.0f;
   VkDeviceQueueCreateInfo queue{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
@@ -268,7 +269,8 @@ Device::Device(const DeviceOptions& options) : validation_(validationWanted(opti
   properties_ = properties.properties;
   maxBufferSize_ = limits.maxBufferSize;
   maxAllocationSize_ = memory.maxMemoryAllocationSize;
-  queueFamily_ = findQueueFamily(physical_);
+  hasGraphics_ = options.graphics && missingToDraw(physical_).empty();
+  queueFamily_ = *findQueueFamily(physical_, VK_QUEUE_COMPUTE_BIT | (hasGraphics_ ? VK_QUEUE_GRAPHICS_BIT : 0));
 
   impl.extensions = offeredExtensions(physical_);
   device_ = impl.device = makeDevice(physical_, queueFamily_, impl.extensions, impl.enabled);

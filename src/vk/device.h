@@ -48,6 +48,8 @@ struct DeviceOptions {
   std::string selector = "auto";
   bool validation = false;  // Khronos validation with synchronization checks; messages go to validationMessages()
   bool descriptorIndexing = true;  // use it where the device has it
+  bool graphics = true;  // the same of the graphics pipeline: else all is compute, on a queue for compute alone
+                         // where there is one
 };
 
 class Device {
@@ -68,6 +70,7 @@ class Device {
   const DeviceInfo& info() const { return info_; }
   const VkPhysicalDeviceProperties& properties() const { return properties_; }
   bool isCpu() const { return properties_.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU; }
+  bool hasGraphics() const { return hasGraphics_; }  // a graphics pipeline, with all that the raster hardware needs
   uint32_t subgroupSize() const { return subgroupSize_; }                // lanes of a full one
   VkDeviceSize maxBufferSize() const { return maxBufferSize_; }          // bytes
   VkDeviceSize maxAllocationSize() const { return maxAllocationSize_; }  // bytes of one allocation of memory
@@ -117,6 +120,7 @@ class Device {
   VkDeviceSize maxBufferSize_ = 0, maxAllocationSize_ = 0;
   uint32_t maxTextureArray_ = 0;
   uint32_t subgroupSize_ = 0;
+  bool hasGraphics_ = false;
   DeviceInfo info_;
   std::atomic<uint64_t> pipelinesMade_ = 0;
   std::unique_ptr<Allocator> allocator_;

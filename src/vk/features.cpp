@@ -23,8 +23,6 @@ namespace {
 
 constexpr Feature kRequired[] = {
     CORE(shaderInt64, "64-bit integers in shaders"),
-    CORE(independentBlend, "targets that are written or not, each by itself"),
-    CORE(geometryShader, "the triangle's number in fragment shaders"),
     LATER(v12, bufferDeviceAddress, "buffers read by address"),
     LATER(v12, scalarBlockLayout, "structures laid out as in C++"),
     LATER(v12, timelineSemaphore, "submissions waited for by number"),
@@ -35,19 +33,27 @@ constexpr Feature kRequired[] = {
     LATER(v13, shaderTerminateInvocation, "fragments that end early"),
 };
 
+constexpr Feature kGraphics[] = {
+    CORE(independentBlend, "targets that are written or not, each by itself"),
+    CORE(geometryShader, "the triangle's number in fragment shaders"),
+};
+
+constexpr Feature kCompute[] = {
+    CORE(shaderStorageImageWriteWithoutFormat, "storage images of any format"),
+    LATER(v12, shaderBufferInt64Atomics, "64-bit atomics in buffers"),
+};
+
 constexpr Feature kOptional[] = {
     CORE(samplerAnisotropy, "anisotropic texture filters"),
     CORE(fragmentStoresAndAtomics, "writes from fragment shaders"),
     CORE(depthClamp, "depth clamped instead of clipped"),
     CORE(sampleRateShading, "shading for each sample"),
-    CORE(shaderStorageImageWriteWithoutFormat, "storage images of any format"),
     CORE(shaderInt16, "16-bit integers in shaders"),
     LATER(v11, multiview, "several views in one draw"),
     LATER(v11, storageBuffer16BitAccess, "16-bit values in buffers"),
     LATER(v12, storageBuffer8BitAccess, "8-bit values in buffers"),
     LATER(v12, shaderFloat16, "16-bit floats in shaders"),
     LATER(v12, shaderInt8, "8-bit integers in shaders"),
-    LATER(v12, shaderBufferInt64Atomics, "64-bit atomics in buffers"),
     LATER(v12, shaderSharedInt64Atomics, "64-bit atomics in shared memory"),
     LATER(v12, runtimeDescriptorArray, "arrays of textures of any length"),
     LATER(v12, descriptorBindingVariableDescriptorCount, "arrays of textures as long as a scene needs"),
@@ -62,13 +68,19 @@ constexpr Feature kOptional[] = {
 std::span<const Feature> requiredFeatures() {
   return kRequired;
 }
+std::span<const Feature> graphicsFeatures() {
+  return kGraphics;
+}
+std::span<const Feature> computeFeatures() {
+  return kCompute;
+}
 std::span<const Feature> optionalFeatures() {
   return kOptional;
 }
 
-std::vector<std::string> missingFeatures(Features& offered) {
+std::vector<std::string> missingFeatures(std::span<const Feature> features, Features& offered) {
   std::vector<std::string> missing;
-  for (const Feature& feature : requiredFeatures())
+  for (const Feature& feature : features)
     if (!feature.of(offered)) missing.push_back(fmt::format("{} ({})", feature.words, feature.name));
   return missing;
 }

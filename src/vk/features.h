@@ -27,10 +27,13 @@ struct Feature {
 };
 
 std::span<const Feature> requiredFeatures();
-std::span<const Feature> optionalFeatures();  // enabled where the device has them
+// Enabled where the device has them: what the raster hardware takes, what the raster compute takes, and others.
+std::span<const Feature> graphicsFeatures();
+std::span<const Feature> computeFeatures();
+std::span<const Feature> optionalFeatures();
 
-// Required features that are off in `offered`: "64-bit integers in shaders (shaderInt64)".
-std::vector<std::string> missingFeatures(Features& offered);
+// Those of a list that are off in `offered`: "64-bit integers in shaders (shaderInt64)".
+std::vector<std::string> missingFeatures(std::span<const Feature> features, Features& offered);
 
 inline constexpr const char* kOptionalExtensions[] = {
     VK_EXT_MEMORY_BUDGET_EXTENSION_NAME,

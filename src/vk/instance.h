@@ -4,6 +4,7 @@
 #include <volk.h>
 
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -39,7 +40,10 @@ class Instance {
 // Everything that `devices` reports about a device.
 DeviceInfo describe(VkPhysicalDevice device, uint32_t index);
 
-// A queue family for graphics and compute, or ~0u.
-uint32_t findQueueFamily(VkPhysicalDevice device);
+// The queue family that is for these kinds of work, and for as few others as possible.
+std::optional<uint32_t> findQueueFamily(VkPhysicalDevice device, VkQueueFlags kinds);
+
+// What a device lacks to draw with its graphics pipeline, in plain words.
+std::vector<std::string> missingToDraw(VkPhysicalDevice device);
 
 }  // namespace latelight::vk

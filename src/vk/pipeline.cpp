@@ -291,6 +291,8 @@ Pipeline makePipeline(Device& device, const ComputeDesc& desc) {
 }
 
 Pipeline makePipeline(Device& device, const GraphicsDesc& desc) {
+  if (!device.hasGraphics())
+    fail(ExitCode::NoDevice, "{} has no graphics pipeline, which \"{}\" is drawn with.", device.info().name, desc.name);
   const std::vector<Constant> constants = withDeviceConstants(device, desc.constants);
   std::vector<CheckedStage> checked{{desc.vertex, shaderCode(desc.vertex)}};
   if (!desc.fragment.empty()) checked.push_back({desc.fragment, shaderCode(desc.fragment)});

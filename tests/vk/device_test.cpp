@@ -322,7 +322,7 @@ TEST(Features, EachRowHasAFieldOfItsOwn) {
   // A copied line would leave one feature unasked.
   Features features;
   std::vector<const VkBool32*> seen;
-  for (auto table : {requiredFeatures(), optionalFeatures()})
+  for (auto table : {requiredFeatures(), graphicsFeatures(), computeFeatures(), optionalFeatures()})
     for (const Feature& feature : table) {
       EXPECT_THAT(seen, testing::Not(testing::Contains(&feature.of(features)))) << feature.name;
       seen.push_back(&feature.of(features));

@@ -228,9 +228,9 @@ TEST(DoctorOnDevices, NamesEachMissingFeature) {
   for (const Feature& required : requiredFeatures()) {
     Features offered;
     for (const Feature& feature : requiredFeatures()) feature.of(offered) = VK_TRUE;
-    EXPECT_TRUE(missingFeatures(offered).empty());
+    EXPECT_TRUE(missingFeatures(requiredFeatures(), offered).empty());
     required.of(offered) = VK_FALSE;
-    const std::vector<Finding> findings = examineDevices({fake("1.3.0", missingFeatures(offered))});
+    const std::vector<Finding> findings = examineDevices({fake("1.3.0", missingFeatures(requiredFeatures(), offered))});
     ASSERT_EQ(findings.size(), 2u);
     EXPECT_FALSE(findings[0].ok);
     EXPECT_THAT(findings[0].sentence, HasSubstr(required.name));

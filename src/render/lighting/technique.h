@@ -14,6 +14,7 @@ struct TechniqueInfo {
   std::string name;         // filled in by the registry: the folder's, with - for _
   const char* description;  // one line
   bool forward = false;     // draws the scene itself after the depth pass: no geometry pass, no layout
+  bool draws = false;       // takes the graphics pipeline; every forward one does
   // Adds the passes that write the lit picture to gbuffer.light, with alpha 1 where there is a surface. A deferred
   // technique finds emitted radiance and ambient occlusion there; for a forward one it is empty, and there are no
   // targets. Every technique shades with shared/shade.h over the same lights, so all give the same picture. Where the

@@ -13,6 +13,7 @@ struct HallParameters {
   uint64_t seed;
   bool glass;
 };
+Scene makeTriangles(uint64_t count, double size);  // pixels
 Scene makeHall(const HallParameters& parameters);
 
 }  // namespace latelight::scene::builtin

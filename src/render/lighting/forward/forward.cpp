@@ -42,6 +42,7 @@ void addForward(const FrameContext& f, const Gbuffer& gbuffer, ForwardLoop loop)
 TechniqueInfo technique_forward() {
   return {.description = "one draw an object, all lights in its shader; no G-buffer",
           .forward = true,
+          .draws = true,
           .add = [](const FrameContext& f, const Gbuffer& gbuffer) { addForward(f, gbuffer, forwardLoop(f.device)); }};
 }
 

@@ -121,6 +121,7 @@ void add(const FrameContext& f, const Gbuffer& gbuffer) {
 TechniqueInfo technique_forward_multipass() {
   return {.description = "one additive pass a light over every object, depth-equal; no G-buffer",
           .forward = true,
+          .draws = true,
           .add = add};
 }
 

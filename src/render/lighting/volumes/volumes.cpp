@@ -379,7 +379,9 @@ void add(const FrameContext& f, const Gbuffer& gbuffer) {
 }  // namespace
 
 TechniqueInfo technique_volumes() {
-  return {.description = "a sphere or cone a light, drawn with two-step stencil culling; deferred", .add = add};
+  return {.description = "a sphere or cone a light, drawn with two-step stencil culling; deferred",
+          .draws = true,
+          .add = add};
 }
 
 }  // namespace latelight::render

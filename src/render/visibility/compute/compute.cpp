@@ -51,12 +51,12 @@ uint32_t tilesOf(const RasterViews& v) {
 
 }  // namespace
 
-void requireComputeRaster(const vk::Device& device) {
+std::string computeRasterLacks(const vk::Device& device) {
   const vk::Features& has = device.features();
-  if (!has.v12.shaderBufferInt64Atomics || !has.core.features.shaderStorageImageWriteWithoutFormat)
-    fail(ExitCode::NoDevice,
-         "{} lacks 64-bit atomics or storage images of any format, which the raster compute needs: choose hardware.",
-         device.info().name);
+  if (!has.v12.shaderBufferInt64Atomics) return "it has no 64-bit atomics in buffers, which the raster compute takes";
+  if (!has.core.features.shaderStorageImageWriteWithoutFormat)
+    return "it has no storage images of any format, which the raster compute takes";
+  return "";
 }
 
 ComputeVisibility::ComputeVisibility(const GpuScene& scene, const InstanceRanks& ranks,

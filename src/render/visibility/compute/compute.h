@@ -16,8 +16,8 @@ struct RasterViews {
   bool bothSides = false;
 };
 
-// Throws Error(NoDevice) where a device lacks what these shaders need.
-void requireComputeRaster(const vk::Device& device);
+// What a device lacks that these shaders need, as the end of a sentence; empty: nothing.
+std::string computeRasterLacks(const vk::Device& device);
 
 class ComputeVisibility final : public Visibility {
  public:

@@ -5,7 +5,8 @@ layout(local_size_x = 128) in;
 
 const int kSmallBox = 12;      // pixels
 const int kMediumBox = 512;    // a subgroup's loop over more would keep its workgroup waiting
-const int kLargestSide = 127;  // pixels of a box in which edges fit into 32 bits: 2 (127 * 256)^2 < 2^31
+// Pixels of a box in which edges fit into 32 bits, and in the blocks that begin in it too: 2 (127 * 256)^2 < 2^31.
+const int kLargestSide = 119;
 
 shared uint mediumCount;
 shared Triangle medium[128];
@@ -48,16 +49,27 @@ void rasterSmall(uint index, View view, Triangle t, PixelBox box) {
   }
 }
 
+// In blocks of as many pixels as lanes; those that the triangle does not touch are passed over.
 void rasterMedium(uint index, View view, Triangle t) {
+  const int kWide = kSubgroupSize >= 32u ? 8 : 4;
+  int tall = max(int(gl_SubgroupSize) / kWide, 1);
+  ivec2 lane = ivec2(int(gl_SubgroupInvocationID) % kWide, int(gl_SubgroupInvocationID) / kWide);
   PixelBox box = onScreen(pixelsOf(t));
   Edges e = edgesAt(t, box.low);
+  ivec3 mine = e.right * lane.x + e.down * lane.y;
+  ivec3 most = max(e.right, ivec3(0)) * (kWide - 1) + max(e.down, ivec3(0)) * (tall - 1) + e.bias;
   float corner = depthAt(view, t, box.low);
   vec2 steps = depthSteps(view, t.plane);
-  int across = box.high.x - box.low.x + 1, count = across * (box.high.y - box.low.y + 1);
-  for (int i = int(gl_SubgroupInvocationID); i < count; i += int(gl_SubgroupSize)) {
-    ivec2 offset = ivec2(i % across, i / across);
-    testPixel(index, t, box.low + offset, e.at + e.right * offset.x + e.down * offset.y, e.bias,
-              corner + dot(steps, vec2(offset)));
+  for (int y = box.low.y; y <= box.high.y; y += tall) {
+    ivec3 at = e.at;
+    for (int x = box.low.x; x <= box.high.x; x += kWide) {
+      ivec3 largest = at + most;
+      ivec2 pixel = ivec2(x, y) + lane;
+      if ((largest.x | largest.y | largest.z) >= 0 && all(lessThanEqual(pixel, box.high)))
+        testPixel(index, t, pixel, at + mine, e.bias, corner + dot(steps, vec2(pixel - box.low)));
+      at += e.right * kWide;
+    }
+    e.at += e.down * tall;
   }
 }
 

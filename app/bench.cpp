@@ -1,0 +1,87 @@
+// latelight bench: times of the device, pass by pass, with the rasters in turn.
+#include "study/bench.h"
+
+#include <fmt/core.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "app/commands.h"
+#include "app/render_options.h"
+#include "app/render_time.h"
+#include "base/log.h"
+#include "render/session.h"
+#include "scene/builtin.h"
+#include "vk/driver_cache.h"
+
+namespace latelight::app {
+
+namespace {
+
+struct BenchArguments {
+  RenderOptions render;
+  std::string most = "10M";
+  study::BenchOptions options;
+  bool json = false;
+};
+
+void print(const vk::Device& device, const study::Table& table, bool json) {
+  if (json) {
+    const nlohmann::ordered_json report{{"device", device.info().name}, {table.name, study::toJson(table)}};
+    fmt::print("{}\n", report.dump(1, ' ', false, nlohmann::json::error_handler_t::replace));
+  } else {
+    fmt::print("{}\n{}", printable(device.info().name), study::toText(table));
+  }
+}
+
+void runRaster(BenchArguments& a) {
+  const std::optional<uint64_t> most = scene::parseCount(a.most);
+  if (!most || *most == 0) badUsage("--most takes a number of triangles, as in 500k or 10M, not \"{}\"", a.most);
+  a.options.mostTriangles = *most;
+  vk::avoidFullDriverCache();
+  vk::Device device({.selector = a.render.device});
+  print(device, study::benchRaster(device, a.options), a.json);
+}
+
+void runFrame(BenchArguments& a) {
+  RenderOptions& o = a.render;
+  if (o.isGiven("out")) badUsage("bench measures, and writes no picture: leave -o out");
+  if (o.isGiven("raster")) badUsage("bench measures both rasters: leave --raster out");
+  checkOptions(o);
+  o.settings.display = true;
+  const scene::Scene scene = scene::load(o.scene, {.variant = o.variant, .allowOutside = o.allowOutside});
+  const Timeline timeline(scene, o);
+  const scene::Camera camera = timeline.cameraAt(timeline.first());
+  const std::optional<scene::Environment> environment = render::loadEnvironment(render::environmentName(scene, o.hdri));
+  vk::avoidFullDriverCache();
+  vk::Device device({.selector = o.device});
+  render::Renderer renderer(device, scene, environment ? &*environment : nullptr);
+  print(device, study::benchFrame(renderer, camera, o.settings, a.options), o.json);
+}
+
+}  // namespace
+
+void addBenchCommand(CLI::App& app) {
+  auto arguments = std::make_shared<BenchArguments>();
+  BenchArguments& a = *arguments;
+  CLI::App* bench = app.add_subcommand("bench", "Measure the device: rasterization, or a frame pass by pass");
+  bench->require_subcommand(0, 1);  // none is said below, in better words than "a subcommand is required"
+  bench->callback([bench] {
+    if (bench->get_subcommands().empty()) badUsage("bench takes what it measures: raster or frame");
+  });
+  CLI::App* raster = bench->add_subcommand("raster", "Random triangles, by number and size, with both rasters");
+  raster->add_option("--most", a.most, "Leave out what has more triangles")->capture_default_str();
+  raster->add_option("--device", a.render.device, "auto, cpu, a number, a name or a UUID (latelight devices)")
+      ->capture_default_str();
+  raster->callback([arguments] { runRaster(*arguments); });
+  CLI::App* frame = bench->add_subcommand("frame", "A frame to its picture on the device; takes the options of render");
+  addRenderOptions(*frame, a.render);
+  frame->callback([arguments] { runFrame(*arguments); });
+  for (CLI::App* command : {raster, frame})
+    command->add_option("--runs", a.options.frames, "Frames of each measurement")
+        ->check(CLI::Range(1, 1000))
+        ->capture_default_str();
+  raster->add_flag("--json", a.json, "The table as JSON");
+}
+
+}  // namespace latelight::app

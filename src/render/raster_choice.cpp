@@ -1,0 +1,98 @@
+#include "render/raster_choice.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <map>
+#include <mutex>
+#include <optional>
+
+#include "base/error.h"
+#include "base/files.h"
+#include "render/lighting/technique.h"
+#include "render/renderer.h"
+#include "render/visibility/compute/compute.h"
+#include "scene/scene.h"
+
+namespace latelight::render {
+
+namespace {
+
+constexpr const char* kScene = "builtin:triangles,count=300k,size=30";
+
+struct Times {  // milliseconds of the device
+  double hardware, compute;
+};
+
+double timeOf(Renderer& renderer, const scene::Scene& scene, Raster raster) {
+  constexpr int kFrames = 4;  // the first one warms up
+  Settings settings;
+  settings.width = settings.height = 1024;
+  settings.display = false;
+  settings.shadows = ShadowFormat::None;
+  settings.raster = raster;
+  settings.aovs = {output::Aov::Depth};
+  double best = std::numeric_limits<double>::infinity();
+  for (int frame = 0; frame < kFrames; ++frame) {
+    renderer.render(std::span(scene.cameras).first(1), settings);
+    double sum = 0;
+    for (const graph::PassTime& pass : renderer.times())
+      if (pass.stage == graph::Stage::Visibility) sum += pass.milliseconds;
+    best = std::min(best, sum);
+  }
+  return best;
+}
+
+Times measure(vk::Device& device) {
+  const scene::Scene scene = scene::load(kScene);
+  Renderer renderer(device, scene, nullptr);
+  return {timeOf(renderer, scene, Raster::Hardware), timeOf(renderer, scene, Raster::Compute)};
+}
+
+// From this process, the cache folder, or the device.
+Times knownTimes(vk::Device& device) {
+  static std::mutex mutex;
+  static std::map<std::string, Times> known;
+  const std::string entry = fmt::format("raster1-{}-{:08x}", device.info().uuid, device.properties().driverVersion);
+  std::lock_guard lock(mutex);
+  if (const auto found = known.find(entry); found != known.end()) return found->second;
+  Times& times = known[entry];
+  if (const auto bytes = loadCache(entry); bytes && bytes->size() == sizeof(times)) {
+    std::memcpy(&times, bytes->data(), sizeof(times));
+    return times;
+  }
+  times = measure(device);
+  storeCache(entry, std::as_bytes(std::span(&times, 1)));
+  return times;
+}
+
+// What the device can't do at all.
+std::optional<RasterChoice> onlyChoice(const vk::Device& device, const Settings& settings) {
+  const std::string lacks = computeRasterLacks(device);
+  if (!device.hasGraphics()) {
+    if (!lacks.empty()) fail(ExitCode::NoDevice, "{} has no graphics queue, and {}.", device.info().name, lacks);
+    return RasterChoice{Raster::Compute, "the device has no graphics pipeline"};
+  }
+  if (!lacks.empty()) return RasterChoice{Raster::Hardware, lacks};
+  if (settings.lighting->forward) return RasterChoice{Raster::Hardware, "forward techniques draw"};
+  if (settings.aa.samples > 1) return RasterChoice{Raster::Hardware, "several samples a pixel are drawn"};
+  if (device.maxTextureArray() == 0)
+    return RasterChoice{Raster::Hardware,
+                        "without descriptor indexing compute shaders have to filter textures themselves"};
+  return std::nullopt;
+}
+
+}  // namespace
+
+RasterChoice chooseRaster(vk::Device& device, const Settings& settings) {
+  if (settings.raster != Raster::Auto) return {settings.raster, "it was asked for"};
+  if (const auto only = onlyChoice(device, settings)) return *only;
+  const Times times = knownTimes(device);
+  return {times.compute < times.hardware ? Raster::Compute : Raster::Hardware,
+          fmt::format("300,000 small triangles take {:.3f} ms with hardware and {:.3f} with compute", times.hardware,
+                      times.compute)};
+}
+
+}  // namespace latelight::render

@@ -1,0 +1,53 @@
+// Triangles at random, for measuring rasterization: none shares a vertex with another.
+#include <algorithm>
+
+#include "scene/builtin.h"
+#include "scene/builtin/exact_math.h"
+#include "scene/builtin/make.h"
+#include "scene/builtin/random.h"
+#include "scene/builtin/scene_builder.h"
+
+namespace latelight::scene::builtin {
+
+namespace {
+
+constexpr uint32_t kTrianglesAMesh = 1'000'000;
+
+// The camera's picture is 2 metres high in the middle of the triangles, at this distance from it, in metres.
+constexpr float kDistance = 100, kVerticalFov = 0.019999333f;  // 2 atan(1 / 100)
+constexpr double kDepth = 1;                                   // they lie up to that much nearer or farther
+
+// A right isosceles triangle, turned at random, facing the camera.
+void addTriangle(Mesh& mesh, Random& random, float leg) {
+  const auto x = static_cast<float>(random.between(-1, 1)), y = static_cast<float>(random.between(-1, 1));
+  const auto z = static_cast<float>(random.between(-kDepth, kDepth));
+  const vec3 right = vec3(vec2(onCircle(random.unit())) * leg, 0);
+  const vec3 up(-right.y, right.x, 0), corner = vec3(x, y, z) - (right + up) / 3.0f;
+  for (const vec3& position : {corner, corner + right, corner + up}) {
+    mesh.indices.push_back(static_cast<uint32_t>(mesh.positions.size()));
+    mesh.positions.push_back(position);
+    mesh.attributes.push_back({vec3(0, 0, 1), vec4(0), vec2(0)});
+  }
+}
+
+}  // namespace
+
+Scene makeTriangles(uint64_t count, double size) {
+  SceneBuilder builder("triangles");
+  builder.scene.materials.push_back(plainMaterial("grey", vec3(0.5f), 0, 1));
+  Random random(1);
+  for (uint64_t first = 0; first < count; first += kTrianglesAMesh) {
+    Mesh& mesh = builder.scene.meshes.emplace_back();
+    mesh.name = "triangles";
+    const uint64_t here = std::min<uint64_t>(count - first, kTrianglesAMesh);
+    mesh.positions.reserve(3 * here);
+    for (uint64_t i = 0; i < here; ++i)
+      addTriangle(mesh, random, static_cast<float>(size * 2 / double{kTrianglesPicture}));
+    findBounds(mesh);
+    builder.addInstance("triangles", SceneBuilder::kRoot, static_cast<uint32_t>(builder.scene.meshes.size() - 1), 0);
+  }
+  builder.addCamera("main", {0, 0, kDistance}, {0, 0, 0}, kVerticalFov);
+  return std::move(builder.scene);
+}
+
+}  // namespace latelight::scene::builtin

@@ -1,0 +1,131 @@
+#include "study/bench.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "scene/builtin.h"
+
+namespace latelight::study {
+
+namespace {
+
+using render::Raster;
+using Samples = std::vector<double>;  // milliseconds
+
+constexpr Raster kRasters[] = {Raster::Hardware, Raster::Compute};
+
+double quantile(Samples samples, double at) {
+  if (samples.empty()) return 0;
+  std::ranges::sort(samples);
+  return samples[static_cast<size_t>(at * static_cast<double>(samples.size() - 1) + 0.5)];
+}
+double median(const Samples& samples) {
+  return quantile(samples, 0.5);
+}
+// Half of the samples lie within this many per cent of the median, together.
+double spread(const Samples& samples) {
+  const double middle = median(samples);
+  return middle > 0 ? 100 * (quantile(samples, 0.75) - quantile(samples, 0.25)) / middle : 0;
+}
+
+// Each frame's passes by name, in the order of their first appearance.
+struct PassSamples {
+  std::vector<std::string> names;
+  std::map<std::string, Samples> of;
+  Samples all;
+
+  void add(std::span<const graph::PassTime> passes) {
+    std::map<std::string, double> frame;
+    double sum = 0;
+    for (const graph::PassTime& pass : passes) {
+      if (!of.contains(pass.name)) names.push_back(pass.name);
+      of[pass.name];
+      frame[pass.name] += pass.milliseconds;
+      sum += pass.milliseconds;
+    }
+    for (const auto& [name, milliseconds] : frame) of[name].push_back(milliseconds);
+    all.push_back(sum);
+  }
+};
+
+// The rasters take turns, so that whatever else the machine does falls on both.
+std::map<Raster, PassSamples> measure(render::Renderer& renderer, const scene::Camera& camera,
+                                      const render::Settings& settings, uint32_t frames) {
+  std::map<Raster, PassSamples> samples;
+  for (uint32_t frame = 0; frame <= frames; ++frame)
+    for (const Raster raster : kRasters) {
+      render::Settings s = settings;
+      s.raster = raster;
+      renderer.submit({&camera, 1}, s, {}, render::Results::OnDevice).take();
+      if (frame > 0) samples[raster].add(renderer.times());
+    }
+  return samples;
+}
+
+// --- raster ---------------------------------------------------------------------------------------------------------
+
+struct Random {
+  const char* count;
+  uint32_t tenths;  // of a pixel
+};
+constexpr Random kRandom[] = {{"100k", 20}, {"1M", 15},    {"10M", 15},  {"10M", 40},
+                              {"1M", 160},  {"100k", 640}, {"10k", 4000}};
+
+Samples visibilityOf(render::Renderer& renderer, const scene::Scene& scene, Raster raster, uint32_t frames) {
+  render::Settings settings;
+  settings.width = settings.height = scene::kTrianglesPicture;
+  settings.display = false;
+  settings.raster = raster;
+  settings.aovs = {output::Aov::Depth};
+  Samples samples;
+  for (uint32_t frame = 0; frame <= frames; ++frame) {
+    renderer.submit(std::span(scene.cameras).first(1), settings, {}, render::Results::OnDevice).take();
+    double sum = 0;
+    for (const graph::PassTime& pass : renderer.times())
+      if (pass.stage == graph::Stage::Visibility) sum += pass.milliseconds;
+    if (frame > 0) samples.push_back(sum);
+  }
+  return samples;
+}
+
+}  // namespace
+
+Table benchRaster(vk::Device& device, const BenchOptions& options) {
+  Table table{"raster",
+              {"triangles", "size px", "hardware ms", "spread %", "compute ms", "spread %", "hardware / compute"},
+              {}};
+  for (const Random& row : kRandom) {
+    const uint64_t count = *scene::parseCount(row.count);
+    if (count > options.mostTriangles) continue;
+    const scene::Scene scene = scene::load(fmt::format("builtin:triangles,count={},size={}", row.count, row.tenths));
+    render::Renderer renderer(device, scene, nullptr);
+    const Samples hardware = visibilityOf(renderer, scene, Raster::Hardware, options.frames);
+    const Samples compute = visibilityOf(renderer, scene, Raster::Compute, options.frames);
+    table.rows.push_back({std::string(row.count), 0.1 * row.tenths, median(hardware), spread(hardware), median(compute),
+                          spread(compute), median(hardware) / median(compute)});
+  }
+  return table;
+}
+
+Table benchFrame(render::Renderer& renderer, const scene::Camera& camera, const render::Settings& settings,
+                 const BenchOptions& options) {
+  const std::map<Raster, PassSamples> samples = measure(renderer, camera, settings, options.frames);
+  Table table{"frame", {"raster", "pass", "ms", "spread %"}, {}};
+  for (const Raster raster : kRasters) {
+    const std::string name(render::nameOf(raster));
+    const PassSamples& passes = samples.at(raster);
+    for (const std::string& pass : passes.names)
+      table.rows.push_back({name, pass, median(passes.of.at(pass)), spread(passes.of.at(pass))});
+    table.rows.push_back({name, std::string("all"), median(passes.all), spread(passes.all)});
+  }
+  const double ratio = median(samples.at(Raster::Hardware).all) / median(samples.at(Raster::Compute).all);
+  table.rows.push_back({std::string("hardware / compute"), std::string("all"), ratio, 0.0});
+  return table;
+}
+
+}  // namespace latelight::study

@@ -1,0 +1,151 @@
+// Frames without a graphics pipeline: on a device that is used for compute alone, one that was made would be an error.
+#include <memory>
+
+#include "base/error.h"
+#include "models/models.h"
+#include "output/aov.h"
+#include "render/raster_choice.h"
+#include "render/support.h"
+
+namespace latelight::render::test {
+namespace {
+
+using output::Aov;
+
+class ComputeOnly : public RenderTest {
+ protected:
+  // On a queue for compute alone, where the device has one.
+  static vk::Device& computeDevice() { return *computeDevice_; }
+  static void SetUpTestSuite() {
+    const std::string selector = std::to_string(device().info().index);
+    computeDevice_ =
+        std::make_unique<vk::Device>(vk::DeviceOptions{.selector = selector, .validation = true, .graphics = false});
+  }
+  static void TearDownTestSuite() { computeDevice_.reset(); }
+  void TearDown() override {
+    RenderTest::TearDown();
+    for (const std::string& message : computeDevice().validationMessages()) ADD_FAILURE() << message;
+  }
+  static Settings settings() {
+    Settings s = settingsOf(64, 48, {Aov::Color, Aov::Depth, Aov::Part, Aov::Normal, Aov::Motion, Aov::LightsUsed});
+    s.raster = Raster::Compute;
+    s.display = true;
+    s.shadows = ShadowFormat::D32;
+    return s;
+  }
+  // The same bytes as on a device that could draw.
+  static void expectAlike(const scene::Scene& scene, const Settings& s) {
+    const scene::Camera camera = cameraOf(scene, s.width, s.height);
+    const output::FrameOutput frame = renderOne(computeDevice(), scene, camera, s);
+    const output::FrameOutput other = renderOne(device(), scene, camera, s);
+    EXPECT_EQ(frame.display, other.display);
+    for (const Aov aov : s.aovs) {
+      EXPECT_EQ(imageOf(frame, aov).ids, imageOf(other, aov).ids) << output::info(aov).name;
+      EXPECT_EQ(imageOf(frame, aov).values, imageOf(other, aov).values) << output::info(aov).name;
+    }
+  }
+
+ private:
+  static inline std::unique_ptr<vk::Device> computeDevice_;
+};
+
+TEST_F(ComputeOnly, HasNoGraphics) {
+  EXPECT_TRUE(device().hasGraphics());
+  EXPECT_FALSE(computeDevice().hasGraphics());
+}
+
+TEST_F(ComputeOnly, EveryTechniqueThatComputes) {
+  for (const TechniqueInfo& technique : techniques()) {
+    if (technique.forward || technique.name == "volumes") continue;
+    SCOPED_TRACE(technique.name);
+    Settings s = settings();
+    s.lighting = &technique;
+    expectAlike(hall(), s);
+  }
+}
+
+TEST_F(ComputeOnly, EveryLayout) {
+  const scene::Scene scene = scene::load(models::modelPath("textured.glb").string());
+  for (const Layout& layout : layouts()) {
+    SCOPED_TRACE(layout.name);
+    Settings s = settings();
+    s.lighting = &findTechnique("clustered");
+    s.layout = &layout;
+    s.shadows = ShadowFormat::None;
+    expectAlike(scene, s);
+  }
+}
+
+TEST_F(ComputeOnly, GlassByEveryMethod) {
+  const scene::Scene glass = scene::load("builtin:hall,triangles=50k,lights=20,glass=1");
+  for (const TransparencyMethod method :
+       {TransparencyMethod::Exact, TransparencyMethod::Sorted, TransparencyMethod::Weighted}) {
+    Settings s = settings();
+    s.transparency = method;
+    expectAlike(glass, s);
+  }
+  Settings any = settings();
+  any.dataSurfaces = DataSurfaces::Any;
+  expectAlike(glass, any);
+}
+
+TEST_F(ComputeOnly, WithEffectsAndShadowsOfEveryKind) {
+  Settings s = settings();
+  s.fogDensity = 0.05f;
+  s.bloom = 0.1f;
+  s.sun = SunLight{.azimuth = 0.6f, .elevation = 0.8f, .illuminance = 5};
+  for (const ShadowFormat format : {ShadowFormat::D16, ShadowFormat::Rgba8}) {
+    s.shadows = format;
+    s.shadowFilter = ShadowFilter::Pcss;
+    expectAlike(hall(), s);
+  }
+  s.aa.fxaa = true;
+  expectAlike(hall(), s);
+}
+
+TEST_F(ComputeOnly, MaskedAndSkinnedModels) {
+  for (const char* model : {"textured.glb", "intricate.glb"}) {
+    SCOPED_TRACE(model);
+    expectAlike(scene::load(models::modelPath(model).string()), settings());
+  }
+}
+
+// Each is refused in a sentence, before anything is built.
+TEST_F(ComputeOnly, WhatDrawsIsRefused) {
+  Settings hardware = settings(), forward = settings(), volumes = settings(), samples = settings();
+  hardware.raster = Raster::Hardware;
+  forward.lighting = &findTechnique("forward");
+  volumes.lighting = &findTechnique("volumes");
+  samples.aa.samples = 4;
+  const scene::Camera camera = cameraOf(hall(), 64, 48);
+  for (const Settings& s : {hardware, forward, volumes, samples}) {
+    try {
+      renderOne(computeDevice(), hall(), camera, s);
+      FAIL() << "something was drawn";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ExitCode::NoDevice);
+      EXPECT_NE(std::string(error.what()).find("graphics pipeline"), std::string::npos) << error.what();
+    }
+  }
+}
+
+// --- auto -----------------------------------------------------------------------------------------------------------
+
+TEST_F(ComputeOnly, AutoIsWhatTheDeviceCanDo) {
+  Settings s;
+  s.raster = Raster::Auto;
+  EXPECT_EQ(chooseRaster(computeDevice(), s).raster, Raster::Compute);
+  const RasterChoice choice = chooseRaster(device(), s);
+  EXPECT_NE(choice.raster, Raster::Auto);
+  EXPECT_EQ(chooseRaster(device(), s).why, choice.why);  // measured once
+  if (device().maxTextureArray() == 0) {
+    EXPECT_EQ(choice.raster, Raster::Hardware);
+  }
+  s.lighting = &findTechnique("forward");
+  EXPECT_EQ(chooseRaster(device(), s).raster, Raster::Hardware);
+  s.raster = Raster::Compute;
+  EXPECT_EQ(chooseRaster(device(), s).raster, Raster::Compute);  // as asked
+}
+
+}  // namespace
+}  // namespace latelight::render::test
