@@ -100,11 +100,13 @@ struct ComputeVisibility::Buffers {
 
 namespace {
 
-// A step of rasterization: reads and writes any of its buffers.
-ComputePass rasterStep(const FrameContext& f, graph::Stage stage, const char* shader,
+// A step of rasterization: reads and writes any of its buffers. raster_cull.comp is the pass "raster cull".
+ComputePass rasterStep(const FrameContext& f, graph::Stage stage, std::string shader,
                        std::vector<graph::Access> buffers) {
+  std::string name = shader.substr(0, shader.find('.'));
+  std::ranges::replace(name, '_', ' ');
   return {.stage = stage,
-          .name = "raster",
+          .name = name,
           .shader = shader,
           .bindings = Bindings(f.device),
           .buffers = std::move(buffers),

@@ -32,19 +32,19 @@ vec4 clipPosition(View view, vec3 seen) {
   return clip;
 }
 
-// Within these many half pictures of the middle, positions in subpixels fit into 31 bits, and products of their
-// differences into 63.
-const float kGuardBand = 128.0;
+// In half pictures from the middle, across and down: what reaches farther is clipped. 16,384 pixels, so that edges of a
+// tile fit into 32 bits (raster_large.comp); no picture is wider.
+vec2 guardBand() { return max(32768.0 / vec2(push.width, push.height), vec2(1.0)); }
 
 // Distances from the planes of the view's volume, positive inside: near, far, and the guard band's sides.
 float planeDistance(vec4 clip, uint plane) {
   switch (plane) {
     case 0u: return clip.w - clip.z;
     case 1u: return clip.z;
-    case 2u: return kGuardBand * clip.w - clip.x;
-    case 3u: return kGuardBand * clip.w + clip.x;
-    case 4u: return kGuardBand * clip.w - clip.y;
-    default: return kGuardBand * clip.w + clip.y;
+    case 2u: return guardBand().x * clip.w - clip.x;
+    case 3u: return guardBand().x * clip.w + clip.x;
+    case 4u: return guardBand().y * clip.w - clip.y;
+    default: return guardBand().y * clip.w + clip.y;
   }
 }
 
@@ -108,12 +108,17 @@ vec2 depthSteps(View view, vec3 plane) {
   return vec2(2.0 * plane.x / (view.projection.H * view.size.x), -2.0 * plane.z / (view.projection.V * view.size.y));
 }
 
-float depthAt(View view, Triangle t, ivec2 pixel) {
+// x and z of the ray through a pixel's centre.
+vec2 rayAt(View view, ivec2 pixel) {
   vec2 ndc = pixelToNdc(vec2(pixel) + 0.5, view.size);
-  precise float x = (ndc.x - view.projection.X) / view.projection.H, z = (ndc.y - view.projection.Z) / view.projection.V;
-  precise float depth = t.plane.x * x + t.plane.y + t.plane.z * z;
+  precise vec2 ray = (ndc - vec2(view.projection.X, view.projection.Z)) / vec2(view.projection.H, view.projection.V);
+  return ray;
+}
+float depthOn(vec3 plane, vec2 ray) {
+  precise float depth = plane.x * ray.x + plane.y + plane.z * ray.y;
   return depth;
 }
+float depthAt(View view, Triangle t, ivec2 pixel) { return depthOn(t.plane, rayAt(view, pixel)); }
 
 // The depth that pixels of a triangle may have: its corners', and as much more as the plane rises in a subpixel, since
 // snapping lets it cover pixels just outside. Seen edge-on a plane gives any depth at all; a corner's will do.

@@ -3,7 +3,7 @@
 
 layout(local_size_x = 128) in;
 
-const int kSmallBox = 12;      // pixels
+const int kSmallBox = 40;      // pixels
 const int kMediumBox = 512;    // a subgroup's loop over more would keep its workgroup waiting
 // Pixels of a box in which edges fit into 32 bits, and in the blocks that begin in it too: 2 (127 * 256)^2 < 2^31.
 const int kLargestSide = 119;
