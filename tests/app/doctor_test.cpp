@@ -29,6 +29,7 @@ TEST(Doctor, IsContentHere) {
   EXPECT_EQ(structured.code, 0);
   EXPECT_EQ(text.err + structured.err, "");
   EXPECT_THAT(text.out, HasSubstr("Latelight can render here.\n"));
+  EXPECT_THAT(text.out, HasSubstr("`--raster auto` chooses"));
   const json diagnosis = json::parse(structured.out);
   EXPECT_EQ(diagnosis["usable"], true);
   EXPECT_GE(diagnosis["findings"].size(), 3u);

@@ -41,6 +41,28 @@ TEST(BuiltinNames, WrongOnesListWhatThereIs) {
     EXPECT_THAT(usageError(std::string("builtin:hall,") + value), testing::HasSubstr(value));
 }
 
+// --- builtin:triangles ----------------------------------------------------------------------------------------------
+
+TEST(BuiltinTriangles, AreAsManyAndAsLargeAsAsked) {
+  const Scene scene = load("builtin:triangles,count=1000200,size=35");
+  EXPECT_EQ(scene.triangleCount(), 1'000'200u);
+  ASSERT_EQ(scene.meshes.size(), 2u);
+  const Mesh& mesh = scene.meshes[1];
+  ASSERT_EQ(mesh.indices.size(), 600u);
+  const double leg = 3.5 * 2 / kTrianglesPicture;  // in the middle, where the picture is 2 metres high
+  for (size_t i = 0; i < mesh.positions.size(); i += 3) {
+    const glm::dvec3 a(mesh.positions[i]), b(mesh.positions[i + 1]), c(mesh.positions[i + 2]);
+    EXPECT_NEAR(glm::length(b - a), leg, leg * 1e-3);
+    EXPECT_NEAR(glm::length(c - a), leg, leg * 1e-3);
+    EXPECT_NEAR(glm::dot(b - a, c - a), 0, leg * leg * 1e-3);
+    EXPECT_GT(glm::cross(b - a, c - a).z, 0);  // towards the camera
+    EXPECT_LE(std::max({std::abs(a.x), std::abs(a.y), std::abs(a.z)}), 1.01);
+  }
+  EXPECT_THAT(usageError("builtin:triangles,size=1.5"), testing::HasSubstr("size (1 to 20480)"));
+}
+
+// --- names ----------------------------------------------------------------------------------------------------------
+
 TEST(BuiltinNames, AVariantIsRefused) {
   LoadOptions options;
   options.variant = "red";

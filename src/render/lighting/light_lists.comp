@@ -62,7 +62,7 @@ uvec2 tilePixel(Tile tile, uint first) { return tile.corner + pixelOfTile(min(fi
 
 // The minimum bits per slice: in a perspective view slices are at least 1/8 to 1/16 of their distance deep, in an
 // orthographic one as deep as a tile is wide. Thinner ones would split tiles without dropping lights; thicker ones save an
-// H200 3 % with few lights, but the lists of a million do not fit, and it takes 2.6 times as long.
+// H200 3 % with few lights, but the lists of a million do not fit then, and it takes three times as long.
 uint leastSliceBits(View view) {
   Projection p = view.projection;
   if (p.kind == kPerspective) return 20u;
