@@ -39,6 +39,7 @@ std::map<std::string, std::string> describeSettings(const RenderOptions& o, cons
     if (!text.empty()) settings[std::string(render::keyOf(option))] = text;
   }
   for (const char* elsewhere : {"axes", "normal-frame"}) settings.erase(elsewhere);
+  settings["raster"] = render::nameOf(o.settings.raster);  // what `auto` stands for here
   settings["hdri"] = environment.empty() ? "none" : environment;
   const std::optional<double> time = o.settings.time;  // of the frame, in a sequence
   if (time) settings["time"] = fmt::format("{}", *time);

@@ -14,7 +14,7 @@ using testing::HasSubstr;
 
 Outcome bench(std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), "bench");
-  return latelight({.arguments = std::move(arguments), .environment = {}});
+  return latelight(std::move(arguments));
 }
 
 TEST(Bench, MeasuresRandomTrianglesWithBothRasters) {

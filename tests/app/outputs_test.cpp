@@ -238,6 +238,7 @@ TEST_F(Outputs, SideFileSaysHowToReadThePixels) {
   EXPECT_EQ(side["height"], kHeight);
   EXPECT_EQ(side["world"]["name"], "gltf");
   EXPECT_EQ(side["settings"]["layout"], "optimized");
+  EXPECT_THAT(side["settings"]["raster"], testing::AnyOf("hardware", "compute"));  // not auto
   EXPECT_EQ(side["aovs"]["depth"]["file"], "a.exr");
   EXPECT_EQ(side["aovs"]["depth"]["unit"], "m");
   EXPECT_THAT(side["device"]["name"].get<std::string>(), HasSubstr("llvmpipe"));
