@@ -21,6 +21,7 @@ namespace {
 struct BenchArguments {
   RenderOptions render;
   std::string most = "10M";
+  uint32_t views = 1024;
   study::BenchOptions options;
   bool json = false;
 };
@@ -43,12 +44,13 @@ void runRaster(BenchArguments& a) {
   print(device, study::benchRaster(device, a.options), a.json);
 }
 
-void runFrame(BenchArguments& a) {
+// What `frame` and `views` share: a scene's renderer and camera.
+template <typename Measure>
+void runScene(BenchArguments& a, const Measure& measure) {
   RenderOptions& o = a.render;
   if (o.isGiven("out")) badUsage("bench measures, and writes no picture: leave -o out");
   if (o.isGiven("raster")) badUsage("bench measures both rasters: leave --raster out");
   checkOptions(o);
-  o.settings.display = true;
   const scene::Scene scene = scene::load(o.scene, {.variant = o.variant, .allowOutside = o.allowOutside});
   const Timeline timeline(scene, o);
   const scene::Camera camera = timeline.cameraAt(timeline.first());
@@ -56,7 +58,22 @@ void runFrame(BenchArguments& a) {
   vk::avoidFullDriverCache();
   vk::Device device({.selector = o.device});
   render::Renderer renderer(device, scene, environment ? &*environment : nullptr);
-  print(device, study::benchFrame(renderer, camera, o.settings, a.options), o.json);
+  print(device, measure(renderer, camera), o.json);
+}
+
+void runFrame(BenchArguments& a) {
+  runScene(a, [&](render::Renderer& renderer, const scene::Camera& camera) {
+    a.render.settings.display = true;
+    return study::benchFrame(renderer, camera, a.render.settings, a.options);
+  });
+}
+
+void runViews(BenchArguments& a) {
+  runScene(a, [&](render::Renderer& renderer, const scene::Camera& camera) {
+    if (!a.render.aovs.empty()) a.render.settings.aovs = output::parseAovs(a.render.aovs);
+    a.render.settings.display = a.render.aovs.empty();
+    return study::benchViews(renderer, camera, a.render.settings, a.views, a.options);
+  });
 }
 
 }  // namespace
@@ -64,10 +81,11 @@ void runFrame(BenchArguments& a) {
 void addBenchCommand(CLI::App& app) {
   auto arguments = std::make_shared<BenchArguments>();
   BenchArguments& a = *arguments;
-  CLI::App* bench = app.add_subcommand("bench", "Measure the device: rasterization, or a frame pass by pass");
+  CLI::App* bench =
+      app.add_subcommand("bench", "Measure the device: rasterization, a frame pass by pass, or many views");
   bench->require_subcommand(0, 1);  // none is said below, in better words than "a subcommand is required"
   bench->callback([bench] {
-    if (bench->get_subcommands().empty()) badUsage("bench takes what it measures: raster or frame");
+    if (bench->get_subcommands().empty()) badUsage("bench takes what it measures: raster, frame or views");
   });
   CLI::App* raster = bench->add_subcommand("raster", "Random triangles, by number and size, with both rasters");
   raster->add_option("--most", a.most, "Leave out what has more triangles")->capture_default_str();
@@ -77,7 +95,12 @@ void addBenchCommand(CLI::App& app) {
   CLI::App* frame = bench->add_subcommand("frame", "A frame to its picture on the device; takes the options of render");
   addRenderOptions(*frame, a.render);
   frame->callback([arguments] { runFrame(*arguments); });
-  for (CLI::App* command : {raster, frame})
+  CLI::App* views =
+      bench->add_subcommand("views", "Many views at once, left on the device; takes the options of render");
+  addRenderOptions(*views, a.render);
+  views->add_option("--views", a.views, "How many")->check(CLI::Range(1, 100'000))->capture_default_str();
+  views->callback([arguments] { runViews(*arguments); });
+  for (CLI::App* command : {raster, frame, views})
     command->add_option("--runs", a.options.frames, "Frames of each measurement")
         ->check(CLI::Range(1, 1000))
         ->capture_default_str();

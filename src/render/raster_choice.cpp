@@ -58,14 +58,14 @@ Times knownTimes(vk::Device& device) {
   const std::string entry = fmt::format("raster1-{}-{:08x}", device.info().uuid, device.properties().driverVersion);
   std::lock_guard lock(mutex);
   if (const auto found = known.find(entry); found != known.end()) return found->second;
-  Times& times = known[entry];
+  Times times;
   if (const auto bytes = loadCache(entry); bytes && bytes->size() == sizeof(times)) {
     std::memcpy(&times, bytes->data(), sizeof(times));
-    return times;
+  } else {
+    times = measure(device);
+    storeCache(entry, std::as_bytes(std::span(&times, 1)));
   }
-  times = measure(device);
-  storeCache(entry, std::as_bytes(std::span(&times, 1)));
-  return times;
+  return known[entry] = times;
 }
 
 // What the device can't do at all.

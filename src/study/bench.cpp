@@ -3,9 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
+#include <glm/ext/matrix_transform.hpp>
+#include <glm/gtc/constants.hpp>
 #include <map>
 #include <span>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "scene/builtin.h"
@@ -125,6 +129,52 @@ Table benchFrame(render::Renderer& renderer, const scene::Camera& camera, const 
   }
   const double ratio = median(samples.at(Raster::Hardware).all) / median(samples.at(Raster::Compute).all);
   table.rows.push_back({std::string("hardware / compute"), std::string("all"), ratio, 0.0});
+  return table;
+}
+
+// --- views ----------------------------------------------------------------------------------------------------------
+
+namespace {
+
+std::vector<scene::Camera> turnedAbout(const scene::Camera& camera, uint32_t count) {
+  std::vector<scene::Camera> cameras(count, camera);
+  for (uint32_t i = 0; i < count; ++i) {
+    const auto angle = static_cast<float>(2 * glm::pi<double>() * i / count);
+    const glm::mat4 turn = glm::rotate(glm::mat4(1), angle, glm::vec3(0, 0, 1));
+    const glm::vec4 eye = camera.toWorld[3];
+    cameras[i].toWorld = turn * camera.toWorld;
+    cameras[i].toWorld[3] = eye;
+  }
+  return cameras;
+}
+
+// Milliseconds until the device is done. The first call takes what is found too small, and the pictures, to its end.
+double timeOfViews(render::Renderer& renderer, std::span<const scene::Camera> cameras, const render::Settings& settings,
+                   bool first) {
+  using Clock = std::chrono::steady_clock;
+  const auto start = Clock::now();
+  render::Ticket ticket = renderer.submit(cameras, settings, {}, render::Results::OnDevice);
+  while (!ticket.done()) std::this_thread::sleep_for(std::chrono::microseconds(50));
+  const double elapsed = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+  if (first) ticket.take();
+  return elapsed;
+}
+
+}  // namespace
+
+Table benchViews(render::Renderer& renderer, const scene::Camera& camera, const render::Settings& settings,
+                 uint32_t count, const BenchOptions& options) {
+  const std::vector<scene::Camera> cameras = turnedAbout(camera, count);
+  Table table{"views", {"raster", "views", "ms", "spread %", "views a second"}, {}};
+  for (const Raster raster : kRasters) {
+    render::Settings s = settings;
+    s.raster = raster;
+    timeOfViews(renderer, cameras, s, true);
+    Samples samples;
+    for (uint32_t run = 0; run < options.frames; ++run) samples.push_back(timeOfViews(renderer, cameras, s, false));
+    table.rows.push_back({std::string(render::nameOf(raster)), static_cast<double>(count), median(samples),
+                          spread(samples), 1000 * count / median(samples)});
+  }
   return table;
 }
 

@@ -21,4 +21,8 @@ Table benchRaster(vk::Device& device, const BenchOptions& options);
 Table benchFrame(render::Renderer& renderer, const scene::Camera& camera, const render::Settings& settings,
                  const BenchOptions& options);
 
+// Many views at once, turned about the camera's eye, until their results are in the device's memory.
+Table benchViews(render::Renderer& renderer, const scene::Camera& camera, const render::Settings& settings,
+                 uint32_t count, const BenchOptions& options);
+
 }  // namespace latelight::study

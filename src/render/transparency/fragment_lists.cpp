@@ -145,6 +145,8 @@ bool isWeighted(const FrameContext& f) {
   return f.setup.transparency.method == kTransparencyWeighted;
 }
 
+// Longer lists than are blended at once are blended part by part; of weighted, which needs them whole, each has a mean of
+// its own then.
 void addBlend(const FrameContext& f, graph::ImageId light, const Buffers& b, graph::BufferId sorted) {
   for (uint32_t first = 0; first < b.room.longest; first += kBlendedAtOnce) {
     Bindings bindings(f.device);
