@@ -8,7 +8,7 @@
 
 #include "app/commands.h"
 #include "app/render_options.h"
-#include "app/render_time.h"
+#include "app/render_run.h"
 #include "base/log.h"
 #include "render/session.h"
 #include "scene/builtin.h"
@@ -51,25 +51,29 @@ void runScene(BenchArguments& a, const Measure& measure) {
   if (o.isGiven("out")) badUsage("bench measures, and writes no picture: leave -o out");
   if (o.isGiven("raster")) badUsage("bench measures both rasters: leave --raster out");
   checkOptions(o);
-  const scene::Scene scene = scene::load(o.scene, {.variant = o.variant, .allowOutside = o.allowOutside});
+  checkTime(o);
+  const scene::Scene scene =
+      scene::load(o.scene, {.variant = o.variant, .allowOutside = o.allowOutside, .ids = o.idGrouping});
   const Timeline timeline(scene, o);
   const scene::Camera camera = timeline.cameraAt(timeline.first());
-  const std::optional<scene::Environment> environment = render::loadEnvironment(render::environmentName(scene, o.hdri));
+  const std::optional<scene::Environment> environment = render::loadEnvironment(environmentOf(o, scene));
   vk::avoidFullDriverCache();
-  vk::Device device({.selector = o.device});
+  vk::Device device({.selector = o.device, .validation = o.validate});
   render::Renderer renderer(device, scene, environment ? &*environment : nullptr);
-  print(device, measure(renderer, camera), o.json);
+  print(device, measure(renderer, camera, timeline.momentAt(timeline.first())), o.json);
+  for (const std::string& message : device.validationMessages())
+    fail(ExitCode::Internal, "the Vulkan validation layer says: {}", message);
 }
 
 void runFrame(BenchArguments& a) {
-  runScene(a, [&](render::Renderer& renderer, const scene::Camera& camera) {
+  runScene(a, [&](render::Renderer& renderer, const scene::Camera& camera, const render::Moment& moment) {
     a.render.settings.display = true;
-    return study::benchFrame(renderer, camera, a.render.settings, a.options);
+    return study::benchFrame(renderer, camera, moment, a.render.settings, a.options);
   });
 }
 
 void runViews(BenchArguments& a) {
-  runScene(a, [&](render::Renderer& renderer, const scene::Camera& camera) {
+  runScene(a, [&](render::Renderer& renderer, const scene::Camera& camera, const render::Moment&) {
     if (!a.render.aovs.empty()) a.render.settings.aovs = output::parseAovs(a.render.aovs);
     a.render.settings.display = a.render.aovs.empty();
     return study::benchViews(renderer, camera, a.render.settings, a.views, a.options);

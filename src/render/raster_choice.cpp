@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <limits>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -12,7 +11,6 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "render/lighting/technique.h"
-#include "render/renderer.h"
 #include "render/visibility/compute/compute.h"
 #include "scene/scene.h"
 
@@ -27,22 +25,7 @@ struct Times {  // milliseconds of the device
 };
 
 double timeOf(Renderer& renderer, const scene::Scene& scene, Raster raster) {
-  constexpr int kFrames = 4;  // the first one warms up
-  Settings settings;
-  settings.width = settings.height = 1024;
-  settings.display = false;
-  settings.shadows = ShadowFormat::None;
-  settings.raster = raster;
-  settings.aovs = {output::Aov::Depth};
-  double best = std::numeric_limits<double>::infinity();
-  for (int frame = 0; frame < kFrames; ++frame) {
-    renderer.render(std::span(scene.cameras).first(1), settings);
-    double sum = 0;
-    for (const graph::PassTime& pass : renderer.times())
-      if (pass.stage == graph::Stage::Visibility) sum += pass.milliseconds;
-    best = std::min(best, sum);
-  }
-  return best;
+  return std::ranges::min(depthTimes(renderer, scene, raster, 1024, 3));
 }
 
 Times measure(vk::Device& device) {
@@ -76,8 +59,8 @@ std::optional<RasterChoice> onlyChoice(const vk::Device& device, const Settings&
     return RasterChoice{Raster::Compute, "the device has no graphics pipeline"};
   }
   if (!lacks.empty()) return RasterChoice{Raster::Hardware, lacks};
-  if (settings.lighting->forward) return RasterChoice{Raster::Hardware, "forward techniques draw"};
-  if (settings.aa.samples > 1) return RasterChoice{Raster::Hardware, "several samples a pixel are drawn"};
+  if (alwaysDraws(settings))
+    return RasterChoice{Raster::Hardware, "forward techniques and several samples a pixel are drawn"};
   if (device.maxTextureArray() == 0)
     return RasterChoice{Raster::Hardware,
                         "without descriptor indexing compute shaders have to filter textures themselves"};
@@ -85,6 +68,25 @@ std::optional<RasterChoice> onlyChoice(const vk::Device& device, const Settings&
 }
 
 }  // namespace
+
+std::vector<double> depthTimes(Renderer& renderer, const scene::Scene& scene, Raster raster, uint32_t size,
+                               uint32_t frames) {
+  Settings settings;
+  settings.width = settings.height = size;
+  settings.display = false;
+  settings.shadows = ShadowFormat::None;
+  settings.raster = raster;
+  settings.aovs = {output::Aov::Depth};
+  std::vector<double> times;
+  for (uint32_t frame = 0; frame <= frames; ++frame) {
+    renderer.submit(std::span(scene.cameras).first(1), settings, {}, Results::OnDevice).take();
+    double sum = 0;
+    for (const graph::PassTime& pass : renderer.times())
+      if (pass.stage == graph::Stage::Visibility) sum += pass.milliseconds;
+    if (frame > 0) times.push_back(sum);
+  }
+  return times;
+}
 
 RasterChoice chooseRaster(vk::Device& device, const Settings& settings) {
   if (settings.raster != Raster::Auto) return {settings.raster, "it was asked for"};

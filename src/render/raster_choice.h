@@ -2,9 +2,9 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
-#include "render/settings.h"
-#include "vk/device.h"
+#include "render/renderer.h"
 
 namespace latelight::render {
 
@@ -17,5 +17,10 @@ struct RasterChoice {
 // all; of two, the one that finds the depth of 300,000 small triangles sooner. The first time on a device and driver it
 // is measured, then kept in the cache folder. Throws Error(NoDevice) where the device has neither.
 RasterChoice chooseRaster(vk::Device& device, const Settings& settings);
+
+// Milliseconds that the device takes until the depth of each pixel is known, in a square picture by the scene's first
+// camera: one for each frame, after one more that warms up.
+std::vector<double> depthTimes(Renderer& renderer, const scene::Scene& scene, Raster raster, uint32_t size,
+                               uint32_t frames);
 
 }  // namespace latelight::render

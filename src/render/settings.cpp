@@ -197,8 +197,12 @@ std::span<const NamedOption> postEffects() {
   return all;
 }
 
+bool alwaysDraws(const Settings& settings) {
+  return settings.lighting->forward || settings.aa.samples > 1;
+}
+
 bool rastersInCompute(const Settings& settings) {
-  return settings.raster == Raster::Compute && !settings.lighting->forward && settings.aa.samples == 1;
+  return settings.raster == Raster::Compute && !alwaysDraws(settings);
 }
 
 float exposureFactor(const Settings& settings) {

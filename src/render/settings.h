@@ -168,8 +168,10 @@ struct Settings {
 
 // The factor for radiance.
 float exposureFactor(const Settings& settings);
-// Whether these settings' frames find what is visible in compute shaders: techniques that draw the scene, and several
-// samples a pixel, take the graphics pipeline.
+// Whether they take the graphics pipeline whatever the raster: techniques that draw the scene, and several samples a
+// pixel.
+bool alwaysDraws(const Settings& settings);
+// Whether these settings' frames find what is visible in compute shaders.
 bool rastersInCompute(const Settings& settings);
 
 // Every effect of the post-processing, and the option that turns it on.

@@ -44,6 +44,8 @@ struct FragmentOrder {
 // merged.
 SH_CONST uint kShortList = 32u;
 
+SH_CONST uint kFragmentRow = 65536u;  // invocations in a row of a dispatch over pixels or fragments
+
 SH_END
 
 #if defined(__cplusplus)

@@ -12,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "render/raster_choice.h"
 #include "scene/builtin.h"
 
 namespace latelight::study {
@@ -59,13 +60,13 @@ struct PassSamples {
 
 // The rasters take turns, so that whatever else the machine does falls on both.
 std::map<Raster, PassSamples> measure(render::Renderer& renderer, const scene::Camera& camera,
-                                      const render::Settings& settings, uint32_t frames) {
+                                      const render::Moment& moment, const render::Settings& settings, uint32_t frames) {
   std::map<Raster, PassSamples> samples;
   for (uint32_t frame = 0; frame <= frames; ++frame)
     for (const Raster raster : kRasters) {
       render::Settings s = settings;
       s.raster = raster;
-      renderer.submit({&camera, 1}, s, {}, render::Results::OnDevice).take();
+      renderer.submit({&camera, 1}, s, moment, render::Results::OnDevice).take();
       if (frame > 0) samples[raster].add(renderer.times());
     }
   return samples;
@@ -80,23 +81,6 @@ struct Random {
 constexpr Random kRandom[] = {{"100k", 20}, {"1M", 15},    {"10M", 15},  {"10M", 40},
                               {"1M", 160},  {"100k", 640}, {"10k", 4000}};
 
-Samples visibilityOf(render::Renderer& renderer, const scene::Scene& scene, Raster raster, uint32_t frames) {
-  render::Settings settings;
-  settings.width = settings.height = scene::kTrianglesPicture;
-  settings.display = false;
-  settings.raster = raster;
-  settings.aovs = {output::Aov::Depth};
-  Samples samples;
-  for (uint32_t frame = 0; frame <= frames; ++frame) {
-    renderer.submit(std::span(scene.cameras).first(1), settings, {}, render::Results::OnDevice).take();
-    double sum = 0;
-    for (const graph::PassTime& pass : renderer.times())
-      if (pass.stage == graph::Stage::Visibility) sum += pass.milliseconds;
-    if (frame > 0) samples.push_back(sum);
-  }
-  return samples;
-}
-
 }  // namespace
 
 Table benchRaster(vk::Device& device, const BenchOptions& options) {
@@ -108,17 +92,19 @@ Table benchRaster(vk::Device& device, const BenchOptions& options) {
     if (count > options.mostTriangles) continue;
     const scene::Scene scene = scene::load(fmt::format("builtin:triangles,count={},size={}", row.count, row.tenths));
     render::Renderer renderer(device, scene, nullptr);
-    const Samples hardware = visibilityOf(renderer, scene, Raster::Hardware, options.frames);
-    const Samples compute = visibilityOf(renderer, scene, Raster::Compute, options.frames);
+    const auto times = [&](Raster raster) {
+      return render::depthTimes(renderer, scene, raster, scene::kTrianglesPicture, options.frames);
+    };
+    const Samples hardware = times(Raster::Hardware), compute = times(Raster::Compute);
     table.rows.push_back({std::string(row.count), 0.1 * row.tenths, median(hardware), spread(hardware), median(compute),
                           spread(compute), median(hardware) / median(compute)});
   }
   return table;
 }
 
-Table benchFrame(render::Renderer& renderer, const scene::Camera& camera, const render::Settings& settings,
-                 const BenchOptions& options) {
-  const std::map<Raster, PassSamples> samples = measure(renderer, camera, settings, options.frames);
+Table benchFrame(render::Renderer& renderer, const scene::Camera& camera, const render::Moment& moment,
+                 const render::Settings& settings, const BenchOptions& options) {
+  const std::map<Raster, PassSamples> samples = measure(renderer, camera, moment, settings, options.frames);
   Table table{"frame", {"raster", "pass", "ms", "spread %"}, {}};
   for (const Raster raster : kRasters) {
     const std::string name(render::nameOf(raster));

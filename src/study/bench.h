@@ -18,8 +18,8 @@ struct BenchOptions {
 Table benchRaster(vk::Device& device, const BenchOptions& options);
 
 // A frame of a scene to its finished picture, left on the device, pass by pass.
-Table benchFrame(render::Renderer& renderer, const scene::Camera& camera, const render::Settings& settings,
-                 const BenchOptions& options);
+Table benchFrame(render::Renderer& renderer, const scene::Camera& camera, const render::Moment& moment,
+                 const render::Settings& settings, const BenchOptions& options);
 
 // Many views at once, turned about the camera's eye, until their results are in the device's memory.
 Table benchViews(render::Renderer& renderer, const scene::Camera& camera, const render::Settings& settings,

@@ -18,6 +18,7 @@ namespace latelight::render {
 
 namespace {
 
+using shared::kFragmentRow;
 using shared::kShortList;
 
 constexpr uint32_t kGroup = 256;                         // invocations of the shaders that loop over fragments
@@ -45,8 +46,7 @@ Room roomFor(const FrameContext& f) {
   return {std::min(learned ? learned : first, most), std::max(f.overflow ? f.overflow->longestList : 0, kShortList)};
 }
 
-struct Buffers {
-  graph::BufferId fragments, counts, starts, totals, lists;
+struct Buffers : FragmentBuffers {
   std::array<graph::BufferId, 2> sorted;  // only where lists may be long
   uint32_t pixels;
   Room room;
@@ -56,6 +56,8 @@ Buffers createBuffers(const FrameContext& f, Room room) {
   Buffers b;
   b.pixels = f.width * f.height * f.viewCount();
   b.room = room;
+  b.capacity = static_cast<uint32_t>(room.fragments);
+  b.longest = room.longest;
   const auto make = [&](const char* name, uint64_t bytes) {
     return f.graph.create(vk::BufferDesc{.size = bytes, .name = name});
   };
@@ -67,20 +69,6 @@ Buffers createBuffers(const FrameContext& f, Room room) {
   if (room.longest > kShortList)
     b.sorted = {make("sorted lists", 4 * room.fragments), make("sorted lists too", 4 * room.fragments)};
   return b;
-}
-
-// With the buffers that the running pass declares.
-shared::FragmentLists listsOf(graph::Context& context, const Buffers& b) {
-  const auto address = [&](graph::BufferId buffer) {
-    return context.declares(buffer) ? context.buffer(buffer).address() : VkDeviceAddress{0};
-  };
-  return {.fragments = address(b.fragments),
-          .counts = address(b.counts),
-          .starts = address(b.starts),
-          .totals = address(b.totals),
-          .lists = address(b.lists),
-          .capacity = static_cast<uint32_t>(b.room.fragments),
-          .longest = b.room.longest};
 }
 
 // A step over all fragments, or over as many invocations as they are at most.
@@ -96,9 +84,8 @@ ComputePass step(const FrameContext& f, const char* name, const char* shader, ui
 }
 
 void addPlace(const FrameContext& f, const Buffers& b) {
-  constexpr uint32_t kRow = 65536;  // fragments_place.comp
-  ComputePass place = step(f, "transparency place", "fragments_place.comp", kRow);
-  place.size = {std::min(b.pixels, kRow), (b.pixels + kRow - 1) / kRow, 1};
+  ComputePass place = step(f, "transparency place", "fragments_place.comp", kFragmentRow);
+  place.size = {std::min(b.pixels, kFragmentRow), (b.pixels + kFragmentRow - 1) / kFragmentRow, 1};
   place.buffers = {{b.counts, graph::Use::StorageRead},
                    {b.totals, graph::Use::StorageReadWrite},
                    {b.starts, graph::Use::StorageWrite}};
@@ -145,8 +132,8 @@ bool isWeighted(const FrameContext& f) {
   return f.setup.transparency.method == kTransparencyWeighted;
 }
 
-// Longer lists than are blended at once are blended part by part; of weighted, which needs them whole, each has a mean of
-// its own then.
+// Longer lists than are blended at once are blended part by part; of weighted, which needs them whole, each has a mean
+// of its own then.
 void addBlend(const FrameContext& f, graph::ImageId light, const Buffers& b, graph::BufferId sorted) {
   for (uint32_t first = 0; first < b.room.longest; first += kBlendedAtOnce) {
     Bindings bindings(f.device);
@@ -192,6 +179,19 @@ void addCheck(const FrameContext& f, const Buffers& b) {
 
 }  // namespace
 
+shared::FragmentLists listsOf(graph::Context& context, const FragmentBuffers& b) {
+  const auto address = [&](graph::BufferId buffer) {
+    return context.declares(buffer) ? context.buffer(buffer).address() : VkDeviceAddress{0};
+  };
+  return {.fragments = address(b.fragments),
+          .counts = address(b.counts),
+          .starts = address(b.starts),
+          .totals = address(b.totals),
+          .lists = address(b.lists),
+          .capacity = b.capacity,
+          .longest = b.longest};
+}
+
 // Not on lavapipe, where the same fragments then take 17 times as long.
 uint32_t fragmentSamples(const vk::Device& device, const FrameSetup& setup) {
   return device.has(VK_EXT_POST_DEPTH_COVERAGE_EXTENSION_NAME) && !device.isCpu() ? setup.samples : 1;
@@ -200,15 +200,9 @@ uint32_t fragmentSamples(const vk::Device& device, const FrameSetup& setup) {
 void addFragmentLists(const FrameContext& f, const Gbuffer& gbuffer) {
   const Buffers b = createBuffers(f, roomFor(f));
   addClear(f, graph::Stage::Transparency, "transparency clear", {b.counts, b.totals});
-  const FragmentBuffers fragments{.fragments = b.fragments,
-                                  .counts = b.counts,
-                                  .totals = b.totals,
-                                  .lists = b.lists,
-                                  .capacity = static_cast<uint32_t>(b.room.fragments),
-                                  .longest = b.room.longest};
-  f.visibility.addFragments(f, gbuffer, fragments);
+  f.visibility.addFragments(f, gbuffer, b);
   addPlace(f, b);
-  f.visibility.lightFragments(f, gbuffer, fragments);
+  f.visibility.lightFragments(f, gbuffer, b);
   addBlend(f, gbuffer.light, b, addSort(f, b));
   addCheck(f, b);
 }

@@ -11,7 +11,7 @@ layout(local_size_x = 256) in;
 layout(push_constant, scalar) uniform Push { PlacePush push; };
 
 void main() {
-  uint pixel = gl_WorkGroupID.y * 65536u + gl_GlobalInvocationID.x;
+  uint pixel = gl_WorkGroupID.y * kFragmentRow + gl_GlobalInvocationID.x;
   if (pixel >= push.pixels) return;
   uint count = WordsRef(push.lists.counts).v[pixel];
   if (count == 0u) return;

@@ -7,6 +7,7 @@
 
 #include "render/frame.h"
 #include "render/visibility/draw.h"
+#include "render/visibility/visibility.h"
 
 namespace latelight::render {
 
@@ -22,6 +23,9 @@ void addTransparency(const FrameContext& f, const Gbuffer& gbuffer);
 void addFragmentLists(const FrameContext& f, const Gbuffer& gbuffer);
 void addSortedTransparency(const FrameContext& f, const Gbuffer& gbuffer);
 void addWeightedTransparency(const FrameContext& f, const Gbuffer& gbuffer);
+
+// Fragment buffers by their addresses: those that the running pass declares.
+shared::FragmentLists listsOf(graph::Context& context, const FragmentBuffers& buffers);
 
 // Samples per pixel at which `exact` stores fragments: the frame's where fragments can read their coverage after the
 // depth test, else 1.

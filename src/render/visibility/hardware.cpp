@@ -190,10 +190,7 @@ void HardwareVisibility::addFragments(const FrameContext& f, const Gbuffer& gbuf
   f.graph.pass(graph::Stage::Transparency, "transparency store", std::move(accesses),
                [=, &f, this](graph::Context& context) {
                  const std::vector<vk::BoundImage> images = maps.images(context);
-                 const shared::FragmentLists lists{.fragments = context.buffer(buffers.fragments).address(),
-                                                   .counts = context.buffer(buffers.counts).address(),
-                                                   .totals = context.buffer(buffers.totals).address(),
-                                                   .capacity = buffers.capacity};
+                 const shared::FragmentLists lists = listsOf(context, buffers);
                  for (uint32_t view = 0; view < f.viewCount(); ++view) {
                    beginView(context, f, view, {}, {depth, false});
                    SceneBinder binder(context, scene_, blended_, {f.constants, f.viewBuffer, view}, pipelines, images);

@@ -12,7 +12,7 @@ enum class MotionUse { Reproject, Data };
 
 // Where blended fragments are kept (shared/fragment_lists.h), as buffers of the graph.
 struct FragmentBuffers {
-  graph::BufferId fragments, counts, totals, lists;
+  graph::BufferId fragments, counts, starts, totals, lists;
   uint32_t capacity;  // fragments
   uint32_t longest;   // list
 };

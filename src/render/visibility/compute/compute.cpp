@@ -371,22 +371,6 @@ void ComputeVisibility::addShadowMaps(const FrameContext& f, graph::ImageId atla
 
 // --- blended surfaces -----------------------------------------------------------------------------------------------
 
-namespace {
-
-FragmentLists listsOf(graph::Context& context, const FragmentBuffers& buffers) {
-  const auto address = [&](graph::BufferId buffer) {
-    return context.declares(buffer) ? context.buffer(buffer).address() : VkDeviceAddress{0};
-  };
-  return {.fragments = address(buffers.fragments),
-          .counts = address(buffers.counts),
-          .totals = address(buffers.totals),
-          .lists = address(buffers.lists),
-          .capacity = buffers.capacity,
-          .longest = buffers.longest};
-}
-
-}  // namespace
-
 void ComputeVisibility::addFragments(const FrameContext& f, const Gbuffer& gbuffer,
                                      const FragmentBuffers& buffers) const {
   const RasterViews views{f.constants, f.width, f.height, f.viewCount()};

@@ -129,7 +129,7 @@ void setRange(inout Triangle t, View view, float least, float most) {
   t.least = max(least - more, 0.0);
   t.most = min(most + more, 1.0);
 }
-float withinRange(Triangle t, float depth) { return clamp(depth >= 0.0 ? depth : t.least, t.least, t.most); }
+float withinRange(float least, float most, float depth) { return clamp(depth >= 0.0 ? depth : least, least, most); }
 
 // The pixels whose centres may be inside: both included; none where a corner of `low` is beyond that of `high`.
 struct PixelBox {

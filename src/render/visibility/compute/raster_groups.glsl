@@ -31,7 +31,7 @@ Edges edgesAt(Triangle t, ivec2 pixel) {
 void testPixel(uint view, Triangle t, ivec2 pixel, ivec3 weights, ivec3 bias, float depth) {
   ivec3 biased = weights + bias;
   if ((biased.x | biased.y | biased.z) < 0) return;
-  hit(view, pixel, withinRange(t, depth), t.id);
+  hit(view, pixel, withinRange(t.least, t.most, depth), t.id);
 }
 
 void rasterSmall(uint index, View view, Triangle t, PixelBox box) {

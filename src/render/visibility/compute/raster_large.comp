@@ -60,7 +60,6 @@ void main() {
     ivec3 row = t.at + t.right * block.x + t.down * block.y;
     ivec3 most = row + (kBlock - 1) * (max(t.right, ivec3(0)) + max(t.down, ivec3(0)));
     if ((most.x | most.y | most.z) < 0 || t.most < farthest) continue;
-    Triangle whole = Triangle(ivec2(0), ivec2(0), ivec2(0), t.plane, t.least, t.most, t.id);
     float first = depthOn(t.plane, ray);
     vec2 steps = depthSteps(seen, t.plane);
     uint64_t least = ~uint64_t(0);
@@ -68,7 +67,7 @@ void main() {
       ivec3 weights = row;
       [[unroll]] for (int x = 0; x < kBlock; ++x) {
         if ((weights.x | weights.y | weights.z) >= 0) {
-          float depth = withinRange(whole, first + dot(steps, vec2(x, y)));
+          float depth = withinRange(t.least, t.most, first + dot(steps, vec2(x, y)));
           shown[y * kBlock + x] = max(shown[y * kBlock + x], visibleValue(depth, t.id));
         }
         least = min(least, shown[y * kBlock + x]);

@@ -14,6 +14,6 @@ void main() {
     Edge a = edgeAt(t.b, t.c, pixel), b = edgeAt(t.c, t.a, pixel), c = edgeAt(t.a, t.b, pixel);
     bool inside = ((a.at + a.bias) | (b.at + b.bias) | (c.at + c.bias)) >= 0;
     if (inside && all(lessThan(pixel, ivec2(push.width, push.height))))
-      hit(place.view, pixel, withinRange(t, depthAt(seen, t, pixel)), t.id);
+      hit(place.view, pixel, withinRange(t.least, t.most, depthAt(seen, t, pixel)), t.id);
   }
 }

@@ -127,7 +127,6 @@ struct FragmentLightPush {
   uint firstTriangle;  // of the blended instances
   uint width, height;  // pixels of a view
 };
-SH_CONST uint kFragmentRow = 65536u;  // invocations in a row of its dispatch
 
 SH_END
 
