@@ -73,10 +73,10 @@ void runFrame(BenchArguments& a) {
 }
 
 void runViews(BenchArguments& a) {
-  runScene(a, [&](render::Renderer& renderer, const scene::Camera& camera, const render::Moment&) {
+  runScene(a, [&](render::Renderer& renderer, const scene::Camera& camera, const render::Moment& moment) {
     if (!a.render.aovs.empty()) a.render.settings.aovs = output::parseAovs(a.render.aovs);
     a.render.settings.display = a.render.aovs.empty();
-    return study::benchViews(renderer, camera, a.render.settings, a.views, a.options);
+    return study::benchViews(renderer, camera, moment.poses, a.render.settings, a.views, a.options);
   });
 }
 

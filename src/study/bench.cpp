@@ -135,11 +135,11 @@ std::vector<scene::Camera> turnedAbout(const scene::Camera& camera, uint32_t cou
 }
 
 // Milliseconds until the device is done. The first call takes what is found too small, and the pictures, to its end.
-double timeOfViews(render::Renderer& renderer, std::span<const scene::Camera> cameras, const render::Settings& settings,
-                   bool first) {
+double timeOfViews(render::Renderer& renderer, std::span<const scene::Camera> cameras, const render::Poses& poses,
+                   const render::Settings& settings, bool first) {
   using Clock = std::chrono::steady_clock;
   const auto start = Clock::now();
-  render::Ticket ticket = renderer.submit(cameras, settings, {}, render::Results::OnDevice);
+  render::Ticket ticket = renderer.submit(cameras, settings, {.poses = poses}, render::Results::OnDevice);
   while (!ticket.done()) std::this_thread::sleep_for(std::chrono::microseconds(50));
   const double elapsed = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
   if (first) ticket.take();
@@ -148,16 +148,17 @@ double timeOfViews(render::Renderer& renderer, std::span<const scene::Camera> ca
 
 }  // namespace
 
-Table benchViews(render::Renderer& renderer, const scene::Camera& camera, const render::Settings& settings,
-                 uint32_t count, const BenchOptions& options) {
+Table benchViews(render::Renderer& renderer, const scene::Camera& camera, const render::Poses& poses,
+                 const render::Settings& settings, uint32_t count, const BenchOptions& options) {
   const std::vector<scene::Camera> cameras = turnedAbout(camera, count);
   Table table{"views", {"raster", "views", "ms", "spread %", "views a second"}, {}};
   for (const Raster raster : kRasters) {
     render::Settings s = settings;
     s.raster = raster;
-    timeOfViews(renderer, cameras, s, true);
+    timeOfViews(renderer, cameras, poses, s, true);
     Samples samples;
-    for (uint32_t run = 0; run < options.frames; ++run) samples.push_back(timeOfViews(renderer, cameras, s, false));
+    for (uint32_t run = 0; run < options.frames; ++run)
+      samples.push_back(timeOfViews(renderer, cameras, poses, s, false));
     table.rows.push_back({std::string(render::nameOf(raster)), static_cast<double>(count), median(samples),
                           spread(samples), 1000 * count / median(samples)});
   }

@@ -22,7 +22,7 @@ Table benchFrame(render::Renderer& renderer, const scene::Camera& camera, const 
                  const render::Settings& settings, const BenchOptions& options);
 
 // Many views at once, turned about the camera's eye, until their results are in the device's memory.
-Table benchViews(render::Renderer& renderer, const scene::Camera& camera, const render::Settings& settings,
-                 uint32_t count, const BenchOptions& options);
+Table benchViews(render::Renderer& renderer, const scene::Camera& camera, const render::Poses& poses,
+                 const render::Settings& settings, uint32_t count, const BenchOptions& options);
 
 }  // namespace latelight::study
