@@ -62,7 +62,9 @@ void refuseTooManyEndless(const FrameContext& f) {
 graph::ImageId addShadows(const FrameContext& f) {
   if (!f.shadows) return {};
   if (!f.shadows->takeDrawing()) return f.graph.import(f.shadows->atlas(), graph::Use::SampledCompute);
-  const graph::ImageId atlas = f.graph.import(f.shadows->atlas(), std::nullopt);
+  const bool keeps = f.shadows->keepsAtlas();
+  const graph::ImageId atlas =
+      f.graph.import(f.shadows->atlas(), keeps ? std::optional(graph::Use::SampledCompute) : std::nullopt);
   f.graph.exports(atlas, graph::Use::SampledCompute);
   f.visibility.addShadowMaps(f, atlas);
   return atlas;

@@ -101,7 +101,7 @@ std::shared_ptr<FrameShadows> Renderer::planShadows(std::span<const scene::Camer
   if (!castsShadows(settings)) return nullptr;
   std::vector<shared::View> views;
   for (const scene::Camera& camera : cameras) views.push_back(makeView(camera, settings.width, settings.height));
-  auto shadows = std::make_shared<FrameShadows>(device_, gpuScene_, views, settings, shadowAtlas_);
+  auto shadows = std::make_shared<FrameShadows>(device_, gpuScene_, views, settings, shadowMaps_);
   return shadows->empty() ? nullptr : shadows;
 }
 
@@ -158,7 +158,7 @@ size_t Renderer::startViews(const std::shared_ptr<RenderJob>& job, size_t first,
       job->parts.pop_back();
       return std::clamp<uint64_t>(count * memoryForViews(device_) / bytes, 1, count - 1);
     }
-    if (!part.checks.empty()) unsettled_ = {job, &part};
+    unsettled_ = {job, &part};
   }
   return count;
 }
@@ -239,6 +239,7 @@ void Renderer::settle() {
       while (startPart(*part, anyRoom) == Start::Overflowed) {
       }
     }
+    if (part->shadows) part->shadows->settled();
   } catch (...) {
     part->job.error = std::current_exception();
   }
@@ -300,17 +301,24 @@ output::RawGbuffer Renderer::readTargets(const scene::Camera& camera, const Sett
   if (layout.sunTarget >= 0) shadows = planShadows(job.now, atCentres);  // else nothing in the targets is lit
   const RenderPart part(job, 0, 1, {0, settings.height}, shadows);
   ViewSet set(state_, part.views(glm::vec2(0)), atCentres, shadows.get(), VisibilityOptions{.atCentres = true});
-  graph::Graph graph(executor_);
-  const LitFrame lit = addOpaque(set.frame(graph, frameSetup(atCentres, shadows != nullptr)));
-  const RawReadback readback(graph, layout, settings.normals->index, lit.gbuffer);
-  gpuScene_.addChanges(graph);
-  const graph::Submission done = submit(graph, graph.compile());
-  done.wait();
+  std::optional<graph::Graph> graph;
+  std::optional<RawReadback> readback;
+  graph::Submission done;
+  overflow_.checks.clear();  // what an error has left
+  do {
+    if (graph && shadows) shadows->drawAgain();
+    graph.emplace(executor_);
+    const LitFrame lit = addOpaque(set.frame(*graph, frameSetup(atCentres, shadows != nullptr)));
+    readback.emplace(*graph, layout, settings.normals->index, lit.gbuffer);
+    gpuScene_.addChanges(*graph);
+    done = submit(*graph, graph->compile());
+    done.wait();
+  } while (overflowed(std::exchange(overflow_.checks, {}), done));
   job.addTimes(done);
   times_ = job.times;
   shadingCounts_.reset();
-  graphviz_ = graph.graphviz();
-  return readback.read(done, set.views().front());
+  graphviz_ = graph->graphviz();
+  return readback->read(done, set.views().front());
 }
 
 }  // namespace latelight::render

@@ -90,9 +90,9 @@ class Renderer {
   Overflow overflow_;
   RenderState state_;
   TemporalHistory history_;
-  KeptAtlas shadowAtlas_;
-  // The last part on its way, where something may have overflowed in it: that is found out, and done again, before
-  // anything changes what it sees.
+  KeptShadowMaps shadowMaps_;
+  // The last part on its way. Whether something overflowed in it is found out, and done again, before anything changes
+  // what it sees.
   std::shared_ptr<RenderPart> unsettled_;
   std::vector<graph::PassTime> times_;
   std::optional<ShadingCounts> shadingCounts_;

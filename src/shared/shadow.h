@@ -89,7 +89,7 @@ SH_FUNC uint shadowFace(vec3 d) {
 }
 
 struct ShadowPoint {
-  vec2 texel;   // of the atlas
+  vec2 texel;   // from the first corner of its tile
   float depth;  // 0 to 1 within the map
   float away;   // metres along the map's axis
   float width;  // of a texel there, metres
@@ -108,8 +108,7 @@ SH_FUNC ShadowPoint shadowPoint(ShadowMap m, vec3 p) {
 
 // Whether the texel lies in the tile with this room around it.
 SH_FUNC bool shadowInside(ShadowMap m, vec2 texel, float room) {
-  float x = texel.x - m.low.x, y = texel.y - m.low.y;
-  return x >= room && y >= room && x <= m.size - room && y <= m.size - room;
+  return texel.x >= room && texel.y >= room && texel.x <= m.size - room && texel.y <= m.size - room;
 }
 
 // Of the quadratic B-spline, over the texel that holds a point and its two neighbours along an axis: the filter is 3

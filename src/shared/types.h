@@ -147,7 +147,7 @@ struct ShadowMap {
   float texel;        // metres across at w = 1
   float perspective;  // 1, or 0 for an orthographic map
   float lightSize;    // radius of the light in metres; for a directional one the tangent of half its angle
-  vec2 low;           // the tile's first corner, atlas texels
+  uvec2 corner;       // the first texel of its tile in the atlas
   float size;         // its side, texels
   uint layer;         // of the atlas
 };

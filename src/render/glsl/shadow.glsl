@@ -21,34 +21,35 @@ LightShadow lightShadow(FrameConstants frame, uint view, uint light) {
   return found;
 }
 
-float shadowDepthAt(ivec2 texel, uint layer) {
-  vec4 t = texelFetch(shadowAtlas, ivec3(texel, int(layer)), 0);
+// Texels are counted from the first corner of the map's tile.
+float shadowDepthAt(ShadowMap m, ivec2 texel) {
+  vec4 t = texelFetch(shadowAtlas, ivec3(ivec2(m.corner) + texel, int(m.layer)), 0);
   if (kShadowFormat == kShadowRgba8) return unpackDepth(t);
   if (kShadowFormat == kShadowRgba8Classic) return unpackDepthClassic(t);
   return t.r;
 }
 
-float shadowLit(vec2 texel, uint layer, float depth) {
-  return shadowDepthAt(ivec2(floor(texel)), layer) >= depth ? 1.0 : 0.0;
+float shadowLit(ShadowMap m, vec2 texel, float depth) {
+  return shadowDepthAt(m, ivec2(texel)) >= depth ? 1.0 : 0.0;
 }
 
-float shadowRow(ivec2 texel, uint layer, float depth, vec3 weights) {
-  vec3 lit = vec3(shadowDepthAt(texel + ivec2(-1, 0), layer) >= depth, shadowDepthAt(texel, layer) >= depth,
-                  shadowDepthAt(texel + ivec2(1, 0), layer) >= depth);
+float shadowRow(ShadowMap m, ivec2 texel, float depth, vec3 weights) {
+  vec3 lit = vec3(shadowDepthAt(m, texel + ivec2(-1, 0)) >= depth, shadowDepthAt(m, texel) >= depth,
+                  shadowDepthAt(m, texel + ivec2(1, 0)) >= depth);
   return dot(lit, weights);
 }
 
-float shadowPcf(vec2 texel, uint layer, float depth) {
+float shadowPcf(ShadowMap m, vec2 texel, float depth) {
   vec2 middle = floor(texel);
   vec2 offset = texel - middle - 0.5;
   vec3 across = shadowWeights(offset.x);
   ivec2 t = ivec2(middle);
-  vec3 rows = vec3(shadowRow(t + ivec2(0, -1), layer, depth, across), shadowRow(t, layer, depth, across),
-                   shadowRow(t + ivec2(0, 1), layer, depth, across));
+  vec3 rows = vec3(shadowRow(m, t + ivec2(0, -1), depth, across), shadowRow(m, t, depth, across),
+                   shadowRow(m, t + ivec2(0, 1), depth, across));
   return dot(rows, shadowWeights(offset.y));
 }
 
-vec2 shadowClamp(ShadowMap m, vec2 texel) { return clamp(texel, m.low + 1.5, m.low + m.size - 1.5); }
+vec2 shadowClamp(ShadowMap m, vec2 texel) { return clamp(texel, vec2(1.5), vec2(m.size - 1.5)); }
 
 float shadowPcss(ShadowMap m, ShadowPoint p, vec2 plane) {
   float widest = kShadowWidest * m.size;
@@ -57,7 +58,7 @@ float shadowPcss(ShadowMap m, ShadowPoint p, vec2 plane) {
   float blockers = 0.0, depths = 0.0;
   for (uint i = 0u; i < kShadowSearchTaps; ++i) {
     vec2 tap = shadowTap(i, kShadowSearchTaps) * search;
-    float depth = shadowDepthAt(ivec2(shadowClamp(m, p.texel + tap)), m.layer);
+    float depth = shadowDepthAt(m, ivec2(shadowClamp(m, p.texel + tap)));
     bool blocks = depth < p.depth + dot(plane, tap);
     blockers += blocks ? 1.0 : 0.0;
     depths += blocks ? depth : 0.0;
@@ -67,7 +68,7 @@ float shadowPcss(ShadowMap m, ShadowPoint p, vec2 plane) {
   float lit = 0.0;
   for (uint i = 0u; i < kShadowPcssTaps; ++i) {
     vec2 tap = shadowTap(i, kShadowPcssTaps) * radius;
-    lit += shadowLit(shadowClamp(m, p.texel + tap), m.layer, p.depth + dot(plane, tap));
+    lit += shadowLit(m, shadowClamp(m, p.texel + tap), p.depth + dot(plane, tap));
   }
   return blockers > 0.0 ? lit / float(kShadowPcssTaps) : 1.0;
 }
@@ -83,7 +84,7 @@ bool findShadowMap(FrameConstants frame, Light light, LightShadow shadow, vec3 p
   uint next = shadow.first + (cube ? shadowFace(position - light.position) : 0u);
   uint end = directional ? shadow.first + shadow.maps : next + 1u;
   bool found = false;
-  m = ShadowMap(vec4(0.0), vec4(0.0), vec4(0.0), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, vec2(0.0), 0.0, 0u);
+  m = ShadowMap(vec4(0.0), vec4(0.0), vec4(0.0), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, uvec2(0u), 0.0, 0u);
   while (!found && next < end) {
     m = maps.v[next];
     found = !directional || shadowInside(m, shadowPoint(m, position).texel, room);
@@ -105,9 +106,9 @@ float shadowByMaps(FrameConstants frame, Light light, LightShadow shadow, Surfac
   if (kShadowFilter == kShadowFilterPcss)
     lit = shadowPcss(m, p, shadowPlane(m, s.normal, toLight, p.width));
   else if (kShadowFilter == kShadowFilterPcf)
-    lit = shadowPcf(p.texel, m.layer, p.depth);
+    lit = shadowPcf(m, p.texel, p.depth);
   else
-    lit = shadowLit(p.texel, m.layer, p.depth);
+    lit = shadowLit(m, p.texel, p.depth);
   return found && p.depth < 1.0 ? lit : 1.0;
 }
 

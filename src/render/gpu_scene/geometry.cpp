@@ -18,6 +18,7 @@ GpuGeometry::GpuGeometry(vk::Device& device, const scene::Scene& scene, vk::Uplo
   buffers_.resize(scene.meshes.size());
   records_.resize(scene.meshes.size());
   rest_.resize(scene.meshes.size());
+  revisions_.resize(scene.meshes.size(), revision_);
   for (uint32_t mesh = 0; mesh < records_.size(); ++mesh) uploadMesh(uploader, mesh);
   list_.upload(uploader, records_);
   posed_ = rest_;
@@ -57,7 +58,12 @@ void GpuGeometry::update(vk::Uploader& uploader, std::span<const uint32_t> chang
   buffers_.resize(scene_.meshes.size());
   records_.resize(scene_.meshes.size());
   rest_.resize(scene_.meshes.size());
-  for (const uint32_t mesh : changed) uploadMesh(uploader, mesh);
+  revisions_.resize(scene_.meshes.size());
+  ++revision_;
+  for (const uint32_t mesh : changed) {
+    uploadMesh(uploader, mesh);
+    revisions_[mesh] = revision_;
+  }
   list_.upload(uploader, records_, changed);
   posed_ = rest_;
 }
@@ -66,6 +72,9 @@ void GpuGeometry::pose(vk::Uploader& uploader, const Deformer* deformer) {
   std::vector<shared::Mesh> records = records_;
   posed_ = rest_;
   if (deformer) deformer->describe(records, posed_);
+  ++revision_;
+  for (size_t mesh = 0; mesh < revisions_.size(); ++mesh)
+    if (scene_.meshes[mesh].deformation) revisions_[mesh] = revision_;
   list_.upload(uploader, records);
 }
 

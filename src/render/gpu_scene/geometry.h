@@ -29,6 +29,9 @@ class GpuGeometry {
   VkBuffer indexBuffer(uint32_t mesh) const { return buffers_[mesh].get(); }  // from its beginning on
   uint32_t indexCount(uint32_t mesh) const { return 3 * records_[mesh].triangleCount; }
   VkDeviceAddress address() const { return list_.address(); }  // shared::Mesh[]
+  // Grow whenever the shape of a mesh changes, or that of any.
+  uint64_t revision(uint32_t mesh) const { return revisions_[mesh]; }
+  uint64_t revision() const { return revision_; }
 
  private:
   void uploadMesh(vk::Uploader& uploader, uint32_t mesh);
@@ -37,6 +40,8 @@ class GpuGeometry {
   std::vector<vk::Buffer> buffers_;    // by mesh: indices, positions, attributes, extras
   std::vector<shared::Mesh> records_;  // at rest
   std::vector<VertexStreams> rest_, posed_;
+  std::vector<uint64_t> revisions_;  // by mesh
+  uint64_t revision_ = 1;
   GpuList<shared::Mesh> list_;
 };
 

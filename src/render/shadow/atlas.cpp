@@ -1,39 +1,46 @@
 #include "render/shadow/atlas.h"
 
-#include <algorithm>
-#include <bit>
-#include <numeric>
+#include <array>
 
 namespace latelight::render {
 
 namespace {
 
-// Bits 0, 2, 4, ... of x, together.
-uint32_t everySecondBit(uint64_t x) {
-  uint32_t gathered = 0;
-  for (uint32_t i = 0; i < 32; ++i) gathered |= static_cast<uint32_t>(x >> (2 * i) & 1u) << i;
-  return gathered;
+std::array<AtlasTile, 4> quarters(const AtlasTile& tile) {
+  const uint32_t half = tile.size / 2;
+  return {{{tile.layer, tile.y, tile.x, half},
+           {tile.layer, tile.y, tile.x + half, half},
+           {tile.layer, tile.y + half, tile.x, half},
+           {tile.layer, tile.y + half, tile.x + half, half}}};
 }
 
 }  // namespace
 
-AtlasPlan packAtlas(std::span<const uint32_t> sizes) {
-  std::vector<uint32_t> order(sizes.size());
-  std::iota(order.begin(), order.end(), 0u);
-  std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return sizes[a] > sizes[b]; });
-  AtlasPlan plan;
-  plan.tiles.resize(sizes.size());
-  uint64_t cells = 0;  // of the smallest tile's size, taken so far: always a multiple of the next tile's count
-  for (const uint32_t i : order) {
-    plan.tiles[i] = {everySecondBit(cells) * kLeastShadowTile, everySecondBit(cells >> 1) * kLeastShadowTile, sizes[i]};
-    const uint64_t side = sizes[i] / kLeastShadowTile;
-    cells += side * side;
+AtlasTiles::AtlasTiles(uint32_t side, uint32_t layers) : side_(side) {
+  for (uint32_t layer = 0; layer < layers; ++layer) free_[side].insert({layer, 0, 0, side});
+}
+
+std::optional<AtlasTile> AtlasTiles::take(uint32_t size) {
+  std::set<AtlasTile>& free = free_[size];
+  if (free.empty()) {
+    if (size >= side_) return std::nullopt;
+    const std::optional<AtlasTile> larger = take(2 * size);
+    if (!larger) return std::nullopt;
+    for (const AtlasTile& quarter : quarters(*larger)) free.insert(quarter);
   }
-  const uint64_t area = std::bit_ceil(std::max<uint64_t>(cells, 1));
-  const auto bits = static_cast<uint32_t>(std::countr_zero(area));
-  plan.width = kLeastShadowTile << ((bits + 1) / 2);
-  plan.height = kLeastShadowTile << (bits / 2);
-  return plan;
+  return free.extract(free.begin()).value();
+}
+
+void AtlasTiles::giveBack(const AtlasTile& tile) {
+  std::set<AtlasTile>& free = free_[tile.size];
+  free.insert(tile);
+  if (tile.size == side_) return;
+  const uint32_t whole = 2 * tile.size;
+  const AtlasTile parent{tile.layer, tile.y / whole * whole, tile.x / whole * whole, whole};
+  for (const AtlasTile& quarter : quarters(parent))
+    if (!free.contains(quarter)) return;
+  for (const AtlasTile& quarter : quarters(parent)) free.erase(quarter);
+  giveBack(parent);
 }
 
 }  // namespace latelight::render

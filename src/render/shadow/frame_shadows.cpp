@@ -1,6 +1,7 @@
 #include "render/shadow/frame_shadows.h"
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
 
 #include "render/frame.h"
@@ -15,29 +16,9 @@ vk::Buffer uploaded(vk::Device& device, const char* name, const std::vector<T>& 
   return vk::uploadedBuffer(device, name, std::as_bytes(std::span(values)));
 }
 
-bool sameMaps(const ShadowPlan& a, const ShadowPlan::Entry& of, const ShadowPlan& b, const ShadowPlan::Entry& other) {
-  if (of.maps != other.maps) return false;
-  for (uint32_t i = 0; i < of.maps; ++i) {
-    const shared::ShadowMap &x = a.maps[of.first + i], &y = b.maps[other.first + i];
-    const shared::View &from = a.views[of.first + i].drawn, &to = b.views[other.first + i].drawn;
-    if (std::memcmp(&x, &y, sizeof(x)) != 0 || std::memcmp(&from, &to, sizeof(from)) != 0) return false;
-  }
-  return true;
-}
-
-bool holds(const vk::ImageDesc& atlas, const vk::ImageDesc& needed) {
-  return atlas.format == needed.format && atlas.width >= needed.width && atlas.height >= needed.height &&
-         atlas.layers >= needed.layers;
-}
-
-std::shared_ptr<const vk::Image> atlasFor(vk::Device& device, const vk::ImageDesc& needed, KeptAtlas& kept) {
-  if (device.isCpu()) return std::make_shared<const vk::Image>(device, needed);  // allocation is instant there
-  constexpr uint32_t kMostLarger = 4;
-  const bool fits = kept.image && holds(kept.image->desc(), needed);
-  const bool larger = fits && kept.image->desc() != needed;
-  kept.larger = larger ? kept.larger + 1 : 0;
-  if (!fits || kept.larger > kMostLarger) kept = {std::make_shared<const vk::Image>(device, needed), 0};
-  return kept.image;
+template <typename T>
+void append(std::string& key, const T& value) {
+  key.append(reinterpret_cast<const char*>(&value), sizeof(value));
 }
 
 }  // namespace
@@ -53,8 +34,10 @@ bool shadowIsPacked(uint32_t format) {
 }
 
 FrameShadows::FrameShadows(vk::Device& device, const GpuScene& scene, std::span<const shared::View> views,
-                           const Settings& settings, KeptAtlas& kept)
-    : format_(indexOf(settings.shadows)), inCompute_(rastersInCompute(settings)) {
+                           const Settings& settings, KeptShadowMaps& kept)
+    : format_(indexOf(settings.shadows)),
+      filter_(indexOf(settings.shadowFilter)),
+      inCompute_(rastersInCompute(settings)) {
   const ShadowScene planned{scene.lights().lights(), scene.lights().sources(), scene.lights().authored(),
                             scene.bounds()};
   for (const shared::View& view : views) {
@@ -65,7 +48,13 @@ FrameShadows::FrameShadows(vk::Device& device, const GpuScene& scene, std::span<
   columns_.erase(std::unique(columns_.begin(), columns_.end()), columns_.end());
   if (columns_.empty()) return;
   number(scene.lights().count());
-  upload(device, kept);
+  // The graphics pipeline rounds by where on its target it draws, so that its maps would depend on the frames before.
+  if (inCompute_)
+    kept.follow(scene);
+  else
+    kept.forget();
+  place(device, kept);
+  upload(device);
 }
 
 void FrameShadows::number(uint32_t lights) {
@@ -74,52 +63,68 @@ void FrameShadows::number(uint32_t lights) {
   for (size_t i = 1; i < bits_.size(); ++i)
     bits_[i].before = bits_[i - 1].before + static_cast<uint32_t>(std::popcount(bits_[i - 1].lights));
   table_.resize(plans_.size() * columns_.size());
-  std::vector<std::vector<Drawn>> drawn(columns_.size());
-  for (uint32_t view = 0; view < viewCount(); ++view) {
-    const size_t before = maps_.size();
+  for (size_t view = 0; view < plans_.size(); ++view)
     for (const ShadowPlan::Entry& entry : plans_[view].lights) {
       const auto column = std::lower_bound(columns_.begin(), columns_.end(), entry.light) - columns_.begin();
-      table_[view * columns_.size() + static_cast<size_t>(column)] =
-          enter(view, entry, drawn[static_cast<size_t>(column)]);
+      table_[view * columns_.size() + static_cast<size_t>(column)] = {enter(plans_[view], entry).first, entry.maps,
+                                                                      plans_[view].sun == entry.light ? 1u : 0u};
     }
-    if (maps_.size() > before) ++layers_;
-  }
 }
 
-// The maps of a light in a view: those of an earlier view where they are bit-identical, or new ones.
-shared::LightShadow FrameShadows::enter(uint32_t view, const ShadowPlan::Entry& entry, std::vector<Drawn>& drawn) {
-  const ShadowPlan& plan = plans_[view];
-  shared::LightShadow shadow{0, entry.maps, plan.sun == entry.light ? 1u : 0u};
-  for (const Drawn& other : drawn) {
-    if (!sameMaps(plan, entry, plans_[other.view], *other.entry)) continue;
-    shadow.first = other.first;
-    return shadow;
-  }
-  shadow.first = static_cast<uint32_t>(maps_.size());
-  drawn.push_back({view, &entry, shadow.first});
+// A light's maps in a view: those of an earlier view where they are the same, or new ones.
+const FrameShadows::Caster& FrameShadows::enter(const ShadowPlan& plan, const ShadowPlan::Entry& entry) {
+  std::string key;
+  append(key, format_);
+  append(key, filter_);
+  const ShadowView& first = plan.views[entry.first];
+  if (first.within) append(key, *first.within);
   for (uint32_t i = entry.first; i < entry.first + entry.maps; ++i) {
-    maps_.push_back({layers_, view, &plan.views[i]});
-    records_.push_back(plan.maps[i]);
-    records_.back().layer = layers_;
+    append(key, plan.views[i].drawn);
+    append(key, plan.maps[i]);
   }
-  return shadow;
+  const auto [found, anew] = casterOfKey_.try_emplace(std::move(key), static_cast<uint32_t>(casters_.size()));
+  if (anew) {
+    casters_.push_back({&plan, &entry, static_cast<uint32_t>(records_.size())});
+    wanted_.push_back({found->first, entry.maps, first.size, first.within});
+    const auto begin = plan.maps.begin() + entry.first;
+    records_.insert(records_.end(), begin, begin + entry.maps);
+  }
+  return casters_[found->second];
 }
 
-void FrameShadows::upload(vk::Device& device, KeptAtlas& kept) {
-  vk::ImageDesc atlas{.format = shadowImageFormat(format_, inCompute_),
-                      .layers = layers_,
-                      .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
-                      .name = "shadow atlas"};
-  atlas.usage |= inCompute_                ? VK_IMAGE_USAGE_STORAGE_BIT
-                 : shadowIsPacked(format_) ? VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT
-                                           : VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT;
-  std::vector<shared::View> views;
-  for (const ShadowPlan& plan : plans_) {
-    atlas.width = std::max(atlas.width, plan.width);
-    atlas.height = std::max(atlas.height, plan.height);
+void FrameShadows::place(vk::Device& device, KeptShadowMaps& kept) {
+  vk::ImageDesc kind{.format = shadowImageFormat(format_, inCompute_),
+                     .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
+                     .name = "shadow atlas"};
+  kind.usage |= inCompute_                ? VK_IMAGE_USAGE_STORAGE_BIT
+                : shadowIsPacked(format_) ? VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT
+                                          : VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT;
+  const std::vector<std::shared_ptr<KeptMaps>> placed = kept.place(device, kind, wanted_);
+  for (size_t i = 0; i < casters_.size(); ++i) {
+    const Caster& caster = casters_[i];
+    for (uint32_t m = 0; m < caster.entry->maps; ++m) {
+      const AtlasTile& tile = placed[i]->tiles[m];
+      shared::ShadowMap& record = records_[caster.first + m];
+      record.corner = {tile.x, tile.y};
+      record.layer = tile.layer;
+      if (!placed[i]->drawn) maps_.push_back({tile, &caster.plan->views[caster.entry->first + m]});
+    }
+    if (!placed[i]->drawn) drawn_.push_back(placed[i]);
   }
+  std::ranges::stable_sort(maps_, {}, [](const Map& map) { return map.tile.layer; });
+  atlas_ = kept.atlas();
+  keepsAtlas_ = kept.anyDrawn();
+  undrawn_ = !maps_.empty();
+}
+
+void FrameShadows::settled() {
+  for (const std::shared_ptr<KeptMaps>& maps : drawn_) maps->drawn = true;
+}
+
+void FrameShadows::upload(vk::Device& device) {
+  std::vector<shared::View> views;
   for (const Map& map : maps_) views.push_back(map.view->drawn);
-  atlas_ = atlasFor(device, atlas, kept);
+  if (views.empty()) views.emplace_back();
   bitsBuffer_ = uploaded(device, "shadow bits", bits_);
   tableBuffer_ = uploaded(device, "shadows of lights", table_);
   mapsBuffer_ = uploaded(device, "shadow maps", records_);

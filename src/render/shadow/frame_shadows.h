@@ -1,4 +1,5 @@
-// The shadow maps of a frame: planned for each of its views, drawn once, looked up by light and view.
+// The shadow maps of a frame: planned for each of its views, drawn where no earlier frame has, looked up by light and
+// view.
 #pragma once
 
 #include <memory>
@@ -7,23 +8,18 @@
 
 #include "render/gpu_scene.h"
 #include "render/settings.h"
+#include "render/shadow/kept_maps.h"
 #include "render/shadow/plan.h"
 #include "vk/resources.h"
 
 namespace latelight::render {
 
-// An atlas kept for later frames: creating one takes longer than drawing it. Frames use it one after the other. One
-// that is larger than needed is kept for a few frames.
-struct KeptAtlas {
-  std::shared_ptr<const vk::Image> image;
-  uint32_t larger = 0;  // frames in a row that needed less
-};
-
 class FrameShadows {
  public:
-  // Plans shadows for these views, without changing the scene. `kept`: used where it fits, else replaced.
+  // Plans shadows for these views, without changing the scene. Where the raster is compute, maps that `kept` has are
+  // used.
   FrameShadows(vk::Device& device, const GpuScene& scene, std::span<const shared::View> views, const Settings& settings,
-               KeptAtlas& kept);
+               KeptShadowMaps& kept);
 
   bool empty() const { return columns_.empty(); }  // no light casts shadows in any view
   const ShadowPlan& plan(uint32_t view) const { return plans_[view]; }
@@ -34,10 +30,9 @@ class FrameShadows {
   // For the frame's constants.
   void describe(shared::FrameConstants& frame) const;
 
-  // The maps to be drawn, by layer. Views in which a light has the same maps share those of the first one.
+  // The maps to be drawn, by layer.
   struct Map {
-    uint32_t layer;
-    uint32_t plan;  // the plan it belongs to
+    AtlasTile tile;
     const ShadowView* view;
   };
   std::span<const Map> maps() const { return maps_; }
@@ -45,33 +40,40 @@ class FrameShadows {
   VkDeviceAddress mapConstants(const shared::FrameConstants& frame);
   VkBuffer mapViews() const { return viewsBuffer_.get(); }  // their View[]
 
-  // A layer for each view that has maps of its own. Drawn once for all samples of a picture.
   const vk::Image& atlas() const { return *atlas_; }
+  bool keepsAtlas() const { return keepsAtlas_; }  // it holds maps of earlier frames
+  // The maps are drawn once for all samples and strips of a picture.
   void drawAgain() { undrawn_ = true; }  // for a graph that is run again, since something overflowed
   bool takeDrawing() { return std::exchange(undrawn_, false); }  // true once: for the graph that draws the maps
+  void settled();  // the device has drawn them, and nothing overflowed: later frames may use them
 
  private:
-  struct Drawn {  // maps of a light that no earlier view shares
-    uint32_t view;
+  struct Caster {  // a light, and its maps, that some views share
+    const ShadowPlan* plan;
     const ShadowPlan::Entry* entry;
-    uint32_t first;  // among maps_
+    uint32_t first;  // among records_
   };
   void number(uint32_t lights);
-  shared::LightShadow enter(uint32_t view, const ShadowPlan::Entry& entry, std::vector<Drawn>& drawn);
-  void upload(vk::Device& device, KeptAtlas& kept);
+  const Caster& enter(const ShadowPlan& plan, const ShadowPlan::Entry& entry);
+  void place(vk::Device& device, KeptShadowMaps& kept);
+  void upload(vk::Device& device);
 
-  uint32_t format_;  // kShadow*
-  bool inCompute_;   // the maps are stored by compute shaders
+  uint32_t format_, filter_;  // kShadow*, kShadowFilter*
+  bool inCompute_;            // the maps are stored by compute shaders
   std::vector<ShadowPlan> plans_;
+  std::vector<Caster> casters_;
+  std::vector<KeptShadowMaps::Wanted> wanted_;             // by caster
+  std::unordered_map<std::string, uint32_t> casterOfKey_;  // among casters_
+  std::vector<std::shared_ptr<KeptMaps>> drawn_;           // that no earlier frame has
   std::vector<Map> maps_;
-  std::vector<shared::ShadowMap> records_;  // of maps_
+  std::vector<shared::ShadowMap> records_;  // of the casters' maps
   std::vector<uint32_t> columns_;           // lights that cast shadows in some view, ascending
   std::vector<shared::ShadowBits> bits_;
   std::vector<shared::LightShadow> table_;  // one row per view
   std::shared_ptr<const vk::Image> atlas_;
-  uint32_t layers_ = 0;
+  bool keepsAtlas_ = false;
   vk::Buffer bitsBuffer_, tableBuffer_, mapsBuffer_, viewsBuffer_, constantsBuffer_;
-  bool undrawn_ = true;
+  bool undrawn_ = false;
 };
 
 VkFormat shadowImageFormat(uint32_t format, bool inCompute = false);  // of the atlas: drawn to, or stored to

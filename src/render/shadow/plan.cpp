@@ -88,26 +88,25 @@ glm::vec4 row(dvec3 v, double w) {
   return {glm::vec3(v), static_cast<float>(w)};
 }
 
-shared::ShadowMap mapOf(const Frame& f, const AtlasTile& tile) {
-  const double half = 0.5 * tile.size, middleX = tile.x + half, middleY = tile.y + half;
+shared::ShadowMap mapOf(const Frame& f, uint32_t size) {
+  const double half = 0.5 * size;
   const double h = half / f.half;  // texels a metre (at 1 m)
   const Axes& a = f.axes;
   const double right = glm::dot(a.right, f.origin), away = glm::dot(a.away, f.origin), up = glm::dot(a.up, f.origin);
   shared::ShadowMap m{};
   if (f.perspective) {
-    m.across = row(a.right * h + a.away * middleX, -(right * h + away * middleX));
-    m.down = row(a.away * middleY - a.up * h, -(away * middleY - up * h));
+    m.across = row(a.right * h + a.away * half, -(right * h + away * half));
+    m.down = row(a.away * half - a.up * h, -(away * half - up * h));
   } else {
-    m.across = row(a.right * h, middleX - (right + f.across) * h);
-    m.down = row(a.up * -h, middleY + (up + f.upward) * h);
+    m.across = row(a.right * h, half - (right + f.across) * h);
+    m.down = row(a.up * -h, half + (up + f.upward) * h);
   }
   m.away = row(a.away, -away);
   m.depthScale = static_cast<float>(1 / (f.far - f.near));
   m.depthOffset = static_cast<float>(-f.near / (f.far - f.near));
   m.texel = static_cast<float>(1 / h);
   m.perspective = f.perspective ? 1.0f : 0.0f;
-  m.low = {static_cast<float>(tile.x), static_cast<float>(tile.y)};
-  m.size = static_cast<float>(tile.size);
+  m.size = static_cast<float>(size);
   return m;
 }
 
@@ -161,17 +160,16 @@ struct Planner {
     return own > 0 ? own : settings.lightSize;
   }
 
-  void addMap(const Frame& f, const AtlasTile& tile, float lightSize, const std::optional<Sphere>& within) {
-    shared::ShadowMap& map = plan.maps.emplace_back(mapOf(f, tile));
+  void addMap(const Frame& f, uint32_t size, float lightSize, const std::optional<Sphere>& within) {
+    shared::ShadowMap& map = plan.maps.emplace_back(mapOf(f, size));
     map.lightSize = lightSize;
     map.depthSlack = slackOf(format);
     const double scale = f.perspective ? 1 / f.far : 1;
     const double unit = map.texel * map.depthScale * (f.perspective ? f.far : 1);
-    plan.views.push_back(
-        {viewOf(f, 1, tile.size), viewOf(f, scale, tile.size), tile, static_cast<float>(unit), within});
+    plan.views.push_back({viewOf(f, 1, size), viewOf(f, scale, size), size, static_cast<float>(unit), within});
   }
 
-  void add(const ShadowCaster& caster, std::span<const AtlasTile> tiles) {
+  void add(const ShadowCaster& caster) {
     const shared::Light& light = scene.lights[caster.light];
     plan.lights.push_back({caster.light, static_cast<uint32_t>(plan.maps.size()), caster.maps});
     const auto lightSize = static_cast<float>(lightRadius(light, caster.light));
@@ -181,17 +179,17 @@ struct Planner {
       const Axes axes = axesAlong(direction);
       const Interval depths = overCorners(scene.bounds, [&](dvec3 p) { return glm::dot(axes.away, p); });
       for (uint32_t i = 0; i < caster.maps; ++i)
-        addMap(cascadeFrame(axes, spheres[i], depths, caster.size), tiles[i], lightSize, std::nullopt);
+        addMap(cascadeFrame(axes, spheres[i], depths, caster.size), caster.size, lightSize, std::nullopt);
       return;
     }
     const Sphere within{light.position, light.radius};
     const double own = scene.authored[scene.sources[caster.light]].size;
     if (const std::optional<double> cone = shadowCone(light))
-      addMap(localFrame(light, axesAlong(direction), std::tan(*cone), own, scene.bounds, caster.size), tiles[0],
+      addMap(localFrame(light, axesAlong(direction), std::tan(*cone), own, scene.bounds, caster.size), caster.size,
              lightSize, within);
     else
       for (uint32_t i = 0; i < 6; ++i)
-        addMap(localFrame(light, cubeAxes()[i], 1, own, scene.bounds, caster.size), tiles[i], lightSize, within);
+        addMap(localFrame(light, cubeAxes()[i], 1, own, scene.bounds, caster.size), caster.size, lightSize, within);
   }
 };
 
@@ -210,16 +208,7 @@ ShadowPlan planShadows(const ShadowScene& scene, const shared::View& view, const
   Planner planner{scene, settings, format, fitCascades(view, scene.bounds), {}};
   const std::vector<ShadowCaster> casters =
       chooseShadowCasters(scene, view, settings, static_cast<uint32_t>(planner.spheres.size()));
-  std::vector<uint32_t> sizes;
-  for (const ShadowCaster& caster : casters) sizes.insert(sizes.end(), caster.maps, caster.size);
-  const AtlasPlan atlas = packAtlas(sizes);
-  size_t next = 0;
-  for (const ShadowCaster& caster : casters) {
-    planner.add(caster, std::span(atlas.tiles).subspan(next, caster.maps));
-    next += caster.maps;
-  }
-  planner.plan.width = atlas.width;
-  planner.plan.height = atlas.height;
+  for (const ShadowCaster& caster : casters) planner.add(caster);
   return std::move(planner.plan);
 }
 

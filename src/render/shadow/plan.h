@@ -10,7 +10,6 @@
 
 #include "render/frustum.h"
 #include "render/settings.h"
-#include "render/shadow/atlas.h"
 #include "scene/scene.h"
 #include "shared/types.h"
 
@@ -20,7 +19,7 @@ namespace latelight::render {
 struct ShadowView {
   shared::View view;             // rigid, for culling
   shared::View drawn;            // the same with lengths divided by the map's farthest depth: see shadow.frag
-  AtlasTile tile;                // of the atlas
+  uint32_t size;                 // texels across
   float unit;                    // depth change per texel on a plane of slope 1 (times w / far in perspective)
   std::optional<Sphere> within;  // nothing outside casts shadows into the map
 };
@@ -31,9 +30,8 @@ struct ShadowPlan {
     uint32_t first;  // of its maps
     uint32_t maps;   // how many it has
   };
-  uint32_t width = 0, height = 0;       // of the atlas
   std::vector<ShadowView> views;        // one per map
-  std::vector<shared::ShadowMap> maps;  // as lookups read them
+  std::vector<shared::ShadowMap> maps;  // as lookups read them, but for their place in an atlas
   std::vector<Entry> lights;
   std::optional<uint32_t> sun;  // the first directional light that casts shadows
   bool empty() const { return lights.empty(); }

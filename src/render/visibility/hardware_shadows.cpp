@@ -70,13 +70,14 @@ struct ShadowTargets {
   uint32_t format;
 };
 
-void beginAtlas(graph::Context& context, const ShadowTargets& targets, const ShadowPlan& plan, uint32_t view) {
+void beginLayer(graph::Context& context, const ShadowTargets& targets, uint32_t layer) {
+  const vk::Image& atlas = context.image(targets.atlas);
   const VkRenderingAttachmentInfo color =
-      cleared(context.image(targets.atlas).layerView(view), VkClearValue{.color = emptyTexel(targets.format)});
+      cleared(atlas.layerView(layer), VkClearValue{.color = emptyTexel(targets.format)});
   const VkRenderingAttachmentInfo depth =
-      cleared(context.image(targets.depth).layerView(targets.packed ? 0 : view), VkClearValue{.depthStencil = {1, 0}});
+      cleared(context.image(targets.depth).layerView(targets.packed ? 0 : layer), VkClearValue{.depthStencil = {1, 0}});
   const VkRenderingInfo rendering{.sType = VK_STRUCTURE_TYPE_RENDERING_INFO,
-                                  .renderArea = {{0, 0}, {plan.width, plan.height}},
+                                  .renderArea = {{0, 0}, {atlas.desc().width, atlas.desc().height}},
                                   .layerCount = 1,
                                   .colorAttachmentCount = targets.packed ? 1u : 0u,
                                   .pColorAttachments = &color,
@@ -112,16 +113,16 @@ void HardwareVisibility::addShadowMaps(const FrameContext& f, graph::ImageId atl
   f.graph.pass(graph::Stage::Shadows, "shadow maps", std::move(accesses), [=, &f, this](graph::Context& context) {
     const std::span<const FrameShadows::Map> maps = f.shadows->maps();
     for (uint32_t i = 0; i < maps.size(); ++i) {
-      const uint32_t layer = maps[i].layer;
-      if (i == 0 || layer != maps[i - 1].layer) beginAtlas(context, targets, f.shadows->plan(maps[i].plan), layer);
-      setTile(context, maps[i].view->tile);
+      const uint32_t layer = maps[i].tile.layer;
+      if (i == 0 || layer != maps[i - 1].tile.layer) beginLayer(context, targets, layer);
+      setTile(context, maps[i].tile);
       SceneBinder binder(context, scene_, *casters, {constants, f.shadows->mapViews(), i}, pipelines);
       for (const Draw& draw : (*casters)[i]) {
         pushMore(context, binder.bind(draw), shared::ShadowDraw{maps[i].view->unit});
         vkCmdSetCullMode(context.get(), VK_CULL_MODE_NONE);
         recordDraw(context, scene_, draw);
       }
-      if (i + 1 == maps.size() || layer != maps[i + 1].layer) vkCmdEndRendering(context.get());
+      if (i + 1 == maps.size() || layer != maps[i + 1].tile.layer) vkCmdEndRendering(context.get());
     }
   });
 }

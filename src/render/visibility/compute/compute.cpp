@@ -311,9 +311,8 @@ shared::View reversed(const ShadowView& map) {
 
 ShadowTarget targetOf(const FrameShadows::Map& map) {
   const shared::Projection& p = map.view->view.projection;
-  const AtlasTile& tile = map.view->tile;
   const float far = p.kind == shared::kPerspective ? depthsOf(p).far : 0;
-  return {tile.x, tile.y, map.layer, p.A, p.B, map.view->unit, far};
+  return {map.tile.x, map.tile.y, map.tile.layer, p.A, p.B, map.view->unit, far};
 }
 
 template <typename T>
@@ -330,7 +329,7 @@ void ComputeVisibility::addShadowMapsOf(const FrameContext& f, uint32_t size, gr
   std::vector<glm::vec4> within;
   std::vector<ShadowTarget> targets;
   for (const FrameShadows::Map& map : f.shadows->maps()) {
-    if (map.view->tile.size != size) continue;
+    if (map.tile.size != size) continue;
     constexpr float kEverywhere = 1e18f;  // whose square is a number
     const Sphere sphere = map.view->within.value_or(Sphere{glm::vec3(0), kEverywhere});
     views.push_back(reversed(*map.view));
@@ -361,12 +360,9 @@ void ComputeVisibility::addShadowMapsOf(const FrameContext& f, uint32_t size, gr
 
 void ComputeVisibility::addShadowMaps(const FrameContext& f, graph::ImageId atlas) const {
   std::set<uint32_t> sizes;
-  for (const FrameShadows::Map& map : f.shadows->maps()) sizes.insert(map.view->tile.size);
-  graph::Use use = graph::Use::StorageWrite;
-  for (const uint32_t size : sizes) {
-    addShadowMapsOf(f, size, atlas, use);
-    use = graph::Use::StorageReadWrite;
-  }
+  for (const FrameShadows::Map& map : f.shadows->maps()) sizes.insert(map.tile.size);
+  graph::Use use = f.shadows->keepsAtlas() ? graph::Use::StorageReadWrite : graph::Use::StorageWrite;
+  for (const uint32_t size : sizes) addShadowMapsOf(f, size, atlas, std::exchange(use, graph::Use::StorageReadWrite));
 }
 
 // --- blended surfaces -----------------------------------------------------------------------------------------------

@@ -1,0 +1,191 @@
+// Shadow maps that are kept from frame to frame: drawn anew where they must be, and only there; pictures are those of a
+// renderer that has kept nothing, to the byte.
+#include <algorithm>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "render/shadow/frame_shadows.h"
+#include "render/support.h"
+#include "render/view.h"
+#include "scene/edit.h"
+#include "shared/light.h"
+
+namespace latelight::render::test {
+namespace {
+
+using glm::vec3;
+using output::Aov;
+
+// Balls in a row over a floor, a lamp above each that reaches to no other.
+constexpr uint32_t kBalls = 4;
+constexpr float kApart = 6;
+constexpr uint32_t kFloor = kBalls;  // instance
+
+scene::Scene ballsUnderLamps() {
+  scene::builtin::SceneBuilder builder("balls");
+  builder.scene.meshes = {sphereMesh(0.5f), squareMesh()};
+  builder.scene.materials = {scene::builtin::plainMaterial("m", vec3(0.8f), 0, 1)};
+  const auto at = [](uint32_t i) { return (static_cast<float>(i) - 0.5f * (kBalls - 1)) * kApart; };
+  for (uint32_t i = 0; i < kBalls; ++i) {
+    builder.addInstance("ball", builder.kRoot, 0, 0, glm::translate(glm::mat4(1), vec3(at(i), 0, 0)));
+    scene::Light lamp;
+    lamp.name = "lamp " + std::to_string(i);
+    lamp.type = shared::kLightPoint;
+    lamp.position = {at(i), 1.5f, 0.2f};
+    lamp.intensity = 20;
+    lamp.range = 2.8f;
+    builder.scene.lights.push_back(lamp);
+  }
+  const glm::mat4 flat = glm::rotate(glm::translate(glm::mat4(1), vec3(0, -1, 0)), -1.5707964f, vec3(1, 0, 0));
+  builder.addInstance("floor", builder.kRoot, 1, 0, glm::scale(flat, vec3(20)));
+  return std::move(builder.scene);
+}
+
+scene::Camera cameraAt(float x) {
+  scene::Camera camera = frontPerspective(1.2f, 14);
+  camera.toWorld = glm::translate(glm::mat4(1), vec3(x, 3, 0)) * camera.toWorld;
+  return camera;
+}
+
+Settings keptSettings() {
+  Settings settings = settingsOf(160, 90, {Aov::Color});
+  settings.raster = Raster::Compute;
+  settings.shadows = ShadowFormat::D32;
+  return settings;
+}
+
+class KeptShadowsTest : public RenderTest {
+ protected:
+  // How many maps a frame has to draw, which it does.
+  static size_t drawn(const GpuScene& scene, const scene::Camera& camera, KeptShadowMaps& kept,
+                      const Settings& settings = keptSettings()) {
+    const shared::View view = makeView(camera, settings.width, settings.height);
+    FrameShadows shadows(device(), scene, {&view, 1}, settings, kept);
+    shadows.settled();
+    return shadows.maps().size();
+  }
+  // Returns whether shadow maps were drawn.
+  static bool rendersAsAFreshOne(Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
+                                 const Settings& settings) {
+    const output::FrameOutput kept = std::move(renderer.render({&camera, 1}, settings).front());
+    EXPECT_EQ(imageOf(kept, Aov::Color).values, imageOf(renderOne(device(), scene, camera, settings), Aov::Color).values);
+    return std::ranges::any_of(renderer.times(), [](const auto& time) { return time.name == "shadow maps"; });
+  }
+};
+
+TEST_F(KeptShadowsTest, OnlyWhatChangesIsDrawnAgain) {
+  scene::Scene scene = ballsUnderLamps();
+  GpuScene uploaded(device(), scene);
+  KeptShadowMaps kept;
+  const auto now = [&] {
+    uploaded.update({}, std::nullopt);
+    return drawn(uploaded, cameraAt(0), kept);
+  };
+  EXPECT_EQ(now(), 6 * kBalls);
+  EXPECT_EQ(now(), 0u);
+  EXPECT_EQ(drawn(uploaded, cameraAt(0.1f), kept), 0u) << "the camera has moved";
+
+  scene::setTransform(scene, 1, glm::translate(glm::mat4(1), vec3(-0.5f * kApart, 0.2f, 0)));
+  EXPECT_EQ(now(), 6u) << "one ball has moved";
+  scene::setTransform(scene, 1, glm::translate(glm::mat4(1), vec3(0.5f * kApart, 0.2f, 0.5f)));
+  EXPECT_EQ(now(), 12u) << "from the reach of one lamp to that of another";
+  scene::removeInstance(scene, 0);
+  EXPECT_EQ(now(), 6u);
+  scene::addInstance(scene, 0, 0, glm::translate(glm::mat4(1), vec3(0, 30, 0)));
+  EXPECT_EQ(now(), 0u) << "out of all lamps' reach";
+
+  scene::Light lamp = scene.lights[3];
+  lamp.intensity *= 2;
+  scene::setLight(scene, 3, lamp);
+  EXPECT_EQ(now(), 0u) << "its light is not in its maps";
+  lamp.position.x += 0.1f;
+  scene::setLight(scene, 3, lamp);
+  EXPECT_EQ(now(), 6u);
+
+  scene::setMesh(scene, 0, sphereMesh(0.4f));
+  EXPECT_EQ(now(), 12u) << "of all balls, of which none is left at the first two lamps";
+  scene::setTransform(scene, kFloor, scene.instances[kFloor].toWorld);
+  EXPECT_EQ(now(), 0u) << "put where it was";
+  scene::Material material = scene.materials[0];
+  material.data.flags |= shared::kMaterialMasked;
+  scene::setMaterial(scene, 0, material);
+  EXPECT_EQ(now(), 6 * kBalls);
+}
+
+TEST_F(KeptShadowsTest, OtherMapsAreOtherMaps) {
+  const scene::Scene scene = ballsUnderLamps();
+  const GpuScene uploaded(device(), scene);
+  KeptShadowMaps kept;
+  Settings settings = keptSettings();
+  EXPECT_EQ(drawn(uploaded, cameraAt(0), kept, settings), 6 * kBalls);
+  settings.shadowFilter = ShadowFilter::Hard;  // whose bias is another
+  EXPECT_EQ(drawn(uploaded, cameraAt(0), kept, settings), 6 * kBalls);
+  settings.shadows = ShadowFormat::D16;
+  EXPECT_EQ(drawn(uploaded, cameraAt(0), kept, settings), 6 * kBalls);
+  settings.shadows = ShadowFormat::Rgba8;
+  EXPECT_EQ(drawn(uploaded, cameraAt(0), kept, settings), 6 * kBalls);
+  settings.shadows = ShadowFormat::Rgba8Classic;
+  EXPECT_EQ(drawn(uploaded, cameraAt(0), kept, settings), 6 * kBalls);
+  settings.raster = Raster::Hardware;
+  EXPECT_EQ(drawn(uploaded, cameraAt(0), kept, settings), 6 * kBalls);
+  EXPECT_EQ(drawn(uploaded, cameraAt(0), kept, settings), 6 * kBalls) << "hardware keeps none";
+}
+
+// What overflowed, or was never drawn, is not there.
+TEST_F(KeptShadowsTest, WhatIsNotSettledIsDrawnAgain) {
+  const scene::Scene scene = ballsUnderLamps();
+  const GpuScene uploaded(device(), scene);
+  KeptShadowMaps kept;
+  const shared::View view = makeView(cameraAt(0), 160, 90);
+  EXPECT_EQ(FrameShadows(device(), uploaded, {&view, 1}, keptSettings(), kept).maps().size(), 6 * kBalls);
+  EXPECT_EQ(drawn(uploaded, cameraAt(0), kept), 6 * kBalls);
+  EXPECT_EQ(drawn(uploaded, cameraAt(0), kept), 0u);
+}
+
+// Views that see the same lights alike share their maps, wherever these lie.
+TEST_F(KeptShadowsTest, ViewsShareMaps) {
+  const scene::Scene scene = ballsUnderLamps();
+  const GpuScene uploaded(device(), scene);
+  KeptShadowMaps kept;
+  std::vector<shared::View> views;
+  for (const float x : {0.0f, 0.05f, 0.1f}) views.push_back(makeView(cameraAt(x), 160, 90));
+  FrameShadows shadows(device(), uploaded, views, keptSettings(), kept);
+  EXPECT_EQ(shadows.maps().size(), 6 * kBalls);
+  for (uint32_t light = 0; light < kBalls; ++light)
+    EXPECT_EQ(shadows.of(0, light).first, shadows.of(2, light).first);
+}
+
+TEST_F(KeptShadowsTest, PicturesAreThoseOfAFreshRenderer) {
+  scene::Scene scene = ballsUnderLamps();
+  Renderer renderer(device(), scene, nullptr);
+  const Settings settings = keptSettings();
+  EXPECT_TRUE(rendersAsAFreshOne(renderer, scene, cameraAt(0), settings));
+  EXPECT_FALSE(rendersAsAFreshOne(renderer, scene, cameraAt(0.2f), settings));
+  scene::setTransform(scene, 2, glm::translate(glm::mat4(1), vec3(0.5f * kApart, 0.5f, 0)));
+  EXPECT_TRUE(rendersAsAFreshOne(renderer, scene, cameraAt(0.2f), settings));
+  Settings sun = settings;
+  sun.sun.emplace();
+  EXPECT_TRUE(rendersAsAFreshOne(renderer, scene, cameraAt(0.2f), sun));
+  EXPECT_FALSE(rendersAsAFreshOne(renderer, scene, cameraAt(0.2f), sun));
+  EXPECT_FALSE(rendersAsAFreshOne(renderer, scene, cameraAt(0.2f), settings));
+}
+
+// A camera that comes near one lamp after the other, so that sizes change and the atlas has no room for all.
+TEST_F(KeptShadowsTest, TheAtlasHoldsWhatThisFrameNeeds) {
+  const scene::Scene scene = ballsUnderLamps();
+  Renderer renderer(device(), scene, nullptr);
+  Settings settings = keptSettings();
+  settings.shadowAtlas = 256;
+  bool some = false, none = false;
+  for (int step = 0; step < 24; ++step) {
+    scene::Camera camera = frontPerspective(1.0f, 5 + 3 * static_cast<float>(step % 3));
+    camera.toWorld = glm::translate(glm::mat4(1), vec3(-9 + 0.75f * static_cast<float>(step), 0.5f, 0)) * camera.toWorld;
+    (rendersAsAFreshOne(renderer, scene, camera, settings) ? some : none) = true;
+  }
+  EXPECT_TRUE(some);
+  for (int again = 0; again < 2; ++again)
+    none = !rendersAsAFreshOne(renderer, scene, cameraAt(0), settings);
+  EXPECT_TRUE(none);
+}
+
+}  // namespace
+}  // namespace latelight::render::test
