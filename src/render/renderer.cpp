@@ -101,7 +101,7 @@ std::shared_ptr<FrameShadows> Renderer::planShadows(std::span<const scene::Camer
   if (!castsShadows(settings)) return nullptr;
   std::vector<shared::View> views;
   for (const scene::Camera& camera : cameras) views.push_back(makeView(camera, settings.width, settings.height));
-  auto shadows = std::make_shared<FrameShadows>(device_, gpuScene_, views, settings, shadowMaps_);
+  auto shadows = std::make_shared<FrameShadows>(device_, gpuScene_, views, settings, shadowMaps_[rastersInCompute(settings)]);
   return shadows->empty() ? nullptr : shadows;
 }
 

@@ -90,7 +90,7 @@ class Renderer {
   Overflow overflow_;
   RenderState state_;
   TemporalHistory history_;
-  KeptShadowMaps shadowMaps_;
+  KeptShadowMaps shadowMaps_[2];  // of hardware and compute
   // The last part on its way. Whether something overflowed in it is found out, and done again, before anything changes
   // what it sees.
   std::shared_ptr<RenderPart> unsettled_;

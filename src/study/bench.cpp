@@ -58,15 +58,26 @@ struct PassSamples {
   }
 };
 
-// The rasters take turns, so that whatever else the machine does falls on both.
+// The camera, turned about its eye.
+scene::Camera turned(scene::Camera camera, double angle) {
+  const glm::vec4 eye = camera.toWorld[3];
+  camera.toWorld = glm::rotate(glm::mat4(1), static_cast<float>(angle), glm::vec3(0, 0, 1)) * camera.toWorld;
+  camera.toWorld[3] = eye;
+  return camera;
+}
+
+// The rasters take turns, so that whatever else the machine does falls on both. The camera turns a little from frame to
+// frame: what is kept for a later frame is what does not depend on the view.
 std::map<Raster, PassSamples> measure(render::Renderer& renderer, const scene::Camera& camera,
                                       const render::Moment& moment, const render::Settings& settings, uint32_t frames) {
+  constexpr double kTurn = 1e-3;  // radians a frame
   std::map<Raster, PassSamples> samples;
   for (uint32_t frame = 0; frame <= frames; ++frame)
     for (const Raster raster : kRasters) {
       render::Settings s = settings;
       s.raster = raster;
-      renderer.submit({&camera, 1}, s, moment, render::Results::OnDevice).take();
+      const scene::Camera now = turned(camera, frame * kTurn);
+      renderer.submit({&now, 1}, s, moment, render::Results::OnDevice).take();
       if (frame > 0) samples[raster].add(renderer.times());
     }
   return samples;
@@ -122,15 +133,9 @@ Table benchFrame(render::Renderer& renderer, const scene::Camera& camera, const 
 
 namespace {
 
-std::vector<scene::Camera> turnedAbout(const scene::Camera& camera, uint32_t count) {
-  std::vector<scene::Camera> cameras(count, camera);
-  for (uint32_t i = 0; i < count; ++i) {
-    const auto angle = static_cast<float>(2 * glm::pi<double>() * i / count);
-    const glm::mat4 turn = glm::rotate(glm::mat4(1), angle, glm::vec3(0, 0, 1));
-    const glm::vec4 eye = camera.toWorld[3];
-    cameras[i].toWorld = turn * camera.toWorld;
-    cameras[i].toWorld[3] = eye;
-  }
+std::vector<scene::Camera> allAround(const scene::Camera& camera, uint32_t count) {
+  std::vector<scene::Camera> cameras;
+  for (uint32_t i = 0; i < count; ++i) cameras.push_back(turned(camera, 2 * glm::pi<double>() * i / count));
   return cameras;
 }
 
@@ -150,7 +155,7 @@ double timeOfViews(render::Renderer& renderer, std::span<const scene::Camera> ca
 
 Table benchViews(render::Renderer& renderer, const scene::Camera& camera, const render::Poses& poses,
                  const render::Settings& settings, uint32_t count, const BenchOptions& options) {
-  const std::vector<scene::Camera> cameras = turnedAbout(camera, count);
+  const std::vector<scene::Camera> cameras = allAround(camera, count);
   Table table{"views", {"raster", "views", "ms", "spread %", "views a second"}, {}};
   for (const Raster raster : kRasters) {
     render::Settings s = settings;
