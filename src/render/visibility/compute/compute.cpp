@@ -144,7 +144,7 @@ void ComputeVisibility::addRaster(const FrameContext& f, const RasterViews& view
   const auto push = [=, this, &f](graph::Context& context) {
     const auto address = [&](graph::BufferId buffer) { return context.buffer(buffer).address(); };
     return RasterPush{.buffers = {.frame = views.constants,
-                                  .ranks = ranks_.address(),
+                                  .instances = ranks_.address(),
                                   .visible = address(b.visible),
                                   .work = address(b.work),
                                   .clipped = address(b.clipped),
@@ -210,10 +210,8 @@ void ComputeVisibility::addResolve(const FrameContext& f, ComputePass pass) cons
   pass.size = f.pixels();
   pass.buffers = {{visible_, graph::Use::StorageRead}};
   addCompute(f, std::move(pass), [this, &f](graph::Context& context) {
-    return ResolvePush{.frame = f.constants,
-                       .ranks = ranks_.address(),
-                       .visible = context.buffer(visible_).address(),
-                       .rankCount = share_.ranks};
+    return ResolvePush{
+        .frame = f.constants, .instances = ranks_.address(), .visible = context.buffer(visible_).address()};
   });
 }
 
@@ -353,8 +351,8 @@ void ComputeVisibility::addShadowMapsOf(const FrameContext& f, uint32_t size, gr
               .constants = f.setup.constants(),
               .buffers = {{visible, graph::Use::StorageRead}}},
              [=, this](graph::Context& context) {
-               return ShadowStorePush{constants, ranks_.address(), context.buffer(visible).address(),
-                                      places,    share_.ranks,     size};
+               return ShadowStorePush{
+                   constants, ranks_.address(), context.buffer(visible).address(), places, size, 0};
              });
 }
 
@@ -405,8 +403,7 @@ void ComputeVisibility::lightFragments(const FrameContext& f, const Gbuffer& gbu
   addCompute(f, std::move(pass), [=, this, &f](graph::Context& context) {
     return FragmentLightPush{.lists = listsOf(context, buffers),
                              .frame = f.constants,
-                             .ranks = ranks_.address(),
-                             .rankCount = ranks_.all().ranks,
+                             .instances = ranks_.address(),
                              .firstTriangle = ranks_.solidTriangles(),
                              .width = f.width,
                              .height = f.height};

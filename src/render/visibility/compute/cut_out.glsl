@@ -4,7 +4,7 @@ bool cutOutAt(uint viewIndex, ivec2 pixel, uint id) {
 #ifndef TEXTURES_BY_INDEX
   textureRecords = frame.textures;
 #endif
-  SeenTriangle t = seenTriangle(frame, push.buffers.ranks, push.ranks, id);
+  SeenTriangle t = seenTriangle(frame, push.buffers.instances, id);
   SurfacePoint p = seenPoint(frame, frameView(frame, viewIndex), t, vec2(pixel) + 0.5);
   return cutOut(frameMaterial(frame, frameInstance(frame, t.rank.instance).material), p);
 }

@@ -49,7 +49,7 @@ void main() {
 #endif
   uint view = f.pixel / (push.width * push.height), inView = f.pixel % (push.width * push.height);
   vec2 centre = vec2(inView % push.width, inView / push.width) + 0.5;
-  SeenTriangle t = seenTriangle(frame, push.ranks, push.rankCount, f.order);
+  SeenTriangle t = seenTriangle(frame, push.instances, f.order);
   SurfacePoint p = seenPoint(frame, frameView(frame, view), t, centre);
   Material m = frameMaterial(frame, frameInstance(frame, t.rank.instance).material);
   vec4 color = colorOf(frame, view, m, p, there);

@@ -15,6 +15,8 @@ uint32_t flagsOf(const shared::Instance& instance, const shared::Material& mater
   return flags;
 }
 
+constexpr uint64_t kMostParts = (uint64_t{1} << 32) / shared::kRasterGroup;  // whose triangles 32 bits number
+
 }  // namespace
 
 void InstanceRanks::update(const GpuScene& scene, const DrawOrder& order, vk::Uploader& uploader) {
@@ -23,31 +25,31 @@ void InstanceRanks::update(const GpuScene& scene, const DrawOrder& order, vk::Up
   instances_ = all.revision();
   materials_ = scene.materials().revision();
   records_.clear();
+  partRanks_.clear();
   all_ = {};
-  uint64_t triangles = 0;
   for (const DrawOrder::Kind kind : {DrawOrder::Kind::Solid, DrawOrder::Kind::Blended}) {
     for (const uint32_t instance : order.select(scene, kind, [](const Sphere&) { return true; }).instances) {
       const shared::Instance& record = all.record(instance);
       const Sphere& bounds = all.bounds(instance);
       const uint32_t count = scene.geometry().indexCount(record.mesh) / 3;
       const uint32_t flags = flagsOf(record, scene.materials().record(record.material));
-      records_.push_back(
-          {bounds.centre, bounds.radius, instance, record.mesh, static_cast<uint32_t>(triangles), count, flags});
-      triangles += count;
+      const auto firstTriangle = static_cast<uint32_t>(all_.parts * shared::kRasterGroup);
+      const uint32_t parts = (count + shared::kRasterGroup - 1) / shared::kRasterGroup;
+      records_.push_back({bounds.centre, bounds.radius, instance, record.mesh, firstTriangle, count, flags});
+      all_.parts += parts;
+      if (all_.parts >= kMostParts)
+        badInput("the scene's instances have more triangles together than the raster compute takes: {} parts of {}",
+                 kMostParts, shared::kRasterGroup);
+      partRanks_.insert(partRanks_.end(), parts, all_.ranks);
       ++all_.ranks;
       all_.cutOut += (flags & shared::kRankCutOut) != 0;
-      all_.parts += (count + shared::kRasterGroup - 1) / shared::kRasterGroup;
     }
-    if (kind == DrawOrder::Kind::Solid) {
-      solid_ = all_;
-      solidTriangles_ = static_cast<uint32_t>(triangles);
-    }
+    if (kind == DrawOrder::Kind::Solid) solid_ = all_;
   }
-  constexpr uint64_t kMost = ~uint32_t{0};
-  if (triangles >= kMost)
-    badInput("the scene's instances have {} triangles together, and the raster compute takes fewer than {}", triangles,
-             kMost);
-  if (!records_.empty()) list_.upload(uploader, records_);
+  if (records_.empty()) return;
+  list_.upload(uploader, records_);
+  rankOfPart_.upload(uploader, partRanks_);
+  lists_.upload(uploader, std::vector{shared::InstanceList{list_.address(), rankOfPart_.address()}});
 }
 
 }  // namespace latelight::render

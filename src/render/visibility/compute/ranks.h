@@ -12,12 +12,13 @@ namespace latelight::render {
 
 class InstanceRanks {
  public:
-  explicit InstanceRanks(vk::Device& device) : list_(device, "instances in order") {}
+  explicit InstanceRanks(vk::Device& device)
+      : list_(device, "instances in order"), rankOfPart_(device, "instances of parts"), lists_(device, "instance list") {}
   // Follows the scene; costs nothing where no instance has changed. What the device lacks is uploaded with `uploader`.
   void update(const GpuScene& scene, const DrawOrder& order, vk::Uploader& uploader);
 
-  // shared::RankedInstance[]: solid ones, then blended ones.
-  VkDeviceAddress address() const { return list_.address(); }
+  // shared::InstanceList: solid ones, then blended ones.
+  VkDeviceAddress address() const { return lists_.address(); }
   // Of the solid ones, or of all of them.
   struct Share {
     uint32_t ranks = 0, cutOut = 0;  // instances; those whose alpha takes parts of them away
@@ -26,13 +27,16 @@ class InstanceRanks {
   const Share& solid() const { return solid_; }
   const Share& all() const { return all_; }
   bool anyBlended() const { return all_.ranks > solid_.ranks; }
-  uint32_t solidTriangles() const { return solidTriangles_; }  // before those of the blended ones
+  // Numbers that those of the solid ones take, up to the first of the blended ones.
+  uint32_t solidTriangles() const { return static_cast<uint32_t>(solid_.parts * shared::kRasterGroup); }
 
  private:
   std::vector<shared::RankedInstance> records_;
+  std::vector<uint32_t> partRanks_;
   GpuList<shared::RankedInstance> list_;
+  GpuList<uint32_t> rankOfPart_;
+  GpuList<shared::InstanceList> lists_;  // one
   Share solid_, all_;
-  uint32_t solidTriangles_ = 0;
   uint64_t instances_ = 0, materials_ = 0;  // revisions that it follows
 };
 

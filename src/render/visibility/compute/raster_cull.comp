@@ -31,7 +31,7 @@ shared uint first;
 void main() {
   uint rank = groupNumber(), view = gl_WorkGroupID.z;
   if (rank >= push.ranks) return;
-  RankedInstance r = RankRef(push.buffers.ranks).v[rank];
+  RankedInstance r = rankedInstance(push.buffers.instances, rank);
   if ((r.flags & kAsked) != kWanted) return;
   if (r.radius < 0.0 || !mayShow(frameView(FrameRef(push.buffers.frame).v, view), r.centre, r.radius)) return;
   if (push.within != uint64_t(0)) {

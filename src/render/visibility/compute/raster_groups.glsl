@@ -116,7 +116,7 @@ void main() {
   // The last row of workgroups has more than there is work.
   uint last = CountersRef(push.buffers.counters).v.work;
   RasterWork work = WorkRef(push.buffers.work).v[min(group, max(last, 1u) - 1u)];
-  RankedInstance r = RankRef(push.buffers.ranks).v[work.rank];
+  RankedInstance r = rankedInstance(push.buffers.instances, work.rank);
   FrameConstants frame = FrameRef(push.buffers.frame).v;
   uint triangle = work.part * kRasterGroup + gl_LocalInvocationIndex;
   if (group < last && triangle < r.triangles) {

@@ -14,8 +14,8 @@ SH_CONST uint kRasterTile = 64u;           // pixels across, of what raster_larg
 SH_CONST uint kRasterJobTriangles = 128u;  // of one tile, at most, in one of its workgroups
 SH_CONST int kSubpixels = 256;             // positions in a pixel, across
 
-// A solid instance. Ids of what is visible are counted over all of them: triangle t of this one is firstTriangle + t
-// + 1.
+// Ids of what is visible are counted over all instances, each of which begins with a part of its own: triangle t of this
+// one is firstTriangle + t + 1.
 struct RankedInstance {  // 36 bytes
   vec3 centre;           // of a sphere around it, world
   float radius;          // metres; below 0: it is gone
@@ -29,6 +29,11 @@ SH_CONST uint kRankDoubleSided = 1u;
 SH_CONST uint kRankMirrored = 2u;
 SH_CONST uint kRankCutOut = 4u;  // its alpha takes parts of it away
 SH_CONST uint kRankBlended = 8u;
+
+struct InstanceList {   // in the order of drawing
+  uint64_t ranks;       // RankedInstance[]
+  uint64_t rankOfPart;  // uint[]: which instance has the triangles kRasterGroup * i and on
+};
 
 struct RasterWork {  // kRasterGroup triangles of an instance in a view
   uint rank;
@@ -63,7 +68,7 @@ struct RasterCounters {
 
 struct RasterBuffers {  // addresses
   uint64_t frame;       // FrameConstants
-  uint64_t ranks;       // RankedInstance[]
+  uint64_t instances;   // InstanceList
   uint64_t visible;     // uint64_t a pixel: depth's bits << 32 | id; 0: nothing
   uint64_t work;        // RasterWork[]
   uint64_t clipped;     // ClippedTriangle[]
@@ -94,11 +99,11 @@ struct ShadowTarget {
 
 struct ShadowStorePush {
   uint64_t frame;  // FrameConstants, whose views are the maps
-  uint64_t ranks;
+  uint64_t instances;
   uint64_t visible;
   uint64_t targets;  // ShadowTarget[]
-  uint rankCount;
-  uint size;  // texels of a map, across
+  uint size;         // texels of a map, across
+  uint padding;
 };
 
 struct RasterArgumentsPush {
@@ -113,19 +118,17 @@ SH_CONST uint kQueueJobs = 3u;
 
 struct ResolvePush {
   uint64_t frame;
-  uint64_t ranks;
+  uint64_t instances;
   uint64_t visible;
-  uint rankCount;
-  uint padding;
 };
 
 struct FragmentLightPush {
   FragmentLists lists;
   uint64_t frame;
-  uint64_t ranks;
-  uint rankCount;
+  uint64_t instances;
   uint firstTriangle;  // of the blended instances
   uint width, height;  // pixels of a view
+  uint padding;
 };
 
 SH_END

@@ -63,7 +63,7 @@ void main() {
   textureRecords = frame.textures;
 #endif
   vec2 centre = vec2(pixel.xy) + 0.5;
-  SeenTriangle t = seenTriangle(frame, push.ranks, push.rankCount, id);
+  SeenTriangle t = seenTriangle(frame, push.instances, id);
   SurfacePoint p = seenPoint(frame, view, t, centre);
   Surface s = evaluateMaterial(frame, frameMaterial(frame, frameInstance(frame, t.rank.instance).material), p);
   vec4 light = emittedLight(frame, s);

@@ -6,6 +6,10 @@
 #include "render/visibility/compute/raster_push.h"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer RankRef { RankedInstance v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer RankOfPartRef { uint v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer InstanceListRef { InstanceList v; };
+
+RankedInstance rankedInstance(uint64_t instances, uint rank) { return RankRef(InstanceListRef(instances).v.ranks).v[rank]; }
 
 // --- which triangle -------------------------------------------------------------------------------------------------
 
@@ -15,14 +19,10 @@ struct SeenTriangle {
   uvec3 indices;
 };
 
-SeenTriangle seenTriangle(FrameConstants frame, uint64_t ranks, uint rankCount, uint id) {
-  uint low = 0u, high = rankCount - 1u;
-  while (low < high) {
-    uint middle = (low + high + 1u) / 2u;
-    if (RankRef(ranks).v[middle].firstTriangle < id) low = middle; else high = middle - 1u;
-  }
+SeenTriangle seenTriangle(FrameConstants frame, uint64_t instances, uint id) {
+  InstanceList list = InstanceListRef(instances).v;
   SeenTriangle t;
-  t.rank = RankRef(ranks).v[low];
+  t.rank = RankRef(list.ranks).v[RankOfPartRef(list.rankOfPart).v[(id - 1u) / kRasterGroup]];
   t.number = id - 1u - t.rank.firstTriangle;
   t.indices = triangleIndices(frameMesh(frame, t.rank.mesh), t.number);
   return t;

@@ -15,7 +15,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Tar
 
 // What y grows by a texel across and down, where the triangle's plane has it.
 vec2 slopes(FrameConstants frame, View view, uint id, float y, vec2 texel) {
-  SeenTriangle t = seenTriangle(frame, push.ranks, push.rankCount, id);
+  SeenTriangle t = seenTriangle(frame, push.instances, id);
   Instance instance = frameInstance(frame, t.rank.instance);
   PositionRef positions = PositionRef(frameMesh(frame, instance.mesh).positions);
   vec3 corners[3];

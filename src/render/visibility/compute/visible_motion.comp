@@ -20,6 +20,6 @@ void main() {
   uint id = visibleId(VisibleRef(push.visible).v[visibleIndex(uvec3(pixel), uvec2(size))]);
   vec2 centre = vec2(pixel.xy) + 0.5;
   vec4 found = id == 0u ? backgroundMotion(frame, view, uint(pixel.z), centre)
-                        : seenMotion(frame, view, uint(pixel.z), seenTriangle(frame, push.ranks, push.rankCount, id), centre);
+                        : seenMotion(frame, view, uint(pixel.z), seenTriangle(frame, push.instances, id), centre);
   imageStore(motion, pixel, found);
 }
