@@ -4,6 +4,7 @@
 #include <bit>
 #include <cstring>
 
+#include "base/parallel.h"
 #include "render/frame.h"
 #include "shared/shadow.h"
 
@@ -15,6 +16,8 @@ template <typename T>
 vk::Buffer uploaded(vk::Device& device, const char* name, const std::vector<T>& values) {
   return vk::uploadedBuffer(device, name, std::as_bytes(std::span(values)));
 }
+
+constexpr size_t kViewsAtOnce = 8;  // a thread's share
 
 template <typename T>
 void append(std::string& key, const T& value) {
@@ -40,10 +43,12 @@ FrameShadows::FrameShadows(vk::Device& device, const GpuScene& scene, std::span<
       inCompute_(rastersInCompute(settings)) {
   const ShadowScene planned{scene.lights().lights(), scene.lights().sources(), scene.lights().authored(),
                             scene.bounds()};
-  for (const shared::View& view : views) {
-    plans_.push_back(planShadows(planned, view, settings));
-    for (const ShadowPlan::Entry& entry : plans_.back().lights) columns_.push_back(entry.light);
-  }
+  plans_.resize(views.size());
+  parallelFor(views.size(), kViewsAtOnce, [&](size_t begin, size_t end) {
+    for (size_t view = begin; view < end; ++view) plans_[view] = planShadows(planned, views[view], settings);
+  });
+  for (const ShadowPlan& plan : plans_)
+    for (const ShadowPlan::Entry& entry : plan.lights) columns_.push_back(entry.light);
   std::sort(columns_.begin(), columns_.end());
   columns_.erase(std::unique(columns_.begin(), columns_.end()), columns_.end());
   if (columns_.empty()) return;
@@ -62,17 +67,24 @@ void FrameShadows::number(uint32_t lights) {
   for (const uint32_t light : columns_) bits_[light / 32].lights |= 1u << (light % 32);
   for (size_t i = 1; i < bits_.size(); ++i)
     bits_[i].before = bits_[i - 1].before + static_cast<uint32_t>(std::popcount(bits_[i - 1].lights));
+  std::vector<std::vector<std::string>> keys(plans_.size());
+  parallelFor(plans_.size(), kViewsAtOnce, [&](size_t begin, size_t end) {
+    for (size_t view = begin; view < end; ++view)
+      for (const ShadowPlan::Entry& entry : plans_[view].lights) keys[view].push_back(keyOf(plans_[view], entry));
+  });
   table_.resize(plans_.size() * columns_.size());
-  for (size_t view = 0; view < plans_.size(); ++view)
-    for (const ShadowPlan::Entry& entry : plans_[view].lights) {
+  for (size_t view = 0; view < plans_.size(); ++view) {
+    const ShadowPlan& plan = plans_[view];
+    for (size_t i = 0; i < plan.lights.size(); ++i) {
+      const ShadowPlan::Entry& entry = plan.lights[i];
       const auto column = std::lower_bound(columns_.begin(), columns_.end(), entry.light) - columns_.begin();
-      table_[view * columns_.size() + static_cast<size_t>(column)] = {enter(plans_[view], entry).first, entry.maps,
-                                                                      plans_[view].sun == entry.light ? 1u : 0u};
+      table_[view * columns_.size() + static_cast<size_t>(column)] = {
+          enter(plan, entry, std::move(keys[view][i])).first, entry.maps, plan.sun == entry.light ? 1u : 0u};
     }
+  }
 }
 
-// A light's maps in a view: those of an earlier view where they are the same, or new ones.
-const FrameShadows::Caster& FrameShadows::enter(const ShadowPlan& plan, const ShadowPlan::Entry& entry) {
+std::string FrameShadows::keyOf(const ShadowPlan& plan, const ShadowPlan::Entry& entry) const {
   std::string key;
   append(key, format_);
   append(key, filter_);
@@ -82,8 +94,15 @@ const FrameShadows::Caster& FrameShadows::enter(const ShadowPlan& plan, const Sh
     append(key, plan.views[i].drawn);
     append(key, plan.maps[i]);
   }
+  return key;
+}
+
+// A light's maps in a view: those of an earlier view where they are the same, or new ones.
+const FrameShadows::Caster& FrameShadows::enter(const ShadowPlan& plan, const ShadowPlan::Entry& entry,
+                                                std::string&& key) {
   const auto [found, anew] = casterOfKey_.try_emplace(std::move(key), static_cast<uint32_t>(casters_.size()));
   if (anew) {
+    const ShadowView& first = plan.views[entry.first];
     casters_.push_back({&plan, &entry, static_cast<uint32_t>(records_.size())});
     wanted_.push_back({found->first, entry.maps, first.size, first.within});
     const auto begin = plan.maps.begin() + entry.first;

@@ -54,7 +54,8 @@ class FrameShadows {
     uint32_t first;  // among records_
   };
   void number(uint32_t lights);
-  const Caster& enter(const ShadowPlan& plan, const ShadowPlan::Entry& entry);
+  std::string keyOf(const ShadowPlan& plan, const ShadowPlan::Entry& entry) const;
+  const Caster& enter(const ShadowPlan& plan, const ShadowPlan::Entry& entry, std::string&& key);
   void place(vk::Device& device, KeptShadowMaps& kept);
   void upload(vk::Device& device);
 

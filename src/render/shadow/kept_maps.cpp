@@ -58,8 +58,8 @@ void KeptShadowMaps::follow(const GpuScene& scene) {
   const std::vector<Sphere> changed = changedCasters(scene);
   std::erase_if(maps_, [&](const auto& entry) {
     const KeptMaps& maps = *entry.second;
-    const bool stale = std::ranges::any_of(
-        changed, [&](const Sphere& sphere) { return !maps.within || meet(*maps.within, sphere); });
+    const bool stale =
+        std::ranges::any_of(changed, [&](const Sphere& sphere) { return !maps.within || meet(*maps.within, sphere); });
     if (stale) std::ranges::for_each(maps.tiles, [&](const AtlasTile& tile) { tiles_.giveBack(tile); });
     return stale;
   });
@@ -103,8 +103,7 @@ void KeptShadowMaps::renew(vk::Device& device, vk::ImageDesc kind, uint64_t texe
 void KeptShadowMaps::dropUnasked() {
   std::erase_if(maps_, [&](const auto& entry) {
     const bool unasked = entry.second->frame != frame_;
-    if (unasked)
-      std::ranges::for_each(entry.second->tiles, [&](const AtlasTile& tile) { tiles_.giveBack(tile); });
+    if (unasked) std::ranges::for_each(entry.second->tiles, [&](const AtlasTile& tile) { tiles_.giveBack(tile); });
     return unasked;
   });
 }
