@@ -31,6 +31,7 @@ class GpuScene {
   void addChanges(graph::Graph& graph) const;
   void changesSubmitted();
   vk::Uploader& uploads() { return uploads_; }  // with those
+  void keepClusters() { geometry_.keepClusters(uploads_); }
   void keepTexels() { materials_.keepTexels(uploads_); }
   void setAnisotropy(uint32_t samples) { materials_.setAnisotropy(uploads_, samples); }
   // Others than the scene's, until it is edited or posed; at once.

@@ -88,6 +88,7 @@ void Renderer::begin(const Settings& settings, const Moment& moment) {
   drawOrder_.update(gpuScene_);
   requireRaster(device_, settings);
   if (!rastersInCompute(settings)) return;
+  gpuScene_.keepClusters();
   ranks_.update(gpuScene_, drawOrder_, gpuScene_.uploads());
   if (device_.maxTextureArray() == 0) gpuScene_.keepTexels();
 }

@@ -1,6 +1,7 @@
 #include "render/gpu_scene/geometry.h"
 
 #include "render/deform/deformer.h"
+#include "scene/clusters.h"
 
 namespace latelight::render {
 
@@ -66,12 +67,35 @@ void GpuGeometry::update(vk::Uploader& uploader, std::span<const uint32_t> chang
   }
   list_.upload(uploader, records_, changed);
   posed_ = rest_;
+  if (!keepsClusters_) return;
+  clusters_.resize(scene_.meshes.size());
+  for (const uint32_t mesh : changed) uploadClusters(uploader, mesh);
+}
+
+void GpuGeometry::keepClusters(vk::Uploader& uploader) {
+  if (std::exchange(keepsClusters_, true)) return;
+  clusters_.resize(scene_.meshes.size());
+  for (uint32_t mesh = 0; mesh < clusters_.size(); ++mesh) uploadClusters(uploader, mesh);
+}
+
+void GpuGeometry::uploadClusters(vk::Uploader& uploader, uint32_t index) {
+  const scene::Mesh& mesh = scene_.meshes[index];
+  const std::vector<shared::Cluster> clusters = scene::clustersOf(mesh);
+  if (clusters.empty()) return;
+  clusters_[index] = vk::Buffer(device_, {.size = bytesOf(clusters).size(), .name = mesh.name + ", clusters"});
+  uploader.upload(clusters_[index], bytesOf(clusters));
+}
+
+VkDeviceAddress GpuGeometry::clusters(uint32_t mesh) const {
+  const bool deformed = deformed_ && scene_.meshes[mesh].deformation;
+  return deformed || !clusters_[mesh] ? 0 : clusters_[mesh].address();
 }
 
 void GpuGeometry::pose(vk::Uploader& uploader, const Deformer* deformer) {
   std::vector<shared::Mesh> records = records_;
   posed_ = rest_;
   if (deformer) deformer->describe(records, posed_);
+  deformed_ = deformer != nullptr;
   ++revision_;
   for (size_t mesh = 0; mesh < revisions_.size(); ++mesh)
     if (scene_.meshes[mesh].deformation) revisions_[mesh] = revision_;

@@ -22,6 +22,8 @@ class GpuGeometry {
   GpuGeometry(vk::Device& device, const scene::Scene& scene, vk::Uploader& uploader);
   // Meshes that were replaced or added.
   void update(vk::Uploader& uploader, std::span<const uint32_t> changed);
+  // From here on there are clusters.
+  void keepClusters(vk::Uploader& uploader);
   // Records as they are at rest, or (not null) where the deformer has the vertices.
   void pose(vk::Uploader& uploader, const Deformer* deformer);
 
@@ -29,15 +31,20 @@ class GpuGeometry {
   VkBuffer indexBuffer(uint32_t mesh) const { return buffers_[mesh].get(); }  // from its beginning on
   uint32_t indexCount(uint32_t mesh) const { return 3 * records_[mesh].triangleCount; }
   VkDeviceAddress address() const { return list_.address(); }  // shared::Mesh[]
+  // shared::Cluster[], or 0 where the mesh is deformed.
+  VkDeviceAddress clusters(uint32_t mesh) const;
   // Grow whenever the shape of a mesh changes, or that of any.
   uint64_t revision(uint32_t mesh) const { return revisions_[mesh]; }
   uint64_t revision() const { return revision_; }
 
  private:
   void uploadMesh(vk::Uploader& uploader, uint32_t mesh);
+  void uploadClusters(vk::Uploader& uploader, uint32_t mesh);
   vk::Device& device_;
   const scene::Scene& scene_;
-  std::vector<vk::Buffer> buffers_;    // by mesh: indices, positions, attributes, extras
+  std::vector<vk::Buffer> buffers_;   // by mesh: indices, positions, attributes, extras
+  std::vector<vk::Buffer> clusters_;  // by mesh, if they are kept
+  bool keepsClusters_ = false, deformed_ = false;
   std::vector<shared::Mesh> records_;  // at rest
   std::vector<VertexStreams> rest_, posed_;
   std::vector<uint64_t> revisions_;  // by mesh

@@ -155,7 +155,7 @@ void ComputeVisibility::addRaster(const FrameContext& f, const RasterViews& view
                                   .counters = address(b.counters)},
                       .within = views.within,
                       .fragments = blended ? address(chain.lists) : 0,
-                      .ranks = share.ranks,
+                      .parts = static_cast<uint32_t>(share.parts),
                       .views = views.count,
                       .width = views.width,
                       .height = views.height,
@@ -189,8 +189,11 @@ void ComputeVisibility::addRaster(const FrameContext& f, const RasterViews& view
     addCompute(f, std::move(pass), push);
   };
   const auto most = static_cast<uint32_t>(share.parts * views.count);
+  constexpr uint32_t kPartsInRow = kRasterRow * kCullGroup;
+  const auto parts = static_cast<uint32_t>(share.parts);
   over("raster_cull.comp",
-       {std::min(share.ranks, kRasterRow), (share.ranks + kRasterRow - 1) / kRasterRow, views.count},
+       {std::min((parts + kCullGroup - 1) / kCullGroup, kRasterRow), (parts + kPartsInRow - 1) / kPartsInRow,
+        views.count},
        {{kFirstOwnConstant, chain.wanted}, {kFirstOwnConstant + 1, chain.asked}});
   overQueue(chain.small, kQueueWork, most, chain.textures);
   overQueue("raster_clip.comp", kQueueClipped, (b.room.clipped + 63) / 64);
@@ -351,8 +354,7 @@ void ComputeVisibility::addShadowMapsOf(const FrameContext& f, uint32_t size, gr
               .constants = f.setup.constants(),
               .buffers = {{visible, graph::Use::StorageRead}}},
              [=, this](graph::Context& context) {
-               return ShadowStorePush{
-                   constants, ranks_.address(), context.buffer(visible).address(), places, size, 0};
+               return ShadowStorePush{constants, ranks_.address(), context.buffer(visible).address(), places, size, 0};
              });
 }
 

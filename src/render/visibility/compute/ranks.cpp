@@ -1,10 +1,27 @@
 #include "render/visibility/compute/ranks.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "base/error.h"
 
 namespace latelight::render {
 
 namespace {
+
+struct Stretch {
+  float most;    // that a length grows by
+  bool similar;  // angles stay as they are
+};
+Stretch stretchOf(const shared::Instance& instance) {
+  const shared::vec3 x = instance.objectToWorld[0], y = instance.objectToWorld[1], z = instance.objectToWorld[2];
+  const float xx = glm::dot(x, x), yy = glm::dot(y, y), zz = glm::dot(z, z);
+  const float most = std::max({xx, yy, zz}), sum = xx + yy + zz;
+  const float skew = std::max({std::abs(glm::dot(x, y)), std::abs(glm::dot(y, z)), std::abs(glm::dot(z, x))});
+  constexpr float kRounding = 1e-4f;
+  const bool similar = 3 * most - sum <= kRounding * most && skew <= kRounding * most;
+  return {(1 + kRounding) * std::sqrt(similar ? most : sum), similar};
+}
 
 uint32_t flagsOf(const shared::Instance& instance, const shared::Material& material) {
   uint32_t flags = 0;
@@ -12,6 +29,7 @@ uint32_t flagsOf(const shared::Instance& instance, const shared::Material& mater
   if (instance.flags & shared::kInstanceMirrored) flags |= shared::kRankMirrored;
   if (material.flags & (shared::kMaterialMasked | shared::kMaterialBlended)) flags |= shared::kRankCutOut;
   if (material.flags & shared::kMaterialBlended) flags |= shared::kRankBlended;
+  if (stretchOf(instance).similar) flags |= shared::kRankSimilar;
   return flags;
 }
 
@@ -35,7 +53,8 @@ void InstanceRanks::update(const GpuScene& scene, const DrawOrder& order, vk::Up
       const uint32_t flags = flagsOf(record, scene.materials().record(record.material));
       const auto firstTriangle = static_cast<uint32_t>(all_.parts * shared::kRasterGroup);
       const uint32_t parts = (count + shared::kRasterGroup - 1) / shared::kRasterGroup;
-      records_.push_back({bounds.centre, bounds.radius, instance, record.mesh, firstTriangle, count, flags});
+      records_.push_back({bounds.centre, bounds.radius, scene.geometry().clusters(record.mesh), stretchOf(record).most,
+                          instance, record.mesh, firstTriangle, count, flags});
       all_.parts += parts;
       if (all_.parts >= kMostParts)
         badInput("the scene's instances have more triangles together than the raster compute takes: {} parts of {}",

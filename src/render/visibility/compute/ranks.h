@@ -13,7 +13,9 @@ namespace latelight::render {
 class InstanceRanks {
  public:
   explicit InstanceRanks(vk::Device& device)
-      : list_(device, "instances in order"), rankOfPart_(device, "instances of parts"), lists_(device, "instance list") {}
+      : list_(device, "instances in order"),
+        rankOfPart_(device, "instances of parts"),
+        lists_(device, "instance list") {}
   // Follows the scene; costs nothing where no instance has changed. What the device lacks is uploaded with `uploader`.
   void update(const GpuScene& scene, const DrawOrder& order, vk::Uploader& uploader);
 

@@ -1,9 +1,10 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// A workgroup an instance and view: queues its triangles, kRasterGroup at a time, if any of them may show.
+// A thread for each kRasterGroup triangles of an instance, in a view: queues them if any of them may show.
+#extension GL_KHR_shader_subgroup_ballot : require
 #include "render/visibility/compute/raster.glsl"
 
-layout(local_size_x = 32) in;
+layout(local_size_x = 64) in;
 
 // Whether the sphere reaches inside of a side: of (scale * x + offset * depth) >= 0, normalised here.
 bool reaches(float scale, float offset, float x, float depth, float radius) {
@@ -26,24 +27,51 @@ layout(constant_id = 17) const uint kAsked = 0u;
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer SphereRef { vec4 v[]; };
 
-shared uint first;
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ClusterRef { Cluster v[]; };
+
+// Whether nothing but the backs of its triangles can be seen. The margin is for rounding, and for triangles seen almost
+// edge-on: snapped to subpixels they may show their fronts.
+bool facesAway(View view, RankedInstance r, Cluster c, mat4x3 toWorld) {
+  if ((r.flags & kRankDoubleSided) != 0u || push.bothSides != 0u || (r.flags & kRankSimilar) == 0u) return false;
+  const float kMargin = 0.01;
+  vec3 direction = toWorld * vec4(c.apex, 1.0) - view.eye;
+  if (view.projection.kind != kPerspective) direction = view.viewToWorld * vec4(0.0, 1.0, 0.0, 0.0);
+  return clusterFacesAway(normalize(direction), normalize(mat3(toWorld) * c.axis), c.cutoff, kMargin);
+}
+
+bool partShows(View view, uint viewIndex, RankedInstance r, uint part) {
+  if ((r.flags & kAsked) != kWanted || r.radius < 0.0) return false;
+  vec3 centre = r.centre;
+  float radius = r.radius;
+  if (r.clusters != uint64_t(0)) {
+    mat4x3 toWorld = frameInstance(FrameRef(push.buffers.frame).v, r.instance).objectToWorld;
+    Cluster c = ClusterRef(r.clusters).v[part];
+    if (facesAway(view, r, c, toWorld)) return false;
+    centre = toWorld * vec4(c.centre, 1.0);
+    radius = c.radius * r.stretch;
+  }
+  if (!mayShow(view, centre, radius)) return false;
+  if (push.within == uint64_t(0)) return true;
+  vec4 within = SphereRef(push.within).v[viewIndex];
+  vec3 way = centre - within.xyz;
+  float reach = radius + within.w;
+  return dot(way, way) <= reach * reach;
+}
 
 void main() {
-  uint rank = groupNumber(), view = gl_WorkGroupID.z;
-  if (rank >= push.ranks) return;
-  RankedInstance r = rankedInstance(push.buffers.instances, rank);
-  if ((r.flags & kAsked) != kWanted) return;
-  if (r.radius < 0.0 || !mayShow(frameView(FrameRef(push.buffers.frame).v, view), r.centre, r.radius)) return;
-  if (push.within != uint64_t(0)) {
-    vec4 within = SphereRef(push.within).v[view];
-    vec3 way = r.centre - within.xyz;
-    float reach = r.radius + within.w;
-    if (dot(way, way) > reach * reach) return;
+  uint number = groupNumber() * kCullGroup + gl_LocalInvocationIndex, viewIndex = gl_WorkGroupID.z;
+  RasterWork work = RasterWork(0u, 0u, viewIndex);
+  bool shows = number < push.parts;
+  if (shows) {
+    InstanceList list = InstanceListRef(push.buffers.instances).v;
+    work.rank = RankOfPartRef(list.rankOfPart).v[number];
+    RankedInstance r = RankRef(list.ranks).v[work.rank];
+    work.part = number - r.firstTriangle / kRasterGroup;
+    shows = partShows(frameView(FrameRef(push.buffers.frame).v, viewIndex), viewIndex, r, work.part);
   }
-  uint parts = (r.triangles + kRasterGroup - 1u) / kRasterGroup;
-  if (gl_LocalInvocationIndex == 0u) first = atomicAdd(CountersRef(push.buffers.counters).v.work, parts);
-  barrier();
-  WorkRef work = WorkRef(push.buffers.work);
-  for (uint part = gl_LocalInvocationIndex; part < parts; part += 32u)
-    work.v[first + part] = RasterWork(rank, part, view);
+  uvec4 shown = subgroupBallot(shows);
+  uint first = 0u;
+  if (subgroupElect()) first = atomicAdd(CountersRef(push.buffers.counters).v.work, subgroupBallotBitCount(shown));
+  uint place = subgroupBroadcastFirst(first) + subgroupBallotExclusiveBitCount(shown);
+  if (shows) WorkRef(push.buffers.work).v[place] = work;
 }

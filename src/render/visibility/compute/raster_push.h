@@ -3,12 +3,14 @@
 #ifndef LATELIGHT_RASTER_PUSH_H
 #define LATELIGHT_RASTER_PUSH_H
 
+#include "shared/cluster.h"
 #include "shared/fragment_lists.h"
 #include "shared/types.h"
 
 SH_BEGIN
 
-SH_CONST uint kRasterGroup = 128u;         // triangles that a workgroup of raster.comp takes
+SH_CONST uint kRasterGroup = kClusterTriangles;  // that a workgroup of raster.comp takes
+SH_CONST uint kCullGroup = 64u;            // parts that a workgroup of raster_cull.comp takes
 SH_CONST uint kRasterRow = 32768u;         // workgroups in a row of an indirect dispatch
 SH_CONST uint kRasterTile = 64u;           // pixels across, of what raster_large.comp does at once
 SH_CONST uint kRasterJobTriangles = 128u;  // of one tile, at most, in one of its workgroups
@@ -16,9 +18,11 @@ SH_CONST int kSubpixels = 256;             // positions in a pixel, across
 
 // Ids of what is visible are counted over all instances, each of which begins with a part of its own: triangle t of this
 // one is firstTriangle + t + 1.
-struct RankedInstance {  // 36 bytes
+struct RankedInstance {  // 48 bytes
   vec3 centre;           // of a sphere around it, world
   float radius;          // metres; below 0: it is gone
+  uint64_t clusters;     // Cluster[] of its mesh, or 0
+  float stretch;         // what its transform makes longer than it is in object space, at most
   uint instance;
   uint mesh;
   uint firstTriangle;
@@ -29,6 +33,7 @@ SH_CONST uint kRankDoubleSided = 1u;
 SH_CONST uint kRankMirrored = 2u;
 SH_CONST uint kRankCutOut = 4u;  // its alpha takes parts of it away
 SH_CONST uint kRankBlended = 8u;
+SH_CONST uint kRankSimilar = 16u;  // its transform keeps angles
 
 struct InstanceList {   // in the order of drawing
   uint64_t ranks;       // RankedInstance[]
@@ -83,7 +88,7 @@ struct RasterPush {
   RasterBuffers buffers;
   uint64_t within;     // vec4[views]: spheres that hold all that matters to a view, centre and radius; 0: none
   uint64_t fragments;  // FragmentLists, of what is blended
-  uint ranks, views;
+  uint parts, views;                       // parts: of all instances that are asked for
   uint width, height;                      // pixels of a view
   uint clippedRoom, largeRoom, entryRoom;  // of the queues
   uint bothSides;                          // 1: back faces too, whatever their material says

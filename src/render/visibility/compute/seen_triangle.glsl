@@ -5,7 +5,7 @@
 #define LATELIGHT_SEEN_TRIANGLE_GLSL
 #include "render/visibility/compute/raster_push.h"
 
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer RankRef { RankedInstance v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer RankRef { RankedInstance v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer RankOfPartRef { uint v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer InstanceListRef { InstanceList v; };
 
