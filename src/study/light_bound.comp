@@ -1,8 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // variants: layout
-// Lighting without lights to find or to load: each pixel makes up its own, a metre above its surface, and shades them as
-// every technique does.
+// Lighting without lights to find or to load: each pixel makes up its own, a metre above its surface, and shades them
+// as every technique does.
 #include "render/glsl/common.glsl"
 #define ONE_SAMPLE
 #include "render/glsl/gbuffer_read.glsl"

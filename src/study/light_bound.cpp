@@ -19,7 +19,7 @@ shared::Light commonLight() {
 
 render::TechniqueInfo lightBound(uint32_t type, uint32_t lights) {
   const auto add = [=](const render::FrameContext& f, const render::Gbuffer& gbuffer) {
-    render::ComputePass pass = render::lightingPass(f, gbuffer, kLightBoundPass, "light_bound.comp");
+    render::ComputePass pass = render::lightingPass(f, gbuffer, "lighting bound", "light_bound.comp");
     pass.constants.push_back({render::kFirstOwnConstant, type});
     addCompute(f, std::move(pass), shared::LightBoundPush{f.constants, commonLight(), shared::vec3(1e-4f), lights});
   };

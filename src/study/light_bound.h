@@ -7,8 +7,6 @@
 
 namespace latelight::study {
 
-inline constexpr const char* kLightBoundPass = "lighting bound";
-
 // A technique that lights each pixel with so many lights of one type (kLight*), all of which it uses. One sample a
 // pixel.
 render::TechniqueInfo lightBound(uint32_t type, uint32_t lights);
