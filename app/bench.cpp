@@ -3,13 +3,16 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "app/commands.h"
+#include "app/parse.h"
 #include "app/render_options.h"
 #include "app/render_run.h"
 #include "base/log.h"
+#include "render/lighting/technique.h"
 #include "render/session.h"
 #include "scene/builtin.h"
 #include "vk/driver_cache.h"
@@ -20,18 +23,21 @@ namespace {
 
 struct BenchArguments {
   RenderOptions render;
-  std::string most = "10M";
+  std::string most = "10M", lights = "1,100,1k,10k,100k,1M";
   uint32_t views = 1024;
   study::BenchOptions options;
   bool json = false;
 };
 
-void print(const vk::Device& device, const study::Table& table, bool json) {
+void print(const vk::Device& device, const study::Table& table, bool json, const study::Ceilings* ceilings = nullptr) {
   if (json) {
-    const nlohmann::ordered_json report{{"device", device.info().name}, {table.name, study::toJson(table)}};
+    nlohmann::ordered_json report{{"device", device.info().name}};
+    if (ceilings) report["ceilings"] = study::toJson(*ceilings);
+    report[table.name] = study::toJson(table);
     fmt::print("{}\n", report.dump(1, ' ', false, nlohmann::json::error_handler_t::replace));
   } else {
-    fmt::print("{}\n{}", printable(device.info().name), study::toText(table));
+    fmt::print("{}{}\n{}", printable(device.info().name), ceilings ? ": " + study::toText(*ceilings) : "",
+               study::toText(table));
   }
 }
 
@@ -44,39 +50,114 @@ void runRaster(BenchArguments& a) {
   print(device, study::benchRaster(device, a.options), a.json);
 }
 
-// What `frame` and `views` share: a scene's renderer and camera.
+// What those of a scene share: its checks, and its device.
 template <typename Measure>
-void runScene(BenchArguments& a, const Measure& measure) {
-  RenderOptions& o = a.render;
+void onDevice(RenderOptions& o, const Measure& measure) {
   if (o.isGiven("out")) badUsage("bench measures, and writes no picture: leave -o out");
-  if (o.isGiven("raster")) badUsage("bench measures both rasters: leave --raster out");
   checkOptions(o);
   checkTime(o);
-  const scene::Scene scene =
-      scene::load(o.scene, {.variant = o.variant, .allowOutside = o.allowOutside, .ids = o.idGrouping});
-  const Timeline timeline(scene, o);
-  const scene::Camera camera = timeline.cameraAt(timeline.first());
-  const std::optional<scene::Environment> environment = render::loadEnvironment(environmentOf(o, scene));
   vk::avoidFullDriverCache();
   vk::Device device({.selector = o.device, .validation = o.validate});
-  render::Renderer renderer(device, scene, environment ? &*environment : nullptr);
-  print(device, measure(renderer, camera, timeline.momentAt(timeline.first())), o.json);
+  measure(device);
   for (const std::string& message : device.validationMessages())
     fail(ExitCode::Internal, "the Vulkan validation layer says: {}", message);
 }
 
+// The renderer, camera and moment of a scene.
+template <typename Measure>
+void inScene(vk::Device& device, RenderOptions& o, const std::string& name, const Measure& measure) {
+  const scene::Scene scene =
+      scene::load(name, {.variant = o.variant, .allowOutside = o.allowOutside, .ids = o.idGrouping});
+  const Timeline timeline(scene, o);
+  const scene::Camera camera = timeline.cameraAt(timeline.first());
+  const std::optional<scene::Environment> environment = render::loadEnvironment(environmentOf(o, scene));
+  render::Renderer renderer(device, scene, environment ? &*environment : nullptr);
+  measure(renderer, camera, timeline.momentAt(timeline.first()));
+}
+
+void refuseRaster(const RenderOptions& o) {
+  if (o.isGiven("raster")) badUsage("bench measures both rasters: leave --raster out");
+}
+
 void runFrame(BenchArguments& a) {
-  runScene(a, [&](render::Renderer& renderer, const scene::Camera& camera, const render::Moment& moment) {
-    a.render.settings.display = true;
-    return study::benchFrame(renderer, camera, moment, a.render.settings, a.options);
+  refuseRaster(a.render);
+  a.render.settings.display = true;
+  onDevice(a.render, [&](vk::Device& device) {
+    inScene(device, a.render, a.render.scene, [&](auto& renderer, const auto& camera, const auto& moment) {
+      const study::Ceilings ceilings = study::measureCeilings(device, a.options.frames);
+      print(device, study::benchFrame(renderer, camera, moment, a.render.settings, ceilings, a.options), a.render.json,
+            &ceilings);
+    });
+  });
+}
+
+// Both measure lighting against its bound, which has one sample a pixel.
+void refuseSamples(const RenderOptions& o) {
+  if (o.isGiven("aa")) badUsage("bench lights and bench shade light each pixel once: leave --aa out");
+}
+
+// What the scene can have, before anything is measured.
+void checkLights(const std::string& scene, const std::vector<uint64_t>& counts) {
+  if (!scene.starts_with("builtin:"))
+    badUsage("bench lights takes a built-in scene, whose number of lights it sets, such as builtin:hall, not \"{}\"",
+             scene);
+  if (scene.find(",lights=") != std::string::npos)
+    badUsage("bench lights sets the number of lights itself: leave lights= out of the scene, and see --lights");
+  for (const scene::Builtin& builtin : scene::builtins()) {
+    if (scene.substr(8, scene.find(',') - 8) != builtin.name) continue;
+    const auto range = std::ranges::find(builtin.parameters, "lights", &scene::BuiltinParameter::key);
+    if (range == builtin.parameters.end())
+      badUsage("builtin:{} has no number of lights to set: bench lights takes builtin:hall", builtin.name);
+    for (const uint64_t count : counts)
+      if (count < range->least || count > range->most)
+        badUsage("builtin:{} can have {} to {} lights, not {}: give --lights others", builtin.name, range->least,
+                 range->most, count);
+  }
+}
+
+void runLights(BenchArguments& a) {
+  RenderOptions& o = a.render;
+  refuseSamples(o);
+  if (o.isGiven("lighting")) badUsage("bench lights measures every technique in compute: leave --lighting out");
+  std::vector<uint64_t> counts = parseCounts("--lights", a.lights);
+  checkLights(o.scene, counts);
+  std::ranges::sort(counts);
+  onDevice(o, [&](vk::Device& device) {
+    std::optional<study::LightsBench> bench;
+    for (const uint64_t lights : counts)
+      inScene(device, o, fmt::format("{},lights={}", o.scene, lights),
+              [&](auto& renderer, const auto& camera, const auto& moment) {
+                if (!bench) bench.emplace(study::measureCeilings(device, a.options.frames), a.options);
+                bench->add(renderer, camera, moment, o.settings, lights);
+              });
+    print(device, bench->table(), o.json, &bench->ceilings());
+  });
+}
+
+void runShade(BenchArguments& a) {
+  RenderOptions& o = a.render;
+  refuseSamples(o);
+  if (o.isGiven("shading")) badUsage("bench shade measures every way to shade: leave --shading out");
+  if (o.settings.lighting->draws)
+    badUsage("bench shade compares techniques in compute, and {} draws: choose another --lighting",
+             o.settings.lighting->name);
+  onDevice(o, [&](vk::Device& device) {
+    inScene(device, o, o.scene, [&](auto& renderer, const auto& camera, const auto& moment) {
+      const study::Ceilings ceilings = study::measureCeilings(device, a.options.frames);
+      print(device, study::benchShade(renderer, camera, moment, o.settings, ceilings, a.options), o.json, &ceilings);
+    });
   });
 }
 
 void runViews(BenchArguments& a) {
-  runScene(a, [&](render::Renderer& renderer, const scene::Camera& camera, const render::Moment& moment) {
-    if (!a.render.aovs.empty()) a.render.settings.aovs = output::parseAovs(a.render.aovs);
-    a.render.settings.display = a.render.aovs.empty();
-    return study::benchViews(renderer, camera, moment.poses, a.render.settings, a.views, a.options);
+  RenderOptions& o = a.render;
+  refuseRaster(o);
+  if (!o.aovs.empty()) o.settings.aovs = output::parseAovs(o.aovs);
+  o.settings.display = o.aovs.empty();
+  onDevice(o, [&](vk::Device& device) {
+    inScene(device, o, o.scene, [&](auto& renderer, const auto& camera, const auto& moment) {
+      print(device, study::benchViews(renderer, camera, moment.poses, o.settings, a.views, a.options), o.json);
+    });
   });
 }
 
@@ -86,10 +167,11 @@ void addBenchCommand(CLI::App& app) {
   auto arguments = std::make_shared<BenchArguments>();
   BenchArguments& a = *arguments;
   CLI::App* bench =
-      app.add_subcommand("bench", "Measure the device: rasterization, a frame pass by pass, or many views");
+      app.add_subcommand("bench", "Measure the device: rasterization, a frame pass by pass, many views, or lighting");
   bench->require_subcommand(0, 1);  // none is said below, in better words than "a subcommand is required"
   bench->callback([bench] {
-    if (bench->get_subcommands().empty()) badUsage("bench takes what it measures: raster, frame or views");
+    if (bench->get_subcommands().empty())
+      badUsage("bench takes what it measures: raster, frame, views, lights or shade");
   });
   CLI::App* raster = bench->add_subcommand("raster", "Random triangles, by number and size, with both rasters");
   raster->add_option("--most", a.most, "Leave out what has more triangles")->capture_default_str();
@@ -104,7 +186,19 @@ void addBenchCommand(CLI::App& app) {
   addRenderOptions(*views, a.render);
   views->add_option("--views", a.views, "How many")->check(CLI::Range(1, 100'000))->capture_default_str();
   views->callback([arguments] { runViews(*arguments); });
-  for (CLI::App* command : {raster, frame, views})
+  CLI::App* lights = bench->add_subcommand(
+      "lights", "Lighting by each technique in compute over numbers of lights; takes the options of render");
+  addRenderOptions(*lights, a.render);
+  lights->add_option("--lights", a.lights, "How many, by comma")->capture_default_str();
+  lights->add_option("--budget", a.options.budget, "Seconds: leave out what would take a technique longer")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  lights->callback([arguments] { runLights(*arguments); });
+  CLI::App* shade = bench->add_subcommand(
+      "shade", "What a light costs at the bound, and --lighting with the scene's; takes the options of render");
+  addRenderOptions(*shade, a.render);
+  shade->callback([arguments] { runShade(*arguments); });
+  for (CLI::App* command : {raster, frame, views, lights, shade})
     command->add_option("--runs", a.options.frames, "Frames of each measurement")
         ->check(CLI::Range(1, 1000))
         ->capture_default_str();

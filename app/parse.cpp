@@ -1,9 +1,9 @@
 #include "app/parse.h"
 
 #include <cmath>
-#include <vector>
 
 #include "base/text.h"
+#include "scene/builtin.h"
 
 namespace latelight::app {
 
@@ -21,6 +21,18 @@ std::pair<uint32_t, uint32_t> parseFrames(const std::string& text) {
   if (!first || !last || *last < *first || *last == ~0u)
     badUsage("--frames takes the first and the last frame's number, as in 0-47, not \"{}\"", text);
   return {*first, *last};
+}
+
+std::vector<uint64_t> parseCounts(const std::string& option, const std::string& text) {
+  std::vector<uint64_t> counts;
+  for (std::string_view part : splitAtCommas(text)) {
+    const std::optional<uint64_t> count = scene::parseCount(part);
+    if (!count || *count == 0)
+      badUsage("{} takes whole numbers by comma, k for thousands and M for millions, as in 50k,1M, not \"{}\"", option,
+               text);
+    counts.push_back(*count);
+  }
+  return counts;
 }
 
 std::optional<size_t> parseIndex(std::string_view text) {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "base/error.h"
 
@@ -13,7 +14,9 @@ namespace latelight::app {
 
 glm::vec3 parseVector(const std::string& option, const std::string& text);  // "x,y,z"
 std::pair<uint32_t, uint32_t> parseFrames(const std::string& text);         // "0-47", or "5"
-std::optional<size_t> parseIndex(std::string_view text);                    // a whole number, or nothing
+// "1,100,10k,1M", none of them 0.
+std::vector<uint64_t> parseCounts(const std::string& option, const std::string& text);
+std::optional<size_t> parseIndex(std::string_view text);  // a whole number, or nothing
 
 struct Orbit {
   float azimuth, elevation;       // radians

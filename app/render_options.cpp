@@ -162,6 +162,7 @@ std::optional<DebugRequest> parseDebug(const std::string& debug, bool moving) {
     request.sheet = true;
     for (const output::AovInfo& aov : output::aovs()) {
       if (aov.aov == output::Aov::Samples) continue;  // the same everywhere except with --aa msaa4
+      if (output::tellsOfRaster(aov.aov)) continue;
       if (aov.aov != output::Aov::Motion || moving) request.aovs.push_back(aov.aov);
     }
   } else {

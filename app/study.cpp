@@ -27,19 +27,6 @@ struct Arguments {
   bool json = false;
 };
 
-// "1,100,10k,1M".
-std::vector<uint64_t> parseCounts(const char* option, const std::string& text) {
-  std::vector<uint64_t> counts;
-  for (std::string_view part : splitAtCommas(text)) {
-    const std::optional<uint64_t> count = scene::parseCount(part);
-    if (!count || *count == 0)
-      badUsage("{} takes whole numbers by comma, k for thousands and M for millions, as in 50k,1M, not \"{}\"", option,
-               text);
-    counts.push_back(*count);
-  }
-  return counts;
-}
-
 void parseSweep(const Arguments& a, study::SweepOptions& sweep) {
   if (!(sweep.budget > 0)) badUsage("--budget takes seconds above 0, not {}", sweep.budget);
   if (!a.lights.empty()) sweep.lights = parseCounts("--lights", a.lights);

@@ -58,6 +58,10 @@ bool holdsIds(Aov aov) {
   return info(aov).exr == ExrType::Uint;
 }
 
+bool tellsOfRaster(Aov aov) {
+  return info(aov).name.starts_with("raster-");
+}
+
 std::vector<Aov> parseAovs(std::string_view list) {
   std::vector<Aov> result;
   for (std::string_view part : splitAtCommas(list)) {

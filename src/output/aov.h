@@ -57,6 +57,9 @@ bool contains(std::span<const Aov> aovs, Aov aov);
 // id, part and material: what the id manifest lists.
 bool holdsIds(Aov aov);
 
+// raster-...: what the raster compute did, rather than what the scene is.
+bool tellsOfRaster(Aov aov);
+
 // "depth,normal,id" in that order, without repeats. Throws Error(Usage) that lists the names.
 std::vector<Aov> parseAovs(std::string_view list);
 

@@ -148,6 +148,37 @@ auto idColors(const AovImage& image) {
   };
 }
 
+// Green, yellow, orange and purple (Okabe and Ito 2008, Color Universal Design), darker where the triangle is turned
+// away.
+auto classColors(const AovImage& image) {
+  static constexpr Rgb kColors[] = {{0, 0.62f, 0.45f}, {0.94f, 0.89f, 0.26f}, {0.84f, 0.37f, 0}, {0.8f, 0.47f, 0.65f}};
+  return [&image](size_t i) -> std::optional<Rgb> {
+    const auto which = static_cast<size_t>(image.values[2 * i]);
+    if (which == 0 || which > std::size(kColors)) return std::nullopt;
+    Rgb color = kColors[which - 1];
+    for (float& channel : color) channel *= 0.4f + 0.6f * image.values[2 * i + 1];
+    return color;
+  };
+}
+
+// A colour for each pair of whole numbers; neighbours are far apart.
+auto pairColors(const AovImage& image) {
+  return [&image](size_t i) -> std::optional<Rgb> {
+    const auto first = static_cast<uint32_t>(image.values[2 * i]),
+               second = static_cast<uint32_t>(image.values[2 * i + 1]);
+    if (first == 0) return std::nullopt;
+    return idColor(first * 40503u + second);
+  };
+}
+
+// 1, 3, 7, 15, and 31 or more are evenly apart; the same in every picture.
+auto overdrawColors(const AovImage& image) {
+  return [&image](size_t i) -> std::optional<Rgb> {
+    if (image.values[i] == 0) return std::nullopt;
+    return cubehelix(0.2f + 0.75f * std::min((std::log2(1 + image.values[i]) - 1) / 4, 1.0f));
+  };
+}
+
 // The direction to the previous frame as hue (right is red, down is green and yellow), its length as brightness.
 auto motionColors(const AovImage& image) {
   std::vector<float> lengths;
@@ -178,9 +209,9 @@ Picture paint(const AovImage& image, const AovImage* ids, ColorOf&& colorOf) {
   return picture;
 }
 
-// These may have values where the pixel's centre, from which ids come, is background.
+// These may have values where the pixel's centre, from which ids come, is background, or the other raster has it so.
 bool coversMoreThanIds(Aov aov) {
-  return aov == Aov::Color || aov == Aov::Samples || aov == Aov::Motion;
+  return aov == Aov::Color || aov == Aov::Samples || aov == Aov::Motion || tellsOfRaster(aov);
 }
 
 }  // namespace

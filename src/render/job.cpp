@@ -46,10 +46,12 @@ void RenderJob::keep(const RenderPart& part, std::vector<output::FrameOutput>&& 
 void RenderJob::addTimes(const graph::Submission& done) {
   for (const graph::PassTime& time : done.times()) {
     const auto known = std::ranges::find(times, time.name, &graph::PassTime::name);
-    if (known == times.end())
+    if (known == times.end()) {
       times.push_back(time);
-    else
-      known->milliseconds += time.milliseconds;
+      continue;
+    }
+    known->milliseconds += time.milliseconds;
+    known->wholeBytes += time.wholeBytes;
   }
 }
 

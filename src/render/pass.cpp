@@ -46,6 +46,20 @@ std::vector<vk::BoundImage> Bindings::images(graph::Context& context) const {
   return images;
 }
 
+uint64_t wholeBytes(const graph::Graph& graph, const ComputePass& pass, std::span<const graph::Access> accesses) {
+  if (!pass.everyTexel) return 0;
+  uint64_t bytes = 0;
+  for (const graph::Access& access : accesses) {
+    if (access.buffer && access.use == graph::Use::StorageWrite) bytes += graph.desc(access.buffer).size;
+    if (!access.image || texels(graph, access.image) != pass.size) continue;
+    const vk::ImageDesc& image = graph.desc(access.image);
+    const uint64_t once =
+        uint64_t{image.width} * image.height * image.layers * image.samples * vk::texelBytes(image.format);
+    bytes += once * (uint64_t{graph::reads(access.use)} + uint64_t{graph::writes(access.use)});
+  }
+  return bytes;
+}
+
 void addClear(const Builder& b, graph::Stage stage, const char* name, const std::vector<graph::BufferId>& cleared,
               const std::vector<graph::BufferId>& anew) {
   std::vector<graph::Access> accesses;

@@ -56,11 +56,15 @@ struct ComputePass {
   std::vector<vk::Constant> constants{};  // specialization
   std::vector<graph::Access> buffers{};   // read and written by address
   uint32_t groupX = 16, groupY = 16;      // local_size of the shader
+  bool everyTexel = false;  // each invocation has its texel of all images of this size, and of the buffers it writes
   graph::BufferId groups{};               // indirect: as many workgroups as it says, at this offset
   VkDeviceSize groupsOffset = 0;
   VkDescriptorSet sceneSet = VK_NULL_HANDLE;  // set 1, of these bindings
   std::vector<vk::Binding> sceneBindings{};
 };
+
+// What a pass with `everyTexel` moves: bytes read and bytes written.
+uint64_t wholeBytes(const graph::Graph& graph, const ComputePass& pass, std::span<const graph::Access> accesses);
 
 struct NoPush {};  // for shaders without push constants
 template <typename Constants>
@@ -83,6 +87,7 @@ void addCompute(const Builder& b, ComputePass pass, Push push) {
   accesses.insert(accesses.end(), pass.buffers.begin(), pass.buffers.end());
   if (pass.groups) accesses.emplace_back(pass.groups, graph::Use::IndirectRead);
   const auto [stage, name] = std::pair(pass.stage, pass.name);
+  const uint64_t bytes = wholeBytes(b.graph, pass, accesses);
   b.graph.pass(stage, name, std::move(accesses),
                [pipeline, pass = std::move(pass), push = std::move(push)](graph::Context& context) {
                  const Constants constants = push(context);
@@ -94,7 +99,7 @@ void addCompute(const Builder& b, ComputePass pass, Push push) {
                    context.commands().dispatchIndirect(context.buffer(pass.groups), pass.groupsOffset);
                  else
                    context.commands().dispatch(pass.size.x, pass.size.y, pass.size.z, pass.groupX, pass.groupY);
-               });
+               }, bytes);
 }
 
 // The same with push constants that are already known.

@@ -50,6 +50,10 @@ std::vector<std::string> techniquesThatCompute() {
   return names;
 }
 
+bool needsComputeRaster(const Settings& settings) {
+  return rastersInCompute(settings) || asksFor(settings, Origin::Raster);
+}
+
 // What the device lacks for these settings is said before anything is built.
 void requireRaster(const vk::Device& device, const Settings& settings) {
   const std::string& name = device.info().name;
@@ -58,9 +62,10 @@ void requireRaster(const vk::Device& device, const Settings& settings) {
     fail(ExitCode::NoDevice,
          "{} has no graphics pipeline: choose the raster compute, one of the techniques {}, and one sample a pixel.",
          name, fmt::join(techniquesThatCompute(), ", "));
-  if (!compute) return;
+  if (!needsComputeRaster(settings)) return;
   if (const std::string lacks = computeRasterLacks(device); !lacks.empty())
-    fail(ExitCode::NoDevice, "{} can't rasterize in compute: {}; choose hardware.", name, lacks);
+    fail(ExitCode::NoDevice, "{} can't rasterize in compute: {}; {}.", name, lacks,
+         compute ? "choose hardware" : "leave the outputs named raster out");
 }
 
 }  // namespace
@@ -87,7 +92,7 @@ void Renderer::begin(const Settings& settings, const Moment& moment) {
   gpuScene_.update(moment.poses, settings.sun ? std::optional(lightOf(*settings.sun)) : std::nullopt);
   drawOrder_.update(gpuScene_);
   requireRaster(device_, settings);
-  if (!rastersInCompute(settings)) return;
+  if (!needsComputeRaster(settings)) return;
   gpuScene_.keepClusters();
   ranks_.update(gpuScene_, drawOrder_, gpuScene_.uploads());
   if (device_.maxTextureArray() == 0) gpuScene_.keepTexels();

@@ -115,6 +115,7 @@ void Request::finish(const vk::Image* sum, uint32_t count, TemporalHistory* hist
   if (asksFor(settings_, Origin::LightCounts)) addLightCounts();
   if (asksFor(settings_, Origin::SampleCounts)) addSampleCounts();
   if (asksFor(settings_, Origin::Surface) || asksFor(settings_, Origin::Motion)) addData();
+  if (asksFor(settings_, Origin::Raster)) addRasterData();
 }
 
 void Request::leave(Results results) {
@@ -187,6 +188,23 @@ void Request::addData() {
   if (!asksFor(settings_, Origin::Motion)) return;
   const graph::ImageId motion = set->visibility().addMotion(f, depth, MotionUse::Data);
   outputs_.add(f, Origin::Motion, [&](std::string_view) { return motion; });
+}
+
+void Request::addRasterData() {
+  ViewSet* set = &steady();
+  if (set->visibility().rastered()) {
+    steadyDepth();
+  } else {
+    set = &rastered_.emplace(state_, steadyViews_, settings_, nullptr, VisibilityOptions{.inCompute = true});
+    set->visibility().addDepth(set->frame(graph_, FrameSetup{}));
+  }
+  const FrameContext& f = set->frame(graph_, FrameSetup{});
+  const ComputeVisibility& raster = *set->visibility().rastered();
+  const ComputeVisibility::RasterImages images = raster.addRasterImages(f);
+  outputs_.add(f, Origin::Raster, [&](std::string_view name) {
+    if (name == "overdraw") return raster.addOverdraw(f);
+    return name == "classes" ? images.classes : images.numbers;
+  });
 }
 
 void Request::read(const graph::Submission& done, std::vector<output::FrameOutput>& pictures) const {

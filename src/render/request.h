@@ -44,6 +44,7 @@ class Request {
   void addLightCounts();
   void addSampleCounts();
   void addData();
+  void addRasterData();
   graph::ImageId steadyDepth();
 
   const RenderState& state_;
@@ -51,7 +52,9 @@ class Request {
   ViewsInTime steadyViews_, jitteredViews_;
   FrameShadows* shadows_;
   graph::Graph graph_;
-  std::optional<ViewSet> steady_, jittered_, solid_;  // solid_: blended surfaces count as solid
+  std::optional<ViewSet> steady_, jittered_;
+  std::optional<ViewSet> solid_;     // blended surfaces count as solid
+  std::optional<ViewSet> rastered_;  // in compute, where steady_ is not
   graph::ImageId steadyDepth_;
   std::optional<LitFrame> lit_;  // the picture's, before transparency
 

@@ -4,9 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
-#include <glm/ext/matrix_transform.hpp>
 #include <glm/gtc/constants.hpp>
-#include <map>
 #include <span>
 #include <string>
 #include <thread>
@@ -14,74 +12,14 @@
 
 #include "render/raster_choice.h"
 #include "scene/builtin.h"
+#include "study/pass_samples.h"
 
 namespace latelight::study {
 
 namespace {
 
 using render::Raster;
-using Samples = std::vector<double>;  // milliseconds
-
 constexpr Raster kRasters[] = {Raster::Hardware, Raster::Compute};
-
-double quantile(Samples samples, double at) {
-  if (samples.empty()) return 0;
-  std::ranges::sort(samples);
-  return samples[static_cast<size_t>(at * static_cast<double>(samples.size() - 1) + 0.5)];
-}
-double median(const Samples& samples) {
-  return quantile(samples, 0.5);
-}
-// Half of the samples lie within this many per cent of the median, together.
-double spread(const Samples& samples) {
-  const double middle = median(samples);
-  return middle > 0 ? 100 * (quantile(samples, 0.75) - quantile(samples, 0.25)) / middle : 0;
-}
-
-// Each frame's passes by name, in the order of their first appearance.
-struct PassSamples {
-  std::vector<std::string> names;
-  std::map<std::string, Samples> of;
-  Samples all;
-
-  void add(std::span<const graph::PassTime> passes) {
-    std::map<std::string, double> frame;
-    double sum = 0;
-    for (const graph::PassTime& pass : passes) {
-      if (!of.contains(pass.name)) names.push_back(pass.name);
-      of[pass.name];
-      frame[pass.name] += pass.milliseconds;
-      sum += pass.milliseconds;
-    }
-    for (const auto& [name, milliseconds] : frame) of[name].push_back(milliseconds);
-    all.push_back(sum);
-  }
-};
-
-// The camera, turned about its eye.
-scene::Camera turned(scene::Camera camera, double angle) {
-  const glm::vec4 eye = camera.toWorld[3];
-  camera.toWorld = glm::rotate(glm::mat4(1), static_cast<float>(angle), glm::vec3(0, 0, 1)) * camera.toWorld;
-  camera.toWorld[3] = eye;
-  return camera;
-}
-
-// The rasters take turns, so that whatever else the machine does falls on both. The camera turns a little from frame to
-// frame: what is kept for a later frame is what does not depend on the view.
-std::map<Raster, PassSamples> measure(render::Renderer& renderer, const scene::Camera& camera,
-                                      const render::Moment& moment, const render::Settings& settings, uint32_t frames) {
-  constexpr double kTurn = 1e-3;  // radians a frame
-  std::map<Raster, PassSamples> samples;
-  for (uint32_t frame = 0; frame <= frames; ++frame)
-    for (const Raster raster : kRasters) {
-      render::Settings s = settings;
-      s.raster = raster;
-      const scene::Camera now = turned(camera, frame * kTurn);
-      renderer.submit({&now, 1}, s, moment, render::Results::OnDevice).take();
-      if (frame > 0) samples[raster].add(renderer.times());
-    }
-  return samples;
-}
 
 // --- raster ---------------------------------------------------------------------------------------------------------
 
@@ -106,7 +44,7 @@ Table benchRaster(vk::Device& device, const BenchOptions& options) {
     const auto times = [&](Raster raster) {
       return render::depthTimes(renderer, scene, raster, scene::kTrianglesPicture, options.frames);
     };
-    const Samples hardware = times(Raster::Hardware), compute = times(Raster::Compute);
+    const Milliseconds hardware = times(Raster::Hardware), compute = times(Raster::Compute);
     table.rows.push_back({std::string(row.count), 0.1 * row.tenths, median(hardware), spread(hardware), median(compute),
                           spread(compute), median(hardware) / median(compute)});
   }
@@ -114,18 +52,23 @@ Table benchRaster(vk::Device& device, const BenchOptions& options) {
 }
 
 Table benchFrame(render::Renderer& renderer, const scene::Camera& camera, const render::Moment& moment,
-                 const render::Settings& settings, const BenchOptions& options) {
-  const std::map<Raster, PassSamples> samples = measure(renderer, camera, moment, settings, options.frames);
-  Table table{"frame", {"raster", "pass", "ms", "spread %"}, {}};
-  for (const Raster raster : kRasters) {
-    const std::string name(render::nameOf(raster));
-    const PassSamples& passes = samples.at(raster);
-    for (const std::string& pass : passes.names)
-      table.rows.push_back({name, pass, median(passes.of.at(pass)), spread(passes.of.at(pass))});
-    table.rows.push_back({name, std::string("all"), median(passes.all), spread(passes.all)});
+                 const render::Settings& settings, const Ceilings& ceilings, const BenchOptions& options) {
+  std::vector<render::Settings> both(std::size(kRasters), settings);
+  for (size_t i = 0; i < both.size(); ++i) both[i].raster = kRasters[i];
+  const std::vector<PassSamples> samples = measureInTurn(renderer, camera, moment, both, options.frames);
+  Table table{"frame", {"raster", "pass", "ms", "spread %", "MB", "% of copies"}, {}};
+  for (size_t i = 0; i < both.size(); ++i) {
+    const std::string name(render::nameOf(kRasters[i]));
+    const PassSamples& passes = samples[i];
+    for (const std::string& pass : passes.names) {
+      const double ms = median(passes.of.at(pass));
+      std::vector<Cell>& row = table.rows.emplace_back(std::vector<Cell>{name, pass, ms, spread(passes.of.at(pass))});
+      addCopyCells(row, ceilings, passes.wholeBytes.at(pass), ms);
+    }
+    table.rows.push_back({name, std::string("all"), median(passes.all), spread(passes.all), "", ""});
   }
-  const double ratio = median(samples.at(Raster::Hardware).all) / median(samples.at(Raster::Compute).all);
-  table.rows.push_back({std::string("hardware / compute"), std::string("all"), ratio, 0.0});
+  const double ratio = median(samples.front().all) / median(samples.back().all);
+  table.rows.push_back({std::string("hardware / compute"), std::string("all"), ratio, 0.0, "", ""});
   return table;
 }
 
@@ -164,7 +107,7 @@ Table benchViews(render::Renderer& renderer, const scene::Camera& camera, const 
     timeOfViews(renderer, cameras, poses, s, true);
     // Results that are left on the device have their memory from earlier calls, once there are enough of those.
     for (uint32_t run = 0; run < kWarm; ++run) timeOfViews(renderer, cameras, poses, s, false);
-    Samples samples;
+    Milliseconds samples;
     for (uint32_t run = 0; run < options.frames; ++run)
       samples.push_back(timeOfViews(renderer, cameras, poses, s, false));
     table.rows.push_back({std::string(render::nameOf(raster)), static_cast<double>(count), median(samples),

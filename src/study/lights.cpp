@@ -7,7 +7,6 @@
 #include <chrono>
 #include <functional>
 #include <map>
-#include <numeric>
 #include <optional>
 #include <span>
 #include <tuple>
@@ -18,6 +17,7 @@
 #include "render/renderer.h"
 #include "scene/builtin.h"
 #include "scene/simplify.h"
+#include "study/light_counts.h"
 #include "study/plot.h"
 #include "study/study.h"
 #include "study/sweep.h"
@@ -65,12 +65,9 @@ struct Step {
 struct Measurement {
   std::vector<graph::PassTime> passes;  // the minimum of each
   uint32_t frames = 0;
-  double seconds = 0;      // of one frame, the minimum, measured on the host
-  double bytes = 0;        // device memory in addition to the scene's
-  uint64_t triangles = 0;  // as built
-  struct LightCounts {
-    double tested, used;  // mean over all pixels
-  };
+  double seconds = 0;                 // of one frame, the minimum, measured on the host
+  double bytes = 0;                   // device memory in addition to the scene's
+  uint64_t triangles = 0;             // as built
   std::optional<LightCounts> counts;  // in the sweep over lights
 
   double sum(const std::function<bool(const std::string&)>& wanted) const {
@@ -165,10 +162,6 @@ void check(const SweepOptions& o) {
 }
 
 // --- measuring ------------------------------------------------------------------------------------------------------
-
-double mean(const std::vector<float>& values) {
-  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
-}
 
 void keepLeast(std::vector<graph::PassTime>& least, const std::vector<graph::PassTime>& times) {
   for (size_t i = 0; i < least.size(); ++i)
@@ -295,21 +288,13 @@ class LightStudy {
       ++m.frames;
     }
     m.bytes = static_cast<double>(device_.memory().statistics().usedBytes - before);
-    if (count) m.counts = countLights(renderer, camera, settings);
+    if (count) m.counts = countLights(renderer, camera.front(), {}, settings);
     return m;
   }
 
   bool goesOn(uint32_t frames, double seconds) const {
     if (frames == 0) return true;
     return frames < kFrames ? seconds < sweep_.budget : frames < kMostFrames && seconds < kShort;
-  }
-
-  static Measurement::LightCounts countLights(render::Renderer& renderer, std::span<const scene::Camera> camera,
-                                              render::Settings settings) {
-    settings.display = false;
-    settings.aovs = {output::Aov::LightsTested, output::Aov::LightsUsed};
-    const output::FrameOutput counts = std::move(renderer.render(camera, settings).front());
-    return {mean(counts.aovs[0].values), mean(counts.aovs[1].values)};
   }
 
   // --- tables -------------------------------------------------------------------------------------------------------

@@ -31,19 +31,20 @@ std::string csvText(const Cell& cell) {
 std::string toText(const Table& table) {
   std::vector<size_t> widths;
   for (const std::string& column : table.columns) widths.push_back(column.size());
+  std::vector<bool> names(table.columns.size());  // columns of names stand at the left; a missing number is no name
   std::vector<std::vector<std::string>> lines{table.columns};
   for (const std::vector<Cell>& row : table.rows) {
     std::vector<std::string>& line = lines.emplace_back();
     for (size_t i = 0; i < row.size(); ++i) {
       line.push_back(shortText(row[i]));
       widths[i] = std::max(widths[i], line[i].size());
+      names[i] = names[i] || (std::holds_alternative<std::string>(row[i]) && !line[i].empty());
     }
   }
   std::string text;
   for (const std::vector<std::string>& line : lines) {
     for (size_t i = 0; i < line.size(); ++i) {
-      const bool name = !table.rows.empty() && std::holds_alternative<std::string>(table.rows.front()[i]);
-      text += name ? fmt::format("{:<{}}", line[i], widths[i]) : fmt::format("{:>{}}", line[i], widths[i]);
+      text += names[i] ? fmt::format("{:<{}}", line[i], widths[i]) : fmt::format("{:>{}}", line[i], widths[i]);
       text += i + 1 < line.size() ? "  " : "\n";
     }
   }
@@ -52,12 +53,12 @@ std::string toText(const Table& table) {
 
 std::string toCsv(const Table& table) {
   std::string text;
-  for (size_t i = 0; i < table.columns.size(); ++i) text += (i ? "," : "") + csvText(table.columns[i]);
-  text += "\r\n";
-  for (const std::vector<Cell>& row : table.rows) {
-    for (size_t i = 0; i < row.size(); ++i) text += (i ? "," : "") + csvText(row[i]);
+  const auto add = [&](const auto& cells) {
+    for (size_t i = 0; i < cells.size(); ++i) text.append(i ? "," : "").append(csvText(cells[i]));
     text += "\r\n";
-  }
+  };
+  add(table.columns);
+  for (const std::vector<Cell>& row : table.rows) add(row);
   return text;
 }
 

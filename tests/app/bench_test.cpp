@@ -2,9 +2,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <map>
 #include <nlohmann/json.hpp>
+#include <numeric>
+#include <set>
 
+#include "app/folder.h"
 #include "app/process.h"
+#include "output/read.h"
 
 namespace latelight::app {
 namespace {
@@ -46,15 +51,114 @@ TEST(Bench, MeasuresManyViews) {
   for (const json& row : rows) EXPECT_FLOAT_EQ(row["views a second"], 8000 / row["ms"].get<float>());
 }
 
+void expectCeilings(const json& report) {
+  EXPECT_GT(report["ceilings"]["copied bytes a second"], 0);
+  EXPECT_GT(report["ceilings"]["multiply-adds a second"], 0);
+}
+
+// Lighting in `compact` reads 16 + 4 + 8 bytes a pixel and writes 8; the finished picture takes 8 to read and 4 to
+// write.
+TEST(Bench, ComparesWholePassesWithCopies) {
+  const Outcome outcome = bench({"frame", "builtin:boxes", "--device", "cpu", "--size", "64x48", "--runs", "1",
+                                 "--shadows", "none", "--lighting", "fullscreen", "--json"});
+  ASSERT_EQ(outcome.code, 0) << outcome.text();
+  const json report = json::parse(outcome.out);
+  expectCeilings(report);
+  const std::map<std::string, double> bytesAPixel{{"lighting fullscreen", 36}, {"compose", 12}};
+  size_t found = 0;
+  for (const json& row : report["frame"]) {
+    const auto known = bytesAPixel.find(row["pass"]);
+    if (known == bytesAPixel.end()) {
+      EXPECT_EQ(row["MB"], "") << row;
+      EXPECT_EQ(row["% of copies"], "") << row;
+      continue;
+    }
+    ++found;
+    const double bytes = known->second * 64 * 48, copied = report["ceilings"]["copied bytes a second"];
+    EXPECT_DOUBLE_EQ(row["MB"], 1e-6 * bytes);
+    EXPECT_NEAR(row["% of copies"], 100 * bytes / (1e-3 * row["ms"].get<double>() * copied), 1e-6);
+  }
+  EXPECT_EQ(found, 4u);  // with both rasters
+}
+
+double meanOfFile(const std::filesystem::path& path) {
+  const std::vector<double> values = output::readImage(path).channels.front().values;
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+TEST(Bench, MeasuresLightingOverLights) {
+  const Outcome outcome = bench({"lights", "builtin:hall,seed=3", "--device", "cpu", "--size", "64x36", "--runs", "1",
+                                 "--shadows", "none", "--lights", "100,1", "--json"});
+  ASSERT_EQ(outcome.code, 0) << outcome.text();
+  const json report = json::parse(outcome.out);
+  expectCeilings(report);
+  const std::pair<const char*, int> order[] = {{"clustered", 1},   {"fullscreen", 1},   {"tiled", 1},
+                                               {"clustered", 100}, {"fullscreen", 100}, {"tiled", 100}};
+  ASSERT_EQ(report["lights"].size(), std::size(order));
+  Folder folder;
+  for (size_t i = 0; i < std::size(order); ++i) {
+    const json& row = report["lights"][i];
+    SCOPED_TRACE(row);
+    EXPECT_EQ(row["lighting"], order[i].first);
+    EXPECT_EQ(row["lights"], order[i].second);
+    EXPECT_GT(row["lighting ms"], 0);
+    if (row["lighting"] == "fullscreen")
+      EXPECT_EQ(row["lists ms"], "");
+    else
+      EXPECT_GT(row["lists ms"], 0);
+    const Outcome counted = latelight({"render", "builtin:hall,seed=3,lights=" + std::to_string(order[i].second), "-o",
+                                       folder.at("{aov}.npy"), "--aov", "lights-tested,lights-used", "--lighting",
+                                       order[i].first, "--device", "cpu", "--size", "64x36", "--shadows", "none"});
+    ASSERT_EQ(counted.code, 0) << counted.text();
+    EXPECT_DOUBLE_EQ(row["tested a pixel"], meanOfFile(folder.path() / "lights-tested.npy"));
+    EXPECT_DOUBLE_EQ(row["used a pixel"], meanOfFile(folder.path() / "lights-used.npy"));
+  }
+}
+
+TEST(Bench, MeasuresTheBoundOfLighting) {
+  const Outcome outcome = bench({"shade", "--device", "cpu", "--size", "160x90", "--runs", "1", "--shadows", "none",
+                                 "--lighting", "tiled", "--json"});
+  ASSERT_EQ(outcome.code, 0) << outcome.text();
+  const json report = json::parse(outcome.out);
+  expectCeilings(report);
+  std::set<std::pair<std::string, std::string>> seen;
+  for (const json& row : report["shade"]) {
+    SCOPED_TRACE(row);
+    seen.emplace(row["light"], row["shading"]);
+    EXPECT_GT(row["no lights ms"], 0);
+    EXPECT_DOUBLE_EQ(row["MB"], 1e-6 * 36 * 160 * 90);
+    const double cost = row["ps a light"];
+    EXPECT_GT(cost, 0);
+    EXPECT_NEAR(row["G lights/s"], 1000 / cost, 1e-6 / cost);
+    EXPECT_NEAR(row["multiply-adds"], 1e-12 * cost * report["ceilings"]["multiply-adds a second"].get<double>(), 1e-3);
+    EXPECT_EQ(row["lighting"], "tiled");
+    EXPECT_NEAR(row["to the bound"], row["ps a used light"].get<double>() / cost, 1e-6);
+  }
+  EXPECT_EQ(seen.size(), 9u);  // point, spot and directional lights; ggx, blinn-phong and ggx-compensated
+}
+
 TEST(Bench, SaysWhatItCannotDo) {
   const std::pair<std::vector<std::string>, const char*> wrong[] = {
-      {{}, "raster, frame or views"},
+      {{}, "raster, frame, views, lights or shade"},
       {{"views", "--views", "0"}, "--views"},
       {{"raster", "--most", "many"}, "--most takes a number"},
       {{"raster", "--runs", "0"}, "--runs"},
       {{"frame", "-o", "x.png"}, "leave -o out"},
       {{"frame", "--raster", "compute"}, "leave --raster out"},
       {{"frame", "builtin:nothing"}, "no built-in scene"},
+      {{"lights", "builtin:boxes"}, "no number of lights"},
+      {{"lights", "model.glb"}, "built-in scene"},
+      {{"lights", "builtin:hall,lights=3"}, "leave lights= out"},
+      {{"lights", "--lights", "1,some"}, "--lights takes whole numbers"},
+      {{"lights", "--budget", "0"}, "--budget"},
+      {{"lights", "builtin:nothing"}, "no built-in scene"},
+      {{"lights", "--lights", "2M"}, "1 to 1000000 lights, not 2000000"},
+      {{"lights", "--lighting", "tiled"}, "leave --lighting out"},
+      {{"lights", "--aa", "ss2"}, "leave --aa out"},
+      {{"shade", "--aa", "msaa4"}, "leave --aa out"},
+      {{"shade", "--shading", "ggx"}, "leave --shading out"},
+      {{"shade", "--lighting", "forward"}, "choose another --lighting"},
+      {{"shade", "-o", "x.png"}, "leave -o out"},
   };
   for (const auto& [arguments, words] : wrong) {
     const Outcome outcome = bench(arguments);

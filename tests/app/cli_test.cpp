@@ -35,7 +35,7 @@ TEST(CommandLine, HelpNamesEveryOption) {
       {"devices", {"--json"}},
       {"study", {"NAME", "--out", "--seed", "--bits", "--lights", "--triangles", "--sizes", "--budget"}},
       {"doctor", {"--json"}},
-      {"bench", {"raster", "frame", "views"}},
+      {"bench", {"raster", "frame", "views", "lights", "shade"}},
       {"compare", {"A", "B", "--tolerance", "--share", "--channel", "--diff", "--json"}}};
   const std::string all = succeed({"--help"}).out;
   EXPECT_THAT(all, HasSubstr("--version"));

@@ -29,7 +29,7 @@ TEST(DebugPicture, OfAnyAovIsOpaqueAndOfItsSize) {
       colors.insert(pixel(picture, i % 31, i / 31));
       ASSERT_EQ(picture.rgba[4 * i + 3], 255) << aov.name;
     }
-    EXPECT_GT(colors.size(), aov.aov == Aov::Samples ? 4u : 50u) << aov.name;
+    EXPECT_GT(colors.size(), aov.aov == Aov::Samples ? 4u : aov.aov == Aov::RasterOverdraw ? 30u : 50u) << aov.name;
   }
 }
 
@@ -41,6 +41,38 @@ TEST(DebugPicture, IsADarkNeutralWhereNothingIsDrawn) {
     EXPECT_EQ(pixel(debugPicture(image, &ids), 0), background()) << aov.name;
   }
   EXPECT_EQ(pixel(debugPicture(makeAovImage(Aov::Albedo, 2, 1), &ids), 1), (Pixel{0, 0, 0, 255}));
+}
+
+TEST(DebugPicture, OfRasterClassesHasAColourEachDarkerAtAnAngle) {
+  AovImage classes = makeAovImage(Aov::RasterClasses, 9, 1);
+  for (size_t i = 1; i < 9; ++i) {
+    classes.values[2 * i] = static_cast<float>((i + 1) / 2);
+    classes.values[2 * i + 1] = i % 2 ? 1.0f : 0.1f;
+  }
+  const Picture picture = debugPicture(classes);
+  EXPECT_EQ(pixel(picture, 0), background());
+  EXPECT_EQ(pixel(picture, 1), (Pixel{0, 158, 115, 255}));
+  EXPECT_EQ(pixel(picture, 3), (Pixel{240, 227, 66, 255}));
+  EXPECT_EQ(pixel(picture, 5), (Pixel{214, 94, 0, 255}));
+  EXPECT_EQ(pixel(picture, 7), (Pixel{204, 120, 166, 255}));
+  for (uint32_t i = 1; i < 9; i += 2)
+    for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(pixel(picture, i + 1)[c], 0.46 * pixel(picture, i)[c], 1);
+}
+
+TEST(DebugPicture, OfOverdrawIsBrighterTheMore) {
+  AovImage overdraw = makeAovImage(Aov::RasterOverdraw, 41, 1);
+  for (size_t i = 0; i < 41; ++i) overdraw.values[i] = static_cast<float>(i);
+  const Picture picture = debugPicture(overdraw);
+  EXPECT_EQ(pixel(picture, 0), background());
+  const auto brightness = [&](uint32_t x) {
+    const Pixel p = pixel(picture, x);
+    return 0.30 * p[0] + 0.59 * p[1] + 0.11 * p[2];  // the weights that cubehelix was made for
+  };
+  for (uint32_t x = 1; x < 31; ++x) EXPECT_GT(brightness(x + 1), brightness(x)) << x;
+  const double step = brightness(3) - brightness(1);  // for each doubling
+  EXPECT_NEAR(brightness(7) - brightness(3), step, 3);
+  EXPECT_NEAR(brightness(31) - brightness(15), step, 3);
+  for (uint32_t x = 32; x < 41; ++x) EXPECT_EQ(pixel(picture, x), pixel(picture, 31));
 }
 
 TEST(DebugPicture, OfDepthIsBrighterTheNearer) {

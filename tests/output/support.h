@@ -71,6 +71,9 @@ inline AovImage numbers(Aov aov, uint32_t width, uint32_t height, unsigned seed 
       if (aov == Aov::Position || aov == Aov::Uv) value = (value - 0.5f) * 12;
       if (aov == Aov::Samples) value = std::floor(value * 5);
       if (aov == Aov::LightsTested || aov == Aov::LightsUsed) value = std::floor(value * 5000);
+      if (aov == Aov::RasterClasses && c == 0) value = std::floor(value * 4) + 1;
+      if (aov == Aov::RasterClusters || aov == Aov::RasterTriangles) value = std::floor(value * 5000);
+      if (aov == Aov::RasterOverdraw) value = std::floor(value * 40);
       if (isNormal(aov)) value = value * 2 - 1;
       if (aov == Aov::Emissive || (aov == Aov::Color && c < 3)) value *= i % 5 == 0 ? 3e5f : 1.5f;
     }

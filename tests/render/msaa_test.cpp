@@ -143,6 +143,18 @@ TEST_F(MsaaTest, ViewsAtOnceAreTheViewsAlone) {
 }
 
 // More lights than stencil has values beside the bit that splits the pixels.
+// Frames with one and with four samples in one graph: images of both follow each other in the same memory, under
+// synchronization validation.
+TEST_F(MsaaTest, CountsAndDataShareAGraph) {
+  const scene::Scene scene = scene::load("builtin:boxes");
+  Settings settings = settingsOf(7, 40, {Aov::Emissive, Aov::LightsUsed, Aov::Samples});
+  settings.raster = Raster::Hardware;
+  settings.aa.samples = 4;
+  settings.layout = &findLayout("engine");
+  const output::FrameOutput frame = renderOne(device(), scene, cameraOf(scene, 7, 40), settings);
+  EXPECT_EQ(imageOf(frame, Aov::Samples).values.size(), size_t{7} * 40);
+}
+
 TEST_F(MsaaTest, VolumesOfManyLightsAgree) {
   const scene::Scene scene = scene::load("builtin:hall,triangles=50k,lights=250");
   Renderer renderer(device(), scene, nullptr);

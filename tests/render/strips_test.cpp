@@ -117,7 +117,9 @@ TEST_P(StripsTest, EqualTheWholePicture) {
   settings.display = true;
   settings.shadows = ShadowFormat::D32;
   settings.sun = SunLight{.azimuth = 0.6f, .elevation = 0.8f};
-  for (const output::AovInfo& info : output::aovs()) settings.aovs.push_back(info.aov);
+  for (const output::AovInfo& info : output::aovs())
+    if (info.aov != output::Aov::RasterClasses)  // by the box that a triangle has in its strip
+      settings.aovs.push_back(info.aov);
   scene::Camera camera = scene.cameras.front();
   GetParam().change(settings, camera);
   Moment moment;

@@ -25,7 +25,8 @@ ComputePass lightingPass(const FrameContext& f, const Gbuffer& gbuffer, const st
           .shader = f.setup.variant(file + "@" + f.setup.layout->file),
           .bindings = std::move(bindings),
           .size = f.pixels(),
-          .constants = f.setup.constants()};
+          .constants = f.setup.constants(),
+          .everyTexel = true};
 }
 
 }  // namespace latelight::render

@@ -2,6 +2,7 @@
 // C++ and its shaders; folder NAME defines `TechniqueInfo technique_NAME()`, and that is all the registry needs.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -19,7 +20,7 @@ struct TechniqueInfo {
   // technique finds emitted radiance and ambient occlusion there; for a forward one it is empty, and there are no
   // targets. Every technique shades with shared/shade.h over the same lights, so all give the same picture. Where the
   // setup counts lights, the counts go to gbuffer.lightCounts.
-  void (*add)(const FrameContext& f, const Gbuffer& gbuffer);
+  std::function<void(const FrameContext& f, const Gbuffer& gbuffer)> add;
 };
 
 std::span<const TechniqueInfo> techniques();

@@ -22,6 +22,7 @@ enum class Origin {
   SampleCounts,  // the picture's own frame, whether it is lit or not
   Surface,       // a G-buffer in the layout `exact`, at pixel centres
   Motion,
+  Raster,  // what the raster compute did, whichever raster the rest has
 };
 Origin originOf(output::Aov aov);
 bool asksFor(const Settings& settings, Origin origin);

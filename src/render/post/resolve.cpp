@@ -12,7 +12,8 @@ void addAccumulate(const Builder& b, graph::ImageId frame, graph::ImageId sum, b
               .name = "accumulate",
               .shader = "accumulate.comp",
               .bindings = Bindings(b.device).sampled(frame).storage(sum, use),
-              .size = texels(b.graph, frame)},
+              .size = texels(b.graph, frame),
+              .everyTexel = true},
              shared::AccumulatePush{first});
 }
 
@@ -34,7 +35,8 @@ graph::BufferId addFinalPass(const Builder& b, const std::string& name, graph::I
               .shader = name + ".comp",
               .bindings = Bindings(b.device).sampled(picture),
               .size = size,
-              .buffers = {{pixels, graph::Use::StorageWrite}}},
+              .buffers = {{pixels, graph::Use::StorageWrite}},
+              .everyTexel = true},
              [=](graph::Context& context) { return composePush(settings, context.buffer(pixels).address()); });
   return pixels;
 }

@@ -23,6 +23,7 @@ class HardwareVisibility final : public Visibility {
   void lightFragments(const FrameContext&, const Gbuffer&, const FragmentBuffers&) const override {}  // they are
   bool anyBlended() const override;
   const HardwareVisibility* drawn() const override { return this; }
+  const ComputeVisibility* rastered() const override { return nullptr; }
 
   // What techniques draw that have shaders of their own.
   const DeviceDraws& solid() const { return solid_; }      // a list a view

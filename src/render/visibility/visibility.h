@@ -20,9 +20,11 @@ struct FragmentBuffers {
 // Which surfaces count as solid, and where pixels are looked at.
 struct VisibilityOptions {
   bool blendedToo = false;  // what is blended is a surface like any other where its alpha is above 0: for data outputs
+  bool inCompute = false;   // rasterized in compute shaders, whatever the settings say
   bool atCentres = false;   // pixels have one sample, at their centre: what holds none is not drawn
 };
 
+class ComputeVisibility;
 class HardwareVisibility;
 
 class Visibility {
@@ -46,6 +48,8 @@ class Visibility {
   virtual bool anyBlended() const = 0;  // may any of its views show blended surfaces?
   // What draws by the graphics pipeline; null: nothing does.
   virtual const HardwareVisibility* drawn() const = 0;
+  // What rasterizes in compute shaders; null: nothing does.
+  virtual const ComputeVisibility* rastered() const = 0;
 };
 
 }  // namespace latelight::render

@@ -11,7 +11,8 @@ void addFog(const FrameContext& f, const Gbuffer& gbuffer) {
        .name = "fog",
        .shader = "fog.comp",
        .bindings = Bindings(f.device).sampled(gbuffer.depth).storage(gbuffer.light, graph::Use::StorageReadWrite),
-       .size = f.pixels()},
+       .size = f.pixels(),
+       .everyTexel = true},
       shared::FogPush{f.constants});
 }
 

@@ -241,6 +241,49 @@ graph::ImageId ComputeVisibility::addDepth(const FrameContext& f) const {
   return depth;
 }
 
+// --- how it was rasterized ------------------------------------------------------------------------------------------
+
+ComputeVisibility::RasterImages ComputeVisibility::addRasterImages(const FrameContext& f) const {
+  const RasterImages images{createTarget(f, VK_FORMAT_R32G32B32A32_SFLOAT, "raster numbers"),
+                            createTarget(f, VK_FORMAT_R32G32_SFLOAT, "raster classes")};
+  addCompute(f,
+             {.stage = graph::Stage::Geometry,
+              .name = "raster classes",
+              .shader = "visible_raster.comp",
+              .bindings = Bindings(f.device)
+                              .storage(images.numbers, graph::Use::StorageWrite)
+                              .storage(images.classes, graph::Use::StorageWrite),
+              .size = f.pixels(),
+              .buffers = {{visible_, graph::Use::StorageRead}}},
+             [this, &f](graph::Context& context) {
+               return RasterPush{.buffers = {.frame = f.constants,
+                                             .instances = ranks_.address(),
+                                             .visible = context.buffer(visible_).address()},
+                                 .views = f.viewCount(),
+                                 .width = f.width,
+                                 .height = f.height};
+             });
+  return images;
+}
+
+graph::ImageId ComputeVisibility::addOverdraw(const FrameContext& f) const {
+  const RasterViews views{f.constants, f.width, f.height, f.viewCount()};
+  const Buffers b(f, views, share_);
+  addClear(f, graph::Stage::Geometry, "raster clear", {b.visible});
+  if (share_.ranks > 0)
+    addRaster(f, views, b, {graph::Stage::Geometry, "raster_overdraw.comp", "raster_large_overdraw.comp", 0, 0});
+  const graph::ImageId overdraw = createTarget(f, VK_FORMAT_R32_SFLOAT, "overdraw");
+  addCompute(f,
+             {.stage = graph::Stage::Geometry,
+              .name = "overdraw",
+              .shader = "visible_overdraw.comp",
+              .bindings = Bindings(f.device).storage(overdraw, graph::Use::StorageWrite),
+              .size = f.pixels(),
+              .buffers = {{b.visible, graph::Use::StorageRead}}},
+             [=](graph::Context& context) { return ResolvePush{.visible = context.buffer(b.visible).address()}; });
+  return overdraw;
+}
+
 // --- what is made of it ---------------------------------------------------------------------------------------------
 
 void ComputeVisibility::addGbuffer(const FrameContext& f, Gbuffer& gbuffer) const {

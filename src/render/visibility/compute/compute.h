@@ -31,6 +31,15 @@ class ComputeVisibility final : public Visibility {
   void lightFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers) const override;
   bool anyBlended() const override { return ranks_.anyBlended(); }
   const HardwareVisibility* drawn() const override { return nullptr; }
+  const ComputeVisibility* rastered() const override { return this; }
+
+  // How what shows was rasterized, once addDepth() was called: outputs.def says what each image holds.
+  struct RasterImages {
+    graph::ImageId numbers, classes;
+  };
+  RasterImages addRasterImages(const FrameContext& f) const;
+  // How many triangles of solid instances cover each pixel's centre, hidden ones too.
+  graph::ImageId addOverdraw(const FrameContext& f) const;
 
  private:
   struct Buffers;

@@ -145,6 +145,19 @@ PixelBox onScreen(PixelBox box) {
 }
 bool isEmpty(PixelBox box) { return any(greaterThan(box.low, box.high)); }
 
+const int kSmallBox = 40;    // pixels
+const int kMediumBox = 512;  // a subgroup's loop over more would keep its workgroup waiting
+// Pixels of a box in which edges fit into 32 bits, and in the blocks that begin in it too: 2 (127 * 256)^2 < 2^31.
+const int kLargestSide = 119;
+
+// kRaster*, of a triangle that is not clipped; `box`: its pixels on screen.
+uint sizeClass(Triangle t, PixelBox box) {
+  ivec2 corners = max(t.a, max(t.b, t.c)) - min(t.a, min(t.b, t.c));
+  ivec2 size = box.high - box.low + 1;
+  if (max(corners.x, corners.y) > kLargestSide * kSubpixels || size.x * size.y > kMediumBox) return kRasterLarge;
+  return size.x * size.y > kSmallBox ? kRasterMedium : kRasterSmall;
+}
+
 // Whether the centre of a pixel on this edge, going that way around the triangle, belongs to it: top and left edges.
 bool ownsEdge(ivec2 way) { return way.y < 0 || (way.y == 0 && way.x > 0); }
 

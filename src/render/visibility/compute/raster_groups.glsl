@@ -3,11 +3,6 @@
 
 layout(local_size_x = 128) in;
 
-const int kSmallBox = 40;      // pixels
-const int kMediumBox = 512;    // a subgroup's loop over more would keep its workgroup waiting
-// Pixels of a box in which edges fit into 32 bits, and in the blocks that begin in it too: 2 (127 * 256)^2 < 2^31.
-const int kLargestSide = 119;
-
 shared uint mediumCount;
 shared Triangle medium[128];
 
@@ -98,13 +93,12 @@ bool takeTriangle(RankedInstance r, RasterWork work, uint triangle, View view, m
   vec3 depths = vec3(deviceDepthOf(a), deviceDepthOf(b), deviceDepthOf(c));
   t.plane = depthPlane(view, seenA, seenB, seenC);
   setRange(t, view, min(depths.x, min(depths.y, depths.z)), max(depths.x, max(depths.y, depths.z)));
-  ivec2 corners = max(t.a, max(t.b, t.c)) - min(t.a, min(t.b, t.c));
-  ivec2 size = box.high - box.low + 1;
-  if (max(corners.x, corners.y) > kLargestSide * kSubpixels || size.x * size.y > kMediumBox) {
+  uint size = sizeClass(t, box);
+  if (size == kRasterLarge) {
     pushLarge(work.view, t);
     return false;
   }
-  if (size.x * size.y > kSmallBox) return true;
+  if (size == kRasterMedium) return true;
   rasterSmall(work.view, view, t, box);
   return false;
 }

@@ -16,6 +16,12 @@ SH_CONST uint kRasterTile = 64u;           // pixels across, of what raster_larg
 SH_CONST uint kRasterJobTriangles = 128u;  // of one tile, at most, in one of its workgroups
 SH_CONST int kSubpixels = 256;             // positions in a pixel, across
 
+// Who rasterizes a triangle.
+SH_CONST uint kRasterSmall = 1u;    // its thread
+SH_CONST uint kRasterMedium = 2u;   // its subgroup
+SH_CONST uint kRasterLarge = 3u;    // the tiles that it touches
+SH_CONST uint kRasterClipped = 4u;  // they do, after what lies outside of the view's volume is cut off
+
 // Ids of what is visible are counted over all instances, each of which begins with a part of its own: triangle t of this
 // one is firstTriangle + t + 1.
 struct RankedInstance {  // 48 bytes

@@ -1,0 +1,44 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// How the triangle that each pixel shows was rasterized: its place in the scene, and who did it, from its own corners.
+#include "render/visibility/compute/raster.glsl"
+
+layout(local_size_x = 16, local_size_y = 16) in;
+layout(set = 0, binding = 0, rgba32f) writeonly uniform image2DArray numbers;  // instance from 1, part of it, triangle
+layout(set = 0, binding = 1, rg32f) writeonly uniform image2DArray classes;    // kRaster*, and facing
+
+// The cosine between the triangle's normal and the ray through the pixel's centre.
+float facing(View view, vec3 a, vec3 b, vec3 c, ivec2 pixel) {
+  vec3 normal = cross(b - a, c - a), ray = viewRay(view.projection, pixelToNdc(vec2(pixel) + 0.5, view.size));
+  return abs(dot(normal, ray)) / max(length(normal) * length(ray), 1e-37);
+}
+
+vec2 classOf(FrameConstants frame, View view, SeenTriangle seen, ivec2 pixel) {
+  mat4x3 toWorld = frameInstance(frame, seen.rank.instance).objectToWorld;
+  PositionRef positions = PositionRef(frameMesh(frame, seen.rank.mesh).positions);
+  vec3 a = seenPosition(view, toWorld, positions.v[seen.indices.x]);
+  vec3 b = seenPosition(view, toWorld, positions.v[seen.indices.y]);
+  vec3 c = seenPosition(view, toWorld, positions.v[seen.indices.z]);
+  vec4 clipA = clipPosition(view, a), clipB = clipPosition(view, b), clipC = clipPosition(view, c);
+  float turned = facing(view, a, b, c, pixel);
+  if ((planesOutside(clipA) | planesOutside(clipB) | planesOutside(clipC)) != 0u)
+    return vec2(float(kRasterClipped), turned);
+  Triangle t = Triangle(screenPosition(clipA), screenPosition(clipB), screenPosition(clipC), vec3(0.0), 0.0, 0.0, 0u);
+  return vec2(float(sizeClass(t, onScreen(pixelsOf(t)))), turned);
+}
+
+void main() {
+  ivec3 size = imageSize(numbers), pixel = ivec3(gl_GlobalInvocationID);
+  if (any(greaterThanEqual(pixel, size))) return;
+  uint id = visibleId(VisibleRef(push.buffers.visible).v[visibleIndex(uvec3(pixel), uvec2(size.xy))]);
+  if (id == 0u) {
+    imageStore(numbers, pixel, vec4(0.0));
+    imageStore(classes, pixel, vec4(0.0));
+    return;
+  }
+  FrameConstants frame = FrameRef(push.buffers.frame).v;
+  SeenTriangle seen = seenTriangle(frame, push.buffers.instances, id);
+  imageStore(numbers, pixel,
+             vec4(float(seen.rank.instance + 1u), float(seen.number / kRasterGroup), float(seen.number), 0.0));
+  imageStore(classes, pixel, vec4(classOf(frame, frameView(frame, uint(pixel.z)), seen, pixel.xy), 0.0, 0.0));
+}

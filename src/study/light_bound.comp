@@ -1,0 +1,41 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// variants: layout
+// Lighting without lights to find or to load: each pixel makes up its own, a metre above its surface, and shades them
+// as every technique does.
+#include "render/glsl/common.glsl"
+#define ONE_SAMPLE
+#include "render/glsl/gbuffer_read.glsl"
+#include "render/glsl/lit_pixel.glsl"
+#include "render/glsl/one_light.glsl"
+#include "study/light_bound_push.h"
+
+layout(local_size_x = 16, local_size_y = 16) in;
+layout(constant_id = 16) const uint kLightType = 0;  // kLight*
+layout(push_constant, scalar) uniform Push { LightBoundPush push; };
+
+// Each is elsewhere, so that nothing of one serves the next.
+Light madeUp(Surface s, uint index) {
+  Light light = push.light;
+  vec3 apart = push.apart * float(index);
+  light.type = kLightType;
+  light.position = s.position + s.normal + apart;
+  light.direction = apart - s.normal;
+  return light;
+}
+
+vec3 lightsAt(FrameConstants frame, View view, LitPixel p) {
+  SurfaceBrdf brdf = surfaceBrdf(p.s, p.toEye, kShading);
+  vec3 radiance = vec3(0.0);
+  for (uint i = 0u; i < push.lights; ++i) {
+    radiance += shadeUnshadowed(madeUp(p.s, i), p.s, brdf);
+    lightsTested += 1.0;
+  }
+  return radiance;
+}
+
+void main() {
+  ivec3 place = ivec3(gl_GlobalInvocationID);
+  bool lit = lightPixel(FrameRef(push.frame).v, place);
+  writeCounts(place, lit, lightCount());
+}

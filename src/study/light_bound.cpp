@@ -1,0 +1,29 @@
+#include "study/light_bound.h"
+
+#include "render/lighting/lighting_shader.h"
+#include "shared/light.h"
+#include "study/light_bound_push.h"
+
+namespace latelight::study {
+
+namespace {
+
+// Within range, and within the cone of a spot.
+shared::Light commonLight() {
+  shared::Light light{.inverseRadius2 = shared::inverseRadius2(10), .intensity = {1, 0.9f, 0.8f}};
+  shared::spotCone(0.5f, 1.0f, light.spotScale, light.spotOffset);
+  return light;
+}
+
+}  // namespace
+
+render::TechniqueInfo lightBound(uint32_t type, uint32_t lights) {
+  const auto add = [=](const render::FrameContext& f, const render::Gbuffer& gbuffer) {
+    render::ComputePass pass = render::lightingPass(f, gbuffer, "lighting bound", "light_bound.comp");
+    pass.constants.push_back({render::kFirstOwnConstant, type});
+    addCompute(f, std::move(pass), shared::LightBoundPush{f.constants, commonLight(), shared::vec3(1e-4f), lights});
+  };
+  return {.name = "bound", .description = "lights made up in registers", .add = add};
+}
+
+}  // namespace latelight::study

@@ -1,0 +1,22 @@
+// Push constants of light_bound.comp.
+#ifndef LATELIGHT_STUDY_LIGHT_BOUND_PUSH_H
+#define LATELIGHT_STUDY_LIGHT_BOUND_PUSH_H
+
+#include "shared/types.h"
+
+SH_BEGIN
+
+struct LightBoundPush {
+  uint64_t frame;  // FrameConstants
+  Light light;     // what made-up lights have in common
+  vec3 apart;      // metres from one to the next
+  uint lights;
+};
+
+SH_END
+
+#if defined(__cplusplus)
+static_assert(sizeof(latelight::shared::LightBoundPush) == 88);
+#endif
+
+#endif

@@ -1,0 +1,62 @@
+#include "study/pass_samples.h"
+
+#include <algorithm>
+#include <glm/ext/matrix_transform.hpp>
+
+namespace latelight::study {
+
+namespace {
+
+double quantile(Milliseconds samples, double at) {
+  if (samples.empty()) return 0;
+  std::ranges::sort(samples);
+  return samples[static_cast<size_t>(at * static_cast<double>(samples.size() - 1) + 0.5)];
+}
+
+}  // namespace
+
+double median(const Milliseconds& samples) {
+  return quantile(samples, 0.5);
+}
+
+double spread(const Milliseconds& samples) {
+  const double middle = median(samples);
+  return middle > 0 ? 100 * (quantile(samples, 0.75) - quantile(samples, 0.25)) / middle : 0;
+}
+
+void PassSamples::add(std::span<const graph::PassTime> passes) {
+  std::map<std::string, double> frame;
+  double sum = 0;
+  for (const graph::PassTime& pass : passes) {
+    if (!of.contains(pass.name)) names.push_back(pass.name);
+    of[pass.name];
+    wholeBytes[pass.name] = pass.wholeBytes;
+    frame[pass.name] += pass.milliseconds;
+    sum += pass.milliseconds;
+  }
+  for (const auto& [name, milliseconds] : frame) of[name].push_back(milliseconds);
+  all.push_back(sum);
+}
+
+scene::Camera turned(scene::Camera camera, double angle) {
+  const glm::vec4 eye = camera.toWorld[3];
+  camera.toWorld = glm::rotate(glm::mat4(1), static_cast<float>(angle), glm::vec3(0, 0, 1)) * camera.toWorld;
+  camera.toWorld[3] = eye;
+  return camera;
+}
+
+std::vector<PassSamples> measureInTurn(render::Renderer& renderer, const scene::Camera& camera,
+                                       const render::Moment& moment, std::span<const render::Settings> settings,
+                                       uint32_t frames) {
+  constexpr double kTurn = 1e-3;  // radians a frame
+  std::vector<PassSamples> samples(settings.size());
+  for (uint32_t frame = 0; frame <= frames; ++frame)
+    for (size_t i = 0; i < settings.size(); ++i) {
+      const scene::Camera now = turned(camera, frame * kTurn);
+      renderer.submit({&now, 1}, settings[i], moment, render::Results::OnDevice).take();
+      if (frame > 0) samples[i].add(renderer.times());
+    }
+  return samples;
+}
+
+}  // namespace latelight::study
