@@ -42,7 +42,7 @@ void addLightLists(const FrameContext& f, const Gbuffer& gbuffer, const LightLis
               .groupY = 1},
              pushOf);
 
-  ComputePass lighting = lightingPass(f, gbuffer, "lighting " + desc.name, desc.name + ".comp");
+  ComputePass lighting = lightingPass(f, gbuffer, "lighting " + desc.name, "cells.comp");
   lighting.constants.insert(lighting.constants.end(), own.begin(), own.end());
   lighting.buffers = {{cells, graph::Use::StorageRead}, {entries, graph::Use::StorageRead}};
   addCompute(f, std::move(lighting), pushOf);
