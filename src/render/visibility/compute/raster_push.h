@@ -64,7 +64,7 @@ struct RasterCounters {
 struct RasterBuffers {  // addresses
   uint64_t frame;       // FrameConstants
   uint64_t ranks;       // RankedInstance[]
-  uint64_t visible;     // uint64_t a pixel: depth's bits << 32 | id; 0: nothing
+  uint64_t visible;     // uint64_t a sample: depth's bits << 32 | id; 0: nothing
   uint64_t work;        // RasterWork[]
   uint64_t clipped;     // ClippedTriangle[]
   uint64_t large;       // LargeTriangle[]
@@ -105,6 +105,8 @@ struct RasterArgumentsPush {
   uint64_t counters;
   uint which;  // kQueue*
   uint room;
+  uint parts;  // workgroups for each entry
+  uint padding;
 };
 SH_CONST uint kQueueWork = 0u;
 SH_CONST uint kQueueClipped = 1u;
