@@ -377,7 +377,8 @@ struct ModelCase {
   Sampling sampling;
   double mostShare;    // of the drawn pixels that are shaded per sample
   double mostOff;      // from shading every sample, mean over the picture
-  double leastBetter;  // squared error at edges, none over msaa4
+  double leastBetter;  // squared error at edges, none over this
+  double mostLost = 1;  // dB at edges, against shading every sample
 };
 
 std::string nameOf(const ModelCase& c) {
@@ -454,18 +455,19 @@ TEST_P(MsaaModels, EdgesAreBetterByAFactor) {
   EXPECT_LT(share, GetParam().mostShare);
   EXPECT_LT(off, GetParam().mostOff);
   EXPECT_GT(errorNone / errorSome, GetParam().leastBetter);
-  EXPECT_LT(psnr(errorEvery) - psnr(errorSome), 1);
+  EXPECT_LT(psnr(errorEvery) - psnr(errorSome), GetParam().mostLost);
 }
 
 std::vector<ModelCase> modelCases() {
+  // Every sample has its own texels with the raster compute: more is lost of those with one for each surface.
   constexpr Sampling kHardware{Raster::Hardware, 4}, kFour{Raster::Compute, 4}, kSixteen{Raster::Compute, 16};
   std::vector<ModelCase> cases{{"hall", kHardware, 0.45, 0.004, 3},
                                {"hall", kFour, 0.45, 0.004, 3},
-                               {"hall", kSixteen, 0.55, 0.005, 3},
+                               {"hall", kSixteen, 0.5, 0.005, 3, 2},
                                {"spheres", kHardware, 0.1, 0.004, 5},
                                {"spheres", kFour, 0.1, 0.004, 5},
                                {"textured.glb", kHardware, 0.1, 0.001, 5},
-                               {"textured.glb", kFour, 0.1, 0.001, 5}};
+                               {"textured.glb", kFour, 0.1, 0.004, 5}};
   if (!models::withReal({}, {"DamagedHelmet.glb"}).empty())
     for (const Sampling sampling : {kHardware, kFour}) cases.push_back({"DamagedHelmet.glb", sampling, 0.5, 0.002, 5});
   return cases;
