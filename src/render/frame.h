@@ -48,8 +48,8 @@ struct FrameContext : Builder {
 // An image as large as the frame, with a layer a view; of several samples a pixel as FrameSetup::sampleLayers has it.
 graph::ImageId createTarget(const FrameContext& f, VkFormat format, const std::string& name, uint32_t samples = 1);
 
-// Device depth, reversed, 0 where nothing is: of pixels, and of their samples in whatever form their visibility has them.
-// With one sample they are the same image.
+// Device depth, reversed, 0 where nothing is: of pixels, and of their samples in whatever form their visibility has
+// them. With one sample they are the same image.
 struct FrameDepth {
   graph::ImageId pixels, samples;
 };

@@ -60,8 +60,7 @@ void requireRaster(const vk::Device& device, const Settings& settings) {
   const std::string& name = device.info().name;
   const bool compute = rastersInCompute(settings);
   if (!device.hasGraphics() && (!compute || settings.lighting->draws))
-    fail(ExitCode::NoDevice,
-         "{} has no graphics pipeline: choose the raster compute, and one of the techniques {}.",
+    fail(ExitCode::NoDevice, "{} has no graphics pipeline: choose the raster compute, and one of the techniques {}.",
          name, fmt::join(techniquesThatCompute(), ", "));
   if (!compute) return;
   if (const std::string lacks = computeRasterLacks(device); !lacks.empty())

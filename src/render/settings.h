@@ -168,8 +168,8 @@ struct Settings {
 
 // The factor for radiance.
 float exposureFactor(const Settings& settings);
-// Whether they take the graphics pipeline whatever the raster: techniques that draw the scene, and with several samples a
-// pixel those that draw lights.
+// Whether they take the graphics pipeline whatever the raster: techniques that draw the scene, and with several samples
+// a pixel those that draw lights.
 bool alwaysDraws(const Settings& settings);
 // Whether they take the raster compute: the graphics pipeline's samples are four a pixel, or one.
 bool takesCompute(const Settings& settings);

@@ -76,7 +76,8 @@ TEST_P(MsaaCombinations, LightsAlikeByEveryDeferredTechnique) {
     SCOPED_TRACE(fmt::format("{} samples by {}", samples, nameOf(raster)));
     output::FrameOutput expected = render(layout, "fullscreen", samples, raster);
     EXPECT_GT(partlyCovered(expected), 10u);
-    EXPECT_GT(largestDifference(expected.display, render(layout, "fullscreen", 1, raster).display), 32);  // smooth edges
+    EXPECT_GT(largestDifference(expected.display, render(layout, "fullscreen", 1, raster).display),
+              32);  // smooth edges
     for (const TechniqueInfo& technique : techniques()) {
       if (technique.forward || technique.name == "fullscreen") continue;
       if (technique.draws && raster == Raster::Compute) continue;

@@ -1,5 +1,5 @@
-// Visibility in compute shaders: watertight, the same in every run, and what the graphics pipeline shows; with one sample
-// a pixel and with several.
+// Visibility in compute shaders: watertight, the same in every run, and what the graphics pipeline shows; with one
+// sample a pixel and with several.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -112,8 +112,8 @@ class ComputeCoverage : public RenderTest, public testing::WithParamInterface<ui
     const output::FrameOutput frame = renderOne(device(), scene, camera, settings);
     for (size_t i = 0; i < counts.size(); ++i)
       counts[i] = samples == 1 ? imageOf(frame, Aov::Id).ids[i] != 0
-                               : static_cast<uint32_t>(imageOf(frame, Aov::Color).values[4 * i + 3] *
-                                                           static_cast<float>(samples) + 0.5f);
+                               : static_cast<uint32_t>(
+                                     imageOf(frame, Aov::Color).values[4 * i + 3] * static_cast<float>(samples) + 0.5f);
     return counts;
   }
 
@@ -240,9 +240,8 @@ TEST_P(ComputeCoverage, ATriangleCoversWhatExactArithmeticFinds) {
       total += found[i];
     }
     EXPECT_EQ(wrong, 0u) << triangle;
-    const bool within = std::ranges::all_of(corners, [](Corner c) {
-      return c.x >= 0 && c.y >= 0 && c.x <= 64 * 256 && c.y <= 64 * 256;
-    });
+    const bool within = std::ranges::all_of(
+        corners, [](Corner c) { return c.x >= 0 && c.y >= 0 && c.x <= 64 * 256 && c.y <= 64 * 256; });
     const Corner u = corners[1] - corners[0], v = corners[2] - corners[0];
     const double area = std::abs(double(u.x) * v.y - double(u.y) * v.x) / 2 / 65536;
     const double perimeter = (glm::length(vec2(u)) + glm::length(vec2(v)) + glm::length(vec2(v - u))) / 256;
@@ -300,8 +299,8 @@ TEST_F(AgainstHardware, TheSameSurfacesShow) {
   EXPECT_LE(d.ids, d.pixels / 500);
 }
 
-// Of four samples too: where a surface covers a part of a pixel, the graphics pipeline looks at its material elsewhere in it,
-// which highlights and textures show; its glass has one sample on a CPU device, so that its rims differ.
+// Of four samples too: where a surface covers a part of a pixel, the graphics pipeline looks at its material elsewhere
+// in it, which highlights and textures show; its glass has one sample on a CPU device, so that its rims differ.
 TEST_F(AgainstHardware, TheSamePictureOfFourSamples) {
   const auto pixelsOff = [](const scene::Scene& scene, uint32_t width, uint32_t height) {
     const scene::Environment environment = constantEnvironment();

@@ -62,8 +62,8 @@ class MsaaTest : public RenderTest, public testing::WithParamInterface<Sampling>
   }
   // How many of a pixel's samples lie beyond an edge.
   static float shareBeyond(double edge, bool across) {
-    return 1 - static_cast<float>(samplesBefore(GetParam().samples, edge, across)) /
-                   static_cast<float>(GetParam().samples);
+    return 1 -
+           static_cast<float>(samplesBefore(GetParam().samples, edge, across)) / static_cast<float>(GetParam().samples);
   }
 };
 
@@ -375,9 +375,9 @@ TEST_F(MsaaSamples, MoreOfThemComeNearerToMany) {
 struct ModelCase {
   const char* name;
   Sampling sampling;
-  double mostShare;    // of the drawn pixels that are shaded per sample
-  double mostOff;      // from shading every sample, mean over the picture
-  double leastBetter;  // squared error at edges, none over this
+  double mostShare;     // of the drawn pixels that are shaded per sample
+  double mostOff;       // from shading every sample, mean over the picture
+  double leastBetter;   // squared error at edges, none over this
   double mostLost = 1;  // dB at edges, against shading every sample
 };
 
@@ -448,9 +448,8 @@ TEST_P(MsaaModels, EdgesAreBetterByAFactor) {
   fmt::print(
       "{}: {:.1f} % of the drawn pixels shaded per sample, {:.3f} shadings a pixel; from every sample {:.5f} off\n",
       nameOf(GetParam()), 100 * share, static_cast<double>(counts.shadings) / static_cast<double>(counts.drawn), off);
-  fmt::print(
-      "  {} edge pixels against ss4: none {:.2f} dB, so {:.2f} dB, every sample {:.2f} dB; better by {:.2f}\n",
-      count, psnr(errorNone), psnr(errorSome), psnr(errorEvery), errorNone / errorSome);
+  fmt::print("  {} edge pixels against ss4: none {:.2f} dB, so {:.2f} dB, every sample {:.2f} dB; better by {:.2f}\n",
+             count, psnr(errorNone), psnr(errorSome), psnr(errorEvery), errorNone / errorSome);
   EXPECT_GT(count, 200u);
   EXPECT_LT(share, GetParam().mostShare);
   EXPECT_LT(off, GetParam().mostOff);
@@ -461,12 +460,9 @@ TEST_P(MsaaModels, EdgesAreBetterByAFactor) {
 std::vector<ModelCase> modelCases() {
   // Every sample has its own texels with the raster compute: more is lost of those with one for each surface.
   constexpr Sampling kHardware{Raster::Hardware, 4}, kFour{Raster::Compute, 4}, kSixteen{Raster::Compute, 16};
-  std::vector<ModelCase> cases{{"hall", kHardware, 0.45, 0.004, 3},
-                               {"hall", kFour, 0.45, 0.004, 3},
-                               {"hall", kSixteen, 0.5, 0.005, 3, 2},
-                               {"spheres", kHardware, 0.1, 0.004, 5},
-                               {"spheres", kFour, 0.1, 0.004, 5},
-                               {"textured.glb", kHardware, 0.1, 0.001, 5},
+  std::vector<ModelCase> cases{{"hall", kHardware, 0.45, 0.004, 3},   {"hall", kFour, 0.45, 0.004, 3},
+                               {"hall", kSixteen, 0.5, 0.005, 3, 2},  {"spheres", kHardware, 0.1, 0.004, 5},
+                               {"spheres", kFour, 0.1, 0.004, 5},     {"textured.glb", kHardware, 0.1, 0.001, 5},
                                {"textured.glb", kFour, 0.1, 0.004, 5}};
   if (!models::withReal({}, {"DamagedHelmet.glb"}).empty())
     for (const Sampling sampling : {kHardware, kFour}) cases.push_back({"DamagedHelmet.glb", sampling, 0.5, 0.002, 5});

@@ -1,5 +1,5 @@
-// Glass with several samples a pixel: each fragment covers the samples that its triangle covers and nothing hides, so that
-// rims are smooth, whatever the method.
+// Glass with several samples a pixel: each fragment covers the samples that its triangle covers and nothing hides, so
+// that rims are smooth, whatever the method.
 #include <fmt/core.h>
 
 #include <cmath>
@@ -44,8 +44,8 @@ float unitsAt(double pixel) {
   return static_cast<float>(pixel * 2 / kSide - 1);
 }
 
-// Glass from 3.2 pixels on, and a wall before it from 3.7 pixels on: between them the glass alone shows, over the pixel's
-// mean of the wall and nothing.
+// Glass from 3.2 pixels on, and a wall before it from 3.7 pixels on: between them the glass alone shows, over the
+// pixel's mean of the wall and nothing.
 TEST_P(GlassSamples, CoverWhatTheyCoverAndNothingHides) {
   const vec4 glass(0.8f, 0.4f, 0.2f, 0.6f);
   const vec3 wall(0.1f, 0.5f, 0.9f);

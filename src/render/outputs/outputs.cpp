@@ -5,9 +5,9 @@
 #include <bit>
 
 #include "base/parallel.h"
+#include "render/frame.h"
 #include "render/gbuffer/layout.h"
 #include "render/outputs/pack_push.h"
-#include "render/frame.h"
 #include "render/readback.h"
 #include "shared/samples.h"
 
