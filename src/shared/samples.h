@@ -9,8 +9,8 @@ SH_BEGIN
 SH_CONST uint kMostSamples = 16u;
 
 // Of 1, 2, 4, 8 or 16 samples each has a column and a row of its own, of as many as there are samples, and lies in the
-// middle of both: these are Vulkan's standard places (1.3, standardSampleLocations), but that those of 16 are moved by 1/32 pixel
-// to the right and down. So the middle of all is the pixel's centre, whatever their number.
+// middle of both: these are Vulkan's standard places (1.3, standardSampleLocations), but that those of 16 are moved by
+// 1/32 pixel to the right and down. So the middle of all is the pixel's centre, whatever their number.
 SH_FUNC uint sampleColumn(uint samples, uint index) {
   uint first = samples == 16u ? 0xbda3c579u : (samples == 8u ? 0x75012634u : (samples == 4u ? 0x2031u : 1u));
   uint columns = index < 8u ? first : 0x1ef02486u;
