@@ -9,7 +9,7 @@ uint seenSamples(uint first, uint samples, PixelDepth depth) {
   uint seen = 0u;
   for (uint i = 0u; i < kSamples; ++i) {
     bool shows = visibleDepth(VisibleRef(push.buffers.visible).v[first + i]) <= depthAt(depth, i);
-    if (shows && (samples >> i & 1u) != 0u) seen |= 1u << i;
+    if (shows && hasSample(samples, i)) seen |= 1u << i;
   }
   return seen;
 }

@@ -10,7 +10,7 @@ uint uncutSamples(uint viewIndex, ivec2 pixel, uint samples, uint id) {
   View view = frameView(frame, viewIndex);
   uint left = 0u;
   for (uint i = 0u; i < kSamples; ++i) {
-    if ((samples >> i & 1u) == 0u) continue;
+    if (!hasSample(samples, i)) continue;
     SurfacePoint p = seenPoint(frame, view, t, vec2(pixel) + samplePlace(kSamples, i));
     if (!cutOut(m, p)) left |= 1u << i;
   }

@@ -189,7 +189,7 @@ uint visibleAt(uint view, ivec2 pixel) { return visibleIndex(uvec3(pixel, view),
 void writeSamples(uint view, ivec2 pixel, uint samples, PixelDepth depth, uint id) {
   uint first = visibleAt(view, pixel);
   for (uint i = 0u; i < kSamples; ++i)
-    if ((samples >> i & 1u) != 0u) writeVisible(first + i, visibleValue(depthAt(depth, i), id));
+    if (hasSample(samples, i)) writeVisible(first + i, visibleValue(depthAt(depth, i), id));
 }
 
 // Turns the triangle so that it is clockwise; false where it is to be left out: seen from its back, or without an area.

@@ -100,7 +100,7 @@ void main() {
         PixelDepth depth = PixelDepth(first + dot(steps, vec2(x, y)), steps, t.least, t.most);
         [[unroll]] for (uint s = 0u; s < kSamples; ++s) {
           uint at = uint(y * kWide + x) * kSamples + s;
-          if ((samples >> s & 1u) != 0u) shown[at] = max(shown[at], visibleValue(depthAt(depth, s), t.id));
+          if (hasSample(samples, s)) shown[at] = max(shown[at], visibleValue(depthAt(depth, s), t.id));
           least = min(least, shown[at]);
         }
         weights += t.right;

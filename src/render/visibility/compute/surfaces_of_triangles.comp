@@ -25,7 +25,7 @@ float meanDepth(uint first, uint samples) {
   VisibleRef visible = VisibleRef(push.visible);
   precise float sum = 0.0;
   for (uint i = 0u; i < kSamples; ++i)
-    sum += (samples >> i & 1u) != 0u ? visibleDepth(visible.v[first + i]) : 0.0;
+    sum += hasSample(samples, i) ? visibleDepth(visible.v[first + i]) : 0.0;
   precise float mean = sum / float(bitCount(samples));
   return mean;
 }
