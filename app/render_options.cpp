@@ -161,7 +161,7 @@ std::optional<DebugRequest> parseDebug(const std::string& debug, bool moving) {
   } else if (debug == "sheet") {
     request.sheet = true;
     for (const output::AovInfo& aov : output::aovs()) {
-      if (aov.aov == output::Aov::Samples) continue;  // the same everywhere except with --aa msaa4
+      if (aov.aov == output::Aov::Samples) continue;  // the same everywhere without multisampling
       if (output::tellsOfRaster(aov.aov)) continue;
       if (aov.aov != output::Aov::Motion || moving) request.aovs.push_back(aov.aov);
     }

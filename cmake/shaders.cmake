@@ -5,7 +5,8 @@
 # each G-buffer layout and named <file>@<layout>. multisampled: it reads or writes targets by multisample.glsl or
 # gbuffer_read.glsl, is compiled for several samples a pixel too, with MULTISAMPLED defined, and named <file>+msaa or
 # <file>@<layout>+msaa. One that defines MULTISAMPLED itself has no other form, and one that defines ONE_SAMPLE not that
-# one. textured: it samples materials' textures by fragment_point.glsl or surface_point.glsl, and each of its forms is
+# one. layered: so too where samples are layers of arrays, with SAMPLE_LAYERS defined beside MULTISAMPLED, and named by
+# +layers instead. textured: it samples materials' textures by fragment_point.glsl or surface_point.glsl, and each of its forms is
 # compiled again with TEXTURES_BY_INDEX defined, named <form>+indexed, for devices with descriptor indexing.
 set(LATELIGHT_SPIRV ${PROJECT_BINARY_DIR}/spirv)
 # Debug information holds the sources and where they lay: not for what is shipped.
@@ -57,6 +58,9 @@ function(latelight_declared_variants source out)
       message(FATAL_ERROR "${file} has an include that differs by ${variant} but does not say so: its first line behind #version and #extension must be \"// variants: ${wanted}\".")
     endif()
   endforeach()
+  if("multisampled" IN_LIST used)
+    list(APPEND used layered)
+  endif()
   foreach(variant IN LISTS declared)
     if(NOT variant IN_LIST used)
       message(FATAL_ERROR "${file} declares the variant \"${variant}\", but includes nothing that differs by it.")
@@ -88,10 +92,15 @@ function(latelight_shaders module)
     if("layout" IN_LIST declared)
       set(variants ${LATELIGHT_LAYOUTS})
     endif()
+    set(several "")
     if("multisampled" IN_LIST declared)
-      list(TRANSFORM variants APPEND "+msaa" OUTPUT_VARIABLE multisampled)
-      list(APPEND variants ${multisampled})
+      list(TRANSFORM variants APPEND "+msaa" OUTPUT_VARIABLE several)
     endif()
+    if("layered" IN_LIST declared)
+      list(TRANSFORM variants APPEND "+layers" OUTPUT_VARIABLE layered)
+      list(APPEND several ${layered})
+    endif()
+    list(APPEND variants ${several})
     if("textured" IN_LIST declared)
       list(TRANSFORM variants APPEND "+indexed" OUTPUT_VARIABLE indexed)
       list(APPEND variants ${indexed})
@@ -105,6 +114,9 @@ function(latelight_shaders module)
       endif()
       if(variant MATCHES "\\+msaa")
         list(APPEND includes -DMULTISAMPLED)
+      endif()
+      if(variant MATCHES "\\+layers")
+        list(APPEND includes -DMULTISAMPLED -DSAMPLE_LAYERS)
       endif()
       if(variant MATCHES "\\+indexed")
         list(APPEND includes -DTEXTURES_BY_INDEX)

@@ -69,8 +69,7 @@ class Packer {
 struct Pending {
   VkPipelineStageFlags2 stages = 0;
   VkAccessFlags2 writes = 0;
-  // From an image that buffers have since followed, whose barriers cover only the buffers: the next image waits for it,
-  // too.
+  // From images that others have since followed, whose barriers cover only those: the next image waits for them, too.
   VkPipelineStageFlags2 imageStages = 0;
   VkAccessFlags2 imageWrites = 0;
   void operator|=(const Pending& other) {
@@ -159,8 +158,8 @@ void addAliasingBarriers(Plan& plan, std::span<const Footprint> footprints, cons
     const uint64_t end = offset + footprints[index].size;
     const Pending before = heaps[heap].in(offset, end);
     Pending own{life.lastStages, life.lastWrites};
-    if (life.image && life.lastWrites) own.imageStages = life.lastStages, own.imageWrites = life.lastWrites;
-    if (life.buffer) own.imageStages = before.imageStages, own.imageWrites = before.imageWrites;
+    own.imageStages = before.imageStages | (life.image ? life.lastStages : 0);
+    own.imageWrites = before.imageWrites | (life.image ? life.lastWrites : 0);
     heaps[heap].replace(offset, end, own);
     if (!before.stages) continue;
     Barrier& barrier = barrierOfFirstUse(plan, life);

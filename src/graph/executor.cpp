@@ -13,20 +13,10 @@
 namespace latelight::graph {
 namespace {
 
-// An image whose contents are discarded where earlier uses must finish first: usually those of others in the same
-// memory.
-bool beginsInUsedMemory(const Barrier& barrier) {
-  return barrier.image && barrier.oldLayout == VK_IMAGE_LAYOUT_UNDEFINED && barrier.sourceStage != 0;
-}
-
 VkImageMemoryBarrier2 translate(const Barrier& barrier, const vk::Image& image) {
   VkImageMemoryBarrier2 result{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
   result.srcStageMask = barrier.sourceStage;
   result.srcAccessMask = barrier.sourceAccess;
-  if (beginsInUsedMemory(barrier)) {  // as recordFullBarrier(), which does not reach its transition there
-    result.srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
-    result.srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT;
-  }
   result.dstStageMask = barrier.targetStage;
   result.dstAccessMask = barrier.targetAccess;
   result.oldLayout = barrier.oldLayout;
@@ -56,6 +46,12 @@ VkMemoryBarrier2 translate(const Barrier& barrier) {
   result.dstStageMask = barrier.targetStage;
   result.dstAccessMask = barrier.targetAccess;
   return result;
+}
+
+// An image whose contents are discarded where earlier uses must finish first: usually those of others in the same
+// memory.
+bool beginsInUsedMemory(const Barrier& barrier) {
+  return barrier.image && barrier.oldLayout == VK_IMAGE_LAYOUT_UNDEFINED && barrier.sourceStage != 0;
 }
 
 // Where memory changes owner: synchronization validation tracks earlier contents through nothing narrower than a full

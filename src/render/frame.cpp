@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "base/error.h"
-#include "render/gbuffer/sample_surfaces.h"
 #include "render/lighting/technique.h"
 #include "render/post/ambient_occlusion/ambient_occlusion.h"
 #include "render/post/background.h"
@@ -28,8 +27,8 @@ graph::ImageId createTarget(const FrameContext& f, VkFormat format, const std::s
   return f.graph.create(vk::ImageDesc{.format = format,
                                       .width = f.width,
                                       .height = f.height,
-                                      .layers = f.viewCount(),
-                                      .samples = samples,
+                                      .layers = f.viewCount() * (f.setup.sampleLayers ? samples : 1),
+                                      .samples = f.setup.sampleLayers ? 1 : samples,
                                       .name = name});
 }
 
@@ -76,22 +75,15 @@ LitFrame addOpaque(const FrameContext& f) {
   return addLit(f, f.visibility.addDepth(f));
 }
 
-LitFrame addLit(const FrameContext& f, graph::ImageId depth) {
+LitFrame addLit(const FrameContext& f, const FrameDepth& depth) {
   refuseTooManyEndless(f);
-  const bool deferred = !f.setup.lighting->forward, multisampled = f.setup.samples > 1;
-  if (multisampled) requireSamples(f.device, f.setup);
-  Gbuffer g{.depth = depth};
+  const bool multisampled = f.setup.samples > 1;
+  Gbuffer g{.depth = depth.pixels, .sampleDepth = depth.samples};
   g.shadows = addShadows(f);
   g.light = createTarget(f, kLightFormat, "light");
-  g.sampleDepth = g.depth;
-  g.sampleLight = g.light;
-  if (multisampled) {
-    g.depth = addDepthResolve(f, g.sampleDepth);
-    g.sampleLight = createTarget(f, kLightFormat, "light of samples", f.setup.samples);
-  }
+  g.sampleLight = multisampled ? createTarget(f, kLightFormat, "light of samples", f.setup.samples) : g.light;
   g.lightCounts = createCounts(f);
-  if (deferred) f.visibility.addGbuffer(f, g);
-  if (deferred && multisampled) g.surfaces = addSampleSurfaces(f, g);
+  if (!f.setup.lighting->forward) f.visibility.addGbuffer(f, g);
   g.ambientOcclusion = addAmbientOcclusion(f, g);
   if (f.setup.sunInGbuffer) addSunOcclusion(f, g);
   f.setup.lighting->add(f, g);

@@ -45,8 +45,14 @@ struct FrameContext : Builder {
   glm::uvec3 pixels() const { return {width, height, viewCount()}; }  // the size of a dispatch over all views
 };
 
-// An image as large as the frame, with a layer a view.
+// An image as large as the frame, with a layer a view; of several samples a pixel as FrameSetup::sampleLayers has it.
 graph::ImageId createTarget(const FrameContext& f, VkFormat format, const std::string& name, uint32_t samples = 1);
+
+// Device depth, reversed, 0 where nothing is: of pixels, and of their samples in whatever form their visibility has
+// them. With one sample they are the same image.
+struct FrameDepth {
+  graph::ImageId pixels, samples;
+};
 
 // A G-buffer being built: the layout's targets, and the two that every layout has.
 struct Gbuffer {
@@ -56,9 +62,8 @@ struct Gbuffer {
   graph::ImageId lightCounts;       // lights tested and used (kCountsFormat); one texel where they are not counted
   graph::ImageId shadows;           // the atlas of shadow maps; none where nothing casts shadows
   graph::ImageId ambientOcclusion;  // visible share of the hemisphere; none where the setup has none
-  // With several samples a pixel, the targets and these two, which the geometry pass draws to, are multisampled;
-  // `depth` and `light` keep one sample, so that passes after lighting need not know. With one sample they are the same
-  // images.
+  // With several samples a pixel, the targets and these two have as many; `depth` and `light` keep one sample, so that
+  // passes after lighting need not know. With one sample they are the same images.
   graph::ImageId sampleDepth, sampleLight;
   graph::ImageId surfaces;  // of pixels, by their samples (kSurfacesFormat); none with one sample, or no targets
 };
@@ -70,11 +75,6 @@ struct TransparencySetup {
   uint64_t most = 0;        // limit on the fragments that `exact` keeps; 0: that of the device
   bool operator==(const TransparencySetup&) const = default;
 };
-
-// The shader variant that draws to or reads multisampled targets.
-inline std::string shaderVariant(const std::string& shader, uint32_t samples) {
-  return samples > 1 ? shader + "+msaa" : shader;
-}
 
 // The settings of a frame for which its shaders are specialized.
 struct FrameSetup {
@@ -94,14 +94,19 @@ struct FrameSetup {
   uint32_t shadowFormat = 0;  // kShadow*
   uint32_t shadowFilter = 0;  // kShadowFilter*
   bool sunInGbuffer = false;  // the layout's sunTarget is filled, and lighting reads the sun's shadow there
-  uint32_t samples = 1;       // a pixel: 1 or 4
+  uint32_t samples = 1;       // a pixel: a power of two up to shared::kMostSamples
+  bool sampleLayers = false;  // several are layers of images; else images are multisampled
   bool everySample = false;   // each is shaded, even if they are alike: the reference
 
   // Specialization constants of every shader that includes render/glsl/setup.glsl; a shader's own start at
   // kFirstOwnConstant.
   std::vector<vk::Constant> constants() const;
-  std::string variant(const std::string& shader) const { return shaderVariant(shader, samples); }
+  // The form of a shader that reads or writes targets of the samples.
+  std::string variant(const std::string& shader) const {
+    return samples == 1 ? shader : shader + (sampleLayers ? "+layers" : "+msaa");
+  }
 };
+inline constexpr uint32_t kSamplesConstant = 10;  // glsl/samples.glsl: not of a frame, since some passes have one
 inline constexpr uint32_t kFirstOwnConstant = 16;
 inline constexpr VkFormat kCountsFormat = VK_FORMAT_R32G32B32A32_SFLOAT;  // r: lights tested, g: lights used
 
@@ -132,6 +137,6 @@ LitFrame addFrame(const FrameContext& f);
 // The same without blended surfaces, which are in no G-buffer and in no count.
 LitFrame addOpaque(const FrameContext& f);
 // The same with existing depth.
-LitFrame addLit(const FrameContext& f, graph::ImageId depth);
+LitFrame addLit(const FrameContext& f, const FrameDepth& depth);
 
 }  // namespace latelight::render

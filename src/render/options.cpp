@@ -1,10 +1,13 @@
 #include "render/options.h"
 
+#include <bit>
+
 #include "base/error.h"
 #include "render/gbuffer/layout.h"
 #include "render/lighting/technique.h"
 #include "render/option_table.h"
 #include "render/registry.h"
+#include "shared/samples.h"
 
 namespace latelight::render {
 
@@ -46,8 +49,8 @@ void checkText<AntiAliasing>(const Option& option, const AntiAliasing& aa) {
   if (aa.superSampling < 1 || aa.superSampling > kMostSuperSampling)
     badUsage("{}: super-sampling takes 1 to {} samples along each side, not {}", option.name, kMostSuperSampling,
              aa.superSampling);
-  if (aa.samples != 1 && aa.samples != 4)
-    badUsage("{}: multisampling takes 1 or 4 samples a pixel, not {}", option.name, aa.samples);
+  if (aa.samples > shared::kMostSamples || !std::has_single_bit(aa.samples))
+    badUsage("{}: multisampling takes 1, 2, 4, 8 or 16 samples a pixel, not {}", option.name, aa.samples);
   if ((aa.samples > 1) + (aa.superSampling > 1) + aa.temporal > 1)
     badUsage("{}: multisampling, super-sampling and temporal anti-aliasing each choose the samples of a pixel; use one",
              option.name);
@@ -176,6 +179,12 @@ std::string read(Settings& settings, const Option& option, std::string_view text
 
 void checkSettings(const Settings& settings) {
   table().check(settings);
+  if (!takesCompute(settings)) return;
+  if (settings.lighting->draws)
+    badUsage("--aa msaa{} is for lighting that draws nothing, and {} draws: choose another, or msaa4",
+             settings.aa.samples, settings.lighting->name);
+  if (settings.raster == Raster::Hardware)
+    badUsage("--aa msaa{} takes the raster compute, since hardware has msaa4 alone", settings.aa.samples);
 }
 
 }  // namespace latelight::render

@@ -58,9 +58,15 @@ std::optional<RasterChoice> onlyChoice(const vk::Device& device, const Settings&
     if (!lacks.empty()) fail(ExitCode::NoDevice, "{} has no graphics queue, and {}.", device.info().name, lacks);
     return RasterChoice{Raster::Compute, "the device has no graphics pipeline"};
   }
+  if (takesCompute(settings)) {
+    if (!lacks.empty())
+      fail(ExitCode::NoDevice, "{} can't rasterize in compute, which msaa{} takes: {}; choose msaa4.",
+           device.info().name, settings.aa.samples, lacks);
+    return RasterChoice{Raster::Compute, "hardware has no such number of samples a pixel"};
+  }
   if (!lacks.empty()) return RasterChoice{Raster::Hardware, lacks};
   if (alwaysDraws(settings))
-    return RasterChoice{Raster::Hardware, "forward techniques and several samples a pixel are drawn"};
+    return RasterChoice{Raster::Hardware, "forward techniques are drawn, and volumes of several samples a pixel"};
   if (device.maxTextureArray() == 0)
     return RasterChoice{Raster::Hardware,
                         "without descriptor indexing compute shaders have to filter textures themselves"};

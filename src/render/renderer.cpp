@@ -18,7 +18,12 @@ namespace latelight::render {
 
 namespace {
 
-constexpr size_t kMostViews = 256;  // at once: the least maxImageArrayLayers of Vulkan
+// At once: as many layers as every Vulkan device has; a view may have one for each of its samples.
+size_t mostViews(const vk::Device& device, const Settings& settings) {
+  constexpr size_t kMost = 256;
+  if (!rastersInCompute(settings)) return kMost;
+  return std::min<size_t>(kMost, device.properties().limits.maxImageArrayLayers / settings.aa.samples);
+}
 
 // What the device may take for views that are rendered at once. A CPU's caches gain nothing from more.
 uint64_t memoryForViews(const vk::Device& device) {
@@ -59,8 +64,7 @@ void requireRaster(const vk::Device& device, const Settings& settings) {
   const std::string& name = device.info().name;
   const bool compute = rastersInCompute(settings);
   if (!device.hasGraphics() && (!compute || settings.lighting->draws))
-    fail(ExitCode::NoDevice,
-         "{} has no graphics pipeline: choose the raster compute, one of the techniques {}, and one sample a pixel.",
+    fail(ExitCode::NoDevice, "{} has no graphics pipeline: choose the raster compute, and one of the techniques {}.",
          name, fmt::join(techniquesThatCompute(), ", "));
   if (!needsComputeRaster(settings)) return;
   if (const std::string lacks = computeRasterLacks(device); !lacks.empty())
@@ -130,7 +134,7 @@ std::shared_ptr<RenderJob> Renderer::start(std::span<const scene::Camera> camera
   uint64_t claimed = rows;
   if (strips.size() > 1) claimed += strips.front().rows;  // of the strip in work
   job->memory.grow(bytesAPixel(settings) * settings.width * claimed * cameras.size(), "the pictures");
-  size_t atOnce = std::min(cameras.size(), kMostViews);
+  size_t atOnce = std::min(cameras.size(), mostViews(device_, settings));
   if (castsShadows(settings))
     atOnce = std::clamp<uint64_t>(memoryForViews(device_) / (4 * shadowTexels(settings)), 1, atOnce);
   for (size_t first = 0; first < cameras.size();) {

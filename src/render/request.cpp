@@ -33,6 +33,7 @@ FrameSetup frameSetup(const Settings& s, bool shadows) {
                    .fog = s.fogDensity > 0,
                    .transparency = {indexOf(s.transparency)},
                    .samples = s.aa.samples,
+                   .sampleLayers = s.aa.samples > 1 && rastersInCompute(s),
                    .everySample = s.everySample && s.aa.samples > 1};
   if (shadows) {
     setup.shadowFormat = indexOf(s.shadows);
@@ -74,7 +75,7 @@ ViewSet& Request::jittered() {
 
 // The surfaces at pixel centres, found once for all that need them.
 graph::ImageId Request::steadyDepth() {
-  if (!steadyDepth_) steadyDepth_ = steady().visibility().addDepth(steady().frame(graph_, FrameSetup{}));
+  if (!steadyDepth_) steadyDepth_ = steady().visibility().addDepth(steady().frame(graph_, FrameSetup{})).pixels;
   return steadyDepth_;
 }
 
@@ -83,7 +84,7 @@ LitFrame Request::addPicture() {
   FrameSetup setup = frameSetup(settings_, shadows_ != nullptr);
   setup.countLights = isSteady() && asksFor(settings_, Origin::LightCounts);
   const FrameContext& f = jittered().frame(graph_, setup);
-  const LitFrame lit = isSteady() ? addLit(f, steadyDepth()) : addOpaque(f);
+  const LitFrame lit = isSteady() ? addLit(f, {steadyDepth(), steadyDepth()}) : addOpaque(f);
   addTransparency(f, lit.gbuffer);
   return lit;
 }
@@ -142,9 +143,10 @@ void Request::addLightCounts() {
     setup.countLights = true;
     setup.fog = false;
     setup.samples = 1;
+    setup.sampleLayers = false;
     setup.everySample = false;
     setup.sunInGbuffer = shadows_ && keepsSun(setup, settings_);
-    counts = addLit(steady().frame(graph_, setup), steadyDepth()).lightCounts;
+    counts = addLit(steady().frame(graph_, setup), {steadyDepth(), steadyDepth()}).lightCounts;
   }
   outputs_.add({state_.device, graph_}, Origin::LightCounts, [&](std::string_view) { return counts; });
 }
@@ -170,7 +172,7 @@ void Request::addData() {
   if (settings_.dataSurfaces == DataSurfaces::Any && steady().visibility().anyBlended()) {
     solid_.emplace(state_, steadyViews_, settings_, nullptr, VisibilityOptions{.blendedToo = true, .atCentres = true});
     set = &*solid_;
-    depth = solid_->visibility().addDepth(solid_->frame(graph_, FrameSetup{}));
+    depth = solid_->visibility().addDepth(solid_->frame(graph_, FrameSetup{})).pixels;
   } else {
     depth = steadyDepth();
   }
@@ -215,8 +217,8 @@ void Request::countShadings(const graph::Submission& done, std::optional<Shading
   if (!surfaces_) return;
   if (!counts) counts.emplace();
   const shared::vec2 size = steadyViews_.now.front().size;
-  render::countShadings(*counts, done.buffer(surfaces_),
-                        static_cast<size_t>(size.x) * static_cast<size_t>(size.y) * steadyViews_.now.size());
+  render::countShadings(*counts, done.buffer(surfaces_), static_cast<size_t>(size.x) * static_cast<size_t>(size.y),
+                        steadyViews_.now.size(), settings_.aa.samples);
 }
 
 }  // namespace latelight::render

@@ -134,7 +134,11 @@ std::span<const AntiAliasingMode> antiAliasingModes() {
       {"none", "one sample a pixel, at its centre", AntiAliasing{}},
       {"fxaa", "one sample a pixel; jagged edges are found in the finished picture and softened",
        AntiAliasing{.fxaa = true}},
-      {"msaa4", "multisampling: four samples a pixel, each surface of a pixel shaded once", AntiAliasing{.samples = 4}},
+      {"msaa2", "multisampling: two samples a pixel, each surface of a pixel shaded once (raster compute)",
+       AntiAliasing{.samples = 2}},
+      {"msaa4", "the same with four samples, by either raster", AntiAliasing{.samples = 4}},
+      {"msaa8", "the same with eight samples (raster compute)", AntiAliasing{.samples = 8}},
+      {"msaa16", "the same with sixteen samples (raster compute)", AntiAliasing{.samples = 16}},
       {"taa", "temporal: each frame of a sequence blended into the ones before; a still is the mean of 16 frames",
        AntiAliasing{.temporal = true}},
       {"ssN", "super-sampling: N x N ordered samples a pixel, as in ss2 or ss4", std::nullopt},
@@ -198,7 +202,11 @@ std::span<const NamedOption> postEffects() {
 }
 
 bool alwaysDraws(const Settings& settings) {
-  return settings.lighting->forward || settings.aa.samples > 1;
+  return settings.lighting->forward || (settings.aa.samples > 1 && settings.lighting->draws);
+}
+
+bool takesCompute(const Settings& settings) {
+  return settings.aa.samples != 1 && settings.aa.samples != 4;
 }
 
 bool rastersInCompute(const Settings& settings) {

@@ -87,7 +87,7 @@ inline constexpr uint32_t kMostSuperSampling = 16;
 // How a pixel is sampled; at most one of the first three differs from its default.
 struct AntiAliasing {
   uint32_t superSampling = 1;  // N: N x N ordered samples a pixel, in N * N frames
-  uint32_t samples = 1;        // of the hardware, per pixel: 1, or 4 (MSAA)
+  uint32_t samples = 1;        // a pixel: 1, 2, 4, 8 or 16, of which each surface is shaded once (MSAA)
   bool temporal = false;       // each frame is blended into the earlier ones
   bool fxaa = false;           // the finished picture's edges are softened
   bool operator==(const AntiAliasing&) const = default;
@@ -168,9 +168,11 @@ struct Settings {
 
 // The factor for radiance.
 float exposureFactor(const Settings& settings);
-// Whether they take the graphics pipeline whatever the raster: techniques that draw the scene, and several samples a
-// pixel.
+// Whether they take the graphics pipeline whatever the raster: techniques that draw the scene, and with several samples
+// a pixel those that draw lights.
 bool alwaysDraws(const Settings& settings);
+// Whether they take the raster compute: the graphics pipeline's samples are four a pixel, or one.
+bool takesCompute(const Settings& settings);
 // Whether these settings' frames find what is visible in compute shaders.
 bool rastersInCompute(const Settings& settings);
 

@@ -15,6 +15,11 @@ bool needsNeighbours(const Settings& s) {
   return showsPicture(s) && (s.aa.temporal || s.aa.fxaa || s.bloom > 0 || s.ambientOcclusion != AmbientOcclusion::None);
 }
 
+// Beyond four samples a pixel as many samples.
+uint32_t stripPixels(const Settings& s) {
+  return showsPicture(s) ? s.stripPixels / (std::max(s.aa.samples, 4u) / 4) : s.stripPixels;
+}
+
 template <typename T>
 void append(std::vector<T>& whole, const std::vector<T>& strip, size_t most) {
   whole.reserve(most);
@@ -24,8 +29,9 @@ void append(std::vector<T>& whole, const std::vector<T>& strip, size_t most) {
 }  // namespace
 
 std::vector<Strip> stripsOf(const Settings& s) {
-  if (uint64_t{s.width} * s.height <= s.stripPixels || needsNeighbours(s)) return {{0, s.height}};
-  const uint32_t blocks = std::max<uint32_t>(1, s.stripPixels / (s.width * kBlock));
+  const uint32_t pixels = stripPixels(s);
+  if (uint64_t{s.width} * s.height <= pixels || needsNeighbours(s)) return {{0, s.height}};
+  const uint32_t blocks = std::max<uint32_t>(1, pixels / (s.width * kBlock));
   const uint32_t rows = blocks * kBlock;
   std::vector<Strip> strips;
   for (uint32_t first = 0; first < s.height; first += rows) strips.push_back({first, std::min(rows, s.height - first)});

@@ -1,4 +1,4 @@
-// Four samples a pixel with every layout and every technique: all light the same surfaces of a pixel, so all agree.
+// Several samples a pixel with every layout and every technique: all light the same surfaces of a pixel, so all agree.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -31,8 +31,10 @@ class MsaaCombinations : public RenderTest, public testing::WithParamInterface<s
   }
   static void TearDownTestSuite() { stage.reset(); }
 
-  static output::FrameOutput render(const std::string& layout, const std::string& technique, uint32_t samples = 4) {
+  static output::FrameOutput render(const std::string& layout, const std::string& technique, uint32_t samples = 4,
+                                    Raster raster = Raster::Hardware) {
     Settings settings = settingsOf(kMsaaWidth, kMsaaHeight, {Aov::Color});
+    settings.raster = raster;
     settings.display = true;
     settings.environmentIntensity = 0.15f;
     settings.layout = &findLayout(layout);
@@ -57,15 +59,38 @@ size_t partlyCovered(const output::FrameOutput& frame) {
   return count;
 }
 
+// The pixels of two pictures that differ by more than so many levels of 255.
+size_t pixelsBeyond(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b, int levels) {
+  size_t count = 0;
+  for (size_t i = 0; i < a.size(); i += 4) {
+    int worst = 0;
+    for (size_t c = i; c < i + 4; ++c) worst = std::max(worst, std::abs(a[c] - b[c]));
+    count += worst > levels;
+  }
+  return count;
+}
+
 TEST_P(MsaaCombinations, LightsAlikeByEveryDeferredTechnique) {
   const std::string layout = findLayout(GetParam()).name;
-  const output::FrameOutput expected = render(layout, "fullscreen");
-  EXPECT_GT(partlyCovered(expected), 10u);
-  EXPECT_GT(largestDifference(expected.display, render(layout, "fullscreen", 1).display), 32);  // smooth edges
-  for (const TechniqueInfo& technique : techniques()) {
-    if (technique.forward || technique.name == "fullscreen") continue;
-    EXPECT_LE(largestDifference(render(layout, technique.name).display, expected.display), 1) << technique.name;
-  }
+  const auto check = [&](uint32_t samples, Raster raster) {
+    SCOPED_TRACE(fmt::format("{} samples by {}", samples, nameOf(raster)));
+    output::FrameOutput expected = render(layout, "fullscreen", samples, raster);
+    EXPECT_GT(partlyCovered(expected), 10u);
+    EXPECT_GT(largestDifference(expected.display, render(layout, "fullscreen", 1, raster).display),
+              32);  // smooth edges
+    for (const TechniqueInfo& technique : techniques()) {
+      if (technique.forward || technique.name == "fullscreen") continue;
+      if (technique.draws && raster == Raster::Compute) continue;
+      EXPECT_LE(largestDifference(render(layout, technique.name, samples, raster).display, expected.display), 1)
+          << technique.name;
+    }
+    return expected.display;
+  };
+  const std::vector<uint8_t> hardware = check(4, Raster::Hardware), compute = check(4, Raster::Compute);
+  const size_t pixels = size_t{kMsaaWidth} * kMsaaHeight, beyond = pixelsBeyond(hardware, compute, 16);
+  fmt::print("{}: {} of {} pixels differ between the rasters by more than 16 levels\n", layout, beyond, pixels);
+  EXPECT_LE(beyond, pixels / 50);
+  check(16, Raster::Compute);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, MsaaCombinations, testing::ValuesIn(layoutNames()),

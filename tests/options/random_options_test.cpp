@@ -25,6 +25,8 @@
 #include "output/exr.h"
 #include "output/read.h"
 #include "render/gbuffer/layout.h"
+#include "render/lighting/technique.h"
+#include "render/raster_choice.h"
 #include "render/session.h"
 #include "render/support.h"
 #include "shared/random.h"
@@ -107,6 +109,10 @@ class Drawing {
       drop("--position", layout.fixedPosition);
     }
     if ((o.contains("--animation") || o.contains("--loop")) && !o.contains("--frames")) o["--time"] = "0.4";
+    if (o.contains("--aa") && o.at("--aa").starts_with("msaa") && o.at("--aa") != "msaa4") {
+      drop("--raster", true);
+      drop("--aa", o.contains("--lighting") && render::findTechnique(o.at("--lighting")).draws);
+    }
     drop("--camera", o.contains("--eye") || o.contains("--orbit"));
     drop("--orbit", o.contains("--eye"));
     drop("--json", o["--out"] == "-");
@@ -177,6 +183,7 @@ void run(Stage& stage, const Options& options) {
   const scene::Scene& scene = stage.scene(o);
   const Timeline timeline(scene, o);
   const std::string environment = environmentOf(o, scene);
+  o.settings.raster = render::chooseRaster(stage.device(), o.settings).raster;
   RenderRun run{o, plan, scene, timeline, environment, stage.device(), stage.renderer(scene, environment)};
   renderAll(run);
 }

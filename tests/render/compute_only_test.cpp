@@ -110,12 +110,31 @@ TEST_F(ComputeOnly, MaskedAndSkinnedModels) {
   }
 }
 
+TEST_F(ComputeOnly, SeveralSamplesAPixel) {
+  const scene::Scene glass = scene::load("builtin:hall,triangles=50k,lights=20,glass=1");
+  Settings s = settings();
+  s.aovs.push_back(Aov::Samples);
+  s.fogDensity = 0.05f;
+  s.ambientOcclusion = AmbientOcclusion::Gtao;
+  for (const TechniqueInfo& technique : techniques()) {
+    if (technique.draws) continue;
+    SCOPED_TRACE(technique.name);
+    s.lighting = &technique;
+    s.aa.samples = 4;
+    expectAlike(glass, s);
+  }
+  s.aa.samples = 16;
+  expectAlike(glass, s);
+  expectAlike(scene::load(models::modelPath("textured.glb").string()), s);  // with a mask
+}
+
 // Each is refused in a sentence, before anything is built.
 TEST_F(ComputeOnly, WhatDrawsIsRefused) {
   Settings hardware = settings(), forward = settings(), volumes = settings(), samples = settings();
   hardware.raster = Raster::Hardware;
   forward.lighting = &findTechnique("forward");
   volumes.lighting = &findTechnique("volumes");
+  samples.lighting = volumes.lighting;
   samples.aa.samples = 4;
   const scene::Camera camera = cameraOf(hall(), 64, 48);
   for (const Settings& s : {hardware, forward, volumes, samples}) {
@@ -141,6 +160,9 @@ TEST_F(ComputeOnly, AutoIsWhatTheDeviceCanDo) {
   if (device().maxTextureArray() == 0) {
     EXPECT_EQ(choice.raster, Raster::Hardware);
   }
+  s.aa.samples = 8;
+  EXPECT_EQ(chooseRaster(device(), s).raster, Raster::Compute);  // hardware has no such number
+  s.aa.samples = 1;
   s.lighting = &findTechnique("forward");
   EXPECT_EQ(chooseRaster(device(), s).raster, Raster::Hardware);
   s.raster = Raster::Compute;

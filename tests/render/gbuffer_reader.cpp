@@ -90,7 +90,7 @@ ReadGbuffer GbufferReader::read(const FrameSetup& setup, const scene::Camera& ca
   graph::Graph graph;
   const FrameContext& f = frames_.frame(graph, setup, {result.view},
                                         {light.exposure, light.environmentIntensity, light.environmentRotation});
-  Gbuffer gbuffer{.depth = f.visibility.addDepth(f)};
+  Gbuffer gbuffer{.depth = f.visibility.addDepth(f).pixels};
   gbuffer.light = createTarget(f, kLightFormat, "light");
   gbuffer.sampleDepth = gbuffer.depth;
   gbuffer.sampleLight = gbuffer.light;

@@ -12,6 +12,7 @@
 #include "shared/environment.h"
 #include "shared/gbuffer.h"
 #include "shared/light.h"
+#include "shared/samples.h"
 #include "shared/shade.h"
 #include "shared/tonemap.h"
 
@@ -41,6 +42,11 @@ SH_FUNC vec4 bytes(uint x) {
 // One of two channels and one of three. All of them are in portable_cases.h.
 SH_FUNC uint someEncoding(Arguments a) {
   return a.k % 2u == 0u ? kNormal_octahedral : kNormal_xyz;
+}
+
+// Of a pixel.
+SH_FUNC uint someSamples(Arguments a) {
+  return 1u << (a.k % 5u);
 }
 
 SH_FUNC Surface someSurface(Arguments a) {
@@ -194,6 +200,7 @@ SH_FUNC vec4 surfaceReflectanceOf(Arguments a) {
   C(packNormal24, 0.0f, 3.0e-3f, (pad(unpackNormal24(someEncoding(a), packNormal24(someEncoding(a), a.n)))))           \
   C(unpackNormal24, 5e-7f, 5e-7f, (pad(unpackNormal24(someEncoding(a), a.k & 0xffffffu))))                             \
   C(packColor24, 0.0f, 1.0f, (bytes(packColor24(a.c))))                                                                \
+  C(samplePlace, 3e-7f, 0.0f, (pad(samplePlace(someSamples(a), (a.k >> 8u) % someSamples(a)))))                        \
   C(unpackColor24, 4e-6f, 1e-7f, (pad(unpackColor24(a.k))))
 
 SH_FUNC vec4 evaluateFunction(uint function, Arguments a) {

@@ -6,62 +6,19 @@
 //
 // A fragment that covers a whole pixel writes one value to all its samples: where all are bit-identical, nothing has to
 // be compared (this tells what seed 000's SV_Coverage tells, and also holds where surfaces intersect). Where they
-// differ, most still show one surface: the triangles of a smooth mesh, or one texture. So two samples show one surface
-// if the first one's plane, extended, passes near the second one's position, and normals, materials and emitted light
-// are similar.
+// differ, most still show one surface (same_surface.glsl).
 #define MULTISAMPLED
 #include "render/glsl/common.glsl"
 #define GBUFFER_SAMPLED_ONLY
 #define GBUFFER_NO_SURFACES
 #include "render/glsl/gbuffer_read.glsl"
+#include "render/gbuffer/same_surface.glsl"
 #include "render/lighting/lighting_push.h"
 
 layout(local_size_x = 16, local_size_y = 16) in;
 layout(set = 0, binding = GBUFFER_BINDINGS, r32ui) uniform writeonly uimage2DArray surfacesTarget;
 
 layout(push_constant, scalar) uniform Push { LightingPush push; };
-
-// Differences that one surface may have within a pixel. Looser thresholds miss edges, tighter ones take curved surfaces
-// and textures for edges: docs/antialiasing.md has the cost and error of these.
-const float kLeastCosine = 0.97;  // of two normals: 14 degrees
-const float kMostAlbedo = 0.06;   // linear colour, f0, metalness times a half
-const float kMostRoughness = 0.12;
-const float kMostOcclusion = 0.12;
-const float kMostEmitted = 0.06;  // of the brighter one, and of white
-const float kMostOffset = 1.5;    // from the plane, pixels
-const float kMostSlope = 0.1;     // and of the distance between the two
-
-struct Sample {
-  float depth;
-  vec4 light;
-  Surface s;
-};
-
-// The size of a pixel at that depth, metres.
-float pixelSize(View view, float depth) {
-  float size = 2.0 / (view.projection.V * view.size.y);
-  return view.projection.kind == kPerspective ? size * viewDepth(view.projection, depth) : size;
-}
-
-float largest(vec3 v) {
-  return max(v.x, max(v.y, v.z));
-}
-
-bool sameMaterial(Sample a, Sample b) {
-  float albedo = max(largest(abs(a.s.baseColor - b.s.baseColor)), largest(abs(a.s.f0 - b.s.f0)));
-  albedo = max(albedo, 0.5 * abs(a.s.metallic - b.s.metallic));
-  bool same = albedo <= kMostAlbedo && abs(a.s.roughness - b.s.roughness) <= kMostRoughness;
-  float brighter = max(largest(a.light.rgb), largest(b.light.rgb));
-  same = same && largest(abs(a.light.rgb - b.light.rgb)) <= kMostEmitted * max(brighter, 1.0);
-  return same && abs(a.s.ao - b.s.ao) <= kMostOcclusion && a.s.flags == b.s.flags;
-}
-
-bool sameSurface(Sample a, Sample b, float size) {
-  vec3 between = b.s.position - a.s.position;
-  float offset = abs(dot(between, a.s.normal));
-  bool near = offset <= kMostOffset * size + kMostSlope * length(between);
-  return near && dot(a.s.normal, b.s.normal) >= kLeastCosine && sameMaterial(a, b);
-}
 
 // Whether all samples equal the first.
 bool allAlike(ivec3 pixel) {
@@ -81,7 +38,7 @@ Sample readSample(View view, ivec3 pixel, int index, float depth) {
   Sample r;
   r.depth = depth;
   r.light = texelFetch(lightOfSamples, pixel, index);
-  r.s = unpackSurface(view, vec2(pixel.xy) + kSamplePlaces[index], readTexel(pixel, index), depth, r.light.a);
+  r.s = unpackSurface(view, vec2(pixel.xy) + samplePlace(kSamples, uint(index)), readTexel(pixel, index), depth, r.light.a);
   return r;
 }
 

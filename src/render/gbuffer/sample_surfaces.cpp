@@ -4,6 +4,7 @@
 #include "render/lighting/lighting_push.h"
 #include "render/lighting/technique.h"
 #include "render/visibility/draw.h"
+#include "shared/samples.h"
 #include "vk/features.h"
 
 namespace latelight::render {
@@ -39,8 +40,16 @@ void requireSamples(const vk::Device& device, const FrameSetup& setup) {
   for (size_t i = 0; i < setup.layout->targets.size(); ++i) need(setup.layout->format(i, setup.normalEncoding), kColor);
 }
 
+graph::ImageId createSurfaces(const FrameContext& f) {
+  return f.graph.create(vk::ImageDesc{.format = kSurfacesFormat,
+                                      .width = f.width,
+                                      .height = f.height,
+                                      .layers = f.viewCount() * shared::surfaceLayers(f.setup.samples),
+                                      .name = "surfaces of pixels"});
+}
+
 graph::ImageId addSampleSurfaces(const FrameContext& f, const Gbuffer& gbuffer) {
-  const graph::ImageId surfaces = createTarget(f, kSurfacesFormat, "surfaces of pixels");
+  const graph::ImageId surfaces = createSurfaces(f);
   Bindings bindings(f.device);
   bindings.sampled(gbuffer.targets).sampled(gbuffer.sampleDepth).sampled(gbuffer.sampleLight);
   bindings.storage(surfaces, graph::Use::StorageWrite);

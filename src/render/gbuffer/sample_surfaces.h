@@ -9,7 +9,10 @@ namespace latelight::render {
 // device lacks these.
 void requireSamples(const vk::Device& device, const FrameSetup& setup);
 
-inline constexpr VkFormat kSurfacesFormat = VK_FORMAT_R32_UINT;  // multisample.glsl
+inline constexpr VkFormat kSurfacesFormat = VK_FORMAT_R32_UINT;  // shared/samples.h
+
+// The image for the surfaces of pixels, of a frame with several samples.
+graph::ImageId createSurfaces(const FrameContext& f);
 
 // Per-sample classification: the surfaces of each pixel of a multisampled G-buffer (sample_surfaces.comp). Pixels with
 // more than one are shaded per sample.

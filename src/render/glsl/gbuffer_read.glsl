@@ -20,7 +20,7 @@ GBUFFER_TARGETS(INPUT)
 const int kGbufferTargets = 0 GBUFFER_TARGETS(COUNT);
 layout(set = 0, binding = 0 GBUFFER_TARGETS(COUNT)) uniform TARGET_SAMPLER gbufferDepth;
 #ifdef MULTISAMPLED
-layout(set = 0, binding = 1 GBUFFER_TARGETS(COUNT)) uniform sampler2DMSArray lightOfSamples;
+layout(set = 0, binding = 1 GBUFFER_TARGETS(COUNT)) uniform TARGET_SAMPLER lightOfSamples;
 #ifdef GBUFFER_NO_SURFACES  // before the include: for what finds them
 #define GBUFFER_INPUTS (2 GBUFFER_TARGETS(COUNT))
 #else
@@ -40,7 +40,7 @@ layout(set = 0, binding = 1 + GBUFFER_INPUTS, rgba32f) uniform writeonly image2D
 
 GbufferTexel readTexel(ivec3 pixel, int index) {
   GbufferTexel texel;
-#define FETCH_TARGET(number, name, format, type, channels) texel.name = type(texelFetch(gbuffer_##name, pixel, index));
+#define FETCH_TARGET(number, name, format, type, channels) texel.name = type(fetchSample(gbuffer_##name, pixel, index));
   GBUFFER_TARGETS(FETCH_TARGET)
   return texel;
 }
@@ -56,7 +56,7 @@ Surface unpackSurface(View view, vec2 place, GbufferTexel texel, float depth, fl
 // The Surface at a pixel of a view (MULTISAMPLED: the one that these samples show).
 #ifdef MULTISAMPLED
 Surface readSurface(View view, ivec3 pixel, uint samples, float depth, float ao) {
-  GbufferTexel texel = readTexel(pixel, findLSB(samples));
+  GbufferTexel texel = readTexel(pixel, max(findLSB(samples), 0));
   return unpackSurface(view, vec2(pixel.xy) + middleOfSamples(samples), texel, depth, ao);
 }
 #else

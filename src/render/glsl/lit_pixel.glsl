@@ -3,7 +3,7 @@
 #include "render/glsl/gbuffer_read.glsl"
 #include "render/glsl/environment.glsl"
 #ifdef MULTISAMPLED
-#include "render/glsl/lanes.glsl"
+#include "render/glsl/deal.glsl"
 #endif
 
 // One surface of a pixel: the only one, but where samples differ (MULTISAMPLED).
@@ -37,7 +37,7 @@ LitPixel readPixel(FrameConstants frame, View view, ivec3 place, uint samples) {
   p.radiance = vec3(0.0);
   if (p.lit) {
 #ifdef MULTISAMPLED
-    vec4 accumulated = texelFetch(lightOfSamples, place, findLSB(samples));
+    vec4 accumulated = fetchSample(lightOfSamples, place, max(findLSB(samples), 0));
     p.s = readSurface(view, place, samples, p.depth, accumulated.a);
 #else
     vec4 accumulated = imageLoad(lightTarget, place);
@@ -74,53 +74,43 @@ bool lightPixel(FrameConstants frame, ivec3 place) {
   return p.lit;
 }
 #else
-// Every invocation lights its pixel's first surface. Few pixels have more; those of a subgroup are then dealt to all its
-// lanes, so that a pixel at an edge does not make the lanes around it wait (as Lauritzen 2010, Deferred Rendering for
-// Current and Future Rendering Pipelines, SIGGRAPH, packs such pixels of a tile: here without a barrier of the
-// workgroup).
-const uint kMostMore = 3u;  // surfaces beside the first
-shared uint dealtPlaces[256u * kMostMore];
-shared vec3 dealtRadiance[256u * kMostMore];
+// Every invocation lights its pixel's first surface; then those that are left are dealt to the subgroup's lanes.
+shared vec3 dealtRadiance[256];
 
-uint surfacesAt(ivec3 place, View view) {
-  return all(lessThan(vec2(place.xy), view.size)) ? texelFetch(pixelSurfaces, place, 0).r : 0u;
+// Adds what the lanes have lit of this one's pixel in a round, surface by surface, so that it does not matter which
+// round has which.
+void addDealt(inout vec3 radiance, uint round, uint items, vec3 lit) {
+  uint first = round * lanesPresent;
+  dealtRadiance[dealtBase + laneRank] = lit;
+  meetSubgroup();
+  for (uint i = max(dealtOwn, first); i < min(dealtOwn + items, first + lanesPresent); ++i)
+    radiance += dealtRadiance[dealtBase + i - first];
+  meetSubgroup();
 }
 
 bool lightPixel(FrameConstants frame, ivec3 place) {
-  countLanes();
   View view = frameView(frame, place.z);
-  uint surfaces = surfacesAt(place, view);
-  uint more = max(surfaceCount(surfaces), 1u) - 1u;
-  uint dealt = subgroupAdd(more);
-  uint base = gl_SubgroupID * gl_SubgroupSize * kMostMore;
-  uint own = base + subgroupExclusiveAdd(more);
-  for (uint i = 0u; i < more; ++i) dealtPlaces[own + i] = uint(place.x) | uint(place.y) << 14u | (i + 1u) << 28u;
-  subgroupMemoryBarrierShared();
-  subgroupBarrier();
-
+  bool inside = all(lessThan(vec2(place.xy), view.size));
+  uvec2 shown = inside ? countSurfaces(pixelSurfaces, place) : uvec2(0u);
+  uint more = max(shown.x, 1u) - 1u;
+  deal(more, place.xy);
   vec3 radiance = vec3(0.0);
   LitPixel p;
   p.place = place;
-  p.samples = surfaceSamples(surfaces, 0u);
-  uint rounds = 1u + (dealt + lanesPresent - 1u) / lanesPresent;
+  p.samples = shown.x != 0u ? surfaceSamples(pixelSurfaces, place, 0u) : 0u;
+  uint rounds = 1u + dealtRounds();
   for (uint round = 0u; round < rounds; ++round) {
     p = readPixel(frame, view, p.place, p.samples);
     vec3 lit = litRadiance(frame, p, lightsAt(frame, view, p)) * (float(bitCount(p.samples)) / float(kSamples));
-    uint item = (round - 1u) * lanesPresent + laneRank;
     if (round == 0u)
       radiance = lit;
-    else if (item < dealt)
-      dealtRadiance[base + item] = lit;
-    uint next = round * lanesPresent + laneRank;
-    uint packed = dealtPlaces[base + min(next, max(dealt, 1u) - 1u)];
-    p.place = ivec3(packed & 0x3fffu, packed >> 14u & 0x3fffu, place.z);
-    p.samples = next < dealt ? surfaceSamples(surfacesAt(p.place, view), packed >> 28u) : 0u;
+    else
+      addDealt(radiance, round - 1u, more, lit);
+    DealtItem next = dealtItem(round);
+    p.place = ivec3(next.pixel, place.z);
+    p.samples = next.there ? surfaceSamples(pixelSurfaces, p.place, next.index + 1u) : 0u;
   }
-  subgroupMemoryBarrierShared();
-  subgroupBarrier();
-  for (uint i = 0u; i < more; ++i) radiance += dealtRadiance[own + i];
-  if (all(lessThan(vec2(place.xy), view.size)))
-    imageStore(lightTarget, place, vec4(radiance, float(bitCount(surfaces)) / float(kSamples)));
-  return surfaces != 0u;
+  if (inside) imageStore(lightTarget, place, vec4(radiance, float(shown.y) / float(kSamples)));
+  return shown.x != 0u;
 }
 #endif

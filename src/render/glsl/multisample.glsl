@@ -1,56 +1,75 @@
-// Targets of one sample a pixel, or, where MULTISAMPLED is defined, of four. texelFetch takes the sample where it takes a
-// level elsewhere, so that texelFetch(target, pixel, 0) reads the first of either.
+// Targets of one sample a pixel, or, where MULTISAMPLED is defined, of several: those of the graphics pipeline are
+// multisampled images of four; where SAMPLE_LAYERS is defined too, those of the raster compute are arrays with a layer for
+// each sample of a view. fetchSample() reads either; what is of a surface lies at its first sample.
 #ifndef LATELIGHT_MULTISAMPLE_GLSL
 #define LATELIGHT_MULTISAMPLE_GLSL
 
-#ifdef MULTISAMPLED
+#if defined(MULTISAMPLED) && !defined(SAMPLE_LAYERS)
+#define SAMPLES 4u  // in Vulkan's standard places: render::requireSamples() asks for them
 #define TARGET_SAMPLER sampler2DMSArray
 #define TARGET_USAMPLER usampler2DMSArray
-const uint kSamples = 4u;
-// Vulkan's standard places of four samples; render::requireSamples() asks for them.
-const vec2 kSamplePlaces[4] =
-    vec2[4](vec2(0.375, 0.125), vec2(0.875, 0.375), vec2(0.125, 0.625), vec2(0.625, 0.875));
+#define fetchSample(target, pixel, index) texelFetch(target, pixel, int(index))
 #else
+#ifndef MULTISAMPLED
+#define SAMPLES 1u
+#endif
 #define TARGET_SAMPLER sampler2DArray
 #define TARGET_USAMPLER usampler2DArray
-const uint kSamples = 1u;
+#define fetchSample(target, pixel, index) texelFetch(target, sampleLayer(pixel, uint(index)), 0)
 #endif
+#include "render/glsl/samples.glsl"
 
 #ifdef MULTISAMPLED
-// The surfaces of a pixel: its samples that show something, parted by what they show (sample_surfaces.comp). Each is a
-// mask of samples, in four bits; the first lies in the lowest ones, and 0 follows the last.
-uint surfaceSamples(uint surfaces, uint index) { return bitfieldExtract(surfaces, int(4u * index), 4); }
+// The surfaces of a pixel: its samples that show something, parted by what they show, in an image as shared/samples.h
+// has it.
+uint surfaceWord(usampler2DArray surfaces, ivec3 pixel, uint layer) {
+  return texelFetch(surfaces, ivec3(pixel.xy, pixel.z * int(surfaceLayers(kSamples)) + int(layer)), 0).r;
+}
 
-uint surfaceCount(uint surfaces) { return uint(findMSB(surfaces) + 4) / 4u; }
+// The samples of one; none behind the last.
+uint surfaceSamples(usampler2DArray surfaces, ivec3 pixel, uint index) {
+  uint inLayer = surfacesALayer(kSamples);
+  return bitfieldExtract(surfaceWord(surfaces, pixel, index / inLayer), int(kSamples * (index % inLayer)), int(kSamples));
+}
+
+// How many there are, and how many samples show any.
+uvec2 countSurfaces(usampler2DArray surfaces, ivec3 pixel) {
+  uvec2 counts = uvec2(0u);
+  bool more = true;
+  for (uint layer = 0u; layer < surfaceLayers(kSamples) && more; ++layer) {
+    uint some = surfaceWord(surfaces, pixel, layer), here = uint(findMSB(some) + int(kSamples)) / kSamples;
+    counts += uvec2(here, bitCount(some));
+    more = here == surfacesALayer(kSamples);
+  }
+  return counts;
+}
 
 // The samples of the surface that a sample shows; 0 where it shows none.
-uint surfaceWithSample(uint surfaces, uint index) {
+uint surfaceWithSample(usampler2DArray surfaces, ivec3 pixel, uint index) {
   uint found = 0u;
-  for (uint i = 0u; i < 4u; ++i) {
-    uint samples = surfaceSamples(surfaces, i);
+  for (uint i = 0u; i < kSamples; ++i) {
+    uint samples = surfaceSamples(surfaces, pixel, i);
     if ((samples >> index & 1u) != 0u) found = samples;
   }
   return found;
 }
 
-// Where a surface is evaluated: the middle of its samples. Device depth is linear in the picture, so that of a plane is
-// the mean there; all four samples' middle is the pixel's centre. Precise, since light_lists.comp and the lighting
-// shaders must put a surface into the same slice.
-vec2 middleOfSamples(uint samples) {
-  vec2 sum = vec2(0.0);
-  for (int i = 0; i < 4; ++i) sum += (samples >> i & 1u) != 0u ? kSamplePlaces[i] : vec2(0.0);
-  return sum / float(max(bitCount(samples), 1));
+// In the middle of a surface's samples.
+#ifdef SAMPLE_LAYERS
+float depthOfSamples(TARGET_SAMPLER depths, ivec3 pixel, uint samples) {
+  return fetchSample(depths, pixel, max(findLSB(samples), 0)).r;
 }
-
+#else
 float depthOfSamples(TARGET_SAMPLER depths, ivec3 pixel, uint samples) {
   precise float sum = 0.0;
-  for (int i = 0; i < 4; ++i) {
+  for (int i = 0; i < int(kSamples); ++i) {
     float depth = texelFetch(depths, pixel, i).r;
     sum += (samples >> i & 1u) != 0u ? depth : 0.0;
   }
   precise float mean = sum / float(max(bitCount(samples), 1));
   return mean;
 }
+#endif
 #endif
 
 #endif

@@ -12,6 +12,6 @@ void main() {
   if (any(greaterThanEqual(pixel.xy, imageSize(lightTarget).xy))) return;
   vec4 mean = vec4(0.0);
   for (int i = 0; i < int(kSamples); ++i)
-    mean += min(texelFetch(lightSum, pixel, i), vec4(65504.0)) / float(kSamples);
+    mean += min(fetchSample(lightSum, pixel, i), vec4(65504.0)) / float(kSamples);
   imageStore(lightTarget, pixel, mean);
 }

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// variants: multisampled
+// variants: multisampled, layered
 // Lists of the lights that may reach the samples of each cell of a picture (with several samples a pixel: the centres
 // of its surfaces, which is where they are lit). A subgroup builds those of one tile: it bounds the cell's samples
 // (explicit bounds: Olsson, Billeter and Assarsson 2012, Clustered Deferred and Forward Shading, HPG) and walks the
@@ -35,10 +35,14 @@ struct Tile {
   uint used;      // entries
 };
 
+// The surfaces of a pixel, and what shows each: one sample where pixels have no more.
 #ifdef MULTISAMPLED
 uint surfacesAt(Tile tile, uvec2 pixel) {
   if (any(greaterThanEqual(vec2(pixel), tile.view.size))) return 0u;
-  return texelFetch(pixelSurfaces, ivec3(pixel, tile.layer), 0).r;
+  return countSurfaces(pixelSurfaces, ivec3(pixel, tile.layer)).x;
+}
+uint samplesOf(Tile tile, uvec2 pixel, uint surface) {
+  return surfaceSamples(pixelSurfaces, ivec3(pixel, tile.layer), surface);
 }
 
 float depthAt(Tile tile, uvec2 pixel, uint samples) {
@@ -46,9 +50,7 @@ float depthAt(Tile tile, uvec2 pixel, uint samples) {
 }
 #else
 uint surfacesAt(Tile tile, uvec2 pixel) { return 1u; }
-uint surfaceCount(uint surfaces) { return 1u; }
-uint surfaceSamples(uint surfaces, uint index) { return 1u; }
-vec2 middleOfSamples(uint samples) { return vec2(0.5); }
+uint samplesOf(Tile tile, uvec2 pixel, uint surface) { return 1u; }
 
 float depthAt(Tile tile, uvec2 pixel, uint samples) {
   if (any(greaterThanEqual(vec2(pixel), tile.view.size))) return 0.0;
@@ -76,8 +78,8 @@ bool findSlices(inout Tile tile) {
   for (uint first = 0u; first < 256u; first += lanesPresent) {
     uvec2 pixel = tilePixel(tile, first);
     uint surfaces = surfacesAt(tile, pixel);
-    for (uint i = 0u; i < surfaceCount(surfaces); ++i) {
-      float depth = depthAt(tile, pixel, surfaceSamples(surfaces, i));
+    for (uint i = 0u; i < surfaces; ++i) {
+      float depth = depthAt(tile, pixel, samplesOf(tile, pixel, i));
       uint key = depthKey(tile.view.projection, depth);
       if (depth != 0.0) nearest = max(nearest, key);
       if (depth != 0.0) farthest = min(farthest, key);
@@ -93,8 +95,8 @@ bool findSlices(inout Tile tile) {
   for (uint first = 0u; first < 256u; first += lanesPresent) {
     uvec2 pixel = tilePixel(tile, first);
     uint surfaces = surfacesAt(tile, pixel);
-    for (uint i = 0u; i < surfaceCount(surfaces); ++i) {
-      float depth = depthAt(tile, pixel, surfaceSamples(surfaces, i));
+    for (uint i = 0u; i < surfaces; ++i) {
+      float depth = depthAt(tile, pixel, samplesOf(tile, pixel, i));
       if (depth != 0.0) occupied |= 1u << sliceOf(depthKey(tile.view.projection, depth), tile.slices);
     }
   }
@@ -116,8 +118,8 @@ Cell cellOf(Tile tile, uint slices) {
   for (uint first = 0u; first < 256u; first += lanesPresent) {
     uvec2 pixel = tilePixel(tile, first);
     uint surfaces = surfacesAt(tile, pixel);
-    for (uint i = 0u; i < surfaceCount(surfaces); ++i) {
-      uint samples = surfaceSamples(surfaces, i);
+    for (uint i = 0u; i < surfaces; ++i) {
+      uint samples = samplesOf(tile, pixel, i);
       float depth = depthAt(tile, pixel, samples);
       uint slice = sliceOf(depthKey(tile.view.projection, depth), tile.slices);
       bool inCell = depth != 0.0 && (slices >> slice & 1u) != 0u;

@@ -30,19 +30,21 @@ void addLightLists(const FrameContext& f, const Gbuffer& gbuffer, const LightLis
   Bindings samples(f.device);
   samples.sampled(gbuffer.sampleDepth);
   if (gbuffer.surfaces) samples.sampled(gbuffer.surfaces);
+  std::vector<vk::Constant> listing = own;
+  listing.push_back({kSamplesConstant, f.setup.samples});
   addCompute(f,
              {.stage = graph::Stage::Lighting,
               .name = "light lists",
               .shader = f.setup.variant("light_lists.comp"),
               .bindings = std::move(samples),
               .size = {tiles, f.viewCount()},
-              .constants = own,
+              .constants = std::move(listing),
               .buffers = {{cells, graph::Use::StorageWrite}, {entries, graph::Use::StorageWrite}},
               .groupX = kTilesAGroup,
               .groupY = 1},
              pushOf);
 
-  ComputePass lighting = lightingPass(f, gbuffer, "lighting " + desc.name, desc.name + ".comp");
+  ComputePass lighting = lightingPass(f, gbuffer, "lighting " + desc.name, "cells.comp");
   lighting.constants.insert(lighting.constants.end(), own.begin(), own.end());
   lighting.buffers = {{cells, graph::Use::StorageRead}, {entries, graph::Use::StorageRead}};
   addCompute(f, std::move(lighting), pushOf);

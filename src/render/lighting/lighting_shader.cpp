@@ -20,12 +20,14 @@ ComputePass lightingPass(const FrameContext& f, const Gbuffer& gbuffer, const st
   bindings.storage(gbuffer.light, reads ? graph::Use::StorageReadWrite : graph::Use::StorageWrite);
   bindings.storage(gbuffer.lightCounts, kept.counts ? graph::Use::StorageReadWrite : graph::Use::StorageWrite);
   appendLitMaps(bindings, f, gbuffer);
+  std::vector<vk::Constant> constants = f.setup.constants();
+  constants.push_back({kSamplesConstant, f.setup.samples});
   return {.stage = graph::Stage::Lighting,
           .name = name,
           .shader = f.setup.variant(file + "@" + f.setup.layout->file),
           .bindings = std::move(bindings),
           .size = f.pixels(),
-          .constants = f.setup.constants(),
+          .constants = std::move(constants),
           .everyTexel = true};
 }
 

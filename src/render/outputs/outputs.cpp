@@ -5,9 +5,11 @@
 #include <bit>
 
 #include "base/parallel.h"
+#include "render/frame.h"
 #include "render/gbuffer/layout.h"
 #include "render/outputs/pack_push.h"
 #include "render/readback.h"
+#include "shared/samples.h"
 
 namespace latelight::render {
 
@@ -95,9 +97,11 @@ void PackedOutputs::add(const Builder& b, Origin origin, const std::function<gra
     if (from.origin != origin) continue;
     const graph::ImageId first = image(from.places[0].target);
     const graph::ImageId second = from.isSplit() ? image(from.places[1].target) : first;
-    const glm::uvec3 size = texels(b.graph, first);
+    glm::uvec3 size = texels(b.graph, first);
     const uint32_t channels = output::info(aov).channels;
     const bool integers = holdsIntegers(b.graph.desc(first).format);
+    const uint32_t samples = from.packing == kPackCount ? settings_.aa.samples : 1;
+    if (integers) size.z /= surfaceLayers(samples);
     const graph::BufferId packed = createResult(b, "output " + std::string(output::info(aov).name),
                                                 uint64_t{4} * channels * size.x * size.y * size.z);
     Bindings bindings(b.device);
@@ -116,6 +120,7 @@ void PackedOutputs::add(const Builder& b, Origin origin, const std::function<gra
                 .shader = integers ? "pack_ids.comp" : "pack.comp",
                 .bindings = std::move(bindings),
                 .size = size,
+                .constants = {{kSamplesConstant, samples}},
                 .buffers = {{packed, graph::Use::StorageWrite}}},
                [=](graph::Context& context) {
                  PackPush filled = push;
@@ -177,11 +182,14 @@ void PackedOutputs::unpack(const graph::Submission& done, std::span<const graph:
   });
 }
 
-void countShadings(ShadingCounts& counts, const vk::Buffer& surfaces, size_t pixels) {
-  counts.pixels += pixels;
-  for (size_t i = 0; i < pixels; ++i) {
-    // Four bits each, from the lowest.
-    const uint32_t shadings = (static_cast<uint32_t>(std::bit_width(surfaces.as<uint32_t>()[i])) + 3) / 4;
+void countShadings(ShadingCounts& counts, const vk::Buffer& surfaces, size_t pixels, size_t views, uint32_t samples) {
+  const uint32_t layers = shared::surfaceLayers(samples);
+  counts.pixels += pixels * views;
+  for (size_t i = 0; i < pixels * views; ++i) {
+    const uint32_t* first = surfaces.as<uint32_t>() + i / pixels * layers * pixels + i % pixels;
+    uint32_t shadings = 0;
+    for (uint32_t layer = 0; layer < layers; ++layer)
+      shadings += (static_cast<uint32_t>(std::bit_width(first[layer * pixels])) + samples - 1) / samples;
     counts.drawn += shadings > 0;
     counts.several += shadings > 1;
     counts.shadings += shadings;

@@ -79,7 +79,7 @@ struct ShadingCounts {
   uint64_t shadings = 0;  // of all pixels
 };
 
-// Of surfaces of pixels (kSurfacesFormat), added to `counts`.
-void countShadings(ShadingCounts& counts, const vk::Buffer& surfaces, size_t pixels);
+// Of surfaces of the pixels of each view (kSurfacesFormat), added to `counts`.
+void countShadings(ShadingCounts& counts, const vk::Buffer& surfaces, size_t pixels, size_t views, uint32_t samples);
 
 }  // namespace latelight::render

@@ -2,6 +2,9 @@
 #extension GL_GOOGLE_include_directive : require
 // One output of a target of integers: ids as they are, or a count of surfaces.
 #include "render/glsl/common.glsl"
+#define MULTISAMPLED
+#define SAMPLE_LAYERS
+#include "render/glsl/multisample.glsl"
 #include "render/outputs/pack_push.h"
 
 layout(local_size_x = 16, local_size_y = 16) in;
@@ -10,14 +13,11 @@ layout(set = 0, binding = 0) uniform usampler2DArray image;
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer IdsRef { uint v[]; };
 layout(push_constant, scalar) uniform Push { PackPush push; };
 
-// Of a texel of kSurfacesFormat: four bits each, from the lowest.
-uint surfaceCount(uint surfaces) { return uint(findMSB(surfaces) + 4) / 4u; }
-
 void main() {
   ivec3 pixel = ivec3(gl_GlobalInvocationID), size = textureSize(image, 0);
   if (any(greaterThanEqual(pixel.xy, size.xy))) return;
-  uint texel = texelFetch(image, pixel, 0)[push.first];
+  uint id = push.packing == kPackCount ? floatBitsToUint(float(countSurfaces(image, pixel).x))
+                                       : texelFetch(image, pixel, 0)[push.first];
   IdsRef view = IdsRef(push.values + uint64_t(pixel.z) * uint64_t(size.x * size.y) * 4u);
-  view.v[pixel.y * size.x + pixel.x] =
-      push.packing == kPackCount ? floatBitsToUint(float(surfaceCount(texel))) : texel;
+  view.v[pixel.y * size.x + pixel.x] = id;
 }

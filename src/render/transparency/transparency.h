@@ -27,8 +27,8 @@ void addWeightedTransparency(const FrameContext& f, const Gbuffer& gbuffer);
 // Fragment buffers by their addresses: those that the running pass declares.
 shared::FragmentLists listsOf(graph::Context& context, const FragmentBuffers& buffers);
 
-// Samples per pixel at which `exact` stores fragments: the frame's where fragments can read their coverage after the
-// depth test, else 1.
+// Samples per pixel at which fragments are stored: the frame's with the raster compute, and where drawn fragments can
+// read their coverage after the depth test, else 1.
 uint32_t fragmentSamples(const vk::Device& device, const FrameSetup& setup);
 
 // Pipelines that draw blended fragments (blended.glsl): depth is tested, not written. A surface exactly on an opaque

@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "render/gbuffer/layout.h"
+#include "render/gbuffer/sample_surfaces.h"
 #include "render/lit_maps.h"
 #include "render/transparency/transparency.h"
 #include "vk/features.h"
@@ -89,7 +90,8 @@ void HardwareVisibility::addSolid(const FrameContext& f, graph::Stage stage, vk:
 
 // Finds the nearest surface of every pixel first, so that the geometry pass shades each pixel once (seed 000, early
 // depth-stencil). Equal depths are settled in the geometry pass, where what is drawn last wins.
-graph::ImageId HardwareVisibility::addDepth(const FrameContext& f) const {
+FrameDepth HardwareVisibility::addDepth(const FrameContext& f) const {
+  if (f.setup.samples > 1) requireSamples(f.device, f.setup);
   vk::GraphicsDesc desc;
   desc.depth = kDepthFormat;
   desc.samples = f.setup.samples;
@@ -108,7 +110,7 @@ graph::ImageId HardwareVisibility::addDepth(const FrameContext& f) const {
                    vkCmdEndRendering(context.get());
                  }
                });
-  return depth;
+  return {f.setup.samples > 1 ? addDepthResolve(f, depth) : depth, depth};
 }
 
 void HardwareVisibility::addGbuffer(const FrameContext& f, Gbuffer& gbuffer) const {
@@ -129,6 +131,7 @@ void HardwareVisibility::addGbuffer(const FrameContext& f, Gbuffer& gbuffer) con
   std::vector<graph::ImageId> colors = gbuffer.targets;
   colors.push_back(gbuffer.sampleLight);
   addSolid(f, graph::Stage::Geometry, desc, Bindings(f.device), gbuffer.sampleDepth, colors);
+  if (f.setup.samples > 1) gbuffer.surfaces = addSampleSurfaces(f, gbuffer);
 }
 
 graph::ImageId HardwareVisibility::addMotion(const FrameContext& f, graph::ImageId depth, MotionUse use) const {
@@ -176,7 +179,7 @@ void HardwareVisibility::addFragments(const FrameContext& f, const Gbuffer& gbuf
   requireStores(f.device);
   const uint32_t samples = fragmentSamples(f.device, f.setup);
   const BlendedTarget target{.vertex = "scene_ordered.vert",
-                             .fragment = shaderVariant("blended_store.frag", samples),
+                             .fragment = samples > 1 ? "blended_store.frag+msaa" : "blended_store.frag",
                              .pushBytes = pushBytesWith<shared::FragmentDraw>(),
                              .samples = samples};
   const graph::ImageId depth = attachableDepth(f, samples > 1 ? gbuffer.sampleDepth : gbuffer.depth);

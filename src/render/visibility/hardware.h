@@ -15,7 +15,7 @@ class HardwareVisibility final : public Visibility {
   HardwareVisibility(vk::Device& device, const GpuScene& scene, const DrawOrder& order,
                      std::span<const shared::View> views, const VisibilityOptions& options = {});
 
-  graph::ImageId addDepth(const FrameContext& f) const override;
+  FrameDepth addDepth(const FrameContext& f) const override;
   void addGbuffer(const FrameContext& f, Gbuffer& gbuffer) const override;
   graph::ImageId addMotion(const FrameContext& f, graph::ImageId depth, MotionUse use) const override;
   void addShadowMaps(const FrameContext& f, graph::ImageId atlas) const override;

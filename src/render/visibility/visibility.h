@@ -31,10 +31,11 @@ class Visibility {
  public:
   virtual ~Visibility() = default;
 
-  // Depth of the nearest surface of every sample (setup.samples), reversed, 0 where there is none. Where two surfaces
-  // have the very same depth, the later one shows: by material, mesh, then their order in the scene.
-  virtual graph::ImageId addDepth(const FrameContext& f) const = 0;
-  // Adds the layout's targets to the G-buffer and fills them and its light target, from the surfaces that show.
+  // Depth of the nearest surface of every sample (setup.samples), and of every pixel. Where two surfaces have the very
+  // same depth, the later one shows: by material, mesh, then their order in the scene.
+  virtual FrameDepth addDepth(const FrameContext& f) const = 0;
+  // Adds the layout's targets to the G-buffer and fills them and its light target, from the surfaces that show; with
+  // several samples also which samples show one surface, and the depths to light them at.
   virtual void addGbuffer(const FrameContext& f, Gbuffer& gbuffer) const = 0;
   // R16G16B16A16_SFLOAT or R32G32B32A32_SFLOAT: xy to the frame before, zw to the frame after, of what shows at the
   // pixels' centres. Pixels, y down, without jitter.

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// variants: layout, multisampled
+// variants: layout, multisampled, layered
 // fullscreen: one pass over the picture, every light at every pixel (rows 3 and 16 of the design).
 #include "render/glsl/common.glsl"
 #include "render/glsl/gbuffer_read.glsl"

@@ -15,7 +15,7 @@ layout(push_constant, scalar) uniform Push { VolumePush push; };
 void main() {
   ivec3 pixel = ivec3(ivec2(gl_FragCoord.xy), int(push.view));
 #ifdef MULTISAMPLED
-  uint surface = surfaceWithSample(texelFetch(pixelSurfaces, pixel, 0).r, uint(gl_SampleID));
+  uint surface = surfaceWithSample(pixelSurfaces, pixel, uint(gl_SampleID));
   gl_FragDepth = depthOfSamples(depthSource, pixel, surface);
 #else
   gl_FragDepth = texelFetch(depthSource, pixel, 0).r;

@@ -9,5 +9,5 @@ layout(set = 0, binding = 0) uniform usampler2DArray pixelSurfaces;
 layout(push_constant, scalar) uniform Push { VolumePush push; };
 
 void main() {
-  if (surfaceCount(texelFetch(pixelSurfaces, ivec3(ivec2(gl_FragCoord.xy), int(push.view)), 0).r) < 2u) discard;
+  if (countSurfaces(pixelSurfaces, ivec3(ivec2(gl_FragCoord.xy), int(push.view))).x < 2u) discard;
 }

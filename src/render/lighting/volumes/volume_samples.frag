@@ -10,5 +10,5 @@
 
 void main() {
   ivec3 pixel = ivec3(ivec2(gl_FragCoord.xy), int(push.view));
-  lightSurface(pixel, surfaceWithSample(texelFetch(pixelSurfaces, pixel, 0).r, uint(gl_SampleID)));
+  lightSurface(pixel, surfaceWithSample(pixelSurfaces, pixel, uint(gl_SampleID)));
 }

@@ -4,13 +4,26 @@
 
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer ListsRef { FragmentLists v; };
 
-void hit(uint view, ivec2 pixel, float depth, uint id) {
-  uint place = visibleIndex(uvec3(pixel, view), uvec2(push.width, push.height));
-  // At exactly the same depth it shows, as a decal does.
-  if (visibleDepth(VisibleRef(push.buffers.visible).v[place]) > depth) return;
+// The samples where no solid surface is nearer. At exactly the same depth it shows, as a decal does.
+uint seenSamples(uint first, uint samples, PixelDepth depth) {
+  uint seen = 0u;
+  for (uint i = 0u; i < kSamples; ++i) {
+    bool shows = visibleDepth(VisibleRef(push.buffers.visible).v[first + i]) <= depthAt(depth, i);
+    if (shows && hasSample(samples, i)) seen |= 1u << i;
+  }
+  return seen;
+}
+
+// A fragment lies in the middle of its samples, where it is lit too: beyond its triangle's edge its plane may pass behind
+// what it lies in front of.
+void hit(uint view, ivec2 pixel, uint samples, PixelDepth depth, uint id) {
+  uint seen = seenSamples(visibleAt(view, pixel), samples, depth);
+  if (seen == 0u) return;
+  float middle = kSamples == 1u ? depthAt(depth, 0u) : depthAt(depth, middleOfSamples(seen));
+  uint place = pixelIndex(uvec3(pixel, view), uvec2(push.width, push.height));
   FragmentLists lists = ListsRef(push.fragments).v;
   uint rank = atomicAdd(WordsRef(lists.counts).v[place], 1u);
   uint index = atomicAdd(TotalsRef(lists.totals).v.stored, 1u);
   if (index < lists.capacity)
-    FragmentsRef(lists.fragments).v[index] = Fragment(uvec2(0u), floatBitsToUint(depth), id, place, rank, 1u);
+    FragmentsRef(lists.fragments).v[index] = Fragment(uvec2(0u), floatBitsToUint(middle), id, place, rank, seen);
 }

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "render/gbuffer/layout.h"
+#include "render/gbuffer/sample_surfaces.h"
 #include "render/lit_maps.h"
 #include "render/readback.h"
 #include "render/shadow/frame_shadows.h"
@@ -79,7 +80,7 @@ struct ComputeVisibility::Buffers {
     };
     const uint32_t tileCount = tilesOf(views);
     jobRoom = tileCount + room.entries / kRasterJobTriangles;
-    if (!visible) visible = make("visible", uint64_t{8} * views.width * views.height * views.count);
+    if (!visible) visible = make("visible", uint64_t{8} * views.width * views.height * views.count * views.samples);
     // Rounded up, so that a scene that is edited does not ask for another size with every instance.
     work = make("raster work", sizeof(RasterWork) * std::bit_ceil(share.parts) * views.count);
     clipped = make("clipped triangles", sizeof(ClippedTriangle) * room.clipped);
@@ -170,6 +171,7 @@ void ComputeVisibility::addRaster(const FrameContext& f, const RasterViews& view
     for (const graph::BufferId buffer : chain.filled) pass.buffers.emplace_back(buffer, graph::Use::StorageReadWrite);
     return pass;
   };
+  const vk::Constant samples{kSamplesConstant, views.samples};
   const auto over = [&](const char* shader, glm::uvec3 groups, std::vector<vk::Constant> constants = {}) {
     ComputePass pass = step(shader);
     pass.size = groups;
@@ -179,11 +181,13 @@ void ComputeVisibility::addRaster(const FrameContext& f, const RasterViews& view
   const auto overQueue = [&](const char* shader, uint32_t which, uint32_t room, bool textures = false) {
     ComputePass arguments =
         rasterStep(f, chain.stage, "raster_arguments.comp", {{b.counters, graph::Use::StorageReadWrite}});
+    const uint32_t parts = which == kQueueJobs ? views.samples : 1;
     addCompute(f, std::move(arguments), [=](graph::Context& context) {
-      return RasterArgumentsPush{context.buffer(b.counters).address(), which, room};
+      return RasterArgumentsPush{context.buffer(b.counters).address(), which, room, parts, 0};
     });
     ComputePass pass = step(shader);
     if (textures) readsTextures(f, pass);
+    pass.constants.push_back(samples);
     pass.groups = b.counters;
     pass.groupsOffset = offsetof(RasterCounters, groups);
     addCompute(f, std::move(pass), push);
@@ -211,6 +215,7 @@ void ComputeVisibility::addRaster(const FrameContext& f, const RasterViews& view
 // A pass over all pixels of what is visible.
 void ComputeVisibility::addResolve(const FrameContext& f, ComputePass pass) const {
   pass.size = f.pixels();
+  pass.constants.push_back({kSamplesConstant, f.setup.samples});
   pass.buffers = {{visible_, graph::Use::StorageRead}};
   addCompute(f, std::move(pass), [this, &f](graph::Context& context) {
     return ResolvePush{
@@ -231,14 +236,15 @@ graph::BufferId ComputeVisibility::addVisible(const FrameContext& f, const Raste
   return b.visible;
 }
 
-graph::ImageId ComputeVisibility::addDepth(const FrameContext& f) const {
-  visible_ = addVisible(f, {f.constants, f.width, f.height, f.viewCount()});
+FrameDepth ComputeVisibility::addDepth(const FrameContext& f) const {
+  visible_ = addVisible(f, {f.constants, f.width, f.height, f.viewCount(), f.setup.samples});
   const graph::ImageId depth = createTarget(f, VK_FORMAT_R32_SFLOAT, "depth");
   addResolve(f, {.stage = graph::Stage::Visibility,
                  .name = "depth",
                  .shader = "visible_depth.comp",
                  .bindings = Bindings(f.device).storage(depth, graph::Use::StorageWrite)});
-  return depth;
+  if (f.setup.samples == 1) return {depth, depth};
+  return {depth, {}};  // samples have theirs in the visibility buffer
 }
 
 // --- how it was rasterized ------------------------------------------------------------------------------------------
@@ -300,7 +306,8 @@ void ComputeVisibility::addGbuffer(const FrameContext& f, Gbuffer& gbuffer) cons
   for (uint32_t i = 0; i < lightTarget; ++i) {
     const VkFormat format = layout.format(i, f.setup.normalEncoding);
     const std::string name = layout.name + " " + layout.targets[i].name;
-    gbuffer.targets.push_back((wanted >> i & 1u) != 0 ? createTarget(f, format, name) : nothing(format));
+    const bool stored = (wanted >> i & 1u) != 0;
+    gbuffer.targets.push_back(stored ? createTarget(f, format, name, f.setup.samples) : nothing(format));
     if (std::string_view(vk::formatName(format)).find("SRGB") != std::string_view::npos) srgb |= 1u << i;
     bindings.storage(gbuffer.targets.back(), graph::Use::StorageWrite);
   }
@@ -313,6 +320,21 @@ void ComputeVisibility::addGbuffer(const FrameContext& f, Gbuffer& gbuffer) cons
   readsTextures(f, pass);
   pass.constants.insert(pass.constants.end(), {{kFirstOwnConstant, wanted}, {kFirstOwnConstant + 1, srgb}});
   addResolve(f, std::move(pass));
+  if (f.setup.samples > 1) addSurfaces(f, gbuffer);
+}
+
+// Of several samples: which show one surface, and where it is lit.
+void ComputeVisibility::addSurfaces(const FrameContext& f, Gbuffer& gbuffer) const {
+  gbuffer.sampleDepth = createTarget(f, VK_FORMAT_R32_SFLOAT, "depth of surfaces", f.setup.samples);
+  gbuffer.surfaces = createSurfaces(f);
+  Bindings bindings(f.device);
+  bindings.sampled(gbuffer.targets).sampled(gbuffer.depth).sampled(gbuffer.sampleLight);
+  bindings.storage(gbuffer.sampleDepth, graph::Use::StorageWrite).storage(gbuffer.surfaces, graph::Use::StorageWrite);
+  addResolve(f, {.stage = graph::Stage::Geometry,
+                 .name = "surfaces of samples",
+                 .shader = "surfaces_of_triangles.comp@" + f.setup.layout->file,
+                 .bindings = std::move(bindings),
+                 .constants = f.setup.constants()});
 }
 
 graph::ImageId ComputeVisibility::addMotion(const FrameContext& f, graph::ImageId depth, MotionUse use) const {
@@ -387,7 +409,7 @@ void ComputeVisibility::addShadowMapsOf(const FrameContext& f, uint32_t size, gr
   const VkDeviceAddress constants = constantsOf(f.graph, std::vector{frame});
   const VkDeviceAddress places = constantsOf(f.graph, targets);
   const graph::BufferId visible =
-      addVisible(f, {constants, size, size, frame.viewCount, constantsOf(f.graph, within), true});
+      addVisible(f, {constants, size, size, frame.viewCount, 1, constantsOf(f.graph, within), true});
   addCompute(f,
              {.stage = graph::Stage::Shadows,
               .name = "shadow maps",
@@ -412,7 +434,7 @@ void ComputeVisibility::addShadowMaps(const FrameContext& f, graph::ImageId atla
 
 void ComputeVisibility::addFragments(const FrameContext& f, const Gbuffer& gbuffer,
                                      const FragmentBuffers& buffers) const {
-  const RasterViews views{f.constants, f.width, f.height, f.viewCount()};
+  const RasterViews views{f.constants, f.width, f.height, f.viewCount(), f.setup.samples};
   const graph::BufferId lists = f.graph.create(vk::BufferDesc{.size = sizeof(FragmentLists), .name = "fragment lists"});
   const std::vector<graph::BufferId> filled{buffers.fragments, buffers.counts, buffers.totals};
   std::vector<graph::Access> accesses{{lists, graph::Use::CopyTarget},
@@ -444,7 +466,8 @@ void ComputeVisibility::lightFragments(const FrameContext& f, const Gbuffer& gbu
   readsTextures(f, pass);
   const TransparencySetup& setup = f.setup.transparency;
   pass.constants.insert(pass.constants.end(), {{kFirstOwnConstant, setup.everyLight ? 1u : 0u},
-                                               {kFirstOwnConstant + 1, setup.method == kTransparencySorted ? 1u : 0u}});
+                                               {kFirstOwnConstant + 1, setup.method == kTransparencySorted ? 1u : 0u},
+                                               {kSamplesConstant, f.setup.samples}});
   addCompute(f, std::move(pass), [=, this, &f](graph::Context& context) {
     return FragmentLightPush{.lists = listsOf(context, buffers),
                              .frame = f.constants,

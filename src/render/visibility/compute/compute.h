@@ -12,6 +12,7 @@ namespace latelight::render {
 struct RasterViews {
   VkDeviceAddress constants;  // shared::FrameConstants
   uint32_t width, height, count;
+  uint32_t samples = 1;        // a pixel
   VkDeviceAddress within = 0;  // RasterPush::within
   bool bothSides = false;
 };
@@ -23,7 +24,7 @@ class ComputeVisibility final : public Visibility {
  public:
   ComputeVisibility(const GpuScene& scene, const InstanceRanks& ranks, const VisibilityOptions& options);
 
-  graph::ImageId addDepth(const FrameContext& f) const override;
+  FrameDepth addDepth(const FrameContext& f) const override;
   void addGbuffer(const FrameContext& f, Gbuffer& gbuffer) const override;
   graph::ImageId addMotion(const FrameContext& f, graph::ImageId depth, MotionUse use) const override;
   void addShadowMaps(const FrameContext& f, graph::ImageId atlas) const override;
@@ -48,6 +49,7 @@ class ComputeVisibility final : public Visibility {
   graph::BufferId addVisible(const FrameContext& f, const RasterViews& views) const;
   void addShadowMapsOf(const FrameContext& f, uint32_t size, graph::ImageId atlas, graph::Use use) const;
   void addResolve(const FrameContext& f, ComputePass pass) const;
+  void addSurfaces(const FrameContext& f, Gbuffer& gbuffer) const;
 
   const GpuScene& scene_;
   const InstanceRanks& ranks_;

@@ -1,14 +1,22 @@
-// Whether alpha takes away what a triangle has in a pixel. After raster.glsl and surface_point.glsl.
-bool cutOutAt(uint viewIndex, ivec2 pixel, uint id) {
+// The samples that alpha leaves of a triangle: an edge that it makes is one to smooth, too. After raster.glsl and
+// surface_point.glsl.
+uint uncutSamples(uint viewIndex, ivec2 pixel, uint samples, uint id) {
   FrameConstants frame = FrameRef(push.buffers.frame).v;
 #ifndef TEXTURES_BY_INDEX
   textureRecords = frame.textures;
 #endif
   SeenTriangle t = seenTriangle(frame, push.buffers.instances, id);
-  SurfacePoint p = seenPoint(frame, frameView(frame, viewIndex), t, vec2(pixel) + 0.5);
-  return cutOut(frameMaterial(frame, frameInstance(frame, t.rank.instance).material), p);
+  Material m = frameMaterial(frame, frameInstance(frame, t.rank.instance).material);
+  View view = frameView(frame, viewIndex);
+  uint left = 0u;
+  for (uint i = 0u; i < kSamples; ++i) {
+    if (!hasSample(samples, i)) continue;
+    SurfacePoint p = seenPoint(frame, view, t, vec2(pixel) + samplePlace(kSamples, i));
+    if (!cutOut(m, p)) left |= 1u << i;
+  }
+  return left;
 }
 
-void hit(uint view, ivec2 pixel, float depth, uint id) {
-  if (!cutOutAt(view, pixel, id)) writeVisible(view, pixel, visibleValue(depth, id));
+void hit(uint view, ivec2 pixel, uint samples, PixelDepth depth, uint id) {
+  writeSamples(view, pixel, uncutSamples(view, pixel, samples, id), depth, id);
 }

@@ -7,6 +7,7 @@
 #include "render/visibility/compute/surface_point.glsl"
 #include "render/transparency/blended_light.glsl"
 #include "render/transparency/fragment_lists.glsl"
+#include "render/glsl/samples.glsl"
 
 layout(local_size_x = 256) in;
 layout(push_constant, scalar) uniform Push { FragmentLightPush push; };
@@ -37,10 +38,10 @@ vec4 colorOf(FrameConstants frame, uint view, Material m, SurfacePoint p, bool t
 
 void main() {
   uint total = TotalsRef(push.lists.totals).v.placed;
-  uint place = gl_WorkGroupID.y * kFragmentRow + gl_GlobalInvocationID.x;
+  uint number = gl_WorkGroupID.y * kFragmentRow + gl_GlobalInvocationID.x;
   if (gl_WorkGroupID.y * kFragmentRow + gl_WorkGroupID.x * 256u >= total || overflowed(push.lists)) return;
-  bool there = place < total;
-  uint index = WordsRef(push.lists.lists).v[min(place, total - 1u)];
+  bool there = number < total;
+  uint index = WordsRef(push.lists.lists).v[min(number, total - 1u)];
   Fragment f = FragmentsRef(push.lists.fragments).v[index];
   if (!there) f.order = push.firstTriangle + 1u;  // that of another invocation's may be a key by now
   FrameConstants frame = FrameRef(push.frame).v;
@@ -48,9 +49,9 @@ void main() {
   textureRecords = frame.textures;
 #endif
   uint view = f.pixel / (push.width * push.height), inView = f.pixel % (push.width * push.height);
-  vec2 centre = vec2(inView % push.width, inView / push.width) + 0.5;
+  vec2 place = vec2(inView % push.width, inView / push.width) + middleOfSamples(f.coverage);
   SeenTriangle t = seenTriangle(frame, push.instances, f.order);
-  SurfacePoint p = seenPoint(frame, frameView(frame, view), t, centre);
+  SurfacePoint p = seenPoint(frame, frameView(frame, view), t, place);
   Material m = frameMaterial(frame, frameInstance(frame, t.rank.instance).material);
   vec4 color = colorOf(frame, view, m, p, there);
   if (!there) return;

@@ -3,5 +3,7 @@
 // Triangles of opaque instances.
 #include "render/visibility/compute/raster.glsl"
 
-void hit(uint view, ivec2 pixel, float depth, uint id) { writeVisible(view, pixel, visibleValue(depth, id)); }
+void hit(uint view, ivec2 pixel, uint samples, PixelDepth depth, uint id) {
+  writeSamples(view, pixel, samples, depth, id);
+}
 #include "render/visibility/compute/raster_groups.glsl"

@@ -1,6 +1,7 @@
 // Watertight rasterization: vertices are snapped to 1/256 pixel by one function, edges are exact in integers, and a
-// pixel's centre on an edge belongs to the triangle whose top or left edge it is, as the graphics pipeline has it
-// (Vulkan 1.3, section 28.12.1; Fatahalian and others 2009, Data-Parallel Rasterization of Micropolygons).
+// sample on an edge belongs to the triangle whose top or left edge it is, as the graphics pipeline has it (Vulkan 1.3,
+// section 28.12.1; Fatahalian and others 2009, Data-Parallel Rasterization of Micropolygons). Samples lie in a grid of as
+// many columns and rows (shared/samples.h), whose first place is where edges are set up.
 #ifndef LATELIGHT_RASTER_GLSL
 #define LATELIGHT_RASTER_GLSL
 #extension GL_EXT_shader_atomic_int64 : require
@@ -131,23 +132,56 @@ void setRange(inout Triangle t, View view, float least, float most) {
 }
 float withinRange(float least, float most, float depth) { return clamp(depth >= 0.0 ? depth : least, least, most); }
 
-// The pixels whose centres may be inside: both included; none where a corner of `low` is beyond that of `high`.
+// --- samples --------------------------------------------------------------------------------------------------------
+
+const int kPlaceStep = kSubpixels / int(kSamples);  // from one column or row of samples to the next
+const int kFirstPlace = kPlaceStep / 2;             // and before the first
+
+// The samples of a pixel on whose inner side three edges have them: `at` are the weights at its first place, and 0 is
+// inside; `right` and `down` are what they grow by from place to place.
+uint coveredSamples(ivec3 at, ivec3 right, ivec3 down) {
+  if (kSamples == 1u) return (at.x | at.y | at.z) >= 0 ? 1u : 0u;
+  uint covered = 0u;
+  for (uint i = 0u; i < kSamples; ++i) {
+    ivec3 w = at + right * int(sampleColumn(kSamples, i)) + down * int(sampleRow(kSamples, i));
+    covered |= (w.x | w.y | w.z) >= 0 ? 1u << i : 0u;
+  }
+  return covered;
+}
+
+// The depths of a triangle in a pixel.
+struct PixelDepth {
+  float centre;
+  vec2 steps;
+  float least, most;
+};
+float depthAt(PixelDepth d, vec2 place) {
+  return withinRange(d.least, d.most, d.centre + dot(d.steps, place - 0.5));
+}
+float depthAt(PixelDepth d, uint index) {
+  return kSamples == 1u ? withinRange(d.least, d.most, d.centre) : depthAt(d, samplePlace(kSamples, index));
+}
+
+// --- boxes ----------------------------------------------------------------------------------------------------------
+
+// The pixels with samples that may be inside: both included; none where a corner of `low` is beyond that of `high`.
 struct PixelBox {
   ivec2 low, high;
 };
 PixelBox pixelsOf(Triangle t) {
   ivec2 low = min(t.a, min(t.b, t.c)), high = max(t.a, max(t.b, t.c));
-  const int kHalf = kSubpixels / 2;
-  return PixelBox((low + kHalf - 1) >> 8, (high - kHalf) >> 8);
+  return PixelBox((low + kFirstPlace - 1) >> 8, (high - kFirstPlace) >> 8);
 }
 PixelBox onScreen(PixelBox box) {
   return PixelBox(max(box.low, ivec2(0)), min(box.high, ivec2(push.width, push.height) - 1));
 }
 bool isEmpty(PixelBox box) { return any(greaterThan(box.low, box.high)); }
 
-const int kSmallBox = 40;    // pixels
-const int kMediumBox = 512;  // a subgroup's loop over more would keep its workgroup waiting
-// Pixels of a box in which edges fit into 32 bits, and in the blocks that begin in it too: 2 (127 * 256)^2 < 2^31.
+const int kSmallBox = kSamples <= 4u ? 40 / int(kSamples) : 9;  // pixels
+// A subgroup's loop over more would keep its workgroup waiting.
+const int kMediumBox = kSamples <= 4u ? 512 / int(kSamples) : 128;
+// Pixels of a triangle's extent in which edges fit into 32 bits at all its samples, and in the blocks that begin among
+// them too. Those reach 8 pixels farther, and samples lie less than a pixel beyond: 2 * 119 * 128 * 256^2 < 2^31.
 const int kLargestSide = 119;
 
 // kRaster*, of a triangle that is not clipped; `box`: its pixels on screen.
@@ -158,13 +192,19 @@ uint sizeClass(Triangle t, PixelBox box) {
   return size.x * size.y > kSmallBox ? kRasterMedium : kRasterSmall;
 }
 
-// Whether the centre of a pixel on this edge, going that way around the triangle, belongs to it: top and left edges.
+// Whether a sample on this edge, going that way around the triangle, belongs to it: top and left edges.
 bool ownsEdge(ivec2 way) { return way.y < 0 || (way.y == 0 && way.x > 0); }
 
-void writeVisible(uint view, ivec2 pixel, uint64_t value) {
+void writeVisible(uint index, uint64_t value) {
   VisibleRef visible = VisibleRef(push.buffers.visible);
-  uint index = visibleIndex(uvec3(pixel, view), uvec2(push.width, push.height));
   if (visible.v[index] < value) atomicMax(visible.v[index], value);
+}
+uint visibleAt(uint view, ivec2 pixel) { return visibleIndex(uvec3(pixel, view), uvec2(push.width, push.height)); }
+
+void writeSamples(uint view, ivec2 pixel, uint samples, PixelDepth depth, uint id) {
+  uint first = visibleAt(view, pixel);
+  for (uint i = 0u; i < kSamples; ++i)
+    if (hasSample(samples, i)) writeVisible(first + i, visibleValue(depthAt(depth, i), id));
 }
 
 // Turns the triangle so that it is clockwise; false where it is to be left out: seen from its back, or without an area.

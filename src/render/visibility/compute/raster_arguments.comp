@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The workgroups of the next indirect dispatch: one for each entry of a queue, in rows of kRasterRow.
+// The workgroups of the next indirect dispatch: one or several for each entry of a queue, in rows of kRasterRow.
 #include "render/glsl/common.glsl"
 #include "render/visibility/compute/raster_push.h"
 
@@ -15,5 +15,5 @@ void main() {
                : push.which == kQueueLarge   ? counters.v.large
                                              : counters.v.jobs;
   count = min(count, push.room);
-  counters.v.groups = uvec3(min(count, kRasterRow), (count + kRasterRow - 1u) / kRasterRow, 1u);
+  counters.v.groups = uvec3(min(count, kRasterRow), (count + kRasterRow - 1u) / kRasterRow, push.parts);
 }

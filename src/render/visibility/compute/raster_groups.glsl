@@ -6,27 +6,26 @@ layout(local_size_x = 128) in;
 shared uint mediumCount;
 shared Triangle medium[128];
 
-struct Edges {  // weights of the corners at a pixel's centre, and what they grow by to the right and down
+struct Edges {  // weights of the corners at a pixel's first place, and what they grow by a pixel to the right and down
   ivec3 at, right, down;
-  ivec3 bias;  // 0 on edges that are the triangle's own, else -1
 };
 
+// A place on an edge that is not the triangle's own counts as outside: it has less than 0.
 Edges edgesAt(Triangle t, ivec2 pixel) {
-  ivec2 p = pixel * kSubpixels + kSubpixels / 2;
+  ivec2 p = pixel * kSubpixels + kFirstPlace;
   ivec2 u = t.c - t.b, v = t.a - t.c, w = t.b - t.a;
   ivec2 fromB = p - t.b, fromC = p - t.c, fromA = p - t.a;
   Edges e;
   e.at = ivec3(u.x * fromB.y - u.y * fromB.x, v.x * fromC.y - v.y * fromC.x, w.x * fromA.y - w.y * fromA.x);
   e.right = ivec3(-u.y, -v.y, -w.y) * kSubpixels;
   e.down = ivec3(u.x, v.x, w.x) * kSubpixels;
-  e.bias = ivec3(ownsEdge(u) ? 0 : -1, ownsEdge(v) ? 0 : -1, ownsEdge(w) ? 0 : -1);
+  e.at += ivec3(ownsEdge(u) ? 0 : -1, ownsEdge(v) ? 0 : -1, ownsEdge(w) ? 0 : -1);
   return e;
 }
 
-void testPixel(uint view, Triangle t, ivec2 pixel, ivec3 weights, ivec3 bias, float depth) {
-  ivec3 biased = weights + bias;
-  if ((biased.x | biased.y | biased.z) < 0) return;
-  hit(view, pixel, withinRange(t.least, t.most, depth), t.id);
+void testPixel(uint view, Triangle t, ivec2 pixel, ivec3 weights, Edges e, float depth, vec2 steps) {
+  uint samples = coveredSamples(weights, e.right / int(kSamples), e.down / int(kSamples));
+  if (samples != 0u) hit(view, pixel, samples, PixelDepth(depth, steps, t.least, t.most), t.id);
 }
 
 void rasterSmall(uint index, View view, Triangle t, PixelBox box) {
@@ -37,7 +36,7 @@ void rasterSmall(uint index, View view, Triangle t, PixelBox box) {
     ivec3 weights = e.at;
     for (int x = box.low.x; x <= box.high.x; ++x) {
       vec2 offset = vec2(ivec2(x, y) - box.low);
-      testPixel(index, t, ivec2(x, y), weights, e.bias, corner + dot(steps, offset));
+      testPixel(index, t, ivec2(x, y), weights, e, corner + dot(steps, offset), steps);
       weights += e.right;
     }
     e.at += e.down;
@@ -52,7 +51,9 @@ void rasterMedium(uint index, View view, Triangle t) {
   PixelBox box = onScreen(pixelsOf(t));
   Edges e = edgesAt(t, box.low);
   ivec3 mine = e.right * lane.x + e.down * lane.y;
-  ivec3 most = max(e.right, ivec3(0)) * (kWide - 1) + max(e.down, ivec3(0)) * (tall - 1) + e.bias;
+  ivec3 mostRight = max(e.right, ivec3(0)), mostDown = max(e.down, ivec3(0));
+  ivec3 most = mostRight * (kWide - 1) + mostDown * (tall - 1) +
+               (mostRight + mostDown) / int(kSamples) * (int(kSamples) - 1);
   float corner = depthAt(view, t, box.low);
   vec2 steps = depthSteps(view, t.plane);
   for (int y = box.low.y; y <= box.high.y; y += tall) {
@@ -61,7 +62,7 @@ void rasterMedium(uint index, View view, Triangle t) {
       ivec3 largest = at + most;
       ivec2 pixel = ivec2(x, y) + lane;
       if ((largest.x | largest.y | largest.z) >= 0 && all(lessThanEqual(pixel, box.high)))
-        testPixel(index, t, pixel, at + mine, e.bias, corner + dot(steps, vec2(pixel - box.low)));
+        testPixel(index, t, pixel, at + mine, e, corner + dot(steps, vec2(pixel - box.low)), steps);
       at += e.right * kWide;
     }
     e.at += e.down * tall;

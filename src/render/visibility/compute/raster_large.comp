@@ -1,34 +1,42 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
-// A workgroup a job: the large triangles of a tile, a thread for 4 x 4 of its pixels, which stay in registers meanwhile.
+// A workgroup a job, or one for each sample of a pixel: the large triangles of a tile, or of an equal part of it, a thread
+// for 16 of its samples, which stay in registers meanwhile.
 //
-// A pixel's centre is a whole number of pixels, 256 subpixels, from the tile's first one. So an edge's weight there is at
-// least 0 where the weight at the first one over 256, rounded down, and whole steps are: 32 bits hold both, since the guard
-// band bounds the steps to 2^23, and a weight beyond 2^30 has the same sign in all of the tile.
+// A pixel's first place is a whole number of pixels, 256 subpixels, from the tile's first one. So an edge's weight there is
+// at least 0 where the weight at the first one over 256, rounded down, and whole steps are: 32 bits hold both, since the
+// guard band bounds the steps to 2^23, and a weight beyond 2^30 has the same sign in all of the tile. With S samples, S
+// times that and what rounding has left, in 256ths over S, is the weight over the subpixels from place to place, rounded
+// down; beyond 2^26 pixels it has the same sign in all of the pixel.
 #include "render/visibility/compute/raster_tile.glsl"
 
 layout(local_size_x = 256) in;
 
-const int kBlock = 4;
-const int kBound = 1 << 30;
+// Pixels of a thread.
+const int kWide = kSamples <= 2u ? 4 : kSamples <= 8u ? 2 : 1;
+const int kTall = 16 / (kWide * int(kSamples));
+const int kBound = (1 << 30) - 1, kBoundInPixel = 1 << 26;
 
 struct TileTriangle {
-  ivec3 at, right, down;  // weights over 256 at the tile's first pixel, the bias included, and their steps
+  ivec3 at, right, down;  // weights over 256 at the tile's first pixel, and their steps
+  uint rests;             // of the three, with several samples: a byte each
   vec3 plane;
   float least, most;
   uint id;
 };
 shared TileTriangle triangles[kRasterJobTriangles];
 
-int boundedWeight(Edge e) { return int(clamp((e.at + e.bias) >> 8, int64_t(-kBound), int64_t(kBound))); }
+int boundedWeight(Edge e) { return int(clamp(e.at >> 8, int64_t(-kBound), int64_t(kBound))); }
+uint restOf(Edge e) { return uint(e.at & 255) / uint(kPlaceStep); }
 
 TileTriangle inTile(Triangle t, ivec2 corner) {
   Edge a = edgeAt(t.b, t.c, corner), b = edgeAt(t.c, t.a, corner), c = edgeAt(t.a, t.b, corner);
   TileTriangle r;
   r.at = ivec3(boundedWeight(a), boundedWeight(b), boundedWeight(c));
-  r.right = ivec3(int(a.right >> 8), int(b.right >> 8), int(c.right >> 8));
-  r.down = ivec3(int(a.down >> 8), int(b.down >> 8), int(c.down >> 8));
+  r.right = ivec3(a.right, b.right, c.right);
+  r.down = ivec3(a.down, b.down, c.down);
+  r.rests = restOf(a) | restOf(b) << 8u | restOf(c) << 16u;
   r.plane = t.plane;
   r.least = t.least;
   r.most = t.most;
@@ -36,8 +44,30 @@ TileTriangle inTile(Triangle t, ivec2 corner) {
   return r;
 }
 
-// A subgroup of 32 has 32 by 16 pixels, which fewer triangles reach than rows.
-ivec2 blockOf(uint i) { return ivec2((i & 7u) | (i >> 2u & 8u), (i >> 3u & 3u) | (i >> 4u & 12u)) * kBlock; }
+uint coveredIn(TileTriangle t, ivec3 weights) {
+  if (kSamples == 1u) return coveredSamples(weights, t.right, t.down);
+  ivec3 rests = ivec3(t.rests & 255u, t.rests >> 8u & 255u, t.rests >> 16u);
+  ivec3 at = clamp(weights, ivec3(-kBoundInPixel), ivec3(kBoundInPixel)) * int(kSamples) + rests;
+  return coveredSamples(at, t.right, t.down);
+}
+
+// The largest weights in a thread's pixels, or somewhat more.
+ivec3 largestIn(TileTriangle t, ivec3 first) {
+  ivec3 right = max(t.right, ivec3(0)), down = max(t.down, ivec3(0));
+  if (kSamples == 1u) return first + right * (kWide - 1) + down * (kTall - 1);
+  return first + right * kWide + down * kTall;
+}
+
+// A subgroup of 32 has 8 by 4 blocks, which fewer triangles reach than rows.
+ivec2 blockOf(uint i) {
+  return ivec2((i & 7u) | (i >> 2u & 8u), (i >> 3u & 3u) | (i >> 4u & 12u)) * ivec2(kWide, kTall);
+}
+
+// Of the tile, for this workgroup.
+ivec2 partOfTile() {
+  const uint kAcross = 4u / uint(kWide);
+  return ivec2(gl_WorkGroupID.z % kAcross, gl_WorkGroupID.z / kAcross) * 16 * ivec2(kWide, kTall);
+}
 
 void main() {
   uint number = groupNumber();
@@ -49,37 +79,40 @@ void main() {
                           place.corner);
   barrier();
 
-  ivec2 block = blockOf(gl_LocalInvocationIndex);
+  ivec2 block = partOfTile() + blockOf(gl_LocalInvocationIndex);
   View seen = frameView(FrameRef(push.buffers.frame).v, place.view);
   vec2 ray = rayAt(seen, place.corner + block);
-  uint64_t shown[kBlock * kBlock];
-  [[unroll]] for (int i = 0; i < kBlock * kBlock; ++i) shown[i] = uint64_t(0);
+  uint64_t shown[16];
+  [[unroll]] for (int i = 0; i < 16; ++i) shown[i] = uint64_t(0);
   float farthest = 0.0;  // of what shows in the block
   for (uint i = 0u; i < job.count; ++i) {
     TileTriangle t = triangles[i];
     ivec3 row = t.at + t.right * block.x + t.down * block.y;
-    ivec3 most = row + (kBlock - 1) * (max(t.right, ivec3(0)) + max(t.down, ivec3(0)));
+    ivec3 most = largestIn(t, row);
     if ((most.x | most.y | most.z) < 0 || t.most < farthest) continue;
     float first = depthOn(t.plane, ray);
     vec2 steps = depthSteps(seen, t.plane);
     uint64_t least = ~uint64_t(0);
-    [[unroll]] for (int y = 0; y < kBlock; ++y) {
+    [[unroll]] for (int y = 0; y < kTall; ++y) {
       ivec3 weights = row;
-      [[unroll]] for (int x = 0; x < kBlock; ++x) {
-        if ((weights.x | weights.y | weights.z) >= 0) {
-          float depth = withinRange(t.least, t.most, first + dot(steps, vec2(x, y)));
-          shown[y * kBlock + x] = max(shown[y * kBlock + x], visibleValue(depth, t.id));
+      [[unroll]] for (int x = 0; x < kWide; ++x) {
+        uint samples = coveredIn(t, weights);
+        PixelDepth depth = PixelDepth(first + dot(steps, vec2(x, y)), steps, t.least, t.most);
+        [[unroll]] for (uint s = 0u; s < kSamples; ++s) {
+          uint at = uint(y * kWide + x) * kSamples + s;
+          if (hasSample(samples, s)) shown[at] = max(shown[at], visibleValue(depthAt(depth, s), t.id));
+          least = min(least, shown[at]);
         }
-        least = min(least, shown[y * kBlock + x]);
         weights += t.right;
       }
       row += t.down;
     }
     farthest = visibleDepth(least);
   }
-  [[unroll]] for (int i = 0; i < kBlock * kBlock; ++i) {
-    ivec2 pixel = place.corner + block + ivec2(i % kBlock, i / kBlock);
+  [[unroll]] for (uint i = 0u; i < 16u; ++i) {
+    int inBlock = int(i / kSamples);
+    ivec2 pixel = place.corner + block + ivec2(inBlock % kWide, inBlock / kWide);
     if (shown[i] != 0 && pixel.x < int(push.width) && pixel.y < int(push.height))
-      writeVisible(place.view, pixel, shown[i]);
+      writeVisible(visibleAt(place.view, pixel) + i % kSamples, shown[i]);
   }
 }

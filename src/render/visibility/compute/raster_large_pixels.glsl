@@ -1,5 +1,16 @@
-// Large triangles pixel by pixel: each that one covers is hit(). After raster_tile.glsl and hit().
+// Large triangles pixel by pixel: each that one covers is hit(). A tile has a workgroup for each sample of a pixel, so that
+// there is as much to do for each. After raster_tile.glsl and hit().
 layout(local_size_x = 16, local_size_y = 16) in;
+
+uint coveredSamples(Edge a, Edge b, Edge c) {
+  uint covered = 0u;
+  for (uint i = 0u; i < kSamples; ++i) {
+    int64_t x = int(sampleColumn(kSamples, i)) * kPlaceStep, y = int(sampleRow(kSamples, i)) * kPlaceStep;
+    int64_t inA = a.at + a.right * x + a.down * y, inB = b.at + b.right * x + b.down * y;
+    covered |= (inA | inB | (c.at + c.right * x + c.down * y)) >= 0 ? 1u << i : 0u;
+  }
+  return covered;
+}
 
 void main() {
   uint number = groupNumber();
@@ -8,12 +19,15 @@ void main() {
   TilePlace place = placeOf(job.tile);
   ivec2 corner = place.corner + ivec2(gl_LocalInvocationID.xy);
   View seen = frameView(FrameRef(push.buffers.frame).v, place.view);
-  for (uint i = 0u; i < job.count * 16u; ++i) {
-    Triangle t = triangleOf(LargeRef(push.buffers.large).v[EntriesRef(push.buffers.entries).v[job.first + i / 16u]]);
-    ivec2 pixel = corner + ivec2(i % 4u, i / 4u % 4u) * 16;
+  const uint kBlocks = 16u / kSamples;
+  for (uint i = 0u; i < job.count * kBlocks; ++i) {
+    Triangle t = triangleOf(LargeRef(push.buffers.large).v[EntriesRef(push.buffers.entries).v[job.first + i / kBlocks]]);
+    uint block = gl_WorkGroupID.z * kBlocks + i % kBlocks;
+    ivec2 pixel = corner + ivec2(block % 4u, block / 4u) * 16;
     Edge a = edgeAt(t.b, t.c, pixel), b = edgeAt(t.c, t.a, pixel), c = edgeAt(t.a, t.b, pixel);
-    bool inside = ((a.at + a.bias) | (b.at + b.bias) | (c.at + c.bias)) >= 0;
-    if (inside && all(lessThan(pixel, ivec2(push.width, push.height))))
-      hit(place.view, pixel, withinRange(t.least, t.most, depthAt(seen, t, pixel)), t.id);
+    uint samples = coveredSamples(a, b, c);
+    if (samples != 0u && all(lessThan(pixel, ivec2(push.width, push.height))))
+      hit(place.view, pixel, samples,
+          PixelDepth(depthAt(seen, t, pixel), depthSteps(seen, t.plane), t.least, t.most), t.id);
   }
 }

@@ -80,7 +80,7 @@ struct RasterCounters {
 struct RasterBuffers {  // addresses
   uint64_t frame;       // FrameConstants
   uint64_t instances;   // InstanceList
-  uint64_t visible;     // uint64_t a pixel: depth's bits << 32 | id; 0: nothing
+  uint64_t visible;     // uint64_t a sample: depth's bits << 32 | id; 0: nothing
   uint64_t work;        // RasterWork[]
   uint64_t clipped;     // ClippedTriangle[]
   uint64_t large;       // LargeTriangle[]
@@ -121,6 +121,8 @@ struct RasterArgumentsPush {
   uint64_t counters;
   uint which;  // kQueue*
   uint room;
+  uint parts;  // workgroups for each entry
+  uint padding;
 };
 SH_CONST uint kQueueWork = 0u;
 SH_CONST uint kQueueClipped = 1u;

@@ -16,24 +16,20 @@ TilePlace placeOf(uint tile) {
   return TilePlace(tile / (tiles.x * tiles.y), ivec2(inView % tiles.x, inView / tiles.x) * int(kRasterTile));
 }
 
-struct Edge {    // weight of a corner: at a pixel's centre, and what it grows by to the right and down
-  int64_t at, right, down;
-  int64_t bias;  // 0 on an edge that is the triangle's own, else -1
+struct Edge {        // weight of a corner
+  int64_t at;        // at a pixel's first place; less by 1 on an edge that is not the triangle's own
+  int right, down;  // what it grows by a subpixel
 };
 
 Edge edgeAt(ivec2 from, ivec2 to, ivec2 pixel) {
-  ivec2 way = to - from, p = pixel * kSubpixels + kSubpixels / 2 - from;
-  Edge e;
-  e.at = int64_t(way.x) * int64_t(p.y) - int64_t(way.y) * int64_t(p.x);
-  e.right = int64_t(-way.y) * int64_t(kSubpixels);
-  e.down = int64_t(way.x) * int64_t(kSubpixels);
-  e.bias = ownsEdge(way) ? 0 : -1;
-  return e;
+  ivec2 way = to - from, p = pixel * kSubpixels + kFirstPlace - from;
+  int64_t at = int64_t(way.x) * int64_t(p.y) - int64_t(way.y) * int64_t(p.x);
+  return Edge(at - (ownsEdge(way) ? 0 : 1), -way.y, way.x);
 }
 
-// Over `side` by `side` pixels from where the edge is: the largest weight.
+// Over `side` by `side` pixels from where the edge is: the largest weight of a sample.
 int64_t largest(Edge e, int side) {
-  return e.at + e.bias + int64_t(side - 1) * (max(e.right, int64_t(0)) + max(e.down, int64_t(0)));
+  return e.at + int64_t(side * kSubpixels - kPlaceStep) * int64_t(max(e.right, 0) + max(e.down, 0));
 }
 
 Triangle triangleOf(LargeTriangle t) {

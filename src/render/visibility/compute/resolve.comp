@@ -1,12 +1,14 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // variants: layout, textured
-// From the visibility buffer to a G-buffer: the material of what each pixel shows.
+// From the visibility buffer to a G-buffer: the material of each triangle that a pixel shows, once.
 #include "render/glsl/common.glsl"
 #include "render/visibility/compute/surface_point.glsl"
 #include "render/glsl/surface.glsl"
 #include "render/glsl/gbuffer_write.glsl"
 #include "render/visibility/compute/visible.glsl"
+#include "render/visibility/compute/pixel_triangles.glsl"
+#include "render/glsl/deal.glsl"
 #include "shared/color.h"
 #ifdef GBUFFER_KEEPS_MOTION
 #include "render/visibility/compute/seen_motion.glsl"
@@ -48,28 +50,67 @@ GbufferTexel emptyTexel() {
   return texel;
 }
 
-void main() {
-  FrameConstants frame = FrameRef(push.frame).v;
-  ivec3 pixel = ivec3(gl_GlobalInvocationID);
-  View view = frameView(frame, uint(pixel.z));
-  ivec2 size = ivec2(view.size);
-  if (any(greaterThanEqual(pixel.xy, size))) return;
-  uint id = visibleId(VisibleRef(push.visible).v[visibleIndex(uvec3(pixel), uvec2(size))]);
+// The G-buffer of what these samples of a pixel show, in their middle.
+void resolve(FrameConstants frame, View view, ivec3 pixel, uint samples) {
+  uint index = visibleIndex(uvec3(pixel), uvec2(view.size)) + uint(findLSB(samples));
+  uint id = visibleId(VisibleRef(push.visible).v[index]);
+  ivec3 texel = sampleLayer(pixel, uint(findLSB(samples)));
   if (id == 0u) {
-    store(pixel, emptyTexel(), vec4(0.0));
+    store(texel, emptyTexel(), vec4(0.0));
     return;
   }
 #ifndef TEXTURES_BY_INDEX
   textureRecords = frame.textures;
 #endif
-  vec2 centre = vec2(pixel.xy) + 0.5;
+  vec2 place = vec2(pixel.xy) + middleOfSamples(samples);
   SeenTriangle t = seenTriangle(frame, push.instances, id);
-  SurfacePoint p = seenPoint(frame, view, t, centre);
+  SurfacePoint p = seenPoint(frame, view, t, place);
   Surface s = evaluateMaterial(frame, frameMaterial(frame, frameInstance(frame, t.rank.instance).material), p);
   vec4 light = emittedLight(frame, s);
   s = keptSurface(s);
 #ifdef GBUFFER_KEEPS_MOTION
-  s.motion = seenMotion(frame, view, uint(pixel.z), t, centre).xy;
+  s.motion = seenMotion(frame, view, uint(pixel.z), t, place).xy;
 #endif
-  store(pixel, packGbuffer(s, gbufferContext(view, centre)), light);
+  store(texel, packGbuffer(s, gbufferContext(view, place)), light);
+}
+
+// How many triangles a pixel shows beside its first, whose samples this gives.
+uint moreTriangles(uint first, out uint samples) {
+  VisibleRef visible = VisibleRef(push.visible);
+  uint left = coveredSamples(visible, first), more = 0u;
+  samples = nextTriangle(visible, first, left);
+  for (; left != 0u; ++more) nextTriangle(visible, first, left);
+  return more;
+}
+
+uint samplesOfTriangle(uint first, uint number) {
+  VisibleRef visible = VisibleRef(push.visible);
+  uint left = coveredSamples(visible, first), samples = 0u;
+  for (uint i = 0u; i <= number; ++i) samples = nextTriangle(visible, first, left);
+  return samples;
+}
+
+// Every invocation takes its pixel's first triangle, then those that are left are dealt to the subgroup's lanes. With one
+// sample a pixel has one, or nothing.
+void main() {
+  FrameConstants frame = FrameRef(push.frame).v;
+  ivec3 pixel = ivec3(gl_GlobalInvocationID);
+  View view = frameView(frame, uint(pixel.z));
+  ivec2 size = ivec2(view.size);
+  bool inside = all(lessThan(pixel.xy, size));
+  if (kSamples == 1u && !inside) return;
+  uint samples = 1u;
+  if (kSamples > 1u) {
+    samples = 0u;
+    uint more = inside ? moreTriangles(visibleIndex(uvec3(pixel), uvec2(size)), samples) : 0u;
+    deal(more, pixel.xy);
+  }
+  for (uint round = 0u;; ++round) {
+    if (samples != 0u) resolve(frame, view, pixel, samples);
+    if (kSamples == 1u) break;  // without a loop: lavapipe takes a third less then
+    if (round == dealtRounds()) break;
+    DealtItem next = dealtItem(round);
+    pixel.xy = next.pixel;
+    samples = next.there ? samplesOfTriangle(visibleIndex(uvec3(pixel), uvec2(size)), next.index + 1u) : 0u;
+  }
 }

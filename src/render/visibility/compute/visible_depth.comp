@@ -2,16 +2,52 @@
 #extension GL_GOOGLE_include_directive : require
 // Depth of what is visible; 0 where nothing is.
 #include "render/glsl/common.glsl"
-#include "render/visibility/compute/raster_push.h"
+#include "render/visibility/compute/seen_triangle.glsl"
 #include "render/visibility/compute/visible.glsl"
 
 layout(local_size_x = 16, local_size_y = 16) in;
 layout(push_constant, scalar) uniform Push { ResolvePush push; };
 layout(set = 0, binding = 0, r32f) writeonly uniform image2DArray depth;
 
+// What the plane of a triangle has at a place of the picture.
+float planeDepth(uint id, uint viewIndex, vec2 place) {
+  FrameConstants frame = FrameRef(push.frame).v;
+  View view = frameView(frame, viewIndex);
+  SeenTriangle t = seenTriangle(frame, push.instances, id);
+  Instance instance = frameInstance(frame, t.rank.instance);
+  PositionRef positions = PositionRef(frameMesh(frame, instance.mesh).positions);
+  vec3 corners[3];
+  for (int i = 0; i < 3; ++i)
+    corners[i] = view.worldToView * vec4(instance.objectToWorld * vec4(positions.v[t.indices[i]], 1.0), 1.0);
+  vec3 weights = weightsAt(view, corners[0], corners[1], corners[2], place).at;
+  return deviceDepth(view.projection, dot(weights, vec3(corners[0].y, corners[1].y, corners[2].y)));
+}
+
+// Of several samples: the depth at the pixel's centre of the first one's plane, since there is nothing halfway between two
+// surfaces; but no other depth than samples have. Where all show one triangle it is their mean.
+float depthAtCentre(ivec3 pixel, uint first) {
+  VisibleRef visible = VisibleRef(push.visible);
+  float least = 1.0, most = 0.0, sum = 0.0;
+  uint id = 0u;
+  bool alike = true;
+  for (uint i = 0u; i < kSamples; ++i) {
+    uint64_t shown = visible.v[first + i];
+    alike = alike && visibleId(shown) == visibleId(visible.v[first]);
+    sum += visibleDepth(shown);
+    if (shown == uint64_t(0)) continue;
+    if (id == 0u) id = visibleId(shown);
+    least = min(least, visibleDepth(shown));
+    most = max(most, visibleDepth(shown));
+  }
+  if (alike) return sum / float(kSamples);
+  float depth = planeDepth(id, uint(pixel.z), vec2(pixel.xy) + 0.5);
+  return clamp(depth >= 0.0 ? depth : least, least, most);
+}
+
 void main() {
   ivec3 size = imageSize(depth), pixel = ivec3(gl_GlobalInvocationID);
   if (any(greaterThanEqual(pixel, size))) return;
-  imageStore(depth, pixel,
-             vec4(visibleDepth(VisibleRef(push.visible).v[visibleIndex(uvec3(pixel), uvec2(size.xy))])));
+  uint first = visibleIndex(uvec3(pixel), uvec2(size.xy));
+  float found = kSamples == 1u ? visibleDepth(VisibleRef(push.visible).v[first]) : depthAtCentre(pixel, first);
+  imageStore(depth, pixel, vec4(found));
 }

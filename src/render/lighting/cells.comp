@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// variants: layout, multisampled
-// tiled: shades each pixel with the light list of its tile.
+// variants: layout, multisampled, layered
+// tiled and clustered: shades each pixel with the light list of its tile, or of its slice of it.
 #include "render/glsl/common.glsl"
 #include "render/glsl/gbuffer_read.glsl"
 #include "render/glsl/shade_cells.glsl"
