@@ -54,6 +54,12 @@ const Parting kPartings[] = {
        s.aa.samples = 4;
        c.principal = {0.3f, -0.45f};
      }},
+    {"msaa8InCompute",
+     [](Settings& s, scene::Camera& c) {
+       s.raster = Raster::Compute;
+       s.aa.samples = 8;
+       c.principal = {0.3f, -0.45f};
+     }},
     {"superSampledClustered",
      [](Settings& s, scene::Camera&) {
        s.aa.superSampling = 2;

@@ -26,6 +26,7 @@ struct TileTriangle {
   uint id;
 };
 shared TileTriangle triangles[kRasterJobTriangles];
+shared uint triangleCount;
 
 int boundedWeight(Edge e) { return int(clamp(e.at >> 8, int64_t(-kBound), int64_t(kBound))); }
 uint restOf(Edge e) { return uint(e.at & 255) / uint(kPlaceStep); }
@@ -69,23 +70,37 @@ ivec2 partOfTile() {
   return ivec2(gl_WorkGroupID.z % kAcross, gl_WorkGroupID.z / kAcross) * 16 * ivec2(kWide, kTall);
 }
 
+// Fills the triangles of the job; those that this workgroup's part of the tile has nothing of are left out. Gives their
+// number. They are in no order, and need none.
+uint setUp(RasterJob job, ivec2 corner) {
+  if (kSamples > 1u) {
+    if (gl_LocalInvocationIndex == 0u) triangleCount = 0u;
+    barrier();
+  }
+  for (uint i = gl_LocalInvocationIndex; i < job.count; i += 256u) {
+    Triangle t = triangleOf(LargeRef(push.buffers.large).v[EntriesRef(push.buffers.entries).v[job.first + i]]);
+    if (kSamples == 1u)
+      triangles[i] = inTile(t, corner);
+    else if (touches(t, corner + partOfTile(), 16 * kWide))
+      triangles[atomicAdd(triangleCount, 1u)] = inTile(t, corner);
+  }
+  barrier();
+  return kSamples == 1u ? job.count : triangleCount;
+}
+
 void main() {
   uint number = groupNumber();
   if (number >= CountersRef(push.buffers.counters).v.jobs) return;
   RasterJob job = JobsRef(push.buffers.jobs).v[number];
   TilePlace place = placeOf(job.tile);
-  for (uint i = gl_LocalInvocationIndex; i < job.count; i += 256u)
-    triangles[i] = inTile(triangleOf(LargeRef(push.buffers.large).v[EntriesRef(push.buffers.entries).v[job.first + i]]),
-                          place.corner);
-  barrier();
-
+  uint count = setUp(job, place.corner);
   ivec2 block = partOfTile() + blockOf(gl_LocalInvocationIndex);
   View seen = frameView(FrameRef(push.buffers.frame).v, place.view);
   vec2 ray = rayAt(seen, place.corner + block);
   uint64_t shown[16];
   [[unroll]] for (int i = 0; i < 16; ++i) shown[i] = uint64_t(0);
   float farthest = 0.0;  // of what shows in the block
-  for (uint i = 0u; i < job.count; ++i) {
+  for (uint i = 0u; i < count; ++i) {
     TileTriangle t = triangles[i];
     ivec3 row = t.at + t.right * block.x + t.down * block.y;
     ivec3 most = largestIn(t, row);
