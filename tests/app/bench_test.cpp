@@ -1,6 +1,7 @@
 // latelight bench: what it measures, and what it refuses.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <cmath>
 
 #include <map>
 #include <nlohmann/json.hpp>
@@ -127,12 +128,11 @@ TEST(Bench, MeasuresTheBoundOfLighting) {
     seen.emplace(row["light"], row["shading"]);
     EXPECT_GT(row["no lights ms"], 0);
     EXPECT_DOUBLE_EQ(row["MB"], 1e-6 * 36 * 160 * 90);
-    const double cost = row["ps a light"];
-    EXPECT_GT(cost, 0);
-    EXPECT_NEAR(row["G lights/s"], 1000 / cost, 1e-6 / cost);
+    const double cost = row["ps a light"];  // a difference of two times: on a busy machine it may be anything
+    EXPECT_NEAR(row["G lights/s"].get<double>() * cost, 1000, 1e-6);
     EXPECT_NEAR(row["multiply-adds"], 1e-12 * cost * report["ceilings"]["multiply-adds a second"].get<double>(), 1e-3);
     EXPECT_EQ(row["lighting"], "tiled");
-    EXPECT_NEAR(row["to the bound"], row["ps a used light"].get<double>() / cost, 1e-6);
+    EXPECT_NEAR(row["to the bound"].get<double>() * cost, row["ps a used light"], 1e-6 * std::abs(cost) + 1e-6);
   }
   EXPECT_EQ(seen.size(), 9u);  // point, spot and directional lights; ggx, blinn-phong and ggx-compensated
 }
