@@ -89,7 +89,7 @@ bool KeptShadowMaps::holds(const vk::ImageDesc& kind, uint64_t texels, uint32_t 
 }
 
 void KeptShadowMaps::renew(vk::Device& device, vk::ImageDesc kind, uint64_t texels, uint32_t largest) {
-  constexpr uint64_t kLargestSide = 8192;
+  constexpr uint64_t kLargestSide = 4096;  // that every device has
   uint32_t side = largest;
   while (side < kLargestSide && uint64_t{4} * side * side <= texels) side *= 2;
   kind.width = kind.height = side;
