@@ -88,8 +88,8 @@ double meanOfFile(const std::filesystem::path& path) {
 }
 
 TEST(Bench, MeasuresLightingOverLights) {
-  const Outcome outcome = bench({"lights", "builtin:hall,seed=3", "--device", "cpu", "--size", "64x36", "--runs", "1",
-                                 "--shadows", "none", "--lights", "100,1", "--json"});
+  const Outcome outcome = bench({"lights", "builtin:hall,triangles=50k,seed=3", "--device", "cpu", "--size", "64x36",
+                                 "--runs", "1", "--shadows", "none", "--lights", "100,1", "--json"});
   ASSERT_EQ(outcome.code, 0) << outcome.text();
   const json report = json::parse(outcome.out);
   expectCeilings(report);
@@ -107,9 +107,10 @@ TEST(Bench, MeasuresLightingOverLights) {
       EXPECT_EQ(row["lists ms"], "");
     else
       EXPECT_GT(row["lists ms"], 0);
-    const Outcome counted = latelight({"render", "builtin:hall,seed=3,lights=" + std::to_string(order[i].second), "-o",
-                                       folder.at("{aov}.npy"), "--aov", "lights-tested,lights-used", "--lighting",
-                                       order[i].first, "--device", "cpu", "--size", "64x36", "--shadows", "none"});
+    const Outcome counted =
+        latelight({"render", "builtin:hall,triangles=50k,seed=3,lights=" + std::to_string(order[i].second), "-o",
+                   folder.at("{aov}.npy"), "--aov", "lights-tested,lights-used", "--lighting", order[i].first,
+                   "--device", "cpu", "--size", "64x36", "--shadows", "none"});
     ASSERT_EQ(counted.code, 0) << counted.text();
     EXPECT_DOUBLE_EQ(row["tested a pixel"], meanOfFile(folder.path() / "lights-tested.npy"));
     EXPECT_DOUBLE_EQ(row["used a pixel"], meanOfFile(folder.path() / "lights-used.npy"));
@@ -117,8 +118,8 @@ TEST(Bench, MeasuresLightingOverLights) {
 }
 
 TEST(Bench, MeasuresTheBoundOfLighting) {
-  const Outcome outcome = bench({"shade", "--device", "cpu", "--size", "160x90", "--runs", "1", "--shadows", "none",
-                                 "--lighting", "tiled", "--json"});
+  const Outcome outcome = bench({"shade", "builtin:hall,triangles=50k", "--device", "cpu", "--size", "160x90", "--runs",
+                                 "1", "--shadows", "none", "--lighting", "tiled", "--json"});
   ASSERT_EQ(outcome.code, 0) << outcome.text();
   const json report = json::parse(outcome.out);
   expectCeilings(report);

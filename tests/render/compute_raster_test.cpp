@@ -355,7 +355,11 @@ TEST_F(AgainstHardware, OfEqualDepthsTheLastOneShows) {
 
 // --- the same in every run, at once and one by one ------------------------------------------------------------------
 
-TEST_P(ComputeCoverage, EveryRunGivesTheSameBytes) {
+class ComputeRuns : public ComputeCoverage {};
+INSTANTIATE_TEST_SUITE_P(Samples, ComputeRuns, testing::Values(1, 16),
+                         [](const auto& info) { return std::to_string(info.param); });
+
+TEST_P(ComputeRuns, EveryRunGivesTheSameBytes) {
   Settings settings = computeSettings(200, 120, {Aov::Depth, Aov::Part, Aov::Normal, Aov::Color, Aov::Motion});
   settings.shadows = ShadowFormat::D32;
   settings.aa.samples = GetParam();
@@ -371,7 +375,7 @@ TEST_P(ComputeCoverage, EveryRunGivesTheSameBytes) {
   }
 }
 
-TEST_P(ComputeCoverage, ViewsAtOnceAreThoseOneByOne) {
+TEST_P(ComputeRuns, ViewsAtOnceAreThoseOneByOne) {
   std::vector<scene::Camera> cameras(5, cameraOf(hall(), 96, 64));
   for (size_t i = 0; i < cameras.size(); ++i) {
     const float angle = 1.3f * static_cast<float>(i), c = std::cos(angle), s = std::sin(angle);
@@ -391,7 +395,7 @@ TEST_P(ComputeCoverage, ViewsAtOnceAreThoseOneByOne) {
 }
 
 // Queues that are too small at first: the frame is rendered again, and lacks nothing.
-TEST_P(ComputeCoverage, WhatOverflowsIsDoneAgain) {
+TEST_P(ComputeRuns, WhatOverflowsIsDoneAgain) {
   const std::vector<uint32_t> all = covered(halves(fan(20000, 3), 0, 2), frontCamera(0.97f), 512);
   EXPECT_EQ(std::ranges::count(all, GetParam()), 512 * 512);
 }
