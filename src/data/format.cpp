@@ -1,0 +1,9 @@
+#include "data/format.h"
+
+namespace latelight::data {
+
+std::span<const FormatInfo> formats() {
+  return {};
+}
+
+}  // namespace latelight::data
