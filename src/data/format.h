@@ -34,7 +34,8 @@ class Format {
   // several threads: it depends on nothing but the frame. Throws Error(Usage) where a file can't be written.
   virtual FrameRecord writeFrame(const DataFrame& frame, const std::filesystem::path& folder) const = 0;
 
-  // Writes the files of the whole set from all its entries, by the frames' index, and returns them relative to `folder`.
+  // Writes the files of the whole set from all its entries, by the frames' index, and returns them relative to
+  // `folder`.
   virtual std::vector<std::string> writeSet(std::span<const nlohmann::ordered_json> entries,
                                             const std::filesystem::path& folder) const {
     return {};

@@ -17,6 +17,7 @@
 #include "scene/animation.h"
 #include "scene/edit_log.h"
 #include "scene/ids.h"
+#include "scene/lens.h"
 #include "shared/types.h"
 
 namespace latelight::scene {
@@ -109,8 +110,9 @@ struct Camera {
   float xHalf = 1, yHalf = 1;   // half extents in metres (orthographic); pictures keep yHalf
   float nearClip = kNearClip;
   float farClip = std::numeric_limits<float>::infinity();
-  vec2 principal{0};  // principal point offset, NDC: 0 is the picture's centre
-  int node = -1;      // that it follows, index into Scene::nodes
+  vec2 principal{0};         // principal point offset, NDC: 0 is the picture's centre
+  std::optional<Lens> lens;  // instead of the field of view and the principal point
+  int node = -1;             // that it follows, index into Scene::nodes
 };
 
 extern const uint32_t kPointLight;  // kLightPoint: this header need not change with every type that is added
