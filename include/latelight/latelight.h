@@ -15,6 +15,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <map>
 #include <memory>
@@ -256,6 +257,34 @@ struct Pick {
 enum class Results {
   ToHost,    // on their way to the host from the moment they are done
   OnDevice,  // in the device's memory; a ticket that is dropped costs no copy
+  Arrays,    // the same, to be used there: Ticket::takeArrays()
+};
+
+// An output of all pictures of a ticket in the device's memory: views x rows x columns x channels, without gaps, rows
+// from the top. It is finished when it is handed out, and nothing writes to it as long as one copy of this lives; then
+// the renderer may render to it again, without waiting for what other libraries still read.
+class LATELIGHT_API DeviceArray {
+ public:
+  enum class Element { Float32, Uint32, Uint8 };
+  Element element = Element::Float32;
+  std::array<uint64_t, 4> shape{};
+
+  // Where the host has it: of CPU devices. Else null.
+  const void* host() const;
+  // Other devices' memory as an opaque file descriptor, the caller's from then on, for cuImportExternalMemory(),
+  // Vulkan's vkAllocateMemory() and the like; the array begins at 0. `memoryBytes`: as they must be told.
+  int exportMemory() const;
+  uint64_t memoryBytes() const;
+  std::string deviceUuid() const;  // 32 hex digits
+  // The renderer uses memory again. An importer may keep something of its own with it, which then is dropped with the
+  // memory, and be called before it is rendered to again, as to wait for its readers.
+  std::shared_ptr<void>& import() const;
+  void beforeReuse(std::function<void()> call) const;
+
+ private:
+  friend class Ticket;
+  struct Impl;
+  std::shared_ptr<Impl> impl_;
 };
 
 // Pictures on their way: what Renderer::submit() returns.
@@ -269,6 +298,8 @@ class LATELIGHT_API Ticket {
   // The pictures, in the order of their cameras; waits for them. Once: Error(Usage) after that. What went wrong on the
   // way is thrown here.
   std::vector<Frame> take();
+  // Instead, of Results::Arrays: each output by its name, the picture as "rgba"; waits for them.
+  std::map<std::string, DeviceArray> takeArrays();
 
  private:
   friend class Renderer;

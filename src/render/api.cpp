@@ -134,7 +134,14 @@ render::Moment internalMoment(const Options& o, const render::Settings& s, const
 }
 
 render::Results internalResults(Results results) {
-  return results == Results::OnDevice ? render::Results::OnDevice : render::Results::ToHost;
+  switch (results) {
+    case Results::OnDevice:
+      return render::Results::OnDevice;
+    case Results::Arrays:
+      return render::Results::Exported;
+    default:
+      return render::Results::ToHost;
+  }
 }
 
 Frame publicFrame(output::FrameOutput&& from) {
@@ -207,11 +214,13 @@ Camera Scene::lookAt(std::array<float, 3> eye, std::array<float, 3> target, floa
 
 struct Renderer::Impl {
   const scene::Scene& scene;
-  vk::Device device;
+  std::shared_ptr<vk::Device> device;  // arrays keep it too
   render::Renderer renderer;
 
   Impl(const scene::Scene& scene, const std::string& selector, const std::optional<scene::Environment>& environment)
-      : scene(scene), device({.selector = selector}), renderer(device, scene, environment ? &*environment : nullptr) {}
+      : scene(scene),
+        device(std::make_shared<vk::Device>(vk::DeviceOptions{.selector = selector})),
+        renderer(*device, scene, environment ? &*environment : nullptr) {}
 };
 
 Renderer::Renderer(const Scene& scene, const std::string& device, const std::string& environment)
@@ -232,6 +241,7 @@ std::vector<Frame> Renderer::render(const std::vector<Camera>& cameras, const Op
 struct Ticket::Impl {
   std::shared_ptr<Renderer::Impl> renderer;
   render::Ticket ticket;
+  Results results;
 };
 
 Ticket::Ticket() = default;
@@ -245,26 +255,67 @@ bool Ticket::done() const {
 
 std::vector<Frame> Ticket::take() {
   if (!impl_) badUsage("these pictures have been taken already");
+  if (impl_->results == Results::Arrays) badUsage("these pictures are arrays on the device: take those");
   const std::unique_ptr<Impl> taken = std::move(impl_);
   std::vector<Frame> frames;
   for (output::FrameOutput& frame : taken->ticket.take()) frames.push_back(publicFrame(std::move(frame)));
   return frames;
 }
 
+struct DeviceArray::Impl {
+  std::shared_ptr<vk::Device> device;  // goes after the memory
+  std::shared_ptr<render::ExportedMemory> memory;
+};
+
+std::map<std::string, DeviceArray> Ticket::takeArrays() {
+  if (!impl_) badUsage("these pictures have been taken already");
+  if (impl_->results != Results::Arrays) badUsage("these pictures are no arrays: submit them with Results::Arrays");
+  const std::unique_ptr<Impl> taken = std::move(impl_);
+  std::map<std::string, DeviceArray> arrays;
+  for (render::ExportedArray& from : taken->ticket.takeArrays()) {
+    DeviceArray& array = arrays[from.aov ? std::string(output::info(*from.aov).name) : "rgba"];
+    using enum DeviceArray::Element;
+    array.element = !from.aov ? Uint8 : output::holdsIds(*from.aov) ? Uint32 : Float32;
+    array.shape = {from.views, from.rows, from.columns, from.channels};
+    array.impl_ = std::make_shared<DeviceArray::Impl>(taken->renderer->device, std::move(from.memory));
+  }
+  return arrays;
+}
+
+const void* DeviceArray::host() const {
+  return impl_->memory->buffer.mapped();
+}
+int DeviceArray::exportMemory() const {
+  if (host()) badUsage("the host has this array: it is read there");
+  return impl_->memory->buffer.exportMemory();
+}
+uint64_t DeviceArray::memoryBytes() const {
+  return impl_->memory->buffer.memorySize();
+}
+std::string DeviceArray::deviceUuid() const {
+  return impl_->device->info().uuid;
+}
+std::shared_ptr<void>& DeviceArray::import() const {
+  return impl_->memory->import;
+}
+void DeviceArray::beforeReuse(std::function<void()> call) const {
+  impl_->memory->beforeReuse = std::move(call);
+}
+
 Ticket Renderer::submit(const std::vector<Camera>& cameras, const Options& options, Results results) {
   if (cameras.empty()) badUsage("nothing can be rendered without a camera");
   const std::vector<scene::Camera> internal = internalCameras(cameras, impl_->scene, cameras.size());
-  const render::Settings settings = settingsFor(impl_->device, options);
+  const render::Settings settings = settingsFor(*impl_->device, options);
   const render::Moment moment = internalMoment(options, settings, impl_->scene, cameras.size());
   Ticket ticket;
   ticket.impl_.reset(
-      new Ticket::Impl{impl_, impl_->renderer.submit(internal, settings, moment, internalResults(results))});
+      new Ticket::Impl{impl_, impl_->renderer.submit(internal, settings, moment, internalResults(results)), results});
   return ticket;
 }
 
 std::vector<Pick> Renderer::pick(const Camera& camera, const std::vector<std::array<uint32_t, 2>>& pixels,
                                  const Options& options) {
-  const render::Settings settings = settingsFor(impl_->device, options);
+  const render::Settings settings = settingsFor(*impl_->device, options);
   std::vector<glm::uvec2> places;
   for (const auto& [x, y] : pixels) places.push_back({x, y});
   const auto three = [](glm::vec3 v) { return std::array<float, 3>{v.x, v.y, v.z}; };

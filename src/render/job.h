@@ -54,9 +54,10 @@ struct RenderJob {
   Results results = Results::ToHost;
   std::deque<RenderPart> parts;  // that have not been read, in their order; they stay where they are
   std::vector<output::FrameOutput> pictures;
-  MemoryClaim memory;                // of the pictures
-  std::optional<Progress> progress;  // over all views, their strips, and the samples that each takes
-  std::exception_ptr error;          // what went wrong behind the caller's back
+  std::vector<ExportedArray> arrays;  // instead, for Results::Exported
+  MemoryClaim memory;                 // of the pictures
+  std::optional<Progress> progress;   // over all views, their strips, and the samples that each takes
+  std::exception_ptr error;           // what went wrong behind the caller's back
   std::vector<graph::PassTime> times;
   std::optional<ShadingCounts> shadingCounts;
   std::string graphviz;

@@ -111,7 +111,8 @@ std::shared_ptr<FrameShadows> Renderer::planShadows(std::span<const scene::Camer
   if (!castsShadows(settings)) return nullptr;
   std::vector<shared::View> views;
   for (const scene::Camera& camera : cameras) views.push_back(makeView(camera, settings.width, settings.height));
-  auto shadows = std::make_shared<FrameShadows>(device_, gpuScene_, views, settings, shadowMaps_[rastersInCompute(settings)]);
+  auto shadows =
+      std::make_shared<FrameShadows>(device_, gpuScene_, views, settings, shadowMaps_[rastersInCompute(settings)]);
   return shadows->empty() ? nullptr : shadows;
 }
 
@@ -133,7 +134,10 @@ std::shared_ptr<RenderJob> Renderer::start(std::span<const scene::Camera> camera
   job->results = results;
   uint64_t claimed = rows;
   if (strips.size() > 1) claimed += strips.front().rows;  // of the strip in work
-  job->memory.grow(bytesAPixel(settings) * settings.width * claimed * cameras.size(), "the pictures");
+  if (results == Results::Exported)
+    job->arrays = exportedArrays(device_, *exports_, settings, rows, cameras.size());
+  else
+    job->memory.grow(bytesAPixel(settings) * settings.width * claimed * cameras.size(), "the pictures");
   size_t atOnce = std::min(cameras.size(), mostViews(device_, settings));
   if (castsShadows(settings))
     atOnce = std::clamp<uint64_t>(memoryForViews(device_) / (4 * shadowTexels(settings)), 1, atOnce);
@@ -211,7 +215,7 @@ Renderer::Start Renderer::startPart(RenderPart& part, uint64_t& room) {
       request.finish(i > 0 ? &sum : nullptr, static_cast<uint32_t>(jitters.size()), history, i == 0);
     else
       request.accumulate(sum, i == 0);
-    if (last) request.leave(part.job.results);
+    if (last) leave(part);
     part.checks = std::exchange(overflow_.checks, {});
     gpuScene_.addChanges(request.graph());
     const graph::Plan plan = request.graph().compile();
@@ -230,6 +234,14 @@ Renderer::Start Renderer::startPart(RenderPart& part, uint64_t& room) {
     part.job.progress->step(part.count);
   }
   return Start::Done;
+}
+
+void Renderer::leave(RenderPart& part) {
+  const RenderJob& job = part.job;
+  if (job.results == Results::Exported)
+    part.request->leave(job.arrays, {part.first, part.strip.first, part.strip.rows});
+  else
+    part.request->leave(job.results);
 }
 
 // The graph has the scene's changes.
@@ -260,24 +272,25 @@ void Renderer::read(RenderJob& job) {
   if (unsettled_.get() == &part) settle();
   if (job.error) std::rethrow_exception(job.error);
   part.submission.wait();
-  std::vector<output::FrameOutput> pictures(part.count, emptyOutput(job.settings, part.strip.rows));
-  part.request->read(part.submission, pictures);
+  if (job.results != Results::Exported) {
+    std::vector<output::FrameOutput> pictures(part.count, emptyOutput(job.settings, part.strip.rows));
+    part.request->read(part.submission, pictures);
+    job.keep(part, std::move(pictures));
+  }
   part.request->countShadings(part.submission, job.shadingCounts);
   for (const graph::Submission& earlier : part.earlier) job.addTimes(earlier);
   job.addTimes(part.submission);
   job.graphviz = part.request->graph().graphviz();
-  job.keep(part, std::move(pictures));
   job.progress->step(part.count);
   job.parts.pop_front();
 }
 
-std::vector<output::FrameOutput> Renderer::finish(RenderJob& job) {
+void Renderer::finish(RenderJob& job) {
   while (!job.parts.empty()) read(job);
   job.progress.reset();
   times_ = std::move(job.times);
   shadingCounts_ = job.shadingCounts;
   graphviz_ = std::move(job.graphviz);
-  return std::move(job.pictures);
 }
 
 bool Ticket::done() const {
@@ -285,7 +298,15 @@ bool Ticket::done() const {
 }
 
 std::vector<output::FrameOutput> Ticket::take() {
-  return renderer_->finish(*std::exchange(job_, nullptr));
+  const std::shared_ptr<RenderJob> job = std::exchange(job_, nullptr);
+  renderer_->finish(*job);
+  return std::move(job->pictures);
+}
+
+std::vector<ExportedArray> Ticket::takeArrays() {
+  const std::shared_ptr<RenderJob> job = std::exchange(job_, nullptr);
+  renderer_->finish(*job);
+  return std::move(job->arrays);
 }
 
 vk::Image Renderer::makeSum(const RenderPart& part) {

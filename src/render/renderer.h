@@ -69,10 +69,11 @@ class Renderer {
   size_t startViews(const std::shared_ptr<RenderJob>& job, size_t first, size_t count, std::span<const Strip> strips);
   enum class Start { Done, Overflowed, TooManyViews };
   Start startPart(RenderPart& part, uint64_t& bytes);
+  void leave(RenderPart& part);  // what was asked of it
   graph::Submission submit(const graph::Graph& graph, const graph::Plan& plan);
   void settle();
   void read(RenderJob& job);  // its oldest part
-  std::vector<output::FrameOutput> finish(RenderJob& job);
+  void finish(RenderJob& job);
 
   std::vector<glm::vec2> jittersOf(const RenderPart& part) const;
   bool castsShadows(const Settings& settings) const;
@@ -90,6 +91,7 @@ class Renderer {
   Overflow overflow_;
   RenderState state_;
   TemporalHistory history_;
+  std::shared_ptr<ExportPool> exports_ = std::make_shared<ExportPool>();
   KeptShadowMaps shadowMaps_[2];  // of hardware and compute
   // The last part on its way. Whether something overflowed in it is found out, and done again, before anything changes
   // what it sees.

@@ -123,6 +123,10 @@ void Request::leave(Results results) {
   outputs_.leave({state_.device, graph_}, results);
 }
 
+void Request::leave(std::span<const ExportedArray> arrays, const ArrayPlace& place) {
+  outputs_.leave({state_.device, graph_}, arrays, place);
+}
+
 void Request::addPost(const LitFrame& lit, graph::ImageId picture, uint32_t count) {
   const Builder b{state_.device, graph_};
   const FinishedPicture finished = finishPicture(b, picture, 1.0f / static_cast<float>(count), settings_);

@@ -27,7 +27,9 @@ class Request {
   // Adds everything asked for. For a picture of several frames `sum` holds the earlier ones; `count` includes this one.
   // `history`: of temporal anti-aliasing, or null; `continues`: it has the frame before this picture.
   void finish(const vk::Image* sum, uint32_t count, TemporalHistory* history, bool continues);
-  void leave(Results results);  // what was asked for, as the last step
+  // What was asked for, as the last step: one of the two.
+  void leave(Results results);
+  void leave(std::span<const ExportedArray> arrays, const ArrayPlace& place);
 
   graph::Graph& graph() { return graph_; }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "output/files.h"
+#include "render/outputs/exported.h"
 
 namespace latelight::render {
 
@@ -18,6 +19,9 @@ class Ticket {
   // The pictures, in the order of their cameras; waits for them, and brings them from the device where they were left
   // there. Once, while the renderer lives. What went wrong on the way is thrown here.
   std::vector<output::FrameOutput> take();
+  // The same of Results::Exported: arrays of all pictures, which stay where they are. They may outlive the renderer,
+  // but not its device.
+  std::vector<ExportedArray> takeArrays();
 
  private:
   Renderer* renderer_;

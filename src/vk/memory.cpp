@@ -77,15 +77,15 @@ uint32_t Allocator::typeFor(const VkMemoryRequirements& needs, MemoryKind kind) 
   return type;
 }
 
-Allocation Allocator::allocate(const VkMemoryRequirements& needs, MemoryKind kind, bool linear, bool dedicated) {
+Allocation Allocator::allocate(const VkMemoryRequirements& needs, MemoryKind kind, bool linear, Sharing sharing) {
   const uint32_t type = typeFor(needs, kind);
   std::lock_guard lock(mutex_);
-  dedicated = dedicated || needs.size > kLargestShared;
-  if (!dedicated)
+  if (sharing == Sharing::Blocks && needs.size > kLargestShared) sharing = Sharing::Alone;
+  if (sharing == Sharing::Blocks)
     for (const auto& block : blocks_)
       if (!block->dedicated && block->type == type && block->linear == linear)
         if (Allocation found = take(*block, needs); found.memory) return found;
-  Block& block = addBlock(dedicated ? needs.size : kBlockSize, type, linear, dedicated);
+  Block& block = addBlock(sharing == Sharing::Blocks ? kBlockSize : needs.size, type, linear, sharing);
   return take(block, needs);
 }
 
@@ -96,15 +96,18 @@ Allocation Allocator::take(Block& block, const VkMemoryRequirements& needs) {
   return {block.memory, offset, needs.size, block.mapped ? block.mapped + offset : nullptr, &block};
 }
 
-Allocator::Block& Allocator::addBlock(VkDeviceSize size, uint32_t type, bool linear, bool dedicated) {
+Allocator::Block& Allocator::addBlock(VkDeviceSize size, uint32_t type, bool linear, Sharing sharing) {
   auto block = std::make_unique<Block>();
   block->size = size;
   block->type = type;
   block->linear = linear;
-  block->dedicated = dedicated;
+  block->dedicated = sharing != Sharing::Blocks;
   block->ranges = BlockRanges(size);
   VkMemoryAllocateFlagsInfo flags{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO};
   flags.flags = linear ? VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT : 0;
+  VkExportMemoryAllocateInfo exported{VK_STRUCTURE_TYPE_EXPORT_MEMORY_ALLOCATE_INFO};
+  exported.handleTypes = VK_EXTERNAL_MEMORY_HANDLE_TYPE_OPAQUE_FD_BIT;
+  if (sharing == Sharing::Exported) flags.pNext = &exported;
   VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, &flags};
   info.allocationSize = size;
   info.memoryTypeIndex = type;
@@ -170,7 +173,8 @@ Heap::Heap(Device& device, uint32_t type, VkDeviceSize size, VkDeviceSize alignm
     : device_(device),
       type_(type),
       alignment_(alignment),
-      allocation_(device.memory().allocate({size, alignment, 1u << type}, MemoryKind::Device, true, false)) {}
+      allocation_(device.memory().allocate({size, alignment, 1u << type}, MemoryKind::Device, true,
+                                           Allocator::Sharing::Blocks)) {}
 
 Heap::~Heap() {
   device_.deferDeletion([&memory = device_.memory(), allocation = allocation_] { memory.release(allocation); });

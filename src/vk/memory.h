@@ -53,8 +53,13 @@ class Allocator {
 
   explicit Allocator(Device& device);
   ~Allocator();
+  enum class Sharing : uint8_t {
+    Blocks,    // with others, where it is small
+    Alone,     // memory of its own
+    Exported,  // the same, which other APIs may import
+  };
   // Throws Error(DeviceLost) with the sizes in the message where the device has no room.
-  Allocation allocate(const VkMemoryRequirements& needs, MemoryKind kind, bool linear, bool dedicated);
+  Allocation allocate(const VkMemoryRequirements& needs, MemoryKind kind, bool linear, Sharing sharing);
   // The memory type of such an allocation.
   uint32_t typeFor(const VkMemoryRequirements& needs, MemoryKind kind) const;
   void release(const Allocation& allocation);
@@ -66,7 +71,7 @@ class Allocator {
  private:
   struct Block;
   Allocation take(Block& block, const VkMemoryRequirements& needs);  // memory is null where it has no room
-  Block& addBlock(VkDeviceSize size, uint32_t type, bool linear, bool dedicated);
+  Block& addBlock(VkDeviceSize size, uint32_t type, bool linear, Sharing sharing);
   VkDeviceSize reserved() const;
   [[noreturn]] void failFull(VkDeviceSize size, VkDeviceSize room) const;
   Device& device_;

@@ -139,7 +139,10 @@ VkBufferCreateInfo bufferInfo(Device& device, const BufferDesc& desc) {
 }
 
 VkBuffer createBuffer(Device& device, const BufferDesc& desc) {
-  const VkBufferCreateInfo info = bufferInfo(device, desc);
+  VkBufferCreateInfo info = bufferInfo(device, desc);
+  VkExternalMemoryBufferCreateInfo exported{VK_STRUCTURE_TYPE_EXTERNAL_MEMORY_BUFFER_CREATE_INFO};
+  exported.handleTypes = VK_EXTERNAL_MEMORY_HANDLE_TYPE_OPAQUE_FD_BIT;
+  if (desc.exported) info.pNext = &exported;
   VkBuffer buffer = VK_NULL_HANDLE;
   VK_CHECK(vkCreateBuffer(device.get(), &info, nullptr, &buffer));
   return buffer;
@@ -154,7 +157,8 @@ Buffer::Buffer(Device& device, const BufferDesc& desc) : Buffer() {
   buffer_ = createBuffer(device, desc_);
   VkMemoryRequirements needs;
   vkGetBufferMemoryRequirements(device.get(), buffer_, &needs);
-  allocation_ = device.memory().allocate(needs, desc_.kind, true, false);
+  using enum Allocator::Sharing;
+  allocation_ = device.memory().allocate(needs, desc_.kind, true, desc_.exported ? Exported : Blocks);
   bind(allocation_.memory, allocation_.offset);
 }
 
@@ -196,6 +200,28 @@ Buffer::~Buffer() {
   });
 }
 
+int Buffer::exportMemory() const {
+  VkMemoryGetFdInfoKHR info{VK_STRUCTURE_TYPE_MEMORY_GET_FD_INFO_KHR};
+  info.memory = allocation_.memory;
+  info.handleType = VK_EXTERNAL_MEMORY_HANDLE_TYPE_OPAQUE_FD_BIT;
+  int descriptor = -1;
+  VK_CHECK(vkGetMemoryFdKHR(device_->get(), &info, &descriptor));
+  return descriptor;
+}
+
+// Without the structure for memory that is dedicated to one buffer, which no driver known to us asks of plain buffers.
+bool exportsBuffers(const Device& device) {
+  if (!device.has(VK_KHR_EXTERNAL_MEMORY_FD_EXTENSION_NAME)) return false;
+  VkPhysicalDeviceExternalBufferInfo info{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_EXTERNAL_BUFFER_INFO};
+  info.usage = completed({}).usage;
+  info.handleType = VK_EXTERNAL_MEMORY_HANDLE_TYPE_OPAQUE_FD_BIT;
+  VkExternalBufferProperties properties{VK_STRUCTURE_TYPE_EXTERNAL_BUFFER_PROPERTIES};
+  vkGetPhysicalDeviceExternalBufferProperties(device.physical(), &info, &properties);
+  const VkExternalMemoryFeatureFlags features = properties.externalMemoryProperties.externalMemoryFeatures;
+  return (features & VK_EXTERNAL_MEMORY_FEATURE_EXPORTABLE_BIT) &&
+         !(features & VK_EXTERNAL_MEMORY_FEATURE_DEDICATED_ONLY_BIT);
+}
+
 Buffer uploadedBuffer(Device& device, const std::string& name, std::span<const std::byte> bytes,
                       VkBufferUsageFlags usage) {
   Buffer buffer(device, {.size = bytes.size(), .usage = usage, .kind = MemoryKind::Upload, .name = name});
@@ -210,7 +236,9 @@ Image::Image(Device& device, const ImageDesc& desc) : Image() {
   image_ = createImage(device, desc, hostTexture);
   VkMemoryRequirements needs;
   vkGetImageMemoryRequirements(device.get(), image_, &needs);
-  allocation_ = device.memory().allocate(needs, MemoryKind::Device, hostTexture, (desc.usage & kAttachment) != 0);
+  using enum Allocator::Sharing;
+  allocation_ =
+      device.memory().allocate(needs, MemoryKind::Device, hostTexture, desc.usage & kAttachment ? Alone : Blocks);
   hostWritable_ = hostTexture && allocation_.mapped;
   bind(allocation_.memory, allocation_.offset);
 }

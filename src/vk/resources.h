@@ -21,8 +21,12 @@ struct BufferDesc {
   VkBufferUsageFlags usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;  // device address and transfer are always added
   MemoryKind kind = MemoryKind::Device;
   std::string name;
+  bool exported = false;  // other APIs may have it: exportMemory()
   bool operator==(const BufferDesc&) const = default;
 };
+
+// Whether buffers of the device may be exported.
+bool exportsBuffers(const Device& device);
 
 class Buffer {
  public:
@@ -44,6 +48,9 @@ class Buffer {
     return reinterpret_cast<T*>(allocation_.mapped);
   }
   explicit operator bool() const { return buffer_ != VK_NULL_HANDLE; }
+  // An exported buffer's memory, of which it is all, as an opaque file descriptor, the caller's from then on.
+  int exportMemory() const;
+  VkDeviceSize memorySize() const { return allocation_.size; }  // bytes, as importers must be told
   // Nothing has been submitted since it was created, so that nothing in flight uses it.
   bool isNew() const { return bornAfter_ == device_->submissions(); }
 

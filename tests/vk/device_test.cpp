@@ -187,11 +187,47 @@ TEST_F(DeviceTest, ErrorsCarryTheirCode) {
 TEST_F(DeviceTest, MemoryThatIsNotThereIsAnErrorWithTheSizes) {
   std::string sentence;
   const VkMemoryRequirements needs{VkDeviceSize{1} << 44, 256, ~0u};
-  EXPECT_EQ(codeOf([&] { device().memory().allocate(needs, MemoryKind::Device, true, false); }, &sentence),
+  EXPECT_EQ(codeOf([&] { device().memory().allocate(needs, MemoryKind::Device, true, Allocator::Sharing::Blocks); },
+                   &sentence),
             ExitCode::DeviceLost);
   EXPECT_THAT(sentence, HasSubstr("16777216 MiB"));
   EXPECT_EQ(codeOf([&] { Buffer(device(), {.size = VkDeviceSize{1} << 40}); }), ExitCode::DeviceLost);
   EXPECT_EQ(codeOf([&] { Image(device(), {.format = VK_FORMAT_R8_UNORM, .width = 1u << 20}); }), ExitCode::Usage);
+}
+
+// Imported again by the same device, another buffer has what was written to the first.
+TEST_F(DeviceTest, ExportedMemoryIsTheBuffersOwn) {
+  if (!exportsBuffers(device())) GTEST_SKIP() << device().info().name << " exports no buffers";
+  const Buffer exported(device(), {.size = 4096, .name = "exported", .exported = true});
+  VkExternalMemoryBufferCreateInfo external{VK_STRUCTURE_TYPE_EXTERNAL_MEMORY_BUFFER_CREATE_INFO};
+  external.handleTypes = VK_EXTERNAL_MEMORY_HANDLE_TYPE_OPAQUE_FD_BIT;
+  VkBufferCreateInfo create{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, &external};
+  create.size = 4096;
+  create.usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT;
+  VkBuffer again = VK_NULL_HANDLE;
+  ASSERT_EQ(vkCreateBuffer(device().get(), &create, nullptr, &again), VK_SUCCESS);
+  VkMemoryRequirements needs;
+  vkGetBufferMemoryRequirements(device().get(), exported.get(), &needs);
+  VkImportMemoryFdInfoKHR import{VK_STRUCTURE_TYPE_IMPORT_MEMORY_FD_INFO_KHR};
+  import.handleType = VK_EXTERNAL_MEMORY_HANDLE_TYPE_OPAQUE_FD_BIT;
+  import.fd = exported.exportMemory();
+  VkMemoryAllocateInfo allocate{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, &import};
+  allocate.allocationSize = exported.memorySize();
+  allocate.memoryTypeIndex = device().memory().typeFor(needs, MemoryKind::Device);
+  VkDeviceMemory memory = VK_NULL_HANDLE;
+  ASSERT_EQ(vkAllocateMemory(device().get(), &allocate, nullptr, &memory), VK_SUCCESS);
+  ASSERT_EQ(vkBindBufferMemory(device().get(), again, memory, 0), VK_SUCCESS);
+
+  const Buffer host(device(), {.size = 4096, .kind = MemoryKind::Readback});
+  device().submitAndWait(
+      [&](VkCommandBuffer commands) { vkCmdFillBuffer(commands, exported.get(), 0, VK_WHOLE_SIZE, 0x12345678u); });
+  device().submitAndWait([&](VkCommandBuffer commands) {
+    const VkBufferCopy all{0, 0, 4096};
+    vkCmdCopyBuffer(commands, again, host.get(), 1, &all);
+  });
+  for (size_t i = 0; i < 1024; ++i) EXPECT_EQ(host.as<uint32_t>()[i], 0x12345678u);
+  vkDestroyBuffer(device().get(), again, nullptr);
+  vkFreeMemory(device().get(), memory, nullptr);
 }
 
 TEST_F(DeviceTest, MemoryComesInBlocksAndGoesBack) {

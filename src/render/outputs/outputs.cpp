@@ -54,6 +54,21 @@ const Source& sourceOf(Aov aov) {
   return kSources[static_cast<size_t>(aov)];
 }
 
+struct ArrayCopy {
+  graph::BufferId from, to;
+  std::vector<VkBufferCopy> regions;
+};
+
+// Of so many views, from where a part of them was packed to where they are in an array of all.
+ArrayCopy copyToArray(const Builder& b, graph::BufferId from, const ExportedArray& array, const ArrayPlace& place) {
+  ArrayCopy copy{from, b.graph.import(array.memory->buffer, graph::Use::CopyTarget), {}};
+  const uint64_t part = array.rowBytes * place.rows, whole = array.rowBytes * array.rows;
+  const size_t views = b.graph.desc(from).size / part;
+  for (size_t view = 0; view < views; ++view)
+    copy.regions.push_back({view * part, (place.firstView + view) * whole + place.firstRow * array.rowBytes, part});
+  return copy;
+}
+
 bool holdsIntegers(VkFormat format) {
   return std::string_view(vk::formatName(format)).ends_with("UINT");
 }
@@ -142,6 +157,23 @@ void PackedOutputs::leave(const Builder& b, Results results) {
   if (!onHost_) return keepResults(b, buffers());
   const std::vector<graph::BufferId> host = addReadback(b, buffers());
   for (size_t i = 0; i < results_.size(); ++i) results_[i].buffer = host[i];
+}
+
+void PackedOutputs::leave(const Builder& b, std::span<const ExportedArray> arrays, const ArrayPlace& place) {
+  std::vector<ArrayCopy> copies;
+  std::vector<graph::Access> accesses;
+  for (const Result& result : results_) {
+    const ArrayCopy& copy = copies.emplace_back(
+        copyToArray(b, result.buffer, *std::ranges::find(arrays, result.aov, &ExportedArray::aov), place));
+    accesses.emplace_back(copy.from, graph::Use::CopySource);
+    accesses.emplace_back(copy.to, graph::Use::CopyTarget);
+    b.graph.exports(copy.to, graph::Use::HostRead);
+  }
+  b.graph.pass(graph::Stage::Output, "copy to arrays", std::move(accesses), [=](graph::Context& context) {
+    for (const ArrayCopy& copy : copies)
+      vkCmdCopyBuffer(context.get(), context.buffer(copy.from).get(), context.buffer(copy.to).get(),
+                      static_cast<uint32_t>(copy.regions.size()), copy.regions.data());
+  });
 }
 
 void PackedOutputs::read(vk::Device& device, graph::Executor& executor, const graph::Submission& done,

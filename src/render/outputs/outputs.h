@@ -10,6 +10,7 @@
 
 #include "graph/graph.h"
 #include "output/files.h"
+#include "render/outputs/exported.h"
 #include "render/pass.h"
 #include "render/settings.h"
 
@@ -35,6 +36,13 @@ uint32_t exactTargets(std::span<const output::Aov> aovs);
 enum class Results {
   ToHost,    // on their way to the host from the moment they are there
   OnDevice,  // in device memory
+  Exported,  // the same, in arrays of all pictures that other APIs may have
+};
+
+// Which part of a request's arrays some pictures are.
+struct ArrayPlace {
+  size_t firstView = 0;
+  uint32_t firstRow = 0, rows = 0;
 };
 
 class PackedOutputs {
@@ -49,8 +57,9 @@ class PackedOutputs {
 
   // The picture to look at: RGBA8, a view after the other.
   void addDisplay(graph::BufferId pixels) { results_.push_back({std::nullopt, pixels}); }
-  // After all that are asked for have been added.
+  // After all that are asked for have been added: one of the two.
   void leave(const Builder& b, Results results);
+  void leave(const Builder& b, std::span<const ExportedArray> arrays, const ArrayPlace& place);
 
   // After the graph has run: fills these outputs of as many pictures as there are views.
   void read(vk::Device& device, graph::Executor& executor, const graph::Submission& done,
