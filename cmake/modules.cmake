@@ -14,6 +14,8 @@ function(latelight_unity target)
       continue()  # a header's functions, by the macros that it takes
     endif()
     get_filename_component(folder ${source} DIRECTORY)
+    # Without this checkout's path, for which the compiler's cache would not know the group again.
+    file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${folder})
     string(MAKE_C_IDENTIFIER "${folder}" folder)
     list(APPEND folders ${folder})
     list(APPEND in_${folder} ${source})
