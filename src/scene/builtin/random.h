@@ -6,8 +6,9 @@
 
 namespace latelight::scene::builtin {
 
-// A good mixer of 32 bits ("lowbias32": Wellons 2018, Prospecting for Hash Functions).
-constexpr uint32_t mixBits(uint32_t x) {
+// A good mixer of 32 bits ("lowbias32": Wellons 2018, Prospecting for Hash Functions), or of a vector of them.
+template <typename Bits>
+constexpr Bits mixBits(Bits x) {
   x ^= x >> 16;
   x *= 0x7feb352du;
   x ^= x >> 15;
@@ -37,7 +38,8 @@ class Random {
 };
 
 namespace detail {
-inline float quintic(float t) {
+template <typename Floats>
+inline Floats quintic(Floats t) {
   return t * t * t * (t * (t * 6 - 15) + 10);
 }
 // Cheaper than std::floor without SSE 4.1; |x| < 2^31.
@@ -50,29 +52,9 @@ inline float latticeValue(uint32_t bits) {
 }
 }  // namespace detail
 
-// Value noise in [-1, 1] that repeats every `period` cells along both axes.
-inline float noise2(float x, float y, uint32_t period, uint32_t seed) {
-  const int32_t i = detail::floorOf(x), j = detail::floorOf(y), n = static_cast<int32_t>(period);
-  const float u = detail::quintic(x - float(i)), v = detail::quintic(y - float(j));
-  const auto wrap = [n](int32_t k) {
-    if (k < 0 || k >= n) k %= n;  // a division would be most of the noise's time
-    return static_cast<uint32_t>(k < 0 ? k + n : k);
-  };
-  const uint32_t x0 = wrap(i), y0 = wrap(j), x1 = x0 + 1 == period ? 0 : x0 + 1, y1 = y0 + 1 == period ? 0 : y0 + 1;
-  const auto at = [seed](uint32_t i, uint32_t j) {
-    return detail::latticeValue(mixBits(i + 0x9e37u * j + seed * 0x85ebca6bu));
-  };
-  const float a = at(x0, y0), b = at(x1, y0), c = at(x0, y1), d = at(x1, y1);
-  return (a + (b - a) * u) * (1 - v) + (c + (d - c) * u) * v;
-}
-
-// Octaves of noise2 over the unit square, each of half the size and weight; the sum is about in [-1, 1].
-inline float fractal2(glm::vec2 p, uint32_t period, int octaves, uint32_t seed) {
-  float sum = 0, weight = 0.5f;
-  for (int i = 0; i < octaves; ++i, period *= 2, weight *= 0.5f)
-    sum += weight * noise2(p.x * float(period), p.y * float(period), period, seed + uint32_t(i) * 101u);
-  return sum;
-}
+// Value noise over the unit square, which it repeats: `period` cells along both axes, and with each octave twice as
+// many at half the weight; the sum is about in [-1, 1].
+float fractal2(glm::vec2 p, uint32_t period, int octaves, uint32_t seed);
 
 // Value noise of space in [-1, 1] that repeats every `periodZ` cells along z.
 inline float noise3(glm::vec3 p, uint32_t periodZ, uint32_t seed) {
