@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "app/commands.h"
+#include "app/list.h"
 #include "app/render_options.h"
 #include "output/aov.h"
 #include "render/gbuffer/layout.h"
@@ -248,6 +249,24 @@ std::vector<Topic> makeTopics() {
       topics.push_back({option.topic, [&option](const PictureSize&) { return listNames(option.names); }});
   return topics;
 }
+
+}  // namespace
+
+std::vector<std::string> listTopics() {
+  std::vector<std::string> names;
+  for (const Topic& topic : makeTopics()) names.push_back(topic.name);
+  return names;
+}
+
+std::vector<ListedName> listedNames(std::string_view topic) {
+  std::vector<ListedName> names;
+  for (const Topic& each : makeTopics())
+    if (each.name == topic)
+      for (const Json& row : each.rows({})) names.push_back({row["name"], row.value("description", "")});
+  return names;
+}
+
+namespace {
 
 struct ListOptions {
   std::string topic, size = "1280x720";

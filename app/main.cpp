@@ -12,8 +12,10 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "app/commands.h"
+#include "app/complete.h"
 #include "base/log.h"
 #include "base/temporary_file.h"
 
@@ -106,6 +108,12 @@ int parseAndRun(int argc, char** argv) {
   app::addCompareCommand(cli);
   app::addStudyCommand(cli);
   app::addBenchCommand(cli);
+  app::addCompletionsCommand(cli);
+  app::addManCommand(cli);
+  if (argc > 2 && argv[1] == std::string_view("complete") && argv[2] == std::string_view("--")) {
+    app::printCompletions(cli, std::vector<std::string>(argv + 3, argv + argc));
+    return 0;
+  }
   refuseEmptyValues(cli);
   checkDashes(cli, argc, argv);
   try {

@@ -1,0 +1,121 @@
+#include "app/complete.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <ranges>
+
+#include "app/list.h"
+#include "app/render_options.h"
+#include "study/study.h"
+
+namespace latelight::app {
+
+namespace {
+
+bool takesValue(const CLI::Option& option) {
+  return option.get_items_expected_max() > 0;
+}
+
+// What stands before the cursor: the command, and the option whose value is being written.
+struct Place {
+  const CLI::App* command;
+  const CLI::Option* value = nullptr;
+  size_t positionals = 0;  // before it
+};
+
+const CLI::App* commandNamed(const CLI::App& cli, const std::string& name) {
+  const std::vector<const CLI::App*> found =
+      cli.get_subcommands([&](const CLI::App* command) { return command->get_name() == name; });
+  return found.empty() ? nullptr : found.front();
+}
+
+Place placeAfter(const CLI::App& cli, std::span<const std::string> words) {
+  Place place{&cli};
+  for (const std::string& word : words) {
+    if (std::exchange(place.value, nullptr)) continue;
+    if (word.starts_with("-")) {
+      const CLI::Option* option = place.command->get_option_no_throw(word);
+      if (option && takesValue(*option)) place.value = option;
+    } else if (const CLI::App* command = commandNamed(*place.command, word)) {
+      place.command = command;
+    } else {
+      ++place.positionals;
+    }
+  }
+  return place;
+}
+
+const render::Option* entryOf(const CLI::Option& option) {
+  for (const std::span<const render::Option> table : {commandOptions(), render::options()})
+    for (const render::Option& entry : table)
+      if (option.check_name(std::string(render::longName(entry)))) return &entry;
+  return nullptr;
+}
+
+// The names that a value may have; nothing where any is as good as another.
+std::vector<ListedName> namesFor(const CLI::App& command, const CLI::Option& option) {
+  const std::string& name = option.get_name();
+  std::vector<ListedName> names;
+  if (command.get_name() == "list" && name == "TOPIC") {
+    for (const std::string& topic : listTopics()) names.push_back({topic, ""});
+  } else if (command.get_name() == "study" && name == "NAME") {
+    for (const study::Study& study : study::studies()) names.push_back({study.name, study.description});
+  } else if (name == "--debug") {
+    names = {{"sheet", "all of them"}, {"lights", "how many a pixel takes"}, {"targets", "of the layout"}};
+    std::ranges::copy(listedNames("aovs"), std::back_inserter(names));
+  } else if (const render::Option* entry = entryOf(option)) {
+    for (const render::NamedOption& named : entry->names) names.push_back({named.name, named.description});
+    if (names.empty()) names = listedNames(name == "SCENE" ? "scenes" : entry->topic);
+  }
+  return names;
+}
+
+// Of a list, only what stands behind the last comma is still being written.
+void addNames(Completions& all, const std::vector<ListedName>& names, const std::string& begun) {
+  const size_t comma = begun.rfind(',');
+  const std::string before = comma == std::string::npos ? "" : begun.substr(0, comma + 1);
+  for (const ListedName& name : names)
+    if ((before + name.name).starts_with(begun)) all.words.push_back({before + name.name, name.description});
+}
+
+void addValues(Completions& all, const CLI::App& command, const CLI::Option& option, const std::string& begun) {
+  const std::vector<ListedName> names = namesFor(command, option);
+  addNames(all, names, begun);
+  all.files = names.empty() || option.get_name() == "SCENE";
+}
+
+void addOptions(Completions& all, const CLI::App& command, const std::string& begun) {
+  for (const CLI::App* from = &command; from; from = from->get_parent())
+    for (const CLI::Option* option : from->get_options())
+      for (const std::string& name : option->get_lnames())
+        if (("--" + name).starts_with(begun)) all.words.push_back({"--" + name, option->get_description()});
+}
+
+}  // namespace
+
+Completions complete(const CLI::App& cli, std::span<const std::string> words) {
+  Completions all;
+  const std::string begun = words.empty() ? "" : words.back();
+  const Place place = placeAfter(cli, words.first(words.size() - !words.empty()));
+  if (place.value) {
+    addValues(all, *place.command, *place.value, begun);
+  } else if (begun.starts_with("-")) {
+    addOptions(all, *place.command, begun);
+  } else {
+    for (const CLI::App* command : place.command->get_subcommands([](const CLI::App*) { return true; }))
+      if (!command->get_group().empty() && command->get_name().starts_with(begun))
+        all.words.push_back({command->get_name(), command->get_description()});
+    const auto options = place.command->get_options([](const CLI::Option* o) { return o->get_positional(); });
+    if (place.positionals < options.size()) addValues(all, *place.command, *options[place.positionals], begun);
+  }
+  return all;
+}
+
+void printCompletions(const CLI::App& cli, std::span<const std::string> words) {
+  const Completions all = complete(cli, words);
+  for (const Completion& each : all.words) fmt::print("{}\t{}\n", each.word, each.description);
+  if (all.files) fmt::print(":files\n");
+}
+
+}  // namespace latelight::app
