@@ -187,19 +187,19 @@ void bindCamera(nb::module_& module) {
               camera.lens = objectOf<Lens>(value, name, "a Lens or None");
           })
       .done()
-      .def_static("look_at", &lookAt, nb::arg("eye"), nb::arg("target"), nb::arg("up") = nb::make_tuple(0, 1, 0),
-                  nb::arg("vertical_fov") = 40.0,
+      .def_static("look_at", &lookAt, argument("eye"), argument("target"), argument("up") = nb::make_tuple(0, 1, 0),
+                  argument("vertical_fov") = 40.0,
                   nb::sig("def look_at(eye: numpy.typing.ArrayLike, target: numpy.typing.ArrayLike, "
                           "up: numpy.typing.ArrayLike = (0, 1, 0), vertical_fov: float = 40) -> Camera"),
                   "A camera at `eye` that looks at `target`, both (3,), metres.")
       .def_static(
-          "from_k", &fromK, nb::arg("k"), nb::arg("camera_to_world"), nb::arg("size"), nb::arg("frame") = "opencv",
+          "from_k", &fromK, argument("k"), argument("camera_to_world"), argument("size"), argument("frame") = "opencv",
           nb::sig("def from_k(k: numpy.typing.ArrayLike, camera_to_world: numpy.typing.ArrayLike, "
                   "size: tuple[int, int], frame: typing.Literal[\"opencv\", \"opengl\"] = \"opencv\") -> Camera"),
           "A pinhole camera by its matrix K (3, 3), calibrated for pictures of `size` (width, height), and its "
           "pose (4, 4).\n\nPixel centres are at half-integers. `frame` is that of the camera: OpenCV's (X "
           "right, Y down, Z forward)\nor OpenGL's (X right, Y up, Z backward).")
-      .def("k", &kOf, nb::arg("size"), nb::sig("def k(self, size: tuple[int, int]) -> numpy.ndarray"),
+      .def("k", &kOf, argument("size"), nb::sig("def k(self, size: tuple[int, int]) -> numpy.ndarray"),
            "The matrix K (3, 3) for pictures of `size` (width, height): camera to pixel coordinates.");
 }
 

@@ -66,7 +66,7 @@ class Fields {
           new (nb::inst_ptr<T>(self)) T();
           nb::inst_mark_ready(self);
           for (const auto& [name, value] : values) {
-            const auto text = nb::cast<std::string>(nb::str(name));
+            const auto text = shown(nb::borrow(name));
             if (std::ranges::find(names, text) == names.end()) badType("{} has no \"{}\"", type, text);
             nb::setattr(self, name, value);
           }

@@ -25,7 +25,7 @@ NB_MODULE(_core, module) {
   module.def(
       "set_memory_limit",
       [](nb::handle bytes) { setMemoryLimit(static_cast<uint64_t>(integerOf(bytes, "bytes", 0, INT64_MAX))); },
-      nb::arg("bytes"), nb::sig("def set_memory_limit(bytes: int) -> None"),
+      argument("bytes"), nb::sig("def set_memory_limit(bytes: int) -> None"),
       "Bytes of the machine's memory that scenes, pictures and CPU devices may take; more raises DeviceLostError "
       "before\nit is taken. 0, as at first: three quarters of what is free.");
 }

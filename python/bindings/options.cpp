@@ -115,7 +115,7 @@ bool setBesideTable(Options& options, std::string_view name, nb::handle value) {
   for (const char* other : {"size", "outputs", "previous_cameras", "next_cameras", "continues"}) known.append(other);
   const nb::list close(nb::module_::import_("difflib").attr("get_close_matches")(name, known, 1));
   if (close.size() == 0) badType("there is no option \"{}\"", name);
-  badType("there is no option \"{}\": do you mean \"{}\"?", name, nb::cast<std::string>(nb::str(close[0])));
+  badType("there is no option \"{}\": do you mean \"{}\"?", name, shown(close[0]));
 }
 
 void setKeyword(Options& options, const std::string& name, nb::handle value) {
@@ -200,7 +200,7 @@ Options optionsOf(nb::handle size, nb::handle outputs, const nb::dict& keywords)
   Options options;
   if (!size.is_none()) setSize(options, size);
   setOutputs(options, outputs);
-  for (const auto& [name, value] : keywords) setKeyword(options, nb::cast<std::string>(nb::str(name)), value);
+  for (const auto& [name, value] : keywords) setKeyword(options, shown(nb::borrow(name)), value);
   return options;
 }
 

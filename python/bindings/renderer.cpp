@@ -210,11 +210,11 @@ void defineRender(nb::class_<SharedRenderer>& type) {
   const auto size = nb::make_tuple(1280, 720);
   const auto outputs = nb::make_tuple("rgba");
   // Once more with another result, for type checkers: at run time the first takes all.
-  type.def("render", &render, nb::arg("cameras"), nb::arg("size") = size, nb::arg("outputs") = outputs,
+  type.def("render", &render, argument("cameras"), argument("size") = size, argument("outputs") = outputs,
            nb::arg("options"), nb::sig(one.c_str()), rendered.c_str());
-  type.def("render", &render, nb::arg("cameras"), nb::arg("size") = size, nb::arg("outputs") = outputs,
+  type.def("render", &render, argument("cameras"), argument("size") = size, argument("outputs") = outputs,
            nb::arg("options"), nb::sig(many.c_str()));
-  type.def("submit", &submit, nb::arg("cameras"), nb::arg("size") = size, nb::arg("outputs") = outputs,
+  type.def("submit", &submit, argument("cameras"), argument("size") = size, argument("outputs") = outputs,
            nb::arg("options"), nb::sig(later.c_str()), submitted.c_str());
 }
 
@@ -233,7 +233,7 @@ void bindRenderer(nb::module_& module) {
       "One scene on one device; keeps its pipelines and buffers from one call to the next.\n\n"
       "Any thread may call it, one at a time; Python's other threads run meanwhile.");
   type.def(
-      "__init__", &makeRenderer, nb::arg("scene"), nb::arg("device") = "auto", nb::arg("environment") = nb::none(),
+      "__init__", &makeRenderer, argument("scene"), argument("device") = "auto", argument("environment") = nb::none(),
       nb::sig("def __init__(self, scene: Scene, device: str | int = \"auto\", "
               "environment: str | os.PathLike[str] | numpy.typing.NDArray[typing.Any] | None = None) -> None"),
       "device: \"auto\", \"cpu\", an index, a part of a name or a UUID\nenvironment: a .hdr or .exr file, \"studio\", "
@@ -251,7 +251,7 @@ void bindRenderer(nb::module_& module) {
   const std::string signature =
       "def pick(self, camera: Camera, pixels: numpy.typing.ArrayLike, size: tuple[int, int] = (1280, 720), *" +
       optionParameters() + ") -> list[Pick]";
-  type.def("pick", &pick, nb::arg("camera"), nb::arg("pixels"), nb::arg("size") = nb::make_tuple(1280, 720),
+  type.def("pick", &pick, argument("camera"), argument("pixels"), argument("size") = nb::make_tuple(1280, 720),
            nb::arg("options"), nb::sig(signature.c_str()),
            "What pixels (N, 2), x and y from the upper left, of such a picture show, in their order. Lights nothing.");
 }

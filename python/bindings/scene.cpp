@@ -69,7 +69,7 @@ MeshData meshDataOf(nb::handle positions, nb::handle indices, nb::handle normals
 // Pixels of one to four channels as RGBA: grey, grey and alpha, RGB, RGBA.
 TextureData textureDataOf(nb::handle pixels, nb::handle srgb, nb::handle name) {
   const nb::object given = arrayOf(pixels, "pixels", "uint8", "u", {-1, -1, -1});
-  if (nb::cast<std::string>(nb::str(nb::module_::import_("numpy").attr("asarray")(pixels).attr("dtype"))) != "uint8")
+  if (shown(nb::module_::import_("numpy").attr("asarray")(pixels).attr("dtype")) != "uint8")
     badType("pixels must be an array of uint8");
   TextureData data{textOf(name, "name"),
                    static_cast<uint32_t>(lengthOf(given, 1)),
@@ -119,9 +119,9 @@ void load(SharedScene* self, nb::handle source, nb::handle variant, nb::handle a
 
 void defineWhole(Class& type) {
   type.def(
-      "__init__", &load, nb::arg("source") = nb::none(), nb::arg("material_variant") = "",
-      nb::arg("allow_outside") = nb::make_tuple(), nb::arg("id_depth") = nb::none(),
-      nb::arg("id_nodes") = nb::make_tuple(),
+      "__init__", &load, argument("source") = nb::none(), argument("material_variant") = "",
+      argument("allow_outside") = nb::make_tuple(), argument("id_depth") = nb::none(),
+      argument("id_nodes") = nb::make_tuple(),
       nb::sig("def __init__(self, source: str | os.PathLike[str] | None = None, material_variant: str = \"\", "
               "allow_outside: collections.abc.Sequence[str] = (), id_depth: int | None = None, "
               "id_nodes: collections.abc.Sequence[str] = ()) -> None"),
@@ -162,7 +162,7 @@ void defineCameras(Class& type) {
         const Camera added = objectOf<Camera>(camera, "camera", "a Camera");
         s.edit([&](Scene& s) { s.addCamera(added); });
       },
-      nb::arg("camera"), nb::sig("def add_camera(self, camera: Camera) -> None"), "Adds it behind the scene's own.");
+      argument("camera"), nb::sig("def add_camera(self, camera: Camera) -> None"), "Adds it behind the scene's own.");
   type.def(
       "cameras_at",
       [](const SharedScene& s, nb::handle time, nb::handle animation, nb::handle loop) {
@@ -171,7 +171,7 @@ void defineCameras(Class& type) {
         const bool repeats = boolOf(loop, "loop");
         return s.read([&](const Scene& s) { return s.camerasAt(at, name, repeats); });
       },
-      nb::arg("time"), nb::arg("animation") = "", nb::arg("loop") = false,
+      argument("time"), argument("animation") = "", argument("loop") = false,
       nb::sig("def cameras_at(self, time: float, animation: str = \"\", loop: bool = False) -> list[Camera]"),
       "The scene's own cameras where they are at a time, in seconds; as the options time, animation and loop say.");
   type.def(
@@ -180,7 +180,7 @@ void defineCameras(Class& type) {
         const float ratio = floatOf(aspect, "aspect");
         return s.read([&](const Scene& s) { return s.defaultCamera(ratio); });
       },
-      nb::arg("aspect") = 16.0 / 9, nb::sig("def default_camera(self, aspect: float = 16 / 9) -> Camera"),
+      argument("aspect") = 16.0 / 9, nb::sig("def default_camera(self, aspect: float = 16 / 9) -> Camera"),
       "The first of `cameras`, or a view that shows all of it in a picture of this aspect, width / height.");
   type.def(
       "look_at",
@@ -189,7 +189,7 @@ void defineCameras(Class& type) {
         const float angle = floatOf(fov, "vertical_fov");
         return s.read([&](const Scene& s) { return s.lookAt(from, to, angle); });
       },
-      nb::arg("eye"), nb::arg("target"), nb::arg("vertical_fov") = 40.0,
+      argument("eye"), argument("target"), argument("vertical_fov") = 40.0,
       nb::sig("def look_at(self, eye: numpy.typing.ArrayLike, target: numpy.typing.ArrayLike, vertical_fov: float = "
               "40) -> Camera"),
       "A camera at `eye` that looks at `target`, both (3,), metres, with the scene's up.");
@@ -203,7 +203,7 @@ void defineInstances(Class& type) {
         const std::string path = textOf(node, "node");
         return s.read([&](const Scene& s) { return s.instancesOf(path); });
       },
-      nb::arg("node") = nb::none(), nb::sig("def instances(self, node: str | None = None) -> list[InstanceHandle]"),
+      argument("node") = nb::none(), nb::sig("def instances(self, node: str | None = None) -> list[InstanceHandle]"),
       "All, or those of a node by its path: one a primitive of its mesh.");
   type.def(
       "instance",
@@ -211,7 +211,7 @@ void defineInstances(Class& type) {
         const auto handle = handleOf<Instance>(instance, "instance");
         return s.read([&](const Scene& s) { return s.instance(handle); });
       },
-      nb::arg("instance"), nb::sig("def instance(self, instance: InstanceHandle) -> Instance"), "Its properties.");
+      argument("instance"), nb::sig("def instance(self, instance: InstanceHandle) -> Instance"), "Its properties.");
   type.def(
       "set_transform",
       [](SharedScene& s, nb::handle instance, nb::handle transform) {
@@ -219,7 +219,7 @@ void defineInstances(Class& type) {
         const Transform matrix = matrixOf<4, 4>(transform, "transform");
         s.edit([&](Scene& s) { s.setTransform(handle, matrix); });
       },
-      nb::arg("instance"), nb::arg("transform"),
+      argument("instance"), argument("transform"),
       nb::sig("def set_transform(self, instance: InstanceHandle, transform: numpy.typing.ArrayLike) -> None"),
       "(4, 4), last row 0 0 0 1: object space to the scene file's frame. No animation moves it from then on.");
   type.def(
@@ -229,7 +229,7 @@ void defineInstances(Class& type) {
         const auto handle = handleOf<Material>(material, "material");
         s.edit([&](Scene& s) { s.assignMaterial(to, handle); });
       },
-      nb::arg("instance"), nb::arg("material"),
+      argument("instance"), argument("material"),
       nb::sig("def assign_material(self, instance: InstanceHandle, material: MaterialHandle) -> None"));
   type.def(
       "add_instance",
@@ -240,7 +240,7 @@ void defineInstances(Class& type) {
         const std::string text = textOf(name, "name");
         return s.edit([&](Scene& s) { return s.addInstance(meshHandle, materialHandle, matrix, text); });
       },
-      nb::arg("mesh"), nb::arg("material"), nb::arg("transform") = nb::none(), nb::arg("name") = "",
+      argument("mesh"), argument("material"), argument("transform") = nb::none(), argument("name") = "",
       nb::sig("def add_instance(self, mesh: MeshHandle, material: MaterialHandle, "
               "transform: numpy.typing.ArrayLike | None = None, name: str = \"\") -> InstanceHandle"),
       "Shows the mesh under a root node of its own, \"/name\", or \"/name#2\" and so on where that is taken.");
@@ -250,7 +250,7 @@ void defineInstances(Class& type) {
         const auto handle = handleOf<Instance>(instance, "instance");
         s.edit([&](Scene& s) { s.removeInstance(handle); });
       },
-      nb::arg("instance"), nb::sig("def remove_instance(self, instance: InstanceHandle) -> None"));
+      argument("instance"), nb::sig("def remove_instance(self, instance: InstanceHandle) -> None"));
 }
 
 void defineMaterials(Class& type) {
@@ -261,7 +261,7 @@ void defineMaterials(Class& type) {
         const auto handle = handleOf<Material>(material, "material");
         return s.read([&](const Scene& s) { return s.material(handle); });
       },
-      nb::arg("material"), nb::sig("def material(self, material: MaterialHandle) -> Material"),
+      argument("material"), nb::sig("def material(self, material: MaterialHandle) -> Material"),
       "Its properties, a copy.");
   type.def(
       "set_material",
@@ -270,7 +270,7 @@ void defineMaterials(Class& type) {
         const Material to = objectOf<Material>(values, "values", "a Material");
         s.edit([&](Scene& s) { s.setMaterial(handle, to); });
       },
-      nb::arg("material"), nb::arg("values"),
+      argument("material"), argument("values"),
       nb::sig("def set_material(self, material: MaterialHandle, values: Material) -> None"), "Its textures stay.");
   type.def(
       "add_material",
@@ -280,7 +280,7 @@ void defineMaterials(Class& type) {
         if (!texturesOf.is_none()) like = handleOf<Material>(texturesOf, "textures_of");
         return s.edit([&](Scene& s) { return s.addMaterial(added, like); });
       },
-      nb::arg("values"), nb::arg("textures_of") = nb::none(),
+      argument("values"), argument("textures_of") = nb::none(),
       nb::sig("def add_material(self, values: Material, textures_of: MaterialHandle | None = None) -> MaterialHandle"),
       "Without textures, or with those of another material.");
 }
@@ -293,7 +293,7 @@ void defineTextures(Class& type) {
         const auto handle = handleOf<Texture>(texture, "texture");
         return s.read([&](const Scene& s) { return s.texture(handle); });
       },
-      nb::arg("texture"), nb::sig("def texture(self, texture: TextureHandle) -> Texture"), "Its name and size.");
+      argument("texture"), nb::sig("def texture(self, texture: TextureHandle) -> Texture"), "Its name and size.");
   type.def(
       "texture_pixels",
       [](const SharedScene& s, nb::handle texture) {
@@ -301,7 +301,7 @@ void defineTextures(Class& type) {
         TextureData data = s.read([&](const Scene& s) { return s.textureData(handle); });
         return owned(std::move(data.rgba), {data.height, data.width, 4});
       },
-      nb::arg("texture"), nb::sig("def texture_pixels(self, texture: TextureHandle) -> numpy.ndarray"),
+      argument("texture"), nb::sig("def texture_pixels(self, texture: TextureHandle) -> numpy.ndarray"),
       "(H, W, 4) uint8: RGBA, straight alpha, rows from the top.");
   type.def(
       "add_texture",
@@ -309,7 +309,7 @@ void defineTextures(Class& type) {
         const TextureData data = textureDataOf(pixels, srgb, name);
         return s.edit([&](Scene& s) { return s.addTexture(data); });
       },
-      nb::arg("pixels"), nb::arg("srgb") = true, nb::arg("name") = "",
+      argument("pixels"), argument("srgb") = true, argument("name") = "",
       nb::sig("def add_texture(self, pixels: numpy.typing.ArrayLike, srgb: bool = True, name: str = \"\") -> "
               "TextureHandle"),
       "pixels: (H, W, C) uint8, rows from the top; 1 channel is grey, 2 grey and alpha, 3 RGB, 4 RGBA. srgb: as base "
@@ -329,8 +329,8 @@ void defineTextures(Class& type) {
         }
         s.edit([&](Scene& s) { s.setTexture(handle, place, use); });
       },
-      nb::arg("material"), nb::arg("slot"), nb::arg("texture").none(), nb::arg("wrap") = "repeat",
-      nb::arg("smooth") = true, nb::arg("uv_set") = 0,
+      argument("material"), argument("slot"), argument("texture"), argument("wrap") = "repeat",
+      argument("smooth") = true, argument("uv_set") = 0,
       nb::sig(
           "def set_texture(self, material: MaterialHandle, slot: typing.Literal[\"base_color\", "
           "\"metallic_roughness\", "
@@ -348,7 +348,7 @@ void defineTextures(Class& type) {
         const auto use = s.read([&](const Scene& s) { return s.textureOf(handle, place); });
         return use ? nb::cast(use->texture) : nb::none();
       },
-      nb::arg("material"), nb::arg("slot"),
+      argument("material"), argument("slot"),
       nb::sig("def texture_of(self, material: MaterialHandle, slot: str) -> TextureHandle | None"),
       "The texture that the material samples in that slot.");
 }
@@ -361,7 +361,7 @@ void defineLights(Class& type) {
         const auto handle = handleOf<Light>(light, "light");
         return s.read([&](const Scene& s) { return s.light(handle); });
       },
-      nb::arg("light"), nb::sig("def light(self, light: LightHandle) -> Light"), "Its properties, a copy.");
+      argument("light"), nb::sig("def light(self, light: LightHandle) -> Light"), "Its properties, a copy.");
   type.def(
       "set_light",
       [](SharedScene& s, nb::handle light, nb::handle values) {
@@ -369,7 +369,7 @@ void defineLights(Class& type) {
         const Light to = objectOf<Light>(values, "values", "a Light");
         s.edit([&](Scene& s) { s.setLight(handle, to); });
       },
-      nb::arg("light"), nb::arg("values"), nb::sig("def set_light(self, light: LightHandle, values: Light) -> None"),
+      argument("light"), argument("values"), nb::sig("def set_light(self, light: LightHandle, values: Light) -> None"),
       "A light that is moved or turned follows its node no longer.");
   type.def(
       "add_light",
@@ -377,14 +377,14 @@ void defineLights(Class& type) {
         const Light added = objectOf<Light>(values, "values", "a Light");
         return s.edit([&](Scene& s) { return s.addLight(added); });
       },
-      nb::arg("values"), nb::sig("def add_light(self, values: Light) -> LightHandle"));
+      argument("values"), nb::sig("def add_light(self, values: Light) -> LightHandle"));
   type.def(
       "remove_light",
       [](SharedScene& s, nb::handle light) {
         const auto handle = handleOf<Light>(light, "light");
         s.edit([&](Scene& s) { s.removeLight(handle); });
       },
-      nb::arg("light"), nb::sig("def remove_light(self, light: LightHandle) -> None"));
+      argument("light"), nb::sig("def remove_light(self, light: LightHandle) -> None"));
 }
 
 nb::object meshArrays(const SharedScene& s, nb::handle mesh) {
@@ -411,10 +411,10 @@ nb::object meshArrays(const SharedScene& s, nb::handle mesh) {
   "counter-clockwise; without them each three positions are a triangle\nnormals: (V, 3); without them flat\n"      \
   "tangents: (V, 4), and the bitangent's sign; without them made from uv\nuv, uv1: (V, 2), v down\n"               \
   "colors: (V, 4), linear; multiply the base colour"
-#define MESH_ARGUMENTS                                                                                             \
-  nb::arg("positions"), nb::arg("indices") = nb::none(), nb::arg("normals") = nb::none(),                          \
-                        nb::arg("tangents") = nb::none(), nb::arg("uv") = nb::none(), nb::arg("uv1") = nb::none(), \
-                        nb::arg("colors") = nb::none(), nb::arg("name") = ""
+#define MESH_ARGUMENTS                                                                                                 \
+  argument("positions"), argument("indices") = nb::none(), argument("normals") = nb::none(),                           \
+                         argument("tangents") = nb::none(), argument("uv") = nb::none(), argument("uv1") = nb::none(), \
+                         argument("colors") = nb::none(), argument("name") = ""
 
 void defineMeshes(Class& type) {
   type.def("meshes", [](const SharedScene& s) { return s.read([](const Scene& s) { return s.meshes(); }); });
@@ -424,8 +424,8 @@ void defineMeshes(Class& type) {
         const auto handle = handleOf<Mesh>(mesh, "mesh");
         return s.read([&](const Scene& s) { return s.mesh(handle); });
       },
-      nb::arg("mesh"), nb::sig("def mesh(self, mesh: MeshHandle) -> Mesh"), "Its name, size and bounds.");
-  type.def("mesh_arrays", &meshArrays, nb::arg("mesh"),
+      argument("mesh"), nb::sig("def mesh(self, mesh: MeshHandle) -> Mesh"), "Its name, size and bounds.");
+  type.def("mesh_arrays", &meshArrays, argument("mesh"),
            nb::sig("def mesh_arrays(self, mesh: MeshHandle) -> dict[str, numpy.ndarray]"),
            "Its arrays at rest, by the names that add_mesh() takes; those that it has.");
   type.def(
@@ -444,7 +444,7 @@ void defineMeshes(Class& type) {
         const MeshData data = meshDataOf(positions, indices, normals, tangents, uv, uv1, colors, name);
         s.edit([&](Scene& s) { s.setMesh(handle, data); });
       },
-      nb::arg("mesh"), MESH_ARGUMENTS, nb::sig("def set_mesh(self, mesh: MeshHandle, " MESH_PARAMETERS ") -> None"),
+      argument("mesh"), MESH_ARGUMENTS, nb::sig("def set_mesh(self, mesh: MeshHandle, " MESH_PARAMETERS ") -> None"),
       "All instances of the mesh change with it, and no skin deforms it from then on. " MESH_DOC);
 }
 

@@ -47,6 +47,10 @@ std::string typeName(nb::handle value) {
   return Py_TYPE(value.ptr())->tp_name;
 }
 
+std::string shown(const nb::object& value) {
+  return nb::cast<std::string>(nb::str(nb::handle(value)));
+}
+
 bool boolOf(nb::handle value, std::string_view name) {
   if (value.ptr() == Py_True) return true;
   if (value.ptr() == Py_False) return false;
@@ -75,8 +79,7 @@ int64_t integerOf(nb::handle value, std::string_view name, int64_t least, int64_
   }
   int64_t number = 0;
   if (!nb::try_cast<int64_t>(index, number) || number < least || number > most)
-    badValue("{} must be a whole number from {} to {}, not {}", name, least, most,
-             nb::cast<std::string>(nb::str(index)));
+    badValue("{} must be a whole number from {} to {}, not {}", name, least, most, shown(index));
   return number;
 }
 
@@ -121,11 +124,10 @@ nb::object arrayOf(nb::handle value, std::string_view name, const char* dtype, s
   }
   const std::vector<int64_t> has = shapeOf(array);
   if (!fits(has, shape)) badValue("{} must be an array of shape {}, not {}", name, shapeText(shape), shapeText(has));
-  const auto kind = nb::cast<std::string>(array.attr("dtype").attr("kind"));
+  const auto kind = shown(array.attr("dtype").attr("kind"));
   const bool none = std::find(has.begin(), has.end(), 0) != has.end();  // an empty list is one of floats
   if (!none && kinds.find(kind) == kinds.npos)
-    badType("{} must be an array of {}, not {}", name, kindText(kinds),
-            nb::cast<std::string>(nb::str(array.attr("dtype"))));
+    badType("{} must be an array of {}, not {}", name, kindText(kinds), shown(array.attr("dtype")));
   return numpy("ascontiguousarray")(array, dtype);
 }
 

@@ -31,7 +31,13 @@ template <typename... Args>
   throw Error(ExitCode::Usage, fmt::format(format, std::forward<Args>(args)...));
 }
 
+// An argument that takes all values, None too: what does not fit is refused in a sentence of its own.
+inline auto argument(const char* name) {
+  return nb::arg(name).none();
+}
+
 std::string typeName(nb::handle value);
+std::string shown(const nb::object& value);  // as str() gives it
 
 bool boolOf(nb::handle value, std::string_view name);
 double numberOf(nb::handle value, std::string_view name);
