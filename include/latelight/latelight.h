@@ -14,6 +14,7 @@
 #include <latelight/error.h>
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <limits>
@@ -32,6 +33,23 @@ LATELIGHT_API const char* version();
 // would take more throws Error(DeviceLost) before it does. 0, as at first: three quarters of what is free.
 LATELIGHT_API void setMemoryLimit(uint64_t bytes);
 
+enum class LensModel {
+  Pinhole,          // any focal lengths and principal point, without distortion
+  OpenCv,           // with OpenCV's radial and tangential distortion: k1 k2 p1 p2 k3 k4 k5 k6
+  Fisheye,          // Kannala and Brandt's, as OpenCV's: k1 k2 k3 k4, of the angle to the axis
+  Equirectangular,  // all around: the axis in the middle, longitude to the right, latitude up
+  CubeMap,          // six faces side by side: +X -X +Y -Y +Z -Z, of the camera's frame
+};
+
+// Calibrated for pictures of width x height pixels; one of another size is the same picture, scaled. Pixel centres are
+// at half-integers: a centred principal point is (width / 2, height / 2).
+struct Lens {
+  LensModel model = LensModel::Pinhole;
+  double width = 0, height = 0;
+  double fx = 0, fy = 0, cx = 0, cy = 0;  // pixels; equirectangular pictures and cube maps have none
+  std::array<double, 8> distortion{};     // the first of them, as the model says
+};
+
 struct Camera {
   std::string name;
   // Camera frame to the scene file's frame, row-major. OpenCV's camera frame: X right, Y down, Z forward.
@@ -44,6 +62,7 @@ struct Camera {
   float farClip = std::numeric_limits<float>::infinity();
   float principalX = 0, principalY = 0;  // offset of the principal point from the centre, in half widths and half
                                          // heights, y up
+  std::optional<Lens> lens{};            // instead of the field of view and the principal point
 };
 
 struct Animation {
@@ -94,6 +113,31 @@ struct Material {
   float f0 = 0.04f;  // what a dielectric reflects at normal incidence: ((ior - 1) / (ior + 1))^2
 };
 
+enum class TextureSlot { BaseColor, MetallicRoughness, Normal, Occlusion, Emissive, Specular, SpecularColor };
+enum class Wrap { Repeat, Mirror, Clamp };
+
+struct Texture {
+  std::string name;
+  uint32_t width = 0, height = 0;
+  bool srgb = true;  // its colours are sRGB-encoded; alpha never is
+};
+
+// Pixels of a texture that a program makes: RGBA, 8 bits a channel, straight alpha, rows from the top.
+struct TextureData {
+  std::string name;
+  uint32_t width = 0, height = 0;
+  bool srgb = true;  // as base colours and emitted light are stored; not for normals, roughness and other data
+  std::vector<uint8_t> rgba;
+};
+
+// How a material samples a texture. Channels are those of glTF: roughness is green and metalness blue.
+struct TextureUse {
+  Handle<Texture> texture;
+  Wrap wrapU = Wrap::Repeat, wrapV = Wrap::Repeat;
+  bool smooth = true;  // linear filters and mip levels; else the nearest texel
+  uint32_t uvSet = 0;  // or 1
+};
+
 // As in KHR_lights_punctual.
 struct Light {
   std::string name;
@@ -128,6 +172,19 @@ struct MeshData {
   std::vector<std::array<float, 4>> colors;    // linear; multiply the base colour
 };
 
+// A node of the file, or of an instance that was added.
+struct Node {
+  std::string path;                                                     // "/Root/Arm/Hand"
+  std::string parent;                                                   // its path; empty: a root
+  std::string mesh;                                                     // its name; empty: it has none
+  Transform transform{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};  // to the scene file's frame, at rest
+  uint32_t id = 0;                                                      // as in the output "id"
+};
+
+struct Bounds {
+  std::array<float, 3> min{}, max{};
+};
+
 // A mesh placed in the scene.
 struct Instance {
   std::string node;  // path of the node that shows it, "/Root/Arm/Hand"
@@ -145,6 +202,7 @@ struct Instance {
 // the scene may be at work in another thread meanwhile.
 class LATELIGHT_API Scene {
  public:
+  Scene();  // an empty one, in glTF's frame
   explicit Scene(const std::string& source, const std::string& materialVariant = "");
   Scene(const std::string& source, const SceneOptions& options);
   ~Scene();
@@ -155,7 +213,10 @@ class LATELIGHT_API Scene {
   // What the ids in the outputs "id", "part" and "material" stand for, as JSON: the "ids" and "materials" of the side
   // file that docs/conventions.md describes.
   std::string idManifest() const;
+  std::vector<Node> nodes() const;
+  std::optional<Bounds> bounds() const;        // of all instances at rest, in the scene file's frame; none: it is empty
   const std::vector<Camera>& cameras() const;  // the scene's own, at rest
+  void addCamera(const Camera& camera);        // behind them
   const std::vector<Animation>& animations() const;
   // The scene's own cameras where they are at a time; as Options::time, animation and loop say.
   std::vector<Camera> camerasAt(double time, const std::string& animation = "", bool loop = false) const;
@@ -183,6 +244,14 @@ class LATELIGHT_API Scene {
   // Without textures, or with those of another material.
   Handle<Material> addMaterial(const Material& values, std::optional<Handle<Material>> texturesOf = {});
 
+  std::vector<Handle<Texture>> textures() const;
+  Texture texture(Handle<Texture> texture) const;
+  TextureData textureData(Handle<Texture> texture) const;
+  Handle<Texture> addTexture(const TextureData& data);
+  std::optional<TextureUse> textureOf(Handle<Material> material, TextureSlot slot) const;
+  // With uv as they are, or, where the material had a texture there, transformed as that one's. Nothing: takes it away.
+  void setTexture(Handle<Material> material, TextureSlot slot, const std::optional<TextureUse>& use);
+
   std::vector<Handle<Light>> lights() const;
   Light light(Handle<Light> light) const;
   // A light that is moved or turned follows its node no longer.
@@ -193,6 +262,7 @@ class LATELIGHT_API Scene {
   // Several instances may show one mesh: all of them change with it.
   std::vector<Handle<Mesh>> meshes() const;
   Mesh mesh(Handle<Mesh> mesh) const;
+  MeshData meshData(Handle<Mesh> mesh) const;             // at rest
   void setMesh(Handle<Mesh> mesh, const MeshData& data);  // no skin deforms it from then on; no name: it keeps its own
   Handle<Mesh> addMesh(const MeshData& data);
 
@@ -224,6 +294,7 @@ struct Options {
 #include <latelight/options.def>
 
   // What the command line has in another form.
+  bool picture = true;            // the picture to look at, Frame::rgba; without it data alone need no light
   std::vector<std::string> aovs;  // beside the picture: "depth", "normal", ...; "color" is the linear picture
   std::vector<Camera> previousCameras, nextCameras;  // where they were and will be, a frame before and after the time:
                                                      // as many as are rendered; none: cameras stand
@@ -252,6 +323,39 @@ struct Pick {
   float depth = 0, distance = 0;  // metres
   std::array<float, 2> uv{};
 };
+
+// An entry of options.def, for programs that list the options.
+struct OptionInfo {
+  std::string group, name, member;  // "Picture", "--exposure", "exposure"
+  std::string help;                 // one sentence
+  std::string unit, range;          // of numbers: "EV", "-60 to 60 EV"
+  std::string normal;               // the default, as on the command line; empty: `without` says what applies
+  std::string without;
+  struct Name {
+    std::string name, help;
+  };
+  std::vector<Name> names;  // that it takes
+  bool anyText = false;     // it takes more than those names, or has none
+};
+LATELIGHT_API std::vector<OptionInfo> optionInfos();
+
+// What Options::aovs takes.
+struct OutputInfo {
+  std::string name, description, unit;
+  uint32_t channels = 0;
+  bool ids = false;  // whole numbers, in Aov::ids
+};
+LATELIGHT_API std::vector<OutputInfo> outputInfos();
+
+// An environment that a program makes: an equirectangular picture, its centre column at +X of the glTF frame and its
+// top row at the zenith. Linear radiance; as wide as twice its height.
+struct EnvironmentData {
+  uint32_t width = 0, height = 0;
+  std::vector<std::array<float, 3>> radiance;  // rows from the top
+};
+
+// The picture as a PNG file in memory.
+LATELIGHT_API std::vector<std::byte> encodePng(uint32_t width, uint32_t height, const std::vector<uint8_t>& rgba);
 
 // Where pictures are until they are taken.
 enum class Results {
@@ -314,9 +418,17 @@ class LATELIGHT_API Renderer {
   // `device`: "auto", "cpu", an index, a part of a name or a UUID. `environment`: a .hdr or .exr file, "studio",
   // "none", or empty: the studio where the scene has no light. The scene must outlive the renderer.
   explicit Renderer(const Scene& scene, const std::string& device = "auto", const std::string& environment = "");
+  Renderer(const Scene& scene, const std::string& device, const EnvironmentData& environment);
   ~Renderer();
   Renderer(Renderer&&) noexcept;
   Renderer& operator=(Renderer&&) noexcept;
+
+  const std::string& deviceName() const;
+  // Of Vulkan's validation layers since the last call, which LATELIGHT_VALIDATION=1 in the environment turns on.
+  std::vector<std::string> validationMessages();
+  // Called every 50 ms while a function waits for the device. What it throws ends that function, and what was submitted
+  // is done without it.
+  void whileWaiting(std::function<void()> check);
 
   Frame render(const Camera& camera, const Options& options = {});
   // Several cameras at once, faster than one by one.

@@ -5,6 +5,7 @@
 #include <glm/gtc/constants.hpp>
 
 #include "base/error.h"
+#include "output/png.h"
 #include "render/api_scene.h"
 #include "render/id_manifest.h"
 #include "render/picking.h"
@@ -19,6 +20,26 @@ namespace {
 
 constexpr float kDegrees = 180.0f / glm::pi<float>();
 
+Lens publicLens(const scene::Lens& from) {
+  return {
+      static_cast<LensModel>(from.model), from.width, from.height, from.fx, from.fy, from.cx, from.cy, from.distortion};
+}
+
+scene::Lens internalLens(const Lens& from) {
+  for (const double value : {from.width, from.height, from.fx, from.fy, from.cx, from.cy})
+    if (!std::isfinite(value)) badUsage("the camera's lens has a value that is not a number");
+  for (const double value : from.distortion)
+    if (!std::isfinite(value)) badUsage("the camera's lens has a value that is not a number");
+  return {static_cast<scene::LensModel>(from.model),
+          from.width,
+          from.height,
+          from.fx,
+          from.fy,
+          from.cx,
+          from.cy,
+          from.distortion};
+}
+
 Camera publicCamera(const scene::Camera& camera, const scene::Scene& scene) {
   Camera c;
   c.name = camera.name;
@@ -32,6 +53,7 @@ Camera publicCamera(const scene::Camera& camera, const scene::Scene& scene) {
   c.farClip = camera.farClip;
   c.principalX = camera.principal.x;
   c.principalY = camera.principal.y;
+  if (camera.lens) c.lens = publicLens(*camera.lens);
   return c;
 }
 
@@ -74,6 +96,7 @@ scene::Camera internalCamera(const Camera& camera, const scene::Scene& scene) {
   c.nearClip = camera.nearClip;
   c.farClip = camera.farClip;
   c.principal = {camera.principalX, camera.principalY};
+  if (camera.lens) c.lens = internalLens(*camera.lens);
   return c;
 }
 
@@ -94,6 +117,7 @@ render::Settings internalSettings(const Options& o) {
 #define OPTION_SUN(member, ...) \
   if (o.member) s.member = internalSun(*o.member);
 #include <latelight/options.def>
+  s.display = o.picture;
   std::string names;
   for (const std::string& name : o.aovs) names += (names.empty() ? "" : ",") + name;
   if (!names.empty()) s.aovs = output::parseAovs(names);
@@ -162,6 +186,14 @@ const char* version() {
   return LATELIGHT_VERSION;
 }
 
+std::vector<std::byte> encodePng(uint32_t width, uint32_t height, const std::vector<uint8_t>& rgba) {
+  if (width == 0 || height == 0 || rgba.size() != size_t{4} * width * height)
+    badUsage("a picture of {}x{} pixels has 4 bytes each, and {} are given", width, height, rgba.size());
+  return output::encodePng(output::Picture{width, height, rgba});
+}
+
+Scene::Scene() : impl_(new Impl{scene::Scene{.name = "scene", .source = "scene"}}) {}
+
 Scene::Scene(const std::string& source, const std::string& materialVariant)
     : Scene(source, SceneOptions{.materialVariant = materialVariant}) {}
 
@@ -189,6 +221,11 @@ const std::vector<Camera>& Scene::cameras() const {
 
 const std::vector<Animation>& Scene::animations() const {
   return impl_->animations;
+}
+
+void Scene::addCamera(const Camera& camera) {
+  impl_->scene.cameras.push_back(internalCamera(camera, impl_->scene));
+  impl_->cameras.push_back(publicCamera(impl_->scene.cameras.back(), impl_->scene));
 }
 
 std::vector<Camera> Scene::camerasAt(double time, const std::string& animation, bool loop) const {
@@ -223,12 +260,43 @@ struct Renderer::Impl {
         renderer(*device, scene, environment ? &*environment : nullptr) {}
 };
 
+namespace {
+
+scene::Environment makeEnvironment(const EnvironmentData& data) {
+  if (data.height == 0 || data.width != 2 * data.height)
+    badUsage("an environment is twice as wide as it is high, and not {}x{} pixels", data.width, data.height);
+  if (data.radiance.size() != size_t{data.width} * data.height)
+    badUsage("an environment of {}x{} pixels has as many radiances, and {} are given", data.width, data.height,
+             data.radiance.size());
+  scene::FloatImage picture(data.width, data.height);
+  for (size_t i = 0; i < data.radiance.size(); ++i)
+    for (size_t channel = 0; channel < 4; ++channel)
+      picture.pixels[4 * i + channel] = channel < 3 ? data.radiance[i][channel] : 1;
+  return scene::makeEnvironment(std::move(picture));
+}
+
+}  // namespace
+
+Renderer::Renderer(const Scene& scene, const std::string& device, const EnvironmentData& environment)
+    : impl_(new Impl(scene.impl_->scene, device, makeEnvironment(environment))) {}
 Renderer::Renderer(const Scene& scene, const std::string& device, const std::string& environment)
     : impl_(new Impl(scene.impl_->scene, device,
                      render::loadEnvironment(render::environmentName(scene.impl_->scene, environment)))) {}
 Renderer::~Renderer() = default;
 Renderer::Renderer(Renderer&&) noexcept = default;
 Renderer& Renderer::operator=(Renderer&&) noexcept = default;
+
+const std::string& Renderer::deviceName() const {
+  return impl_->device->info().name;
+}
+
+std::vector<std::string> Renderer::validationMessages() {
+  return impl_->device->validationMessages();
+}
+
+void Renderer::whileWaiting(std::function<void()> check) {
+  impl_->device->whileWaiting(std::move(check));
+}
 
 Frame Renderer::render(const Camera& camera, const Options& options) {
   return std::move(render(std::vector<Camera>{camera}, options).front());

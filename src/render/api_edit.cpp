@@ -1,4 +1,5 @@
 // The public API's edits: converts handles, units and frames of latelight.h to those of scene/edit.h.
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
@@ -193,6 +194,32 @@ std::vector<uint32_t> trianglesOf(const MeshData& mesh) {
   return indices;
 }
 
+std::array<float, 2> two(const vec2& v) {
+  return {v.x, v.y};
+}
+std::array<float, 4> four(const vec4& v) {
+  return {v.x, v.y, v.z, v.w};
+}
+
+// Streams of zeros alone are those that the mesh has not.
+MeshData publicMeshData(const scene::Mesh& from) {
+  MeshData out{.name = from.name, .indices = from.indices};
+  const auto& attributes = from.attributes;
+  const bool hasUv = std::ranges::any_of(attributes, [](const auto& a) { return a.uv0 != vec2(0); });
+  const bool hasTangents = std::ranges::any_of(attributes, [](const auto& a) { return a.tangent != vec4(0); });
+  for (const vec3& position : from.positions) out.positions.push_back(three(position));
+  for (const shared::VertexAttributes& a : attributes) {
+    out.normals.push_back(three(a.normal));
+    if (hasTangents) out.tangents.push_back(four(a.tangent));
+    if (hasUv) out.uv.push_back(two(a.uv0));
+  }
+  for (const shared::VertexExtra& e : from.extras) {
+    out.uv1.push_back(two(e.uv1));
+    out.colors.push_back(four(e.color));
+  }
+  return out;
+}
+
 scene::Mesh internalMesh(const MeshData& from) {
   std::vector<uint32_t> indices = trianglesOf(from);
   scene::Vertices v;
@@ -251,6 +278,30 @@ uint32_t Scene::Impl::index(Handle<Light> h) const {
 }
 uint32_t Scene::Impl::index(Handle<Mesh> h) const {
   return indexOf(h, number, scene.meshes.size(), 0, "a mesh");
+}
+uint32_t Scene::Impl::index(Handle<Texture> h) const {
+  return indexOf(h, number, scene.textures.size(), 0, "a texture");
+}
+
+// --- nodes ----------------------------------------------------------------------------------------------------------
+
+std::vector<Node> Scene::nodes() const {
+  const scene::Scene& scene = impl_->scene;
+  std::vector<Node> nodes;
+  for (const scene::Node& node : scene.nodes) {
+    if (node.path.empty()) continue;  // a gap
+    const std::string parent = node.parent < 0 ? "" : scene.nodes[static_cast<size_t>(node.parent)].path;
+    nodes.push_back({node.path, parent, node.mesh, publicTransform(node.toWorld, scene), node.id});
+  }
+  return nodes;
+}
+
+std::optional<Bounds> Scene::bounds() const {
+  const scene::Bounds world = scene::worldBounds(impl_->scene);
+  if (world.empty()) return std::nullopt;
+  const mat4 toFile = fileFromWorld(impl_->scene);  // which turns by right angles
+  const vec3 a(toFile * vec4(world.min, 1)), b(toFile * vec4(world.max, 1));
+  return Bounds{three(glm::min(a, b)), three(glm::max(a, b))};
 }
 
 // --- instances ------------------------------------------------------------------------------------------------------
@@ -360,6 +411,10 @@ Mesh Scene::mesh(Handle<Mesh> mesh) const {
           three(from.boundsMin),
           three(from.boundsMax),
           from.deformation != nullptr};
+}
+
+MeshData Scene::meshData(Handle<Mesh> mesh) const {
+  return publicMeshData(impl_->scene.meshes[impl_->index(mesh)]);
 }
 
 void Scene::setMesh(Handle<Mesh> mesh, const MeshData& data) {

@@ -18,6 +18,7 @@ struct Scene::Impl {
   uint32_t index(Handle<Material> material) const;
   uint32_t index(Handle<Light> light) const;
   uint32_t index(Handle<Mesh> mesh) const;
+  uint32_t index(Handle<Texture> texture) const;
 
   Handle<Instance> instance(uint32_t index) const {
     return {number, index, scene.edits.instanceGaps.generation(index)};
@@ -25,6 +26,7 @@ struct Scene::Impl {
   Handle<Material> material(uint32_t index) const { return {number, index, 0}; }  // never removed
   Handle<Light> light(uint32_t index) const { return {number, index, scene.edits.lightGaps.generation(index)}; }
   Handle<Mesh> mesh(uint32_t index) const { return {number, index, 0}; }
+  Handle<Texture> texture(uint32_t index) const { return {number, index, 0}; }
 
  private:
   static uint32_t nextNumber();

@@ -142,4 +142,9 @@ Environment loadEnvironment(const std::string& source) {
   return environment;
 }
 
+Environment makeEnvironment(FloatImage picture) {
+  const uint64_t key = hash64(picture.pixels.data(), picture.pixels.size() * sizeof(float)) ^ picture.width;
+  return cached(key, [&] { return filterEnvironment(std::move(picture)); });
+}
+
 }  // namespace latelight::scene

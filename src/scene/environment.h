@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "scene/picture_io.h"
 #include "shared/types.h"
 
 namespace latelight::scene {
@@ -38,6 +39,8 @@ struct Environment {
 // The map's axes are the renderer's world (Z up) at rotation 0. `source`: a .hdr or .exr file, or "studio": a built-in
 // neutral studio of soft boxes. Throws Error(BadInput) naming the file. Uses the cache.
 Environment loadEnvironment(const std::string& source);
+// The same from a picture that a program has made.
+Environment makeEnvironment(FloatImage picture);
 
 // Split-sum terms of GGX: reflectance is f0 x + f90 y,
 // for n.v along a row (column i is at (i + 0.5) / size) and perceptual roughness along a column. size * size entries.

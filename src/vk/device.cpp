@@ -52,6 +52,7 @@ struct Device::Impl {
   std::string cacheName;
   size_t cacheBytes = 0;  // when loaded or last saved
   std::vector<const char*> extensions;
+  std::function<void()> whileWaiting{};
   PFN_vkSetDebugUtilsObjectNameEXT setName = nullptr;
 
   std::mutex submitting;  // one submission at a time; guards the following
@@ -91,7 +92,13 @@ void Device::Impl::waitFor(uint64_t value) const {
   info.semaphoreCount = 1;
   info.pSemaphores = &timeline;
   info.pValues = &value;
-  VK_CHECK(vkWaitSemaphores(device, &info, UINT64_MAX));
+  constexpr uint64_t kInterval = 50'000'000;  // nanoseconds
+  VkResult result = VK_TIMEOUT;
+  while (result == VK_TIMEOUT) {
+    result = vkWaitSemaphores(device, &info, whileWaiting ? kInterval : UINT64_MAX);
+    if (result == VK_TIMEOUT && whileWaiting) whileWaiting();
+  }
+  check(result, "vkWaitSemaphores", __FILE__, __LINE__);
 }
 
 void Device::Impl::deleteFinished() {
@@ -329,6 +336,10 @@ uint64_t Device::submissions() const {
 
 bool Device::finished(uint64_t submission) const {
   return impl_->finishedValue() >= submission;
+}
+
+void Device::whileWaiting(std::function<void()> check) {
+  impl_->whileWaiting = std::move(check);
 }
 
 void Device::wait(uint64_t submission) {

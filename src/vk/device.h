@@ -86,6 +86,8 @@ class Device {
   uint64_t submissions() const;  // the value of the last one
   bool finished(uint64_t submission) const;
   void wait(uint64_t submission);  // returns when it has finished
+  // Called every 50 ms while something waits for a submission; what it throws leaves there. None: waits without it.
+  void whileWaiting(std::function<void()> check);
   void submitAndWait(const std::function<void(VkCommandBuffer)>& record) { wait(submit(record)); }
 
   // Deferred deletion: runs `destroy` once every submission made so far, and the one being recorded, has finished: in

@@ -1,0 +1,14 @@
+// The parts of the module latelight._core, a file each.
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+namespace latelight::python {
+
+void bindErrors();
+void bindCamera(nanobind::module_& module);
+void bindElements(nanobind::module_& module);
+void bindScene(nanobind::module_& module);
+void bindRenderer(nanobind::module_& module);
+
+}  // namespace latelight::python

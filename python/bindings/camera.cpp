@@ -1,0 +1,206 @@
+// class Camera, and the ways to make one.
+#include <cmath>
+#include <numbers>
+
+#include "bindings.h"
+#include "cameras.h"
+#include "fields.h"
+
+namespace latelight::python {
+
+namespace {
+
+using Vector = std::array<double, 3>;
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+Vector cross(const Vector& a, const Vector& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+Vector unit(const Vector& v, const char* what) {
+  const double length = std::hypot(v[0], v[1], v[2]);
+  if (!(length > 1e-12)) badValue("{}", what);
+  return {v[0] / length, v[1] / length, v[2] / length};
+}
+
+Camera lookAt(nb::handle eye, nb::handle target, nb::handle up, nb::handle verticalFov) {
+  const Vector from = numbersOf<double, 3>(eye, "eye"), to = numbersOf<double, 3>(target, "target");
+  const Vector forward =
+      unit({to[0] - from[0], to[1] - from[1], to[2] - from[2]}, "eye and target must be different points");
+  const Vector right = unit(cross(forward, unit(numbersOf<double, 3>(up, "up"), "up must have a length")),
+                            "up must not lie along the view");
+  const Vector down = cross(forward, right);
+  Camera camera;
+  camera.verticalFov = floatOf(verticalFov, "vertical_fov");
+  for (size_t row = 0; row < 3; ++row) {
+    camera.cameraToWorld[4 * row] = right[row];
+    camera.cameraToWorld[4 * row + 1] = down[row];
+    camera.cameraToWorld[4 * row + 2] = forward[row];
+    camera.cameraToWorld[4 * row + 3] = from[row];
+  }
+  return camera;
+}
+
+// OpenGL's camera looks along -Z, its Y up.
+std::array<double, 16> openCvPose(nb::handle pose, const std::string& frame) {
+  std::array<double, 16> matrix = matrixOf<4, 4>(pose, "camera_to_world");
+  if (frame != "opencv" && frame != "opengl") badValue("frame must be \"opencv\" or \"opengl\", not \"{}\"", frame);
+  if (frame == "opengl")
+    for (size_t row = 0; row < 4; ++row)
+      for (const size_t column : {1, 2}) matrix[4 * row + column] *= -1;
+  return matrix;
+}
+
+struct Pixels {
+  double width, height;
+};
+Pixels sizeOf(nb::handle size) {
+  const auto [width, height] = numbersOf<double, 2>(size, "size");
+  if (!(width > 0 && height > 0)) badValue("size must be a width and a height above 0, not {} and {}", width, height);
+  return {width, height};
+}
+
+Camera fromK(nb::handle k, nb::handle pose, nb::handle size, nb::handle frame) {
+  const std::array<double, 9> m = matrixOf<3, 3>(k, "k");
+  const auto [width, height] = sizeOf(size);
+  const double fx = m[0], fy = m[4], cx = m[2], cy = m[5];
+  if (!(fx > 0 && fy > 0)) badValue("k must have focal lengths above 0, not {} and {}", fx, fy);
+  if (m[1] != 0 || m[3] != 0) badValue("k must have no skew, and has {} and {}", m[1], m[3]);
+  if (m[6] != 0 || m[7] != 0 || m[8] != 1) badValue("k must have the last row 0 0 1");
+  Camera camera;
+  camera.cameraToWorld = openCvPose(pose, textOf(frame, "frame"));
+  camera.verticalFov = static_cast<float>(2 * std::atan(height / (2 * fy)) * kDegrees);
+  camera.principalX = static_cast<float>(2 * cx / width - 1);
+  camera.principalY = static_cast<float>(1 - 2 * cy / height);
+  if (fx != fy) camera.lens = Lens{.width = width, .height = height, .fx = fx, .fy = fy, .cx = cx, .cy = cy};
+  return camera;
+}
+
+nb::object kOf(const Camera& camera, nb::handle size) {
+  const auto [width, height] = sizeOf(size);
+  std::vector<double> k{1, 0, (camera.principalX + 1.0) * width / 2, 0, 1, (1.0 - camera.principalY) * height / 2, 0,
+                        0, 1};
+  if (camera.lens) {
+    const double sx = width / camera.lens->width, sy = height / camera.lens->height;
+    k = {camera.lens->fx * sx, 0, camera.lens->cx * sx, 0, camera.lens->fy * sy, camera.lens->cy * sy, 0, 0, 1};
+  } else {
+    k[0] = k[4] = camera.orthographic ? height / (2.0 * camera.halfHeight)
+                                      : height / (2 * std::tan(camera.verticalFov / kDegrees / 2));
+  }
+  return owned(std::move(k), {3, 3});
+}
+
+constexpr std::array<std::pair<const char*, LensModel>, 5> kLensModels{{{"pinhole", LensModel::Pinhole},
+                                                                        {"opencv", LensModel::OpenCv},
+                                                                        {"fisheye", LensModel::Fisheye},
+                                                                        {"equirectangular", LensModel::Equirectangular},
+                                                                        {"cubemap", LensModel::CubeMap}}};
+
+void setModel(Lens& lens, nb::handle value, const char* name) {
+  const std::string text = textOf(value, name);
+  std::string names;
+  for (const auto& [known, model] : kLensModels) {
+    if (text == known) {
+      lens.model = model;
+      return;
+    }
+    names += (names.empty() ? "" : ", ") + std::string(known);
+  }
+  badValue("{} must be one of {}, not \"{}\"", name, names, text);
+}
+
+void setDistortion(Lens& lens, nb::handle value, const char* name) {
+  const nb::object array = arrayOf(value, name, "float64", "fiu", {-1});
+  const size_t count = lengthOf(array, 0);
+  if (count > lens.distortion.size()) badValue("{} takes at most 8 numbers, not {}", name, count);
+  lens.distortion = {};
+  if (count == 0) return;
+  const auto view = viewOf<double>(array);
+  checkFinite(view.data(), count, name);
+  std::copy_n(view.data(), count, lens.distortion.begin());
+}
+
+void bindLens(nb::module_& module) {
+  Fields<Lens>(module, "Lens",
+               "How a camera maps directions to pixels, where a field of view and a principal point do not say it.\n\n"
+               "Calibrated for pictures of width x height pixels; one of another size is the same picture, scaled.")
+      .field(
+          "model", "str", "pinhole, opencv, fisheye, equirectangular or cubemap",
+          [](const Lens& lens) { return nb::str(kLensModels[static_cast<size_t>(lens.model)].first); }, setModel)
+      .number("width", &Lens::width, "pixels")
+      .number("height", &Lens::height, "pixels")
+      .number("fx", &Lens::fx, "focal length, pixels")
+      .number("fy", &Lens::fy, "focal length, pixels")
+      .number("cx", &Lens::cx, "principal point, pixels; centred: width / 2")
+      .number("cy", &Lens::cy, "principal point, pixels; centred: height / 2")
+      .field(
+          "distortion", "tuple[float, ...]", "opencv: k1 k2 p1 p2 k3 k4 k5 k6; fisheye: k1 k2 k3 k4",
+          [](const Lens& lens) { return tupleOf(lens.distortion); }, setDistortion)
+      .done();
+}
+
+}  // namespace
+
+std::vector<Camera> camerasOf(nb::handle value, std::string_view name) {
+  const Camera* one = nullptr;
+  if (nb::try_cast<const Camera*>(value, one, false) && one) return {*one};
+  const nb::object items = nb::steal(PySequence_List(value.ptr()));
+  if (!items.is_valid()) {
+    PyErr_Clear();
+    badType("{} must be a Camera or a list of them, not {}", name, typeName(value));
+  }
+  std::vector<Camera> cameras;
+  for (const nb::handle item : nb::list(items))
+    cameras.push_back(objectOf<Camera>(item, fmt::format("each of {}", name), "a Camera"));
+  return cameras;
+}
+
+void bindCamera(nb::module_& module) {
+  bindLens(module);
+  Fields<Camera>(
+      module, "Camera",
+      "Where a picture is taken from, and how.\n\n"
+      "Poses are in the scene file's own frame (glTF: right-handed, Y up), lengths in metres, angles in degrees.")
+      .text("name", &Camera::name, "")
+      .field(
+          "camera_to_world", "numpy.ndarray",
+          "(4, 4) float64: OpenCV's camera frame (X right, Y down, Z forward) to the scene file's frame",
+          [](const Camera& camera) { return matrix(camera.cameraToWorld); },
+          [](Camera& camera, nb::handle value, const char* name) {
+            camera.cameraToWorld = matrixOf<4, 4>(value, name);
+          })
+      .flag("orthographic", &Camera::orthographic, "without perspective; half_height says how much it shows")
+      .number("vertical_fov", &Camera::verticalFov, "degrees, full angle")
+      .number("half_height", &Camera::halfHeight, "metres; of orthographic cameras")
+      .number("near_clip", &Camera::nearClip, "metres; however near it is, depth keeps its precision")
+      .number("far_clip", &Camera::farClip, "metres; infinite")
+      .number("principal_x", &Camera::principalX, "offset of the principal point to the right, in half widths")
+      .number("principal_y", &Camera::principalY, "offset of the principal point upwards, in half heights")
+      .field(
+          "lens", "Lens | None", "instead of the field of view and the principal point",
+          [](const Camera& camera) { return camera.lens ? nb::cast(*camera.lens) : nb::none(); },
+          [](Camera& camera, nb::handle value, const char* name) {
+            if (value.is_none())
+              camera.lens.reset();
+            else
+              camera.lens = objectOf<Lens>(value, name, "a Lens or None");
+          })
+      .done()
+      .def_static("look_at", &lookAt, argument("eye"), argument("target"), argument("up") = nb::make_tuple(0, 1, 0),
+                  argument("vertical_fov") = 40.0,
+                  nb::sig("def look_at(eye: numpy.typing.ArrayLike, target: numpy.typing.ArrayLike, "
+                          "up: numpy.typing.ArrayLike = (0, 1, 0), vertical_fov: float = 40) -> Camera"),
+                  "A camera at `eye` that looks at `target`, both (3,), metres.")
+      .def_static(
+          "from_k", &fromK, argument("k"), argument("camera_to_world"), argument("size"), argument("frame") = "opencv",
+          nb::sig("def from_k(k: numpy.typing.ArrayLike, camera_to_world: numpy.typing.ArrayLike, "
+                  "size: tuple[int, int], frame: typing.Literal[\"opencv\", \"opengl\"] = \"opencv\") -> Camera"),
+          "A pinhole camera by its matrix K (3, 3), calibrated for pictures of `size` (width, height), and its "
+          "pose (4, 4).\n\nPixel centres are at half-integers. `frame` is that of the camera: OpenCV's (X "
+          "right, Y down, Z forward)\nor OpenGL's (X right, Y up, Z backward).")
+      .def("k", &kOf, argument("size"), nb::sig("def k(self, size: tuple[int, int]) -> numpy.ndarray"),
+           "The matrix K (3, 3) for pictures of `size` (width, height): camera to pixel coordinates.");
+}
+
+}  // namespace latelight::python

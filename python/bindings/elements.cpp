@@ -1,0 +1,146 @@
+// What a scene consists of: handles, and the properties of each element.
+#include <nanobind/operators.h>
+
+#include "bindings.h"
+#include "fields.h"
+
+namespace latelight::python {
+
+namespace {
+
+template <typename Element>
+void bindHandle(nb::module_& module, const char* name, const char* doc) {
+  using H = Handle<Element>;
+  nb::class_<H>(module, name, doc)
+      .def(
+          "__eq__",
+          [](const H& self, nb::handle other) {
+            const H* that = nullptr;
+            return nb::try_cast<const H*>(other, that, false) && that && self == *that;
+          },
+          nb::arg("other").none(), nb::sig("def __eq__(self, other: object, /) -> bool"))
+      .def("__hash__", [](const H& self) { return nb::hash(nb::make_tuple(self.scene, self.index, self.generation)); })
+      .def("__repr__", [name](const H& self) { return fmt::format("{}({}, scene {})", name, self.index, self.scene); });
+}
+
+constexpr const char* kAlphaModes[] = {"opaque", "mask", "blend"};  // by AlphaMode
+
+void setAlphaMode(Material& material, nb::handle value, const char* name) {
+  const std::string text = textOf(value, name);
+  for (size_t i = 0; i < std::size(kAlphaModes); ++i) {
+    if (text != kAlphaModes[i]) continue;
+    material.alphaMode = static_cast<AlphaMode>(i);
+    return;
+  }
+  badValue("{} must be opaque, mask or blend, not \"{}\"", name, text);
+}
+
+void bindMaterial(nb::module_& module) {
+  Fields<Material>(module, "Material",
+                   "glTF's metallic-roughness material. Factors multiply the textures that the material has.")
+      .text("name", &Material::name, "given when it is added")
+      .numbers("base_color", &Material::baseColor, "linear Rec.709, and alpha")
+      .number("metallic", &Material::metallic, "0 to 1")
+      .number("roughness", &Material::roughness, "0 to 1")
+      .numbers("emissive", &Material::emissive, "radiance; may be above 1")
+      .field(
+          "alpha_mode", "str", "opaque, mask or blend",
+          [](const Material& m) { return nb::str(kAlphaModes[static_cast<size_t>(m.alphaMode)]); }, setAlphaMode)
+      .number("alpha_cutoff", &Material::alphaCutoff, "with the alpha mode mask: what has less alpha is not there")
+      .flag("double_sided", &Material::doubleSided, "its back shows too")
+      .flag("unlit", &Material::unlit, "the base colour is shown as it is")
+      .number("normal_scale", &Material::normalScale, "of the normal map's slopes")
+      .number("occlusion_strength", &Material::occlusionStrength, "0 to 1")
+      .number("specular", &Material::specular, "KHR_materials_specular")
+      .numbers("specular_color", &Material::specularColor, "linear Rec.709")
+      .number("f0", &Material::f0, "what a dielectric reflects at normal incidence: ((ior - 1) / (ior + 1))^2")
+      .done()
+      .def_prop_ro(
+          "id", [](const Material& m) { return m.id; }, "as in the output \"material\"; the scene gives it");
+}
+
+template <typename T>
+nb::object orNone(const std::optional<T>& value) {
+  return value ? nb::cast(*value) : nb::none();
+}
+
+void bindLight(nb::module_& module) {
+  Fields<Light>(module, "Light", "As in KHR_lights_punctual.")
+      .text("name", &Light::name, "")
+      .text("type", &Light::type, "point, spot, directional, or another of `latelight list lights`")
+      .numbers("position", &Light::position, "metres; not of directional lights")
+      .numbers("direction", &Light::direction, "from the light, of any length; not of point lights")
+      .numbers("color", &Light::color, "linear Rec.709")
+      .number("intensity", &Light::intensity, "candela; of directional lights lux")
+      .field(
+          "range", "float | None", "metres; without one it reaches everything",
+          [](const Light& light) { return orNone(light.range); },
+          [](Light& light, nb::handle value, const char* name) {
+            light.range = value.is_none() ? std::nullopt : std::optional(floatOf(value, name));
+          })
+      .number("inner_cone", &Light::innerCone, "half angle of spot lights, degrees")
+      .number("outer_cone", &Light::outerCone, "half angle of spot lights, degrees")
+      .number("size", &Light::size, "radius, metres; of directional lights what they fill across, degrees")
+      .field(
+          "cast_shadow", "bool | None", "True: before all lights that don't say; False: never",
+          [](const Light& light) { return orNone(light.castShadow); },
+          [](Light& light, nb::handle value, const char* name) {
+            light.castShadow = value.is_none() ? std::nullopt : std::optional(boolOf(value, name));
+          })
+      .done();
+}
+
+// --- what is read only ----------------------------------------------------------------------------------------------
+
+void bindInfos(nb::module_& module) {
+  nb::class_<Mesh>(module, "Mesh", "Triangles, as they are at rest.")
+      .def_ro("name", &Mesh::name)
+      .def_ro("vertices", &Mesh::vertices)
+      .def_ro("triangles", &Mesh::triangles)
+      .def_prop_ro(
+          "bounds", [](const Mesh& m) { return nb::make_tuple(tupleOf(m.boundsMin), tupleOf(m.boundsMax)); },
+          nb::sig("def bounds(self) -> tuple[tuple[float, ...], tuple[float, ...]]"),
+          "smallest and largest corner, object space, metres")
+      .def_ro("deforms", &Mesh::deforms, "a skin or morph targets move its vertices");
+  nb::class_<Instance>(module, "Instance", "A mesh placed in the scene.")
+      .def_ro("node", &Instance::node, "path of the node that shows it: /Root/Arm/Hand")
+      .def_ro("mesh", &Instance::mesh)
+      .def_ro("material", &Instance::material)
+      .def_prop_ro(
+          "transform", [](const Instance& i) { return matrix(i.transform); },
+          nb::sig("def transform(self) -> numpy.ndarray"),
+          "(4, 4) float64: object space to the scene file's frame, at rest")
+      .def_ro("id", &Instance::id, "as in the output \"id\"")
+      .def_ro("part", &Instance::part, "as in the output \"part\"");
+  nb::class_<Node>(module, "Node", "A node of the file, or of an instance that was added.")
+      .def_ro("path", &Node::path)
+      .def_ro("parent", &Node::parent, "its path; empty: a root")
+      .def_ro("mesh", &Node::mesh, "its name; empty: it has none")
+      .def_prop_ro(
+          "transform", [](const Node& n) { return matrix(n.transform); },
+          nb::sig("def transform(self) -> numpy.ndarray"), "(4, 4) float64: to the scene file's frame, at rest")
+      .def_ro("id", &Node::id, "as in the output \"id\"");
+  nb::class_<Texture>(module, "Texture", "A texture's name and size.")
+      .def_ro("name", &Texture::name)
+      .def_ro("width", &Texture::width)
+      .def_ro("height", &Texture::height)
+      .def_ro("srgb", &Texture::srgb, "its colours are sRGB-encoded");
+  nb::class_<Animation>(module, "Animation", "An animation of the file.")
+      .def_ro("name", &Animation::name)
+      .def_ro("duration", &Animation::duration, "seconds");
+}
+
+}  // namespace
+
+void bindElements(nb::module_& module) {
+  bindHandle<Instance>(module, "InstanceHandle", "Names an instance of a scene; refused once that is removed.");
+  bindHandle<Material>(module, "MaterialHandle", "Names a material of a scene.");
+  bindHandle<Mesh>(module, "MeshHandle", "Names a mesh of a scene.");
+  bindHandle<Light>(module, "LightHandle", "Names a light of a scene; refused once that is removed.");
+  bindHandle<Texture>(module, "TextureHandle", "Names a texture of a scene.");
+  bindMaterial(module);
+  bindLight(module);
+  bindInfos(module);
+}
+
+}  // namespace latelight::python

@@ -1,0 +1,98 @@
+// A class of plain fields: each a property that checks what it is given, all of them keyword arguments of the
+// constructor, and shown by repr().
+#pragma once
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "values.h"
+
+namespace latelight::python {
+
+template <typename T>
+class Fields {
+ public:
+  Fields(nb::module_& module, const char* name, const char* doc) : type_(module, name, doc), name_(name) {}
+
+  // `type`: as a stub says it. `get` gives a Python object of a const T&; `set` takes a T&, a value and the name.
+  template <typename Get, typename Set>
+  Fields& field(const char* name, const char* type, const char* doc, Get get, Set set) {
+    const std::string getSignature = fmt::format("def {}(self) -> {}", name, type);
+    const std::string setSignature = fmt::format("def {}(self, value: {}, /) -> None", name, writable(type));
+    const std::string text = doc;
+    type_.def_prop_rw(
+        name, get, [name, set](T& self, nb::handle value) { set(self, value, name); },
+        nb::for_getter(nb::sig(getSignature.c_str())), nb::for_setter(nb::sig(setSignature.c_str())),
+        nb::for_setter(nb::arg("value").none()), text.c_str());
+    parameters_ += fmt::format(", {}: {} = ...", name, writable(type));
+    names_.push_back(name);
+    return *this;
+  }
+
+  Fields& number(const char* name, float T::*member, const char* doc) {
+    return field(
+        name, "float", doc, [member](const T& self) { return nb::float_(self.*member); },
+        [member](T& self, nb::handle value, const char* name) { self.*member = floatOf(value, name); });
+  }
+  Fields& number(const char* name, double T::*member, const char* doc) {
+    return field(
+        name, "float", doc, [member](const T& self) { return nb::float_(self.*member); },
+        [member](T& self, nb::handle value, const char* name) { self.*member = numberOf(value, name); });
+  }
+  Fields& flag(const char* name, bool T::*member, const char* doc) {
+    return field(
+        name, "bool", doc, [member](const T& self) { return self.*member; },
+        [member](T& self, nb::handle value, const char* name) { self.*member = boolOf(value, name); });
+  }
+  Fields& text(const char* name, std::string T::*member, const char* doc) {
+    return field(
+        name, "str", doc, [member](const T& self) { return nb::str((self.*member).c_str()); },
+        [member](T& self, nb::handle value, const char* name) { self.*member = textOf(value, name); });
+  }
+  template <size_t N>
+  Fields& numbers(const char* name, std::array<float, N> T::*member, const char* doc) {
+    return field(
+        name, "tuple[float, ...]", doc, [member](const T& self) { return tupleOf(self.*member); },
+        [member](T& self, nb::handle value, const char* name) { self.*member = numbersOf<float, N>(value, name); });
+  }
+
+  // After all fields.
+  nb::class_<T>& done() {
+    const std::string signature = "def __init__(self, *" + parameters_ + ") -> None";
+    type_.def(
+        "__init__",
+        [names = names_, type = name_](nb::handle self, const nb::kwargs& values) {
+          new (nb::inst_ptr<T>(self)) T();
+          nb::inst_mark_ready(self);
+          for (const auto& [name, value] : values) {
+            const auto text = shown(nb::borrow(name));
+            if (std::ranges::find(names, text) == names.end()) badType("{} has no \"{}\"", type, text);
+            nb::setattr(self, name, value);
+          }
+        },
+        nb::sig(signature.c_str()));
+    type_.def("__repr__", [names = names_, type = name_](nb::handle self) {
+      std::string text;
+      for (const std::string& name : names)
+        text += fmt::format("{}{}={}", text.empty() ? "" : ", ", name,
+                            nb::cast<std::string>(nb::repr(nb::getattr(self, name.c_str()))));
+      return fmt::format("{}({})", type, text);
+    });
+    return type_;
+  }
+
+ private:
+  static std::string writable(const char* type) {
+    const std::string text = type;
+    if (text.starts_with("tuple[")) return "collections.abc.Sequence[float]";
+    return text == "numpy.ndarray" ? "numpy.typing.ArrayLike" : text;
+  }
+
+  nb::class_<T> type_;
+  const char* name_;
+  std::string parameters_;
+  std::vector<std::string> names_;
+};
+
+}  // namespace latelight::python

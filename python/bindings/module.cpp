@@ -1,0 +1,33 @@
+#include "bindings.h"
+
+#include <latelight/latelight.h>
+
+#include "values.h"
+
+namespace latelight::python {
+
+NB_MODULE(_core, module) {
+  module.doc() = "Latelight's renderer: what the package `latelight` gives.";
+  bindErrors();
+  bindCamera(module);
+  bindElements(module);
+  bindScene(module);
+  bindRenderer(module);
+  module.attr("__version__") = version();
+  module.def(
+      "encode_png",
+      [](const nb::ndarray<const uint8_t, nb::shape<-1, -1, 4>, nb::c_contig, nb::device::cpu>& rgba) {
+        const std::vector<uint8_t> pixels(rgba.data(), rgba.data() + rgba.size());
+        const auto file = encodePng(static_cast<uint32_t>(rgba.shape(1)), static_cast<uint32_t>(rgba.shape(0)), pixels);
+        return nb::bytes(file.data(), file.size());
+      },
+      nb::arg("rgba"), "A picture (H, W, 4), sRGB, straight alpha, as a PNG file.");
+  module.def(
+      "set_memory_limit",
+      [](nb::handle bytes) { setMemoryLimit(static_cast<uint64_t>(integerOf(bytes, "bytes", 0, INT64_MAX))); },
+      argument("bytes"), nb::sig("def set_memory_limit(bytes: int) -> None"),
+      "Bytes of the machine's memory that scenes, pictures and CPU devices may take; more raises DeviceLostError "
+      "before\nit is taken. 0, as at first: three quarters of what is free.");
+}
+
+}  // namespace latelight::python

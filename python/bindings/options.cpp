@@ -1,0 +1,245 @@
+#include "options.h"
+
+#include <algorithm>
+#include <cctype>
+#include <type_traits>
+
+#include "cameras.h"
+#include "values.h"
+
+namespace latelight::python {
+
+namespace {
+
+// --- values ---------------------------------------------------------------------------------------------------------
+
+template <typename T>
+T numberAs(nb::handle value, std::string_view name) {
+  if constexpr (std::is_integral_v<T>)
+    return static_cast<T>(integerOf(value, name, 0, std::numeric_limits<T>::max()));
+  else
+    return std::is_same_v<T, float> ? static_cast<T>(floatOf(value, name)) : static_cast<T>(numberOf(value, name));
+}
+
+Sun sunOf(nb::handle value, std::string_view name) {
+  const nb::object numbers = arrayOf(value, name, "float32", "fiu", {-1});
+  const size_t count = lengthOf(numbers, 0);
+  if (count < 2 || count > 3) badValue("{} takes azimuth and elevation, and perhaps lux, not {} numbers", name, count);
+  const auto view = viewOf<float>(numbers);
+  Sun sun{view.data()[0], view.data()[1]};
+  if (count == 3) sun.illuminance = view.data()[2];
+  return sun;
+}
+
+// --- the table ------------------------------------------------------------------------------------------------------
+
+struct Keyword {
+  std::string name;
+  const char* option;  // "--exposure"
+  std::string type;    // as a stub says it; empty: texts, by their names
+  std::function<void(Options&, nb::handle, std::string_view)> set;
+};
+
+template <typename T>
+std::string numberType() {
+  return std::is_integral_v<T> ? "int" : "float";
+}
+
+std::vector<Keyword> makeKeywords() {
+  std::vector<Keyword> all;
+  const auto add = [&](const char* member, const char* option, std::string type, auto set) {
+    all.push_back({snakeCase(member), option, std::move(type), set});
+  };
+#define SETTER [](Options & o, nb::handle value, std::string_view keyword)
+#define OPTION_FLAG(member, name, ...) \
+  add(                                 \
+      #member, name, "bool", SETTER { o.member = boolOf(value, keyword); });
+#define OPTION_NUMBER(T, member, name, ...) \
+  add(                                      \
+      #member, name, numberType<T>(), SETTER { o.member = numberAs<T>(value, keyword); });
+#define OPTION_ANGLE(member, name, ...) \
+  add(                                  \
+      #member, name, "float", SETTER { o.member = numberOf(value, keyword); });
+#define OPTION_OPTIONAL(T, member, name, ...)              \
+  add(                                                     \
+      #member, name, numberType<T>() + " | None", SETTER { \
+        if (value.is_none())                               \
+          o.member.reset();                                \
+        else                                               \
+          o.member = numberAs<T>(value, keyword);          \
+      });
+#define OPTION_CHOICE(Enum, member, name, ...) \
+  add(                                         \
+      #member, name, "", SETTER { o.member = textOf(value, keyword); });
+#define OPTION_ENTRY(Type, member, name, ...) \
+  add(                                        \
+      #member, name, "", SETTER { o.member = textOf(value, keyword); });
+#define OPTION_TEXT(Type, member, name, ...) \
+  add(                                       \
+      #member, name, "", SETTER { o.member = textOf(value, keyword); });
+#define OPTION_SUN(member, name, ...)                                   \
+  add(                                                                  \
+      #member, name, "collections.abc.Sequence[float] | None", SETTER { \
+        if (!value.is_none()) o.member = sunOf(value, keyword);         \
+      });
+#include <latelight/options.def>
+#undef SETTER
+  return all;
+}
+
+const std::vector<Keyword>& keywords() {
+  static const std::vector<Keyword> all = makeKeywords();
+  return all;
+}
+
+// Beside the table: what the command line has in another form.
+constexpr const char* kBesideTable =
+    ", previous_cameras: collections.abc.Sequence[Camera] | None = None"
+    ", next_cameras: collections.abc.Sequence[Camera] | None = None, continues: bool = False";
+
+bool setBesideTable(Options& options, std::string_view name, nb::handle value) {
+  if (name == "previous_cameras")
+    options.previousCameras = value.is_none() ? std::vector<Camera>{} : camerasOf(value, name);
+  else if (name == "next_cameras")
+    options.nextCameras = value.is_none() ? std::vector<Camera>{} : camerasOf(value, name);
+  else if (name == "continues")
+    options.continues = boolOf(value, name);
+  else
+    return false;
+  return true;
+}
+
+[[noreturn]] void refuseKeyword(const std::string& name) {
+  nb::list known;
+  for (const Keyword& keyword : keywords()) known.append(keyword.name);
+  for (const char* other : {"size", "outputs", "previous_cameras", "next_cameras", "continues"}) known.append(other);
+  const nb::list close(nb::module_::import_("difflib").attr("get_close_matches")(name, known, 1));
+  if (close.size() == 0) badType("there is no option \"{}\"", name);
+  badType("there is no option \"{}\": do you mean \"{}\"?", name, shown(close[0]));
+}
+
+void setKeyword(Options& options, const std::string& name, nb::handle value) {
+  const auto found = std::ranges::find(keywords(), name, &Keyword::name);
+  if (found != keywords().end()) return found->set(options, value, name);
+  if (!setBesideTable(options, name, value)) refuseKeyword(name);
+}
+
+void setSize(Options& options, nb::handle size) {
+  const nb::object pair = nb::steal(PySequence_Tuple(size.ptr()));
+  if (!pair.is_valid()) PyErr_Clear();
+  if (!pair.is_valid() || nb::len(pair) != 2)
+    badType("size must be a width and a height in pixels, not {}", typeName(size));
+  options.width = static_cast<uint32_t>(integerOf(pair[0], "the width of size", 1, 16384));
+  options.height = static_cast<uint32_t>(integerOf(pair[1], "the height of size", 1, 16384));
+}
+
+void setOutputs(Options& options, nb::handle outputs) {
+  const std::vector<OutputInfo> known = outputInfos();
+  options.picture = false;
+  for (const std::string& name : textsOf(outputs, "outputs")) {
+    if (name == "rgba") {
+      options.picture = true;
+      continue;
+    }
+    if (std::ranges::find(known, name, &OutputInfo::name) == known.end()) {
+      std::string names = "rgba";
+      for (const OutputInfo& info : known) names += ", " + info.name;
+      badValue("outputs takes no \"{}\": there are {}", name, names);
+    }
+    options.aovs.push_back(name);
+  }
+  if (!options.picture && options.aovs.empty()) badValue("outputs must name something: \"rgba\", \"depth\" and so on");
+}
+
+// --- words ----------------------------------------------------------------------------------------------------------
+
+// The entry of a keyword; both lists have the table's order, but the size is no keyword.
+const OptionInfo& infoOf(const Keyword& keyword) {
+  static const std::vector<OptionInfo> infos = optionInfos();
+  return *std::ranges::find(infos, keyword.option, &OptionInfo::name);
+}
+
+std::string typeOf(const Keyword& keyword) {
+  if (!keyword.type.empty()) return keyword.type;
+  const OptionInfo& info = infoOf(keyword);
+  if (info.anyText || info.names.empty()) return "str";
+  std::string names;
+  for (const OptionInfo::Name& name : info.names) names += (names.empty() ? "\"" : ", \"") + name.name + "\"";
+  return "typing.Literal[" + names + "]";
+}
+
+std::string defaultOf(const Keyword& keyword) {
+  const OptionInfo& info = infoOf(keyword);
+  if (keyword.type.ends_with("None")) return "None";
+  if (keyword.type == "bool") return "False";
+  return keyword.type.empty() ? "\"" + info.normal + "\"" : info.normal;
+}
+
+std::string lineOf(const Keyword& keyword) {
+  const OptionInfo& info = infoOf(keyword);
+  std::string line = keyword.name + ": " + info.help;
+  if (!info.range.empty())
+    line += " (" + info.range + ")";
+  else if (!info.unit.empty())
+    line += " (" + info.unit + ")";
+  return line;
+}
+
+}  // namespace
+
+std::string snakeCase(std::string_view member) {
+  std::string name;
+  for (const char c : member) {
+    if (std::isupper(static_cast<unsigned char>(c))) name += '_';
+    name += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  }
+  return name;
+}
+
+Options optionsOf(nb::handle size, nb::handle outputs, const nb::dict& keywords) {
+  Options options;
+  if (!size.is_none()) setSize(options, size);
+  setOutputs(options, outputs);
+  for (const auto& [name, value] : keywords) setKeyword(options, shown(nb::borrow(name)), value);
+  return options;
+}
+
+std::string optionParameters() {
+  std::string text = kBesideTable;
+  for (const Keyword& keyword : keywords())
+    text += ", " + keyword.name + ": " + typeOf(keyword) + " = " + defaultOf(keyword);
+  return text;
+}
+
+std::string optionDocs() {
+  std::string text =
+      "previous_cameras, next_cameras: where the cameras were and will be, a frame before and after, for the output "
+      "motion\ncontinues: this frame follows the one rendered last, for temporal anti-aliasing";
+  for (const Keyword& keyword : keywords()) text += "\n" + lineOf(keyword);
+  return text;
+}
+
+std::string outputDocs() {
+  std::string text = "rgba: the picture, uint8, sRGB, straight alpha; 4 channels";
+  for (const OutputInfo& info : outputInfos()) {
+    text += "\n" + info.name + ": " + info.description;
+    if (!info.unit.empty()) text += " (" + info.unit + ")";
+    text += info.ids ? "; uint32" : info.channels > 1 ? "; " + std::to_string(info.channels) + " channels" : "";
+  }
+  return text;
+}
+
+Error inPython(const Error& error) {
+  std::string text = error.what();
+  for (const Keyword& keyword : keywords()) {
+    const std::string option = keyword.option;
+    for (size_t at = text.find(option); at != text.npos; at = text.find(option, at + 1)) {
+      const size_t end = at + option.size();
+      if (end < text.size() && (std::isalnum(static_cast<unsigned char>(text[end])) || text[end] == '-')) continue;
+      text.replace(at, option.size(), keyword.name);
+    }
+  }
+  return {error.code(), text};
+}
+
+}  // namespace latelight::python

@@ -1,0 +1,259 @@
+// class Renderer and class Ticket.
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/vector.h>
+
+#include "bindings.h"
+#include "cameras.h"
+#include "options.h"
+#include "scene.h"
+#include "values.h"
+
+namespace latelight::python {
+
+namespace {
+
+// --- threads and Ctrl-C ---------------------------------------------------------------------------------------------
+
+void raiseSignals() {
+  const nb::gil_scoped_acquire here;
+  if (PyErr_CheckSignals() != 0) throw nb::python_error();
+}
+
+// A renderer that any thread may call, one at a time.
+class SharedRenderer {
+ public:
+  SharedRenderer(std::shared_ptr<SharedScene> scene, std::unique_ptr<Renderer> renderer)
+      : scene_(std::move(scene)), renderer_(std::move(renderer)) {
+    renderer_->whileWaiting(raiseSignals);
+  }
+  ~SharedRenderer() {
+    const nb::gil_scoped_release others;  // it waits for its device
+    renderer_.reset();
+  }
+
+  // `work` takes the renderer, while nothing edits its scene.
+  template <typename Work>
+  auto use(Work work) {
+    return scene_->read([&](const Scene&) {
+      const std::lock_guard lock(busy_);
+      return work(*renderer_);
+    });
+  }
+
+  const std::shared_ptr<SharedScene>& scene() const { return scene_; }
+
+ private:
+  std::shared_ptr<SharedScene> scene_;
+  std::unique_ptr<Renderer> renderer_;
+  std::mutex busy_;
+};
+
+// --- frames ---------------------------------------------------------------------------------------------------------
+
+nb::object outputArray(Aov&& aov, size_t height, size_t width) {
+  std::vector<size_t> shape{height, width};
+  if (aov.channels > 1) shape.push_back(aov.channels);
+  return aov.ids.empty() ? owned(std::move(aov.values), shape) : owned(std::move(aov.ids), shape);
+}
+
+nb::dict arraysOf(Frame&& frame) {
+  nb::dict arrays;
+  if (!frame.rgba.empty()) arrays["rgba"] = owned(std::move(frame.rgba), {frame.height, frame.width, 4});
+  for (auto& [name, aov] : frame.aovs) arrays[name.c_str()] = outputArray(std::move(aov), frame.height, frame.width);
+  return arrays;
+}
+
+nb::object framesOf(std::vector<Frame>&& frames, bool single) {
+  const nb::module_ module = nb::module_::import_("latelight.frames");
+  const nb::object type = module.attr("Frame");
+  nb::list all;
+  for (Frame& frame : frames) all.append(type(arraysOf(std::move(frame))));
+  return single ? nb::object(all[0]) : module.attr("Frames")(all);
+}
+
+class SharedTicket {
+ public:
+  SharedTicket(std::shared_ptr<SharedRenderer> renderer, Ticket&& ticket, bool single)
+      : renderer_(std::move(renderer)), ticket_(std::move(ticket)), single_(single) {}
+
+  bool done() {
+    return renderer_->use([&](Renderer&) { return ticket_.done(); });
+  }
+  nb::object take() {
+    return framesOf(renderer_->use([&](Renderer&) { return ticket_.take(); }), single_);
+  }
+
+ private:
+  std::shared_ptr<SharedRenderer> renderer_;
+  Ticket ticket_;
+  bool single_;
+};
+
+// --- the class ------------------------------------------------------------------------------------------------------
+
+EnvironmentData environmentOf(nb::handle value) {
+  const nb::object array = arrayOf(value, "environment", "float32", "fiu", {-1, -1, 3});
+  EnvironmentData data{static_cast<uint32_t>(lengthOf(array, 1)), static_cast<uint32_t>(lengthOf(array, 0)), {}};
+  data.radiance.resize(size_t{data.width} * data.height);
+  if (data.radiance.empty()) badValue("environment must not be empty");
+  const auto view = viewOf<float>(array);
+  checkFinite(view.data(), 3 * data.radiance.size(), "environment");
+  std::memcpy(data.radiance.data(), view.data(), sizeof(float) * 3 * data.radiance.size());
+  return data;
+}
+
+void makeRenderer(SharedRenderer* self, nb::handle scene, nb::handle device, nb::handle environment) {
+  std::shared_ptr<SharedScene> shared;
+  if (!nb::try_cast(scene, shared, false) || !shared) badType("scene must be a Scene, not {}", typeName(scene));
+  const std::string name =
+      PyLong_Check(device.ptr()) ? std::to_string(integerOf(device, "device", 0, INT32_MAX)) : textOf(device, "device");
+  std::function<std::unique_ptr<Renderer>(const Scene&)> make;
+  const bool named = environment.is_none() || PyUnicode_Check(environment.ptr()) ||
+                     PyObject_HasAttrString(environment.ptr(), "__fspath__");
+  if (named) {
+    const std::string path = environment.is_none() ? "" : pathOf(environment, "environment");
+    make = [=](const Scene& scene) { return std::make_unique<Renderer>(scene, name, path); };
+  } else {
+    make = [=, data = environmentOf(environment)](const Scene& scene) {
+      return std::make_unique<Renderer>(scene, name, data);
+    };
+  }
+  new (self) SharedRenderer(shared, shared->read(make));
+}
+
+std::shared_ptr<SharedTicket> submit(const std::shared_ptr<SharedRenderer>& renderer, nb::handle cameras,
+                                     nb::handle size, nb::handle outputs, const nb::kwargs& keywords) {
+  const Camera* one = nullptr;
+  const bool single = nb::try_cast<const Camera*>(cameras, one, false) && one;
+  const std::vector<Camera> views = camerasOf(cameras, "cameras");
+  if (views.empty()) badValue("cameras must have at least one");
+  const Options options = optionsOf(size, outputs, keywords);
+  try {
+    Ticket ticket = renderer->use([&](Renderer& renderer) { return renderer.submit(views, options); });
+    return std::make_shared<SharedTicket>(renderer, std::move(ticket), single);
+  } catch (const TypeMistake&) {
+    throw;
+  } catch (const Error& error) {
+    throw inPython(error);
+  }
+}
+
+nb::object render(const std::shared_ptr<SharedRenderer>& renderer, nb::handle cameras, nb::handle size,
+                  nb::handle outputs, const nb::kwargs& keywords) {
+  return submit(renderer, cameras, size, outputs, keywords)->take();
+}
+
+std::vector<Pick> pick(const std::shared_ptr<SharedRenderer>& renderer, nb::handle camera, nb::handle pixels,
+                       nb::handle size, const nb::kwargs& keywords) {
+  const Camera view = objectOf<Camera>(camera, "camera", "a Camera");
+  const nb::object array = arrayOf(pixels, "pixels", "int64", "iu", {-1, 2});
+  const Options options = optionsOf(size, nb::make_tuple("rgba"), keywords);
+  std::vector<std::array<uint32_t, 2>> places(lengthOf(array, 0));
+  if (places.empty()) return {};
+  const int64_t* numbers = viewOf<int64_t>(array).data();
+  for (size_t i = 0; i < places.size(); ++i) {
+    const int64_t x = numbers[2 * i], y = numbers[2 * i + 1];
+    if (x < 0 || y < 0 || x >= options.width || y >= options.height)
+      badValue("pixels must lie in the picture of {}x{} pixels, and one is at {}, {}", options.width, options.height, x,
+               y);
+    places[i] = {static_cast<uint32_t>(x), static_cast<uint32_t>(y)};
+  }
+  try {
+    return renderer->use([&](Renderer& renderer) { return renderer.pick(view, places, options); });
+  } catch (const Error& error) {
+    throw inPython(error);
+  }
+}
+
+void bindPick(nb::module_& module) {
+  nb::class_<Pick>(module, "Pick", "What a pixel shows, at its centre.")
+      .def_ro("id", &Pick::id, "as in the output \"id\"; 0: background, and nothing else is set")
+      .def_ro("part", &Pick::part, "as in the output \"part\"")
+      .def_ro("node", &Pick::node)
+      .def_ro("mesh", &Pick::mesh)
+      .def_ro("material", &Pick::material)
+      .def_ro("primitive", &Pick::primitive, "of the mesh")
+      .def_prop_ro(
+          "position", [](const Pick& p) { return tupleOf(p.position); },
+          nb::sig("def position(self) -> tuple[float, ...]"))
+      .def_prop_ro(
+          "normal", [](const Pick& p) { return tupleOf(p.normal); }, nb::sig("def normal(self) -> tuple[float, ...]"))
+      .def_prop_ro(
+          "geonormal", [](const Pick& p) { return tupleOf(p.geonormal); },
+          nb::sig("def geonormal(self) -> tuple[float, ...]"))
+      .def_ro("depth", &Pick::depth, "metres")
+      .def_ro("distance", &Pick::distance, "metres")
+      .def_prop_ro(
+          "uv", [](const Pick& p) { return tupleOf(p.uv); }, nb::sig("def uv(self) -> tuple[float, ...]"));
+}
+
+std::string signatureOf(const char* name, const char* cameras, const char* result) {
+  return fmt::format(
+      "def {}(self, cameras: {}, size: tuple[int, int] = (1280, 720), outputs: str | collections.abc.Sequence[str] = "
+      "(\"rgba\",), *{}) -> {}",
+      name, cameras, optionParameters(), result);
+}
+
+constexpr const char* kMany = "collections.abc.Sequence[Camera]";
+
+void defineRender(nb::class_<SharedRenderer>& type) {
+  const std::string docs =
+      "\n\ncameras: one, or a list, which is rendered together where memory allows\n"
+      "size: width and height in pixels\noutputs: what is wanted of:\n" +
+      outputDocs() + "\n\nOptions:\n" + optionDocs();
+  const std::string one = signatureOf("render", "Camera", "latelight.frames.Frame");
+  const std::string many = signatureOf("render", kMany, "latelight.frames.Frames");
+  const std::string later = signatureOf("submit", ("Camera | " + std::string(kMany)).c_str(), "Ticket");
+  const std::string rendered = "Pictures of the scene, as arrays: a Frame for a camera, Frames for a list." + docs;
+  const std::string submitted =
+      "The same as render(), and returns while the device works; up to three tickets keep it busy." + docs;
+  const auto size = nb::make_tuple(1280, 720);
+  const auto outputs = nb::make_tuple("rgba");
+  // Once more with another result, for type checkers: at run time the first takes all.
+  type.def("render", &render, argument("cameras"), argument("size") = size, argument("outputs") = outputs,
+           nb::arg("options"), nb::sig(one.c_str()), rendered.c_str());
+  type.def("render", &render, argument("cameras"), argument("size") = size, argument("outputs") = outputs,
+           nb::arg("options"), nb::sig(many.c_str()));
+  type.def("submit", &submit, argument("cameras"), argument("size") = size, argument("outputs") = outputs,
+           nb::arg("options"), nb::sig(later.c_str()), submitted.c_str());
+}
+
+}  // namespace
+
+void bindRenderer(nb::module_& module) {
+  bindPick(module);
+  nb::class_<SharedTicket>(module, "Ticket", "Pictures on their way: what Renderer.submit() returns.")
+      .def_prop_ro("done", &SharedTicket::done, "take() would not wait for the device")
+      .def("take", &SharedTicket::take, nb::sig("def take(self) -> latelight.frames.Frame | latelight.frames.Frames"),
+           "Waits for the pictures and gives them, once: a Frame for a camera, Frames for a list. What went wrong on "
+           "the "
+           "way\nis raised here.");
+  nb::class_<SharedRenderer> type(
+      module, "Renderer",
+      "One scene on one device; keeps its pipelines and buffers from one call to the next.\n\n"
+      "Any thread may call it, one at a time; Python's other threads run meanwhile.");
+  type.def(
+      "__init__", &makeRenderer, argument("scene"), argument("device") = "auto", argument("environment") = nb::none(),
+      nb::sig("def __init__(self, scene: Scene, device: str | int = \"auto\", "
+              "environment: str | os.PathLike[str] | numpy.typing.NDArray[typing.Any] | None = None) -> None"),
+      "device: \"auto\", \"cpu\", an index, a part of a name or a UUID\nenvironment: a .hdr or .exr file, \"studio\", "
+      "\"none\", or linear radiance as an array (H, 2 H, 3), centre column at +X of\nthe glTF frame and top row at the "
+      "zenith; None: the studio where the scene has no light\n\nRaises NoDeviceError where there is no such device.");
+  type.def_prop_ro("scene", [](const SharedRenderer& r) { return r.scene(); });
+  type.def_prop_ro(
+      "device", [](SharedRenderer& r) { return r.use([](Renderer& r) { return r.deviceName(); }); },
+      "The device's name.");
+  type.def(
+      "validation_messages",
+      [](SharedRenderer& r) { return r.use([](Renderer& r) { return r.validationMessages(); }); },
+      "Of Vulkan's validation layers since the last call, which LATELIGHT_VALIDATION=1 in the environment turns on.");
+  defineRender(type);
+  const std::string signature =
+      "def pick(self, camera: Camera, pixels: numpy.typing.ArrayLike, size: tuple[int, int] = (1280, 720), *" +
+      optionParameters() + ") -> list[Pick]";
+  type.def("pick", &pick, argument("camera"), argument("pixels"), argument("size") = nb::make_tuple(1280, 720),
+           nb::arg("options"), nb::sig(signature.c_str()),
+           "What pixels (N, 2), x and y from the upper left, of such a picture show, in their order. Lights nothing.");
+}
+
+}  // namespace latelight::python

@@ -1,0 +1,466 @@
+// class Scene.
+#include "scene.h"
+
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/vector.h>
+
+#include "bindings.h"
+#include "values.h"
+
+namespace latelight::python {
+
+namespace {
+
+using Class = nb::class_<SharedScene>;
+
+// --- arguments ------------------------------------------------------------------------------------------------------
+
+template <typename Element>
+Handle<Element> handleOf(nb::handle value, const char* name) {
+  return objectOf<Handle<Element>>(value, name, fmt::format("the handle of {}", name));
+}
+
+Transform transformOf(nb::handle value) {
+  if (value.is_none()) return {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+  return matrixOf<4, 4>(value, "transform");
+}
+
+std::vector<uint32_t> indicesOf(nb::handle value, size_t positions) {
+  if (value.is_none()) return {};
+  const nb::object array = arrayOf(value, "indices", "int64", "iu", {-1, 3});
+  std::vector<uint32_t> indices(3 * lengthOf(array, 0));
+  if (indices.empty()) badValue("indices must have a triangle: leave it out for one each three positions");
+  const auto view = viewOf<int64_t>(array);
+  for (size_t i = 0; i < indices.size(); ++i) {
+    const int64_t index = view.data()[i];
+    if (index < 0 || index >= static_cast<int64_t>(positions))
+      badValue("indices must lie from 0 to {}, since there are {} positions, and one is {}",
+               static_cast<int64_t>(positions) - 1, positions, index);
+    indices[i] = static_cast<uint32_t>(index);
+  }
+  return indices;
+}
+
+template <size_t N>
+std::vector<std::array<float, N>> attributeOf(nb::handle value, const char* name, size_t positions) {
+  if (value.is_none()) return {};
+  std::vector<std::array<float, N>> rows = rowsOf<N>(value, name);
+  if (rows.size() != positions)
+    badValue("{} must have a row for each of the {} positions, not {}", name, positions, rows.size());
+  return rows;
+}
+
+MeshData meshDataOf(nb::handle positions, nb::handle indices, nb::handle normals, nb::handle tangents, nb::handle uv,
+                    nb::handle uv1, nb::handle colors, nb::handle name) {
+  MeshData mesh;
+  mesh.name = textOf(name, "name");
+  mesh.positions = rowsOf<3>(positions, "positions");
+  const size_t count = mesh.positions.size();
+  mesh.indices = indicesOf(indices, count);
+  mesh.normals = attributeOf<3>(normals, "normals", count);
+  mesh.tangents = attributeOf<4>(tangents, "tangents", count);
+  mesh.uv = attributeOf<2>(uv, "uv", count);
+  mesh.uv1 = attributeOf<2>(uv1, "uv1", count);
+  mesh.colors = attributeOf<4>(colors, "colors", count);
+  return mesh;
+}
+
+// Pixels of one to four channels as RGBA: grey, grey and alpha, RGB, RGBA.
+TextureData textureDataOf(nb::handle pixels, nb::handle srgb, nb::handle name) {
+  const nb::object given = arrayOf(pixels, "pixels", "uint8", "u", {-1, -1, -1});
+  if (shown(nb::module_::import_("numpy").attr("asarray")(pixels).attr("dtype")) != "uint8")
+    badType("pixels must be an array of uint8");
+  TextureData data{textOf(name, "name"),
+                   static_cast<uint32_t>(lengthOf(given, 1)),
+                   static_cast<uint32_t>(lengthOf(given, 0)),
+                   boolOf(srgb, "srgb"),
+                   {}};
+  const size_t channels = lengthOf(given, 2), count = size_t{data.width} * data.height;
+  if (channels < 1 || channels > 4) badValue("pixels must have 1 to 4 channels, not {}", channels);
+  if (count == 0) badValue("pixels must not be empty");
+  const bool grey = channels < 3;
+  const uint8_t* from = viewOf<uint8_t>(given).data();
+  data.rgba.resize(4 * count);
+  for (size_t i = 0; i < count; ++i, from += channels) {
+    for (size_t c = 0; c < 3; ++c) data.rgba[4 * i + c] = from[grey ? 0 : c];
+    data.rgba[4 * i + 3] = channels % 2 == 0 ? from[channels - 1] : 255;
+  }
+  return data;
+}
+
+constexpr const char* kSlots[] = {"base_color", "metallic_roughness", "normal",        "occlusion",
+                                  "emissive",   "specular",           "specular_color"};  // by TextureSlot
+constexpr const char* kWraps[] = {"repeat", "mirror", "clamp"};                           // by Wrap
+
+template <typename Enum, size_t N>
+Enum enumOf(nb::handle value, const char* name, const char* const (&names)[N]) {
+  const std::string text = textOf(value, name);
+  std::string all;
+  for (size_t i = 0; i < N; ++i) {
+    if (text == names[i]) return static_cast<Enum>(i);
+    all += (i ? ", " : "") + std::string(names[i]);
+  }
+  badValue("{} must be one of {}, not \"{}\"", name, all, text);
+}
+
+// --- the parts of the class -----------------------------------------------------------------------------------------
+
+void load(SharedScene* self, nb::handle source, nb::handle variant, nb::handle allowOutside, nb::handle idDepth,
+          nb::handle idNodes) {
+  SceneOptions options{.materialVariant = textOf(variant, "material_variant"),
+                       .allowOutside = textsOf(allowOutside, "allow_outside")};
+  if (!idDepth.is_none()) options.idDepth = static_cast<uint32_t>(integerOf(idDepth, "id_depth", 0, UINT32_MAX));
+  options.idNodes = textsOf(idNodes, "id_nodes");
+  const std::string path = source.is_none() ? "" : pathOf(source, "source");
+  const nb::gil_scoped_release others;
+  new (self) SharedScene(source.is_none() ? Scene() : Scene(path, options));
+}
+
+void defineWhole(Class& type) {
+  type.def(
+      "__init__", &load, argument("source") = nb::none(), argument("material_variant") = "",
+      argument("allow_outside") = nb::make_tuple(), argument("id_depth") = nb::none(),
+      argument("id_nodes") = nb::make_tuple(),
+      nb::sig("def __init__(self, source: str | os.PathLike[str] | None = None, material_variant: str = \"\", "
+              "allow_outside: collections.abc.Sequence[str] = (), id_depth: int | None = None, "
+              "id_nodes: collections.abc.Sequence[str] = ()) -> None"),
+      "Loads a .gltf or .glb file, or \"builtin:hall\", \"builtin:spheres\", \"builtin:boxes\"; without a source it is "
+      "empty.\n\nmaterial_variant: of KHR_materials_variants, by name\nallow_outside: folders that it may read "
+      "files from, beside its own and what lies below that\nid_depth, id_nodes: whole subtrees of nodes under one "
+      "id (docs/conventions.md)\n\nRaises InputError for a file that is missing or broken.");
+  type.def_prop_ro("triangle_count",
+                   [](const SharedScene& s) { return s.read([](const Scene& s) { return s.triangleCount(); }); });
+  type.def(
+      "id_manifest",
+      [](const SharedScene& s) {
+        const std::string text = s.read([](const Scene& s) { return s.idManifest(); });
+        return nb::module_::import_("json").attr("loads")(text);
+      },
+      nb::sig("def id_manifest(self) -> dict[str, typing.Any]"),
+      "What the numbers in the outputs id, part and material stand for (docs/conventions.md).");
+  type.def_prop_ro("nodes", [](const SharedScene& s) { return s.read([](const Scene& s) { return s.nodes(); }); });
+  type.def_prop_ro("animations",
+                   [](const SharedScene& s) { return s.read([](const Scene& s) { return s.animations(); }); });
+  type.def_prop_ro(
+      "bounds",
+      [](const SharedScene& s) -> nb::object {
+        const auto bounds = s.read([](const Scene& s) { return s.bounds(); });
+        return bounds ? nb::object(nb::make_tuple(tupleOf(bounds->min), tupleOf(bounds->max))) : nb::none();
+      },
+      nb::sig("def bounds(self) -> tuple[tuple[float, ...], tuple[float, ...]] | None"),
+      "Smallest and largest corner of all instances at rest, metres, in the scene file's frame; None: it is empty.");
+}
+
+void defineCameras(Class& type) {
+  type.def_prop_ro(
+      "cameras", [](const SharedScene& s) { return s.read([](const Scene& s) { return s.cameras(); }); },
+      "The scene's own, at rest.");
+  type.def(
+      "add_camera",
+      [](SharedScene& s, nb::handle camera) {
+        const Camera added = objectOf<Camera>(camera, "camera", "a Camera");
+        s.edit([&](Scene& s) { s.addCamera(added); });
+      },
+      argument("camera"), nb::sig("def add_camera(self, camera: Camera) -> None"), "Adds it behind the scene's own.");
+  type.def(
+      "cameras_at",
+      [](const SharedScene& s, nb::handle time, nb::handle animation, nb::handle loop) {
+        const double at = numberOf(time, "time");
+        const std::string name = textOf(animation, "animation");
+        const bool repeats = boolOf(loop, "loop");
+        return s.read([&](const Scene& s) { return s.camerasAt(at, name, repeats); });
+      },
+      argument("time"), argument("animation") = "", argument("loop") = false,
+      nb::sig("def cameras_at(self, time: float, animation: str = \"\", loop: bool = False) -> list[Camera]"),
+      "The scene's own cameras where they are at a time, in seconds; as the options time, animation and loop say.");
+  type.def(
+      "default_camera",
+      [](const SharedScene& s, nb::handle aspect) {
+        const float ratio = floatOf(aspect, "aspect");
+        return s.read([&](const Scene& s) { return s.defaultCamera(ratio); });
+      },
+      argument("aspect") = 16.0 / 9, nb::sig("def default_camera(self, aspect: float = 16 / 9) -> Camera"),
+      "The first of `cameras`, or a view that shows all of it in a picture of this aspect, width / height.");
+  type.def(
+      "look_at",
+      [](const SharedScene& s, nb::handle eye, nb::handle target, nb::handle fov) {
+        const auto from = numbersOf<float, 3>(eye, "eye"), to = numbersOf<float, 3>(target, "target");
+        const float angle = floatOf(fov, "vertical_fov");
+        return s.read([&](const Scene& s) { return s.lookAt(from, to, angle); });
+      },
+      argument("eye"), argument("target"), argument("vertical_fov") = 40.0,
+      nb::sig("def look_at(self, eye: numpy.typing.ArrayLike, target: numpy.typing.ArrayLike, vertical_fov: float = "
+              "40) -> Camera"),
+      "A camera at `eye` that looks at `target`, both (3,), metres, with the scene's up.");
+}
+
+void defineInstances(Class& type) {
+  type.def(
+      "instances",
+      [](const SharedScene& s, nb::handle node) {
+        if (node.is_none()) return s.read([](const Scene& s) { return s.instances(); });
+        const std::string path = textOf(node, "node");
+        return s.read([&](const Scene& s) { return s.instancesOf(path); });
+      },
+      argument("node") = nb::none(), nb::sig("def instances(self, node: str | None = None) -> list[InstanceHandle]"),
+      "All, or those of a node by its path: one a primitive of its mesh.");
+  type.def(
+      "instance",
+      [](const SharedScene& s, nb::handle instance) {
+        const auto handle = handleOf<Instance>(instance, "instance");
+        return s.read([&](const Scene& s) { return s.instance(handle); });
+      },
+      argument("instance"), nb::sig("def instance(self, instance: InstanceHandle) -> Instance"), "Its properties.");
+  type.def(
+      "set_transform",
+      [](SharedScene& s, nb::handle instance, nb::handle transform) {
+        const auto handle = handleOf<Instance>(instance, "instance");
+        const Transform matrix = matrixOf<4, 4>(transform, "transform");
+        s.edit([&](Scene& s) { s.setTransform(handle, matrix); });
+      },
+      argument("instance"), argument("transform"),
+      nb::sig("def set_transform(self, instance: InstanceHandle, transform: numpy.typing.ArrayLike) -> None"),
+      "(4, 4), last row 0 0 0 1: object space to the scene file's frame. No animation moves it from then on.");
+  type.def(
+      "assign_material",
+      [](SharedScene& s, nb::handle instance, nb::handle material) {
+        const auto to = handleOf<Instance>(instance, "instance");
+        const auto handle = handleOf<Material>(material, "material");
+        s.edit([&](Scene& s) { s.assignMaterial(to, handle); });
+      },
+      argument("instance"), argument("material"),
+      nb::sig("def assign_material(self, instance: InstanceHandle, material: MaterialHandle) -> None"));
+  type.def(
+      "add_instance",
+      [](SharedScene& s, nb::handle mesh, nb::handle material, nb::handle transform, nb::handle name) {
+        const auto meshHandle = handleOf<Mesh>(mesh, "mesh");
+        const auto materialHandle = handleOf<Material>(material, "material");
+        const Transform matrix = transformOf(transform);
+        const std::string text = textOf(name, "name");
+        return s.edit([&](Scene& s) { return s.addInstance(meshHandle, materialHandle, matrix, text); });
+      },
+      argument("mesh"), argument("material"), argument("transform") = nb::none(), argument("name") = "",
+      nb::sig("def add_instance(self, mesh: MeshHandle, material: MaterialHandle, "
+              "transform: numpy.typing.ArrayLike | None = None, name: str = \"\") -> InstanceHandle"),
+      "Shows the mesh under a root node of its own, \"/name\", or \"/name#2\" and so on where that is taken.");
+  type.def(
+      "remove_instance",
+      [](SharedScene& s, nb::handle instance) {
+        const auto handle = handleOf<Instance>(instance, "instance");
+        s.edit([&](Scene& s) { s.removeInstance(handle); });
+      },
+      argument("instance"), nb::sig("def remove_instance(self, instance: InstanceHandle) -> None"));
+}
+
+void defineMaterials(Class& type) {
+  type.def("materials", [](const SharedScene& s) { return s.read([](const Scene& s) { return s.materials(); }); });
+  type.def(
+      "material",
+      [](const SharedScene& s, nb::handle material) {
+        const auto handle = handleOf<Material>(material, "material");
+        return s.read([&](const Scene& s) { return s.material(handle); });
+      },
+      argument("material"), nb::sig("def material(self, material: MaterialHandle) -> Material"),
+      "Its properties, a copy.");
+  type.def(
+      "set_material",
+      [](SharedScene& s, nb::handle material, nb::handle values) {
+        const auto handle = handleOf<Material>(material, "material");
+        const Material to = objectOf<Material>(values, "values", "a Material");
+        s.edit([&](Scene& s) { s.setMaterial(handle, to); });
+      },
+      argument("material"), argument("values"),
+      nb::sig("def set_material(self, material: MaterialHandle, values: Material) -> None"), "Its textures stay.");
+  type.def(
+      "add_material",
+      [](SharedScene& s, nb::handle values, nb::handle texturesOf) {
+        const Material added = objectOf<Material>(values, "values", "a Material");
+        std::optional<Handle<Material>> like;
+        if (!texturesOf.is_none()) like = handleOf<Material>(texturesOf, "textures_of");
+        return s.edit([&](Scene& s) { return s.addMaterial(added, like); });
+      },
+      argument("values"), argument("textures_of") = nb::none(),
+      nb::sig("def add_material(self, values: Material, textures_of: MaterialHandle | None = None) -> MaterialHandle"),
+      "Without textures, or with those of another material.");
+}
+
+void defineTextures(Class& type) {
+  type.def("textures", [](const SharedScene& s) { return s.read([](const Scene& s) { return s.textures(); }); });
+  type.def(
+      "texture",
+      [](const SharedScene& s, nb::handle texture) {
+        const auto handle = handleOf<Texture>(texture, "texture");
+        return s.read([&](const Scene& s) { return s.texture(handle); });
+      },
+      argument("texture"), nb::sig("def texture(self, texture: TextureHandle) -> Texture"), "Its name and size.");
+  type.def(
+      "texture_pixels",
+      [](const SharedScene& s, nb::handle texture) {
+        const auto handle = handleOf<Texture>(texture, "texture");
+        TextureData data = s.read([&](const Scene& s) { return s.textureData(handle); });
+        return owned(std::move(data.rgba), {data.height, data.width, 4});
+      },
+      argument("texture"), nb::sig("def texture_pixels(self, texture: TextureHandle) -> numpy.ndarray"),
+      "(H, W, 4) uint8: RGBA, straight alpha, rows from the top.");
+  type.def(
+      "add_texture",
+      [](SharedScene& s, nb::handle pixels, nb::handle srgb, nb::handle name) {
+        const TextureData data = textureDataOf(pixels, srgb, name);
+        return s.edit([&](Scene& s) { return s.addTexture(data); });
+      },
+      argument("pixels"), argument("srgb") = true, argument("name") = "",
+      nb::sig("def add_texture(self, pixels: numpy.typing.ArrayLike, srgb: bool = True, name: str = \"\") -> "
+              "TextureHandle"),
+      "pixels: (H, W, C) uint8, rows from the top; 1 channel is grey, 2 grey and alpha, 3 RGB, 4 RGBA. srgb: as base "
+      "colours\n"
+      "and emitted light are stored; False for normals, roughness and other data.");
+  type.def(
+      "set_texture",
+      [](SharedScene& s, nb::handle material, nb::handle slot, nb::handle texture, nb::handle wrap, nb::handle smooth,
+         nb::handle uvSet) {
+        const auto handle = handleOf<Material>(material, "material");
+        const auto place = enumOf<TextureSlot>(slot, "slot", kSlots);
+        std::optional<TextureUse> use;
+        if (!texture.is_none()) {
+          const auto wraps = enumOf<Wrap>(wrap, "wrap", kWraps);
+          use = TextureUse{handleOf<Texture>(texture, "texture"), wraps, wraps, boolOf(smooth, "smooth"),
+                           static_cast<uint32_t>(integerOf(uvSet, "uv_set", 0, 1))};
+        }
+        s.edit([&](Scene& s) { s.setTexture(handle, place, use); });
+      },
+      argument("material"), argument("slot"), argument("texture"), argument("wrap") = "repeat",
+      argument("smooth") = true, argument("uv_set") = 0,
+      nb::sig(
+          "def set_texture(self, material: MaterialHandle, slot: typing.Literal[\"base_color\", "
+          "\"metallic_roughness\", "
+          "\"normal\", \"occlusion\", \"emissive\", \"specular\", \"specular_color\"], texture: TextureHandle | None, "
+          "wrap: typing.Literal[\"repeat\", \"mirror\", \"clamp\"] = \"repeat\", smooth: bool = True, uv_set: int = 0) "
+          "-> None"),
+      "The texture that the material samples in that slot; None: none. Channels are glTF's: roughness is green, "
+      "metalness\nblue. "
+      "smooth: linear filters and mip levels; else the nearest texel. uv_set: 0 or 1.");
+  type.def(
+      "texture_of",
+      [](const SharedScene& s, nb::handle material, nb::handle slot) -> nb::object {
+        const auto handle = handleOf<Material>(material, "material");
+        const auto place = enumOf<TextureSlot>(slot, "slot", kSlots);
+        const auto use = s.read([&](const Scene& s) { return s.textureOf(handle, place); });
+        return use ? nb::cast(use->texture) : nb::none();
+      },
+      argument("material"), argument("slot"),
+      nb::sig("def texture_of(self, material: MaterialHandle, slot: str) -> TextureHandle | None"),
+      "The texture that the material samples in that slot.");
+}
+
+void defineLights(Class& type) {
+  type.def("lights", [](const SharedScene& s) { return s.read([](const Scene& s) { return s.lights(); }); });
+  type.def(
+      "light",
+      [](const SharedScene& s, nb::handle light) {
+        const auto handle = handleOf<Light>(light, "light");
+        return s.read([&](const Scene& s) { return s.light(handle); });
+      },
+      argument("light"), nb::sig("def light(self, light: LightHandle) -> Light"), "Its properties, a copy.");
+  type.def(
+      "set_light",
+      [](SharedScene& s, nb::handle light, nb::handle values) {
+        const auto handle = handleOf<Light>(light, "light");
+        const Light to = objectOf<Light>(values, "values", "a Light");
+        s.edit([&](Scene& s) { s.setLight(handle, to); });
+      },
+      argument("light"), argument("values"), nb::sig("def set_light(self, light: LightHandle, values: Light) -> None"),
+      "A light that is moved or turned follows its node no longer.");
+  type.def(
+      "add_light",
+      [](SharedScene& s, nb::handle values) {
+        const Light added = objectOf<Light>(values, "values", "a Light");
+        return s.edit([&](Scene& s) { return s.addLight(added); });
+      },
+      argument("values"), nb::sig("def add_light(self, values: Light) -> LightHandle"));
+  type.def(
+      "remove_light",
+      [](SharedScene& s, nb::handle light) {
+        const auto handle = handleOf<Light>(light, "light");
+        s.edit([&](Scene& s) { s.removeLight(handle); });
+      },
+      argument("light"), nb::sig("def remove_light(self, light: LightHandle) -> None"));
+}
+
+nb::object meshArrays(const SharedScene& s, nb::handle mesh) {
+  const auto handle = handleOf<Mesh>(mesh, "mesh");
+  const MeshData data = s.read([&](const Scene& s) { return s.meshData(handle); });
+  nb::dict arrays;
+  arrays["positions"] = ownedRows(data.positions);
+  arrays["indices"] = owned(std::vector(data.indices), {data.indices.size() / 3, 3});
+  arrays["normals"] = ownedRows(data.normals);
+  if (!data.tangents.empty()) arrays["tangents"] = ownedRows(data.tangents);
+  if (!data.uv.empty()) arrays["uv"] = ownedRows(data.uv);
+  if (!data.uv1.empty()) arrays["uv1"] = ownedRows(data.uv1);
+  if (!data.colors.empty()) arrays["colors"] = ownedRows(data.colors);
+  return arrays;
+}
+
+#define MESH_PARAMETERS                                                                             \
+  "positions: numpy.typing.ArrayLike, indices: numpy.typing.ArrayLike | None = None, "              \
+  "normals: numpy.typing.ArrayLike | None = None, tangents: numpy.typing.ArrayLike | None = None, " \
+  "uv: numpy.typing.ArrayLike | None = None, uv1: numpy.typing.ArrayLike | None = None, "           \
+  "colors: numpy.typing.ArrayLike | None = None, name: str = \"\""
+#define MESH_DOC                                                                                                   \
+  "Object space, metres; V vertices and T triangles.\n\npositions: (V, 3)\nindices: (T, 3) whole numbers, fronts " \
+  "counter-clockwise; without them each three positions are a triangle\nnormals: (V, 3); without them flat\n"      \
+  "tangents: (V, 4), and the bitangent's sign; without them made from uv\nuv, uv1: (V, 2), v down\n"               \
+  "colors: (V, 4), linear; multiply the base colour"
+#define MESH_ARGUMENTS                                                                                                 \
+  argument("positions"), argument("indices") = nb::none(), argument("normals") = nb::none(),                           \
+                         argument("tangents") = nb::none(), argument("uv") = nb::none(), argument("uv1") = nb::none(), \
+                         argument("colors") = nb::none(), argument("name") = ""
+
+void defineMeshes(Class& type) {
+  type.def("meshes", [](const SharedScene& s) { return s.read([](const Scene& s) { return s.meshes(); }); });
+  type.def(
+      "mesh",
+      [](const SharedScene& s, nb::handle mesh) {
+        const auto handle = handleOf<Mesh>(mesh, "mesh");
+        return s.read([&](const Scene& s) { return s.mesh(handle); });
+      },
+      argument("mesh"), nb::sig("def mesh(self, mesh: MeshHandle) -> Mesh"), "Its name, size and bounds.");
+  type.def("mesh_arrays", &meshArrays, argument("mesh"),
+           nb::sig("def mesh_arrays(self, mesh: MeshHandle) -> dict[str, numpy.ndarray]"),
+           "Its arrays at rest, by the names that add_mesh() takes; those that it has.");
+  type.def(
+      "add_mesh",
+      [](SharedScene& s, nb::handle positions, nb::handle indices, nb::handle normals, nb::handle tangents,
+         nb::handle uv, nb::handle uv1, nb::handle colors, nb::handle name) {
+        const MeshData data = meshDataOf(positions, indices, normals, tangents, uv, uv1, colors, name);
+        return s.edit([&](Scene& s) { return s.addMesh(data); });
+      },
+      MESH_ARGUMENTS, nb::sig("def add_mesh(self, " MESH_PARAMETERS ") -> MeshHandle"), MESH_DOC);
+  type.def(
+      "set_mesh",
+      [](SharedScene& s, nb::handle mesh, nb::handle positions, nb::handle indices, nb::handle normals,
+         nb::handle tangents, nb::handle uv, nb::handle uv1, nb::handle colors, nb::handle name) {
+        const auto handle = handleOf<Mesh>(mesh, "mesh");
+        const MeshData data = meshDataOf(positions, indices, normals, tangents, uv, uv1, colors, name);
+        s.edit([&](Scene& s) { s.setMesh(handle, data); });
+      },
+      argument("mesh"), MESH_ARGUMENTS, nb::sig("def set_mesh(self, mesh: MeshHandle, " MESH_PARAMETERS ") -> None"),
+      "All instances of the mesh change with it, and no skin deforms it from then on. " MESH_DOC);
+}
+
+}  // namespace
+
+void bindScene(nb::module_& module) {
+  Class type(module, "Scene",
+             "What is rendered: a file, a built-in scene, or what a program adds. It may be edited between frames.\n\n"
+             "Lists are in the scene's order. An edit that can't be raises UsageError and changes nothing.");
+  defineWhole(type);
+  defineCameras(type);
+  defineInstances(type);
+  defineMaterials(type);
+  defineTextures(type);
+  defineLights(type);
+  defineMeshes(type);
+}
+
+}  // namespace latelight::python

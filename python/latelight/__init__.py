@@ -1,0 +1,74 @@
+"""Latelight: glTF scenes to pictures and exact per-pixel data, on GPUs and on the CPU, without a display.
+
+    import latelight
+
+    scene = latelight.Scene("helmet.glb")
+    renderer = latelight.Renderer(scene)
+    frame = renderer.render(scene.default_camera(), size=(640, 480), outputs=("rgba", "depth", "id"))
+    frame["depth"]  # (480, 640) float32, metres
+
+Units are metres and degrees; poses and positions are in the scene file's own frame (glTF: right-handed, Y up).
+"""
+
+from ._core import (
+    Animation,
+    Camera,
+    Instance,
+    InstanceHandle,
+    Lens,
+    Light,
+    LightHandle,
+    Material,
+    MaterialHandle,
+    Mesh,
+    MeshHandle,
+    Node,
+    Pick,
+    Renderer,
+    Scene,
+    Texture,
+    TextureHandle,
+    Ticket,
+    __version__,
+    set_memory_limit,
+)
+from .errors import (
+    ArgumentTypeError,
+    DeviceLostError,
+    InputError,
+    LatelightError,
+    NoDeviceError,
+    UsageError,
+)
+from .frames import Frame, Frames
+
+__all__ = [
+    "Animation",
+    "ArgumentTypeError",
+    "Camera",
+    "DeviceLostError",
+    "Frame",
+    "Frames",
+    "InputError",
+    "Instance",
+    "InstanceHandle",
+    "LatelightError",
+    "Lens",
+    "Light",
+    "LightHandle",
+    "Material",
+    "MaterialHandle",
+    "Mesh",
+    "MeshHandle",
+    "NoDeviceError",
+    "Node",
+    "Pick",
+    "Renderer",
+    "Scene",
+    "Texture",
+    "TextureHandle",
+    "Ticket",
+    "UsageError",
+    "__version__",
+    "set_memory_limit",
+]

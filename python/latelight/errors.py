@@ -1,0 +1,35 @@
+"""What goes wrong, by kind. Each message is one sentence."""
+
+
+class LatelightError(Exception):
+    """Base of all errors; `exit_code` is that of the command line (docs/exit-codes.md)."""
+
+    exit_code = 1
+
+
+class UsageError(LatelightError, ValueError):
+    """An invalid argument, option or edit."""
+
+    exit_code = 2
+
+
+class ArgumentTypeError(UsageError, TypeError):
+    """An argument of the wrong type, or one that there is not."""
+
+
+class InputError(LatelightError):
+    """A file that is missing, broken, or needs what is not supported."""
+
+    exit_code = 3
+
+
+class NoDeviceError(LatelightError):
+    """No Vulkan 1.3 device, or not the one that was asked for."""
+
+    exit_code = 4
+
+
+class DeviceLostError(LatelightError):
+    """The device was lost, or it or the machine has no memory left."""
+
+    exit_code = 5

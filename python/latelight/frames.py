@@ -1,0 +1,75 @@
+"""What render() gives: arrays by the names of outputs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, overload
+
+import numpy as np
+
+from . import _core
+
+
+class Frame(Mapping[str, np.ndarray]):
+    """The outputs of one camera, by name: frame["depth"].
+
+    Arrays are (H, W), or (H, W, C) with more than one channel; rows from the top. They are the renderer's own memory,
+    not a copy, and stay valid as long as they are used.
+    """
+
+    def __init__(self, arrays: dict[str, np.ndarray]) -> None:
+        self._arrays = arrays
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        try:
+            return self._arrays[name]
+        except KeyError:
+            raise KeyError(f"the frame has no {name!r}; outputs named {', '.join(self._arrays)}") from None
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._arrays)
+
+    def __len__(self) -> int:
+        return len(self._arrays)
+
+    def __repr__(self) -> str:
+        return f"Frame({', '.join(f'{name}: {array.dtype}{array.shape}' for name, array in self.items())})"
+
+    def png(self) -> bytes:
+        """The picture, the output rgba, as a PNG file."""
+        return _core.encode_png(self["rgba"])
+
+    def _repr_png_(self) -> bytes | None:
+        return self.png() if "rgba" in self else None
+
+
+class Frames(Sequence[Frame]):
+    """The outputs of several cameras: frames[3] is a Frame, frames["depth"] all depths, (V, H, W) or (V, H, W, C).
+
+    An array of all views is put together when it is asked for the first time, which copies it.
+    """
+
+    def __init__(self, frames: list[Frame]) -> None:
+        self._frames = frames
+        self._stacked: dict[str, np.ndarray] = {}
+
+    @overload
+    def __getitem__(self, key: int) -> Frame: ...
+    @overload
+    def __getitem__(self, key: slice) -> Frames: ...
+    @overload
+    def __getitem__(self, key: str) -> np.ndarray: ...
+    def __getitem__(self, key: Any) -> Any:
+        if isinstance(key, slice):
+            return Frames(self._frames[key])
+        if not isinstance(key, str):
+            return self._frames[key]
+        if key not in self._stacked:
+            self._stacked[key] = np.stack([frame[key] for frame in self._frames])
+        return self._stacked[key]
+
+    def __len__(self) -> int:
+        return len(self._frames)
+
+    def __repr__(self) -> str:
+        return f"Frames({len(self)} x {self._frames[0]!r})" if self._frames else "Frames()"

@@ -1,0 +1,96 @@
+// The public API's textures, and which of them a material samples.
+#include <cstring>
+
+#include "base/error.h"
+#include "base/log.h"
+#include "render/api_scene.h"
+#include "scene/edit.h"
+#include "scene/texture.h"
+
+namespace latelight {
+
+namespace {
+
+void checkTexture(const TextureData& data) {
+  const std::string name = printable(data.name);
+  if (data.width == 0 || data.height == 0) badUsage("the texture \"{}\" has no pixels", name);
+  if (data.width > scene::kMaxTextureSide || data.height > scene::kMaxTextureSide)
+    badUsage("the texture \"{}\" is {}x{} pixels; at most {} a side are supported", name, data.width, data.height,
+             scene::kMaxTextureSide);
+  if (data.rgba.size() != size_t{4} * data.width * data.height)
+    badUsage("the texture \"{}\" is {}x{} pixels of 4 bytes, and {} bytes are given", name, data.width, data.height,
+             data.rgba.size());
+}
+
+size_t indexOf(TextureSlot slot) {
+  const auto index = static_cast<size_t>(slot);
+  if (index >= shared::kTextureCount) badUsage("a material has no texture slot {}", index);
+  return index;
+}
+
+scene::TextureSlot internalSlot(const TextureUse& use, uint32_t texture) {
+  scene::Sampler sampler{.wrapU = static_cast<scene::Wrap>(use.wrapU), .wrapV = static_cast<scene::Wrap>(use.wrapV)};
+  if (!use.smooth) {
+    sampler.magnify = sampler.minify = scene::Filter::Nearest;
+    sampler.mip = scene::MipFilter::None;
+  }
+  return {static_cast<int>(texture), sampler};
+}
+
+}  // namespace
+
+std::vector<Handle<Texture>> Scene::textures() const {
+  std::vector<Handle<Texture>> all;
+  for (uint32_t i = 0; i < impl_->scene.textures.size(); ++i) all.push_back(impl_->texture(i));
+  return all;
+}
+
+Texture Scene::texture(Handle<Texture> texture) const {
+  const scene::Texture& from = impl_->scene.textures[impl_->index(texture)];
+  return {from.name, from.width, from.height, from.srgb};
+}
+
+TextureData Scene::textureData(Handle<Texture> texture) const {
+  const scene::Texture& from = impl_->scene.textures[impl_->index(texture)];
+  TextureData data{from.name, from.width, from.height, from.srgb, {}};
+  data.rgba.resize(size_t{4} * from.width * from.height);
+  std::memcpy(data.rgba.data(), from.pixels.get(), data.rgba.size());
+  return data;
+}
+
+Handle<Texture> Scene::addTexture(const TextureData& data) {
+  checkTexture(data);
+  const scene::ImageSize size{data.width, data.height};
+  impl_->scene.memory.grow(scene::mipChainBytes(size), "its textures");
+  scene::Texture texture = scene::makeTexture(size, data.srgb, data.name);
+  std::memcpy(texture.pixels.get(), data.rgba.data(), data.rgba.size());
+  scene::buildMips(texture);
+  impl_->scene.textures.push_back(std::move(texture));
+  return impl_->texture(static_cast<uint32_t>(impl_->scene.textures.size() - 1));
+}
+
+std::optional<TextureUse> Scene::textureOf(Handle<Material> material, TextureSlot slot) const {
+  const scene::Material& from = impl_->scene.materials[impl_->index(material)];
+  const scene::TextureSlot& bound = from.slots[indexOf(slot)];
+  if (bound.texture < 0) return std::nullopt;
+  return TextureUse{impl_->texture(static_cast<uint32_t>(bound.texture)), static_cast<Wrap>(bound.sampler.wrapU),
+                    static_cast<Wrap>(bound.sampler.wrapV), bound.sampler.magnify == scene::Filter::Linear,
+                    from.data.transforms[indexOf(slot)].uvSet};
+}
+
+void Scene::setTexture(Handle<Material> material, TextureSlot slot, const std::optional<TextureUse>& use) {
+  const uint32_t index = impl_->index(material);
+  const size_t place = indexOf(slot);
+  scene::Material edited = impl_->scene.materials[index];
+  edited.slots[place] = {};
+  edited.data.textures &= ~(1u << place);
+  if (use) {
+    if (use->uvSet > 1) badUsage("a mesh has the texture coordinates 0 and 1, and no set {}", use->uvSet);
+    edited.slots[place] = internalSlot(*use, impl_->index(use->texture));
+    edited.data.textures |= 1u << place;
+    edited.data.transforms[place].uvSet = use->uvSet;
+  }
+  scene::setMaterial(impl_->scene, index, edited);
+}
+
+}  // namespace latelight

@@ -1,0 +1,180 @@
+// Scenes that a program makes from nothing, and what it reads back, by the public API.
+#include <gmock/gmock.h>
+#include <latelight/latelight.h>
+
+#include <algorithm>
+#include <set>
+#include <stdexcept>
+
+#include "output/png.h"
+
+namespace latelight {
+namespace {
+
+using testing::ElementsAre;
+using testing::FloatNear;
+using testing::HasSubstr;
+
+// Two metres wide and high, facing +Z, its texture upright.
+MeshData picture() {
+  MeshData mesh;
+  mesh.name = "picture";
+  mesh.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+  mesh.uv = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
+  mesh.normals = std::vector(4, std::array{0.0f, 0.0f, 1.0f});
+  mesh.indices = {0, 1, 2, 0, 2, 3};
+  return mesh;
+}
+
+TextureData checks() {
+  return {"checks", 2, 2, true, {255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 255, 255, 255, 255}};
+}
+
+Options square(std::vector<std::string> outputs) {
+  Options options;
+  options.width = options.height = 16;
+  options.picture = false;
+  options.aovs = std::move(outputs);
+  return options;
+}
+
+std::vector<float> pixel(const Aov& aov, size_t x, size_t y) {
+  const float* first = aov.values.data() + (y * 16 + x) * aov.channels;
+  return {first, first + aov.channels};
+}
+
+std::string refused(const std::function<void()>& call) {
+  try {
+    call();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::Usage);
+    return error.what();
+  }
+  return "nothing was refused";
+}
+
+TEST(MadeScene, IsEmptyAtFirst) {
+  Scene scene;
+  EXPECT_TRUE(scene.instances().empty());
+  EXPECT_TRUE(scene.nodes().empty());
+  EXPECT_FALSE(scene.bounds().has_value());
+  const Frame frame = Renderer(scene, "cpu").render(scene.defaultCamera(1), square({"depth", "id"}));
+  EXPECT_TRUE(frame.rgba.empty());
+  EXPECT_THAT(frame.aovs.at("depth").values, testing::Each(std::numeric_limits<float>::infinity()));
+  EXPECT_THAT(frame.aovs.at("id").ids, testing::Each(0u));
+}
+
+TEST(MadeScene, ShowsItsTexturesTexels) {
+  Scene scene;
+  Renderer renderer(scene, "cpu");                                         // what comes later is uploaded
+  const Camera camera = scene.lookAt({0, 0, 2}, {0, 0, 0}, 53.13010235f);  // the picture fills it
+  renderer.render(camera, square({"albedo"}));
+  const auto material = scene.addMaterial({.name = "paint", .roughness = 1});
+  const auto texture = scene.addTexture(checks());
+  scene.setTexture(material, TextureSlot::BaseColor, TextureUse{.texture = texture, .smooth = false});
+  scene.addInstance(scene.addMesh(picture()), material, Transform{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1});
+  const Frame frame = renderer.render(camera, square({"albedo", "depth"}));
+  const Aov& albedo = frame.aovs.at("albedo");
+  EXPECT_THAT(pixel(albedo, 3, 3), ElementsAre(1, 0, 0));
+  EXPECT_THAT(pixel(albedo, 12, 3), ElementsAre(0, 1, 0));
+  EXPECT_THAT(pixel(albedo, 3, 12), ElementsAre(0, 0, 1));
+  EXPECT_THAT(pixel(albedo, 12, 12), ElementsAre(1, 1, 1));
+  EXPECT_THAT(frame.aovs.at("depth").values, testing::Each(FloatNear(2, 1e-5f)));
+  scene.setTexture(material, TextureSlot::BaseColor, {});
+  EXPECT_THAT(pixel(renderer.render(camera, square({"albedo"})).aovs.at("albedo"), 3, 3), ElementsAre(1, 1, 1));
+}
+
+TEST(MadeScene, GivesBackWhatItWasMadeOf) {
+  Scene scene;
+  const auto mesh = scene.addMesh(picture());
+  const MeshData read = scene.meshData(mesh);
+  EXPECT_EQ(read.positions, picture().positions);
+  EXPECT_EQ(read.uv, picture().uv);
+  EXPECT_EQ(read.indices, picture().indices);
+  EXPECT_THAT(read.normals, testing::Each(ElementsAre(0, 0, 1)));
+  const auto texture = scene.addTexture(checks());
+  EXPECT_EQ(scene.textureData(texture).rgba, checks().rgba);
+  const auto material = scene.addMaterial({});
+  EXPECT_FALSE(scene.textureOf(material, TextureSlot::Emissive).has_value());
+  scene.setTexture(material, TextureSlot::Emissive, TextureUse{.texture = texture, .wrapU = Wrap::Clamp});
+  EXPECT_EQ(scene.textureOf(material, TextureSlot::Emissive)->texture, texture);
+  EXPECT_EQ(scene.textureOf(material, TextureSlot::Emissive)->wrapU, Wrap::Clamp);
+  scene.addInstance(mesh, material, Transform{2, 0, 0, 5, 0, 1, 0, 0, 0, 0, 1, 7, 0, 0, 0, 1}, "wall");
+  EXPECT_THAT(scene.bounds()->min, ElementsAre(3, -1, 7));
+  EXPECT_THAT(scene.bounds()->max, ElementsAre(7, 1, 7));
+  ASSERT_EQ(scene.nodes().size(), 1u);
+  EXPECT_EQ(scene.nodes()[0].path, "/wall");
+  EXPECT_EQ(scene.nodes()[0].transform, scene.instance(scene.instances()[0]).transform);
+}
+
+TEST(MadeScene, HasTheCamerasThatAreAdded) {
+  Scene scene;
+  Camera camera = scene.lookAt({1, 2, 3}, {0, 0, 0}, 50);
+  camera.name = "front";
+  camera.principalX = 0.25f;
+  camera.lens = Lens{.width = 64, .height = 48, .fx = 70, .fy = 60, .cx = 30, .cy = 20};
+  scene.addCamera(camera);
+  const Camera& read = scene.cameras().at(0);
+  EXPECT_EQ(read.name, "front");
+  EXPECT_EQ(read.principalX, 0.25f);
+  EXPECT_EQ(read.lens->fy, 60);
+  for (size_t i = 0; i < 16; ++i) EXPECT_NEAR(read.cameraToWorld[i], camera.cameraToWorld[i], 1e-6);
+}
+
+TEST(MadeScene, IsLitByAnEnvironmentOfPixels) {
+  Scene scene;
+  Options options = square({"color"});
+  options.background = "hdri";
+  const EnvironmentData sky{64, 32, std::vector(64 * 32, std::array{0.25f, 0.5f, 2.0f})};
+  const Frame frame = Renderer(scene, "cpu", sky).render(scene.defaultCamera(1), options);
+  EXPECT_THAT(pixel(frame.aovs.at("color"), 8, 8), ElementsAre(0.25f, 0.5f, 2.0f, 1));
+  EXPECT_THAT(refused([&] { Renderer(scene, "cpu", EnvironmentData{32, 32, {}}); }), HasSubstr("twice as wide"));
+}
+
+TEST(MadeScene, RefusesWhatCannotBe) {
+  Scene scene;
+  const auto material = scene.addMaterial({});
+  EXPECT_THAT(refused([&] { scene.addTexture({"a", 0, 1, true, {}}); }), HasSubstr("no pixels"));
+  EXPECT_THAT(refused([&] { scene.addTexture({"a", 2, 1, true, {1, 2, 3}}); }), HasSubstr("3 bytes"));
+  EXPECT_THAT(refused([&] { scene.setTexture(material, TextureSlot::Normal, TextureUse{}); }), HasSubstr("a texture"));
+  EXPECT_THAT(refused([&] { encodePng(2, 2, {1, 2, 3}); }), HasSubstr("3 are given"));
+}
+
+TEST(PublicPng, HoldsThePicture) {
+  const std::vector<uint8_t> rgba{1, 2, 3, 255, 4, 5, 6, 128};
+  const output::ReadImage read = output::decodePng(encodePng(2, 1, rgba), "memory");
+  EXPECT_EQ(read.width, 2u);
+  EXPECT_EQ(read.height, 1u);
+}
+
+TEST(PublicLists, HaveEveryOption) {
+  std::set<std::string> names;
+  for (const OptionInfo& option : optionInfos()) names.insert(option.name);
+#define OPTION_NUMBER(type, member, name, ...) EXPECT_TRUE(names.contains(name)) << name;
+#define OPTION_CHOICE(Enum, member, name, ...) EXPECT_TRUE(names.contains(name)) << name;
+#include <latelight/options.def>
+  const std::vector<OutputInfo> outputs = outputInfos();
+  const auto id = std::ranges::find(outputs, "id", &OutputInfo::name);
+  ASSERT_NE(id, outputs.end());
+  EXPECT_TRUE(id->ids);
+}
+
+TEST(Waiting, EndsByWhatTheCheckThrows) {
+  const Scene scene("builtin:hall,triangles=60k,lights=20");
+  Renderer renderer(scene, "cpu");
+  Options options = square({"depth"});
+  options.width = options.height = 64;
+  const Frame before = renderer.render(scene.defaultCamera(1), options);
+  int checks = 0;
+  renderer.whileWaiting([&] { throw std::runtime_error(std::to_string(++checks)); });
+  Options large;
+  large.width = large.height = 512;
+  large.aa = "ss4";
+  EXPECT_THROW(renderer.render(scene.defaultCamera(1), large), std::runtime_error);
+  EXPECT_EQ(checks, 1);
+  renderer.whileWaiting({});
+  EXPECT_EQ(renderer.render(scene.defaultCamera(1), options).aovs.at("depth").values, before.aovs.at("depth").values);
+}
+
+}  // namespace
+}  // namespace latelight

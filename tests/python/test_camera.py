@@ -1,0 +1,107 @@
+"""Cameras, against projections computed here with NumPy."""
+
+import numpy as np
+import pytest
+
+import latelight
+
+SIZE = (64, 48)
+
+
+def positions_match(renderer, camera, k, world_to_camera):
+    """Each position that is rendered projects to the centre of its pixel."""
+    frame = renderer.render(camera, SIZE, ("position", "depth", "id"))
+    rows, columns = np.nonzero(frame["id"])
+    assert len(rows) > 50
+    points = np.c_[frame["position"][rows, columns], np.ones(len(rows))] @ world_to_camera.T
+    pixels = points[:, :3] @ np.asarray(k).T
+    np.testing.assert_allclose(pixels[:, :2] / pixels[:, 2:], np.c_[columns, rows] + 0.5, atol=2e-3)
+    np.testing.assert_allclose(points[:, 2], frame["depth"][rows, columns], rtol=1e-5)
+
+
+def pose_looking_at_boxes():
+    """OpenCV's frame, from (4, -5, 3) to the origin, in the built-in scenes' frame: Z up."""
+    eye = np.array([4.0, -5.0, 3.0])
+    forward = -eye / np.linalg.norm(eye)
+    right = np.cross(forward, [0, 0, 1])
+    right /= np.linalg.norm(right)
+    pose = np.eye(4)
+    pose[:3] = np.c_[right, np.cross(forward, right), forward, eye]
+    return pose
+
+
+@pytest.mark.parametrize("principal", [(32, 24), (20.5, 30.25)])
+def test_k_and_a_pose(renderer, principal):
+    k = [[70, 0, principal[0]], [0, 70, principal[1]], [0, 0, 1]]
+    pose = pose_looking_at_boxes()
+    camera = latelight.Camera.from_k(k, pose, SIZE)
+    positions_match(renderer, camera, k, np.linalg.inv(pose))
+    np.testing.assert_allclose(camera.k(SIZE), k, rtol=1e-6)
+
+
+def test_a_pose_in_opengls_frame(renderer):
+    k = [[60, 0, 32], [0, 60, 24], [0, 0, 1]]
+    pose = pose_looking_at_boxes()
+    opengl = pose @ np.diag([1, -1, -1, 1])
+    camera = latelight.Camera.from_k(k, opengl, SIZE, frame="opengl")
+    np.testing.assert_allclose(camera.camera_to_world, pose, atol=1e-12)
+
+
+def test_look_at(renderer):
+    camera = latelight.Camera.look_at((4, -5, 3), (0, 0, 0), up=(0, 0, 1), vertical_fov=50)
+    np.testing.assert_allclose(camera.camera_to_world, pose_looking_at_boxes(), atol=1e-12)
+    positions_match(renderer, camera, camera.k(SIZE), np.linalg.inv(camera.camera_to_world))
+
+
+def test_orthographic(renderer):
+    camera = latelight.Camera(
+        camera_to_world=pose_looking_at_boxes(), orthographic=True, half_height=3, near_clip=0.1, far_clip=100
+    )
+    frame = renderer.render(camera, SIZE, ("position", "id"))
+    rows, columns = np.nonzero(frame["id"])
+    world_to_camera = np.linalg.inv(camera.camera_to_world)
+    points = np.c_[frame["position"][rows, columns], np.ones(len(rows))] @ world_to_camera.T
+    pixels = np.c_[points[:, :2], np.ones(len(rows))] @ camera.k(SIZE).T
+    np.testing.assert_allclose(pixels[:, :2], np.c_[columns, rows] + 0.5, atol=2e-3)
+
+
+def test_focal_lengths_that_differ_are_kept_as_a_lens():
+    k = [[70, 0, 30], [0, 60, 25], [0, 0, 1]]
+    camera = latelight.Camera.from_k(k, np.eye(4), SIZE)
+    assert (camera.lens.fx, camera.lens.fy, camera.lens.width) == (70, 60, 64)
+    np.testing.assert_allclose(camera.k((128, 96)), [[140, 0, 60], [0, 120, 50], [0, 0, 1]])
+
+
+def test_a_scenes_cameras():
+    scene = latelight.Scene()
+    scene.add_camera(latelight.Camera.look_at((0, 0, 3), (0, 0, 0)))
+    assert len(scene.cameras) == 1
+    np.testing.assert_allclose(scene.default_camera().camera_to_world[:3, 3], (0, 0, 3))
+
+
+@pytest.mark.parametrize(
+    "make, words",
+    [
+        (lambda: latelight.Camera.look_at((0, 0, 0), (0, 0, 0)), "eye and target"),
+        (lambda: latelight.Camera.look_at((0, 0, 0), (0, 1, 0)), "up must not"),
+        (lambda: latelight.Camera.look_at((0, 0), (0, 1, 0)), "eye must be an array of shape"),
+        (lambda: latelight.Camera.from_k(np.eye(3), np.eye(4), (0, 3)), "size must"),
+        (lambda: latelight.Camera.from_k(np.diag([1, -1, 1]), np.eye(4), SIZE), "focal lengths"),
+        (lambda: latelight.Camera.from_k([[1, 2, 0], [0, 1, 0], [0, 0, 1]], np.eye(4), SIZE), "no skew"),
+        (lambda: latelight.Camera.from_k(np.eye(3), np.eye(3), SIZE), "camera_to_world"),
+        (lambda: latelight.Camera.from_k(np.eye(3), np.eye(4), SIZE, "blender"), "frame must be"),
+        (lambda: latelight.Camera(vertical_fov="wide"), "vertical_fov must be a number"),
+        (lambda: latelight.Camera(fov=40), 'Camera has no "fov"'),
+        (lambda: latelight.Lens(model="wide"), "model must be one of pinhole"),
+        (lambda: latelight.Lens(distortion=range(9)), "at most 8"),
+    ],
+)
+def test_refused(make, words):
+    with pytest.raises(latelight.UsageError, match=words):
+        make()
+
+
+def test_a_scaled_pose_is_refused_when_it_is_rendered(renderer):
+    camera = latelight.Camera(camera_to_world=np.diag([2, 2, 2, 1]))
+    with pytest.raises(latelight.UsageError, match="rotation and a translation"):
+        renderer.render(camera, SIZE)

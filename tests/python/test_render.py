@@ -1,0 +1,155 @@
+"""Rendering: shapes, types, batches, tickets, options; and against the command line's files."""
+
+import gc
+import json
+import os
+import subprocess
+
+import numpy as np
+import pytest
+
+import latelight
+
+SIZE = (48, 32)
+
+
+@pytest.fixture
+def camera(boxes):
+    return boxes.default_camera(SIZE[0] / SIZE[1])
+
+
+def test_shapes_and_types(renderer, camera):
+    frame = renderer.render(camera, SIZE, ("rgba", "color", "depth", "normal", "id", "uv"))
+    assert {name: (array.shape, array.dtype.name) for name, array in frame.items()} == {
+        "rgba": ((32, 48, 4), "uint8"),
+        "color": ((32, 48, 4), "float32"),
+        "depth": ((32, 48), "float32"),
+        "normal": ((32, 48, 3), "float32"),
+        "id": ((32, 48), "uint32"),
+        "uv": ((32, 48, 2), "float32"),
+    }
+    with pytest.raises(KeyError, match="albedo"):
+        frame["albedo"]
+
+
+def test_data_alone_are_not_lit(renderer, camera):
+    assert list(renderer.render(camera, SIZE, "depth")) == ["depth"]
+
+
+def test_the_same_as_the_command_line(renderer, camera, tmp_path):
+    program = os.environ.get("LATELIGHT_PROGRAM")
+    if not program:
+        pytest.skip("LATELIGHT_PROGRAM names no program to compare with")
+    names = ["depth", "normal", "id"]
+    subprocess.run(
+        [program, "render", "builtin:boxes", "--size", "48x32", "--device", "cpu", "--aov", ",".join(names)]
+        + ["-o", str(tmp_path / "{aov}.npy"), "--exposure", "1", "--quiet"],
+        check=True,
+    )
+    frame = renderer.render(camera, SIZE, names, exposure=1)
+    for name in names:
+        np.testing.assert_array_equal(frame[name], np.load(tmp_path / f"{name}.npy"))
+    meta = json.loads((tmp_path / "meta.json").read_text())
+    np.testing.assert_allclose(camera.camera_to_world, meta["camera"]["cameraToWorld"], atol=1e-6)
+    np.testing.assert_allclose(camera.k(SIZE), meta["camera"]["K"], rtol=1e-6)
+
+
+def test_arrays_outlive_all_else(device):
+    scene = latelight.Scene("builtin:boxes")
+    renderer = latelight.Renderer(scene, device)
+    depth = renderer.render(scene.default_camera(), SIZE, "depth")["depth"]
+    kept = depth.copy()
+    assert not depth.flags.owndata and depth.flags.writeable
+    del scene, renderer
+    gc.collect()
+    np.testing.assert_array_equal(depth, kept)
+    np.testing.assert_array_equal(np.from_dlpack(depth), kept)
+
+
+def test_cameras_at_once_are_the_same_as_one_by_one(renderer, boxes):
+    cameras = [boxes.look_at((3, -4, 2 + i), (0, 0, 0.5)) for i in range(3)]
+    frames = renderer.render(cameras, SIZE, ("rgba", "depth"))
+    assert len(frames) == 3
+    assert frames["depth"].shape == (3, 32, 48)
+    assert frames["rgba"].shape == (3, 32, 48, 4)
+    assert len(frames[1:]) == 2
+    for camera, frame in zip(cameras, frames):
+        np.testing.assert_array_equal(frame["rgba"], renderer.render(camera, SIZE)["rgba"])
+
+
+def test_tickets_are_taken_once_and_in_any_order(renderer, boxes, camera):
+    other = boxes.look_at((3, -4, 2), (0, 0, 0))
+    first = renderer.submit(camera, SIZE, "depth")
+    second = renderer.submit([other], SIZE, "depth")
+    assert isinstance(second.take(), latelight.Frames)
+    np.testing.assert_array_equal(first.take()["depth"], renderer.render(camera, SIZE, "depth")["depth"])
+    assert first.done
+    with pytest.raises(latelight.UsageError, match="taken already"):
+        first.take()
+
+
+def test_a_ticket_keeps_its_renderer(device, boxes, camera):
+    ticket = latelight.Renderer(boxes, device).submit(camera, SIZE, "depth")
+    gc.collect()
+    assert np.isfinite(ticket.take()["depth"]).any()
+
+
+def test_options_do_what_they_say(renderer, camera):
+    plain = renderer.render(camera, SIZE, "color")["color"]
+    brighter = renderer.render(camera, SIZE, "color", exposure=2.0)["color"]
+    np.testing.assert_allclose(brighter[..., :3], 4 * plain[..., :3], rtol=1e-3)
+    sunny = renderer.render(camera, SIZE, "color", sun=(30, 40, 10))["color"]
+    assert sunny[..., :3].sum() > 1.1 * plain[..., :3].sum()
+    opaque = renderer.render(camera, SIZE, background="#ff0000")["rgba"]
+    assert (opaque[..., 3] == 255).all()
+    default = renderer.render(camera, SIZE, "color", anisotropy=None, time=None, sun=None)["color"]
+    np.testing.assert_array_equal(default, plain)
+
+
+def test_every_option_takes_its_default(renderer, camera):
+    """The signature's own defaults, each given by name, change nothing."""
+    import inspect
+    import re
+
+    signature = renderer.render.__doc__.split("\n")[0]
+    given = dict(re.findall(r", (\w+): [^=]+? = (None|True|False|\"[^\"]*\"|[-\d.e]+)(?=,|\))", signature))
+    options = {name: eval(value) for name, value in given.items() if name not in ("size", "outputs")}
+    assert len(options) > 40
+    plain = renderer.render(camera, SIZE)["rgba"]
+    np.testing.assert_array_equal(renderer.render(camera, SIZE, **options)["rgba"], plain)
+
+
+def test_motion_takes_the_cameras_before_and_after(renderer, boxes):
+    now, before = boxes.look_at((3, -4, 2), (0, 0, 0.5)), boxes.look_at((3.1, -4, 2), (0, 0, 0.5))
+    still = renderer.render(now, SIZE, ("motion", "id"))
+    moved = renderer.render(now, SIZE, "motion", previous_cameras=[before])["motion"]
+    seen = still["id"] > 0
+    assert (still["motion"][seen] == 0).all()
+    assert (abs(moved[seen][:, :2]).max(axis=1) > 0).all()
+    with pytest.raises(latelight.UsageError, match="1 cameras are rendered, but 2"):
+        renderer.render(now, SIZE, "motion", previous_cameras=[before, before])
+
+
+def test_picks(renderer, boxes, camera):
+    frame = renderer.render(camera, SIZE, ("id", "depth", "position"))
+    y, x = np.argwhere(frame["id"] > 0)[0]
+    shown, outside = renderer.pick(camera, [[x, y], [0, 0]], SIZE)
+    assert shown.id == frame["id"][y, x]
+    assert shown.depth == frame["depth"][y, x]
+    np.testing.assert_array_equal(np.float32(shown.position), frame["position"][y, x])
+    assert boxes.instances(shown.node)
+    assert outside.id == frame["id"][0, 0]
+
+
+def test_frames_show_themselves(renderer, camera):
+    frame = renderer.render(camera, SIZE)
+    assert frame._repr_png_().startswith(b"\x89PNG\r\n\x1a\n")
+    assert renderer.render(camera, SIZE, "depth")._repr_png_() is None
+    assert repr(frame) == "Frame(rgba: uint8(32, 48, 4))"
+
+
+def test_the_models_of_the_machine(model, device):
+    scene = latelight.Scene(model("DamagedHelmet.glb"))
+    frame = latelight.Renderer(scene, device).render(scene.default_camera(1), (64, 64), ("rgba", "depth"))
+    assert 0.1 < np.isfinite(frame["depth"]).mean() < 0.9
+    assert frame["rgba"][..., :3].std() > 10

@@ -1,0 +1,148 @@
+"""Scenes from arrays, read back, and edited between frames."""
+
+import numpy as np
+import pytest
+
+import latelight
+
+SIZE = (16, 16)
+FRONT = latelight.Camera.look_at((0, 0, 2), (0, 0, 0), vertical_fov=np.degrees(2 * np.arctan(0.5)))
+
+
+@pytest.fixture
+def wall(square):
+    """An instance of the square that fills the picture of FRONT."""
+    scene = latelight.Scene()
+    material = scene.add_material(latelight.Material(name="paint", base_color=(0.5, 0.25, 1, 1), roughness=1))
+    instance = scene.add_instance(scene.add_mesh(**square, name="wall"), material)
+    return scene, instance, material
+
+
+def test_a_mesh_shows_where_it_is(wall, device):
+    scene, instance, material = wall
+    frame = latelight.Renderer(scene, device).render(FRONT, SIZE, ("depth", "albedo", "normal", "id", "material"))
+    np.testing.assert_allclose(frame["depth"], 2, rtol=1e-5)
+    np.testing.assert_allclose(frame["albedo"], np.tile((0.5, 0.25, 1), (16, 16, 1)), atol=1e-3)
+    np.testing.assert_allclose(frame["normal"], np.tile((0, 0, 1), (16, 16, 1)), atol=1e-3)
+    assert (frame["id"] == scene.instance(instance).id).all()
+    assert (frame["material"] == scene.material(material).id).all()
+    assert scene.id_manifest()["ids"][str(scene.instance(instance).id)]["node"] == "/wall"
+
+
+def test_edits_show_in_the_next_frame(wall, device):
+    scene, instance, material = wall
+    renderer = latelight.Renderer(scene, device)
+    renderer.render(FRONT, SIZE, "depth")
+    transform = np.eye(4)
+    transform[2, 3] = -1
+    scene.set_transform(instance, transform)
+    np.testing.assert_allclose(renderer.render(FRONT, SIZE, "depth")["depth"][8, 8], 3, rtol=1e-5)
+    np.testing.assert_array_equal(scene.instance(instance).transform, transform)
+    paint = scene.material(material)
+    paint.base_color = (0, 1, 0, 1)
+    scene.set_material(material, paint)
+    np.testing.assert_allclose(renderer.render(FRONT, SIZE, "albedo")["albedo"][8, 8], (0, 1, 0), atol=1e-3)
+    scene.remove_instance(instance)
+    assert np.isinf(renderer.render(FRONT, SIZE, "depth")["depth"]).all()
+    with pytest.raises(latelight.UsageError, match="removed"):
+        scene.instance(instance)
+
+
+def test_textures_texel_by_texel(wall, device):
+    scene, _, material = wall
+    scene.set_material(material, latelight.Material(base_color=(1, 1, 1, 1)))
+    pixels = np.random.default_rng(1).integers(0, 256, (16, 16, 3), np.uint8)
+    texture = scene.add_texture(pixels, srgb=False, name="noise")
+    scene.set_texture(material, "base_color", texture, smooth=False, wrap="clamp")
+    albedo = latelight.Renderer(scene, device).render(FRONT, SIZE, "albedo")["albedo"]
+    np.testing.assert_allclose(albedo * 255, pixels, atol=0.2)
+    np.testing.assert_array_equal(scene.texture_pixels(texture)[..., :3], pixels)
+    assert scene.texture_of(material, "base_color") == texture
+    assert scene.texture_of(material, "normal") is None
+
+
+@pytest.mark.parametrize("channels", [1, 2, 3, 4])
+def test_textures_of_any_number_of_channels(channels):
+    pixels = np.arange(2 * 3 * channels, dtype=np.uint8).reshape(2, 3, channels)
+    scene = latelight.Scene()
+    read = scene.texture_pixels(scene.add_texture(pixels))
+    grey = channels < 3
+    np.testing.assert_array_equal(read[..., :3], np.repeat(pixels[..., :1], 3, -1) if grey else pixels[..., :3])
+    np.testing.assert_array_equal(read[..., 3], pixels[..., -1] if channels in (2, 4) else np.full((2, 3), 255))
+
+
+def test_lights_fall_off_with_the_square_of_distance(square, device):
+    scene = latelight.Scene()
+    material = scene.add_material(latelight.Material(base_color=(1, 1, 1, 1), metallic=0, roughness=1, specular=0))
+    scene.add_instance(scene.add_mesh(**square), material)
+    light = scene.add_light(latelight.Light(position=(0, 0, 1), intensity=np.pi))
+    renderer = latelight.Renderer(scene, device, environment="none")
+    centre = lambda: renderer.render(FRONT, (15, 15), "color", shadows="none")["color"][7, 7, 0]
+    assert centre() == pytest.approx(1, rel=2e-3)  # albedo / pi times pi candela at one metre
+    moved = scene.light(light)
+    moved.position = (0, 0, 2)
+    scene.set_light(light, moved)
+    assert centre() == pytest.approx(0.25, rel=2e-3)
+    scene.remove_light(light)
+    assert scene.lights() == []
+    assert centre() == 0
+
+
+def test_an_environment_of_pixels(device):
+    scene = latelight.Scene()
+    sky = np.full((8, 16, 3), (0.5, 1, 2), np.float32)
+    color = latelight.Renderer(scene, device, sky).render(FRONT, SIZE, "color", background="hdri")["color"]
+    np.testing.assert_allclose(color[..., :3], np.tile((0.5, 1, 2), (16, 16, 1)))
+
+
+def test_meshes_are_read_back(wall, square):
+    scene, instance, _ = wall
+    mesh = scene.instance(instance).mesh
+    arrays = scene.mesh_arrays(mesh)
+    for name, values in square.items():
+        np.testing.assert_array_equal(arrays[name], values)
+    assert (scene.mesh(mesh).name, scene.mesh(mesh).vertices, scene.mesh(mesh).triangles) == ("wall", 4, 2)
+    assert scene.mesh(mesh).bounds == ((-1, -1, 0), (1, 1, 0))
+    scene.set_mesh(mesh, arrays["positions"] * 2, arrays["indices"])
+    assert scene.mesh(mesh).bounds == ((-2, -2, 0), (2, 2, 0))
+
+
+def test_a_file_is_read_back(model):
+    scene = latelight.Scene(model("Fox.glb"))
+    assert [animation.name for animation in scene.animations] == ["Survey", "Walk", "Run"]
+    paths = {node.path for node in scene.nodes}
+    assert all(node.parent in paths or node.parent == "" for node in scene.nodes)
+    instance = scene.instance(scene.instances()[0])
+    arrays = scene.mesh_arrays(instance.mesh)
+    low, high = np.array(scene.bounds)
+    assert arrays["positions"].shape == (scene.mesh(instance.mesh).vertices, 3)
+    placed = np.c_[arrays["positions"], np.ones(len(arrays["positions"]))] @ instance.transform.T
+    np.testing.assert_allclose(placed[:, :3].min(0), low, rtol=1e-4, atol=1e-3)
+    np.testing.assert_allclose(placed[:, :3].max(0), high, rtol=1e-4, atol=1e-3)
+    texture = scene.texture_of(instance.material, "base_color")
+    assert scene.texture_pixels(texture).shape == (scene.texture(texture).height, scene.texture(texture).width, 4)
+
+
+def test_handles_are_values(wall):
+    scene, instance, material = wall
+    assert instance == scene.instances()[0] and instance == scene.instances("/wall")[0]
+    assert {instance: 1}[scene.instances()[0]] == 1
+    assert instance != material
+    other = latelight.Scene()
+    with pytest.raises(latelight.UsageError, match="another scene"):
+        other.set_transform(instance, np.eye(4))
+
+
+def test_materials_and_lights_come_back_as_they_were(wall):
+    scene, _, _ = wall
+    values = dict(
+        name="glass", base_color=(0.1, 0.2, 0.3, 0.4), metallic=0.5, roughness=0.25, emissive=(1, 2, 3),
+        alpha_mode="blend", double_sided=True, f0=0.08,
+    )
+    read = scene.material(scene.add_material(latelight.Material(**values)))
+    for name, value in values.items():
+        assert getattr(read, name) == (pytest.approx(value) if not isinstance(value, str) else value), name
+    light = latelight.Light(name="lamp", type="spot", position=(1, 2, 3), direction=(0, -1, 0), range=5.0, cast_shadow=False)
+    back = scene.light(scene.add_light(light))
+    assert (back.type, back.range, back.cast_shadow, back.name) == ("spot", 5.0, False, "lamp")
+    assert back.position == pytest.approx((1, 2, 3)) and back.direction == pytest.approx((0, -1, 0))
