@@ -9,6 +9,7 @@ void bindErrors();
 void bindCamera(nanobind::module_& module);
 void bindElements(nanobind::module_& module);
 void bindScene(nanobind::module_& module);
+void bindDeviceArray(nanobind::module_& module);
 void bindRenderer(nanobind::module_& module);
 
 }  // namespace latelight::python

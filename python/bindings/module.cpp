@@ -12,6 +12,7 @@ NB_MODULE(_core, module) {
   bindCamera(module);
   bindElements(module);
   bindScene(module);
+  bindDeviceArray(module);
   bindRenderer(module);
   module.attr("__version__") = version();
   module.def(

@@ -4,6 +4,7 @@
 
 #include "bindings.h"
 #include "cameras.h"
+#include "device_array.h"
 #include "options.h"
 #include "scene.h"
 #include "values.h"
@@ -71,22 +72,27 @@ nb::object framesOf(std::vector<Frame>&& frames, bool single) {
   return single ? nb::object(all[0]) : module.attr("Frames")(all);
 }
 
+nb::object deviceFramesOf(std::map<std::string, DeviceArray>&& arrays, bool single) {
+  return nb::module_::import_("latelight.frames").attr("DeviceFrames")(deviceArrays(std::move(arrays), single));
+}
+
 class SharedTicket {
  public:
-  SharedTicket(std::shared_ptr<SharedRenderer> renderer, Ticket&& ticket, bool single)
-      : renderer_(std::move(renderer)), ticket_(std::move(ticket)), single_(single) {}
+  SharedTicket(std::shared_ptr<SharedRenderer> renderer, Ticket&& ticket, bool single, bool onDevice)
+      : renderer_(std::move(renderer)), ticket_(std::move(ticket)), single_(single), onDevice_(onDevice) {}
 
   bool done() {
     return renderer_->use([&](Renderer&) { return ticket_.done(); });
   }
   nb::object take() {
+    if (onDevice_) return deviceFramesOf(renderer_->use([&](Renderer&) { return ticket_.takeArrays(); }), single_);
     return framesOf(renderer_->use([&](Renderer&) { return ticket_.take(); }), single_);
   }
 
  private:
   std::shared_ptr<SharedRenderer> renderer_;
   Ticket ticket_;
-  bool single_;
+  bool single_, onDevice_;
 };
 
 // --- the class ------------------------------------------------------------------------------------------------------
@@ -123,14 +129,18 @@ void makeRenderer(SharedRenderer* self, nb::handle scene, nb::handle device, nb:
 
 std::shared_ptr<SharedTicket> submit(const std::shared_ptr<SharedRenderer>& renderer, nb::handle cameras,
                                      nb::handle size, nb::handle outputs, const nb::kwargs& keywords) {
+  nb::dict optional;
+  optional.update(keywords);
+  const bool onDevice = boolOf(optional.attr("pop")("on_device", false), "on_device");
   const Camera* one = nullptr;
   const bool single = nb::try_cast<const Camera*>(cameras, one, false) && one;
   const std::vector<Camera> views = camerasOf(cameras, "cameras");
   if (views.empty()) badValue("cameras must have at least one");
-  const Options options = optionsOf(size, outputs, keywords);
+  const Options options = optionsOf(size, outputs, optional);
+  const Results results = onDevice ? Results::Arrays : Results::ToHost;
   try {
-    Ticket ticket = renderer->use([&](Renderer& renderer) { return renderer.submit(views, options); });
-    return std::make_shared<SharedTicket>(renderer, std::move(ticket), single);
+    Ticket ticket = renderer->use([&](Renderer& renderer) { return renderer.submit(views, options, results); });
+    return std::make_shared<SharedTicket>(renderer, std::move(ticket), single, onDevice);
   } catch (const TypeMistake&) {
     throw;
   } catch (const Error& error) {
@@ -187,11 +197,11 @@ void bindPick(nb::module_& module) {
           "uv", [](const Pick& p) { return tupleOf(p.uv); }, nb::sig("def uv(self) -> tuple[float, ...]"));
 }
 
-std::string signatureOf(const char* name, const char* cameras, const char* result) {
+std::string signatureOf(const char* name, const char* cameras, const char* onDevice, const char* result) {
   return fmt::format(
       "def {}(self, cameras: {}, size: tuple[int, int] = (1280, 720), outputs: str | collections.abc.Sequence[str] = "
-      "(\"rgba\",), *{}) -> {}",
-      name, cameras, optionParameters(), result);
+      "(\"rgba\",), *, on_device: {}{}) -> {}",
+      name, cameras, onDevice, optionParameters(), result);
 }
 
 constexpr const char* kMany = "collections.abc.Sequence[Camera]";
@@ -200,20 +210,27 @@ void defineRender(nb::class_<SharedRenderer>& type) {
   const std::string docs =
       "\n\ncameras: one, or a list, which is rendered together where memory allows\n"
       "size: width and height in pixels\noutputs: what is wanted of:\n" +
-      outputDocs() + "\n\nOptions:\n" + optionDocs();
-  const std::string one = signatureOf("render", "Camera", "latelight.frames.Frame");
-  const std::string many = signatureOf("render", kMany, "latelight.frames.Frames");
-  const std::string later = signatureOf("submit", ("Camera | " + std::string(kMany)).c_str(), "Ticket");
-  const std::string rendered = "Pictures of the scene, as arrays: a Frame for a camera, Frames for a list." + docs;
+      outputDocs() + "\non_device: leave them in the device's memory, for torch, CuPy and JAX (DeviceFrames)" +
+      "\n\nOptions:\n" + optionDocs();
+  const std::string any = "Camera | " + std::string(kMany);
+  const std::string one = signatureOf("render", "Camera", "typing.Literal[False] = False", "latelight.frames.Frame");
+  const std::string many = signatureOf("render", kMany, "typing.Literal[False] = False", "latelight.frames.Frames");
+  const std::string there = signatureOf("render", any.c_str(), "typing.Literal[True]", "latelight.frames.DeviceFrames");
+  const std::string later = signatureOf("submit", any.c_str(), "bool = False", "Ticket");
+  const std::string rendered =
+      "Pictures of the scene, as arrays: a Frame for a camera, Frames for a list, and DeviceFrames with on_device." +
+      docs;
   const std::string submitted =
       "The same as render(), and returns while the device works; up to three tickets keep it busy." + docs;
   const auto size = nb::make_tuple(1280, 720);
   const auto outputs = nb::make_tuple("rgba");
-  // Once more with another result, for type checkers: at run time the first takes all.
+  // Again with other results, for type checkers: at run time the first takes all.
   type.def("render", &render, argument("cameras"), argument("size") = size, argument("outputs") = outputs,
            nb::arg("options"), nb::sig(one.c_str()), rendered.c_str());
   type.def("render", &render, argument("cameras"), argument("size") = size, argument("outputs") = outputs,
            nb::arg("options"), nb::sig(many.c_str()));
+  type.def("render", &render, argument("cameras"), argument("size") = size, argument("outputs") = outputs,
+           nb::arg("options"), nb::sig(there.c_str()));
   type.def("submit", &submit, argument("cameras"), argument("size") = size, argument("outputs") = outputs,
            nb::arg("options"), nb::sig(later.c_str()), submitted.c_str());
 }
@@ -224,10 +241,12 @@ void bindRenderer(nb::module_& module) {
   bindPick(module);
   nb::class_<SharedTicket>(module, "Ticket", "Pictures on their way: what Renderer.submit() returns.")
       .def_prop_ro("done", &SharedTicket::done, "take() would not wait for the device")
-      .def("take", &SharedTicket::take, nb::sig("def take(self) -> latelight.frames.Frame | latelight.frames.Frames"),
-           "Waits for the pictures and gives them, once: a Frame for a camera, Frames for a list. What went wrong on "
-           "the "
-           "way\nis raised here.");
+      .def(
+          "take", &SharedTicket::take,
+          nb::sig("def take(self) -> latelight.frames.Frame | latelight.frames.Frames | latelight.frames.DeviceFrames"),
+          "Waits for the pictures and gives them, once: a Frame for a camera, Frames for a list. What went wrong on "
+          "the "
+          "way\nis raised here.");
   nb::class_<SharedRenderer> type(
       module, "Renderer",
       "One scene on one device; keeps its pipelines and buffers from one call to the next.\n\n"

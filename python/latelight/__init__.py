@@ -13,6 +13,7 @@ Units are metres and degrees; poses and positions are in the scene file's own fr
 from ._core import (
     Animation,
     Camera,
+    DeviceArray,
     Instance,
     InstanceHandle,
     Lens,
@@ -40,12 +41,14 @@ from .errors import (
     NoDeviceError,
     UsageError,
 )
-from .frames import Frame, Frames
+from .frames import DeviceFrames, Frame, Frames
 
 __all__ = [
     "Animation",
     "ArgumentTypeError",
     "Camera",
+    "DeviceArray",
+    "DeviceFrames",
     "DeviceLostError",
     "Frame",
     "Frames",

@@ -8,6 +8,7 @@ from typing import Any, overload
 import numpy as np
 
 from . import _core
+from ._core import DeviceArray
 
 
 class Frame(Mapping[str, np.ndarray]):
@@ -41,6 +42,32 @@ class Frame(Mapping[str, np.ndarray]):
 
     def _repr_png_(self) -> bytes | None:
         return self.png() if "rgba" in self else None
+
+
+class DeviceFrames(Mapping[str, DeviceArray]):
+    """The outputs of all cameras in the memory of the renderer's device, by name: frames["depth"].
+
+    torch.from_dlpack(frames["depth"]) shares that memory without a copy and keeps it as long as the tensor lives. Arrays
+    are (V, H, W), or (V, H, W, C) with more than one channel; of a single camera without V.
+    """
+
+    def __init__(self, arrays: dict[str, DeviceArray]) -> None:
+        self._arrays = arrays
+
+    def __getitem__(self, name: str) -> DeviceArray:
+        try:
+            return self._arrays[name]
+        except KeyError:
+            raise KeyError(f"the frames have no {name!r}; outputs named {', '.join(self._arrays)}") from None
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._arrays)
+
+    def __len__(self) -> int:
+        return len(self._arrays)
+
+    def __repr__(self) -> str:
+        return f"DeviceFrames({', '.join(f'{name}: {array!r}' for name, array in self.items())})"
 
 
 class Frames(Sequence[Frame]):

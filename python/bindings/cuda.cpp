@@ -1,0 +1,186 @@
+#include "cuda.h"
+
+#include <dlfcn.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+namespace latelight::python {
+
+namespace {
+
+// --- what is used of CUDA's driver API (docs.nvidia.com/cuda/cuda-driver-api): its ABI, which does not change --------
+
+using Result = int;
+using Context = void*;
+using ExternalMemory = void*;
+using DevicePointer = unsigned long long;
+
+constexpr Result kSuccess = 0;
+constexpr int kOpaqueFd = 1;  // CU_EXTERNAL_MEMORY_HANDLE_TYPE_OPAQUE_FD
+
+struct Uuid {
+  unsigned char bytes[16];
+};
+
+struct MemoryHandleDesc {
+  int type;
+  union {
+    int fd;
+    struct {
+      void* handle;
+      const void* name;
+    } win32;
+  } handle;
+  unsigned long long size;
+  unsigned int flags;
+  unsigned int reserved[16];
+};
+
+struct MemoryBufferDesc {
+  unsigned long long offset, size;
+  unsigned int flags;
+  unsigned int reserved[16];
+};
+
+struct Cuda {
+  Result (*cuInit)(unsigned int) = nullptr;
+  Result (*cuDeviceGetCount)(int*) = nullptr;
+  Result (*cuDeviceGetUuid)(Uuid*, int) = nullptr;
+  Result (*cuDevicePrimaryCtxRetain)(Context*, int) = nullptr;
+  Result (*cuCtxPushCurrent_v2)(Context) = nullptr;
+  Result (*cuCtxPopCurrent_v2)(Context*) = nullptr;
+  Result (*cuCtxSynchronize)() = nullptr;
+  Result (*cuImportExternalMemory)(ExternalMemory*, const MemoryHandleDesc*) = nullptr;
+  Result (*cuExternalMemoryGetMappedBuffer)(DevicePointer*, ExternalMemory, const MemoryBufferDesc*) = nullptr;
+  Result (*cuDestroyExternalMemory)(ExternalMemory) = nullptr;
+  Result (*cuMemFree_v2)(DevicePointer) = nullptr;
+};
+
+void check(Result result, const char* what) {
+  if (result != kSuccess)
+    throw Error(ExitCode::NoDevice, fmt::format("CUDA can't {} (error {}): take the arrays on the host", what, result));
+}
+
+template <typename Function>
+void load(void* library, Function& function, const char* name) {
+  function = reinterpret_cast<Function>(dlsym(library, name));
+  if (!function) throw Error(ExitCode::NoDevice, fmt::format("CUDA's driver has no {}: install a newer one", name));
+}
+
+const Cuda& cuda() {
+  static const Cuda loaded = [] {
+    void* library = dlopen("libcuda.so.1", RTLD_NOW | RTLD_LOCAL);
+    if (!library)
+      throw Error(ExitCode::NoDevice, "there is no CUDA driver (libcuda.so.1): take the arrays on the host");
+    Cuda c;
+#define LOAD(name) load(library, c.name, #name);
+    LOAD(cuInit)
+    LOAD(cuDeviceGetCount)
+    LOAD(cuDeviceGetUuid)
+    LOAD(cuDevicePrimaryCtxRetain)
+    LOAD(cuCtxPushCurrent_v2)
+    LOAD(cuCtxPopCurrent_v2)
+    LOAD(cuCtxSynchronize)
+    LOAD(cuImportExternalMemory)
+    LOAD(cuExternalMemoryGetMappedBuffer)
+    LOAD(cuDestroyExternalMemory)
+    LOAD(cuMemFree_v2)
+#undef LOAD
+    check(c.cuInit(0), "start");
+    return c;
+  }();
+  return loaded;
+}
+
+// --- contexts and memory --------------------------------------------------------------------------------------------
+
+int deviceByUuid(const std::string& uuid) {
+  int count = 0;
+  check(cuda().cuDeviceGetCount(&count), "count its devices");
+  for (int device = 0; device < count; ++device) {
+    Uuid its{};
+    check(cuda().cuDeviceGetUuid(&its, device), "name a device");
+    std::string text;
+    for (const unsigned char byte : its.bytes) text += fmt::format("{:02x}", byte);
+    if (text == uuid) return device;
+  }
+  throw Error(ExitCode::NoDevice, fmt::format("CUDA has no device {}: see CUDA_VISIBLE_DEVICES", uuid));
+}
+
+// The primary context, which torch, CuPy and the like use too, for as long as this lives.
+class InContext {
+ public:
+  explicit InContext(Context context) { check(cuda().cuCtxPushCurrent_v2(context), "use its context"); }
+  ~InContext() {
+    Context popped = nullptr;
+    cuda().cuCtxPopCurrent_v2(&popped);
+  }
+  InContext(const InContext&) = delete;
+  InContext& operator=(const InContext&) = delete;
+};
+
+// It is never released: other libraries end theirs when the process does, in an order that nobody knows.
+Context primaryContext(int device) {
+  Context context = nullptr;
+  check(cuda().cuDevicePrimaryCtxRetain(&context, device), "make a context");
+  return context;
+}
+
+class Imported {
+ public:
+  explicit Imported(const DeviceArray& array)
+      : device_(deviceByUuid(array.deviceUuid())), context_(primaryContext(device_)) {
+    const InContext current(context_);
+    MemoryHandleDesc handle{};
+    handle.type = kOpaqueFd;
+    handle.handle.fd = array.exportMemory();
+    handle.size = array.memoryBytes();
+    const Result imported = cuda().cuImportExternalMemory(&memory_, &handle);
+    if (imported != kSuccess) close(handle.handle.fd);  // else it is the driver's
+    check(imported, "import the renderer's memory");
+    MemoryBufferDesc buffer{};
+    buffer.size = array.memoryBytes();
+    const Result mapped = cuda().cuExternalMemoryGetMappedBuffer(&pointer_, memory_, &buffer);
+    if (mapped != kSuccess) cuda().cuDestroyExternalMemory(memory_);
+    check(mapped, "map the renderer's memory");
+  }
+  ~Imported() {
+    cuda().cuCtxPushCurrent_v2(context_);
+    cuda().cuMemFree_v2(pointer_);
+    cuda().cuDestroyExternalMemory(memory_);
+    Context popped = nullptr;
+    cuda().cuCtxPopCurrent_v2(&popped);
+  }
+  Imported(const Imported&) = delete;
+  Imported& operator=(const Imported&) = delete;
+
+  CudaPlace place() const { return {reinterpret_cast<void*>(pointer_), device_}; }
+  void waitForReaders() const {
+    const InContext current(context_);
+    check(cuda().cuCtxSynchronize(), "finish its work");
+  }
+
+ private:
+  int device_;
+  Context context_;
+  ExternalMemory memory_ = nullptr;
+  DevicePointer pointer_ = 0;
+};
+
+}  // namespace
+
+CudaPlace cudaPlaceOf(const DeviceArray& array) {
+  std::shared_ptr<void>& kept = array.import();
+  if (!kept) {
+    const auto imported = std::make_shared<Imported>(array);
+    array.beforeReuse([imported = imported.get()] { imported->waitForReaders(); });  // called while it is kept
+    kept = imported;
+  }
+  return static_cast<const Imported*>(kept.get())->place();
+}
+
+}  // namespace latelight::python

@@ -1,0 +1,148 @@
+// class DeviceArray.
+#include "device_array.h"
+
+#include <latelight/latelight.h>
+
+#include "bindings.h"
+#include "cuda.h"
+#include "values.h"
+
+namespace latelight::python {
+
+namespace {
+
+// DLPack's numbers of devices.
+constexpr int kOnHost = nb::device::cpu::value, kOnCuda = nb::device::cuda::value;
+
+nb::dlpack::dtype dtypeOf(DeviceArray::Element element) {
+  switch (element) {
+    case DeviceArray::Element::Uint8:
+      return nb::dtype<uint8_t>();
+    case DeviceArray::Element::Uint32:
+      return nb::dtype<uint32_t>();
+    default:
+      return nb::dtype<float>();
+  }
+}
+
+const char* nameOf(DeviceArray::Element element) {
+  switch (element) {
+    case DeviceArray::Element::Uint8:
+      return "uint8";
+    case DeviceArray::Element::Uint32:
+      return "uint32";
+    default:
+      return "float32";
+  }
+}
+
+// As __cuda_array_interface__ and NumPy name them.
+const char* typeStringOf(DeviceArray::Element element) {
+  switch (element) {
+    case DeviceArray::Element::Uint8:
+      return "|u1";
+    case DeviceArray::Element::Uint32:
+      return "<u4";
+    default:
+      return "<f4";
+  }
+}
+
+struct PlacedArray {
+  DeviceArray array;
+  std::vector<size_t> shape;
+  void* pointer = nullptr;
+  int deviceType = kOnHost, device = 0;
+};
+
+PlacedArray placed(DeviceArray&& array, bool single) {
+  PlacedArray placed{.array = std::move(array), .shape = {}};
+  for (size_t axis = single ? 1 : 0; axis < 4; ++axis)
+    if (axis < 3 || placed.array.shape[axis] > 1) placed.shape.push_back(placed.array.shape[axis]);
+  if (const void* host = placed.array.host()) {
+    placed.pointer = const_cast<void*>(host);
+    return placed;
+  }
+  const CudaPlace place = cudaPlaceOf(placed.array);
+  placed.pointer = place.pointer;
+  placed.deviceType = kOnCuda;
+  placed.device = place.device;
+  return placed;
+}
+
+// The array for another library, which keeps `self` as long as it uses it.
+template <typename... Framework>
+nb::object viewOf(nb::handle self) {
+  const auto& a = nb::cast<const PlacedArray&>(self);
+  return nb::cast(nb::ndarray<Framework...>(a.pointer, a.shape.size(), a.shape.data(), self, nullptr,
+                                            dtypeOf(a.array.element), a.deviceType, a.device));
+}
+
+nb::object toNumPy(nb::handle self) {
+  if (nb::cast<const PlacedArray&>(self).deviceType != kOnHost)
+    badType("the array is in a device's memory: give it to a library that computes there, or render without on_device");
+  return viewOf<nb::numpy>(self);
+}
+
+nb::tuple shapeOf(const PlacedArray& a) {
+  nb::list shape;
+  for (const size_t length : a.shape) shape.append(length);
+  return nb::tuple(shape);
+}
+
+nb::dict cudaInterface(const PlacedArray& a) {
+  if (a.deviceType != kOnCuda) throw nb::attribute_error("the array is not in CUDA's memory");
+  nb::dict interface;
+  interface["shape"] = shapeOf(a);
+  interface["typestr"] = typeStringOf(a.array.element);
+  interface["data"] = nb::make_tuple(reinterpret_cast<uintptr_t>(a.pointer), false);
+  interface["strides"] = nb::none();
+  interface["version"] = 3;
+  return interface;
+}
+
+}  // namespace
+
+nb::dict deviceArrays(std::map<std::string, DeviceArray>&& arrays, bool single) {
+  nb::dict all;
+  for (auto& [name, array] : arrays) all[name.c_str()] = nb::cast(placed(std::move(array), single));
+  return all;
+}
+
+void bindDeviceArray(nb::module_& module) {
+  nb::class_<PlacedArray> type(module, "DeviceArray",
+                               "An output in the memory of the renderer's device, (V, H, W) or (V, H, W, C); of one "
+                               "camera without V. Rows from the\n"
+                               "top.\n\n"
+                               "torch.from_dlpack(array), cupy.from_dlpack(array), jax.dlpack.from_dlpack(array) and "
+                               "numpy.from_dlpack(array), on a\n"
+                               "CPU device, share its memory without a copy and keep it as long as they use it. It is "
+                               "finished when it is handed\n"
+                               "out, so that no stream has to wait. Once nobody has it the renderer uses its memory "
+                               "again, after what CUDA does\n"
+                               "on the device by then.");
+  type.def_prop_ro("shape", &shapeOf, nb::sig("def shape(self) -> tuple[int, ...]"))
+      .def_prop_ro(
+          "dtype", [](const PlacedArray& a) { return nameOf(a.array.element); },
+          "\"float32\", \"uint32\" or \"uint8\".")
+      .def_prop_ro(
+          "device",
+          [](const PlacedArray& a) { return a.deviceType == kOnHost ? "cpu" : fmt::format("cuda:{}", a.device); },
+          "\"cpu\" or \"cuda:0\", as torch names it.")
+      .def("numpy", &toNumPy, nb::sig("def numpy(self) -> numpy.typing.NDArray[typing.Any]"),
+           "The array as NumPy's, without a copy: of CPU devices.")
+      .def(
+          "__dlpack__",
+          [](nb::handle self, nb::kwargs asked) { return viewOf<nb::array_api>(self).attr("__dlpack__")(**asked); },
+          nb::arg("asked"), nb::sig("def __dlpack__(self, **asked: typing.Any) -> typing.Any"))
+      .def(
+          "__dlpack_device__", [](const PlacedArray& a) { return nb::make_tuple(a.deviceType, a.device); },
+          nb::sig("def __dlpack_device__(self) -> tuple[int, int]"))
+      .def_prop_ro("__cuda_array_interface__", &cudaInterface)
+      .def("__repr__", [](const PlacedArray& a) {
+        return fmt::format("DeviceArray({}, {}, {})", fmt::join(a.shape, "x"), nameOf(a.array.element),
+                           a.deviceType == kOnHost ? "cpu" : fmt::format("cuda:{}", a.device));
+      });
+}
+
+}  // namespace latelight::python

@@ -1,0 +1,77 @@
+"""Outputs that stay in the memory of the device."""
+
+import gc
+
+import latelight
+import numpy as np
+import pytest
+
+OUTPUTS = ("rgba", "depth", "normal", "id")
+
+
+@pytest.fixture(autouse=True)
+def on_the_host(renderer, cameras):
+    device = renderer.render(cameras[0], (8, 8), "depth", on_device=True)["depth"].device
+    if device != "cpu":
+        pytest.skip(f"the host has no arrays of {device}")
+
+
+@pytest.fixture
+def cameras(boxes):
+    return [boxes.look_at((3 + i, 2, 4), (0, 0, 0)) for i in range(3)]
+
+
+def test_hold_what_frames_hold(renderer, cameras):
+    frames = renderer.render(cameras, (40, 24), OUTPUTS)
+    arrays = renderer.render(cameras, (40, 24), OUTPUTS, on_device=True)
+    assert set(arrays) == set(OUTPUTS)
+    for name in OUTPUTS:
+        array = np.from_dlpack(arrays[name])
+        assert array.shape == arrays[name].shape == frames[name].shape
+        assert array.dtype == frames[name].dtype == arrays[name].dtype
+        np.testing.assert_array_equal(array, frames[name])
+        np.testing.assert_array_equal(arrays[name].numpy(), frames[name])
+
+
+def test_of_one_camera_have_no_axis_of_views(renderer, cameras):
+    arrays = renderer.render(cameras[0], (40, 24), ("depth", "normal"), on_device=True)
+    assert arrays["depth"].shape == (24, 40)
+    assert arrays["normal"].shape == (24, 40, 3)
+    assert arrays["depth"].device == "cpu"
+    assert arrays["depth"].__dlpack_device__() == (1, 0)
+    assert not hasattr(arrays["depth"], "__cuda_array_interface__")
+
+
+def test_share_memory_that_lives_as_long_as_they_are_used(renderer, cameras):
+    first = np.from_dlpack(renderer.render(cameras, (40, 24), "depth", on_device=True)["depth"])
+    expected = first.copy()
+    gc.collect()
+    second = np.from_dlpack(renderer.render(cameras[::-1], (40, 24), "depth", on_device=True)["depth"])
+    np.testing.assert_array_equal(first, expected)
+    assert first.ctypes.data != second.ctypes.data
+    place = first.ctypes.data
+    del first
+    gc.collect()
+    third = renderer.render(cameras, (40, 24), "depth", on_device=True)["depth"]
+    assert third.numpy().ctypes.data == place, "the memory is used again"
+
+
+def test_outlive_their_renderer(boxes, cameras):
+    renderer = latelight.Renderer(boxes, device="cpu")
+    array = renderer.render(cameras, (40, 24), "depth", on_device=True)["depth"].numpy()
+    expected = array.copy()
+    del renderer
+    gc.collect()
+    np.testing.assert_array_equal(array, expected)
+
+
+def test_of_tickets(renderer, cameras):
+    tickets = [renderer.submit(camera, (40, 24), "depth", on_device=True) for camera in cameras]
+    for ticket, camera in zip(tickets, cameras):
+        expected = renderer.render(camera, (40, 24), "depth")["depth"]
+        np.testing.assert_array_equal(ticket.take()["depth"].numpy(), expected)
+
+
+def test_refuse_what_is_no_flag(renderer, cameras):
+    with pytest.raises(latelight.UsageError, match="on_device must be"):
+        renderer.render(cameras, (40, 24), "depth", on_device="yes")
