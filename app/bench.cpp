@@ -72,7 +72,7 @@ void inScene(vk::Device& device, RenderOptions& o, const std::string& name, cons
   const scene::Camera camera = timeline.cameraAt(timeline.first());
   const std::optional<scene::Environment> environment = render::loadEnvironment(environmentOf(o, scene));
   render::Renderer renderer(device, scene, environment ? &*environment : nullptr);
-  measure(renderer, camera, timeline.momentAt(timeline.first()));
+  measure(renderer, scene, camera, timeline.momentAt(timeline.first()));
 }
 
 void refuseRaster(const RenderOptions& o) {
@@ -83,11 +83,12 @@ void runFrame(BenchArguments& a) {
   refuseRaster(a.render);
   a.render.settings.display = true;
   onDevice(a.render, [&](vk::Device& device) {
-    inScene(device, a.render, a.render.scene, [&](auto& renderer, const auto& camera, const auto& moment) {
-      const study::Ceilings ceilings = study::measureCeilings(device, a.options.frames);
-      print(device, study::benchFrame(renderer, camera, moment, a.render.settings, ceilings, a.options), a.render.json,
-            &ceilings);
-    });
+    inScene(device, a.render, a.render.scene,
+            [&](auto& renderer, const auto& scene, const auto& camera, const auto& moment) {
+              const study::Ceilings ceilings = study::measureCeilings(device, a.options.frames);
+              print(device, study::benchFrame(renderer, camera, moment, a.render.settings, ceilings, a.options),
+                    a.render.json, &ceilings);
+            });
   });
 }
 
@@ -126,7 +127,7 @@ void runLights(BenchArguments& a) {
     std::optional<study::LightsBench> bench;
     for (const uint64_t lights : counts)
       inScene(device, o, fmt::format("{},lights={}", o.scene, lights),
-              [&](auto& renderer, const auto& camera, const auto& moment) {
+              [&](auto& renderer, const auto& scene, const auto& camera, const auto& moment) {
                 if (!bench) bench.emplace(study::measureCeilings(device, a.options.frames), a.options);
                 bench->add(renderer, camera, moment, o.settings, lights);
               });
@@ -142,7 +143,7 @@ void runShade(BenchArguments& a) {
     badUsage("bench shade compares techniques in compute, and {} draws: choose another --lighting",
              o.settings.lighting->name);
   onDevice(o, [&](vk::Device& device) {
-    inScene(device, o, o.scene, [&](auto& renderer, const auto& camera, const auto& moment) {
+    inScene(device, o, o.scene, [&](auto& renderer, const auto& scene, const auto& camera, const auto& moment) {
       const study::Ceilings ceilings = study::measureCeilings(device, a.options.frames);
       print(device, study::benchShade(renderer, camera, moment, o.settings, ceilings, a.options), o.json, &ceilings);
     });
@@ -155,8 +156,8 @@ void runViews(BenchArguments& a) {
   if (!o.aovs.empty()) o.settings.aovs = output::parseAovs(o.aovs);
   o.settings.display = o.aovs.empty();
   onDevice(o, [&](vk::Device& device) {
-    inScene(device, o, o.scene, [&](auto& renderer, const auto& camera, const auto& moment) {
-      print(device, study::benchViews(renderer, camera, moment.poses, o.settings, a.views, a.options), o.json);
+    inScene(device, o, o.scene, [&](auto& renderer, const auto& scene, const auto& camera, const auto& moment) {
+      print(device, study::benchViews(renderer, scene, camera, moment.poses, o.settings, a.views, a.options), o.json);
     });
   });
 }

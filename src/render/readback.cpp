@@ -10,9 +10,10 @@ vk::BufferDesc hostBuffer(const std::string& name, uint64_t bytes) {
 
 }  // namespace
 
-graph::BufferId createResult(const Builder& b, const std::string& name, uint64_t bytes) {
-  if (b.device.isCpu()) return b.graph.create(hostBuffer(name, bytes));
-  return b.graph.create(vk::BufferDesc{.size = bytes, .name = name});
+ResultPlace createResult(const Builder& b, const std::string& name, uint64_t viewBytes, size_t views) {
+  const uint64_t bytes = viewBytes * views;
+  const vk::BufferDesc desc = b.device.isCpu() ? hostBuffer(name, bytes) : vk::BufferDesc{.size = bytes, .name = name};
+  return {.buffer = b.graph.create(desc), .viewBytes = viewBytes};
 }
 
 void keepResults(const Builder& b, std::span<const graph::BufferId> results) {

@@ -9,8 +9,17 @@
 
 namespace latelight::render {
 
-// A buffer for passes to leave a result in: device memory, which on a CPU device the host can read.
-graph::BufferId createResult(const Builder& b, const std::string& name, uint64_t bytes);
+// Where a pass leaves a result of some views: in a buffer of its own, or in a part of a larger one.
+struct ResultPlace {
+  graph::BufferId buffer;
+  graph::Use use = graph::Use::StorageWrite;
+  uint64_t offset = 0;     // bytes: where the first view's begins
+  uint64_t viewBytes = 0;  // from the beginning of one view's to that of the next
+
+  VkDeviceAddress address(graph::Context& context) const { return context.buffer(buffer).address() + offset; }
+};
+// In a new buffer: device memory, which on a CPU device the host can read.
+ResultPlace createResult(const Builder& b, const std::string& name, uint64_t viewBytes, size_t views);
 
 // Keeps results of a graph after it has run, where they are.
 void keepResults(const Builder& b, std::span<const graph::BufferId> results);

@@ -205,17 +205,18 @@ Renderer::Start Renderer::startPart(RenderPart& part, uint64_t& room) {
   part.earlier.clear();
   overflow_.checks.clear();  // what an error has left
   if (std::exchange(part.started, true) && part.shadows) part.shadows->drawAgain();
+  const ResultArrays arrays{part.job.arrays, part.first, part.strip.first};
   vk::Image sum;
   if (jitters.size() > 1) sum = makeSum(part);
   for (size_t i = 0; i < jitters.size(); ++i) {
-    Request& request = part.request.emplace(state_, s, yUp, steady, part.views(jitters[i]), part.shadows.get());
+    Request& request = part.request.emplace(state_, s, yUp, steady, part.views(jitters[i]), part.shadows.get(), arrays);
     const bool last = i + 1 == jitters.size();
     TemporalHistory* history = s.aa.temporal ? &history_ : nullptr;
     if (last)
       request.finish(i > 0 ? &sum : nullptr, static_cast<uint32_t>(jitters.size()), history, i == 0);
     else
       request.accumulate(sum, i == 0);
-    if (last) leave(part);
+    if (last) request.leave(part.job.results);
     part.checks = std::exchange(overflow_.checks, {});
     gpuScene_.addChanges(request.graph());
     const graph::Plan plan = request.graph().compile();
@@ -234,14 +235,6 @@ Renderer::Start Renderer::startPart(RenderPart& part, uint64_t& room) {
     part.job.progress->step(part.count);
   }
   return Start::Done;
-}
-
-void Renderer::leave(RenderPart& part) {
-  const RenderJob& job = part.job;
-  if (job.results == Results::Exported)
-    part.request->leave(job.arrays, {part.first, part.strip.first, part.strip.rows});
-  else
-    part.request->leave(job.results);
 }
 
 // The graph has the scene's changes.

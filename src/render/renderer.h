@@ -69,7 +69,6 @@ class Renderer {
   size_t startViews(const std::shared_ptr<RenderJob>& job, size_t first, size_t count, std::span<const Strip> strips);
   enum class Start { Done, Overflowed, TooManyViews };
   Start startPart(RenderPart& part, uint64_t& bytes);
-  void leave(RenderPart& part);  // what was asked of it
   graph::Submission submit(const graph::Graph& graph, const graph::Plan& plan);
   void settle();
   void read(RenderJob& job);  // its oldest part

@@ -48,14 +48,14 @@ bool isLit(const Settings& s) {
 }
 
 Request::Request(const RenderState& state, const Settings& settings, bool yUp, const ViewsInTime& steady,
-                 const ViewsInTime& jittered, FrameShadows* shadows)
+                 const ViewsInTime& jittered, FrameShadows* shadows, const ResultArrays& arrays)
     : state_(state),
       settings_(settings),
       steadyViews_(steady),
       jitteredViews_(jittered),
       shadows_(shadows),
       graph_(state.executor),
-      outputs_(settings, yUp) {}
+      outputs_(settings, yUp, arrays) {}
 
 bool Request::isSteady() const {
   return settings_.aa.samples == 1 && jitteredViews_.now.front().jitter == shared::vec2(0);
@@ -123,16 +123,13 @@ void Request::leave(Results results) {
   outputs_.leave({state_.device, graph_}, results);
 }
 
-void Request::leave(std::span<const ExportedArray> arrays, const ArrayPlace& place) {
-  outputs_.leave({state_.device, graph_}, arrays, place);
-}
-
 void Request::addPost(const LitFrame& lit, graph::ImageId picture, uint32_t count) {
   const Builder b{state_.device, graph_};
-  const FinishedPicture finished = finishPicture(b, picture, 1.0f / static_cast<float>(count), settings_);
+  std::optional<ResultPlace> display;
+  if (settings_.display) display = outputs_.addDisplay(b, texels(graph_, picture));
+  const FinishedPicture finished = finishPicture(b, picture, 1.0f / static_cast<float>(count), settings_, display);
   outputs_.add(
       b, Origin::Picture, [&](std::string_view) { return finished.linear; }, 0, finished.scale);
-  if (finished.display) outputs_.addDisplay(finished.display);
   if (settings_.countSurfaces && lit.gbuffer.surfaces) surfaces_ = addReadback(graph_, lit.gbuffer.surfaces);
 }
 

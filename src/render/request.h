@@ -18,18 +18,17 @@ class Request {
  public:
   // `steady`: the views without jitter; `jittered`: the same with the jitter of the picture's frame that is rendered
   // now. `shadows`: of these views, or null.
-  // `yUp`: world positions and directions are output in glTF's frame.
+  // `yUp`: world positions and directions are output in glTF's frame. `arrays`: where results go that are asked for as
+  // such, which live as long as the graph runs.
   Request(const RenderState& state, const Settings& settings, bool yUp, const ViewsInTime& steady,
-          const ViewsInTime& jittered, FrameShadows* shadows);
+          const ViewsInTime& jittered, FrameShadows* shadows, const ResultArrays& arrays);
 
   // Adds the picture's frame to `sum` and nothing else: one of several samples per pixel.
   void accumulate(const vk::Image& sum, bool first);
   // Adds everything asked for. For a picture of several frames `sum` holds the earlier ones; `count` includes this one.
   // `history`: of temporal anti-aliasing, or null; `continues`: it has the frame before this picture.
   void finish(const vk::Image* sum, uint32_t count, TemporalHistory* history, bool continues);
-  // What was asked for, as the last step: one of the two.
-  void leave(Results results);
-  void leave(std::span<const ExportedArray> arrays, const ArrayPlace& place);
+  void leave(Results results);  // what was asked for, as the last step
 
   graph::Graph& graph() { return graph_; }
 

@@ -76,9 +76,14 @@ Table benchFrame(render::Renderer& renderer, const scene::Camera& camera, const 
 
 namespace {
 
-std::vector<scene::Camera> allAround(const scene::Camera& camera, uint32_t count) {
+// Inside a scene the camera looks all around; from outside it goes all around it.
+std::vector<scene::Camera> allAround(const scene::Scene& scene, const scene::Camera& camera, uint32_t count) {
+  const scene::Bounds bounds = scene::worldBounds(scene);
+  const glm::vec3 eye(camera.toWorld[3]);
+  const bool inside = glm::all(glm::greaterThan(eye, bounds.min)) && glm::all(glm::lessThan(eye, bounds.max));
+  const glm::vec3 middle = inside ? eye : 0.5f * (bounds.min + bounds.max);
   std::vector<scene::Camera> cameras;
-  for (uint32_t i = 0; i < count; ++i) cameras.push_back(turned(camera, 2 * glm::pi<double>() * i / count));
+  for (uint32_t i = 0; i < count; ++i) cameras.push_back(turned(camera, 2 * glm::pi<double>() * i / count, middle));
   return cameras;
 }
 
@@ -96,10 +101,11 @@ double timeOfViews(render::Renderer& renderer, std::span<const scene::Camera> ca
 
 }  // namespace
 
-Table benchViews(render::Renderer& renderer, const scene::Camera& camera, const render::Poses& poses,
-                 const render::Settings& settings, uint32_t count, const BenchOptions& options) {
+Table benchViews(render::Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
+                 const render::Poses& poses, const render::Settings& settings, uint32_t count,
+                 const BenchOptions& options) {
   constexpr uint32_t kWarm = 4;
-  const std::vector<scene::Camera> cameras = allAround(camera, count);
+  const std::vector<scene::Camera> cameras = allAround(scene, camera, count);
   Table table{"views", {"raster", "views", "ms", "spread %", "views a second"}, {}};
   for (const Raster raster : kRasters) {
     render::Settings s = settings;

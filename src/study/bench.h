@@ -25,9 +25,11 @@ Table benchRaster(vk::Device& device, const BenchOptions& options);
 Table benchFrame(render::Renderer& renderer, const scene::Camera& camera, const render::Moment& moment,
                  const render::Settings& settings, const Ceilings& ceilings, const BenchOptions& options);
 
-// Many views at once, turned about the camera's eye, until their results are in the device's memory.
-Table benchViews(render::Renderer& renderer, const scene::Camera& camera, const render::Poses& poses,
-                 const render::Settings& settings, uint32_t count, const BenchOptions& options);
+// Many views at once, all around: from inside a scene by turning, from outside by going around it; until their results
+// are in the device's memory.
+Table benchViews(render::Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
+                 const render::Poses& poses, const render::Settings& settings, uint32_t count,
+                 const BenchOptions& options);
 
 // Lighting by every technique in compute, over numbers of lights: a scene after the other, with ever more of them.
 class LightsBench {

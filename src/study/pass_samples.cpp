@@ -38,10 +38,10 @@ void PassSamples::add(std::span<const graph::PassTime> passes) {
   all.push_back(sum);
 }
 
-scene::Camera turned(scene::Camera camera, double angle) {
-  const glm::vec4 eye = camera.toWorld[3];
-  camera.toWorld = glm::rotate(glm::mat4(1), static_cast<float>(angle), glm::vec3(0, 0, 1)) * camera.toWorld;
-  camera.toWorld[3] = eye;
+scene::Camera turned(scene::Camera camera, double angle, glm::vec3 middle) {
+  const glm::mat4 there = glm::translate(glm::mat4(1), middle);
+  const glm::mat4 turn = glm::rotate(there, static_cast<float>(angle), glm::vec3(0, 0, 1));
+  camera.toWorld = glm::translate(turn, -middle) * camera.toWorld;
   return camera;
 }
 
@@ -52,7 +52,7 @@ std::vector<PassSamples> measureInTurn(render::Renderer& renderer, const scene::
   std::vector<PassSamples> samples(settings.size());
   for (uint32_t frame = 0; frame <= frames; ++frame)
     for (size_t i = 0; i < settings.size(); ++i) {
-      const scene::Camera now = turned(camera, frame * kTurn);
+      const scene::Camera now = turned(camera, frame * kTurn, glm::vec3(camera.toWorld[3]));
       renderer.submit({&now, 1}, settings[i], moment, render::Results::OnDevice).take();
       if (frame > 0) samples[i].add(renderer.times());
     }

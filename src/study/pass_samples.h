@@ -27,8 +27,8 @@ struct PassSamples {
   void add(std::span<const graph::PassTime> passes);
 };
 
-// The camera, turned about its eye by so many radians.
-scene::Camera turned(scene::Camera camera, double angle);
+// The camera, turned by so many radians about the vertical axis through a point.
+scene::Camera turned(scene::Camera camera, double angle, glm::vec3 middle);
 
 // So many frames with each of some settings, left on the device, after one of each that warms up. They take turns, so
 // that whatever else the machine does falls on all of them. The camera turns a little from frame to frame: what is kept

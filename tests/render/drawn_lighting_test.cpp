@@ -64,7 +64,9 @@ class Bench {
     const FrameContext& f = frames_.frame(graph, setup, {views.begin(), views.end()},
                                           {.exposure = 1.25f, .environmentIntensity = intensity_});
     const LitFrame frame = addFrame(f);
-    const graph::BufferId display = addReadback(f, addCompose(f, frame.picture, {}));
+    const ResultPlace finished = createResult(f, "picture", uint64_t{4} * f.width * f.height, f.viewCount());
+    addCompose(f, frame.picture, {}, finished);
+    const graph::BufferId display = addReadback(f, finished.buffer);
     graph::BufferId counts;
     if (setup.countLights) counts = addReadback(graph, frame.lightCounts);
     const graph::Submission& done = frames_.run(graph);

@@ -8,11 +8,12 @@ namespace latelight::render {
 
 std::unique_ptr<ExportedMemory> ExportPool::takeFree(uint64_t bytes) {
   std::lock_guard lock(mutex_);
-  const auto fits = [&](const auto& memory) {
-    return memory->buffer.size() >= bytes && memory->buffer.size() / 2 <= bytes;
+  const auto waste = [&](const auto& memory) {
+    const uint64_t size = memory->buffer.size();
+    return size < bytes || size / 2 > bytes ? ~uint64_t{0} : size - bytes;
   };
-  const auto found = std::ranges::find_if(free_, fits);
-  if (found == free_.end()) {
+  const auto found = std::ranges::min_element(free_, {}, waste);
+  if (found == free_.end() || waste(*found) == ~uint64_t{0}) {
     free_.clear();  // of pictures of another size
     return nullptr;
   }

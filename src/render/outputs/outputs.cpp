@@ -54,21 +54,6 @@ const Source& sourceOf(Aov aov) {
   return kSources[static_cast<size_t>(aov)];
 }
 
-struct ArrayCopy {
-  graph::BufferId from, to;
-  std::vector<VkBufferCopy> regions;
-};
-
-// Of so many views, from where a part of them was packed to where they are in an array of all.
-ArrayCopy copyToArray(const Builder& b, graph::BufferId from, const ExportedArray& array, const ArrayPlace& place) {
-  ArrayCopy copy{from, b.graph.import(array.memory->buffer, graph::Use::CopyTarget), {}};
-  const uint64_t part = array.rowBytes * place.rows, whole = array.rowBytes * array.rows;
-  const size_t views = b.graph.desc(from).size / part;
-  for (size_t view = 0; view < views; ++view)
-    copy.regions.push_back({view * part, (place.firstView + view) * whole + place.firstRow * array.rowBytes, part});
-  return copy;
-}
-
 bool holdsIntegers(VkFormat format) {
   return std::string_view(vk::formatName(format)).ends_with("UINT");
 }
@@ -105,6 +90,24 @@ uint32_t PackedOutputs::axesOf(uint32_t packing) const {
   return yUp_ ? kAxesGltf : kAxesWorld;
 }
 
+// In an array other views' results are kept.
+ResultPlace PackedOutputs::place(const Builder& b, std::optional<Aov> aov, uint32_t texelBytes, glm::uvec3 size) {
+  ResultPlace place;
+  if (arrays_.arrays.empty()) {
+    const std::string name = aov ? "output " + std::string(output::info(*aov).name) : "picture";
+    place = createResult(b, name, uint64_t{texelBytes} * size.x * size.y, size.z);
+  } else {
+    const ExportedArray& array = *std::ranges::find(arrays_.arrays, aov, &ExportedArray::aov);
+    const uint64_t viewBytes = array.rowBytes * array.rows;
+    place = {.buffer = b.graph.import(array.memory->buffer, graph::Use::StorageReadWrite),
+             .use = graph::Use::StorageReadWrite,
+             .offset = arrays_.firstView * viewBytes + arrays_.firstRow * array.rowBytes,
+             .viewBytes = viewBytes};
+  }
+  results_.push_back({aov, place.buffer});
+  return place;
+}
+
 void PackedOutputs::add(const Builder& b, Origin origin, const std::function<graph::ImageId(std::string_view)>& image,
                         VkDeviceAddress frame, float scale) {
   for (const Aov aov : settings_.aovs) {
@@ -117,12 +120,12 @@ void PackedOutputs::add(const Builder& b, Origin origin, const std::function<gra
     const bool integers = holdsIntegers(b.graph.desc(first).format);
     const uint32_t samples = from.packing == kPackCount ? settings_.aa.samples : 1;
     if (integers) size.z /= surfaceLayers(samples);
-    const graph::BufferId packed = createResult(b, "output " + std::string(output::info(aov).name),
-                                                uint64_t{4} * channels * size.x * size.y * size.z);
+    const ResultPlace to = place(b, aov, 4 * channels, size);
     Bindings bindings(b.device);
     bindings.sampled(first);
     if (!integers) bindings.sampled(second);
     const PackPush push{.frame = frame,
+                        .viewBytes = to.viewBytes,
                         .packing = from.packing,
                         .channels = channels,
                         .first = from.places[0].first,
@@ -136,13 +139,12 @@ void PackedOutputs::add(const Builder& b, Origin origin, const std::function<gra
                 .bindings = std::move(bindings),
                 .size = size,
                 .constants = {{kSamplesConstant, samples}},
-                .buffers = {{packed, graph::Use::StorageWrite}}},
+                .buffers = {{to.buffer, to.use}}},
                [=](graph::Context& context) {
                  PackPush filled = push;
-                 filled.values = context.buffer(packed).address();
+                 filled.values = to.address(context);
                  return filled;
                });
-    results_.push_back({aov, packed});
   }
 }
 
@@ -153,27 +155,14 @@ std::vector<graph::BufferId> PackedOutputs::buffers() const {
 }
 
 void PackedOutputs::leave(const Builder& b, Results results) {
+  if (results == Results::Exported) {
+    for (const graph::BufferId buffer : buffers()) b.graph.exports(buffer, graph::Use::HostRead);
+    return;
+  }
   onHost_ = results == Results::ToHost || b.device.isCpu();
   if (!onHost_) return keepResults(b, buffers());
   const std::vector<graph::BufferId> host = addReadback(b, buffers());
   for (size_t i = 0; i < results_.size(); ++i) results_[i].buffer = host[i];
-}
-
-void PackedOutputs::leave(const Builder& b, std::span<const ExportedArray> arrays, const ArrayPlace& place) {
-  std::vector<ArrayCopy> copies;
-  std::vector<graph::Access> accesses;
-  for (const Result& result : results_) {
-    const ArrayCopy& copy = copies.emplace_back(
-        copyToArray(b, result.buffer, *std::ranges::find(arrays, result.aov, &ExportedArray::aov), place));
-    accesses.emplace_back(copy.from, graph::Use::CopySource);
-    accesses.emplace_back(copy.to, graph::Use::CopyTarget);
-    b.graph.exports(copy.to, graph::Use::HostRead);
-  }
-  b.graph.pass(graph::Stage::Output, "copy to arrays", std::move(accesses), [=](graph::Context& context) {
-    for (const ArrayCopy& copy : copies)
-      vkCmdCopyBuffer(context.get(), context.buffer(copy.from).get(), context.buffer(copy.to).get(),
-                      static_cast<uint32_t>(copy.regions.size()), copy.regions.data());
-  });
 }
 
 void PackedOutputs::read(vk::Device& device, graph::Executor& executor, const graph::Submission& done,

@@ -12,6 +12,7 @@
 #include "output/files.h"
 #include "render/outputs/exported.h"
 #include "render/pass.h"
+#include "render/readback.h"
 #include "render/settings.h"
 
 namespace latelight::render {
@@ -39,27 +40,28 @@ enum class Results {
   Exported,  // the same, in arrays of all pictures that other APIs may have
 };
 
-// Which part of a request's arrays some pictures are.
-struct ArrayPlace {
+// Arrays that results go to, and which part of theirs these are.
+struct ResultArrays {
+  std::span<const ExportedArray> arrays;
   size_t firstView = 0;
-  uint32_t firstRow = 0, rows = 0;
+  uint32_t firstRow = 0;
 };
 
 class PackedOutputs {
  public:
-  // `yUp`: positions and directions of the world leave in glTF's frame.
-  PackedOutputs(const Settings& settings, bool yUp) : settings_(settings), yUp_(yUp) {}
+  // `yUp`: positions and directions of the world leave in glTF's frame. `arrays`: of Results::Exported, else none.
+  PackedOutputs(const Settings& settings, bool yUp, const ResultArrays& arrays)
+      : settings_(settings), yUp_(yUp), arrays_(arrays) {}
 
   // Adds the passes that pack those of an origin that are asked for. `image`: of a target, by its name in outputs.def.
   // `frame`: FrameConstants of the same views, for Surface. `scale`: of values.
   void add(const Builder& b, Origin origin, const std::function<graph::ImageId(std::string_view)>& image,
            VkDeviceAddress frame = 0, float scale = 1);
 
-  // The picture to look at: RGBA8, a view after the other.
-  void addDisplay(graph::BufferId pixels) { results_.push_back({std::nullopt, pixels}); }
-  // After all that are asked for have been added: one of the two.
+  // Where a pass is to write the picture to look at, RGBA8, of so many texels and views.
+  ResultPlace addDisplay(const Builder& b, glm::uvec3 size) { return place(b, std::nullopt, 4, size); }
+  // After all that are asked for have been added.
   void leave(const Builder& b, Results results);
-  void leave(const Builder& b, std::span<const ExportedArray> arrays, const ArrayPlace& place);
 
   // After the graph has run: fills these outputs of as many pictures as there are views.
   void read(vk::Device& device, graph::Executor& executor, const graph::Submission& done,
@@ -70,12 +72,14 @@ class PackedOutputs {
     std::optional<output::Aov> aov;  // none: the picture to look at
     graph::BufferId buffer;
   };
+  ResultPlace place(const Builder& b, std::optional<output::Aov> aov, uint32_t texelBytes, glm::uvec3 size);
   uint32_t axesOf(uint32_t packing) const;
   std::vector<graph::BufferId> buffers() const;
   void unpack(const graph::Submission& done, std::span<const graph::BufferId> buffers,
               std::vector<output::FrameOutput>& pictures) const;
   const Settings& settings_;
   bool yUp_;
+  ResultArrays arrays_;
   std::vector<Result> results_;
   bool onHost_ = true;
 };

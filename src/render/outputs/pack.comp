@@ -58,7 +58,7 @@ void main() {
   vec4 texel = texelFetch(firstImage, pixel, 0), from = texel;
   for (uint i = 0u; i < 4u; ++i) from[i] = texel[min(push.first + i, 3u)];
   vec4 values = packed(from, pixel);
-  ValuesRef view = ValuesRef(push.values + uint64_t(pixel.z) * uint64_t(size.x * size.y) * push.channels * 4u);
+  ValuesRef view = ValuesRef(push.values + uint64_t(pixel.z) * push.viewBytes);
   uint at = (pixel.y * size.x + pixel.x) * push.channels;
   for (uint i = 0u; i < push.channels; ++i) view.v[at + i] = values[i];
 }

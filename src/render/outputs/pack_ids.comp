@@ -18,6 +18,6 @@ void main() {
   if (any(greaterThanEqual(pixel.xy, size.xy))) return;
   uint id = push.packing == kPackCount ? floatBitsToUint(float(countSurfaces(image, pixel).x))
                                        : texelFetch(image, pixel, 0)[push.first];
-  IdsRef view = IdsRef(push.values + uint64_t(pixel.z) * uint64_t(size.x * size.y) * 4u);
+  IdsRef view = IdsRef(push.values + uint64_t(pixel.z) * push.viewBytes);
   view.v[pixel.y * size.x + pixel.x] = id;
 }

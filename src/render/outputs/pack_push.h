@@ -7,14 +7,15 @@
 SH_BEGIN
 
 struct PackPush {
-  uint64_t frame;   // FrameConstants; of kPackDepth, kPackDistance, and of axes of the camera
-  uint64_t values;  // float[views][height][width][channels], or uint of ids
-  uint packing;     // kPack*
-  uint channels;    // that leave
-  uint first;       // of the first image's channels
-  uint second;      // of the second image's: where half of the channels are; kPackOneImage: all are in the first
-  uint axes;        // kAxes*
-  float scale;      // of kPackValues
+  uint64_t frame;      // FrameConstants; of kPackDepth, kPackDistance, and of axes of the camera
+  uint64_t values;     // float[height][width][channels] of a view, or uint of ids
+  uint64_t viewBytes;  // from one view to the next
+  uint packing;        // kPack*
+  uint channels;       // that leave
+  uint first;          // of the first image's channels
+  uint second;         // of the second image's: where half of the channels are; kPackOneImage: all are in the first
+  uint axes;           // kAxes*
+  float scale;         // of kPackValues
 };
 
 SH_CONST uint kPackOneImage = 255u;
@@ -34,7 +35,7 @@ SH_CONST uint kAxesOpenGl = 3u;  // the camera's: X right, Y up, Z back
 SH_END
 
 #if defined(__cplusplus)
-static_assert(sizeof(latelight::shared::PackPush) == 40);
+static_assert(sizeof(latelight::shared::PackPush) == 48);
 #endif
 
 #endif

@@ -12,5 +12,5 @@ void main() {
   ivec2 size = textureSize(picture, 0).xy;
   if (any(greaterThanEqual(pixel.xy, size))) return;
   uint code = displayCode(displayColor(push, texelFetch(picture, pixel, 0)));
-  writeCode(PixelsRef(push.pixels), pixel, size, code);
+  writeCode(push, pixel, size, code);
 }

@@ -22,6 +22,7 @@ uint displayCode(vec4 display) {
   return packed >> 24u != 0u ? packed : 0u;  // alpha that rounds to 0 has no colour, for viewers that ignore alpha
 }
 
-void writeCode(PixelsRef pixels, ivec3 place, ivec2 size, uint code) {
-  pixels.v[(place.z * size.y + place.y) * size.x + place.x] = code;
+void writeCode(ComposePush push, ivec3 place, ivec2 size, uint code) {
+  PixelsRef view = PixelsRef(push.pixels + uint64_t(place.z) * push.viewBytes);
+  view.v[place.y * size.x + place.x] = code;
 }

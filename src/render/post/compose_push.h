@@ -7,16 +7,17 @@
 SH_BEGIN
 
 struct ComposePush {
-  uint64_t pixels;  // uint[layers * height * width]: R lowest
-  float scale;      // 1 / number of accumulated frames
-  uint tonemap;     // kTonemap*
-  vec4 background;  // linear display colour; alpha 0: transparent
+  uint64_t pixels;     // uint[height][width] of a view: R lowest
+  uint64_t viewBytes;  // from one view to the next
+  float scale;         // 1 / number of accumulated frames
+  uint tonemap;        // kTonemap*
+  vec4 background;     // linear display colour; alpha 0: transparent
 };
 
 SH_END
 
 #if defined(__cplusplus)
-static_assert(sizeof(latelight::shared::ComposePush) == 32);
+static_assert(sizeof(latelight::shared::ComposePush) == 40);
 #endif
 
 #endif

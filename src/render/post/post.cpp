@@ -24,15 +24,19 @@ ComposeSettings composeSettings(const Settings& s, float scale) {
 
 }  // namespace
 
-FinishedPicture finishPicture(const Builder& b, graph::ImageId picture, float scale, const Settings& settings) {
+FinishedPicture finishPicture(const Builder& b, graph::ImageId picture, float scale, const Settings& settings,
+                              const std::optional<ResultPlace>& display) {
   FinishedPicture result{.linear = picture, .scale = scale};
   if (settings.bloom > 0) {
     result.linear = addBloom(b, picture, bloomParameters(settings, scale));
     result.scale = 1;
   }
-  if (!settings.display) return result;
+  if (!display) return result;
   const ComposeSettings compose = composeSettings(settings, result.scale);
-  result.display = settings.aa.fxaa ? addFxaa(b, result.linear, compose) : addCompose(b, result.linear, compose);
+  if (settings.aa.fxaa)
+    addFxaa(b, result.linear, compose, *display);
+  else
+    addCompose(b, result.linear, compose, *display);
   return result;
 }
 

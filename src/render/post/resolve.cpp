@@ -1,7 +1,6 @@
 #include "render/post/resolve.h"
 
 #include "render/post/accumulate_push.h"
-#include "render/readback.h"
 
 namespace latelight::render {
 
@@ -17,28 +16,25 @@ void addAccumulate(const Builder& b, graph::ImageId frame, graph::ImageId sum, b
              shared::AccumulatePush{first});
 }
 
-shared::ComposePush composePush(const ComposeSettings& settings, VkDeviceAddress pixels) {
-  return {pixels, settings.scale, settings.tonemap, settings.background};
+shared::ComposePush composePush(const ComposeSettings& settings, VkDeviceAddress pixels, uint64_t viewBytes) {
+  return {pixels, viewBytes, settings.scale, settings.tonemap, settings.background};
 }
 
-graph::BufferId addCompose(const Builder& b, graph::ImageId picture, const ComposeSettings& settings) {
-  return addFinalPass(b, "compose", picture, settings);
+void addCompose(const Builder& b, graph::ImageId picture, const ComposeSettings& settings, const ResultPlace& to) {
+  addFinalPass(b, "compose", picture, settings, to);
 }
 
-graph::BufferId addFinalPass(const Builder& b, const std::string& name, graph::ImageId picture,
-                             const ComposeSettings& settings) {
-  const glm::uvec3 size = texels(b.graph, picture);
-  const graph::BufferId pixels = createResult(b, "picture", uint64_t{4} * size.x * size.y * size.z);
+void addFinalPass(const Builder& b, const std::string& name, graph::ImageId picture, const ComposeSettings& settings,
+                  const ResultPlace& to) {
   addCompute(b,
              {.stage = graph::Stage::Post,
               .name = name,
               .shader = name + ".comp",
               .bindings = Bindings(b.device).sampled(picture),
-              .size = size,
-              .buffers = {{pixels, graph::Use::StorageWrite}},
+              .size = texels(b.graph, picture),
+              .buffers = {{to.buffer, to.use}},
               .everyTexel = true},
-             [=](graph::Context& context) { return composePush(settings, context.buffer(pixels).address()); });
-  return pixels;
+             [=](graph::Context& context) { return composePush(settings, to.address(context), to.viewBytes); });
 }
 
 }  // namespace latelight::render

@@ -5,6 +5,7 @@
 
 #include "render/pass.h"
 #include "render/post/compose_push.h"
+#include "render/readback.h"
 
 namespace latelight::render {
 
@@ -16,12 +17,13 @@ struct ComposeSettings {
   uint32_t tonemap = 0;     // kTonemap*
   glm::vec4 background{0};  // linear display colour; alpha 0: transparent
 };
-shared::ComposePush composePush(const ComposeSettings& settings, VkDeviceAddress pixels);
+// `pixels`: where the first view's lie, and from there `viewBytes` to the next one's.
+shared::ComposePush composePush(const ComposeSettings& settings, VkDeviceAddress pixels, uint64_t viewBytes);
 
-// The finished picture as a result (readback.h): RGBA8, sRGB, straight alpha; one layer after the other.
-graph::BufferId addCompose(const Builder& b, graph::ImageId picture, const ComposeSettings& settings);
-// Adds the pass that writes the finished picture, by the shader `name`.comp, which writes as compose.glsl does.
-graph::BufferId addFinalPass(const Builder& b, const std::string& name, graph::ImageId picture,
-                             const ComposeSettings& settings);
+// The finished picture: RGBA8, sRGB, straight alpha.
+void addCompose(const Builder& b, graph::ImageId picture, const ComposeSettings& settings, const ResultPlace& to);
+// Adds the pass that writes it, by the shader `name`.comp, which writes as compose.glsl does.
+void addFinalPass(const Builder& b, const std::string& name, graph::ImageId picture, const ComposeSettings& settings,
+                  const ResultPlace& to);
 
 }  // namespace latelight::render

@@ -100,5 +100,5 @@ vec4 antialiased(Pixel p) {
 void main() {
   Pixel p = Pixel(ivec3(gl_GlobalInvocationID), textureSize(display, 0).xy, false);
   if (any(greaterThanEqual(p.place.xy, p.size))) return;
-  writeCode(PixelsRef(push.pixels), p.place, p.size, displayCode(antialiased(p)));
+  writeCode(push, p.place, p.size, displayCode(antialiased(p)));
 }

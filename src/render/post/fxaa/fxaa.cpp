@@ -2,7 +2,7 @@
 
 namespace latelight::render {
 
-graph::BufferId addFxaa(const Builder& b, graph::ImageId picture, const ComposeSettings& settings) {
+void addFxaa(const Builder& b, graph::ImageId picture, const ComposeSettings& settings, const ResultPlace& to) {
   const glm::uvec3 size = texels(b.graph, picture);
   const graph::ImageId display =
       b.graph.create(vk::ImageDesc{.format = VK_FORMAT_R32G32B32A32_SFLOAT,  // unchanged pixels round as without FXAA
@@ -16,8 +16,8 @@ graph::BufferId addFxaa(const Builder& b, graph::ImageId picture, const ComposeS
               .shader = "fxaa_input.comp",
               .bindings = Bindings(b.device).sampled(picture).storage(display, graph::Use::StorageWrite),
               .size = size},
-             composePush(settings, 0));
-  return addFinalPass(b, "fxaa", display, settings);
+             composePush(settings, 0, 0));
+  addFinalPass(b, "fxaa", display, settings, to);
 }
 
 }  // namespace latelight::render

@@ -6,6 +6,6 @@
 namespace latelight::render {
 
 // Like addCompose().
-graph::BufferId addFxaa(const Builder& b, graph::ImageId picture, const ComposeSettings& settings);
+void addFxaa(const Builder& b, graph::ImageId picture, const ComposeSettings& settings, const ResultPlace& to);
 
 }  // namespace latelight::render
