@@ -29,8 +29,8 @@ from ._core import (
     Texture,
     TextureHandle,
     Ticket,
-    __version__,
     set_memory_limit,
+    version,
 )
 from .errors import (
     ArgumentTypeError,
@@ -41,6 +41,8 @@ from .errors import (
     UsageError,
 )
 from .frames import Frame, Frames
+
+__version__ = version()
 
 __all__ = [
     "Animation",
@@ -71,4 +73,5 @@ __all__ = [
     "UsageError",
     "__version__",
     "set_memory_limit",
+    "version",
 ]
