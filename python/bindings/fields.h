@@ -59,19 +59,41 @@ class Fields {
 
   // After all fields.
   nb::class_<T>& done() {
+    defineInit();
+    defineRepr();
+    definePickling();
+    return type_;
+  }
+
+ private:
+  using Names = std::vector<std::string>;
+
+  // By keyword, into what is in place already.
+  static void set(nb::handle self, const nb::dict& values, const Names& names, const char* type) {
+    for (const auto& [name, value] : values) {
+      const std::string text = shown(nb::borrow(name));
+      if (std::ranges::find(names, text) == names.end()) badType("{} has no \"{}\"", type, text);
+      nb::setattr(self, name, value);
+    }
+  }
+
+  static void make(nb::handle self) {
+    new (nb::inst_ptr<T>(self)) T();
+    nb::inst_mark_ready(self);
+  }
+
+  void defineInit() {
     const std::string signature = "def __init__(self, *" + parameters_ + ") -> None";
     type_.def(
         "__init__",
         [names = names_, type = name_](nb::handle self, const nb::kwargs& values) {
-          new (nb::inst_ptr<T>(self)) T();
-          nb::inst_mark_ready(self);
-          for (const auto& [name, value] : values) {
-            const auto text = shown(nb::borrow(name));
-            if (std::ranges::find(names, text) == names.end()) badType("{} has no \"{}\"", type, text);
-            nb::setattr(self, name, value);
-          }
+          if (!nb::inst_ready(self)) make(self);
+          set(self, values, names, type);
         },
         nb::sig(signature.c_str()));
+  }
+
+  void defineRepr() {
     type_.def("__repr__", [names = names_, type = name_](nb::handle self) {
       std::string text;
       for (const std::string& name : names)
@@ -79,10 +101,21 @@ class Fields {
                             nb::cast<std::string>(nb::repr(nb::getattr(self, name.c_str()))));
       return fmt::format("{}({})", type, text);
     });
-    return type_;
   }
 
- private:
+  // So that copies are made, and sent to other processes.
+  void definePickling() {
+    type_.def("__getstate__", [names = names_](nb::handle self) {
+      nb::dict state;
+      for (const std::string& name : names) state[name.c_str()] = nb::getattr(self, name.c_str());
+      return state;
+    });
+    type_.def("__setstate__", [names = names_, type = name_](nb::handle self, const nb::dict& state) {
+      if (!nb::inst_ready(self)) make(self);
+      set(self, state, names, type);
+    });
+  }
+
   static std::string writable(const char* type) {
     const std::string text = type;
     if (text.starts_with("tuple[")) return "collections.abc.Sequence[float]";

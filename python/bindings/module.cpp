@@ -14,7 +14,7 @@ NB_MODULE(_core, module) {
   bindScene(module);
   bindDeviceArray(module);
   bindRenderer(module);
-  module.attr("__version__") = version();
+  module.def("version", &version, "The library's version, as in \"0.1.0\".");
   module.def(
       "encode_png",
       [](const nb::ndarray<const uint8_t, nb::shape<-1, -1, 4>, nb::c_contig, nb::device::cpu>& rgba) {

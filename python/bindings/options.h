@@ -4,15 +4,15 @@
 #include <latelight/latelight.h>
 #include <nanobind/nanobind.h>
 
-#include <functional>
 #include <string>
+#include <string_view>
 
 namespace latelight::python {
 
 // "shadowFilter" as "shadow_filter".
 std::string snakeCase(std::string_view member);
 
-// Options that keyword arguments set. `cameras`: converts those of a list.
+// What render() is given: (width, height) or None, names of outputs, and options by keyword.
 Options optionsOf(nanobind::handle size, nanobind::handle outputs, const nanobind::dict& keywords);
 
 // What a signature says of them, and a docstring.

@@ -80,6 +80,9 @@ class SharedTicket {
  public:
   SharedTicket(std::shared_ptr<SharedRenderer> renderer, Ticket&& ticket, bool single, bool onDevice)
       : renderer_(std::move(renderer)), ticket_(std::move(ticket)), single_(single), onDevice_(onDevice) {}
+  ~SharedTicket() {
+    renderer_->use([&](Renderer&) { const Ticket dropped = std::move(ticket_); });
+  }
 
   bool done() {
     return renderer_->use([&](Renderer&) { return ticket_.done(); });

@@ -30,8 +30,8 @@ from ._core import (
     Texture,
     TextureHandle,
     Ticket,
-    __version__,
     set_memory_limit,
+    version,
 )
 from .errors import (
     ArgumentTypeError,
@@ -42,6 +42,8 @@ from .errors import (
     UsageError,
 )
 from .frames import DeviceFrames, Frame, Frames
+
+__version__ = version()
 
 __all__ = [
     "Animation",
@@ -74,4 +76,5 @@ __all__ = [
     "UsageError",
     "__version__",
     "set_memory_limit",
+    "version",
 ]

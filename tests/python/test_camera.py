@@ -1,5 +1,8 @@
 """Cameras, against projections computed here with NumPy."""
 
+import copy
+import pickle
+
 import numpy as np
 import pytest
 
@@ -99,6 +102,14 @@ def test_a_scenes_cameras():
 def test_refused(make, words):
     with pytest.raises(latelight.UsageError, match=words):
         make()
+
+
+def test_copies_and_pickles():
+    camera = latelight.Camera.from_k([[70, 0, 30], [0, 60, 25], [0, 0, 1]], pose_looking_at_boxes(), SIZE)
+    for copied in (copy.copy(camera), copy.deepcopy(camera), pickle.loads(pickle.dumps(camera))):
+        assert repr(copied) == repr(camera)
+        copied.name = "other"
+        assert camera.name == ""
 
 
 def test_a_scaled_pose_is_refused_when_it_is_rendered(renderer):

@@ -3,6 +3,7 @@
 import random
 
 import numpy as np
+import pytest
 
 import latelight
 
@@ -46,6 +47,26 @@ def calls(scene, renderer):
 
 NAMES = """name exposure tonemap sun aa size outputs time shadow_filter base_color roughness position direction range
 camera_to_world vertical_fov previous_cameras bloom layout anisotropy positions indices uv colors""".split()
+
+
+@pytest.mark.filterwarnings("ignore:nanobind")
+def test_objects_that_are_not_made_or_made_twice():
+    scene = latelight.Scene("builtin:boxes")
+    for kind in (latelight.Scene, latelight.Renderer, latelight.Camera, latelight.Material, latelight.Ticket, latelight.Pick):
+        hollow = kind.__new__(kind)
+        for name in dir(hollow):
+            try:
+                getattr(hollow, name)() if callable(getattr(hollow, name)) else None
+            except Exception as error:
+                assert type(error).__name__ != "SystemError", (kind, name)
+    try:
+        scene.__init__("builtin:spheres")
+    except Exception:
+        pass
+    assert latelight.Renderer(scene, "cpu").render(scene.default_camera(), (8, 8))["rgba"].any()
+    camera = latelight.Camera(name="first")
+    camera.__init__(vertical_fov=50)
+    assert (camera.name, camera.vertical_fov) == ("first", 50)
 
 
 def test_any_arguments():

@@ -20,7 +20,7 @@ camera = scene.default_camera()
 before = renderer.render(camera, (64, 64))["rgba"]
 print("ready", flush=True)
 try:
-    renderer.render(camera, (512, 512), aa="ss16")
+    renderer.render(camera, (256, 256), aa="ss16")
     print("it was not interrupted")
 except KeyboardInterrupt:
     print("interrupted" if (renderer.render(camera, (64, 64))["rgba"] == before).all() else "it renders otherwise")
@@ -44,7 +44,7 @@ def test_others_run_meanwhile(device):
     thread = threading.Thread(target=count)
     thread.start()
     start = time.monotonic()
-    renderer.render(camera, (256, 256), aa="ss3")
+    renderer.render(camera, (256, 256), aa="ss2")
     seconds = time.monotonic() - start
     stop.set()
     thread.join()

@@ -1,0 +1,75 @@
+"""The code of docs/python.md, of README.md and of the examples, run as it stands."""
+
+import json
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+EXAMPLES = ROOT / "examples" / "python"
+
+
+def blocks(page):
+    return re.findall(r"^```python\n(.*?)^```", page.read_text(), re.DOTALL | re.MULTILINE)
+
+
+def run_all(sources, name):
+    """One after the other, in one namespace; what an expression that ends one gives is the result."""
+    names = {}
+    for number, source in enumerate(sources):
+        exec(compile(source, f"{name}, block {number + 1}", "exec"), names)
+    return names
+
+
+def test_the_tutorial(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    page = ROOT / "docs" / "python.md"
+    names = run_all(blocks(page), page.name)
+    assert (tmp_path / "hall.png").read_bytes().startswith(b"\x89PNG")
+    assert names["frames"]["depth"].shape == (3, 120, 160)
+    assert (names["before"]["rgba"] != names["after"]["rgba"]).any()
+    printed = capsys.readouterr().out.splitlines()
+    said = re.findall(r"print\(.*\) +# (.*)", page.read_text())
+    assert len(said) == 4
+    for words in said:
+        assert any(line and words.startswith(line) for line in printed), words
+
+
+def test_the_readme(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (source,) = blocks(ROOT / "README.md")
+    frame = run_all([source], "README.md")["frame"]
+    assert frame["depth"].shape == (480, 640)
+
+
+def test_the_notebook():
+    cells = json.loads((EXAMPLES / "notebook.ipynb").read_text())["cells"]
+    names = run_all(["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"], "notebook.ipynb")
+    assert names["shown"].node
+
+
+def run_example(name, *arguments, cwd):
+    return subprocess.run(
+        [sys.executable, EXAMPLES / name, *map(str, arguments)], cwd=cwd, check=True, capture_output=True, text=True
+    ).stdout
+
+
+def test_dataset(tmp_path):
+    run_example("dataset.py", "builtin:boxes", "out", 3, cwd=tmp_path)
+    assert len(list((tmp_path / "out").glob("*.png"))) == 3
+    assert len(json.loads((tmp_path / "out" / "cameras.json").read_text())) == 3
+
+
+def test_reinforcement(tmp_path):
+    assert run_example("reinforcement.py", 2, 16, cwd=tmp_path).count("views/s") == 2
+
+
+def test_turntable(tmp_path):
+    if not shutil.which("ffmpeg"):
+        pytest.skip("ffmpeg is not installed")
+    run_example("turntable.py", "builtin:boxes", "video.mp4", 5, cwd=tmp_path)
+    assert (tmp_path / "video.mp4").stat().st_size > 1000
