@@ -120,7 +120,7 @@ void PackedOutputs::add(const Builder& b, Origin origin, const std::function<gra
                 .shader = integers ? "pack_ids.comp" : "pack.comp",
                 .bindings = std::move(bindings),
                 .size = size,
-                .constants = {{kSamplesConstant, samples}},
+                .constants = {{kSamplesConstant, samples}, {kLensConstant, lens_ ? 1u : 0u}},
                 .buffers = {{packed, graph::Use::StorageWrite}}},
                [=](graph::Context& context) {
                  PackPush filled = push;

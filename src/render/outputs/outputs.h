@@ -39,8 +39,8 @@ enum class Results {
 
 class PackedOutputs {
  public:
-  // `yUp`: positions and directions of the world leave in glTF's frame.
-  PackedOutputs(const Settings& settings, bool yUp) : settings_(settings), yUp_(yUp) {}
+  // `yUp`: positions and directions of the world leave in glTF's frame. `lens`: FrameSetup::lens.
+  PackedOutputs(const Settings& settings, bool yUp, bool lens) : settings_(settings), yUp_(yUp), lens_(lens) {}
 
   // Adds the passes that pack those of an origin that are asked for. `image`: of a target, by its name in outputs.def.
   // `frame`: FrameConstants of the same views, for Surface. `scale`: of values.
@@ -66,7 +66,7 @@ class PackedOutputs {
   void unpack(const graph::Submission& done, std::span<const graph::BufferId> buffers,
               std::vector<output::FrameOutput>& pictures) const;
   const Settings& settings_;
-  bool yUp_;
+  bool yUp_, lens_;
   std::vector<Result> results_;
   bool onHost_ = true;
 };
