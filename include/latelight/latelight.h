@@ -31,6 +31,17 @@ LATELIGHT_API const char* version();
 // would take more throws Error(DeviceLost) before it does. 0, as at first: three quarters of what is free.
 LATELIGHT_API void setMemoryLimit(uint64_t bytes);
 
+// How a camera's rays go, calibrated for pictures of width x height pixels; one of another size is the same picture,
+// scaled. Pixel centres are at half-integers: to OpenCV's cx and cy, which count from the first pixel's centre, add
+// 0.5.
+struct Lens {
+  std::string model = "pinhole";     // or opencv, fisheye, equirectangular, cubemap: docs/lenses.md
+  double width = 0, height = 0;      // as the four below, of pinhole, opencv and fisheye alone
+  double fx = 0, fy = 0;             // focal lengths, pixels
+  double cx = 0, cy = 0;             // principal point, pixels
+  std::vector<double> distortion{};  // opencv: k1 k2 p1 p2 k3 k4 k5 k6; fisheye: k1 k2 k3 k4; the last may be left out
+};
+
 struct Camera {
   std::string name;
   // Camera frame to the scene file's frame, row-major. OpenCV's camera frame: X right, Y down, Z forward.
@@ -43,6 +54,8 @@ struct Camera {
   float farClip = std::numeric_limits<float>::infinity();
   float principalX = 0, principalY = 0;  // offset of the principal point from the centre, in half widths and half
                                          // heights, y up
+  std::optional<Lens> lens{};            // instead of the field of view, the principal point and, where it bends rays,
+                                         // the near and the far plane
 };
 
 struct Animation {

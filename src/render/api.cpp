@@ -1,4 +1,5 @@
 // The public API of include/latelight/latelight.h.
+#include <fmt/ranges.h>
 #include <latelight/latelight.h>
 
 #include <cmath>
@@ -18,6 +19,18 @@ namespace latelight {
 namespace {
 
 constexpr float kDegrees = 180.0f / glm::pi<float>();
+
+// Read as --lens writes it.
+scene::Lens internalLens(const Lens& lens) {
+  std::vector<double> numbers{lens.fx, lens.fy, lens.cx, lens.cy};
+  numbers.insert(numbers.end(), lens.distortion.begin(), lens.distortion.end());
+  std::string text = lens.model;
+  if (numbers != std::vector<double>(4)) text += fmt::format(":{}", fmt::join(numbers, ","));
+  scene::Lens l = scene::parseLens("the camera's lens", text, 6, 1);
+  l.width = lens.width;
+  l.height = lens.height;
+  return l;
+}
 
 Camera publicCamera(const scene::Camera& camera, const scene::Scene& scene) {
   Camera c;
@@ -74,6 +87,8 @@ scene::Camera internalCamera(const Camera& camera, const scene::Scene& scene) {
   c.nearClip = camera.nearClip;
   c.farClip = camera.farClip;
   c.principal = {camera.principalX, camera.principalY};
+  if (camera.lens) c.lens = internalLens(*camera.lens);
+  if (camera.lens && c.orthographic) badUsage("an orthographic camera has no lens");
   return c;
 }
 
