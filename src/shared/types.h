@@ -197,7 +197,7 @@ struct FrameConstants {
   uint64_t nextInstances;
   uint64_t previousViews;  // without jitter
   uint64_t nextViews;
-  uint64_t rays;  // LensRay[height][width], of a picture through a lens, the same for all views; else 0
+  uint64_t rays;  // of pictures through a lens, all views' LensRay[height + 2][width], from the row above on; else 0
   uint viewCount;
   uint lightCount;
   uint directionalLights;

@@ -21,8 +21,8 @@ struct LensPicture {
 };
 
 struct LensRays {
-  // shared::LensRay[rows + 2][width]: a strip knows the rows beside it, so that textures are filtered alike. 0 outside of
-  // the picture.
+  // shared::LensRay[rows + 2][width]: a strip knows the rows beside it, so that textures are filtered alike. 0 outside
+  // of the picture.
   vk::Buffer rays;
   // The pinhole views, of a camera at the world's origin whose axes are the world's. All are of one size.
   std::vector<shared::View> views;
