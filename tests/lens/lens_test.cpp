@@ -4,6 +4,7 @@
 // A pixel is *steady* if the rays through its centre, corners and sides hit one part, at distances within 5 % of each
 // other. Elsewhere is an edge, where rounding may choose another triangle than the caster does.
 #include <fmt/core.h>
+#include <latelight/latelight.h>
 
 #include <algorithm>
 #include <cmath>
@@ -329,6 +330,33 @@ TEST_F(LensPictureTest, ManyAtOnceAndInStripsAreTheSameBytes) {
       EXPECT_EQ(alone.aovs[aov].ids, together[i].aovs[aov].ids) << i;
     }
   }
+}
+
+// The public API has the same lenses.
+TEST_F(LensPictureTest, AsProgramsAskForThem) {
+  const latelight::Scene boxes("builtin:boxes");
+  latelight::Renderer renderer(boxes, "cpu");
+  latelight::Camera camera = boxes.cameras().front();
+  camera.lens = latelight::Lens{"fisheye", 96, 96, 20, 20, 48, 48, {-0.03, 0.012}};
+  latelight::Options options;
+  options.width = options.height = 48;  // half of what the lens is calibrated for
+  options.aovs = {"distance"};
+  const latelight::Frame frame = renderer.render(camera, options);
+
+  const scene::Scene scene = scene::load("builtin:boxes");
+  const ReferenceCaster caster(scene, scene.cameras.front(), 48, 48);
+  const scene::LensProjection projection({LensModel::Fisheye, 48, 48, 10, 10, 24, 24, {-0.03, 0.012}});
+  for (const uint32_t pixel : {24u * 48 + 24, 30u * 48 + 10, 28u * 48 + 31}) {
+    const dvec3 ray = projection.unproject({pixel % 48 + 0.5, pixel / 48 + 0.5}).value();
+    const std::optional<Hit> hit = caster.castAlong({ray.x, ray.z, -ray.y});
+    const float distance = frame.aovs.at("distance").values[pixel];
+    ASSERT_TRUE(hit) << pixel;
+    EXPECT_NEAR(distance, hit->distance, 1e-4 * hit->distance);
+  }
+  camera.lens->distortion.resize(5);
+  EXPECT_THROW(renderer.render(camera, options), latelight::Error);
+  camera.lens = latelight::Lens{.model = "round"};
+  EXPECT_THROW(renderer.render(camera, options), latelight::Error);
 }
 
 TEST_F(LensPictureTest, WhatThereIsNot) {
