@@ -20,9 +20,11 @@
 #include "output/files.h"
 #include "output/targets.h"
 #include "output/used_files.h"
+#include "render/lens/lens_settings.h"
 #include "render/raster_choice.h"
 #include "render/renderer.h"
 #include "render/session.h"
+#include "render/view.h"
 #include "vk/driver_cache.h"
 
 namespace latelight::app {
@@ -195,6 +197,7 @@ PendingFrame startFrame(RenderRun& run, uint32_t frame) {
   RenderOptions shown = run.options;
   shown.frame = frame;
   shown.settings.time = run.timeline.secondsAt(frame);
+  if (render::bendsRays(camera)) shown.settings = render::lensSettings(shown.settings);
   pending.metadata = describeRender(run.scene, camera, run.device, run.environment, shown);
   pending.metadata.frameDigits = run.timeline.frameDigits();
   run.times.render += seconds(mark);

@@ -24,10 +24,8 @@ const scene::Camera& findCamera(const scene::Scene& scene, const std::vector<sce
            names.empty() ? "it has none: use --eye and --target, or --orbit" : "it has: " + names);
 }
 
-}  // namespace
-
-scene::Camera chooseCamera(const scene::Scene& scene, const std::vector<scene::Camera>& cameras,
-                           const RenderOptions& o) {
+scene::Camera placeCamera(const scene::Scene& scene, const std::vector<scene::Camera>& cameras,
+                          const RenderOptions& o) {
   const float aspect = static_cast<float>(o.settings.width) / static_cast<float>(o.settings.height);
   const float fov = o.fov ? static_cast<float>(*o.fov * M_PI / 180.0) : scene::kDefaultVerticalFov;
   if (!scene::showsSomething(fov))
@@ -55,6 +53,18 @@ scene::Camera chooseCamera(const scene::Scene& scene, const std::vector<scene::C
   if (o.fov && camera.orthographic)
     badUsage("--fov means nothing to the camera \"{}\": it is orthographic", camera.name);
   if (o.fov) camera.verticalFov = fov;
+  return camera;
+}
+
+}  // namespace
+
+scene::Camera chooseCamera(const scene::Scene& scene, const std::vector<scene::Camera>& cameras,
+                           const RenderOptions& o) {
+  scene::Camera camera = placeCamera(scene, cameras, o);
+  if (o.lens.empty()) return camera;
+  if (o.fov) badUsage("--fov and --lens each say what the camera sees; use one of them");
+  if (camera.orthographic) badUsage("--lens means nothing to the camera \"{}\": it is orthographic", camera.name);
+  camera.lens = scene::parseLens("--lens", o.lens, o.settings.width, o.settings.height);
   return camera;
 }
 

@@ -3,8 +3,10 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <limits>
 #include <map>
 
+#include "render/gbuffer/layout.h"
 #include "render/id_manifest.h"
 #include "render/session.h"
 #include "render/view.h"
@@ -25,6 +27,12 @@ output::CameraMetadata describeCamera(const scene::Camera& camera, const scene::
   m.orthographic = camera.orthographic;
   m.nearClip = camera.nearClip;
   m.farClip = camera.farClip;
+  if (!render::bendsRays(camera)) return m;
+  const scene::Lens lens = scene::scaledTo(*camera.lens, s.width, s.height);
+  m.intrinsics = {lens.fx, 0, lens.cx, 0, lens.fy, lens.cy, 0, 0, 1};
+  m.lens = lens;
+  m.nearClip = 0;
+  m.farClip = std::numeric_limits<double>::infinity();
   return m;
 }
 
@@ -39,7 +47,9 @@ std::map<std::string, std::string> describeSettings(const RenderOptions& o, cons
     if (!text.empty()) settings[std::string(render::keyOf(option))] = text;
   }
   for (const char* elsewhere : {"axes", "normal-frame"}) settings.erase(elsewhere);
-  settings["raster"] = render::nameOf(o.settings.raster);  // what `auto` stands for here
+  // What `auto` stands for here, and what the camera's lens takes.
+  settings["raster"] = render::nameOf(o.settings.raster);
+  if (settings.contains("layout")) settings["layout"] = o.settings.layout->name;
   settings["hdri"] = environment.empty() ? "none" : environment;
   const std::optional<double> time = o.settings.time;  // of the frame, in a sequence
   if (time) settings["time"] = fmt::format("{}", *time);

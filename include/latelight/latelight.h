@@ -41,8 +41,9 @@ enum class LensModel {
   CubeMap,          // six faces side by side: +X -X +Y -Y +Z -Z, of the camera's frame
 };
 
-// Calibrated for pictures of width x height pixels; one of another size is the same picture, scaled. Pixel centres are
-// at half-integers: a centred principal point is (width / 2, height / 2).
+// How a camera's rays go (docs/lenses.md), calibrated for pictures of width x height pixels; one of another size is the
+// same picture, scaled. Pixel centres are at half-integers: to OpenCV's cx and cy, which count from the first pixel's
+// centre, add 0.5.
 struct Lens {
   LensModel model = LensModel::Pinhole;
   double width = 0, height = 0;
@@ -62,7 +63,8 @@ struct Camera {
   float farClip = std::numeric_limits<float>::infinity();
   float principalX = 0, principalY = 0;  // offset of the principal point from the centre, in half widths and half
                                          // heights, y up
-  std::optional<Lens> lens{};            // instead of the field of view and the principal point
+  std::optional<Lens> lens{};            // instead of the field of view, the principal point and, where it bends rays,
+                                         // the near and the far plane
 };
 
 struct Animation {

@@ -143,7 +143,8 @@ Imf::Header headerOf(std::span<const AovImage* const> images, const Metadata& me
   const glm::dmat4 cameraFromWorld = glm::inverse(metadata.camera.cameraToWorld);
   Imf::addChromaticities(header, Imf::Chromaticities());  // the default is Rec.709
   Imf::addWorldToCamera(header, imathOf(exrFromCamera(metadata.camera.convention) * cameraFromWorld));
-  Imf::addWorldToNDC(header, imathOf(ndcFromCamera(metadata.camera, first.width, first.height) * cameraFromWorld));
+  if (!metadata.camera.lens)
+    Imf::addWorldToNDC(header, imathOf(ndcFromCamera(metadata.camera, first.width, first.height) * cameraFromWorld));
   const auto program = metadata.versions.find("latelight");
   header.insert("software",
                 Imf::StringAttribute("latelight" + (program == metadata.versions.end() ? "" : " " + program->second)));

@@ -43,15 +43,30 @@ std::string_view axesOf(std::string_view frame) {
   return "";
 }
 
+// The coefficients that a lens's model has, in OpenCV's order; null: it has none.
+Json distortionOf(const scene::Lens& lens) {
+  const uint32_t count = scene::infoOf(lens.model).coefficients;
+  if (count == 0) return nullptr;
+  return std::vector(lens.distortion.begin(), lens.distortion.begin() + count);
+}
+
+std::string_view modelOf(const CameraMetadata& camera) {
+  if (camera.lens) return scene::infoOf(camera.lens->model).name;
+  return camera.orthographic ? "orthographic" : "perspective";
+}
+
 Json cameraOf(const CameraMetadata& camera) {
-  return {{"name", camera.name},
-          {"model", camera.orthographic ? "orthographic" : "perspective"},
-          {"convention", camera.convention},
-          {"axes", axesOf(camera.convention)},
-          {"K", intrinsicsOf(camera)},
-          {"cameraToWorld", rowsOf(camera.cameraToWorld)},
-          {"near", number(camera.nearClip)},
-          {"far", number(camera.farClip)}};
+  const bool hasK = !camera.lens || scene::infoOf(camera.lens->model).calibrated;
+  Json json{{"name", camera.name},
+            {"model", modelOf(camera)},
+            {"convention", camera.convention},
+            {"axes", axesOf(camera.convention)},
+            {"K", hasK ? intrinsicsOf(camera) : nullptr},
+            {"cameraToWorld", rowsOf(camera.cameraToWorld)},
+            {"near", number(camera.nearClip)},
+            {"far", number(camera.farClip)}};
+  if (camera.lens) json["distortion"] = distortionOf(*camera.lens);
+  return json;
 }
 
 std::string_view pngText(PngCoding coding) {
@@ -91,13 +106,14 @@ Json aovOf(const AovInfo& aov, const Metadata& metadata) {
 }
 
 Json conventions() {
-  return {
-      {"pixels", "x to the right, y down; the first pixel's centre, upper left, is (0.5, 0.5)"},
-      {"samples", "data are those of the pixel's centre, never an average"},
-      {"matrices", "lists of rows; they multiply column vectors"},
-      {"K", "pixel = K * (x, y, z) / third component, of a point in the camera's frame; orthographic: K * (x, y, 1)"},
-      {"length", "metres"},
-      {"color", "linear Rec.709; alpha premultiplied in .exr and .npy, straight in .png"}};
+  return {{"pixels", "x to the right, y down; the first pixel's centre, upper left, is (0.5, 0.5)"},
+          {"samples", "data are those of the pixel's centre, never an average"},
+          {"matrices", "lists of rows; they multiply column vectors"},
+          {"K",
+           "pixel = K * (x, y, z) / third component, of a point in the camera's frame; orthographic: K * (x, y, 1); "
+           "opencv and fisheye: of the point as distortion moves it"},
+          {"length", "metres"},
+          {"color", "linear Rec.709; alpha premultiplied in .exr and .npy, straight in .png"}};
 }
 
 }  // namespace

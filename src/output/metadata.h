@@ -5,11 +5,13 @@
 #include <cstdint>
 #include <glm/mat4x4.hpp>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 
 #include "output/aov.h"
 #include "output/id_manifest.h"
+#include "scene/lens.h"
 
 namespace latelight::output {
 
@@ -24,6 +26,8 @@ struct CameraMetadata {
   // "opencv": X right, Y down, Z forward. "opengl": X right, Y up, Z backward.
   std::string convention = "opencv";
   bool orthographic = false;
+  // One that bends rays, calibrated for the picture's size: `intrinsics` apply before its distortion, or not at all.
+  std::optional<scene::Lens> lens;
   double nearClip = 0, farClip = 0;  // metres; farClip may be +inf
 };
 

@@ -1,4 +1,5 @@
 // The public API of include/latelight/latelight.h.
+#include <fmt/ranges.h>
 #include <latelight/latelight.h>
 
 #include <cmath>
@@ -25,11 +26,8 @@ Lens publicLens(const scene::Lens& from) {
       static_cast<LensModel>(from.model), from.width, from.height, from.fx, from.fy, from.cx, from.cy, from.distortion};
 }
 
+// What it can't be the renderer says.
 scene::Lens internalLens(const Lens& from) {
-  for (const double value : {from.width, from.height, from.fx, from.fy, from.cx, from.cy})
-    if (!std::isfinite(value)) badUsage("the camera's lens has a value that is not a number");
-  for (const double value : from.distortion)
-    if (!std::isfinite(value)) badUsage("the camera's lens has a value that is not a number");
   return {static_cast<scene::LensModel>(from.model),
           from.width,
           from.height,
@@ -97,6 +95,7 @@ scene::Camera internalCamera(const Camera& camera, const scene::Scene& scene) {
   c.farClip = camera.farClip;
   c.principal = {camera.principalX, camera.principalY};
   if (camera.lens) c.lens = internalLens(*camera.lens);
+  if (camera.lens && c.orthographic) badUsage("an orthographic camera has no lens");
   return c;
 }
 

@@ -16,6 +16,7 @@
 namespace latelight::render {
 
 class Visibility;
+struct LensRays;
 struct TechniqueInfo;
 struct FrameSetup;
 struct FrameShadows;
@@ -39,6 +40,7 @@ struct FrameContext : Builder {
   bool environmentBackground = false;     // draw the environment where nothing else is drawn
   float aoRadius = 0, aoStrength = 1;     // ambient occlusion: metres, exponent
   FrameShadows* shadows = nullptr;        // null: nothing casts any
+  const LensRays* lens = nullptr;         // null: its views are projections
   Overflow* overflow = nullptr;           // buffers whose size passes have to guess; null where there are none
 
   uint32_t viewCount() const { return static_cast<uint32_t>(views.size()); }
@@ -93,6 +95,7 @@ struct FrameSetup {
   TransparencySetup transparency;
   uint32_t shadowFormat = 0;  // kShadow*
   uint32_t shadowFilter = 0;  // kShadowFilter*
+  bool lens = false;          // pixels look along FrameConstants::rays
   bool sunInGbuffer = false;  // the layout's sunTarget is filled, and lighting reads the sun's shadow there
   uint32_t samples = 1;       // a pixel: a power of two up to shared::kMostSamples
   bool sampleLayers = false;  // several are layers of images; else images are multisampled
@@ -106,6 +109,7 @@ struct FrameSetup {
     return samples == 1 ? shader : shader + (sampleLayers ? "+layers" : "+msaa");
   }
 };
+inline constexpr uint32_t kLensConstant = 14;     // glsl/pixel_ray.glsl
 inline constexpr uint32_t kSamplesConstant = 10;  // glsl/samples.glsl: not of a frame, since some passes have one
 inline constexpr uint32_t kFirstOwnConstant = 16;
 inline constexpr VkFormat kCountsFormat = VK_FORMAT_R32G32B32A32_SFLOAT;  // r: lights tested, g: lights used

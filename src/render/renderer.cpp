@@ -8,6 +8,8 @@
 #include "base/error.h"
 #include "render/gbuffer/raw_read.h"
 #include "render/job.h"
+#include "render/lens/lens_settings.h"
+#include "render/lens/shadow_view.h"
 #include "render/lighting/technique.h"
 #include "render/request.h"
 #include "render/view.h"
@@ -36,6 +38,24 @@ uint64_t bytesAPixel(const Settings& settings) {
   uint64_t bytes = settings.display ? 4 : 0;
   for (output::Aov aov : settings.aovs) bytes += 4 * output::info(aov).channels;
   return bytes;
+}
+
+// Those for all of these cameras.
+Settings settingsFor(std::span<const scene::Camera> cameras, const Settings& settings) {
+  const size_t bent = static_cast<size_t>(std::ranges::count_if(cameras, bendsRays));
+  for (const scene::Camera& camera : cameras)
+    if (camera.lens) scene::checkLens(*camera.lens, settings.width, settings.height);
+  if (bent == 0) return settings;
+  if (bent < cameras.size())
+    badUsage("cameras whose lenses bend rays can't be rendered together with those whose lenses don't");
+  return lensSettings(settings);
+}
+
+// How many of the first cameras look through one lens: views that are rendered at once do.
+size_t throughOneLens(std::span<const scene::Camera> cameras) {
+  const auto other = std::ranges::find_if(
+      cameras, [&](const scene::Camera& camera) { return bendsRays(camera) && camera.lens != cameras.front().lens; });
+  return static_cast<size_t>(other - cameras.begin());
 }
 
 scene::Light lightOf(const SunLight& sun) {
@@ -110,7 +130,8 @@ bool Renderer::castsShadows(const Settings& settings) const {
 std::shared_ptr<FrameShadows> Renderer::planShadows(std::span<const scene::Camera> cameras, const Settings& settings) {
   if (!castsShadows(settings)) return nullptr;
   std::vector<shared::View> views;
-  for (const scene::Camera& camera : cameras) views.push_back(makeView(camera, settings.width, settings.height));
+  for (const scene::Camera& camera : cameras)
+    views.push_back(shadowView(camera, settings.width, settings.height, gpuScene_.bounds()));
   auto shadows =
       std::make_shared<FrameShadows>(device_, gpuScene_, views, settings, shadowMaps_[rastersInCompute(settings)]);
   return shadows->empty() ? nullptr : shadows;
@@ -126,8 +147,9 @@ output::FrameOutput Renderer::renderStrip(const scene::Camera& camera, const Set
   return std::move(Ticket(*this, start({&camera, 1}, settings, moment, {&strip, 1})).take().front());
 }
 
-std::shared_ptr<RenderJob> Renderer::start(std::span<const scene::Camera> cameras, const Settings& settings,
+std::shared_ptr<RenderJob> Renderer::start(std::span<const scene::Camera> cameras, const Settings& wanted,
                                            const Moment& moment, std::span<const Strip> strips, Results results) {
+  const Settings settings = settingsFor(cameras, wanted);
   begin(settings, moment);
   const uint32_t rows = strips.size() > 1 ? settings.height : strips.front().rows;
   const auto job = std::make_shared<RenderJob>(cameras, settings, moment, rows);
@@ -142,7 +164,7 @@ std::shared_ptr<RenderJob> Renderer::start(std::span<const scene::Camera> camera
   if (castsShadows(settings))
     atOnce = std::clamp<uint64_t>(memoryForViews(device_) / (4 * shadowTexels(settings)), 1, atOnce);
   for (size_t first = 0; first < cameras.size();) {
-    const size_t count = std::min(atOnce, cameras.size() - first);
+    const size_t count = std::min(atOnce, throughOneLens(cameras.subspan(first)));
     const size_t fits = startViews(job, first, count, strips);
     if (fits < count)
       atOnce = fits;
@@ -177,6 +199,15 @@ size_t Renderer::startViews(const std::shared_ptr<RenderJob>& job, size_t first,
   return count;
 }
 
+ViewsInTime Renderer::viewsOf(const RenderPart& part, glm::vec2 jitter) {
+  ViewsInTime views = part.views(jitter);
+  const scene::Camera& camera = part.job.now[part.first];
+  const Settings& s = part.job.settings;
+  if (bendsRays(camera))
+    views.lens = lensRays_.of(device_, {*camera.lens, s.width, s.height, part.strip.first, part.strip.rows, jitter});
+  return views;
+}
+
 // The samples of a picture, a frame each, as offsets from the pixel's centre.
 std::vector<glm::vec2> Renderer::jittersOf(const RenderPart& part) const {
   const Settings& s = part.job.settings;
@@ -200,7 +231,7 @@ std::vector<glm::vec2> Renderer::jittersOf(const RenderPart& part) const {
 Renderer::Start Renderer::startPart(RenderPart& part, uint64_t& room) {
   const Settings& s = part.job.settings;
   const std::vector<glm::vec2> jitters = jittersOf(part);
-  const ViewsInTime steady = part.views(glm::vec2(0));
+  const ViewsInTime steady = viewsOf(part, glm::vec2(0));
   const bool yUp = scene_.yUp && s.axes == Axes::File;
   part.earlier.clear();
   overflow_.checks.clear();  // what an error has left
@@ -209,7 +240,8 @@ Renderer::Start Renderer::startPart(RenderPart& part, uint64_t& room) {
   vk::Image sum;
   if (jitters.size() > 1) sum = makeSum(part);
   for (size_t i = 0; i < jitters.size(); ++i) {
-    Request& request = part.request.emplace(state_, s, yUp, steady, part.views(jitters[i]), part.shadows.get(), arrays);
+    Request& request =
+        part.request.emplace(state_, s, yUp, steady, viewsOf(part, jitters[i]), part.shadows.get(), arrays);
     const bool last = i + 1 == jitters.size();
     TemporalHistory* history = s.aa.temporal ? &history_ : nullptr;
     if (last)
@@ -312,7 +344,8 @@ vk::Image Renderer::makeSum(const RenderPart& part) {
            .name = "sum"}};
 }
 
-output::RawGbuffer Renderer::readTargets(const scene::Camera& camera, const Settings& settings, const Moment& moment) {
+output::RawGbuffer Renderer::readTargets(const scene::Camera& camera, const Settings& wanted, const Moment& moment) {
+  const Settings settings = settingsFor({&camera, 1}, wanted);
   begin(settings, moment);
   if (settings.lighting->forward)
     badUsage("{} lighting has no G-buffer whose targets could be shown: choose a deferred technique",
@@ -324,7 +357,7 @@ output::RawGbuffer Renderer::readTargets(const scene::Camera& camera, const Sett
   std::shared_ptr<FrameShadows> shadows;
   if (layout.sunTarget >= 0) shadows = planShadows(job.now, atCentres);  // else nothing in the targets is lit
   const RenderPart part(job, 0, 1, {0, settings.height}, shadows);
-  ViewSet set(state_, part.views(glm::vec2(0)), atCentres, shadows.get(), VisibilityOptions{.atCentres = true});
+  ViewSet set(state_, viewsOf(part, glm::vec2(0)), atCentres, shadows.get(), VisibilityOptions{.atCentres = true});
   std::optional<graph::Graph> graph;
   std::optional<RawReadback> readback;
   graph::Submission done;

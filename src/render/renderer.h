@@ -12,6 +12,7 @@
 #include "output/targets.h"
 #include "render/gpu_environment.h"
 #include "render/gpu_scene.h"
+#include "render/lens/lens_rays.h"
 #include "render/moment.h"
 #include "render/outputs/outputs.h"
 #include "render/post/taa/taa.h"
@@ -74,6 +75,7 @@ class Renderer {
   void read(RenderJob& job);  // its oldest part
   void finish(RenderJob& job);
 
+  ViewsInTime viewsOf(const RenderPart& part, glm::vec2 jitter);
   std::vector<glm::vec2> jittersOf(const RenderPart& part) const;
   bool castsShadows(const Settings& settings) const;
   std::shared_ptr<FrameShadows> planShadows(std::span<const scene::Camera> cameras, const Settings& settings);
@@ -90,6 +92,7 @@ class Renderer {
   Overflow overflow_;
   RenderState state_;
   TemporalHistory history_;
+  KeptLensRays lensRays_;
   std::shared_ptr<ExportPool> exports_ = std::make_shared<ExportPool>();
   KeptShadowMaps shadowMaps_[2];  // of hardware and compute
   // The last part on its way. Whether something overflowed in it is found out, and done again, before anything changes

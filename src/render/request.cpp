@@ -55,7 +55,7 @@ Request::Request(const RenderState& state, const Settings& settings, bool yUp, c
       jitteredViews_(jittered),
       shadows_(shadows),
       graph_(state.executor),
-      outputs_(settings, yUp, arrays) {}
+      outputs_(settings, yUp, steady.lens != nullptr, arrays) {}
 
 bool Request::isSteady() const {
   return settings_.aa.samples == 1 && jitteredViews_.now.front().jitter == shared::vec2(0);

@@ -1,6 +1,7 @@
 #include "render/view.h"
 
 #include <cmath>
+#include <limits>
 
 namespace latelight::render {
 
@@ -17,6 +18,14 @@ void setReversedDepth(shared::Projection& p, float nearClip, float farClip) {
     p.A = static_cast<float>(-1.0 / range);
     p.B = static_cast<float>(double(farClip) / range);
   }
+}
+
+// Of pictures of any size: the angles stay.
+void setPinhole(shared::Projection& p, const scene::Lens& lens) {
+  p.H = static_cast<float>(2 * lens.fx / lens.width);
+  p.V = static_cast<float>(2 * lens.fy / lens.height);
+  p.X = static_cast<float>(2 * lens.cx / lens.width - 1);
+  p.Z = static_cast<float>(1 - 2 * lens.cy / lens.height);
 }
 
 }  // namespace
@@ -36,10 +45,16 @@ shared::View makeView(const scene::Camera& camera, uint32_t width, uint32_t heig
   p.kind = camera.orthographic ? shared::kOrthographic : shared::kPerspective;
   p.V = 1.0f / (camera.orthographic ? camera.yHalf : std::tan(camera.verticalFov * 0.5f));
   p.H = p.V / aspect;
+  p.X = camera.principal.x;
+  p.Z = camera.principal.y;
+  if (camera.lens && !bendsRays(camera)) setPinhole(p, *camera.lens);
   view.jitter = {-2.0f * jitter.x / view.size.x, 2.0f * jitter.y / view.size.y};
-  p.X = camera.principal.x + view.jitter.x;
-  p.Z = camera.principal.y + view.jitter.y;
-  setReversedDepth(p, camera.nearClip, camera.farClip);
+  p.X += view.jitter.x;
+  p.Z += view.jitter.y;
+  if (bendsRays(camera))
+    setReversedDepth(p, scene::kNearClip, std::numeric_limits<float>::infinity());
+  else
+    setReversedDepth(p, camera.nearClip, camera.farClip);
   return view;
 }
 

@@ -6,8 +6,15 @@
 
 namespace latelight::render {
 
+// Whether a camera's lens makes pictures that no plane has, unlike a pinhole's.
+inline bool bendsRays(const scene::Camera& camera) {
+  return camera.lens && camera.lens->model != scene::LensModel::Pinhole;
+}
+
 // A camera's view of `width` by `height` pixels: reversed depth (infinite where the camera has no far plane), square
-// pixels, the camera's vertical extent kept. `jitter`: offset of the sample from the pixel's centre, pixels, y down.
+// pixels, the camera's vertical extent kept; with a pinhole lens as that says. A view through another lens is a pose:
+// its depth, along rays that no projection has (render/lens), has no planes. `jitter`: offset of the sample from the
+// pixel's centre, pixels, y down.
 shared::View makeView(const scene::Camera& camera, uint32_t width, uint32_t height, glm::vec2 jitter = glm::vec2(0));
 
 }  // namespace latelight::render

@@ -39,6 +39,7 @@ void ViewSet::uploadConstants(const Settings& s) {
   frame.views = viewBuffer_.address();
   frame.previousViews = frame.views + views_.now.size() * sizeof(shared::View);
   frame.nextViews = frame.previousViews + views_.now.size() * sizeof(shared::View);
+  frame.rays = views_.lens ? views_.lens->rays.address() : 0;
   frame.viewCount = static_cast<uint32_t>(views_.now.size());
   frame.exposure = exposureFactor(s);
   frame.environmentIntensity = state_.hasEnvironment ? s.environmentIntensity : 0.0f;
@@ -54,6 +55,7 @@ void ViewSet::uploadConstants(const Settings& s) {
 
 const FrameContext& ViewSet::frame(graph::Graph& graph, const FrameSetup& setup) {
   FrameSetup& kept = setups_.emplace_back(setup);
+  kept.lens = views_.lens != nullptr;
   kept.textureSlots = state_.scene.materials().textureSlots();
   const shared::vec2 size = views_.now.front().size;
   return frames_.emplace_back(FrameContext{
@@ -72,6 +74,7 @@ const FrameContext& ViewSet::frame(graph::Graph& graph, const FrameSetup& setup)
       settings_.aoRadius.value_or(kAoRadiusShare * state_.scene.bounds().radius()),
       settings_.aoStrength,
       kept.shadowFormat ? shadows_ : nullptr,
+      views_.lens.get(),
       &state_.overflow,
   });
 }

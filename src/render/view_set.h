@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "render/frame.h"
+#include "render/lens/lens_rays.h"
 #include "render/settings.h"
 #include "render/shadow/frame_shadows.h"
 #include "render/visibility/compute/compute.h"
@@ -30,6 +31,7 @@ struct RenderState {
 // The same number of each: where views are, were in the previous frame and will be in the next, without jitter.
 struct ViewsInTime {
   std::vector<shared::View> now, previous, next;
+  std::shared_ptr<const LensRays> lens;  // that all of them look through; null: they are projections
 };
 
 class ViewSet {

@@ -175,6 +175,12 @@ struct View {
   vec2 jitter;            // NDC: that part of the projection's principal point which moves the samples
 };
 
+// Where a lens looks at one pixel. In a view through one, depth along a ray takes the place of depth along Y.
+struct LensRay {
+  vec3 direction;  // view space, unit; 0: it sees nothing there
+  float depth;     // of the data output `depth`, a metre along the ray
+};
+
 struct FrameConstants {
   uint64_t views;         // View[viewCount]
   uint64_t instances;     // Instance[]
@@ -191,6 +197,7 @@ struct FrameConstants {
   uint64_t nextInstances;
   uint64_t previousViews;  // without jitter
   uint64_t nextViews;
+  uint64_t rays;  // of pictures through a lens, all views' LensRay[height + 2][width], from the row above on; else 0
   uint viewCount;
   uint lightCount;
   uint directionalLights;

@@ -62,6 +62,7 @@ constexpr Layer kLayersOfRender[] = {
     {"render/frame.", 2},
     {"render/lit_maps.", 2},
     {"render/gbuffer/", 2},
+    {"render/lens/", 2},
     {"render/visibility/", 2},
     {"render/lighting/", 2},
     {"render/shadow/", 2},

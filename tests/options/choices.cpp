@@ -132,6 +132,10 @@ void addSceneTexts(Table& t, const Values& models, const std::filesystem::path& 
   t["--up"] = {0.1, {"0,1,0", "1,1,0"}, {"0,1"}};
   t["--orbit"] = {0.15, {"30,20", "-120,-10,4", "0,89"}, {"1", "x,y"}};
   t["--fov"] = {0.2, {"40", "100", "1", "179"}, {"0", "-5", "180", "1e-308", "nan"}};
+  t["--lens"] = {0.1,
+                 {"pinhole:40,50,20,13", "opencv:40,40,24,13,-0.2,0.05,0.001,0.002", "fisheye:12,12,24,13,0.01",
+                  "equirectangular", "equirectangular"},
+                 {"fish", "opencv:1", "fisheye:0,1,2,3", "equirectangular:1", "cubemap:", "pinhole:1,1,nan,1"}};
   t["--frames"] = {0.12, {"0-2", "5", "47-48"}, {"3-1", "x"}};
   t["--frame"] = {0.1, {"0", "7"}, {"-1", "x"}};
   t["--animation"] = {0.15, {"0", "all"}, {"nothing"}};

@@ -60,6 +60,22 @@ TEST(SideFile, DescribesTheCamera) {
   EXPECT_EQ(camera["far"], "inf");
 }
 
+TEST(SideFile, DescribesTheLens) {
+  Metadata m = full();
+  m.camera.lens = scene::Lens{scene::LensModel::Fisheye, 1280, 720, 300, 310, 640, 360, {0.1, 0.2, 0.3, 0.4}};
+  const auto cameraOf = [&] {
+    return Json::parse(sideFile(m, 1280, 720, std::vector{Aov::Depth}, std::vector<std::string>{"a"}))["camera"];
+  };
+  EXPECT_EQ(cameraOf()["model"], "fisheye");
+  EXPECT_EQ(cameraOf()["distortion"], Json({0.1, 0.2, 0.3, 0.4}));
+  EXPECT_EQ(cameraOf()["K"], Json::parse("[[700.0,0.0,640.0],[0.0,700.0,360.0],[0.0,0.0,1.0]]"));
+  m.camera.lens = scene::Lens{.model = scene::LensModel::CubeMap};
+  EXPECT_EQ(cameraOf()["model"], "cubemap");
+  EXPECT_TRUE(cameraOf()["K"].is_null());
+  EXPECT_TRUE(cameraOf()["distortion"].is_null());
+  EXPECT_FALSE(parsed({Aov::Depth}, {"a"})["camera"].contains("distortion"));
+}
+
 TEST(SideFile, DescribesEachAov) {
   const Json aovs = parsed({Aov::Depth, Aov::Normal, Aov::Position}, {"d", "n", "p"})["aovs"];
   ASSERT_EQ(aovs.size(), 3u);

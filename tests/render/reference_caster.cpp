@@ -159,7 +159,14 @@ RTCRayHit embreeRay(dvec3 origin, dvec3 direction, double near, double far) {
 }  // namespace
 
 std::optional<Hit> ReferenceCaster::cast(dvec2 pixel) const {
-  const Ray ray = rayThrough(pixel);
+  return cast(rayThrough(pixel));
+}
+
+std::optional<Hit> ReferenceCaster::castAlong(dvec3 direction) const {
+  return cast(Ray{eye_, axes_ * direction});
+}
+
+std::optional<Hit> ReferenceCaster::cast(const Ray& ray) const {
   RTCRayHit r = embreeRay(ray.origin, ray.direction, camera_.nearClip, camera_.farClip);
   CastContext context{{}, nullptr};
   rtcInitIntersectContext(&context.base);

@@ -37,6 +37,9 @@ class ReferenceCaster {
   // are looked through, and so is what an alpha mask cuts out (by its texture's level 0).
   std::optional<Hit> cast(glm::dvec2 pixel) const;
 
+  // The same along a ray from the eye in view space (X right, Y away, Z up), whose length is the unit of `depth`.
+  std::optional<Hit> castAlong(glm::dvec3 direction) const;
+
   // How many surfaces lie along the ray within this relative distance behind and before `depth`.
   int surfacesNear(glm::dvec2 pixel, double depth, double tolerance) const;
 
@@ -55,6 +58,7 @@ class ReferenceCaster {
     glm::dvec3 origin, direction;  // the direction's component along the view axis is 1
   };
   Ray rayThrough(glm::dvec2 pixel) const;
+  std::optional<Hit> cast(const Ray& ray) const;
   glm::dvec3 project(glm::dvec3 view) const;  // pixel x, y, and depth
   Hit refine(const Ray& ray, uint32_t instance, uint32_t triangle) const;
   void markEdges();

@@ -13,11 +13,11 @@ float fogTransmittanceTo(Fog fog, View view, vec3 position) {
   return fogTransmittance(fogOpticalDepth(fog, view.viewToWorld * vec4(start, 1.0), direction, distance));
 }
 
-// The same where nothing is hit.
-float fogTransmittanceBeyond(Fog fog, View view, vec2 ndc) {
+// The same along a pixel's ray, in view space, that hits nothing.
+float fogTransmittanceBeyond(Fog fog, View view, vec2 ndc, vec3 ray) {
   bool perspective = view.projection.kind == kPerspective;
   vec3 start = perspective ? vec3(0.0) : viewPositionAtDepth(view.projection, ndc, 0.0);
-  vec3 direction = view.viewToWorld * vec4(normalize(viewRay(view.projection, ndc)), 0.0);
+  vec3 direction = view.viewToWorld * vec4(normalize(ray), 0.0);
   return fogTransmittance(fogOpticalDepthToInfinity(fog, view.viewToWorld * vec4(start, 1.0), direction));
 }
 #endif

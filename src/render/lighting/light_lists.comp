@@ -13,6 +13,7 @@
 #include "render/glsl/light_cells.glsl"
 #include "render/glsl/light_tree.glsl"
 #include "render/glsl/multisample.glsl"
+#include "render/glsl/pixel_ray.glsl"
 #include "render/lighting/lighting_push.h"
 #include "shared/light.h"
 
@@ -113,7 +114,7 @@ struct Cell {
 
 // Around the cell's samples in world space. Layouts that store positions store interpolated ones, which differ from
 // those by depth by a few millionths of the distance.
-Cell cellOf(Tile tile, uint slices) {
+Cell cellOf(Tile tile, FrameConstants frame, uint slices) {
   vec3 low = vec3(3.0e38), high = vec3(-3.0e38);
   for (uint first = 0u; first < 256u; first += lanesPresent) {
     uvec2 pixel = tilePixel(tile, first);
@@ -125,7 +126,8 @@ Cell cellOf(Tile tile, uint slices) {
       bool inCell = depth != 0.0 && (slices >> slice & 1u) != 0u;
       Projection p = tile.view.projection;
       vec2 place = vec2(pixel) + middleOfSamples(samples);
-      vec3 v = viewPositionAtDepth(p, pixelToNdc(place, tile.view.size), viewDepth(p, depth));
+      vec3 v = kLens != 0u ? pixelRay(frame, tile.view, place) * viewDepth(p, depth)
+                           : viewPositionAtDepth(p, pixelToNdc(place, tile.view.size), viewDepth(p, depth));
       vec3 position = tile.view.viewToWorld * vec4(v, 1.0);
       float slack = 1e-4 * (abs(v.x) + abs(v.y) + abs(v.z));
       low = inCell ? min(low, position - slack) : low;
@@ -160,6 +162,7 @@ bool betweenSides(float scale, float offset, vec2 bounds, float across, float de
 }
 
 bool reachesTile(Tile tile, vec3 centre, float reach) {
+  if (kLens != 0u) return true;  // its sides are not planes
   Projection p = tile.view.projection;
   vec2 first = pixelToNdc(vec2(tile.corner), tile.view.size);
   vec2 last = pixelToNdc(vec2(tile.corner + kTileSize), tile.view.size);
@@ -171,7 +174,7 @@ bool reachesTile(Tile tile, vec3 centre, float reach) {
 // The tile's slices that a light reaches.
 uint slicesReached(Tile tile, Light l) {
   vec3 centre = tile.view.worldToView * vec4(l.position, 1.0);
-  float depth = centre.y;
+  float depth = kLens != 0u ? length(centre) : centre.y;
   float reach = l.radius + 1e-4 * (l.radius + abs(centre.x) + abs(depth) + abs(centre.z));
   uint a = keyAt(tile.view.projection, depth - reach), b = keyAt(tile.view.projection, depth + reach);
   uint near = min(max(a, b), tile.slices.x), far = min(a, b);
@@ -220,7 +223,7 @@ void listTile(inout Tile tile, FrameConstants frame) {
   while (pending != 0u) {
     uint slice = uint(findLSB(pending));
     pending &= pending - 1u;
-    Cell cell = cellOf(tile, kCellsATile == 1u ? tile.occupied : 1u << slice);
+    Cell cell = cellOf(tile, frame, kCellsATile == 1u ? tile.occupied : 1u << slice);
     uint count = appendList(tile, cell, frame);
     bool fits = count <= kEntriesATile - tile.used;
     cells.v[1u + slice] = uvec2(tile.used, fits ? count : kOverflow);

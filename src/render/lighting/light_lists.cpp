@@ -31,7 +31,7 @@ void addLightLists(const FrameContext& f, const Gbuffer& gbuffer, const LightLis
   samples.sampled(gbuffer.sampleDepth);
   if (gbuffer.surfaces) samples.sampled(gbuffer.surfaces);
   std::vector<vk::Constant> listing = own;
-  listing.push_back({kSamplesConstant, f.setup.samples});
+  listing.insert(listing.end(), {{kSamplesConstant, f.setup.samples}, {kLensConstant, f.setup.lens ? 1u : 0u}});
   addCompute(f,
              {.stage = graph::Stage::Lighting,
               .name = "light lists",

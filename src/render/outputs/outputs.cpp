@@ -138,7 +138,7 @@ void PackedOutputs::add(const Builder& b, Origin origin, const std::function<gra
                 .shader = integers ? "pack_ids.comp" : "pack.comp",
                 .bindings = std::move(bindings),
                 .size = size,
-                .constants = {{kSamplesConstant, samples}},
+                .constants = {{kSamplesConstant, samples}, {kLensConstant, lens_ ? 1u : 0u}},
                 .buffers = {{to.buffer, to.use}}},
                [=](graph::Context& context) {
                  PackPush filled = push;

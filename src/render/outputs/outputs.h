@@ -49,9 +49,10 @@ struct ResultArrays {
 
 class PackedOutputs {
  public:
-  // `yUp`: positions and directions of the world leave in glTF's frame. `arrays`: of Results::Exported, else none.
-  PackedOutputs(const Settings& settings, bool yUp, const ResultArrays& arrays)
-      : settings_(settings), yUp_(yUp), arrays_(arrays) {}
+  // `yUp`: positions and directions of the world leave in glTF's frame. `lens`: FrameSetup::lens. `arrays`: of
+  // Results::Exported, else none.
+  PackedOutputs(const Settings& settings, bool yUp, bool lens, const ResultArrays& arrays)
+      : settings_(settings), yUp_(yUp), lens_(lens), arrays_(arrays) {}
 
   // Adds the passes that pack those of an origin that are asked for. `image`: of a target, by its name in outputs.def.
   // `frame`: FrameConstants of the same views, for Surface. `scale`: of values.
@@ -78,7 +79,7 @@ class PackedOutputs {
   void unpack(const graph::Submission& done, std::span<const graph::BufferId> buffers,
               std::vector<output::FrameOutput>& pictures) const;
   const Settings& settings_;
-  bool yUp_;
+  bool yUp_, lens_;
   ResultArrays arrays_;
   std::vector<Result> results_;
   bool onHost_ = true;

@@ -3,6 +3,7 @@
 // One output of floats, from targets to how it leaves: its channels alone, in its units and axes. Sums are rounded one
 // operation after the other, so that every device has the same values.
 #include "render/glsl/common.glsl"
+#include "render/glsl/pixel_ray.glsl"
 #include "render/outputs/pack_push.h"
 
 layout(local_size_x = 16, local_size_y = 16) in;
@@ -23,6 +24,10 @@ float metres(float device, ivec3 pixel) {
   if (device == 0.0) return uintBitsToFloat(0x7f800000u);
   View view = viewOf(pixel);
   precise float depth = viewDepth(view.projection, device);
+  if (kLens != 0u) {
+    if (push.packing == kPackDepth) depth *= lensRay(FrameRef(push.frame).v, view, pixel.xy).depth;
+    return depth;
+  }
   vec2 ndc = pixelToNdc(vec2(pixel.xy) + 0.5, view.size);
   if (push.packing == kPackDistance) depth *= lengthOf(viewRay(view.projection, ndc));
   return depth;

@@ -2,6 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 // The environment where nothing is drawn, or where a pixel is partly covered.
 #include "render/glsl/common.glsl"
+#include "render/glsl/pixel_ray.glsl"
 #include "render/post/background_push.h"
 #include "shared/environment.h"
 
@@ -18,7 +19,8 @@ void main() {
   if (any(greaterThanEqual(vec2(pixel.xy), view.size))) return;
   vec4 drawn = imageLoad(lightTarget, pixel);
   if (drawn.a == 1.0) return;
-  vec3 ray = viewRay(view.projection, pixelToNdc(vec2(pixel.xy) + 0.5, view.size));
+  vec3 ray = pixelRay(frame, view, vec2(pixel.xy) + 0.5);
+  if (ray == vec3(0.0)) return;
   vec3 direction = normalize(view.viewToWorld * vec4(ray, 0.0));
   vec2 uv = equirectangular(rotateToEnvironment(direction, frame.environmentCos, frame.environmentSin));
   vec3 radiance = textureLod(environmentPicture, uv, 0.0).rgb * frame.environmentIntensity;

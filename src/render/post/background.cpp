@@ -12,7 +12,8 @@ void addBackground(const FrameContext& f, const Gbuffer& gbuffer) {
        .shader = "background.comp",
        .bindings =
            Bindings(f.device).storage(gbuffer.light, graph::Use::StorageReadWrite).outside(f.environment.radiance()),
-       .size = f.pixels()},
+       .size = f.pixels(),
+       .constants = f.setup.constants()},
       shared::BackgroundPush{f.constants});
 }
 

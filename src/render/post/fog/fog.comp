@@ -3,6 +3,7 @@
 // The lit picture through fog. Where nothing is drawn it is covered by fog to infinity.
 #include "render/glsl/common.glsl"
 #include "render/glsl/fog.glsl"
+#include "render/glsl/pixel_ray.glsl"
 #include "render/post/fog/fog_push.h"
 
 layout(local_size_x = 16, local_size_y = 16) in;
@@ -18,9 +19,11 @@ void main() {
   if (any(greaterThanEqual(vec2(pixel.xy), view.size))) return;
   vec2 ndc = pixelToNdc(vec2(pixel.xy) + 0.5, view.size);
   float depth = texelFetch(gbufferDepth, pixel, 0).r;
-  float transmittance =
-      depth == 0.0 ? fogTransmittanceBeyond(frame.fog, view, ndc)
-                   : fogTransmittanceTo(frame.fog, view,
-                                        viewPositionAtDepth(view.projection, ndc, viewDepth(view.projection, depth)));
+  vec3 ray = pixelRay(frame, view, vec2(pixel.xy) + 0.5);
+  if (ray == vec3(0.0)) return;
+  float away = viewDepth(view.projection, depth);
+  vec3 seen = kLens != 0u ? ray * away : viewPositionAtDepth(view.projection, ndc, away);
+  float transmittance = depth == 0.0 ? fogTransmittanceBeyond(frame.fog, view, ndc, ray)
+                                     : fogTransmittanceTo(frame.fog, view, seen);
   imageStore(lightTarget, pixel, seenThroughFog(frame.fog, imageLoad(lightTarget, pixel), transmittance));
 }

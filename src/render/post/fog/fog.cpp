@@ -12,6 +12,7 @@ void addFog(const FrameContext& f, const Gbuffer& gbuffer) {
        .shader = "fog.comp",
        .bindings = Bindings(f.device).sampled(gbuffer.depth).storage(gbuffer.light, graph::Use::StorageReadWrite),
        .size = f.pixels(),
+       .constants = f.setup.constants(),
        .everyTexel = true},
       shared::FogPush{f.constants});
 }

@@ -1,8 +1,6 @@
 // What a blended triangle covers and no solid surface hides becomes a fragment, which is lit later (light_fragments.comp).
 // After raster.glsl.
-#include "render/transparency/fragment_lists.glsl"
-
-layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer ListsRef { FragmentLists v; };
+#include "render/visibility/compute/blended_fragment.glsl"
 
 // The samples where no solid surface is nearer. At exactly the same depth it shows, as a decal does.
 uint seenSamples(uint first, uint samples, PixelDepth depth) {
@@ -20,10 +18,5 @@ void hit(uint view, ivec2 pixel, uint samples, PixelDepth depth, uint id) {
   uint seen = seenSamples(visibleAt(view, pixel), samples, depth);
   if (seen == 0u) return;
   float middle = kSamples == 1u ? depthAt(depth, 0u) : depthAt(depth, middleOfSamples(seen));
-  uint place = pixelIndex(uvec3(pixel, view), uvec2(push.width, push.height));
-  FragmentLists lists = ListsRef(push.fragments).v;
-  uint rank = atomicAdd(WordsRef(lists.counts).v[place], 1u);
-  uint index = atomicAdd(TotalsRef(lists.totals).v.stored, 1u);
-  if (index < lists.capacity)
-    FragmentsRef(lists.fragments).v[index] = Fragment(uvec2(0u), floatBitsToUint(middle), id, place, rank, seen);
+  storeFragment(pixelIndex(uvec3(pixel, view), uvec2(push.width, push.height)), middle, id, seen);
 }

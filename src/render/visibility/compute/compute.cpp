@@ -7,6 +7,8 @@
 #include "base/error.h"
 #include "render/gbuffer/layout.h"
 #include "render/gbuffer/sample_surfaces.h"
+#include "render/lens/lens_push.h"
+#include "render/lens/lens_rays.h"
 #include "render/lit_maps.h"
 #include "render/readback.h"
 #include "render/shadow/frame_shadows.h"
@@ -18,6 +20,9 @@ namespace latelight::render {
 namespace {
 
 using namespace shared;  // kRaster*, kQueue*
+
+// Of raster.glsl and lens_rays.glsl, whose shaders have others of their own.
+constexpr uint32_t kCutsOutConstant = kFirstOwnConstant + 2, kTouchedConstant = kFirstOwnConstant + 3;
 
 // What the queues may hold, as far as earlier frames have found out.
 struct Room {
@@ -44,6 +49,12 @@ bool overflowedRaster(const FrameContext& f, const Room& room, const RasterCount
   any |= grow(f.overflow->largeTriangles, room.large, counters.large);
   any |= grow(f.overflow->tileEntries, room.entries, counters.entries);
   return any;
+}
+
+// Of what is seen.
+uint64_t pixelsOf(const FrameContext& f, const RasterViews& v) {
+  if (v.lens) return uint64_t{f.width} * f.height * f.viewCount();
+  return uint64_t{v.width} * v.height * v.count;
 }
 
 uint32_t tilesOf(const RasterViews& v) {
@@ -80,7 +91,7 @@ struct ComputeVisibility::Buffers {
     };
     const uint32_t tileCount = tilesOf(views);
     jobRoom = tileCount + room.entries / kRasterJobTriangles;
-    if (!visible) visible = make("visible", uint64_t{8} * views.width * views.height * views.count * views.samples);
+    if (!visible) visible = make("visible", uint64_t{8} * pixelsOf(f, views) * views.samples);
     // Rounded up, so that a scene that is edited does not ask for another size with every instance.
     work = make("raster work", sizeof(RasterWork) * std::bit_ceil(share.parts) * views.count);
     clipped = make("clipped triangles", sizeof(ClippedTriangle) * room.clipped);
@@ -118,10 +129,20 @@ ComputePass rasterStep(const FrameContext& f, graph::Stage stage, std::string sh
 // Shaders that look up materials' textures.
 void readsTextures(const FrameContext& f, ComputePass& pass) {
   pass.shader = materialVariant(f.device, pass.shader);
-  pass.constants = f.setup.constants();
+  const std::vector<vk::Constant> setup = f.setup.constants();
+  pass.constants.insert(pass.constants.end(), setup.begin(), setup.end());
   if (f.device.maxTextureArray() == 0) return;
   pass.sceneSet = f.scene.materials().textureSet();
   pass.sceneBindings = textureBindings(f.device);
+}
+
+// A camera's pinhole view, from that of one at the origin.
+View posed(const View& pinhole, const View& camera) {
+  View view = pinhole;
+  for (int i = 0; i < 4; ++i) view.worldToView[i] = glm::mat3(pinhole.worldToView) * camera.worldToView[i];
+  for (int i = 0; i < 3; ++i) view.viewToWorld[i] = glm::mat3(camera.viewToWorld) * pinhole.viewToWorld[i];
+  view.viewToWorld[3] = view.eye = camera.eye;
+  return view;
 }
 
 }  // namespace
@@ -168,6 +189,7 @@ void ComputeVisibility::addRaster(const FrameContext& f, const RasterViews& view
   const auto step = [&](const char* shader) {
     ComputePass pass = rasterStep(f, chain.stage, shader, b.accesses());
     if (blended) pass.buffers.emplace_back(chain.lists, graph::Use::StorageRead);
+    pass.constants = {{kTouchedConstant, views.lens ? 1u : 0u}};
     for (const graph::BufferId buffer : chain.filled) pass.buffers.emplace_back(buffer, graph::Use::StorageReadWrite);
     return pass;
   };
@@ -175,7 +197,7 @@ void ComputeVisibility::addRaster(const FrameContext& f, const RasterViews& view
   const auto over = [&](const char* shader, glm::uvec3 groups, std::vector<vk::Constant> constants = {}) {
     ComputePass pass = step(shader);
     pass.size = groups;
-    pass.constants = std::move(constants);
+    pass.constants.insert(pass.constants.end(), constants.begin(), constants.end());
     addCompute(f, std::move(pass), push);
   };
   const auto overQueue = [&](const char* shader, uint32_t which, uint32_t room, bool textures = false) {
@@ -187,7 +209,7 @@ void ComputeVisibility::addRaster(const FrameContext& f, const RasterViews& view
     });
     ComputePass pass = step(shader);
     if (textures) readsTextures(f, pass);
-    pass.constants.push_back(samples);
+    pass.constants.insert(pass.constants.end(), {samples, {kCutsOutConstant, chain.wanted & kRankCutOut}});
     pass.groups = b.counters;
     pass.groupsOffset = offsetof(RasterCounters, groups);
     addCompute(f, std::move(pass), push);
@@ -223,21 +245,57 @@ void ComputeVisibility::addResolve(const FrameContext& f, ComputePass pass) cons
   });
 }
 
+// What a frame's views show is found in them, or through a lens in pinhole views that see along all of its rays.
+RasterViews ComputeVisibility::viewsOf(const FrameContext& f) const {
+  if (f.lens) return pinholeViews(f);
+  return {f.constants, f.width, f.height, f.viewCount(), f.setup.samples};
+}
+
+RasterViews ComputeVisibility::pinholeViews(const FrameContext& f) const {
+  std::vector<View> views;
+  for (const View& camera : f.views)
+    for (const View& pinhole : f.lens->views) views.push_back(posed(pinhole, camera));
+  const LensTarget target{.frame = f.constants,
+                          .starts = f.lens->starts.address(),
+                          .pixels = f.lens->pixels.address(),
+                          .views = static_cast<uint32_t>(f.lens->views.size()),
+                          .width = f.width};
+  RasterViews pinholes = viewsBeside(f, views);
+  pinholes.lens = true;
+  pinholes.within = f.graph.constants(std::as_bytes(std::span(&target, 1)));
+  return pinholes;
+}
+
+RasterViews ComputeVisibility::viewsBeside(const FrameContext& f, const std::vector<shared::View>& views) const {
+  shared::FrameConstants frame{};
+  scene_.describe(frame);
+  frame.views = frame.previousViews = frame.nextViews = f.graph.constants(std::as_bytes(std::span(views)));
+  frame.viewCount = static_cast<uint32_t>(views.size());
+  return {.constants = f.graph.constants(std::as_bytes(std::span(&frame, 1))),
+          .width = static_cast<uint32_t>(views.front().size.x),
+          .height = static_cast<uint32_t>(views.front().size.y),
+          .count = frame.viewCount};
+}
+
 // What these views show, as a buffer of the graph.
 graph::BufferId ComputeVisibility::addVisible(const FrameContext& f, const RasterViews& views) const {
   const Buffers b(f, views, share_);
   addClear(f, graph::Stage::Visibility, "raster clear", {b.visible});
-  if (share_.ranks > share_.cutOut)
-    addRaster(f, views, b, {graph::Stage::Visibility, "raster.comp", "raster_large.comp", 0, kRankCutOut});
-  if (share_.cutOut > 0)
-    addRaster(
-        f, views, b,
-        {graph::Stage::Visibility, "raster_cut_out.comp", "raster_large_cut_out.comp", kRankCutOut, kRankCutOut, true});
+  Chain whole{graph::Stage::Visibility, "raster.comp", "raster_large.comp", 0, kRankCutOut};
+  Chain cut{
+      graph::Stage::Visibility, "raster_cut_out.comp", "raster_large_cut_out.comp", kRankCutOut, kRankCutOut, true};
+  if (views.lens) {
+    whole.small = cut.small = "raster_lens.comp";
+    whole.large = cut.large = "raster_large_lens.comp";
+    whole.textures = true;  // one shader for both
+  }
+  if (share_.ranks > share_.cutOut) addRaster(f, views, b, whole);
+  if (share_.cutOut > 0) addRaster(f, views, b, cut);
   return b.visible;
 }
 
 FrameDepth ComputeVisibility::addDepth(const FrameContext& f) const {
-  visible_ = addVisible(f, {f.constants, f.width, f.height, f.viewCount(), f.setup.samples});
+  visible_ = addVisible(f, viewsOf(f));
   const graph::ImageId depth = createTarget(f, VK_FORMAT_R32_SFLOAT, "depth");
   addResolve(f, {.stage = graph::Stage::Visibility,
                  .name = "depth",
@@ -381,11 +439,6 @@ ShadowTarget targetOf(const FrameShadows::Map& map) {
   return {map.tile.x, map.tile.y, map.tile.layer, p.A, p.B, map.view->unit, far};
 }
 
-template <typename T>
-VkDeviceAddress constantsOf(graph::Graph& graph, const std::vector<T>& values) {
-  return graph.constants(std::as_bytes(std::span(values)));
-}
-
 }  // namespace
 
 // Maps of one size at once, into `atlas`, of which they overwrite their tiles.
@@ -402,24 +455,22 @@ void ComputeVisibility::addShadowMapsOf(const FrameContext& f, uint32_t size, gr
     within.emplace_back(sphere.centre, std::min(sphere.radius, kEverywhere));
     targets.push_back(targetOf(map));
   }
-  shared::FrameConstants frame{};
-  scene_.describe(frame);
-  frame.views = frame.previousViews = frame.nextViews = constantsOf(f.graph, views);
-  frame.viewCount = static_cast<uint32_t>(views.size());
-  const VkDeviceAddress constants = constantsOf(f.graph, std::vector{frame});
-  const VkDeviceAddress places = constantsOf(f.graph, targets);
-  const graph::BufferId visible =
-      addVisible(f, {constants, size, size, frame.viewCount, 1, constantsOf(f.graph, within), true});
+  RasterViews maps = viewsBeside(f, views);
+  maps.within = f.graph.constants(std::as_bytes(std::span(within)));
+  maps.bothSides = true;
+  const VkDeviceAddress places = f.graph.constants(std::as_bytes(std::span(targets)));
+  const graph::BufferId visible = addVisible(f, maps);
   addCompute(f,
              {.stage = graph::Stage::Shadows,
               .name = "shadow maps",
               .shader = "shadow_store.comp",
               .bindings = Bindings(f.device).storage(atlas, use),
-              .size = {size, size, frame.viewCount},
+              .size = {size, size, maps.count},
               .constants = f.setup.constants(),
               .buffers = {{visible, graph::Use::StorageRead}}},
              [=, this](graph::Context& context) {
-               return ShadowStorePush{constants, ranks_.address(), context.buffer(visible).address(), places, size, 0};
+               return ShadowStorePush{
+                   maps.constants, ranks_.address(), context.buffer(visible).address(), places, size, 0};
              });
 }
 
@@ -434,7 +485,7 @@ void ComputeVisibility::addShadowMaps(const FrameContext& f, graph::ImageId atla
 
 void ComputeVisibility::addFragments(const FrameContext& f, const Gbuffer& gbuffer,
                                      const FragmentBuffers& buffers) const {
-  const RasterViews views{f.constants, f.width, f.height, f.viewCount(), f.setup.samples};
+  const RasterViews views = viewsOf(f);
   const graph::BufferId lists = f.graph.create(vk::BufferDesc{.size = sizeof(FragmentLists), .name = "fragment lists"});
   const std::vector<graph::BufferId> filled{buffers.fragments, buffers.counts, buffers.totals};
   std::vector<graph::Access> accesses{{lists, graph::Use::CopyTarget},
@@ -445,9 +496,20 @@ void ComputeVisibility::addFragments(const FrameContext& f, const Gbuffer& gbuff
     const FragmentLists value = listsOf(context, buffers);
     vkCmdUpdateBuffer(context.get(), context.buffer(lists).get(), 0, sizeof(value), &value);
   });
-  addRaster(f, views, Buffers(f, views, ranks_.all(), visible_),
-            {graph::Stage::Transparency, "raster_blended.comp", "raster_large_blended.comp", kRankBlended, kRankBlended,
-             false, lists, filled});
+  Chain chain{graph::Stage::Transparency,
+              "raster_blended.comp",
+              "raster_large_blended.comp",
+              kRankBlended,
+              kRankBlended,
+              false,
+              lists,
+              filled};
+  if (views.lens) {
+    chain.small = "raster_lens_blended.comp";
+    chain.large = "raster_large_lens_blended.comp";
+    chain.textures = true;
+  }
+  addRaster(f, views, Buffers(f, views, ranks_.all(), visible_), chain);
 }
 
 void ComputeVisibility::lightFragments(const FrameContext& f, const Gbuffer& gbuffer,

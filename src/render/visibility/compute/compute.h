@@ -13,6 +13,7 @@ struct RasterViews {
   VkDeviceAddress constants;  // shared::FrameConstants
   uint32_t width, height, count;
   uint32_t samples = 1;        // a pixel
+  bool lens = false;           // they find the rays of a picture through a lens, which `within` describes
   VkDeviceAddress within = 0;  // RasterPush::within
   bool bothSides = false;
 };
@@ -47,6 +48,10 @@ class ComputeVisibility final : public Visibility {
   struct Chain;
   void addRaster(const FrameContext& f, const RasterViews& views, const Buffers& buffers, const Chain& chain) const;
   graph::BufferId addVisible(const FrameContext& f, const RasterViews& views) const;
+  RasterViews viewsOf(const FrameContext& f) const;
+  RasterViews pinholeViews(const FrameContext& f) const;
+  // Views of one size that are not the frame's.
+  RasterViews viewsBeside(const FrameContext& f, const std::vector<shared::View>& views) const;
   void addShadowMapsOf(const FrameContext& f, uint32_t size, graph::ImageId atlas, graph::Use use) const;
   void addResolve(const FrameContext& f, ComputePass pass) const;
   void addSurfaces(const FrameContext& f, Gbuffer& gbuffer) const;

@@ -137,6 +137,12 @@ float withinRange(float least, float most, float depth) { return clamp(depth >= 
 const int kPlaceStep = kSubpixels / int(kSamples);  // from one column or row of samples to the next
 const int kFirstPlace = kPlaceStep / 2;             // and before the first
 
+// 1: a triangle takes every pixel that it touches, from either side; what it does there is up to hit().
+layout(constant_id = 19) const uint kTouched = 0u;
+// Subpixels beyond its edges: half a pixel, and room for snapping.
+const int kReach = kTouched != 0u ? kSubpixels / 2 + 2 : 0;
+int reachOf(ivec2 way) { return kTouched != 0u ? (abs(way.x) + abs(way.y)) * kReach + 1 : 0; }
+
 // The samples of a pixel on whose inner side three edges have them: `at` are the weights at its first place, and 0 is
 // inside; `right` and `down` are what they grow by from place to place.
 uint coveredSamples(ivec3 at, ivec3 right, ivec3 down) {
@@ -170,7 +176,7 @@ struct PixelBox {
 };
 PixelBox pixelsOf(Triangle t) {
   ivec2 low = min(t.a, min(t.b, t.c)), high = max(t.a, max(t.b, t.c));
-  return PixelBox((low + kFirstPlace - 1) >> 8, (high - kFirstPlace) >> 8);
+  return PixelBox((low + kFirstPlace - 1 - kReach) >> 8, (high - kFirstPlace + kReach) >> 8);
 }
 PixelBox onScreen(PixelBox box) {
   return PixelBox(max(box.low, ivec2(0)), min(box.high, ivec2(push.width, push.height) - 1));
@@ -212,10 +218,10 @@ bool orient(inout Triangle t, RankedInstance r) {
   bool doubleSided = (r.flags & kRankDoubleSided) != 0u || push.bothSides != 0u;
   bool mirrored = (r.flags & kRankMirrored) != 0u;
   int64_t area = int64_t(t.b.x - t.a.x) * int64_t(t.c.y - t.a.y) - int64_t(t.b.y - t.a.y) * int64_t(t.c.x - t.a.x);
-  if (area == 0) return false;
+  if (area == 0 && kTouched == 0u) return false;
   // Front faces are counter-clockwise as seen, unless the instance is mirrored.
   bool front = (area < 0) != mirrored;
-  if (!front && !doubleSided) return false;
+  if (!front && !doubleSided && kTouched == 0u) return false;
   if (area < 0) {
     ivec2 b = t.b;
     t.b = t.c;

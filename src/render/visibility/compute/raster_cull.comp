@@ -51,7 +51,7 @@ bool partShows(View view, uint viewIndex, RankedInstance r, uint part) {
     radius = c.radius * r.stretch;
   }
   if (!mayShow(view, centre, radius)) return false;
-  if (push.within == uint64_t(0)) return true;
+  if (push.within == uint64_t(0) || kTouched != 0u) return true;
   vec4 within = SphereRef(push.within).v[viewIndex];
   vec3 way = centre - within.xyz;
   float reach = radius + within.w;

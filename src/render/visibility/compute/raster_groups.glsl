@@ -20,6 +20,7 @@ Edges edgesAt(Triangle t, ivec2 pixel) {
   e.right = ivec3(-u.y, -v.y, -w.y) * kSubpixels;
   e.down = ivec3(u.x, v.x, w.x) * kSubpixels;
   e.at += ivec3(ownsEdge(u) ? 0 : -1, ownsEdge(v) ? 0 : -1, ownsEdge(w) ? 0 : -1);
+  e.at += ivec3(reachOf(u), reachOf(v), reachOf(w));
   return e;
 }
 

@@ -92,7 +92,8 @@ struct RasterBuffers {  // addresses
 
 struct RasterPush {
   RasterBuffers buffers;
-  uint64_t within;     // vec4[views]: spheres that hold all that matters to a view, centre and radius; 0: none
+  uint64_t within;     // vec4[views]: spheres that hold all that matters to a view, centre and radius; 0: none. Of a lens
+                       // LensTarget
   uint64_t fragments;  // FragmentLists, of what is blended
   uint parts, views;                       // parts: of all instances that are asked for
   uint width, height;                      // pixels of a view

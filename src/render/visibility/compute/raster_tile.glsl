@@ -24,7 +24,7 @@ struct Edge {        // weight of a corner
 Edge edgeAt(ivec2 from, ivec2 to, ivec2 pixel) {
   ivec2 way = to - from, p = pixel * kSubpixels + kFirstPlace - from;
   int64_t at = int64_t(way.x) * int64_t(p.y) - int64_t(way.y) * int64_t(p.x);
-  return Edge(at - (ownsEdge(way) ? 0 : 1), -way.y, way.x);
+  return Edge(at - (ownsEdge(way) ? 0 : 1) + reachOf(way), -way.y, way.x);
 }
 
 // Over `side` by `side` pixels from where the edge is: the largest weight of a sample.

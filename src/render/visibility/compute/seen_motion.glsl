@@ -16,7 +16,7 @@ vec4 seenMotion(FrameConstants frame, View view, uint viewIndex, SeenTriangle t,
   vec3 corners[3], clipNow = vec3(0.0), clipBefore = vec3(0.0), clipAfter = vec3(0.0);
   for (int i = 0; i < 3; ++i)
     corners[i] = view.worldToView * vec4(now * vec4(PositionRef(mesh.positions).v[t.indices[i]], 1.0), 1.0);
-  Weights w = weightsAt(view, corners[0], corners[1], corners[2], pixel);
+  Weights w = weightsAt(frame, view, corners[0], corners[1], corners[2], pixel);
   for (int i = 0; i < 3; ++i) {
     clipNow += w.at[i] * clipOf(view, now, mesh.positions, t.indices[i]);
     clipBefore += w.at[i] * clipOf(viewBefore, before, mesh.previousPositions, t.indices[i]);

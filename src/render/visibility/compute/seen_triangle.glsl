@@ -3,6 +3,7 @@
 // derivatives of that, so that textures need no neighbours.
 #ifndef LATELIGHT_SEEN_TRIANGLE_GLSL
 #define LATELIGHT_SEEN_TRIANGLE_GLSL
+#include "render/glsl/pixel_ray.glsl"
 #include "render/visibility/compute/raster_push.h"
 
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer RankRef { RankedInstance v[]; };
@@ -28,6 +29,15 @@ SeenTriangle seenTriangle(FrameConstants frame, uint64_t instances, uint id) {
   return t;
 }
 
+// In view space.
+vec3[3] cornersOf(FrameConstants frame, View view, SeenTriangle t) {
+  mat4x3 toWorld = frameInstance(frame, t.rank.instance).objectToWorld;
+  PositionRef positions = PositionRef(frameMesh(frame, t.rank.mesh).positions);
+  vec3 corners[3];
+  for (int i = 0; i < 3; ++i) corners[i] = view.worldToView * vec4(toWorld * vec4(positions.v[t.indices[i]], 1.0), 1.0);
+  return corners;
+}
+
 // --- where on it ----------------------------------------------------------------------------------------------------
 
 struct Weights {  // of the three corners, and what they grow by a pixel to the right and down
@@ -35,13 +45,17 @@ struct Weights {  // of the three corners, and what they grow by a pixel to the 
 };
 
 // Corners in view space.
-Weights weightsAt(View view, vec3 a, vec3 b, vec3 c, vec2 pixel) {
+Weights weightsAt(FrameConstants frame, View view, vec3 a, vec3 b, vec3 c, vec2 pixel) {
   vec2 ndc = pixelToNdc(pixel, view.size);
   vec2 step = vec2(2.0, -2.0) / view.size;
   vec3 toB = b - a, toC = c - a;
-  vec3 ray = viewRay(view.projection, ndc);
+  vec3 ray = pixelRay(frame, view, pixel);
   // Of the ray's direction, or where it is orthographic, of its origin.
   vec3 rightward = vec3(step.x / view.projection.H, 0.0, 0.0), downward = vec3(0.0, 0.0, step.y / view.projection.V);
+  if (kLens != 0u) {
+    rightward = lensStep(frame, view, ivec2(pixel), ivec2(1, 0));
+    downward = lensStep(frame, view, ivec2(pixel), ivec2(0, 1));
+  }
   vec2 uv, uvRight, uvDown;
   if (view.projection.kind == kPerspective) {
     vec3 t = -a, normal = cross(toC, toB);

@@ -26,7 +26,7 @@ SurfacePoint seenPoint(FrameConstants frame, View view, SeenTriangle t, vec2 pix
     attributes[i] = AttributesRef(mesh.attributes).v[t.indices[i]];
     extras[i] = extraOf(mesh, instance, attributes[i], t.indices[i]);
   }
-  Weights w = weightsAt(view, view.worldToView * vec4(world[0], 1.0), view.worldToView * vec4(world[1], 1.0),
+  Weights w = weightsAt(frame, view, view.worldToView * vec4(world[0], 1.0), view.worldToView * vec4(world[1], 1.0),
                         view.worldToView * vec4(world[2], 1.0), pixel);
   VertexDirections directions = vertexDirections(instance);
   SurfacePoint p;

@@ -14,12 +14,8 @@ float planeDepth(uint id, uint viewIndex, vec2 place) {
   FrameConstants frame = FrameRef(push.frame).v;
   View view = frameView(frame, viewIndex);
   SeenTriangle t = seenTriangle(frame, push.instances, id);
-  Instance instance = frameInstance(frame, t.rank.instance);
-  PositionRef positions = PositionRef(frameMesh(frame, instance.mesh).positions);
-  vec3 corners[3];
-  for (int i = 0; i < 3; ++i)
-    corners[i] = view.worldToView * vec4(instance.objectToWorld * vec4(positions.v[t.indices[i]], 1.0), 1.0);
-  vec3 weights = weightsAt(view, corners[0], corners[1], corners[2], place).at;
+  vec3 corners[3] = cornersOf(frame, view, t);
+  vec3 weights = weightsAt(frame, view, corners[0], corners[1], corners[2], place).at;
   return deviceDepth(view.projection, dot(weights, vec3(corners[0].y, corners[1].y, corners[2].y)));
 }
 

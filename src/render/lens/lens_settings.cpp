@@ -1,0 +1,29 @@
+#include "render/lens/lens_settings.h"
+
+#include "base/error.h"
+#include "render/gbuffer/layout.h"
+#include "render/lighting/technique.h"
+#include "render/outputs/outputs.h"
+
+namespace latelight::render {
+
+Settings lensSettings(const Settings& settings) {
+  const auto needsPinhole = [](const char* what) {
+    badUsage("{} takes a pinhole or orthographic camera, and this one's lens bends rays", what);
+  };
+  if (asksFor(settings, Origin::Motion)) needsPinhole("the output motion");
+  if (asksFor(settings, Origin::Raster)) needsPinhole("an output named raster");
+  if (showsPicture(settings) || asksFor(settings, Origin::LightCounts)) {
+    if (settings.lighting->draws)
+      badUsage("{} lighting takes a pinhole or orthographic camera: choose clustered, tiled or fullscreen",
+               settings.lighting->name);
+    if (settings.aa.samples > 1 || settings.aa.temporal) needsPinhole("--aa msaaN or taa");
+    if (settings.ambientOcclusion != AmbientOcclusion::None) needsPinhole("--ao");
+  }
+  Settings changed = settings;
+  changed.raster = Raster::Compute;
+  changed.layout = &findLayout("exact");
+  return changed;
+}
+
+}  // namespace latelight::render

@@ -1,0 +1,10 @@
+// What a blended triangle shows along a ray becomes a fragment where no solid surface hides it. After raster.glsl and
+// surface_point.glsl.
+#include "render/visibility/compute/blended_fragment.glsl"
+#include "render/visibility/compute/lens_rays.glsl"
+
+void meets(FrameConstants frame, uint view, ivec2 pixel, float depth, uint id) {
+  uvec2 size = uvec2(frameView(frame, view).size);
+  uint place = pixelIndex(uvec3(pixel, view), size);
+  if (visibleDepth(VisibleRef(push.buffers.visible).v[place]) <= depth) storeFragment(place, depth, id, 1u);
+}

@@ -1,0 +1,75 @@
+// The rays of a picture through a lens that lie in a pixel of a pinhole view, against a triangle that touches the pixel.
+// After raster.glsl and surface_point.glsl.
+#include "render/lens/lens_push.h"
+
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer LensTargetRef { LensTarget v; };
+layout(constant_id = 18) const uint kCutsOut = 0u;  // alpha takes parts of the triangles away
+
+// Two vectors across a ray, so that the three are right-handed.
+struct Across {
+  vec3 right, up;
+};
+Across across(vec3 ray) {
+  vec3 other = abs(ray.z) < 0.9 ? vec3(0.0, 0.0, 1.0) : vec3(1.0, 0.0, 0.0);
+  precise vec3 right = normalize(cross(other, ray));
+  precise vec3 up = cross(ray, right);
+  return Across(right, up);
+}
+
+float crossed(vec2 a, vec2 b) {
+  precise float area = a.x * b.y - a.y * b.x;
+  return area;
+}
+
+// Metres along a ray to where it meets a triangle whose corners are in view space; 0: it misses. The corners' places
+// around the ray are the same for all triangles that share them, and so are the areas of a shared edge but for their
+// sign: nothing falls between two triangles (Woop, Benthin and Wald 2013, Watertight Ray/Triangle Intersection, JCGT
+// 2(1)).
+float meet(vec3 corners[3], vec3 ray, uint flags) {
+  Across beside = across(ray);
+  vec2 at[3];
+  vec3 along;
+  for (int i = 0; i < 3; ++i) {
+    precise vec2 place = vec2(dot(beside.right, corners[i]), dot(beside.up, corners[i]));
+    at[i] = place;
+    along[i] = dot(ray, corners[i]);
+  }
+  vec3 areas = vec3(crossed(at[1], at[2]), crossed(at[2], at[0]), crossed(at[0], at[1]));
+  bool inside = all(greaterThanEqual(areas, vec3(0.0))) || all(lessThanEqual(areas, vec3(0.0)));
+  float area = areas.x + areas.y + areas.z;
+  // Counter-clockwise as seen is a front face, unless the instance is mirrored.
+  bool front = (area < 0.0) != ((flags & kRankMirrored) != 0u);
+  if (!inside || area == 0.0 || !(front || (flags & kRankDoubleSided) != 0u)) return 0.0;
+  float distance = dot(areas, along) / area;
+  return distance > 0.0 && distance < 3.0e38 ? distance : 0.0;
+}
+
+// What a ray of the picture meets: defined by what includes this. `view`: of the picture; `depth`: of its device.
+void meets(FrameConstants frame, uint view, ivec2 pixel, float depth, uint id);
+
+bool isCutOut(FrameConstants frame, View view, SeenTriangle t, ivec2 pixel) {
+  if (kCutsOut == 0u) return false;
+#ifndef TEXTURES_BY_INDEX
+  textureRecords = frame.textures;
+#endif
+  SurfacePoint p = seenPoint(frame, view, t, vec2(pixel) + 0.5);
+  return cutOut(frameMaterial(frame, frameInstance(frame, t.rank.instance).material), p);
+}
+
+void hit(uint view, ivec2 pixel, uint samples, PixelDepth depth, uint id) {
+  LensTarget target = LensTargetRef(push.within).v;
+  uint place = pixelIndex(uvec3(pixel, view % target.views), uvec2(push.width, push.height));
+  uint next = UintRef(target.starts).v[place], end = UintRef(target.starts).v[place + 1u];
+  if (next == end) return;
+  FrameConstants frame = FrameRef(target.frame).v;
+  View camera = frameView(frame, view / target.views);
+  SeenTriangle t = seenTriangle(frame, push.buffers.instances, id);
+  vec3 corners[3] = cornersOf(frame, camera, t);
+  for (; next < end; ++next) {
+    uint ray = UintRef(target.pixels).v[next];
+    ivec2 at = ivec2(ray % target.width, ray / target.width);
+    float distance = meet(corners, lensRay(frame, camera, at).direction, t.rank.flags);
+    if (distance != 0.0 && !isCutOut(frame, camera, t, at))
+      meets(frame, view / target.views, at, deviceDepth(camera.projection, distance), id);
+  }
+}

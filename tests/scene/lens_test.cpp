@@ -1,0 +1,181 @@
+// Lenses against OpenCV's own formulas, written out once more, and against closed forms.
+#include "scene/lens.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/glm.hpp>
+#include <random>
+
+#include "base/error.h"
+
+namespace latelight::scene {
+namespace {
+
+using glm::dvec2;
+using glm::dvec3;
+
+constexpr double kPi = 3.14159265358979323846;
+
+Lens lensOf(LensModel model, std::array<double, 8> distortion = {}) {
+  return {model, 640, 480, 400, 410, 330, 235, distortion};
+}
+
+const std::array<double, 8> kBarrel{-0.28, 0.07, 1.2e-3, -8e-4, -0.005};
+const std::array<double, 8> kPincushion{0.15, 0.05, -5e-4, 3e-4, 0.01};
+const std::array<double, 8> kRational{0.9, 0.1, 1e-4, 2e-4, 0.01, 1.2, 0.25, 0.02};
+const std::array<double, 8> kBent{-0.03, 0.012, -0.004, 0.0007};
+
+// As the manual of OpenCV's calib3d has it: k1 k2 p1 p2 k3 k4 k5 k6.
+dvec2 openCv(const Lens& lens, dvec3 v) {
+  const auto& [k1, k2, p1, p2, k3, k4, k5, k6] = lens.distortion;
+  const double x = v.x / v.z, y = v.y / v.z, r2 = x * x + y * y;
+  const double radial =
+      (1 + k1 * r2 + k2 * r2 * r2 + k3 * std::pow(r2, 3)) / (1 + k4 * r2 + k5 * r2 * r2 + k6 * std::pow(r2, 3));
+  const double xd = x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x);
+  const double yd = y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y;
+  return {lens.fx * xd + lens.cx, lens.fy * yd + lens.cy};
+}
+
+dvec2 openCvFisheye(const Lens& lens, dvec3 v) {
+  const double theta = std::acos(v.z / glm::length(v)), angle = std::atan2(v.y, v.x);
+  double bent = theta;
+  for (int i = 0; i < 4; ++i) bent += lens.distortion[size_t(i)] * std::pow(theta, 3 + 2 * i);
+  return {lens.fx * bent * std::cos(angle) + lens.cx, lens.fy * bent * std::sin(angle) + lens.cy};
+}
+
+dvec3 direction(double theta, double angle) {
+  return {std::sin(theta) * std::cos(angle), std::sin(theta) * std::sin(angle), std::cos(theta)};
+}
+
+TEST(LensTest, ProjectsAsOpenCvDoes) {
+  for (const auto& distortion : {kBarrel, kPincushion, kRational}) {
+    const Lens lens = lensOf(LensModel::OpenCv, distortion);
+    for (double theta = 0; theta < 0.6; theta += 0.05)
+      for (double angle = 0; angle < 6.2; angle += 0.3) {
+        const dvec3 v = 3.0 * direction(theta, angle);
+        const std::optional<dvec2> pixel = LensProjection(lens).project(v);
+        ASSERT_TRUE(pixel);
+        EXPECT_LT(glm::length(*pixel - openCv(lens, v)), 1e-10);
+      }
+  }
+  const Lens fisheye = lensOf(LensModel::Fisheye, kBent);
+  for (double theta = 0.01; theta < 2.5; theta += 0.05)
+    for (double angle = 0; angle < 6.2; angle += 0.3) {
+      const std::optional<dvec2> pixel = LensProjection(fisheye).project(0.5 * direction(theta, angle));
+      ASSERT_TRUE(pixel);
+      EXPECT_LT(glm::length(*pixel - openCvFisheye(fisheye, direction(theta, angle))), 1e-9);
+    }
+}
+
+// Every pixel that has a direction is where that direction is seen.
+void expectRoundTrips(const Lens& lens, double leastShare) {
+  const LensProjection projection(lens);
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> x(0, lens.width), y(0, lens.height);
+  int seen = 0;
+  constexpr int kPixels = 20000;
+  for (int i = 0; i < kPixels; ++i) {
+    const dvec2 pixel(x(random), y(random));
+    const std::optional<dvec3> ray = projection.unproject(pixel);
+    if (!ray) continue;
+    ++seen;
+    EXPECT_NEAR(glm::length(*ray), 1, 1e-14);
+    const std::optional<dvec2> again = projection.project(*ray);
+    ASSERT_TRUE(again) << pixel.x << ' ' << pixel.y;
+    EXPECT_LT(glm::length(*again - pixel), 1e-8) << pixel.x << ' ' << pixel.y;
+  }
+  EXPECT_GE(seen, leastShare * kPixels);
+}
+
+TEST(LensTest, PixelsAreWhereTheirDirectionsAreSeen) {
+  expectRoundTrips(lensOf(LensModel::Pinhole), 1);
+  for (const auto& distortion : {std::array<double, 8>{}, kBarrel, kPincushion, kRational})
+    expectRoundTrips(lensOf(LensModel::OpenCv, distortion), 1);
+  expectRoundTrips(lensOf(LensModel::Fisheye, kBent), 1);
+  expectRoundTrips(
+      {.model = LensModel::Fisheye, .width = 640, .height = 640, .fx = 110, .fy = 110, .cx = 320, .cy = 320},
+      0.78 * 1.0);
+  expectRoundTrips({.model = LensModel::Equirectangular, .width = 640, .height = 320}, 1);
+  expectRoundTrips({.model = LensModel::CubeMap, .width = 600, .height = 100}, 1);
+}
+
+// A direction in the lens's valid region is found again, up to its very end.
+TEST(LensTest, DirectionsAreFoundAgain) {
+  for (const auto& distortion : {kBarrel, kPincushion, kRational}) {
+    const Lens lens = lensOf(LensModel::OpenCv, distortion);
+    const LensProjection projection(lens);
+    int found = 0;
+    for (double theta = 0; theta < 1.55; theta += 0.01)
+      for (double angle = 0; angle < 6.2; angle += 0.2) {
+        const std::optional<dvec2> pixel = projection.project(direction(theta, angle));
+        if (!pixel) continue;
+        const std::optional<dvec3> ray = projection.unproject(*pixel);
+        ASSERT_TRUE(ray) << theta << ' ' << angle;
+        EXPECT_LT(glm::length(*ray - direction(theta, angle)), 1e-6) << theta;
+        ++found;
+      }
+    EXPECT_GT(found, 1000);
+  }
+}
+
+// k1 = -0.3 alone: r (1 - 0.3 r^2) is largest at r = 1 / sqrt(0.9), where it is 2/3 of that.
+TEST(LensTest, NothingIsSeenBeyondTheTurn) {
+  const Lens lens = lensOf(LensModel::OpenCv, {-0.3});
+  const LensProjection projection(lens);
+  const double turn = 1 / std::sqrt(0.9);
+  EXPECT_TRUE(projection.project({turn * 0.9999, 0, 1}));
+  EXPECT_FALSE(projection.project({turn * 1.0001, 0, 1}));
+  EXPECT_FALSE(projection.project({0, 0, -1}));
+  const dvec2 end(lens.cx + lens.fx * turn * 2 / 3, lens.cy);
+  EXPECT_TRUE(projection.unproject(end - dvec2(0.01, 0)));
+  EXPECT_FALSE(projection.unproject(end + dvec2(0.01, 0)));
+  // theta (1 - 0.1 theta^2): sqrt(10 / 3).
+  const LensProjection fisheye(lensOf(LensModel::Fisheye, {-0.1}));
+  EXPECT_TRUE(fisheye.project(direction(std::sqrt(10.0 / 3) - 1e-6, 1)));
+  EXPECT_FALSE(fisheye.project(direction(std::sqrt(10.0 / 3) + 1e-6, 1)));
+}
+
+TEST(LensTest, ClosedForms) {
+  const LensProjection equirectangular({.model = LensModel::Equirectangular, .width = 400, .height = 200});
+  const auto expectNear = [](std::optional<dvec3> ray, dvec3 expected) {
+    ASSERT_TRUE(ray);
+    EXPECT_LT(glm::length(*ray - glm::normalize(expected)), 1e-14) << ray->x << ' ' << ray->y << ' ' << ray->z;
+  };
+  expectNear(equirectangular.unproject({200, 100}), {0, 0, 1});
+  expectNear(equirectangular.unproject({300, 100}), {1, 0, 0});
+  expectNear(equirectangular.unproject({100, 100}), {-1, 0, 0});
+  expectNear(equirectangular.unproject({0, 100}), {0, 0, -1});
+  expectNear(equirectangular.unproject({200, 50}), {0, -1, 1});
+  EXPECT_EQ(equirectangular.depthOf({0, 0.6, 0.8}), 1);
+  const LensProjection cube({.model = LensModel::CubeMap, .width = 600, .height = 100});
+  const dvec3 axes[] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+  for (int face = 0; face < 6; ++face) expectNear(cube.unproject({100 * face + 50, 50}), axes[face]);
+  expectNear(cube.unproject({450, 0}), {0, -1, 1});    // ahead, its upper edge
+  expectNear(cube.unproject({350, 100}), {0, -1, 1});  // above, its lower edge: the same
+  expectNear(cube.unproject({250, 0}), {0, 1, 1});     // below, its upper edge is the lower one of what lies ahead
+  expectNear(cube.unproject({0.0, 50}), {1, 0, 1});    // to the right, its left edge is the right one of that
+  EXPECT_EQ(cube.depthOf({0.6, 0, -0.8}), 0.8);
+  const LensProjection fisheye(
+      {.model = LensModel::Fisheye, .width = 400, .height = 400, .fx = 60, .fy = 60, .cx = 200, .cy = 200});
+  expectNear(fisheye.unproject({200 + 60 * kPi / 2, 200}), {1, 0, 0});
+  expectNear(fisheye.unproject({200, 200 + 60 * 2.5}), {0, std::sin(2.5), std::cos(2.5)});
+  EXPECT_FALSE(fisheye.unproject({200 + 60 * 3.15, 200}));
+}
+
+TEST(LensTest, WhatAUserWrites) {
+  const Lens lens = parseLens("--lens", "opencv:400,410,330,235,-0.28,0.07,1e-3,-8e-4,-0.005", 640, 480);
+  EXPECT_EQ(lens, (Lens{LensModel::OpenCv, 640, 480, 400, 410, 330, 235, {-0.28, 0.07, 1e-3, -8e-4, -0.005}}));
+  EXPECT_EQ(parseLens("--lens", "equirectangular", 64, 32).model, LensModel::Equirectangular);
+  for (const char* wrong :
+       {"", "fish", "opencv", "opencv:1,2,3", "opencv:0,1,2,3", "opencv:1,1,nan,2", "opencv:1,1,2,3,",
+        "fisheye:1,1,2,3,4,5,6,7,8", "equirectangular:1", "pinhole:400,400,x,2", "cubemap"})
+    EXPECT_THROW(parseLens("--lens", wrong, 64, 32), Error) << wrong;
+  const Lens half = scaledTo(lens, 320, 240);
+  const std::optional<dvec2> whole = LensProjection(lens).project({0.3, -0.2, 1}),
+                             scaled = LensProjection(half).project({0.3, -0.2, 1});
+  EXPECT_LT(glm::length(*whole * 0.5 - *scaled), 1e-12);
+}
+
+}  // namespace
+}  // namespace latelight::scene
