@@ -173,6 +173,7 @@ struct View {
   vec3 eye;               // world
   vec2 size;              // pixels
   vec2 jitter;            // NDC: that part of the projection's principal point which moves the samples
+  uint object;            // id of the only object that it shows; 0: it shows all
 };
 
 struct FrameConstants {
@@ -216,7 +217,7 @@ static_assert(sizeof(latelight::shared::Material) == 80 + 7 * 28 + 7 * 4);
 static_assert(sizeof(latelight::shared::Light) == 64);
 static_assert(sizeof(latelight::shared::ShadowMap) == 88);
 static_assert(sizeof(latelight::shared::LightBox) == 24);
-static_assert(sizeof(latelight::shared::View) == 152);
+static_assert(sizeof(latelight::shared::View) == 156);
 #endif
 
 #endif
