@@ -17,17 +17,20 @@ class SetTest : public FormatsTest {
 
   // A frame in all formats, each below a folder of its own.
   void write(DataFrame frame, const std::filesystem::path& set) {
-    for (const output::AovImage& image : frame.picture.aovs) {
-      const std::filesystem::path raw = set / "raw" / frame.name;
-      std::filesystem::create_directories(raw);
-      writeFile(raw / fmt::format("{}.npy", output::info(image.aov).name), output::encodeNpy(image));
-    }
+    writeRaw(frame.picture, set / "raw" / frame.name);
+    writeRaw(frame.samples, set / "raw" / frame.name / "samples");
     for (Written& written : formats_)
       written.entries.push_back(written.format->writeFrame(frame, set / written.folder).entry);
   }
 
   void finish(const std::filesystem::path& set) {
     for (const Written& written : formats_) written.format->writeSet(written.entries, set / written.folder);
+  }
+
+  static void writeRaw(const output::FrameOutput& picture, const std::filesystem::path& raw) {
+    std::filesystem::create_directories(raw);
+    for (const output::AovImage& image : picture.aovs)
+      writeFile(raw / fmt::format("{}.npy", output::info(image.aov).name), output::encodeNpy(image));
   }
 
   struct Written {
@@ -50,6 +53,16 @@ TEST_F(SetTest, IsWritten) {
   add("flow");
   add("flow", {{"as", "kitti"}});
   add("coco", {{"categories", "node"}});
+  add("boxes");
+  add("bop", {{"depth-scale", 0.5}});
+  add("transforms");
+  add("cryptomatte", {{"samples", 3}});
+  add("ply");
+  try {
+    add("video", {{"fps", 12}});
+  } catch (const Error& error) {
+    fmt::print("no film is made: {}\n", error.what());
+  }
 
   const scene::Scene& scene = render::test::hall();
   Studio studio(device(), scene);

@@ -38,13 +38,18 @@ class DepthPng : public Format {
 
 }  // namespace
 
-std::vector<std::byte> encodeDepthPng(const output::AovImage& depth, double stepsPerMetre) {
-  std::vector<uint16_t> codes(depth.values.size());
-  for (size_t i = 0; i < codes.size(); ++i) {
-    const double steps = std::floor(depth.values[i] * stepsPerMetre + 0.5);
-    if (steps >= 1 && steps <= 65535) codes[i] = static_cast<uint16_t>(steps);
+std::vector<uint16_t> depthSteps(const output::AovImage& depth, double stepsPerMetre) {
+  std::vector<uint16_t> steps(depth.values.size(), 0);
+  for (size_t i = 0; i < steps.size(); ++i) {
+    const double rounded = std::floor(depth.values[i] * stepsPerMetre + 0.5);
+    if (rounded >= 1 && rounded <= 65535) steps[i] = static_cast<uint16_t>(rounded);
   }
-  return output::encodePng(depth.width, depth.height, 1, 16, reinterpret_cast<const std::byte*>(codes.data()),
+  return steps;
+}
+
+std::vector<std::byte> encodeDepthPng(const output::AovImage& depth, double stepsPerMetre) {
+  const std::vector<uint16_t> steps = depthSteps(depth, stepsPerMetre);
+  return output::encodePng(depth.width, depth.height, 1, 16, reinterpret_cast<const std::byte*>(steps.data()),
                            output::PngLight::Data);
 }
 

@@ -7,10 +7,16 @@
 
 namespace latelight::data {
 
+std::unique_ptr<Format> makeBop(const nlohmann::ordered_json& options);
+std::unique_ptr<Format> makeBoxes(const nlohmann::ordered_json& options);
 std::unique_ptr<Format> makeCoco(const nlohmann::ordered_json& options);
+std::unique_ptr<Format> makeCryptomatte(const nlohmann::ordered_json& options);
 std::unique_ptr<Format> makeDepthPng(const nlohmann::ordered_json& options);
 std::unique_ptr<Format> makeExr(const nlohmann::ordered_json& options);
 std::unique_ptr<Format> makeFlow(const nlohmann::ordered_json& options);
 std::unique_ptr<Format> makeNpz(const nlohmann::ordered_json& options);
+std::unique_ptr<Format> makePly(const nlohmann::ordered_json& options);
+std::unique_ptr<Format> makeTransforms(const nlohmann::ordered_json& options);
+std::unique_ptr<Format> makeVideo(const nlohmann::ordered_json& options);
 
 }  // namespace latelight::data
