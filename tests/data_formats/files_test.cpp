@@ -1,6 +1,8 @@
 // What is in files of single frames, by closed forms and by hand.
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
+#include <fstream>
 
 #include "data_formats/support.h"
 #include "output/png.h"
@@ -79,10 +81,84 @@ TEST_F(FormatFilesTest, FlowOfAPlane) {
   EXPECT_NEAR(flow[1], 0, 1e-6);
 }
 
+// The points of a square in the plane z = 0 lie in it, face its front, and have its colour.
+TEST_F(FormatFilesTest, PointsLieOnTheirSurface) {
+  const scene::Scene scene = squares();
+  Studio studio(device(), scene);
+  const std::unique_ptr<Format> ply = make("ply");
+  const DataFrame frame = studio.frame(squaresCamera(true), 64, 64, {ply.get()});
+  const std::vector<std::byte> bytes = readFile(folder / ply->writeFrame(frame, folder).files.at(0));
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const size_t begin = text.find("end_header\n") + 11;
+  constexpr size_t kPoint = 31;
+  ASSERT_EQ((bytes.size() - begin) % kPoint, 0u);
+  const uint32_t front = scene.instances.at(1).id;
+  size_t plane = 0;
+  for (size_t at = begin; at < bytes.size(); at += kPoint) {
+    float values[6];
+    uint32_t id;
+    std::memcpy(values, &bytes[at], 24);
+    std::memcpy(&id, &bytes[at + 27], 4);
+    EXPECT_NEAR(values[2], id == front ? 0.5 : 0, 1e-5);
+    EXPECT_FLOAT_EQ(values[5], 1);
+    plane += id != front;
+  }
+  EXPECT_GT(plane, 32u * 32 / 2);
+}
+
+TEST_F(FormatFilesTest, FilmsNeedFfmpeg) {
+  const std::string path = std::getenv("PATH");
+  setenv("PATH", folder.c_str(), 1);
+  EXPECT_THAT(sentence(ExitCode::Usage, [] { make("video"); }), testing::HasSubstr("ffmpeg, which is not installed"));
+  std::ofstream(folder / "ffmpeg") << "#!/bin/sh\nexit 1\n";
+  std::filesystem::permissions(folder / "ffmpeg", std::filesystem::perms::owner_all);
+  std::ofstream(folder / "a.png") << std::string(1 << 20, 'x');  // more than a socket takes at once
+  EXPECT_THAT(sentence(ExitCode::Usage, [&] { make("video")->writeSet(std::vector<Json>{"a.png"}, folder); }),
+              testing::HasSubstr("ffmpeg could not make"));
+  setenv("PATH", path.c_str(), 1);
+  EXPECT_FALSE(std::filesystem::exists(folder / "video.mp4"));
+}
+
+// The same intrinsics are said once; different ones with each frame.
+TEST_F(FormatFilesTest, TransformsOfSeveralCameras) {
+  const scene::Scene scene = squares();
+  Studio studio(device(), scene);
+  const std::unique_ptr<Format> transforms = make("transforms", {{"depth", false}, {"write-pictures", false}});
+  std::vector<Json> entries;
+  for (const float fov : {0.5f, 0.75f}) {
+    const DataFrame frame = studio.frame(render::test::frontPerspective(fov, 4), 32, 32, {transforms.get()});
+    const FrameRecord record = transforms->writeFrame(frame, folder);
+    EXPECT_THAT(record.files, testing::IsEmpty());
+    entries.push_back(record.entry);
+  }
+  transforms->writeSet(entries, folder);
+  const Json different = json("transforms.json");
+  EXPECT_FALSE(different.contains("fl_x"));
+  EXPECT_NEAR(different["frames"][0]["fl_x"].get<double>(), 16 / std::tan(0.25), 1e-4);
+  EXPECT_NEAR(different["frames"][1]["fl_y"].get<double>(), 16 / std::tan(0.375), 1e-4);
+  EXPECT_EQ(different["frames"][0]["transform_matrix"],
+            Json::parse("[[1.0,0.0,0.0,0.0],[0.0,1.0,0.0,0.0],[0.0,0.0,1.0,4.0],[0.0,0.0,0.0,1.0]]"));
+  const std::vector<Json> alike{entries[0], entries[0]};
+  transforms->writeSet(alike, folder);
+  EXPECT_TRUE(json("transforms.json").contains("fl_x"));
+  EXPECT_FALSE(json("transforms.json")["frames"][0].contains("fl_x"));
+}
+
+TEST_F(FormatFilesTest, OrthographicCamerasAreRefusedWhereThereAreNone) {
+  const scene::Scene scene = squares();
+  Studio studio(device(), scene);
+  for (const char* name : {"bop", "transforms"}) {
+    const std::unique_ptr<Format> format = make(name);
+    const DataFrame frame = studio.frame(squaresCamera(), 16, 16, {format.get()});
+    EXPECT_THAT(sentence(ExitCode::Usage, [&] { format->writeFrame(frame, folder); }),
+                testing::HasSubstr(fmt::format("the format {} holds no orthographic camera", name)));
+  }
+}
+
 TEST_F(FormatFilesTest, TheSameFrameGivesTheSameBytes) {
   const scene::Scene scene = squares();
   Studio studio(device(), scene);
-  for (const char* name : {"exr", "npz", "depth-png"}) {
+  for (const char* name : {"exr", "npz", "cryptomatte", "boxes"}) {
     const std::unique_ptr<Format> format = make(name);
     const DataFrame frame = studio.frame(squaresCamera(), 32, 32, {format.get()});
     const std::string file = format->writeFrame(frame, folder / "a").files.at(0);
