@@ -23,17 +23,21 @@ class MaskBuilder {
   explicit MaskBuilder(const output::AovImage& ids) : ids_(ids) {}
 
   std::map<uint32_t, Mask> build() {
-    const uint64_t count = uint64_t{ids_.width} * ids_.height;
-    uint64_t begin = 0;
-    for (uint64_t i = 1; i <= count; ++i) {
-      if (i < count && at(i) == at(begin)) continue;
-      if (at(begin) != 0) append(masks_[at(begin)], begin, i);
-      begin = i;
-    }
-    for (auto& [id, growing] : masks_)
-      if (growing.end < count) growing.mask.runs.push_back(static_cast<uint32_t>(count - growing.end));
+    uint64_t begin = 0, at = 0;
+    uint32_t current = 0;
+    for (uint32_t x = 0; x < ids_.width; ++x)
+      for (const uint32_t* id = &ids_.ids[x]; at < uint64_t{x + 1} * ids_.height; ++at, id += ids_.width) {
+        if (*id == current) continue;
+        append(current, begin, at);
+        current = *id;
+        begin = at;
+      }
+    append(current, begin, at);
     std::map<uint32_t, Mask> finished;
-    for (auto& [id, growing] : masks_) finished.emplace(id, std::move(growing.mask));
+    for (auto& [id, growing] : masks_) {
+      if (growing.end < at) growing.mask.runs.push_back(static_cast<uint32_t>(at - growing.end));
+      finished.emplace(id, std::move(growing.mask));
+    }
     return finished;
   }
 
@@ -43,9 +47,9 @@ class MaskBuilder {
     uint64_t end = 0;  // of its last run
   };
 
-  uint32_t at(uint64_t i) const { return ids_.ids[i % ids_.height * ids_.width + i / ids_.height]; }
-
-  void append(Growing& growing, uint64_t begin, uint64_t end) {
+  void append(uint32_t id, uint64_t begin, uint64_t end) {
+    if (id == 0 || begin == end) return;
+    Growing& growing = masks_[id];
     growing.mask.width = ids_.width;
     growing.mask.height = ids_.height;
     growing.mask.runs.push_back(static_cast<uint32_t>(begin - growing.end));
