@@ -22,7 +22,7 @@ void renderExtras(render::Renderer& renderer, const scene::Scene& scene, const s
   fine.height *= needed.samples;
   fine.display = false;
   fine.aovs = {output::Aov::Id, output::Aov::Material};
-  render::Moment poses{moment.poses, {}, {}, false};
+  render::Moment poses{moment.poses, {}, {}, {}, false};
   frame.samples = std::move(renderer.render({&camera, 1}, fine, poses).front());
 }
 

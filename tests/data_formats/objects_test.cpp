@@ -1,6 +1,7 @@
 // Objects of a frame against closed forms: the boxes around them, and the pixels that each covers alone.
 #include <cmath>
 
+#include "data/amodal.h"
 #include "data_formats/support.h"
 #include "models/models.h"
 #include "scene/builtin.h"
@@ -128,6 +129,28 @@ TEST_P(AloneTest, HoldsWhatIsVisible) {
     EXPECT_GE(object->pixels, object->alone.area());
   }
   EXPECT_GT(hidden, 3u);
+}
+
+// Objects that share a view have what they have in views of their own.
+TEST_F(ObjectsTest, AloneTogetherAsOneByOne) {
+  const scene::Scene& scene = render::test::hall();
+  const scene::Camera camera = render::test::cameraOf(scene, 96, 54);
+  Studio studio(device(), scene);
+  const DataFrame frame = studio.frame(camera, 96, 54, {&kAlone});
+  render::Renderer renderer(device(), scene, nullptr);
+  size_t seen = 0;
+  for (size_t i = 0; i < frame.objects.size(); i += 60) {
+    std::vector<Object> one{frame.objects[i]};
+    one[0].alone = {};
+    one[0].pixels = 0;
+    one[0].full = {};
+    renderAlone(renderer, scene, camera, render::test::settingsOf(96, 54), {}, one);
+    EXPECT_EQ(one[0].alone.runs, frame.objects[i].alone.runs);
+    EXPECT_EQ(one[0].pixels, frame.objects[i].pixels);
+    EXPECT_EQ(one[0].full, frame.objects[i].full);
+    seen += one[0].pixels > 0;
+  }
+  EXPECT_GT(seen, 5u);
 }
 
 // What a pixel shows lies in the box of its object, in the middle of every animation; groups too.

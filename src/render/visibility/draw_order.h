@@ -31,9 +31,9 @@ class DrawOrder {
   void update(const GpuScene& scene);
 
   enum class Kind { Solid, Blended };  // opaque and masked; alpha-blended
-  // Those of a kind whose bounds are wanted, which is asked on all threads. `object`: only those with this id; 0: all.
+  // Those of a kind whose bounds are wanted, which is asked on all threads. `group`: only those of it; 0: all.
   DrawList select(const GpuScene& scene, Kind kind, const std::function<bool(const Sphere&)>& wanted,
-                  uint32_t object = 0) const;
+                  uint32_t group = 0) const;
 
  private:
   std::vector<uint32_t> order_;

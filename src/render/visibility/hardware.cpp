@@ -47,7 +47,7 @@ DeviceDraws HardwareVisibility::select(DrawOrder::Kind kind, std::span<const sha
       const auto wanted = [&](const Sphere& bounds) {
         return frustum.touches(bounds) && (!options_.atCentres || frustum.holdsCentre(bounds));
       };
-      lists[view] = order_.select(scene_, kind, wanted, views[view].object);
+      lists[view] = order_.select(scene_, kind, wanted, views[view].group);
     }
   });
   return {device_, std::move(lists)};
