@@ -14,7 +14,6 @@ pkg_check_modules(webp REQUIRED IMPORTED_TARGET libwebp)
 pkg_check_modules(turbojpeg REQUIRED IMPORTED_TARGET libturbojpeg)
 pkg_check_modules(spng REQUIRED IMPORTED_TARGET spng)
 pkg_check_modules(xxhash REQUIRED IMPORTED_TARGET libxxhash)
-pkg_check_modules(zip REQUIRED IMPORTED_TARGET libzip)
 find_program(GLSLANG glslangValidator REQUIRED)
 
 # volk loads Vulkan at run time: nothing links libvulkan.

@@ -70,28 +70,39 @@ MatteNames materialNames(const output::IdManifest& ids) {
   return names;
 }
 
+// The bits of each sample's name; 0, which no name has, where there is none.
+std::vector<uint32_t> bitsOf(const MatteNames& names, const std::vector<uint32_t>& ids) {
+  std::vector<uint32_t> bits(ids.size());
+  for (size_t i = 0; i < ids.size(); ++i) {
+    if (i > 0 && ids[i] == ids[i - 1]) {
+      bits[i] = bits[i - 1];
+    } else if (const auto name = names.bits.find(ids[i]); name != names.bits.end()) {
+      bits[i] = name->second;
+    }
+  }
+  return bits;
+}
+
 // What of a pixel each name covers, most first, then by bits.
 struct Coverage {
   uint32_t bits;
   uint32_t samples;
 };
-std::vector<Coverage> coveragesOf(const MatteNames& names, const output::AovImage& samples, uint32_t side, size_t x,
-                                  size_t y) {
-  std::vector<Coverage> found;
-  for (size_t sample = 0; sample < size_t{side} * side; ++sample) {
-    const uint32_t id = samples.ids[(y * side + sample / side) * samples.width + x * side + sample % side];
-    const auto name = names.bits.find(id);
-    if (name == names.bits.end()) continue;
-    const auto same = std::ranges::find(found, name->second, &Coverage::bits);
-    if (same == found.end())
-      found.push_back({name->second, 1});
-    else
-      ++same->samples;
-  }
+void findCoverages(const uint32_t* samples, size_t stride, uint32_t side, std::vector<Coverage>& found) {
+  found.clear();
+  for (uint32_t y = 0; y < side; ++y)
+    for (uint32_t x = 0; x < side; ++x) {
+      const uint32_t bits = samples[y * stride + x];
+      if (bits == 0) continue;
+      const auto same = std::ranges::find(found, bits, &Coverage::bits);
+      if (same == found.end())
+        found.push_back({bits, 1});
+      else
+        ++same->samples;
+    }
   std::ranges::sort(found, [](const Coverage& a, const Coverage& b) {
     return a.samples != b.samples ? a.samples > b.samples : a.bits < b.bits;
   });
-  return found;
 }
 
 using Plane = std::vector<float>;
@@ -100,9 +111,11 @@ using Plane = std::vector<float>;
 std::vector<Plane> ranksOf(const MatteNames& names, const output::AovImage& samples, uint32_t width, uint32_t height,
                            uint32_t ranks) {
   const uint32_t side = samples.width / width;
+  const std::vector<uint32_t> bits = bitsOf(names, samples.ids);
+  std::vector<Coverage> found;
   std::vector<Plane> planes(2 * ranks, Plane(size_t{width} * height, 0));
   for (size_t pixel = 0; pixel < planes[0].size(); ++pixel) {
-    const std::vector<Coverage> found = coveragesOf(names, samples, side, pixel % width, pixel / width);
+    findCoverages(&bits[pixel / width * side * samples.width + pixel % width * side], samples.width, side, found);
     for (size_t rank = 0; rank < std::min<size_t>(ranks, found.size()); ++rank) {
       planes[2 * rank][pixel] = std::bit_cast<float>(found[rank].bits);
       planes[2 * rank + 1][pixel] = static_cast<float>(found[rank].samples) / static_cast<float>(side * side);

@@ -1,7 +1,8 @@
-// All outputs of a frame in one NPZ file: NPY arrays in a ZIP archive, as numpy.savez writes it.
-#include <zip.h>
+// All outputs of a frame in one NPZ file: NPY arrays in a ZIP archive, as numpy.savez writes it. A library
+// that writes archives would bring ciphers and compressors along, for every start of the program to load.
+#include <zlib.h>
 
-#include <memory>
+#include <string>
 
 #include "base/error.h"
 #include "data/formats/formats.h"
@@ -13,57 +14,67 @@ namespace latelight::data {
 
 namespace {
 
-constexpr uint16_t kFirstDay = (0 << 9) | (1 << 5) | 1;  // of a ZIP archive's calendar: 1 January 1980
+// An archive of files that are not compressed (PKWARE's APPNOTE, 4.3). The same files give the same bytes.
+class ZipArchive {
+ public:
+  void add(const std::string& name, const std::vector<std::byte>& contents) {
+    const size_t offset = bytes_.size();
+    const auto crc =
+        static_cast<uint32_t>(crc32_z(0, reinterpret_cast<const Bytef*>(contents.data()), contents.size()));
+    put(bytes_, 0x04034b50, 4);
+    describe(bytes_, name, crc, contents.size());
+    putText(bytes_, name);
+    bytes_.insert(bytes_.end(), contents.begin(), contents.end());
 
-struct KeptEntry {
-  std::string name;
-  std::vector<std::byte> bytes;
-};
-
-[[noreturn]] void cantPack(zip_error_t* error) {
-  fail(ExitCode::Internal, "the arrays can't be packed: {}", zip_error_strerror(error));
-}
-
-// Throws what libzip says went wrong.
-void check(bool done, zip_t* archive) {
-  if (!done) cantPack(zip_get_error(archive));
-}
-
-std::vector<std::byte> contentsOf(zip_source_t* source) {
-  zip_stat_t stat;
-  zip_stat_init(&stat);
-  if (zip_source_stat(source, &stat) != 0 || zip_source_open(source) != 0) cantPack(zip_source_error(source));
-  std::vector<std::byte> bytes(stat.size);
-  const zip_int64_t got = zip_source_read(source, bytes.data(), bytes.size());
-  zip_source_close(source);
-  if (got != static_cast<zip_int64_t>(bytes.size())) cantPack(zip_source_error(source));
-  return bytes;
-}
-
-// An archive of these, not compressed. The same entries give the same bytes.
-std::vector<std::byte> zipOf(const std::vector<KeptEntry>& entries) {
-  zip_error_t error;
-  zip_error_init(&error);
-  const std::unique_ptr<zip_source_t, decltype(&zip_source_free)> out(zip_source_buffer_create(nullptr, 0, 0, &error),
-                                                                      zip_source_free);
-  if (!out) cantPack(&error);
-  zip_source_keep(out.get());  // for after the archive is closed, which frees one reference
-  std::unique_ptr<zip_t, decltype(&zip_discard)> archive(zip_open_from_source(out.get(), ZIP_TRUNCATE, &error),
-                                                         zip_discard);
-  if (!archive) cantPack(&error);
-  for (const KeptEntry& entry : entries) {
-    zip_source_t* source = zip_source_buffer(archive.get(), entry.bytes.data(), entry.bytes.size(), 0);
-    check(source != nullptr, archive.get());
-    const zip_int64_t at = zip_file_add(archive.get(), entry.name.c_str(), source, ZIP_FL_ENC_UTF_8);
-    check(at >= 0, archive.get());
-    const auto index = static_cast<zip_uint64_t>(at);
-    check(zip_set_file_compression(archive.get(), index, ZIP_CM_STORE, 0) == 0, archive.get());
-    check(zip_file_set_dostime(archive.get(), index, 0, kFirstDay, 0) == 0, archive.get());
+    put(directory_, 0x02014b50, 4);
+    put(directory_, kVersion, 2);  // that made it
+    describe(directory_, name, crc, contents.size());
+    put(directory_, 0, 10);  // comment, disk, attributes
+    put(directory_, offset, 4);
+    putText(directory_, name);
+    ++files_;
   }
-  check(zip_close(archive.get()) == 0, archive.get());
-  (void)archive.release();
-  return contentsOf(out.get());
-}
+
+  std::vector<std::byte> finish() {
+    const size_t begin = bytes_.size();
+    if (begin + directory_.size() > kMost) badUsage("an NPZ file holds up to 4 GiB; ask for fewer outputs or pixels");
+    bytes_.insert(bytes_.end(), directory_.begin(), directory_.end());
+    put(bytes_, 0x06054b50, 4);
+    put(bytes_, 0, 4);  // disks
+    put(bytes_, files_, 2);
+    put(bytes_, files_, 2);
+    put(bytes_, directory_.size(), 4);
+    put(bytes_, begin, 4);
+    put(bytes_, 0, 2);  // comment
+    return std::move(bytes_);
+  }
+
+ private:
+  static constexpr uint64_t kMost = 0xffffffff;
+  static constexpr uint64_t kVersion = 20;
+  static constexpr uint64_t kFirstDay = 1 << 5 | 1;  // 1 January 1980, the calendar's first
+
+  static void put(std::vector<std::byte>& out, uint64_t value, int bytes) {
+    for (int i = 0; i < bytes; ++i) out.push_back(static_cast<std::byte>(i < 8 ? value >> 8 * i : 0));
+  }
+  static void putText(std::vector<std::byte>& out, const std::string& text) {
+    for (const char c : text) out.push_back(static_cast<std::byte>(c));
+  }
+  // What a file's own header and the directory have in common.
+  static void describe(std::vector<std::byte>& out, const std::string& name, uint32_t crc, uint64_t size) {
+    put(out, kVersion, 2);  // that reads it
+    put(out, 0, 4);         // flags, no compression
+    put(out, kFirstDay << 16, 4);
+    put(out, crc, 4);
+    put(out, size, 4);
+    put(out, size, 4);
+    put(out, name.size(), 2);
+    put(out, 0, 2);  // extra field
+  }
+
+  std::vector<std::byte> bytes_, directory_;
+  size_t files_ = 0;
+};
 
 class Npz : public Format {
  public:
@@ -78,11 +89,11 @@ class Npz : public Format {
   std::vector<output::Aov> needs() const override { return outputs_; }
 
   FrameRecord writeFrame(const DataFrame& frame, const std::filesystem::path& folder) const override {
-    std::vector<KeptEntry> entries;
+    ZipArchive archive;
     for (const output::Aov aov : outputs_)
-      entries.push_back({std::string(output::info(aov).name) + ".npy", output::encodeNpy(imageOf(frame.picture, aov))});
+      archive.add(std::string(output::info(aov).name) + ".npy", output::encodeNpy(imageOf(frame.picture, aov)));
     FrameRecord record;
-    writeOf(record, folder, frameFile(file_, frame), zipOf(entries));
+    writeOf(record, folder, frameFile(file_, frame), archive.finish());
     return record;
   }
 
