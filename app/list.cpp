@@ -11,6 +11,7 @@
 #include "app/commands.h"
 #include "app/list.h"
 #include "app/render_options.h"
+#include "data/format.h"
 #include "output/aov.h"
 #include "render/gbuffer/layout.h"
 #include "render/settings.h"
@@ -154,6 +155,13 @@ Json listAovs() {
   return rows;
 }
 
+Json listFormats() {
+  Json rows = Json::array();
+  for (const data::FormatInfo& format : data::formats())
+    rows.push_back({{"name", format.name}, {"description", format.description}});
+  return rows;
+}
+
 Json listScenes() {
   Json rows = Json::array();
   for (const scene::Builtin& builtin : scene::builtins()) {
@@ -239,6 +247,7 @@ std::vector<Topic> makeTopics() {
       {"lights", [](const PictureSize&) { return listLights(); }},
       {"post", [](const PictureSize&) { return listNames(render::postEffects()); }},
       {"aovs", [](const PictureSize&) { return listAovs(); }},
+      {"formats", [](const PictureSize&) { return listFormats(); }},
       {"scenes", [](const PictureSize&) { return listScenes(); }},
   };
   const auto isThere = [&](std::string_view name) {

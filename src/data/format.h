@@ -29,6 +29,7 @@ class Format {
   virtual std::vector<output::Aov> needs() const = 0;
   // Whether it is written from FrameOutput::display, the picture for viewing.
   virtual bool needsDisplay() const { return false; }
+  virtual Extras needsExtras() const { return {}; }
 
   // Writes the frame's own files below `folder`, each whole or not at all. Called for several frames at once, from
   // several threads: it depends on nothing but the frame. Throws Error(Usage) where a file can't be written.

@@ -50,6 +50,10 @@ const AovInfo& info(Aov aov) {
   return entry;
 }
 
+std::string ownNames(const AovInfo& aov, uint32_t channel) {
+  return std::string(aov.exrChannels[channel]);
+}
+
 bool contains(std::span<const Aov> aovs, Aov aov) {
   return std::find(aovs.begin(), aovs.end(), aov) != aovs.end();
 }

@@ -52,6 +52,10 @@ struct AovInfo {
 std::span<const AovInfo> aovs();
 const AovInfo& info(Aov aov);
 
+// What an OpenEXR file calls a channel of an output.
+using ChannelNames = std::string (*)(const AovInfo& aov, uint32_t channel);
+std::string ownNames(const AovInfo& aov, uint32_t channel);  // exrChannels
+
 bool contains(std::span<const Aov> aovs, Aov aov);
 
 // id, part and material: what the id manifest lists.

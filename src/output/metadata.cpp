@@ -93,10 +93,10 @@ std::string_view pngText(PngCoding coding) {
   return "";
 }
 
-Json aovOf(const AovInfo& aov, const Metadata& metadata) {
+Json aovOf(const AovInfo& aov, const Metadata& metadata, ChannelNames names) {
   Json json{{"description", aov.description}, {"unit", aov.unit}};
   Json channels = Json::array();
-  for (uint32_t c = 0; c < aov.channels; ++c) channels.push_back(aov.exrChannels[c]);
+  for (uint32_t c = 0; c < aov.channels; ++c) channels.push_back(names(aov, c));
   json["channels"] = channels;
   json["background"] = number(aov.background);
   if (aov.aov == Aov::Position) json["frame"] = "world";
@@ -119,7 +119,7 @@ Json conventions() {
 }  // namespace
 
 std::string sideFile(const Metadata& metadata, uint32_t width, uint32_t height, std::span<const Aov> aovs,
-                     std::span<const std::string> files) {
+                     std::span<const std::string> files, ChannelNames names) {
   assert(files.empty() || files.size() == aovs.size());
   Json json{{"scene", {{"name", metadata.scene}, {"source", metadata.source}}},
             {"frame", metadata.frame},
@@ -132,7 +132,7 @@ std::string sideFile(const Metadata& metadata, uint32_t width, uint32_t height, 
   Json& entries = json["aovs"] = Json::object();
   for (size_t i = 0; i < aovs.size(); ++i) {
     const AovInfo& aov = info(aovs[i]);
-    Json& entry = entries[std::string(aov.name)] = aovOf(aov, metadata);
+    Json& entry = entries[std::string(aov.name)] = aovOf(aov, metadata, names);
     if (!files.empty()) entry["file"] = files[i];
   }
   json["device"] = {{"name", metadata.device.name}, {"driver", metadata.device.driver}, {"uuid", metadata.device.uuid}};

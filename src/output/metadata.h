@@ -55,6 +55,6 @@ struct Metadata {
 // The whole side file as JSON text. The same input gives the same bytes. `files` are the names of the files written,
 // one per AOV, relative to the side file.
 std::string sideFile(const Metadata& metadata, uint32_t width, uint32_t height, std::span<const Aov> aovs,
-                     std::span<const std::string> files);
+                     std::span<const std::string> files, ChannelNames names = ownNames);
 
 }  // namespace latelight::output

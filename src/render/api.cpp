@@ -1,5 +1,4 @@
 // The public API of include/latelight/latelight.h.
-#include <fmt/ranges.h>
 #include <latelight/latelight.h>
 
 #include <cmath>

@@ -27,6 +27,7 @@ class GpuScene {
   // have them. `sun`: beside the scene's lights. What the device has to do for it, which for a static scene is nothing,
   // waits for the next graph.
   void update(const Poses& poses, const std::optional<scene::Light>& sun = {});
+  void setGroups(const std::vector<uint32_t>& groups) { instances_.setGroups(uploads_, groups); }
   // Adds what waits to a graph, before all else: uploads, then deformation. It waits until changesSubmitted().
   void addChanges(graph::Graph& graph) const;
   void changesSubmitted();

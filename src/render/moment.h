@@ -13,6 +13,9 @@ namespace latelight::render {
 struct Moment {
   Poses poses;
   std::vector<scene::Camera> previousCameras, nextCameras;  // as many as there are cameras, or none
+  // Of the scene's instances, by their numbers: what a camera of a group shows. From 1 to 65535; beyond the end, and
+  // where it is 0, an instance is in none.
+  std::vector<uint32_t> groups;
   // It is the frame after the one submitted last: temporal anti-aliasing continues from there.
   bool continues = false;
 };

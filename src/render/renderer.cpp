@@ -114,6 +114,7 @@ void Renderer::begin(const Settings& settings, const Moment& moment) {
   settle();
   gpuScene_.setAnisotropy(settings.anisotropy.value_or(usualAnisotropy(device_)));
   gpuScene_.update(moment.poses, settings.sun ? std::optional(lightOf(*settings.sun)) : std::nullopt);
+  gpuScene_.setGroups(moment.groups);
   drawOrder_.update(gpuScene_);
   requireRaster(device_, settings);
   if (!needsComputeRaster(settings)) return;

@@ -39,6 +39,7 @@ shared::View makeView(const scene::Camera& camera, uint32_t width, uint32_t heig
   view.worldToView = glm::mat4x3(glm::inverse(pose));
   view.eye = glm::vec3(pose[3]);
   view.size = {static_cast<float>(width), static_cast<float>(height)};
+  view.group = camera.group;
 
   shared::Projection& p = view.projection;
   float aspect = view.size.x / view.size.y;

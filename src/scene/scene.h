@@ -113,6 +113,7 @@ struct Camera {
   vec2 principal{0};         // principal point offset, NDC: 0 is the picture's centre
   std::optional<Lens> lens;  // instead of the field of view and the principal point
   int node = -1;             // that it follows, index into Scene::nodes
+  uint32_t group = 0;        // of the instances that alone it shows (render::Moment::groups); 0: it shows all
 };
 
 extern const uint32_t kPointLight;  // kLightPoint: this header need not change with every type that is added

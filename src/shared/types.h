@@ -40,10 +40,11 @@ struct Instance {
   uint material;
   uint id;  // the values of the data outputs id and part: stable, never 0
   uint part;
-  uint flags;  // kInstance*
+  uint flags;  // kInstance*, and its group from kInstanceGroupShift on
 };
 SH_CONST uint kInstanceMirrored = 1u;  // negative determinant: front faces are clockwise
 SH_CONST uint kInstanceExtras = 2u;    // its mesh has VertexExtra
+SH_CONST uint kInstanceGroupShift = 16u;
 
 // --- materials ------------------------------------------------------------------------------------------------------
 
@@ -173,6 +174,7 @@ struct View {
   vec3 eye;               // world
   vec2 size;              // pixels
   vec2 jitter;            // NDC: that part of the projection's principal point which moves the samples
+  uint group;             // of the instances that alone it shows; 0: it shows all
 };
 
 // Where a lens looks at one pixel. In a view through one, depth along a ray takes the place of depth along Y.
@@ -223,7 +225,7 @@ static_assert(sizeof(latelight::shared::Material) == 80 + 7 * 28 + 7 * 4);
 static_assert(sizeof(latelight::shared::Light) == 64);
 static_assert(sizeof(latelight::shared::ShadowMap) == 88);
 static_assert(sizeof(latelight::shared::LightBox) == 24);
-static_assert(sizeof(latelight::shared::View) == 152);
+static_assert(sizeof(latelight::shared::View) == 156);
 #endif
 
 #endif

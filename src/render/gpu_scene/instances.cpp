@@ -41,7 +41,8 @@ void GpuInstances::place(uint32_t index, const glm::mat4& toWorld, const scene::
                      .id = instance.id,
                      .part = instance.part,
                      .flags = (mirrored ? shared::kInstanceMirrored : 0u) |
-                              (scene_.meshes[instance.mesh].extras.empty() ? 0u : shared::kInstanceExtras)};
+                              (scene_.meshes[instance.mesh].extras.empty() ? 0u : shared::kInstanceExtras) |
+                              groupBits(index)};
   if (instance.removed) {
     bounds_[index] = kNowhere;
     return;
@@ -80,6 +81,19 @@ void GpuInstances::update(vk::Uploader& uploader, std::span<const uint32_t> chan
   for (const uint32_t index : changed) place(index, scene_.instances[index].toWorld, {}, nullptr);
   list_.upload(uploader, records_, changed);
   ++revision_;
+}
+
+uint32_t GpuInstances::groupBits(uint32_t instance) const {
+  return instance < groups_.size() ? groups_[instance] << shared::kInstanceGroupShift : 0;
+}
+
+// Neither the order of drawing nor what any of it holds depends on them.
+void GpuInstances::setGroups(vk::Uploader& uploader, const std::vector<uint32_t>& groups) {
+  if (groups == groups_) return;
+  groups_ = groups;
+  constexpr uint32_t kOthers = (1u << shared::kInstanceGroupShift) - 1;
+  for (uint32_t i = 0; i < records_.size(); ++i) records_[i].flags = (records_[i].flags & kOthers) | groupBits(i);
+  list_.upload(uploader, records_);
 }
 
 scene::Bounds GpuInstances::allBounds() const {

@@ -54,12 +54,14 @@ void DrawOrder::update(const GpuScene& scene) {
   });
 }
 
-DrawList DrawOrder::select(const GpuScene& scene, Kind kind, const std::function<bool(const Sphere&)>& wanted) const {
+DrawList DrawOrder::select(const GpuScene& scene, Kind kind, const std::function<bool(const Sphere&)>& wanted,
+                           uint32_t group) const {
   if (kind == Kind::Blended && !anyBlended_) return {};
   const GpuInstances& all = scene.instances();
   const auto look = [&](size_t begin, size_t end, std::vector<uint32_t>& found) {
     for (size_t i = begin; i < end; ++i) {
       const uint32_t instance = order_[i];
+      if (group != 0 && all.record(instance).flags >> shared::kInstanceGroupShift != group) continue;
       if (!hidden_[i] && isBlended(scene, instance) == (kind == Kind::Blended) && wanted(all.bounds(instance)))
         found.push_back(instance);
     }

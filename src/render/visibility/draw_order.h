@@ -31,8 +31,9 @@ class DrawOrder {
   void update(const GpuScene& scene);
 
   enum class Kind { Solid, Blended };  // opaque and masked; alpha-blended
-  // Those of a kind whose bounds are wanted, which is asked on all threads.
-  DrawList select(const GpuScene& scene, Kind kind, const std::function<bool(const Sphere&)>& wanted) const;
+  // Those of a kind whose bounds are wanted, which is asked on all threads. `group`: only those of it; 0: all.
+  DrawList select(const GpuScene& scene, Kind kind, const std::function<bool(const Sphere&)>& wanted,
+                  uint32_t group = 0) const;
 
  private:
   std::vector<uint32_t> order_;

@@ -44,9 +44,10 @@ DeviceDraws HardwareVisibility::select(DrawOrder::Kind kind, std::span<const sha
   parallelFor(views.size(), 1, [&](size_t begin, size_t end) {
     for (size_t view = begin; view < end; ++view) {
       const Frustum frustum(views[view]);
-      lists[view] = order_.select(scene_, kind, [&](const Sphere& bounds) {
+      const auto wanted = [&](const Sphere& bounds) {
         return frustum.touches(bounds) && (!options_.atCentres || frustum.holdsCentre(bounds));
-      });
+      };
+      lists[view] = order_.select(scene_, kind, wanted, views[view].group);
     }
   });
   return {device_, std::move(lists)};

@@ -41,6 +41,10 @@ bool facesAway(View view, RankedInstance r, Cluster c, mat4x3 toWorld) {
 
 bool partShows(View view, uint viewIndex, RankedInstance r, uint part) {
   if ((r.flags & kAsked) != kWanted || r.radius < 0.0) return false;
+  if (view.group != 0u) {
+    Instance instance = frameInstance(FrameRef(push.buffers.frame).v, r.instance);
+    if (instance.flags >> kInstanceGroupShift != view.group) return false;
+  }
   vec3 centre = r.centre;
   float radius = r.radius;
   if (r.clusters != uint64_t(0)) {

@@ -1,0 +1,207 @@
+#include "data/amodal.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <optional>
+#include <unordered_map>
+
+#include "render/view.h"
+#include "scene/framing.h"
+
+namespace latelight::data {
+
+namespace {
+
+constexpr uint64_t kPixelsAtOnce = uint64_t{1} << 25;  // of all views of a submission: 128 MiB of ids
+constexpr uint64_t kMostViews = 4096;                  // of a submission
+constexpr uint32_t kWidest = 16384;                    // as --size has it
+
+// How an object's box lies to a picture, by its corners.
+struct Place {
+  enum Lies { Outside, Across, Inside } lies;
+  double left, right, top, bottom;  // pixels that it may cover, and no others
+};
+
+Place placeOf(const shared::View& view, const glm::dmat4& viewFromObject, const Object& object) {
+  const shared::Projection& p = view.projection;
+  const bool perspective = p.kind == shared::kPerspective;
+  Place place{Place::Inside, view.size.x, 0, view.size.y, 0};
+  int beyond[4] = {0, 0, 0, 0};  // corners, of each side
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::dvec3 at((corner & 1) != 0 ? object.high.x : object.low.x,
+                        (corner & 2) != 0 ? object.high.y : object.low.y,
+                        (corner & 4) != 0 ? object.high.z : object.low.z);
+    const glm::dvec3 c(viewFromObject * glm::dvec4(at, 1));
+    const double w = perspective ? c.y : 1, slack = 1e-4 * (std::abs(c.x) + std::abs(c.y) + std::abs(c.z));
+    const double x = p.H * c.x + p.X * w, z = p.V * c.z + p.Z * w;
+    if ((perspective && w <= slack) || std::abs(x) >= w - slack || std::abs(z) >= w - slack) place.lies = Place::Across;
+    const double outside[4] = {x, -x, z, -z};
+    for (int side = 0; side < 4; ++side) beyond[side] += outside[side] > w + slack;
+    const bool seen = !perspective || w > slack;
+    const double column = (x / w + 1) / 2 * view.size.x, row = (1 - z / w) / 2 * view.size.y;
+    place.left = std::min(place.left, seen ? column - 2 : 0);
+    place.right = std::max(place.right, seen ? column + 2 : view.size.x);
+    place.top = std::min(place.top, seen ? row - 2 : 0);
+    place.bottom = std::max(place.bottom, seen ? row + 2 : view.size.y);
+  }
+  if (std::ranges::find(beyond, 8) != std::end(beyond)) place.lies = Place::Outside;
+  return place;
+}
+
+bool meet(const Place& a, const Place& b) {
+  return a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
+}
+
+struct Placed {
+  Object* object;
+  Place place;
+};
+using Group = std::vector<Placed>;
+
+// Into groups of which no two objects meet.
+std::vector<Group> apart(const std::vector<Placed>& objects) {
+  std::vector<Group> groups;
+  for (const Placed& placed : objects) {
+    const auto meets = [&](const Placed& other) { return meet(placed.place, other.place); };
+    const auto free =
+        std::ranges::find_if(groups, [&](const Group& group) { return std::ranges::none_of(group, meets); });
+    (free == groups.end() ? groups.emplace_back() : *free).push_back(placed);
+  }
+  return groups;
+}
+
+// The objects in a picture of a camera, and how they are rendered alone there.
+class Alone {
+ public:
+  Alone(render::Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
+        const render::Settings& settings, const render::Moment& moment)
+      : renderer_(renderer),
+        scene_(scene),
+        camera_(camera),
+        settings_(settings),
+        moment_{moment.poses, {}, {}, {}, false} {
+    settings_.display = false;
+    settings_.aovs = {output::Aov::Id};
+    const bool zUp = !scene.yUp || settings.axes == render::Axes::ZUp;
+    view_ = render::makeView(camera, settings.width, settings.height);
+    viewFromPositions_ = glm::dmat4(glm::mat4(view_.worldToView) * (zUp ? glm::mat4(1) : scene::toWorldFromGltf()));
+  }
+
+  Placed place(Object& object) const {
+    if (camera_.lens) return {&object, {Place::Inside, 0, view_.size.x, 0, view_.size.y}};
+    return {&object, placeOf(view_, viewFromPositions_ * object.toWorld, object)};
+  }
+
+  // Calls taken() with each picture, and the objects in it. While some pictures are looked at, the next are rendered.
+  using Taken = std::function<void(const Group&, const output::AovImage&)>;
+  void render(const std::vector<Placed>& objects, const Taken& taken) {
+    const std::vector<Group> groups = apart(objects);
+    const uint64_t pixels = uint64_t{settings_.width} * settings_.height;
+    const size_t most = std::clamp<uint64_t>(kPixelsAtOnce / pixels, 1, kMostViews);
+    std::optional<render::Ticket> before;
+    for (size_t first = 0; first < groups.size() + most; first += most) {
+      const size_t end = std::min(first + most, groups.size());
+      std::optional<render::Ticket> now;
+      if (first < end) now.emplace(submit(std::span(groups).subspan(first, end - first)));
+      if (before) {
+        const std::vector<output::FrameOutput> pictures = before->take();
+        for (size_t i = 0; i < pictures.size(); ++i) taken(groups[first - most + i], pictures[i].aovs.front());
+      }
+      before = std::move(now);
+    }
+  }
+
+ private:
+  render::Ticket submit(std::span<const Group> groups) {
+    std::unordered_map<uint32_t, uint32_t> groupOf;  // by id; from 1
+    for (uint32_t i = 0; i < groups.size(); ++i)
+      for (const Placed& placed : groups[i]) groupOf[placed.object->id] = i + 1;
+    moment_.groups.assign(scene_.instances.size(), 0);
+    for (size_t i = 0; i < scene_.instances.size(); ++i)
+      if (const auto group = groupOf.find(scene_.instances[i].id); group != groupOf.end())
+        moment_.groups[i] = group->second;
+    std::vector<scene::Camera> cameras(groups.size(), camera_);
+    for (uint32_t i = 0; i < cameras.size(); ++i) cameras[i].group = i + 1;
+    return renderer_.submit(cameras, settings_, moment_);
+  }
+
+  render::Renderer& renderer_;
+  const scene::Scene& scene_;
+  scene::Camera camera_;
+  render::Settings settings_;
+  render::Moment moment_;
+  shared::View view_;
+  glm::dmat4 viewFromPositions_;
+};
+
+void takeMasks(const Group& group, const output::AovImage& ids) {
+  std::map<uint32_t, Mask> masks = masksOf(ids);
+  for (const Placed& placed : group) {
+    const auto mask = masks.find(placed.object->id);
+    if (mask == masks.end()) continue;
+    placed.object->pixels = mask->second.area();
+    placed.object->full = mask->second.box();
+    placed.object->alone = std::move(mask->second);
+  }
+}
+
+// The same camera's view of a picture three times as wide and high, around its own; nothing where there is none.
+std::optional<scene::Camera> widened(const scene::Camera& camera, const render::Settings& settings) {
+  if (camera.lens || 3 * std::max(settings.width, settings.height) > kWidest) return std::nullopt;
+  scene::Camera wide = camera;
+  wide.verticalFov = 2 * std::atan(3 * std::tan(camera.verticalFov / 2));
+  wide.yHalf = 3 * camera.yHalf;
+  wide.principal = camera.principal / 3.0f;
+  if (!wide.orthographic && !scene::showsSomething(wide.verticalFov)) return std::nullopt;
+  return wide;
+}
+
+PixelBox around(const PixelBox& a, const PixelBox& b) {
+  if (a.width == 0) return b;
+  const int64_t x = std::min(a.x, b.x), y = std::min(a.y, b.y);
+  return {x, y, std::max(a.x + a.width, b.x + b.width) - x, std::max(a.y + a.height, b.y + b.height) - y};
+}
+
+// Adds what a picture three times as large shows of objects outside of its middle.
+void addBeyond(const Group& group, const output::AovImage& wide) {
+  std::unordered_map<uint32_t, Object*> objects;
+  for (const Placed& placed : group) objects[placed.object->id] = placed.object;
+  const uint32_t width = wide.width / 3, height = wide.height / 3;
+  for (uint32_t y = 0; y < wide.height; ++y)
+    for (uint32_t x = 0; x < wide.width; ++x) {
+      const uint32_t id = wide.ids[size_t{y} * wide.width + x];
+      const bool middle = x >= width && x < 2 * width && y >= height && y < 2 * height;
+      if (id == 0 || middle) continue;
+      Object& object = *objects.at(id);
+      ++object.pixels;
+      object.full = around(object.full, {int64_t{x} - width, int64_t{y} - height, 1, 1});
+    }
+}
+
+}  // namespace
+
+void renderAlone(render::Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
+                 const render::Settings& settings, const render::Moment& moment, std::vector<Object>& objects) {
+  Alone alone(renderer, scene, camera, settings, moment);
+  std::vector<Placed> seen;
+  std::vector<Object*> across;
+  for (Object& object : objects) {
+    object.alone = {settings.width, settings.height, {settings.width * settings.height}};
+    const Placed placed = alone.place(object);
+    if (placed.place.lies != Place::Outside) seen.push_back(placed);
+    if (placed.place.lies == Place::Across) across.push_back(&object);
+  }
+  alone.render(seen, takeMasks);
+  const std::optional<scene::Camera> wide = widened(camera, settings);
+  if (!wide) return;
+  render::Settings large = settings;
+  large.width *= 3;
+  large.height *= 3;
+  Alone beyond(renderer, scene, *wide, large, moment);
+  std::vector<Placed> placed;
+  for (Object* object : across) placed.push_back(beyond.place(*object));
+  beyond.render(placed, addBeyond);
+}
+
+}  // namespace latelight::data

@@ -1,0 +1,29 @@
+#include "data/extras.h"
+
+#include <algorithm>
+
+#include "data/amodal.h"
+
+namespace latelight::data {
+
+Extras both(const Extras& a, const Extras& b) {
+  return {a.boxes || b.boxes, a.alone || b.alone, std::max(a.samples, b.samples)};
+}
+
+void renderExtras(render::Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
+                  const render::Settings& settings, const render::Moment& moment, const Extras& needed,
+                  DataFrame& frame) {
+  if (needed.boxes || needed.alone)
+    frame.objects = objectsOf(scene, moment.poses.current, settings.axes == render::Axes::ZUp);
+  if (needed.alone) renderAlone(renderer, scene, camera, settings, moment, frame.objects);
+  if (needed.samples == 0) return;
+  render::Settings fine = settings;
+  fine.width *= needed.samples;
+  fine.height *= needed.samples;
+  fine.display = false;
+  fine.aovs = {output::Aov::Id, output::Aov::Material};
+  render::Moment poses{moment.poses, {}, {}, {}, false};
+  frame.samples = std::move(renderer.render({&camera, 1}, fine, poses).front());
+}
+
+}  // namespace latelight::data

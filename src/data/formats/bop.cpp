@@ -1,0 +1,190 @@
+// The layout of the Benchmark for 6D Object Pose Estimation (BOP): pictures, depth and masks below a folder a scene,
+// with the poses of objects and cameras. Millimetres.
+#include <fmt/format.h>
+
+#include <map>
+#include <set>
+
+#include "base/error.h"
+#include "data/formats/depth_png.h"
+#include "data/formats/formats.h"
+#include "data/formats/frame_files.h"
+#include "data/formats/geometry.h"
+#include "data/formats/names.h"
+#include "data/formats/options.h"
+#include "output/png.h"
+
+namespace latelight::data {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kMillimetres = 1000;  // a metre
+
+Json bopRotation(const glm::dmat4& m) {
+  Json rows = Json::array();
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 3; ++column) rows.push_back(m[column][row]);
+  return rows;
+}
+
+Json bopTranslation(const glm::dmat4& m) {
+  return {m[3].x * kMillimetres, m[3].y * kMillimetres, m[3].z * kMillimetres};
+}
+
+Json bopBox(const PixelBox& box) {
+  if (box.width == 0) return {-1, -1, -1, -1};
+  return {box.x, box.y, box.width, box.height};
+}
+
+// The picture over black, without alpha.
+std::vector<std::byte> opaquePng(const output::FrameOutput& picture) {
+  std::vector<uint8_t> rgb(picture.display.size() / 4 * 3);
+  for (size_t i = 0; i < rgb.size(); ++i) {
+    const uint8_t* pixel = &picture.display[i / 3 * 4];
+    rgb[i] = static_cast<uint8_t>((pixel[i % 3] * pixel[3] + 127) / 255);
+  }
+  return output::encodePng(picture.width, picture.height, 3, 8, reinterpret_cast<const std::byte*>(rgb.data()),
+                           output::PngLight::Srgb);
+}
+
+std::vector<std::byte> maskPng(const Mask& mask) {
+  const std::vector<uint8_t> pixels = mask.pixels();
+  return output::encodePng(mask.width, mask.height, 1, 8, reinterpret_cast<const std::byte*>(pixels.data()),
+                           output::PngLight::Data);
+}
+
+class Bop : public Format {
+ public:
+  explicit Bop(const Json& json) {
+    FormatOptions options("bop", json);
+    split_ = options.setFile("split", "train", "");
+    depthScale_ = options.number("depth-scale", 1, 1e-3, 1e4);
+    options.finish();
+  }
+
+  std::vector<output::Aov> needs() const override { return {output::Aov::Id, output::Aov::Depth}; }
+  bool needsDisplay() const override { return true; }
+  Extras needsExtras() const override { return {.boxes = true, .alone = true}; }
+
+  FrameRecord writeFrame(const DataFrame& frame, const std::filesystem::path& folder) const override {
+    if (frame.metadata.camera.orthographic)
+      badUsage("the format bop holds no orthographic camera, which \"{}\" is", frame.metadata.camera.name);
+    const output::AovImage& depth = imageOf(frame.picture, output::Aov::Depth);
+    const double stepsPerMetre = kMillimetres / depthScale_;
+    FrameRecord record;
+    const std::string scene = sceneFolder(frame.scene);
+    writeOf(record, folder, fmt::format("{}/rgb/{:06}.png", scene, frame.index), opaquePng(frame.picture));
+    writeOf(record, folder, fmt::format("{}/depth/{:06}.png", scene, frame.index),
+            encodeDepthPng(depth, stepsPerMetre));
+    const std::vector<uint16_t> steps = depthSteps(depth, stepsPerMetre);
+    std::map<uint32_t, Mask> visible = masksOf(imageOf(frame.picture, output::Aov::Id));
+    Json objects = Json::array();
+    for (const Object& object : frame.objects) {
+      if (object.alone.area() == 0) continue;
+      Mask& seen = visible[object.id];
+      if (seen.runs.empty()) seen = {depth.width, depth.height, {depth.width * depth.height}};
+      for (const auto& [kind, mask] : {std::pair("mask", &object.alone), std::pair("mask_visib", &std::as_const(seen))})
+        writeOf(record, folder, fmt::format("{}/{}/{:06}_{:06}.png", scene, kind, frame.index, objects.size()),
+                maskPng(*mask));
+      objects.push_back(describe(frame, object, seen, steps));
+    }
+    record.entry = {
+        {"scene", frame.scene}, {"image", frame.index}, {"camera", cameraOf(frame)}, {"objects", std::move(objects)}};
+    return record;
+  }
+
+  std::vector<std::string> writeSet(std::span<const Json> entries, const std::filesystem::path& folder) const override {
+    const std::map<std::string, Json> models = modelsOf(entries);
+    std::map<std::string, Json> files;
+    for (const Json& entry : entries) {
+      const std::string scene = sceneFolder(entry["scene"].get<uint32_t>());
+      const std::string image = std::to_string(entry["image"].get<uint64_t>());
+      files[scene + "/scene_camera.json"][image] = entry["camera"];
+      Json& poses = files[scene + "/scene_gt.json"][image] = Json::array();
+      Json& infos = files[scene + "/scene_gt_info.json"][image] = Json::array();
+      for (const Json& object : entry["objects"]) {
+        Json pose = object["pose"];
+        pose["obj_id"] = models.at(object["model"].get<std::string>())["number"];
+        poses.push_back(std::move(pose));
+        infos.push_back(object["info"]);
+      }
+    }
+    for (const auto& [name, model] : models)
+      files["models/models_info.json"][std::to_string(model["number"].get<size_t>())] = model["info"];
+    std::vector<std::string> written;
+    for (const auto& [name, json] : files) {
+      const std::string text = jsonText(json);
+      writeBelow(folder, name, std::as_bytes(std::span(text)));
+      written.push_back(name);
+    }
+    return written;
+  }
+
+ private:
+  std::string sceneFolder(uint32_t scene) const { return fmt::format("{}/{:06}", split_, scene); }
+
+  // OpenCV's pixels: the first one's centre is (0, 0).
+  Json cameraOf(const DataFrame& frame) const {
+    std::array<double, 9> k = frame.metadata.camera.intrinsics;
+    k[2] -= 0.5;
+    k[5] -= 0.5;
+    const glm::dmat4 fromWorld = openCvFromWorld(frame.metadata.camera);
+    return {{"cam_K", k},
+            {"depth_scale", depthScale_},
+            {"cam_R_w2c", bopRotation(fromWorld)},
+            {"cam_t_w2c", bopTranslation(fromWorld)}};
+  }
+
+  static Json describe(const DataFrame& frame, const Object& object, const Mask& visible,
+                       const std::vector<uint16_t>& steps) {
+    const std::vector<uint8_t> alone = object.alone.pixels();
+    uint64_t valid = 0;
+    for (size_t i = 0; i < alone.size(); ++i) valid += alone[i] != 0 && steps[i] != 0;
+    const uint64_t pixels = visible.area();
+    const glm::dmat4 toCamera = openCvFromWorld(frame.metadata.camera) * object.toWorld;
+    const output::IdEntry* entry = entryOf(frame.metadata.ids, object.id);
+    const std::string name = !entry ? std::to_string(object.id) : entry->mesh.empty() ? nameOf(*entry) : entry->mesh;
+    const glm::dvec3 low = object.low * kMillimetres, size = (object.high - object.low) * kMillimetres;
+    return {{"model", fmt::format("{} {:.4g} {:.4g} {:.4g}", name, size.x, size.y, size.z)},
+            {"modelInfo",
+             {{"min_x", low.x},
+              {"min_y", low.y},
+              {"min_z", low.z},
+              {"size_x", size.x},
+              {"size_y", size.y},
+              {"size_z", size.z},
+              {"name", name}}},
+            {"pose", {{"cam_R_m2c", bopRotation(toCamera)}, {"cam_t_m2c", bopTranslation(toCamera)}}},
+            {"info",
+             {{"bbox_obj", bopBox(object.full)},
+              {"bbox_visib", bopBox(visible.box())},
+              {"px_count_all", object.pixels},
+              {"px_count_valid", valid},
+              {"px_count_visib", pixels},
+              {"visib_fract", static_cast<double>(pixels) / static_cast<double>(object.pixels)}}}};
+  }
+
+  // Numbered from 1 by their names: a mesh in each of its sizes, since poses have no scale.
+  static std::map<std::string, Json> modelsOf(std::span<const Json> entries) {
+    std::map<std::string, Json> models;
+    for (const Json& entry : entries)
+      for (const Json& object : entry["objects"])
+        models.try_emplace(object["model"].get<std::string>(), Json{{"info", object["modelInfo"]}});
+    size_t number = 0;
+    for (auto& [name, model] : models) model["number"] = ++number;
+    return models;
+  }
+
+  std::string split_;
+  double depthScale_;
+};
+
+}  // namespace
+
+std::unique_ptr<Format> makeBop(const Json& options) {
+  return std::make_unique<Bop>(options);
+}
+
+}  // namespace latelight::data

@@ -1,0 +1,106 @@
+// Boxes of objects, one JSON file a frame: around what is visible, around all of each, and in space.
+#include <glm/matrix.hpp>
+
+#include "data/formats/formats.h"
+#include "data/formats/frame_files.h"
+#include "data/formats/geometry.h"
+#include "data/formats/names.h"
+#include "data/formats/options.h"
+
+namespace latelight::data {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json extentOf(uint64_t pixels, const PixelBox& box) {
+  return {{"pixels", pixels}, {"box", {box.x, box.y, box.width, box.height}}};
+}
+
+// Where points of the camera's frame are seen: [x, y, depth], or null behind a perspective camera.
+Json projected(const output::CameraMetadata& camera, glm::dvec3 at) {
+  const auto& k = camera.intrinsics;
+  const double w = camera.orthographic ? 1 : at.z;
+  if (!(w > 0)) return nullptr;
+  return {(k[0] * at.x + k[1] * at.y) / w + k[2], (k[3] * at.x + k[4] * at.y) / w + k[5], at.z};
+}
+
+// The box in space: its middle is the origin of its own frame.
+Json boxInSpace(const Object& object, const output::CameraMetadata& camera) {
+  glm::dmat4 toWorld = object.toWorld;
+  toWorld[3] = object.toWorld * glm::dvec4((object.low + object.high) * 0.5, 1);
+  const glm::dmat4 fromWorld = openCvFromWorld(camera);
+  const glm::dvec3 size = object.high - object.low;
+  Json corners = Json::array();
+  for (const glm::dvec3 corner : cornersOf(object))
+    corners.push_back(projected(camera, glm::dvec3(fromWorld * object.toWorld * glm::dvec4(corner, 1))));
+  return {{"size", {size.x, size.y, size.z}},
+          {"toWorld", rowsOf(toWorld)},
+          {"toCamera", rowsOf(fromWorld * toWorld)},
+          {"corners", corners}};
+}
+
+class Boxes : public Format {
+ public:
+  explicit Boxes(const Json& json) {
+    FormatOptions options("boxes", json);
+    file_ = options.frameFile("file", "boxes/{name}.json", ".json");
+    whole_ = options.flag("whole", true);
+    options.finish();
+  }
+
+  std::vector<output::Aov> needs() const override { return {output::Aov::Id}; }
+  Extras needsExtras() const override { return {.boxes = true, .alone = whole_}; }
+
+  FrameRecord writeFrame(const DataFrame& frame, const std::filesystem::path& folder) const override {
+    const std::map<uint32_t, Mask> visible = masksOf(imageOf(frame.picture, output::Aov::Id));
+    const output::CameraMetadata& camera = frame.metadata.camera;
+    Json objects = Json::array();
+    for (const Object& object : frame.objects) {
+      const auto found = visible.find(object.id);
+      const Mask* mask = found == visible.end() ? nullptr : &found->second;
+      if (mask || object.pixels > 0) objects.push_back(describe(frame, object, mask));
+    }
+    const Json json{{"frame", frame.index},
+                    {"name", frame.name},
+                    {"width", frame.picture.width},
+                    {"height", frame.picture.height},
+                    {"world", frame.metadata.axes},
+                    {"camera", {{"K", camera.intrinsics}, {"worldToCamera", rowsOf(openCvFromWorld(camera))}}},
+                    {"objects", objects}};
+    const std::string text = jsonText(json);
+    FrameRecord record;
+    writeOf(record, folder, frameFile(file_, frame), std::as_bytes(std::span(text)));
+    return record;
+  }
+
+ private:
+  Json describe(const DataFrame& frame, const Object& object, const Mask* visible) const {
+    Json json{{"id", object.id}};
+    if (const output::IdEntry* entry = entryOf(frame.metadata.ids, object.id)) {
+      json["node"] = nameOf(*entry);
+      json["mesh"] = entry->mesh;
+      json["materials"] = frame.metadata.ids.materialsOf(*entry);
+    }
+    const uint64_t pixels = visible ? visible->area() : 0;
+    json["visible"] = extentOf(pixels, visible ? visible->box() : PixelBox{});
+    if (whole_) {
+      json["whole"] = extentOf(object.pixels, object.full);
+      json["whole"]["pixelsInPicture"] = object.alone.area();
+      json["visibleShare"] = static_cast<double>(pixels) / static_cast<double>(object.pixels);
+    }
+    json["box"] = boxInSpace(object, frame.metadata.camera);
+    return json;
+  }
+
+  std::string file_;
+  bool whole_;
+};
+
+}  // namespace
+
+std::unique_ptr<Format> makeBoxes(const Json& options) {
+  return std::make_unique<Boxes>(options);
+}
+
+}  // namespace latelight::data

@@ -1,0 +1,187 @@
+// COCO's instances: one JSON file for the set, with a box, a mask and a category for each visible object.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <regex>
+#include <set>
+
+#include "base/error.h"
+#include "base/files.h"
+#include "data/formats/formats.h"
+#include "data/formats/frame_files.h"
+#include "data/formats/names.h"
+#include "data/formats/options.h"
+
+namespace latelight::data {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Which category an object has.
+class Categories {
+ public:
+  explicit Categories(const Json* spec) {
+    if (!spec) return;
+    const std::string name = spec->is_string() ? spec->get<std::string>() : "";
+    if (spec->is_object())
+      readRules(*spec);
+    else if (name.ends_with(".json"))
+      readRules(rulesIn(name));
+    else if (name == "mesh" || name == "node" || name == "material")
+      from_ = name;
+    else
+      badUsage("{}", kTakes);
+  }
+
+  // Empty: it has none, and is left out.
+  std::string of(const output::IdEntry& entry, const output::IdManifest& ids) const {
+    if (rules_.empty()) return named(entry, ids);
+    for (const auto& [pattern, category] : rules_)
+      if (std::regex_search(nameOf(entry), pattern)) return category;
+    return "";
+  }
+
+  // Categories that there are whether anything has them or not, in the order of their numbers.
+  std::vector<std::string> fixed() const {
+    std::vector<std::string> names;
+    for (const auto& [pattern, category] : rules_)
+      if (std::ranges::find(names, category) == names.end()) names.push_back(category);
+    return names;
+  }
+
+ private:
+  static constexpr std::string_view kTakes =
+      "categories of the format coco takes mesh, node, material, an object of regular expressions of nodes' paths and "
+      "the category of each, or a .json file with such an object";
+
+  static Json rulesIn(const std::string& path) {
+    const std::vector<std::byte> bytes = readFile(path);
+    const auto* text = reinterpret_cast<const char*>(bytes.data());
+    Json json = Json::parse(text, text + bytes.size(), nullptr, false);
+    if (!json.is_object()) badInput("'{}' is not a JSON object of regular expressions and categories", path);
+    return json;
+  }
+
+  void readRules(const Json& rules) {
+    for (const auto& [pattern, category] : rules.items()) {
+      if (!category.is_string() || category.get_ref<const std::string&>().empty()) badUsage("{}", kTakes);
+      try {
+        rules_.emplace_back(std::regex(pattern, std::regex::ECMAScript), category.get<std::string>());
+      } catch (const std::regex_error&) {
+        badUsage("categories of the format coco has \"{}\", which is no regular expression", pattern);
+      }
+    }
+    if (rules_.empty()) badUsage("{}", kTakes);
+  }
+
+  std::string named(const output::IdEntry& entry, const output::IdManifest& ids) const {
+    const std::vector<std::string> materials =
+        from_ == "material" ? ids.materialsOf(entry) : std::vector<std::string>();
+    const std::string& name = from_ == "node" ? entry.node : materials.empty() ? entry.mesh : materials.front();
+    return name.empty() ? entry.node : name;
+  }
+
+  std::string from_ = "mesh";
+  std::vector<std::pair<std::regex, std::string>> rules_;
+};
+
+Json boxOf(const PixelBox& box) {
+  return {box.x, box.y, box.width, box.height};
+}
+
+class Coco : public Format {
+ public:
+  explicit Coco(const Json& json) : Coco(json, FormatOptions("coco", json)) {}
+
+  std::vector<output::Aov> needs() const override { return {output::Aov::Id}; }
+  bool needsDisplay() const override { return writesPictures_; }
+
+  FrameRecord writeFrame(const DataFrame& frame, const std::filesystem::path& folder) const override {
+    FrameRecord record;
+    const std::string picture = frameFile(picture_, frame);
+    if (writesPictures_) writeOf(record, folder, picture, displayPng(frame.picture));
+    const output::AovImage& ids = imageOf(frame.picture, output::Aov::Id);
+    Json objects = Json::array();
+    for (const auto& [id, mask] : masksOf(ids)) {
+      const output::IdEntry* entry = entryOf(frame.metadata.ids, id);
+      const std::string category = entry ? categories_.of(*entry, frame.metadata.ids) : "";
+      if (category.empty()) continue;
+      objects.push_back({{"category", category},
+                         {"area", mask.area()},
+                         {"bbox", boxOf(mask.box())},
+                         {"segmentation", {{"size", {mask.height, mask.width}}, {"counts", mask.counts()}}},
+                         {"object", id},
+                         {"node", nameOf(*entry)}});
+    }
+    record.entry = {{"id", frame.index},
+                    {"file_name", picture},
+                    {"width", ids.width},
+                    {"height", ids.height},
+                    {"objects", objects}};
+    return record;
+  }
+
+  std::vector<std::string> writeSet(std::span<const Json> entries, const std::filesystem::path& folder) const override {
+    std::map<std::string, uint64_t> numbers;
+    Json set{{"info", {{"description", "rendered by Latelight"}}}, {"licenses", Json::array()}};
+    set["images"] = Json::array();
+    set["annotations"] = Json::array();
+    set["categories"] = categoriesOf(entries, numbers);
+    for (const Json& entry : entries) {
+      Json image = entry;
+      image.erase("objects");
+      set["images"].push_back(std::move(image));
+      for (const Json& object : entry["objects"]) {
+        Json annotation{{"id", set["annotations"].size() + 1},
+                        {"image_id", entry["id"]},
+                        {"category_id", numbers.at(object["category"].get<std::string>())},
+                        {"iscrowd", 0}};
+        annotation.update(object);
+        annotation.erase("category");
+        set["annotations"].push_back(std::move(annotation));
+      }
+    }
+    const std::string text = jsonText(set);
+    writeBelow(folder, file_, std::as_bytes(std::span(text)));
+    return {file_};
+  }
+
+ private:
+  Coco(const Json& json, FormatOptions options) : categories_(options.find("categories")) {
+    file_ = options.setFile("file", "annotations/instances.json", ".json");
+    picture_ = options.frameFile("picture", "images/{name}.png", ".png");
+    writesPictures_ = options.flag("write-pictures", true);
+    options.finish();
+  }
+
+  // Numbered from 1: those of a mapping in its order, others by their names.
+  Json categoriesOf(std::span<const Json> entries, std::map<std::string, uint64_t>& numbers) const {
+    std::vector<std::string> names = categories_.fixed();
+    if (names.empty()) {
+      std::set<std::string> seen;
+      for (const Json& entry : entries)
+        for (const Json& object : entry["objects"]) seen.insert(object["category"].get<std::string>());
+      names.assign(seen.begin(), seen.end());
+    }
+    Json categories = Json::array();
+    for (const std::string& name : names) {
+      numbers[name] = categories.size() + 1;
+      categories.push_back({{"id", categories.size() + 1}, {"name", name}, {"supercategory", ""}});
+    }
+    return categories;
+  }
+
+  Categories categories_;
+  std::string file_, picture_;
+  bool writesPictures_ = true;
+};
+
+}  // namespace
+
+std::unique_ptr<Format> makeCoco(const Json& options) {
+  return std::make_unique<Coco>(options);
+}
+
+}  // namespace latelight::data

@@ -1,0 +1,60 @@
+// Depth as PNG of 16 bits.
+#include <cmath>
+
+#include "data/formats/depth_png.h"
+#include "data/formats/formats.h"
+#include "data/formats/frame_files.h"
+#include "data/formats/options.h"
+#include "output/png.h"
+
+namespace latelight::data {
+
+namespace {
+
+class DepthPng : public Format {
+ public:
+  explicit DepthPng(const nlohmann::ordered_json& json) {
+    FormatOptions options("depth-png", json);
+    file_ = options.frameFile("file", "depth/{name}.png", ".png");
+    aov_ = options.choice("output", {"depth", "distance"}) == "depth" ? output::Aov::Depth : output::Aov::Distance;
+    const bool kitti = options.choice("unit", {"mm", "kitti"}) == "kitti";
+    stepsPerMetre_ = 1000 / options.number("scale", kitti ? 1000.0 / 256 : 1, 1e-3, 1e4);
+    options.finish();
+  }
+
+  std::vector<output::Aov> needs() const override { return {aov_}; }
+
+  FrameRecord writeFrame(const DataFrame& frame, const std::filesystem::path& folder) const override {
+    FrameRecord record;
+    writeOf(record, folder, frameFile(file_, frame), encodeDepthPng(imageOf(frame.picture, aov_), stepsPerMetre_));
+    return record;
+  }
+
+ private:
+  std::string file_;
+  output::Aov aov_;
+  double stepsPerMetre_;
+};
+
+}  // namespace
+
+std::vector<uint16_t> depthSteps(const output::AovImage& depth, double stepsPerMetre) {
+  std::vector<uint16_t> steps(depth.values.size(), 0);
+  for (size_t i = 0; i < steps.size(); ++i) {
+    const double rounded = std::floor(depth.values[i] * stepsPerMetre + 0.5);
+    if (rounded >= 1 && rounded <= 65535) steps[i] = static_cast<uint16_t>(rounded);
+  }
+  return steps;
+}
+
+std::vector<std::byte> encodeDepthPng(const output::AovImage& depth, double stepsPerMetre) {
+  const std::vector<uint16_t> steps = depthSteps(depth, stepsPerMetre);
+  return output::encodePng(depth.width, depth.height, 1, 16, reinterpret_cast<const std::byte*>(steps.data()),
+                           output::PngLight::Data);
+}
+
+std::unique_ptr<Format> makeDepthPng(const nlohmann::ordered_json& options) {
+  return std::make_unique<DepthPng>(options);
+}
+
+}  // namespace latelight::data

@@ -1,0 +1,81 @@
+// Optical flow: Middlebury's .flo, and KITTI's PNG.
+#include <bit>
+#include <cmath>
+#include <cstring>
+
+#include "data/formats/formats.h"
+#include "data/formats/frame_files.h"
+#include "data/formats/options.h"
+#include "output/png.h"
+
+namespace latelight::data {
+
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "values are written as they lie in memory");
+
+// The two channels of motion from `first` on, pixel by pixel.
+std::vector<float> flowOf(const output::AovImage& motion, size_t first) {
+  std::vector<float> flow(motion.values.size() / 2);
+  for (size_t i = 0; i < flow.size(); ++i) flow[i] = motion.values[i / 2 * 4 + first + i % 2];
+  return flow;
+}
+
+std::vector<std::byte> encodeFlo(uint32_t width, uint32_t height, const std::vector<float>& flow) {
+  constexpr char kMagic[4] = {'P', 'I', 'E', 'H'};
+  std::vector<std::byte> bytes(sizeof(kMagic) + 8 + flow.size() * sizeof(float));
+  std::memcpy(bytes.data(), kMagic, 4);
+  std::memcpy(bytes.data() + 4, &width, 4);
+  std::memcpy(bytes.data() + 8, &height, 4);
+  std::memcpy(bytes.data() + 12, flow.data(), flow.size() * sizeof(float));
+  return bytes;
+}
+
+// Red and green are 64 v + 2^15 of 16 bits; blue is 1, and 0 where that can't hold the flow.
+std::vector<std::byte> encodeKittiFlow(uint32_t width, uint32_t height, const std::vector<float>& flow) {
+  std::vector<uint16_t> codes(flow.size() / 2 * 3, 0);
+  for (size_t i = 0; i < flow.size() / 2; ++i) {
+    const double u = std::floor(64.0 * flow[2 * i] + 32768.5), v = std::floor(64.0 * flow[2 * i + 1] + 32768.5);
+    if (!(u >= 0 && u <= 65535 && v >= 0 && v <= 65535)) continue;
+    codes[3 * i] = static_cast<uint16_t>(u);
+    codes[3 * i + 1] = static_cast<uint16_t>(v);
+    codes[3 * i + 2] = 1;
+  }
+  return output::encodePng(width, height, 3, 16, reinterpret_cast<const std::byte*>(codes.data()),
+                           output::PngLight::Data);
+}
+
+class Flow : public Format {
+ public:
+  explicit Flow(const nlohmann::ordered_json& json) {
+    FormatOptions options("flow", json);
+    kitti_ = options.choice("as", {"flo", "kitti"}) == "kitti";
+    file_ = options.frameFile("file", kitti_ ? "flow/{name}.png" : "flow/{name}.flo", kitti_ ? ".png" : ".flo");
+    first_ = options.choice("to", {"next", "previous"}) == "next" ? 2 : 0;
+    options.finish();
+  }
+
+  std::vector<output::Aov> needs() const override { return {output::Aov::Motion}; }
+
+  FrameRecord writeFrame(const DataFrame& frame, const std::filesystem::path& folder) const override {
+    const output::AovImage& motion = imageOf(frame.picture, output::Aov::Motion);
+    const std::vector<float> flow = flowOf(motion, first_);
+    FrameRecord record;
+    writeOf(record, folder, frameFile(file_, frame),
+            (kitti_ ? encodeKittiFlow : encodeFlo)(motion.width, motion.height, flow));
+    return record;
+  }
+
+ private:
+  bool kitti_;
+  std::string file_;
+  size_t first_;
+};
+
+}  // namespace
+
+std::unique_ptr<Format> makeFlow(const nlohmann::ordered_json& options) {
+  return std::make_unique<Flow>(options);
+}
+
+}  // namespace latelight::data

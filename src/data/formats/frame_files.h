@@ -1,0 +1,34 @@
+// What formats share in writing a frame's files.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "data/format.h"
+
+namespace latelight::data {
+
+// Throws Error(Internal) where the frame lacks the output.
+const output::AovImage& imageOf(const output::FrameOutput& picture, output::Aov aov);
+
+// A pattern with the frame's name for "{name}".
+std::string frameFile(std::string_view pattern, const DataFrame& frame);
+
+// Writes a file below the data set's folder, whole or not at all; folders are made.
+void writeBelow(const std::filesystem::path& folder, const std::string& name, std::span<const std::byte> bytes);
+// The same; the frame has it then.
+void writeOf(FrameRecord& record, const std::filesystem::path& folder, const std::string& name,
+             std::span<const std::byte> bytes);
+
+// The picture for viewing, as PNG.
+std::vector<std::byte> displayPng(const output::FrameOutput& picture);
+
+// On one line; names need not be UTF-8.
+std::string jsonText(const nlohmann::ordered_json& json);
+
+}  // namespace latelight::data

@@ -1,0 +1,111 @@
+// All outputs of a frame in one NPZ file: NPY arrays in a ZIP archive, as numpy.savez writes it. A library
+// that writes archives would bring ciphers and compressors along, for every start of the program to load.
+#include <zlib.h>
+
+#include <string>
+
+#include "base/error.h"
+#include "data/formats/formats.h"
+#include "data/formats/frame_files.h"
+#include "data/formats/options.h"
+#include "output/npy.h"
+
+namespace latelight::data {
+
+namespace {
+
+// An archive of files that are not compressed (PKWARE's APPNOTE, 4.3). The same files give the same bytes.
+class ZipArchive {
+ public:
+  void add(const std::string& name, const std::vector<std::byte>& contents) {
+    const size_t offset = bytes_.size();
+    const auto crc =
+        static_cast<uint32_t>(crc32_z(0, reinterpret_cast<const Bytef*>(contents.data()), contents.size()));
+    put(bytes_, 0x04034b50, 4);
+    describe(bytes_, name, crc, contents.size());
+    putText(bytes_, name);
+    bytes_.insert(bytes_.end(), contents.begin(), contents.end());
+
+    put(directory_, 0x02014b50, 4);
+    put(directory_, kVersion, 2);  // that made it
+    describe(directory_, name, crc, contents.size());
+    put(directory_, 0, 10);  // comment, disk, attributes
+    put(directory_, offset, 4);
+    putText(directory_, name);
+    ++files_;
+  }
+
+  std::vector<std::byte> finish() {
+    const size_t begin = bytes_.size();
+    if (begin + directory_.size() > kMost) badUsage("an NPZ file holds up to 4 GiB; ask for fewer outputs or pixels");
+    bytes_.insert(bytes_.end(), directory_.begin(), directory_.end());
+    put(bytes_, 0x06054b50, 4);
+    put(bytes_, 0, 4);  // disks
+    put(bytes_, files_, 2);
+    put(bytes_, files_, 2);
+    put(bytes_, directory_.size(), 4);
+    put(bytes_, begin, 4);
+    put(bytes_, 0, 2);  // comment
+    return std::move(bytes_);
+  }
+
+ private:
+  static constexpr uint64_t kMost = 0xffffffff;
+  static constexpr uint64_t kVersion = 20;
+  static constexpr uint64_t kFirstDay = 1 << 5 | 1;  // 1 January 1980, the calendar's first
+
+  static void put(std::vector<std::byte>& out, uint64_t value, int bytes) {
+    for (int i = 0; i < bytes; ++i) out.push_back(static_cast<std::byte>(i < 8 ? value >> 8 * i : 0));
+  }
+  static void putText(std::vector<std::byte>& out, const std::string& text) {
+    for (const char c : text) out.push_back(static_cast<std::byte>(c));
+  }
+  // What a file's own header and the directory have in common.
+  static void describe(std::vector<std::byte>& out, const std::string& name, uint32_t crc, uint64_t size) {
+    put(out, kVersion, 2);  // that reads it
+    put(out, 0, 4);         // flags, no compression
+    put(out, kFirstDay << 16, 4);
+    put(out, crc, 4);
+    put(out, size, 4);
+    put(out, size, 4);
+    put(out, name.size(), 2);
+    put(out, 0, 2);  // extra field
+  }
+
+  std::vector<std::byte> bytes_, directory_;
+  size_t files_ = 0;
+};
+
+class Npz : public Format {
+ public:
+  explicit Npz(const nlohmann::ordered_json& json) {
+    FormatOptions options("npz", json);
+    using output::Aov;
+    outputs_ = options.outputs("outputs", {Aov::Color, Aov::Depth, Aov::Normal, Aov::Id});
+    file_ = options.frameFile("file", "{name}.npz", ".npz");
+    options.finish();
+  }
+
+  std::vector<output::Aov> needs() const override { return outputs_; }
+
+  FrameRecord writeFrame(const DataFrame& frame, const std::filesystem::path& folder) const override {
+    ZipArchive archive;
+    for (const output::Aov aov : outputs_)
+      archive.add(std::string(output::info(aov).name) + ".npy", output::encodeNpy(imageOf(frame.picture, aov)));
+    FrameRecord record;
+    writeOf(record, folder, frameFile(file_, frame), archive.finish());
+    return record;
+  }
+
+ private:
+  std::vector<output::Aov> outputs_;
+  std::string file_;
+};
+
+}  // namespace
+
+std::unique_ptr<Format> makeNpz(const nlohmann::ordered_json& options) {
+  return std::make_unique<Npz>(options);
+}
+
+}  // namespace latelight::data

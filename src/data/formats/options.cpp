@@ -1,0 +1,87 @@
+#include "data/formats/options.h"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "base/error.h"
+
+namespace latelight::data {
+
+using Json = nlohmann::ordered_json;
+
+const Json* FormatOptions::find(std::string_view key) {
+  known_.emplace_back(key);
+  const auto found = options_.find(std::string(key));
+  return found == options_.end() ? nullptr : &*found;
+}
+
+void FormatOptions::wrong(std::string_view key, std::string_view takes) const {
+  badUsage("{} of the format {} takes {}", key, format_, takes);
+}
+
+bool FormatOptions::flag(std::string_view key, bool normal) {
+  const Json* value = find(key);
+  if (!value) return normal;
+  if (!value->is_boolean()) wrong(key, "true or false");
+  return value->get<bool>();
+}
+
+double FormatOptions::number(std::string_view key, double normal, double least, double most) {
+  const Json* value = find(key);
+  if (!value) return normal;
+  if (!value->is_number() || !(value->get<double>() >= least && value->get<double>() <= most))
+    wrong(key, fmt::format("a number from {} to {}", least, most));
+  return value->get<double>();
+}
+
+std::string FormatOptions::text(std::string_view key, std::string_view normal) {
+  const Json* value = find(key);
+  if (!value) return std::string(normal);
+  if (!value->is_string() || value->get_ref<const std::string&>().empty()) wrong(key, "a text");
+  return value->get<std::string>();
+}
+
+std::string FormatOptions::choice(std::string_view key, std::initializer_list<std::string_view> names) {
+  const std::string name = text(key, *names.begin());
+  if (std::ranges::find(names, name) == names.end())
+    wrong(key, fmt::format("one of {}", fmt::join(names.begin(), names.end(), ", ")));
+  return name;
+}
+
+std::vector<output::Aov> FormatOptions::outputs(std::string_view key, std::vector<output::Aov> normal) {
+  const Json* value = find(key);
+  if (!value) return normal;
+  const auto isText = [](const Json& name) { return name.is_string(); };
+  if (!value->is_array() || value->empty() || !std::ranges::all_of(*value, isText))
+    wrong(key, "a list of names (latelight list aovs)");
+  return output::parseAovs(fmt::format("{}", fmt::join(value->get<std::vector<std::string>>(), ",")));
+}
+
+std::string FormatOptions::file(std::string_view key, std::string_view normal, std::string_view ending) {
+  const std::string name = text(key, normal);
+  const std::filesystem::path path(name);
+  if (path.is_absolute() || std::ranges::find(path, "..") != path.end() || !name.ends_with(ending))
+    wrong(key, fmt::format("a file below the data set's folder that ends in {}", ending));
+  return name;
+}
+
+std::string FormatOptions::frameFile(std::string_view key, std::string_view normal, std::string_view ending) {
+  const std::string name = file(key, normal, ending);
+  if (name.find("{name}") == std::string::npos)
+    wrong(key, "a file with {name} in it, or each frame would replace the one before");
+  return name;
+}
+
+std::string FormatOptions::setFile(std::string_view key, std::string_view normal, std::string_view ending) {
+  return file(key, normal, ending);
+}
+
+void FormatOptions::finish() const {
+  for (const auto& [key, value] : options_.items())
+    if (std::ranges::find(known_, key) == known_.end())
+      badUsage("the format {} has no option \"{}\"; it has {}", format_, key, fmt::join(known_, ", "));
+}
+
+}  // namespace latelight::data

@@ -1,0 +1,42 @@
+// The options that a job gives a format, read key by key.
+#pragma once
+
+#include <cstdint>
+#include <initializer_list>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "output/aov.h"
+
+namespace latelight::data {
+
+// Every function throws Error(Usage) that names the key where its value is none.
+class FormatOptions {
+ public:
+  FormatOptions(std::string_view format, const nlohmann::ordered_json& options) : format_(format), options_(options) {}
+
+  bool flag(std::string_view key, bool normal);
+  double number(std::string_view key, double normal, double least, double most);
+  std::string text(std::string_view key, std::string_view normal);
+  std::string choice(std::string_view key, std::initializer_list<std::string_view> names);  // the first is the default
+  std::vector<output::Aov> outputs(std::string_view key, std::vector<output::Aov> normal);
+  // A file below the data set's folder that ends so. One a frame has "{name}" in it, which stands for the frame's.
+  std::string frameFile(std::string_view key, std::string_view normal, std::string_view ending);
+  std::string setFile(std::string_view key, std::string_view normal, std::string_view ending);
+  const nlohmann::ordered_json* find(std::string_view key);  // null where it is not given
+
+  // After all have been read: refuses others.
+  void finish() const;
+
+ private:
+  [[noreturn]] void wrong(std::string_view key, std::string_view takes) const;
+  std::string file(std::string_view key, std::string_view normal, std::string_view ending);
+
+  std::string_view format_;
+  const nlohmann::ordered_json& options_;
+  std::vector<std::string> known_;
+};
+
+}  // namespace latelight::data

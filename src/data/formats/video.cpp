@@ -1,0 +1,189 @@
+// The frames as a film, by ffmpeg.
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <system_error>
+
+#include "base/error.h"
+#include "base/files.h"
+#include "base/temporary_file.h"
+#include "data/formats/formats.h"
+#include "data/formats/frame_files.h"
+#include "data/formats/options.h"
+
+namespace latelight::data {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+bool isInstalled(const char* program) {
+  const char* folders = std::getenv("PATH");
+  const std::string list = folders ? folders : "";
+  for (size_t begin = 0; begin <= list.size();) {
+    const size_t end = std::min(list.find(':', begin), list.size());
+    if (access((fs::path(list.substr(begin, end - begin)) / program).c_str(), X_OK) == 0) return true;
+    begin = end + 1;
+  }
+  return false;
+}
+
+// An ffmpeg at work. It reads pictures from a socket, where one that ended early is an error of send() and no signal.
+class Ffmpeg {
+ public:
+  // `output`: an open file, which may be read by its number in the child.
+  Ffmpeg(std::vector<std::string> arguments, int output) {
+    int ends[2];
+    if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) failed(errno);
+    input_ = ends[0];
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_adddup2(&actions, ends[1], STDIN_FILENO);
+    posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
+    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+    std::vector<char*> texts;
+    for (std::string& argument : arguments) texts.push_back(argument.data());
+    texts.push_back(nullptr);
+    const int error = posix_spawnp(&child_, texts[0], &actions, nullptr, texts.data(), environ);
+    posix_spawn_file_actions_destroy(&actions);
+    close(ends[1]);
+    if (error != 0) failed(error);
+  }
+  ~Ffmpeg() {
+    close(input_);
+    if (child_ != 0) wait();
+  }
+  Ffmpeg(const Ffmpeg&) = delete;
+  Ffmpeg& operator=(const Ffmpeg&) = delete;
+
+  // False once it has ended.
+  bool send(std::span<const std::byte> bytes) {
+    while (!bytes.empty()) {
+      const ssize_t sent = ::send(input_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+      if (sent < 0 && errno == EINTR) continue;
+      if (sent <= 0) return false;
+      bytes = bytes.subspan(static_cast<size_t>(sent));
+    }
+    return true;
+  }
+
+  // After the last picture: whether it made the film.
+  bool finish() {
+    shutdown(input_, SHUT_WR);
+    const int status = wait();
+    child_ = 0;
+    return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+  }
+
+ private:
+  [[noreturn]] static void failed(int error) {
+    badUsage("ffmpeg can't be started: {}", std::generic_category().message(error));
+  }
+  int wait() const {
+    int status = 0;
+    while (waitpid(child_, &status, 0) < 0 && errno == EINTR) {
+    }
+    return status;
+  }
+
+  int input_ = -1;
+  pid_t child_ = 0;
+};
+
+class Video : public Format {
+ public:
+  explicit Video(const Json& json) {
+    FormatOptions options("video", json);
+    file_ = options.setFile("file", "video.mp4", ".mp4");
+    picture_ = options.frameFile("picture", "images/{name}.png", ".png");
+    writesPictures_ = options.flag("write-pictures", true);
+    rate_ = options.number("fps", 24, 1e-2, 1e3);
+    options.finish();
+    if (!isInstalled("ffmpeg"))
+      badUsage("the format video needs ffmpeg, which is not installed (Debian's package is ffmpeg)");
+  }
+
+  std::vector<output::Aov> needs() const override { return {}; }
+  bool needsDisplay() const override { return writesPictures_; }
+
+  FrameRecord writeFrame(const DataFrame& frame, const fs::path& folder) const override {
+    FrameRecord record;
+    const std::string picture = frameFile(picture_, frame);
+    if (writesPictures_) writeOf(record, folder, picture, displayPng(frame.picture));
+    record.entry = picture;
+    return record;
+  }
+
+  std::vector<std::string> writeSet(std::span<const Json> entries, const fs::path& folder) const override {
+    if (entries.empty()) return {};
+    const fs::path path = folder / file_;
+    std::error_code ignored;  // the file reports what is wrong
+    fs::create_directories(path.parent_path(), ignored);
+    TemporaryFile file(path, 0666);
+    if (file.error() != 0) cantWrite(file.error());
+    Ffmpeg ffmpeg(arguments(), file.get());
+    bool made = true;
+    for (const Json& entry : entries) made = made && ffmpeg.send(readFile(folder / entry.get<std::string>()));
+    if (!ffmpeg.finish() || !made)
+      badUsage("ffmpeg could not make '{}' of the pictures; are all of one size, and is there room?", path.string());
+    if (const int error = file.become(path)) cantWrite(error);
+    return {file_};
+  }
+
+ private:
+  [[noreturn]] void cantWrite(int error) const {
+    badUsage("can't write '{}': {}", file_, std::generic_category().message(error));
+  }
+
+  // Always the same number of threads, and nothing of versions or times: the same pictures give the same file.
+  std::vector<std::string> arguments() const {
+    return {"ffmpeg",
+            "-nostdin",
+            "-loglevel",
+            "error",
+            "-y",
+            "-f",
+            "image2pipe",
+            "-framerate",
+            fmt::format("{}", rate_),
+            "-c:v",
+            "png",
+            "-i",
+            "pipe:0",
+            "-vf",
+            "pad=ceil(iw/2)*2:ceil(ih/2)*2",
+            "-c:v",
+            "libx264",
+            "-pix_fmt",
+            "yuv420p",
+            "-threads",
+            "4",
+            "-fflags",
+            "+bitexact",
+            "-flags:v",
+            "+bitexact",
+            "-map_metadata",
+            "-1",
+            "-f",
+            "mp4",
+            "/proc/self/fd/1"};
+  }
+
+  std::string file_, picture_;
+  bool writesPictures_;
+  double rate_;
+};
+
+}  // namespace
+
+std::unique_ptr<Format> makeVideo(const Json& options) {
+  return std::make_unique<Video>(options);
+}
+
+}  // namespace latelight::data

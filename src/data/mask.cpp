@@ -1,0 +1,115 @@
+#include "data/mask.h"
+
+#include <algorithm>
+
+namespace latelight::data {
+
+namespace {
+
+// Calls each(begin, end) for runs inside, as pixels numbered down the columns.
+template <typename F>
+void forEachRun(const Mask& mask, F&& each) {
+  uint64_t at = 0;
+  for (size_t i = 0; i < mask.runs.size(); ++i) {
+    const uint64_t end = at + mask.runs[i];
+    if (i % 2 == 1 && end > at) each(at, end);
+    at = end;
+  }
+}
+
+// Masks that grow as the picture is read down its columns.
+class MaskBuilder {
+ public:
+  explicit MaskBuilder(const output::AovImage& ids) : ids_(ids) {}
+
+  std::map<uint32_t, Mask> build() {
+    uint64_t begin = 0, at = 0;
+    uint32_t current = 0;
+    for (uint32_t x = 0; x < ids_.width; ++x)
+      for (const uint32_t* id = &ids_.ids[x]; at < uint64_t{x + 1} * ids_.height; ++at, id += ids_.width) {
+        if (*id == current) continue;
+        append(current, begin, at);
+        current = *id;
+        begin = at;
+      }
+    append(current, begin, at);
+    std::map<uint32_t, Mask> finished;
+    for (auto& [id, growing] : masks_) {
+      if (growing.end < at) growing.mask.runs.push_back(static_cast<uint32_t>(at - growing.end));
+      finished.emplace(id, std::move(growing.mask));
+    }
+    return finished;
+  }
+
+ private:
+  struct Growing {
+    Mask mask;
+    uint64_t end = 0;  // of its last run
+  };
+
+  void append(uint32_t id, uint64_t begin, uint64_t end) {
+    if (id == 0 || begin == end) return;
+    Growing& growing = masks_[id];
+    growing.mask.width = ids_.width;
+    growing.mask.height = ids_.height;
+    growing.mask.runs.push_back(static_cast<uint32_t>(begin - growing.end));
+    growing.mask.runs.push_back(static_cast<uint32_t>(end - begin));
+    growing.end = end;
+  }
+
+  const output::AovImage& ids_;
+  std::map<uint32_t, Growing> masks_;
+};
+
+}  // namespace
+
+uint64_t Mask::area() const {
+  uint64_t area = 0;
+  for (size_t i = 1; i < runs.size(); i += 2) area += runs[i];
+  return area;
+}
+
+PixelBox Mask::box() const {
+  uint64_t left = width, right = 0, top = height, bottom = 0;
+  forEachRun(*this, [&](uint64_t begin, uint64_t end) {
+    const uint64_t last = end - 1;
+    left = std::min(left, begin / height);
+    right = std::max(right, last / height);
+    const bool oneColumn = begin / height == last / height;
+    top = std::min(top, oneColumn ? begin % height : 0);
+    bottom = std::max(bottom, oneColumn ? last % height : height - 1);
+  });
+  if (left > right || top > bottom) return {};
+  return {static_cast<int64_t>(left), static_cast<int64_t>(top), static_cast<int64_t>(right - left + 1),
+          static_cast<int64_t>(bottom - top + 1)};
+}
+
+std::vector<uint8_t> Mask::pixels() const {
+  std::vector<uint8_t> pixels(size_t{width} * height, 0);
+  forEachRun(*this, [&](uint64_t begin, uint64_t end) {
+    for (uint64_t i = begin; i < end; ++i) pixels[i % height * width + i / height] = 255;
+  });
+  return pixels;
+}
+
+// Each length, from the fourth on less that two before it, in groups of five bits from the lowest, the sixth bit saying
+// that more follow; a printable character each.
+std::string Mask::counts() const {
+  std::string text;
+  for (size_t i = 0; i < runs.size(); ++i) {
+    int64_t value = int64_t{runs[i]} - (i > 2 ? int64_t{runs[i - 2]} : 0);
+    for (bool more = true; more;) {
+      const int64_t bits = value & 31;
+      value >>= 5;  // keeps the sign
+      more = value != ((bits & 16) != 0 ? -1 : 0);
+      text += static_cast<char>(48 + bits + (more ? 32 : 0));
+    }
+  }
+  return text;
+}
+
+std::map<uint32_t, Mask> masksOf(const output::AovImage& ids) {
+  return MaskBuilder(ids).build();
+}
+
+}  // namespace latelight::data

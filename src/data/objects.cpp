@@ -1,0 +1,129 @@
+#include "data/objects.h"
+
+#include <algorithm>
+#include <map>
+
+#include "base/parallel.h"
+
+namespace latelight::data {
+
+namespace {
+
+using Instances = std::vector<uint32_t>;
+
+struct Extent {
+  glm::dvec3 low{std::numeric_limits<double>::infinity()}, high{-std::numeric_limits<double>::infinity()};
+  void add(glm::dvec3 point) {
+    low = glm::min(low, point);
+    high = glm::max(high, point);
+  }
+};
+
+// The rotation and translation of an affine transform; what else it does is left to the box.
+glm::dmat4 rigidOf(const glm::dmat4& m) {
+  glm::dvec3 x(m[0]), y(m[1]);
+  if (!(glm::length(x) > 0)) x = {1, 0, 0};
+  x = glm::normalize(x);
+  y -= glm::dot(x, y) * x;
+  if (!(glm::length(y) > 0)) y = glm::cross(std::abs(x.z) < 0.5 ? glm::dvec3(0, 0, 1) : glm::dvec3(0, 1, 0), x);
+  y = glm::normalize(y);
+  return {glm::dvec4(x, 0), glm::dvec4(y, 0), glm::dvec4(glm::cross(x, y), 0), glm::dvec4(glm::dvec3(m[3]), 1)};
+}
+
+// Whether it takes boxes to boxes, but for rounding.
+bool keepsAxes(const glm::dmat4& m) {
+  double across = 0, along = 0;
+  for (int column = 0; column < 3; ++column)
+    for (int row = 0; row < 3; ++row)
+      (column == row ? along : across) = std::max(column == row ? along : across, std::abs(m[column][row]));
+  return across <= 1e-6 * along;
+}
+
+class Boxes {
+ public:
+  Boxes(const scene::Scene& scene, const scene::Pose& pose, bool zUp)
+      : scene_(scene),
+        pose_(pose),
+        toWorld_(scene::instanceTransforms(scene, pose)),
+        fromWorld_(scene.yUp && !zUp ? glm::dmat4(scene::toGltfFromWorld()) : glm::dmat4(1)) {}
+
+  Object around(uint32_t id, const Instances& instances) const {
+    Object object{.id = id};
+    object.toWorld = rigidOf(fromWorld_ * frameOf(instances));
+    Extent extent;
+    for (const uint32_t i : instances)
+      add(extent, scene_.instances[i], glm::inverse(object.toWorld) * fromWorld_ * glm::dmat4(toWorld_[i]));
+    object.low = extent.low;
+    object.high = extent.high;
+    return object;
+  }
+
+ private:
+  // That of the primitives of one node; of a group's the topmost node's.
+  glm::dmat4 frameOf(const Instances& instances) const {
+    const scene::Instance& first = scene_.instances[instances.front()];
+    const bool one = std::ranges::all_of(instances, [&](uint32_t i) {
+      return scene_.instances[i].node == first.node && scene_.instances[i].copy == first.copy;
+    });
+    return one ? glm::dmat4(toWorld_[instances.front()]) : nodeToWorld(topmost(first.node));
+  }
+
+  uint32_t topmost(uint32_t node) const {
+    const std::vector<scene::Node>& nodes = scene_.nodes;
+    while (nodes[node].parent >= 0 && nodes[static_cast<size_t>(nodes[node].parent)].id == nodes[node].id)
+      node = static_cast<uint32_t>(nodes[node].parent);
+    return node;
+  }
+
+  glm::dmat4 nodeToWorld(uint32_t node) const {
+    if (pose_.empty() || node >= scene_.rig.sceneNodes.size()) return scene_.nodes[node].toWorld;
+    return glm::dmat4(scene::toWorldFromGltf()) * pose_.world[scene_.rig.sceneNodes[node]];
+  }
+
+  void add(Extent& extent, const scene::Instance& instance, const glm::dmat4& toFrame) const {
+    const scene::Mesh& mesh = scene_.meshes[instance.mesh];
+    if (mesh.positions.empty()) return;
+    const auto addPoint = [&](glm::vec3 point) { extent.add(glm::dvec3(toFrame * glm::dvec4(point, 1))); };
+    if (mesh.deformation && !pose_.empty()) {
+      for (const glm::vec3 point : deformed(*mesh.deformation)) addPoint(point);
+    } else if (keepsAxes(toFrame)) {
+      addPoint(mesh.boundsMin);
+      addPoint(mesh.boundsMax);
+    } else {
+      for (const glm::vec3 point : mesh.positions) addPoint(point);
+    }
+  }
+
+  std::vector<glm::vec3> deformed(const scene::Deformation& deformation) const {
+    std::vector<glm::mat4> joints;
+    if (deformation.skin >= 0)
+      joints = scene::jointMatrices(scene_.rig.skins[static_cast<size_t>(deformation.skin)], pose_);
+    std::vector<float> weights;
+    if (deformation.weightsNode >= 0) weights = pose_.weights[static_cast<size_t>(deformation.weightsNode)];
+    return scene::deform(deformation, joints, weights).positions;
+  }
+
+  const scene::Scene& scene_;
+  const scene::Pose& pose_;
+  std::vector<glm::mat4> toWorld_;  // of instances
+  glm::dmat4 fromWorld_;
+};
+
+}  // namespace
+
+std::vector<Object> objectsOf(const scene::Scene& scene, const scene::Pose& pose, bool zUp) {
+  std::map<uint32_t, Instances> byId;
+  for (uint32_t i = 0; i < scene.instances.size(); ++i) {
+    const scene::Instance& instance = scene.instances[i];
+    if (!instance.removed && !scene.meshes[instance.mesh].positions.empty()) byId[instance.id].push_back(i);
+  }
+  const std::vector<std::pair<uint32_t, Instances>> groups(byId.begin(), byId.end());
+  const Boxes boxes(scene, pose, zUp);
+  std::vector<Object> objects(groups.size());
+  parallelFor(groups.size(), 16, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) objects[i] = boxes.around(groups[i].first, groups[i].second);
+  });
+  return objects;
+}
+
+}  // namespace latelight::data

@@ -1,0 +1,64 @@
+// COCO's annotations by hand; pycocotools reads a whole set in read_set.py.
+#include "data_formats/support.h"
+
+namespace latelight::data::test {
+namespace {
+
+class CocoTest : public FormatsTest {
+ protected:
+  Json written(const Json& options) {
+    const scene::Scene scene = squares();
+    Studio studio(device(), scene);
+    const std::unique_ptr<Format> format = make("coco", options);
+    std::vector<Json> entries;
+    for (uint64_t i = 0; i < 2; ++i) {
+      const DataFrame frame = studio.frame(squaresCamera(), 128, 128, {format.get()}, i);
+      FrameRecord record = format->writeFrame(frame, folder);
+      EXPECT_EQ(record.files, std::vector{fmt::format("images/{:06}.png", i)});
+      entries.push_back(std::move(record.entry));
+    }
+    EXPECT_EQ(format->writeSet(entries, folder), std::vector<std::string>{"annotations/instances.json"});
+    return json("annotations/instances.json");
+  }
+};
+
+TEST_F(CocoTest, BoxesAndAreasOfSquares) {
+  const Json set = written({{"categories", "node"}});
+  ASSERT_EQ(set["images"].size(), 2u);
+  EXPECT_EQ(set["images"][1], Json({{"id", 1}, {"file_name", "images/000001.png"}, {"width", 128}, {"height", 128}}));
+  ASSERT_EQ(set["categories"].size(), 3u);
+  EXPECT_EQ(set["categories"][0]["name"], "/squares/back");
+  ASSERT_EQ(set["annotations"].size(), 6u);
+  std::set<int> ids;
+  for (const Json& annotation : set["annotations"]) {
+    ids.insert(annotation["id"].get<int>());
+    if (annotation["category_id"] == 1) {
+      EXPECT_EQ(annotation["area"], 64 * 64 - 16 * 32);
+      EXPECT_EQ(annotation["bbox"], Json({32, 32, 64, 64}));
+    } else if (annotation["category_id"] == 2) {
+      EXPECT_EQ(annotation["area"], 32 * 48);
+      EXPECT_EQ(annotation["bbox"], Json({96, 0, 32, 48}));
+    } else {
+      EXPECT_EQ(annotation["area"], 32 * 32);
+      EXPECT_EQ(annotation["bbox"], Json({80, 48, 32, 32}));
+    }
+  }
+  EXPECT_EQ(ids, (std::set{1, 2, 3, 4, 5, 6}));
+}
+
+TEST_F(CocoTest, CategoriesOfAMapping) {
+  const Json set = written({{"categories", {{"nothing", "ghost"}, {"front$", "sign"}, {"ba", "wall"}}}});
+  ASSERT_EQ(set["categories"].size(), 3u);  // the ghost too, which nothing is
+  EXPECT_EQ(set["categories"][1]["name"], "sign");
+  ASSERT_EQ(set["annotations"].size(), 4u);  // "cut" is none of them
+  for (const Json& annotation : set["annotations"])
+    EXPECT_EQ(annotation["category_id"], annotation["node"] == "/squares/front" ? 2 : 3);
+}
+
+TEST_F(CocoTest, CategoriesOfMeshesAndMaterials) {
+  EXPECT_EQ(written({{"categories", "material"}})["categories"][1]["name"], "red");
+  EXPECT_EQ(written({})["categories"].size(), 1u);  // of one mesh
+}
+
+}  // namespace
+}  // namespace latelight::data::test

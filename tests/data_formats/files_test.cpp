@@ -1,0 +1,186 @@
+// What is in files of single frames, by closed forms and by hand.
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+
+#include "data_formats/support.h"
+#include "output/png.h"
+#include "output/support.h"
+#include "scene/edit.h"
+
+namespace latelight::data::test {
+namespace {
+
+using output::Aov;
+using output::AovImage;
+using output::ReadImage;
+using output::sentence;
+
+class FormatFilesTest : public FormatsTest {
+ protected:
+  // Of one frame with one output of these values.
+  ReadImage png(std::string_view format, const Json& options, Aov aov, std::vector<float> values) {
+    DataFrame frame{.name = "a"};
+    const auto width = static_cast<uint32_t>(values.size() / output::info(aov).channels);
+    frame.picture = {width, 1, {AovImage{aov, width, 1, std::move(values), {}}}, {}};
+    const FrameRecord record = make(format, options)->writeFrame(frame, folder);
+    return output::decodePng(readFile(folder / record.files.at(0)), record.files.at(0));
+  }
+};
+
+std::vector<double> channel(const ReadImage& image, size_t i) {
+  std::vector<double> codes;
+  for (const double value : image.channels.at(i).values) codes.push_back(std::round(value * 65535));
+  return codes;
+}
+
+TEST_F(FormatFilesTest, DepthIsRoundedToTheNearestStep) {
+  const float inf = std::numeric_limits<float>::infinity();
+  const std::vector<float> metres{1.2344f, 1.2346f, 65.535f, 65.54f, 0.0004f, 0.0006f, inf, 255.998f, 256};
+  EXPECT_EQ(channel(png("depth-png", {}, Aov::Depth, metres), 0),
+            (std::vector<double>{1234, 1235, 65535, 0, 0, 1, 0, 0, 0}));
+  EXPECT_EQ(channel(png("depth-png", {{"unit", "kitti"}}, Aov::Depth, metres), 0),
+            (std::vector<double>{316, 316, 16777, 16778, 0, 0, 0, 65535, 0}));
+  EXPECT_EQ(channel(png("depth-png", {{"scale", 0.1}}, Aov::Depth, metres), 0),
+            (std::vector<double>{12344, 12346, 0, 0, 4, 6, 0, 0, 0}));
+}
+
+TEST_F(FormatFilesTest, KittiFlowIsRoundedAndSaysWhatItHolds) {
+  const ReadImage flow =
+      png("flow", {{"as", "kitti"}}, Aov::Motion, {9, 9, 0, 0, 9, 9, 1.5f, -2.25f, 9, 9, 0.01f, -0.01f, 9, 9, 600, 0});
+  EXPECT_EQ(channel(flow, 0), (std::vector<double>{32768, 32864, 32769, 0}));
+  EXPECT_EQ(channel(flow, 1), (std::vector<double>{32768, 32624, 32767, 0}));
+  EXPECT_EQ(channel(flow, 2), (std::vector<double>{1, 1, 1, 0}));
+}
+
+// A plane at depth z that moves by t parallel to the picture flows by f t / z at every pixel.
+TEST_F(FormatFilesTest, FlowOfAPlane) {
+  const scene::Scene scene = squares();
+  Studio studio(device(), scene);
+  const scene::Camera camera = squaresCamera(true);
+  render::Moment moment;
+  moment.previousCameras = moment.nextCameras = {camera};
+  moment.nextCameras[0].toWorld[3] += glm::vec4(-0.25f, 0, -0.125f, 0);  // left and down: all goes right and up
+  const std::unique_ptr<Format> forward = make("flow"), backward = make("flow", {{"to", "previous"}});
+  const DataFrame frame = studio.frame(camera, 64, 64, {forward.get()}, 0, moment);
+  const std::string file = forward->writeFrame(frame, folder).files.at(0);
+  EXPECT_EQ(file, "flow/000000.flo");
+  const std::vector<std::byte> bytes = readFile(folder / file);
+  ASSERT_EQ(bytes.size(), 12u + 64 * 64 * 8);
+  float magic, flow[2];
+  std::memcpy(&magic, bytes.data(), 4);
+  EXPECT_EQ(magic, 202021.25f);
+  const size_t pixel = 32 * 64 + 20;  // of the back square, 2 m away: 32 px / m there
+  std::memcpy(flow, bytes.data() + 12 + 8 * pixel, 8);
+  EXPECT_NEAR(flow[0], 32.0 / 2 * 0.25, 1e-4);
+  EXPECT_NEAR(flow[1], -32.0 / 2 * 0.125, 1e-4);
+  const std::vector<std::byte> before = readFile(folder / backward->writeFrame(frame, folder).files.at(0));
+  std::memcpy(flow, before.data() + 12 + 8 * pixel, 8);
+  EXPECT_NEAR(flow[0], 0, 1e-6);
+  EXPECT_NEAR(flow[1], 0, 1e-6);
+}
+
+// The points of a square in the plane z = 0 lie in it, face its front, and have its colour.
+TEST_F(FormatFilesTest, PointsLieOnTheirSurface) {
+  const scene::Scene scene = squares();
+  Studio studio(device(), scene);
+  const std::unique_ptr<Format> ply = make("ply");
+  const DataFrame frame = studio.frame(squaresCamera(true), 64, 64, {ply.get()});
+  const std::vector<std::byte> bytes = readFile(folder / ply->writeFrame(frame, folder).files.at(0));
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const size_t begin = text.find("end_header\n") + 11;
+  constexpr size_t kPoint = 31;
+  ASSERT_EQ((bytes.size() - begin) % kPoint, 0u);
+  const uint32_t front = scene.instances.at(1).id;
+  size_t plane = 0;
+  for (size_t at = begin; at < bytes.size(); at += kPoint) {
+    float values[6];
+    uint32_t id;
+    std::memcpy(values, &bytes[at], 24);
+    std::memcpy(&id, &bytes[at + 27], 4);
+    EXPECT_NEAR(values[2], id == front ? 0.5 : 0, 1e-5);
+    EXPECT_FLOAT_EQ(values[5], 1);
+    plane += id != front;
+  }
+  EXPECT_GT(plane, 32u * 32 / 2);
+}
+
+TEST_F(FormatFilesTest, FilmsNeedFfmpeg) {
+  const std::string path = std::getenv("PATH");
+  setenv("PATH", folder.c_str(), 1);
+  EXPECT_THAT(sentence(ExitCode::Usage, [] { make("video"); }), testing::HasSubstr("ffmpeg, which is not installed"));
+  std::ofstream(folder / "ffmpeg") << "#!/bin/sh\nexit 1\n";
+  std::filesystem::permissions(folder / "ffmpeg", std::filesystem::perms::owner_all);
+  std::ofstream(folder / "a.png") << std::string(1 << 20, 'x');  // more than a socket takes at once
+  EXPECT_THAT(sentence(ExitCode::Usage, [&] { make("video")->writeSet(std::vector<Json>{"a.png"}, folder); }),
+              testing::HasSubstr("ffmpeg could not make"));
+  setenv("PATH", path.c_str(), 1);
+  EXPECT_FALSE(std::filesystem::exists(folder / "video.mp4"));
+}
+
+// The same intrinsics are said once; different ones with each frame.
+TEST_F(FormatFilesTest, TransformsOfSeveralCameras) {
+  const scene::Scene scene = squares();
+  Studio studio(device(), scene);
+  const std::unique_ptr<Format> transforms = make("transforms", {{"depth", false}, {"write-pictures", false}});
+  std::vector<Json> entries;
+  for (const float fov : {0.5f, 0.75f}) {
+    const DataFrame frame = studio.frame(render::test::frontPerspective(fov, 4), 32, 32, {transforms.get()});
+    const FrameRecord record = transforms->writeFrame(frame, folder);
+    EXPECT_THAT(record.files, testing::IsEmpty());
+    entries.push_back(record.entry);
+  }
+  transforms->writeSet(entries, folder);
+  const Json different = json("transforms.json");
+  EXPECT_FALSE(different.contains("fl_x"));
+  EXPECT_NEAR(different["frames"][0]["fl_x"].get<double>(), 16 / std::tan(0.25), 1e-4);
+  EXPECT_NEAR(different["frames"][1]["fl_y"].get<double>(), 16 / std::tan(0.375), 1e-4);
+  EXPECT_EQ(different["frames"][0]["transform_matrix"],
+            Json::parse("[[1.0,0.0,0.0,0.0],[0.0,1.0,0.0,0.0],[0.0,0.0,1.0,4.0],[0.0,0.0,0.0,1.0]]"));
+  const std::vector<Json> alike{entries[0], entries[0]};
+  transforms->writeSet(alike, folder);
+  EXPECT_TRUE(json("transforms.json").contains("fl_x"));
+  EXPECT_FALSE(json("transforms.json")["frames"][0].contains("fl_x"));
+}
+
+TEST_F(FormatFilesTest, OrthographicCamerasAreRefusedWhereThereAreNone) {
+  const scene::Scene scene = squares();
+  Studio studio(device(), scene);
+  for (const char* name : {"bop", "transforms"}) {
+    const std::unique_ptr<Format> format = make(name);
+    const DataFrame frame = studio.frame(squaresCamera(), 16, 16, {format.get()});
+    EXPECT_THAT(sentence(ExitCode::Usage, [&] { format->writeFrame(frame, folder); }),
+                testing::HasSubstr(fmt::format("the format {} holds no orthographic camera", name)));
+  }
+}
+
+TEST_F(FormatFilesTest, TheSameFrameGivesTheSameBytes) {
+  const scene::Scene scene = squares();
+  Studio studio(device(), scene);
+  for (const char* name : {"exr", "npz", "cryptomatte", "boxes"}) {
+    const std::unique_ptr<Format> format = make(name);
+    const DataFrame frame = studio.frame(squaresCamera(), 32, 32, {format.get()});
+    const std::string file = format->writeFrame(frame, folder / "a").files.at(0);
+    format->writeFrame(frame, folder / "b");
+    EXPECT_EQ(readFile(folder / "a" / file), readFile(folder / "b" / file)) << name;
+  }
+}
+
+TEST_F(FormatFilesTest, WrongOptionsAreNamed) {
+  const auto said = [](const char* name, const Json& options) {
+    return sentence(ExitCode::Usage, [&] { make(name, options); });
+  };
+  EXPECT_THAT(said("exr", {{"file", "all.exr"}}), testing::HasSubstr("file with {name} in it"));
+  EXPECT_THAT(said("exr", {{"file", "/tmp/{name}.exr"}}), testing::HasSubstr("below the data set's folder"));
+  EXPECT_THAT(said("npz", {{"file", "../{name}.npz"}}), testing::HasSubstr("below the data set's folder"));
+  EXPECT_THAT(said("npz", {{"outputs", {"deep"}}}), testing::HasSubstr("there is no AOV \"deep\""));
+  EXPECT_THAT(said("flow", {{"as", "gif"}}), testing::HasSubstr("one of flo, kitti"));
+  EXPECT_THAT(said("depth-png", {{"scale", 0}}), testing::HasSubstr("a number from 0.001 to 10000"));
+  EXPECT_THAT(said("depth-png", {{"steps", 3}}), testing::HasSubstr("has no option \"steps\"; it has file"));
+  EXPECT_THAT(said("coco", {{"categories", {{"(", "a"}}}}), testing::HasSubstr("no regular expression"));
+  EXPECT_THAT(said("coco", {{"categories", 3}}), testing::HasSubstr("mesh, node, material"));
+}
+
+}  // namespace
+}  // namespace latelight::data::test

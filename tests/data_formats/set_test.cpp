@@ -1,0 +1,84 @@
+// Writes a data set in every format for read_set.py, and beside it what was rendered, as .npy.
+#include <cstdlib>
+
+#include "data_formats/support.h"
+#include "output/npy.h"
+
+namespace latelight::data::test {
+namespace {
+
+using output::Aov;
+
+class SetTest : public FormatsTest {
+ protected:
+  void add(std::string_view name, const Json& options = Json::object()) {
+    formats_.push_back({make(name, options), fmt::format("{}-{}", formats_.size(), name), {}});
+  }
+
+  // A frame in all formats, each below a folder of its own.
+  void write(DataFrame frame, const std::filesystem::path& set) {
+    writeRaw(frame.picture, set / "raw" / frame.name);
+    writeRaw(frame.samples, set / "raw" / frame.name / "samples");
+    for (Written& written : formats_)
+      written.entries.push_back(written.format->writeFrame(frame, set / written.folder).entry);
+  }
+
+  void finish(const std::filesystem::path& set) {
+    for (const Written& written : formats_) written.format->writeSet(written.entries, set / written.folder);
+  }
+
+  static void writeRaw(const output::FrameOutput& picture, const std::filesystem::path& raw) {
+    std::filesystem::create_directories(raw);
+    for (const output::AovImage& image : picture.aovs)
+      writeFile(raw / fmt::format("{}.npy", output::info(image.aov).name), output::encodeNpy(image));
+  }
+
+  struct Written {
+    std::unique_ptr<Format> format;
+    std::string folder;
+    std::vector<Json> entries;
+  };
+  std::vector<Written> formats_;
+};
+
+TEST_F(SetTest, IsWritten) {
+  const char* kept = std::getenv("LATELIGHT_TEST_SET");  // else nothing but that it can be written is tested
+  const std::filesystem::path set = kept ? kept : folder;
+  const Json all{"color", "depth", "distance", "normal", "position", "albedo", "id", "material", "uv", "motion"};
+  add("exr", {{"outputs", all}});
+  add("exr", {{"outputs", all}, {"names", "blender"}, {"id-manifest", false}});
+  add("npz", {{"outputs", all}});
+  add("depth-png");
+  add("depth-png", {{"unit", "kitti"}});
+  add("flow");
+  add("flow", {{"as", "kitti"}});
+  add("coco", {{"categories", "node"}});
+  add("boxes");
+  add("bop", {{"depth-scale", 0.5}});
+  add("transforms");
+  add("cryptomatte", {{"samples", 3}});
+  add("ply");
+  try {
+    add("video", {{"fps", 12}});
+  } catch (const Error& error) {
+    fmt::print("no film is made: {}\n", error.what());
+  }
+
+  const scene::Scene& scene = render::test::hall();
+  Studio studio(device(), scene);
+  std::vector<const Format*> formats;
+  for (const Written& written : formats_) formats.push_back(written.format.get());
+  scene::Camera camera = render::test::cameraOf(scene, 96, 64);
+  for (uint64_t i = 0; i < 3; ++i) {
+    render::Moment moment;
+    moment.previousCameras = {camera};
+    camera.toWorld[3] += glm::vec4(0.125f, 0.25f, 0, 0);
+    moment.nextCameras = {camera};
+    moment.nextCameras[0].toWorld[3] += glm::vec4(0.125f, 0.25f, 0, 0);
+    write(studio.frame(camera, 96, 64, formats, i, moment), set);
+  }
+  finish(set);
+}
+
+}  // namespace
+}  // namespace latelight::data::test
