@@ -60,6 +60,11 @@ std::string Spec::pathOf(std::string_view key) const {
   return fmt::format("{}.{}", path_, key);
 }
 
+bool Spec::has(std::string_view key) {
+  known_.emplace(key);
+  return value_->contains(key);
+}
+
 const Json& Spec::at(std::string_view key) {
   known_.emplace(key);
   const auto found = value_->find(key);

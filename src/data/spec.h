@@ -33,7 +33,7 @@ class Spec {
 
   const std::string& path() const { return path_; }
   std::string pathOf(std::string_view key) const;
-  bool has(std::string_view key) const { return value_->contains(key); }
+  bool has(std::string_view key);
   // The value itself; throws where it is missing.
   const nlohmann::ordered_json& at(std::string_view key);
 

@@ -103,13 +103,11 @@ ColmapPose colmapPoseOf(const glm::dmat4& pose) {
 }
 
 glm::dmat4 poseOfColmap(const ColmapPose& pose, const std::string& where) {
-  const double length = glm::length(pose.rotation);
-  bool finite = std::isfinite(length) && length > 1e-6;
-  for (int axis = 0; axis < 3; ++axis) finite = finite && std::isfinite(pose.translation[axis]);
-  if (!finite) badInput("{} has a pose that is no rotation and translation", where);
   glm::dmat4 toCamera(rotationOf(pose.rotation));
   toCamera[3] = glm::dvec4(pose.translation, 1);
-  return inverseOf(toCamera);
+  glm::dmat4 toWorld = inverseOf(toCamera);
+  if (!makeRigid(toWorld)) badInput("{} has a pose that is no rotation and translation", where);
+  return toWorld;
 }
 
 ColmapLenses differentLenses(std::span<const CalibratedCamera> cameras) {

@@ -113,7 +113,7 @@ Optics readOptics(Spec& spec) {
   return opticsOf(lens, size.width, size.height);
 }
 
-bool saysOptics(const Spec& spec) {
+bool saysOptics(Spec& spec) {
   constexpr std::string_view kKeys[] = {"fov", "K", "model", "distortion", "size", "pixelCentre"};
   return std::ranges::any_of(kKeys, [&](std::string_view key) { return spec.has(key); });
 }

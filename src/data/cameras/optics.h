@@ -16,7 +16,7 @@ struct Optics {
 // The keys "fov", "K", "model", "distortion", "size" and "pixelCentre"; a field of view of 40 degrees where there is
 // none of them.
 Optics readOptics(Spec& spec);
-bool saysOptics(const Spec& spec);  // whether it has one of them
+bool saysOptics(Spec& spec);  // whether it has one of them
 
 // Square pixels without distortion are a field of view and a principal point, all else stays a lens.
 Optics opticsOf(const scene::Lens& lens, uint32_t width, uint32_t height);

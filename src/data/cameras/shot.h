@@ -30,7 +30,8 @@ glm::dmat4 lookAtPose(const SceneAxes& axes, glm::dvec3 eye, glm::dvec3 target, 
 // From OpenGL's camera frame (X right, Y up, Z backward) to OpenCV's, or back: both are this.
 glm::dmat4 turnedAxes(const glm::dmat4& pose);
 
-// Rotations a little off, as files with few digits have them, become rotations. False where it is far from one.
+// Rotations a little off, as files with few digits have them, become rotations. False where it is far from one, or the
+// place is beyond 1e15 m.
 bool makeRigid(glm::dmat4& pose);
 
 // A pose from 16 numbers, row by row. Throws Error(Usage) that begins with `path` where it isn't rigid.
