@@ -125,6 +125,30 @@ Interval Spec::interval(std::string_view key, Limits limits, std::optional<Inter
   return {ends[0], ends[1]};
 }
 
+Spec::Counts Spec::counts(std::string_view key, uint64_t most) {
+  const Interval range = interval(key, {0, double(most)});
+  if (range.low != std::floor(range.low) || range.high != std::floor(range.high))
+    badUsage("{} must be whole numbers, not {}", pathOf(key), shown(at(key)));
+  return {static_cast<uint64_t>(range.low), static_cast<uint64_t>(range.high)};
+}
+
+Spec::Corners Spec::corners(std::string_view key, Limits limits) {
+  const Json& value = at(key);
+  if (!value.is_array() || value.size() != 2) {
+    const glm::dvec3 both = vector(key, limits);
+    return {both, both};
+  }
+  glm::dvec3 ends[2];
+  for (size_t end = 0; end < 2; ++end) {
+    const std::vector<double> v = numbersOf(value[end], fmt::format("{}[{}]", pathOf(key), end), 3, 3, limits);
+    ends[end] = {v[0], v[1], v[2]};
+  }
+  for (int axis = 0; axis < 3; ++axis)
+    if (ends[0][axis] > ends[1][axis])
+      badUsage("{} must begin with the lesser numbers, not be {}", pathOf(key), shown(value));
+  return {ends[0], ends[1]};
+}
+
 std::vector<double> Spec::numbers(std::string_view key, size_t least, size_t most, Limits limits) {
   return numbersOf(at(key), pathOf(key), least, most, limits);
 }

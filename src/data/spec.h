@@ -47,6 +47,16 @@ class Spec {
   glm::dvec3 vector(std::string_view key, Limits limits = {});
   // "key": 3 or "key": [2, 4]
   Interval interval(std::string_view key, Limits limits = {}, std::optional<Interval> normal = {});
+  // "key": 3 or "key": [2, 4], whole numbers.
+  struct Counts {
+    uint64_t low = 0, high = 0;
+  };
+  Counts counts(std::string_view key, uint64_t most);
+  // "key": [1, 2, 3] or "key": [[0, 0, 0], [1, 2, 3]]
+  struct Corners {
+    glm::dvec3 low{0}, high{0};
+  };
+  Corners corners(std::string_view key, Limits limits = {});
   std::vector<double> numbers(std::string_view key, size_t least, size_t most, Limits limits = {});
   // Rows of a matrix, one after the other.
   std::vector<double> matrix(std::string_view key, size_t rows, size_t columns);

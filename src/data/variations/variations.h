@@ -10,7 +10,8 @@
 
 namespace latelight::data {
 
-// Bound to a scene, which it edits; what it does not draw keeps the file's values.
+// Bound to a scene, which it edits; what it does not draw keeps the file's values. Meshes, materials and textures that
+// it may show are added to the scene when it is made. Nothing else may edit the scene while it exists.
 class Variations {
  public:
   // `spec` is the job's "variations"; throws Error(Usage) that names the key that is wrong, or a name that the scene
