@@ -25,6 +25,7 @@ std::string described(Limits limits) {
 
 double numberOf(const Json& value, const std::string& path, Limits limits) {
   const double number = value.is_number() ? value.get<double>() : std::nan("");
+  if (std::abs(number) > kLargest) badUsage("{} must not be beyond {:g}, as {} is", path, kLargest, shown(value));
   if (!(number >= limits.least && number <= limits.most))
     badUsage("{} must be {}, not {}", path, described(limits), shown(value));
   return number;

@@ -15,9 +15,12 @@
 
 namespace latelight::data {
 
+// Beyond, squares leave the range of float.
+inline constexpr double kLargest = 1e15;
+
 // Both ends included.
 struct Limits {
-  double least = -std::numeric_limits<double>::max(), most = std::numeric_limits<double>::max();
+  double least = -kLargest, most = kLargest;
 };
 inline constexpr Limits kPositive{std::numeric_limits<double>::min()}, kNotNegative{0};
 

@@ -58,7 +58,8 @@ TEST_F(PageTest, ExamplesMakeCameras) {
     EXPECT_FALSE(made(example, scene).empty());
     addTypes(Json::parse(example), types);
   }
-  for (const CameraSource& source : cameraSources()) EXPECT_TRUE(types.contains(std::string(source.name))) << source.name;
+  for (const CameraSource& source : cameraSources())
+    EXPECT_TRUE(types.contains(std::string(source.name))) << source.name;
 }
 
 // A key that the schema doesn't know is refused, and it knows each source.

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "data/spec.h"
 #include "render/session.h"
 
 namespace latelight::data {
@@ -32,7 +33,7 @@ dmat4 turnedAxes(const dmat4& pose) {
 }
 
 bool makeRigid(dmat4& pose) {
-  constexpr double kTolerance = 1e-3, kFarthest = 1e15;  // beyond, squares leave the range of float
+  constexpr double kTolerance = 1e-3;
   const dvec3 x(pose[0]), y(pose[1]), z(pose[2]);
   const double errors[] = {glm::dot(x, x) - 1, glm::dot(y, y) - 1, glm::dot(z, z) - 1,
                            glm::dot(x, y),     glm::dot(y, z),     glm::dot(z, x)};
@@ -40,7 +41,7 @@ bool makeRigid(dmat4& pose) {
     if (!(std::abs(error) < kTolerance)) return false;
   if (glm::dot(glm::cross(x, y), z) < 0) return false;
   for (int i = 0; i < 4; ++i)
-    if (!(std::abs(pose[3][i]) < kFarthest) || pose[i][3] != (i == 3 ? 1 : 0)) return false;
+    if (!(std::abs(pose[3][i]) < kLargest) || pose[i][3] != (i == 3 ? 1 : 0)) return false;
   const dvec3 unitZ = z / glm::length(z), across = glm::cross(y, unitZ), unitX = across / glm::length(across);
   pose[0] = dvec4(unitX, 0), pose[1] = dvec4(glm::cross(unitZ, unitX), 0), pose[2] = dvec4(unitZ, 0);
   return true;

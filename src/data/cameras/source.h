@@ -28,7 +28,7 @@ std::span<const CameraSource> cameraSources();
 std::vector<Shot> makeShots(const nlohmann::ordered_json& spec, const std::string& path, const CameraContext& context);
 
 // The most cameras that one source makes.
-inline constexpr uint64_t kMostCameras = 10'000'000;
+inline constexpr uint64_t kMostCameras = 1'000'000;
 
 // "orbit007" of 100.
 std::string numberedName(std::string_view stem, uint64_t number, uint64_t count);

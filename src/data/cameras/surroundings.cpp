@@ -15,6 +15,9 @@ namespace {
 
 using Triangle = std::array<dvec3, 3>;
 
+// Of a tree, and of the boxes that it is made from.
+constexpr uint64_t kTriangleBytes = 48 + 4 + 36;
+
 dvec3 at(const dmat4& transform, dvec3 point) {
   return dvec3(transform * dvec4(point, 1));
 }
@@ -87,6 +90,8 @@ Surroundings::Surroundings(const scene::Scene& scene) : meshes_(scene.meshes.siz
   std::vector<bool> used(scene.meshes.size());
   for (const scene::Instance& instance : scene.instances)
     if (!instance.removed) used[instance.mesh] = true;
+  for (size_t i = 0; i < used.size(); ++i)
+    if (used[i]) memory_.grow(scene.meshes[i].indices.size() / 3 * kTriangleBytes, "the search for free places");
   parallelFor(meshes_.size(), 1, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i)
       if (used[i]) meshes_[i] = treeOf(scene.meshes[i]);

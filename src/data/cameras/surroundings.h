@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "base/memory.h"
 #include "data/cameras/bvh.h"
 #include "scene/scene.h"
 
@@ -30,6 +31,7 @@ class Surroundings {
   std::vector<Piece> pieces_;
   std::unique_ptr<Bvh> tree_;
   const scene::Scene& scene_;
+  MemoryClaim memory_;
 };
 
 }  // namespace latelight::data
