@@ -8,9 +8,9 @@ namespace latelight::data {
 
 namespace {
 
-Box readBox(Spec& spec, const CameraContext& context) {
+Aabb readBox(Spec& spec, const CameraContext& context) {
   if (!spec.has("min") && !spec.has("max")) return boxOfScene(context.scene, spec.path());
-  const Box box{spec.vector("min"), spec.vector("max")};
+  const Aabb box{spec.vector("min"), spec.vector("max")};
   if (!(box.low.x <= box.high.x && box.low.y <= box.high.y && box.low.z <= box.high.z))
     badUsage("{} must be at most {} along each axis", spec.pathOf("min"), spec.pathOf("max"));
   return box;
@@ -21,7 +21,7 @@ Box readBox(Spec& spec, const CameraContext& context) {
 std::vector<Shot> shotsInBox(Spec& spec, const CameraContext& context) {
   const Optics optics = readOptics(spec);
   const uint64_t count = spec.count("count", 1, kMostCameras);
-  const Box box = readBox(spec, context);
+  const Aabb box = readBox(spec, context);
   const bool anywhere = spec.has("target") && spec.at("target") == "random";
   const Target target = anywhere ? Target{} : readTarget(spec, context);
   const Clearance clearance(spec, context);

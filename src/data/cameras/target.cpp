@@ -1,7 +1,5 @@
 #include "data/cameras/target.h"
 
-#include <limits>
-
 #include "base/error.h"
 #include "scene/builtin/exact_math.h"
 
@@ -26,9 +24,8 @@ std::vector<uint32_t> instancesBelow(const scene::Scene& scene, const std::strin
   return instances;
 }
 
-Box boxOf(const scene::Scene& scene, const std::vector<uint32_t>& instances, const std::string& path) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  Box box{dvec3(kInfinity), dvec3(-kInfinity)};
+Aabb boxOf(const scene::Scene& scene, const std::vector<uint32_t>& instances, const std::string& path) {
+  Aabb box;
   const glm::dmat4 toFile = scene.yUp ? glm::dmat4(scene::toGltfFromWorld()) : glm::dmat4(1);
   for (const uint32_t number : instances) {
     const scene::Mesh& mesh = scene.meshes[scene.instances[number].mesh];
@@ -37,15 +34,14 @@ Box boxOf(const scene::Scene& scene, const std::vector<uint32_t>& instances, con
     for (int corner = 0; corner < 8; ++corner) {
       const dvec3 p(corner & 1 ? mesh.boundsMax.x : mesh.boundsMin.x, corner & 2 ? mesh.boundsMax.y : mesh.boundsMin.y,
                     corner & 4 ? mesh.boundsMax.z : mesh.boundsMin.z);
-      const dvec3 placed(transform * glm::dvec4(p, 1));
-      box.low = glm::min(box.low, placed), box.high = glm::max(box.high, placed);
+      box.add(dvec3(transform * glm::dvec4(p, 1)));
     }
   }
   if (!(box.low.x <= box.high.x)) badUsage("{}: there is nothing to be seen in {}", path, scene.source);
   return box;
 }
 
-Box boxOfScene(const scene::Scene& scene, const std::string& path) {
+Aabb boxOfScene(const scene::Scene& scene, const std::string& path) {
   std::vector<uint32_t> all;
   for (uint32_t i = 0; i < scene.instances.size(); ++i)
     if (!scene.instances[i].removed) all.push_back(i);
@@ -55,7 +51,7 @@ Box boxOfScene(const scene::Scene& scene, const std::string& path) {
 Target readTarget(Spec& spec, const CameraContext& context) {
   const std::string path = spec.pathOf("target");
   if (spec.has("target") && spec.at("target").is_array()) return {spec.vector("target"), 0};
-  Box box;
+  Aabb box;
   if (spec.has("target") && spec.at("target").is_object()) {
     Spec node = spec.object("target");
     box = boxOf(context.scene, instancesBelow(context.scene, node.text("node"), node.pathOf("node")), path);

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "data/cameras/bvh.h"
 #include "data/cameras/source.h"
 
 namespace latelight::data {
@@ -12,15 +13,10 @@ namespace latelight::data {
 // Error(Usage) that begins with `path` where there is none.
 std::vector<uint32_t> instancesBelow(const scene::Scene& scene, const std::string& node, const std::string& path);
 
-// In the scene file's own frame.
-struct Box {
-  glm::dvec3 low, high;
-  glm::dvec3 centre() const { return (low + high) * 0.5; }
-  double radius() const { return glm::length(high - low) * 0.5; }
-};
-// Of the instances' boxes; throws Error(Usage) that begins with `path` where nothing is there.
-Box boxOf(const scene::Scene& scene, const std::vector<uint32_t>& instances, const std::string& path);
-Box boxOfScene(const scene::Scene& scene, const std::string& path);
+// Of the instances' boxes, in the scene file's own frame; throws Error(Usage) that begins with `path` where nothing is
+// there.
+Aabb boxOf(const scene::Scene& scene, const std::vector<uint32_t>& instances, const std::string& path);
+Aabb boxOfScene(const scene::Scene& scene, const std::string& path);
 
 struct Target {
   glm::dvec3 centre{0};

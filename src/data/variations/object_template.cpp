@@ -1,7 +1,5 @@
 #include "data/variations/object_template.h"
 
-#include <limits>
-
 #include "base/error.h"
 #include "data/cameras/target.h"
 
@@ -10,25 +8,19 @@ namespace latelight::data {
 namespace {
 
 OrientedBox boxAround(const scene::Scene& scene, const std::vector<scene::ObjectPart>& parts) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  glm::dvec3 low(kInfinity), high(-kInfinity);
+  Aabb around;
   for (const scene::ObjectPart& part : parts)
-    for (const glm::vec3& position : scene.meshes[part.mesh].positions) {
-      const glm::dvec3 placed(glm::dmat4(part.toWorld) * glm::dvec4(position, 1));
-      low = glm::min(low, placed), high = glm::max(high, placed);
-    }
-  OrientedBox box{.centre = (low + high) * 0.5};
-  for (int axis = 0; axis < 3; ++axis) box.half[axis] *= (high[axis] - low[axis]) * 0.5;
+    for (const glm::vec3& position : scene.meshes[part.mesh].positions)
+      around.add(glm::dvec3(glm::dmat4(part.toWorld) * glm::dvec4(position, 1)));
+  OrientedBox box{.centre = around.centre()};
+  for (int axis = 0; axis < 3; ++axis) box.half[axis] *= (around.high[axis] - around.low[axis]) * 0.5;
   return box;
 }
 
 // Its meshes at rest, its materials and its textures become the scene's.
-std::vector<scene::ObjectPart> takeIn(scene::Scene other, scene::Scene& scene) {
+std::vector<scene::ObjectPart> takeIn(scene::Scene& other, scene::Scene& scene) {
   const auto firstTexture = static_cast<int>(scene.textures.size());
-  for (scene::Texture& texture : other.textures) {
-    scene.memory.grow(texture.bytes(), "the textures of scattered objects");
-    scene.textures.push_back(std::move(texture));
-  }
+  for (scene::Texture& texture : other.textures) scene.textures.push_back(std::move(texture));
   std::vector<uint32_t> materials, meshes;
   for (scene::Material& material : other.materials) {
     for (scene::TextureSlot& slot : material.slots)
@@ -52,7 +44,9 @@ ObjectTemplate readTemplate(Spec& spec, scene::Scene& scene) {
   ObjectTemplate object;
   if (spec.has("file")) {
     object.name = spec.text("file");
-    object.parts = takeIn(scene::load(object.name), scene);
+    scene::Scene file = scene::load(object.name);
+    object.parts = takeIn(file, scene);
+    object.memory = std::move(file.memory);
   } else {
     object.name = spec.text("node");
     for (const uint32_t number : instancesBelow(scene, object.name, spec.pathOf("node"))) {
@@ -61,7 +55,7 @@ ObjectTemplate readTemplate(Spec& spec, scene::Scene& scene) {
     }
   }
   object.box = boxAround(scene, object.parts);
-  if (object.parts.empty() || !(object.box.half[0].x < std::numeric_limits<double>::infinity()))
+  if (object.parts.empty() || !(object.box.half[0].x >= 0))
     badUsage("{}: there is nothing to be seen in {}", spec.path(), object.name);
   spec.finish();
   return object;

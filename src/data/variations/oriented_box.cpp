@@ -1,6 +1,7 @@
 #include "data/variations/oriented_box.h"
 
 #include <cmath>
+#include <initializer_list>
 
 namespace latelight::data {
 
