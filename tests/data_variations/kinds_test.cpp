@@ -172,14 +172,22 @@ TEST(AddedLightsTest, AreWhereTheyMayBe) {
 }
 
 TEST(EnvironmentsTest, AreDrawn) {
-  Varied varied(R"([{"type": "environments", "environments": ["studio", "none"]}])");
+  Varied varied(R"([{"type": "environments", "environments": ["studio", "none"], "rotation": [-90, 90]}])");
   int studios = 0;
+  std::vector<double> rotations;
   for (uint64_t n = 0; n < 400; ++n) {
-    EXPECT_EQ(varied.variations.apply(n)[0]["environment"], varied.variations.environment());
+    const Json said = varied.variations.apply(n)[0];
+    EXPECT_EQ(said["environment"], varied.variations.environment());
+    EXPECT_EQ(said["rotation"], varied.variations.environmentRotation().value());
+    rotations.push_back(said["rotation"]);
     studios += varied.variations.environment() == "studio";
   }
   EXPECT_LT(std::abs(studios - 200), 35);
-  EXPECT_EQ(Varied("[]").variations.environment(), "");
+  expectUniform(rotations, -90, 90);
+  Varied plain("[]");
+  plain.variations.apply(0);
+  EXPECT_EQ(plain.variations.environment(), "");
+  EXPECT_FALSE(plain.variations.environmentRotation());
 }
 
 uint32_t instanceAt(const scene::Scene& scene, const std::string& path) {

@@ -49,6 +49,7 @@ constexpr WrongVariation kWrong[] = {
     {R"([{"type": "addedLights", "count": 1.5, "intensity": 1}])", "variations[0].count must be whole numbers"},
     {R"([{"type": "addedLights", "count": 1, "intensity": 1}])", "variations[0] needs \"min\""},
     {R"([{"type": "environments", "environments": "/nowhere/sky.hdr"}])", "there is no environment /nowhere/sky.hdr"},
+    {R"([{"type": "environments"}])", "variations[0] needs one of \"environments\""},
     {R"([{"type": "transforms", "nodes": "matte"}])", "variations[0] needs one of \"translation\""},
     {R"([{"type": "transforms", "nodes": "sofa", "scale": 2}])", "variations[0].nodes: builtin:boxes has no node"},
     {R"([{"type": "transforms", "nodes": "matte", "scale": 0}])",

@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 #include <span>
 #include <string>
@@ -34,6 +35,7 @@ struct Draft {
   std::vector<AddedObject> addedObjects;
   std::vector<OrientedBox> taken;  // by added objects
   std::string environment;
+  std::optional<double> environmentRotation;  // degrees
 
   // As the kinds before left it.
   scene::Material& material(uint32_t index) {

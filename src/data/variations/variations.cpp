@@ -20,7 +20,7 @@ constexpr VariationKind kKinds[] = {
     {"textures", "other pictures in materials' slots", varyTextures},
     {"lights", "strength, colour and place of the scene's lights, and how many are on", varyLights},
     {"addedLights", "further lights", addLights},
-    {"environments", "one of several environments", varyEnvironments},
+    {"environments", "one of several environments, and how far it is turned", varyEnvironments},
     {"transforms", "places, turns and sizes of nodes", varyTransforms},
     {"visibility", "which nodes are there", varyVisibility},
     {"scatter", "objects on a surface or in a volume, without overlap", scatterObjects},
@@ -61,6 +61,7 @@ struct Variations::Impl {
   // What the last variation left.
   std::vector<uint32_t> hidden, addedInstances, addedLights;
   std::string environment;
+  std::optional<double> environmentRotation;
   uint32_t twins = 0;  // of names, before anything was added
 
   void takeBack();
@@ -102,6 +103,7 @@ void Variations::Impl::change(const Draft& draft) {
     hidden.push_back(instance);
   }
   environment = draft.environment;
+  environmentRotation = draft.environmentRotation;
 }
 
 Variations::Variations(const Json& spec, scene::Scene& scene, uint64_t seed)
@@ -129,6 +131,9 @@ Json Variations::apply(uint64_t number) {
 
 const std::string& Variations::environment() const {
   return impl_->environment;
+}
+std::optional<double> Variations::environmentRotation() const {
+  return impl_->environmentRotation;
 }
 
 }  // namespace latelight::data

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 
 #include "scene/scene.h"
@@ -24,6 +25,8 @@ class Variations {
   nlohmann::ordered_json apply(uint64_t number);
   // The environment that the last one drew: a file or "studio"; empty: the job's own.
   const std::string& environment() const;
+  // How far the last one turned it, degrees, as --hdri-rotate; none: the job's own.
+  std::optional<double> environmentRotation() const;
 
  private:
   struct Impl;
