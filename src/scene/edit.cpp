@@ -67,7 +67,7 @@ std::pair<std::string, uint32_t> uniqueName(UniqueIds& ids, uint32_t& twins, con
 
 uint32_t addNode(Scene& scene, const std::string& name, const std::string& mesh, const mat4& toWorld) {
   auto [path, id] = uniqueName(idsOf(scene).nodes, scene.edits.twins, "/" + name);
-  Node node{.name = name, .path = std::move(path), .mesh = mesh, .id = id, .added = true};
+  Node node{.name = name, .path = std::move(path), .mesh = mesh, .id = id};
   node.toWorld = toWorld;
   node.local = scene.yUp ? toGltfFromWorld() * toWorld : toWorld;
   return place(scene.nodes, scene.edits.freeNodes, std::move(node));
@@ -96,29 +96,59 @@ void setMaterialOf(Scene& scene, uint32_t instance, uint32_t material) {
 }
 
 uint32_t addInstance(Scene& scene, uint32_t mesh, uint32_t material, const mat4& toWorld, const std::string& name) {
-  const std::string meshName = at(scene.meshes, mesh, "mesh").name;
-  at(scene.materials, material, "material");
-  checkTransform(toWorld);
+  const ObjectPart part{mesh, material, toWorld};
+  return addObject(scene, {&part, 1}, name).front();
+}
+
+std::vector<uint32_t> addObject(Scene& scene, std::span<const ObjectPart> parts, const std::string& name) {
+  if (parts.empty()) badUsage("an object without meshes can't be added");
+  for (const ObjectPart& part : parts) {
+    at(scene.meshes, part.mesh, "mesh");
+    at(scene.materials, part.material, "material");
+    checkTransform(part.toWorld);
+  }
   checkName(name);
-  Instance instance{.mesh = mesh, .material = material, .toWorld = toWorld, .placed = true};
+  const std::string meshName = scene.meshes[parts[0].mesh].name;
   std::string own = !name.empty() ? name : !meshName.empty() ? meshName : "instance";
   std::ranges::replace(own, '/', '.');  // of a mesh's name: primitives have one
-  instance.node = addNode(scene, own, meshName, toWorld);
-  instance.id = scene.nodes[instance.node].id;
-  instance.part = idsOf(scene).parts.make(scene.nodes[instance.node].path);
-  const uint32_t index = place(scene.instances, scene.edits.instanceGaps.free, instance);
-  scene.edits.instances.note(index);
-  return index;
+  const uint32_t node = addNode(scene, own, meshName, parts[0].toWorld);
+  scene.nodes[node].added = static_cast<uint32_t>(parts.size());
+  std::vector<uint32_t> added;
+  for (uint32_t i = 0; i < parts.size(); ++i) {
+    Instance instance{.mesh = parts[i].mesh,
+                      .material = parts[i].material,
+                      .node = node,
+                      .primitive = i,
+                      .toWorld = parts[i].toWorld,
+                      .placed = true};
+    instance.id = scene.nodes[node].id;
+    const std::string& path = scene.nodes[node].path;
+    instance.part = idsOf(scene).parts.make(parts.size() == 1 ? path : fmt::format("{}/primitive{}", path, i));
+    added.push_back(place(scene.instances, scene.edits.instanceGaps.free, instance));
+    scene.edits.instances.note(added.back());
+  }
+  return added;
 }
 
 void removeInstance(Scene& scene, uint32_t instance) {
   Instance& removed = present(scene.instances, instance, "instance");
-  if (scene.nodes[removed.node].added) {
+  Node& node = scene.nodes[removed.node];
+  if (node.added > 0) {
     idsOf(scene).parts.release(removed.part);
-    removeNode(scene, removed.node);
+    if (--node.added == 0) removeNode(scene, removed.node);
   }
   removed.removed = true;
   empty(scene.edits.instanceGaps, instance);
+  scene.edits.instances.note(instance);
+}
+
+void restoreInstance(Scene& scene, uint32_t instance) {
+  Instance& restored = at(scene.instances, instance, "instance");
+  const uint32_t node = restored.node;
+  const bool own = node >= scene.nodes.size() || scene.nodes[node].path.empty() || scene.nodes[node].added > 0;
+  if (!restored.removed || own) badUsage("the instance {} is not one of the scene's own that was removed", instance);
+  std::erase(scene.edits.instanceGaps.free, instance);
+  restored.removed = false;
   scene.edits.instances.note(instance);
 }
 

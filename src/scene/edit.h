@@ -5,7 +5,9 @@
 // range); the scene is then unchanged.
 #pragma once
 
+#include <span>
 #include <string>
+#include <vector>
 
 #include "scene/scene.h"
 
@@ -17,7 +19,15 @@ void setMaterialOf(Scene& scene, uint32_t instance, uint32_t material);
 // Returns its number. It has a root node of its own, "/<name>" or "/<name>#<number>", which is removed with it, and ids
 // from that path. An empty name: the mesh's.
 uint32_t addInstance(Scene& scene, uint32_t mesh, uint32_t material, const mat4& toWorld, const std::string& name = "");
+// Several at one such node, so that they have one id. Returns their numbers.
+struct ObjectPart {
+  uint32_t mesh = 0, material = 0;
+  mat4 toWorld{1};
+};
+std::vector<uint32_t> addObject(Scene& scene, std::span<const ObjectPart> parts, const std::string& name);
 void removeInstance(Scene& scene, uint32_t instance);
+// Brings back one that came with the scene and was removed, as it was. Handles of it stay invalid.
+void restoreInstance(Scene& scene, uint32_t instance);
 
 // Its name and its id don't change.
 void setMaterial(Scene& scene, uint32_t material, const Material& data);

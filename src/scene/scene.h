@@ -92,7 +92,7 @@ struct Node {
   std::string path;  // "/Root/Arm/Hand": names from the root; unnamed nodes are "node<index>", twins get "#2", "#3"...
   std::string mesh;  // the name of its mesh; empty: it has none
   uint32_t id = 0;   // stable, unique in the scene, never 0; in a group, that of the topmost node
-  bool added = false;  // by an edit, with an instance (edit.h): removed with it
+  uint32_t added = 0;  // instances that an edit put there (edit.h): it is removed with the last one
   int parent = -1;
   mat4 local{1};    // the file's own frame
   mat4 toWorld{1};  // the renderer's world

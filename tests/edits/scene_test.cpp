@@ -5,6 +5,7 @@
 #include <set>
 
 #include "base/error.h"
+#include "base/hash.h"
 #include "edits/workshop.h"
 #include "render/id_manifest.h"
 #include "scene/edit.h"
@@ -142,6 +143,50 @@ TEST(SceneEdit, AddedInstancesHaveNodesAndIdsOfTheirOwnThatGoWithThem) {
   EXPECT_EQ(scene.instances[addInstance(scene, 1, 0, shifted(1), "crate")].id, id);  // of what it is called
   for (int i = 0; i < 100; ++i) removeInstance(scene, addInstance(scene, 0, 0, shifted(3)));
   EXPECT_EQ(scene.nodes.size(), nodes + 3);
+}
+
+TEST(SceneEdit, AnObjectHasOneNodeAndOneId) {
+  Scene scene = workshop();
+  const ObjectPart parts[] = {{0, 1, shifted(1)}, {1, 2, shifted(2)}};
+  const std::vector<uint32_t> added = addObject(scene, parts, "cup");
+  ASSERT_EQ(added.size(), 2u);
+  const Instance first = scene.instances[added[0]], second = scene.instances[added[1]];
+  EXPECT_EQ(scene.nodes[first.node].path, "/cup");
+  EXPECT_EQ(first.node, second.node);
+  EXPECT_EQ(first.id, hash32("/cup"));
+  EXPECT_EQ(second.id, hash32("/cup"));
+  EXPECT_EQ(first.part, hash32("/cup/primitive0"));
+  EXPECT_EQ(second.part, hash32("/cup/primitive1"));
+  EXPECT_EQ(second.primitive, 1u);
+  EXPECT_EQ(second.material, 2u);
+  removeInstance(scene, added[0]);
+  EXPECT_EQ(scene.nodes[second.node].path, "/cup");
+  removeInstance(scene, added[1]);
+  EXPECT_EQ(scene.nodes[second.node].path, "");
+  EXPECT_THAT(refusal(scene, [&] { addObject(scene, {}, "cup"); }), HasSubstr("without meshes"));
+  const ObjectPart wrong[] = {{0, 1, shifted(1)}, {0, 99, shifted(2)}};
+  EXPECT_THAT(refusal(scene, [&] { addObject(scene, wrong, "cup"); }), HasSubstr("no material 99"));
+  EXPECT_EQ(scene.instances[addObject(scene, parts, "cup")[0]].id, hash32("/cup"));
+}
+
+TEST(SceneEdit, WhatIsRestoredIsAsItWas) {
+  Scene scene = workshop();
+  const Instance before = scene.instances[2];
+  removeInstance(scene, 2);
+  removeInstance(scene, 4);
+  const uint64_t revision = scene.edits.instances.revision();
+  restoreInstance(scene, 2);
+  EXPECT_FALSE(scene.instances[2].removed);
+  EXPECT_EQ(scene.instances[2].id, before.id);
+  EXPECT_EQ(scene.nodes[scene.instances[2].node].path, scene.nodes[before.node].path);
+  EXPECT_FALSE(scene.instances[2].placed);
+  EXPECT_THAT(scene.edits.instances.since(revision), ElementsAre(2));
+  EXPECT_EQ(addInstance(scene, 0, 0, shifted(1), "ball"), 4u);  // the other gap, and not that of the one restored
+  const std::string present = refusal(scene, [&] { restoreInstance(scene, 2); });
+  EXPECT_THAT(present, HasSubstr("the instance 2 is not one"));
+  EXPECT_THAT(refusal(scene, [&] { restoreInstance(scene, 4); }), HasSubstr("the instance 4 is not one"));
+  removeInstance(scene, 4);
+  EXPECT_THAT(refusal(scene, [&] { restoreInstance(scene, 4); }), HasSubstr("the instance 4 is not one"));
 }
 
 TEST(SceneEdit, AddedMaterialsHaveIdsOfTheirOwn) {

@@ -1,13 +1,93 @@
 #include "data/cameras/cameras.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <unordered_set>
+
 #include "base/error.h"
+#include "data/cameras/source.h"
 
 namespace latelight::data {
 
-std::vector<JobCamera> makeCameras(const nlohmann::ordered_json& spec, const scene::Scene& scene, uint64_t seed) {
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+constexpr CameraSource kSources[] = {
+    {"scene", "the scene's own cameras", shotsOfScene},
+    {"list", "cameras one by one, by what they look at or by their poses", shotsOfList},
+    {"orbit", "a circle or a spiral around a target", shotsOnOrbit},
+    {"sphere", "points on a sphere around a target, or in a shell", shotsOnSphere},
+    {"box", "random points in a box", shotsInBox},
+    {"path", "a smooth path through key frames", shotsOnPath},
+    {"transforms", "a transforms.json of nerfstudio or instant-ngp", shotsOfTransforms},
+    {"colmap", "a model of COLMAP, text or binary", shotsOfColmap},
+    {"tum", "a trajectory in TUM's format", shotsOfTum},
+    {"bop", "a scene_camera.json of BOP", shotsOfBop},
+    {"stereo", "a pair for each of other cameras", shotsOfStereo},
+    {"rig", "several for each of other cameras, where offsets say", shotsOfRig},
+};
+
+std::vector<Shot> makeSource(const Json& value, const std::string& path, const CameraContext& context) {
+  Spec spec(value, path);
+  const std::string type = spec.text("type");
+  const auto source = std::ranges::find(kSources, type, &CameraSource::name);
+  if (source == std::end(kSources)) {
+    std::vector<std::string_view> names;
+    for (const CameraSource& known : kSources) names.push_back(known.name);
+    badUsage("{}.type must be one of {}, not \"{}\"", path, fmt::join(names, ", "), type);
+  }
+  std::vector<Shot> shots = source->make(spec, context);
+  spec.finish();
+  return shots;
+}
+
+// Names become parts of files' names.
+std::string fileName(std::string name, size_t index) {
+  std::ranges::replace_if(
+      name, [](unsigned char c) { return c == '/' || c == '\\' || c < 0x20; }, '_');
+  return name.empty() || name == "." || name == ".." ? fmt::format("camera{}", index) : name;
+}
+
+void makeNamesUnique(std::vector<JobCamera>& cameras) {
+  std::unordered_set<std::string> taken;
+  std::unordered_map<std::string, uint64_t> twins;
+  for (size_t i = 0; i < cameras.size(); ++i) {
+    const std::string wanted = fileName(cameras[i].name, i);
+    std::string name = wanted;
+    while (!taken.insert(name).second)
+      name = fmt::format("{}-{}", wanted, ++twins.try_emplace(wanted, 1).first->second);
+    cameras[i].name = cameras[i].camera.name = name;
+  }
+}
+
+}  // namespace
+
+std::span<const CameraSource> cameraSources() {
+  return kSources;
+}
+
+std::vector<Shot> makeShots(const Json& spec, const std::string& path, const CameraContext& context) {
+  if (!spec.is_array()) return makeSource(spec, path, context);
+  if (spec.empty()) badUsage("{} is an empty list: give at least one source of cameras", path);
+  std::vector<Shot> all;
+  for (size_t i = 0; i < spec.size(); ++i)
+    for (Shot& shot : makeSource(spec[i], fmt::format("{}[{}]", path, i), context)) all.push_back(std::move(shot));
+  return all;
+}
+
+std::string numberedName(std::string_view stem, uint64_t number, uint64_t count) {
+  return fmt::format("{}{:0{}}", stem, number, fmt::formatted_size("{}", count - 1));
+}
+
+std::vector<JobCamera> makeCameras(const Json& spec, const scene::Scene& scene, uint64_t seed) {
+  const Json scenes = {{"type", "scene"}};
   std::vector<JobCamera> cameras;
-  for (const scene::Camera& camera : scene.cameras) cameras.push_back({camera, camera.name});
-  if (cameras.empty()) badUsage("{} has no camera", scene.source);
+  for (const Shot& shot : makeShots(spec.is_null() ? scenes : spec, "cameras", {scene, axesOf(scene), seed}))
+    cameras.push_back(toJobCamera(shot, scene));
+  makeNamesUnique(cameras);
   return cameras;
 }
 

@@ -1,24 +1,139 @@
 #include "data/variations/variations.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <ranges>
+
 #include "base/error.h"
+#include "data/variations/variation.h"
 
 namespace latelight::data {
 
-struct Variations::Impl {
-  std::string environment;
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+constexpr VariationKind kKinds[] = {
+    {"materials", "colour, roughness, metalness and emission of materials", varyMaterials},
+    {"textures", "other pictures in materials' slots", varyTextures},
+    {"lights", "strength, colour and place of the scene's lights, and how many are on", varyLights},
+    {"addedLights", "further lights", addLights},
+    {"environments", "one of several environments, and how far it is turned", varyEnvironments},
+    {"transforms", "places, turns and sizes of nodes", varyTransforms},
+    {"visibility", "which nodes are there", varyVisibility},
+    {"scatter", "objects on a surface or in a volume, without overlap", scatterObjects},
 };
 
-Variations::Variations(const nlohmann::ordered_json& spec, scene::Scene& scene, uint64_t seed)
-    : impl_(std::make_unique<Impl>()) {
-  if (!spec.is_null()) badUsage("variations: not known yet");
+std::unique_ptr<Variation> makeVariation(const Json& value, const std::string& path, scene::Scene& scene) {
+  Spec spec(value, path);
+  const std::string type = spec.text("type");
+  const auto kind = std::ranges::find(kKinds, type, &VariationKind::name);
+  if (kind == std::end(kKinds)) {
+    std::vector<std::string_view> names;
+    for (const VariationKind& known : kKinds) names.push_back(known.name);
+    badUsage("{}.type must be one of {}, not \"{}\"", path, fmt::join(names, ", "), type);
+  }
+  std::unique_ptr<Variation> variation = kind->make(spec, scene);
+  spec.finish();
+  return variation;
+}
+
+}  // namespace
+
+std::span<const VariationKind> variationKinds() {
+  return kKinds;
+}
+
+struct Variations::Impl {
+  scene::Scene& scene;
+  uint64_t seed;
+  struct Entry {
+    std::string type;
+    std::unique_ptr<Variation> variation;
+  };
+  std::vector<Entry> entries;
+  // The scene as it was at first, where an edit changes it.
+  std::map<uint32_t, scene::Material> materials;
+  std::map<uint32_t, scene::Light> lights;
+  std::map<uint32_t, scene::mat4> transforms;
+  // What the last variation left.
+  std::vector<uint32_t> hidden, addedInstances, addedLights;
+  std::string environment;
+  std::optional<double> environmentRotation;
+  uint32_t twins = 0;  // of names, before anything was added
+
+  void takeBack();
+  void change(const Draft& draft);
+};
+
+// In the opposite order of change(), so that gaps in the scene's lists are as before: what is added next takes the
+// places that it would take in a scene without any variation.
+void Variations::Impl::takeBack() {
+  for (const uint32_t instance : hidden) scene::restoreInstance(scene, instance);
+  for (const uint32_t instance : std::views::reverse(addedInstances)) scene::removeInstance(scene, instance);
+  for (const uint32_t light : std::views::reverse(addedLights)) scene::removeLight(scene, light);
+  hidden.clear(), addedInstances.clear(), addedLights.clear();
+  scene.edits.twins = twins;
+  for (const auto& [index, material] : materials) scene::setMaterial(scene, index, material);
+  for (const auto& [index, light] : lights) scene::setLight(scene, index, light);
+  for (const auto& [index, toWorld] : transforms) scene::setTransform(scene, index, toWorld);
+}
+
+void Variations::Impl::change(const Draft& draft) {
+  for (const auto& [index, material] : draft.materials) {
+    materials.try_emplace(index, scene.materials[index]);
+    scene::setMaterial(scene, index, material);
+  }
+  for (const auto& [index, light] : draft.lights) {
+    lights.try_emplace(index, scene.lights[index]);
+    scene::setLight(scene, index, light);
+  }
+  for (const auto& [index, toWorld] : draft.transforms) {
+    transforms.try_emplace(index, scene.instances[index].toWorld);
+    scene::setTransform(scene, index, toWorld);
+  }
+  for (const scene::Light& light : draft.addedLights) addedLights.push_back(scene::addLight(scene, light));
+  for (const AddedObject& object : draft.addedObjects)
+    for (const uint32_t instance : scene::addObject(scene, object.parts, object.name))
+      addedInstances.push_back(instance);
+  for (const uint32_t instance : draft.hidden) {
+    scene::removeInstance(scene, instance);
+    hidden.push_back(instance);
+  }
+  environment = draft.environment;
+  environmentRotation = draft.environmentRotation;
+}
+
+Variations::Variations(const Json& spec, scene::Scene& scene, uint64_t seed)
+    : impl_(std::make_unique<Impl>(Impl{.scene = scene, .seed = seed})) {
+  if (!spec.is_null() && !spec.is_array()) badUsage("variations must be a list of objects, not {}", shown(spec));
+  for (size_t i = 0; i < spec.size(); ++i) {
+    std::unique_ptr<Variation> variation = makeVariation(spec[i], fmt::format("variations[{}]", i), scene);
+    impl_->entries.push_back({spec[i]["type"].get<std::string>(), std::move(variation)});
+  }
+  impl_->twins = scene.edits.twins;
 }
 Variations::~Variations() = default;
 
-nlohmann::ordered_json Variations::apply(uint64_t number) {
-  return nullptr;
+Json Variations::apply(uint64_t number) {
+  impl_->takeBack();
+  Draft draft{.scene = impl_->scene};
+  Json drawn = Json::array();
+  for (const Impl::Entry& entry : impl_->entries) {
+    Json& said = drawn.emplace_back(Json{{"type", entry.type}});
+    said.update(entry.variation->draw({impl_->seed, number}, draft));
+  }
+  impl_->change(draft);
+  return drawn;
 }
+
 const std::string& Variations::environment() const {
   return impl_->environment;
+}
+std::optional<double> Variations::environmentRotation() const {
+  return impl_->environmentRotation;
 }
 
 }  // namespace latelight::data

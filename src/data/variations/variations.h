@@ -4,13 +4,15 @@
 #include <cstdint>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 
 #include "scene/scene.h"
 
 namespace latelight::data {
 
-// Bound to a scene, which it edits; what it does not draw keeps the file's values.
+// Bound to a scene, which it edits; what it does not draw keeps the file's values. Meshes, materials and textures that
+// it may show are added to the scene when it is made. Nothing else may edit the scene while it exists.
 class Variations {
  public:
   // `spec` is the job's "variations"; throws Error(Usage) that names the key that is wrong, or a name that the scene
@@ -23,6 +25,8 @@ class Variations {
   nlohmann::ordered_json apply(uint64_t number);
   // The environment that the last one drew: a file or "studio"; empty: the job's own.
   const std::string& environment() const;
+  // How far the last one turned it, degrees, as --hdri-rotate; none: the job's own.
+  std::optional<double> environmentRotation() const;
 
  private:
   struct Impl;

@@ -1,0 +1,109 @@
+#include "data/cameras/calibrated.h"
+
+#include <cmath>
+#include <ranges>
+
+#include "base/error.h"
+#include "data/cameras/optics.h"
+
+namespace latelight::data {
+
+using glm::dmat3, glm::dmat4, glm::dvec3, glm::dvec4;
+
+namespace {
+
+// The file's world to the scene file's frame.
+dmat4 readWorld(Spec& spec, const CameraContext& context) {
+  const std::string axes = spec.choice("axes", {"scene", "y-up", "z-up"}, "scene");
+  const double scale = spec.number("scale", kPositive, 1.0);
+  dmat4 world(1);
+  if (axes == "z-up" && context.scene.yUp) world = dmat4(scene::toGltfFromWorld());
+  if (axes == "y-up" && !context.scene.yUp) world = dmat4(scene::toWorldFromGltf());
+  for (int axis = 0; axis < 3; ++axis) world[axis] *= scale;
+  return world;
+}
+
+}  // namespace
+
+std::vector<Shot> placeCameras(Spec& spec, const CameraContext& context, const std::vector<CalibratedCamera>& cameras) {
+  const dmat4 world = readWorld(spec, context);
+  const bool lensless = std::ranges::all_of(cameras, [](const CalibratedCamera& camera) { return !camera.lens; });
+  const Optics normal = lensless ? readOptics(spec) : Optics{};
+  const PictureSize size = lensless ? PictureSize{normal.width, normal.height} : readSize(spec);
+  std::vector<Shot> shots;
+  for (const CalibratedCamera& camera : cameras) {
+    dmat4 pose = world * camera.pose;
+    for (int axis = 0; axis < 3; ++axis) pose[axis] = dvec4(glm::normalize(dvec3(pose[axis])), 0);
+    Optics optics = normal;
+    if (camera.lens && size.width) optics = opticsOf(*camera.lens, size.width, size.height);
+    if (camera.lens && !size.width)
+      optics =
+          opticsOf(*camera.lens, static_cast<uint32_t>(camera.lens->width), static_cast<uint32_t>(camera.lens->height));
+    shots.push_back({stemOf(camera.name), pose, optics.camera, optics.width, optics.height});
+  }
+  return shots;
+}
+
+dmat3 rotationOf(dvec4 q) {
+  q /= glm::length(q);
+  const double w = q[0], x = q[1], y = q[2], z = q[3];
+  return dmat3(1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y),  //
+               2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x),  //
+               2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y));
+}
+
+// From its greatest component, so that no digits are lost (Shepperd 1978, "Quaternion from rotation matrix").
+dvec4 quaternionOf(const dmat3& r) {
+  const double trace = r[0][0] + r[1][1] + r[2][2];
+  const double squares[] = {trace, r[0][0], r[1][1], r[2][2]};
+  const auto greatest = std::ranges::max_element(squares) - squares;
+  dvec4 q;
+  if (greatest == 0) {
+    q = {1 + trace, r[1][2] - r[2][1], r[2][0] - r[0][2], r[0][1] - r[1][0]};
+  } else {
+    const int i = static_cast<int>(greatest) - 1, j = (i + 1) % 3, k = (i + 2) % 3;
+    q[0] = r[j][k] - r[k][j];
+    q[i + 1] = 1 + r[i][i] - r[j][j] - r[k][k];
+    q[j + 1] = r[i][j] + r[j][i];
+    q[k + 1] = r[i][k] + r[k][i];
+  }
+  q /= glm::length(q);
+  return q[0] < 0 ? -q : q;
+}
+
+dmat4 inverseOf(const dmat4& pose) {
+  const dmat3 back = glm::transpose(dmat3(pose));
+  dmat4 inverse(back);
+  inverse[3] = dvec4(-(back * dvec3(pose[3])), 1);
+  return inverse;
+}
+
+void checkLens(const scene::Lens& lens, const std::string& where) {
+  const auto isSide = [](double side) { return side >= 1 && side <= 65536 && side == std::floor(side); };
+  if (!isSide(lens.width) || !isSide(lens.height))
+    badInput("{} has a picture of {} x {} pixels: sides must be whole numbers from 1 to 65536", where, lens.width,
+             lens.height);
+  if (lens.model == scene::LensModel::Equirectangular) return;
+  for (const double focal : {lens.fx, lens.fy})
+    if (!(focal > 0) || !std::isfinite(focal))
+      badInput("{} has a focal length of {}: it must be above 0", where, focal);
+  bool finite = std::isfinite(lens.cx) && std::isfinite(lens.cy);
+  for (const double term : lens.distortion) finite = finite && std::isfinite(term);
+  if (!finite) badInput("{} has a principal point or a distortion that is no finite number", where);
+}
+
+std::string stemOf(const std::string& picture) {
+  std::string_view stem = picture;
+  while (stem.starts_with("./") || stem.starts_with("../")) stem.remove_prefix(stem.find('/') + 1);
+  const size_t dot = stem.rfind('.');
+  const size_t slash = stem.rfind('/');
+  // Only what names a kind of picture: the point of a time is none.
+  constexpr std::string_view kEndings[] = {".png", ".jpg", ".jpeg", ".exr", ".tif", ".tiff", ".webp", ".bmp",
+                                           ".PNG", ".JPG", ".JPEG", ".EXR", ".TIF", ".TIFF", ".ppm",  ".npy"};
+  if (dot != stem.npos && (slash == stem.npos || dot > slash) &&
+      std::ranges::find(kEndings, stem.substr(dot)) != std::end(kEndings))
+    stem = stem.substr(0, dot);
+  return std::string(stem);
+}
+
+}  // namespace latelight::data

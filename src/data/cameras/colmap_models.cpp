@@ -1,0 +1,125 @@
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "data/cameras/colmap.h"
+
+namespace latelight::data {
+
+using scene::Lens, scene::LensModel;
+
+namespace {
+
+// Where a model's parameter goes: a letter a parameter. f: both focal lengths, x y: each, u v: the principal point,
+// digits: that of the distortion's terms. Empty: a lens can't hold it.
+struct ModelLayout {
+  ColmapModel model;
+  LensModel lens;
+  std::string_view parameters;
+};
+constexpr ModelLayout kModels[] = {
+    {{0, "SIMPLE_PINHOLE", 3}, LensModel::Pinhole, "fuv"},
+    {{1, "PINHOLE", 4}, LensModel::Pinhole, "xyuv"},
+    {{2, "SIMPLE_RADIAL", 4}, LensModel::OpenCv, "fuv0"},
+    {{3, "RADIAL", 5}, LensModel::OpenCv, "fuv01"},
+    {{4, "OPENCV", 8}, LensModel::OpenCv, "xyuv0123"},
+    {{5, "OPENCV_FISHEYE", 8}, LensModel::Fisheye, "xyuv0123"},
+    {{6, "FULL_OPENCV", 12}, LensModel::OpenCv, "xyuv01234567"},
+    {{7, "FOV", 5}, LensModel::Pinhole, ""},
+    {{8, "SIMPLE_RADIAL_FISHEYE", 4}, LensModel::Fisheye, "fuv0"},
+    {{9, "RADIAL_FISHEYE", 5}, LensModel::Fisheye, "fuv01"},
+    {{10, "THIN_PRISM_FISHEYE", 12}, LensModel::Pinhole, ""},
+};
+
+const ModelLayout& layoutOf(const ColmapModel& model) {
+  return *std::ranges::find(kModels, model.id, [](const ModelLayout& layout) { return layout.model.id; });
+}
+
+// Calls set(number, part) with each part of a lens that a parameter is.
+template <typename L, typename Visit>
+void visitParameters(std::string_view layout, L& lens, const Visit& visit) {
+  for (size_t i = 0; i < layout.size(); ++i) {
+    const char part = layout[i];
+    if (part == 'f' || part == 'x') visit(i, lens.fx);
+    if (part == 'f' || part == 'y') visit(i, lens.fy);
+    if (part == 'u') visit(i, lens.cx);
+    if (part == 'v') visit(i, lens.cy);
+    if (part >= '0' && part <= '7') visit(i, lens.distortion[static_cast<size_t>(part - '0')]);
+  }
+}
+
+bool sameLens(const Lens& a, const Lens& b) {
+  return a.model == b.model && a.width == b.width && a.height == b.height && a.fx == b.fx && a.fy == b.fy &&
+         a.cx == b.cx && a.cy == b.cy && a.distortion == b.distortion;
+}
+
+}  // namespace
+
+const ColmapModel* findColmapModel(int id) {
+  for (const ModelLayout& layout : kModels)
+    if (layout.model.id == id) return &layout.model;
+  return nullptr;
+}
+const ColmapModel* findColmapModel(std::string_view name) {
+  for (const ModelLayout& layout : kModels)
+    if (layout.model.name == name) return &layout.model;
+  return nullptr;
+}
+
+Lens lensOfColmap(const ColmapModel& model, double width, double height, std::span<const double> parameters,
+                  const std::string& where) {
+  const ModelLayout& layout = layoutOf(model);
+  if (layout.parameters.empty())
+    badInput("{} is of COLMAP's model {}, which is not supported: undistort its pictures with COLMAP", where,
+             model.name);
+  Lens lens{.model = layout.lens, .width = width, .height = height};
+  visitParameters(layout.parameters, lens, [&](size_t i, double& part) { part = parameters[i]; });
+  checkLens(lens, where);
+  return lens;
+}
+
+ColmapCamera colmapCameraOf(const CalibratedCamera& camera) {
+  const auto writable = [](LensModel model) {
+    return model == LensModel::Pinhole || model == LensModel::OpenCv || model == LensModel::Fisheye;
+  };
+  if (!camera.lens || !writable(camera.lens->model))
+    badUsage("COLMAP's files can't hold the camera \"{}\": they need a pinhole, OpenCV or fisheye lens", camera.name);
+  const auto& d = camera.lens->distortion;
+  const bool full = std::any_of(d.begin() + 4, d.end(), [](double term) { return term != 0; });
+  const char* name = camera.lens->model == LensModel::Pinhole   ? "PINHOLE"
+                     : camera.lens->model == LensModel::Fisheye ? "OPENCV_FISHEYE"
+                     : full                                     ? "FULL_OPENCV"
+                                                                : "OPENCV";
+  const ColmapModel* model = findColmapModel(std::string_view(name));
+  ColmapCamera written{model, std::vector<double>(model->parameters)};
+  visitParameters(layoutOf(*model).parameters, *camera.lens,
+                  [&](size_t i, const double& part) { written.parameters[i] = part; });
+  return written;
+}
+
+ColmapPose colmapPoseOf(const glm::dmat4& pose) {
+  const glm::dmat4 toCamera = inverseOf(pose);
+  return {quaternionOf(glm::dmat3(toCamera)), glm::dvec3(toCamera[3])};
+}
+
+glm::dmat4 poseOfColmap(const ColmapPose& pose, const std::string& where) {
+  glm::dmat4 toCamera(rotationOf(pose.rotation));
+  toCamera[3] = glm::dvec4(pose.translation, 1);
+  glm::dmat4 toWorld = inverseOf(toCamera);
+  if (!makeRigid(toWorld)) badInput("{} has a pose that is no rotation and translation", where);
+  return toWorld;
+}
+
+ColmapLenses differentLenses(std::span<const CalibratedCamera> cameras) {
+  ColmapLenses lenses;
+  for (const CalibratedCamera& camera : cameras) {
+    colmapCameraOf(camera);  // throws for those that can't be written
+    const auto known = std::ranges::find_if(
+        lenses.cameras, [&](const CalibratedCamera* other) { return sameLens(*other->lens, *camera.lens); });
+    lenses.lensOf.push_back(static_cast<uint32_t>(known - lenses.cameras.begin()));
+    if (known == lenses.cameras.end()) lenses.cameras.push_back(&camera);
+  }
+  return lenses;
+}
+
+}  // namespace latelight::data

@@ -1,0 +1,78 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <map>
+
+#include "base/error.h"
+#include "base/files.h"
+#include "data/cameras/colmap.h"
+#include "data/cameras/text_lines.h"
+
+namespace latelight::data {
+
+namespace {
+
+// CAMERA_ID MODEL WIDTH HEIGHT PARAMS...
+std::map<std::string, scene::Lens, std::less<>> readLensesText(const std::filesystem::path& file) {
+  std::map<std::string, scene::Lens, std::less<>> lenses;
+  TextLines lines(file);
+  while (const auto line = lines.nextUsed()) {
+    const std::vector<std::string_view> words = lines.words(*line, 4);
+    const ColmapModel* model = findColmapModel(words[1]);
+    if (!model) badInput("{} has the unknown camera model {}", lines.where(), words[1]);
+    if (words.size() != 4 + model->parameters)
+      badInput("{} has {} parameters, and {} has {}", lines.where(), words.size() - 4, model->name, model->parameters);
+    const std::vector<double> numbers = lines.numbers(words, 2, words.size() - 2);
+    const auto lens = lensOfColmap(*model, numbers[0], numbers[1], std::span(numbers).subspan(2), lines.where());
+    if (!lenses.try_emplace(std::string(words[0]), lens).second)
+      badInput("{} has the camera {} a second time", lines.where(), words[0]);
+  }
+  return lenses;
+}
+
+void writeText(const std::filesystem::path& file, const std::string& text) {
+  writeFile(file, std::as_bytes(std::span(text)));
+}
+
+}  // namespace
+
+// IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME, and a line of points, which may be empty
+std::vector<CalibratedCamera> readColmapText(const std::filesystem::path& folder) {
+  const auto lenses = readLensesText(folder / "cameras.txt");
+  TextLines lines(folder / "images.txt");
+  std::vector<CalibratedCamera> cameras;
+  while (const auto line = lines.nextUsed()) {
+    const std::vector<std::string_view> words = lines.words(*line, 10);
+    const std::vector<double> n = lines.numbers(words, 1, 7);
+    const auto lens = lenses.find(words[8]);
+    if (lens == lenses.end()) badInput("{} has the camera {}, which cameras.txt has not", lines.where(), words[8]);
+    const glm::dmat4 pose = poseOfColmap({{n[0], n[1], n[2], n[3]}, {n[4], n[5], n[6]}}, lines.where());
+    // A name may have spaces.
+    const std::string name(line->substr(static_cast<size_t>(words[9].data() - line->data())));
+    cameras.push_back({name, lens->second, pose});
+    lines.next();
+  }
+  if (cameras.empty()) badInput("{} has no images", (folder / "images.txt").string());
+  return cameras;
+}
+
+void writeColmapText(const std::filesystem::path& folder, std::span<const CalibratedCamera> cameras) {
+  const ColmapLenses lenses = differentLenses(cameras);
+  std::string text = "# CAMERA_ID MODEL WIDTH HEIGHT PARAMS[]\n";
+  for (size_t i = 0; i < lenses.cameras.size(); ++i) {
+    const ColmapCamera camera = colmapCameraOf(*lenses.cameras[i]);
+    text += fmt::format("{} {} {} {} {}\n", i + 1, camera.model->name, lenses.cameras[i]->lens->width,
+                        lenses.cameras[i]->lens->height, fmt::join(camera.parameters, " "));
+  }
+  writeText(folder / "cameras.txt", text);
+  text = "# IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME\n# POINTS2D[]\n";
+  for (size_t i = 0; i < cameras.size(); ++i) {
+    const auto [q, t] = colmapPoseOf(cameras[i].pose);
+    text += fmt::format("{} {} {} {} {} {} {} {} {} {}\n\n", i + 1, q[0], q[1], q[2], q[3], t.x, t.y, t.z,
+                        lenses.lensOf[i] + 1, cameras[i].name);
+  }
+  writeText(folder / "images.txt", text);
+  writeText(folder / "points3D.txt", "# POINT3D_ID X Y Z R G B ERROR TRACK[]\n");
+}
+
+}  // namespace latelight::data

@@ -1,0 +1,69 @@
+#include "data/cameras/json_file.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "base/files.h"
+
+namespace latelight::data {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+// Nothing that we read is deeper; a stack is not endless.
+constexpr int kDeepest = 64;
+
+void append(const Json& value, std::vector<double>& numbers, const std::string& where, const char* key) {
+  if (value.is_array()) {
+    for (const Json& part : value) append(part, numbers, where, key);
+    return;
+  }
+  if (!value.is_number() || !std::isfinite(value.get<double>()))
+    badInput("{}: \"{}\" has no finite numbers", where, key);
+  numbers.push_back(value.get<double>());
+}
+
+}  // namespace
+
+Json readJson(const std::filesystem::path& file) {
+  const std::vector<std::byte> bytes = readFile(file);
+  const char* text = reinterpret_cast<const char*>(bytes.data());
+  try {
+    return Json::parse(text, text + bytes.size(), [&](int depth, Json::parse_event_t, Json&) {
+      if (depth > kDeepest) badInput("{} is nested deeper than {} levels", file.string(), kDeepest);
+      return true;
+    });
+  } catch (const Json::parse_error& error) {
+    const size_t at = std::min(error.byte, bytes.size());
+    badInput("{} is no JSON: line {} is broken or ends too early", file.string(),
+             1 + std::count(text, text + (at > 0 ? at - 1 : 0), '\n'));
+  } catch (const Json::out_of_range&) {
+    badInput("{} has a number that is too large", file.string());
+  }
+}
+
+void writeJson(const std::filesystem::path& file, const Json& json) {
+  const std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  writeFile(file, std::as_bytes(std::span(text)));
+}
+
+double numberIn(const Json& object, const char* key, double normal, const std::string& where) {
+  const auto found = object.find(key);
+  if (found == object.end()) return normal;
+  if (!found->is_number() || !std::isfinite(found->get<double>()))
+    badInput("{}: \"{}\" must be a finite number", where, key);
+  return found->get<double>();
+}
+
+std::vector<double> numbersIn(const Json& object, const char* key, size_t count, const std::string& where) {
+  const auto found = object.find(key);
+  if (found == object.end()) badInput("{} has no \"{}\"", where, key);
+  std::vector<double> numbers;
+  append(*found, numbers, where, key);
+  if (numbers.size() != count) badInput("{}: \"{}\" must be {} numbers, not {}", where, key, count, numbers.size());
+  return numbers;
+}
+
+}  // namespace latelight::data

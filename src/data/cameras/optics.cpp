@@ -1,0 +1,121 @@
+#include "data/cameras/optics.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "scene/builtin/exact_math.h"
+#include "scene/framing.h"
+
+namespace latelight::data {
+
+using scene::Lens, scene::LensModel;
+
+namespace {
+
+constexpr double kLongestSide = 65536;
+
+// Rounded alike on every machine.
+double arcTangent(double y, double x) {
+  return scene::builtin::turnsOf(y, x) * scene::builtin::kTau;
+}
+double tangent(double angle) {
+  return scene::builtin::sine(angle) / scene::builtin::cosine(angle);
+}
+
+Optics opticsOfFov(Spec& spec) {
+  constexpr double kNormal = 40, kDegree = scene::builtin::kPi / 180;
+  const double degrees = spec.number("fov", {1e-7, 179.999}, kNormal);
+  const PictureSize size = readSize(spec);
+  Optics optics{.width = size.width, .height = size.height};
+  optics.camera.verticalFov =
+      std::clamp(static_cast<float>(degrees * kDegree), scene::kLeastVerticalFov, scene::kMostVerticalFov);
+  const double aspect = size.height ? double(size.width) / size.height : 1;
+  optics.halfAngle = arcTangent(tangent(degrees * kDegree / 2) * std::min(1.0, aspect), 1);
+  return optics;
+}
+
+LensModel readModel(Spec& spec) {
+  const std::string name =
+      spec.choice("model", {"pinhole", "opencv", "fisheye", "equirectangular", "cubemap"}, "pinhole");
+  if (name == "opencv") return LensModel::OpenCv;
+  if (name == "fisheye") return LensModel::Fisheye;
+  if (name == "equirectangular") return LensModel::Equirectangular;
+  return name == "cubemap" ? LensModel::CubeMap : LensModel::Pinhole;
+}
+
+void readMatrix(Spec& spec, Lens& lens) {
+  const std::vector<double> k = spec.matrix("K", 3, 3);
+  const bool upper = k[1] == 0 && k[3] == 0 && k[6] == 0 && k[7] == 0 && k[8] == 1;
+  if (!upper || !(k[0] > 0) || !(k[4] > 0))
+    badUsage("{} must be [[fx, 0, cx], [0, fy, cy], [0, 0, 1]] with fx and fy above 0", spec.pathOf("K"));
+  // OpenCV's pixel centres are at whole numbers, ours at halves.
+  const double shift = 0.5 - spec.number("pixelCentre", {0, 0.5}, 0.5);
+  lens.fx = k[0], lens.fy = k[4], lens.cx = k[2] + shift, lens.cy = k[5] + shift;
+}
+
+void readDistortion(Spec& spec, Lens& lens) {
+  if (!spec.has("distortion")) return;
+  if (lens.model != LensModel::OpenCv && lens.model != LensModel::Fisheye)
+    badUsage("{} needs the model opencv or fisheye", spec.pathOf("distortion"));
+  const std::vector<double> terms = spec.numbers("distortion", 1, lens.model == LensModel::OpenCv ? 8 : 4);
+  std::ranges::copy(terms, lens.distortion.begin());
+}
+
+}  // namespace
+
+PictureSize readSize(Spec& spec) {
+  if (!spec.has("size")) return {};
+  const std::vector<double> size = spec.numbers("size", 2, 2, {1, kLongestSide});
+  if (size[0] != std::floor(size[0]) || size[1] != std::floor(size[1]))
+    badUsage("{} must be whole numbers of pixels", spec.pathOf("size"));
+  return {static_cast<uint32_t>(size[0]), static_cast<uint32_t>(size[1])};
+}
+
+Optics opticsOf(const Lens& lens, uint32_t width, uint32_t height) {
+  Optics optics{.width = width, .height = height};
+  if (lens.model == LensModel::Equirectangular || lens.model == LensModel::CubeMap) {
+    optics.camera.lens = lens;
+    return optics;
+  }
+  const double edges[] = {lens.cx / lens.fx, (lens.width - lens.cx) / lens.fx, lens.cy / lens.fy,
+                          (lens.height - lens.cy) / lens.fy};
+  optics.halfAngle = arcTangent(std::max(0.0, *std::ranges::min_element(edges)), 1);
+  const bool sameShape = double(width) * lens.height == double(height) * lens.width;
+  const double angle = 2 * arcTangent(lens.height / 2, lens.fy);
+  const bool seen = scene::showsSomething(static_cast<float>(angle));
+  if (lens.model != LensModel::Pinhole || lens.fx != lens.fy || !sameShape || !seen) {
+    optics.camera.lens = lens;
+    return optics;
+  }
+  optics.camera.verticalFov = static_cast<float>(angle);
+  optics.camera.principal = {static_cast<float>(2 * lens.cx / lens.width - 1),
+                             static_cast<float>(1 - 2 * lens.cy / lens.height)};
+  return optics;
+}
+
+Optics readOptics(Spec& spec) {
+  const LensModel model = readModel(spec);
+  if (!spec.has("K") && model == LensModel::Pinhole) return opticsOfFov(spec);
+  Lens lens{.model = model};
+  if (spec.has("fov")) badUsage("{} can't stand beside K or another model than pinhole", spec.pathOf("fov"));
+  const PictureSize size = readSize(spec);
+  lens.width = size.width, lens.height = size.height;
+  if (model == LensModel::Equirectangular || model == LensModel::CubeMap) {
+    if (spec.has("K")) badUsage("{} can't stand beside the model {}", spec.pathOf("K"), spec.text("model"));
+    // Their shape says all: any size will do.
+    if (size.width == 0) lens.width = model == LensModel::CubeMap ? 6 : 2, lens.height = 1;
+  } else {
+    readMatrix(spec, lens);
+    if (size.width == 0) badUsage("{} needs \"size\": the pixels that K counts in", spec.path());
+  }
+  readDistortion(spec, lens);
+  return opticsOf(lens, size.width, size.height);
+}
+
+bool saysOptics(Spec& spec) {
+  constexpr std::string_view kKeys[] = {"fov", "K", "model", "distortion", "size", "pixelCentre"};
+  return std::ranges::any_of(kKeys, [&](std::string_view key) { return spec.has(key); });
+}
+
+}  // namespace latelight::data

@@ -1,0 +1,20 @@
+#include "data/cameras/optics.h"
+#include "data/cameras/pose_spec.h"
+#include "data/cameras/source.h"
+
+namespace latelight::data {
+
+std::vector<Shot> shotsOfList(Spec& spec, const CameraContext& context) {
+  const Optics normal = readOptics(spec);
+  std::vector<Spec> entries = spec.objects("cameras");
+  std::vector<Shot> shots;
+  for (Spec& entry : entries) {
+    const Optics optics = saysOptics(entry) ? readOptics(entry) : normal;
+    const std::string name = entry.text("name", numberedName("camera", shots.size(), entries.size()));
+    shots.push_back({name, readPose(entry, context), optics.camera, optics.width, optics.height});
+    entry.finish();
+  }
+  return shots;
+}
+
+}  // namespace latelight::data

@@ -1,0 +1,65 @@
+#include <fmt/format.h>
+
+#include <optional>
+
+#include "data/cameras/optics.h"
+#include "data/cameras/pose_spec.h"
+#include "data/cameras/source.h"
+
+namespace latelight::data {
+
+namespace {
+
+struct Member {
+  std::string name;
+  glm::dmat4 offset{1};            // to the base camera's frame, both OpenCV's
+  std::optional<Optics> optics{};  // none: the base camera's
+};
+
+std::vector<Shot> shotsOfMembers(const std::vector<Shot>& bases, const std::vector<Member>& members) {
+  std::vector<Shot> shots;
+  for (const Shot& base : bases)
+    for (const Member& member : members) {
+      Shot shot = base;
+      shot.name = fmt::format("{}-{}", base.name, member.name);
+      shot.pose = base.pose * member.offset;
+      shot.optics.node = -1;  // the rig stands where the base camera is at rest
+      if (member.optics) {
+        shot.optics = member.optics->camera;
+        shot.width = member.optics->width, shot.height = member.optics->height;
+      }
+      shots.push_back(std::move(shot));
+    }
+  return shots;
+}
+
+std::vector<Shot> readBases(Spec& spec, const CameraContext& context) {
+  return makeShots(spec.at("cameras"), spec.pathOf("cameras"), context);
+}
+
+Member readMember(Spec& spec) {
+  Member member{.name = spec.text("name")};
+  if (spec.has("pose"))
+    member.offset = readPoseMatrix(spec);
+  else
+    member.offset[3] = glm::dvec4(spec.vector("translation"), 1);
+  if (saysOptics(spec)) member.optics = readOptics(spec);
+  spec.finish();
+  return member;
+}
+
+}  // namespace
+
+std::vector<Shot> shotsOfStereo(Spec& spec, const CameraContext& context) {
+  Member left{.name = "left"}, right{.name = "right"};
+  right.offset[3].x = spec.number("baseline", kPositive);
+  return shotsOfMembers(readBases(spec, context), {left, right});
+}
+
+std::vector<Shot> shotsOfRig(Spec& spec, const CameraContext& context) {
+  std::vector<Member> members;
+  for (Spec& member : spec.objects("offsets")) members.push_back(readMember(member));
+  return shotsOfMembers(readBases(spec, context), members);
+}
+
+}  // namespace latelight::data

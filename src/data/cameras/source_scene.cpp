@@ -1,0 +1,28 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "data/cameras/source.h"
+
+namespace latelight::data {
+
+std::vector<Shot> shotsOfScene(Spec& spec, const CameraContext& context) {
+  const std::vector<scene::Camera>& cameras = context.scene.cameras;
+  if (cameras.empty()) badUsage("{}: {} has no cameras of its own", spec.path(), context.scene.source);
+  std::vector<Shot> shots;
+  if (!spec.has("names")) {
+    for (const scene::Camera& camera : cameras) shots.push_back(toShot(camera, context.scene));
+    return shots;
+  }
+  for (const std::string& name : spec.texts("names")) {
+    const auto camera = std::ranges::find(cameras, name, &scene::Camera::name);
+    if (camera == cameras.end())
+      badUsage("{}: {} has no camera \"{}\"", spec.pathOf("names"), context.scene.source, name);
+    shots.push_back(toShot(*camera, context.scene));
+  }
+  return shots;
+}
+
+}  // namespace latelight::data

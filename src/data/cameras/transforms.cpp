@@ -1,0 +1,161 @@
+#include "data/cameras/transforms.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+
+#include "base/error.h"
+#include "data/cameras/json_file.h"
+#include "scene/builtin/exact_math.h"
+
+namespace latelight::data {
+
+using Json = nlohmann::ordered_json;
+using scene::Lens, scene::LensModel;
+
+namespace {
+
+// Which of the distortion's terms a key is, by the model: OpenCV's order is k1 k2 p1 p2 k3 k4 k5 k6.
+struct Term {
+  const char* key;
+  size_t place;
+};
+constexpr Term kOpenCvTerms[] = {{"k1", 0}, {"k2", 1}, {"p1", 2}, {"p2", 3}, {"k3", 4}};
+constexpr Term kFisheyeTerms[] = {{"k1", 0}, {"k2", 1}, {"k3", 2}, {"k4", 3}};
+std::span<const Term> termsOf(LensModel model) {
+  if (model == LensModel::OpenCv) return kOpenCvTerms;
+  if (model == LensModel::Fisheye) return kFisheyeTerms;
+  return {};
+}
+
+struct ModelName {
+  LensModel model;
+  const char* name;
+};
+constexpr ModelName kModelNames[] = {{LensModel::OpenCv, "OPENCV"},
+                                     {LensModel::Pinhole, "PINHOLE"},
+                                     {LensModel::Pinhole, "SIMPLE_PINHOLE"},
+                                     {LensModel::Fisheye, "OPENCV_FISHEYE"},
+                                     {LensModel::Equirectangular, "EQUIRECTANGULAR"}};
+
+LensModel modelIn(const Json& source, const std::string& where) {
+  const auto fisheye = source.find("is_fisheye");  // instant-ngp's
+  if (fisheye != source.end() && *fisheye == true) return LensModel::Fisheye;
+  const auto model = source.find("camera_model");
+  if (model == source.end()) return LensModel::OpenCv;
+  const std::string name = model->is_string() ? model->get<std::string>() : model->dump();
+  for (const ModelName& known : kModelNames)
+    if (name == known.name) return known.model;
+  badInput(
+      "{} has the camera_model {}, which is not supported: OPENCV, OPENCV_FISHEYE, PINHOLE, SIMPLE_PINHOLE and "
+      "EQUIRECTANGULAR are",
+      where, name);
+}
+
+// A focal length in pixels, or from an angle of view over so many.
+double focalIn(const Json& source, const char* key, const char* angleKey, double pixels, const std::string& where) {
+  if (source.contains(key)) return numberIn(source, key, 0, where);
+  const double angle = numberIn(source, angleKey, 0, where);
+  if (angle == 0) return 0;
+  if (!(angle > 0 && angle < scene::builtin::kPi)) badInput("{}: \"{}\" must be between 0 and pi", where, angleKey);
+  return 0.5 * pixels * scene::builtin::cosine(angle / 2) / scene::builtin::sine(angle / 2);
+}
+
+Lens lensIn(const Json& source, PictureSize size, const std::string& where) {
+  Lens lens{.model = modelIn(source, where)};
+  lens.width = numberIn(source, "w", size.width, where), lens.height = numberIn(source, "h", size.height, where);
+  if (lens.width == 0 || lens.height == 0)
+    badInput("{} has no \"w\" and \"h\": say the size of its pictures in the job", where);
+  if (lens.model != LensModel::Equirectangular) {
+    lens.fx = focalIn(source, "fl_x", "camera_angle_x", lens.width, where);
+    lens.fy = focalIn(source, "fl_y", "camera_angle_y", lens.height, where);
+    if (lens.fx == 0) lens.fx = lens.fy;
+    if (lens.fy == 0) lens.fy = lens.fx;
+    lens.cx = numberIn(source, "cx", lens.width / 2, where), lens.cy = numberIn(source, "cy", lens.height / 2, where);
+  }
+  bool distorted = false;
+  for (const Term& term : termsOf(lens.model)) {
+    lens.distortion[term.place] = numberIn(source, term.key, 0, where);
+    distorted = distorted || lens.distortion[term.place] != 0;
+  }
+  if (lens.model == LensModel::OpenCv && numberIn(source, "k4", 0, where) != 0)
+    badInput("{} has a k4 with the model OPENCV, where it is that of r^8: OpenCV's lens has none", where);
+  if (lens.model == LensModel::OpenCv && !distorted) lens.model = LensModel::Pinhole;
+  checkLens(lens, where);
+  return lens;
+}
+
+// A frame's own intrinsics come before those of all.
+Json intrinsicsOf(const Json& all, const Json& frame) {
+  Json merged = Json::object();
+  for (const Json* source : {&all, &frame})
+    for (const auto& [key, value] : source->items())
+      if (key != "frames" && key != "transform_matrix") merged[key] = value;
+  return merged;
+}
+
+Json lensJson(const Lens& lens) {
+  Json json;
+  for (const ModelName& known : kModelNames)
+    if (known.model == lens.model && !json.contains("camera_model")) json["camera_model"] = known.name;
+  json["w"] = lens.width, json["h"] = lens.height;
+  if (lens.model == LensModel::Equirectangular) return json;
+  json["fl_x"] = lens.fx, json["fl_y"] = lens.fy, json["cx"] = lens.cx, json["cy"] = lens.cy;
+  for (const Term& term : termsOf(lens.model)) json[term.key] = lens.distortion[term.place];
+  return json;
+}
+
+void checkWritable(const CalibratedCamera& camera, const std::filesystem::path& file) {
+  const auto refuse = [&](const char* why) {
+    badUsage("{} can't hold the camera \"{}\": {}", file.string(), camera.name, why);
+  };
+  if (!camera.lens) refuse("it has no lens");
+  if (camera.lens->model == LensModel::CubeMap) refuse("the format knows no cube maps");
+  for (size_t term = 5; term < 8; ++term)
+    if (camera.lens->distortion[term] != 0) refuse("the format has no k4, k5 and k6 of OpenCV's distortion");
+}
+
+}  // namespace
+
+std::vector<CalibratedCamera> readTransforms(const std::filesystem::path& file, PictureSize size) {
+  const Json json = readJson(file);
+  const auto frames = json.find("frames");
+  if (!json.is_object() || frames == json.end() || !frames->is_array() || frames->empty())
+    badInput("{} has no frames", file.string());
+  std::vector<CalibratedCamera> cameras;
+  for (const Json& frame : *frames) {
+    const std::string where = fmt::format("frame {} of {}", cameras.size(), file.string());
+    if (!frame.is_object()) badInput("{} is no object", where);
+    const std::vector<double> m = numbersIn(frame, "transform_matrix", 16, where);
+    CalibratedCamera camera{.lens = lensIn(intrinsicsOf(json, frame), size, where)};
+    for (int i = 0; i < 16; ++i) camera.pose[i % 4][i / 4] = m[static_cast<size_t>(i)];
+    if (!makeRigid(camera.pose)) badInput("{} has a transform_matrix that is no rotation and translation", where);
+    camera.pose = turnedAxes(camera.pose);
+    const auto picture = frame.find("file_path");
+    if (picture != frame.end() && picture->is_string()) camera.name = picture->get<std::string>();
+    cameras.push_back(std::move(camera));
+  }
+  return cameras;
+}
+
+void writeTransforms(const std::filesystem::path& file, std::span<const CalibratedCamera> cameras) {
+  for (const CalibratedCamera& camera : cameras) checkWritable(camera, file);
+  const auto same = [&](const CalibratedCamera& camera) {
+    return lensJson(*camera.lens) == lensJson(*cameras[0].lens);
+  };
+  const bool shared = !cameras.empty() && std::ranges::all_of(cameras, same);
+  Json json = shared ? lensJson(*cameras[0].lens) : Json::object();
+  Json& frames = json["frames"] = Json::array();
+  for (const CalibratedCamera& camera : cameras) {
+    Json frame = shared ? Json::object() : lensJson(*camera.lens);
+    frame["file_path"] = camera.name;
+    const glm::dmat4 pose = turnedAxes(camera.pose);
+    for (int row = 0; row < 4; ++row)
+      frame["transform_matrix"].push_back({pose[0][row], pose[1][row], pose[2][row], pose[3][row]});
+    frames.push_back(std::move(frame));
+  }
+  writeJson(file, json);
+}
+
+}  // namespace latelight::data

@@ -1,0 +1,71 @@
+// Random numbers that are the same on every machine: Philox4x32-10 (Salmon, Moraes, Dror and Shaw 2011, "Parallel
+// random numbers: as easy as 1, 2, 3"), integers alone. What is drawn depends on a seed, a number and the name of the
+// thing it is drawn for, so that what is added to a job leaves all else as it was.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "base/hash.h"
+
+namespace latelight::data {
+
+using Block = std::array<uint32_t, 4>;
+
+constexpr Block philox(Block counter, std::array<uint32_t, 2> key) {
+  for (int round = 0; round < 10; ++round) {
+    const uint64_t a = uint64_t{0xd2511f53u} * counter[0], b = uint64_t{0xcd9e8d57u} * counter[2];
+    counter = {static_cast<uint32_t>(b >> 32) ^ counter[1] ^ key[0], static_cast<uint32_t>(b),
+               static_cast<uint32_t>(a >> 32) ^ counter[3] ^ key[1], static_cast<uint32_t>(a)};
+    key = {key[0] + 0x9e3779b9u, key[1] + 0xbb67ae85u};
+  }
+  return counter;
+}
+
+// A stream of numbers.
+class Random {
+ public:
+  Random(uint64_t seed, uint64_t number, std::string_view what)
+      : key_{static_cast<uint32_t>(seed), static_cast<uint32_t>(seed >> 32)},
+        counter_{0, hash32(what), static_cast<uint32_t>(number), static_cast<uint32_t>(number >> 32)} {}
+
+  uint32_t bits() {
+    if (left_ == 0) {
+      block_ = philox(counter_, key_);
+      ++counter_[0];
+      left_ = 4;
+    }
+    return block_[4 - left_--];
+  }
+  // [0, 1), a multiple of 2^-53.
+  double unit() {
+    const uint64_t high = bits() >> 5, low = bits() >> 6;
+    return static_cast<double>(high << 26 | low) * 0x1p-53;
+  }
+  double between(double low, double high) { return low + (high - low) * unit(); }
+  // [0, count), all of them equally likely (Lemire 2019, "Fast random integer generation in an interval").
+  uint32_t below(uint32_t count) {
+    uint64_t product = uint64_t{bits()} * count;
+    const uint32_t unfair = (0u - count) % count;  // so many products are one too many for their result
+    while (static_cast<uint32_t>(product) < unfair) product = uint64_t{bits()} * count;
+    return static_cast<uint32_t>(product >> 32);
+  }
+  // `chosen` different ones of [0, count), in the order they were drawn; at most `count`.
+  std::vector<uint32_t> choose(uint32_t chosen, uint32_t count) {
+    std::vector<uint32_t> all(count);
+    for (uint32_t i = 0; i < count; ++i) all[i] = i;
+    for (uint32_t i = 0; i < chosen; ++i) std::swap(all[i], all[i + below(count - i)]);
+    all.resize(chosen);
+    return all;
+  }
+
+ private:
+  std::array<uint32_t, 2> key_;
+  Block counter_, block_{};
+  uint32_t left_ = 0;
+};
+
+}  // namespace latelight::data

@@ -1,0 +1,50 @@
+#include <filesystem>
+#include <optional>
+
+#include "base/error.h"
+#include "data/variations/draws.h"
+#include "data/variations/variation.h"
+
+namespace latelight::data {
+
+namespace {
+
+class Environments : public Variation {
+ public:
+  explicit Environments(Spec& spec) : path_(spec.path()) {
+    if (!spec.has("environments") && !spec.has("rotation"))
+      badUsage("{} needs one of \"environments\" and \"rotation\"", path_);
+    if (spec.has("environments")) environments_ = spec.texts("environments");
+    if (spec.has("rotation")) rotation_ = spec.interval("rotation");
+    std::error_code ignored;
+    for (const std::string& name : environments_)
+      if (name != "studio" && name != "none" && !std::filesystem::exists(name, ignored))
+        badInput("{}: there is no environment {}", spec.pathOf("environments"), name);
+  }
+
+  nlohmann::ordered_json draw(const Draw& draw, Draft& draft) const override {
+    nlohmann::ordered_json said = nlohmann::ordered_json::object();
+    if (!environments_.empty()) {
+      const auto count = static_cast<uint32_t>(environments_.size());
+      said["environment"] = draft.environment = environments_[draw.of(path_ + "/environment").below(count)];
+    }
+    if (rotation_) {
+      draft.environmentRotation = drawn(*rotation_, draw.of(path_ + "/rotation"));
+      said["rotation"] = *draft.environmentRotation;
+    }
+    return said;
+  }
+
+ private:
+  std::string path_;
+  std::vector<std::string> environments_;
+  std::optional<Interval> rotation_;
+};
+
+}  // namespace
+
+std::unique_ptr<Variation> varyEnvironments(Spec& spec, scene::Scene&) {
+  return std::make_unique<Environments>(spec);
+}
+
+}  // namespace latelight::data

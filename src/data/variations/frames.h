@@ -1,0 +1,21 @@
+// The scene file's own frame, in which jobs say places, and the renderer's world.
+#pragma once
+
+#include "scene/scene.h"
+
+namespace latelight::data {
+
+inline glm::dmat4 worldFromFile(const scene::Scene& scene) {
+  return scene.yUp ? glm::dmat4(scene::toWorldFromGltf()) : glm::dmat4(1);
+}
+inline glm::dmat4 fileFromWorld(const scene::Scene& scene) {
+  return glm::transpose(worldFromFile(scene));  // a rotation
+}
+inline glm::dvec3 upOf(const scene::Scene& scene) {
+  return scene.yUp ? glm::dvec3(0, 1, 0) : glm::dvec3(0, 0, 1);
+}
+
+// About an axis of length 1, by degrees. Rounded alike on every machine.
+glm::dmat4 turnAbout(glm::dvec3 axis, double degrees);
+
+}  // namespace latelight::data

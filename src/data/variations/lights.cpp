@@ -1,0 +1,77 @@
+#include <fmt/format.h>
+
+#include <optional>
+
+#include "base/error.h"
+#include "data/variations/draws.h"
+#include "data/variations/pattern.h"
+#include "data/variations/temperature.h"
+#include "data/variations/variation.h"
+
+namespace latelight::data {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+class Lights : public Variation {
+ public:
+  Lights(Spec& spec, const scene::Scene& scene) : path_(spec.path()) {
+    lights_ = selectLights(spec, "lights", scene);
+    if (spec.has("intensity")) intensity_ = spec.interval("intensity", kNotNegative);
+    if (spec.has("temperature")) temperature_ = spec.interval("temperature", {kColdest, kHottest});
+    if (spec.has("jitter")) jitter_ = spec.number("jitter", kNotNegative);
+    if (spec.has("on")) on_ = spec.counts("on", lights_.size());
+    if (!intensity_ && !temperature_ && !jitter_ && !on_)
+      badUsage("{} needs one of \"intensity\", \"temperature\", \"jitter\" and \"on\"", path_);
+  }
+
+  Json draw(const Draw& draw, Draft& draft) const override {
+    std::vector<bool> on(lights_.size(), !on_);
+    if (on_) {
+      const uint32_t count = drawn(*on_, draw.of(path_ + "/count"));
+      for (const uint32_t lit : draw.of(path_ + "/on").choose(count, static_cast<uint32_t>(lights_.size())))
+        on[lit] = true;
+    }
+    Json said;
+    for (size_t i = 0; i < lights_.size(); ++i)
+      said["lights"].push_back(change(draw, lights_[i], on[i], draft.light(lights_[i])));
+    return said;
+  }
+
+ private:
+  Json change(const Draw& draw, uint32_t index, bool on, scene::Light& light) const {
+    const auto random = [&](const char* what) { return draw.of(fmt::format("{}/{}/{}", path_, index, what)); };
+    Json said{{"name", light.name}};
+    if (intensity_) light.intensity *= drawn(*intensity_, random("intensity"));
+    if (temperature_) {
+      const float kelvin = drawn(*temperature_, random("temperature"));
+      light.color = colorOfTemperature(kelvin);
+      said["temperature"] = kelvin;
+    }
+    if (jitter_) {
+      const glm::dvec3 reach(*jitter_);
+      const glm::vec3 moved = drawn(Spec::Corners{-reach, reach}, random("jitter"));
+      light.position += moved;
+      light.node = -1;  // it follows its node no longer
+      said["position"] = listOf(light.position);
+    }
+    if (!on) light.intensity = 0;
+    said["intensity"] = light.intensity;
+    return said;
+  }
+
+  std::string path_;
+  std::vector<uint32_t> lights_;
+  std::optional<Interval> intensity_, temperature_;
+  std::optional<double> jitter_;
+  std::optional<Spec::Counts> on_;
+};
+
+}  // namespace
+
+std::unique_ptr<Variation> varyLights(Spec& spec, scene::Scene& scene) {
+  return std::make_unique<Lights>(spec, scene);
+}
+
+}  // namespace latelight::data

@@ -1,0 +1,64 @@
+#include "data/variations/object_template.h"
+
+#include "base/error.h"
+#include "data/cameras/target.h"
+
+namespace latelight::data {
+
+namespace {
+
+OrientedBox boxAround(const scene::Scene& scene, const std::vector<scene::ObjectPart>& parts) {
+  Aabb around;
+  for (const scene::ObjectPart& part : parts)
+    for (const glm::vec3& position : scene.meshes[part.mesh].positions)
+      around.add(glm::dvec3(glm::dmat4(part.toWorld) * glm::dvec4(position, 1)));
+  OrientedBox box{.centre = around.centre()};
+  for (int axis = 0; axis < 3; ++axis) box.half[axis] *= (around.high[axis] - around.low[axis]) * 0.5;
+  return box;
+}
+
+// Its meshes at rest, its materials and its textures become the scene's.
+std::vector<scene::ObjectPart> takeIn(scene::Scene& other, scene::Scene& scene) {
+  const auto firstTexture = static_cast<int>(scene.textures.size());
+  for (scene::Texture& texture : other.textures) scene.textures.push_back(std::move(texture));
+  std::vector<uint32_t> materials, meshes;
+  for (scene::Material& material : other.materials) {
+    for (scene::TextureSlot& slot : material.slots)
+      if (slot.texture >= 0) slot.texture += firstTexture;
+    materials.push_back(scene::addMaterial(scene, material));
+  }
+  for (scene::Mesh& mesh : other.meshes) {
+    mesh.deformation = nullptr;
+    meshes.push_back(scene::addMesh(scene, std::move(mesh)));
+  }
+  std::vector<scene::ObjectPart> parts;
+  for (const scene::Instance& instance : other.instances)
+    parts.push_back({meshes[instance.mesh], materials[instance.material], instance.toWorld});
+  return parts;
+}
+
+}  // namespace
+
+ObjectTemplate readTemplate(Spec& spec, scene::Scene& scene) {
+  if (spec.has("node") == spec.has("file")) badUsage("{} needs either \"node\" or \"file\"", spec.path());
+  ObjectTemplate object;
+  if (spec.has("file")) {
+    object.name = spec.text("file");
+    scene::Scene file = scene::load(object.name);
+    object.parts = takeIn(file, scene);
+    object.memory = std::move(file.memory);
+  } else {
+    object.name = spec.text("node");
+    for (const uint32_t number : instancesBelow(scene, object.name, spec.pathOf("node"))) {
+      const scene::Instance& instance = scene.instances[number];
+      object.parts.push_back({instance.mesh, instance.material, instance.toWorld});
+    }
+  }
+  object.box = boxAround(scene, object.parts);
+  if (object.parts.empty() || !(object.box.half[0].x >= 0))
+    badUsage("{}: there is nothing to be seen in {}", spec.path(), object.name);
+  spec.finish();
+  return object;
+}
+
+}  // namespace latelight::data

@@ -1,0 +1,140 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "base/error.h"
+#include "data/variations/draws.h"
+#include "data/variations/frames.h"
+#include "data/variations/object_template.h"
+#include "data/variations/pattern.h"
+#include "data/variations/surface.h"
+#include "data/variations/variation.h"
+
+namespace latelight::data {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using glm::dmat4, glm::dvec3, glm::dvec4;
+
+constexpr uint64_t kMostObjects = 1'000'000;
+
+class Scatter : public Variation {
+ public:
+  Scatter(Spec& spec, scene::Scene& scene) : path_(spec.path()) {
+    for (Spec& object : spec.objects("objects")) templates_.push_back(readTemplate(object, scene));
+    count_ = spec.counts("count", kMostObjects);
+    if (spec.has("on") == spec.has("min")) badUsage("{} needs either \"on\", a node, or \"min\" and \"max\"", path_);
+    if (spec.has("on"))
+      surface_.emplace(scene, spec.text("on"), spec.number("slope", {0, 90}, 30.0), spec.pathOf("on"));
+    else
+      volume_ = {spec.vector("min"), spec.vector("max")};
+    for (int axis = 0; axis < 3; ++axis)
+      if (volume_.low[axis] > volume_.high[axis])
+        badUsage("{} must be at most {} along each axis", spec.pathOf("min"), spec.pathOf("max"));
+    scale_ = spec.interval("scale", kPositive, Interval{1, 1});
+    turn_ = spec.interval("turn", {}, Interval{0, 360});
+    spacing_ = spec.number("spacing", kNotNegative, 0.0);
+    tries_ = spec.count("tries", 1, 1'000'000, 100);
+    if (spec.has("avoid")) avoided_ = boxesOf(scene, selectNodes(spec, "avoid", scene));
+    name_ = spec.text("name", "scattered");
+    if (name_.find('/') != std::string::npos) badUsage("{} can't have a slash", spec.pathOf("name"));
+  }
+
+  Json draw(const Draw& draw, Draft& draft) const override {
+    const uint32_t count = drawn(count_, draw.of(path_ + "/count"));
+    Json said{{"wanted", count}, {"objects", Json::array()}};
+    for (uint32_t i = 0; i < count; ++i) {
+      Random random = draw.of(fmt::format("{}/{}", path_, i));
+      const ObjectTemplate& object = templates_[random.below(static_cast<uint32_t>(templates_.size()))];
+      const auto place = findPlace(object, random, draft);
+      if (!place) continue;
+      AddedObject& added = draft.addedObjects.emplace_back();
+      added.name = fmt::format("{}-{}", name_, i);
+      for (const scene::ObjectPart& part : object.parts)
+        added.parts.push_back({part.mesh, part.material, glm::mat4(*place * dmat4(part.toWorld))});
+      draft.taken.push_back(transformed(object.box, *place));
+      said["objects"].push_back(describe(added.name, object, *place, draft.scene));
+    }
+    return said;
+  }
+
+ private:
+  static std::vector<OrientedBox> boxesOf(const scene::Scene& scene, const std::vector<uint32_t>& nodes) {
+    const auto above = selectedAbove(scene, nodes);
+    std::vector<OrientedBox> boxes;
+    for (size_t i = 0; i < above.size(); ++i) {
+      if (above[i].empty()) continue;
+      const scene::Mesh& mesh = scene.meshes[scene.instances[i].mesh];
+      OrientedBox box{.centre = dvec3(mesh.boundsMin + mesh.boundsMax) * 0.5};
+      for (int axis = 0; axis < 3; ++axis) box.half[axis] *= (mesh.boundsMax[axis] - mesh.boundsMin[axis]) * 0.5;
+      boxes.push_back(transformed(box, dmat4(scene.instances[i].toWorld)));
+    }
+    return boxes;
+  }
+
+  // The change of the world that takes the template there; nothing after all tries.
+  std::optional<dmat4> findPlace(const ObjectTemplate& object, Random& random, const Draft& draft) const {
+    for (uint64_t tried = 0; tried < tries_; ++tried) {
+      const double scale = random.between(scale_.low, scale_.high);
+      dmat4 place = turnAbout({0, 0, 1}, random.between(turn_.low, turn_.high));
+      for (int axis = 0; axis < 3; ++axis) place[axis] *= scale;
+      // Of the middle of its underside on a surface, of its middle in a volume.
+      dvec3 anchor = object.box.centre;
+      if (surface_) anchor -= object.box.half[2];
+      const dvec3 at = surface_ ? surface_->point(random) : pointInVolume(random, draft.scene);
+      place[3] = dvec4(at - dvec3(place * dvec4(anchor, 0)), 1);
+      if (isFree(transformed(object.box, place), draft)) return place;
+    }
+    return std::nullopt;
+  }
+
+  dvec3 pointInVolume(Random& random, const scene::Scene& scene) const {
+    const double x = random.between(volume_.low.x, volume_.high.x), y = random.between(volume_.low.y, volume_.high.y);
+    const double z = random.between(volume_.low.z, volume_.high.z);
+    return dvec3(worldFromFile(scene) * dvec4(x, y, z, 1));
+  }
+
+  bool isFree(const OrientedBox& box, const Draft& draft) const {
+    if (!surface_) {
+      const OrientedBox inFile = transformed(box, fileFromWorld(draft.scene));
+      for (int axis = 0; axis < 3; ++axis) {
+        dvec3 along(0);
+        along[axis] = 1;
+        const double extent = extentAlong(inFile, along);
+        if (inFile.centre[axis] - extent < volume_.low[axis] || inFile.centre[axis] + extent > volume_.high[axis])
+          return false;
+      }
+    }
+    const auto apart = [&](const OrientedBox& other) { return areApart(box, other, spacing_); };
+    return std::ranges::all_of(draft.taken, apart) && std::ranges::all_of(avoided_, apart);
+  }
+
+  // "transform" as a pose in the file's frame, row by row.
+  static Json describe(const std::string& name, const ObjectTemplate& object, const dmat4& place,
+                       const scene::Scene& scene) {
+    const dmat4 inFile = fileFromWorld(scene) * place * worldFromFile(scene);
+    Json rows = Json::array();
+    for (int row = 0; row < 4; ++row) rows.push_back({inFile[0][row], inFile[1][row], inFile[2][row], inFile[3][row]});
+    return {{"node", "/" + name}, {"object", object.name}, {"transform", rows}};
+  }
+
+  std::string path_, name_;
+  std::vector<ObjectTemplate> templates_;
+  Spec::Counts count_;
+  std::optional<Surface> surface_;
+  Spec::Corners volume_;
+  Interval scale_, turn_;  // turn: degrees about the world's up
+  double spacing_ = 0;
+  uint64_t tries_ = 0;
+  std::vector<OrientedBox> avoided_;
+};
+
+}  // namespace
+
+std::unique_ptr<Variation> scatterObjects(Spec& spec, scene::Scene& scene) {
+  return std::make_unique<Scatter>(spec, scene);
+}
+
+}  // namespace latelight::data

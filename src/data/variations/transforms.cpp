@@ -1,0 +1,85 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "base/error.h"
+#include "data/variations/draws.h"
+#include "data/variations/frames.h"
+#include "data/variations/pattern.h"
+#include "data/variations/variation.h"
+
+namespace latelight::data {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using glm::dmat4, glm::dvec3, glm::dvec4;
+
+class Transforms : public Variation {
+ public:
+  Transforms(Spec& spec, const scene::Scene& scene) : path_(spec.path()) {
+    nodes_ = selectNodes(spec, "nodes", scene);
+    above_ = selectedAbove(scene, nodes_);
+    if (spec.has("translation")) translation_ = spec.corners("translation");
+    if (spec.has("rotation")) rotation_ = spec.interval("rotation");
+    axis_ = spec.has("axis") ? spec.vector("axis") : upOf(scene);
+    if (!(glm::length(axis_) > 0)) badUsage("{} must not be zero", spec.pathOf("axis"));
+    axis_ /= glm::length(axis_);
+    if (spec.has("scale")) scale_ = spec.interval("scale", kPositive);
+    if (!translation_ && !rotation_ && !scale_)
+      badUsage("{} needs one of \"translation\", \"rotation\" and \"scale\"", path_);
+  }
+
+  Json draw(const Draw& draw, Draft& draft) const override {
+    Json said;
+    std::map<uint32_t, dmat4> changes;  // of the world, by node
+    for (const uint32_t node : nodes_) changes[node] = change(draw, node, draft.scene, said["nodes"].emplace_back());
+    for (uint32_t i = 0; i < above_.size(); ++i) {
+      if (above_[i].empty()) continue;
+      dmat4 toWorld(draft.transform(i));
+      for (const uint32_t node : above_[i]) toWorld = changes[node] * toWorld;
+      draft.transform(i) = glm::mat4(toWorld);
+    }
+    return said;
+  }
+
+ private:
+  // About the node's origin, along the axes of the file's frame.
+  dmat4 change(const Draw& draw, uint32_t index, const scene::Scene& scene, Json& said) const {
+    const auto random = [&](const char* what) { return draw.of(fmt::format("{}/{}/{}", path_, index, what)); };
+    said["node"] = scene.nodes[index].path;
+    dmat4 moved(1);
+    dvec3 translation(0);
+    if (translation_) translation = drawn(*translation_, random("translation"));
+    if (translation_) said["translation"] = {translation.x, translation.y, translation.z};
+    if (rotation_) {
+      const double degrees = drawn(*rotation_, random("rotation"));
+      moved = turnAbout(axis_, degrees);
+      said["rotation"] = degrees;
+    }
+    if (scale_) {
+      const double scale = drawn(*scale_, random("scale"));
+      for (int axis = 0; axis < 3; ++axis) moved[axis] *= scale;
+      said["scale"] = scale;
+    }
+    const dvec3 origin(fileFromWorld(scene) * dvec4(scene.nodes[index].toWorld[3]));
+    moved[3] = dvec4(origin + translation - dvec3(moved * dvec4(origin, 0)), 1);
+    return worldFromFile(scene) * moved * fileFromWorld(scene);
+  }
+
+  std::string path_;
+  std::vector<uint32_t> nodes_;
+  std::vector<std::vector<uint32_t>> above_;  // by instance
+  std::optional<Spec::Corners> translation_;
+  std::optional<Interval> rotation_, scale_;
+  dvec3 axis_{0};
+};
+
+}  // namespace
+
+std::unique_ptr<Variation> varyTransforms(Spec& spec, scene::Scene& scene) {
+  return std::make_unique<Transforms>(spec, scene);
+}
+
+}  // namespace latelight::data

@@ -1,0 +1,102 @@
+// Wrong jobs: each ends with one sentence that names the key.
+#include "data_cameras/support.h"
+
+namespace latelight::data::test {
+namespace {
+
+struct Wrong {
+  const char* spec;
+  const char* says;
+};
+
+class WrongTest : public testing::TestWithParam<Wrong> {};
+
+TEST_P(WrongTest, IsNamed) {
+  const std::string sentence = sentenceOf([] { made(GetParam().spec); }, ExitCode::Usage);
+  EXPECT_THAT(sentence, testing::HasSubstr(GetParam().says));
+  EXPECT_EQ(sentence.find('\n'), std::string::npos);
+}
+
+constexpr Wrong kWrong[] = {
+    {R"(3)", "cameras must be an object, not 3"},
+    {R"([])", "cameras is an empty list"},
+    {R"({})", "cameras needs \"type\""},
+    {R"([{"type": "scene"}, {"type": "spiral"}])", "cameras[1].type must be one of scene, list, orbit"},
+    {R"({"type": 7})", "cameras.type must be a text, not 7"},
+    {R"({"type": "scene", "name": "x"})", "cameras has the unknown key \"name\": it takes names, type"},
+    {R"({"type": "scene", "names": ["x"]})", "has no camera \"x\""},
+    {R"({"type": "orbit"})", "cameras needs \"count\""},
+    {R"({"type": "orbit", "count": 0})", "cameras.count must be a whole number from 1 to 1000000, not 0"},
+    {R"({"type": "orbit", "count": 2.5})", "cameras.count must be a whole number"},
+    {R"({"type": "orbit", "count": -3})", "cameras.count must be a whole number"},
+    {R"({"type": "orbit", "count": 3, "distance": -1})", "cameras.distance must be a number above 0, not -1"},
+    {R"({"type": "orbit", "count": 3, "distance": [2, 1]})", "cameras.distance must begin with the lesser"},
+    {R"({"type": "orbit", "count": 3, "elevation": 91})", "cameras.elevation must be a number from -90 to 90, not 91"},
+    {R"({"type": "orbit", "count": 3, "target": "car"})", "cameras.target must be \"scene\", a point"},
+    {R"({"type": "orbit", "count": 3, "target": {"node": "car"}})", "cameras.target.node: builtin:boxes has no node"},
+    {R"({"type": "orbit", "count": 3, "target": [0, 0]})", "cameras.target must be a list of 3 numbers"},
+    {R"({"type": "orbit", "count": 3, "target": [0, 0, 0]})", "cameras needs \"distance\""},
+    {R"({"type": "orbit", "count": 3, "target": [0, 0, "a"]})", "cameras.target[2] must be a number, not \"a\""},
+    {R"({"type": "orbit", "count": 3, "distance": 1e300})", "cameras.distance must not be beyond 1e+15, as 1e+300 is"},
+    {R"({"type": "orbit", "count": 3, "fov": 180})", "cameras.fov must be a number from 1e-07 to 179.999, not 180"},
+    {R"({"type": "orbit", "count": 3, "size": [0, 4]})", "cameras.size[0] must be a number from 1 to 65536, not 0"},
+    {R"({"type": "orbit", "count": 3, "size": [2.5, 4]})", "cameras.size must be whole numbers"},
+    {R"({"type": "list", "cameras": []})", "cameras.cameras must be a list of objects"},
+    {R"({"type": "list", "cameras": [{"name": "a"}]})", "cameras.cameras[0] needs either \"eye\" or \"pose\""},
+    {R"({"type": "list", "cameras": [{"eye": [0, 0, 0], "target": [0, 0, 0]}]})", "eye and its target at the same"},
+    {R"({"type": "list", "cameras": [{"eye": [0, 1, 0], "target": [0, 0, 0], "up": [0, 1, 0]}]})",
+     "cameras.cameras[0].up is zero or along the view"},
+    {R"({"type": "list", "cameras": [{"pose": [[2, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]}]})",
+     "cameras.cameras[0].pose must be a rotation and a translation"},
+    {R"({"type": "list", "cameras": [{"pose": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]}]})",
+     "cameras.cameras[0].pose must be a list of 4 rows of 4 numbers"},
+    {R"({"type": "list", "K": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "cameras": [{"eye": [0, 0, 1]}]})",
+     "cameras needs \"size\""},
+    {R"({"type": "list", "K": [[1, 3, 0], [0, 1, 0], [0, 0, 1]], "size": [4, 4], "cameras": [{"eye": [0, 0, 1]}]})",
+     "cameras.K must be [[fx, 0, cx], [0, fy, cy], [0, 0, 1]]"},
+    {R"({"type": "list", "distortion": [1], "K": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "size": [4, 4], "cameras": []})",
+     "cameras.distortion needs the model opencv or fisheye"},
+    {R"({"type": "list", "model": "cubemap", "fov": 3, "cameras": []})", "cameras.fov can't stand beside K"},
+    {R"({"type": "box", "count": 1, "min": [1, 0, 0], "max": [0, 0, 0]})", "cameras.min must be at most cameras.max"},
+    {R"({"type": "box", "count": 1, "min": [1, 0, 0]})", "cameras needs \"max\""},
+    {R"({"type": "box", "count": 1, "rejectInside": 1})", "cameras.rejectInside must be true or false, not 1"},
+    {R"({"type": "box", "count": 1, "min": [0, -0.5, 0], "max": [0.1, -0.4, 0.1]})",
+     "found places for 0 of 1 cameras only"},
+    {R"({"type": "sphere", "count": 3, "radius": 0.1, "target": [0, -0.5, 0]})", "no point of the sphere is free"},
+    {R"({"type": "path", "count": 3, "keys": [{"eye": [0, 0, 1]}]})", "cameras.keys must have at least two key frames"},
+    {R"({"type": "path", "count": 3, "keys": [{"eye": [0, 0, 1]}, {"time": 1, "eye": [0, 0, 1]}]})",
+     "cameras.keys must have a time in all key frames or in none"},
+    {R"({"type": "path", "count": 3, "keys": [{"time": 1, "eye": [0, 0, 1]}, {"time": 1, "eye": [0, 0, 1]}]})",
+     "cameras.keys[1].time must be later"},
+    {R"({"type": "path", "keys": [{"eye": [0, 0, 1]}, {"eye": [0, 0, 2]}]})",
+     "cameras needs either \"count\" or \"fps\""},
+    {R"({"type": "path", "fps": 1e9, "keys": [{"eye": [0, 0, 1]}, {"eye": [0, 0, 2]}]})",
+     "cameras.fps gives more than 1000000 cameras"},
+    {R"({"type": "rig", "offsets": [{"name": "a"}], "cameras": {"type": "scene"}})",
+     "cameras.offsets[0] needs \"translation\""},
+    {R"({"type": "stereo", "baseline": 1, "cameras": {"type": "nothing"}})", "cameras.cameras.type must be one of"},
+    {R"({"type": "bop", "file": "x.json"})", "cameras needs \"size\""},
+};
+INSTANTIATE_TEST_SUITE_P(Jobs, WrongTest, testing::ValuesIn(kWrong));
+
+TEST(MissingFileTest, IsNamed) {
+  for (const char* spec :
+       {R"({"type": "transforms", "file": "/nowhere/t.json"})", R"({"type": "tum", "file": "/nowhere/t.txt"})",
+        R"({"type": "bop", "file": "/nowhere/t.json", "size": [4, 4]})",
+        R"({"type": "colmap", "folder": "/nowhere/sparse"})"})
+    EXPECT_THAT(sentenceOf([&] { made(spec); }, ExitCode::BadInput), testing::HasSubstr("/nowhere/"));
+}
+
+TEST(EmptySceneTest, SaysThatThereIsNothing) {
+  scene::Scene empty;
+  empty.source = "empty.glb";
+  EXPECT_THAT(sentenceOf([&] { made(R"({"type": "orbit", "count": 1})", empty); }, ExitCode::Usage),
+              testing::HasSubstr("nothing to be seen in empty.glb"));
+  EXPECT_THAT(sentenceOf([&] { made("null", empty); }, ExitCode::Usage),
+              testing::HasSubstr("has no cameras of its own"));
+  EXPECT_EQ(
+      made(R"({"type": "box", "count": 3, "min": [0, 0, 0], "max": [1, 1, 1], "target": "random"})", empty).size(), 3u);
+}
+
+}  // namespace
+}  // namespace latelight::data::test

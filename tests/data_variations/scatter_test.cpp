@@ -1,0 +1,162 @@
+// Scattered objects: where they may be, and apart from each other.
+#include <set>
+
+#include "data/random.h"
+#include "data/variations/oriented_box.h"
+#include "data_variations/support.h"
+
+namespace latelight::data::test {
+namespace {
+
+dvec3 nearestIn(const OrientedBox& box, dvec3 p) {
+  dvec3 nearest = box.centre;
+  for (int axis = 0; axis < 3; ++axis) {
+    const dvec3 half = box.half[axis];  // at right angles to the others
+    nearest += half * glm::clamp(glm::dot(p - box.centre, half) / glm::dot(half, half), -1.0, 1.0);
+  }
+  return nearest;
+}
+
+// The distance of two boxes, by going from one to the other's nearest point and back: it converges to their nearest
+// points (Cheney and Goldstein 1959).
+double distanceBetween(const OrientedBox& a, const OrientedBox& b) {
+  dvec3 p = a.centre, q = b.centre;
+  for (int i = 0; i < 3000; ++i) q = nearestIn(b, p), p = nearestIn(a, q);
+  return glm::length(p - q);
+}
+
+OrientedBox anyBox(Random& random) {
+  const dvec3 u(random.between(-1, 1), random.between(-1, 1), random.between(-1, 1));
+  const dvec3 v(random.between(-1, 1), random.between(-1, 1), random.between(-1, 1));
+  const dvec3 x = glm::normalize(u), y = glm::normalize(glm::cross(u, v)), z = glm::cross(x, y);
+  OrientedBox box{.half = {x * random.between(0.1, 1), y * random.between(0.1, 1), z * random.between(0.1, 1)}};
+  for (int axis = 0; axis < 3; ++axis) box.centre[axis] = random.between(-1, 1);
+  return box;
+}
+
+TEST(OrientedBoxTest, AreApartWhereTheirDistanceIsAboveZero) {
+  int apart = 0;
+  for (uint64_t i = 0; i < 2000; ++i) {
+    Random random(1, i, "boxes");
+    const OrientedBox a = anyBox(random), b = anyBox(random);
+    const double distance = distanceBetween(a, b);
+    if (distance > 1e-9 && distance < 1e-3) continue;  // slow to converge
+    apart += distance > 1e-3;
+    EXPECT_EQ(areApart(a, b, 0), distance > 1e-3) << i << " " << distance;
+    EXPECT_TRUE(distance >= 0.2 - 1e-9 || !areApart(a, b, 0.2));
+  }
+  EXPECT_GT(apart, 300);
+  EXPECT_LT(apart, 1700);
+}
+
+TEST(OrientedBoxTest, MayTouch) {
+  const OrientedBox a{};
+  EXPECT_TRUE(areApart(a, {.centre = {2, 0, 0}}, 0));
+  EXPECT_FALSE(areApart(a, {.centre = {1.999, 1.999, 1.999}}, 0));
+  EXPECT_FALSE(areApart(a, a, 0));
+}
+
+// The world box of an object's unit cube.
+OrientedBox boxOf(const scene::Scene& scene, const scene::Instance& instance) {
+  const scene::Mesh& mesh = scene.meshes[instance.mesh];
+  OrientedBox box{.centre = dvec3(mesh.boundsMin + mesh.boundsMax) * 0.5};
+  for (int axis = 0; axis < 3; ++axis) box.half[axis] *= (mesh.boundsMax[axis] - mesh.boundsMin[axis]) * 0.5;
+  return transformed(box, dmat4(instance.toWorld));
+}
+
+std::vector<OrientedBox> added(const scene::Scene& scene) {
+  std::vector<OrientedBox> boxes;
+  for (const scene::Instance& instance : scene.instances)
+    if (!instance.removed && scene.nodes[instance.node].added > 0) boxes.push_back(boxOf(scene, instance));
+  return boxes;
+}
+
+void expectApart(const std::vector<OrientedBox>& boxes, double gap) {
+  for (size_t i = 0; i < boxes.size(); ++i)
+    for (size_t j = 0; j < i; ++j) EXPECT_GE(distanceBetween(boxes[i], boxes[j]), gap - 1e-5);
+}
+
+TEST(ScatterTest, PutsObjectsOnASurfaceApart) {
+  Varied varied(R"([{"type": "scatter", "objects": [{"node": "matte"}, {"node": "metal"}], "count": 12, "on": "floor",
+      "scale": [0.2, 0.5], "spacing": 0.1, "avoid": ["matte", "plastic", "metal", "glowing", "unlit", "wall"]}])");
+  for (uint64_t n = 0; n < 10; ++n) {
+    const Json said = varied.variations.apply(n)[0];
+    const std::vector<OrientedBox> boxes = added(varied.scene);
+    EXPECT_EQ(said["wanted"], 12);
+    ASSERT_EQ(said["objects"].size(), boxes.size());
+    EXPECT_GT(boxes.size(), 6u);
+    expectApart(boxes, 0.1);
+    for (const OrientedBox& box : boxes) {
+      EXPECT_NEAR(box.centre.z - extentAlong(box, {0, 0, 1}), 0, 1e-6);  // the floor's top
+      EXPECT_TRUE(std::abs(box.centre.x) <= 12 && box.centre.y >= -9 && box.centre.y <= 6);
+      for (const scene::BoxesBox& own : scene::boxesBoxes()) {
+        if (own.name == "floor" || own.name == "mirrored") continue;
+        const dvec3 low(own.min), high(own.max), centre = (low + high) * 0.5, half = (high - low) * 0.5;
+        const OrientedBox inWorld{.centre = {centre.x, -centre.z, centre.y},
+                                  .half = {dvec3(half.x, 0, 0), dvec3(0, half.z, 0), dvec3(0, 0, half.y)}};
+        EXPECT_GE(distanceBetween(box, inWorld), 0.1 - 1e-5);
+      }
+    }
+  }
+}
+
+TEST(ScatterTest, KeepsToItsVolume) {
+  Varied varied(R"([{"type": "scatter", "objects": [{"node": "matte"}], "count": [3, 8], "min": [-3, 5, -3],
+      "max": [3, 8, 3], "scale": [0.5, 1]}])");
+  std::set<size_t> counts;
+  for (uint64_t n = 0; n < 40; ++n) {
+    varied.variations.apply(n);
+    const std::vector<OrientedBox> boxes = added(varied.scene);
+    counts.insert(boxes.size());
+    expectApart(boxes, 0);
+    for (const OrientedBox& box : boxes) {
+      EXPECT_LE(std::abs(box.centre.x) + extentAlong(box, {1, 0, 0}), 3 + 1e-5);
+      EXPECT_LE(std::abs(box.centre.y) + extentAlong(box, {0, 1, 0}), 3 + 1e-5);
+      EXPECT_LE(std::abs(box.centre.z - 6.5) + extentAlong(box, {0, 0, 1}), 1.5 + 1e-5);
+    }
+  }
+  EXPECT_GE(counts.size(), 4u);
+}
+
+TEST(ScatterTest, SaysHowManyFoundNoPlace) {
+  Varied varied(R"([{"type": "scatter", "objects": [{"node": "matte"}], "count": 50, "min": [0, 5, 0], "max": [2, 7, 2],
+      "turn": 0, "tries": 10}])");
+  const Json said = varied.variations.apply(1)[0];
+  EXPECT_EQ(said["wanted"], 50);
+  EXPECT_EQ(said["objects"].size(), 1u);  // a cube of 1.5 m in one of 2 m
+}
+
+TEST(ScatterTest, TakesWholeFilesAsOneObject) {
+  Varied varied(R"([{"type": "scatter", "name": "plate", "objects": [{"file": "builtin:spheres"}], "count": 2,
+      "on": "floor", "scale": 0.1}])");
+  const Json said = varied.variations.apply(0)[0]["objects"];
+  ASSERT_EQ(said.size(), 2u);
+  EXPECT_EQ(said[0]["node"], "/plate-0");
+  std::map<uint32_t, int> parts;  // by id
+  std::set<uint32_t> unique;
+  for (const scene::Instance& instance : varied.scene.instances) {
+    if (instance.removed || !varied.scene.nodes[instance.node].added) continue;
+    ++parts[instance.id];
+    EXPECT_TRUE(unique.insert(instance.part).second);
+  }
+  ASSERT_EQ(parts.size(), 2u);
+  for (const auto& [id, count] : parts) EXPECT_EQ(count, int(scene::kSpheresColumns * scene::kSpheresRows));
+  // "transform" takes the file's own places there: here those of its first sphere's middle.
+  const Json& rows = said[0]["transform"];
+  const dvec3 centre(scene::spheresCentre(0, 0));
+  dvec3 placed;
+  for (int row = 0; row < 3; ++row) {
+    const Json& r = rows[static_cast<size_t>(row)];
+    placed[row] = r[0].get<double>() * centre.x + r[1].get<double>() * centre.y + r[2].get<double>() * centre.z +
+                  r[3].get<double>();
+  }
+  double nearest = 1e9;
+  for (const scene::Instance& instance : varied.scene.instances)
+    if (!instance.removed && varied.scene.nodes[instance.node].path == "/plate-0")
+      nearest =
+          std::min(nearest, glm::length(boxOf(varied.scene, instance).centre - dvec3(placed.x, -placed.z, placed.y)));
+  EXPECT_LT(nearest, 1e-5);
+}
+
+}  // namespace
+}  // namespace latelight::data::test
