@@ -14,6 +14,7 @@ void addDoctorCommand(CLI::App& app);
 void addCompareCommand(CLI::App& app);
 void addStudyCommand(CLI::App& app);
 void addBenchCommand(CLI::App& app);
+void addBatchCommand(CLI::App& app);
 
 // Thrown to end with an exit code and no message, which has been printed already.
 struct Exit {
