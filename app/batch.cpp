@@ -30,9 +30,9 @@ struct BatchArguments {
   std::string job, shard, devices = "auto", memory;
   bool resume = false, dryRun = false, schema = false, validate = false;
   uint32_t workers = 1, threads = 0, slurm = 0;
-  Json given = Json::object();             // keys of the job that are given as options
-  render::Settings scratch;                // where picture options are checked
-  std::string folder;                      // of verify, merge and status
+  Json given = Json::object();  // keys of the job that are given as options
+  render::Settings scratch;     // where picture options are checked
+  std::string folder;           // of verify, merge and status
   bool allowMissing = false;
 };
 
@@ -43,36 +43,35 @@ std::optional<std::string> environment(const char* name) {
 
 // --- the job --------------------------------------------------------------------------------------------------------
 
-// A key of the job as an option. Lists are given by repeating it; what is more than a word is JSON.
-Json valueOf(const std::string& key, const std::string& text) {
-  if (text.starts_with('{') || text.starts_with('[')) {
-    Json value = Json::parse(text, nullptr, false);
-    if (value.is_discarded()) badUsage("--{} takes a name or JSON, and this is neither: {}", key, text);
-    return value;
-  }
-  return text;
-}
-
 bool takes(const Json& schema, const char* type) {
+  if (!schema.contains("type")) return false;
   const Json types = schema["type"].is_array() ? schema["type"] : Json::array({schema["type"]});
   return std::ranges::find(types, type) != types.end();
 }
 
+// Numbers and what may be more than a name are JSON.
+Json valueOf(const std::string& key, const Json& schema, const std::string& text) {
+  const bool isNumber = takes(schema, "integer");
+  const bool mayBeMore = takes(schema, "object") || takes(schema.value("items", Json::object()), "object");
+  if (!isNumber && !(mayBeMore && (text.starts_with('{') || text.starts_with('[')))) return text;
+  Json value = Json::parse(text, nullptr, false);
+  if (value.is_discarded()) badUsage("--{} takes {}, not \"{}\"", key, isNumber ? "a whole number" : "a name or JSON", text);
+  return value;
+}
+
+// Lists are given by repeating the option, or whole.
 void addJobKey(CLI::App& command, BatchArguments& a, const std::string& key, const Json& schema) {
-  const auto take = [&a, key, schema](const std::vector<std::string>& texts) {
+  const bool isList = takes(schema, "array") && schema.contains("items");
+  const auto take = [&a, key, schema, isList](const std::vector<std::string>& texts) {
     Json values = Json::array();
-    for (const std::string& text : texts)
-      values.push_back(takes(schema, "integer") ? Json::parse(text, nullptr, false) : valueOf(key, text));
-    if (values.front().is_discarded()) badUsage("--{} takes a whole number, not \"{}\"", key, texts.front());
-    const bool isOne = values.size() == 1 && (values.front().is_array() || !takes(schema, "array") ||
-                                              (takes(schema, "string") && !takes(schema["items"], "object")));
-    a.given[key] = isOne || values.front().is_array() ? values.front() : values;
+    for (const std::string& text : texts) values.push_back(valueOf(key, schema, text));
+    a.given[key] = isList && !values.front().is_array() ? values : values.front();
   };
   const std::string names = key == "output" ? "-o,--output" : "--" + key;
   CLI::Option* option =
       command.add_option_function<std::vector<std::string>>(names, take, schema["description"].get<std::string>());
   option->expected(1)->group("Job")->type_name(takes(schema, "integer") ? "INTEGER" : "TEXT");
-  if (takes(schema, "array")) option->take_all();
+  if (isList) option->take_all();
 }
 
 void addJobOptions(CLI::App& command, BatchArguments& a) {
@@ -128,8 +127,9 @@ void report(const data::BatchResult& result, const std::string& folder) {
     fail(ExitCode::SomeFramesFailed, "stopped by {} with {} of {} frames in '{}'; --resume makes the others",
          result.signal == SIGINT ? "SIGINT" : "SIGTERM", result.finished, result.frames, folder);
   if (missing > 0)
-    fail(ExitCode::SomeFramesFailed, "{} of {} frames were not made; the sentences before say why, and --resume tries again",
-         missing, result.frames);
+    fail(ExitCode::SomeFramesFailed,
+         "{} of {} frames were not made; the sentences before say why, and --resume tries again", missing,
+         result.frames);
 }
 
 std::vector<std::string> workersOf(const BatchArguments& a) {
@@ -179,8 +179,9 @@ void verify(const std::string& folder) {
   const std::vector<std::string> wrong = data::verifySet(set, status);
   for (const std::string& sentence : wrong) warn("{}", sentence);
   if (!wrong.empty())
-    fail(ExitCode::BadInput, "{} files of '{}' are not as they were written: remove them, and run the job with --resume",
-         wrong.size(), folder);
+    fail(ExitCode::BadInput,
+         "{} files of '{}' are not as they were written: remove them, and run the job with --resume", wrong.size(),
+         folder);
   fmt::print("the files of {} frames are as they were written\n", status.manifest.frames.size());
 }
 
@@ -196,7 +197,8 @@ void addRunOptions(CLI::App& command, BatchArguments& a) {
   const char* group = "Run";
   command.add_flag("--resume", a.resume, "Render what is missing, or was made by other settings")->group(group);
   command.add_flag("--dry-run", a.dryRun, "Print the frames that would be rendered")->group(group);
-  command.add_option("--shard", a.shard, "Part i/n of the frames; default: as Slurm, Open MPI or PMI say")->group(group);
+  command.add_option("--shard", a.shard, "Part i/n of the frames; default: as Slurm, Open MPI or PMI say")
+      ->group(group);
   command.add_option("--devices", a.devices, "auto, all, or numbers, names and UUIDs by comma")
       ->capture_default_str()
       ->group(group);
@@ -207,7 +209,8 @@ void addRunOptions(CLI::App& command, BatchArguments& a) {
   command.add_option("--threads", a.threads, "That write files; default: one a core")
       ->check(CLI::Range(1, 1024))
       ->group(group);
-  command.add_option("--memory", a.memory, "Memory of the machine that may be taken, as in 4G; default: three quarters")
+  command
+      .add_option("--memory", a.memory, "Memory of the machine that may be taken, as in 4G; default: three quarters")
       ->group(group);
   command.add_flag("--validate", a.validate, "Run under the Vulkan validation layers; any message is an error")
       ->group(group);
@@ -233,9 +236,9 @@ void addBatchCommand(CLI::App& app) {
                    [](const BatchArguments& a) { printStatus(a.folder); });
   addFolderCommand(*batch, arguments, "verify", "Whether all files are as they were written",
                    [](const BatchArguments& a) { verify(a.folder); });
-  CLI::App* merge = addFolderCommand(
-      *batch, arguments, "merge", "Join the shards' manifests, and write the files of the whole set",
-      [](const BatchArguments& a) { data::mergeSet(data::SetFolder(a.folder), a.allowMissing); });
+  CLI::App* merge =
+      addFolderCommand(*batch, arguments, "merge", "Join the shards' manifests, and write the files of the whole set",
+                       [](const BatchArguments& a) { data::mergeSet(data::SetFolder(a.folder), a.allowMissing); });
   merge->add_flag("--allow-missing", arguments->allowMissing, "Without the frames that are missing");
 }
 

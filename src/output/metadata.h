@@ -42,7 +42,8 @@ struct Metadata {
   // The frame that `normal` and `geonormal` are in: "world" (that of `axes`), "opencv" or "opengl".
   std::string normalFrame = "world";
   float exposure = 1;  // linear factor that colour was multiplied by
-  DeviceMetadata device;  // without a name: not said
+  // Without a name it is not said.
+  DeviceMetadata device;
   std::map<std::string, std::string> versions;  // program, API, ...
   std::map<std::string, std::string> settings;  // the options that the picture depends on, as on the command line
   IdManifest ids;                               // may be left empty where no output holds ids

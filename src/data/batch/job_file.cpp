@@ -68,7 +68,8 @@ class YamlReader {
 };
 
 int lineOf(const std::string& text, size_t byte) {
-  return 1 + static_cast<int>(std::count(text.begin(), text.begin() + static_cast<long>(std::min(byte, text.size())), '\n'));
+  return 1 + static_cast<int>(
+                 std::count(text.begin(), text.begin() + static_cast<long>(std::min(byte, text.size())), '\n'));
 }
 
 // Strictly JSON; YAML, which JSON is a part of, knows its lines.

@@ -17,8 +17,8 @@ struct JobDocument {
   std::string place(const std::string& path) const;
 };
 
-// A file that ends in .json, .yaml or .yml. Throws Error: BadInput for one that can't be read, Usage with the line where
-// it is not in that language, or has a key twice.
+// A file that ends in .json, .yaml or .yml. Throws Error: BadInput for one that can't be read, Usage with the line
+// where it is not in that language, or has a key twice.
 JobDocument readJobFile(const std::filesystem::path& path);
 
 }  // namespace latelight::data

@@ -30,8 +30,8 @@ uint64_t hashIn(const Json& json) {
 Json describe(const FinishedFrame& frame) {
   Json files = Json::array();
   for (const FileRecord& file : frame.files) files.push_back(describe(file));
-  Json json{{"index", frame.index},   {"name", frame.name},           {"scene", frame.scene},
-            {"camera", frame.camera}, {"variation", frame.variation}, {"settings", hashText(frame.settings)},
+  Json json{{"index", frame.index},     {"name", frame.name},           {"scene", frame.scene},
+            {"camera", frame.camera},   {"variation", frame.variation}, {"settings", hashText(frame.settings)},
             {"files", std::move(files)}};
   if (!frame.drawn.is_null()) json["drawn"] = frame.drawn;
   json["entries"] = frame.entries;
@@ -102,11 +102,13 @@ void writeManifest(const std::filesystem::path& path, const Manifest& manifest) 
   std::string text = fmt::format("{{\"plan\": \"{}\",\n", hashText(manifest.plan));
   appendList(text, "files", manifest.setFiles, [](const FileRecord& file) { return dumped(describe(file)); });
   if (!manifest.failed.empty())
-    appendList(text += ",\n", "failed", manifest.failed,
-               [](const auto& failure) { return dumped({{"name", failure.first}, {"reason", failure.second}}); });
+    appendList(text += ",\n", "failed", manifest.failed, [](const auto& failure) {
+      return dumped({{"name", failure.first}, {"reason", failure.second}});
+    });
   if (!manifest.stale.empty())
     appendList(text += ",\n", "stale", manifest.stale, [](const std::string& name) { return dumped(name); });
-  appendList(text += ",\n", "frames", manifest.frames, [](const auto& frame) { return dumped(describe(frame.second)); });
+  appendList(text += ",\n", "frames", manifest.frames,
+             [](const auto& frame) { return dumped(describe(frame.second)); });
   text += "}\n";
   writeFile(path, std::as_bytes(std::span(text)));
 }

@@ -48,7 +48,8 @@ uint64_t hashOf(const JobCamera& c) {
 // A scene's or camera's name as part of a path: what has a meaning there is replaced.
 std::string asPart(std::string name) {
   for (char& c : name)
-    if (std::string_view("/\\{}").find(c) != std::string_view::npos || static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
+    if (std::string_view("/\\{}").find(c) != std::string_view::npos || static_cast<unsigned char>(c) < 0x20 ||
+        c == 0x7f)
       c = '_';
   if (name.empty() || name[0] == '.') name.insert(0, "_");
   return name;
@@ -82,9 +83,7 @@ Json describe(const PlannedScene& scene) {
 }
 
 // Whatever a damaged file holds: then scenes are loaded again.
-Json readSaved(const std::filesystem::path& path) try {
-  return parsed(readFile(path));
-} catch (const std::exception&) {
+Json readSaved(const std::filesystem::path& path) try { return parsed(readFile(path)); } catch (const std::exception&) {
   return Json::object();
 }
 
@@ -128,8 +127,8 @@ bool Plan::findSaved(PlannedScene& scene, const Json& saved) const try {
     scene.hash = known.at("hash").get<uint64_t>();
     if (hashOfFiles(scene.files) != scene.hash) return false;
     for (const Json& c : known.at("cameras"))
-      scene.cameras.push_back({c.at(0).get<std::string>(), c.at(1).get<uint64_t>(), c.at(2).get<uint32_t>(),
-                               c.at(3).get<uint32_t>()});
+      scene.cameras.push_back(
+          {c.at(0).get<std::string>(), c.at(1).get<uint64_t>(), c.at(2).get<uint32_t>(), c.at(3).get<uint32_t>()});
     return true;
   }
   return false;
@@ -141,8 +140,7 @@ void Plan::look(PlannedScene& scene) try {
   scene.files.clear();
   scene.cameras.clear();
   scene::Scene loaded = scene::load(scene.source, job_.load);
-  for (const JobCamera& c : camerasOf(job_, loaded))
-    scene.cameras.push_back({c.name, hashOf(c), c.width, c.height});
+  for (const JobCamera& c : camerasOf(job_, loaded)) scene.cameras.push_back({c.name, hashOf(c), c.width, c.height});
   for (const std::filesystem::path& file : loaded.files) scene.files.push_back(file.string());
   scene.hash = hashOfFiles(scene.files);
   if (job_.scenes.size() == 1) scene_ = std::move(loaded);
@@ -180,7 +178,8 @@ std::string Plan::name(uint64_t index) const {
   fill(name, "{scene}", sceneName(scenes_[place.scene].source));
   fill(name, "{camera}", asPart(camera(place).name));
   if (name.find_first_of("{}") != std::string::npos)
-    badUsage("name has braces, which hold one of {{index}}, {{scene}}, {{camera}}, {{variation}}, not \"{}\"", job_.name);
+    badUsage("name has braces, which hold one of {{index}}, {{scene}}, {{camera}}, {{variation}}, not \"{}\"",
+             job_.name);
   return name;
 }
 
@@ -205,7 +204,7 @@ Json Plan::describe() const {
       scenes.push_back(data::describe(scene));
     else
       broken.push_back(scene.source);
-  return {{"job", jobHash_}, {"load", loadHash_}, {"repeat", job_.repeat}, {"name", job_.name},
+  return {{"job", jobHash_},    {"load", loadHash_},           {"repeat", job_.repeat},      {"name", job_.name},
           {"frames", frames()}, {"broken", std::move(broken)}, {"scenes", std::move(scenes)}};
 }
 

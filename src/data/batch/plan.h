@@ -60,8 +60,8 @@ class Plan {
   void checkNames() const;
 
   const Job& job_;
-  uint64_t jobHash_ = 0;         // of what all frames depend on
-  uint64_t loadHash_ = 0;        // of what the cameras of a scene depend on
+  uint64_t jobHash_ = 0;   // of what all frames depend on
+  uint64_t loadHash_ = 0;  // of what the cameras of a scene depend on
   std::vector<PlannedScene> scenes_;
   std::vector<uint64_t> starts_;  // index of each scene's first frame, and behind the last
   std::optional<scene::Scene> scene_;

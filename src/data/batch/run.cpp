@@ -16,17 +16,17 @@ namespace latelight::data {
 
 namespace {
 
-// Rendered at once: enough to fill a GPU; on the CPU, few enough that a signal is followed soon.
-constexpr uint64_t kPixelsOfGpu = 1 << 24, kPixelsOfCpu = 1 << 19;
+// Enough to fill a GPU; on the CPU, few enough that a signal is followed soon.
+constexpr AtOnce kOfGpu{256, 1 << 24}, kOfCpu{8, 1 << 19};
 
-uint64_t pixelsAtOnce(const Job& job, const BatchOptions& options) {
-  if (options.pixels > 0) return options.pixels;
+AtOnce atOnce(const Job& job, const BatchOptions& options) {
   bool cpu = false;
   for (const vk::DeviceInfo& device : vk::listDevices())
     cpu |= device.type == "cpu" && std::ranges::find(options.devices, device.uuid) != options.devices.end();
-  // Three tickets a worker, which with their read-back take a quarter of the memory.
-  const uint64_t byMemory = memoryLimit() / 4 / options.devices.size() / 6 / bytesOfPixel(job.settings);
-  return std::min(cpu ? kPixelsOfCpu : kPixelsOfGpu, byMemory);
+  AtOnce most = cpu ? kOfCpu : kOfGpu;
+  // Three tickets a worker and what is read back of one take a quarter of the memory.
+  most.pixels = std::min(most.pixels, memoryLimit() / 4 / options.devices.size() / 6 / bytesOfPixel(job.settings));
+  return most;
 }
 
 // A worker a device, each on a thread of its own; the first error of one, such as a device that can't be used, is
@@ -69,7 +69,7 @@ BatchResult runBatch(const Job& job, const BatchOptions& options) {
   GrowingManifest manifest(set.shard(options.shard), findFinished(set, plan, options.shard));
   for (const PlannedScene& scene : plan.scenes())
     if (!scene.error.empty()) manifest.failed(scene.source, scene.error);
-  WorkList work(plan, first, end, manifest.manifest(), pixelsAtOnce(job, options));
+  WorkList work(plan, first, end, manifest.manifest(), atOnce(job, options));
   const std::string shard = "shard " + options.shard.name();
   set.log(fmt::format("{} begins: {} of {} frames are to be rendered", shard, work.frames(), end - first));
   stopOnSignals();

@@ -17,7 +17,6 @@ struct BatchOptions {
   bool resume = false;
   std::vector<std::string> devices;  // a worker for each, by UUID
   size_t writers = 1;                // threads
-  uint64_t pixels = 0;               // rendered at once, at most; 0: by the device
   bool validation = false;
 };
 

@@ -111,7 +111,8 @@ void checkValue(const JobDocument& job, const std::string& path, const Json& sch
   const Json type = schema.value("type", Json("string"));
   const Json types = type.is_array() ? type : Json::array({type});
   if (!isTaken(schema, types, value))
-    badUsage("{} takes {}, not {}", job.place(path), expected(schema, types), value.dump(-1, ' ', false, Json::error_handler_t::replace));
+    badUsage("{} takes {}, not {}", job.place(path), expected(schema, types),
+             value.dump(-1, ' ', false, Json::error_handler_t::replace));
   if (value.is_string() && value.get_ref<const std::string&>().size() < schema.value("minLength", size_t{0}))
     badUsage("{} is empty", job.place(path));
   if (value.is_array() && value.size() < schema.value("minItems", size_t{0}))

@@ -107,7 +107,8 @@ std::vector<fs::path> SetFolder::shards() const {
 void SetFolder::log(const std::string& line) const {
   char host[256] = "";
   gethostname(host, sizeof host - 1);
-  const auto time = std::chrono::duration_cast<std::chrono::seconds>(std::chrono::system_clock::now().time_since_epoch());
+  const auto time =
+      std::chrono::duration_cast<std::chrono::seconds>(std::chrono::system_clock::now().time_since_epoch());
   const std::string text = fmt::format("{} {} {}: {}\n", time.count(), host, getpid(), line);
   const int fd = open((state() / "log").c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
   if (fd < 0) return;

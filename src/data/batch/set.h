@@ -61,8 +61,8 @@ Manifest findFinished(const SetFolder& set, const Plan& plan, const Shard& shard
 
 // Of a set, from its folder alone.
 struct SetStatus {
-  uint64_t frames = 0;              // that it shall have
-  Manifest manifest;                // of the plan that it has now, from all shards
+  uint64_t frames = 0;               // that it shall have
+  Manifest manifest;                 // of the plan that it has now, from all shards
   std::set<std::string> otherFiles;  // of frames made by another plan
   uint64_t missing() const { return frames - std::min<uint64_t>(frames, manifest.frames.size()); }
 };

@@ -67,7 +67,8 @@ Shard chooseShard(const std::string& text, const Environment& environment) {
   const size_t slash = std::min(text.find('/'), text.size());
   const std::string_view all = text;
   const auto count = parseNumber<uint32_t>(slash == text.size() ? "" : all.substr(slash + 1));
-  const auto index = slash == 0 ? numberIn(environment, "JOB_COMPLETION_INDEX") : parseNumber<uint32_t>(all.substr(0, slash));
+  const auto index =
+      slash == 0 ? numberIn(environment, "JOB_COMPLETION_INDEX") : parseNumber<uint32_t>(all.substr(0, slash));
   if (!index || !count)
     badUsage("--shard takes i/n, as in 0/8, or /n where JOB_COMPLETION_INDEX says which, not \"{}\"", text);
   return checked(*index, *count, "--shard");

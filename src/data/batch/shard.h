@@ -19,7 +19,6 @@ struct Shard {
 
 // "i/n", i from 0 to n - 1; also "/n" for a Kubernetes indexed job, whose environment has i alone. Empty: as the
 // environment says (Slurm arrays and steps, Open MPI, PMI), or all. Throws Error(Usage).
-Shard chooseShard(const std::string& text,
-                  const std::function<std::optional<std::string>(const char*)>& environment);
+Shard chooseShard(const std::string& text, const std::function<std::optional<std::string>(const char*)>& environment);
 
 }  // namespace latelight::data

@@ -8,7 +8,8 @@ namespace latelight::data {
 namespace {
 
 std::atomic<int> askedBy = 0;
-struct sigaction beforeTerm {}, beforeInt{};
+struct sigaction beforeTerm {
+}, beforeInt{};
 
 void askToStop(int signal) {
   if (askedBy.exchange(signal) == 0) return;

@@ -4,7 +4,7 @@
 
 namespace latelight::data {
 
-WorkList::WorkList(const Plan& plan, uint64_t first, uint64_t end, const Manifest& finished, uint64_t pixels)
+WorkList::WorkList(const Plan& plan, uint64_t first, uint64_t end, const Manifest& finished, AtOnce most)
     : scenes_(plan.scenes().size()) {
   for (uint64_t index = first; index < end; ++index) {
     const std::optional<FramePlace> place = plan.at(index);
@@ -13,7 +13,8 @@ WorkList::WorkList(const Plan& plan, uint64_t first, uint64_t end, const Manifes
     std::deque<Chunk>& chunks = scenes_[place->scene].chunks;
     const auto fits = [&](const Chunk& chunk) {
       return chunk.variation == place->variation && chunk.width == camera.width && chunk.height == camera.height &&
-             (chunk.frames.size() + 1) * camera.width * camera.height <= pixels;
+             chunk.frames.size() < most.views &&
+             (chunk.frames.size() + 1) * camera.width * camera.height <= most.pixels;
     };
     if (chunks.empty() || !fits(chunks.back()))
       chunks.push_back({place->scene, place->variation, camera.width, camera.height, {}});

@@ -19,11 +19,16 @@ struct Chunk {
   std::vector<uint64_t> frames;
 };
 
+// How much is rendered at once, at most.
+struct AtOnce {
+  uint64_t views = 1, pixels = 0;  // at least a view
+};
+
 // From any thread. Workers keep to a scene, so that each is loaded as seldom as can be.
 class WorkList {
  public:
-  // The frames in [first, end) that are not among `finished`; at most `pixels` at once.
-  WorkList(const Plan& plan, uint64_t first, uint64_t end, const Manifest& finished, uint64_t pixels);
+  // The frames in [first, end) that are not among `finished`.
+  WorkList(const Plan& plan, uint64_t first, uint64_t end, const Manifest& finished, AtOnce most);
 
   uint64_t frames() const { return frames_; }
   // A scene with work left, other than the one that the worker has; those with the fewest workers first. Nothing: all
