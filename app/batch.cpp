@@ -55,7 +55,8 @@ Json valueOf(const std::string& key, const Json& schema, const std::string& text
   const bool mayBeMore = takes(schema, "object") || takes(schema.value("items", Json::object()), "object");
   if (!isNumber && !(mayBeMore && (text.starts_with('{') || text.starts_with('[')))) return text;
   Json value = Json::parse(text, nullptr, false);
-  if (value.is_discarded()) badUsage("--{} takes {}, not \"{}\"", key, isNumber ? "a whole number" : "a name or JSON", text);
+  if (value.is_discarded())
+    badUsage("--{} takes {}, not \"{}\"", key, isNumber ? "a whole number" : "a name or JSON", text);
   return value;
 }
 

@@ -22,7 +22,8 @@ std::vector<vk::DeviceInfo> machine(bool gpus) {
   return devices;
 }
 
-std::vector<std::string> chosen(bool gpus, const std::string& text, const std::optional<std::string>& visible = {}) try {
+std::vector<std::string> chosen(bool gpus, const std::string& text,
+                                const std::optional<std::string>& visible = {}) try {
   return chooseDevices(machine(gpus), text, visible);
 } catch (const Error& error) {
   EXPECT_EQ(error.code(), ExitCode::NoDevice);

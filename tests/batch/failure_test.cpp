@@ -75,8 +75,8 @@ TEST(Failures, AFullDiskLeavesOnlyWholeFrames) {
   test::SmallDisk disk(96 << 10);
   if (!disk) GTEST_SKIP() << "no right to mount";
   Folder folder;
-  const std::vector<std::string> job{"--scenes", "builtin:boxes", "--repeat", "40",
-                                     "--formats", R"({"format": "files", "pattern": "{name}.exr"})"};
+  const std::vector<std::string> job{"--scenes", "builtin:boxes", "--repeat",
+                                     "40",       "--formats",     R"({"format": "files", "pattern": "{name}.exr"})"};
   const auto into = [&](const std::string& set, std::vector<std::string> more) {
     more.insert(more.begin(), job.begin(), job.end());
     more.insert(more.end(), {"-o", set});

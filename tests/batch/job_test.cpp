@@ -34,7 +34,9 @@ std::string wrongIn(std::string_view name, std::string_view text) {
 
 TEST(Job, SaysTheSameInBothLanguages) {
   Folder folder;
-  folder.write("job.json", std::string_view(R"({"scenes": ["builtin:boxes"], "output": "set", "repeat": 3, "seed": 18446744073709551615,
+  folder.write(
+      "job.json",
+      std::string_view(R"({"scenes": ["builtin:boxes"], "output": "set", "repeat": 3, "seed": 18446744073709551615,
     "options": {"size": "64x48", "exposure": -1.5, "loop": true, "shadow-lights": 4}})"));
   folder.write("job.yaml", std::string_view(R"(# comments, as YAML has them
 scenes: [builtin:boxes]
@@ -72,7 +74,8 @@ TEST(Job, WrongOnesAreToldByKeyAndLine) {
       {"options:\n  exposur: 1\n", "job.yaml:4: options.exposur: there is no such key"},
       {"options:\n  exposure: bright\n", "job.yaml:4: options.exposure takes a number"},
       {"options:\n  bloom: 7\n", "job.yaml:4: options.bloom takes a number from 0 to 1, not 7"},
-      {"options:\n  tonemap: red\n", "job.yaml:4: options.tonemap takes khronos, aces, agx, reinhard or none, not \"red\""},
+      {"options:\n  tonemap: red\n",
+       "job.yaml:4: options.tonemap takes khronos, aces, agx, reinhard or none, not \"red\""},
       {"options:\n  size: 64\n", "job.yaml:4: options.size: --size takes"},
       {"options:\n  loop: 1\n", "job.yaml:4: options.loop takes true or false, not 1"},
       {"options: 7\n", "job.yaml:3: options takes an object of keys and values, not 7"},
@@ -92,11 +95,12 @@ TEST(Job, WrongOnesAreToldByKeyAndLine) {
       {"options: {exposure: 1\n", "it is not YAML"},
       {"a: &a [*a, *a]\n", "job.yaml:"},
   };
-  for (const auto& [text, sentence] : yaml)
-    EXPECT_THAT(wrongIn("job.yaml", start + text), HasSubstr(sentence)) << text;
+  for (const auto& [text, sentence] : yaml) EXPECT_THAT(wrongIn("job.yaml", start + text), HasSubstr(sentence)) << text;
   EXPECT_THAT(wrongIn("job.yaml", "output: set\n"), HasSubstr("the key \"scenes\" is missing"));
-  EXPECT_THAT(wrongIn("job.yaml", "scenes: [no/*.glb]\noutput: set\n"), HasSubstr("job.yaml:1: scenes[0]: no file is called"));
-  EXPECT_THAT(wrongIn("job.yaml", "scenes: [builtin:boxes, builtin:boxes]\noutput: set\n"), HasSubstr("is there twice"));
+  EXPECT_THAT(wrongIn("job.yaml", "scenes: [no/*.glb]\noutput: set\n"),
+              HasSubstr("job.yaml:1: scenes[0]: no file is called"));
+  EXPECT_THAT(wrongIn("job.yaml", "scenes: [builtin:boxes, builtin:boxes]\noutput: set\n"),
+              HasSubstr("is there twice"));
   EXPECT_THAT(wrongIn("job.yaml", "- a\n"), HasSubstr("a job is an object"));
   EXPECT_THAT(wrongIn("job.yaml", ""), HasSubstr("a job is an object"));
   EXPECT_THAT(wrongIn("job.txt", ""), HasSubstr("does not end in a language"));
@@ -105,7 +109,8 @@ TEST(Job, WrongOnesAreToldByKeyAndLine) {
 TEST(Job, WrongJsonIsToldByItsLine) {
   EXPECT_THAT(wrongIn("job.json", "{\"scenes\": \"builtin:boxes\",\n\"output\": \"set\",\n\n\"sizes\": 3}"),
               HasSubstr("job.json:4: sizes: there is no such key"));
-  EXPECT_THAT(wrongIn("job.json", "{\"scenes\": \"builtin:boxes\",\n\"output\": set}"), HasSubstr("job.json:2: it is not JSON"));
+  EXPECT_THAT(wrongIn("job.json", "{\"scenes\": \"builtin:boxes\",\n\"output\": set}"),
+              HasSubstr("job.json:2: it is not JSON"));
   EXPECT_THAT(wrongIn("job.json", "{\"scenes\": "), HasSubstr("job.json:1: it is not JSON"));
   EXPECT_THAT(wrongIn("job.json", std::string(100'000, '[')), HasSubstr("nested too deeply"));
   EXPECT_THAT(wrongIn("job.yaml", std::string(100'000, '[')), HasSubstr("job.yaml"));

@@ -39,7 +39,8 @@ inline std::map<std::string, std::string> filesOf(const app::Folder& folder, con
 }
 
 // That all its files are those of another set, as they are there: none is torn.
-inline void expectPartOf(const std::map<std::string, std::string>& part, const std::map<std::string, std::string>& all) {
+inline void expectPartOf(const std::map<std::string, std::string>& part,
+                         const std::map<std::string, std::string>& all) {
   for (const auto& [name, bytes] : part) {
     const auto found = all.find(name);
     ASSERT_NE(found, all.end()) << name;

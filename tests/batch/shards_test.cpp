@@ -43,8 +43,9 @@ TEST(Shard, EveryFrameIsInOne) {
 TEST(Shard, IsReadFromWhatStartedTheProcess) {
   EXPECT_EQ(chosen(""), "0-of-1");
   EXPECT_EQ(chosen("2/8"), "2-of-8");
-  EXPECT_EQ(chosen("", {{"SLURM_ARRAY_TASK_ID", "12"}, {"SLURM_ARRAY_TASK_MIN", "10"}, {"SLURM_ARRAY_TASK_COUNT", "4"}}),
-            "2-of-4");
+  EXPECT_EQ(
+      chosen("", {{"SLURM_ARRAY_TASK_ID", "12"}, {"SLURM_ARRAY_TASK_MIN", "10"}, {"SLURM_ARRAY_TASK_COUNT", "4"}}),
+      "2-of-4");
   EXPECT_EQ(chosen("", {{"SLURM_PROCID", "1"}, {"SLURM_NTASKS", "2"}}), "1-of-2");
   EXPECT_EQ(chosen("", {{"SLURM_ARRAY_TASK_ID", "12"},
                         {"SLURM_ARRAY_TASK_MIN", "10"},
@@ -74,7 +75,10 @@ TEST(Shard, RefusesWhatIsNone) {
 app::Command parts(const Folder& folder, const std::string& set, std::vector<std::string> more,
                    const char* repeat = "11") {
   folder.write("empty.gltf", std::string_view(kCameraAlone));
-  std::vector<std::string> all{"--scenes", "builtin:boxes", "--scenes", "empty.gltf", "--repeat", repeat, "-o", set,
+  std::vector<std::string> all{"--scenes",  "builtin:boxes",
+                               "--scenes",  "empty.gltf",
+                               "--repeat",  repeat,
+                               "-o",        set,
                                "--formats", R"({"format": "files", "outputs": ["color", "normal"]})"};
   all.insert(all.end(), more.begin(), more.end());
   return batch(folder, all);

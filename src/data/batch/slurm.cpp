@@ -15,7 +15,7 @@ constexpr const char* kScript = R"(#!/bin/bash
 #SBATCH --open-mode=append
 #SBATCH --signal=B:TERM@120
 # Add what the cluster needs: --partition, --time, --gres=gpu:1, --cpus-per-task, ...
-# sbatch's own arguments are of no account here: those after the script go to the batch.
+# What follows the name of this script, where it is submitted, is passed on to the batch.
 
 stopped=
 trap 'stopped=yes; kill -TERM "$batch"' TERM
