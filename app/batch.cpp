@@ -122,7 +122,10 @@ void printPlan(const data::Job& job, const BatchArguments& a, const data::Shard&
 }
 
 void report(const data::BatchResult& result, const std::string& folder) {
-  for (const auto& [name, why] : result.failed) warn("{}: {}", name, why);
+  size_t said = 0;
+  for (const auto& [name, why] : result.failed)
+    if (++said <= 20) warn("{}: {}", name, why);
+  if (said > 20) warn("{} more failed: see latelight batch status {}", said - 20, folder);
   const uint64_t missing = result.frames - result.finished;
   if (result.signal)
     fail(ExitCode::SomeFramesFailed, "stopped by {} with {} of {} frames in '{}'; --resume makes the others",

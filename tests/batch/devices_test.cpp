@@ -53,6 +53,8 @@ TEST(Devices, CudasVariableLeavesOthersOut) {
   EXPECT_THAT(chosen(true, "all", "GPU-00000000-0000-0000-0000-000000000bbb"), ElementsAre(kSecond));
   EXPECT_THAT(chosen(true, "all", "0,7,1"), ElementsAre(kFirst)) << "as CUDA has it, a wrong one ends the list";
   EXPECT_THAT(chosen(true, "all", ""), ElementsAre(kCpu)) << "none is visible";
+  EXPECT_THAT(chosen(true, "all", "MIG-1c0f"), IsEmpty()) << "not the CPU in its place";
+  EXPECT_THAT(chosen(false, "all", "0"), ElementsAre(kCpu)) << "there is nothing to leave out";
   EXPECT_THAT(chosen(true, "1", "1"), ElementsAre(kFirst)) << "what is named is meant";
 }
 

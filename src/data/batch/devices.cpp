@@ -41,7 +41,12 @@ std::vector<vk::DeviceInfo> candidates(const std::vector<vk::DeviceInfo>& device
                                        const std::optional<std::string>& cudaVisible) {
   std::vector<vk::DeviceInfo> gpus, usable;
   std::ranges::copy_if(devices, std::back_inserter(gpus), [](const auto& device) { return device.type != "cpu"; });
-  if (cudaVisible) gpus = visibleTo(gpus, *cudaVisible);
+  if (cudaVisible && !gpus.empty()) {
+    gpus = visibleTo(gpus, *cudaVisible);
+    if (gpus.empty() && !cudaVisible->empty() && *cudaVisible != "-1")
+      fail(ExitCode::NoDevice, "CUDA_VISIBLE_DEVICES is \"{}\", which names no device here: give --devices",
+           shortened(*cudaVisible));
+  }
   std::ranges::copy_if(gpus, std::back_inserter(usable), [](const auto& device) { return device.missing.empty(); });
   if (usable.empty())
     std::ranges::copy_if(devices, std::back_inserter(usable), [](const auto& device) { return device.type == "cpu"; });

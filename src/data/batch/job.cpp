@@ -15,14 +15,19 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-// The files of a pattern, by name; what is no pattern is itself.
+void checkThere(const std::string& file, const std::string& place) {
+  if (!std::filesystem::exists(file)) badInput("{}: there is no file \"{}\"", place, file);
+}
+
+// The files of a pattern, by name; what is there is itself.
 std::vector<std::string> filesLike(const std::string& pattern, const std::string& place) {
-  if (pattern.starts_with("builtin:") || pattern.find_first_of("*?[") == std::string::npos) return {pattern};
+  if (pattern.starts_with("builtin:") || std::filesystem::exists(pattern)) return {pattern};
+  if (pattern.find_first_of("*?[") == std::string::npos) checkThere(pattern, place);
   glob_t found{};
   std::vector<std::string> files;
   if (glob(pattern.c_str(), 0, nullptr, &found) == 0) files.assign(found.gl_pathv, found.gl_pathv + found.gl_pathc);
   globfree(&found);
-  if (files.empty()) badUsage("{}: no file is called like \"{}\"", place, pattern);
+  if (files.empty()) badInput("{}: no file is called like \"{}\"", place, pattern);
   std::ranges::sort(files);
   return files;
 }
@@ -70,6 +75,7 @@ void readScenes(Job& job, const JobDocument& document) {
   if (json.contains("id-depth")) job.load.ids.depth = json["id-depth"].get<uint32_t>();
   scene::checkGrouping(job.load.ids);
   job.hdri = json.value("hdri", "");
+  if (!job.hdri.empty() && job.hdri != "studio" && job.hdri != "none") checkThere(job.hdri, document.place("hdri"));
 }
 
 // What the formats are written from.

@@ -45,7 +45,7 @@ JobFormat makeFormat(const nlohmann::ordered_json& spec, const std::string& plac
 // What the outputs of a pixel take in memory.
 uint64_t bytesOfPixel(const render::Settings& settings);
 
-// Throws Error(Usage) with a sentence that names the key, and its line in the file.
+// Throws Error, Usage, or BadInput for a file that is missing, with a sentence that names the key, and its line.
 Job makeJob(const JobDocument& document);
 
 }  // namespace latelight::data

@@ -1,12 +1,15 @@
 #include "data/batch/loaded_scene.h"
 
-#include "base/error.h"
 #include "render/session.h"
 
 namespace latelight::data {
 
 LoadedScene::LoadedScene(const Job& job, scene::Scene scene)
-    : job_(job), scene_(std::move(scene)), cameras_(camerasOf(job, scene_)) {
+    : job_(job), scene_(std::move(scene)), cameras_(makeCameras(job.cameras, scene_, job.seed)) {
+  for (JobCamera& camera : cameras_) {
+    if (camera.width == 0) camera.width = job.settings.width;
+    if (camera.height == 0) camera.height = job.settings.height;
+  }
   if (!job.variations.is_null()) variations_.emplace(job.variations, scene_, job.seed);
 }
 
@@ -20,20 +23,6 @@ std::string LoadedScene::environment() const {
   if (variations_ && !variations_->environment().empty()) return variations_->environment();
   const bool isSeen = job_.settings.background.kind == render::Background::Environment;
   return render::environmentName(scene_, job_.hdri.empty() && isSeen ? "studio" : job_.hdri);
-}
-
-std::unique_ptr<LoadedScene> SceneLoader::load(uint32_t index) {
-  std::optional<scene::Scene> scene;
-  {
-    const std::lock_guard lock(mutex_);
-    scene = plan_.takeScene();
-  }
-  const PlannedScene& planned = plan_.scenes()[index];
-  if (!scene) scene = scene::load(planned.source, job_.load);
-  auto loaded = std::make_unique<LoadedScene>(job_, std::move(*scene));
-  if (loaded->cameras() != planned.cameras.size())
-    badInput("'{}' has changed since the job began: run it again with --resume", planned.source);
-  return loaded;
 }
 
 }  // namespace latelight::data

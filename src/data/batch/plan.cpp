@@ -89,15 +89,6 @@ Json readSaved(const std::filesystem::path& path) try { return parsed(readFile(p
 
 }  // namespace
 
-std::vector<JobCamera> camerasOf(const Job& job, const scene::Scene& scene) {
-  std::vector<JobCamera> cameras = makeCameras(job.cameras, scene, job.seed);
-  for (JobCamera& camera : cameras) {
-    if (camera.width == 0) camera.width = job.settings.width;
-    if (camera.height == 0) camera.height = job.settings.height;
-  }
-  return cameras;
-}
-
 Plan::Plan(const Job& job, const std::filesystem::path& saved) : job_(job) {
   checkPattern(job.name);
   const Json& d = job.document;
@@ -139,9 +130,11 @@ bool Plan::findSaved(PlannedScene& scene, const Json& saved) const try {
 void Plan::look(PlannedScene& scene) try {
   scene.files.clear();
   scene.cameras.clear();
-  scene::Scene loaded = scene::load(scene.source, job_.load);
-  for (const JobCamera& c : camerasOf(job_, loaded)) scene.cameras.push_back({c.name, hashOf(c), c.width, c.height});
-  for (const std::filesystem::path& file : loaded.files) scene.files.push_back(file.string());
+  scene::LoadOptions load = job_.load;
+  load.textures = job_.scenes.size() == 1 || !job_.variations.is_null();
+  auto loaded = std::make_unique<LoadedScene>(job_, scene::load(scene.source, load));
+  for (const JobCamera& c : loaded->cameras()) scene.cameras.push_back({c.name, hashOf(c), c.width, c.height});
+  for (const std::filesystem::path& file : loaded->scene().files) scene.files.push_back(file.string());
   scene.hash = hashOfFiles(scene.files);
   if (job_.scenes.size() == 1) scene_ = std::move(loaded);
 } catch (const Error& error) {
@@ -217,10 +210,6 @@ void Plan::save(const std::filesystem::path& path) const {
   json["hash"] = hashOf(json);
   const std::string text = dumped(json) + "\n";
   writeFile(path, std::as_bytes(std::span(text)));
-}
-
-std::optional<scene::Scene> Plan::takeScene() {
-  return std::exchange(scene_, std::nullopt);
 }
 
 }  // namespace latelight::data

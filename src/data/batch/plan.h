@@ -3,12 +3,13 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "data/batch/job.h"
-#include "data/cameras/cameras.h"
+#include "data/batch/loaded_scene.h"
 
 namespace latelight::data {
 
@@ -49,8 +50,8 @@ class Plan {
   uint64_t settings(uint64_t index) const;
   uint64_t hash() const;  // of all frames
 
-  // Where only one scene was to be loaded, it need not be loaded again: empty after the first call.
-  std::optional<scene::Scene> takeScene();
+  // Where there is only one scene, it need not be loaded again: null after the first call.
+  std::unique_ptr<LoadedScene> takeScene() { return std::move(scene_); }
 
  private:
   bool findSaved(PlannedScene& scene, const nlohmann::ordered_json& saved) const;
@@ -64,10 +65,7 @@ class Plan {
   uint64_t loadHash_ = 0;  // of what the cameras of a scene depend on
   std::vector<PlannedScene> scenes_;
   std::vector<uint64_t> starts_;  // index of each scene's first frame, and behind the last
-  std::optional<scene::Scene> scene_;
+  std::unique_ptr<LoadedScene> scene_;
 };
-
-// The cameras of a scene, each with its size.
-std::vector<JobCamera> camerasOf(const Job& job, const scene::Scene& scene);
 
 }  // namespace latelight::data

@@ -87,7 +87,7 @@ void Worker::useEnvironment() {
 
 RenderedFrame Worker::frameOf(uint64_t index, const Chunk& chunk, const output::Metadata& shared) const {
   const FramePlace place = *plan_.at(index);
-  const JobCamera& camera = scene_->camera(place.camera);
+  const JobCamera& camera = scene_->cameras()[place.camera];
   const PlannedScene& planned = plan_.scenes()[place.scene];
   RenderedFrame frame{.frame = {.index = index, .name = plan_.name(index), .metadata = shared}};
   output::Metadata& m = frame.frame.metadata;
@@ -125,7 +125,7 @@ render::Ticket Worker::submit(const Chunk& chunk) {
   scene_->show(chunk.variation);
   useEnvironment();
   std::vector<scene::Camera> cameras;
-  for (const uint64_t index : chunk.frames) cameras.push_back(scene_->camera(plan_.at(index)->camera).camera);
+  for (const uint64_t index : chunk.frames) cameras.push_back(scene_->cameras()[plan_.at(index)->camera].camera);
   const render::Moment moment{.poses = render::posesAt(scene_->scene(), job_.settings)};
   return renderer_->submit(cameras, settingsOf(chunk), moment);
 }

@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "data/batch/loaded_scene.h"
+#include "data/batch/scene_loader.h"
 #include "data/batch/work.h"
 #include "data/batch/writers.h"
 #include "render/renderer.h"
