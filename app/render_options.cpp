@@ -90,12 +90,9 @@ std::string helpText(const Option& option) {
   return text;
 }
 
-// `read`: takes the text of a value, and returns it as it appears in metadata.
-template <typename Read>
-void addOption(CLI::App& command, RenderOptions& o, const Option& option, Read read) {
-  const auto take = [&o, &option, read](const std::string& text) {
-    o.given.insert_or_assign(std::string(render::keyOf(option)), read(text));
-  };
+}  // namespace
+
+void addOption(CLI::App& command, const Option& option, const std::function<void(const std::string&)>& take) {
   CLI::Option* added = nullptr;
   if (option.kind == OptionKind::Flag) {
     added = command.add_flag_callback(
@@ -114,19 +111,21 @@ void addOption(CLI::App& command, RenderOptions& o, const Option& option, Read r
   if (option.name[0] == '-') added->group(option.group);
 }
 
-}  // namespace
-
 std::span<const Option> commandOptions() {
   return commandTable().options();
 }
 
 void addRenderOptions(CLI::App& command, RenderOptions& o) {
+  // As the text appears in metadata.
+  const auto give = [&o](const Option& option, std::string text) {
+    o.given.insert_or_assign(std::string(render::keyOf(option)), std::move(text));
+  };
   for (const Option& option : commandOptions())
-    addOption(command, o, option,
-              [&o, &option](const std::string& text) { return commandTable().read(o, option, text); });
+    addOption(command, option,
+              [&o, &option, give](const std::string& text) { give(option, commandTable().read(o, option, text)); });
   for (const Option& option : render::options())
-    addOption(command, o, option,
-              [&o, &option](const std::string& text) { return render::read(o.settings, option, text); });
+    addOption(command, option,
+              [&o, &option, give](const std::string& text) { give(option, render::read(o.settings, option, text)); });
 }
 
 void checkOptions(RenderOptions& o) {

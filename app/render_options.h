@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdint>
+#include <functional>
 #include <glm/vec2.hpp>
 #include <map>
 #include <optional>
@@ -38,6 +39,9 @@ struct RenderOptions {
 
 // Those of the command line only; render::options() has the others.
 std::span<const render::Option> commandOptions();
+
+// Adds one option to a command; `take` is called with the text of each value that is given, "" for a flag.
+void addOption(CLI::App& command, const render::Option& option, const std::function<void(const std::string&)>& take);
 
 void addRenderOptions(CLI::App& command, RenderOptions& options);
 // Checks beyond parsing: limits and contradictions. Throws Error(Usage).

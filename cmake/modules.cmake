@@ -58,3 +58,10 @@ function(latelight_module name)
   add_dependencies(latelight_${name} latelight_registry)
   set_property(GLOBAL APPEND PROPERTY LATELIGHT_MODULES latelight_${name})
 endfunction()
+
+# latelight_text(generated path): a file as a C++ string literal, to be included.
+function(latelight_text generated path)
+  set_property(DIRECTORY ${PROJECT_SOURCE_DIR} APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${path})
+  file(READ ${PROJECT_SOURCE_DIR}/${path} text)
+  latelight_generate(${generated} "R\"text(${text})text\"\n")
+endfunction()

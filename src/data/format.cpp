@@ -1,11 +1,13 @@
 #include "data/format.h"
 
+#include "data/formats/files.h"
 #include "data/formats/formats.h"
 
 namespace latelight::data {
 
 std::span<const FormatInfo> formats() {
   static constexpr FormatInfo kFormats[] = {
+      {"files", "outputs as PNG, EXR or NPY files, named by one pattern", makeFiles},
       {"exr", "all outputs of a frame in one OpenEXR file, channels named by Latelight or as Blender does", makeExr},
       {"npz", "all outputs of a frame in one NPZ file, as numpy.load reads it", makeNpz},
       {"depth-png", "depth as PNG of 16 bits: millimetres, KITTI's 256 a metre, or any scale", makeDepthPng},

@@ -135,7 +135,8 @@ std::string sideFile(const Metadata& metadata, uint32_t width, uint32_t height, 
     Json& entry = entries[std::string(aov.name)] = aovOf(aov, metadata, names);
     if (!files.empty()) entry["file"] = files[i];
   }
-  json["device"] = {{"name", metadata.device.name}, {"driver", metadata.device.driver}, {"uuid", metadata.device.uuid}};
+  const DeviceMetadata& device = metadata.device;
+  if (!device.name.empty()) json["device"] = {{"name", device.name}, {"driver", device.driver}, {"uuid", device.uuid}};
   json["versions"] = metadata.versions;
   json["settings"] = metadata.settings;
   if (std::ranges::any_of(aovs, holdsIds) && !metadata.ids.empty()) {

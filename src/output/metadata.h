@@ -46,6 +46,7 @@ struct Metadata {
   // The frame that `normal` and `geonormal` are in: "world" (that of `axes`), "opencv" or "opengl".
   std::string normalFrame = "world";
   float exposure = 1;  // linear factor that colour was multiplied by
+  // Without a name it is not said.
   DeviceMetadata device;
   std::map<std::string, std::string> versions;  // program, API, ...
   std::map<std::string, std::string> settings;  // the options that the picture depends on, as on the command line

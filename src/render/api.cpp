@@ -147,11 +147,7 @@ render::Moment internalMoment(const Options& o, const render::Settings& s, const
   moment.previousCameras = internalCameras(o.previousCameras, scene, cameras);
   moment.nextCameras = internalCameras(o.nextCameras, scene, cameras);
   moment.continues = o.continues;
-  if (!s.time) return moment;
-  const scene::Playback playback = scene::choosePlayback(scene, s.animation, s.loop);
-  const double step = 1 / s.framesPerSecond;
-  moment.poses = {scene::poseAt(scene, playback, *s.time - step), scene::poseAt(scene, playback, *s.time),
-                  scene::poseAt(scene, playback, *s.time + step)};
+  moment.poses = render::posesAt(scene, s);
   return moment;
 }
 

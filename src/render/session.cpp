@@ -29,6 +29,14 @@ std::optional<scene::Environment> loadEnvironment(const std::string& name) {
   return scene::loadEnvironment(name);
 }
 
+Poses posesAt(const scene::Scene& scene, const Settings& settings) {
+  if (!settings.time) return {};
+  const scene::Playback playback = scene::choosePlayback(scene, settings.animation, settings.loop);
+  const double step = 1 / settings.framesPerSecond;
+  return {scene::poseAt(scene, playback, *settings.time - step), scene::poseAt(scene, playback, *settings.time),
+          scene::poseAt(scene, playback, *settings.time + step)};
+}
+
 glm::dmat4 openCvPose(const scene::Camera& camera, const scene::Scene& scene, bool zUp) {
   const glm::mat4x3 viewToWorld = makeView(camera, 1, 1).viewToWorld;
   glm::dmat4 pose(1.0);

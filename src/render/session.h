@@ -4,6 +4,8 @@
 #include <optional>
 #include <string>
 
+#include "render/moment.h"
+#include "render/settings.h"
 #include "scene/environment.h"
 #include "scene/scene.h"
 
@@ -13,6 +15,9 @@ namespace latelight::render {
 // scene without any light, so that no first picture is black. Empty: none.
 std::string environmentName(const scene::Scene& scene, const std::string& asked);
 std::optional<scene::Environment> loadEnvironment(const std::string& name);  // nothing for an empty name
+
+// Where everything is at the settings' time, and a frame before and after; at rest without one.
+Poses posesAt(const scene::Scene& scene, const Settings& settings);
 
 // OpenCV's camera frame (X right, Y down, Z forward) to the scene file's frame (or the renderer's world if `zUp`).
 glm::dmat4 openCvPose(const scene::Camera& camera, const scene::Scene& scene, bool zUp);

@@ -94,7 +94,7 @@ Scene import(const std::filesystem::path& path, const LoadOptions& options) {
   identifyMaterials(scene);
 
   std::vector<Job> jobs;
-  addTextureJobs(document, textures, scene, jobs);
+  if (options.textures) addTextureJobs(document, textures, scene, jobs);
   addMeshJobs(document, hierarchy, requests, scene, jobs);
   runJobs(jobs, scene.name);
   document.budget.release();

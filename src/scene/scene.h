@@ -27,14 +27,15 @@ using glm::vec2;
 using glm::vec3;
 using glm::vec4;
 
-// Move-only pixel storage that is never zero-filled. RGBA, 8 bits a channel, all mip levels one after the other, level
-// 0 first, rows from the top, each level max(1, size >> level) pixels.
+// Pixel storage that is never zero-filled, and that scenes share where their pictures are the same (texture.h). RGBA, 8
+// bits a channel, all mip levels one after the other, level 0 first, rows from the top, each level max(1, size >>
+// level) pixels.
 struct Texture {
   std::string name;
   uint32_t width = 0, height = 0;
   uint32_t levels = 0;  // the full chain: floor(log2(max(width, height))) + 1
   bool srgb = false;    // colour channels are sRGB-encoded (mip levels were averaged in linear light); alpha is linear
-  std::unique_ptr<std::byte[]> pixels;
+  std::shared_ptr<std::byte[]> pixels;
   size_t bytes() const;  // of all levels
 };
 
@@ -209,6 +210,7 @@ struct LoadOptions {
   // Folders that the file may read in addition to its own and those below; base/enclosure.h.
   std::vector<std::string> allowOutside;
   IdGrouping ids{};
+  bool textures = true;  // false: none are decoded, for what asks for the geometry alone
 };
 
 // A .gltf or .glb file, or "builtin:NAME[,key=value...]". Throws Error(BadInput) naming the file and what is wrong, and

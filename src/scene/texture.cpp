@@ -5,9 +5,14 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <map>
+#include <memory>
+#include <mutex>
 #include <string_view>
+#include <tuple>
 
 #include "base/error.h"
+#include "base/hash.h"
 #include "scene/texture_codecs.h"
 
 namespace latelight::scene {
@@ -54,6 +59,27 @@ void preferHugePages(std::byte* begin, size_t bytes) {
   if (last > first) madvise(reinterpret_cast<void*>(first), last - first, MADV_HUGEPAGE);  // a hint: may fail
 }
 
+// The pixels of all textures that live, by what they were decoded from.
+class SharedPixels {
+ public:
+  using Key = std::tuple<uint64_t, size_t, bool>;  // hash and size of the encoded bytes, and whether they are sRGB
+
+  std::shared_ptr<std::byte[]> find(const Key& key) {
+    const std::lock_guard lock(mutex_);
+    const auto found = all_.find(key);
+    return found == all_.end() ? nullptr : found->second.lock();
+  }
+  void add(const Key& key, const std::shared_ptr<std::byte[]>& pixels) {
+    const std::lock_guard lock(mutex_);
+    std::erase_if(all_, [](const auto& entry) { return entry.second.expired(); });
+    all_[key] = pixels;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::map<Key, std::weak_ptr<std::byte[]>> all_;
+};
+
 }  // namespace
 
 uint32_t mipLevelCount(ImageSize size) {
@@ -77,17 +103,22 @@ Texture makeTexture(ImageSize size, bool srgb, const std::string& name) {
                   .height = size.height,
                   .levels = mipLevelCount(size),
                   .srgb = srgb,
-                  .pixels = std::make_unique_for_overwrite<std::byte[]>(mipChainBytes(size))};
+                  .pixels = std::make_shared_for_overwrite<std::byte[]>(mipChainBytes(size))};
   preferHugePages(texture.pixels.get(), mipChainBytes(size));
   return texture;
 }
 
 Texture decodeTexture(std::span<const std::byte> encoded, bool srgb, const std::string& name) {
+  static SharedPixels shared;
   const Codec& codec = chooseCodec(encoded, name);
   ImageSize size = checkedSize(codec, encoded, name);
+  const SharedPixels::Key key{hash64(encoded.data(), encoded.size()), encoded.size(), srgb};
+  if (std::shared_ptr<std::byte[]> pixels = shared.find(key))
+    return {name, size.width, size.height, mipLevelCount(size), srgb, std::move(pixels)};
   Texture texture = makeTexture(size, srgb, name);
   codec.decode(encoded, name, size, texture.pixels.get());
   buildMips(texture);
+  shared.add(key, texture.pixels);
   return texture;
 }
 

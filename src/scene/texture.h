@@ -25,7 +25,8 @@ size_t mipChainBytes(ImageSize size);
 // header. Throws Error(BadInput) with `name` if it is of another format, broken, or larger than kMaxTextureSide.
 ImageSize imageSize(std::span<const std::byte> encoded, const std::string& name);
 
-// Decodes a picture and builds its mip levels. Pictures of 16 bits a channel are truncated to 8. Throws Error(BadInput)
+// Decodes a picture and builds its mip levels, or shares those of a texture that was decoded from the same bytes and
+// still lives: nobody may change them. Pictures of 16 bits a channel are truncated to 8. Throws Error(BadInput)
 // with `name` if it is broken. The levels are built on all threads; may be called from parallelFor.
 Texture decodeTexture(std::span<const std::byte> encoded, bool srgb, const std::string& name);
 

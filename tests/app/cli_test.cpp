@@ -36,6 +36,8 @@ TEST(CommandLine, HelpNamesEveryOption) {
       {"study", {"NAME", "--out", "--seed", "--bits", "--lights", "--triangles", "--sizes", "--budget"}},
       {"doctor", {"--json"}},
       {"bench", {"raster", "frame", "views", "lights", "shade"}},
+      {"batch",
+       {"JOB", "--scenes", "--output", "-o", "--exposure", "--resume", "--shard", "verify", "merge", "status"}},
       {"compare", {"A", "B", "--tolerance", "--share", "--channel", "--diff", "--json"}}};
   const std::string all = succeed({"--help"}).out;
   EXPECT_THAT(all, HasSubstr("--version"));

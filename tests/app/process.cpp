@@ -127,7 +127,7 @@ bool readAll(const Pipe& out, const Pipe& err, Outcome& outcome, Clock::time_poi
 std::string Outcome::text() const {
   std::string how = "exit " + std::to_string(code);
   if (signal) how = "signal " + std::to_string(signal) + " (" + strsignal(signal) + ")";
-  if (timedOut) how = "no end within its time";
+  if (timedOut) how += ", not within its time";
   return err.empty() ? how : how + ": " + err;
 }
 
@@ -138,7 +138,10 @@ Outcome runProcess(const std::filesystem::path& executable, const Command& comma
   err.closeWriter();
   Outcome outcome;
   outcome.timedOut = !readAll(out, err, outcome, Clock::now() + command.timeout);
-  if (outcome.timedOut) kill(process, SIGKILL);
+  if (outcome.timedOut) {
+    kill(process, command.lastSignal);
+    readAll(out, err, outcome, Clock::now() + std::chrono::hours(1));
+  }
   int status = 0;
   while (waitpid(process, &status, 0) < 0 && errno == EINTR) {
   }

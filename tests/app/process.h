@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <csignal>
 #include <cstddef>
 #include <filesystem>
 #include <functional>
@@ -16,16 +17,17 @@ struct Command {
   std::map<std::string, std::string> environment;  // beside this process's; XDG_CACHE_HOME is caches() unless set here
   std::filesystem::path folder;                    // to run in; empty: this process's
   std::filesystem::path standardOutput;            // a file to open for it, as with ">"; empty: captured in `out`
-  std::chrono::seconds timeout{3600};              // it has hung, and is killed
+  std::chrono::milliseconds timeout{3'600'000};    // it has hung, and is killed
+  int lastSignal = SIGKILL;                        // what it then gets
 };
 
 struct Outcome {
   int code = -1;          // of exit; -1 where it did not exit by itself
   int signal = 0;         // that ended it; 0: none
-  bool timedOut = false;  // and was killed for that
+  bool timedOut = false;  // and was sent the signal for that
   std::string out, err;
   bool exited() const { return code >= 0; }
-  // "exit 3", "signal 11", "no end within its time", and what it said on standard error: for messages.
+  // "exit 3", "signal 11", "not within its time", and what it said on standard error: for messages.
   std::string text() const;
 };
 

@@ -17,7 +17,7 @@ const std::map<std::string, std::set<std::string>, std::less<>> kAllowed = {
     {"output", {"base", "shared", "scene"}},
     {"render", {"base", "vk", "graph", "shared", "scene", "output", "latelight"}},
     {"study", {"base", "vk", "graph", "shared", "scene", "output", "render", "latelight"}},
-    {"data", {"base", "shared", "scene", "output", "render", "latelight"}},
+    {"data", {"base", "vk", "shared", "scene", "output", "render", "latelight"}},
     {"app", {"base", "vk", "graph", "shared", "scene", "output", "render", "study", "data", "latelight"}},
     {"include", {"latelight"}},
 };

@@ -237,5 +237,23 @@ TEST(TextureMips, FlatColorsSurvive) {
       }
 }
 
+// As long as one of them lives, and only where they are decoded alike.
+TEST(SharedPixels, AreThoseOfPicturesWithTheSameBytes) {
+  const Encoded first = toPng(noise(16, 16)), second = toPng(noise(16, 17));
+  Texture one = decodeTexture(first, true, "one");
+  const std::weak_ptr<std::byte[]> pixels = one.pixels;
+  const std::vector<std::byte> before(one.pixels.get(), one.pixels.get() + one.bytes());
+  Texture two = decodeTexture(first, true, "two");
+  EXPECT_EQ(two.pixels, one.pixels);
+  EXPECT_EQ(two.name, "two");
+  EXPECT_EQ(two.levels, one.levels);
+  EXPECT_NE(decodeTexture(first, false, "linear").pixels, one.pixels);
+  EXPECT_NE(decodeTexture(second, true, "other").pixels, one.pixels);
+  one = {}, two = {};
+  EXPECT_TRUE(pixels.expired());
+  const Texture again = decodeTexture(first, true, "again");
+  EXPECT_EQ(std::memcmp(again.pixels.get(), before.data(), before.size()), 0);
+}
+
 }  // namespace
 }  // namespace latelight::scene

@@ -1,0 +1,249 @@
+// latelight batch: a job in, a data set out.
+#include <fmt/core.h>
+#include <latelight/latelight.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "app/commands.h"
+#include "app/render_options.h"
+#include "base/log.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "data/batch/devices.h"
+#include "data/batch/run.h"
+#include "data/batch/schema.h"
+#include "data/batch/slurm.h"
+#include "vk/driver_cache.h"
+
+namespace latelight::app {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct BatchArguments {
+  std::string job, shard, devices = "auto", memory;
+  bool resume = false, dryRun = false, schema = false, validate = false;
+  uint32_t workers = 1, threads = 0, slurm = 0;
+  Json given = Json::object();  // keys of the job that are given as options
+  render::Settings scratch;     // where picture options are checked
+  std::string folder;           // of verify, merge and status
+  bool allowMissing = false;
+};
+
+std::optional<std::string> environment(const char* name) {
+  const char* value = std::getenv(name);
+  return value ? std::optional<std::string>(value) : std::nullopt;
+}
+
+// --- the job --------------------------------------------------------------------------------------------------------
+
+bool takes(const Json& schema, const char* type) {
+  if (!schema.contains("type")) return false;
+  const Json types = schema["type"].is_array() ? schema["type"] : Json::array({schema["type"]});
+  return std::ranges::find(types, type) != types.end();
+}
+
+// Numbers and what may be more than a name are JSON.
+Json valueOf(const std::string& key, const Json& schema, const std::string& text) {
+  const bool isNumber = takes(schema, "integer");
+  const bool mayBeMore = takes(schema, "object") || takes(schema.value("items", Json::object()), "object");
+  if (!isNumber && !(mayBeMore && (text.starts_with('{') || text.starts_with('[')))) return text;
+  Json value = Json::parse(text, nullptr, false);
+  if (value.is_discarded())
+    badUsage("--{} takes {}, not \"{}\"", key, isNumber ? "a whole number" : "a name or JSON", text);
+  return value;
+}
+
+// Lists are given by repeating the option, or whole.
+void addJobKey(CLI::App& command, BatchArguments& a, const std::string& key, const Json& schema) {
+  const bool isList = takes(schema, "array") && schema.contains("items");
+  const auto take = [&a, key, schema, isList](const std::vector<std::string>& texts) {
+    Json values = Json::array();
+    for (const std::string& text : texts) values.push_back(valueOf(key, schema, text));
+    a.given[key] = isList && !values.front().is_array() ? values : values.front();
+  };
+  const std::string names = key == "output" ? "-o,--output" : "--" + key;
+  CLI::Option* option =
+      command.add_option_function<std::vector<std::string>>(names, take, schema["description"].get<std::string>());
+  option->expected(1)->group("Job")->type_name(takes(schema, "integer") ? "INTEGER" : "TEXT");
+  if (isList) option->take_all();
+}
+
+void addJobOptions(CLI::App& command, BatchArguments& a) {
+  for (const auto& [key, schema] : data::jobSchema()["properties"].items())
+    if (key != "options") addJobKey(command, a, key, schema);
+  for (const render::Option& option : render::options())
+    addOption(command, option, [&a, &option](const std::string& text) {
+      const std::string value = render::read(a.scratch, option, text);
+      const bool isText = option.kind == render::OptionKind::Text || option.kind == render::OptionKind::Choice;
+      a.given["options"][std::string(render::keyOf(option))] = isText ? Json(value) : Json::parse(value);
+    });
+}
+
+// The file's, with the options that are given in place of its keys.
+data::Job readJob(const BatchArguments& a) {
+  data::JobDocument document;
+  if (!a.job.empty()) document = data::readJobFile(a.job);
+  if (a.job.empty() && a.given.empty()) badUsage("no job is given: name its file, or say --scenes and --output");
+  for (const auto& [key, value] : a.given.items())
+    if (key == "options" && document.json.contains(key) && document.json[key].is_object())
+      document.json[key].update(value);
+    else
+      document.json[key] = value;
+  return data::makeJob(document);
+}
+
+// --- what is done with it -------------------------------------------------------------------------------------------
+
+void printPlan(const data::Job& job, const BatchArguments& a, const data::Shard& shard) {
+  const data::SetFolder set(job.folder);
+  const data::Plan plan(job, set.plan());
+  const data::Manifest finished = a.resume ? data::findFinished(set, plan, shard) : data::Manifest{};
+  const auto [first, end] = shard.range(plan.frames());
+  uint64_t frames = 0, bytes = 0;
+  for (uint64_t index = first; index < end; ++index) {
+    const auto place = plan.at(index);
+    if (!place || finished.frames.contains(index)) continue;
+    const data::PlannedCamera& camera = plan.camera(*place);
+    fmt::print("{}  {}x{}  {}\n", plan.name(index), camera.width, camera.height,
+               printable(plan.scenes()[place->scene].source));
+    ++frames;
+    bytes += uint64_t{camera.width} * camera.height * data::bytesOfPixel(job.settings);
+  }
+  for (const data::PlannedScene& scene : plan.scenes())
+    if (!scene.error.empty()) warn("{}", scene.error);
+  fmt::print("{} frames would be rendered; their outputs take {} bytes before they are compressed\n", frames, bytes);
+}
+
+void report(const data::BatchResult& result, const std::string& folder) {
+  size_t said = 0;
+  for (const auto& [name, why] : result.failed)
+    if (++said <= 20) warn("{}: {}", name, why);
+  if (said > 20) warn("{} more failed: see latelight batch status {}", said - 20, folder);
+  const uint64_t missing = result.frames - result.finished;
+  if (result.signal)
+    fail(ExitCode::SomeFramesFailed, "stopped by {} with {} of {} frames in '{}'; --resume makes the others",
+         result.signal == SIGINT ? "SIGINT" : "SIGTERM", result.finished, result.frames, folder);
+  if (missing > 0)
+    fail(ExitCode::SomeFramesFailed,
+         "{} of {} frames were not made; the sentences before say why, and --resume tries again", missing,
+         result.frames);
+}
+
+std::vector<std::string> workersOf(const BatchArguments& a) {
+  const std::vector<std::string> devices =
+      data::chooseDevices(vk::listDevices(), a.devices, environment("CUDA_VISIBLE_DEVICES"));
+  std::vector<std::string> workers;
+  for (uint32_t i = 0; i < a.workers; ++i) workers.insert(workers.end(), devices.begin(), devices.end());
+  return workers;
+}
+
+void printSlurm(const BatchArguments& a) {
+  if (a.job.empty() || !a.given.empty()) badUsage("--slurm takes the job as a file alone: put its options there");
+  const std::string program = std::filesystem::read_symlink("/proc/self/exe").string();
+  fmt::print("{}", data::slurmScript(data::quoted(program) + " batch " + data::quoted(a.job), a.slurm));
+}
+
+void runBatch(const BatchArguments& a) {
+  if (a.schema) return fmt::print("{}\n", data::jobSchema().dump(2));
+  if (a.slurm > 0) return printSlurm(a);
+  if (!a.memory.empty()) {
+    const uint64_t limit = parseMemory(a.memory);
+    if (limit == 0) badUsage("--memory takes a size, as in 512M or 4G, not \"{}\"", a.memory);
+    setMemoryLimit(limit);
+  }
+  const data::Job job = readJob(a);
+  data::BatchOptions options{.shard = data::chooseShard(a.shard, environment), .resume = a.resume};
+  if (a.dryRun) return printPlan(job, a, options.shard);
+  options.validation = a.validate;
+  options.writers = a.threads > 0 ? a.threads : threadCount();
+  vk::avoidFullDriverCache();
+  options.devices = workersOf(a);
+  report(data::runBatch(job, options), job.folder.string());
+}
+
+// --- of a set that is there -----------------------------------------------------------------------------------------
+
+void printStatus(const std::string& folder) {
+  const data::SetStatus status = data::readStatus(data::SetFolder(folder));
+  for (const auto& [name, why] : status.manifest.failed) fmt::print("{}: {}\n", printable(name), printable(why));
+  fmt::print("{} of {} frames are finished\n", status.manifest.frames.size(), status.frames);
+  if (status.missing() > 0) throw Exit{ExitCode::SomeFramesFailed};
+}
+
+void verify(const std::string& folder) {
+  const data::SetFolder set(folder);
+  const data::SetStatus status = data::readStatus(set);
+  const std::vector<std::string> wrong = data::verifySet(set, status);
+  for (const std::string& sentence : wrong) warn("{}", sentence);
+  if (!wrong.empty())
+    fail(ExitCode::BadInput,
+         "{} files of '{}' are not as they were written: remove them, and run the job with --resume", wrong.size(),
+         folder);
+  fmt::print("the files of {} frames are as they were written\n", status.manifest.frames.size());
+}
+
+CLI::App* addFolderCommand(CLI::App& batch, const std::shared_ptr<BatchArguments>& a, const char* name,
+                           const char* help, const std::function<void(const BatchArguments&)>& run) {
+  CLI::App* command = batch.add_subcommand(name, help);
+  command->add_option("FOLDER", a->folder, "The data set's")->required();
+  command->callback([a, run] { run(*a); });
+  return command;
+}
+
+void addRunOptions(CLI::App& command, BatchArguments& a) {
+  const char* group = "Run";
+  command.add_flag("--resume", a.resume, "Render what is missing, or was made by other settings")->group(group);
+  command.add_flag("--dry-run", a.dryRun, "Print the frames that would be rendered")->group(group);
+  command.add_option("--shard", a.shard, "Part i/n of the frames; default: as Slurm, Open MPI or PMI say")
+      ->group(group);
+  command.add_option("--devices", a.devices, "auto, all, or numbers, names and UUIDs by comma")
+      ->capture_default_str()
+      ->group(group);
+  command.add_option("--workers", a.workers, "Frames are rendered by so many a device")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str()
+      ->group(group);
+  command.add_option("--threads", a.threads, "That write files; default: one a core")
+      ->check(CLI::Range(1, 1024))
+      ->group(group);
+  command
+      .add_option("--memory", a.memory, "Memory of the machine that may be taken, as in 4G; default: three quarters")
+      ->group(group);
+  command.add_flag("--validate", a.validate, "Run under the Vulkan validation layers; any message is an error")
+      ->group(group);
+  command.add_option("--slurm", a.slurm, "Print the script that sbatch takes, for so many shards")
+      ->check(CLI::Range(1, 1'000'000))
+      ->group(group);
+  command.add_flag("--schema", a.schema, "Print the JSON schema of a job")->group(group);
+}
+
+}  // namespace
+
+void addBatchCommand(CLI::App& app) {
+  auto arguments = std::make_shared<BatchArguments>();
+  CLI::App* batch = app.add_subcommand("batch", "Render a data set: scenes x variations x cameras, in many formats");
+  batch->add_option("JOB", arguments->job, "The job: a .json or .yaml file, or options alone");
+  addRunOptions(*batch, *arguments);
+  addJobOptions(*batch, *arguments);
+  batch->require_subcommand(0, 1);
+  batch->callback([batch, arguments] {
+    if (batch->get_subcommands().empty()) runBatch(*arguments);
+  });
+  addFolderCommand(*batch, arguments, "status", "How many frames are finished, and which failed",
+                   [](const BatchArguments& a) { printStatus(a.folder); });
+  addFolderCommand(*batch, arguments, "verify", "Whether all files are as they were written",
+                   [](const BatchArguments& a) { verify(a.folder); });
+  CLI::App* merge =
+      addFolderCommand(*batch, arguments, "merge", "Join the shards' manifests, and write the files of the whole set",
+                       [](const BatchArguments& a) { data::mergeSet(data::SetFolder(a.folder), a.allowMissing); });
+  merge->add_flag("--allow-missing", arguments->allowMissing, "Without the frames that are missing");
+}
+
+}  // namespace latelight::app

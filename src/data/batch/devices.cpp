@@ -1,0 +1,71 @@
+#include "data/batch/devices.h"
+
+#include <algorithm>
+#include <cctype>
+
+#include "base/error.h"
+#include "base/text.h"
+
+namespace latelight::data {
+
+namespace {
+
+// The 32 digits of "GPU-xxxxxxxx-xxxx-...", or as many of them as are given.
+std::string digitsOf(std::string_view uuid) {
+  if (uuid.starts_with("GPU-")) uuid.remove_prefix(4);
+  std::string digits;
+  for (const char c : uuid)
+    if (c != '-') digits += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return digits;
+}
+
+// As CUDA reads it: the first entry that names no device ends the list.
+std::vector<vk::DeviceInfo> visibleTo(const std::vector<vk::DeviceInfo>& gpus, const std::string& list) {
+  std::vector<vk::DeviceInfo> visible;
+  for (const std::string_view entry : splitAtCommas(list)) {
+    const std::optional<size_t> number = parseNumber<size_t>(entry);
+    const std::string digits = digitsOf(entry);
+    const auto isMeant = [&](const vk::DeviceInfo& gpu) {
+      return number ? &gpu - gpus.data() == static_cast<ptrdiff_t>(*number)
+                    : entry.starts_with("GPU-") && !digits.empty() && gpu.uuid.starts_with(digits);
+    };
+    const auto found = std::ranges::find_if(gpus, isMeant);
+    if (found == gpus.end()) break;
+    visible.push_back(*found);
+  }
+  return visible;
+}
+
+// What "auto" and "all" choose from.
+std::vector<vk::DeviceInfo> candidates(const std::vector<vk::DeviceInfo>& devices,
+                                       const std::optional<std::string>& cudaVisible) {
+  std::vector<vk::DeviceInfo> gpus, usable;
+  std::ranges::copy_if(devices, std::back_inserter(gpus), [](const auto& device) { return device.type != "cpu"; });
+  if (cudaVisible && !gpus.empty()) {
+    gpus = visibleTo(gpus, *cudaVisible);
+    if (gpus.empty() && !cudaVisible->empty() && *cudaVisible != "-1")
+      fail(ExitCode::NoDevice, "CUDA_VISIBLE_DEVICES is \"{}\", which names no device here: give --devices",
+           shortened(*cudaVisible));
+  }
+  std::ranges::copy_if(gpus, std::back_inserter(usable), [](const auto& device) { return device.missing.empty(); });
+  if (usable.empty())
+    std::ranges::copy_if(devices, std::back_inserter(usable), [](const auto& device) { return device.type == "cpu"; });
+  return usable;
+}
+
+}  // namespace
+
+std::vector<std::string> chooseDevices(const std::vector<vk::DeviceInfo>& devices, const std::string& text,
+                                       const std::optional<std::string>& cudaVisible) {
+  if (text == "auto") return {vk::chooseDevice(candidates(devices, cudaVisible), "auto").device.uuid};
+  std::vector<std::string> uuids;
+  if (text == "all")
+    for (const vk::DeviceInfo& device : candidates(devices, cudaVisible)) uuids.push_back(device.uuid);
+  else
+    for (const std::string_view selector : splitAtCommas(text))
+      uuids.push_back(vk::chooseDevice(devices, std::string(selector)).device.uuid);
+  if (uuids.empty()) fail(ExitCode::NoDevice, "no device can be used: run `latelight doctor`");
+  return uuids;
+}
+
+}  // namespace latelight::data

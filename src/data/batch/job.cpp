@@ -1,0 +1,144 @@
+#include "data/batch/job.h"
+
+#include <glob.h>
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "data/batch/schema.h"
+#include "render/options.h"
+#include "scene/ids.h"
+
+namespace latelight::data {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+void checkThere(const std::string& file, const std::string& place) {
+  if (!std::filesystem::exists(file)) badInput("{}: there is no file \"{}\"", place, file);
+}
+
+// The files of a pattern, by name; what is there is itself.
+std::vector<std::string> filesLike(const std::string& pattern, const std::string& place) {
+  if (pattern.starts_with("builtin:") || std::filesystem::exists(pattern)) return {pattern};
+  if (pattern.find_first_of("*?[") == std::string::npos) checkThere(pattern, place);
+  glob_t found{};
+  std::vector<std::string> files;
+  if (glob(pattern.c_str(), 0, nullptr, &found) == 0) files.assign(found.gl_pathv, found.gl_pathv + found.gl_pathc);
+  globfree(&found);
+  if (files.empty()) badInput("{}: no file is called like \"{}\"", place, pattern);
+  std::ranges::sort(files);
+  return files;
+}
+
+// A key's value, which may be a list, as a list with the place of each.
+std::vector<std::pair<std::string, Json>> each(const JobDocument& document, const std::string& key) {
+  std::vector<std::pair<std::string, Json>> all;
+  const Json& value = document.json[key];
+  if (!value.is_array()) return {{document.place(key), value}};
+  for (size_t i = 0; i < value.size(); ++i) all.emplace_back(document.place(fmt::format("{}[{}]", key, i)), value[i]);
+  return all;
+}
+
+// As the command line has it.
+std::string textOf(const Json& value) {
+  return value.is_string() ? value.get<std::string>() : value.dump();
+}
+
+void readOptions(Job& job, const JobDocument& document) {
+  for (const render::Option& option : render::options()) {
+    const std::string key(render::keyOf(option));
+    if (!document.json.contains("options") || !document.json["options"].contains(key)) continue;
+    const Json& value = document.json["options"][key];
+    if (value == false) continue;  // a flag that is not set
+    try {
+      job.given[key] = render::read(job.settings, option, textOf(value));
+    } catch (const Error& error) {
+      badUsage("{}: {}", document.place("options." + key), error.what());
+    }
+  }
+  render::checkSettings(job.settings);
+}
+
+void readScenes(Job& job, const JobDocument& document) {
+  for (const auto& [place, scene] : each(document, "scenes"))
+    for (std::string& file : filesLike(scene.get<std::string>(), place)) {
+      if (std::ranges::find(job.scenes, file) != job.scenes.end())
+        badUsage("{}: the scene \"{}\" is there twice", place, file);
+      job.scenes.push_back(std::move(file));
+    }
+  const Json& json = document.json;
+  job.load.variant = json.value("variant", "");
+  job.load.allowOutside = json.value("allow-outside", std::vector<std::string>());
+  job.load.ids.nodes = json.value("id-nodes", std::vector<std::string>());
+  if (json.contains("id-depth")) job.load.ids.depth = json["id-depth"].get<uint32_t>();
+  scene::checkGrouping(job.load.ids);
+  job.hdri = json.value("hdri", "");
+  if (!job.hdri.empty() && job.hdri != "studio" && job.hdri != "none") checkThere(job.hdri, document.place("hdri"));
+}
+
+// What the formats are written from.
+void askForOutputs(Job& job) {
+  job.settings.display = false;
+  for (const JobFormat& use : job.formats) {
+    job.settings.display |= use.format->needsDisplay();
+    for (const output::Aov aov : use.format->needs())
+      if (!output::contains(job.settings.aovs, aov)) job.settings.aovs.push_back(aov);
+  }
+  std::ranges::sort(job.settings.aovs);
+}
+
+}  // namespace
+
+JobFormat makeFormat(const Json& spec, const std::string& place) {
+  JobFormat use;
+  if (spec.is_object()) {
+    use.options = spec;
+    use.options.erase("format");
+    if (!spec.contains("format") || !spec["format"].is_string())
+      badUsage("{}: its key \"format\" must name the format", place);
+  }
+  use.name = spec.is_object() ? spec["format"].get<std::string>() : spec.get<std::string>();
+  std::string names;
+  for (const FormatInfo& info : formats()) {
+    names += (names.empty() ? "" : ", ") + std::string(info.name);
+    if (info.name != use.name) continue;
+    try {
+      use.format = info.make(use.options);
+    } catch (const Error& error) {
+      badUsage("{}: {}", place, error.what());
+    }
+    return use;
+  }
+  badUsage("{}: there is no format \"{}\"; there are: {}", place, use.name, names);
+}
+
+uint64_t bytesOfPixel(const render::Settings& settings) {
+  uint64_t bytes = settings.display ? 4 : 0;
+  for (const output::Aov aov : settings.aovs) bytes += 4 * output::info(aov).channels;
+  return std::max<uint64_t>(bytes, 1);
+}
+
+Job makeJob(const JobDocument& document) {
+  checkJob(document);
+  Job job;
+  job.document = document.json;
+  job.document.erase("output");
+  job.folder = document.json["output"].get<std::string>();
+  readScenes(job, document);
+  job.cameras = document.json.value("cameras", Json());
+  job.variations = document.json.value("variations", Json());
+  job.repeat = document.json.value("repeat", 1u);
+  job.seed = document.json.value("seed", uint64_t{0});
+  job.name = document.json.value("name", job.name);
+  if (document.json.contains("formats"))
+    for (const auto& [place, spec] : each(document, "formats")) job.formats.push_back(makeFormat(spec, place));
+  else
+    job.formats.push_back(makeFormat("files", "formats"));
+  readOptions(job, document);
+  askForOutputs(job);
+  return job;
+}
+
+}  // namespace latelight::data

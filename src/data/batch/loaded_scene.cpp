@@ -1,0 +1,32 @@
+#include "data/batch/loaded_scene.h"
+
+#include "render/session.h"
+
+namespace latelight::data {
+
+LoadedScene::LoadedScene(const Job& job, scene::Scene scene)
+    : job_(job), scene_(std::move(scene)), cameras_(makeCameras(job.cameras, scene_, job.seed)) {
+  for (JobCamera& camera : cameras_) {
+    if (camera.width == 0) camera.width = job.settings.width;
+    if (camera.height == 0) camera.height = job.settings.height;
+  }
+  if (!job.variations.is_null()) variations_.emplace(job.variations, scene_, job.seed);
+}
+
+const nlohmann::ordered_json& LoadedScene::show(uint32_t variation) {
+  if (variations_ && shown_ != variation) drawn_ = variations_->apply(variation);
+  shown_ = variation;
+  return drawn_;
+}
+
+std::optional<double> LoadedScene::environmentRotation() const {
+  return variations_ ? variations_->environmentRotation() : std::nullopt;
+}
+
+std::string LoadedScene::environment() const {
+  if (variations_ && !variations_->environment().empty()) return variations_->environment();
+  const bool isSeen = job_.settings.background.kind == render::Background::Environment;
+  return render::environmentName(scene_, job_.hdri.empty() && isSeen ? "studio" : job_.hdri);
+}
+
+}  // namespace latelight::data

@@ -1,0 +1,143 @@
+#include "data/batch/schema.h"
+
+#include <algorithm>
+#include <string_view>
+
+#include "base/error.h"
+#include "render/options.h"
+
+namespace latelight::data {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+constexpr std::string_view kSchemaText =
+#include "job_schema.inc"
+    ;
+
+Json schemaOf(const render::Option& option) {
+  using render::OptionKind;
+  Json schema{{"description", option.help}};
+  switch (option.kind) {
+    case OptionKind::Flag:
+      schema["type"] = "boolean";
+      break;
+    case OptionKind::Integer:
+    case OptionKind::Number:
+      schema["type"] = option.kind == OptionKind::Integer ? "integer" : "number";
+      if (std::isfinite(option.range.least))
+        schema[option.range.open ? "exclusiveMinimum" : "minimum"] = option.range.least;
+      if (std::isfinite(option.range.most)) schema["maximum"] = option.range.most;
+      break;
+    case OptionKind::Choice:
+      for (const render::NamedOption& name : option.names) schema["enum"].push_back(name.name);
+      break;
+    default:
+      schema["type"] = Json::array({"string", "number"});  // "--shadow-lights 4"
+      schema["minLength"] = 1;
+  }
+  return schema;
+}
+
+// --- what is wrong --------------------------------------------------------------------------------------------------
+
+bool isOfType(const Json& value, std::string_view type) {
+  if (type == "integer") return value.is_number_integer();
+  if (type == "number") return value.is_number();
+  if (type == "string") return value.is_string();
+  if (type == "boolean") return value.is_boolean();
+  return type == "array" ? value.is_array() : value.is_object();
+}
+
+std::string_view inWords(std::string_view type) {
+  if (type == "integer") return "a whole number";
+  if (type == "number") return "a number";
+  if (type == "string") return "a text";
+  if (type == "boolean") return "true or false";
+  return type == "array" ? "a list" : "an object of keys and values";
+}
+
+std::string oneOf(const Json& names) {
+  std::string text;
+  for (size_t i = 0; i < names.size(); ++i)
+    text += (i == 0 ? "" : i + 1 < names.size() ? ", " : " or ") + names[i].get<std::string>();
+  return text;
+}
+
+// What the schema takes, in words; `types`: as a list.
+std::string expected(const Json& schema, const Json& types) {
+  if (schema.contains("enum")) return oneOf(schema["enum"]);
+  std::string text;
+  for (size_t i = 0; i < types.size(); ++i)
+    text += (i == 0 ? "" : i + 1 < types.size() ? ", " : " or ") + std::string(inWords(types[i].get<std::string>()));
+  const auto bound = [&](const char* key, const char* before) {
+    if (schema.contains(key)) text += fmt::format("{}{:g}", before, schema[key].get<double>());
+  };
+  bound("minimum", " from ");
+  bound("exclusiveMinimum", " above ");
+  bound("maximum", " to ");
+  return text;
+}
+
+bool isInRange(const Json& schema, double value) {
+  return value >= schema.value("minimum", value) && value <= schema.value("maximum", value) &&
+         (!schema.contains("exclusiveMinimum") || value > schema["exclusiveMinimum"].get<double>());
+}
+
+bool isTaken(const Json& schema, const Json& types, const Json& value) {
+  if (schema.contains("enum")) return std::ranges::find(schema["enum"], value) != schema["enum"].end();
+  if (std::ranges::none_of(types, [&](const Json& type) { return isOfType(value, type.get<std::string>()); }))
+    return false;
+  return !value.is_number() || isInRange(schema, value.get<double>());
+}
+
+void checkValue(const JobDocument& job, const std::string& path, const Json& schema, const Json& value);
+
+void checkKeys(const JobDocument& job, const std::string& path, const Json& schema, const Json& value) {
+  for (const auto& [key, inner] : value.items()) {
+    const std::string below = path.empty() ? key : path + "." + key;
+    if (!schema["properties"].contains(key))
+      badUsage("{}: there is no such key; see latelight batch --schema", job.place(below));
+    checkValue(job, below, schema["properties"][key], inner);
+  }
+  for (const Json& key : schema.value("required", Json::array()))
+    if (!value.contains(key.get<std::string>()))
+      badUsage("{}: the key \"{}\" is missing: {}", job.place(path), key.get<std::string>(),
+               schema["properties"][key.get<std::string>()]["description"].get<std::string>());
+}
+
+void checkValue(const JobDocument& job, const std::string& path, const Json& schema, const Json& value) {
+  const Json type = schema.value("type", Json("string"));
+  const Json types = type.is_array() ? type : Json::array({type});
+  if (!isTaken(schema, types, value))
+    badUsage("{} takes {}, not {}", job.place(path), expected(schema, types),
+             value.dump(-1, ' ', false, Json::error_handler_t::replace));
+  if (value.is_string() && value.get_ref<const std::string&>().size() < schema.value("minLength", size_t{0}))
+    badUsage("{} is empty", job.place(path));
+  if (value.is_array() && value.size() < schema.value("minItems", size_t{0}))
+    badUsage("{} is an empty list", job.place(path));
+  if (value.is_array() && schema.contains("items"))
+    for (size_t i = 0; i < value.size(); ++i)
+      checkValue(job, fmt::format("{}[{}]", path, i), schema["items"], value[i]);
+  if (value.is_object() && schema.contains("properties")) checkKeys(job, path, schema, value);
+}
+
+}  // namespace
+
+const Json& jobSchema() {
+  static const Json made = [] {
+    Json schema = Json::parse(kSchemaText);
+    for (const render::Option& option : render::options())
+      schema["properties"]["options"]["properties"][std::string(render::keyOf(option))] = schemaOf(option);
+    return schema;
+  }();
+  return made;
+}
+
+void checkJob(const JobDocument& job) {
+  if (!job.json.is_object()) badUsage("{}: a job is an object of keys and values", job.place(""));
+  checkKeys(job, "", jobSchema(), job.json);
+}
+
+}  // namespace latelight::data

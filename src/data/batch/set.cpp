@@ -1,0 +1,224 @@
+#include "data/batch/set.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "base/error.h"
+#include "base/files.h"
+#include "base/parallel.h"
+#include "data/batch/json_text.h"
+
+namespace latelight::data {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+Json readState(const fs::path& path) {
+  const std::vector<std::byte> bytes = readFile(path);
+  try {
+    return parsed(bytes);
+  } catch (const Json::exception&) {
+    badInput("'{}' is damaged; run the job again with --resume", path.string());
+  }
+}
+
+std::vector<fs::path> manifestsOf(const SetFolder& set) {
+  std::vector<fs::path> all = set.shards();
+  if (fs::exists(set.manifest())) all.insert(all.begin(), set.manifest());
+  return all;
+}
+
+// Whether the shards that are there are this job's other ones.
+bool isOfOthers(const SetFolder& set, const Job& job, const Shard& shard) {
+  const std::string count = fmt::format("-of-{}.json", shard.count);
+  const auto isOther = [&](const fs::path& path) {
+    return path != set.shard(shard) && path.filename().string().ends_with(count);
+  };
+  return !fs::exists(set.manifest()) && std::ranges::all_of(set.shards(), isOther) &&
+         (set.shards().empty() || readState(set.job()) == job.document);
+}
+
+bool isThere(const SetFolder& set, const FileRecord& file) {
+  std::error_code error;
+  return fs::file_size(set.path() / file.name, error) == file.bytes && !error;
+}
+
+bool isFinished(const SetFolder& set, const Plan& plan, const FinishedFrame& frame) {
+  return frame.index < plan.frames() && plan.at(frame.index) && frame.settings == plan.settings(frame.index) &&
+         std::ranges::all_of(frame.files, [&](const FileRecord& file) { return isThere(set, file); });
+}
+
+// As a job document says them, with the folder that writing needs none of.
+std::vector<JobFormat> formatsOf(const Json& job) {
+  std::vector<JobFormat> all;
+  for (const Json& spec : job.value("formats", Json::array({"files"}))) all.push_back(makeFormat(spec, "formats"));
+  return all;
+}
+
+void writeSetFiles(const SetFolder& set, Manifest& manifest) {
+  manifest.setFiles.clear();
+  const std::vector<JobFormat> formats = formatsOf(readState(set.job()));
+  for (size_t i = 0; i < formats.size(); ++i) {
+    std::vector<Json> entries;
+    for (const auto& [index, frame] : manifest.frames) entries.push_back(frame.entries.at(i));
+    for (const std::string& name : formats[i].format->writeSet(entries, set.path()))
+      manifest.setFiles.push_back(recordOf(set.path(), name));
+  }
+}
+
+void removeStale(const SetFolder& set, const SetStatus& status) {
+  std::set<std::string> stale = status.manifest.stale;
+  stale.insert(status.otherFiles.begin(), status.otherFiles.end());
+  for (const auto& [index, frame] : status.manifest.frames)
+    for (const FileRecord& file : frame.files) stale.erase(file.name);
+  for (const FileRecord& file : status.manifest.setFiles) stale.erase(file.name);
+  std::error_code ignored;
+  for (const std::string& name : stale) fs::remove(set.path() / name, ignored);
+}
+
+void join(const SetFolder& set, SetStatus& status) {
+  writeSetFiles(set, status.manifest);
+  removeStale(set, status);
+  status.manifest.stale.clear();
+  writeManifest(set.manifest(), status.manifest);
+  std::error_code ignored;
+  for (const fs::path& shard : set.shards()) fs::remove(shard, ignored);
+}
+
+}  // namespace
+
+std::vector<fs::path> SetFolder::shards() const {
+  std::vector<fs::path> all;
+  std::error_code error;
+  for (fs::directory_iterator entry(state(), error), end; !error && entry != end; entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    if (name.starts_with("shard-") && name.ends_with(".json")) all.push_back(entry->path());
+  }
+  std::ranges::sort(all);
+  return all;
+}
+
+void SetFolder::log(const std::string& line) const {
+  char host[256] = "";
+  gethostname(host, sizeof host - 1);
+  const auto time =
+      std::chrono::duration_cast<std::chrono::seconds>(std::chrono::system_clock::now().time_since_epoch());
+  const std::string text = fmt::format("{} {} {}: {}\n", time.count(), host, getpid(), line);
+  const int fd = open((state() / "log").c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+  if (fd < 0) return;
+  [[maybe_unused]] const ssize_t written = ::write(fd, text.data(), text.size());
+  close(fd);
+}
+
+SetLock::SetLock(const fs::path& manifest, bool wait) {
+  const fs::path path = fs::path(manifest).replace_extension(".lock");
+  fd_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+  if (fd_ < 0) badUsage("can't write to '{}'; make its folder writable, or choose another", path.string());
+  // On file systems without locks nothing is held.
+  if (flock(fd_, wait ? LOCK_EX : LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
+  close(fd_);
+  badUsage("another process is at work on '{}'; wait for it, or end it", manifest.string());
+}
+
+SetLock::~SetLock() {
+  close(fd_);
+}
+
+void openSet(const SetFolder& set, const Job& job, const Shard& shard, bool resume) {
+  const std::string name = set.path().string();
+  if (name.find_first_of("{}") != std::string::npos) badUsage("the folder \"{}\" has a brace in its name", name);
+  std::error_code error;
+  const bool isSet = fs::exists(set.state(), error) || fs::exists(set.manifest(), error);
+  if (fs::exists(set.path(), error) && !isSet && !fs::is_empty(set.path(), error))
+    badUsage("'{}' is not an empty folder; choose another for the data set", name);
+  if (isSet && !resume && !isOfOthers(set, job, shard))
+    badUsage("'{}' holds a data set already: add --resume to complete it, or choose another folder", name);
+  fs::create_directories(set.state(), error);
+  if (error) badUsage("can't make the folder '{}': {}", set.state().string(), error.message());
+  const std::string text = dumped(job.document) + "\n";
+  writeFile(set.job(), std::as_bytes(std::span(text)));
+}
+
+Manifest findFinished(const SetFolder& set, const Plan& plan, const Shard& shard) {
+  Manifest found{.plan = plan.hash()};
+  const auto [first, end] = shard.range(plan.frames());
+  const bool isLast = shard.index + 1 == shard.count;
+  for (const fs::path& path : manifestsOf(set)) {
+    Manifest there = readManifest(path);
+    if (path == set.shard(shard)) found.stale.merge(there.stale);
+    for (auto& [index, frame] : there.frames) {
+      const bool ours = index >= first && (index < end || (isLast && index >= plan.frames()));
+      if (!ours) continue;
+      if (isFinished(set, plan, frame))
+        found.frames.insert_or_assign(index, std::move(frame));
+      else
+        for (const FileRecord& file : frame.files) found.stale.insert(file.name);
+    }
+  }
+  return found;
+}
+
+SetStatus readStatus(const SetFolder& set) {
+  if (!fs::exists(set.plan())) badInput("'{}' holds no data set", set.path().string());
+  const Json plan = readState(set.plan());
+  SetStatus status{.frames = plan.value("frames", uint64_t{0}), .manifest = {.plan = plan.value("hash", uint64_t{0})}};
+  Manifest& all = status.manifest;
+  for (const fs::path& path : manifestsOf(set)) {
+    Manifest there = readManifest(path);
+    const bool current = there.plan == all.plan;
+    for (auto& [index, frame] : there.frames)
+      if (current)
+        all.frames.insert_or_assign(index, std::move(frame));
+      else
+        for (const FileRecord& file : frame.files) status.otherFiles.insert(file.name);
+    for (const FileRecord& file : there.setFiles)
+      current ? all.setFiles.push_back(file) : void(status.otherFiles.insert(file.name));
+    if (current) all.failed.merge(there.failed);
+    all.stale.merge(there.stale);
+  }
+  for (const auto& [index, frame] : all.frames) all.failed.erase(frame.name);
+  return status;
+}
+
+std::vector<std::string> verifySet(const SetFolder& set, const SetStatus& status) {
+  std::vector<FileRecord> files = status.manifest.setFiles;
+  for (const auto& [index, frame] : status.manifest.frames)
+    files.insert(files.end(), frame.files.begin(), frame.files.end());
+  std::vector<std::string> wrong(files.size());
+  parallelFor(files.size(), 16, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) try {
+        const FileRecord now = recordOf(set.path(), files[i].name);
+        if (now.hash != files[i].hash || now.bytes != files[i].bytes)
+          wrong[i] = fmt::format("'{}' is not as it was written", files[i].name);
+      } catch (const Error& error) {
+        wrong[i] = error.what();
+      }
+  });
+  std::erase(wrong, "");
+  return wrong;
+}
+
+void mergeSet(const SetFolder& set, bool allowMissing) {
+  for (const fs::path& shard : set.shards()) const SetLock atWork(shard);
+  const SetLock lock(set.state() / "merge", true);
+  SetStatus status = readStatus(set);
+  if (status.missing() > 0 && !allowMissing)
+    fail(ExitCode::SomeFramesFailed,
+         "{} of the {} frames are missing in '{}': run the job again with --resume, or merge with --allow-missing",
+         status.missing(), status.frames, set.path().string());
+  join(set, status);
+}
+
+void mergeIfComplete(const SetFolder& set) {
+  const SetLock lock(set.state() / "merge", true);
+  SetStatus status = readStatus(set);
+  if (status.missing() == 0) join(set, status);
+}
+
+}  // namespace latelight::data

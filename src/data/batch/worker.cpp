@@ -1,0 +1,201 @@
+#include "data/batch/worker.h"
+
+#include <latelight/latelight.h>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "data/batch/stop.h"
+#include "data/extras.h"
+#include "render/describe.h"
+#include "render/id_manifest.h"
+#include "render/raster_choice.h"
+#include "render/session.h"
+
+namespace latelight::data {
+
+namespace {
+
+constexpr size_t kInFlight = 3;  // tickets: what keeps a device busy
+
+}  // namespace
+
+Worker::Worker(const Job& job, const Plan& plan, SceneLoader& loader, WorkList& work, Writers& writers,
+               GrowingManifest& manifest, const vk::DeviceOptions& device)
+    : job_(job),
+      plan_(plan),
+      loader_(loader),
+      work_(work),
+      writers_(writers),
+      manifest_(manifest),
+      device_(device),
+      raster_(render::chooseRaster(device_, job.settings).raster) {
+  for (const JobFormat& use : job.formats) extras_ = both(extras_, use.format->needsExtras());
+}
+
+void Worker::run() {
+  while (!stopSignal() && loadNext()) {
+    while (!stopSignal())
+      if (std::optional<Chunk> chunk = work_.take(*sceneIndex_))
+        start(std::move(*chunk));
+      else
+        break;
+    finishAll();
+  }
+  if (next_.valid()) next_.wait();
+  for (const std::string& message : device_.validationMessages())
+    latelight::fail(ExitCode::Internal, "the Vulkan validation layer says: {}", message);
+}
+
+// The next scene is loaded while this one is rendered.
+bool Worker::loadNext() {
+  renderer_.reset();
+  scene_.reset();
+  if (sceneIndex_) work_.leave(*sceneIndex_);
+  sceneIndex_ = nextIndex_ ? std::exchange(nextIndex_, std::nullopt) : work_.claim();
+  if (!sceneIndex_) return false;
+  try {
+    try {
+      scene_ = next_.valid() ? next_.get() : loader_.load(*sceneIndex_);
+    } catch (const Error& error) {
+      if (error.code() != ExitCode::DeviceLost) throw;
+      scene_ = loader_.load(*sceneIndex_);  // there was no memory for it beside the one before
+    }
+  } catch (const std::exception& error) {
+    manifest_.failed(plan_.scenes()[*sceneIndex_].source, error.what());
+    for (const Chunk& chunk : work_.drop(*sceneIndex_)) fail(chunk, error.what());
+    return loadNext();
+  }
+  nextIndex_ = work_.claim(sceneIndex_);
+  if (nextIndex_) next_ = inBackground([this, index = *nextIndex_] { return loader_.load(index); });
+  return true;
+}
+
+render::Settings Worker::settingsOf(const Chunk& chunk) const {
+  render::Settings settings = job_.settings;
+  settings.raster = raster_;
+  settings.width = chunk.width;
+  settings.height = chunk.height;
+  if (const auto degrees = scene_->environmentRotation()) settings.environmentRotation = render::radians(*degrees);
+  return settings;
+}
+
+// The renderer of the environment that the scene has now.
+void Worker::useEnvironment() {
+  const std::string name = scene_->environment();
+  if (renderer_ && name == environment_) return;
+  finishAll();
+  const std::optional<scene::Environment> environment = render::loadEnvironment(name);
+  renderer_.reset();
+  renderer_ = std::make_unique<render::Renderer>(device_, scene_->scene(), environment ? &*environment : nullptr);
+  environment_ = name;
+}
+
+RenderedFrame Worker::frameOf(uint64_t index, const Chunk& chunk, const output::Metadata& shared) const {
+  const FramePlace place = *plan_.at(index);
+  const JobCamera& camera = scene_->cameras()[place.camera];
+  const PlannedScene& planned = plan_.scenes()[place.scene];
+  RenderedFrame frame{.frame = {.index = index, .name = plan_.name(index), .metadata = shared, .scene = place.scene}};
+  output::Metadata& m = frame.frame.metadata;
+  m.camera = render::describeCamera(camera.camera, scene_->scene(), settingsOf(chunk));
+  m.camera.name = camera.name;
+  m.frame = static_cast<uint32_t>(index);
+  m.frameDigits = 6;
+  frame.record = {.index = index,
+                  .settings = plan_.settings(index),
+                  .name = frame.frame.name,
+                  .scene = planned.source,
+                  .camera = camera.name,
+                  .variation = place.variation};
+  return frame;
+}
+
+// Without their pictures.
+std::vector<RenderedFrame> Worker::framesOf(const Chunk& chunk) {
+  const nlohmann::ordered_json& drawn = scene_->show(chunk.variation);
+  output::Metadata shared = render::describe(scene_->scene(), {}, environment_, settingsOf(chunk), job_.given);
+  shared.source = plan_.scenes()[chunk.scene].source;
+  shared.versions = {{"latelight", version()}};
+  // What `auto` stands for is the machine's.
+  shared.settings["raster"] = render::nameOf(job_.settings.raster);
+  if (!job_.settings.time) shared.settings.erase("fps");
+  if (const auto degrees = scene_->environmentRotation()) shared.settings["hdri-rotate"] = fmt::format("{}", *degrees);
+  if (extras_.boxes) shared.ids = render::idManifest(scene_->scene());
+  std::vector<RenderedFrame> frames;
+  for (const uint64_t index : chunk.frames) {
+    frames.push_back(frameOf(index, chunk, shared));
+    frames.back().record.drawn = drawn;
+    addExtras(index, chunk, frames.back().frame);
+  }
+  return frames;
+}
+
+// While the scene shows the frame's variation.
+void Worker::addExtras(uint64_t index, const Chunk& chunk, DataFrame& frame) {
+  if (!extras_.boxes && !extras_.alone && extras_.samples == 0) return;
+  const render::Moment moment{.poses = render::posesAt(scene_->scene(), job_.settings)};
+  const scene::Camera& camera = scene_->cameras()[plan_.at(index)->camera].camera;
+  renderExtras(*renderer_, scene_->scene(), camera, settingsOf(chunk), moment, extras_, frame);
+}
+
+render::Ticket Worker::submit(const Chunk& chunk) {
+  scene_->show(chunk.variation);
+  useEnvironment();
+  std::vector<scene::Camera> cameras;
+  for (const uint64_t index : chunk.frames) cameras.push_back(scene_->cameras()[plan_.at(index)->camera].camera);
+  const render::Moment moment{.poses = render::posesAt(scene_->scene(), job_.settings)};
+  return renderer_->submit(cameras, settingsOf(chunk), moment);
+}
+
+void Worker::start(Chunk chunk) {
+  try {
+    render::Ticket ticket = submit(chunk);
+    std::vector<RenderedFrame> frames = framesOf(chunk);
+    inFlight_.push_back({std::move(chunk), std::move(ticket), std::move(frames)});
+  } catch (const std::exception&) {
+    finishAll();
+    renderAlone(chunk);
+  }
+  while (inFlight_.size() > kInFlight) finishOldest();
+}
+
+void Worker::finishOldest() {
+  InFlight oldest = std::move(inFlight_.front());
+  inFlight_.pop_front();
+  std::vector<output::FrameOutput> pictures;
+  try {
+    pictures = oldest.ticket.take();
+  } catch (const std::exception&) {
+    renderAlone(oldest.chunk);
+    return;
+  }
+  for (size_t i = 0; i < pictures.size(); ++i) {
+    oldest.frames[i].frame.picture = std::move(pictures[i]);
+    writers_.push(std::move(oldest.frames[i]));
+  }
+}
+
+void Worker::finishAll() {
+  while (!inFlight_.empty()) finishOldest();
+}
+
+// One by one, so that what fails takes no others with it.
+void Worker::renderAlone(const Chunk& chunk) {
+  for (const uint64_t index : chunk.frames) {
+    Chunk one = chunk;
+    one.frames = {index};
+    try {
+      render::Ticket ticket = submit(one);
+      RenderedFrame frame = std::move(framesOf(one).front());
+      frame.frame.picture = std::move(ticket.take().front());
+      writers_.push(std::move(frame));
+    } catch (const std::exception& error) {
+      fail(one, error.what());
+    }
+  }
+}
+
+void Worker::fail(const Chunk& chunk, const std::string& why) {
+  for (const uint64_t index : chunk.frames) manifest_.failed(plan_.name(index), why);
+}
+
+}  // namespace latelight::data

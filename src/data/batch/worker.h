@@ -1,0 +1,64 @@
+// Renders the frames of a work list on one device.
+#pragma once
+
+#include <deque>
+#include <future>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "data/batch/scene_loader.h"
+#include "data/batch/work.h"
+#include "data/batch/writers.h"
+#include "render/renderer.h"
+
+namespace latelight::data {
+
+class Worker {
+ public:
+  Worker(const Job& job, const Plan& plan, SceneLoader& loader, WorkList& work, Writers& writers,
+         GrowingManifest& manifest, const vk::DeviceOptions& device);
+
+  // Until nothing is left, or a signal asks for the end. A frame, or a scene, that fails is recorded, and the rest goes
+  // on. Throws Error(Internal) for validation messages.
+  void run();
+
+ private:
+  struct InFlight {
+    Chunk chunk;
+    render::Ticket ticket;
+    std::vector<RenderedFrame> frames;
+  };
+
+  bool loadNext();
+  void start(Chunk chunk);
+  void finishOldest();
+  void finishAll();
+  void renderAlone(const Chunk& chunk);
+  render::Ticket submit(const Chunk& chunk);
+  void useEnvironment();
+  RenderedFrame frameOf(uint64_t index, const Chunk& chunk, const output::Metadata& shared) const;
+  std::vector<RenderedFrame> framesOf(const Chunk& chunk);
+  void addExtras(uint64_t index, const Chunk& chunk, DataFrame& frame);
+  render::Settings settingsOf(const Chunk& chunk) const;
+  void fail(const Chunk& chunk, const std::string& why);
+
+  const Job& job_;
+  const Plan& plan_;
+  SceneLoader& loader_;
+  WorkList& work_;
+  Writers& writers_;
+  GrowingManifest& manifest_;
+  vk::Device device_;
+  render::Raster raster_;
+  Extras extras_;  // that the formats need
+
+  std::optional<uint32_t> sceneIndex_, nextIndex_;
+  std::future<std::unique_ptr<LoadedScene>> next_;
+  std::unique_ptr<LoadedScene> scene_;
+  std::string environment_;
+  std::unique_ptr<render::Renderer> renderer_;  // of the scene in the environment
+  std::deque<InFlight> inFlight_;
+};
+
+}  // namespace latelight::data

@@ -1,0 +1,74 @@
+#include "data/batch/writers.h"
+
+#include "base/error.h"
+
+namespace latelight::data {
+
+namespace {
+
+uint64_t bytesOf(const RenderedFrame& frame) {
+  uint64_t bytes = frame.frame.picture.display.size();
+  for (const output::AovImage& aov : frame.frame.picture.aovs) bytes += 4 * (aov.values.size() + aov.ids.size());
+  return bytes;
+}
+
+}  // namespace
+
+Writers::Writers(const Job& job, GrowingManifest& manifest, Progress& progress, size_t threads, uint64_t waiting)
+    : job_(job), manifest_(manifest), progress_(progress), most_(waiting) {
+  for (size_t i = 0; i < threads; ++i) threads_.emplace_back([this] { work(); });
+}
+
+Writers::~Writers() {
+  {
+    const std::lock_guard lock(mutex_);
+    done_ = true;
+  }
+  more_.notify_all();
+  for (std::thread& thread : threads_) thread.join();
+}
+
+void Writers::push(RenderedFrame frame) {
+  const uint64_t bytes = bytesOf(frame);
+  std::unique_lock lock(mutex_);
+  room_.wait(lock, [&] { return bytes_ == 0 || bytes_ + bytes <= most_; });
+  bytes_ += bytes;
+  waiting_.push_back(std::move(frame));
+  lock.unlock();
+  more_.notify_one();
+}
+
+void Writers::work() {
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    more_.wait(lock, [&] { return done_ || !waiting_.empty(); });
+    if (waiting_.empty()) return;
+    RenderedFrame frame = std::move(waiting_.front());
+    waiting_.pop_front();
+    lock.unlock();
+    const uint64_t bytes = bytesOf(frame);
+    write(std::move(frame));
+    lock.lock();
+    bytes_ -= bytes;
+    room_.notify_all();
+  }
+}
+
+void Writers::write(RenderedFrame rendered) {
+  FinishedFrame& record = rendered.record;
+  try {
+    for (const JobFormat& use : job_.formats) {
+      FrameRecord written = use.format->writeFrame(rendered.frame, job_.folder);
+      for (const std::string& file : written.files) record.files.push_back(recordOf(job_.folder, file));
+      record.entries.push_back(std::move(written.entry));
+    }
+    manifest_.finished(std::move(record));
+  } catch (const std::exception& error) {
+    std::error_code ignored;  // a frame is finished or absent
+    for (const FileRecord& file : record.files) std::filesystem::remove(job_.folder / file.name, ignored);
+    manifest_.failed(record.name, error.what());
+  }
+  progress_.step();
+}
+
+}  // namespace latelight::data

@@ -1,0 +1,47 @@
+// Threads that write finished frames in all formats, and record them.
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "base/log.h"
+#include "data/batch/job.h"
+#include "data/batch/manifest.h"
+#include "data/frame.h"
+
+namespace latelight::data {
+
+struct RenderedFrame {
+  DataFrame frame;
+  FinishedFrame record;  // but for its files and entries
+};
+
+class Writers {
+ public:
+  // At most `waiting` bytes of pictures wait for them.
+  Writers(const Job& job, GrowingManifest& manifest, Progress& progress, size_t threads, uint64_t waiting);
+  ~Writers();  // once all is written
+  Writers(const Writers&) = delete;
+  Writers& operator=(const Writers&) = delete;
+
+  void push(RenderedFrame frame);  // waits until there is room
+
+ private:
+  void work();
+  void write(RenderedFrame frame);
+
+  const Job& job_;
+  GrowingManifest& manifest_;
+  Progress& progress_;
+  uint64_t most_, bytes_ = 0;
+  bool done_ = false;
+  std::mutex mutex_;
+  std::condition_variable more_, room_;
+  std::deque<RenderedFrame> waiting_;
+  std::vector<std::thread> threads_;
+};
+
+}  // namespace latelight::data

@@ -1,0 +1,136 @@
+// What can't be rendered or written is listed, the rest goes on, and --resume makes it later. Signals end a batch
+// between frames.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "batch/sets.h"
+#include "small_disk.h"
+
+namespace latelight::data {
+namespace {
+
+namespace fs = std::filesystem;
+using app::Folder;
+using app::latelight;
+using app::Outcome;
+using testing::HasSubstr;
+
+TEST(Failures, ABrokenSceneAmongGoodOnesIsMadeOnceItIsRepaired) {
+  Folder folder;
+  for (const char* name : {"a.gltf", "b.gltf", "c.gltf"}) folder.write(name, std::string_view(kCameraAlone));
+  folder.write("b.gltf", std::string_view("{\"asset\": "));
+  const auto job = [&](const std::string& set, std::vector<std::string> more) {
+    more.insert(more.begin(), {"--scenes", "?.gltf", "--repeat", "2", "-o", set});
+    return batch(folder, more);
+  };
+  const Outcome outcome = latelight(job("set", {}));
+  EXPECT_EQ(outcome.code, 6) << outcome.text();
+  EXPECT_THAT(outcome.err, HasSubstr("b.gltf"));
+  EXPECT_THAT(outcome.err, HasSubstr("2 of 6 frames were not made"));
+  EXPECT_TRUE(fs::exists(folder.path() / "set/000005.png"));
+  EXPECT_FALSE(fs::exists(folder.path() / "set/000002.png"));
+  const Outcome status = latelight({.arguments = {"batch", "status", "set"}, .folder = folder.path()});
+  EXPECT_EQ(status.code, 6);
+  EXPECT_THAT(status.out, HasSubstr("b.gltf: "));
+
+  folder.write("b.gltf", std::string_view(kCameraAlone));
+  const Outcome resumed = latelight(job("set", {"--resume"}));
+  EXPECT_EQ(resumed.code, 0) << resumed.text();
+  EXPECT_THAT(folder.read("set/.latelight/log"), HasSubstr("begins: 2 of 6 frames"));
+  EXPECT_EQ(latelight(job("undisturbed", {})).code, 0);
+  expectSame(filesOf(folder, "set"), filesOf(folder, "undisturbed"));
+}
+
+TEST(Failures, WhatIsMissingMayBeLeftOut) {
+  Folder folder;
+  folder.write("a.gltf", std::string_view(kCameraAlone));
+  folder.write("b.gltf", std::string_view("no"));
+  EXPECT_EQ(latelight(batch(folder, {"--scenes", "?.gltf", "-o", "set"})).code, 6);
+  EXPECT_FALSE(fs::exists(folder.path() / "set/manifest.json"));
+  EXPECT_EQ(latelight({.arguments = {"batch", "merge", "set", "--allow-missing"}, .folder = folder.path()}).code, 0);
+  const auto manifest = nlohmann::json::parse(folder.read("set/manifest.json"));
+  EXPECT_EQ(manifest["frames"].size(), 1u);
+  EXPECT_THAT(manifest["failed"][0]["name"].get<std::string>(), HasSubstr("b.gltf"));
+}
+
+TEST(Failures, AFrameThatCantBeWrittenTakesNoOtherWithIt) {
+  Folder folder;
+  const std::vector<std::string> job{"--scenes", "builtin:boxes", "--repeat", "4", "-o", "set", "--resume"};
+  fs::create_directories(folder.path() / "set/.latelight");
+  fs::create_directories(folder.path() / "set/000002.png");
+  const Outcome outcome = latelight(batch(folder, job));
+  EXPECT_EQ(outcome.code, 6);
+  EXPECT_THAT(outcome.err, HasSubstr("000002: "));
+  EXPECT_THAT(outcome.err, HasSubstr("1 of 4 frames were not made"));
+  EXPECT_TRUE(fs::exists(folder.path() / "set/000003.png"));
+  fs::remove(folder.path() / "set/000002.png");
+  EXPECT_EQ(latelight(batch(folder, job)).code, 0);
+  EXPECT_EQ(filesOf(folder, "set").size(), 5u);
+}
+
+TEST(Failures, AFullDiskLeavesOnlyWholeFrames) {
+  test::SmallDisk disk(96 << 10);
+  if (!disk) GTEST_SKIP() << "no right to mount";
+  Folder folder;
+  const std::vector<std::string> job{"--scenes", "builtin:boxes", "--repeat",
+                                     "40",       "--formats",     R"({"format": "files", "pattern": "{name}.exr"})"};
+  const auto into = [&](const std::string& set, std::vector<std::string> more) {
+    more.insert(more.begin(), job.begin(), job.end());
+    more.insert(more.end(), {"-o", set});
+    return batch(folder, more);
+  };
+  ASSERT_EQ(latelight(into("whole", {})).code, 0);
+  const auto whole = filesOf(folder, "whole");
+  fs::create_directory_symlink(disk.path(), folder.path() / "disk");
+  const Outcome full = latelight(into("disk/set", {}));
+  EXPECT_THAT(full.code, testing::AnyOf(2, 6)) << full.text();
+  auto there = filesOf(folder, "disk/set");
+  EXPECT_LT(there.size(), whole.size());
+  there.erase("manifest.json");
+  expectPartOf(there, whole);
+  // More room, as after others have removed what was theirs.
+  ASSERT_EQ(mount("tmpfs", disk.path().c_str(), "tmpfs", MS_REMOUNT, "size=8M"), 0);
+  const Outcome resumed = latelight(into("disk/set", {"--resume"}));
+  EXPECT_EQ(resumed.code, 0) << resumed.text();
+  expectSame(filesOf(folder, "disk/set"), whole);
+}
+
+TEST(Failures, PlacesWhereNothingCanBeMade) {
+  Folder folder;
+  folder.write("file", std::string_view("x"));
+  fs::create_directory(folder.path() / "other");
+  folder.write("other/photo.png", std::string_view("mine"));
+  const auto into = [&](const std::string& set) {
+    return latelight(batch(folder, {"--scenes", "builtin:boxes", "-o", set}));
+  };
+  for (const char* place : {"file", "file/set", "/proc/set", "other", "a{b}"}) {
+    const Outcome outcome = into(place);
+    EXPECT_EQ(outcome.code, 2) << place << ": " << outcome.text();
+  }
+  EXPECT_EQ(folder.read("other/photo.png"), "mine");
+}
+
+// Frames in flight are written, none is torn, and the rest is made later.
+TEST(Signals, EndABatchBetweenFrames) {
+  for (const int signal : {SIGTERM, SIGINT}) {
+    Folder folder;
+    app::Command command = batch(folder, {"--scenes", "builtin:boxes", "--repeat", "100000", "-o", "set"});
+    command.timeout = std::chrono::milliseconds(2500);
+    command.lastSignal = signal;
+    const Outcome outcome = latelight(command);
+    ASSERT_TRUE(outcome.timedOut) << "it ended before the signal: " << outcome.text();
+    EXPECT_EQ(outcome.code, 6) << outcome.text();
+    EXPECT_THAT(outcome.err, HasSubstr(signal == SIGINT ? "stopped by SIGINT with " : "stopped by SIGTERM with "));
+    const Outcome verify = latelight({.arguments = {"batch", "verify", "set"}, .folder = folder.path()});
+    EXPECT_EQ(verify.code, 0) << verify.text();
+    // Each frame that is there is in the manifest: none was rendered for nothing.
+    const std::string said = verify.out.substr(verify.out.find("of ") + 3);
+    EXPECT_EQ(std::to_string(filesOf(folder, "set").size()) + " frames are as they were written\n", said);
+  }
+}
+
+}  // namespace
+}  // namespace latelight::data

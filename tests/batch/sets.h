@@ -1,0 +1,56 @@
+// Data sets as the tests make and compare them.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "app/folder.h"
+#include "app/process.h"
+
+namespace latelight::data {
+
+// The smallest scene that is seen from somewhere.
+inline constexpr const char* kCameraAlone =
+    R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"camera": 0}],
+        "cameras": [{"type": "perspective", "perspective": {"yfov": 0.5, "znear": 0.1}}]})";
+
+// Tiny frames of the CPU device.
+inline app::Command batch(const app::Folder& folder, std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), "batch");
+  for (const char* more : {"--devices", "cpu", "--size", "32x24"}) arguments.emplace_back(more);
+  return {.arguments = std::move(arguments), .folder = folder.path()};
+}
+
+// The files of a set by name, but for what tells of its making. What is being written is not there under its name.
+inline std::map<std::string, std::string> filesOf(const app::Folder& folder, const std::string& set) {
+  std::map<std::string, std::string> files;
+  std::error_code ignored;
+  for (std::filesystem::recursive_directory_iterator entry(folder.path() / set, ignored), end; entry != end; ++entry) {
+    const std::string name = entry->path().lexically_relative(folder.path() / set).string();
+    if (entry->is_regular_file() && !entry->path().filename().string().starts_with('.') &&
+        !name.starts_with(".latelight/"))
+      files[name] = folder.read(set + "/" + name);
+  }
+  return files;
+}
+
+// That all its files are those of another set, as they are there: none is torn.
+inline void expectPartOf(const std::map<std::string, std::string>& part,
+                         const std::map<std::string, std::string>& all) {
+  for (const auto& [name, bytes] : part) {
+    const auto found = all.find(name);
+    ASSERT_NE(found, all.end()) << name;
+    EXPECT_TRUE(found->second == bytes) << name << " is torn";
+  }
+}
+
+inline void expectSame(const std::map<std::string, std::string>& set, const std::map<std::string, std::string>& other) {
+  expectPartOf(set, other);
+  EXPECT_EQ(set.size(), other.size());
+}
+
+}  // namespace latelight::data

@@ -1,0 +1,138 @@
+// Parts of a job: which frames each has, and that together they make the same set.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "base/error.h"
+#include "batch/sets.h"
+#include "data/batch/shard.h"
+
+namespace latelight::data {
+namespace {
+
+using app::Folder;
+using app::latelight;
+using app::Outcome;
+using testing::HasSubstr;
+
+using Variables = std::map<std::string, std::string>;
+
+std::string chosen(const std::string& text, const Variables& variables = {}) try {
+  const Shard shard = chooseShard(text, [&](const char* name) {
+    const auto found = variables.find(name);
+    return found == variables.end() ? std::nullopt : std::optional(found->second);
+  });
+  return shard.name();
+} catch (const Error& error) {
+  return error.what();
+}
+
+TEST(Shard, EveryFrameIsInOne) {
+  for (const uint64_t frames : {0ul, 1ul, 7ul, 100ul, 12'345'678'901ul})
+    for (const uint32_t count : {1u, 3u, 8u, 1000u}) {
+      uint64_t next = 0;
+      for (uint32_t i = 0; i < count; ++i) {
+        const auto [first, end] = Shard{i, count}.range(frames);
+        EXPECT_EQ(first, next);
+        EXPECT_LE(end - first, frames / count + 1);
+        next = end;
+      }
+      EXPECT_EQ(next, frames);
+    }
+}
+
+TEST(Shard, IsReadFromWhatStartedTheProcess) {
+  EXPECT_EQ(chosen(""), "0-of-1");
+  EXPECT_EQ(chosen("2/8"), "2-of-8");
+  EXPECT_EQ(
+      chosen("", {{"SLURM_ARRAY_TASK_ID", "12"}, {"SLURM_ARRAY_TASK_MIN", "10"}, {"SLURM_ARRAY_TASK_COUNT", "4"}}),
+      "2-of-4");
+  EXPECT_EQ(chosen("", {{"SLURM_PROCID", "1"}, {"SLURM_NTASKS", "2"}}), "1-of-2");
+  EXPECT_EQ(chosen("", {{"SLURM_ARRAY_TASK_ID", "12"},
+                        {"SLURM_ARRAY_TASK_MIN", "10"},
+                        {"SLURM_ARRAY_TASK_MAX", "13"},
+                        {"SLURM_ARRAY_TASK_COUNT", "4"},
+                        {"SLURM_PROCID", "1"},
+                        {"SLURM_NTASKS", "2"}}),
+            "5-of-8");
+  EXPECT_EQ(chosen("", {{"OMPI_COMM_WORLD_RANK", "3"}, {"OMPI_COMM_WORLD_SIZE", "4"}}), "3-of-4");
+  EXPECT_EQ(chosen("", {{"PMI_RANK", "0"}, {"PMI_SIZE", "4"}}), "0-of-4");
+  EXPECT_EQ(chosen("/8", {{"JOB_COMPLETION_INDEX", "7"}}), "7-of-8");
+  EXPECT_EQ(chosen("0/2", {{"PMI_RANK", "3"}, {"PMI_SIZE", "4"}}), "0-of-2") << "what is given counts";
+}
+
+TEST(Shard, RefusesWhatIsNone) {
+  for (const char* wrong : {"8/8", "1", "a/2", "1/0", "-1/2", "1/2/3", "/8", "1/"})
+    EXPECT_THAT(chosen(wrong), HasSubstr("--shard takes i/n")) << wrong;
+  EXPECT_THAT(chosen("", {{"SLURM_ARRAY_TASK_ID", "4"},
+                          {"SLURM_ARRAY_TASK_MIN", "0"},
+                          {"SLURM_ARRAY_TASK_MAX", "8"},
+                          {"SLURM_ARRAY_TASK_COUNT", "3"}}),
+              HasSubstr("without gaps"));
+  EXPECT_THAT(chosen("", {{"PMI_RANK", "x"}, {"PMI_SIZE", "4"}}), HasSubstr("PMI_RANK is not a whole number"));
+}
+
+// Two scenes, one of a camera alone.
+app::Command parts(const Folder& folder, const std::string& set, std::vector<std::string> more,
+                   const char* repeat = "11") {
+  folder.write("empty.gltf", std::string_view(kCameraAlone));
+  std::vector<std::string> all{"--scenes",  "builtin:boxes",
+                               "--scenes",  "empty.gltf",
+                               "--repeat",  repeat,
+                               "-o",        set,
+                               "--formats", R"({"format": "files", "outputs": ["color", "normal"]})"};
+  all.insert(all.end(), more.begin(), more.end());
+  return batch(folder, all);
+}
+
+TEST(Shards, HoweverItIsSplitTheSetIsTheSame) {
+  Folder folder;
+  const Outcome whole = latelight(parts(folder, "whole", {"--threads", "1", "--validate"}));
+  ASSERT_EQ(whole.code, 0) << whole.text();
+  EXPECT_EQ(latelight(parts(folder, "workers", {"--threads", "3", "--workers", "2", "--validate"})).code, 0);
+  expectSame(filesOf(folder, "workers"), filesOf(folder, "whole"));
+  for (const size_t count : {3, 8}) {
+    const std::string set = "of" + std::to_string(count);
+    app::inPairs(count, [&](size_t i) {  // the last ones first
+      const std::string shard = std::to_string(count - 1 - i) + "/" + std::to_string(count);
+      const Outcome outcome = latelight(parts(folder, set, {"--shard", shard, "--threads", std::to_string(1 + i % 3)}));
+      EXPECT_EQ(outcome.code, 0) << outcome.text();
+    });
+    expectSame(filesOf(folder, set), filesOf(folder, "whole"));
+  }
+}
+
+TEST(Shards, SomeAreMergedOnceOthersAreThere) {
+  Folder folder;
+  const auto run = [&](std::vector<std::string> arguments) {
+    return latelight({.arguments = std::move(arguments), .folder = folder.path()});
+  };
+  ASSERT_EQ(latelight(parts(folder, "set", {"--shard", "0/2"})).code, 0);
+  const Outcome status = run({"batch", "status", "set"});
+  EXPECT_EQ(status.code, 6);
+  EXPECT_THAT(status.out, HasSubstr("11 of 22 frames are finished"));
+  const Outcome early = run({"batch", "merge", "set"});
+  EXPECT_EQ(early.code, 6);
+  EXPECT_THAT(early.err, HasSubstr("11 of the 22 frames are missing"));
+  EXPECT_EQ(latelight(parts(folder, "set", {"--shard", "0/2"})).code, 2) << "that one is there";
+  EXPECT_EQ(latelight(parts(folder, "set", {"--shard", "0/3"})).code, 2) << "split otherwise";
+  EXPECT_EQ(latelight(parts(folder, "set", {"--shard", "1/2", "--exposure", "1"})).code, 2) << "another job";
+  // Split otherwise, what is there is kept.
+  ASSERT_EQ(latelight(parts(folder, "set", {"--resume"})).code, 0);
+  EXPECT_THAT(folder.read("set/.latelight/log"), HasSubstr("shard 0-of-1 begins: 11 of 22 frames"));
+  EXPECT_EQ(run({"batch", "status", "set"}).code, 0);
+  EXPECT_EQ(run({"batch", "merge", "set"}).code, 0) << "it may be merged again";
+}
+
+TEST(Shards, AShardIsMadeByOneProcess) {
+  Folder folder;
+  std::vector<Outcome> outcomes(2);
+  app::inPairs(2, [&](size_t i) { outcomes[i] = latelight(parts(folder, "set", {"--resume"}, "500")); });
+  const bool second = outcomes[1].code == 2;
+  const Outcome &refused = outcomes[second], &done = outcomes[!second];
+  EXPECT_EQ(done.code, 0) << done.text();
+  EXPECT_EQ(refused.code, 2) << refused.text();
+  EXPECT_THAT(refused.err, HasSubstr("another process is at work on 'set/.latelight/shard-0-of-1.json'"));
+}
+
+}  // namespace
+}  // namespace latelight::data
