@@ -37,7 +37,7 @@ std::vector<std::string> missingFeatures(std::span<const Feature> features, Feat
 
 inline constexpr const char* kOptionalExtensions[] = {
     VK_EXT_MEMORY_BUDGET_EXTENSION_NAME,
-    VK_KHR_EXTERNAL_MEMORY_FD_EXTENSION_NAME,  // buffers that other APIs read
+    VK_KHR_EXTERNAL_MEMORY_FD_EXTENSION_NAME,   // buffers that other APIs read
     VK_EXT_POST_DEPTH_COVERAGE_EXTENSION_NAME,  // transparency, with several samples a pixel
 };
 

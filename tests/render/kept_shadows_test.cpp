@@ -67,7 +67,8 @@ class KeptShadowsTest : public RenderTest {
   static bool rendersAsAFreshOne(Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
                                  const Settings& settings) {
     const output::FrameOutput kept = std::move(renderer.render({&camera, 1}, settings).front());
-    EXPECT_EQ(imageOf(kept, Aov::Color).values, imageOf(renderOne(device(), scene, camera, settings), Aov::Color).values);
+    EXPECT_EQ(imageOf(kept, Aov::Color).values,
+              imageOf(renderOne(device(), scene, camera, settings), Aov::Color).values);
     return std::ranges::any_of(renderer.times(), [](const auto& time) { return time.name == "shadow maps"; });
   }
 };
@@ -150,8 +151,7 @@ TEST_F(KeptShadowsTest, ViewsShareMaps) {
   for (const float x : {0.0f, 0.05f, 0.1f}) views.push_back(makeView(cameraAt(x), 160, 90));
   FrameShadows shadows(device(), uploaded, views, keptSettings(), kept);
   EXPECT_EQ(shadows.maps().size(), 6 * kBalls);
-  for (uint32_t light = 0; light < kBalls; ++light)
-    EXPECT_EQ(shadows.of(0, light).first, shadows.of(2, light).first);
+  for (uint32_t light = 0; light < kBalls; ++light) EXPECT_EQ(shadows.of(0, light).first, shadows.of(2, light).first);
 }
 
 TEST_F(KeptShadowsTest, PicturesAreThoseOfAFreshRenderer) {
@@ -178,12 +178,12 @@ TEST_F(KeptShadowsTest, TheAtlasHoldsWhatThisFrameNeeds) {
   bool some = false, none = false;
   for (int step = 0; step < 24; ++step) {
     scene::Camera camera = frontPerspective(1.0f, 5 + 3 * static_cast<float>(step % 3));
-    camera.toWorld = glm::translate(glm::mat4(1), vec3(-9 + 0.75f * static_cast<float>(step), 0.5f, 0)) * camera.toWorld;
+    camera.toWorld =
+        glm::translate(glm::mat4(1), vec3(-9 + 0.75f * static_cast<float>(step), 0.5f, 0)) * camera.toWorld;
     (rendersAsAFreshOne(renderer, scene, camera, settings) ? some : none) = true;
   }
   EXPECT_TRUE(some);
-  for (int again = 0; again < 2; ++again)
-    none = !rendersAsAFreshOne(renderer, scene, cameraAt(0), settings);
+  for (int again = 0; again < 2; ++again) none = !rendersAsAFreshOne(renderer, scene, cameraAt(0), settings);
   EXPECT_TRUE(none);
 }
 
