@@ -1,25 +1,10 @@
 # A virtual environment in the build folder, with what building and testing the package takes. Made again whenever the list
 # of packages changes.
-find_package(Python3 3.11 REQUIRED COMPONENTS Interpreter)
-set(environment ${PROJECT_BINARY_DIR}/python-environment)
 set(requirements ${CMAKE_CURRENT_SOURCE_DIR}/requirements.txt)
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${requirements})
-file(SHA256 ${requirements} wanted)
-set(made "")
-if(EXISTS ${environment}/requirements.sha256)
-  file(READ ${environment}/requirements.sha256 made)
+execute_process(COMMAND ${PROJECT_SOURCE_DIR}/tests/venv ${PROJECT_BINARY_DIR}/python-environment ${requirements}
+  OUTPUT_VARIABLE Python_EXECUTABLE OUTPUT_STRIP_TRAILING_WHITESPACE RESULT_VARIABLE failed)
+if(failed)
+  message(FATAL_ERROR "The Python packages of python/requirements.txt could not be installed from PyPI into "
+    "${PROJECT_BINARY_DIR}/python-environment; -DLATELIGHT_PYTHON=OFF builds without the Python package")
 endif()
-if(NOT made STREQUAL wanted)
-  message(STATUS "Making a Python environment for the package's tests")
-  execute_process(COMMAND ${Python3_EXECUTABLE} -m venv --clear ${environment} RESULT_VARIABLE failed)
-  if(NOT failed)
-    execute_process(RESULT_VARIABLE failed
-      COMMAND ${environment}/bin/pip --quiet --disable-pip-version-check install --requirement ${requirements})
-  endif()
-  if(failed)
-    message(FATAL_ERROR "The Python packages of python/requirements.txt could not be installed from PyPI into "
-      "${environment}; -DLATELIGHT_PYTHON=OFF builds without the Python package")
-  endif()
-  file(WRITE ${environment}/requirements.sha256 ${wanted})
-endif()
-set(Python_EXECUTABLE ${environment}/bin/python)

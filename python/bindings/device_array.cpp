@@ -14,38 +14,16 @@ namespace {
 // DLPack's numbers of devices.
 constexpr int kOnHost = nb::device::cpu::value, kOnCuda = nb::device::cuda::value;
 
-nb::dlpack::dtype dtypeOf(DeviceArray::Element element) {
-  switch (element) {
-    case DeviceArray::Element::Uint8:
-      return nb::dtype<uint8_t>();
-    case DeviceArray::Element::Uint32:
-      return nb::dtype<uint32_t>();
-    default:
-      return nb::dtype<float>();
-  }
-}
-
-const char* nameOf(DeviceArray::Element element) {
-  switch (element) {
-    case DeviceArray::Element::Uint8:
-      return "uint8";
-    case DeviceArray::Element::Uint32:
-      return "uint32";
-    default:
-      return "float32";
-  }
-}
-
-// As __cuda_array_interface__ and NumPy name them.
-const char* typeStringOf(DeviceArray::Element element) {
-  switch (element) {
-    case DeviceArray::Element::Uint8:
-      return "|u1";
-    case DeviceArray::Element::Uint32:
-      return "<u4";
-    default:
-      return "<f4";
-  }
+struct ElementInfo {
+  nb::dlpack::dtype dtype;
+  const char* name;
+  const char* typeString;  // as __cuda_array_interface__ has it
+};
+const ElementInfo& infoOf(DeviceArray::Element element) {
+  static const ElementInfo kInfos[] = {{nb::dtype<float>(), "float32", "<f4"},
+                                       {nb::dtype<uint32_t>(), "uint32", "<u4"},
+                                       {nb::dtype<uint8_t>(), "uint8", "|u1"}};
+  return kInfos[static_cast<size_t>(element)];  // in the order of the enumeration
 }
 
 struct PlacedArray {
@@ -75,7 +53,7 @@ template <typename... Framework>
 nb::object viewOf(nb::handle self) {
   const auto& a = nb::cast<const PlacedArray&>(self);
   return nb::cast(nb::ndarray<Framework...>(a.pointer, a.shape.size(), a.shape.data(), self, nullptr,
-                                            dtypeOf(a.array.element), a.deviceType, a.device));
+                                            infoOf(a.array.element).dtype, a.deviceType, a.device));
 }
 
 nb::object toNumPy(nb::handle self) {
@@ -94,7 +72,7 @@ nb::dict cudaInterface(const PlacedArray& a) {
   if (a.deviceType != kOnCuda) throw nb::attribute_error("the array is not in CUDA's memory");
   nb::dict interface;
   interface["shape"] = shapeOf(a);
-  interface["typestr"] = typeStringOf(a.array.element);
+  interface["typestr"] = infoOf(a.array.element).typeString;
   interface["data"] = nb::make_tuple(reinterpret_cast<uintptr_t>(a.pointer), false);
   interface["strides"] = nb::none();
   interface["version"] = 3;
@@ -123,7 +101,7 @@ void bindDeviceArray(nb::module_& module) {
                                "on the device by then.");
   type.def_prop_ro("shape", &shapeOf, nb::sig("def shape(self) -> tuple[int, ...]"))
       .def_prop_ro(
-          "dtype", [](const PlacedArray& a) { return nameOf(a.array.element); },
+          "dtype", [](const PlacedArray& a) { return infoOf(a.array.element).name; },
           "\"float32\", \"uint32\" or \"uint8\".")
       .def_prop_ro(
           "device",
@@ -140,7 +118,7 @@ void bindDeviceArray(nb::module_& module) {
           nb::sig("def __dlpack_device__(self) -> tuple[int, int]"))
       .def_prop_ro("__cuda_array_interface__", &cudaInterface)
       .def("__repr__", [](const PlacedArray& a) {
-        return fmt::format("DeviceArray({}, {}, {})", fmt::join(a.shape, "x"), nameOf(a.array.element),
+        return fmt::format("DeviceArray({}, {}, {})", fmt::join(a.shape, "x"), infoOf(a.array.element).name,
                            a.deviceType == kOnHost ? "cpu" : fmt::format("cuda:{}", a.device));
       });
 }

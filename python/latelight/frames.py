@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, overload
+from typing import Any, TypeVar, overload
 
 import numpy as np
 
@@ -11,21 +11,20 @@ from . import _core
 from ._core import DeviceArray
 
 
-class Frame(Mapping[str, np.ndarray]):
-    """The outputs of one camera, by name: frame["depth"].
+Array = TypeVar("Array")
 
-    Arrays are (H, W), or (H, W, C) with more than one channel; rows from the top. They are the renderer's own memory,
-    not a copy, and stay valid as long as they are used.
-    """
 
-    def __init__(self, arrays: dict[str, np.ndarray]) -> None:
+class Outputs(Mapping[str, Array]):
+    """Arrays by the names of outputs."""
+
+    def __init__(self, arrays: dict[str, Array]) -> None:
         self._arrays = arrays
 
-    def __getitem__(self, name: str) -> np.ndarray:
+    def __getitem__(self, name: str) -> Array:
         try:
             return self._arrays[name]
         except KeyError:
-            raise KeyError(f"the frame has no {name!r}; outputs named {', '.join(self._arrays)}") from None
+            raise KeyError(f"there is no {name!r}; there are the outputs {', '.join(self._arrays)}") from None
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._arrays)
@@ -34,7 +33,16 @@ class Frame(Mapping[str, np.ndarray]):
         return len(self._arrays)
 
     def __repr__(self) -> str:
-        return f"Frame({', '.join(f'{name}: {array.dtype}{array.shape}' for name, array in self.items())})"
+        arrays = ", ".join(f"{name}: {array.dtype}{array.shape}" for name, array in self.items())
+        return f"{type(self).__name__}({arrays})"
+
+
+class Frame(Outputs[np.ndarray]):
+    """The outputs of one camera, by name: frame["depth"].
+
+    Arrays are (H, W), or (H, W, C) with more than one channel; rows from the top. They are the renderer's own memory,
+    not a copy, and stay valid as long as they are used.
+    """
 
     def png(self) -> bytes:
         """The picture, the output rgba, as a PNG file."""
@@ -44,30 +52,12 @@ class Frame(Mapping[str, np.ndarray]):
         return self.png() if "rgba" in self else None
 
 
-class DeviceFrames(Mapping[str, DeviceArray]):
+class DeviceFrames(Outputs[DeviceArray]):
     """The outputs of all cameras in the memory of the renderer's device, by name: frames["depth"].
 
     torch.from_dlpack(frames["depth"]) shares that memory without a copy and keeps it as long as the tensor lives. Arrays
     are (V, H, W), or (V, H, W, C) with more than one channel; of a single camera without V.
     """
-
-    def __init__(self, arrays: dict[str, DeviceArray]) -> None:
-        self._arrays = arrays
-
-    def __getitem__(self, name: str) -> DeviceArray:
-        try:
-            return self._arrays[name]
-        except KeyError:
-            raise KeyError(f"the frames have no {name!r}; outputs named {', '.join(self._arrays)}") from None
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._arrays)
-
-    def __len__(self) -> int:
-        return len(self._arrays)
-
-    def __repr__(self) -> str:
-        return f"DeviceFrames({', '.join(f'{name}: {array!r}' for name, array in self.items())})"
 
 
 class Frames(Sequence[Frame]):
