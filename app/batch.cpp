@@ -153,11 +153,7 @@ void printSlurm(const BatchArguments& a) {
 void runBatch(const BatchArguments& a) {
   if (a.schema) return fmt::print("{}\n", data::jobSchema().dump(2));
   if (a.slurm > 0) return printSlurm(a);
-  if (!a.memory.empty()) {
-    const uint64_t limit = parseMemory(a.memory);
-    if (limit == 0) badUsage("--memory takes a size, as in 512M or 4G, not \"{}\"", a.memory);
-    setMemoryLimit(limit);
-  }
+  limitMemory(a.memory);
   const data::Job job = readJob(a);
   data::BatchOptions options{.shard = data::chooseShard(a.shard, environment), .resume = a.resume};
   if (a.dryRun) return printPlan(job, a, options.shard);

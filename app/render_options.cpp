@@ -74,9 +74,9 @@ std::string valueName(const Option& option) {
 // The names that it takes, or where they are listed if they are many.
 std::string namesText(const Option& option) {
   constexpr size_t kFew = 60;  // letters
-  std::string names;
-  for (size_t i = 0; i < option.names.size(); ++i)
-    names += (i == 0 ? "" : i + 1 < option.names.size() ? ", " : " or ") + std::string(option.names[i].name);
+  std::vector<std::string> words;
+  for (const render::NamedOption& named : option.names) words.emplace_back(named.name);
+  const std::string names = joinedByOr(words);
   const bool all = option.kind == OptionKind::Choice && names.size() <= kFew;
   const std::string where = *option.topic ? fmt::format("latelight list {}", option.topic) : "";
   if (all && !names.empty()) return ": " + names;
@@ -128,13 +128,16 @@ void addRenderOptions(CLI::App& command, RenderOptions& o) {
               [&o, &option, give](const std::string& text) { give(option, render::read(o.settings, option, text)); });
 }
 
+void limitMemory(const std::string& text) {
+  if (text.empty()) return;
+  const uint64_t limit = parseMemory(text);
+  if (limit == 0) badUsage("--memory takes a size, as in 512M or 4G, not \"{}\"", text);
+  setMemoryLimit(limit);
+}
+
 void checkOptions(RenderOptions& o) {
   const render::Settings& s = o.settings;
-  if (!o.memory.empty()) {
-    const uint64_t limit = parseMemory(o.memory);
-    if (limit == 0) badUsage("--memory takes a size, as in 512M or 4G, not \"{}\"", o.memory);
-    setMemoryLimit(limit);
-  }
+  limitMemory(o.memory);
   o.idGrouping.depth = o.idDepth;
   if (!o.idNodes.empty()) {
     const std::vector<std::string_view> names = splitAtCommas(o.idNodes);

@@ -44,6 +44,9 @@ std::span<const render::Option> commandOptions();
 void addOption(CLI::App& command, const render::Option& option, const std::function<void(const std::string&)>& take);
 
 void addRenderOptions(CLI::App& command, RenderOptions& options);
+// The value of --memory, which is followed from then on; empty: it was not given. Throws Error(Usage) where it is no
+// size.
+void limitMemory(const std::string& text);
 // Checks beyond parsing: limits and contradictions. Throws Error(Usage).
 void checkOptions(RenderOptions& options);
 

@@ -1,9 +1,11 @@
-// Numbers and lists that users write.
+// Numbers and lists as users write them, and as they are told to them.
 #pragma once
 
 #include <charconv>
 #include <cmath>
 #include <optional>
+#include <span>
+#include <string>
 #include <string_view>
 #include <type_traits>
 #include <vector>
@@ -19,6 +21,19 @@ std::optional<T> parseNumber(std::string_view text) {
   if constexpr (std::is_floating_point_v<T>)
     if (!std::isfinite(value)) return std::nullopt;
   return value;
+}
+
+// "a, b or c"
+inline std::string joinedByOr(std::span<const std::string> words) {
+  std::string text;
+  for (size_t i = 0; i < words.size(); ++i) text += (i == 0 ? "" : i + 1 < words.size() ? ", " : " or ") + words[i];
+  return text;
+}
+
+// Puts `to` wherever `from` stands.
+inline void replaceAll(std::string& text, std::string_view from, std::string_view to) {
+  for (size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
+    text.replace(at, from.size(), to);
 }
 
 // "a,b" as "a" and "b", an empty text as one empty part. They point into `text`.

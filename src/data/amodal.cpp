@@ -28,11 +28,8 @@ Place placeOf(const shared::View& view, const glm::dmat4& viewFromObject, const 
   const bool perspective = p.kind == shared::kPerspective;
   Place place{Place::Inside, view.size.x, 0, view.size.y, 0};
   int beyond[4] = {0, 0, 0, 0};  // corners, of each side
-  for (int corner = 0; corner < 8; ++corner) {
-    const glm::dvec3 at((corner & 1) != 0 ? object.high.x : object.low.x,
-                        (corner & 2) != 0 ? object.high.y : object.low.y,
-                        (corner & 4) != 0 ? object.high.z : object.low.z);
-    const glm::dvec3 c(viewFromObject * glm::dvec4(at, 1));
+  for (const glm::dvec3 corner : cornersOf(object)) {
+    const glm::dvec3 c(viewFromObject * glm::dvec4(corner, 1));
     const double w = perspective ? c.y : 1, slack = 1e-4 * (std::abs(c.x) + std::abs(c.y) + std::abs(c.z));
     const double x = p.H * c.x + p.X * w, z = p.V * c.z + p.Z * w;
     if ((perspective && w <= slack) || std::abs(x) >= w - slack || std::abs(z) >= w - slack) place.lies = Place::Across;

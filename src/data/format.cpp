@@ -1,6 +1,5 @@
 #include "data/format.h"
 
-#include "data/formats/files.h"
 #include "data/formats/formats.h"
 
 namespace latelight::data {

@@ -111,6 +111,14 @@ class Boxes {
 
 }  // namespace
 
+std::array<glm::dvec3, 8> cornersOf(const Object& object) {
+  std::array<glm::dvec3, 8> corners;
+  for (size_t i = 0; i < 8; ++i)
+    corners[i] = {(i & 1) != 0 ? object.high.x : object.low.x, (i & 2) != 0 ? object.high.y : object.low.y,
+                  (i & 4) != 0 ? object.high.z : object.low.z};
+  return corners;
+}
+
 std::vector<Object> objectsOf(const scene::Scene& scene, const scene::Pose& pose, bool zUp) {
   std::map<uint32_t, Instances> byId;
   for (uint32_t i = 0; i < scene.instances.size(); ++i) {

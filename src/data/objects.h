@@ -2,6 +2,7 @@
 // that it would cover alone.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
@@ -24,6 +25,9 @@ struct Object {
   uint64_t pixels = 0;  // of those, and of what lies beyond, up to a picture's width and height away on each side
   PixelBox full;        // around all of them
 };
+
+// The box's corners in the object's own frame: x changes first, then y, then z.
+std::array<glm::dvec3, 8> cornersOf(const Object& object);
 
 // Those of a scene in a pose, with their boxes, sorted by id. `zUp`: positions are in the renderer's world, else in the
 // scene file's own frame.

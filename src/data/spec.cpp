@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "data/json_text.h"
 
 namespace latelight::data {
 
@@ -50,7 +51,7 @@ std::string textOf(const Json& value, const std::string& path) {
 }  // namespace
 
 std::string shown(const Json& value) {
-  return shortened(value.dump(-1, ' ', false, Json::error_handler_t::replace));
+  return shortened(dumped(value));
 }
 
 Spec::Spec(const Json& value, std::string path) : value_(&value), path_(std::move(path)) {

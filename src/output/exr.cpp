@@ -86,11 +86,6 @@ Imf::IDManifest::ChannelGroupManifest& addGroup(Imf::IDManifest& manifest, const
   return group;
 }
 
-// "/forest/tree", or of a copy "/forest/tree/instance7", as its id is made from.
-std::string nodeText(const std::string& node, const std::optional<uint32_t>& copy) {
-  return copy ? fmt::format("{}/instance{}", node, *copy) : node;
-}
-
 Imf::IDManifest manifestOf(const IdManifest& ids, std::span<const Aov> aovs, ChannelNames names) {
   const auto channel = [&](Aov aov) { return names(info(aov), 0); };
   Imf::IDManifest manifest;
@@ -98,14 +93,14 @@ Imf::IDManifest manifestOf(const IdManifest& ids, std::span<const Aov> aovs, Cha
     auto& group = addGroup(manifest, channel(Aov::Id), {"node", "parent", "mesh", "materials", "skinned"});
     for (const IdEntry& entry : ids.ids)
       group.insert(entry.id,
-                   {nodeText(entry.node, entry.copy), std::to_string(entry.parent), entry.mesh,
+                   {pathOf(entry.node, entry.copy), std::to_string(entry.parent), entry.mesh,
                     fmt::format("{}", fmt::join(ids.materialsOf(entry), ", ")), entry.skinned ? "yes" : "no"});
   }
   if (contains(aovs, Aov::Part)) {
     auto& group = addGroup(manifest, channel(Aov::Part), {"id", "node", "mesh", "primitive", "material"});
     for (const IdEntry& entry : ids.ids)
       for (const IdPart& part : entry.parts)
-        group.insert(part.id, {std::to_string(entry.id), nodeText(part.node, part.copy), part.mesh,
+        group.insert(part.id, {std::to_string(entry.id), pathOf(part.node, part.copy), part.mesh,
                                std::to_string(part.primitive), std::to_string(part.material)});
   }
   if (contains(aovs, Aov::Material)) {

@@ -1,5 +1,7 @@
 #include "output/id_manifest.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <string_view>
@@ -37,6 +39,10 @@ Json describeEntry(const IdEntry& entry, const std::vector<std::string>& materia
 }
 
 }  // namespace
+
+std::string pathOf(const std::string& node, const std::optional<uint32_t>& copy) {
+  return copy ? fmt::format("{}/instance{}", node, *copy) : node;
+}
 
 std::vector<std::string> IdManifest::materialsOf(const IdEntry& entry) const {
   std::unordered_set<std::string_view> seen;

@@ -9,6 +9,9 @@
 
 namespace latelight::output {
 
+// "/forest/tree", or of a copy "/forest/tree/instance7", as its id is made from.
+std::string pathOf(const std::string& node, const std::optional<uint32_t>& copy);
+
 // A primitive of a node, or of one of the node's copies.
 struct IdPart {
   uint32_t id = 0;

@@ -29,12 +29,6 @@ Json intrinsicsOf(const CameraMetadata& camera) {
   return rows;
 }
 
-Json rowsOf(const glm::dmat4& m) {
-  Json rows = Json::array();
-  for (int row = 0; row < 4; ++row) rows.push_back({m[0][row], m[1][row], m[2][row], m[3][row]});
-  return rows;
-}
-
 std::string_view axesOf(std::string_view frame) {
   if (frame == "gltf") return "X right, Y up, Z towards the viewer; right-handed, metres";
   if (frame == "z-up") return "X right, Y away from the viewer, Z up; right-handed, metres";
@@ -117,6 +111,12 @@ Json conventions() {
 }
 
 }  // namespace
+
+Json rowsOf(const glm::dmat4& m) {
+  Json rows = Json::array();
+  for (int row = 0; row < 4; ++row) rows.push_back({m[0][row], m[1][row], m[2][row], m[3][row]});
+  return rows;
+}
 
 std::string sideFile(const Metadata& metadata, uint32_t width, uint32_t height, std::span<const Aov> aovs,
                      std::span<const std::string> files, ChannelNames names) {

@@ -53,6 +53,9 @@ struct Metadata {
   IdManifest ids;                               // may be left empty where no output holds ids
 };
 
+// The rows of a matrix, as JSON files have them.
+nlohmann::ordered_json rowsOf(const glm::dmat4& m);
+
 // The whole side file as JSON text. The same input gives the same bytes. `files` are the names of the files written,
 // one per AOV, relative to the side file.
 std::string sideFile(const Metadata& metadata, uint32_t width, uint32_t height, std::span<const Aov> aovs,

@@ -33,13 +33,6 @@ uint64_t memoryForViews(const vk::Device& device) {
   return device.isCpu() ? kGiB : std::clamp<uint64_t>(device.info().memory / 8, kGiB, 16 * kGiB);
 }
 
-// Of what leaves.
-uint64_t bytesAPixel(const Settings& settings) {
-  uint64_t bytes = settings.display ? 4 : 0;
-  for (output::Aov aov : settings.aovs) bytes += 4 * output::info(aov).channels;
-  return bytes;
-}
-
 // Those for all of these cameras.
 Settings settingsFor(std::span<const scene::Camera> cameras, const Settings& settings) {
   const size_t bent = static_cast<size_t>(std::ranges::count_if(cameras, bendsRays));

@@ -225,12 +225,16 @@ const LensModelInfo& infoOf(LensModel model) {
   return kModels[static_cast<size_t>(model)];
 }
 
+const LensModelInfo* findLensModel(std::string_view name) {
+  const auto* info = std::ranges::find_if(kModels, [&](const LensModelInfo& m) { return name == m.name; });
+  return info == std::end(kModels) ? nullptr : info;
+}
+
 Lens parseLens(std::string_view option, std::string_view text, uint32_t width, uint32_t height) {
   const size_t colon = text.find(':');
   const std::string_view name = text.substr(0, colon);
-  const auto* info = std::ranges::find_if(kModels, [&](const LensModelInfo& m) { return name == m.name; });
-  if (info == std::end(kModels))
-    badUsage("{} takes pinhole, opencv, fisheye, equirectangular or cubemap, not \"{}\"", option, name);
+  const LensModelInfo* info = findLensModel(name);
+  if (!info) badUsage("{} takes pinhole, opencv, fisheye, equirectangular or cubemap, not \"{}\"", option, name);
   Lens lens{.model = info->model, .width = double(width), .height = double(height)};
   std::vector<double> numbers;
   if (colon != std::string_view::npos) {

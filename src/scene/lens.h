@@ -38,6 +38,7 @@ struct LensModelInfo {
   bool calibrated;  // has focal lengths and a principal point
 };
 const LensModelInfo& infoOf(LensModel model);
+const LensModelInfo* findLensModel(std::string_view name);  // null: there is none
 
 // "NAME" or "NAME:fx,fy,cx,cy[,coefficients]", calibrated for a picture of that size. Throws Error(Usage), `option`
 // first, for what can't be.

@@ -189,17 +189,7 @@ TEST_F(LensPictureTest, ModelsAsRaysSeeThem) {
 scene::Scene squaresAround(float scale) {
   scene::builtin::SceneBuilder builder("squares");
   scene::Scene& scene = builder.scene;
-  scene.meshes.push_back(squareMesh());
-  std::vector<glm::u8vec4> holes;
-  for (int i = 0; i < 8 * 8; ++i) holes.emplace_back(200, 100, 50, (i * 37 % 11) < 5 ? 40 : 220);
-  scene.textures.push_back(textureOf(8, 8, true, holes));
-  for (uint32_t kind = 0; kind < 4; ++kind) {
-    scene::Material material = scene::builtin::plainMaterial("kind", glm::vec3(0.5f), 0, 1);
-    if (kind & 1) material.data.flags |= shared::kMaterialDoubleSided;
-    if (kind & 2) material.data.flags |= shared::kMaterialMasked;
-    if (kind & 2) setTexture(material, shared::kTextureBaseColor, 0, kNearest);
-    scene.materials.push_back(std::move(material));
-  }
+  addSquareOfFourKinds(scene);
   for (uint32_t i = 0; i < 60; ++i) {
     const float turn = 0.77f * static_cast<float>(i), up = 0.9f * std::sin(1.3f * static_cast<float>(i));
     const float away = 4 + 0.1f * static_cast<float>(i), mirror = i & 4 ? -1.3f : 0.8f;

@@ -218,19 +218,7 @@ TEST_F(EmbreeTest, Hall) {
 scene::Scene turnedSquares() {
   scene::builtin::SceneBuilder builder("squares");
   scene::Scene& scene = builder.scene;
-  scene.meshes.push_back(squareMesh());
-  std::vector<glm::u8vec4> holes;
-  for (int i = 0; i < 8 * 8; ++i) holes.emplace_back(200, 100, 50, (i * 37 % 11) < 5 ? 40 : 220);
-  scene.textures.push_back(textureOf(8, 8, true, holes));
-  for (uint32_t kind = 0; kind < 4; ++kind) {
-    scene::Material material = scene::builtin::plainMaterial("kind", glm::vec3(0.5f), 0, 1);
-    if (kind & 1) material.data.flags |= shared::kMaterialDoubleSided;
-    if (kind & 2) {
-      material.data.flags |= shared::kMaterialMasked;
-      setTexture(material, shared::kTextureBaseColor, 0, kNearest);
-    }
-    scene.materials.push_back(std::move(material));
-  }
+  addSquareOfFourKinds(scene);
   for (uint32_t i = 0; i < 32; ++i) {
     const float angle = 0.35f + 0.77f * static_cast<float>(i), mirror = i & 4 ? -1.3f : 0.8f;
     glm::mat4 local(1);

@@ -139,4 +139,20 @@ void setTexture(scene::Material& material, uint32_t slot, int index, scene::Samp
   material.data.textures |= 1u << slot;
 }
 
+void addSquareOfFourKinds(scene::Scene& scene) {
+  scene.meshes.push_back(squareMesh());
+  std::vector<glm::u8vec4> holes;
+  for (int i = 0; i < 8 * 8; ++i) holes.emplace_back(200, 100, 50, (i * 37 % 11) < 5 ? 40 : 220);
+  scene.textures.push_back(textureOf(8, 8, true, holes));
+  for (uint32_t kind = 0; kind < 4; ++kind) {
+    scene::Material material = scene::builtin::plainMaterial("kind", glm::vec3(0.5f), 0, 1);
+    if (kind & 1) material.data.flags |= shared::kMaterialDoubleSided;
+    if (kind & 2) {
+      material.data.flags |= shared::kMaterialMasked;
+      setTexture(material, shared::kTextureBaseColor, 0, kNearest);
+    }
+    scene.materials.push_back(std::move(material));
+  }
+}
+
 }  // namespace latelight::render::test

@@ -68,6 +68,9 @@ scene::Camera cameraOf(const scene::Scene& scene, uint32_t width, uint32_t heigh
 // The square [-1, 1]^2 in the plane z = 0, facing +Z: u grows along +X (the tangent), v downwards, both from 0 to 1; UV
 // set 1 is UV set 0 times (2, 3), and vertex colours are white. Its diagonal runs from lower left to upper right.
 scene::Mesh squareMesh(bool extras = false);
+// That mesh, and four materials: double-sided where bit 0 is set, and where bit 1 is, with holes that an alpha mask
+// cuts, of texels so large that level 0 of the texture is what is sampled.
+void addSquareOfFourKinds(scene::Scene& scene);
 
 // A sphere around the origin with analytic normals, coarse enough for pictures to be cheap.
 scene::Mesh sphereMesh(float radius);

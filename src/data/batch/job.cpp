@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "data/batch/schema.h"
 #include "render/options.h"
+#include "render/outputs/outputs.h"
 #include "scene/ids.h"
 
 namespace latelight::data {
@@ -115,9 +116,7 @@ JobFormat makeFormat(const Json& spec, const std::string& place) {
 }
 
 uint64_t bytesOfPixel(const render::Settings& settings) {
-  uint64_t bytes = settings.display ? 4 : 0;
-  for (const output::Aov aov : settings.aovs) bytes += 4 * output::info(aov).channels;
-  return std::max<uint64_t>(bytes, 1);
+  return std::max<uint64_t>(render::bytesAPixel(settings), 1);
 }
 
 Job makeJob(const JobDocument& document) {

@@ -42,7 +42,7 @@ struct Job {
 // The format of a data set by its name and options; throws Error(Usage) that begins with `place`.
 JobFormat makeFormat(const nlohmann::ordered_json& spec, const std::string& place);
 
-// What the outputs of a pixel take in memory.
+// What the outputs of a pixel take in memory, and 1 where there is none.
 uint64_t bytesOfPixel(const render::Settings& settings);
 
 // Throws Error, Usage, or BadInput for a file that is missing, with a sentence that names the key, and its line.

@@ -8,7 +8,7 @@
 #include "base/files.h"
 #include "base/hash.h"
 #include "base/log.h"
-#include "data/batch/json_text.h"
+#include "data/json_text.h"
 
 namespace latelight::data {
 

@@ -9,7 +9,8 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "base/hash.h"
-#include "data/batch/json_text.h"
+#include "base/text.h"
+#include "data/json_text.h"
 #include "output/files.h"
 
 namespace latelight::data {
@@ -64,12 +65,6 @@ void checkPattern(const std::string& name) {
 
 std::string sceneName(const std::string& source) {
   return asPart(source.starts_with("builtin:") ? source.substr(8) : std::filesystem::path(source).stem().string());
-}
-
-// {key} in `text` becomes `value`.
-void fill(std::string& text, std::string_view key, const std::string& value) {
-  for (size_t at = text.find(key); at != std::string::npos; at = text.find(key, at + value.size()))
-    text.replace(at, key.size(), value);
 }
 
 std::string number(uint64_t value, uint64_t most, uint64_t least = 0) {
@@ -166,10 +161,10 @@ std::string Plan::name(uint64_t index) const {
   constexpr uint64_t kDigits = 6;
   const FramePlace place = at(index).value();
   std::string name = job_.name;
-  fill(name, "{index}", number(index, frames() - 1, kDigits));
-  fill(name, "{variation}", number(place.variation, job_.repeat - 1));
-  fill(name, "{scene}", sceneName(scenes_[place.scene].source));
-  fill(name, "{camera}", asPart(camera(place).name));
+  replaceAll(name, "{index}", number(index, frames() - 1, kDigits));
+  replaceAll(name, "{variation}", number(place.variation, job_.repeat - 1));
+  replaceAll(name, "{scene}", sceneName(scenes_[place.scene].source));
+  replaceAll(name, "{camera}", asPart(camera(place).name));
   if (name.find_first_of("{}") != std::string::npos)
     badUsage("name has braces, which hold one of {{index}}, {{scene}}, {{camera}}, {{variation}}, not \"{}\"",
              job_.name);

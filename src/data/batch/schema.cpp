@@ -4,6 +4,8 @@
 #include <string_view>
 
 #include "base/error.h"
+#include "base/text.h"
+#include "data/json_text.h"
 #include "render/options.h"
 
 namespace latelight::data {
@@ -58,19 +60,12 @@ std::string_view inWords(std::string_view type) {
   return type == "array" ? "a list" : "an object of keys and values";
 }
 
-std::string oneOf(const Json& names) {
-  std::string text;
-  for (size_t i = 0; i < names.size(); ++i)
-    text += (i == 0 ? "" : i + 1 < names.size() ? ", " : " or ") + names[i].get<std::string>();
-  return text;
-}
-
 // What the schema takes, in words; `types`: as a list.
 std::string expected(const Json& schema, const Json& types) {
-  if (schema.contains("enum")) return oneOf(schema["enum"]);
-  std::string text;
-  for (size_t i = 0; i < types.size(); ++i)
-    text += (i == 0 ? "" : i + 1 < types.size() ? ", " : " or ") + std::string(inWords(types[i].get<std::string>()));
+  if (schema.contains("enum")) return joinedByOr(schema["enum"].get<std::vector<std::string>>());
+  std::vector<std::string> words;
+  for (const Json& type : types) words.emplace_back(inWords(type.get<std::string>()));
+  std::string text = joinedByOr(words);
   const auto bound = [&](const char* key, const char* before) {
     if (schema.contains(key)) text += fmt::format("{}{:g}", before, schema[key].get<double>());
   };
@@ -111,8 +106,7 @@ void checkValue(const JobDocument& job, const std::string& path, const Json& sch
   const Json type = schema.value("type", Json("string"));
   const Json types = type.is_array() ? type : Json::array({type});
   if (!isTaken(schema, types, value))
-    badUsage("{} takes {}, not {}", job.place(path), expected(schema, types),
-             value.dump(-1, ' ', false, Json::error_handler_t::replace));
+    badUsage("{} takes {}, not {}", job.place(path), expected(schema, types), dumped(value));
   if (value.is_string() && value.get_ref<const std::string&>().size() < schema.value("minLength", size_t{0}))
     badUsage("{} is empty", job.place(path));
   if (value.is_array() && value.size() < schema.value("minItems", size_t{0}))

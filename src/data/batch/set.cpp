@@ -10,7 +10,7 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "base/parallel.h"
-#include "data/batch/json_text.h"
+#include "data/json_text.h"
 
 namespace latelight::data {
 

@@ -119,22 +119,29 @@ std::vector<RenderedFrame> Worker::framesOf(const Chunk& chunk) {
   shared.settings["raster"] = render::nameOf(job_.settings.raster);
   if (!job_.settings.time) shared.settings.erase("fps");
   if (const auto degrees = scene_->environmentRotation()) shared.settings["hdri-rotate"] = fmt::format("{}", *degrees);
-  if (extras_.boxes) shared.ids = render::idManifest(scene_->scene());
+  const bool needsExtras = extras_.boxes || extras_.alone || extras_.samples > 0;
+  if (needsExtras && shared.ids.empty()) shared.ids = render::idManifest(scene_->scene());
   std::vector<RenderedFrame> frames;
   for (const uint64_t index : chunk.frames) {
     frames.push_back(frameOf(index, chunk, shared));
     frames.back().record.drawn = drawn;
-    addExtras(index, chunk, frames.back().frame);
   }
+  if (needsExtras) addExtras(chunk, frames);
   return frames;
 }
 
-// While the scene shows the frame's variation.
-void Worker::addExtras(uint64_t index, const Chunk& chunk, DataFrame& frame) {
-  if (!extras_.boxes && !extras_.alone && extras_.samples == 0) return;
-  const render::Moment moment{.poses = render::posesAt(scene_->scene(), job_.settings)};
-  const scene::Camera& camera = scene_->cameras()[plan_.at(index)->camera].camera;
-  renderExtras(*renderer_, scene_->scene(), camera, settingsOf(chunk), moment, extras_, frame);
+// While the scene shows the frames' variation.
+void Worker::addExtras(const Chunk& chunk, std::vector<RenderedFrame>& frames) {
+  const render::Moment moment = momentNow();
+  const render::Settings settings = settingsOf(chunk);
+  for (RenderedFrame& rendered : frames) {
+    const scene::Camera& camera = scene_->cameras()[plan_.at(rendered.frame.index)->camera].camera;
+    renderExtras(*renderer_, scene_->scene(), camera, settings, moment, extras_, rendered.frame);
+  }
+}
+
+render::Moment Worker::momentNow() const {
+  return {.poses = render::posesAt(scene_->scene(), job_.settings)};
 }
 
 render::Ticket Worker::submit(const Chunk& chunk) {
@@ -142,8 +149,7 @@ render::Ticket Worker::submit(const Chunk& chunk) {
   useEnvironment();
   std::vector<scene::Camera> cameras;
   for (const uint64_t index : chunk.frames) cameras.push_back(scene_->cameras()[plan_.at(index)->camera].camera);
-  const render::Moment moment{.poses = render::posesAt(scene_->scene(), job_.settings)};
-  return renderer_->submit(cameras, settingsOf(chunk), moment);
+  return renderer_->submit(cameras, settingsOf(chunk), momentNow());
 }
 
 void Worker::start(Chunk chunk) {

@@ -39,7 +39,8 @@ class Worker {
   void useEnvironment();
   RenderedFrame frameOf(uint64_t index, const Chunk& chunk, const output::Metadata& shared) const;
   std::vector<RenderedFrame> framesOf(const Chunk& chunk);
-  void addExtras(uint64_t index, const Chunk& chunk, DataFrame& frame);
+  void addExtras(const Chunk& chunk, std::vector<RenderedFrame>& frames);
+  render::Moment momentNow() const;
   render::Settings settingsOf(const Chunk& chunk) const;
   void fail(const Chunk& chunk, const std::string& why);
 

@@ -48,11 +48,6 @@ void visitParameters(std::string_view layout, L& lens, const Visit& visit) {
   }
 }
 
-bool sameLens(const Lens& a, const Lens& b) {
-  return a.model == b.model && a.width == b.width && a.height == b.height && a.fx == b.fx && a.fy == b.fy &&
-         a.cx == b.cx && a.cy == b.cy && a.distortion == b.distortion;
-}
-
 }  // namespace
 
 const ColmapModel* findColmapModel(int id) {
@@ -115,7 +110,7 @@ ColmapLenses differentLenses(std::span<const CalibratedCamera> cameras) {
   for (const CalibratedCamera& camera : cameras) {
     colmapCameraOf(camera);  // throws for those that can't be written
     const auto known = std::ranges::find_if(
-        lenses.cameras, [&](const CalibratedCamera* other) { return sameLens(*other->lens, *camera.lens); });
+        lenses.cameras, [&](const CalibratedCamera* other) { return *other->lens == *camera.lens; });
     lenses.lensOf.push_back(static_cast<uint32_t>(known - lenses.cameras.begin()));
     if (known == lenses.cameras.end()) lenses.cameras.push_back(&camera);
   }

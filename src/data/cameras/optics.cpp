@@ -36,12 +36,9 @@ Optics opticsOfFov(Spec& spec) {
 }
 
 LensModel readModel(Spec& spec) {
-  const std::string name =
-      spec.choice("model", {"pinhole", "opencv", "fisheye", "equirectangular", "cubemap"}, "pinhole");
-  if (name == "opencv") return LensModel::OpenCv;
-  if (name == "fisheye") return LensModel::Fisheye;
-  if (name == "equirectangular") return LensModel::Equirectangular;
-  return name == "cubemap" ? LensModel::CubeMap : LensModel::Pinhole;
+  return scene::findLensModel(
+             spec.choice("model", {"pinhole", "opencv", "fisheye", "equirectangular", "cubemap"}, "pinhole"))
+      ->model;
 }
 
 void readMatrix(Spec& spec, Lens& lens) {
@@ -56,9 +53,9 @@ void readMatrix(Spec& spec, Lens& lens) {
 
 void readDistortion(Spec& spec, Lens& lens) {
   if (!spec.has("distortion")) return;
-  if (lens.model != LensModel::OpenCv && lens.model != LensModel::Fisheye)
-    badUsage("{} needs the model opencv or fisheye", spec.pathOf("distortion"));
-  const std::vector<double> terms = spec.numbers("distortion", 1, lens.model == LensModel::OpenCv ? 8 : 4);
+  const uint32_t coefficients = scene::infoOf(lens.model).coefficients;
+  if (coefficients == 0) badUsage("{} needs the model opencv or fisheye", spec.pathOf("distortion"));
+  const std::vector<double> terms = spec.numbers("distortion", 1, coefficients);
   std::ranges::copy(terms, lens.distortion.begin());
 }
 
@@ -74,7 +71,7 @@ PictureSize readSize(Spec& spec) {
 
 Optics opticsOf(const Lens& lens, uint32_t width, uint32_t height) {
   Optics optics{.width = width, .height = height};
-  if (lens.model == LensModel::Equirectangular || lens.model == LensModel::CubeMap) {
+  if (!scene::infoOf(lens.model).calibrated) {
     optics.camera.lens = lens;
     return optics;
   }
@@ -101,7 +98,7 @@ Optics readOptics(Spec& spec) {
   if (spec.has("fov")) badUsage("{} can't stand beside K or another model than pinhole", spec.pathOf("fov"));
   const PictureSize size = readSize(spec);
   lens.width = size.width, lens.height = size.height;
-  if (model == LensModel::Equirectangular || model == LensModel::CubeMap) {
+  if (!scene::infoOf(model).calibrated) {
     if (spec.has("K")) badUsage("{} can't stand beside the model {}", spec.pathOf("K"), spec.text("model"));
     // Their shape says all: any size will do.
     if (size.width == 0) lens.width = model == LensModel::CubeMap ? 6 : 2, lens.height = 1;

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "data/cameras/json_file.h"
+#include "output/metadata.h"
 #include "scene/builtin/exact_math.h"
 
 namespace latelight::data {
@@ -150,9 +151,7 @@ void writeTransforms(const std::filesystem::path& file, std::span<const Calibrat
   for (const CalibratedCamera& camera : cameras) {
     Json frame = shared ? Json::object() : lensJson(*camera.lens);
     frame["file_path"] = camera.name;
-    const glm::dmat4 pose = turnedAxes(camera.pose);
-    for (int row = 0; row < 4; ++row)
-      frame["transform_matrix"].push_back({pose[0][row], pose[1][row], pose[2][row], pose[3][row]});
+    frame["transform_matrix"] = output::rowsOf(turnedAxes(camera.pose));
     frames.push_back(std::move(frame));
   }
   writeJson(file, json);

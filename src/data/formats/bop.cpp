@@ -115,8 +115,7 @@ class Bop : public Format {
       files["models/models_info.json"][std::to_string(model["number"].get<size_t>())] = model["info"];
     std::vector<std::string> written;
     for (const auto& [name, json] : files) {
-      const std::string text = jsonText(json);
-      writeBelow(folder, name, std::as_bytes(std::span(text)));
+      writeJsonBelow(folder, name, json);
       written.push_back(name);
     }
     return written;

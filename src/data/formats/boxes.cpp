@@ -35,8 +35,8 @@ Json boxInSpace(const Object& object, const output::CameraMetadata& camera) {
   for (const glm::dvec3 corner : cornersOf(object))
     corners.push_back(projected(camera, glm::dvec3(fromWorld * object.toWorld * glm::dvec4(corner, 1))));
   return {{"size", {size.x, size.y, size.z}},
-          {"toWorld", rowsOf(toWorld)},
-          {"toCamera", rowsOf(fromWorld * toWorld)},
+          {"toWorld", output::rowsOf(toWorld)},
+          {"toCamera", output::rowsOf(fromWorld * toWorld)},
           {"corners", corners}};
 }
 
@@ -66,12 +66,11 @@ class Boxes : public Format {
                     {"width", frame.picture.width},
                     {"height", frame.picture.height},
                     {"world", frame.metadata.axes},
-                    {"camera", {{"K", camera.intrinsics}, {"worldToCamera", rowsOf(openCvFromWorld(camera))}}},
+                    {"camera", {{"K", camera.intrinsics}, {"worldToCamera", output::rowsOf(openCvFromWorld(camera))}}},
                     {"objects", objects}};
-    const std::string text = jsonText(json);
-    FrameRecord record;
-    writeOf(record, folder, frameFile(file_, frame), std::as_bytes(std::span(text)));
-    return record;
+    const std::string file = frameFile(file_, frame);
+    writeJsonBelow(folder, file, json);
+    return {{file}, nullptr};
   }
 
  private:

@@ -12,6 +12,7 @@
 #include "data/formats/frame_files.h"
 #include "data/formats/names.h"
 #include "data/formats/options.h"
+#include "data/formats/picture_file.h"
 
 namespace latelight::data {
 
@@ -96,12 +97,11 @@ class Coco : public Format {
   explicit Coco(const Json& json) : Coco(json, FormatOptions("coco", json)) {}
 
   std::vector<output::Aov> needs() const override { return {output::Aov::Id}; }
-  bool needsDisplay() const override { return writesPictures_; }
+  bool needsDisplay() const override { return picture_.isWritten(); }
 
   FrameRecord writeFrame(const DataFrame& frame, const std::filesystem::path& folder) const override {
     FrameRecord record;
-    const std::string picture = frameFile(picture_, frame);
-    if (writesPictures_) writeOf(record, folder, picture, displayPng(frame.picture));
+    const std::string picture = picture_.write(record, frame, folder);
     const output::AovImage& ids = imageOf(frame.picture, output::Aov::Id);
     Json objects = Json::array();
     for (const auto& [id, mask] : masksOf(ids)) {
@@ -143,16 +143,14 @@ class Coco : public Format {
         set["annotations"].push_back(std::move(annotation));
       }
     }
-    const std::string text = jsonText(set);
-    writeBelow(folder, file_, std::as_bytes(std::span(text)));
+    writeJsonBelow(folder, file_, set);
     return {file_};
   }
 
  private:
   Coco(const Json& json, FormatOptions options) : categories_(options.find("categories")) {
     file_ = options.setFile("file", "annotations/instances.json", ".json");
-    picture_ = options.frameFile("picture", "images/{name}.png", ".png");
-    writesPictures_ = options.flag("write-pictures", true);
+    picture_ = PictureFile(options);
     options.finish();
   }
 
@@ -174,8 +172,8 @@ class Coco : public Format {
   }
 
   Categories categories_;
-  std::string file_, picture_;
-  bool writesPictures_ = true;
+  std::string file_;
+  PictureFile picture_;
 };
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "data/formats/frame_files.h"
 #include "data/formats/names.h"
 #include "data/formats/options.h"
+#include "data/json_text.h"
 #include "output/exr.h"
 
 namespace latelight::data {
@@ -158,8 +159,7 @@ class Cryptomatte : public Format {
     extras.attributes.emplace_back(key + "name", names.layer);
     extras.attributes.emplace_back(key + "hash", "MurmurHash3_32");
     extras.attributes.emplace_back(key + "conversion", "uint32_to_float32");
-    extras.attributes.emplace_back(key + "manifest",
-                                   names.manifest.dump(-1, ' ', false, Json::error_handler_t::replace));
+    extras.attributes.emplace_back(key + "manifest", dumped(names.manifest));
   }
 
   std::string file_;

@@ -1,10 +1,8 @@
 // Outputs of each frame as plain files: PNG, EXR or NPY, with a side file.
-#include "data/formats/files.h"
-
-#include <algorithm>
-
-#include "base/error.h"
 #include "output/files.h"
+#include "base/error.h"
+#include "data/formats/formats.h"
+#include "data/formats/options.h"
 
 namespace latelight::data {
 
@@ -17,19 +15,13 @@ constexpr std::string_view kName = "{name}";
 
 class Files : public Format {
  public:
-  explicit Files(const Json& options) {
-    for (const auto& [key, value] : options.items()) take(key, value);
-    const size_t at = request_.pattern.find(kName);
-    if (at == std::string::npos) badUsage("pattern needs {{name}}, or each frame would replace the one before");
-    if (fs::path(request_.pattern).is_absolute() || request_.pattern.find("..") != std::string::npos)
-      badUsage("pattern is a name below the data set's folder, not \"{}\"", request_.pattern);
-    output::OutputRequest filled = request_;
-    filled.pattern.replace(at, kName.size(), 1, '0');
-    output::fillPattern(filled.pattern, "", {});
-    if (output::formatOf(filled.pattern) == output::Format::Png)
-      for (const output::Aov aov : request_.aovs)
-        if (output::info(aov).png == output::PngCoding::None)
-          badUsage("a PNG file can't hold {}; end the pattern in .exr or .npy", output::info(aov).name);
+  explicit Files(const Json& json) {
+    FormatOptions options("files", json);
+    request_.aovs = options.outputs("outputs", request_.aovs);
+    request_.pattern = options.text("pattern", request_.pattern);
+    if (options.find("side-file")) request_.sideFile = options.flag("side-file", false);
+    options.finish();
+    checkPattern();
   }
 
   std::vector<output::Aov> needs() const override {
@@ -54,30 +46,18 @@ class Files : public Format {
   }
 
  private:
-  void take(const std::string& key, const Json& value) {
-    if (key == "pattern") {
-      if (!value.is_string()) badUsage("pattern takes a text, as in {{name}}.png");
-      request_.pattern = value.get<std::string>();
-    } else if (key == "side-file") {
-      if (!value.is_boolean()) badUsage("side-file takes true or false");
-      request_.sideFile = value.get<bool>();
-    } else if (key == "outputs") {
-      request_.aovs = outputsOf(value);
-    } else {
-      badUsage("files has no key \"{}\"; it has outputs, pattern and side-file", key);
-    }
-  }
-
-  static std::vector<output::Aov> outputsOf(const Json& names) {
-    std::string list;
-    const auto isText = [](const Json& name) { return name.is_string(); };
-    if (!names.is_array() || names.empty() || !std::ranges::all_of(names, isText))
-      badUsage("outputs takes a list of names (latelight list aovs)");
-    for (const Json& name : names) {
-      list += list.empty() ? "" : ",";
-      list += name.get<std::string>();
-    }
-    return output::parseAovs(list);
+  void checkPattern() const {
+    const size_t at = request_.pattern.find(kName);
+    if (at == std::string::npos) badUsage("pattern needs {{name}}, or each frame would replace the one before");
+    if (fs::path(request_.pattern).is_absolute() || request_.pattern.find("..") != std::string::npos)
+      badUsage("pattern is a name below the data set's folder, not \"{}\"", request_.pattern);
+    output::OutputRequest filled = request_;
+    filled.pattern.replace(at, kName.size(), 1, '0');
+    output::fillPattern(filled.pattern, "", {});
+    if (output::formatOf(filled.pattern) == output::Format::Png)
+      for (const output::Aov aov : request_.aovs)
+        if (output::info(aov).png == output::PngCoding::None)
+          badUsage("a PNG file can't hold {}; end the pattern in .exr or .npy", output::info(aov).name);
   }
 
   output::OutputRequest request_{.pattern = "{name}.png"};

@@ -13,6 +13,7 @@ std::unique_ptr<Format> makeCoco(const nlohmann::ordered_json& options);
 std::unique_ptr<Format> makeCryptomatte(const nlohmann::ordered_json& options);
 std::unique_ptr<Format> makeDepthPng(const nlohmann::ordered_json& options);
 std::unique_ptr<Format> makeExr(const nlohmann::ordered_json& options);
+std::unique_ptr<Format> makeFiles(const nlohmann::ordered_json& options);
 std::unique_ptr<Format> makeFlow(const nlohmann::ordered_json& options);
 std::unique_ptr<Format> makeNpz(const nlohmann::ordered_json& options);
 std::unique_ptr<Format> makePly(const nlohmann::ordered_json& options);

@@ -2,7 +2,8 @@
 
 #include "base/error.h"
 #include "base/files.h"
-#include "output/png.h"
+#include "base/text.h"
+#include "data/json_text.h"
 
 namespace latelight::data {
 
@@ -15,10 +16,8 @@ const output::AovImage& imageOf(const output::FrameOutput& picture, output::Aov 
 }
 
 std::string frameFile(std::string_view pattern, const DataFrame& frame) {
-  constexpr std::string_view kName = "{name}";
   std::string file(pattern);
-  for (size_t at = file.find(kName); at != std::string::npos; at = file.find(kName, at + frame.name.size()))
-    file.replace(at, kName.size(), frame.name);
+  replaceAll(file, "{name}", frame.name);
   return file;
 }
 
@@ -34,12 +33,9 @@ void writeOf(FrameRecord& record, const fs::path& folder, const std::string& nam
   record.files.push_back(name);
 }
 
-std::vector<std::byte> displayPng(const output::FrameOutput& picture) {
-  return output::encodePng(output::Picture{picture.width, picture.height, picture.display});
-}
-
-std::string jsonText(const nlohmann::ordered_json& json) {
-  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+void writeJsonBelow(const fs::path& folder, const std::string& name, const nlohmann::ordered_json& json) {
+  const std::string text = dumped(json) + "\n";
+  writeBelow(folder, name, std::as_bytes(std::span(text)));
 }
 
 }  // namespace latelight::data

@@ -25,10 +25,7 @@ void writeBelow(const std::filesystem::path& folder, const std::string& name, st
 void writeOf(FrameRecord& record, const std::filesystem::path& folder, const std::string& name,
              std::span<const std::byte> bytes);
 
-// The picture for viewing, as PNG.
-std::vector<std::byte> displayPng(const output::FrameOutput& picture);
-
-// On one line; names need not be UTF-8.
-std::string jsonText(const nlohmann::ordered_json& json);
+// A file of JSON, on one line.
+void writeJsonBelow(const std::filesystem::path& folder, const std::string& name, const nlohmann::ordered_json& json);
 
 }  // namespace latelight::data

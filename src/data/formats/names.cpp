@@ -1,7 +1,5 @@
 #include "data/formats/names.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 
 namespace latelight::data {
@@ -12,7 +10,7 @@ const output::IdEntry* entryOf(const output::IdManifest& ids, uint32_t id) {
 }
 
 std::string nameOf(const output::IdEntry& entry) {
-  return entry.copy ? fmt::format("{}/instance{}", entry.node, *entry.copy) : entry.node;
+  return output::pathOf(entry.node, entry.copy);
 }
 
 }  // namespace latelight::data

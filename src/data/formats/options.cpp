@@ -12,7 +12,7 @@ namespace latelight::data {
 using Json = nlohmann::ordered_json;
 
 const Json* FormatOptions::find(std::string_view key) {
-  known_.emplace_back(key);
+  if (std::ranges::find(known_, key) == known_.end()) known_.emplace_back(key);
   const auto found = options_.find(std::string(key));
   return found == options_.end() ? nullptr : &*found;
 }

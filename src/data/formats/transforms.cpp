@@ -2,11 +2,12 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "data/cameras/shot.h"
 #include "data/formats/depth_png.h"
 #include "data/formats/formats.h"
 #include "data/formats/frame_files.h"
-#include "data/formats/geometry.h"
 #include "data/formats/options.h"
+#include "data/formats/picture_file.h"
 
 namespace latelight::data {
 
@@ -28,11 +29,7 @@ Json opticsOf(const DataFrame& frame) {
 
 // OpenGL's camera frame, X right, Y up, Z backward, to the frame of positions.
 glm::dmat4 openGlPose(const output::CameraMetadata& camera) {
-  glm::dmat4 pose = camera.cameraToWorld;
-  if (camera.convention == "opengl") return pose;
-  pose[1] = -pose[1];
-  pose[2] = -pose[2];
-  return pose;
+  return camera.convention == "opengl" ? camera.cameraToWorld : turnedAxes(camera.cameraToWorld);
 }
 
 class Transforms : public Format {
@@ -40,8 +37,7 @@ class Transforms : public Format {
   explicit Transforms(const Json& json) {
     FormatOptions options("transforms", json);
     file_ = options.setFile("file", "transforms.json", ".json");
-    picture_ = options.frameFile("picture", "images/{name}.png", ".png");
-    writesPictures_ = options.flag("write-pictures", true);
+    picture_ = PictureFile(options);
     depth_ = options.flag("depth", true);
     depthFile_ = options.frameFile("depth-file", "depth/{name}.png", ".png");
     options.finish();
@@ -50,22 +46,22 @@ class Transforms : public Format {
   std::vector<output::Aov> needs() const override {
     return depth_ ? std::vector{output::Aov::Depth} : std::vector<output::Aov>();
   }
-  bool needsDisplay() const override { return writesPictures_; }
+  bool needsDisplay() const override { return picture_.isWritten(); }
 
   FrameRecord writeFrame(const DataFrame& frame, const std::filesystem::path& folder) const override {
     const output::CameraMetadata& camera = frame.metadata.camera;
     if (camera.orthographic)
       badUsage("the format transforms holds no orthographic camera, which \"{}\" is", camera.name);
     FrameRecord record;
-    const std::string picture = frameFile(picture_, frame), depthFile = frameFile(depthFile_, frame);
-    if (writesPictures_) writeOf(record, folder, picture, displayPng(frame.picture));
+    const std::string depthFile = frameFile(depthFile_, frame);
+    const std::string picture = picture_.write(record, frame, folder);
     record.entry["optics"] = opticsOf(frame);
     Json& entry = record.entry["frame"] = {{"file_path", picture}};
     if (depth_) {
       writeOf(record, folder, depthFile, encodeDepthPng(imageOf(frame.picture, output::Aov::Depth), kStepsPerMetre));
       entry["depth_file_path"] = depthFile;
     }
-    entry["transform_matrix"] = rowsOf(openGlPose(camera));
+    entry["transform_matrix"] = output::rowsOf(openGlPose(camera));
     return record;
   }
 
@@ -84,14 +80,14 @@ class Transforms : public Format {
       frames.push_back(entry["frame"]);
       if (!one) frames.back().update(entry["optics"]);
     }
-    const std::string text = jsonText(set);
-    writeBelow(folder, file_, std::as_bytes(std::span(text)));
+    writeJsonBelow(folder, file_, set);
     return {file_};
   }
 
  private:
-  std::string file_, picture_, depthFile_;
-  bool writesPictures_, depth_;
+  std::string file_, depthFile_;
+  PictureFile picture_;
+  bool depth_;
 };
 
 }  // namespace

@@ -15,6 +15,7 @@
 #include "data/formats/formats.h"
 #include "data/formats/frame_files.h"
 #include "data/formats/options.h"
+#include "data/formats/picture_file.h"
 
 namespace latelight::data {
 
@@ -101,8 +102,7 @@ class Video : public Format {
   explicit Video(const Json& json) {
     FormatOptions options("video", json);
     file_ = options.setFile("file", "video.mp4", ".mp4");
-    picture_ = options.frameFile("picture", "images/{name}.png", ".png");
-    writesPictures_ = options.flag("write-pictures", true);
+    picture_ = PictureFile(options);
     rate_ = options.number("fps", 24, 1e-2, 1e3);
     options.finish();
     if (!isInstalled("ffmpeg"))
@@ -110,13 +110,11 @@ class Video : public Format {
   }
 
   std::vector<output::Aov> needs() const override { return {}; }
-  bool needsDisplay() const override { return writesPictures_; }
+  bool needsDisplay() const override { return picture_.isWritten(); }
 
   FrameRecord writeFrame(const DataFrame& frame, const fs::path& folder) const override {
     FrameRecord record;
-    const std::string picture = frameFile(picture_, frame);
-    if (writesPictures_) writeOf(record, folder, picture, displayPng(frame.picture));
-    record.entry = picture;
+    record.entry = picture_.write(record, frame, folder);
     return record;
   }
 
@@ -175,8 +173,8 @@ class Video : public Format {
             "/proc/self/fd/1"};
   }
 
-  std::string file_, picture_;
-  bool writesPictures_;
+  std::string file_;
+  PictureFile picture_;
   double rate_;
 };
 

@@ -138,10 +138,6 @@ shared::View pinholeView(uint32_t axis, const Extent& extent, glm::vec2 size, fl
   return view;
 }
 
-}  // namespace
-
-namespace {
-
 // Where the rays lie, ordered by the pixels of the pinhole views.
 struct Bins {
   std::vector<uint32_t> starts, pixels;

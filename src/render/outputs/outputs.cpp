@@ -72,6 +72,12 @@ bool showsPicture(const Settings& settings) {
   return settings.display || asksFor(settings, Origin::Picture);
 }
 
+uint64_t bytesAPixel(const Settings& settings) {
+  uint64_t bytes = settings.display ? 4 : 0;
+  for (const Aov aov : settings.aovs) bytes += 4 * output::info(aov).channels;
+  return bytes;
+}
+
 uint32_t exactTargets(std::span<const Aov> aovs) {
   const Layout& exact = findLayout("exact");
   uint32_t wanted = 0;

@@ -28,7 +28,8 @@ enum class Origin {
 };
 Origin originOf(output::Aov aov);
 bool asksFor(const Settings& settings, Origin origin);
-bool showsPicture(const Settings& settings);  // to look at, or as an output
+bool showsPicture(const Settings& settings);     // to look at, or as an output
+uint64_t bytesAPixel(const Settings& settings);  // of what leaves
 
 // The targets of the layout `exact` that these outputs lie in, a bit each.
 uint32_t exactTargets(std::span<const output::Aov> aovs);

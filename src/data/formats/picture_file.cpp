@@ -1,0 +1,20 @@
+#include "data/formats/picture_file.h"
+
+#include "data/formats/frame_files.h"
+#include "output/png.h"
+
+namespace latelight::data {
+
+PictureFile::PictureFile(FormatOptions& options)
+    : pattern_(options.frameFile("picture", "images/{name}.png", ".png")),
+      isWritten_(options.flag("write-pictures", true)) {}
+
+std::string PictureFile::write(FrameRecord& record, const DataFrame& frame, const std::filesystem::path& folder) const {
+  const std::string file = frameFile(pattern_, frame);
+  const output::FrameOutput& picture = frame.picture;
+  if (isWritten_)
+    writeOf(record, folder, file, output::encodePng(output::Picture{picture.width, picture.height, picture.display}));
+  return file;
+}
+
+}  // namespace latelight::data
