@@ -204,7 +204,8 @@ TEST(BopTest, ReadsSceneCameras) {
   ASSERT_EQ(cameras.size(), 2u);
   EXPECT_EQ(cameras[0].name, "9");
   EXPECT_EQ(cameras[1].lens->fy, 573.5);
-  EXPECT_EQ(cameras[1].lens->cx, 325.2);
+  EXPECT_EQ(cameras[1].lens->cx, 325.7);  // OpenCV's first pixel has its centre at 0
+  EXPECT_EQ(cameras[1].lens->cy, 242.5);
   expectPose(cameras[1].pose, {1, 0, 0}, {0, -1, 0}, {0, 0, -1}, {-0.1, 0.2, 3});
   expectPose(cameras[0].pose, {0, 0, 1}, {0, 1, 0}, {-1, 0, 0}, {1, 0, 0});
 }

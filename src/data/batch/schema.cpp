@@ -17,6 +17,12 @@ namespace {
 constexpr std::string_view kSchemaText =
 #include "job_schema.inc"
     ;
+constexpr std::string_view kCamerasText =
+#include "cameras_schema.inc"
+    ;
+constexpr std::string_view kVariationsText =
+#include "variations_schema.inc"
+    ;
 
 Json schemaOf(const render::Option& option) {
   using render::OptionKind;
@@ -40,6 +46,24 @@ Json schemaOf(const render::Option& option) {
       schema["minLength"] = 1;
   }
   return schema;
+}
+
+// References within a schema that stands at `place` of another.
+void moveReferences(Json& schema, const std::string& place) {
+  for (auto& [key, value] : schema.items())
+    if (key == "$ref")
+      value = place + value.get<std::string>().substr(1);
+    else if (value.is_structured())
+      moveReferences(value, place);
+}
+
+// The value of a key has a schema of its own.
+void addSchemaOf(Json& job, const std::string& key, std::string_view text) {
+  const std::string place = "#/$defs/" + key;
+  Json& schema = job["$defs"][key] = Json::parse(text);
+  schema.erase("$schema");
+  moveReferences(schema, place);
+  job["properties"][key]["$ref"] = place;
 }
 
 // --- what is wrong --------------------------------------------------------------------------------------------------
@@ -124,6 +148,8 @@ const Json& jobSchema() {
     Json schema = Json::parse(kSchemaText);
     for (const render::Option& option : render::options())
       schema["properties"]["options"]["properties"][std::string(render::keyOf(option))] = schemaOf(option);
+    addSchemaOf(schema, "cameras", kCamerasText);
+    addSchemaOf(schema, "variations", kVariationsText);
     return schema;
   }();
   return made;

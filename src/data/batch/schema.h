@@ -7,7 +7,8 @@
 
 namespace latelight::data {
 
-// schema.json, with the options of a picture from their table.
+// schema.json, with the options of a picture from their table, and the schemas of cameras and variations as
+// definitions.
 const nlohmann::ordered_json& jobSchema();
 
 // Throws Error(Usage) with a sentence that names the key, and its line in the file: one that is not known or is

@@ -15,14 +15,19 @@ using Json = nlohmann::ordered_json;
 namespace {
 
 constexpr double kMillimetre = 1e-3;
+constexpr double kFirstCentre = 0.5;  // of the first pixel; BOP's is OpenCV's, at 0
 
 CalibratedCamera cameraIn(const Json& entry, const std::string& name, PictureSize size, const std::string& where) {
   const std::vector<double> k = numbersIn(entry, "cam_K", 9, where), r = numbersIn(entry, "cam_R_w2c", 9, where),
                             t = numbersIn(entry, "cam_t_w2c", 3, where);
   if (k[1] != 0) badInput("{} has a cam_K with skew, which is not supported", where);
   CalibratedCamera camera{.name = name};
-  camera.lens = scene::Lens{
-      .width = double(size.width), .height = double(size.height), .fx = k[0], .fy = k[4], .cx = k[2], .cy = k[5]};
+  camera.lens = scene::Lens{.width = double(size.width),
+                            .height = double(size.height),
+                            .fx = k[0],
+                            .fy = k[4],
+                            .cx = k[2] + kFirstCentre,
+                            .cy = k[5] + kFirstCentre};
   checkLens(*camera.lens, where);
   glm::dmat4 toCamera(1);
   for (int i = 0; i < 9; ++i) toCamera[i % 3][i / 3] = r[static_cast<size_t>(i)];
@@ -58,7 +63,8 @@ void writeBop(const std::filesystem::path& file, std::span<const CalibratedCamer
                camera.name);
     const glm::dmat4 toCamera = inverseOf(camera.pose);
     Json& entry = json[camera.name];
-    entry["cam_K"] = {camera.lens->fx, 0.0, camera.lens->cx, 0.0, camera.lens->fy, camera.lens->cy, 0.0, 0.0, 1.0};
+    const scene::Lens& lens = *camera.lens;
+    entry["cam_K"] = {lens.fx, 0.0, lens.cx - kFirstCentre, 0.0, lens.fy, lens.cy - kFirstCentre, 0.0, 0.0, 1.0};
     for (int i = 0; i < 9; ++i) entry["cam_R_w2c"].push_back(toCamera[i % 3][i / 3]);
     for (int i = 0; i < 3; ++i) entry["cam_t_w2c"].push_back(toCamera[3][i] / kMillimetre);
     entry["depth_scale"] = depthScale;
