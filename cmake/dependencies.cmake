@@ -14,6 +14,7 @@ pkg_check_modules(draco REQUIRED IMPORTED_TARGET draco)
 pkg_check_modules(webp REQUIRED IMPORTED_TARGET libwebp)
 pkg_check_modules(turbojpeg REQUIRED IMPORTED_TARGET libturbojpeg)
 pkg_check_modules(spng REQUIRED IMPORTED_TARGET spng)
+pkg_check_modules(libdeflate REQUIRED IMPORTED_TARGET libdeflate)
 pkg_check_modules(xxhash REQUIRED IMPORTED_TARGET libxxhash)
 find_program(GLSLANG glslangValidator REQUIRED)
 
@@ -26,4 +27,4 @@ target_link_libraries(latelight_scene_dependencies INTERFACE
   OpenEXR::OpenEXR nlohmann_json::nlohmann_json)
 add_library(latelight_output_dependencies INTERFACE)
 target_link_libraries(latelight_output_dependencies INTERFACE
-  PkgConfig::spng OpenEXR::OpenEXR ZLIB::ZLIB nlohmann_json::nlohmann_json)
+  PkgConfig::spng PkgConfig::libdeflate OpenEXR::OpenEXR ZLIB::ZLIB nlohmann_json::nlohmann_json)

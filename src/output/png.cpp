@@ -1,11 +1,13 @@
 #include "output/png.h"
 
+#include <libdeflate.h>
 #include <zlib.h>
 
 #include <algorithm>
 #include <bit>
 #include <cassert>
 #include <cstring>
+#include <memory>
 #include <new>
 #include <string_view>
 
@@ -14,6 +16,10 @@
 namespace latelight::output {
 namespace {
 
+// Pictures of at most so many raw bytes are deflated whole, by libdeflate: on 640x480 pictures of builtin:hall in 45 % of
+// zlib's time (color 6.5 ms instead of 14.6, normal 10.9 instead of 25.6) and 4 % smaller. Larger ones are worth several
+// threads, and libdeflate can't end a part so that another may follow.
+constexpr size_t kWholeBytes = size_t{2} << 20;
 // Raw bytes that one thread filters and deflates. Fixed, so that the file does not depend on the number of threads;
 // large enough that restarting compression costs under 1 % of the size.
 constexpr size_t kStripeBytes = size_t{512} << 10;
@@ -64,34 +70,49 @@ std::vector<std::byte> filterRows(const std::byte* pixels, size_t rowBytes, size
   return raw;
 }
 
+std::vector<std::byte> deflateWhole(const std::vector<std::byte>& raw) {
+  const std::unique_ptr<libdeflate_compressor, decltype(&libdeflate_free_compressor)> compressor(
+      libdeflate_alloc_compressor(kLevel), libdeflate_free_compressor);
+  if (!compressor) throw std::bad_alloc();
+  std::vector<std::byte> deflated(libdeflate_deflate_compress_bound(compressor.get(), raw.size()));
+  deflated.resize(
+      libdeflate_deflate_compress(compressor.get(), raw.data(), raw.size(), deflated.data(), deflated.size()));
+  return deflated;
+}
+
 // Raw deflate that ends on a byte boundary, so that stripes can be concatenated (as in pigz).
-Stripe deflateStripe(std::vector<std::byte> raw, bool last) {
-  Stripe stripe;
-  stripe.rawBytes = raw.size();
-  stripe.adler = adler32_z(adler32_z(0, nullptr, 0), zlibBytes(raw.data()), raw.size());
+std::vector<std::byte> deflatePart(const std::vector<std::byte>& raw, bool last) {
+  std::vector<std::byte> deflated;
   z_stream stream{};
   if (deflateInit2(&stream, kLevel, Z_DEFLATED, -15, 9, Z_DEFAULT_STRATEGY) != Z_OK) throw std::bad_alloc();
-  stripe.deflated.resize(deflateBound(&stream, static_cast<uLong>(raw.size())) + 16);
-  stream.next_in = reinterpret_cast<Bytef*>(raw.data());
+  deflated.resize(deflateBound(&stream, static_cast<uLong>(raw.size())) + 16);
+  stream.next_in = const_cast<Bytef*>(zlibBytes(raw.data()));
   stream.avail_in = static_cast<uInt>(raw.size());
-  stream.next_out = reinterpret_cast<Bytef*>(stripe.deflated.data());
-  stream.avail_out = static_cast<uInt>(stripe.deflated.size());
+  stream.next_out = reinterpret_cast<Bytef*>(deflated.data());
+  stream.avail_out = static_cast<uInt>(deflated.size());
   [[maybe_unused]] const int result = deflate(&stream, last ? Z_FINISH : Z_SYNC_FLUSH);
   assert(result == (last ? Z_STREAM_END : Z_OK) && stream.avail_in == 0);
-  stripe.deflated.resize(stream.total_out);
-  stripe.deflated.shrink_to_fit();  // many are held at once
+  deflated.resize(stream.total_out);
   deflateEnd(&stream);
+  return deflated;
+}
+
+Stripe makeStripe(const std::vector<std::byte>& raw, bool first, bool last) {
+  Stripe stripe{.rawBytes = raw.size()};
+  stripe.adler = adler32_z(adler32_z(0, nullptr, 0), zlibBytes(raw.data()), raw.size());
+  stripe.deflated = first && last ? deflateWhole(raw) : deflatePart(raw, last);
+  stripe.deflated.shrink_to_fit();  // many are held at once
   return stripe;
 }
 
 std::vector<Stripe> deflatePicture(const std::byte* pixels, size_t rowBytes, size_t height) {
-  const size_t rows = std::max<size_t>(1, kStripeBytes / (rowBytes + 1));
+  const bool whole = height * (rowBytes + 1) <= kWholeBytes;
+  const size_t rows = whole ? height : std::max<size_t>(1, kStripeBytes / (rowBytes + 1));
   std::vector<Stripe> stripes((height + rows - 1) / rows);
   parallelFor(stripes.size(), 1, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) {
-      stripes[i] = deflateStripe(filterRows(pixels, rowBytes, i * rows, std::min(height, (i + 1) * rows)),
-                                 i + 1 == stripes.size());
-    }
+    for (size_t i = begin; i < end; ++i)
+      stripes[i] = makeStripe(filterRows(pixels, rowBytes, i * rows, std::min(height, (i + 1) * rows)), i == 0,
+                              i + 1 == stripes.size());
   });
   return stripes;
 }

@@ -131,7 +131,7 @@ TEST(Shards, AShardIsMadeByOneProcess) {
   const Outcome &refused = outcomes[second], &done = outcomes[!second];
   EXPECT_EQ(done.code, 0) << done.text();
   EXPECT_EQ(refused.code, 2) << refused.text();
-  EXPECT_THAT(refused.err, HasSubstr("another process is at work on 'set/.latelight/shard-0-of-1.json'"));
+  EXPECT_THAT(refused.err, HasSubstr("another process is at work on 'set/.latelight/shard-0-of-1.jsonl'"));
 }
 
 }  // namespace

@@ -1,14 +1,16 @@
-// What a data set says of its frames: a manifest a shard while it is made, and one of all once it is done. It holds
-// nothing of the time or the machine, and frames by their index, so that a set has the same bytes however it was made.
+// What a data set says of its frames: a log a shard while it is made (shard_log.h), and a manifest of all once it is
+// done. It holds nothing of the time or the machine, and frames by their index, so that a set has the same bytes however
+// it was made.
 #pragma once
 
 #include <cstdint>
+#include <exception>
 #include <filesystem>
 #include <map>
-#include <mutex>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace latelight::data {
@@ -32,6 +34,16 @@ struct FinishedFrame {
   std::vector<nlohmann::ordered_json> entries;  // of each format, for its files of the whole set
 };
 
+// Its name, and why.
+using FailedFrame = std::pair<const std::string, std::string>;
+
+nlohmann::ordered_json describe(const FinishedFrame& frame);
+nlohmann::ordered_json describe(const FailedFrame& frame);
+// And back; throw nlohmann's exceptions where the JSON is no such thing.
+FinishedFrame finishedFrame(nlohmann::ordered_json&& json);
+FailedFrame failedFrame(const nlohmann::ordered_json& json);
+uint64_t hashIn(const nlohmann::ordered_json& json);
+
 struct Manifest {
   uint64_t plan = 0;  // Plan::hash() that it was made by
   std::map<uint64_t, FinishedFrame> frames;
@@ -40,30 +52,12 @@ struct Manifest {
   std::vector<FileRecord> setFiles;           // of the whole set
 };
 
+[[noreturn]] void badManifest(const std::filesystem::path& path, const std::exception& error);
+
 // Throws Error(BadInput) that names the file where it is no manifest.
 Manifest readManifest(const std::filesystem::path& path);
 
 // Whole or not at all. Throws Error(Usage) where it can't be written.
 void writeManifest(const std::filesystem::path& path, const Manifest& manifest);
-
-// The manifest of a shard at work. It is written again as frames finish, at most a twentieth of the time.
-class GrowingManifest {
- public:
-  GrowingManifest(std::filesystem::path path, Manifest manifest);
-
-  // From any thread.
-  void finished(FinishedFrame frame);
-  void failed(const std::string& name, const std::string& why);
-  void write();
-  Manifest manifest() const;
-
- private:
-  void writeNow();  // with the mutex taken
-
-  std::filesystem::path path_;
-  mutable std::mutex mutex_;
-  Manifest manifest_;
-  double next_ = 0;  // seconds of the steady clock
-};
 
 }  // namespace latelight::data

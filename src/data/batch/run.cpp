@@ -48,12 +48,12 @@ void runWorkers(const BatchOptions& options, const std::function<void(const std:
   if (first) std::rethrow_exception(first);
 }
 
-void render(const Job& job, Plan& plan, WorkList& work, GrowingManifest& manifest, const BatchOptions& options) {
+void render(const Job& job, Plan& plan, WorkList& work, ShardLog& log, const BatchOptions& options) {
   Progress progress("frames", work.frames());
-  Writers writers(job, manifest, progress, options.writers, memoryLimit() / 8);
+  Writers writers(job, log, progress, options.writers, memoryLimit() / 8);
   SceneLoader loader(job, plan);
   runWorkers(options, [&](const std::string& device) {
-    Worker(job, plan, loader, work, writers, manifest, {.selector = device, .validation = options.validation}).run();
+    Worker(job, plan, loader, work, writers, log, {.selector = device, .validation = options.validation}).run();
   });
 }
 
@@ -66,25 +66,25 @@ BatchResult runBatch(const Job& job, const BatchOptions& options) {
   Plan plan(job, set.plan());
   plan.save(set.plan());
   const auto [first, end] = options.shard.range(plan.frames());
-  GrowingManifest manifest(set.shard(options.shard), findFinished(set, plan, options.shard));
+  const Manifest found = findFinished(set, plan, options.shard);
+  ShardLog log(set.shard(options.shard), found);
   for (const PlannedScene& scene : plan.scenes())
-    if (!scene.error.empty()) manifest.failed(scene.source, scene.error);
-  WorkList work(plan, first, end, manifest.manifest(), atOnce(job, options));
+    if (!scene.error.empty()) log.failed(scene.source, scene.error);
+  WorkList work(plan, first, end, found, atOnce(job, options));
   const std::string shard = "shard " + options.shard.name();
   set.log(fmt::format("{} begins: {} of {} frames are to be rendered", shard, work.frames(), end - first));
   stopOnSignals();
   std::exception_ptr error;
   try {
-    if (work.frames() > 0) render(job, plan, work, manifest, options);
+    if (work.frames() > 0) render(job, plan, work, log, options);
   } catch (...) {
     error = std::current_exception();
   }
-  manifest.write();
-  const Manifest made = manifest.manifest();
-  set.log(fmt::format("{} ends: {} of {} frames are finished", shard, made.frames.size(), end - first));
+  log.end();
+  set.log(fmt::format("{} ends: {} of {} frames are finished", shard, log.frames(), end - first));
   if (error) std::rethrow_exception(error);
   mergeIfComplete(set);
-  return {end - first, made.frames.size(), made.failed, made.frames.size() < end - first ? stopSignal() : 0};
+  return {end - first, log.frames(), log.whyFailed(), log.frames() < end - first ? stopSignal() : 0};
 }
 
 }  // namespace latelight::data

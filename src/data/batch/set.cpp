@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "base/parallel.h"
+#include "data/batch/shard_log.h"
 #include "data/json_text.h"
 
 namespace latelight::data {
@@ -28,15 +29,17 @@ Json readState(const fs::path& path) {
   }
 }
 
-std::vector<fs::path> manifestsOf(const SetFolder& set) {
-  std::vector<fs::path> all = set.shards();
-  if (fs::exists(set.manifest())) all.insert(all.begin(), set.manifest());
+// What is known of the set, by the file that says so.
+std::vector<std::pair<fs::path, Manifest>> manifestsOf(const SetFolder& set) {
+  std::vector<std::pair<fs::path, Manifest>> all;
+  if (fs::exists(set.manifest())) all.emplace_back(set.manifest(), readManifest(set.manifest()));
+  for (const fs::path& shard : set.shards()) all.emplace_back(shard, readShardLog(shard));
   return all;
 }
 
 // Whether the shards that are there are this job's other ones.
 bool isOfOthers(const SetFolder& set, const Job& job, const Shard& shard) {
-  const std::string count = fmt::format("-of-{}.json", shard.count);
+  const std::string count = fmt::format("-of-{}.jsonl", shard.count);
   const auto isOther = [&](const fs::path& path) {
     return path != set.shard(shard) && path.filename().string().ends_with(count);
   };
@@ -65,10 +68,12 @@ void writeSetFiles(const SetFolder& set, Manifest& manifest) {
   manifest.setFiles.clear();
   const std::vector<JobFormat> formats = formatsOf(readState(set.job()));
   for (size_t i = 0; i < formats.size(); ++i) {
-    std::vector<Json> entries;
-    for (const auto& [index, frame] : manifest.frames) entries.push_back(frame.entries.at(i));
+    std::vector<Json> entries;  // they may be large: lent
+    for (auto& [index, frame] : manifest.frames) entries.push_back(std::move(frame.entries.at(i)));
     for (const std::string& name : formats[i].format->writeSet(entries, set.path()))
       manifest.setFiles.push_back(recordOf(set.path(), name));
+    auto entry = entries.begin();
+    for (auto& [index, frame] : manifest.frames) frame.entries[i] = std::move(*entry++);
   }
 }
 
@@ -98,7 +103,7 @@ std::vector<fs::path> SetFolder::shards() const {
   std::error_code error;
   for (fs::directory_iterator entry(state(), error), end; !error && entry != end; entry.increment(error)) {
     const std::string name = entry->path().filename().string();
-    if (name.starts_with("shard-") && name.ends_with(".json")) all.push_back(entry->path());
+    if (name.starts_with("shard-") && name.ends_with(".jsonl")) all.push_back(entry->path());
   }
   std::ranges::sort(all);
   return all;
@@ -149,8 +154,7 @@ Manifest findFinished(const SetFolder& set, const Plan& plan, const Shard& shard
   Manifest found{.plan = plan.hash()};
   const auto [first, end] = shard.range(plan.frames());
   const bool isLast = shard.index + 1 == shard.count;
-  for (const fs::path& path : manifestsOf(set)) {
-    Manifest there = readManifest(path);
+  for (auto& [path, there] : manifestsOf(set)) {
     if (path == set.shard(shard)) found.stale.merge(there.stale);
     for (auto& [index, frame] : there.frames) {
       const bool ours = index >= first && (index < end || (isLast && index >= plan.frames()));
@@ -169,8 +173,7 @@ SetStatus readStatus(const SetFolder& set) {
   const Json plan = readState(set.plan());
   SetStatus status{.frames = plan.value("frames", uint64_t{0}), .manifest = {.plan = plan.value("hash", uint64_t{0})}};
   Manifest& all = status.manifest;
-  for (const fs::path& path : manifestsOf(set)) {
-    Manifest there = readManifest(path);
+  for (auto& [path, there] : manifestsOf(set)) {
     const bool current = there.plan == all.plan;
     for (auto& [index, frame] : there.frames)
       if (current)

@@ -2,7 +2,7 @@
 //
 //   manifest.json                    the frames of the whole set, once it is done
 //   .latelight/job.json, plan.json   what it is, and how many frames it has
-//   .latelight/shard-0-of-3.json     the frames that a shard has made
+//   .latelight/shard-0-of-3.jsonl    the frames that a shard has made (shard_log.h)
 //   .latelight/log                   when and where: the only file that says so
 #pragma once
 
@@ -28,7 +28,7 @@ class SetFolder {
   std::filesystem::path state() const { return folder_ / ".latelight"; }
   std::filesystem::path job() const { return state() / "job.json"; }
   std::filesystem::path plan() const { return state() / "plan.json"; }
-  std::filesystem::path shard(const Shard& shard) const { return state() / ("shard-" + shard.name() + ".json"); }
+  std::filesystem::path shard(const Shard& shard) const { return state() / ("shard-" + shard.name() + ".jsonl"); }
   std::vector<std::filesystem::path> shards() const;  // those that there are, by name
 
   // A line in the log, with the time and the machine. What goes wrong is ignored.

@@ -20,13 +20,13 @@ constexpr size_t kInFlight = 3;  // tickets: what keeps a device busy
 }  // namespace
 
 Worker::Worker(const Job& job, const Plan& plan, SceneLoader& loader, WorkList& work, Writers& writers,
-               GrowingManifest& manifest, const vk::DeviceOptions& device)
+               ShardLog& log, const vk::DeviceOptions& device)
     : job_(job),
       plan_(plan),
       loader_(loader),
       work_(work),
       writers_(writers),
-      manifest_(manifest),
+      log_(log),
       device_(device),
       raster_(render::chooseRaster(device_, job.settings).raster) {
   for (const JobFormat& use : job.formats) extras_ = both(extras_, use.format->needsExtras());
@@ -61,7 +61,7 @@ bool Worker::loadNext() {
       scene_ = loader_.load(*sceneIndex_);  // there was no memory for it beside the one before
     }
   } catch (const std::exception& error) {
-    manifest_.failed(plan_.scenes()[*sceneIndex_].source, error.what());
+    log_.failed(plan_.scenes()[*sceneIndex_].source, error.what());
     for (const Chunk& chunk : work_.drop(*sceneIndex_)) fail(chunk, error.what());
     return loadNext();
   }
@@ -201,7 +201,7 @@ void Worker::renderAlone(const Chunk& chunk) {
 }
 
 void Worker::fail(const Chunk& chunk, const std::string& why) {
-  for (const uint64_t index : chunk.frames) manifest_.failed(plan_.name(index), why);
+  for (const uint64_t index : chunk.frames) log_.failed(plan_.name(index), why);
 }
 
 }  // namespace latelight::data

@@ -17,7 +17,7 @@ namespace latelight::data {
 class Worker {
  public:
   Worker(const Job& job, const Plan& plan, SceneLoader& loader, WorkList& work, Writers& writers,
-         GrowingManifest& manifest, const vk::DeviceOptions& device);
+         ShardLog& log, const vk::DeviceOptions& device);
 
   // Until nothing is left, or a signal asks for the end. A frame, or a scene, that fails is recorded, and the rest goes
   // on. Throws Error(Internal) for validation messages.
@@ -49,7 +49,7 @@ class Worker {
   SceneLoader& loader_;
   WorkList& work_;
   Writers& writers_;
-  GrowingManifest& manifest_;
+  ShardLog& log_;
   vk::Device device_;
   render::Raster raster_;
   Extras extras_;  // that the formats need

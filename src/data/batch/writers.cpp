@@ -14,8 +14,8 @@ uint64_t bytesOf(const RenderedFrame& frame) {
 
 }  // namespace
 
-Writers::Writers(const Job& job, GrowingManifest& manifest, Progress& progress, size_t threads, uint64_t waiting)
-    : job_(job), manifest_(manifest), progress_(progress), most_(waiting) {
+Writers::Writers(const Job& job, ShardLog& log, Progress& progress, size_t threads, uint64_t waiting)
+    : job_(job), log_(log), progress_(progress), most_(waiting) {
   for (size_t i = 0; i < threads; ++i) threads_.emplace_back([this] { work(); });
 }
 
@@ -62,11 +62,11 @@ void Writers::write(RenderedFrame rendered) {
       for (const std::string& file : written.files) record.files.push_back(recordOf(job_.folder, file));
       record.entries.push_back(std::move(written.entry));
     }
-    manifest_.finished(std::move(record));
+    log_.finished(record);
   } catch (const std::exception& error) {
     std::error_code ignored;  // a frame is finished or absent
     for (const FileRecord& file : record.files) std::filesystem::remove(job_.folder / file.name, ignored);
-    manifest_.failed(record.name, error.what());
+    log_.failed(record.name, error.what());
   }
   progress_.step();
 }

@@ -9,7 +9,7 @@
 
 #include "base/log.h"
 #include "data/batch/job.h"
-#include "data/batch/manifest.h"
+#include "data/batch/shard_log.h"
 #include "data/frame.h"
 
 namespace latelight::data {
@@ -22,7 +22,7 @@ struct RenderedFrame {
 class Writers {
  public:
   // At most `waiting` bytes of pictures wait for them.
-  Writers(const Job& job, GrowingManifest& manifest, Progress& progress, size_t threads, uint64_t waiting);
+  Writers(const Job& job, ShardLog& log, Progress& progress, size_t threads, uint64_t waiting);
   ~Writers();  // once all is written
   Writers(const Writers&) = delete;
   Writers& operator=(const Writers&) = delete;
@@ -34,7 +34,7 @@ class Writers {
   void write(RenderedFrame frame);
 
   const Job& job_;
-  GrowingManifest& manifest_;
+  ShardLog& log_;
   Progress& progress_;
   uint64_t most_, bytes_ = 0;
   bool done_ = false;

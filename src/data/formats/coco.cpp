@@ -1,5 +1,6 @@
 // COCO's instances: one JSON file for the set, with a box, a mask and a category for each visible object.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <map>
@@ -8,11 +9,13 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "base/parallel.h"
 #include "data/formats/formats.h"
 #include "data/formats/frame_files.h"
 #include "data/formats/names.h"
 #include "data/formats/options.h"
 #include "data/formats/picture_file.h"
+#include "data/json_text.h"
 
 namespace latelight::data {
 
@@ -92,6 +95,29 @@ Json boxOf(const PixelBox& box) {
   return {box.x, box.y, box.width, box.height};
 }
 
+std::string imageOfSet(const Json& entry) {
+  Json image = Json::object();
+  for (const auto& [key, value] : entry.items())
+    if (key != "objects") image[key] = value;
+  return dumped(image);
+}
+
+// By commas; `number`: the first one's.
+std::string annotationsOf(const Json& entry, uint64_t number, const std::map<std::string, uint64_t>& categories) {
+  std::string text;
+  for (const Json& object : entry["objects"]) {
+    Json annotation{{"id", number++},
+                    {"image_id", entry["id"]},
+                    {"category_id", categories.at(object["category"].get<std::string>())},
+                    {"iscrowd", 0}};
+    annotation.update(object);
+    annotation.erase("category");
+    if (!text.empty()) text += ',';
+    text += dumped(annotation);
+  }
+  return text;
+}
+
 class Coco : public Format {
  public:
   explicit Coco(const Json& json) : Coco(json, FormatOptions("coco", json)) {}
@@ -125,25 +151,23 @@ class Coco : public Format {
 
   std::vector<std::string> writeSet(std::span<const Json> entries, const std::filesystem::path& folder) const override {
     std::map<std::string, uint64_t> numbers;
-    Json set{{"info", {{"description", "rendered by Latelight"}}}, {"licenses", Json::array()}};
-    set["images"] = Json::array();
-    set["annotations"] = Json::array();
-    set["categories"] = categoriesOf(entries, numbers);
-    for (const Json& entry : entries) {
-      Json image = entry;
-      image.erase("objects");
-      set["images"].push_back(std::move(image));
-      for (const Json& object : entry["objects"]) {
-        Json annotation{{"id", set["annotations"].size() + 1},
-                        {"image_id", entry["id"]},
-                        {"category_id", numbers.at(object["category"].get<std::string>())},
-                        {"iscrowd", 0}};
-        annotation.update(object);
-        annotation.erase("category");
-        set["annotations"].push_back(std::move(annotation));
+    const Json categories = categoriesOf(entries, numbers);
+    std::vector<uint64_t> first(entries.size() + 1, 1);  // of each picture's annotations
+    for (size_t i = 0; i < entries.size(); ++i) first[i + 1] = first[i] + entries[i]["objects"].size();
+    std::vector<std::string> images(entries.size()), annotations(entries.size());
+    parallelFor(entries.size(), 16, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) {
+        images[i] = imageOfSet(entries[i]);
+        annotations[i] = annotationsOf(entries[i], first[i], numbers);
       }
-    }
-    writeJsonBelow(folder, file_, set);
+    });
+    std::erase(annotations, "");
+    const std::string text = fmt::format(
+        R"({{"info":{{"description":"rendered by Latelight"}},"licenses":[],"images":[{}],"annotations":[{}],)"
+        R"("categories":{}}})"
+        "\n",
+        fmt::join(images, ","), fmt::join(annotations, ","), dumped(categories));
+    writeBelow(folder, file_, std::as_bytes(std::span(text)));
     return {file_};
   }
 

@@ -1,0 +1,152 @@
+#include "data/batch/shard_log.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <optional>
+#include <string_view>
+
+#include "base/error.h"
+#include "base/files.h"
+#include "base/parallel.h"
+#include "data/json_text.h"
+
+namespace latelight::data {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+struct Line {
+  Json json;
+  std::optional<FinishedFrame> frame;
+};
+
+std::vector<std::string_view> wholeLines(std::string_view text) {
+  std::vector<std::string_view> lines;
+  for (size_t end; (end = text.find('\n')) != text.npos; text.remove_prefix(end + 1)) lines.push_back(text.substr(0, end));
+  return lines;
+}
+
+std::vector<Line> readLines(const std::vector<std::string_view>& texts) {
+  std::vector<Line> lines(texts.size());
+  parallelFor(texts.size(), 16, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      Line& line = lines[i];
+      line.json = Json::parse(texts[i]);
+      if (!line.json.contains("frame")) continue;
+      line.frame = finishedFrame(std::move(line.json["frame"]));
+      line.json = Json::object();
+    }
+  });
+  return lines;
+}
+
+void take(Line line, Manifest& manifest) {
+  if (line.frame) {
+    manifest.failed.erase(line.frame->name);
+    for (const FileRecord& file : line.frame->files) manifest.stale.erase(file.name);
+    const uint64_t index = line.frame->index;
+    manifest.frames.insert_or_assign(index, *std::move(line.frame));
+  } else if (line.json.contains("failed")) {
+    const FailedFrame failure = failedFrame(line.json["failed"]);
+    manifest.failed[failure.first] = failure.second;
+  } else if (line.json.contains("stale")) {
+    manifest.stale = line.json["stale"].get<std::set<std::string>>();
+  } else {
+    manifest.plan = hashIn(line.json.at("plan"));
+  }
+}
+
+std::string lineOf(const char* key, Json value) {
+  return dumped(Json{{key, std::move(value)}}) + "\n";
+}
+
+std::string textOf(const Manifest& manifest) {
+  std::string text = lineOf("plan", hashText(manifest.plan));
+  if (!manifest.stale.empty()) text += lineOf("stale", manifest.stale);
+  for (const auto& [index, frame] : manifest.frames) text += lineOf("frame", data::describe(frame));
+  for (const auto& failure : manifest.failed) text += lineOf("failed", data::describe(failure));
+  return text;
+}
+
+}  // namespace
+
+Manifest readShardLog(const fs::path& path) {
+  const std::vector<std::byte> bytes = readFile(path);
+  Manifest manifest;
+  try {
+    for (Line& line : readLines(wholeLines({reinterpret_cast<const char*>(bytes.data()), bytes.size()})))
+      take(std::move(line), manifest);
+  } catch (const Json::exception& error) {
+    badManifest(path, error);
+  }
+  return manifest;
+}
+
+ShardLog::ShardLog(const fs::path& path, const Manifest& found) : path_(path), failed_(found.failed) {
+  for (const auto& [index, frame] : found.frames) frames_.insert(index);
+  const std::string text = textOf(found);
+  writeFile(path, std::as_bytes(std::span(text)));
+  size_ = static_cast<int64_t>(text.size());
+  fd_ = open(path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC);
+  if (fd_ < 0) badUsage("can't write to '{}': {}", path.string(), std::strerror(errno));
+}
+
+ShardLog::~ShardLog() {
+  if (fd_ >= 0) close(fd_);
+}
+
+void ShardLog::finished(const FinishedFrame& frame) {
+  const std::string line = lineOf("frame", data::describe(frame));
+  const std::lock_guard lock(mutex_);
+  frames_.insert(frame.index);
+  failed_.erase(frame.name);
+  add(line);
+}
+
+void ShardLog::failed(const std::string& name, const std::string& why) {
+  const std::lock_guard lock(mutex_);
+  failed_[name] = why;
+  add(lineOf("failed", data::describe(FailedFrame{name, why})));
+}
+
+void ShardLog::end() {
+  const std::lock_guard lock(mutex_);
+  if (const int error = append()) badUsage("can't write to '{}': {}", path_.string(), std::strerror(error));
+}
+
+uint64_t ShardLog::frames() const {
+  const std::lock_guard lock(mutex_);
+  return frames_.size();
+}
+
+std::map<std::string, std::string> ShardLog::whyFailed() const {
+  const std::lock_guard lock(mutex_);
+  return failed_;
+}
+
+void ShardLog::add(const std::string& line) {
+  waiting_ += line;
+  append();
+}
+
+int ShardLog::append() {
+  while (!waiting_.empty()) {
+    const ssize_t written = write(fd_, waiting_.data(), waiting_.size());
+    if (written == static_cast<ssize_t>(waiting_.size())) {
+      size_ += written;
+      waiting_.clear();
+    } else if (written >= 0 || errno != EINTR) {
+      const int error = written < 0 ? errno : ENOSPC;
+      // No line begins behind the part of another.
+      return ftruncate(fd_, size_) == 0 ? error : errno;
+    }
+  }
+  return 0;
+}
+
+}  // namespace latelight::data
