@@ -146,8 +146,8 @@ Imf::Header headerOf(std::span<const AovImage* const> images, const Metadata& me
   const auto program = metadata.versions.find("latelight");
   header.insert("software",
                 Imf::StringAttribute("latelight" + (program == metadata.versions.end() ? "" : " " + program->second)));
-  if (extras.idManifest && std::ranges::any_of(aovs, holdsIds))
-    Imf::addIDManifest(header, manifestOf(metadata.ids, aovs, extras.names));
+  if (extras.idManifest && metadata.ids && std::ranges::any_of(aovs, holdsIds))
+    Imf::addIDManifest(header, manifestOf(*metadata.ids, aovs, extras.names));
   Metadata withoutIds = metadata;
   withoutIds.ids = {};
   header.insert("latelight",

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 #include <unordered_set>
+#include <utility>
 
 namespace latelight::output {
 namespace {
@@ -38,6 +39,26 @@ Json describeEntry(const IdEntry& entry, const std::vector<std::string>& materia
   return json;
 }
 
+// In a list that is sorted by id; null: it is not there.
+template <typename Entry>
+const Entry* find(const std::vector<Entry>& entries, uint32_t id) {
+  const auto found = std::ranges::lower_bound(entries, id, {}, &Entry::id);
+  return found == entries.end() || found->id != id ? nullptr : &*found;
+}
+
+using Ids = std::unordered_set<uint32_t>;
+
+Ids idsIn(std::span<const AovImage> pictures, Aov aov) {
+  Ids shown;
+  for (const AovImage& picture : pictures) {
+    uint32_t last = 0;
+    if (picture.aov != aov) continue;
+    for (const uint32_t id : picture.ids)
+      if (id != std::exchange(last, id)) shown.insert(id);
+  }
+  return shown;
+}
+
 }  // namespace
 
 std::string pathOf(const std::string& node, const std::optional<uint32_t>& copy) {
@@ -48,11 +69,34 @@ std::vector<std::string> IdManifest::materialsOf(const IdEntry& entry) const {
   std::unordered_set<std::string_view> seen;
   std::vector<std::string> names;
   for (const IdPart& part : entry.parts) {
-    const auto found = std::ranges::lower_bound(materials, part.material, {}, &IdMaterial::id);
-    if (found == materials.end() || found->id != part.material) continue;
+    const IdMaterial* found = find(materials, part.material);
+    if (!found) continue;
     if (seen.insert(found->name).second) names.push_back(found->name);
   }
   return names;
+}
+
+const IdEntry* entryOf(const IdManifest& manifest, uint32_t id) {
+  return find(manifest.ids, id);
+}
+
+IdManifest shownIn(const IdManifest& all, std::span<const AovImage> pictures) {
+  Ids ids = idsIn(pictures, Aov::Id), materials = idsIn(pictures, Aov::Material);
+  const Ids parts = idsIn(pictures, Aov::Part);
+  const auto isShown = [&](const IdPart& part) { return parts.contains(part.id); };
+  for (const IdEntry& entry : all.ids)
+    if (std::ranges::any_of(entry.parts, isShown)) ids.insert(entry.id);
+  const std::vector<uint32_t> lowest(ids.begin(), ids.end());
+  for (uint32_t id : lowest)
+    for (const IdEntry* entry; (entry = entryOf(all, id)) && ids.insert(entry->parent).second;) id = entry->parent;
+  IdManifest shown;
+  for (const IdEntry& entry : all.ids)
+    if (ids.contains(entry.id)) shown.ids.push_back(entry);
+  for (const IdEntry& entry : shown.ids)
+    for (const IdPart& part : entry.parts) materials.insert(part.material);
+  for (const IdMaterial& material : all.materials)
+    if (materials.contains(material.id)) shown.materials.push_back(material);
+  return shown;
 }
 
 Json describeIds(const IdManifest& manifest) {

@@ -4,8 +4,11 @@
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
+
+#include "output/aov.h"
 
 namespace latelight::output {
 
@@ -44,10 +47,15 @@ struct IdManifest {
   std::vector<IdEntry> ids;
   std::vector<IdMaterial> materials;
 
-  bool empty() const { return ids.empty(); }
   // The names of the materials of an entry's parts, without repeats, in order.
   std::vector<std::string> materialsOf(const IdEntry& entry) const;
 };
+
+// Null where there is none of that id.
+const IdEntry* entryOf(const IdManifest& manifest, uint32_t id);
+
+// What of it the pictures of `id`, `part` and `material` among these show, with the nodes above.
+IdManifest shownIn(const IdManifest& all, std::span<const AovImage> pictures);
 
 // {"<id>": {"node": ..., "parent": ..., "mesh": ..., "materials": [...], "skinned": ..., "parts": [...]}, ...}, ids in
 // decimal; copies also have "copy".

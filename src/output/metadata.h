@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <glm/mat4x4.hpp>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -50,7 +51,7 @@ struct Metadata {
   DeviceMetadata device;
   std::map<std::string, std::string> versions;  // program, API, ...
   std::map<std::string, std::string> settings;  // the options that the picture depends on, as on the command line
-  IdManifest ids;                               // may be left empty where no output holds ids
+  std::shared_ptr<const IdManifest> ids;        // null: not known
 };
 
 // The rows of a matrix, as JSON files have them.

@@ -16,9 +16,9 @@
 namespace latelight::output {
 namespace {
 
-// Pictures of at most so many raw bytes are deflated whole, by libdeflate: on 640x480 pictures of builtin:hall in 45 % of
-// zlib's time (color 6.5 ms instead of 14.6, normal 10.9 instead of 25.6) and 4 % smaller. Larger ones are worth several
-// threads, and libdeflate can't end a part so that another may follow.
+// Pictures of at most so many raw bytes are deflated whole, by libdeflate: on 640x480 pictures of builtin:hall in 45 %
+// of zlib's time (color 6.5 ms instead of 14.6, normal 10.9 instead of 25.6) and 4 % smaller. Larger ones are worth
+// several threads, and libdeflate can't end a part so that another may follow.
 constexpr size_t kWholeBytes = size_t{2} << 20;
 // Raw bytes that one thread filters and deflates. Fixed, so that the file does not depend on the number of threads;
 // large enough that restarting compression costs under 1 % of the size.

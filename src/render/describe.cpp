@@ -65,7 +65,7 @@ output::Metadata describe(const scene::Scene& scene, const scene::Camera& camera
   m.normalFrame = nameOf(s.normalFrame);
   m.exposure = exposureFactor(s);
   m.settings = describeSettings(s, environment, given);
-  if (std::ranges::any_of(s.aovs, output::holdsIds)) m.ids = idManifest(scene);
+  if (std::ranges::any_of(s.aovs, output::holdsIds)) m.ids = std::make_shared<output::IdManifest>(idManifest(scene));
   return m;
 }
 

@@ -87,15 +87,16 @@ std::vector<scene::Camera> allAround(const scene::Scene& scene, const scene::Cam
   return cameras;
 }
 
-// Milliseconds until the device is done. The first call takes what is found too small, and the pictures, to its end.
+// Milliseconds until the device is done. A call that takes the pictures settles what was found too small, and knows the
+// passes' times.
 double timeOfViews(render::Renderer& renderer, std::span<const scene::Camera> cameras, const render::Poses& poses,
-                   const render::Settings& settings, bool first) {
+                   const render::Settings& settings, bool takes) {
   using Clock = std::chrono::steady_clock;
   const auto start = Clock::now();
   render::Ticket ticket = renderer.submit(cameras, settings, {.poses = poses}, render::Results::OnDevice);
   while (!ticket.done()) std::this_thread::sleep_for(std::chrono::microseconds(50));
   const double elapsed = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-  if (first) ticket.take();
+  if (takes) ticket.take();
   return elapsed;
 }
 
@@ -106,7 +107,7 @@ Table benchViews(render::Renderer& renderer, const scene::Scene& scene, const sc
                  const BenchOptions& options) {
   constexpr uint32_t kWarm = 4;
   const std::vector<scene::Camera> cameras = allAround(scene, camera, count);
-  Table table{"views", {"raster", "views", "ms", "spread %", "views a second"}, {}};
+  Table table{"views", {"raster", "pass", "ms", "spread %", "views a second"}, {}};
   for (const Raster raster : kRasters) {
     render::Settings s = settings;
     s.raster = raster;
@@ -116,8 +117,13 @@ Table benchViews(render::Renderer& renderer, const scene::Scene& scene, const sc
     Milliseconds samples;
     for (uint32_t run = 0; run < options.frames; ++run)
       samples.push_back(timeOfViews(renderer, cameras, poses, s, false));
-    table.rows.push_back({std::string(render::nameOf(raster)), static_cast<double>(count), median(samples),
-                          spread(samples), 1000 * count / median(samples)});
+    timeOfViews(renderer, cameras, poses, s, true);
+    PassSamples passes;
+    passes.add(renderer.times());
+    const std::string name(render::nameOf(raster));
+    for (const std::string& pass : passes.names) table.rows.push_back({name, pass, median(passes.of.at(pass)), "", ""});
+    table.rows.push_back(
+        {name, std::string("all, until done"), median(samples), spread(samples), 1000 * count / median(samples)});
   }
   return table;
 }

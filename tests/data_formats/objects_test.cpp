@@ -28,7 +28,7 @@ class Needs : public Format {
 const Needs kAlone({.alone = true}), kBoxes({.boxes = true}), kIds({});
 
 const Object& objectAt(const DataFrame& frame, const std::string& node) {
-  for (const output::IdEntry& entry : frame.metadata.ids.ids)
+  for (const output::IdEntry& entry : frame.metadata.ids->ids)
     for (const Object& object : frame.objects)
       if (entry.node == node && object.id == entry.id) return object;
   throw std::logic_error("the frame has no object " + node);

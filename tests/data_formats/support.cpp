@@ -49,7 +49,7 @@ DataFrame Studio::frame(const scene::Camera& camera, uint32_t width, uint32_t he
   frame.metadata.camera.cameraToWorld = render::openCvPose(camera, scene_, false);
   frame.metadata.camera.orthographic = camera.orthographic;
   frame.metadata.axes = scene_.yUp ? "gltf" : "z-up";
-  frame.metadata.ids = render::idManifest(scene_);
+  frame.metadata.ids = std::make_shared<output::IdManifest>(render::idManifest(scene_));
   return frame;
 }
 

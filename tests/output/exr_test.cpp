@@ -22,10 +22,11 @@ using testing::HasSubstr;
 Metadata someMetadata() {
   Metadata metadata;
   metadata.versions = {{"latelight", "1.2.3"}};
-  metadata.ids.ids = {
-      {5, "/A", {}, 0, "mesh a", false, {{6, "/A", {}, "mesh a", 0, 9}}},
-      {77, "/A/B", 3, 5, "mesh b", true, {{7, "/A/B", 3, "mesh b", 0, 8}, {8, "/A/B", 3, "mesh b", 1, 9}}}};
-  metadata.ids.materials = {{8, "red", 1}, {9, "blue", 0}};
+  IdManifest ids;
+  ids.ids = {{5, "/A", {}, 0, "mesh a", false, {{6, "/A", {}, "mesh a", 0, 9}}},
+             {77, "/A/B", 3, 5, "mesh b", true, {{7, "/A/B", 3, "mesh b", 0, 8}, {8, "/A/B", 3, "mesh b", 1, 9}}}};
+  ids.materials = {{8, "red", 1}, {9, "blue", 0}};
+  metadata.ids = std::make_shared<IdManifest>(std::move(ids));
   return metadata;
 }
 

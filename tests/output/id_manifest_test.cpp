@@ -58,5 +58,38 @@ TEST(IdManifest, OfManyObjectsIsQuick) {
   EXPECT_EQ(json["ids"].size(), 200000u);
 }
 
+AovImage picture(Aov aov, std::vector<uint32_t> ids) {
+  AovImage image = makeAovImage(aov, static_cast<uint32_t>(ids.size()), 1);
+  image.ids = std::move(ids);
+  return image;
+}
+
+std::vector<std::string> nodesOf(const IdManifest& manifest) {
+  std::vector<std::string> nodes;
+  for (const IdEntry& entry : manifest.ids) nodes.push_back(entry.node);
+  return nodes;
+}
+
+TEST(ShownIds, AreThoseOfThePicturesWithTheNodesAbove) {
+  using testing::ElementsAre;
+  using testing::IsEmpty;
+  IdManifest all;
+  all.ids = {{.id = 2, .node = "/a"},
+             {.id = 3, .node = "/a/b", .parent = 2, .parts = {{.id = 30, .material = 7}, {.id = 31, .material = 8}}},
+             {.id = 4, .node = "/c", .parts = {{.id = 40, .material = 9}}},
+             {.id = 5, .node = "/a/b/d", .parent = 3, .parts = {{.id = 50, .material = 9}}}};
+  all.materials = {{7, "red"}, {8, "green"}, {9, "blue"}};
+  const auto shown = [&](std::vector<AovImage> pictures) { return shownIn(all, pictures); };
+  EXPECT_THAT(nodesOf(shown({picture(Aov::Id, {0, 0, 3, 3, 0})})), ElementsAre("/a", "/a/b"));
+  EXPECT_THAT(nodesOf(shown({picture(Aov::Id, {4, 5, 4})})), ElementsAre("/a", "/a/b", "/c", "/a/b/d"));
+  EXPECT_THAT(nodesOf(shown({picture(Aov::Part, {40})})), ElementsAre("/c"));
+  EXPECT_EQ(shown({picture(Aov::Id, {3})}).materials.size(), 2u);
+  const IdManifest material = shown({picture(Aov::Material, {8, 0})});
+  EXPECT_THAT(material.ids, IsEmpty());
+  ASSERT_EQ(material.materials.size(), 1u);
+  EXPECT_EQ(material.materials[0].name, "green");
+  EXPECT_THAT(shown({picture(Aov::Id, {0})}).materials, IsEmpty());
+}
+
 }  // namespace
 }  // namespace latelight::output

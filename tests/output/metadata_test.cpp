@@ -25,7 +25,8 @@ Metadata full() {
   m.device = {"llvmpipe", "Mesa 22.3.6", "00ff"};
   m.versions = {{"vulkan", "1.3"}, {"latelight", "0.1.0"}};
   m.settings = {{"tonemap", "aces"}};
-  m.ids.ids = {{.id = 5, .node = "/A"}, {.id = 4000000000u, .node = "/A/Z", .parent = 5}};
+  m.ids = std::make_shared<IdManifest>(
+      IdManifest{.ids = {{.id = 5, .node = "/A"}, {.id = 4000000000u, .node = "/A/Z", .parent = 5}}});
   return m;
 }
 
@@ -97,7 +98,7 @@ TEST(SideFile, DescribesEachAov) {
 TEST(SideFile, HasTheIdManifestOfOutputsThatHoldIds) {
   EXPECT_FALSE(parsed({Aov::Depth}, {"a"}).contains("ids"));
   for (const Aov aov : {Aov::Id, Aov::Part, Aov::Material}) {
-    const Json json = parsed({aov}, {"a"}), manifest = Json::parse(idManifestText(full().ids));
+    const Json json = parsed({aov}, {"a"}), manifest = Json::parse(idManifestText(*full().ids));
     EXPECT_EQ(json["ids"], manifest["ids"]);
     EXPECT_EQ(json["materials"], manifest["materials"]);
     EXPECT_EQ(json["ids"].size(), 2u);
@@ -106,7 +107,7 @@ TEST(SideFile, HasTheIdManifestOfOutputsThatHoldIds) {
 
 TEST(SideFile, SurvivesNamesThatAreNotUtf8) {
   Metadata m = full();
-  m.ids.ids[1].node = "/\xff\xfe\"\n";
+  m.ids = std::make_shared<IdManifest>(IdManifest{.ids = {{.id = 4000000000u, .node = "/\xff\xfe\"\n"}}});
   m.scene = std::string(1, '\xc3');
   const Json json = Json::parse(sideFile(m, 1, 1, std::vector{Aov::Id}, std::vector<std::string>{"a"}));
   EXPECT_EQ(json["ids"]["4000000000"]["node"], "/\xef\xbf\xbd\xef\xbf\xbd\"\n");

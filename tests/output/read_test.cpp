@@ -102,7 +102,7 @@ std::vector<std::byte> goodFile(Format format) {
   const AovImage color = numbers(Aov::Color, 23, 19), id = numbers(Aov::Id, 23, 19);
   const AovImage* images[] = {&color, &id};
   Metadata metadata;
-  metadata.ids.ids = {{.id = 1, .node = "/a", .mesh = "b"}};
+  metadata.ids = std::make_shared<IdManifest>(IdManifest{.ids = {{.id = 1, .node = "/a", .mesh = "b"}}});
   if (format == Format::Png) return encodePng(color);
   if (format == Format::Npy) return encodeNpy(color);
   return encodeExr(images, metadata);

@@ -18,7 +18,8 @@ namespace {
 // `key`: a list, an element a line. Elements are described on all threads: there are many, and formats may say much of
 // each.
 template <typename Range>
-void appendList(std::string& text, const char* key, const Range& range, Json (*describeOne)(const typename Range::value_type&)) {
+void appendList(std::string& text, const char* key, const Range& range,
+                Json (*describeOne)(const typename Range::value_type&)) {
   std::vector<const typename Range::value_type*> elements;
   for (const auto& element : range) elements.push_back(&element);
   std::vector<std::string> lines(elements.size());
@@ -103,8 +104,7 @@ Manifest readManifest(const std::filesystem::path& path) {
       manifest.frames[read.index] = std::move(read);
     }
     for (const Json& file : json.at("files")) manifest.setFiles.push_back(fileRecord(file));
-    for (const Json& failure : json.value("failed", Json::array()))
-      manifest.failed.insert(failedFrame(failure));
+    for (const Json& failure : json.value("failed", Json::array())) manifest.failed.insert(failedFrame(failure));
     manifest.stale = json.value("stale", std::set<std::string>());
   } catch (const Json::exception& error) {
     badManifest(path, error);
@@ -117,9 +117,11 @@ void writeManifest(const std::filesystem::path& path, const Manifest& manifest) 
   appendList(text, "files", manifest.setFiles, describe);
   if (!manifest.failed.empty()) appendList(text += ",\n", "failed", manifest.failed, describe);
   if (!manifest.stale.empty())
-    appendList(text += ",\n", "stale", manifest.stale, +[](const std::string& name) { return Json(name); });
-  appendList(text += ",\n", "frames", manifest.frames,
-             +[](const std::pair<const uint64_t, FinishedFrame>& frame) { return describe(frame.second); });
+    appendList(
+        text += ",\n", "stale", manifest.stale, +[](const std::string& name) { return Json(name); });
+  appendList(
+      text += ",\n", "frames", manifest.frames,
+      +[](const std::pair<const uint64_t, FinishedFrame>& frame) { return describe(frame.second); });
   text += "}\n";
   writeFile(path, std::as_bytes(std::span(text)));
 }

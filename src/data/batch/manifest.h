@@ -1,6 +1,6 @@
 // What a data set says of its frames: a log a shard while it is made (shard_log.h), and a manifest of all once it is
-// done. It holds nothing of the time or the machine, and frames by their index, so that a set has the same bytes however
-// it was made.
+// done. It holds nothing of the time or the machine, and frames by their index, so that a set has the same bytes
+// however it was made.
 #pragma once
 
 #include <cstdint>

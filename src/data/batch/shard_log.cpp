@@ -27,7 +27,8 @@ struct Line {
 
 std::vector<std::string_view> wholeLines(std::string_view text) {
   std::vector<std::string_view> lines;
-  for (size_t end; (end = text.find('\n')) != text.npos; text.remove_prefix(end + 1)) lines.push_back(text.substr(0, end));
+  for (size_t end; (end = text.find('\n')) != text.npos; text.remove_prefix(end + 1))
+    lines.push_back(text.substr(0, end));
   return lines;
 }
 

@@ -37,7 +37,7 @@ class ShardLog {
   // Throws Error(Usage) where lines still wait, and can't be written.
   void end();
 
-  uint64_t frames() const;                         // that are finished
+  uint64_t frames() const;                               // that are finished
   std::map<std::string, std::string> whyFailed() const;  // by name
 
  private:

@@ -19,8 +19,8 @@ constexpr size_t kInFlight = 3;  // tickets: what keeps a device busy
 
 }  // namespace
 
-Worker::Worker(const Job& job, const Plan& plan, SceneLoader& loader, WorkList& work, Writers& writers,
-               ShardLog& log, const vk::DeviceOptions& device)
+Worker::Worker(const Job& job, const Plan& plan, SceneLoader& loader, WorkList& work, Writers& writers, ShardLog& log,
+               const vk::DeviceOptions& device)
     : job_(job),
       plan_(plan),
       loader_(loader),
@@ -120,7 +120,8 @@ std::vector<RenderedFrame> Worker::framesOf(const Chunk& chunk) {
   if (!job_.settings.time) shared.settings.erase("fps");
   if (const auto degrees = scene_->environmentRotation()) shared.settings["hdri-rotate"] = fmt::format("{}", *degrees);
   const bool needsExtras = extras_.boxes || extras_.alone || extras_.samples > 0;
-  if (needsExtras && shared.ids.empty()) shared.ids = render::idManifest(scene_->scene());
+  if (needsExtras && !shared.ids)
+    shared.ids = std::make_shared<output::IdManifest>(render::idManifest(scene_->scene()));
   std::vector<RenderedFrame> frames;
   for (const uint64_t index : chunk.frames) {
     frames.push_back(frameOf(index, chunk, shared));

@@ -16,8 +16,8 @@ namespace latelight::data {
 
 class Worker {
  public:
-  Worker(const Job& job, const Plan& plan, SceneLoader& loader, WorkList& work, Writers& writers,
-         ShardLog& log, const vk::DeviceOptions& device);
+  Worker(const Job& job, const Plan& plan, SceneLoader& loader, WorkList& work, Writers& writers, ShardLog& log,
+         const vk::DeviceOptions& device);
 
   // Until nothing is left, or a signal asks for the end. A frame, or a scene, that fails is recorded, and the rest goes
   // on. Throws Error(Internal) for validation messages.

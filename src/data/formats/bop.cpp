@@ -143,7 +143,7 @@ class Bop : public Format {
     for (size_t i = 0; i < alone.size(); ++i) valid += alone[i] != 0 && steps[i] != 0;
     const uint64_t pixels = visible.area();
     const glm::dmat4 toCamera = openCvFromWorld(frame.metadata.camera) * object.toWorld;
-    const output::IdEntry* entry = entryOf(frame.metadata.ids, object.id);
+    const output::IdEntry* entry = entryOf(*frame.metadata.ids, object.id);
     const std::string name = !entry ? std::to_string(object.id) : entry->mesh.empty() ? nameOf(*entry) : entry->mesh;
     const glm::dvec3 low = object.low * kMillimetres, size = (object.high - object.low) * kMillimetres;
     return {{"model", fmt::format("{} {:.4g} {:.4g} {:.4g}", name, size.x, size.y, size.z)},

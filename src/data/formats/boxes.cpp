@@ -76,10 +76,10 @@ class Boxes : public Format {
  private:
   Json describe(const DataFrame& frame, const Object& object, const Mask* visible) const {
     Json json{{"id", object.id}};
-    if (const output::IdEntry* entry = entryOf(frame.metadata.ids, object.id)) {
+    if (const output::IdEntry* entry = entryOf(*frame.metadata.ids, object.id)) {
       json["node"] = nameOf(*entry);
       json["mesh"] = entry->mesh;
-      json["materials"] = frame.metadata.ids.materialsOf(*entry);
+      json["materials"] = frame.metadata.ids->materialsOf(*entry);
     }
     const uint64_t pixels = visible ? visible->area() : 0;
     json["visible"] = extentOf(pixels, visible ? visible->box() : PixelBox{});

@@ -131,8 +131,8 @@ class Coco : public Format {
     const output::AovImage& ids = imageOf(frame.picture, output::Aov::Id);
     Json objects = Json::array();
     for (const auto& [id, mask] : masksOf(ids)) {
-      const output::IdEntry* entry = entryOf(frame.metadata.ids, id);
-      const std::string category = entry ? categories_.of(*entry, frame.metadata.ids) : "";
+      const output::IdEntry* entry = entryOf(*frame.metadata.ids, id);
+      const std::string category = entry ? categories_.of(*entry, *frame.metadata.ids) : "";
       if (category.empty()) continue;
       objects.push_back({{"category", category},
                          {"area", mask.area()},

@@ -142,7 +142,7 @@ class Cryptomatte : public Format {
     const output::AovImage* color = &imageOf(frame.picture, output::Aov::Color);
     output::ExrExtras extras;
     std::vector<std::vector<Plane>> planes;  // live until the file is made
-    for (const MatteNames& names : {objectNames(frame.metadata.ids), materialNames(frame.metadata.ids)}) {
+    for (const MatteNames& names : {objectNames(*frame.metadata.ids), materialNames(*frame.metadata.ids)}) {
       planes.push_back(ranksOf(names, imageOf(frame.samples, names.aov), color->width, color->height, ranks_));
       for (size_t i = 0; i < planes.back().size(); ++i)
         extras.channels.push_back({fmt::format("{}{:02}.{}", names.layer, i / 4, "RGBA"[i % 4]), planes.back()[i]});

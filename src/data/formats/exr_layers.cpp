@@ -78,7 +78,7 @@ class Exr : public Format {
     output::ExrExtras extras{.idManifest = idManifest_};
     if (blender_) extras.names = blenderNames;
     FrameRecord record;
-    writeOf(record, folder, frameFile(file_, frame), output::encodeExr(images, frame.metadata, extras));
+    writeOf(record, folder, frameFile(file_, frame), output::encodeExr(images, metadataOf(frame), extras));
     return record;
   }
 

@@ -2,6 +2,7 @@
 #include "output/files.h"
 #include "base/error.h"
 #include "data/formats/formats.h"
+#include "data/formats/frame_files.h"
 #include "data/formats/options.h"
 
 namespace latelight::data {
@@ -40,7 +41,7 @@ class Files : public Format {
       fs::create_directories(path.parent_path(), ignored);
     }
     FrameRecord record;
-    for (const fs::path& path : output::writeOutput(request, frame.picture, frame.metadata))
+    for (const fs::path& path : output::writeOutput(request, frame.picture, metadataOf(frame)))
       record.files.push_back(path.lexically_relative(folder).generic_string());
     return record;
   }

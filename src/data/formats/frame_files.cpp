@@ -15,6 +15,13 @@ const output::AovImage& imageOf(const output::FrameOutput& picture, output::Aov 
   fail(ExitCode::Internal, "the frame has no {}", output::info(aov).name);
 }
 
+output::Metadata metadataOf(const DataFrame& frame) {
+  output::Metadata metadata = frame.metadata;
+  if (metadata.ids)
+    metadata.ids = std::make_shared<output::IdManifest>(output::shownIn(*frame.metadata.ids, frame.picture.aovs));
+  return metadata;
+}
+
 std::string frameFile(std::string_view pattern, const DataFrame& frame) {
   std::string file(pattern);
   replaceAll(file, "{name}", frame.name);

@@ -16,6 +16,9 @@ namespace latelight::data {
 // Throws Error(Internal) where the frame lacks the output.
 const output::AovImage& imageOf(const output::FrameOutput& picture, output::Aov aov);
 
+// The frame's, with those ids alone that its pictures show: a scene's may be far more than a small picture takes.
+output::Metadata metadataOf(const DataFrame& frame);
+
 // A pattern with the frame's name for "{name}".
 std::string frameFile(std::string_view pattern, const DataFrame& frame);
 

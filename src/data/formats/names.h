@@ -8,8 +8,6 @@
 
 namespace latelight::data {
 
-// The entry of an id; null for none.
-const output::IdEntry* entryOf(const output::IdManifest& ids, uint32_t id);
 // The node's path; of a copy "/Forest/Tree/instance3".
 std::string nameOf(const output::IdEntry& entry);
 
