@@ -14,6 +14,7 @@
 #include <optional>
 #include <system_error>
 #include <thread>
+#include <utility>
 
 #include "base/log.h"
 #include "base/text.h"
@@ -88,7 +89,8 @@ class Pool {
       std::lock_guard lock(mutex_);
       jobs_.push_back(job);
     }
-    wake_.notify_all();
+    // The caller takes part, and threads that have nothing to do only hold the lock.
+    for (size_t i = 1; i < std::min(job->chunks, threadCount()); ++i) wake_.notify_one();
     job->work();
     {
       std::lock_guard lock(mutex_);
@@ -130,6 +132,8 @@ class Pool {
   std::deque<std::shared_ptr<Job>> jobs_;
 };
 
+thread_local bool keptToThisThread = false;
+
 // Never destroyed: its threads wait on it until the process ends, however it ends.
 Pool& pool() {
   static Pool* const instance = new Pool(threadCount() - 1);
@@ -146,10 +150,16 @@ size_t threadCount() {
   return count;
 }
 
+KeptToThisThread::KeptToThisThread() : before_(std::exchange(keptToThisThread, true)) {}
+
+KeptToThisThread::~KeptToThisThread() {
+  keptToThisThread = before_;
+}
+
 void parallelFor(size_t count, size_t grain, const std::function<void(size_t begin, size_t end)>& body) {
   if (count == 0) return;
   const auto job = std::make_shared<Job>(count, std::max<size_t>(grain, 1), body);
-  if (job->chunks == 1 || threadCount() == 1) {
+  if (job->chunks == 1 || threadCount() == 1 || keptToThisThread) {
     job->work();
   } else {
     pool().run(job);

@@ -14,6 +14,19 @@ size_t threadCount();
 // The first exception thrown by a body is rethrown here. May be nested and called from any thread.
 void parallelFor(size_t count, size_t grain, const std::function<void(size_t begin, size_t end)>& body);
 
+// While it lives, parallelFor keeps to the calling thread: for threads that are as many as the cores, and would only get
+// into each other's way.
+class KeptToThisThread {
+ public:
+  KeptToThisThread();
+  ~KeptToThisThread();
+  KeptToThisThread(const KeptToThisThread&) = delete;
+  KeptToThisThread& operator=(const KeptToThisThread&) = delete;
+
+ private:
+  bool before_;
+};
+
 // Runs `task` on a thread of its own: for work that mostly waits or that has its own phases (device start-up, loading).
 template <typename F>
 auto inBackground(F&& task) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <cstdlib>
 #include <mutex>
@@ -97,6 +98,28 @@ TEST(Parallel, WorksAfterAnException) {
   std::atomic<size_t> sum = 0;
   parallelFor(10, 1, [&](size_t, size_t) { ++sum; });
   EXPECT_EQ(sum, 10u);
+}
+
+TEST(Parallel, KeepsToItsThreadWhereAsked) {
+  const auto others = [] {
+    std::atomic<size_t> others = 0;
+    const std::thread::id caller = std::this_thread::get_id();
+    parallelFor(64, 1, [&](size_t, size_t) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      others += std::this_thread::get_id() != caller;
+    });
+    return others.load();
+  };
+  {
+    const KeptToThisThread alone;
+    EXPECT_EQ(others(), 0u);
+    {
+      const KeptToThisThread within;
+    }
+    EXPECT_EQ(others(), 0u);
+    EXPECT_EQ(inBackground([&] { return others() > 0; }).get(), threadCount() > 1);
+  }
+  EXPECT_EQ(others() > 0, threadCount() > 1);
 }
 
 TEST(Parallel, InBackgroundGivesTheResultAndTheException) {

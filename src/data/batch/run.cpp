@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <exception>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <thread>
 
@@ -29,16 +30,16 @@ AtOnce atOnce(const Job& job, const BatchOptions& options) {
   return most;
 }
 
-// A worker a device, each on a thread of its own; the first error of one, such as a device that can't be used, is
-// thrown once all have ended.
-void runWorkers(const BatchOptions& options, const std::function<void(const std::string& device)>& body) {
+// Calls body(i) for each i below `count` on a thread of its own; the first error of one, such as a device that can't be
+// used, is thrown once all have ended.
+void onThreads(size_t count, const std::function<void(size_t i)>& body) {
   std::exception_ptr first;
   std::mutex mutex;
   std::vector<std::thread> threads;
-  for (const std::string& device : options.devices)
-    threads.emplace_back([&] {
+  for (size_t i = 0; i < count; ++i)
+    threads.emplace_back([&, i] {
       try {
-        body(device);
+        body(i);
       } catch (...) {
         const std::lock_guard lock(mutex);
         if (!first) first = std::current_exception();
@@ -52,8 +53,14 @@ void render(const Job& job, Plan& plan, WorkList& work, ShardLog& log, const Bat
   Progress progress("frames", work.frames());
   Writers writers(job, log, progress, options.writers, memoryLimit() / 8);
   SceneLoader loader(job, plan);
-  runWorkers(options, [&](const std::string& device) {
-    Worker(job, plan, loader, work, writers, log, {.selector = device, .validation = options.validation}).run();
+  // Devices go one after the other once all threads have ended: NVIDIA's driver (580.159.04) may wait for ever in
+  // vkDestroyDevice while another device is at work or goes too.
+  std::vector<std::unique_ptr<Worker>> workers(options.devices.size());
+  onThreads(workers.size(), [&](size_t i) {
+    workers[i] =
+        std::make_unique<Worker>(job, plan, loader, work, writers, log,
+                                 vk::DeviceOptions{.selector = options.devices[i], .validation = options.validation});
+    workers[i]->run();
   });
 }
 

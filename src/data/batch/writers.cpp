@@ -1,6 +1,7 @@
 #include "data/batch/writers.h"
 
 #include "base/error.h"
+#include "base/parallel.h"
 
 namespace latelight::data {
 
@@ -39,6 +40,7 @@ void Writers::push(RenderedFrame frame) {
 }
 
 void Writers::work() {
+  const KeptToThisThread alone;
   std::unique_lock lock(mutex_);
   for (;;) {
     more_.wait(lock, [&] { return done_ || !waiting_.empty(); });
