@@ -27,6 +27,22 @@ bool section(const char* title, bool open) {
   return ImGui::CollapsingHeader(title, open ? ImGuiTreeNodeFlags_DefaultOpen : 0);
 }
 
+constexpr std::pair<const char*, const char*> kHelp[] = {
+    {"drag", "turn about the scene; when flying, look around"},
+    {"right, middle, Shift drag", "move across the view"},
+    {"wheel", "nearer or farther, towards the pointer; when flying, the speed"},
+    {"click, Esc", "select, select nothing"},
+    {"arrows, Shift+arrows", "turn, move across the view"},
+    {"+ -", "nearer, farther"},
+    {"1 3 7", "from the front, the right, the top"},
+    {"Home, F", "show all, show the selection"},
+    {"O", "fly or orbit; W A S D Q E fly"},
+    {"space", "play or stop"},
+    {"F2, Esc", "keys go to the panel (arrows, Tab, Enter, space), and back to the picture"},
+    {"H, L", "hide the panel, show handles of lights"},
+    {"Ctrl+S Ctrl+C Ctrl+R", "screenshot, copy as command, reload"},
+    {"Ctrl+N Ctrl+W", "another window, close this one"}};
+
 // --- what is shown --------------------------------------------------------------------------------------------------
 
 void drawOutputs(const view::State& state, Side side, const Send& send) {
@@ -132,24 +148,30 @@ std::string text(glm::vec3 v) {
   return fmt::format("{:.4g} {:.4g} {:.4g}", v.x, v.y, v.z);
 }
 
+void pair(const char* name, const std::string& value) {
+  ImGui::TextDisabled("%s", name);
+  ImGui::SameLine(ImGui::GetFontSize() * 6);
+  line(value);
+}
+
 void drawSurface(const render::Picked& surface) {
   if (surface.id == 0) return line("background");
-  line("node      " + printable(surface.node));
-  line("mesh      " + printable(surface.mesh) + fmt::format(", primitive {}", surface.primitive));
-  line("material  " + printable(surface.material));
-  line(fmt::format("id        {}   part {}", surface.id, surface.part));
-  line("position  " + text(surface.position));
-  line("normal    " + text(surface.normal));
-  line("geonormal " + text(surface.geonormal));
-  line(fmt::format("depth     {:.5g} m   distance {:.5g} m", surface.depth, surface.distance));
-  line(fmt::format("uv        {:.4g} {:.4g}", surface.uv.x, surface.uv.y));
+  pair("node", printable(surface.node));
+  pair("mesh", printable(surface.mesh) + fmt::format(", primitive {}", surface.primitive));
+  pair("material", printable(surface.material));
+  pair("id, part", fmt::format("{}, {}", surface.id, surface.part));
+  pair("position", text(surface.position));
+  pair("normal", text(surface.normal));
+  pair("geonormal", text(surface.geonormal));
+  pair("depth", fmt::format("{:.5g} m, distance {:.5g} m", surface.depth, surface.distance));
+  pair("uv", fmt::format("{:.4g} {:.4g}", surface.uv.x, surface.uv.y));
 }
 
 void drawValues(const view::State& state) {
   if (!state.probe) return line("Rest the pointer on the picture.");
   const view::Probe& probe = *state.probe;
-  line(fmt::format("pixel     {},{}   RGBA {} {} {} {}", probe.x, probe.y, probe.rgba[0], probe.rgba[1], probe.rgba[2],
-                   probe.rgba[3]));
+  pair("pixel", fmt::format("{},{}", probe.x, probe.y));
+  pair("RGBA", fmt::format("{} {} {} {}", probe.rgba[0], probe.rgba[1], probe.rgba[2], probe.rgba[3]));
   drawSurface(probe.surface);
 }
 
@@ -209,33 +231,24 @@ void drawPanel(const view::State& state, const view::Frame& frame, PanelMemory& 
   if (!state.animations.empty() && section("Time", true)) drawTime(state, send);
   if (section("Under the pointer", true)) drawValues(state);
   if (state.selected && section("Selected", true)) drawSurface(*state.selected);
+  if (section("Cost", true)) drawCosts(state, frame, memory);
+  if (section("Files", true)) drawFiles(state, memory, send);
   drawOptions(state.choices[static_cast<int>(memory.side)], [&](const std::string& name, const std::string& value) {
     send(view::SetOption{name, value, memory.side});
   });
   if (section("Environment picture", false)) drawEnvironment(memory, send);
   if (section("Lights", false)) drawLights(state, memory, send);
-  if (section("Cost", true)) drawCosts(state, frame, memory);
-  if (section("Files", true)) drawFiles(state, memory, send);
   ImGui::End();
 }
 
 void drawHelp(PanelMemory& memory) {
   if (!memory.help) return;
   ImGui::Begin("Keys and mouse (F1)", &memory.help, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse);
-  line(
-      "drag                     turn about the scene; when flying, look around\n"
-      "right, middle, Shift     drag with it: move across the view\n"
-      "wheel                    nearer or farther, towards the pointer; when flying, the speed\n"
-      "click                    select; Esc: nothing\n"
-      "arrows, Shift+arrows     turn, move across; + - nearer, farther\n"
-      "1 3 7                    from the front, the right, the top\n"
-      "Home, F                  show all, show the selection\n"
-      "O                        fly or orbit; W A S D Q E fly\n"
-      "space                    play or stop\n"
-      "F2, Esc                  keys go to the panel (arrows, Tab, Enter, space), and back\n"
-      "H, L                     hide the panel, the handles of lights\n"
-      "Ctrl+S Ctrl+C Ctrl+R     screenshot, copy as command, reload\n"
-      "Ctrl+N Ctrl+W            another window, close this one");
+  for (const auto& [keys, what] : kHelp) {
+    line(keys);
+    ImGui::SameLine(ImGui::GetFontSize() * 13);
+    line(what);
+  }
   ImGui::End();
 }
 

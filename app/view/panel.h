@@ -17,7 +17,7 @@ using Send = std::function<void(view::Input)>;
 // What the panel remembers, and what it asks of its window.
 struct PanelMemory {
   view::Side side = view::Side::Left;  // whose options are shown
-  bool shown = true, help = false, handles = true;
+  bool shown = true, help = false, handles = false;
   std::string environment, file = "screenshot.png";
   std::deque<float> milliseconds;  // of the last full pictures
   bool copies = false;             // the command, to the clipboard

@@ -124,6 +124,7 @@ void Window::Impl::draw() {
   overlay.draw(*state, area(), memory.handles);
   if (memory.shown) drawPanel(*state, *frame, memory, send, {area().size.x, 0}, {panelWidth(), gl.size().y});
   drawHelp(memory);
+  if (std::exchange(fresh, false)) ImGui::SetWindowFocus(nullptr);  // keys are the picture's at first
   gl.end();
   if (std::exchange(memory.copies, false)) copyCommand();
 }

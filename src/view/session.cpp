@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/log.h"
 #include "render/gbuffer/layout.h"
 #include "scene/framing.h"
 #include "scene/light_types.h"
@@ -184,6 +185,14 @@ void ViewSession::Impl::probe() {
   state.probe = std::move(at);
 }
 
+void ViewSession::Impl::takeValidation() {
+  for (std::string& message : stage.device().validationMessages()) {
+    state.error = "the Vulkan validation layer says: " + message;
+    warn("{}", state.error);
+    validation.push_back(std::move(message));
+  }
+}
+
 // --- what there is to say -------------------------------------------------------------------------------------------
 
 void ViewSession::Impl::describeLights() {
@@ -252,6 +261,7 @@ const Frame& ViewSession::next() {
     else if (i.recompose)
       i.compose();
     if (i.wantsProbe()) i.probe();
+    i.takeValidation();
     i.describe();
   };
   const std::string sentence = sentenceOf(make, [&] { i.stage.dropDevice(); });
@@ -273,7 +283,8 @@ std::vector<std::string> ViewSession::commandLine(Side side) const {
 }
 
 std::vector<std::string> ViewSession::validationMessages() {
-  return impl_->stage.device().validationMessages();
+  impl_->takeValidation();
+  return std::exchange(impl_->validation, {});
 }
 
 }  // namespace latelight::view

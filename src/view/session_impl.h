@@ -62,6 +62,7 @@ struct ViewSession::Impl {
   void compose();
   bool wantsProbe() const;
   void probe();
+  void takeValidation();
   void describe();
   void describeLights();
 
@@ -74,6 +75,7 @@ struct ViewSession::Impl {
   State state;
   Frame picture;
   Stage::Result sides[2];
+  std::vector<std::string> validation;
   bool dirty = true, recompose = false;
   std::optional<glm::uvec2> probed;  // since the last change
   Clock::time_point touched{}, stepped = Clock::now();

@@ -16,7 +16,7 @@
 #include "models/models.h"
 #include "output/png.h"
 #include "render/options.h"
-#include "view/shell_words.h"
+#include "view/command.h"
 
 namespace latelight::view {
 namespace {
@@ -55,24 +55,13 @@ Start small(const std::string& scene = kHall) {
   return {.scene = scene, .width = 96, .height = 54};
 }
 
-// What the command line makes, as it is pasted into a shell: pixels, and the file.
-std::string rendered(const std::string& command, const Folder& folder) {
-  const std::string file = folder.at("rendered.png");
-  std::string line = command;
-  replaceAll(line, "latelight render", std::string(LATELIGHT_PROGRAM) + " render");
-  replaceAll(line, "-o picture.png", "-o " + file);
-  const app::Outcome outcome = app::runProcess("/bin/sh", {.arguments = {"-c", line}});
-  EXPECT_EQ(outcome.code, 0) << line << "\n" << outcome.text();
-  return folder.read("rendered.png");
-}
-
 // The final picture's pixels, and the screenshot's bytes, are those that the command makes.
 void expectAsRendered(Viewer& viewer, const std::string& what) {
   SCOPED_TRACE(what + ": " + viewer.state().command);
   const Folder folder;
   const Frame& frame = viewer.settle();
   EXPECT_THAT(viewer.state().error, IsEmpty());
-  const std::string file = rendered(viewer.state().command, folder);
+  const std::string file = rendered(viewer.session.commandLine(), folder.at("rendered.png"));
   const auto png = output::encodePng(output::Picture{frame.width, frame.height, frame.rgba});
   EXPECT_TRUE(std::string(reinterpret_cast<const char*>(png.data()), png.size()) == file) << "the picture";
   viewer(Screenshot{folder.at("shot.png")});
@@ -109,18 +98,39 @@ std::string valueOf(const render::Option& option) {
   }
 }
 
+// As it is pasted into a shell, by the program itself.
+TEST(ViewSessionTest, TheCommandIsOneForAShell) {
+  const Folder folder;
+  Start start = small();
+  start.choice.options["fog-color"] = "#ff8040";
+  start.choice.options["fog"] = "0.02";
+  Viewer viewer(start);
+  viewer(Key{"ArrowLeft", true});
+  viewer.settle();
+  std::string line = viewer.state().command;
+  replaceAll(line, "latelight render", std::string(LATELIGHT_PROGRAM) + " render");
+  const app::Outcome outcome = app::runProcess("/bin/sh", {.arguments = {"-c", line}, .folder = folder.path()});
+  EXPECT_EQ(outcome.code, 0) << line << "\n" << outcome.text();
+  viewer(Screenshot{folder.at("shot.png")});
+  EXPECT_TRUE(folder.read("shot.png") == folder.read("picture.png"));
+}
+
 TEST(ViewSessionTest, EachOptionSetLiveIsAsTheCommandLineHasIt) {
-  Viewer viewer(small());
-  expectAsRendered(viewer, "nothing");
+  Viewer viewer(small(modelPath("skinned.glb").string()));
+  viewer(SetOption{"sun", "30,40,3"});
+  viewer(SetOption{"time", "0.3"});
+  const auto before = viewer.state().choices[0].options;
+  expectAsRendered(viewer, "nothing else");
   for (const render::Option& option : render::options()) {
     const std::string key(render::keyOf(option));
     if (key == "size") continue;
     ASSERT_FALSE(valueOf(option).empty()) << "a value for " << key;
     viewer(SetOption{option.name, valueOf(option)});
-    EXPECT_EQ(viewer.state().choices[0].options.count(key), 1u) << key << " is an option that changes something";
+    EXPECT_NE(viewer.state().choices[0].options, before) << key;
     expectAsRendered(viewer, key);
-    viewer(SetOption{option.name, ""});
-    EXPECT_THAT(viewer.state().choices[0].options, IsEmpty());
+    const auto normal = before.find(key);
+    viewer(SetOption{option.name, normal == before.end() ? "" : normal->second});
+    EXPECT_EQ(viewer.state().choices[0].options, before);
   }
 }
 
@@ -287,11 +297,8 @@ TEST(ViewSessionTest, EachSideOfASplitIsAsItsCommandLineHasIt) {
     const Frame& side = i % 96 < 48 ? left : right;
     ASSERT_TRUE(std::equal(&split.rgba[4 * i], &split.rgba[4 * i] + 4, &side.rgba[4 * i])) << i;
   }
-  for (const Side side : {Side::Left, Side::Right}) {
-    std::vector<std::string> words = viewer.session.commandLine(side);
-    words.insert(words.end(), {"-o", "picture.png"});
-    EXPECT_TRUE(folder.read(side == Side::Left ? "left.png" : "right.png") == rendered(shellWords(words), folder));
-  }
+  EXPECT_TRUE(folder.read("left.png") == rendered(viewer.session.commandLine(Side::Left), folder.at("l.png")));
+  EXPECT_TRUE(folder.read("right.png") == rendered(viewer.session.commandLine(Side::Right), folder.at("r.png")));
 }
 
 // Where one side shows the environment both are lit by it, and both command lines say so.
