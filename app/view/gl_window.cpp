@@ -8,6 +8,7 @@
 #include <cmath>
 #include <filesystem>
 #include <optional>
+#include <utility>
 
 #include "app/view/keys.h"
 #include "base/error.h"
@@ -114,7 +115,10 @@ void GlWindow::followEvents() {
   });
   glfwSetKeyCallback(window_, [](GLFWwindow* w, int key, int scancode, int action, int modifiers) {
     GlWindow& self = of(w);
-    ImGui_ImplGlfw_KeyCallback(w, key, scancode, action, modifiers);
+    if (action == GLFW_RELEASE)
+      self.released_.push_back({key, scancode, modifiers});
+    else
+      ImGui_ImplGlfw_KeyCallback(w, key, scancode, action, modifiers);
     self.events_.key(keyName(key, scancode), action != GLFW_RELEASE, modifiers);
   });
   glfwSetCharCallback(window_, [](GLFWwindow* w, unsigned letter) {
@@ -158,6 +162,8 @@ void GlWindow::end() {
   glClear(GL_COLOR_BUFFER_BIT);
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
   glfwSwapBuffers(window_);
+  for (const Released& key : std::exchange(released_, {}))
+    ImGui_ImplGlfw_KeyCallback(window_, key.key, key.scancode, GLFW_RELEASE, key.modifiers);
   if (redraws_ > 0) --redraws_;
 }
 

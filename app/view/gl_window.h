@@ -7,6 +7,7 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "view/state.h"
 
@@ -52,6 +53,11 @@ class GlWindow {
   Events events_;
   float scale_ = 1;
   unsigned texture_ = 0;
+  // ImGui sees keys once a frame: one that is pressed and released within it is released after it.
+  struct Released {
+    int key, scancode, modifiers;
+  };
+  std::vector<Released> released_;
   int redraws_ = 3;
 };
 

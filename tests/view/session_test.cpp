@@ -27,8 +27,6 @@ using models::radiancePanorama;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-const char* const kHall = "builtin:hall,triangles=50k,lights=4,glass=1";
-
 // Each test's own, under validation.
 struct Viewer {
   explicit Viewer(Start start) : session((start.device = "cpu", start.validate = true, start)) {}
@@ -39,19 +37,23 @@ struct Viewer {
   const State& state() const { return session.state(); }
   // Until nothing more is to be done.
   const Frame& settle() {
-    const Frame* last = nullptr;
-    do {
+    while (session.wantsFrame() || !last || !last->final)
       if (session.wantsFrame())
         last = &session.next();
       else
         std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    } while (!last || !last->final || session.wantsFrame());
     return *last;
   }
   ViewSession session;
+  const Frame* last = nullptr;
 };
 
-Start small(const std::string& scene = kHall) {
+// Lights, a camera, and few triangles.
+std::string lit() {
+  return modelPath("punctual.glb").string();
+}
+
+Start small(const std::string& scene = lit()) {
   return {.scene = scene, .width = 96, .height = 54};
 }
 
@@ -185,8 +187,7 @@ void drag(Viewer& viewer, Button button, double x, double y, bool shift = false)
 }
 
 TEST(ViewSessionTest, ASteeredCameraIsAsTheCommandLineHasIt) {
-  for (const std::string& scene :
-       {std::string(kHall), std::string("builtin:spheres"), modelPath("punctual.glb").string()}) {
+  for (const std::string& scene : {lit(), std::string("builtin:spheres")}) {
     Viewer viewer(small(scene));
     drag(viewer, Button::Left, 13, -7);
     expectAsRendered(viewer, "orbit");
@@ -318,7 +319,7 @@ TEST(ViewSessionTest, ValuesUnderThePointerAreThoseOfPick) {
   ASSERT_TRUE(viewer.state().probe);
   const Probe probe = *viewer.state().probe;
   EXPECT_TRUE(std::equal(probe.rgba.begin(), probe.rgba.end(), &frame.rgba[4 * (40 * 96 + 30)]));
-  const app::Outcome said = app::latelight({"render", kHall, "--size", "96x54", "--device", "cpu", "--pick", "30,40"});
+  const app::Outcome said = app::latelight({"render", lit(), "--size", "96x54", "--device", "cpu", "--pick", "30,40"});
   EXPECT_THAT(said.out, HasSubstr("  node       " + probe.surface.node + "\n"));
   EXPECT_THAT(said.out, HasSubstr(fmt::format("  id         {}\n", probe.surface.id)));
   EXPECT_THAT(said.out, HasSubstr(fmt::format("  depth      {:.4g}", probe.surface.depth)));
@@ -374,7 +375,7 @@ TEST(ViewSessionTest, AnAnimationEndsByItself) {
 TEST(ViewSessionTest, FollowsItsFile) {
   const Folder folder;
   const std::string file = folder.at("scene.glb");
-  std::filesystem::copy_file(modelPath("punctual.glb"), file);
+  std::filesystem::copy_file(lit(), file);
   Viewer viewer(small(file));
   viewer(Key{"ArrowLeft", true});
   const Frame before = viewer.settle();
@@ -393,7 +394,7 @@ TEST(ViewSessionTest, FollowsItsFile) {
 }
 
 TEST(ViewSessionTest, LightsGoWhereTheyAreDragged) {
-  Viewer viewer(small(modelPath("punctual.glb").string()));
+  Viewer viewer(small());
   const Frame before = viewer.settle();
   uint32_t light = 0;
   while (light < viewer.state().lights.size() && !viewer.state().lights[light].at) ++light;
