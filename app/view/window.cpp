@@ -35,6 +35,7 @@ struct Window::Impl {
   void takeNews();
   void drawPicture() const;
   void draw();
+  bool overPicture();
   void movePointer(double x, double y);
   void press(view::Button button, bool down, bool shift);
   void pressKey(const std::string& name, bool down, int modifiers);
@@ -48,7 +49,7 @@ struct Window::Impl {
   std::shared_ptr<const view::Frame> frame;
   PanelMemory memory;
   Overlay overlay;
-  ImVec2 pointer{-1, -1}, fitted{0, 0};
+  ImVec2 pointer{-1, -1}, drawn{-1, -1}, fitted{0, 0};  // `drawn`: where the pointer was then
   bool another = false, fresh = true;
 };
 
@@ -70,7 +71,7 @@ GlWindow::Events Window::Impl::events() {
           .button = [this](view::Button button, bool down, bool shift) { press(button, down, shift); },
           .wheel =
               [this](double steps) {
-                if (!ImGui::GetIO().WantCaptureMouse) session.send(view::Wheel{steps});
+                if (overPicture()) session.send(view::Wheel{steps});
               },
           .key = [this](const std::string& name, bool down, int modifiers) { pressKey(name, down, modifiers); },
           .blur = [this] { session.send(view::Blur{}); },
@@ -119,6 +120,7 @@ void Window::Impl::drawPicture() const {
 
 void Window::Impl::draw() {
   const Send send = [this](view::Input input) { session.send(std::move(input)); };
+  drawn = pointer;
   gl.begin();
   drawPicture();
   overlay.draw(*state, area(), memory.handles);
@@ -131,6 +133,12 @@ void Window::Impl::draw() {
 
 // --- pointer and keys -----------------------------------------------------------------------------------------------
 
+// Whether a press there is meant for it. ImGui knows what lies under the pointer once it has drawn with it there.
+bool Window::Impl::overPicture() {
+  if (pointer.x != drawn.x || pointer.y != drawn.y) draw();
+  return pointer.x < area().size.x && !ImGui::GetIO().WantCaptureMouse;
+}
+
 void Window::Impl::movePointer(double x, double y) {
   pointer = {static_cast<float>(x), static_cast<float>(y)};
   const Send send = [this](view::Input input) { session.send(std::move(input)); };
@@ -139,7 +147,7 @@ void Window::Impl::movePointer(double x, double y) {
 
 void Window::Impl::press(view::Button button, bool down, bool shift) {
   if (!down && overlay.release()) return;
-  if (down && (ImGui::GetIO().WantCaptureMouse || pointer.x >= area().size.x)) return;
+  if (down && !overPicture()) return;
   if (down) ImGui::SetWindowFocus(nullptr);
   if (down && button == view::Button::Left && overlay.press(*state, area(), pointer, memory.handles)) return;
   session.send(view::PointerButton{button, down, shift});

@@ -83,10 +83,11 @@ class WindowTest : public testing::Test {
     return pictureIn(file);
   }
   // The picture changes by this, and then stands still as what a screenshot has.
-  output::Picture changes(const std::function<void()>& act) {
+  output::Picture changes(const std::string& what, const std::function<void()>& act) {
+    SCOPED_TRACE(what);
     const output::Picture before = shown();
     act();
-    screen_.act({"mousemove", "990", "290"});  // where the pointer is, it is drawn
+    screen_.act({"mousemove", "600", "190"});  // where the pointer is, it is drawn
     waitUntil("another picture", [&] { return shown().rgba != before.rgba; });
     output::Picture after = screenshot();
     waitFor(after);
@@ -107,23 +108,24 @@ TEST_F(WindowTest, ShowsWhatRenderWritesAndFollowsPointerAndKeys) {
   waitFor(first);
   EXPECT_EQ(screenshot().rgba, first.rgba);
 
-  changes([&] {
+  changes("an orbit", [&] {
     screen_.act({"mousemove", "100", "100", "mousedown", "1", "mousemove", "130", "110", "mousemove", "160", "100",
                  "mouseup", "1"});
   });
-  changes([&] {
+  changes("a pan", [&] {
     screen_.act({"mousemove", "150", "90", "mousedown", "2", "mousemove", "160", "95", "mousemove", "180", "90",
                  "mouseup", "2"});
   });
-  changes([&] { screen_.act({"mousemove", "150", "90", "click", "4"}); });
-  changes([&] { key("Left"); });
-  changes([&] { key("Home"); });
-  changes([&] { key("7"); });
+  changes("the wheel", [&] { screen_.act({"mousemove", "150", "90", "click", "4"}); });
+  changes("an arrow", [&] { key("Left"); });
+  changes("Home", [&] { key("Home"); });
+  changes("from the top", [&] { key("7"); });
   const output::Picture wide = [&] {
     key("h");  // without the panel
     waitUntil("a wider picture", [&] { return screenshot().width == kWidth + kPanel; });
     return screenshot();
   }();
+  screen_.act({"mousemove", "990", "290"});
   waitFor(wide);
 }
 
@@ -144,9 +146,9 @@ TEST_F(WindowTest, ComesBackFromBeingSmallAndHidden) {
 TEST_F(WindowTest, IsUsedByKeysAlone) {
   waitFor(screenshot());
   key("F2");
-  for (const char* name : {"Down", "Up", "Right", "space"}) {
+  for (const char* name : {"Down", "Down", "Right", "space"}) {
     key(name);
-    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
   }
   const size_t middle = 4 * (size_t{20} * kWidth + kWidth / 2);
   waitUntil("the slider of a split", [&] {
