@@ -16,9 +16,7 @@
 #include "base/files.h"
 #include "base/log.h"
 #include "base/parallel.h"
-#include "output/debug.h"
 #include "output/files.h"
-#include "output/targets.h"
 #include "output/used_files.h"
 #include "render/lens/lens_settings.h"
 #include "render/raster_choice.h"
@@ -74,36 +72,13 @@ void printReport(const scene::Scene& scene, const vk::Device& device, const rend
   fmt::print("{}\n", report.dump(2, ' ', false, Json::error_handler_t::replace));
 }
 
-// The value of {aov} in the name of --debug's picture.
-std::string_view debugName(const DebugRequest& debug) {
-  if (debug.targets) return "targets";
-  return debug.sheet ? "sheet" : output::info(debug.aovs.front()).name;
-}
-
-std::vector<std::filesystem::path> writeDebugPicture(const DebugRequest& debug, const output::Picture& picture,
+std::vector<std::filesystem::path> writeDebugPicture(const output::DebugRequest& debug, const output::Picture& picture,
                                                      const output::Metadata& metadata, const std::string& out) {
-  const std::filesystem::path path = output::fillPattern(out, debugName(debug), metadata);
+  const std::filesystem::path path = output::fillPattern(out, output::debugName(debug), metadata);
   output::makeFilledFolders(out, path);
   output::writePicture(path, picture);
   if (out == "-") return {};
   return {path};
-}
-
-// Writes the pictures of --debug: one, or a labelled sheet of several.
-std::vector<std::filesystem::path> writeDebug(const DebugRequest& debug, const output::FrameOutput& frame,
-                                              const output::Metadata& metadata, const std::string& out) {
-  const auto ids = std::find_if(frame.aovs.begin(), frame.aovs.end(),
-                                [](const output::AovImage& aov) { return aov.aov == output::Aov::Id; });
-  std::vector<output::Labelled> pictures;
-  for (const output::AovImage& aov : frame.aovs) {
-    if (!output::contains(debug.aovs, aov.aov)) continue;
-    output::Picture picture = aov.aov == output::Aov::Color && !frame.display.empty()
-                                  ? output::Picture{frame.width, frame.height, frame.display}
-                                  : output::debugPicture(aov, ids == frame.aovs.end() ? nullptr : &*ids);
-    pictures.push_back({std::string(output::info(aov.aov).name), std::move(picture)});
-  }
-  return writeDebugPicture(debug, debug.sheet ? output::contactSheet(pictures) : pictures.front().picture, metadata,
-                           out);
 }
 
 // Each may fill standard output once.
@@ -114,7 +89,7 @@ void checkStandardOutput(const RenderOptions& o) {
 }
 
 // The outputs, checked before any expensive work, and what has to be rendered for them.
-output::OutputRequest planOutput(RenderOptions& o, const std::optional<DebugRequest>& debug) {
+output::OutputRequest planOutput(RenderOptions& o, const std::optional<output::DebugRequest>& debug) {
   output::OutputRequest request{.pattern = o.out};
   if (!o.aovs.empty()) request.aovs = output::parseAovs(o.aovs);
   if (o.noSideFile) request.sideFile = false;
@@ -130,11 +105,13 @@ output::OutputRequest planOutput(RenderOptions& o, const std::optional<DebugRequ
 
   render::Settings& s = o.settings;
   s.countSurfaces = o.json;
-  s.aovs = debug ? debug->aovs : request.aovs;
-  s.display = debug ? output::contains(debug->aovs, output::Aov::Color) : output::usesDisplay(request);
-  if (s.display && !debug) std::erase(s.aovs, output::Aov::Color);
-  if (debug && !debug->targets && !output::contains(s.aovs, output::Aov::Id))
-    s.aovs.push_back(output::Aov::Id);  // tells the background
+  if (debug) {
+    render::showDebug(s, *debug);
+    return request;
+  }
+  s.aovs = request.aovs;
+  s.display = output::usesDisplay(request);
+  if (s.display) std::erase(s.aovs, output::Aov::Color);
   return request;
 }
 
@@ -143,7 +120,7 @@ std::vector<std::filesystem::path> outputsOf(const RenderOptions& o, const Rende
                                              const output::Metadata& metadata) {
   std::vector<std::filesystem::path> paths;
   if (plan.debug)
-    paths = {output::fillPattern(o.out, debugName(*plan.debug), metadata)};
+    paths = {output::fillPattern(o.out, output::debugName(*plan.debug), metadata)};
   else if (!o.out.empty())
     paths = output::outputPaths(plan.request, metadata);
   paths.emplace_back(o.graph);
@@ -216,11 +193,13 @@ void writeFrame(RenderRun& run, const RenderedFrame& frame) {
   const auto mark = Clock::now();
   std::vector<std::filesystem::path> files;
   if (run.plan.debug && run.plan.debug->targets)
-    files = writeDebugPicture(*run.plan.debug, output::contactSheet(output::targetPictures(frame.targets)),
-                              frame.metadata, run.options.out);
+    files = writeDebugPicture(*run.plan.debug, output::debugPicture(*run.plan.debug, frame.targets), frame.metadata,
+                              run.options.out);
+  else if (run.plan.debug)
+    files = writeDebugPicture(*run.plan.debug, output::debugPicture(*run.plan.debug, frame.picture), frame.metadata,
+                              run.options.out);
   else if (!run.options.out.empty())
-    files = run.plan.debug ? writeDebug(*run.plan.debug, frame.picture, frame.metadata, run.options.out)
-                           : output::writeOutput(run.plan.request, frame.picture, frame.metadata);
+    files = output::writeOutput(run.plan.request, frame.picture, frame.metadata);
   run.files.insert(run.files.end(), files.begin(), files.end());
   run.times.write += seconds(mark);
 }
@@ -257,7 +236,8 @@ void renderSequence(RenderRun& run) {
 RenderPlan planRender(RenderOptions& o) {
   checkOptions(o);
   checkTime(o);
-  RenderPlan plan{.debug = parseDebug(o.debug, o.settings.time || !o.frames.empty() || o.turn != 0)};
+  RenderPlan plan;
+  if (!o.debug.empty()) plan.debug = output::parseDebug(o.debug, o.settings.time || !o.frames.empty() || o.turn != 0);
   plan.request = planOutput(o, plan.debug);
   return plan;
 }

@@ -155,23 +155,4 @@ void checkOptions(RenderOptions& o) {
              layout.fixedPosition);
 }
 
-std::optional<DebugRequest> parseDebug(const std::string& debug, bool moving) {
-  if (debug.empty()) return std::nullopt;
-  DebugRequest request;
-  if (debug == "targets") {
-    request.targets = true;
-  } else if (debug == "sheet") {
-    request.sheet = true;
-    for (const output::AovInfo& aov : output::aovs()) {
-      if (aov.aov == output::Aov::Samples) continue;  // the same everywhere without multisampling
-      if (output::tellsOfRaster(aov.aov)) continue;
-      if (aov.aov != output::Aov::Motion || moving) request.aovs.push_back(aov.aov);
-    }
-  } else {
-    request.aovs = output::parseAovs(debug == "lights" ? "lights-tested,lights-used" : debug);
-    request.sheet = request.aovs.size() > 1;
-  }
-  return request;
-}
-
 }  // namespace latelight::app

@@ -11,7 +11,6 @@
 #include <string_view>
 #include <vector>
 
-#include "output/aov.h"
 #include "render/options.h"
 #include "render/settings.h"
 #include "scene/scene.h"
@@ -49,14 +48,5 @@ void addRenderOptions(CLI::App& command, RenderOptions& options);
 void limitMemory(const std::string& text);
 // Checks beyond parsing: limits and contradictions. Throws Error(Usage).
 void checkOptions(RenderOptions& options);
-
-// The argument of --debug: "sheet", AOV names, or "targets". The output is then a PNG of those.
-struct DebugRequest {
-  std::vector<output::Aov> aovs;
-  bool sheet = false;
-  bool targets = false;  // the layout's own targets, instead of AOVs
-};
-// `moving`: whether there is motion to show on the sheet.
-std::optional<DebugRequest> parseDebug(const std::string& debug, bool moving);
 
 }  // namespace latelight::app

@@ -9,6 +9,7 @@
 
 #include "app/render_options.h"
 #include "app/render_time.h"
+#include "output/debug_request.h"
 #include "output/files.h"
 #include "render/picking.h"
 #include "render/renderer.h"
@@ -18,7 +19,7 @@
 namespace latelight::app {
 
 struct RenderPlan {
-  std::optional<DebugRequest> debug;
+  std::optional<output::DebugRequest> debug;
   output::OutputRequest request;
 };
 // Checks the options before any expensive work, and fills in options.settings. Throws Error(Usage).

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 
+#include "base/error.h"
+#include "base/text.h"
+#include "render/gbuffer/layout.h"
 #include "render/view.h"
 
 namespace latelight::render {
@@ -27,6 +30,19 @@ std::string environmentName(const scene::Scene& scene, const std::string& asked)
 std::optional<scene::Environment> loadEnvironment(const std::string& name) {
   if (name.empty()) return std::nullopt;
   return scene::loadEnvironment(name);
+}
+
+void showDebug(Settings& s, const output::DebugRequest& debug) {
+  s.aovs = debug.aovs;
+  s.display = output::contains(debug.aovs, output::Aov::Color);
+  if (!debug.targets && !output::contains(s.aovs, output::Aov::Id))
+    s.aovs.push_back(output::Aov::Id);  // tells the background
+  if (debug.target.empty()) return;
+  std::vector<std::string> names;
+  for (const LayoutTarget& target : s.layout->targets) names.emplace_back(target.name);
+  if (std::ranges::find(names, debug.target) == names.end())
+    badUsage("--debug target: the layout {} has no target \"{}\"; it has {}", s.layout->name, debug.target,
+             joinedByOr(names));
 }
 
 Poses posesAt(const scene::Scene& scene, const Settings& settings) {

@@ -1,9 +1,11 @@
-// Shared by the command line and the API: the choice of a scene's environment, and camera poses in external frames.
+// Shared by the command line, the API and viewers: the choice of a scene's environment, what a debug picture takes, and
+// camera poses in external frames.
 #pragma once
 
 #include <optional>
 #include <string>
 
+#include "output/debug_request.h"
 #include "render/moment.h"
 #include "render/settings.h"
 #include "scene/environment.h"
@@ -15,6 +17,9 @@ namespace latelight::render {
 // scene without any light, so that no first picture is black. Empty: none.
 std::string environmentName(const scene::Scene& scene, const std::string& asked);
 std::optional<scene::Environment> loadEnvironment(const std::string& name);  // nothing for an empty name
+
+// Asks for what --debug's picture is made of. Throws Error(Usage) for a target that the layout does not have.
+void showDebug(Settings& settings, const output::DebugRequest& debug);
 
 // Where everything is at the settings' time, and a frame before and after; at rest without one.
 Poses posesAt(const scene::Scene& scene, const Settings& settings);

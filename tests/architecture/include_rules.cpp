@@ -18,7 +18,8 @@ const std::map<std::string, std::set<std::string>, std::less<>> kAllowed = {
     {"render", {"base", "vk", "graph", "shared", "scene", "output", "latelight"}},
     {"study", {"base", "vk", "graph", "shared", "scene", "output", "render", "latelight"}},
     {"data", {"base", "vk", "shared", "scene", "output", "render", "latelight"}},
-    {"app", {"base", "vk", "graph", "shared", "scene", "output", "render", "study", "data", "latelight"}},
+    {"view", {"base", "vk", "graph", "shared", "scene", "output", "render", "latelight"}},
+    {"app", {"base", "vk", "graph", "shared", "scene", "output", "render", "study", "data", "view", "latelight"}},
     {"include", {"latelight"}},
 };
 const std::set<std::string, std::less<>> kMayUseVulkan = {"vk", "graph", "render", "study"};

@@ -1,0 +1,44 @@
+#include "view/draft.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+namespace latelight::view {
+
+namespace {
+
+constexpr double kMost = 0.085;  // seconds a picture: the rest of a tenth is its way to the screen
+constexpr double kDivisors[] = {1, 1.5, 2, 3, 4, 6, 8};
+
+uint32_t divided(uint32_t pixels, double divisor) {
+  return std::max<uint32_t>(1, static_cast<uint32_t>(std::lround(pixels / divisor)));
+}
+
+}  // namespace
+
+Draft::Draft(bool slow) : divisor_(slow ? 4 : 1) {}
+
+render::Settings Draft::of(const render::Settings& whole) const {
+  render::Settings draft = whole;
+  draft.width = divided(whole.width, divisor_);
+  draft.height = divided(whole.height, divisor_);
+  if (divisor_ > 1) draft.aa.superSampling = 1;
+  if (means_ >= WithoutShadows) draft.shadows = render::ShadowFormat::None;
+  if (means_ >= InCompute && whole.aa.samples == 1) draft.raster = render::Raster::Compute;
+  return draft;
+}
+
+// As if all of the time were the pixels': an estimate that is too high for more of them, so that nothing swings.
+void Draft::took(double seconds) {
+  const auto divisor = std::find_if(std::begin(kDivisors), std::end(kDivisors),
+                                    [&](double d) { return seconds * (divisor_ / d) * (divisor_ / d) <= kMost; });
+  if (divisor != std::end(kDivisors))
+    divisor_ = *divisor;
+  else if (divisor_ < kDivisors[std::size(kDivisors) - 1])
+    divisor_ = kDivisors[std::size(kDivisors) - 1];
+  else if (means_ < InCompute)
+    means_ = static_cast<Means>(means_ + 1);
+}
+
+}  // namespace latelight::view

@@ -1,0 +1,74 @@
+#include "view/in_picture.h"
+
+#include <cmath>
+
+#include "shared/light.h"
+
+namespace latelight::view {
+
+namespace {
+
+// Half of what the picture shows, per metre of depth; of orthographic cameras in metres.
+glm::dvec2 halfExtent(const scene::Camera& camera, glm::uvec2 size) {
+  const double half = camera.orthographic ? double{camera.yHalf} : std::tan(double{camera.verticalFov} / 2);
+  return {half * size.x / size.y, half};
+}
+
+// Right, away and up of the camera.
+glm::dvec3 inView(const scene::Camera& camera, glm::vec3 world) {
+  const glm::dmat4 m(camera.toWorld);
+  const glm::dvec3 way = glm::dvec3(world) - glm::dvec3(m[3]);
+  return {glm::dot(way, glm::dvec3(m[0])), glm::dot(way, glm::dvec3(m[1])), glm::dot(way, glm::dvec3(m[2]))};
+}
+
+}  // namespace
+
+std::vector<uint32_t> placedLights(const scene::Scene& scene) {
+  std::vector<uint32_t> lights;
+  for (uint32_t i = 0; i < scene.lights.size(); ++i)
+    if (!scene.lights[i].removed && scene.lights[i].type != shared::kLightDirectional) lights.push_back(i);
+  return lights;
+}
+
+std::optional<glm::dvec2> pixelOf(const scene::Camera& camera, glm::uvec2 size, glm::vec3 world) {
+  const glm::dvec3 v = inView(camera, world);
+  if (!(v.y > 0)) return std::nullopt;
+  const glm::dvec2 half = halfExtent(camera, size) * (camera.orthographic ? 1.0 : v.y);
+  return glm::dvec2((v.x / half.x + 1) / 2 * size.x, (1 - v.z / half.y) / 2 * size.y);
+}
+
+std::optional<glm::vec3> draggedTo(const scene::Camera& camera, glm::uvec2 size, glm::vec3 from, glm::dvec2 pixel) {
+  const glm::dvec3 v = inView(camera, from);
+  if (!(v.y > 0)) return std::nullopt;
+  const glm::dvec2 half = halfExtent(camera, size) * (camera.orthographic ? 1.0 : v.y);
+  const glm::dvec2 to((2 * pixel.x / size.x - 1) * half.x, (1 - 2 * pixel.y / size.y) * half.y);
+  const glm::dmat4 m(camera.toWorld);
+  return glm::vec3(m * glm::dvec4(to.x, v.y, to.y, 1));
+}
+
+glm::vec3 fromFile(const scene::Scene& scene, glm::vec3 v) {
+  return scene.yUp ? glm::vec3(v.x, -v.z, v.y) : v;
+}
+
+glm::vec3 toFile(const scene::Scene& scene, glm::vec3 v) {
+  return scene.yUp ? glm::vec3(v.x, v.z, -v.y) : v;
+}
+
+scene::Bounds boundsOf(const scene::Scene& scene, uint32_t id) {
+  scene::Bounds bounds;
+  for (const scene::Instance& instance : scene.instances) {
+    if (instance.removed || instance.id != id) continue;
+    const scene::Mesh& mesh = scene.meshes[instance.mesh];
+    for (int corner = 0; corner < 8; ++corner) {
+      const glm::vec3 at(corner & 1 ? mesh.boundsMax.x : mesh.boundsMin.x,
+                         corner & 2 ? mesh.boundsMax.y : mesh.boundsMin.y,
+                         corner & 4 ? mesh.boundsMax.z : mesh.boundsMin.z);
+      const glm::vec3 world(instance.toWorld * glm::vec4(at, 1));
+      bounds.min = glm::min(bounds.min, world);
+      bounds.max = glm::max(bounds.max, world);
+    }
+  }
+  return bounds;
+}
+
+}  // namespace latelight::view

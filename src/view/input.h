@@ -1,0 +1,94 @@
+// What people do with a viewing session, from whatever window, page or test: plain values.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <variant>
+
+namespace latelight::view {
+
+// Of a split picture. Without a split there is the left one alone.
+enum class Side : uint8_t { Left, Right };
+
+enum class Button : uint8_t { Left, Middle, Right };
+enum class Navigation : uint8_t { Orbit, Fly };
+
+// Pixels of the picture that the session was told to make, from the upper left; y down.
+struct Resize {
+  uint32_t width, height;
+};
+struct PointerMove {
+  double x, y;
+};
+struct PointerLeave {};
+// Where the pointer moved last. A click, which moves nothing, picks what is there.
+struct PointerButton {
+  Button button;
+  bool down;
+  bool shift = false;
+};
+struct Wheel {
+  double steps;  // up is positive, and goes nearer
+};
+// `name` as KeyboardEvent.key has it: "w", "ArrowLeft", "Home", "Escape".
+struct Key {
+  std::string name;
+  bool down;
+  bool shift = false;
+};
+struct Blur {};  // no key and no button is held any more
+
+// An option of options.def by its name, "--layout" or "layout", as text; an empty text is its default. Flags take
+// "true".
+// --size is Resize's.
+struct SetOption {
+  std::string name, value;
+  Side side = Side::Left;
+};
+// "picture", or what --debug takes: names of outputs, "lights", "sheet", "targets", "target:NAME".
+struct ShowOutput {
+  std::string name;
+  Side side = Side::Left;
+};
+// The right choice begins as a copy of the left one.
+struct SetSplit {
+  enum Mode : uint8_t { Off, Slider, Difference } mode = Off;
+  double at = 0.5;           // of the picture's width, where the right side begins
+  double amplification = 8;  // of differences
+};
+struct UseCamera {
+  std::string name;  // of the scene, or its number; empty: the one that it begins with
+};
+struct UseEnvironment {
+  std::string name;  // as --hdri takes it; empty: as the scene says
+};
+struct SetNavigation {
+  Navigation mode;
+};
+struct SelectPixel {
+  uint32_t x, y;
+};
+struct Play {
+  bool on;
+};
+// Lights by their place in State::lights. Moved in the scene file's frame, or dragged to a pixel at their own depth.
+struct MoveLight {
+  uint32_t light;
+  std::array<float, 3> position;
+};
+struct DragLight {
+  uint32_t light;
+  double x, y;
+};
+struct Screenshot {  // of a side, as a PNG file: what the side's command line writes
+  std::string path;
+  Side side = Side::Left;
+};
+struct Reload {};
+
+using Input =
+    std::variant<Resize, PointerMove, PointerLeave, PointerButton, Wheel, Key, Blur, SetOption, ShowOutput, SetSplit,
+                 UseCamera, UseEnvironment, SetNavigation, SelectPixel, Play, MoveLight, DragLight, Screenshot, Reload>;
+
+}  // namespace latelight::view

@@ -1,0 +1,290 @@
+#include "view/session.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <new>
+#include <utility>
+
+#include "base/error.h"
+#include "base/log.h"
+#include "render/gbuffer/layout.h"
+#include "scene/framing.h"
+#include "scene/light_types.h"
+#include "view/in_picture.h"
+#include "view/outline.h"
+#include "view/session_impl.h"
+#include "view/shell_words.h"
+#include "view/split.h"
+
+namespace latelight::view {
+
+namespace {
+
+constexpr double kStill = 0.15;       // seconds without movement, after which the full picture is made
+constexpr double kLongestStep = 0.1;  // of flying: no slow picture is a leap
+
+// Runs it, and gives the sentence of what went wrong.
+template <typename Act>
+std::string sentenceOf(
+    const Act& act, const std::function<void()>& onDeviceLost = [] {}) {
+  try {
+    act();
+    return "";
+  } catch (const Error& error) {
+    if (error.code() == ExitCode::DeviceLost) onDeviceLost();
+    return error.what();
+  } catch (const std::bad_alloc&) {
+    return "out of memory; use a smaller scene or picture";
+  }
+}
+
+}  // namespace
+
+ViewSession::Impl::Impl(const Start& start)
+    : start(start),
+      stage(start.scene, start.load, {.selector = start.device, .validation = start.validate}),
+      draft(stage.device().isCpu()),
+      lights(placedLights(stage.scene())) {
+  state.scene = start.scene;
+  state.device = stage.device().info().name;
+  state.environment = start.environment;
+  state.camera = start.camera;
+  state.choices[0] = start.choice;
+  state.width = start.width, state.height = start.height;
+  steering.resize(start.width, start.height);
+  settings(Side::Left);  // throws where they can't be
+  stage.light(environmentWord());
+  if (start.eye && start.target) {
+    const auto world = [&](glm::vec3 v) { return glm::dvec3(fromFile(stage.scene(), v)); };
+    const double fov = start.fov ? *start.fov * M_PI / 180 : double{scene::kDefaultVerticalFov};
+    control.emplace(Viewpoint{world(*start.eye), world(*start.target), fov}, worldBounds(stage.scene()).radius());
+  }
+  camera();  // throws where there is none of that name
+  touch();
+  describe();
+}
+
+// --- time -----------------------------------------------------------------------------------------------------------
+
+bool ViewSession::Impl::isMoving() const {
+  return runs() || sinceTouched() < kStill;
+}
+
+void ViewSession::Impl::advance() {
+  const double step = std::chrono::duration<double>(Clock::now() - std::exchange(stepped, Clock::now())).count();
+  if (steering.flying()) {
+    steering.fly(steered(), std::min(step, kLongestStep));
+    touch();
+  }
+  if (!state.playing) return;
+  const render::Settings s = settings(Side::Left).settings;
+  const double duration = scene::duration(stage.scene(), scene::choosePlayback(stage.scene(), s.animation, s.loop));
+  const double time = s.time.value_or(0) + step;
+  state.playing = s.loop || time < duration;
+  setTime(s.loop ? std::fmod(time, duration) : std::min(time, duration));
+  touch();
+}
+
+// --- what is asked for ----------------------------------------------------------------------------------------------
+
+ChosenSettings ViewSession::Impl::settings(Side side) const {
+  return settingsOf(state.choices[static_cast<int>(side)], state.width, state.height);
+}
+
+CameraChoice ViewSession::Impl::cameraChoice() const {
+  if (!control) return {.camera = state.camera};
+  const Viewpoint& view = control->view();
+  return {.placed = CameraChoice::Placed{toFile(stage.scene(), glm::vec3(view.eye)),
+                                         toFile(stage.scene(), glm::vec3(view.target)), view.verticalFov * 180 / M_PI}};
+}
+
+scene::Camera ViewSession::Impl::camera() const {
+  return stage.camera(cameraChoice(), settings(Side::Left).settings);
+}
+
+// Both sides are lit alike: where one of them shows the environment there must be one.
+std::string ViewSession::Impl::environmentWord() const {
+  if (!state.environment.empty()) return state.environment;
+  const auto shows = [&](Side side) {
+    return settings(side).settings.background.kind == render::Background::Environment;
+  };
+  return shows(Side::Left) || (hasSplit() && shows(Side::Right)) ? "studio" : "";
+}
+
+std::vector<std::string> ViewSession::Impl::commandLine(Side side) const {
+  std::vector<std::string> words{"latelight", "render", start.scene,
+                                 fmt::format("--size={}x{}", state.width, state.height)};
+  const auto add = [&](const std::string& name, const std::string& value) {
+    if (!value.empty()) words.push_back(name + "=" + value);
+  };
+  add("--variant", start.load.variant);
+  for (const std::string& folder : start.load.allowOutside) add("--allow-outside", folder);
+  if (start.load.ids.depth) add("--id-depth", fmt::format("{}", *start.load.ids.depth));
+  add("--id-nodes", fmt::format("{}", fmt::join(start.load.ids.nodes, ",")));
+  const auto append = [&](const std::vector<std::string>& more) {
+    words.insert(words.end(), more.begin(), more.end());
+  };
+  append(wordsOf(cameraChoice()));
+  add("--hdri", environmentWord());
+  append(wordsOf(state.choices[static_cast<int>(side)]));
+  if (start.device != "auto") add("--device", start.device);
+  return words;
+}
+
+// --- pictures -------------------------------------------------------------------------------------------------------
+
+void ViewSession::Impl::render(bool asDraft) {
+  stage.light(environmentWord());
+  for (const Side side : {Side::Left, Side::Right}) {
+    if (side == Side::Right && !hasSplit()) break;
+    ChosenSettings chosen = settings(side);
+    if (asDraft) chosen.settings = draft.of(chosen.settings);
+    sides[static_cast<int>(side)] = stage.render(chosen, cameraChoice(), state.selected.has_value());
+    if (side == Side::Left) picture.passes = stage.passes();
+  }
+}
+
+void ViewSession::Impl::compose() {
+  output::Picture made = splitPicture(sides[0].picture, sides[1].picture, state.split);
+  if (state.selected && sides[0].ids) drawOutline(made, *sides[0].ids, state.selected->id);
+  picture.width = made.width, picture.height = made.height;
+  picture.rgba = std::move(made.rgba);
+  ++picture.number;
+  recompose = false;
+}
+
+// What takes long because pipelines are made says nothing of the next one.
+void ViewSession::Impl::makePicture() {
+  const bool moving = isMoving(), asDraft = moving && !draft.isWhole();
+  const uint64_t pipelines = stage.device().pipelinesMade();
+  const auto begin = Clock::now();
+  dirty = false;
+  probed.reset();
+  render(asDraft);
+  compose();
+  const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+  picture.final = !asDraft;
+  picture.milliseconds = 1000 * seconds;
+  if (moving && stage.device().pipelinesMade() == pipelines) draft.took(seconds);
+}
+
+bool ViewSession::Impl::wantsProbe() const {
+  return !dirty && picture.final && !isMoving() && !steering.dragging() && probed != steering.pixel();
+}
+
+void ViewSession::Impl::probe() {
+  probed = steering.pixel();
+  state.probe.reset();
+  if (!probed || picture.width != state.width || picture.height != state.height) return;
+  Probe at{.x = probed->x, .y = probed->y};
+  std::copy_n(&picture.rgba[4 * (size_t{at.y} * picture.width + at.x)], 4, at.rgba.begin());
+  at.surface = stage.pick(settings(Side::Left).settings, cameraChoice(), *probed);
+  state.probe = std::move(at);
+}
+
+void ViewSession::Impl::takeValidation() {
+  for (std::string& message : stage.device().validationMessages()) {
+    state.error = "the Vulkan validation layer says: " + message;
+    warn("{}", state.error);
+    validation.push_back(std::move(message));
+  }
+}
+
+// --- what there is to say -------------------------------------------------------------------------------------------
+
+void ViewSession::Impl::describeLights() {
+  const scene::Camera from = camera();
+  const render::Settings s = settings(Side::Left).settings;
+  state.lights.clear();
+  for (const uint32_t i : lights) {
+    const scene::Light& light = stage.scene().lights[i];
+    const glm::vec3 p = toFile(stage.scene(), light.position);
+    LightState told{light.name, std::string(scene::lightTypes()[light.type].name), {p.x, p.y, p.z}, {}};
+    if (const auto pixel = pixelOf(from, {s.width, s.height}, light.position))
+      told.at = {static_cast<float>(pixel->x), static_cast<float>(pixel->y)};
+    state.lights.push_back(std::move(told));
+  }
+}
+
+void ViewSession::Impl::describe() {
+  const render::Settings s = settings(Side::Left).settings;
+  const scene::Scene& scene = stage.scene();
+  state.cameras.clear(), state.animations.clear(), state.targets.clear();
+  for (const scene::Camera& camera : scene.cameras) state.cameras.push_back(camera.name);
+  for (const scene::Animation& animation : scene.rig.animations) state.animations.push_back(animation.name);
+  for (const render::LayoutTarget& target : s.layout->targets) state.targets.emplace_back(target.name);
+  state.bytesPerPixel = s.layout->bytesPerPixel(s.normals->index).total();
+  state.navigation = steering.navigation;
+  state.time = s.time;
+  state.duration = scene::duration(scene, scene::choosePlayback(scene, s.animation, s.loop));
+  state.steered = control ? std::optional(control->view()) : std::nullopt;
+  std::vector<std::string> words = commandLine(Side::Left);
+  words.insert(words.end(), {"-o", "picture.png"});
+  state.command = shellWords(words);
+  describeLights();
+}
+
+// --- from outside ---------------------------------------------------------------------------------------------------
+
+ViewSession::ViewSession(const Start& start) : impl_(std::make_unique<Impl>(start)) {}
+ViewSession::~ViewSession() = default;
+
+void ViewSession::input(const Input& input) {
+  Impl& i = *impl_;
+  const std::string sentence = sentenceOf([&] { i.take(input); }, [&] { i.stage.dropDevice(); });
+  if (!sentence.empty()) i.state.error = sentence;
+  const std::string other = sentenceOf([&] { i.describe(); });
+  if (!other.empty()) i.state.error = other;
+}
+
+bool ViewSession::wantsFrame() {
+  Impl& i = *impl_;
+  if (i.stage.filesChanged()) input(Reload{});
+  return i.dirty || i.recompose || i.runs() || (!i.picture.final && !i.isMoving()) || i.wantsProbe();
+}
+
+double ViewSession::patience() const {
+  if (impl_->dirty || impl_->runs()) return 0;
+  const bool waits = !impl_->picture.final || impl_->isMoving();
+  return waits ? std::max(kStill - impl_->sinceTouched(), 0.0) : FileWatch::kSeconds;
+}
+
+const Frame& ViewSession::next() {
+  Impl& i = *impl_;
+  const auto make = [&] {
+    i.advance();
+    if (i.dirty || (!i.picture.final && !i.isMoving()))
+      i.makePicture();
+    else if (i.recompose)
+      i.compose();
+    if (i.wantsProbe()) i.probe();
+    i.takeValidation();
+    i.describe();
+  };
+  const std::string sentence = sentenceOf(make, [&] { i.stage.dropDevice(); });
+  if (sentence.empty()) return i.picture;
+  i.state.error = sentence;
+  i.state.playing = false;
+  i.dirty = i.recompose = false;
+  i.picture.final = true;  // until something else is asked for
+  i.probed = i.steering.pixel();
+  return i.picture;
+}
+
+const State& ViewSession::state() const {
+  return impl_->state;
+}
+
+std::vector<std::string> ViewSession::commandLine(Side side) const {
+  return impl_->commandLine(side);
+}
+
+std::vector<std::string> ViewSession::validationMessages() {
+  impl_->takeValidation();
+  return std::exchange(impl_->validation, {});
+}
+
+}  // namespace latelight::view

@@ -1,0 +1,84 @@
+// The inside of a viewing session: what people do is in session_input.cpp, what comes of it in session.cpp.
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "view/choice.h"
+#include "view/draft.h"
+#include "view/session.h"
+#include "view/stage.h"
+#include "view/steering.h"
+
+namespace latelight::view {
+
+struct ViewSession::Impl {
+  using Clock = std::chrono::steady_clock;
+
+  explicit Impl(const Start& start);
+
+  // --- what people do. Each throws Error, and then changes nothing. ---
+  void take(const Input& input);
+  void resize(const Resize& size);
+  void setOption(const SetOption& set);
+  void showOutput(const ShowOutput& show);
+  void setSplit(const SetSplit& split);
+  void useCamera(const std::string& name);
+  void useEnvironment(const std::string& name);
+  void movePointer(const PointerMove& move);
+  void turnWheel(double steps);
+  void pressKey(const Key& key);
+  void selectPixel(glm::uvec2 pixel);
+  uint32_t lightAt(uint32_t place) const;  // its number in the scene
+  void moveLight(uint32_t light, glm::vec3 world);
+  void dragLight(const DragLight& drag);
+  void play(bool on);
+  void setTime(double seconds);
+  void screenshot(const Screenshot& shot);
+  void reload();
+  void frame(const scene::Bounds& bounds);
+  CameraControl& steered();  // from here on the camera is people's
+  glm::dvec3 underPointer();
+
+  // --- time ---
+  void touch() { touched = Clock::now(), dirty = true; }
+  double sinceTouched() const { return std::chrono::duration<double>(Clock::now() - touched).count(); }
+  bool runs() const { return state.playing || steering.flying(); }
+  bool isMoving() const;
+  void advance();
+
+  // --- what comes of it ---
+  bool hasSplit() const { return state.split.mode != SetSplit::Off; }
+  Choice& choiceOf(Side side) { return state.choices[static_cast<int>(side)]; }
+  ChosenSettings settings(Side side) const;
+  CameraChoice cameraChoice() const;
+  scene::Camera camera() const;
+  std::string environmentWord() const;
+  std::vector<std::string> commandLine(Side side) const;
+  void makePicture();
+  void render(bool draft);
+  void compose();
+  bool wantsProbe() const;
+  void probe();
+  void takeValidation();
+  void describe();
+  void describeLights();
+
+  Start start;
+  Stage stage;
+  Steering steering;
+  Draft draft;
+  std::optional<CameraControl> control;
+  std::vector<uint32_t> lights;  // that have a place, in the scene
+  State state;
+  Frame picture;
+  Stage::Result sides[2];
+  std::vector<std::string> validation;
+  bool dirty = true, recompose = false;
+  std::optional<glm::uvec2> probed;  // since the last change
+  Clock::time_point touched{}, stepped = Clock::now();
+};
+
+}  // namespace latelight::view

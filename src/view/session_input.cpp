@@ -1,0 +1,230 @@
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <utility>
+
+#include "base/error.h"
+#include "output/files.h"
+#include "output/used_files.h"
+#include "scene/edit.h"
+#include "scene/framing.h"
+#include "view/in_picture.h"
+#include "view/session_impl.h"
+
+namespace latelight::view {
+
+namespace {
+
+template <typename... Fs>
+struct Overloaded : Fs... {
+  using Fs::operator()...;
+};
+
+}  // namespace
+
+void ViewSession::Impl::take(const Input& input) {
+  const auto change = [&](const auto& act) {
+    state.error.clear();
+    act();
+    touch();
+  };
+  std::visit(Overloaded{
+                 [&](const Resize& size) { resize(size); },
+                 [&](const PointerMove& move) { movePointer(move); },
+                 [&](const PointerLeave&) { steering.leave(); },
+                 [&](const PointerButton& button) {
+                   if (const auto pixel = steering.button(button)) change([&] { selectPixel(*pixel); });
+                 },
+                 [&](const Wheel& wheel) { turnWheel(wheel.steps); },
+                 [&](const Key& key) { pressKey(key); },
+                 [&](const Blur&) { steering.release(); },
+                 [&](const SetOption& set) { change([&] { setOption(set); }); },
+                 [&](const ShowOutput& show) { change([&] { showOutput(show); }); },
+                 [&](const SetSplit& split) { setSplit(split); },
+                 [&](const UseCamera& use) { change([&] { useCamera(use.name); }); },
+                 [&](const UseEnvironment& use) { change([&] { useEnvironment(use.name); }); },
+                 [&](const SetNavigation& set) { steering.navigation = set.mode; },
+                 [&](const SelectPixel& select) { change([&] {
+                                                    selectPixel({select.x, select.y});
+                                                  }); },
+                 [&](const Play& wanted) { change([&] { play(wanted.on); }); },
+                 [&](const MoveLight& move) {
+                   const glm::vec3 to(move.position[0], move.position[1], move.position[2]);
+                   change([&] { moveLight(lightAt(move.light), fromFile(stage.scene(), to)); });
+                 },
+                 [&](const DragLight& drag) { change([&] { dragLight(drag); }); },
+                 [&](const Screenshot& shot) {
+                   state.error.clear();
+                   screenshot(shot);
+                 },
+                 [&](const Reload&) { change([&] { reload(); }); },
+             },
+             input);
+}
+
+// A window that is minimised has no size, and keeps its picture.
+void ViewSession::Impl::resize(const Resize& size) {
+  if (size.width == 0 || size.height == 0 || (size.width == state.width && size.height == state.height)) return;
+  state.width = size.width, state.height = size.height;
+  steering.resize(size.width, size.height);
+  touch();
+}
+
+void ViewSession::Impl::setOption(const SetOption& set) {
+  const Choice changed = withOption(choiceOf(set.side), set.name, set.value);
+  const render::Settings s = settingsOf(changed, 1, 1).settings;
+  scene::choosePlayback(stage.scene(), s.animation, s.loop);  // throws where there is none
+  choiceOf(set.side) = changed;
+}
+
+void ViewSession::Impl::showOutput(const ShowOutput& show) {
+  choiceOf(show.side) = withOutput(choiceOf(show.side), show.name);
+}
+
+void ViewSession::Impl::setSplit(const SetSplit& split) {
+  const bool had = hasSplit();
+  state.split = split;
+  if (!std::isfinite(state.split.at)) state.split.at = 0.5;
+  if (!std::isfinite(state.split.amplification)) state.split.amplification = 1;
+  recompose = true;
+  if (had == hasSplit()) return;
+  if (!had) state.choices[1] = state.choices[0];
+  touch();
+}
+
+// --- camera ---------------------------------------------------------------------------------------------------------
+
+void ViewSession::Impl::useCamera(const std::string& name) {
+  const std::string before = std::exchange(state.camera, name);
+  const std::optional<CameraControl> steered = std::exchange(control, std::nullopt);
+  try {
+    camera();
+  } catch (...) {
+    state.camera = before, control = steered;
+    throw;
+  }
+}
+
+CameraControl& ViewSession::Impl::steered() {
+  if (control) return *control;
+  const scene::Camera from = camera();
+  const scene::Bounds bounds = worldBounds(stage.scene());
+  const double radius = bounds.empty() ? 1 : bounds.radius();
+  const glm::dvec3 centre(bounds.empty() ? glm::vec3(0) : bounds.centre());
+  const glm::dvec3 eye(from.toWorld[3]), away(from.toWorld[1]);
+  const double distance = std::max(glm::dot(centre - eye, away), 0.05 * radius);
+  const float fov = from.orthographic ? scene::kDefaultVerticalFov : from.verticalFov;
+  return control.emplace(Viewpoint{eye, eye + away * distance, fov}, radius);
+}
+
+void ViewSession::Impl::movePointer(const PointerMove& move) {
+  if (!std::isfinite(move.x) || !std::isfinite(move.y)) return;
+  const bool moves = steering.moves(move);
+  steering.pointer(move, moves ? &steered() : nullptr);
+  if (moves) touch();
+}
+
+// The surface at the pointer, or what lies at the target's distance there.
+glm::dvec3 ViewSession::Impl::underPointer() {
+  const Viewpoint& view = steered().view();
+  if (!steering.pixel()) return view.target;
+  const bool known = state.probe && probed == steering.pixel() && state.probe->surface.id != 0;
+  const double depth = known ? double{state.probe->surface.depth} : glm::length(view.target - view.eye);
+  return view.eye + rayThrough(view, steering.place()) * depth;
+}
+
+void ViewSession::Impl::turnWheel(double steps) {
+  if (!std::isfinite(steps)) return;
+  steps = std::clamp(steps, -20.0, 20.0);
+  if (steering.navigation == Navigation::Fly) return steered().changeSpeed(steps);
+  const glm::dvec3 towards = underPointer();
+  steered().dolly(steps, towards);
+  touch();
+}
+
+void ViewSession::Impl::frame(const scene::Bounds& bounds) {
+  if (bounds.empty()) return;
+  steered().frame(glm::dvec3(bounds.centre()), bounds.radius(), 1.0 * state.width / state.height);
+  touch();
+}
+
+void ViewSession::Impl::pressKey(const Key& key) {
+  const bool moves = steering.moves(key);
+  steering.key(key, moves ? &steered() : nullptr);
+  if (moves) touch();
+  if (!key.down) return;
+  const bool flies = steering.navigation == Navigation::Fly;
+  if (key.name == "Home") frame(worldBounds(stage.scene()));
+  if (key.name == "f" && state.selected) frame(boundsOf(stage.scene(), state.selected->id));
+  if (key.name == "o") steering.navigation = flies ? Navigation::Orbit : Navigation::Fly;
+  if (key.name == " ") take(Play{!state.playing});
+  if (key.name == "Escape" && state.selected) state.selected.reset(), touch();
+}
+
+// --- scene ----------------------------------------------------------------------------------------------------------
+
+void ViewSession::Impl::useEnvironment(const std::string& name) {
+  const std::string before = std::exchange(state.environment, name);
+  try {
+    stage.light(environmentWord());
+  } catch (...) {
+    state.environment = before;
+    throw;
+  }
+}
+
+void ViewSession::Impl::selectPixel(glm::uvec2 pixel) {
+  const ChosenSettings chosen = settings(Side::Left);
+  render::checkPixels(chosen.settings, {&pixel, 1});
+  stage.light(environmentWord());
+  const render::Picked picked = stage.pick(chosen.settings, cameraChoice(), pixel);
+  state.selected = picked.id != 0 ? std::optional(picked) : std::nullopt;
+}
+
+uint32_t ViewSession::Impl::lightAt(uint32_t place) const {
+  if (place >= lights.size()) badUsage("there is no light {}: {} of the scene's have a place", place, lights.size());
+  return lights[place];
+}
+
+void ViewSession::Impl::moveLight(uint32_t light, glm::vec3 world) {
+  scene::Light moved = stage.scene().lights[light];
+  moved.position = world;
+  scene::setLight(stage.scene(), light, moved);
+  state.lightsMoved = true;
+}
+
+void ViewSession::Impl::dragLight(const DragLight& drag) {
+  const uint32_t light = lightAt(drag.light);
+  const glm::vec3 from = stage.scene().lights[light].position;
+  if (const auto to = draggedTo(camera(), {state.width, state.height}, from, {drag.x, drag.y})) moveLight(light, *to);
+}
+
+void ViewSession::Impl::setTime(double seconds) {
+  for (Choice& choice : state.choices)
+    choice = withOption(choice, "time", fmt::format("{}", std::round(seconds * 1000) / 1000));
+}
+
+void ViewSession::Impl::play(bool on) {
+  const render::Settings s = settings(Side::Left).settings;
+  const double duration = scene::duration(stage.scene(), scene::choosePlayback(stage.scene(), s.animation, s.loop));
+  state.playing = on && duration > 0;
+  stepped = Clock::now();
+  if (state.playing && (!s.time || (!s.loop && *s.time >= duration))) setTime(0);
+}
+
+void ViewSession::Impl::screenshot(const Screenshot& shot) {
+  const std::filesystem::path path = shot.path;
+  if (output::formatOf(shot.path) != output::Format::Png)
+    badUsage("a screenshot is a PNG file: give '{}' a name that ends in .png", shot.path);
+  output::UsedFiles(stage.scene().files).checkOutputs({&path, 1});
+  stage.light(environmentWord());
+  output::writePicture(path, stage.render(settings(shot.side), cameraChoice(), false).picture);
+}
+
+void ViewSession::Impl::reload() {
+  stage.reload();
+  lights = placedLights(stage.scene());
+  state.lightsMoved = false;
+}
+
+}  // namespace latelight::view

@@ -1,0 +1,143 @@
+#include "view/stage.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "base/text.h"
+#include "render/raster_choice.h"
+#include "render/session.h"
+#include "scene/framing.h"
+
+namespace latelight::view {
+
+namespace {
+
+const scene::Camera& findCamera(const std::vector<scene::Camera>& cameras, const std::string& wanted) {
+  for (const scene::Camera& camera : cameras)
+    if (camera.name == wanted) return camera;
+  if (const auto index = parseNumber<size_t>(wanted); index && *index < cameras.size()) return cameras[*index];
+  badUsage("the scene has no camera \"{}\"", wanted);
+}
+
+std::string textOf(glm::vec3 v) {
+  return fmt::format("{},{},{}", v.x, v.y, v.z);
+}
+
+// At the settings' time, or at rest.
+scene::Pose poseOf(const scene::Scene& scene, const render::Settings& s, double offset = 0) {
+  if (!s.time) return {};
+  return scene::poseAt(scene, scene::choosePlayback(scene, s.animation, s.loop), *s.time + offset);
+}
+
+scene::Camera cameraOf(const scene::Scene& scene, const CameraChoice& choice, const render::Settings& s,
+                       const scene::Pose& pose) {
+  if (choice.placed) {
+    const auto fov = static_cast<float>(choice.placed->fov * M_PI / 180.0);
+    return scene::lookAt(scene, choice.placed->eye, choice.placed->target, {}, fov);
+  }
+  const std::vector<scene::Camera> cameras = scene::posedCameras(scene, pose);
+  if (!choice.camera.empty()) return findCamera(cameras, choice.camera);
+  const float aspect = static_cast<float>(s.width) / static_cast<float>(s.height);
+  return cameras.empty() ? scene::frameScene(scene, aspect) : cameras.front();
+}
+
+}  // namespace
+
+std::vector<std::string> wordsOf(const CameraChoice& choice) {
+  if (choice.placed)
+    return {"--eye=" + textOf(choice.placed->eye), "--target=" + textOf(choice.placed->target),
+            fmt::format("--fov={}", choice.placed->fov)};
+  if (!choice.camera.empty()) return {"--camera=" + choice.camera};
+  return {};
+}
+
+Stage::Stage(const std::string& source, const scene::LoadOptions& load, const vk::DeviceOptions& device)
+    : source_(source), load_(load), deviceOptions_(device) {
+  // The device starts while the scene loads: they share nothing.
+  auto starts = inBackground([&] { return std::make_unique<vk::Device>(deviceOptions_); });
+  scene_ = std::make_unique<scene::Scene>(scene::load(source_, load_));
+  device_ = starts.get();
+  watch_.watch(scene_->files);
+}
+
+vk::Device& Stage::device() {
+  if (!device_) device_ = std::make_unique<vk::Device>(deviceOptions_);
+  return *device_;
+}
+
+void Stage::dropDevice() {
+  renderer_.reset();
+  device_.reset();
+}
+
+void Stage::reload() {
+  auto loaded = std::make_unique<scene::Scene>(scene::load(source_, load_));
+  renderer_.reset();
+  scene_ = std::move(loaded);
+  watch_.watch(scene_->files);
+}
+
+void Stage::light(const std::string& asked) {
+  const std::string name = render::environmentName(*scene_, asked);
+  if (name == environmentName_) return;
+  std::optional<scene::Environment> loaded = render::loadEnvironment(name);
+  renderer_.reset();
+  environment_ = std::move(loaded);
+  environmentName_ = name;
+}
+
+render::Renderer& Stage::renderer() {
+  if (!renderer_)
+    renderer_ = std::make_unique<render::Renderer>(device(), *scene_, environment_ ? &*environment_ : nullptr);
+  return *renderer_;
+}
+
+scene::Camera Stage::camera(const CameraChoice& choice, const render::Settings& settings) const {
+  return cameraOf(*scene_, choice, settings, poseOf(*scene_, settings));
+}
+
+render::Moment Stage::momentOf(const CameraChoice& camera, const render::Settings& s) const {
+  const double step = 1 / s.framesPerSecond;
+  render::Moment moment{.poses = render::posesAt(*scene_, s)};
+  moment.previousCameras = {cameraOf(*scene_, camera, s, poseOf(*scene_, s, -step))};
+  moment.nextCameras = {cameraOf(*scene_, camera, s, poseOf(*scene_, s, step))};
+  return moment;
+}
+
+render::Settings Stage::prepared(const render::Settings& settings) {
+  render::Settings s = settings;
+  s.raster = render::chooseRaster(device(), s).raster;
+  return s;
+}
+
+Stage::Result Stage::render(const ChosenSettings& chosen, const CameraChoice& choice, bool ids) {
+  render::Settings s = prepared(chosen.settings);
+  const scene::Camera camera = this->camera(choice, s);
+  const render::Moment moment = momentOf(choice, s);
+  Result result;
+  if (chosen.debug && chosen.debug->targets) {
+    result.picture = output::debugPicture(*chosen.debug, renderer().readTargets(camera, s, moment));
+  } else {
+    const bool sheet = chosen.debug && chosen.debug->sheet;
+    if (ids && !sheet && !output::contains(s.aovs, output::Aov::Id)) s.aovs.push_back(output::Aov::Id);
+    output::FrameOutput frame = std::move(renderer().render({&camera, 1}, s, moment).front());
+    result.picture = chosen.debug ? output::debugPicture(*chosen.debug, frame)
+                                  : output::Picture{frame.width, frame.height, std::move(frame.display)};
+    const auto found = std::ranges::find(frame.aovs, output::Aov::Id, &output::AovImage::aov);
+    if (ids && !sheet && found != frame.aovs.end()) result.ids = std::move(*found);
+  }
+  passes_ = renderer().times();
+  return result;
+}
+
+render::Picked Stage::pick(const render::Settings& settings, const CameraChoice& choice, glm::uvec2 pixel) {
+  render::Settings s = prepared(settings);
+  s.stripPixels = 1;  // the rows about the pixel alone
+  return render::pick(renderer(), *scene_, camera(choice, s), s, {&pixel, 1}, momentOf(choice, s)).front();
+}
+
+}  // namespace latelight::view

@@ -1,0 +1,75 @@
+// A scene on a device, with its environment: what a viewing session makes pictures of.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "render/picking.h"
+#include "render/renderer.h"
+#include "scene/environment.h"
+#include "view/choice.h"
+#include "view/file_watch.h"
+
+namespace latelight::view {
+
+// Which of the scene's cameras looks; or, where steered, from where.
+struct CameraChoice {
+  std::string camera;  // a name or a number; empty: the first, or one that shows all
+  struct Placed {
+    glm::vec3 eye, target;  // the scene file's frame
+    double fov;             // degrees
+  };
+  std::optional<Placed> placed;
+};
+
+// The same as a command line says it.
+std::vector<std::string> wordsOf(const CameraChoice& choice);
+
+class Stage {
+ public:
+  // Throws Error where scene or device can't be.
+  Stage(const std::string& source, const scene::LoadOptions& load, const vk::DeviceOptions& device);
+
+  scene::Scene& scene() { return *scene_; }
+  const scene::Scene& scene() const { return *scene_; }
+  vk::Device& device();
+  void reload();  // the scene, from its file; throws Error and keeps what there was
+  bool filesChanged() { return watch_.changed(); }
+
+  // The scene's cameras at the settings' time.
+  scene::Camera camera(const CameraChoice& choice, const render::Settings& settings) const;
+  // What --hdri would be given; the renderer is made anew where the environment is another one.
+  void light(const std::string& asked);
+  // As `latelight render` does it. `ids`: the output id of the same pixels, where it is wanted.
+  struct Result {
+    output::Picture picture;
+    std::optional<output::AovImage> ids;
+  };
+  Result render(const ChosenSettings& chosen, const CameraChoice& camera, bool ids);
+  render::Picked pick(const render::Settings& settings, const CameraChoice& camera, glm::uvec2 pixel);
+  const std::vector<graph::PassTime>& passes() const { return passes_; }
+
+  // After an error that may have taken the device with it: the next picture begins with a new one.
+  void dropDevice();
+
+ private:
+  render::Renderer& renderer();
+  render::Moment momentOf(const CameraChoice& camera, const render::Settings& settings) const;
+  render::Settings prepared(const render::Settings& settings);  // without `auto`
+
+  std::string source_;
+  scene::LoadOptions load_;
+  vk::DeviceOptions deviceOptions_;
+  FileWatch watch_;
+  std::unique_ptr<vk::Device> device_;
+  std::unique_ptr<scene::Scene> scene_;
+  std::string environmentName_;
+  std::optional<scene::Environment> environment_;
+  std::unique_ptr<render::Renderer> renderer_;
+  std::vector<graph::PassTime> passes_;
+};
+
+}  // namespace latelight::view

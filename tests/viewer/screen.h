@@ -1,0 +1,33 @@
+// A display of the test's own (Xvfb), its pixels, and a hand on its pointer and keys (xdotool).
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "app/folder.h"
+#include "output/aov.h"
+
+namespace latelight::app {
+
+class Screen {
+ public:
+  // Throws std::runtime_error where Xvfb or xdotool are not there.
+  Screen(uint32_t width, uint32_t height);
+  ~Screen();
+  Screen(const Screen&) = delete;
+  Screen& operator=(const Screen&) = delete;
+
+  const std::string& name() const { return name_; }               // for DISPLAY
+  void act(std::vector<std::string> words) const;                 // of xdotool
+  output::Picture pixels(uint32_t width, uint32_t height) const;  // of its upper left, alpha 255
+
+ private:
+  Folder folder_;
+  std::string name_;
+  pid_t server_ = -1;
+};
+
+}  // namespace latelight::app
