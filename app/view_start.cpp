@@ -1,0 +1,41 @@
+#include "app/view_start.h"
+
+#include "app/parse.h"
+#include "base/error.h"
+
+namespace latelight::app {
+
+namespace {
+
+constexpr std::string_view kUseless[] = {"out",   "aov",    "pick", "no-side-file", "json", "dump-graph", "frame",
+                                         "frames", "turn", "up",   "orbit",        "lens"};
+
+}  // namespace
+
+view::Start viewStart(RenderOptions& o, std::string_view command) {
+  for (const std::string_view key : kUseless)
+    if (o.isGiven(key)) badUsage("{} shows a picture that people steer, and has no use for --{}", command, key);
+  checkOptions(o);
+  view::Start start{.scene = o.scene,
+                    .load = {.variant = o.variant, .allowOutside = o.allowOutside, .ids = o.idGrouping},
+                    .device = o.device,
+                    .validate = o.validate,
+                    .environment = o.hdri,
+                    .camera = o.camera,
+                    .fov = o.fov,
+                    .width = o.settings.width,
+                    .height = o.settings.height};
+  if (o.eye.empty() != o.target.empty()) badUsage("--eye and --target need each other");
+  if (!o.eye.empty() && !o.camera.empty()) badUsage("--camera and --eye each place the camera; use one of them");
+  if (o.fov && o.eye.empty()) badUsage("{} takes --fov together with --eye and --target", command);
+  if (!o.eye.empty()) start.eye = parseVector("--eye", o.eye), start.target = parseVector("--target", o.target);
+  if (!o.debug.empty()) start.choice.output = o.debug;
+  for (const render::Option& option : render::options()) {
+    const std::string key(render::keyOf(option));
+    if (!o.isGiven(key) || key == "size") continue;
+    start.choice.options[key] = option.kind == render::OptionKind::Flag ? "true" : o.given.find(key)->second;
+  }
+  return start;
+}
+
+}  // namespace latelight::app
