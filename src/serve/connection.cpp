@@ -5,7 +5,6 @@
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
-#include <chrono>
 #include <optional>
 #include <utility>
 
@@ -21,8 +20,7 @@ namespace beast = boost::beast;
 namespace http = beast::http;
 using boost::asio::ip::tcp;
 
-constexpr auto kPatience = std::chrono::seconds(10);  // for a whole request, and between two
-constexpr uint32_t kMostHeader = 8192;                // bytes
+constexpr uint32_t kMostHeader = 8192;  // bytes
 
 using Response = http::response<http::string_body>;
 
@@ -52,7 +50,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     parser_.emplace();
     parser_->header_limit(kMostHeader);
     parser_->body_limit(0);
-    stream_.expires_after(kPatience);
+    stream_.expires_after(hub_.patience());
     http::async_read(stream_, buffer_, *parser_,
                      [self = shared_from_this()](beast::error_code error, size_t) { self->answer(error); });
   }

@@ -12,8 +12,9 @@ constexpr uint32_t kMostConnections = 256;
 
 }  // namespace
 
-Hub::Hub(boost::asio::io_context& io, Gate gate, view::Start start, uint32_t sessions)
-    : io_(io), gate_(std::move(gate)), start_(std::move(start)), sessions_(sessions) {}
+Hub::Hub(boost::asio::io_context& io, Gate gate, view::Start start, uint32_t sessions,
+         std::chrono::milliseconds patience)
+    : io_(io), gate_(std::move(gate)), start_(std::move(start)), sessions_(sessions), patience_(patience) {}
 
 bool Hub::enter() {
   if (closed_ || connections_ >= kMostConnections) return false;

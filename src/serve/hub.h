@@ -2,9 +2,9 @@
 #pragma once
 
 #include <boost/asio/io_context.hpp>
+#include <chrono>
 #include <cstdint>
 #include <functional>
-#include <list>
 #include <map>
 #include <memory>
 #include <string>
@@ -17,11 +17,13 @@ namespace latelight::serve {
 
 class Hub {
  public:
-  Hub(boost::asio::io_context& io, Gate gate, view::Start start, uint32_t sessions);
+  Hub(boost::asio::io_context& io, Gate gate, view::Start start, uint32_t sessions,
+      std::chrono::milliseconds patience);
 
   const Gate& gate() const { return gate_; }
   const view::Start& start() const { return start_; }
   uint32_t sessions() const { return sessions_; }
+  std::chrono::milliseconds patience() const { return patience_; }  // with a request, and between two
 
   // Connections come and go; false: there are more than there may be.
   bool enter();
@@ -36,7 +38,7 @@ class Hub {
   void letGo(const std::shared_ptr<Viewer>& viewer);
 
   void keepReady(std::unique_ptr<view::ViewSession> session) { ready_ = std::move(session); }
-  // Those that watch are called once, and from then on nobody enters.
+  // From then on nobody enters, and those that wait for it are called.
   void close();
   void whenClosed(const void* who, std::function<void()> call) { closers_[who] = std::move(call); }
   void forget(const void* who) { closers_.erase(who); }
@@ -51,6 +53,7 @@ class Hub {
   const Gate gate_;
   const view::Start start_;
   const uint32_t sessions_;
+  const std::chrono::milliseconds patience_;
   uint32_t connections_ = 0;
   bool closed_ = false;
   std::unique_ptr<view::ViewSession> ready_;  // the first, made while the server starts

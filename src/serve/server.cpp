@@ -8,6 +8,7 @@
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <exception>
 #include <utility>
@@ -48,7 +49,10 @@ tcp::acceptor listen(asio::io_context& io, const ServerOptions& options) {
 
 struct Server::Impl {
   Impl(const ServerOptions& options, const view::Start& start)
-      : acceptor(listen(io, options)), token(newToken()), hub(io, {token, options.names}, start, options.sessions) {
+      : acceptor(listen(io, options)),
+        token(newToken()),
+        hub(io, {token, options.names}, start, options.sessions,
+            std::chrono::milliseconds(std::lround(1000 * options.patience))) {
     auto first = std::make_unique<view::ViewSession>(start);
     device = first->state().device;
     hub.keepReady(std::move(first));

@@ -18,6 +18,7 @@ struct ServerOptions {
   uint16_t port = 0;                 // 0: any that is free
   std::vector<std::string> names{};  // of this machine, for browsers: lower case; addresses and "localhost" always are
   uint32_t sessions = 8;             // at once
+  double patience = 10;              // seconds that a request may take
 };
 
 class Server {

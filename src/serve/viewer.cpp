@@ -75,23 +75,25 @@ struct Viewer::Impl {
   std::unique_ptr<view::ViewSession> session;
   std::vector<std::string> validationMessages;
   Json told = Json::object();  // of the session's state
-  uint64_t messages = 0, pictures = 0, serial = 0;
+  uint64_t messages = 0, pictures = 0, serial = 0, serialTold = 0;
+  bool isFinal = false;
 
   std::mutex mutex;
   std::condition_variable changed;
   std::deque<Order> waiting;
   Pace pace;
-  bool stops = false;
+  bool stops = false, hasBegun = false;
   std::thread thread;
 };
 
-// Without leave to send there is nothing to do but to follow orders. False: it is time to stop.
+// Without leave to send there is nothing to do but to follow orders; nor before the first one, which tells how large
+// pictures are. False: it is time to stop.
 bool Viewer::Impl::waitForWork() {
   std::deque<Order> orders;
   {
     std::unique_lock lock(mutex);
-    const bool mayMake = pace.maySend();
-    const auto news = [&] { return stops || !waiting.empty() || (!mayMake && pace.maySend()); };
+    const bool mayMake = hasBegun && pace.maySend();
+    const auto news = [&] { return stops || !waiting.empty() || (hasBegun && !mayMake && pace.maySend()); };
     if (mayMake)
       changed.wait_for(lock, std::chrono::duration<double>(session->patience()), news);
     else
@@ -99,6 +101,7 @@ bool Viewer::Impl::waitForWork() {
     if (stops) return false;
     orders.swap(waiting);
   }
+  hasBegun |= !orders.empty();
   for (const Order& order : orders) follow(order);
   return true;
 }
@@ -131,13 +134,14 @@ void Viewer::Impl::sendScreenshot(view::Side side) {
   }
 }
 
-// What changed of the state, and the picture where there is a new one.
+// What changed of the state, and the picture where there is a new one; or only that orders were followed.
 void Viewer::Impl::sendNews() {
   Json header = Json::object();
   Encoded encoded;
   std::vector<std::string_view> payload;
   if (session->wantsFrame()) {
     const view::Frame& frame = session->next();
+    isFinal = frame.final;
     if (frame.width != 0 && std::exchange(pictures, frame.number) != frame.number) {
       encoded = encode(frame, paceNow());
       if (!frame.final) notePicture(bytesOf(encoded.strips));
@@ -149,7 +153,10 @@ void Viewer::Impl::sendNews() {
   Json changed = changes(told, now);
   told = std::move(now);
   if (!changed.empty()) header["state"] = std::move(changed);
-  if (!header.empty()) send(std::move(header), payload);
+  if (header.empty() && serial == serialTold) return;
+  header["rests"] = isFinal && !session->wantsFrame();
+  serialTold = serial;
+  send(std::move(header), payload);
 }
 
 void Viewer::Impl::run() {
@@ -157,7 +164,7 @@ void Viewer::Impl::run() {
     if (!session) session = std::make_unique<view::ViewSession>(start);
     send({{"tables", tables(start)}}, {});
     while (waitForWork())
-      if (paceNow().maySend()) sendNews();
+      if (hasBegun && paceNow().maySend()) sendNews();
     validationMessages = session->validationMessages();
   } catch (const std::exception& error) {
     calls.fail(error.what());

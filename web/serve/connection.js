@@ -4,7 +4,8 @@ const FINAL_CODES = new Set([1008, 1011, 1013]); // the server says why, and wou
 const MOST_ATTEMPTS = 8;
 
 export class Connection {
-  // `handlers`: tables, state, picture, screenshot, failed, and status(text, mayRetry).
+  // `handlers`: tables, state, picture, screenshot, failed, busy(whether what was said is still to be seen), and
+  // status(text, mayRetry).
   constructor(handlers) {
     this.handlers = handlers;
     this.serial = 0;
@@ -27,6 +28,7 @@ export class Connection {
   send(type, fields = {}) {
     if (this.socket?.readyState !== WebSocket.OPEN) return 0;
     this.socket.send(JSON.stringify({ type, serial: ++this.serial, ...fields }));
+    this.handlers.busy(true);
     return this.serial;
   }
 
@@ -42,6 +44,7 @@ export class Connection {
     if (header.picture) await this.handlers.picture(header.picture, payload, header.serial);
     if (header.screenshot) this.handlers.screenshot(payload);
     if (header.failed) this.handlers.failed(header.failed);
+    if (header.rests !== undefined) this.handlers.busy(!header.rests || header.serial !== this.serial);
     this.shown = header.number;
     this.acknowledge();
   }

@@ -21,6 +21,7 @@ const connection = new Connection({
   picture: showPicture,
   screenshot: download,
   failed: (sentence) => ($("saved").textContent = sentence),
+  busy: (is) => $("stage").setAttribute("aria-busy", is),
   status: (text, mayRetry) => {
     $("status").textContent = text;
     $("retry").hidden = !mayRetry;
@@ -63,8 +64,6 @@ function restore() {
 async function showPicture(picture, payload, serial) {
   await stage.draw(picture, payload);
   $("waiting").hidden = true;
-  $("picture").dataset.shown = picture.final ? "final" : "draft";
-  $("picture").dataset.serial = serial;
   history.add(picture.milliseconds);
   const answered = sent.get(serial);
   for (const each of [...sent.keys()]) if (each <= serial) sent.delete(each);
@@ -102,7 +101,10 @@ const shows = {
   time: showTime,
   playing: showTime,
   probe: () => showProbe($("probe"), state.probe),
-  selected: () => showList($("selected"), state.selected ? surfacePairs(state.selected) : []),
+  selected: () => {
+    $("selection").hidden = !state.selected;
+    if (state.selected) showList($("selected"), surfacePairs(state.selected));
+  },
   leftCommand: showCommand,
   rightCommand: showCommand,
   lightsMoved: () => ($("command-note").hidden = !state.lightsMoved),
@@ -203,8 +205,10 @@ $("copy").onclick = async () => {
   }
 };
 
-function moveDivider(at) {
-  send("split", { ...state.split, at: Math.min(Math.max(at, 0), 1) });
+function moveDivider(wanted) {
+  const at = Math.min(Math.max(wanted, 0), 1);
+  $("divider").style.left = `${100 * at}%`; // at once, before the picture
+  send("split", { ...state.split, at });
 }
 $("divider").onpointerdown = (event) => $("divider").setPointerCapture(event.pointerId);
 $("divider").onpointermove = (event) => {

@@ -70,9 +70,9 @@ export class Options {
     const field = (KINDS[option.kind] ?? text)(option);
     field.input.id = `option-${option.key}`;
     field.input.addEventListener("change", () => change(option.key, field.read()));
-    const unit = option.unit ? `, ${option.unit}` : "";
+    field.input.title = option.help + (option.unit ? ` (${option.unit})` : "");
     const label = element("label", { htmlFor: field.input.id, textContent: option.key });
-    const row = element("div", { className: "row", title: `${option.help}${unit}` }, label, ...field.shown);
+    const row = element("div", { className: "row" }, label, ...field.shown);
     row.dataset.words = `${option.key} ${option.help} ${option.names.map((each) => each.name).join(" ")}`.toLowerCase();
     this.fields.set(option.key, { ...field, option, row });
     return row;
@@ -82,7 +82,9 @@ export class Options {
   show(values) {
     for (const [key, field] of this.fields) {
       const value = values[key] ?? "";
+      const chosen = field.option.names.find(({ name }) => name === (value || field.option.normal));
       field.row.classList.toggle("changed", value !== "");
+      field.row.dataset.help = field.input.title + (chosen?.help ? `. ${chosen.name}: ${chosen.help}` : "");
       if (document.activeElement !== field.input || field.input.tagName === "SELECT") field.write(value);
     }
   }
