@@ -102,6 +102,7 @@ int parseAndRun(int argc, char** argv) {
       ->trigger_on_parse();
   cli.fallthrough();
   app::addRenderCommand(cli);
+  app::addViewCommand(cli);
   app::addBatchCommand(cli);
   app::addListCommand(cli);
   app::addDevicesCommand(cli);

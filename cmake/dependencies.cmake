@@ -18,6 +18,13 @@ pkg_check_modules(spng REQUIRED IMPORTED_TARGET spng)
 pkg_check_modules(xxhash REQUIRED IMPORTED_TARGET libxxhash)
 find_program(GLSLANG glslangValidator REQUIRED)
 
+# The windows of `latelight view`; a build for machines without a display may do without.
+option(LATELIGHT_VIEWER "Build latelight view" ON)
+if(LATELIGHT_VIEWER)
+  find_package(glfw3 3.3 REQUIRED)
+  pkg_check_modules(imgui REQUIRED IMPORTED_TARGET imgui)
+endif()
+
 # volk loads Vulkan at run time: nothing links libvulkan.
 add_compile_definitions(VK_NO_PROTOTYPES)
 

@@ -5,12 +5,20 @@ set_property(SOURCE ${PROJECT_SOURCE_DIR}/src/render/api.cpp APPEND PROPERTY
   COMPILE_DEFINITIONS LATELIGHT_VERSION="${PROJECT_VERSION}")
 
 file(GLOB app_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/app/*.cpp)
+if(LATELIGHT_VIEWER)
+  file(GLOB viewer_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/app/view/*.cpp)
+  list(APPEND app_sources ${viewer_sources})
+endif()
 add_executable(latelight_program ${app_sources})
 latelight_unity(latelight_program ${app_sources})
 set_target_properties(latelight_program PROPERTIES OUTPUT_NAME latelight RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})
 target_link_libraries(latelight_program PRIVATE latelight_study latelight_data latelight_serve CLI11::CLI11)
 target_compile_definitions(latelight_program PRIVATE LATELIGHT_VERSION="${PROJECT_VERSION}")
 target_include_directories(latelight_program PRIVATE ${PROJECT_SOURCE_DIR})
+if(LATELIGHT_VIEWER)
+  target_compile_definitions(latelight_program PRIVATE LATELIGHT_VIEWER GLFW_INCLUDE_NONE)
+  target_link_libraries(latelight_program PRIVATE glfw PkgConfig::imgui)
+endif()
 
 # The library is made of every module's objects, since nothing inside refers to the API's functions; linking the modules
 # besides brings only what they depend on. Its target is not named `latelight`: in the build folder that is the program.

@@ -1,5 +1,7 @@
 #include "view/shell_words.h"
 
+#include <fmt/format.h>
+
 #include <string_view>
 
 #include "base/text.h"
@@ -13,14 +15,14 @@ std::string quoted(const std::string& word) {
   if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
   std::string text = word;
   replaceAll(text, "'", "'\\''");
-  return "'" + text + "'";
+  return fmt::format("'{}'", text);
 }
 
 }  // namespace
 
 std::string shellWords(std::span<const std::string> words) {
   std::string line;
-  for (const std::string& word : words) line += (line.empty() ? "" : " ") + quoted(word);
+  for (const std::string& word : words) line.append(line.empty() ? "" : " ").append(quoted(word));
   return line;
 }
 

@@ -1,0 +1,34 @@
+// latelight view: windows to look at a scene.
+#include "app/commands.h"
+#include "app/view_start.h"
+#include "vk/driver_cache.h"
+#ifdef LATELIGHT_VIEWER
+#include "app/view/windows.h"
+#endif
+
+namespace latelight::app {
+
+namespace {
+
+void viewScene(RenderOptions& options) {
+  const view::Start start = viewStart(options, "view");
+#ifdef LATELIGHT_VIEWER
+  vk::avoidFullDriverCache();
+  showWindows(start);
+#else
+  fail(ExitCode::NoDevice,
+       "this program was built without GLFW and Dear ImGui and has no windows: `latelight render` writes pictures, and "
+       "`latelight serve` shows them in a browser");
+#endif
+}
+
+}  // namespace
+
+void addViewCommand(CLI::App& app) {
+  auto options = std::make_shared<RenderOptions>();
+  CLI::App* command = app.add_subcommand("view", "Look at a scene in a window");
+  addRenderOptions(*command, *options);
+  command->callback([options] { viewScene(*options); });
+}
+
+}  // namespace latelight::app

@@ -1,0 +1,58 @@
+// A window with OpenGL and Dear ImGui in it. OpenGL only shows pictures: whatever device renders them, in whatever
+// machine, they come through the host's memory.
+#pragma once
+
+#include <GLFW/glfw3.h>
+#include <imgui/imgui.h>
+
+#include <functional>
+#include <string>
+
+#include "view/state.h"
+
+namespace latelight::app {
+
+class GlWindow {
+ public:
+  // What people do, where the panel has no use for it. Positions in pixels of the window.
+  struct Events {
+    std::function<void(double x, double y)> pointer;
+    std::function<void()> pointerLeft;
+    std::function<void(view::Button button, bool down, bool shift)> button;
+    std::function<void(double steps)> wheel;
+    std::function<void(const std::string& name, bool down, int modifiers)> key;
+    std::function<void()> blur;
+    std::function<void(const std::string& file)> drop;
+  };
+
+  // Throws Error(NoDevice) where the display has no OpenGL 3. It is hidden at first.
+  GlWindow(const std::string& title, int width, int height, Events events);
+  ~GlWindow();
+  GlWindow(const GlWindow&) = delete;
+  GlWindow& operator=(const GlWindow&) = delete;
+
+  GLFWwindow* get() const { return window_; }
+  float scale() const { return scale_; }    // pixels that a letter grows by, on displays of high density
+  ImVec2 size() const;                      // pixels; zero while it is minimised
+  int redraws() const { return redraws_; }  // how often it is to be drawn until it has settled
+  void redraw() { redraws_ = 3; }           // ImGui answers an input over so many
+
+  void begin();  // until end(), ImGui's functions draw into it
+  void end();
+  void setPicture(const view::Frame& frame);
+  ImTextureID picture() const { return reinterpret_cast<ImTextureID>(static_cast<intptr_t>(texture_)); }
+
+ private:
+  static GlWindow& of(GLFWwindow* window);
+  void followEvents();
+  void makeCurrent() const;
+
+  GLFWwindow* window_ = nullptr;
+  ImGuiContext* context_ = nullptr;
+  Events events_;
+  float scale_ = 1;
+  unsigned texture_ = 0;
+  int redraws_ = 3;
+};
+
+}  // namespace latelight::app

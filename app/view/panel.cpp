@@ -1,0 +1,242 @@
+#include "app/view/panel.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cfloat>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "app/view/option_widgets.h"
+#include "base/log.h"
+#include "output/aov.h"
+
+namespace latelight::app {
+
+namespace {
+
+using view::SetSplit;
+using view::Side;
+
+void line(const std::string& text) {
+  ImGui::TextUnformatted(text.c_str());
+}
+
+bool section(const char* title, bool open) {
+  return ImGui::CollapsingHeader(title, open ? ImGuiTreeNodeFlags_DefaultOpen : 0);
+}
+
+// --- what is shown --------------------------------------------------------------------------------------------------
+
+void drawOutputs(const view::State& state, Side side, const Send& send) {
+  const std::string& shown = state.choices[static_cast<int>(side)].output;
+  ImGui::SetNextItemWidth(-1);
+  if (!ImGui::BeginCombo("##output", shown.c_str(), ImGuiComboFlags_HeightLarge)) return;
+  const auto offer = [&](const std::string& name, std::string_view description) {
+    if (ImGui::Selectable(name.c_str(), name == shown)) send(view::ShowOutput{name, side});
+    explain(std::string(description));
+  };
+  offer("picture", "The lit picture");
+  for (const output::AovInfo& aov : output::aovs()) offer(std::string(aov.name), aov.description);
+  offer("lights", "Lights tested and used, side by side");
+  offer("sheet", "All outputs");
+  offer("targets", "All targets of the layout");
+  for (const std::string& target : state.targets) offer("target:" + target, "A target of the layout");
+  ImGui::EndCombo();
+}
+
+void drawSplit(const view::State& state, PanelMemory& memory, const Send& send) {
+  SetSplit split = state.split;
+  int mode = split.mode;
+  bool edited = false;
+  for (const auto& [name, value] : {std::pair("one", 0), std::pair("split", 1), std::pair("difference", 2)}) {
+    if (value) ImGui::SameLine();
+    edited |= ImGui::RadioButton(name, &mode, value);
+  }
+  split.mode = static_cast<SetSplit::Mode>(mode);
+  auto at = static_cast<float>(split.at), amplification = static_cast<float>(split.amplification);
+  if (split.mode == SetSplit::Slider) edited |= ImGui::SliderFloat("slider", &at, 0, 1, "%.3f");
+  if (split.mode == SetSplit::Difference)
+    edited |= ImGui::SliderFloat("amplified", &amplification, 1, 256, "%.0f", ImGuiSliderFlags_Logarithmic);
+  split.at = at, split.amplification = amplification;
+  if (edited) send(split);
+  if (split.mode == SetSplit::Off) {
+    memory.side = Side::Left;
+    return;
+  }
+  int side = static_cast<int>(memory.side);
+  line("Options of");
+  for (const auto& [name, value] : {std::pair("left", 0), std::pair("right", 1)}) {
+    ImGui::SameLine();
+    ImGui::RadioButton(name, &side, value);
+  }
+  memory.side = static_cast<Side>(side);
+}
+
+void drawCameras(const view::State& state, const Send& send) {
+  const std::string shown = state.steered ? "(steered)" : state.camera.empty() ? "(the first)" : state.camera;
+  ImGui::SetNextItemWidth(-ImGui::GetFontSize() * 8);
+  if (ImGui::BeginCombo("##camera", shown.c_str())) {
+    if (ImGui::Selectable("(the first)", shown == "(the first)")) send(view::UseCamera{""});
+    for (size_t i = 0; i < state.cameras.size(); ++i)
+      if (ImGui::Selectable(fmt::format("{} {}", i, printable(state.cameras[i])).c_str()))
+        send(view::UseCamera{fmt::format("{}", i)});
+    ImGui::EndCombo();
+  }
+  ImGui::SameLine();
+  bool flies = state.navigation == view::Navigation::Fly;
+  if (ImGui::Checkbox("fly (O)", &flies))
+    send(view::SetNavigation{flies ? view::Navigation::Fly : view::Navigation::Orbit});
+  if (ImGui::Button("frame all (Home)")) send(view::Key{"Home", true});
+  ImGui::SameLine();
+  ImGui::BeginDisabled(!state.selected);
+  if (ImGui::Button("frame selection (F)")) send(view::Key{"f", true});
+  ImGui::EndDisabled();
+}
+
+void drawTime(const view::State& state, const Send& send) {
+  if (ImGui::Button(state.playing ? "stop" : "play")) send(view::Play{!state.playing});
+  ImGui::SameLine();
+  auto time = static_cast<float>(state.time.value_or(0));
+  ImGui::SetNextItemWidth(-1);
+  if (ImGui::SliderFloat("##time", &time, 0, static_cast<float>(state.duration), state.time ? "%.3f s" : "at rest"))
+    for (const Side side : {Side::Left, Side::Right}) send(view::SetOption{"time", fmt::format("{:.4g}", time), side});
+}
+
+void drawLights(const view::State& state, PanelMemory& memory, const Send& send) {
+  ImGui::Checkbox("handles in the picture (L)", &memory.handles);
+  if (state.lightsMoved) ImGui::TextWrapped("Lights were moved: the command line shows them as they are in the file.");
+  for (uint32_t i = 0; i < state.lights.size() && i < 64; ++i) {
+    const view::LightState& light = state.lights[i];
+    std::array<float, 3> position = light.position;
+    ImGui::PushID(static_cast<int>(i));
+    const std::string label = printable(light.name.empty() ? light.type : light.name);
+    if (ImGui::DragFloat3(label.c_str(), position.data(), 0.02f, 0, 0, "%.3g")) send(view::MoveLight{i, position});
+    ImGui::PopID();
+  }
+}
+
+void drawEnvironment(PanelMemory& memory, const Send& send) {
+  if (editText("##environment", memory.environment)) send(view::UseEnvironment{memory.environment});
+  explain("A .hdr or .exr file, studio, none, or empty: as the scene says. A file may be dropped on the window.");
+  for (const char* name : {"studio", "none"}) {
+    ImGui::SameLine();
+    if (ImGui::Button(name)) send(view::UseEnvironment{memory.environment = name});
+  }
+}
+
+// --- what it says ---------------------------------------------------------------------------------------------------
+
+std::string text(glm::vec3 v) {
+  return fmt::format("{:.4g} {:.4g} {:.4g}", v.x, v.y, v.z);
+}
+
+void drawSurface(const render::Picked& surface) {
+  if (surface.id == 0) return line("background");
+  line("node      " + printable(surface.node));
+  line("mesh      " + printable(surface.mesh) + fmt::format(", primitive {}", surface.primitive));
+  line("material  " + printable(surface.material));
+  line(fmt::format("id        {}   part {}", surface.id, surface.part));
+  line("position  " + text(surface.position));
+  line("normal    " + text(surface.normal));
+  line("geonormal " + text(surface.geonormal));
+  line(fmt::format("depth     {:.5g} m   distance {:.5g} m", surface.depth, surface.distance));
+  line(fmt::format("uv        {:.4g} {:.4g}", surface.uv.x, surface.uv.y));
+}
+
+void drawValues(const view::State& state) {
+  if (!state.probe) return line("Rest the pointer on the picture.");
+  const view::Probe& probe = *state.probe;
+  line(fmt::format("pixel     {},{}   RGBA {} {} {} {}", probe.x, probe.y, probe.rgba[0], probe.rgba[1], probe.rgba[2],
+                   probe.rgba[3]));
+  drawSurface(probe.surface);
+}
+
+void drawCosts(const view::State& state, const view::Frame& frame, const PanelMemory& memory) {
+  line(fmt::format("G-buffer: {} bytes a pixel, {:.1f} MiB", state.bytesPerPixel,
+                   1.0 * state.bytesPerPixel * state.width * state.height / (1 << 20)));
+  line(fmt::format("{} x {}, {:.1f} ms{}", frame.width, frame.height, frame.milliseconds,
+                   frame.final ? "" : ", a draft"));
+  const std::vector<float> history(memory.milliseconds.begin(), memory.milliseconds.end());
+  ImGui::PlotLines("##history", history.data(), static_cast<int>(history.size()), 0, "ms a picture", 0, FLT_MAX,
+                   {-1, ImGui::GetFontSize() * 4});
+  double most = 1e-9;
+  for (const graph::PassTime& pass : frame.passes) most = std::max(most, pass.milliseconds);
+  for (const graph::PassTime& pass : frame.passes) {
+    ImGui::ProgressBar(static_cast<float>(pass.milliseconds / most), {ImGui::GetFontSize() * 6, 0},
+                       fmt::format("{:.3g} ms", pass.milliseconds).c_str());
+    ImGui::SameLine();
+    line(pass.name);
+  }
+}
+
+void drawFiles(const view::State& state, PanelMemory& memory, const Send& send) {
+  ImGui::SetNextItemWidth(-ImGui::GetFontSize() * 7);
+  editText("##file", memory.file);
+  ImGui::SameLine();
+  if (ImGui::Button("screenshot")) send(view::Screenshot{memory.file, memory.side});
+  explain("Ctrl+S: writes what the command line writes");
+  if (ImGui::Button("copy as command (Ctrl+C)")) memory.copies = true;
+  ImGui::SameLine();
+  if (ImGui::Button("reload")) send(view::Reload{});
+  explain("Ctrl+R. A scene's files are also read again when they change.");
+  ImGui::TextWrapped("%s", printable(state.command).c_str());
+}
+
+}  // namespace
+
+void drawPanel(const view::State& state, const view::Frame& frame, PanelMemory& memory, const Send& send, ImVec2 from,
+               ImVec2 size) {
+  ImGui::SetNextWindowPos(from);
+  ImGui::SetNextWindowSize(size);
+  if (std::exchange(memory.focuses, false)) ImGui::SetNextWindowFocus();
+  ImGui::Begin("panel", nullptr,
+               ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
+                   ImGuiWindowFlags_NoFocusOnAppearing);
+  line(printable(state.scene));
+  ImGui::TextDisabled("%s", printable(state.device).c_str());
+  if (!state.error.empty()) {
+    ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(1, 0.5f, 0.4f, 1));
+    ImGui::TextWrapped("%s", printable(state.error).c_str());
+    ImGui::PopStyleColor();
+  }
+  if (section("Shown", true)) {
+    drawSplit(state, memory, send);
+    drawOutputs(state, memory.side, send);
+    drawCameras(state, send);
+  }
+  if (!state.animations.empty() && section("Time", true)) drawTime(state, send);
+  if (section("Under the pointer", true)) drawValues(state);
+  if (state.selected && section("Selected", true)) drawSurface(*state.selected);
+  drawOptions(state.choices[static_cast<int>(memory.side)], [&](const std::string& name, const std::string& value) {
+    send(view::SetOption{name, value, memory.side});
+  });
+  if (section("Environment picture", false)) drawEnvironment(memory, send);
+  if (section("Lights", false)) drawLights(state, memory, send);
+  if (section("Cost", true)) drawCosts(state, frame, memory);
+  if (section("Files", true)) drawFiles(state, memory, send);
+  ImGui::End();
+}
+
+void drawHelp(PanelMemory& memory) {
+  if (!memory.help) return;
+  ImGui::Begin("Keys and mouse (F1)", &memory.help, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse);
+  line(
+      "drag                     turn about the scene; when flying, look around\n"
+      "right, middle, Shift     drag with it: move across the view\n"
+      "wheel                    nearer or farther, towards the pointer; when flying, the speed\n"
+      "click                    select; Esc: nothing\n"
+      "arrows, Shift+arrows     turn, move across; + - nearer, farther\n"
+      "1 3 7                    from the front, the right, the top\n"
+      "Home, F                  show all, show the selection\n"
+      "O                        fly or orbit; W A S D Q E fly\n"
+      "space                    play or stop\n"
+      "F2, Esc                  keys go to the panel (arrows, Tab, Enter, space), and back\n"
+      "H, L                     hide the panel, the handles of lights\n"
+      "Ctrl+S Ctrl+C Ctrl+R     screenshot, copy as command, reload\n"
+      "Ctrl+N Ctrl+W            another window, close this one");
+  ImGui::End();
+}
+
+}  // namespace latelight::app

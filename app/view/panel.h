@@ -1,0 +1,31 @@
+// The panel beside the picture: what is shown, with which choices, and what it costs.
+#pragma once
+
+#include <imgui/imgui.h>
+
+#include <deque>
+#include <functional>
+#include <string>
+
+#include "view/input.h"
+#include "view/state.h"
+
+namespace latelight::app {
+
+using Send = std::function<void(view::Input)>;
+
+// What the panel remembers, and what it asks of its window.
+struct PanelMemory {
+  view::Side side = view::Side::Left;  // whose options are shown
+  bool shown = true, help = false, handles = true;
+  std::string environment, file = "screenshot.png";
+  std::deque<float> milliseconds;  // of the last full pictures
+  bool copies = false;             // the command, to the clipboard
+  bool focuses = false;            // keys go to the panel from here on
+};
+
+void drawPanel(const view::State& state, const view::Frame& frame, PanelMemory& memory, const Send& send, ImVec2 from,
+               ImVec2 size);
+void drawHelp(PanelMemory& memory);
+
+}  // namespace latelight::app

@@ -1,0 +1,204 @@
+#include "app/view/window.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "app/view/gl_window.h"
+#include "app/view/overlay.h"
+#include "app/view/panel.h"
+#include "base/log.h"
+#include "view/session_thread.h"
+
+namespace latelight::app {
+
+namespace {
+
+constexpr float kPanelWidth = 380;
+constexpr size_t kHistory = 120;  // pictures
+
+bool isEnvironment(const std::string& file) {
+  return file.ends_with(".hdr") || file.ends_with(".exr");
+}
+
+}  // namespace
+
+struct Window::Impl {
+  explicit Impl(const view::Start& start);
+
+  GlWindow::Events events();
+  float panelWidth() const { return memory.shown ? std::round(kPanelWidth * gl.scale()) : 0; }
+  PictureArea area() const;
+  void fit();
+  void takeNews();
+  void drawPicture() const;
+  void draw();
+  void movePointer(double x, double y);
+  void press(view::Button button, bool down, bool shift);
+  void pressKey(const std::string& name, bool down, int modifiers);
+  bool command(const std::string& name);
+  bool windowKey(const std::string& name);
+  void copyCommand();
+
+  GlWindow gl;
+  view::SessionThread session;
+  std::shared_ptr<const view::State> state;
+  std::shared_ptr<const view::Frame> frame;
+  PanelMemory memory;
+  Overlay overlay;
+  ImVec2 pointer{-1, -1}, fitted{0, 0};
+  bool another = false, fresh = true;
+};
+
+// The window takes the picture's size, and the panel beside it.
+Window::Impl::Impl(const view::Start& start)
+    : gl("latelight: " + printable(start.scene), static_cast<int>(start.width + kPanelWidth),
+         static_cast<int>(start.height), events()),
+      session(start, [] { glfwPostEmptyEvent(); }) {
+  const view::SessionThread::News news = session.take();
+  state = news.state ? news.state : std::make_shared<view::State>();
+  frame = std::make_shared<view::Frame>();
+  memory.environment = start.environment;
+  glfwShowWindow(gl.get());
+}
+
+GlWindow::Events Window::Impl::events() {
+  return {.pointer = [this](double x, double y) { movePointer(x, y); },
+          .pointerLeft = [this] { session.send(view::PointerLeave{}); },
+          .button = [this](view::Button button, bool down, bool shift) { press(button, down, shift); },
+          .wheel =
+              [this](double steps) {
+                if (!ImGui::GetIO().WantCaptureMouse) session.send(view::Wheel{steps});
+              },
+          .key = [this](const std::string& name, bool down, int modifiers) { pressKey(name, down, modifiers); },
+          .blur = [this] { session.send(view::Blur{}); },
+          .drop =
+              [this](const std::string& file) {
+                if (isEnvironment(file)) memory.environment = file;
+                session.send(view::UseEnvironment{file});
+              }};
+}
+
+PictureArea Window::Impl::area() const {
+  const ImVec2 size = gl.size();
+  return {{0, 0}, {std::max(size.x - panelWidth(), 0.0f), size.y}};
+}
+
+void Window::Impl::fit() {
+  const ImVec2 size = area().size;
+  if (size.x == fitted.x && size.y == fitted.y) return;
+  fitted = size;
+  session.send(view::Resize{static_cast<uint32_t>(size.x), static_cast<uint32_t>(size.y)});
+}
+
+void Window::Impl::takeNews() {
+  const view::SessionThread::News news = session.take();
+  if (news.state) state = news.state, gl.redraw();
+  if (!news.frame) return;
+  frame = news.frame;
+  gl.setPicture(*frame);
+  if (!frame->final) return;
+  memory.milliseconds.push_back(static_cast<float>(frame->milliseconds));
+  if (memory.milliseconds.size() > kHistory) memory.milliseconds.pop_front();
+}
+
+// A picture of the window's own shape fills its place, whatever its pixels; others lie in the middle.
+void Window::Impl::drawPicture() const {
+  if (frame->width == 0) return;
+  const PictureArea whole = area();
+  const float fits =
+      std::min(whole.size.x / static_cast<float>(frame->width), whole.size.y / static_cast<float>(frame->height));
+  ImVec2 size{static_cast<float>(frame->width) * fits, static_cast<float>(frame->height) * fits};
+  if (std::abs(size.x - whole.size.x) < 0.02f * whole.size.x && std::abs(size.y - whole.size.y) < 0.02f * whole.size.y)
+    size = whole.size;
+  const ImVec2 from{std::round((whole.size.x - size.x) / 2), std::round((whole.size.y - size.y) / 2)};
+  ImGui::GetBackgroundDrawList()->AddImage(gl.picture(), from, {from.x + size.x, from.y + size.y});
+}
+
+void Window::Impl::draw() {
+  const Send send = [this](view::Input input) { session.send(std::move(input)); };
+  gl.begin();
+  drawPicture();
+  overlay.draw(*state, area(), memory.handles);
+  if (memory.shown) drawPanel(*state, *frame, memory, send, {area().size.x, 0}, {panelWidth(), gl.size().y});
+  drawHelp(memory);
+  gl.end();
+  if (std::exchange(memory.copies, false)) copyCommand();
+}
+
+// --- pointer and keys -----------------------------------------------------------------------------------------------
+
+void Window::Impl::movePointer(double x, double y) {
+  pointer = {static_cast<float>(x), static_cast<float>(y)};
+  const Send send = [this](view::Input input) { session.send(std::move(input)); };
+  if (!overlay.move(*state, area(), pointer, send)) send(view::PointerMove{x, y});
+}
+
+void Window::Impl::press(view::Button button, bool down, bool shift) {
+  if (!down && overlay.release()) return;
+  if (down && (ImGui::GetIO().WantCaptureMouse || pointer.x >= area().size.x)) return;
+  if (down) ImGui::SetWindowFocus(nullptr);
+  if (down && button == view::Button::Left && overlay.press(*state, area(), pointer, memory.handles)) return;
+  session.send(view::PointerButton{button, down, shift});
+}
+
+bool Window::Impl::command(const std::string& name) {
+  if (name == "s") session.send(view::Screenshot{memory.file, memory.side});
+  if (name == "c") copyCommand();
+  if (name == "r") session.send(view::Reload{});
+  if (name == "n") another = true;
+  if (name == "w" || name == "q") glfwSetWindowShouldClose(gl.get(), GLFW_TRUE);
+  return true;
+}
+
+// Those of the window itself.
+bool Window::Impl::windowKey(const std::string& name) {
+  if (name == "F1") return memory.help = !memory.help, true;
+  if (name == "F2") return memory.shown = memory.focuses = true;
+  if (name == "h") return memory.shown = !memory.shown, true;
+  if (name == "l") return memory.handles = !memory.handles, true;
+  return false;
+}
+
+void Window::Impl::pressKey(const std::string& name, bool down, int modifiers) {
+  const ImGuiIO& io = ImGui::GetIO();
+  if (io.WantTextInput) return;
+  if (modifiers & GLFW_MOD_CONTROL) {
+    if (down) command(name);
+    return;
+  }
+  if (io.WantCaptureKeyboard) {
+    if (down && name == "Escape") ImGui::SetWindowFocus(nullptr);
+    return;
+  }
+  if (!(down && windowKey(name))) session.send(view::Key{name, down, (modifiers & GLFW_MOD_SHIFT) != 0});
+}
+
+void Window::Impl::copyCommand() {
+  glfwSetClipboardString(gl.get(), state->command.c_str());
+}
+
+// --- from outside ---------------------------------------------------------------------------------------------------
+
+Window::Window(const view::Start& start) : impl_(std::make_unique<Impl>(start)) {}
+Window::~Window() = default;
+
+bool Window::wantsDrawing() const {
+  return impl_->gl.redraws() > 0;
+}
+
+bool Window::show() {
+  Impl& i = *impl_;
+  i.takeNews();
+  i.fit();
+  if (i.gl.redraws() > 0 && i.gl.size().x > 0) i.draw();
+  return std::exchange(i.another, false);
+}
+
+bool Window::isClosed() const {
+  return glfwWindowShouldClose(impl_->gl.get());
+}
+
+}  // namespace latelight::app

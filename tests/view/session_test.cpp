@@ -1,0 +1,475 @@
+// Viewing sessions against `latelight render` with their command lines, byte for byte.
+#include "view/session.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <fstream>
+#include <memory>
+#include <random>
+#include <thread>
+
+#include "app/folder.h"
+#include "app/process.h"
+#include "base/text.h"
+#include "models/models.h"
+#include "output/png.h"
+#include "render/options.h"
+#include "view/shell_words.h"
+
+namespace latelight::view {
+namespace {
+
+using app::Folder;
+using models::modelPath;
+using models::radiancePanorama;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+const char* const kHall = "builtin:hall,triangles=50k,lights=4,glass=1";
+
+// Each test's own, under validation.
+struct Viewer {
+  explicit Viewer(Start start) : session((start.device = "cpu", start.validate = true, start)) {}
+  ~Viewer() {
+    for (const std::string& message : session.validationMessages()) ADD_FAILURE() << message;
+  }
+  void operator()(const Input& input) { session.input(input); }
+  const State& state() const { return session.state(); }
+  // Until nothing more is to be done.
+  const Frame& settle() {
+    const Frame* last = nullptr;
+    do {
+      if (session.wantsFrame())
+        last = &session.next();
+      else
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    } while (!last || !last->final || session.wantsFrame());
+    return *last;
+  }
+  ViewSession session;
+};
+
+Start small(const std::string& scene = kHall) {
+  return {.scene = scene, .width = 96, .height = 54};
+}
+
+// What the command line makes, as it is pasted into a shell: pixels, and the file.
+std::string rendered(const std::string& command, const Folder& folder) {
+  const std::string file = folder.at("rendered.png");
+  std::string line = command;
+  replaceAll(line, "latelight render", std::string(LATELIGHT_PROGRAM) + " render");
+  replaceAll(line, "-o picture.png", "-o " + file);
+  const app::Outcome outcome = app::runProcess("/bin/sh", {.arguments = {"-c", line}});
+  EXPECT_EQ(outcome.code, 0) << line << "\n" << outcome.text();
+  return folder.read("rendered.png");
+}
+
+// The final picture's pixels, and the screenshot's bytes, are those that the command makes.
+void expectAsRendered(Viewer& viewer, const std::string& what) {
+  SCOPED_TRACE(what + ": " + viewer.state().command);
+  const Folder folder;
+  const Frame& frame = viewer.settle();
+  EXPECT_THAT(viewer.state().error, IsEmpty());
+  const std::string file = rendered(viewer.state().command, folder);
+  const auto png = output::encodePng(output::Picture{frame.width, frame.height, frame.rgba});
+  EXPECT_TRUE(std::string(reinterpret_cast<const char*>(png.data()), png.size()) == file) << "the picture";
+  viewer(Screenshot{folder.at("shot.png")});
+  EXPECT_THAT(viewer.state().error, IsEmpty());
+  EXPECT_TRUE(folder.read("shot.png") == file) << "the screenshot";
+}
+
+// --- options --------------------------------------------------------------------------------------------------------
+
+// A value that is not the default. Texts are given here: a new one fails the test until it has a value.
+std::string valueOf(const render::Option& option) {
+  static const std::map<std::string, std::string, std::less<>> kTexts{
+      {"background", "hdri"},   {"aa", "ss2"},      {"animation", "0"}, {"shadow-lights", "none"},
+      {"fog-color", "#ff8040"}, {"sun", "-30,40,2"}};
+  static const std::map<std::string, std::string, std::less<>> kNumbers{{"fog", "0.05"}, {"shadow-atlas", "1024"}};
+  const std::string key(render::keyOf(option));
+  const auto names = [&](const std::string& name) { return name != option.normal; };
+  switch (option.kind) {
+    case render::OptionKind::Flag:
+      return "true";
+    case render::OptionKind::Choice:
+      for (const render::NamedOption& named : option.names)
+        if (names(named.name)) return named.name;
+      return "";
+    case render::OptionKind::Integer:
+    case render::OptionKind::Number: {
+      if (const auto known = kNumbers.find(key); known != kNumbers.end()) return known->second;
+      return option.range.holds(2) && names("2") ? "2" : option.range.holds(0.5) && names("0.5") ? "0.5" : "1";
+    }
+    default: {
+      const auto text = kTexts.find(key);
+      return text == kTexts.end() ? "" : text->second;
+    }
+  }
+}
+
+TEST(ViewSessionTest, EachOptionSetLiveIsAsTheCommandLineHasIt) {
+  Viewer viewer(small());
+  expectAsRendered(viewer, "nothing");
+  for (const render::Option& option : render::options()) {
+    const std::string key(render::keyOf(option));
+    if (key == "size") continue;
+    ASSERT_FALSE(valueOf(option).empty()) << "a value for " << key;
+    viewer(SetOption{option.name, valueOf(option)});
+    EXPECT_EQ(viewer.state().choices[0].options.count(key), 1u) << key << " is an option that changes something";
+    expectAsRendered(viewer, key);
+    viewer(SetOption{option.name, ""});
+    EXPECT_THAT(viewer.state().choices[0].options, IsEmpty());
+  }
+}
+
+TEST(ViewSessionTest, EachOutputAndTargetIsAsTheCommandLineHasIt) {
+  Viewer viewer(small());
+  viewer(SetOption{"layout", "killzone2"});
+  std::vector<std::string> outputs{"sheet", "lights", "targets"};
+  for (const output::AovInfo& aov : output::aovs()) outputs.emplace_back(aov.name);
+  ASSERT_FALSE(viewer.state().targets.empty());
+  for (const std::string& target : viewer.state().targets) outputs.push_back("target:" + target);
+  for (const std::string& name : outputs) {
+    viewer(ShowOutput{name});
+    expectAsRendered(viewer, name);
+  }
+}
+
+TEST(ViewSessionTest, WhatCannotBeIsASentenceAndChangesNothing) {
+  Viewer viewer(small());
+  viewer.settle();
+  const Choice before = viewer.state().choices[0];
+  const std::pair<Input, const char*> wrong[] = {{SetOption{"layout", "nothing"}, "--layout"},
+                                                 {SetOption{"exposure", "bright"}, "--exposure takes a number"},
+                                                 {SetOption{"nothing", "1"}, "no option \"nothing\""},
+                                                 {SetOption{"size", "9x9"}, "no option \"size\""},
+                                                 {SetOption{"animation", "walk"}, "animation"},
+                                                 {ShowOutput{"nothing"}, "nothing"},
+                                                 {ShowOutput{"target:nothing"}, "has no target \"nothing\""},
+                                                 {UseCamera{"nobody"}, "no camera \"nobody\""},
+                                                 {UseEnvironment{"/nowhere.hdr"}, "/nowhere.hdr"},
+                                                 {SelectPixel{5000, 5000}, "there is no pixel 5000,5000"},
+                                                 {MoveLight{99, {0, 0, 0}}, "there is no light 99"},
+                                                 {Screenshot{"/nowhere/at/all.png"}, "/nowhere/at"},
+                                                 {Screenshot{"picture.gif"}, ".gif"}};
+  for (const auto& [input, sentence] : wrong) {
+    viewer(input);
+    EXPECT_THAT(viewer.state().error, HasSubstr(sentence));
+    EXPECT_TRUE(viewer.state().choices[0] == before);
+    viewer.settle();
+  }
+  viewer(SetOption{"exposure", "1"});
+  EXPECT_THAT(viewer.state().error, IsEmpty()) << "forgotten with the next input";
+  expectAsRendered(viewer, "after all that");
+}
+
+// --- cameras --------------------------------------------------------------------------------------------------------
+
+void drag(Viewer& viewer, Button button, double x, double y, bool shift = false) {
+  viewer(PointerMove{40, 30});
+  viewer(PointerButton{button, true, shift});
+  viewer(PointerMove{40 + x, 30 + y});
+  viewer(PointerButton{button, false, shift});
+}
+
+TEST(ViewSessionTest, ASteeredCameraIsAsTheCommandLineHasIt) {
+  for (const std::string& scene :
+       {std::string(kHall), std::string("builtin:spheres"), modelPath("punctual.glb").string()}) {
+    Viewer viewer(small(scene));
+    drag(viewer, Button::Left, 13, -7);
+    expectAsRendered(viewer, "orbit");
+    drag(viewer, Button::Middle, -4, 9);
+    expectAsRendered(viewer, "pan");
+    viewer(Wheel{2});
+    expectAsRendered(viewer, "wheel");
+    viewer(Key{"Home", true});
+    expectAsRendered(viewer, "frame all");
+    viewer(Resize{40, 70});
+    viewer(Key{"3", true});
+    expectAsRendered(viewer, "from the right, in another size");
+    viewer(UseCamera{""});
+    expectAsRendered(viewer, "as at first");
+    EXPECT_FALSE(viewer.state().steered);
+  }
+}
+
+TEST(ViewSessionTest, BeginsWhereItIsTold) {
+  Start start = small();
+  start.eye = {1, 2, 3}, start.target = {0, 1.5, -4}, start.fov = 63;
+  Viewer viewer(start);
+  expectAsRendered(viewer, "an eye");
+  EXPECT_THAT(viewer.state().command, HasSubstr("--eye=1,2,3 --target=0,1.5,-4"));
+}
+
+TEST(ViewSessionTest, FliesWhileAKeyIsHeld) {
+  Viewer viewer(small());
+  viewer(SetNavigation{Navigation::Fly});
+  viewer.settle();
+  viewer(Key{"w", true});
+  for (int i = 0; i < 5; ++i) {
+    EXPECT_TRUE(viewer.session.wantsFrame());
+    viewer.session.next();
+  }
+  ASSERT_TRUE(viewer.state().steered);
+  const glm::dvec3 eye = viewer.state().steered->eye;
+  viewer.session.next();
+  EXPECT_NE(viewer.state().steered->eye, eye);
+  viewer(Key{"w", false});
+  expectAsRendered(viewer, "after the flight");
+  viewer(Key{"w", true});
+  viewer(Blur{});
+  viewer.settle();
+}
+
+// --- frames ---------------------------------------------------------------------------------------------------------
+
+TEST(ViewSessionTest, NothingIsRenderedWhileNothingChanges) {
+  Viewer viewer(small());
+  const uint64_t number = viewer.settle().number;
+  for (int i = 0; i < 20; ++i) {
+    EXPECT_FALSE(viewer.session.wantsFrame());
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  viewer(PointerMove{20, 20});  // what is under the pointer is found out, once
+  EXPECT_EQ(viewer.settle().number, number) << "no other picture";
+  viewer(PointerMove{20, 20});
+  viewer(SetNavigation{Navigation::Fly});
+  EXPECT_FALSE(viewer.session.wantsFrame());
+  EXPECT_GT(viewer.session.patience(), 0.4);
+}
+
+TEST(ViewSessionTest, ADraftComesFirstAndTheWholePictureFollows) {
+  Start start = small();
+  start.width = 640, start.height = 360;
+  Viewer viewer(start);
+  viewer.settle();
+  viewer(Key{"ArrowLeft", true});
+  const Frame& draft = viewer.session.next();
+  EXPECT_FALSE(draft.final);
+  EXPECT_LT(draft.width, 640u);
+  EXPECT_NEAR(16.0 / 9, 1.0 * draft.width / draft.height, 0.05);
+  const Frame& whole = viewer.settle();
+  EXPECT_EQ(whole.width, 640u);
+  EXPECT_EQ(whole.height, 360u);
+}
+
+TEST(ViewSessionTest, AMinimisedWindowKeepsItsPicture) {
+  Viewer viewer(small());
+  const uint64_t number = viewer.settle().number;
+  viewer(Resize{0, 0});
+  EXPECT_FALSE(viewer.session.wantsFrame());
+  viewer(Resize{96, 54});
+  EXPECT_FALSE(viewer.session.wantsFrame());
+  viewer(Resize{50, 54});
+  EXPECT_GT(viewer.settle().number, number);
+  EXPECT_EQ(viewer.settle().width, 50u);
+}
+
+// --- two choices ----------------------------------------------------------------------------------------------------
+
+TEST(ViewSessionTest, EachSideOfASplitIsAsItsCommandLineHasIt) {
+  Viewer viewer(small());
+  viewer(SetOption{"exposure", "-1"});
+  viewer(SetSplit{SetSplit::Slider, 0.5});
+  viewer(SetOption{"tonemap", "aces", Side::Right});
+  viewer(ShowOutput{"normal", Side::Right});
+  const Frame split = viewer.settle();
+  const Folder folder;
+  viewer(Screenshot{folder.at("left.png"), Side::Left});
+  viewer(Screenshot{folder.at("right.png"), Side::Right});
+  viewer(SetSplit{SetSplit::Slider, 1.0});
+  const Frame left = viewer.settle();
+  viewer(SetSplit{SetSplit::Slider, 0.0});
+  const Frame right = viewer.settle();
+  for (uint32_t i = 0; i < 96 * 54; ++i) {
+    const Frame& side = i % 96 < 48 ? left : right;
+    ASSERT_TRUE(std::equal(&split.rgba[4 * i], &split.rgba[4 * i] + 4, &side.rgba[4 * i])) << i;
+  }
+  for (const Side side : {Side::Left, Side::Right}) {
+    std::vector<std::string> words = viewer.session.commandLine(side);
+    words.insert(words.end(), {"-o", "picture.png"});
+    EXPECT_TRUE(folder.read(side == Side::Left ? "left.png" : "right.png") == rendered(shellWords(words), folder));
+  }
+}
+
+// Where one side shows the environment both are lit by it, and both command lines say so.
+TEST(ViewSessionTest, ASplitIsLitAlike) {
+  Viewer viewer(small());
+  viewer(SetSplit{SetSplit::Slider, 0.5});
+  viewer(SetOption{"background", "hdri", Side::Right});
+  expectAsRendered(viewer, "lit by what the other side shows");
+}
+
+// --- what is pointed at ---------------------------------------------------------------------------------------------
+
+TEST(ViewSessionTest, ValuesUnderThePointerAreThoseOfPick) {
+  Viewer viewer(small());
+  viewer(PointerMove{30.5, 40.5});
+  const Frame frame = viewer.settle();
+  ASSERT_TRUE(viewer.state().probe);
+  const Probe probe = *viewer.state().probe;
+  EXPECT_TRUE(std::equal(probe.rgba.begin(), probe.rgba.end(), &frame.rgba[4 * (40 * 96 + 30)]));
+  const app::Outcome said = app::latelight({"render", kHall, "--size", "96x54", "--device", "cpu", "--pick", "30,40"});
+  EXPECT_THAT(said.out, HasSubstr("  node       " + probe.surface.node + "\n"));
+  EXPECT_THAT(said.out, HasSubstr(fmt::format("  id         {}\n", probe.surface.id)));
+  EXPECT_THAT(said.out, HasSubstr(fmt::format("  depth      {:.4g}", probe.surface.depth)));
+  viewer(PointerLeave{});
+  viewer.settle();
+  EXPECT_FALSE(viewer.state().probe);
+}
+
+TEST(ViewSessionTest, AClickSelectsAndIsOutlined) {
+  Viewer viewer(small());
+  const Frame before = viewer.settle();
+  viewer(PointerMove{30, 40});
+  viewer(PointerButton{Button::Left, true});
+  viewer(PointerButton{Button::Left, false});
+  ASSERT_TRUE(viewer.state().selected);
+  const Frame outlined = viewer.settle();
+  EXPECT_FALSE(outlined.rgba == before.rgba);
+  viewer(Key{"f", true});
+  ASSERT_TRUE(viewer.state().steered) << "the selection is framed";
+  viewer(Key{"Escape", true});
+  expectAsRendered(viewer, "without an outline");
+  drag(viewer, Button::Left, 9, 0);
+  EXPECT_FALSE(viewer.state().selected) << "a drag is no click";
+}
+
+// --- scenes that change ---------------------------------------------------------------------------------------------
+
+TEST(ViewSessionTest, PlaysAnAnimation) {
+  Viewer viewer(small(modelPath("skinned.glb").string()));
+  ASSERT_FALSE(viewer.state().animations.empty());
+  viewer.settle();
+  EXPECT_FALSE(viewer.state().time);
+  viewer(SetOption{"loop", "true"});
+  viewer(Play{true});
+  for (int i = 0; i < 4; ++i) viewer.session.next();
+  ASSERT_TRUE(viewer.state().time);
+  EXPECT_GT(*viewer.state().time, 0);
+  viewer(Play{false});
+  expectAsRendered(viewer, "stopped");
+  viewer(SetOption{"time", "0.25"});
+  expectAsRendered(viewer, "a time");
+}
+
+TEST(ViewSessionTest, AnAnimationEndsByItself) {
+  Viewer viewer(small(modelPath("skinned.glb").string()));
+  viewer(SetOption{"time", fmt::format("{}", viewer.state().duration - 0.05)});
+  viewer(Play{true});
+  viewer.settle();
+  EXPECT_FALSE(viewer.state().playing);
+  EXPECT_NEAR(viewer.state().time.value(), viewer.state().duration, 1e-3);
+}
+
+TEST(ViewSessionTest, FollowsItsFile) {
+  const Folder folder;
+  const std::string file = folder.at("scene.glb");
+  std::filesystem::copy_file(modelPath("punctual.glb"), file);
+  Viewer viewer(small(file));
+  viewer(Key{"ArrowLeft", true});
+  const Frame before = viewer.settle();
+  std::filesystem::copy_file(modelPath("textured.glb"), file, std::filesystem::copy_options::overwrite_existing);
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  while (viewer.session.wantsFrame() == false && std::chrono::steady_clock::now() < end)
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  expectAsRendered(viewer, "the new scene");
+  EXPECT_FALSE(viewer.settle().rgba == before.rgba);
+  folder.write("scene.glb", std::string_view("this is no scene"));
+  viewer(Reload{});
+  EXPECT_THAT(viewer.state().error, HasSubstr("scene.glb"));
+  viewer(SetOption{"exposure", "1"});
+  EXPECT_THAT(viewer.state().error, IsEmpty());
+  EXPECT_TRUE(viewer.settle().final) << "with the scene that it has";
+}
+
+TEST(ViewSessionTest, LightsGoWhereTheyAreDragged) {
+  Viewer viewer(small(modelPath("punctual.glb").string()));
+  const Frame before = viewer.settle();
+  uint32_t light = 0;
+  while (light < viewer.state().lights.size() && !viewer.state().lights[light].at) ++light;
+  ASSERT_LT(light, viewer.state().lights.size());
+  viewer(DragLight{light, 20, 10});
+  EXPECT_NEAR((*viewer.state().lights[light].at)[0], 20, 0.1);
+  EXPECT_NEAR((*viewer.state().lights[light].at)[1], 10, 0.1);
+  EXPECT_TRUE(viewer.state().lightsMoved);
+  EXPECT_FALSE(viewer.settle().rgba == before.rgba);
+  viewer(Reload{});
+  EXPECT_FALSE(viewer.state().lightsMoved);
+  EXPECT_TRUE(viewer.settle().rgba == before.rgba) << "as in the file";
+}
+
+TEST(ViewSessionTest, AnEnvironmentIsTakenAsItIsDropped) {
+  const Folder folder;
+  folder.write("sky.hdr", radiancePanorama(64, 32));
+  Viewer viewer(small("builtin:spheres"));
+  viewer(UseEnvironment{folder.at("sky.hdr")});
+  viewer(SetOption{"background", "hdri"});
+  expectAsRendered(viewer, "a sky");
+  viewer(UseEnvironment{"none"});
+  expectAsRendered(viewer, "none");
+}
+
+// --- anything at all ------------------------------------------------------------------------------------------------
+
+Input anyInput(std::mt19937& random) {
+  const auto below = [&](uint32_t n) { return static_cast<uint32_t>(random() % n); };
+  const auto number = [&] { return static_cast<double>(below(4000)) / 10 - 100; };
+  const Side side = below(2) ? Side::Left : Side::Right;
+  const char* const keys[] = {"w", "a", "s", "d", "q",    "e",      "o",         "f",       " ",        "1",
+                              "3", "7", "+", "-", "Home", "Escape", "ArrowLeft", "ArrowUp", "PageDown", "x"};
+  switch (below(17)) {
+    case 0:
+      return Resize{below(4) * 30, below(4) * 20};
+    case 1:
+    case 2:
+    case 3:
+      return PointerMove{number(), number()};
+    case 4:
+      return PointerLeave{};
+    case 5:
+    case 6:
+      return PointerButton{static_cast<Button>(below(3)), below(2) == 0, below(4) == 0};
+    case 7:
+      return Wheel{number() / 30};
+    case 8:
+      return Key{keys[below(std::size(keys))], below(2) == 0, below(3) == 0};
+    case 9:
+    case 10: {
+      const render::Option& option = render::options()[below(static_cast<uint32_t>(render::options().size()))];
+      // Each set of compiled options takes lavapipe seconds for its pipelines.
+      const bool slow = option.effect == render::OptionEffect::Compiled && below(8) != 0;
+      return SetOption{option.name, slow || below(3) == 0 ? "" : valueOf(option), side};
+    }
+    case 11:
+      return ShowOutput{std::string(below(2) ? "picture" : output::aovs()[below(output::kAovCount)].name), side};
+    case 12:
+      return SetSplit{static_cast<SetSplit::Mode>(below(3)), number() / 100, number()};
+    case 13:
+      return UseCamera{below(2) ? "" : "0"};
+    case 14:
+      return SelectPixel{below(100), below(60)};
+    case 15:
+      return DragLight{below(5), number(), number()};
+    default:
+      return below(2) ? Input{Play{below(2) == 0}} : Input{Blur{}};
+  }
+}
+
+TEST(ViewSessionTest, AThousandInputsEndWithoutAFault) {
+  std::mt19937 random(13);
+  Viewer viewer({.scene = modelPath("skinned.glb").string(), .width = 64, .height = 36});
+  for (int i = 0; i < 1000; ++i) {
+    viewer(anyInput(random));
+    if (i % 5 == 0 && viewer.session.wantsFrame()) viewer.session.next();
+  }
+  viewer(Blur{});
+  viewer(Play{false});
+  viewer.settle();
+  EXPECT_GT(viewer.state().width, 0u);
+}
+
+}  // namespace
+}  // namespace latelight::view
