@@ -42,8 +42,7 @@ Encoded encode(const view::Frame& frame, const Pace& pace) {
                    {"passes", Json::array()},
                    {"strips", Json::array()}},
                   std::move(strips)};
-  for (const graph::PassTime& pass : frame.passes)
-    encoded.header["passes"].push_back({pass.name, pass.milliseconds});
+  for (const graph::PassTime& pass : frame.passes) encoded.header["passes"].push_back({pass.name, pass.milliseconds});
   for (const Strip& strip : encoded.strips)
     encoded.header["strips"].push_back({{"y", strip.y}, {"bytes", strip.jpeg.size()}});
   return encoded;

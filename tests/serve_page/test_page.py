@@ -79,8 +79,8 @@ def rendered(page, folder):
     """What the page's command writes: the file, and its pixels over the page's ground."""
     command = page.inner_text("#command").split()
     assert command[:2] == ["latelight", "render"]
-    words = [word.strip("'") for word in command[2:-2]]
-    latelight(*words, "--device", "cpu", "-o", folder / "picture.png")
+    words = [word.strip("'") for word in command[1:-2]]
+    latelight(*words, "-o", folder / "picture.png")
     file = (folder / "picture.png").read_bytes()
     page.evaluate("bytes => createImageBitmap(new Blob([new Uint8Array(bytes)])).then((made) => (window.made = made))", list(file))
     flat = page.evaluate(
