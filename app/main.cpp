@@ -109,6 +109,7 @@ int parseAndRun(int argc, char** argv) {
   app::addDoctorCommand(cli);
   app::addCompareCommand(cli);
   app::addStudyCommand(cli);
+  app::addServeCommand(cli);
   app::addBenchCommand(cli);
   app::addCompletionsCommand(cli);
   app::addManCommand(cli);

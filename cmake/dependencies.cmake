@@ -9,6 +9,7 @@ find_package(TinyGLTF REQUIRED)
 find_package(meshoptimizer REQUIRED)
 find_package(OpenEXR REQUIRED)
 find_package(ZLIB REQUIRED)
+find_package(Boost REQUIRED)  # Beast, a header
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(draco REQUIRED IMPORTED_TARGET draco)
 pkg_check_modules(webp REQUIRED IMPORTED_TARGET libwebp)

@@ -7,8 +7,11 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <mutex>
 #include <unordered_set>
+
+#include "base/journal.h"
 
 namespace latelight {
 namespace {
@@ -84,6 +87,17 @@ void warn(const std::string& sentence) {
   const bool color = wantsColor();
   const std::string line = fmt::format("{}{}warning:{} {}\n", drawnBars ? kClearLine : "", color ? "\x1b[33m" : "",
                                        color ? "\x1b[0m" : "", printable(sentence));
+  std::fputs(line.c_str(), stderr);
+}
+
+void record(const std::string& sentence) {
+  if (quiet) return;
+  const std::time_t now = std::time(nullptr);
+  std::tm utc{};
+  gmtime_r(&now, &utc);
+  std::lock_guard lock(terminal);
+  const std::string line = fmt::format("{}{:02}:{:02}:{:02} {}\n", drawnBars ? kClearLine : "", utc.tm_hour, utc.tm_min,
+                                       utc.tm_sec, printable(sentence));
   std::fputs(line.c_str(), stderr);
 }
 

@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/log.h"
+#include "output/png.h"
 #include "render/gbuffer/layout.h"
 #include "scene/framing.h"
 #include "scene/light_types.h"
@@ -280,6 +281,10 @@ const State& ViewSession::state() const {
 
 std::vector<std::string> ViewSession::commandLine(Side side) const {
   return impl_->commandLine(side);
+}
+
+std::vector<std::byte> ViewSession::screenshot(Side side) {
+  return output::encodePng(impl_->finalPicture(side));
 }
 
 std::vector<std::string> ViewSession::validationMessages() {

@@ -9,6 +9,7 @@
 // the last one is byte for byte what state().command writes, but for the outline of what is selected.
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <optional>
 #include <string>
@@ -52,6 +53,8 @@ class ViewSession {
 
   // `latelight render ...`, word by word, that makes the final picture of a side; -o stays to be said.
   std::vector<std::string> commandLine(Side side = Side::Left) const;
+  // The PNG file that it writes. Throws Error.
+  std::vector<std::byte> screenshot(Side side = Side::Left);
   // Of the device, since the last call.
   std::vector<std::string> validationMessages();
 

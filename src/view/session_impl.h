@@ -37,6 +37,7 @@ struct ViewSession::Impl {
   void play(bool on);
   void setTime(double seconds);
   void screenshot(const Screenshot& shot);
+  output::Picture finalPicture(Side side);  // that the side's command line writes
   void reload();
   void frame(const scene::Bounds& bounds);
   CameraControl& steered();  // from here on the camera is people's

@@ -217,8 +217,12 @@ void ViewSession::Impl::screenshot(const Screenshot& shot) {
   if (output::formatOf(shot.path) != output::Format::Png)
     badUsage("a screenshot is a PNG file: give '{}' a name that ends in .png", shot.path);
   output::UsedFiles(stage.scene().files).checkOutputs({&path, 1});
+  output::writePicture(path, finalPicture(shot.side));
+}
+
+output::Picture ViewSession::Impl::finalPicture(Side side) {
   stage.light(environmentWord());
-  output::writePicture(path, stage.render(settings(shot.side), cameraChoice(), false).picture);
+  return stage.render(settings(side), cameraChoice(), false).picture;
 }
 
 void ViewSession::Impl::reload() {

@@ -19,7 +19,9 @@ const std::map<std::string, std::set<std::string>, std::less<>> kAllowed = {
     {"study", {"base", "vk", "graph", "shared", "scene", "output", "render", "latelight"}},
     {"data", {"base", "vk", "shared", "scene", "output", "render", "latelight"}},
     {"view", {"base", "vk", "graph", "shared", "scene", "output", "render", "latelight"}},
-    {"app", {"base", "vk", "graph", "shared", "scene", "output", "render", "study", "data", "view", "latelight"}},
+    {"serve", {"base", "graph", "output", "render", "view", "latelight"}},
+    {"app",
+     {"base", "vk", "graph", "shared", "scene", "output", "render", "study", "data", "view", "serve", "latelight"}},
     {"include", {"latelight"}},
 };
 const std::set<std::string, std::less<>> kMayUseVulkan = {"vk", "graph", "render", "study"};

@@ -1,0 +1,63 @@
+// latelight serve: viewing sessions in browsers.
+#include "serve/server.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cstdio>
+
+#include "app/commands.h"
+#include "app/view_start.h"
+#include "base/log.h"
+#include "vk/driver_cache.h"
+
+namespace latelight::app {
+
+namespace {
+
+struct ServeArguments {
+  RenderOptions render;
+  serve::ServerOptions server{.port = 8765};
+};
+
+void serveScene(ServeArguments& a) {
+  const view::Start start = viewStart(a.render, "serve");
+  for (std::string& name : a.server.names)
+    std::ranges::transform(name, name.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  vk::avoidFullDriverCache();
+  serve::Server server(a.server, start);
+  fmt::print("{} on {}; open this page, and keep its address to yourself:\n\n  {}\n\n", printable(start.scene),
+             printable(server.device()), server.url());
+  if (a.server.address == serve::ServerOptions{}.address)
+    fmt::print("From another machine, first: ssh -L {0}:127.0.0.1:{0} THIS_MACHINE\n", server.port());
+  fmt::print("Ctrl-C ends it.\n");
+  std::fflush(stdout);
+  server.run();
+}
+
+}  // namespace
+
+void addServeCommand(CLI::App& app) {
+  auto arguments = std::make_shared<ServeArguments>();
+  ServeArguments& a = *arguments;
+  CLI::App* command = app.add_subcommand("serve", "Look at a scene in a browser, from a machine without a display");
+  addRenderOptions(*command, a.render);
+  command->add_option("--port", a.server.port, "Port; 0: any that is free")->capture_default_str()->group("Server");
+  command->add_option("--address", a.server.address, "Address of this machine to listen at; 0.0.0.0: all of them")
+      ->capture_default_str()
+      ->group("Server");
+  command
+      ->add_option("--host-name", a.server.names,
+                   "Name by which browsers may call this machine, beside localhost and addresses; may be repeated")
+      ->expected(1)
+      ->take_all()
+      ->group("Server");
+  command->add_option("--sessions", a.server.sessions, "Pages that may be open at once")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 64))
+      ->group("Server");
+  command->callback([arguments] { serveScene(*arguments); });
+}
+
+}  // namespace latelight::app

@@ -1,0 +1,133 @@
+#include "serve/connection.h"
+
+#include <fmt/format.h>
+
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket/rfc6455.hpp>
+#include <optional>
+#include <utility>
+
+#include "base/journal.h"
+#include "serve/page.h"
+#include "serve/socket.h"
+
+namespace latelight::serve {
+
+namespace {
+
+namespace beast = boost::beast;
+namespace http = beast::http;
+using boost::asio::ip::tcp;
+
+constexpr uint32_t kMostHeader = 8192;  // bytes
+
+using Response = http::response<http::string_body>;
+
+// The page may load its own files and talk to its own server, and no one else may frame or read it.
+constexpr const char* kPolicy =
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob:; connect-src 'self'; "
+    "base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+
+std::string_view view(beast::string_view text) {
+  return {text.data(), text.size()};
+}
+
+class Connection : public std::enable_shared_from_this<Connection> {
+ public:
+  Connection(tcp::socket socket, Hub& hub) : stream_(std::move(socket)), hub_(hub) {
+    beast::error_code error;
+    const tcp::endpoint peer = stream_.socket().remote_endpoint(error);
+    peer_ = error ? "somebody" : peer.address().to_string();
+    hub_.whenClosed(this, [this] { stream_.cancel(); });
+  }
+  ~Connection() {
+    hub_.forget(this);
+    hub_.leave();
+  }
+
+  void read() {
+    parser_.emplace();
+    parser_->header_limit(kMostHeader);
+    parser_->body_limit(0);
+    stream_.expires_after(hub_.patience());
+    http::async_read(stream_, buffer_, *parser_,
+                     [self = shared_from_this()](beast::error_code error, size_t) { self->answer(error); });
+  }
+
+ private:
+  void answer(beast::error_code error);
+  void upgrade();
+  Response respond(const http::request<http::empty_body>& request, const Gate::Answer& answer);
+  void write(Response response);
+
+  beast::tcp_stream stream_;
+  Hub& hub_;
+  std::string peer_;
+  beast::flat_buffer buffer_;
+  std::optional<http::request_parser<http::empty_body>> parser_;
+  Response response_;
+};
+
+// What ends without a word is a connection that was kept open for another request, or a server that looks who is there.
+void Connection::answer(beast::error_code error) {
+  if (error == http::error::end_of_stream || error == boost::asio::error::operation_aborted) return;
+  if (error == beast::error::timeout) {
+    if (parser_->got_some()) record(fmt::format("refused {}: its request took too long", peer_));
+    return;
+  }
+  if (error) return record(fmt::format("refused {}: its request can't be read: {}", peer_, error.message()));
+  const http::request<http::empty_body>& request = parser_->get();
+  Knock knock{view(request.target()), view(request[http::field::host]), {}};
+  if (request.find(http::field::origin) != request.end()) knock.origin = view(request[http::field::origin]);
+  const Gate::Answer answer = hub_.gate().open(knock);
+  if (!answer.refusal.empty()) record(fmt::format("refused {}: {}", peer_, answer.refusal));
+  if (answer.refusal.empty() && answer.path == "socket" && beast::websocket::is_upgrade(request))
+    return startSocket(stream_.release_socket(), parser_->release(), peer_, hub_);
+  write(respond(request, answer));
+}
+
+Response Connection::respond(const http::request<http::empty_body>& request, const Gate::Answer& answer) {
+  const PageFile* file = answer.refusal.empty() ? findPageFile(answer.path) : nullptr;
+  const bool reads = request.method() == http::verb::get || request.method() == http::verb::head;
+  Response response{http::status::ok, request.version()};
+  if (!answer.refusal.empty())
+    response.result(http::status::forbidden), response.body() = "Refused. Use the address that the server printed.\n";
+  else if (!reads)
+    response.result(http::status::method_not_allowed), response.set(http::field::allow, "GET, HEAD");
+  else if (!file)
+    response.result(http::status::not_found), response.body() = "There is no such file.\n";
+  else
+    response.body() = file->text;
+  const std::string_view type = file && reads ? file->type : "text/plain; charset=utf-8";
+  response.set(http::field::content_type, beast::string_view(type.data(), type.size()));
+  response.set("Content-Security-Policy", kPolicy);
+  response.set("Referrer-Policy", "no-referrer");
+  response.set("X-Content-Type-Options", "nosniff");
+  response.set("Cross-Origin-Resource-Policy", "same-origin");
+  response.set("Cross-Origin-Opener-Policy", "same-origin");
+  response.set(http::field::cache_control, "no-store");
+  response.keep_alive(request.keep_alive() && answer.refusal.empty());
+  response.prepare_payload();
+  if (request.method() == http::verb::head) response.body().clear();
+  return response;
+}
+
+void Connection::write(Response response) {
+  response_ = std::move(response);
+  http::async_write(stream_, response_, [self = shared_from_this()](beast::error_code error, size_t) {
+    if (error) return;
+    if (self->response_.keep_alive()) return self->read();
+    beast::error_code ignored;
+    self->stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
+  });
+}
+
+}  // namespace
+
+void startConnection(tcp::socket socket, Hub& hub) {
+  if (!hub.enter()) return;
+  std::make_shared<Connection>(std::move(socket), hub)->read();
+}
+
+}  // namespace latelight::serve

@@ -1,0 +1,48 @@
+#include "serve/gate.h"
+
+#include <arpa/inet.h>
+
+#include <algorithm>
+#include <cctype>
+#include <utility>
+
+#include "serve/token.h"
+
+namespace latelight::serve {
+
+namespace {
+
+bool isAddress(const std::string& text) {
+  in6_addr bytes{};
+  return inet_pton(AF_INET, text.c_str(), &bytes) == 1 || inet_pton(AF_INET6, text.c_str(), &bytes) == 1;
+}
+
+// "localhost" of "LocalHost:8765", "::1" of "[::1]:8765".
+std::string nameOf(std::string_view host) {
+  if (host.starts_with('[')) return std::string(host.substr(1, host.find(']') - 1));
+  std::string name(host.substr(0, host.find(':')));
+  std::ranges::transform(name, name.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return name;
+}
+
+}  // namespace
+
+Gate::Gate(std::string token, std::vector<std::string> names) : token_(std::move(token)), names_(std::move(names)) {}
+
+// A site that rebinds its own name to this machine still calls it by that name; an address can't be rebound.
+bool Gate::knows(std::string_view host) const {
+  const std::string name = nameOf(host);
+  return name == "localhost" || isAddress(name) || std::ranges::find(names_, name) != names_.end();
+}
+
+Gate::Answer Gate::open(const Knock& knock) const {
+  if (!knows(knock.host)) return {"", "a host name that is not this machine's"};
+  if (knock.origin && *knock.origin != "http://" + std::string(knock.host)) return {"", "a page of another origin"};
+  if (!knock.target.starts_with('/')) return {"", "a malformed address"};
+  const std::string_view path = knock.target.substr(1, knock.target.find('?') - 1);
+  const size_t slash = path.find('/');
+  if (slash == std::string_view::npos || !sameToken(path.substr(0, slash), token_)) return {"", "a wrong token"};
+  return {std::string(path.substr(slash + 1)), ""};
+}
+
+}  // namespace latelight::serve

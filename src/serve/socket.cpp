@@ -1,0 +1,140 @@
+#include "serve/socket.h"
+
+#include <fmt/format.h>
+
+#include <boost/beast/core.hpp>
+#include <boost/beast/websocket.hpp>
+#include <deque>
+#include <utility>
+
+#include "base/journal.h"
+
+namespace latelight::serve {
+
+namespace {
+
+namespace beast = boost::beast;
+namespace websocket = beast::websocket;
+using boost::asio::ip::tcp;
+
+class Socket : public std::enable_shared_from_this<Socket> {
+ public:
+  Socket(tcp::socket socket, Request request, std::string peer, Hub& hub)
+      : stream_(std::move(socket)), request_(std::move(request)), peer_(std::move(peer)), hub_(hub) {
+    hub_.whenClosed(this, [this] { close(websocket::close_code::going_away, "the server was stopped"); });
+  }
+  ~Socket() {
+    hub_.forget(this);
+    hub_.leave();
+    if (!viewer_) return;
+    hub_.letGo(viewer_);
+    record(fmt::format("a viewer at {} has left", peer_));
+  }
+
+  void accept();
+
+ private:
+  void begin();
+  void read();
+  void take(beast::error_code error);
+  void send(std::string message);
+  void write();
+  void close(websocket::close_code code, const std::string& reason);
+  void refuse(const std::string& why);
+
+  websocket::stream<beast::tcp_stream> stream_;
+  const Request request_;
+  const std::string peer_;
+  Hub& hub_;
+  std::shared_ptr<Viewer> viewer_;
+  beast::flat_buffer buffer_;
+  std::deque<std::string> outgoing_;  // as many as a viewer may have on their way
+  bool closing_ = false;
+};
+
+// Pings find out who is gone without a word.
+void Socket::accept() {
+  websocket::stream_base::timeout times = websocket::stream_base::timeout::suggested(beast::role_type::server);
+  times.handshake_timeout = std::chrono::seconds(10);
+  times.idle_timeout = std::chrono::seconds(30);
+  times.keep_alive_pings = true;
+  stream_.set_option(times);
+  stream_.read_message_max(kMostBytes);
+  stream_.binary(true);
+  beast::get_lowest_layer(stream_).socket().set_option(tcp::no_delay(true));
+  stream_.async_accept(request_, [self = shared_from_this()](beast::error_code error) {
+    if (!error) self->begin();
+  });
+}
+
+// The viewer's calls hold no connection alive.
+void Socket::begin() {
+  const std::weak_ptr<Socket> weak = weak_from_this();
+  Hub::Calls calls;
+  calls.send = [weak](std::string message) {
+    if (const auto self = weak.lock()) self->send(std::move(message));
+  };
+  calls.fail = [weak](const std::string& sentence) {
+    if (const auto self = weak.lock()) self->close(websocket::close_code::internal_error, sentence);
+  };
+  viewer_ = hub_.admit(std::move(calls));
+  if (!viewer_)
+    return close(websocket::close_code::try_again_later,
+                 fmt::format("all {} sessions are in use; close another page", hub_.sessions()));
+  record(fmt::format("a viewer at {} has come", peer_));
+  read();
+}
+
+void Socket::read() {
+  stream_.async_read(buffer_, [self = shared_from_this()](beast::error_code error, size_t) { self->take(error); });
+}
+
+void Socket::take(beast::error_code error) {
+  if (error == websocket::error::message_too_big) return record(fmt::format("refused {}: too long a message", peer_));
+  if (error) return;
+  try {
+    if (!stream_.got_text()) throw BadMessage("pages send text");
+    const std::string text = beast::buffers_to_string(buffer_.data());
+    buffer_.consume(buffer_.size());
+    viewer_->take(readOrder(text, hub_.start()));
+  } catch (const BadMessage& bad) {
+    return refuse(bad.what());
+  }
+  read();
+}
+
+void Socket::refuse(const std::string& why) {
+  record(fmt::format("refused {}: {}", peer_, why));
+  close(websocket::close_code::policy_error, why);
+}
+
+void Socket::send(std::string message) {
+  if (closing_) return;
+  outgoing_.push_back(std::move(message));
+  if (outgoing_.size() == 1) write();
+}
+
+void Socket::write() {
+  stream_.async_write(boost::asio::buffer(outgoing_.front()),
+                      [self = shared_from_this()](beast::error_code error, size_t) {
+                        if (error || self->closing_) return;
+                        self->outgoing_.pop_front();
+                        if (!self->outgoing_.empty()) self->write();
+                      });
+}
+
+void Socket::close(websocket::close_code code, const std::string& reason) {
+  if (std::exchange(closing_, true)) return;
+  websocket::close_reason said(code);
+  said.reason = beast::string_view(reason).substr(0, said.reason.max_size());
+  stream_.async_close(said, [self = shared_from_this()](beast::error_code) {});
+}
+
+}  // namespace
+
+void startSocket(tcp::socket socket, Request request, const std::string& peer, Hub& hub) {
+  if (!hub.enter()) return;
+  std::make_shared<Socket>(std::move(socket), std::move(request), peer, hub)->accept();
+}
+
+}  // namespace latelight::serve

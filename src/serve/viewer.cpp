@@ -1,0 +1,206 @@
+#include "serve/viewer.h"
+
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+#include "base/error.h"
+#include "serve/pace.h"
+#include "serve/picture.h"
+
+namespace latelight::serve {
+
+namespace {
+
+using Json = nlohmann::json;
+using Clock = std::chrono::steady_clock;
+
+constexpr size_t kMostWaiting = 4096;  // orders; pages send some hundred a second at most
+
+// The picture as fine as it may be, and what the page must know of it.
+struct Encoded {
+  Json header;
+  std::vector<Strip> strips;
+};
+Encoded encode(const view::Frame& frame, const Pace& pace) {
+  int quality = pace.quality(frame.final);
+  std::vector<Strip> strips = encodeStrips(frame, quality);
+  while (frame.final) {
+    const int coarser = pace.coarser(quality, bytesOf(strips));
+    if (coarser == quality) break;
+    strips = encodeStrips(frame, quality = coarser);
+  }
+  Encoded encoded{{{"width", frame.width},
+                   {"height", frame.height},
+                   {"final", frame.final},
+                   {"quality", quality},
+                   {"milliseconds", frame.milliseconds},
+                   {"passes", Json::array()},
+                   {"strips", Json::array()}},
+                  std::move(strips)};
+  for (const graph::PassTime& pass : frame.passes) encoded.header["passes"].push_back({pass.name, pass.milliseconds});
+  for (const Strip& strip : encoded.strips)
+    encoded.header["strips"].push_back({{"y", strip.y}, {"bytes", strip.jpeg.size()}});
+  return encoded;
+}
+
+}  // namespace
+
+struct Viewer::Impl {
+  Impl(std::unique_ptr<view::ViewSession> ready, const view::Start& start, Calls calls)
+      : start(start), calls(std::move(calls)), session(std::move(ready)) {}
+
+  void run();
+  bool waitForWork();
+  void follow(const Order& order);
+  void sendNews();
+  void sendScreenshot(view::Side side);
+  void send(Json header, const std::vector<std::string_view>& payload);
+  Pace paceNow() {
+    std::lock_guard lock(mutex);
+    return pace;
+  }
+  void notePicture(size_t bytes) {
+    std::lock_guard lock(mutex);
+    pace.made(bytes);
+  }
+
+  const view::Start start;
+  const Calls calls;
+  std::unique_ptr<view::ViewSession> session;
+  std::vector<std::string> validationMessages;
+  Json told = Json::object();  // of the session's state
+  uint64_t messages = 0, pictures = 0, serial = 0, serialTold = 0;
+  bool isFinal = false;
+
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::deque<Order> waiting;
+  Pace pace;
+  bool stops = false, hasBegun = false;
+  std::thread thread;
+};
+
+// Without leave to send there is nothing to do but to follow orders; nor before the first one, which tells how large
+// pictures are. False: it is time to stop.
+bool Viewer::Impl::waitForWork() {
+  std::deque<Order> orders;
+  {
+    std::unique_lock lock(mutex);
+    const bool mayMake = hasBegun && pace.maySend();
+    const auto news = [&] { return stops || !waiting.empty() || (hasBegun && !mayMake && pace.maySend()); };
+    if (mayMake)
+      changed.wait_for(lock, std::chrono::duration<double>(session->patience()), news);
+    else
+      changed.wait(lock, news);
+    if (stops) return false;
+    orders.swap(waiting);
+  }
+  hasBegun |= !orders.empty();
+  for (const Order& order : orders) follow(order);
+  return true;
+}
+
+void Viewer::Impl::follow(const Order& order) {
+  if (const auto* input = std::get_if<view::Input>(&order.what))
+    session->input(*input);
+  else if (const auto* shot = std::get_if<TakeScreenshot>(&order.what))
+    sendScreenshot(shot->side);
+  if (order.serial != 0) serial = order.serial;
+}
+
+void Viewer::Impl::send(Json header, const std::vector<std::string_view>& payload) {
+  header["number"] = ++messages;
+  header["serial"] = serial;
+  std::string message = envelope(header, payload);
+  {
+    std::lock_guard lock(mutex);
+    pace.sent(messages, message.size(), Clock::now());
+  }
+  calls.send(std::move(message));
+}
+
+void Viewer::Impl::sendScreenshot(view::Side side) {
+  try {
+    const std::vector<std::byte> png = session->screenshot(side);
+    send({{"screenshot", png.size()}}, {{reinterpret_cast<const char*>(png.data()), png.size()}});
+  } catch (const Error& error) {
+    send({{"failed", error.what()}}, {});
+  }
+}
+
+// What changed of the state, and the picture where there is a new one; or only that orders were followed.
+void Viewer::Impl::sendNews() {
+  Json header = Json::object();
+  Encoded encoded;
+  std::vector<std::string_view> payload;
+  if (session->wantsFrame()) {
+    const view::Frame& frame = session->next();
+    isFinal = frame.final;
+    if (frame.width != 0 && std::exchange(pictures, frame.number) != frame.number) {
+      encoded = encode(frame, paceNow());
+      if (!frame.final) notePicture(bytesOf(encoded.strips));
+      header["picture"] = encoded.header;
+      for (const Strip& strip : encoded.strips) payload.push_back(strip.jpeg);
+    }
+  }
+  Json now = describe(*session);
+  Json changed = changes(told, now);
+  told = std::move(now);
+  if (!changed.empty()) header["state"] = std::move(changed);
+  if (header.empty() && serial == serialTold) return;
+  header["rests"] = isFinal && !session->wantsFrame();
+  serialTold = serial;
+  send(std::move(header), payload);
+}
+
+void Viewer::Impl::run() {
+  try {
+    if (!session) session = std::make_unique<view::ViewSession>(start);
+    send({{"tables", tables(start)}}, {});
+    while (waitForWork())
+      if (hasBegun && paceNow().maySend()) sendNews();
+    validationMessages = session->validationMessages();
+  } catch (const std::exception& error) {
+    calls.fail(error.what());
+  }
+  session.reset();
+  calls.ended();
+}
+
+Viewer::Viewer(std::unique_ptr<view::ViewSession> ready, const view::Start& start, Calls calls)
+    : impl_(std::make_unique<Impl>(std::move(ready), start, std::move(calls))) {
+  impl_->thread = std::thread([impl = impl_.get()] { impl->run(); });
+}
+
+Viewer::~Viewer() {
+  stop();
+  impl_->thread.join();
+}
+
+void Viewer::take(Order order) {
+  std::lock_guard lock(impl_->mutex);
+  if (const auto* shown = std::get_if<Shown>(&order.what))
+    impl_->pace.shown(shown->number, Clock::now());
+  else if (impl_->waiting.size() < kMostWaiting)
+    impl_->waiting.push_back(std::move(order));
+  else
+    throw BadMessage("too many messages at once");
+  impl_->changed.notify_all();
+}
+
+void Viewer::stop() {
+  std::lock_guard lock(impl_->mutex);
+  impl_->stops = true;
+  impl_->changed.notify_all();
+}
+
+const std::vector<std::string>& Viewer::validationMessages() const {
+  return impl_->validationMessages;
+}
+
+}  // namespace latelight::serve

@@ -1,0 +1,114 @@
+// bench_serve [SCENE] [WIDTHxHEIGHT] [SECONDS] [DEVICE]: pictures a second while the camera moves, and milliseconds
+// from a key to its picture, to a page in this process that decodes each picture on one thread. No validation.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "serve/client.h"
+#include "serve/server.h"
+
+namespace latelight::serve {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Json = nlohmann::json;
+
+double since(Clock::time_point begin) {
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+// The next picture, decoded and shown.
+Client::Message hearPicture(Client& page) {
+  for (;;) {
+    Client::Message message = page.hear();
+    if (message.header.contains("picture")) decode(message);
+    page.show(message);
+    if (message.header.contains("picture")) return message;
+  }
+}
+
+void drag(Client& page, int step) {
+  page.say({{"type", "move"}, {"x", 300 + 5 * step % 400}, {"y", 300}});
+}
+
+void measureRate(Client& page, double seconds) {
+  page.say({{"type", "move"}, {"x", 300}, {"y", 300}});
+  page.say({{"type", "button"}, {"button", "left"}, {"down", true}});
+  int step = 0;
+  for (const auto begin = Clock::now(); since(begin) < 2; ++step)
+    drag(page, step), hearPicture(page);  // finds its pace
+  int pictures = 0;
+  size_t bytes = 0;
+  double rendering = 0;
+  Json last;
+  const auto begin = Clock::now();
+  for (; since(begin) < seconds; ++pictures) {
+    drag(page, ++step), drag(page, ++step);  // always one more than is shown
+    const Client::Message shown = hearPicture(page);
+    bytes += shown.payload.size();
+    rendering += shown.header["picture"]["milliseconds"].get<double>();
+    last = shown.header["picture"];
+  }
+  const double time = since(begin);
+  page.say({{"type", "button"}, {"button", "left"}, {"down", false}});
+  fmt::print("moving: {:.1f} pictures a second, {}x{}, quality {}, {:.0f} kB and {:.1f} ms of rendering each\n",
+             pictures / time, last["width"].get<int>(), last["height"].get<int>(), last["quality"].get<int>(),
+             static_cast<double>(bytes) / pictures / 1000, rendering / pictures);
+}
+
+// From standing still, as a key press finds it.
+void measureLatency(Client& page, int times) {
+  std::vector<double> waits, finals;
+  for (int i = 0; i < times; ++i) {
+    const auto begin = Clock::now();
+    const uint64_t serial = page.say({{"type", "key"}, {"name", "ArrowLeft"}, {"down", true}});
+    Client::Message shown = hearPicture(page);
+    while (shown.header["serial"].get<uint64_t>() < serial) shown = hearPicture(page);
+    waits.push_back(1000 * since(begin));
+    while (!shown.header["picture"]["final"].get<bool>()) shown = hearPicture(page);
+    finals.push_back(1000 * since(begin));
+    page.say({{"type", "key"}, {"name", "ArrowLeft"}, {"down", false}});
+  }
+  std::ranges::sort(waits), std::ranges::sort(finals);
+  fmt::print("a key to its picture: {:.1f} ms, the slowest of {} {:.1f} ms; to the final one: {:.1f} ms\n",
+             waits[waits.size() / 2], times, waits.back(), finals[finals.size() / 2]);
+}
+
+void bench(int argc, char** argv) {
+  const auto argument = [&](int i, const char* normal) { return std::string(i < argc ? argv[i] : normal); };
+  const std::string size = argument(2, "1280x720");
+  const auto width = static_cast<uint32_t>(std::stoul(size)),
+             height = static_cast<uint32_t>(std::stoul(size.substr(size.find('x') + 1)));
+  Server server(
+      {}, {.scene = argument(1, "builtin:hall"), .device = argument(4, "auto"), .width = width, .height = height});
+  std::thread thread([&] { server.run(); });
+  {
+    Client page(server.port(), server.token());
+    page.say({{"type", "resize"}, {"width", width}, {"height", height}});
+    page.hearFinal();
+    fmt::print("{} on {}, {}\n", argument(1, "builtin:hall"), server.device(), size);
+    measureRate(page, std::stod(argument(3, "10")));
+    page.hearFinal();
+    measureLatency(page, 20);
+  }
+  server.stop();
+  thread.join();
+}
+
+}  // namespace
+}  // namespace latelight::serve
+
+int main(int argc, char** argv) {
+  try {
+    latelight::serve::bench(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "bench_serve: %s\n", error.what());
+    return EXIT_FAILURE;
+  }
+}

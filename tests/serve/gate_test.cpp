@@ -1,0 +1,68 @@
+#include "serve/gate.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "serve/token.h"
+
+namespace latelight::serve {
+namespace {
+
+const std::string kToken = "0123456789abcdef0123456789abcdef";
+
+std::string refusal(std::string_view target, std::string_view host, std::optional<std::string_view> origin = {}) {
+  return Gate(kToken, {"render.example.org"}).open({target, host, origin}).refusal;
+}
+
+TEST(GateTest, TokensAreRandom) {
+  std::set<std::string> seen;
+  for (int i = 0; i < 1000; ++i) {
+    const std::string token = newToken();
+    EXPECT_EQ(token.size(), 32u);
+    EXPECT_EQ(token.find_first_not_of("0123456789abcdef"), token.npos);
+    EXPECT_TRUE(seen.insert(token).second);
+  }
+}
+
+TEST(GateTest, ComparesWholeTokens) {
+  EXPECT_TRUE(sameToken(kToken, kToken));
+  EXPECT_FALSE(sameToken(kToken, kToken.substr(1)));
+  EXPECT_FALSE(sameToken("", kToken));
+  for (size_t i = 0; i < kToken.size(); ++i) {
+    std::string other = kToken;
+    other[i] ^= 1;
+    EXPECT_FALSE(sameToken(kToken, other));
+  }
+}
+
+TEST(GateTest, OpensForTheTokenAlone) {
+  EXPECT_EQ(Gate(kToken, {}).open({"/" + kToken + "/main.js?x=/y", "localhost", {}}).path, "main.js");
+  EXPECT_EQ(Gate(kToken, {}).open({"/" + kToken + "/", "localhost", {}}).path, "");
+  for (const std::string& target :
+       std::vector<std::string>{"", "/", "//", "*", "/main.js", "/?token=" + kToken, "/" + kToken.substr(1) + "/",
+                                "/x/" + kToken + "/", "/" + kToken + "x/", "http://localhost/" + kToken + "/"})
+    EXPECT_NE(refusal(target, "localhost"), "") << target;
+}
+
+TEST(GateTest, KnowsItsOwnNames) {
+  const std::string target = "/" + kToken + "/";
+  for (const char* host : {"localhost", "LocalHost:8765", "127.0.0.1:1", "[::1]:8765", "[::1]", "192.168.1.7:80",
+                           "render.example.org:8765", "Render.Example.org"})
+    EXPECT_EQ(refusal(target, host), "") << host;
+  for (const char* host : {"", "evil.example.org", "localhost.evil.example.org", "127.0.0.1.evil.example.org:8765",
+                           "[evil", "xlocalhost", "render.example.org.evil"})
+    EXPECT_NE(refusal(target, host), "") << host;
+}
+
+TEST(GateTest, PagesOfOtherOriginsStayOutside) {
+  const std::string target = "/" + kToken + "/socket";
+  EXPECT_EQ(refusal(target, "localhost:8765", "http://localhost:8765"), "");
+  for (const char* origin : {"", "null", "http://localhost", "http://localhost:80", "https://localhost:8765",
+                             "http://evil.example.org", "http://127.0.0.1:8765"})
+    EXPECT_NE(refusal(target, "localhost:8765", origin), "") << origin;
+}
+
+}  // namespace
+}  // namespace latelight::serve

@@ -1,0 +1,345 @@
+// The server as browsers and others meet it; everything under validation, whose messages fail the test.
+#include "serve/server.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <random>
+#include <thread>
+
+#include "app/folder.h"
+#include "app/process.h"
+#include "output/aov.h"
+#include "output/png.h"
+#include "render/options.h"
+#include "serve/client.h"
+#include "serve/picture.h"
+
+namespace latelight::serve {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::HasSubstr;
+using testing::StartsWith;
+using Json = nlohmann::json;
+
+constexpr uint32_t kSessions = 8;
+
+size_t entries(const char* folder) {
+  return std::distance(std::filesystem::directory_iterator(folder), std::filesystem::directory_iterator());
+}
+size_t descriptors() {
+  return entries("/proc/self/fd");
+}
+size_t threads() {
+  return entries("/proc/self/task");
+}
+size_t residentBytes() {
+  std::ifstream file("/proc/self/statm");
+  size_t all = 0, resident = 0;
+  file >> all >> resident;
+  return resident * 4096;
+}
+
+// One server for all tests, in this process.
+class ServerTest : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    view::Start start{.scene = "builtin:boxes", .device = "cpu", .validate = true, .width = 64, .height = 48};
+    server = new Server({.sessions = kSessions, .patience = 0.5}, start);
+    thread = new std::thread([] { EXPECT_NO_THROW(server->run()); });
+    waitUntil([] { return get(server->port(), "/").starts_with("HTTP/1.1 403"); });
+  }
+  static void TearDownTestSuite() {
+    server->stop();
+    thread->join();
+    delete thread;
+    delete server;
+  }
+
+  static Client connected() { return Client(server->port(), server->token()); }
+  // With a session; those of pages that have gone end a little later.
+  static Client client() {
+    std::optional<Client> made;
+    EXPECT_TRUE(waitUntil([&] {
+      try {
+        made.emplace(connected());
+        made->show(made->hear());
+        return true;
+      } catch (const std::exception&) {
+        return false;
+      }
+    }));
+    return std::move(*made);
+  }
+  static Client resized(uint32_t width = 64, uint32_t height = 48) {
+    Client made = client();
+    made.say({{"type", "resize"}, {"width", width}, {"height", height}});
+    return made;
+  }
+  static std::string page(const std::string& path, const std::string& more = "") {
+    return get(server->port(), "/" + server->token() + "/" + path, more);
+  }
+  template <typename Condition>
+  static bool waitUntil(const Condition& condition) {
+    for (int i = 0; i < 600; ++i) {
+      if (condition()) return true;
+      std::this_thread::sleep_for(50ms);
+    }
+    return false;
+  }
+
+  static Server* server;
+  static std::thread* thread;
+};
+Server* ServerTest::server = nullptr;
+std::thread* ServerTest::thread = nullptr;
+
+// --- the page -------------------------------------------------------------------------------------------------------
+
+TEST_F(ServerTest, GivesOutThePagesFiles) {
+  const std::filesystem::path folder = LATELIGHT_SOURCE_DIR "/web/serve";
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    std::ifstream file(entry.path(), std::ios::binary);
+    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    const std::string response = page(entry.path().filename());
+    EXPECT_THAT(response, StartsWith("HTTP/1.1 200")) << entry.path();
+    EXPECT_THAT(response, HasSubstr("Content-Security-Policy: default-src 'none'"));
+    EXPECT_TRUE(response.ends_with("\r\n\r\n" + text)) << entry.path();
+  }
+  EXPECT_THAT(page(""), HasSubstr("<!doctype html>"));
+}
+
+TEST_F(ServerTest, RefusesOtherRequests) {
+  const uint16_t port = server->port();
+  const std::string token = server->token();
+  for (const char* target : {"/", "/main.js", "/0123456789abcdef0123456789abcdef/", "/../../etc/passwd"})
+    EXPECT_THAT(get(port, target), StartsWith("HTTP/1.1 403")) << target;
+  for (const char* path : {"../../etc/passwd", "%2e%2e/%2e%2e/etc/passwd", "..%2fetc", "/etc/passwd", "main.js/", "x"})
+    EXPECT_THAT(page(path), StartsWith("HTTP/1.1 404")) << path;
+  EXPECT_THAT(page("", "Host: evil.example.org\r\n"), StartsWith("HTTP/1.1 403"));
+  EXPECT_THAT(page("", "Origin: http://evil.example.org\r\n"), StartsWith("HTTP/1.1 403"));
+  EXPECT_THAT(ask(port, "POST /" + token + "/ HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n"),
+              StartsWith("HTTP/1.1 405"));
+  for (const std::string& bytes : {std::string("\r\n\r\n"), std::string("\x16\x03\x01\x02\0\x01", 6),
+                                   std::string(100'000, 'x'), "GET /" + std::string(20'000, 'a') + " HTTP/1.1\r\n\r\n"})
+    EXPECT_THAT(ask(port, bytes), testing::Not(HasSubstr("200 OK")));
+  EXPECT_THAT(page(""), StartsWith("HTTP/1.1 200"));
+}
+
+TEST_F(ServerTest, RefusesSocketsWithoutTheToken) {
+  EXPECT_ANY_THROW(Client(server->port(), std::string(32, '0')));
+  EXPECT_ANY_THROW(Client(server->port(), server->token(), "http://evil.example.org"));
+  EXPECT_NO_THROW(Client(server->port(), server->token(), "http://127.0.0.1:" + std::to_string(server->port())));
+}
+
+// A request that never ends holds its connection no longer than the server's patience.
+TEST_F(ServerTest, WaitsForNoRequestForLong) {
+  const auto begin = std::chrono::steady_clock::now();
+  EXPECT_EQ(ask(server->port(), "GET / HTTP/1.1\r\nHost: localhost\r\nX-Slow: "), "");
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, 20s);
+}
+
+// --- what pages say -------------------------------------------------------------------------------------------------
+
+TEST_F(ServerTest, ClosesOnMalformedMessages) {
+  const char* const kMessages[] = {
+      "",
+      "{",
+      "[]",
+      "null",
+      "{}",
+      R"({"type":7})",
+      R"({"type":"nothing"})",
+      R"({"type":"resize","width":-1,"height":10})",
+      R"({"type":"resize","width":1e9,"height":10})",
+      R"({"type":"resize","width":"64","height":48})",
+      R"({"type":"move","x":null,"y":0})",
+      R"({"type":"button","button":"fourth","down":true})",
+      R"({"type":"option","name":"layout"})",
+      R"({"type":"option","name":"layout","value":"compact","side":"middle"})",
+      R"({"type":"split","mode":"slider","at":"half","amplification":1})",
+      R"({"type":"environment","name":"/etc/passwd"})",
+      R"({"type":"shown","number":-1})",
+      "{\"type\":\"key\",\"name\":\"\xff\xfe\",\"down\":true}",
+  };
+  for (const char* message : kMessages) {
+    Client bad = client();
+    EXPECT_NO_THROW(bad.sayText(message));
+    EXPECT_ANY_THROW(for (;;) bad.hear()) << message;
+    EXPECT_TRUE(bad.closeCode() == 1008 || bad.closeCode() == 1007) << message << ": " << bad.closeCode();
+  }
+  Client binary = client(), large = client();
+  binary.sayBinary("{}");
+  EXPECT_ANY_THROW(for (;;) binary.hear());
+  EXPECT_EQ(binary.closeCode(), 1008);
+  large.sayText(R"({"type":"key","name":")" + std::string(100'000, 'a') + "\"}");
+  EXPECT_ANY_THROW(for (;;) large.hear());
+  EXPECT_EQ(large.closeCode(), 1009);
+}
+
+// What is well-formed and can't be is the session's to explain.
+TEST_F(ServerTest, SaysWhatOptionsCantBe) {
+  Client page = resized();
+  page.hearFinal();
+  page.say({{"type", "option"}, {"name", "layout"}, {"value", "nothing"}});
+  do page.show(page.hear());
+  while (page.state()["error"] == "");
+  EXPECT_THAT(page.state()["error"].get<std::string>(), HasSubstr("--layout"));
+  EXPECT_EQ(page.state()["left"]["options"], Json::object());
+}
+
+// --- pictures -------------------------------------------------------------------------------------------------------
+
+// The file that a shell makes of the command.
+std::string rendered(std::string command) {
+  const app::Folder folder;
+  command.replace(0, std::string("latelight").size(), LATELIGHT_PROGRAM);
+  const app::Outcome outcome = app::runProcess("/bin/sh", {.arguments = {"-c", command}, .folder = folder.path()});
+  EXPECT_EQ(outcome.code, 0) << command << ": " << outcome.err;
+  return folder.read("picture.png");
+}
+
+TEST_F(ServerTest, PicturesAreTheCommandLines) {
+  Client page = resized(320, 200);
+  page.say({{"type", "option"}, {"name", "sun"}, {"value", "30,50,2"}});
+  page.say({{"type", "option"}, {"name", "background"}, {"value", "#336699"}});
+  page.say({{"type", "key"}, {"name", "ArrowLeft"}, {"down", true}});
+  const uint64_t last = page.say({{"type", "wheel"}, {"steps", 2}});
+  Client::Message shown = page.hearFinal();
+  while (shown.header["serial"] != last) shown = page.hearFinal();
+  page.say({{"type", "screenshot"}});
+  Client::Message shot = page.hear();
+  while (!shot.header.contains("screenshot")) page.show(shot), shot = page.hear();
+
+  const std::string file = rendered(page.state()["leftCommand"]);
+  EXPECT_EQ(shot.payload, file) << page.state()["leftCommand"];
+
+  const Decoded sent = decode(shown);
+  const output::ReadImage exact = output::decodePng(std::as_bytes(std::span(file)), "picture.png");
+  ASSERT_EQ(sent.width, exact.width);
+  ASSERT_EQ(sent.height, exact.height);
+  double squares = 0;
+  for (size_t c = 0; c < 3; ++c)
+    for (size_t i = 0; i < exact.channels[c].values.size(); ++i)
+      squares += std::pow(static_cast<uint8_t>(sent.rgb[3 * i + c]) - 255.0 * exact.channels[c].values[i], 2);
+  EXPECT_LT(std::sqrt(squares / static_cast<double>(sent.rgb.size())), 4);  // JPEG of quality 92
+}
+
+TEST_F(ServerTest, IdlePagesGetNothing) {
+  Client page = resized();
+  page.hearFinal();
+  while (page.hearsWithin(500ms)) page.show(page.hear());
+  EXPECT_FALSE(page.hearsWithin(1500ms));
+}
+
+TEST_F(ServerTest, UnshownPicturesAreNotFollowedByMore) {
+  Client page = resized();
+  int heard = 0;
+  for (int i = 0; i < 60; ++i) {
+    page.say({{"type", "key"}, {"name", "ArrowLeft"}, {"down", true}});
+    while (page.hearsWithin(20ms)) page.hear(), ++heard;
+  }
+  EXPECT_EQ(heard, 2);
+}
+
+// --- many -----------------------------------------------------------------------------------------------------------
+
+TEST_F(ServerTest, EightLookAtOnceAndTheNinthWaits) {
+  {
+    std::vector<Client> pages;
+    for (uint32_t i = 0; i < kSessions; ++i) pages.push_back(resized(64 + i, 48));
+    for (uint32_t i = 0; i < kSessions; ++i) EXPECT_EQ(pages[i].hearFinal().header["picture"]["width"], 64 + i);
+    Client ninth = connected();
+    EXPECT_ANY_THROW(ninth.hear());
+    EXPECT_EQ(ninth.closeCode(), 1013);
+    EXPECT_THAT(ninth.closeReason(), HasSubstr("8 sessions"));
+  }
+  client();
+}
+
+// Pages that come and go, most of them in the middle of something, leave nothing behind.
+TEST_F(ServerTest, ReconnectsGiveBackWhatTheyTook) {
+  const auto comeAndGo = [](int i) {
+    Client page = resized();
+    if (i % 5 == 0) page.show(page.hear());
+    if (i % 25 == 0) page.hearFinal();
+  };
+  const auto settles = [](size_t count, size_t (*now)()) { return waitUntil([&] { return now() <= count; }); };
+  ASSERT_TRUE(waitUntil([] { return threads() <= 16; }));
+  for (int i = 0; i < 10; ++i) comeAndGo(i);
+  std::this_thread::sleep_for(1s);
+  const size_t descriptorsBefore = descriptors(), threadsBefore = threads(), bytesBefore = residentBytes();
+  for (int i = 0; i < 100; ++i) comeAndGo(i);
+  EXPECT_TRUE(settles(descriptorsBefore, descriptors)) << descriptors() << " of " << descriptorsBefore;
+  EXPECT_TRUE(settles(threadsBefore, threads)) << threads() << " of " << threadsBefore;
+  EXPECT_LT(residentBytes(), bytesBefore + (64 << 20));
+  RecordProperty("grown", static_cast<int>((residentBytes() - bytesBefore) >> 10));
+}
+
+// --- anything -------------------------------------------------------------------------------------------------------
+
+Json randomMessage(std::mt19937& random) {
+  const auto upTo = [&](uint32_t most) { return std::uniform_int_distribution<uint32_t>(0, most)(random); };
+  const auto one = [&](const auto& list) { return list[upTo(static_cast<uint32_t>(std::size(list)) - 1)]; };
+  constexpr const char* kButtons[] = {"left", "middle", "right"};
+  constexpr const char* kKeys[] = {"ArrowLeft", "ArrowUp", "Home", "o", "w", "1", "7", "f", " ", "+", "Escape"};
+  constexpr const char* kOutputs[] = {"picture", "depth", "normal", "id", "albedo", "targets", "nothing"};
+  constexpr const char* kModes[] = {"off", "slider", "difference"};
+  constexpr const char* kSides[] = {"left", "right"};
+  constexpr const char* kTexts[] = {"", "0", "1", "none", "true", "-3", "fxaa", "x"};
+  const bool down = upTo(1) == 1;
+  switch (upTo(11)) {
+    case 0:
+    case 1:
+    case 2:
+      return {{"type", "move"}, {"x", upTo(80)}, {"y", upTo(60)}};
+    case 3:
+      return {{"type", "button"}, {"button", one(kButtons)}, {"down", down}, {"shift", upTo(3) == 0}};
+    case 4:
+      return {{"type", "wheel"}, {"steps", static_cast<int>(upTo(6)) - 3}};
+    case 5:
+    case 6:
+      return {{"type", "key"}, {"name", one(kKeys)}, {"down", down}};
+    case 7: {
+      const auto options = render::options();
+      const render::Option& option = options[upTo(static_cast<uint32_t>(options.size()) - 1)];
+      const std::string value =
+          upTo(1) && !option.names.empty()
+              ? std::string(option.names[upTo(static_cast<uint32_t>(option.names.size()) - 1)].name)
+              : one(kTexts);
+      return {{"type", "option"}, {"name", render::keyOf(option)}, {"value", value}, {"side", one(kSides)}};
+    }
+    case 8:
+      return {{"type", "output"}, {"name", one(kOutputs)}, {"side", one(kSides)}};
+    case 9:
+      return {{"type", "split"}, {"mode", one(kModes)}, {"at", 0.01 * upTo(100)}, {"amplification", upTo(20)}};
+    case 10:
+      return {{"type", "select"}, {"x", upTo(90)}, {"y", upTo(60)}};
+    default:
+      return {{"type", upTo(1) ? "blur" : "leave"}};
+  }
+}
+
+TEST_F(ServerTest, RandomInputsEndInAPicture) {
+  std::mt19937 random(13);
+  Client page = resized(48, 32);
+  page.hearFinal();
+  for (int i = 0; i < 1000; ++i) {
+    page.say(randomMessage(random));
+    while (page.hearsWithin(0ms)) page.show(page.hear());
+  }
+  page.say({{"type", "blur"}});
+  page.say({{"type", "split"}, {"mode", "off"}, {"at", 0.5}, {"amplification", 8}});
+  const uint64_t last = page.say({{"type", "resize"}, {"width", 40}, {"height", 30}});
+  Client::Message shown = page.hearFinal();
+  while (shown.header["serial"] != last) shown = page.hearFinal();
+  EXPECT_NO_THROW(decode(shown));
+}
+
+}  // namespace
+}  // namespace latelight::serve

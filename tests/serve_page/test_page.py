@@ -1,0 +1,282 @@
+"""`latelight serve` and its page in a browser: every control changes the picture as the command line does."""
+
+import json
+import os
+import re
+import signal
+import socket
+import subprocess
+import time
+
+import numpy
+import pytest
+from browser import PROGRAM, faults, latelight, screenshot
+
+SCENE = "builtin:boxes"
+SIZES = {"phone": (360, 740), "laptop": (1280, 800), "large": (3840, 2160)}
+
+
+class Server:
+    """The program under validation; its own words are in `log`."""
+
+    def __init__(self, folder, scene=SCENE, *options):
+        self.log = folder / "log"
+        command = [PROGRAM, "serve", scene, "--port", "0", "--device", "cpu", "--validate", *options]
+        with self.log.open("w") as log:
+            self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=log, text=True)
+        text = ""
+        while not (found := re.search(r"http://\S+", text)):
+            line = self.process.stdout.readline()
+            assert line, self.log.read_text()
+            text += line
+        self.url = found[0]
+
+    def end(self, by=signal.SIGTERM):
+        self.process.send_signal(by)
+        assert self.process.wait(60) == 0, self.log.read_text()
+
+    def waits_for(self, words):
+        until = time.monotonic() + 60
+        while words not in self.log.read_text():
+            assert time.monotonic() < until, self.log.read_text()
+            time.sleep(0.1)
+
+
+@pytest.fixture(scope="session")
+def server(tmp_path_factory):
+    server = Server(tmp_path_factory.mktemp("serve"))
+    yield server
+    server.end()
+
+
+@pytest.fixture
+def view(page, server):
+    page.set_viewport_size({"width": 760, "height": 420})
+    page.goto(server.url)
+    settle(page)
+    return page
+
+
+def settle(page):
+    """Until the final picture of everything that was asked for is shown; moves leave with the display's frames."""
+    page.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+    page.wait_for_selector("#stage[aria-busy=false]", timeout=60000)
+
+
+def pixels(page):
+    """Of the picture as it is shown, RGB."""
+    flat = page.evaluate(
+        """() => {
+          const canvas = document.getElementById("picture");
+          const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+          return [canvas.width, canvas.height, Array.from(data)];
+        }"""
+    )
+    return numpy.array(flat[2], float).reshape(flat[1], flat[0], 4)[..., :3]
+
+
+def rendered(page, folder):
+    """What the page's command writes: the file, and its pixels over the page's ground."""
+    command = page.inner_text("#command").split()
+    assert command[:2] == ["latelight", "render"]
+    words = [word.strip("'") for word in command[1:-2]]
+    latelight(*words, "-o", folder / "picture.png")
+    file = (folder / "picture.png").read_bytes()
+    page.evaluate("bytes => createImageBitmap(new Blob([new Uint8Array(bytes)])).then((made) => (window.made = made))", list(file))
+    flat = page.evaluate(
+        """() => {
+          const canvas = new OffscreenCanvas(made.width, made.height);
+          const context = canvas.getContext("2d");
+          context.fillStyle = "rgb(24 26 30)";
+          context.fillRect(0, 0, made.width, made.height);
+          context.drawImage(made, 0, 0);
+          return Array.from(context.getImageData(0, 0, made.width, made.height).data);
+        }"""
+    )
+    return file, numpy.array(flat, float).reshape(-1, 4)[:, :3]
+
+
+def check_as_command(page, folder):
+    """The picture shown is that of the command line, but for JPEG."""
+    settle(page)
+    shown = pixels(page)
+    _, exact = rendered(page, folder)
+    error = numpy.sqrt(numpy.mean((shown.reshape(-1, 3) - exact) ** 2))
+    assert error < 5, f"{page.inner_text('#command')}: {error}"
+    return shown
+
+
+def open_options(page):
+    page.evaluate("document.querySelectorAll('#options details').forEach((each) => (each.open = true))")
+
+
+CONTROLS = {
+    "exposure": lambda page: page.fill("#option-exposure", "1.5"),
+    "tonemap": lambda page: page.select_option("#option-tonemap", "aces"),
+    "background": lambda page: page.fill("#option-background", "#336699"),
+    "sun": lambda page: page.fill("#option-sun", "30,40,3"),
+    "fog": lambda page: page.fill("#option-fog", "0.05"),
+    "ao": lambda page: page.select_option("#option-ao", "gtao"),
+    "aa": lambda page: page.fill("#option-aa", "fxaa"),
+    "output": lambda page: page.select_option("#output", "normal"),
+    "environment": lambda page: page.select_option("#environment", "studio"),
+    "home": lambda page: page.click("#frame"),
+}
+
+
+@pytest.mark.parametrize("name", CONTROLS)
+def test_a_control_changes_the_picture_as_its_option_does(view, tmp_path, name):
+    before = pixels(view)
+    open_options(view)
+    CONTROLS[name](view)
+    view.keyboard.press("Tab")  # a field's text counts once it is left
+    after = check_as_command(view, tmp_path)
+    if name not in ("aa", "environment", "home"):  # of which little or nothing may show in so small a picture
+        assert numpy.abs(after - before).mean() > 0.5
+    assert view.is_hidden("#error")
+
+
+def test_every_option_has_a_control(view):
+    table = json.loads(latelight("list", "options", "--json")[0])["options"]
+    wanted = {row["name"].lstrip("-") for row in table if "member" in row} - {"size"}
+    shown = set(view.evaluate("[...document.querySelectorAll('[id^=option-]')].map((each) => each.id.slice(7))"))
+    assert wanted == shown
+
+
+def test_mouse_keys_and_touch_move_the_camera(view, tmp_path):
+    seen = [view.inner_text("#command")]
+
+    def moved():
+        check_as_command(view, tmp_path)
+        command = view.inner_text("#command")
+        assert command not in seen
+        seen.append(command)
+
+    view.mouse.move(150, 200)
+    view.mouse.down()
+    view.mouse.move(200, 220, steps=4)
+    view.mouse.up()
+    moved()
+    view.mouse.wheel(0, -240)
+    moved()
+    view.focus("#picture")
+    view.keyboard.press("ArrowLeft")
+    moved()
+    view.keyboard.press("Shift+ArrowUp")
+    moved()
+
+
+def test_points_and_picks(view):
+    view.mouse.move(210, 230)
+    view.wait_for_selector("#probe dd")
+    settle(view)
+    assert "material" in view.inner_text("#probe")
+    view.focus("#picture")
+    view.keyboard.press("Enter")
+    view.wait_for_selector("#selection dd")
+    assert "node" in view.inner_text("#selected")
+    view.keyboard.press("Escape")
+    view.wait_for_selector("#selection", state="hidden")
+
+
+def test_a_split_shows_two_choices(view, tmp_path):
+    left = pixels(view)
+    view.select_option("#split", "slider")
+    settle(view)
+    view.check("[name=side][value=right]")
+    view.select_option("#output", "normal")
+    settle(view)
+    both, middle = pixels(view), left.shape[1] // 2
+    assert numpy.abs(both[:, : middle - 8] - left[:, : middle - 8]).mean() < 3
+    assert numpy.abs(both[:, middle + 8 :] - left[:, middle + 8 :]).mean() > 10
+    assert "--debug=normal" in view.inner_text("#command")
+    view.focus("#divider")
+    view.keyboard.press("ArrowRight")
+    view.wait_for_function("document.getElementById('divider').ariaValueNow === '52'")
+    view.select_option("#split", "difference")
+    settle(view)
+    assert view.is_visible("#amplification")
+
+
+def test_downloads_what_the_command_writes(view, tmp_path):
+    with view.expect_download() as download:
+        view.click("#screenshot")
+    file, _ = rendered(view, tmp_path)
+    assert download.value.path().read_bytes() == file
+
+
+def test_errors_are_sentences(view):
+    open_options(view)
+    view.fill("#option-background", "nothing")
+    view.keyboard.press("Tab")
+    view.wait_for_selector("#error:visible")
+    assert "--background" in view.inner_text("#error")
+
+
+def test_nothing_leaves_the_page(context, page, server):
+    asked = []
+    context.on("request", lambda request: asked.append(request.url))
+    page.goto(server.url)
+    settle(page)
+    assert asked and all(address.startswith((server.url, "blob:")) for address in asked)
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("size", SIZES)
+def test_is_accessible(chromium, server, size, scheme):
+    width, height = SIZES[size]
+    context = chromium.new_context(viewport={"width": width, "height": height}, color_scheme=scheme, reduced_motion="reduce")
+    page = context.new_page()
+    page.goto(server.url)
+    settle(page)
+    screenshot(page, f"{size}-{scheme}-begin")
+    if page.get_attribute("#panel-toggle", "aria-expanded") == "false":
+        page.click("#panel-toggle")
+    open_options(page)
+    page.select_option("#split", "slider")
+    settle(page)
+    screenshot(page, f"{size}-{scheme}")
+    assert faults(page) == []
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
+    context.close()
+
+
+def test_a_killed_browser_ends_its_session(server):
+    before = server.log.read_text().count("has left")
+    script = (
+        "import sys; from playwright.sync_api import sync_playwright\n"
+        "with sync_playwright() as playwright:\n"
+        "    browser = playwright.chromium.launch(executable_path='/usr/bin/chromium')\n"
+        "    page = browser.new_page(); page.goto(sys.argv[1]); page.wait_for_selector('#stage[aria-busy=false]')\n"
+        "    print('ready', flush=True); page.wait_for_timeout(600000)\n"
+    )
+    child = subprocess.Popen(
+        [os.sys.executable, "-c", script, server.url], stdout=subprocess.PIPE, text=True, start_new_session=True
+    )
+    assert child.stdout.readline() == "ready\n"
+    os.killpg(child.pid, signal.SIGKILL)
+    child.wait()
+    until = time.monotonic() + 60
+    while server.log.read_text().count("has left") <= before:
+        assert time.monotonic() < until
+        time.sleep(0.1)
+
+
+def test_a_taken_port_is_one_sentence():
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = taken.getsockname()[1]
+        _, error = latelight("serve", SCENE, "--port", port, code=2)
+    assert error == (
+        f"latelight: port {port} of 127.0.0.1 is in use; choose another with --port, or any free one with --port 0\n"
+    )
+
+
+def test_ctrl_c_ends_it_while_pages_are_open(page, tmp_path):
+    server = Server(tmp_path)
+    page.goto(server.url)
+    settle(page)
+    server.end(by=signal.SIGINT)
+    page.wait_for_function("document.getElementById('status').textContent.includes('the server was stopped')")
+    assert server.url.split("/")[3] not in server.log.read_text()

@@ -1,0 +1,234 @@
+// Latelight in a browser: the session's pictures, and controls for all that it takes.
+
+import { Connection } from "./connection.js";
+import { Options } from "./options.js";
+import { History, showList, showPasses, showProbe, surfacePairs } from "./panels.js";
+import { Stage } from "./stage.js";
+
+const $ = (id) => document.getElementById(id);
+const state = {};
+let tables = null;
+let options = null;
+const sent = new Map(); // when each message left, until a picture follows it
+const history = new History($("history").querySelector("polyline"));
+
+const connection = new Connection({
+  tables: begin,
+  state: (changed) => {
+    Object.assign(state, changed);
+    show(changed);
+  },
+  picture: showPicture,
+  screenshot: download,
+  failed: (sentence) => ($("saved").textContent = sentence),
+  busy: (is) => $("stage").setAttribute("aria-busy", is),
+  status: (text, mayRetry) => {
+    $("status").textContent = text;
+    $("retry").hidden = !mayRetry;
+    $("waiting").hidden = true;
+  },
+});
+const stage = new Stage($("picture"), connection);
+const send = (type, fields) => {
+  const serial = connection.send(type, fields);
+  if (serial) sent.set(serial, performance.now());
+};
+const side = () => (state.split?.mode !== "off" && document.querySelector("[name=side]:checked").value) || "left";
+
+// --- a session begins; after a lost connection it is told what the last one showed ---
+
+function begin(told) {
+  tables = told;
+  $("status").textContent = "Connected";
+  $("retry").hidden = true;
+  options = new Options($("options"), tables.options, (name, value) => send("option", { name, value, side: side() }));
+  fill($("environment"), tables.environments.map((name) => [name, name || "as the scene says"]));
+  stage.resize();
+  if (state.left) restore();
+}
+
+function restore() {
+  const tell = (which) => {
+    for (const [name, value] of Object.entries(state[which].options)) send("option", { name, value, side: which });
+    send("output", { name: state[which].output, side: which });
+  };
+  tell("left");
+  if (state.split.mode !== "off") send("split", state.split), tell("right");
+  send("environment", { name: state.environment });
+  send("camera", { name: state.camera });
+  send("navigation", { mode: state.navigation });
+}
+
+// --- what the session says ---
+
+async function showPicture(picture, payload, serial) {
+  await stage.draw(picture, payload);
+  $("waiting").hidden = true;
+  history.add(picture.milliseconds);
+  const answered = sent.get(serial);
+  for (const each of [...sent.keys()]) if (each <= serial) sent.delete(each);
+  showList($("times"), [
+    ["picture", `${picture.milliseconds.toFixed(1)} ms`],
+    ["until shown", answered && `${(performance.now() - answered).toFixed(0)} ms`],
+    ["pixels", `${picture.width} × ${picture.height}${picture.final ? "" : ", draft"}`],
+    ["sent", `${(payload.length / 1000).toFixed(0)} kB, quality ${picture.quality}`],
+    ["G-buffer", `${state.bytesPerPixel} bytes a pixel`],
+  ]);
+  if (picture.final) showPasses($("passes"), picture.passes);
+}
+
+const shows = {
+  scene: () => {
+    $("scene").textContent = state.scene;
+    document.title = `${state.scene} · Latelight`;
+  },
+  device: () => ($("status").textContent = state.device),
+  error: () => {
+    $("error").textContent = state.error;
+    $("error").hidden = !state.error;
+  },
+  left: showSide,
+  right: showSide,
+  targets: showOutputs,
+  split: showSplit,
+  environment: () => ($("environment").value = state.environment),
+  cameras: showCameras,
+  camera: showCameras,
+  steered: showCameras,
+  navigation: () => ($("navigation").value = state.navigation),
+  animations: showTime,
+  duration: showTime,
+  time: showTime,
+  playing: showTime,
+  probe: () => showProbe($("probe"), state.probe),
+  selected: () => {
+    $("selection").hidden = !state.selected;
+    if (state.selected) showList($("selected"), surfacePairs(state.selected));
+  },
+  leftCommand: showCommand,
+  rightCommand: showCommand,
+  lightsMoved: () => ($("command-note").hidden = !state.lightsMoved),
+};
+
+function show(changed) {
+  for (const act of new Set(Object.keys(changed).map((key) => shows[key]))) act?.();
+}
+
+function fill(list, pairs) {
+  const before = list.value;
+  list.replaceChildren(...pairs.map(([value, text]) => new Option(text, value)));
+  list.value = before;
+}
+
+function showOutputs() {
+  const targets = state.targets.map((name) => [`target:${name}`, `target ${name}`]);
+  fill($("output"), [...tables.outputs.map(({ name }) => [name, name]), ...targets]);
+  $("output").value = state[side()].output;
+}
+
+function showSide() {
+  options.show(state[side()].options);
+  showOutputs();
+  showCommand();
+}
+
+function showSplit() {
+  const { mode, at, amplification } = state.split;
+  $("split").value = mode;
+  $("side").hidden = mode === "off";
+  $("amplification-row").hidden = mode !== "difference";
+  if (document.activeElement !== $("amplification")) $("amplification").value = amplification;
+  $("divider").hidden = mode !== "slider";
+  $("divider").style.left = `${100 * at}%`;
+  $("divider").setAttribute("aria-valuenow", Math.round(100 * at));
+  showSide();
+}
+
+function showCameras() {
+  const own = state.cameras.map((name, i) => [name || String(i), name || `camera ${i}`]);
+  const begins = state.cameras.length ? "the scene's first" : "all of the scene";
+  fill($("camera"), [...(state.steered ? [["*", "moved by hand"]] : []), ["", begins], ...own]);
+  $("camera").value = state.steered ? "*" : state.camera;
+}
+
+function showTime() {
+  $("timeline").hidden = !state.animations?.length;
+  $("play").setAttribute("aria-pressed", state.playing);
+  $("play").textContent = state.playing ? "Pause" : "Play";
+  $("time").max = state.duration;
+  if (document.activeElement !== $("time") || state.playing) $("time").value = state.time ?? 0;
+  $("time-text").textContent = state.time === null ? "at rest" : `${state.time.toFixed(2)} s`;
+}
+
+function showCommand() {
+  $("command").textContent = side() === "right" ? state.rightCommand : state.leftCommand;
+}
+
+function download(bytes) {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(new Blob([bytes], { type: "image/png" }));
+  link.download = "picture.png";
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+  $("saved").textContent = "The picture was downloaded.";
+}
+
+// --- what people do ---
+
+$("retry").onclick = () => {
+  connection.attempts = 0;
+  connection.open();
+};
+$("output").onchange = () => send("output", { name: $("output").value, side: side() });
+$("camera").onchange = () => $("camera").value !== "*" && send("camera", { name: $("camera").value });
+$("environment").onchange = () => send("environment", { name: $("environment").value });
+$("navigation").onchange = () => send("navigation", { mode: $("navigation").value });
+$("frame").onclick = () => send("key", { name: "Home", down: true });
+$("reload").onclick = () => send("reload");
+$("split").onchange = () => send("split", { ...state.split, mode: $("split").value });
+$("amplification").onchange = () => send("split", { ...state.split, amplification: Number($("amplification").value) || 1 });
+$("side").onchange = showSide;
+$("find").oninput = () => options?.find($("find").value);
+$("play").onclick = () => send("play", { on: !state.playing });
+$("time").oninput = () => send("option", { name: "time", value: $("time").value });
+$("screenshot").onclick = () => {
+  $("saved").textContent = "Rendering";
+  send("screenshot", { side: side() });
+};
+$("copy").onclick = async () => {
+  try {
+    await navigator.clipboard.writeText($("command").textContent);
+    $("saved").textContent = "The command was copied.";
+  } catch {
+    getSelection().selectAllChildren($("command"));
+    $("saved").textContent = "The browser keeps its clipboard; the command is selected.";
+  }
+};
+
+function moveDivider(wanted) {
+  const at = Math.min(Math.max(wanted, 0), 1);
+  $("divider").style.left = `${100 * at}%`; // at once, before the picture
+  send("split", { ...state.split, at });
+}
+$("divider").onpointerdown = (event) => $("divider").setPointerCapture(event.pointerId);
+$("divider").onpointermove = (event) => {
+  if (!$("divider").hasPointerCapture(event.pointerId)) return;
+  const box = $("picture").getBoundingClientRect();
+  moveDivider((event.clientX - box.left) / box.width);
+};
+$("divider").onkeydown = (event) => {
+  const step = { ArrowLeft: -0.02, ArrowRight: 0.02 }[event.key];
+  if (!step) return;
+  event.preventDefault();
+  moveDivider(state.split.at + step);
+};
+
+function showPanel(open) {
+  document.body.classList.toggle("without-panel", !open);
+  $("panel-toggle").setAttribute("aria-expanded", open);
+}
+$("panel-toggle").onclick = () => showPanel(document.body.classList.contains("without-panel"));
+showPanel(!matchMedia("(max-width: 720px)").matches);
+
+$("waiting").hidden = false;
+connection.open();
