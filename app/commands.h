@@ -15,6 +15,7 @@ void addCompareCommand(CLI::App& app);
 void addStudyCommand(CLI::App& app);
 void addBenchCommand(CLI::App& app);
 void addBatchCommand(CLI::App& app);
+void addReportCommand(CLI::App& app);
 // Those that describe the others, which have been added by then.
 void addCompletionsCommand(CLI::App& app);
 void addManCommand(CLI::App& app);

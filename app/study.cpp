@@ -106,7 +106,7 @@ void writeAll(const std::filesystem::path& folder, const Arguments& a, const stu
   for (const study::Table& table : result.tables) writeText(folder / (table.name + ".csv"), study::toCsv(table));
   for (const study::NamedPicture& picture : result.pictures)
     output::writePicture(folder / (picture.name + ".png"), picture.picture);
-  for (const study::NamedFile& file : result.files) writeFile(folder / file.name, file.bytes);
+  for (const study::NamedFile& file : study::drawPlots(result.plots)) writeFile(folder / file.name, file.bytes);
   writeText(folder / (a.name + ".json"), toJson(a, result).dump(1) + "\n");
 }
 

@@ -17,8 +17,9 @@ const std::map<std::string, std::set<std::string>, std::less<>> kAllowed = {
     {"output", {"base", "shared", "scene"}},
     {"render", {"base", "vk", "graph", "shared", "scene", "output", "latelight"}},
     {"study", {"base", "vk", "graph", "shared", "scene", "output", "render", "latelight"}},
+    {"report", {"base", "vk", "shared", "scene", "output", "render", "study"}},
     {"data", {"base", "vk", "shared", "scene", "output", "render", "latelight"}},
-    {"app", {"base", "vk", "graph", "shared", "scene", "output", "render", "study", "data", "latelight"}},
+    {"app", {"base", "vk", "graph", "shared", "scene", "output", "render", "study", "report", "data", "latelight"}},
     {"include", {"latelight"}},
 };
 const std::set<std::string, std::less<>> kMayUseVulkan = {"vk", "graph", "render", "study"};

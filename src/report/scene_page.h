@@ -1,0 +1,31 @@
+// `latelight report`: a scene in every layout and by every technique, on one page.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "render/renderer.h"
+#include "study/study.h"
+#include "vk/device.h"
+
+namespace latelight::report {
+
+struct Subject {
+  vk::Device& device;
+  render::Renderer& renderer;
+  const scene::Scene& scene;
+  const scene::Camera& camera;
+  const render::Moment& moment;
+  render::Settings settings;  // the layouts are compared with its technique, and the techniques with its layout
+  // The scene and the options that were given, as `latelight render` takes them, but layout, technique, raster and what
+  // leaves.
+  std::vector<std::string> given;
+  std::string command;     // the line that makes this page
+  study::Options normals;  // of the study of normal encodings
+  uint32_t runs;           // frames of which each time is the median
+};
+
+std::string scenePage(const Subject& subject);
+
+}  // namespace latelight::report
