@@ -117,6 +117,7 @@ class ScenePage {
     }
     std::string html = "<h3>Bytes a pixel</h3>\n" + toHtml(chart) + toHtml(table, "Bytes of each layout") +
                        commandHtml(Words{"list", "layouts", "--size", sizeText()});
+    html += "<p>The targets, as shaders read them. The world is X right, Y away, Z up, as with --axes z-up.</p>\n";
     for (const render::Layout& layout : render::layouts()) html += layoutHtml(layout);
     return html;
   }
