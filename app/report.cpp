@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "app/commands.h"
+#include "app/given.h"
 #include "app/render_options.h"
 #include "app/render_run.h"
 #include "base/files.h"
@@ -25,6 +26,7 @@ constexpr size_t kMostBytes = 20'000'000;        // of a page: it opens at once,
 struct ReportArguments {
   RenderOptions render;
   uint32_t runs = 8;
+  const CLI::App* command = nullptr;
 };
 
 // What a page does not have, and what it varies itself.
@@ -35,38 +37,18 @@ void checkGiven(const RenderOptions& o) {
   checkWritable(o.out);
 }
 
-// As a command takes it; a value that begins with a dash would look like an option.
-void addWords(std::vector<std::string>& words, const render::Option& option, const std::string& text) {
-  const std::string name(render::longName(option));
-  if (option.kind == render::OptionKind::Flag) {
-    words.push_back(name);
-  } else if (text.starts_with('-')) {
-    words.push_back(name + "=" + text);
-  } else {
-    words.insert(words.end(), {name, text});
-  }
-}
-
-// The options that were given, but for some; the size always, since that of a page is another than that of a picture.
-std::vector<std::string> givenWords(const RenderOptions& o, std::initializer_list<std::string_view> but) {
-  std::vector<std::string> words{o.scene};
-  for (const std::string& folder : o.allowOutside) words.insert(words.end(), {"--allow-outside", folder});
-  for (const std::span<const render::Option> table : {commandOptions(), render::options()})
-    for (const render::Option& option : table) {
-      const std::string_view key = render::keyOf(option);
-      const auto given = o.given.find(key);
-      if (given == o.given.end() || key == "SCENE" || key == "allow-outside" || key == "size" ||
-          std::ranges::find(but, key) != but.end())
-        continue;
-      addWords(words, option, given->second);
-    }
-  words.insert(words.end(), {"--size", fmt::format("{}x{}", o.settings.width, o.settings.height)});
+// The scene and the options that were given, but for these; the size always, since that of a page is another than that
+// of a picture.
+std::vector<std::string> wordsOf(const ReportArguments& a, std::vector<std::string_view> but) {
+  but.insert(but.end(), {"out", "validate", "size", "runs"});
+  std::vector<std::string> words = report::joined({a.render.scene}, givenOptions(*a.command, but));
+  words.insert(words.end(), {"--size", fmt::format("{}x{}", a.render.settings.width, a.render.settings.height)});
   return words;
 }
 
 // The command that makes the page.
 std::string ownCommand(const ReportArguments& a) {
-  std::vector<std::string> words = report::joined({"report"}, givenWords(a.render, {"out", "validate"}));
+  std::vector<std::string> words = report::joined({"report"}, wordsOf(a, {}));
   words.insert(words.end(), {"--runs", fmt::format("{}", a.runs), "-o", a.render.out});
   return report::commandLine(words);
 }
@@ -80,8 +62,7 @@ std::string makePage(ReportArguments& a, vk::Device& device, const scene::Scene&
   const render::Moment moment = timeline.momentAt(timeline.first());
   study::Options normals{.device = o.device, .validation = o.validate};
   return report::scenePage({device, renderer, scene, camera, moment, o.settings,
-                            givenWords(o, {"out", "validate", "layout", "lighting", "raster"}), ownCommand(a), normals,
-                            a.runs});
+                            wordsOf(a, {"layout", "lighting", "raster"}), ownCommand(a), normals, a.runs});
 }
 
 void run(ReportArguments& a) {
@@ -120,6 +101,7 @@ void addReportCommand(CLI::App& app) {
   command->add_option("--runs", a.runs, "Frames of which each time is the median")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
+  a.command = command;
   command->callback([arguments] { run(*arguments); });
 }
 

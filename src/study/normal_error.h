@@ -12,6 +12,9 @@ namespace latelight::study {
 // In double, and not by acos, which can't resolve angles below 1e-2 degrees from a float's cosine.
 double degreesBetween(const shared::vec3& a, const shared::vec3& b);
 
+// Those that the study has where none are given.
+inline constexpr uint32_t kUsualNormalBits[] = {8, 10, 12, 16, 0};
+
 // Degrees between a direction and what comes back of it. Bits are those of a channel; 0: floats.
 double normalError(const render::NormalEncoding& encoding, uint32_t bits, shared::vec3 n);
 

@@ -81,7 +81,7 @@ class NormalStudy {
  public:
   explicit NormalStudy(const Options& options)
       : device_(options), directions_(makeDirections(options)), bits_(options.bits), pictures_(options.pictures) {
-    if (bits_.empty()) bits_ = {8, 10, 12, 16, 0};
+    if (bits_.empty()) bits_.assign(std::begin(kUsualNormalBits), std::end(kUsualNormalBits));
     table_ = {"normals",
               {"encoding", "bits", "region", "mean deg", "rms deg", "max deg", "device mean deg", "device rms deg",
                "device max deg", "worst x", "worst y", "worst z"},
