@@ -20,12 +20,12 @@ namespace latelight::app {
 
 namespace {
 
-constexpr uint32_t kWidth = 320, kHeight = 180;  // where --size is not given
+constexpr uint32_t kWidth = 288, kHeight = 162;  // where --size is not given
 constexpr size_t kMostBytes = 20'000'000;        // of a page: it opens at once, and can be sent to others
 
 struct ReportArguments {
   RenderOptions render;
-  uint32_t runs = 8;
+  uint32_t runs = 4;
   const CLI::App* command = nullptr;
 };
 
