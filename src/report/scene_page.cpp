@@ -53,8 +53,10 @@ class ScenePage {
   }
 
  private:
-  Words rendering(const Words& more) const {
-    return joined(joined(joined({"render"}, s_.given), Words{"--raster", render::nameOf(s_.settings.raster)}), more);
+  Words rendering(const render::Layout& layout, const render::TechniqueInfo& technique, const Words& more) const {
+    const Words choice{"--raster",    render::nameOf(s_.settings.raster), "--layout", layout.name, "--lighting",
+                       technique.name};
+    return joined(joined(joined({"render"}, givenFor(s_, layout)), choice), more);
   }
   std::string sizeText() const { return fmt::format("{}x{}", s_.settings.width, s_.settings.height); }
 
@@ -125,7 +127,7 @@ class ScenePage {
   std::string layoutHtml(const render::Layout& layout) {
     render::Settings settings = deferred(s_.settings);
     settings.layout = &layout;
-    const Words choice{"--lighting", settings.lighting->name, "--layout", layout.name};
+    const auto command = [&](const Words& more) { return commandHtml(rendering(layout, *settings.lighting, more)); };
     const std::string group = "Layout " + layout.name;
     std::string html = fmt::format("<h3>{}</h3>\n<div class=\"pictures\">\n", escaped(layout.name));
     html += showLit(group, lit(settings));
@@ -133,9 +135,8 @@ class ScenePage {
     for (const output::Labelled& target : output::targetPictures(gbuffer))
       html += show(group, target.label, target.picture, targetValues(gbuffer, target.label));
     progress_.step();
-    html += "</div>\n" + commandHtml(rendering(joined(choice, Words{"-o", layout.name + ".png"})));
-    return html +
-           commandHtml(rendering(joined(choice, Words{"--debug", "targets", "-o", layout.name + "-targets.png"})));
+    return html + "</div>\n" + command({"-o", layout.name + ".png"}) +
+           command({"--debug", "targets", "-o", layout.name + "-targets.png"});
   }
 
   // Forward techniques have no layout to compare.
@@ -194,11 +195,12 @@ class ScenePage {
     }
     table.rows.push_back(std::move(row));
     progress_.step();
-    const Words choice{"--layout", s_.settings.layout->name, "--lighting", technique.name};
-    html += "</div>\n" + commandHtml(rendering(joined(choice, Words{"-o", technique.name + ".png"})));
-    html += commandHtml(rendering(joined(choice, Words{"--debug", "lights", "-o", technique.name + "-lights.png"})));
-    return html + commandHtml(rendering(
-                      joined(choice, Words{"--aov", "lights-tested,lights-used", "-o", technique.name + ".npy"})));
+    const auto command = [&](const Words& more) {
+      return commandHtml(rendering(*s_.settings.layout, technique, more));
+    };
+    return html + "</div>\n" + command({"-o", technique.name + ".png"}) +
+           command({"--debug", "lights", "-o", technique.name + "-lights.png"}) +
+           command({"--aov", "lights-tested,lights-used", "-o", technique.name + ".npy"});
   }
 
   // --- normals
@@ -225,6 +227,18 @@ class ScenePage {
 };
 
 }  // namespace
+
+std::vector<std::string> givenFor(const Subject& subject, const render::Layout& layout) {
+  std::vector<std::string> words;
+  for (size_t i = 0; i < subject.given.size(); ++i) {
+    const std::string& word = subject.given[i];
+    if ((word == "--normals" && layout.fixedNormal) || (word == "--position" && layout.fixedPosition))
+      ++i;  // its value
+    else
+      words.push_back(word);
+  }
+  return words;
+}
 
 std::string scenePage(const Subject& subject) {
   return ScenePage(subject).build();

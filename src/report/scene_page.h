@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "render/gbuffer/layout.h"
 #include "render/renderer.h"
 #include "study/study.h"
 #include "vk/device.h"
@@ -25,6 +26,9 @@ struct Subject {
   study::Options normals;  // of the study of normal encodings
   uint32_t runs;           // frames of which each time is the median
 };
+
+// What was given, but for what would mean nothing to this layout, and be refused.
+std::vector<std::string> givenFor(const Subject& subject, const render::Layout& layout);
 
 std::string scenePage(const Subject& subject);
 

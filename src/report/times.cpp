@@ -99,7 +99,7 @@ study::Table tableOf(const std::vector<Timed>& all, const Passes& passes) {
 std::string commandsOf(const Subject& s, const std::vector<Timed>& all) {
   std::string html;
   for (const Timed& timed : all) {
-    std::vector<std::string> words = joined({"bench", "frame"}, s.given);
+    std::vector<std::string> words = joined({"bench", "frame"}, givenFor(s, *timed.settings.layout));
     if (!timed.settings.lighting->forward)
       words = joined(std::move(words), std::vector<std::string>{"--layout", timed.settings.layout->name});
     html += commandHtml(joined(std::move(words), std::vector<std::string>{"--lighting", timed.settings.lighting->name,
