@@ -15,6 +15,7 @@ void addCompareCommand(CLI::App& app);
 void addStudyCommand(CLI::App& app);
 void addBenchCommand(CLI::App& app);
 void addBatchCommand(CLI::App& app);
+void addReportCommand(CLI::App& app);
 void addServeCommand(CLI::App& app);
 void addViewCommand(CLI::App& app);
 // Those that describe the others, which have been added by then.

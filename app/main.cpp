@@ -111,6 +111,7 @@ int parseAndRun(int argc, char** argv) {
   app::addStudyCommand(cli);
   app::addServeCommand(cli);
   app::addBenchCommand(cli);
+  app::addReportCommand(cli);
   app::addCompletionsCommand(cli);
   app::addManCommand(cli);
   if (argc > 2 && argv[1] == std::string_view("complete") && argv[2] == std::string_view("--")) {

@@ -6,11 +6,14 @@
 #include <optional>
 
 #include "app/commands.h"
+#include "app/given.h"
 #include "app/parse.h"
 #include "base/files.h"
 #include "base/text.h"
 #include "output/files.h"
 #include "render/settings.h"
+#include "report/command.h"
+#include "report/study_page.h"
 #include "scene/builtin.h"
 #include "study/study.h"
 #include "vk/driver_cache.h"
@@ -22,9 +25,10 @@ namespace {
 constexpr uint32_t kLeastSamples = 1000, kMostSamples = 100'000'000;
 
 struct Arguments {
-  std::string name, folder, bits, lights, triangles, sizes;
+  std::string name, folder, page, bits, lights, triangles, sizes;
   study::Options options;
   bool json = false;
+  const CLI::App* command = nullptr;
 };
 
 void parseSweep(const Arguments& a, study::SweepOptions& sweep) {
@@ -106,8 +110,14 @@ void writeAll(const std::filesystem::path& folder, const Arguments& a, const stu
   for (const study::Table& table : result.tables) writeText(folder / (table.name + ".csv"), study::toCsv(table));
   for (const study::NamedPicture& picture : result.pictures)
     output::writePicture(folder / (picture.name + ".png"), picture.picture);
-  for (const study::NamedFile& file : result.files) writeFile(folder / file.name, file.bytes);
+  for (const study::NamedFile& file : study::drawPlots(result.plots)) writeFile(folder / file.name, file.bytes);
   writeText(folder / (a.name + ".json"), toJson(a, result).dump(1) + "\n");
+}
+
+std::string pageOf(const Arguments& a, const study::Study& study, const study::Result& result) {
+  std::vector<std::string> words{"study", a.name};
+  words = report::joined(std::move(words), givenOptions(*a.command, {"out", "json", "validate"}));
+  return report::studyPage(study, a.options, result, words);
 }
 
 void run(Arguments& a) {
@@ -116,12 +126,16 @@ void run(Arguments& a) {
     badUsage("--samples takes a number from {} to {}, not {}", kLeastSamples, kMostSamples, a.options.samples);
   if (!a.bits.empty()) a.options.bits = parseBits(a.bits);
   parseSweep(a, a.options.sweep);
-  a.options.pictures = !a.folder.empty();
+  if (a.page == "-" && a.json) badUsage("--html - and --json each fill standard output; use one of them");
+  if (!a.page.empty()) checkWritable(a.page);
+  a.options.pictures = !a.folder.empty() || !a.page.empty();
   std::optional<ResultFolder> folder;
   if (!a.folder.empty()) folder.emplace(a.folder, a.name);
   vk::avoidFullDriverCache();
   const study::Result result = chosen.run(a.options);
   if (!a.folder.empty()) writeAll(a.folder, a, result);
+  if (!a.page.empty()) writeText(a.page, pageOf(a, chosen, result));
+  if (a.page == "-") return;
   if (a.json) {
     fmt::print("{}\n", toJson(a, result).dump(1));
     return;
@@ -140,6 +154,8 @@ void addStudyCommand(CLI::App& app) {
   for (const study::Study& study : study::studies()) names += (names.empty() ? "" : ", ") + std::string(study.name);
   command->add_option("NAME", a.name, "One of " + names)->required();
   command->add_option("-o,--out", a.folder, "Folder for CSV, JSON and PNG files; made if missing")->type_name("DIR");
+  command->add_option("--html", a.page, "A page with all of it, to open in a browser; - is standard output")
+      ->type_name("FILE");
   command
       ->add_option("--samples", a.options.samples,
                    "Directions; of depths a quarter as many, of accuracy a thousandth at each pixel")
@@ -161,6 +177,7 @@ void addStudyCommand(CLI::App& app) {
   command->add_flag("--json", a.json, "The tables on standard output as JSON");
   command->add_flag("--validate", a.options.validation,
                     "Run under the Vulkan validation layers; any message is an error");
+  a.command = command;
   command->callback([arguments] { run(*arguments); });
 }
 

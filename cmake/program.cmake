@@ -12,7 +12,7 @@ endif()
 add_executable(latelight_program ${app_sources})
 latelight_unity(latelight_program ${app_sources})
 set_target_properties(latelight_program PROPERTIES OUTPUT_NAME latelight RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})
-target_link_libraries(latelight_program PRIVATE latelight_study latelight_data latelight_serve CLI11::CLI11)
+target_link_libraries(latelight_program PRIVATE latelight_report latelight_data latelight_serve CLI11::CLI11)
 target_compile_definitions(latelight_program PRIVATE LATELIGHT_VERSION="${PROJECT_VERSION}")
 target_include_directories(latelight_program PRIVATE ${PROJECT_SOURCE_DIR})
 if(LATELIGHT_VIEWER)
@@ -24,7 +24,8 @@ endif()
 # besides brings only what they depend on. Its target is not named `latelight`: in the build folder that is the program.
 file(GLOB public_headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/include/latelight/*.h
   ${PROJECT_SOURCE_DIR}/include/latelight/*.def)
-list(REMOVE_ITEM modules latelight_study latelight_data latelight_view latelight_serve)  # the program's alone
+# The program's alone.
+list(REMOVE_ITEM modules latelight_study latelight_report latelight_data latelight_view latelight_serve)
 list(TRANSFORM modules REPLACE "(.+)" "$<TARGET_OBJECTS:\\1>" OUTPUT_VARIABLE objects)
 set(exports ${PROJECT_SOURCE_DIR}/cmake/exports.map)
 add_library(latelight_library SHARED ${objects})

@@ -1,4 +1,4 @@
-"""Latelight: glTF scenes to pictures and exact per-pixel data, on GPUs and on the CPU, without a display.
+"""Latelight: glTF scenes to pictures and exact per-pixel data, on GPUs and on the CPU, without a display::
 
     import latelight
 

@@ -172,8 +172,7 @@ class LightStudy {
  public:
   explicit LightStudy(const Options& options)
       : device_({.selector = options.device, .validation = options.validation}),
-        sweep_(withDefaults(options.sweep, device_.isCpu())),
-        pictures_(options.pictures) {}
+        sweep_(withDefaults(options.sweep, device_.isCpu())) {}
 
   Result run() {
     check(sweep_);
@@ -181,9 +180,7 @@ class LightStudy {
     takeAll(steps);
     for (const std::string& message : device_.validationMessages())
       fail(ExitCode::Internal, "the Vulkan validation layer says: {}", message);
-    Result result{device_.info().name, {exponents(), models(), measurements(), passes()}, {}, {}};
-    if (pictures_) result.files = drawPlots(plots());
-    return result;
+    return {device_.info().name, {exponents(), models(), measurements(), passes()}, {}, plots()};
   }
 
  private:
@@ -475,7 +472,6 @@ class LightStudy {
 
   vk::Device device_;
   SweepOptions sweep_;
-  bool pictures_;
   scene::Scene scene_;
   std::pair<uint64_t, uint64_t> sceneKey_;  // triangles and lights of scene_
   bool everywhere_ = false;                 // its lights' radius

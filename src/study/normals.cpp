@@ -9,7 +9,7 @@
 #include "output/debug.h"
 #include "render/gbuffer/layout.h"
 #include "study/device_evaluation.h"
-#include "study/normal_round_trip.h"
+#include "study/normal_error.h"
 #include "study/picture.h"
 #include "study/statistics.h"
 #include "study/study.h"
@@ -73,22 +73,6 @@ Directions makeDirections(const Options& options) {
   return directions;
 }
 
-// In double, and not by acos, which can't resolve angles below 1e-2 degrees from a float's cosine.
-double degreesBetween(const vec3& a, const vec3& b) {
-  const glm::dvec3 u(a), v(b);
-  return std::atan2(glm::length(glm::cross(u, v)), glm::dot(u, v)) * 180 / std::numbers::pi;
-}
-
-std::string budget(uint32_t bits, uint32_t channels) {
-  if (bits == 0) return "float";
-  return channels == 2 ? fmt::format("{0}+{0}", bits) : fmt::format("{0}+{0}+{0}", bits);
-}
-
-// Errors beyond it are shown as this in maps, and in the last bin of histograms: about three times the usual mean.
-double topDegrees(uint32_t bits) {
-  return bits == 0 ? 3e-5 : 256 / std::exp2(bits);
-}
-
 struct Regions {
   Statistics sphere, hemisphere;
 };
@@ -97,7 +81,7 @@ class NormalStudy {
  public:
   explicit NormalStudy(const Options& options)
       : device_(options), directions_(makeDirections(options)), bits_(options.bits), pictures_(options.pictures) {
-    if (bits_.empty()) bits_ = {8, 10, 12, 16, 0};
+    if (bits_.empty()) bits_.assign(std::begin(kUsualNormalBits), std::end(kUsualNormalBits));
     table_ = {"normals",
               {"encoding", "bits", "region", "mean deg", "rms deg", "max deg", "device mean deg", "device rms deg",
                "device max deg", "worst x", "worst y", "worst z"},
@@ -132,7 +116,7 @@ class NormalStudy {
 
   void measure(const render::NormalEncoding& encoding, uint32_t bits, std::vector<output::Labelled>& maps,
                std::vector<output::Labelled>& histograms) {
-    const auto errorOf = [&](vec3 n) { return degreesBetween(shared::normalRoundTrip(encoding.index, bits, n), n); };
+    const auto errorOf = [&](vec3 n) { return normalError(encoding, bits, n); };
     const std::vector<double> host = errorsOf(directions_.all.size(), [&](size_t i) { return errorOf(direction(i)); });
     const std::vector<vec4> decoded =
         device_.run(device_.make("study_normals.comp", {{0, encoding.index}, {1, bits}}), directions_.all);
@@ -145,16 +129,16 @@ class NormalStudy {
     const std::vector<size_t> counts = addHistogram(encoding, bits, host);
     if (!pictures_) return;
     const Statistics& own = encoding.hemisphere ? onHost.hemisphere : onHost.sphere;
-    const std::string label = fmt::format("{} {}: {:#.3g}/{:#.3g} deg", encoding.name, budget(bits, encoding.channels),
-                                          own.mean(), own.maximum);
-    maps.push_back({label, sphereMap(errorOf, topDegrees(bits))});
+    const std::string label = fmt::format("{} {}: {:#.3g}/{:#.3g} deg", encoding.name,
+                                          budgetName(bits, encoding.channels), own.mean(), own.maximum);
+    maps.push_back({label, spherePicture(sphereMap(errorOf), topDegrees(bits))});
     histograms.push_back({label, histogramPicture(counts)});
   }
 
   void addRow(const render::NormalEncoding& encoding, uint32_t bits, const char* region, const Statistics& host,
               const Statistics& device) {
     const vec3 worst = direction(host.worst);
-    table_.rows.push_back({encoding.name, budget(bits, encoding.channels), region, host.mean(), host.rms(),
+    table_.rows.push_back({encoding.name, budgetName(bits, encoding.channels), region, host.mean(), host.rms(),
                            host.maximum, device.mean(), device.rms(), device.maximum, double{worst.x}, double{worst.y},
                            double{worst.z}});
   }
@@ -166,7 +150,7 @@ class NormalStudy {
       return !encoding.hemisphere || directions_.all[i].z >= 0;
     });
     for (size_t i = 0; i < counts.size(); ++i)
-      histogram_.rows.push_back({encoding.name, budget(bits, encoding.channels), double(i) * step,
+      histogram_.rows.push_back({encoding.name, budgetName(bits, encoding.channels), double(i) * step,
                                  i + 1 < counts.size() ? double(i + 1) * step : 180.0, double(counts[i])});
     return counts;
   }

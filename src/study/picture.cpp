@@ -38,9 +38,9 @@ std::optional<shared::vec3> directionAt(double x, double y) {
 
 }  // namespace
 
-output::Picture sphereMap(const std::function<double(shared::vec3)>& valueOf, double top) {
+SphereMap sphereMap(const std::function<double(shared::vec3)>& valueOf) {
   constexpr int kSide = 4;  // samples per pixel, squared
-  output::Picture picture = blank(kWidth, kHeight);
+  SphereMap map{kWidth, kHeight, std::vector<double>(size_t{kWidth} * kHeight)};
   parallelFor(kHeight, 8, [&](size_t begin, size_t end) {
     for (size_t y = begin; y < end; ++y)
       for (uint32_t x = 0; x < kWidth; ++x) {
@@ -50,12 +50,20 @@ output::Picture sphereMap(const std::function<double(shared::vec3)>& valueOf, do
           const auto d = directionAt(x + (i % kSide + 0.5) / kSide, double(y) + (i / kSide + 0.5) / kSide);
           if (d) sum += valueOf(*d), ++inside;
         }
-        if (inside == 0) continue;
-        const output::Rgb color = output::cubehelix(float(std::min(sum / inside / top, 1.0)));
-        for (size_t c = 0; c < 3; ++c)
-          picture.rgba[(y * kWidth + x) * 4 + c] = uint8_t(std::lround(std::clamp(color[c], 0.0f, 1.0f) * 255));
+        map.values[y * kWidth + x] = sum / inside;
       }
   });
+  return map;
+}
+
+output::Picture spherePicture(const SphereMap& map, double top) {
+  output::Picture picture = blank(map.width, map.height);
+  for (size_t i = 0; i < map.values.size(); ++i) {
+    if (std::isnan(map.values[i])) continue;
+    const output::Rgb color = output::cubehelix(float(std::min(map.values[i] / top, 1.0)));
+    for (size_t c = 0; c < 3; ++c)
+      picture.rgba[i * 4 + c] = uint8_t(std::lround(std::clamp(color[c], 0.0f, 1.0f) * 255));
+  }
   return picture;
 }
 

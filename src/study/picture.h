@@ -12,8 +12,15 @@
 namespace latelight::study {
 
 // A value over the sphere as two equal-area discs: the hemisphere about +Z left, X right and Y up; that about -Z right,
-// as if seen through the first. Cubehelix from 0 (black) to `top` (white); each pixel is a mean over its area.
-output::Picture sphereMap(const std::function<double(shared::vec3)>& valueOf, double top);
+// as if seen through the first. Each is a mean over its pixel's area; NaN outside the discs.
+struct SphereMap {
+  uint32_t width, height;
+  std::vector<double> values;
+};
+SphereMap sphereMap(const std::function<double(shared::vec3)>& valueOf);
+
+// Cubehelix from 0 (black) to `top` (white).
+output::Picture spherePicture(const SphereMap& map, double top);
 
 // A bar chart; the highest bar fills the picture.
 output::Picture histogramPicture(std::span<const size_t> counts);

@@ -1,13 +1,18 @@
 // Plots by gnuplot, run as a program: its script is kept next to the picture, and can redraw it anywhere.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
 #include "study/fit.h"
-#include "study/study.h"
 
 namespace latelight::study {
+
+struct NamedFile {
+  std::string name;
+  std::vector<std::byte> bytes;
+};
 
 struct Curve {
   std::string name;

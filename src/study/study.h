@@ -2,7 +2,6 @@
 // pictures, one source file, listed in study.cpp.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -12,6 +11,7 @@
 #include <vector>
 
 #include "output/aov.h"
+#include "study/plot.h"
 #include "study/table.h"
 
 namespace latelight::study {
@@ -39,16 +39,11 @@ struct NamedPicture {
   output::Picture picture;
 };
 
-struct NamedFile {
-  std::string name;
-  std::vector<std::byte> bytes;
-};
-
 struct Result {
   std::string device;  // the device used in addition to the host
   std::vector<Table> tables;
   std::vector<NamedPicture> pictures;
-  std::vector<NamedFile> files;  // for or from other programs
+  std::vector<Plot> plots;
 };
 
 struct Study {

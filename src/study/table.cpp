@@ -8,8 +8,6 @@
 
 namespace latelight::study {
 
-namespace {
-
 std::string shortText(const Cell& cell) {
   if (const auto* text = std::get_if<std::string>(&cell)) return *text;
   const double number = std::get<double>(cell);
@@ -17,6 +15,8 @@ std::string shortText(const Cell& cell) {
   return number == std::floor(number) && std::abs(number) < 1e9 ? fmt::format("{:.0f}", number)
                                                                 : fmt::format("{:#.3g}", number);
 }
+
+namespace {
 
 std::string csvText(const Cell& cell) {
   if (const auto* number = std::get_if<double>(&cell)) return fmt::format("{}", *number);

@@ -17,8 +17,9 @@ struct Table {
   bool shown = true;  // on standard output; long ones go to files only
 };
 
-std::string toText(const Table& table);  // columns aligned, numbers of three significant digits
-std::string toCsv(const Table& table);   // RFC 4180; numbers in full, "inf" where infinite
+std::string shortText(const Cell& cell);  // counts in full, measured numbers with three significant digits
+std::string toText(const Table& table);   // columns aligned, of short texts
+std::string toCsv(const Table& table);    // RFC 4180; numbers in full, "inf" where infinite
 nlohmann::ordered_json toJson(const Table& table);
 
 }  // namespace latelight::study

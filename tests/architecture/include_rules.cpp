@@ -17,11 +17,13 @@ const std::map<std::string, std::set<std::string>, std::less<>> kAllowed = {
     {"output", {"base", "shared", "scene"}},
     {"render", {"base", "vk", "graph", "shared", "scene", "output", "latelight"}},
     {"study", {"base", "vk", "graph", "shared", "scene", "output", "render", "latelight"}},
+    {"report", {"base", "vk", "shared", "scene", "output", "render", "study"}},
     {"data", {"base", "vk", "shared", "scene", "output", "render", "latelight"}},
     {"view", {"base", "vk", "graph", "shared", "scene", "output", "render", "latelight"}},
     {"serve", {"base", "graph", "output", "render", "view", "latelight"}},
     {"app",
-     {"base", "vk", "graph", "shared", "scene", "output", "render", "study", "data", "view", "serve", "latelight"}},
+     {"base", "vk", "graph", "shared", "scene", "output", "render", "study", "report", "data", "view", "serve",
+      "latelight"}},
     {"include", {"latelight"}},
 };
 const std::set<std::string, std::less<>> kMayUseVulkan = {"vk", "graph", "render", "study"};

@@ -1,4 +1,4 @@
-"""The code of docs/python.md, of README.md and of the examples, run as it stands."""
+"""The code of docs/python.md, docs/embed.md, README.md and of the examples, run as it stands."""
 
 import json
 import re
@@ -44,6 +44,12 @@ def test_the_readme(tmp_path, monkeypatch):
     (source,) = blocks(ROOT / "README.md")
     frame = run_all([source], "README.md")["frame"]
     assert frame["depth"].shape == (480, 640)
+
+
+def test_embedding(tmp_path, monkeypatch, capsys):
+    (source,) = blocks(ROOT / "docs" / "embed.md")
+    frame = run_all([source], "embed.md")["frame"]
+    assert capsys.readouterr().out == f"(180, 320, 4) {frame['depth'][90, 160]:.2f} m\n"
 
 
 def test_the_notebook():

@@ -183,7 +183,7 @@ TEST(Table, QuotesCsvAndWritesInfinity) {
 }
 
 TEST(SphereMap, ShowsBothHalves) {
-  const output::Picture map = sphereMap([](shared::vec3 d) { return d.z > 0 ? 0.0 : 1.0; }, 1);
+  const output::Picture map = spherePicture(sphereMap([](shared::vec3 d) { return d.z > 0 ? 0.0 : 1.0; }), 1);
   const auto red = [&](uint32_t x, uint32_t y) { return map.rgba[(size_t{y} * map.width + x) * 4]; };
   EXPECT_EQ(red(map.height / 2, map.height / 2), 0);
   EXPECT_EQ(red(map.height + map.height / 2, map.height / 2), 255);

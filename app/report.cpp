@@ -1,0 +1,108 @@
+// latelight report: a scene in every layout and by every technique, on one page to open in a browser.
+#include <fmt/core.h>
+
+#include <filesystem>
+#include <memory>
+
+#include "app/commands.h"
+#include "app/given.h"
+#include "app/render_options.h"
+#include "app/render_run.h"
+#include "base/files.h"
+#include "output/used_files.h"
+#include "render/raster_choice.h"
+#include "render/session.h"
+#include "report/command.h"
+#include "report/scene_page.h"
+#include "vk/driver_cache.h"
+
+namespace latelight::app {
+
+namespace {
+
+constexpr uint32_t kWidth = 288, kHeight = 162;  // where --size is not given
+constexpr size_t kMostBytes = 20'000'000;        // of a page: it opens at once, and can be sent to others
+
+struct ReportArguments {
+  RenderOptions render;
+  uint32_t runs = 4;
+  const CLI::App* command = nullptr;
+};
+
+// What a page does not have, and what it varies itself.
+void checkGiven(const RenderOptions& o) {
+  for (const char* key : {"aov", "pick", "debug", "no-side-file", "json", "dump-graph", "frames", "frame", "lens"})
+    if (o.isGiven(key)) badUsage("report has pictures and values of its own choice: leave --{} out", key);
+  if (o.out.empty()) badUsage("--out is required: -o says where the page goes, as in -o report.html");
+  checkWritable(o.out);
+}
+
+// The scene and the options that were given, but for these; the size always, since that of a page is another than that
+// of a picture.
+std::vector<std::string> wordsOf(const ReportArguments& a, std::vector<std::string_view> but) {
+  but.insert(but.end(), {"out", "validate", "size", "runs"});
+  std::vector<std::string> words = report::joined({a.render.scene}, givenOptions(*a.command, but));
+  words.insert(words.end(), {"--size", fmt::format("{}x{}", a.render.settings.width, a.render.settings.height)});
+  return words;
+}
+
+// The command that makes the page.
+std::string ownCommand(const ReportArguments& a) {
+  std::vector<std::string> words = report::joined({"report"}, wordsOf(a, {}));
+  words.insert(words.end(), {"--runs", fmt::format("{}", a.runs), "-o", a.render.out});
+  return report::commandLine(words);
+}
+
+std::string makePage(ReportArguments& a, vk::Device& device, const scene::Scene& scene, const Timeline& timeline) {
+  RenderOptions& o = a.render;
+  o.settings.raster = render::chooseRaster(device, o.settings).raster;
+  const std::optional<scene::Environment> environment = render::loadEnvironment(environmentOf(o, scene));
+  render::Renderer renderer(device, scene, environment ? &*environment : nullptr);
+  const scene::Camera camera = timeline.cameraAt(timeline.first());
+  const render::Moment moment = timeline.momentAt(timeline.first());
+  study::Options normals{.device = o.device, .validation = o.validate};
+  return report::scenePage({device, renderer, scene, camera, moment, o.settings,
+                            wordsOf(a, {"layout", "lighting", "raster"}), ownCommand(a), normals, a.runs});
+}
+
+void run(ReportArguments& a) {
+  RenderOptions& o = a.render;
+  checkGiven(o);
+  checkOptions(o);
+  checkTime(o);
+  vk::avoidFullDriverCache();
+  const scene::Scene scene =
+      scene::load(o.scene, {.variant = o.variant, .allowOutside = o.allowOutside, .ids = o.idGrouping});
+  std::vector<std::filesystem::path> inputs = scene.files;
+  if (const std::string environment = environmentOf(o, scene); !environment.empty()) inputs.emplace_back(environment);
+  output::UsedFiles(inputs).checkOutputs(std::vector<std::filesystem::path>{o.out});
+  const Timeline timeline(scene, o);
+  vk::Device device({.selector = o.device, .validation = o.validate});
+  const std::string page = makePage(a, device, scene, timeline);
+  for (const std::string& message : device.validationMessages())
+    fail(ExitCode::Internal, "the Vulkan validation layer says: {}", message);
+  if (page.size() > kMostBytes)
+    badUsage("the page would take {} MB, and {} are the most that opens well: give a smaller --size than {}x{}",
+             page.size() / 1'000'000, kMostBytes / 1'000'000, o.settings.width, o.settings.height);
+  writeFile(o.out, std::as_bytes(std::span(page)));
+}
+
+}  // namespace
+
+void addReportCommand(CLI::App& app) {
+  auto arguments = std::make_shared<ReportArguments>();
+  ReportArguments& a = *arguments;
+  a.render.settings.width = kWidth, a.render.settings.height = kHeight;
+  CLI::App* command = app.add_subcommand(
+      "report", "A page with a scene in every layout and by every technique; takes the options of render");
+  addRenderOptions(*command, a.render);
+  command->get_option("--size")->default_str(fmt::format("{}x{}", kWidth, kHeight));
+  command->get_option("--out")->description("The page, an HTML file that needs no other; - is standard output");
+  command->add_option("--runs", a.runs, "Frames of which each time is the median")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  a.command = command;
+  command->callback([arguments] { run(*arguments); });
+}
+
+}  // namespace latelight::app

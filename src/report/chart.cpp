@@ -1,0 +1,161 @@
+#include "report/chart.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "report/html.h"
+
+namespace latelight::report {
+
+namespace {
+
+constexpr size_t kColors = 8;  // of the style sheet: .part0 ... .part7; curves are dashed differently as well
+constexpr double kWidth = 760, kNames = 150, kRight = 24;
+
+std::string svg(double height, const std::string& title, const std::string& body) {
+  return fmt::format(
+      "<svg class=\"chart\" role=\"img\" viewBox=\"0 0 {0} {1}\" aria-label=\"{2}; the table below has its numbers\">\n"
+      "{3}</svg>\n",
+      kWidth, height, escaped(title), body);
+}
+
+std::string svgText(double x, double y, const char* anchor, std::string_view text) {
+  return fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\">{}</text>\n", x, y, anchor, escaped(text));
+}
+
+std::string rule(double x1, double y1, double x2, double y2) {
+  return fmt::format("<line class=\"rule\" x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\"/>\n", x1, y1, x2,
+                     y2);
+}
+
+// Outside the picture, so that it wraps and can be read and copied.
+std::string legend(const std::vector<std::string>& names, const char* shape) {
+  std::string items;
+  for (size_t i = 0; i < names.size(); ++i)
+    items += fmt::format("<li><svg class=\"swatch {}\" viewBox=\"0 0 24 12\" aria-hidden=\"true\">{}</svg>{}</li>\n",
+                         fmt::format("part{}", i % kColors), shape, escaped(names[i]));
+  return "<ul class=\"legend\">\n" + items + "</ul>\n";
+}
+
+// 1, 2 or 5 times a power of ten, about five of which reach `most`.
+double stepTo(double most) {
+  const double power = std::pow(10, std::floor(std::log10(most / 5)));
+  const double times = most / 5 / power;
+  return power * (times <= 1 ? 1 : times <= 2 ? 2 : times <= 5 ? 5 : 10);
+}
+
+std::string barRow(const BarChart& chart, const BarChart::Bar& bar, double y, double scale) {
+  std::string html = svgText(kNames - 8, y + 15, "end", bar.name);
+  double x = kNames;
+  for (size_t i = 0; i < bar.values.size(); ++i) {
+    html += fmt::format(
+        "<rect class=\"part{}\" x=\"{:.2f}\" y=\"{:.1f}\" width=\"{:.2f}\" height=\"18\"><title>{}, {}: {:.3g} "
+        "{}</title>"
+        "</rect>\n",
+        i % kColors, x, y, bar.values[i] * scale, escaped(bar.name), escaped(chart.parts[i]), bar.values[i],
+        escaped(chart.unit));
+    x += bar.values[i] * scale;
+  }
+  return html;
+}
+
+double sumOf(const BarChart::Bar& bar) {
+  return std::accumulate(bar.values.begin(), bar.values.end(), 0.0);
+}
+
+// The powers of ten around positive values.
+struct Decades {
+  double low = 1e300, high = 1e-300;
+  void add(double value) {
+    low = std::min(low, std::pow(10, std::floor(std::log10(value))));
+    high = std::max(high, std::pow(10, std::ceil(std::log10(value))));
+  }
+  double at(double value) const { return high > low ? std::log10(value / low) / std::log10(high / low) : 0.5; }
+};
+
+std::string decadeRules(const Decades& across, const Decades& up, const auto& xOf, const auto& yOf, double bottom) {
+  std::string html;
+  for (double x = across.low; x <= across.high * 1.01; x *= 10)
+    html += rule(xOf(x), yOf(up.low), xOf(x), yOf(up.high)) + svgText(xOf(x), bottom, "middle", fmt::format("{:g}", x));
+  for (double y = up.low; y <= up.high * 1.01; y *= 10)
+    html += rule(xOf(across.low), yOf(y), xOf(across.high), yOf(y)) +
+            svgText(kNames / 2 - 6, yOf(y) + 4, "end", fmt::format("{:g}", y));
+  return html;
+}
+
+bool isNumber(const study::Table& table, size_t column) {
+  return std::ranges::any_of(table.rows, [&](const auto& row) { return std::holds_alternative<double>(row[column]); });
+}
+
+std::string cellHtml(const study::Cell& cell, bool first) {
+  const std::string text = escaped(study::shortText(cell));
+  if (first) return "<th scope=\"row\">" + text + "</th>";
+  const auto* number = std::get_if<double>(&cell);
+  return number ? fmt::format("<td class=\"number\"><data value=\"{}\">{}</data></td>", *number, text)
+                : "<td>" + text + "</td>";
+}
+
+}  // namespace
+
+std::string toHtml(const BarChart& chart) {
+  double most = 0;
+  for (const BarChart::Bar& bar : chart.bars) most = std::max(most, sumOf(bar));
+  if (!(most > 0)) return "";
+  const double scale = (kWidth - kNames - kRight) / most, step = stepTo(most);
+  const double bottom = 26.0 * static_cast<double>(chart.bars.size());
+  std::string body;
+  for (double value = 0; value <= most * 1.001; value += step)
+    body += rule(kNames + value * scale, 0, kNames + value * scale, bottom) +
+            svgText(kNames + value * scale, bottom + 18, "middle", fmt::format("{:g}", value));
+  body += svgText(kNames - 8, bottom + 18, "end", chart.unit);
+  for (size_t i = 0; i < chart.bars.size(); ++i) body += barRow(chart, chart.bars[i], 26.0 * double(i) + 2, scale);
+  return legend(chart.parts, "<rect width=\"24\" height=\"12\"/>") + svg(bottom + 26, chart.title, body);
+}
+
+std::string toHtml(const study::Plot& plot) {
+  constexpr double kTop = 24, kBottom = 340;
+  Decades across, up;
+  const auto shows = [](const study::Sample& s) { return s.x > 0 && s.y > 0; };
+  for (const study::Curve& curve : plot.curves)
+    for (const study::Sample& s : curve.samples)
+      if (shows(s)) across.add(s.x), up.add(s.y);
+  if (across.low > across.high) return "";
+  const auto xOf = [&](double x) { return kNames / 2 + across.at(x) * (kWidth - kNames / 2 - kRight); };
+  const auto yOf = [&](double y) { return kBottom - up.at(y) * (kBottom - kTop); };
+  std::string body = decadeRules(across, up, xOf, yOf, kBottom + 18);
+  body += svgText(4, 14, "start", plot.yLabel) + svgText(kWidth - kRight, kBottom + 36, "end", plot.xLabel);
+  std::vector<std::string> names;
+  for (const study::Curve& curve : plot.curves) {
+    std::string points;
+    for (const study::Sample& s : curve.samples)
+      if (shows(s)) points += fmt::format("{:.1f},{:.1f} ", xOf(s.x), yOf(s.y));
+    if (points.empty()) continue;
+    body += fmt::format("<polyline class=\"part{}\" points=\"{}\"><title>{}</title></polyline>\n",
+                        names.size() % kColors, points, escaped(curve.name));
+    names.push_back(curve.name);
+  }
+  return fmt::format("<h3>{}</h3>\n", escaped(plot.title)) + legend(names, "<polyline points=\"0,6 24,6\"/>") +
+         svg(kBottom + 44, plot.title, body);
+}
+
+std::string toHtml(const study::Table& table, const std::string& caption) {
+  std::string html = fmt::format(
+      "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{0}\"><table>\n<caption>{0}</caption>\n"
+      "<thead><tr>",
+      escaped(caption));
+  for (size_t i = 0; i < table.columns.size(); ++i)
+    html += fmt::format("<th scope=\"col\"{}>{}</th>", isNumber(table, i) ? " class=\"number\"" : "",
+                        escaped(table.columns[i]));
+  html += "</tr></thead>\n<tbody>\n";
+  for (const std::vector<study::Cell>& row : table.rows) {
+    html += "<tr>";
+    for (size_t i = 0; i < row.size(); ++i) html += cellHtml(row[i], i == 0);
+    html += "</tr>\n";
+  }
+  return html + "</tbody></table></div>\n";
+}
+
+}  // namespace latelight::report

@@ -1,0 +1,35 @@
+// Pages that are one file: style, script, pictures and values are inside, and nothing is loaded from elsewhere.
+#pragma once
+
+#include <cstddef>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "output/aov.h"
+
+namespace latelight::report {
+
+std::string escaped(std::string_view text);  // for text and for attributes in double quotes
+std::string base64(std::span<const std::byte> bytes);
+
+// A picture with words for those who don't see it, and a caption in HTML. `id`: of the <img>.
+std::string figure(const std::string& id, const output::Picture& picture, std::string_view words,
+                   const std::string& caption);
+
+struct Section {
+  const char* id;  // of its heading's link
+  std::string title, html;
+};
+
+struct Page {
+  std::string title;
+  std::string introduction;  // HTML below the title
+  std::vector<Section> sections;
+  nlohmann::ordered_json data;  // for web/report/report.js
+  std::string values;           // Planes::toHtml()
+};
+std::string toHtml(const Page& page);
+
+}  // namespace latelight::report

@@ -1,0 +1,247 @@
+#include "report/scene_page.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numeric>
+
+#include "base/log.h"
+#include "output/debug.h"
+#include "render/gbuffer/layout.h"
+#include "render/lighting/technique.h"
+#include "report/chart.h"
+#include "report/command.h"
+#include "report/html.h"
+#include "report/planes.h"
+#include "report/spheres.h"
+#include "report/times.h"
+#include "study/study.h"
+
+namespace latelight::report {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Words = std::vector<std::string>;
+
+constexpr const char* kCompare =
+#include "report_compare.inc"
+    ;
+
+constexpr uint32_t kNormalSamples = 100'000;  // directions
+constexpr uint32_t kNormalBits[] = {8, 12, 16};
+
+class ScenePage {
+ public:
+  explicit ScenePage(const Subject& subject) : s_(subject) {}
+
+  std::string build() {
+    page_.title = "Latelight: " + s_.scene.source;
+    page_.introduction = introduction();
+    page_.sections.push_back({"compare", "Compare", kCompare});
+    page_.sections.push_back({"layouts", "G-buffer layouts", layouts()});
+    page_.sections.push_back({"lighting", "Lighting techniques", lighting()});
+    page_.sections.push_back({"times", "Times of passes", timesHtml(s_)});
+    page_.sections.push_back({"normals", "Normal encodings", normals()});
+    page_.data["width"] = s_.settings.width;
+    page_.data["height"] = s_.settings.height;
+    page_.data["views"] = views_;
+    page_.values = planes_.toHtml();
+    return toHtml(page_);
+  }
+
+ private:
+  Words rendering(const render::Layout& layout, const render::TechniqueInfo& technique, const Words& more) const {
+    const Words choice{"--raster",    render::nameOf(s_.settings.raster), "--layout", layout.name, "--lighting",
+                       technique.name};
+    return joined(joined(joined({"render"}, givenFor(s_, layout)), choice), more);
+  }
+  std::string sizeText() const { return fmt::format("{}x{}", s_.settings.width, s_.settings.height); }
+
+  std::string introduction() const {
+    const vk::DeviceInfo& info = s_.device.info();
+    return fmt::format(
+               "<p>{} triangles and {} lights, {}, on {} ({}). Each number and picture has the command that "
+               "makes it beside it; this page was made by:</p>\n",
+               s_.scene.triangleCount(), s_.scene.lights.size(), sizeText(), escaped(info.name), escaped(info.driver)) +
+           "<p class=\"command\"><code>" + escaped(s_.command) + "</code></p>\n";
+  }
+
+  // A picture in the page, and in the lists of those to compare.
+  std::string show(const std::string& group, const std::string& name, const output::Picture& picture, Json values) {
+    const std::string id = fmt::format("image-{}", views_.size());
+    views_.push_back({{"group", group}, {"name", name}, {"image", id}, {"values", std::move(values)}});
+    return figure(id, picture, group + ": " + name, escaped(name));
+  }
+
+  // A value of every pixel: every `stride`-th float, from the `first` one on.
+  Json value(const std::string& name, std::span<const float> values, size_t first = 0, size_t stride = 1) {
+    std::vector<uint32_t> words;
+    for (size_t i = first; i < values.size(); i += stride) words.push_back(std::bit_cast<uint32_t>(values[i]));
+    return {{"name", name}, {"kind", "float"}, {"plane", planes_.add(words)}};
+  }
+  Json value(const std::string& name, std::span<const uint32_t> values, size_t first) {
+    std::vector<uint32_t> words;
+    for (size_t i = first; i < values.size(); i += 4) words.push_back(values[i]);
+    return {{"name", name}, {"kind", "integer"}, {"plane", planes_.add(words)}};
+  }
+
+  std::string showLit(const std::string& group, const output::FrameOutput& frame) {
+    std::vector<uint32_t> words;
+    for (size_t i = 0; i < frame.display.size(); i += 4)
+      words.push_back(frame.display[i] | frame.display[i + 1] << 8 | frame.display[i + 2] << 16 |
+                      uint32_t{frame.display[i + 3]} << 24);
+    return show(group, "picture", {frame.width, frame.height, frame.display},
+                {{{"name", "red, green, blue, alpha"}, {"kind", "bytes"}, {"plane", planes_.add(words)}}});
+  }
+
+  output::FrameOutput lit(const render::Settings& settings) {
+    return std::move(s_.renderer.render({&s_.camera, 1}, settings, s_.moment).front());
+  }
+
+  // --- layouts
+  // --------------------------------------------------------------------------------------------------------
+
+  std::string layouts() {
+    BarChart chart{"Bytes a pixel of each layout", "bytes", {"targets", "depth", "light"}, {}};
+    study::Table table{
+        "layouts",
+        {"layout", "description", "targets B/px", "depth B/px", "light B/px", "all B/px", "this picture MB"},
+        {}};
+    const double pixels = double(s_.settings.width) * s_.settings.height;
+    for (const render::Layout& layout : render::layouts()) {
+      const render::LayoutBytes bytes = layout.bytesPerPixel(s_.settings.normals->index);
+      chart.bars.push_back({layout.name, {double(bytes.targets), double(bytes.depth), double(bytes.light)}});
+      table.rows.push_back({layout.name, layout.description, double(bytes.targets), double(bytes.depth),
+                            double(bytes.light), double(bytes.total()), bytes.total() * pixels / 1e6});
+    }
+    std::string html = "<h3>Bytes a pixel</h3>\n" + toHtml(chart) + toHtml(table, "Bytes of each layout") +
+                       commandHtml(Words{"list", "layouts", "--size", sizeText()});
+    html += "<p>The targets, as shaders read them. The world is X right, Y away, Z up, as with --axes z-up.</p>\n";
+    for (const render::Layout& layout : render::layouts()) html += layoutHtml(layout);
+    return html;
+  }
+
+  std::string layoutHtml(const render::Layout& layout) {
+    render::Settings settings = deferred(s_.settings);
+    settings.layout = &layout;
+    const auto command = [&](const Words& more) { return commandHtml(rendering(layout, *settings.lighting, more)); };
+    const std::string group = "Layout " + layout.name;
+    std::string html = fmt::format("<h3>{}</h3>\n<div class=\"pictures\">\n", escaped(layout.name));
+    html += showLit(group, lit(settings));
+    const output::RawGbuffer gbuffer = s_.renderer.readTargets(s_.camera, settings, s_.moment);
+    for (const output::Labelled& target : output::targetPictures(gbuffer))
+      html += show(group, target.label, target.picture, targetValues(gbuffer, target.label));
+    progress_.step();
+    return html + "</div>\n" + command({"-o", layout.name + ".png"}) +
+           command({"--debug", "targets", "-o", layout.name + "-targets.png"});
+  }
+
+  // Forward techniques have no layout to compare.
+  static render::Settings deferred(render::Settings settings) {
+    if (settings.lighting->forward) settings.lighting = render::Settings().lighting;
+    return settings;
+  }
+
+  // Those of the target that the label begins with.
+  Json targetValues(const output::RawGbuffer& gbuffer, const std::string& label) {
+    Json values = Json::array();
+    for (const output::RawTarget& target : gbuffer.targets) {
+      if (!label.starts_with(target.name + ".")) continue;
+      const bool vector = target.channels.starts_with("xyz");
+      for (size_t channel = 0; channel < target.count; ++channel) {
+        const std::string name = fmt::format("{}.{}", target.name, (vector ? "xyzw" : "rgba")[channel]);
+        values.push_back(target.words.empty() ? value(name, target.values, channel, 4)
+                                              : value(name, target.words, channel));
+      }
+    }
+    if (label == "depth") values.push_back(value("depth, metres", gbuffer.depth));
+    return values;
+  }
+
+  // --- lighting
+  // -------------------------------------------------------------------------------------------------------
+
+  std::string lighting() {
+    study::Table table{
+        "lights",
+        {"technique", "description", "tested a pixel, mean", "tested, most", "used a pixel, mean", "used, most"},
+        {}};
+    std::string pictures;
+    for (const render::TechniqueInfo& technique : render::techniques())
+      if (s_.device.hasGraphics() || !technique.draws) pictures += techniqueHtml(technique, table);
+    return "<p>The lights that a technique goes through for each pixel, and those of them that sent light to the eye, "
+           "on a "
+           "logarithmic scale from 0 (black) to 4095 (white).</p>\n" +
+           toHtml(table, "Lights a pixel") + pictures;
+  }
+
+  std::string techniqueHtml(const render::TechniqueInfo& technique, study::Table& table) {
+    render::Settings settings = s_.settings;
+    settings.lighting = &technique;
+    settings.aovs = {output::Aov::LightsTested, output::Aov::LightsUsed, output::Aov::Id};
+    const output::FrameOutput frame = lit(settings);
+    std::vector<study::Cell> row{technique.name, technique.description};
+    const std::string group = "Lighting " + technique.name;
+    std::string html =
+        fmt::format("<h3>{}</h3>\n<div class=\"pictures\">\n", escaped(technique.name)) + showLit(group, frame);
+    for (const output::AovImage& counts : std::span(frame.aovs).first(2)) {
+      const std::string name(output::info(counts.aov).name);
+      html += show(group, name, output::debugPicture(counts, &frame.aovs.back()), {value(name, counts.values)});
+      const double sum = std::accumulate(counts.values.begin(), counts.values.end(), 0.0);
+      row.insert(row.end(), {sum / double(counts.values.size()), double(*std::ranges::max_element(counts.values))});
+    }
+    table.rows.push_back(std::move(row));
+    progress_.step();
+    const auto command = [&](const Words& more) {
+      return commandHtml(rendering(*s_.settings.layout, technique, more));
+    };
+    return html + "</div>\n" + command({"-o", technique.name + ".png"}) +
+           command({"--debug", "lights", "-o", technique.name + "-lights.png"}) +
+           command({"--aov", "lights-tested,lights-used", "-o", technique.name + ".npy"});
+  }
+
+  // --- normals
+  // --------------------------------------------------------------------------------------------------------
+
+  std::string normals() {
+    study::Options options = s_.normals;
+    options.samples = kNormalSamples;
+    options.bits.assign(std::begin(kNormalBits), std::end(kNormalBits));
+    const study::Table errors = study::studyNormals(options).tables.front();
+    page_.data["spheres"] = describeSpheres(kNormalBits, errors, planes_);
+    std::string bits;
+    for (const uint32_t b : kNormalBits) bits += fmt::format("{}{}", bits.empty() ? "" : ",", b);
+    return spheresHtml(kNormalBits) + toHtml(errors, "Errors of normal encodings, in degrees") +
+           commandHtml(Words{"study", "normals", "--samples", fmt::format("{}", kNormalSamples), "--bits", bits,
+                             "--device", s_.normals.device});
+  }
+
+  const Subject& s_;
+  Progress progress_{"Rendering", render::layouts().size() + render::techniques().size()};
+  Page page_;
+  Planes planes_;
+  Json views_ = Json::array();
+};
+
+}  // namespace
+
+std::vector<std::string> givenFor(const Subject& subject, const render::Layout& layout) {
+  std::vector<std::string> words;
+  for (size_t i = 0; i < subject.given.size(); ++i) {
+    const std::string& word = subject.given[i];
+    if ((word == "--normals" && layout.fixedNormal) || (word == "--position" && layout.fixedPosition))
+      ++i;  // its value
+    else
+      words.push_back(word);
+  }
+  return words;
+}
+
+std::string scenePage(const Subject& subject) {
+  return ScenePage(subject).build();
+}
+
+}  // namespace latelight::report

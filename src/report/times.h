@@ -1,0 +1,12 @@
+// The times of a frame's passes in each layout and by each technique.
+#pragma once
+
+#include <string>
+
+#include "report/scene_page.h"
+
+namespace latelight::report {
+
+std::string timesHtml(const Subject& subject);
+
+}  // namespace latelight::report
