@@ -74,6 +74,14 @@ def test_reinforcement(tmp_path):
     assert run_example("reinforcement.py", 2, 16, cwd=tmp_path).count("views/s") == 2
 
 
+def test_ray_views(tmp_path):
+    pytest.importorskip("ray", reason="ray is not installed")
+    assert run_example("ray_views.py", "builtin:boxes", "out", 70, cwd=tmp_path).splitlines()[-1] == "70 of 70 views"
+    assert len(list((tmp_path / "out").glob("*.npz"))) == 70
+    (tmp_path / "out" / "000003.npz").unlink()
+    assert run_example("ray_views.py", "builtin:boxes", "out", 70, cwd=tmp_path) == "1 of 1 views\n"
+
+
 def test_turntable(tmp_path):
     if not shutil.which("ffmpeg"):
         pytest.skip("ffmpeg is not installed")
