@@ -102,8 +102,8 @@ int parseAndRun(int argc, char** argv) {
       ->trigger_on_parse();
   cli.fallthrough();
   app::addRenderCommand(cli);
-  app::addViewCommand(cli);
   app::addBatchCommand(cli);
+  app::addViewCommand(cli);
   app::addListCommand(cli);
   app::addDevicesCommand(cli);
   app::addDoctorCommand(cli);

@@ -38,7 +38,7 @@ constexpr std::pair<const char*, const char*> kHelp[] = {
     {"Home, F", "show all, show the selection"},
     {"O", "fly or orbit; W A S D Q E fly"},
     {"space", "play or stop"},
-    {"F2, Esc", "keys go to the panel (arrows, Tab, Enter, space), and back to the picture"},
+    {"F2, Esc", "keys go to the panel (arrows, space, Enter to type), and back to the picture"},
     {"H, L", "hide the panel, show handles of lights"},
     {"Ctrl+S Ctrl+C Ctrl+R", "screenshot, copy as command, reload"},
     {"Ctrl+N Ctrl+W", "another window, close this one"}};
@@ -82,6 +82,7 @@ void drawSplit(const view::State& state, PanelMemory& memory, const Send& send) 
     return;
   }
   int side = static_cast<int>(memory.side);
+  ImGui::AlignTextToFramePadding();
   line("Options of");
   for (const auto& [name, value] : {std::pair("left", 0), std::pair("right", 1)}) {
     ImGui::SameLine();
@@ -187,7 +188,7 @@ void drawCosts(const view::State& state, const view::Frame& frame, const PanelMe
   for (const graph::PassTime& pass : frame.passes) most = std::max(most, pass.milliseconds);
   for (const graph::PassTime& pass : frame.passes) {
     ImGui::ProgressBar(static_cast<float>(pass.milliseconds / most), {ImGui::GetFontSize() * 6, 0},
-                       fmt::format("{:.3g} ms", pass.milliseconds).c_str());
+                       fmt::format("{:.4g} ms", pass.milliseconds).c_str());
     ImGui::SameLine();
     line(pass.name);
   }
@@ -203,10 +204,14 @@ void drawFiles(const view::State& state, PanelMemory& memory, const Send& send) 
   ImGui::SameLine();
   if (ImGui::Button("reload")) send(view::Reload{});
   explain("Ctrl+R. A scene's files are also read again when they change.");
-  ImGui::TextWrapped("%s", printable(state.command).c_str());
+  ImGui::TextWrapped("%s", printable(commandOf(state, memory)).c_str());
 }
 
 }  // namespace
+
+const std::string& commandOf(const view::State& state, const PanelMemory& memory) {
+  return memory.side == Side::Left ? state.command : state.rightCommand;
+}
 
 void drawPanel(const view::State& state, const view::Frame& frame, PanelMemory& memory, const Send& send, ImVec2 from,
                ImVec2 size) {

@@ -24,6 +24,9 @@ struct PanelMemory {
   bool focuses = false;            // keys go to the panel from here on
 };
 
+// Of the side whose options are shown.
+const std::string& commandOf(const view::State& state, const PanelMemory& memory);
+
 void drawPanel(const view::State& state, const view::Frame& frame, PanelMemory& memory, const Send& send, ImVec2 from,
                ImVec2 size);
 void drawHelp(PanelMemory& memory);

@@ -186,7 +186,7 @@ void Window::Impl::pressKey(const std::string& name, bool down, int modifiers) {
 }
 
 void Window::Impl::copyCommand() {
-  glfwSetClipboardString(gl.get(), state->command.c_str());
+  glfwSetClipboardString(gl.get(), commandOf(*state, memory).c_str());
 }
 
 // --- from outside ---------------------------------------------------------------------------------------------------

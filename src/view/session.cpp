@@ -222,9 +222,13 @@ void ViewSession::Impl::describe() {
   state.time = s.time;
   state.duration = scene::duration(scene, scene::choosePlayback(scene, s.animation, s.loop));
   state.steered = control ? std::optional(control->view()) : std::nullopt;
-  std::vector<std::string> words = commandLine(Side::Left);
-  words.insert(words.end(), {"-o", "picture.png"});
-  state.command = shellWords(words);
+  const auto command = [&](Side side) {
+    std::vector<std::string> words = commandLine(side);
+    words.insert(words.end(), {"-o", "picture.png"});
+    return shellWords(words);
+  };
+  state.command = command(Side::Left);
+  state.rightCommand = hasSplit() ? command(Side::Right) : "";
   describeLights();
 }
 

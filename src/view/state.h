@@ -61,6 +61,7 @@ struct State {
   bool lightsMoved = false;  // then no command line gives this picture
 
   std::string command;               // that renders the left choice, for a shell
+  std::string rightCommand;          // the same of the right one; empty without a split
   uint32_t bytesPerPixel = 0;        // of the G-buffer, with depth and light
   std::vector<std::string> targets;  // of the layout
 };

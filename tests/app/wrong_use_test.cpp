@@ -81,7 +81,7 @@ std::string wrongUseName(const testing::TestParamInfo<WrongUse>& info) {
 INSTANTIATE_TEST_SUITE_P(
     Commands, WrongUseTest,
     testing::Values(
-        WrongUse{"Nothing", {}, kUsage, {"no command", "render, batch, list"}},
+        WrongUse{"Nothing", {}, kUsage, {"no command", "render, batch, view"}},
         WrongUse{"UnknownCommand", {"paint"}, kUsage, {"paint", "render"}},
         WrongUse{"UnknownOption", {"render", "-o", "a.png", "--colour", "red"}, kUsage, {"--colour"}},
         WrongUse{"UnknownOptionBeforeTheCommand", {"--colour", "render", "-o", "a.png"}, kUsage, {"--colour"}},
