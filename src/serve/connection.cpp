@@ -126,7 +126,7 @@ void Connection::write(Response response) {
 }  // namespace
 
 void startConnection(tcp::socket socket, Hub& hub) {
-  if (!hub.enter()) return record("refused a connection: there are too many");
+  if (!hub.enter()) return;
   std::make_shared<Connection>(std::move(socket), hub)->read();
 }
 

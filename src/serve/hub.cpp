@@ -4,6 +4,8 @@
 #include <boost/asio/post.hpp>
 #include <utility>
 
+#include "base/journal.h"
+
 namespace latelight::serve {
 
 namespace {
@@ -17,7 +19,11 @@ Hub::Hub(boost::asio::io_context& io, Gate gate, view::Start start, uint32_t ses
     : io_(io), gate_(std::move(gate)), start_(std::move(start)), sessions_(sessions), patience_(patience) {}
 
 bool Hub::enter() {
-  if (closed_ || connections_ >= kMostConnections) return false;
+  if (closed_) return false;
+  if (connections_ >= kMostConnections) {
+    record("refused a connection: there are too many");
+    return false;
+  }
   ++connections_;
   return true;
 }
@@ -56,8 +62,7 @@ void Hub::letGo(const std::shared_ptr<Viewer>& viewer) {
 
 void Hub::bury(uint64_t number) {
   const auto ended = viewers_.extract(number);
-  for (const std::string& message : ended.mapped().viewer->validationMessages())
-    validationMessages_.push_back(message);
+  for (const std::string& message : ended.mapped().viewer->validationMessages()) validationMessages_.push_back(message);
 }
 
 void Hub::close() {

@@ -17,8 +17,7 @@ namespace latelight::serve {
 
 class Hub {
  public:
-  Hub(boost::asio::io_context& io, Gate gate, view::Start start, uint32_t sessions,
-      std::chrono::milliseconds patience);
+  Hub(boost::asio::io_context& io, Gate gate, view::Start start, uint32_t sessions, std::chrono::milliseconds patience);
 
   const Gate& gate() const { return gate_; }
   const view::Start& start() const { return start_; }
@@ -29,7 +28,8 @@ class Hub {
   bool enter();
   void leave() { --connections_; }
 
-  // A viewer, by its number. Its calls arrive in this thread; none of them after letGo(). Null: all sessions are in use.
+  // A viewer, by its number. Its calls arrive in this thread; none of them after letGo(). Null: all sessions are in
+  // use.
   struct Calls {
     std::function<void(std::string message)> send;
     std::function<void(std::string sentence)> fail;

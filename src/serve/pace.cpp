@@ -7,7 +7,7 @@ namespace latelight::serve {
 namespace {
 
 constexpr double kSoon = 0.05, kPatient = 1;  // seconds that a moving picture, and a final one, may be on its way
-constexpr size_t kTelling = 4096;               // bytes; of fewer the time is chance
+constexpr size_t kTelling = 4096;             // bytes; of fewer the time is chance
 
 }  // namespace
 
@@ -15,15 +15,18 @@ void Pace::sent(uint64_t number, size_t bytes, Time now) {
   underway_.push_back({number, bytes, now});
 }
 
-// A message waits for the one before it: its own time begins when that one has arrived. What even the quickest takes is
-// the way there and back, and says nothing of how much goes through.
+// A message waits for the one before it: its own time begins when that one has arrived, or when it could have been here
+// itself, were it empty.
 void Pace::shown(uint64_t number, Time now) {
+  using Seconds = std::chrono::duration<double>;
   while (!underway_.empty() && underway_.front().number <= number) {
     const Message& message = underway_.front();
-    const double seconds = std::chrono::duration<double>(now - std::max(message.at, lastShown_)).count();
-    latency_ = std::min(latency_, seconds);
-    if (message.bytes >= kTelling) {
-      const double measured = static_cast<double>(message.bytes) / std::max(seconds - latency_, 1e-3);
+    const double since = Seconds(now - message.at).count(), sinceLast = Seconds(now - lastShown_).count();
+    if (message.bytes < kTelling) {
+      if (since < sinceLast) latency_ = latency_ ? std::min(*latency_, since) : since;
+    } else {
+      const double seconds = std::max(std::min(since - latency_.value_or(0), sinceLast), 1e-3);
+      const double measured = static_cast<double>(message.bytes) / seconds;
       rate_ = rate_ >= kUnknown ? measured : 0.7 * rate_ + 0.3 * measured;
     }
     lastShown_ = now;

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <optional>
 
 namespace latelight::serve {
 
@@ -20,7 +21,7 @@ class Pace {
 
   // JPEG's, of the next picture; of one that was made, what it would take to arrive soon.
   int quality(bool final) const { return final ? kFinest : quality_; }
-  void made(size_t bytes);              // a picture while something moves
+  void made(size_t bytes);                       // a picture while something moves
   int coarser(int quality, size_t bytes) const;  // of a final picture of these bytes; the same: it is good
 
  private:
@@ -34,8 +35,8 @@ class Pace {
   std::deque<Message> underway_;
   Time lastShown_{};
   static constexpr double kUnknown = 1e12;
-  double rate_ = kUnknown;  // bytes a second
-  double latency_ = 1;      // seconds
+  double rate_ = kUnknown;         // bytes a second
+  std::optional<double> latency_;  // seconds, there and back
   int quality_ = 75;
 };
 

@@ -13,16 +13,18 @@ using Json = nlohmann::json;
 using Read = std::function<decltype(Order::what)(const Json&)>;
 
 constexpr uint32_t kMostSide = 8192;
+constexpr uint64_t kMostCount = 1ull << 53;  // JavaScript's own
 
 double number(const Json& message, const char* key) {
   return message.at(key).get<double>();  // JSON has neither infinities nor NaN
 }
 
-uint32_t whole(const Json& message, const char* key, uint32_t most) {
+template <typename T = uint32_t>
+T whole(const Json& message, const char* key, T most) {
   const Json& value = message.at(key);
   if (!value.is_number_unsigned() || value.get<uint64_t>() > most)
     throw BadMessage(fmt::format("\"{}\" is no whole number up to {}", key, most));
-  return value.get<uint32_t>();
+  return value.get<T>();
 }
 
 std::string text(const Json& message, const char* key) {
@@ -56,34 +58,49 @@ view::SetSplit split(const Json& message) {
 }
 
 view::Navigation navigation(const Json& message) {
-  return named<view::Navigation>(message, "mode",
-                                 {{"orbit", view::Navigation::Orbit}, {"fly", view::Navigation::Fly}});
+  return named<view::Navigation>(message, "mode", {{"orbit", view::Navigation::Orbit}, {"fly", view::Navigation::Fly}});
 }
 
 const std::map<std::string, Read, std::less<>>& readers() {
   using view::Input;
   static const std::map<std::string, Read, std::less<>> kReaders = {
-      {"shown", [](const Json& m) { return Shown{m.at("number").get<uint64_t>()}; }},
+      {"shown", [](const Json& m) { return Shown{whole(m, "number", kMostCount)}; }},
       {"screenshot", [](const Json& m) { return TakeScreenshot{side(m)}; }},
       {"resize",
        [](const Json& m) -> Input {
          return view::Resize{whole(m, "width", kMostSide), whole(m, "height", kMostSide)};
        }},
-      {"move", [](const Json& m) -> Input { return view::PointerMove{number(m, "x"), number(m, "y")}; }},
+      {"move",
+       [](const Json& m) -> Input {
+         return view::PointerMove{number(m, "x"), number(m, "y")};
+       }},
       {"leave", [](const Json&) -> Input { return view::PointerLeave{}; }},
       {"button",
-       [](const Json& m) -> Input { return view::PointerButton{button(m), m.at("down"), m.value("shift", false)}; }},
+       [](const Json& m) -> Input {
+         return view::PointerButton{button(m), m.at("down"), m.value("shift", false)};
+       }},
       {"wheel", [](const Json& m) -> Input { return view::Wheel{number(m, "steps")}; }},
-      {"key", [](const Json& m) -> Input { return view::Key{text(m, "name"), m.at("down"), m.value("shift", false)}; }},
+      {"key",
+       [](const Json& m) -> Input {
+         return view::Key{text(m, "name"), m.at("down"), m.value("shift", false)};
+       }},
       {"blur", [](const Json&) -> Input { return view::Blur{}; }},
-      {"option", [](const Json& m) -> Input { return view::SetOption{text(m, "name"), text(m, "value"), side(m)}; }},
-      {"output", [](const Json& m) -> Input { return view::ShowOutput{text(m, "name"), side(m)}; }},
+      {"option",
+       [](const Json& m) -> Input {
+         return view::SetOption{text(m, "name"), text(m, "value"), side(m)};
+       }},
+      {"output",
+       [](const Json& m) -> Input {
+         return view::ShowOutput{text(m, "name"), side(m)};
+       }},
       {"split", [](const Json& m) -> Input { return split(m); }},
       {"camera", [](const Json& m) -> Input { return view::UseCamera{text(m, "name")}; }},
       {"environment", [](const Json& m) -> Input { return view::UseEnvironment{text(m, "name")}; }},
       {"navigation", [](const Json& m) -> Input { return view::SetNavigation{navigation(m)}; }},
       {"select",
-       [](const Json& m) -> Input { return view::SelectPixel{whole(m, "x", kMostSide), whole(m, "y", kMostSide)}; }},
+       [](const Json& m) -> Input {
+         return view::SelectPixel{whole(m, "x", kMostSide), whole(m, "y", kMostSide)};
+       }},
       {"play", [](const Json& m) -> Input { return view::Play{m.at("on")}; }},
       {"reload", [](const Json&) -> Input { return view::Reload{}; }},
   };
@@ -105,7 +122,7 @@ Order readOrder(std::string_view textOfMessage, const view::Start& start) {
     const Json message = Json::parse(textOfMessage);
     const auto reader = readers().find(message.at("type").get<std::string>());
     if (reader == readers().end()) throw BadMessage("there is no message of this type");
-    Order order{reader->second(message), message.value("serial", uint64_t{0})};
+    Order order{reader->second(message), message.contains("serial") ? whole(message, "serial", kMostCount) : 0};
     checkEnvironment(order, start);
     return order;
   } catch (const Json::exception&) {

@@ -95,6 +95,7 @@ void Server::Impl::accept() {
 void Server::Impl::close() {
   ErrorCode ignored;
   signals.clear(ignored);
+  signals.cancel(ignored);
   acceptor.close(ignored);
   pause.cancel();
   hub.close();

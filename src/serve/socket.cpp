@@ -133,7 +133,7 @@ void Socket::close(websocket::close_code code, const std::string& reason) {
 }  // namespace
 
 void startSocket(tcp::socket socket, Request request, const std::string& peer, Hub& hub) {
-  if (!hub.enter()) return record("refused a connection: there are too many");
+  if (!hub.enter()) return;
   std::make_shared<Socket>(std::move(socket), std::move(request), peer, hub)->accept();
 }
 

@@ -18,9 +18,14 @@ Json describe(const render::Option& option) {
   static const std::map<OptionKind, const char*> kKinds = {
       {OptionKind::Flag, "flag"},     {OptionKind::Integer, "integer"}, {OptionKind::Number, "number"},
       {OptionKind::Choice, "choice"}, {OptionKind::Text, "text"},       {OptionKind::List, "text"}};
-  Json row{{"key", render::keyOf(option)}, {"group", option.group},     {"kind", kKinds.at(option.kind)},
-           {"help", option.help},          {"normal", option.normal},   {"without", option.without},
-           {"unit", option.unit},          {"compiled", option.effect == render::OptionEffect::Compiled}};
+  Json row{{"key", render::keyOf(option)},
+           {"group", option.group},
+           {"kind", kKinds.at(option.kind)},
+           {"help", option.help},
+           {"normal", option.normal},
+           {"without", option.without},
+           {"unit", option.unit},
+           {"compiled", option.effect == render::OptionEffect::Compiled}};
   if (std::isfinite(option.range.least)) row["least"] = option.range.least;
   if (std::isfinite(option.range.most)) row["most"] = option.range.most;
   row["names"] = Json::array();
@@ -39,12 +44,18 @@ Json vector(const glm::vec3& v) {
 
 Json describe(const render::Picked& picked) {
   if (picked.id == 0) return {{"id", 0}};
-  return {{"id", picked.id},           {"part", picked.part},
-          {"node", picked.node},       {"mesh", picked.mesh},
-          {"material", picked.material}, {"primitive", picked.primitive},
-          {"position", vector(picked.position)}, {"normal", vector(picked.normal)},
-          {"geonormal", vector(picked.geonormal)}, {"depth", picked.depth},
-          {"distance", picked.distance}, {"uv", {picked.uv.x, picked.uv.y}}};
+  return {{"id", picked.id},
+          {"part", picked.part},
+          {"node", picked.node},
+          {"mesh", picked.mesh},
+          {"material", picked.material},
+          {"primitive", picked.primitive},
+          {"position", vector(picked.position)},
+          {"normal", vector(picked.normal)},
+          {"geonormal", vector(picked.geonormal)},
+          {"depth", picked.depth},
+          {"distance", picked.distance},
+          {"uv", {picked.uv.x, picked.uv.y}}};
 }
 
 Json describe(const std::optional<view::Probe>& probe) {

@@ -1,5 +1,5 @@
-// One page's session, on a thread of its own: takes its messages, makes its pictures, and sends them as fast as they are
-// shown.
+// One page's session, on a thread of its own: takes its messages, makes its pictures, and sends them as fast as they
+// are shown.
 #pragma once
 
 #include <functional>

@@ -25,7 +25,7 @@ using Json = nlohmann::json;
 
 void connect(tcp::socket& socket, uint16_t port) {
   socket.connect({asio::ip::make_address("127.0.0.1"), port});
-  const timeval patience{.tv_sec = 60, .tv_usec = 0};
+  const timeval patience{.tv_sec = 20, .tv_usec = 0};
   setsockopt(socket.native_handle(), SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
 }
 

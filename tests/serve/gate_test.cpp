@@ -40,8 +40,9 @@ TEST(GateTest, ComparesWholeTokens) {
 TEST(GateTest, OpensForTheTokenAlone) {
   EXPECT_EQ(Gate(kToken, {}).open({"/" + kToken + "/main.js?x=/y", "localhost", {}}).path, "main.js");
   EXPECT_EQ(Gate(kToken, {}).open({"/" + kToken + "/", "localhost", {}}).path, "");
-  for (const std::string target : {"", "/", "//", "*", "/main.js", "/?token=" + kToken, "/" + kToken.substr(1) + "/",
-                                   "/x/" + kToken + "/", "/" + kToken + "x/", "http://localhost/" + kToken + "/"})
+  for (const std::string& target :
+       std::vector<std::string>{"", "/", "//", "*", "/main.js", "/?token=" + kToken, "/" + kToken.substr(1) + "/",
+                                "/x/" + kToken + "/", "/" + kToken + "x/", "http://localhost/" + kToken + "/"})
     EXPECT_NE(refusal(target, "localhost"), "") << target;
 }
 

@@ -16,15 +16,15 @@ struct Network {
   double free = 0;  // when what was sent so far has gone out
 };
 
-struct Run {
+struct Outcome {
   std::vector<double> late;  // seconds between the making of a picture and its arrival
   int quality = 0, finalQuality = 0;
 };
 
 // Pictures are made whenever they may be sent; one of quality 85 has so many bytes, others have fewer in proportion.
-Run simulate(Network network, double bytes, double seconds) {
+Outcome simulate(Network network, double bytes, double seconds) {
   Pace pace;
-  Run run;
+  Outcome run;
   struct Underway {
     uint64_t number;
     double shown;
@@ -39,8 +39,9 @@ Run simulate(Network network, double bytes, double seconds) {
       underway.erase(underway.begin());
     }
     if (!pace.maySend()) continue;
-    const size_t size = sized(pace.quality(false));
-    pace.made(size);
+    const bool empty = number == 0;  // as the first messages are: they tell how long the way is
+    const size_t size = empty ? 200 : sized(pace.quality(false));
+    if (!empty) pace.made(size);
     pace.sent(++number, size, at(t));
     network.free = std::max(network.free, t) + static_cast<double>(size) / network.rate;
     underway.push_back({number, network.free + 2 * network.delay});
@@ -68,7 +69,7 @@ TEST(PaceTest, AtMostTwoMessagesAreUnderway) {
 
 TEST(PaceTest, AFastNetworkGetsFinePictures) {
   for (const double delay : {0.0002, 0.05, 0.2}) {
-    const Run run = simulate({.rate = 100e6, .delay = delay}, 100e3, 20);
+    const Outcome run = simulate({.rate = 100e6, .delay = delay}, 100e3, 20);
     EXPECT_GE(run.quality, 80) << delay;
     EXPECT_EQ(run.finalQuality, 92) << delay;
     EXPECT_LE(run.late.back(), 2 * delay + 0.01);
@@ -76,7 +77,7 @@ TEST(PaceTest, AFastNetworkGetsFinePictures) {
 }
 
 TEST(PaceTest, ASlowNetworkGetsCoarserOnesWithoutAQueue) {
-  const Run run = simulate({.rate = 200e3, .delay = 0.02}, 100e3, 20);
+  const Outcome run = simulate({.rate = 200e3, .delay = 0.02}, 100e3, 20);
   EXPECT_LE(run.quality, 40);
   EXPECT_LT(run.finalQuality, 92);
   // Two pictures of quality 30 take 0.35 s there.

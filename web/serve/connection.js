@@ -1,6 +1,6 @@
 // The session's socket: messages there and back, one after the other, and again after the network was away.
 
-const FINAL_CODES = new Set([1008, 1011, 1013]); // the server says why, and would say it again
+const FINAL_CODES = new Set([1008, 1011]); // the server says why, and would say it again
 const MOST_ATTEMPTS = 8;
 
 export class Connection {

@@ -1,5 +1,5 @@
-// bench_serve [SCENE] [WIDTHxHEIGHT] [SECONDS] [DEVICE]: pictures a second while the camera moves, and milliseconds from a
-// key to its picture, to a page in this process that decodes each picture on one thread. No validation.
+// bench_serve [SCENE] [WIDTHxHEIGHT] [SECONDS] [DEVICE]: pictures a second while the camera moves, and milliseconds
+// from a key to its picture, to a page in this process that decodes each picture on one thread. No validation.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -41,7 +41,8 @@ void measureRate(Client& page, double seconds) {
   page.say({{"type", "move"}, {"x", 300}, {"y", 300}});
   page.say({{"type", "button"}, {"button", "left"}, {"down", true}});
   int step = 0;
-  for (const auto begin = Clock::now(); since(begin) < 2; ++step) drag(page, step), hearPicture(page);  // finds its pace
+  for (const auto begin = Clock::now(); since(begin) < 2; ++step)
+    drag(page, step), hearPicture(page);  // finds its pace
   int pictures = 0;
   size_t bytes = 0;
   double rendering = 0;
@@ -82,8 +83,10 @@ void measureLatency(Client& page, int times) {
 void bench(int argc, char** argv) {
   const auto argument = [&](int i, const char* normal) { return std::string(i < argc ? argv[i] : normal); };
   const std::string size = argument(2, "1280x720");
-  const auto width = static_cast<uint32_t>(std::stoul(size)), height = static_cast<uint32_t>(std::stoul(size.substr(size.find('x') + 1)));
-  Server server({}, {.scene = argument(1, "builtin:hall"), .device = argument(4, "auto"), .width = width, .height = height});
+  const auto width = static_cast<uint32_t>(std::stoul(size)),
+             height = static_cast<uint32_t>(std::stoul(size.substr(size.find('x') + 1)));
+  Server server(
+      {}, {.scene = argument(1, "builtin:hall"), .device = argument(4, "auto"), .width = width, .height = height});
   std::thread thread([&] { server.run(); });
   {
     Client page(server.port(), server.token());
