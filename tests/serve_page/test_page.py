@@ -112,14 +112,13 @@ def open_options(page):
 
 
 CONTROLS = [
+    lambda page: page.click("#frame"),
+    lambda page: page.fill("#option-background", "#336699"),
     lambda page: page.fill("#option-exposure", "1.5"),
     lambda page: page.select_option("#option-tonemap", "aces"),
-    lambda page: page.fill("#option-background", "#336699"),
     lambda page: page.fill("#option-sun", "30,40,3"),
+    lambda page: page.select_option("#environment", "studio"),
     lambda page: page.fill("#option-fog", "0.05"),
-    lambda page: page.select_option("#option-shading", "blinn-phong"),
-    lambda page: page.select_option("#environment", "none"),
-    lambda page: page.click("#frame"),
     lambda page: page.select_option("#output", "normal"),
 ]
 
@@ -134,7 +133,7 @@ def test_controls_change_the_picture_as_their_options_do(view, tmp_path):
         after = pixels(view)
         assert numpy.abs(after - before).mean() > 0.2, i
         before = after
-        if i in (4, 6):
+        if i in (3, 6):
             check_as_command(view, tmp_path)
     check_as_command(view, tmp_path)
     assert view.is_hidden("#error")
@@ -196,7 +195,7 @@ def test_a_split_shows_two_choices(view, tmp_path):
     assert "--debug=normal" in view.inner_text("#command")
     view.focus("#divider")
     view.keyboard.press("ArrowRight")
-    view.wait_for_function("document.getElementById('divider').ariaValueNow === '52'")
+    view.wait_for_selector("#divider[aria-valuenow='52']")
     view.select_option("#split", "difference")
     settle(view)
     assert view.is_visible("#amplification")
@@ -238,8 +237,9 @@ def test_is_accessible(chromium, server, size):
     if page.get_attribute("#panel-toggle", "aria-expanded") == "false":
         page.click("#panel-toggle")
     open_options(page)
-    page.select_option("#split", "slider")
-    settle(page)
+    if size != "large":  # which takes long on a CPU, and shows nothing else
+        page.select_option("#split", "slider")
+        settle(page)
     for scheme in ("light", "dark"):
         page.emulate_media(color_scheme=scheme)
         screenshot(page, f"{size}-{scheme}")
@@ -280,10 +280,12 @@ def test_a_taken_port_is_one_sentence():
     )
 
 
-def test_ctrl_c_ends_it_while_pages_are_open(page, tmp_path):
+def test_ctrl_c_ends_it_while_pages_are_open(chromium, tmp_path):
     server = Server(tmp_path)
+    page = chromium.new_page()
     page.goto(server.url)
     settle(page)
     server.end(by=signal.SIGINT)
-    page.wait_for_function("document.getElementById('status').textContent.includes('the server was stopped')")
+    page.get_by_text("the server was stopped").wait_for()
+    page.close()
     assert server.url.split("/")[3] not in server.log.read_text()
