@@ -75,7 +75,7 @@ struct Viewer::Impl {
   std::vector<std::string> validationMessages;
   Json told = Json::object();  // of the session's state
   uint64_t messages = 0, pictures = 0, serial = 0, serialTold = 0;
-  bool isFinal = false;
+  bool isFinal = false, restsTold = false;
 
   std::mutex mutex;
   std::condition_variable changed;
@@ -152,8 +152,9 @@ void Viewer::Impl::sendNews() {
   Json changed = changes(told, now);
   told = std::move(now);
   if (!changed.empty()) header["state"] = std::move(changed);
-  if (header.empty() && serial == serialTold) return;
-  header["rests"] = isFinal && !session->wantsFrame();
+  const bool rests = isFinal && !session->wantsFrame();
+  if (header.empty() && serial == serialTold && rests == restsTold) return;
+  header["rests"] = restsTold = rests;
   serialTold = serial;
   send(std::move(header), payload);
 }

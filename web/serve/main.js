@@ -42,7 +42,7 @@ function begin(told) {
   $("status").textContent = "Connected";
   $("retry").hidden = true;
   options = new Options($("options"), tables.options, (name, value) => send("option", { name, value, side: side() }));
-  fill($("environment"), tables.environments.map((name) => [name, name || "as the scene says"]));
+  fill($("environment"), tables.environments.map((name) => [name, name || "the scene's"]));
   stage.resize();
   if (state.left) restore();
 }
