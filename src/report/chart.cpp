@@ -17,8 +17,9 @@ constexpr double kWidth = 760, kNames = 150, kRight = 24;
 
 std::string svg(double height, const std::string& title, const std::string& body) {
   return fmt::format(
-      "<svg class=\"chart\" role=\"img\" viewBox=\"0 0 {0} {1}\" aria-label=\"{2}; the table below has its numbers\">\n"
-      "{3}</svg>\n",
+      "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"Chart: {2}\"><svg class=\"chart\" "
+      "role=\"img\" "
+      "viewBox=\"0 0 {0} {1}\" aria-label=\"{2}; the table below has its numbers\">\n{3}</svg></div>\n",
       kWidth, height, escaped(title), body);
 }
 

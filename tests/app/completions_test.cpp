@@ -34,7 +34,7 @@ std::vector<std::string> completed(std::vector<std::string> words) {
 }
 
 TEST(Completions, OfCommandsOptionsAndNames) {
-  EXPECT_THAT(completed({"re"}), ElementsAre("render"));
+  EXPECT_THAT(completed({"ren"}), ElementsAre("render"));
   EXPECT_THAT(completed({""}), IsSupersetOf({"render", "list", "man"}));
   EXPECT_THAT(completed({"render", "--lig"}), ElementsAre("--lighting", "--light-size"));
   EXPECT_THAT(completed({"render", "--lighting", "cl"}), ElementsAre("clustered"));
