@@ -22,16 +22,19 @@ SH_FUNC float iorFromReflectance(float f0) {
 }
 
 // Linear Rec.709 of light of which cos(2 pi path / wavelength + shift) is reflected: Fourier transforms of Gaussians
-// fitted to the colour matching functions (the paper's section 4). `path` in metres; a shift each for X, Y and Z.
+// fitted to the colour matching functions (the paper's section 4; X has two). `path` in metres; a shift each for X, Y
+// and Z. The specification's sums make equal-energy white reddish (1.20, 0.95, 0.91), so that a film would colour a
+// surface even where it is too thin for interference; here each channel is scaled by its white.
 SH_FUNC vec3 filmSensitivity(float path, vec3 shift) {
   float phase = 2.0f * kPi * path;
   float p2 = phase * phase;
-  float x = 0.8465900f * cos(1.6810e6f * phase + shift.x) * exp(-4.3278e9f * p2) +
-            0.1538683f * cos(2.2399e6f * phase + shift.x) * exp(-4.5282e9f * p2);
-  float y = 1.0002219f * cos(1.7953e6f * phase + shift.y) * exp(-9.3046e9f * p2);
-  float z = 1.0011225f * cos(2.2084e6f * phase + shift.z) * exp(-6.6121e9f * p2);
-  return vec3(3.2404542f * x - 1.5371385f * y - 0.4985314f * z, -0.9692660f * x + 1.8760108f * y + 0.0415560f * z,
-              0.0556434f * x - 0.2040259f * y + 1.0572252f * z);
+  float x1 = cos(1.6810e6f * phase + shift.x) * exp(-4.3278e9f * p2);
+  float x2 = cos(2.2399e6f * phase + shift.x) * exp(-4.5282e9f * p2);
+  float y = cos(1.7953e6f * phase + shift.y) * exp(-9.3046e9f * p2);
+  float z = cos(2.2084e6f * phase + shift.z) * exp(-6.6121e9f * p2);
+  return vec3(2.2759311f * x1 + 0.4136520f * x2 - 1.2755264f * y - 0.4140567f * z,
+              -0.8652895f * x1 - 0.1572669f * x2 + 1.9786866f * y + 0.0438699f * z,
+              0.0517655f * x1 + 0.0094084f * x2 - 0.2242517f * y + 1.1630777f * z);
 }
 
 // What a film does to one channel of the surface beneath, whose reflectance beside air is f0.
@@ -41,18 +44,22 @@ struct FilmChannel {
 };
 SH_FUNC FilmChannel filmChannel(float f0, float filmIor, float innerWeight) {
   FilmChannel c;
-  float base = iorFromReflectance(f0 + 0.0001f);
+  float base = iorFromReflectance(f0);
   float r = reflectanceFromIors(base, filmIor);
   c.inner = r + (1.0f - r) * innerWeight;
   c.shift = base < filmIor ? kPi : 0.0f;
   return c;
 }
 
+// Two, as in the specification, leave up to 0.27 of a channel at grazing angles over reflective surfaces; three 0.17.
+SH_CONST uint kFilmOrders = 3u;
+
 // Reflectance of a film of that thickness (nm) over a surface of reflectance f0 beside air, for light that meets it
-// from air at `cosine`. Colours outside of Rec.709 are clamped, so that no channel reflects more than it receives. A
-// film thinner than 0.03 nm fades out, as there is no order 0 of the series without it.
+// from air at `cosine`. Colours outside of Rec.709 are clamped, so that no channel reflects more than it receives.
+// Schlick's term lets both sides of the film reflect at grazing angles whatever the indices are, so that a film thinner
+// than 0.03 nm is faded out.
 SH_FUNC vec3 thinFilm(vec3 f0, float ior, float thickness, float cosine) {
-  float film = 1.0f + (max(ior, 1.0f) - 1.0f) * smoothstep(0.0f, 0.03f, thickness);
+  float film = max(ior, 1.0f);
   float inside2 = 1.0f - (1.0f - cosine * cosine) / (film * film);
   float inside = sqrt(max(inside2, 0.0f));
   float r0 = reflectanceFromIors(film, 1.0f);
@@ -64,16 +71,20 @@ SH_FUNC vec3 thinFilm(vec3 f0, float ior, float thickness, float cosine) {
   FilmChannel b = filmChannel(f0.z, film, innerWeight);
   vec3 inner = vec3(r.inner, g.inner, b.inner);
   vec3 shift = vec3(kPi + r.shift, kPi + g.shift, kPi + b.shift);
-  vec3 both = vec3(clamp(outer * inner.x, 1e-5f, 0.9999f), clamp(outer * inner.y, 1e-5f, 0.9999f),
-                   clamp(outer * inner.z, 1e-5f, 0.9999f));
+  vec3 both = vec3(min(outer * inner.x, 0.9999f), min(outer * inner.y, 0.9999f), min(outer * inner.z, 0.9999f));
   vec3 root = vec3(sqrt(both.x), sqrt(both.y), sqrt(both.z));
   vec3 series = inner * (passed * passed) / (vec3(1.0f, 1.0f, 1.0f) - both);
   vec3 sum = series + vec3(outer, outer, outer);
   vec3 order = (series - vec3(passed, passed, passed)) * root;
-  float path = 2.0e-9f * film * thickness * inside;
-  sum = sum + order * filmSensitivity(path, shift) * 2.0f;
-  sum = sum + order * root * filmSensitivity(2.0f * path, shift * 2.0f) * 2.0f;
-  return vec3(saturate(sum.x), saturate(sum.y), saturate(sum.z));
+  float path = 2.0e-9f * film * min(thickness, 1e5f) * inside;  // beyond 0.1 mm no light interferes
+  for (uint m = 1u; m <= kFilmOrders; ++m) {
+    float times = float(m);
+    sum = sum + order * filmSensitivity(path * times, shift * times) * 2.0f;
+    order = order * root;
+  }
+  vec3 none = schlick(f0, 1.0f, cosine);
+  vec3 clamped = vec3(saturate(sum.x), saturate(sum.y), saturate(sum.z));
+  return none + (clamped - none) * smoothstep(0.0f, 0.03f, thickness);
 }
 
 SH_END
