@@ -138,28 +138,34 @@ SH_FUNC LayerTables layerTablePlaces(Surface s, SurfaceLayers l, vec3 toEye) {
   return t;
 }
 
-// reflectance() of a surface with a film. The lobe's own mean of Schlick's weight tells at which angle its facets see
-// the light; light that comes from all sides sees 1/21 of the grazing reflectance, which is that at 57 degrees from the
-// eye.
-SH_CONST float kMeanFacetCosine = 0.456f;
-SH_FUNC Reflectance filmedReflectance(vec3 f0, float f90, vec2 table, SurfaceLayers l) {
+// The mean over facets seen at those angles, from the two that are a standard deviation from the mean.
+SH_FUNC vec3 meanThinFilm(vec3 f0, SurfaceLayers l, FacetCosines c) {
+  vec3 low = thinFilm(f0, l.iridescenceIor, l.iridescenceThickness, saturate(c.mean - c.spread));
+  vec3 high = thinFilm(f0, l.iridescenceIor, l.iridescenceThickness, saturate(c.mean + c.spread));
+  return (low + high) * 0.5f;
+}
+
+// reflectance() of a surface with a film.
+SH_FUNC Reflectance filmedReflectance(vec3 f0, float f90, vec2 table, SurfaceLayers l, FacetCosines facets) {
   Reflectance r = reflectance(f0, f90, table);
   if (l.iridescence <= 0.0f) return r;
+  FacetCosines all;  // of light from all sides, whose cosines have the density 2 x
+  all.mean = 2.0f / 3.0f;
+  all.spread = 0.2357f;
   float albedo = table.x + table.y;
-  float cosine = 1.0f - pow(saturate(table.y / max(albedo, 1e-6f)), 0.2f);
-  vec3 once = thinFilm(f0, l.iridescenceIor, l.iridescenceThickness, cosine) * albedo;
-  vec3 mean = thinFilm(f0, l.iridescenceIor, l.iridescenceThickness, kMeanFacetCosine);
-  r.once = r.once + (once - r.once) * l.iridescence;
-  r.more = r.more + (reflectedMore(mean, saturate(1.0f - albedo)) - r.more) * l.iridescence;
+  vec3 more = reflectedMore(meanThinFilm(f0, l, all), saturate(1.0f - albedo));
+  r.once = r.once + (meanThinFilm(f0, l, facets) * albedo - r.once) * l.iridescence;
+  r.more = r.more + (more - r.more) * l.iridescence;
   return r;
 }
 
 // What becomes of uniform light from all directions at the surface itself, as in surfaceReflectance().
-SH_FUNC void addReflectance(SH_INOUT(LayeredBrdf) b, vec2 table) {
+SH_FUNC void addReflectance(SH_INOUT(LayeredBrdf) b, vec3 toEye, vec2 table) {
   Surface s = b.surface;
   SurfaceLayers l = b.layers;
-  Reflectance dielectric = filmedReflectance(s.f0, s.f90, table, l);
-  Reflectance metal = filmedReflectance(s.baseColor, 1.0f, table, l);
+  FacetCosines facets = facetCosines(saturate(dot(s.normal, toEye)), ggxAlpha(s.roughness));
+  Reflectance dielectric = filmedReflectance(s.f0, s.f90, table, l, facets);
+  Reflectance metal = filmedReflectance(s.baseColor, 1.0f, table, l, facets);
   b.once = dielectric.once + (metal.once - dielectric.once) * s.metallic;
   vec3 more = dielectric.more + (metal.more - dielectric.more) * s.metallic;
   float left = saturate(1.0f - maxChannel(dielectric.once + dielectric.more));
@@ -217,7 +223,7 @@ SH_FUNC LayeredBrdf layeredBrdf(Surface s, SurfaceLayers l, vec3 toEye, uint sha
   b.layers = clampedLayers(l);
   b.compensated = shading == kShadingGgxCompensated ? 1.0f : 0.0f;
   b.stretched = stretchedFrame(s.normal, l.anisotropyDirection, s.roughness, b.layers.anisotropy);
-  addReflectance(b, tables.base);
+  addReflectance(b, toEye, tables.base);
   s.scattered = b.scattered;
   b.base = surfaceBrdf(s, toEye, shading);
   if (b.compensated <= 0.0f) b.base.diffuse = b.base.diffuse * keptDiffuse(b.layers);

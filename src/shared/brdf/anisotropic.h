@@ -4,6 +4,7 @@
 #define LATELIGHT_SHARED_BRDF_ANISOTROPIC_H
 
 #include "shared/brdf/ggx.h"
+#include "shared/brdf/lobe_part.h"
 
 SH_BEGIN
 
@@ -58,25 +59,22 @@ SH_FUNC float stretchedRoughness(StretchedFrame f, vec3 toEye) {
   return sqrt(sqrt(min(mean2 * nv * nv + masking * masking, 1.0f)));
 }
 
-// Parts of equal share of a stretched lobe's facets, for lookups that know round lobes alone: normals along the
-// tangent, with the width that the facets about each of them have.
-struct LobePart {
-  vec3 normal;  // unit
-  float roughness;
-  float weight;  // share of the light that goes to the eye, up to a factor
-};
+// Parts of equal share of a stretched lobe's facets, for lookups that know round lobes alone: normals along the tangent,
+// spread so that lobes as wide as the stretched one is across it are together as wide as it is along it.
 SH_CONST uint kStretchedParts = 8u;
 SH_FUNC LobePart stretchedPart(StretchedFrame f, vec3 toEye, uint part) {
   // The slope's distribution along the tangent is (1 + u^2)^(-3/2) / 2 of u = slope / alpha, and this its quantile.
   float p = (float(part) + 0.5f) * (2.0f / float(kStretchedParts)) - 1.0f;
-  float spread = inversesqrt(1.0f - p * p);
-  float slope = f.along * p * spread;
+  float u = p * inversesqrt(1.0f - p * p);
+  float ratio = f.across / f.along;
+  float apart = 1.0f - ratio * ratio;
+  float slope = f.along * sqrt(apart) * u;
   float tilt = inversesqrt(1.0f + slope * slope);
   LobePart r;
   r.normal = (f.normal + f.tangent * slope) * tilt;
-  float across = f.across * spread * tilt;
-  float along = f.along * spread * spread * spread * tilt * tilt / float(kStretchedParts);
-  r.roughness = sqrt(clamp(max(across, 0.5f * along), kGgxMinAlpha, 1.0f));
+  float across = f.across * sqrt(1.0f + apart * u * u) * tilt;
+  float gap = f.along * sqrt(apart) * (1.0f + u * u) * sqrt(1.0f + u * u) * tilt * tilt / float(kStretchedParts);
+  r.roughness = sqrt(clamp(max(across, 0.5f * gap), kGgxMinAlpha, 1.0f));
   // Visible facets are seen in the measure of the cosine to them, and what they send below the surface is lost.
   float vh = dot(toEye, r.normal);
   vec3 mirrored = r.normal * (2.0f * vh) - toEye;
