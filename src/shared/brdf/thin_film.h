@@ -88,7 +88,7 @@ SH_FUNC vec3 thinFilm(vec3 f0, float ior, float thickness, float cosine) {
 }
 
 // Cosines between the eye and those facets of a GGX lobe that send it uniform light: their mean and standard deviation,
-// within 0.04 of the integral.
+// within 0.05 of the integral.
 struct FacetCosines {
   float mean;
   float spread;
