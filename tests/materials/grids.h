@@ -11,7 +11,7 @@
 namespace latelight::materials {
 
 inline constexpr uint32_t kColumns = 5, kRows = 3;
-inline constexpr uint32_t kCell = 28;    // pixels a sphere's square is wide
+inline constexpr uint32_t kCell = 20;    // pixels a sphere's square is wide
 inline constexpr float kRadius = 0.46f;  // of a sphere; squares are 1 m wide
 inline constexpr uint32_t kWidth = kColumns * kCell, kHeight = kRows * kCell;
 

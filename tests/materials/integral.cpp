@@ -9,7 +9,6 @@ namespace latelight::materials {
 namespace {
 
 using glm::dvec3;
-using shared::vec2;
 using shared::vec3;
 
 // The i-th point of a lattice that is even in each two of its dimensions (Roberts 2018).
@@ -57,29 +56,8 @@ vec3 cosineSample(const shared::StretchedFrame& f, double side, double u, double
 
 }  // namespace
 
-vec2 splitSum(vec2 place) {
-  constexpr uint32_t kSamples = 2048;
-  const double nv = std::max(place.x, 1e-3f);
-  const float alpha = shared::ggxAlpha(place.y), a2 = alpha * alpha;
-  const Facets facets{roundFrame(vec3(0, 0, 1), vec3(1, 0, 0), place.y),
-                      vec3(float(std::sqrt(1.0 - nv * nv)), 0.0f, float(nv)), false};
-  double whole = 0.0, grazing = 0.0;
-  for (uint32_t i = 0; i < kSamples; ++i) {
-    const std::optional<vec3> l = facets.sample(lattice(i, 0), lattice(i, 1));
-    if (!l) continue;
-    const vec3 h = shared::halfVector(*l, facets.eye);
-    const float nl = l->z, vh = glm::dot(facets.eye, h);
-    const float visibility = 0.5f / (facets.eye.z * shared::smithRoot(nl, a2) + nl * shared::smithRoot(float(nv), a2));
-    const double weight = 4.0 * vh / h.z * visibility * nl;
-    whole += weight;
-    grazing += weight * shared::schlickWeight(vh);
-  }
-  return vec2(float((whole - grazing) / kSamples), float(grazing / kSamples));
-}
-
-dvec3 integrate(const Point& p, const study::EnvironmentTruth& environment, uint32_t samples) {
-  const shared::LayerTables places = shared::layerTablePlaces(p.surface, p.layers, p.toEye);
-  const shared::LayerTables tables{splitSum(places.base), splitSum(places.coat), splitSum(places.behind)};
+dvec3 integrate(const Point& p, const shared::LayerTables& tables, const study::EnvironmentTruth& environment,
+                uint32_t samples) {
   constexpr uint32_t kShading = shared::kShadingGgxCompensated;
   const shared::LayeredBrdf b = shared::layeredBrdf(p.surface, p.layers, p.toEye, kShading, tables);
   const vec3 n = p.surface.normal, tangent = p.layers.anisotropyDirection;
