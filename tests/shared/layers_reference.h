@@ -38,8 +38,8 @@ inline double charlieLambda(double cosine, double alpha) {
 }
 inline double charlie(const Vec& n, const Vec& l, const Vec& v, double alpha) {
   const double nl = dot(n, l), nv = dot(n, v);
-  return charlieDistribution(dot(n, halfway(l, v)), alpha) / (1.0 + charlieLambda(nv, alpha) + charlieLambda(nl, alpha)) /
-         (4.0 * nv * nl);
+  return charlieDistribution(dot(n, halfway(l, v)), alpha) /
+         (1.0 + charlieLambda(nv, alpha) + charlieLambda(nl, alpha)) / (4.0 * nv * nl);
 }
 
 // KHR_materials_anisotropy: D and V of widths `at` along t and `ab` along b.
