@@ -7,7 +7,9 @@
 # <file>@<layout>+msaa. One that defines MULTISAMPLED itself has no other form, and one that defines ONE_SAMPLE not that
 # one. layered: so too where samples are layers of arrays, with SAMPLE_LAYERS defined beside MULTISAMPLED, and named by
 # +layers instead. textured: it samples materials' textures by fragment_point.glsl or surface_point.glsl, and each of its forms is
-# compiled again with TEXTURES_BY_INDEX defined, named <form>+indexed, for devices with descriptor indexing.
+# compiled again with TEXTURES_BY_INDEX defined, named <form>+indexed, for devices with descriptor indexing. coated: it
+# lights blended surfaces by blended_light.glsl, and each of its forms is compiled again with COATED defined, named
+# <form>+coated, for materials that may have layers (src/render/layered).
 set(LATELIGHT_SPIRV ${PROJECT_BINARY_DIR}/spirv)
 # Debug information holds the sources and where they lay: not for what is shipped.
 set(LATELIGHT_SHADER_DEBUG $<$<NOT:$<CONFIG:Release>>:-g>)
@@ -51,6 +53,9 @@ function(latelight_declared_variants source out)
   endif()
   if(text MATCHES "#include \"render/(visibility/fragment_point|visibility/surface_fragment|visibility/compute/surface_point|transparency/blended)\\.glsl\"")
     list(APPEND used textured)
+  endif()
+  if(text MATCHES "#include \"render/transparency/blended(_light)?\\.glsl\"")
+    list(APPEND used coated)
   endif()
   list(JOIN used ", " wanted)
   foreach(variant IN LISTS used)
@@ -101,6 +106,10 @@ function(latelight_shaders module)
       list(APPEND several ${layered})
     endif()
     list(APPEND variants ${several})
+    if("coated" IN_LIST declared)
+      list(TRANSFORM variants APPEND "+coated" OUTPUT_VARIABLE coated)
+      list(APPEND variants ${coated})
+    endif()
     if("textured" IN_LIST declared)
       list(TRANSFORM variants APPEND "+indexed" OUTPUT_VARIABLE indexed)
       list(APPEND variants ${indexed})
@@ -117,6 +126,9 @@ function(latelight_shaders module)
       endif()
       if(variant MATCHES "\\+layers")
         list(APPEND includes -DMULTISAMPLED -DSAMPLE_LAYERS)
+      endif()
+      if(variant MATCHES "\\+coated")
+        list(APPEND includes -DCOATED)
       endif()
       if(variant MATCHES "\\+indexed")
         list(APPEND includes -DTEXTURES_BY_INDEX)

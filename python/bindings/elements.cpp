@@ -54,6 +54,28 @@ void bindMaterial(nb::module_& module) {
       .number("specular", &Material::specular, "KHR_materials_specular")
       .numbers("specular_color", &Material::specularColor, "linear Rec.709")
       .number("f0", &Material::f0, "what a dielectric reflects at normal incidence: ((ior - 1) / (ior + 1))^2")
+      .number("clearcoat", &Material::clearcoat, "KHR_materials_clearcoat: 0 (none) to 1")
+      .number("clearcoat_roughness", &Material::clearcoatRoughness, "0 to 1")
+      .number("clearcoat_normal_scale", &Material::clearcoatNormalScale, "of the coat's own normal map's slopes")
+      .numbers("sheen_color", &Material::sheenColor, "KHR_materials_sheen: linear Rec.709, 0 to 1; black: none")
+      .number("sheen_roughness", &Material::sheenRoughness, "0 to 1")
+      .number("anisotropy", &Material::anisotropy, "KHR_materials_anisotropy: 0 (none) to 1")
+      .number("anisotropy_rotation", &Material::anisotropyRotation, "degrees, counter-clockwise from the tangent")
+      .number("iridescence", &Material::iridescence, "KHR_materials_iridescence: 0 (none) to 1")
+      .number("iridescence_ior", &Material::iridescenceIor, "index of refraction of the film, at least 1")
+      .number("iridescence_thinnest", &Material::iridescenceThinnest, "nanometres, where the texture is 0")
+      .number("iridescence_thickest", &Material::iridescenceThickest,
+              "nanometres, where the texture is 1, or where there is none")
+      .number("transmission", &Material::transmission, "KHR_materials_transmission: 0 (none) to 1")
+      .number("thickness", &Material::thickness,
+              "KHR_materials_volume: metres in object space; 0: the surface is thin-walled")
+      .numbers("attenuation_color", &Material::attenuationColor,
+               "linear Rec.709, 0 to 1: what is left of white light after attenuation_distance")
+      .number("attenuation_distance", &Material::attenuationDistance, "metres; infinite: nothing is lost")
+      .number("dispersion", &Material::dispersion, "KHR_materials_dispersion: 20 / the Abbe number; 0: none")
+      .number("diffuse_transmission", &Material::diffuseTransmission,
+              "KHR_materials_diffuse_transmission: 0 (none) to 1")
+      .numbers("diffuse_transmission_color", &Material::diffuseTransmissionColor, "linear Rec.709, 0 to 1")
       .done()
       .def_prop_ro(
           "id", [](const Material& m) { return m.id; }, "as in the output \"material\"; the scene gives it");

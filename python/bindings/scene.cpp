@@ -1,4 +1,6 @@
 // class Scene.
+#include <fmt/ranges.h>
+
 #include "scene.h"
 
 #include <nanobind/stl/optional.h>
@@ -89,8 +91,11 @@ TextureData textureDataOf(nb::handle pixels, nb::handle srgb, nb::handle name) {
   return data;
 }
 
-constexpr const char* kSlots[] = {"base_color", "metallic_roughness", "normal",        "occlusion",
-                                  "emissive",   "specular",           "specular_color"};  // by TextureSlot
+constexpr const char* kSlots[] = {  // by TextureSlot
+    "base_color",     "metallic_roughness",    "normal",       "occlusion", "emissive",
+    "specular",       "specular_color",        "clearcoat",    "clearcoat_roughness", "clearcoat_normal",
+    "sheen_color",    "sheen_roughness",       "anisotropy",   "iridescence", "iridescence_thickness",
+    "transmission",   "thickness",             "diffuse_transmission", "diffuse_transmission_color"};
 constexpr const char* kWraps[] = {"repeat", "mirror", "clamp"};                           // by Wrap
 
 template <typename Enum, size_t N>
@@ -315,6 +320,11 @@ void defineTextures(Class& type) {
       "pixels: (H, W, C) uint8, rows from the top; 1 channel is grey, 2 grey and alpha, 3 RGB, 4 RGBA. srgb: as base "
       "colours\n"
       "and emitted light are stored; False for normals, roughness and other data.");
+  const std::string signature = fmt::format(
+      "def set_texture(self, material: MaterialHandle, slot: typing.Literal[\"{}\"], texture: TextureHandle | None, "
+      "wrap: typing.Literal[\"repeat\", \"mirror\", \"clamp\"] = \"repeat\", smooth: bool = True, uv_set: int = 0) "
+      "-> None",
+      fmt::join(kSlots, "\", \""));
   type.def(
       "set_texture",
       [](SharedScene& s, nb::handle material, nb::handle slot, nb::handle texture, nb::handle wrap, nb::handle smooth,
@@ -331,12 +341,7 @@ void defineTextures(Class& type) {
       },
       argument("material"), argument("slot"), argument("texture"), argument("wrap") = "repeat",
       argument("smooth") = true, argument("uv_set") = 0,
-      nb::sig(
-          "def set_texture(self, material: MaterialHandle, slot: typing.Literal[\"base_color\", "
-          "\"metallic_roughness\", "
-          "\"normal\", \"occlusion\", \"emissive\", \"specular\", \"specular_color\"], texture: TextureHandle | None, "
-          "wrap: typing.Literal[\"repeat\", \"mirror\", \"clamp\"] = \"repeat\", smooth: bool = True, uv_set: int = 0) "
-          "-> None"),
+      nb::sig(signature.c_str()),
       "The texture that the material samples in that slot; None: none. Channels are glTF's: roughness is green, "
       "metalness\nblue. "
       "smooth: linear filters and mip levels; else the nearest texel. uv_set: 0 or 1.");

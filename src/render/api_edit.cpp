@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
+#include <limits>
 
 #include "base/error.h"
 #include "base/log.h"
@@ -61,6 +62,53 @@ mat4 internalTransform(const Transform& rows, const scene::Scene& scene) {
 
 constexpr uint32_t kAlphaFlags[] = {0, shared::kMaterialMasked, shared::kMaterialBlended};  // by AlphaMode
 
+void publishLayers(const shared::MaterialLayers& l, Material& out) {
+  out.clearcoat = l.clearcoat;
+  out.clearcoatRoughness = l.clearcoatRoughness;
+  out.clearcoatNormalScale = l.clearcoatNormalScale;
+  out.sheenColor = three(l.sheenColor);
+  out.sheenRoughness = l.sheenRoughness;
+  out.anisotropy = l.anisotropy;
+  out.anisotropyRotation = static_cast<float>(l.anisotropyRotation * kDegrees);
+  out.iridescence = l.iridescence;
+  out.iridescenceIor = l.iridescenceIor;
+  out.iridescenceThinnest = l.iridescenceThinnest;
+  out.iridescenceThickest = l.iridescenceThickest;
+  out.transmission = l.transmission;
+  out.thickness = l.thickness;
+  out.attenuationColor = three(l.attenuationColor);
+  out.attenuationDistance = l.attenuationDistance > 0 ? l.attenuationDistance : std::numeric_limits<float>::infinity();
+  out.dispersion = l.dispersion;
+  out.diffuseTransmission = l.diffuseTransmission;
+  out.diffuseTransmissionColor = three(l.diffuseTransmissionColor);
+}
+
+shared::MaterialLayers internalLayers(const Material& from) {
+  if (!(from.attenuationDistance > 0))
+    badUsage("the attenuation distance of the material \"{}\" must be above 0, and infinite where nothing is lost",
+             printable(from.name));
+  shared::MaterialLayers l;
+  l.clearcoat = from.clearcoat;
+  l.clearcoatRoughness = from.clearcoatRoughness;
+  l.clearcoatNormalScale = from.clearcoatNormalScale;
+  l.sheenColor = three(from.sheenColor);
+  l.sheenRoughness = from.sheenRoughness;
+  l.anisotropy = from.anisotropy;
+  l.anisotropyRotation = static_cast<float>(from.anisotropyRotation / kDegrees);
+  l.iridescence = from.iridescence;
+  l.iridescenceIor = from.iridescenceIor;
+  l.iridescenceThinnest = from.iridescenceThinnest;
+  l.iridescenceThickest = from.iridescenceThickest;
+  l.transmission = from.transmission;
+  l.thickness = from.thickness;
+  l.attenuationColor = three(from.attenuationColor);
+  l.attenuationDistance = std::isinf(from.attenuationDistance) ? 0 : from.attenuationDistance;
+  l.dispersion = from.dispersion;
+  l.diffuseTransmission = from.diffuseTransmission;
+  l.diffuseTransmissionColor = three(from.diffuseTransmissionColor);
+  return l;
+}
+
 Material publicMaterial(const scene::Material& from) {
   const shared::Material& m = from.data;
   Material out;
@@ -80,6 +128,7 @@ Material publicMaterial(const scene::Material& from) {
   out.specular = m.specular;
   out.specularColor = three(m.specularColor);
   out.f0 = m.f0;
+  publishLayers(m.layers, out);
   return out;
 }
 
@@ -103,11 +152,13 @@ scene::Material internalMaterial(const Material& from, const scene::Material& li
   m.specular = from.specular;
   m.specularColor = three(from.specularColor);
   m.f0 = from.f0;
+  m.layers = internalLayers(from);
   return out;
 }
 
 scene::Material untextured() {
   scene::Material material;
+  material.data.layers = scene::noLayers();
   for (shared::TextureTransform& transform : material.data.transforms) transform = {vec3(1, 0, 0), vec3(0, 1, 0), 0};
   return material;
 }

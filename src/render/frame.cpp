@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "render/layered/layered.h"
 #include "render/lighting/technique.h"
 #include "render/post/ambient_occlusion/ambient_occlusion.h"
 #include "render/post/background.h"
@@ -87,6 +88,7 @@ LitFrame addLit(const FrameContext& f, const FrameDepth& depth) {
   g.ambientOcclusion = addAmbientOcclusion(f, g);
   if (f.setup.sunInGbuffer) addSunOcclusion(f, g);
   f.setup.lighting->add(f, g);
+  addLayered(f, g);
   if (f.environmentBackground) addBackground(f, g);
   if (f.setup.fog) addFog(f, g);
   return {g.light, g.lightCounts, g};

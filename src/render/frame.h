@@ -67,6 +67,7 @@ struct Gbuffer {
   // With several samples a pixel, the targets and these two have as many; `depth` and `light` keep one sample, so that
   // passes after lighting need not know. With one sample they are the same images.
   graph::ImageId sampleDepth, sampleLight;
+  graph::ImageId behind;    // what transmissive surfaces show (layered/behind.h); none: there are none
   graph::ImageId surfaces;  // of pixels, by their samples (kSurfacesFormat); none with one sample, or no targets
 };
 

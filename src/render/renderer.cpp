@@ -133,7 +133,10 @@ std::shared_ptr<FrameShadows> Renderer::planShadows(std::span<const scene::Camer
 
 Ticket Renderer::submit(std::span<const scene::Camera> cameras, const Settings& settings, const Moment& moment,
                         Results results) {
-  return {*this, start(cameras, settings, moment, stripsOf(settings), results)};
+  const bool transmissive = std::ranges::any_of(scene_.materials, [](const scene::Material& material) {
+    return (scene::layerFlags(material.data) & shared::kMaterialTransmissive) != 0;
+  });
+  return {*this, start(cameras, settings, moment, stripsOf(settings, transmissive), results)};
 }
 
 output::FrameOutput Renderer::renderStrip(const scene::Camera& camera, const Settings& settings, Strip strip,

@@ -11,8 +11,8 @@ namespace {
 // A multiple of the side of every pixel block that passes work on: 2 for derivatives, 16 for workgroups and tiles.
 constexpr uint32_t kBlock = 64;
 
-bool needsNeighbours(const Settings& s) {
-  return showsPicture(s) && (s.aa.temporal || s.aa.fxaa || s.bloom > 0 || s.ambientOcclusion != AmbientOcclusion::None);
+bool needsNeighbours(const Settings& s, bool transmissive) {
+  return showsPicture(s) && (transmissive || s.aa.temporal || s.aa.fxaa || s.bloom > 0 || s.ambientOcclusion != AmbientOcclusion::None);
 }
 
 // Beyond four samples a pixel as many samples.
@@ -28,9 +28,9 @@ void append(std::vector<T>& whole, const std::vector<T>& strip, size_t most) {
 
 }  // namespace
 
-std::vector<Strip> stripsOf(const Settings& s) {
+std::vector<Strip> stripsOf(const Settings& s, bool transmissive) {
   const uint32_t pixels = stripPixels(s);
-  if (uint64_t{s.width} * s.height <= pixels || needsNeighbours(s)) return {{0, s.height}};
+  if (uint64_t{s.width} * s.height <= pixels || needsNeighbours(s, transmissive)) return {{0, s.height}};
   const uint32_t blocks = std::max<uint32_t>(1, pixels / (s.width * kBlock));
   const uint32_t rows = blocks * kBlock;
   std::vector<Strip> strips;

@@ -44,6 +44,27 @@ std::span<const float> numbers(const vec4& v) {
   return {&v.x, 4};
 }
 
+void checkLayers(const shared::MaterialLayers& l, const std::string& whose) {
+  checkRange(l.clearcoat, 0, 1, "clear coat", whose);
+  checkRange(l.clearcoatRoughness, 0, 1, "clear coat's roughness", whose);
+  checkRange(l.clearcoatNormalScale, -kInfinity, kInfinity, "clear coat's normal scale", whose);
+  checkRange(numbers(l.sheenColor), 0, 1, "sheen colour", whose);
+  checkRange(l.sheenRoughness, 0, 1, "sheen roughness", whose);
+  checkRange(l.anisotropy, 0, 1, "anisotropy", whose);
+  checkRange(l.anisotropyRotation, -kInfinity, kInfinity, "anisotropy's rotation", whose);
+  checkRange(l.iridescence, 0, 1, "iridescence", whose);
+  if (l.iridescence > 0) checkRange(l.iridescenceIor, 1, kInfinity, "iridescent film's index of refraction", whose);
+  checkRange(l.iridescenceThinnest, 0, kInfinity, "iridescent film's least thickness", whose);
+  checkRange(l.iridescenceThickest, 0, kInfinity, "iridescent film's greatest thickness", whose);
+  checkRange(l.transmission, 0, 1, "transmission", whose);
+  checkRange(l.thickness, 0, kInfinity, "thickness", whose);
+  checkRange(l.dispersion, 0, kInfinity, "dispersion", whose);
+  checkRange(numbers(l.attenuationColor), 0, 1, "attenuation colour", whose);
+  checkRange(l.attenuationDistance, 0, kInfinity, "attenuation distance", whose);
+  checkRange(numbers(l.diffuseTransmissionColor), 0, 1, "diffuse transmission colour", whose);
+  checkRange(l.diffuseTransmission, 0, 1, "diffuse transmission", whose);
+}
+
 void checkTextures(const Scene& scene, const Material& material, const std::string& whose) {
   for (uint32_t slot = 0; slot < shared::kTextureCount; ++slot) {
     const int texture = material.slots[slot].texture;
@@ -88,6 +109,7 @@ void checkMaterial(const Scene& scene, const Material& material) {
   checkRange(numbers(m.specularColor), 0, kInfinity, "specular colour", whose);
   checkRange(m.specular, 0, kInfinity, "specular strength", whose);
   checkRange(m.f0, 0, 1, "reflectance f0", whose);
+  checkLayers(m.layers, whose);
   constexpr uint32_t kBoth = shared::kMaterialMasked | shared::kMaterialBlended;
   if ((m.flags & kBoth) == kBoth) badUsage("{} is both masked and blended", whose);
   checkTextures(scene, material, whose);

@@ -33,11 +33,20 @@ std::vector<double> weightsOf(const tinygltf::Node& node, const tinygltf::Mesh& 
   return idle ? std::vector<double>() : weights;
 }
 
+// The texture whose coordinates tangents follow. Without one, an anisotropic surface has those of the first set.
+std::optional<uint32_t> tangentSlot(const Material& material) {
+  for (const uint32_t slot : {shared::kTextureNormal, shared::kTextureClearcoatNormal, shared::kTextureAnisotropy})
+    if (material.data.textures & 1u << slot) return slot;
+  if (material.data.layers.anisotropy > 0) return shared::kTextureAnisotropy;
+  return std::nullopt;
+}
+
 // Tangents are generated for the texture that uses them: its UV set, with its transform applied.
 std::optional<TangentSpace> tangentSpaceOf(const Material& material, const tinygltf::Primitive& p) {
   bool given = p.attributes.contains("TANGENT") && p.attributes.contains("NORMAL");
-  if (given || !(material.data.textures & 1u << shared::kTextureNormal)) return std::nullopt;
-  const shared::TextureTransform& t = material.data.transforms[shared::kTextureNormal];
+  const std::optional<uint32_t> slot = tangentSlot(material);
+  if (given || !slot) return std::nullopt;
+  const shared::TextureTransform& t = material.data.transforms[*slot];
   return TangentSpace{t.uvSet, vec2(t.row0), vec2(t.row1)};
 }
 

@@ -177,6 +177,72 @@ class MaterialReader {
       slot(shared::kTextureSpecular, referenceTo(e->Get("specularTexture")), false);
       slot(shared::kTextureSpecularColor, referenceTo(e->Get("specularColorTexture")), true);
     }
+    readCoats();
+    readReflection();
+    readTransmission();
+  }
+
+  const Value* layer(const char* name) const { return extension(source_->extensions, name); }
+
+  static void colorInto(vec3& color, const Value& object, const char* key) {
+    for (int i = 0; i < 3; ++i) color[i] = float(elementOr(object, key, size_t(i), color[i]));
+  }
+
+  void readCoats() {
+    shared::MaterialLayers& l = out_.data.layers;
+    if (const Value* e = layer("KHR_materials_clearcoat")) {
+      l.clearcoat = float(numberOr(*e, "clearcoatFactor", 0));
+      l.clearcoatRoughness = float(numberOr(*e, "clearcoatRoughnessFactor", 0));
+      const Value& normal = e->Get("clearcoatNormalTexture");
+      if (normal.IsObject()) l.clearcoatNormalScale = float(numberOr(normal, "scale", 1));
+      slot(shared::kTextureClearcoat, referenceTo(e->Get("clearcoatTexture")), false);
+      slot(shared::kTextureClearcoatRoughness, referenceTo(e->Get("clearcoatRoughnessTexture")), false);
+      slot(shared::kTextureClearcoatNormal, referenceTo(normal), false);
+    }
+    if (const Value* e = layer("KHR_materials_sheen")) {
+      colorInto(l.sheenColor, *e, "sheenColorFactor");
+      l.sheenRoughness = float(numberOr(*e, "sheenRoughnessFactor", 0));
+      slot(shared::kTextureSheenColor, referenceTo(e->Get("sheenColorTexture")), true);
+      slot(shared::kTextureSheenRoughness, referenceTo(e->Get("sheenRoughnessTexture")), false);
+    }
+  }
+
+  void readReflection() {
+    shared::MaterialLayers& l = out_.data.layers;
+    if (const Value* e = layer("KHR_materials_anisotropy")) {
+      l.anisotropy = float(numberOr(*e, "anisotropyStrength", 0));
+      l.anisotropyRotation = float(numberOr(*e, "anisotropyRotation", 0));
+      slot(shared::kTextureAnisotropy, referenceTo(e->Get("anisotropyTexture")), false);
+    }
+    if (const Value* e = layer("KHR_materials_iridescence")) {
+      l.iridescence = float(numberOr(*e, "iridescenceFactor", 0));
+      l.iridescenceIor = float(numberOr(*e, "iridescenceIor", l.iridescenceIor));
+      l.iridescenceThinnest = float(numberOr(*e, "iridescenceThicknessMinimum", l.iridescenceThinnest));
+      l.iridescenceThickest = float(numberOr(*e, "iridescenceThicknessMaximum", l.iridescenceThickest));
+      slot(shared::kTextureIridescence, referenceTo(e->Get("iridescenceTexture")), false);
+      slot(shared::kTextureIridescenceThickness, referenceTo(e->Get("iridescenceThicknessTexture")), false);
+    }
+  }
+
+  void readTransmission() {
+    shared::MaterialLayers& l = out_.data.layers;
+    if (const Value* e = layer("KHR_materials_transmission")) {
+      l.transmission = float(numberOr(*e, "transmissionFactor", 0));
+      slot(shared::kTextureTransmission, referenceTo(e->Get("transmissionTexture")), false);
+    }
+    if (const Value* e = layer("KHR_materials_volume")) {
+      l.thickness = float(numberOr(*e, "thicknessFactor", 0));
+      l.attenuationDistance = float(numberOr(*e, "attenuationDistance", 0));
+      colorInto(l.attenuationColor, *e, "attenuationColor");
+      slot(shared::kTextureThickness, referenceTo(e->Get("thicknessTexture")), false);
+    }
+    if (const Value* e = layer("KHR_materials_dispersion")) l.dispersion = float(numberOr(*e, "dispersion", 0));
+    if (const Value* e = layer("KHR_materials_diffuse_transmission")) {
+      l.diffuseTransmission = float(numberOr(*e, "diffuseTransmissionFactor", 0));
+      colorInto(l.diffuseTransmissionColor, *e, "diffuseTransmissionColorFactor");
+      slot(shared::kTextureDiffuseTransmission, referenceTo(e->Get("diffuseTransmissionTexture")), false);
+      slot(shared::kTextureDiffuseTransmissionColor, referenceTo(e->Get("diffuseTransmissionColorTexture")), true);
+    }
   }
 
   const Document& document_;
@@ -205,7 +271,8 @@ Material defaultMaterial() {
                    .alphaCutoff = 0.5f,
                    .specularColor = vec3(1),
                    .specular = 1,
-                   .f0 = kDielectricF0};
+                   .f0 = kDielectricF0,
+                   .layers = noLayers()};
   for (shared::TextureTransform& transform : material.data.transforms) setTransform(transform, {});
   return material;
 }

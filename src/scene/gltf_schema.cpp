@@ -86,6 +86,12 @@ constexpr Rule number(std::string_view key, double least = -kMaxFloat, double mo
 constexpr Rule numbers(std::string_view key, size_t fewest, size_t atMost) {
   return {.key = key, .kind = Kind::Numbers, .fewest = fewest, .atMost = atMost};
 }
+constexpr Rule share(std::string_view key) {
+  return number(key, 0, 1);
+}
+constexpr Rule shares(std::string_view key) {  // of three colours
+  return {.key = key, .kind = Kind::Numbers, .least = 0, .most = 1, .fewest = 3, .atMost = 3};
+}
 constexpr Rule string(std::string_view key, bool required = false) {
   return {.key = key, .kind = Kind::String, .required = required};
 }
@@ -244,9 +250,47 @@ constexpr Schema kIor{kIorRules};
 constexpr Rule kSpecularRules[] = {number("specularFactor"), object("specularTexture", &kTextureInfo),
                                    numbers("specularColorFactor", 3, 3), object("specularColorTexture", &kTextureInfo)};
 constexpr Schema kSpecular{kSpecularRules};
-constexpr Rule kMaterialExtensionRules[] = {
-    object("KHR_materials_unlit", &kAnything), object("KHR_materials_emissive_strength", &kEmissiveStrength),
-    object("KHR_materials_ior", &kIor), object("KHR_materials_specular", &kSpecular)};
+constexpr Rule kClearcoatRules[] = {share("clearcoatFactor"), object("clearcoatTexture", &kTextureInfo),
+                                    share("clearcoatRoughnessFactor"),
+                                    object("clearcoatRoughnessTexture", &kTextureInfo),
+                                    object("clearcoatNormalTexture", &kTextureInfo)};
+constexpr Schema kClearcoat{kClearcoatRules};
+constexpr Rule kSheenRules[] = {shares("sheenColorFactor"), object("sheenColorTexture", &kTextureInfo),
+                                share("sheenRoughnessFactor"), object("sheenRoughnessTexture", &kTextureInfo)};
+constexpr Schema kSheen{kSheenRules};
+constexpr Rule kAnisotropyRules[] = {share("anisotropyStrength"), number("anisotropyRotation"),
+                                     object("anisotropyTexture", &kTextureInfo)};
+constexpr Schema kAnisotropy{kAnisotropyRules};
+constexpr Rule kIridescenceRules[] = {share("iridescenceFactor"),
+                                      object("iridescenceTexture", &kTextureInfo),
+                                      number("iridescenceIor", 1),
+                                      number("iridescenceThicknessMinimum", 0),
+                                      number("iridescenceThicknessMaximum", 0),
+                                      object("iridescenceThicknessTexture", &kTextureInfo)};
+constexpr Schema kIridescence{kIridescenceRules};
+constexpr Rule kTransmissionRules[] = {share("transmissionFactor"), object("transmissionTexture", &kTextureInfo)};
+constexpr Schema kTransmission{kTransmissionRules};
+constexpr Rule kVolumeRules[] = {number("thicknessFactor", 0), object("thicknessTexture", &kTextureInfo),
+                                 number("attenuationDistance", kPositive), shares("attenuationColor")};
+constexpr Schema kVolume{kVolumeRules};
+constexpr Rule kDispersionRules[] = {number("dispersion", 0)};
+constexpr Schema kDispersion{kDispersionRules};
+constexpr Rule kDiffuseTransmissionRules[] = {
+    share("diffuseTransmissionFactor"), object("diffuseTransmissionTexture", &kTextureInfo),
+    shares("diffuseTransmissionColorFactor"), object("diffuseTransmissionColorTexture", &kTextureInfo)};
+constexpr Schema kDiffuseTransmission{kDiffuseTransmissionRules};
+constexpr Rule kMaterialExtensionRules[] = {object("KHR_materials_unlit", &kAnything),
+                                            object("KHR_materials_emissive_strength", &kEmissiveStrength),
+                                            object("KHR_materials_ior", &kIor),
+                                            object("KHR_materials_specular", &kSpecular),
+                                            object("KHR_materials_clearcoat", &kClearcoat),
+                                            object("KHR_materials_sheen", &kSheen),
+                                            object("KHR_materials_anisotropy", &kAnisotropy),
+                                            object("KHR_materials_iridescence", &kIridescence),
+                                            object("KHR_materials_transmission", &kTransmission),
+                                            object("KHR_materials_volume", &kVolume),
+                                            object("KHR_materials_dispersion", &kDispersion),
+                                            object("KHR_materials_diffuse_transmission", &kDiffuseTransmission)};
 constexpr Schema kMaterialExtensions{kMaterialExtensionRules};
 constexpr Rule kMaterialRules[] = {object("pbrMetallicRoughness", &kPbr),
                                    object("normalTexture", &kTextureInfo),

@@ -86,6 +86,24 @@ Scene loadFile(const std::string& source, const LoadOptions& options) {
 
 }  // namespace
 
+shared::MaterialLayers noLayers() {
+  return {.clearcoatNormalScale = 1,
+          .iridescenceIor = 1.3f,
+          .iridescenceThinnest = 100,
+          .iridescenceThickest = 400,
+          .attenuationColor = vec3(1),
+          .diffuseTransmissionColor = vec3(1)};
+}
+
+uint32_t layerFlags(const shared::Material& material) {
+  const shared::MaterialLayers& l = material.layers;
+  if (material.flags & shared::kMaterialUnlit) return 0;
+  if (l.transmission > 0) return shared::kMaterialLayered | shared::kMaterialTransmissive;
+  const bool any = l.clearcoat > 0 || l.sheenColor != vec3(0) || l.anisotropy > 0 || l.iridescence > 0 ||
+                   l.diffuseTransmission > 0;
+  return any ? shared::kMaterialLayered : 0;
+}
+
 size_t Texture::bytes() const {
   size_t texels = 0;
   for (uint32_t level = 0; level < levels; ++level)

@@ -60,6 +60,11 @@ struct Material {
   TextureSlot slots[shared::kTextureCount];
 };
 
+// glTF's defaults: nothing lies over the surface.
+shared::MaterialLayers noLayers();
+// kMaterialLayered and kMaterialTransmissive, as the layers have it. An unlit surface has none.
+uint32_t layerFlags(const shared::Material& material);
+
 // One glTF primitive: triangles only (strips and fans unrolled), indices always present, normals always present.
 struct Mesh {
   std::string name;

@@ -104,14 +104,18 @@ struct Reflectance {
   vec3 once;
   vec3 more;
 };
+// The second of the two. `mean` is the facets' reflectance to light from all sides, `lost` what white ones do not
+// reflect once.
+SH_FUNC vec3 reflectedMore(vec3 mean, float lost) {
+  float again = 0.75f * lost;
+  return mean * mean * (lost * (1.0f - again)) / (vec3(1.0f, 1.0f, 1.0f) - mean * again);
+}
 SH_FUNC Reflectance reflectance(vec3 f0, float f90, vec2 table) {
   Reflectance r;
   r.once = f0 * table.x + vec3(f90, f90, f90) * table.y;
   // Cosine-weighted mean of Schlick's term over the hemisphere: f0 + (f90 - f0) / 21.
   vec3 mean = f0 + (vec3(f90, f90, f90) - f0) * (1.0f / 21.0f);
-  float lost = saturate(1.0f - (table.x + table.y));
-  float again = 0.75f * lost;
-  r.more = mean * mean * (lost * (1.0f - again)) / (vec3(1.0f, 1.0f, 1.0f) - mean * again);
+  r.more = reflectedMore(mean, saturate(1.0f - (table.x + table.y)));
   return r;
 }
 

@@ -27,7 +27,8 @@ struct Surface {
   uint material;
   uint flags;  // kSurface*
 };
-SH_CONST uint kSurfaceUnlit = 1u;  // KHR_materials_unlit: outputs its baseColor
+SH_CONST uint kSurfaceUnlit = 1u;    // KHR_materials_unlit: outputs its baseColor
+SH_CONST uint kSurfaceLayered = 2u;  // its light is added by render/layered: here it neither reflects nor emits
 
 SH_FUNC Surface emptySurface() {
   Surface s;
@@ -67,13 +68,26 @@ SH_FUNC float specularF90(Surface s) {
   return s.f90 + (1.0f - s.f90) * s.metallic;
 }
 
-// A surface that reflects nothing: used in lighting for unlit materials and the background.
+// A surface that reflects nothing.
 SH_FUNC Surface withoutReflection(Surface s) {
   s.baseColor = vec3(0.0f, 0.0f, 0.0f);
   s.metallic = 0.0f;
   s.f0 = vec3(0.0f, 0.0f, 0.0f);
   s.f90 = 0.0f;
   return s;
+}
+
+// What lighting techniques light: an unlit surface reflects nothing, and a layered one is not theirs.
+SH_FUNC Surface litSurface(Surface s) {
+  if (s.flags != 0u) return withoutReflection(s);
+  return s;
+}
+
+// And what they find that it emits.
+SH_FUNC vec3 emittedRadiance(Surface s) {
+  if ((s.flags & kSurfaceLayered) != 0u) return vec3(0.0f, 0.0f, 0.0f);
+  if ((s.flags & kSurfaceUnlit) != 0u) return s.baseColor;
+  return s.emissive;
 }
 
 SH_END

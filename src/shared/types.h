@@ -55,12 +55,45 @@ SH_CONST uint kTextureOcclusion = 3u;
 SH_CONST uint kTextureEmissive = 4u;
 SH_CONST uint kTextureSpecular = 5u;
 SH_CONST uint kTextureSpecularColor = 6u;
-SH_CONST uint kTextureCount = 7u;
+SH_CONST uint kTextureClearcoat = 7u;  // from here on those of MaterialLayers
+SH_CONST uint kTextureClearcoatRoughness = 8u;
+SH_CONST uint kTextureClearcoatNormal = 9u;
+SH_CONST uint kTextureSheenColor = 10u;
+SH_CONST uint kTextureSheenRoughness = 11u;
+SH_CONST uint kTextureAnisotropy = 12u;
+SH_CONST uint kTextureIridescence = 13u;
+SH_CONST uint kTextureIridescenceThickness = 14u;
+SH_CONST uint kTextureTransmission = 15u;
+SH_CONST uint kTextureThickness = 16u;
+SH_CONST uint kTextureDiffuseTransmission = 17u;
+SH_CONST uint kTextureDiffuseTransmissionColor = 18u;
+SH_CONST uint kTextureCount = 19u;
 
 struct TextureTransform {  // KHR_texture_transform as an affine map: uv' = (dot(row0, (u,v,1)), dot(row1, (u,v,1)))
   vec3 row0;
   vec3 row1;
   uint uvSet;  // 0 or 1
+};
+
+struct MaterialLayers {  // what the extensions KHR_materials_* lay over a surface, and what it lets through
+  float clearcoat;
+  float clearcoatRoughness;
+  float clearcoatNormalScale;
+  float sheenRoughness;
+  vec3 sheenColor;
+  float anisotropy;
+  float anisotropyRotation;  // counter-clockwise from the tangent
+  float iridescence;
+  float iridescenceIor;
+  float iridescenceThinnest;  // nanometres, where the texture is 0
+  float iridescenceThickest;  // where it is 1, or where there is none
+  float transmission;
+  float thickness;  // metres in object space; 0: thin-walled
+  float dispersion;
+  vec3 attenuationColor;      // what is left of white light after attenuationDistance
+  float attenuationDistance;  // metres; 0: nothing is lost, however far
+  vec3 diffuseTransmissionColor;
+  float diffuseTransmission;
 };
 
 struct Material {
@@ -77,8 +110,9 @@ struct Material {
   uint flags;     // kMaterial*
   uint textures;  // bit i: texture slot i is present
   uint id;        // the value of the data output material: stable, never 0
-  TextureTransform transforms[7];
-  uint images[7];  // by slot: its texture and sampler among the scene's, where shaders find them by index
+  TextureTransform transforms[19];
+  uint images[19];  // by slot: its texture and sampler among the scene's, where shaders find them by index
+  MaterialLayers layers;
 };
 // A texture and its sampler, for shaders that filter themselves: where the device has no descriptor indexing.
 struct TextureRecord {  // 28 bytes
@@ -99,6 +133,14 @@ SH_CONST uint kMaterialUnlit = 1u;
 SH_CONST uint kMaterialMasked = 2u;  // alphaCutoff applies
 SH_CONST uint kMaterialDoubleSided = 4u;
 SH_CONST uint kMaterialBlended = 8u;  // alpha lets through what lies behind; never with kMaterialMasked
+// Of the device's records alone, by the layers.
+SH_CONST uint kMaterialLayered = 16u;       // some layer is there
+SH_CONST uint kMaterialTransmissive = 32u;  // what lies behind shows through the surface itself
+
+// Whether it is drawn over what lies behind it, rather than instead.
+SH_FUNC bool seenThrough(uint materialFlags) {
+  return (materialFlags & (kMaterialBlended | kMaterialTransmissive)) != 0u;
+}
 
 // --- lights ---------------------------------------------------------------------------------------------------------
 
@@ -221,7 +263,8 @@ static_assert(sizeof(latelight::shared::VertexExtra) == 24);
 static_assert(sizeof(latelight::shared::Mesh) == 56);
 static_assert(sizeof(latelight::shared::Instance) == 68);
 static_assert(sizeof(latelight::shared::TextureTransform) == 28);
-static_assert(sizeof(latelight::shared::Material) == 80 + 7 * 28 + 7 * 4);
+static_assert(sizeof(latelight::shared::MaterialLayers) == 96);
+static_assert(sizeof(latelight::shared::Material) == 80 + 19 * 28 + 19 * 4 + 96);
 static_assert(sizeof(latelight::shared::Light) == 64);
 static_assert(sizeof(latelight::shared::ShadowMap) == 88);
 static_assert(sizeof(latelight::shared::LightBox) == 24);

@@ -53,11 +53,13 @@ class EnvironmentTruth {
   glm::dvec3 radiance(const shared::Surface& surface, const glm::dvec3& toEye, const Bounces& bounces,
                       uint32_t samples) const;
 
+  glm::dvec3 at(const glm::dvec3& direction) const;  // the picture's radiance
+  // A direction by three random numbers in [0, 1), more often where the picture is bright; and how often, 1/sr.
+  glm::dvec3 sampleLight(double choice, double u, double v) const;
+  double density(const glm::dvec3& direction) const;
+
  private:
   struct Direct;
-  glm::dvec3 at(const glm::dvec3& direction) const;
-  double density(const glm::dvec3& direction) const;  // of sampleLight(), 1/sr
-  glm::dvec3 sampleLight(double choice, double u, double v) const;
   Direct direct(const shared::Surface& surface, const glm::dvec3& toEye, uint32_t samples) const;
   glm::dvec3 afterBounces(const Bounces& bounces, const shared::Surface& surface, const glm::dvec3& toEye) const;
 

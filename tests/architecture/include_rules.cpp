@@ -69,6 +69,7 @@ constexpr Layer kLayersOfRender[] = {
     {"render/gbuffer/", 2},
     {"render/lens/", 2},
     {"render/visibility/", 2},
+    {"render/layered/", 2},
     {"render/lighting/", 2},
     {"render/shadow/", 2},
     {"render/transparency/", 2},

@@ -11,6 +11,7 @@
 
 #include "pairwise.h"
 #include "render/gbuffer_reader.h"
+#include "render/host_environment.h"
 #include "render/settings.h"
 #include "scene/builtin.h"
 #include "scene/half.h"
@@ -29,72 +30,6 @@ using shared::vec3;
 using shared::vec4;
 
 constexpr uint32_t kRelightSize = 160;
-constexpr uint32_t kTableSize = 32, kLobeTableSize = 16;  // the renderer's own choices
-
-// --- environment lookups, as render/glsl/environment.glsl has them --------------------------------------------------
-
-// A map in floats, read between texel centres and clamped at the edges.
-struct Map {
-  uint32_t width = 0, height = 0;
-  std::vector<vec4> texels;
-
-  explicit Map(const scene::HalfImage& image) : width(image.width), height(image.height) {
-    for (size_t i = 0; i < image.pixels.size(); i += 4)
-      texels.emplace_back(scene::floatFromHalf(image.pixels[i]), scene::floatFromHalf(image.pixels[i + 1]),
-                          scene::floatFromHalf(image.pixels[i + 2]), 1.0f);
-  }
-  Map(uint32_t size, const std::vector<glm::vec2>& values) : width(size), height(size) {
-    for (glm::vec2 v : values) texels.emplace_back(v.x, v.y, 0.0f, 0.0f);
-  }
-  Map(uint32_t size, const std::vector<vec3>& values) : width(size), height(size) {
-    for (vec3 v : values) texels.emplace_back(v, 0.0f);
-  }
-  vec4 texel(int x, int y) const {
-    x = std::clamp(x, 0, static_cast<int>(width) - 1);
-    y = std::clamp(y, 0, static_cast<int>(height) - 1);
-    return texels[static_cast<size_t>(y) * width + static_cast<size_t>(x)];
-  }
-  vec4 bilinear(vec2 uv) const {
-    const vec2 p(uv.x * static_cast<float>(width) - 0.5f, uv.y * static_cast<float>(height) - 0.5f);
-    const int x = static_cast<int>(std::floor(p.x)), y = static_cast<int>(std::floor(p.y));
-    const float fx = p.x - std::floor(p.x), fy = p.y - std::floor(p.y);
-    return glm::mix(glm::mix(texel(x, y), texel(x + 1, y), fx), glm::mix(texel(x, y + 1), texel(x + 1, y + 1), fx), fy);
-  }
-};
-
-struct HostEnvironment {
-  std::vector<Map> specular;
-  Map diffuse, table, lobes;
-
-  explicit HostEnvironment(const scene::Environment& environment)
-      : diffuse(environment.diffuse),
-        table(kTableSize, scene::ggxReflectanceTable(kTableSize)),
-        lobes(kLobeTableSize, scene::ggxLobeTable(kLobeTableSize)) {
-    for (const scene::HalfImage& level : environment.specular) specular.emplace_back(level);
-  }
-
-  vec3 light(const Surface& s, vec3 toEye, const LightSettings& settings) const {
-    const float cosine = std::cos(settings.environmentRotation), sine = std::sin(settings.environmentRotation);
-    const auto octahedral = [&](vec3 d) {
-      return shared::octahedralFromDirection(shared::rotateToEnvironment(d, cosine, sine));
-    };
-    const auto read = [](const Map& map, vec2 o) {
-      return vec3(map.bilinear(shared::octahedralTexture(o, static_cast<float>(map.width))));
-    };
-    const vec3 around = read(diffuse, octahedral(s.normal));
-    const float nv = glm::clamp(glm::dot(s.normal, toEye), 0.0f, 1.0f);
-    const vec4 lobe = lobes.bilinear(shared::lobeTexture(nv, s.roughness, kLobeTableSize));
-    const vec2 core = octahedral(shared::lobeDirection(s.normal, toEye, lobe.x));
-    const size_t lower = std::min(static_cast<size_t>(lobe.y), specular.size() - 2);
-    const vec3 radiance =
-        glm::mix(read(specular[lower], core), read(specular[lower + 1], core), lobe.y - static_cast<float>(lower));
-    return shared::shadeEnvironment(s, toEye, around, glm::mix(radiance, around, lobe.z), splitSum(s, toEye)) *
-           settings.environmentIntensity;
-  }
-  vec2 splitSum(const Surface& s, vec3 toEye) const {
-    return vec2(table.bilinear({glm::clamp(glm::dot(s.normal, toEye), 0.0f, 1.0f), s.roughness}));
-  }
-};
 
 shared::Light hostLight(const scene::Light& light) {
   shared::Light l{};
@@ -198,8 +133,10 @@ vec3 expectedRadiance(const ReadGbuffer& gbuffer, size_t pixel, std::span<const 
   if (s.flags & shared::kSurfaceUnlit) s = shared::withoutReflection(s);
   const vec3 toEye = shared::directionToEye(gbuffer.view, s.position);
   vec3 radiance(0);
-  if (settings.environmentIntensity > 0) radiance += environment.light(s, toEye, settings);
-  s.scattered = shared::surfaceReflectance(s, environment.splitSum(s, toEye)).scattered;
+  const vec2 table = environment.splitSum(glm::dot(s.normal, toEye), s.roughness);
+  if (settings.environmentIntensity > 0)
+    radiance += environment.turned(settings.environmentRotation).light(s, toEye) * settings.environmentIntensity;
+  s.scattered = shared::surfaceReflectance(s, table).scattered;
   const shared::SurfaceBrdf brdf = shared::surfaceBrdf(s, toEye, shading);
   for (const shared::Light& light : lights)
     radiance += shared::shadeLight(brdf, shared::sampleLight(light, s.position), shading);

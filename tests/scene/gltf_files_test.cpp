@@ -172,10 +172,10 @@ TEST(GltfFiles, Buffers) {
 
 TEST(GltfFiles, RequiredExtensionsFailByName) {
   GltfBuilder b = triangleFile();
-  b.root["extensionsUsed"] = {"KHR_materials_clearcoat"};
+  b.root["extensionsUsed"] = {"KHR_materials_subsurface"};
   EXPECT_EQ(b.load().meshes.size(), 1u);
-  b.root["extensionsRequired"] = {"KHR_materials_clearcoat"};
-  EXPECT_THAT(errorOf(b), HasSubstr("KHR_materials_clearcoat"));
+  b.root["extensionsRequired"] = {"KHR_materials_subsurface"};
+  EXPECT_THAT(errorOf(b), HasSubstr("KHR_materials_subsurface"));
 }
 
 TEST(GltfFiles, MissingAndBrokenPictures) {

@@ -142,6 +142,95 @@ TEST(GltfMaterial, Extensions) {
   EXPECT_EQ(withMaterial(ior).load().materials[0].data.f0, 1);
 }
 
+// Every texture of the layered extensions: its slot, whether it holds colours, and a transform and a set of its own.
+TEST(GltfMaterial, LayersHaveTextures) {
+  struct Slot {
+    const char *extension, *key;
+    uint32_t slot;
+    bool srgb;
+  };
+  const Slot slots[] = {
+      {"KHR_materials_clearcoat", "clearcoatTexture", kTextureClearcoat, false},
+      {"KHR_materials_clearcoat", "clearcoatRoughnessTexture", kTextureClearcoatRoughness, false},
+      {"KHR_materials_clearcoat", "clearcoatNormalTexture", kTextureClearcoatNormal, false},
+      {"KHR_materials_sheen", "sheenColorTexture", kTextureSheenColor, true},
+      {"KHR_materials_sheen", "sheenRoughnessTexture", kTextureSheenRoughness, false},
+      {"KHR_materials_anisotropy", "anisotropyTexture", kTextureAnisotropy, false},
+      {"KHR_materials_iridescence", "iridescenceTexture", kTextureIridescence, false},
+      {"KHR_materials_iridescence", "iridescenceThicknessTexture", kTextureIridescenceThickness, false},
+      {"KHR_materials_transmission", "transmissionTexture", kTextureTransmission, false},
+      {"KHR_materials_volume", "thicknessTexture", kTextureThickness, false},
+      {"KHR_materials_diffuse_transmission", "diffuseTransmissionTexture", kTextureDiffuseTransmission, false},
+      {"KHR_materials_diffuse_transmission", "diffuseTransmissionColorTexture", kTextureDiffuseTransmissionColor, true},
+  };
+  for (const Slot& s : slots) {
+    const json info = {
+        {"index", 1}, {"texCoord", 1}, {"extensions", {{"KHR_texture_transform", {{"offset", {.25, .5}}}}}}};
+    const Scene scene = withMaterial({{"extensions", {{s.extension, {{s.key, info}}}}}}).load();
+    const scene::Material& m = scene.materials[0];
+    EXPECT_EQ(m.data.textures, 1u << s.slot) << s.key;
+    ASSERT_GE(m.slots[s.slot].texture, 0) << s.key;
+    EXPECT_EQ(scene.textures[size_t(m.slots[s.slot].texture)].srgb, s.srgb) << s.key;
+    EXPECT_EQ(m.slots[s.slot].sampler.wrapU, Wrap::Clamp) << s.key;
+    EXPECT_EQ(m.data.transforms[s.slot].uvSet, 1u) << s.key;
+    EXPECT_EQ(m.data.transforms[s.slot].row0, vec3(1, 0, .25f)) << s.key;
+    EXPECT_EQ(m.data.transforms[s.slot].row1, vec3(0, 1, .5f)) << s.key;
+  }
+}
+
+TEST(GltfMaterial, LayersHaveFactors) {
+  const json extensions = {
+      {"KHR_materials_clearcoat",
+       {{"clearcoatFactor", .5},
+        {"clearcoatRoughnessFactor", .25},
+        {"clearcoatNormalTexture", {{"index", 0}, {"scale", 2}}}}},
+      {"KHR_materials_sheen", {{"sheenColorFactor", {.25, .5, .75}}, {"sheenRoughnessFactor", .5}}},
+      {"KHR_materials_anisotropy", {{"anisotropyStrength", .5}, {"anisotropyRotation", 1.5}}},
+      {"KHR_materials_iridescence",
+       {{"iridescenceFactor", 1},
+        {"iridescenceIor", 1.5},
+        {"iridescenceThicknessMinimum", 50},
+        {"iridescenceThicknessMaximum", 500}}},
+      {"KHR_materials_transmission", {{"transmissionFactor", .75}}},
+      {"KHR_materials_volume",
+       {{"thicknessFactor", 2}, {"attenuationDistance", 4}, {"attenuationColor", {.5, 1, .25}}}},
+      {"KHR_materials_dispersion", {{"dispersion", 3}}},
+      {"KHR_materials_diffuse_transmission",
+       {{"diffuseTransmissionFactor", .125}, {"diffuseTransmissionColorFactor", {1, .5, 0}}}}};
+  const MaterialLayers l = withMaterial({{"extensions", extensions}}).load().materials[0].data.layers;
+  EXPECT_EQ(l.clearcoat, .5f);
+  EXPECT_EQ(l.clearcoatRoughness, .25f);
+  EXPECT_EQ(l.clearcoatNormalScale, 2);
+  EXPECT_EQ(l.sheenColor, vec3(.25f, .5f, .75f));
+  EXPECT_EQ(l.sheenRoughness, .5f);
+  EXPECT_EQ(l.anisotropy, .5f);
+  EXPECT_EQ(l.anisotropyRotation, 1.5f);
+  EXPECT_EQ(l.iridescence, 1);
+  EXPECT_EQ(l.iridescenceIor, 1.5f);
+  EXPECT_EQ(l.iridescenceThinnest, 50);
+  EXPECT_EQ(l.iridescenceThickest, 500);
+  EXPECT_EQ(l.transmission, .75f);
+  EXPECT_EQ(l.thickness, 2);
+  EXPECT_EQ(l.attenuationDistance, 4);
+  EXPECT_EQ(l.attenuationColor, vec3(.5f, 1, .25f));
+  EXPECT_EQ(l.dispersion, 3);
+  EXPECT_EQ(l.diffuseTransmission, .125f);
+  EXPECT_EQ(l.diffuseTransmissionColor, vec3(1, .5f, 0));
+}
+
+TEST(GltfMaterial, LayersOutOfRangeAreRefused) {
+  const auto error = [](const char* extension, const char* key, json value) {
+    return errorOf(withMaterial({{"extensions", {{extension, {{key, std::move(value)}}}}}}));
+  };
+  EXPECT_THAT(error("KHR_materials_clearcoat", "clearcoatFactor", 1.5), HasSubstr("clearcoatFactor is 1.5"));
+  EXPECT_THAT(error("KHR_materials_sheen", "sheenColorFactor", {0, 2, 0}), HasSubstr("sheenColorFactor[1] is 2"));
+  EXPECT_THAT(error("KHR_materials_iridescence", "iridescenceIor", .5), HasSubstr("iridescenceIor is 0.5"));
+  EXPECT_THAT(error("KHR_materials_volume", "attenuationDistance", 0), HasSubstr("attenuationDistance is 0"));
+  EXPECT_THAT(error("KHR_materials_dispersion", "dispersion", -1), HasSubstr("dispersion is -1"));
+  EXPECT_THAT(error("KHR_materials_transmission", "transmissionFactor", "much"), HasSubstr("should be a number"));
+  EXPECT_THAT(error("KHR_materials_anisotropy", "anisotropyTexture", {{"index", 7}}), HasSubstr("index is 7"));
+}
+
 TEST(GltfMaterial, TextureTransform) {
   // KHR_texture_transform's own test model: the sign that says "correct" stands at this texture coordinate of the panel
   // that is turned by 22.5 degrees, and the arrow's tip in the picture is at 0.5 + 0.2778.

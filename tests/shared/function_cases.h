@@ -11,6 +11,7 @@
 
 #include "shared/environment.h"
 #include "shared/gbuffer.h"
+#include "shared/layers.h"
 #include "shared/light.h"
 #include "shared/samples.h"
 #include "shared/shade.h"
@@ -138,6 +139,72 @@ SH_FUNC vec4 surfaceReflectanceOf(Arguments a) {
   return vec4(r.once.x, r.once.y, r.scattered.x, r.scattered.y);
 }
 
+// Every layer at once, the film and the volume by `k`.
+SH_FUNC SurfaceLayers someLayers(Arguments a) {
+  SurfaceLayers l = emptyLayers();
+  vec3 other = abs(a.n.z) < 0.9f ? vec3(0.0f, 0.0f, 1.0f) : vec3(1.0f, 0.0f, 0.0f);
+  l.clearcoat = a.u.x;
+  l.clearcoatRoughness = 0.1f + 0.9f * a.u.z;
+  l.clearcoatNormal = a.n;
+  l.sheenColor = a.d * 0.9f;
+  l.sheenRoughness = a.u.w;
+  l.anisotropy = a.u.z;
+  l.anisotropyDirection = normalize(cross(a.n, other));
+  l.iridescence = (a.k & 1u) == 0u ? 0.0f : a.u.w;
+  l.iridescenceIor = 1.1f + a.u.x;
+  l.iridescenceThickness = 1000.0f * a.u.y;
+  l.ior = 1.2f + a.u.z;
+  l.transmission = a.u.w;
+  l.thickness = (a.k & 2u) == 0u ? 0.0f : a.u.x;
+  l.absorption = absorptionOf(a.c, a.w.x);
+  l.dispersion = (a.k & 4u) == 0u ? 0.0f : a.u.y;
+  l.diffuseTransmission = a.u.z;
+  l.diffuseTransmissionColor = a.c;
+  return l;
+}
+
+SH_FUNC LayeredBrdf someLayered(Arguments a, uint shading) {
+  LayerTables t = layerTablePlaces(someSurface(a), someLayers(a), a.v);
+  t.base = vec2(0.5f + 0.4f * t.base.x, 0.1f * t.base.y);
+  t.coat = vec2(0.5f + 0.4f * t.coat.x, 0.1f * t.coat.y);
+  t.behind = vec2(0.5f + 0.4f * t.behind.x, 0.1f * t.behind.y);
+  return layeredBrdf(someSurface(a), someLayers(a), a.v, shading, t);
+}
+
+SH_FUNC StretchedFrame someFrame(Arguments a) {
+  return stretchedFrame(a.n, someLayers(a).anisotropyDirection, 0.1f + 0.9f * a.u.x, a.u.y);
+}
+
+SH_FUNC vec4 stretchedLobeOf(Arguments a) {
+  float nl = clamp(dot(a.n, a.l), 0.01f, 1.0f);
+  float nv = clamp(dot(a.n, a.v), 0.01f, 1.0f);
+  return pad(stretchedLobe(someFrame(a), a.l, a.v, halfVector(a.l, a.v), nl, nv));
+}
+
+SH_FUNC vec4 stretchedPartOf(Arguments a) {
+  LobePart part = stretchedPart(someFrame(a), a.v, a.k % kStretchedParts);
+  return vec4(part.normal.x, part.normal.y, part.normal.z, part.roughness);
+}
+
+SH_FUNC vec4 layeredLightOf(Arguments a, uint shading) {
+  return pad(shadeLayeredLight(someLayered(a, shading), someSample(a), shading));
+}
+
+SH_FUNC vec4 layeredEnvironmentOf(Arguments a) {
+  LayerLight light;
+  light.front = a.c;
+  light.back = a.d;
+  light.sheen = a.c;
+  light.base = a.d;
+  light.coat = a.c;
+  return pad(shadeLayeredEnvironment(someLayered(a, kShadingGgx), light));
+}
+
+SH_FUNC vec4 transmittedRayOf(Arguments a) {
+  TransmittedRay ray = transmittedRay(someLayered(a, kShadingGgx), a.k % 3u);
+  return vec4(ray.direction.x, ray.direction.y, ray.direction.z, ray.roughness);
+}
+
 #define FUNCTION_CASES(C)                                                                                              \
   C(srgbFromLinear, 2e-6f, 1e-7f, (pad(srgbFromLinear(a.u.x))))                                                        \
   C(linearFromSrgb, 4e-6f, 1e-7f, (pad(linearFromSrgb(a.u.x))))                                                        \
@@ -169,6 +236,25 @@ SH_FUNC vec4 surfaceReflectanceOf(Arguments a) {
   C(shadeLightGgxCompensated, 2e-3f, 1e-6f,                                                                            \
     (pad(                                                                                                              \
         shadeLight(surfaceBrdf(someSurface(a), a.v, kShadingGgxCompensated), someSample(a), kShadingGgxCompensated)))) \
+  C(charlieDistribution, 1e-4f, 1e-7f, (pad(charlieDistribution(a.u.x, charlieAlpha(a.u.y)))))                         \
+  C(charlieLambda, 2e-5f, 1e-7f, (pad(charlieLambda(a.u.x + 1e-3f, charlieAlpha(a.u.y)))))                             \
+  C(charlieAlbedo, 2e-4f, 1e-7f, (pad(charlieAlbedo(a.u.x, a.u.y))))                                                   \
+  C(charlieLobe, 1e-4f, 1e-7f, (pad(charlieLobe(a.u.x, a.u.z + 0.01f, a.u.w + 0.01f, charlieAlpha(a.u.y), 1.0f))))     \
+  C(stretchedLobe, 1e-4f, 1e-6f, (stretchedLobeOf(a)))                                                                 \
+  C(stretchedRoughness, 2e-6f, 1e-6f, (pad(stretchedRoughness(someFrame(a), a.v))))                                    \
+  C(stretchedPart, 2e-6f, 1e-6f, (stretchedPartOf(a)))                                                                 \
+  C(thinFilm, 1e-5f, 2e-5f, (pad(thinFilm(a.c, 1.0f + a.u.x, 1500.0f * a.u.y, a.u.z))))                                \
+  C(absorptionOf, 1e-5f, 1e-6f, (pad(absorptionOf(a.c, 1.0f + a.w.x))))                                                \
+  C(beersLaw, 1e-5f, 0.0f, (pad(beersLaw(a.c, a.u.x))))                                                                \
+  C(dispersedIor, 5e-7f, 0.0f, (pad(dispersedIor(1.0f + a.u.x, a.u.y, a.k % 3u))))                                     \
+  C(refractedRay, 1e-6f, 2e-6f, (pad(refractedRay(a.n, a.v, clamp(dot(a.n, a.v), 0.01f, 1.0f), 1.0f + a.u.x))))        \
+  C(layeredLightGgx, 2e-3f, 1e-5f, (layeredLightOf(a, kShadingGgx)))                                                   \
+  C(layeredLightBlinnPhong, 2e-3f, 1e-5f, (layeredLightOf(a, kShadingBlinnPhong)))                                     \
+  C(layeredLightGgxCompensated, 2e-3f, 1e-5f, (layeredLightOf(a, kShadingGgxCompensated)))                             \
+  C(layeredEnvironment, 2e-5f, 1e-5f, (layeredEnvironmentOf(a)))                                                       \
+  C(transmittedRadiance, 2e-5f, 1e-5f, (pad(transmittedRadiance(someLayered(a, kShadingGgx), a.c))))                   \
+  C(transmittedRay, 1e-6f, 2e-6f, (transmittedRayOf(a)))                                                               \
+  C(sheenDirection, 1e-5f, 1e-5f, (pad(sheenDirection(someLayered(a, kShadingGgx)))))                                  \
   C(reflectance, 2e-6f, 2e-7f, (reflectanceOf(a)))                                                                     \
   C(surfaceReflectance, 2e-6f, 1e-6f, (surfaceReflectanceOf(a)))                                                       \
   C(specularOcclusion, 2e-6f, 1e-6f, (pad(specularOcclusion(a.u.x + 1e-4f, a.u.y, a.u.z))))                            \

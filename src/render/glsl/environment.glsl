@@ -1,4 +1,6 @@
 // Environment light in shaders.
+#ifndef LATELIGHT_ENVIRONMENT_GLSL
+#define LATELIGHT_ENVIRONMENT_GLSL
 #include "render/glsl/lit_maps.glsl"
 #include "shared/environment.h"
 #include "shared/shade.h"
@@ -29,14 +31,25 @@ vec3 environmentRadiance(FrameConstants frame, vec3 direction, float level) {
   return mix(a, b, level - lower);
 }
 
+// Irradiance / pi about a normal.
+vec3 environmentDiffuseAt(FrameConstants frame, vec3 normal) {
+  vec2 o = environmentOctahedral(frame, normal);
+  return textureLod(environmentDiffuse, octahedralTexture(o, float(textureSize(environmentDiffuse, 0).x)), 0.0).rgb;
+}
+
+// The mean over a reflected lobe. `diffuse`: environmentDiffuseAt() about the normal.
+vec3 environmentLobe(FrameConstants frame, vec3 normal, vec3 toEye, float roughness, vec3 diffuse) {
+  float nv = clamp(dot(normal, toEye), 0.0, 1.0);
+  vec3 lobe = textureLod(lobeTable, lobeTexture(nv, roughness, float(textureSize(lobeTable, 0).x)), 0.0).rgb;
+  vec3 specular = environmentRadiance(frame, lobeDirection(normal, toEye, lobe.x), lobe.y);
+  return mix(specular, diffuse, lobe.z);
+}
+
 vec3 environmentLight(FrameConstants frame, Surface s, vec3 toEye) {
   if (frame.environmentIntensity == 0.0) return vec3(0.0);
-  float nv = clamp(dot(s.normal, toEye), 0.0, 1.0);
-  vec2 o = environmentOctahedral(frame, s.normal);
-  vec3 diffuse =
-      textureLod(environmentDiffuse, octahedralTexture(o, float(textureSize(environmentDiffuse, 0).x)), 0.0).rgb;
-  vec3 lobe = textureLod(lobeTable, lobeTexture(nv, s.roughness, float(textureSize(lobeTable, 0).x)), 0.0).rgb;
-  vec3 specular = environmentRadiance(frame, lobeDirection(s.normal, toEye, lobe.x), lobe.y);
-  specular = mix(specular, diffuse, lobe.z);
+  vec3 diffuse = environmentDiffuseAt(frame, s.normal);
+  vec3 specular = environmentLobe(frame, s.normal, toEye, s.roughness, diffuse);
   return shadeEnvironment(s, toEye, diffuse, specular, splitSum(s, toEye)) * frame.environmentIntensity;
 }
+
+#endif

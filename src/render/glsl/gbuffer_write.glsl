@@ -7,14 +7,13 @@
 
 // The light accumulation target: emitted radiance, and ambient occlusion.
 vec4 emittedLight(FrameConstants frame, Surface s) {
-  vec3 emitted = (s.flags & kSurfaceUnlit) != 0u ? s.baseColor : s.emissive;
-  return vec4(min(emitted * frame.exposure, vec3(65504.0)), s.ao);
+  return vec4(min(emittedRadiance(s) * frame.exposure, vec3(65504.0)), s.ao);
 }
 
-// As the layout keeps it: without flags, an unlit surface is one that reflects nothing.
+// As the layout keeps it: without flags, a surface that lights must leave alone is one that reflects nothing.
 Surface keptSurface(Surface s) {
 #ifndef GBUFFER_KEEPS_FLAGS
-  if ((s.flags & kSurfaceUnlit) != 0u) s = withoutReflection(s);
+  s = litSurface(s);
 #endif
   return s;
 }

@@ -3,6 +3,8 @@
 // Lanes of a subgroup first test one light each against the box around all their surfaces, then all shade the lights
 // that passed, each handed over by a broadcast. So a light costs a load and a test once a subgroup, not once a pixel:
 // on lavapipe a load by address is a loop over lanes, and both sides of a branch always run.
+#ifndef LATELIGHT_LIGHTS_GLSL
+#define LATELIGHT_LIGHTS_GLSL
 #include "render/glsl/lanes.glsl"
 #include "render/glsl/one_light.glsl"
 #include "shared/light.h"
@@ -32,16 +34,16 @@ bool reaches(Light l, vec3 low, vec3 high) {
 // What the lanes of a subgroup that shade together have in common, and each lane's own surface.
 struct Shading {
   Surface s;
-  SurfaceBrdf brdf;
+  LIT_BRDF brdf;
   uint view;
   bool lit;        // this lane takes part
   vec3 low, high;  // around the surfaces of those that do
   vec3 radiance;   // what lights have sent to the eye so far
 };
 
-Shading startShading(Surface s, vec3 toEye, uint view, bool lit) {
+Shading startShading(Surface s, LIT_BRDF brdf, uint view, bool lit) {
   const float kFar = 3.0e38;
-  return Shading(s, surfaceBrdf(s, toEye, kShading), view, lit, subgroupMin(lit ? s.position : vec3(kFar)),
+  return Shading(s, brdf, view, lit, subgroupMin(lit ? s.position : vec3(kFar)),
                  subgroupMax(lit ? s.position : vec3(-kFar)), vec3(0.0));
 }
 
@@ -99,21 +101,22 @@ void shadeRange(inout Shading shading, FrameConstants frame, uint first, uint en
 
 // Radiance that all of the frame's lights send from `s` to the eye. Every invocation of the subgroup must call it;
 // `lit` is false for those without a surface.
-vec3 shadeAllLights(FrameConstants frame, uint view, Surface s, vec3 toEye, bool lit) {
+vec3 shadeAllLights(FrameConstants frame, uint view, Surface s, LIT_BRDF brdf, bool lit) {
   lightsTested += float(frame.lightCount);
   countLanes();
-  Shading shading = startShading(s, toEye, view, lit);
+  Shading shading = startShading(s, brdf, view, lit);
   shadeRange(shading, frame, 0u, frame.lightCount);
   return shading.radiance;
 }
 
 // The same, each light loaded by every invocation: the reference, and for devices whose fragment shaders have no
 // subgroups.
-vec3 shadeAllLightsPlainly(FrameConstants frame, uint view, Surface s, vec3 toEye) {
+vec3 shadeAllLightsPlainly(FrameConstants frame, uint view, Surface s, LIT_BRDF brdf) {
   lightsTested += float(frame.lightCount);
-  SurfaceBrdf brdf = surfaceBrdf(s, toEye, kShading);
   vec3 radiance = vec3(0.0);
   for (uint i = 0u; i < frame.lightCount; ++i)
     radiance += shadeOneLight(frame, frameLight(frame, i), shadowOf(frame, view, i), s, brdf);
   return radiance;
 }
+
+#endif

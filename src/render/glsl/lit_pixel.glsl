@@ -45,7 +45,7 @@ LitPixel readPixel(FrameConstants frame, View view, ivec3 place, uint samples) {
 #endif
     p.s.ao *= visibleHemisphere(place);
     p.emitted = accumulated.rgb;
-    if ((p.s.flags & kSurfaceUnlit) != 0u) p.s = withoutReflection(p.s);
+    p.s = litSurface(p.s);
     p.toEye = directionToEye(view, p.s.position);
     p.radiance = environmentLight(frame, p.s, p.toEye);
     prepareForLights(p.s, p.toEye);

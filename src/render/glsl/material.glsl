@@ -46,7 +46,8 @@ vec4 baseColor(Material m, SurfacePoint p) {
 // solid for data outputs: whether it shows at all.
 bool cutOut(Material m, SurfacePoint p) {
   precise float alpha = baseColor(m, p).a;
-  return (m.flags & kMaterialBlended) != 0u ? alpha <= 0.0 : alpha < m.alphaCutoff;
+  if ((m.flags & kMaterialMasked) != 0u) return alpha < m.alphaCutoff;
+  return (m.flags & kMaterialBlended) != 0u && alpha <= 0.0;
 }
 
 #endif

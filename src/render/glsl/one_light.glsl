@@ -5,22 +5,34 @@
 #include "render/glsl/shadow.glsl"
 #include "shared/shade.h"
 
+#ifdef COATED  // before the include: materials may have layers
+#include "shared/layers.h"
+#define LIT_BRDF LayeredBrdf
+#define SHADE_LIGHT shadeLayeredLight
+#else
+#define LIT_BRDF SurfaceBrdf
+#define SHADE_LIGHT shadeLight
+#endif
+
 // How many lights this pixel went through, and how many of them sent it anything.
 float lightsTested = 0.0;
 float lightsUsed = 0.0;
 vec4 lightCount() { return vec4(lightsTested, lightsUsed, 0.0, 0.0); }
 
 // Radiance that one light sends from `s` to the eye, as if nothing stood between them.
-vec3 shadeUnshadowed(Light light, Surface s, SurfaceBrdf brdf) {
-  vec3 radiance = shadeLight(brdf, sampleLight(light, s.position), kShading);
+vec3 shadeUnshadowed(Light light, Surface s, LIT_BRDF brdf) {
+  vec3 radiance = SHADE_LIGHT(brdf, sampleLight(light, s.position), kShading);
   if (kCountLights != 0u && any(greaterThan(radiance, vec3(0.0)))) lightsUsed += 1.0;
   return radiance;
 }
 
 // Radiance that one light sends from `s` to the eye.
-vec3 shadeOneLight(FrameConstants frame, Light light, LightShadow shadow, Surface s, SurfaceBrdf brdf) {
+vec3 shadeOneLight(FrameConstants frame, Light light, LightShadow shadow, Surface s, LIT_BRDF brdf) {
   LightSample arriving = sampleLight(light, s.position);
-  vec3 radiance = shadeLight(brdf, arriving, kShading);
+  vec3 radiance = SHADE_LIGHT(brdf, arriving, kShading);
+#ifdef COATED
+  if (dot(s.normal, arriving.toLight) < 0.0) s.normal = -s.normal;  // shadows are looked up on the light's side
+#endif
   if (kShadowFormat != kShadowNone && shadow.maps != 0u && any(greaterThan(radiance, vec3(0.0))))
     radiance *= shadowFactor(frame, light, shadow, s, arriving.toLight);
   if (kCountLights != 0u && any(greaterThan(radiance, vec3(0.0)))) lightsUsed += 1.0;

@@ -63,7 +63,7 @@ vec3 shadeFromCells(LitPixel pixel, View view, FrameConstants frame, CellsPush p
   while (subgroupAny(waits)) {
     uint next = subgroupMin(waits ? slice : kSlices);
     bool now = waits && slice == next;
-    Shading shading = startShading(pixel.s, pixel.toEye, uint(pixel.place.z), now);
+    Shading shading = startShading(pixel.s, surfaceBrdf(pixel.s, pixel.toEye, kShading), uint(pixel.place.z), now);
     shadeCell(shading, frame, lights, kCellsATile == 1u ? 0u : next);
     if (now) radiance = shading.radiance;
     waits = waits && !now;

@@ -13,16 +13,17 @@ vec3 vertexNormal(SurfacePoint p) {
   return area > 0.0 ? p.plane * inversesqrt(area) : vec3(0.0, 0.0, 1.0);
 }
 
-// Perturbs the normal by the material's map through the vertices' tangent frame (seed 000; glTF 2.0, section 3.9.3).
-vec3 mappedNormal(Material m, SurfacePoint p, vec3 n) {
-  if (!hasTexture(m, kTextureNormal)) return n;
-  vec3 map = sampleTexture(m, kTextureNormal, p).xyz * 2.0 - 1.0;
+// Perturbs the normal by a map through the vertices' tangent frame (seed 000; glTF 2.0, section 3.9.3). `scale`: of its
+// slopes.
+vec3 mappedNormal(Material m, uint slot, float scale, SurfacePoint p, vec3 n) {
+  if (!hasTexture(m, slot)) return n;
+  vec3 map = sampleTexture(m, slot, p).xyz * 2.0 - 1.0;
   vec3 tangent = p.tangent.xyz - n * dot(n, p.tangent.xyz);
   float squared = dot(tangent, tangent);
   if (squared < 1e-12) return n;  // no tangent frame here
   vec3 t = tangent * inversesqrt(squared);
   vec3 b = cross(n * p.facing, t) * (p.tangent.w < 0.0 ? -1.0 : 1.0);
-  map.xy *= m.normalScale;
+  map.xy *= scale;
   // On a back face the whole frame turns with the normal (glTF 2.0, section 3.9.1, doubleSided).
   vec3 mapped = p.facing * (t * map.x + b * map.y) + n * map.z;
   float length2 = dot(mapped, mapped);
@@ -51,7 +52,7 @@ Surface evaluateMaterial(FrameConstants frame, Material m, SurfacePoint p) {
   Surface s = emptySurface();
   s.position = p.position;
   s.geonormal = triangleNormal(frame, instance, p);
-  s.normal = mappedNormal(m, p, vertexNormal(p));
+  s.normal = mappedNormal(m, kTextureNormal, m.normalScale, p, vertexNormal(p));
   s.baseColor = baseColor(m, p).rgb;
   s.metallic = m.metallic;
   s.roughness = m.roughness;
@@ -75,6 +76,7 @@ Surface evaluateMaterial(FrameConstants frame, Material m, SurfacePoint p) {
   s.part = instance.part;
   s.material = m.id;
   s.flags = (m.flags & kMaterialUnlit) != 0u ? kSurfaceUnlit : 0u;
+  if ((m.flags & kMaterialLayered) != 0u) s.flags = kSurfaceLayered;
   return s;
 }
 

@@ -30,6 +30,7 @@ void GpuMaterials::update(vk::Uploader& uploader, std::span<const uint32_t> chan
   for (const uint32_t material : changed) {
     shared::Material& record = records_[material] = scene_.materials[material].data;
     std::ranges::copy(textures_.indices(material), record.images);
+    record.flags |= scene::layerFlags(record);
     textureSlots_ |= record.textures;
   }
   if (records_.empty()) return;

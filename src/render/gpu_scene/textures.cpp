@@ -34,7 +34,10 @@ bool isAnisotropic(const scene::Sampler& sampler) {
 }
 
 bool holdsColor(uint32_t slot) {
-  return slot == shared::kTextureBaseColor || slot == shared::kTextureEmissive || slot == shared::kTextureSpecularColor;
+  constexpr uint32_t kColors =
+      1u << shared::kTextureBaseColor | 1u << shared::kTextureEmissive | 1u << shared::kTextureSpecularColor |
+      1u << shared::kTextureSheenColor | 1u << shared::kTextureDiffuseTransmissionColor;
+  return (kColors >> slot & 1u) != 0;
 }
 
 }  // namespace

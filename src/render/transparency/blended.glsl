@@ -6,5 +6,5 @@
 #include "render/transparency/blended_light.glsl"
 
 vec4 blendedFragment(FrameConstants frame) {
-  return blendedColor(frame, push.view, drawMaterial(), fragmentPoint(), true);
+  return blendedColor(frame, push.view, drawMaterial(), fragmentPoint(), gl_FragCoord.xy, true);
 }

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// variants: textured
+// variants: textured, coated
 // sorted: outputs a blended fragment for fixed-function blending.
 #include "render/glsl/common.glsl"
 #include "render/transparency/blended.glsl"

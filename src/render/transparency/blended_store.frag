@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// variants: multisampled, textured
+// variants: multisampled, textured, coated
 #ifdef MULTISAMPLED
 #extension GL_ARB_post_depth_coverage : require
 layout(post_depth_coverage) in;  // else samples that failed the depth test would count as covered

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// variants: textured
+// variants: textured, coated
 // weighted: order-independent sums (McGuire and Bavoil 2013, Weighted Blended Order-Independent Transparency, JCGT
 // 2(2)).
 #include "render/glsl/common.glsl"

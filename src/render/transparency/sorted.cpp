@@ -2,7 +2,6 @@
 // instances do not interpenetrate and each is convex.
 #include <algorithm>
 
-#include "render/lit_maps.h"
 #include "render/transparency/transparency.h"
 #include "render/visibility/hardware.h"
 
@@ -46,7 +45,7 @@ void recordFaces(graph::Context& context, const GpuScene& scene, SceneBinder& bi
 void addSortedTransparency(const FrameContext& f, const Gbuffer& gbuffer) {
   const DeviceDraws& draws = f.visibility.drawn()->blended();
   const graph::ImageId depth = attachableDepth(f, gbuffer.depth);
-  const Bindings maps = litMaps(f, gbuffer, graph::Use::SampledFragment);
+  const Bindings maps = blendedMaps(f, gbuffer, graph::Use::SampledFragment);
   const ScenePipelines pipelines =
       blendedPipelines(f, maps, {.fragment = "blended_over.frag", .colors = {kLightFormat}, .blend = vk::Blend::Over});
   std::vector<graph::Access> accesses = maps.accesses();

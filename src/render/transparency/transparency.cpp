@@ -1,10 +1,26 @@
 #include "render/transparency/transparency.h"
 
 #include "base/error.h"
+#include "render/layered/behind.h"
 #include "render/lighting/forward/forward.h"
+#include "render/lit_maps.h"
 #include "render/visibility/visibility.h"
 
 namespace latelight::render {
+
+bool blendedHaveLayers(const FrameContext& f) {
+  return (f.visibility.materials().seenThrough & shared::kMaterialLayered) != 0;
+}
+
+Bindings blendedMaps(const FrameContext& f, const Gbuffer& gbuffer, graph::Use use) {
+  Bindings maps = litMaps(f, gbuffer, use);
+  if (!blendedHaveLayers(f)) return maps;
+  if (gbuffer.behind)
+    maps.sampled(gbuffer.behind, kBehindSampler);
+  else
+    maps.outside(f.environment.nothing());
+  return maps;
+}
 
 ScenePipelines blendedPipelines(const FrameContext& f, const Bindings& maps, const BlendedTarget& target) {
   const bool everyLight = f.setup.transparency.everyLight || forwardLoop(f.device) == ForwardLoop::Plain;
@@ -24,13 +40,17 @@ ScenePipelines blendedPipelines(const FrameContext& f, const Bindings& maps, con
   desc.depthWrite = false;
   desc.blend = target.blend;
   desc.name = target.fragment;
-  const vk::PipelineRef pipeline = f.device.cache().pipeline(desc);
-  return {pipeline, pipeline};
+  const vk::PipelineRef plain = f.device.cache().pipeline(desc);
+  if (!blendedHaveLayers(f)) return {plain, plain};
+  desc.fragment = materialVariant(f.device, target.fragment + "+coated");
+  desc.name += " coated";
+  return {plain, plain, f.device.cache().pipeline(desc)};
 }
 
-void addTransparency(const FrameContext& f, const Gbuffer& gbuffer) {
+void addTransparency(const FrameContext& f, Gbuffer gbuffer) {
   const uint32_t method = f.setup.transparency.method;
   if (method == kTransparencyNone || !f.visibility.anyBlended()) return;
+  if (f.visibility.materials().seenThrough & shared::kMaterialTransmissive) gbuffer.behind = addBehind(f, gbuffer.light);
   if (!f.visibility.drawn()) return addFragmentLists(f, gbuffer);
   switch (method) {
     case kTransparencyExact:

@@ -2,7 +2,6 @@
 // Transparency, JCGT 2(2)), then their mean colour over the picture. Coverage is exact; colours of several layers are a
 // mean.
 #include "render/lighting/light_sum.h"
-#include "render/lit_maps.h"
 #include "render/transparency/transparency.h"
 #include "render/visibility/hardware.h"
 
@@ -14,7 +13,7 @@ void addWeightedTransparency(const FrameContext& f, const Gbuffer& gbuffer) {
   const VkFormat format = lightSumFormat(f.device);
   const std::vector<graph::ImageId> sums{createTarget(f, format, "weighted colours"),
                                          createTarget(f, format, "weights")};
-  const Bindings maps = litMaps(f, gbuffer, graph::Use::SampledFragment);
+  const Bindings maps = blendedMaps(f, gbuffer, graph::Use::SampledFragment);
   const ScenePipelines pipelines = blendedPipelines(
       f, maps, {.fragment = "blended_weighted.frag", .colors = {format, format}, .blend = vk::Blend::SumAndOver});
   std::vector<graph::Access> accesses = maps.accesses();

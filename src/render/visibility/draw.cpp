@@ -22,7 +22,7 @@ VkRenderingAttachmentInfo attachment(VkImageView view, VkImageLayout layout, VkA
 constexpr uint32_t kPositions = 0, kAttributes = 1, kInstances = 2;  // 3: views
 
 bool cutsOut(const shared::Material& material) {
-  return (material.flags & (shared::kMaterialMasked | shared::kMaterialBlended)) != 0;
+  return (material.flags & shared::kMaterialMasked) != 0 || shared::seenThrough(material.flags);
 }
 
 }  // namespace
@@ -104,7 +104,9 @@ SceneBinder::SceneBinder(graph::Context& context, const GpuScene& scene, const D
 const vk::Pipeline& SceneBinder::bind(const Draw& draw) {
   VkCommandBuffer commands = context_.get();
   const shared::Material& material = scene_.materials().record(draw.material);
-  const vk::Pipeline& pipeline = (cutsOut(material) ? pipelines_.masked : pipelines_.opaque).get();
+  const bool layered = pipelines_.layered && (material.flags & shared::kMaterialLayered) != 0;
+  const vk::Pipeline& pipeline =
+      (layered ? *pipelines_.layered : cutsOut(material) ? pipelines_.masked : pipelines_.opaque).get();
   if (bound_ != &pipeline) {
     context_.commands().bind(pipeline, images_, std::as_bytes(std::span(&push_, 1)));
     bound_ = &pipeline;

@@ -2,6 +2,7 @@
 // their own, and passes over the whole picture have in common.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -17,6 +18,7 @@ class DeviceDraws {
  public:
   DeviceDraws(vk::Device& device, std::vector<DrawList> lists);
   const std::vector<Draw>& operator[](size_t list) const { return draws_[list]; }
+  size_t lists() const { return draws_.size(); }
   bool empty() const;                                                                   // none has any
   uint32_t instance(uint32_t place) const { return instances_.as<uint32_t>()[place]; }  // as the scene numbers them
   VkBuffer instances() const { return instances_.get(); }  // uint[], which the draws find their instances by
@@ -27,9 +29,10 @@ class DeviceDraws {
 };
 
 // The pipelines that draw a scene: for opaque materials, and for those that alpha cuts out of (masked ones, and blended
-// ones where they are drawn as solid).
+// ones where they are drawn as solid); `layered`: for those with layers, where they have one of their own.
 struct ScenePipelines {
   vk::PipelineRef opaque, masked;
+  std::optional<vk::PipelineRef> layered{};
 };
 // Vertex buffers of a shader of scene draws: of scene_depth.vert, or of those that read attributes too.
 std::vector<vk::VertexBuffer> sceneVertexBuffers(const std::string& vertexShader);

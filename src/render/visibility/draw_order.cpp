@@ -13,7 +13,7 @@ constexpr size_t kInstancesAtOnce = 16384;  // a thread's share: waking another 
 
 bool isBlended(const GpuScene& scene, uint32_t instance) {
   const uint32_t material = scene.instances().record(instance).material;
-  return (scene.materials().record(material).flags & shared::kMaterialBlended) != 0;
+  return shared::seenThrough(scene.materials().record(material).flags);
 }
 
 bool standsWhere(const shared::Instance& a, const shared::Instance& b) {

@@ -15,6 +15,20 @@ layout(set = 1, binding = 3) uniform sampler2D materialTexture3;
 layout(set = 1, binding = 4) uniform sampler2D materialTexture4;
 layout(set = 1, binding = 5) uniform sampler2D materialTexture5;
 layout(set = 1, binding = 6) uniform sampler2D materialTexture6;
+#ifdef COATED  // before the include: materials may have layers
+layout(set = 1, binding = 7) uniform sampler2D materialTexture7;
+layout(set = 1, binding = 8) uniform sampler2D materialTexture8;
+layout(set = 1, binding = 9) uniform sampler2D materialTexture9;
+layout(set = 1, binding = 10) uniform sampler2D materialTexture10;
+layout(set = 1, binding = 11) uniform sampler2D materialTexture11;
+layout(set = 1, binding = 12) uniform sampler2D materialTexture12;
+layout(set = 1, binding = 13) uniform sampler2D materialTexture13;
+layout(set = 1, binding = 14) uniform sampler2D materialTexture14;
+layout(set = 1, binding = 15) uniform sampler2D materialTexture15;
+layout(set = 1, binding = 16) uniform sampler2D materialTexture16;
+layout(set = 1, binding = 17) uniform sampler2D materialTexture17;
+layout(set = 1, binding = 18) uniform sampler2D materialTexture18;
+#endif
 #define TEXTURE(m, slot) materialTexture##slot
 #endif
 // The draw's material as a uniform buffer, not by address: texture coordinates depend on it, so helper invocations must
@@ -49,6 +63,20 @@ vec4 sampleTexture(Material m, uint slot, SurfacePoint p) {
     case 3u: return TEXEL(TEXTURE(m, 3), m.transforms[3]);
     case 4u: return TEXEL(TEXTURE(m, 4), m.transforms[4]);
     case 5u: return TEXEL(TEXTURE(m, 5), m.transforms[5]);
+#ifdef COATED
+    case 7u: return TEXEL(TEXTURE(m, 7), m.transforms[7]);
+    case 8u: return TEXEL(TEXTURE(m, 8), m.transforms[8]);
+    case 9u: return TEXEL(TEXTURE(m, 9), m.transforms[9]);
+    case 10u: return TEXEL(TEXTURE(m, 10), m.transforms[10]);
+    case 11u: return TEXEL(TEXTURE(m, 11), m.transforms[11]);
+    case 12u: return TEXEL(TEXTURE(m, 12), m.transforms[12]);
+    case 13u: return TEXEL(TEXTURE(m, 13), m.transforms[13]);
+    case 14u: return TEXEL(TEXTURE(m, 14), m.transforms[14]);
+    case 15u: return TEXEL(TEXTURE(m, 15), m.transforms[15]);
+    case 16u: return TEXEL(TEXTURE(m, 16), m.transforms[16]);
+    case 17u: return TEXEL(TEXTURE(m, 17), m.transforms[17]);
+    case 18u: return TEXEL(TEXTURE(m, 18), m.transforms[18]);
+#endif
     default: return TEXEL(TEXTURE(m, 6), m.transforms[6]);
   }
 }

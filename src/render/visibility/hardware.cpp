@@ -57,6 +57,14 @@ bool HardwareVisibility::anyBlended() const {
   return !blended_.empty();
 }
 
+ShownMaterials HardwareVisibility::materials() const {
+  ShownMaterials shown;
+  for (const DeviceDraws* draws : {&solid_, &blended_})
+    for (size_t list = 0; list < draws->lists(); ++list)
+      for (const Draw& draw : (*draws)[list]) shown.add(scene_.materials().record(draw.material).flags);
+  return shown;
+}
+
 void HardwareVisibility::recordSolid(graph::Context& context, const FrameContext& f, uint32_t view,
                                      const ScenePipelines& pipelines, std::span<const vk::BoundImage> images) const {
   const auto record = [&](const DeviceDraws& draws) {
@@ -184,7 +192,7 @@ void HardwareVisibility::addFragments(const FrameContext& f, const Gbuffer& gbuf
                              .pushBytes = pushBytesWith<shared::FragmentDraw>(),
                              .samples = samples};
   const graph::ImageId depth = attachableDepth(f, samples > 1 ? gbuffer.sampleDepth : gbuffer.depth);
-  const Bindings maps = litMaps(f, gbuffer, graph::Use::SampledFragment);
+  const Bindings maps = blendedMaps(f, gbuffer, graph::Use::SampledFragment);
   const ScenePipelines pipelines = blendedPipelines(f, maps, target);
   std::vector<graph::Access> accesses = maps.accesses();
   accesses.insert(accesses.end(), {{depth, graph::Use::DepthTest},

@@ -22,6 +22,7 @@ class HardwareVisibility final : public Visibility {
   void addFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers) const override;
   void lightFragments(const FrameContext&, const Gbuffer&, const FragmentBuffers&) const override {}  // they are
   bool anyBlended() const override;
+  ShownMaterials materials() const override;
   const HardwareVisibility* drawn() const override { return this; }
   const ComputeVisibility* rastered() const override { return nullptr; }
 

@@ -10,6 +10,12 @@ namespace latelight::render {
 // What motion is for: to find a pixel in the frame before, in half floats; or data outputs, in floats.
 enum class MotionUse { Reproject, Data };
 
+// Flags of materials (kMaterial*), of all that may show together.
+struct ShownMaterials {
+  uint32_t solid = 0, seenThrough = 0;
+  void add(uint32_t flags) { (shared::seenThrough(flags) ? seenThrough : solid) |= flags; }
+};
+
 // Where blended fragments are kept (shared/fragment_lists.h), as buffers of the graph.
 struct FragmentBuffers {
   graph::BufferId fragments, counts, starts, totals, lists;
@@ -47,6 +53,7 @@ class Visibility {
   virtual void addFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers) const = 0;
   virtual void lightFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers) const = 0;
   virtual bool anyBlended() const = 0;  // may any of its views show blended surfaces?
+  virtual ShownMaterials materials() const = 0;
   // What draws by the graphics pipeline; null: nothing does.
   virtual const HardwareVisibility* drawn() const = 0;
   // What rasterizes in compute shaders; null: nothing does.

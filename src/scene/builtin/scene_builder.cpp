@@ -66,6 +66,7 @@ Material plainMaterial(const std::string& name, vec3 baseColor, float metallic, 
   data.specularColor = vec3(1);
   data.specular = 1;
   data.f0 = 0.04f;
+  data.layers = noLayers();
   for (shared::TextureTransform& transform : data.transforms) transform = {vec3(1, 0, 0), vec3(0, 1, 0), 0};
   return material;
 }

@@ -32,7 +32,7 @@ SH_CONST float kMaterialIdMatte = 2.0f;
 SH_CONST float kMaterialIdUnlit = 3.0f;
 
 SH_FUNC float materialId(Surface s) {
-  if ((s.flags & kSurfaceUnlit) != 0u) return kMaterialIdUnlit;
+  if (s.flags != 0u) return kMaterialIdUnlit;  // of layered ones, too, nobody asks what they reflect
   return s.f90 <= 0.0f ? kMaterialIdMatte : kMaterialIdLit;
 }
 

@@ -5,7 +5,7 @@
 
 #include "shared/gbuffer.h"
 
-#define GBUFFER_KEEPS_FLAGS  // unlit surfaces keep their base colour; lighting reads the flag
+#define GBUFFER_KEEPS_FLAGS  // unlit and layered surfaces keep their values; lighting reads the flags
 #define GBUFFER_DESCRIPTION "every value in 32-bit floats: the source of data outputs and the reference for the others"
 #define GBUFFER_FIXED_NORMAL "three 32-bit floats"
 #define GBUFFER_FIXED_POSITION "three 32-bit floats, in the world"
@@ -16,7 +16,7 @@
   T(3, albedo, R32G32B32A32_SFLOAT, vec4, "rgb: base colour; a: reflectance at grazing angles")            \
   T(4, f0, R32G32B32A32_SFLOAT, vec4, "rgb: dielectric reflectance at normal incidence; a: u of UV set 0") \
   T(5, emissive, R32G32B32A32_SFLOAT, vec4, "rgb: emitted radiance; a: v of UV set 0")                     \
-  T(6, ids, R32G32B32A32_UINT, uvec4, "r: id; g: id of the part; b: id of the material; a: 1 where unlit")
+  T(6, ids, R32G32B32A32_UINT, uvec4, "r: id; g: id of the part; b: id of the material; a: 1 unlit, 2 layered")
 
 GBUFFER_BEGIN
 
@@ -28,7 +28,7 @@ SH_FUNC GbufferTexel packGbuffer(Surface s, GbufferContext c) {
   t.albedo = vec4(s.baseColor.x, s.baseColor.y, s.baseColor.z, s.f90);
   t.f0 = vec4(s.f0.x, s.f0.y, s.f0.z, s.uv.x);
   t.emissive = vec4(s.emissive.x, s.emissive.y, s.emissive.z, s.uv.y);
-  t.ids = uvec4(s.id, s.part, s.material, s.flags & kSurfaceUnlit);
+  t.ids = uvec4(s.id, s.part, s.material, s.flags);
   return t;
 }
 

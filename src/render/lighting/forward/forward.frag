@@ -25,14 +25,14 @@ void main() {
   SurfacePoint p = fragmentPoint();
   Surface s = evaluateMaterial(frame, m, p);
   s.ao *= visibleHemisphere(ivec3(ivec2(gl_FragCoord.xy), int(push.view)));
-  bool unlit = (s.flags & kSurfaceUnlit) != 0u;
-  vec3 emitted = unlit ? s.baseColor : s.emissive;
-  if (unlit) s = withoutReflection(s);
+  vec3 emitted = emittedRadiance(s);
+  s = litSurface(s);
   vec3 toEye = directionToEye(frameView(frame, push.view), s.position);
   vec3 radiance = environmentLight(frame, s, toEye);
   prepareForLights(s, toEye);
-  radiance += kPlainLoop != 0u ? shadeAllLightsPlainly(frame, push.view, s, toEye)
-                               : shadeAllLights(frame, push.view, s, toEye, true);
+  SurfaceBrdf brdf = surfaceBrdf(s, toEye, kShading);
+  radiance += kPlainLoop != 0u ? shadeAllLightsPlainly(frame, push.view, s, brdf)
+                               : shadeAllLights(frame, push.view, s, brdf, true);
   // Emitted radiance has its own ceiling, as in the light accumulation target of the deferred techniques.
   vec3 sum = min(emitted * frame.exposure, vec3(65504.0)) + radiance * frame.exposure;
   picture = vec4(min(sum, vec3(65504.0)), 1.0);

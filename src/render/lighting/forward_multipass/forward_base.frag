@@ -24,9 +24,8 @@ void main() {
   SurfacePoint p = fragmentPoint();
   Surface s = evaluateMaterial(frame, m, p);
   s.ao *= visibleHemisphere(ivec3(ivec2(gl_FragCoord.xy), int(push.view)));
-  bool unlit = (s.flags & kSurfaceUnlit) != 0u;
-  vec3 emitted = unlit ? s.baseColor : s.emissive;
-  if (unlit) s = withoutReflection(s);
+  vec3 emitted = emittedRadiance(s);
+  s = litSurface(s);
   vec3 reflected = environmentLight(frame, s, directionToEye(frameView(frame, push.view), s.position));
   radiance = vec4(min(emitted * frame.exposure, vec3(65504.0)) + reflected * frame.exposure, 1.0);
   surface = uvec2(varyingInstance, gl_PrimitiveID);

@@ -65,7 +65,7 @@ uint64_t recordLights(graph::Context& context, const FrameContext& f, const Devi
                       SceneBinder& binder) {
   uint64_t passes = 0;
   for (const Draw& draw : draws[view]) {
-    if (f.scene.materials().record(draw.material).flags & shared::kMaterialUnlit) continue;
+    if (f.scene.materials().record(draw.material).flags & (shared::kMaterialUnlit | shared::kMaterialLayered)) continue;
     const vk::Pipeline& pipeline = binder.bind(draw);
     for (uint32_t light = 0; light < f.lights.size(); ++light) {
       const shared::LightShadow shadow = f.shadows ? f.shadows->of(view, light) : shared::LightShadow{};

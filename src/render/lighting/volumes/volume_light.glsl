@@ -20,7 +20,7 @@ void lightSurface(ivec3 pixel, uint samples) {
   float depth = texelFetch(gbufferDepth, pixel, 0).r;
   Surface s = readSurface(view, pixel, depth, 1.0);
 #endif
-  if ((s.flags & kSurfaceUnlit) != 0u) s = withoutReflection(s);
+  s = litSurface(s);
   vec3 toEye = directionToEye(view, s.position);
   prepareForLights(s, toEye);
   FrameConstants frame = FrameRef(push.frame).v;

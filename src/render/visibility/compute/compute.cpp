@@ -245,6 +245,11 @@ void ComputeVisibility::addResolve(const FrameContext& f, ComputePass pass) cons
   });
 }
 
+void ComputeVisibility::addShading(const FrameContext& f, ComputePass pass) const {
+  readsTextures(f, pass);
+  addResolve(f, std::move(pass));
+}
+
 // What a frame's views show is found in them, or through a lens in pinhole views that see along all of its rays.
 RasterViews ComputeVisibility::viewsOf(const FrameContext& f) const {
   if (f.lens) return pinholeViews(f);
@@ -374,10 +379,9 @@ void ComputeVisibility::addGbuffer(const FrameContext& f, Gbuffer& gbuffer) cons
   ComputePass pass{.stage = graph::Stage::Geometry,
                    .name = "geometry " + layout.name,
                    .shader = "resolve.comp@" + layout.file,
-                   .bindings = std::move(bindings)};
-  readsTextures(f, pass);
-  pass.constants.insert(pass.constants.end(), {{kFirstOwnConstant, wanted}, {kFirstOwnConstant + 1, srgb}});
-  addResolve(f, std::move(pass));
+                   .bindings = std::move(bindings),
+                   .constants = {{kFirstOwnConstant, wanted}, {kFirstOwnConstant + 1, srgb}}};
+  addShading(f, std::move(pass));
   if (f.setup.samples > 1) addSurfaces(f, gbuffer);
 }
 
@@ -517,8 +521,8 @@ void ComputeVisibility::lightFragments(const FrameContext& f, const Gbuffer& gbu
   ComputePass pass{
       .stage = graph::Stage::Transparency,
       .name = "transparency light",
-      .shader = "light_fragments.comp",
-      .bindings = litMaps(f, gbuffer, graph::Use::SampledCompute),
+      .shader = blendedHaveLayers(f) ? "light_fragments.comp+coated" : "light_fragments.comp",
+      .bindings = blendedMaps(f, gbuffer, graph::Use::SampledCompute),
       .size = {std::min(buffers.capacity, kFragmentRow), (buffers.capacity + kFragmentRow - 1) / kFragmentRow, 1},
       .buffers = {{buffers.fragments, graph::Use::StorageReadWrite},
                   {buffers.totals, graph::Use::StorageRead},

@@ -32,8 +32,12 @@ class ComputeVisibility final : public Visibility {
   void addFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers) const override;
   void lightFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers) const override;
   bool anyBlended() const override { return ranks_.anyBlended(); }
+  ShownMaterials materials() const override { return ranks_.materials(); }
   const HardwareVisibility* drawn() const override { return nullptr; }
   const ComputeVisibility* rastered() const override { return this; }
+
+  // A pass over all pixels of what is visible, pushed ResolvePush, that looks up materials' textures.
+  void addShading(const FrameContext& f, ComputePass pass) const;
 
   // How what shows was rasterized, once addDepth() was called: outputs.def says what each image holds.
   struct RasterImages {

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// variants: textured
+// variants: textured, coated
 // Lights the fragments of blended surfaces that rasterization in compute has left, in the order of their pixels, so that
 // the lanes of a subgroup have lights in common. Where they are to be sorted by instance, they get keys of such an order.
 #include "render/glsl/common.glsl"
@@ -23,13 +23,13 @@ void setSortedKey(inout Fragment f, View view, SeenTriangle t, SurfacePoint p) {
 }
 
 // One view after the other: its lights' shadows are the subgroup's.
-vec4 colorOf(FrameConstants frame, uint view, Material m, SurfacePoint p, bool there) {
+vec4 colorOf(FrameConstants frame, uint view, Material m, SurfacePoint p, vec2 own, bool there) {
   vec4 color = vec4(0.0);
   bool waits = there;
   while (subgroupAny(waits)) {
     uint next = subgroupMin(waits ? view : 0xffffffffu);
     bool now = waits && view == next;
-    vec4 one = blendedColor(frame, next, m, p, now);
+    vec4 one = blendedColor(frame, next, m, p, own, now);
     if (now) color = one;
     waits = waits && !now;
   }
@@ -53,7 +53,7 @@ void main() {
   SeenTriangle t = seenTriangle(frame, push.instances, f.order);
   SurfacePoint p = seenPoint(frame, frameView(frame, view), t, place);
   Material m = frameMaterial(frame, frameInstance(frame, t.rank.instance).material);
-  vec4 color = colorOf(frame, view, m, p, there);
+  vec4 color = colorOf(frame, view, m, p, place, there);
   if (!there) return;
   f.color = uvec2(packHalf2x16(color.rg), packHalf2x16(color.ba));
   if (kSorted != 0u) setSortedKey(f, frameView(frame, view), t, p);

@@ -27,8 +27,10 @@ uint32_t flagsOf(const shared::Instance& instance, const shared::Material& mater
   uint32_t flags = 0;
   if (material.flags & shared::kMaterialDoubleSided) flags |= shared::kRankDoubleSided;
   if (instance.flags & shared::kInstanceMirrored) flags |= shared::kRankMirrored;
-  if (material.flags & (shared::kMaterialMasked | shared::kMaterialBlended)) flags |= shared::kRankCutOut;
-  if (material.flags & shared::kMaterialBlended) flags |= shared::kRankBlended;
+  const bool blended = shared::seenThrough(material.flags);
+  if (blended || (material.flags & shared::kMaterialMasked)) flags |= shared::kRankCutOut;
+  if (blended) flags |= shared::kRankBlended;
+  if (material.flags & shared::kMaterialLayered) flags |= shared::kRankLayered;
   if (stretchOf(instance).similar) flags |= shared::kRankSimilar;
   return flags;
 }
@@ -45,12 +47,15 @@ void InstanceRanks::update(const GpuScene& scene, const DrawOrder& order, vk::Up
   records_.clear();
   partRanks_.clear();
   all_ = {};
+  materialsShown_ = {};
   for (const DrawOrder::Kind kind : {DrawOrder::Kind::Solid, DrawOrder::Kind::Blended}) {
     for (const uint32_t instance : order.select(scene, kind, [](const Sphere&) { return true; }).instances) {
       const shared::Instance& record = all.record(instance);
       const Sphere& bounds = all.bounds(instance);
       const uint32_t count = scene.geometry().indexCount(record.mesh) / 3;
-      const uint32_t flags = flagsOf(record, scene.materials().record(record.material));
+      const shared::Material& material = scene.materials().record(record.material);
+      const uint32_t flags = flagsOf(record, material);
+      materialsShown_.add(material.flags);
       const auto firstTriangle = static_cast<uint32_t>(all_.parts * shared::kRasterGroup);
       const uint32_t parts = (count + shared::kRasterGroup - 1) / shared::kRasterGroup;
       records_.push_back({bounds.centre, bounds.radius, scene.geometry().clusters(record.mesh), stretchOf(record).most,

@@ -7,6 +7,7 @@
 #include "render/gpu_scene/buffer.h"
 #include "render/visibility/compute/raster_push.h"
 #include "render/visibility/draw_order.h"
+#include "render/visibility/visibility.h"
 
 namespace latelight::render {
 
@@ -29,6 +30,7 @@ class InstanceRanks {
   const Share& solid() const { return solid_; }
   const Share& all() const { return all_; }
   bool anyBlended() const { return all_.ranks > solid_.ranks; }
+  const ShownMaterials& materials() const { return materialsShown_; }
   // Numbers that those of the solid ones take, up to the first of the blended ones.
   uint32_t solidTriangles() const { return static_cast<uint32_t>(solid_.parts * shared::kRasterGroup); }
 
@@ -39,6 +41,7 @@ class InstanceRanks {
   GpuList<uint32_t> rankOfPart_;
   GpuList<shared::InstanceList> lists_;  // one
   Share solid_, all_;
+  ShownMaterials materialsShown_;
   uint64_t instances_ = 0, materials_ = 0;  // revisions that it follows
 };
 

@@ -40,6 +40,7 @@ SH_CONST uint kRankMirrored = 2u;
 SH_CONST uint kRankCutOut = 4u;  // its alpha takes parts of it away
 SH_CONST uint kRankBlended = 8u;
 SH_CONST uint kRankSimilar = 16u;  // its transform keeps angles
+SH_CONST uint kRankLayered = 32u;
 
 struct InstanceList {   // in the order of drawing
   uint64_t ranks;       // RankedInstance[]

@@ -1,0 +1,71 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// variants: textured
+// The light of surfaces with layers, in the pixels that show some: of several samples, triangle by triangle.
+#define COATED
+#include "render/glsl/common.glsl"
+#include "render/visibility/compute/surface_point.glsl"
+#include "render/layered/layered_light.glsl"
+#include "render/visibility/compute/visible.glsl"
+#include "render/visibility/compute/pixel_triangles.glsl"
+
+layout(local_size_x = 16, local_size_y = 16) in;
+layout(push_constant, scalar) uniform Push { ResolvePush push; };
+layout(set = 0, binding = AFTER_LIT_MAPS, rgba16f) uniform image2DArray lightTarget;
+layout(set = 0, binding = AFTER_LIT_MAPS + 1, rgba32f) uniform writeonly image2DArray lightCounts;
+
+bool isLayered(uint id) {
+  InstanceList list = InstanceListRef(push.instances).v;
+  uint rank = RankOfPartRef(list.rankOfPart).v[(id - 1u) / kRasterGroup];
+  return (RankRef(list.ranks).v[rank].flags & kRankLayered) != 0u;
+}
+
+// The samples of the next triangle of a layered surface; takes them, and those before, out of `left`. 0: none is left.
+uint nextLayered(uint first, inout uint left) {
+  VisibleRef visible = VisibleRef(push.visible);
+  uint found = 0u;
+  while (left != 0u && found == 0u) {
+    uint samples = nextTriangle(visible, first, left);
+    if (isLayered(visibleId(visible.v[first + uint(findLSB(samples))]))) found = samples;
+  }
+  return found;
+}
+
+// What these samples of a pixel show. Every invocation of the subgroup comes here; without samples for nothing, with some
+// triangle.
+vec3 radianceOf(FrameConstants frame, ivec3 pixel, uint first, uint samples) {
+  View view = frameView(frame, uint(pixel.z));
+  uint id = samples != 0u ? visibleId(VisibleRef(push.visible).v[first + uint(findLSB(samples))]) : 1u;
+  SeenTriangle t = seenTriangle(frame, push.instances, id);
+  SurfacePoint p = seenPoint(frame, view, t, vec2(pixel.xy) + middleOfSamples(samples));
+  Material m = frameMaterial(frame, frameInstance(frame, t.rank.instance).material);
+  LayeredPoint point = layeredPoint(frame, uint(pixel.z), m, p);
+  point.s.ao *= visibleHemisphere(pixel);
+  LayeredBrdf brdf;
+  return layeredRadiance(frame, uint(pixel.z), point, samples != 0u, false, brdf);
+}
+
+void main() {
+  FrameConstants frame = FrameRef(push.frame).v;
+#ifndef TEXTURES_BY_INDEX
+  textureRecords = frame.textures;
+#endif
+  ivec3 pixel = ivec3(gl_GlobalInvocationID);
+  uvec2 size = uvec2(frameView(frame, uint(pixel.z)).size);
+  bool inside = all(lessThan(uvec2(pixel.xy), size));
+  uint first = visibleIndex(uvec3(inside ? uvec2(pixel.xy) : uvec2(0u), pixel.z), size);
+  uint left = inside ? coveredSamples(VisibleRef(push.visible), first) : 0u, covered = 0u;
+  vec3 sum = vec3(0.0);
+  while (true) {
+    uint samples = nextLayered(first, left);
+    if (!subgroupAny(samples != 0u)) break;
+    vec3 one = radianceOf(frame, pixel, first, samples);
+    if (samples != 0u) sum += one * (float(bitCount(samples)) / float(kSamples));
+    covered |= samples;
+  }
+  if (covered == 0u) return;
+  if (kCountLights != 0u) imageStore(lightCounts, pixel, lightCount());
+  vec4 light = imageLoad(lightTarget, pixel);
+  bool all = uint(bitCount(covered)) == kSamples;
+  imageStore(lightTarget, pixel, vec4(min((all ? vec3(0.0) : light.rgb) + sum, vec3(65504.0)), light.a));
+}

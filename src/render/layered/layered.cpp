@@ -1,0 +1,85 @@
+#include "render/layered/layered.h"
+
+#include "render/lighting/forward/forward.h"
+#include "render/lit_maps.h"
+#include "render/visibility/compute/compute.h"
+#include "render/visibility/hardware.h"
+
+namespace latelight::render {
+
+namespace {
+
+constexpr uint32_t kPlainLoop = kFirstOwnConstant + 1;  // layered.frag
+
+// The mean of a pixel's samples, added to the picture.
+void addSamples(const FrameContext& f, graph::ImageId samples, graph::ImageId light) {
+  Bindings bindings(f.device);
+  bindings.sampled(samples).storage(light, graph::Use::StorageReadWrite);
+  addCompute(f,
+             {.stage = graph::Stage::Lighting,
+              .name = "layered samples",
+              .shader = "layered_samples.comp",
+              .bindings = std::move(bindings),
+              .size = f.pixels()},
+             NoPush{});
+}
+
+void recordLayered(graph::Context& context, const FrameContext& f, const DeviceDraws& draws, uint32_t view,
+                   SceneBinder& binder) {
+  for (const Draw& draw : draws[view]) {
+    if (!(f.scene.materials().record(draw.material).flags & shared::kMaterialLayered)) continue;
+    binder.bind(draw);
+    recordDraw(context, f.scene, draw);
+  }
+}
+
+// Their instances once more, at the depth that shows. With one sample a pixel in place of what lighting left.
+void drawLayered(const FrameContext& f, const Gbuffer& gbuffer, const HardwareVisibility& hardware) {
+  const bool several = f.setup.samples > 1;
+  const graph::ImageId target =
+      several ? createTarget(f, kLightFormat, "layered light of samples", f.setup.samples) : gbuffer.light;
+  const Bindings maps = litMaps(f, gbuffer, graph::Use::SampledFragment);
+  vk::GraphicsDesc desc = behindDepth(f.setup);
+  desc.fragment = f.setup.variant("layered.frag");
+  desc.constants.push_back({kPlainLoop, forwardLoop(f.device) == ForwardLoop::Plain ? 1u : 0u});
+  desc.bindings = maps.kinds();
+  desc.name = "layered";
+  std::vector<graph::ImageId> colors{target};
+  if (f.setup.countLights) colors.push_back(gbuffer.lightCounts);
+  for (const graph::ImageId color : colors) desc.colors.push_back(f.graph.desc(color).format);
+  const ScenePipelines pipelines = scenePipelines(f.device, desc);
+  std::vector<graph::Access> accesses = maps.accesses();
+  accesses.emplace_back(gbuffer.sampleDepth, graph::Use::DepthTest);
+  for (const graph::ImageId color : colors)
+    accesses.emplace_back(color, several ? graph::Use::ColorAttachment : graph::Use::ColorAttachmentLoad);
+  f.graph.pass(graph::Stage::Lighting, desc.name, std::move(accesses), [=, &f, &hardware](graph::Context& context) {
+    const std::vector<vk::BoundImage> images = maps.images(context);
+    for (uint32_t view = 0; view < f.viewCount(); ++view) {
+      beginView(context, f, view, colors, {gbuffer.sampleDepth, false}, several ? ColorUse::Clear : ColorUse::Keep);
+      SceneBinder binder(context, f.scene, hardware.solid(), {f.constants, f.viewBuffer, view}, pipelines, images);
+      recordLayered(context, f, hardware.solid(), view, binder);
+      vkCmdEndRendering(context.get());
+    }
+  });
+  if (several) addSamples(f, target, gbuffer.light);
+}
+
+// In the pixels whose visible triangles have such a material.
+void shadeLayered(const FrameContext& f, const Gbuffer& gbuffer, const ComputeVisibility& raster) {
+  Bindings bindings = litMaps(f, gbuffer, graph::Use::SampledCompute);
+  bindings.storage(gbuffer.light, graph::Use::StorageReadWrite);
+  bindings.storage(gbuffer.lightCounts, graph::Use::StorageReadWrite);
+  raster.addShading(
+      f,
+      {.stage = graph::Stage::Lighting, .name = "layered", .shader = "layered.comp", .bindings = std::move(bindings)});
+}
+
+}  // namespace
+
+void addLayered(const FrameContext& f, const Gbuffer& gbuffer) {
+  if (!(f.visibility.materials().solid & shared::kMaterialLayered)) return;
+  if (const HardwareVisibility* hardware = f.visibility.drawn()) return drawLayered(f, gbuffer, *hardware);
+  shadeLayered(f, gbuffer, *f.visibility.rastered());
+}
+
+}  // namespace latelight::render

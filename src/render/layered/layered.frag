@@ -1,0 +1,33 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// variants: multisampled, textured
+// The light of a visible surface with layers.
+#define COATED
+#include "render/glsl/common.glsl"
+#include "render/glsl/multisample.glsl"
+#include "render/visibility/varyings.glsl"
+#include "render/visibility/surface_fragment.glsl"
+#define PARTIAL_SUBGROUPS
+#include "render/layered/layered_light.glsl"
+
+layout(constant_id = 16) const uint kAlphaMasked = 0;
+layout(constant_id = 17) const uint kPlainLoop = 0;
+
+layout(location = 0) out vec4 picture;
+layout(location = 1) out vec4 counts;
+
+void main() {
+#ifdef MULTISAMPLED
+  gl_SampleMask[0] = -1;
+#endif
+  FrameConstants frame = FrameRef(push.frame).v;
+  Material m = drawMaterial();
+  SurfacePoint p = fragmentPoint();
+  LayeredPoint point = layeredPoint(frame, push.view, m, p);
+  point.s.ao *= visibleHemisphere(ivec3(ivec2(gl_FragCoord.xy), int(push.view)));
+  LayeredBrdf brdf;
+  picture = vec4(layeredRadiance(frame, push.view, point, true, kPlainLoop != 0u, brdf), 1.0);
+  counts = lightCount();
+  // As in geometry.frag: last, since textures need the whole quad.
+  if (kAlphaMasked != 0u) cutFragment(m, p);
+}

@@ -1,0 +1,73 @@
+// The light of a point of a surface with layers, by every light and the environment. After what finds the point and its
+// textures (surface_fragment.glsl, surface_point.glsl), with COATED. Lights come from the tree: no lists are made for
+// these surfaces.
+#include "render/glsl/surface.glsl"
+#include "shared/gbuffer.h"
+#include "render/glsl/environment.glsl"
+#include "render/glsl/lights.glsl"
+#include "render/glsl/tree_lights.glsl"
+#include "render/layered/surface_layers.glsl"
+
+struct LayeredPoint {
+  Surface s;
+  SurfaceLayers layers;
+  vec3 toEye;
+};
+
+// Of a material without layers too: blended surfaces of both kinds are lit by one shader.
+LayeredPoint layeredPoint(FrameConstants frame, uint view, Material m, SurfacePoint p) {
+  LayeredPoint point;
+  point.s = evaluateMaterial(frame, m, p);
+  point.layers = emptyLayers();
+  if ((m.flags & kMaterialLayered) != 0u) point.layers = evaluateLayers(frame, m, p, point.s);
+  point.s.flags &= ~kSurfaceLayered;
+  point.toEye = directionToEye(frameView(frame, view), point.s.position);
+  return point;
+}
+
+LayeredBrdf layeredBrdfAt(LayeredPoint point) {
+  LayerTables t = layerTablePlaces(point.s, point.layers, point.toEye);
+  t.base = textureLod(reflectanceTable, t.base, 0.0).rg;
+  t.coat = textureLod(reflectanceTable, t.coat, 0.0).rg;
+  t.behind = textureLod(reflectanceTable, t.behind, 0.0).rg;
+  return layeredBrdf(point.s, point.layers, point.toEye, kShading, t);
+}
+
+vec3 environmentPart(FrameConstants frame, LobePart part, vec3 toEye) {
+  return environmentLobe(frame, part.normal, toEye, part.roughness, environmentDiffuseAt(frame, part.normal));
+}
+
+vec3 environmentParts(FrameConstants frame, LayeredBrdf b, vec3 toEye) {
+  vec3 sum = vec3(0.0);
+  float weights = 0.0;
+  for (uint i = 0u; i < baseParts(b); ++i) {
+    LobePart part = basePart(b, i);
+    sum += environmentPart(frame, part, toEye) * part.weight;
+    weights += part.weight;
+  }
+  return sum / max(weights, 1.0e-6);
+}
+
+vec3 layeredEnvironment(FrameConstants frame, LayeredBrdf b, vec3 toEye) {
+  if (frame.environmentIntensity == 0.0) return vec3(0.0);
+  LayerLight found;
+  found.front = environmentDiffuseAt(frame, b.base.normal);
+  found.back = environmentDiffuseAt(frame, -b.base.normal);
+  found.sheen = environmentDiffuseAt(frame, sheenDirection(b));
+  found.base = environmentParts(frame, b, toEye);
+  found.coat = environmentPart(frame, coatPart(b), toEye);
+  return shadeLayeredEnvironment(b, found) * frame.environmentIntensity;
+}
+
+// Radiance times exposure. Every invocation of the subgroup must call it, for the same view; `shows` is false for those
+// without a point. `plain`: without subgroups.
+vec3 layeredRadiance(FrameConstants frame, uint view, LayeredPoint point, bool shows, bool plain, out LayeredBrdf brdf) {
+  vec3 emitted = emittedRadiance(point.s);
+  point.s = litSurface(point.s);
+  brdf = layeredBrdfAt(point);
+  vec3 radiance = layeredEnvironment(frame, brdf, point.toEye);
+  radiance += plain ? shadeAllLightsPlainly(frame, view, point.s, brdf)
+                    : shadeAllByTree(frame, view, point.s, brdf, shows);
+  emitted = coatedEmission(brdf, min(emitted * frame.exposure, vec3(65504.0)));
+  return min(emitted + radiance * frame.exposure, vec3(65504.0));
+}

@@ -1,0 +1,427 @@
+// Layers over and in a Surface: glTF's KHR_materials_clearcoat, sheen, anisotropy, iridescence, transmission, volume,
+// dispersion and diffuse_transmission. From top to bottom: clear coat, sheen, and the surface of shade.h, whose lobe
+// may be stretched and have a film on it, and whose diffuse part may pass light on. A layer of strength 0 leaves what
+// shade.h gives, to the bit.
+//
+// Where the specifications leave a choice: a coat takes from what is beneath it weight * Fresnel(n.v), which is what
+// they say, and under an environment or with energy compensation just what its lobe reflects of that, so that white
+// under any coat stays white. Sheen takes max(colour) * E(n.v). Both look at the eye's side alone, and so are not
+// reciprocal. With kShadingBlinnPhong the surface's lobe is round and has no film; the layers above and the light that
+// passes are the same.
+#ifndef LATELIGHT_SHARED_LAYERS_H
+#define LATELIGHT_SHARED_LAYERS_H
+
+#include "shared/brdf/anisotropic.h"
+#include "shared/brdf/charlie.h"
+#include "shared/brdf/thin_film.h"
+#include "shared/brdf/transmission.h"
+#include "shared/shade.h"
+
+SH_BEGIN
+
+// As evaluated at a point. Angles and directions are in world space, and unit.
+struct SurfaceLayers {
+  float clearcoat;  // [0, 1]
+  float clearcoatRoughness;
+  vec3 clearcoatNormal;
+  vec3 sheenColor;  // [0, 1]
+  float sheenRoughness;
+  float anisotropy;          // strength, [0, 1]
+  vec3 anisotropyDirection;  // in which the highlight is stretched, perpendicular to the surface's normal
+  float iridescence;         // [0, 1]
+  float iridescenceIor;
+  float iridescenceThickness;  // nm
+  float ior;                   // of the surface and what is beneath it, at least 1
+  float transmission;          // [0, 1]
+  float thickness;             // m, of a volume; 0: a thin wall
+  vec3 absorption;             // 1/m: absorptionOf()
+  float dispersion;            // 20 / Abbe number
+  float diffuseTransmission;   // [0, 1]
+  vec3 diffuseTransmissionColor;
+};
+
+SH_FUNC SurfaceLayers emptyLayers() {
+  SurfaceLayers l;
+  l.clearcoat = 0.0f;
+  l.clearcoatRoughness = 0.0f;
+  l.clearcoatNormal = vec3(0.0f, 0.0f, 1.0f);
+  l.sheenColor = vec3(0.0f, 0.0f, 0.0f);
+  l.sheenRoughness = 0.0f;
+  l.anisotropy = 0.0f;
+  l.anisotropyDirection = vec3(1.0f, 0.0f, 0.0f);
+  l.iridescence = 0.0f;
+  l.iridescenceIor = 1.3f;
+  l.iridescenceThickness = 400.0f;
+  l.ior = 1.5f;
+  l.transmission = 0.0f;
+  l.thickness = 0.0f;
+  l.absorption = vec3(0.0f, 0.0f, 0.0f);
+  l.dispersion = 0.0f;
+  l.diffuseTransmission = 0.0f;
+  l.diffuseTransmissionColor = vec3(1.0f, 1.0f, 1.0f);
+  return l;
+}
+
+// Of each lobe, first where it is in the split-sum table, (n.v, perceptual roughness), then what the table has there.
+struct LayerTables {
+  vec2 base;
+  vec2 coat;
+  vec2 behind;
+};
+
+// A surface with layers, as far as it does not depend on the light: computed once.
+struct LayeredBrdf {
+  SurfaceBrdf base;
+  Surface surface;       // for what film and environment need of it
+  SurfaceLayers layers;  // in their ranges
+  StretchedFrame stretched;
+  float compensated;   // 1: lights are reflected between facets, too
+  float under;         // share of punctual light that coat and sheen leave
+  float underAverage;  // and of an environment's
+  float coatNv;        // cosine between the coat's normal and the eye
+  float coatA2;        // alpha^2 of the coat
+  float coatRoot;      // smithRoot() of both
+  float coatReflects;  // weight * Fresnel
+  float coatAlbedo;    // share of uniform light that its lobe returns, without Fresnel
+  float sheenAlpha;
+  float sheenLambda;  // of the eye
+  float sheenScale;   // keeps the lobe from reflecting more than it receives
+  float sheenAlbedo;
+  float underCoat;         // share of punctual light that the coat leaves to the sheen
+  float underCoatAverage;  // and of an environment's
+  vec3 once;               // share of an environment that the surface's lobe reflects
+  vec3 scattered;          // that it scatters
+  vec3 behind;             // that passes through it as a diffuse light
+  vec3 seen;               // of what is seen through it
+  vec3 backDiffuse;        // 1/sr, of light from behind, before the Fresnel term takes its share
+  vec3 through;            // of the lobe of light from behind, the same
+  float throughA2;         // alpha^2 of that lobe
+};
+
+SH_FUNC SurfaceLayers clampedLayers(SurfaceLayers l) {
+  l.clearcoat = saturate(l.clearcoat);
+  l.sheenColor = vec3(saturate(l.sheenColor.x), saturate(l.sheenColor.y), saturate(l.sheenColor.z));
+  l.anisotropy = saturate(l.anisotropy);
+  l.iridescence = saturate(l.iridescence);
+  l.ior = max(l.ior, 1.0f);
+  l.transmission = saturate(l.transmission);
+  l.thickness = max(l.thickness, 0.0f);
+  l.dispersion = max(l.dispersion, 0.0f);
+  l.diffuseTransmission = saturate(l.diffuseTransmission);
+  return l;
+}
+
+// Share of the diffuse part that still returns light to the eye's side.
+SH_FUNC float keptDiffuse(SurfaceLayers l) {
+  return (1.0f - l.transmission) * (1.0f - l.diffuseTransmission);
+}
+
+// The direction from which light goes straight through to the eye, turned round: for a thin wall that of the eye.
+SH_FUNC vec3 eyeThrough(vec3 normal, vec3 toEye, SurfaceLayers l, uint channel) {
+  if (l.thickness <= 0.0f) return toEye;
+  float nv = clamp(dot(normal, toEye), kMinNv, 1.0f);
+  return refractedRay(normal, toEye, nv, dispersedIor(max(l.ior, 1.0f), l.dispersion, channel)) * -1.0f;
+}
+
+// Where layeredBrdf() needs the split-sum table.
+SH_FUNC LayerTables layerTablePlaces(Surface s, SurfaceLayers l, vec3 toEye) {
+  LayerTables t;
+  float roughness = s.roughness;
+  if (l.anisotropy > 0.0f) {
+    StretchedFrame f = stretchedFrame(s.normal, l.anisotropyDirection, s.roughness, saturate(l.anisotropy));
+    roughness = stretchedRoughness(f, toEye);
+  }
+  t.base = vec2(saturate(dot(s.normal, toEye)), roughness);
+  t.coat = vec2(saturate(dot(l.clearcoatNormal, toEye)), saturate(l.clearcoatRoughness));
+  t.behind =
+      vec2(saturate(dot(s.normal, eyeThrough(s.normal, toEye, l, 1u))), transmittedRoughness(s.roughness, l.ior));
+  return t;
+}
+
+// The mean over facets seen at those angles, from the two that are a standard deviation from the mean.
+SH_FUNC vec3 meanThinFilm(vec3 f0, SurfaceLayers l, FacetCosines c) {
+  vec3 low = thinFilm(f0, l.iridescenceIor, l.iridescenceThickness, saturate(c.mean - c.spread));
+  vec3 high = thinFilm(f0, l.iridescenceIor, l.iridescenceThickness, saturate(c.mean + c.spread));
+  return (low + high) * 0.5f;
+}
+
+// reflectance() of a surface with a film.
+SH_FUNC Reflectance filmedReflectance(vec3 f0, float f90, vec2 table, SurfaceLayers l, FacetCosines facets) {
+  Reflectance r = reflectance(f0, f90, table);
+  if (l.iridescence <= 0.0f) return r;
+  FacetCosines all;  // of light from all sides, whose cosines have the density 2 x
+  all.mean = 2.0f / 3.0f;
+  all.spread = 0.2357f;
+  float albedo = table.x + table.y;
+  vec3 more = reflectedMore(meanThinFilm(f0, l, all), saturate(1.0f - albedo));
+  r.once = r.once + (meanThinFilm(f0, l, facets) * albedo - r.once) * l.iridescence;
+  r.more = r.more + (more - r.more) * l.iridescence;
+  return r;
+}
+
+// What becomes of uniform light from all directions at the surface itself, as in surfaceReflectance().
+SH_FUNC void addReflectance(SH_INOUT(LayeredBrdf) b, vec3 toEye, vec2 table) {
+  Surface s = b.surface;
+  SurfaceLayers l = b.layers;
+  FacetCosines facets = facetCosines(saturate(dot(s.normal, toEye)), ggxAlpha(s.roughness));
+  Reflectance dielectric = filmedReflectance(s.f0, s.f90, table, l, facets);
+  Reflectance metal = filmedReflectance(s.baseColor, 1.0f, table, l, facets);
+  b.once = dielectric.once + (metal.once - dielectric.once) * s.metallic;
+  vec3 more = dielectric.more + (metal.more - dielectric.more) * s.metallic;
+  float left = saturate(1.0f - maxChannel(dielectric.once + dielectric.more));
+  b.scattered = more + diffuseColor(s) * left * keptDiffuse(l);
+  vec3 passed = beersLaw(l.absorption, l.thickness) * ((1.0f - s.metallic) * left);
+  b.behind = l.diffuseTransmissionColor * passed * ((1.0f - l.transmission) * l.diffuseTransmission);
+  b.seen = s.baseColor * passed * l.transmission;
+}
+
+// The parts of punctual lights: where light is compensated for what single reflections lose, those of uniform light.
+SH_FUNC void addTransmission(SH_INOUT(LayeredBrdf) b, vec2 table) {
+  Surface s = b.surface;
+  SurfaceLayers l = b.layers;
+  float alpha = ggxAlpha(transmittedRoughness(s.roughness, l.ior));
+  b.throughA2 = alpha * alpha;
+  if (b.compensated > 0.0f) {
+    b.backDiffuse = b.behind * kInvPi;
+    b.through = b.seen / max(table.x + table.y, 0.1f);
+    return;
+  }
+  vec3 passed = beersLaw(l.absorption, l.thickness) * (1.0f - s.metallic);
+  b.backDiffuse = l.diffuseTransmissionColor * passed * ((1.0f - l.transmission) * l.diffuseTransmission * kInvPi);
+  b.through = s.baseColor * passed * l.transmission;
+}
+
+SH_FUNC void addCoat(SH_INOUT(LayeredBrdf) b, vec2 table) {
+  SurfaceLayers l = b.layers;
+  float alpha = ggxAlpha(saturate(l.clearcoatRoughness));
+  b.coatNv = clamp(dot(l.clearcoatNormal, b.base.toEye), kMinNv, 1.0f);
+  b.coatA2 = alpha * alpha;
+  b.coatRoot = smithRoot(b.coatNv, b.coatA2);
+  b.coatReflects = l.clearcoat * (0.04f + 0.96f * schlickWeight(b.coatNv));
+  b.coatAlbedo = saturate(table.x + table.y);
+  b.underCoatAverage = 1.0f - b.coatReflects * b.coatAlbedo;
+  b.underCoat = b.compensated > 0.0f ? b.underCoatAverage : 1.0f - b.coatReflects;
+}
+
+// Where the lobe itself would reflect more than it receives (charlieAlbedo()), it is scaled to reflect all.
+SH_FUNC void addSheen(SH_INOUT(LayeredBrdf) b) {
+  SurfaceLayers l = b.layers;
+  b.sheenAlpha = charlieAlpha(l.sheenRoughness);
+  b.sheenLambda = charlieLambda(b.base.nv, b.sheenAlpha);
+  float albedo = charlieAlbedo(b.base.nv, l.sheenRoughness);
+  b.sheenScale = 1.0f / max(albedo, 1.0f);
+  b.sheenAlbedo = min(albedo, 1.0f);
+  float left = 1.0f - maxChannel(l.sheenColor) * b.sheenAlbedo;
+  b.under = b.underCoat * left;
+  b.underAverage = b.underCoatAverage * left;
+}
+
+// `tables`: what the split-sum table has at layerTablePlaces().
+SH_FUNC LayeredBrdf layeredBrdf(Surface s, SurfaceLayers l, vec3 toEye, uint shading, LayerTables tables) {
+  LayeredBrdf b;
+  b.surface = s;
+  b.layers = clampedLayers(l);
+  b.compensated = shading == kShadingGgxCompensated ? 1.0f : 0.0f;
+  b.stretched = stretchedFrame(s.normal, l.anisotropyDirection, s.roughness, b.layers.anisotropy);
+  addReflectance(b, toEye, tables.base);
+  s.scattered = b.scattered;
+  b.base = surfaceBrdf(s, toEye, shading);
+  if (b.compensated <= 0.0f) b.base.diffuse = b.base.diffuse * keptDiffuse(b.layers);
+  addTransmission(b, tables.behind);
+  addCoat(b, tables.coat);
+  addSheen(b);
+  return b;
+}
+
+// Emitted light leaves the surface below the coat.
+SH_FUNC vec3 coatedEmission(LayeredBrdf b, vec3 emitted) {
+  return emitted * (1.0f - b.coatReflects);
+}
+
+// --- punctual lights -------------------------------------------------------------------------------------------------
+
+// Reflectance of the surface's facets, and the share that its diffuse part gets.
+struct FacetReflectance {
+  vec3 lobe;
+  float left;
+};
+SH_FUNC FacetReflectance facetReflectance(LayeredBrdf b, float vh) {
+  FacetReflectance r;
+  float weight = schlickWeight(vh);
+  r.lobe = b.base.f0 + (vec3(b.base.f90, b.base.f90, b.base.f90) - b.base.f0) * weight;
+  r.left = 1.0f - (b.base.taken0 + (b.base.taken90 - b.base.taken0) * weight);
+  SurfaceLayers l = b.layers;
+  if (l.iridescence <= 0.0f) return r;
+  Surface s = b.surface;
+  vec3 dielectric = schlick(s.f0, s.f90, vh);
+  vec3 metal = schlick(s.baseColor, 1.0f, vh);
+  dielectric = dielectric + (thinFilm(s.f0, l.iridescenceIor, l.iridescenceThickness, vh) - dielectric) * l.iridescence;
+  metal = metal + (thinFilm(s.baseColor, l.iridescenceIor, l.iridescenceThickness, vh) - metal) * l.iridescence;
+  r.lobe = dielectric + (metal - dielectric) * s.metallic;
+  r.left = b.compensated > 0.0f ? 1.0f : 1.0f - maxChannel(dielectric);
+  return r;
+}
+
+// The half vector; 0 where light comes from exactly opposite the eye.
+SH_FUNC vec3 halfVector(vec3 toLight, vec3 toEye) {
+  vec3 sum = toLight + toEye;
+  float squared = dot(sum, sum);
+  return sum * (squared > 1e-12f ? inversesqrt(squared) : 0.0f);
+}
+
+// 1/sr: the round lobe of ggx.h about `normal`.
+SH_FUNC float roundLobe(vec3 normal, vec3 h, float nl, float nv, float a2, float eyeRoot) {
+  vec3 across = cross(normal, h);
+  return ggxLobe(saturate(dot(normal, h)), dot(across, across), nl, nv, a2, eyeRoot);
+}
+
+// What the surface beneath coat and sheen reflects.
+SH_FUNC vec3 surfaceLight(LayeredBrdf b, LightSample light, uint shading) {
+  bool plain = b.layers.anisotropy <= 0.0f && b.layers.iridescence <= 0.0f;
+  if (plain || shading == kShadingBlinnPhong) return shadeLight(b.base, light, shading);
+  float nl = min(dot(b.base.normal, light.toLight), 1.0f);
+  if (nl <= 0.0f) return vec3(0.0f, 0.0f, 0.0f);
+  vec3 h = halfVector(light.toLight, b.base.toEye);
+  FacetReflectance facets = facetReflectance(b, saturate(dot(b.base.toEye, h)));
+  float lobe;
+  if (b.layers.anisotropy > 0.0f) {
+    lobe = stretchedLobe(b.stretched, light.toLight, b.base.toEye, h, nl, b.base.nv);
+  } else {
+    lobe = roundLobe(b.base.normal, h, nl, b.base.nv, b.base.width, b.base.scale);
+  }
+  return (b.base.diffuse * facets.left + facets.lobe * lobe) * light.irradiance * nl;
+}
+
+// 1/sr of light that goes through: the lobe of a reflection of the light that is `mirrored` by the surface's plane.
+SH_FUNC float throughLobe(LayeredBrdf b, vec3 mirrored, float nl, uint channel) {
+  vec3 eye = eyeThrough(b.base.normal, b.base.toEye, b.layers, channel);
+  float nv = clamp(dot(b.base.normal, eye), kMinNv, 1.0f);
+  return roundLobe(b.base.normal, halfVector(mirrored, eye), nl, nv, b.throughA2, smithRoot(nv, b.throughA2));
+}
+
+// What a light behind the surface sends through it; `nl` is the cosine on that side.
+SH_FUNC vec3 lightFromBehind(LayeredBrdf b, LightSample light, float nl) {
+  vec3 mirrored = light.toLight + b.base.normal * (2.0f * nl);
+  vec3 f = b.backDiffuse;
+  if (b.layers.transmission > 0.0f) {
+    float green = throughLobe(b, mirrored, nl, 1u);
+    vec3 lobe = vec3(green, green, green);
+    if (b.layers.dispersion > 0.0f && b.layers.thickness > 0.0f)
+      lobe = vec3(throughLobe(b, mirrored, nl, 0u), green, throughLobe(b, mirrored, nl, 2u));
+    f = f + b.through * lobe;
+  }
+  float left = 1.0f;
+  if (b.compensated <= 0.0f)
+    left = facetReflectance(b, saturate(dot(b.base.toEye, halfVector(mirrored, b.base.toEye)))).left;
+  return f * light.irradiance * (left * nl);
+}
+
+SH_FUNC vec3 coatLight(LayeredBrdf b, LightSample light) {
+  float nl = min(dot(b.layers.clearcoatNormal, light.toLight), 1.0f);
+  if (b.coatReflects <= 0.0f || nl <= 0.0f) return vec3(0.0f, 0.0f, 0.0f);
+  vec3 h = halfVector(light.toLight, b.base.toEye);
+  float lobe = roundLobe(b.layers.clearcoatNormal, h, nl, b.coatNv, b.coatA2, b.coatRoot);
+  return light.irradiance * (b.coatReflects * lobe * nl);
+}
+
+SH_FUNC vec3 sheenLight(LayeredBrdf b, LightSample light) {
+  float nl = min(dot(b.base.normal, light.toLight), 1.0f);
+  if (maxChannel(b.layers.sheenColor) <= 0.0f || nl <= 0.0f) return vec3(0.0f, 0.0f, 0.0f);
+  vec3 across = cross(b.base.normal, halfVector(light.toLight, b.base.toEye));
+  float lobe = charlieLobe(dot(across, across), nl, b.base.nv, b.sheenAlpha, b.sheenLambda);
+  return b.layers.sheenColor * light.irradiance * (lobe * b.sheenScale * b.underCoat * nl);
+}
+
+// Radiance leaving the surface towards the eye by one light, which may be behind it.
+SH_FUNC vec3 shadeLayeredLight(LayeredBrdf b, LightSample light, uint shading) {
+  float nl = dot(b.base.normal, light.toLight);
+  vec3 radiance;
+  if (nl < 0.0f) {
+    radiance = lightFromBehind(b, light, min(nl * -1.0f, 1.0f)) * b.under;
+  } else {
+    radiance = surfaceLight(b, light, shading) * b.under + sheenLight(b, light);
+  }
+  return radiance + coatLight(b, light);
+}
+
+// --- environment -----------------------------------------------------------------------------------------------------
+
+// The surface's lobe as round ones, whose mean radiances are looked up like a plain surface's of that normal and
+// roughness; the surface's own is their mean by weight.
+SH_FUNC uint baseParts(LayeredBrdf b) {
+  return b.layers.anisotropy > 0.0f ? kStretchedParts : 1u;
+}
+SH_FUNC LobePart basePart(LayeredBrdf b, uint part) {
+  if (b.layers.anisotropy > 0.0f) return stretchedPart(b.stretched, b.base.toEye, part);
+  LobePart r;
+  r.normal = b.base.normal;
+  r.roughness = b.surface.roughness;
+  r.weight = 1.0f;
+  return r;
+}
+SH_FUNC LobePart coatPart(LayeredBrdf b) {
+  LobePart r;
+  r.normal = b.layers.clearcoatNormal;
+  r.roughness = saturate(b.layers.clearcoatRoughness);
+  r.weight = 1.0f;
+  return r;
+}
+
+// The direction about which sheen sees the environment like a Lambertian surface would: fibres send light back to where
+// it came from, the more so the less rough they are. Fitted to the lobe's mean direction.
+SH_FUNC vec3 sheenDirection(LayeredBrdf b) {
+  float roughness = clamp(b.layers.sheenRoughness, kCharlieMinRoughness, 1.0f);
+  float lean = 0.165f * pow(roughness, -1.4f) * (1.0f + 2.0f * b.base.nv);
+  return normalize(b.base.normal + (b.base.toEye - b.base.normal * b.base.nv) * lean);
+}
+
+// What lookups into the environment found.
+struct LayerLight {
+  vec3 front;  // irradiance / pi about the surface's normal
+  vec3 back;   // and about its opposite
+  vec3 sheen;  // and about sheenDirection()
+  vec3 base;   // mean radiance over the parts of the surface's lobe
+  vec3 coat;   // and over coatPart()
+};
+
+// Radiance leaving the surface towards the eye by the environment, but for what is seen through it.
+SH_FUNC vec3 shadeLayeredEnvironment(LayeredBrdf b, LayerLight light) {
+  float nv = b.base.nv;
+  float ao = b.surface.ao;
+  float occlusion = specularOcclusion(nv, ao, ggxAlpha(b.surface.roughness));
+  vec3 under = b.scattered * light.front * ao + b.once * light.base * occlusion;
+  under = under + b.behind * light.back * ao;
+  vec3 sheen = b.layers.sheenColor * light.sheen * (b.sheenAlbedo * b.underCoatAverage * ao);
+  float coatOcclusion = specularOcclusion(b.coatNv, ao, sqrt(b.coatA2));
+  return under * b.underAverage + sheen + light.coat * (b.coatReflects * b.coatAlbedo * coatOcclusion);
+}
+
+// --- what is seen through the surface -------------------------------------------------------------------------------
+
+// Where to look: the ray that goes on from the eye through a surface at `position`, at the end of its way through the
+// material. Channels 0, 1 and 2 differ under dispersion; elsewhere all are channel 1's.
+struct TransmittedRay {
+  vec3 exit;
+  vec3 direction;   // unit
+  float roughness;  // perceptual, of what is seen
+};
+SH_FUNC bool disperses(LayeredBrdf b) {
+  return b.layers.dispersion > 0.0f && b.layers.thickness > 0.0f && b.layers.transmission > 0.0f;
+}
+SH_FUNC TransmittedRay transmittedRay(LayeredBrdf b, uint channel) {
+  TransmittedRay r;
+  r.direction = eyeThrough(b.base.normal, b.base.toEye, b.layers, channel) * -1.0f;
+  r.exit = b.surface.position + r.direction * b.layers.thickness;
+  r.roughness = transmittedRoughness(b.surface.roughness, b.layers.ior);
+  return r;
+}
+
+// Of the radiance that was found there, what reaches the eye: dimmed by coat, sheen and reflection, coloured by the
+// surface, and absorbed in its volume.
+SH_FUNC vec3 transmittedRadiance(LayeredBrdf b, vec3 found) {
+  return b.seen * found * b.underAverage;
+}
+
+SH_END
+
+#endif

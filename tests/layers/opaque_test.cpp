@@ -1,0 +1,233 @@
+// Layered surfaces that are shaded behind the G-buffer: alike whatever layout, technique, raster and number of views or
+// strips a picture has, the plain surface where a layer has no strength, and after an edit what a fresh load shows.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "layers/scenes.h"
+#include "render/gbuffer/layout.h"
+#include "render/strips.h"
+#include "scene/edit.h"
+
+namespace latelight::render::test {
+namespace {
+
+using output::Aov;
+using Values = std::vector<float>;
+
+constexpr uint32_t kWidth = 112, kHeight = 70;
+
+class Layered : public RenderTest {
+ protected:
+  static Settings picture(std::vector<Aov> aovs = {Aov::Color}) { return settingsOf(kWidth, kHeight, std::move(aovs)); }
+  static Values colorOf(Renderer& renderer, const Settings& settings) {
+    const scene::Camera camera = roomCamera();
+    return imageOf(renderer.render({&camera, 1}, settings).front(), Aov::Color).values;
+  }
+  // Which pixels show a layered surface: its place among the room's materials, or -1.
+  static std::vector<int> layeredPixels(Renderer& renderer, const scene::Scene& scene) {
+    const scene::Camera camera = roomCamera();
+    const output::FrameOutput frame = renderer.render({&camera, 1}, picture({Aov::Material})).front();
+    std::vector<int> shown;
+    for (const uint32_t id : imageOf(frame, Aov::Material).ids) {
+      const auto found = std::ranges::find(scene.materials, id, [](const scene::Material& m) { return m.data.id; });
+      const bool layered = found != scene.materials.end() && scene::layerFlags(found->data) != 0;
+      shown.push_back(layered ? static_cast<int>(found - scene.materials.begin()) : -1);
+    }
+    return shown;
+  }
+};
+
+// The materials of a room that a test makes have ids, by which their pixels are known.
+scene::Scene identifiedRoom() {
+  scene::Scene scene = layeredRoom();
+  for (uint32_t i = 0; i < scene.materials.size(); ++i) scene.materials[i].data.id = i + 1;
+  return scene;
+}
+
+TEST_F(Layered, EveryTechniqueAndLayoutGivesTheSameBytes) {
+  const scene::Scene scene = identifiedRoom();
+  const scene::Environment environment = constantEnvironment();
+  Renderer renderer(device(), scene, &environment);
+  const std::vector<int> shown = layeredPixels(renderer, scene);
+  for (int kind = 2; kind < static_cast<int>(scene.materials.size()); ++kind)
+    EXPECT_GT(std::ranges::count(shown, kind), 40) << kind;
+  Settings settings = picture();
+  settings.shadows = choiceNamed<ShadowFormat>("d32").value();
+  const Values expected = colorOf(renderer, settings);
+  const auto compare = [&] {
+    const Values found = colorOf(renderer, settings);
+    for (size_t i = 0; i < shown.size(); ++i)
+      for (size_t c = 0; shown[i] >= 0 && c < 4; ++c)
+        ASSERT_EQ(found[4 * i + c], expected[4 * i + c]) << settings.lighting->name << " " << settings.layout->name;
+  };
+  for (const TechniqueInfo& technique : techniques()) {
+    settings.lighting = &technique;
+    if (rastersInCompute(settings) == (settings.raster == Raster::Compute)) compare();
+  }
+  settings.lighting = &findTechnique("clustered");
+  for (const Layout& layout : layouts()) {
+    settings.layout = &layout;
+    compare();
+  }
+}
+
+// Of both rasters, which find a point's place with other rounding, as for plain surfaces.
+TEST_F(Layered, BothRastersAgree) {
+  const scene::Scene scene = identifiedRoom();
+  Renderer renderer(device(), scene, nullptr);
+  const std::vector<int> shown = layeredPixels(renderer, scene);
+  for (const uint32_t samples : {1u, 4u}) {
+    Settings settings = picture();
+    settings.aa.samples = samples;
+    settings.raster = Raster::Hardware;
+    const Values drawn = colorOf(renderer, settings);
+    settings.raster = Raster::Compute;
+    const Values found = colorOf(renderer, settings);
+    double sum = 0;
+    size_t layered = 0, far = 0;
+    for (size_t i = 0; i < shown.size(); ++i) {
+      if (shown[i] < 0) continue;
+      ++layered;
+      for (size_t c = 0; c < 3; ++c) {
+        const double difference = std::abs(drawn[4 * i + c] - found[4 * i + c]);
+        sum += difference;
+        far += difference > 0.02 * std::max(1.0f, drawn[4 * i + c]);
+      }
+    }
+    EXPECT_LT(sum / (3.0 * static_cast<double>(layered)), 1e-3) << samples;
+    EXPECT_LE(far, layered / 50) << samples;
+  }
+}
+
+// A texture of zeros takes every layer's strength away, but the surface goes the way of layered ones.
+TEST_F(Layered, WithoutStrengthIsThePlainPicture) {
+  scene::Scene scene = layeredRoom();
+  scene.textures.push_back(textureOf(1, 1, false, {glm::u8vec4(0)}));
+  scene::Scene plain = layeredRoom();
+  for (uint32_t i = 2; i < scene.materials.size(); ++i) {
+    scene::Material& m = scene.materials[i];
+    for (const uint32_t slot : {shared::kTextureClearcoat, shared::kTextureSheenColor, shared::kTextureAnisotropy,
+                                shared::kTextureIridescence, shared::kTextureDiffuseTransmission})
+      setTexture(m, slot, 1);
+    plain.materials[i].data.layers = scene::noLayers();
+  }
+  const scene::Environment environment = constantEnvironment();
+  for (const NamedOption& shading : choices<Shading>()) {
+    Settings settings = picture();
+    settings.shading = choiceNamed<Shading>(shading.name).value();
+    settings.layout = &findLayout("exact");
+    Renderer layered(device(), scene, &environment), bare(device(), plain, &environment);
+    const Values found = colorOf(layered, settings), expected = colorOf(bare, settings);
+    size_t different = 0;
+    for (size_t i = 0; i < found.size(); ++i) {
+      ASSERT_NEAR(found[i], expected[i], 2e-3 * std::max(1.0f, expected[i])) << shading.name << " " << i;
+      different += found[i] != expected[i];
+    }
+    EXPECT_LT(different, found.size() / 50) << shading.name;
+  }
+}
+
+// Factors of 0 are no layers at all: the very pictures of a scene without, by the same passes.
+TEST_F(Layered, FactorsOfZeroAreNoLayers) {
+  scene::Scene scene = layeredRoom(), plain = layeredRoom();
+  for (scene::Material& m : scene.materials) {
+    shared::MaterialLayers& l = m.data.layers;
+    l.clearcoat = l.anisotropy = l.iridescence = l.transmission = l.diffuseTransmission = 0;
+    l.sheenColor = vec3(0);
+    l.clearcoatRoughness = 0.3f, l.thickness = 2, l.dispersion = 4;
+  }
+  for (scene::Material& m : plain.materials) m.data.layers = scene::noLayers();
+  Renderer layered(device(), scene, nullptr), bare(device(), plain, nullptr);
+  EXPECT_EQ(colorOf(layered, picture()), colorOf(bare, picture()));
+}
+
+TEST_F(Layered, LayersShow) {
+  const scene::Scene scene = identifiedRoom();
+  scene::Scene plain = identifiedRoom();
+  for (scene::Material& m : plain.materials) m.data.layers = scene::noLayers();
+  const scene::Environment environment = constantEnvironment();
+  Renderer layered(device(), scene, &environment), bare(device(), plain, &environment);
+  const std::vector<int> shown = layeredPixels(layered, scene);
+  const Values with = colorOf(layered, picture()), without = colorOf(bare, picture());
+  std::vector<double> difference(scene.materials.size());
+  for (size_t i = 0; i < shown.size(); ++i)
+    for (size_t c = 0; shown[i] >= 0 && c < 3; ++c)
+      difference[static_cast<size_t>(shown[i])] += std::abs(with[4 * i + c] - without[4 * i + c]);
+  for (size_t kind = 2; kind < scene.materials.size(); ++kind)
+    EXPECT_GT(difference[kind] / (3.0 * static_cast<double>(std::ranges::count(shown, static_cast<int>(kind)))), 0.005)
+        << kind;
+}
+
+TEST_F(Layered, StripsAreTheWholePicture) {
+  const scene::Scene scene = layeredRoom();
+  Renderer renderer(device(), scene, nullptr);
+  Settings settings = settingsOf(96, 200, {Aov::Color});
+  settings.aa.samples = 4;
+  const Values whole = colorOf(renderer, settings);
+  settings.stripPixels = 96 * 100;
+  ASSERT_GT(stripsOf(settings).size(), 1u);
+  const Values parted = colorOf(renderer, settings);
+  size_t different = 0;
+  for (size_t i = 0; i < whole.size(); ++i)
+    different += std::abs(whole[i] - parted[i]) > 4e-3f * std::max(1.0f, whole[i]);
+  EXPECT_LE(different, 6u);
+}
+
+TEST_F(Layered, ViewsTogetherAreViewsAlone) {
+  const scene::Scene scene = layeredRoom();
+  Renderer renderer(device(), scene, nullptr);
+  const std::vector<scene::Camera> cameras{roomCamera(), frontCamera(2), frontPerspective(0.5f, 6)};
+  const auto together = renderer.render(cameras, picture());
+  for (size_t i = 0; i < cameras.size(); ++i)
+    EXPECT_EQ(imageOf(together[i], Aov::Color).values,
+              imageOf(renderer.render({&cameras[i], 1}, picture()).front(), Aov::Color).values);
+}
+
+// Edges of layered surfaces are smoothed as much as those of plain ones: against 16 samples a pixel.
+TEST_F(Layered, SamplesSmoothEdges) {
+  const scene::Scene scene = layeredRoom();
+  Renderer renderer(device(), scene, nullptr);
+  Settings settings = picture();
+  const Values rough = colorOf(renderer, settings);
+  settings.aa.superSampling = 4;
+  const Values reference = colorOf(renderer, settings);
+  settings.aa.superSampling = 1;
+  settings.aa.samples = 4;
+  const Values smooth = colorOf(renderer, settings);
+  const auto error = [&](const Values& values) {
+    double sum = 0;
+    for (size_t i = 0; i < values.size(); ++i)
+      sum += std::abs(std::min(values[i], 1.0f) - std::min(reference[i], 1.0f));
+    return sum / static_cast<double>(values.size());
+  };
+  EXPECT_LT(error(smooth), 0.6 * error(rough));
+}
+
+// A layer that an edit puts on, changes and takes off: the picture of a renderer made afresh each time.
+TEST_F(Layered, EditsAreAFreshLoad) {
+  scene::Scene scene = layeredRoom();
+  for (scene::Material& m : scene.materials) m.data.layers = scene::noLayers();
+  Renderer renderer(device(), scene, nullptr);
+  const Values before = colorOf(renderer, picture());
+  const auto edited = [&](const scene::Material& material) {
+    scene::setMaterial(scene, 1, material);
+    const Values found = colorOf(renderer, picture());
+    Renderer fresh(device(), scene, nullptr);
+    EXPECT_EQ(found, colorOf(fresh, picture()));
+    return found;
+  };
+  const scene::Material plain = scene.materials[1];
+  scene::Material coated = plain;
+  coated.data.layers.clearcoat = 1;
+  const Values coat = edited(coated);
+  EXPECT_NE(coat, before);
+  scene::Material glass = coated;
+  glass.data.layers.transmission = 1;
+  EXPECT_NE(edited(glass), coat);
+  EXPECT_EQ(edited(plain), before);
+}
+
+}  // namespace
+}  // namespace latelight::render::test

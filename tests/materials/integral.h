@@ -1,0 +1,21 @@
+// What a layered material sends to the eye: by its functions at each light, and by integration over an environment.
+#pragma once
+
+#include "shared/layers.h"
+#include "study/light_truth.h"
+
+namespace latelight::materials {
+
+struct Point {
+  shared::Surface surface;
+  shared::SurfaceLayers layers;
+  shared::vec3 toEye;
+};
+
+// One bounce, with `samples` directions spread over the environment's light, the cosines on both sides and each lobe,
+// by multiple importance sampling (Veach 1997). Between facets light is reflected several times, by the shares in
+// `tables`.
+glm::dvec3 integrate(const Point& point, const shared::LayerTables& tables, const study::EnvironmentTruth& environment,
+                     uint32_t samples);
+
+}  // namespace latelight::materials

@@ -1,0 +1,195 @@
+// Pictures of layered materials: the renderer's beside those of the formulas, at each light, and by integration over an
+// environment. With LATELIGHT_TEST_PICTURES=FOLDER they are left there, and tests/materials/flip judges them.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include "base/parallel.h"
+#include "materials/grids.h"
+#include "materials/integral.h"
+#include "output/png.h"
+#include "render/host_environment.h"
+#include "render/support.h"
+#include "scene/gltf_builder.h"
+
+namespace latelight::materials {
+namespace {
+
+using glm::dvec3;
+using render::test::HostEnvironment;
+using shared::vec3;
+
+constexpr uint32_t kSamples = 4096;
+
+// Radiance of each pixel; 0 beside the spheres and at their rims.
+using Radiance = std::vector<dvec3>;
+
+template <typename F>
+Radiance forEachPoint(const Grid& grid, F radianceAt) {
+  Radiance picture(size_t{kWidth} * kHeight);
+  parallelFor(picture.size(), 8, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      Point p;
+      p.toEye = kToEye;
+      if (pointAt(grid, uint32_t(i % kWidth), uint32_t(i / kWidth), p.surface, p.layers)) picture[i] = radianceAt(p);
+    }
+  });
+  return picture;
+}
+
+shared::LayerTables tablesAt(const Point& p, const HostEnvironment& environment) {
+  const shared::LayerTables places = shared::layerTablePlaces(p.surface, p.layers, p.toEye);
+  const auto table = [&](shared::vec2 place) { return environment.splitSum(place.x, place.y); };
+  return {table(places.base), table(places.coat), table(places.behind)};
+}
+
+// The lookups that shading makes in place of the integral (render/layered).
+dvec3 byLookups(const Point& p, const HostEnvironment& environment) {
+  const shared::LayeredBrdf b =
+      shared::layeredBrdf(p.surface, p.layers, p.toEye, shared::kShadingGgx, tablesAt(p, environment));
+  const auto partLight = [&](const shared::LobePart& part) {
+    return environment.lobe(part.normal, part.roughness, p.toEye, environment.around(part.normal));
+  };
+  shared::LayerLight light;
+  light.front = environment.around(p.surface.normal);
+  light.back = environment.around(p.surface.normal * -1.0f);
+  light.sheen = environment.around(shared::sheenDirection(b));
+  light.coat = partLight(shared::coatPart(b));
+  vec3 sum(0.0f);
+  float weights = 0.0f;
+  for (uint32_t i = 0; i < shared::baseParts(b); ++i) {
+    const shared::LobePart part = shared::basePart(b, i);
+    sum += partLight(part) * part.weight;
+    weights += part.weight;
+  }
+  light.base = sum / std::max(weights, 1e-6f);
+  return dvec3(shared::shadeLayeredEnvironment(b, light));
+}
+
+shared::LightSample sampleAt(const scene::Light& light, vec3 position) {
+  if (light.type == shared::kLightDirectional) return {light.direction * -1.0f, light.color * light.intensity};
+  const vec3 offset = light.position - position;
+  return {glm::normalize(offset), light.color * light.intensity / glm::dot(offset, offset)};
+}
+
+dvec3 byLights(const Point& p) {
+  const shared::LayerTables unused{};  // without energy compensation
+  const shared::LayeredBrdf b = shared::layeredBrdf(p.surface, p.layers, p.toEye, shared::kShadingGgx, unused);
+  vec3 sum(0.0f);
+  for (const scene::Light& light : lights())
+    sum += shared::shadeLayeredLight(b, sampleAt(light, p.surface.position), shared::kShadingGgx);
+  return dvec3(sum);
+}
+
+void keep(const Radiance& radiance, const std::string& name) {
+  const char* folder = std::getenv("LATELIGHT_TEST_PICTURES");
+  if (!folder) return;
+  output::Picture picture{kWidth, kHeight, {}};
+  for (const dvec3& p : radiance) {
+    for (int c = 0; c < 3; ++c) picture.rgba.push_back(uint8_t(std::lround(study::srgbLevel(p[c]))));
+    picture.rgba.push_back(255);
+  }
+  std::string file = name + ".png";
+  std::replace(file.begin(), file.end(), ' ', '-');
+  const std::vector<std::byte> png = output::encodePng(picture);
+  std::ofstream(std::filesystem::path(folder) / file, std::ios::binary)
+      .write(reinterpret_cast<const char*>(png.data()), std::streamsize(png.size()));
+}
+
+// Mean and worst difference over the spheres' pixels, in levels of 255 of the sRGB picture.
+struct Apart {
+  double mean = 0.0, worst = 0.0;
+};
+Apart apart(const Radiance& a, const Radiance& b) {
+  Apart result;
+  size_t lit = 0;
+  for (size_t i = 0; i < a.size(); ++i) {
+    if (a[i] == dvec3(0.0) && b[i] == dvec3(0.0)) continue;
+    for (int c = 0; c < 3; ++c, ++lit) {
+      const double here = std::abs(study::srgbLevel(a[i][c]) - study::srgbLevel(b[i][c]));
+      result.mean += here;
+      result.worst = std::max(result.worst, here);
+    }
+  }
+  EXPECT_GT(lit, a.size());  // most of the picture
+  result.mean /= double(std::max(lit, size_t{1}));
+  return result;
+}
+
+study::EnvironmentTruth truthOf(const scene::Environment& environment) {
+  scene::FloatImage picture(environment.radiance.width, environment.radiance.height);
+  for (size_t i = 0; i < environment.radiance.pixels.size(); ++i)
+    picture.pixels[i] = scene::floatFromHalf(environment.radiance.pixels[i]);
+  return study::EnvironmentTruth(std::move(picture));
+}
+
+const scene::Environment& studio() {
+  static const scene::Environment once = scene::loadEnvironment("studio");
+  return once;
+}
+
+class Materials : public render::test::RenderTest {
+ protected:
+  // Those pixels of the renderer's picture that `reference` has.
+  static Radiance rendered(const Grid& grid, bool lit, const Radiance& reference) {
+    scene::Scene scene = scene::test::GltfBuilder::loadBytes(glb(grid), "grid.glb");
+    if (lit) scene.lights = lights();
+    const render::Settings settings = render::test::settingsOf(kWidth, kHeight, {output::Aov::Color});
+    const output::FrameOutput frame =
+        render::test::renderOne(device(), scene, scene.cameras.front(), settings, lit ? nullptr : &studio());
+    const output::AovImage& color = render::test::imageOf(frame, output::Aov::Color);
+    Radiance picture(reference.size());
+    for (size_t i = 0; i < picture.size(); ++i)
+      if (reference[i] != dvec3(0.0))
+        picture[i] = dvec3(color.values[4 * i], color.values[4 * i + 1], color.values[4 * i + 2]);
+    return picture;
+  }
+};
+
+TEST_F(Materials, LightsShadeByTheFormulas) {
+  for (const Grid& grid : grids()) {
+    const Radiance formulas = forEachPoint(grid, byLights), picture = rendered(grid, true, formulas);
+    keep(picture, grid.name + ".lights");
+    keep(formulas, grid.name + ".lights.reference");
+    const Apart a = apart(picture, formulas);
+    fmt::print("{}: {:.2f} levels in the mean, {:.1f} at worst\n", grid.name, a.mean, a.worst);
+    EXPECT_LE(a.mean, 0.5) << grid.name;
+  }
+}
+
+TEST_F(Materials, EnvironmentsShadeByTheLookups) {
+  const HostEnvironment lookups(studio());
+  for (const Grid& grid : grids()) {
+    if (!grid.environment) continue;
+    const Radiance formulas = forEachPoint(grid, [&](const Point& p) { return byLookups(p, lookups); });
+    const Radiance picture = rendered(grid, false, formulas);
+    keep(picture, grid.name + ".environment");
+    const Apart a = apart(picture, formulas);
+    fmt::print("{}: {:.2f} levels in the mean, {:.1f} at worst\n", grid.name, a.mean, a.worst);
+    EXPECT_LE(a.mean, 0.5) << grid.name;
+  }
+}
+
+// The lookups on the host: their pictures are the renderer's by the test above.
+TEST(MaterialLookups, AreNearTheIntegral) {
+  const HostEnvironment lookups(studio());
+  const study::EnvironmentTruth truth = truthOf(studio());
+  for (const Grid& grid : grids()) {
+    if (!grid.environment) continue;
+    const Radiance quick = forEachPoint(grid, [&](const Point& p) { return byLookups(p, lookups); });
+    const Radiance integral =
+        forEachPoint(grid, [&](const Point& p) { return integrate(p, tablesAt(p, lookups), truth, kSamples); });
+    keep(integral, grid.name + ".environment.reference");
+    const Apart a = apart(quick, integral);
+    fmt::print("{}: {:.2f} levels in the mean, {:.1f} at worst\n", grid.name, a.mean, a.worst);
+    EXPECT_LE(a.mean, 4.5) << grid.name;
+  }
+}
+
+}  // namespace
+}  // namespace latelight::materials
