@@ -113,8 +113,8 @@ struct Material {
   float specular = 1;           // KHR_materials_specular
   std::array<float, 3> specularColor{1, 1, 1};
   float f0 = 0.04f;  // what a dielectric reflects at normal incidence: ((ior - 1) / (ior + 1))^2
-  // The extensions KHR_materials_* lay these over the surface, or let light through it. Strengths, roughness and colours
-  // are from 0 to 1, and a strength of 0 leaves the layer out.
+  // The extensions KHR_materials_* lay these over the surface, or let light through it. Strengths, roughness and
+  // colours are from 0 to 1, and a strength of 0 leaves the layer out.
   float clearcoat = 0, clearcoatRoughness = 0;
   float clearcoatNormalScale = 1;            // of its own normal map's slopes
   std::array<float, 3> sheenColor{0, 0, 0};  // black: no sheen
@@ -123,8 +123,8 @@ struct Material {
   float iridescence = 0, iridescenceIor = 1.3f;  // index of refraction of the film, at least 1
   float iridescenceThinnest = 100, iridescenceThickest = 400;  // nanometres, where the texture is 0 and 1
   float transmission = 0;
-  float thickness = 0;                             // metres in object space; 0: thin-walled
-  std::array<float, 3> attenuationColor{1, 1, 1};  // what is left of white light after the distance
+  float thickness = 0;                                                 // metres in object space; 0: thin-walled
+  std::array<float, 3> attenuationColor{1, 1, 1};                      // what is left of white light after the distance
   float attenuationDistance = std::numeric_limits<float>::infinity();  // metres
   float dispersion = 0;                                                // 20 / the Abbe number
   float diffuseTransmission = 0;

@@ -92,11 +92,26 @@ TextureData textureDataOf(nb::handle pixels, nb::handle srgb, nb::handle name) {
 }
 
 constexpr const char* kSlots[] = {  // by TextureSlot
-    "base_color",     "metallic_roughness",    "normal",       "occlusion", "emissive",
-    "specular",       "specular_color",        "clearcoat",    "clearcoat_roughness", "clearcoat_normal",
-    "sheen_color",    "sheen_roughness",       "anisotropy",   "iridescence", "iridescence_thickness",
-    "transmission",   "thickness",             "diffuse_transmission", "diffuse_transmission_color"};
-constexpr const char* kWraps[] = {"repeat", "mirror", "clamp"};                           // by Wrap
+    "base_color",
+    "metallic_roughness",
+    "normal",
+    "occlusion",
+    "emissive",
+    "specular",
+    "specular_color",
+    "clearcoat",
+    "clearcoat_roughness",
+    "clearcoat_normal",
+    "sheen_color",
+    "sheen_roughness",
+    "anisotropy",
+    "iridescence",
+    "iridescence_thickness",
+    "transmission",
+    "thickness",
+    "diffuse_transmission",
+    "diffuse_transmission_color"};
+constexpr const char* kWraps[] = {"repeat", "mirror", "clamp"};  // by Wrap
 
 template <typename Enum, size_t N>
 Enum enumOf(nb::handle value, const char* name, const char* const (&names)[N]) {
@@ -340,8 +355,7 @@ void defineTextures(Class& type) {
         s.edit([&](Scene& s) { s.setTexture(handle, place, use); });
       },
       argument("material"), argument("slot"), argument("texture"), argument("wrap") = "repeat",
-      argument("smooth") = true, argument("uv_set") = 0,
-      nb::sig(signature.c_str()),
+      argument("smooth") = true, argument("uv_set") = 0, nb::sig(signature.c_str()),
       "The texture that the material samples in that slot; None: none. Channels are glTF's: roughness is green, "
       "metalness\nblue. "
       "smooth: linear filters and mip levels; else the nearest texel. uv_set: 0 or 1.");

@@ -12,7 +12,8 @@ namespace {
 constexpr uint32_t kBlock = 64;
 
 bool needsNeighbours(const Settings& s, bool transmissive) {
-  return showsPicture(s) && (transmissive || s.aa.temporal || s.aa.fxaa || s.bloom > 0 || s.ambientOcclusion != AmbientOcclusion::None);
+  return showsPicture(s) &&
+         (transmissive || s.aa.temporal || s.aa.fxaa || s.bloom > 0 || s.ambientOcclusion != AmbientOcclusion::None);
 }
 
 // Beyond four samples a pixel as many samples.

@@ -17,9 +17,9 @@ struct Strip {
 };
 
 // From the top; the whole picture where it is small, or where a pixel of it depends on pixels far away: with bloom,
-// ambient occlusion, FXAA and temporal anti-aliasing, and where surfaces are `transmissive`. Depends on nothing else, so
-// that the same picture always has the same strips. Seams lie between blocks of pixels that are shaded together, so that
-// none is visible.
+// ambient occlusion, FXAA and temporal anti-aliasing, and where surfaces are `transmissive`. Depends on nothing else,
+// so that the same picture always has the same strips. Seams lie between blocks of pixels that are shaded together, so
+// that none is visible.
 std::vector<Strip> stripsOf(const Settings& settings, bool transmissive = false);
 
 // The strip's part of a view of the whole picture: each pixel has the same ray.

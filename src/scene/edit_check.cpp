@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 #include <limits>
@@ -66,13 +67,15 @@ void checkLayers(const shared::MaterialLayers& l, const std::string& whose) {
 }
 
 void checkTextures(const Scene& scene, const Material& material, const std::string& whose) {
+  uint32_t filled = 0;
   for (uint32_t slot = 0; slot < shared::kTextureCount; ++slot) {
     const int texture = material.slots[slot].texture;
     if (texture < -1 || texture >= static_cast<int>(scene.textures.size()))
       badUsage("{} has a texture {}, and the scene has {}", whose, texture, scene.textures.size());
-    if ((texture >= 0) != ((material.data.textures >> slot & 1u) != 0))
-      badUsage("{} says of texture slot {} both that it is filled and that it is not", whose, slot);
+    if (texture >= 0) filled |= 1u << slot;
   }
+  if (const uint32_t other = filled ^ material.data.textures)
+    badUsage("{} says of texture slot {} both that it is filled and that it is not", whose, std::countr_zero(other));
 }
 
 void checkDeformation(const Scene& scene, const Mesh& mesh, const std::string& whose) {

@@ -250,10 +250,9 @@ constexpr Schema kIor{kIorRules};
 constexpr Rule kSpecularRules[] = {number("specularFactor"), object("specularTexture", &kTextureInfo),
                                    numbers("specularColorFactor", 3, 3), object("specularColorTexture", &kTextureInfo)};
 constexpr Schema kSpecular{kSpecularRules};
-constexpr Rule kClearcoatRules[] = {share("clearcoatFactor"), object("clearcoatTexture", &kTextureInfo),
-                                    share("clearcoatRoughnessFactor"),
-                                    object("clearcoatRoughnessTexture", &kTextureInfo),
-                                    object("clearcoatNormalTexture", &kTextureInfo)};
+constexpr Rule kClearcoatRules[] = {
+    share("clearcoatFactor"), object("clearcoatTexture", &kTextureInfo), share("clearcoatRoughnessFactor"),
+    object("clearcoatRoughnessTexture", &kTextureInfo), object("clearcoatNormalTexture", &kTextureInfo)};
 constexpr Schema kClearcoat{kClearcoatRules};
 constexpr Rule kSheenRules[] = {shares("sheenColorFactor"), object("sheenColorTexture", &kTextureInfo),
                                 share("sheenRoughnessFactor"), object("sheenRoughnessTexture", &kTextureInfo)};

@@ -99,8 +99,8 @@ uint32_t layerFlags(const shared::Material& material) {
   const shared::MaterialLayers& l = material.layers;
   if (material.flags & shared::kMaterialUnlit) return 0;
   if (l.transmission > 0) return shared::kMaterialLayered | shared::kMaterialTransmissive;
-  const bool any = l.clearcoat > 0 || l.sheenColor != vec3(0) || l.anisotropy > 0 || l.iridescence > 0 ||
-                   l.diffuseTransmission > 0;
+  const bool any =
+      l.clearcoat > 0 || l.sheenColor != vec3(0) || l.anisotropy > 0 || l.iridescence > 0 || l.diffuseTransmission > 0;
   return any ? shared::kMaterialLayered : 0;
 }
 

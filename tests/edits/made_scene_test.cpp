@@ -107,6 +107,49 @@ TEST(MadeScene, GivesBackWhatItWasMadeOf) {
   EXPECT_EQ(scene.nodes()[0].transform, scene.instance(scene.instances()[0]).transform);
 }
 
+TEST(MadeScene, GivesBackTheLayersOfItsMaterials) {
+  Scene scene;
+  Material glass;
+  glass.name = "glass";
+  glass.clearcoat = 0.5f, glass.clearcoatRoughness = 0.25f, glass.clearcoatNormalScale = 2;
+  glass.sheenColor = {0.25f, 0.5f, 0.75f}, glass.sheenRoughness = 0.5f;
+  glass.anisotropy = 0.5f, glass.anisotropyRotation = 90;
+  glass.iridescence = 1, glass.iridescenceIor = 1.5f;
+  glass.iridescenceThinnest = 50, glass.iridescenceThickest = 500;
+  glass.transmission = 0.75f, glass.thickness = 2, glass.dispersion = 3;
+  glass.attenuationColor = {0.5f, 1, 0.25f};
+  glass.diffuseTransmission = 0.125f, glass.diffuseTransmissionColor = {1, 0.5f, 0};
+  const Handle<Material> handle = scene.addMaterial(glass);
+  const Material found = scene.material(handle);
+  EXPECT_EQ(found.clearcoat, 0.5f);
+  EXPECT_EQ(found.clearcoatRoughness, 0.25f);
+  EXPECT_EQ(found.clearcoatNormalScale, 2);
+  EXPECT_EQ(found.sheenColor, glass.sheenColor);
+  EXPECT_EQ(found.sheenRoughness, 0.5f);
+  EXPECT_EQ(found.anisotropy, 0.5f);
+  EXPECT_NEAR(found.anisotropyRotation, 90, 1e-4);
+  EXPECT_EQ(found.iridescence, 1);
+  EXPECT_EQ(found.iridescenceIor, 1.5f);
+  EXPECT_EQ(found.iridescenceThinnest, 50);
+  EXPECT_EQ(found.iridescenceThickest, 500);
+  EXPECT_EQ(found.transmission, 0.75f);
+  EXPECT_EQ(found.thickness, 2);
+  EXPECT_EQ(found.dispersion, 3);
+  EXPECT_EQ(found.attenuationColor, glass.attenuationColor);
+  EXPECT_EQ(found.attenuationDistance, std::numeric_limits<float>::infinity());
+  EXPECT_EQ(found.diffuseTransmission, 0.125f);
+  EXPECT_EQ(found.diffuseTransmissionColor, glass.diffuseTransmissionColor);
+  const Handle<Texture> texture = scene.addTexture(checks());
+  scene.setTexture(handle, TextureSlot::DiffuseTransmissionColor, TextureUse{.texture = texture, .uvSet = 1});
+  EXPECT_EQ(scene.textureOf(handle, TextureSlot::DiffuseTransmissionColor).value().texture, texture);
+  EXPECT_FALSE(scene.textureOf(handle, TextureSlot::SheenColor).has_value());
+  glass.attenuationDistance = 0;
+  EXPECT_THAT(refused([&] { scene.setMaterial(handle, glass); }), HasSubstr("attenuation distance"));
+  glass.attenuationDistance = 4;
+  scene.setMaterial(handle, glass);
+  EXPECT_EQ(scene.material(handle).attenuationDistance, 4);
+}
+
 TEST(MadeScene, HasTheCamerasThatAreAdded) {
   Scene scene;
   Camera camera = scene.lookAt({1, 2, 3}, {0, 0, 0}, 50);

@@ -246,6 +246,14 @@ TEST(SceneEdit, RefusesMaterials) {
   EXPECT_THAT(data(&M::normalScale, kNaN), HasSubstr("normal scale"));
   EXPECT_THAT(data(&M::alphaCutoff, -1.0f), HasSubstr("alpha cutoff"));
   EXPECT_THAT(data(&M::f0, 2.0f), HasSubstr("f0"));
+  const auto layer = [&](auto member, auto value) {
+    return refused([&](Material& material) { material.data.layers.*member = value; });
+  };
+  using L = shared::MaterialLayers;
+  EXPECT_EQ(layer(&L::clearcoat, 2.0f), "the clear coat of the material \"metal\" must lie between 0 and 1, not be 2");
+  EXPECT_THAT(layer(&L::sheenColor, vec3(0, 2, 0)), HasSubstr("sheen colour"));
+  EXPECT_THAT(layer(&L::thickness, -1.0f), HasSubstr("thickness"));
+  EXPECT_THAT(layer(&L::dispersion, kNaN), HasSubstr("dispersion"));
   EXPECT_THAT(data(&M::flags, shared::kMaterialMasked | shared::kMaterialBlended),
               HasSubstr("both masked and blended"));
   EXPECT_THAT(refused([](Material& m) { m.slots[1].texture = 3; }), HasSubstr("texture 3, and the scene has 3"));

@@ -78,27 +78,24 @@ TEST_F(Layered, BothRastersAgree) {
   const scene::Scene scene = identifiedRoom();
   Renderer renderer(device(), scene, nullptr);
   const std::vector<int> shown = layeredPixels(renderer, scene);
-  for (const uint32_t samples : {1u, 4u}) {
-    Settings settings = picture();
-    settings.aa.samples = samples;
-    settings.raster = Raster::Hardware;
-    const Values drawn = colorOf(renderer, settings);
-    settings.raster = Raster::Compute;
-    const Values found = colorOf(renderer, settings);
-    double sum = 0;
-    size_t layered = 0, far = 0;
-    for (size_t i = 0; i < shown.size(); ++i) {
-      if (shown[i] < 0) continue;
-      ++layered;
-      for (size_t c = 0; c < 3; ++c) {
-        const double difference = std::abs(drawn[4 * i + c] - found[4 * i + c]);
-        sum += difference;
-        far += difference > 0.02 * std::max(1.0f, drawn[4 * i + c]);
-      }
+  Settings settings = picture();
+  settings.raster = Raster::Hardware;
+  const Values drawn = colorOf(renderer, settings);
+  settings.raster = Raster::Compute;
+  const Values found = colorOf(renderer, settings);
+  double sum = 0;
+  size_t layered = 0, far = 0;
+  for (size_t i = 0; i < shown.size(); ++i) {
+    if (shown[i] < 0) continue;
+    ++layered;
+    for (size_t c = 0; c < 3; ++c) {
+      const double difference = std::abs(drawn[4 * i + c] - found[4 * i + c]);
+      sum += difference;
+      far += difference > 0.02 * std::max(1.0f, drawn[4 * i + c]);
     }
-    EXPECT_LT(sum / (3.0 * static_cast<double>(layered)), 1e-3) << samples;
-    EXPECT_LE(far, layered / 50) << samples;
   }
+  EXPECT_LT(sum / (3.0 * static_cast<double>(layered)), 1e-3);
+  EXPECT_LE(far, layered / 50);
 }
 
 // A texture of zeros takes every layer's strength away, but the surface goes the way of layered ones.
@@ -164,7 +161,6 @@ TEST_F(Layered, StripsAreTheWholePicture) {
   const scene::Scene scene = layeredRoom();
   Renderer renderer(device(), scene, nullptr);
   Settings settings = settingsOf(96, 200, {Aov::Color});
-  settings.aa.samples = 4;
   const Values whole = colorOf(renderer, settings);
   settings.stripPixels = 96 * 100;
   ASSERT_GT(stripsOf(settings).size(), 1u);
@@ -172,7 +168,7 @@ TEST_F(Layered, StripsAreTheWholePicture) {
   size_t different = 0;
   for (size_t i = 0; i < whole.size(); ++i)
     different += std::abs(whole[i] - parted[i]) > 4e-3f * std::max(1.0f, whole[i]);
-  EXPECT_LE(different, 6u);
+  EXPECT_LE(different, whole.size() / 1000);  // in highlights, by the rounding of places
 }
 
 TEST_F(Layered, ViewsTogetherAreViewsAlone) {

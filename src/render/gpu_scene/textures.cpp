@@ -34,9 +34,9 @@ bool isAnisotropic(const scene::Sampler& sampler) {
 }
 
 bool holdsColor(uint32_t slot) {
-  constexpr uint32_t kColors =
-      1u << shared::kTextureBaseColor | 1u << shared::kTextureEmissive | 1u << shared::kTextureSpecularColor |
-      1u << shared::kTextureSheenColor | 1u << shared::kTextureDiffuseTransmissionColor;
+  constexpr uint32_t kColors = 1u << shared::kTextureBaseColor | 1u << shared::kTextureEmissive |
+                               1u << shared::kTextureSpecularColor | 1u << shared::kTextureSheenColor |
+                               1u << shared::kTextureDiffuseTransmissionColor;
   return (kColors >> slot & 1u) != 0;
 }
 

@@ -50,7 +50,8 @@ ScenePipelines blendedPipelines(const FrameContext& f, const Bindings& maps, con
 void addTransparency(const FrameContext& f, Gbuffer gbuffer) {
   const uint32_t method = f.setup.transparency.method;
   if (method == kTransparencyNone || !f.visibility.anyBlended()) return;
-  if (f.visibility.materials().seenThrough & shared::kMaterialTransmissive) gbuffer.behind = addBehind(f, gbuffer.light);
+  if (f.visibility.materials().seenThrough & shared::kMaterialTransmissive)
+    gbuffer.behind = addBehind(f, gbuffer.light);
   if (!f.visibility.drawn()) return addFragmentLists(f, gbuffer);
   switch (method) {
     case kTransparencyExact:

@@ -25,6 +25,11 @@ bool cutsOut(const shared::Material& material) {
   return (material.flags & shared::kMaterialMasked) != 0 || shared::seenThrough(material.flags);
 }
 
+const vk::PipelineRef& pipelineOf(const ScenePipelines& pipelines, const shared::Material& material) {
+  if (pipelines.layered && (material.flags & shared::kMaterialLayered)) return *pipelines.layered;
+  return cutsOut(material) ? pipelines.masked : pipelines.opaque;
+}
+
 }  // namespace
 
 DeviceDraws::DeviceDraws(vk::Device& device, std::vector<DrawList> lists) {
@@ -104,9 +109,7 @@ SceneBinder::SceneBinder(graph::Context& context, const GpuScene& scene, const D
 const vk::Pipeline& SceneBinder::bind(const Draw& draw) {
   VkCommandBuffer commands = context_.get();
   const shared::Material& material = scene_.materials().record(draw.material);
-  const bool layered = pipelines_.layered && (material.flags & shared::kMaterialLayered) != 0;
-  const vk::Pipeline& pipeline =
-      (layered ? *pipelines_.layered : cutsOut(material) ? pipelines_.masked : pipelines_.opaque).get();
+  const vk::Pipeline& pipeline = pipelineOf(pipelines_, material).get();
   if (bound_ != &pipeline) {
     context_.commands().bind(pipeline, images_, std::as_bytes(std::span(&push_, 1)));
     bound_ = &pipeline;
