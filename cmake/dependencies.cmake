@@ -14,6 +14,7 @@ pkg_check_modules(draco REQUIRED IMPORTED_TARGET draco)
 pkg_check_modules(webp REQUIRED IMPORTED_TARGET libwebp)
 pkg_check_modules(turbojpeg REQUIRED IMPORTED_TARGET libturbojpeg)
 pkg_check_modules(spng REQUIRED IMPORTED_TARGET spng)
+pkg_check_modules(zstd REQUIRED IMPORTED_TARGET libzstd)
 pkg_check_modules(xxhash REQUIRED IMPORTED_TARGET libxxhash)
 find_program(GLSLANG glslangValidator REQUIRED)
 
@@ -23,7 +24,7 @@ add_compile_definitions(VK_NO_PROTOTYPES)
 add_library(latelight_scene_dependencies INTERFACE)
 target_link_libraries(latelight_scene_dependencies INTERFACE
   TinyGLTF::TinyGLTF meshoptimizer::meshoptimizer PkgConfig::draco PkgConfig::webp PkgConfig::turbojpeg PkgConfig::spng
-  OpenEXR::OpenEXR nlohmann_json::nlohmann_json)
+  PkgConfig::zstd OpenEXR::OpenEXR nlohmann_json::nlohmann_json)
 add_library(latelight_output_dependencies INTERFACE)
 target_link_libraries(latelight_output_dependencies INTERFACE
   PkgConfig::spng OpenEXR::OpenEXR ZLIB::ZLIB nlohmann_json::nlohmann_json)
