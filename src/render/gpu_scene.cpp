@@ -24,7 +24,7 @@ GpuScene::GpuScene(vk::Device& device, const scene::Scene& scene, vk::Uploader&&
       lights_(device),
       uploads_(device, vk::UploadMode::Deferred),
       seen_(revisionsOf(scene)) {
-  lights_.set(uploader, scene.lights);
+  lights_.set(uploader, scene::posedLights(scene, {}));
   uploader.flush();
 }
 
@@ -91,6 +91,7 @@ void GpuScene::pose(const Poses& poses) {
     geometry_.pose(uploads_, posed_ ? deformer_.get() : nullptr);
   }
   instances_.pose(uploads_, poses, deformer_.get());
+  materials_.pose(uploads_, scene::posedMaterials(scene_, poses.current));
 }
 
 void GpuScene::setLights(std::vector<scene::Light> lights) {

@@ -89,7 +89,7 @@ Scene import(const std::filesystem::path& path, const LoadOptions& options) {
   readLights(document, hierarchy, scene);
   readRig(document, hierarchy, scene);
   TextureTable textures;
-  scene.materials = readMaterials(document, textures);
+  readMaterials(document, textures, scene);
   std::vector<MeshRequest> requests = placeInstances(document, hierarchy, variant, scene);
   identifyMaterials(scene);
 

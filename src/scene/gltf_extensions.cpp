@@ -11,16 +11,17 @@ namespace latelight::scene::gltf {
 namespace {
 
 constexpr std::string_view kSupported[] = {
-    "EXT_mesh_gpu_instancing", "EXT_meshopt_compression",         "EXT_texture_webp",      "KHR_draco_mesh_compression",
-    "KHR_lights_punctual",     "KHR_materials_emissive_strength", "KHR_materials_ior",     "KHR_materials_specular",
-    "KHR_materials_unlit",     "KHR_materials_variants",          "KHR_mesh_quantization", "KHR_texture_transform",
+    "EXT_mesh_gpu_instancing",    "EXT_meshopt_compression", "EXT_texture_webp",
+    "KHR_draco_mesh_compression", "KHR_lights_punctual",     "KHR_materials_emissive_strength",
+    "KHR_materials_ior",          "KHR_materials_specular",  "KHR_materials_unlit",
+    "KHR_materials_variants",     "KHR_mesh_quantization",   "KHR_texture_transform",
+    "KHR_texture_basisu",         "KHR_node_visibility",     "KHR_animation_pointer",
 };
 
 // Extensions that don't affect how the scene looks at rest.
 constexpr std::string_view kHarmless[] = {
     "KHR_xmp_json_ld",
     "KHR_xmp",
-    "KHR_animation_pointer",
     "KHR_node_selectability",
     "KHR_node_hoverability",
     "KHR_accessor_float64",

@@ -47,18 +47,17 @@ double elementOr(const Value& object, const char* key, size_t i, double otherwis
   return element.IsNumber() ? element.GetNumberAsDouble() : otherwise;
 }
 
-// Translation * rotation * scale. The rotation is counter-clockwise as seen in the image, whose v runs down.
+TransformParts partsOf(const Reference& reference) {
+  if (!reference.transform) return {};
+  const Value& t = *reference.transform;
+  return {.offset = vec2(elementOr(t, "offset", 0, 0), elementOr(t, "offset", 1, 0)),
+          .rotation = float(numberOr(t, "rotation", 0)),
+          .scale = vec2(elementOr(t, "scale", 0, 1), elementOr(t, "scale", 1, 1))};
+}
+
 void setTransform(shared::TextureTransform& out, const Reference& reference) {
-  int uvSet = reference.uvSet;
-  out.row0 = vec3(1, 0, 0);
-  out.row1 = vec3(0, 1, 0);
-  if (const Value* t = reference.transform) {
-    double angle = numberOr(*t, "rotation", 0), c = std::cos(angle), s = std::sin(angle);
-    double sx = elementOr(*t, "scale", 0, 1), sy = elementOr(*t, "scale", 1, 1);
-    out.row0 = vec3(c * sx, s * sy, elementOr(*t, "offset", 0, 0));
-    out.row1 = vec3(-s * sx, c * sy, elementOr(*t, "offset", 1, 0));
-    uvSet = indexOr(*t, "texCoord", uvSet);
-  }
+  setRows(out, partsOf(reference));
+  const int uvSet = reference.transform ? indexOr(*reference.transform, "texCoord", reference.uvSet) : reference.uvSet;
   if (uvSet > 1) warn("a texture asks for TEXCOORD_{}; two UV sets are supported, and TEXCOORD_1 is used", uvSet);
   out.uvSet = uint32_t(std::min(uvSet, 1));
 }
@@ -100,8 +99,10 @@ Sampler samplerOf(const tinygltf::Model& model, int index) {
 }
 
 int imageOf(const tinygltf::Texture& texture) {
-  const Value* webp = extension(texture.extensions, "EXT_texture_webp");
-  return webp ? indexOr(*webp, "source", texture.source) : texture.source;
+  for (const char* name : {"EXT_texture_webp", "KHR_texture_basisu"})
+    if (const Value* other = extension(texture.extensions, name))
+      if (const int image = indexOr(*other, "source", -1); image >= 0) return image;
+  return texture.source;
 }
 
 class MaterialReader {
@@ -111,12 +112,14 @@ class MaterialReader {
   Material read(const tinygltf::Material& source) {
     source_ = &source;
     out_ = defaultMaterial();
+    parts_ = {};
     out_.name = source.name;
     readSurface();
     readAlpha();
     readExtensions();
     return std::move(out_);
   }
+  const MaterialParts& parts() const { return parts_; }  // of the last one
 
  private:
   void slot(uint32_t slot, const Reference& reference, bool srgb) {
@@ -130,13 +133,14 @@ class MaterialReader {
     out_.slots[slot] = {textures_.request(image, srgb), samplerOf(document_.model, texture.sampler)};
     out_.data.textures |= 1u << slot;
     setTransform(out_.data.transforms[slot], reference);
+    parts_.transforms[slot] = partsOf(reference);
   }
 
   void readSurface() {
     shared::Material& data = out_.data;
     const tinygltf::PbrMetallicRoughness& pbr = source_->pbrMetallicRoughness;
     for (int i = 0; i < 4; ++i) data.baseColor[i] = float(pbr.baseColorFactor[size_t(i)]);
-    for (int i = 0; i < 3; ++i) data.emissive[i] = float(source_->emissiveFactor[size_t(i)]);
+    for (int i = 0; i < 3; ++i) parts_.emissive[i] = data.emissive[i] = float(source_->emissiveFactor[size_t(i)]);
     data.metallic = std::clamp(float(pbr.metallicFactor), 0.0f, 1.0f);
     data.roughness = std::clamp(float(pbr.roughnessFactor), 0.0f, 1.0f);
     data.normalScale = float(source_->normalTexture.scale);
@@ -165,12 +169,9 @@ class MaterialReader {
     shared::Material& data = out_.data;
     if (extension(source_->extensions, "KHR_materials_unlit")) data.flags |= shared::kMaterialUnlit;
     if (const Value* e = extension(source_->extensions, "KHR_materials_emissive_strength"))
-      data.emissive *= float(numberOr(*e, "emissiveStrength", 1));
-    if (const Value* e = extension(source_->extensions, "KHR_materials_ior")) {
-      double ior = numberOr(*e, "ior", 1.5), ratio = (ior - 1) / (ior + 1);
-      // 0 stands for infinity: the compatibility mode of KHR_materials_ior.
-      data.f0 = ior == 0 ? 1.0f : float(ratio * ratio);
-    }
+      data.emissive *= parts_.emissiveStrength = float(numberOr(*e, "emissiveStrength", 1));
+    if (const Value* e = extension(source_->extensions, "KHR_materials_ior"))
+      data.f0 = f0OfIor(float(numberOr(*e, "ior", 1.5)));
     if (const Value* e = extension(source_->extensions, "KHR_materials_specular")) {
       data.specular = float(numberOr(*e, "specularFactor", 1));
       for (int i = 0; i < 3; ++i) data.specularColor[i] = float(elementOr(*e, "specularColorFactor", size_t(i), 1));
@@ -183,6 +184,7 @@ class MaterialReader {
   TextureTable& textures_;
   const tinygltf::Material* source_ = nullptr;
   Material out_;
+  MaterialParts parts_;
 };
 
 }  // namespace
@@ -210,11 +212,13 @@ Material defaultMaterial() {
   return material;
 }
 
-std::vector<Material> readMaterials(const Document& document, TextureTable& textures) {
+void readMaterials(const Document& document, TextureTable& textures, Scene& scene) {
   MaterialReader reader(document, textures);
-  std::vector<Material> materials;
-  for (const tinygltf::Material& source : document.model.materials) materials.push_back(reader.read(source));
-  return materials;
+  for (uint32_t i = 0; i < document.model.materials.size(); ++i) {
+    scene.materials.push_back(reader.read(document.model.materials[i]));
+    if (const auto animated = scene.rig.materials.find(i); animated != scene.rig.materials.end())
+      animated->second = reader.parts();
+  }
 }
 
 int readVariants(const Document& document, const std::string& wanted, Scene& scene) {

@@ -27,7 +27,8 @@ class TextureTable {
   std::vector<Request> requests_;
 };
 
-std::vector<Material> readMaterials(const Document& document, TextureTable& textures);
+// Fills scene.materials, and those of scene.rig.materials that animations change.
+void readMaterials(const Document& document, TextureTable& textures, Scene& scene);
 
 // glTF 2.0, 3.9.6: for primitives without a material.
 Material defaultMaterial();

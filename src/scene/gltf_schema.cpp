@@ -183,7 +183,10 @@ constexpr Schema kNodeLight{kNodeLightRules};
 constexpr Rule kInstancingRules[] = {
     {.key = "attributes", .kind = Kind::IndexMap, .required = true, .target = Target::Accessors}};
 constexpr Schema kInstancing{kInstancingRules};
+constexpr Rule kVisibilityRules[] = {boolean("visible")};
+constexpr Schema kVisibility{kVisibilityRules};
 constexpr Rule kNodeExtensionRules[] = {object("KHR_lights_punctual", &kNodeLight),
+                                        object("KHR_node_visibility", &kVisibility),
                                         object("EXT_mesh_gpu_instancing", &kInstancing)};
 constexpr Schema kNodeExtensions{kNodeExtensionRules};
 constexpr Rule kNodeRules[] = {index("camera", Target::Cameras), indices("children", Target::Nodes),
@@ -201,7 +204,12 @@ constexpr Rule kSkinRules[] = {index("inverseBindMatrices", Target::Accessors), 
                                indices("joints", Target::Nodes, true), string("name")};
 constexpr Schema kSkin{kSkinRules};
 
-constexpr Rule kAnimationTargetRules[] = {index("node", Target::Nodes), string("path", true)};
+constexpr Rule kAnimationPointerRules[] = {string("pointer", true)};
+constexpr Schema kAnimationPointer{kAnimationPointerRules};
+constexpr Rule kTargetExtensionRules[] = {object("KHR_animation_pointer", &kAnimationPointer)};
+constexpr Schema kTargetExtensions{kTargetExtensionRules};
+constexpr Rule kAnimationTargetRules[] = {index("node", Target::Nodes), string("path", true),
+                                          extensions(&kTargetExtensions)};
 constexpr Schema kAnimationTarget{kAnimationTargetRules};
 constexpr Rule kChannelRules[] = {integer("sampler", 0, kMaxInt, true), object("target", &kAnimationTarget, true)};
 constexpr Schema kChannel{kChannelRules};
@@ -260,9 +268,10 @@ constexpr Rule kMaterialRules[] = {object("pbrMetallicRoughness", &kPbr),
                                    extensions(&kMaterialExtensions)};
 constexpr Schema kMaterial{kMaterialRules};
 
-constexpr Rule kWebpRules[] = {index("source", Target::Images)};
-constexpr Schema kWebp{kWebpRules};
-constexpr Rule kTextureExtensionRules[] = {object("EXT_texture_webp", &kWebp)};
+constexpr Rule kOtherSourceRules[] = {index("source", Target::Images)};
+constexpr Schema kOtherSource{kOtherSourceRules};
+constexpr Rule kTextureExtensionRules[] = {object("EXT_texture_webp", &kOtherSource),
+                                           object("KHR_texture_basisu", &kOtherSource)};
 constexpr Schema kTextureExtensions{kTextureExtensionRules};
 constexpr Rule kTextureRules[] = {index("sampler", Target::Samplers), index("source", Target::Images), string("name"),
                                   extensions(&kTextureExtensions)};
@@ -368,7 +377,7 @@ class Validator {
       if (step.index != kNoIndex)
         text += fmt::format("[{}]", step.index);
       else
-        text += (text.empty() ? "" : ".") + std::string(step.key);
+        text += fmt::format("{}{}", text.empty() ? "" : ".", step.key);
     }
     return text.empty() ? "the file" : text;
   }
