@@ -21,6 +21,7 @@ enum class Target {
   BufferViews,
   Cameras,
   Images,
+  ImageBasedLights,
   Lights,
   Materials,
   Meshes,
@@ -46,7 +47,8 @@ enum class Kind {
   IndexMaps,
   Ids,     // object of whole numbers >= 0, by any name
   Object,  // of `schema`
-  Objects
+  Objects,
+  Lists  // array of arrays, each as `list` says
 };
 
 struct Schema;
@@ -59,6 +61,7 @@ struct Rule {
   size_t fewest = 0, atMost = std::numeric_limits<size_t>::max();  // items of arrays
   Target target = Target::Count;
   const Schema* schema = nullptr;
+  const Rule* list = nullptr;
 };
 
 struct Schema {
@@ -197,7 +200,11 @@ constexpr Rule kNodeRules[] = {index("camera", Target::Cameras), indices("childr
                                extensions(&kNodeExtensions)};
 constexpr Schema kNode{kNodeRules};
 
-constexpr Rule kSceneRules[] = {indices("nodes", Target::Nodes), string("name")};
+constexpr Rule kSceneLightRules[] = {index("light", Target::ImageBasedLights, true)};
+constexpr Schema kSceneLight{kSceneLightRules};
+constexpr Rule kSceneExtensionRules[] = {object("EXT_lights_image_based", &kSceneLight)};
+constexpr Schema kSceneExtensions{kSceneExtensionRules};
+constexpr Rule kSceneRules[] = {indices("nodes", Target::Nodes), string("name"), extensions(&kSceneExtensions)};
 constexpr Schema kScene{kSceneRules};
 
 constexpr Rule kSkinRules[] = {index("inverseBindMatrices", Target::Accessors), index("skeleton", Target::Nodes),
@@ -252,9 +259,14 @@ constexpr Schema kIor{kIorRules};
 constexpr Rule kSpecularRules[] = {number("specularFactor"), object("specularTexture", &kTextureInfo),
                                    numbers("specularColorFactor", 3, 3), object("specularColorTexture", &kTextureInfo)};
 constexpr Schema kSpecular{kSpecularRules};
+constexpr Rule kSpecularGlossinessRules[] = {numbers("diffuseFactor", 4, 4), object("diffuseTexture", &kTextureInfo),
+                                             numbers("specularFactor", 3, 3), number("glossinessFactor"),
+                                             object("specularGlossinessTexture", &kTextureInfo)};
+constexpr Schema kSpecularGlossiness{kSpecularGlossinessRules};
 constexpr Rule kMaterialExtensionRules[] = {
-    object("KHR_materials_unlit", &kAnything), object("KHR_materials_emissive_strength", &kEmissiveStrength),
-    object("KHR_materials_ior", &kIor), object("KHR_materials_specular", &kSpecular)};
+    object("KHR_materials_pbrSpecularGlossiness", &kSpecularGlossiness), object("KHR_materials_unlit", &kAnything),
+    object("KHR_materials_emissive_strength", &kEmissiveStrength), object("KHR_materials_ior", &kIor),
+    object("KHR_materials_specular", &kSpecular)};
 constexpr Schema kMaterialExtensions{kMaterialExtensionRules};
 constexpr Rule kMaterialRules[] = {object("pbrMetallicRoughness", &kPbr),
                                    object("normalTexture", &kTextureInfo),
@@ -271,6 +283,7 @@ constexpr Schema kMaterial{kMaterialRules};
 constexpr Rule kOtherSourceRules[] = {index("source", Target::Images)};
 constexpr Schema kOtherSource{kOtherSourceRules};
 constexpr Rule kTextureExtensionRules[] = {object("EXT_texture_webp", &kOtherSource),
+                                           object("EXT_texture_avif", &kOtherSource),
                                            object("KHR_texture_basisu", &kOtherSource)};
 constexpr Schema kTextureExtensions{kTextureExtensionRules};
 constexpr Rule kTextureRules[] = {index("sampler", Target::Samplers), index("source", Target::Images), string("name"),
@@ -290,11 +303,29 @@ constexpr Rule kLightRules[] = {string("type", true), numbers("color", 3, 3), nu
 constexpr Schema kLight{kLightRules};
 constexpr Rule kLightsRules[] = {objects("lights", &kLight, true)};
 constexpr Schema kLights{kLightsRules};
+constexpr Rule kCoefficients = numbers("", 3, 3);
+constexpr Rule kFaces{.key = "", .kind = Kind::Indices, .fewest = 6, .atMost = 6, .target = Target::Images};
+constexpr Rule kImageBasedLightRules[] = {
+    string("name"),
+    numbers("rotation", 4, 4),
+    number("intensity", 0),
+    {.key = "irradianceCoefficients",
+     .kind = Kind::Lists,
+     .required = true,
+     .fewest = 9,
+     .atMost = 9,
+     .list = &kCoefficients},
+    {.key = "specularImages", .kind = Kind::Lists, .required = true, .fewest = 1, .atMost = 32, .list = &kFaces},
+    integer("specularImageSize", 1, 16384, true)};
+constexpr Schema kImageBasedLight{kImageBasedLightRules};
+constexpr Rule kImageBasedLightsRules[] = {objects("lights", &kImageBasedLight, true)};
+constexpr Schema kImageBasedLights{kImageBasedLightsRules};
 constexpr Rule kVariantRules[] = {string("name", true)};
 constexpr Schema kVariant{kVariantRules};
 constexpr Rule kVariantsRules[] = {objects("variants", &kVariant, true)};
 constexpr Schema kVariants{kVariantsRules};
 constexpr Rule kRootExtensionRules[] = {object("KHR_lights_punctual", &kLights),
+                                        object("EXT_lights_image_based", &kImageBasedLights),
                                         object("KHR_materials_variants", &kVariants)};
 constexpr Schema kRootExtensions{kRootExtensionRules};
 
@@ -329,6 +360,7 @@ constexpr TargetArray kTargetArrays[] = {
     {Target::BufferViews, "/bufferViews", "bufferViews"},
     {Target::Cameras, "/cameras", "cameras"},
     {Target::Images, "/images", "images"},
+    {Target::ImageBasedLights, "/extensions/EXT_lights_image_based/lights", "image-based lights"},
     {Target::Lights, "/extensions/KHR_lights_punctual/lights", "lights"},
     {Target::Materials, "/materials", "materials"},
     {Target::Meshes, "/meshes", "meshes"},
@@ -423,6 +455,7 @@ class Validator {
       case Kind::Indices:
       case Kind::IndexMaps:
       case Kind::Objects:
+      case Kind::Lists:
         return array(value, rule);
     }
   }
@@ -484,6 +517,8 @@ class Validator {
         return index(value, rule);
       case Kind::Objects:
         return object(value, *rule.schema);
+      case Kind::Lists:
+        return array(value, *rule.list);
       default: {
         Rule one = rule;
         one.kind = Kind::IndexMap;

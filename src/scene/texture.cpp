@@ -35,12 +35,13 @@ const Codec& chooseCodec(std::span<const std::byte> encoded, const std::string& 
   using namespace std::string_view_literals;
   if (startsWith(encoded, "\xff\xd8\xff"sv)) return kJpegCodec;
   if (startsWith(encoded, "\x89PNG\r\n\x1a\n"sv)) return kPngCodec;
+  if (startsWith(encoded, "ftypavif"sv, 4) || startsWith(encoded, "ftypavis"sv, 4)) return kAvifCodec;
   if (startsWith(encoded, "RIFF"sv) && startsWith(encoded, "WEBP"sv, 8)) return kWebpCodec;
   if (startsWith(encoded, "GIF8"sv) || startsWith(encoded, "BM"sv) || looksLikeTga(encoded)) return kStbCodec;
   if (startsWith(encoded, "\xabKTX 20\xbb\r\n\x1a\n"sv)) return kKtx2Codec;
   if (startsWith(encoded, "\xabKTX 11"sv))
     badInput("{} is a texture of KTX 1, which glTF does not have: convert it to KTX 2, PNG, JPEG or WebP", name);
-  badInput("{} is not a JPEG, PNG, WebP, KTX2, BMP, TGA or GIF picture", name);
+  badInput("{} is not a JPEG, PNG, WebP, KTX2, AVIF, BMP, TGA or GIF picture", name);
 }
 
 // Returns how many levels it has filled.

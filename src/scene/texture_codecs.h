@@ -19,6 +19,7 @@ struct Codec {
   uint32_t (*decodeLevels)(std::span<const std::byte> encoded, Texture& texture) = nullptr;
 };
 
+extern const Codec kAvifCodec;
 extern const Codec kJpegCodec;
 extern const Codec kPngCodec;
 extern const Codec kWebpCodec;
