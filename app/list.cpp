@@ -194,7 +194,7 @@ std::string text(const Json& value) {
 
 // Name and description on one line, every other value on a line of its own.
 void printRow(const Json& row) {
-  fmt::print("  {:<20}{}\n", row["name"].get<std::string>(),
+  fmt::print("  {:<19} {}\n", row["name"].get<std::string>(),
              row.contains("description") ? text(row["description"]) : "");
   for (const auto& [key, value] : row.items())
     if (key != "name" && key != "description") fmt::print("  {:<20}{}: {}\n", "", key, text(value));

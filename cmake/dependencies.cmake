@@ -29,9 +29,6 @@ add_library(latelight_scene_dependencies INTERFACE)
 target_link_libraries(latelight_scene_dependencies INTERFACE
   TinyGLTF::TinyGLTF meshoptimizer::meshoptimizer PkgConfig::draco PkgConfig::webp PkgConfig::turbojpeg PkgConfig::spng
   PkgConfig::zstd OpenEXR::OpenEXR nlohmann_json::nlohmann_json)
-if(TARGET PkgConfig::avif)
-  target_link_libraries(latelight_scene_dependencies INTERFACE PkgConfig::avif)
-endif()
 add_library(latelight_output_dependencies INTERFACE)
 target_link_libraries(latelight_output_dependencies INTERFACE
   PkgConfig::spng OpenEXR::OpenEXR ZLIB::ZLIB nlohmann_json::nlohmann_json)
