@@ -70,7 +70,7 @@ void inScene(vk::Device& device, RenderOptions& o, const std::string& name, cons
       scene::load(name, {.variant = o.variant, .allowOutside = o.allowOutside, .ids = o.idGrouping});
   const Timeline timeline(scene, o);
   const scene::Camera camera = timeline.cameraAt(timeline.first());
-  const std::optional<scene::Environment> environment = render::loadEnvironment(environmentOf(o, scene));
+  const std::optional<scene::Environment> environment = render::loadEnvironment(scene, environmentOf(o, scene));
   render::Renderer renderer(device, scene, environment ? &*environment : nullptr);
   measure(renderer, scene, camera, timeline.momentAt(timeline.first()));
 }

@@ -16,6 +16,7 @@
 #include "render/gbuffer/layout.h"
 #include "render/settings.h"
 #include "scene/builtin.h"
+#include "scene/gltf_extensions.h"
 #include "scene/light_types.h"
 #include "vk/resources.h"
 
@@ -162,6 +163,18 @@ Json listFormats() {
   return rows;
 }
 
+// Of glTF.
+Json listExtensions() {
+  Json rows = Json::array();
+  for (const scene::Extension& extension : scene::extensions()) {
+    const char* what = extension.treatment == scene::Treatment::Read      ? "read"
+                       : extension.treatment == scene::Treatment::Ignored ? "ignored: it does not change the picture"
+                                                                          : "not supported";
+    rows.push_back({{"name", extension.name}, {"description", what}});
+  }
+  return rows;
+}
+
 Json listScenes() {
   Json rows = Json::array();
   for (const scene::Builtin& builtin : scene::builtins()) {
@@ -181,7 +194,7 @@ std::string text(const Json& value) {
 
 // Name and description on one line, every other value on a line of its own.
 void printRow(const Json& row) {
-  fmt::print("  {:<20}{}\n", row["name"].get<std::string>(),
+  fmt::print("  {:<19} {}\n", row["name"].get<std::string>(),
              row.contains("description") ? text(row["description"]) : "");
   for (const auto& [key, value] : row.items())
     if (key != "name" && key != "description") fmt::print("  {:<20}{}: {}\n", "", key, text(value));
@@ -248,6 +261,7 @@ std::vector<Topic> makeTopics() {
       {"post", [](const PictureSize&) { return listNames(render::postEffects()); }},
       {"aovs", [](const PictureSize&) { return listAovs(); }},
       {"formats", [](const PictureSize&) { return listFormats(); }},
+      {"extensions", [](const PictureSize&) { return listExtensions(); }},
       {"scenes", [](const PictureSize&) { return listScenes(); }},
   };
   const auto isThere = [&](std::string_view name) {

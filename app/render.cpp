@@ -244,8 +244,7 @@ RenderPlan planRender(RenderOptions& o) {
 
 std::string environmentOf(const RenderOptions& o, const scene::Scene& scene) {
   // Showing the background needs an environment, with or without lights.
-  return render::environmentName(
-      scene, o.hdri.empty() && o.settings.background.kind == render::Background::Environment ? "studio" : o.hdri);
+  return render::environmentName(scene, o.hdri, o.settings.background.kind == render::Background::Environment);
 }
 
 void renderAll(RenderRun& run) {
@@ -282,7 +281,7 @@ void render(RenderOptions& o) {
   timeline.cameraAt(timeline.first());  // reports errors before anything else
   const std::string environmentName = environmentOf(o, scene);
   checkFiles(o, plan, scene, timeline, environmentName);
-  const std::optional<scene::Environment> environment = render::loadEnvironment(environmentName);
+  const std::optional<scene::Environment> environment = render::loadEnvironment(scene, environmentName);
   const double loaded = seconds(start);
 
   const std::unique_ptr<vk::Device> device = deviceStart.get();

@@ -16,6 +16,11 @@ pkg_check_modules(webp REQUIRED IMPORTED_TARGET libwebp)
 pkg_check_modules(turbojpeg REQUIRED IMPORTED_TARGET libturbojpeg)
 pkg_check_modules(spng REQUIRED IMPORTED_TARGET spng)
 pkg_check_modules(libdeflate REQUIRED IMPORTED_TARGET libdeflate)
+pkg_check_modules(zstd REQUIRED IMPORTED_TARGET libzstd)
+option(LATELIGHT_AVIF "Read pictures in AVIF, where libavif is installed" ON)
+if(LATELIGHT_AVIF)
+  pkg_check_modules(avif IMPORTED_TARGET libavif)
+endif()
 pkg_check_modules(xxhash REQUIRED IMPORTED_TARGET libxxhash)
 find_program(GLSLANG glslangValidator REQUIRED)
 
@@ -32,7 +37,7 @@ add_compile_definitions(VK_NO_PROTOTYPES)
 add_library(latelight_scene_dependencies INTERFACE)
 target_link_libraries(latelight_scene_dependencies INTERFACE
   TinyGLTF::TinyGLTF meshoptimizer::meshoptimizer PkgConfig::draco PkgConfig::webp PkgConfig::turbojpeg PkgConfig::spng
-  OpenEXR::OpenEXR nlohmann_json::nlohmann_json)
+  PkgConfig::zstd OpenEXR::OpenEXR nlohmann_json::nlohmann_json)
 add_library(latelight_output_dependencies INTERFACE)
 target_link_libraries(latelight_output_dependencies INTERFACE
   PkgConfig::spng PkgConfig::libdeflate OpenEXR::OpenEXR ZLIB::ZLIB nlohmann_json::nlohmann_json)

@@ -123,7 +123,8 @@ std::vector<Object> objectsOf(const scene::Scene& scene, const scene::Pose& pose
   std::map<uint32_t, Instances> byId;
   for (uint32_t i = 0; i < scene.instances.size(); ++i) {
     const scene::Instance& instance = scene.instances[i];
-    if (!instance.removed && !scene.meshes[instance.mesh].positions.empty()) byId[instance.id].push_back(i);
+    if (isShown(scene, pose, instance) && !scene.meshes[instance.mesh].positions.empty())
+      byId[instance.id].push_back(i);
   }
   const std::vector<std::pair<uint32_t, Instances>> groups(byId.begin(), byId.end());
   const Boxes boxes(scene, pose, zUp);

@@ -275,7 +275,8 @@ Renderer::Renderer(const Scene& scene, const std::string& device, const Environm
     : impl_(new Impl(scene.impl_->scene, device, makeEnvironment(environment))) {}
 Renderer::Renderer(const Scene& scene, const std::string& device, const std::string& environment)
     : impl_(new Impl(scene.impl_->scene, device,
-                     render::loadEnvironment(render::environmentName(scene.impl_->scene, environment)))) {}
+                     render::loadEnvironment(scene.impl_->scene,
+                                             render::environmentName(scene.impl_->scene, environment, false)))) {}
 Renderer::~Renderer() = default;
 Renderer::Renderer(Renderer&&) noexcept = default;
 Renderer& Renderer::operator=(Renderer&&) noexcept = default;

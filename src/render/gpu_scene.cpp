@@ -11,6 +11,15 @@ bool deforms(const scene::Scene& scene) {
                      [](const scene::Mesh& mesh) { return mesh.deformation != nullptr; });
 }
 
+// Whether a pose may change lights: where they are, or what they are.
+bool posesLights(const scene::Scene& scene) {
+  const auto changesLights = [](const scene::Animation& animation) {
+    return std::ranges::count(animation.values, scene::AnimatedElements::Lights, &scene::ValueTrack::elements) > 0;
+  };
+  return std::ranges::any_of(scene.lights, [](const scene::Light& light) { return light.node >= 0; }) ||
+         std::ranges::any_of(scene.rig.animations, changesLights);
+}
+
 }  // namespace
 
 GpuScene::GpuScene(vk::Device& device, const scene::Scene& scene) : GpuScene(device, scene, vk::Uploader(device)) {}
@@ -24,7 +33,7 @@ GpuScene::GpuScene(vk::Device& device, const scene::Scene& scene, vk::Uploader&&
       lights_(device),
       uploads_(device, vk::UploadMode::Deferred),
       seen_(revisionsOf(scene)) {
-  lights_.set(uploader, scene.lights);
+  lights_.set(uploader, scene::posedLights(scene, {}));
   uploader.flush();
 }
 
@@ -36,8 +45,7 @@ GpuScene::Seen GpuScene::revisionsOf(const scene::Scene& scene) {
 void GpuScene::update(const Poses& poses, const std::optional<scene::Light>& sun) {
   const Seen now = revisionsOf(scene_);
   const bool poseChanges = posed_ || !poses.current.empty();
-  const bool lightsMove = poseChanges && std::any_of(scene_.lights.begin(), scene_.lights.end(),
-                                                     [](const scene::Light& light) { return light.node >= 0; });
+  const bool lightsMove = poseChanges && posesLights(scene_);
   follow();
   if (poseChanges) pose(poses);
   if (lightsMove || now.lights != seen_.lights || sun != sun_) {
@@ -91,6 +99,7 @@ void GpuScene::pose(const Poses& poses) {
     geometry_.pose(uploads_, posed_ ? deformer_.get() : nullptr);
   }
   instances_.pose(uploads_, poses, deformer_.get());
+  materials_.pose(uploads_, scene::posedMaterials(scene_, poses.current));
 }
 
 void GpuScene::setLights(std::vector<scene::Light> lights) {

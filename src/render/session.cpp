@@ -21,14 +21,16 @@ glm::dmat4 viewFromOpenCv() {
 
 }  // namespace
 
-std::string environmentName(const scene::Scene& scene, const std::string& asked) {
+std::string environmentName(const scene::Scene& scene, const std::string& asked, bool isSeen) {
   if (asked == "none") return "";
   if (!asked.empty()) return asked;
-  return std::ranges::all_of(scene.lights, &scene::Light::removed) ? "studio" : "";
+  if (scene.environment) return scene.environment->name;
+  return isSeen || std::ranges::all_of(scene.lights, &scene::Light::removed) ? "studio" : "";
 }
 
-std::optional<scene::Environment> loadEnvironment(const std::string& name) {
+std::optional<scene::Environment> loadEnvironment(const scene::Scene& scene, const std::string& name) {
   if (name.empty()) return std::nullopt;
+  if (scene.environment && scene.environment->name == name) return *scene.environment;
   return scene::loadEnvironment(name);
 }
 

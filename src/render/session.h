@@ -13,10 +13,12 @@
 
 namespace latelight::render {
 
-// The environment to load: `asked` (a file, "studio" or "none"), or, where nothing was asked for, the studio for a
-// scene without any light, so that no first picture is black. Empty: none.
-std::string environmentName(const scene::Scene& scene, const std::string& asked);
-std::optional<scene::Environment> loadEnvironment(const std::string& name);  // nothing for an empty name
+// The environment to load: `asked` (a file, "studio" or "none"). Where nothing was asked for, the scene's own; else the
+// studio for a scene without any light, so that no first picture is black, and where it is to be seen behind it.
+// Empty: none.
+std::string environmentName(const scene::Scene& scene, const std::string& asked, bool isSeen);
+// Nothing for an empty name.
+std::optional<scene::Environment> loadEnvironment(const scene::Scene& scene, const std::string& name);
 
 // Asks for what --debug's picture is made of. Throws Error(Usage) for a target that the layout does not have.
 void showDebug(Settings& settings, const output::DebugRequest& debug);

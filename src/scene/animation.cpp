@@ -58,12 +58,12 @@ dvec4 slerp(const float* from, const float* to, double fraction) {
   return {q.x, q.y, q.z, q.w};
 }
 
-void valueAt(const Track& track, double seconds, std::span<double> out) {
+void valueAt(const Curve& track, bool rotation, double seconds, std::span<double> out) {
   const Place place = placeOf(track.times, seconds);
   const uint32_t width = track.width;
   const float* key = &track.values[place.key * width * (track.interpolation == Interpolation::Cubic ? 3 : 1)];
   const bool between = place.span > 0 && track.interpolation == Interpolation::Linear;
-  if (between && track.property == AnimatedProperty::Rotation) {
+  if (between && rotation) {
     const dvec4 q = slerp(key, key + width, place.fraction);
     for (int i = 0; i < 4; ++i) out[i] = q[i];
     return;
@@ -78,7 +78,7 @@ void valueAt(const Track& track, double seconds, std::span<double> out) {
 
 void apply(const Track& track, double seconds, RigNode& node) {
   std::vector<double> value(track.width);
-  valueAt(track, seconds, value);
+  valueAt(track, track.property == AnimatedProperty::Rotation, seconds, value);
   switch (track.property) {
     case AnimatedProperty::Translation:
       node.translation = {value[0], value[1], value[2]};
@@ -90,9 +90,23 @@ void apply(const Track& track, double seconds, RigNode& node) {
       node.scale = {value[0], value[1], value[2]};
       break;
     case AnimatedProperty::Weights:
-      node.weights.assign(value.begin(), value.end());
+      if (track.element < 0)
+        node.weights.assign(value.begin(), value.end());
+      else
+        node.weights[size_t(track.element)] = float(value[0]);
+      break;
+    case AnimatedProperty::Visible:
+      node.visible = value[0] != 0;
       break;
   }
+}
+
+glm::vec4 valueAt(const ValueTrack& track, double seconds) {
+  double value[4] = {};
+  valueAt(track, false, seconds, {value, track.width});
+  for (double v : value)
+    if (!std::isfinite(float(v))) badInput("the scene's animation gives a property a value that is not finite");
+  return {value[0], value[1], value[2], value[3]};
 }
 
 // --- what plays -----------------------------------------------------------------------------------------------------
@@ -115,8 +129,10 @@ double wrapped(double seconds, double duration) {
 Pose poseOf(const Rig& rig, std::vector<RigNode> nodes) {
   Pose pose;
   pose.world.resize(nodes.size());
+  pose.hidden.resize(nodes.size());
   for (uint32_t index : rig.order) {
     const RigNode& node = nodes[index];
+    pose.hidden[index] = !node.visible || (node.parent >= 0 && pose.hidden[static_cast<size_t>(node.parent)]);
     const dmat4 local = node.hasMatrix ? node.matrix : composeTransform(node.translation, node.rotation, node.scale);
     dmat4& world = pose.world[index];
     world = node.parent < 0 ? local : pose.world[static_cast<size_t>(node.parent)] * local;
@@ -130,6 +146,20 @@ Pose poseOf(const Rig& rig, std::vector<RigNode> nodes) {
 
 const dmat4& worldOf(const Scene& scene, const Pose& pose, uint32_t node) {
   return pose.world[scene.rig.sceneNodes[node]];
+}
+
+// Nodes that an edit added are beyond those of the file.
+bool isHidden(const Scene& scene, const Pose& pose, uint32_t node) {
+  return node < scene.rig.sceneNodes.size() && pose.hidden[scene.rig.sceneNodes[node]];
+}
+
+template <typename Body>
+void forEachValue(const Scene& scene, const Pose& pose, AnimatedElements elements, Body body) {
+  for (const PosedValue& posed : pose.values) {
+    const ValueTrack& track = scene.rig.animations[posed.animation].values[posed.track];
+    if (track.elements != elements) continue;
+    for (uint32_t index : track.indices) body(index, track, posed.value);
+  }
 }
 
 // --- vertices -------------------------------------------------------------------------------------------------------
@@ -215,7 +245,13 @@ Pose poseAt(const Scene& scene, const Playback& playback, double seconds) {
   if (playback.loop) seconds = wrapped(seconds, duration(scene, playback));
   for (uint32_t index : playback.animations)
     for (const Track& track : scene.rig.animations[index].tracks) apply(track, seconds, nodes[track.node]);
-  return poseOf(scene.rig, std::move(nodes));
+  Pose pose = poseOf(scene.rig, std::move(nodes));
+  for (uint32_t index : playback.animations) {
+    const std::vector<ValueTrack>& tracks = scene.rig.animations[index].values;
+    for (uint32_t track = 0; track < tracks.size(); ++track)
+      pose.values.push_back({index, track, valueAt(tracks[track], seconds)});
+  }
+  return pose;
 }
 
 std::vector<glm::mat4> instanceTransforms(const Scene& scene, const Pose& pose) {
@@ -240,15 +276,40 @@ std::vector<Camera> posedCameras(const Scene& scene, const Pose& pose) {
   if (pose.empty()) return cameras;
   for (Camera& camera : cameras)
     if (camera.node >= 0) placeCamera(camera, worldOf(scene, pose, static_cast<uint32_t>(camera.node)));
+  forEachValue(scene, pose, AnimatedElements::Cameras,
+               [&](uint32_t i, const ValueTrack& track, const glm::vec4& value) {
+                 setValue(cameras[i], track.property, value);
+               });
   return cameras;
 }
 
 std::vector<Light> posedLights(const Scene& scene, const Pose& pose) {
   std::vector<Light> lights = scene.lights;
-  if (pose.empty()) return lights;
-  for (Light& light : lights)
-    if (light.node >= 0) placeLight(light, worldOf(scene, pose, static_cast<uint32_t>(light.node)));
+  for (Light& light : lights) {
+    const bool follows = !pose.empty() && light.node >= 0;
+    light.removed |= follows ? isHidden(scene, pose, static_cast<uint32_t>(light.node)) : light.hidden;
+    if (follows) placeLight(light, worldOf(scene, pose, static_cast<uint32_t>(light.node)));
+  }
+  forEachValue(scene, pose, AnimatedElements::Lights, [&](uint32_t i, const ValueTrack& track, const glm::vec4& value) {
+    setValue(lights[i], track.property, value);
+  });
   return lights;
+}
+
+std::map<uint32_t, shared::Material> posedMaterials(const Scene& scene, const Pose& pose) {
+  std::map<uint32_t, shared::Material> materials;
+  std::map<uint32_t, MaterialParts> parts = scene.rig.materials;
+  forEachValue(scene, pose, AnimatedElements::Materials,
+               [&](uint32_t i, const ValueTrack& track, const glm::vec4& value) {
+                 shared::Material& material = materials.try_emplace(i, scene.materials[i].data).first->second;
+                 setValue(material, parts[i], track.property, track.slot, value);
+               });
+  return materials;
+}
+
+bool isShown(const Scene& scene, const Pose& pose, const Instance& instance) {
+  if (instance.removed) return false;
+  return pose.empty() ? !instance.hidden : !isHidden(scene, pose, instance.node);
 }
 
 std::vector<glm::mat4> jointMatrices(const Skin& skin, const Pose& pose) {

@@ -4,35 +4,52 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "scene/animated_values.h"
 #include "shared/types.h"
 
 namespace latelight::scene {
 
 struct Scene;
 struct Camera;
+struct Instance;
 struct Light;
 
 enum class Interpolation : uint8_t { Step, Linear, Cubic };
-enum class AnimatedProperty : uint8_t { Translation, Rotation, Scale, Weights };
+enum class AnimatedProperty : uint8_t { Translation, Rotation, Scale, Weights, Visible };
 
-// One property of one node over time.
-struct Track {
-  uint32_t node = 0;  // index into Rig::nodes
-  AnimatedProperty property = AnimatedProperty::Translation;
+// A value over time.
+struct Curve {
   Interpolation interpolation = Interpolation::Linear;
-  uint32_t width = 3;         // components per value: 3, 4 (a quaternion, xyzw), or the number of weights
+  uint32_t width = 3;         // components per value: of a quaternion 4 (xyzw), of weights their number
   std::vector<float> times;   // seconds, non-decreasing, at least one
   std::vector<float> values;  // `width` per time; Cubic: three times that: in-tangent, value, out-tangent
+};
+
+// One property of one node.
+struct Track : Curve {
+  uint32_t node = 0;  // index into Rig::nodes
+  AnimatedProperty property = AnimatedProperty::Translation;
+  int element = -1;  // of the weights: one alone; -1: all of them
+};
+
+// One property of materials, lights or cameras (KHR_animation_pointer).
+struct ValueTrack : Curve {
+  AnimatedElements elements = AnimatedElements::Materials;
+  std::vector<uint32_t> indices;  // of those in the scene: a light or a camera of the file may be there several times
+  uint32_t property = 0;          // its number in animated_values.cpp
+  uint32_t slot = 0;              // of a texture's transform: whose
 };
 
 struct Animation {
   std::string name;
   float duration = 0;  // seconds: the last time of any track
   std::vector<Track> tracks;
+  std::vector<ValueTrack> values;
 };
 
 struct RigNode {
@@ -42,6 +59,7 @@ struct RigNode {
   glm::dvec3 translation{0}, scale{1};
   glm::dvec4 rotation{0, 0, 0, 1};  // xyzw
   std::vector<float> weights;       // of its mesh's morph targets, at rest
+  bool visible = true;              // where all its parents are, too
 };
 
 struct Skin {
@@ -58,6 +76,7 @@ struct Rig {
   std::vector<uint32_t> sceneNodes;  // for each of Scene::nodes, its index in `nodes`
   // EXT_mesh_gpu_instancing: each instance's transform relative to its node. Empty where no node has several.
   std::vector<glm::dmat4> offsets;
+  std::map<uint32_t, MaterialParts> materials;  // that animations change
 
   bool empty() const { return nodes.empty(); }
 };
@@ -79,10 +98,18 @@ struct Deformation {
   std::vector<MorphTarget> targets;
 };
 
+// What a track of values gives at a time.
+struct PosedValue {
+  uint32_t animation, track;  // of Animation::values
+  glm::vec4 value;            // as many components as it has
+};
+
 // The pose of all nodes at a time. An empty one is the pose at rest, as in the file.
 struct Pose {
   std::vector<glm::dmat4> world;            // of Rig::nodes, in the file's own frame
   std::vector<std::vector<float>> weights;  // of Rig::nodes
+  std::vector<bool> hidden;                 // of Rig::nodes
+  std::vector<PosedValue> values;
   bool empty() const { return world.empty(); }
 };
 
@@ -104,7 +131,11 @@ Pose poseAt(const Scene& scene, const Playback& playback, double seconds);
 
 std::vector<glm::mat4> instanceTransforms(const Scene& scene, const Pose& pose);
 std::vector<Camera> posedCameras(const Scene& scene, const Pose& pose);
+// Those that are hidden as if they were removed.
 std::vector<Light> posedLights(const Scene& scene, const Pose& pose);
+// Those that the pose changes, by their number.
+std::map<uint32_t, shared::Material> posedMaterials(const Scene& scene, const Pose& pose);
+bool isShown(const Scene& scene, const Pose& pose, const Instance& instance);
 // From bind space to the file's own frame; the skinned mesh's own node is ignored (3.7.3.3).
 std::vector<glm::mat4> jointMatrices(const Skin& skin, const Pose& pose);
 

@@ -9,13 +9,13 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "scene/gltf_document.h"
+#include "scene/gltf_environment.h"
 #include "scene/gltf_instances.h"
 #include "scene/gltf_material.h"
 #include "scene/gltf_mesh.h"
 #include "scene/gltf_nodes.h"
 #include "scene/ids.h"
 #include "scene/scene.h"
-#include "scene/texture.h"
 
 namespace latelight::scene {
 namespace gltf {
@@ -30,14 +30,11 @@ void addTextureJobs(const Document& document, const TextureTable& table, Scene& 
   scene.textures.resize(table.requests().size());
   size_t total = 0;
   for (size_t i = 0; i < table.requests().size(); ++i) {
-    auto [image, srgb] = table.requests()[i];
-    const ImageSource& source = document.images[size_t(image)];
-    if (!source.problem.empty()) badInput("{}", source.problem);
-    total += mipChainBytes(imageSize(source.encoded, source.name));
+    const TextureRequest& request = table.requests()[i];
+    total += textureBytes(document, request);
     // Decoding time goes with encoded bytes, not pixels: 40 ns against 1.
-    jobs.push_back({source.encoded.size() * 40, [&texture = scene.textures[i], &source, srgb = srgb] {
-                      texture = decodeTexture(source.encoded, srgb, source.name);
-                    }});
+    jobs.push_back({encodedBytes(document, request) * 40,
+                    [&texture = scene.textures[i], &document, &request] { texture = makeTexture(document, request); }});
   }
   scene.memory.grow(total, "its textures");
 }
@@ -89,11 +86,12 @@ Scene import(const std::filesystem::path& path, const LoadOptions& options) {
   readLights(document, hierarchy, scene);
   readRig(document, hierarchy, scene);
   TextureTable textures;
-  scene.materials = readMaterials(document, textures);
+  readMaterials(document, textures, scene);
   std::vector<MeshRequest> requests = placeInstances(document, hierarchy, variant, scene);
   identifyMaterials(scene);
 
   std::vector<Job> jobs;
+  if (options.textures) readEnvironment(document, scene);
   if (options.textures) addTextureJobs(document, textures, scene, jobs);
   addMeshJobs(document, hierarchy, requests, scene, jobs);
   runJobs(jobs, scene.name);

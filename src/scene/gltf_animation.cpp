@@ -1,12 +1,12 @@
 // Animations and skins (glTF 2.0, 3.7.3 and 3.11), and the nodes in the form they need.
 #include <algorithm>
 #include <glm/gtc/matrix_access.hpp>
-#include <optional>
 
 #include "base/error.h"
 #include "base/log.h"
 #include "scene/gltf_accessor.h"
 #include "scene/gltf_nodes.h"
+#include "scene/gltf_pointer.h"
 #include "scene/gltf_skin.h"
 
 namespace latelight::scene::gltf {
@@ -22,16 +22,12 @@ Interpolation readInterpolation(const json& sampler, const std::string& name) {
   badInput("{} has the unknown interpolation \"{}\"", name, text);
 }
 
-// Nothing for targets that are not node properties: KHR_animation_pointer's.
-std::optional<AnimatedProperty> readProperty(const json& target, const std::string& name) {
-  const std::string path = target["path"].get<std::string>();
+AnimatedProperty readPath(const std::string& path, const std::string& name) {
   if (path == "translation") return AnimatedProperty::Translation;
   if (path == "rotation") return AnimatedProperty::Rotation;
   if (path == "scale") return AnimatedProperty::Scale;
   if (path == "weights") return AnimatedProperty::Weights;
-  if (path != "pointer") badInput("{} moves \"{}\", which no node has", name, path);
-  warn("what the file animates by pointer (KHR_animation_pointer) stays as it is");
-  return std::nullopt;
+  badInput("{} moves \"{}\", which no node has", name, path);
 }
 
 uint32_t weightCount(const Document& document, uint32_t node) {
@@ -52,15 +48,25 @@ std::vector<float> readTimes(const Document& document, int accessor, const std::
   return times;
 }
 
-// Integers are normalised whether or not the accessor says so: rotations and weights allow nothing else.
-std::vector<float> readValues(const Document& document, int accessor, const Track& track, const std::string& name) {
+// How an accessor holds the values of a track.
+struct Layout {
+  size_t components;     // of its elements
+  size_t elements;       // a value
+  bool normalized;       // integers are, whether or not the accessor says so
+  bool boolean = false;  // unsigned bytes
+};
+
+std::vector<float> readValues(const Document& document, int accessor, const Curve& curve, const Layout& layout,
+                              const std::string& name) {
   Elements elements = resolve(document, accessor);
-  elements.normalized = true;
-  const bool scalars = track.property == AnimatedProperty::Weights;
-  const size_t each = scalars ? track.width : 1, keys = track.interpolation == Interpolation::Cubic ? 3 : 1;
-  if (elements.components != (scalars ? 1 : track.width) || elements.count != track.times.size() * keys * each)
-    badInput("{} has {} times, for which {} has the wrong number of values or components", name, track.times.size(),
+  elements.normalized |= layout.normalized;
+  const size_t keys = curve.interpolation == Interpolation::Cubic ? 3 : 1;
+  if (elements.components != layout.components || elements.count != curve.times.size() * keys * layout.elements)
+    badInput("{} has {} times, for which {} has the wrong number of values or components", name, curve.times.size(),
              elements.name);
+  const bool bytes = elements.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE;
+  if (layout.boolean && (!bytes || curve.interpolation != Interpolation::Step))
+    badInput("{} says what is visible in {} by other than steps of unsigned bytes", name, elements.name);
   document.budget.charge(elements.count * sizeof(glm::vec4) * 2, elements.name);
   std::vector<float> values;
   values.reserve(elements.count * elements.components);
@@ -69,50 +75,103 @@ std::vector<float> readValues(const Document& document, int accessor, const Trac
       for (int c = 0; c < v.length(); ++c) values.push_back(v[c]);
   };
   if (elements.components == 1) append(readFinite<1>(elements, 0, elements.count));
+  if (elements.components == 2) append(readFinite<2>(elements, 0, elements.count));
   if (elements.components == 3) append(readFinite<3>(elements, 0, elements.count));
   if (elements.components == 4) append(readFinite<4>(elements, 0, elements.count));
   return values;
 }
 
-std::optional<Track> readTrack(const Document& document, const json& animation, const json& channel,
-                               const std::string& name) {
-  const json& target = channel["target"];
-  const std::optional<AnimatedProperty> property = readProperty(target, name);
-  if (!property || !target.contains("node")) return std::nullopt;
-  const size_t sampler = channel["sampler"].get<size_t>();
-  if (sampler >= animation["samplers"].size())
-    badInput("{}.sampler is {}, but there are {} samplers", name, sampler, animation["samplers"].size());
-  const json& source = animation["samplers"][sampler];
+class AnimationReader {
+ public:
+  AnimationReader(const Document& document, const Hierarchy& hierarchy, const Scene& scene)
+      : document_(document), hierarchy_(hierarchy), scene_(scene) {}
 
-  Track track{.node = target["node"].get<uint32_t>(), .property = *property};
-  track.interpolation = readInterpolation(source, name);
-  if (track.property == AnimatedProperty::Rotation) track.width = 4;
-  if (track.property == AnimatedProperty::Weights) track.width = weightCount(document, track.node);
-  if (track.width == 0) badInput("{} moves weights of nodes[{}], whose mesh has no morph targets", name, track.node);
-  if (document.model.nodes[track.node].matrix.size() == 16 && track.property != AnimatedProperty::Weights) {
-    warn("{} moves nodes[{}], whose transform is a matrix: it stays as it is", name, track.node);
-    return std::nullopt;
+  Animation read(const json& source, size_t index) {
+    out_ = {.name = source.value("name", fmt::format("animation{}", index))};
+    source_ = &source;
+    const json& channels = source["channels"];
+    for (size_t i = 0; i < channels.size(); ++i) {
+      name_ = fmt::format("animations[{}].channels[{}]", index, i);
+      readChannel(channels[i]);
+    }
+    return std::move(out_);
   }
-  track.times = readTimes(document, source["input"].get<int>(), name);
-  track.values = readValues(document, source["output"].get<int>(), track, name);
-  return track;
-}
 
-Animation readAnimation(const Document& document, const json& source, size_t index) {
-  Animation animation{.name = source.value("name", fmt::format("animation{}", index))};
-  const json& channels = source["channels"];
-  for (size_t i = 0; i < channels.size(); ++i) {
-    std::optional<Track> track =
-        readTrack(document, source, channels[i], fmt::format("animations[{}].channels[{}]", index, i));
-    if (!track) continue;
-    animation.duration = std::max(animation.duration, track->times.back());
-    animation.tracks.push_back(std::move(*track));
+ private:
+  void readChannel(const json& channel) {
+    const json& target = channel["target"];
+    const size_t sampler = channel["sampler"].get<size_t>();
+    const json& samplers = (*source_)["samplers"];
+    if (sampler >= samplers.size())
+      badInput("{}.sampler is {}, but there are {} samplers", name_, sampler, samplers.size());
+    sampler_ = &samplers[sampler];
+    const std::string path = target["path"].get<std::string>();
+    if (path == "pointer") return readPointer(target);
+    const AnimatedProperty property = readPath(path, name_);
+    if (target.contains("node")) addTrack(target["node"].get<uint32_t>(), property, -1);
   }
-  return animation;
-}
+
+  void readPointer(const json& target) {
+    const json::json_pointer place("/extensions/KHR_animation_pointer/pointer");
+    if (!target.contains(place)) badInput("{} moves a pointer, but has none", name_);
+    const auto found = resolvePointer(document_, hierarchy_, scene_, target.at(place).get<std::string>(), name_);
+    if (!found) return;
+    if (const auto* pointed = std::get_if<NodeProperty>(&*found))
+      for (const uint32_t node : pointed->nodes) addTrack(node, pointed->property, pointed->element);
+    else
+      addValues(std::get<ElementProperty>(*found));
+  }
+
+  void addTrack(uint32_t node, AnimatedProperty property, int element) {
+    Track track;
+    track.node = node;
+    track.property = property;
+    track.element = element;
+    const bool weights = property == AnimatedProperty::Weights, visible = property == AnimatedProperty::Visible;
+    if (property == AnimatedProperty::Rotation) track.width = 4;
+    if (weights) track.width = element < 0 ? weightCount(document_, node) : 1;
+    if (visible) track.width = 1;
+    if (track.width == 0) badInput("{} moves weights of nodes[{}], whose mesh has no morph targets", name_, node);
+    if (document_.model.nodes[node].matrix.size() == 16 && !weights && !visible)
+      return warn("{} moves nodes[{}], whose transform is a matrix: it stays as it is", name_, node);
+    const Layout layout{.components = weights ? 1 : track.width,
+                        .elements = weights ? track.width : 1,
+                        .normalized = !visible,  // rotations and weights allow no other integers
+                        .boolean = visible};
+    readCurve(track, layout);
+    out_.tracks.push_back(std::move(track));
+  }
+
+  void addValues(const ElementProperty& property) {
+    ValueTrack track;
+    track.elements = property.elements;
+    track.indices = property.indices;
+    track.property = property.value.property;
+    track.slot = property.value.slot;
+    track.width = property.value.width;
+    readCurve(track, {.components = track.width, .elements = 1, .normalized = false});
+    out_.values.push_back(std::move(track));
+  }
+
+  void readCurve(Curve& curve, const Layout& layout) {
+    curve.interpolation = readInterpolation(*sampler_, name_);
+    curve.times = readTimes(document_, (*sampler_)["input"].get<int>(), name_);
+    curve.values = readValues(document_, (*sampler_)["output"].get<int>(), curve, layout, name_);
+    out_.duration = std::max(out_.duration, curve.times.back());
+  }
+
+  const Document& document_;
+  const Hierarchy& hierarchy_;
+  const Scene& scene_;
+  const json* source_ = nullptr;   // the animation
+  const json* sampler_ = nullptr;  // of the channel
+  std::string name_;               // of the channel, in messages
+  Animation out_;
+};
 
 RigNode readRigNode(const tinygltf::Model& model, const tinygltf::Node& source) {
   RigNode node;
+  node.visible = isVisible(source);
   const auto at = [](const std::vector<double>& v, size_t i, double otherwise) {
     return i < v.size() ? v[i] : otherwise;
   };
@@ -165,8 +224,8 @@ Skin readSkin(const Document& document, int index) {
 
 void readRig(const Document& document, const Hierarchy& hierarchy, Scene& scene) {
   std::vector<Animation> animations;
-  for (size_t i = 0; i < document.animations.size(); ++i)
-    animations.push_back(readAnimation(document, document.animations[i], i));
+  AnimationReader reader(document, hierarchy, scene);
+  for (size_t i = 0; i < document.animations.size(); ++i) animations.push_back(reader.read(document.animations[i], i));
   if (animations.empty()) return;
   Rig& rig = scene.rig;
   rig.animations = std::move(animations);
@@ -174,6 +233,10 @@ void readRig(const Document& document, const Hierarchy& hierarchy, Scene& scene)
   rig.nodes = readRigNodes(document.model);
   rig.order = parentsFirst(document.model, rig.nodes);
   for (size_t i = 0; i < document.model.skins.size(); ++i) rig.skins.push_back(readSkin(document, int(i)));
+  for (const Animation& animation : rig.animations)
+    for (const ValueTrack& track : animation.values)
+      if (track.elements == AnimatedElements::Materials)
+        for (const uint32_t material : track.indices) rig.materials[material];  // readMaterials() fills them
   rig.sceneNodes.assign(hierarchy.order.begin(), hierarchy.order.end());
 }
 

@@ -138,6 +138,7 @@ class Placer {
     Instance instance{.mesh = find(request, primitive), .material = material, .node = uint32_t(place)};
     instance.primitive = uint32_t(p);
     instance.posed = posed;
+    instance.hidden = hierarchy_.hidden[index];
     document_.budget.charge(placements.count * 2 * sizeof(Instance), scene_.nodes[place].path);
     const bool instanced = extension(node.extensions, "EXT_mesh_gpu_instancing");
     const size_t first = scene_.instances.size();

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/log.h"
+#include "scene/gltf_extensions.h"
 
 namespace latelight::scene::gltf {
 namespace {
@@ -47,20 +48,27 @@ double elementOr(const Value& object, const char* key, size_t i, double otherwis
   return element.IsNumber() ? element.GetNumberAsDouble() : otherwise;
 }
 
-// Translation * rotation * scale. The rotation is counter-clockwise as seen in the image, whose v runs down.
+TransformParts partsOf(const Reference& reference) {
+  if (!reference.transform) return {};
+  const Value& t = *reference.transform;
+  return {.offset = vec2(elementOr(t, "offset", 0, 0), elementOr(t, "offset", 1, 0)),
+          .rotation = float(numberOr(t, "rotation", 0)),
+          .scale = vec2(elementOr(t, "scale", 0, 1), elementOr(t, "scale", 1, 1))};
+}
+
 void setTransform(shared::TextureTransform& out, const Reference& reference) {
-  int uvSet = reference.uvSet;
-  out.row0 = vec3(1, 0, 0);
-  out.row1 = vec3(0, 1, 0);
-  if (const Value* t = reference.transform) {
-    double angle = numberOr(*t, "rotation", 0), c = std::cos(angle), s = std::sin(angle);
-    double sx = elementOr(*t, "scale", 0, 1), sy = elementOr(*t, "scale", 1, 1);
-    out.row0 = vec3(c * sx, s * sy, elementOr(*t, "offset", 0, 0));
-    out.row1 = vec3(-s * sx, c * sy, elementOr(*t, "offset", 1, 0));
-    uvSet = indexOr(*t, "texCoord", uvSet);
-  }
+  setRows(out, partsOf(reference));
+  const int uvSet = reference.transform ? indexOr(*reference.transform, "texCoord", reference.uvSet) : reference.uvSet;
   if (uvSet > 1) warn("a texture asks for TEXCOORD_{}; two UV sets are supported, and TEXCOORD_1 is used", uvSet);
   out.uvSet = uint32_t(std::min(uvSet, 1));
+}
+
+// Whether two references sample their textures at the same places.
+bool samePlace(const Reference& a, const Reference& b) {
+  shared::TextureTransform first, second;
+  setTransform(first, a);
+  setTransform(second, b);
+  return first.row0 == second.row0 && first.row1 == second.row1 && first.uvSet == second.uvSet;
 }
 
 Wrap wrapOf(int gl) {
@@ -100,8 +108,12 @@ Sampler samplerOf(const tinygltf::Model& model, int index) {
 }
 
 int imageOf(const tinygltf::Texture& texture) {
-  const Value* webp = extension(texture.extensions, "EXT_texture_webp");
-  return webp ? indexOr(*webp, "source", texture.source) : texture.source;
+  for (const std::string_view name : {"EXT_texture_webp", "KHR_texture_basisu", "EXT_texture_avif"}) {
+    if (name == "EXT_texture_avif" && !kReadsAvif) continue;
+    const Value* other = extension(texture.extensions, name.data());
+    if (const int image = other ? indexOr(*other, "source", -1) : -1; image >= 0) return image;
+  }
+  return texture.source;
 }
 
 class MaterialReader {
@@ -111,42 +123,106 @@ class MaterialReader {
   Material read(const tinygltf::Material& source) {
     source_ = &source;
     out_ = defaultMaterial();
+    parts_ = {};
     out_.name = source.name;
     readSurface();
     readAlpha();
     readExtensions();
+    // It is another model, in the place of this one and of what extends it.
+    if (const Value* e = extension(source.extensions, "KHR_materials_pbrSpecularGlossiness"))
+      readSpecularGlossiness(*e);
+    else
+      readMetallicRoughness();
     return std::move(out_);
   }
+  const MaterialParts& parts() const { return parts_; }  // of the last one
 
  private:
   void slot(uint32_t slot, const Reference& reference, bool srgb) {
-    if (reference.texture < 0) return;
+    const int image = imageAt(reference);
+    if (image >= 0) fill(slot, reference, {.image = image, .srgb = srgb});
+  }
+
+  // The image of a reference, or -1 where it has none, or none that can be read.
+  int imageAt(const Reference& reference) const {
+    if (reference.texture < 0) return -1;
+    const int image = imageOf(document_.model.textures[size_t(reference.texture)]);
+    if (image < 0) warn("textures[{}] has no picture that can be read, and is left out", reference.texture);
+    return image;
+  }
+
+  void fill(uint32_t slot, const Reference& reference, const TextureRequest& request) {
     const tinygltf::Texture& texture = document_.model.textures[size_t(reference.texture)];
-    int image = imageOf(texture);
-    if (image < 0) {
-      warn("textures[{}] has no picture that can be read, and is left out", reference.texture);
-      return;
-    }
-    out_.slots[slot] = {textures_.request(image, srgb), samplerOf(document_.model, texture.sampler)};
+    out_.slots[slot] = {textures_.request(request), samplerOf(document_.model, texture.sampler)};
     out_.data.textures |= 1u << slot;
     setTransform(out_.data.transforms[slot], reference);
+    parts_.transforms[slot] = partsOf(reference);
   }
 
   void readSurface() {
     shared::Material& data = out_.data;
-    const tinygltf::PbrMetallicRoughness& pbr = source_->pbrMetallicRoughness;
-    for (int i = 0; i < 4; ++i) data.baseColor[i] = float(pbr.baseColorFactor[size_t(i)]);
-    for (int i = 0; i < 3; ++i) data.emissive[i] = float(source_->emissiveFactor[size_t(i)]);
-    data.metallic = std::clamp(float(pbr.metallicFactor), 0.0f, 1.0f);
-    data.roughness = std::clamp(float(pbr.roughnessFactor), 0.0f, 1.0f);
+    for (int i = 0; i < 3; ++i) parts_.emissive[i] = data.emissive[i] = float(source_->emissiveFactor[size_t(i)]);
     data.normalScale = float(source_->normalTexture.scale);
     data.occlusionStrength = std::clamp(float(source_->occlusionTexture.strength), 0.0f, 1.0f);
-    slot(shared::kTextureBaseColor, referenceTo(pbr.baseColorTexture), true);
-    slot(shared::kTextureMetallicRoughness, referenceTo(pbr.metallicRoughnessTexture), false);
     slot(shared::kTextureNormal, referenceTo(source_->normalTexture), false);
     slot(shared::kTextureOcclusion, referenceTo(source_->occlusionTexture), false);
     slot(shared::kTextureEmissive, referenceTo(source_->emissiveTexture), true);
     if (source_->doubleSided) data.flags |= shared::kMaterialDoubleSided;
+  }
+
+  void readMetallicRoughness() {
+    shared::Material& data = out_.data;
+    const tinygltf::PbrMetallicRoughness& pbr = source_->pbrMetallicRoughness;
+    for (int i = 0; i < 4; ++i) data.baseColor[i] = float(pbr.baseColorFactor[size_t(i)]);
+    data.metallic = std::clamp(float(pbr.metallicFactor), 0.0f, 1.0f);
+    data.roughness = std::clamp(float(pbr.roughnessFactor), 0.0f, 1.0f);
+    slot(shared::kTextureBaseColor, referenceTo(pbr.baseColorTexture), true);
+    slot(shared::kTextureMetallicRoughness, referenceTo(pbr.metallicRoughnessTexture), false);
+    if (const Value* e = extension(source_->extensions, "KHR_materials_ior"))
+      data.f0 = f0OfIor(float(numberOr(*e, "ior", 1.5)));
+    if (const Value* e = extension(source_->extensions, "KHR_materials_specular")) {
+      data.specular = float(numberOr(*e, "specularFactor", 1));
+      for (int i = 0; i < 3; ++i) data.specularColor[i] = float(elementOr(*e, "specularColorFactor", size_t(i), 1));
+      slot(shared::kTextureSpecular, referenceTo(e->Get("specularTexture")), false);
+      slot(shared::kTextureSpecularColor, referenceTo(e->Get("specularColorTexture")), true);
+    }
+  }
+
+  // As a dielectric: c_diff, F0 and alpha of the extension are those of a base colour that the specular colour has
+  // dimmed, of the index of refraction 0 with that specular colour, and of 1 - glossiness.
+  void readSpecularGlossiness(const Value& e) {
+    shared::Material& data = out_.data;
+    std::array<float, 3> specular;
+    for (size_t i = 0; i < 3; ++i)
+      specular[i] = data.specularColor[int(i)] = float(elementOr(e, "specularFactor", i, 1));
+    const auto glossiness = float(numberOr(e, "glossinessFactor", 1));
+    for (int i = 0; i < 4; ++i) data.baseColor[i] = float(elementOr(e, "diffuseFactor", size_t(i), 1));
+    data.metallic = 0;
+    data.roughness = std::clamp(1 - glossiness, 0.0f, 1.0f);
+    data.f0 = f0OfIor(0);
+    const Reference diffuse = referenceTo(e.Get("diffuseTexture"));
+    const Reference both = referenceTo(e.Get("specularGlossinessTexture"));
+    const int image = imageAt(diffuse), specularImage = imageAt(both);
+    const float left = 1 - *std::ranges::max_element(specular);
+    if (specularImage < 0) {
+      for (int i = 0; i < 3; ++i) data.baseColor[i] *= std::max(left, 0.0f);
+      if (image >= 0) fill(shared::kTextureBaseColor, diffuse, {.image = image, .srgb = true});
+      return;
+    }
+    data.roughness = 1;
+    fill(shared::kTextureSpecularColor, both, {.image = specularImage, .srgb = true});
+    fill(shared::kTextureMetallicRoughness, both,
+         {.make = TextureRequest::Make::Roughness, .specular = specularImage, .factor = {glossiness, 0, 0}});
+    if (image >= 0 && !samePlace(diffuse, both))
+      warn(
+          "a material of KHR_materials_pbrSpecularGlossiness has its two textures at different places: the diffuse "
+          "one is dimmed as if they were at one");
+    fill(shared::kTextureBaseColor, image < 0 ? both : diffuse,
+         {.image = image,
+          .srgb = true,
+          .make = TextureRequest::Make::Diffuse,
+          .specular = specularImage,
+          .factor = specular});
   }
 
   void readAlpha() {
@@ -165,18 +241,7 @@ class MaterialReader {
     shared::Material& data = out_.data;
     if (extension(source_->extensions, "KHR_materials_unlit")) data.flags |= shared::kMaterialUnlit;
     if (const Value* e = extension(source_->extensions, "KHR_materials_emissive_strength"))
-      data.emissive *= float(numberOr(*e, "emissiveStrength", 1));
-    if (const Value* e = extension(source_->extensions, "KHR_materials_ior")) {
-      double ior = numberOr(*e, "ior", 1.5), ratio = (ior - 1) / (ior + 1);
-      // 0 stands for infinity: the compatibility mode of KHR_materials_ior.
-      data.f0 = ior == 0 ? 1.0f : float(ratio * ratio);
-    }
-    if (const Value* e = extension(source_->extensions, "KHR_materials_specular")) {
-      data.specular = float(numberOr(*e, "specularFactor", 1));
-      for (int i = 0; i < 3; ++i) data.specularColor[i] = float(elementOr(*e, "specularColorFactor", size_t(i), 1));
-      slot(shared::kTextureSpecular, referenceTo(e->Get("specularTexture")), false);
-      slot(shared::kTextureSpecularColor, referenceTo(e->Get("specularColorTexture")), true);
-    }
+      data.emissive *= parts_.emissiveStrength = float(numberOr(*e, "emissiveStrength", 1));
     readCoats();
     readReflection();
     readTransmission();
@@ -249,13 +314,14 @@ class MaterialReader {
   TextureTable& textures_;
   const tinygltf::Material* source_ = nullptr;
   Material out_;
+  MaterialParts parts_;
 };
 
 }  // namespace
 
-int TextureTable::request(int image, bool srgb) {
-  auto [known, isNew] = known_.try_emplace({image, srgb}, int(requests_.size()));
-  if (isNew) requests_.push_back({image, srgb});
+int TextureTable::request(const TextureRequest& request) {
+  auto [known, isNew] = known_.try_emplace(request, int(requests_.size()));
+  if (isNew) requests_.push_back(request);
   return known->second;
 }
 
@@ -277,11 +343,13 @@ Material defaultMaterial() {
   return material;
 }
 
-std::vector<Material> readMaterials(const Document& document, TextureTable& textures) {
+void readMaterials(const Document& document, TextureTable& textures, Scene& scene) {
   MaterialReader reader(document, textures);
-  std::vector<Material> materials;
-  for (const tinygltf::Material& source : document.model.materials) materials.push_back(reader.read(source));
-  return materials;
+  for (uint32_t i = 0; i < document.model.materials.size(); ++i) {
+    scene.materials.push_back(reader.read(document.model.materials[i]));
+    if (const auto animated = scene.rig.materials.find(i); animated != scene.rig.materials.end())
+      animated->second = reader.parts();
+  }
 }
 
 int readVariants(const Document& document, const std::string& wanted, Scene& scene) {

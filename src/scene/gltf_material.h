@@ -2,32 +2,27 @@
 #pragma once
 
 #include <map>
-#include <utility>
 #include <vector>
 
-#include "scene/gltf_document.h"
+#include "scene/gltf_texture.h"
 #include "scene/scene.h"
 
 namespace latelight::scene::gltf {
 
-// Each pair of an image and its encoding becomes one scene texture.
+// Each kind of use of an image becomes one scene texture.
 class TextureTable {
  public:
-  struct Request {
-    int image;
-    bool srgb;
-  };
-
   // Index into Scene::textures.
-  int request(int image, bool srgb);
-  const std::vector<Request>& requests() const { return requests_; }
+  int request(const TextureRequest& request);
+  const std::vector<TextureRequest>& requests() const { return requests_; }
 
  private:
-  std::map<std::pair<int, bool>, int> known_;
-  std::vector<Request> requests_;
+  std::map<TextureRequest, int> known_;
+  std::vector<TextureRequest> requests_;
 };
 
-std::vector<Material> readMaterials(const Document& document, TextureTable& textures);
+// Fills scene.materials, and those of scene.rig.materials that animations change.
+void readMaterials(const Document& document, TextureTable& textures, Scene& scene);
 
 // glTF 2.0, 3.9.6: for primitives without a material.
 Material defaultMaterial();

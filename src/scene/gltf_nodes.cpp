@@ -171,6 +171,11 @@ void readShadowExtras(const tinygltf::Node& node, const tinygltf::Light& source,
 
 }  // namespace
 
+bool isVisible(const tinygltf::Node& node) {
+  const tinygltf::Value* object = extension(node.extensions, "KHR_node_visibility");
+  return !object || !object->Has("visible") || object->Get("visible").Get<bool>();
+}
+
 dmat4 readMatrix(const std::vector<double>& columns) {
   dmat4 m;
   for (int i = 0; i < 16; ++i) m[i / 4][i % 4] = columns[size_t(i)];
@@ -183,15 +188,17 @@ dmat4 readMatrix(const std::vector<double>& columns) {
 Hierarchy readNodes(const Document& document, Scene& scene) {
   const tinygltf::Model& model = document.model;
   std::vector<int> parents = findParents(model);
-  Hierarchy hierarchy{.world = worldTransforms(model, parents)};
+  Hierarchy hierarchy{.world = worldTransforms(model, parents), .hidden = std::vector<bool>(model.nodes.size())};
   hierarchy.order = traverse(model, findRoots(model, parents));
   std::vector<int> placeOf(model.nodes.size(), -1);
   Paths paths;
   for (int index : hierarchy.order) {
     const tinygltf::Node& source = model.nodes[size_t(index)];
+    const int parent = parents[size_t(index)];
+    hierarchy.hidden[size_t(index)] = !isVisible(source) || (parent >= 0 && hierarchy.hidden[size_t(parent)]);
     Node node;
     node.name = source.name.empty() ? fmt::format("node{}", index) : source.name;
-    node.parent = parents[size_t(index)] < 0 ? -1 : placeOf[size_t(parents[size_t(index)])];
+    node.parent = parent < 0 ? -1 : placeOf[size_t(parent)];
     node.path = paths.make(node.parent < 0 ? "" : scene.nodes[size_t(node.parent)].path, node.name);
     node.local = mat4(localTransform(source));
     node.toWorld = toWorldFromGltf() * mat4(hierarchy.world[size_t(index)]);
@@ -228,6 +235,7 @@ void readLights(const Document& document, const Hierarchy& hierarchy, Scene& sce
     light.name = data.name.empty() ? scene.nodes[i].name : data.name;
     readShadowExtras(document.model.nodes[index], data, light);
     light.node = int(i);
+    light.hidden = hierarchy.hidden[index];
     placeLight(light, hierarchy.world[index]);
     scene.lights.push_back(std::move(light));
   }

@@ -11,8 +11,12 @@ namespace latelight::scene::gltf {
 
 struct Hierarchy {
   std::vector<glm::dmat4> world;  // of each glTF node, in the file's own frame; doubles, for deep trees
+  std::vector<bool> hidden;       // the same: it or a node above it is, by KHR_node_visibility
   std::vector<int> order;         // glTF nodes of the scene shown, parents first; Scene::nodes has them in this order
 };
+
+// By itself: KHR_node_visibility.
+bool isVisible(const tinygltf::Node& node);
 
 // A node's own matrix. Its last row must be 0 0 0 1 (glTF 2.0, 3.5.3), and is treated as such, with a warning where it
 // is not.

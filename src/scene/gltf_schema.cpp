@@ -21,6 +21,7 @@ enum class Target {
   BufferViews,
   Cameras,
   Images,
+  ImageBasedLights,
   Lights,
   Materials,
   Meshes,
@@ -46,7 +47,8 @@ enum class Kind {
   IndexMaps,
   Ids,     // object of whole numbers >= 0, by any name
   Object,  // of `schema`
-  Objects
+  Objects,
+  Lists  // array of arrays, each as `list` says
 };
 
 struct Schema;
@@ -59,6 +61,7 @@ struct Rule {
   size_t fewest = 0, atMost = std::numeric_limits<size_t>::max();  // items of arrays
   Target target = Target::Count;
   const Schema* schema = nullptr;
+  const Rule* list = nullptr;
 };
 
 struct Schema {
@@ -189,7 +192,10 @@ constexpr Schema kNodeLight{kNodeLightRules};
 constexpr Rule kInstancingRules[] = {
     {.key = "attributes", .kind = Kind::IndexMap, .required = true, .target = Target::Accessors}};
 constexpr Schema kInstancing{kInstancingRules};
+constexpr Rule kVisibilityRules[] = {boolean("visible")};
+constexpr Schema kVisibility{kVisibilityRules};
 constexpr Rule kNodeExtensionRules[] = {object("KHR_lights_punctual", &kNodeLight),
+                                        object("KHR_node_visibility", &kVisibility),
                                         object("EXT_mesh_gpu_instancing", &kInstancing)};
 constexpr Schema kNodeExtensions{kNodeExtensionRules};
 constexpr Rule kNodeRules[] = {index("camera", Target::Cameras), indices("children", Target::Nodes),
@@ -200,14 +206,23 @@ constexpr Rule kNodeRules[] = {index("camera", Target::Cameras), indices("childr
                                extensions(&kNodeExtensions)};
 constexpr Schema kNode{kNodeRules};
 
-constexpr Rule kSceneRules[] = {indices("nodes", Target::Nodes), string("name")};
+constexpr Rule kSceneLightRules[] = {index("light", Target::ImageBasedLights, true)};
+constexpr Schema kSceneLight{kSceneLightRules};
+constexpr Rule kSceneExtensionRules[] = {object("EXT_lights_image_based", &kSceneLight)};
+constexpr Schema kSceneExtensions{kSceneExtensionRules};
+constexpr Rule kSceneRules[] = {indices("nodes", Target::Nodes), string("name"), extensions(&kSceneExtensions)};
 constexpr Schema kScene{kSceneRules};
 
 constexpr Rule kSkinRules[] = {index("inverseBindMatrices", Target::Accessors), index("skeleton", Target::Nodes),
                                indices("joints", Target::Nodes, true), string("name")};
 constexpr Schema kSkin{kSkinRules};
 
-constexpr Rule kAnimationTargetRules[] = {index("node", Target::Nodes), string("path", true)};
+constexpr Rule kAnimationPointerRules[] = {string("pointer", true)};
+constexpr Schema kAnimationPointer{kAnimationPointerRules};
+constexpr Rule kTargetExtensionRules[] = {object("KHR_animation_pointer", &kAnimationPointer)};
+constexpr Schema kTargetExtensions{kTargetExtensionRules};
+constexpr Rule kAnimationTargetRules[] = {index("node", Target::Nodes), string("path", true),
+                                          extensions(&kTargetExtensions)};
 constexpr Schema kAnimationTarget{kAnimationTargetRules};
 constexpr Rule kChannelRules[] = {integer("sampler", 0, kMaxInt, true), object("target", &kAnimationTarget, true)};
 constexpr Schema kChannel{kChannelRules};
@@ -278,7 +293,12 @@ constexpr Rule kDiffuseTransmissionRules[] = {
     share("diffuseTransmissionFactor"), object("diffuseTransmissionTexture", &kTextureInfo),
     shares("diffuseTransmissionColorFactor"), object("diffuseTransmissionColorTexture", &kTextureInfo)};
 constexpr Schema kDiffuseTransmission{kDiffuseTransmissionRules};
-constexpr Rule kMaterialExtensionRules[] = {object("KHR_materials_unlit", &kAnything),
+constexpr Rule kSpecularGlossinessRules[] = {numbers("diffuseFactor", 4, 4), object("diffuseTexture", &kTextureInfo),
+                                             numbers("specularFactor", 3, 3), number("glossinessFactor"),
+                                             object("specularGlossinessTexture", &kTextureInfo)};
+constexpr Schema kSpecularGlossiness{kSpecularGlossinessRules};
+constexpr Rule kMaterialExtensionRules[] = {object("KHR_materials_pbrSpecularGlossiness", &kSpecularGlossiness),
+                                            object("KHR_materials_unlit", &kAnything),
                                             object("KHR_materials_emissive_strength", &kEmissiveStrength),
                                             object("KHR_materials_ior", &kIor),
                                             object("KHR_materials_specular", &kSpecular),
@@ -303,9 +323,11 @@ constexpr Rule kMaterialRules[] = {object("pbrMetallicRoughness", &kPbr),
                                    extensions(&kMaterialExtensions)};
 constexpr Schema kMaterial{kMaterialRules};
 
-constexpr Rule kWebpRules[] = {index("source", Target::Images)};
-constexpr Schema kWebp{kWebpRules};
-constexpr Rule kTextureExtensionRules[] = {object("EXT_texture_webp", &kWebp)};
+constexpr Rule kOtherSourceRules[] = {index("source", Target::Images)};
+constexpr Schema kOtherSource{kOtherSourceRules};
+constexpr Rule kTextureExtensionRules[] = {object("EXT_texture_webp", &kOtherSource),
+                                           object("EXT_texture_avif", &kOtherSource),
+                                           object("KHR_texture_basisu", &kOtherSource)};
 constexpr Schema kTextureExtensions{kTextureExtensionRules};
 constexpr Rule kTextureRules[] = {index("sampler", Target::Samplers), index("source", Target::Images), string("name"),
                                   extensions(&kTextureExtensions)};
@@ -324,11 +346,29 @@ constexpr Rule kLightRules[] = {string("type", true), numbers("color", 3, 3), nu
 constexpr Schema kLight{kLightRules};
 constexpr Rule kLightsRules[] = {objects("lights", &kLight, true)};
 constexpr Schema kLights{kLightsRules};
+constexpr Rule kCoefficients = numbers("", 3, 3);
+constexpr Rule kFaces{.key = "", .kind = Kind::Indices, .fewest = 6, .atMost = 6, .target = Target::Images};
+constexpr Rule kImageBasedLightRules[] = {
+    string("name"),
+    numbers("rotation", 4, 4),
+    number("intensity", 0),
+    {.key = "irradianceCoefficients",
+     .kind = Kind::Lists,
+     .required = true,
+     .fewest = 9,
+     .atMost = 9,
+     .list = &kCoefficients},
+    {.key = "specularImages", .kind = Kind::Lists, .required = true, .fewest = 1, .atMost = 32, .list = &kFaces},
+    integer("specularImageSize", 1, 16384, true)};
+constexpr Schema kImageBasedLight{kImageBasedLightRules};
+constexpr Rule kImageBasedLightsRules[] = {objects("lights", &kImageBasedLight, true)};
+constexpr Schema kImageBasedLights{kImageBasedLightsRules};
 constexpr Rule kVariantRules[] = {string("name", true)};
 constexpr Schema kVariant{kVariantRules};
 constexpr Rule kVariantsRules[] = {objects("variants", &kVariant, true)};
 constexpr Schema kVariants{kVariantsRules};
 constexpr Rule kRootExtensionRules[] = {object("KHR_lights_punctual", &kLights),
+                                        object("EXT_lights_image_based", &kImageBasedLights),
                                         object("KHR_materials_variants", &kVariants)};
 constexpr Schema kRootExtensions{kRootExtensionRules};
 
@@ -363,6 +403,7 @@ constexpr TargetArray kTargetArrays[] = {
     {Target::BufferViews, "/bufferViews", "bufferViews"},
     {Target::Cameras, "/cameras", "cameras"},
     {Target::Images, "/images", "images"},
+    {Target::ImageBasedLights, "/extensions/EXT_lights_image_based/lights", "image-based lights"},
     {Target::Lights, "/extensions/KHR_lights_punctual/lights", "lights"},
     {Target::Materials, "/materials", "materials"},
     {Target::Meshes, "/meshes", "meshes"},
@@ -411,7 +452,7 @@ class Validator {
       if (step.index != kNoIndex)
         text += fmt::format("[{}]", step.index);
       else
-        text += (text.empty() ? "" : ".") + std::string(step.key);
+        text += fmt::format("{}{}", text.empty() ? "" : ".", step.key);
     }
     return text.empty() ? "the file" : text;
   }
@@ -457,6 +498,7 @@ class Validator {
       case Kind::Indices:
       case Kind::IndexMaps:
       case Kind::Objects:
+      case Kind::Lists:
         return array(value, rule);
     }
   }
@@ -518,6 +560,8 @@ class Validator {
         return index(value, rule);
       case Kind::Objects:
         return object(value, *rule.schema);
+      case Kind::Lists:
+        return array(value, *rule.list);
       default: {
         Rule one = rule;
         one.kind = Kind::IndexMap;

@@ -132,7 +132,7 @@ Bounds worldBounds(const Scene& scene) {
   parallelFor(scene.instances.size(), 16384, [&](size_t begin, size_t end) {
     Bounds some;
     for (size_t i = begin; i < end; ++i)
-      if (!scene.instances[i].removed) addBounds(scene, scene.instances[i], some);
+      if (isShown(scene, {}, scene.instances[i])) addBounds(scene, scene.instances[i], some);
     std::lock_guard lock(mutex);
     all.min = glm::min(all.min, some.min);
     all.max = glm::max(all.max, some.max);

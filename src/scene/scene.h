@@ -91,6 +91,7 @@ struct Instance {
   bool posed = false;    // skinned: its vertices are in the file's frame, and its node does not move it (3.7.3.3)
   bool placed = false;   // its transform was set by an edit (edit.h): no animation moves it
   bool removed = false;  // a gap that the next added instance fills (edit.h)
+  bool hidden = false;   // at rest; an animation shows it
 };
 
 struct Node {
@@ -139,6 +140,7 @@ struct Light {
   float size = 0;
   std::optional<bool> castShadow;  // true: before all lights without this; false: never
   bool removed = false;            // a gap that the next added light fills (edit.h)
+  bool hidden = false;             // at rest; an animation shows it
   bool operator==(const Light&) const = default;
 };
 
@@ -162,6 +164,8 @@ struct SceneEdits {
   uint32_t twins = 1;  // distinguishes elements added under the same name
 };
 
+struct Environment;
+
 struct Scene {
   std::string name;                          // the file's name without folder and extension, or the built-in's
   std::string source;                        // what the user named
@@ -174,8 +178,9 @@ struct Scene {
   std::vector<Instance> instances;
   std::vector<Camera> cameras;
   std::vector<Light> lights;
-  std::vector<std::string> variants;  // KHR_materials_variants
-  Rig rig;                            // the moving parts; everything above is at rest
+  std::vector<std::string> variants;               // KHR_materials_variants
+  Rig rig;                                         // the moving parts; everything above is at rest
+  std::shared_ptr<const Environment> environment;  // of its own, or null
   SceneEdits edits;
   MemoryClaim memory;  // its share of the machine's memory
 

@@ -35,11 +35,20 @@ const Codec& chooseCodec(std::span<const std::byte> encoded, const std::string& 
   using namespace std::string_view_literals;
   if (startsWith(encoded, "\xff\xd8\xff"sv)) return kJpegCodec;
   if (startsWith(encoded, "\x89PNG\r\n\x1a\n"sv)) return kPngCodec;
+  if (startsWith(encoded, "ftypavif"sv, 4) || startsWith(encoded, "ftypavis"sv, 4)) return kAvifCodec;
   if (startsWith(encoded, "RIFF"sv) && startsWith(encoded, "WEBP"sv, 8)) return kWebpCodec;
   if (startsWith(encoded, "GIF8"sv) || startsWith(encoded, "BM"sv) || looksLikeTga(encoded)) return kStbCodec;
-  if (startsWith(encoded, "\xabKTX "sv))
-    badInput("{} is a KTX texture, which is not supported: convert it to PNG, JPEG or WebP", name);
-  badInput("{} is not a JPEG, PNG, WebP, BMP, TGA or GIF picture", name);
+  if (startsWith(encoded, "\xabKTX 20\xbb\r\n\x1a\n"sv)) return kKtx2Codec;
+  if (startsWith(encoded, "\xabKTX 11"sv))
+    badInput("{} is a texture of KTX 1, which glTF does not have: convert it to KTX 2, PNG, JPEG or WebP", name);
+  badInput("{} is not a JPEG, PNG, WebP, KTX2, AVIF, BMP, TGA or GIF picture", name);
+}
+
+// Returns how many levels it has filled.
+uint32_t decodeLevels(const Codec& codec, std::span<const std::byte> encoded, Texture& texture) {
+  if (codec.decodeLevels) return codec.decodeLevels(encoded, texture);
+  codec.decode(encoded, texture.name, {texture.width, texture.height}, texture.pixels.get());
+  return 1;
 }
 
 ImageSize checkedSize(const Codec& codec, std::span<const std::byte> encoded, const std::string& name) {
@@ -116,8 +125,7 @@ Texture decodeTexture(std::span<const std::byte> encoded, bool srgb, const std::
   if (std::shared_ptr<std::byte[]> pixels = shared.find(key))
     return {name, size.width, size.height, mipLevelCount(size), srgb, std::move(pixels)};
   Texture texture = makeTexture(size, srgb, name);
-  codec.decode(encoded, name, size, texture.pixels.get());
-  buildMips(texture);
+  if (decodeLevels(codec, encoded, texture) < texture.levels) buildMips(texture);
   shared.add(key, texture.pixels);
   return texture;
 }

@@ -21,13 +21,15 @@ inline constexpr uint32_t kMaxTextureSide = 16384;
 uint32_t mipLevelCount(ImageSize size);
 size_t mipChainBytes(ImageSize size);
 
-// Size of an encoded picture (JPEG, PNG, WebP, BMP, TGA, GIF; by its first bytes, whatever its name says), from its
-// header. Throws Error(BadInput) with `name` if it is of another format, broken, or larger than kMaxTextureSide.
+// Size of an encoded picture (JPEG, PNG, WebP, KTX2, AVIF, BMP, TGA, GIF; by its first bytes, whatever its name says),
+// from its header. Throws Error(BadInput) with `name` if it is of another format, broken, or larger than
+// kMaxTextureSide.
 ImageSize imageSize(std::span<const std::byte> encoded, const std::string& name);
 
-// Decodes a picture and builds its mip levels, or shares those of a texture that was decoded from the same bytes and
-// still lives: nobody may change them. Pictures of 16 bits a channel are truncated to 8. Throws Error(BadInput)
-// with `name` if it is broken. The levels are built on all threads; may be called from parallelFor.
+// Decodes a picture and builds its mip levels where it does not have all of them itself, or shares those of a texture
+// that was decoded from the same bytes and still lives: nobody may change them. Pictures of 16 bits a channel are
+// truncated to 8. Throws Error(BadInput) with `name` if it is broken. The levels are built on all threads; may be
+// called from parallelFor.
 Texture decodeTexture(std::span<const std::byte> encoded, bool srgb, const std::string& name);
 
 // Storage for all levels of a texture of that size; pixels are not initialised.

@@ -13,12 +13,17 @@ struct Codec {
   // From the header alone. Throws Error(BadInput) with `name`.
   ImageSize (*size)(std::span<const std::byte> encoded, const std::string& name);
   // Writes width * height RGBA pixels, rows from the top, straight (not premultiplied) alpha.
-  void (*decode)(std::span<const std::byte> encoded, const std::string& name, ImageSize size, std::byte* rgba);
+  void (*decode)(std::span<const std::byte> encoded, const std::string& name, ImageSize size,
+                 std::byte* rgba) = nullptr;
+  // Instead, where files have mip levels of their own: fills them all or only the first, and returns how many.
+  uint32_t (*decodeLevels)(std::span<const std::byte> encoded, Texture& texture) = nullptr;
 };
 
+extern const Codec kAvifCodec;
 extern const Codec kJpegCodec;
 extern const Codec kPngCodec;
 extern const Codec kWebpCodec;
+extern const Codec kKtx2Codec;
 extern const Codec kStbCodec;  // BMP, TGA, GIF
 
 }  // namespace latelight::scene

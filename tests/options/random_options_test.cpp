@@ -158,7 +158,7 @@ class Stage {
   render::Renderer& renderer(const scene::Scene& scene, const std::string& environment) {
     auto& kept = renderers_[{&scene, environment}];
     if (kept) return *kept;
-    if (!environments_.contains(environment)) environments_[environment] = render::loadEnvironment(environment);
+    if (!environments_.contains(environment)) environments_[environment] = render::loadEnvironment(scene, environment);
     const std::optional<scene::Environment>& light = environments_[environment];
     return *(kept = std::make_unique<render::Renderer>(device_, scene, light ? &*light : nullptr));
   }

@@ -6,11 +6,13 @@
 
 #include <cmath>
 
+#include "base/files.h"
 #include "gltf_compressed_files.h"
 
 namespace latelight::scene::test {
 namespace {
 
+namespace fs = std::filesystem;
 using testing::HasSubstr;
 
 TEST(GltfCompressed, MeshoptAttributesFiltersAndTriangles) {
@@ -158,6 +160,21 @@ TEST(GltfCompressed, WebpTextures) {
   EXPECT_EQ(b.load().textures.size(), 1u);
   b.root["textures"][0] = {{"extensions", {{"EXT_texture_webp", json::object()}}}};
   EXPECT_EQ(b.load().textures.size(), 0u);
+}
+
+// KTX2 and AVIF pictures as textures: what they decode to is in texture_ktx2_test.cpp and texture_test.cpp.
+TEST(GltfCompressed, PicturesOfOtherExtensions) {
+  const fs::path folder = fs::path(LATELIGHT_SOURCE_DIR) / "tests/scene/ktx2";
+  const std::vector<std::byte> ktx2 = readFile(folder / "etc1s.ktx2"), texels = readFile(folder / "etc1s.rgba");
+  GltfBuilder b = triangleFile();
+  b.add("images", {{"uri", "nowhere.png"}});
+  b.add("images", {{"bufferView", b.view(std::span<const std::byte>(ktx2))}, {"mimeType", "image/ktx2"}});
+  b.add("textures", {{"source", 0}, {"extensions", {{"KHR_texture_basisu", {{"source", 1}}}}}});
+  b.primitive()["material"] = b.add("materials", {{"emissiveTexture", {{"index", 0}}}});
+  b.root["extensionsUsed"] = b.root["extensionsRequired"] = {"KHR_texture_basisu"};
+  const Scene scene = b.load();
+  ASSERT_EQ(scene.textures.at(0).bytes(), texels.size());
+  EXPECT_EQ(std::memcmp(scene.textures[0].pixels.get(), texels.data(), texels.size()), 0);
 }
 
 }  // namespace

@@ -115,6 +115,7 @@ bool survives(const fs::path& path) {
     for (double seconds : {-1.0, 0.3, 1e6}) {
       const Pose pose = poseAt(scene, choosePlayback(scene, "", true), seconds);
       instanceTransforms(scene, pose);
+      posedMaterials(scene, pose), posedLights(scene, pose), posedCameras(scene, pose);
       for (const Mesh& mesh : scene.meshes) {
         if (!mesh.deformation || pose.empty()) continue;
         const Deformation& d = *mesh.deformation;

@@ -279,6 +279,91 @@ GltfBuilder withVariants() {
   return b;
 }
 
+// --- KHR_materials_pbrSpecularGlossiness
+// ------------------------------------------------------------------------------
+
+// A TGA of a row of texels, as RGBA.
+int addRow(GltfBuilder& b, const std::vector<std::array<uint8_t, 4>>& texels) {
+  std::vector<uint8_t> tga = {0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, uint8_t(texels.size()), 0, 1, 0, 32, 0x28};
+  for (const auto& t : texels) tga.insert(tga.end(), {t[2], t[1], t[0], t[3]});
+  const int image = b.add("images", {{"bufferView", b.view(tga)}});
+  return b.add("textures", {{"source", image}});
+}
+
+json glossy(json factors) {
+  return {{"pbrMetallicRoughness", {{"metallicFactor", .5}, {"baseColorFactor", {.9, .9, .9, 1}}}},
+          {"extensions", {{"KHR_materials_pbrSpecularGlossiness", std::move(factors)}}}};
+}
+
+double linear(double srgb) {
+  return srgb <= 0.04045 ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4);
+}
+
+// c_diff = diffuse (1 - max(specular)), F0 = specular, alpha = (1 - glossiness)^2, as the extension has them.
+TEST(GltfMaterial, SpecularGlossinessFactors) {
+  const GltfBuilder b = withMaterial(
+      glossy({{"diffuseFactor", {.5, .25, 1, .75}}, {"specularFactor", {.25, .5, .125}}, {"glossinessFactor", .7}}));
+  const shared::Material m = b.load().materials[0].data;
+  EXPECT_EQ(m.baseColor, vec4(.25, .125, .5, .75));
+  EXPECT_EQ(m.metallic, 0);
+  EXPECT_FLOAT_EQ(m.roughness, .3f);
+  EXPECT_EQ(m.f0 * m.specularColor * m.specular, vec3(.25, .5, .125));
+  const shared::Material defaults = withMaterial(glossy(json::object())).load().materials[0].data;
+  EXPECT_EQ(defaults.baseColor, vec4(0, 0, 0, 1));  // white specular leaves nothing
+  EXPECT_EQ(defaults.roughness, 0);
+}
+
+// Each texel to the nearest of 8 bits, of the very numbers of the file.
+TEST(GltfMaterial, SpecularGlossinessTextures) {
+  GltfBuilder b = withMaterial({});
+  const std::array<uint8_t, 4> diffuse[2] = {{200, 100, 0, 128}, {255, 255, 255, 255}};
+  const std::array<uint8_t, 4> specular[2] = {{128, 64, 255, 51}, {10, 250, 90, 255}};
+  const int color = addRow(b, {diffuse[0], diffuse[1]}), gloss = addRow(b, {specular[0], specular[1]});
+  b.root["materials"][0] = glossy({{"diffuseTexture", {{"index", color}}},
+                                   {"specularFactor", {.5, .5, .25}},
+                                   {"glossinessFactor", .5},
+                                   {"specularGlossinessTexture", {{"index", gloss}}}});
+  const Scene scene = b.load();
+  const Material& material = scene.materials[0];
+  const auto texelsOf = [&](uint32_t slot) {
+    const Texture& texture = scene.textures.at(size_t(material.slots[slot].texture));
+    EXPECT_EQ(texture.width, 2u);
+    return reinterpret_cast<const uint8_t*>(texture.pixels.get());
+  };
+  EXPECT_EQ(material.data.roughness, 1);
+  EXPECT_EQ(material.data.specularColor, vec3(.5, .5, .25));
+  EXPECT_EQ(std::memcmp(texelsOf(kTextureSpecularColor), specular, 8), 0);
+  const double factor[3] = {.5, .5, .25};
+  for (size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(texelsOf(kTextureMetallicRoughness)[4 * i + 1], std::lround(255 - .5 * specular[i][3]));
+    double most = 0;
+    for (size_t c = 0; c < 3; ++c) most = std::max(most, factor[c] * linear(specular[i][c] / 255.0));
+    for (size_t c = 0; c < 3; ++c) {
+      const double left = linear(texelsOf(kTextureBaseColor)[4 * i + c] / 255.0);
+      const double expected = linear(diffuse[i][c] / 255.0) * (1 - most);
+      EXPECT_NEAR(left, expected, 0.0045) << i << ' ' << c;  // half a step of sRGB where it is widest
+    }
+    EXPECT_EQ(texelsOf(kTextureBaseColor)[4 * i + 3], diffuse[i][3]);
+  }
+}
+
+TEST(GltfMaterial, SpecularGlossinessWithOneTexture) {
+  GltfBuilder b = withMaterial({});
+  const int gloss = addRow(b, {{255, 255, 255, 0}, {0, 0, 0, 255}});
+  b.root["materials"][0] = glossy({{"specularGlossinessTexture", {{"index", gloss}, {"texCoord", 1}}}});
+  Scene scene = b.load();
+  const Material& material = scene.materials[0];
+  const Texture& base = scene.textures.at(size_t(material.slots[kTextureBaseColor].texture));
+  EXPECT_EQ(uint8_t(base.pixels[0]), 0);
+  EXPECT_EQ(uint8_t(base.pixels[4]), 255);
+  EXPECT_EQ(material.data.transforms[kTextureBaseColor].uvSet, 1u);
+  // A diffuse texture alone is the base colour as it is.
+  b.root["materials"][0] = glossy({{"diffuseTexture", {{"index", gloss}}}, {"specularFactor", {.5, 0, 0}}});
+  scene = b.load();
+  EXPECT_EQ(scene.textures.size(), 1u);
+  EXPECT_EQ(scene.materials[0].data.baseColor, vec4(.5, .5, .5, 1));
+}
+
 TEST(GltfMaterial, Variants) {
   auto shown = [](const char* variant) {
     Scene scene = withVariants().load({.variant = variant});

@@ -12,6 +12,9 @@
 #include <random>
 
 #include "base/error.h"
+#ifdef LATELIGHT_AVIF
+#include <avif/avif.h>
+#endif
 
 namespace latelight::scene {
 namespace {
@@ -145,6 +148,38 @@ TEST(TextureCodecs, Webp) {
   encoded.resize(encoded.size() / 2);
   EXPECT_THAT(errorOf(encoded), HasSubstr("WebP"));
 }
+
+#ifdef LATELIGHT_AVIF
+// Lossless: as red, green and blue, all of whose texels are kept.
+Encoded toAvif(const Picture& p) {
+  avifImage* image = avifImageCreate(int(p.width), int(p.height), 8, AVIF_PIXEL_FORMAT_YUV444);
+  image->matrixCoefficients = AVIF_MATRIX_COEFFICIENTS_IDENTITY;
+  avifRGBImage rgb;
+  avifRGBImageSetDefaults(&rgb, image);
+  rgb.pixels = const_cast<uint8_t*>(p.rgba.data());
+  rgb.rowBytes = 4 * p.width;
+  EXPECT_EQ(avifImageRGBToYUV(image, &rgb), AVIF_RESULT_OK);
+  avifEncoder* encoder = avifEncoderCreate();
+  encoder->minQuantizer = encoder->maxQuantizer = encoder->minQuantizerAlpha = encoder->maxQuantizerAlpha = 0;
+  encoder->speed = AVIF_SPEED_FASTEST;
+  avifRWData out = AVIF_DATA_EMPTY;
+  EXPECT_EQ(avifEncoderWrite(encoder, image, &out), AVIF_RESULT_OK);
+  const auto* bytes = reinterpret_cast<const std::byte*>(out.data);
+  Encoded encoded(bytes, bytes + out.size);
+  avifRWDataFree(&out);
+  avifEncoderDestroy(encoder);
+  avifImageDestroy(image);
+  return encoded;
+}
+
+TEST(TextureCodecs, Avif) {
+  const Picture p = noise(20, 30);
+  Encoded encoded = toAvif(p);
+  EXPECT_EQ(largestDifference(decodeTexture(encoded, false, "p"), p.rgba), 0);
+  encoded.resize(encoded.size() / 2);
+  EXPECT_THAT(errorOf(encoded), HasSubstr("AVIF"));
+}
+#endif
 
 TEST(TextureCodecs, UncompressedTga) {
   std::vector<uint8_t> tga = {0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 1, 0, 32, 0x28, 3, 2, 1, 200};

@@ -26,7 +26,7 @@ std::optional<double> LoadedScene::environmentRotation() const {
 std::string LoadedScene::environment() const {
   if (variations_ && !variations_->environment().empty()) return variations_->environment();
   const bool isSeen = job_.settings.background.kind == render::Background::Environment;
-  return render::environmentName(scene_, job_.hdri.empty() && isSeen ? "studio" : job_.hdri);
+  return render::environmentName(scene_, job_.hdri, isSeen);
 }
 
 }  // namespace latelight::data

@@ -84,7 +84,7 @@ void Worker::useEnvironment() {
   const std::string name = scene_->environment();
   if (renderer_ && name == environment_) return;
   finishAll();
-  const std::optional<scene::Environment> environment = render::loadEnvironment(name);
+  const std::optional<scene::Environment> environment = render::loadEnvironment(scene_->scene(), name);
   renderer_.reset();
   renderer_ = std::make_unique<render::Renderer>(device_, scene_->scene(), environment ? &*environment : nullptr);
   environment_ = name;

@@ -89,7 +89,7 @@ Surroundings::~Surroundings() = default;
 Surroundings::Surroundings(const scene::Scene& scene) : meshes_(scene.meshes.size()), scene_(scene) {
   std::vector<bool> used(scene.meshes.size());
   for (const scene::Instance& instance : scene.instances)
-    if (!instance.removed) used[instance.mesh] = true;
+    if (isShown(scene, {}, instance)) used[instance.mesh] = true;
   for (size_t i = 0; i < used.size(); ++i)
     if (used[i]) memory_.grow(scene.meshes[i].indices.size() / 3 * kTriangleBytes, "the search for free places");
   parallelFor(meshes_.size(), 1, [&](size_t begin, size_t end) {
@@ -99,7 +99,7 @@ Surroundings::Surroundings(const scene::Scene& scene) : meshes_(scene.meshes.siz
   std::vector<Aabb> boxes;
   for (uint32_t i = 0; i < scene.instances.size(); ++i) {
     const scene::Instance& instance = scene.instances[i];
-    if (instance.removed || scene.meshes[instance.mesh].indices.empty()) continue;
+    if (!isShown(scene, {}, instance) || scene.meshes[instance.mesh].indices.empty()) continue;
     pieces_.push_back(pieceOf(i));
     const Aabb local = meshes_[instance.mesh]->bounds();
     Aabb& box = boxes.emplace_back();

@@ -20,7 +20,7 @@ std::vector<uint32_t> instancesBelow(const scene::Scene& scene, const std::strin
   if (!known) badUsage("{}: {} has no node \"{}\"", path, scene.source, node);
   std::vector<uint32_t> instances;
   for (uint32_t i = 0; i < scene.instances.size(); ++i)
-    if (!scene.instances[i].removed && isBelow(scene.instances[i].node)) instances.push_back(i);
+    if (isShown(scene, {}, scene.instances[i]) && isBelow(scene.instances[i].node)) instances.push_back(i);
   return instances;
 }
 
@@ -44,7 +44,7 @@ Aabb boxOf(const scene::Scene& scene, const std::vector<uint32_t>& instances, co
 Aabb boxOfScene(const scene::Scene& scene, const std::string& path) {
   std::vector<uint32_t> all;
   for (uint32_t i = 0; i < scene.instances.size(); ++i)
-    if (!scene.instances[i].removed) all.push_back(i);
+    if (isShown(scene, {}, scene.instances[i])) all.push_back(i);
   return boxOf(scene, all, path);
 }
 

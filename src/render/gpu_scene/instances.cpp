@@ -43,7 +43,7 @@ void GpuInstances::place(uint32_t index, const glm::mat4& toWorld, const scene::
                      .flags = (mirrored ? shared::kInstanceMirrored : 0u) |
                               (scene_.meshes[instance.mesh].extras.empty() ? 0u : shared::kInstanceExtras) |
                               groupBits(index)};
-  if (instance.removed) {
+  if (!scene::isShown(scene_, pose, instance)) {
     bounds_[index] = kNowhere;
     return;
   }

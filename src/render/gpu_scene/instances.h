@@ -24,7 +24,7 @@ class GpuInstances {
 
   uint32_t count() const { return static_cast<uint32_t>(records_.size()); }
   const shared::Instance& record(uint32_t instance) const { return records_[instance]; }
-  const Sphere& bounds(uint32_t instance) const { return bounds_[instance]; }  // touches nothing where it was removed
+  const Sphere& bounds(uint32_t instance) const { return bounds_[instance]; }  // touches nothing where it is not shown
   scene::Bounds allBounds() const;                                             // around those spheres
   uint64_t revision() const { return revision_; }                              // grows whenever one changes
 

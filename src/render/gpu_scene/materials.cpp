@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstring>
 
 namespace latelight::render {
 
@@ -27,13 +28,36 @@ MaterialSets GpuMaterials::sets(uint32_t material) const {
 void GpuMaterials::update(vk::Uploader& uploader, std::span<const uint32_t> changed) {
   textures_.update(uploader, changed);
   records_.resize(scene_.materials.size());
-  for (const uint32_t material : changed) {
-    shared::Material& record = records_[material] = scene_.materials[material].data;
-    std::ranges::copy(textures_.indices(material), record.images);
-    record.flags |= scene::layerFlags(record);
-    textureSlots_ |= record.textures;
+  for (const uint32_t material : changed) setRecord(material, scene_.materials[material].data);
+  if (!records_.empty()) uploadRecords(uploader, changed);
+}
+
+void GpuMaterials::pose(vk::Uploader& uploader, const std::map<uint32_t, shared::Material>& posed) {
+  std::vector<uint32_t> changed;
+  const auto set = [&](uint32_t material, const shared::Material& data) {
+    const shared::Material before = records_[material];
+    setRecord(material, data);
+    if (std::memcmp(&before, &records_[material], sizeof(before)) != 0) changed.push_back(material);
+  };
+  for (const uint32_t material : posed_)
+    if (!posed.contains(material)) set(material, scene_.materials[material].data);
+  posed_.clear();
+  for (const auto& [material, data] : posed) {
+    set(material, data);
+    posed_.push_back(material);
   }
-  if (records_.empty()) return;
+  std::ranges::sort(changed);
+  if (!changed.empty()) uploadRecords(uploader, changed);
+}
+
+void GpuMaterials::setRecord(uint32_t material, const shared::Material& data) {
+  shared::Material& record = records_[material] = data;
+  std::ranges::copy(textures_.indices(material), record.images);
+  record.flags |= scene::layerFlags(record);
+  textureSlots_ |= record.textures;
+}
+
+void GpuMaterials::uploadRecords(vk::Uploader& uploader, std::span<const uint32_t> changed) {
   list_.upload(uploader, records_, changed);
   uploadUniforms(uploader, changed);
   ++revision_;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <map>
 #include <vector>
 
 #include "render/gpu_scene/buffer.h"
@@ -23,6 +24,8 @@ class GpuMaterials {
   GpuMaterials(vk::Device& device, const scene::Scene& scene, vk::Uploader& uploader);
   // Materials that were edited or added; textures that were added.
   void update(vk::Uploader& uploader, std::span<const uint32_t> changed);
+  // Others than the scene's, by their number, until others are.
+  void pose(vk::Uploader& uploader, const std::map<uint32_t, shared::Material>& posed);
   void setAnisotropy(vk::Uploader& uploader, uint32_t samples) { textures_.setAnisotropy(uploader, samples); }
 
   const shared::Material& record(uint32_t material) const { return records_[material]; }
@@ -38,6 +41,8 @@ class GpuMaterials {
   uint64_t revision() const { return revision_; }              // grows whenever one changes
 
  private:
+  void setRecord(uint32_t material, const shared::Material& data);
+  void uploadRecords(vk::Uploader& uploader, std::span<const uint32_t> changed);
   void uploadUniforms(vk::Uploader& uploader, std::span<const uint32_t> changed);
   void makeUniformSet();
 
@@ -45,6 +50,7 @@ class GpuMaterials {
   const scene::Scene& scene_;
   GpuTextures textures_;
   std::vector<shared::Material> records_;
+  std::vector<uint32_t> posed_;  // whose records are not the scene's
   GpuList<shared::Material> list_;
   vk::Buffer uniforms_;  // the records, each at a multiple of uniformStride_
   VkDeviceSize uniformStride_ = 0;

@@ -50,7 +50,7 @@ void DrawOrder::update(const GpuScene& scene) {
   parallelFor(order_.size(), kInstancesAtOnce, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end && i + 1 < order_.size(); ++i)
       hidden_[i] = standsWhere(all.record(order_[i]), all.record(order_[i + 1])) && !isBlended(scene, order_[i]) &&
-                   all.bounds(order_[i + 1]).radius >= 0;  // one that was removed hides nothing
+                   all.bounds(order_[i + 1]).radius >= 0;  // one that is not shown hides nothing
   });
 }
 

@@ -1,0 +1,179 @@
+#include "scene/animated_values.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "scene/framing.h"
+#include "scene/scene.h"
+#include "shared/light.h"
+
+namespace latelight::scene {
+
+namespace {
+
+template <typename... Args>
+struct Property {
+  std::string_view pointer;
+  uint32_t width;
+  void (*set)(Args..., const glm::vec4& value);
+};
+
+// --- materials
+// --------------------------------------------------------------------------------------------------------
+
+using Data = shared::Material&;
+using Parts = MaterialParts&;
+
+float positive(float value) {
+  return std::max(value, 0.0f);
+}
+float share(float value) {
+  return std::clamp(value, 0.0f, 1.0f);
+}
+vec3 positive(const vec4& value) {
+  return glm::max(vec3(value), 0.0f);
+}
+
+void setEmissive(Data data, Parts parts) {
+  data.emissive = parts.emissive * parts.emissiveStrength;
+}
+
+constexpr Property<Data, Parts> kMaterialProperties[] = {
+    {"pbrMetallicRoughness/baseColorFactor", 4,
+     [](Data data, Parts, const vec4& v) { data.baseColor = glm::max(v, 0.0f); }},
+    {"pbrMetallicRoughness/metallicFactor", 1, [](Data data, Parts, const vec4& v) { data.metallic = share(v.x); }},
+    {"pbrMetallicRoughness/roughnessFactor", 1, [](Data data, Parts, const vec4& v) { data.roughness = share(v.x); }},
+    {"normalTexture/scale", 1, [](Data data, Parts, const vec4& v) { data.normalScale = v.x; }},
+    {"occlusionTexture/strength", 1, [](Data data, Parts, const vec4& v) { data.occlusionStrength = share(v.x); }},
+    {"alphaCutoff", 1, [](Data data, Parts, const vec4& v) { data.alphaCutoff = positive(v.x); }},
+    {"emissiveFactor", 3,
+     [](Data data, Parts parts, const vec4& v) { parts.emissive = positive(v), setEmissive(data, parts); }},
+    {"extensions/KHR_materials_emissive_strength/emissiveStrength", 1,
+     [](Data data, Parts parts, const vec4& v) { parts.emissiveStrength = positive(v.x), setEmissive(data, parts); }},
+    {"extensions/KHR_materials_ior/ior", 1, [](Data data, Parts, const vec4& v) { data.f0 = f0OfIor(positive(v.x)); }},
+    {"extensions/KHR_materials_specular/specularFactor", 1,
+     [](Data data, Parts, const vec4& v) { data.specular = share(v.x); }},
+    {"extensions/KHR_materials_specular/specularColorFactor", 3,
+     [](Data data, Parts, const vec4& v) { data.specularColor = positive(v); }},
+};
+
+// Behind those in number: of any texture.
+constexpr Property<TransformParts&> kTransformProperties[] = {
+    {"offset", 2, [](TransformParts& parts, const vec4& v) { parts.offset = vec2(v); }},
+    {"rotation", 1, [](TransformParts& parts, const vec4& v) { parts.rotation = v.x; }},
+    {"scale", 2, [](TransformParts& parts, const vec4& v) { parts.scale = vec2(v); }},
+};
+constexpr std::string_view kTransform = "/extensions/KHR_texture_transform/";
+constexpr std::string_view kTexturePointers[] = {"pbrMetallicRoughness/baseColorTexture",
+                                                 "pbrMetallicRoughness/metallicRoughnessTexture",
+                                                 "normalTexture",
+                                                 "occlusionTexture",
+                                                 "emissiveTexture",
+                                                 "extensions/KHR_materials_specular/specularTexture",
+                                                 "extensions/KHR_materials_specular/specularColorTexture"};
+static_assert(std::size(kTexturePointers) == shared::kTextureCount);
+
+// --- lights and cameras
+// -----------------------------------------------------------------------------------------------
+
+float coneAngle(float value) {
+  return std::clamp(value, 0.0f, float(M_PI / 2));
+}
+
+constexpr Property<Light&> kLightProperties[] = {
+    {"color", 3, [](Light& light, const vec4& v) { light.color = positive(v); }},
+    {"intensity", 1, [](Light& light, const vec4& v) { light.intensity = positive(v.x); }},
+    {"range", 1, [](Light& light, const vec4& v) { light.range = v.x > 0 ? std::optional(v.x) : std::nullopt; }},
+    {"spot/innerConeAngle", 1,
+     [](Light& light, const vec4& v) { light.innerCone = std::min(coneAngle(v.x), light.outerCone); }},
+    {"spot/outerConeAngle", 1,
+     [](Light& light, const vec4& v) {
+       light.outerCone = std::max(coneAngle(v.x), 1e-4f);
+       light.innerCone = std::min(light.innerCone, light.outerCone);
+     }},
+};
+
+// A pair of planes that shows nothing stays as it was.
+void setPlanes(Camera& camera, float nearClip, float farClip) {
+  if (nearClip < 0 || (nearClip == 0 && !camera.orthographic) || !(farClip > nearClip)) return;
+  camera.nearClip = nearClip;
+  camera.farClip = farClip;
+}
+void setHalf(float& half, float value) {
+  if (value != 0) half = std::abs(value);
+}
+void setNear(Camera& camera, const vec4& v) {
+  setPlanes(camera, v.x, camera.farClip);
+}
+void setFar(Camera& camera, const vec4& v) {
+  setPlanes(camera, camera.nearClip, v.x);
+}
+
+constexpr Property<Camera&> kCameraProperties[] = {
+    {"perspective/yfov", 1,
+     [](Camera& camera, const vec4& v) { camera.verticalFov = std::clamp(v.x, kLeastVerticalFov, kMostVerticalFov); }},
+    {"perspective/aspectRatio", 1,
+     [](Camera& camera, const vec4& v) {
+       if (v.x > 0) camera.aspect = v.x;
+     }},
+    {"perspective/znear", 1, setNear},
+    {"perspective/zfar", 1, setFar},
+    {"orthographic/xmag", 1, [](Camera& camera, const vec4& v) { setHalf(camera.xHalf, v.x); }},
+    {"orthographic/ymag", 1, [](Camera& camera, const vec4& v) { setHalf(camera.yHalf, v.x); }},
+    {"orthographic/znear", 1, setNear},
+    {"orthographic/zfar", 1, setFar},
+};
+
+template <typename List>
+std::optional<AnimatedValue> find(const List& list, std::string_view pointer) {
+  for (uint32_t i = 0; i < std::size(list); ++i)
+    if (list[i].pointer == pointer) return AnimatedValue{i, 0, list[i].width};
+  return std::nullopt;
+}
+
+std::optional<AnimatedValue> findTransform(std::string_view pointer) {
+  for (uint32_t slot = 0; slot < shared::kTextureCount; ++slot) {
+    const std::string_view texture = kTexturePointers[slot];
+    if (!pointer.starts_with(texture) || !pointer.substr(texture.size()).starts_with(kTransform)) continue;
+    std::optional<AnimatedValue> found = find(kTransformProperties, pointer.substr(texture.size() + kTransform.size()));
+    if (found) found->property += uint32_t(std::size(kMaterialProperties)), found->slot = slot;
+    return found;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+float f0OfIor(float ior) {
+  const double ratio = (double{ior} - 1) / (double{ior} + 1);
+  return ior == 0 ? 1.0f : float(ratio * ratio);
+}
+
+void setRows(shared::TextureTransform& out, const TransformParts& parts) {
+  const double c = std::cos(double{parts.rotation}), s = std::sin(double{parts.rotation});
+  out.row0 = vec3(c * parts.scale.x, s * parts.scale.y, parts.offset.x);
+  out.row1 = vec3(-s * parts.scale.x, c * parts.scale.y, parts.offset.y);
+}
+
+std::optional<AnimatedValue> findAnimatedValue(AnimatedElements elements, std::string_view pointer) {
+  if (elements == AnimatedElements::Lights) return find(kLightProperties, pointer);
+  if (elements == AnimatedElements::Cameras) return find(kCameraProperties, pointer);
+  const std::optional<AnimatedValue> found = find(kMaterialProperties, pointer);
+  return found ? found : findTransform(pointer);
+}
+
+void setValue(shared::Material& material, MaterialParts& parts, uint32_t property, uint32_t slot, const vec4& value) {
+  if (property < std::size(kMaterialProperties)) return kMaterialProperties[property].set(material, parts, value);
+  kTransformProperties[property - std::size(kMaterialProperties)].set(parts.transforms[slot], value);
+  setRows(material.transforms[slot], parts.transforms[slot]);
+}
+
+void setValue(Light& light, uint32_t property, const vec4& value) {
+  kLightProperties[property].set(light, value);
+}
+
+void setValue(Camera& camera, uint32_t property, const vec4& value) {
+  kCameraProperties[property].set(camera, value);
+}
+
+}  // namespace latelight::scene
