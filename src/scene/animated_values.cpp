@@ -64,17 +64,29 @@ constexpr Property<TransformParts&> kTransformProperties[] = {
     {"scale", 2, [](TransformParts& parts, const vec4& v) { parts.scale = vec2(v); }},
 };
 constexpr std::string_view kTransform = "/extensions/KHR_texture_transform/";
-constexpr std::string_view kTexturePointers[] = {"pbrMetallicRoughness/baseColorTexture",
-                                                 "pbrMetallicRoughness/metallicRoughnessTexture",
-                                                 "normalTexture",
-                                                 "occlusionTexture",
-                                                 "emissiveTexture",
-                                                 "extensions/KHR_materials_specular/specularTexture",
-                                                 "extensions/KHR_materials_specular/specularColorTexture"};
+constexpr std::string_view kTexturePointers[] = {
+    "pbrMetallicRoughness/baseColorTexture",
+    "pbrMetallicRoughness/metallicRoughnessTexture",
+    "normalTexture",
+    "occlusionTexture",
+    "emissiveTexture",
+    "extensions/KHR_materials_specular/specularTexture",
+    "extensions/KHR_materials_specular/specularColorTexture",
+    "extensions/KHR_materials_clearcoat/clearcoatTexture",
+    "extensions/KHR_materials_clearcoat/clearcoatRoughnessTexture",
+    "extensions/KHR_materials_clearcoat/clearcoatNormalTexture",
+    "extensions/KHR_materials_sheen/sheenColorTexture",
+    "extensions/KHR_materials_sheen/sheenRoughnessTexture",
+    "extensions/KHR_materials_anisotropy/anisotropyTexture",
+    "extensions/KHR_materials_iridescence/iridescenceTexture",
+    "extensions/KHR_materials_iridescence/iridescenceThicknessTexture",
+    "extensions/KHR_materials_transmission/transmissionTexture",
+    "extensions/KHR_materials_volume/thicknessTexture",
+    "extensions/KHR_materials_diffuse_transmission/diffuseTransmissionTexture",
+    "extensions/KHR_materials_diffuse_transmission/diffuseTransmissionColorTexture"};
 static_assert(std::size(kTexturePointers) == shared::kTextureCount);
 
-// --- lights and cameras
-// -----------------------------------------------------------------------------------------------
+// --- lights and cameras ---------------------------------------------------------------------------------------------
 
 float coneAngle(float value) {
   return std::clamp(value, 0.0f, float(M_PI / 2));

@@ -187,7 +187,7 @@ TEST(MaterialLookups, AreNearTheIntegral) {
     keep(integral, grid.name + ".environment.reference");
     const Apart a = apart(quick, integral);
     fmt::print("{}: {:.2f} levels in the mean, {:.1f} at worst\n", grid.name, a.mean, a.worst);
-    EXPECT_LE(a.mean, 4.5) << grid.name;
+    EXPECT_LE(a.mean, 3.3) << grid.name;
   }
 }
 
