@@ -13,7 +13,7 @@ layout(local_size_x = 16, local_size_y = 16) in;
 layout(push_constant, scalar) uniform Push { FieldPush push; };
 
 vec3 lightsAt(FrameConstants frame, View view, LitPixel p) {
-  return shadeAllLights(frame, uint(p.place.z), p.s, p.toEye, p.lit);
+  return shadeAllLights(frame, uint(p.place.z), p.s, surfaceBrdf(p.s, p.toEye, kShading), p.lit);
 }
 
 void main() {
