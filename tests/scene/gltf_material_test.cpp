@@ -250,6 +250,35 @@ TEST(GltfMaterial, TextureTransform) {
   EXPECT_EQ(t.uvSet, 1u);
 }
 
+// Each slot by itself, so that none has another's.
+TEST(GltfMaterial, EverySlotHasItsOwnTransformAndUvSet) {
+  const char* slots[] = {"/pbrMetallicRoughness/baseColorTexture",
+                         "/pbrMetallicRoughness/metallicRoughnessTexture",
+                         "/normalTexture",
+                         "/occlusionTexture",
+                         "/emissiveTexture",
+                         "/extensions/KHR_materials_specular/specularTexture",
+                         "/extensions/KHR_materials_specular/specularColorTexture"};
+  static_assert(std::size(slots) == kTextureCount);
+  for (const bool inTransform : {false, true}) {
+    json material;
+    for (uint32_t slot = 0; slot < kTextureCount; ++slot) {
+      json transform = {{"offset", {slot, slot + .5}}, {"scale", {slot + 1, 2}}};
+      if (inTransform) transform["texCoord"] = slot % 2;
+      material[json::json_pointer(slots[slot])] = {{"index", 0},
+                                                   {"texCoord", inTransform ? 1 - slot % 2 : slot % 2},
+                                                   {"extensions", {{"KHR_texture_transform", transform}}}};
+    }
+    const Material read = withMaterial(material).load().materials[0];
+    for (uint32_t slot = 0; slot < kTextureCount; ++slot) {
+      EXPECT_EQ(read.data.transforms[slot].row0, vec3(slot + 1, 0, slot)) << slots[slot];
+      EXPECT_EQ(read.data.transforms[slot].row1, vec3(0, 2, slot + .5)) << slots[slot];
+      EXPECT_EQ(read.data.transforms[slot].uvSet, slot % 2) << slots[slot];
+    }
+    EXPECT_EQ(read.data.textures, (1u << kTextureCount) - 1);
+  }
+}
+
 TEST(GltfMaterial, UvSetsAboveTheSecondBecomeTheSecond) {
   EXPECT_EQ(withMaterial({{"normalTexture", {{"index", 0}, {"texCoord", 3}}}})
                 .load()
