@@ -39,9 +39,15 @@ void drag(Client& page, int step) {
 
 // As a mouse moves: some two hundred times a second, whether pictures come or not.
 Client::Message hearWhileDragging(Client& page, int& step) {
-  do drag(page, ++step);
-  while (!page.hearsWithin(std::chrono::milliseconds(5)));
-  return hearPicture(page);
+  for (;;) {
+    do drag(page, ++step);
+    while (!page.hearsWithin(std::chrono::milliseconds(5)));
+    Client::Message message = page.hear();
+    page.show(message);
+    if (!message.header.contains("picture")) continue;
+    decode(message);
+    return message;
+  }
 }
 
 void measureRate(Client& page, double seconds) {
