@@ -37,20 +37,32 @@ void drag(Client& page, int step) {
   page.say({{"type", "move"}, {"x", 300 + 5 * step % 400}, {"y", 300}});
 }
 
+// As a mouse moves: some two hundred times a second, whether pictures come or not.
+Client::Message hearWhileDragging(Client& page, int& step) {
+  for (;;) {
+    do drag(page, ++step);
+    while (!page.hearsWithin(std::chrono::milliseconds(5)));
+    Client::Message message = page.hear();
+    page.show(message);
+    if (!message.header.contains("picture")) continue;
+    decode(message);
+    return message;
+  }
+}
+
 void measureRate(Client& page, double seconds) {
   page.say({{"type", "move"}, {"x", 300}, {"y", 300}});
   page.say({{"type", "button"}, {"button", "left"}, {"down", true}});
   int step = 0;
-  for (const auto begin = Clock::now(); since(begin) < 2; ++step)
-    drag(page, step), hearPicture(page);  // finds its pace
+  for (const auto begin = Clock::now(); since(begin) < 2;)
+    hearWhileDragging(page, step);  // finds its pace
   int pictures = 0;
   size_t bytes = 0;
   double rendering = 0;
   Json last;
   const auto begin = Clock::now();
   for (; since(begin) < seconds; ++pictures) {
-    drag(page, ++step), drag(page, ++step);  // always one more than is shown
-    const Client::Message shown = hearPicture(page);
+    const Client::Message shown = hearWhileDragging(page, step);
     bytes += shown.payload.size();
     rendering += shown.header["picture"]["milliseconds"].get<double>();
     last = shown.header["picture"];
@@ -80,6 +92,16 @@ void measureLatency(Client& page, int times) {
              waits[waits.size() / 2], times, waits.back(), finals[finals.size() / 2]);
 }
 
+// Until it goes.
+struct Running {
+  Server& server;
+  std::thread thread;
+  ~Running() {
+    server.stop();
+    thread.join();
+  }
+};
+
 void bench(int argc, char** argv) {
   const auto argument = [&](int i, const char* normal) { return std::string(i < argc ? argv[i] : normal); };
   const std::string size = argument(2, "1280x720");
@@ -87,7 +109,7 @@ void bench(int argc, char** argv) {
              height = static_cast<uint32_t>(std::stoul(size.substr(size.find('x') + 1)));
   Server server(
       {}, {.scene = argument(1, "builtin:hall"), .device = argument(4, "auto"), .width = width, .height = height});
-  std::thread thread([&] { server.run(); });
+  const Running running{server, std::thread([&] { server.run(); })};
   {
     Client page(server.port(), server.token());
     page.say({{"type", "resize"}, {"width", width}, {"height", height}});
@@ -97,8 +119,6 @@ void bench(int argc, char** argv) {
     page.hearFinal();
     measureLatency(page, 20);
   }
-  server.stop();
-  thread.join();
 }
 
 }  // namespace
