@@ -108,7 +108,7 @@ scene::Camera ViewSession::Impl::camera() const {
 
 // Both sides are lit alike: where one of them shows the environment there must be one.
 std::string ViewSession::Impl::environmentWord() const {
-  if (!state.environment.empty()) return state.environment;
+  if (!state.environment.empty() || stage.scene().environment) return state.environment;
   const auto shows = [&](Side side) {
     return settings(side).settings.background.kind == render::Background::Environment;
   };

@@ -77,14 +77,15 @@ void Stage::dropDevice() {
 void Stage::reload() {
   auto loaded = std::make_unique<scene::Scene>(scene::load(source_, load_));
   renderer_.reset();
+  environmentName_.reset();  // it may be the scene's own
   scene_ = std::move(loaded);
   watch_.watch(scene_->files);
 }
 
 void Stage::light(const std::string& asked) {
-  const std::string name = render::environmentName(*scene_, asked);
+  const std::string name = render::environmentName(*scene_, asked, false);
   if (name == environmentName_) return;
-  std::optional<scene::Environment> loaded = render::loadEnvironment(name);
+  std::optional<scene::Environment> loaded = render::loadEnvironment(*scene_, name);
   renderer_.reset();
   environment_ = std::move(loaded);
   environmentName_ = name;

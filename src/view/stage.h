@@ -66,7 +66,7 @@ class Stage {
   FileWatch watch_;
   std::unique_ptr<vk::Device> device_;
   std::unique_ptr<scene::Scene> scene_;
-  std::string environmentName_;
+  std::optional<std::string> environmentName_;
   std::optional<scene::Environment> environment_;
   std::unique_ptr<render::Renderer> renderer_;
   std::vector<graph::PassTime> passes_;

@@ -56,8 +56,7 @@ TEST(GltfExtensions, OnlyThoseThatAreReadMayBeRequired) {
   }
 }
 
-// --- a file with all of them
-// ------------------------------------------------------------------------------------------
+// --- a file with all of them ----------------------------------------------------------------------------------------
 
 // What has bytes of its own rather than fields: gltf_compressed_test.cpp and gltf_fuzz_test.cpp damage those.
 const Names kBytes = {"EXT_meshopt_compression", "KHR_draco_mesh_compression", "KHR_mesh_quantization"};
@@ -65,6 +64,45 @@ const Names kBytes = {"EXT_meshopt_compression", "KHR_draco_mesh_compression", "
 int addImage(GltfBuilder& b) {
   const std::vector<uint8_t> tga = {0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 1, 0, 32, 0x28, 3, 2, 1, 200};
   return b.add("images", {{"bufferView", b.view(tga)}});
+}
+
+void addLayers(GltfBuilder& b, const json& texture) {
+  json normal = texture;
+  normal["scale"] = .5;
+  b.add("materials", {{"extensions",
+                       {{"KHR_materials_clearcoat",
+                         {{"clearcoatFactor", .5},
+                          {"clearcoatTexture", texture},
+                          {"clearcoatRoughnessFactor", .1},
+                          {"clearcoatRoughnessTexture", texture},
+                          {"clearcoatNormalTexture", normal}}},
+                        {"KHR_materials_sheen",
+                         {{"sheenColorFactor", {.1, .2, .3}},
+                          {"sheenColorTexture", texture},
+                          {"sheenRoughnessFactor", .5},
+                          {"sheenRoughnessTexture", texture}}},
+                        {"KHR_materials_anisotropy",
+                         {{"anisotropyStrength", .5}, {"anisotropyRotation", .1}, {"anisotropyTexture", texture}}},
+                        {"KHR_materials_iridescence",
+                         {{"iridescenceFactor", .5},
+                          {"iridescenceTexture", texture},
+                          {"iridescenceIor", 1.4},
+                          {"iridescenceThicknessMinimum", 200},
+                          {"iridescenceThicknessMaximum", 300},
+                          {"iridescenceThicknessTexture", texture}}}}}});
+  b.add("materials", {{"extensions",
+                       {{"KHR_materials_transmission", {{"transmissionFactor", .5}, {"transmissionTexture", texture}}},
+                        {"KHR_materials_volume",
+                         {{"thicknessFactor", .5},
+                          {"thicknessTexture", texture},
+                          {"attenuationDistance", 2},
+                          {"attenuationColor", {.5, .6, .7}}}},
+                        {"KHR_materials_dispersion", {{"dispersion", .5}}},
+                        {"KHR_materials_diffuse_transmission",
+                         {{"diffuseTransmissionFactor", .5},
+                          {"diffuseTransmissionTexture", texture},
+                          {"diffuseTransmissionColorFactor", {.5, .6, .7}},
+                          {"diffuseTransmissionColorTexture", texture}}}}}});
 }
 
 void addMaterials(GltfBuilder& b) {
@@ -81,6 +119,7 @@ void addMaterials(GltfBuilder& b) {
                           {"specularTexture", texture},
                           {"specularColorTexture", texture}}},
                         {"KHR_materials_unlit", json::object()}}}});
+  addLayers(b, texture);
   b.add("materials", {{"extensions",
                        {{"KHR_materials_pbrSpecularGlossiness",
                          {{"diffuseFactor", {.1, .2, .3, .4}},
