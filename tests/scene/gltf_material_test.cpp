@@ -258,7 +258,19 @@ TEST(GltfMaterial, EverySlotHasItsOwnTransformAndUvSet) {
                          "/occlusionTexture",
                          "/emissiveTexture",
                          "/extensions/KHR_materials_specular/specularTexture",
-                         "/extensions/KHR_materials_specular/specularColorTexture"};
+                         "/extensions/KHR_materials_specular/specularColorTexture",
+                         "/extensions/KHR_materials_clearcoat/clearcoatTexture",
+                         "/extensions/KHR_materials_clearcoat/clearcoatRoughnessTexture",
+                         "/extensions/KHR_materials_clearcoat/clearcoatNormalTexture",
+                         "/extensions/KHR_materials_sheen/sheenColorTexture",
+                         "/extensions/KHR_materials_sheen/sheenRoughnessTexture",
+                         "/extensions/KHR_materials_anisotropy/anisotropyTexture",
+                         "/extensions/KHR_materials_iridescence/iridescenceTexture",
+                         "/extensions/KHR_materials_iridescence/iridescenceThicknessTexture",
+                         "/extensions/KHR_materials_transmission/transmissionTexture",
+                         "/extensions/KHR_materials_volume/thicknessTexture",
+                         "/extensions/KHR_materials_diffuse_transmission/diffuseTransmissionTexture",
+                         "/extensions/KHR_materials_diffuse_transmission/diffuseTransmissionColorTexture"};
   static_assert(std::size(slots) == kTextureCount);
   for (const bool inTransform : {false, true}) {
     json material;
@@ -308,8 +320,7 @@ GltfBuilder withVariants() {
   return b;
 }
 
-// --- KHR_materials_pbrSpecularGlossiness
-// ------------------------------------------------------------------------------
+// --- KHR_materials_pbrSpecularGlossiness -----------------------------------------------------------------------------
 
 // A TGA of a row of texels, as RGBA.
 int addRow(GltfBuilder& b, const std::vector<std::array<uint8_t, 4>>& texels) {

@@ -39,7 +39,7 @@ void run(std::vector<std::string> arguments) {
   const scene::Scene scene = scene::load(o.scene, {.variant = o.variant, .ids = o.idGrouping});
   const app::Timeline timeline(scene, o);
   const std::string name = app::environmentOf(o, scene);
-  const std::optional<scene::Environment> environment = render::loadEnvironment(name);
+  const std::optional<scene::Environment> environment = render::loadEnvironment(scene, name);
   o.settings.raster = render::chooseRaster(device(), o.settings).raster;
   render::Renderer renderer(device(), scene, environment ? &*environment : nullptr);
   app::RenderRun run{o, plan, scene, timeline, name, device(), renderer};

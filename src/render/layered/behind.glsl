@@ -33,6 +33,7 @@ vec3 radianceBehind(FrameConstants frame, uint viewIndex, TransmittedRay ray, ve
   View view = frameView(frame, viewIndex);
   vec4 seen = behindBlurred(placeSeen(view, ray.exit, own), ray.roughness, viewIndex, uvec2(view.size));
   if (seen.a >= 1.0 || frame.environmentIntensity == 0.0) return seen.rgb;
-  vec3 around = environmentRadiance(frame, ray.direction, ray.roughness * (frame.environmentLevels - 1.0));
+  vec3 wide = environmentDiffuseAt(frame, ray.direction);
+  vec3 around = environmentLobe(frame, ray.direction, ray.direction, ray.roughness, wide);  // as of a mirror seen head-on
   return seen.rgb + around * (frame.environmentIntensity * frame.exposure * (1.0 - seen.a));
 }
