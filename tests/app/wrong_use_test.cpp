@@ -50,8 +50,8 @@ void fill(const Folder& folder) {
   folder.write("empty.gltf", "");
   folder.write("half.gltf", R"({"asset": {"version": "2.0"}, "meshes": [)");
   folder.write("old.gltf", R"({"asset": {"version": "1.0"}})");
-  folder.write("needs.gltf", R"({"asset": {"version": "2.0"}, "extensionsUsed": ["KHR_materials_volume"],
-                                 "extensionsRequired": ["KHR_materials_volume"]})");
+  folder.write("needs.gltf", R"({"asset": {"version": "2.0"}, "extensionsUsed": ["KHR_materials_subsurface"],
+                                 "extensionsRequired": ["KHR_materials_subsurface"]})");
   folder.write("lost.gltf", R"({"asset": {"version": "2.0"}, "buffers": [{"uri": "lost.bin", "byteLength": 12}]})");
   folder.write("broken.hdr", "#?RADIANCE\n");
   folder.write("two.png", "not a picture");
@@ -314,7 +314,7 @@ INSTANTIATE_TEST_SUITE_P(
         scene("Noise", "noise.glb", {"noise.glb"}), scene("Empty", "empty.gltf", {"empty.gltf"}),
         scene("Half", "half.gltf", {"half.gltf"}), scene("Cut", "cut.glb", {"cut.glb"}),
         scene("Version", "old.gltf", {"old.gltf", "1.0"}),
-        scene("RequiredExtension", "needs.gltf", {"needs.gltf", "KHR_materials_volume"}),
+        scene("RequiredExtension", "needs.gltf", {"needs.gltf", "KHR_materials_subsurface"}),
         scene("BufferMissing", "lost.gltf", {"lost.gltf", "lost.bin"}),
         scene("BuiltinUnknown", "builtin:castle", {"castle", "builtin:hall"}, kUsage),
         scene("BuiltinParameter", "builtin:hall,towers=3", {"towers", "triangles"}, kUsage),

@@ -15,6 +15,28 @@ using testing::HasSubstr;
 constexpr double kTime = 0.25;
 
 // A triangle with a material, a light and a camera, twice, where all that pointers reach is there.
+// By slot, below a material.
+const std::string kSlots[] = {"/pbrMetallicRoughness/baseColorTexture",
+                              "/pbrMetallicRoughness/metallicRoughnessTexture",
+                              "/normalTexture",
+                              "/occlusionTexture",
+                              "/emissiveTexture",
+                              "/extensions/KHR_materials_specular/specularTexture",
+                              "/extensions/KHR_materials_specular/specularColorTexture",
+                              "/extensions/KHR_materials_clearcoat/clearcoatTexture",
+                              "/extensions/KHR_materials_clearcoat/clearcoatRoughnessTexture",
+                              "/extensions/KHR_materials_clearcoat/clearcoatNormalTexture",
+                              "/extensions/KHR_materials_sheen/sheenColorTexture",
+                              "/extensions/KHR_materials_sheen/sheenRoughnessTexture",
+                              "/extensions/KHR_materials_anisotropy/anisotropyTexture",
+                              "/extensions/KHR_materials_iridescence/iridescenceTexture",
+                              "/extensions/KHR_materials_iridescence/iridescenceThicknessTexture",
+                              "/extensions/KHR_materials_transmission/transmissionTexture",
+                              "/extensions/KHR_materials_volume/thicknessTexture",
+                              "/extensions/KHR_materials_diffuse_transmission/diffuseTransmissionTexture",
+                              "/extensions/KHR_materials_diffuse_transmission/diffuseTransmissionColorTexture"};
+static_assert(std::size(kSlots) == shared::kTextureCount);
+
 GltfBuilder sceneFile() {
   GltfBuilder b = triangleFile();
   const uint8_t pixel[] = {200, 100, 50};
@@ -24,16 +46,12 @@ GltfBuilder sceneFile() {
   b.add("textures", {{"source", 0}});
   const json moved = {{"index", 0},
                       {"extensions", {{"KHR_texture_transform", {{"offset", {.5, .25}}, {"scale", {2, 3}}}}}}};
-  json extensions = {{"KHR_materials_emissive_strength", {{"emissiveStrength", 3}}},
-                     {"KHR_materials_ior", {{"ior", 1.4}}},
-                     {"KHR_materials_specular", {{"specularTexture", moved}, {"specularColorTexture", moved}}}};
-  b.primitive()["material"] =
-      b.add("materials", {{"pbrMetallicRoughness", {{"baseColorTexture", moved}, {"metallicRoughnessTexture", moved}}},
-                          {"normalTexture", moved},
-                          {"occlusionTexture", moved},
-                          {"emissiveTexture", moved},
-                          {"emissiveFactor", {.5, .25, .125}},
-                          {"extensions", extensions}});
+  json material = {
+      {"emissiveFactor", {.5, .25, .125}},
+      {"extensions",
+       {{"KHR_materials_emissive_strength", {{"emissiveStrength", 3}}}, {"KHR_materials_ior", {{"ior", 1.4}}}}}};
+  for (const std::string& slot : kSlots) material[json::json_pointer(slot)] = moved;
+  b.primitive()["material"] = b.add("materials", material);
   b.root["extensions"]["KHR_lights_punctual"]["lights"] = {
       {{"type", "spot"}, {"intensity", 2}, {"spot", json::object()}}};
   b.add("cameras", {{"type", "perspective"}, {"perspective", {{"yfov", .7}, {"znear", .1}, {"zfar", 10}}}});
@@ -111,15 +129,8 @@ TEST(AnimationPointer, MovesColors) {
 
 // The transform of every slot; the parts that no animation moves stay as the file has them.
 TEST(AnimationPointer, MovesTheTransformsOfAllTextures) {
-  const std::string slots[] = {"pbrMetallicRoughness/baseColorTexture",
-                               "pbrMetallicRoughness/metallicRoughnessTexture",
-                               "normalTexture",
-                               "occlusionTexture",
-                               "emissiveTexture",
-                               "extensions/KHR_materials_specular/specularTexture",
-                               "extensions/KHR_materials_specular/specularColorTexture"};
   for (uint32_t slot = 0; slot < shared::kTextureCount; ++slot) {
-    const std::string below = "/materials/0/" + slots[slot] + "/extensions/KHR_texture_transform/";
+    const std::string below = "/materials/0" + kSlots[slot] + "/extensions/KHR_texture_transform/";
     GltfBuilder b = sceneFile();
     animate(b, below + "offset", {0, 0}, {1, 2});
     animate(b, below + "rotation", {0}, {float(2 * M_PI)});
@@ -129,7 +140,7 @@ TEST(AnimationPointer, MovesTheTransformsOfAllTextures) {
       const Pose pose = poseAt(scene, choosePlayback(scene, animation, false), kTime);
       return posedMaterials(scene, pose).at(0).transforms[slot];
     };
-    EXPECT_EQ(transformOf("0").row0, vec3(2, 0, .25)) << slots[slot];
+    EXPECT_EQ(transformOf("0").row0, vec3(2, 0, .25)) << kSlots[slot];
     EXPECT_EQ(transformOf("0").row1, vec3(0, 3, .5));
     EXPECT_EQ(transformOf("2").row0, vec3(2, 0, .5));
     EXPECT_EQ(transformOf("2").row1, vec3(0, 3, .25));
