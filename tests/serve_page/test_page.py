@@ -12,7 +12,7 @@ import time
 
 import numpy
 import pytest
-from browser import PROGRAM, faults, latelight, screenshot
+from browser import HANGS, PROGRAM, faults, latelight, screenshot
 
 SCENE = "builtin:boxes"
 SIZES = {"phone": (360, 740), "laptop": (1280, 800), "large": (3840, 2160)}
@@ -35,7 +35,7 @@ class Server:
 
     def end(self, by=signal.SIGTERM):
         self.process.send_signal(by)
-        assert self.process.wait(60) == 0, self.log.read_text()
+        assert self.process.wait(HANGS / 1000) == 0, self.log.read_text()
 
 
 @pytest.fixture(scope="session")
@@ -56,7 +56,7 @@ def view(page, server):
 def settle(page):
     """Until the final picture of everything that was asked for is shown; moves leave with the display's frames."""
     page.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
-    page.wait_for_selector("#stage[aria-busy=false]", timeout=60000)
+    page.wait_for_selector("#stage[aria-busy=false]", timeout=HANGS)
 
 
 # A canvas's pixels as text, which travels faster than numbers.
@@ -228,6 +228,7 @@ def test_nothing_leaves_the_page(context, page, server):
 def test_is_accessible(chromium, server, size):
     width, height = SIZES[size]
     context = chromium.new_context(viewport={"width": width, "height": height}, reduced_motion="reduce")
+    context.set_default_timeout(HANGS)
     page = context.new_page()
     page.goto(server.url)
     settle(page)
@@ -254,7 +255,7 @@ def test_a_killed_browser_ends_its_session(server):
         "import sys; from playwright.sync_api import sync_playwright\n"
         "with sync_playwright() as playwright:\n"
         "    browser = playwright.chromium.launch(executable_path='/usr/bin/chromium')\n"
-        "    page = browser.new_page(); page.goto(sys.argv[1]); page.wait_for_selector('#stage[aria-busy=false]')\n"
+        "    page = browser.new_page(); page.goto(sys.argv[1]); page.wait_for_selector('#stage[aria-busy=false]', timeout=0)\n"
         "    print('ready', flush=True); page.wait_for_timeout(600000)\n"
     )
     child = subprocess.Popen(
@@ -283,6 +284,7 @@ def test_a_taken_port_is_one_sentence():
 def test_ctrl_c_ends_it_while_pages_are_open(chromium, tmp_path):
     server = Server(tmp_path)
     page = chromium.new_page()
+    page.set_default_timeout(HANGS)
     page.goto(server.url)
     settle(page)
     server.end(by=signal.SIGINT)

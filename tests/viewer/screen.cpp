@@ -38,14 +38,20 @@ Screen::Screen(uint32_t width, uint32_t height) {
     _exit(127);
   }
   close(pipe[1]);
-  std::array<char, 16> text{};
-  const ssize_t read = ::read(pipe[0], text.data(), text.size() - 1);  // when it is ready
+  // Its number when it is ready; the end of the line is written by itself.
+  name_ = ":";
+  for (char c = 0; read(pipe[0], &c, 1) == 1 && c != '\n';) name_ += c;
   close(pipe[0]);
-  if (read <= 1) throw std::runtime_error("Xvfb does not start; it is in the package xvfb");
-  name_ = fmt::format(":{}", std::stoi(text.data()));
+  if (name_.size() > 1) return;
+  stop();
+  throw std::runtime_error("Xvfb does not start; it is in the package xvfb");
 }
 
 Screen::~Screen() {
+  stop();
+}
+
+void Screen::stop() const {
   if (server_ < 0) return;
   kill(server_, SIGTERM);
   waitpid(server_, nullptr, 0);

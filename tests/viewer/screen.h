@@ -25,6 +25,8 @@ class Screen {
   output::Picture pixels(uint32_t width, uint32_t height) const;  // of its upper left, alpha 255
 
  private:
+  void stop() const;
+
   Folder folder_;
   std::string name_;
   pid_t server_ = -1;

@@ -64,7 +64,7 @@ class WindowTest : public testing::Test {
   void key(const std::string& name) const { screen_.act({"key", name}); }
 
   void waitUntil(const std::string& what, const std::function<bool()>& holds) const {
-    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(30);  // against hangs alone
     while (!holds()) {
       ASSERT_LT(std::chrono::steady_clock::now(), end) << "never: " << what;
       std::this_thread::sleep_for(std::chrono::milliseconds(50));

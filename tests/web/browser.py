@@ -9,13 +9,14 @@ from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import sync_playwright
 
 PROGRAM = os.environ["LATELIGHT_PROGRAM"]
+HANGS = 30 * 60 * 1000  # milliseconds: on a busy machine everything may take long
 SCREENSHOTS = os.environ.get("LATELIGHT_SCREENSHOTS")  # a folder, for those who want to look
 
 
 @pytest.fixture(scope="session")
 def chromium():
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path="/usr/bin/chromium")
+        browser = playwright.chromium.launch(executable_path="/usr/bin/chromium", timeout=HANGS)
         yield browser
         browser.close()
 
@@ -24,6 +25,7 @@ def chromium():
 def context(chromium):
     """A window of its own; the test fails where a page in it reports an error."""
     context = chromium.new_context(viewport={"width": 1280, "height": 800})
+    context.set_default_timeout(HANGS)
     errors = []
     context.on("weberror", lambda error: errors.append(str(error.error)))
     context.on("console", lambda message: message.type == "error" and errors.append(message.text))
