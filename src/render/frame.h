@@ -21,6 +21,7 @@ struct TechniqueInfo;
 struct FrameSetup;
 struct FrameShadows;
 struct Overflow;
+struct SurfaceOutputs;
 
 // Usage of a buffer of views: shaders read it by address, and draws as a vertex buffer.
 inline constexpr VkBufferUsageFlags kViewUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT;
@@ -89,6 +90,7 @@ struct FrameSetup {
   uint32_t positionMethod = 0;  // kPosition*
   uint32_t volumesOrder = 0;    // kVolumes*: of the technique `volumes`
   uint32_t targets = ~0u;       // bit i: the layout's target i is wanted
+  const SurfaceOutputs* outputs = nullptr;  // packed beside the targets; of visibility in compute
   bool countLights = false;
   uint32_t ambientOcclusion = 0;  // kAo*
   uint32_t textureSlots = ~0u;    // bit i: a material may have a texture in slot i (GpuScene::textureSlots)

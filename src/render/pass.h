@@ -113,6 +113,21 @@ void addCompute(const Builder& b, ComputePass pass, const Constants& push) {
 void addClear(const Builder& b, graph::Stage stage, const char* name, const std::vector<graph::BufferId>& cleared,
               const std::vector<graph::BufferId>& anew = {});
 
+// Adds a pass that fills a small buffer (64 KiB at most) with what is known once the graph has its memory: addresses.
+// make(context) gives the values; `of`: the buffers that it asks for, as they will be used.
+template <typename Make>
+graph::BufferId addSmallBuffer(const Builder& b, graph::Stage stage, const char* name, uint64_t bytes,
+                               std::vector<graph::Access> of, Make make) {
+  const graph::BufferId buffer = b.graph.create(vk::BufferDesc{.size = bytes, .name = name});
+  of.emplace_back(buffer, graph::Use::CopyTarget);
+  b.graph.pass(stage, name, std::move(of), [=](graph::Context& context) {
+    const auto values = make(context);
+    const std::span bytes = std::as_bytes(std::span(values));
+    vkCmdUpdateBuffer(context.get(), context.buffer(buffer).get(), 0, bytes.size(), bytes.data());
+  });
+  return buffer;
+}
+
 // The size of a dispatch over an image.
 inline glm::uvec3 texels(const graph::Graph& graph, graph::ImageId image) {
   const vk::ImageDesc& desc = graph.desc(image);

@@ -80,8 +80,9 @@ graph::ImageId Request::steadyDepth() {
 }
 
 // The picture's frame, lit. It also counts lights if it can: they are counted at pixel centres.
-LitFrame Request::addPicture() {
+LitFrame Request::addPicture(const SurfaceOutputs* outputs) {
   FrameSetup setup = frameSetup(settings_, shadows_ != nullptr);
+  setup.outputs = outputs;
   setup.countLights = isSteady() && asksFor(settings_, Origin::LightCounts);
   const FrameContext& f = jittered().frame(graph_, setup);
   const LitFrame lit = isSteady() ? addLit(f, {steadyDepth(), steadyDepth()}) : addOpaque(f);
@@ -97,7 +98,7 @@ void Request::accumulate(const vk::Image& sum, bool first) {
 
 void Request::finish(const vk::Image* sum, uint32_t count, TemporalHistory* history, bool continues) {
   if (showsPicture(settings_)) {
-    lit_ = addPicture();
+    lit_ = addPicture(packsWithPicture() ? packSurfaces() : nullptr);
     graph::ImageId picture = lit_->picture;
     if (sum) {
       const graph::ImageId total = graph_.import(*sum, graph::Use::StorageReadWrite);
@@ -165,32 +166,56 @@ void Request::addSampleCounts() {
   outputs_.add({state_.device, graph_}, Origin::SampleCounts, [&](std::string_view) { return counts; });
 }
 
-// Data leaves at pixel centres, in full precision, whatever layout and anti-aliasing the picture has: from a separate
-// G-buffer in the layout `exact`, with only the targets that the requested outputs need.
+bool Request::showsBlendedData() {
+  return settings_.dataSurfaces == DataSurfaces::Any && steady().visibility().anyBlended();
+}
+
+// Whether the picture's own frame resolves the very surfaces that data are of.
+bool Request::packsWithPicture() {
+  return asksFor(settings_, Origin::Surface) && rastersInCompute(settings_) && !settings_.lighting->forward &&
+         isSteady() && !showsBlendedData();
+}
+
+const SurfaceOutputs* Request::packSurfaces() {
+  surfaceOutputs_ = outputs_.addSurfaces({state_.device, graph_}, steady().frame(graph_, FrameSetup{}).pixels());
+  return &*surfaceOutputs_;
+}
+
+// Data leaves at pixel centres, in full precision, whatever layout and anti-aliasing the picture has.
 void Request::addData() {
   ViewSet* set = &steady();
   graph::ImageId depth;
-  if (settings_.dataSurfaces == DataSurfaces::Any && steady().visibility().anyBlended()) {
+  if (showsBlendedData()) {
     solid_.emplace(state_, steadyViews_, settings_, nullptr, VisibilityOptions{.blendedToo = true, .atCentres = true});
     set = &*solid_;
     depth = solid_->visibility().addDepth(solid_->frame(graph_, FrameSetup{})).pixels;
   } else {
     depth = steadyDepth();
   }
+  if (asksFor(settings_, Origin::Surface) && !surfaceOutputs_) addSurfaceData(*set, depth);
+  if (!asksFor(settings_, Origin::Motion)) return;
+  const FrameContext& f = set->frame(graph_, FrameSetup{});
+  const graph::ImageId motion = set->visibility().addMotion(f, depth, MotionUse::Data);
+  outputs_.add(f, Origin::Motion, [&](std::string_view) { return motion; });
+}
+
+// Packed where surfaces are resolved, or else from a separate G-buffer in the layout `exact`, with only the targets that
+// the requested outputs need.
+void Request::addSurfaceData(ViewSet& set, graph::ImageId depth) {
   FrameSetup setup{.layout = &findLayout("exact")};
-  setup.targets = exactTargets(settings_.aovs);
-  const FrameContext& f = set->frame(graph_, setup);
+  const bool packs = set.visibility().rastered() != nullptr;
+  setup.targets = packs ? 0 : exactTargets(settings_.aovs);
+  if (packs) setup.outputs = packSurfaces();
+  const FrameContext& f = set.frame(graph_, setup);
   Gbuffer gbuffer{.depth = depth, .sampleDepth = depth};
-  if (setup.targets) set->visibility().addGbuffer(f, gbuffer);
+  if (packs || setup.targets) set.visibility().addGbuffer(f, gbuffer);
+  if (packs) return;
   const auto target = [&](std::string_view name) {
     for (size_t i = 0; i < gbuffer.targets.size(); ++i)
       if (setup.layout->targets[i].name == name) return gbuffer.targets[i];
     return depth;
   };
   outputs_.add(f, Origin::Surface, target, f.constants);
-  if (!asksFor(settings_, Origin::Motion)) return;
-  const graph::ImageId motion = set->visibility().addMotion(f, depth, MotionUse::Data);
-  outputs_.add(f, Origin::Motion, [&](std::string_view) { return motion; });
 }
 
 void Request::addRasterData() {

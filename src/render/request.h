@@ -40,11 +40,15 @@ class Request {
   ViewSet& steady();
   ViewSet& jittered();
   bool isSteady() const;  // the picture's frame has one sample a pixel, at its centre
-  LitFrame addPicture();
+  LitFrame addPicture(const SurfaceOutputs* outputs = nullptr);
   void addPost(const LitFrame& lit, graph::ImageId picture, uint32_t count);
   void addLightCounts();
   void addSampleCounts();
+  bool showsBlendedData();
+  bool packsWithPicture();
+  const SurfaceOutputs* packSurfaces();
   void addData();
+  void addSurfaceData(ViewSet& set, graph::ImageId depth);
   void addRasterData();
   graph::ImageId steadyDepth();
 
@@ -60,6 +64,7 @@ class Request {
   std::optional<LitFrame> lit_;  // the picture's, before transparency
 
   PackedOutputs outputs_;
+  std::optional<SurfaceOutputs> surfaceOutputs_;  // where visibility packs them
   graph::BufferId surfaces_;
 };
 

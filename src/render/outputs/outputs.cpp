@@ -50,6 +50,8 @@ constexpr Source kSources[] = {
 #include "output/outputs.def"
 };
 
+static_assert(std::ranges::count(kSources, Origin::Surface, &Source::origin) <= kSurfaceOutputs);
+
 const Source& sourceOf(Aov aov) {
   return kSources[static_cast<size_t>(aov)];
 }
@@ -152,6 +154,30 @@ void PackedOutputs::add(const Builder& b, Origin origin, const std::function<gra
                  return filled;
                });
   }
+}
+
+SurfaceOutputs PackedOutputs::addSurfaces(const Builder& b, glm::uvec3 size) {
+  const Layout& exact = findLayout("exact");
+  const auto targetOf = [&](std::string_view name) {
+    const auto found = std::ranges::find(exact.targets, name, &LayoutTarget::name);
+    return static_cast<uint32_t>(found - exact.targets.begin());
+  };
+  SurfaceOutputs outputs;
+  for (const Aov aov : settings_.aovs) {
+    const Source& from = sourceOf(aov);
+    if (from.origin != Origin::Surface) continue;
+    const uint32_t channels = output::info(aov).channels;
+    const bool depth = from.places[0].target == "depth";
+    outputs.places.push_back(place(b, aov, 4 * channels, size));
+    outputs.bits.push_back(surfaceOutputBits({.packing = from.packing,
+                                              .axes = axesOf(from.packing),
+                                              .channels = channels,
+                                              .target = depth ? 0 : targetOf(from.places[0].target),
+                                              .first = from.places[0].first,
+                                              .second = from.isSplit() ? targetOf(from.places[1].target) : kPackOneTarget,
+                                              .secondFirst = from.places[1].first}));
+  }
+  return outputs;
 }
 
 std::vector<graph::BufferId> PackedOutputs::buffers() const {

@@ -11,6 +11,7 @@
 #include "graph/graph.h"
 #include "output/files.h"
 #include "render/outputs/exported.h"
+#include "render/outputs/surface_outputs.h"
 #include "render/pass.h"
 #include "render/readback.h"
 #include "render/settings.h"
@@ -59,6 +60,9 @@ class PackedOutputs {
   // `frame`: FrameConstants of the same views, for Surface. `scale`: of values.
   void add(const Builder& b, Origin origin, const std::function<graph::ImageId(std::string_view)>& image,
            VkDeviceAddress frame = 0, float scale = 1);
+
+  // The same of Surface, by a pass that resolves surfaces (Visibility::addGbuffer).
+  SurfaceOutputs addSurfaces(const Builder& b, glm::uvec3 size);
 
   // Where a pass is to write the picture to look at, RGBA8, of so many texels and views.
   ResultPlace addDisplay(const Builder& b, glm::uvec3 size) { return place(b, std::nullopt, 4, size); }

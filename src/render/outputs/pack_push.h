@@ -1,4 +1,4 @@
-// Push constants of pack.comp and pack_ids.comp, and what they do with texels.
+// What shaders are told of outputs on their way out: those that pack targets, and those that pack surfaces.
 #ifndef LATELIGHT_RENDER_OUTPUTS_PACK_PUSH_H
 #define LATELIGHT_RENDER_OUTPUTS_PACK_PUSH_H
 
@@ -31,6 +31,36 @@ SH_CONST uint kAxesWorld = 0u;
 SH_CONST uint kAxesGltf = 1u;    // the world's as in a glTF file
 SH_CONST uint kAxesOpenCv = 2u;  // the camera's: X right, Y down, Z forward
 SH_CONST uint kAxesOpenGl = 3u;  // the camera's: X right, Y up, Z back
+
+// Of an output that is packed where surfaces are resolved (surface_outputs.glsl): where it goes.
+struct OutputPlace {
+  uint64_t values;     // as PackPush
+  uint64_t viewBytes;
+};
+
+// And what it is, as a specialization constant; 0: no output. Its channels begin in one of the layout `exact`'s targets,
+// or half of them in each of two.
+SH_CONST uint kSurfaceOutputs = 15u;  // at most
+struct SurfaceOutput {
+  uint packing, axes, channels, target, first, second, secondFirst;  // second: kPackOneTarget, or the other target
+};
+SH_CONST uint kPackOneTarget = 15u;
+
+SH_FUNC uint surfaceOutputBits(SurfaceOutput o) {
+  return 1u << 31 | o.packing | o.axes << 4 | o.channels << 8 | o.target << 12 | o.first << 16 | o.second << 20 |
+         o.secondFirst << 24;
+}
+SH_FUNC SurfaceOutput surfaceOutputOf(uint bits) {
+  SurfaceOutput o;
+  o.packing = bits & 15u;
+  o.axes = bits >> 4 & 15u;
+  o.channels = bits >> 8 & 15u;
+  o.target = bits >> 12 & 15u;
+  o.first = bits >> 16 & 15u;
+  o.second = bits >> 20 & 15u;
+  o.secondFirst = bits >> 24 & 15u;
+  return o;
+}
 
 SH_END
 

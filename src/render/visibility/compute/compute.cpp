@@ -10,6 +10,8 @@
 #include "render/lens/lens_push.h"
 #include "render/lens/lens_rays.h"
 #include "render/lit_maps.h"
+#include "render/outputs/pack_push.h"
+#include "render/outputs/surface_outputs.h"
 #include "render/readback.h"
 #include "render/shadow/frame_shadows.h"
 #include "render/transparency/transparency.h"
@@ -23,6 +25,8 @@ using namespace shared;  // kRaster*, kQueue*
 
 // Of raster.glsl and lens_rays.glsl, whose shaders have others of their own.
 constexpr uint32_t kCutsOutConstant = kFirstOwnConstant + 2, kTouchedConstant = kFirstOwnConstant + 3;
+// Of resolve.comp, and of surface_outputs.glsl.
+constexpr uint32_t kPacksConstant = kFirstOwnConstant + 2, kOutputsConstant = kFirstOwnConstant + 4;
 
 // What the queues may hold, as far as earlier frames have found out.
 struct Room {
@@ -234,14 +238,17 @@ void ComputeVisibility::addRaster(const FrameContext& f, const RasterViews& view
   });
 }
 
-// A pass over all pixels of what is visible.
-void ComputeVisibility::addResolve(const FrameContext& f, ComputePass pass) const {
+// A pass over all pixels of what is visible. `outputs`: OutputPlace[], or none.
+void ComputeVisibility::addResolve(const FrameContext& f, ComputePass pass, graph::BufferId outputs) const {
   pass.size = f.pixels();
   pass.constants.push_back({kSamplesConstant, f.setup.samples});
-  pass.buffers = {{visible_, graph::Use::StorageRead}};
-  addCompute(f, std::move(pass), [this, &f](graph::Context& context) {
-    return ResolvePush{
-        .frame = f.constants, .instances = ranks_.address(), .visible = context.buffer(visible_).address()};
+  pass.buffers.emplace_back(visible_, graph::Use::StorageRead);
+  if (outputs) pass.buffers.emplace_back(outputs, graph::Use::StorageRead);
+  addCompute(f, std::move(pass), [=, this, &f](graph::Context& context) {
+    return ResolvePush{.frame = f.constants,
+                       .instances = ranks_.address(),
+                       .visible = context.buffer(visible_).address(),
+                       .outputs = outputs ? context.buffer(outputs).address() : 0};
   });
 }
 
@@ -355,6 +362,29 @@ graph::ImageId ComputeVisibility::addOverdraw(const FrameContext& f) const {
 
 // --- what is made of it ---------------------------------------------------------------------------------------------
 
+namespace {
+
+// Lets resolve.comp pack the outputs of the setup; gives where.
+graph::BufferId packOutputs(const FrameContext& f, ComputePass& pass) {
+  const SurfaceOutputs& outputs = *f.setup.outputs;
+  pass.constants.push_back({kPacksConstant, 1});
+  std::vector<graph::Access> places;
+  for (size_t i = 0; i < outputs.places.size(); ++i) {
+    pass.constants.push_back({kOutputsConstant + static_cast<uint32_t>(i), outputs.bits[i]});
+    places.emplace_back(outputs.places[i].buffer, outputs.places[i].use);
+  }
+  pass.buffers = places;
+  return addSmallBuffer(f, graph::Stage::Geometry, "output places", sizeof(OutputPlace) * outputs.places.size(),
+                        std::move(places), [places = outputs.places](graph::Context& context) {
+                          std::vector<OutputPlace> addresses;
+                          for (const ResultPlace& place : places)
+                            addresses.push_back({place.address(context), place.viewBytes});
+                          return addresses;
+                        });
+}
+
+}  // namespace
+
 void ComputeVisibility::addGbuffer(const FrameContext& f, Gbuffer& gbuffer) const {
   const Layout& layout = *f.setup.layout;
   const auto lightTarget = static_cast<uint32_t>(layout.targets.size());
@@ -381,7 +411,9 @@ void ComputeVisibility::addGbuffer(const FrameContext& f, Gbuffer& gbuffer) cons
                    .shader = "resolve.comp@" + layout.file,
                    .bindings = std::move(bindings),
                    .constants = {{kFirstOwnConstant, wanted}, {kFirstOwnConstant + 1, srgb}}};
-  addShading(f, std::move(pass));
+  readsTextures(f, pass);
+  const graph::BufferId outputs = f.setup.outputs ? packOutputs(f, pass) : graph::BufferId{};
+  addResolve(f, std::move(pass), outputs);
   if (f.setup.samples > 1) addSurfaces(f, gbuffer);
 }
 
@@ -490,16 +522,13 @@ void ComputeVisibility::addShadowMaps(const FrameContext& f, graph::ImageId atla
 void ComputeVisibility::addFragments(const FrameContext& f, const Gbuffer& gbuffer,
                                      const FragmentBuffers& buffers) const {
   const RasterViews views = viewsOf(f);
-  const graph::BufferId lists = f.graph.create(vk::BufferDesc{.size = sizeof(FragmentLists), .name = "fragment lists"});
   const std::vector<graph::BufferId> filled{buffers.fragments, buffers.counts, buffers.totals};
-  std::vector<graph::Access> accesses{{lists, graph::Use::CopyTarget},
-                                      {buffers.fragments, graph::Use::StorageWrite},
-                                      {buffers.counts, graph::Use::StorageReadWrite},
-                                      {buffers.totals, graph::Use::StorageReadWrite}};
-  f.graph.pass(graph::Stage::Transparency, "fragment lists", std::move(accesses), [=](graph::Context& context) {
-    const FragmentLists value = listsOf(context, buffers);
-    vkCmdUpdateBuffer(context.get(), context.buffer(lists).get(), 0, sizeof(value), &value);
-  });
+  const graph::BufferId lists = addSmallBuffer(
+      f, graph::Stage::Transparency, "fragment lists", sizeof(FragmentLists),
+      {{buffers.fragments, graph::Use::StorageWrite},
+       {buffers.counts, graph::Use::StorageReadWrite},
+       {buffers.totals, graph::Use::StorageReadWrite}},
+      [=](graph::Context& context) { return std::array{listsOf(context, buffers)}; });
   Chain chain{graph::Stage::Transparency,
               "raster_blended.comp",
               "raster_large_blended.comp",

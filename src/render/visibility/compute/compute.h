@@ -57,7 +57,7 @@ class ComputeVisibility final : public Visibility {
   // Views of one size that are not the frame's.
   RasterViews viewsBeside(const FrameContext& f, const std::vector<shared::View>& views) const;
   void addShadowMapsOf(const FrameContext& f, uint32_t size, graph::ImageId atlas, graph::Use use) const;
-  void addResolve(const FrameContext& f, ComputePass pass) const;
+  void addResolve(const FrameContext& f, ComputePass pass, graph::BufferId outputs = {}) const;
   void addSurfaces(const FrameContext& f, Gbuffer& gbuffer) const;
 
   const GpuScene& scene_;

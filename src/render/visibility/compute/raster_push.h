@@ -135,6 +135,7 @@ struct ResolvePush {
   uint64_t frame;
   uint64_t instances;
   uint64_t visible;
+  uint64_t outputs;  // OutputPlace[], of resolve.comp; 0: none
 };
 
 struct FragmentLightPush {

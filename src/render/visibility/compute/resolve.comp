@@ -1,10 +1,11 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // variants: layout, textured
-// From the visibility buffer to a G-buffer: the material of each triangle that a pixel shows, once.
+// From the visibility buffer to a G-buffer, and to data outputs: the material of each triangle that a pixel shows, once.
 #include "render/glsl/common.glsl"
 #include "render/visibility/compute/surface_point.glsl"
 #include "render/glsl/surface.glsl"
+#include "render/outputs/surface_outputs.glsl"
 #include "render/glsl/gbuffer_write.glsl"
 #include "render/visibility/compute/visible.glsl"
 #include "render/visibility/compute/pixel_triangles.glsl"
@@ -18,6 +19,7 @@ layout(local_size_x = 16, local_size_y = 16) in;
 layout(push_constant, scalar) uniform Push { ResolvePush push; };
 layout(constant_id = 16) const uint kTargets = ~0u;  // bit i: target i is wanted; the one after the last: light
 layout(constant_id = 17) const uint kSrgb = 0u;      // bit i: target i is stored in sRGB
+layout(constant_id = 18) const uint kPacksOutputs = 0u;  // of pictures with one sample a pixel
 
 #define IMAGE_vec4 image2DArray
 #define IMAGE_uint uimage2DArray
@@ -53,10 +55,12 @@ GbufferTexel emptyTexel() {
 // The G-buffer of what these samples of a pixel show, in their middle.
 void resolve(FrameConstants frame, View view, ivec3 pixel, uint samples) {
   uint index = visibleIndex(uvec3(pixel), uvec2(view.size)) + uint(findLSB(samples));
-  uint id = visibleId(VisibleRef(push.visible).v[index]);
+  uint64_t visible = VisibleRef(push.visible).v[index];
+  uint id = visibleId(visible);
   ivec3 texel = sampleLayer(pixel, uint(findLSB(samples)));
   if (id == 0u) {
     store(texel, emptyTexel(), vec4(0.0));
+    if (kPacksOutputs != 0u) writeOutputs(push.frame, push.outputs, noTargets(), 0.0, pixel, int(view.size.x));
     return;
   }
 #ifndef TEXTURES_BY_INDEX
@@ -66,6 +70,8 @@ void resolve(FrameConstants frame, View view, ivec3 pixel, uint samples) {
   SeenTriangle t = seenTriangle(frame, push.instances, id);
   SurfacePoint p = seenPoint(frame, view, t, place);
   Surface s = evaluateMaterial(frame, frameMaterial(frame, frameInstance(frame, t.rank.instance).material), p);
+  if (kPacksOutputs != 0u)
+    writeOutputs(push.frame, push.outputs, exactTargets(s), visibleDepth(visible), pixel, int(view.size.x));
   vec4 light = emittedLight(frame, s);
   s = keptSurface(s);
 #ifdef GBUFFER_KEEPS_MOTION

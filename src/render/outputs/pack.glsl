@@ -1,0 +1,36 @@
+// How values of a surface leave, in their units and axes. Sums are rounded one operation after the other, so that every
+// device has the same values. After common.glsl.
+#ifndef LATELIGHT_PACK_GLSL
+#define LATELIGHT_PACK_GLSL
+#include "render/glsl/pixel_ray.glsl"
+#include "render/outputs/pack_push.h"
+
+float packedLength(vec3 v) {
+  precise float squared = v.x * v.x + v.y * v.y + v.z * v.z;
+  return sqrt(squared);
+}
+
+// `frame`: FrameConstants. `packing`: kPackDepth or kPackDistance.
+float packedMetres(uint64_t frame, uint packing, float device, ivec3 pixel) {
+  if (device == 0.0) return uintBitsToFloat(0x7f800000u);
+  View view = frameView(FrameRef(frame).v, uint(pixel.z));
+  precise float depth = viewDepth(view.projection, device);
+  if (kLens != 0u) {
+    if (packing == kPackDepth) depth *= lensRay(FrameRef(frame).v, view, pixel.xy).depth;
+    return depth;
+  }
+  vec2 ndc = pixelToNdc(vec2(pixel.xy) + 0.5, view.size);
+  if (packing == kPackDistance) depth *= packedLength(viewRay(view.projection, ndc));
+  return depth;
+}
+
+// `axes`: kAxes*.
+vec3 packedInAxes(uint64_t frame, uint axes, vec3 v, ivec3 pixel) {
+  if (axes == kAxesWorld) return v;
+  if (axes == kAxesGltf) return vec3(v.x, v.z, -v.y);
+  mat4x3 m = frameView(FrameRef(frame).v, uint(pixel.z)).worldToView;
+  precise vec3 seen = m[0] * v.x + m[1] * v.y + m[2] * v.z;
+  return axes == kAxesOpenCv ? vec3(seen.x, -seen.z, seen.y) : vec3(seen.x, seen.z, -seen.y);
+}
+
+#endif
