@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <memory>
+#include <span>
 
 #include "combinations/scene.h"
 #include "render/gbuffer/layout.h"
@@ -78,11 +79,12 @@ struct Stage {
   }
 };
 
-std::vector<TechniqueInfo> deferredTechniques() {
-  std::vector<TechniqueInfo> deferred;
+// Those of the kind but fullscreen.
+std::vector<TechniqueInfo> otherTechniques(bool forward) {
+  std::vector<TechniqueInfo> others;
   for (const TechniqueInfo& technique : techniques())
-    if (!technique.forward) deferred.push_back(technique);
-  return deferred;
+    if (technique.forward == forward && technique.name != "fullscreen") others.push_back(technique);
+  return others;
 }
 
 class CombinationsTest : public RenderTest {
@@ -93,12 +95,11 @@ class CombinationsTest : public RenderTest {
   static void TearDownTestSuite() { stage.reset(); }
   static std::unique_ptr<Stage> stage;
 
-  // Every technique of the kind against fullscreen with the stage's settings.
-  static void compareTechniques(bool forward) {
+  // These techniques against fullscreen with the stage's settings.
+  static void compareTechniques(std::span<const TechniqueInfo> others) {
     const Picture expected = stage->render("fullscreen");
     expectContent(expected);
-    for (const TechniqueInfo& technique : techniques()) {
-      if (technique.name == "fullscreen" || technique.forward != forward) continue;
+    for (const TechniqueInfo& technique : others) {
       SCOPED_TRACE(technique.name);
       EXPECT_LE(worstDifference(stage->render(technique.name), expected), 1);
     }
@@ -108,23 +109,29 @@ std::unique_ptr<Stage> CombinationsTest::stage;
 
 class EachLayout : public CombinationsTest, public testing::WithParamInterface<std::string> {};
 
+// With every encoding by every position method one technique beside fullscreen, in turn, so that each two of the three
+// meet: all of them together would mostly be pipelines to build. The first have every technique.
 TEST_P(EachLayout, LightsAlikeByEveryTechnique) {
   const Layout& layout = findLayout(GetParam());
+  const std::vector<TechniqueInfo> others = otherTechniques(false);
   stage->settings.layout = &layout;
   stage->combinations = 0;
+  size_t encodings = 0;
   for (const NormalEncoding& encoding : normalEncodings()) {
     if (layout.fixedNormal && &encoding != &normalEncodings().front()) continue;
+    size_t turn = encodings++;
     for (const NamedOption& position : choices<PositionMethod>()) {
       if (layout.fixedPosition && &position != &choices<PositionMethod>().front()) continue;
       stage->settings.normals = &encoding;
       stage->settings.position = choiceNamed<PositionMethod>(position.name).value();
       SCOPED_TRACE(fmt::format("{}, {} normals, position by {}", layout.name, encoding.name, position.name));
-      compareTechniques(false);
+      compareTechniques(turn == 0 ? others : std::vector{others[turn % others.size()]});
+      ++turn;
     }
   }
-  fmt::print("{}: {} combinations of {}; of position by {}; of {}\n", layout.name, stage->combinations,
+  fmt::print("{}: {} combinations of {}; of position by {}; of fullscreen, {}\n", layout.name, stage->combinations,
              layout.fixedNormal ? "its own normals" : namesOf(normalEncodings()),
-             layout.fixedPosition ? "itself" : namesOf(choices<PositionMethod>()), namesOf(deferredTechniques()));
+             layout.fixedPosition ? "itself" : namesOf(choices<PositionMethod>()), namesOf(others));
 }
 
 INSTANTIATE_TEST_SUITE_P(All, EachLayout, testing::ValuesIn(layoutNames()),
@@ -185,7 +192,7 @@ TEST_F(CombinationsTest, ShadowsAlikeByEveryTechnique) {
   for (const char* layout : {"thin", "killzone2"}) {
     SCOPED_TRACE(layout);
     stage->settings.layout = &findLayout(layout);
-    compareTechniques(false);
+    compareTechniques(otherTechniques(false));
   }
   stage->settings.shadows = ShadowFormat::None;
 }
@@ -195,9 +202,9 @@ class ForwardTechniques : public CombinationsTest {};
 
 TEST_F(ForwardTechniques, LightAlikeTheFloatsOfPlain) {
   stage->settings.layout = &findLayout("plain");
-  compareTechniques(true);
+  compareTechniques(otherTechniques(true));
   stage->settings.shadows = ShadowFormat::D32;
-  compareTechniques(true);
+  compareTechniques(otherTechniques(true));
   stage->settings.shadows = ShadowFormat::None;
 }
 

@@ -41,6 +41,7 @@ inline Settings settingsOf(uint32_t width, uint32_t height, std::vector<output::
   settings.display = false;
   settings.raster = testRaster();
   settings.shadows = ShadowFormat::None;             // most tests know what unshadowed light is
+  settings.shadowAtlas = 1024;                       // for small pictures: a CPU fills every texel
   settings.lighting = &findTechnique("fullscreen");  // the reference
   settings.aovs = std::move(aovs);
   return settings;

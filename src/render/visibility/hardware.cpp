@@ -37,7 +37,11 @@ HardwareVisibility::HardwareVisibility(vk::Device& device, const GpuScene& scene
       order_(order),
       options_(options),
       solid_(select(DrawOrder::Kind::Solid, views)),
-      blended_(select(DrawOrder::Kind::Blended, views)) {}
+      blended_(select(DrawOrder::Kind::Blended, views)) {
+  for (const DeviceDraws* draws : {&solid_, &blended_})
+    for (size_t list = 0; list < draws->lists(); ++list)
+      for (const Draw& draw : (*draws)[list]) materials_.add(scene.materials().record(draw.material).flags);
+}
 
 DeviceDraws HardwareVisibility::select(DrawOrder::Kind kind, std::span<const shared::View> views) const {
   std::vector<DrawList> lists(views.size());
@@ -55,14 +59,6 @@ DeviceDraws HardwareVisibility::select(DrawOrder::Kind kind, std::span<const sha
 
 bool HardwareVisibility::anyBlended() const {
   return !blended_.empty();
-}
-
-ShownMaterials HardwareVisibility::materials() const {
-  ShownMaterials shown;
-  for (const DeviceDraws* draws : {&solid_, &blended_})
-    for (size_t list = 0; list < draws->lists(); ++list)
-      for (const Draw& draw : (*draws)[list]) shown.add(scene_.materials().record(draw.material).flags);
-  return shown;
 }
 
 void HardwareVisibility::recordSolid(graph::Context& context, const FrameContext& f, uint32_t view,

@@ -22,7 +22,7 @@ class HardwareVisibility final : public Visibility {
   void addFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers) const override;
   void lightFragments(const FrameContext&, const Gbuffer&, const FragmentBuffers&) const override {}  // they are
   bool anyBlended() const override;
-  ShownMaterials materials() const override;
+  ShownMaterials materials() const override { return materials_; }
   const HardwareVisibility* drawn() const override { return this; }
   const ComputeVisibility* rastered() const override { return nullptr; }
 
@@ -45,6 +45,7 @@ class HardwareVisibility final : public Visibility {
   const DrawOrder& order_;
   VisibilityOptions options_;
   DeviceDraws solid_, blended_;
+  ShownMaterials materials_;
 };
 
 // What all draws behind the depth pass have: only surfaces at the very depth that it left are shaded.
