@@ -552,7 +552,7 @@ struct Quantisation {
 constexpr Quantisation kQuantisation[] = {
     // measured: mean, most, beyond
     {"exact", 0.001, 1, 0, "floats both"},                                                       // 0, 0, 0
-    {"visibility", 0.001, 1, 0, "nothing is kept"},                                              // 0, 0, 0
+    {"visibility", 0.001, 1, 0, "what is emitted is rounded with the rest"},                     // 0.0004, 1, 0
     {"blog", 0.0015, 1, 0, "normals of 16 bits a channel"},                                      // 0.0009, 1, 0
     {"compact", 0.07, 1, 0, "roots in 9 to 16 bits, normals of 20 bits a channel"},              // 0.044, 1, 0
     {"thin", 0.3, 5, 0.0002, "normals of 12 bits a channel, metalness of 5, reflectance of 3"},  // 0.189, 3, 1e-5
