@@ -62,8 +62,10 @@ Json listLayouts(const PictureSize& picture) {
       targets.push_back(
           describeTarget(layout.targets[i].name, layout.format(i, octahedral), layout.targets[i].channels));
     targets.push_back(describeSharedTarget("depth", render::kDepthFormat, layout.originalDepth, "r: reversed depth"));
-    targets.push_back(describeSharedTarget("light", render::kLightFormat, layout.originalLight,
-                                           "rgb: emitted, then lit radiance; a: ambient occlusion, then coverage"));
+    targets.push_back(describeSharedTarget(
+        "light", render::kLightFormat, layout.originalLight,
+        layout.hasTargets() ? "rgb: emitted, then lit radiance; a: ambient occlusion, then coverage"
+                            : "rgb: lit radiance; a: coverage"));
     rows.push_back({{"name", layout.name},
                     {"description", layout.description},
                     {"targets", targets},
@@ -71,6 +73,7 @@ Json listLayouts(const PictureSize& picture) {
                     {"followsNormals", layout.fixedNormal == nullptr},
                     {"position", layout.fixedPosition ? layout.fixedPosition : "from depth, as --position says"},
                     {"followsPosition", layout.fixedPosition == nullptr},
+                    {"raster", layout.hasTargets() ? "any" : "compute"},
                     {"size", fmt::format("{}x{}", picture.width, picture.height)},
                     {"samples", picture.samples},
                     {"bytes", describeBytes(layout.bytesPerPixel(octahedral), picture)},
@@ -220,6 +223,7 @@ void printLayout(const Json& row) {
   const auto beside = [&](const std::string& value) { return differs ? "; the original: " + value : std::string(); };
   fmt::print("{:<{}}  normals: {}\n", "", kIndent, text(row["normals"]));
   fmt::print("{:<{}}  position: {}\n", "", kIndent, text(row["position"]));
+  if (row["raster"] != "any") fmt::print("{:<{}}  raster: {} alone\n", "", kIndent, text(row["raster"]));
   fmt::print("{:<{}}  bytes a pixel: {} targets + {} depth + {} light = {}{}\n", "", kIndent, text(here["targets"]),
              text(here["depth"]), text(here["light"]), text(here["total"]), beside(text(original["total"])));
   fmt::print("{:<{}}  {}, {} sample{}: {}{}\n", "", kIndent, text(row["size"]), text(row["samples"]),

@@ -2,7 +2,9 @@
 # #extension, its first line says of which variants there are several:
 #   // variants: layout, multisampled
 # layout: it includes "gbuffer_layout.h" (or gbuffer_read.glsl or gbuffer_write.glsl, which do), is compiled once for
-# each G-buffer layout and named <file>@<layout>. multisampled: it reads or writes targets by multisample.glsl or
+# each G-buffer layout with targets and named <file>@<layout>. visible: for those without targets too, in which it finds
+# surfaces by the visibility buffer (gbuffer_read.glsl), so that it has no form +msaa there, and +indexed besides.
+# multisampled: it reads or writes targets by multisample.glsl or
 # gbuffer_read.glsl, is compiled for several samples a pixel too, with MULTISAMPLED defined, and named <file>+msaa or
 # <file>@<layout>+msaa. One that defines MULTISAMPLED itself has no other form, and one that defines ONE_SAMPLE not that
 # one. layered: so too where samples are layers of arrays, with SAMPLE_LAYERS defined beside MULTISAMPLED, and named by
@@ -66,6 +68,9 @@ function(latelight_declared_variants source out)
   if("multisampled" IN_LIST used)
     list(APPEND used layered)
   endif()
+  if("layout" IN_LIST used)
+    list(APPEND used visible)
+  endif()
   foreach(variant IN LISTS declared)
     if(NOT variant IN_LIST used)
       message(FATAL_ERROR "${file} declares the variant \"${variant}\", but includes nothing that differs by it.")
@@ -95,7 +100,7 @@ function(latelight_shaders module)
     latelight_declared_variants(${source} declared)
     set(variants "-")
     if("layout" IN_LIST declared)
-      set(variants ${LATELIGHT_LAYOUTS})
+      set(variants ${LATELIGHT_LAYOUTS_WITH_TARGETS})
     endif()
     set(several "")
     if("multisampled" IN_LIST declared)
@@ -113,6 +118,15 @@ function(latelight_shaders module)
     if("textured" IN_LIST declared)
       list(TRANSFORM variants APPEND "+indexed" OUTPUT_VARIABLE indexed)
       list(APPEND variants ${indexed})
+    endif()
+    if("visible" IN_LIST declared)
+      set(visible ${LATELIGHT_LAYOUTS_WITHOUT_TARGETS})
+      if("layered" IN_LIST declared)
+        list(TRANSFORM visible APPEND "+layers" OUTPUT_VARIABLE layered)
+        list(APPEND visible ${layered})
+      endif()
+      list(TRANSFORM visible APPEND "+indexed" OUTPUT_VARIABLE indexed)
+      list(APPEND variants ${visible} ${indexed})
     endif()
     foreach(variant IN LISTS variants)
       string(REGEX REPLACE "\\+.*" "" layout ${variant})

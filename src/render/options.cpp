@@ -180,6 +180,13 @@ std::string read(Settings& settings, const Option& option, std::string_view text
 void checkSettings(const Settings& settings) {
   table().check(settings);
   if (!takesCompute(settings)) return;
+  const bool triangles = lightsTriangles(settings);
+  if (triangles && settings.lighting->draws)
+    badUsage("--layout {} has nothing that {} lighting could read: choose clustered, tiled or fullscreen",
+             settings.layout->name, settings.lighting->name);
+  if (triangles && settings.raster == Raster::Hardware)
+    badUsage("--layout {} takes the raster compute; what hardware lights without a G-buffer is --lighting forward",
+             settings.layout->name);
   if (settings.lighting->draws)
     badUsage("--aa msaa{} is for lighting that draws nothing, and {} draws: choose another, or msaa4",
              settings.aa.samples, settings.lighting->name);

@@ -58,6 +58,12 @@ std::optional<RasterChoice> onlyChoice(const vk::Device& device, const Settings&
     if (!lacks.empty()) fail(ExitCode::NoDevice, "{} has no graphics queue, and {}.", device.info().name, lacks);
     return RasterChoice{Raster::Compute, "the device has no graphics pipeline"};
   }
+  if (lightsTriangles(settings)) {
+    if (!lacks.empty())
+      fail(ExitCode::NoDevice, "{} can't rasterize in compute, which the layout {} takes: {}; choose another.",
+           device.info().name, settings.layout->name, lacks);
+    return RasterChoice{Raster::Compute, "the layout has no targets that hardware could draw"};
+  }
   if (takesCompute(settings)) {
     if (!lacks.empty())
       fail(ExitCode::NoDevice, "{} can't rasterize in compute, which msaa{} takes: {}; choose msaa4.",

@@ -347,6 +347,8 @@ output::RawGbuffer Renderer::readTargets(const scene::Camera& camera, const Sett
   if (settings.lighting->forward)
     badUsage("{} lighting has no G-buffer whose targets could be shown: choose a deferred technique",
              settings.lighting->name);
+  if (!settings.layout->hasTargets())
+    badUsage("the layout {} has no targets that could be shown: choose another", settings.layout->name);
   Settings atCentres = settings;
   atCentres.aa.samples = 1;
   RenderJob job({&camera, 1}, atCentres, moment, settings.height);

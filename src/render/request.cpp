@@ -173,7 +173,7 @@ bool Request::showsBlendedData() {
 // Whether the picture's own frame resolves the very surfaces that data are of.
 bool Request::packsWithPicture() {
   return asksFor(settings_, Origin::Surface) && rastersInCompute(settings_) && !settings_.lighting->forward &&
-         isSteady() && !showsBlendedData();
+         settings_.layout->hasTargets() && isSteady() && !showsBlendedData();
 }
 
 const SurfaceOutputs* Request::packSurfaces() {

@@ -40,6 +40,7 @@ void showDebug(Settings& s, const output::DebugRequest& debug) {
   if (!debug.targets && !output::contains(s.aovs, output::Aov::Id))
     s.aovs.push_back(output::Aov::Id);  // tells the background
   if (debug.target.empty()) return;
+  if (!s.layout->hasTargets()) return;  // Renderer::readTargets() says so
   std::vector<std::string> names;
   for (const LayoutTarget& target : s.layout->targets) names.emplace_back(target.name);
   if (std::ranges::find(names, debug.target) == names.end())

@@ -205,12 +205,16 @@ bool alwaysDraws(const Settings& settings) {
   return settings.lighting->forward || (settings.aa.samples > 1 && settings.lighting->draws);
 }
 
+bool lightsTriangles(const Settings& settings) {
+  return !settings.layout->hasTargets() && !settings.lighting->forward;
+}
+
 bool takesCompute(const Settings& settings) {
-  return settings.aa.samples != 1 && settings.aa.samples != 4;
+  return (settings.aa.samples != 1 && settings.aa.samples != 4) || lightsTriangles(settings);
 }
 
 bool rastersInCompute(const Settings& settings) {
-  return settings.raster == Raster::Compute && !alwaysDraws(settings);
+  return (settings.raster == Raster::Compute || takesCompute(settings)) && !alwaysDraws(settings);
 }
 
 float exposureFactor(const Settings& settings) {

@@ -171,7 +171,10 @@ float exposureFactor(const Settings& settings);
 // Whether they take the graphics pipeline whatever the raster: techniques that draw the scene, and with several samples
 // a pixel those that draw lights.
 bool alwaysDraws(const Settings& settings);
-// Whether they take the raster compute: the graphics pipeline's samples are four a pixel, or one.
+// Whether they light what is visible without a G-buffer in between.
+bool lightsTriangles(const Settings& settings);
+// Whether they take the raster compute: the graphics pipeline's samples are four a pixel, or one, and it leaves no
+// triangles to light.
 bool takesCompute(const Settings& settings);
 // Whether these settings' frames find what is visible in compute shaders.
 bool rastersInCompute(const Settings& settings);

@@ -11,6 +11,7 @@
 #include "output/debug.h"
 #include "render/gbuffer/layout.h"
 #include "render/lighting/technique.h"
+#include "render/visibility/compute/compute.h"
 #include "report/chart.h"
 #include "report/command.h"
 #include "report/html.h"
@@ -54,8 +55,8 @@ class ScenePage {
 
  private:
   Words rendering(const render::Layout& layout, const render::TechniqueInfo& technique, const Words& more) const {
-    const Words choice{"--raster",    render::nameOf(s_.settings.raster), "--layout", layout.name, "--lighting",
-                       technique.name};
+    const render::Raster raster = settingsFor(s_, layout).raster;
+    const Words choice{"--raster", render::nameOf(raster), "--layout", layout.name, "--lighting", technique.name};
     return joined(joined(joined({"render"}, givenFor(s_, layout)), choice), more);
   }
   std::string sizeText() const { return fmt::format("{}x{}", s_.settings.width, s_.settings.height); }
@@ -120,29 +121,26 @@ class ScenePage {
     std::string html = "<h3>Bytes a pixel</h3>\n" + toHtml(chart) + toHtml(table, "Bytes of each layout") +
                        commandHtml(Words{"list", "layouts", "--size", sizeText()});
     html += "<p>The targets, as shaders read them. The world is X right, Y away, Z up, as with --axes z-up.</p>\n";
-    for (const render::Layout& layout : render::layouts()) html += layoutHtml(layout);
+    for (const render::Layout& layout : render::layouts())
+      if (canLight(s_, layout)) html += layoutHtml(layout);
     return html;
   }
 
   std::string layoutHtml(const render::Layout& layout) {
-    render::Settings settings = deferred(s_.settings);
-    settings.layout = &layout;
+    const render::Settings settings = settingsFor(s_, layout);
     const auto command = [&](const Words& more) { return commandHtml(rendering(layout, *settings.lighting, more)); };
     const std::string group = "Layout " + layout.name;
     std::string html = fmt::format("<h3>{}</h3>\n<div class=\"pictures\">\n", escaped(layout.name));
     html += showLit(group, lit(settings));
-    const output::RawGbuffer gbuffer = s_.renderer.readTargets(s_.camera, settings, s_.moment);
-    for (const output::Labelled& target : output::targetPictures(gbuffer))
-      html += show(group, target.label, target.picture, targetValues(gbuffer, target.label));
+    std::string commands = command({"-o", layout.name + ".png"});
+    if (layout.hasTargets()) {
+      const output::RawGbuffer gbuffer = s_.renderer.readTargets(s_.camera, settings, s_.moment);
+      for (const output::Labelled& target : output::targetPictures(gbuffer))
+        html += show(group, target.label, target.picture, targetValues(gbuffer, target.label));
+      commands += command({"--debug", "targets", "-o", layout.name + "-targets.png"});
+    }
     progress_.step();
-    return html + "</div>\n" + command({"-o", layout.name + ".png"}) +
-           command({"--debug", "targets", "-o", layout.name + "-targets.png"});
-  }
-
-  // Forward techniques have no layout to compare.
-  static render::Settings deferred(render::Settings settings) {
-    if (settings.lighting->forward) settings.lighting = render::Settings().lighting;
-    return settings;
+    return html + "</div>\n" + commands;
   }
 
   // Those of the target that the label begins with.
@@ -179,8 +177,7 @@ class ScenePage {
   }
 
   std::string techniqueHtml(const render::TechniqueInfo& technique, study::Table& table) {
-    render::Settings settings = s_.settings;
-    settings.lighting = &technique;
+    render::Settings settings = settingsFor(s_, technique);
     settings.aovs = {output::Aov::LightsTested, output::Aov::LightsUsed, output::Aov::Id};
     const output::FrameOutput frame = lit(settings);
     std::vector<study::Cell> row{technique.name, technique.description};
@@ -196,7 +193,7 @@ class ScenePage {
     table.rows.push_back(std::move(row));
     progress_.step();
     const auto command = [&](const Words& more) {
-      return commandHtml(rendering(*s_.settings.layout, technique, more));
+      return commandHtml(rendering(*settings.layout, technique, more));
     };
     return html + "</div>\n" + command({"-o", technique.name + ".png"}) +
            command({"--debug", "lights", "-o", technique.name + "-lights.png"}) +
@@ -238,6 +235,29 @@ std::vector<std::string> givenFor(const Subject& subject, const render::Layout& 
       words.push_back(word);
   }
   return words;
+}
+
+bool canLight(const Subject& subject, const render::Layout& layout) {
+  return layout.hasTargets() || render::computeRasterLacks(subject.device).empty();
+}
+
+render::Settings settingsFor(const Subject& subject, const render::Layout& layout) {
+  render::Settings settings = subject.settings;
+  settings.layout = &layout;
+  const bool drawn = layout.hasTargets();
+  // Forward techniques have no layout to compare.
+  if (settings.lighting->forward || (settings.lighting->draws && !drawn))
+    settings.lighting = render::Settings().lighting;
+  if (!drawn) settings.raster = render::Raster::Compute;
+  return settings;
+}
+
+render::Settings settingsFor(const Subject& subject, const render::TechniqueInfo& technique) {
+  render::Settings settings = subject.settings;
+  settings.lighting = &technique;
+  if (technique.draws && !technique.forward && !settings.layout->hasTargets())
+    settings.layout = render::Settings().layout;
+  return settings;
 }
 
 std::string scenePage(const Subject& subject) {

@@ -30,6 +30,12 @@ struct Subject {
 // What was given, but for what would mean nothing to this layout, and be refused.
 std::vector<std::string> givenFor(const Subject& subject, const render::Layout& layout);
 
+// Whether the device can light this layout, and the settings with which it is: another technique and raster where those
+// of the page can't. And those of a technique, with another layout in turn.
+bool canLight(const Subject& subject, const render::Layout& layout);
+render::Settings settingsFor(const Subject& subject, const render::Layout& layout);
+render::Settings settingsFor(const Subject& subject, const render::TechniqueInfo& technique);
+
 std::string scenePage(const Subject& subject);
 
 }  // namespace latelight::report

@@ -119,14 +119,12 @@ std::string compared(const Subject& s, const std::string& title, const std::vect
 std::string timesHtml(const Subject& s) {
   std::vector<Timed> layouts, techniques;
   for (const render::Layout& layout : render::layouts()) {
-    Timed& timed = layouts.emplace_back(Timed{layout.name, s.settings});
-    timed.settings.layout = &layout;
-    if (timed.settings.lighting->forward) timed.settings.lighting = render::Settings().lighting;
+    const render::Settings settings = settingsFor(s, layout);
+    if (settings.raster == s.settings.raster && canLight(s, layout)) layouts.push_back(Timed{layout.name, settings});
   }
   for (const render::TechniqueInfo& technique : render::techniques()) {
     if (technique.draws && !s.device.hasGraphics()) continue;
-    techniques.push_back({technique.name, s.settings});
-    techniques.back().settings.lighting = &technique;
+    techniques.push_back({technique.name, settingsFor(s, technique)});
   }
   measure(s, layouts);
   measure(s, techniques);

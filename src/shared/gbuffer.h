@@ -18,6 +18,9 @@
 // Vulkan formats, bytes a pixel, debug names and the C++ registry all follow from this list; nothing else names a
 // layout.
 //
+// A layout without targets defines GBUFFER_NO_TARGETS and an empty GBUFFER_TARGETS, and neither packs nor unpacks:
+// surfaces are found again wherever they are needed (render/visibility/compute/shown_surface.glsl).
+//
 // A layout that stores Surface::motion defines GBUFFER_KEEPS_MOTION; for the others it is not computed.
 //
 // A layout that stores Surface::flags defines GBUFFER_KEEPS_FLAGS; for the others unlit surfaces reflect nothing (their

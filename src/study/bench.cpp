@@ -21,6 +21,11 @@ namespace {
 using render::Raster;
 constexpr Raster kRasters[] = {Raster::Hardware, Raster::Compute};
 
+// Those that can render these settings.
+std::span<const Raster> rastersOf(const render::Settings& settings) {
+  return std::span(kRasters).subspan(render::takesCompute(settings) ? 1 : 0);
+}
+
 // --- raster ---------------------------------------------------------------------------------------------------------
 
 struct Random {
@@ -53,12 +58,13 @@ Table benchRaster(vk::Device& device, const BenchOptions& options) {
 
 Table benchFrame(render::Renderer& renderer, const scene::Camera& camera, const render::Moment& moment,
                  const render::Settings& settings, const Ceilings& ceilings, const BenchOptions& options) {
-  std::vector<render::Settings> both(std::size(kRasters), settings);
-  for (size_t i = 0; i < both.size(); ++i) both[i].raster = kRasters[i];
-  const std::vector<PassSamples> samples = measureInTurn(renderer, camera, moment, both, options.frames);
+  const std::span<const Raster> rasters = rastersOf(settings);
+  std::vector<render::Settings> each(rasters.size(), settings);
+  for (size_t i = 0; i < each.size(); ++i) each[i].raster = rasters[i];
+  const std::vector<PassSamples> samples = measureInTurn(renderer, camera, moment, each, options.frames);
   Table table{"frame", {"raster", "pass", "ms", "spread %", "MB", "% of copies"}, {}};
-  for (size_t i = 0; i < both.size(); ++i) {
-    const std::string name(render::nameOf(kRasters[i]));
+  for (size_t i = 0; i < each.size(); ++i) {
+    const std::string name(render::nameOf(rasters[i]));
     const PassSamples& passes = samples[i];
     for (const std::string& pass : passes.names) {
       const double ms = median(passes.of.at(pass));
@@ -67,6 +73,7 @@ Table benchFrame(render::Renderer& renderer, const scene::Camera& camera, const 
     }
     table.rows.push_back({name, std::string("all"), median(passes.all), spread(passes.all), "", ""});
   }
+  if (rasters.size() == 1) return table;
   const double ratio = median(samples.front().all) / median(samples.back().all);
   table.rows.push_back({std::string("hardware / compute"), std::string("all"), ratio, 0.0, "", ""});
   return table;
@@ -108,7 +115,7 @@ Table benchViews(render::Renderer& renderer, const scene::Scene& scene, const sc
   constexpr uint32_t kWarm = 4;
   const std::vector<scene::Camera> cameras = allAround(scene, camera, count);
   Table table{"views", {"raster", "pass", "ms", "spread %", "views a second"}, {}};
-  for (const Raster raster : kRasters) {
+  for (const Raster raster : rastersOf(settings)) {
     render::Settings s = settings;
     s.raster = raster;
     timeOfViews(renderer, cameras, poses, s, true);

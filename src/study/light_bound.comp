@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// variants: layout
+// variants: layout, visible
 // Lighting without lights to find or to load: each pixel makes up its own, a metre above its surface, and shades them
 // as every technique does.
 #include "render/glsl/common.glsl"
@@ -35,6 +35,7 @@ vec3 lightsAt(FrameConstants frame, View view, LitPixel p) {
 }
 
 void main() {
+  showSurfaces(push.frame, push.shown);
   ivec3 place = ivec3(gl_GlobalInvocationID);
   bool lit = lightPixel(FrameRef(push.frame).v, place);
   writeCounts(place, lit, lightCount());

@@ -21,7 +21,10 @@ render::TechniqueInfo lightBound(uint32_t type, uint32_t lights) {
   const auto add = [=](const render::FrameContext& f, const render::Gbuffer& gbuffer) {
     render::ComputePass pass = render::lightingPass(f, gbuffer, "lighting bound", "light_bound.comp");
     pass.constants.push_back({render::kFirstOwnConstant, type});
-    addCompute(f, std::move(pass), shared::LightBoundPush{f.constants, commonLight(), shared::vec3(1e-4f), lights});
+    addCompute(f, std::move(pass), [=, &f](graph::Context& context) {
+      return shared::LightBoundPush{f.constants, render::shownSurfaces(f, context), commonLight(), shared::vec3(1e-4f),
+                                    lights};
+    });
   };
   return {.name = "bound", .description = "lights made up in registers", .add = add};
 }

@@ -2,12 +2,14 @@
 #ifndef LATELIGHT_STUDY_LIGHT_BOUND_PUSH_H
 #define LATELIGHT_STUDY_LIGHT_BOUND_PUSH_H
 
+#include "render/visibility/compute/shown_push.h"
 #include "shared/types.h"
 
 SH_BEGIN
 
 struct LightBoundPush {
   uint64_t frame;  // FrameConstants
+  ShownPush shown;
   Light light;     // what made-up lights have in common
   vec3 apart;      // metres from one to the next
   uint lights;
@@ -16,7 +18,7 @@ struct LightBoundPush {
 SH_END
 
 #if defined(__cplusplus)
-static_assert(sizeof(latelight::shared::LightBoundPush) == 88);
+static_assert(sizeof(latelight::shared::LightBoundPush) == 104);
 #endif
 
 #endif

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <memory>
 #include <span>
@@ -75,7 +76,7 @@ struct Stage {
   Picture render(const std::string& technique) {
     settings.lighting = &findTechnique(technique);
     ++combinations;
-    return std::move(renderer.render(scene.cameras, settings).front().display);
+    return std::move(renderer.render(scene.cameras, inTheirRaster(settings)).front().display);
   }
 };
 
@@ -100,6 +101,7 @@ class CombinationsTest : public RenderTest {
     const Picture expected = stage->render("fullscreen");
     expectContent(expected);
     for (const TechniqueInfo& technique : others) {
+      if (technique.draws && lightsTriangles(stage->settings)) continue;
       SCOPED_TRACE(technique.name);
       EXPECT_LE(worstDifference(stage->render(technique.name), expected), 1);
     }
@@ -166,7 +168,6 @@ TEST_P(EachLayout, SmoothsEdgesByEveryAntiAliasing) {
   const auto render = [](const std::string& name) {
     const Settings kept = stage->settings;
     stage->settings.aa = readText<AntiAliasing>("--aa", name);
-    if (takesCompute(stage->settings)) stage->settings.raster = Raster::Compute;
     Picture picture = stage->render("fullscreen");
     stage->settings = kept;
     return picture;
@@ -208,11 +209,84 @@ TEST_F(ForwardTechniques, LightAlikeTheFloatsOfPlain) {
   stage->settings.shadows = ShadowFormat::None;
 }
 
+// --- without a G-buffer ---------------------------------------------------------------------------------------------
+
+// What a shader evaluates and lights at once is what the layout `exact` keeps in floats in between, so the picture is
+// the same, byte for byte where both are compiled alike: on the CPU device. There only the light that surfaces emit
+// differs, which the light accumulation target rounds to a half float before the rest is added: by a step of the sum.
+class WithoutTargets : public RenderTest {
+ protected:
+  static std::vector<float> colorOf(Renderer& renderer, std::span<const scene::Camera> cameras, Settings settings,
+                                    const char* layout) {
+    settings.layout = &findLayout(layout);
+    std::vector<float> all;
+    for (const output::FrameOutput& frame : renderer.render(cameras, settings)) {
+      const std::vector<float>& color = imageOf(frame, output::Aov::Color).values;
+      all.insert(all.end(), color.begin(), color.end());
+    }
+    return all;
+  }
+  static Settings settings() {
+    Settings s = settingsOf(kWidth, kHeight, {output::Aov::Color});
+    s.raster = Raster::Compute;
+    s.environmentIntensity = 0.15f;
+    return s;
+  }
+  // Within `steps` of a half float.
+  static void expectAlike(Renderer& renderer, std::span<const scene::Camera> cameras, const Settings& s, float steps) {
+    const std::vector<float> exact = colorOf(renderer, cameras, s, "exact");
+    const std::vector<float> found = colorOf(renderer, cameras, s, "visibility");
+    ASSERT_EQ(found.size(), exact.size());
+    size_t beyond = 0, covered = 0;
+    for (size_t i = 0; i < exact.size(); ++i) {
+      beyond += !(std::abs(found[i] - exact[i]) <= steps * std::max(std::ldexp(std::abs(exact[i]), -10), 6e-8f));
+      covered += i % 4 == 3 && exact[i] > 0;
+    }
+    EXPECT_GT(covered, cameras.size() * kWidth * kHeight / 2);
+    EXPECT_LE(beyond, device().isCpu() ? 0 : exact.size() / 1000);
+  }
+};
+
+TEST_F(WithoutTargets, ThePictureIsThatOfFloats) {
+  scene::Scene scene = everyKind();
+  for (scene::Material& m : scene.materials) m.data.emissive = shared::vec3(0), m.data.flags &= ~shared::kMaterialUnlit;
+  const scene::Environment environment = constantEnvironment();
+  Renderer renderer(device(), scene, &environment);
+  std::vector<scene::Camera> cameras(2, scene.cameras.front());
+  cameras[1].toWorld[3].x += 0.4f;
+  const float steps = device().isCpu() ? 0 : 2;
+  const auto check = [&](const char* what, const Settings& s) {
+    SCOPED_TRACE(what);
+    expectAlike(renderer, cameras, s, steps);
+  };
+  Settings s = settings();
+  for (const char* technique : {"clustered", "fullscreen"}) {
+    s.lighting = &findTechnique(technique);
+    check(technique, s);
+  }
+  s.lighting = &findTechnique("tiled"), s.shading = Shading::GgxCompensated;
+  s.shadows = ShadowFormat::D32, s.ambientOcclusion = AmbientOcclusion::Gtao;
+  s.fogDensity = 0.05f, s.background.kind = Background::Environment;
+  check("tiled, with shadows, occlusion and fog", s);
+  s.aa = {.superSampling = 2};
+  check("super-sampled", s);
+  // Every sample on its own, since a G-buffer would have triangles of one surface lit as one.
+  s.aa = {.samples = 4}, s.everySample = true;
+  check("four samples", s);
+}
+
+TEST_F(WithoutTargets, WhatIsEmittedIsRoundedOnce) {
+  const scene::Scene scene = everyKind();
+  Renderer renderer(device(), scene, nullptr);
+  expectAlike(renderer, scene.cameras, settings(), 1);
+}
+
 // What a layout says of its positions decides which position methods it is rendered with.
 TEST(FixedPositions, AreThoseThatDepthDoesNotChange) {
   shared::GbufferContext context{};
   context.view = makeView(frontPerspective(1, 4), 4, 4);
   for (const Layout& layout : layouts()) {
+    if (!layout.hasTargets()) continue;
     const std::vector<TargetValue> stored(layout.targets.size());
     context.depth = 0.1f;
     const shared::vec3 nearer = layout.unpack(stored, context).position;

@@ -69,7 +69,7 @@ TEST_F(Layered, EveryTechniqueAndLayoutGivesTheSameBytes) {
   settings.lighting = &findTechnique("clustered");
   for (const Layout& layout : layouts()) {
     settings.layout = &layout;
-    compare();
+    if (!takesCompute(settings) || settings.raster == Raster::Compute) compare();
   }
 }
 

@@ -107,6 +107,8 @@ class Drawing {
       const render::Layout& layout = render::findLayout(o.at("--layout"));
       drop("--normals", layout.fixedNormal);
       drop("--position", layout.fixedPosition);
+      for (const auto& [name, drawn] : {std::pair("--raster", "hardware"), std::pair("--lighting", "volumes")})
+        drop(name, !layout.hasTargets() && o.contains(name) && o.at(name) == drawn);
     }
     if ((o.contains("--animation") || o.contains("--loop")) && !o.contains("--frames")) o["--time"] = "0.4";
     if (o.contains("--aa") && o.at("--aa").starts_with("msaa") && o.at("--aa") != "msaa4") {

@@ -207,7 +207,10 @@ TEST_F(RelightTest, HostShadesTheDevicesGbufferAlike) {
   const std::vector<latelight::test::Combination> chosen =
       latelight::test::pairwise({layouts().size(), normalEncodings().size(), deferred.size(), choices<Shading>().size(),
                                  bench->cases.size(), choices<NormalSpace>().size(), choices<PositionMethod>().size()},
-                                [](const auto& c) { return c[1] == 0 || !layouts()[c[0]].fixedNormal; });
+                                [](const auto& c) {
+                                  const Layout& layout = layouts()[c[0]];
+                                  return layout.hasTargets() && (c[1] == 0 || !layout.fixedNormal);
+                                });
   std::vector<Agreement> totals(bench->cases.size());
   for (const auto& c : chosen) {
     const FrameSetup setup{.layout = &layouts()[c[0]],
@@ -256,7 +259,7 @@ TEST_F(RelightTest, EveryGbufferHoldsTheScene) {
   const ReadGbuffer exact = read(findLayout("exact"), normalEncodings().front());
   for (const Layout& layout : layouts())
     for (const NormalEncoding& encoding : normalEncodings()) {
-      if (layout.fixedNormal && &encoding != &normalEncodings().front()) continue;
+      if (!layout.hasTargets() || (layout.fixedNormal && &encoding != &normalEncodings().front())) continue;
       SCOPED_TRACE(layout.name + ", " + encoding.name);
       const ReadGbuffer gbuffer = read(layout, encoding);
       EXPECT_EQ(gbuffer.depth, exact.depth);

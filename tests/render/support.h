@@ -47,6 +47,12 @@ inline Settings settingsOf(uint32_t width, uint32_t height, std::vector<output::
   return settings;
 }
 
+// With the raster compute where what they ask for takes it.
+inline Settings inTheirRaster(Settings settings) {
+  if (takesCompute(settings)) settings.raster = Raster::Compute;
+  return settings;
+}
+
 output::FrameOutput renderOne(vk::Device& device, const scene::Scene& scene, const scene::Camera& camera,
                               const Settings& settings, const scene::Environment* environment = nullptr);
 

@@ -169,7 +169,7 @@ TEST_F(LitGlass, IsAlikeWithEveryTechniqueAndLayout) {
   settings.lighting = &findTechnique("tiled");
   for (const Layout& layout : layouts()) {
     settings.layout = &layout;
-    compare();
+    if (!takesCompute(settings) || settings.raster == Raster::Compute) compare();
   }
   EXPECT_GT(glassAlone, (techniques().size() + layouts().size()) * kWidth * kHeight / 20);
 }

@@ -29,6 +29,9 @@ set(add "its first line behind #version and #extension must be")
 
 expect("void main() {}\n" "variants: []")
 expect("// variants: layout\n${layout}" "variants: [layout]")
+expect("// variants: layout, visible\n${layout}" "variants: [layout;visible]")
+expect("// variants: visible\nvoid main() {}\n"
+  "planted.comp declares the variant \"visible\", but includes nothing that differs by it.")
 expect("// variants: multisampled\n${samples}" "variants: [multisampled]")
 expect("// variants: layout, multisampled\n${both}" "variants: [layout;multisampled]")
 expect("// variants: layout\n#define ONE_SAMPLE\n${both}" "variants: [layout]")

@@ -41,10 +41,12 @@ struct Layout {
   bool keepsMotion;           // stores Surface::motion
   // Formats in the design that the layout follows; frames here use kDepthFormat and kLightFormat with every layout.
   VkFormat originalDepth, originalLight;
-  // The layout's pack and unpack in C++; one value per target, in order.
+  // The layout's pack and unpack in C++; one value per target, in order. Null without targets.
   std::vector<TargetValue> (*pack)(const shared::Surface&, const shared::GbufferContext&);
   shared::Surface (*unpack)(std::span<const TargetValue>, const shared::GbufferContext&);
 
+  // Without, lighting finds surfaces by itself, in what is visible: that takes the raster compute.
+  bool hasTargets() const { return !targets.empty(); }
   VkFormat format(size_t target, uint32_t normalEncoding) const;
   LayoutBytes bytesPerPixel(uint32_t normalEncoding) const;
   LayoutBytes originalBytesPerPixel(uint32_t normalEncoding) const;

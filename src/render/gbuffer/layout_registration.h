@@ -6,6 +6,7 @@
 namespace latelight::render {
 namespace {
 
+#ifndef GBUFFER_NO_TARGETS
 namespace layout_shared = shared::LATELIGHT_LAYOUT;
 using layout_shared::GbufferTexel;
 using vec4 = shared::vec4;
@@ -53,8 +54,11 @@ shared::Surface unpackTarget(std::span<const TargetValue> values, const shared::
 #undef LOAD
   return layout_shared::unpackGbuffer(texel, context);
 }
+#else
+constexpr std::nullptr_t packTarget = nullptr, unpackTarget = nullptr;
+#endif
 
-constexpr VkFormat VK_FORMAT_NORMAL32 = VK_FORMAT_UNDEFINED;
+[[maybe_unused]] constexpr VkFormat VK_FORMAT_NORMAL32 = VK_FORMAT_UNDEFINED;
 
 }  // namespace
 

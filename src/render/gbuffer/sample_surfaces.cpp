@@ -60,7 +60,7 @@ graph::ImageId addSampleSurfaces(const FrameContext& f, const Gbuffer& gbuffer) 
               .bindings = std::move(bindings),
               .size = f.pixels(),
               .constants = f.setup.constants()},
-             shared::LightingPush{f.constants});
+             shared::LightingPush{.frame = f.constants});
   return surfaces;
 }
 

@@ -1,4 +1,6 @@
 // What packing and unpacking are told of a place in a view's picture. After the layout, setup.glsl.
+#ifndef LATELIGHT_GBUFFER_CONTEXT_GLSL
+#define LATELIGHT_GBUFFER_CONTEXT_GLSL
 GbufferContext gbufferContext(View view, vec2 place) {
   GbufferContext context;
   context.view = view;
@@ -8,3 +10,4 @@ GbufferContext gbufferContext(View view, vec2 place) {
   context.positionMethod = kPositionMethod;
   return context;
 }
+#endif

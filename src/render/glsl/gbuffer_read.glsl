@@ -1,13 +1,20 @@
 // Reading the G-buffer of the layout this shader is compiled for: set 0, bindings 0... in the order of the layout's
 // targets, then depth, the light accumulation target, and the counts of lights. All are arrays with a layer a view.
 // MULTISAMPLED, what the geometry pass left of light, and the surfaces of pixels, stand between depth and the light
-// accumulation target, which then has one sample.
+// accumulation target, which then has one sample. Of a layout without targets the geometry pass leaves nothing, and
+// surfaces are found again: the shader, of the variant `visible`, calls showSurfaces() first.
 #ifndef LATELIGHT_GBUFFER_READ_GLSL
 #define LATELIGHT_GBUFFER_READ_GLSL
 #include "gbuffer_layout.h"
 #include "render/glsl/multisample.glsl"
 #include "render/glsl/setup.glsl"
 #include "render/glsl/gbuffer_context.glsl"
+#ifdef GBUFFER_NO_TARGETS
+#include "render/visibility/compute/shown_surface.glsl"
+#else
+#include "render/visibility/compute/shown_push.h"
+void showSurfaces(uint64_t frame, ShownPush push) {}
+#endif
 
 #define GBUFFER_SAMPLER_vec4 TARGET_SAMPLER
 #define GBUFFER_SAMPLER_uint TARGET_USAMPLER
@@ -19,7 +26,12 @@ GBUFFER_TARGETS(INPUT)
 #define COUNT(index, name, format, type, channels) +1
 const int kGbufferTargets = 0 GBUFFER_TARGETS(COUNT);
 layout(set = 0, binding = 0 GBUFFER_TARGETS(COUNT)) uniform TARGET_SAMPLER gbufferDepth;
-#ifdef MULTISAMPLED
+#ifndef MULTISAMPLED
+#define GBUFFER_INPUTS (1 GBUFFER_TARGETS(COUNT))
+#elif defined(GBUFFER_NO_TARGETS)
+layout(set = 0, binding = 1) uniform usampler2DArray pixelSurfaces;
+#define GBUFFER_INPUTS 2
+#else
 layout(set = 0, binding = 1 GBUFFER_TARGETS(COUNT)) uniform TARGET_SAMPLER lightOfSamples;
 #ifdef GBUFFER_NO_SURFACES  // before the include: for what finds them
 #define GBUFFER_INPUTS (2 GBUFFER_TARGETS(COUNT))
@@ -27,8 +39,6 @@ layout(set = 0, binding = 1 GBUFFER_TARGETS(COUNT)) uniform TARGET_SAMPLER light
 layout(set = 0, binding = 2 GBUFFER_TARGETS(COUNT)) uniform usampler2DArray pixelSurfaces;
 #define GBUFFER_INPUTS (3 GBUFFER_TARGETS(COUNT))
 #endif
-#else
-#define GBUFFER_INPUTS (1 GBUFFER_TARGETS(COUNT))
 #endif
 #ifdef GBUFFER_SAMPLED_ONLY  // before the include: for fragment shaders, which may lack storage images
 #define GBUFFER_BINDINGS GBUFFER_INPUTS  // the first binding after them
@@ -38,6 +48,7 @@ layout(set = 0, binding = 1 + GBUFFER_INPUTS, rgba32f) uniform writeonly image2D
 #define GBUFFER_BINDINGS (2 + GBUFFER_INPUTS)
 #endif
 
+#ifndef GBUFFER_NO_TARGETS
 GbufferTexel readTexel(ivec3 pixel, int index) {
   GbufferTexel texel;
 #define FETCH_TARGET(number, name, format, type, channels) texel.name = type(fetchSample(gbuffer_##name, pixel, index));
@@ -53,8 +64,16 @@ Surface unpackSurface(View view, vec2 place, GbufferTexel texel, float depth, fl
   return unpackGbuffer(texel, context);
 }
 
+#endif
+
 // The Surface at a pixel of a view (MULTISAMPLED: the one that these samples show).
-#ifdef MULTISAMPLED
+#if defined(GBUFFER_NO_TARGETS) && defined(MULTISAMPLED)
+Surface readSurface(View view, ivec3 pixel, uint samples, float depth, float ao) {
+  return shownSurface(view, pixel, samples);
+}
+#elif defined(GBUFFER_NO_TARGETS)
+Surface readSurface(View view, ivec3 pixel, float depth, float ao) { return shownSurface(view, pixel, 1u); }
+#elif defined(MULTISAMPLED)
 Surface readSurface(View view, ivec3 pixel, uint samples, float depth, float ao) {
   GbufferTexel texel = readTexel(pixel, max(findLSB(samples), 0));
   return unpackSurface(view, vec2(pixel.xy) + middleOfSamples(samples), texel, depth, ao);

@@ -1,6 +1,7 @@
 // What the lighting shaders do around their lights: a pixel's surfaces and the environment's light on them, and the
 // result. A shader defines lightsAt(), which every invocation of the workgroup comes to, and calls lightPixel() once.
 #include "render/glsl/gbuffer_read.glsl"
+#include "render/glsl/gbuffer_write.glsl"
 #include "render/glsl/environment.glsl"
 #ifdef MULTISAMPLED
 #include "render/glsl/deal.glsl"
@@ -14,12 +15,23 @@ struct LitPixel {
   float depth;   // of the device
   Surface s;
   vec3 toEye;
-  vec3 emitted;   // what the geometry pass left, exposure included
+  vec3 emitted;   // exposure included
   vec3 radiance;  // by the environment
 };
 
 // Radiance that lights send from the surface to the eye, before exposure. `p.lit` is false for invocations without one.
 vec3 lightsAt(FrameConstants frame, View view, LitPixel p);
+
+// What the geometry pass left in the light accumulation target of the surface that these samples show.
+#ifdef GBUFFER_NO_TARGETS
+vec4 accumulatedLight(ivec3 place, uint samples) { return vec4(0.0); }
+#elif defined(MULTISAMPLED)
+vec4 accumulatedLight(ivec3 place, uint samples) {
+  return fetchSample(lightOfSamples, place, max(findLSB(samples), 0));
+}
+#else
+vec4 accumulatedLight(ivec3 place, uint samples) { return imageLoad(lightTarget, place); }
+#endif
 
 LitPixel readPixel(FrameConstants frame, View view, ivec3 place, uint samples) {
   LitPixel p;
@@ -36,12 +48,14 @@ LitPixel readPixel(FrameConstants frame, View view, ivec3 place, uint samples) {
   p.emitted = vec3(0.0);
   p.radiance = vec3(0.0);
   if (p.lit) {
+    vec4 accumulated = accumulatedLight(place, samples);
 #ifdef MULTISAMPLED
-    vec4 accumulated = fetchSample(lightOfSamples, place, max(findLSB(samples), 0));
     p.s = readSurface(view, place, samples, p.depth, accumulated.a);
 #else
-    vec4 accumulated = imageLoad(lightTarget, place);
     p.s = readSurface(view, place, p.depth, accumulated.a);
+#endif
+#ifdef GBUFFER_NO_TARGETS
+    accumulated = emittedLight(frame, p.s);
 #endif
     p.s.ao *= visibleHemisphere(place);
     p.emitted = accumulated.rgb;

@@ -22,7 +22,7 @@ Settings lensSettings(const Settings& settings) {
   }
   Settings changed = settings;
   changed.raster = Raster::Compute;
-  changed.layout = &findLayout("exact");
+  if (settings.layout->hasTargets()) changed.layout = &findLayout("exact");
   return changed;
 }
 

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// variants: layout, multisampled, layered
+// variants: layout, visible, multisampled, layered
 // tiled and clustered: shades each pixel with the light list of its tile, or of its slice of it.
 #include "render/glsl/common.glsl"
 #include "render/glsl/gbuffer_read.glsl"
@@ -13,6 +13,7 @@ vec3 lightsAt(FrameConstants frame, View view, LitPixel p) { return shadeFromCel
 
 void main() {
   countLanes();
+  showSurfaces(push.frame, push.shown);
   ivec3 place = placeInTile();
   bool lit = lightPixel(FrameRef(push.frame).v, place);
   writeCounts(place, lit, lightCount());

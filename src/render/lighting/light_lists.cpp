@@ -23,7 +23,10 @@ void addLightLists(const FrameContext& f, const Gbuffer& gbuffer, const LightLis
   const graph::BufferId entries =
       f.graph.create(vk::BufferDesc{.size = count * 4 * desc.entriesATile, .name = "light entries"});
   const auto pushOf = [=, frame = f.constants](graph::Context& context) {
-    return shared::CellsPush{frame, context.buffer(cells).address(), context.buffer(entries).address(), tiles};
+    return shared::CellsPush{.frame = frame,
+                             .cells = context.buffer(cells).address(),
+                             .entries = context.buffer(entries).address(),
+                             .tiles = tiles};
   };
   const std::vector<vk::Constant> own{{kFirstOwnConstant, desc.cellsATile}, {kFirstOwnConstant + 1, desc.entriesATile}};
 
@@ -46,8 +49,13 @@ void addLightLists(const FrameContext& f, const Gbuffer& gbuffer, const LightLis
 
   ComputePass lighting = lightingPass(f, gbuffer, "lighting " + desc.name, "cells.comp");
   lighting.constants.insert(lighting.constants.end(), own.begin(), own.end());
-  lighting.buffers = {{cells, graph::Use::StorageRead}, {entries, graph::Use::StorageRead}};
-  addCompute(f, std::move(lighting), pushOf);
+  lighting.buffers.insert(lighting.buffers.end(),
+                          {{cells, graph::Use::StorageRead}, {entries, graph::Use::StorageRead}});
+  addCompute(f, std::move(lighting), [=, &f](graph::Context& context) {
+    shared::CellsPush push = pushOf(context);
+    push.shown = shownSurfaces(f, context);
+    return push;
+  });
 }
 
 }  // namespace latelight::render

@@ -1,13 +1,15 @@
 #include "render/lighting/lighting_shader.h"
 
 #include "render/lit_maps.h"
+#include "render/visibility/compute/compute.h"
 
 namespace latelight::render {
 
 std::vector<graph::ImageId> gbufferInputs(const Gbuffer& gbuffer) {
   std::vector<graph::ImageId> images = gbuffer.targets;
   images.push_back(gbuffer.sampleDepth);
-  if (gbuffer.surfaces) images.insert(images.end(), {gbuffer.sampleLight, gbuffer.surfaces});
+  if (gbuffer.surfaces && !gbuffer.targets.empty()) images.push_back(gbuffer.sampleLight);
+  if (gbuffer.surfaces) images.push_back(gbuffer.surfaces);
   return images;
 }
 
@@ -15,20 +17,30 @@ ComputePass lightingPass(const FrameContext& f, const Gbuffer& gbuffer, const st
                          const std::string& file, KeptByLighting kept) {
   Bindings bindings(f.device);
   bindings.sampled(gbufferInputs(gbuffer));
-  // With several samples a pixel the geometry pass leaves its light in another image.
-  const bool reads = kept.picture || !gbuffer.surfaces;
+  // With several samples a pixel the geometry pass leaves its light in another image, without targets nowhere.
+  const bool reads = kept.picture || (!gbuffer.surfaces && !gbuffer.targets.empty());
   bindings.storage(gbuffer.light, reads ? graph::Use::StorageReadWrite : graph::Use::StorageWrite);
   bindings.storage(gbuffer.lightCounts, kept.counts ? graph::Use::StorageReadWrite : graph::Use::StorageWrite);
   appendLitMaps(bindings, f, gbuffer);
   std::vector<vk::Constant> constants = f.setup.constants();
   constants.push_back({kSamplesConstant, f.setup.samples});
-  return {.stage = graph::Stage::Lighting,
-          .name = name,
-          .shader = f.setup.variant(file + "@" + f.setup.layout->file),
-          .bindings = std::move(bindings),
-          .size = f.pixels(),
-          .constants = std::move(constants),
-          .everyTexel = true};
+  ComputePass pass{.stage = graph::Stage::Lighting,
+                   .name = name,
+                   .shader = f.setup.variant(file + "@" + f.setup.layout->file),
+                   .bindings = std::move(bindings),
+                   .size = f.pixels(),
+                   .constants = std::move(constants),
+                   .everyTexel = true};
+  readSurfaces(f, pass);
+  return pass;
+}
+
+void readSurfaces(const FrameContext& f, ComputePass& pass) {
+  if (!f.setup.layout->hasTargets()) f.visibility.rastered()->readsShown(f, pass);
+}
+
+shared::ShownPush shownSurfaces(const FrameContext& f, graph::Context& context) {
+  return f.setup.layout->hasTargets() ? shared::ShownPush{} : f.visibility.rastered()->shown(context);
 }
 
 }  // namespace latelight::render

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "render/frame.h"
+#include "render/visibility/compute/shown_push.h"
 
 namespace latelight::render {
 
@@ -21,5 +22,10 @@ struct KeptByLighting {
 };
 ComputePass lightingPass(const FrameContext& f, const Gbuffer& gbuffer, const std::string& name,
                          const std::string& file, KeptByLighting kept = {});
+
+// For a pass that reads surfaces by gbuffer_read.glsl: where the layout has no targets, what it finds them by; and what
+// it pushes for showSurfaces().
+void readSurfaces(const FrameContext& f, ComputePass& pass);
+shared::ShownPush shownSurfaces(const FrameContext& f, graph::Context& context);
 
 }  // namespace latelight::render

@@ -20,7 +20,7 @@ struct TechniqueInfo {
   // technique finds emitted radiance and ambient occlusion there; for a forward one it is empty, and there are no
   // targets. Every technique shades with shared/shade.h over the same lights, so all give the same picture. Where the
   // setup counts lights, the counts go to gbuffer.lightCounts. Shaders of one that computes have the variants layout,
-  // multisampled and layered (docs/architecture.md, "A shader").
+  // visible, multisampled and layered (docs/architecture.md, "A shader"), and call showSurfaces() first.
   std::function<void(const FrameContext& f, const Gbuffer& gbuffer)> add;
 };
 

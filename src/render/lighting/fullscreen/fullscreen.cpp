@@ -18,7 +18,9 @@ void add(const FrameContext& f, const Gbuffer& gbuffer) {
   if (lights > most)
     badUsage("fullscreen goes through at most {} lights on a CPU device, and there are {}: choose tiled or clustered",
              most, lights);
-  addCompute(f, lightingPass(f, gbuffer, "lighting fullscreen", "fullscreen.comp"), shared::LightingPush{f.constants});
+  addCompute(f, lightingPass(f, gbuffer, "lighting fullscreen", "fullscreen.comp"), [&f](graph::Context& context) {
+    return shared::LightingPush{f.constants, shownSurfaces(f, context)};
+  });
 }
 
 }  // namespace

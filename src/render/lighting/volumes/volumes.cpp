@@ -373,7 +373,7 @@ void add(const FrameContext& f, const Gbuffer& gbuffer) {
   addVolumes(f, gbuffer, sum);
   ComputePass finish = lightingPass(f, gbuffer, "lighting volumes", "volumes.comp", {.counts = f.setup.countLights});
   finish.bindings.sampled(sum);
-  addCompute(f, std::move(finish), shared::LightingPush{f.constants});
+  addCompute(f, std::move(finish), shared::LightingPush{.frame = f.constants});
 }
 
 }  // namespace

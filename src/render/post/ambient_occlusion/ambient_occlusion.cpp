@@ -1,5 +1,6 @@
 #include "render/post/ambient_occlusion/ambient_occlusion.h"
 
+#include "render/lighting/lighting_shader.h"
 #include "render/lighting/technique.h"
 #include "render/post/ambient_occlusion/ambient_occlusion_push.h"
 
@@ -17,19 +18,24 @@ graph::ImageId addOcclusion(const FrameContext& f, const Gbuffer& gbuffer) {
   Bindings bindings(f.device);
   std::string shader = "gtao_depth.comp";
   // Forward techniques write no normals, and several samples a pixel no single one: then they are derived from depth.
-  if (!f.setup.lighting->forward && f.setup.samples == 1) {
+  const bool surfaces = !f.setup.lighting->forward && f.setup.samples == 1;
+  if (surfaces) {
     shader = "gtao.comp@" + f.setup.layout->file;
     bindings.sampled(gbuffer.targets);
   }
   bindings.sampled(gbuffer.depth).storage(hidden, graph::Use::StorageWrite);
-  addCompute(f,
-             {.stage = graph::Stage::Lighting,
-              .name = "ambient occlusion",
-              .shader = shader,
-              .bindings = bindings,
-              .size = f.pixels(),
-              .constants = f.setup.constants()},
-             shared::OcclusionPush{f.constants, f.aoRadius, kReachShare * static_cast<float>(f.height)});
+  ComputePass pass{.stage = graph::Stage::Lighting,
+                   .name = "ambient occlusion",
+                   .shader = shader,
+                   .bindings = bindings,
+                   .size = f.pixels(),
+                   .constants = f.setup.constants()};
+  if (surfaces) readSurfaces(f, pass);
+  const auto [radius, reach] = std::pair(f.aoRadius, kReachShare * static_cast<float>(f.height));
+  addCompute(f, std::move(pass), [=, &f](graph::Context& context) {
+    return shared::OcclusionPush{f.constants, radius, reach,
+                                 surfaces ? shownSurfaces(f, context) : shared::ShownPush{}};
+  });
   return hidden;
 }
 

@@ -2,6 +2,7 @@
 #ifndef LATELIGHT_RENDER_POST_AMBIENT_OCCLUSION_PUSH_H
 #define LATELIGHT_RENDER_POST_AMBIENT_OCCLUSION_PUSH_H
 
+#include "render/visibility/compute/shown_push.h"
 #include "shared/lang.h"
 
 SH_BEGIN
@@ -11,6 +12,7 @@ struct OcclusionPush {
   uint64_t frame;  // FrameConstants
   float radius;    // metres
   float reach;     // pixels, at most: keeps samples from being too far apart
+  ShownPush shown;
 };
 
 // Of ambient_occlusion_denoise.comp.
@@ -23,7 +25,7 @@ struct DenoisePush {
 SH_END
 
 #if defined(__cplusplus)
-static_assert(sizeof(latelight::shared::OcclusionPush) == 16);
+static_assert(sizeof(latelight::shared::OcclusionPush) == 32);
 static_assert(sizeof(latelight::shared::DenoisePush) == 16);
 #endif
 

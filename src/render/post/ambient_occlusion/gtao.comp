@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// variants: layout
+// variants: layout, visible
 // Ambient occlusion of a G-buffer: normals are the layout's own.
 #include "render/glsl/common.glsl"
 #define ONE_SAMPLE
@@ -12,6 +12,7 @@ layout(local_size_x = 16, local_size_y = 16) in;
 layout(set = 0, binding = GBUFFER_BINDINGS, r32f) uniform writeonly image2DArray occlusion;
 
 void main() {
+  showSurfaces(push.frame, push.shown);
   View view = frameView(FrameRef(push.frame).v, gl_GlobalInvocationID.z);
   ivec3 place = ivec3(gl_GlobalInvocationID);
   if (any(greaterThanEqual(vec2(place.xy), view.size))) return;

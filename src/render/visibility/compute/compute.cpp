@@ -130,14 +130,19 @@ ComputePass rasterStep(const FrameContext& f, graph::Stage stage, std::string sh
           .groupY = 1};
 }
 
-// Shaders that look up materials' textures.
-void readsTextures(const FrameContext& f, ComputePass& pass) {
+// Shaders that look up materials' textures, and have the setup's constants.
+void bindTextures(const FrameContext& f, ComputePass& pass) {
   pass.shader = materialVariant(f.device, pass.shader);
-  const std::vector<vk::Constant> setup = f.setup.constants();
-  pass.constants.insert(pass.constants.end(), setup.begin(), setup.end());
   if (f.device.maxTextureArray() == 0) return;
   pass.sceneSet = f.scene.materials().textureSet();
   pass.sceneBindings = textureBindings(f.device);
+}
+
+// The same, and gives them those constants.
+void readsTextures(const FrameContext& f, ComputePass& pass) {
+  const std::vector<vk::Constant> setup = f.setup.constants();
+  pass.constants.insert(pass.constants.end(), setup.begin(), setup.end());
+  bindTextures(f, pass);
 }
 
 // A camera's pinhole view, from that of one at the origin.
@@ -387,6 +392,7 @@ graph::BufferId packOutputs(const FrameContext& f, ComputePass& pass) {
 
 void ComputeVisibility::addGbuffer(const FrameContext& f, Gbuffer& gbuffer) const {
   const Layout& layout = *f.setup.layout;
+  if (!layout.hasTargets()) return addTriangleSurfaces(f, gbuffer);
   const auto lightTarget = static_cast<uint32_t>(layout.targets.size());
   const uint32_t wanted =
       (f.setup.targets & ((1u << lightTarget) - 1)) | (gbuffer.sampleLight ? 1u << lightTarget : 0u);
@@ -419,16 +425,30 @@ void ComputeVisibility::addGbuffer(const FrameContext& f, Gbuffer& gbuffer) cons
 
 // Of several samples: which show one surface, and where it is lit.
 void ComputeVisibility::addSurfaces(const FrameContext& f, Gbuffer& gbuffer) const {
-  gbuffer.sampleDepth = createTarget(f, VK_FORMAT_R32_SFLOAT, "depth of surfaces", f.setup.samples);
-  gbuffer.surfaces = createSurfaces(f);
   Bindings bindings(f.device);
   bindings.sampled(gbuffer.targets).sampled(gbuffer.depth).sampled(gbuffer.sampleLight);
+  addSurfacesBy(f, gbuffer, "surfaces_of_triangles.comp@" + f.setup.layout->file, std::move(bindings));
+}
+
+void ComputeVisibility::addTriangleSurfaces(const FrameContext& f, Gbuffer& gbuffer) const {
+  if (f.setup.samples > 1) addSurfacesBy(f, gbuffer, "surfaces_are_triangles.comp", Bindings(f.device));
+}
+
+void ComputeVisibility::addSurfacesBy(const FrameContext& f, Gbuffer& gbuffer, std::string shader,
+                                      Bindings bindings) const {
+  gbuffer.sampleDepth = createTarget(f, VK_FORMAT_R32_SFLOAT, "depth of surfaces", f.setup.samples);
+  gbuffer.surfaces = createSurfaces(f);
   bindings.storage(gbuffer.sampleDepth, graph::Use::StorageWrite).storage(gbuffer.surfaces, graph::Use::StorageWrite);
   addResolve(f, {.stage = graph::Stage::Geometry,
                  .name = "surfaces of samples",
-                 .shader = "surfaces_of_triangles.comp@" + f.setup.layout->file,
+                 .shader = std::move(shader),
                  .bindings = std::move(bindings),
                  .constants = f.setup.constants()});
+}
+
+void ComputeVisibility::readsShown(const FrameContext& f, ComputePass& pass) const {
+  bindTextures(f, pass);
+  pass.buffers.emplace_back(visible_, graph::Use::StorageRead);
 }
 
 graph::ImageId ComputeVisibility::addMotion(const FrameContext& f, graph::ImageId depth, MotionUse use) const {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "render/visibility/compute/ranks.h"
+#include "render/visibility/compute/shown_push.h"
 #include "render/visibility/visibility.h"
 
 namespace latelight::render {
@@ -38,6 +39,11 @@ class ComputeVisibility final : public Visibility {
 
   // A pass over all pixels of what is visible, pushed ResolvePush, that looks up materials' textures.
   void addShading(const FrameContext& f, ComputePass pass) const;
+  // Of a pass that has the setup's constants and finds surfaces by shown_surface.glsl: what that reads, and is pushed.
+  void readsShown(const FrameContext& f, ComputePass& pass) const;
+  shared::ShownPush shown(graph::Context& context) const {
+    return {ranks_.address(), context.buffer(visible_).address()};
+  }
 
   // How what shows was rasterized, once addDepth() was called: outputs.def says what each image holds.
   struct RasterImages {
@@ -59,6 +65,8 @@ class ComputeVisibility final : public Visibility {
   void addShadowMapsOf(const FrameContext& f, uint32_t size, graph::ImageId atlas, graph::Use use) const;
   void addResolve(const FrameContext& f, ComputePass pass, graph::BufferId outputs = {}) const;
   void addSurfaces(const FrameContext& f, Gbuffer& gbuffer) const;
+  void addTriangleSurfaces(const FrameContext& f, Gbuffer& gbuffer) const;
+  void addSurfacesBy(const FrameContext& f, Gbuffer& gbuffer, std::string shader, Bindings bindings) const;
 
   const GpuScene& scene_;
   const InstanceRanks& ranks_;

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// variants: layout, multisampled, layered
+// variants: layout, visible, multisampled, layered
 // interlaced: every second row of the picture, every light at every pixel of them.
 #include "render/glsl/common.glsl"
 #include "render/glsl/gbuffer_read.glsl"
@@ -17,6 +17,7 @@ vec3 lightsAt(FrameConstants frame, View view, LitPixel p) {
 }
 
 void main() {
+  showSurfaces(push.frame, push.shown);
   ivec3 place = ivec3(gl_GlobalInvocationID);
   place.y = 2 * place.y + int(push.firstRow);
   bool lit = lightPixel(FrameRef(push.frame).v, place);

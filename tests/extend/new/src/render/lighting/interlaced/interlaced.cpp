@@ -13,7 +13,10 @@ void add(const FrameContext& f, const Gbuffer& gbuffer) {
     ComputePass field =
         lightingPass(f, gbuffer, "lighting interlaced", "interlaced.comp", {.picture = row > 0, .counts = row > 0});
     field.size.y = (f.height + 1 - row) / 2;
-    if (field.size.y > 0) addCompute(f, std::move(field), shared::FieldPush{f.constants, row});
+    if (field.size.y == 0) continue;
+    addCompute(f, std::move(field), [row, &f](graph::Context& context) {
+      return shared::FieldPush{.frame = f.constants, .shown = shownSurfaces(f, context), .firstRow = row};
+    });
   }
 }
 

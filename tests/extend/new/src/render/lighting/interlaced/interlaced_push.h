@@ -2,13 +2,16 @@
 #ifndef LATELIGHT_INTERLACED_PUSH_H
 #define LATELIGHT_INTERLACED_PUSH_H
 
+#include "render/visibility/compute/shown_push.h"
 #include "shared/lang.h"
 
 SH_BEGIN
 
 struct FieldPush {
   uint64_t frame;  // FrameConstants
-  uint firstRow;   // 0 or 1
+  ShownPush shown;
+  uint firstRow;  // 0 or 1
+  uint padding;
 };
 
 SH_END

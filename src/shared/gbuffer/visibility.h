@@ -1,0 +1,15 @@
+// visibility: no G-buffer. Lighting finds the triangle that a pixel shows in the visibility buffer of the raster
+// compute, and evaluates its material there and then (Burns and Hunt 2013, The Visibility Buffer: A Cache-Friendly
+// Approach to Deferred Shading, JCGT 2(2)). Nothing is packed, so nothing is lost: what is lit is what `exact` holds.
+#ifndef LATELIGHT_SHARED_GBUFFER_VISIBILITY_H
+#define LATELIGHT_SHARED_GBUFFER_VISIBILITY_H
+
+#include "shared/gbuffer.h"
+
+#define GBUFFER_NO_TARGETS
+#define GBUFFER_DESCRIPTION "none: materials are evaluated where they are lit, from the triangles that pixels show"
+#define GBUFFER_FIXED_NORMAL "what the material gives where it is lit"
+#define GBUFFER_FIXED_POSITION "where rays meet triangles"
+#define GBUFFER_TARGETS(T)
+
+#endif
