@@ -19,8 +19,10 @@
 #include "output/files.h"
 #include "output/used_files.h"
 #include "render/lens/lens_settings.h"
+#include "render/outputs/outputs.h"
 #include "render/raster_choice.h"
 #include "render/renderer.h"
+#include "render/request.h"
 #include "render/session.h"
 #include "render/view.h"
 #include "vk/driver_cache.h"
@@ -267,6 +269,13 @@ void renderAll(RenderRun& run) {
 
 namespace {
 
+// The slots of materials whose textures matter: without the others data alone take a fraction of the time to load.
+uint32_t texturesFor(const RenderOptions& o, const RenderPlan& plan) {
+  if (plan.debug && plan.debug->targets) return ~0u;
+  const uint32_t picked = o.picks.empty() ? 0 : 1u << shared::kTextureNormal;
+  return picked | (o.out.empty() ? 0 : render::textureSlots(o.settings));
+}
+
 void render(RenderOptions& o) {
   const auto start = Clock::now();
   const RenderPlan plan = planRender(o);
@@ -275,13 +284,18 @@ void render(RenderOptions& o) {
   // The device starts while the scene loads: they share nothing.
   auto deviceStart = inBackground(
       [&] { return std::make_unique<vk::Device>(vk::DeviceOptions{.selector = o.device, .validation = o.validate}); });
-  const scene::Scene scene =
-      scene::load(o.scene, {.variant = o.variant, .allowOutside = o.allowOutside, .ids = o.idGrouping});
+  const scene::Scene scene = scene::load(o.scene, {.variant = o.variant,
+                                                   .allowOutside = o.allowOutside,
+                                                   .ids = o.idGrouping,
+                                                   .textureSlots = texturesFor(o, plan)});
   const Timeline timeline(scene, o);
   timeline.cameraAt(timeline.first());  // reports errors before anything else
   const std::string environmentName = environmentOf(o, scene);
   checkFiles(o, plan, scene, timeline, environmentName);
-  const std::optional<scene::Environment> environment = render::loadEnvironment(scene, environmentName);
+  // Data alone show nothing of it; one that the user names must be good all the same.
+  const bool lit = render::isLit(o.settings) || (plan.debug && plan.debug->targets) || !o.hdri.empty();
+  const std::optional<scene::Environment> environment =
+      lit ? render::loadEnvironment(scene, environmentName) : std::nullopt;
   const double loaded = seconds(start);
 
   const std::unique_ptr<vk::Device> device = deviceStart.get();

@@ -21,7 +21,8 @@ std::vector<vk::Constant> FrameSetup::constants() const {
           {4, positionMethod},        {5, shadowFormat},
           {6, shadowFilter},          {7, everySample ? 1u : 0u},
           {8, textureSlots},          {9, sunInGbuffer ? 1u : 0u},
-          {13, ambientOcclusion},     {kLensConstant, lens ? 1u : 0u}};
+          {11, lights ? 1u : 0u},     {13, ambientOcclusion},
+          {kLensConstant, lens ? 1u : 0u}};
 }
 
 graph::ImageId createTarget(const FrameContext& f, VkFormat format, const std::string& name, uint32_t samples) {

@@ -94,6 +94,7 @@ struct FrameSetup {
   bool countLights = false;
   uint32_t ambientOcclusion = 0;  // kAo*
   uint32_t textureSlots = ~0u;    // bit i: a material may have a texture in slot i (GpuScene::textureSlots)
+  bool lights = true;             // there may be some; else shaders of the deferred techniques need not look for any
   bool fog = false;               // the constants have some
   TransparencySetup transparency;
   uint32_t shadowFormat = 0;  // kShadow*

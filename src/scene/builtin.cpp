@@ -66,19 +66,21 @@ constexpr BuiltinParameter kTrianglesParameters[] = {
 
 constexpr Builtin kBuiltins[] = {
     {"hall", "a colonnaded hall with a coffered vault, lit by warm lights", kHallParameters,
-     [](std::span<const uint64_t> v) {
-       return builtin::makeHall({v[0], static_cast<uint32_t>(v[1]), v[2], v[3] != 0});
+     [](std::span<const uint64_t> v, uint32_t textureSlots) {
+       return builtin::makeHall({v[0], static_cast<uint32_t>(v[1]), v[2], v[3] != 0, textureSlots});
      }},
     {"spheres",
      "metalness and roughness over a grid of spheres",
      {},
-     [](std::span<const uint64_t>) { return builtin::makeSpheres(); }},
+     [](std::span<const uint64_t>, uint32_t) { return builtin::makeSpheres(); }},
     {"boxes",
      "axis-aligned boxes with a closed-form answer",
      {},
-     [](std::span<const uint64_t>) { return builtin::makeBoxes(); }},
+     [](std::span<const uint64_t>, uint32_t) { return builtin::makeBoxes(); }},
     {"triangles", "random triangles, to measure rasterization with", kTrianglesParameters,
-     [](std::span<const uint64_t> v) { return builtin::makeTriangles(v[0], 0.1 * static_cast<double>(v[1])); }},
+     [](std::span<const uint64_t> v, uint32_t) {
+       return builtin::makeTriangles(v[0], 0.1 * static_cast<double>(v[1]));
+     }},
 };
 
 }  // namespace
@@ -111,7 +113,7 @@ std::optional<uint64_t> parseCount(std::string_view text) {
   return *count * unit + *parts * place;
 }
 
-Scene makeBuiltin(const std::string& name) {
+Scene makeBuiltin(const std::string& name, uint32_t textureSlots) {
   std::string_view rest = name;
   const Builtin& builtin = findBuiltin(rest.substr(0, rest.find(',')));
   std::vector<uint64_t> values;
@@ -123,7 +125,7 @@ Scene makeBuiltin(const std::string& name) {
     setParameter(builtin, rest.substr(0, end), values);
     rest.remove_prefix(end);
   }
-  Scene scene = builtin.make(values);
+  Scene scene = builtin.make(values, textureSlots);
   scene.name = builtin.name;
   scene.source = "builtin:" + name;
   identifyMaterials(scene);

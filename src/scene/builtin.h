@@ -25,7 +25,8 @@ struct Builtin {
   std::string_view name;
   std::string_view description;
   std::span<const BuiltinParameter> parameters;
-  Scene (*make)(std::span<const uint64_t> values);  // one per parameter, in order and in range
+  // `values`: one per parameter, in order and in range. `textureSlots`: LoadOptions::textureSlots.
+  Scene (*make)(std::span<const uint64_t> values, uint32_t textureSlots);
 };
 std::span<const Builtin> builtins();
 

@@ -86,7 +86,7 @@ Scene import(const std::filesystem::path& path, const LoadOptions& options) {
   readLights(document, hierarchy, scene);
   readRig(document, hierarchy, scene);
   TextureTable textures;
-  readMaterials(document, textures, scene);
+  readMaterials(document, options.textureSlots, textures, scene);
   std::vector<MeshRequest> requests = placeInstances(document, hierarchy, variant, scene);
   identifyMaterials(scene);
 

@@ -118,7 +118,8 @@ int imageOf(const tinygltf::Texture& texture) {
 
 class MaterialReader {
  public:
-  MaterialReader(const Document& document, TextureTable& textures) : document_(document), textures_(textures) {}
+  MaterialReader(const Document& document, uint32_t slots, TextureTable& textures)
+      : document_(document), slots_(slots), textures_(textures) {}
 
   Material read(const tinygltf::Material& source) {
     source_ = &source;
@@ -151,7 +152,13 @@ class MaterialReader {
     return image;
   }
 
+  bool isWanted(uint32_t slot) const {
+    const bool alphaDecides = (out_.data.flags & (shared::kMaterialMasked | shared::kMaterialBlended)) != 0;
+    return (slots_ >> slot & 1u) != 0 || (slot == shared::kTextureBaseColor && alphaDecides);
+  }
+
   void fill(uint32_t slot, const Reference& reference, const TextureRequest& request) {
+    if (!isWanted(slot)) return;
     const tinygltf::Texture& texture = document_.model.textures[size_t(reference.texture)];
     out_.slots[slot] = {textures_.request(request), samplerOf(document_.model, texture.sampler)};
     out_.data.textures |= 1u << slot;
@@ -311,6 +318,7 @@ class MaterialReader {
   }
 
   const Document& document_;
+  const uint32_t slots_;
   TextureTable& textures_;
   const tinygltf::Material* source_ = nullptr;
   Material out_;
@@ -343,8 +351,8 @@ Material defaultMaterial() {
   return material;
 }
 
-void readMaterials(const Document& document, TextureTable& textures, Scene& scene) {
-  MaterialReader reader(document, textures);
+void readMaterials(const Document& document, uint32_t slots, TextureTable& textures, Scene& scene) {
+  MaterialReader reader(document, slots, textures);
   for (uint32_t i = 0; i < document.model.materials.size(); ++i) {
     scene.materials.push_back(reader.read(document.model.materials[i]));
     if (const auto animated = scene.rig.materials.find(i); animated != scene.rig.materials.end())

@@ -21,8 +21,9 @@ class TextureTable {
   std::vector<TextureRequest> requests_;
 };
 
-// Fills scene.materials, and those of scene.rig.materials that animations change.
-void readMaterials(const Document& document, TextureTable& textures, Scene& scene);
+// Fills scene.materials, with textures in the slots that are wanted (LoadOptions::textureSlots), and those of
+// scene.rig.materials that animations change.
+void readMaterials(const Document& document, uint32_t slots, TextureTable& textures, Scene& scene);
 
 // glTF 2.0, 3.9.6: for primitives without a material.
 Material defaultMaterial();

@@ -66,7 +66,7 @@ void addBounds(const Scene& scene, const Instance& instance, Bounds& bounds) {
 Scene loadBuiltin(const std::string& source, const LoadOptions& options) {
   if (!options.variant.empty())
     badUsage("{} has no material variants: leave out the variant '{}'", source, options.variant);
-  Scene scene = makeBuiltin(source.substr(kBuiltin.size()));
+  Scene scene = makeBuiltin(source.substr(kBuiltin.size()), options.textureSlots);
   scene.source = source;
   return scene;
 }

@@ -221,6 +221,9 @@ struct LoadOptions {
   std::vector<std::string> allowOutside;
   IdGrouping ids{};
   bool textures = true;  // false: none are decoded, for what asks for the geometry alone
+  // Bit i: textures in slot i of materials (shared::kTexture*) are wanted; the other slots are left empty. Where alpha
+  // decides what shows, the base colour is always there.
+  uint32_t textureSlots = ~0u;
 };
 
 // A .gltf or .glb file, or "builtin:NAME[,key=value...]". Throws Error(BadInput) naming the file and what is wrong, and
@@ -228,6 +231,6 @@ struct LoadOptions {
 Scene load(const std::string& source, const LoadOptions& options = {});
 
 Scene loadGltf(const std::filesystem::path& path, const LoadOptions& options);  // gltf.cpp
-Scene makeBuiltin(const std::string& name);                                     // builtin.cpp: what follows "builtin:"
+Scene makeBuiltin(const std::string& name, uint32_t textureSlots = ~0u);         // builtin.cpp: what follows "builtin:"
 
 }  // namespace latelight::scene

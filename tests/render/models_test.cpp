@@ -1,10 +1,13 @@
 // Every lighting technique on whole models, under the studio and under lights of every kind around them: the deferred
 // ones give what fullscreen gives on the same layout, the forward ones what the layout plain gives.
+#include <fmt/core.h>
+
 #include <cmath>
 #include <cstdlib>
 
 #include "models/models.h"
 #include "render/lighting/technique.h"
+#include "render/outputs/outputs.h"
 #include "render/support.h"
 #include "scene/framing.h"
 #include "shared/light.h"
@@ -73,6 +76,31 @@ INSTANTIATE_TEST_SUITE_P(Files, ModelsTest,
                                                             {"DamagedHelmet.glb", "Fox.glb", "CesiumMan.glb",
                                                              "lights_punctual.glb"})),
                          caseName);
+
+class DataOfModelsTest : public RenderTest {};
+
+// Each output alone, of a scene that is loaded with no more textures than it needs, is the same as beside all others.
+TEST_F(DataOfModelsTest, NeedNoMoreThanTheirTextures) {
+  using output::Aov;
+  const std::vector<Aov> all{Aov::Depth,     Aov::Normal,   Aov::GeoNormal, Aov::Position, Aov::Albedo, Aov::Metallic,
+                             Aov::Roughness, Aov::Emissive, Aov::Ao,        Aov::Id,       Aov::Uv};
+  for (const char* model : {"textured.glb", "blended.glb"}) {  // both with a mask
+    const std::string path = models::modelPath(model).string();
+    const scene::Scene whole = scene::load(path);
+    const scene::Camera camera = cameraOf(whole, kModelWidth, kModelHeight);
+    const output::FrameOutput expected =
+        renderOne(device(), whole, camera, settingsOf(kModelWidth, kModelHeight, all));
+    for (const Aov aov : all) {
+      SCOPED_TRACE(fmt::format("{} of {}", output::info(aov).name, model));
+      const Settings settings = settingsOf(kModelWidth, kModelHeight, {aov});
+      const scene::Scene sparse = scene::load(path, {.textureSlots = textureSlots(settings)});
+      EXPECT_LT(sparse.textures.size(), whole.textures.size());
+      const output::FrameOutput got = renderOne(device(), sparse, camera, settings);
+      EXPECT_EQ(imageOf(got, aov).values, imageOf(expected, aov).values);
+      EXPECT_EQ(imageOf(got, aov).ids, imageOf(expected, aov).ids);
+    }
+  }
+}
 
 }  // namespace
 }  // namespace latelight::render::test

@@ -5,6 +5,7 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <map>
 #include <set>
 #include <string>
@@ -136,6 +137,23 @@ TEST(Hall, NormalMappedMeshesKeepTheirTexturesShape) {
     }
     EXPECT_LT(stretched, 0.06 * all) << mesh.name;
   }
+}
+
+TEST(Hall, HasTheTexturesOfTheSlotsThatAreWanted) {
+  const Scene& whole = hall("");
+  const Scene bumps = load(hallNamed(""), {.textureSlots = 1u << shared::kTextureNormal});
+  ASSERT_EQ(bumps.materials.size(), whole.materials.size());
+  for (size_t i = 0; i < whole.materials.size(); ++i) {
+    const int had = whole.materials[i].slots[shared::kTextureNormal].texture;
+    const int has = bumps.materials[i].slots[shared::kTextureNormal].texture;
+    EXPECT_EQ(bumps.materials[i].data.textures, has < 0 ? 0 : 1u << shared::kTextureNormal);
+    ASSERT_EQ(has < 0, had < 0);
+    if (has < 0) continue;
+    const Texture &from = whole.textures[size_t(had)], &to = bumps.textures[size_t(has)];
+    ASSERT_EQ(to.bytes(), from.bytes());
+    EXPECT_EQ(std::memcmp(to.pixels.get(), from.pixels.get(), from.bytes()), 0) << from.name;
+  }
+  EXPECT_TRUE(load(hallNamed(""), {.textureSlots = 0}).textures.empty());
 }
 
 TEST(Hall, IdsAndPathsAreUniqueAndStable) {

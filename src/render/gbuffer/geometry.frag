@@ -11,6 +11,8 @@
 #endif
 
 layout(constant_id = 16) const uint kAlphaMasked = 0;
+// Bit i: target i is wanted; the one after the last: light. lavapipe would find what only the others hold, too.
+layout(constant_id = 17) const uint kTargets = ~0u;
 
 #define OUTPUT(index, name, format, type, channels) layout(location = index) out type gbuffer_##name;
 GBUFFER_TARGETS(OUTPUT)
@@ -25,14 +27,16 @@ void main() {
   Material m = drawMaterial();
   SurfacePoint p = fragmentPoint();
   Surface s = evaluateMaterial(frame, m, p);
-  lightAccumulation = emittedLight(frame, s);
+  bool wantsLight = (kTargets >> (0 GBUFFER_TARGETS(COUNT)) & 1u) != 0u;
+  lightAccumulation = wantsLight ? emittedLight(frame, s) : vec4(0.0);
   s = keptSurface(s);
   GbufferContext context = gbufferContext(frameView(frame, push.view), gl_FragCoord.xy);
 #ifdef GBUFFER_KEEPS_MOTION
   s.motion = surfaceMotion(context.view.size).xy;
 #endif
   GbufferTexel texel = packGbuffer(s, context);
-#define WRITE(index, name, format, type, channels) gbuffer_##name = texel.name;
+#define WRITE(index, name, format, type, channels) \
+  gbuffer_##name = (kTargets >> index & 1u) != 0u ? texel.name : type(0);
   GBUFFER_TARGETS(WRITE)
   // Masked-out fragments left no depth, but another surface may lie at exactly the same depth. Last, since textures
   // need the whole quad.

@@ -102,6 +102,7 @@ void shadeRange(inout Shading shading, FrameConstants frame, uint first, uint en
 // Radiance that all of the frame's lights send from `s` to the eye. Every invocation of the subgroup must call it;
 // `lit` is false for those without a surface.
 vec3 shadeAllLights(FrameConstants frame, uint view, Surface s, LIT_BRDF brdf, bool lit) {
+  if (kLights == 0u) return vec3(0.0);
   lightsTested += float(frame.lightCount);
   countLanes();
   Shading shading = startShading(s, brdf, view, lit);

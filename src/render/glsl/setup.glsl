@@ -11,5 +11,6 @@ layout(constant_id = 5) const uint kShadowFormat = 0;  // kShadow* of shared/sha
 layout(constant_id = 6) const uint kShadowFilter = 0;  // kShadowFilter*
 layout(constant_id = 9) const uint kSunInGbuffer = 0;  // FrameSetup::sunInGbuffer
 layout(constant_id = 7) const uint kEverySample = 0;
+layout(constant_id = 11) const uint kLights = 1;  // FrameSetup::lights
 layout(constant_id = 13) const uint kAmbientOcclusion = 0;
 #endif

@@ -53,6 +53,7 @@ ivec3 placeInTile() {
 // the boxes that the tree is walked with had better not span the depth of the scene. On lavapipe a shader's loops
 // together end after 65535 rounds, without a word.)
 vec3 shadeFromCells(LitPixel pixel, View view, FrameConstants frame, CellsPush push) {
+  if (kLights == 0u) return vec3(0.0);
   uint64_t tile = tileOf(gl_WorkGroupID, push.tiles);
   CellLights lights = CellLights(CellsRef(push.cells + tile * (8u * (kCellsATile + 1u))),
                                  push.entries + tile * (4u * kEntriesATile));

@@ -17,6 +17,14 @@ uint32_t tilesAlong(uint32_t pixels) {
 
 void addLightLists(const FrameContext& f, const Gbuffer& gbuffer, const LightListsDesc& desc) {
   const glm::uvec2 tiles(tilesAlong(f.width), tilesAlong(f.height));
+  const std::vector<vk::Constant> own{{kFirstOwnConstant, desc.cellsATile}, {kFirstOwnConstant + 1, desc.entriesATile}};
+  ComputePass lighting = lightingPass(f, gbuffer, "lighting " + desc.name, "cells.comp");
+  lighting.constants.insert(lighting.constants.end(), own.begin(), own.end());
+  if (!f.setup.lights)
+    return addCompute(f, std::move(lighting), [=, &f](graph::Context& context) {
+      return shared::CellsPush{.frame = f.constants, .tiles = tiles, .shown = shownSurfaces(f, context)};
+    });
+
   const VkDeviceSize count = VkDeviceSize{tiles.x} * tiles.y * f.viewCount();
   const graph::BufferId cells =
       f.graph.create(vk::BufferDesc{.size = count * 8 * (desc.cellsATile + 1), .name = "light cells"});
@@ -28,8 +36,6 @@ void addLightLists(const FrameContext& f, const Gbuffer& gbuffer, const LightLis
                              .entries = context.buffer(entries).address(),
                              .tiles = tiles};
   };
-  const std::vector<vk::Constant> own{{kFirstOwnConstant, desc.cellsATile}, {kFirstOwnConstant + 1, desc.entriesATile}};
-
   Bindings samples(f.device);
   samples.sampled(gbuffer.sampleDepth);
   if (gbuffer.surfaces) samples.sampled(gbuffer.surfaces);
@@ -47,8 +53,6 @@ void addLightLists(const FrameContext& f, const Gbuffer& gbuffer, const LightLis
               .groupY = 1},
              pushOf);
 
-  ComputePass lighting = lightingPass(f, gbuffer, "lighting " + desc.name, "cells.comp");
-  lighting.constants.insert(lighting.constants.end(), own.begin(), own.end());
   lighting.buffers.insert(lighting.buffers.end(),
                           {{cells, graph::Use::StorageRead}, {entries, graph::Use::StorageRead}});
   addCompute(f, std::move(lighting), [=, &f](graph::Context& context) {

@@ -16,7 +16,7 @@ namespace latelight::render {
 namespace {
 
 using output::Aov;
-using namespace shared;  // kPack*
+using namespace shared;  // kPack*, kTexture*
 
 struct Place {
   std::string_view target;
@@ -25,15 +25,16 @@ struct Place {
 
 struct Source {
   Origin origin;
-  uint32_t packing;  // kPack*
+  uint32_t packing;   // kPack*
+  uint32_t textures;  // slots
   std::array<Place, 2> places;
 
   bool isSplit() const { return !places[1].target.empty(); }
 };
 
 template <typename... Places>
-constexpr Source source(Origin origin, uint32_t packing, Places... places) {
-  return {origin, packing, {places...}};
+constexpr Source source(Origin origin, uint32_t packing, uint32_t textures, Places... places) {
+  return {origin, packing, textures, {places...}};
 }
 
 // In the order of Aov.
@@ -45,8 +46,9 @@ constexpr Source source(Origin origin, uint32_t packing, Places... places) {
 #define PLACES_2(a, b) AT a AT b
 #define PLACES_OF(one, two, name, ...) name
 constexpr Source kSources[] = {
-#define OUTPUT(aov, name, channels, exrChannels, exr, png, background, unit, description, debug, origin, packing, ...) \
-  source(Origin::origin, packing PLACES_OF(__VA_ARGS__, PLACES_2, PLACES_1)(__VA_ARGS__)),
+#define OUTPUT(aov, name, channels, exrChannels, exr, png, background, unit, description, debug, origin, packing, \
+               textures, ...)                                                                                     \
+  source(Origin::origin, packing, textures PLACES_OF(__VA_ARGS__, PLACES_2, PLACES_1)(__VA_ARGS__)),
 #include "output/outputs.def"
 };
 
@@ -72,6 +74,12 @@ bool asksFor(const Settings& settings, Origin origin) {
 
 bool showsPicture(const Settings& settings) {
   return settings.display || asksFor(settings, Origin::Picture);
+}
+
+uint32_t textureSlots(const Settings& settings) {
+  uint32_t slots = settings.display ? ~0u : 0;
+  for (const Aov aov : settings.aovs) slots |= sourceOf(aov).textures;
+  return slots;
 }
 
 uint64_t bytesAPixel(const Settings& settings) {

@@ -12,6 +12,7 @@ struct HallParameters {
   uint32_t lights;
   uint64_t seed;
   bool glass;
+  uint32_t textureSlots;  // LoadOptions
 };
 Scene makeTriangles(uint64_t count, double size);  // pixels
 Scene makeHall(const HallParameters& parameters);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 
 #include "base/parallel.h"
 
@@ -22,9 +23,10 @@ vec2 placeOf(ImageSize size, uint32_t x, size_t y) {
   return {(float(x) + 0.5f) / float(size.width), (float(y) + 0.5f) / float(size.height)};
 }
 
-int keep(Scene& scene, Texture texture) {
-  buildMips(texture);
-  scene.textures.push_back(std::move(texture));
+int keep(Scene& scene, std::optional<Texture> texture) {
+  if (!texture) return -1;
+  buildMips(*texture);
+  scene.textures.push_back(std::move(*texture));
   return static_cast<int>(scene.textures.size() - 1);
 }
 
@@ -48,29 +50,32 @@ void normalRow(Texture& texture, const std::vector<Slope>& slopes, ImageSize siz
 
 }  // namespace
 
-SurfaceMaps addMaps(Scene& scene, const std::string& name, ImageSize size, const std::function<MapTexel(vec2)>& texel) {
-  Texture color = makeTexture(size, true, name + " base colour"), normal = makeTexture(size, false, name + " normal");
-  Texture roughness = makeTexture(size, false, name + " roughness");
-  std::vector<Slope> slopes(size_t{size.width} * size.height);
+SurfaceMaps addMaps(Scene& scene, const std::string& name, ImageSize size, const std::function<MapTexel(vec2)>& texel,
+                    uint32_t slots) {
+  const auto make = [&](uint32_t slot, bool srgb, const char* what) {
+    return (slots >> slot & 1u) != 0 ? std::optional(makeTexture(size, srgb, name + what)) : std::nullopt;
+  };
+  std::optional<Texture> color = make(shared::kTextureBaseColor, true, " base colour");
+  std::optional<Texture> normal = make(shared::kTextureNormal, false, " normal");
+  std::optional<Texture> roughness = make(shared::kTextureMetallicRoughness, false, " roughness");
+  if (!color && !normal && !roughness) return {};
+  std::vector<Slope> slopes(normal ? size_t{size.width} * size.height : 0);
   parallelFor(size.height, 8, [&](size_t begin, size_t end) {
     for (size_t y = begin; y < end; ++y) {
       for (uint32_t x = 0; x < size.width; ++x) {
         const size_t at = y * size.width + x;
         const MapTexel t = texel(placeOf(size, x, y));
-        store(color, at, t.color);
-        store(roughness, at, {1, t.roughness, t.metallic});
-        slopes[at] = {t.height, t.tilt};
+        if (color) store(*color, at, t.color);
+        if (roughness) store(*roughness, at, {1, t.roughness, t.metallic});
+        if (normal) slopes[at] = {t.height, t.tilt};
       }
     }
   });
-  parallelFor(size.height, 16, [&](size_t begin, size_t end) {
-    for (size_t y = begin; y < end; ++y) normalRow(normal, slopes, size, y);
-  });
-  SurfaceMaps maps;
-  maps.color = keep(scene, std::move(color));
-  maps.normal = keep(scene, std::move(normal));
-  maps.roughness = keep(scene, std::move(roughness));
-  return maps;
+  if (normal)
+    parallelFor(size.height, 16, [&](size_t begin, size_t end) {
+      for (size_t y = begin; y < end; ++y) normalRow(*normal, slopes, size, y);
+    });
+  return {keep(scene, std::move(color)), keep(scene, std::move(normal)), keep(scene, std::move(roughness))};
 }
 
 int addColorMap(Scene& scene, const std::string& name, ImageSize size, const std::function<vec3(vec2)>& color) {

@@ -18,11 +18,13 @@ struct MapTexel {
 };
 
 struct SurfaceMaps {
-  int color = -1, normal = -1, roughness = -1;  // indices into Scene::textures
+  int color = -1, normal = -1, roughness = -1;  // indices into Scene::textures; -1: not wanted
 };
 
 // `texel` gets the position in [0, 1)^2, y down, and is called on all threads. The maps tile if the function does.
-SurfaceMaps addMaps(Scene& scene, const std::string& name, ImageSize size, const std::function<MapTexel(vec2)>& texel);
+// `slots`: those of materials that are wanted (LoadOptions::textureSlots); maps for other slots are left out.
+SurfaceMaps addMaps(Scene& scene, const std::string& name, ImageSize size, const std::function<MapTexel(vec2)>& texel,
+                    uint32_t slots);
 // Colour only.
 int addColorMap(Scene& scene, const std::string& name, ImageSize size, const std::function<vec3(vec2)>& color);
 

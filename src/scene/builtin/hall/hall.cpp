@@ -4,7 +4,6 @@
 
 #include "base/log.h"
 #include "base/parallel.h"
-#include "scene/builtin/make.h"
 
 namespace latelight::scene::builtin {
 namespace hall {
@@ -147,7 +146,7 @@ Scene makeHall(const HallParameters& p) {
   HallBuilder hall(detail, p.seed, false, p.glass);
   addParts(hall, p.triangles - std::min(p.triangles, planned));
   hall.finish();
-  addMaterials(hall.builder.scene, static_cast<uint32_t>(p.seed), p.glass);
+  addMaterials(hall.builder.scene, p);
   addCameras(hall.builder);
   addLights(hall, p.lights);
   return std::move(hall.builder.scene);

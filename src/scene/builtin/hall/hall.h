@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "scene/builtin/hall/dimensions.h"
+#include "scene/builtin/make.h"
 #include "scene/builtin/mesh_plan.h"
 #include "scene/builtin/scene_builder.h"
 
@@ -112,7 +113,7 @@ void addExhibits(HallBuilder& hall);
 void addLamps(HallBuilder& hall);
 
 // Fill scene.textures and scene.materials, in the order of Stuff: all of them, or the unblended ones.
-void addMaterials(Scene& scene, uint32_t seed, bool glass);
+void addMaterials(Scene& scene, const HallParameters& p);
 
 // The one named "main" comes first.
 void addCameras(SceneBuilder& builder);

@@ -10,6 +10,7 @@ using shared::kTextureMetallicRoughness;
 using shared::kTextureNormal;
 
 void setSlot(Material& material, uint32_t slot, int texture) {
+  if (texture < 0) return;
   material.slots[slot].texture = texture;
   material.data.textures |= 1u << slot;
 }
@@ -46,28 +47,31 @@ Material blended(const std::string& name, vec3 color, float alpha) {
   return material;
 }
 
-// Every texture of the hall; tints of materials are linear.
+// The textures of the hall; tints of materials are linear.
 struct Maps {
   SurfaceMaps nave, aisle, ashlar, plaster, mosaic, tile;
   int pale, dark, glass;
 };
 
-Maps addTextures(Scene& scene, uint32_t seed) {
-  const auto with = [seed](MapTexel (*texel)(vec2, uint32_t)) {
-    return [=](vec2 place) { return texel(place, seed); };
+Maps addTextures(Scene& scene, uint32_t seed, uint32_t slots) {
+  const auto maps = [&](const char* name, ImageSize size, MapTexel (*texel)(vec2, uint32_t)) {
+    return addMaps(scene, name, size, [=](vec2 place) { return texel(place, seed); }, slots);
   };
-  const auto colored = [seed](vec3 (*color)(vec2, uint32_t)) { return [=](vec2 place) { return color(place, seed); }; };
-  Maps maps;
-  maps.nave = addMaps(scene, "nave floor", {2048, 1024}, with(naveFloor));
-  maps.aisle = addMaps(scene, "aisle floor", {512, 512}, with(aisleFloor));
-  maps.ashlar = addMaps(scene, "ashlar", {1024, 1024}, with(ashlar));
-  maps.plaster = addMaps(scene, "plaster", {512, 512}, with(plaster));
-  maps.mosaic = addMaps(scene, "mosaic", {512, 512}, with(mosaic));
-  maps.tile = addMaps(scene, "glazed tile", {512, 512}, with(glazedTile));
-  maps.pale = addColorMap(scene, "pale marble", {512, 512}, colored(paleMarble));
-  maps.dark = addColorMap(scene, "dark marble", {512, 512}, colored(darkMarble));
-  maps.glass = addColorMap(scene, "leaded glass", {256, 256}, colored(leadedGlass));
-  return maps;
+  const auto colors = [&](const char* name, ImageSize size, vec3 (*color)(vec2, uint32_t), uint32_t slot) {
+    if ((slots >> slot & 1u) == 0) return -1;
+    return addColorMap(scene, name, size, [=](vec2 place) { return color(place, seed); });
+  };
+  Maps all;
+  all.nave = maps("nave floor", {2048, 1024}, naveFloor);
+  all.aisle = maps("aisle floor", {512, 512}, aisleFloor);
+  all.ashlar = maps("ashlar", {1024, 1024}, ashlar);
+  all.plaster = maps("plaster", {512, 512}, plaster);
+  all.mosaic = maps("mosaic", {512, 512}, mosaic);
+  all.tile = maps("glazed tile", {512, 512}, glazedTile);
+  all.pale = colors("pale marble", {512, 512}, paleMarble, kTextureBaseColor);
+  all.dark = colors("dark marble", {512, 512}, darkMarble, kTextureBaseColor);
+  all.glass = colors("leaded glass", {256, 256}, leadedGlass, kTextureEmissive);
+  return all;
 }
 
 Material makeMaterial(Stuff stuff, const Maps& maps) {
@@ -137,9 +141,9 @@ Material makeMaterial(Stuff stuff, const Maps& maps) {
 
 }  // namespace
 
-void addMaterials(Scene& scene, uint32_t seed, bool glass) {
-  const Maps maps = addTextures(scene, seed);
-  const auto end = static_cast<uint32_t>(glass ? Stuff::Count : Stuff::CaseGlass);
+void addMaterials(Scene& scene, const HallParameters& p) {
+  const Maps maps = addTextures(scene, static_cast<uint32_t>(p.seed), p.textureSlots);
+  const auto end = static_cast<uint32_t>(p.glass ? Stuff::Count : Stuff::CaseGlass);
   for (uint32_t i = 0; i < end; ++i) scene.materials.push_back(makeMaterial(static_cast<Stuff>(i), maps));
 }
 
