@@ -17,6 +17,9 @@ namespace beast = boost::beast;
 namespace websocket = beast::websocket;
 using boost::asio::ip::tcp;
 
+// Bytes that are written at once: pings go between, and a picture is not a hundred calls of the system.
+constexpr size_t kFragment = 64 << 10;
+
 class Socket : public std::enable_shared_from_this<Socket> {
  public:
   Socket(tcp::socket socket, Request request, std::string peer, Hub& hub)
@@ -61,6 +64,7 @@ void Socket::accept() {
   stream_.set_option(times);
   stream_.read_message_max(kMostBytes);
   stream_.binary(true);
+  stream_.write_buffer_bytes(kFragment);
   beast::get_lowest_layer(stream_).socket().set_option(tcp::no_delay(true));
   stream_.async_accept(request_, [self = shared_from_this()](beast::error_code error) {
     if (!error) self->begin();

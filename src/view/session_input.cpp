@@ -86,7 +86,7 @@ void ViewSession::Impl::setSplit(const SetSplit& split) {
   state.split = split;
   if (!std::isfinite(state.split.at)) state.split.at = 0.5;
   if (!std::isfinite(state.split.amplification)) state.split.amplification = 1;
-  recompose = true;
+  recompose = hasSplit() && !sides[1].picture.rgba.empty();  // there is none after an error
   if (had == hasSplit()) return;
   if (!had) state.choices[1] = state.choices[0];
   touch();

@@ -230,6 +230,30 @@ TEST_F(ServerTest, PicturesAreTheCommandLines) {
   EXPECT_LT(std::sqrt(squares / static_cast<double>(sent.rgb.size())), 4);  // JPEG of quality 92
 }
 
+// A picture that is whole while something moves is no finer than the network likes; the same one follows, fine.
+TEST_F(ServerTest, WholePicturesAreFineOnceTheyStandStill) {
+  Client page = resized(48, 32);
+  page.hearFinal();
+  const auto hearPicture = [&] {
+    for (;;) {
+      const Client::Message message = page.hear();
+      page.show(message);
+      if (message.header.contains("picture")) return message;
+    }
+  };
+  std::optional<Client::Message> moving;
+  for (int i = 0; i < 200 && !moving; ++i) {  // drafts, until their size is known not to matter
+    page.say({{"type", "key"}, {"name", "ArrowLeft"}, {"down", true}});
+    const Client::Message shown = hearPicture();
+    if (shown.header["picture"]["final"] == false && shown.header["picture"]["width"] == 48) moving = shown;
+  }
+  ASSERT_TRUE(moving);
+  EXPECT_LE(moving->header["picture"]["quality"], 85);
+  const Client::Message fine = page.hearFinal();
+  EXPECT_EQ(fine.header["picture"]["quality"], 92);
+  EXPECT_EQ(fine.header["picture"]["width"], 48);
+}
+
 TEST_F(ServerTest, IdlePagesGetNothing) {
   Client page = resized();
   page.hearFinal();

@@ -69,6 +69,7 @@ async function showPicture(picture, payload, serial) {
   for (const each of [...sent.keys()]) if (each <= serial) sent.delete(each);
   showList($("times"), [
     ["picture", `${picture.milliseconds.toFixed(1)} ms`],
+    ["encoding", `${picture.encoding.toFixed(1)} ms`],
     ["until shown", answered && `${(performance.now() - answered).toFixed(0)} ms`],
     ["pixels", `${picture.width} × ${picture.height}${picture.final ? "" : ", draft"}`],
     ["sent", `${(payload.length / 1000).toFixed(0)} kB, quality ${picture.quality}`],
