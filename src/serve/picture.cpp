@@ -65,8 +65,7 @@ std::vector<Strip> encodeStrips(const view::Frame& frame, int quality) {
   std::vector<Strip> strips;
   for (uint32_t y = 0; y < frame.height; y += rows) strips.push_back({y, std::min(rows, frame.height - y), {}});
   parallelFor(strips.size(), 1, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i)
-      strips[i].jpeg = encodeStrip(frame, strips[i], quality);
+    for (size_t i = begin; i < end; ++i) strips[i].jpeg = encodeStrip(frame, strips[i], quality);
   });
   return strips;
 }

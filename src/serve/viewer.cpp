@@ -1,5 +1,6 @@
 #include "serve/viewer.h"
 
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <deque>
@@ -77,6 +78,7 @@ struct Viewer::Impl {
   std::vector<std::string> validationMessages;
   Json told = Json::object();  // of the session's state
   uint64_t messages = 0, pictures = 0, serial = 0, serialTold = 0;
+  bool showsLights = false;
   bool isFine = false, restsTold = false;  // `isFine`: as the last picture was sent
 
   std::mutex mutex;
@@ -112,7 +114,9 @@ void Viewer::Impl::follow(const Order& order) {
     session->input(*input);
   else if (const auto* shot = std::get_if<TakeScreenshot>(&order.what))
     sendScreenshot(shot->side);
-  if (order.serial != 0) serial = order.serial;
+  else if (const auto* lights = std::get_if<ShowLights>(&order.what))
+    showsLights = lights->on;
+  serial = std::max(serial, order.serial);  // a file's is followed once all of it is here
 }
 
 void Viewer::Impl::send(Json header, const std::vector<std::string_view>& payload) {
@@ -136,7 +140,8 @@ void Viewer::Impl::sendScreenshot(view::Side side) {
 }
 
 // What changed of the state, and the picture where there is a new one; or only that orders were followed. A device that
-// is fast enough makes whole pictures while something moves: the last of them is sent again, fine, once it stands still.
+// is fast enough makes whole pictures while something moves: the last of them is sent again, fine, once it stands
+// still.
 void Viewer::Impl::sendNews() {
   Json header = Json::object();
   Encoded encoded;
@@ -151,7 +156,7 @@ void Viewer::Impl::sendNews() {
     header["picture"] = encoded.header;
     for (const Strip& strip : encoded.strips) payload.push_back(strip.jpeg);
   }
-  Json now = describe(*session);
+  Json now = describe(*session, showsLights);
   Json changed = changes(told, now);
   told = std::move(now);
   if (!changed.empty()) header["state"] = std::move(changed);

@@ -151,8 +151,8 @@ void ViewSession::Impl::render(bool asDraft) {
 
 // A picture without a split is not copied, since nothing composes it again.
 void ViewSession::Impl::compose() {
-  output::Picture made = hasSplit() ? splitPicture(sides[0].picture, sides[1].picture, state.split)
-                                    : std::move(sides[0].picture);
+  output::Picture made =
+      hasSplit() ? splitPicture(sides[0].picture, sides[1].picture, state.split) : std::move(sides[0].picture);
   if (state.selected && sides[0].ids) drawOutline(made, *sides[0].ids, state.selected->id);
   picture.width = made.width, picture.height = made.height;
   picture.rgba = std::move(made.rgba);
@@ -217,6 +217,8 @@ void ViewSession::Impl::describe() {
   const render::Settings s = settings(Side::Left).settings;
   const scene::Scene& scene = stage.scene();
   state.cameras.clear(), state.animations.clear(), state.targets.clear();
+  state.variants = scene.variants;
+  state.variant = start.load.variant;
   for (const scene::Camera& camera : scene.cameras) state.cameras.push_back(camera.name);
   for (const scene::Animation& animation : scene.rig.animations) state.animations.push_back(animation.name);
   for (const render::LayoutTarget& target : s.layout->targets) state.targets.emplace_back(target.name);

@@ -67,8 +67,7 @@ void measureRate(Client& page, double seconds) {
   page.say({{"type", "move"}, {"x", 300}, {"y", 300}});
   page.say({{"type", "button"}, {"button", "left"}, {"down", true}});
   int step = 0;
-  for (const auto begin = Clock::now(); since(begin) < 2;)
-    hearWhileDragging(page, step);  // finds its pace
+  for (const auto begin = Clock::now(); since(begin) < 2;) hearWhileDragging(page, step);  // finds its pace
   int pictures = 0;
   size_t bytes = 0;
   double rendering = 0;
@@ -106,8 +105,9 @@ void measureLatency(Client& page, int times) {
   }
   fmt::print("a key to its picture: {:.1f} ms, the slowest of {} {:.1f} ms; to the final one: {:.1f} ms\n",
              median(waits), times, std::ranges::max(waits), median(finals));
-  fmt::print("  of these: rendering {:.1f} ms, encoding {:.1f} ms, decoding {:.1f} ms, the way and the rest {:.1f} ms\n",
-             median(rendering), median(encoding), median(decoding), median(ways));
+  fmt::print(
+      "  of these: rendering {:.1f} ms, encoding {:.1f} ms, decoding {:.1f} ms, the way and the rest {:.1f} ms\n",
+      median(rendering), median(encoding), median(decoding), median(ways));
 }
 
 // Until it goes.
