@@ -42,7 +42,7 @@ void addServeCommand(CLI::App& app) {
   auto arguments = std::make_shared<ServeArguments>();
   ServeArguments& a = *arguments;
   CLI::App* command = app.add_subcommand("serve", "Look at a scene in a browser, from a machine without a display");
-  addRenderOptions(*command, a.render);
+  addViewOptions(*command, a.render);
   command->add_option("--port", a.server.port, "Port; 0: any that is free")->capture_default_str()->group("Server");
   command->add_option("--address", a.server.address, "Address of this machine to listen at; 0.0.0.0: all of them")
       ->capture_default_str()

@@ -27,7 +27,7 @@ void viewScene(RenderOptions& options) {
 void addViewCommand(CLI::App& app) {
   auto options = std::make_shared<RenderOptions>();
   CLI::App* command = app.add_subcommand("view", "Look at a scene in a window");
-  addRenderOptions(*command, *options);
+  addViewOptions(*command, *options);
   command->callback([options] { viewScene(*options); });
 }
 

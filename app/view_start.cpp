@@ -7,10 +7,15 @@ namespace latelight::app {
 
 namespace {
 
-constexpr std::string_view kUseless[] = {"out",   "aov",    "pick", "no-side-file", "json", "dump-graph", "frame",
-                                         "frames", "turn", "up",   "orbit",        "lens"};
+constexpr std::string_view kUseless[] = {"out",   "aov",    "pick", "no-side-file", "json",  "dump-graph",
+                                         "frame", "frames", "turn", "up",           "orbit", "lens"};
 
 }  // namespace
+
+void addViewOptions(CLI::App& command, RenderOptions& options) {
+  addRenderOptions(command, options);
+  for (const std::string_view key : kUseless) command.get_option("--" + std::string(key))->group("");
+}
 
 view::Start viewStart(RenderOptions& o, std::string_view command) {
   for (const std::string_view key : kUseless)

@@ -6,6 +6,8 @@
 
 namespace latelight::app {
 
+// Those of `latelight render`; what a session has no use for is refused in a sentence, and not listed.
+void addViewOptions(CLI::App& command, RenderOptions& options);
 // Throws Error(Usage) for options that a session has no use for; `command` is its name in that sentence.
 view::Start viewStart(RenderOptions& options, std::string_view command);
 

@@ -91,6 +91,16 @@ void drawSplit(const view::State& state, PanelMemory& memory, const Send& send) 
   memory.side = static_cast<Side>(side);
 }
 
+void drawVariants(const view::State& state, const Send& send) {
+  const auto label = [](const std::string& name) { return name.empty() ? "(the default variant)" : printable(name); };
+  ImGui::SetNextItemWidth(-1);
+  if (!ImGui::BeginCombo("##variant", label(state.variant).c_str())) return;
+  if (ImGui::Selectable(label("").c_str(), state.variant.empty())) send(view::UseVariant{""});
+  for (const std::string& name : state.variants)
+    if (ImGui::Selectable(label(name).c_str(), name == state.variant)) send(view::UseVariant{name});
+  ImGui::EndCombo();
+}
+
 void drawCameras(const view::State& state, const Send& send) {
   const std::string shown = state.steered ? "(steered)" : state.camera.empty() ? "(the first)" : state.camera;
   ImGui::SetNextItemWidth(-ImGui::GetFontSize() * 8);
@@ -232,6 +242,7 @@ void drawPanel(const view::State& state, const view::Frame& frame, PanelMemory& 
     drawSplit(state, memory, send);
     drawOutputs(state, memory.side, send);
     drawCameras(state, send);
+    if (!state.variants.empty()) drawVariants(state, send);
   }
   if (!state.animations.empty() && section("Time", true)) drawTime(state, send);
   if (section("Under the pointer", true)) drawValues(state);

@@ -23,6 +23,10 @@ bool isEnvironment(const std::string& file) {
   return file.ends_with(".hdr") || file.ends_with(".exr");
 }
 
+std::string titleOf(const std::string& scene) {
+  return "latelight: " + printable(scene);
+}
+
 }  // namespace
 
 struct Window::Impl {
@@ -55,8 +59,7 @@ struct Window::Impl {
 
 // The window takes the picture's size, and the panel beside it.
 Window::Impl::Impl(const view::Start& start)
-    : gl("latelight: " + printable(start.scene), static_cast<int>(start.width + kPanelWidth),
-         static_cast<int>(start.height), events()),
+    : gl(titleOf(start.scene), static_cast<int>(start.width + kPanelWidth), static_cast<int>(start.height), events()),
       session(start, [] { glfwPostEmptyEvent(); }) {
   const view::SessionThread::News news = session.take();
   state = news.state ? news.state : std::make_shared<view::State>();
@@ -77,8 +80,8 @@ GlWindow::Events Window::Impl::events() {
           .blur = [this] { session.send(view::Blur{}); },
           .drop =
               [this](const std::string& file) {
-                if (isEnvironment(file)) memory.environment = file;
-                session.send(view::UseEnvironment{file});
+                if (!isEnvironment(file)) return session.send(view::OpenScene{file});
+                session.send(view::UseEnvironment{memory.environment = file});
               }};
 }
 
@@ -96,7 +99,11 @@ void Window::Impl::fit() {
 
 void Window::Impl::takeNews() {
   const view::SessionThread::News news = session.take();
-  if (news.state) state = news.state, gl.redraw();
+  if (news.state) {
+    if (state && news.state->scene != state->scene) glfwSetWindowTitle(gl.get(), titleOf(news.state->scene).c_str());
+    state = news.state;
+    gl.redraw();
+  }
   if (!news.frame) return;
   frame = news.frame;
   gl.setPicture(*frame);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <webp/encode.h>
 
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <new>
@@ -13,15 +14,12 @@ namespace latelight::report {
 
 namespace {
 
-constexpr const char* kPage =
-#include "report_page.inc"
-    ;
-constexpr const char* kStyle =
-#include "report_style.inc"
-    ;
-constexpr const char* kScript =
-#include "report_script.inc"
-    ;
+struct WebFile {
+  std::string_view name, text;
+};
+constexpr WebFile kWebFiles[] = {
+#include "report_files.inc"
+};
 
 std::string headOf(const Page& page) {
   std::string links;
@@ -50,6 +48,10 @@ std::string webp(const output::Picture& picture) {
 }
 
 }  // namespace
+
+std::string_view webFile(std::string_view name) {
+  return std::ranges::find(kWebFiles, name, &WebFile::name)->text;
+}
 
 std::string escaped(std::string_view text) {
   std::string html;
@@ -96,14 +98,15 @@ std::string toHtml(const Page& page) {
   for (const Section& section : page.sections)
     main += fmt::format("<section aria-labelledby=\"{0}\">\n<h2 id=\"{0}\">{1}</h2>\n{2}</section>\n", section.id,
                         escaped(section.title), section.html);
-  const std::array<std::pair<std::string_view, std::string>, 7> parts{{{"{title}", escaped(page.title)},
-                                                                       {"{style}", kStyle},
-                                                                       {"{header}", headOf(page)},
-                                                                       {"{main}", std::move(main)},
-                                                                       {"{values}", page.values},
-                                                                       {"{data}", inScript(page.data)},
-                                                                       {"{script}", kScript}}};
-  std::string_view rest = kPage;
+  const std::array<std::pair<std::string_view, std::string>, 7> parts{
+      {{"{title}", escaped(page.title)},
+       {"{style}", std::string(webFile("style.css"))},
+       {"{header}", headOf(page)},
+       {"{main}", std::move(main)},
+       {"{values}", page.values},
+       {"{data}", inScript(page.data)},
+       {"{script}", std::string(webFile("script.js"))}}};
+  std::string_view rest = webFile("page.html");
   std::string html;
   for (const auto& [name, text] : parts) {
     const size_t at = rest.find(name);

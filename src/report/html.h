@@ -11,7 +11,8 @@
 
 namespace latelight::report {
 
-std::string escaped(std::string_view text);  // for text and for attributes in double quotes
+std::string_view webFile(std::string_view name);  // of web/report
+std::string escaped(std::string_view text);       // for text and for attributes in double quotes
 std::string base64(std::span<const std::byte> bytes);
 
 // A picture with words for those who don't see it, and a caption in HTML. `id`: of the <img>.

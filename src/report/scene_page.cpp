@@ -15,6 +15,7 @@
 #include "report/chart.h"
 #include "report/command.h"
 #include "report/html.h"
+#include "report/layout_errors.h"
 #include "report/planes.h"
 #include "report/spheres.h"
 #include "report/times.h"
@@ -27,10 +28,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Words = std::vector<std::string>;
 
-constexpr const char* kCompare =
-#include "report_compare.inc"
-    ;
-
 constexpr uint32_t kNormalSamples = 100'000;  // directions
 constexpr uint32_t kNormalBits[] = {8, 12, 16};
 
@@ -41,7 +38,7 @@ class ScenePage {
   std::string build() {
     page_.title = "Latelight: " + s_.scene.source;
     page_.introduction = introduction();
-    page_.sections.push_back({"compare", "Compare", kCompare});
+    page_.sections.push_back({"compare", "Compare", std::string(webFile("compare.html"))});
     page_.sections.push_back({"layouts", "G-buffer layouts", layouts()});
     page_.sections.push_back({"lighting", "Lighting techniques", lighting()});
     page_.sections.push_back({"times", "Times of passes", timesHtml(s_)});
@@ -120,13 +117,32 @@ class ScenePage {
     }
     std::string html = "<h3>Bytes a pixel</h3>\n" + toHtml(chart) + toHtml(table, "Bytes of each layout") +
                        commandHtml(Words{"list", "layouts", "--size", sizeText()});
-    html += "<p>The targets, as shaders read them. The world is X right, Y away, Z up, as with --axes z-up.</p>\n";
+    std::string targets;
+    study::Table errors{"layout errors",
+                        {"layout", "normal mean deg", "max deg", "position mean mm", "max mm", "albedo mean", "max",
+                         "roughness mean", "max"},
+                        {}};
+    const output::RawGbuffer exact = readTargets(render::findLayout("exact"));
     for (const render::Layout& layout : render::layouts())
-      if (canLight(s_, layout)) html += layoutHtml(layout);
-    return html;
+      if (canLight(s_, layout)) targets += layoutHtml(layout, exact, errors);
+    return html + errorsHtml(errors) +
+           "<p>The targets, as shaders read them. The world is X right, Y away, Z up, as with --axes z-up.</p>\n" +
+           targets;
   }
 
-  std::string layoutHtml(const render::Layout& layout) {
+  static std::string errorsHtml(const study::Table& errors) {
+    return "<h3>What layouts lose of this scene</h3>\n<p>Surfaces as lighting unpacks them, beside those of the layout "
+           "exact, over the pixels that show one: the angle between normals, the distance between positions, the "
+           "linear diffuse colour's channel that is farthest off, of what is lit, and perceptual roughness. The "
+           "command at the top of this page makes this table.</p>\n" +
+           toHtml(errors, "Errors of each layout");
+  }
+
+  output::RawGbuffer readTargets(const render::Layout& layout) {
+    return s_.renderer.readTargets(s_.camera, settingsFor(s_, layout), s_.moment);
+  }
+
+  std::string layoutHtml(const render::Layout& layout, const output::RawGbuffer& exact, study::Table& errors) {
     const render::Settings settings = settingsFor(s_, layout);
     const auto command = [&](const Words& more) { return commandHtml(rendering(layout, *settings.lighting, more)); };
     const std::string group = "Layout " + layout.name;
@@ -134,7 +150,10 @@ class ScenePage {
     html += showLit(group, lit(settings));
     std::string commands = command({"-o", layout.name + ".png"});
     if (layout.hasTargets()) {
-      const output::RawGbuffer gbuffer = s_.renderer.readTargets(s_.camera, settings, s_.moment);
+      const output::RawGbuffer gbuffer = readTargets(layout);
+      const LayoutErrors e = layoutErrors(layout, gbuffer, exact, settings, s_.camera);
+      errors.rows.push_back({layout.name, e.normal.mean, e.normal.most, e.position.mean, e.position.most,
+                             e.albedo.mean, e.albedo.most, e.roughness.mean, e.roughness.most});
       for (const output::Labelled& target : output::targetPictures(gbuffer))
         html += show(group, target.label, target.picture, targetValues(gbuffer, target.label));
       commands += command({"--debug", "targets", "-o", layout.name + "-targets.png"});

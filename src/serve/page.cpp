@@ -12,7 +12,7 @@ struct Embedded {
   std::string_view path, text;
 };
 constexpr Embedded kEmbedded[] = {
-#include "serve_page.inc"
+#include "serve_files.inc"
 };
 
 std::string_view typeOf(std::string_view path) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <span>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -21,27 +22,40 @@ uint32_t rowsOfStrip(uint32_t height) {
   return std::max(kLeastRows, (shared + 15) / 16 * 16);
 }
 
-std::vector<uint8_t> withoutAlpha(const view::Frame& frame, const Strip& strip) {
-  std::vector<uint8_t> rgb(size_t{3} * frame.width * strip.rows);
-  const uint8_t* from = &frame.rgba[size_t{4} * frame.width * strip.y];
-  for (uint8_t* to = rgb.data(); to != rgb.data() + rgb.size(); to += 3, from += 4)
-    for (int c = 0; c < 3; ++c)
-      to[c] = static_cast<uint8_t>((from[c] * from[3] + kBehind[c] * (255 - from[3]) + 127) / 255);
-  return rgb;
+bool isOpaque(std::span<const uint8_t> rgba) {
+  for (size_t i = 3; i < rgba.size(); i += 4)
+    if (rgba[i] != 255) return false;
+  return true;
 }
 
-std::string encodeJpeg(const std::vector<uint8_t>& rgb, uint32_t width, uint32_t rows, int quality) {
+std::vector<uint8_t> overGround(std::span<const uint8_t> rgba) {
+  std::vector<uint8_t> opaque(rgba.begin(), rgba.end());
+  for (size_t i = 0; i < opaque.size(); i += 4)
+    for (size_t c = 0; c < 3; ++c)
+      opaque[i + c] = static_cast<uint8_t>((rgba[i + c] * rgba[i + 3] + kBehind[c] * (255 - rgba[i + 3]) + 127) / 255);
+  return opaque;
+}
+
+std::string encodeJpeg(std::span<const uint8_t> rgba, uint32_t width, uint32_t rows, int quality) {
   const std::unique_ptr<void, int (*)(void*)> encoder(tjInitCompress(), tjDestroy);
   const int chroma = quality >= kFullColour ? TJSAMP_444 : TJSAMP_420;
   const int w = static_cast<int>(width), h = static_cast<int>(rows);
   std::string jpeg(tjBufSize(w, h, chroma), '\0');
   auto* to = reinterpret_cast<unsigned char*>(jpeg.data());
   unsigned long bytes = jpeg.size();
-  if (!encoder || tjCompress2(encoder.get(), rgb.data(), w, 0, h, TJPF_RGB, &to, &bytes, chroma, quality,
+  if (!encoder || tjCompress2(encoder.get(), rgba.data(), w, 0, h, TJPF_RGBX, &to, &bytes, chroma, quality,
                               TJFLAG_NOREALLOC | TJFLAG_FASTDCT) != 0)
     fail(ExitCode::Internal, "a picture could not be encoded: {}", tjGetErrorStr2(encoder.get()));
   jpeg.resize(bytes);
   return jpeg;
+}
+
+// What is opaque is encoded where it lies.
+std::string encodeStrip(const view::Frame& frame, const Strip& strip, int quality) {
+  const size_t row = size_t{4} * frame.width;
+  const auto rgba = std::span(frame.rgba).subspan(row * strip.y, row * strip.rows);
+  if (isOpaque(rgba)) return encodeJpeg(rgba, frame.width, strip.rows, quality);
+  return encodeJpeg(overGround(rgba), frame.width, strip.rows, quality);
 }
 
 }  // namespace
@@ -51,8 +65,7 @@ std::vector<Strip> encodeStrips(const view::Frame& frame, int quality) {
   std::vector<Strip> strips;
   for (uint32_t y = 0; y < frame.height; y += rows) strips.push_back({y, std::min(rows, frame.height - y), {}});
   parallelFor(strips.size(), 1, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i)
-      strips[i].jpeg = encodeJpeg(withoutAlpha(frame, strips[i]), frame.width, strips[i].rows, quality);
+    for (size_t i = begin; i < end; ++i) strips[i].jpeg = encodeStrip(frame, strips[i], quality);
   });
   return strips;
 }

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <array>
 #include <functional>
 #include <map>
 
@@ -13,6 +14,7 @@ using Json = nlohmann::json;
 using Read = std::function<decltype(Order::what)(const Json&)>;
 
 constexpr uint32_t kMostSide = 8192;
+constexpr uint32_t kMostLight = 1u << 20;
 constexpr uint64_t kMostCount = 1ull << 53;  // JavaScript's own
 
 double number(const Json& message, const char* key) {
@@ -61,6 +63,18 @@ view::Navigation navigation(const Json& message) {
   return named<view::Navigation>(message, "mode", {{"orbit", view::Navigation::Orbit}, {"fly", view::Navigation::Fly}});
 }
 
+view::MoveLight moveLight(const Json& message) {
+  return {whole(message, "light", kMostLight), message.at("position").get<std::array<float, 3>>()};
+}
+
+// A name alone: none that says where it lies.
+SendFile file(const Json& message) {
+  SendFile sent{text(message, "name"), whole<uint64_t>(message, "bytes", kMostOfFile)};
+  if (!sent.name.ends_with(".hdr") && !sent.name.ends_with(".exr")) throw BadMessage("an environment is .hdr or .exr");
+  if (sent.name.find('/') != sent.name.npos) throw BadMessage("a file's name has no folder");
+  return sent;
+}
+
 const std::map<std::string, Read, std::less<>>& readers() {
   using view::Input;
   static const std::map<std::string, Read, std::less<>> kReaders = {
@@ -102,6 +116,14 @@ const std::map<std::string, Read, std::less<>>& readers() {
          return view::SelectPixel{whole(m, "x", kMostSide), whole(m, "y", kMostSide)};
        }},
       {"play", [](const Json& m) -> Input { return view::Play{m.at("on")}; }},
+      {"variant", [](const Json& m) -> Input { return view::UseVariant{text(m, "name")}; }},
+      {"lights", [](const Json& m) { return ShowLights{m.at("on")}; }},
+      {"moveLight", [](const Json& m) -> Input { return moveLight(m); }},
+      {"dragLight",
+       [](const Json& m) -> Input {
+         return view::DragLight{whole(m, "light", kMostLight), number(m, "x"), number(m, "y")};
+       }},
+      {"file", [](const Json& m) { return file(m); }},
       {"reload", [](const Json&) -> Input { return view::Reload{}; }},
   };
   return kReaders;

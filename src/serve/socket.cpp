@@ -5,7 +5,10 @@
 #include <boost/beast/core.hpp>
 #include <boost/beast/websocket.hpp>
 #include <deque>
+#include <optional>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "base/journal.h"
 
@@ -16,6 +19,9 @@ namespace {
 namespace beast = boost::beast;
 namespace websocket = beast::websocket;
 using boost::asio::ip::tcp;
+
+// Bytes that are written at once: pings go between, and a picture is not a hundred calls of the system.
+constexpr size_t kFragment = 64 << 10;
 
 class Socket : public std::enable_shared_from_this<Socket> {
  public:
@@ -37,6 +43,8 @@ class Socket : public std::enable_shared_from_this<Socket> {
   void begin();
   void read();
   void take(beast::error_code error);
+  void takeText(const std::string& text);
+  void takePiece(const std::string& bytes);
   void send(std::string message);
   void write();
   void close(websocket::close_code code, const std::string& reason);
@@ -48,6 +56,12 @@ class Socket : public std::enable_shared_from_this<Socket> {
   Hub& hub_;
   std::shared_ptr<Viewer> viewer_;
   beast::flat_buffer buffer_;
+  struct Incoming {
+    SendFile sent;
+    uint64_t serial;
+    std::vector<std::byte> bytes{};
+  };
+  std::optional<Incoming> file_;
   std::deque<std::string> outgoing_;  // as many as a viewer may have on their way
   bool closing_ = false;
 };
@@ -59,8 +73,9 @@ void Socket::accept() {
   times.idle_timeout = std::chrono::seconds(30);
   times.keep_alive_pings = true;
   stream_.set_option(times);
-  stream_.read_message_max(kMostBytes);
+  stream_.read_message_max(kMostPiece);
   stream_.binary(true);
+  stream_.write_buffer_bytes(kFragment);
   beast::get_lowest_layer(stream_).socket().set_option(tcp::no_delay(true));
   stream_.async_accept(request_, [self = shared_from_this()](beast::error_code error) {
     if (!error) self->begin();
@@ -93,14 +108,32 @@ void Socket::take(beast::error_code error) {
   if (error == websocket::error::message_too_big) return record(fmt::format("refused {}: too long a message", peer_));
   if (error) return;
   try {
-    if (!stream_.got_text()) throw BadMessage("pages send text");
-    const std::string text = beast::buffers_to_string(buffer_.data());
+    const std::string message = beast::buffers_to_string(buffer_.data());
     buffer_.consume(buffer_.size());
-    viewer_->take(readOrder(text, hub_.start()));
+    stream_.got_text() ? takeText(message) : takePiece(message);
   } catch (const BadMessage& bad) {
     return refuse(bad.what());
   }
   read();
+}
+
+void Socket::takeText(const std::string& text) {
+  if (text.size() > kMostBytes) throw BadMessage("too long a message");
+  Order order = readOrder(text, hub_.start());
+  const auto* sent = std::get_if<SendFile>(&order.what);
+  if (!sent) return viewer_->take(std::move(order));
+  file_ = Incoming{*sent, order.serial};
+}
+
+void Socket::takePiece(const std::string& bytes) {
+  if (!file_ || file_->bytes.size() + bytes.size() > file_->sent.bytes)
+    throw BadMessage("pages send text, and the files that they say they send");
+  const auto piece = std::as_bytes(std::span(bytes));
+  file_->bytes.insert(file_->bytes.end(), piece.begin(), piece.end());
+  if (file_->bytes.size() < file_->sent.bytes) return;
+  auto whole = std::make_shared<const std::vector<std::byte>>(std::move(file_->bytes));
+  viewer_->take({view::GiveEnvironment{file_->sent.name, std::move(whole)}, file_->serial});
+  file_.reset();
 }
 
 void Socket::refuse(const std::string& why) {

@@ -1,6 +1,8 @@
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <span>
 
 #include "output/aov.h"
 #include "render/options.h"
@@ -68,6 +70,18 @@ Json describe(const view::SetSplit& split) {
   return {{"mode", kModes[split.mode]}, {"at", split.at}, {"amplification", split.amplification}};
 }
 
+// As many as are told apart.
+Json describe(const std::vector<view::LightState>& lights) {
+  constexpr size_t kMost = 64;
+  Json told = Json::array();
+  for (const view::LightState& light : std::span(lights).first(std::min(lights.size(), kMost)))
+    told.push_back({{"name", light.name},
+                    {"type", light.type},
+                    {"position", light.position},
+                    {"at", light.at ? Json(*light.at) : Json()}});
+  return told;
+}
+
 std::string command(const view::ViewSession& session, view::Side side) {
   std::vector<std::string> words = session.commandLine(side);
   words.insert(words.end(), {"-o", "picture.png"});
@@ -89,7 +103,10 @@ std::string envelope(const Json& header, const std::vector<std::string_view>& pa
 }
 
 Json tables(const view::Start& start) {
-  Json told{{"options", Json::array()}, {"outputs", Json::array()}, {"environments", {"", "studio", "none"}}};
+  Json told{{"options", Json::array()},
+            {"outputs", Json::array()},
+            {"environments", {"", "studio", "none"}},
+            {"file", {{"most", kMostOfFile}, {"piece", kMostPiece}}}};
   for (const render::Option& option : render::options())
     if (render::keyOf(option) != "size") told["options"].push_back(describe(option));
   told["outputs"].push_back({{"name", "picture"}, {"help", "what the camera sees"}});
@@ -103,7 +120,7 @@ Json tables(const view::Start& start) {
   return told;
 }
 
-Json describe(const view::ViewSession& session) {
+Json describe(const view::ViewSession& session, bool withLights) {
   const view::State& s = session.state();
   return {{"scene", s.scene},
           {"device", s.device},
@@ -114,6 +131,8 @@ Json describe(const view::ViewSession& session) {
           {"right", describe(s.choices[1])},
           {"split", describe(s.split)},
           {"environment", s.environment},
+          {"variants", s.variants},
+          {"variant", s.variant},
           {"cameras", s.cameras},
           {"camera", s.camera},
           {"steered", s.steered.has_value()},
@@ -124,6 +143,7 @@ Json describe(const view::ViewSession& session) {
           {"playing", s.playing},
           {"selected", s.selected ? describe(*s.selected) : Json()},
           {"probe", describe(s.probe)},
+          {"lights", withLights ? describe(s.lights) : Json::array()},
           {"lightsMoved", s.lightsMoved},
           {"leftCommand", command(session, view::Side::Left)},
           {"rightCommand", s.split.mode == view::SetSplit::Off ? "" : command(session, view::Side::Right)},

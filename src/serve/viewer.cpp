@@ -1,5 +1,6 @@
 #include "serve/viewer.h"
 
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <deque>
@@ -21,24 +22,26 @@ using Clock = std::chrono::steady_clock;
 
 constexpr size_t kMostWaiting = 4096;  // orders; pages send some hundred a second at most
 
-// The picture as fine as it may be, and what the page must know of it.
+// The picture as fine as it may be, and what the page must know of it. `fine`: it is the one to be looked at.
 struct Encoded {
   Json header;
   std::vector<Strip> strips;
 };
-Encoded encode(const view::Frame& frame, const Pace& pace) {
-  int quality = pace.quality(frame.final);
+Encoded encode(const view::Frame& frame, const Pace& pace, bool fine) {
+  const auto begin = Clock::now();
+  int quality = pace.quality(fine);
   std::vector<Strip> strips = encodeStrips(frame, quality);
-  while (frame.final) {
+  while (fine) {
     const int coarser = pace.coarser(quality, bytesOf(strips));
     if (coarser == quality) break;
     strips = encodeStrips(frame, quality = coarser);
   }
   Encoded encoded{{{"width", frame.width},
                    {"height", frame.height},
-                   {"final", frame.final},
+                   {"final", fine},
                    {"quality", quality},
                    {"milliseconds", frame.milliseconds},
+                   {"encoding", 1000 * std::chrono::duration<double>(Clock::now() - begin).count()},
                    {"passes", Json::array()},
                    {"strips", Json::array()}},
                   std::move(strips)};
@@ -75,7 +78,8 @@ struct Viewer::Impl {
   std::vector<std::string> validationMessages;
   Json told = Json::object();  // of the session's state
   uint64_t messages = 0, pictures = 0, serial = 0, serialTold = 0;
-  bool isFinal = false, restsTold = false;
+  bool showsLights = false;
+  bool isFine = false, restsTold = false;  // `isFine`: as the last picture was sent
 
   std::mutex mutex;
   std::condition_variable changed;
@@ -110,7 +114,9 @@ void Viewer::Impl::follow(const Order& order) {
     session->input(*input);
   else if (const auto* shot = std::get_if<TakeScreenshot>(&order.what))
     sendScreenshot(shot->side);
-  if (order.serial != 0) serial = order.serial;
+  else if (const auto* lights = std::get_if<ShowLights>(&order.what))
+    showsLights = lights->on;
+  serial = std::max(serial, order.serial);  // a file's is followed once all of it is here
 }
 
 void Viewer::Impl::send(Json header, const std::vector<std::string_view>& payload) {
@@ -133,26 +139,28 @@ void Viewer::Impl::sendScreenshot(view::Side side) {
   }
 }
 
-// What changed of the state, and the picture where there is a new one; or only that orders were followed.
+// What changed of the state, and the picture where there is a new one; or only that orders were followed. A device that
+// is fast enough makes whole pictures while something moves: the last of them is sent again, fine, once it stands
+// still.
 void Viewer::Impl::sendNews() {
   Json header = Json::object();
   Encoded encoded;
   std::vector<std::string_view> payload;
-  if (session->wantsFrame()) {
-    const view::Frame& frame = session->next();
-    isFinal = frame.final;
-    if (frame.width != 0 && std::exchange(pictures, frame.number) != frame.number) {
-      encoded = encode(frame, paceNow());
-      if (!frame.final) notePicture(bytesOf(encoded.strips));
-      header["picture"] = encoded.header;
-      for (const Strip& strip : encoded.strips) payload.push_back(strip.jpeg);
-    }
+  if (session->wantsFrame()) session->next();
+  const view::Frame& frame = session->frame();
+  const bool fine = frame.final && !session->moves();
+  if (frame.width != 0 && (frame.number != pictures || (fine && !isFine))) {
+    encoded = encode(frame, paceNow(), fine);
+    if (!fine) notePicture(bytesOf(encoded.strips));
+    pictures = frame.number, isFine = fine;
+    header["picture"] = encoded.header;
+    for (const Strip& strip : encoded.strips) payload.push_back(strip.jpeg);
   }
-  Json now = describe(*session);
+  Json now = describe(*session, showsLights);
   Json changed = changes(told, now);
   told = std::move(now);
   if (!changed.empty()) header["state"] = std::move(changed);
-  const bool rests = isFinal && !session->wantsFrame();
+  const bool rests = fine && !session->wantsFrame();
   if (header.empty() && serial == serialTold && rests == restsTold) return;
   header["rests"] = restsTold = rests;
   serialTold = serial;

@@ -2,9 +2,12 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <variant>
+#include <vector>
 
 namespace latelight::view {
 
@@ -63,6 +66,11 @@ struct UseCamera {
 struct UseEnvironment {
   std::string name;  // as --hdri takes it; empty: as the scene says
 };
+// A picture that is in no file here, with the name that it has where it comes from.
+struct GiveEnvironment {
+  std::string name;
+  std::shared_ptr<const std::vector<std::byte>> file;
+};
 struct SetNavigation {
   Navigation mode;
 };
@@ -86,9 +94,15 @@ struct Screenshot {  // of a side, as a PNG file: what the side's command line w
   Side side = Side::Left;
 };
 struct Reload {};
+struct OpenScene {  // instead of the one that is shown: its cameras, at rest; all other options stay
+  std::string source;
+};
+struct UseVariant {
+  std::string name;  // of KHR_materials_variants; empty: the file's default
+};
 
-using Input =
-    std::variant<Resize, PointerMove, PointerLeave, PointerButton, Wheel, Key, Blur, SetOption, ShowOutput, SetSplit,
-                 UseCamera, UseEnvironment, SetNavigation, SelectPixel, Play, MoveLight, DragLight, Screenshot, Reload>;
+using Input = std::variant<Resize, PointerMove, PointerLeave, PointerButton, Wheel, Key, Blur, SetOption, ShowOutput,
+                           SetSplit, UseCamera, UseEnvironment, GiveEnvironment, SetNavigation, SelectPixel, Play,
+                           MoveLight, DragLight, Screenshot, Reload, OpenScene, UseVariant>;
 
 }  // namespace latelight::view

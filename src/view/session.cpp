@@ -139,6 +139,7 @@ std::vector<std::string> ViewSession::Impl::commandLine(Side side) const {
 
 void ViewSession::Impl::render(bool asDraft) {
   stage.light(environmentWord());
+  for (Stage::Result& side : sides) side = {};
   for (const Side side : {Side::Left, Side::Right}) {
     if (side == Side::Right && !hasSplit()) break;
     ChosenSettings chosen = settings(side);
@@ -148,8 +149,10 @@ void ViewSession::Impl::render(bool asDraft) {
   }
 }
 
+// A picture without a split is not copied, since nothing composes it again.
 void ViewSession::Impl::compose() {
-  output::Picture made = splitPicture(sides[0].picture, sides[1].picture, state.split);
+  output::Picture made =
+      hasSplit() ? splitPicture(sides[0].picture, sides[1].picture, state.split) : std::move(sides[0].picture);
   if (state.selected && sides[0].ids) drawOutline(made, *sides[0].ids, state.selected->id);
   picture.width = made.width, picture.height = made.height;
   picture.rgba = std::move(made.rgba);
@@ -214,6 +217,8 @@ void ViewSession::Impl::describe() {
   const render::Settings s = settings(Side::Left).settings;
   const scene::Scene& scene = stage.scene();
   state.cameras.clear(), state.animations.clear(), state.targets.clear();
+  state.variants = scene.variants;
+  state.variant = start.load.variant;
   for (const scene::Camera& camera : scene.cameras) state.cameras.push_back(camera.name);
   for (const scene::Animation& animation : scene.rig.animations) state.animations.push_back(animation.name);
   for (const render::LayoutTarget& target : s.layout->targets) state.targets.emplace_back(target.name);
@@ -265,7 +270,8 @@ const Frame& ViewSession::next() {
       i.makePicture();
     else if (i.recompose)
       i.compose();
-    if (i.wantsProbe()) i.probe();
+    else if (i.wantsProbe())
+      i.probe();  // by itself: pictures do not wait for it
     i.takeValidation();
     i.describe();
   };
@@ -277,6 +283,14 @@ const Frame& ViewSession::next() {
   i.picture.final = true;  // until something else is asked for
   i.probed = i.steering.pixel();
   return i.picture;
+}
+
+const Frame& ViewSession::frame() const {
+  return impl_->picture;
+}
+
+bool ViewSession::moves() const {
+  return impl_->isMoving();
 }
 
 const State& ViewSession::state() const {

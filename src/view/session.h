@@ -49,6 +49,9 @@ class ViewSession {
   double patience() const;
   // Waits for the device. Where there was an error, the earlier picture again.
   const Frame& next();
+  const Frame& frame() const;  // the last one
+  // Whether the next picture may well be another one: something moves, or did a moment ago.
+  bool moves() const;
   const State& state() const;
 
   // `latelight render ...`, word by word, that makes the final picture of a side; -o stays to be said.

@@ -27,6 +27,7 @@ struct ViewSession::Impl {
   void setSplit(const SetSplit& split);
   void useCamera(const std::string& name);
   void useEnvironment(const std::string& name);
+  void giveEnvironment(const GiveEnvironment& given);
   void movePointer(const PointerMove& move);
   void turnWheel(double steps);
   void pressKey(const Key& key);
@@ -38,7 +39,8 @@ struct ViewSession::Impl {
   void setTime(double seconds);
   void screenshot(const Screenshot& shot);
   output::Picture finalPicture(Side side);  // that the side's command line writes
-  void reload();
+  void openScene(const std::string& source);
+  void load(const std::string& source, const scene::LoadOptions& options);
   void frame(const scene::Bounds& bounds);
   CameraControl& steered();  // from here on the camera is people's
   glm::dvec3 underPointer();

@@ -43,6 +43,7 @@ void ViewSession::Impl::take(const Input& input) {
                  [&](const SetSplit& split) { setSplit(split); },
                  [&](const UseCamera& use) { change([&] { useCamera(use.name); }); },
                  [&](const UseEnvironment& use) { change([&] { useEnvironment(use.name); }); },
+                 [&](const GiveEnvironment& given) { change([&] { giveEnvironment(given); }); },
                  [&](const SetNavigation& set) { steering.navigation = set.mode; },
                  [&](const SelectPixel& select) { change([&] {
                                                     selectPixel({select.x, select.y});
@@ -57,7 +58,15 @@ void ViewSession::Impl::take(const Input& input) {
                    state.error.clear();
                    screenshot(shot);
                  },
-                 [&](const Reload&) { change([&] { reload(); }); },
+                 [&](const Reload&) { change([&] { load(start.scene, start.load); }); },
+                 [&](const OpenScene& open) { change([&] { openScene(open.source); }); },
+                 [&](const UseVariant& use) {
+                   change([&] {
+                     scene::LoadOptions options = start.load;
+                     options.variant = use.name;
+                     load(start.scene, options);
+                   });
+                 },
              },
              input);
 }
@@ -86,7 +95,7 @@ void ViewSession::Impl::setSplit(const SetSplit& split) {
   state.split = split;
   if (!std::isfinite(state.split.at)) state.split.at = 0.5;
   if (!std::isfinite(state.split.amplification)) state.split.amplification = 1;
-  recompose = true;
+  recompose = hasSplit() && !sides[1].picture.rgba.empty();  // there is none after an error
   if (had == hasSplit()) return;
   if (!had) state.choices[1] = state.choices[0];
   touch();
@@ -173,6 +182,13 @@ void ViewSession::Impl::useEnvironment(const std::string& name) {
   }
 }
 
+void ViewSession::Impl::giveEnvironment(const GiveEnvironment& given) {
+  scene::Environment made = scene::makeEnvironment(scene::decodePicture(*given.file, given.name));
+  made.name = given.name;
+  stage.give(std::move(made));
+  useEnvironment(given.name);
+}
+
 void ViewSession::Impl::selectPixel(glm::uvec2 pixel) {
   const ChosenSettings chosen = settings(Side::Left);
   render::checkPixels(chosen.settings, {&pixel, 1});
@@ -225,10 +241,25 @@ output::Picture ViewSession::Impl::finalPicture(Side side) {
   return stage.render(settings(side), cameraChoice(), false).picture;
 }
 
-void ViewSession::Impl::reload() {
-  stage.reload();
+void ViewSession::Impl::load(const std::string& source, const scene::LoadOptions& options) {
+  stage.open(source, options);
+  start.scene = state.scene = source;
+  start.load = options;
   lights = placedLights(stage.scene());
   state.lightsMoved = false;
+}
+
+// What names parts of the earlier scene goes with it.
+void ViewSession::Impl::openScene(const std::string& source) {
+  scene::LoadOptions options = start.load;
+  options.variant.clear();
+  load(source, options);
+  for (Choice& choice : state.choices)
+    for (const char* key : {"animation", "time"}) choice.options.erase(key);
+  state.playing = false;
+  state.camera.clear();
+  state.selected.reset();
+  control.reset();
 }
 
 }  // namespace latelight::view

@@ -9,7 +9,6 @@
 namespace latelight::view {
 
 output::Picture splitPicture(const output::Picture& left, const output::Picture& right, const SetSplit& split) {
-  if (split.mode == SetSplit::Off) return left;
   output::Picture picture = left;
   const auto begin = static_cast<uint32_t>(std::lround(std::clamp(split.at, 0.0, 1.0) * left.width));
   const auto mix = [&](uint8_t* to, const uint8_t* from) {

@@ -56,10 +56,10 @@ std::vector<std::string> wordsOf(const CameraChoice& choice) {
 }
 
 Stage::Stage(const std::string& source, const scene::LoadOptions& load, const vk::DeviceOptions& device)
-    : source_(source), load_(load), deviceOptions_(device) {
+    : deviceOptions_(device) {
   // The device starts while the scene loads: they share nothing.
   auto starts = inBackground([&] { return std::make_unique<vk::Device>(deviceOptions_); });
-  scene_ = std::make_unique<scene::Scene>(scene::load(source_, load_));
+  scene_ = std::make_unique<scene::Scene>(scene::load(source, load));
   device_ = starts.get();
   watch_.watch(scene_->files);
 }
@@ -74,8 +74,8 @@ void Stage::dropDevice() {
   device_.reset();
 }
 
-void Stage::reload() {
-  auto loaded = std::make_unique<scene::Scene>(scene::load(source_, load_));
+void Stage::open(const std::string& source, const scene::LoadOptions& load) {
+  auto loaded = std::make_unique<scene::Scene>(scene::load(source, load));
   renderer_.reset();
   environmentName_.reset();  // it may be the scene's own
   scene_ = std::move(loaded);
@@ -85,7 +85,8 @@ void Stage::reload() {
 void Stage::light(const std::string& asked) {
   const std::string name = render::environmentName(*scene_, asked, false);
   if (name == environmentName_) return;
-  std::optional<scene::Environment> loaded = render::loadEnvironment(*scene_, name);
+  std::optional<scene::Environment> loaded =
+      given_ && given_->name == name ? given_ : render::loadEnvironment(*scene_, name);
   renderer_.reset();
   environment_ = std::move(loaded);
   environmentName_ = name;

@@ -36,13 +36,15 @@ class Stage {
   scene::Scene& scene() { return *scene_; }
   const scene::Scene& scene() const { return *scene_; }
   vk::Device& device();
-  void reload();  // the scene, from its file; throws Error and keeps what there was
+  // Another scene, or the same one again; throws Error and keeps what there was.
+  void open(const std::string& source, const scene::LoadOptions& load);
   bool filesChanged() { return watch_.changed(); }
 
   // The scene's cameras at the settings' time.
   scene::Camera camera(const CameraChoice& choice, const render::Settings& settings) const;
-  // What --hdri would be given; the renderer is made anew where the environment is another one.
+  // What --hdri would be given, or what was given here; the renderer is made anew where the environment is another one.
   void light(const std::string& asked);
+  void give(scene::Environment environment) { given_ = std::move(environment), environmentName_.reset(); }
   // As `latelight render` does it. `ids`: the output id of the same pixels, where it is wanted.
   struct Result {
     output::Picture picture;
@@ -60,14 +62,12 @@ class Stage {
   render::Moment momentOf(const CameraChoice& camera, const render::Settings& settings) const;
   render::Settings prepared(const render::Settings& settings);  // without `auto`
 
-  std::string source_;
-  scene::LoadOptions load_;
   vk::DeviceOptions deviceOptions_;
   FileWatch watch_;
   std::unique_ptr<vk::Device> device_;
   std::unique_ptr<scene::Scene> scene_;
   std::optional<std::string> environmentName_;
-  std::optional<scene::Environment> environment_;
+  std::optional<scene::Environment> environment_, given_;
   std::unique_ptr<render::Renderer> renderer_;
   std::vector<graph::PassTime> passes_;
 };

@@ -45,6 +45,9 @@ struct State {
   SetSplit split;
   std::string environment;  // as asked for
 
+  std::vector<std::string> variants;  // KHR_materials_variants
+  std::string variant;                // empty: the file's default
+
   std::vector<std::string> cameras;
   std::string camera;  // that is looked through, by name or number; empty: the one that the session begins with
   std::optional<Viewpoint> steered;  // instead, once people have moved it

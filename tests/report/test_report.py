@@ -97,12 +97,44 @@ def test_pictures_have_the_bytes_of_render(opened, folder):
 
 def test_bytes_are_those_of_the_list(opened):
     layouts = json.loads(latelight("list", "layouts", "--json", "--size", "96x54")[0])["layouts"]
-    rows = opened.locator("section[aria-labelledby=layouts] tbody tr")
+    table = opened.locator("table", has=opened.locator("caption", has_text="Bytes of each layout"))
+    rows = table.locator("tbody tr")
     assert rows.count() == len(layouts)
     for row, layout in zip(rows.all(), layouts, strict=True):
         numbers = [float(number) for number in row.locator("data").evaluate_all("all => all.map((d) => d.value)")]
         sizes = layout["bytes"]
         assert numbers == [sizes["targets"], sizes["depth"], sizes["light"], sizes["total"], sizes["picture"] / 1e6]
+
+
+def target(page, layout, begin):
+    """All values of a layout's target, as the page has them: height, width, channels."""
+    words = page.evaluate(
+        """async ([group, begin]) => {
+            const view = data.views.find((view) => view.group === group && view.name.startsWith(begin));
+            return Promise.all(view.values.map(async (value) => [...await plane(value.plane)]));
+        }""",
+        [f"Layout {layout}", begin],
+    )
+    return np.stack([np.array(channel, np.uint32).view(np.float32) for channel in words], -1).reshape(SIZE[1], SIZE[0], -1)
+
+
+def test_errors_of_layouts_are_those_of_their_targets(opened, rendered):
+    table = opened.locator("table", has=opened.locator("caption", has_text="Errors of each layout"))
+    rows = {
+        row.locator("th").text_content(): [float(n) for n in row.locator("data").evaluate_all("all => all.map((d) => d.value)")]
+        for row in table.locator("tbody tr").all()
+    }
+    assert rows["exact"] == [0] * 8
+    assert rows["plain"][:4] == [0] * 4  # normals and positions as they are
+    assert rows["plain"][5] < 1e-6 and 1e-4 < rows["engine"][5] < 0.02  # floats, and eight bits that are sRGB
+    drawn = np.isfinite(rendered["depth"])
+    stored = target(opened, "engine", "normal.")[drawn][:, :3].astype(float) * 2 - 1  # ten bits each
+    stored /= np.linalg.norm(stored, axis=-1, keepdims=True)
+    exact = rendered["normal"][drawn].astype(float)
+    angles = np.degrees(2 * np.arctan2(np.linalg.norm(stored - exact, axis=-1), np.linalg.norm(stored + exact, axis=-1)))
+    mean, most, *_ = rows["engine"]
+    assert 0.01 < most < 0.5
+    assert mean == pytest.approx(angles.mean(), rel=1e-3) and most == pytest.approx(angles.max(), rel=1e-3)
 
 
 def test_every_number_and_picture_has_a_command_that_works(opened, folder):

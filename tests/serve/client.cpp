@@ -25,6 +25,7 @@ using Json = nlohmann::json;
 
 void connect(tcp::socket& socket, uint16_t port) {
   socket.connect({asio::ip::make_address("127.0.0.1"), port});
+  socket.set_option(tcp::no_delay(true));  // as browsers do: a key does not wait for what was said before it
   const timeval patience{.tv_sec = 20, .tv_usec = 0};
   setsockopt(socket.native_handle(), SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
 }
@@ -58,6 +59,7 @@ struct Client::Impl {
 Client::Client(uint16_t port, const std::string& token, const std::string& origin) : impl_(std::make_unique<Impl>()) {
   connect(impl_->stream.next_layer(), port);
   impl_->stream.read_message_max(256 << 20);
+  impl_->stream.write_buffer_bytes(256 << 10);  // a message is one frame, as browsers send it
   if (!origin.empty())
     impl_->stream.set_option(beast::websocket::stream_base::decorator(
         [origin](beast::websocket::request_type& request) { request.set(beast::http::field::origin, origin); }));

@@ -5,6 +5,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/write.hpp>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -13,6 +17,7 @@
 
 #include "app/folder.h"
 #include "app/process.h"
+#include "models/models.h"
 #include "output/aov.h"
 #include "output/png.h"
 #include "render/options.h"
@@ -165,6 +170,11 @@ TEST_F(ServerTest, ClosesOnMalformedMessages) {
       R"({"type":"split","mode":"slider","at":"half","amplification":1})",
       R"({"type":"environment","name":"/etc/passwd"})",
       R"({"type":"shown","number":-1})",
+      R"({"type":"lights"})",
+      R"({"type":"moveLight","light":0,"position":[1,2]})",
+      R"({"type":"file","name":"sky.png","bytes":10})",
+      R"({"type":"file","name":"../sky.hdr","bytes":10})",
+      R"({"type":"file","name":"sky.hdr","bytes":100000000})",
       "{\"type\":\"key\",\"name\":\"\xff\xfe\",\"down\":true}",
   };
   for (const char* message : kMessages) {
@@ -173,7 +183,11 @@ TEST_F(ServerTest, ClosesOnMalformedMessages) {
     EXPECT_ANY_THROW(for (;;) bad.hear()) << message;
     EXPECT_TRUE(bad.closeCode() == 1008 || bad.closeCode() == 1007) << message << ": " << bad.closeCode();
   }
-  Client binary = client(), large = client();
+  Client binary = client(), large = client(), more = client();
+  more.sayText(R"({"type":"file","name":"sky.hdr","bytes":4})");
+  more.sayBinary("12345");
+  EXPECT_ANY_THROW(for (;;) more.hear());
+  EXPECT_EQ(more.closeCode(), 1008);
   binary.sayBinary("{}");
   EXPECT_ANY_THROW(for (;;) binary.hear());
   EXPECT_EQ(binary.closeCode(), 1008);
@@ -196,12 +210,20 @@ TEST_F(ServerTest, SaysWhatOptionsCantBe) {
 // --- pictures -------------------------------------------------------------------------------------------------------
 
 // The file that a shell makes of the command.
-std::string rendered(std::string command) {
-  const app::Folder folder;
+std::string rendered(std::string command, const app::Folder& folder = {}) {
   command.replace(0, std::string("latelight").size(), LATELIGHT_PROGRAM);
   const app::Outcome outcome = app::runProcess("/bin/sh", {.arguments = {"-c", command}, .folder = folder.path()});
   EXPECT_EQ(outcome.code, 0) << command << ": " << outcome.err;
   return folder.read("picture.png");
+}
+
+std::string screenshot(Client& page) {
+  page.say({{"type", "screenshot"}});
+  for (;;) {
+    Client::Message message = page.hear();
+    page.show(message);
+    if (message.header.contains("screenshot")) return message.payload;
+  }
 }
 
 TEST_F(ServerTest, PicturesAreTheCommandLines) {
@@ -212,12 +234,8 @@ TEST_F(ServerTest, PicturesAreTheCommandLines) {
   const uint64_t last = page.say({{"type", "wheel"}, {"steps", 2}});
   Client::Message shown = page.hearFinal();
   while (shown.header["serial"] != last) shown = page.hearFinal();
-  page.say({{"type", "screenshot"}});
-  Client::Message shot = page.hear();
-  while (!shot.header.contains("screenshot")) page.show(shot), shot = page.hear();
-
   const std::string file = rendered(page.state()["leftCommand"]);
-  EXPECT_EQ(shot.payload, file) << page.state()["leftCommand"];
+  EXPECT_EQ(screenshot(page), file) << page.state()["leftCommand"];
 
   const Decoded sent = decode(shown);
   const output::ReadImage exact = output::decodePng(std::as_bytes(std::span(file)), "picture.png");
@@ -228,6 +246,88 @@ TEST_F(ServerTest, PicturesAreTheCommandLines) {
     for (size_t i = 0; i < exact.channels[c].values.size(); ++i)
       squares += std::pow(static_cast<uint8_t>(sent.rgb[3 * i + c]) - 255.0 * exact.channels[c].values[i], 2);
   EXPECT_LT(std::sqrt(squares / static_cast<double>(sent.rgb.size())), 4);  // JPEG of quality 92
+}
+
+// The command line names it as the page did, for those who have it.
+TEST_F(ServerTest, AnEnvironmentIsSentByThePage) {
+  const app::Folder folder;
+  const models::Bytes sky = models::radiancePanorama(64, 32);
+  folder.write("sky.hdr", sky);
+  const std::string bytes(reinterpret_cast<const char*>(sky.data()), sky.size());
+  Client page = resized();
+  page.say({{"type", "option"}, {"name", "background"}, {"value", "hdri"}});
+  const uint64_t last = page.say({{"type", "file"}, {"name", "sky.hdr"}, {"bytes", bytes.size()}});
+  for (size_t at = 0; at < bytes.size(); at += 1000) page.sayBinary(bytes.substr(at, 1000));
+  while (page.hearFinal().header["serial"] != last) continue;
+  EXPECT_EQ(page.state()["environment"], "sky.hdr");
+  EXPECT_EQ(screenshot(page), rendered(page.state()["leftCommand"], folder)) << page.state()["leftCommand"];
+  page.say({{"type", "file"}, {"name", "broken.exr"}, {"bytes", 4}});
+  page.sayBinary("none");
+  do page.show(page.hear());
+  while (page.state()["error"] == "");
+  EXPECT_THAT(page.state()["error"].get<std::string>(), HasSubstr("broken.exr"));
+  EXPECT_EQ(page.state()["environment"], "sky.hdr");
+}
+
+// Another server, until it goes.
+struct Running {
+  explicit Running(const std::string& scene)
+      : server({}, {.scene = scene, .device = "cpu", .validate = true, .width = 64, .height = 48}),
+        thread([this] { EXPECT_NO_THROW(server.run()); }) {}
+  ~Running() {
+    server.stop();
+    thread.join();
+  }
+  Server server;
+  std::thread thread;
+};
+
+TEST(ServerOfALitSceneTest, LightsAreToldWhereTheyAreWantedAndGoWhereTheyAreDragged) {
+  Running running(models::modelPath("punctual.glb").string());
+  Client page(running.server.port(), running.server.token());
+  page.say({{"type", "resize"}, {"width", 64}, {"height", 48}});
+  page.hearFinal();
+  EXPECT_EQ(page.state()["lights"], Json::array());
+  const auto until = [&](const auto& holds) {
+    while (!holds()) page.show(page.hear());
+  };
+  page.say({{"type", "lights"}, {"on", true}});
+  until([&] { return !page.state()["lights"].empty(); });
+  const Json lights = page.state()["lights"];
+  const auto seen = std::ranges::find_if(lights, [](const Json& light) { return !light["at"].is_null(); });
+  ASSERT_NE(seen, lights.end());
+  const auto light = static_cast<size_t>(seen - lights.begin());
+  page.say({{"type", "dragLight"}, {"light", light}, {"x", 20}, {"y", 10}});
+  until([&] { return page.state()["lightsMoved"] == true; });
+  EXPECT_NEAR(page.state()["lights"][light]["at"][0].get<double>(), 20, 0.1);
+  page.say({{"type", "moveLight"}, {"light", light}, {"position", (*seen)["position"]}});
+  until([&] { return page.state()["lights"][light]["at"] == (*seen)["at"]; });
+  page.say({{"type", "lights"}, {"on", false}});
+  until([&] { return page.state()["lights"].empty(); });
+}
+
+// A picture that is whole while something moves is no finer than the network likes; the same one follows, fine.
+TEST_F(ServerTest, WholePicturesAreFineOnceTheyStandStill) {
+  Client page = resized(48, 32);
+  page.hearFinal();
+  const auto hearPicture = [&] {
+    for (;;) {
+      const Client::Message message = page.hear();
+      page.show(message);
+      if (message.header.contains("picture")) return message;
+    }
+  };
+  std::optional<Client::Message> moving;
+  for (int i = 0; i < 200 && !moving; ++i) {  // drafts, until their size is known not to matter
+    page.say({{"type", "key"}, {"name", "ArrowLeft"}, {"down", true}});
+    const Client::Message shown = hearPicture();
+    if (shown.header["picture"]["final"] == false && shown.header["picture"]["width"] == 48) moving = shown;
+  }
+  ASSERT_TRUE(moving);
+  EXPECT_LE(moving->header["picture"]["quality"], 85);
+  const Client::Message fine = page.hearFinal();
+  EXPECT_EQ(fine.header["picture"]["quality"], 92);
+  EXPECT_EQ(fine.header["picture"]["width"], 48);
 }
 
 TEST_F(ServerTest, IdlePagesGetNothing) {
@@ -260,6 +360,88 @@ TEST_F(ServerTest, EightLookAtOnceAndTheNinthWaits) {
     EXPECT_THAT(ninth.closeReason(), HasSubstr("8 sessions"));
   }
   client();
+}
+
+// Bytes between a page and the server, so many a second towards the page.
+class SlowNetwork {
+ public:
+  SlowNetwork(uint16_t port, double rate) : rate_(rate) {
+    acceptor_.set_option(Tcp::acceptor::receive_buffer_size(16 << 10));
+    thread_ = std::thread([this, port] { carry(port); });
+  }
+  ~SlowNetwork() {
+    stops_ = true;
+    thread_.join();
+  }
+  uint16_t port() const { return acceptor_.local_endpoint().port(); }
+
+ private:
+  using Tcp = boost::asio::ip::tcp;
+  static constexpr auto kStep = 10ms;
+
+  // What is there, up to so many bytes.
+  static void pass(Tcp::socket& from, Tcp::socket& to, size_t most) {
+    std::vector<char> bytes(std::min(most, from.available()));
+    if (bytes.empty()) return;
+    bytes.resize(from.read_some(boost::asio::buffer(bytes)));
+    boost::asio::write(to, boost::asio::buffer(bytes));
+  }
+  void carry(uint16_t port) {
+    Tcp::socket page = acceptor_.accept(), server(io_);
+    server.open(Tcp::v4());
+    server.set_option(Tcp::socket::receive_buffer_size(16 << 10));  // what the network itself would hold
+    server.connect({boost::asio::ip::address_v4::loopback(), port});
+    const auto step = static_cast<size_t>(rate_ * std::chrono::duration<double>(kStep).count());
+    while (!stops_) {
+      try {
+        pass(page, server, 1 << 20);
+        pass(server, page, step);
+      } catch (const std::exception&) {
+        return;
+      }
+      std::this_thread::sleep_for(kStep);
+    }
+  }
+
+  const double rate_;
+  boost::asio::io_context io_;
+  Tcp::acceptor acceptor_{io_, {boost::asio::ip::address_v4::loopback(), 0}};
+  std::atomic<bool> stops_ = false;
+  std::thread thread_;
+};
+
+// Its pictures become coarse, what waits for it is little, and others do not wait with it.
+TEST_F(ServerTest, ASlowPageGetsCoarsePicturesAndHoldsUpNobody) {
+  SlowNetwork network(server->port(), 50e3);
+  Client slow(network.port(), server->token()), fast = resized();
+  slow.say({{"type", "resize"}, {"width", 800}, {"height", 600}});
+  slow.say({{"type", "option"}, {"name", "background"}, {"value", "#336699"}});
+  slow.say({{"type", "output"}, {"name", "targets"}});
+  const size_t bytesBefore = residentBytes();
+  int finals = 0, fastPictures = 0;
+  double quality = 100;
+  size_t bytes = 0;
+  for (int i = 0; finals < 4 && i < 20000; ++i) {
+    if (slow.hearsWithin(0ms)) {
+      const Client::Message message = slow.hear();
+      slow.show(message);
+      if (message.header.contains("picture") && message.header["picture"]["final"] == true) {
+        ++finals, quality = message.header["picture"]["quality"], bytes = message.payload.size();
+        slow.say({{"type", "key"}, {"name", "ArrowLeft"}, {"down", true}});
+      }
+    }
+    fast.say({{"type", "key"}, {"name", "ArrowLeft"}, {"down", true}});
+    while (fast.hearsWithin(5ms)) {
+      const Client::Message message = fast.hear();
+      fast.show(message);
+      fastPictures += message.header.contains("picture");
+    }
+  }
+  EXPECT_EQ(finals, 4);
+  EXPECT_LT(quality, 92);
+  EXPECT_LT(bytes, 100e3) << "it takes about a second";
+  EXPECT_GT(fastPictures, 4 * finals);
+  EXPECT_LT(residentBytes(), bytesBefore + (256 << 20)) << "what is rendered at that size, and two messages";
 }
 
 // Pages that come and go, most of them in the middle of something, leave nothing behind.

@@ -182,6 +182,76 @@ def test_points_and_picks(view):
     view.wait_for_selector("#selection", state="hidden")
 
 
+def test_the_sun_is_moved(view):
+    before = pixels(view)
+    view.locator("#sun-elevation").fill("60")
+    settle(view)
+    assert "--sun=30,60" in view.inner_text("#command")
+    assert numpy.abs(pixels(view) - before).mean() > 0.2
+    view.click("#sun-off")
+    settle(view)
+    assert "--sun" not in view.inner_text("#command")
+
+
+def test_lights_are_moved_by_their_handles(page, tmp_path):
+    light = {"type": "point", "name": "lamp", "intensity": 20}
+    triangle = numpy.array([[-1, 0, 0], [1, 0, 0], [0, 1, 0]], "<f4").tobytes()
+    scene = {
+        "asset": {"version": "2.0"},
+        "extensionsUsed": ["KHR_lights_punctual"],
+        "extensions": {"KHR_lights_punctual": {"lights": [light]}},
+        "scenes": [{"nodes": [0, 1]}],
+        "nodes": [{"mesh": 0}, {"translation": [0, 0.4, 0.5], "extensions": {"KHR_lights_punctual": {"light": 0}}}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [-1, 0, 0], "max": [1, 1, 0]}
+        ],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}],
+        "buffers": [{"byteLength": 36, "uri": "data:application/octet-stream;base64," + base64.b64encode(triangle).decode()}],
+    }
+    (tmp_path / "scene.gltf").write_text(json.dumps(scene))
+    server = Server(tmp_path, tmp_path / "scene.gltf")
+    page.set_viewport_size({"width": 760, "height": 300})
+    page.goto(server.url)
+    settle(page)
+    page.click("#lights")
+    handle = page.locator(".handle:visible").first
+    handle.wait_for()
+    assert handle.get_attribute("aria-label") == "Light lamp, point"
+    place = handle.bounding_box()
+    handle.press("ArrowRight")
+    page.wait_for_selector("#command-note:visible")
+    settle(page)
+    assert handle.bounding_box()["x"] > place["x"]
+    assert faults(page) == []
+    screenshot(page, "handles")
+    page.close()
+    server.end()
+
+
+def panorama(width, height):
+    """A Radiance picture: red above, blue below."""
+    rows = [bytes((200, 20, 20, 130) if y < height / 2 else (20, 20, 200, 130)) * width for y in range(height)]
+    return b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y %d +X %d\n" % (height, width) + b"".join(rows)
+
+
+def test_an_environment_is_sent(view, tmp_path):
+    open_options(view)
+    view.fill("#option-background", "hdri")
+    view.keyboard.press("Tab")
+    settle(view)
+    before = pixels(view)
+    (tmp_path / "sky.hdr").write_bytes(panorama(128, 64))
+    view.set_input_files("#environment-file", tmp_path / "sky.hdr")
+    view.wait_for_selector("#command:has-text('--hdri=sky.hdr')")
+    settle(view)
+    assert view.input_value("#environment") == "sky.hdr"
+    assert numpy.abs(pixels(view) - before).mean() > 5
+    (tmp_path / "sky.txt").write_text("no picture")
+    view.set_input_files("#environment-file", tmp_path / "sky.txt")
+    view.get_by_text("sky.txt is not a .hdr or .exr file").wait_for()
+
+
 def test_a_split_shows_two_choices(view, tmp_path):
     left = pixels(view)
     view.select_option("#split", "slider")

@@ -5,8 +5,10 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <cstring>
 #include <fstream>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <random>
 #include <thread>
 
@@ -393,6 +395,84 @@ TEST(ViewSessionTest, FollowsItsFile) {
   EXPECT_TRUE(viewer.settle().final) << "with the scene that it has";
 }
 
+// A .glb as a .gltf with a file for its buffer and one for each picture, by their names; the .gltf is the first.
+std::vector<std::string> inFiles(const std::filesystem::path& glb, const Folder& folder) {
+  std::ifstream stream(glb, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
+  uint32_t size = 0;
+  std::memcpy(&size, &bytes[12], sizeof size);
+  nlohmann::json root = nlohmann::json::parse(bytes.substr(20, size));
+  const std::string buffer = bytes.substr(20 + size + 8);
+  std::vector<std::string> names{"scene.gltf", "scene.bin"};
+  for (nlohmann::json& image : root["images"]) {
+    const nlohmann::json& view = root["bufferViews"][image["bufferView"].get<size_t>()];
+    names.push_back(fmt::format("picture{}.png", names.size()));
+    folder.write(names.back(), buffer.substr(view.value("byteOffset", 0), view["byteLength"]));
+    image = {{"uri", names.back()}};
+  }
+  root["buffers"][0]["uri"] = "scene.bin";
+  folder.write("scene.bin", buffer);
+  folder.write("scene.gltf", root.dump());
+  return names;
+}
+
+TEST(ViewSessionTest, FollowsEachFileOfItsScene) {
+  const Folder folder;
+  const std::vector<std::string> files = inFiles(modelPath("textured.glb"), folder);
+  ASSERT_GT(files.size(), 3u);
+  Viewer viewer(small(folder.at("scene.gltf")));
+  const Frame before = viewer.settle();
+  const auto changesBy = [&](const std::string& file, const std::string& bytes) {
+    folder.write(file, bytes);
+    const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(30);
+    while (!viewer.session.wantsFrame() && std::chrono::steady_clock::now() < end)
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    EXPECT_TRUE(viewer.session.wantsFrame()) << file;
+    viewer.settle();
+  };
+  for (const std::string& file : files) {
+    changesBy(file, folder.read(file));
+    EXPECT_TRUE(viewer.settle().rgba == before.rgba) << "the same file again";
+  }
+  changesBy(files[2], folder.read(files[3]));
+  expectAsRendered(viewer, "another texture");
+  EXPECT_FALSE(viewer.settle().rgba == before.rgba);
+}
+
+TEST(ViewSessionTest, OpensAnotherScene) {
+  Viewer viewer(small(modelPath("skinned.glb").string()));
+  viewer(SetOption{"exposure", "1"});
+  viewer(SetOption{"time", "0.5"});
+  viewer(SetOption{"animation", "bend"});
+  viewer(Key{"ArrowLeft", true});
+  viewer(SelectPixel{48, 27});
+  viewer.settle();
+  viewer(OpenScene{"/nowhere.glb"});
+  EXPECT_THAT(viewer.state().error, HasSubstr("/nowhere.glb"));
+  EXPECT_TRUE(viewer.state().steered) << "all is as it was";
+  viewer(OpenScene{lit()});
+  EXPECT_THAT(viewer.state().scene, HasSubstr("punctual.glb"));
+  EXPECT_THAT(viewer.state().animations, IsEmpty());
+  EXPECT_FALSE(viewer.state().steered || viewer.state().selected);
+  EXPECT_THAT(viewer.state().command, HasSubstr("--exposure=1"));
+  expectAsRendered(viewer, "the other scene");
+}
+
+TEST(ViewSessionTest, VariantsAreAsTheCommandLineHasThem) {
+  Viewer viewer(small(modelPath("intricate.glb").string()));
+  ASSERT_THAT(viewer.state().variants, testing::ElementsAre("red", "blue"));
+  const Frame before = viewer.settle();
+  viewer(UseVariant{"blue"});
+  EXPECT_EQ(viewer.state().variant, "blue");
+  expectAsRendered(viewer, "blue");
+  EXPECT_FALSE(viewer.settle().rgba == before.rgba);
+  viewer(UseVariant{"green"});
+  EXPECT_THAT(viewer.state().error, HasSubstr("green"));
+  EXPECT_EQ(viewer.state().variant, "blue");
+  viewer(UseVariant{""});
+  EXPECT_TRUE(viewer.settle().rgba == before.rgba);
+}
+
 TEST(ViewSessionTest, LightsGoWhereTheyAreDragged) {
   Viewer viewer(small());
   const Frame before = viewer.settle();
@@ -419,6 +499,25 @@ TEST(ViewSessionTest, AnEnvironmentIsTakenAsItIsDropped) {
   viewer(SetOption{"background", ""});
   viewer(UseEnvironment{"none"});
   expectAsRendered(viewer, "none");
+}
+
+TEST(ViewSessionTest, AnEnvironmentIsGivenWithoutAFileHere) {
+  const Folder folder;
+  const models::Bytes sky = radiancePanorama(64, 32);
+  folder.write("sky.hdr", sky);
+  Viewer viewer(small("builtin:spheres"));
+  viewer(UseEnvironment{folder.at("sky.hdr")});
+  const Frame ofFile = viewer.settle();
+  viewer(UseEnvironment{""});
+  viewer(GiveEnvironment{"sky.hdr", std::make_shared<const models::Bytes>(sky)});
+  EXPECT_THAT(viewer.state().error, IsEmpty());
+  EXPECT_EQ(viewer.state().environment, "sky.hdr");
+  EXPECT_TRUE(viewer.settle().rgba == ofFile.rgba);
+  viewer(GiveEnvironment{"broken.hdr", std::make_shared<const models::Bytes>(sky.begin(), sky.begin() + 100)});
+  EXPECT_THAT(viewer.state().error, HasSubstr("broken.hdr"));
+  EXPECT_EQ(viewer.state().environment, "sky.hdr");
+  viewer(Reload{});
+  EXPECT_TRUE(viewer.settle().rgba == ofFile.rgba);
 }
 
 // --- anything at all ------------------------------------------------------------------------------------------------

@@ -166,10 +166,16 @@ TEST(WindowWithoutADisplayTest, SaysWhatToUseInstead) {
   EXPECT_THAT(outcome.err, HasSubstr("latelight serve"));
 }
 
-TEST(WindowWithoutADisplayTest, RefusesWhatItHasNoUseFor) {
+TEST(WindowWithoutADisplayTest, RefusesAndDoesNotListWhatItHasNoUseFor) {
   const Outcome outcome = latelight({"view", "builtin:boxes", "-o", "picture.png"});
   EXPECT_EQ(outcome.code, 2);
   EXPECT_THAT(outcome.err, HasSubstr("no use for --out"));
+  for (const char* command : {"view", "serve"}) {
+    const std::string help = latelight({command, "--help"}).out;
+    EXPECT_THAT(help, HasSubstr("--layout"));
+    for (const char* option : {"--out", "--aov", "--pick", "--json", "--frames", "--orbit", "--lens"})
+      EXPECT_THAT(help, testing::Not(HasSubstr(option))) << command;
+  }
 }
 
 }  // namespace

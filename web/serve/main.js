@@ -1,6 +1,7 @@
 // Latelight in a browser: the session's pictures, and controls for all that it takes.
 
 import { Connection } from "./connection.js";
+import { Handles, Sun } from "./lights.js";
 import { Options } from "./options.js";
 import { History, showList, showPasses, showProbe, surfacePairs } from "./panels.js";
 import { Stage } from "./stage.js";
@@ -33,6 +34,9 @@ const send = (type, fields) => {
   const serial = connection.send(type, fields);
   if (serial) sent.set(serial, performance.now());
 };
+const sun = new Sun((value) => send("option", { name: "sun", value, side: side() }));
+const handles = new Handles($("handles"), () => stage.size, (light, x, y) => send("dragLight", { light, x, y }));
+let sentFile = null; // the environment that was sent from here
 const side = () => (state.split?.mode !== "off" && document.querySelector("[name=side]:checked").value) || "left";
 
 // --- a session begins; after a lost connection it is told what the last one showed ---
@@ -42,7 +46,6 @@ function begin(told) {
   $("status").textContent = "Connected";
   $("retry").hidden = true;
   options = new Options($("options"), tables.options, (name, value) => send("option", { name, value, side: side() }));
-  fill($("environment"), tables.environments.map((name) => [name, name || "the scene's"]));
   stage.resize();
   if (state.left) restore();
 }
@@ -54,7 +57,10 @@ function restore() {
   };
   tell("left");
   if (state.split.mode !== "off") send("split", state.split), tell("right");
-  send("environment", { name: state.environment });
+  if (state.variant) send("variant", { name: state.variant });
+  if (sentFile?.name === state.environment) sendEnvironment(sentFile);
+  else send("environment", { name: state.environment });
+  if ($("lights").getAttribute("aria-pressed") === "true") send("lights", { on: true });
   send("camera", { name: state.camera });
   send("navigation", { mode: state.navigation });
 }
@@ -69,6 +75,7 @@ async function showPicture(picture, payload, serial) {
   for (const each of [...sent.keys()]) if (each <= serial) sent.delete(each);
   showList($("times"), [
     ["picture", `${picture.milliseconds.toFixed(1)} ms`],
+    ["encoding", `${picture.encoding.toFixed(1)} ms`],
     ["until shown", answered && `${(performance.now() - answered).toFixed(0)} ms`],
     ["pixels", `${picture.width} × ${picture.height}${picture.final ? "" : ", draft"}`],
     ["sent", `${(payload.length / 1000).toFixed(0)} kB, quality ${picture.quality}`],
@@ -91,7 +98,10 @@ const shows = {
   right: showSide,
   targets: showOutputs,
   split: showSplit,
-  environment: () => ($("environment").value = state.environment),
+  environment: showEnvironment,
+  variants: showVariants,
+  variant: showVariants,
+  lights: () => handles.show(state.lights),
   cameras: showCameras,
   camera: showCameras,
   steered: showCameras,
@@ -126,8 +136,21 @@ function showOutputs() {
   $("output").value = state[side()].output;
 }
 
+function showEnvironment() {
+  const sent = sentFile && !tables.environments.includes(sentFile.name) ? [[sentFile.name, `${sentFile.name} (sent)`]] : [];
+  fill($("environment"), [...tables.environments.map((name) => [name, name || "the scene's"]), ...sent]);
+  $("environment").value = state.environment;
+}
+
+function showVariants() {
+  $("variant-row").hidden = !state.variants.length;
+  fill($("variant"), ["", ...state.variants].map((name) => [name, name || "the default"]));
+  $("variant").value = state.variant;
+}
+
 function showSide() {
   options.show(state[side()].options);
+  sun.show(state[side()].options.sun ?? "");
   showOutputs();
   showCommand();
 }
@@ -181,7 +204,44 @@ $("retry").onclick = () => {
 };
 $("output").onchange = () => send("output", { name: $("output").value, side: side() });
 $("camera").onchange = () => $("camera").value !== "*" && send("camera", { name: $("camera").value });
-$("environment").onchange = () => send("environment", { name: $("environment").value });
+$("environment").onchange = () => {
+  if (sentFile?.name === $("environment").value) sendEnvironment(sentFile);
+  else send("environment", { name: $("environment").value });
+};
+$("variant").onchange = () => send("variant", { name: $("variant").value });
+$("lights").onclick = () => {
+  const on = $("lights").getAttribute("aria-pressed") !== "true";
+  $("lights").setAttribute("aria-pressed", on);
+  send("lights", { on });
+};
+$("send-environment").onclick = () => $("environment-file").click();
+$("environment-file").onchange = () => {
+  const [file] = $("environment-file").files;
+  if (file) sendEnvironment(file);
+  $("environment-file").value = ""; // the same one may be chosen again
+};
+$("stage").ondragover = (event) => event.preventDefault();
+$("stage").ondrop = (event) => {
+  event.preventDefault();
+  const [file] = event.dataTransfer.files;
+  if (file) sendEnvironment(file);
+};
+
+// What the server would close the connection for is said here.
+async function sendEnvironment(file) {
+  const { most, piece } = tables.file;
+  if (!/\.(hdr|exr)$/.test(file.name)) return say(`${file.name} is not a .hdr or .exr file`);
+  if (file.size === 0 || file.size > most) return say(`${file.name} has ${file.size} bytes; 1 to ${most} can be sent`);
+  const bytes = await file.arrayBuffer();
+  sentFile = file;
+  send("file", { name: file.name, bytes: bytes.byteLength });
+  for (let at = 0; at < bytes.byteLength; at += piece) connection.socket.send(bytes.slice(at, at + piece));
+}
+
+function say(sentence) {
+  $("error").textContent = sentence;
+  $("error").hidden = false;
+}
 $("navigation").onchange = () => send("navigation", { mode: $("navigation").value });
 $("frame").onclick = () => send("key", { name: "Home", down: true });
 $("reload").onclick = () => send("reload");
