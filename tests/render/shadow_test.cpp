@@ -284,7 +284,7 @@ TEST_F(ShadowTest, DevicesLookUpWhatTheHostLooksUp) {
       FrameContext f = bench.frame(graph, {.shadowFormat = index, .shadowFilter = shared::kShadowFilterPcf}, {view});
       f.shadows = &shadows;
       const graph::ImageId drawn = graph.import(shadows.atlas(), std::nullopt);
-      f.visibility.addShadowMaps(f, drawn);
+      f.visibility.addShadowMaps(f, {}, drawn);
       const graph::BufferId read = addReadback(graph, drawn);
       const std::byte* texels = bench.run(graph).buffer(read).mapped();
       const vk::ImageDesc& atlas = shadows.atlas().desc();
