@@ -60,14 +60,15 @@ void refuseTooManyEndless(const FrameContext& f) {
              most, endless);
 }
 
-graph::ImageId addShadows(const FrameContext& f) {
+// With the G-buffer as it is so far.
+graph::ImageId addShadows(const FrameContext& f, const Gbuffer& g) {
   if (!f.shadows) return {};
   if (!f.shadows->takeDrawing()) return f.graph.import(f.shadows->atlas(), graph::Use::SampledCompute);
   const bool keeps = f.shadows->keepsAtlas();
   const graph::ImageId atlas =
       f.graph.import(f.shadows->atlas(), keeps ? std::optional(graph::Use::SampledCompute) : std::nullopt);
   f.graph.exports(atlas, graph::Use::SampledCompute);
-  f.visibility.addShadowMaps(f, atlas);
+  f.visibility.addShadowMaps(f, g, atlas);
   return atlas;
 }
 
@@ -81,11 +82,11 @@ LitFrame addLit(const FrameContext& f, const FrameDepth& depth) {
   refuseTooManyEndless(f);
   const bool multisampled = f.setup.samples > 1;
   Gbuffer g{.depth = depth.pixels, .sampleDepth = depth.samples};
-  g.shadows = addShadows(f);
   g.light = createTarget(f, kLightFormat, "light");
   g.sampleLight = multisampled ? createTarget(f, kLightFormat, "light of samples", f.setup.samples) : g.light;
   g.lightCounts = createCounts(f);
   if (!f.setup.lighting->forward) f.visibility.addGbuffer(f, g);
+  g.shadows = addShadows(f, g);
   g.ambientOcclusion = addAmbientOcclusion(f, g);
   if (f.setup.sunInGbuffer) addSunOcclusion(f, g);
   f.setup.lighting->add(f, g);

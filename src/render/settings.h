@@ -163,6 +163,7 @@ struct Settings {
   std::vector<output::Aov> aovs;    // in addition; Color is the linear picture
   uint32_t stripPixels = 1u << 23;  // larger pictures are rendered in strips of at most this many: strips.h
   bool everySample = false;         // MSAA: all are shaded, even if alike: the reference
+  bool wholeShadowMaps = false;     // all of each map is drawn, whatever is looked up: the reference
   bool countSurfaces = false;       // fills Renderer::shadingCounts()
 };
 

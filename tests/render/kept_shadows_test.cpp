@@ -30,7 +30,7 @@ scene::Scene ballsUnderLamps() {
     scene::Light lamp;
     lamp.name = "lamp " + std::to_string(i);
     lamp.type = shared::kLightPoint;
-    lamp.position = {at(i), 1.5f, 0.2f};
+    lamp.position = {at(i), 1.5f, 0};
     lamp.intensity = 20;
     lamp.range = 2.8f;
     builder.scene.lights.push_back(lamp);
@@ -50,6 +50,7 @@ Settings keptSettings() {
   Settings settings = settingsOf(160, 90, {Aov::Color});
   settings.raster = Raster::Compute;
   settings.shadows = ShadowFormat::D32;
+  settings.wholeShadowMaps = true;
   return settings;
 }
 
@@ -85,12 +86,14 @@ TEST_F(KeptShadowsTest, OnlyWhatChangesIsDrawnAgain) {
   EXPECT_EQ(now(), 0u);
   EXPECT_EQ(drawn(uploaded, cameraAt(0.1f), kept), 0u) << "the camera has moved";
 
-  scene::setTransform(scene, 1, glm::translate(glm::mat4(1), vec3(-0.5f * kApart, 0.2f, 0)));
-  EXPECT_EQ(now(), 6u) << "one ball has moved";
-  scene::setTransform(scene, 1, glm::translate(glm::mat4(1), vec3(0.5f * kApart, 0.2f, 0.5f)));
-  EXPECT_EQ(now(), 12u) << "from the reach of one lamp to that of another";
+  scene::setTransform(scene, 1, glm::translate(glm::mat4(1), vec3(-0.5f * kApart, -0.2f, 0)));
+  EXPECT_EQ(now(), 1u) << "one ball has moved, below its lamp";
+  scene::setTransform(scene, 1, glm::translate(glm::mat4(1), vec3(0.5f * kApart, -0.2f, 0)));
+  EXPECT_EQ(now(), 2u) << "from the reach of one lamp to that of another";
+  scene::setTransform(scene, 1, glm::translate(glm::mat4(1), vec3(0.5f * kApart - 1.2f, -0.2f, 0)));
+  EXPECT_EQ(now(), 2u) << "from one face of its cube to that and another";
   scene::removeInstance(scene, 0);
-  EXPECT_EQ(now(), 6u);
+  EXPECT_EQ(now(), 1u);
   scene::addInstance(scene, 0, 0, glm::translate(glm::mat4(1), vec3(0, 30, 0)));
   EXPECT_EQ(now(), 0u) << "out of all lamps' reach";
 
@@ -98,12 +101,12 @@ TEST_F(KeptShadowsTest, OnlyWhatChangesIsDrawnAgain) {
   lamp.intensity *= 2;
   scene::setLight(scene, 3, lamp);
   EXPECT_EQ(now(), 0u) << "its light is not in its maps";
-  lamp.position.x += 0.1f;
+  lamp.position.y += 0.1f;
   scene::setLight(scene, 3, lamp);
   EXPECT_EQ(now(), 6u);
 
   scene::setMesh(scene, 0, sphereMesh(0.4f));
-  EXPECT_EQ(now(), 12u) << "of all balls, of which none is left at the first two lamps";
+  EXPECT_EQ(now(), 3u) << "of all balls, of which none is left at the first two lamps";
   scene::setTransform(scene, kFloor, scene.instances[kFloor].toWorld);
   EXPECT_EQ(now(), 0u) << "put where it was";
   scene::Material material = scene.materials[0];
@@ -129,6 +132,31 @@ TEST_F(KeptShadowsTest, OtherMapsAreOtherMaps) {
   settings.raster = Raster::Hardware;
   EXPECT_EQ(drawn(uploaded, cameraAt(0), kept, settings), 6 * kBalls);
   EXPECT_EQ(drawn(uploaded, cameraAt(0), kept, settings), 6 * kBalls) << "hardware keeps none";
+}
+
+// A sun's cascades are maps of their own: the coarsest, around all of the scene, stays as the camera moves; the finer ones
+// stay where what moves is out of what they cover.
+TEST_F(KeptShadowsTest, CascadesAreKeptOneByOne) {
+  scene::Scene scene = ballsUnderLamps();
+  scene.lights = {scene::Light{.type = shared::kLightDirectional, .direction = glm::normalize(vec3(0.3f, -1, -0.2f))}};
+  GpuScene uploaded(device(), scene);
+  KeptShadowMaps kept;
+  const auto at = [&](float x) {
+    scene::Camera camera = frontPerspective(1.4f, 2);
+    camera.toWorld = glm::translate(glm::mat4(1), vec3(x, -0.5f, 0)) * camera.toWorld;
+    uploaded.update({}, std::nullopt);
+    return drawn(uploaded, camera, kept);
+  };
+  at(0);
+  EXPECT_EQ(at(0), 0u);
+  const size_t moved = at(0.5f);
+  EXPECT_GT(moved, 0u);
+  EXPECT_LT(moved, 4u);
+  EXPECT_EQ(at(0.5f), 0u);
+  scene::setTransform(scene, 3, glm::translate(glm::mat4(1), vec3(1.5f * kApart, 0.5f, 0)));
+  EXPECT_EQ(at(0.5f), 2u) << "a ball at the far end of the row, out of the finer ones";
+  scene::setTransform(scene, 1, glm::translate(glm::mat4(1), vec3(0.7f, 0, 0)));
+  EXPECT_EQ(at(0.5f), 4u) << "a ball that comes before the camera";
 }
 
 // What overflowed, or was never drawn, is not there.

@@ -13,13 +13,14 @@ constexpr size_t kInstancesAtOnce = 16384;  // a thread's share: waking another 
 
 constexpr Sphere kNowhere{glm::vec3(0), -std::numeric_limits<float>::infinity()};  // touches nothing
 
+// Around the corners of the box.
 Sphere boundsOf(const scene::ReachBox& box, const glm::mat4& toWorld) {
-  glm::mat3 linear(toWorld);
-  // The largest stretch is at most the Frobenius norm: a sphere that holds the box under any transform.
-  float stretch =
-      std::sqrt(glm::dot(linear[0], linear[0]) + glm::dot(linear[1], linear[1]) + glm::dot(linear[2], linear[2]));
-  return {glm::vec3(toWorld * glm::vec4((box.low + box.high) * 0.5f, 1.0f)),
-          glm::length(box.high - box.low) * 0.5f * stretch};
+  constexpr float kRounding = 1 + 1e-6f;
+  const glm::vec3 half = 0.5f * (box.high - box.low);
+  float radius = 0;
+  for (const glm::vec3& sign : {glm::vec3(1, 1, 1), glm::vec3(-1, 1, 1), glm::vec3(1, -1, 1), glm::vec3(1, 1, -1)})
+    radius = std::max(radius, glm::length(glm::mat3(toWorld) * (sign * half)));
+  return {glm::vec3(toWorld * glm::vec4((box.low + box.high) * 0.5f, 1.0f)), kRounding * radius};
 }
 
 }  // namespace

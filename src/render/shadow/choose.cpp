@@ -7,6 +7,8 @@
 
 #include "base/error.h"
 #include "base/log.h"
+#include "render/shadow/atlas.h"
+#include "render/shadow/page_push.h"
 #include "shared/color.h"
 #include "shared/light.h"
 
@@ -15,6 +17,8 @@ namespace latelight::render {
 namespace {
 
 constexpr uint32_t kLargestTile = 2048, kLeastCascade = 128;
+static_assert(kLargestTile <= 32 * shared::kShadowPage, "a row of a map's pages is a word");
+static_assert(kLeastShadowTile == shared::kShadowCell);
 
 // --- who ------------------------------------------------------------------------------------------------------------
 

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <set>
 
 #include "base/parallel.h"
 #include "render/frame.h"
+#include "render/outputs/outputs.h"
 #include "shared/shadow.h"
 
 namespace latelight::render {
@@ -18,6 +20,7 @@ vk::Buffer uploaded(vk::Device& device, const char* name, const std::vector<T>& 
 }
 
 constexpr size_t kViewsAtOnce = 8;  // a thread's share
+constexpr uint32_t kPatience = 3;   // frames that draw pages of a map before one draws what is left
 
 template <typename T>
 void append(std::string& key, const T& value) {
@@ -40,7 +43,8 @@ FrameShadows::FrameShadows(vk::Device& device, const GpuScene& scene, std::span<
                            const Settings& settings, KeptShadowMaps& kept)
     : format_(indexOf(settings.shadows)),
       filter_(indexOf(settings.shadowFilter)),
-      inCompute_(rastersInCompute(settings)) {
+      inCompute_(rastersInCompute(settings)),
+      mayAskForPages_(inCompute_ && !settings.wholeShadowMaps && !asksFor(settings, Origin::LightCounts)) {
   const ShadowScene planned{scene.lights().lights(), scene.lights().sources(), scene.lights().authored(),
                             scene.bounds()};
   plans_.resize(views.size());
@@ -70,45 +74,46 @@ void FrameShadows::number(uint32_t lights) {
   std::vector<std::vector<std::string>> keys(plans_.size());
   parallelFor(plans_.size(), kViewsAtOnce, [&](size_t begin, size_t end) {
     for (size_t view = begin; view < end; ++view)
-      for (const ShadowPlan::Entry& entry : plans_[view].lights) keys[view].push_back(keyOf(plans_[view], entry));
+      for (uint32_t map = 0; map < plans_[view].maps.size(); ++map) keys[view].push_back(keyOf(plans_[view], map));
   });
   table_.resize(plans_.size() * columns_.size());
   for (size_t view = 0; view < plans_.size(); ++view) {
     const ShadowPlan& plan = plans_[view];
-    for (size_t i = 0; i < plan.lights.size(); ++i) {
-      const ShadowPlan::Entry& entry = plan.lights[i];
+    for (const ShadowPlan::Entry& entry : plan.lights) {
       const auto column = std::lower_bound(columns_.begin(), columns_.end(), entry.light) - columns_.begin();
-      table_[view * columns_.size() + static_cast<size_t>(column)] = {
-          enter(plan, entry, std::move(keys[view][i])).first, entry.maps, plan.sun == entry.light ? 1u : 0u};
+      const std::span<std::string> its = std::span(keys[view]).subspan(entry.first, entry.maps);
+      table_[view * columns_.size() + static_cast<size_t>(column)] = {enter(plan, entry, its), entry.maps,
+                                                                      plan.sun == entry.light ? 1u : 0u};
     }
   }
 }
 
-std::string FrameShadows::keyOf(const ShadowPlan& plan, const ShadowPlan::Entry& entry) const {
+std::string FrameShadows::keyOf(const ShadowPlan& plan, uint32_t map) const {
   std::string key;
   append(key, format_);
   append(key, filter_);
-  const ShadowView& first = plan.views[entry.first];
-  if (first.within) append(key, *first.within);
-  for (uint32_t i = entry.first; i < entry.first + entry.maps; ++i) {
-    append(key, plan.views[i].drawn);
-    append(key, plan.maps[i]);
-  }
+  if (plan.views[map].within) append(key, *plan.views[map].within);
+  append(key, plan.views[map].drawn);
+  append(key, plan.maps[map]);
   return key;
 }
 
-// A light's maps in a view: those of an earlier view where they are the same, or new ones.
-const FrameShadows::Caster& FrameShadows::enter(const ShadowPlan& plan, const ShadowPlan::Entry& entry,
-                                                std::string&& key) {
-  const auto [found, anew] = casterOfKey_.try_emplace(std::move(key), static_cast<uint32_t>(casters_.size()));
+// The first record of a light's maps in a view. Those that an earlier view has are its, too.
+uint32_t FrameShadows::enter(const ShadowPlan& plan, const ShadowPlan::Entry& entry, std::span<std::string> keys) {
+  std::vector<uint32_t> maps;
+  for (uint32_t i = 0; i < entry.maps; ++i) {
+    const auto [found, anew] =
+        wantedOfKey_.try_emplace(std::move(keys[i]), static_cast<uint32_t>(wanted_.size()));
+    if (anew) wanted_.push_back({found->first, &plan.views[entry.first + i]});
+    maps.push_back(found->second);
+  }
+  const auto [found, anew] = recordsOfMaps_.try_emplace(maps, static_cast<uint32_t>(records_.size()));
   if (anew) {
-    const ShadowView& first = plan.views[entry.first];
-    casters_.push_back({&plan, &entry, static_cast<uint32_t>(records_.size())});
-    wanted_.push_back({found->first, entry.maps, first.size, first.within});
     const auto begin = plan.maps.begin() + entry.first;
     records_.insert(records_.end(), begin, begin + entry.maps);
+    wantedOfRecord_.insert(wantedOfRecord_.end(), maps.begin(), maps.end());
   }
-  return casters_[found->second];
+  return found->second;
 }
 
 void FrameShadows::place(vk::Device& device, KeptShadowMaps& kept) {
@@ -118,26 +123,58 @@ void FrameShadows::place(vk::Device& device, KeptShadowMaps& kept) {
   kind.usage |= inCompute_                ? VK_IMAGE_USAGE_STORAGE_BIT
                 : shadowIsPacked(format_) ? VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT
                                           : VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT;
-  const std::vector<std::shared_ptr<KeptMaps>> placed = kept.place(device, kind, wanted_);
-  for (size_t i = 0; i < casters_.size(); ++i) {
-    const Caster& caster = casters_[i];
-    for (uint32_t m = 0; m < caster.entry->maps; ++m) {
-      const AtlasTile& tile = placed[i]->tiles[m];
-      shared::ShadowMap& record = records_[caster.first + m];
-      record.corner = {tile.x, tile.y};
-      record.layer = tile.layer;
-      if (!placed[i]->drawn) maps_.push_back({tile, &caster.plan->views[caster.entry->first + m]});
-    }
-    if (!placed[i]->drawn) drawn_.push_back(placed[i]);
+  placed_ = kept.place(device, kind, wanted_);
+  for (size_t i = 0; i < records_.size(); ++i) {
+    const AtlasTile& tile = placed_[wantedOfRecord_[i]]->tile;
+    records_[i].corner = {tile.x, tile.y};
+    records_[i].layer = tile.layer;
   }
-  std::ranges::stable_sort(maps_, {}, [](const Map& map) { return map.tile.layer; });
   atlas_ = kept.atlas();
+  pages_ = kept.pages();
   keepsAtlas_ = kept.anyDrawn();
+  for (size_t i = 0; i < wanted_.size(); ++i) list(placed_[i], *wanted_[i].view);
+  std::ranges::stable_sort(maps_, {}, [](const Map& map) { return map.tile.layer; });
   undrawn_ = !maps_.empty();
 }
 
+// A map that several frames have drawn pages of is likely to stay: with all of them, no later frame has to look for any.
+void FrameShadows::list(const std::shared_ptr<KeptMap>& map, const ShadowView& view) {
+  if (map->whole) return;
+  maps_.push_back({map->tile, &view, !map->drawn, ++map->drawings > kPatience});
+  map->drawn = false;  // until it is settled
+  drawn_.push_back(map);
+}
+
+std::vector<shared::PagedLight> FrameShadows::pagedLights() const {
+  std::set<uint32_t> paged;  // among columns_
+  for (size_t i = 0; i < table_.size(); ++i)
+    for (uint32_t map = 0; map < table_[i].maps; ++map)
+      if (!placed_[wantedOfRecord_[table_[i].first + map]]->whole) paged.insert(static_cast<uint32_t>(i % columns_.size()));
+  std::vector<shared::PagedLight> lights;
+  for (const uint32_t column : paged) lights.push_back({columns_[column], column});
+  return lights;
+}
+
+void FrameShadows::drawAgain() {
+  undrawn_ = !maps_.empty();
+  for (Map& map : maps_) map.anew = true;
+}
+
+bool FrameShadows::takeDrawing() {
+  const bool undrawn = std::exchange(undrawn_, false);
+  return undrawn || (asksForPages_ && !maps_.empty());
+}
+
+void FrameShadows::addedDrawing() {
+  keepsAtlas_ = true;
+  for (Map& map : maps_) map.anew = false;
+}
+
 void FrameShadows::settled() {
-  for (const std::shared_ptr<KeptMaps>& maps : drawn_) maps->drawn = true;
+  for (const std::shared_ptr<KeptMap>& map : drawn_) {
+    map->drawn = true;
+    map->whole = !asksForPages_ || map->drawings > kPatience;
+  }
 }
 
 void FrameShadows::upload(vk::Device& device) {

@@ -2,6 +2,7 @@
 // view.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "render/gpu_scene.h"
 #include "render/settings.h"
 #include "render/shadow/kept_maps.h"
+#include "render/shadow/page_push.h"
 #include "render/shadow/plan.h"
 #include "vk/resources.h"
 
@@ -30,10 +32,12 @@ class FrameShadows {
   // For the frame's constants.
   void describe(shared::FrameConstants& frame) const;
 
-  // The maps to be drawn, by layer.
+  // The maps that have something to be drawn, by layer.
   struct Map {
     AtlasTile tile;
     const ShadowView* view;
+    bool anew;   // nothing of it is there
+    bool whole;  // all of it is drawn, even if only pages that pixels look up are asked for
   };
   std::span<const Map> maps() const { return maps_; }
   // Constants of a frame whose views are the maps, in order.
@@ -41,38 +45,46 @@ class FrameShadows {
   VkBuffer mapViews() const { return viewsBuffer_.get(); }  // their View[]
 
   const vk::Image& atlas() const { return *atlas_; }
-  bool keepsAtlas() const { return keepsAtlas_; }  // it holds maps of earlier frames
-  // The maps are drawn once for all samples and strips of a picture.
-  void drawAgain() { undrawn_ = true; }  // for a graph that is run again, since something overflowed
-  bool takeDrawing() { return std::exchange(undrawn_, false); }  // true once: for the graph that draws the maps
-  void settled();  // the device has drawn them, and nothing overflowed: later frames may use them
+  const vk::Buffer& pages() const { return *pages_; }
+  bool keepsAtlas() const { return keepsAtlas_; }  // it holds maps, or pages, of earlier graphs
+
+  // The maps are drawn whole, once for all samples and strips of a picture, unless pages are asked for: then each graph
+  // draws those that its pixels look up and no earlier one has drawn.
+  bool mayAskForPages() const { return mayAskForPages_; }
+  void askForPages() { asksForPages_ = true; }
+  bool asksForPages() const { return asksForPages_; }
+  std::vector<shared::PagedLight> pagedLights() const;  // those with maps that are not drawn whole
+  void drawAgain();    // for a graph that is run again, since something overflowed
+  bool takeDrawing();  // for a graph: whether it draws maps
+  void addedDrawing();  // a graph has taken all that there is to be drawn
+  void settled();      // the device has drawn them, and nothing overflowed: later frames may use them
 
  private:
-  struct Caster {  // a light, and its maps, that some views share
-    const ShadowPlan* plan;
-    const ShadowPlan::Entry* entry;
-    uint32_t first;  // among records_
-  };
   void number(uint32_t lights);
-  std::string keyOf(const ShadowPlan& plan, const ShadowPlan::Entry& entry) const;
-  const Caster& enter(const ShadowPlan& plan, const ShadowPlan::Entry& entry, std::string&& key);
+  std::string keyOf(const ShadowPlan& plan, uint32_t map) const;
+  uint32_t enter(const ShadowPlan& plan, const ShadowPlan::Entry& entry, std::span<std::string> keys);
   void place(vk::Device& device, KeptShadowMaps& kept);
+  void list(const std::shared_ptr<KeptMap>& map, const ShadowView& view);
   void upload(vk::Device& device);
 
   uint32_t format_, filter_;  // kShadow*, kShadowFilter*
   bool inCompute_;            // the maps are stored by compute shaders
   std::vector<ShadowPlan> plans_;
-  std::vector<Caster> casters_;
-  std::vector<KeptShadowMaps::Wanted> wanted_;             // by caster
-  std::unordered_map<std::string, uint32_t> casterOfKey_;  // among casters_
-  std::vector<std::shared_ptr<KeptMaps>> drawn_;           // that no earlier frame has
+  std::vector<KeptShadowMaps::Wanted> wanted_;               // each map once
+  std::unordered_map<std::string, uint32_t> wantedOfKey_;    // among wanted_
+  std::vector<shared::ShadowMap> records_;                   // those of a light's maps in a view follow each other
+  std::vector<uint32_t> wantedOfRecord_;                     // among wanted_
+  std::map<std::vector<uint32_t>, uint32_t> recordsOfMaps_;  // the first one, by places among wanted_
+  std::vector<std::shared_ptr<KeptMap>> placed_;             // by wanted_
+  std::vector<std::shared_ptr<KeptMap>> drawn_;              // by maps_
   std::vector<Map> maps_;
-  std::vector<shared::ShadowMap> records_;  // of the casters' maps
   std::vector<uint32_t> columns_;           // lights that cast shadows in some view, ascending
   std::vector<shared::ShadowBits> bits_;
   std::vector<shared::LightShadow> table_;  // one row per view
   std::shared_ptr<const vk::Image> atlas_;
+  std::shared_ptr<const vk::Buffer> pages_;
   bool keepsAtlas_ = false;
+  bool mayAskForPages_, asksForPages_ = false;
   vk::Buffer bitsBuffer_, tableBuffer_, mapsBuffer_, viewsBuffer_, constantsBuffer_;
   bool undrawn_ = false;
 };

@@ -5,6 +5,8 @@
 #include <numeric>
 #include <string_view>
 
+#include "render/shadow/pages.h"
+
 namespace latelight::render {
 
 namespace {
@@ -17,9 +19,17 @@ bool meet(const Sphere& a, const Sphere& b) {
   return glm::length(a.centre - b.centre) <= a.radius + b.radius;
 }
 
+// Vertices are rounded where they are drawn, farther from the origin by more.
+bool castsInto(const Sphere& caster, const KeptMap& map) {
+  constexpr float kRounding = 1e-5f;
+  const glm::vec3 at = glm::abs(caster.centre);
+  const Sphere rounded{caster.centre, caster.radius + kRounding * (at.x + at.y + at.z + caster.radius)};
+  return (!map.within || meet(*map.within, rounded)) && map.frustum.touches(rounded);
+}
+
 uint64_t texelsOf(std::span<const KeptShadowMaps::Wanted> wanted) {
   uint64_t texels = 0;
-  for (const KeptShadowMaps::Wanted& w : wanted) texels += uint64_t{w.maps} * w.size * w.size;
+  for (const KeptShadowMaps::Wanted& w : wanted) texels += uint64_t{w.view->size} * w.view->size;
   return texels;
 }
 
@@ -57,22 +67,26 @@ void KeptShadowMaps::follow(const GpuScene& scene) {
   shapes_ = shapes;
   const std::vector<Sphere> changed = changedCasters(scene);
   std::erase_if(maps_, [&](const auto& entry) {
-    const KeptMaps& maps = *entry.second;
-    const bool stale =
-        std::ranges::any_of(changed, [&](const Sphere& sphere) { return !maps.within || meet(*maps.within, sphere); });
-    if (stale) std::ranges::for_each(maps.tiles, [&](const AtlasTile& tile) { tiles_.giveBack(tile); });
+    const KeptMap& map = *entry.second;
+    const bool stale = std::ranges::any_of(changed, [&](const Sphere& caster) { return castsInto(caster, map); });
+    if (stale) tiles_.giveBack(map.tile);
     return stale;
   });
 }
 
 void KeptShadowMaps::forget() {
-  for (const auto& [key, maps] : maps_)
-    for (const AtlasTile& tile : maps->tiles) tiles_.giveBack(tile);
+  for (const auto& [key, map] : maps_) tiles_.giveBack(map->tile);
   maps_.clear();
 }
 
 bool KeptShadowMaps::anyDrawn() const {
   return std::ranges::any_of(maps_, [](const auto& entry) { return entry.second->drawn; });
+}
+
+std::vector<AtlasTile> KeptShadowMaps::tiles() const {
+  std::vector<AtlasTile> tiles;
+  for (const auto& [key, map] : maps_) tiles.push_back(map->tile);
+  return tiles;
 }
 
 // --- where they are -------------------------------------------------------------------------------------------------
@@ -96,6 +110,10 @@ void KeptShadowMaps::renew(vk::Device& device, vk::ImageDesc kind, uint64_t texe
   kind.layers = static_cast<uint32_t>((texels + uint64_t{side} * side - 1) / (uint64_t{side} * side));
   maps_.clear();
   atlas_ = std::make_shared<const vk::Image>(device, kind);
+  pages_ = std::make_shared<const vk::Buffer>(
+      device, vk::BufferDesc{.size = sizeof(uint32_t) * pageWords(kind),
+                             .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
+                             .name = "shadow pages"});
   tiles_ = AtlasTiles(side, kind.layers);
   tooLarge_ = 0;
 }
@@ -103,34 +121,27 @@ void KeptShadowMaps::renew(vk::Device& device, vk::ImageDesc kind, uint64_t texe
 void KeptShadowMaps::dropUnasked() {
   std::erase_if(maps_, [&](const auto& entry) {
     const bool unasked = entry.second->frame != frame_;
-    if (unasked) std::ranges::for_each(entry.second->tiles, [&](const AtlasTile& tile) { tiles_.giveBack(tile); });
+    if (unasked) tiles_.giveBack(entry.second->tile);
     return unasked;
   });
 }
 
-std::shared_ptr<KeptMaps> KeptShadowMaps::add(const Wanted& wanted) {
-  const auto maps = std::make_shared<KeptMaps>();
-  maps->within = wanted.within;
-  maps->frame = frame_;
-  while (maps->tiles.size() < wanted.maps) {
-    std::optional<AtlasTile> tile = tiles_.take(wanted.size);
-    if (!tile) {
-      dropUnasked();
-      tile = tiles_.take(wanted.size);
-    }
-    if (!tile) {
-      std::ranges::for_each(maps->tiles, [&](const AtlasTile& taken) { tiles_.giveBack(taken); });
-      return nullptr;
-    }
-    maps->tiles.push_back(*tile);
+std::shared_ptr<KeptMap> KeptShadowMaps::add(const Wanted& wanted) {
+  const ShadowView& view = *wanted.view;
+  std::optional<AtlasTile> tile = tiles_.take(view.size);
+  if (!tile) {
+    dropUnasked();
+    tile = tiles_.take(view.size);
   }
-  maps_.emplace(wanted.key, maps);
-  return maps;
+  if (!tile) return nullptr;
+  const auto map = std::make_shared<KeptMap>(KeptMap{.tile = *tile, .frustum = Frustum(view.view), .within = view.within, .frame = frame_});
+  maps_.emplace(wanted.key, map);
+  return map;
 }
 
 // Empty where the tiles that are kept leave no room for the others.
-std::vector<std::shared_ptr<KeptMaps>> KeptShadowMaps::tryPlace(std::span<const Wanted> wanted) {
-  std::vector<std::shared_ptr<KeptMaps>> found(wanted.size());
+std::vector<std::shared_ptr<KeptMap>> KeptShadowMaps::tryPlace(std::span<const Wanted> wanted) {
+  std::vector<std::shared_ptr<KeptMap>> found(wanted.size());
   for (size_t i = 0; i < wanted.size(); ++i)
     if (const auto kept = maps_.find(wanted[i].key); kept != maps_.end()) {
       found[i] = kept->second;
@@ -138,19 +149,20 @@ std::vector<std::shared_ptr<KeptMaps>> KeptShadowMaps::tryPlace(std::span<const 
     }
   std::vector<uint32_t> order(wanted.size());
   std::iota(order.begin(), order.end(), 0u);
-  std::ranges::stable_sort(order, [&](uint32_t a, uint32_t b) { return wanted[a].size > wanted[b].size; });
+  std::ranges::stable_sort(order, [&](uint32_t a, uint32_t b) { return wanted[a].view->size > wanted[b].view->size; });
   for (const uint32_t i : order)
     if (!found[i] && !(found[i] = add(wanted[i]))) return {};
   return found;
 }
 
-std::vector<std::shared_ptr<KeptMaps>> KeptShadowMaps::place(vk::Device& device, const vk::ImageDesc& kind,
+std::vector<std::shared_ptr<KeptMap>> KeptShadowMaps::place(vk::Device& device, const vk::ImageDesc& kind,
                                                              std::span<const Wanted> wanted) {
   ++frame_;
   const uint64_t texels = texelsOf(wanted);
-  const uint32_t largest = std::ranges::max(wanted, {}, &Wanted::size).size;
+  uint32_t largest = 0;
+  for (const Wanted& w : wanted) largest = std::max(largest, w.view->size);
   if (!holds(kind, texels, largest)) renew(device, kind, texels, largest);
-  std::vector<std::shared_ptr<KeptMaps>> found = tryPlace(wanted);
+  std::vector<std::shared_ptr<KeptMap>> found = tryPlace(wanted);
   if (!found.empty()) return found;
   forget();
   return tryPlace(wanted);

@@ -18,7 +18,7 @@ class HardwareVisibility final : public Visibility {
   FrameDepth addDepth(const FrameContext& f) const override;
   void addGbuffer(const FrameContext& f, Gbuffer& gbuffer) const override;
   graph::ImageId addMotion(const FrameContext& f, graph::ImageId depth, MotionUse use) const override;
-  void addShadowMaps(const FrameContext& f, graph::ImageId atlas) const override;
+  void addShadowMaps(const FrameContext& f, const Gbuffer& gbuffer, graph::ImageId atlas) const override;
   void addFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers) const override;
   void lightFragments(const FrameContext&, const Gbuffer&, const FragmentBuffers&) const override {}  // they are
   bool anyBlended() const override;

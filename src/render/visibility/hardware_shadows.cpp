@@ -95,7 +95,7 @@ void setTile(graph::Context& context, const AtlasTile& tile) {
 
 }  // namespace
 
-void HardwareVisibility::addShadowMaps(const FrameContext& f, graph::ImageId atlas) const {
+void HardwareVisibility::addShadowMaps(const FrameContext& f, const Gbuffer&, graph::ImageId atlas) const {
   ShadowTargets targets{atlas, atlas, shadowIsPacked(f.setup.shadowFormat), f.setup.shadowFormat};
   std::vector<graph::Access> accesses;
   if (targets.packed) {

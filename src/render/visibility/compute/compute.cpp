@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <bit>
-#include <set>
+#include <map>
 
 #include "base/error.h"
 #include "render/gbuffer/layout.h"
@@ -14,6 +14,7 @@
 #include "render/outputs/surface_outputs.h"
 #include "render/readback.h"
 #include "render/shadow/frame_shadows.h"
+#include "render/shadow/pages.h"
 #include "render/transparency/transparency.h"
 #include "vk/features.h"
 
@@ -24,18 +25,21 @@ namespace {
 using namespace shared;  // kRaster*, kQueue*
 
 // Of raster.glsl and lens_rays.glsl, whose shaders have others of their own.
-constexpr uint32_t kCutsOutConstant = kFirstOwnConstant + 2, kTouchedConstant = kFirstOwnConstant + 3;
+constexpr uint32_t kCutsOutConstant = kFirstOwnConstant + 2, kTouchedConstant = kFirstOwnConstant + 3,
+                   kShadowMapsConstant = kFirstOwnConstant + 4;
 // Of resolve.comp, and of surface_outputs.glsl.
 constexpr uint32_t kPacksConstant = kFirstOwnConstant + 2, kOutputsConstant = kFirstOwnConstant + 4;
 
 // What the queues may hold, as far as earlier frames have found out.
 struct Room {
-  uint32_t clipped, large, entries;
+  uint32_t work, clipped, large, entries;
 };
 
-Room roomOf(const FrameContext& f) {
-  Room room{1u << 12, 1u << 13, 1u << 16};
+// `work`: that there can be.
+Room roomOf(const FrameContext& f, uint32_t work) {
+  Room room{work, 1u << 12, 1u << 13, 1u << 16};
   if (!f.overflow) return room;
+  room.work = std::min(work, std::max(1u << 20, f.overflow->rasterWork));
   room.clipped = std::max(room.clipped, f.overflow->clippedTriangles);
   room.large = std::max(room.large, f.overflow->largeTriangles);
   room.entries = std::max(room.entries, f.overflow->tileEntries);
@@ -49,7 +53,8 @@ bool overflowedRaster(const FrameContext& f, const Room& room, const RasterCount
     kept = std::max(kept, std::bit_ceil(needed));
     return true;
   };
-  bool any = grow(f.overflow->clippedTriangles, room.clipped, counters.clipped);
+  bool any = grow(f.overflow->rasterWork, room.work, counters.work);
+  any |= grow(f.overflow->clippedTriangles, room.clipped, counters.clipped);
   any |= grow(f.overflow->largeTriangles, room.large, counters.large);
   any |= grow(f.overflow->tileEntries, room.entries, counters.entries);
   return any;
@@ -89,15 +94,15 @@ struct ComputeVisibility::Buffers {
   // Into what is visible already, or anew.
   Buffers(const FrameContext& f, const RasterViews& views, const InstanceRanks::Share& share,
           graph::BufferId known = {})
-      : visible(known), room(roomOf(f)) {
+      // Rounded up, so that a scene that is edited does not ask for another size with every instance.
+      : visible(known), room(roomOf(f, std::bit_ceil(static_cast<uint32_t>(share.parts)) * views.count)) {
     const auto make = [&](const char* name, uint64_t bytes) {
       return f.graph.create(vk::BufferDesc{.size = bytes, .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, .name = name});
     };
     const uint32_t tileCount = tilesOf(views);
     jobRoom = tileCount + room.entries / kRasterJobTriangles;
     if (!visible) visible = make("visible", uint64_t{8} * pixelsOf(f, views) * views.samples);
-    // Rounded up, so that a scene that is edited does not ask for another size with every instance.
-    work = make("raster work", sizeof(RasterWork) * std::bit_ceil(share.parts) * views.count);
+    work = make("raster work", sizeof(RasterWork) * room.work);
     clipped = make("clipped triangles", sizeof(ClippedTriangle) * room.clipped);
     large = make("large triangles", sizeof(LargeTriangle) * room.large);
     tiles = make("raster tiles", uint64_t{8} * tileCount);
@@ -185,24 +190,25 @@ void ComputeVisibility::addRaster(const FrameContext& f, const RasterViews& view
                                   .jobs = address(b.jobs),
                                   .counters = address(b.counters)},
                       .within = views.within,
-                      .fragments = blended ? address(chain.lists) : 0,
+                      .fragments = blended ? address(chain.lists) : views.pages ? address(views.pages) : 0,
                       .parts = static_cast<uint32_t>(share.parts),
                       .views = views.count,
                       .width = views.width,
                       .height = views.height,
+                      .workRoom = b.room.work,
                       .clippedRoom = b.room.clipped,
                       .largeRoom = b.room.large,
-                      .entryRoom = b.room.entries,
-                      .bothSides = views.bothSides ? 1u : 0u};
+                      .entryRoom = b.room.entries};
   };
   const auto step = [&](const char* shader) {
     ComputePass pass = rasterStep(f, chain.stage, shader, b.accesses());
     if (blended) pass.buffers.emplace_back(chain.lists, graph::Use::StorageRead);
+    if (views.pages) pass.buffers.emplace_back(views.pages, graph::Use::StorageRead);
     pass.constants = {{kTouchedConstant, views.lens ? 1u : 0u}};
     for (const graph::BufferId buffer : chain.filled) pass.buffers.emplace_back(buffer, graph::Use::StorageReadWrite);
     return pass;
   };
-  const vk::Constant samples{kSamplesConstant, views.samples};
+  const vk::Constant samples{kSamplesConstant, views.samples}, maps{kShadowMapsConstant, views.pages ? 1u : 0u};
   const auto over = [&](const char* shader, glm::uvec3 groups, std::vector<vk::Constant> constants = {}) {
     ComputePass pass = step(shader);
     pass.size = groups;
@@ -210,6 +216,8 @@ void ComputeVisibility::addRaster(const FrameContext& f, const RasterViews& view
     addCompute(f, std::move(pass), push);
   };
   const auto overQueue = [&](const char* shader, uint32_t which, uint32_t room, bool textures = false) {
+    // What tiles do with their triangles is the same in all views.
+    const vk::Constant kind = which == kQueueJobs ? vk::Constant{kShadowMapsConstant, 0} : maps;
     ComputePass arguments =
         rasterStep(f, chain.stage, "raster_arguments.comp", {{b.counters, graph::Use::StorageReadWrite}});
     const uint32_t parts = which == kQueueJobs ? views.samples : 1;
@@ -218,19 +226,18 @@ void ComputeVisibility::addRaster(const FrameContext& f, const RasterViews& view
     });
     ComputePass pass = step(shader);
     if (textures) readsTextures(f, pass);
-    pass.constants.insert(pass.constants.end(), {samples, {kCutsOutConstant, chain.wanted & kRankCutOut}});
+    pass.constants.insert(pass.constants.end(), {samples, kind, {kCutsOutConstant, chain.wanted & kRankCutOut}});
     pass.groups = b.counters;
     pass.groupsOffset = offsetof(RasterCounters, groups);
     addCompute(f, std::move(pass), push);
   };
-  const auto most = static_cast<uint32_t>(share.parts * views.count);
   constexpr uint32_t kPartsInRow = kRasterRow * kCullGroup;
   const auto parts = static_cast<uint32_t>(share.parts);
   over("raster_cull.comp",
        {std::min((parts + kCullGroup - 1) / kCullGroup, kRasterRow), (parts + kPartsInRow - 1) / kPartsInRow,
         views.count},
-       {{kFirstOwnConstant, chain.wanted}, {kFirstOwnConstant + 1, chain.asked}});
-  overQueue(chain.small, kQueueWork, most, chain.textures);
+       {{kFirstOwnConstant, chain.wanted}, {kFirstOwnConstant + 1, chain.asked}, maps});
+  overQueue(chain.small, kQueueWork, b.room.work, chain.textures);
   overQueue("raster_clip.comp", kQueueClipped, (b.room.clipped + 63) / 64);
   overQueue("raster_count.comp", kQueueLarge, b.room.large);
   over("raster_tiles.comp", {(tilesOf(views) + 63) / 64, 1, 1});
@@ -489,31 +496,40 @@ shared::View reversed(const ShadowView& map) {
   return view;
 }
 
-ShadowTarget targetOf(const FrameShadows::Map& map) {
+ShadowTarget targetOf(const FrameShadows::Map& map, uint32_t firstRow, uint32_t rowStep) {
   const shared::Projection& p = map.view->view.projection;
   const float far = p.kind == shared::kPerspective ? depthsOf(p).far : 0;
-  return {map.tile.x, map.tile.y, map.tile.layer, p.A, p.B, map.view->unit, far};
+  return {map.tile.x, map.tile.y, map.tile.layer, p.A, p.B, map.view->unit, far, firstRow, rowStep};
 }
 
 }  // namespace
 
-// Maps of one size at once, into `atlas`, of which they overwrite their tiles.
-void ComputeVisibility::addShadowMapsOf(const FrameContext& f, uint32_t size, graph::ImageId atlas,
+// Of one size, rasterized together; and the pages that are drawn of them.
+struct ComputeVisibility::ShadowMaps {
+  uint32_t size;
+  std::vector<const FrameShadows::Map*> maps;
+  graph::BufferId pages;
+};
+
+// They overwrite their pages of `atlas`.
+void ComputeVisibility::addShadowMapsOf(const FrameContext& f, const ShadowMaps& together, graph::ImageId atlas,
                                         graph::Use use) const {
+  const vk::ImageDesc& atlasDesc = f.shadows->atlas().desc();
+  const uint32_t size = together.size, step = pageWordStep(atlasDesc);
   std::vector<shared::View> views;
-  std::vector<glm::vec4> within;
+  std::vector<RasterMap> within;
   std::vector<ShadowTarget> targets;
-  for (const FrameShadows::Map& map : f.shadows->maps()) {
-    if (map.tile.size != size) continue;
+  for (const FrameShadows::Map* map : together.maps) {
     constexpr float kEverywhere = 1e18f;  // whose square is a number
-    const Sphere sphere = map.view->within.value_or(Sphere{glm::vec3(0), kEverywhere});
-    views.push_back(reversed(*map.view));
-    within.emplace_back(sphere.centre, std::min(sphere.radius, kEverywhere));
-    targets.push_back(targetOf(map));
+    const Sphere sphere = map->view->within.value_or(Sphere{glm::vec3(0), kEverywhere});
+    const uint32_t first = firstPageWord(atlasDesc, map->tile);
+    views.push_back(reversed(*map->view));
+    within.push_back({glm::vec4(sphere.centre, std::min(sphere.radius, kEverywhere)), first, step});
+    targets.push_back(targetOf(*map, first, step));
   }
   RasterViews maps = viewsBeside(f, views);
   maps.within = f.graph.constants(std::as_bytes(std::span(within)));
-  maps.bothSides = true;
+  maps.pages = together.pages;
   const VkDeviceAddress places = f.graph.constants(std::as_bytes(std::span(targets)));
   const graph::BufferId visible = addVisible(f, maps);
   addCompute(f,
@@ -523,18 +539,30 @@ void ComputeVisibility::addShadowMapsOf(const FrameContext& f, uint32_t size, gr
               .bindings = Bindings(f.device).storage(atlas, use),
               .size = {size, size, maps.count},
               .constants = f.setup.constants(),
-              .buffers = {{visible, graph::Use::StorageRead}}},
+              .buffers = {{visible, graph::Use::StorageRead}, {together.pages, graph::Use::StorageRead}}},
              [=, this](graph::Context& context) {
+               const auto address = [&](graph::BufferId buffer) { return context.buffer(buffer).address(); };
                return ShadowStorePush{
-                   maps.constants, ranks_.address(), context.buffer(visible).address(), places, size, 0};
+                   maps.constants, ranks_.address(), address(visible), places, address(together.pages), size, 0};
              });
 }
 
-void ComputeVisibility::addShadowMaps(const FrameContext& f, graph::ImageId atlas) const {
-  std::set<uint32_t> sizes;
-  for (const FrameShadows::Map& map : f.shadows->maps()) sizes.insert(map.tile.size);
+void ComputeVisibility::addShadowMaps(const FrameContext& f, const Gbuffer& gbuffer, graph::ImageId atlas) const {
+  constexpr uint64_t kTexelsAtOnce = 1u << 24;             // of the visibility buffer
+  const uint64_t mostWork = (1u << 31) / std::bit_ceil(std::max(share_.parts, size_t{1}));  // which is counted in 32 bits
+  const graph::BufferId pages = addShadowPages(f, gbuffer);
+  std::map<uint32_t, std::vector<const FrameShadows::Map*>> bySize;
+  for (const FrameShadows::Map& map : f.shadows->maps()) bySize[map.tile.size].push_back(&map);
   graph::Use use = f.shadows->keepsAtlas() ? graph::Use::StorageReadWrite : graph::Use::StorageWrite;
-  for (const uint32_t size : sizes) addShadowMapsOf(f, size, atlas, std::exchange(use, graph::Use::StorageReadWrite));
+  for (const auto& [size, maps] : bySize) {
+    const uint64_t atOnce = std::clamp<uint64_t>(kTexelsAtOnce / (uint64_t{size} * size), 1, std::max<uint64_t>(mostWork, 1));
+    for (size_t first = 0; first < maps.size(); first += atOnce) {
+      const auto begin = maps.begin() + static_cast<std::ptrdiff_t>(first);
+      const auto end = begin + static_cast<std::ptrdiff_t>(std::min<size_t>(atOnce, maps.size() - first));
+      addShadowMapsOf(f, {size, {begin, end}, pages}, atlas, std::exchange(use, graph::Use::StorageReadWrite));
+    }
+  }
+  f.shadows->addedDrawing();
 }
 
 // --- blended surfaces -----------------------------------------------------------------------------------------------

@@ -16,7 +16,7 @@ struct RasterViews {
   uint32_t samples = 1;        // a pixel
   bool lens = false;           // they find the rays of a picture through a lens, which `within` describes
   VkDeviceAddress within = 0;  // RasterPush::within
-  bool bothSides = false;
+  graph::BufferId pages{};     // of shadow maps: what of them is drawn (shadow/pages.h)
 };
 
 // What a device lacks that these shaders need, as the end of a sentence; empty: nothing.
@@ -29,7 +29,7 @@ class ComputeVisibility final : public Visibility {
   FrameDepth addDepth(const FrameContext& f) const override;
   void addGbuffer(const FrameContext& f, Gbuffer& gbuffer) const override;
   graph::ImageId addMotion(const FrameContext& f, graph::ImageId depth, MotionUse use) const override;
-  void addShadowMaps(const FrameContext& f, graph::ImageId atlas) const override;
+  void addShadowMaps(const FrameContext& f, const Gbuffer& gbuffer, graph::ImageId atlas) const override;
   void addFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers) const override;
   void lightFragments(const FrameContext& f, const Gbuffer& gbuffer, const FragmentBuffers& buffers) const override;
   bool anyBlended() const override { return ranks_.anyBlended(); }
@@ -62,7 +62,8 @@ class ComputeVisibility final : public Visibility {
   RasterViews pinholeViews(const FrameContext& f) const;
   // Views of one size that are not the frame's.
   RasterViews viewsBeside(const FrameContext& f, const std::vector<shared::View>& views) const;
-  void addShadowMapsOf(const FrameContext& f, uint32_t size, graph::ImageId atlas, graph::Use use) const;
+  struct ShadowMaps;
+  void addShadowMapsOf(const FrameContext& f, const ShadowMaps& maps, graph::ImageId atlas, graph::Use use) const;
   void addResolve(const FrameContext& f, ComputePass pass, graph::BufferId outputs = {}) const;
   void addSurfaces(const FrameContext& f, Gbuffer& gbuffer) const;
   void addTriangleSurfaces(const FrameContext& f, Gbuffer& gbuffer) const;

@@ -19,6 +19,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer TilesRef { u
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer EntriesRef { uint v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer JobsRef { RasterJob v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer CountersRef { RasterCounters v; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer RasterMapRef { RasterMap v[]; };
 
 // --- vertices -------------------------------------------------------------------------------------------------------
 
@@ -183,6 +184,20 @@ PixelBox onScreen(PixelBox box) {
 }
 bool isEmpty(PixelBox box) { return any(greaterThan(box.low, box.high)); }
 
+// 1: the views are shadow maps, of which nothing but some pages is drawn. Back faces too, whatever their material says.
+layout(constant_id = 20) const uint kShadowMaps = 0u;
+
+// Whether any of the pixels, which are on screen, is in a page that is drawn.
+bool isDrawn(uint view, PixelBox box) {
+  if (kShadowMaps == 0u) return true;
+  RasterMap map = RasterMapRef(push.within).v[view];
+  uvec2 low = uvec2(box.low) / kRasterTile, high = uvec2(box.high) / kRasterTile;
+  uint span = (~0u >> (31u - (high.x - low.x))) << low.x, pages = 0u;
+  for (uint row = low.y; row <= high.y; ++row)
+    pages |= UintRef(push.fragments).v[map.firstRow + row * map.rowStep];
+  return (pages & span) != 0u;
+}
+
 const int kSmallBox = kSamples <= 4u ? 40 / int(kSamples) : 9;  // pixels
 // A subgroup's loop over more would keep its workgroup waiting.
 const int kMediumBox = kSamples <= 4u ? 512 / int(kSamples) : 128;
@@ -215,7 +230,7 @@ void writeSamples(uint view, ivec2 pixel, uint samples, PixelDepth depth, uint i
 
 // Turns the triangle so that it is clockwise; false where it is to be left out: seen from its back, or without an area.
 bool orient(inout Triangle t, RankedInstance r) {
-  bool doubleSided = (r.flags & kRankDoubleSided) != 0u || push.bothSides != 0u;
+  bool doubleSided = (r.flags & kRankDoubleSided) != 0u || kShadowMaps != 0u;
   bool mirrored = (r.flags & kRankMirrored) != 0u;
   int64_t area = int64_t(t.b.x - t.a.x) * int64_t(t.c.y - t.a.y) - int64_t(t.b.y - t.a.y) * int64_t(t.c.x - t.a.x);
   if (area == 0 && kTouched == 0u) return false;

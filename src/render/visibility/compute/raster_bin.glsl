@@ -13,6 +13,8 @@ void main() {
   TilesRef table = TilesRef(push.buffers.tiles);
   for (uint i = gl_LocalInvocationIndex; i < size.x * size.y; i += 32u) {
     uvec2 tile = low + uvec2(i % size.x, i / size.x);
-    if (touches(t, ivec2(tile * kRasterTile), int(kRasterTile))) BIN((large.view * tiles.y + tile.y) * tiles.x + tile.x, number);
+    ivec2 corner = ivec2(tile * kRasterTile);
+    if (touches(t, corner, int(kRasterTile)) && isDrawn(large.view, PixelBox(corner, corner)))
+      BIN((large.view * tiles.y + tile.y) * tiles.x + tile.x, number);
   }
 }

@@ -73,7 +73,8 @@ void main() {
     t.b = before;
     t.c = next;
     before = next;
-    if (isEmpty(onScreen(pixelsOf(t)))) continue;
+    PixelBox box = onScreen(pixelsOf(t));
+    if (isEmpty(box) || !isDrawn(work.view, box)) continue;
     if (orient(t, r)) pushLarge(work.view, t);
   }
 }

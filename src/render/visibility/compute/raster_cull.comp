@@ -25,18 +25,35 @@ bool mayShow(View view, vec3 centre, float radius) {
 layout(constant_id = 16) const uint kWanted = 0u;
 layout(constant_id = 17) const uint kAsked = 0u;
 
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer SphereRef { vec4 v[]; };
-
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ClusterRef { Cluster v[]; };
 
 // Whether nothing but the backs of its triangles can be seen. The margin is for rounding, and for triangles seen almost
 // edge-on: snapped to subpixels they may show their fronts.
 bool facesAway(View view, RankedInstance r, Cluster c, mat4x3 toWorld) {
-  if ((r.flags & kRankDoubleSided) != 0u || push.bothSides != 0u || (r.flags & kRankSimilar) == 0u) return false;
+  if ((r.flags & kRankDoubleSided) != 0u || kShadowMaps != 0u || (r.flags & kRankSimilar) == 0u) return false;
   const float kMargin = 0.01;
   vec3 direction = toWorld * vec4(c.apex, 1.0) - view.eye;
   if (view.projection.kind != kPerspective) direction = view.viewToWorld * vec4(0.0, 1.0, 0.0, 0.0);
   return clusterFacesAway(normalize(direction), normalize(mat3(toWorld) * c.axis), c.cutoff, kMargin);
+}
+
+// The pixels that the sphere may touch, of those of the view.
+PixelBox pixelsOf(View view, vec3 centre, float radius) {
+  Projection p = view.projection;
+  vec3 c = view.worldToView * vec4(centre, 1.0);
+  float r = radius + 1e-5 * (abs(c.x) + abs(c.y) + abs(c.z));
+  vec2 low = c.xz - r, high = c.xz + r;
+  if (p.kind == kPerspective) {
+    float near = c.y - r, far = c.y + r;
+    if (!(near > 0.0)) return PixelBox(ivec2(0), ivec2(push.width, push.height) - 1);
+    low /= vec2(low.x < 0.0 ? near : far, low.y < 0.0 ? near : far);
+    high /= vec2(high.x > 0.0 ? near : far, high.y > 0.0 ? near : far);
+  }
+  low = vec2(p.H, p.V) * low + vec2(p.X, p.Z);
+  high = vec2(p.H, p.V) * high + vec2(p.X, p.Z);
+  vec2 last = vec2(push.width, push.height) - 1.0;
+  vec2 first = (vec2(low.x, -high.y) * 0.5 + 0.5) * view.size, end = (vec2(high.x, -low.y) * 0.5 + 0.5) * view.size;
+  return PixelBox(ivec2(clamp(first - 1.0, vec2(0.0), last)), ivec2(clamp(end + 1.0, vec2(0.0), last)));
 }
 
 bool partShows(View view, uint viewIndex, RankedInstance r, uint part) {
@@ -55,11 +72,11 @@ bool partShows(View view, uint viewIndex, RankedInstance r, uint part) {
     radius = c.radius * r.stretch;
   }
   if (!mayShow(view, centre, radius)) return false;
-  if (push.within == uint64_t(0) || kTouched != 0u) return true;
-  vec4 within = SphereRef(push.within).v[viewIndex];
+  if (kShadowMaps == 0u) return true;
+  vec4 within = RasterMapRef(push.within).v[viewIndex].within;
   vec3 way = centre - within.xyz;
   float reach = radius + within.w;
-  return dot(way, way) <= reach * reach;
+  return dot(way, way) <= reach * reach && isDrawn(viewIndex, pixelsOf(view, centre, radius));
 }
 
 void main() {
@@ -77,5 +94,5 @@ void main() {
   uint first = 0u;
   if (subgroupElect()) first = atomicAdd(CountersRef(push.buffers.counters).v.work, subgroupBallotBitCount(shown));
   uint place = subgroupBroadcastFirst(first) + subgroupBallotExclusiveBitCount(shown);
-  if (shows) WorkRef(push.buffers.work).v[place] = work;
+  if (shows && place < push.workRoom) WorkRef(push.buffers.work).v[place] = work;
 }

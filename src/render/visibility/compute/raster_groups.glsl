@@ -90,7 +90,7 @@ bool takeTriangle(RankedInstance r, RasterWork work, uint triangle, View view, m
   t = Triangle(screenPosition(a), screenPosition(b), screenPosition(c), vec3(0.0), 0.0, 0.0,
                r.firstTriangle + triangle + 1u);
   PixelBox box = onScreen(pixelsOf(t));
-  if (isEmpty(box)) return false;
+  if (isEmpty(box) || !isDrawn(work.view, box)) return false;
   if (!orient(t, r)) return false;
   vec3 depths = vec3(deviceDepthOf(a), deviceDepthOf(b), deviceDepthOf(c));
   t.plane = depthPlane(view, seenA, seenB, seenC);
@@ -110,7 +110,7 @@ void main() {
   if (gl_LocalInvocationIndex == 0u) mediumCount = 0u;
   barrier();
   // The last row of workgroups has more than there is work.
-  uint last = CountersRef(push.buffers.counters).v.work;
+  uint last = min(CountersRef(push.buffers.counters).v.work, push.workRoom);
   RasterWork work = WorkRef(push.buffers.work).v[min(group, max(last, 1u) - 1u)];
   RankedInstance r = rankedInstance(push.buffers.instances, work.rank);
   FrameConstants frame = FrameRef(push.buffers.frame).v;

@@ -93,13 +93,17 @@ struct RasterBuffers {  // addresses
 
 struct RasterPush {
   RasterBuffers buffers;
-  uint64_t within;     // vec4[views]: spheres that hold all that matters to a view, centre and radius; 0: none. Of a lens
-                       // LensTarget
-  uint64_t fragments;  // FragmentLists, of what is blended
+  uint64_t within;     // of shadow maps RasterMap[views]; of a lens LensTarget
+  uint64_t fragments;  // FragmentLists, of what is blended; of shadow maps the words of their pages (page_push.h)
   uint parts, views;                       // parts: of all instances that are asked for
   uint width, height;                      // pixels of a view
-  uint clippedRoom, largeRoom, entryRoom;  // of the queues
-  uint bothSides;                          // 1: back faces too, whatever their material says
+  uint workRoom, clippedRoom, largeRoom, entryRoom;  // of the queues
+};
+
+struct RasterMap {  // a shadow map
+  vec4 within;      // a sphere that holds all that matters to it, centre and radius
+  uint firstRow;    // of its pages' words
+  uint rowStep;     // from one row's word to the next
 };
 
 // Where a shadow map goes, and what its texels are (shared/shadow.h).
@@ -108,6 +112,7 @@ struct ShadowTarget {
   float A, B;        // depth is 2 (A y + B) at y metres along the map's axis
   float unit;        // ShadowView::unit
   float far;         // metres; 0: an orthographic map
+  uint firstRow, rowStep;  // as RasterMap has them
 };
 
 struct ShadowStorePush {
@@ -115,6 +120,7 @@ struct ShadowStorePush {
   uint64_t instances;
   uint64_t visible;
   uint64_t targets;  // ShadowTarget[]
+  uint64_t pages;    // words: what is stored
   uint size;         // texels of a map, across
   uint padding;
 };

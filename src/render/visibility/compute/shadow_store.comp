@@ -38,11 +38,17 @@ float biasedDepth(FrameConstants frame, View view, ShadowTarget target, uint64_t
   return clamp(2.0 * (target.A * y + target.B) + bias, 0.0, kShadowFarthest);
 }
 
+bool isDrawn(ShadowTarget target, uvec2 texel) {
+  uvec2 page = texel / kRasterTile;
+  return (UintRef(push.pages).v[target.firstRow + page.y * target.rowStep] >> page.x & 1u) != 0u;
+}
+
 void main() {
   uvec3 at = gl_GlobalInvocationID;
   if (at.x >= push.size || at.y >= push.size) return;
   FrameConstants frame = FrameRef(push.frame).v;
   ShadowTarget target = TargetRef(push.targets).v[at.z];
+  if (!isDrawn(target, at.xy)) return;
   uint64_t visible = VisibleRef(push.visible).v[visibleIndex(at, uvec2(push.size))];
   bool shows = visible != uint64_t(0);
   float depth = 1.0;

@@ -1,0 +1,107 @@
+#include "render/shadow/pages.h"
+
+#include <algorithm>
+
+#include "render/lighting/lighting_shader.h"
+#include "render/shadow/frame_shadows.h"
+#include "render/shadow/page_push.h"
+#include "render/transparency/transparency.h"
+#include "render/visibility/visibility.h"
+
+namespace latelight::render {
+
+namespace {
+
+using namespace shared;
+
+graph::BufferId createWords(const FrameContext& f, const char* name) {
+  return f.graph.create(vk::BufferDesc{.size = sizeof(uint32_t) * pageWords(f.shadows->atlas().desc()),
+                                       .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+                                       .name = name});
+}
+
+// Blended surfaces and those with layers are lit where the G-buffer has something else, or nothing.
+bool gbufferHasAll(const FrameContext& f) {
+  if (!f.setup.layout->hasTargets()) return false;
+  const bool blended = f.setup.transparency.method != kTransparencyNone && f.visibility.anyBlended();
+  return !blended && !(f.visibility.materials().solid & kMaterialLayered);
+}
+
+graph::BufferId addAsked(const FrameContext& f, const Gbuffer& gbuffer) {
+  const std::vector<PagedLight> lights = f.shadows->pagedLights();
+  const VkDeviceAddress list = f.graph.constants(std::as_bytes(std::span(lights)));
+  const vk::ImageDesc& atlas = f.shadows->atlas().desc();
+  const graph::BufferId asked = createWords(f, "asked pages");
+  addClear(f, graph::Stage::Shadows, "shadow pages clear", {asked});
+  std::vector<vk::Constant> constants = f.setup.constants();
+  constants.push_back({kSamplesConstant, f.setup.samples});
+  addCompute(f,
+             {.stage = graph::Stage::Shadows,
+              .name = "shadow pages asked",
+              .shader = f.setup.variant("pages_asked.comp@" + f.setup.layout->file),
+              .bindings = Bindings(f.device).sampled(gbufferInputs(gbuffer)),
+              .size = f.pixels(),
+              .constants = std::move(constants),
+              .buffers = {{asked, graph::Use::StorageReadWrite}}},
+             [=, &f, count = static_cast<uint32_t>(lights.size())](graph::Context& context) {
+               return PagesAskedPush{f.constants, list, context.buffer(asked).address(), count, pageWordStep(atlas),
+                                     atlas.height / kShadowCell, 0};
+             });
+  return asked;
+}
+
+}  // namespace
+
+uint64_t pageWords(const vk::ImageDesc& atlas) {
+  return uint64_t{atlas.width / kShadowCell} * (atlas.height / kShadowCell) * atlas.layers;
+}
+
+uint32_t pageWordStep(const vk::ImageDesc& atlas) {
+  return atlas.width / kShadowCell;
+}
+
+uint32_t firstPageWord(const vk::ImageDesc& atlas, const AtlasTile& tile) {
+  return (tile.layer * (atlas.height / kShadowCell) + tile.y / kShadowCell) * pageWordStep(atlas) +
+         tile.x / kShadowCell;
+}
+
+graph::BufferId addShadowPages(const FrameContext& f, const Gbuffer& gbuffer) {
+  FrameShadows& shadows = *f.shadows;
+  const vk::ImageDesc& atlas = shadows.atlas().desc();
+  if (shadows.mayAskForPages() && gbufferHasAll(f)) shadows.askForPages();
+  std::vector<PagedMap> maps;
+  bool any = false;
+  for (const FrameShadows::Map& map : shadows.maps()) {
+    const bool whole = map.whole || !shadows.asksForPages();
+    const uint32_t rows = std::max(map.tile.size / kShadowPage, 1u);
+    maps.push_back({firstPageWord(atlas, map.tile), rows, map.anew ? 1u : 0u, whole ? 1u : 0u});
+    any |= !whole;
+  }
+  const auto count = static_cast<uint32_t>(maps.size());
+  const VkDeviceAddress list = f.graph.constants(std::as_bytes(std::span(maps)));
+  const graph::BufferId kept = f.graph.import(shadows.pages(), graph::Use::StorageReadWrite);
+  const graph::BufferId drawn = createWords(f, "drawn pages");
+  const graph::BufferId asked = any ? addAsked(f, gbuffer) : drawn;  // or nothing reads it
+  std::vector<graph::Access> buffers{{kept, graph::Use::StorageReadWrite}, {drawn, graph::Use::StorageWrite}};
+  if (any) buffers.emplace_back(asked, graph::Use::StorageRead);
+  addCompute(f,
+             {.stage = graph::Stage::Shadows,
+              .name = "shadow pages chosen",
+              .shader = "pages_chosen.comp",
+              .bindings = Bindings(f.device),
+              .size = {32, count, 1},
+              .buffers = std::move(buffers),
+              .groupX = 32,
+              .groupY = 8},
+             [=](graph::Context& context) {
+               return PagesChosenPush{list,
+                                      context.buffer(asked).address(),
+                                      context.buffer(kept).address(),
+                                      context.buffer(drawn).address(),
+                                      count,
+                                      pageWordStep(atlas)};
+             });
+  return drawn;
+}
+
+}  // namespace latelight::render

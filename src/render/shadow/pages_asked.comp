@@ -1,0 +1,155 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// variants: layout, multisampled, layered
+// Marks the pages of shadow maps in which surfaces of the G-buffer look up the lights that reach them: at least those,
+// since of the lookup (shadow.glsl) only the point is known here, and how far from it texels may be.
+#include "render/glsl/common.glsl"
+#define GBUFFER_SAMPLED_ONLY
+#include "render/glsl/gbuffer_read.glsl"
+#include "render/glsl/lanes.glsl"
+#include "render/shadow/page_push.h"
+#include "shared/light.h"
+#include "shared/shadow.h"
+
+layout(local_size_x = 16, local_size_y = 16) in;
+layout(push_constant, scalar) uniform Push { PagesAskedPush push; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer PagedLightRef { PagedLight v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer AskedRef { uint v[]; };
+
+// --- in a map -------------------------------------------------------------------------------------------------------
+
+// Texels from the point that the lookup may read. The point is moved along its normal by shadowRadius() at most: 2.1
+// texels, which at the edge of the widest map are 4.3, and a fifth more where the nearer texels are that much smaller.
+// Then there is the filter.
+float reachAround(ShadowMap m, ShadowPoint p) {
+  const float kMoved = 6.0;
+  float reach = shadowReach(kShadowFilter);
+  if (kShadowFilter == kShadowFilterPcss) {
+    // The search for blockers, of which none is nearer than the map begins, reaches as far as any penumbra.
+    float near = -m.depthOffset / m.depthScale;
+    float search = 1.25 * shadowPenumbra(m, p.away + kMoved * p.width, near) / p.width;
+    reach = clamp(search, reach, kShadowWidest * m.size) + 1.0;
+  }
+  return reach + kMoved;
+}
+
+void ask(ShadowMap m, ShadowPoint p) {
+  float reach = reachAround(m, p);
+  vec2 last = vec2(m.size - 1.0);
+  uvec2 low = uvec2(clamp(p.texel - reach, vec2(0.0), last)) / kShadowPage;
+  uvec2 high = uvec2(clamp(p.texel + reach, vec2(0.0), last)) / kShadowPage;
+  uint span = (~0u >> (31u - (high.x - low.x))) << low.x;
+  AskedRef asked = AskedRef(push.asked);
+  uvec2 cell = m.corner / kShadowCell;
+  for (uint row = low.y; row <= high.y; ++row) {
+    uint word = (m.layer * push.down + cell.y + row) * push.across + cell.x;
+    if ((asked.v[word] & span) != span) atomicOr(asked.v[word], span);
+  }
+}
+
+// --- of a light -----------------------------------------------------------------------------------------------------
+
+// The first cascade that holds the point; a coarser one, too, where rounding may decide whether it does.
+void askCascades(ShadowMapRef maps, LightShadow shadow, vec3 position) {
+  float room = shadowReach(kShadowFilter) + 0.5;
+  bool sure = false;
+  for (uint i = 0u; i < shadow.maps && !sure; ++i) {
+    ShadowMap m = maps.v[shadow.first + i];
+    ShadowPoint p = shadowPoint(m, position);
+    if (shadowInside(m, p.texel, room - 1.0)) ask(m, p);
+    sure = shadowInside(m, p.texel, room + 1.0);
+  }
+}
+
+// The map of a cone, or the face of a cube that the point is in, and others where rounding may decide.
+void askAround(ShadowMapRef maps, LightShadow shadow, vec3 light, vec3 position) {
+  vec3 toPoint = position - light, along = abs(toPoint);
+  float nearly = 0.999 * max(along.x, max(along.y, along.z));
+  for (uint i = 0u; i < shadow.maps; ++i) {
+    float onAxis = (i & 1u) == 0u ? toPoint[i >> 1u] : -toPoint[i >> 1u];
+    if (shadow.maps == 6u && onAxis < nearly) continue;
+    ShadowMap m = maps.v[shadow.first + i];
+    ShadowPoint p = shadowPoint(m, position);
+    if (p.away > 0.0) ask(m, p);
+  }
+}
+
+// --- of a surface ---------------------------------------------------------------------------------------------------
+
+struct DealtLight {
+  vec3 position;
+  float radius;
+  uint type;
+  LightShadow shadow;
+};
+
+DealtLight lightInView(FrameConstants frame, uint view, uint number) {
+  PagedLight paged = PagedLightRef(push.lights).v[number];
+  Light light = frameLight(frame, paged.light);
+  LightShadow shadow = LightShadowRef(frame.lightShadows).v[view * frame.shadowColumns + paged.column];
+  const float kRounding = 1.001;
+  return DealtLight(light.position, light.radius * kRounding, light.type, shadow);
+}
+
+DealtLight ofLane(DealtLight mine, uint lane) {
+  return DealtLight(subgroupBroadcast(mine.position, lane), subgroupBroadcast(mine.radius, lane),
+                    subgroupBroadcast(mine.type, lane),
+                    LightShadow(subgroupBroadcast(mine.shadow.first, lane), subgroupBroadcast(mine.shadow.maps, lane), 0u));
+}
+
+// Whether the light casts shadows and may reach into the box.
+bool reachesInto(DealtLight l, vec3 low, vec3 high) {
+  vec3 d = max(max(low - l.position, l.position - high), vec3(0.0));
+  return l.shadow.maps != 0u && (lightIsDirectional(l.type) || dot(d, d) < l.radius * l.radius);
+}
+
+void askLight(ShadowMapRef maps, DealtLight l, vec3 position) {
+  if (lightIsDirectional(l.type))
+    askCascades(maps, l.shadow, position);
+  else
+    askAround(maps, l.shadow, l.position, position);
+}
+
+// Every invocation of the subgroup calls it; `there` is false for those without a surface.
+void askAt(FrameConstants frame, uint view, vec3 position, bool there) {
+  const float kFar = 3.0e38;
+  vec3 low = subgroupMin(there ? position : vec3(kFar)), high = subgroupMax(there ? position : vec3(-kFar));
+  ShadowMapRef maps = ShadowMapRef(frame.shadowMaps);
+  for (uint first = 0u; first < push.lightCount; first += lanesPresent) {
+    uint number = first + laneRank;
+    DealtLight mine = lightInView(frame, view, min(number, push.lightCount - 1u));
+    uvec4 hits = subgroupBallot(number < push.lightCount && reachesInto(mine, low, high));
+    while (anyLane(hits)) {
+      DealtLight l = ofLane(mine, takeLane(hits));
+      if (there && reachesInto(l, position, position)) askLight(maps, l, position);
+    }
+  }
+}
+
+#ifdef MULTISAMPLED
+void askAtPixel(FrameConstants frame, View view, ivec3 place, bool inside) {
+  uint surfaces = inside ? countSurfaces(pixelSurfaces, place).x : 0u, most = subgroupMax(surfaces);
+  for (uint i = 0u; i < most; ++i) {
+    bool there = i < surfaces;
+    uint samples = there ? surfaceSamples(pixelSurfaces, place, i) : 0u;
+    vec3 position = vec3(0.0);
+    if (there) position = readSurface(view, place, samples, depthOfSamples(gbufferDepth, place, samples), 1.0).position;
+    askAt(frame, uint(place.z), position, there);
+  }
+}
+#else
+void askAtPixel(FrameConstants frame, View view, ivec3 place, bool inside) {
+  float depth = inside ? texelFetch(gbufferDepth, place, 0).r : 0.0;
+  vec3 position = vec3(0.0);
+  if (depth != 0.0) position = readSurface(view, place, depth, 1.0).position;
+  askAt(frame, uint(place.z), position, depth != 0.0);
+}
+#endif
+
+void main() {
+  ivec3 place = ivec3(gl_GlobalInvocationID);
+  FrameConstants frame = FrameRef(push.frame).v;
+  View view = frameView(frame, uint(place.z));
+  countLanes();
+  askAtPixel(frame, view, place, all(lessThan(vec2(place.xy), view.size)));
+}
