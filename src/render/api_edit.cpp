@@ -62,25 +62,37 @@ mat4 internalTransform(const Transform& rows, const scene::Scene& scene) {
 
 constexpr uint32_t kAlphaFlags[] = {0, shared::kMaterialMasked, shared::kMaterialBlended};  // by AlphaMode
 
+// The members of layers that are the same on both sides.
+template <typename Inner, typename Outer>
+struct SameMember {
+  Inner shared::MaterialLayers::* inner;
+  Outer Material::* outer;
+};
+using InnerLayers = shared::MaterialLayers;
+constexpr SameMember<float, float> kLayerNumbers[] = {
+    {&InnerLayers::clearcoat, &Material::clearcoat},
+    {&InnerLayers::clearcoatRoughness, &Material::clearcoatRoughness},
+    {&InnerLayers::clearcoatNormalScale, &Material::clearcoatNormalScale},
+    {&InnerLayers::sheenRoughness, &Material::sheenRoughness},
+    {&InnerLayers::anisotropy, &Material::anisotropy},
+    {&InnerLayers::iridescence, &Material::iridescence},
+    {&InnerLayers::iridescenceIor, &Material::iridescenceIor},
+    {&InnerLayers::iridescenceThinnest, &Material::iridescenceThinnest},
+    {&InnerLayers::iridescenceThickest, &Material::iridescenceThickest},
+    {&InnerLayers::transmission, &Material::transmission},
+    {&InnerLayers::thickness, &Material::thickness},
+    {&InnerLayers::dispersion, &Material::dispersion},
+    {&InnerLayers::diffuseTransmission, &Material::diffuseTransmission}};
+constexpr SameMember<vec3, std::array<float, 3>> kLayerColors[] = {
+    {&InnerLayers::sheenColor, &Material::sheenColor},
+    {&InnerLayers::attenuationColor, &Material::attenuationColor},
+    {&InnerLayers::diffuseTransmissionColor, &Material::diffuseTransmissionColor}};
+
 void publishLayers(const shared::MaterialLayers& l, Material& out) {
-  out.clearcoat = l.clearcoat;
-  out.clearcoatRoughness = l.clearcoatRoughness;
-  out.clearcoatNormalScale = l.clearcoatNormalScale;
-  out.sheenColor = three(l.sheenColor);
-  out.sheenRoughness = l.sheenRoughness;
-  out.anisotropy = l.anisotropy;
+  for (const auto& [inner, outer] : kLayerNumbers) out.*outer = l.*inner;
+  for (const auto& [inner, outer] : kLayerColors) out.*outer = three(l.*inner);
   out.anisotropyRotation = static_cast<float>(l.anisotropyRotation * kDegrees);
-  out.iridescence = l.iridescence;
-  out.iridescenceIor = l.iridescenceIor;
-  out.iridescenceThinnest = l.iridescenceThinnest;
-  out.iridescenceThickest = l.iridescenceThickest;
-  out.transmission = l.transmission;
-  out.thickness = l.thickness;
-  out.attenuationColor = three(l.attenuationColor);
   out.attenuationDistance = l.attenuationDistance > 0 ? l.attenuationDistance : std::numeric_limits<float>::infinity();
-  out.dispersion = l.dispersion;
-  out.diffuseTransmission = l.diffuseTransmission;
-  out.diffuseTransmissionColor = three(l.diffuseTransmissionColor);
 }
 
 shared::MaterialLayers internalLayers(const Material& from) {
@@ -88,24 +100,10 @@ shared::MaterialLayers internalLayers(const Material& from) {
     badUsage("the attenuation distance of the material \"{}\" must be above 0, and infinite where nothing is lost",
              printable(from.name));
   shared::MaterialLayers l;
-  l.clearcoat = from.clearcoat;
-  l.clearcoatRoughness = from.clearcoatRoughness;
-  l.clearcoatNormalScale = from.clearcoatNormalScale;
-  l.sheenColor = three(from.sheenColor);
-  l.sheenRoughness = from.sheenRoughness;
-  l.anisotropy = from.anisotropy;
+  for (const auto& [inner, outer] : kLayerNumbers) l.*inner = from.*outer;
+  for (const auto& [inner, outer] : kLayerColors) l.*inner = three(from.*outer);
   l.anisotropyRotation = static_cast<float>(from.anisotropyRotation / kDegrees);
-  l.iridescence = from.iridescence;
-  l.iridescenceIor = from.iridescenceIor;
-  l.iridescenceThinnest = from.iridescenceThinnest;
-  l.iridescenceThickest = from.iridescenceThickest;
-  l.transmission = from.transmission;
-  l.thickness = from.thickness;
-  l.attenuationColor = three(from.attenuationColor);
   l.attenuationDistance = std::isinf(from.attenuationDistance) ? 0 : from.attenuationDistance;
-  l.dispersion = from.dispersion;
-  l.diffuseTransmission = from.diffuseTransmission;
-  l.diffuseTransmissionColor = three(from.diffuseTransmissionColor);
   return l;
 }
 

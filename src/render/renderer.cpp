@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 
 #include "base/error.h"
 #include "render/gbuffer/raw_read.h"
@@ -133,9 +134,12 @@ std::shared_ptr<FrameShadows> Renderer::planShadows(std::span<const scene::Camer
 
 Ticket Renderer::submit(std::span<const scene::Camera> cameras, const Settings& settings, const Moment& moment,
                         Results results) {
-  const bool transmissive = std::ranges::any_of(scene_.materials, [](const scene::Material& material) {
-    return (scene::layerFlags(material.data) & shared::kMaterialTransmissive) != 0;
-  });
+  const auto transmits = [](const shared::Material& material) {
+    return (scene::layerFlags(material) & shared::kMaterialTransmissive) != 0;
+  };
+  const auto posed = scene::posedMaterials(scene_, moment.poses.current);
+  const bool transmissive = std::ranges::any_of(scene_.materials, transmits, &scene::Material::data) ||
+                            std::ranges::any_of(posed | std::views::values, transmits);
   return {*this, start(cameras, settings, moment, stripsOf(settings, transmissive), results)};
 }
 

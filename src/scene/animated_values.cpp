@@ -34,6 +34,27 @@ vec3 positive(const vec4& value) {
   return glm::max(vec3(value), 0.0f);
 }
 
+// Factors of layers that need no other treatment than their range.
+using Layers = shared::MaterialLayers;
+template <float Layers::* Member, float (*inRange)(float)>
+void setLayer(Data data, Parts, const vec4& v) {
+  data.layers.*Member = inRange(v.x);
+}
+template <vec3 Layers::* Member>
+void setLayerColor(Data data, Parts, const vec4& v) {
+  data.layers.*Member = glm::clamp(vec3(v), 0.0f, 1.0f);
+}
+float unbounded(float value) {
+  return value;
+}
+float atLeastOne(float value) {
+  return std::max(value, 1.0f);
+}
+// Of attenuation: 0 would stand for a medium that absorbs nothing.
+float aboveZero(float value) {
+  return std::max(value, 1e-6f);
+}
+
 void setEmissive(Data data, Parts parts) {
   data.emissive = parts.emissive * parts.emissiveStrength;
 }
@@ -55,6 +76,28 @@ constexpr Property<Data, Parts> kMaterialProperties[] = {
      [](Data data, Parts, const vec4& v) { data.specular = share(v.x); }},
     {"extensions/KHR_materials_specular/specularColorFactor", 3,
      [](Data data, Parts, const vec4& v) { data.specularColor = positive(v); }},
+    {"extensions/KHR_materials_clearcoat/clearcoatFactor", 1, setLayer<&Layers::clearcoat, share>},
+    {"extensions/KHR_materials_clearcoat/clearcoatRoughnessFactor", 1, setLayer<&Layers::clearcoatRoughness, share>},
+    {"extensions/KHR_materials_clearcoat/clearcoatNormalTexture/scale", 1, setLayer<&Layers::clearcoatNormalScale, unbounded>},
+    {"extensions/KHR_materials_sheen/sheenColorFactor", 3, setLayerColor<&Layers::sheenColor>},
+    {"extensions/KHR_materials_sheen/sheenRoughnessFactor", 1, setLayer<&Layers::sheenRoughness, share>},
+    {"extensions/KHR_materials_anisotropy/anisotropyStrength", 1, setLayer<&Layers::anisotropy, share>},
+    {"extensions/KHR_materials_anisotropy/anisotropyRotation", 1, setLayer<&Layers::anisotropyRotation, unbounded>},
+    {"extensions/KHR_materials_iridescence/iridescenceFactor", 1, setLayer<&Layers::iridescence, share>},
+    {"extensions/KHR_materials_iridescence/iridescenceIor", 1, setLayer<&Layers::iridescenceIor, atLeastOne>},
+    {"extensions/KHR_materials_iridescence/iridescenceThicknessMinimum", 1,
+     setLayer<&Layers::iridescenceThinnest, positive>},
+    {"extensions/KHR_materials_iridescence/iridescenceThicknessMaximum", 1,
+     setLayer<&Layers::iridescenceThickest, positive>},
+    {"extensions/KHR_materials_transmission/transmissionFactor", 1, setLayer<&Layers::transmission, share>},
+    {"extensions/KHR_materials_volume/thicknessFactor", 1, setLayer<&Layers::thickness, positive>},
+    {"extensions/KHR_materials_volume/attenuationColor", 3, setLayerColor<&Layers::attenuationColor>},
+    {"extensions/KHR_materials_volume/attenuationDistance", 1, setLayer<&Layers::attenuationDistance, aboveZero>},
+    {"extensions/KHR_materials_dispersion/dispersion", 1, setLayer<&Layers::dispersion, positive>},
+    {"extensions/KHR_materials_diffuse_transmission/diffuseTransmissionFactor", 1,
+     setLayer<&Layers::diffuseTransmission, share>},
+    {"extensions/KHR_materials_diffuse_transmission/diffuseTransmissionColorFactor", 3,
+     setLayerColor<&Layers::diffuseTransmissionColor>},
 };
 
 // Behind those in number: of any texture.

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "gltf_builder.h"
+#include "texture_pointers.h"
 
 namespace latelight::scene::test {
 namespace {
@@ -252,40 +253,20 @@ TEST(GltfMaterial, TextureTransform) {
 
 // Each slot by itself, so that none has another's.
 TEST(GltfMaterial, EverySlotHasItsOwnTransformAndUvSet) {
-  const char* slots[] = {"/pbrMetallicRoughness/baseColorTexture",
-                         "/pbrMetallicRoughness/metallicRoughnessTexture",
-                         "/normalTexture",
-                         "/occlusionTexture",
-                         "/emissiveTexture",
-                         "/extensions/KHR_materials_specular/specularTexture",
-                         "/extensions/KHR_materials_specular/specularColorTexture",
-                         "/extensions/KHR_materials_clearcoat/clearcoatTexture",
-                         "/extensions/KHR_materials_clearcoat/clearcoatRoughnessTexture",
-                         "/extensions/KHR_materials_clearcoat/clearcoatNormalTexture",
-                         "/extensions/KHR_materials_sheen/sheenColorTexture",
-                         "/extensions/KHR_materials_sheen/sheenRoughnessTexture",
-                         "/extensions/KHR_materials_anisotropy/anisotropyTexture",
-                         "/extensions/KHR_materials_iridescence/iridescenceTexture",
-                         "/extensions/KHR_materials_iridescence/iridescenceThicknessTexture",
-                         "/extensions/KHR_materials_transmission/transmissionTexture",
-                         "/extensions/KHR_materials_volume/thicknessTexture",
-                         "/extensions/KHR_materials_diffuse_transmission/diffuseTransmissionTexture",
-                         "/extensions/KHR_materials_diffuse_transmission/diffuseTransmissionColorTexture"};
-  static_assert(std::size(slots) == kTextureCount);
   for (const bool inTransform : {false, true}) {
     json material;
     for (uint32_t slot = 0; slot < kTextureCount; ++slot) {
       json transform = {{"offset", {slot, slot + .5}}, {"scale", {slot + 1, 2}}};
       if (inTransform) transform["texCoord"] = slot % 2;
-      material[json::json_pointer(slots[slot])] = {{"index", 0},
+      material[json::json_pointer(kTexturePointers[slot])] = {{"index", 0},
                                                    {"texCoord", inTransform ? 1 - slot % 2 : slot % 2},
                                                    {"extensions", {{"KHR_texture_transform", transform}}}};
     }
     const Material read = withMaterial(material).load().materials[0];
     for (uint32_t slot = 0; slot < kTextureCount; ++slot) {
-      EXPECT_EQ(read.data.transforms[slot].row0, vec3(slot + 1, 0, slot)) << slots[slot];
-      EXPECT_EQ(read.data.transforms[slot].row1, vec3(0, 2, slot + .5)) << slots[slot];
-      EXPECT_EQ(read.data.transforms[slot].uvSet, slot % 2) << slots[slot];
+      EXPECT_EQ(read.data.transforms[slot].row0, vec3(slot + 1, 0, slot)) << kTexturePointers[slot];
+      EXPECT_EQ(read.data.transforms[slot].row1, vec3(0, 2, slot + .5)) << kTexturePointers[slot];
+      EXPECT_EQ(read.data.transforms[slot].uvSet, slot % 2) << kTexturePointers[slot];
     }
     EXPECT_EQ(read.data.textures, (1u << kTextureCount) - 1);
   }

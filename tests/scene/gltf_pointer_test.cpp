@@ -3,9 +3,11 @@
 
 #include <cmath>
 #include <functional>
+#include <utility>
 
 #include "gltf_builder.h"
 #include "gltf_compressed_files.h"
+#include "texture_pointers.h"
 
 namespace latelight::scene::test {
 namespace {
@@ -15,28 +17,6 @@ using testing::HasSubstr;
 constexpr double kTime = 0.25;
 
 // A triangle with a material, a light and a camera, twice, where all that pointers reach is there.
-// By slot, below a material.
-const std::string kSlots[] = {"/pbrMetallicRoughness/baseColorTexture",
-                              "/pbrMetallicRoughness/metallicRoughnessTexture",
-                              "/normalTexture",
-                              "/occlusionTexture",
-                              "/emissiveTexture",
-                              "/extensions/KHR_materials_specular/specularTexture",
-                              "/extensions/KHR_materials_specular/specularColorTexture",
-                              "/extensions/KHR_materials_clearcoat/clearcoatTexture",
-                              "/extensions/KHR_materials_clearcoat/clearcoatRoughnessTexture",
-                              "/extensions/KHR_materials_clearcoat/clearcoatNormalTexture",
-                              "/extensions/KHR_materials_sheen/sheenColorTexture",
-                              "/extensions/KHR_materials_sheen/sheenRoughnessTexture",
-                              "/extensions/KHR_materials_anisotropy/anisotropyTexture",
-                              "/extensions/KHR_materials_iridescence/iridescenceTexture",
-                              "/extensions/KHR_materials_iridescence/iridescenceThicknessTexture",
-                              "/extensions/KHR_materials_transmission/transmissionTexture",
-                              "/extensions/KHR_materials_volume/thicknessTexture",
-                              "/extensions/KHR_materials_diffuse_transmission/diffuseTransmissionTexture",
-                              "/extensions/KHR_materials_diffuse_transmission/diffuseTransmissionColorTexture"};
-static_assert(std::size(kSlots) == shared::kTextureCount);
-
 GltfBuilder sceneFile() {
   GltfBuilder b = triangleFile();
   const uint8_t pixel[] = {200, 100, 50};
@@ -50,7 +30,7 @@ GltfBuilder sceneFile() {
       {"emissiveFactor", {.5, .25, .125}},
       {"extensions",
        {{"KHR_materials_emissive_strength", {{"emissiveStrength", 3}}}, {"KHR_materials_ior", {{"ior", 1.4}}}}}};
-  for (const std::string& slot : kSlots) material[json::json_pointer(slot)] = moved;
+  for (const std::string& slot : kTexturePointers) material[json::json_pointer(slot)] = moved;
   b.primitive()["material"] = b.add("materials", material);
   b.root["extensions"]["KHR_lights_punctual"]["lights"] = {
       {{"type", "spot"}, {"intensity", 2}, {"spot", json::object()}}};
@@ -111,6 +91,46 @@ TEST(AnimationPointer, MovesScalarsOfMaterials) {
                [](const At& at) { return at.material().f0 * 169 / 49 * .3f; });
 }
 
+// Those of layers too, whose values are all allowed to be 0.3.
+TEST(AnimationPointer, MovesScalarsOfLayers) {
+  using Layers = shared::MaterialLayers;
+  const std::pair<const char*, float Layers::*> all[] = {
+      {"clearcoat/clearcoatFactor", &Layers::clearcoat},
+      {"clearcoat/clearcoatRoughnessFactor", &Layers::clearcoatRoughness},
+      {"clearcoat/clearcoatNormalTexture/scale", &Layers::clearcoatNormalScale},
+      {"sheen/sheenRoughnessFactor", &Layers::sheenRoughness},
+      {"anisotropy/anisotropyStrength", &Layers::anisotropy},
+      {"anisotropy/anisotropyRotation", &Layers::anisotropyRotation},
+      {"iridescence/iridescenceFactor", &Layers::iridescence},
+      {"iridescence/iridescenceThicknessMinimum", &Layers::iridescenceThinnest},
+      {"iridescence/iridescenceThicknessMaximum", &Layers::iridescenceThickest},
+      {"transmission/transmissionFactor", &Layers::transmission},
+      {"volume/thicknessFactor", &Layers::thickness},
+      {"volume/attenuationDistance", &Layers::attenuationDistance},
+      {"dispersion/dispersion", &Layers::dispersion},
+      {"diffuse_transmission/diffuseTransmissionFactor", &Layers::diffuseTransmission}};
+  for (const auto& [below, member] : all)
+    expectScalar(std::string("/materials/0/extensions/KHR_materials_") + below,
+                 [member = member](const At& at) { return at.material().layers.*member; });
+}
+
+// Beyond a property's range its end; an index of refraction is at least 1.
+TEST(AnimationPointer, KeepsLayersInTheirRanges) {
+  const auto layersOf = [](const char* below, std::vector<float> value) {
+    GltfBuilder b = sceneFile();
+    animate(b, std::string("/materials/0/extensions/KHR_materials_") + below, value, value);
+    const Scene scene = b.load();
+    return At(scene).material().layers;
+  };
+  EXPECT_EQ(layersOf("iridescence/iridescenceIor", {1.75f}).iridescenceIor, 1.75f);
+  EXPECT_EQ(layersOf("iridescence/iridescenceIor", {.5f}).iridescenceIor, 1);
+  EXPECT_EQ(layersOf("transmission/transmissionFactor", {1.5f}).transmission, 1);
+  EXPECT_EQ(layersOf("dispersion/dispersion", {-1}).dispersion, 0);
+  EXPECT_EQ(layersOf("clearcoat/clearcoatNormalTexture/scale", {-2}).clearcoatNormalScale, -2);
+  EXPECT_GT(layersOf("volume/attenuationDistance", {0}).attenuationDistance, 0);  // at which nothing would be absorbed
+  EXPECT_EQ(layersOf("sheen/sheenColorFactor", {-1, .5f, 2}).sheenColor, vec3(0, .5f, 1));
+}
+
 TEST(AnimationPointer, MovesColors) {
   const auto colorOf = [](const std::string& pointer, std::vector<float> from, const std::vector<float>& to) {
     GltfBuilder b = sceneFile();
@@ -125,12 +145,19 @@ TEST(AnimationPointer, MovesColors) {
   EXPECT_EQ(colorOf("/materials/0/extensions/KHR_materials_specular/specularColorFactor", {0, 0, 1}, {1, .5, 0})
                 .specularColor,
             vec3(.25, .125, .75));
+  const auto layersOf = [&](const char* below) {
+    return colorOf(std::string("/materials/0/extensions/KHR_materials_") + below, {0, 0, 1}, {1, .5, 0}).layers;
+  };
+  EXPECT_EQ(layersOf("sheen/sheenColorFactor").sheenColor, vec3(.25, .125, .75));
+  EXPECT_EQ(layersOf("volume/attenuationColor").attenuationColor, vec3(.25, .125, .75));
+  EXPECT_EQ(layersOf("diffuse_transmission/diffuseTransmissionColorFactor").diffuseTransmissionColor,
+            vec3(.25, .125, .75));
 }
 
 // The transform of every slot; the parts that no animation moves stay as the file has them.
 TEST(AnimationPointer, MovesTheTransformsOfAllTextures) {
   for (uint32_t slot = 0; slot < shared::kTextureCount; ++slot) {
-    const std::string below = "/materials/0" + kSlots[slot] + "/extensions/KHR_texture_transform/";
+    const std::string below = "/materials/0" + kTexturePointers[slot] + "/extensions/KHR_texture_transform/";
     GltfBuilder b = sceneFile();
     animate(b, below + "offset", {0, 0}, {1, 2});
     animate(b, below + "rotation", {0}, {float(2 * M_PI)});
@@ -140,7 +167,7 @@ TEST(AnimationPointer, MovesTheTransformsOfAllTextures) {
       const Pose pose = poseAt(scene, choosePlayback(scene, animation, false), kTime);
       return posedMaterials(scene, pose).at(0).transforms[slot];
     };
-    EXPECT_EQ(transformOf("0").row0, vec3(2, 0, .25)) << kSlots[slot];
+    EXPECT_EQ(transformOf("0").row0, vec3(2, 0, .25)) << kTexturePointers[slot];
     EXPECT_EQ(transformOf("0").row1, vec3(0, 3, .5));
     EXPECT_EQ(transformOf("2").row0, vec3(2, 0, .5));
     EXPECT_EQ(transformOf("2").row1, vec3(0, 3, .25));

@@ -40,7 +40,7 @@ struct OutputPlace {
 
 // And what it is, as a specialization constant; 0: no output. Its channels begin in one of the layout `exact`'s targets,
 // or half of them in each of two.
-SH_CONST uint kSurfaceOutputs = 15u;  // at most
+SH_CONST uint kSurfaceOutputs = 24u;  // at most: the slots of surface_outputs.glsl
 struct SurfaceOutput {
   uint packing, axes, channels, target, first, second, secondFirst;  // second: kPackOneTarget, or the other target
 };
