@@ -194,7 +194,7 @@ TEST_F(ShadowPagesTest, GlassAndLenses) {
 
 // Hundreds of maps, and queues that have no room at first: what is missing is drawn again.
 TEST_F(ShadowPagesTest, AllLightsOfTheHall) {
-  const scene::Scene scene = scene::load("builtin:hall,triangles=50k,lights=60");
+  const scene::Scene scene = scene::load("builtin:hall,triangles=50k,lights=24");
   Settings settings = pagedSettings(ShadowFormat::D32, ShadowFilter::Pcf);
   settings.shadowLights = readText<ShadowLights>("--shadow-lights", "all");
   settings.shadowAtlas = 1024;

@@ -122,6 +122,7 @@ TEST_P(StripsTest, EqualTheWholePicture) {
   Settings settings = settingsOf(kStripWidth, kStripHeight);
   settings.display = true;
   settings.shadows = ShadowFormat::D32;
+  settings.shadowAtlas = 4096;  // whose texels are smaller than pixels: edges of shadows are lines
   settings.sun = SunLight{.azimuth = 0.6f, .elevation = 0.8f};
   for (const output::AovInfo& info : output::aovs())
     if (info.aov != output::Aov::RasterClasses)  // by the box that a triangle has in its strip

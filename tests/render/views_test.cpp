@@ -111,7 +111,7 @@ TEST_F(ViewsTest, ThreeAtOnceAreThreeAloneSuperSampledInAnotherLayout) {
 
 // Shadow maps are chosen, fitted and drawn for each view: the cameras see different lights, one of them none.
 scene::Scene litHall() {
-  return scene::load("builtin:hall,triangles=10k,lights=40,glass=1");
+  return scene::load("builtin:hall,triangles=50k,lights=40,glass=1");
 }
 
 std::vector<scene::Camera> hallCameras(const scene::Scene& scene) {
