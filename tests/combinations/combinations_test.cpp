@@ -159,7 +159,7 @@ TEST_P(EachLayout, ShadowsAlikeByEveryFormat) {
 }
 
 // More samples bring the picture nearer to sixteen a pixel. FXAA has one, and here, where shapes are a few pixels wide,
-// it can but guess: it only has to stay about as near.
+// it can but guess: it only has to stay about as near. Of the numbers of samples, a layout has one, in turn.
 TEST_P(EachLayout, SmoothsEdgesByEveryAntiAliasing) {
   stage->settings.layout = &findLayout(GetParam());
   stage->settings.normals = &findNormalEncoding("octahedral");
@@ -175,9 +175,10 @@ TEST_P(EachLayout, SmoothsEdgesByEveryAntiAliasing) {
   const Picture smooth = render("ss4");
   const double jagged = meanSquare(render("none"), smooth);
   std::string report;
+  size_t turn = turnOf(GetParam());
   for (const AntiAliasingMode& aa : antiAliasingModes()) {
     const std::string name = aa.sets ? aa.name : "ss2";  // ssN
-    if (name == "none") continue;
+    if (name == "none" || (name.starts_with("msaa") && turn++ % 4 != 0)) continue;
     const double share = meanSquare(render(name), smooth) / jagged;
     EXPECT_LT(share, name == "fxaa" ? 1.25 : name == "msaa2" ? 0.4 : 0.15) << name;
     EXPECT_NE(share, 1) << name << " changes nothing";

@@ -102,6 +102,10 @@ std::vector<std::string> layoutNames() {
   return names;
 }
 
+size_t turnOf(const std::string& layout) {
+  return static_cast<size_t>(&findLayout(layout) - layouts().data());
+}
+
 scene::Scene everyKind() {
   Maker m;
   addThings(m);
