@@ -62,10 +62,10 @@ Json listLayouts(const PictureSize& picture) {
       targets.push_back(
           describeTarget(layout.targets[i].name, layout.format(i, octahedral), layout.targets[i].channels));
     targets.push_back(describeSharedTarget("depth", render::kDepthFormat, layout.originalDepth, "r: reversed depth"));
-    targets.push_back(describeSharedTarget(
-        "light", render::kLightFormat, layout.originalLight,
-        layout.hasTargets() ? "rgb: emitted, then lit radiance; a: ambient occlusion, then coverage"
-                            : "rgb: lit radiance; a: coverage"));
+    targets.push_back(describeSharedTarget("light", render::kLightFormat, layout.originalLight,
+                                           layout.hasTargets()
+                                               ? "rgb: emitted, then lit radiance; a: ambient occlusion, then coverage"
+                                               : "rgb: lit radiance; a: coverage"));
     rows.push_back({{"name", layout.name},
                     {"description", layout.description},
                     {"targets", targets},

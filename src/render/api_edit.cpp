@@ -65,8 +65,8 @@ constexpr uint32_t kAlphaFlags[] = {0, shared::kMaterialMasked, shared::kMateria
 // The members of layers that are the same on both sides.
 template <typename Inner, typename Outer>
 struct SameMember {
-  Inner shared::MaterialLayers::* inner;
-  Outer Material::* outer;
+  Inner shared::MaterialLayers::*inner;
+  Outer Material::*outer;
 };
 using InnerLayers = shared::MaterialLayers;
 constexpr SameMember<float, float> kLayerNumbers[] = {

@@ -16,12 +16,18 @@
 namespace latelight::render {
 
 std::vector<vk::Constant> FrameSetup::constants() const {
-  return {{0, normalEncoding},        {1, shading},
-          {2, countLights ? 1u : 0u}, {3, normalSpace},
-          {4, positionMethod},        {5, shadowFormat},
-          {6, shadowFilter},          {7, everySample ? 1u : 0u},
-          {8, textureSlots},          {9, sunInGbuffer ? 1u : 0u},
-          {11, lights ? 1u : 0u},     {13, ambientOcclusion},
+  return {{0, normalEncoding},
+          {1, shading},
+          {2, countLights ? 1u : 0u},
+          {3, normalSpace},
+          {4, positionMethod},
+          {5, shadowFormat},
+          {6, shadowFilter},
+          {7, everySample ? 1u : 0u},
+          {8, textureSlots},
+          {9, sunInGbuffer ? 1u : 0u},
+          {11, lights ? 1u : 0u},
+          {13, ambientOcclusion},
           {kLensConstant, lens ? 1u : 0u}};
 }
 

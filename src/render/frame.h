@@ -85,11 +85,11 @@ struct FrameSetup {
   const Layout* layout = nullptr;
   uint32_t normalEncoding = 0;  // kNormal_*
   const TechniqueInfo* lighting = nullptr;
-  uint32_t shading = 0;         // kShading*
-  uint32_t normalSpace = 0;     // kNormalSpace*
-  uint32_t positionMethod = 0;  // kPosition*
-  uint32_t volumesOrder = 0;    // kVolumes*: of the technique `volumes`
-  uint32_t targets = ~0u;       // bit i: the layout's target i is wanted
+  uint32_t shading = 0;                     // kShading*
+  uint32_t normalSpace = 0;                 // kNormalSpace*
+  uint32_t positionMethod = 0;              // kPosition*
+  uint32_t volumesOrder = 0;                // kVolumes*: of the technique `volumes`
+  uint32_t targets = ~0u;                   // bit i: the layout's target i is wanted
   const SurfaceOutputs* outputs = nullptr;  // packed beside the targets; of visibility in compute
   bool countLights = false;
   uint32_t ambientOcclusion = 0;  // kAo*
@@ -121,8 +121,8 @@ inline constexpr VkFormat kCountsFormat = VK_FORMAT_R32G32B32A32_SFLOAT;  // r: 
 // Buffers whose required size is known only on the device. After an overflow the picture is incomplete: the buffer
 // grows, and the same graph is built and run again.
 struct Overflow {
-  uint64_t fragments = 0;                                              // room for blended fragments; 0: one a pixel
-  uint32_t longestList = 0;                                            // of one pixel's fragments, a power of two
+  uint64_t fragments = 0;    // room for blended fragments; 0: one a pixel
+  uint32_t longestList = 0;  // of one pixel's fragments, a power of two
   // Queues of the raster compute.
   uint32_t rasterWork = 0, clippedTriangles = 0, largeTriangles = 0, tileEntries = 0;
   // Checks of the graph being built, to be called after it has run. Each returns true if something overflowed, after

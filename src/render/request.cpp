@@ -199,8 +199,8 @@ void Request::addData() {
   outputs_.add(f, Origin::Motion, [&](std::string_view) { return motion; });
 }
 
-// Packed where surfaces are resolved, or else from a separate G-buffer in the layout `exact`, with only the targets that
-// the requested outputs need.
+// Packed where surfaces are resolved, or else from a separate G-buffer in the layout `exact`, with only the targets
+// that the requested outputs need.
 void Request::addSurfaceData(ViewSet& set, graph::ImageId depth) {
   FrameSetup setup{.layout = &findLayout("exact")};
   const bool packs = set.visibility().rastered() != nullptr;

@@ -152,8 +152,8 @@ class ScenePage {
     if (layout.hasTargets()) {
       const output::RawGbuffer gbuffer = readTargets(layout);
       const LayoutErrors e = layoutErrors(layout, gbuffer, exact, settings, s_.camera);
-      errors.rows.push_back({layout.name, e.normal.mean, e.normal.most, e.position.mean, e.position.most,
-                             e.albedo.mean, e.albedo.most, e.roughness.mean, e.roughness.most});
+      errors.rows.push_back({layout.name, e.normal.mean, e.normal.most, e.position.mean, e.position.most, e.albedo.mean,
+                             e.albedo.most, e.roughness.mean, e.roughness.most});
       for (const output::Labelled& target : output::targetPictures(gbuffer))
         html += show(group, target.label, target.picture, targetValues(gbuffer, target.label));
       commands += command({"--debug", "targets", "-o", layout.name + "-targets.png"});
@@ -211,9 +211,7 @@ class ScenePage {
     }
     table.rows.push_back(std::move(row));
     progress_.step();
-    const auto command = [&](const Words& more) {
-      return commandHtml(rendering(*settings.layout, technique, more));
-    };
+    const auto command = [&](const Words& more) { return commandHtml(rendering(*settings.layout, technique, more)); };
     return html + "</div>\n" + command({"-o", technique.name + ".png"}) +
            command({"--debug", "lights", "-o", technique.name + "-lights.png"}) +
            command({"--aov", "lights-tested,lights-used", "-o", technique.name + ".npy"});

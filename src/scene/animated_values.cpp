@@ -36,11 +36,11 @@ vec3 positive(const vec4& value) {
 
 // Factors of layers that need no other treatment than their range.
 using Layers = shared::MaterialLayers;
-template <float Layers::* Member, float (*inRange)(float)>
+template <float Layers::*Member, float (*inRange)(float)>
 void setLayer(Data data, Parts, const vec4& v) {
   data.layers.*Member = inRange(v.x);
 }
-template <vec3 Layers::* Member>
+template <vec3 Layers::*Member>
 void setLayerColor(Data data, Parts, const vec4& v) {
   data.layers.*Member = glm::clamp(vec3(v), 0.0f, 1.0f);
 }
@@ -78,7 +78,8 @@ constexpr Property<Data, Parts> kMaterialProperties[] = {
      [](Data data, Parts, const vec4& v) { data.specularColor = positive(v); }},
     {"extensions/KHR_materials_clearcoat/clearcoatFactor", 1, setLayer<&Layers::clearcoat, share>},
     {"extensions/KHR_materials_clearcoat/clearcoatRoughnessFactor", 1, setLayer<&Layers::clearcoatRoughness, share>},
-    {"extensions/KHR_materials_clearcoat/clearcoatNormalTexture/scale", 1, setLayer<&Layers::clearcoatNormalScale, unbounded>},
+    {"extensions/KHR_materials_clearcoat/clearcoatNormalTexture/scale", 1,
+     setLayer<&Layers::clearcoatNormalScale, unbounded>},
     {"extensions/KHR_materials_sheen/sheenColorFactor", 3, setLayerColor<&Layers::sheenColor>},
     {"extensions/KHR_materials_sheen/sheenRoughnessFactor", 1, setLayer<&Layers::sheenRoughness, share>},
     {"extensions/KHR_materials_anisotropy/anisotropyStrength", 1, setLayer<&Layers::anisotropy, share>},

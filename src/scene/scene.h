@@ -231,6 +231,6 @@ struct LoadOptions {
 Scene load(const std::string& source, const LoadOptions& options = {});
 
 Scene loadGltf(const std::filesystem::path& path, const LoadOptions& options);  // gltf.cpp
-Scene makeBuiltin(const std::string& name, uint32_t textureSlots = ~0u);         // builtin.cpp: what follows "builtin:"
+Scene makeBuiltin(const std::string& name, uint32_t textureSlots = ~0u);        // builtin.cpp: what follows "builtin:"
 
 }  // namespace latelight::scene

@@ -90,8 +90,7 @@ TEST_P(MsaaCombinations, LightsAlikeByEveryDeferredTechnique) {
   };
   // What hardware can't draw is compared with what loses nothing.
   const bool drawn = findLayout(layout).hasTargets();
-  const std::vector<uint8_t> hardware =
-      drawn ? check(4, Raster::Hardware) : render("exact", "fullscreen").display;
+  const std::vector<uint8_t> hardware = drawn ? check(4, Raster::Hardware) : render("exact", "fullscreen").display;
   const std::vector<uint8_t> compute = check(4, Raster::Compute);
   const size_t pixels = size_t{kMsaaWidth} * kMsaaHeight, beyond = pixelsBeyond(hardware, compute, 16);
   fmt::print("{}: {} of {} pixels differ between the rasters by more than 16 levels\n", layout, beyond, pixels);

@@ -134,8 +134,8 @@ TEST_F(KeptShadowsTest, OtherMapsAreOtherMaps) {
   EXPECT_EQ(drawn(uploaded, cameraAt(0), kept, settings), 6 * kBalls) << "hardware keeps none";
 }
 
-// A sun's cascades are maps of their own: the coarsest, around all of the scene, stays as the camera moves; the finer ones
-// stay where what moves is out of what they cover.
+// A sun's cascades are maps of their own: the coarsest, around all of the scene, stays as the camera moves; the finer
+// ones stay where what moves is out of what they cover.
 TEST_F(KeptShadowsTest, CascadesAreKeptOneByOne) {
   scene::Scene scene = ballsUnderLamps();
   scene.lights = {scene::Light{.type = shared::kLightDirectional, .direction = glm::normalize(vec3(0.3f, -1, -0.2f))}};

@@ -88,8 +88,7 @@ TEST_F(DataOfModelsTest, NeedNoMoreThanTheirTextures) {
     const std::string path = models::modelPath(model).string();
     const scene::Scene whole = scene::load(path);
     const scene::Camera camera = cameraOf(whole, kModelWidth, kModelHeight);
-    const output::FrameOutput expected =
-        renderOne(device(), whole, camera, settingsOf(kModelWidth, kModelHeight, all));
+    const output::FrameOutput expected = renderOne(device(), whole, camera, settingsOf(kModelWidth, kModelHeight, all));
     for (const Aov aov : all) {
       SCOPED_TRACE(fmt::format("{} of {}", output::info(aov).name, model));
       const Settings settings = settingsOf(kModelWidth, kModelHeight, {aov});

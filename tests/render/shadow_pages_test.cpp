@@ -88,8 +88,8 @@ class ShadowPagesTest : public RenderTest {
     for (const AtlasTile& tile : kept.tiles()) {
       const uint32_t rows = std::max(tile.size / shared::kShadowPage, 1u);
       for (uint32_t row = 0; row < rows; ++row)
-        count.drawn += static_cast<uint64_t>(std::popcount(
-            done.buffer(host).as<uint32_t>()[firstPageWord(atlas, tile) + row * pageWordStep(atlas)]));
+        count.drawn += static_cast<uint64_t>(
+            std::popcount(done.buffer(host).as<uint32_t>()[firstPageWord(atlas, tile) + row * pageWordStep(atlas)]));
       count.all += uint64_t{rows} * rows;
     }
     return count;
@@ -146,7 +146,8 @@ TEST_F(ShadowPagesTest, MapsThatStayBecomeWhole) {
   EXPECT_FALSE(draws());
 }
 
-// Samples of a picture and its strips are graphs of their own, which add pages to each other's; views of one graph share.
+// Samples of a picture and its strips are graphs of their own, which add pages to each other's; views of one graph
+// share.
 TEST_F(ShadowPagesTest, SamplesStripsAndViews) {
   Strewn strewn(11);
   const std::vector<scene::Camera> cameras{strewn.camera(), strewn.camera(), strewn.camera()};

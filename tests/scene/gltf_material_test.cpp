@@ -259,8 +259,8 @@ TEST(GltfMaterial, EverySlotHasItsOwnTransformAndUvSet) {
       json transform = {{"offset", {slot, slot + .5}}, {"scale", {slot + 1, 2}}};
       if (inTransform) transform["texCoord"] = slot % 2;
       material[json::json_pointer(kTexturePointers[slot])] = {{"index", 0},
-                                                   {"texCoord", inTransform ? 1 - slot % 2 : slot % 2},
-                                                   {"extensions", {{"KHR_texture_transform", transform}}}};
+                                                              {"texCoord", inTransform ? 1 - slot % 2 : slot % 2},
+                                                              {"extensions", {{"KHR_texture_transform", transform}}}};
     }
     const Material read = withMaterial(material).load().materials[0];
     for (uint32_t slot = 0; slot < kTextureCount; ++slot) {

@@ -177,13 +177,14 @@ SurfaceOutputs PackedOutputs::addSurfaces(const Builder& b, glm::uvec3 size) {
     const uint32_t channels = output::info(aov).channels;
     const bool depth = from.places[0].target == "depth";
     outputs.places.push_back(place(b, aov, 4 * channels, size));
-    outputs.bits.push_back(surfaceOutputBits({.packing = from.packing,
-                                              .axes = axesOf(from.packing),
-                                              .channels = channels,
-                                              .target = depth ? 0 : targetOf(from.places[0].target),
-                                              .first = from.places[0].first,
-                                              .second = from.isSplit() ? targetOf(from.places[1].target) : kPackOneTarget,
-                                              .secondFirst = from.places[1].first}));
+    outputs.bits.push_back(
+        surfaceOutputBits({.packing = from.packing,
+                           .axes = axesOf(from.packing),
+                           .channels = channels,
+                           .target = depth ? 0 : targetOf(from.places[0].target),
+                           .first = from.places[0].first,
+                           .second = from.isSplit() ? targetOf(from.places[1].target) : kPackOneTarget,
+                           .secondFirst = from.places[1].first}));
   }
   return outputs;
 }

@@ -29,7 +29,7 @@ enum class Origin {
 };
 Origin originOf(output::Aov aov);
 bool asksFor(const Settings& settings, Origin origin);
-bool showsPicture(const Settings& settings);     // to look at, or as an output
+bool showsPicture(const Settings& settings);  // to look at, or as an output
 // The slots of materials whose textures matter to what is asked for: scene::LoadOptions::textureSlots.
 uint32_t textureSlots(const Settings& settings);
 uint64_t bytesAPixel(const Settings& settings);  // of what leaves

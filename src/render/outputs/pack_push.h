@@ -34,12 +34,12 @@ SH_CONST uint kAxesOpenGl = 3u;  // the camera's: X right, Y up, Z back
 
 // Of an output that is packed where surfaces are resolved (surface_outputs.glsl): where it goes.
 struct OutputPlace {
-  uint64_t values;     // as PackPush
+  uint64_t values;  // as PackPush
   uint64_t viewBytes;
 };
 
-// And what it is, as a specialization constant; 0: no output. Its channels begin in one of the layout `exact`'s targets,
-// or half of them in each of two.
+// And what it is, as a specialization constant; 0: no output. Its channels begin in one of the layout `exact`'s
+// targets, or half of them in each of two.
 SH_CONST uint kSurfaceOutputs = 24u;  // at most: the slots of surface_outputs.glsl
 struct SurfaceOutput {
   uint packing, axes, channels, target, first, second, secondFirst;  // second: kPackOneTarget, or the other target

@@ -102,8 +102,7 @@ std::string FrameShadows::keyOf(const ShadowPlan& plan, uint32_t map) const {
 uint32_t FrameShadows::enter(const ShadowPlan& plan, const ShadowPlan::Entry& entry, std::span<std::string> keys) {
   std::vector<uint32_t> maps;
   for (uint32_t i = 0; i < entry.maps; ++i) {
-    const auto [found, anew] =
-        wantedOfKey_.try_emplace(std::move(keys[i]), static_cast<uint32_t>(wanted_.size()));
+    const auto [found, anew] = wantedOfKey_.try_emplace(std::move(keys[i]), static_cast<uint32_t>(wanted_.size()));
     if (anew) wanted_.push_back({found->first, &plan.views[entry.first + i]});
     maps.push_back(found->second);
   }
@@ -137,7 +136,8 @@ void FrameShadows::place(vk::Device& device, KeptShadowMaps& kept) {
   undrawn_ = !maps_.empty();
 }
 
-// A map that several frames have drawn pages of is likely to stay: with all of them, no later frame has to look for any.
+// A map that several frames have drawn pages of is likely to stay: with all of them, no later frame has to look for
+// any.
 void FrameShadows::list(const std::shared_ptr<KeptMap>& map, const ShadowView& view) {
   if (map->whole) return;
   maps_.push_back({map->tile, &view, !map->drawn, ++map->drawings > kPatience});
@@ -149,7 +149,8 @@ std::vector<shared::PagedLight> FrameShadows::pagedLights() const {
   std::set<uint32_t> paged;  // among columns_
   for (size_t i = 0; i < table_.size(); ++i)
     for (uint32_t map = 0; map < table_[i].maps; ++map)
-      if (!placed_[wantedOfRecord_[table_[i].first + map]]->whole) paged.insert(static_cast<uint32_t>(i % columns_.size()));
+      if (!placed_[wantedOfRecord_[table_[i].first + map]]->whole)
+        paged.insert(static_cast<uint32_t>(i % columns_.size()));
   std::vector<shared::PagedLight> lights;
   for (const uint32_t column : paged) lights.push_back({columns_[column], column});
   return lights;

@@ -54,10 +54,10 @@ class FrameShadows {
   void askForPages() { asksForPages_ = true; }
   bool asksForPages() const { return asksForPages_; }
   std::vector<shared::PagedLight> pagedLights() const;  // those with maps that are not drawn whole
-  void drawAgain();    // for a graph that is run again, since something overflowed
-  bool takeDrawing();  // for a graph: whether it draws maps
-  void addedDrawing();  // a graph has taken all that there is to be drawn
-  void settled();      // the device has drawn them, and nothing overflowed: later frames may use them
+  void drawAgain();                                     // for a graph that is run again, since something overflowed
+  bool takeDrawing();                                   // for a graph: whether it draws maps
+  void addedDrawing();                                  // a graph has taken all that there is to be drawn
+  void settled();  // the device has drawn them, and nothing overflowed: later frames may use them
 
  private:
   void number(uint32_t lights);
@@ -78,7 +78,7 @@ class FrameShadows {
   std::vector<std::shared_ptr<KeptMap>> placed_;             // by wanted_
   std::vector<std::shared_ptr<KeptMap>> drawn_;              // by maps_
   std::vector<Map> maps_;
-  std::vector<uint32_t> columns_;           // lights that cast shadows in some view, ascending
+  std::vector<uint32_t> columns_;  // lights that cast shadows in some view, ascending
   std::vector<shared::ShadowBits> bits_;
   std::vector<shared::LightShadow> table_;  // one row per view
   std::shared_ptr<const vk::Image> atlas_;

@@ -134,7 +134,8 @@ std::shared_ptr<KeptMap> KeptShadowMaps::add(const Wanted& wanted) {
     tile = tiles_.take(view.size);
   }
   if (!tile) return nullptr;
-  const auto map = std::make_shared<KeptMap>(KeptMap{.tile = *tile, .frustum = Frustum(view.view), .within = view.within, .frame = frame_});
+  const auto map = std::make_shared<KeptMap>(
+      KeptMap{.tile = *tile, .frustum = Frustum(view.view), .within = view.within, .frame = frame_});
   maps_.emplace(wanted.key, map);
   return map;
 }
@@ -156,7 +157,7 @@ std::vector<std::shared_ptr<KeptMap>> KeptShadowMaps::tryPlace(std::span<const W
 }
 
 std::vector<std::shared_ptr<KeptMap>> KeptShadowMaps::place(vk::Device& device, const vk::ImageDesc& kind,
-                                                             std::span<const Wanted> wanted) {
+                                                            std::span<const Wanted> wanted) {
   ++frame_;
   const uint64_t texels = texelsOf(wanted);
   uint32_t largest = 0;

@@ -40,7 +40,7 @@ class KeptShadowMaps {
 
   // Tiles of one atlas for all of these, of which none has the key of another. `kind`: format and usage.
   std::vector<std::shared_ptr<KeptMap>> place(vk::Device& device, const vk::ImageDesc& kind,
-                                               std::span<const Wanted> wanted);
+                                              std::span<const Wanted> wanted);
   const std::shared_ptr<const vk::Image>& atlas() const { return atlas_; }
   const std::shared_ptr<const vk::Buffer>& pages() const { return pages_; }  // that are drawn: words (page_push.h)
   bool anyDrawn() const;

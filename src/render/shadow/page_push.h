@@ -1,7 +1,7 @@
-// Pages of shadow maps: squares of texels that are drawn only where a pixel looks them up. A map has a word for each row
-// of its pages, a bit for each page in it. The words of all maps lie as their tiles do in the atlas, one for each cell of
-// kShadowCell by kShadowCell texels: row r of a map has the word r cells below that of the tile's first cell. A tile is
-// at least a cell, and as many cells down as it has rows of pages or more, so no two maps share a word.
+// Pages of shadow maps: squares of texels that are drawn only where a pixel looks them up. A map has a word for each
+// row of its pages, a bit for each page in it. The words of all maps lie as their tiles do in the atlas, one for each
+// cell of kShadowCell by kShadowCell texels: row r of a map has the word r cells below that of the tile's first cell. A
+// tile is at least a cell, and as many cells down as it has rows of pages or more, so no two maps share a word.
 #ifndef LATELIGHT_PAGE_PUSH_H
 #define LATELIGHT_PAGE_PUSH_H
 

@@ -44,8 +44,13 @@ graph::BufferId addAsked(const FrameContext& f, const Gbuffer& gbuffer) {
               .constants = std::move(constants),
               .buffers = {{asked, graph::Use::StorageReadWrite}}},
              [=, &f, count = static_cast<uint32_t>(lights.size())](graph::Context& context) {
-               return PagesAskedPush{f.constants, list, context.buffer(asked).address(), count, pageWordStep(atlas),
-                                     atlas.height / kShadowCell, 0};
+               return PagesAskedPush{f.constants,
+                                     list,
+                                     context.buffer(asked).address(),
+                                     count,
+                                     pageWordStep(atlas),
+                                     atlas.height / kShadowCell,
+                                     0};
              });
   return asked;
 }

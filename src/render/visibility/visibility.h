@@ -46,8 +46,8 @@ class Visibility {
   // R16G16B16A16_SFLOAT or R32G32B32A32_SFLOAT: xy to the frame before, zw to the frame after, of what shows at the
   // pixels' centres. Pixels, y down, without jitter.
   virtual graph::ImageId addMotion(const FrameContext& f, graph::ImageId depth, MotionUse use) const = 0;
-  // What is to be drawn of the shadow maps of f.shadows, into `atlas`: where it can be told, only what is looked up from
-  // the G-buffer.
+  // What is to be drawn of the shadow maps of f.shadows, into `atlas`: where it can be told, only what is looked up
+  // from the G-buffer.
   virtual void addShadowMaps(const FrameContext& f, const Gbuffer& gbuffer, graph::ImageId atlas) const = 0;
   // Fragments of blended surfaces that nothing hides, in no order. Then, once they are in lists (unsorted, as
   // FragmentLists::lists), their light, where they have none yet; with the method `sorted`, their keys too.

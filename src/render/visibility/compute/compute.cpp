@@ -190,7 +190,9 @@ void ComputeVisibility::addRaster(const FrameContext& f, const RasterViews& view
                                   .jobs = address(b.jobs),
                                   .counters = address(b.counters)},
                       .within = views.within,
-                      .fragments = blended ? address(chain.lists) : views.pages ? address(views.pages) : 0,
+                      .fragments = blended       ? address(chain.lists)
+                                   : views.pages ? address(views.pages)
+                                                 : 0,
                       .parts = static_cast<uint32_t>(share.parts),
                       .views = views.count,
                       .width = views.width,
@@ -548,14 +550,16 @@ void ComputeVisibility::addShadowMapsOf(const FrameContext& f, const ShadowMaps&
 }
 
 void ComputeVisibility::addShadowMaps(const FrameContext& f, const Gbuffer& gbuffer, graph::ImageId atlas) const {
-  constexpr uint64_t kTexelsAtOnce = 1u << 24;             // of the visibility buffer
-  const uint64_t mostWork = (1u << 31) / std::bit_ceil(std::max(share_.parts, size_t{1}));  // which is counted in 32 bits
+  constexpr uint64_t kTexelsAtOnce = 1u << 24;  // of the visibility buffer
+  const uint64_t mostWork =
+      (1u << 31) / std::bit_ceil(std::max(share_.parts, size_t{1}));  // which is counted in 32 bits
   const graph::BufferId pages = addShadowPages(f, gbuffer);
   std::map<uint32_t, std::vector<const FrameShadows::Map*>> bySize;
   for (const FrameShadows::Map& map : f.shadows->maps()) bySize[map.tile.size].push_back(&map);
   graph::Use use = f.shadows->keepsAtlas() ? graph::Use::StorageReadWrite : graph::Use::StorageWrite;
   for (const auto& [size, maps] : bySize) {
-    const uint64_t atOnce = std::clamp<uint64_t>(kTexelsAtOnce / (uint64_t{size} * size), 1, std::max<uint64_t>(mostWork, 1));
+    const uint64_t atOnce =
+        std::clamp<uint64_t>(kTexelsAtOnce / (uint64_t{size} * size), 1, std::max<uint64_t>(mostWork, 1));
     for (size_t first = 0; first < maps.size(); first += atOnce) {
       const auto begin = maps.begin() + static_cast<std::ptrdiff_t>(first);
       const auto end = begin + static_cast<std::ptrdiff_t>(std::min<size_t>(atOnce, maps.size() - first));
@@ -571,12 +575,12 @@ void ComputeVisibility::addFragments(const FrameContext& f, const Gbuffer& gbuff
                                      const FragmentBuffers& buffers) const {
   const RasterViews views = viewsOf(f);
   const std::vector<graph::BufferId> filled{buffers.fragments, buffers.counts, buffers.totals};
-  const graph::BufferId lists = addSmallBuffer(
-      f, graph::Stage::Transparency, "fragment lists", sizeof(FragmentLists),
-      {{buffers.fragments, graph::Use::StorageWrite},
-       {buffers.counts, graph::Use::StorageReadWrite},
-       {buffers.totals, graph::Use::StorageReadWrite}},
-      [=](graph::Context& context) { return std::array{listsOf(context, buffers)}; });
+  const graph::BufferId lists =
+      addSmallBuffer(f, graph::Stage::Transparency, "fragment lists", sizeof(FragmentLists),
+                     {{buffers.fragments, graph::Use::StorageWrite},
+                      {buffers.counts, graph::Use::StorageReadWrite},
+                      {buffers.totals, graph::Use::StorageReadWrite}},
+                     [=](graph::Context& context) { return std::array{listsOf(context, buffers)}; });
   Chain chain{graph::Stage::Transparency,
               "raster_blended.comp",
               "raster_large_blended.comp",

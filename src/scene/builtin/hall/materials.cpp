@@ -55,7 +55,8 @@ struct Maps {
 
 Maps addTextures(Scene& scene, uint32_t seed, uint32_t slots) {
   const auto maps = [&](const char* name, ImageSize size, MapTexel (*texel)(vec2, uint32_t)) {
-    return addMaps(scene, name, size, [=](vec2 place) { return texel(place, seed); }, slots);
+    return addMaps(
+        scene, name, size, [=](vec2 place) { return texel(place, seed); }, slots);
   };
   const auto colors = [&](const char* name, ImageSize size, vec3 (*color)(vec2, uint32_t), uint32_t slot) {
     if ((slots >> slot & 1u) == 0) return -1;
