@@ -22,9 +22,29 @@ graph::BufferId createWords(const FrameContext& f, const char* name) {
 
 // Blended surfaces and those with layers are lit where the G-buffer has something else, or nothing.
 bool gbufferHasAll(const FrameContext& f) {
-  if (!f.setup.layout->hasTargets()) return false;
   const bool blended = f.setup.transparency.method != kTransparencyNone && f.visibility.anyBlended();
   return !blended && !(f.visibility.materials().solid & kMaterialLayered);
+}
+
+ComputePass askingPass(const FrameContext& f, const Gbuffer& gbuffer) {
+  std::vector<vk::Constant> constants = f.setup.constants();
+  constants.push_back({kSamplesConstant, f.setup.samples});
+  return {.stage = graph::Stage::Shadows,
+          .name = "shadow pages asked",
+          .shader = f.setup.variant("pages_asked.comp@" + f.setup.layout->file),
+          .bindings = Bindings(f.device).sampled(gbufferInputs(gbuffer)),
+          .size = f.pixels(),
+          .constants = std::move(constants)};
+}
+
+// Whether pages are asked for changes with what the scene has: no frame but the first is to wait for a pipeline.
+void prepareAsking(const FrameContext& f, const Gbuffer& gbuffer) {
+  const ComputePass pass = askingPass(f, gbuffer);
+  f.device.cache().pipeline(vk::ComputeDesc{.shader = pass.shader,
+                                            .bindings = pass.bindings.kinds(),
+                                            .constants = pass.constants,
+                                            .pushBytes = sizeof(PagesAskedPush),
+                                            .name = pass.name});
 }
 
 graph::BufferId addAsked(const FrameContext& f, const Gbuffer& gbuffer) {
@@ -33,25 +53,17 @@ graph::BufferId addAsked(const FrameContext& f, const Gbuffer& gbuffer) {
   const vk::ImageDesc& atlas = f.shadows->atlas().desc();
   const graph::BufferId asked = createWords(f, "asked pages");
   addClear(f, graph::Stage::Shadows, "shadow pages clear", {asked});
-  std::vector<vk::Constant> constants = f.setup.constants();
-  constants.push_back({kSamplesConstant, f.setup.samples});
-  addCompute(f,
-             {.stage = graph::Stage::Shadows,
-              .name = "shadow pages asked",
-              .shader = f.setup.variant("pages_asked.comp@" + f.setup.layout->file),
-              .bindings = Bindings(f.device).sampled(gbufferInputs(gbuffer)),
-              .size = f.pixels(),
-              .constants = std::move(constants),
-              .buffers = {{asked, graph::Use::StorageReadWrite}}},
-             [=, &f, count = static_cast<uint32_t>(lights.size())](graph::Context& context) {
-               return PagesAskedPush{f.constants,
-                                     list,
-                                     context.buffer(asked).address(),
-                                     count,
-                                     pageWordStep(atlas),
-                                     atlas.height / kShadowCell,
-                                     0};
-             });
+  ComputePass pass = askingPass(f, gbuffer);
+  pass.buffers = {{asked, graph::Use::StorageReadWrite}};
+  addCompute(f, std::move(pass), [=, &f, count = static_cast<uint32_t>(lights.size())](graph::Context& context) {
+    return PagesAskedPush{f.constants,
+                          list,
+                          context.buffer(asked).address(),
+                          count,
+                          pageWordStep(atlas),
+                          atlas.height / kShadowCell,
+                          0};
+  });
   return asked;
 }
 
@@ -73,7 +85,10 @@ uint32_t firstPageWord(const vk::ImageDesc& atlas, const AtlasTile& tile) {
 graph::BufferId addShadowPages(const FrameContext& f, const Gbuffer& gbuffer) {
   FrameShadows& shadows = *f.shadows;
   const vk::ImageDesc& atlas = shadows.atlas().desc();
-  if (shadows.mayAskForPages() && gbufferHasAll(f)) shadows.askForPages();
+  if (shadows.mayAskForPages() && f.setup.layout->hasTargets()) {
+    prepareAsking(f, gbuffer);
+    if (gbufferHasAll(f)) shadows.askForPages();
+  }
   std::vector<PagedMap> maps;
   bool any = false;
   for (const FrameShadows::Map& map : shadows.maps()) {
