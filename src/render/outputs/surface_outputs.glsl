@@ -51,6 +51,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer Ou
   SLOT(13) SLOT(14) SLOT(15) SLOT(16) SLOT(17) SLOT(18) SLOT(19) SLOT(20) SLOT(21) SLOT(22) SLOT(23)
 #define OUTPUT_CONSTANT(i) layout(constant_id = 20 + i) const uint kOutput##i = 0u;  // surfaceOutputBits()
 OUTPUT_SLOTS(OUTPUT_CONSTANT)
+const bool kPacksOutputs = kOutput0 != 0u;  // slots are filled from the first one on
 
 void writeOutput(uint64_t frame, OutputPlace place, uint bits, ExactTargets targets, float depth, ivec3 pixel, int width) {
   SurfaceOutput o = surfaceOutputOf(bits);

@@ -27,8 +27,7 @@ using namespace shared;  // kRaster*, kQueue*
 // Of raster.glsl and lens_rays.glsl, whose shaders have others of their own.
 constexpr uint32_t kCutsOutConstant = kFirstOwnConstant + 2, kTouchedConstant = kFirstOwnConstant + 3,
                    kShadowMapsConstant = kFirstOwnConstant + 4;
-// Of resolve.comp, and of surface_outputs.glsl.
-constexpr uint32_t kPacksConstant = kFirstOwnConstant + 2, kOutputsConstant = kFirstOwnConstant + 4;
+constexpr uint32_t kOutputsConstant = kFirstOwnConstant + 4;  // of surface_outputs.glsl: the first slot
 
 // What the queues may hold, as far as earlier frames have found out.
 struct Room {
@@ -381,7 +380,6 @@ namespace {
 // Lets resolve.comp pack the outputs of the setup; gives where.
 graph::BufferId packOutputs(const FrameContext& f, ComputePass& pass) {
   const SurfaceOutputs& outputs = *f.setup.outputs;
-  pass.constants.push_back({kPacksConstant, 1});
   std::vector<graph::Access> places;
   for (size_t i = 0; i < outputs.places.size(); ++i) {
     pass.constants.push_back({kOutputsConstant + static_cast<uint32_t>(i), outputs.bits[i]});

@@ -19,7 +19,6 @@ layout(local_size_x = 16, local_size_y = 16) in;
 layout(push_constant, scalar) uniform Push { ResolvePush push; };
 layout(constant_id = 16) const uint kTargets = ~0u;  // bit i: target i is wanted; the one after the last: light
 layout(constant_id = 17) const uint kSrgb = 0u;      // bit i: target i is stored in sRGB
-layout(constant_id = 18) const uint kPacksOutputs = 0u;  // of pictures with one sample a pixel
 
 #define IMAGE_vec4 image2DArray
 #define IMAGE_uint uimage2DArray
@@ -60,7 +59,7 @@ void resolve(FrameConstants frame, View view, ivec3 pixel, uint samples) {
   ivec3 texel = sampleLayer(pixel, uint(findLSB(samples)));
   if (id == 0u) {
     store(texel, emptyTexel(), vec4(0.0));
-    if (kPacksOutputs != 0u) writeOutputs(push.frame, push.outputs, noTargets(), 0.0, pixel, int(view.size.x));
+    if (kPacksOutputs) writeOutputs(push.frame, push.outputs, noTargets(), 0.0, pixel, int(view.size.x));
     return;
   }
 #ifndef TEXTURES_BY_INDEX
@@ -70,7 +69,7 @@ void resolve(FrameConstants frame, View view, ivec3 pixel, uint samples) {
   SeenTriangle t = seenTriangle(frame, push.instances, id);
   SurfacePoint p = seenPoint(frame, view, t, place);
   Surface s = evaluateMaterial(frame, frameMaterial(frame, frameInstance(frame, t.rank.instance).material), p);
-  if (kPacksOutputs != 0u)
+  if (kPacksOutputs)
     writeOutputs(push.frame, push.outputs, exactTargets(s), visibleDepth(visible), pixel, int(view.size.x));
   vec4 light = emittedLight(frame, s);
   s = keptSurface(s);
