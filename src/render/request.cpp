@@ -202,14 +202,15 @@ void Request::addData() {
 // Packed where surfaces are resolved, or else from a separate G-buffer in the layout `exact`, with only the targets
 // that the requested outputs need.
 void Request::addSurfaceData(ViewSet& set, graph::ImageId depth) {
-  FrameSetup setup{.layout = &findLayout("exact")};
-  const bool packs = set.visibility().rastered() != nullptr;
-  setup.targets = packs ? 0 : exactTargets(settings_.aovs);
-  if (packs) setup.outputs = packSurfaces();
-  const FrameContext& f = set.frame(graph_, setup);
+  FrameSetup setup{.layout = &findLayout("exact"), .targets = 0};
   Gbuffer gbuffer{.depth = depth, .sampleDepth = depth};
-  if (packs || setup.targets) set.visibility().addGbuffer(f, gbuffer);
-  if (packs) return;
+  if (set.visibility().rastered()) {
+    setup.outputs = packSurfaces();
+    return set.visibility().addGbuffer(set.frame(graph_, setup), gbuffer);
+  }
+  setup.targets = exactTargets(settings_.aovs);
+  const FrameContext& f = set.frame(graph_, setup);
+  if (setup.targets) set.visibility().addGbuffer(f, gbuffer);
   const auto target = [&](std::string_view name) {
     for (size_t i = 0; i < gbuffer.targets.size(); ++i)
       if (setup.layout->targets[i].name == name) return gbuffer.targets[i];
