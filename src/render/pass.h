@@ -72,17 +72,23 @@ constexpr uint32_t pushBytes() {
   return std::is_empty_v<Constants> ? 0 : sizeof(Constants);
 }
 
-// Adds a pass of one dispatch; push(context) gives its push constants.
-template <std::invocable<graph::Context&> Push>
-void addCompute(const Builder& b, ComputePass pass, Push push) {
-  using Constants = std::invoke_result_t<Push, graph::Context&>;
+// A pass's pipeline, which is made with the first request for it.
+template <typename Constants>
+vk::PipelineRef pipelineOf(const Builder& b, const ComputePass& pass) {
   vk::ComputeDesc desc{.shader = pass.shader,
                        .bindings = pass.bindings.kinds(),
                        .constants = pass.constants,
                        .pushBytes = pushBytes<Constants>(),
                        .name = pass.name};
   if (pass.sceneSet) desc.sceneSets = {pass.sceneBindings};
-  const vk::PipelineRef pipeline = b.device.cache().pipeline(desc);
+  return b.device.cache().pipeline(desc);
+}
+
+// Adds a pass of one dispatch; push(context) gives its push constants.
+template <std::invocable<graph::Context&> Push>
+void addCompute(const Builder& b, ComputePass pass, Push push) {
+  using Constants = std::invoke_result_t<Push, graph::Context&>;
+  const vk::PipelineRef pipeline = pipelineOf<Constants>(b, pass);
   std::vector<graph::Access> accesses = pass.bindings.accesses();
   accesses.insert(accesses.end(), pass.buffers.begin(), pass.buffers.end());
   if (pass.groups) accesses.emplace_back(pass.groups, graph::Use::IndirectRead);

@@ -37,16 +37,6 @@ ComputePass askingPass(const FrameContext& f, const Gbuffer& gbuffer) {
           .constants = std::move(constants)};
 }
 
-// Whether pages are asked for changes with what the scene has: no frame but the first is to wait for a pipeline.
-void prepareAsking(const FrameContext& f, const Gbuffer& gbuffer) {
-  const ComputePass pass = askingPass(f, gbuffer);
-  f.device.cache().pipeline(vk::ComputeDesc{.shader = pass.shader,
-                                            .bindings = pass.bindings.kinds(),
-                                            .constants = pass.constants,
-                                            .pushBytes = sizeof(PagesAskedPush),
-                                            .name = pass.name});
-}
-
 graph::BufferId addAsked(const FrameContext& f, const Gbuffer& gbuffer) {
   const std::vector<PagedLight> lights = f.shadows->pagedLights();
   const VkDeviceAddress list = f.graph.constants(std::as_bytes(std::span(lights)));
@@ -86,7 +76,8 @@ graph::BufferId addShadowPages(const FrameContext& f, const Gbuffer& gbuffer) {
   FrameShadows& shadows = *f.shadows;
   const vk::ImageDesc& atlas = shadows.atlas().desc();
   if (shadows.mayAskForPages() && f.setup.layout->hasTargets()) {
-    prepareAsking(f, gbuffer);
+    // Whether pages are asked for changes with what the scene has: no frame but the first is to wait for a pipeline.
+    pipelineOf<PagesAskedPush>(f, askingPass(f, gbuffer));
     if (gbufferHasAll(f)) shadows.askForPages();
   }
   std::vector<PagedMap> maps;
