@@ -122,13 +122,18 @@ bool Renderer::castsShadows(const Settings& settings) const {
 }
 
 // For the whole pictures, whatever their jitter: samples and strips of one share their maps' places.
-std::shared_ptr<FrameShadows> Renderer::planShadows(std::span<const scene::Camera> cameras, const Settings& settings) {
-  if (!castsShadows(settings)) return nullptr;
+ShadowPlan Renderer::planShadows(std::span<const scene::Camera> cameras, const Settings& settings) const {
+  if (!castsShadows(settings)) return {};
   std::vector<shared::View> views;
   for (const scene::Camera& camera : cameras)
     views.push_back(shadowView(camera, settings.width, settings.height, gpuScene_.bounds()));
-  auto shadows =
-      std::make_shared<FrameShadows>(device_, gpuScene_, views, settings, shadowMaps_[rastersInCompute(settings)]);
+  return render::planShadows(shadowSceneOf(gpuScene_), views, settings);
+}
+
+// Null where no light casts any. Maps that are planned from here on take the place of others.
+std::shared_ptr<FrameShadows> Renderer::placeShadows(ShadowPlan plan, const Settings& settings) {
+  KeptShadowMaps& kept = shadowMaps_[rastersInCompute(settings)];
+  auto shadows = std::make_shared<FrameShadows>(device_, gpuScene_, std::move(plan), settings, kept);
   return shadows->empty() ? nullptr : shadows;
 }
 
@@ -178,8 +183,9 @@ std::shared_ptr<RenderJob> Renderer::start(std::span<const scene::Camera> camera
 size_t Renderer::startViews(const std::shared_ptr<RenderJob>& job, size_t first, size_t count,
                             std::span<const Strip> strips) {
   const Settings& s = job->settings;
-  settle();  // shadow maps that are planned from here on take the place of others
-  const std::shared_ptr<FrameShadows> shadows = planShadows(std::span(job->now).subspan(first, count), s);
+  ShadowPlan plan = planShadows(std::span(job->now).subspan(first, count), s);  // while the device has the last views
+  settle();
+  const std::shared_ptr<FrameShadows> shadows = placeShadows(std::move(plan), s);
   for (const Strip strip : strips) {
     // A strip takes a strip's memory; of many views some are read while the device has the next.
     const size_t waiting = strips.size() > 1 ? 0 : 1;
@@ -358,7 +364,8 @@ output::RawGbuffer Renderer::readTargets(const scene::Camera& camera, const Sett
   RenderJob job({&camera, 1}, atCentres, moment, settings.height);
   const Layout& layout = *settings.layout;
   std::shared_ptr<FrameShadows> shadows;
-  if (layout.sunTarget >= 0) shadows = planShadows(job.now, atCentres);  // else nothing in the targets is lit
+  if (layout.sunTarget >= 0)  // else nothing in the targets is lit
+    shadows = placeShadows(planShadows(job.now, atCentres), atCentres);
   const RenderPart part(job, 0, 1, {0, settings.height}, shadows);
   ViewSet set(state_, viewsOf(part, glm::vec2(0)), atCentres, shadows.get(), VisibilityOptions{.atCentres = true});
   std::optional<graph::Graph> graph;

@@ -79,7 +79,8 @@ class Renderer {
   ViewsInTime viewsOf(const RenderPart& part, glm::vec2 jitter);
   std::vector<glm::vec2> jittersOf(const RenderPart& part) const;
   bool castsShadows(const Settings& settings) const;
-  std::shared_ptr<FrameShadows> planShadows(std::span<const scene::Camera> cameras, const Settings& settings);
+  ShadowPlan planShadows(std::span<const scene::Camera> cameras, const Settings& settings) const;
+  std::shared_ptr<FrameShadows> placeShadows(ShadowPlan plan, const Settings& settings);
   vk::Image makeSum(const RenderPart& part);
 
   vk::Device& device_;

@@ -60,9 +60,14 @@ class KeptShadowsTest : public RenderTest {
   static size_t drawn(const GpuScene& scene, const scene::Camera& camera, KeptShadowMaps& kept,
                       const Settings& settings = keptSettings()) {
     const shared::View view = makeView(camera, settings.width, settings.height);
-    FrameShadows shadows(device(), scene, {&view, 1}, settings, kept);
+    FrameShadows shadows = shadowsOf(scene, {&view, 1}, kept, settings);
     shadows.settled();
     return shadows.maps().size();
+  }
+
+  static FrameShadows shadowsOf(const GpuScene& scene, std::span<const shared::View> views, KeptShadowMaps& kept,
+                                const Settings& settings = keptSettings()) {
+    return {device(), scene, planShadows(shadowSceneOf(scene), views, settings), settings, kept};
   }
   // Returns whether shadow maps were drawn.
   static bool rendersAsAFreshOne(Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
@@ -165,7 +170,7 @@ TEST_F(KeptShadowsTest, WhatIsNotSettledIsDrawnAgain) {
   const GpuScene uploaded(device(), scene);
   KeptShadowMaps kept;
   const shared::View view = makeView(cameraAt(0), 160, 90);
-  EXPECT_EQ(FrameShadows(device(), uploaded, {&view, 1}, keptSettings(), kept).maps().size(), 6 * kBalls);
+  EXPECT_EQ(shadowsOf(uploaded, {&view, 1}, kept).maps().size(), 6 * kBalls);
   EXPECT_EQ(drawn(uploaded, cameraAt(0), kept), 6 * kBalls);
   EXPECT_EQ(drawn(uploaded, cameraAt(0), kept), 0u);
 }
@@ -177,7 +182,7 @@ TEST_F(KeptShadowsTest, ViewsShareMaps) {
   KeptShadowMaps kept;
   std::vector<shared::View> views;
   for (const float x : {0.0f, 0.05f, 0.1f}) views.push_back(makeView(cameraAt(x), 160, 90));
-  FrameShadows shadows(device(), uploaded, views, keptSettings(), kept);
+  const FrameShadows shadows = shadowsOf(uploaded, views, kept);
   EXPECT_EQ(shadows.maps().size(), 6 * kBalls);
   for (uint32_t light = 0; light < kBalls; ++light) EXPECT_EQ(shadows.of(0, light).first, shadows.of(2, light).first);
 }

@@ -89,15 +89,14 @@ class ShadowTest : public RenderTest {
   // Of the light's only map, or of the one whose texels are widest on the wall.
   static ShadowPlan plan(const scene::Scene& scene, const Settings& settings) {
     const GpuScene uploaded(device(), scene);
-    const GpuLights& lights = uploaded.lights();
-    const ShadowScene described{lights.lights(), lights.sources(), lights.authored(), scene::worldBounds(scene)};
-    return planShadows(described, makeView(frontCamera(kHalf, 4), kShadowSize, kShadowSize), settings);
+    const shared::View view = makeView(frontCamera(kHalf, 4), kShadowSize, kShadowSize);
+    return planShadows(shadowSceneOf(uploaded), {&view, 1}, settings);
   }
 };
 
 // The finest map of a light that shows the point, as findShadowMap() of glsl/shadow.glsl has it.
 const shared::ShadowMap* mapAt(const ShadowPlan& plan, const scene::Light& light, vec3 p, uint32_t filter) {
-  if (plan.lights.front().maps == 6) return &plan.maps[shared::shadowFace(p - light.position)];
+  if (plan.of[0].lights.front().maps == 6) return &plan.maps[shared::shadowFace(p - light.position)];
   for (const shared::ShadowMap& m : plan.maps)
     if (shared::shadowInside(m, shared::shadowPoint(m, p).texel, shared::shadowReach(filter) + 0.5f)) return &m;
   return nullptr;
@@ -135,7 +134,7 @@ TEST_F(ShadowTest, EdgesLieWhereTheyShouldToATexel) {
       const scene::Scene scene = boardBeforeWall(edge.light);
       const Settings settings = shadowSettings("d32", filter);
       const ShadowPlan maps = plan(scene, settings);
-      ASSERT_FALSE(maps.empty());
+      ASSERT_FALSE(maps.maps.empty());
       const vec3 place(edge.edge, kWall, 0);
       const shared::ShadowMap* map = mapAt(maps, edge.light, place, shared::kShadowFilterPcf);
       ASSERT_TRUE(map);
@@ -278,8 +277,9 @@ TEST_F(ShadowTest, DevicesLookUpWhatTheHostLooksUp) {
       FrameBench bench(device(), scene);
       const shared::View view = makeView(frontCamera(kHalf, 4), kShadowSize, kShadowSize);
       KeptShadowMaps kept;
-      FrameShadows shadows(device(), bench.scene(), {&view, 1}, settings, kept);
-      const ShadowPlan& plan = shadows.plan(0);
+      FrameShadows shadows(device(), bench.scene(), planShadows(shadowSceneOf(bench.scene()), {&view, 1}, settings),
+                           settings, kept);
+      const ShadowPlan& plan = shadows.plan();
       graph::Graph graph;
       FrameContext f = bench.frame(graph, {.shadowFormat = index, .shadowFilter = shared::kShadowFilterPcf}, {view});
       f.shadows = &shadows;
@@ -388,13 +388,11 @@ TEST_F(ShadowTest, NothingShadowsItself) {
 
 // --- plans ----------------------------------------------------------------------------------------------------------
 
-ShadowPlan hallPlan(const scene::Scene& scene, const GpuScene& uploaded, const scene::Camera& camera,
-                    const std::string& lights) {
+ShadowPlan hallPlan(const GpuScene& uploaded, const scene::Camera& camera, const std::string& lights) {
   Settings settings;
   settings.shadowLights = readText<ShadowLights>("--shadow-lights", lights);
-  const GpuLights& all = uploaded.lights();
-  const ShadowScene described{all.lights(), all.sources(), all.authored(), scene::worldBounds(scene)};
-  return planShadows(described, makeView(camera, 640, 360), settings);
+  const shared::View view = makeView(camera, 640, 360);
+  return planShadows(shadowSceneOf(uploaded), {&view, 1}, settings);
 }
 
 TEST_F(ShadowTest, CascadesHoldStillWhileTheCameraMoves) {
@@ -403,14 +401,14 @@ TEST_F(ShadowTest, CascadesHoldStillWhileTheCameraMoves) {
   scene.instances.back().toWorld = glm::scale(glm::mat4(1), vec3(60)) * scene.instances.back().toWorld;
   const GpuScene uploaded(device(), scene);
   scene::Camera camera = frontPerspective(1, 3);
-  const ShadowPlan still = hallPlan(scene, uploaded, camera, "auto");
+  const ShadowPlan still = hallPlan(uploaded, camera, "auto");
   ASSERT_EQ(still.maps.size(), size_t{kCascades});
   for (int step = 1; step <= 20; ++step) {
     scene::Camera moved = camera;
     moved.toWorld = glm::rotate(glm::translate(glm::mat4(1), vec3(0.013f, 0.007f, -0.005f) * float(step)),
                                 0.003f * float(step), vec3(0.3f, 0.2f, 1)) *
                     camera.toWorld;
-    const ShadowPlan now = hallPlan(scene, uploaded, moved, "auto");
+    const ShadowPlan now = hallPlan(uploaded, moved, "auto");
     ASSERT_EQ(now.maps.size(), still.maps.size());
     for (size_t i = 0; i < now.maps.size(); ++i) {
       const shared::ShadowMap &a = still.maps[i], &b = now.maps[i];
@@ -464,12 +462,12 @@ scene::Scene manyLights(uint32_t count) {
 TEST_F(ShadowTest, ThousandsOfShadowsAreAsManyAsFit) {
   const scene::Scene scene = manyLights(5000);
   const GpuScene uploaded(device(), scene);
-  const ShadowPlan all = hallPlan(scene, uploaded, frontPerspective(1, 3), "all");
-  EXPECT_EQ(all.lights.size(), 4096u * 4096 / (6 * 32 * 32));
-  EXPECT_EQ(hallPlan(scene, uploaded, frontPerspective(1, 3), "auto").lights.size(), kAutomaticShadows);
-  EXPECT_EQ(hallPlan(scene, uploaded, frontPerspective(1, 3), "3").lights.size(), 3u);
-  EXPECT_TRUE(hallPlan(scene, uploaded, frontPerspective(1, 3), "none").empty());
-  EXPECT_THROW(hallPlan(scene, uploaded, frontPerspective(1, 3), "moon"), Error);
+  const ShadowPlan all = hallPlan(uploaded, frontPerspective(1, 3), "all");
+  EXPECT_EQ(all.of[0].lights.size(), 4096u * 4096 / (6 * 32 * 32));
+  EXPECT_EQ(hallPlan(uploaded, frontPerspective(1, 3), "auto").of[0].lights.size(), kAutomaticShadows);
+  EXPECT_EQ(hallPlan(uploaded, frontPerspective(1, 3), "3").of[0].lights.size(), 3u);
+  EXPECT_TRUE(hallPlan(uploaded, frontPerspective(1, 3), "none").maps.empty());
+  EXPECT_THROW(hallPlan(uploaded, frontPerspective(1, 3), "moon"), Error);
 }
 
 TEST_F(ShadowTest, TheSceneSaysWhichLightsCast) {
@@ -480,7 +478,8 @@ TEST_F(ShadowTest, TheSceneSaysWhichLightsCast) {
   const GpuScene uploaded(device(), scene);
   const auto chosen = [&](const char* lights) {
     std::vector<uint32_t> sources;
-    for (const ShadowPlan::Entry& entry : hallPlan(scene, uploaded, frontPerspective(1, 3), lights).lights)
+    const ShadowPlan plan = hallPlan(uploaded, frontPerspective(1, 3), lights);
+    for (const ShadowPlan::Entry& entry : plan.of[0].lights)
       sources.push_back(uploaded.lights().sources()[entry.light]);
     return sources;
   };

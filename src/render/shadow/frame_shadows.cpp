@@ -19,7 +19,7 @@ vk::Buffer uploaded(vk::Device& device, const char* name, const std::vector<T>& 
   return vk::uploadedBuffer(device, name, std::as_bytes(std::span(values)));
 }
 
-constexpr size_t kViewsAtOnce = 8;  // a thread's share
+constexpr size_t kMapsAtOnce = 64;  // a thread's share
 constexpr uint32_t kPatience = 3;   // frames that draw pages of a map before one draws what is left
 
 template <typename T>
@@ -39,24 +39,25 @@ bool shadowIsPacked(uint32_t format) {
   return format == shared::kShadowRgba8 || format == shared::kShadowRgba8Classic;
 }
 
-FrameShadows::FrameShadows(vk::Device& device, const GpuScene& scene, std::span<const shared::View> views,
-                           const Settings& settings, KeptShadowMaps& kept)
+ShadowScene shadowSceneOf(const GpuScene& scene) {
+  const GpuLights& lights = scene.lights();
+  return {lights.lights(), lights.sources(), lights.authored(), scene.bounds()};
+}
+
+FrameShadows::FrameShadows(vk::Device& device, const GpuScene& scene, ShadowPlan plan, const Settings& settings,
+                           KeptShadowMaps& kept)
     : format_(indexOf(settings.shadows)),
       filter_(indexOf(settings.shadowFilter)),
       inCompute_(rastersInCompute(settings)),
+      plan_(std::move(plan)),
       mayAskForPages_(inCompute_ && !settings.wholeShadowMaps && !asksFor(settings, Origin::LightCounts)) {
-  const ShadowScene planned{scene.lights().lights(), scene.lights().sources(), scene.lights().authored(),
-                            scene.bounds()};
-  plans_.resize(views.size());
-  parallelFor(views.size(), kViewsAtOnce, [&](size_t begin, size_t end) {
-    for (size_t view = begin; view < end; ++view) plans_[view] = planShadows(planned, views[view], settings);
-  });
-  for (const ShadowPlan& plan : plans_)
-    for (const ShadowPlan::Entry& entry : plan.lights) columns_.push_back(entry.light);
+  for (const ShadowPlan::OfView& view : plan_.of)
+    for (const ShadowPlan::Entry& entry : view.lights) columns_.push_back(entry.light);
   std::sort(columns_.begin(), columns_.end());
   columns_.erase(std::unique(columns_.begin(), columns_.end()), columns_.end());
   if (columns_.empty()) return;
   number(scene.lights().count());
+  enterMaps();
   // The graphics pipeline rounds by where on its target it draws, so that its maps would depend on the frames before.
   if (inCompute_)
     kept.follow(scene);
@@ -71,48 +72,38 @@ void FrameShadows::number(uint32_t lights) {
   for (const uint32_t light : columns_) bits_[light / 32].lights |= 1u << (light % 32);
   for (size_t i = 1; i < bits_.size(); ++i)
     bits_[i].before = bits_[i - 1].before + static_cast<uint32_t>(std::popcount(bits_[i - 1].lights));
-  std::vector<std::vector<std::string>> keys(plans_.size());
-  parallelFor(plans_.size(), kViewsAtOnce, [&](size_t begin, size_t end) {
-    for (size_t view = begin; view < end; ++view)
-      for (uint32_t map = 0; map < plans_[view].maps.size(); ++map) keys[view].push_back(keyOf(plans_[view], map));
-  });
-  table_.resize(plans_.size() * columns_.size());
-  for (size_t view = 0; view < plans_.size(); ++view) {
-    const ShadowPlan& plan = plans_[view];
-    for (const ShadowPlan::Entry& entry : plan.lights) {
-      const auto column = std::lower_bound(columns_.begin(), columns_.end(), entry.light) - columns_.begin();
-      const std::span<std::string> its = std::span(keys[view]).subspan(entry.first, entry.maps);
-      table_[view * columns_.size() + static_cast<size_t>(column)] = {enter(plan, entry, its), entry.maps,
-                                                                      plan.sun == entry.light ? 1u : 0u};
-    }
-  }
+  table_.resize(plan_.of.size() * columns_.size());
+  for (size_t view = 0; view < plan_.of.size(); ++view)
+    for (const ShadowPlan::Entry& entry : plan_.of[view].lights)
+      table_[view * columns_.size() + columnOf(entry.light)] = {entry.first, entry.maps,
+                                                                plan_.of[view].sun == entry.light ? 1u : 0u};
 }
 
-std::string FrameShadows::keyOf(const ShadowPlan& plan, uint32_t map) const {
+size_t FrameShadows::columnOf(uint32_t light) const {
+  return static_cast<size_t>(std::lower_bound(columns_.begin(), columns_.end(), light) - columns_.begin());
+}
+
+std::string FrameShadows::keyOf(uint32_t map) const {
   std::string key;
   append(key, format_);
   append(key, filter_);
-  if (plan.views[map].within) append(key, *plan.views[map].within);
-  append(key, plan.views[map].drawn);
-  append(key, plan.maps[map]);
+  if (plan_.views[map].within) append(key, *plan_.views[map].within);
+  append(key, plan_.views[map].drawn);
+  append(key, plan_.maps[map]);
   return key;
 }
 
-// The first record of a light's maps in a view. Those that an earlier view has are its, too.
-uint32_t FrameShadows::enter(const ShadowPlan& plan, const ShadowPlan::Entry& entry, std::span<std::string> keys) {
-  std::vector<uint32_t> maps;
-  for (uint32_t i = 0; i < entry.maps; ++i) {
-    const auto [found, anew] = wantedOfKey_.try_emplace(std::move(keys[i]), static_cast<uint32_t>(wanted_.size()));
-    if (anew) wanted_.push_back({found->first, &plan.views[entry.first + i]});
-    maps.push_back(found->second);
+void FrameShadows::enterMaps() {
+  std::vector<std::string> keys(plan_.maps.size());
+  parallelFor(keys.size(), kMapsAtOnce, [&](size_t begin, size_t end) {
+    for (size_t map = begin; map < end; ++map) keys[map] = keyOf(static_cast<uint32_t>(map));
+  });
+  std::unordered_map<std::string_view, uint32_t> entered;
+  for (size_t map = 0; map < keys.size(); ++map) {
+    const auto [found, anew] = entered.try_emplace(keys[map], static_cast<uint32_t>(wanted_.size()));
+    if (anew) wanted_.push_back({keys[map], &plan_.views[map]});
+    wantedOfMap_.push_back(found->second);
   }
-  const auto [found, anew] = recordsOfMaps_.try_emplace(maps, static_cast<uint32_t>(records_.size()));
-  if (anew) {
-    const auto begin = plan.maps.begin() + entry.first;
-    records_.insert(records_.end(), begin, begin + entry.maps);
-    wantedOfRecord_.insert(wantedOfRecord_.end(), maps.begin(), maps.end());
-  }
-  return found->second;
 }
 
 void FrameShadows::place(vk::Device& device, KeptShadowMaps& kept) {
@@ -123,10 +114,10 @@ void FrameShadows::place(vk::Device& device, KeptShadowMaps& kept) {
                 : shadowIsPacked(format_) ? VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT
                                           : VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT;
   placed_ = kept.place(device, kind, wanted_);
-  for (size_t i = 0; i < records_.size(); ++i) {
-    const AtlasTile& tile = placed_[wantedOfRecord_[i]]->tile;
-    records_[i].corner = {tile.x, tile.y};
-    records_[i].layer = tile.layer;
+  for (size_t i = 0; i < plan_.maps.size(); ++i) {
+    const AtlasTile& tile = placed_[wantedOfMap_[i]]->tile;
+    plan_.maps[i].corner = {tile.x, tile.y};
+    plan_.maps[i].layer = tile.layer;
   }
   atlas_ = kept.atlas();
   pages_ = kept.pages();
@@ -149,7 +140,7 @@ std::vector<shared::PagedLight> FrameShadows::pagedLights() const {
   std::set<uint32_t> paged;  // among columns_
   for (size_t i = 0; i < table_.size(); ++i)
     for (uint32_t map = 0; map < table_[i].maps; ++map)
-      if (!placed_[wantedOfRecord_[table_[i].first + map]]->whole)
+      if (!placed_[wantedOfMap_[table_[i].first + map]]->whole)
         paged.insert(static_cast<uint32_t>(i % columns_.size()));
   std::vector<shared::PagedLight> lights;
   for (const uint32_t column : paged) lights.push_back({columns_[column], column});
@@ -184,19 +175,19 @@ void FrameShadows::upload(vk::Device& device) {
   if (views.empty()) views.emplace_back();
   bitsBuffer_ = uploaded(device, "shadow bits", bits_);
   tableBuffer_ = uploaded(device, "shadows of lights", table_);
-  mapsBuffer_ = uploaded(device, "shadow maps", records_);
+  mapsBuffer_ = uploaded(device, "shadow maps", plan_.maps);
   viewsBuffer_ = vk::uploadedBuffer(device, "shadow views", std::as_bytes(std::span(views)), kViewUsage);
   constantsBuffer_ = uploaded(device, "shadow constants", std::vector<shared::FrameConstants>(1));
 }
 
 shared::LightShadow FrameShadows::of(uint32_t view, uint32_t light) const {
-  const auto column = std::lower_bound(columns_.begin(), columns_.end(), light);
-  if (column == columns_.end() || *column != light) return {};
-  return table_[view * columns_.size() + static_cast<size_t>(column - columns_.begin())];
+  const size_t column = columnOf(light);
+  if (column == columns_.size() || columns_[column] != light) return {};
+  return table_[view * columns_.size() + column];
 }
 
 std::optional<uint32_t> FrameShadows::sun(uint32_t view) const {
-  return plans_[view].sun;
+  return plan_.of[view].sun;
 }
 
 void FrameShadows::describe(shared::FrameConstants& frame) const {

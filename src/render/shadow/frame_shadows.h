@@ -1,8 +1,6 @@
-// The shadow maps of a frame: planned for each of its views, drawn where no earlier frame has, looked up by light and
-// view.
+// The shadow maps of a frame: placed as its plan says, drawn where no earlier frame has, looked up by light and view.
 #pragma once
 
-#include <map>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -16,16 +14,16 @@
 
 namespace latelight::render {
 
+ShadowScene shadowSceneOf(const GpuScene& scene);
+
 class FrameShadows {
  public:
-  // Plans shadows for these views, without changing the scene. Where the raster is compute, maps that `kept` has are
-  // used.
-  FrameShadows(vk::Device& device, const GpuScene& scene, std::span<const shared::View> views, const Settings& settings,
+  // Does not change the scene. Where the raster is compute, maps that `kept` has are used.
+  FrameShadows(vk::Device& device, const GpuScene& scene, ShadowPlan plan, const Settings& settings,
                KeptShadowMaps& kept);
 
   bool empty() const { return columns_.empty(); }  // no light casts shadows in any view
-  const ShadowPlan& plan(uint32_t view) const { return plans_[view]; }
-  uint32_t viewCount() const { return static_cast<uint32_t>(plans_.size()); }
+  const ShadowPlan& plan() const { return plan_; }
   shared::LightShadow of(uint32_t view, uint32_t light) const;
   std::optional<uint32_t> sun(uint32_t view) const;  // the light that is the sun there
 
@@ -61,22 +59,20 @@ class FrameShadows {
 
  private:
   void number(uint32_t lights);
-  std::string keyOf(const ShadowPlan& plan, uint32_t map) const;
-  uint32_t enter(const ShadowPlan& plan, const ShadowPlan::Entry& entry, std::span<std::string> keys);
+  size_t columnOf(uint32_t light) const;  // or that of a later light, or their number
+  std::string keyOf(uint32_t map) const;
+  void enterMaps();
   void place(vk::Device& device, KeptShadowMaps& kept);
   void list(const std::shared_ptr<KeptMap>& map, const ShadowView& view);
   void upload(vk::Device& device);
 
   uint32_t format_, filter_;  // kShadow*, kShadowFilter*
   bool inCompute_;            // the maps are stored by compute shaders
-  std::vector<ShadowPlan> plans_;
-  std::vector<KeptShadowMaps::Wanted> wanted_;               // each map once
-  std::unordered_map<std::string, uint32_t> wantedOfKey_;    // among wanted_
-  std::vector<shared::ShadowMap> records_;                   // those of a light's maps in a view follow each other
-  std::vector<uint32_t> wantedOfRecord_;                     // among wanted_
-  std::map<std::vector<uint32_t>, uint32_t> recordsOfMaps_;  // the first one, by places among wanted_
-  std::vector<std::shared_ptr<KeptMap>> placed_;             // by wanted_
-  std::vector<std::shared_ptr<KeptMap>> drawn_;              // by maps_
+  ShadowPlan plan_;
+  std::vector<KeptShadowMaps::Wanted> wanted_;    // each map once: cascades of several views may be one
+  std::vector<uint32_t> wantedOfMap_;             // among wanted_, by the plan's maps
+  std::vector<std::shared_ptr<KeptMap>> placed_;  // by wanted_
+  std::vector<std::shared_ptr<KeptMap>> drawn_;   // by maps_
   std::vector<Map> maps_;
   std::vector<uint32_t> columns_;  // lights that cast shadows in some view, ascending
   std::vector<shared::ShadowBits> bits_;

@@ -2,8 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <compare>
+#include <map>
 
+#include "base/parallel.h"
 #include "render/shadow/cascades.h"
 #include "render/shadow/choose.h"
 #include "shared/light.h"
@@ -147,12 +151,16 @@ float slackOf(uint32_t format) {
   return kRounding;
 }
 
+// Of one light.
+struct LightMaps {
+  std::vector<ShadowView> views;
+  std::vector<shared::ShadowMap> maps;
+};
+
 struct Planner {
   const ShadowScene& scene;
   const Settings& settings;
   uint32_t format;
-  std::vector<Sphere> spheres;
-  ShadowPlan plan;
 
   double lightRadius(const shared::Light& light, uint32_t index) const {
     const float own = scene.authored[scene.sources[index]].size;
@@ -160,38 +168,77 @@ struct Planner {
     return own > 0 ? own : settings.lightSize;
   }
 
-  void addMap(const Frame& f, uint32_t size, float lightSize, const std::optional<Sphere>& within) {
-    shared::ShadowMap& map = plan.maps.emplace_back(mapOf(f, size));
+  void addMap(LightMaps& to, const Frame& f, uint32_t size, float lightSize,
+              const std::optional<Sphere>& within) const {
+    shared::ShadowMap& map = to.maps.emplace_back(mapOf(f, size));
     map.lightSize = lightSize;
     map.depthSlack = slackOf(format);
     const double scale = f.perspective ? 1 / f.far : 1;
     const double unit = map.texel * map.depthScale * (f.perspective ? f.far : 1);
-    plan.views.push_back({viewOf(f, 1, size), viewOf(f, scale, size), size, static_cast<float>(unit), within});
+    to.views.push_back({viewOf(f, 1, size), viewOf(f, scale, size), size, static_cast<float>(unit), within});
   }
 
-  void add(const ShadowCaster& caster) {
+  // `cascades`: of directional lights.
+  LightMaps mapsOf(const ShadowCaster& caster, std::span<const Sphere> cascades) const {
+    LightMaps maps;
     const shared::Light& light = scene.lights[caster.light];
-    plan.lights.push_back({caster.light, static_cast<uint32_t>(plan.maps.size()), caster.maps});
     const auto lightSize = static_cast<float>(lightRadius(light, caster.light));
     const dvec3 direction = glm::normalize(dvec3(light.direction));
     if (shared::lightIsDirectional(light.type)) {
-      if (!plan.sun) plan.sun = caster.light;
       const Axes axes = axesAlong(direction);
       const Interval depths = overCorners(scene.bounds, [&](dvec3 p) { return glm::dot(axes.away, p); });
-      for (uint32_t i = 0; i < caster.maps; ++i)
-        addMap(cascadeFrame(axes, spheres[i], depths, caster.size), caster.size, lightSize, std::nullopt);
-      return;
+      for (const Sphere& sphere : cascades)
+        addMap(maps, cascadeFrame(axes, sphere, depths, caster.size), caster.size, lightSize, std::nullopt);
+      return maps;
     }
     const Sphere within{light.position, light.radius};
     const double own = scene.authored[scene.sources[caster.light]].size;
     if (const std::optional<double> cone = shadowCone(light))
-      addMap(localFrame(light, axesAlong(direction), std::tan(*cone), own, scene.bounds, caster.size), caster.size,
-             lightSize, within);
+      addMap(maps, localFrame(light, axesAlong(direction), std::tan(*cone), own, scene.bounds, caster.size),
+             caster.size, lightSize, within);
     else
       for (uint32_t i = 0; i < 6; ++i)
-        addMap(localFrame(light, cubeAxes()[i], 1, own, scene.bounds, caster.size), caster.size, lightSize, within);
+        addMap(maps, localFrame(light, cubeAxes()[i], 1, own, scene.bounds, caster.size), caster.size, lightSize,
+               within);
+    return maps;
   }
 };
+
+constexpr size_t kViewsAtOnce = 8, kLightsAtOnce = 4;  // a thread's share
+
+// What a view asks for.
+struct Chosen {
+  std::vector<Sphere> cascades;
+  std::vector<ShadowCaster> casters;
+};
+
+std::vector<Chosen> choose(const ShadowScene& scene, std::span<const shared::View> views, const Settings& settings) {
+  std::vector<Chosen> chosen(views.size());
+  parallelFor(views.size(), kViewsAtOnce, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      chosen[i].cascades = fitCascades(views[i], scene.bounds);
+      chosen[i].casters =
+          chooseShadowCasters(scene, views[i], settings, static_cast<uint32_t>(chosen[i].cascades.size()));
+    }
+  });
+  return chosen;
+}
+
+// Where views share maps: those of a local light by their size, those of a directional one by the view's cascades too.
+struct Shared {
+  uint32_t light, size;
+  std::vector<uint32_t> cascades;  // bits of their spheres
+  auto operator<=>(const Shared&) const = default;
+};
+
+Shared sharedOf(const ShadowScene& scene, const ShadowCaster& caster, const std::vector<Sphere>& cascades) {
+  Shared key{caster.light, caster.size, {}};
+  if (shared::lightIsDirectional(scene.lights[caster.light].type))
+    for (const Sphere& s : cascades)
+      for (const float value : {s.centre.x, s.centre.y, s.centre.z, s.radius})
+        key.cascades.push_back(std::bit_cast<uint32_t>(value));
+  return key;
+}
 
 }  // namespace
 
@@ -202,14 +249,38 @@ uint64_t shadowTexels(const Settings& s) {
   return automatic ? std::min(most, 2 * 6 * kAutomaticShadows * side * side) : most;
 }
 
-ShadowPlan planShadows(const ShadowScene& scene, const shared::View& view, const Settings& settings) {
+ShadowPlan planShadows(const ShadowScene& scene, std::span<const shared::View> views, const Settings& settings) {
+  ShadowPlan plan;
+  plan.of.resize(views.size());
   const uint32_t format = indexOf(settings.shadows);
-  if (format == shared::kShadowNone || scene.bounds.empty()) return {};
-  Planner planner{scene, settings, format, fitCascades(view, scene.bounds), {}};
-  const std::vector<ShadowCaster> casters =
-      chooseShadowCasters(scene, view, settings, static_cast<uint32_t>(planner.spheres.size()));
-  for (const ShadowCaster& caster : casters) planner.add(caster);
-  return std::move(planner.plan);
+  if (format == shared::kShadowNone || scene.bounds.empty()) return plan;
+  const std::vector<Chosen> chosen = choose(scene, views, settings);
+
+  std::map<Shared, uint32_t> firsts;
+  std::vector<std::pair<const ShadowCaster*, const Chosen*>> distinct;
+  uint32_t maps = 0;
+  for (size_t view = 0; view < views.size(); ++view)
+    for (const ShadowCaster& caster : chosen[view].casters) {
+      const auto [first, anew] = firsts.try_emplace(sharedOf(scene, caster, chosen[view].cascades), maps);
+      if (anew) {
+        distinct.emplace_back(&caster, &chosen[view]);
+        maps += caster.maps;
+      }
+      ShadowPlan::OfView& of = plan.of[view];
+      of.lights.push_back({caster.light, first->second, caster.maps});
+      if (!of.sun && shared::lightIsDirectional(scene.lights[caster.light].type)) of.sun = caster.light;
+    }
+
+  const Planner planner{scene, settings, format};
+  std::vector<LightMaps> planned(distinct.size());
+  parallelFor(distinct.size(), kLightsAtOnce, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) planned[i] = planner.mapsOf(*distinct[i].first, distinct[i].second->cascades);
+  });
+  for (const LightMaps& light : planned) {
+    plan.views.insert(plan.views.end(), light.views.begin(), light.views.end());
+    plan.maps.insert(plan.maps.end(), light.maps.begin(), light.maps.end());
+  }
+  return plan;
 }
 
 }  // namespace latelight::render

@@ -1,5 +1,5 @@
-// Which lights cast shadows in a frame, and what their shadow maps cover: decided on the host, before anything is
-// drawn, and so the same for every lighting technique.
+// Which lights cast shadows in the views of a frame, and what their shadow maps cover: decided on the host, before
+// anything is drawn, and so the same for every lighting technique.
 #pragma once
 
 #include <cstdint>
@@ -24,17 +24,20 @@ struct ShadowView {
   std::optional<Sphere> within;  // nothing outside casts shadows into the map
 };
 
+// Of all views of a frame. Those in which a light has the same maps share them.
 struct ShadowPlan {
   struct Entry {
     uint32_t light;  // among the frame's
     uint32_t first;  // of its maps
     uint32_t maps;   // how many it has
   };
+  struct OfView {
+    std::vector<Entry> lights;
+    std::optional<uint32_t> sun;  // the first directional light that casts shadows
+  };
+  std::vector<OfView> of;               // one per view
   std::vector<ShadowView> views;        // one per map
   std::vector<shared::ShadowMap> maps;  // as lookups read them, but for their place in an atlas
-  std::vector<Entry> lights;
-  std::optional<uint32_t> sun;  // the first directional light that casts shadows
-  bool empty() const { return lights.empty(); }
 };
 
 struct ShadowScene {
@@ -44,9 +47,11 @@ struct ShadowScene {
   scene::Bounds bounds;
 };
 
-// Directional lights come first, then the others by how bright each would be at the eye, scene order settling ties; a
-// light whose sphere the view does not touch has none. Throws Error(Usage) for names that no light has.
 uint64_t shadowTexels(const Settings& settings);  // of the maps of one view, at most
-ShadowPlan planShadows(const ShadowScene& scene, const shared::View& view, const Settings& settings);
+
+// In each view directional lights come first, then the others by how bright each would be at the eye, scene order
+// settling ties; a light whose sphere the view does not touch has none. Throws Error(Usage) for names that no light
+// has.
+ShadowPlan planShadows(const ShadowScene& scene, std::span<const shared::View> views, const Settings& settings);
 
 }  // namespace latelight::render
