@@ -1,5 +1,5 @@
-// How much of a light reaches a surface, by its shadow maps. Depths are fetched and compared one by one, then the
-// results are weighted: the same on every device and for every format, none of which but depth could be filtered.
+// How much of a light reaches a surface, by its shadow maps. Depths are compared one by one, then the results are
+// weighted: the same on every device and for every format, none of which but depth could be filtered.
 #ifndef LATELIGHT_SHADOW_GLSL
 #define LATELIGHT_SHADOW_GLSL
 #include "render/glsl/lit_maps.glsl"
@@ -21,6 +21,8 @@ LightShadow lightShadow(FrameConstants frame, uint view, uint light) {
   return found;
 }
 
+bool shadowIsPacked() { return kShadowFormat == kShadowRgba8 || kShadowFormat == kShadowRgba8Classic; }
+
 // Texels are counted from the first corner of the map's tile.
 float shadowDepthAt(ShadowMap m, ivec2 texel) {
   vec4 t = texelFetch(shadowAtlas, ivec3(ivec2(m.corner) + texel, int(m.layer)), 0);
@@ -33,10 +35,18 @@ float shadowLit(ShadowMap m, vec2 texel, float depth) {
   return shadowDepthAt(m, ivec2(texel)) >= depth ? 1.0 : 0.0;
 }
 
-float shadowRow(ShadowMap m, ivec2 texel, float depth, vec3 weights) {
-  vec3 lit = vec3(shadowDepthAt(m, texel + ivec2(-1, 0)) >= depth, shadowDepthAt(m, texel) >= depth,
-                  shadowDepthAt(m, texel + ivec2(1, 0)) >= depth);
-  return dot(lit, weights);
+// Which of the four texels around a corner of texels the light reaches; in the order of textureGather(): the two of the
+// second row, then those of the first from right to left.
+vec4 shadowCorner(ShadowMap m, ivec2 corner, float depth) {
+  vec4 depths;
+  if (shadowIsPacked()) {
+    depths = vec4(shadowDepthAt(m, corner + ivec2(-1, 0)), shadowDepthAt(m, corner),
+                  shadowDepthAt(m, corner + ivec2(0, -1)), shadowDepthAt(m, corner - 1));
+  } else {
+    vec2 place = vec2(ivec2(m.corner) + corner) / vec2(textureSize(shadowAtlas, 0).xy);
+    depths = textureGather(shadowAtlas, vec3(place, float(m.layer)));
+  }
+  return vec4(greaterThanEqual(depths, vec4(depth)));
 }
 
 float shadowPcf(ShadowMap m, vec2 texel, float depth) {
@@ -44,8 +54,10 @@ float shadowPcf(ShadowMap m, vec2 texel, float depth) {
   vec2 offset = texel - middle - 0.5;
   vec3 across = shadowWeights(offset.x);
   ivec2 t = ivec2(middle);
-  vec3 rows = vec3(shadowRow(m, t + ivec2(0, -1), depth, across), shadowRow(m, t, depth, across),
-                   shadowRow(m, t + ivec2(0, 1), depth, across));
+  // By four corners, since a GPU gathers four texels in the time of one.
+  vec4 a = shadowCorner(m, t, depth), b = shadowCorner(m, t + ivec2(1, 0), depth);
+  vec4 c = shadowCorner(m, t + ivec2(0, 1), depth), d = shadowCorner(m, t + 1, depth);
+  vec3 rows = vec3(dot(vec3(a.wz, b.z), across), dot(vec3(a.xy, b.y), across), dot(vec3(c.xy, d.y), across));
   return dot(rows, shadowWeights(offset.y));
 }
 
