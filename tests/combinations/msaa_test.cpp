@@ -70,16 +70,18 @@ size_t pixelsBeyond(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b
   return count;
 }
 
-// Of each number of samples by each raster one technique beside fullscreen, in turn.
+// Of each number of samples by each raster one technique beside fullscreen, in turn; of every third layout 16 samples,
+// which compute shaders find as they find four.
 TEST_P(MsaaCombinations, LightsAlikeByEveryDeferredTechnique) {
   const std::string layout = findLayout(GetParam()).name;
   size_t turn = turnOf(layout);
+  const bool many = turn % 3 == 0;
+  const std::vector<uint8_t> jagged = render(layout, "fullscreen", 1).display;
   const auto check = [&](uint32_t samples, Raster raster) {
     SCOPED_TRACE(fmt::format("{} samples by {}", samples, nameOf(raster)));
     output::FrameOutput expected = render(layout, "fullscreen", samples, raster);
     EXPECT_GT(partlyCovered(expected), 10u);
-    EXPECT_GT(largestDifference(expected.display, render(layout, "fullscreen", 1, raster).display),
-              32);  // smooth edges
+    EXPECT_GT(largestDifference(expected.display, jagged), 32);  // smooth edges
     std::vector<std::string> others;
     for (const TechniqueInfo& technique : techniques())
       if (!technique.forward && technique.name != "fullscreen" && !(technique.draws && raster == Raster::Compute))
@@ -95,7 +97,7 @@ TEST_P(MsaaCombinations, LightsAlikeByEveryDeferredTechnique) {
   const size_t pixels = size_t{kMsaaWidth} * kMsaaHeight, beyond = pixelsBeyond(hardware, compute, 16);
   fmt::print("{}: {} of {} pixels differ between the rasters by more than 16 levels\n", layout, beyond, pixels);
   EXPECT_LE(beyond, pixels / 50);
-  check(16, Raster::Compute);
+  if (many) check(16, Raster::Compute);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, MsaaCombinations, testing::ValuesIn(layoutNames()),
