@@ -141,7 +141,8 @@ class ComputeCoverage : public RenderTest, public testing::WithParamInterface<ui
   }
 };
 
-INSTANTIATE_TEST_SUITE_P(Samples, ComputeCoverage, testing::Values(1, 2, 4, 8, 16),
+// In closed form MsaaTest has the numbers between.
+INSTANTIATE_TEST_SUITE_P(Samples, ComputeCoverage, testing::Values(1, 4, 16),
                          [](const auto& info) { return std::to_string(info.param); });
 
 TEST_P(ComputeCoverage, MeshesCoverEachSampleOnce) {
@@ -321,9 +322,7 @@ TEST_F(AgainstHardware, TheSamePictureOfFourSamples) {
     return static_cast<double>(off) / (width * height);
   };
   std::vector<std::string> paths;
-  for (const char* model : {"textured.glb", "intricate.glb", "punctual.glb"})
-    paths.push_back(models::modelPath(model).string());
-  paths.push_back("builtin:hall,triangles=60k,lights=20");
+  for (const char* model : {"textured.glb", "intricate.glb"}) paths.push_back(models::modelPath(model).string());
   paths.push_back("builtin:hall,triangles=60k,lights=20,glass=1");
   for (const std::string& model : models::withReal({}, {"DamagedHelmet.glb"}))
     paths.push_back(models::modelPath(model).string());

@@ -39,6 +39,15 @@ Raster testRaster() {
   return name && *name ? choiceNamed<Raster>(name).value() : Raster::Hardware;
 }
 
+std::vector<const Layout*> layoutsToMeet() {
+  if (testRaster() == Raster::Compute)
+    return {&findLayout("compact"), &findLayout("killzone2"), &findLayout("visibility")};
+  std::vector<const Layout*> drawn;
+  for (const Layout& layout : layouts())
+    if (layout.hasTargets()) drawn.push_back(&layout);
+  return drawn;
+}
+
 std::string caseName(const testing::TestParamInfo<std::string>& info) {
   return info.param.substr(0, info.param.find('.'));
 }

@@ -34,6 +34,9 @@ std::string caseName(const testing::TestParamInfo<std::string>& info);
 // LATELIGHT_TEST_RASTER=compute: the raster of all tests that say none themselves.
 Raster testRaster();
 
+// All that can be drawn; with the raster compute one of each kind, since writing a layout is the same function there.
+std::vector<const Layout*> layoutsToMeet();
+
 inline Settings settingsOf(uint32_t width, uint32_t height, std::vector<output::Aov> aovs = {}) {
   Settings settings;
   settings.width = width;
