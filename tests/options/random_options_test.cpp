@@ -36,7 +36,7 @@ namespace {
 
 using Options = std::map<std::string, std::string>;  // of a draw: option and value
 
-constexpr uint32_t kGroups = 10, kDraws = 16;  // a run, and of a group
+constexpr uint32_t kGroups = 10, kDraws = 8;  // a run, and of a group
 
 uint64_t fromEnvironment(const char* name, uint64_t otherwise) {
   const char* value = std::getenv(name);
