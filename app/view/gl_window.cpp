@@ -75,9 +75,14 @@ GlWindow::~GlWindow() {
   glfwDestroyWindow(window_);
 }
 
-GlWindow& GlWindow::of(GLFWwindow* window) {
+GlWindow& GlWindow::current(GLFWwindow* window) {
   auto& found = *static_cast<GlWindow*>(glfwGetWindowUserPointer(window));
   found.makeCurrent();
+  return found;
+}
+
+GlWindow& GlWindow::of(GLFWwindow* window) {
+  GlWindow& found = current(window);
   found.redraw();
   return found;
 }
@@ -87,15 +92,16 @@ void GlWindow::makeCurrent() const {
   ImGui::SetCurrentContext(context_);
 }
 
-// ImGui has no callbacks of its own, since they would reach the window that was drawn last.
+// ImGui has no callbacks of its own, since they would reach the window that was drawn last. A pointer moves far more often
+// than pictures follow it; where no graphics device draws windows, drawing each time would take a core from them.
 void GlWindow::followEvents() {
   glfwSetCursorPosCallback(window_, [](GLFWwindow* w, double x, double y) {
-    GlWindow& self = of(w);
+    GlWindow& self = current(w);
     int width = 1, pixels = 1;
     glfwGetWindowSize(w, &width, nullptr);
     glfwGetFramebufferSize(w, &pixels, nullptr);
     const double scale = 1.0 * pixels / std::max(width, 1);
-    self.events_.pointer(x * scale, y * scale);
+    if (self.events_.pointer(x * scale, y * scale)) self.redraw();
   });
   glfwSetCursorEnterCallback(window_, [](GLFWwindow* w, int entered) {
     GlWindow& self = of(w);
@@ -176,7 +182,6 @@ void GlWindow::setPicture(const view::Frame& frame) {
   glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
   glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA, static_cast<int>(frame.width), static_cast<int>(frame.height), 0, GL_RGBA,
                GL_UNSIGNED_BYTE, frame.rgba.data());
-  redraw();
 }
 
 }  // namespace latelight::app

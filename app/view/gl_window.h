@@ -5,6 +5,7 @@
 #include <GLFW/glfw3.h>
 #include <imgui/imgui.h>
 
+#include <algorithm>
 #include <functional>
 #include <string>
 #include <vector>
@@ -15,9 +16,11 @@ namespace latelight::app {
 
 class GlWindow {
  public:
+  static constexpr int kAnswers = 3;  // drawings over which ImGui answers an input
+
   // What people do, where the panel has no use for it. Positions in pixels of the window.
   struct Events {
-    std::function<void(double x, double y)> pointer;
+    std::function<bool(double x, double y)> pointer;  // whether the window looks different by it
     std::function<void()> pointerLeft;
     std::function<void(view::Button button, bool down, bool shift)> button;
     std::function<void(double steps)> wheel;
@@ -36,7 +39,7 @@ class GlWindow {
   float scale() const { return scale_; }    // pixels that a letter grows by, on displays of high density
   ImVec2 size() const;                      // pixels; zero while it is minimised
   int redraws() const { return redraws_; }  // how often it is to be drawn until it has settled
-  void redraw() { redraws_ = 3; }           // ImGui answers an input over so many
+  void redraw(int times = kAnswers) { redraws_ = std::max(redraws_, times); }
 
   void begin();  // until end(), ImGui's functions draw into it
   void end();
@@ -44,7 +47,8 @@ class GlWindow {
   ImTextureID picture() const { return reinterpret_cast<ImTextureID>(static_cast<intptr_t>(texture_)); }
 
  private:
-  static GlWindow& of(GLFWwindow* window);
+  static GlWindow& current(GLFWwindow* window);
+  static GlWindow& of(GLFWwindow* window);  // which is to be drawn again
   void followEvents();
   void makeCurrent() const;
 

@@ -40,7 +40,7 @@ struct Window::Impl {
   void drawPicture() const;
   void draw();
   bool overPicture();
-  void movePointer(double x, double y);
+  bool movePointer(double x, double y);
   void press(view::Button button, bool down, bool shift);
   void pressKey(const std::string& name, bool down, int modifiers);
   bool command(const std::string& name);
@@ -69,7 +69,7 @@ Window::Impl::Impl(const view::Start& start)
 }
 
 GlWindow::Events Window::Impl::events() {
-  return {.pointer = [this](double x, double y) { movePointer(x, y); },
+  return {.pointer = [this](double x, double y) { return movePointer(x, y); },
           .pointerLeft = [this] { session.send(view::PointerLeave{}); },
           .button = [this](view::Button button, bool down, bool shift) { press(button, down, shift); },
           .wheel =
@@ -102,7 +102,7 @@ void Window::Impl::takeNews() {
   if (news.state) {
     if (state && news.state->scene != state->scene) glfwSetWindowTitle(gl.get(), titleOf(news.state->scene).c_str());
     state = news.state;
-    gl.redraw();
+    gl.redraw(news.frame && !news.frame->final ? 1 : GlWindow::kAnswers);  // another one follows a draft
   }
   if (!news.frame) return;
   frame = news.frame;
@@ -146,10 +146,13 @@ bool Window::Impl::overPicture() {
   return pointer.x < area().size.x && !ImGui::GetIO().WantCaptureMouse;
 }
 
-void Window::Impl::movePointer(double x, double y) {
+// Over the picture alone nothing answers a pointer but the picture itself, in its own time.
+bool Window::Impl::movePointer(double x, double y) {
+  const bool wasBeside = pointer.x >= area().size.x;
   pointer = {static_cast<float>(x), static_cast<float>(y)};
   const Send send = [this](view::Input input) { session.send(std::move(input)); };
   if (!overlay.move(*state, area(), pointer, send)) send(view::PointerMove{x, y});
+  return wasBeside || pointer.x >= area().size.x || memory.handles || memory.help || ImGui::GetIO().WantCaptureMouse;
 }
 
 void Window::Impl::press(view::Button button, bool down, bool shift) {

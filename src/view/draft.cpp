@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <utility>
 
 namespace latelight::view {
 
@@ -30,7 +31,8 @@ render::Settings Draft::of(const render::Settings& whole) const {
 }
 
 // As if all of the time were the pixels': an estimate that is too high for more of them, so that nothing swings.
-void Draft::took(double seconds) {
+bool Draft::took(double seconds) {
+  const std::pair before(divisor_, means_);
   const auto divisor = std::find_if(std::begin(kDivisors), std::end(kDivisors),
                                     [&](double d) { return seconds * (divisor_ / d) * (divisor_ / d) <= kMost; });
   if (divisor != std::end(kDivisors))
@@ -39,6 +41,7 @@ void Draft::took(double seconds) {
     divisor_ = kDivisors[std::size(kDivisors) - 1];
   else if (means_ < InCompute)
     means_ = static_cast<Means>(means_ + 1);
+  return before != std::pair(divisor_, means_);
 }
 
 }  // namespace latelight::view

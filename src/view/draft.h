@@ -11,7 +11,8 @@ class Draft {
 
   // The same picture, cheaper.
   render::Settings of(const render::Settings& whole) const;
-  void took(double seconds);                                       // of a picture that was made so
+  // Of a picture that was made so. True: the next one is made in another way.
+  bool took(double seconds);
   bool isWhole() const { return divisor_ == 1 && means_ == All; }  // nothing is left out
 
  private:

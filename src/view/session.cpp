@@ -26,6 +26,7 @@ namespace {
 
 constexpr double kStill = 0.15;       // seconds without movement, after which the full picture is made
 constexpr double kLongestStep = 0.1;  // of flying: no slow picture is a leap
+constexpr int kRehearsals = 12;       // on a device whose times never settle
 
 // Runs it, and gives the sentence of what went wrong.
 template <typename Act>
@@ -48,6 +49,7 @@ ViewSession::Impl::Impl(const Start& start)
     : start(start),
       stage(start.scene, start.load, {.selector = start.device, .validation = start.validate}),
       draft(stage.device().isCpu()),
+      rehearsals(kRehearsals),
       lights(placedLights(stage.scene())) {
   state.scene = start.scene;
   state.device = stage.device().info().name;
@@ -172,11 +174,26 @@ void ViewSession::Impl::makePicture() {
   const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
   picture.final = !asDraft;
   picture.milliseconds = 1000 * seconds;
-  if (moving && stage.device().pipelinesMade() == pipelines) draft.took(seconds);
+  if (stage.device().pipelinesMade() != pipelines)
+    rehearsals = kRehearsals;
+  else if (moving)
+    draft.took(seconds);
+}
+
+// How drafts are to be made is found out, and their pipelines are made, while nothing moves.
+void ViewSession::Impl::rehearse() {
+  const uint64_t pipelines = stage.device().pipelinesMade();
+  const auto begin = Clock::now();
+  --rehearsals;
+  ChosenSettings chosen = settings(Side::Left);
+  chosen.settings = draft.of(chosen.settings);
+  stage.render(chosen, cameraChoice(), false);
+  if (stage.device().pipelinesMade() != pipelines) return;
+  if (!draft.took(std::chrono::duration<double>(Clock::now() - begin).count())) rehearsals = 0;
 }
 
 bool ViewSession::Impl::wantsProbe() const {
-  return !dirty && picture.final && !isMoving() && !steering.dragging() && probed != steering.pixel();
+  return rests() && probed != steering.pixel();
 }
 
 void ViewSession::Impl::probe() {
@@ -253,11 +270,12 @@ void ViewSession::input(const Input& input) {
 bool ViewSession::wantsFrame() {
   Impl& i = *impl_;
   if (i.stage.filesChanged()) input(Reload{});
-  return i.dirty || i.recompose || i.runs() || (!i.picture.final && !i.isMoving()) || i.wantsProbe();
+  return i.dirty || i.recompose || i.runs() || (!i.picture.final && !i.isMoving()) || i.wantsProbe() ||
+         i.wantsRehearsal();
 }
 
 double ViewSession::patience() const {
-  if (impl_->dirty || impl_->runs()) return 0;
+  if (impl_->dirty || impl_->runs() || impl_->wantsRehearsal()) return 0;
   const bool waits = !impl_->picture.final || impl_->isMoving();
   return waits ? std::max(kStill - impl_->sinceTouched(), 0.0) : FileWatch::kSeconds;
 }
@@ -272,6 +290,8 @@ const Frame& ViewSession::next() {
       i.compose();
     else if (i.wantsProbe())
       i.probe();  // by itself: pictures do not wait for it
+    else if (i.wantsRehearsal())
+      i.rehearse();
     i.takeValidation();
     i.describe();
   };
@@ -281,6 +301,7 @@ const Frame& ViewSession::next() {
   i.state.playing = false;
   i.dirty = i.recompose = false;
   i.picture.final = true;  // until something else is asked for
+  i.rehearsals = 0;
   i.probed = i.steering.pixel();
   return i.picture;
 }

@@ -63,6 +63,9 @@ struct ViewSession::Impl {
   void makePicture();
   void render(bool draft);
   void compose();
+  bool rests() const { return !dirty && picture.final && !isMoving() && !steering.dragging(); }
+  bool wantsRehearsal() const { return rests() && rehearsals > 0 && !draft.isWhole(); }
+  void rehearse();
   bool wantsProbe() const;
   void probe();
   void takeValidation();
@@ -73,6 +76,7 @@ struct ViewSession::Impl {
   Stage stage;
   Steering steering;
   Draft draft;
+  int rehearsals;  // of drafts, that are left
   std::optional<CameraControl> control;
   std::vector<uint32_t> lights;  // that have a place, in the scene
   State state;

@@ -1,5 +1,6 @@
 #include "view/session_thread.h"
 
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <deque>
@@ -38,7 +39,8 @@ bool SessionThread::Impl::waitForWork() {
     taken.swap(work);
   }
   for (const Input& input : taken) session.input(input);
-  if (!taken.empty()) publish(nullptr);
+  const auto isMove = [](const Input& input) { return std::holds_alternative<PointerMove>(input); };
+  if (!std::ranges::all_of(taken, isMove)) publish(nullptr);  // what a move changes comes with its picture
   return true;
 }
 

@@ -50,7 +50,7 @@ TEST(DraftTest, NothingSwings) {
     for (int i = 0; i < 20; ++i) draft.took(device.seconds(draft.of(wholePicture())));
     const uint32_t width = draft.of(wholePicture()).width;
     for (int i = 0; i < 20; ++i) {
-      draft.took(device.seconds(draft.of(wholePicture())));
+      EXPECT_FALSE(draft.took(device.seconds(draft.of(wholePicture())))) << whole;
       EXPECT_EQ(draft.of(wholePicture()).width, width) << whole;
     }
   }
