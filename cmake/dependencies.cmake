@@ -28,6 +28,7 @@ find_program(GLSLANG glslangValidator REQUIRED)
 option(LATELIGHT_VIEWER "Build latelight view" ON)
 if(LATELIGHT_VIEWER)
   find_package(glfw3 3.3 REQUIRED)
+  find_package(X11 REQUIRED)  # with which GLFW opens windows
   pkg_check_modules(imgui REQUIRED IMPORTED_TARGET imgui)
 endif()
 

@@ -17,7 +17,8 @@ target_compile_definitions(latelight_program PRIVATE LATELIGHT_VERSION="${PROJEC
 target_include_directories(latelight_program PRIVATE ${PROJECT_SOURCE_DIR})
 if(LATELIGHT_VIEWER)
   target_compile_definitions(latelight_program PRIVATE LATELIGHT_VIEWER GLFW_INCLUDE_NONE)
-  target_link_libraries(latelight_program PRIVATE glfw PkgConfig::imgui)
+  target_link_libraries(latelight_program PRIVATE glfw PkgConfig::imgui X11::X11)
+  set_property(SOURCE ${PROJECT_SOURCE_DIR}/app/view/display.cpp PROPERTY SKIP_UNITY_BUILD_INCLUSION ON)
 endif()
 
 # The library is made of every module's objects, since nothing inside refers to the API's functions; linking the modules

@@ -92,11 +92,12 @@ void GlWindow::makeCurrent() const {
   ImGui::SetCurrentContext(context_);
 }
 
-// ImGui has no callbacks of its own, since they would reach the window that was drawn last. A pointer moves far more often
-// than pictures follow it; where no graphics device draws windows, drawing each time would take a core from them.
+// ImGui has no callbacks of its own, since they would reach the window that was drawn last. A pointer moves far more
+// often than pictures follow it; where no graphics device draws windows, drawing each time would take a core from them.
 void GlWindow::followEvents() {
   glfwSetCursorPosCallback(window_, [](GLFWwindow* w, double x, double y) {
     GlWindow& self = current(w);
+    self.pointer_ = {static_cast<float>(x), static_cast<float>(y)};
     int width = 1, pixels = 1;
     glfwGetWindowSize(w, &width, nullptr);
     glfwGetFramebufferSize(w, &pixels, nullptr);
@@ -157,6 +158,7 @@ void GlWindow::begin() {
   makeCurrent();
   ImGui_ImplOpenGL3_NewFrame();
   ImGui_ImplGlfw_NewFrame();
+  if (ImGui::IsMousePosValid()) ImGui::GetIO().MousePos = pointer_;
   ImGui::NewFrame();
 }
 

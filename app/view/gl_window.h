@@ -6,6 +6,7 @@
 #include <imgui/imgui.h>
 
 #include <algorithm>
+#include <cfloat>
 #include <functional>
 #include <string>
 #include <vector>
@@ -57,6 +58,7 @@ class GlWindow {
   Events events_;
   float scale_ = 1;
   unsigned texture_ = 0;
+  ImVec2 pointer_{-FLT_MAX, -FLT_MAX};  // as events have it, of which the display may know more than were taken
   // ImGui sees keys once a frame: one that is pressed and released within it is released after it.
   struct Released {
     int key, scancode, modifiers;

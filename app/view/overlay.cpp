@@ -9,7 +9,7 @@ namespace latelight::app {
 
 namespace {
 
-constexpr float kReach = 8;  // pixels about a handle
+constexpr float kReach = 8;  // about a handle, pixels at scale 1
 constexpr ImU32 kWhite = IM_COL32(255, 255, 255, 230), kDark = IM_COL32(0, 0, 0, 160),
                 kYellow = IM_COL32(255, 220, 90, 255);
 
@@ -29,7 +29,7 @@ std::optional<uint32_t> lightAt(const view::State& state, const PictureArea& are
   for (uint32_t i = 0; i < state.lights.size(); ++i) {
     if (!state.lights[i].at) continue;
     const ImVec2 place = placeOf(area, *state.lights[i].at);
-    if (std::hypot(place.x - at.x, place.y - at.y) <= kReach) return i;
+    if (std::hypot(place.x - at.x, place.y - at.y) <= kReach * area.scale) return i;
   }
   return std::nullopt;
 }
@@ -38,31 +38,32 @@ std::optional<uint32_t> lightAt(const view::State& state, const PictureArea& are
 
 void Overlay::draw(const view::State& state, const PictureArea& area, bool handles) const {
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  const float reach = kReach * area.scale;
   list.PushClipRect(area.from, {area.from.x + area.size.x, area.from.y + area.size.y});
   if (hasSlider(state)) {
     const float x = sliderAt(state, area), middle = area.from.y + area.size.y / 2;
-    list.AddLine({x, area.from.y}, {x, area.from.y + area.size.y}, kDark, 4);
-    list.AddLine({x, area.from.y}, {x, area.from.y + area.size.y}, kWhite, 2);
-    list.AddCircleFilled({x, middle}, kReach, kWhite);
+    list.AddLine({x, area.from.y}, {x, area.from.y + area.size.y}, kDark, 4 * area.scale);
+    list.AddLine({x, area.from.y}, {x, area.from.y + area.size.y}, kWhite, 2 * area.scale);
+    list.AddCircleFilled({x, middle}, reach, kWhite);
   }
   if (handles)
     for (const view::LightState& light : state.lights) {
       if (!light.at) continue;
-      list.AddCircle(placeOf(area, *light.at), kReach - 1, kDark, 0, 4);
-      list.AddCircle(placeOf(area, *light.at), kReach - 1, kYellow, 0, 2);
+      list.AddCircle(placeOf(area, *light.at), reach - area.scale, kDark, 0, 4 * area.scale);
+      list.AddCircle(placeOf(area, *light.at), reach - area.scale, kYellow, 0, 2 * area.scale);
     }
   const ImVec2 pointer = ImGui::GetIO().MousePos;
   const auto near = handles ? lightAt(state, area, pointer) : std::nullopt;
   if (near && !ImGui::GetIO().WantCaptureMouse) {
     const std::string label = printable(state.lights[*near].name + " (" + state.lights[*near].type + ")");
-    list.AddText({pointer.x + 2 * kReach + 1, pointer.y + 1}, kDark, label.c_str());
-    list.AddText({pointer.x + 2 * kReach, pointer.y}, kYellow, label.c_str());
+    list.AddText({pointer.x + 2 * reach + 1, pointer.y + 1}, kDark, label.c_str());
+    list.AddText({pointer.x + 2 * reach, pointer.y}, kYellow, label.c_str());
   }
   list.PopClipRect();
 }
 
 bool Overlay::press(const view::State& state, const PictureArea& area, ImVec2 at, bool handles) {
-  if (hasSlider(state) && std::abs(at.x - sliderAt(state, area)) <= kReach)
+  if (hasSlider(state) && std::abs(at.x - sliderAt(state, area)) <= kReach * area.scale)
     held_ = Held::Slider;
   else if (const auto light = handles ? lightAt(state, area, at) : std::nullopt)
     held_ = Held::Light, light_ = *light;

@@ -13,6 +13,7 @@ namespace latelight::app {
 // Where the picture is, pixels of the window.
 struct PictureArea {
   ImVec2 from, size;
+  float scale = 1;  // of letters, and of what is to be taken hold of
   ImVec2 inside(ImVec2 p) const { return {p.x - from.x, p.y - from.y}; }
 };
 

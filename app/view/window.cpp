@@ -87,7 +87,7 @@ GlWindow::Events Window::Impl::events() {
 
 PictureArea Window::Impl::area() const {
   const ImVec2 size = gl.size();
-  return {{0, 0}, {std::max(size.x - panelWidth(), 0.0f), size.y}};
+  return {{0, 0}, {std::max(size.x - panelWidth(), 0.0f), size.y}, gl.scale()};
 }
 
 void Window::Impl::fit() {
@@ -155,7 +155,9 @@ bool Window::Impl::movePointer(double x, double y) {
   return wasBeside || pointer.x >= area().size.x || memory.handles || memory.help || ImGui::GetIO().WantCaptureMouse;
 }
 
+// ImGui is told of buttons by drawing: at once, before the pointer moves on.
 void Window::Impl::press(view::Button button, bool down, bool shift) {
+  draw();
   if (!down && overlay.release()) return;
   if (down && !overPicture()) return;
   if (down) ImGui::SetWindowFocus(nullptr);
@@ -205,14 +207,14 @@ Window::Window(const view::Start& start) : impl_(std::make_unique<Impl>(start)) 
 Window::~Window() = default;
 
 bool Window::wantsDrawing() const {
-  return impl_->gl.redraws() > 0;
+  return impl_->gl.redraws() > 0 && impl_->gl.size().x > 0;  // not while it is minimised
 }
 
 bool Window::show() {
   Impl& i = *impl_;
   i.takeNews();
   i.fit();
-  if (i.gl.redraws() > 0 && i.gl.size().x > 0) i.draw();
+  if (wantsDrawing()) i.draw();
   return std::exchange(i.another, false);
 }
 

@@ -7,25 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "app/view/display.h"
 #include "app/view/window.h"
-#include "base/error.h"
 
 namespace latelight::app {
-
-namespace {
-
-// GLFW, while any window may be open.
-struct Display {
-  Display() {
-    if (glfwInit()) return;
-    fail(ExitCode::NoDevice,
-         "there is no display to open a window on: `latelight render` writes pictures without one, and `latelight "
-         "serve` shows them in a browser");
-  }
-  ~Display() { glfwTerminate(); }
-};
-
-}  // namespace
 
 void showWindows(const view::Start& start) {
   const Display display;

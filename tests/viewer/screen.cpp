@@ -34,7 +34,7 @@ Screen::Screen(uint32_t width, uint32_t height) {
     const int nothing = open("/dev/null", O_WRONLY);
     dup2(nothing, STDERR_FILENO);
     execlp("Xvfb", "Xvfb", "-displayfd", number.c_str(), "-screen", "0", size.c_str(), "-fbdir", folder_.path().c_str(),
-           "-nolisten", "tcp", static_cast<char*>(nullptr));
+           "-nolisten", "tcp", "-noreset", static_cast<char*>(nullptr));
     _exit(127);
   }
   close(pipe[1]);
@@ -51,10 +51,11 @@ Screen::~Screen() {
   stop();
 }
 
-void Screen::stop() const {
+void Screen::stop() {
   if (server_ < 0) return;
   kill(server_, SIGTERM);
   waitpid(server_, nullptr, 0);
+  server_ = -1;
 }
 
 void Screen::act(std::vector<std::string> words) const {
@@ -63,14 +64,14 @@ void Screen::act(std::vector<std::string> words) const {
   if (outcome.code != 0) throw std::runtime_error("xdotool: " + outcome.text());
 }
 
-output::Picture Screen::pixels(uint32_t width, uint32_t height) const {
+output::Picture Screen::pixels(uint32_t width, uint32_t height, uint32_t top) const {
   const std::string file = folder_.read("Xvfb_screen0");
   const size_t line = wordAt(file, kBytesPerLine),
                first = wordAt(file, kHeaderSize) + size_t{12} * wordAt(file, kColors);
   output::Picture picture{width, height, {}};
   for (uint32_t y = 0; y < height; ++y)
     for (uint32_t x = 0; x < width; ++x) {
-      const char* bgr = &file.at(first + y * line + 4 * size_t{x});
+      const char* bgr = &file.at(first + (top + y) * line + 4 * size_t{x});
       for (const int c : {2, 1, 0}) picture.rgba.push_back(static_cast<uint8_t>(bgr[c]));
       picture.rgba.push_back(255);
     }

@@ -20,13 +20,12 @@ class Screen {
   Screen(const Screen&) = delete;
   Screen& operator=(const Screen&) = delete;
 
-  const std::string& name() const { return name_; }               // for DISPLAY
-  void act(std::vector<std::string> words) const;                 // of xdotool
-  output::Picture pixels(uint32_t width, uint32_t height) const;  // of its upper left, alpha 255
+  const std::string& name() const { return name_; }                                 // for DISPLAY
+  void act(std::vector<std::string> words) const;                                   // of xdotool
+  output::Picture pixels(uint32_t width, uint32_t height, uint32_t top = 0) const;  // from the left, alpha 255
+  void stop();                                                                      // it is gone for all who use it
 
  private:
-  void stop() const;
-
   Folder folder_;
   std::string name_;
   pid_t server_ = -1;

@@ -2,15 +2,22 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <unistd.h>
+
+#include <algorithm>
 #include <chrono>
+#include <fstream>
 #include <functional>
 #include <future>
+#include <iterator>
+#include <sstream>
 #include <thread>
 
 #include "app/folder.h"
 #include "app/process.h"
 #include "models/models.h"
 #include "output/read.h"
+#include "viewer/desktop.h"
 #include "viewer/screen.h"
 
 namespace latelight::app {
@@ -21,8 +28,8 @@ using testing::IsEmpty;
 
 constexpr uint32_t kWidth = 320, kHeight = 200, kPanel = 380;
 
-std::vector<std::string> arguments(const std::string& command) {
-  return {command,  models::modelPath("punctual.glb").string(), "--size", "320x200", "--device", "cpu", "--background",
+std::vector<std::string> arguments(const std::string& command, const std::string& size = "320x200") {
+  return {command,  models::modelPath("punctual.glb").string(), "--size", size, "--device", "cpu", "--background",
           "#507090"};
 }
 
@@ -36,16 +43,37 @@ output::Picture pictureIn(const std::string& file) {
   return picture;
 }
 
+// What the programs that this one runs have used of processors, seconds.
+double processorTime() {
+  double ticks = 0;
+  for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
+    std::ifstream children(task.path() / "children");
+    for (std::string child; children >> child;) {
+      std::ifstream file("/proc/" + child + "/stat");
+      std::string stat{std::istreambuf_iterator<char>(file), {}};
+      if (!stat.starts_with(child + " (latelight)")) continue;
+      std::istringstream fields(stat.substr(stat.find(')')));
+      std::vector<std::string> all{std::istream_iterator<std::string>(fields), {}};
+      ticks += std::stod(all.at(12)) + std::stod(all.at(13));
+    }
+  }
+  return ticks / static_cast<double>(sysconf(_SC_CLK_TCK));
+}
+
 // One window for all, under validation.
 class WindowTest : public testing::Test {
  protected:
   void SetUp() override {
+    program_ = opened();
+    screen_.act({"mousemove", "500", "100"});  // where no picture is; keys go to the window there
+    waitUntil("the window shows something", [&] { return !isBlank(shown()); });
+  }
+  std::future<Outcome> opened() const {
     std::vector<std::string> words = arguments("view");
     words.emplace_back("--validate");
-    program_ = std::async(std::launch::async, [this, words] {
+    return std::async(std::launch::async, [this, words] {
       return latelight({.arguments = words, .environment = {{"DISPLAY", screen_.name()}}, .folder = folder_.path()});
     });
-    waitUntil("the window shows something", [&] { return !isBlank(shown()); });
   }
   void TearDown() override {
     if (!program_.valid()) return;
@@ -60,7 +88,9 @@ class WindowTest : public testing::Test {
       if (picture.rgba[i] != picture.rgba[i % 4]) return false;
     return true;
   }
-  output::Picture shown(uint32_t width = kWidth) const { return screen_.pixels(width, kHeight); }
+  output::Picture shown(uint32_t width = kWidth, uint32_t height = kHeight, uint32_t top = 0) const {
+    return screen_.pixels(width, height, top);
+  }
   void key(const std::string& name) const { screen_.act({"key", name}); }
 
   void waitUntil(const std::string& what, const std::function<bool()>& holds) const {
@@ -71,8 +101,22 @@ class WindowTest : public testing::Test {
     }
   }
   // The window's picture is, to the last byte, that of the file.
-  void waitFor(const output::Picture& picture) const {
-    waitUntil("the window shows the file's picture", [&] { return shown(picture.width).rgba == picture.rgba; });
+  void waitFor(const output::Picture& picture, uint32_t top = 0) const {
+    waitUntil("the window shows the file's picture",
+              [&] { return shown(picture.width, picture.height, top).rgba == picture.rgba; });
+  }
+  // By the command line.
+  output::Picture rendered(std::vector<std::string> words = arguments("render")) const {
+    words.insert(words.end(), {"-o", folder_.at("rendered.png")});
+    EXPECT_EQ(latelight(words).code, 0);
+    return pictureIn(folder_.at("rendered.png"));
+  }
+  void restsNow(const std::string& when) const {
+    double before = processorTime();
+    waitUntil("nothing is done " + when, [&] {
+      std::this_thread::sleep_for(std::chrono::seconds(1));
+      return processorTime() - std::exchange(before, processorTime()) < 0.05;
+    });
   }
   // What Ctrl+S writes.
   output::Picture screenshot() {
@@ -95,16 +139,12 @@ class WindowTest : public testing::Test {
   }
 
   Folder folder_;
-  Screen screen_{1000, 300};
+  Screen screen_{1500, 620};
   std::future<Outcome> program_;
 };
 
 TEST_F(WindowTest, ShowsWhatRenderWritesAndFollowsPointerAndKeys) {
-  std::vector<std::string> words = arguments("render");
-  const std::string file = folder_.at("rendered.png");
-  words.insert(words.end(), {"-o", file});
-  ASSERT_EQ(latelight(words).code, 0);
-  const output::Picture first = pictureIn(file);
+  const output::Picture first = rendered();
   waitFor(first);
   EXPECT_EQ(screenshot().rgba, first.rgba);
 
@@ -135,11 +175,84 @@ TEST_F(WindowTest, ComesBackFromBeingSmallAndHidden) {
   screen_.act({"search", "--name", "latelight", "windowsize", "600", "150"});
   waitUntil("a smaller picture", [&] { return screenshot().width == 600 - kPanel; });
   screen_.act({"search", "--name", "latelight", "windowsize", "100", "40"});  // less than the panel
-  screen_.act({"search", "--name", "latelight", "windowunmap", "--sync"});
-  screen_.act({"search", "--name", "latelight", "windowmap", "--sync"});
+  screen_.act({"search", "--name", "latelight", "windowsize", "1", "1"});
+  screen_.act({"search", "--name", "latelight", "windowsize", "1600", "700"});  // more than the screen
+  waitUntil("a larger picture", [&] { return screenshot().width == 1600 - kPanel; });
   screen_.act({"search", "--name", "latelight", "windowsize", "700", "200"});
   waitUntil("the size as before", [&] { return screenshot().width == kWidth; });
   waitFor(before);
+
+  const unsigned long window = minimise(screen_.name(), 100, 100);
+  waitUntil("it is gone", [&] { return isBlank(shown()); });
+  restsNow("while it is minimised");
+  restore(screen_.name(), window);
+  waitFor(before);
+  restsNow("while nothing changes");
+}
+
+TEST_F(WindowTest, TakesFilesThatAreDropped) {
+  const std::string sky = folder_.at("a sky.hdr"), scene = models::modelPath("textured.glb").string();
+  folder_.write("a sky.hdr", models::radiancePanorama(64, 32));
+  waitFor(screenshot());
+  const output::Picture lit = changes("an environment", [&] { dropFile(screen_.name(), 100, 100, sky); });
+  std::vector<std::string> words = arguments("render");
+  words.insert(words.end(), {"--hdri", sky});
+  EXPECT_EQ(lit.rgba, rendered(words).rgba);
+  const output::Picture other = changes("a scene", [&] { dropFile(screen_.name(), 100, 100, scene); });
+  words[1] = scene;
+  EXPECT_EQ(other.rgba, rendered(words).rgba);
+}
+
+// Of one process, below each other, and of another one beside them.
+TEST_F(WindowTest, EachWindowMindsItsOwn) {
+  const output::Picture first = screenshot();
+  waitFor(first);
+  key("ctrl+n");
+  const auto windows = [&](const char* action, const char* x, const char* y) {
+    screen_.act({"search", "--onlyvisible", "--name", "latelight", action, "%2", x, y});
+  };
+  waitUntil("a second one", [&] {
+    try {
+      windows("windowmove", "0", "250");
+      return true;
+    } catch (const std::runtime_error&) {
+      return false;
+    }
+  });
+  waitFor(first, 250);
+  screen_.act({"mousemove", "100", "300", "key", "Left", "mousemove", "600", "440"});
+  waitUntil("another picture in the second", [&] { return shown(kWidth, kHeight, 250).rgba != first.rgba; });
+  EXPECT_EQ(shown().rgba, first.rgba);
+  key("ctrl+w");
+  waitUntil("the second is gone", [&] { return isBlank(shown(kWidth, kHeight, 250)); });
+  std::future<Outcome> other = opened();
+  waitUntil("the other process's", [&] {
+    try {
+      windows("windowmove", "0", "250");
+      return true;
+    } catch (const std::runtime_error&) {
+      return false;
+    }
+  });
+  waitFor(first, 250);
+  screen_.act({"mousemove", "600", "440", "key", "ctrl+w"});
+  EXPECT_EQ(other.get().code, 0);
+  screen_.act({"mousemove", "600", "190"});
+  waitFor(first);
+}
+
+TEST_F(WindowTest, EndsWithASentenceWhereTheDisplayIsLost) {
+  const auto expectEnd = [&] {
+    const Outcome outcome = program_.get();
+    EXPECT_EQ(outcome.code, 4) << outcome.text();
+    EXPECT_THAT(outcome.err, HasSubstr("latelight: the connection to the display was lost"));
+    EXPECT_EQ(std::ranges::count(outcome.err, '\n'), 1) << outcome.err;
+  };
+  screen_.act({"search", "--name", "latelight", "windowkill"});
+  expectEnd();
+  SetUp();
+  screen_.stop();
+  expectEnd();
 }
 
 // F2, and then the panel's own keys: the second of "one, split, difference" is chosen.
@@ -155,7 +268,37 @@ TEST_F(WindowTest, IsUsedByKeysAlone) {
     const output::Picture picture = shown();
     return picture.rgba[middle] > 200 && picture.rgba[middle + 1] > 200 && picture.rgba[middle + 2] > 200;
   });
+  // The last of all controls: a closed header, and what is in it once it is open.
+  for (const char* name : {"End", "space", "Down", "space"}) {
+    key(name);
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  }
+  const auto isHandle = [](const uint8_t* rgba) { return rgba[0] > 250 && rgba[1] == 220 && rgba[2] == 90; };
+  waitUntil("handles of lights", [&] {
+    const output::Picture picture = shown();
+    for (size_t i = 0; i < picture.rgba.size(); i += 4)
+      if (isHandle(&picture.rgba[i])) return true;
+    return false;
+  });
   key("Escape");
+}
+
+// A display of twice the density.
+class DenseWindowTest : public WindowTest {
+ protected:
+  void SetUp() override {
+    setContentScale(screen_.name(), 200);
+    WindowTest::SetUp();
+  }
+};
+
+TEST_F(DenseWindowTest, HasThePixelsOfTheScreen) {
+  const output::Picture picture = rendered(arguments("render", "640x400"));
+  screen_.act({"mousemove", "1000", "200"});
+  waitFor(picture);
+  EXPECT_EQ(screenshot().rgba, picture.rgba);
+  key("h");
+  waitUntil("no panel of twice the width", [&] { return screenshot().width == 2 * (kWidth + kPanel); });
 }
 
 TEST(WindowWithoutADisplayTest, SaysWhatToUseInstead) {

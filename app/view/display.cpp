@@ -1,0 +1,40 @@
+#include "app/view/display.h"
+
+#include <GLFW/glfw3.h>
+#include <X11/Xlib.h>  // defines words as macros: this file is compiled by itself
+
+#include <cstdio>
+#include <cstdlib>
+
+#include "base/error.h"
+
+namespace latelight::app {
+
+namespace {
+
+// Xlib ends the program with this, at the latest: it has no way to go on. Other threads are in the midst of a picture,
+// so nothing is torn down.
+int endWithoutDisplay(::Display*) {
+  std::fputs(
+      "latelight: the connection to the display was lost, and the windows with it; `latelight serve` shows the same "
+      "views "
+      "in a browser\n",
+      stderr);
+  std::_Exit(static_cast<int>(ExitCode::NoDevice));
+}
+
+}  // namespace
+
+Display::Display() {
+  if (!glfwInit())
+    fail(ExitCode::NoDevice,
+         "there is no display to open a window on: `latelight render` writes pictures without one, and `latelight "
+         "serve` shows them in a browser");
+  XSetIOErrorHandler(endWithoutDisplay);
+}
+
+Display::~Display() {
+  glfwTerminate();
+}
+
+}  // namespace latelight::app
