@@ -214,6 +214,12 @@ void ViewSession::Impl::takeValidation() {
   }
 }
 
+// One that can't be read, as while it is being written, leaves the earlier one.
+void ViewSession::Impl::lightAgain() {
+  state.error = sentenceOf([&] { stage.lightAgain(); });
+  touch();
+}
+
 // --- what there is to say -------------------------------------------------------------------------------------------
 
 void ViewSession::Impl::describeLights() {
@@ -270,6 +276,7 @@ void ViewSession::input(const Input& input) {
 bool ViewSession::wantsFrame() {
   Impl& i = *impl_;
   if (i.stage.filesChanged()) input(Reload{});
+  if (i.stage.environmentChanged()) i.lightAgain();
   return i.dirty || i.recompose || i.runs() || (!i.picture.final && !i.isMoving()) || i.wantsProbe() ||
          i.wantsRehearsal();
 }

@@ -68,6 +68,7 @@ struct ViewSession::Impl {
   void rehearse();
   bool wantsProbe() const;
   void probe();
+  void lightAgain();
   void takeValidation();
   void describe();
   void describeLights();

@@ -84,12 +84,23 @@ void Stage::open(const std::string& source, const scene::LoadOptions& load) {
 
 void Stage::light(const std::string& asked) {
   const std::string name = render::environmentName(*scene_, asked, false);
-  if (name == environmentName_) return;
-  std::optional<scene::Environment> loaded =
-      given_ && given_->name == name ? given_ : render::loadEnvironment(*scene_, name);
+  if (name != environmentName_) loadEnvironment(name);
+}
+
+void Stage::lightAgain() {
+  if (environmentName_) loadEnvironment(*environmentName_);
+}
+
+// Its file is watched from before it is read. What is given has none, and the scene's own are among the scene's.
+void Stage::loadEnvironment(const std::string& name) {
+  const bool isGiven = given_ && given_->name == name;
+  FileWatch watch;
+  if (!isGiven && std::filesystem::exists(name)) watch.watch({name});
+  std::optional<scene::Environment> loaded = isGiven ? given_ : render::loadEnvironment(*scene_, name);
   renderer_.reset();
   environment_ = std::move(loaded);
   environmentName_ = name;
+  environmentWatch_ = std::move(watch);
 }
 
 render::Renderer& Stage::renderer() {

@@ -44,6 +44,9 @@ class Stage {
   scene::Camera camera(const CameraChoice& choice, const render::Settings& settings) const;
   // What --hdri would be given, or what was given here; the renderer is made anew where the environment is another one.
   void light(const std::string& asked);
+  // Reads its file again; throws Error and keeps what there was.
+  void lightAgain();
+  bool environmentChanged() { return environmentWatch_.changed(); }
   void give(scene::Environment environment) { given_ = std::move(environment), environmentName_.reset(); }
   // As `latelight render` does it. `ids`: the output id of the same pixels, where it is wanted.
   struct Result {
@@ -58,12 +61,13 @@ class Stage {
   void dropDevice();
 
  private:
+  void loadEnvironment(const std::string& name);
   render::Renderer& renderer();
   render::Moment momentOf(const CameraChoice& camera, const render::Settings& settings) const;
   render::Settings prepared(const render::Settings& settings);  // without `auto`
 
   vk::DeviceOptions deviceOptions_;
-  FileWatch watch_;
+  FileWatch watch_, environmentWatch_;
   std::unique_ptr<vk::Device> device_;
   std::unique_ptr<scene::Scene> scene_;
   std::optional<std::string> environmentName_;

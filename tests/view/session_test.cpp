@@ -512,6 +512,38 @@ TEST(ViewSessionTest, AnEnvironmentIsTakenAsItIsDropped) {
   expectAsRendered(viewer, "none");
 }
 
+TEST(ViewSessionTest, FollowsTheFileOfItsEnvironment) {
+  const Folder folder;
+  // All of one radiance; the exponent is each pixel's last byte.
+  const auto sky = [](char exponent) {
+    std::string file = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 8 +X 16\n";
+    for (int i = 0; i < 8 * 16; ++i) file += {100, 80, 60, exponent};
+    return file;
+  };
+  constexpr char kOne = -128, kTwo = -127;
+  folder.write("sky.hdr", sky(kOne));
+  Start start = small();
+  start.environment = folder.at("sky.hdr");
+  Viewer viewer(start);
+  viewer(DragLight{0, 20, 10});
+  const Frame before = viewer.settle();
+  const auto changes = [&](const std::string& bytes) {
+    folder.write("sky.hdr", bytes);
+    const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(30);
+    while (!viewer.session.wantsFrame() && std::chrono::steady_clock::now() < end)
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    return viewer.settle();
+  };
+  EXPECT_FALSE(changes(sky(kTwo)).rgba == before.rgba);
+  EXPECT_THAT(viewer.state().error, IsEmpty());
+  EXPECT_TRUE(viewer.state().lightsMoved) << "the scene itself stays as it is";
+  const Frame after = changes("no picture");
+  EXPECT_THAT(viewer.state().error, HasSubstr("sky.hdr"));
+  EXPECT_FALSE(after.rgba == before.rgba) << "the picture that could be read last";
+  EXPECT_TRUE(changes(sky(kOne)).rgba == before.rgba);
+  EXPECT_THAT(viewer.state().error, IsEmpty());
+}
+
 TEST(ViewSessionTest, AnEnvironmentIsGivenWithoutAFileHere) {
   const Folder folder;
   const models::Bytes sky = radiancePanorama(64, 32);
