@@ -365,6 +365,10 @@ void Device::setName(VkObjectType type, uint64_t object, const char* name) {
   VK_CHECK(impl_->setName(device_, &info));
 }
 
+bool Device::isLost() const {
+  return vkDeviceWaitIdle(device_) == VK_ERROR_DEVICE_LOST;
+}
+
 std::vector<std::string> Device::validationMessages() {
   return impl_->instance.takeMessages();
 }

@@ -100,6 +100,8 @@ class Device {
   bool underValidation() const { return validation_; }
   // Messages of the validation layers since the last call (warnings and errors). Empty without validation.
   std::vector<std::string> validationMessages();
+  // Waits for all that it does. Then nothing can be asked of it any more but to be destroyed.
+  bool isLost() const;
 
   // Pipelines created so far. Creating one is expensive: a frame that is rendered again should create none.
   uint64_t pipelinesMade() const { return pipelinesMade_; }

@@ -83,7 +83,7 @@ Uploader::~Uploader() {
   try {
     flush();
   } catch (const std::exception& error) {
-    warn("An upload failed: {}", error.what());
+    if (!device_.isLost()) warn("An upload failed: {}", error.what());  // or whoever goes on is told
   }
 }
 

@@ -15,20 +15,15 @@ namespace latelight::data {
 
 namespace {
 
-constexpr size_t kInFlight = 3;  // tickets: what keeps a device busy
+constexpr size_t kInFlight = 3;     // tickets: what keeps a device busy
+constexpr size_t kMostDevices = 4;  // of which all but the last were lost
 
 }  // namespace
 
 Worker::Worker(const Job& job, const Plan& plan, SceneLoader& loader, WorkList& work, Writers& writers, ShardLog& log,
                const vk::DeviceOptions& device)
-    : job_(job),
-      plan_(plan),
-      loader_(loader),
-      work_(work),
-      writers_(writers),
-      log_(log),
-      device_(device),
-      raster_(render::chooseRaster(device_, job.settings).raster) {
+    : job_(job), plan_(plan), loader_(loader), work_(work), writers_(writers), log_(log), deviceOptions_(device) {
+  useDevice();
   for (const JobFormat& use : job.formats) extras_ = both(extras_, use.format->needsExtras());
 }
 
@@ -42,7 +37,7 @@ void Worker::run() {
     finishAll();
   }
   if (next_.valid()) next_.wait();
-  for (const std::string& message : device_.validationMessages())
+  for (const std::string& message : device().validationMessages())
     latelight::fail(ExitCode::Internal, "the Vulkan validation layer says: {}", message);
 }
 
@@ -86,7 +81,7 @@ void Worker::useEnvironment() {
   finishAll();
   const std::optional<scene::Environment> environment = render::loadEnvironment(scene_->scene(), name);
   renderer_.reset();
-  renderer_ = std::make_unique<render::Renderer>(device_, scene_->scene(), environment ? &*environment : nullptr);
+  renderer_ = std::make_unique<render::Renderer>(device(), scene_->scene(), environment ? &*environment : nullptr);
   environment_ = name;
 }
 
@@ -185,8 +180,28 @@ void Worker::finishAll() {
   while (!inFlight_.empty()) finishOldest();
 }
 
+void Worker::useDevice() {
+  devices_.emplace_back(deviceOptions_);
+  raster_ = render::chooseRaster(device(), job_.settings).raster;
+}
+
+// What was in flight is lost with it, and made again. It is not destroyed before the other devices' work has ended
+// (run.cpp).
+void Worker::replaceLostDevice() {
+  if (!device().isLost()) return;
+  if (devices_.size() == kMostDevices)
+    latelight::fail(ExitCode::DeviceLost, "The device was lost {} times; --resume makes what is missing", kMostDevices);
+  std::vector<Chunk> again;
+  for (InFlight& each : inFlight_) again.push_back(std::move(each.chunk));
+  inFlight_.clear();
+  renderer_.reset();
+  useDevice();
+  for (const Chunk& chunk : again) renderAlone(chunk);
+}
+
 // One by one, so that what fails takes no others with it.
 void Worker::renderAlone(const Chunk& chunk) {
+  replaceLostDevice();
   for (const uint64_t index : chunk.frames) {
     Chunk one = chunk;
     one.frames = {index};
@@ -197,6 +212,7 @@ void Worker::renderAlone(const Chunk& chunk) {
       writers_.push(std::move(frame));
     } catch (const std::exception& error) {
       fail(one, error.what());
+      replaceLostDevice();
     }
   }
 }

@@ -20,7 +20,8 @@ class Worker {
          const vk::DeviceOptions& device);
 
   // Until nothing is left, or a signal asks for the end. A frame, or a scene, that fails is recorded, and the rest goes
-  // on. Throws Error(Internal) for validation messages.
+  // on; also when the device is lost, on a new one. Throws Error(Internal) for validation messages, Error(DeviceLost)
+  // for a device that is lost again and again.
   void run();
 
  private:
@@ -35,6 +36,9 @@ class Worker {
   void finishOldest();
   void finishAll();
   void renderAlone(const Chunk& chunk);
+  vk::Device& device() { return devices_.back(); }
+  void useDevice();
+  void replaceLostDevice();
   render::Ticket submit(const Chunk& chunk);
   void useEnvironment();
   RenderedFrame frameOf(uint64_t index, const Chunk& chunk, const output::Metadata& shared) const;
@@ -50,7 +54,8 @@ class Worker {
   WorkList& work_;
   Writers& writers_;
   ShardLog& log_;
-  vk::Device device_;
+  const vk::DeviceOptions deviceOptions_;
+  std::deque<vk::Device> devices_;  // the last one is at work, the others were lost
   render::Raster raster_;
   Extras extras_;  // that the formats need
 

@@ -1,0 +1,54 @@
+// A device that is lost in the midst of work, at each place of it.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "app/folder.h"
+#include "app/process.h"
+#include "lost_device/lose.h"
+
+namespace latelight::app {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(LostDeviceTest, RenderEndsWithASentenceAndNoFile) {
+  int losses = 0;
+  for (;; ++losses) {  // until the device outlives the command
+    const Folder folder;
+    const Outcome outcome =
+        latelight({.arguments = {"render", "builtin:boxes", "--size", "48x32", "--device", "cpu", "-o", "picture.png"},
+                   .environment = losingDevice(losses + 1),
+                   .folder = folder.path()});
+    if (outcome.code == 0) break;
+    SCOPED_TRACE(losses + 1);
+    ASSERT_EQ(outcome.code, 5) << outcome.text();
+    EXPECT_THAT(outcome.err, HasSubstr("The device was lost: "));
+    EXPECT_EQ(std::ranges::count(outcome.err, '\n'), 1) << outcome.err;
+    EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+  }
+  EXPECT_GT(losses, 0);
+}
+
+// What was in flight is made again on a new device: the set is that of an undisturbed run.
+TEST(LostDeviceTest, ABatchGoesOnWithANewDevice) {
+  const std::vector<std::string> words{"batch",    "--scenes",  "builtin:boxes",
+                                       "--repeat", "4",         "--size",
+                                       "48x32",    "--formats", R"({"format": "files", "outputs": ["color"]})",
+                                       "-o",       "set"};
+  const Folder whole;
+  ASSERT_EQ(latelight({.arguments = words, .folder = whole.path()}).code, 0);
+  for (const int submission : {1, 3, 6}) {
+    const Folder folder;
+    const Outcome outcome =
+        latelight({.arguments = words, .environment = losingDevice(submission), .folder = folder.path()});
+    EXPECT_EQ(outcome.code, 0) << submission << ": " << outcome.text();
+    for (const char* file : {"set/000000.png", "set/000001.png", "set/000002.png", "set/000003.png"})
+      EXPECT_TRUE(folder.read(file) == whole.read(file)) << submission << ": " << file;
+  }
+}
+
+}  // namespace
+}  // namespace latelight::app
