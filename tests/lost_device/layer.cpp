@@ -45,7 +45,10 @@ VKAPI_ATTR VkResult VKAPI_CALL queueSubmit2(VkQueue queue, uint32_t count, const
     const std::lock_guard lock(mutex);
     Device& device = devices.at(keyOf(queue));
     const char* lose = std::getenv("LATELIGHT_LOSE_SUBMISSION");
-    device.lost |= lose && ++submissions == std::strtoull(lose, nullptr, 10);
+    if (lose && ++submissions == std::strtoull(lose, nullptr, 10)) {
+      device.lost = true;
+      unsetenv("LATELIGHT_LOSE_SUBMISSION");  // the loader may load this library anew, and so count anew
+    }
     if (device.lost) return VK_ERROR_DEVICE_LOST;
   }
   return call<PFN_vkQueueSubmit2>("vkQueueSubmit2", queue, count, infos, fence);

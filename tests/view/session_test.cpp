@@ -15,6 +15,7 @@
 #include "app/folder.h"
 #include "app/process.h"
 #include "base/text.h"
+#include "lost_device/lose.h"
 #include "models/models.h"
 #include "output/png.h"
 #include "render/options.h"
@@ -561,6 +562,49 @@ TEST(ViewSessionTest, AnEnvironmentIsGivenWithoutAFileHere) {
   EXPECT_EQ(viewer.state().environment, "sky.hdr");
   viewer(Reload{});
   EXPECT_TRUE(viewer.settle().rgba == ofFile.rgba);
+}
+
+// --- a device that is lost ---
+
+// Of this process, until it goes.
+class Environment {
+ public:
+  explicit Environment(std::map<std::string, std::string> variables) : variables_(std::move(variables)) {
+    for (const auto& [name, value] : variables_) setenv(name.c_str(), value.c_str(), 1);
+  }
+  ~Environment() {
+    for (const auto& [name, value] : variables_) unsetenv(name.c_str());
+  }
+  Environment(const Environment&) = delete;
+  Environment& operator=(const Environment&) = delete;
+
+ private:
+  std::map<std::string, std::string> variables_;
+};
+
+// At each submission of a session's first pictures: a sentence, and the next picture is as if nothing had happened.
+TEST(ViewSessionTest, ALostDeviceIsASentenceAndTheNextPictureBeginsWithANewOne) {
+  const auto settled = [](ViewSession& session) {
+    while (session.wantsFrame() || !session.frame().final) session.next();
+    return session.frame();
+  };
+  Start start = small();
+  start.device = "cpu";
+  ViewSession sound(start);
+  const Frame expected = settled(sound);
+  int losses = 0;
+  for (int submission = 1; submission <= 9; submission += 2) {
+    const Environment losing(losingDevice(submission));
+    ViewSession session(start);
+    settled(session);
+    if (session.state().error.empty()) continue;
+    ++losses;
+    EXPECT_THAT(session.state().error, HasSubstr("The device was lost")) << submission;
+    session.input(SetOption{"exposure", ""});
+    EXPECT_TRUE(settled(session).rgba == expected.rgba) << submission;
+    EXPECT_THAT(session.state().error, IsEmpty()) << submission;
+  }
+  EXPECT_GE(losses, 2);
 }
 
 // --- anything at all ------------------------------------------------------------------------------------------------
