@@ -20,6 +20,18 @@ SH_FUNC vec3 lobeDirection(vec3 normal, vec3 toEye, float lean) {
   return along + normal * sqrt(max(1.0f - dot(along, along), 0.0f));
 }
 
+// The prefiltered level (scene::kSpecularRoughness) for one of many directions that share a lobe or the hemisphere,
+// each with its solid angle (sr): the nearest one to the roughness 4 pi alpha^2 of whose lobe is 0.3 of that. Twice
+// that blurs, and less than half leaves gaps. A single level and no mixture of two: the next direction has another.
+SH_FUNC float levelOfShare(float solidAngle) {
+  float a2 = solidAngle * (0.3f * 0.25f * kInvPi);
+  float level = a2 < 6.25e-6f ? 0.0f : 1.0f;  // fourth powers of the roughnesses between two levels'
+  level += a2 < 5.0625e-4f ? 0.0f : 1.0f;
+  level += a2 < 4.569760e-3f ? 0.0f : 1.0f;
+  level += a2 < 0.02825761f ? 0.0f : 1.0f;
+  return level + (a2 < 0.3164062f ? 0.0f : 1.0f);
+}
+
 // Texture coordinate in the table of lobes, `size` texels wide, whose first and last texels are at 0 and 1.
 SH_FUNC vec2 lobeTexture(float nv, float roughness, float size) {
   float scale = (size - 1.0f) / size;

@@ -111,6 +111,10 @@ SH_FUNC SurfaceLayers clampedLayers(SurfaceLayers l) {
   return l;
 }
 
+SH_FUNC bool passesLight(SurfaceLayers l) {
+  return l.transmission > 0.0f || l.diffuseTransmission > 0.0f;
+}
+
 // Share of the diffuse part that still returns light to the eye's side.
 SH_FUNC float keptDiffuse(SurfaceLayers l) {
   return (1.0f - l.transmission) * (1.0f - l.diffuseTransmission);
@@ -126,12 +130,7 @@ SH_FUNC vec3 eyeThrough(vec3 normal, vec3 toEye, SurfaceLayers l, uint channel) 
 // Where layeredBrdf() needs the split-sum table.
 SH_FUNC LayerTables layerTablePlaces(Surface s, SurfaceLayers l, vec3 toEye) {
   LayerTables t;
-  float roughness = s.roughness;
-  if (l.anisotropy > 0.0f) {
-    StretchedFrame f = stretchedFrame(s.normal, l.anisotropyDirection, s.roughness, saturate(l.anisotropy));
-    roughness = stretchedRoughness(f, toEye);
-  }
-  t.base = vec2(saturate(dot(s.normal, toEye)), roughness);
+  t.base = vec2(saturate(dot(s.normal, toEye)), s.roughness);
   t.coat = vec2(saturate(dot(l.clearcoatNormal, toEye)), saturate(l.clearcoatRoughness));
   t.behind =
       vec2(saturate(dot(s.normal, eyeThrough(s.normal, toEye, l, 1u))), transmittedRoughness(s.roughness, l.ior));
@@ -146,9 +145,10 @@ SH_FUNC vec3 meanThinFilm(vec3 f0, SurfaceLayers l, FacetCosines c) {
 }
 
 // reflectance() of a surface with a film.
-SH_FUNC Reflectance filmedReflectance(vec3 f0, float f90, vec2 table, SurfaceLayers l, FacetCosines facets) {
+SH_FUNC Reflectance filmedReflectance(vec3 f0, float f90, vec2 table, SurfaceLayers l, float nv, float alpha) {
   Reflectance r = reflectance(f0, f90, table);
   if (l.iridescence <= 0.0f) return r;
+  FacetCosines facets = facetCosines(nv, alpha);
   FacetCosines all;  // of light from all sides, whose cosines have the density 2 x
   all.mean = 2.0f / 3.0f;
   all.spread = 0.2357f;
@@ -163,13 +163,17 @@ SH_FUNC Reflectance filmedReflectance(vec3 f0, float f90, vec2 table, SurfaceLay
 SH_FUNC void addReflectance(SH_INOUT(LayeredBrdf) b, vec3 toEye, vec2 table) {
   Surface s = b.surface;
   SurfaceLayers l = b.layers;
-  FacetCosines facets = facetCosines(saturate(dot(s.normal, toEye)), ggxAlpha(s.roughness));
-  Reflectance dielectric = filmedReflectance(s.f0, s.f90, table, l, facets);
-  Reflectance metal = filmedReflectance(s.baseColor, 1.0f, table, l, facets);
+  float nv = saturate(dot(s.normal, toEye));
+  float alpha = ggxAlpha(s.roughness);
+  Reflectance dielectric = filmedReflectance(s.f0, s.f90, table, l, nv, alpha);
+  Reflectance metal = filmedReflectance(s.baseColor, 1.0f, table, l, nv, alpha);
   b.once = dielectric.once + (metal.once - dielectric.once) * s.metallic;
   vec3 more = dielectric.more + (metal.more - dielectric.more) * s.metallic;
   float left = saturate(1.0f - maxChannel(dielectric.once + dielectric.more));
   b.scattered = more + diffuseColor(s) * left * keptDiffuse(l);
+  b.behind = vec3(0.0f, 0.0f, 0.0f);
+  b.seen = b.behind;
+  if (!passesLight(l)) return;
   vec3 passed = beersLaw(l.absorption, l.thickness) * ((1.0f - s.metallic) * left);
   b.behind = l.diffuseTransmissionColor * passed * ((1.0f - l.transmission) * l.diffuseTransmission);
   b.seen = s.baseColor * passed * l.transmission;
@@ -179,6 +183,10 @@ SH_FUNC void addReflectance(SH_INOUT(LayeredBrdf) b, vec3 toEye, vec2 table) {
 SH_FUNC void addTransmission(SH_INOUT(LayeredBrdf) b, vec2 table) {
   Surface s = b.surface;
   SurfaceLayers l = b.layers;
+  b.throughA2 = 1.0f;
+  b.backDiffuse = vec3(0.0f, 0.0f, 0.0f);
+  b.through = b.backDiffuse;
+  if (!passesLight(l)) return;
   float alpha = ggxAlpha(transmittedRoughness(s.roughness, l.ior));
   b.throughA2 = alpha * alpha;
   if (b.compensated > 0.0f) {
@@ -193,6 +201,14 @@ SH_FUNC void addTransmission(SH_INOUT(LayeredBrdf) b, vec2 table) {
 
 SH_FUNC void addCoat(SH_INOUT(LayeredBrdf) b, vec2 table) {
   SurfaceLayers l = b.layers;
+  b.coatNv = 1.0f;
+  b.coatA2 = 1.0f;
+  b.coatRoot = 1.0f;
+  b.coatReflects = 0.0f;
+  b.coatAlbedo = 0.0f;
+  b.underCoat = 1.0f;
+  b.underCoatAverage = 1.0f;
+  if (l.clearcoat <= 0.0f) return;
   float alpha = ggxAlpha(saturate(l.clearcoatRoughness));
   b.coatNv = clamp(dot(l.clearcoatNormal, b.base.toEye), kMinNv, 1.0f);
   b.coatA2 = alpha * alpha;
@@ -206,6 +222,13 @@ SH_FUNC void addCoat(SH_INOUT(LayeredBrdf) b, vec2 table) {
 // Where the lobe itself would reflect more than it receives (charlieAlbedo()), it is scaled to reflect all.
 SH_FUNC void addSheen(SH_INOUT(LayeredBrdf) b) {
   SurfaceLayers l = b.layers;
+  b.sheenAlpha = 1.0f;
+  b.sheenLambda = 0.0f;
+  b.sheenScale = 1.0f;
+  b.sheenAlbedo = 0.0f;
+  b.under = b.underCoat;
+  b.underAverage = b.underCoatAverage;
+  if (maxChannel(l.sheenColor) <= 0.0f) return;
   b.sheenAlpha = charlieAlpha(l.sheenRoughness);
   b.sheenLambda = charlieLambda(b.base.nv, b.sheenAlpha);
   float albedo = charlieAlbedo(b.base.nv, l.sheenRoughness);
@@ -223,6 +246,8 @@ SH_FUNC LayeredBrdf layeredBrdf(Surface s, SurfaceLayers l, vec3 toEye, uint sha
   b.layers = clampedLayers(l);
   b.compensated = shading == kShadingGgxCompensated ? 1.0f : 0.0f;
   b.stretched = stretchedFrame(s.normal, l.anisotropyDirection, s.roughness, b.layers.anisotropy);
+  if (b.layers.anisotropy > 0.0f)
+    tables.base = stretchedTable(b.stretched, toEye, clamp(dot(s.normal, toEye), kMinNv, 1.0f));
   addReflectance(b, toEye, tables.base);
   s.scattered = b.scattered;
   b.base = surfaceBrdf(s, toEye, shading);
@@ -335,65 +360,115 @@ SH_FUNC vec3 sheenLight(LayeredBrdf b, LightSample light) {
 // Radiance leaving the surface towards the eye by one light, which may be behind it.
 SH_FUNC vec3 shadeLayeredLight(LayeredBrdf b, LightSample light, uint shading) {
   float nl = dot(b.base.normal, light.toLight);
-  vec3 radiance;
-  if (nl < 0.0f) {
-    radiance = lightFromBehind(b, light, min(nl * -1.0f, 1.0f)) * b.under;
-  } else {
-    radiance = surfaceLight(b, light, shading) * b.under + sheenLight(b, light);
-  }
+  vec3 radiance = vec3(0.0f, 0.0f, 0.0f);
+  if (nl >= 0.0f) radiance = surfaceLight(b, light, shading) * b.under + sheenLight(b, light);
+  if (nl < 0.0f && passesLight(b.layers)) radiance = lightFromBehind(b, light, min(nl * -1.0f, 1.0f)) * b.under;
   return radiance + coatLight(b, light);
 }
 
 // --- environment -----------------------------------------------------------------------------------------------------
 
-// The surface's lobe as round ones, whose mean radiances are looked up like a plain surface's of that normal and
-// roughness; the surface's own is their mean by weight.
-SH_FUNC uint baseParts(LayeredBrdf b) {
-  return b.layers.anisotropy > 0.0f ? kStretchedParts : 1u;
+// A round lobe is looked up as a plain surface's is. Of a stretched one the light is summed over these directions.
+SH_CONST uint kStretchedSamples = 80u;
+
+// A film's reflectance at three cosines, one step apart, between and beyond which it is taken as a parabola.
+struct FilmCurve {
+  float middle;
+  float step;
+  vec3 low;
+  vec3 mean;
+  vec3 high;
+};
+SH_FUNC vec3 filmReflectance(LayeredBrdf b, float vh) {
+  SurfaceLayers l = b.layers;
+  vec3 dielectric = thinFilm(b.surface.f0, l.iridescenceIor, l.iridescenceThickness, vh);
+  vec3 metal = thinFilm(b.surface.baseColor, l.iridescenceIor, l.iridescenceThickness, vh);
+  return dielectric + (metal - dielectric) * b.surface.metallic;
 }
-SH_FUNC LobePart basePart(LayeredBrdf b, uint part) {
-  if (b.layers.anisotropy > 0.0f) return stretchedPart(b.stretched, b.base.toEye, part);
-  LobePart r;
-  r.normal = b.base.normal;
-  r.roughness = b.surface.roughness;
-  r.weight = 1.0f;
-  return r;
+SH_FUNC FilmCurve filmCurve(LayeredBrdf b) {
+  FacetCosines facets = facetCosines(b.base.nv, sqrt(b.stretched.along * b.stretched.across));
+  FilmCurve c;
+  c.step = max(1.3f * facets.spread, 0.01f);
+  c.middle = clamp(facets.mean, c.step, 1.0f - c.step);
+  c.low = vec3(0.0f, 0.0f, 0.0f);
+  c.mean = c.low;
+  c.high = c.low;
+  if (b.layers.iridescence <= 0.0f) return c;
+  c.low = filmReflectance(b, c.middle - c.step);
+  c.mean = filmReflectance(b, c.middle);
+  c.high = filmReflectance(b, c.middle + c.step);
+  return c;
 }
-SH_FUNC LobePart coatPart(LayeredBrdf b) {
-  LobePart r;
-  r.normal = b.layers.clearcoatNormal;
-  r.roughness = saturate(b.layers.clearcoatRoughness);
-  r.weight = 1.0f;
-  return r;
+SH_FUNC vec3 filmAt(FilmCurve c, float vh) {
+  float x = clamp((vh - c.middle) / c.step, -1.5f, 1.5f);
+  vec3 r = c.mean + (c.high - c.low) * (0.5f * x) + (c.low + c.high - c.mean * 2.0f) * (0.5f * x * x);
+  return vec3(saturate(r.x), saturate(r.y), saturate(r.z));
 }
 
-// The direction about which sheen sees the environment like a Lambertian surface would: fibres send light back to where
-// it came from, the more so the less rough they are. Fitted to the lobe's mean direction.
-SH_FUNC vec3 sheenDirection(LayeredBrdf b) {
-  float roughness = clamp(b.layers.sheenRoughness, kCharlieMinRoughness, 1.0f);
-  float lean = 0.165f * pow(roughness, -1.4f) * (1.0f + 2.0f * b.base.nv);
-  return normalize(b.base.normal + (b.base.toEye - b.base.normal * b.base.nv) * lean);
+// What the surface reflects of the light from all sides, and of uniform light.
+struct StretchedSum {
+  vec3 light;
+  vec3 shares;
+  vec2 table;
+};
+SH_FUNC StretchedSum emptySum() {
+  StretchedSum sum;
+  sum.light = vec3(0.0f, 0.0f, 0.0f);
+  sum.shares = sum.light;
+  sum.table = vec2(0.0f, 0.0f);
+  return sum;
+}
+SH_FUNC LobeSample baseSample(LayeredBrdf b, uint i) {
+  return stretchedSample(b.stretched, b.base.toEye, b.base.nv, i, kStretchedSamples);
+}
+SH_FUNC void addSample(SH_INOUT(StretchedSum) sum, LayeredBrdf b, FilmCurve film, LobeSample r, vec3 radiance) {
+  vec3 f = b.base.f0 + (vec3(b.base.f90, b.base.f90, b.base.f90) - b.base.f0) * schlickWeight(r.vh);
+  vec3 share = (f + (filmAt(film, r.vh) - f) * b.layers.iridescence) * (r.weight / float(kStretchedSamples));
+  sum.light = sum.light + radiance * share;
+  sum.shares = sum.shares + share;
+  sum.table = sum.table + stretchedShare(r) * (1.0f / float(kStretchedSamples));
+}
+// The mean radiance over the lobe. What becomes of an environment's light then follows from the same directions, so
+// that none is made or lost.
+SH_FUNC vec3 meanOfSum(SH_INOUT(LayeredBrdf) b, StretchedSum sum) {
+  addReflectance(b, b.base.toEye, sum.table);
+  b.once = sum.shares;
+  vec3 least = vec3(1e-6f, 1e-6f, 1e-6f);
+  return sum.light / max(sum.shares, least);
+}
+
+// The direction of the eye in the plane of the normal; straight above it, any.
+SH_FUNC vec3 alongEye(vec3 normal, vec3 toEye) {
+  vec3 along = toEye - normal * dot(normal, toEye);
+  float squared = dot(along, along);
+  if (squared > 1e-10f) return along * inversesqrt(squared);
+  vec3 other = abs(normal.z) < 0.9f ? vec3(0.0f, 0.0f, 1.0f) : vec3(1.0f, 0.0f, 0.0f);
+  return normalize(cross(normal, other));
 }
 
 // What lookups into the environment found.
 struct LayerLight {
   vec3 front;  // irradiance / pi about the surface's normal
   vec3 back;   // and about its opposite
-  vec3 sheen;  // and about sheenDirection()
-  vec3 base;   // mean radiance over the parts of the surface's lobe
-  vec3 coat;   // and over coatPart()
+  vec3 sheen;  // mean radiance over the sheen's lobe
+  vec3 base;   // over the surface's
+  vec3 coat;   // and over the coat's
 };
 
 // Radiance leaving the surface towards the eye by the environment, but for what is seen through it.
 SH_FUNC vec3 shadeLayeredEnvironment(LayeredBrdf b, LayerLight light) {
-  float nv = b.base.nv;
   float ao = b.surface.ao;
-  float occlusion = specularOcclusion(nv, ao, ggxAlpha(b.surface.roughness));
-  vec3 under = b.scattered * light.front * ao + b.once * light.base * occlusion;
-  under = under + b.behind * light.back * ao;
-  vec3 sheen = b.layers.sheenColor * light.sheen * (b.sheenAlbedo * b.underCoatAverage * ao);
-  float coatOcclusion = specularOcclusion(b.coatNv, ao, sqrt(b.coatA2));
-  return under * b.underAverage + sheen + light.coat * (b.coatReflects * b.coatAlbedo * coatOcclusion);
+  float occlusion = specularOcclusion(b.base.nv, ao, ggxAlpha(b.surface.roughness));
+  vec3 radiance = b.scattered * light.front * ao + b.once * light.base * occlusion;
+  if (b.layers.diffuseTransmission > 0.0f) radiance = radiance + b.behind * light.back * ao;
+  radiance = radiance * b.underAverage;
+  if (b.sheenAlbedo > 0.0f)
+    radiance = radiance + b.layers.sheenColor * light.sheen * (b.sheenAlbedo * b.underCoatAverage * ao);
+  if (b.coatReflects > 0.0f) {
+    float coatOcclusion = specularOcclusion(b.coatNv, ao, sqrt(b.coatA2));
+    radiance = radiance + light.coat * (b.coatReflects * b.coatAlbedo * coatOcclusion);
+  }
+  return radiance;
 }
 
 // --- what is seen through the surface -------------------------------------------------------------------------------

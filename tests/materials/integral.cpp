@@ -1,8 +1,8 @@
 #include "materials/integral.h"
 
-#include <array>
 #include <cmath>
 #include <optional>
+#include <vector>
 
 namespace latelight::materials {
 
@@ -11,12 +11,22 @@ namespace {
 using glm::dvec3;
 using shared::vec3;
 
-// The i-th point of a lattice that is even in each two of its dimensions (Roberts 2018).
-double lattice(uint32_t i, int dimension) {
-  constexpr double kSteps[] = {0.8191725134, 0.6710436067, 0.5497004779};
-  const double x = (i + 0.5) * kSteps[dimension];
-  return x - std::floor(x);
-}
+// Points of a lattice that is even in each two of its dimensions (Roberts 2018), for each pixel a moved one: its error
+// is not the same in all of a picture.
+class Lattice {
+ public:
+  explicit Lattice(uint32_t pixel) {
+    for (int d = 0; d < 3; ++d) start_[d] = double(pixel * 2654435761u + uint32_t(d) * 1640531527u) / 4294967296.0;
+  }
+  double at(uint32_t i, int dimension) const {
+    constexpr double kSteps[] = {0.8191725134, 0.6710436067, 0.5497004779};
+    const double x = start_[dimension] + (i + 0.5) * kSteps[dimension];
+    return x - std::floor(x);
+  }
+
+ private:
+  double start_[3];
+};
 
 // A lobe of half vectors about a normal, of light that is reflected to an eye; or that passes, mirrored.
 struct Facets {
@@ -61,25 +71,31 @@ dvec3 integrate(const Point& p, const shared::LayerTables& tables, const study::
   constexpr uint32_t kShading = shared::kShadingGgxCompensated;
   const shared::LayeredBrdf b = shared::layeredBrdf(p.surface, p.layers, p.toEye, kShading, tables);
   const vec3 n = p.surface.normal, tangent = p.layers.anisotropyDirection;
-  const std::array<Facets, 3> lobes{
-      Facets{b.stretched, p.toEye, false},
-      Facets{roundFrame(p.layers.clearcoatNormal, tangent, p.layers.clearcoatRoughness), p.toEye, false},
-      Facets{roundFrame(n, tangent, shared::transmittedRoughness(p.surface.roughness, p.layers.ior)),
-             shared::eyeThrough(n, p.toEye, p.layers, 1u), true}};
-  const uint32_t each = samples / 6;
+  std::vector<Facets> lobes{{b.stretched, p.toEye, false}};
+  if (p.layers.clearcoat > 0.0f)
+    lobes.push_back({roundFrame(p.layers.clearcoatNormal, tangent, p.layers.clearcoatRoughness), p.toEye, false});
+  if (p.layers.transmission > 0.0f)
+    lobes.push_back({roundFrame(n, tangent, shared::transmittedRoughness(p.surface.roughness, p.layers.ior)),
+                     shared::eyeThrough(n, p.toEye, p.layers, 1u), true});
+  std::vector<double> sides{1.0};
+  if (p.layers.transmission > 0.0f || p.layers.diffuseTransmission > 0.0f) sides.push_back(-1.0);
+  const uint32_t each = samples / uint32_t(lobes.size() + 1 + sides.size());
   dvec3 sum(0.0);
   const auto add = [&](vec3 l) {
-    double density = environment.density(dvec3(l)) + std::abs(glm::dot(n, l)) / M_PI;
+    const double cosine = glm::dot(n, l);
+    double density = environment.density(dvec3(l));
+    if (cosine > 0.0 || sides.size() > 1) density += std::abs(cosine) / M_PI;
     for (const Facets& f : lobes) density += f.density(l);
     const vec3 light(environment.at(dvec3(l)));
     sum += dvec3(shared::shadeLayeredLight(b, {l, light}, kShading)) / (density * each);
   };
+  const Lattice lattice(p.pixel);
   for (uint32_t i = 0; i < each; ++i) {
-    const double u = lattice(i, 0), v = lattice(i, 1), w = lattice(i, 2);
+    const double u = lattice.at(i, 0), v = lattice.at(i, 1), w = lattice.at(i, 2);
     for (const Facets& f : lobes)
       if (const std::optional<vec3> l = f.sample(u, v)) add(*l);
     add(vec3(environment.sampleLight(w, u, v)));
-    for (const double side : {1.0, -1.0}) add(cosineSample(b.stretched, side, u, v));
+    for (const double side : sides) add(cosineSample(b.stretched, side, u, v));
   }
   return sum;
 }

@@ -10,11 +10,12 @@ struct Point {
   shared::Surface surface;
   shared::SurfaceLayers layers;
   shared::vec3 toEye;
+  uint32_t pixel;
 };
 
-// One bounce, with `samples` directions spread over the environment's light, the cosines on both sides and each lobe,
-// by multiple importance sampling (Veach 1997). Between facets light is reflected several times, by the shares in
-// `tables`.
+// One bounce, with `samples` directions spread over the environment's light, and the cosines and lobes that the
+// material has, by multiple importance sampling (Veach 1997). Between facets light is reflected several times, by the
+// shares in `tables`.
 glm::dvec3 integrate(const Point& point, const shared::LayerTables& tables, const study::EnvironmentTruth& environment,
                      uint32_t samples);
 

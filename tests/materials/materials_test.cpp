@@ -36,6 +36,7 @@ Radiance forEachPoint(const Grid& grid, F radianceAt) {
     for (size_t i = begin; i < end; ++i) {
       Point p;
       p.toEye = kToEye;
+      p.pixel = uint32_t(i);
       if (pointAt(grid, uint32_t(i % kWidth), uint32_t(i / kWidth), p.surface, p.layers)) picture[i] = radianceAt(p);
     }
   });
@@ -49,25 +50,42 @@ shared::LayerTables tablesAt(const Point& p, const HostEnvironment& environment)
 }
 
 // The lookups that shading makes in place of the integral (render/layered).
+vec3 stretchedLobe(shared::LayeredBrdf& b, const HostEnvironment& environment) {
+  const shared::FilmCurve film = shared::filmCurve(b);
+  shared::StretchedSum sum = shared::emptySum();
+  for (uint32_t i = 0; i < shared::kStretchedSamples; ++i) {
+    const shared::LobeSample r = shared::baseSample(b, i);
+    shared::addSample(sum, b, film, r, environment.radiance(r.toLight, shared::levelOfShare(r.solidAngle)));
+  }
+  return shared::meanOfSum(b, sum);
+}
+
+vec3 sheenLobe(const shared::LayeredBrdf& b, const HostEnvironment& environment) {
+  const vec3 along = shared::alongEye(b.base.normal, b.base.toEye);
+  vec3 sum(0.0f);
+  float weights = 0.0f;
+  for (uint32_t i = 0; i < shared::kSheenSamples; ++i) {
+    const shared::SheenSample r =
+        shared::sheenSample(b.base.normal, along, b.base.toEye, b.base.nv, b.layers.sheenRoughness, i);
+    sum += environment.radiance(r.toLight, shared::levelOfShare(shared::kSheenSolidAngle)) * r.weight;
+    weights += r.weight;
+  }
+  return sum / std::max(weights, 1e-20f);
+}
+
 dvec3 byLookups(const Point& p, const HostEnvironment& environment) {
-  const shared::LayeredBrdf b =
+  shared::LayeredBrdf b =
       shared::layeredBrdf(p.surface, p.layers, p.toEye, shared::kShadingGgx, tablesAt(p, environment));
-  const auto partLight = [&](const shared::LobePart& part) {
-    return environment.lobe(part.normal, part.roughness, p.toEye, environment.around(part.normal));
+  const auto roundLobe = [&](vec3 normal, float roughness) {
+    return environment.lobe(normal, roughness, p.toEye, environment.around(normal));
   };
   shared::LayerLight light;
   light.front = environment.around(p.surface.normal);
   light.back = environment.around(p.surface.normal * -1.0f);
-  light.sheen = environment.around(shared::sheenDirection(b));
-  light.coat = partLight(shared::coatPart(b));
-  vec3 sum(0.0f);
-  float weights = 0.0f;
-  for (uint32_t i = 0; i < shared::baseParts(b); ++i) {
-    const shared::LobePart part = shared::basePart(b, i);
-    sum += partLight(part) * part.weight;
-    weights += part.weight;
-  }
-  light.base = sum / std::max(weights, 1e-6f);
+  light.sheen = sheenLobe(b, environment);
+  light.base =
+      p.layers.anisotropy > 0.0f ? stretchedLobe(b, environment) : roundLobe(p.surface.normal, p.surface.roughness);
+  light.coat = roundLobe(p.layers.clearcoatNormal, p.layers.clearcoatRoughness);
   return dvec3(shared::shadeLayeredEnvironment(b, light));
 }
 
@@ -173,6 +191,16 @@ TEST_F(Materials, EnvironmentsShadeByTheLookups) {
     fmt::print("{}: {:.2f} levels in the mean, {:.1f} at worst\n", grid.name, a.mean, a.worst);
     EXPECT_LE(a.mean, 0.5) << grid.name;
   }
+}
+
+// Directions whose shares add up to a level's lobe are looked up in it.
+TEST(MaterialLookups, SharesFindTheLevelOfTheirWidth) {
+  for (size_t level = 1; level < scene::kSpecularRoughness.size(); ++level) {
+    const double alpha = std::pow(scene::kSpecularRoughness[level], 2.0);
+    EXPECT_EQ(shared::levelOfShare(float(4.0 * M_PI * alpha * alpha / 0.3)), float(level));
+  }
+  EXPECT_EQ(shared::levelOfShare(0.0f), 0.0f);
+  EXPECT_EQ(shared::levelOfShare(INFINITY), 5.0f);
 }
 
 // The lookups on the host: their pictures are the renderer's by the test above.

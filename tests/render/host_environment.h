@@ -61,15 +61,19 @@ class HostEnvironment {
   }
   // Irradiance / pi.
   vec3 around(vec3 direction) const { return read(maps_->diffuse, octahedral(direction)); }
+  // Of the prefiltered levels; between two of them a mixture.
+  vec3 radiance(vec3 direction, float level) const {
+    const vec2 o = octahedral(direction);
+    const std::vector<HostMap>& levels = maps_->specular;
+    const size_t lower = std::min(static_cast<size_t>(level), levels.size() - 2);
+    return glm::mix(read(levels[lower], o), read(levels[lower + 1], o), level - static_cast<float>(lower));
+  }
   // Mean radiance over a surface's lobe; `diffuse` is the irradiance / pi about the surface's normal.
   vec3 lobe(vec3 normal, float roughness, vec3 toEye, vec3 diffuse) const {
     const float nv = glm::clamp(glm::dot(normal, toEye), 0.0f, 1.0f);
     const shared::vec4 lobe = maps_->lobes.bilinear(shared::lobeTexture(nv, roughness, kLobeTableSize));
-    const vec2 core = octahedral(shared::lobeDirection(normal, toEye, lobe.x));
-    const std::vector<HostMap>& levels = maps_->specular;
-    const size_t lower = std::min(static_cast<size_t>(lobe.y), levels.size() - 2);
-    const float between = lobe.y - static_cast<float>(lower);
-    return glm::mix(glm::mix(read(levels[lower], core), read(levels[lower + 1], core), between), diffuse, lobe.z);
+    const vec3 core = radiance(shared::lobeDirection(normal, toEye, lobe.x), lobe.y);
+    return glm::mix(core, diffuse, lobe.z);
   }
   vec3 light(const shared::Surface& s, vec3 toEye) const {
     const vec3 diffuse = around(s.normal);

@@ -181,9 +181,24 @@ SH_FUNC vec4 stretchedLobeOf(Arguments a) {
   return pad(stretchedLobe(someFrame(a), a.l, a.v, halfVector(a.l, a.v), nl, nv));
 }
 
-SH_FUNC vec4 stretchedPartOf(Arguments a) {
-  LobePart part = stretchedPart(someFrame(a), a.v, a.k % kStretchedParts);
-  return vec4(part.normal.x, part.normal.y, part.normal.z, part.roughness);
+SH_FUNC vec4 stretchedSampleOf(Arguments a) {
+  LobeSample r = stretchedSample(someFrame(a), a.v, clamp(dot(a.n, a.v), 0.01f, 1.0f), a.k % 80u, 80u);
+  return vec4(r.toLight.x, r.toLight.y, r.weight, r.solidAngle);
+}
+
+SH_FUNC vec4 sheenSampleOf(Arguments a) {
+  float nv = clamp(dot(a.n, a.v), 0.01f, 1.0f);
+  SheenSample r = sheenSample(a.n, alongEye(a.n, a.v), a.v, nv, a.u.x, a.k % kSheenSamples);
+  return vec4(r.toLight.x, r.toLight.y, r.toLight.z, r.weight);
+}
+
+// The lobe under radiances of two colours.
+SH_FUNC vec4 stretchedSumOf(Arguments a) {
+  LayeredBrdf b = someLayered(a, kShadingGgx);
+  FilmCurve film = filmCurve(b);
+  StretchedSum sum = emptySum();
+  for (uint i = 0u; i < 4u; ++i) addSample(sum, b, film, baseSample(b, 20u * i), a.c);
+  return pad(meanOfSum(b, sum) + b.once);
 }
 
 SH_FUNC vec4 layeredLightOf(Arguments a, uint shading) {
@@ -241,8 +256,10 @@ SH_FUNC vec4 transmittedRayOf(Arguments a) {
   C(charlieAlbedo, 2e-4f, 1e-7f, (pad(charlieAlbedo(a.u.x, a.u.y))))                                                   \
   C(charlieLobe, 1e-4f, 1e-7f, (pad(charlieLobe(a.u.x, a.u.z + 0.01f, a.u.w + 0.01f, charlieAlpha(a.u.y), 1.0f))))     \
   C(stretchedLobe, 1e-4f, 1e-6f, (stretchedLobeOf(a)))                                                                 \
-  C(stretchedRoughness, 2e-6f, 1e-6f, (pad(stretchedRoughness(someFrame(a), a.v))))                                    \
-  C(stretchedPart, 2e-6f, 1e-6f, (stretchedPartOf(a)))                                                                 \
+  C(stretchedSample, 1e-4f, 1e-5f, (stretchedSampleOf(a)))                                                             \
+  C(stretchedSum, 1e-3f, 1e-4f, (stretchedSumOf(a)))                                                                   \
+  C(sheenSample, 1e-4f, 1e-5f, (sheenSampleOf(a)))                                                                     \
+  C(levelOfShare, 0.0f, 0.0f, (pad(levelOfShare(a.u.x))))                                                              \
   C(thinFilm, 1e-5f, 2e-5f, (pad(thinFilm(a.c, 1.0f + a.u.x, 1500.0f * a.u.y, a.u.z))))                                \
   C(absorptionOf, 1e-5f, 1e-6f, (pad(absorptionOf(a.c, 1.0f + a.w.x))))                                                \
   C(beersLaw, 1e-5f, 0.0f, (pad(beersLaw(a.c, a.u.x))))                                                                \
@@ -254,7 +271,6 @@ SH_FUNC vec4 transmittedRayOf(Arguments a) {
   C(layeredEnvironment, 2e-5f, 1e-5f, (layeredEnvironmentOf(a)))                                                       \
   C(transmittedRadiance, 2e-5f, 1e-5f, (pad(transmittedRadiance(someLayered(a, kShadingGgx), a.c))))                   \
   C(transmittedRay, 1e-6f, 2e-6f, (transmittedRayOf(a)))                                                               \
-  C(sheenDirection, 1e-5f, 1e-5f, (pad(sheenDirection(someLayered(a, kShadingGgx)))))                                  \
   C(reflectance, 2e-6f, 2e-7f, (reflectanceOf(a)))                                                                     \
   C(surfaceReflectance, 2e-6f, 1e-6f, (surfaceReflectanceOf(a)))                                                       \
   C(specularOcclusion, 2e-6f, 1e-6f, (pad(specularOcclusion(a.u.x + 1e-4f, a.u.y, a.u.z))))                            \

@@ -31,6 +31,13 @@ vec3 environmentRadiance(FrameConstants frame, vec3 direction, float level) {
   return mix(a, b, level - lower);
 }
 
+// Of one of them.
+vec3 environmentLevel(FrameConstants frame, vec3 direction, float level) {
+  int size = textureSize(environmentSpecular, 0).x >> int(level);
+  vec2 o = environmentOctahedral(frame, direction);
+  return textureLod(environmentSpecular, octahedralTexture(o, float(size)), level).rgb;
+}
+
 // Irradiance / pi about a normal.
 vec3 environmentDiffuseAt(FrameConstants frame, vec3 normal) {
   vec2 o = environmentOctahedral(frame, normal);

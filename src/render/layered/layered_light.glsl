@@ -28,34 +28,48 @@ LayeredPoint layeredPoint(FrameConstants frame, uint view, Material m, SurfacePo
 LayeredBrdf layeredBrdfAt(LayeredPoint point) {
   LayerTables t = layerTablePlaces(point.s, point.layers, point.toEye);
   t.base = textureLod(reflectanceTable, t.base, 0.0).rg;
-  t.coat = textureLod(reflectanceTable, t.coat, 0.0).rg;
-  t.behind = textureLod(reflectanceTable, t.behind, 0.0).rg;
+  if (point.layers.clearcoat > 0.0) t.coat = textureLod(reflectanceTable, t.coat, 0.0).rg;
+  if (kShading == kShadingGgxCompensated && point.layers.transmission > 0.0)
+    t.behind = textureLod(reflectanceTable, t.behind, 0.0).rg;
   return layeredBrdf(point.s, point.layers, point.toEye, kShading, t);
 }
 
-vec3 environmentPart(FrameConstants frame, LobePart part, vec3 toEye) {
-  return environmentLobe(frame, part.normal, toEye, part.roughness, environmentDiffuseAt(frame, part.normal));
+vec3 roundLobeLight(FrameConstants frame, vec3 normal, vec3 toEye, float roughness) {
+  return environmentLobe(frame, normal, toEye, roughness, environmentDiffuseAt(frame, normal));
 }
 
-vec3 environmentParts(FrameConstants frame, LayeredBrdf b, vec3 toEye) {
-  vec3 sum = vec3(0.0);
-  float weights = 0.0;
-  for (uint i = 0u; i < baseParts(b); ++i) {
-    LobePart part = basePart(b, i);
-    sum += environmentPart(frame, part, toEye) * part.weight;
-    weights += part.weight;
+vec3 stretchedLobeLight(FrameConstants frame, inout LayeredBrdf b) {
+  FilmCurve film = filmCurve(b);
+  StretchedSum sum = emptySum();
+  for (uint i = 0u; i < kStretchedSamples; ++i) {
+    LobeSample r = baseSample(b, i);
+    addSample(sum, b, film, r, environmentLevel(frame, r.toLight, levelOfShare(r.solidAngle)));
   }
-  return sum / max(weights, 1.0e-6);
+  return meanOfSum(b, sum);
 }
 
-vec3 layeredEnvironment(FrameConstants frame, LayeredBrdf b, vec3 toEye) {
+vec3 sheenLobeLight(FrameConstants frame, LayeredBrdf b) {
+  vec3 along = alongEye(b.base.normal, b.base.toEye), sum = vec3(0.0);
+  float weights = 0.0, level = levelOfShare(kSheenSolidAngle);
+  for (uint i = 0u; i < kSheenSamples; ++i) {
+    SheenSample r = sheenSample(b.base.normal, along, b.base.toEye, b.base.nv, b.layers.sheenRoughness, i);
+    sum += environmentLevel(frame, r.toLight, level) * r.weight;
+    weights += r.weight;
+  }
+  return sum / max(weights, 1.0e-20);
+}
+
+vec3 layeredEnvironment(FrameConstants frame, inout LayeredBrdf b, vec3 toEye) {
   if (frame.environmentIntensity == 0.0) return vec3(0.0);
+  SurfaceLayers l = b.layers;
   LayerLight found;
   found.front = environmentDiffuseAt(frame, b.base.normal);
-  found.back = environmentDiffuseAt(frame, -b.base.normal);
-  found.sheen = environmentDiffuseAt(frame, sheenDirection(b));
-  found.base = environmentParts(frame, b, toEye);
-  found.coat = environmentPart(frame, coatPart(b), toEye);
+  found.back = l.diffuseTransmission > 0.0 ? environmentDiffuseAt(frame, -b.base.normal) : vec3(0.0);
+  found.sheen = maxChannel(l.sheenColor) > 0.0 ? sheenLobeLight(frame, b) : vec3(0.0);
+  found.base = l.anisotropy > 0.0 ? stretchedLobeLight(frame, b)
+                                  : environmentLobe(frame, b.base.normal, toEye, b.surface.roughness, found.front);
+  found.coat = l.clearcoat > 0.0 ? roundLobeLight(frame, l.clearcoatNormal, toEye, saturate(l.clearcoatRoughness))
+                                 : vec3(0.0);
   return shadeLayeredEnvironment(b, found) * frame.environmentIntensity;
 }
 

@@ -4,7 +4,6 @@
 #define LATELIGHT_SHARED_BRDF_ANISOTROPIC_H
 
 #include "shared/brdf/ggx.h"
-#include "shared/brdf/lobe_part.h"
 
 SH_BEGIN
 
@@ -51,40 +50,48 @@ SH_FUNC float stretchedLobe(StretchedFrame f, vec3 toLight, vec3 toEye, vec3 h, 
   return stretchedDistribution(f, h) * visibility;
 }
 
-// Perceptual roughness of the round lobe that returns as much light to the eye, fitted to the integral: 0.022 of all
-// light off it in the mean. An eye across the stretch loses more of the light, as more of it is sent below the surface.
-SH_FUNC float stretchedRoughness(StretchedFrame f, vec3 toEye) {
-  float t = dot(f.tangent, toEye);
-  float b = dot(f.bitangent, toEye);
-  float share = saturate(0.47f + (0.55f * b * b - 0.3f * t * t) / (1.0f + saturate(dot(f.normal, toEye))));
-  float along2 = f.along * f.along;
-  float across2 = f.across * f.across;
-  return sqrt(sqrt(across2 + (along2 - across2) * share));
+// A direction from which a lobe sends light to the eye.
+struct LobeSample {
+  vec3 toLight;      // unit
+  float vh;          // cosine between the eye and the facet that reflects it
+  float weight;      // share of the light from there that leaves the surface
+  float solidAngle;  // sr, that it stands for
+};
+
+// The i-th of `count`: mirrored about facets of which the eye sees equal areas (Dupuy and Benyoub 2023, Sampling
+// Visible GGX Normals with Spherical Caps), a golden angle from one to the next. `nv` is n.v above 0.
+SH_FUNC LobeSample stretchedSample(StretchedFrame f, vec3 toEye, float nv, uint i, uint count) {
+  vec3 eye = normalize(vec3(f.along * dot(f.tangent, toEye), f.across * dot(f.bitangent, toEye), nv));
+  float turn = 2.0f * kPi * fract(float(i) * 0.61803399f + 0.5f);
+  float height = 1.0f - (1.0f + eye.z) * (float(i) + 0.5f) / float(count);
+  float radius = sqrt(max(1.0f - height * height, 0.0f));
+  vec3 facet = normalize(vec3(f.along * (radius * cos(turn) + eye.x), f.across * (radius * sin(turn) + eye.y),
+                              max(height + eye.z, 1e-6f)));
+  vec3 h = f.tangent * facet.x + f.bitangent * facet.y + f.normal * facet.z;
+  float eyeRoot = stretchedRoot(f, toEye, nv);
+  LobeSample r;
+  r.vh = dot(toEye, h);
+  r.toLight = h * (2.0f * r.vh) - toEye;
+  float nl = dot(f.normal, r.toLight);
+  r.weight = 0.0f;
+  if (r.vh > 0.0f && nl > 0.0f)  // G2 / G1 of Heitz 2014
+    r.weight = nl * (nv + eyeRoot) / (nv * stretchedRoot(f, r.toLight, nl) + nl * eyeRoot);
+  r.solidAngle = 2.0f * (nv + eyeRoot) / (float(count) * stretchedDistribution(f, h));
+  return r;
 }
 
-// Parts of equal share of a stretched lobe's facets, for lookups that know round lobes alone: normals along the
-// tangent, spread so that lobes as wide as the stretched one is across it are together as wide as it is along it.
-SH_CONST uint kStretchedParts = 8u;
-SH_FUNC LobePart stretchedPart(StretchedFrame f, vec3 toEye, uint part) {
-  // The slope's distribution along the tangent is (1 + u^2)^(-3/2) / 2 of u = slope / alpha, and this its quantile.
-  float p = (float(part) + 0.5f) * (2.0f / float(kStretchedParts)) - 1.0f;
-  float u = p * inversesqrt(1.0f - p * p);
-  float ratio = f.across / f.along;
-  float apart = 1.0f - ratio * ratio;
-  float slope = f.along * sqrt(apart) * u;
-  float tilt = inversesqrt(1.0f + slope * slope);
-  LobePart r;
-  r.normal = (f.normal + f.tangent * slope) * tilt;
-  float across = f.across * sqrt(1.0f + apart * u * u) * tilt;
-  float gap = f.along * sqrt(apart) * (1.0f + u * u) * sqrt(1.0f + u * u) * tilt * tilt / float(kStretchedParts);
-  r.roughness = sqrt(clamp(max(across, 0.5f * gap), kGgxMinAlpha, 1.0f));
-  // Visible facets are seen in the measure of the cosine to them, and what they send below the surface is lost.
-  float vh = dot(toEye, r.normal);
-  vec3 mirrored = r.normal * (2.0f * vh) - toEye;
-  float nl = dot(f.normal, mirrored);
-  r.weight = 0.0f;
-  if (vh > 0.0f && nl > 0.0f) r.weight = vh / tilt * 2.0f * nl / (nl + stretchedRoot(f, mirrored, nl));
-  return r;
+// Scale and bias of f0 and f90 in the share of uniform light that the lobe sends to the eye, which the split-sum table
+// has for round lobes alone: what one of the directions adds.
+SH_FUNC vec2 stretchedShare(LobeSample r) {
+  float grazing = schlickWeight(r.vh);
+  return vec2(1.0f - grazing, grazing) * r.weight;
+}
+// 0.004 of all light off the integral in the mean.
+SH_FUNC vec2 stretchedTable(StretchedFrame f, vec3 toEye, float nv) {
+  const uint kCount = 64u;
+  vec2 sum = vec2(0.0f, 0.0f);
+  for (uint i = 0u; i < kCount; ++i) sum = sum + stretchedShare(stretchedSample(f, toEye, nv, i, kCount));
+  return sum * (1.0f / float(kCount));
 }
 
 SH_END

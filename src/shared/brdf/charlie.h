@@ -57,6 +57,32 @@ SH_FUNC float charlieAlbedo(float nv, float roughness) {
   return exp(c0 + x * (c1 + x * (c2 + x * (c3 + x * c4))));
 }
 
+// Directions over the hemisphere, of equal solid angle, from which an environment is looked up for the lobe.
+SH_CONST uint kSheenSamples = 24u;
+SH_CONST float kSheenSolidAngle = 2.0f * kPi / 24.0f;
+
+// The i-th of them and how much the lobe takes of its light, up to a factor. `along` is the eye's direction in the
+// plane of the normal (unit). A lobe of less than kLeast is taken as that: it would be narrower than the directions are
+// apart.
+struct SheenSample {
+  vec3 toLight;
+  float weight;
+};
+SH_FUNC SheenSample sheenSample(vec3 normal, vec3 along, vec3 toEye, float nv, float roughness, uint i) {
+  const float kLeast = 0.2f;
+  float alpha = charlieAlpha(max(roughness, kLeast));
+  float nl = (float(i) + 0.5f) / float(kSheenSamples);
+  float sine = sqrt(1.0f - nl * nl);
+  float turn = 2.0f * kPi * fract(float(i) * 0.61803399f + 0.5f);
+  SheenSample r;
+  r.toLight = normal * nl + along * (sine * cos(turn)) + cross(normal, along) * (sine * sin(turn));
+  vec3 sum = r.toLight + toEye;
+  vec3 across = cross(normal, sum * inversesqrt(max(dot(sum, sum), 1e-12f)));
+  float shadowing = 1.0f + charlieLambda(nv, alpha) + charlieLambda(nl, alpha);
+  r.weight = charlieDistribution(dot(across, across), alpha) / shadowing;
+  return r;
+}
+
 SH_END
 
 #endif
