@@ -94,6 +94,7 @@ struct FrameSetup {
   bool countLights = false;
   uint32_t ambientOcclusion = 0;  // kAo*
   uint32_t textureSlots = ~0u;    // bit i: a material may have a texture in slot i (GpuScene::textureSlots)
+  uint32_t layers = 0;            // kLayer*: what a material may have (GpuMaterials::layers)
   bool lights = true;             // there may be some; else shaders of the deferred techniques need not look for any
   bool fog = false;               // the constants have some
   TransparencySetup transparency;
@@ -113,6 +114,8 @@ struct FrameSetup {
     return samples == 1 ? shader : shader + (sampleLayers ? "+layers" : "+msaa");
   }
 };
+// Of shaders with COATED alone, so that all others are the same for scenes with and without layers.
+inline constexpr uint32_t kLayersConstant = 12;   // layered/surface_layers.glsl: FrameSetup::layers
 inline constexpr uint32_t kLensConstant = 14;     // glsl/pixel_ray.glsl
 inline constexpr uint32_t kSamplesConstant = 10;  // glsl/samples.glsl: not of a frame, since some passes have one
 inline constexpr uint32_t kFirstOwnConstant = 16;

@@ -57,6 +57,7 @@ const FrameContext& ViewSet::frame(graph::Graph& graph, const FrameSetup& setup)
   FrameSetup& kept = setups_.emplace_back(setup);
   kept.lens = views_.lens != nullptr;
   kept.textureSlots = state_.scene.materials().textureSlots();
+  kept.layers = state_.scene.materials().layers();
   // On GPUs the first light that an edit adds had better make no pipelines.
   kept.lights = !state_.device.isCpu() || state_.scene.lights().count() > 0;
   const shared::vec2 size = views_.now.front().size;

@@ -95,13 +95,27 @@ shared::MaterialLayers noLayers() {
           .diffuseTransmissionColor = vec3(1)};
 }
 
+uint32_t layersOf(const shared::Material& material) {
+  using namespace shared;
+  const MaterialLayers& l = material.layers;
+  if (material.flags & kMaterialUnlit) return 0;
+  uint32_t layers = 0;
+  if (l.clearcoat > 0) layers |= kLayerClearcoat;
+  if (l.sheenColor != vec3(0)) layers |= kLayerSheen;
+  if (l.anisotropy > 0) layers |= kLayerAnisotropy;
+  if (l.iridescence > 0) layers |= kLayerIridescence;
+  if (l.transmission > 0) layers |= kLayerTransmission;
+  if (l.diffuseTransmission > 0) layers |= kLayerDiffuseTransmission;
+  const bool passesLight = l.transmission > 0 || l.diffuseTransmission > 0;
+  if (passesLight && l.thickness > 0) layers |= kLayerVolume;
+  if (l.transmission > 0 && l.thickness > 0 && l.dispersion > 0) layers |= kLayerDispersion;
+  return layers;
+}
+
 uint32_t layerFlags(const shared::Material& material) {
-  const shared::MaterialLayers& l = material.layers;
-  if (material.flags & shared::kMaterialUnlit) return 0;
-  if (l.transmission > 0) return shared::kMaterialLayered | shared::kMaterialTransmissive;
-  const bool any =
-      l.clearcoat > 0 || l.sheenColor != vec3(0) || l.anisotropy > 0 || l.iridescence > 0 || l.diffuseTransmission > 0;
-  return any ? shared::kMaterialLayered : 0;
+  const uint32_t layers = layersOf(material);
+  if (layers & shared::kLayerTransmission) return shared::kMaterialLayered | shared::kMaterialTransmissive;
+  return layers ? shared::kMaterialLayered : 0;
 }
 
 size_t Texture::bytes() const {

@@ -62,7 +62,9 @@ struct Material {
 
 // glTF's defaults: nothing lies over the surface.
 shared::MaterialLayers noLayers();
-// kMaterialLayered and kMaterialTransmissive, as the layers have it. An unlit surface has none.
+// kLayer* of those that show. An unlit surface has none.
+uint32_t layersOf(const shared::Material& material);
+// kMaterialLayered and kMaterialTransmissive, as the layers have it.
 uint32_t layerFlags(const shared::Material& material);
 
 // One glTF primitive: triangles only (strips and fans unrolled), indices always present, normals always present.

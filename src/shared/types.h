@@ -75,6 +75,16 @@ struct TextureTransform {  // KHR_texture_transform as an affine map: uv' = (dot
   uint uvSet;  // 0 or 1
 };
 
+// Which of them a material has: scene::layersOf().
+SH_CONST uint kLayerClearcoat = 1u;
+SH_CONST uint kLayerSheen = 2u;
+SH_CONST uint kLayerAnisotropy = 4u;
+SH_CONST uint kLayerIridescence = 8u;
+SH_CONST uint kLayerTransmission = 16u;
+SH_CONST uint kLayerVolume = 32u;  // of a surface that lets light pass
+SH_CONST uint kLayerDispersion = 64u;
+SH_CONST uint kLayerDiffuseTransmission = 128u;
+
 struct MaterialLayers {  // what the extensions KHR_materials_* lay over a surface, and what it lets through
   float clearcoat;
   float clearcoatRoughness;

@@ -55,6 +55,7 @@ void GpuMaterials::setRecord(uint32_t material, const shared::Material& data) {
   std::ranges::copy(textures_.indices(material), record.images);
   record.flags |= scene::layerFlags(record);
   textureSlots_ |= record.textures;
+  layers_ |= scene::layersOf(record);
 }
 
 void GpuMaterials::uploadRecords(vk::Uploader& uploader, std::span<const uint32_t> changed) {

@@ -37,6 +37,7 @@ class GpuMaterials {
   // What shaders are made for: bit i where a material has, or had, a texture in slot i. All bits but on a CPU device,
   // which takes its time to compile a slot; elsewhere all scenes share their pipelines.
   uint32_t textureSlots() const { return textureSlots_; }
+  uint32_t layers() const { return layers_; }                  // kLayer* that some material has, or had
   VkDeviceAddress address() const { return list_.address(); }  // shared::Material[]
   uint64_t revision() const { return revision_; }              // grows whenever one changes
 
@@ -57,6 +58,7 @@ class GpuMaterials {
   vk::Handle<VkDescriptorPool> uniformPool_;  // of this set alone
   VkDescriptorSet uniformSet_ = VK_NULL_HANDLE;
   uint32_t textureSlots_ = 0;
+  uint32_t layers_ = 0;
   uint64_t revision_ = 1;
 };
 

@@ -11,6 +11,11 @@ namespace {
 
 constexpr uint32_t kPlainLoop = kFirstOwnConstant + 1;  // layered.frag
 
+// What transmits is shaded with blended surfaces.
+vk::Constant opaqueLayers(const FrameSetup& setup) {
+  return {kLayersConstant, setup.layers & ~(shared::kLayerTransmission | shared::kLayerDispersion)};
+}
+
 // The mean of a pixel's samples, added to the picture.
 void addSamples(const FrameContext& f, graph::ImageId samples, graph::ImageId light) {
   Bindings bindings(f.device);
@@ -41,6 +46,7 @@ void drawLayered(const FrameContext& f, const Gbuffer& gbuffer, const HardwareVi
   const Bindings maps = litMaps(f, gbuffer, graph::Use::SampledFragment);
   vk::GraphicsDesc desc = behindDepth(f.setup);
   desc.fragment = f.setup.variant("layered.frag");
+  desc.constants.push_back(opaqueLayers(f.setup));
   desc.constants.push_back({kPlainLoop, forwardLoop(f.device) == ForwardLoop::Plain ? 1u : 0u});
   desc.bindings = maps.kinds();
   desc.name = "layered";
@@ -69,9 +75,11 @@ void shadeLayered(const FrameContext& f, const Gbuffer& gbuffer, const ComputeVi
   Bindings bindings = litMaps(f, gbuffer, graph::Use::SampledCompute);
   bindings.storage(gbuffer.light, graph::Use::StorageReadWrite);
   bindings.storage(gbuffer.lightCounts, graph::Use::StorageReadWrite);
-  raster.addShading(
-      f,
-      {.stage = graph::Stage::Lighting, .name = "layered", .shader = "layered.comp", .bindings = std::move(bindings)});
+  raster.addShading(f, {.stage = graph::Stage::Lighting,
+                        .name = "layered",
+                        .shader = "layered.comp",
+                        .bindings = std::move(bindings),
+                        .constants = {opaqueLayers(f.setup)}});
 }
 
 }  // namespace

@@ -1,6 +1,9 @@
 // The layers of a surface at a point, by its material. After surface.glsl.
 #include "shared/layers.h"
 
+// FrameSetup::layers: what no material of the scene has costs nothing.
+layout(constant_id = 12) const uint kLayers = ~0u;
+
 // The direction in which a surface is stretched: the vertices' tangent in the plane of the normal, turned by the material
 // and its texture (KHR_materials_anisotropy). Without a tangent frame any direction in the plane.
 vec3 stretchDirection(SurfacePoint p, vec3 n, vec2 turned) {
@@ -25,7 +28,7 @@ void findAnisotropy(inout SurfaceLayers l, Material m, SurfacePoint p, vec3 n) {
   l.anisotropyDirection = stretchDirection(p, n, turned);
 }
 
-void findCoats(inout SurfaceLayers l, Material m, SurfacePoint p) {
+void findClearcoat(inout SurfaceLayers l, Material m, SurfacePoint p) {
   l.clearcoat = m.layers.clearcoat;
   if (hasTexture(m, kTextureClearcoat)) l.clearcoat *= sampleTexture(m, kTextureClearcoat, p).r;
   l.clearcoatRoughness = m.layers.clearcoatRoughness;
@@ -33,6 +36,9 @@ void findCoats(inout SurfaceLayers l, Material m, SurfacePoint p) {
     l.clearcoatRoughness *= sampleTexture(m, kTextureClearcoatRoughness, p).g;
   l.clearcoatNormal =
       mappedNormal(m, kTextureClearcoatNormal, m.layers.clearcoatNormalScale, p, vertexNormal(p));
+}
+
+void findSheen(inout SurfaceLayers l, Material m, SurfacePoint p) {
   l.sheenColor = m.layers.sheenColor;
   if (hasTexture(m, kTextureSheenColor)) l.sheenColor *= sampleTexture(m, kTextureSheenColor, p).rgb;
   l.sheenRoughness = m.layers.sheenRoughness;
@@ -55,16 +61,21 @@ float stretchAlong(FrameConstants frame, SurfacePoint p) {
   return length(transpose(mat3(frameInstance(frame, p.instance).objectToWorld)) * vertexNormal(p));
 }
 
-void findTransmission(inout SurfaceLayers l, FrameConstants frame, Material m, SurfacePoint p) {
+void findTransmission(inout SurfaceLayers l, Material m, SurfacePoint p) {
   float root = sqrt(clamp(m.f0, 0.0, 0.99));  // of f0 = ((ior - 1) / (ior + 1))^2
   l.ior = (1.0 + root) / (1.0 - root);
   l.transmission = m.layers.transmission;
   if (hasTexture(m, kTextureTransmission)) l.transmission *= sampleTexture(m, kTextureTransmission, p).r;
+}
+
+void findVolume(inout SurfaceLayers l, FrameConstants frame, Material m, SurfacePoint p) {
   l.thickness = m.layers.thickness;
   if (hasTexture(m, kTextureThickness)) l.thickness *= sampleTexture(m, kTextureThickness, p).g;
   l.thickness *= stretchAlong(frame, p);
   l.absorption = absorptionOf(m.layers.attenuationColor, m.layers.attenuationDistance);
-  l.dispersion = m.layers.dispersion;
+}
+
+void findDiffuseTransmission(inout SurfaceLayers l, Material m, SurfacePoint p) {
   l.diffuseTransmission = m.layers.diffuseTransmission;
   if (hasTexture(m, kTextureDiffuseTransmission))
     l.diffuseTransmission *= sampleTexture(m, kTextureDiffuseTransmission, p).a;
@@ -75,9 +86,13 @@ void findTransmission(inout SurfaceLayers l, FrameConstants frame, Material m, S
 
 SurfaceLayers evaluateLayers(FrameConstants frame, Material m, SurfacePoint p, Surface s) {
   SurfaceLayers l = emptyLayers();
-  findCoats(l, m, p);
-  findAnisotropy(l, m, p, s.normal);
-  findIridescence(l, m, p);
-  findTransmission(l, frame, m, p);
+  if ((kLayers & kLayerClearcoat) != 0u) findClearcoat(l, m, p);
+  if ((kLayers & kLayerSheen) != 0u) findSheen(l, m, p);
+  if ((kLayers & kLayerAnisotropy) != 0u) findAnisotropy(l, m, p, s.normal);
+  if ((kLayers & kLayerIridescence) != 0u) findIridescence(l, m, p);
+  if ((kLayers & kLayerTransmission) != 0u) findTransmission(l, m, p);
+  if ((kLayers & kLayerVolume) != 0u) findVolume(l, frame, m, p);
+  if ((kLayers & kLayerDispersion) != 0u) l.dispersion = m.layers.dispersion;
+  if ((kLayers & kLayerDiffuseTransmission) != 0u) findDiffuseTransmission(l, m, p);
   return l;
 }

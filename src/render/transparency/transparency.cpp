@@ -43,6 +43,7 @@ ScenePipelines blendedPipelines(const FrameContext& f, const Bindings& maps, con
   const vk::PipelineRef plain = f.device.cache().pipeline(desc);
   if (!blendedHaveLayers(f)) return {plain, plain};
   desc.fragment = materialVariant(f.device, target.fragment + "+coated");
+  desc.constants.push_back({kLayersConstant, f.setup.layers});
   desc.name += " coated";
   return {plain, plain, f.device.cache().pipeline(desc)};
 }

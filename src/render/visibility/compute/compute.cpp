@@ -613,6 +613,7 @@ void ComputeVisibility::lightFragments(const FrameContext& f, const Gbuffer& gbu
   pass.constants.insert(pass.constants.end(), {{kFirstOwnConstant, setup.everyLight ? 1u : 0u},
                                                {kFirstOwnConstant + 1, setup.method == kTransparencySorted ? 1u : 0u},
                                                {kSamplesConstant, f.setup.samples}});
+  if (blendedHaveLayers(f)) pass.constants.push_back({kLayersConstant, f.setup.layers});
   addCompute(f, std::move(pass), [=, this, &f](graph::Context& context) {
     return FragmentLightPush{.lists = listsOf(context, buffers),
                              .frame = f.constants,
