@@ -183,6 +183,27 @@ TEST_F(Layered, ViewsTogetherAreViewsAlone) {
               imageOf(renderer.render({&cameras[i], 1}, picture()).front(), Aov::Color).values);
 }
 
+// A lens that bends nothing shows what a pinhole does, but for the rounding of places.
+TEST_F(Layered, ALensWithoutDistortionIsAPinhole) {
+  const scene::Scene scene = identifiedRoom();
+  const scene::Environment environment = constantEnvironment();
+  Renderer renderer(device(), scene, &environment);
+  const std::vector<int> shown = layeredPixels(renderer, scene);
+  Settings settings = picture();
+  settings.raster = Raster::Compute;
+  const Values pinhole = colorOf(renderer, settings);
+  scene::Camera camera = roomCamera();
+  const double focal = 0.5 * kHeight / std::tan(0.5 * double{camera.verticalFov});
+  camera.lens = scene::Lens{scene::LensModel::OpenCv, kWidth, kHeight, focal, focal, 0.5 * kWidth, 0.5 * kHeight};
+  const Values found = imageOf(renderer.render({&camera, 1}, settings).front(), Aov::Color).values;
+  size_t layered = 0, far = 0;
+  for (size_t i = 0; i < shown.size(); ++i)
+    for (size_t c = 0; shown[i] >= 0 && c < 3; ++c, ++layered)
+      far += std::abs(found[4 * i + c] - pinhole[4 * i + c]) > 0.01f * std::max(1.0f, pinhole[4 * i + c]);
+  EXPECT_GT(layered, 1000u);
+  EXPECT_LE(far, layered / 100);
+}
+
 // Edges of layered surfaces are smoothed as much as those of plain ones: against 16 samples a pixel.
 TEST_F(Layered, SamplesSmoothEdges) {
   const scene::Scene scene = layeredRoom();
@@ -191,16 +212,16 @@ TEST_F(Layered, SamplesSmoothEdges) {
   const Values rough = colorOf(renderer, settings);
   settings.aa.superSampling = 4;
   const Values reference = colorOf(renderer, settings);
-  settings.aa.superSampling = 1;
-  settings.aa.samples = 4;
-  const Values smooth = colorOf(renderer, settings);
   const auto error = [&](const Values& values) {
     double sum = 0;
     for (size_t i = 0; i < values.size(); ++i)
       sum += std::abs(std::min(values[i], 1.0f) - std::min(reference[i], 1.0f));
     return sum / static_cast<double>(values.size());
   };
-  EXPECT_LT(error(smooth), 0.6 * error(rough));
+  for (const AntiAliasing& aa : {AntiAliasing{.samples = 4}, AntiAliasing{.temporal = true}}) {
+    settings.aa = aa;
+    EXPECT_LT(error(colorOf(renderer, settings)), 0.6 * error(rough)) << aa.samples;
+  }
 }
 
 // A layer that an edit puts on, changes and takes off: the picture of a renderer made afresh each time.
