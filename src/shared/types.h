@@ -41,7 +41,9 @@ struct Instance {
   uint id;  // the values of the data outputs id and part: stable, never 0
   uint part;
   uint flags;  // kInstance*, and its group from kInstanceGroupShift on
+  uint padding[3];
 };
+SH_CONST uint kInstanceBytes = 80u;
 SH_CONST uint kInstanceMirrored = 1u;  // negative determinant: front faces are clockwise
 SH_CONST uint kInstanceExtras = 2u;    // its mesh has VertexExtra
 SH_CONST uint kInstanceGroupShift = 16u;
@@ -159,7 +161,7 @@ SH_CONST uint kReachEverywhere = 0u;  // it has a direction and no place
 SH_CONST uint kReachSphere = 1u;      // as far as its radius
 SH_CONST uint kReachCone = 2u;        // as far, within its cone
 
-struct Light {  // KHR_lights_punctual. Four loads of 16 bytes
+struct Light {  // KHR_lights_punctual
   vec3 position;
   float inverseRadius2;  // 1 / radius^2; 0 without one
   vec3 intensity;        // colour times candela, or lux where it reaches everywhere
@@ -170,6 +172,7 @@ struct Light {  // KHR_lights_punctual. Four loads of 16 bytes
   float spotOffset;
   float padding[2];
 };
+SH_CONST uint kLightBytes = 64u;
 
 // --- shadows --------------------------------------------------------------------------------------------------------
 
@@ -203,7 +206,9 @@ struct ShadowMap {
   uvec2 corner;       // the first texel of its tile in the atlas
   float size;         // its side, texels
   uint layer;         // of the atlas
+  uint padding[2];
 };
+SH_CONST uint kShadowMapBytes = 96u;
 
 // Above the local lights (point and spot) stands a tree of boxes, a heap without pointers: the children of node h are
 // nodes kLightTreeWidth * (h + 1) + i, those of the root, which has no box, nodes i. From node
@@ -227,7 +232,9 @@ struct View {
   vec2 size;              // pixels
   vec2 jitter;            // NDC: that part of the projection's principal point which moves the samples
   uint group;             // of the instances that alone it shows; 0: it shows all
+  uint padding;
 };
+SH_CONST uint kViewBytes = 160u;
 
 // Where a lens looks at one pixel. In a view through one, depth along a ray takes the place of depth along Y.
 struct LensRay {
@@ -271,14 +278,27 @@ SH_END
 static_assert(sizeof(latelight::shared::VertexAttributes) == 36);
 static_assert(sizeof(latelight::shared::VertexExtra) == 24);
 static_assert(sizeof(latelight::shared::Mesh) == 56);
-static_assert(sizeof(latelight::shared::Instance) == 68);
 static_assert(sizeof(latelight::shared::TextureTransform) == 28);
 static_assert(sizeof(latelight::shared::MaterialLayers) == 96);
 static_assert(sizeof(latelight::shared::Material) == 80 + 19 * 28 + 19 * 4 + 96);
-static_assert(sizeof(latelight::shared::Light) == 64);
-static_assert(sizeof(latelight::shared::ShadowMap) == 88);
 static_assert(sizeof(latelight::shared::LightBox) == 24);
-static_assert(sizeof(latelight::shared::View) == 156);
+// Where glsl/common.glsl finds their members.
+static_assert(sizeof(latelight::shared::View) == latelight::shared::kViewBytes);
+static_assert(offsetof(latelight::shared::View, viewToWorld) == 48);
+static_assert(offsetof(latelight::shared::View, projection) == 96);
+static_assert(offsetof(latelight::shared::View, eye) == 124);
+static_assert(offsetof(latelight::shared::View, jitter) == 144);
+static_assert(sizeof(latelight::shared::Instance) == latelight::shared::kInstanceBytes);
+static_assert(offsetof(latelight::shared::Instance, mesh) == 48);
+static_assert(offsetof(latelight::shared::Instance, flags) == 64);
+static_assert(sizeof(latelight::shared::Light) == latelight::shared::kLightBytes);
+static_assert(offsetof(latelight::shared::Light, intensity) == 16);
+static_assert(offsetof(latelight::shared::Light, direction) == 32);
+static_assert(offsetof(latelight::shared::Light, spotScale) == 48);
+static_assert(sizeof(latelight::shared::ShadowMap) == latelight::shared::kShadowMapBytes);
+static_assert(offsetof(latelight::shared::ShadowMap, depthScale) == 48);
+static_assert(offsetof(latelight::shared::ShadowMap, perspective) == 64);
+static_assert(offsetof(latelight::shared::ShadowMap, size) == 80);
 #endif
 
 #endif

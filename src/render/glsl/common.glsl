@@ -13,12 +13,9 @@ layout(constant_id = 100) const uint kCpuDevice = 0;  // 1 on CPU devices
 layout(constant_id = 101) const uint kSubgroupSize = 128;  // lanes of a subgroup, at most
 
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer FrameRef { FrameConstants v; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ViewRef { View v[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer InstanceRef { Instance v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer WordsRef { u64vec2 v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer MeshRef { Mesh v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer MaterialRef { Material v[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer LightRef { vec4 v[4]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ShadowMapRef { ShadowMap v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ShadowBitsRef { ShadowBits v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LightShadowRef { LightShadow v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LightTreeRef { LightBox v[]; };
@@ -27,18 +24,62 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Att
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ExtraRef { VertexExtra v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer UintRef { uint v[]; };
 
-View frameView(FrameConstants frame, uint index) { return ViewRef(frame.views).v[index]; }
-Instance frameInstance(FrameConstants frame, uint index) { return InstanceRef(frame.instances).v[index]; }
 Mesh frameMesh(FrameConstants frame, uint index) { return MeshRef(frame.meshes).v[index]; }
 uvec3 triangleIndices(Mesh mesh, uint triangle) {
   UintRef indices = UintRef(mesh.indices);
   return uvec3(indices.v[3u * triangle], indices.v[3u * triangle + 1u], indices.v[3u * triangle + 2u]);
 }
 Material frameMaterial(FrameConstants frame, uint index) { return MaterialRef(frame.materials).v[index]; }
-// In loads of 16 bytes: compilers make one of each member.
+LightBox frameLightBox(FrameConstants frame, uint node) { return LightTreeRef(frame.lightTree).v[node]; }
+
+// --- what most shaders load -----------------------------------------------------------------------------------------
+//
+// By 16 bytes, where compilers make a load of each member, and of words of 64 bits, of which lavapipe makes a loop over
+// lanes each.
+
+uvec4 wordsAt(uint64_t address, uint i) {
+  u64vec2 words = WordsRef(address).v[i];
+  return uvec4(unpackUint2x32(words.x), unpackUint2x32(words.y));
+}
+vec4 floatsAt(uint64_t address, uint i) { return uintBitsToFloat(wordsAt(address, i)); }
+mat4x3 matrixAt(uint64_t address, uint i) {
+  vec4 a = floatsAt(address, i), b = floatsAt(address, i + 1u), c = floatsAt(address, i + 2u);
+  return mat4x3(a, b, c);
+}
+
+View viewAt(uint64_t views, uint index) {
+  uint64_t at = views + uint64_t(index) * kViewBytes;
+  vec4 scales = floatsAt(at, 6u), principal = floatsAt(at, 7u), eye = floatsAt(at, 8u), jitter = floatsAt(at, 9u);
+  View v;
+  v.worldToView = matrixAt(at, 0u);
+  v.viewToWorld = matrixAt(at, 3u);
+  v.projection = Projection(scales.x, scales.y, scales.z, scales.w, principal.x, principal.y,
+                            floatBitsToUint(principal.z));
+  v.eye = vec3(principal.w, eye.xy);
+  v.size = eye.zw;
+  v.jitter = jitter.xy;
+  v.group = floatBitsToUint(jitter.z);
+  return v;
+}
+View frameView(FrameConstants frame, uint index) { return viewAt(frame.views, index); }
+
+Instance instanceAt(uint64_t instances, uint index) {
+  uint64_t at = instances + uint64_t(index) * kInstanceBytes;
+  uvec4 numbers = wordsAt(at, 3u);
+  Instance i;
+  i.objectToWorld = matrixAt(at, 0u);
+  i.mesh = numbers.x;
+  i.material = numbers.y;
+  i.id = numbers.z;
+  i.part = numbers.w;
+  i.flags = wordsAt(at, 4u).x;
+  return i;
+}
+Instance frameInstance(FrameConstants frame, uint index) { return instanceAt(frame.instances, index); }
+
 Light frameLight(FrameConstants frame, uint index) {
-  LightRef light = LightRef(frame.lights + uint64_t(index) * 64u);
-  vec4 a = light.v[0], b = light.v[1], c = light.v[2], d = light.v[3];
+  uint64_t at = frame.lights + uint64_t(index) * kLightBytes;
+  vec4 a = floatsAt(at, 0u), b = floatsAt(at, 1u), c = floatsAt(at, 2u), d = floatsAt(at, 3u);
   Light l;
   l.position = a.xyz;
   l.inverseRadius2 = a.w;
@@ -50,4 +91,22 @@ Light frameLight(FrameConstants frame, uint index) {
   l.spotOffset = d.y;
   return l;
 }
-LightBox frameLightBox(FrameConstants frame, uint node) { return LightTreeRef(frame.lightTree).v[node]; }
+
+ShadowMap frameShadowMap(FrameConstants frame, uint index) {
+  uint64_t at = frame.shadowMaps + uint64_t(index) * kShadowMapBytes;
+  vec4 depth = floatsAt(at, 3u), kind = floatsAt(at, 4u), tile = floatsAt(at, 5u);
+  ShadowMap m;
+  m.across = floatsAt(at, 0u);
+  m.down = floatsAt(at, 1u);
+  m.away = floatsAt(at, 2u);
+  m.depthScale = depth.x;
+  m.depthOffset = depth.y;
+  m.depthSlack = depth.z;
+  m.texel = depth.w;
+  m.perspective = kind.x;
+  m.lightSize = kind.y;
+  m.corner = floatBitsToUint(kind.zw);
+  m.size = tile.x;
+  m.layer = floatBitsToUint(tile.y);
+  return m;
+}

@@ -5,6 +5,7 @@
 #extension GL_KHR_shader_subgroup_vote : require
 #extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
+#extension GL_KHR_shader_subgroup_shuffle : require
 
 uint lanesPresent = 1u;  // how many
 uint laneRank = 0u;      // this one's place among them, from 0
@@ -29,4 +30,13 @@ uint takeLane(inout uvec4 ballot) {
     ballot[lane >> 5u] &= ~(1u << (lane & 31u));
   return lane;
 }
+
+// What a lane that all name has. lavapipe goes through all lanes for each broadcast, and shuffles by one instruction.
+#define FROM_LANE(type) \
+  type fromLane(type value, uint lane) { \
+    return kCpuDevice != 0u ? subgroupShuffle(value, lane) : subgroupBroadcast(value, lane); \
+  }
+FROM_LANE(uint)
+FROM_LANE(float)
+FROM_LANE(vec3)
 #endif

@@ -11,18 +11,18 @@
 
 Light broadcastLight(Light l, uint lane) {
   Light r;
-  r.position = subgroupBroadcast(l.position, lane);
-  r.inverseRadius2 = subgroupBroadcast(l.inverseRadius2, lane);
-  r.intensity = subgroupBroadcast(l.intensity, lane);
-  r.type = subgroupBroadcast(l.type, lane);
-  r.direction = subgroupBroadcast(l.direction, lane);
-  r.spotScale = subgroupBroadcast(l.spotScale, lane);
-  r.spotOffset = subgroupBroadcast(l.spotOffset, lane);
+  r.position = fromLane(l.position, lane);
+  r.inverseRadius2 = fromLane(l.inverseRadius2, lane);
+  r.intensity = fromLane(l.intensity, lane);
+  r.type = fromLane(l.type, lane);
+  r.direction = fromLane(l.direction, lane);
+  r.spotScale = fromLane(l.spotScale, lane);
+  r.spotOffset = fromLane(l.spotOffset, lane);
   return r;
 }
 
 LightShadow broadcastShadow(LightShadow s, uint lane) {
-  return LightShadow(subgroupBroadcast(s.first, lane), subgroupBroadcast(s.maps, lane), subgroupBroadcast(s.sun, lane));
+  return LightShadow(fromLane(s.first, lane), fromLane(s.maps, lane), fromLane(s.sun, lane));
 }
 
 // Whether the light may reach into the box.
@@ -61,7 +61,7 @@ DealtLight dealtLight(FrameConstants frame, uint view, uint index) {
 // What a lane brought, for all. On GPUs a load that all lanes share costs less than a dozen broadcasts.
 Light lightOfLane(FrameConstants frame, DealtLight mine, uint lane) {
   if (kCpuDevice != 0u) return broadcastLight(mine.light, lane);
-  return frameLight(frame, subgroupBroadcast(mine.index, lane));
+  return frameLight(frame, fromLane(mine.index, lane));
 }
 
 void shadeHits(inout Shading shading, FrameConstants frame, DealtLight mine, uvec4 hits, bool shadowed) {

@@ -89,16 +89,16 @@ float shadowPcss(ShadowMap m, ShadowPoint p, vec2 plane) {
 // map that is looked at: by address, which is expensive on lavapipe. And the condition stands before the load: what only the
 // body of a loop defines, lavapipe 22.3 takes from the last round for lanes that left in an earlier one.)
 bool findShadowMap(FrameConstants frame, Light light, LightShadow shadow, vec3 position, out ShadowMap m) {
-  ShadowMapRef maps = ShadowMapRef(frame.shadowMaps);
   float room = shadowReach(kShadowFilter) + 0.5;
   bool directional = lightIsDirectional(light.type);
   bool cube = !directional && shadow.maps == 6u;
   uint next = shadow.first + (cube ? shadowFace(position - light.position) : 0u);
   uint end = directional ? shadow.first + shadow.maps : next + 1u;
   bool found = false;
-  m = ShadowMap(vec4(0.0), vec4(0.0), vec4(0.0), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, uvec2(0u), 0.0, 0u);
+  m = ShadowMap(vec4(0.0), vec4(0.0), vec4(0.0), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, uvec2(0u), 0.0, 0u,
+                uint[2](0u, 0u));
   while (!found && next < end) {
-    m = maps.v[next];
+    m = frameShadowMap(frame, next);
     found = !directional || shadowInside(m, shadowPoint(m, position).texel, room);
     ++next;
   }

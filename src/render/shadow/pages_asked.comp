@@ -50,11 +50,11 @@ void ask(ShadowMap m, ShadowPoint p) {
 // --- of a light -----------------------------------------------------------------------------------------------------
 
 // The first cascade that holds the point; a coarser one, too, where rounding may decide whether it does.
-void askCascades(ShadowMapRef maps, LightShadow shadow, vec3 position) {
+void askCascades(FrameConstants frame, LightShadow shadow, vec3 position) {
   float room = shadowReach(kShadowFilter) + 0.5;
   bool sure = false;
   for (uint i = 0u; i < shadow.maps && !sure; ++i) {
-    ShadowMap m = maps.v[shadow.first + i];
+    ShadowMap m = frameShadowMap(frame, shadow.first + i);
     ShadowPoint p = shadowPoint(m, position);
     if (shadowInside(m, p.texel, room - 1.0)) ask(m, p);
     sure = shadowInside(m, p.texel, room + 1.0);
@@ -62,13 +62,13 @@ void askCascades(ShadowMapRef maps, LightShadow shadow, vec3 position) {
 }
 
 // The map of a cone, or the face of a cube that the point is in, and others where rounding may decide.
-void askAround(ShadowMapRef maps, LightShadow shadow, vec3 light, vec3 position) {
+void askAround(FrameConstants frame, LightShadow shadow, vec3 light, vec3 position) {
   vec3 toPoint = position - light, along = abs(toPoint);
   float nearly = 0.999 * max(along.x, max(along.y, along.z));
   for (uint i = 0u; i < shadow.maps; ++i) {
     float onAxis = (i & 1u) == 0u ? toPoint[i >> 1u] : -toPoint[i >> 1u];
     if (shadow.maps == 6u && onAxis < nearly) continue;
-    ShadowMap m = maps.v[shadow.first + i];
+    ShadowMap m = frameShadowMap(frame, shadow.first + i);
     ShadowPoint p = shadowPoint(m, position);
     if (p.away > 0.0) ask(m, p);
   }
@@ -92,9 +92,9 @@ DealtLight lightInView(FrameConstants frame, uint view, uint number) {
 }
 
 DealtLight ofLane(DealtLight mine, uint lane) {
-  return DealtLight(subgroupBroadcast(mine.position, lane), subgroupBroadcast(mine.radius, lane),
-                    subgroupBroadcast(mine.type, lane),
-                    LightShadow(subgroupBroadcast(mine.shadow.first, lane), subgroupBroadcast(mine.shadow.maps, lane), 0u));
+  return DealtLight(fromLane(mine.position, lane), fromLane(mine.radius, lane),
+                    fromLane(mine.type, lane),
+                    LightShadow(fromLane(mine.shadow.first, lane), fromLane(mine.shadow.maps, lane), 0u));
 }
 
 // Whether the light casts shadows and may reach into the box.
@@ -103,25 +103,24 @@ bool reachesInto(DealtLight l, vec3 low, vec3 high) {
   return l.shadow.maps != 0u && (lightIsDirectional(l.type) || dot(d, d) < l.radius * l.radius);
 }
 
-void askLight(ShadowMapRef maps, DealtLight l, vec3 position) {
+void askLight(FrameConstants frame, DealtLight l, vec3 position) {
   if (lightIsDirectional(l.type))
-    askCascades(maps, l.shadow, position);
+    askCascades(frame, l.shadow, position);
   else
-    askAround(maps, l.shadow, l.position, position);
+    askAround(frame, l.shadow, l.position, position);
 }
 
 // Every invocation of the subgroup calls it; `there` is false for those without a surface.
 void askAt(FrameConstants frame, uint view, vec3 position, bool there) {
   const float kFar = 3.0e38;
   vec3 low = subgroupMin(there ? position : vec3(kFar)), high = subgroupMax(there ? position : vec3(-kFar));
-  ShadowMapRef maps = ShadowMapRef(frame.shadowMaps);
   for (uint first = 0u; first < push.lightCount; first += lanesPresent) {
     uint number = first + laneRank;
     DealtLight mine = lightInView(frame, view, min(number, push.lightCount - 1u));
     uvec4 hits = subgroupBallot(number < push.lightCount && reachesInto(mine, low, high));
     while (anyLane(hits)) {
       DealtLight l = ofLane(mine, takeLane(hits));
-      if (there && reachesInto(l, position, position)) askLight(maps, l, position);
+      if (there && reachesInto(l, position, position)) askLight(frame, l, position);
     }
   }
 }

@@ -7,7 +7,7 @@
 layout(local_size_x = 32, local_size_y = 8) in;
 layout(push_constant, scalar) uniform Push { PagesChosenPush push; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer PagedMapRef { PagedMap v[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer WordsRef { uint v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer PagesRef { uint v[]; };
 
 void main() {
   uint row = gl_GlobalInvocationID.x, number = gl_GlobalInvocationID.y;
@@ -15,9 +15,9 @@ void main() {
   PagedMap map = PagedMapRef(push.maps).v[number];
   if (row >= map.rows) return;
   uint word = map.first + row * push.across;
-  WordsRef kept = WordsRef(push.kept);
-  uint asked = map.whole != 0u ? ~0u >> (32u - map.rows) : WordsRef(push.asked).v[word];
+  PagesRef kept = PagesRef(push.kept);
+  uint asked = map.whole != 0u ? ~0u >> (32u - map.rows) : PagesRef(push.asked).v[word];
   uint has = map.anew != 0u ? 0u : kept.v[word];
-  WordsRef(push.drawn).v[word] = asked & ~has;
+  PagesRef(push.drawn).v[word] = asked & ~has;
   kept.v[word] = has | asked;
 }

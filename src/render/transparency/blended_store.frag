@@ -29,7 +29,7 @@ void main() {
   f.depth = floatBitsToUint(gl_FragCoord.z);
   f.order = more.order.first + (varyingDrawn - more.order.firstInstance) * more.order.triangles + uint(gl_PrimitiveID);
   f.pixel = (push.view * uint(size.y) + place.y) * uint(size.x) + place.x;
-  f.rank = atomicAdd(WordsRef(lists.counts).v[f.pixel], 1u);
+  f.rank = atomicAdd(ListWordsRef(lists.counts).v[f.pixel], 1u);
   f.coverage = uint(gl_SampleMaskIn[0]);
   uint index = atomicAdd(TotalsRef(lists.totals).v.stored, 1u);
   if (index < lists.capacity) FragmentsRef(lists.fragments).v[index] = f;

@@ -4,7 +4,7 @@
 #include "shared/fragment_lists.h"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer FragmentsRef { Fragment v[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer WordsRef { uint v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer ListWordsRef { uint v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer TotalsRef { FragmentTotals v; };
 
 // Farther ones first, and at exactly the same depth those drawn earlier: no two fragments of a pixel compare equal.

@@ -43,10 +43,10 @@ void main() {
   ivec3 place = ivec3(gl_GlobalInvocationID), size = imageSize(lightTarget);
   if (any(greaterThanEqual(place.xy, size.xy)) || overflowed(push.lists)) return;
   uint pixel = uint((place.z * size.y + place.y) * size.x + place.x);
-  uint count = WordsRef(push.lists.counts).v[pixel];
+  uint count = ListWordsRef(push.lists.counts).v[pixel];
   bool isShort = count <= kShortList;
   if (count <= push.first) return;
-  uint start = WordsRef(push.lists.starts).v[pixel];
+  uint start = ListWordsRef(push.lists.starts).v[pixel];
   vec4 picture = imageLoad(lightTarget, place);
   Projection projection = frameView(FrameRef(push.frame).v, uint(place.z)).projection;
   for (uint i = 0u; i < kSamples; ++i) {
@@ -59,7 +59,7 @@ void main() {
     for (uint i = 0u; i < count; ++i) lay(shortList[i], projection);
   } else {
     uint end = min(count, push.first + push.count);
-    for (uint i = push.first; i < end; ++i) lay(WordsRef(push.sorted).v[start + i], projection);
+    for (uint i = push.first; i < end; ++i) lay(ListWordsRef(push.sorted).v[start + i], projection);
   }
   vec4 sum = vec4(0.0);
   for (uint i = 0u; i < kSamples; ++i) sum += kWeighted != 0u ? weightedMean(i, picture) : samples[i];

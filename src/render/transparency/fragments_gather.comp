@@ -15,5 +15,5 @@ void main() {
   uint count = TotalsRef(lists.totals).v.placed;
   FragmentsRef fragments = FragmentsRef(lists.fragments);
   for (uint i = gl_GlobalInvocationID.x; i < count; i += gl_NumWorkGroups.x * 256u)
-    WordsRef(lists.lists).v[WordsRef(lists.starts).v[fragments.v[i].pixel] + fragments.v[i].rank] = i;
+    ListWordsRef(lists.lists).v[ListWordsRef(lists.starts).v[fragments.v[i].pixel] + fragments.v[i].rank] = i;
 }

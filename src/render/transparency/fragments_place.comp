@@ -13,11 +13,11 @@ layout(push_constant, scalar) uniform Push { PlacePush push; };
 void main() {
   uint pixel = gl_WorkGroupID.y * kFragmentRow + gl_GlobalInvocationID.x;
   if (pixel >= push.pixels) return;
-  uint count = WordsRef(push.lists.counts).v[pixel];
+  uint count = ListWordsRef(push.lists.counts).v[pixel];
   if (count == 0u) return;
   TotalsRef totals = TotalsRef(push.lists.totals);
   uint start = atomicAdd(totals.v.placed, count);
   if (start + count < start) atomicAdd(totals.v.carries, 1u);
   atomicMax(totals.v.longest, count);
-  WordsRef(push.lists.starts).v[pixel] = start;
+  ListWordsRef(push.lists.starts).v[pixel] = start;
 }

@@ -17,7 +17,7 @@ uint countBefore(uint first, uint end, uint64_t key) {
   uint low = first;
   while (low < end) {
     uint middle = (low + end) >> 1u;
-    if (sortKeyOf(push.lists, WordsRef(push.from).v[middle]) < key)
+    if (sortKeyOf(push.lists, ListWordsRef(push.from).v[middle]) < key)
       low = middle + 1u;
     else
       end = middle;
@@ -28,7 +28,7 @@ uint countBefore(uint first, uint end, uint64_t key) {
 void makeRun(uint first, uint end) {
   uint count = min(kShortList, end - first);
   sortShortList(push.lists, first, count);
-  for (uint i = 0u; i < count; ++i) WordsRef(push.to).v[first + i] = shortList[i];
+  for (uint i = 0u; i < count; ++i) ListWordsRef(push.to).v[first + i] = shortList[i];
 }
 
 void merge(uint place, uint start, uint end, uint fragment) {
@@ -36,7 +36,7 @@ void merge(uint place, uint start, uint end, uint fragment) {
   uint middle = min(pair + push.run, end), last = min(pair + 2u * push.run, end);
   bool left = place < middle;
   uint before = countBefore(left ? middle : pair, left ? last : middle, sortKeyOf(push.lists, fragment));
-  WordsRef(push.to).v[pair + place - (left ? pair : middle) + before] = fragment;
+  ListWordsRef(push.to).v[pair + place - (left ? pair : middle) + before] = fragment;
 }
 
 void main() {
@@ -44,12 +44,12 @@ void main() {
   uint total = TotalsRef(push.lists.totals).v.placed;
   for (uint i = gl_GlobalInvocationID.x; i < total; i += gl_NumWorkGroups.x * 256u) {
     // The pixel that owns the slot comes from the unsorted list, which has short lists too.
-    uint fragment = WordsRef(push.lists.lists).v[i];
+    uint fragment = ListWordsRef(push.lists.lists).v[i];
     uint pixel = FragmentsRef(push.lists.fragments).v[fragment].pixel;
-    uint start = WordsRef(push.lists.starts).v[pixel], count = WordsRef(push.lists.counts).v[pixel];
+    uint start = ListWordsRef(push.lists.starts).v[pixel], count = ListWordsRef(push.lists.counts).v[pixel];
     if (count <= kShortList) continue;
     if (push.run != 0u)
-      merge(i, start, start + count, WordsRef(push.from).v[i]);
+      merge(i, start, start + count, ListWordsRef(push.from).v[i]);
     else if ((i - start) % kShortList == 0u)
       makeRun(i, start + count);
   }

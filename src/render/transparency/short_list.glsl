@@ -6,7 +6,7 @@ uint shortList[kShortList];  // indices of fragments
 // input.
 void sortShortList(FragmentLists lists, uint first, uint count) {
   for (uint i = 0u; i < count; ++i) {
-    uint fragment = WordsRef(lists.lists).v[first + i];
+    uint fragment = ListWordsRef(lists.lists).v[first + i];
     uint64_t key = sortKeyOf(lists, fragment);
     uint place = i;
     while (place > 0u && shortKeys[place - 1u] > key) {

@@ -12,6 +12,6 @@ vec4 backgroundMotion(FrameConstants frame, View view, uint viewIndex, vec2 pixe
   vec3 direction = view.viewToWorld * vec4(ray, 0.0);
   // There and back, as the others go, so that what does not move rounds to nothing.
   vec3 here = steadyClip(view, view.worldToView * vec4(direction, 0.0));
-  return vec4(backgroundMotionTo(view, ViewRef(frame.previousViews).v[viewIndex], here, direction),
-              backgroundMotionTo(view, ViewRef(frame.nextViews).v[viewIndex], here, direction));
+  return vec4(backgroundMotionTo(view, viewAt(frame.previousViews, viewIndex), here, direction),
+              backgroundMotionTo(view, viewAt(frame.nextViews, viewIndex), here, direction));
 }

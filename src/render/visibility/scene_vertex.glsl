@@ -38,7 +38,7 @@ vec3 placeVertex(Instance instance) {
 }
 
 #ifdef NO_VARYINGS
-void main() { placeVertex(InstanceRef(push.instances).v[inInstance]); }
+void main() { placeVertex(instanceAt(push.instances, inInstance)); }
 #else
 // By address on a GPU: for attributes of triangles that are culled, vertex buffers cost an H200 3 % of the geometry pass.
 VertexAttributes vertexAttributes(Instance instance) {
@@ -47,7 +47,7 @@ VertexAttributes vertexAttributes(Instance instance) {
 }
 
 void main() {
-  Instance instance = InstanceRef(push.instances).v[inInstance];
+  Instance instance = instanceAt(push.instances, inInstance);
   vec3 world = placeVertex(instance);
   VertexAttributes attributes = vertexAttributes(instance);
   VertexDirections directions = vertexDirections(instance);

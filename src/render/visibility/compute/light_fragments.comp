@@ -41,7 +41,7 @@ void main() {
   uint number = gl_WorkGroupID.y * kFragmentRow + gl_GlobalInvocationID.x;
   if (gl_WorkGroupID.y * kFragmentRow + gl_WorkGroupID.x * 256u >= total || overflowed(push.lists)) return;
   bool there = number < total;
-  uint index = WordsRef(push.lists.lists).v[min(number, total - 1u)];
+  uint index = ListWordsRef(push.lists.lists).v[min(number, total - 1u)];
   Fragment f = FragmentsRef(push.lists.fragments).v[index];
   if (!there) f.order = push.firstTriangle + 1u;  // that of another invocation's may be a key by now
   FrameConstants frame = FrameRef(push.frame).v;

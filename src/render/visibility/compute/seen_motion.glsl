@@ -9,9 +9,9 @@ vec3 clipOf(View view, mat4x3 toWorld, uint64_t positions, uint vertex) {
 // xy: to the frame before; zw: to the frame after.
 vec4 seenMotion(FrameConstants frame, View view, uint viewIndex, SeenTriangle t, vec2 pixel) {
   mat4x3 now = frameInstance(frame, t.rank.instance).objectToWorld;
-  mat4x3 before = InstanceRef(frame.previousInstances).v[t.rank.instance].objectToWorld;
-  mat4x3 after = InstanceRef(frame.nextInstances).v[t.rank.instance].objectToWorld;
-  View viewBefore = ViewRef(frame.previousViews).v[viewIndex], viewAfter = ViewRef(frame.nextViews).v[viewIndex];
+  mat4x3 before = instanceAt(frame.previousInstances, t.rank.instance).objectToWorld;
+  mat4x3 after = instanceAt(frame.nextInstances, t.rank.instance).objectToWorld;
+  View viewBefore = viewAt(frame.previousViews, viewIndex), viewAfter = viewAt(frame.nextViews, viewIndex);
   Mesh mesh = frameMesh(frame, t.rank.mesh);
   vec3 corners[3], clipNow = vec3(0.0), clipBefore = vec3(0.0), clipAfter = vec3(0.0);
   for (int i = 0; i < 3; ++i)
