@@ -30,26 +30,38 @@ vec4 filteredLevel(TextureRecord t, uint level, vec2 uv, bool nearest) {
     first += uint(size.x * size.y);
     size = max(size / 2, ivec2(1));
   }
-  vec2 at = uv * vec2(size);
-  if (nearest) return texelAt(t, first, size, ivec2(floor(at)));
-  at -= 0.5;
+  vec2 at = uv * vec2(size) - (nearest ? 0.0 : 0.5);
   ivec2 low = ivec2(floor(at));
-  vec2 share = at - floor(at);
+  vec2 share = nearest ? vec2(0.0) : at - floor(at);
   vec4 upper = mix(texelAt(t, first, size, low), texelAt(t, first, size, low + ivec2(1, 0)), share.x);
   vec4 lower = mix(texelAt(t, first, size, low + ivec2(0, 1)), texelAt(t, first, size, low + ivec2(1, 1)), share.x);
   return mix(upper, lower, share.y);
 }
 
-vec4 filteredAtLevel(TextureRecord t, vec2 uv, float level) {
-  if (!(level > 0.0)) return filteredLevel(t, 0u, uv, (t.flags & kTextureMagnifyNearest) != 0u);
+struct Levels {
+  uint first;   // the finer one
+  float share;  // of the next
+  bool nearest;
+};
+
+Levels levelsAt(TextureRecord t, float level) {
+  if (!(level > 0.0)) return Levels(0u, 0.0, (t.flags & kTextureMagnifyNearest) != 0u);
   bool nearest = (t.flags & kTextureMinifyNearest) != 0u;
-  if ((t.flags & kTextureMipNone) != 0u) return filteredLevel(t, 0u, uv, nearest);
+  if ((t.flags & kTextureMipNone) != 0u) return Levels(0u, 0.0, nearest);
   level = min(level, float(t.levels - 1u));
-  if ((t.flags & kTextureMipNearest) != 0u) return filteredLevel(t, uint(ceil(level + 0.5) - 1.0), uv, nearest);
-  uint below = uint(level);
-  vec4 fine = filteredLevel(t, below, uv, nearest);
-  if (level == float(below)) return fine;
-  return mix(fine, filteredLevel(t, below + 1u, uv, nearest), level - float(below));
+  if ((t.flags & kTextureMipNearest) != 0u) return Levels(uint(ceil(level + 0.5) - 1.0), 0.0, nearest);
+  return Levels(uint(level), fract(level), nearest);
+}
+
+// A level stands in one place, in a loop: lavapipe runs both sides of every branch, and texels are most of the time.
+vec4 filteredAtLevel(TextureRecord t, vec2 uv, float level) {
+  Levels levels = levelsAt(t, level);
+  vec4 fine = vec4(0.0), coarse = vec4(0.0);
+  for (uint i = 0u; i < (levels.share > 0.0 ? 2u : 1u); ++i) {
+    coarse = filteredLevel(t, levels.first + i, uv, levels.nearest);
+    if (i == 0u) fine = coarse;
+  }
+  return mix(fine, coarse, levels.share);
 }
 
 // `anisotropy`: samples along the footprint, at most; the level follows from the share of each.
