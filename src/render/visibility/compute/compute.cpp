@@ -26,7 +26,7 @@ using namespace shared;  // kRaster*, kQueue*
 
 // Of raster.glsl and lens_rays.glsl, whose shaders have others of their own.
 constexpr uint32_t kCutsOutConstant = kFirstOwnConstant + 2, kTouchedConstant = kFirstOwnConstant + 3,
-                   kShadowMapsConstant = kFirstOwnConstant + 4;
+                   kShadowMapsConstant = kFirstOwnConstant + 4, kApartConstant = kFirstOwnConstant + 5;
 constexpr uint32_t kOutputsConstant = kFirstOwnConstant + 4;  // of surface_outputs.glsl: the first slot
 
 // What the queues may hold, as far as earlier frames have found out.
@@ -216,18 +216,20 @@ void ComputeVisibility::addRaster(const FrameContext& f, const RasterViews& view
     pass.constants.insert(pass.constants.end(), constants.begin(), constants.end());
     addCompute(f, std::move(pass), push);
   };
-  const auto overQueue = [&](const char* shader, uint32_t which, uint32_t room, bool textures = false) {
+  const auto overQueue = [&](const char* shader, uint32_t which, uint32_t room, uint32_t entries,
+                             bool textures = false) {
     // What tiles do with their triangles is the same in all views.
     const vk::Constant kind = which == kQueueJobs ? vk::Constant{kShadowMapsConstant, 0} : maps;
     ComputePass arguments =
         rasterStep(f, chain.stage, "raster_arguments.comp", {{b.counters, graph::Use::StorageReadWrite}});
     const uint32_t parts = which == kQueueJobs ? views.samples : 1;
     addCompute(f, std::move(arguments), [=](graph::Context& context) {
-      return RasterArgumentsPush{context.buffer(b.counters).address(), which, room, parts, 0};
+      return RasterArgumentsPush{context.buffer(b.counters).address(), which, room, entries, parts};
     });
     ComputePass pass = step(shader);
     if (textures) readsTextures(f, pass);
     pass.constants.insert(pass.constants.end(), {samples, kind, {kCutsOutConstant, chain.wanted & kRankCutOut}});
+    if (which == kQueueWork) pass.constants.push_back({kApartConstant, entries > 1 ? 1u : 0u});
     pass.groups = b.counters;
     pass.groupsOffset = offsetof(RasterCounters, groups);
     addCompute(f, std::move(pass), push);
@@ -238,12 +240,15 @@ void ComputeVisibility::addRaster(const FrameContext& f, const RasterViews& view
        {std::min((parts + kCullGroup - 1) / kCullGroup, kRasterRow), (parts + kPartsInRow - 1) / kPartsInRow,
         views.count},
        {{kFirstOwnConstant, chain.wanted}, {kFirstOwnConstant + 1, chain.asked}, maps});
-  overQueue(chain.small, kQueueWork, b.room.work, chain.textures);
-  overQueue("raster_clip.comp", kQueueClipped, (b.room.clipped + 63) / 64);
-  overQueue("raster_count.comp", kQueueLarge, b.room.large);
+  // lavapipe ends a shader's loops after 65535 rounds together. Those of a group are fewer where nothing but pixels is gone
+  // through: 180 for a triangle.
+  const bool apart = f.device.isCpu() && !chain.textures && !blended && views.samples == 1;
+  overQueue(chain.small, kQueueWork, b.room.work, apart ? kRasterGroup / f.device.subgroupSize() : 1, chain.textures);
+  overQueue("raster_clip.comp", kQueueClipped, b.room.clipped, 64);
+  overQueue("raster_count.comp", kQueueLarge, b.room.large, 1);
   over("raster_tiles.comp", {(tilesOf(views) + 63) / 64, 1, 1});
-  overQueue("raster_fill.comp", kQueueLarge, b.room.large);
-  overQueue(chain.large, kQueueJobs, b.jobRoom, chain.textures);
+  overQueue("raster_fill.comp", kQueueLarge, b.room.large, 1);
+  overQueue(chain.large, kQueueJobs, b.jobRoom, 1, chain.textures);
   if (!f.overflow) return;
   const graph::BufferId host = copyToHost(f, chain.stage, "raster counters", {b.counters}).front();
   f.overflow->checks.push_back([&f, host, room = b.room](const graph::Submission& done) {

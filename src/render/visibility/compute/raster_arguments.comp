@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The workgroups of the next indirect dispatch: one or several for each entry of a queue, in rows of kRasterRow.
+// The workgroups of the next indirect dispatch: one for some entries of a queue, or several for each, in rows of
+// kRasterRow.
 #include "render/glsl/common.glsl"
 #include "render/visibility/compute/raster_push.h"
 
@@ -11,9 +12,9 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer CountersRef 
 void main() {
   CountersRef counters = CountersRef(push.counters);
   uint count = push.which == kQueueWork      ? counters.v.work
-               : push.which == kQueueClipped ? (counters.v.clipped + 63u) / 64u
+               : push.which == kQueueClipped ? counters.v.clipped
                : push.which == kQueueLarge   ? counters.v.large
                                              : counters.v.jobs;
-  count = min(count, push.room);
+  count = (min(count, push.room) + push.entries - 1u) / push.entries;
   counters.v.groups = uvec3(min(count, kRasterRow), (count + kRasterRow - 1u) / kRasterRow, push.parts);
 }

@@ -1,7 +1,14 @@
 // A thread a triangle: small ones are rasterized at once; those of some size by a subgroup each; large ones, and those that
 // cross the volume's planes, are queued. After raster.glsl and hit(), which takes what they cover.
 
+#include "render/glsl/lanes.glsl"
+
 layout(local_size_x = 128) in;
+FROM_LANE(ivec2)
+
+// 1: a group of triangles is a subgroup's, not a workgroup's. Where loads by address are loops over lanes, which they are on
+// lavapipe, most of a thread's time goes to what all triangles of a group have in common.
+layout(constant_id = 21) const uint kApart = 0u;
 
 shared uint mediumCount;
 shared Triangle medium[128];
@@ -70,58 +77,97 @@ void rasterMedium(uint index, View view, Triangle t) {
   }
 }
 
+// What all of a group's triangles have in common.
+struct Group {
+  RasterWork work;
+  RankedInstance r;
+  View view;
+  mat4x3 toWorld;
+  Mesh mesh;
+  uint end;  // of its triangles
+};
+
+// A number without a group gives the last one with no triangles: the last row of workgroups has more than there is work.
+Group groupOf(uint number) {
+  uint last = min(CountersRef(push.buffers.counters).v.work, push.workRoom);
+  FrameConstants frame = FrameRef(push.buffers.frame).v;
+  Group g;
+  g.work = WorkRef(push.buffers.work).v[min(number, max(last, 1u) - 1u)];
+  g.r = rankedInstance(push.buffers.instances, g.work.rank);
+  g.view = frameView(frame, g.work.view);
+  g.toWorld = frameInstance(frame, g.r.instance).objectToWorld;
+  g.mesh = frameMesh(frame, g.r.mesh);
+  g.end = number < last ? min(g.r.triangles, (g.work.part + 1u) * kRasterGroup) : 0u;
+  return g;
+}
+
 // What this thread does with a triangle; true: it is of some size.
-bool takeTriangle(RankedInstance r, RasterWork work, uint triangle, View view, mat4x3 toWorld, Mesh mesh, out Triangle t) {
-  uvec3 indices = triangleIndices(mesh, triangle);
-  PositionRef positions = PositionRef(mesh.positions);
-  vec3 seenA = seenPosition(view, toWorld, positions.v[indices.x]);
-  vec3 seenB = seenPosition(view, toWorld, positions.v[indices.y]);
-  vec3 seenC = seenPosition(view, toWorld, positions.v[indices.z]);
-  vec4 a = clipPosition(view, seenA), b = clipPosition(view, seenB), c = clipPosition(view, seenC);
+bool takeTriangle(Group g, uint triangle, out Triangle t) {
+  uvec3 indices = triangleIndices(g.mesh, triangle);
+  PositionRef positions = PositionRef(g.mesh.positions);
+  vec3 seenA = seenPosition(g.view, g.toWorld, positions.v[indices.x]);
+  vec3 seenB = seenPosition(g.view, g.toWorld, positions.v[indices.y]);
+  vec3 seenC = seenPosition(g.view, g.toWorld, positions.v[indices.z]);
+  vec4 a = clipPosition(g.view, seenA), b = clipPosition(g.view, seenB), c = clipPosition(g.view, seenC);
   if ((sidesOutside(a) & sidesOutside(b) & sidesOutside(c)) != 0u) return false;
   uint outsideA = planesOutside(a), outsideB = planesOutside(b), outsideC = planesOutside(c);
   if ((outsideA & outsideB & outsideC) != 0u) return false;
   if ((outsideA | outsideB | outsideC) != 0u) {
     uint place = atomicAdd(CountersRef(push.buffers.counters).v.clipped, 1u);
     if (place < push.clippedRoom)
-      ClippedRef(push.buffers.clipped).v[place] = ClippedTriangle(work.rank, triangle, work.view);
+      ClippedRef(push.buffers.clipped).v[place] = ClippedTriangle(g.work.rank, triangle, g.work.view);
     return false;
   }
   t = Triangle(screenPosition(a), screenPosition(b), screenPosition(c), vec3(0.0), 0.0, 0.0,
-               r.firstTriangle + triangle + 1u);
+               g.r.firstTriangle + triangle + 1u);
   PixelBox box = onScreen(pixelsOf(t));
-  if (isEmpty(box) || !isDrawn(work.view, box)) return false;
-  if (!orient(t, r)) return false;
+  if (isEmpty(box) || !isDrawn(g.work.view, box)) return false;
+  if (!orient(t, g.r)) return false;
   vec3 depths = vec3(deviceDepthOf(a), deviceDepthOf(b), deviceDepthOf(c));
-  t.plane = depthPlane(view, seenA, seenB, seenC);
-  setRange(t, view, min(depths.x, min(depths.y, depths.z)), max(depths.x, max(depths.y, depths.z)));
+  t.plane = depthPlane(g.view, seenA, seenB, seenC);
+  setRange(t, g.view, min(depths.x, min(depths.y, depths.z)), max(depths.x, max(depths.y, depths.z)));
   uint size = sizeClass(t, box);
   if (size == kRasterLarge) {
-    pushLarge(work.view, t);
+    pushLarge(g.work.view, t);
     return false;
   }
   if (size == kRasterMedium) return true;
-  rasterSmall(work.view, view, t, box);
+  rasterSmall(g.work.view, g.view, t, box);
   return false;
 }
 
-void main() {
-  uint group = groupNumber();
+// The workgroup takes one group, a triangle a thread.
+void rasterTogether() {
   if (gl_LocalInvocationIndex == 0u) mediumCount = 0u;
   barrier();
-  // The last row of workgroups has more than there is work.
-  uint last = min(CountersRef(push.buffers.counters).v.work, push.workRoom);
-  RasterWork work = WorkRef(push.buffers.work).v[min(group, max(last, 1u) - 1u)];
-  RankedInstance r = rankedInstance(push.buffers.instances, work.rank);
-  FrameConstants frame = FrameRef(push.buffers.frame).v;
-  uint triangle = work.part * kRasterGroup + gl_LocalInvocationIndex;
-  if (group < last && triangle < r.triangles) {
-    Triangle t;
-    if (takeTriangle(r, work, triangle, frameView(frame, work.view), frameInstance(frame, r.instance).objectToWorld,
-                     frameMesh(frame, r.mesh), t))
-      medium[atomicAdd(mediumCount, 1u)] = t;
-  }
+  Group g = groupOf(groupNumber());
+  uint triangle = g.work.part * kRasterGroup + gl_LocalInvocationIndex;
+  Triangle t;
+  if (triangle < g.end && takeTriangle(g, triangle, t)) medium[atomicAdd(mediumCount, 1u)] = t;
   barrier();
-  View view = frameView(frame, work.view);
-  for (uint i = gl_SubgroupID; i < mediumCount; i += gl_NumSubgroups) rasterMedium(work.view, view, medium[i]);
+  for (uint i = gl_SubgroupID; i < mediumCount; i += gl_NumSubgroups) rasterMedium(g.work.view, g.view, medium[i]);
+}
+
+Triangle fromLane(Triangle t, uint lane) {
+  return Triangle(fromLane(t.a, lane), fromLane(t.b, lane), fromLane(t.c, lane), fromLane(t.plane, lane),
+                  fromLane(t.least, lane), fromLane(t.most, lane), fromLane(t.id, lane));
+}
+
+// Each subgroup takes one.
+void rasterApart() {
+  Group g = groupOf(groupNumber() * gl_NumSubgroups + gl_SubgroupID);
+  for (uint first = g.work.part * kRasterGroup; first < g.end; first += gl_SubgroupSize) {
+    uint triangle = first + gl_SubgroupInvocationID;
+    Triangle t;
+    bool some = triangle < g.end && takeTriangle(g, triangle, t);
+    uvec4 waiting = subgroupBallot(some);
+    while (anyLane(waiting)) rasterMedium(g.work.view, g.view, fromLane(t, takeLane(waiting)));
+  }
+}
+
+void main() {
+  if (kApart != 0u)
+    rasterApart();
+  else
+    rasterTogether();
 }

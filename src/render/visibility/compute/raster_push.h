@@ -129,8 +129,8 @@ struct RasterArgumentsPush {
   uint64_t counters;
   uint which;  // kQueue*
   uint room;
-  uint parts;  // workgroups for each entry
-  uint padding;
+  uint entries;  // that a workgroup takes
+  uint parts;    // workgroups for each of them
 };
 SH_CONST uint kQueueWork = 0u;
 SH_CONST uint kQueueClipped = 1u;
