@@ -109,6 +109,32 @@ void addFloorAndWall(GltfBuilder& file) {
   place(file, "wall", wall, {0.5f, 1.5f, -2.5f}, {3, 1.5f, 1});  // beside it there is nothing
 }
 
+// A lacquered brushed metal, a cloth, and a pane of coloured glass.
+template <typename Card>
+void addLayeredCards(GltfBuilder& file, const Card& card) {
+  const auto layered = [&](const char* name, vec4 color, float metallic, json extensions) {
+    for (const auto& [extension, value] : extensions.items()) file.use(extension.c_str());
+    return addMaterial(file, name, color, metallic, 0.4f, {{"extensions", std::move(extensions)}});
+  };
+  card("lacquer",
+       layered("lacquer", vec4(0.8f, 0.5f, 0.2f, 1), 1,
+               {{"KHR_materials_clearcoat", {{"clearcoatFactor", 1}}},
+                {"KHR_materials_anisotropy", {{"anisotropyStrength", 0.6}}},
+                {"KHR_materials_iridescence", {{"iridescenceFactor", 0.5}}}}),
+       {-1.5f, 0.7f, 0.8f}, 15);
+  card("cloth",
+       layered("cloth", vec4(0.2f, 0.1f, 0.4f, 1), 0,
+               {{"KHR_materials_sheen", {{"sheenColorFactor", {0.8, 0.6, 0.9}}, {"sheenRoughnessFactor", 0.4}}},
+                {"KHR_materials_diffuse_transmission", {{"diffuseTransmissionFactor", 0.4}}}}),
+       {1.6f, 0.7f, 0.6f}, -30);
+  card("lens",
+       layered("lens", vec4(0.9f, 1, 0.9f, 1), 0,
+               {{"KHR_materials_transmission", {{"transmissionFactor", 0.9}}},
+                {"KHR_materials_volume", {{"thicknessFactor", 0.2}}},
+                {"KHR_materials_dispersion", {{"dispersion", 2}}}}),
+       {0.3f, 0.8f, 1.4f}, 5);
+}
+
 void addCards(GltfBuilder& file, const Kinds& kinds) {
   const int holes = addTexture(file, {220, 90, 60, 255}, {220, 90, 60, 0});
   const int panes = addTexture(file, {90, 200, 90, 160}, {200, 200, 255, 0});
@@ -131,6 +157,7 @@ void addCards(GltfBuilder& file, const Kinds& kinds) {
     card("glass", addMaterial(file, "glass", vec4(0.6f, 0.8f, 1, 0.3f), 0, 0.05f, {{"alphaMode", "BLEND"}}),
          {-0.4f, 1, 1.5f}, -20);
   }
+  if (kinds.layered) addLayeredCards(file, card);
   if (!kinds.opaque) return;
   file.use("KHR_materials_unlit");
   card("unlit",

@@ -237,6 +237,7 @@ class RandomOptions : public render::test::RenderTest {
     inputs.write("no_masked.glb", everythingModel({.masked = false}));
     inputs.write("no_blended.glb", everythingModel({.blended = false}));
     inputs.write("no_lights.glb", everythingModel({.lights = false}));
+    inputs.write("layered.glb", everythingModel({.masked = false, .blended = false, .layered = true}));
     inputs.write("glass_alone.glb", everythingModel({.opaque = false, .masked = false}));
     output::AovImage sky = output::makeAovImage(output::Aov::Color, 32, 16);
     for (size_t i = 0; i < sky.values.size(); ++i) sky.values[i] = static_cast<float>(i % 40) / 20;
