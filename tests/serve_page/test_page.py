@@ -252,6 +252,33 @@ def test_an_environment_is_sent(view, tmp_path):
     view.get_by_text("sky.txt is not a .hdr or .exr file").wait_for()
 
 
+def drop(view, name, content):
+    """Drops a file on the picture."""
+    files = view.evaluate_handle(
+        """([name, bytes]) => {
+          const files = new DataTransfer();
+          files.items.add(new File([new Uint8Array(bytes)], name));
+          return files;
+        }""", [name, list(content)])
+    view.dispatch_event("#stage", "dragover", {"dataTransfer": files})
+    view.dispatch_event("#stage", "drop", {"dataTransfer": files})
+
+
+def test_an_environment_is_dropped(view):
+    open_options(view)
+    view.fill("#option-background", "hdri")
+    view.keyboard.press("Tab")
+    settle(view)
+    before = pixels(view)
+    drop(view, "dropped.hdr", panorama(64, 32))
+    view.wait_for_selector("#command:has-text('--hdri=dropped.hdr')")
+    settle(view)
+    assert view.input_value("#environment") == "dropped.hdr"
+    assert numpy.abs(pixels(view) - before).mean() > 5
+    drop(view, "scene.glb", b"glTF")
+    view.get_by_text("scene.glb is not a .hdr or .exr file").wait_for()
+
+
 def test_a_split_shows_two_choices(view, tmp_path):
     left = pixels(view)
     view.select_option("#split", "slider")
