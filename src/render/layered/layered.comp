@@ -55,13 +55,16 @@ void main() {
   bool inside = all(lessThan(uvec2(pixel.xy), size));
   uint first = visibleIndex(uvec3(inside ? uvec2(pixel.xy) : uvec2(0u), pixel.z), size);
   uint left = inside ? coveredSamples(VisibleRef(push.visible), first) : 0u, covered = 0u;
+  uint samples = nextLayered(first, left);
+  if (!subgroupAny(samples != 0u)) return;
   vec3 sum = vec3(0.0);
   while (true) {
-    uint samples = nextLayered(first, left);
-    if (!subgroupAny(samples != 0u)) break;
     vec3 one = radianceOf(frame, pixel, first, samples);
     if (samples != 0u) sum += one * (float(bitCount(samples)) / float(kSamples));
     covered |= samples;
+    if (kSamples == 1u) break;  // without a loop: in one lavapipe would go round once more, and light nothing
+    samples = nextLayered(first, left);
+    if (!subgroupAny(samples != 0u)) break;
   }
   if (covered == 0u) return;
   if (kCountLights != 0u) imageStore(lightCounts, pixel, lightCount());
