@@ -31,6 +31,11 @@ std::vector<vk::Constant> FrameSetup::constants() const {
           {kLensConstant, lens ? 1u : 0u}};
 }
 
+uint32_t writtenTargets(const FrameSetup& setup, const Gbuffer& gbuffer) {
+  const auto light = static_cast<uint32_t>(setup.layout->targets.size());
+  return (setup.targets & ((1u << light) - 1)) | (gbuffer.sampleLight ? 1u << light : 0u);
+}
+
 graph::ImageId createTarget(const FrameContext& f, VkFormat format, const std::string& name, uint32_t samples) {
   return f.graph.create(vk::ImageDesc{.format = format,
                                       .width = f.width,

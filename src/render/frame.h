@@ -121,6 +121,9 @@ inline constexpr uint32_t kSamplesConstant = 10;  // glsl/samples.glsl: not of a
 inline constexpr uint32_t kFirstOwnConstant = 16;
 inline constexpr VkFormat kCountsFormat = VK_FORMAT_R32G32B32A32_SFLOAT;  // r: lights tested, g: lights used
 
+// What the geometry pass writes: bit i: the layout's target i; the bit after the last: emitted light.
+uint32_t writtenTargets(const FrameSetup& setup, const Gbuffer& gbuffer);
+
 // Buffers whose required size is known only on the device. After an overflow the picture is incomplete: the buffer
 // grows, and the same graph is built and run again.
 struct Overflow {

@@ -182,8 +182,8 @@ void checkSettings(const Settings& settings) {
   if (!takesCompute(settings)) return;
   const bool triangles = lightsTriangles(settings);
   if (triangles && settings.lighting->draws)
-    badUsage("--layout {} has nothing that {} lighting could read: choose clustered, tiled or fullscreen",
-             settings.layout->name, settings.lighting->name);
+    badUsage("--layout {} has nothing that {} lighting could read: choose {}", settings.layout->name,
+             settings.lighting->name, techniquesThatCompute());
   if (triangles && settings.raster == Raster::Hardware)
     badUsage("--layout {} takes the raster compute; what hardware lights without a G-buffer is --lighting forward",
              settings.layout->name);

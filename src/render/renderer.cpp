@@ -62,13 +62,6 @@ scene::Light lightOf(const SunLight& sun) {
   return light;
 }
 
-std::vector<std::string> techniquesThatCompute() {
-  std::vector<std::string> names;
-  for (const TechniqueInfo& technique : techniques())
-    if (!technique.draws) names.push_back(technique.name);
-  return names;
-}
-
 bool needsComputeRaster(const Settings& settings) {
   return rastersInCompute(settings) || asksFor(settings, Origin::Raster);
 }
@@ -79,7 +72,7 @@ void requireRaster(const vk::Device& device, const Settings& settings) {
   const bool compute = rastersInCompute(settings);
   if (!device.hasGraphics() && (!compute || settings.lighting->draws))
     fail(ExitCode::NoDevice, "{} has no graphics pipeline: choose the raster compute, and one of the techniques {}.",
-         name, fmt::join(techniquesThatCompute(), ", "));
+         name, techniquesThatCompute());
   if (!needsComputeRaster(settings)) return;
   if (const std::string lacks = computeRasterLacks(device); !lacks.empty())
     fail(ExitCode::NoDevice, "{} can't rasterize in compute: {}; {}.", name, lacks,

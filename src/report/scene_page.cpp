@@ -99,8 +99,7 @@ class ScenePage {
     return std::move(s_.renderer.render({&s_.camera, 1}, settings, s_.moment).front());
   }
 
-  // --- layouts
-  // --------------------------------------------------------------------------------------------------------
+  // --- layouts -------------------------------------------------------------------------------------------------------
 
   std::string layouts() {
     BarChart chart{"Bytes a pixel of each layout", "bytes", {"targets", "depth", "light"}, {}};
@@ -178,8 +177,7 @@ class ScenePage {
     return values;
   }
 
-  // --- lighting
-  // -------------------------------------------------------------------------------------------------------
+  // --- lighting ------------------------------------------------------------------------------------------------------
 
   std::string lighting() {
     study::Table table{
@@ -217,8 +215,7 @@ class ScenePage {
            command({"--aov", "lights-tested,lights-used", "-o", technique.name + ".npy"});
   }
 
-  // --- normals
-  // --------------------------------------------------------------------------------------------------------
+  // --- normals -------------------------------------------------------------------------------------------------------
 
   std::string normals() {
     study::Options options = s_.normals;

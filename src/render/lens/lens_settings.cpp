@@ -15,8 +15,8 @@ Settings lensSettings(const Settings& settings) {
   if (asksFor(settings, Origin::Raster)) needsPinhole("an output named raster");
   if (showsPicture(settings) || asksFor(settings, Origin::LightCounts)) {
     if (settings.lighting->draws)
-      badUsage("{} lighting takes a pinhole or orthographic camera: choose clustered, tiled or fullscreen",
-               settings.lighting->name);
+      badUsage("{} lighting takes a pinhole or orthographic camera: choose {}", settings.lighting->name,
+               techniquesThatCompute());
     if (settings.aa.samples > 1 || settings.aa.temporal) needsPinhole("--aa msaaN or taa");
     if (settings.ambientOcclusion != AmbientOcclusion::None) needsPinhole("--ao");
   }

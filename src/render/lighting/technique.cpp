@@ -1,5 +1,7 @@
 #include "render/lighting/technique.h"
 
+#include <fmt/ranges.h>
+
 #include <vector>
 
 #include "render/registry.h"
@@ -23,6 +25,15 @@ std::span<const TechniqueInfo> techniques() {
 
 const TechniqueInfo& findTechnique(std::string_view name) {
   return findByName(techniques(), name, "lighting technique");
+}
+
+std::string techniquesThatCompute() {
+  std::vector<std::string> names;
+  for (const TechniqueInfo& technique : techniques())
+    if (!technique.draws) names.push_back(technique.name);
+  const std::string last = names.back();
+  names.pop_back();
+  return fmt::format("{} or {}", fmt::join(names, ", "), last);
 }
 
 }  // namespace latelight::render

@@ -26,5 +26,6 @@ struct TechniqueInfo {
 
 std::span<const TechniqueInfo> techniques();
 const TechniqueInfo& findTechnique(std::string_view name);  // throws Error(Usage) that lists them
+std::string techniquesThatCompute();                        // "a, b or c": those that take no graphics pipeline
 
 }  // namespace latelight::render

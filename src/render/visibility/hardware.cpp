@@ -125,7 +125,7 @@ void HardwareVisibility::addGbuffer(const FrameContext& f, Gbuffer& gbuffer) con
   desc.fragment = f.setup.variant("geometry.frag@" + layout.file);
   desc.name = "geometry " + layout.name;
   const auto lightTarget = static_cast<uint32_t>(layout.targets.size());
-  desc.colorsWritten = (f.setup.targets & ((1u << lightTarget) - 1)) | (gbuffer.sampleLight ? 1u << lightTarget : 0u);
+  desc.colorsWritten = writtenTargets(f.setup, gbuffer);
   desc.constants.push_back({kFirstOwnConstant + 1, desc.colorsWritten});
   for (uint32_t i = 0; i < lightTarget; ++i) {
     const bool wanted = (desc.colorsWritten >> i & 1u) != 0;

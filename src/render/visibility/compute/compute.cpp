@@ -406,8 +406,7 @@ void ComputeVisibility::addGbuffer(const FrameContext& f, Gbuffer& gbuffer) cons
   const Layout& layout = *f.setup.layout;
   if (!layout.hasTargets()) return addTriangleSurfaces(f, gbuffer);
   const auto lightTarget = static_cast<uint32_t>(layout.targets.size());
-  const uint32_t wanted =
-      (f.setup.targets & ((1u << lightTarget) - 1)) | (gbuffer.sampleLight ? 1u << lightTarget : 0u);
+  const uint32_t wanted = writtenTargets(f.setup, gbuffer);
   // Something must be bound where nothing is written.
   const auto nothing = [&](VkFormat format) {
     return f.graph.create(vk::ImageDesc{.format = format, .name = "no target"});
