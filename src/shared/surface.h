@@ -77,6 +77,11 @@ SH_FUNC Surface withoutReflection(Surface s) {
   return s;
 }
 
+// Whether it returns any light at all.
+SH_FUNC bool reflects(Surface s) {
+  return specularF90(s) > 0.0f || dot(s.baseColor + s.f0, vec3(1.0f, 1.0f, 1.0f)) > 0.0f;
+}
+
 // What lighting techniques light: an unlit surface reflects nothing, and a layered one is not theirs.
 SH_FUNC Surface litSurface(Surface s) {
   if (s.flags != 0u) return withoutReflection(s);

@@ -61,14 +61,22 @@ LitPixel readPixel(FrameConstants frame, View view, ivec3 place, uint samples) {
     p.emitted = accumulated.rgb;
     p.s = litSurface(p.s);
     p.toEye = directionToEye(view, p.s.position);
-    p.radiance = environmentLight(frame, p.s, p.toEye);
-    prepareForLights(p.s, p.toEye);
+    if (reflects(p.s)) {
+      p.radiance = environmentLight(frame, p.s, p.toEye);
+      prepareForLights(p.s, p.toEye);
+    }
   }
   return p;
 }
 
 vec3 litRadiance(FrameConstants frame, LitPixel p, vec3 byLights) {
   return min(p.emitted + (p.radiance + byLights) * frame.exposure, vec3(65504.0));
+}
+
+// No lights are looked for where nothing reflects them: render/layered lights what has layers.
+vec3 lightsOn(FrameConstants frame, View view, LitPixel p) {
+  p.lit = p.lit && (kCountLights != 0u || reflects(p.s));
+  return lightsAt(frame, view, p);
 }
 
 // Lights tested and used; those of a pixel without a surface are none.
@@ -83,7 +91,7 @@ bool lightPixel(FrameConstants frame, ivec3 place) {
   View view = frameView(frame, place.z);
   bool inside = all(lessThan(vec2(place.xy), view.size));
   LitPixel p = readPixel(frame, view, place, inside ? 1u : 0u);
-  vec3 byLights = lightsAt(frame, view, p);
+  vec3 byLights = lightsOn(frame, view, p);
   if (inside) imageStore(lightTarget, place, p.lit ? vec4(litRadiance(frame, p, byLights), 1.0) : vec4(0.0));
   return p.lit;
 }
@@ -115,7 +123,7 @@ bool lightPixel(FrameConstants frame, ivec3 place) {
   uint rounds = 1u + dealtRounds();
   for (uint round = 0u; round < rounds; ++round) {
     p = readPixel(frame, view, p.place, p.samples);
-    vec3 lit = litRadiance(frame, p, lightsAt(frame, view, p)) * (float(bitCount(p.samples)) / float(kSamples));
+    vec3 lit = litRadiance(frame, p, lightsOn(frame, view, p)) * (float(bitCount(p.samples)) / float(kSamples));
     if (round == 0u)
       radiance = lit;
     else

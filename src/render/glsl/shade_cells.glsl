@@ -2,36 +2,13 @@
 #include "render/glsl/light_cells.glsl"
 #include "render/glsl/lights.glsl"
 #include "render/glsl/lit_pixel.glsl"
-#include "render/glsl/light_tree.glsl"
+#include "render/glsl/tree_lights.glsl"
 #include "render/lighting/lighting_push.h"
 
 struct CellLights {
   CellsRef cells;    // of this workgroup's tile
   uint64_t entries;  // of the same: uint[]
 };
-
-// The frame's directional lights, then `count` lights of a list (uint[] by address), then, where `walks`, all local
-// lights that the tree has near the surfaces; each part in the order of the lights. One loop for all: shading a light is
-// most of a shader, and lavapipe compiles it wherever it stands, and takes more for a loop than for a round of it.
-void shadeNear(inout Shading shading, FrameConstants frame, uint64_t list, uint count, bool walks) {
-  TreeWalk walk = startWalk(frame, shading.low, shading.high, walks);
-  uint next = 0u, end = frame.directionalLights + count;
-  if (shading.lit) lightsTested += float(end);
-  bool listed = true;
-  while (true) {
-    if (next >= end) {  // on to a leaf of the tree
-      listed = false;
-      if (!nextLeaf(walk, frame, next)) break;
-      end = min(next + kLightTreeWidth, frame.lightCount);
-      if (shading.lit) lightsTested += float(end - next);
-    }
-    uint light = min(next + laneRank, end - 1u);
-    if (listed && light >= frame.directionalLights) light = UintRef(list).v[light - frame.directionalLights];
-    DealtLight mine = dealtLight(frame, shading.view, light);
-    shadeDealt(shading, frame, mine, next + laneRank < end && reaches(mine.light, shading.low, shading.high));
-    next += lanesPresent;
-  }
-}
 
 // What all lights send to the lanes that take part, whose surfaces lie in one cell of the tile. Where its list did not
 // fit they come from the tree.
@@ -61,13 +38,15 @@ vec3 shadeFromCells(LitPixel pixel, View view, FrameConstants frame, CellsPush p
   uint slice = together ? 0u : sliceOf(depthKey(view.projection, pixel.depth), lights.cells.v[0]);
   vec3 radiance = vec3(0.0);
   bool waits = pixel.lit;
-  while (subgroupAny(waits)) {
+  if (!subgroupAny(waits)) return radiance;
+  while (true) {
     uint next = subgroupMin(waits ? slice : kSlices);
     bool now = waits && slice == next;
     Shading shading = startShading(pixel.s, surfaceBrdf(pixel.s, pixel.toEye, kShading), uint(pixel.place.z), now);
     shadeCell(shading, frame, lights, kCellsATile == 1u ? 0u : next);
     if (now) radiance = shading.radiance;
     waits = waits && !now;
+    if (!subgroupAny(waits)) break;  // not at the top: lavapipe would go round once more
   }
   return radiance;
 }
