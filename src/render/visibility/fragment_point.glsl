@@ -3,32 +3,22 @@
 #include "render/glsl/material.glsl"
 #include "render/glsl/multisample.glsl"
 
+// kTexture* of shared/types.h.
+#define PLAIN_SLOTS(SLOT) SLOT(0) SLOT(1) SLOT(2) SLOT(3) SLOT(4) SLOT(5) SLOT(6)
+#ifdef COATED  // before the include: materials may have layers
+#define SLOTS(SLOT) \
+  PLAIN_SLOTS(SLOT) SLOT(7) SLOT(8) SLOT(9) SLOT(10) SLOT(11) SLOT(12) SLOT(13) SLOT(14) SLOT(15) SLOT(16) SLOT(17) SLOT(18)
+#else
+#define SLOTS(SLOT) PLAIN_SLOTS(SLOT)
+#endif
+
 #ifdef TEXTURES_BY_INDEX
 layout(set = 1, binding = 0) uniform sampler2D materialTextures[];
 // All invocations of a draw have one material, so the index is uniform.
 #define TEXTURE(m, slot) materialTextures[m.images[slot]]
 #else
-layout(set = 1, binding = 0) uniform sampler2D materialTexture0;
-layout(set = 1, binding = 1) uniform sampler2D materialTexture1;
-layout(set = 1, binding = 2) uniform sampler2D materialTexture2;
-layout(set = 1, binding = 3) uniform sampler2D materialTexture3;
-layout(set = 1, binding = 4) uniform sampler2D materialTexture4;
-layout(set = 1, binding = 5) uniform sampler2D materialTexture5;
-layout(set = 1, binding = 6) uniform sampler2D materialTexture6;
-#ifdef COATED  // before the include: materials may have layers
-layout(set = 1, binding = 7) uniform sampler2D materialTexture7;
-layout(set = 1, binding = 8) uniform sampler2D materialTexture8;
-layout(set = 1, binding = 9) uniform sampler2D materialTexture9;
-layout(set = 1, binding = 10) uniform sampler2D materialTexture10;
-layout(set = 1, binding = 11) uniform sampler2D materialTexture11;
-layout(set = 1, binding = 12) uniform sampler2D materialTexture12;
-layout(set = 1, binding = 13) uniform sampler2D materialTexture13;
-layout(set = 1, binding = 14) uniform sampler2D materialTexture14;
-layout(set = 1, binding = 15) uniform sampler2D materialTexture15;
-layout(set = 1, binding = 16) uniform sampler2D materialTexture16;
-layout(set = 1, binding = 17) uniform sampler2D materialTexture17;
-layout(set = 1, binding = 18) uniform sampler2D materialTexture18;
-#endif
+#define DECLARE(n) layout(set = 1, binding = n) uniform sampler2D materialTexture##n;
+SLOTS(DECLARE)
 #define TEXTURE(m, slot) materialTexture##slot
 #endif
 // The draw's material as a uniform buffer, not by address: texture coordinates depend on it, so helper invocations must
@@ -56,28 +46,10 @@ vec4 centreUv() { return interpolateAtOffset(varyingUv, vec2(0.0)); }
 #endif
 
 vec4 sampleTexture(Material m, uint slot, SurfacePoint p) {
+#define SAMPLE(n) case uint(n): return TEXEL(TEXTURE(m, n), m.transforms[n]);
   switch (slot) {
-    case 0u: return TEXEL(TEXTURE(m, 0), m.transforms[0]);
-    case 1u: return TEXEL(TEXTURE(m, 1), m.transforms[1]);
-    case 2u: return TEXEL(TEXTURE(m, 2), m.transforms[2]);
-    case 3u: return TEXEL(TEXTURE(m, 3), m.transforms[3]);
-    case 4u: return TEXEL(TEXTURE(m, 4), m.transforms[4]);
-    case 5u: return TEXEL(TEXTURE(m, 5), m.transforms[5]);
-#ifdef COATED
-    case 7u: return TEXEL(TEXTURE(m, 7), m.transforms[7]);
-    case 8u: return TEXEL(TEXTURE(m, 8), m.transforms[8]);
-    case 9u: return TEXEL(TEXTURE(m, 9), m.transforms[9]);
-    case 10u: return TEXEL(TEXTURE(m, 10), m.transforms[10]);
-    case 11u: return TEXEL(TEXTURE(m, 11), m.transforms[11]);
-    case 12u: return TEXEL(TEXTURE(m, 12), m.transforms[12]);
-    case 13u: return TEXEL(TEXTURE(m, 13), m.transforms[13]);
-    case 14u: return TEXEL(TEXTURE(m, 14), m.transforms[14]);
-    case 15u: return TEXEL(TEXTURE(m, 15), m.transforms[15]);
-    case 16u: return TEXEL(TEXTURE(m, 16), m.transforms[16]);
-    case 17u: return TEXEL(TEXTURE(m, 17), m.transforms[17]);
-    case 18u: return TEXEL(TEXTURE(m, 18), m.transforms[18]);
-#endif
-    default: return TEXEL(TEXTURE(m, 6), m.transforms[6]);
+    SLOTS(SAMPLE)
+    default: return vec4(0.0);
   }
 }
 
