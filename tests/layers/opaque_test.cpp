@@ -237,11 +237,22 @@ TEST_F(Layered, EditsAreAFreshLoad) {
     EXPECT_EQ(found, colorOf(fresh, picture()));
     return found;
   };
-  const scene::Material plain = scene.materials[1];
+  const scene::Material plain = scene.materials[1], other = scene.materials[2];
   scene::Material coated = plain;
   coated.data.layers.clearcoat = 1;
   const Values coat = edited(coated);
   EXPECT_NE(coat, before);
+  // With the same layers as before, though of other strengths, and on other materials.
+  const uint64_t pipelines = device().pipelinesMade();
+  scene::Material worn = coated;
+  worn.data.layers.clearcoat = 0.5f, worn.data.layers.clearcoatRoughness = 0.3f;
+  EXPECT_NE(edited(worn), coat);
+  worn.data.baseColor = {0.1f, 0.2f, 0.6f, 1};
+  scene::setMaterial(scene, 2, worn);
+  EXPECT_NE(edited(coated), coat);
+  scene::setMaterial(scene, 2, other);
+  EXPECT_EQ(edited(coated), coat);
+  EXPECT_EQ(device().pipelinesMade(), pipelines);
   scene::Material glass = coated;
   glass.data.layers.transmission = 1;
   EXPECT_NE(edited(glass), coat);
