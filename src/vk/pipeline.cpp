@@ -1,12 +1,12 @@
 #include "vk/pipeline.h"
 
-#include <cstddef>
 #include <optional>
 
 #include "base/error.h"
 #include "vk/interface_check.h"
 #include "vk/object_cache.h"
 #include "vk/resources.h"
+#include "vk/specialize.h"
 
 namespace latelight::vk {
 
@@ -32,42 +32,31 @@ constexpr EmbeddedShader kShaders[] = {
     {nullptr, nullptr, nullptr},
 };
 
-// Creates one stage, including its specialization constants. Neither copied nor moved: `info` points into it.
+// Creates one stage, with its specialization constants in its code: the validation layer keeps no account of modules that it
+// has found valid with constants beside them, and would take them apart again for each pipeline.
 class Stage {
  public:
   Stage(Device& device, VkShaderStageFlagBits stage, std::span<const uint32_t> code,
         std::span<const Constant> constants);
-  Stage(const Stage&) = delete;
-  Stage& operator=(const Stage&) = delete;
   const VkPipelineShaderStageCreateInfo& info() const { return info_; }
 
  private:
   Handle<VkShaderModule> module_;
-  std::vector<Constant> constants_;
-  std::vector<VkSpecializationMapEntry> entries_;
-  VkSpecializationInfo specialization_{};
   VkPipelineShaderStageCreateInfo info_{VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO};
 };
 
 Stage::Stage(Device& device, VkShaderStageFlagBits stage, std::span<const uint32_t> code,
-             std::span<const Constant> constants)
-    : constants_(constants.begin(), constants.end()) {
+             std::span<const Constant> constants) {
+  const std::vector<uint32_t> words = specialize(code, constants);
   VkShaderModuleCreateInfo create{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
-  create.codeSize = code.size_bytes();
-  create.pCode = code.data();
+  create.codeSize = words.size() * sizeof(uint32_t);
+  create.pCode = words.data();
   VkShaderModule module = VK_NULL_HANDLE;
   VK_CHECK(vkCreateShaderModule(device.get(), &create, nullptr, &module));
   module_ = Handle<VkShaderModule>(device, module);
-  for (size_t i = 0; i < constants_.size(); ++i)
-    entries_.push_back({constants_[i].id, static_cast<uint32_t>(i * sizeof(Constant) + offsetof(Constant, value)), 4});
-  specialization_.mapEntryCount = static_cast<uint32_t>(entries_.size());
-  specialization_.pMapEntries = entries_.data();
-  specialization_.dataSize = constants_.size() * sizeof(Constant);
-  specialization_.pData = constants_.data();
   info_.stage = stage;
   info_.module = module;
   info_.pName = "main";
-  info_.pSpecializationInfo = &specialization_;
 }
 
 std::vector<Constant> withDeviceConstants(const Device& device, std::span<const Constant> constants) {

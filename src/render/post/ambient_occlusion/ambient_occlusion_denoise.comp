@@ -14,7 +14,7 @@ layout(set = 0, binding = 1) uniform sampler2DArray hidden;
 layout(set = 0, binding = 2, r32f) uniform writeonly image2DArray result;
 layout(push_constant, scalar) uniform Push { DenoisePush push; };
 
-const ivec3 kAxis = kLast == 0u ? ivec3(1, 0, 0) : ivec3(0, 1, 0);
+const ivec3 kAxis = ivec3(kLast == 0u ? 1 : 0, kLast == 0u ? 0 : 1, 0);
 
 void main() {
   ivec3 place = ivec3(gl_GlobalInvocationID);
