@@ -327,7 +327,7 @@ TEST_F(AgainstHardware, TheSamePictureOfFourSamples) {
   for (const std::string& model : models::withReal({}, {"DamagedHelmet.glb"}))
     paths.push_back(models::modelPath(model).string());
   for (const std::string& path : paths) {
-    const double share = pixelsOff(scene::load(path), 240, 160);
+    const double share = pixelsOff(scene::load(path), 150, 100);
     fmt::print("{}: {:.2f} % of the pixels differ by more than 16 levels\n", path, 100 * share);
     EXPECT_LT(share, 0.02) << path;
   }

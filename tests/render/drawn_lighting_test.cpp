@@ -414,10 +414,6 @@ void compareInHall(vk::Device& device, const char* source) {
     EXPECT_LE(worstDifference(light(setupOf("volumes", "thin", order)), thin), 1);
 }
 
-TEST_F(DrawnLightingTest, TheHallWithOneLight) {
-  compareInHall(device(), "builtin:hall,triangles=60k,lights=1");
-}
-
 TEST_F(DrawnLightingTest, TheHallWithAHundredLights) {
   compareInHall(device(), "builtin:hall,triangles=60k,lights=100");
 }

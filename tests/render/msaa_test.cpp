@@ -367,9 +367,10 @@ double difference(const Values& a, const Values& b, size_t pixel) {
 // The more samples, the nearer to 256: where shading is constant, all that is wrong is coverage.
 using MsaaSamples = RenderTest;
 TEST_F(MsaaSamples, MoreOfThemComeNearerToMany) {
+  constexpr uint32_t kWidth = 32;
   const scene::Scene scene = flatSpheres();
   Renderer renderer(device(), scene, nullptr);
-  Settings settings = multisampled({Raster::Compute, 1}, 64, 64);
+  Settings settings = multisampled({Raster::Compute, 1}, kWidth, kWidth);
   settings.aa.superSampling = 16;
   const Values many = colorOf(renderer, frontCamera(), settings);
   settings.aa.superSampling = 1;
@@ -378,7 +379,7 @@ TEST_F(MsaaSamples, MoreOfThemComeNearerToMany) {
     settings.aa.samples = samples;
     const Values some = colorOf(renderer, frontCamera(), settings);
     double error = 0;
-    for (size_t i = 0; i < 64 * 64; ++i) error += std::pow(difference(some, many, i), 2);
+    for (size_t i = 0; i < kWidth * kWidth; ++i) error += std::pow(difference(some, many, i), 2);
     fmt::print("{} samples: {:.4f} of squared error\n", samples, error);
     EXPECT_LT(error, before * 0.6) << samples;
     before = error;
@@ -473,9 +474,11 @@ TEST_P(MsaaModels, EdgesAreBetterByAFactor) {
 std::vector<ModelCase> modelCases() {
   // Every sample has its own texels with the raster compute: more is lost of those with one for each surface.
   constexpr Sampling kHardware{Raster::Hardware, 4}, kFour{Raster::Compute, 4}, kSixteen{Raster::Compute, 16};
-  std::vector<ModelCase> cases{{"hall", kHardware, 0.45, 0.004, 3},        {"hall", kFour, 0.45, 0.004, 3},
-                               {"hall", kSixteen, 0.5, 0.005, 3, 2},       {"spheres", kHardware, 0.1, 0.004, 5},
-                               {"textured.glb", kHardware, 0.1, 0.001, 5}, {"textured.glb", kFour, 0.1, 0.004, 5}};
+  std::vector<ModelCase> cases{{"hall", kHardware, 0.45, 0.004, 3},
+                               {"hall", kSixteen, 0.5, 0.005, 3, 2},
+                               {"spheres", kHardware, 0.1, 0.004, 5},
+                               {"textured.glb", kHardware, 0.1, 0.001, 5},
+                               {"textured.glb", kFour, 0.1, 0.004, 5}};
   if (!models::withReal({}, {"DamagedHelmet.glb"}).empty())
     for (const Sampling sampling : {kHardware, kFour}) cases.push_back({"DamagedHelmet.glb", sampling, 0.5, 0.002, 5});
   return cases;

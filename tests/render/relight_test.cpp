@@ -29,7 +29,7 @@ using shared::vec2;
 using shared::vec3;
 using shared::vec4;
 
-constexpr uint32_t kRelightSize = 160;
+constexpr uint32_t kRelightSize = 100;
 
 shared::Light hostLight(const scene::Light& light) {
   shared::Light l{};
