@@ -198,7 +198,7 @@ TEST_F(Places, AFullDiskOfTheDriversCacheIsNotTheEnd) {
   disk.fill();
   const Outcome outcome =
       latelight({.arguments = {"render", "s.gltf", "-o", "a.png", "--size", "32x18", "--device", "cpu"},
-                 .environment = {{"XDG_CACHE_HOME", disk.path().string()}},
+                 .environment = {{"MESA_SHADER_CACHE_DIR", disk.path().string()}},
                  .folder = folder.path()});
   EXPECT_EQ(outcome.code, 0) << outcome.text();
   EXPECT_THAT(outcome.err, AllOf(StartsWith("warning: "), HasSubstr("no room"), HasSubstr(disk.path().string())));
