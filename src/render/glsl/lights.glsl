@@ -64,8 +64,10 @@ Light lightOfLane(FrameConstants frame, DealtLight mine, uint lane) {
   return frameLight(frame, fromLane(mine.index, lane));
 }
 
+// Tested at the end of a round: lavapipe goes once more through a loop that ends at its beginning.
 void shadeHits(inout Shading shading, FrameConstants frame, DealtLight mine, uvec4 hits, bool shadowed) {
-  while (anyLane(hits)) {
+  if (!anyLane(hits)) return;
+  do {
     uint lane = takeLane(hits);
     Light light = lightOfLane(frame, mine, lane);
     float used = lightsUsed;
@@ -78,7 +80,7 @@ void shadeHits(inout Shading shading, FrameConstants frame, DealtLight mine, uve
       shading.radiance += radiance;
     else
       lightsUsed = used;
-  }
+  } while (anyLane(hits));
 }
 
 // Each lane brings a light; those that hit are shaded by all lanes, in the order of the lanes: first those without
@@ -92,11 +94,13 @@ void shadeDealt(inout Shading shading, FrameConstants frame, DealtLight mine, bo
 
 // The lights [first, end) of the frame.
 void shadeRange(inout Shading shading, FrameConstants frame, uint first, uint end) {
-  for (; first < end; first += lanesPresent) {
+  if (first >= end) return;
+  do {
     uint index = first + laneRank;
     DealtLight mine = dealtLight(frame, shading.view, min(index, end - 1u));
     shadeDealt(shading, frame, mine, index < end && reaches(mine.light, shading.low, shading.high));
-  }
+    first += lanesPresent;
+  } while (first < end);
 }
 
 // Radiance that all of the frame's lights send from `s` to the eye. Every invocation of the subgroup must call it;

@@ -22,20 +22,22 @@ void shadeTree(inout Shading shading, FrameConstants frame) {
 void shadeNear(inout Shading shading, FrameConstants frame, uint64_t list, uint count, bool walks) {
   TreeWalk walk = startWalk(frame, shading.low, shading.high, walks);
   uint next = 0u, end = frame.directionalLights + count;
+  if (end == 0u && !walks) return;
   if (shading.lit) lightsTested += float(end);
   bool listed = true;
-  while (true) {
-    if (next >= end) {  // on to a leaf of the tree
-      listed = false;
-      if (!nextLeaf(walk, frame, next)) break;
-      end = min(next + kLightTreeWidth, frame.lightCount);
-      if (shading.lit) lightsTested += float(end - next);
-    }
-    uint light = min(next + laneRank, end - 1u);
-    if (listed && light >= frame.directionalLights) light = UintRef(list).v[light - frame.directionalLights];
+  while (true) {  // no test at the beginning (see shadeHits())
+    uint light = next + laneRank;
+    bool there = light < end;
+    light = there ? light : 0u;
+    if (there && listed && light >= frame.directionalLights) light = UintRef(list).v[light - frame.directionalLights];
     DealtLight mine = dealtLight(frame, shading.view, light);
-    shadeDealt(shading, frame, mine, next + laneRank < end && reaches(mine.light, shading.low, shading.high));
+    shadeDealt(shading, frame, mine, there && reaches(mine.light, shading.low, shading.high));
     next += lanesPresent;
+    if (next < end) continue;
+    listed = false;  // on to a leaf of the tree
+    if (!nextLeaf(walk, frame, next)) break;
+    end = min(next + kLightTreeWidth, frame.lightCount);
+    if (shading.lit) lightsTested += float(end - next);
   }
 }
 

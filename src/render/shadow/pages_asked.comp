@@ -118,10 +118,11 @@ void askAt(FrameConstants frame, uint view, vec3 position, bool there) {
     uint number = first + laneRank;
     DealtLight mine = lightInView(frame, view, min(number, push.lightCount - 1u));
     uvec4 hits = subgroupBallot(number < push.lightCount && reachesInto(mine, low, high));
-    while (anyLane(hits)) {
+    if (!anyLane(hits)) continue;
+    do {
       DealtLight l = ofLane(mine, takeLane(hits));
       if (there && reachesInto(l, position, position)) askLight(frame, l, position);
-    }
+    } while (anyLane(hits));
   }
 }
 

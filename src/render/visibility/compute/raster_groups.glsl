@@ -40,15 +40,17 @@ void rasterSmall(uint index, View view, Triangle t, PixelBox box) {
   Edges e = edgesAt(t, box.low);
   float corner = depthAt(view, t, box.low);
   vec2 steps = depthSteps(view, t.plane);
-  for (int y = box.low.y; y <= box.high.y; ++y) {
+  // Tested at the end of a round: lavapipe goes once more through a loop that ends at its beginning.
+  ivec2 pixel = box.low;
+  do {
     ivec3 weights = e.at;
-    for (int x = box.low.x; x <= box.high.x; ++x) {
-      vec2 offset = vec2(ivec2(x, y) - box.low);
-      testPixel(index, t, ivec2(x, y), weights, e, corner + dot(steps, offset), steps);
+    pixel.x = box.low.x;
+    do {
+      testPixel(index, t, pixel, weights, e, corner + dot(steps, vec2(pixel - box.low)), steps);
       weights += e.right;
-    }
+    } while (++pixel.x <= box.high.x);
     e.at += e.down;
-  }
+  } while (++pixel.y <= box.high.y);
 }
 
 // In blocks of as many pixels as lanes; those that the triangle does not touch are passed over.
@@ -64,17 +66,21 @@ void rasterMedium(uint index, View view, Triangle t) {
                (mostRight + mostDown) / int(kSamples) * (int(kSamples) - 1);
   float corner = depthAt(view, t, box.low);
   vec2 steps = depthSteps(view, t.plane);
-  for (int y = box.low.y; y <= box.high.y; y += tall) {
+  ivec2 block = box.low;
+  do {
     ivec3 at = e.at;
-    for (int x = box.low.x; x <= box.high.x; x += kWide) {
+    block.x = box.low.x;
+    do {
       ivec3 largest = at + most;
-      ivec2 pixel = ivec2(x, y) + lane;
+      ivec2 pixel = block + lane;
       if ((largest.x | largest.y | largest.z) >= 0 && all(lessThanEqual(pixel, box.high)))
         testPixel(index, t, pixel, at + mine, e, corner + dot(steps, vec2(pixel - box.low)), steps);
       at += e.right * kWide;
-    }
+      block.x += kWide;
+    } while (block.x <= box.high.x);
     e.at += e.down * tall;
-  }
+    block.y += tall;
+  } while (block.y <= box.high.y);
 }
 
 // What all of a group's triangles have in common.
@@ -161,7 +167,10 @@ void rasterApart() {
     Triangle t;
     bool some = triangle < g.end && takeTriangle(g, triangle, t);
     uvec4 waiting = subgroupBallot(some);
-    while (anyLane(waiting)) rasterMedium(g.work.view, g.view, fromLane(t, takeLane(waiting)));
+    if (!anyLane(waiting)) continue;
+    do {
+      rasterMedium(g.work.view, g.view, fromLane(t, takeLane(waiting)));
+    } while (anyLane(waiting));
   }
 }
 
