@@ -125,11 +125,18 @@ TEST_F(Temporaries, NeverOutliveASignalAtAnyMoment) {
 }
 
 TEST_F(Temporaries, OfKilledProcessesAreSweptByTheNext) {
+  int ready[2];  // said once it is locked: before, another may sweep it
+  ASSERT_EQ(pipe(ready), 0);
   const pid_t child = start([&] {
     const TemporaryFile file(folder / "a.png", 0666);
+    for (char byte = 0; write(ready[1], &byte, 1) != 1;) {
+    }
     for (;;) pause();
   });
-  while (names().empty()) usleep(1000);
+  char byte = 0;
+  ASSERT_EQ(read(ready[0], &byte, 1), 1);
+  close(ready[0]);
+  close(ready[1]);
   const std::string left = names().front();
   // While it lives, nobody sweeps it. Each process sweeps a folder once, so in one of their own.
   const auto write = [&](const char* name) {
