@@ -26,7 +26,7 @@ using Json = nlohmann::json;
 void connect(tcp::socket& socket, uint16_t port) {
   socket.connect({asio::ip::make_address("127.0.0.1"), port});
   socket.set_option(tcp::no_delay(true));  // as browsers do: a key does not wait for what was said before it
-  const timeval patience{.tv_sec = 20, .tv_usec = 0};
+  const timeval patience{.tv_sec = 1800, .tv_usec = 0};  // against hangs alone
   setsockopt(socket.native_handle(), SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
 }
 

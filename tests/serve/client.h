@@ -29,7 +29,7 @@ class Client {
     nlohmann::json header;
     std::string payload;
   };
-  Message hear();                     // throws where the server closed the connection, or says nothing for 20 seconds
+  Message hear();                     // throws where the server closed the connection, or says nothing for half an hour
   void show(const Message& message);  // acknowledges it
   // The next final picture, with everything on the way shown, and the session's state by then.
   Message hearFinal();
