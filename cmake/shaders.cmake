@@ -15,14 +15,15 @@
 set(LATELIGHT_SPIRV ${PROJECT_BINARY_DIR}/spirv)
 # Debug information holds the sources and where they lay: not for what is shipped.
 set(LATELIGHT_SHADER_DEBUG $<$<NOT:$<CONFIG:Release>>:-g>)
-# What is shipped is simplified first: lavapipe takes it in five times as fast, which was a third of a small picture's
-# time. Nothing that may round otherwise: spirv-opt's -O and -Os rearrange arithmetic. Functions are simplified before
-# they are inlined, and what is dead goes before the passes whose time grows with the square of a function's length:
-# that halves the time that the large shaders take.
+# What is shipped is simplified first, function by function; nothing that may round otherwise: spirv-opt's -O and -Os
+# rearrange arithmetic. Then functions are inlined, since lavapipe takes such code in five times as fast, which was a third
+# of a small picture's time. What is dead goes before the passes whose time grows with the square of a function's length.
+# Forms with descriptor indexing, which lavapipe lacks, keep their functions: an H200's driver takes them in sooner.
 find_program(SPIRV_OPT spirv-opt REQUIRED)
 set(LATELIGHT_SPIRV_OPT ${SPIRV_OPT} --target-env=vulkan1.3 --scalar-block-layout
   --merge-return --scalar-replacement=0 --convert-local-access-chains --ssa-rewrite --eliminate-dead-branches
-  --cfg-cleanup --eliminate-dead-code-aggressive
+  --cfg-cleanup --eliminate-dead-code-aggressive)
+set(LATELIGHT_SPIRV_INLINE
   --inline-entry-points-exhaustive --eliminate-dead-functions --eliminate-local-single-store
   --eliminate-dead-code-aggressive --eliminate-dead-branches --cfg-cleanup
   --private-to-local --scalar-replacement=0 --convert-local-access-chains --eliminate-local-single-block
@@ -31,11 +32,15 @@ set(LATELIGHT_SPIRV_OPT ${SPIRV_OPT} --target-env=vulkan1.3 --scalar-block-layou
 
 function(latelight_compile_shader source name includes out)
   set(spirv ${LATELIGHT_SPIRV}/${name}.spv)
+  set(simplify ${LATELIGHT_SPIRV_OPT})
+  if(NOT name MATCHES "\\+indexed")
+    list(APPEND simplify ${LATELIGHT_SPIRV_INLINE})
+  endif()
   add_custom_command(
     OUTPUT ${spirv}
     COMMAND ${GLSLANG} --quiet --target-env vulkan1.3 ${LATELIGHT_SHADER_DEBUG} -I${PROJECT_SOURCE_DIR}/src -I${LATELIGHT_GENERATED} ${includes}
             --depfile ${spirv}.d -o ${spirv} ${source}
-    COMMAND "$<$<CONFIG:Release>:${LATELIGHT_SPIRV_OPT};${spirv};-o;${spirv}>"
+    COMMAND "$<$<CONFIG:Release>:${simplify};${spirv};-o;${spirv}>"
     COMMAND_EXPAND_LISTS
     MAIN_DEPENDENCY ${source}
     DEPFILE ${spirv}.d
