@@ -58,9 +58,7 @@ std::vector<std::string> findMissing(VkPhysicalDevice device, uint32_t apiVersio
   VkPhysicalDeviceSubgroupProperties subgroup{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
   VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &subgroup};
   vkGetPhysicalDeviceProperties2(device, &properties);
-  constexpr VkSubgroupFeatureFlags kOperations = VK_SUBGROUP_FEATURE_BASIC_BIT | VK_SUBGROUP_FEATURE_BALLOT_BIT |
-                                                 VK_SUBGROUP_FEATURE_ARITHMETIC_BIT | VK_SUBGROUP_FEATURE_SHUFFLE_BIT;
-  if ((subgroup.supportedOperations & kOperations) != kOperations ||
+  if ((subgroup.supportedOperations & kSubgroupOperations) != kSubgroupOperations ||
       !(subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT))
     missing.push_back("ballots, shuffles and reductions in compute subgroups");
   return missing;

@@ -35,6 +35,11 @@ std::span<const Feature> optionalFeatures();
 // Those of a list that are off in `offered`: "64-bit integers in shaders (shaderInt64)".
 std::vector<std::string> missingFeatures(std::span<const Feature> features, Features& offered);
 
+// What lanes of compute shaders do with each other, and those of fragment shaders where the device can.
+inline constexpr VkSubgroupFeatureFlags kSubgroupOperations =
+    VK_SUBGROUP_FEATURE_BASIC_BIT | VK_SUBGROUP_FEATURE_BALLOT_BIT | VK_SUBGROUP_FEATURE_ARITHMETIC_BIT |
+    VK_SUBGROUP_FEATURE_SHUFFLE_BIT;
+
 inline constexpr const char* kOptionalExtensions[] = {
     VK_EXT_MEMORY_BUDGET_EXTENSION_NAME,
     VK_KHR_EXTERNAL_MEMORY_FD_EXTENSION_NAME,   // buffers that other APIs read

@@ -5,66 +5,13 @@
 #include <set>
 
 #include "base/error.h"
+#include "vk/spirv.h"
 
 namespace latelight::vk {
 
 namespace {
 
-// The parts of the SPIR-V specification, 1.6, that are needed here.
-constexpr uint32_t kMagic = 0x07230203;
-constexpr size_t kHeaderWords = 5;
-enum Op : uint32_t {
-  kOpName = 5,
-  kOpMemberName = 6,
-  kOpEntryPoint = 15,
-  kOpTypeBool = 20,
-  kOpTypeInt = 21,
-  kOpTypeFloat = 22,
-  kOpTypeVector = 23,
-  kOpTypeMatrix = 24,
-  kOpTypeImage = 25,
-  kOpTypeSampledImage = 27,
-  kOpTypeArray = 28,
-  kOpTypeRuntimeArray = 29,
-  kOpTypeStruct = 30,
-  kOpTypePointer = 32,
-  kOpConstant = 43,
-  kOpSpecConstantTrue = 48,
-  kOpSpecConstantFalse = 49,
-  kOpSpecConstant = 50,
-  kOpFunction = 54,
-  kOpFunctionEnd = 56,
-  kOpFunctionCall = 57,
-  kOpVariable = 59,
-  kOpImageTexelPointer = 60,
-  kOpLoad = 61,
-  kOpStore = 62,
-  kOpCopyMemory = 63,
-  kOpAccessChain = 65,
-  kOpInBoundsAccessChain = 66,
-  kOpPtrAccessChain = 67,
-  kOpArrayLength = 68,
-  kOpInBoundsPtrAccessChain = 70,
-  kOpDecorate = 71,
-  kOpMemberDecorate = 72,
-  kOpCopyObject = 83,
-};
-enum Decoration : uint32_t {
-  kSpecId = 1,
-  kBlock = 2,
-  kArrayStride = 6,
-  kMatrixStride = 7,
-  kBinding = 33,
-  kDescriptorSet = 34,
-  kOffset = 35,
-};
-enum StorageClass : uint32_t { kUniformConstant = 0, kUniform = 2, kPushConstant = 9 };
-constexpr uint32_t kDimBuffer = 5, kSampledStorage = 2;  // of OpTypeImage
-
-struct Instruction {
-  uint32_t op = 0;
-  std::span<const uint32_t> operands;  // including result type and result id
-};
+using namespace spirv;
 
 using Decorations = std::map<uint32_t, uint32_t>;  // decoration -> its first operand, or 0
 
@@ -112,13 +59,10 @@ std::string text(std::span<const uint32_t> words) {
 }
 
 Module::Module(std::span<const uint32_t> code) {
-  if (code.size() < kHeaderWords || code[0] != kMagic) fail(ExitCode::Internal, "A shader is no SPIR-V.");
-  for (size_t at = kHeaderWords; at < code.size();) {
-    const size_t words = code[at] >> 16;
-    if (words == 0 || words > code.size() - at) fail(ExitCode::Internal, "A shader's SPIR-V breaks off.");
-    read({code[at] & 0xffffu, code.subspan(at + 1, words - 1)});
-    at += words;
-  }
+  forEachInstruction(code, [this](const Instruction& instruction) {
+    read(instruction);
+    return true;
+  });
   if (inside_ != 0) fail(ExitCode::Internal, "A shader's SPIR-V breaks off.");
 }
 

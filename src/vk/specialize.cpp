@@ -3,73 +3,56 @@
 #include <algorithm>
 #include <map>
 #include <optional>
+#include <utility>
+
+#include "vk/spirv.h"
 
 namespace latelight::vk {
 
 namespace {
 
-// The parts of the SPIR-V specification, 1.6, that are needed here. An instruction's first word has its length above
-// its opcode; that of a constant is followed by its type and its id.
-constexpr size_t kFirstInstruction = 5;
-enum Opcode : uint32_t {
-  kTypeBool = 20,
-  kTypeInt = 21,
-  kConstantTrue = 41,
-  kConstantFalse = 42,
-  kConstant = 43,
-  kConstantComposite = 44,
-  kSpecConstantTrue = 48,
-  kSpecConstantFalse = 49,
-  kSpecConstant = 50,
-  kSpecConstantComposite = 51,
-  kSpecConstantOp = 52,
-  kFunctionBegins = 54,
-  kDecorateId = 71,
-};
-constexpr uint32_t kDecorationSpecId = 1;
-
-using Instruction = std::span<const uint32_t>;  // including its first word
+using namespace spirv;
 using Words = std::vector<uint32_t>;
 
 // What OpSpecConstantOp makes of words, and of bools as 0 and 1; nothing for operations that stay as they are.
-std::optional<uint32_t> computed(uint32_t opcode, const Words& x) {
-  switch (opcode) {
-    case 113:
-      return x[0];  // UConvert
-    case 128:
+std::optional<uint32_t> computed(uint32_t op, const Words& x) {
+  switch (op) {
+    case kOpUConvert:
+      return x[0];
+    case kOpIAdd:
       return x[0] + x[1];
-    case 130:
+    case kOpISub:
       return x[0] - x[1];
-    case 132:
+    case kOpIMul:
       return x[0] * x[1];
-    case 134:
+    case kOpUDiv:
       return x[1] ? std::optional(x[0] / x[1]) : std::nullopt;
-    case 135:  // SDiv
+    case kOpSDiv:
       return x[1] && ~x[1] ? std::optional<uint32_t>(static_cast<int32_t>(x[0]) / static_cast<int32_t>(x[1]))
                            : std::nullopt;
-    case 166:
-      return x[0] | x[1];  // LogicalOr
-    case 167:
-      return x[0] & x[1];  // LogicalAnd
-    case 168:
-      return 1 - x[0];  // LogicalNot
-    case 169:
+    case kOpLogicalOr:
+      return x[0] | x[1];
+    case kOpLogicalAnd:
+      return x[0] & x[1];
+    case kOpLogicalNot:
+      return 1 - x[0];
+    case kOpSelect:
       return x[0] ? x[1] : x[2];
-    case 170:
+    case kOpIEqual:
       return x[0] == x[1];
-    case 171:
+    case kOpINotEqual:
       return x[0] != x[1];
-    case 172:
+    case kOpUGreaterThan:
       return x[0] > x[1];
-    case 174:
+    case kOpUGreaterThanEqual:
       return x[0] >= x[1];
-    case 176:
+    case kOpULessThan:
       return x[0] < x[1];
-    case 178:
+    case kOpULessThanEqual:
       return x[0] <= x[1];
-    case 194:
+    case kOpShiftRightLogical:
       return x[1] < 32 ? std::optional(x[0] >> x[1]) : std::nullopt;
-    case 199:
+    case kOpBitwiseAnd:
       return x[0] & x[1];
     default:
       return std::nullopt;
@@ -78,12 +61,15 @@ std::optional<uint32_t> computed(uint32_t opcode, const Words& x) {
 
 class Specializer {
  public:
-  explicit Specializer(std::span<const Constant> constants) : constants_(constants) {}
-  void take(Instruction instruction, Words& out);
+  Specializer(std::span<const uint32_t> code, std::span<const Constant> constants);
+  Words out;  // the specialized code
 
  private:
-  void define(Instruction instruction, uint32_t value, Words& out);
-  std::optional<uint32_t> operation(Instruction instruction) const;
+  void take(const Instruction& instruction);
+  void put(uint32_t op, std::span<const uint32_t> operands);
+  void define(uint32_t type, uint32_t id, uint32_t value);
+  std::optional<uint32_t> valueOf(const Instruction& instruction) const;
+  std::optional<uint32_t> resultOf(const Instruction& operation) const;
 
   std::span<const Constant> constants_;
   std::map<uint32_t, uint32_t> given_;   // by a constant's id in the code: what it is to be
@@ -91,61 +77,87 @@ class Specializer {
   std::map<uint32_t, uint32_t> values_;  // by the id of a bool or a 32-bit word
 };
 
-void Specializer::define(Instruction instruction, uint32_t value, Words& out) {
-  const uint32_t type = instruction[1], id = instruction[2], bits = bits_.contains(type) ? bits_.at(type) : 32;
-  if (bits <= 32) values_[id] = value;
-  if (bits == 1)
-    out.insert(out.end(), {3u << 16 | (value ? kConstantTrue : kConstantFalse), type, id});
-  else
-    out.insert(out.end(), {(bits > 32 ? 5u : 4u) << 16 | kConstant, type, id, value});
-  if (bits > 32) out.push_back(0);
+// Constants stand in front of all functions, which stay as they are.
+Specializer::Specializer(std::span<const uint32_t> code, std::span<const Constant> constants) : constants_(constants) {
+  out.reserve(code.size());
+  size_t functions = code.size();
+  forEachInstruction(code, [&](const Instruction& instruction) {
+    if (out.empty()) out.assign(code.begin(), code.begin() + kHeaderWords);
+    if (instruction.op == kOpFunction)
+      functions = static_cast<size_t>(instruction.operands.data() - code.data()) - 1;
+    else
+      take(instruction);
+    return instruction.op != kOpFunction;
+  });
+  out.insert(out.end(), code.begin() + static_cast<std::ptrdiff_t>(functions), code.end());
 }
 
-std::optional<uint32_t> Specializer::operation(Instruction instruction) const {
-  if (!bits_.contains(instruction[1])) return std::nullopt;
+void Specializer::put(uint32_t op, std::span<const uint32_t> operands) {
+  out.push_back(Instruction{op, operands}.first());
+  out.insert(out.end(), operands.begin(), operands.end());
+}
+
+void Specializer::define(uint32_t type, uint32_t id, uint32_t value) {
+  const uint32_t bits = bits_.contains(type) ? bits_.at(type) : 32;
+  if (bits <= 32) values_[id] = value;
+  const uint32_t words[] = {type, id, value, 0};
+  if (bits == 1)
+    put(value ? kOpConstantTrue : kOpConstantFalse, std::span(words).first(2));
+  else
+    put(kOpConstant, std::span(words).first(bits > 32 ? 4 : 3));
+}
+
+std::optional<uint32_t> Specializer::resultOf(const Instruction& operation) const {
+  if (!bits_.contains(operation.operands[0])) return std::nullopt;
   Words operands;
-  for (const uint32_t id : instruction.subspan(4)) {
+  for (const uint32_t id : operation.operands.subspan(3)) {
     const auto value = values_.find(id);
     if (value == values_.end()) return std::nullopt;
     operands.push_back(value->second);
   }
-  return computed(instruction[3], operands);
+  return computed(operation.operands[2], operands);
 }
 
-void Specializer::take(Instruction instruction, Words& out) {
-  const uint32_t opcode = instruction[0] & 0xffffu;
-  std::optional<uint32_t> value;
-  if (opcode == kTypeBool) bits_[instruction[1]] = 1;
-  if (opcode == kTypeInt) bits_[instruction[1]] = instruction[2];
-  if (opcode == kDecorateId && instruction[2] == kDecorationSpecId) {
-    const auto constant = std::ranges::find(constants_, instruction[3], &Constant::id);
-    if (constant != constants_.end()) given_[instruction[1]] = constant->value;
+// Of a constant: its own.
+std::optional<uint32_t> Specializer::valueOf(const Instruction& instruction) const {
+  switch (instruction.op) {
+    case kOpConstantTrue:
+    case kOpSpecConstantTrue:
+      return 1;
+    case kOpConstantFalse:
+    case kOpSpecConstantFalse:
+      return 0;
+    case kOpConstant:
+    case kOpSpecConstant:
+      return instruction.operands.size() == 3 ? std::optional(instruction.operands[2]) : std::nullopt;
+    case kOpSpecConstantOp:
+      return resultOf(instruction);
+    default:
+      return std::nullopt;
+  }
+}
+
+void Specializer::take(const Instruction& instruction) {
+  const auto& [op, operands] = instruction;
+  if (op == kOpTypeBool) bits_[operands[0]] = 1;
+  if (op == kOpTypeInt) bits_[operands[0]] = operands[1];
+  if (op == kOpDecorate && operands[1] == kSpecId) {
+    const auto constant = std::ranges::find(constants_, operands[2], &Constant::id);
+    if (constant != constants_.end()) given_[operands[0]] = constant->value;
     return;
   }
-  if (opcode == kConstantTrue || opcode == kSpecConstantTrue) value = 1;
-  if (opcode == kConstantFalse || opcode == kSpecConstantFalse) value = 0;
-  if ((opcode == kConstant || opcode == kSpecConstant) && instruction.size() == 4) value = instruction[3];
-  if (opcode == kSpecConstantOp) value = operation(instruction);
-  if (value && given_.contains(instruction[2])) value = given_.at(instruction[2]);
+  std::optional<uint32_t> value = valueOf(instruction);
+  if (value && given_.contains(operands[1])) value = given_.at(operands[1]);
   if (value)
-    define(instruction, *value, out);
+    define(operands[0], operands[1], *value);
   else
-    out.insert(out.end(), instruction.begin(), instruction.end());
-  if (opcode == kSpecConstantComposite)
-    out[out.size() - instruction.size()] -= kSpecConstantComposite - kConstantComposite;
+    put(op == kOpSpecConstantComposite ? kOpConstantComposite : op, operands);
 }
 
 }  // namespace
 
 std::vector<uint32_t> specialize(std::span<const uint32_t> code, std::span<const Constant> constants) {
-  Words out(code.begin(), code.begin() + kFirstInstruction);
-  out.reserve(code.size());
-  Specializer specializer(constants);
-  size_t at = kFirstInstruction;
-  for (; at < code.size() && (code[at] & 0xffffu) != kFunctionBegins; at += code[at] >> 16)
-    specializer.take(code.subspan(at, code[at] >> 16), out);
-  out.insert(out.end(), code.begin() + static_cast<std::ptrdiff_t>(at), code.end());
-  return out;
+  return std::move(Specializer(code, constants).out);
 }
 
 }  // namespace latelight::vk

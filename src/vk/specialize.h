@@ -10,7 +10,7 @@
 namespace latelight::vk {
 
 // `code` with these values for its constants; those not given keep the shader's own. Each is a bool or a 32-bit word,
-// as checkInterface() checks.
+// as checkInterface() checks. Throws Error(Internal) where the words are not SPIR-V.
 std::vector<uint32_t> specialize(std::span<const uint32_t> code, std::span<const Constant> constants);
 
 }  // namespace latelight::vk

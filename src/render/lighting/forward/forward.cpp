@@ -6,6 +6,7 @@
 #include "render/lighting/technique.h"
 #include "render/lit_maps.h"
 #include "render/visibility/hardware.h"
+#include "vk/features.h"
 
 namespace latelight::render {
 
@@ -16,13 +17,11 @@ constexpr uint32_t kPlainLoop = kFirstOwnConstant + 1;  // forward.frag
 }  // namespace
 
 ForwardLoop forwardLoop(vk::Device& device) {
-  constexpr VkSubgroupFeatureFlags kNeeded = VK_SUBGROUP_FEATURE_BASIC_BIT | VK_SUBGROUP_FEATURE_BALLOT_BIT |
-                                             VK_SUBGROUP_FEATURE_ARITHMETIC_BIT | VK_SUBGROUP_FEATURE_SHUFFLE_BIT;
   VkPhysicalDeviceSubgroupProperties subgroups{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
   VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &subgroups};
   vkGetPhysicalDeviceProperties2(device.physical(), &properties);
   const bool dealt = (subgroups.supportedStages & VK_SHADER_STAGE_FRAGMENT_BIT) &&
-                     (subgroups.supportedOperations & kNeeded) == kNeeded;
+                     (subgroups.supportedOperations & vk::kSubgroupOperations) == vk::kSubgroupOperations;
   return dealt ? ForwardLoop::Dealt : ForwardLoop::Plain;
 }
 
