@@ -1,6 +1,6 @@
 // Items that few pixels have, such as surfaces beside their first, dealt to all lanes of a subgroup: so a pixel at an edge
 // does not make the lanes around it wait (as Lauritzen 2010, Deferred Rendering for Current and Future Rendering
-// Pipelines, SIGGRAPH, packs such pixels of a tile: here without a barrier of the workgroup). Workgroups have 256
+// Pipelines, SIGGRAPH, packs such pixels of a tile: here without a barrier of the workgroup). Workgroups have up to 256
 // invocations, each with a pixel.
 #ifndef LATELIGHT_DEAL_GLSL
 #define LATELIGHT_DEAL_GLSL

@@ -7,6 +7,7 @@
 // distance. In an orthographic view it is linear in depth.
 #ifndef LATELIGHT_LIGHT_CELLS_GLSL
 #define LATELIGHT_LIGHT_CELLS_GLSL
+#include "render/glsl/pixel_order.glsl"
 
 const uint kTileSize = 16u;
 const uint kSlices = 32u;
@@ -30,13 +31,5 @@ uint depthKey(Projection p, float deviceDepth) {
 uint sliceOf(uint key, uvec2 slices) { return min((slices.x - key) >> slices.y, kSlices - 1u); }
 
 uint tileOf(uvec3 group, uvec2 tiles) { return (group.z * tiles.y + group.y) * tiles.x + group.x; }
-
-// The i-th pixel of a tile along a Morton curve: a subgroup's pixels lie in a block of 4 by 2 or 8 by 4, which lights
-// reach fewer of than rows.
-uvec2 pixelOfTile(uint i) {
-  uvec2 p = uvec2(i, i >> 1u) & 0x55u;
-  p = (p | p >> 1u) & 0x33u;
-  return (p | p >> 2u) & 0x0fu;
-}
 
 #endif

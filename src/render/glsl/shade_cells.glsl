@@ -6,7 +6,7 @@
 #include "render/lighting/lighting_push.h"
 
 struct CellLights {
-  CellsRef cells;    // of this workgroup's tile
+  CellsRef cells;    // of the tile
   uint64_t entries;  // of the same: uint[]
 };
 
@@ -20,18 +20,13 @@ void shadeCell(inout Shading shading, FrameConstants frame, CellLights lights, u
 
 // --- a pixel --------------------------------------------------------------------------------------------------------
 
-// This invocation's place in the picture; workgroups are tiles.
-ivec3 placeInTile() {
-  return ivec3(gl_WorkGroupID.xy * kTileSize + pixelOfTile(gl_LocalInvocationIndex), gl_WorkGroupID.z);
-}
-
 // What all lights send from the pixel to the eye. The lanes of a subgroup whose surfaces lie in the same slice shade
 // together, one slice after the other; where a tile is one cell whose list fits, all at once. (Where it does not fit,
 // the boxes that the tree is walked with had better not span the depth of the scene. On lavapipe a shader's loops
 // together end after 65535 rounds, without a word.)
 vec3 shadeFromCells(LitPixel pixel, View view, FrameConstants frame, CellsPush push) {
   if (kLights == 0u) return vec3(0.0);
-  uint64_t tile = tileOf(gl_WorkGroupID, push.tiles);
+  uint64_t tile = tileOf(gl_WorkGroupID / uvec3(kTileSize / kPixelGroupX, kTileSize / kPixelGroupY, 1u), push.tiles);
   CellLights lights = CellLights(CellsRef(push.cells + tile * (8u * (kCellsATile + 1u))),
                                  push.entries + tile * (4u * kEntriesATile));
   bool together = kCellsATile == 1u && lights.cells.v[1].y != kOverflow;

@@ -8,8 +8,9 @@
 #include "render/layered/layered_light.glsl"
 #include "render/visibility/compute/visible.glsl"
 #include "render/visibility/compute/pixel_triangles.glsl"
+#include "render/glsl/pixel_order.glsl"
 
-layout(local_size_x = 16, local_size_y = 16) in;
+layout(local_size_x = kPixelGroupX * kPixelGroupY) in;
 layout(push_constant, scalar) uniform Push { ResolvePush push; };
 layout(set = 0, binding = AFTER_LIT_MAPS, rgba16f) uniform image2DArray lightTarget;
 layout(set = 0, binding = AFTER_LIT_MAPS + 1, rgba32f) uniform writeonly image2DArray lightCounts;
@@ -50,7 +51,7 @@ void main() {
 #ifndef TEXTURES_BY_INDEX
   textureRecords = frame.textures;
 #endif
-  ivec3 pixel = ivec3(gl_GlobalInvocationID);
+  ivec3 pixel = ownPixel();
   uvec2 size = uvec2(frameView(frame, uint(pixel.z)).size);
   bool inside = all(lessThan(uvec2(pixel.xy), size));
   uint first = visibleIndex(uvec3(inside ? uvec2(pixel.xy) : uvec2(0u), pixel.z), size);
@@ -68,7 +69,7 @@ void main() {
   }
   if (covered == 0u) return;
   if (kCountLights != 0u) imageStore(lightCounts, pixel, lightCount());
-  vec4 light = imageLoad(lightTarget, pixel);
-  bool all = uint(bitCount(covered)) == kSamples;
-  imageStore(lightTarget, pixel, vec4(min((all ? vec3(0.0) : light.rgb) + sum, vec3(65504.0)), light.a));
+  vec4 light = vec4(0.0, 0.0, 0.0, 1.0);  // what other surfaces send
+  if (uint(bitCount(covered)) != kSamples) light = imageLoad(lightTarget, pixel);
+  imageStore(lightTarget, pixel, vec4(min(light.rgb + sum, vec3(65504.0)), light.a));
 }

@@ -2,6 +2,7 @@
 
 #include "render/lighting/forward/forward.h"
 #include "render/lit_maps.h"
+#include "render/pixel_group.h"
 #include "render/visibility/compute/compute.h"
 #include "render/visibility/hardware.h"
 
@@ -79,7 +80,9 @@ void shadeLayered(const FrameContext& f, const Gbuffer& gbuffer, const ComputeVi
                         .name = "layered",
                         .shader = "layered.comp",
                         .bindings = std::move(bindings),
-                        .constants = {opaqueLayers(f.setup)}});
+                        .constants = {opaqueLayers(f.setup)},
+                        .groupX = shared::kPixelGroupX,
+                        .groupY = shared::kPixelGroupY});
 }
 
 }  // namespace

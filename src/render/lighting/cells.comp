@@ -6,7 +6,7 @@
 #include "render/glsl/gbuffer_read.glsl"
 #include "render/glsl/shade_cells.glsl"
 
-layout(local_size_x = 256) in;
+layout(local_size_x = kPixelGroupX * kPixelGroupY) in;
 layout(push_constant, scalar) uniform Push { CellsPush push; };
 
 vec3 lightsAt(FrameConstants frame, View view, LitPixel p) { return shadeFromCells(p, view, frame, push); }
@@ -14,7 +14,7 @@ vec3 lightsAt(FrameConstants frame, View view, LitPixel p) { return shadeFromCel
 void main() {
   countLanes();
   showSurfaces(push.frame, push.shown);
-  ivec3 place = placeInTile();
+  ivec3 place = ownPixel();
   bool lit = lightPixel(FrameRef(push.frame).v, place);
   writeCounts(place, lit, lightCount());
 }

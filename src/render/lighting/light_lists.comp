@@ -59,7 +59,7 @@ float depthAt(Tile tile, uvec2 pixel, uint samples) {
 }
 #endif
 
-uvec2 tilePixel(Tile tile, uint first) { return tile.corner + pixelOfTile(min(first + laneRank, 255u)); }
+uvec2 tilePixel(Tile tile, uint first) { return tile.corner + mortonPixel(min(first + laneRank, 255u)); }
 
 // --- slices ---------------------------------------------------------------------------------------------------------
 

@@ -1,6 +1,7 @@
 #include "render/lighting/lighting_shader.h"
 
 #include "render/lit_maps.h"
+#include "render/pixel_group.h"
 #include "render/visibility/compute/compute.h"
 
 namespace latelight::render {
@@ -30,6 +31,8 @@ ComputePass lightingPass(const FrameContext& f, const Gbuffer& gbuffer, const st
                    .bindings = std::move(bindings),
                    .size = f.pixels(),
                    .constants = std::move(constants),
+                   .groupX = shared::kPixelGroupX,
+                   .groupY = shared::kPixelGroupY,
                    .everyTexel = true};
   readSurfaces(f, pass);
   return pass;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "render/lighting/lighting_shader.h"
+#include "render/pixel_group.h"
 #include "render/shadow/frame_shadows.h"
 #include "render/shadow/page_push.h"
 #include "render/transparency/transparency.h"
@@ -34,7 +35,9 @@ ComputePass askingPass(const FrameContext& f, const Gbuffer& gbuffer) {
           .shader = f.setup.variant("pages_asked.comp@" + f.setup.layout->file),
           .bindings = Bindings(f.device).sampled(gbufferInputs(gbuffer)),
           .size = f.pixels(),
-          .constants = std::move(constants)};
+          .constants = std::move(constants),
+          .groupX = shared::kPixelGroupX,
+          .groupY = shared::kPixelGroupY};
 }
 
 graph::BufferId addAsked(const FrameContext& f, const Gbuffer& gbuffer) {
@@ -46,13 +49,8 @@ graph::BufferId addAsked(const FrameContext& f, const Gbuffer& gbuffer) {
   ComputePass pass = askingPass(f, gbuffer);
   pass.buffers = {{asked, graph::Use::StorageReadWrite}};
   addCompute(f, std::move(pass), [=, &f, count = static_cast<uint32_t>(lights.size())](graph::Context& context) {
-    return PagesAskedPush{f.constants,
-                          list,
-                          context.buffer(asked).address(),
-                          count,
-                          pageWordStep(atlas),
-                          atlas.height / kShadowCell,
-                          0};
+    return PagesAskedPush{
+        f.constants, list, context.buffer(asked).address(), count, pageWordStep(atlas), atlas.height / kShadowCell, 0};
   });
   return asked;
 }

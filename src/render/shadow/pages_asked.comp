@@ -7,11 +7,12 @@
 #define GBUFFER_SAMPLED_ONLY
 #include "render/glsl/gbuffer_read.glsl"
 #include "render/glsl/lanes.glsl"
+#include "render/glsl/pixel_order.glsl"
 #include "render/shadow/page_push.h"
 #include "shared/light.h"
 #include "shared/shadow.h"
 
-layout(local_size_x = 16, local_size_y = 16) in;
+layout(local_size_x = kPixelGroupX * kPixelGroupY) in;
 layout(push_constant, scalar) uniform Push { PagesAskedPush push; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer PagedLightRef { PagedLight v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer AskedRef { uint v[]; };
@@ -147,7 +148,7 @@ void askAtPixel(FrameConstants frame, View view, ivec3 place, bool inside) {
 #endif
 
 void main() {
-  ivec3 place = ivec3(gl_GlobalInvocationID);
+  ivec3 place = ownPixel();
   FrameConstants frame = FrameRef(push.frame).v;
   View view = frameView(frame, uint(place.z));
   countLanes();

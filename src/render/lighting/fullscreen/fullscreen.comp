@@ -6,9 +6,10 @@
 #include "render/glsl/gbuffer_read.glsl"
 #include "render/glsl/lights.glsl"
 #include "render/glsl/lit_pixel.glsl"
+#include "render/glsl/pixel_order.glsl"
 #include "render/lighting/lighting_push.h"
 
-layout(local_size_x = 16, local_size_y = 16) in;
+layout(local_size_x = kPixelGroupX * kPixelGroupY) in;
 
 layout(push_constant, scalar) uniform Push { LightingPush push; };
 
@@ -18,7 +19,7 @@ vec3 lightsAt(FrameConstants frame, View view, LitPixel p) {
 
 void main() {
   showSurfaces(push.frame, push.shown);
-  ivec3 place = ivec3(gl_GlobalInvocationID);
+  ivec3 place = ownPixel();
   bool lit = lightPixel(FrameRef(push.frame).v, place);
   writeCounts(place, lit, lightCount());
 }

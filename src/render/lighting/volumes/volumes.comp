@@ -5,9 +5,10 @@
 #include "render/glsl/common.glsl"
 #include "render/glsl/gbuffer_read.glsl"
 #include "render/glsl/lit_pixel.glsl"
+#include "render/glsl/pixel_order.glsl"
 #include "render/lighting/lighting_push.h"
 
-layout(local_size_x = 16, local_size_y = 16) in;
+layout(local_size_x = kPixelGroupX * kPixelGroupY) in;
 layout(set = 0, binding = AFTER_LIT_MAPS) uniform TARGET_SAMPLER lightSum;
 
 layout(push_constant, scalar) uniform Push { LightingPush push; };
@@ -25,4 +26,4 @@ vec3 lightsAt(FrameConstants frame, View view, LitPixel p) {
 #endif
 }
 
-void main() { lightPixel(FrameRef(push.frame).v, ivec3(gl_GlobalInvocationID)); }
+void main() { lightPixel(FrameRef(push.frame).v, ownPixel()); }

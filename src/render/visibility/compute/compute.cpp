@@ -12,6 +12,7 @@
 #include "render/lit_maps.h"
 #include "render/outputs/pack_push.h"
 #include "render/outputs/surface_outputs.h"
+#include "render/pixel_group.h"
 #include "render/readback.h"
 #include "render/shadow/frame_shadows.h"
 #include "render/shadow/pages.h"
@@ -240,8 +241,8 @@ void ComputeVisibility::addRaster(const FrameContext& f, const RasterViews& view
        {std::min((parts + kCullGroup - 1) / kCullGroup, kRasterRow), (parts + kPartsInRow - 1) / kPartsInRow,
         views.count},
        {{kFirstOwnConstant, chain.wanted}, {kFirstOwnConstant + 1, chain.asked}, maps});
-  // lavapipe ends a shader's loops after 65535 rounds together. Those of a group are fewer where nothing but pixels is gone
-  // through: 180 for a triangle.
+  // lavapipe ends a shader's loops after 65535 rounds together. Those of a group are fewer where nothing but pixels is
+  // gone through: 180 for a triangle.
   const bool apart = f.device.isCpu() && !chain.textures && !blended && views.samples == 1;
   overQueue(chain.small, kQueueWork, b.room.work, apart ? kRasterGroup / f.device.subgroupSize() : 1, chain.textures);
   overQueue("raster_clip.comp", kQueueClipped, b.room.clipped, 64);
@@ -427,7 +428,9 @@ void ComputeVisibility::addGbuffer(const FrameContext& f, Gbuffer& gbuffer) cons
                    .name = "geometry " + layout.name,
                    .shader = "resolve.comp@" + layout.file,
                    .bindings = std::move(bindings),
-                   .constants = {{kFirstOwnConstant, wanted}, {kFirstOwnConstant + 1, srgb}}};
+                   .constants = {{kFirstOwnConstant, wanted}, {kFirstOwnConstant + 1, srgb}},
+                   .groupX = shared::kPixelGroupX,
+                   .groupY = shared::kPixelGroupY};
   readsTextures(f, pass);
   const graph::BufferId outputs = f.setup.outputs ? packOutputs(f, pass) : graph::BufferId{};
   addResolve(f, std::move(pass), outputs);

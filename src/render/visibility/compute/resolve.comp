@@ -10,12 +10,13 @@
 #include "render/visibility/compute/visible.glsl"
 #include "render/visibility/compute/pixel_triangles.glsl"
 #include "render/glsl/deal.glsl"
+#include "render/pixel_group.h"
 #include "shared/color.h"
 #ifdef GBUFFER_KEEPS_MOTION
 #include "render/visibility/compute/seen_motion.glsl"
 #endif
 
-layout(local_size_x = 16, local_size_y = 16) in;
+layout(local_size_x = kPixelGroupX, local_size_y = kPixelGroupY) in;
 layout(push_constant, scalar) uniform Push { ResolvePush push; };
 layout(constant_id = 16) const uint kTargets = ~0u;  // bit i: target i is wanted; the one after the last: light
 layout(constant_id = 17) const uint kSrgb = 0u;      // bit i: target i is stored in sRGB
