@@ -115,9 +115,10 @@ struct FrameSetup {
   }
 };
 // Of shaders with COATED alone, so that all others are the same for scenes with and without layers.
-inline constexpr uint32_t kLayersConstant = 12;   // layered/surface_layers.glsl: FrameSetup::layers
-inline constexpr uint32_t kLensConstant = 14;     // glsl/pixel_ray.glsl
-inline constexpr uint32_t kSamplesConstant = 10;  // glsl/samples.glsl: not of a frame, since some passes have one
+inline constexpr uint32_t kLayersConstant = 12;     // layered/surface_layers.glsl: FrameSetup::layers
+inline constexpr uint32_t kLensConstant = 14;       // glsl/pixel_ray.glsl
+inline constexpr uint32_t kElsewhereConstant = 15;  // glsl/lit_pixel.glsl
+inline constexpr uint32_t kSamplesConstant = 10;    // glsl/samples.glsl: not of a frame, since some passes have one
 inline constexpr uint32_t kFirstOwnConstant = 16;
 inline constexpr VkFormat kCountsFormat = VK_FORMAT_R32G32B32A32_SFLOAT;  // r: lights tested, g: lights used
 

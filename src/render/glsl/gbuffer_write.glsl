@@ -5,9 +5,13 @@
 #include "gbuffer_layout.h"
 #include "render/glsl/gbuffer_context.glsl"
 
-// The light accumulation target: emitted radiance, and ambient occlusion.
+const float kLitElsewhere = -1.0;
+
+// The light accumulation target: emitted radiance, and ambient occlusion. For surfaces with layers, which render/layered
+// lights, that they are.
 vec4 emittedLight(FrameConstants frame, Surface s) {
-  return vec4(min(emittedRadiance(s) * frame.exposure, vec3(65504.0)), s.ao);
+  bool layered = (s.flags & kSurfaceLayered) != 0u;
+  return vec4(min(emittedRadiance(s) * frame.exposure, vec3(65504.0)), layered ? kLitElsewhere : s.ao);
 }
 
 // As the layout keeps it: without flags, a surface that lights must leave alone is one that reflects nothing.

@@ -15,12 +15,15 @@ struct LitPixel {
   float depth;   // of the device
   Surface s;
   vec3 toEye;
+  bool elsewhere;  // render/layered lights it
   vec3 emitted;   // exposure included
   vec3 radiance;  // by the environment
 };
 
 // Radiance that lights send from the surface to the eye, before exposure. `p.lit` is false for invocations without one.
 vec3 lightsAt(FrameConstants frame, View view, LitPixel p);
+
+layout(constant_id = 15) const uint kSomeLitElsewhere = 0u;  // some surfaces have layers
 
 // What the geometry pass left in the light accumulation target of the surface that these samples show.
 #ifdef GBUFFER_NO_TARGETS
@@ -44,11 +47,14 @@ LitPixel readPixel(FrameConstants frame, View view, ivec3 place, uint samples) {
 #endif
   p.lit = p.depth != 0.0;
   p.s = emptySurface();
+  p.elsewhere = false;
   p.toEye = vec3(0.0, 0.0, 1.0);
   p.emitted = vec3(0.0);
   p.radiance = vec3(0.0);
-  if (p.lit) {
-    vec4 accumulated = accumulatedLight(place, samples);
+  vec4 accumulated = p.lit ? accumulatedLight(place, samples) : vec4(0.0);
+  // Then nothing else of them is read; but lights count where they are.
+  if (kSomeLitElsewhere != 0u && kCountLights == 0u) p.elsewhere = accumulated.a == kLitElsewhere;
+  if (p.lit && !p.elsewhere) {
 #ifdef MULTISAMPLED
     p.s = readSurface(view, place, samples, p.depth, accumulated.a);
 #else
@@ -75,7 +81,7 @@ vec3 litRadiance(FrameConstants frame, LitPixel p, vec3 byLights) {
 
 // No lights are looked for where nothing reflects them: render/layered lights what has layers.
 vec3 lightsOn(FrameConstants frame, View view, LitPixel p) {
-  p.lit = p.lit && (kCountLights != 0u || reflects(p.s));
+  p.lit = p.lit && (kCountLights != 0u || (!p.elsewhere && reflects(p.s)));
   return lightsAt(frame, view, p);
 }
 
