@@ -10,7 +10,6 @@
 #include "render/glsl/one_light.glsl"
 #include "study/light_bound_push.h"
 
-layout(local_size_x = 16, local_size_y = 16) in;
 layout(constant_id = 16) const uint kLightType = 0;  // kLight*
 layout(push_constant, scalar) uniform Push { LightBoundPush push; };
 
@@ -36,7 +35,7 @@ vec3 lightsAt(FrameConstants frame, View view, LitPixel p) {
 
 void main() {
   showSurfaces(push.frame, push.shown);
-  ivec3 place = ivec3(gl_GlobalInvocationID);
+  ivec3 place = ownPixel();
   bool lit = lightPixel(FrameRef(push.frame).v, place);
   writeCounts(place, lit, lightCount());
 }

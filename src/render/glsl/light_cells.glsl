@@ -7,7 +7,7 @@
 // distance. In an orthographic view it is linear in depth.
 #ifndef LATELIGHT_LIGHT_CELLS_GLSL
 #define LATELIGHT_LIGHT_CELLS_GLSL
-#include "render/glsl/pixel_order.glsl"
+#include "render/glsl/morton.glsl"
 
 const uint kTileSize = 16u;
 const uint kSlices = 32u;

@@ -1,8 +1,10 @@
 // What the lighting shaders do around their lights: a pixel's surfaces and the environment's light on them, and the
-// result. A shader defines lightsAt(), which every invocation of the workgroup comes to, and calls lightPixel() once.
+// result. A shader defines lightsAt(), which every invocation of the workgroup comes to, and calls lightPixel() once, for
+// ownPixel().
 #include "render/glsl/gbuffer_read.glsl"
 #include "render/glsl/gbuffer_write.glsl"
 #include "render/glsl/environment.glsl"
+#include "render/glsl/pixel_group.glsl"
 #ifdef MULTISAMPLED
 #include "render/glsl/deal.glsl"
 #endif

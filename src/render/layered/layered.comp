@@ -8,9 +8,8 @@
 #include "render/layered/layered_light.glsl"
 #include "render/visibility/compute/visible.glsl"
 #include "render/visibility/compute/pixel_triangles.glsl"
-#include "render/glsl/pixel_order.glsl"
+#include "render/glsl/pixel_group.glsl"
 
-layout(local_size_x = kPixelGroupX * kPixelGroupY) in;
 layout(push_constant, scalar) uniform Push { ResolvePush push; };
 layout(set = 0, binding = AFTER_LIT_MAPS, rgba16f) uniform image2DArray lightTarget;
 layout(set = 0, binding = AFTER_LIT_MAPS + 1, rgba32f) uniform writeonly image2DArray lightCounts;

@@ -6,7 +6,6 @@
 #include "render/glsl/gbuffer_read.glsl"
 #include "render/glsl/shade_cells.glsl"
 
-layout(local_size_x = kPixelGroupX * kPixelGroupY) in;
 layout(push_constant, scalar) uniform Push { CellsPush push; };
 
 vec3 lightsAt(FrameConstants frame, View view, LitPixel p) { return shadeFromCells(p, view, frame, push); }

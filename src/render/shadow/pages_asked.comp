@@ -7,12 +7,11 @@
 #define GBUFFER_SAMPLED_ONLY
 #include "render/glsl/gbuffer_read.glsl"
 #include "render/glsl/lanes.glsl"
-#include "render/glsl/pixel_order.glsl"
+#include "render/glsl/pixel_group.glsl"
 #include "render/shadow/page_push.h"
 #include "shared/light.h"
 #include "shared/shadow.h"
 
-layout(local_size_x = kPixelGroupX * kPixelGroupY) in;
 layout(push_constant, scalar) uniform Push { PagesAskedPush push; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer PagedLightRef { PagedLight v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer AskedRef { uint v[]; };

@@ -6,10 +6,7 @@
 #include "render/glsl/gbuffer_read.glsl"
 #include "render/glsl/lights.glsl"
 #include "render/glsl/lit_pixel.glsl"
-#include "render/glsl/pixel_order.glsl"
 #include "render/lighting/lighting_push.h"
-
-layout(local_size_x = kPixelGroupX * kPixelGroupY) in;
 
 layout(push_constant, scalar) uniform Push { LightingPush push; };
 

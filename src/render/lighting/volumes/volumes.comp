@@ -5,10 +5,8 @@
 #include "render/glsl/common.glsl"
 #include "render/glsl/gbuffer_read.glsl"
 #include "render/glsl/lit_pixel.glsl"
-#include "render/glsl/pixel_order.glsl"
 #include "render/lighting/lighting_push.h"
 
-layout(local_size_x = kPixelGroupX * kPixelGroupY) in;
 layout(set = 0, binding = AFTER_LIT_MAPS) uniform TARGET_SAMPLER lightSum;
 
 layout(push_constant, scalar) uniform Push { LightingPush push; };

@@ -8,8 +8,6 @@
 #include "render/glsl/lit_pixel.glsl"
 #include "render/lighting/interlaced/interlaced_push.h"
 
-layout(local_size_x = 16, local_size_y = 16) in;
-
 layout(push_constant, scalar) uniform Push { FieldPush push; };
 
 vec3 lightsAt(FrameConstants frame, View view, LitPixel p) {
@@ -18,7 +16,7 @@ vec3 lightsAt(FrameConstants frame, View view, LitPixel p) {
 
 void main() {
   showSurfaces(push.frame, push.shown);
-  ivec3 place = ivec3(gl_GlobalInvocationID);
+  ivec3 place = ownPixel();
   place.y = 2 * place.y + int(push.firstRow);
   bool lit = lightPixel(FrameRef(push.frame).v, place);
   writeCounts(place, lit, lightCount());
