@@ -100,7 +100,8 @@ bool lightPixel(FrameConstants frame, ivec3 place) {
   bool inside = all(lessThan(vec2(place.xy), view.size));
   LitPixel p = readPixel(frame, view, place, inside ? 1u : 0u);
   vec3 byLights = lightsOn(frame, view, p);
-  if (inside) imageStore(lightTarget, place, p.lit ? vec4(litRadiance(frame, p, byLights), 1.0) : vec4(0.0));
+  if (inside && !p.elsewhere)
+    imageStore(lightTarget, place, p.lit ? vec4(litRadiance(frame, p, byLights), 1.0) : vec4(0.0));
   return p.lit;
 }
 #else
