@@ -126,7 +126,8 @@ void GlWindow::followEvents() {
       self.released_.push_back({key, scancode, modifiers});
     else
       ImGui_ImplGlfw_KeyCallback(w, key, scancode, action, modifiers);
-    self.events_.key(keyName(key, scancode), action != GLFW_RELEASE, modifiers);
+    const std::string name = keyName(key, scancode);
+    if (action != GLFW_REPEAT || isStep(name)) self.events_.key(name, action != GLFW_RELEASE, modifiers);
   });
   glfwSetCharCallback(window_, [](GLFWwindow* w, unsigned letter) {
     of(w);

@@ -105,6 +105,7 @@ void drawOption(const view::Choice& choice, const Option& option,
   ImGui::BeginGroup();
   ImGui::PushItemWidth(changed ? -reset - ImGui::GetStyle().ItemSpacing.x : -1);
   if (const auto text = edit(option, valueOf(choice, option))) set(key, *text);
+  if (ImGui::GetIO().NavVisible) explain(helpOf(option));  // a name can't be reached by keys
   ImGui::PopItemWidth();
   ImGui::EndGroup();
   if (changed) {

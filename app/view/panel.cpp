@@ -32,6 +32,8 @@ constexpr std::pair<const char*, const char*> kHelp[] = {
     {"right, middle, Shift drag", "move across the view"},
     {"wheel", "nearer or farther, towards the pointer; when flying, the speed"},
     {"click, Esc", "select, select nothing"},
+    {"P, arrows, Shift+arrows", "point at a pixel, and at others by 1 and by 10; P or Esc ends it"},
+    {"Enter", "select what is pointed at, or what is in the middle"},
     {"arrows, Shift+arrows", "turn, move across the view"},
     {"+ -", "nearer, farther"},
     {"1 3 7", "from the front, the right, the top"},
@@ -40,6 +42,8 @@ constexpr std::pair<const char*, const char*> kHelp[] = {
     {"space", "play or stop"},
     {"F2, Esc", "keys go to the panel (arrows, space, Enter to type), and back to the picture"},
     {"H, L", "hide the panel, show handles of lights"},
+    {"Tab, arrows, Shift+arrows", "choose a light by its handle, move it by 8 pixels and by 1; Esc lets go"},
+    {"[ ]", "move the slider of a split"},
     {"Ctrl+S Ctrl+C Ctrl+R", "screenshot, copy as command, reload"},
     {"Ctrl+N Ctrl+W", "another window, close this one"}};
 
@@ -179,11 +183,16 @@ void drawSurface(const render::Picked& surface) {
 }
 
 void drawValues(const view::State& state) {
-  if (!state.probe) return line("Rest the pointer on the picture.");
+  if (!state.probe) return line("Rest the pointer on the picture, or press P.");
   const view::Probe& probe = *state.probe;
   pair("pixel", fmt::format("{},{}", probe.x, probe.y));
   pair("RGBA", fmt::format("{} {} {} {}", probe.rgba[0], probe.rgba[1], probe.rgba[2], probe.rgba[3]));
   drawSurface(probe.surface);
+}
+
+void plot(const std::string& name, const std::deque<float>& values, const char* title, ImVec2 size) {
+  const std::vector<float> all(values.begin(), values.end());
+  ImGui::PlotLines(("##" + name).c_str(), all.data(), static_cast<int>(all.size()), 0, title, 0, FLT_MAX, size);
 }
 
 void drawCosts(const view::State& state, const view::Frame& frame, const PanelMemory& memory) {
@@ -191,15 +200,15 @@ void drawCosts(const view::State& state, const view::Frame& frame, const PanelMe
                    1.0 * state.bytesPerPixel * state.width * state.height / (1 << 20)));
   line(fmt::format("{} x {}, {:.1f} ms{}", frame.width, frame.height, frame.milliseconds,
                    frame.final ? "" : ", a draft"));
-  const std::vector<float> history(memory.milliseconds.begin(), memory.milliseconds.end());
-  ImGui::PlotLines("##history", history.data(), static_cast<int>(history.size()), 0, "ms a picture", 0, FLT_MAX,
-                   {-1, ImGui::GetFontSize() * 4});
-  double most = 1e-9;
-  for (const graph::PassTime& pass : frame.passes) most = std::max(most, pass.milliseconds);
+  const float letter = ImGui::GetFontSize();
+  plot("pictures", memory.times.pictures, "ms a picture", {ImGui::GetContentRegionAvail().x, letter * 4});
   for (const graph::PassTime& pass : frame.passes) {
-    ImGui::ProgressBar(static_cast<float>(pass.milliseconds / most), {ImGui::GetFontSize() * 6, 0},
-                       fmt::format("{:.4g} ms", pass.milliseconds).c_str());
+    const auto known = memory.times.passes.find(pass.name);
+    plot(pass.name, known == memory.times.passes.end() ? std::deque<float>{} : known->second, nullptr, {letter * 8, 0});
     ImGui::SameLine();
+    ImGui::AlignTextToFramePadding();
+    line(fmt::format("{:.4g} ms", pass.milliseconds));
+    ImGui::SameLine(letter * 14);
     line(pass.name);
   }
 }
@@ -215,9 +224,24 @@ void drawFiles(const view::State& state, PanelMemory& memory, const Send& send) 
   if (ImGui::Button("reload")) send(view::Reload{});
   explain("Ctrl+R. A scene's files are also read again when they change.");
   ImGui::TextWrapped("%s", printable(commandOf(state, memory)).c_str());
+  ImGui::SetNextItemWidth(-ImGui::GetFontSize() * 7);
+  if (editText("scene", memory.scene)) send(view::OpenScene{memory.scene});
+  explain("Another scene, with Enter: a .gltf or .glb file, or a built-in one. A file may be dropped on the window.");
 }
 
 }  // namespace
+
+void TimeHistory::add(const view::Frame& frame) {
+  constexpr size_t kMost = 120;
+  const auto append = [](std::deque<float>& values, double milliseconds) {
+    values.push_back(static_cast<float>(milliseconds));
+    if (values.size() > kMost) values.pop_front();
+  };
+  if (frame.milliseconds == last) return;  // the same measurement: two sides were put together anew
+  last = frame.milliseconds;
+  append(pictures, frame.milliseconds);
+  for (const graph::PassTime& pass : frame.passes) append(passes[pass.name], pass.milliseconds);
+}
 
 const std::string& commandOf(const view::State& state, const PanelMemory& memory) {
   return memory.side == Side::Left ? state.command : state.rightCommand;
@@ -259,10 +283,12 @@ void drawPanel(const view::State& state, const view::Frame& frame, PanelMemory& 
 
 void drawHelp(PanelMemory& memory) {
   if (!memory.help) return;
-  ImGui::Begin("Keys and mouse (F1)", &memory.help, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse);
+  ImGui::SetNextWindowBgAlpha(1);
+  ImGui::Begin("Keys and mouse (F1)", &memory.help,
+               ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoFocusOnAppearing);
   for (const auto& [keys, what] : kHelp) {
     line(keys);
-    ImGui::SameLine(ImGui::GetFontSize() * 13);
+    ImGui::SameLine(ImGui::GetFontSize() * 15);
     line(what);
   }
   ImGui::End();

@@ -5,6 +5,7 @@
 
 #include <deque>
 #include <functional>
+#include <map>
 #include <string>
 
 #include "view/input.h"
@@ -14,14 +15,22 @@ namespace latelight::app {
 
 using Send = std::function<void(view::Input)>;
 
+// Milliseconds of the last whole pictures, and of each of their passes.
+struct TimeHistory {
+  std::deque<float> pictures;
+  std::map<std::string, std::deque<float>> passes;
+  double last = 0;
+  void add(const view::Frame& frame);
+};
+
 // What the panel remembers, and what it asks of its window.
 struct PanelMemory {
   view::Side side = view::Side::Left;  // whose options are shown
   bool shown = true, help = false, handles = false;
-  std::string environment, file = "screenshot.png";
-  std::deque<float> milliseconds;  // of the last full pictures
-  bool copies = false;             // the command, to the clipboard
-  bool focuses = false;            // keys go to the panel from here on
+  std::string scene, environment, file = "screenshot.png";
+  TimeHistory times;
+  bool copies = false;   // the command, to the clipboard
+  bool focuses = false;  // keys go to the panel from here on
 };
 
 // Of the side whose options are shown.

@@ -17,7 +17,6 @@ namespace latelight::app {
 namespace {
 
 constexpr float kPanelWidth = 380;
-constexpr size_t kHistory = 120;  // pictures
 
 bool isEnvironment(const std::string& file) {
   return file.ends_with(".hdr") || file.ends_with(".exr");
@@ -25,6 +24,12 @@ bool isEnvironment(const std::string& file) {
 
 std::string titleOf(const std::string& scene) {
   return "latelight: " + printable(scene);
+}
+
+// Whether a list is open or a value is being changed in the panel, which Escape ends first.
+bool isBusyWithKeys() {
+  return ImGui::IsAnyItemActive() ||
+         ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel);
 }
 
 }  // namespace
@@ -44,7 +49,8 @@ struct Window::Impl {
   void press(view::Button button, bool down, bool shift);
   void pressKey(const std::string& name, bool down, int modifiers);
   bool command(const std::string& name);
-  bool windowKey(const std::string& name);
+  bool windowKey(const std::string& name, bool shift);
+  bool anywhereKey(const std::string& name);
   void copyCommand();
 
   GlWindow gl;
@@ -64,7 +70,7 @@ Window::Impl::Impl(const view::Start& start)
   const view::SessionThread::News news = session.take();
   state = news.state ? news.state : std::make_shared<view::State>();
   frame = std::make_shared<view::Frame>();
-  memory.environment = start.environment;
+  memory.scene = start.scene, memory.environment = start.environment;
   glfwShowWindow(gl.get());
 }
 
@@ -80,7 +86,7 @@ GlWindow::Events Window::Impl::events() {
           .blur = [this] { session.send(view::Blur{}); },
           .drop =
               [this](const std::string& file) {
-                if (!isEnvironment(file)) return session.send(view::OpenScene{file});
+                if (!isEnvironment(file)) return session.send(view::OpenScene{memory.scene = file});
                 session.send(view::UseEnvironment{memory.environment = file});
               }};
 }
@@ -107,9 +113,7 @@ void Window::Impl::takeNews() {
   if (!news.frame) return;
   frame = news.frame;
   gl.setPicture(*frame);
-  if (!frame->final) return;
-  memory.milliseconds.push_back(static_cast<float>(frame->milliseconds));
-  if (memory.milliseconds.size() > kHistory) memory.milliseconds.pop_front();
+  if (frame->final) memory.times.add(*frame);
 }
 
 // A picture of the window's own shape fills its place, whatever its pixels; others lie in the middle.
@@ -174,10 +178,17 @@ bool Window::Impl::command(const std::string& name) {
   return true;
 }
 
-// Those of the window itself.
-bool Window::Impl::windowKey(const std::string& name) {
+// Those of the window itself, also while keys go to the panel.
+bool Window::Impl::anywhereKey(const std::string& name) {
   if (name == "F1") return memory.help = !memory.help, true;
   if (name == "F2") return memory.shown = memory.focuses = true;
+  return false;
+}
+
+// While they go to the picture.
+bool Window::Impl::windowKey(const std::string& name, bool shift) {
+  const Send send = [this](view::Input input) { session.send(std::move(input)); };
+  if (memory.handles && overlay.key(*state, area(), name, shift, send)) return true;
   if (name == "h") return memory.shown = !memory.shown, true;
   if (name == "l") return memory.handles = !memory.handles, true;
   return false;
@@ -190,11 +201,13 @@ void Window::Impl::pressKey(const std::string& name, bool down, int modifiers) {
     if (down) command(name);
     return;
   }
+  if (down && anywhereKey(name)) return;
   if (io.WantCaptureKeyboard) {
-    if (down && name == "Escape") ImGui::SetWindowFocus(nullptr);
+    if (down && name == "Escape" && !isBusyWithKeys()) ImGui::SetWindowFocus(nullptr);
     return;
   }
-  if (!(down && windowKey(name))) session.send(view::Key{name, down, (modifiers & GLFW_MOD_SHIFT) != 0});
+  const bool shift = modifiers & GLFW_MOD_SHIFT;
+  if (!(down && windowKey(name, shift))) session.send(view::Key{name, down, shift});
 }
 
 void Window::Impl::copyCommand() {

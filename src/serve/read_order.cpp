@@ -111,10 +111,6 @@ const std::map<std::string, Read, std::less<>>& readers() {
       {"camera", [](const Json& m) -> Input { return view::UseCamera{text(m, "name")}; }},
       {"environment", [](const Json& m) -> Input { return view::UseEnvironment{text(m, "name")}; }},
       {"navigation", [](const Json& m) -> Input { return view::SetNavigation{navigation(m)}; }},
-      {"select",
-       [](const Json& m) -> Input {
-         return view::SelectPixel{whole(m, "x", kMostSide), whole(m, "y", kMostSide)};
-       }},
       {"play", [](const Json& m) -> Input { return view::Play{m.at("on")}; }},
       {"variant", [](const Json& m) -> Input { return view::UseVariant{text(m, "name")}; }},
       {"lights", [](const Json& m) { return ShowLights{m.at("on")}; }},
@@ -122,6 +118,10 @@ const std::map<std::string, Read, std::less<>>& readers() {
       {"dragLight",
        [](const Json& m) -> Input {
          return view::DragLight{whole(m, "light", kMostLight), number(m, "x"), number(m, "y")};
+       }},
+      {"nudgeLight",
+       [](const Json& m) -> Input {
+         return view::NudgeLight{whole(m, "light", kMostLight), number(m, "dx"), number(m, "dy")};
        }},
       {"file", [](const Json& m) { return file(m); }},
       {"reload", [](const Json&) -> Input { return view::Reload{}; }},

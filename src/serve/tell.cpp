@@ -141,6 +141,7 @@ Json describe(const view::ViewSession& session, bool withLights) {
           {"duration", s.duration},
           {"time", s.time ? Json(*s.time) : Json()},
           {"playing", s.playing},
+          {"crosshair", s.crosshair ? Json(*s.crosshair) : Json()},
           {"selected", s.selected ? describe(*s.selected) : Json()},
           {"probe", describe(s.probe)},
           {"lights", withLights ? describe(s.lights) : Json::array()},

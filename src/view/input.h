@@ -74,13 +74,11 @@ struct GiveEnvironment {
 struct SetNavigation {
   Navigation mode;
 };
-struct SelectPixel {
-  uint32_t x, y;
-};
 struct Play {
   bool on;
 };
-// Lights by their place in State::lights. Moved in the scene file's frame, or dragged to a pixel at their own depth.
+// Lights by their place in State::lights. Moved in the scene file's frame; or, at their own depth, dragged to a pixel
+// or by some pixels from where they are.
 struct MoveLight {
   uint32_t light;
   std::array<float, 3> position;
@@ -88,6 +86,10 @@ struct MoveLight {
 struct DragLight {
   uint32_t light;
   double x, y;
+};
+struct NudgeLight {
+  uint32_t light;
+  double dx, dy;
 };
 struct Screenshot {  // of a side, as a PNG file: what the side's command line writes
   std::string path;
@@ -102,7 +104,7 @@ struct UseVariant {
 };
 
 using Input = std::variant<Resize, PointerMove, PointerLeave, PointerButton, Wheel, Key, Blur, SetOption, ShowOutput,
-                           SetSplit, UseCamera, UseEnvironment, GiveEnvironment, SetNavigation, SelectPixel, Play,
-                           MoveLight, DragLight, Screenshot, Reload, OpenScene, UseVariant>;
+                           SetSplit, UseCamera, UseEnvironment, GiveEnvironment, SetNavigation, Play, MoveLight,
+                           DragLight, NudgeLight, Screenshot, Reload, OpenScene, UseVariant>;
 
 }  // namespace latelight::view

@@ -169,9 +169,11 @@ void ViewSession::Impl::makePicture() {
   const auto begin = Clock::now();
   dirty = false;
   probed.reset();
+  if (!steering.pixel()) state.probe.reset();
   render(asDraft);
   compose();
   const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+  if (pictureFailed) forgetError();
   picture.final = !asDraft;
   picture.milliseconds = 1000 * seconds;
   if (stage.device().pipelinesMade() != pipelines)
@@ -249,6 +251,8 @@ void ViewSession::Impl::describe() {
   state.navigation = steering.navigation;
   state.time = s.time;
   state.duration = scene::duration(scene, scene::choosePlayback(scene, s.animation, s.loop));
+  state.crosshair.reset();
+  if (const auto pixel = steering.pixel(); pixel && steering.points()) state.crosshair = {pixel->x, pixel->y};
   state.steered = control ? std::optional(control->view()) : std::nullopt;
   const auto command = [&](Side side) {
     std::vector<std::string> words = commandLine(side);
@@ -305,6 +309,7 @@ const Frame& ViewSession::next() {
   const std::string sentence = sentenceOf(make, [&] { i.stage.dropDevice(); });
   if (sentence.empty()) return i.picture;
   i.state.error = sentence;
+  i.pictureFailed = true;
   i.state.playing = false;
   i.dirty = i.recompose = false;
   i.picture.final = true;  // until something else is asked for
@@ -330,7 +335,12 @@ std::vector<std::string> ViewSession::commandLine(Side side) const {
 }
 
 std::vector<std::byte> ViewSession::screenshot(Side side) {
-  return output::encodePng(impl_->finalPicture(side));
+  try {
+    return output::encodePng(impl_->finalPicture(side));
+  } catch (const Error& error) {
+    if (error.code() == ExitCode::DeviceLost) impl_->stage.dropDevice();
+    throw;
+  }
 }
 
 std::vector<std::string> ViewSession::validationMessages() {

@@ -31,10 +31,14 @@ struct ViewSession::Impl {
   void movePointer(const PointerMove& move);
   void turnWheel(double steps);
   void pressKey(const Key& key);
-  void selectPixel(glm::uvec2 pixel);
+  void select(glm::uvec2 pixel);
+  void pickByKey();
+  void escape();
+  void moveSlider(double by);
   uint32_t lightAt(uint32_t place) const;  // its number in the scene
   void moveLight(uint32_t light, glm::vec3 world);
-  void dragLight(const DragLight& drag);
+  void dragLight(uint32_t light, glm::dvec2 pixel);
+  void nudgeLight(const NudgeLight& nudge);
   void play(bool on);
   void setTime(double seconds);
   void screenshot(const Screenshot& shot);
@@ -46,6 +50,7 @@ struct ViewSession::Impl {
   glm::dvec3 underPointer();
 
   // --- time ---
+  void forgetError() { state.error.clear(), pictureFailed = false; }
   void touch() { touched = Clock::now(), dirty = true; }
   double sinceTouched() const { return std::chrono::duration<double>(Clock::now() - touched).count(); }
   bool runs() const { return state.playing || steering.flying(); }
@@ -85,6 +90,7 @@ struct ViewSession::Impl {
   Stage::Result sides[2];
   std::vector<std::string> validation;
   bool dirty = true, recompose = false;
+  bool pictureFailed = false;        // which is the error that is told
   std::optional<glm::uvec2> probed;  // since the last change
   Clock::time_point touched{}, stepped = Clock::now();
 };

@@ -15,6 +15,8 @@ namespace latelight::view {
 
 namespace {
 
+constexpr double kSliderStep = 0.02;  // of the picture's width, by a key
+
 template <typename... Fs>
 struct Overloaded : Fs... {
   using Fs::operator()...;
@@ -24,7 +26,7 @@ struct Overloaded : Fs... {
 
 void ViewSession::Impl::take(const Input& input) {
   const auto change = [&](const auto& act) {
-    state.error.clear();
+    forgetError();
     act();
     touch();
   };
@@ -33,7 +35,7 @@ void ViewSession::Impl::take(const Input& input) {
                  [&](const PointerMove& move) { movePointer(move); },
                  [&](const PointerLeave&) { steering.leave(); },
                  [&](const PointerButton& button) {
-                   if (const auto pixel = steering.button(button)) change([&] { selectPixel(*pixel); });
+                   if (const auto pixel = steering.button(button)) change([&] { select(*pixel); });
                  },
                  [&](const Wheel& wheel) { turnWheel(wheel.steps); },
                  [&](const Key& key) { pressKey(key); },
@@ -45,17 +47,17 @@ void ViewSession::Impl::take(const Input& input) {
                  [&](const UseEnvironment& use) { change([&] { useEnvironment(use.name); }); },
                  [&](const GiveEnvironment& given) { change([&] { giveEnvironment(given); }); },
                  [&](const SetNavigation& set) { steering.navigation = set.mode; },
-                 [&](const SelectPixel& select) { change([&] {
-                                                    selectPixel({select.x, select.y});
-                                                  }); },
                  [&](const Play& wanted) { change([&] { play(wanted.on); }); },
                  [&](const MoveLight& move) {
                    const glm::vec3 to(move.position[0], move.position[1], move.position[2]);
                    change([&] { moveLight(lightAt(move.light), fromFile(stage.scene(), to)); });
                  },
-                 [&](const DragLight& drag) { change([&] { dragLight(drag); }); },
+                 [&](const DragLight& drag) { change([&] {
+                                                dragLight(lightAt(drag.light), {drag.x, drag.y});
+                                              }); },
+                 [&](const NudgeLight& nudge) { change([&] { nudgeLight(nudge); }); },
                  [&](const Screenshot& shot) {
-                   state.error.clear();
+                   forgetError();
                    screenshot(shot);
                  },
                  [&](const Reload&) { change([&] { load(start.scene, start.load); }); },
@@ -99,6 +101,13 @@ void ViewSession::Impl::setSplit(const SetSplit& split) {
   if (had == hasSplit()) return;
   if (!had) state.choices[1] = state.choices[0];
   touch();
+}
+
+void ViewSession::Impl::moveSlider(double by) {
+  if (state.split.mode != SetSplit::Slider) return;
+  SetSplit moved = state.split;
+  moved.at = std::clamp(moved.at + by, 0.0, 1.0);
+  setSplit(moved);
 }
 
 // --- camera ---------------------------------------------------------------------------------------------------------
@@ -167,7 +176,23 @@ void ViewSession::Impl::pressKey(const Key& key) {
   if (key.name == "f" && state.selected) frame(boundsOf(stage.scene(), state.selected->id));
   if (key.name == "o") steering.navigation = flies ? Navigation::Orbit : Navigation::Fly;
   if (key.name == " ") take(Play{!state.playing});
-  if (key.name == "Escape" && state.selected) state.selected.reset(), touch();
+  if (key.name == "p") steering.point(!steering.points());
+  if (key.name == "[" || key.name == "]") moveSlider(key.name == "[" ? -kSliderStep : kSliderStep);
+  if (key.name == "Enter") pickByKey();
+  if (key.name == "Escape") escape();
+}
+
+// Where keys point, or else in the middle.
+void ViewSession::Impl::pickByKey() {
+  forgetError();
+  const glm::uvec2 middle(state.width / 2, state.height / 2);
+  select(steering.points() ? steering.pixel().value_or(middle) : middle);
+  touch();
+}
+
+void ViewSession::Impl::escape() {
+  if (steering.points()) return steering.point(false);
+  if (state.selected) state.selected.reset(), touch();
 }
 
 // --- scene ----------------------------------------------------------------------------------------------------------
@@ -189,11 +214,9 @@ void ViewSession::Impl::giveEnvironment(const GiveEnvironment& given) {
   useEnvironment(given.name);
 }
 
-void ViewSession::Impl::selectPixel(glm::uvec2 pixel) {
-  const ChosenSettings chosen = settings(Side::Left);
-  render::checkPixels(chosen.settings, {&pixel, 1});
+void ViewSession::Impl::select(glm::uvec2 pixel) {
   stage.light(environmentWord());
-  const render::Picked picked = stage.pick(chosen.settings, cameraChoice(), pixel);
+  const render::Picked picked = stage.pick(settings(Side::Left).settings, cameraChoice(), pixel);
   state.selected = picked.id != 0 ? std::optional(picked) : std::nullopt;
 }
 
@@ -203,16 +226,22 @@ uint32_t ViewSession::Impl::lightAt(uint32_t place) const {
 }
 
 void ViewSession::Impl::moveLight(uint32_t light, glm::vec3 world) {
+  if (!std::isfinite(world.x + world.y + world.z)) badUsage("a light can't be moved that far");
   scene::Light moved = stage.scene().lights[light];
   moved.position = world;
   scene::setLight(stage.scene(), light, moved);
   state.lightsMoved = true;
 }
 
-void ViewSession::Impl::dragLight(const DragLight& drag) {
-  const uint32_t light = lightAt(drag.light);
+void ViewSession::Impl::dragLight(uint32_t light, glm::dvec2 pixel) {
   const glm::vec3 from = stage.scene().lights[light].position;
-  if (const auto to = draggedTo(camera(), {state.width, state.height}, from, {drag.x, drag.y})) moveLight(light, *to);
+  if (const auto to = draggedTo(camera(), {state.width, state.height}, from, pixel)) moveLight(light, *to);
+}
+
+void ViewSession::Impl::nudgeLight(const NudgeLight& nudge) {
+  const uint32_t light = lightAt(nudge.light);
+  const auto at = pixelOf(camera(), {state.width, state.height}, stage.scene().lights[light].position);
+  if (at) dragLight(light, *at + glm::dvec2(nudge.dx, nudge.dy));
 }
 
 void ViewSession::Impl::setTime(double seconds) {

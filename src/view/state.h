@@ -58,6 +58,7 @@ struct State {
   std::optional<double> time;  // nothing: at rest
   bool playing = false;
 
+  std::optional<std::array<uint32_t, 2>> crosshair;  // the pixel that keys point at, while they do
   std::optional<render::Picked> selected;
   std::optional<Probe> probe;
   std::vector<LightState> lights;

@@ -1,5 +1,6 @@
 #include "view/steering.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -11,6 +12,7 @@ namespace {
 
 constexpr double kClick = 3;           // pixels that a click may move
 constexpr double kKeyDrag = 1 / 36.0;  // an arrow key is a drag by this: 5 degrees
+constexpr double kKeyLeap = 10;        // pixels that the pointer moves by an arrow and Shift
 
 struct Flight {
   std::string_view key;
@@ -47,6 +49,8 @@ bool isFlight(const std::string& key) {
 
 void Steering::resize(uint32_t width, uint32_t height) {
   width_ = width, height_ = height;
+  if (pointing_) pointBy({0, 0});
+  over_ = over_ && isInside();
 }
 
 bool Steering::moves(const PointerMove& move) const {
@@ -66,7 +70,8 @@ void Steering::pointer(const PointerMove& move, CameraControl* camera) {
       camera->orbit(drag);
   }
   x_ = move.x, y_ = move.y;
-  over_ = x_ >= 0 && y_ >= 0 && x_ < width_ && y_ < height_;
+  pointing_ = false;
+  over_ = isInside();
 }
 
 std::optional<glm::uvec2> Steering::button(const PointerButton& button) {
@@ -84,7 +89,8 @@ bool Steering::moves(const Key& key) const {
   if (!key.down) return false;
   for (const Turn& turn : kTurns)
     if (key.name == turn.key) return true;
-  return arrow(key.name) || dollySteps(key.name) != 0 || (navigation == Navigation::Fly && isFlight(key.name));
+  if (arrow(key.name)) return !pointing_;
+  return dollySteps(key.name) != 0 || (navigation == Navigation::Fly && isFlight(key.name));
 }
 
 void Steering::key(const Key& key, CameraControl* camera) {
@@ -92,8 +98,11 @@ void Steering::key(const Key& key, CameraControl* camera) {
     keys_.erase(key.name);
   else if (isFlight(key.name))
     keys_.insert(key.name);
-  if (!camera || !key.down) return;
-  if (const auto way = arrow(key.name)) {
+  if (!key.down) return;
+  const auto way = arrow(key.name);
+  if (way && pointing_) pointBy(-*way * (key.shift ? kKeyLeap : 1));
+  if (!camera) return;
+  if (way) {
     const PicturePoint drag = *way * kKeyDrag;
     if (key.shift)
       camera->pan(drag);
@@ -105,6 +114,16 @@ void Steering::key(const Key& key, CameraControl* camera) {
   if (const double steps = dollySteps(key.name); steps != 0) camera->dolly(steps, camera->view().target);
   for (const Turn& turn : kTurns)
     if (key.name == turn.key) camera->turnTo(turn.azimuth * M_PI, turn.elevation * M_PI);
+}
+
+void Steering::point(bool on) {
+  if (on && !over_) x_ = width_ / 2, y_ = height_ / 2;
+  over_ = pointing_ = on;
+}
+
+void Steering::pointBy(glm::dvec2 pixels) {
+  x_ = std::clamp(x_ + pixels.x, 0.0, width_ - 1.0);
+  y_ = std::clamp(y_ + pixels.y, 0.0, height_ - 1.0);
 }
 
 void Steering::release() {

@@ -26,7 +26,10 @@ class Steering {
   std::optional<glm::uvec2> button(const PointerButton& button);
   void key(const Key& key, CameraControl* camera);
   void release();  // whatever is held
-  void leave() { over_ = false; }
+  void leave() { over_ = pointing_; }
+  // Keys move the pointer instead of the camera, from where it is or else from the middle, until it moves by itself.
+  void point(bool on);
+  bool points() const { return pointing_; }
 
   bool dragging() const { return held_.has_value(); }
   bool flying() const;
@@ -37,11 +40,13 @@ class Steering {
   PicturePoint place() const;
 
  private:
+  void pointBy(glm::dvec2 pixels);
+  bool isInside() const { return x_ >= 0 && y_ >= 0 && x_ < width_ && y_ < height_; }
   PicturePoint inHeights(double dx, double dy) const { return {dx / height_, dy / height_}; }
 
   uint32_t width_ = 1, height_ = 1;
   double x_ = 0, y_ = 0;
-  bool over_ = false;
+  bool over_ = false, pointing_ = false;
   struct Held {
     Button button;
     bool shift, moved = false;

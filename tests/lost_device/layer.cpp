@@ -1,5 +1,6 @@
 // A Vulkan layer that loses a device: the submission that LATELIGHT_LOSE_SUBMISSION numbers, counted over all devices
-// of the process, and all that is asked of its device from then on give VK_ERROR_DEVICE_LOST. Later devices are sound.
+// of the process since it is set, and all that is asked of its device from then on give VK_ERROR_DEVICE_LOST. Later
+// devices are sound.
 #include <vulkan/vk_layer.h>
 #include <vulkan/vulkan.h>
 
@@ -47,6 +48,7 @@ VKAPI_ATTR VkResult VKAPI_CALL queueSubmit2(VkQueue queue, uint32_t count, const
     const char* lose = std::getenv("LATELIGHT_LOSE_SUBMISSION");
     if (lose && ++submissions == std::strtoull(lose, nullptr, 10)) {
       device.lost = true;
+      submissions = 0;
       unsetenv("LATELIGHT_LOSE_SUBMISSION");  // the loader may load this library anew, and so count anew
     }
     if (device.lost) return VK_ERROR_DEVICE_LOST;

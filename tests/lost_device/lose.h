@@ -1,6 +1,7 @@
 // The environment of a program that loses its device at a submission, counted from 1 (layer.cpp).
 #pragma once
 
+#include <cstdlib>
 #include <map>
 #include <string>
 
@@ -11,5 +12,27 @@ inline std::map<std::string, std::string> losingDevice(int submission) {
           {"VK_INSTANCE_LAYERS", "VK_LAYER_LATELIGHT_lose_device"},
           {"LATELIGHT_LOSE_SUBMISSION", std::to_string(submission)}};
 }
+
+// Devices of this process that are made while it stands, to lose one at a time.
+class DevicesToLose {
+ public:
+  DevicesToLose() {
+    for (const auto& [name, value] : variables_) setenv(name.c_str(), value.c_str(), 1);
+    unsetenv(kSubmission);
+  }
+  ~DevicesToLose() {
+    for (const auto& [name, value] : variables_) unsetenv(name.c_str());
+  }
+  DevicesToLose(const DevicesToLose&) = delete;
+  DevicesToLose& operator=(const DevicesToLose&) = delete;
+
+  // Counted from now on, and over all of them.
+  void loseAt(int submission) { setenv(kSubmission, std::to_string(submission).c_str(), 1); }
+  bool hasLost() const { return !std::getenv(kSubmission); }
+
+ private:
+  static constexpr const char* kSubmission = "LATELIGHT_LOSE_SUBMISSION";
+  const std::map<std::string, std::string> variables_ = losingDevice(1);
+};
 
 }  // namespace latelight

@@ -18,6 +18,7 @@
 
 #include "app/folder.h"
 #include "app/process.h"
+#include "lost_device/lose.h"
 #include "models/models.h"
 #include "output/aov.h"
 #include "output/png.h"
@@ -174,6 +175,7 @@ TEST_F(ServerTest, ClosesOnMalformedMessages) {
       R"({"type":"environment","name":"/etc/passwd"})",
       R"({"type":"shown","number":-1})",
       R"({"type":"lights"})",
+      R"({"type":"nudgeLight","light":0,"dx":1})",
       R"({"type":"moveLight","light":0,"position":[1,2]})",
       R"({"type":"file","name":"sky.png","bytes":10})",
       R"({"type":"file","name":"../sky.hdr","bytes":10})",
@@ -274,8 +276,8 @@ TEST_F(ServerTest, AnEnvironmentIsSentByThePage) {
 
 // Another server, until it goes.
 struct Running {
-  explicit Running(const std::string& scene)
-      : server({}, {.scene = scene, .device = "cpu", .validate = true, .width = 64, .height = 48}),
+  explicit Running(const std::string& scene, bool validate = true)
+      : server({}, {.scene = scene, .device = "cpu", .validate = validate, .width = 64, .height = 48}),
         thread([this] { EXPECT_NO_THROW(server.run()); }) {}
   ~Running() {
     server.stop();
@@ -305,8 +307,56 @@ TEST(ServerOfALitSceneTest, LightsAreToldWhereTheyAreWantedAndGoWhereTheyAreDrag
   EXPECT_NEAR(page.state()["lights"][light]["at"][0].get<double>(), 20, 0.1);
   page.say({{"type", "moveLight"}, {"light", light}, {"position", (*seen)["position"]}});
   until([&] { return page.state()["lights"][light]["at"] == (*seen)["at"]; });
+  page.say({{"type", "nudgeLight"}, {"light", light}, {"dx", -1}, {"dy", 3}});
+  const double x = (*seen)["at"][0], y = (*seen)["at"][1];
+  until([&] { return std::abs(page.state()["lights"][light]["at"][0].get<double>() - (x - 1)) < 0.1; });
+  EXPECT_NEAR(page.state()["lights"][light]["at"][1].get<double>(), y + 3, 0.1);
   page.say({{"type", "lights"}, {"on", false}});
   until([&] { return page.state()["lights"].empty(); });
+}
+
+// --- a device that is lost ---
+
+// What the page has once it has followed this, and nothing more comes.
+Client::Message hearRest(Client& page, uint64_t serial) {
+  Client::Message picture;
+  for (;;) {
+    Client::Message message = page.hear();
+    page.show(message);
+    const bool rests = message.header.value("rests", false) && message.header["serial"] == serial;
+    if (message.header.contains("picture")) picture = std::move(message);
+    if (rests) return picture;
+  }
+}
+
+// Each page has a device of its own. Where one is lost, its page is told so, and its next picture is as all others'.
+TEST(ServerThatLosesADeviceTest, ThePageIsToldAndTheOthersGoOn) {
+  DevicesToLose devices;
+  Running running("builtin:boxes", false);
+  Client unlucky(running.server.port(), running.server.token()), other(running.server.port(), running.server.token());
+  const auto press = [](Client& page, const char* key) {
+    return hearRest(page, page.say({{"type", "key"}, {"name", key}, {"down", true}}));
+  };
+  for (Client* page : {&unlucky, &other})
+    hearRest(*page, page->say({{"type", "resize"}, {"width", 64}, {"height", 48}}));
+  for (const int submission : {1, 2, 3}) {
+    SCOPED_TRACE(submission);
+    devices.loseAt(submission);
+    for (int i = 0; i < 100 && !devices.hasLost(); ++i) press(unlucky, "ArrowLeft");
+    EXPECT_THAT(unlucky.state()["error"].get<std::string>(), HasSubstr("The device was lost"));
+    EXPECT_NE(press(other, "7").payload, "");
+    EXPECT_EQ(other.state()["error"], "");
+    const std::string after = press(unlucky, "1").payload;
+    EXPECT_NE(after, "");
+    EXPECT_EQ(unlucky.state()["error"], "");
+    EXPECT_EQ(press(other, "1").payload, after);
+  }
+  devices.loseAt(1);
+  unlucky.say({{"type", "screenshot"}});
+  Client::Message said = unlucky.hear();
+  unlucky.show(said);
+  EXPECT_THAT(said.header.value("failed", ""), HasSubstr("The device was lost"));
+  EXPECT_EQ(screenshot(unlucky), screenshot(other));
 }
 
 // A picture that is whole while something moves is no finer than the network likes; the same one follows, fine.
@@ -484,7 +534,8 @@ Json randomMessage(std::mt19937& random) {
   const auto upTo = [&](uint32_t most) { return std::uniform_int_distribution<uint32_t>(0, most)(random); };
   const auto one = [&](const auto& list) { return list[upTo(static_cast<uint32_t>(std::size(list)) - 1)]; };
   constexpr const char* kButtons[] = {"left", "middle", "right"};
-  constexpr const char* kKeys[] = {"ArrowLeft", "ArrowUp", "Home", "o", "w", "1", "7", "f", " ", "+", "Escape"};
+  constexpr const char* kKeys[] = {"ArrowLeft", "ArrowUp", "Home", "o", "w", "1",      "7",    "f",
+                                   " ",         "+",       "p",    "[", "]", "Escape", "Enter"};
   constexpr const char* kOutputs[] = {"picture", "depth", "normal", "id", "albedo", "targets", "nothing"};
   constexpr const char* kModes[] = {"off", "slider", "difference"};
   constexpr const char* kSides[] = {"left", "right"};
@@ -516,7 +567,7 @@ Json randomMessage(std::mt19937& random) {
     case 9:
       return {{"type", "split"}, {"mode", one(kModes)}, {"at", 0.01 * upTo(100)}, {"amplification", upTo(20)}};
     case 10:
-      return {{"type", "select"}, {"x", upTo(90)}, {"y", upTo(60)}};
+      return {{"type", "nudgeLight"}, {"light", upTo(3)}, {"dx", upTo(90)}, {"dy", upTo(60)}};
     default:
       return {{"type", upTo(1) ? "blur" : "leave"}};
   }

@@ -21,11 +21,13 @@ SIZES = {"phone": (360, 740), "laptop": (1280, 800), "large": (3840, 2160)}
 class Server:
     """The program under validation; its own words are in `log`."""
 
-    def __init__(self, folder, scene=SCENE, *options):
+    def __init__(self, folder, scene=SCENE, options=("--validate",), **environment):
         self.log = folder / "log"
-        command = [PROGRAM, "serve", scene, "--port", "0", "--device", "cpu", "--validate", *options]
+        command = [PROGRAM, "serve", scene, "--port", "0", "--device", "cpu", *options]
         with self.log.open("w") as log:
-            self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=log, text=True)
+            self.process = subprocess.Popen(
+                command, stdout=subprocess.PIPE, stderr=log, text=True, env={**os.environ, **environment}
+            )
         text = ""
         while not (found := re.search(r"http://\S+", text)):
             line = self.process.stdout.readline()
@@ -182,6 +184,54 @@ def test_points_and_picks(view):
     view.wait_for_selector("#selection", state="hidden")
 
 
+def test_keys_point_at_pixels(view):
+    view.focus("#picture")
+    view.keyboard.press("p")
+    view.wait_for_selector("#crosshair:visible")
+    before = pixels(view)
+    for key in ("Shift+ArrowLeft", "ArrowDown", "ArrowDown", "ArrowLeft"):
+        view.keyboard.press(key)
+    settle(view)
+    height, width = before.shape[:2]
+    view.get_by_text(f"{width // 2 - 11}, {height // 2 + 2}", exact=True).wait_for()
+    assert numpy.array_equal(pixels(view), before), "the camera stays"
+    cross, picture = view.locator("#crosshair").bounding_box(), view.locator("#picture").bounding_box()
+    assert abs(cross["x"] + cross["width"] / 2 - picture["x"] - (width // 2 - 10.5)) < 1
+    assert abs(cross["y"] + cross["height"] / 2 - picture["y"] - (height // 2 + 2.5)) < 1
+    screenshot(view, "crosshair")
+    shown = view.inner_text("#probe dt:has-text('node') + dd")
+    view.keyboard.press("Enter")
+    view.wait_for_selector("#selection dd")
+    assert view.inner_text("#selected dt:has-text('node') + dd") == shown
+    view.keyboard.press("Escape")
+    view.wait_for_selector("#crosshair", state="hidden")
+    view.keyboard.press("Escape")
+    view.wait_for_selector("#selection", state="hidden")
+
+
+# What Tab goes to; of radio buttons to the chosen one, from which arrows go on.
+CONTROLS_OF_KEYS = """[...document.querySelectorAll("button, input, select, summary, [tabindex='0']")].filter(
+  (each) => each.checkVisibility({ visibilityProperty: true }) && !each.disabled && (each.type !== "radio" || each.checked))"""
+
+
+def test_tab_goes_to_every_control(view):
+    open_options(view)
+    view.select_option("#split", "slider")
+    settle(view)
+    wanted = view.evaluate(f"{CONTROLS_OF_KEYS}.map((each, i) => each.dataset.place = i).length")
+    assert wanted > 70
+    seen = []
+    view.evaluate("document.activeElement.blur()")
+    for _ in range(wanted):
+        view.keyboard.press("Tab")
+        seen.append(view.evaluate("document.activeElement.dataset.place"))
+        assert view.evaluate("getComputedStyle(document.activeElement).outlineStyle !== 'none' || document.activeElement.id === 'divider'")
+    assert sorted(map(int, seen)) == list(range(wanted))
+    view.focus("[name=side][value=left]")
+    view.keyboard.press("ArrowRight")
+    assert view.is_checked("[name=side][value=right]")
+
+
 def test_the_sun_is_moved(view):
     before = pixels(view)
     view.locator("#sun-elevation").fill("60")
@@ -222,7 +272,10 @@ def test_lights_are_moved_by_their_handles(page, tmp_path):
     handle.press("ArrowRight")
     page.wait_for_selector("#command-note:visible")
     settle(page)
-    assert handle.bounding_box()["x"] > place["x"]
+    assert handle.bounding_box()["x"] == pytest.approx(place["x"] + 8, abs=0.1)
+    handle.press("Shift+ArrowDown")
+    page.wait_for_function("top => document.querySelector('.handle').getBoundingClientRect().y > top + 0.5", arg=place["y"])
+    assert handle.bounding_box()["y"] == pytest.approx(place["y"] + 1, abs=0.1)
     assert faults(page) == []
     screenshot(page, "handles")
     page.close()
@@ -293,6 +346,10 @@ def test_a_split_shows_two_choices(view, tmp_path):
     view.focus("#divider")
     view.keyboard.press("ArrowRight")
     view.wait_for_selector("#divider[aria-valuenow='52']")
+    view.focus("#picture")
+    for key in ("[", "[", "]", "["):
+        view.keyboard.press(key)
+    view.wait_for_selector("#divider[aria-valuenow='48']")
     view.select_option("#split", "difference")
     settle(view)
     assert view.is_visible("#amplification")
@@ -365,6 +422,30 @@ def test_a_killed_browser_ends_its_session(server):
     while server.log.read_text().count("has left") <= before:
         assert time.monotonic() < until
         time.sleep(0.1)
+
+
+def test_a_lost_device_is_a_sentence(context, tmp_path):
+    layer = {
+        "VK_LAYER_PATH": os.environ["LATELIGHT_LOST_DEVICE"],
+        "VK_INSTANCE_LAYERS": "VK_LAYER_LATELIGHT_lose_device",
+        "LATELIGHT_LOSE_SUBMISSION": "1",
+    }
+    server = Server(tmp_path, SCENE, (), **layer)
+    unlucky, other = context.new_page(), context.new_page()
+    for page in (unlucky, other):
+        page.set_viewport_size({"width": 760, "height": 300})
+        page.goto(server.url)
+        settle(page)
+    assert "The device was lost" in unlucky.inner_text("#error")
+    assert unlucky.is_hidden("#waiting")
+    assert other.is_hidden("#error")
+    for page in (unlucky, other):
+        page.bring_to_front()
+        page.focus("#picture")
+        page.keyboard.press("ArrowLeft")
+        check_as_command(page, tmp_path)
+        assert page.is_hidden("#error")
+    server.end()
 
 
 def test_a_taken_port_is_one_sentence():

@@ -92,6 +92,13 @@ class WindowTest : public testing::Test {
     return screen_.pixels(width, height, top);
   }
   void key(const std::string& name) const { screen_.act({"key", name}); }
+  // Each in a picture of the window's own, which is how the panel sees them.
+  void keys(const std::vector<std::string>& names) const {
+    for (const std::string& name : names) {
+      key(name);
+      std::this_thread::sleep_for(std::chrono::milliseconds(400));
+    }
+  }
 
   void waitUntil(const std::string& what, const std::function<bool()>& holds) const {
     const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(30);  // against hangs alone
@@ -208,23 +215,25 @@ TEST_F(WindowTest, EachWindowMindsItsOwn) {
   const output::Picture first = screenshot();
   waitFor(first);
   key("ctrl+n");
-  const auto secondMoves = [&] {  // again and again: a window that is just being opened may go back to its first place
-    try {
-      screen_.act({"search", "--onlyvisible", "--name", "latelight", "windowmove", "%2", "0", "250"});
-    } catch (const std::runtime_error&) {  // there is no second one yet
-    }
-    return !isBlank(shown(kWidth, kHeight, 250));
+  // Once it is there, and again where it comes up only then.
+  const auto moveSecondBelow = [&] {
+    waitUntil("a second one", [&] {
+      try {
+        screen_.act({"search", "--onlyvisible", "--name", "latelight", "windowmove", "%2", "0", "250"});
+      } catch (const std::runtime_error&) {
+        return false;
+      }
+      return shown(kWidth, kHeight, 250).rgba == first.rgba;
+    });
   };
-  waitUntil("a second one", secondMoves);
-  waitFor(first, 250);
+  moveSecondBelow();
   screen_.act({"mousemove", "100", "300", "key", "Left", "mousemove", "600", "440"});
   waitUntil("another picture in the second", [&] { return shown(kWidth, kHeight, 250).rgba != first.rgba; });
   EXPECT_EQ(shown().rgba, first.rgba);
   key("ctrl+w");
   waitUntil("the second is gone", [&] { return isBlank(shown(kWidth, kHeight, 250)); });
   std::future<Outcome> other = opened();
-  waitUntil("the other process's", secondMoves);
-  waitFor(first, 250);
+  moveSecondBelow();
   screen_.act({"mousemove", "600", "440", "key", "ctrl+w"});
   EXPECT_EQ(other.get().code, 0);
   screen_.act({"mousemove", "600", "190"});
@@ -248,29 +257,77 @@ TEST_F(WindowTest, EndsWithASentenceWhereTheDisplayIsLost) {
 // F2, and then the panel's own keys: the second of "one, split, difference" is chosen.
 TEST_F(WindowTest, IsUsedByKeysAlone) {
   waitFor(screenshot());
-  key("F2");
-  for (const char* name : {"Down", "Down", "Right", "space"}) {
-    key(name);
-    std::this_thread::sleep_for(std::chrono::milliseconds(500));
-  }
-  const size_t middle = 4 * (size_t{20} * kWidth + kWidth / 2);
-  waitUntil("the slider of a split", [&] {
-    const output::Picture picture = shown();
-    return picture.rgba[middle] > 200 && picture.rgba[middle + 1] > 200 && picture.rgba[middle + 2] > 200;
-  });
+  const auto isWhite = [](const uint8_t* rgba) { return rgba[0] > 200 && rgba[1] > 200 && rgba[2] > 200; };
+  const auto waitForWhite = [&](const std::string& what, uint32_t x, uint32_t y) {
+    waitUntil(what, [&] { return isWhite(&shown().rgba[4 * (size_t{y} * kWidth + x)]); });
+  };
+  const auto waitForColor = [&](const std::string& what, const auto& is) {
+    waitUntil(what, [&] {
+      const output::Picture picture = shown();
+      for (size_t i = 0; i < picture.rgba.size(); i += 4)
+        if (is(&picture.rgba[i])) return true;
+      return false;
+    });
+  };
+  keys({"F2", "Down", "Down", "Right", "space"});
+  waitForWhite("the slider of a split", kWidth / 2, 20);
+  keys({"Escape", "bracketright", "bracketright"});
+  waitForWhite("the slider further right", kWidth / 2 + 13, 20);
+  keys({"p", "shift+Left", "shift+Left"});
+  waitForWhite("a crosshair", kWidth / 2 - 20, kHeight / 2 + 10);
+  keys({"Return"});
+  waitForColor("the outline of what it points at",
+               [](const uint8_t* rgba) { return rgba[0] == 255 && rgba[1] == 150 && rgba[2] == 30; });
   // The last of all controls: a closed header, and what is in it once it is open.
-  for (const char* name : {"End", "space", "Down", "space"}) {
-    key(name);
-    std::this_thread::sleep_for(std::chrono::milliseconds(500));
-  }
-  const auto isHandle = [](const uint8_t* rgba) { return rgba[0] > 250 && rgba[1] == 220 && rgba[2] == 90; };
-  waitUntil("handles of lights", [&] {
-    const output::Picture picture = shown();
-    for (size_t i = 0; i < picture.rgba.size(); i += 4)
-      if (isHandle(&picture.rgba[i])) return true;
-    return false;
+  keys({"F2", "End", "space", "Down", "space"});
+  waitForColor("handles of lights",
+               [](const uint8_t* rgba) { return rgba[0] > 250 && rgba[1] == 220 && rgba[2] == 90; });
+  const output::Picture lit = screenshot();
+  keys({"Escape", "Tab", "Right", "Right", "Right"});
+  waitUntil("other light", [&] { return screenshot().rgba != lit.rgba; });
+}
+
+// The list of keys comes and goes with F1, wherever keys go; Escape closes a list of the panel, and then leaves it.
+TEST_F(WindowTest, KeysGoWhereTheyAreMeant) {
+  const output::Picture first = screenshot();
+  waitFor(first);
+  const auto helpComesAndGoes = [&] {
+    key("F1");
+    waitUntil("the list of keys", [&] { return shown().rgba != first.rgba; });
+    key("F1");
+    waitFor(first);
+  };
+  helpComesAndGoes();
+  keys({"F2", "Down", "Down"});
+  helpComesAndGoes();
+  keys({"Down", "space", "Down", "Escape", "Left"});  // a list is opened and closed; the panel has the key
+  EXPECT_EQ(screenshot().rgba, first.rgba);
+  changes("the picture has the keys again", [&] { keys({"Escape", "Left"}); });
+}
+
+TEST_F(WindowTest, TakesFilesThatAreTyped) {
+  const std::string sky = folder_.at("sky.hdr"), scene = models::modelPath("textured.glb").string();
+  folder_.write("sky.hdr", models::radiancePanorama(64, 32));
+  waitFor(screenshot());
+  const auto type = [&](const std::string& text) {
+    keys({"Return", "ctrl+a"});
+    screen_.act({"type", text});
+    keys({"Return", "Escape"});
+  };
+  const output::Picture lit = changes("an environment", [&] {
+    keys({"F2", "End", "Up", "space", "Down"});
+    type(sky);
   });
-  key("Escape");
+  std::vector<std::string> words = arguments("render");
+  words.insert(words.end(), {"--hdri", sky});
+  EXPECT_EQ(lit.rgba, rendered(words).rgba);
+  const output::Picture other = changes("a scene", [&] {
+    keys({"F2", "Home"});
+    for (int i = 0; i < 10; ++i) keys({"Down"});
+    type(scene);
+  });
+  words[1] = scene;
+  EXPECT_EQ(other.rgba, rendered(words).rgba);
 }
 
 // A display of twice the density.

@@ -2,7 +2,7 @@
 
 const $ = (id) => document.getElementById(id);
 const NOON = [30, 40]; // degrees, where a sun that is not there yet begins
-const STEP = 8; // pixels that an arrow key moves a light
+const STEP = 8; // pixels that an arrow key moves a light; with shift one
 
 export class Sun {
   // `change(text)` is called with the option's text; an empty one is none.
@@ -23,9 +23,9 @@ export class Sun {
 }
 
 export class Handles {
-  // `size()`: of the session's picture; `drag(light, x, y)` is called with its pixels.
-  constructor(layer, size, drag) {
-    Object.assign(this, { layer, size, drag, held: null });
+  // `size()`: of the session's picture; `drag(light, x, y)` and `nudge(light, dx, dy)` are called with its pixels.
+  constructor(layer, size, drag, nudge) {
+    Object.assign(this, { layer, size, drag, nudge, held: null });
   }
 
   show(lights) {
@@ -44,7 +44,6 @@ export class Handles {
 
   place(handle, [x, y]) {
     const { width, height } = this.size();
-    handle.at = [x, y];
     handle.style.left = `${(100 * x) / width}%`;
     handle.style.top = `${(100 * y) / height}%`;
   }
@@ -52,10 +51,6 @@ export class Handles {
   handle(light) {
     const handle = document.createElement("button");
     handle.className = "handle";
-    const moveTo = (x, y) => {
-      this.place(handle, [x, y]); // at once, before the picture
-      this.drag(light, x, y);
-    };
     handle.onpointerdown = (event) => {
       handle.setPointerCapture(event.pointerId);
       this.held = light;
@@ -63,14 +58,17 @@ export class Handles {
     handle.onpointermove = (event) => {
       if (this.held !== light) return;
       const box = this.layer.getBoundingClientRect(), { width, height } = this.size();
-      moveTo(((event.clientX - box.left) / box.width) * width, ((event.clientY - box.top) / box.height) * height);
+      const x = ((event.clientX - box.left) / box.width) * width, y = ((event.clientY - box.top) / box.height) * height;
+      this.place(handle, [x, y]); // at once, before the picture
+      this.drag(light, x, y);
     };
     handle.onpointerup = handle.onpointercancel = () => (this.held = null);
     handle.onkeydown = (event) => {
-      const step = { ArrowLeft: [-STEP, 0], ArrowRight: [STEP, 0], ArrowUp: [0, -STEP], ArrowDown: [0, STEP] }[event.key];
-      if (!step) return;
+      const way = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
+      if (!way) return;
       event.preventDefault();
-      moveTo(handle.at[0] + step[0], handle.at[1] + step[1]);
+      const step = event.shiftKey ? 1 : STEP;
+      this.nudge(light, step * way[0], step * way[1]);
     };
     return handle;
   }

@@ -35,7 +35,12 @@ const send = (type, fields) => {
   if (serial) sent.set(serial, performance.now());
 };
 const sun = new Sun((value) => send("option", { name: "sun", value, side: side() }));
-const handles = new Handles($("handles"), () => stage.size, (light, x, y) => send("dragLight", { light, x, y }));
+const handles = new Handles(
+  $("handles"),
+  () => stage.size,
+  (light, x, y) => send("dragLight", { light, x, y }),
+  (light, dx, dy) => send("nudgeLight", { light, dx, dy }),
+);
 let sentFile = null; // the environment that was sent from here
 const side = () => (state.split?.mode !== "off" && document.querySelector("[name=side]:checked").value) || "left";
 
@@ -93,6 +98,7 @@ const shows = {
   error: () => {
     $("error").textContent = state.error;
     $("error").hidden = !state.error;
+    if (state.error) $("waiting").hidden = true;
   },
   left: showSide,
   right: showSide,
@@ -110,6 +116,13 @@ const shows = {
   duration: showTime,
   time: showTime,
   playing: showTime,
+  crosshair: () => {
+    $("crosshair").hidden = !state.crosshair;
+    if (!state.crosshair) return;
+    const [x, y] = state.crosshair, { width, height } = stage.size;
+    $("crosshair").style.left = `${(100 * (x + 0.5)) / width}%`;
+    $("crosshair").style.top = `${(100 * (y + 0.5)) / height}%`;
+  },
   probe: () => showProbe($("probe"), state.probe),
   selected: () => {
     $("selection").hidden = !state.selected;

@@ -1,7 +1,7 @@
 // The picture, and what pointer, wheel, touch and keys do to it.
 
 const MOST_PIXELS = 3840 * 2160;
-const KEYS = /^(Arrow(Left|Right|Up|Down)|Home|PageUp|PageDown|Escape|[ +=\-wasdqefo137])$/;
+const KEYS = /^(Arrow(Left|Right|Up|Down)|Home|PageUp|PageDown|Enter|Escape|[ +=\-wasdqefop137[\]])$/;
 const BUTTONS = ["left", "middle", "right"];
 
 export class Stage {
@@ -147,14 +147,10 @@ export class Stage {
 
   key(event, down) {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
-    if (event.key === "Enter" && down) return this.selectMiddle();
     const name = event.key.length === 1 ? event.key.toLowerCase() : event.key;
     if (!KEYS.test(name)) return;
     event.preventDefault();
-    if (event.repeat && /^[ ofwasdqe]$/.test(name)) return;
+    if (event.repeat && /^([ opfwasdqe]|Enter)$/.test(name)) return;
     this.connection.send("key", { name, down, shift: event.shiftKey });
-  }
-  selectMiddle() {
-    this.connection.send("select", { x: Math.floor(this.size.width / 2), y: Math.floor(this.size.height / 2) });
   }
 }
