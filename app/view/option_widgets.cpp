@@ -4,9 +4,9 @@
 #include <imgui/imgui.h>
 #include <imgui/imgui_stdlib.h>
 
-#include <array>
 #include <cmath>
 
+#include "app/view/sun.h"
 #include "base/text.h"
 
 namespace latelight::app {
@@ -51,18 +51,16 @@ std::optional<std::string> editNumber(const Option& option, const std::string& v
 }
 
 std::optional<std::string> editSun(const std::string& value) {
-  std::array<float, 3> sun{30, 40, 3.14159f};
-  const std::vector<float> given = parseNumbers(value);
-  std::copy_n(given.begin(), std::min(given.size(), sun.size()), sun.begin());
+  Sun sun = sunOf(value);
   bool on = !value.empty();
   bool edited = ImGui::Checkbox("##on", &on);
   ImGui::BeginDisabled(!on);
-  edited |= ImGui::SliderFloat("azimuth", &sun[0], -180, 180, "%.0f");
-  edited |= ImGui::SliderFloat("elevation", &sun[1], -90, 90, "%.0f");
-  edited |= ImGui::DragFloat("lux", &sun[2], 0.05f, 0, 1e6f, "%.3g");
+  edited |= ImGui::SliderFloat("azimuth", &sun.azimuth, -180, 180, "%.0f");
+  edited |= ImGui::SliderFloat("elevation", &sun.elevation, -90, 90, "%.0f");
+  edited |= ImGui::DragFloat("lux", &sun.lux, 0.05f, 0, 1e6f, "%.3g");
   ImGui::EndDisabled();
   if (!edited) return std::nullopt;
-  return on ? fmt::format("{:.4g},{:.4g},{:.4g}", sun[0], sun[1], sun[2]) : "";
+  return on ? textOf(sun) : "";
 }
 
 std::optional<std::string> edit(const Option& option, const std::string& value) {

@@ -41,7 +41,7 @@ constexpr std::pair<const char*, const char*> kHelp[] = {
     {"O", "fly or orbit; W A S D Q E fly"},
     {"space", "play or stop"},
     {"F2, Esc", "keys go to the panel (arrows, space, Enter to type), and back to the picture"},
-    {"H, L", "hide the panel, show handles of lights"},
+    {"H, L", "hide the panel, show handles of lights and the sun's dial"},
     {"Tab, arrows, Shift+arrows", "choose a light by its handle, move it by 8 pixels and by 1; Esc lets go"},
     {"[ ]", "move the slider of a split"},
     {"Ctrl+S Ctrl+C Ctrl+R", "screenshot, copy as command, reload"},
@@ -136,7 +136,7 @@ void drawTime(const view::State& state, const Send& send) {
 }
 
 void drawLights(const view::State& state, PanelMemory& memory, const Send& send) {
-  ImGui::Checkbox("handles in the picture (L)", &memory.handles);
+  ImGui::Checkbox("handles in the picture, and the sun's dial (L)", &memory.handles);
   if (state.lightsMoved) ImGui::TextWrapped("Lights were moved: the command line shows them as they are in the file.");
   for (uint32_t i = 0; i < state.lights.size() && i < 64; ++i) {
     const view::LightState& light = state.lights[i];

@@ -9,6 +9,7 @@
 #include "app/view/gl_window.h"
 #include "app/view/overlay.h"
 #include "app/view/panel.h"
+#include "app/view/sun_dial.h"
 #include "base/log.h"
 #include "view/session_thread.h"
 
@@ -47,11 +48,14 @@ struct Window::Impl {
   bool overPicture();
   bool movePointer(double x, double y);
   void press(view::Button button, bool down, bool shift);
+  bool takesPress();
   void pressKey(const std::string& name, bool down, int modifiers);
   bool command(const std::string& name);
   bool windowKey(const std::string& name, bool shift);
   bool anywhereKey(const std::string& name);
   void copyCommand();
+  std::string sun() const;
+  void setSun(const std::string& text);
 
   GlWindow gl;
   view::SessionThread session;
@@ -59,6 +63,7 @@ struct Window::Impl {
   std::shared_ptr<const view::Frame> frame;
   PanelMemory memory;
   Overlay overlay;
+  SunDial sunDial;
   ImVec2 pointer{-1, -1}, drawn{-1, -1}, fitted{0, 0};  // `drawn`: where the pointer was then
   bool another = false, fresh = true;
 };
@@ -135,6 +140,7 @@ void Window::Impl::draw() {
   gl.begin();
   drawPicture();
   overlay.draw(*state, area(), memory.handles);
+  if (memory.handles) sunDial.draw(sun(), area());
   if (memory.shown) drawPanel(*state, *frame, memory, send, {area().size.x, 0}, {panelWidth(), gl.size().y});
   drawHelp(memory);
   if (std::exchange(fresh, false)) ImGui::SetWindowFocus(nullptr);  // keys are the picture's at first
@@ -155,18 +161,26 @@ bool Window::Impl::movePointer(double x, double y) {
   const bool wasBeside = pointer.x >= area().size.x;
   pointer = {static_cast<float>(x), static_cast<float>(y)};
   const Send send = [this](view::Input input) { session.send(std::move(input)); };
-  if (!overlay.move(*state, area(), pointer, send)) send(view::PointerMove{x, y});
+  const auto set = [this](const std::string& text) { setSun(text); };
+  if (!sunDial.move(sun(), area(), pointer, set) && !overlay.move(*state, area(), pointer, send))
+    send(view::PointerMove{x, y});
   return wasBeside || pointer.x >= area().size.x || memory.handles || memory.help || ImGui::GetIO().WantCaptureMouse;
 }
 
 // ImGui is told of buttons by drawing: at once, before the pointer moves on.
 void Window::Impl::press(view::Button button, bool down, bool shift) {
   draw();
-  if (!down && overlay.release()) return;
+  if (!down && (overlay.release() || sunDial.release())) return;
   if (down && !overPicture()) return;
   if (down) ImGui::SetWindowFocus(nullptr);
-  if (down && button == view::Button::Left && overlay.press(*state, area(), pointer, memory.handles)) return;
+  if (down && button == view::Button::Left && takesPress()) return;
   session.send(view::PointerButton{button, down, shift});
+}
+
+bool Window::Impl::takesPress() {
+  const auto set = [this](const std::string& text) { setSun(text); };
+  if (memory.handles && sunDial.press(sun(), area(), pointer, set)) return true;
+  return overlay.press(*state, area(), pointer, memory.handles);
 }
 
 bool Window::Impl::command(const std::string& name) {
@@ -208,6 +222,17 @@ void Window::Impl::pressKey(const std::string& name, bool down, int modifiers) {
   }
   const bool shift = modifiers & GLFW_MOD_SHIFT;
   if (!(down && windowKey(name, shift))) session.send(view::Key{name, down, shift});
+}
+
+// The option sun of the side whose options are shown.
+std::string Window::Impl::sun() const {
+  const auto& options = state->choices[static_cast<int>(memory.side)].options;
+  const auto found = options.find("sun");
+  return found == options.end() ? "" : found->second;
+}
+
+void Window::Impl::setSun(const std::string& text) {
+  session.send(view::SetOption{"sun", text, memory.side});
 }
 
 void Window::Impl::copyCommand() {

@@ -184,6 +184,25 @@ def test_points_and_picks(view):
     view.wait_for_selector("#selection", state="hidden")
 
 
+def test_times_are_told_as_lines(view):
+    view.click("summary:has-text('Passes of the device')")
+    for times in (1, 2, 3):
+        rows = view.locator("#passes tr").all()
+        assert rows
+        for row in rows:
+            name, milliseconds = row.locator("td").all_inner_texts()[:2]
+            assert name and float(milliseconds) >= 0
+            points = row.locator("polyline").get_attribute("points").split()
+            assert 1 <= len(points) <= times
+            assert all(0 <= float(y) <= 48 for _, y in (point.split(",") for point in points))
+        view.focus("#picture")
+        view.keyboard.press("ArrowLeft")
+        settle(view)
+    assert len(rows[0].locator("polyline").get_attribute("points").split()) > 1
+    view.locator("#passes").scroll_into_view_if_needed()
+    screenshot(view, "passes")
+
+
 def test_keys_point_at_pixels(view):
     view.focus("#picture")
     view.keyboard.press("p")

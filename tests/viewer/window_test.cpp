@@ -176,6 +176,29 @@ TEST_F(WindowTest, ShowsWhatRenderWritesAndFollowsPointerAndKeys) {
   waitFor(wide);
 }
 
+// From its middle to the right by half its radius, and from there to the left, in the dial and beyond it.
+TEST_F(WindowTest, TheSunIsDraggedOnItsDial) {
+  waitFor(screenshot());
+  const auto litBy = [&](const std::string& sun) {
+    std::vector<std::string> words = arguments("render");
+    words.push_back("--sun=" + sun);
+    return rendered(words).rgba;
+  };
+  const auto drag = [&](std::vector<std::string> words) {
+    return changes("the sun",
+                   [&] {
+                     key("l");
+                     screen_.act(words);
+                     key("l");
+                   })
+        .rgba;
+  };
+  EXPECT_EQ(drag({"mousemove", "70", "148", "click", "1"}), litBy("90,45,3.142"));
+  EXPECT_EQ(drag({"mousemove", "70", "148", "mousedown", "1", "mousemove", "60", "140", "mousemove", "12", "148",
+                  "mousemove", "5", "148", "mouseup", "1"}),
+            litBy("-90,0,3.142"));
+}
+
 TEST_F(WindowTest, ComesBackFromBeingSmallAndHidden) {
   const output::Picture before = screenshot();
   waitFor(before);

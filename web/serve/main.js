@@ -3,7 +3,7 @@
 import { Connection } from "./connection.js";
 import { Handles, Sun } from "./lights.js";
 import { Options } from "./options.js";
-import { History, showList, showPasses, showProbe, surfacePairs } from "./panels.js";
+import { History, Passes, showList, showProbe, surfacePairs } from "./panels.js";
 import { Stage } from "./stage.js";
 
 const $ = (id) => document.getElementById(id);
@@ -12,6 +12,7 @@ let tables = null;
 let options = null;
 const sent = new Map(); // when each message left, until a picture follows it
 const history = new History($("history").querySelector("polyline"));
+const passes = new Passes($("passes"));
 
 const connection = new Connection({
   tables: begin,
@@ -86,7 +87,7 @@ async function showPicture(picture, payload, serial) {
     ["sent", `${(payload.length / 1000).toFixed(0)} kB, quality ${picture.quality}`],
     ["G-buffer", `${state.bytesPerPixel} bytes a pixel`],
   ]);
-  if (picture.final) showPasses($("passes"), picture.passes);
+  if (picture.final) passes.show(picture.passes);
 }
 
 const shows = {

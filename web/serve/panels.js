@@ -39,6 +39,8 @@ export function showProbe(list, probe) {
   showList(list, [["pixel", `${probe.x}, ${probe.y}`], ["colour", probe.rgba.join("  ")], ...surfacePairs(probe.surface)]);
 }
 
+const SVG = "http://www.w3.org/2000/svg";
+
 // The last pictures' milliseconds as a line, the newest at the right.
 export class History {
   constructor(line, length = 120) {
@@ -48,17 +50,41 @@ export class History {
   }
   add(milliseconds) {
     this.values = [...this.values, milliseconds].slice(-this.length);
-    const most = Math.max(...this.values, 1);
+    const most = Math.max(...this.values) || 1;
     const x = (i) => 240 - (240 / (this.length - 1)) * (this.values.length - 1 - i);
     this.line.setAttribute("points", this.values.map((value, i) => `${x(i).toFixed(1)},${(46 - (44 * value) / most).toFixed(1)}`).join(" "));
   }
 }
 
-export function showPasses(body, passes) {
-  const rows = passes.map(([name, milliseconds]) => {
+// A row for each pass, with its last times as a line.
+export class Passes {
+  constructor(body) {
+    Object.assign(this, { body, rows: new Map() });
+  }
+  show(passes) {
+    const told = JSON.stringify(passes);
+    if (told === this.told) return; // the same measurement: its picture was sent again
+    this.told = told;
+    this.body.replaceChildren(
+      ...passes.map(([name, milliseconds]) => {
+        if (!this.rows.has(name)) this.rows.set(name, this.row(name));
+        const { row, time, history } = this.rows.get(name);
+        time.textContent = milliseconds.toFixed(3);
+        history.add(milliseconds);
+        return row;
+      }),
+    );
+  }
+  row(name) {
     const row = document.createElement("tr");
-    for (const text of [name, milliseconds.toFixed(3)]) row.insertCell().textContent = text;
-    return row;
-  });
-  body.replaceChildren(...rows);
+    row.insertCell().textContent = name;
+    const time = row.insertCell();
+    const line = document.createElementNS(SVG, "polyline"), chart = document.createElementNS(SVG, "svg");
+    for (const [key, value] of Object.entries({ viewBox: "0 0 240 48", preserveAspectRatio: "none", role: "img" }))
+      chart.setAttribute(key, value);
+    chart.setAttribute("aria-label", `Milliseconds of the last pictures, ${name}`);
+    chart.append(line);
+    row.insertCell().append(chart);
+    return { row, time, history: new History(line) };
+  }
 }
