@@ -10,11 +10,13 @@
 #include <functional>
 #include <future>
 #include <iterator>
+#include <map>
 #include <sstream>
 #include <thread>
 
 #include "app/folder.h"
 #include "app/process.h"
+#include "lost_device/lose.h"
 #include "models/models.h"
 #include "output/read.h"
 #include "viewer/desktop.h"
@@ -66,13 +68,15 @@ class WindowTest : public testing::Test {
   void SetUp() override {
     program_ = opened();
     screen_.act({"mousemove", "500", "100"});  // where no picture is; keys go to the window there
-    waitUntil("the window shows something", [&] { return !isBlank(shown()); });
+    waitUntil("the window shows something", [&] { return !isBlank(shown(kWidth + kPanel)); });
   }
   std::future<Outcome> opened() const {
     std::vector<std::string> words = arguments("view");
-    words.emplace_back("--validate");
-    return std::async(std::launch::async, [this, words] {
-      return latelight({.arguments = words, .environment = {{"DISPLAY", screen_.name()}}, .folder = folder_.path()});
+    if (environment_.empty()) words.emplace_back("--validate");
+    std::map<std::string, std::string> environment = environment_;
+    environment["DISPLAY"] = screen_.name();
+    return std::async(std::launch::async, [this, words, environment] {
+      return latelight({.arguments = words, .environment = environment, .folder = folder_.path()});
     });
   }
   void TearDown() override {
@@ -147,6 +151,7 @@ class WindowTest : public testing::Test {
 
   Folder folder_;
   Screen screen_{1500, 620};
+  std::map<std::string, std::string> environment_;  // beside the display; without any, under validation
   std::future<Outcome> program_;
 };
 
@@ -351,6 +356,28 @@ TEST_F(WindowTest, TakesFilesThatAreTyped) {
   });
   words[1] = scene;
   EXPECT_EQ(other.rgba, rendered(words).rgba);
+}
+
+// Whose device is lost as it begins.
+class UnluckyWindowTest : public WindowTest {
+ protected:
+  void SetUp() override {
+    environment_ = losingDevice(1);
+    WindowTest::SetUp();
+  }
+  // In the panel, red.
+  bool saysThatItFailed() const {
+    const output::Picture picture = shown(kWidth + kPanel);
+    for (size_t i = 0; i < picture.rgba.size(); i += 4)
+      if (picture.rgba[i] == 255 && picture.rgba[i + 1] == 128 && picture.rgba[i + 2] == 102) return true;
+    return false;
+  }
+};
+
+TEST_F(UnluckyWindowTest, SaysSoAndGoesOnWithANewDevice) {
+  waitUntil("a sentence", [&] { return saysThatItFailed(); });
+  changes("an arrow", [&] { key("Left"); });
+  EXPECT_FALSE(saysThatItFailed());
 }
 
 // A display of twice the density.
