@@ -67,8 +67,9 @@ class WindowTest : public testing::Test {
  protected:
   void SetUp() override {
     program_ = opened();
-    screen_.act({"mousemove", "500", "100"});  // where no picture is; keys go to the window there
-    waitUntil("the window shows something", [&] { return !isBlank(shown(kWidth + kPanel)); });
+    // Where no picture is, and right of what is looked at; keys go to the window there.
+    screen_.act({"mousemove", "500", "100"});
+    waitUntil("the window shows something", [&] { return !isBlank(shown(kWidth + kPanel / 4)); });
   }
   std::future<Outcome> opened() const {
     std::vector<std::string> words = arguments("view");
