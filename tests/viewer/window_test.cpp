@@ -101,7 +101,7 @@ class WindowTest : public testing::Test {
   void keys(const std::vector<std::string>& names) const {
     for (const std::string& name : names) {
       key(name);
-      std::this_thread::sleep_for(std::chrono::milliseconds(400));
+      std::this_thread::sleep_for(std::chrono::milliseconds(500));
     }
   }
 
