@@ -17,7 +17,7 @@ namespace latelight::app {
 namespace {
 
 struct ServeArguments {
-  RenderOptions render;
+  ViewOptions render;
   serve::ServerOptions server{.port = 8765};
 };
 

@@ -10,7 +10,7 @@ namespace latelight::app {
 
 namespace {
 
-void viewScene(RenderOptions& options) {
+void viewScene(ViewOptions& options) {
   const view::Start start = viewStart(options, "view");
 #ifdef LATELIGHT_VIEWER
   vk::avoidFullDriverCache();
@@ -25,7 +25,7 @@ void viewScene(RenderOptions& options) {
 }  // namespace
 
 void addViewCommand(CLI::App& app) {
-  auto options = std::make_shared<RenderOptions>();
+  auto options = std::make_shared<ViewOptions>();
   CLI::App* command = app.add_subcommand("view", "Look at a scene in a window");
   addViewOptions(*command, *options);
   command->callback([options] { viewScene(*options); });

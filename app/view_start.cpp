@@ -2,6 +2,7 @@
 
 #include "app/parse.h"
 #include "base/error.h"
+#include "vk/shaders.h"
 
 namespace latelight::app {
 
@@ -12,15 +13,23 @@ constexpr std::string_view kUseless[] = {"out",   "aov",    "pick", "no-side-fil
 
 }  // namespace
 
-void addViewOptions(CLI::App& command, RenderOptions& options) {
+void addViewOptions(CLI::App& command, ViewOptions& options) {
   addRenderOptions(command, options);
   for (const std::string_view key : kUseless) command.get_option("--" + std::string(key))->group("");
+  command
+      .add_option(
+          "--shaders", options.shaders,
+          "Folder of SPIR-V, such as build/release/spirv, that takes the place of the program's own; followed when it "
+          "changes")
+      ->type_name("FOLDER")
+      ->group("Shaders");
 }
 
-view::Start viewStart(RenderOptions& o, std::string_view command) {
+view::Start viewStart(ViewOptions& o, std::string_view command) {
   for (const std::string_view key : kUseless)
     if (o.isGiven(key)) badUsage("{} shows a picture that people steer, and has no use for --{}", command, key);
   checkOptions(o);
+  vk::useShadersOf(o.shaders);
   view::Start start{.scene = o.scene,
                     .load = {.variant = o.variant, .allowOutside = o.allowOutside, .ids = o.idGrouping},
                     .device = o.device,

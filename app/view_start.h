@@ -6,9 +6,13 @@
 
 namespace latelight::app {
 
-// Those of `latelight render`; what a session has no use for is refused in a sentence, and not listed.
-void addViewOptions(CLI::App& command, RenderOptions& options);
+struct ViewOptions : RenderOptions {
+  std::string shaders;  // a folder
+};
+
+// Those of `latelight render`, and its own; what a session has no use for is refused in a sentence, and not listed.
+void addViewOptions(CLI::App& command, ViewOptions& options);
 // Throws Error(Usage) for options that a session has no use for; `command` is its name in that sentence.
-view::Start viewStart(RenderOptions& options, std::string_view command);
+view::Start viewStart(ViewOptions& options, std::string_view command);
 
 }  // namespace latelight::app

@@ -222,6 +222,12 @@ void ViewSession::Impl::lightAgain() {
   touch();
 }
 
+void ViewSession::Impl::shadeAgain() {
+  stage.dropDevice();
+  forgetError();
+  touch();
+}
+
 // --- what there is to say -------------------------------------------------------------------------------------------
 
 void ViewSession::Impl::describeLights() {
@@ -281,6 +287,7 @@ bool ViewSession::wantsFrame() {
   Impl& i = *impl_;
   if (i.stage.filesChanged()) input(Reload{});
   if (i.stage.environmentChanged()) i.lightAgain();
+  if (i.stage.shadersChanged()) i.shadeAgain();
   return i.dirty || i.recompose || i.runs() || (!i.picture.final && !i.isMoving()) || i.wantsProbe() ||
          i.wantsRehearsal();
 }

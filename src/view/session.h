@@ -43,7 +43,8 @@ class ViewSession {
   ViewSession& operator=(const ViewSession&) = delete;
 
   void input(const Input& input);
-  // False while nothing has changed since the last picture. Looks at the scene's files twice a second.
+  // False while nothing has changed since the last picture. Looks at the scene's files, and those of
+  // vk::useShadersOf(), twice a second.
   bool wantsFrame();
   // Seconds after which wantsFrame() may be true without any input; at most 0.5.
   double patience() const;

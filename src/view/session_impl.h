@@ -74,6 +74,7 @@ struct ViewSession::Impl {
   bool wantsProbe() const;
   void probe();
   void lightAgain();
+  void shadeAgain();
   void takeValidation();
   void describe();
   void describeLights();

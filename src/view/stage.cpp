@@ -11,6 +11,7 @@
 #include "render/raster_choice.h"
 #include "render/session.h"
 #include "scene/framing.h"
+#include "vk/shaders.h"
 
 namespace latelight::view {
 
@@ -62,6 +63,7 @@ Stage::Stage(const std::string& source, const scene::LoadOptions& load, const vk
   scene_ = std::make_unique<scene::Scene>(scene::load(source, load));
   device_ = starts.get();
   watch_.watch(scene_->files);
+  shaderWatch_.watch(vk::shaderFiles());
 }
 
 vk::Device& Stage::device() {

@@ -39,6 +39,7 @@ class Stage {
   // Another scene, or the same one again; throws Error and keeps what there was.
   void open(const std::string& source, const scene::LoadOptions& load);
   bool filesChanged() { return watch_.changed(); }
+  bool shadersChanged() { return shaderWatch_.changed(); }
 
   // The scene's cameras at the settings' time.
   scene::Camera camera(const CameraChoice& choice, const render::Settings& settings) const;
@@ -57,7 +58,7 @@ class Stage {
   render::Picked pick(const render::Settings& settings, const CameraChoice& camera, glm::uvec2 pixel);
   const std::vector<graph::PassTime>& passes() const { return passes_; }
 
-  // After an error that may have taken the device with it: the next picture begins with a new one.
+  // After an error that may have taken the device with it, and for other shaders: the next picture begins with a new one.
   void dropDevice();
 
  private:
@@ -67,7 +68,7 @@ class Stage {
   render::Settings prepared(const render::Settings& settings);  // without `auto`
 
   vk::DeviceOptions deviceOptions_;
-  FileWatch watch_, environmentWatch_;
+  FileWatch watch_, environmentWatch_, shaderWatch_;
   std::unique_ptr<vk::Device> device_;
   std::unique_ptr<scene::Scene> scene_;
   std::optional<std::string> environmentName_;

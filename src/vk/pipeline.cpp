@@ -10,27 +10,7 @@
 
 namespace latelight::vk {
 
-// The shaders' assembly file, embedded in this module: words from `symbol` to `symbolEnd`.
-#define SHADER(symbol, name)          \
-  extern "C" const uint32_t symbol[]; \
-  extern "C" const uint32_t symbol##End[];
-#include "shaders.inc"
-#undef SHADER
-
 namespace {
-
-struct EmbeddedShader {
-  const char* name;
-  const uint32_t* begin;
-  const uint32_t* end;
-};
-
-constexpr EmbeddedShader kShaders[] = {
-#define SHADER(symbol, name) {name, symbol, symbol##End},
-#include "shaders.inc"
-#undef SHADER
-    {nullptr, nullptr, nullptr},
-};
 
 // Creates one stage, with its specialization constants in its code: the validation layer keeps no account of modules that it
 // has found valid with constants beside them, and would take them apart again for each pipeline.
@@ -185,32 +165,6 @@ FixedState::FixedState(const GraphicsDesc& desc) {
 }
 
 }  // namespace
-
-namespace {
-
-std::span<const uint32_t> findShader(std::string_view name) {
-  for (const EmbeddedShader& shader : kShaders)
-    if (shader.name && shader.name == name) return {shader.begin, shader.end};
-  return {};
-}
-
-}  // namespace
-
-std::span<const uint32_t> shaderCode(std::string_view name) {
-  if (const std::span<const uint32_t> code = findShader(name); !code.empty()) return code;
-  fail(ExitCode::Internal, "No shader called {} is embedded.", name);
-}
-
-std::vector<std::string_view> shaderNames() {
-  std::vector<std::string_view> names;
-  for (const EmbeddedShader& shader : kShaders)
-    if (shader.name) names.push_back(shader.name);
-  return names;
-}
-
-bool hasShader(std::string_view name) {
-  return !findShader(name).empty();
-}
 
 VkDescriptorType descriptorType(Binding binding) {
   switch (binding) {

@@ -1,5 +1,4 @@
-// Pipelines, created before recording. Shaders are SPIR-V embedded in the library, named by their file under src/render
-// without its folder: "geometry.frag"; one that is compiled for each G-buffer layout is "geometry.frag@thin".
+// Pipelines, created before recording, of shaders by their names (shaders.h).
 //
 // Where a device runs under validation, and in debug builds, descriptions are checked against the shaders
 // (interface_check.h).
@@ -19,13 +18,9 @@
 
 #include "vk/device.h"
 #include "vk/handle.h"
+#include "vk/shaders.h"
 
 namespace latelight::vk {
-
-// SPIR-V words of an embedded shader. Throws Error(Internal) if there is none of that name.
-std::span<const uint32_t> shaderCode(std::string_view name);
-std::vector<std::string_view> shaderNames();  // of all embedded shaders
-bool hasShader(std::string_view name);
 
 enum class Binding : uint8_t {
   Sampled,         // combined image sampler

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <bit>
 #include <chrono>
 #include <cstring>
 #include <fstream>
@@ -20,6 +22,7 @@
 #include "output/png.h"
 #include "render/options.h"
 #include "view/command.h"
+#include "vk/shaders.h"
 
 namespace latelight::view {
 namespace {
@@ -508,6 +511,50 @@ TEST(ViewSessionTest, FollowsEachFileOfItsScene) {
   changesBy(files[2], folder.read(files[3]));
   expectAsRendered(viewer, "another texture");
   EXPECT_FALSE(viewer.settle().rgba == before.rgba);
+}
+
+// All but what is nearly black becomes black: without the slope of sRGB's curve.
+std::vector<uint32_t> flattened(std::span<const uint32_t> code) {
+  constexpr auto kSlope = std::bit_cast<uint32_t>(1.055f), kOffset = std::bit_cast<uint32_t>(0.055f);
+  std::vector<uint32_t> words(code.begin(), code.end());
+  EXPECT_NE(std::ranges::count(words, kSlope), 0);
+  std::ranges::replace(words, kSlope, kOffset);
+  return words;
+}
+
+struct UsedShaders {
+  explicit UsedShaders(const std::filesystem::path& folder) { vk::useShadersOf(folder); }
+  ~UsedShaders() { vk::useShadersOf({}); }
+};
+
+TEST(ViewSessionTest, FollowsShadersOfAFolder) {
+  const Folder folder;
+  const auto write = [&folder](std::span<const uint32_t> words) {
+    folder.write("compose.comp.spv", std::string_view(reinterpret_cast<const char*>(words.data()), words.size_bytes()));
+  };
+  const std::vector<uint32_t> own(vk::shaderCode("compose.comp").begin(), vk::shaderCode("compose.comp").end());
+  write(own);
+  const UsedShaders used(folder.path());
+  Viewer viewer(small());
+  const Frame before = viewer.settle();
+  const auto follows = [&viewer] {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(30);
+    while (!viewer.session.wantsFrame() && std::chrono::steady_clock::now() < end)
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    return viewer.settle();
+  };
+  write(flattened(own));
+  const Frame black = follows();
+  EXPECT_EQ(viewer.state().error, "");
+  ASSERT_EQ(black.rgba.size(), before.rgba.size());
+  for (size_t i = 0; i < black.rgba.size(); i += 4)
+    for (size_t c = 0; c < 3; ++c) ASSERT_LE(black.rgba[i + c], 11);
+  folder.write("compose.comp.spv", std::string_view("no shader"));
+  follows();
+  EXPECT_THAT(viewer.state().error, HasSubstr("compose.comp.spv is no SPIR-V"));
+  write(own);
+  EXPECT_TRUE(follows().rgba == before.rgba);
+  EXPECT_EQ(viewer.state().error, "");
 }
 
 TEST(ViewSessionTest, OpensAnotherScene) {

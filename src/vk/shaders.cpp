@@ -1,0 +1,126 @@
+#include "vk/shaders.h"
+
+#include <algorithm>
+#include <cstring>
+#include <deque>
+#include <map>
+#include <mutex>
+
+#include "base/error.h"
+#include "base/files.h"
+#include "vk/spirv.h"
+
+namespace latelight::vk {
+
+// The shaders' assembly file, embedded in this module: words from `symbol` to `symbolEnd`.
+#define SHADER(symbol, name)          \
+  extern "C" const uint32_t symbol[]; \
+  extern "C" const uint32_t symbol##End[];
+#include "shaders.inc"
+#undef SHADER
+
+namespace {
+
+struct EmbeddedShader {
+  const char* name;
+  const uint32_t* begin;
+  const uint32_t* end;
+};
+
+constexpr EmbeddedShader kShaders[] = {
+#define SHADER(symbol, name) {name, symbol, symbol##End},
+#include "shaders.inc"
+#undef SHADER
+    {nullptr, nullptr, nullptr},
+};
+
+std::span<const uint32_t> findShader(std::string_view name) {
+  for (const EmbeddedShader& shader : kShaders)
+    if (shader.name && shader.name == name) return {shader.begin, shader.end};
+  return {};
+}
+
+// --- of a folder ----------------------------------------------------------------------------------------------------
+
+using Words = std::vector<uint32_t>;
+
+// Pipelines may still be made of what a file had before, so that nothing that was read goes away.
+struct FileVersions {
+  std::filesystem::file_time_type time{};
+  std::deque<Words> words;
+};
+struct Folder {
+  std::mutex mutex;
+  std::filesystem::path path;
+  std::map<std::string, FileVersions, std::less<>> read;
+};
+Folder& folder() {
+  static Folder one;
+  return one;
+}
+
+Words readWords(const std::filesystem::path& file) {
+  const std::vector<std::byte> bytes = readFile(file);
+  Words words(bytes.size() / sizeof(uint32_t));
+  std::memcpy(words.data(), bytes.data(), words.size() * sizeof(uint32_t));
+  if (bytes.size() % sizeof(uint32_t) != 0 || words.empty() || words[0] != spirv::kMagic)
+    badInput("{} is no SPIR-V", file.string());
+  return words;
+}
+
+// Empty: it has none of that name.
+std::span<const uint32_t> shaderOfFolder(std::string_view name) {
+  Folder& f = folder();
+  const std::scoped_lock lock(f.mutex);
+  if (f.path.empty()) return {};
+  const std::filesystem::path file = f.path / (std::string(name) + ".spv");
+  std::error_code error;
+  const auto time = std::filesystem::last_write_time(file, error);
+  if (error) return {};
+  FileVersions& versions = f.read[std::string(name)];
+  if (versions.words.empty() || versions.time != time) {
+    versions.words.push_back(readWords(file));
+    versions.time = time;
+  }
+  return versions.words.back();
+}
+
+}  // namespace
+
+std::span<const uint32_t> shaderCode(std::string_view name) {
+  const std::span<const uint32_t> embedded = findShader(name);
+  if (embedded.empty()) fail(ExitCode::Internal, "No shader called {} is embedded.", name);
+  const std::span<const uint32_t> own = shaderOfFolder(name);
+  return own.empty() ? embedded : own;
+}
+
+std::vector<std::string_view> shaderNames() {
+  std::vector<std::string_view> names;
+  for (const EmbeddedShader& shader : kShaders)
+    if (shader.name) names.push_back(shader.name);
+  return names;
+}
+
+bool hasShader(std::string_view name) {
+  return !findShader(name).empty();
+}
+
+void useShadersOf(const std::filesystem::path& path) {
+  if (!path.empty() && !std::filesystem::is_directory(path))
+    badInput("There is no folder {} of shaders", path.string());
+  Folder& f = folder();
+  const std::scoped_lock lock(f.mutex);
+  f.path = path;
+}
+
+std::vector<std::filesystem::path> shaderFiles() {
+  Folder& f = folder();
+  const std::scoped_lock lock(f.mutex);
+  std::vector<std::filesystem::path> files;
+  if (f.path.empty()) return files;
+  for (const std::string_view name : shaderNames())
+    if (const auto file = f.path / (std::string(name) + ".spv"); std::filesystem::exists(file)) files.push_back(file);
+  return files;
+}
+
+}  // namespace latelight::vk
