@@ -52,13 +52,13 @@ struct Layer {
   int height;
 };
 constexpr Layer kLayersOfRender[] = {
-    {"render/registry.", 0},        {"render/pass.", 0},          {"render/readback.", 0}, {"render/frustum.", 0},
-    {"render/light_tree.", 0},      {"render/texture_kinds.", 0}, {"render/view.", 0},     {"render/gpu_scene", 1},
-    {"render/gpu_environment.", 1}, {"render/deform/", 1},        {"render/option", 2},    {"render/settings.", 2},
-    {"render/frame.", 2},           {"render/lit_maps.", 2},      {"render/gbuffer/", 2},  {"render/lens/", 2},
-    {"render/visibility/", 2},      {"render/layered/", 2},       {"render/lighting/", 2}, {"render/shadow/", 2},
-    {"render/transparency/", 2},    {"render/post/", 2},          {"render/outputs/", 2},  {"render/view_set.", 3},
-    {"render/strips.", 3},          {"render/request.", 3},       {"render/", 4},
+    {"render/pixel_group.", 0}, {"render/registry.", 0},        {"render/pass.", 0},          {"render/readback.", 0},
+    {"render/frustum.", 0},     {"render/light_tree.", 0},      {"render/texture_kinds.", 0}, {"render/view.", 0},
+    {"render/gpu_scene", 1},    {"render/gpu_environment.", 1}, {"render/deform/", 1},        {"render/option", 2},
+    {"render/settings.", 2},    {"render/frame.", 2},           {"render/lit_maps.", 2},      {"render/gbuffer/", 2},
+    {"render/lens/", 2},        {"render/visibility/", 2},      {"render/layered/", 2},       {"render/lighting/", 2},
+    {"render/shadow/", 2},      {"render/transparency/", 2},    {"render/post/", 2},          {"render/outputs/", 2},
+    {"render/view_set.", 3},    {"render/strips.", 3},          {"render/request.", 3},       {"render/", 4},
 };
 
 int heightInRender(std::string_view path) {
