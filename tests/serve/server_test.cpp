@@ -24,6 +24,7 @@
 #include "output/png.h"
 #include "render/options.h"
 #include "serve/client.h"
+#include "serve/messages.h"
 #include "serve/picture.h"
 
 namespace latelight::serve {
@@ -188,7 +189,7 @@ TEST_F(ServerTest, ClosesOnMalformedMessages) {
     EXPECT_ANY_THROW(for (;;) bad.hear()) << message;
     EXPECT_TRUE(bad.closeCode() == 1008 || bad.closeCode() == 1007) << message << ": " << bad.closeCode();
   }
-  Client binary = client(), large = client(), more = client();
+  Client binary = client(), more = client();
   more.sayText(R"({"type":"file","name":"sky.hdr","bytes":4})");
   more.sayBinary("12345");
   EXPECT_ANY_THROW(for (;;) more.hear());
@@ -196,9 +197,22 @@ TEST_F(ServerTest, ClosesOnMalformedMessages) {
   binary.sayBinary("{}");
   EXPECT_ANY_THROW(for (;;) binary.hear());
   EXPECT_EQ(binary.closeCode(), 1008);
-  large.sayText(R"({"type":"key","name":")" + std::string(100'000, 'a') + "\"}");
+}
+
+// What is far too long is not read to its end: the connection may break under the sender, before the code arrives.
+TEST_F(ServerTest, ClosesOnTooLongMessages) {
+  const auto keyOf = [](size_t length) { return R"({"type":"key","name":")" + std::string(length, 'a') + "\"}"; };
+  Client large = client(), huge = client();
+  large.sayText(keyOf(kMostBytes));
   EXPECT_ANY_THROW(for (;;) large.hear());
-  EXPECT_EQ(large.closeCode(), 1009);
+  EXPECT_EQ(large.closeCode(), 1008);
+  const auto sayAndHear = [&] {
+    huge.sayText(keyOf(10 * kMostPiece));
+    for (;;) huge.hear();
+  };
+  EXPECT_ANY_THROW(sayAndHear());
+  EXPECT_TRUE(huge.closeCode() == 1009 || huge.closeCode() == 0) << huge.closeCode();
+  EXPECT_NO_THROW(resized().hearFinal());
 }
 
 // What is well-formed and can't be is the session's to explain.
