@@ -79,21 +79,21 @@ class Specializer {
 
 // Constants stand in front of all functions, which stay as they are.
 Specializer::Specializer(std::span<const uint32_t> code, std::span<const Constant> constants) : constants_(constants) {
+  const std::span<const uint32_t> header = code.first(std::min(code.size(), kHeaderWords));
   out.reserve(code.size());
-  size_t functions = code.size();
+  out.assign(header.begin(), header.end());
+  std::span<const uint32_t> left = code.subspan(header.size());
   forEachInstruction(code, [&](const Instruction& instruction) {
-    if (out.empty()) out.assign(code.begin(), code.begin() + kHeaderWords);
-    if (instruction.op == kOpFunction)
-      functions = static_cast<size_t>(instruction.operands.data() - code.data()) - 1;
-    else
-      take(instruction);
-    return instruction.op != kOpFunction;
+    if (instruction.op == kOpFunction) return false;
+    take(instruction);
+    left = left.subspan(instruction.operands.size() + 1);
+    return true;
   });
-  out.insert(out.end(), code.begin() + static_cast<std::ptrdiff_t>(functions), code.end());
+  out.insert(out.end(), left.begin(), left.end());
 }
 
 void Specializer::put(uint32_t op, std::span<const uint32_t> operands) {
-  out.push_back(Instruction{op, operands}.first());
+  out.push_back(Instruction{op, operands}.firstWord());
   out.insert(out.end(), operands.begin(), operands.end());
 }
 

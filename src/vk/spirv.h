@@ -89,8 +89,8 @@ struct Instruction {
   uint32_t op = 0;
   std::span<const uint32_t> operands;  // including result type and result id
 
-  uint32_t words() const { return static_cast<uint32_t>(operands.size()) + 1; }
-  uint32_t first() const { return words() << 16 | op; }  // the word in front of the operands
+  // In front of the operands: how many words there are, and the operation.
+  uint32_t firstWord() const { return static_cast<uint32_t>(operands.size() + 1) << 16 | op; }
 };
 
 // Hands over one instruction after the other, until `take` returns false. Throws Error(Internal) where the words are

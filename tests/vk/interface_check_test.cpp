@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "vk/device_fixture.h"
 #include "vk/reflection.h"
+#include "vk/spirv.h"
 #include "vk/tiny_shader.h"
 
 namespace latelight::vk {
@@ -78,9 +79,11 @@ TEST(InterfaceCheck, NamesPushConstantsOfAnotherSize) {
 // The tiny shader with its specialization constant's type made another: OpTypeInt 32 0 becomes 16 bits wide.
 TEST(InterfaceCheck, NamesAConstantOfAnotherType) {
   std::vector<uint32_t> code(std::begin(kTinyShader), std::end(kTinyShader));
-  constexpr uint32_t kOpTypeInt = 4 << 16 | 21;  // its first word; then come id, width and sign
-  for (size_t at = 5; at < code.size(); at += code[at] >> 16)
-    if (code[at] == kOpTypeInt && code[at + 2] == 32 && code[at + 3] == 0) code[at + 2] = 16;
+  spirv::forEachInstruction(code, [&code](const spirv::Instruction& instruction) {  // its operands: id, width and sign
+    const auto& [op, operands] = instruction;
+    if (op == spirv::kOpTypeInt && operands[1] == 32 && operands[2] == 0) code[&operands[1] - code.data()] = 16;
+    return true;
+  });
   const CheckedStage stage{"tiny", code};
   constexpr Constant constants[] = {{3, 5}}, others[] = {{4, 5}};
   EXPECT_NO_THROW(checkInterface(std::span(&stage, 1), {.bindings = kRight, .constants = others}));

@@ -123,6 +123,11 @@ TEST(Specialize, WhatCannotBeDoneStays) {
       << "of 64 bits";
 }
 
+TEST(Specialize, AModuleWithoutInstructionsStays) {
+  const Words code{kMagic, 0x00010600, 0, 1, 0};
+  EXPECT_EQ(specialize(code, {}), code);
+}
+
 TEST(Specialize, WordsThatAreNotSpirvAreRefused) {
   const Words code = moduleOf({{kOpSpecConstant, 2, 10, 5}});
   EXPECT_THROW(specialize({}, {}), Error);
