@@ -12,7 +12,8 @@ struct ViewOptions : RenderOptions {
 
 // Those of `latelight render`, and its own; what a session has no use for is refused in a sentence, and not listed.
 void addViewOptions(CLI::App& command, ViewOptions& options);
-// Throws Error(Usage) for options that a session has no use for; `command` is its name in that sentence.
+// Throws Error(Usage) for options that a session has no use for; `command` is its name in that sentence. From here on
+// the process takes its shaders from --shaders.
 view::Start viewStart(ViewOptions& options, std::string_view command);
 
 }  // namespace latelight::app

@@ -55,7 +55,6 @@ struct Window::Impl {
   bool anywhereKey(const std::string& name);
   void copyCommand();
   std::string sun() const;
-  void setSun(const std::string& text);
 
   GlWindow gl;
   view::SessionThread session;
@@ -64,6 +63,8 @@ struct Window::Impl {
   PanelMemory memory;
   Overlay overlay;
   SunDial sunDial;
+  const Send send = [this](view::Input input) { session.send(std::move(input)); };
+  const SunDial::Set setSun = [this](const std::string& text) { send(view::SetOption{"sun", text, memory.side}); };
   ImVec2 pointer{-1, -1}, drawn{-1, -1}, fitted{0, 0};  // `drawn`: where the pointer was then
   bool another = false, fresh = true;
 };
@@ -135,7 +136,6 @@ void Window::Impl::drawPicture() const {
 }
 
 void Window::Impl::draw() {
-  const Send send = [this](view::Input input) { session.send(std::move(input)); };
   drawn = pointer;
   gl.begin();
   drawPicture();
@@ -160,9 +160,7 @@ bool Window::Impl::overPicture() {
 bool Window::Impl::movePointer(double x, double y) {
   const bool wasBeside = pointer.x >= area().size.x;
   pointer = {static_cast<float>(x), static_cast<float>(y)};
-  const Send send = [this](view::Input input) { session.send(std::move(input)); };
-  const auto set = [this](const std::string& text) { setSun(text); };
-  if (!sunDial.move(sun(), area(), pointer, set) && !overlay.move(*state, area(), pointer, send))
+  if (!sunDial.move(sun(), area(), pointer, setSun) && !overlay.move(*state, area(), pointer, send))
     send(view::PointerMove{x, y});
   return wasBeside || pointer.x >= area().size.x || memory.handles || memory.help || ImGui::GetIO().WantCaptureMouse;
 }
@@ -178,8 +176,7 @@ void Window::Impl::press(view::Button button, bool down, bool shift) {
 }
 
 bool Window::Impl::takesPress() {
-  const auto set = [this](const std::string& text) { setSun(text); };
-  if (memory.handles && sunDial.press(sun(), area(), pointer, set)) return true;
+  if (memory.handles && sunDial.press(sun(), area(), pointer, setSun)) return true;
   return overlay.press(*state, area(), pointer, memory.handles);
 }
 
@@ -201,7 +198,6 @@ bool Window::Impl::anywhereKey(const std::string& name) {
 
 // While they go to the picture.
 bool Window::Impl::windowKey(const std::string& name, bool shift) {
-  const Send send = [this](view::Input input) { session.send(std::move(input)); };
   if (memory.handles && overlay.key(*state, area(), name, shift, send)) return true;
   if (name == "h") return memory.shown = !memory.shown, true;
   if (name == "l") return memory.handles = !memory.handles, true;
@@ -229,10 +225,6 @@ std::string Window::Impl::sun() const {
   const auto& options = state->choices[static_cast<int>(memory.side)].options;
   const auto found = options.find("sun");
   return found == options.end() ? "" : found->second;
-}
-
-void Window::Impl::setSun(const std::string& text) {
-  session.send(view::SetOption{"sun", text, memory.side});
 }
 
 void Window::Impl::copyCommand() {

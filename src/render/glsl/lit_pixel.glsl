@@ -11,13 +11,13 @@
 
 // One surface of a pixel: the only one, but where samples differ (MULTISAMPLED).
 struct LitPixel {
-  ivec3 place;   // and view
-  uint samples;  // those that show it
-  bool lit;      // a surface is there
-  float depth;   // of the device
+  ivec3 place;     // and view
+  uint samples;    // those that show it
+  bool lit;        // a surface is there
+  bool elsewhere;  // render/layered lights it: the rest is as without one
+  float depth;     // of the device
   Surface s;
   vec3 toEye;
-  bool elsewhere;  // render/layered lights it
   vec3 emitted;   // exposure included
   vec3 radiance;  // by the environment
 };
@@ -48,8 +48,8 @@ LitPixel readPixel(FrameConstants frame, View view, ivec3 place, uint samples) {
   p.depth = samples != 0u ? texelFetch(gbufferDepth, place, 0).r : 0.0;
 #endif
   p.lit = p.depth != 0.0;
-  p.s = emptySurface();
   p.elsewhere = false;
+  p.s = emptySurface();
   p.toEye = vec3(0.0, 0.0, 1.0);
   p.emitted = vec3(0.0);
   p.radiance = vec3(0.0);
@@ -83,7 +83,7 @@ vec3 litRadiance(FrameConstants frame, LitPixel p, vec3 byLights) {
 
 // No lights are looked for where nothing reflects them: render/layered lights what has layers.
 vec3 lightsOn(FrameConstants frame, View view, LitPixel p) {
-  p.lit = p.lit && (kCountLights != 0u || (!p.elsewhere && reflects(p.s)));
+  p.lit = p.lit && (kCountLights != 0u || reflects(p.s));
   return lightsAt(frame, view, p);
 }
 
