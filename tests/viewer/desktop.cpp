@@ -109,6 +109,26 @@ class Drag {
   ::Window source_ = 0, target_ = 0;
 };
 
+// Asks the selection's owner for its text as a property of a window of our own (ICCCM 2.2), which is not incremental.
+std::string textOf(::Display* display, const char* selection) {
+  const Atom property = XInternAtom(display, "LATELIGHT_TEXT", False);
+  const ::Window own = XCreateSimpleWindow(display, DefaultRootWindow(display), 0, 0, 1, 1, 0, 0, 0);
+  XConvertSelection(display, XInternAtom(display, selection, False), XInternAtom(display, "UTF8_STRING", False),
+                    property, own, CurrentTime);
+  XEvent event;
+  do XNextEvent(display, &event);
+  while (event.type != SelectionNotify);
+  if (event.xselection.property == None) throw std::runtime_error("nobody has copied a text");
+  Atom type = 0;
+  int bits = 0;
+  unsigned long size = 0, left = 0;
+  unsigned char* bytes = nullptr;
+  XGetWindowProperty(display, own, property, 0, 1 << 20, False, AnyPropertyType, &type, &bits, &size, &left, &bytes);
+  const std::string text(reinterpret_cast<const char*>(bytes), size);
+  XFree(bytes);
+  return text;
+}
+
 }  // namespace
 
 void dropFile(const std::string& display, int x, int y, const std::string& file) {
@@ -134,6 +154,10 @@ void restore(const std::string& display, unsigned long window) {
   const Connection to = connect(display);
   setState(to.get(), window, NormalState);
   XMapWindow(to.get(), window);
+}
+
+std::string clipboard(const std::string& display) {
+  return textOf(connect(display).get(), "CLIPBOARD");
 }
 
 }  // namespace latelight::app

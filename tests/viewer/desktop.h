@@ -16,4 +16,7 @@ void setContentScale(const std::string& display, int percent);
 unsigned long minimise(const std::string& display, int x, int y);
 void restore(const std::string& display, unsigned long window);
 
+// The text that a window has copied; throws std::runtime_error where none has.
+std::string clipboard(const std::string& display);
+
 }  // namespace latelight::app

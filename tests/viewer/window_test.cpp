@@ -11,6 +11,7 @@
 #include <future>
 #include <iterator>
 #include <map>
+#include <random>
 #include <sstream>
 #include <thread>
 
@@ -357,6 +358,94 @@ TEST_F(WindowTest, TakesFilesThatAreTyped) {
   });
   words[1] = scene;
   EXPECT_EQ(other.rgba, rendered(words).rgba);
+}
+
+// --- anything at all ------------------------------------------------------------------------------------------------
+
+constexpr uint32_t kTall = 600;  // of a panel that shows many controls at once
+
+// Of the picture: the keys' own windows (ctrl+n, ctrl+w) and texts are other tests'.
+std::vector<std::string> anyInputOfPicture(std::mt19937& random) {
+  static const char* const kKeys[] = {
+      "w",      "a",      "s",     "d",    "q",          "e",         "o",     "f",  "space",       "1",
+      "3",      "7",      "p",     "plus", "minus",      "Left",      "Right", "Up", "Down",        "Home",
+      "Tab",    "l",      "F1",    "F1",   "shift+Left", "shift+Tab", "h",     "h",  "bracketleft", "bracketright",
+      "Return", "Escape", "ctrl+r"};
+  const auto below = [&](uint32_t n) { return static_cast<uint32_t>(random() % n); };
+  const std::string x = std::to_string(below(kWidth)), y = std::to_string(below(kHeight));
+  const std::string button = std::to_string(1 + below(3));
+  switch (below(5)) {
+    case 0:
+      return {"mousemove", x, y, "click", button};
+    case 1:
+      return {"mousedown", button, "mousemove", x, y, "mouseup", button};
+    case 2:
+      return {"mousemove", x, y, "click", std::to_string(4 + below(2))};
+    default:
+      return {"key", kKeys[below(std::size(kKeys))]};
+  }
+}
+
+// Of the panel. Nothing is typed: a file's name would be a place to write to.
+std::vector<std::string> anyInputOfPanel(std::mt19937& random) {
+  static const char* const kKeys[] = {"Down", "Down", "Down", "Up", "Left", "Right", "Return", "End", "Home", "Tab"};
+  const auto below = [&](uint32_t n) { return static_cast<uint32_t>(random() % n); };
+  const std::string x = std::to_string(kWidth + below(kPanel)), y = std::to_string(below(kTall));
+  switch (below(5)) {
+    case 0:
+    case 1:
+      return {"mousemove", x, y, "click", "1"};
+    case 2:
+      return {"mousedown", "1", "mousemove", x, y, "mouseup", "1"};
+    case 3:
+      return {"mousemove", x, y, "click", std::to_string(4 + below(2))};
+    default:
+      return {"key", kKeys[below(std::size(kKeys))]};
+  }
+}
+
+class AnythingWindowTest : public WindowTest {
+ protected:
+  void sendTwenty(bool toPanel) {
+    std::vector<std::string> words{"key", toPanel ? "F2" : "Escape"};  // the panel is shown, if it was not
+    for (int i = 0; i < 20; ++i) {
+      const std::vector<std::string> more = toPanel ? anyInputOfPanel(random_) : anyInputOfPicture(random_);
+      words.insert(words.end(), more.begin(), more.end());
+      words.insert(words.end(), {"sleep", "0.02"});
+    }
+    screen_.act(words);
+    screen_.act({"key", "Escape", "sleep", "0.02", "key", "Escape", "mousemove", "160", "100", "click", "1"});
+  }
+  // All of the scene, with its lights where the file has them.
+  void expectPictureOfItsCommand() {
+    keys({"Home", "ctrl+r"});
+    screen_.act({"mousemove", "600", "190"});
+    restsNow("after so many inputs");
+    key("ctrl+c");
+    const output::Picture last = screenshot();
+    std::string command = clipboard(screen_.name());
+    ASSERT_THAT(command, testing::StartsWith("latelight render"));
+    command.replace(0, std::string("latelight").size(), LATELIGHT_PROGRAM);
+    const Outcome outcome = runProcess("/bin/sh", {.arguments = {"-c", command}, .folder = folder_.path()});
+    EXPECT_EQ(outcome.code, 0) << outcome.text();
+    EXPECT_TRUE(last.rgba == pictureIn(folder_.at("picture.png")).rgba) << command;
+  }
+
+ private:
+  std::mt19937 random_{13};
+};
+
+TEST_F(AnythingWindowTest, AThousandInputsEndWithoutAFault) {
+  for (int window = 0; window < 5; ++window) {
+    if (window > 0) SetUp();
+    screen_.act({"search", "--name", "latelight", "windowsize", "700", std::to_string(kTall)});
+    for (int i = 0; i < 5; ++i) {
+      sendTwenty(true);
+      sendTwenty(false);
+    }
+    expectPictureOfItsCommand();
+    if (window < 4) TearDown();
+  }
 }
 
 // Whose device is lost as it begins.
