@@ -46,7 +46,8 @@ VkImageView makeView(Device& device, VkImage image, const ImageDesc& desc, VkIma
   info.viewType = type;
   info.format = storage ? linearFormat(desc.format) : desc.format;
   VkImageViewUsageCreateInfo usage{VK_STRUCTURE_TYPE_IMAGE_VIEW_USAGE_CREATE_INFO};
-  usage.usage = storage ? VK_IMAGE_USAGE_STORAGE_BIT : desc.usage & ~VK_IMAGE_USAGE_STORAGE_BIT;
+  constexpr VkImageUsageFlags kStorage = VK_IMAGE_USAGE_STORAGE_BIT;
+  usage.usage = storage ? kStorage : desc.usage & ~kStorage;
   if (isWrittenLinear(desc)) info.pNext = &usage;
   // Sampled views, which cover whole arrays, read one aspect of depth and stencil; attachments, which are single
   // layers, have both.

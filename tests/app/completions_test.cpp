@@ -98,7 +98,7 @@ TEST(ManPage, DescribesEveryCommandAndOption) {
   for (const std::string& option : completed({"render", "--"})) {
     std::string escaped;
     for (const char c : option) escaped += c == '-' ? "\\-" : std::string(1, c);
-    if (option != "--help") EXPECT_THAT(page, HasSubstr(escaped + "\\fR"));
+    EXPECT_TRUE(option == "--help" || page.find(escaped + "\\fR") != page.npos) << option;
   }
 }
 

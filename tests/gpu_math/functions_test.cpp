@@ -1,13 +1,12 @@
-// Each shared function on the device against the same header on the host. LATELIGHT_TEST_DEVICE chooses the device
-// (a selector of vk/device.h), the CPU device by default.
+// Each shared function on the device against the same header on the host.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <cstring>
 
 #include "gpu_math/spirv.h"
 #include "shared/function_cases.h"
 #include "shared/random.h"
+#include "test_device.h"
 #include "vk/commands.h"
 #include "vk/resources.h"
 
@@ -55,7 +54,7 @@ Arguments someArguments(Random& random) {
 
 class Results {
  public:
-  Results() : device_({.selector = selector(), .validation = true}) {
+  Results() : device_({.selector = test::testDevice(), .validation = true}) {
     Random random(1);
     for (uint i = 0; i < kCount; ++i) arguments_.push_back(someArguments(random));
     run();
@@ -66,10 +65,6 @@ class Results {
   const std::vector<std::string>& messages() const { return messages_; }
 
  private:
-  static std::string selector() {
-    const char* name = std::getenv("LATELIGHT_TEST_DEVICE");
-    return name && *name ? name : "cpu";
-  }
   void run();
 
   vk::Device device_;

@@ -118,8 +118,10 @@ std::vector<LightCase> addLights(scene::Scene& scene) {
 // Host and device do the same operations in the same order, so what is left is: the result's half float (2^-11), a few
 // ULP of pow, exp2 and inversesqrt in narrow lobes, and the filtering of the environment's maps, whose weights a device
 // may cut to 8 bits. A texel whose neighbour is a thousand times as bright makes the last matter; hence the few pixels.
+// Other devices than the CPU's also fuse products into sums, which tilts normals at the rim of the discs lambert and
+// spheremap (a root of 1 less nearly 1) by up to 2^-11.
 constexpr float kRelative = 0.01f, kAbsolute = 1e-3f;
-constexpr double kMostBeyond = 1e-4;
+constexpr double kMostBeyond = 1e-4, kMostBeyondFused = 2e-3;
 
 struct Agreement {
   size_t lit = 0, beyond = 0;
@@ -211,6 +213,7 @@ TEST_F(RelightTest, HostShadesTheDevicesGbufferAlike) {
                                   const Layout& layout = layouts()[c[0]];
                                   return layout.hasTargets() && (c[1] == 0 || !layout.fixedNormal);
                                 });
+  const double mostBeyond = device().isCpu() ? kMostBeyond : kMostBeyondFused;
   std::vector<Agreement> totals(bench->cases.size());
   for (const auto& c : chosen) {
     const FrameSetup setup{.layout = &layouts()[c[0]],
@@ -228,7 +231,7 @@ TEST_F(RelightTest, HostShadesTheDevicesGbufferAlike) {
                                 bench->hostStudio, setup.shading, settings);
     EXPECT_GT(a.lit, kRelightSize * kRelightSize / 3u);
     EXPECT_GT(a.brightest, 0.5);
-    EXPECT_LE(static_cast<double>(a.beyond), kMostBeyond * static_cast<double>(a.lit));
+    EXPECT_LE(static_cast<double>(a.beyond), mostBeyond * static_cast<double>(a.lit));
     add(totals[c[4]], a);
   }
   fmt::print("{} combinations\n", chosen.size());

@@ -8,6 +8,7 @@
 #include "scene/framing.h"
 #include "scene/half.h"
 #include "scene/texture.h"
+#include "test_device.h"
 
 namespace latelight::render::test {
 
@@ -24,9 +25,9 @@ class Shutdown : public testing::Environment {
 }  // namespace
 
 vk::Device& RenderTest::device() {
-  const char* asked = std::getenv("LATELIGHT_TEST_DEVICE");
   if (!shared)
-    shared = std::make_unique<vk::Device>(vk::DeviceOptions{.selector = asked ? asked : "cpu", .validation = true});
+    shared =
+        std::make_unique<vk::Device>(vk::DeviceOptions{.selector = latelight::test::testDevice(), .validation = true});
   return *shared;
 }
 

@@ -19,7 +19,7 @@
 
 namespace latelight::render::test {
 
-// One device a process: the CPU's, or what LATELIGHT_TEST_DEVICE selects. Any validation message fails the test that
+// One device a process: that of test_device.h. Any validation message fails the test that
 // caused it.
 class RenderTest : public testing::Test {
  protected:

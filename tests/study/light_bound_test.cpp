@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
 #include <vector>
 
@@ -14,13 +13,13 @@
 #include "study/ceilings.h"
 #include "study/ceilings_push.h"
 #include "study/light_bound.h"
+#include "test_device.h"
 
 namespace latelight::study {
 namespace {
 
 vk::Device makeDevice() {
-  const char* name = std::getenv("LATELIGHT_TEST_DEVICE");
-  return vk::Device({.selector = name && *name ? name : "cpu", .validation = true});
+  return vk::Device({.selector = test::testDevice(), .validation = true});
 }
 
 // --- ceilings -------------------------------------------------------------------------------------------------------

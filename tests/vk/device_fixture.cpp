@@ -1,7 +1,8 @@
 #include "vk/device_fixture.h"
 
 #include <algorithm>
-#include <cstdlib>
+
+#include "test_device.h"
 
 namespace latelight::vk {
 
@@ -18,10 +19,20 @@ class Shutdown : public testing::Environment {
 }  // namespace
 
 Device& DeviceTest::device() {
-  const char* name = std::getenv("LATELIGHT_TEST_DEVICE");
-  if (!shared)
-    shared = std::make_unique<Device>(DeviceOptions{.selector = name && *name ? name : "cpu", .validation = true});
+  if (!shared) shared = std::make_unique<Device>(DeviceOptions{.selector = test::testDevice(), .validation = true});
   return *shared;
+}
+
+std::vector<std::byte> readBack(Device& device, const Buffer& buffer) {
+  const Buffer host(device, {buffer.size(), VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryKind::Readback, "read back"});
+  device.submitAndWait([&](VkCommandBuffer commands) {
+    recordMemoryBarrier(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_ACCESS_2_MEMORY_WRITE_BIT,
+                        VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_READ_BIT);
+    const VkBufferCopy all{0, 0, buffer.size()};
+    vkCmdCopyBuffer(commands, buffer.get(), host.get(), 1, &all);
+    recordHostBarrier(commands);
+  });
+  return {host.mapped(), host.mapped() + host.size()};
 }
 
 std::vector<std::byte> readBack(Device& device, const Image& image) {

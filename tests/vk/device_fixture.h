@@ -1,5 +1,5 @@
-// A device under validation, shared by the tests of a process; any message fails the test that caused it. It is a CPU
-// device unless LATELIGHT_TEST_DEVICE names another one.
+// A device under validation, shared by the tests of a process; any message fails the test that caused it.
+// test_device.h says which.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -38,10 +38,8 @@ inline void recordHostBarrier(VkCommandBuffer commands) {
                       VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT);
 }
 
-inline std::vector<std::byte> contents(const Buffer& buffer) {
-  return {buffer.mapped(), buffer.mapped() + buffer.size()};
-}
-
+// All of a buffer, wherever its memory is.
+std::vector<std::byte> readBack(Device& device, const Buffer& buffer);
 // All levels of layer 0 of an image in READ_ONLY_OPTIMAL, as Uploader takes them.
 std::vector<std::byte> readBack(Device& device, const Image& image);
 

@@ -1,0 +1,15 @@
+// The device that tests run on.
+#pragma once
+
+#include <cstdlib>
+#include <string>
+
+namespace latelight::test {
+
+// What LATELIGHT_TEST_DEVICE selects (vk/device.h); else a CPU device.
+inline std::string testDevice() {
+  const char* name = std::getenv("LATELIGHT_TEST_DEVICE");
+  return name && *name ? name : "cpu";
+}
+
+}  // namespace latelight::test
