@@ -141,11 +141,59 @@ def test_controls_change_the_picture_as_their_options_do(view, tmp_path):
     assert view.is_hidden("#error")
 
 
-def test_every_option_has_a_control(view):
+TEXTS = {
+    "background": "#336699",
+    "aa": "fxaa",
+    "shadow-lights": "all",
+    "sun": "30,40,3",
+    "fog-color": "#102030",
+}
+
+
+COMMAND_HAS = """([text, all]) => {
+  const shown = document.getElementById("command").innerText;
+  return all ? shown === text : ` ${shown} `.includes(` ${text} `);
+}"""
+
+
+def another_value(row):
+    if row["type"] == "flag":
+        return "true"
+    if row["type"] == "name":
+        return [name for name in row["names"] if name != row["default"]][-1]
+    if row["type"] == "text":
+        return TEXTS[row["name"].lstrip("-")]
+    return f"{max(min(3, row.get('most', 6) / 2), row.get('least', 0)):g}"
+
+
+# What the picture then is, tests/view compares with the command line for each option.
+def test_every_option_has_a_control_that_sets_it(view):
     table = json.loads(latelight("list", "options", "--json")[0])["options"]
-    wanted = {row["name"].lstrip("-") for row in table if "member" in row} - {"size"}
+    rows = {row["name"].lstrip("-"): row for row in table if "member" in row and row["name"] != "--size"}
     shown = set(view.evaluate("[...document.querySelectorAll('[id^=option-]')].map((each) => each.id.slice(7))"))
-    assert wanted == shown
+    assert rows.keys() == shown
+    del rows["animation"]  # the scene has none
+    open_options(view)
+    view.fill("#option-time", "1")  # or --loop would mean nothing
+    view.keyboard.press("Tab")
+    view.wait_for_function(COMMAND_HAS, arg=["--time=1", False], timeout=HANGS)
+    for key, row in rows.items():
+        before, value = view.inner_text("#command"), another_value(row)
+        control = view.locator(f"#option-{key}")
+        is_list = control.evaluate("(each) => each.tagName === 'SELECT'")
+        is_flag = row["type"] == "flag"
+        word = f"--{key}" if is_flag else shlex.quote(f"--{key}={value}")
+        normal = "1" if key == "time" else ""
+        for wanted, expected in ((value, word), (normal, before)):
+            if is_flag:
+                control.set_checked(wanted == "true")
+            elif is_list:
+                control.select_option(wanted or row["default"])
+            else:
+                control.fill(wanted)
+                control.press("Tab")  # a field's text counts once it is left
+            view.wait_for_function(COMMAND_HAS, arg=[expected, wanted == normal], timeout=HANGS)
+            assert view.is_hidden("#error"), key
 
 
 def test_mouse_keys_and_touch_move_the_camera(view, tmp_path):

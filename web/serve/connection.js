@@ -4,8 +4,8 @@ const FINAL_CODES = new Set([1008, 1011]); // the server says why, and would say
 const MOST_ATTEMPTS = 8;
 
 export class Connection {
-  // `handlers`: tables, state, picture, screenshot, failed, busy(whether what was said is still to be seen), and
-  // status(text, mayRetry).
+  // `handlers`: tables, state, followed(the serial number of the last that was said here and is done), picture,
+  // screenshot, failed, busy(whether what was said is still to be seen), and status(text, mayRetry).
   constructor(handlers) {
     this.handlers = handlers;
     this.serial = 0;
@@ -41,6 +41,7 @@ export class Connection {
       this.handlers.tables(header.tables);
     }
     if (header.state) this.handlers.state(header.state);
+    this.handlers.followed(header.serial);
     if (header.picture) await this.handlers.picture(header.picture, payload, header.serial);
     if (header.screenshot) this.handlers.screenshot(payload);
     if (header.failed) this.handlers.failed(header.failed);

@@ -11,6 +11,8 @@ const state = {};
 let tables = null;
 let options = null;
 const sent = new Map(); // when each message left, until a picture follows it
+let optionSent = 0; // the serial number of the last option that was set here; what is told before it is older
+let followed = 0;
 const history = new History($("history").querySelector("polyline"));
 const passes = new Passes($("passes"));
 
@@ -19,6 +21,11 @@ const connection = new Connection({
   state: (changed) => {
     Object.assign(state, changed);
     show(changed);
+  },
+  followed: (serial) => {
+    const waited = followed < optionSent;
+    followed = serial;
+    if (waited) showOptions();
   },
   picture: showPicture,
   screenshot: download,
@@ -34,8 +41,10 @@ const stage = new Stage($("picture"), connection);
 const send = (type, fields) => {
   const serial = connection.send(type, fields);
   if (serial) sent.set(serial, performance.now());
+  return serial;
 };
-const sun = new Sun((value) => send("option", { name: "sun", value, side: side() }));
+const setOption = (name, value) => (optionSent = send("option", { name, value, side: side() }));
+const sun = new Sun((value) => setOption("sun", value));
 const handles = new Handles(
   $("handles"),
   () => stage.size,
@@ -51,7 +60,7 @@ function begin(told) {
   tables = told;
   $("status").textContent = "Connected";
   $("retry").hidden = true;
-  options = new Options($("options"), tables.options, (name, value) => send("option", { name, value, side: side() }));
+  options = new Options($("options"), tables.options, setOption);
   stage.resize();
   if (state.left) restore();
 }
@@ -162,9 +171,15 @@ function showVariants() {
   $("variant").value = state.variant;
 }
 
-function showSide() {
+// Not while one that was set here is on its way: the control would jump back and forth.
+function showOptions() {
+  if (followed < optionSent) return;
   options.show(state[side()].options);
   sun.show(state[side()].options.sun ?? "");
+}
+
+function showSide() {
+  showOptions();
   showOutputs();
   showCommand();
 }
