@@ -1,4 +1,4 @@
-// A CPU device under validation with synchronization checks; any message fails the test. And passes to make graphs of.
+// A device under validation with synchronization checks; any message fails the test. And passes to make graphs of.
 #pragma once
 
 #include <gmock/gmock.h>
@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "graph/graph.h"
+#include "test_device.h"
 #include "vk/device.h"
 
 namespace latelight::graph {
@@ -16,7 +17,7 @@ namespace latelight::graph {
 class Executors : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    device = std::make_unique<vk::Device>(vk::DeviceOptions{.selector = "cpu", .validation = true});
+    device = std::make_unique<vk::Device>(vk::DeviceOptions{.selector = test::testDevice(), .validation = true});
   }
   static void TearDownTestSuite() { device.reset(); }
   void TearDown() override { EXPECT_THAT(device->validationMessages(), testing::IsEmpty()); }

@@ -191,7 +191,7 @@ TEST_F(DeviceTest, MemoryThatIsNotThereIsAnErrorWithTheSizes) {
   EXPECT_EQ(codeOf([&] { device().memory().allocate(needs, MemoryKind::Device, true, Allocator::Sharing::Blocks); },
                    &sentence),
             ExitCode::DeviceLost);
-  EXPECT_THAT(sentence, HasSubstr("16777216 MiB"));
+  EXPECT_THAT(sentence, HasSubstr("16777216"));
   EXPECT_EQ(codeOf([&] { Buffer(device(), {.size = VkDeviceSize{1} << 40}); }), ExitCode::DeviceLost);
   EXPECT_EQ(codeOf([&] { Image(device(), {.format = VK_FORMAT_R8_UNORM, .width = 1u << 20}); }), ExitCode::Usage);
 }

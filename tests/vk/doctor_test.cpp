@@ -106,6 +106,7 @@ class Doctor : public testing::Test {
     const std::string self = fs::read_symlink("/proc/self/exe").string();
     const pid_t child = fork();
     if (child == 0) {
+      for (const char* of : {"VK_DRIVER_FILES", "VK_ICD_FILENAMES", "VK_ADD_DRIVER_FILES"}) unsetenv(of);
       for (const auto& [name, value] : variables) setenv(name.c_str(), value.c_str(), 1);
       setenv(kReport, report.c_str(), 1);
       if (!std::freopen("/dev/null", "w", stdout)) _exit(99);
