@@ -421,8 +421,9 @@ class AnythingWindowTest : public WindowTest {
     keys({"Home", "ctrl+r"});
     screen_.act({"mousemove", "600", "190"});
     restsNow("after so many inputs");
-    key("ctrl+c");
     const output::Picture last = screenshot();
+    key("ctrl+c");
+    screenshot();  // by then it has been copied
     std::string command = clipboard(screen_.name());
     ASSERT_THAT(command, testing::StartsWith("latelight render"));
     command.replace(0, std::string("latelight").size(), LATELIGHT_PROGRAM);
