@@ -62,6 +62,7 @@ class Results {
   }
   const Arguments& arguments(uint i) const { return arguments_[i]; }
   vec4 of(uint function, uint i) const { return results_[function * kCount + i]; }
+  bool isCpu() const { return device_.isCpu(); }
   const std::vector<std::string>& messages() const { return messages_; }
 
  private:
@@ -111,12 +112,40 @@ float share(const Case& bounds, float device, float host) {
   return std::abs(device - host) / (bounds.relative * std::abs(host) + bounds.absolute);
 }
 
+// Arguments that differ from these by about their rounding.
+Arguments besides(Arguments a, Random& random) {
+  const auto some = [&] { return random.uniform(-4e-7f, 4e-7f); };
+  for (vec3* direction : {&a.n, &a.l, &a.v}) *direction += vec3(some(), some(), some());
+  for (vec3* shares : {&a.c, &a.d}) *shares = clamp(*shares + vec3(some(), some(), some()), 0.0f, 1.0f);
+  a.u = clamp(a.u + vec4(some(), some(), some(), some()), 0.0f, 1.0f);
+  a.w *= vec4(1.0f) + vec4(some(), some(), some(), some());
+  return a;
+}
+
+// Devices other than the CPU's fuse products into sums. Where a function jumps (a light at the horizon, a frame of
+// parallel directions), they give what the host gives beside it; where that is no number, nothing is expected of them.
+bool isGivenBeside(const Case& bounds, uint function, const Arguments& arguments, vec4 device) {
+  Random random(5);
+  vec4 least = evaluateFunction(function, arguments), most = least;
+  for (int i = 0; i < 256; ++i) {
+    const vec4 host = evaluateFunction(function, besides(arguments, random));
+    least = min(least, host), most = max(most, host);
+    if (any(isnan(host)) || any(isnan(least))) return true;
+  }
+  const vec4 slack = bounds.relative * max(abs(least), abs(most)) + bounds.absolute;
+  return all(lessThanEqual(least - slack, device)) && all(lessThanEqual(device, most + slack));
+}
+
 TEST_P(Functions, DeviceAgreesWithHost) {
   const Case& bounds = kCases[GetParam()];
   float worst = 0.0f;
   uint where = 0;
   for (uint i = 0; i < kCount; ++i) {
-    const vec4 device = results().of(GetParam(), i), host = evaluateFunction(GetParam(), results().arguments(i));
+    const Arguments& arguments = results().arguments(i);
+    const vec4 device = results().of(GetParam(), i), host = evaluateFunction(GetParam(), arguments);
+    bool agree = true;
+    for (int c = 0; c < 4; ++c) agree &= share(bounds, device[c], host[c]) <= 1.0f;
+    if (!agree && !results().isCpu() && isGivenBeside(bounds, GetParam(), arguments, device)) continue;
     for (int c = 0; c < 4; ++c) {
       const float here = share(bounds, device[c], host[c]);
       if (here > worst) where = i;
