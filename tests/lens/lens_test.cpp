@@ -299,7 +299,7 @@ TEST_F(LensPictureTest, OutsideOfItsCircleALensSeesNothing) {
   for (uint32_t i = 0; i < 64 * 64; ++i) {
     const bool sees = projection.unproject({i % 64 + 0.5, i / 64 + 0.5}).has_value();
     EXPECT_EQ(imageOf(frame, Aov::Color).values[4 * i + 3], sees ? 1.0f : 0.0f) << i;
-    EXPECT_EQ(std::isinf(imageOf(frame, Aov::Depth).values[i]), !sees) << i;
+    EXPECT_TRUE(sees || std::isinf(imageOf(frame, Aov::Depth).values[i])) << i;
   }
 }
 

@@ -362,7 +362,7 @@ TEST_F(WindowTest, TakesFilesThatAreTyped) {
 
 // --- anything at all ------------------------------------------------------------------------------------------------
 
-constexpr uint32_t kTall = 600;  // of a panel that shows many controls at once
+constexpr uint32_t kTall = 400;  // of a panel that shows many controls at once
 
 // Of the picture: the keys' own windows (ctrl+n, ctrl+w) and texts are other tests'.
 std::vector<std::string> anyInputOfPicture(std::mt19937& random) {
