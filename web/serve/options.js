@@ -53,12 +53,9 @@ function number(option) {
 
 // A press takes the focus from another row, whose help then goes: not before it is let go of, or what was pressed would
 // have moved away below the pointer.
-document.addEventListener("pointerdown", () => {
-  const row = document.activeElement.closest(".row");
-  row?.classList.add("held");
-  for (const end of ["pointerup", "pointercancel"])
-    addEventListener(end, () => setTimeout(() => row?.classList.remove("held")), { once: true });
-});
+const letGo = () => document.querySelectorAll(".row.held").forEach((row) => row.classList.remove("held"));
+addEventListener("pointerdown", () => document.activeElement?.closest(".row")?.classList.add("held"));
+for (const end of ["pointerup", "pointercancel"]) addEventListener(end, () => setTimeout(letGo)); // after the click
 
 const KINDS = { flag, choice, text, integer: number, number };
 
