@@ -158,6 +158,11 @@ Outcome latelight(std::vector<std::string> arguments) {
   return latelight(Command{.arguments = std::move(arguments)});
 }
 
+Outcome latelightInShell(std::string line, const std::filesystem::path& folder) {
+  line.replace(0, std::string("latelight").size(), LATELIGHT_PROGRAM);
+  return runProcess("/bin/sh", {.arguments = {"-c", line}, .folder = folder});
+}
+
 void inPairs(size_t count, const std::function<void(size_t)>& body) {
   std::atomic<size_t> next = 0;
   const auto work = [&] {

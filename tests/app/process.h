@@ -37,6 +37,8 @@ Outcome runProcess(const std::filesystem::path& executable, const Command& comma
 // latelight.
 Outcome latelight(const Command& command);
 Outcome latelight(std::vector<std::string> arguments);
+// A line that begins with "latelight", as a shell reads it.
+Outcome latelightInShell(std::string line, const std::filesystem::path& folder);
 
 // Calls body(0..count-1), two at a time: for runs that are mostly start-up. Exceptions end the test program.
 void inPairs(size_t count, const std::function<void(size_t)>& body);

@@ -229,9 +229,8 @@ TEST_F(ServerTest, SaysWhatOptionsCantBe) {
 // --- pictures -------------------------------------------------------------------------------------------------------
 
 // The file that a shell makes of the command.
-std::string rendered(std::string command, const app::Folder& folder = {}) {
-  command.replace(0, std::string("latelight").size(), LATELIGHT_PROGRAM);
-  const app::Outcome outcome = app::runProcess("/bin/sh", {.arguments = {"-c", command}, .folder = folder.path()});
+std::string rendered(const std::string& command, const app::Folder& folder = {}) {
+  const app::Outcome outcome = app::latelightInShell(command, folder.path());
   EXPECT_EQ(outcome.code, 0) << command << ": " << outcome.err;
   return folder.read("picture.png");
 }

@@ -16,7 +16,6 @@
 
 #include "app/folder.h"
 #include "app/process.h"
-#include "base/text.h"
 #include "lost_device/lose.h"
 #include "models/models.h"
 #include "output/png.h"
@@ -115,9 +114,8 @@ TEST(ViewSessionTest, TheCommandIsOneForAShell) {
   Viewer viewer(start);
   viewer(Key{"ArrowLeft", true});
   viewer.settle();
-  std::string line = viewer.state().command;
-  replaceAll(line, "latelight render", std::string(LATELIGHT_PROGRAM) + " render");
-  const app::Outcome outcome = app::runProcess("/bin/sh", {.arguments = {"-c", line}, .folder = folder.path()});
+  const std::string line = viewer.state().command;
+  const app::Outcome outcome = app::latelightInShell(line, folder.path());
   EXPECT_EQ(outcome.code, 0) << line << "\n" << outcome.text();
   viewer(Screenshot{folder.at("shot.png")});
   EXPECT_TRUE(folder.read("shot.png") == folder.read("picture.png"));

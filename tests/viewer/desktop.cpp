@@ -109,26 +109,6 @@ class Drag {
   ::Window source_ = 0, target_ = 0;
 };
 
-// Asks the selection's owner for its text as a property of a window of our own (ICCCM 2.2), which is not incremental.
-std::string textOf(::Display* display, const char* selection) {
-  const Atom property = XInternAtom(display, "LATELIGHT_TEXT", False);
-  const ::Window own = XCreateSimpleWindow(display, DefaultRootWindow(display), 0, 0, 1, 1, 0, 0, 0);
-  XConvertSelection(display, XInternAtom(display, selection, False), XInternAtom(display, "UTF8_STRING", False),
-                    property, own, CurrentTime);
-  XEvent event;
-  do XNextEvent(display, &event);
-  while (event.type != SelectionNotify);
-  if (event.xselection.property == None) throw std::runtime_error("nobody has copied a text");
-  Atom type = 0;
-  int bits = 0;
-  unsigned long size = 0, left = 0;
-  unsigned char* bytes = nullptr;
-  XGetWindowProperty(display, own, property, 0, 1 << 20, False, AnyPropertyType, &type, &bits, &size, &left, &bytes);
-  const std::string text(reinterpret_cast<const char*>(bytes), size);
-  XFree(bytes);
-  return text;
-}
-
 }  // namespace
 
 void dropFile(const std::string& display, int x, int y, const std::string& file) {
@@ -156,8 +136,25 @@ void restore(const std::string& display, unsigned long window) {
   XMapWindow(to.get(), window);
 }
 
+// Its owner gives it as a property of a window of our own (ICCCM 2.2).
 std::string clipboard(const std::string& display) {
-  return textOf(connect(display).get(), "CLIPBOARD");
+  const Connection to = connect(display);
+  const auto atom = [&to](const char* name) { return XInternAtom(to.get(), name, False); };
+  const ::Window own = XCreateSimpleWindow(to.get(), DefaultRootWindow(to.get()), 0, 0, 1, 1, 0, 0, 0);
+  const Atom property = atom("LATELIGHT_TEXT");
+  XConvertSelection(to.get(), atom("CLIPBOARD"), atom("UTF8_STRING"), property, own, CurrentTime);
+  XEvent event;
+  do XNextEvent(to.get(), &event);
+  while (event.type != SelectionNotify);
+  if (event.xselection.property == None) throw std::runtime_error("nobody has copied a text");
+  Atom type = 0;
+  int bits = 0;
+  unsigned long size = 0, left = 0;
+  unsigned char* bytes = nullptr;
+  XGetWindowProperty(to.get(), own, property, 0, 1 << 20, False, AnyPropertyType, &type, &bits, &size, &left, &bytes);
+  std::string text(reinterpret_cast<const char*>(bytes), size);
+  XFree(bytes);
+  return text;
 }
 
 }  // namespace latelight::app
