@@ -19,8 +19,7 @@
 
 namespace latelight::render::test {
 
-// One device a process: that of test_device.h. Any validation message fails the test that
-// caused it.
+// One device a process: that of test_device.h. Any validation message fails the test that caused it.
 class RenderTest : public testing::Test {
  protected:
   static vk::Device& device();
