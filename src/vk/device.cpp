@@ -277,6 +277,7 @@ Device::Device(const DeviceOptions& options) : validation_(validationWanted(opti
   maxBufferSize_ = limits.maxBufferSize;
   maxAllocationSize_ = memory.maxMemoryAllocationSize;
   hasGraphics_ = options.graphics && missingToDraw(physical_).empty();
+  cpuShaders_ = options.cpuShaders;
   queueFamily_ = *findQueueFamily(physical_, VK_QUEUE_COMPUTE_BIT | (hasGraphics_ ? VK_QUEUE_GRAPHICS_BIT : 0));
 
   impl.extensions = offeredExtensions(physical_);

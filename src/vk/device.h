@@ -50,6 +50,7 @@ struct DeviceOptions {
   bool descriptorIndexing = true;  // use it where the device has it
   bool graphics = true;  // the same of the graphics pipeline: else all is compute, on a queue for compute alone
                          // where there is one
+  bool cpuShaders = true;  // on a CPU device shaders go the ways made for one; else, for tests, those of GPUs
 };
 
 class Device {
@@ -71,6 +72,7 @@ class Device {
   const VkPhysicalDeviceProperties& properties() const { return properties_; }
   bool isCpu() const { return properties_.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU; }
   bool hasGraphics() const { return hasGraphics_; }  // a graphics pipeline, with all that the raster hardware needs
+  bool hasCpuShaders() const { return isCpu() && cpuShaders_; }
   uint32_t subgroupSize() const { return subgroupSize_; }                // lanes of a full one
   VkDeviceSize maxBufferSize() const { return maxBufferSize_; }          // bytes
   VkDeviceSize maxAllocationSize() const { return maxAllocationSize_; }  // bytes of one allocation of memory
@@ -124,7 +126,7 @@ class Device {
   VkDeviceSize maxBufferSize_ = 0, maxAllocationSize_ = 0;
   uint32_t maxTextureArray_ = 0;
   uint32_t subgroupSize_ = 0;
-  bool hasGraphics_ = false;
+  bool hasGraphics_ = false, cpuShaders_ = true;
   DeviceInfo info_;
   std::atomic<uint64_t> pipelinesMade_ = 0;
   std::unique_ptr<Allocator> allocator_;

@@ -41,7 +41,7 @@ Stage::Stage(Device& device, VkShaderStageFlagBits stage, std::span<const uint32
 
 std::vector<Constant> withDeviceConstants(const Device& device, std::span<const Constant> constants) {
   std::vector<Constant> all(constants.begin(), constants.end());
-  all.push_back({kCpuDeviceConstant, device.isCpu() ? 1u : 0u});
+  all.push_back({kCpuDeviceConstant, device.hasCpuShaders() ? 1u : 0u});
   all.push_back({kSubgroupSizeConstant, device.subgroupSize()});
   return all;
 }

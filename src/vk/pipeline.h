@@ -37,7 +37,7 @@ struct Constant {  // specialization constant
   uint32_t id;
   uint32_t value;
 };
-// Every shader may declare these: 1 on a CPU device, for lavapipe workarounds that would cost time on a GPU; and the
+// Every shader may declare these: Device::hasCpuShaders(), for lavapipe workarounds that would cost time on a GPU; and the
 // lanes of a full subgroup.
 inline constexpr uint32_t kCpuDeviceConstant = 100, kSubgroupSizeConstant = 101;
 

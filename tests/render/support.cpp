@@ -26,8 +26,9 @@ class Shutdown : public testing::Environment {
 
 vk::Device& RenderTest::device() {
   if (!shared)
-    shared =
-        std::make_unique<vk::Device>(vk::DeviceOptions{.selector = latelight::test::testDevice(), .validation = true});
+    shared = std::make_unique<vk::Device>(vk::DeviceOptions{.selector = latelight::test::testDevice(),
+                                                            .validation = true,
+                                                            .cpuShaders = !std::getenv("LATELIGHT_TEST_GPU_SHADERS")});
   return *shared;
 }
 

@@ -4,17 +4,12 @@
 // invocations, each with a pixel.
 #ifndef LATELIGHT_DEAL_GLSL
 #define LATELIGHT_DEAL_GLSL
-#include "render/glsl/lanes.glsl"
+#include "render/glsl/meet_subgroup.glsl"
 
 shared uint dealtPixels[256];  // x, and y << 16
 shared uint dealtBefore[256];  // items of the subgroup's lanes before this one
 
 uint dealtBase, dealtOwn, dealtTotal;  // where the subgroup's part of those begins; this lane's first item; all items
-
-void meetSubgroup() {
-  subgroupMemoryBarrierShared();
-  subgroupBarrier();
-}
 
 // `items`: of this lane's pixel. Every invocation of the workgroup comes here.
 void deal(uint items, ivec2 pixel) {

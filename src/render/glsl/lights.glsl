@@ -37,14 +37,18 @@ struct Shading {
   LIT_BRDF brdf;
   uint view;
   bool lit;        // this lane takes part
-  vec3 low, high;  // around the surfaces of those that do
+  vec3 low, high;  // around the surfaces of those that do: findBounds()
   vec3 radiance;   // what lights have sent to the eye so far
 };
 
 Shading startShading(Surface s, LIT_BRDF brdf, uint view, bool lit) {
+  return Shading(s, brdf, view, lit, vec3(0.0), vec3(0.0), vec3(0.0));
+}
+
+void findBounds(inout Shading shading) {
   const float kFar = 3.0e38;
-  return Shading(s, brdf, view, lit, subgroupMin(lit ? s.position : vec3(kFar)),
-                 subgroupMax(lit ? s.position : vec3(-kFar)), vec3(0.0));
+  shading.low = subgroupMin(shading.lit ? shading.s.position : vec3(kFar));
+  shading.high = subgroupMax(shading.lit ? shading.s.position : vec3(-kFar));
 }
 
 // A light that a lane brings.
@@ -64,22 +68,26 @@ Light lightOfLane(FrameConstants frame, DealtLight mine, uint lane) {
   return frameLight(frame, fromLane(mine.index, lane));
 }
 
+// What one light, the same for all lanes, sends to the eye from a surface; it counts where `lit`.
+vec3 sentBy(FrameConstants frame, Light light, LightShadow shadow, bool shadowed, Surface s, LIT_BRDF brdf, bool lit) {
+  float used = lightsUsed;
+  vec3 radiance = vec3(0.0);
+  if (shadowed)
+    radiance = shadeOneLight(frame, light, shadow, s, brdf);
+  else
+    radiance = shadeUnshadowed(light, s, brdf);
+  if (!lit) lightsUsed = used;
+  return radiance;
+}
+
 // Tested at the end of a round: lavapipe goes once more through a loop that ends at its beginning.
 void shadeHits(inout Shading shading, FrameConstants frame, DealtLight mine, uvec4 hits, bool shadowed) {
   if (!anyLane(hits)) return;
   do {
     uint lane = takeLane(hits);
-    Light light = lightOfLane(frame, mine, lane);
-    float used = lightsUsed;
-    vec3 radiance = vec3(0.0);
-    if (shadowed)
-      radiance = shadeOneLight(frame, light, broadcastShadow(mine.shadow, lane), shading.s, shading.brdf);
-    else
-      radiance = shadeUnshadowed(light, shading.s, shading.brdf);
-    if (shading.lit)
-      shading.radiance += radiance;
-    else
-      lightsUsed = used;
+    vec3 sent = sentBy(frame, lightOfLane(frame, mine, lane), broadcastShadow(mine.shadow, lane), shadowed, shading.s,
+                       shading.brdf, shading.lit);
+    if (shading.lit) shading.radiance += sent;
   } while (anyLane(hits));
 }
 
@@ -110,6 +118,7 @@ vec3 shadeAllLights(FrameConstants frame, uint view, Surface s, LIT_BRDF brdf, b
   lightsTested += float(frame.lightCount);
   countLanes();
   Shading shading = startShading(s, brdf, view, lit);
+  findBounds(shading);
   shadeRange(shading, frame, 0u, frame.lightCount);
   return shading.radiance;
 }

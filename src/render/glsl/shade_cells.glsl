@@ -1,6 +1,7 @@
 // Shading from the lists of light_lists.comp.
 #include "render/glsl/light_cells.glsl"
 #include "render/glsl/lights.glsl"
+#include "render/glsl/listed_lights.glsl"
 #include "render/glsl/lit_pixel.glsl"
 #include "render/glsl/tree_lights.glsl"
 #include "render/lighting/lighting_push.h"
@@ -10,12 +11,20 @@ struct CellLights {
   uint64_t entries;  // of the same: uint[]
 };
 
+const uint kShortCell = 48u;  // lights: of 16 to 96 about the best, however many a scene has
+
 // What all lights send to the lanes that take part, whose surfaces lie in one cell of the tile. Where its list did not
 // fit they come from the tree.
 void shadeCell(inout Shading shading, FrameConstants frame, CellLights lights, uint cell) {
   uvec2 list = lights.cells.v[1u + cell];
   bool fits = list.y != kOverflow;
-  shadeNear(shading, frame, lights.entries + uint64_t(list.x) * 4u, fits ? list.y : 0u, !fits);
+  uint64_t indices = lights.entries + uint64_t(list.x) * 4u;
+  if (kCpuDevice == 0u && list.y <= kShortCell) {
+    shadeListed(shading, frame, indices, list.y);
+  } else {
+    findBounds(shading);
+    shadeNear(shading, frame, indices, fits ? list.y : 0u, !fits);
+  }
 }
 
 // --- a pixel --------------------------------------------------------------------------------------------------------
@@ -31,17 +40,15 @@ vec3 shadeFromCells(LitPixel pixel, View view, FrameConstants frame, CellsPush p
                                  push.entries + tile * (4u * kEntriesATile));
   bool together = kCellsATile == 1u && lights.cells.v[1].y != kOverflow;
   uint slice = together ? 0u : sliceOf(depthKey(view.projection, pixel.depth), lights.cells.v[0]);
-  vec3 radiance = vec3(0.0);
   bool waits = pixel.lit;
-  if (!subgroupAny(waits)) return radiance;
+  if (!subgroupAny(waits)) return vec3(0.0);
+  Shading shading = startShading(pixel.s, surfaceBrdf(pixel.s, pixel.toEye, kShading), uint(pixel.place.z), false);
   while (true) {
     uint next = subgroupMin(waits ? slice : kSlices);
-    bool now = waits && slice == next;
-    Shading shading = startShading(pixel.s, surfaceBrdf(pixel.s, pixel.toEye, kShading), uint(pixel.place.z), now);
+    shading.lit = waits && slice == next;
     shadeCell(shading, frame, lights, kCellsATile == 1u ? 0u : next);
-    if (now) radiance = shading.radiance;
-    waits = waits && !now;
+    waits = waits && !shading.lit;
     if (!subgroupAny(waits)) break;  // not at the top: lavapipe would go round once more
   }
-  return radiance;
+  return shading.radiance;
 }

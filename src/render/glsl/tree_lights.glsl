@@ -47,6 +47,7 @@ vec3 shadeAllByTree(FrameConstants frame, uint view, Surface s, LIT_BRDF brdf, b
   if (kLights == 0u) return vec3(0.0);
   countLanes();
   Shading shading = startShading(s, brdf, view, lit);
+  findBounds(shading);
   if (kCpuDevice != 0u) {
     shadeNear(shading, frame, uint64_t(0), 0u, true);
   } else {  // each in a loop of its own: with one for both, blended surfaces took an H200 4 % longer

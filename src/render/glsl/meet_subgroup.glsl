@@ -1,0 +1,11 @@
+// A subgroup's barrier for what its lanes share.
+#ifndef LATELIGHT_MEET_SUBGROUP_GLSL
+#define LATELIGHT_MEET_SUBGROUP_GLSL
+#include "render/glsl/lanes.glsl"
+
+void meetSubgroup() {
+  subgroupMemoryBarrierShared();
+  subgroupBarrier();
+}
+
+#endif
