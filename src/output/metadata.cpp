@@ -37,13 +37,6 @@ std::string_view axesOf(std::string_view frame) {
   return "";
 }
 
-// The coefficients that a lens's model has, in OpenCV's order; null: it has none.
-Json distortionOf(const scene::Lens& lens) {
-  const uint32_t count = scene::infoOf(lens.model).coefficients;
-  if (count == 0) return nullptr;
-  return std::vector(lens.distortion.begin(), lens.distortion.begin() + count);
-}
-
 std::string_view modelOf(const CameraMetadata& camera) {
   if (camera.lens) return scene::infoOf(camera.lens->model).name;
   return camera.orthographic ? "orthographic" : "perspective";
@@ -111,6 +104,12 @@ Json conventions() {
 }
 
 }  // namespace
+
+Json distortionOf(const scene::Lens& lens) {
+  const uint32_t count = scene::infoOf(lens.model).coefficients;
+  if (count == 0) return nullptr;
+  return std::vector(lens.distortion.begin(), lens.distortion.begin() + count);
+}
 
 Json rowsOf(const glm::dmat4& m) {
   Json rows = Json::array();

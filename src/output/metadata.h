@@ -54,6 +54,8 @@ struct Metadata {
   std::shared_ptr<const IdManifest> ids;        // null: not known
 };
 
+// The coefficients that a lens's model has, in OpenCV's order; null: it has none.
+nlohmann::ordered_json distortionOf(const scene::Lens& lens);
 // The rows of a matrix, as JSON files have them.
 nlohmann::ordered_json rowsOf(const glm::dmat4& m);
 

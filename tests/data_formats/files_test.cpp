@@ -4,9 +4,11 @@
 #include <cstring>
 #include <fstream>
 
+#include "data/cameras/transforms.h"
 #include "data_formats/support.h"
 #include "output/png.h"
 #include "output/support.h"
+#include "render/session.h"
 #include "scene/edit.h"
 
 namespace latelight::data::test {
@@ -142,6 +144,121 @@ TEST_F(FormatFilesTest, TransformsOfSeveralCameras) {
   transforms->writeSet(alike, folder);
   EXPECT_TRUE(json("transforms.json").contains("fl_x"));
   EXPECT_FALSE(json("transforms.json")["frames"][0].contains("fl_x"));
+}
+
+// As a data set of pictures that are 64 pixels wide has them.
+const scene::Lens kLenses[] = {
+    {scene::LensModel::OpenCv, 64, 36, 40, 41, 30, 19, {-0.2, 0.05, 0.001, -0.002, 0.01}},
+    {scene::LensModel::Fisheye, 64, 36, 20, 21, 33, 17, {0.02, -0.01, 0.003, -0.001}},
+    {scene::LensModel::Equirectangular, 64, 32},
+};
+
+// Cameras of transforms.json, read again.
+TEST_F(FormatFilesTest, TransformsHoldLenses) {
+  const scene::Scene scene = squares();
+  Studio studio(device(), scene);
+  const std::unique_ptr<Format> transforms = make("transforms", {{"depth", false}, {"write-pictures", false}});
+  std::vector<Json> entries;
+  const auto entryOf = [&](const std::optional<scene::Lens>& lens, uint32_t height) {
+    scene::Camera camera = render::test::frontPerspective(0.5f, 4);
+    camera.lens = lens;
+    return transforms->writeFrame(studio.frame(camera, 64, height, {transforms.get()}), folder).entry;
+  };
+  for (const scene::Lens& lens : kLenses) {
+    const Json entry = entryOf(lens, static_cast<uint32_t>(lens.height));
+    transforms->writeSet(std::vector{entry, entry}, folder);
+    EXPECT_TRUE(json("transforms.json").contains("camera_model"));
+    EXPECT_FALSE(json("transforms.json")["frames"][0].contains("camera_model"));
+    for (const CalibratedCamera& camera : readTransforms(folder / "transforms.json")) EXPECT_EQ(camera.lens, lens);
+    entries.push_back(entry);
+  }
+  entries.push_back(entryOf({}, 36));
+  transforms->writeSet(entries, folder);
+  for (const char* key : {"camera_model", "k1", "k3", "p1"}) EXPECT_FALSE(json("transforms.json").contains(key)) << key;
+  const std::vector<CalibratedCamera> mixed = readTransforms(folder / "transforms.json");
+  ASSERT_EQ(mixed.size(), 4u);
+  for (size_t i = 0; i < 3; ++i) EXPECT_EQ(mixed[i].lens, kLenses[i]);
+  EXPECT_EQ(mixed[3].lens->model, scene::LensModel::Pinhole);
+}
+
+TEST_F(FormatFilesTest, LensesAreRefusedWhereThereAreNone) {
+  const scene::Scene scene = squares();
+  Studio studio(device(), scene);
+  const auto said = [&](const char* name, const scene::Lens& lens) {
+    const std::unique_ptr<Format> format = make(name);
+    scene::Camera camera = render::test::frontPerspective(0.5f, 4);
+    camera.lens = lens;
+    const auto [width, height] = std::pair(static_cast<uint32_t>(lens.width), static_cast<uint32_t>(lens.height));
+    const DataFrame frame = studio.frame(camera, width, height, {format.get()});
+    return sentence(ExitCode::Usage, [&] { format->writeFrame(frame, folder); });
+  };
+  EXPECT_THAT(said("bop", kLenses[0]),
+              testing::HasSubstr("the format bop holds no camera with a lens that bends rays"));
+  EXPECT_THAT(said("transforms", {scene::LensModel::CubeMap, 96, 16}), testing::HasSubstr("knows no cube maps"));
+  scene::Lens rational = kLenses[0];
+  rational.distortion[5] = 0.01;
+  EXPECT_THAT(said("transforms", rational), testing::HasSubstr("no k4, k5 and k6"));
+}
+
+// Corners of boxes that show: pixels of the object around where a corner is said to be seen, as far from the eye as the
+// corner and of its depth.
+int cornersThatShow(const DataFrame& frame, const Object& object, const Json& corners, glm::dvec3 eye) {
+  const AovImage& ids = render::test::imageOf(frame.picture, Aov::Id);
+  const AovImage& positions = render::test::imageOf(frame.picture, Aov::Position);
+  const AovImage& depths = render::test::imageOf(frame.picture, Aov::Depth);
+  int shown = 0;
+  for (size_t corner = 0; corner < 8; ++corner) {
+    const Json& at = corners[corner];
+    if (at.is_null()) continue;
+    const double x = at[0], y = at[1], depth = at[2];
+    if (!(x >= 1 && y >= 1 && x < ids.width - 1.0 && y < ids.height - 1.0)) continue;
+    const glm::dvec4 own((corner & 1) != 0 ? object.high.x : object.low.x,
+                         (corner & 2) != 0 ? object.high.y : object.low.y,
+                         (corner & 4) != 0 ? object.high.z : object.low.z, 1);
+    const glm::dvec3 place(object.toWorld * own);
+    bool found = false;
+    for (int near = 0; near < 9; ++near) {
+      const size_t pixel = (static_cast<size_t>(y) + static_cast<size_t>(near / 3) - 1) * ids.width +
+                           static_cast<size_t>(x) + static_cast<size_t>(near % 3) - 1;
+      if (ids.ids[pixel] != object.id) continue;
+      const glm::dvec3 seen(render::test::vec3At(positions, pixel));
+      const bool alike = std::abs(depths.values[pixel] - depth) <= 0.02 * depth;
+      found = found || (alike && glm::distance(seen, place) <= 0.03 * glm::distance(place, eye));
+    }
+    shown += found;
+  }
+  return shown;
+}
+
+TEST_F(FormatFilesTest, CornersOfBoxesLieWhereLensesSeeThem) {
+  const scene::Scene scene = scene::load("builtin:boxes");
+  Studio studio(device(), scene);
+  const std::unique_ptr<Format> boxes = make("boxes", {{"whole", false}});
+  const std::unique_ptr<Format> outputs = make("npz", {{"outputs", {"position", "depth"}}});
+  for (const scene::Lens& lens : {scene::Lens{scene::LensModel::Pinhole, 320, 180, 200, 200, 160, 90},
+                                  scene::Lens{scene::LensModel::OpenCv, 320, 180, 200, 200, 160, 90, {-0.1, 0.01}},
+                                  scene::Lens{scene::LensModel::Fisheye, 320, 180, 120, 120, 160, 90},
+                                  scene::Lens{scene::LensModel::Equirectangular, 640, 320}}) {
+    SCOPED_TRACE(scene::infoOf(lens.model).name);
+    scene::Camera camera = scene.cameras.front();
+    camera.lens = lens;
+    const DataFrame frame = studio.frame(camera, static_cast<uint32_t>(lens.width), static_cast<uint32_t>(lens.height),
+                                         {boxes.get(), outputs.get()});
+    boxes->writeFrame(frame, folder);
+    const Json written = json("boxes/000000.json");
+    int shown = 0;
+    for (const Json& entry : written["objects"]) {
+      const auto object = std::ranges::find(frame.objects, entry["id"].get<uint32_t>(), &Object::id);
+      ASSERT_NE(object, frame.objects.end());
+      shown += cornersThatShow(frame, *object, entry["box"]["corners"],
+                               glm::dvec3(render::openCvPose(camera, scene, false)[3]));
+    }
+    fmt::print("{}: {} corners of {} objects show\n", scene::infoOf(lens.model).name, shown, written["objects"].size());
+    EXPECT_GE(shown, 20);
+    if (lens.model == scene::LensModel::Pinhole) continue;
+    EXPECT_EQ(written["camera"]["model"], scene::infoOf(lens.model).name);
+    EXPECT_EQ(written["camera"]["K"].is_null(), lens.model == scene::LensModel::Equirectangular);
+  }
 }
 
 TEST_F(FormatFilesTest, OrthographicCamerasAreRefusedWhereThereAreNone) {

@@ -48,6 +48,11 @@ DataFrame Studio::frame(const scene::Camera& camera, uint32_t width, uint32_t he
   frame.metadata.camera.intrinsics = intrinsicsOf(camera, width, height);
   frame.metadata.camera.cameraToWorld = render::openCvPose(camera, scene_, false);
   frame.metadata.camera.orthographic = camera.orthographic;
+  if (camera.lens) {
+    const scene::Lens lens = scene::scaledTo(*camera.lens, width, height);
+    if (lens.model != scene::LensModel::Pinhole) frame.metadata.camera.lens = lens;
+    frame.metadata.camera.intrinsics = {lens.fx, 0, lens.cx, 0, lens.fy, lens.cy, 0, 0, 1};
+  }
   frame.metadata.axes = scene_.yUp ? "gltf" : "z-up";
   frame.metadata.ids = std::make_shared<output::IdManifest>(render::idManifest(scene_));
   return frame;

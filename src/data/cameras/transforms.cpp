@@ -96,28 +96,31 @@ Json intrinsicsOf(const Json& all, const Json& frame) {
   return merged;
 }
 
-Json lensJson(const Lens& lens) {
+void checkWritable(const CalibratedCamera& camera, const std::filesystem::path& file) {
+  const std::string lack = camera.lens ? transformsLack(*camera.lens) : "it has no lens";
+  if (!lack.empty()) badUsage("{} can't hold the camera \"{}\": {}", file.string(), camera.name, lack);
+}
+
+}  // namespace
+
+std::string transformsLack(const Lens& lens) {
+  if (lens.model == LensModel::CubeMap) return "the format knows no cube maps";
+  for (size_t term = 5; term < 8; ++term)
+    if (lens.distortion[term] != 0) return "the format has no k4, k5 and k6 of OpenCV's distortion";
+  return "";
+}
+
+Json transformsLens(const Lens& lens) {
   Json json;
   for (const ModelName& known : kModelNames)
     if (known.model == lens.model && !json.contains("camera_model")) json["camera_model"] = known.name;
-  json["w"] = lens.width, json["h"] = lens.height;
+  const auto pixels = [](double n) { return n == std::floor(n) ? Json(static_cast<uint64_t>(n)) : Json(n); };
+  json["w"] = pixels(lens.width), json["h"] = pixels(lens.height);
   if (lens.model == LensModel::Equirectangular) return json;
   json["fl_x"] = lens.fx, json["fl_y"] = lens.fy, json["cx"] = lens.cx, json["cy"] = lens.cy;
   for (const Term& term : termsOf(lens.model)) json[term.key] = lens.distortion[term.place];
   return json;
 }
-
-void checkWritable(const CalibratedCamera& camera, const std::filesystem::path& file) {
-  const auto refuse = [&](const char* why) {
-    badUsage("{} can't hold the camera \"{}\": {}", file.string(), camera.name, why);
-  };
-  if (!camera.lens) refuse("it has no lens");
-  if (camera.lens->model == LensModel::CubeMap) refuse("the format knows no cube maps");
-  for (size_t term = 5; term < 8; ++term)
-    if (camera.lens->distortion[term] != 0) refuse("the format has no k4, k5 and k6 of OpenCV's distortion");
-}
-
-}  // namespace
 
 std::vector<CalibratedCamera> readTransforms(const std::filesystem::path& file, PictureSize size) {
   const Json json = readJson(file);
@@ -143,13 +146,13 @@ std::vector<CalibratedCamera> readTransforms(const std::filesystem::path& file, 
 void writeTransforms(const std::filesystem::path& file, std::span<const CalibratedCamera> cameras) {
   for (const CalibratedCamera& camera : cameras) checkWritable(camera, file);
   const auto same = [&](const CalibratedCamera& camera) {
-    return lensJson(*camera.lens) == lensJson(*cameras[0].lens);
+    return transformsLens(*camera.lens) == transformsLens(*cameras[0].lens);
   };
   const bool shared = !cameras.empty() && std::ranges::all_of(cameras, same);
-  Json json = shared ? lensJson(*cameras[0].lens) : Json::object();
+  Json json = shared ? transformsLens(*cameras[0].lens) : Json::object();
   Json& frames = json["frames"] = Json::array();
   for (const CalibratedCamera& camera : cameras) {
-    Json frame = shared ? Json::object() : lensJson(*camera.lens);
+    Json frame = shared ? Json::object() : transformsLens(*camera.lens);
     frame["file_path"] = camera.name;
     frame["transform_matrix"] = output::rowsOf(turnedAxes(camera.pose));
     frames.push_back(std::move(frame));

@@ -2,12 +2,19 @@
 // OpenGL's camera frame.
 #pragma once
 
+#include <nlohmann/json.hpp>
 #include <span>
 
 #include "data/cameras/calibrated.h"
 #include "data/cameras/optics.h"
 
 namespace latelight::data {
+
+// Why the format can't say this lens, as the end of a sentence; empty: it can.
+std::string transformsLack(const scene::Lens& lens);
+// What it says of one: "camera_model", "w" and "h", and of those models that have them focal lengths, principal point
+// and distortion.
+nlohmann::ordered_json transformsLens(const scene::Lens& lens);
 
 // `size`: of pictures whose size the file does not say. Throws Error(BadInput) that names the file and the frame for
 // what is broken, or can't be said by a lens.

@@ -17,8 +17,25 @@ Json extentOf(uint64_t pixels, const PixelBox& box) {
   return {{"pixels", pixels}, {"box", {box.x, box.y, box.width, box.height}}};
 }
 
-// Where points of the camera's frame are seen: [x, y, depth], or null behind a perspective camera.
-Json projected(const output::CameraMetadata& camera, glm::dvec3 at) {
+// How a frame's camera sees.
+struct Sight {
+  const output::CameraMetadata& camera;
+  std::optional<scene::LensProjection> lens;
+  explicit Sight(const output::CameraMetadata& metadata) : camera(metadata) {
+    if (metadata.lens) lens.emplace(*metadata.lens);
+  }
+};
+
+// Where points of the camera's frame are seen: [x, y, depth], or null behind a perspective camera, and where a lens
+// sees nothing.
+Json projected(const Sight& sight, glm::dvec3 at) {
+  const output::CameraMetadata& camera = sight.camera;
+  if (sight.lens) {
+    const double distance = glm::length(at);
+    const std::optional<glm::dvec2> pixel = distance > 0 ? sight.lens->project(at) : std::nullopt;
+    if (!pixel) return nullptr;
+    return {pixel->x, pixel->y, distance * sight.lens->depthOf(at / distance)};
+  }
   const auto& k = camera.intrinsics;
   const double w = camera.orthographic ? 1 : at.z;
   if (!(w > 0)) return nullptr;
@@ -26,14 +43,14 @@ Json projected(const output::CameraMetadata& camera, glm::dvec3 at) {
 }
 
 // The box in space: its middle is the origin of its own frame.
-Json boxInSpace(const Object& object, const output::CameraMetadata& camera) {
+Json boxInSpace(const Object& object, const Sight& sight) {
   glm::dmat4 toWorld = object.toWorld;
   toWorld[3] = object.toWorld * glm::dvec4((object.low + object.high) * 0.5, 1);
-  const glm::dmat4 fromWorld = openCvFromWorld(camera);
+  const glm::dmat4 fromWorld = openCvFromWorld(sight.camera);
   const glm::dvec3 size = object.high - object.low;
   Json corners = Json::array();
   for (const glm::dvec3 corner : cornersOf(object))
-    corners.push_back(projected(camera, glm::dvec3(fromWorld * object.toWorld * glm::dvec4(corner, 1))));
+    corners.push_back(projected(sight, glm::dvec3(fromWorld * object.toWorld * glm::dvec4(corner, 1))));
   return {{"size", {size.x, size.y, size.z}},
           {"toWorld", output::rowsOf(toWorld)},
           {"toCamera", output::rowsOf(fromWorld * toWorld)},
@@ -54,19 +71,19 @@ class Boxes : public Format {
 
   FrameRecord writeFrame(const DataFrame& frame, const std::filesystem::path& folder) const override {
     const std::map<uint32_t, Mask> visible = masksOf(imageOf(frame.picture, output::Aov::Id));
-    const output::CameraMetadata& camera = frame.metadata.camera;
+    const Sight sight(frame.metadata.camera);
     Json objects = Json::array();
     for (const Object& object : frame.objects) {
       const auto found = visible.find(object.id);
       const Mask* mask = found == visible.end() ? nullptr : &found->second;
-      if (mask || object.pixels > 0) objects.push_back(describe(frame, object, mask));
+      if (mask || object.pixels > 0) objects.push_back(describe(frame, sight, object, mask));
     }
     const Json json{{"frame", frame.index},
                     {"name", frame.name},
                     {"width", frame.picture.width},
                     {"height", frame.picture.height},
                     {"world", frame.metadata.axes},
-                    {"camera", {{"K", camera.intrinsics}, {"worldToCamera", output::rowsOf(openCvFromWorld(camera))}}},
+                    {"camera", cameraOf(frame.metadata.camera)},
                     {"objects", objects}};
     const std::string file = frameFile(file_, frame);
     writeJsonBelow(folder, file, json);
@@ -74,7 +91,17 @@ class Boxes : public Format {
   }
 
  private:
-  Json describe(const DataFrame& frame, const Object& object, const Mask* visible) const {
+  static Json cameraOf(const output::CameraMetadata& camera) {
+    Json json{{"K", camera.intrinsics}, {"worldToCamera", output::rowsOf(openCvFromWorld(camera))}};
+    if (!camera.lens) return json;
+    const scene::LensModelInfo& model = scene::infoOf(camera.lens->model);
+    if (!model.calibrated) json["K"] = nullptr;
+    json["model"] = model.name;
+    json["distortion"] = output::distortionOf(*camera.lens);
+    return json;
+  }
+
+  Json describe(const DataFrame& frame, const Sight& sight, const Object& object, const Mask* visible) const {
     Json json{{"id", object.id}};
     if (const output::IdEntry* entry = entryOf(*frame.metadata.ids, object.id)) {
       json["node"] = nameOf(*entry);
@@ -88,7 +115,7 @@ class Boxes : public Format {
       json["whole"]["pixelsInPicture"] = object.alone.area();
       json["visibleShare"] = static_cast<double>(pixels) / static_cast<double>(object.pixels);
     }
-    json["box"] = boxInSpace(object, frame.metadata.camera);
+    json["box"] = boxInSpace(object, sight);
     return json;
   }
 

@@ -1,8 +1,10 @@
 // transforms.json, as nerfstudio and instant-ngp read it: pictures with the cameras that made them.
+#include <algorithm>
 #include <cmath>
 
 #include "base/error.h"
 #include "data/cameras/shot.h"
+#include "data/cameras/transforms.h"
 #include "data/formats/depth_png.h"
 #include "data/formats/formats.h"
 #include "data/formats/frame_files.h"
@@ -18,13 +20,43 @@ using Json = nlohmann::ordered_json;
 constexpr double kStepsPerMetre = 1000;  // as nerfstudio reads depth unless told otherwise
 
 Json opticsOf(const DataFrame& frame) {
+  if (frame.metadata.camera.lens) return transformsLens(*frame.metadata.camera.lens);
   const std::array<double, 9>& k = frame.metadata.camera.intrinsics;
-  return {{"fl_x", k[0]},
+  return {{"camera_model", "OPENCV"},
+          {"fl_x", k[0]},
           {"fl_y", k[4]},
           {"cx", k[2]},
           {"cy", k[5]},
           {"w", frame.picture.width},
-          {"h", frame.picture.height}};
+          {"h", frame.picture.height},
+          {"k1", 0},
+          {"k2", 0},
+          {"p1", 0},
+          {"p2", 0}};
+}
+
+bool isBending(const std::string& key) {
+  return key == "camera_model" || key[0] == 'k' || key[0] == 'p';
+}
+
+// What all frames have in common. Of the model and its distortion all or nothing: nerfstudio looks for them in one
+// place.
+Json commonOf(std::span<const Json> entries) {
+  const auto bendingOf = [](const Json& entry) {
+    Json some = Json::object();
+    for (const auto& [key, value] : entry["optics"].items())
+      if (isBending(key)) some[key] = value;
+    return some;
+  };
+  Json common = Json::object();
+  if (entries.empty()) return common;
+  const bool bentAlike =
+      std::ranges::all_of(entries, [&](const Json& e) { return bendingOf(e) == bendingOf(entries[0]); });
+  for (const auto& [key, value] : entries[0]["optics"].items()) {
+    const auto same = [&](const Json& entry) { return entry["optics"].value(key, Json()) == value; };
+    if (isBending(key) ? bentAlike : std::ranges::all_of(entries, same)) common[key] = value;
+  }
+  return common;
 }
 
 // OpenGL's camera frame, X right, Y up, Z backward, to the frame of positions.
@@ -52,6 +84,8 @@ class Transforms : public Format {
     const output::CameraMetadata& camera = frame.metadata.camera;
     if (camera.orthographic)
       badUsage("the format transforms holds no orthographic camera, which \"{}\" is", camera.name);
+    if (const std::string lack = camera.lens ? transformsLack(*camera.lens) : ""; !lack.empty())
+      badUsage("the format transforms can't hold the camera \"{}\": {}", camera.name, lack);
     FrameRecord record;
     const std::string depthFile = frameFile(depthFile_, frame);
     const std::string picture = picture_.write(record, frame, folder);
@@ -67,18 +101,15 @@ class Transforms : public Format {
 
   // What all cameras have in common is said once.
   std::vector<std::string> writeSet(std::span<const Json> entries, const std::filesystem::path& folder) const override {
-    const bool one = std::ranges::all_of(entries, [&](const Json& e) { return e["optics"] == entries[0]["optics"]; });
-    Json set{{"camera_model", "OPENCV"}};
-    if (one && !entries.empty()) {
-      const Json& optics = entries[0]["optics"];
-      set["camera_angle_x"] = 2 * std::atan(optics["w"].get<double>() / (2 * optics["fl_x"].get<double>()));
-      set.update(optics);
-    }
-    for (const char* distortion : {"k1", "k2", "p1", "p2"}) set[distortion] = 0;
+    const Json common = commonOf(entries);
+    Json set = common;
+    if (common.contains("fl_x") && common.contains("w") && common.value("camera_model", "") == "OPENCV")
+      set["camera_angle_x"] = 2 * std::atan(common["w"].get<double>() / (2 * common["fl_x"].get<double>()));
     Json& frames = set["frames"] = Json::array();
     for (const Json& entry : entries) {
-      frames.push_back(entry["frame"]);
-      if (!one) frames.back().update(entry["optics"]);
+      Json& frame = frames.emplace_back(entry["frame"]);
+      for (const auto& [key, value] : entry["optics"].items())
+        if (!common.contains(key)) frame[key] = value;
     }
     writeJsonBelow(folder, file_, set);
     return {file_};
