@@ -7,6 +7,8 @@ function(latelight_unity target)
     return()
   endif()
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+  # To GCC the sources of a group are headers, whose types might be others elsewhere.
+  target_compile_options(${target} PRIVATE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-subobject-linkage>)
   set(folders)
   foreach(source IN LISTS ARGN)
     file(STRINGS ${source} library REGEX "^#define [A-Z_]+_IMPLEMENTATION" LIMIT_COUNT 1)

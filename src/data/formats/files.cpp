@@ -54,7 +54,8 @@ class Files : public Format {
       badUsage("pattern is a name below the data set's folder, not \"{}\"", request_.pattern);
     output::OutputRequest filled = request_;
     filled.pattern.replace(at, kName.size(), 1, '0');
-    output::fillPattern(filled.pattern, "", {});
+    const output::Metadata nothing;
+    output::fillPattern(filled.pattern, "", nothing);
     if (output::formatOf(filled.pattern) == output::Format::Png)
       for (const output::Aov aov : request_.aovs)
         if (output::info(aov).png == output::PngCoding::None)
