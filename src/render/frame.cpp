@@ -96,6 +96,7 @@ LitFrame addLit(const FrameContext& f, const FrameDepth& depth) {
   g.light = createTarget(f, kLightFormat, "light");
   g.sampleLight = multisampled ? createTarget(f, kLightFormat, "light of samples", f.setup.samples) : g.light;
   g.lightCounts = createCounts(f);
+  g.forLighting = !f.setup.countLights && !f.setup.ambientOcclusion && !f.setup.sunInGbuffer;
   if (!f.setup.lighting->forward) f.visibility.addGbuffer(f, g);
   g.shadows = addShadows(f, g);
   g.ambientOcclusion = addAmbientOcclusion(f, g);

@@ -57,6 +57,13 @@ struct FrameDepth {
   graph::ImageId pixels, samples;
 };
 
+// What a lighting technique lists of its lights, by tile or by slices of tiles.
+struct LightLists {
+  graph::BufferId cells, entries;
+  uint32_t cellsATile = 0, entriesATile = 0;  // 0: there are none
+  glm::uvec2 tiles{};
+};
+
 // A G-buffer being built: the layout's targets, and the two that every layout has.
 struct Gbuffer {
   std::vector<graph::ImageId> targets;
@@ -70,6 +77,8 @@ struct Gbuffer {
   graph::ImageId sampleDepth, sampleLight;
   graph::ImageId behind;    // what transmissive surfaces show (layered/behind.h); none: there are none
   graph::ImageId surfaces;  // of pixels, by their samples (kSurfacesFormat); none with one sample, or no targets
+  bool forLighting = false;  // nothing reads the targets but lighting, which leaves surfaces with layers to render/layered
+  LightLists lightLists;    // of the pixels' surfaces, once the lighting technique has made them
 };
 
 // How blended surfaces are drawn (render/transparency).

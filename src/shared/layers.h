@@ -342,8 +342,7 @@ SH_FUNC vec3 lightFromBehind(LayeredBrdf b, LightSample light, float nl) {
 }
 
 SH_FUNC vec3 coatLight(LayeredBrdf b, LightSample light) {
-  float nl = min(dot(b.layers.clearcoatNormal, light.toLight), 1.0f);
-  if (b.coatReflects <= 0.0f || nl <= 0.0f) return vec3(0.0f, 0.0f, 0.0f);
+  float nl = saturate(dot(b.layers.clearcoatNormal, light.toLight));
   vec3 h = halfVector(light.toLight, b.base.toEye);
   float lobe = roundLobe(b.layers.clearcoatNormal, h, nl, b.coatNv, b.coatA2, b.coatRoot);
   return light.irradiance * (b.coatReflects * lobe * nl);
@@ -359,11 +358,10 @@ SH_FUNC vec3 sheenLight(LayeredBrdf b, LightSample light) {
 
 // Radiance leaving the surface towards the eye by one light, which may be behind it.
 SH_FUNC vec3 shadeLayeredLight(LayeredBrdf b, LightSample light, uint shading) {
+  vec3 radiance = surfaceLight(b, light, shading) * b.under + sheenLight(b, light) + coatLight(b, light);
   float nl = dot(b.base.normal, light.toLight);
-  vec3 radiance = vec3(0.0f, 0.0f, 0.0f);
-  if (nl >= 0.0f) radiance = surfaceLight(b, light, shading) * b.under + sheenLight(b, light);
-  if (nl < 0.0f && passesLight(b.layers)) radiance = lightFromBehind(b, light, min(nl * -1.0f, 1.0f)) * b.under;
-  return radiance + coatLight(b, light);
+  if (nl < 0.0f && passesLight(b.layers)) radiance = radiance + lightFromBehind(b, light, min(nl * -1.0f, 1.0f)) * b.under;
+  return radiance;
 }
 
 // --- environment -----------------------------------------------------------------------------------------------------

@@ -1,8 +1,7 @@
-// Shading from the lists of light_lists.comp.
+// Shading from the lists of light_lists.comp, of compute shaders with a pixel an invocation. After what finds surfaces.
 #include "render/glsl/light_cells.glsl"
 #include "render/glsl/lights.glsl"
 #include "render/glsl/listed_lights.glsl"
-#include "render/glsl/lit_pixel.glsl"
 #include "render/glsl/tree_lights.glsl"
 #include "render/lighting/lighting_push.h"
 
@@ -29,20 +28,28 @@ void shadeCell(inout Shading shading, FrameConstants frame, CellLights lights, u
 
 // --- a pixel --------------------------------------------------------------------------------------------------------
 
-// What all lights send from the pixel to the eye. The lanes of a subgroup whose surfaces lie in the same slice shade
-// together, one slice after the other; where a tile is one cell whose list fits, all at once. (Where it does not fit,
-// the boxes that the tree is walked with had better not span the depth of the scene. On lavapipe a shader's loops
-// together end after 65535 rounds, without a word.)
-vec3 shadeFromCells(LitPixel pixel, View view, FrameConstants frame, CellsPush push) {
-  if (kLights == 0u) return vec3(0.0);
-  uint64_t tile = tileOf(gl_WorkGroupID / uvec3(kTileSize / kPixelGroupX, kTileSize / kPixelGroupY, 1u), push.tiles);
-  CellLights lights = CellLights(CellsRef(push.cells + tile * (8u * (kCellsATile + 1u))),
-                                 push.entries + tile * (4u * kEntriesATile));
+// Where a pixel's surface was when the lists were made.
+struct CellPlace {
+  uint view;
+  Projection projection;
+  float depth;  // of the device
+};
+
+// Radiance that all lights send from `s` to the eye. Every invocation of the workgroup's subgroup must call it; `lit` is
+// false for those without a surface. The lanes of a subgroup whose surfaces lie in the same slice shade together, one
+// slice after the other; where a tile is one cell whose list fits, all at once. (Where it does not fit, the boxes that
+// the tree is walked with had better not span the depth of the scene. On lavapipe a shader's loops together end after
+// 65535 rounds, without a word.)
+vec3 shadeFromCells(FrameConstants frame, LightCells cells, CellPlace place, Surface s, LIT_BRDF brdf, bool lit) {
+  uint64_t tile = tileOf(gl_WorkGroupID / uvec3(kTileSize / kPixelGroupX, kTileSize / kPixelGroupY, 1u), cells.tiles);
+  CellLights lights = CellLights(CellsRef(cells.cells + tile * (8u * (kCellsATile + 1u))),
+                                 cells.entries + tile * (4u * kEntriesATile));
   bool together = kCellsATile == 1u && lights.cells.v[1].y != kOverflow;
-  uint slice = together ? 0u : sliceOf(depthKey(view.projection, pixel.depth), lights.cells.v[0]);
-  bool waits = pixel.lit;
+  uint slice = together ? 0u : sliceOf(depthKey(place.projection, place.depth), lights.cells.v[0]);
+  bool waits = lit;
   if (!subgroupAny(waits)) return vec3(0.0);
-  Shading shading = startShading(pixel.s, surfaceBrdf(pixel.s, pixel.toEye, kShading), uint(pixel.place.z), false);
+  countLanes();
+  Shading shading = startShading(s, brdf, place.view, false);
   while (true) {
     uint next = subgroupMin(waits ? slice : kSlices);
     shading.lit = waits && slice == next;

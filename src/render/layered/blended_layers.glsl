@@ -25,9 +25,10 @@ float coverage(Material m, SurfacePoint p) {
 vec4 blendedColor(FrameConstants frame, uint viewIndex, Material m, SurfacePoint p, vec2 own, bool shows) {
   LayeredPoint point = layeredPoint(frame, viewIndex, m, p);
   float alpha = coverage(m, p);
-  LayeredBrdf b;
-  vec3 sum = layeredRadiance(frame, viewIndex, point, shows && alpha > 0.0, kEveryLight != 0u, b);
-  vec4 color = vec4(sum, 1.0), fog = vec4(0.0);
+  LayeredBrdf b = layeredBrdfAt(point);
+  vec3 radiance = layeredEnvironment(frame, b, point.toEye);
+  radiance += lightsAtPoint(frame, viewIndex, point, b, shows && alpha > 0.0, kEveryLight != 0u);
+  vec4 color = vec4(exposedRadiance(frame, point, b, radiance), 1.0), fog = vec4(0.0);
   View view = frameView(frame, viewIndex);
   if (frame.fog.density > 0.0) {
     fog = throughFog(frame.fog, view, point.s.position, vec4(0.0));

@@ -9,20 +9,22 @@
 #include "render/visibility/compute/visible.glsl"
 #include "render/visibility/compute/pixel_triangles.glsl"
 #include "render/glsl/pixel_group.glsl"
+#include "render/glsl/shade_cells.glsl"
+#include "render/layered/layered_push.h"
 
-layout(push_constant, scalar) uniform Push { ResolvePush push; };
+layout(push_constant, scalar) uniform Push { LayeredPush push; };
 layout(set = 0, binding = AFTER_LIT_MAPS, rgba16f) uniform image2DArray lightTarget;
 layout(set = 0, binding = AFTER_LIT_MAPS + 1, rgba32f) uniform writeonly image2DArray lightCounts;
 
 bool isLayered(uint id) {
-  InstanceList list = InstanceListRef(push.instances).v;
+  InstanceList list = InstanceListRef(push.shown.instances).v;
   uint rank = RankOfPartRef(list.rankOfPart).v[(id - 1u) / kRasterGroup];
   return (RankRef(list.ranks).v[rank].flags & kRankLayered) != 0u;
 }
 
 // The samples of the next triangle of a layered surface; takes them, and those before, out of `left`. 0: none is left.
 uint nextLayered(uint first, inout uint left) {
-  VisibleRef visible = VisibleRef(push.visible);
+  VisibleRef visible = VisibleRef(push.shown.visible);
   uint found = 0u;
   while (left != 0u && found == 0u) {
     uint samples = nextTriangle(visible, first, left);
@@ -31,18 +33,28 @@ uint nextLayered(uint first, inout uint left) {
   return found;
 }
 
+// What lights send. Lists are of the surfaces that lighting sees: with several samples a pixel those are others.
+vec3 lightsOn(FrameConstants frame, View view, uint viewIndex, uint64_t visible, LayeredPoint point, LayeredBrdf brdf,
+              bool shows) {
+  if (kCellsATile == 0u) return lightsAtPoint(frame, viewIndex, point, brdf, shows, false);
+  CellPlace place = CellPlace(viewIndex, view.projection, visibleDepth(visible));
+  return shadeFromCells(frame, push.lists, place, point.s, brdf, shows);
+}
+
 // What these samples of a pixel show. Every invocation of the subgroup comes here; without samples for nothing, with some
 // triangle.
 vec3 radianceOf(FrameConstants frame, ivec3 pixel, uint first, uint samples) {
   View view = frameView(frame, uint(pixel.z));
-  uint id = samples != 0u ? visibleId(VisibleRef(push.visible).v[first + uint(findLSB(samples))]) : 1u;
-  SeenTriangle t = seenTriangle(frame, push.instances, id);
+  uint64_t visible = samples != 0u ? VisibleRef(push.shown.visible).v[first + uint(findLSB(samples))] : uint64_t(1);
+  SeenTriangle t = seenTriangle(frame, push.shown.instances, visibleId(visible));
   SurfacePoint p = seenPoint(frame, view, t, vec2(pixel.xy) + middleOfSamples(samples));
   Material m = frameMaterial(frame, frameInstance(frame, t.rank.instance).material);
   LayeredPoint point = layeredPoint(frame, uint(pixel.z), m, p);
   point.s.ao *= visibleHemisphere(pixel);
-  LayeredBrdf brdf;
-  return layeredRadiance(frame, uint(pixel.z), point, samples != 0u, false, brdf);
+  LayeredBrdf brdf = layeredBrdfAt(point);
+  vec3 radiance = layeredEnvironment(frame, brdf, point.toEye);
+  radiance += lightsOn(frame, view, uint(pixel.z), visible, point, brdf, samples != 0u);
+  return exposedRadiance(frame, point, brdf, radiance);
 }
 
 void main() {
@@ -54,7 +66,7 @@ void main() {
   uvec2 size = uvec2(frameView(frame, uint(pixel.z)).size);
   bool inside = all(lessThan(uvec2(pixel.xy), size));
   uint first = visibleIndex(uvec3(inside ? uvec2(pixel.xy) : uvec2(0u), pixel.z), size);
-  uint left = inside ? coveredSamples(VisibleRef(push.visible), first) : 0u, covered = 0u;
+  uint left = inside ? coveredSamples(VisibleRef(push.shown.visible), first) : 0u, covered = 0u;
   uint samples = nextLayered(first, left);
   if (!subgroupAny(samples != 0u)) return;
   vec3 sum = vec3(0.0);

@@ -1,6 +1,8 @@
 #include "render/layered/layered.h"
 
+#include "render/layered/layered_push.h"
 #include "render/lighting/forward/forward.h"
+#include "render/lighting/light_lists.h"
 #include "render/lit_maps.h"
 #include "render/pixel_group.h"
 #include "render/visibility/compute/compute.h"
@@ -71,18 +73,36 @@ void drawLayered(const FrameContext& f, const Gbuffer& gbuffer, const HardwareVi
   if (several) addSamples(f, target, gbuffer.light);
 }
 
+// Those of the lighting technique are of the same surfaces where pixels have one sample. lavapipe takes twice as long with
+// them as with the tree: a loop around that over lights keeps all of a layered surface in memory.
+LightLists listsOfPixels(const FrameContext& f, const Gbuffer& gbuffer) {
+  if (f.setup.samples > 1 || f.device.hasCpuShaders()) return {};
+  return gbuffer.lightLists;
+}
+
 // In the pixels whose visible triangles have such a material.
 void shadeLayered(const FrameContext& f, const Gbuffer& gbuffer, const ComputeVisibility& raster) {
   Bindings bindings = litMaps(f, gbuffer, graph::Use::SampledCompute);
   bindings.storage(gbuffer.light, graph::Use::StorageReadWrite);
   bindings.storage(gbuffer.lightCounts, graph::Use::StorageReadWrite);
-  raster.addShading(f, {.stage = graph::Stage::Lighting,
-                        .name = "layered",
-                        .shader = "layered.comp",
-                        .bindings = std::move(bindings),
-                        .constants = {opaqueLayers(f.setup)},
-                        .groupX = shared::kPixelGroupX,
-                        .groupY = shared::kPixelGroupY});
+  const LightLists lists = listsOfPixels(f, gbuffer);
+  ComputePass pass{.stage = graph::Stage::Lighting,
+                   .name = "layered",
+                   .shader = "layered.comp",
+                   .bindings = std::move(bindings),
+                   .size = f.pixels(),
+                   .constants = f.setup.constants(),
+                   .buffers = listAccesses(lists),
+                   .groupX = shared::kPixelGroupX,
+                   .groupY = shared::kPixelGroupY};
+  const std::vector<vk::Constant> listed = listConstants(lists);
+  pass.constants.insert(pass.constants.end(), listed.begin(), listed.end());
+  pass.constants.insert(pass.constants.end(), {{kSamplesConstant, f.setup.samples}, opaqueLayers(f.setup)});
+  raster.readsShown(f, pass);
+  addCompute(f, std::move(pass), [=, &f, &raster](graph::Context& context) {
+    return shared::LayeredPush{
+        .frame = f.constants, .shown = raster.shown(context), .lists = pushedLists(lists, context)};
+  });
 }
 
 }  // namespace

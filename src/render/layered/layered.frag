@@ -25,8 +25,10 @@ void main() {
   SurfacePoint p = fragmentPoint();
   LayeredPoint point = layeredPoint(frame, push.view, m, p);
   point.s.ao *= visibleHemisphere(ivec3(ivec2(gl_FragCoord.xy), int(push.view)));
-  LayeredBrdf brdf;
-  picture = vec4(layeredRadiance(frame, push.view, point, true, kPlainLoop != 0u, brdf), 1.0);
+  LayeredBrdf brdf = layeredBrdfAt(point);
+  vec3 radiance = layeredEnvironment(frame, brdf, point.toEye);
+  radiance += lightsAtPoint(frame, push.view, point, brdf, true, kPlainLoop != 0u);
+  picture = vec4(exposedRadiance(frame, point, brdf, radiance), 1.0);
   counts = lightCount();
   // As in geometry.frag: last, since textures need the whole quad.
   if (kAlphaMasked != 0u) cutFragment(m, p);

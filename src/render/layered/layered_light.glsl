@@ -1,6 +1,6 @@
 // The light of a point of a surface with layers, by every light and the environment. After what finds the point and its
-// textures (surface_fragment.glsl, surface_point.glsl), with COATED. Lights come from the tree: no lists are made for
-// these surfaces.
+// textures (surface_fragment.glsl, surface_point.glsl), with COATED. Lights come from the tree, where a shader has no lists
+// of them.
 #include "render/glsl/surface.glsl"
 #include "shared/gbuffer.h"
 #include "render/glsl/environment.glsl"
@@ -12,6 +12,7 @@ struct LayeredPoint {
   Surface s;
   SurfaceLayers layers;
   vec3 toEye;
+  vec3 emitted;  // before the coat
 };
 
 // Of a material without layers too: blended surfaces of both kinds are lit by one shader.
@@ -21,6 +22,8 @@ LayeredPoint layeredPoint(FrameConstants frame, uint view, Material m, SurfacePo
   point.layers = emptyLayers();
   if ((m.flags & kMaterialLayered) != 0u) point.layers = evaluateLayers(frame, m, p, point.s);
   point.s.flags &= ~kSurfaceLayered;
+  point.emitted = emittedRadiance(point.s);
+  point.s = litSurface(point.s);
   point.toEye = directionToEye(frameView(frame, view), point.s.position);
   return point;
 }
@@ -73,15 +76,15 @@ vec3 layeredEnvironment(FrameConstants frame, inout LayeredBrdf b, vec3 toEye) {
   return shadeLayeredEnvironment(b, found) * frame.environmentIntensity;
 }
 
-// Radiance times exposure. Every invocation of the subgroup must call it, for the same view; `shows` is false for those
-// without a point. `plain`: without subgroups.
-vec3 layeredRadiance(FrameConstants frame, uint view, LayeredPoint point, bool shows, bool plain, out LayeredBrdf brdf) {
-  vec3 emitted = emittedRadiance(point.s);
-  point.s = litSurface(point.s);
-  brdf = layeredBrdfAt(point);
-  vec3 radiance = layeredEnvironment(frame, brdf, point.toEye);
-  radiance += plain ? shadeAllLightsPlainly(frame, view, point.s, brdf)
-                    : shadeAllByTree(frame, view, point.s, brdf, shows);
-  emitted = coatedEmission(brdf, min(emitted * frame.exposure, vec3(65504.0)));
+// Radiance that all lights send to the eye, by the tree. Every invocation of the subgroup must call it, for the same view;
+// `shows` is false for those without a point. `plain`: without subgroups.
+vec3 lightsAtPoint(FrameConstants frame, uint view, LayeredPoint point, LayeredBrdf brdf, bool shows, bool plain) {
+  if (plain) return shadeAllLightsPlainly(frame, view, point.s, brdf);
+  return shadeAllByTree(frame, view, point.s, brdf, shows);
+}
+
+// Radiance times exposure, of what lights and the environment send to the eye, and what is emitted.
+vec3 exposedRadiance(FrameConstants frame, LayeredPoint point, LayeredBrdf brdf, vec3 radiance) {
+  vec3 emitted = coatedEmission(brdf, min(point.emitted * frame.exposure, vec3(65504.0)));
   return min(emitted + radiance * frame.exposure, vec3(65504.0));
 }

@@ -4,14 +4,18 @@
 // tiled and clustered: shades each pixel with the light list of its tile, or of its slice of it.
 #include "render/glsl/common.glsl"
 #include "render/glsl/gbuffer_read.glsl"
+#include "render/glsl/lit_pixel.glsl"
 #include "render/glsl/shade_cells.glsl"
 
 layout(push_constant, scalar) uniform Push { CellsPush push; };
 
-vec3 lightsAt(FrameConstants frame, View view, LitPixel p) { return shadeFromCells(p, view, frame, push); }
+vec3 lightsAt(FrameConstants frame, View view, LitPixel p) {
+  if (kLights == 0u || !subgroupAny(p.lit)) return vec3(0.0);
+  CellPlace place = CellPlace(uint(p.place.z), view.projection, p.depth);
+  return shadeFromCells(frame, push.lists, place, p.s, surfaceBrdf(p.s, p.toEye, kShading), p.lit);
+}
 
 void main() {
-  countLanes();
   showSurfaces(push.frame, push.shown);
   ivec3 place = ownPixel();
   bool lit = lightPixel(FrameRef(push.frame).v, place);

@@ -231,7 +231,7 @@ bool listed(Tile tile, Cell cell, Light l) {
 // Appends the lights that reach the cell to the tile's entries; returns their number, or on overflow at once a number
 // larger than there is room for.
 uint appendList(Tile tile, Cell cell, FrameConstants frame) {
-  EntriesRef entries = EntriesRef(push.entries + uint64_t(tile.index) * (4u * kEntriesATile));
+  EntriesRef entries = EntriesRef(push.lists.entries + uint64_t(tile.index) * (4u * kEntriesATile));
   uint count = 0u, leaf;
   TreeWalk walk = startWalk(frame, cell.low, cell.high, true);
   while (count <= kEntriesATile - tile.used && nextLeaf(walk, frame, leaf)) {
@@ -249,7 +249,7 @@ uint appendList(Tile tile, Cell cell, FrameConstants frame) {
 }
 
 void listTile(inout Tile tile, FrameConstants frame) {
-  CellsRef cells = CellsRef(push.cells + uint64_t(tile.index) * (8u * (kCellsATile + 1u)));
+  CellsRef cells = CellsRef(push.lists.cells + uint64_t(tile.index) * (8u * (kCellsATile + 1u)));
   cells.v[0] = tile.slices;  // every lane writes the same
   uint pending = kCellsATile == 1u ? 1u : tile.occupied;
   while (pending != 0u) {
@@ -268,12 +268,12 @@ void main() {
   FrameConstants frame = FrameRef(push.frame).v;
   for (uint i = gl_SubgroupID; i < kTilesAGroup; i += gl_NumSubgroups) {
     uvec2 place = uvec2(gl_WorkGroupID.x * kTilesAGroup + i, gl_WorkGroupID.y);
-    if (place.x >= push.tiles.x) break;
+    if (place.x >= push.lists.tiles.x) break;
     Tile tile;
     tile.layer = gl_WorkGroupID.z;
     tile.view = frameView(frame, tile.layer);
     tile.corner = place * kTileSize;
-    tile.index = tileOf(uvec3(place, tile.layer), push.tiles);
+    tile.index = tileOf(uvec3(place, tile.layer), push.lists.tiles);
     tile.used = 0u;
     if (findSlices(tile)) listTile(tile, frame);
   }

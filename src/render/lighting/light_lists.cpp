@@ -1,6 +1,5 @@
 #include "render/lighting/light_lists.h"
 
-#include "render/lighting/lighting_push.h"
 #include "render/lighting/lighting_shader.h"
 
 namespace latelight::render {
@@ -13,52 +12,69 @@ uint32_t tilesAlong(uint32_t pixels) {
   return (pixels + kTileSize - 1) / kTileSize;
 }
 
-}  // namespace
-
-void addLightLists(const FrameContext& f, const Gbuffer& gbuffer, const LightListsDesc& desc) {
+LightLists createLists(const FrameContext& f, const LightListsDesc& desc) {
   const glm::uvec2 tiles(tilesAlong(f.width), tilesAlong(f.height));
-  const std::vector<vk::Constant> own{{kFirstOwnConstant, desc.cellsATile}, {kFirstOwnConstant + 1, desc.entriesATile}};
-  ComputePass lighting = lightingPass(f, gbuffer, "lighting " + desc.name, "cells.comp");
-  lighting.constants.insert(lighting.constants.end(), own.begin(), own.end());
-  if (!f.setup.lights)
-    return addCompute(f, std::move(lighting), [=, &f](graph::Context& context) {
-      return shared::CellsPush{.frame = f.constants, .tiles = tiles, .shown = shownSurfaces(f, context)};
-    });
-
   const VkDeviceSize count = VkDeviceSize{tiles.x} * tiles.y * f.viewCount();
-  const graph::BufferId cells =
-      f.graph.create(vk::BufferDesc{.size = count * 8 * (desc.cellsATile + 1), .name = "light cells"});
-  const graph::BufferId entries =
-      f.graph.create(vk::BufferDesc{.size = count * 4 * desc.entriesATile, .name = "light entries"});
-  const auto pushOf = [=, frame = f.constants](graph::Context& context) {
-    return shared::CellsPush{.frame = frame,
-                             .cells = context.buffer(cells).address(),
-                             .entries = context.buffer(entries).address(),
-                             .tiles = tiles};
-  };
+  return {.cells = f.graph.create(vk::BufferDesc{.size = count * 8 * (desc.cellsATile + 1), .name = "light cells"}),
+          .entries = f.graph.create(vk::BufferDesc{.size = count * 4 * desc.entriesATile, .name = "light entries"}),
+          .cellsATile = desc.cellsATile,
+          .entriesATile = desc.entriesATile,
+          .tiles = tiles};
+}
+
+void addListing(const FrameContext& f, const Gbuffer& gbuffer, const LightLists& lists) {
   Bindings samples(f.device);
   samples.sampled(gbuffer.sampleDepth);
   if (gbuffer.surfaces) samples.sampled(gbuffer.surfaces);
-  std::vector<vk::Constant> listing = own;
-  listing.insert(listing.end(), {{kSamplesConstant, f.setup.samples}, {kLensConstant, f.setup.lens ? 1u : 0u}});
+  std::vector<vk::Constant> constants = listConstants(lists);
+  constants.insert(constants.end(), {{kSamplesConstant, f.setup.samples}, {kLensConstant, f.setup.lens ? 1u : 0u}});
   addCompute(f,
              {.stage = graph::Stage::Lighting,
               .name = "light lists",
               .shader = f.setup.variant("light_lists.comp"),
               .bindings = std::move(samples),
-              .size = {tiles, f.viewCount()},
-              .constants = std::move(listing),
-              .buffers = {{cells, graph::Use::StorageWrite}, {entries, graph::Use::StorageWrite}},
+              .size = {lists.tiles, f.viewCount()},
+              .constants = std::move(constants),
+              .buffers = {{lists.cells, graph::Use::StorageWrite}, {lists.entries, graph::Use::StorageWrite}},
               .groupX = kTilesAGroup,
               .groupY = 1},
-             pushOf);
+             [=, frame = f.constants](graph::Context& context) {
+               return shared::CellsPush{.frame = frame, .lists = pushedLists(lists, context)};
+             });
+}
 
-  lighting.buffers.insert(lighting.buffers.end(),
-                          {{cells, graph::Use::StorageRead}, {entries, graph::Use::StorageRead}});
+}  // namespace
+
+std::vector<vk::Constant> listConstants(const LightLists& lists) {
+  return {{kFirstOwnConstant, lists.cellsATile}, {kFirstOwnConstant + 1, lists.entriesATile}};
+}
+
+std::vector<graph::Access> listAccesses(const LightLists& lists) {
+  if (lists.cellsATile == 0) return {};
+  return {{lists.cells, graph::Use::StorageRead}, {lists.entries, graph::Use::StorageRead}};
+}
+
+shared::LightCells pushedLists(const LightLists& lists, graph::Context& context) {
+  if (lists.cellsATile == 0) return {};
+  return {.cells = context.buffer(lists.cells).address(),
+          .entries = context.buffer(lists.entries).address(),
+          .tiles = lists.tiles};
+}
+
+void addLightLists(const FrameContext& f, Gbuffer& gbuffer, const LightListsDesc& desc) {
+  if (f.setup.lights) {
+    gbuffer.lightLists = createLists(f, desc);
+    addListing(f, gbuffer, gbuffer.lightLists);
+  }
+  const LightLists lists = gbuffer.lightLists;
+  ComputePass lighting = lightingPass(f, gbuffer, "lighting " + desc.name, "cells.comp");
+  const std::vector<vk::Constant> constants = listConstants(lists);
+  lighting.constants.insert(lighting.constants.end(), constants.begin(), constants.end());
+  const std::vector<graph::Access> read = listAccesses(lists);
+  lighting.buffers.insert(lighting.buffers.end(), read.begin(), read.end());
   addCompute(f, std::move(lighting), [=, &f](graph::Context& context) {
-    shared::CellsPush push = pushOf(context);
-    push.shown = shownSurfaces(f, context);
-    return push;
+    return shared::CellsPush{
+        .frame = f.constants, .lists = pushedLists(lists, context), .shown = shownSurfaces(f, context)};
   });
 }
 

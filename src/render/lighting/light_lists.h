@@ -3,7 +3,9 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
+#include "render/lighting/lighting_push.h"
 #include "render/lighting/technique.h"
 
 namespace latelight::render {
@@ -17,6 +19,12 @@ struct LightListsDesc {
 };
 inline constexpr uint32_t kSlices = 32;  // glsl/light_cells.glsl
 
-void addLightLists(const FrameContext& f, const Gbuffer& gbuffer, const LightListsDesc& desc);
+// Leaves its lists in gbuffer.lightLists.
+void addLightLists(const FrameContext& f, Gbuffer& gbuffer, const LightListsDesc& desc);
+// Those lists, for another shader of glsl/shade_cells.glsl: what it is specialized for (it has lists if kCellsATile is not
+// 0), what it reads and what it is pushed.
+std::vector<vk::Constant> listConstants(const LightLists& lists);
+std::vector<graph::Access> listAccesses(const LightLists& lists);
+shared::LightCells pushedLists(const LightLists& lists, graph::Context& context);
 
 }  // namespace latelight::render

@@ -12,11 +12,15 @@ struct LightingPush {
   ShownPush shown;
 };
 
-struct CellsPush {   // of techniques that light by tiles
-  uint64_t frame;    // FrameConstants
+struct LightCells {  // of techniques that light by tiles
   uint64_t cells;    // CellsRef of light_cells.glsl
   uint64_t entries;  // EntriesRef
   uvec2 tiles;       // per view
+};
+
+struct CellsPush {
+  uint64_t frame;  // FrameConstants
+  LightCells lists;
   ShownPush shown;
 };
 

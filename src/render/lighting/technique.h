@@ -21,7 +21,7 @@ struct TechniqueInfo {
   // targets. Every technique shades with shared/shade.h over the same lights, so all give the same picture. Where the
   // setup counts lights, the counts go to gbuffer.lightCounts. Shaders of one that computes have the variants layout,
   // visible, multisampled and layered (docs/architecture.md, "A shader"), and call showSurfaces() first.
-  std::function<void(const FrameContext& f, const Gbuffer& gbuffer)> add;
+  std::function<void(const FrameContext& f, Gbuffer& gbuffer)> add;
 };
 
 std::span<const TechniqueInfo> techniques();

@@ -5,7 +5,7 @@ namespace latelight::render {
 
 TechniqueInfo technique_clustered() {
   return {.description = "lights listed for each depth slice of each tile, by the box of the samples in it",
-          .add = [](const FrameContext& f, const Gbuffer& gbuffer) {
+          .add = [](const FrameContext& f, Gbuffer& gbuffer) {
             addLightLists(f, gbuffer, {.name = "clustered", .cellsATile = kSlices});
           }};
 }

@@ -5,7 +5,7 @@ namespace latelight::render {
 
 TechniqueInfo technique_tiled() {
   return {.description = "lights listed for each tile of 16x16 pixels, by its samples' box and 2.5D depth mask",
-          .add = [](const FrameContext& f, const Gbuffer& gbuffer) { addLightLists(f, gbuffer, {.name = "tiled"}); }};
+          .add = [](const FrameContext& f, Gbuffer& gbuffer) { addLightLists(f, gbuffer, {.name = "tiled"}); }};
 }
 
 }  // namespace latelight::render

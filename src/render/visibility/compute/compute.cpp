@@ -271,11 +271,6 @@ void ComputeVisibility::addResolve(const FrameContext& f, ComputePass pass, grap
   });
 }
 
-void ComputeVisibility::addShading(const FrameContext& f, ComputePass pass) const {
-  readsTextures(f, pass);
-  addResolve(f, std::move(pass));
-}
-
 // What a frame's views show is found in them, or through a lens in pinhole views that see along all of its rays.
 RasterViews ComputeVisibility::viewsOf(const FrameContext& f) const {
   if (f.lens) return pinholeViews(f);
@@ -401,6 +396,13 @@ graph::BufferId packOutputs(const FrameContext& f, ComputePass& pass) {
                         });
 }
 
+// Whether surfaces with layers, which are shaded by themselves, leave nothing in the targets but that they are there. With
+// several samples the targets say which samples show one surface.
+bool leavesLayers(const FrameContext& f, const Gbuffer& gbuffer) {
+  const bool some = (f.visibility.materials().solid & shared::kMaterialLayered) != 0;
+  return some && gbuffer.forLighting && f.setup.samples == 1 && !f.setup.outputs;
+}
+
 }  // namespace
 
 void ComputeVisibility::addGbuffer(const FrameContext& f, Gbuffer& gbuffer) const {
@@ -428,7 +430,9 @@ void ComputeVisibility::addGbuffer(const FrameContext& f, Gbuffer& gbuffer) cons
                    .name = "geometry " + layout.name,
                    .shader = "resolve.comp@" + layout.file,
                    .bindings = std::move(bindings),
-                   .constants = {{kFirstOwnConstant, wanted}, {kFirstOwnConstant + 1, srgb}},
+                   .constants = {{kFirstOwnConstant, wanted},
+                                 {kFirstOwnConstant + 1, srgb},
+                                 {kFirstOwnConstant + 2, leavesLayers(f, gbuffer) ? 1u : 0u}},
                    .groupX = shared::kPixelGroupX,
                    .groupY = shared::kPixelGroupY};
   readsTextures(f, pass);

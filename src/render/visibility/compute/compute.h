@@ -37,9 +37,7 @@ class ComputeVisibility final : public Visibility {
   const HardwareVisibility* drawn() const override { return nullptr; }
   const ComputeVisibility* rastered() const override { return this; }
 
-  // A pass over all pixels of what is visible, pushed ResolvePush, that looks up materials' textures.
-  void addShading(const FrameContext& f, ComputePass pass) const;
-  // Of a pass that has the setup's constants and finds surfaces by shown_surface.glsl: what that reads, and is pushed.
+  // Of a pass that has the setup's constants and finds the surfaces that pixels show: what it reads, and is pushed.
   void readsShown(const FrameContext& f, ComputePass& pass) const;
   shared::ShownPush shown(graph::Context& context) const {
     return {ranks_.address(), context.buffer(visible_).address()};

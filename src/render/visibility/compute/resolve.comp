@@ -20,6 +20,7 @@ layout(local_size_x = kPixelGroupX, local_size_y = kPixelGroupY) in;
 layout(push_constant, scalar) uniform Push { ResolvePush push; };
 layout(constant_id = 16) const uint kTargets = ~0u;  // bit i: target i is wanted; the one after the last: light
 layout(constant_id = 17) const uint kSrgb = 0u;      // bit i: target i is stored in sRGB
+layout(constant_id = 18) const uint kLayersElsewhere = 0u;  // nothing reads the targets of surfaces with layers
 
 #define IMAGE_vec4 image2DArray
 #define IMAGE_uint uimage2DArray
@@ -68,6 +69,10 @@ void resolve(FrameConstants frame, View view, ivec3 pixel, uint samples) {
 #endif
   vec2 place = vec2(pixel.xy) + middleOfSamples(samples);
   SeenTriangle t = seenTriangle(frame, push.instances, id);
+  if (kLayersElsewhere != 0u && (t.rank.flags & kRankLayered) != 0u) {
+    store(texel, emptyTexel(), vec4(0.0, 0.0, 0.0, kLitElsewhere));
+    return;
+  }
   SurfacePoint p = seenPoint(frame, view, t, place);
   Surface s = evaluateMaterial(frame, frameMaterial(frame, frameInstance(frame, t.rank.instance).material), p);
   if (kPacksOutputs)
