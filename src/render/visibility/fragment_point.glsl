@@ -31,15 +31,20 @@ layout(set = 2, binding = 0, scalar) uniform MaterialUniform { Material material
 Material drawMaterial() { return materials[kCpuDevice != 0u ? uint(push.frame >> 63) : 0u]; }
 
 #ifdef MULTISAMPLED
-// Levels follow from the gradients between pixels' centres: centroids lie anywhere in their pixels, and differences between
-// them would blur one pixel and alias the next.
-vec4 centreUv() { return interpolateAtOffset(varyingUv, vec2(0.0)); }
-// Interpolated in the branch that samples, not once for all: lavapipe 22.3 finds other coordinates outside of it, farther
-// from what one sample a pixel shows.
-#define TEXEL(image, t)                                                                        \
-  textureGrad(image, transformedUv(t, varyingUv), transformedGradient(t, dFdx(centreUv())), \
-              transformedGradient(t, dFdy(centreUv())))
+// Where compute resolves it: in the middle of the samples that the triangle covers. At the pixel's centre, outside, a normal
+// or a texture coordinate would be that of no point on the triangle, and a centroid may lie anywhere in the part that it
+// covers.
+#define INSIDE(v) interpolateAtOffset(v, middleOfSamples(uint(gl_SampleMaskIn[0])) - 0.5)
+// Levels follow from the gradients between pixels' centres. Interpolated in the branch that samples, not once for all:
+// lavapipe 22.3 finds other coordinates outside of it, farther from what one sample a pixel shows; and other gradients of
+// the input itself.
+#define CENTRE(v) interpolateAtOffset(v, vec2(0.0))
+#define TEXEL(image, t)                                                                                        \
+  textureGrad(image, transformedUv(t, INSIDE(varyingUv)), transformedGradient(t, dFdx(CENTRE(varyingUv))), \
+              transformedGradient(t, dFdy(CENTRE(varyingUv))))
 #else
+#define INSIDE(v) v
+#define CENTRE(v) v
 // Levels follow from the quad: the hardware's own derivatives cost lavapipe a fourth less of the geometry pass than
 // gradients that are handed to it.
 #define TEXEL(image, t) texture(image, transformedUv(t, p.uv))
@@ -55,12 +60,12 @@ vec4 sampleTexture(Material m, uint slot, SurfacePoint p) {
 
 SurfacePoint fragmentPoint() {
   SurfacePoint p;
-  p.position = varyingPosition;
-  p.normal = varyingNormal;
-  p.plane = cross(dFdy(varyingPosition), dFdx(varyingPosition));
-  p.tangent = varyingTangent;
-  p.uv = varyingUv;
-  p.color = varyingColor;
+  p.position = INSIDE(varyingPosition);
+  p.normal = INSIDE(varyingNormal);
+  p.plane = cross(dFdy(CENTRE(varyingPosition)), dFdx(CENTRE(varyingPosition)));
+  p.tangent = INSIDE(varyingTangent);
+  p.uv = INSIDE(varyingUv);
+  p.color = INSIDE(varyingColor);
   p.facing = gl_FrontFacing ? 1.0 : -1.0;
   p.instance = varyingInstance;
   p.triangle = uint(gl_PrimitiveID);

@@ -10,13 +10,12 @@
 #include "render/visibility/compute/visible.glsl"
 #include "render/visibility/compute/pixel_triangles.glsl"
 #include "render/glsl/deal.glsl"
-#include "render/pixel_group.h"
+#include "render/glsl/pixel_group.glsl"
 #include "shared/color.h"
 #ifdef GBUFFER_KEEPS_MOTION
 #include "render/visibility/compute/seen_motion.glsl"
 #endif
 
-layout(local_size_x = kPixelGroupX, local_size_y = kPixelGroupY) in;
 layout(push_constant, scalar) uniform Push { ResolvePush push; };
 layout(constant_id = 16) const uint kTargets = ~0u;  // bit i: target i is wanted; the one after the last: light
 layout(constant_id = 17) const uint kSrgb = 0u;      // bit i: target i is stored in sRGB
@@ -105,7 +104,7 @@ uint samplesOfTriangle(uint first, uint number) {
 // sample a pixel has one, or nothing.
 void main() {
   FrameConstants frame = FrameRef(push.frame).v;
-  ivec3 pixel = ivec3(gl_GlobalInvocationID);
+  ivec3 pixel = ownPixel();
   View view = frameView(frame, uint(pixel.z));
   ivec2 size = ivec2(view.size);
   bool inside = all(lessThan(pixel.xy, size));
