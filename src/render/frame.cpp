@@ -28,7 +28,9 @@ std::vector<vk::Constant> FrameSetup::constants() const {
           {9, sunInGbuffer ? 1u : 0u},
           {11, lights ? 1u : 0u},
           {13, ambientOcclusion},
-          {kLensConstant, lens ? 1u : 0u}};
+          {kLensConstant, lens ? 1u : 0u},
+          {kEnvironmentConstant, environment ? 1u : 0u},
+          {kFewLightsConstant, fewLights ? 1u : 0u}};
 }
 
 uint32_t writtenTargets(const FrameSetup& setup, const Gbuffer& gbuffer) {

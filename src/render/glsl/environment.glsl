@@ -52,8 +52,11 @@ vec3 environmentLobe(FrameConstants frame, vec3 normal, vec3 toEye, float roughn
   return mix(specular, diffuse, lobe.z);
 }
 
+// (lavapipe goes both ways of a branch: what a frame cannot have is left out of its shaders.)
+bool hasEnvironment(FrameConstants frame) { return kEnvironment != 0u && frame.environmentIntensity != 0.0; }
+
 vec3 environmentLight(FrameConstants frame, Surface s, vec3 toEye) {
-  if (frame.environmentIntensity == 0.0) return vec3(0.0);
+  if (!hasEnvironment(frame)) return vec3(0.0);
   vec3 diffuse = environmentDiffuseAt(frame, s.normal);
   vec3 specular = environmentLobe(frame, s.normal, toEye, s.roughness, diffuse);
   return shadeEnvironment(s, toEye, diffuse, specular, splitSum(s, toEye)) * frame.environmentIntensity;

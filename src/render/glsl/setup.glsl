@@ -13,4 +13,6 @@ layout(constant_id = 9) const uint kSunInGbuffer = 0;  // FrameSetup::sunInGbuff
 layout(constant_id = 7) const uint kEverySample = 0;
 layout(constant_id = 11) const uint kLights = 1;  // FrameSetup::lights
 layout(constant_id = 13) const uint kAmbientOcclusion = 0;
+layout(constant_id = 90) const uint kEnvironment = 1;  // FrameSetup::environment
+layout(constant_id = 91) const uint kFewLights = 0;    // FrameSetup::fewLights
 #endif

@@ -45,6 +45,7 @@ void shadeNear(inout Shading shading, FrameConstants frame, uint64_t list, uint 
 // same view; `lit` is false for those without a surface.
 vec3 shadeAllByTree(FrameConstants frame, uint view, Surface s, LIT_BRDF brdf, bool lit) {
   if (kLights == 0u) return vec3(0.0);
+  if (kFewLights != 0u) return shadeAllLights(frame, view, s, brdf, lit);
   countLanes();
   Shading shading = startShading(s, brdf, view, lit);
   findBounds(shading);

@@ -32,7 +32,7 @@ vec2 placeSeen(View view, vec3 position, vec2 own) {
 vec3 radianceBehind(FrameConstants frame, uint viewIndex, TransmittedRay ray, vec2 own) {
   View view = frameView(frame, viewIndex);
   vec4 seen = behindBlurred(placeSeen(view, ray.exit, own), ray.roughness, viewIndex, uvec2(view.size));
-  if (seen.a >= 1.0 || frame.environmentIntensity == 0.0) return seen.rgb;
+  if (seen.a >= 1.0 || !hasEnvironment(frame)) return seen.rgb;
   vec3 wide = environmentDiffuseAt(frame, ray.direction);
   vec3 around = environmentLobe(frame, ray.direction, ray.direction, ray.roughness, wide);  // as of a mirror seen head-on
   return seen.rgb + around * (frame.environmentIntensity * frame.exposure * (1.0 - seen.a));

@@ -63,7 +63,7 @@ vec3 sheenLobeLight(FrameConstants frame, LayeredBrdf b) {
 }
 
 vec3 layeredEnvironment(FrameConstants frame, inout LayeredBrdf b, vec3 toEye) {
-  if (frame.environmentIntensity == 0.0) return vec3(0.0);
+  if (!hasEnvironment(frame)) return vec3(0.0);
   SurfaceLayers l = b.layers;
   LayerLight found;
   found.front = environmentDiffuseAt(frame, b.base.normal);
