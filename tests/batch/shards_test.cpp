@@ -71,10 +71,14 @@ TEST(Shard, RefusesWhatIsNone) {
   EXPECT_THAT(chosen("", {{"PMI_RANK", "x"}, {"PMI_SIZE", "4"}}), HasSubstr("PMI_RANK is not a whole number"));
 }
 
+// The scene's file is written once: shards that run at the same time read it.
+struct PartsFolder : Folder {
+  PartsFolder() { write("empty.gltf", std::string_view(kCameraAlone)); }
+};
+
 // Two scenes, one of a camera alone.
-app::Command parts(const Folder& folder, const std::string& set, std::vector<std::string> more,
+app::Command parts(const PartsFolder& folder, const std::string& set, std::vector<std::string> more,
                    const char* repeat = "11") {
-  folder.write("empty.gltf", std::string_view(kCameraAlone));
   std::vector<std::string> all{"--scenes",  "builtin:boxes",
                                "--scenes",  "empty.gltf",
                                "--repeat",  repeat,
@@ -85,7 +89,7 @@ app::Command parts(const Folder& folder, const std::string& set, std::vector<std
 }
 
 TEST(Shards, HoweverItIsSplitTheSetIsTheSame) {
-  Folder folder;
+  PartsFolder folder;
   const Outcome whole = latelight(parts(folder, "whole", {"--threads", "1", "--validate"}));
   ASSERT_EQ(whole.code, 0) << whole.text();
   EXPECT_EQ(latelight(parts(folder, "workers", {"--threads", "3", "--workers", "2", "--validate"})).code, 0);
@@ -102,7 +106,7 @@ TEST(Shards, HoweverItIsSplitTheSetIsTheSame) {
 }
 
 TEST(Shards, SomeAreMergedOnceOthersAreThere) {
-  Folder folder;
+  PartsFolder folder;
   const auto run = [&](std::vector<std::string> arguments) {
     return latelight({.arguments = std::move(arguments), .folder = folder.path()});
   };
@@ -124,7 +128,7 @@ TEST(Shards, SomeAreMergedOnceOthersAreThere) {
 }
 
 TEST(Shards, AShardIsMadeByOneProcess) {
-  Folder folder;
+  PartsFolder folder;
   std::vector<Outcome> outcomes(2);
   app::inPairs(2, [&](size_t i) { outcomes[i] = latelight(parts(folder, "set", {"--resume"}, "500")); });
   const bool second = outcomes[1].code == 2;
