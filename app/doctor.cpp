@@ -19,7 +19,7 @@ namespace {
 vk::Finding examineRaster() {
   try {
     vk::Device device;
-    const render::RasterChoice choice = render::chooseRaster(device, {});
+    const render::RasterChoice choice = render::chooseRaster(device, {}, {});
     return {true, fmt::format("`--raster auto` chooses {}: {}.", render::nameOf(choice.raster), choice.why), ""};
   } catch (const Error& error) {
     return {false, fmt::format("Rasterization can't be measured: {}", error.what()), ""};

@@ -300,7 +300,7 @@ void render(RenderOptions& o) {
 
   const std::unique_ptr<vk::Device> device = deviceStart.get();
   const auto mark = Clock::now();
-  o.settings.raster = render::chooseRaster(*device, o.settings).raster;
+  o.settings.raster = render::chooseRaster(*device, o.settings, scene).raster;
   render::Renderer renderer(*device, scene, environment ? &*environment : nullptr);
   RenderRun run{o, plan, scene, timeline, environmentName, *device, renderer};
   run.times.load = loaded;

@@ -55,7 +55,7 @@ std::string ownCommand(const ReportArguments& a) {
 
 std::string makePage(ReportArguments& a, vk::Device& device, const scene::Scene& scene, const Timeline& timeline) {
   RenderOptions& o = a.render;
-  o.settings.raster = render::chooseRaster(device, o.settings).raster;
+  o.settings.raster = render::chooseRaster(device, o.settings, scene).raster;
   const std::optional<scene::Environment> environment = render::loadEnvironment(scene, environmentOf(o, scene));
   render::Renderer renderer(device, scene, environment ? &*environment : nullptr);
   const scene::Camera camera = timeline.cameraAt(timeline.first());

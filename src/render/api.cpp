@@ -123,9 +123,9 @@ render::Settings internalSettings(const Options& o) {
   return s;
 }
 
-render::Settings settingsFor(vk::Device& device, const Options& o) {
+render::Settings settingsFor(vk::Device& device, const Options& o, const scene::Scene& scene) {
   render::Settings s = internalSettings(o);
-  s.raster = render::chooseRaster(device, s).raster;
+  s.raster = render::chooseRaster(device, s, scene).raster;
   return s;
 }
 
@@ -368,7 +368,7 @@ void DeviceArray::beforeReuse(std::function<void()> call) const {
 Ticket Renderer::submit(const std::vector<Camera>& cameras, const Options& options, Results results) {
   if (cameras.empty()) badUsage("nothing can be rendered without a camera");
   const std::vector<scene::Camera> internal = internalCameras(cameras, impl_->scene, cameras.size());
-  const render::Settings settings = settingsFor(*impl_->device, options);
+  const render::Settings settings = settingsFor(*impl_->device, options, impl_->scene);
   const render::Moment moment = internalMoment(options, settings, impl_->scene, cameras.size());
   Ticket ticket;
   ticket.impl_.reset(
@@ -378,7 +378,7 @@ Ticket Renderer::submit(const std::vector<Camera>& cameras, const Options& optio
 
 std::vector<Pick> Renderer::pick(const Camera& camera, const std::vector<std::array<uint32_t, 2>>& pixels,
                                  const Options& options) {
-  const render::Settings settings = settingsFor(*impl_->device, options);
+  const render::Settings settings = settingsFor(*impl_->device, options, impl_->scene);
   std::vector<glm::uvec2> places;
   for (const auto& [x, y] : pixels) places.push_back({x, y});
   const auto three = [](glm::vec3 v) { return std::array<float, 3>{v.x, v.y, v.z}; };

@@ -11,6 +11,8 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "render/lighting/technique.h"
+#include "render/outputs/outputs.h"
+#include "render/request.h"
 #include "render/visibility/compute/compute.h"
 #include "scene/scene.h"
 
@@ -73,10 +75,24 @@ std::optional<RasterChoice> onlyChoice(const vk::Device& device, const Settings&
   if (!lacks.empty()) return RasterChoice{Raster::Hardware, lacks};
   if (alwaysDraws(settings))
     return RasterChoice{Raster::Hardware, "forward techniques are drawn, and volumes of several samples a pixel"};
-  if (device.maxTextureArray() == 0)
-    return RasterChoice{Raster::Hardware,
-                        "without descriptor indexing compute shaders have to filter textures themselves"};
   return std::nullopt;
+}
+
+// From how many triangles on compute shaders are the sooner where they have to filter textures themselves: by the
+// crossings on lavapipe, docs/performance.md#which-raster-on-two-cores.
+uint64_t mostForHardware(const Settings& settings) {
+  const uint64_t pixels = uint64_t{settings.width} * settings.height;
+  const bool drawsShadows = isLit(settings) && settings.shadows != ShadowFormat::None;
+  return 1'100'000 + (textureSlots(settings) == 0 ? 0 : 4 * pixels) + (drawsShadows ? 3'000'000 : 0);
+}
+
+RasterChoice chooseWithoutIndexing(const Settings& settings, const scene::Scene& scene) {
+  const char* filters = "without descriptor indexing compute shaders have to filter textures themselves";
+  if (settings.aa.samples > 1) return {Raster::Hardware, filters};
+  const uint64_t most = mostForHardware(settings);
+  return {scene.triangleCount() > most ? Raster::Compute : Raster::Hardware,
+          fmt::format("{}, which pays from {:.1f} million triangles on at {}x{}", filters, most / 1e6, settings.width,
+                      settings.height)};
 }
 
 }  // namespace
@@ -100,9 +116,10 @@ std::vector<double> depthTimes(Renderer& renderer, const scene::Scene& scene, Ra
   return times;
 }
 
-RasterChoice chooseRaster(vk::Device& device, const Settings& settings) {
+RasterChoice chooseRaster(vk::Device& device, const Settings& settings, const scene::Scene& scene) {
   if (settings.raster != Raster::Auto) return {settings.raster, "it was asked for"};
   if (const auto only = onlyChoice(device, settings)) return *only;
+  if (device.maxTextureArray() == 0) return chooseWithoutIndexing(settings, scene);
   const Times times = knownTimes(device);
   return {times.compute < times.hardware ? Raster::Compute : Raster::Hardware,
           fmt::format("300,000 small triangles take {:.3f} ms with hardware and {:.3f} with compute", times.hardware,

@@ -15,8 +15,9 @@ struct RasterChoice {
 
 // What `settings.raster` stands for on this device: itself, or the choice of `auto`. That takes what is possible at
 // all; of two, the one that finds the depth of 300,000 small triangles sooner. The first time on a device and driver it
-// is measured, then kept in the cache folder. Throws Error(NoDevice) where the device has neither.
-RasterChoice chooseRaster(vk::Device& device, const Settings& settings);
+// is measured, then kept in the cache folder. On devices without descriptor indexing it depends on how many triangles
+// the scene has instead. Throws Error(NoDevice) where the device has neither.
+RasterChoice chooseRaster(vk::Device& device, const Settings& settings, const scene::Scene& scene);
 
 // Milliseconds that the device takes until the depth of each pixel is known, in a square picture by the scene's first
 // camera: one for each frame, after one more that warms up.

@@ -125,7 +125,7 @@ render::Moment Stage::momentOf(const CameraChoice& camera, const render::Setting
 
 render::Settings Stage::prepared(const render::Settings& settings) {
   render::Settings s = settings;
-  s.raster = render::chooseRaster(device(), s).raster;
+  s.raster = render::chooseRaster(device(), s, *scene_).raster;
   return s;
 }
 

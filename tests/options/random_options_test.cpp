@@ -185,7 +185,7 @@ void run(Stage& stage, const Options& options) {
   const scene::Scene& scene = stage.scene(o);
   const Timeline timeline(scene, o);
   const std::string environment = environmentOf(o, scene);
-  o.settings.raster = render::chooseRaster(stage.device(), o.settings).raster;
+  o.settings.raster = render::chooseRaster(stage.device(), o.settings, scene).raster;
   RenderRun run{o, plan, scene, timeline, environment, stage.device(), stage.renderer(scene, environment)};
   renderAll(run);
 }

@@ -133,20 +133,47 @@ TEST_F(ComputeOnly, WhatDrawsIsRefused) {
 TEST_F(ComputeOnly, AutoIsWhatTheDeviceCanDo) {
   Settings s;
   s.raster = Raster::Auto;
-  EXPECT_EQ(chooseRaster(computeDevice(), s).raster, Raster::Compute);
-  const RasterChoice choice = chooseRaster(device(), s);
+  EXPECT_EQ(chooseRaster(computeDevice(), s, hall()).raster, Raster::Compute);
+  const RasterChoice choice = chooseRaster(device(), s, hall());
   EXPECT_NE(choice.raster, Raster::Auto);
-  EXPECT_EQ(chooseRaster(device(), s).why, choice.why);  // measured once
-  if (device().maxTextureArray() == 0) {
-    EXPECT_EQ(choice.raster, Raster::Hardware);
-  }
+  EXPECT_EQ(chooseRaster(device(), s, hall()).why, choice.why);  // measured once
   s.aa.samples = 8;
-  EXPECT_EQ(chooseRaster(device(), s).raster, Raster::Compute);  // hardware has no such number
+  EXPECT_EQ(chooseRaster(device(), s, hall()).raster, Raster::Compute);  // hardware has no such number
   s.aa.samples = 1;
   s.lighting = &findTechnique("forward");
-  EXPECT_EQ(chooseRaster(device(), s).raster, Raster::Hardware);
+  EXPECT_EQ(chooseRaster(device(), s, hall()).raster, Raster::Hardware);
   s.raster = Raster::Compute;
-  EXPECT_EQ(chooseRaster(device(), s).raster, Raster::Compute);  // as asked
+  EXPECT_EQ(chooseRaster(device(), s, hall()).raster, Raster::Compute);  // as asked
+}
+
+// Where compute shaders have to filter textures themselves, they pay once there are many triangles: the more pixels show
+// materials, and where shadow maps are drawn, the later.
+TEST_F(ComputeOnly, AutoDependsOnTheSceneWithoutDescriptorIndexing) {
+  if (device().maxTextureArray() != 0) GTEST_SKIP() << "this device has descriptor indexing";
+  scene::Scene scene;
+  scene.meshes.emplace_back().indices.resize(3 * 1'000'000);
+  Settings data, unlit, picture;
+  data.display = false;
+  data.aovs = {Aov::Depth, Aov::Id};
+  unlit.shadows = ShadowFormat::None;
+  for (Settings* s : {&data, &unlit, &picture}) s->width = s->height = 500;
+  const auto fewestForCompute = [&](const Settings& s) {  // instances, of a million triangles each
+    scene.instances.clear();
+    while (chooseRaster(device(), s, scene).raster == Raster::Hardware) {
+      scene.instances.push_back({});
+      if (scene.instances.size() > 100) break;
+    }
+    return scene.instances.size();
+  };
+  EXPECT_EQ(fewestForCompute(data), 2u);
+  EXPECT_EQ(fewestForCompute(unlit), 3u);
+  EXPECT_EQ(fewestForCompute(picture), 6u);
+  scene.instances.back().removed = true;
+  EXPECT_EQ(chooseRaster(device(), picture, scene).raster, Raster::Hardware) << "what was removed does not count";
+  unlit.width = 5000;
+  EXPECT_EQ(fewestForCompute(unlit), 12u);
+  data.aa.samples = 4;
+  EXPECT_GT(fewestForCompute(data), 100u) << "not measured to win with several samples a pixel";
 }
 
 }  // namespace

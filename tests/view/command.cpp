@@ -40,7 +40,7 @@ void run(std::vector<std::string> arguments) {
   const app::Timeline timeline(scene, o);
   const std::string name = app::environmentOf(o, scene);
   const std::optional<scene::Environment> environment = render::loadEnvironment(scene, name);
-  o.settings.raster = render::chooseRaster(device(), o.settings).raster;
+  o.settings.raster = render::chooseRaster(device(), o.settings, scene).raster;
   render::Renderer renderer(device(), scene, environment ? &*environment : nullptr);
   app::RenderRun run{o, plan, scene, timeline, name, device(), renderer};
   app::renderAll(run);

@@ -65,12 +65,12 @@ bool Worker::loadNext() {
   return true;
 }
 
-render::Settings Worker::settingsOf(const Chunk& chunk) const {
+render::Settings Worker::settingsOf(const Chunk& chunk) {
   render::Settings settings = job_.settings;
-  settings.raster = raster_;
   settings.width = chunk.width;
   settings.height = chunk.height;
   if (const auto degrees = scene_->environmentRotation()) settings.environmentRotation = render::radians(*degrees);
+  settings.raster = render::chooseRaster(device(), settings, scene_->scene()).raster;
   return settings;
 }
 
@@ -85,7 +85,7 @@ void Worker::useEnvironment() {
   environment_ = name;
 }
 
-RenderedFrame Worker::frameOf(uint64_t index, const Chunk& chunk, const output::Metadata& shared) const {
+RenderedFrame Worker::frameOf(uint64_t index, const Chunk& chunk, const output::Metadata& shared) {
   const FramePlace place = *plan_.at(index);
   const JobCamera& camera = scene_->cameras()[place.camera];
   const PlannedScene& planned = plan_.scenes()[place.scene];
@@ -182,7 +182,7 @@ void Worker::finishAll() {
 
 void Worker::useDevice() {
   devices_.emplace_back(deviceOptions_);
-  raster_ = render::chooseRaster(device(), job_.settings).raster;
+  render::chooseRaster(device(), job_.settings, {});  // throws before anything is loaded where there is none
 }
 
 // What was in flight is lost with it, and made again. It is not destroyed before the other devices' work has ended

@@ -41,11 +41,11 @@ class Worker {
   void replaceLostDevice();
   render::Ticket submit(const Chunk& chunk);
   void useEnvironment();
-  RenderedFrame frameOf(uint64_t index, const Chunk& chunk, const output::Metadata& shared) const;
+  RenderedFrame frameOf(uint64_t index, const Chunk& chunk, const output::Metadata& shared);
   std::vector<RenderedFrame> framesOf(const Chunk& chunk);
   void addExtras(const Chunk& chunk, std::vector<RenderedFrame>& frames);
   render::Moment momentNow() const;
-  render::Settings settingsOf(const Chunk& chunk) const;
+  render::Settings settingsOf(const Chunk& chunk);
   void fail(const Chunk& chunk, const std::string& why);
 
   const Job& job_;
@@ -56,7 +56,6 @@ class Worker {
   ShardLog& log_;
   const vk::DeviceOptions deviceOptions_;
   std::deque<vk::Device> devices_;  // the last one is at work, the others were lost
-  render::Raster raster_;
   Extras extras_;  // that the formats need
 
   std::optional<uint32_t> sceneIndex_, nextIndex_;
