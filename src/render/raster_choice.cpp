@@ -81,18 +81,18 @@ std::optional<RasterChoice> onlyChoice(const vk::Device& device, const Settings&
 // From how many triangles on compute shaders are the sooner where they have to filter textures themselves: by the
 // crossings on lavapipe, docs/performance.md#which-raster-on-two-cores.
 uint64_t mostForHardware(const Settings& settings) {
-  const uint64_t pixels = uint64_t{settings.width} * settings.height;
+  const bool filters = textureSlots(settings) != 0;
   const bool drawsShadows = isLit(settings) && settings.shadows != ShadowFormat::None;
-  return 1'100'000 + (textureSlots(settings) == 0 ? 0 : 4 * pixels) + (drawsShadows ? 3'000'000 : 0);
+  const double aPixel = 0.4 + (filters ? 4 : 0) + (filters && settings.aa.samples > 1 ? 5 : 0);
+  return uint64_t(7e5 + aPixel * settings.width * settings.height + (drawsShadows ? 3e6 : 0));
 }
 
 RasterChoice chooseWithoutIndexing(const Settings& settings, const scene::Scene& scene) {
-  const char* filters = "without descriptor indexing compute shaders have to filter textures themselves";
-  if (settings.aa.samples > 1) return {Raster::Hardware, filters};
   const uint64_t most = mostForHardware(settings);
   return {scene.triangleCount() > most ? Raster::Compute : Raster::Hardware,
-          fmt::format("{}, which pays from {:.1f} million triangles on at {}x{}", filters, most / 1e6, settings.width,
-                      settings.height)};
+          fmt::format("without descriptor indexing compute shaders have to filter textures themselves, which pays from "
+                      "{:.1f} million triangles on at {}x{}",
+                      most / 1e6, settings.width, settings.height)};
 }
 
 }  // namespace
