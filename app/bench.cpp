@@ -16,6 +16,7 @@
 #include "render/session.h"
 #include "scene/builtin.h"
 #include "vk/driver_cache.h"
+#include "vk/shaders.h"
 
 namespace latelight::app {
 
@@ -199,10 +200,16 @@ void addBenchCommand(CLI::App& app) {
       "shade", "What a light costs at the bound, and --lighting with the scene's; takes the options of render");
   addRenderOptions(*shade, a.render);
   shade->callback([arguments] { runShade(*arguments); });
-  for (CLI::App* command : {raster, frame, views, lights, shade})
+  for (CLI::App* command : {raster, frame, views, lights, shade}) {
     command->add_option("--runs", a.options.frames, "Frames of each measurement")
         ->check(CLI::Range(1, 1000))
         ->capture_default_str();
+    command
+        ->add_option_function<std::string>(
+            "--shaders", [](const std::string& folder) { vk::useShadersOf(folder); },
+            "Folder of SPIR-V, such as build/release/spirv, whose files take the place of the program's own")
+        ->type_name("FOLDER");
+  }
   raster->add_flag("--json", a.json, "The table as JSON");
 }
 

@@ -294,34 +294,29 @@ SH_FUNC vec3 halfVector(vec3 toLight, vec3 toEye) {
   return sum * (squared > 1e-12f ? inversesqrt(squared) : 0.0f);
 }
 
-// 1/sr: the round lobe of ggx.h about `normal`.
-SH_FUNC float roundLobe(vec3 normal, vec3 h, float nl, float nv, float a2, float eyeRoot) {
-  vec3 across = cross(normal, h);
-  return ggxLobe(saturate(dot(normal, h)), dot(across, across), nl, nv, a2, eyeRoot);
-}
-
 // What the surface beneath coat and sheen reflects.
 SH_FUNC vec3 surfaceLight(LayeredBrdf b, LightSample light, uint shading) {
   bool plain = b.layers.anisotropy <= 0.0f && b.layers.iridescence <= 0.0f;
   if (plain || shading == kShadingBlinnPhong) return shadeLight(b.base, light, shading);
   float nl = min(dot(b.base.normal, light.toLight), 1.0f);
   if (nl <= 0.0f) return vec3(0.0f, 0.0f, 0.0f);
-  vec3 h = halfVector(light.toLight, b.base.toEye);
-  FacetReflectance facets = facetReflectance(b, saturate(dot(b.base.toEye, h)));
+  HalfAngles angles = halfAngles(b.base.normal, light.toLight, b.base.toEye);
+  FacetReflectance facets = facetReflectance(b, saturate(angles.vh));
   float lobe;
   if (b.layers.anisotropy > 0.0f) {
+    vec3 h = halfVector(light.toLight, b.base.toEye);
     lobe = stretchedLobe(b.stretched, light.toLight, b.base.toEye, h, nl, b.base.nv);
   } else {
-    lobe = roundLobe(b.base.normal, h, nl, b.base.nv, b.base.width, b.base.scale);
+    lobe = ggxLobe(angles, nl, b.base.nv, b.base.width, b.base.scale);
   }
-  return (b.base.diffuse * facets.left + facets.lobe * lobe) * light.irradiance * nl;
+  return (b.base.diffuse * facets.left + facets.lobe * lobe) * (light.intensity * (light.attenuation * nl));
 }
 
 // 1/sr of light that goes through: the lobe of a reflection of the light that is `mirrored` by the surface's plane.
 SH_FUNC float throughLobe(LayeredBrdf b, vec3 mirrored, float nl, uint channel) {
   vec3 eye = eyeThrough(b.base.normal, b.base.toEye, b.layers, channel);
   float nv = clamp(dot(b.base.normal, eye), kMinNv, 1.0f);
-  return roundLobe(b.base.normal, halfVector(mirrored, eye), nl, nv, b.throughA2, smithRoot(nv, b.throughA2));
+  return ggxLobe(halfAngles(b.base.normal, mirrored, eye), nl, nv, b.throughA2, smithRoot(nv, b.throughA2));
 }
 
 // What a light behind the surface sends through it; `nl` is the cosine on that side.
@@ -337,23 +332,23 @@ SH_FUNC vec3 lightFromBehind(LayeredBrdf b, LightSample light, float nl) {
   }
   float left = 1.0f;
   if (b.compensated <= 0.0f)
-    left = facetReflectance(b, saturate(dot(b.base.toEye, halfVector(mirrored, b.base.toEye)))).left;
-  return f * light.irradiance * (left * nl);
+    left = facetReflectance(b, saturate(halfAngles(b.base.normal, mirrored, b.base.toEye).vh)).left;
+  return f * light.intensity * (light.attenuation * (left * nl));
 }
 
 SH_FUNC vec3 coatLight(LayeredBrdf b, LightSample light) {
   float nl = saturate(dot(b.layers.clearcoatNormal, light.toLight));
-  vec3 h = halfVector(light.toLight, b.base.toEye);
-  float lobe = roundLobe(b.layers.clearcoatNormal, h, nl, b.coatNv, b.coatA2, b.coatRoot);
-  return light.irradiance * (b.coatReflects * lobe * nl);
+  HalfAngles angles = halfAngles(b.layers.clearcoatNormal, light.toLight, b.base.toEye);
+  float lobe = ggxLobe(angles, nl, b.coatNv, b.coatA2, b.coatRoot);
+  return light.intensity * (light.attenuation * (b.coatReflects * lobe * nl));
 }
 
 SH_FUNC vec3 sheenLight(LayeredBrdf b, LightSample light) {
   float nl = min(dot(b.base.normal, light.toLight), 1.0f);
   if (maxChannel(b.layers.sheenColor) <= 0.0f || nl <= 0.0f) return vec3(0.0f, 0.0f, 0.0f);
-  vec3 across = cross(b.base.normal, halfVector(light.toLight, b.base.toEye));
-  float lobe = charlieLobe(dot(across, across), nl, b.base.nv, b.sheenAlpha, b.sheenLambda);
-  return b.layers.sheenColor * light.irradiance * (lobe * b.sheenScale * b.underCoat * nl);
+  float sin2 = halfAngles(b.base.normal, light.toLight, b.base.toEye).sin2;
+  float lobe = charlieLobe(sin2, nl, b.base.nv, b.sheenAlpha, b.sheenLambda);
+  return b.layers.sheenColor * light.intensity * (light.attenuation * (lobe * b.sheenScale * b.underCoat * nl));
 }
 
 // Radiance leaving the surface towards the eye by one light, which may be behind it.

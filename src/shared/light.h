@@ -18,9 +18,15 @@
 SH_BEGIN
 
 struct LightSample {
-  vec3 toLight;     // unit, from the surface
-  vec3 irradiance;  // at normal incidence, lux
+  vec3 toLight;       // unit, from the surface
+  vec3 intensity;     // of the light, in all directions
+  float attenuation;  // what of that arrives, at normal incidence: 1/m^2, or 1 where the intensity is in lux
 };
+
+// At normal incidence, lux.
+SH_FUNC vec3 irradianceOf(LightSample s) {
+  return s.intensity * s.attenuation;
+}
 
 // Squared distance, m^2, below which a light comes no nearer: keeps 1/d^2 finite.
 SH_CONST float kMinLightDistance2 = 1e-12f;
@@ -46,20 +52,26 @@ SH_FUNC void spotCone(float inner, float outer, SH_OUT(float) scale, SH_OUT(floa
   offset = -cosOuter * scale;
 }
 
-// What `light` sends to a world position. A point at the light itself gets no direction (0, 0, 0), and so no light.
-SH_FUNC LightSample sampleLight(Light light, vec3 position) {
+// What a light that has a place sends to a world position. A point at the light itself gets no direction (0, 0, 0), and
+// so no light.
+SH_FUNC LightSample sampleLocalLight(Light light, vec3 position) {
   LightSample s;
-  if (lightIsDirectional(light.type)) {
-    s.toLight = light.direction * -1.0f;
-    s.irradiance = light.intensity;
-    return s;
-  }
   vec3 offset = light.position - position;
   float distance2 = clamp(dot(offset, offset), kMinLightDistance2, kMaxLightDistance2);
   float inverse = inversesqrt(distance2);  // for the attenuation too: a GPU has one such unit for eight multipliers
   s.toLight = offset * inverse;
-  float attenuation = lightWindow(distance2, light.inverseRadius2) * (inverse * inverse);
-  s.irradiance = light.intensity * (attenuation * lightDistribution(light, s.toLight));
+  s.intensity = light.intensity;
+  s.attenuation = lightWindow(distance2, light.inverseRadius2) * (inverse * inverse) * lightDistribution(light, s.toLight);
+  return s;
+}
+
+// What any light sends there.
+SH_FUNC LightSample sampleLight(Light light, vec3 position) {
+  if (!lightIsDirectional(light.type)) return sampleLocalLight(light, position);
+  LightSample s;
+  s.toLight = light.direction * -1.0f;
+  s.intensity = light.intensity;
+  s.attenuation = 1.0f;
   return s;
 }
 

@@ -66,29 +66,21 @@ SH_FUNC SurfaceBrdf surfaceBrdf(Surface s, vec3 toEye, uint shading) {
   return ggxBrdf(s, toEye, shading);
 }
 
-// Radiance leaving the surface towards the eye by one light.
+// Radiance leaving the surface towards the eye by one light. No branch: those behind the surface are as many as those that
+// lanes beside this one take, and what they send is multiplied by 0.
 SH_FUNC vec3 shadeLight(SurfaceBrdf b, LightSample light, uint shading) {
-  float nl = dot(b.normal, light.toLight);
-  if (nl <= 0.0f) return vec3(0.0f, 0.0f, 0.0f);
-  nl = min(nl, 1.0f);
-  // The half vector is half / |half|; light from exactly opposite the eye gives no highlight.
-  vec3 sum = light.toLight + b.toEye;
-  float squared = dot(sum, sum);
-  float inverse = squared > 1e-12f ? inversesqrt(squared) : 0.0f;
-  vec3 h = sum * inverse;
-  vec3 across = cross(b.normal, h);
-  float sin2 = dot(across, across);
-  float nh = saturate(dot(b.normal, h));
+  float nl = saturate(dot(b.normal, light.toLight));
+  HalfAngles a = halfAngles(b.normal, light.toLight, b.toEye);
   float weight = 0.0f, lobe;
   if (shading == kShadingBlinnPhong) {
-    lobe = blinnPhong(nh, sin2, b.width, b.scale);
+    lobe = blinnPhong(a.nh, a.sin2, b.width, b.scale);
   } else {
-    weight = schlickWeight(saturate(dot(b.toEye, h)));
-    lobe = ggxLobe(nh, sin2, nl, b.nv, b.width, b.scale);
+    weight = schlickWeight(a.vh);
+    lobe = ggxLobe(a, nl, b.nv, b.width, b.scale);
   }
   vec3 fresnel = b.f0 + (vec3(b.f90, b.f90, b.f90) - b.f0) * weight;
   float left = 1.0f - (b.taken0 + (b.taken90 - b.taken0) * weight);
-  return (b.diffuse * left + fresnel * lobe) * light.irradiance * nl;
+  return (b.diffuse * left + fresnel * lobe) * (light.intensity * (light.attenuation * nl));
 }
 
 // Shares of uniform light from all directions that a microfacet surface of reflectance f0 to f90 sends towards the eye:

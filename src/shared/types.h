@@ -12,11 +12,19 @@ SH_BEGIN
 
 // --- geometry -------------------------------------------------------------------------------------------------------
 
-struct VertexAttributes {  // 36 bytes, one a vertex, in object space
+struct VertexPosition {  // one a vertex, in object space
+  vec3 position;
+  float padding;
+};
+SH_CONST uint kPositionBytes = 16u;
+
+struct VertexAttributes {  // one a vertex, in object space
   vec3 normal;
   vec4 tangent;  // xyz, and the sign of the bitangent in w; all zero where the mesh has no tangent frame
   vec2 uv0;
+  float padding[3];
 };
+SH_CONST uint kAttributesBytes = 48u;
 
 struct VertexExtra {  // 24 bytes, one a vertex, only for meshes that have a second UV set or vertex colours
   vec2 uv1;
@@ -24,7 +32,7 @@ struct VertexExtra {  // 24 bytes, one a vertex, only for meshes that have a sec
 };
 
 struct Mesh {                  // where one mesh's streams lie in device memory
-  uint64_t positions;          // vec3[vertexCount], object space
+  uint64_t positions;          // VertexPosition[vertexCount]
   uint64_t attributes;         // VertexAttributes[vertexCount]
   uint64_t extras;             // VertexExtra[vertexCount], or 0
   uint64_t indices;            // uint[3 * triangleCount]
@@ -275,7 +283,7 @@ struct FrameConstants {
 SH_END
 
 #if defined(__cplusplus)
-static_assert(sizeof(latelight::shared::VertexAttributes) == 36);
+static_assert(sizeof(latelight::shared::VertexPosition) == latelight::shared::kPositionBytes);
 static_assert(sizeof(latelight::shared::VertexExtra) == 24);
 static_assert(sizeof(latelight::shared::Mesh) == 56);
 static_assert(sizeof(latelight::shared::TextureTransform) == 28);
@@ -283,6 +291,8 @@ static_assert(sizeof(latelight::shared::MaterialLayers) == 96);
 static_assert(sizeof(latelight::shared::Material) == 80 + 19 * 28 + 19 * 4 + 96);
 static_assert(sizeof(latelight::shared::LightBox) == 24);
 // Where glsl/common.glsl finds their members.
+static_assert(sizeof(latelight::shared::VertexAttributes) == latelight::shared::kAttributesBytes);
+static_assert(offsetof(latelight::shared::VertexAttributes, uv0) == 28);
 static_assert(sizeof(latelight::shared::View) == latelight::shared::kViewBytes);
 static_assert(offsetof(latelight::shared::View, viewToWorld) == 48);
 static_assert(offsetof(latelight::shared::View, projection) == 96);

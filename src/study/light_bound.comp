@@ -27,7 +27,7 @@ vec3 lightsAt(FrameConstants frame, View view, LitPixel p) {
   SurfaceBrdf brdf = surfaceBrdf(p.s, p.toEye, kShading);
   vec3 radiance = vec3(0.0);
   for (uint i = 0u; i < push.lights; ++i) {
-    radiance += shadeUnshadowed(madeUp(p.s, i), p.s, brdf);
+    radiance += shadeUnshadowed(sampleLight(madeUp(p.s, i), p.s.position), brdf);
     lightsTested += 1.0;
   }
   return radiance;

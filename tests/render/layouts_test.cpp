@@ -337,7 +337,7 @@ TEST(Layouts, DiffuseAndSpecularColoursShadeAsMetalnessDoes) {
                                                   shared::specularF90(a));
     vec3 toEye = random.direction();
     if (glm::dot(toEye, a.normal) < 0) toEye = -toEye;
-    const shared::LightSample light{.toLight = random.direction(), .irradiance = vec3(1)};
+    const shared::LightSample light{.toLight = random.direction(), .intensity = vec3(1), .attenuation = 1};
     for (const uint32_t shading : {shared::kShadingGgx, shared::kShadingBlinnPhong}) {
       const vec3 expected = shared::shadeLight(shared::surfaceBrdf(a, toEye, shading), light, shading);
       ASSERT_LE(glm::length(shared::shadeLight(shared::surfaceBrdf(b, toEye, shading), light, shading) - expected),

@@ -127,7 +127,7 @@ TEST(LightTree, NoLightReachesOutOfItsBox) {
       vec3 d = random.direction();
       if (j % 3 == 0) d = glm::normalize(light.direction + 0.05f * d);
       const vec3 position = light.position + d * light.radius * random.between(0.9f, 1.0f);
-      if (shared::maxChannel(shared::sampleLight(light, position).irradiance) <= 0) continue;
+      if (shared::maxChannel(shared::irradianceOf(shared::sampleLight(light, position))) <= 0) continue;
       ++lit;
       ASSERT_TRUE(holds(box, {position, position})) << i;
     }
@@ -147,7 +147,7 @@ TEST(LightTree, NoEndlessLightReachesOutOfItsBox) {
     for (int j = 0; j < 300; ++j) {
       const vec3 d = glm::normalize(j % 2 ? random.direction() : light.direction + 0.5f * random.direction());
       const vec3 position = light.position + d * std::pow(10.0f, random.between(-3, 6));
-      if (shared::maxChannel(shared::sampleLight(light, position).irradiance) <= 0) continue;
+      if (shared::maxChannel(shared::irradianceOf(shared::sampleLight(light, position))) <= 0) continue;
       ++lit;
       ASSERT_TRUE(holds(box, {position, position})) << i;
     }

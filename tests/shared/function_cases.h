@@ -78,7 +78,8 @@ SH_FUNC Light someLight(Arguments a, uint type) {
 SH_FUNC LightSample someSample(Arguments a) {
   LightSample s;
   s.toLight = a.l;
-  s.irradiance = a.d;
+  s.intensity = a.d;
+  s.attenuation = 1.0f;
   return s;
 }
 
@@ -229,8 +230,8 @@ SH_FUNC vec4 transmittedRayOf(Arguments a) {
   C(spotCone, 2e-5f, 0.0f, (coneOf(a)))                                                                                \
   C(directionalLight, 0.0f, 0.0f, (pad(sampleLight(someLight(a, kLightDirectional), a.v).toLight)))                    \
   C(pointDirection, 1e-6f, 5e-7f, (pad(sampleLight(someLight(a, kLightPoint), a.v).toLight)))                          \
-  C(pointIrradiance, 1e-4f, 1e-5f, (pad(sampleLight(someLight(a, kLightPoint), a.v * 0.5f).irradiance)))               \
-  C(spotIrradiance, 1e-4f, 1e-5f, (pad(sampleLight(someLight(a, kLightSpot), a.v * 0.5f).irradiance)))                 \
+  C(pointIrradiance, 1e-4f, 1e-5f, (pad(irradianceOf(sampleLight(someLight(a, kLightPoint), a.v * 0.5f)))))            \
+  C(spotIrradiance, 1e-4f, 1e-5f, (pad(irradianceOf(sampleLight(someLight(a, kLightSpot), a.v * 0.5f)))))              \
   C(ggxAlpha, 2e-7f, 0.0f, (pad(ggxAlpha(a.u.x))))                                                                     \
   C(ggxDistribution, 5e-6f, 0.0f, (pad(ggxDistribution(a.u.x, 1.0f - a.u.x * a.u.x, ggxAlpha(a.u.y)))))                \
   C(ggxVisibility, 3e-6f, 0.0f, (pad(ggxVisibility(a.u.x + 1e-4f, a.u.z + 1e-4f, ggxAlpha(a.u.y)))))                   \

@@ -75,7 +75,7 @@ constexpr vec2 kSomeTable(0.7f, 0.1f);
 const LayerTables kSomeTables{kSomeTable, vec2(0.9f, 0.05f), vec2(0.8f, 0.05f)};
 
 vec3 lit(const LayeredBrdf& b, vec3 toLight, uint shading) {
-  return shadeLayeredLight(b, LightSample{toLight, kWhite}, shading);
+  return shadeLayeredLight(b, LightSample{toLight, kWhite, 1.0f}, shading);
 }
 
 // --- limits ----------------------------------------------------------------------------------------------------------
@@ -93,7 +93,7 @@ TEST(Layers, OfStrengthZeroArePlainToTheBit) {
       const vec3 eye = random.directionAbout(s.normal), light = random.direction(), radiance = random.color();
       const LayeredBrdf b = layeredBrdf(s, l, eye, shading, kSomeTables);
       s.scattered = surfaceReflectance(s, kSomeTable).scattered;
-      EXPECT_EQ(lit(b, light, shading), shadeLight(surfaceBrdf(s, eye, shading), {light, kWhite}, shading));
+      EXPECT_EQ(lit(b, light, shading), shadeLight(surfaceBrdf(s, eye, shading), {light, kWhite, 1.0f}, shading));
       const LayerLight found{radiance, random.color(), random.color(), radiance * 0.5f, random.color()};
       EXPECT_EQ(shadeLayeredEnvironment(b, found), shadeEnvironment(s, eye, radiance, radiance * 0.5f, kSomeTable));
       EXPECT_EQ(transmittedRadiance(b, kWhite), kBlack);
@@ -108,9 +108,9 @@ TEST(Layers, StretchedLobeOfOneWidthIsRound) {
     const vec3 n = random.direction(), l = random.directionAbout(n), v = random.directionAbout(n);
     const float roughness = random.uniform(), nl = dot(n, l), nv = dot(n, v), alpha = ggxAlpha(roughness);
     if (nl < 1e-3f || nv < 1e-3f) continue;
-    const vec3 h = halfVector(l, v), across = cross(n, h);
+    const vec3 h = halfVector(l, v);
     const StretchedFrame f = stretchedFrame(n, normalize(cross(n, random.direction())), roughness, 0.0f);
-    const float round = ggxLobe(dot(n, h), dot(across, across), nl, nv, alpha * alpha, smithRoot(nv, alpha * alpha));
+    const float round = ggxLobe(halfAngles(n, l, v), nl, nv, alpha * alpha, smithRoot(nv, alpha * alpha));
     EXPECT_NEAR(stretchedLobe(f, l, v, h, nl, nv) / round, 1.0f, 1e-3f);
   }
 }

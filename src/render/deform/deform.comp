@@ -11,7 +11,7 @@ layout(local_size_x = 256) in;
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer DeltaRef { MorphDelta v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer FloatRef { float v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer MatrixRef { mat4x3 v[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer PositionsOut { vec3 v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer PositionsOut { VertexPosition v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer AttributesOut { VertexAttributes v[]; };
 
 layout(push_constant, scalar) uniform Push { DeformPush push; };
@@ -32,7 +32,7 @@ mat4x3 blendedJoints(uint vertex, uint pose) {
 }
 
 vec3 positionOf(uint vertex, uint pose) {
-  vec3 p = PositionRef(push.positions).v[vertex];
+  vec3 p = positionAt(push.positions, vertex);
   for (uint t = 0u; t < push.targets; ++t) {
     float weight = targetWeight(t, pose);
     if (weight != 0.0) p += deltaOf(t, vertex).position * weight;
@@ -41,7 +41,7 @@ vec3 positionOf(uint vertex, uint pose) {
 }
 
 VertexAttributes attributesOf(uint vertex) {
-  VertexAttributes a = AttributesRef(push.attributes).v[vertex];
+  VertexAttributes a = attributesAt(push.attributes, vertex);
   vec3 normal = a.normal;
   for (uint t = 0u; t < push.targets; ++t) {
     float weight = targetWeight(t, kNow);
@@ -63,7 +63,7 @@ VertexAttributes attributesOf(uint vertex) {
 void main() {
   uint vertex = gl_GlobalInvocationID.z << 20 | gl_GlobalInvocationID.x, pose = gl_GlobalInvocationID.y;
   if (vertex >= push.vertices) return;
-  PositionsOut(push.outPositions).v[pose * push.stride + vertex] = positionOf(vertex, pose);
+  PositionsOut(push.outPositions).v[pose * push.stride + vertex].position = positionOf(vertex, pose);
   if (pose != kNow) return;
   VertexAttributes a = attributesOf(vertex);
   if (push.flatNormals != 0u) {

@@ -78,25 +78,25 @@ Deformer::Deformer(vk::Device& device, const scene::Scene& scene, vk::Uploader& 
     vertices_ += static_cast<uint32_t>(deformation->positions.size());
   }
   upload(uploader);
-  positions_ = makeBuffer<glm::vec3>(device, "deformed positions", uint64_t{3} * vertices_);
+  positions_ = makeBuffer<shared::VertexPosition>(device, "deformed positions", uint64_t{3} * vertices_);
   attributes_ = makeBuffer<shared::VertexAttributes>(device, "deformed attributes", vertices_);
 }
 
 void Deformer::upload(vk::Uploader& uploader) {
-  std::vector<glm::vec3> positions;
+  std::vector<shared::VertexPosition> positions;
   std::vector<shared::VertexAttributes> attributes;
   std::vector<uint32_t> joints;
   std::vector<float> jointWeights;
   std::vector<shared::MorphDelta> deltas;
   for (Part& part : parts_) {
     const scene::Deformation& d = *part.deformation;
-    append(positions, d.positions);
+    append(positions, paddedPositions(d.positions));
     append(attributes, d.attributes);
     part.joints = append(joints, d.joints);
     part.jointWeights = append(jointWeights, d.jointWeights);
     part.deltas = append(deltas, deltasOf(d));
   }
-  basePositions_ = makeBuffer<glm::vec3>(device_, "base positions", positions.size());
+  basePositions_ = makeBuffer<shared::VertexPosition>(device_, "base positions", positions.size());
   baseAttributes_ = makeBuffer<shared::VertexAttributes>(device_, "base attributes", attributes.size());
   joints_ = makeBuffer<uint32_t>(device_, "joints", joints.size());
   jointWeights_ = makeBuffer<float>(device_, "joint weights", jointWeights.size());
@@ -137,14 +137,14 @@ void Deformer::record(graph::Context& context, VkDeviceAddress matrices, VkDevic
     const scene::Deformation& d = *part.deformation;
     const uint32_t count = static_cast<uint32_t>(d.positions.size());
     const shared::DeformPush push{
-        .positions = basePositions_.address() + part.firstVertex * sizeof(glm::vec3),
+        .positions = basePositions_.address() + part.firstVertex * sizeof(shared::VertexPosition),
         .attributes = baseAttributes_.address() + part.firstVertex * sizeof(shared::VertexAttributes),
         .joints = joints_.address() + part.joints,
         .jointWeights = jointWeights_.address() + part.jointWeights,
         .deltas = deltas_.address() + part.deltas,
         .palette = matrices + palette_.places[i].matrices,
         .weights = weights + palette_.places[i].weights,
-        .outPositions = positions_.address() + part.firstVertex * sizeof(glm::vec3),
+        .outPositions = positions_.address() + part.firstVertex * sizeof(shared::VertexPosition),
         .outAttributes = attributes_.address() + part.firstVertex * sizeof(shared::VertexAttributes),
         .vertices = count,
         .stride = vertices_,
@@ -160,7 +160,7 @@ void Deformer::record(graph::Context& context, VkDeviceAddress matrices, VkDevic
 void Deformer::describe(std::span<shared::Mesh> meshes, std::span<VertexStreams> streams) const {
   for (const Part& part : parts_) {
     const auto offset = [&](uint32_t pose) {
-      return (uint64_t{pose} * vertices_ + part.firstVertex) * sizeof(glm::vec3);
+      return (uint64_t{pose} * vertices_ + part.firstVertex) * sizeof(shared::VertexPosition);
     };
     const auto at = [&](uint32_t pose) { return positions_.address() + offset(pose); };
     const uint64_t attributes = part.firstVertex * sizeof(shared::VertexAttributes);

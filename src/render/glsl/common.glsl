@@ -19,8 +19,6 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Mat
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ShadowBitsRef { ShadowBits v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LightShadowRef { LightShadow v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LightTreeRef { LightBox v[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer PositionRef { vec3 v[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer AttributesRef { VertexAttributes v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ExtraRef { VertexExtra v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer UintRef { uint v[]; };
 
@@ -45,6 +43,16 @@ vec4 floatsAt(uint64_t address, uint i) { return uintBitsToFloat(wordsAt(address
 mat4x3 matrixAt(uint64_t address, uint i) {
   vec4 a = floatsAt(address, i), b = floatsAt(address, i + 1u), c = floatsAt(address, i + 2u);
   return mat4x3(a, b, c);
+}
+
+// Of a mesh's streams.
+vec3 positionAt(uint64_t positions, uint vertex) {
+  return floatsAt(positions + uint64_t(vertex) * kPositionBytes, 0u).xyz;
+}
+VertexAttributes attributesAt(uint64_t attributes, uint vertex) {
+  uint64_t at = attributes + uint64_t(vertex) * kAttributesBytes;
+  vec4 a = floatsAt(at, 0u), b = floatsAt(at, 1u);
+  return VertexAttributes(a.xyz, vec4(a.w, b.xyz), vec2(b.w, floatsAt(at, 2u).x), float[3](0.0, 0.0, 0.0));
 }
 
 View viewAt(uint64_t views, uint index) {

@@ -68,16 +68,24 @@ Light lightOfLane(FrameConstants frame, DealtLight mine, uint lane) {
   return frameLight(frame, fromLane(mine.index, lane));
 }
 
-// What one light, the same for all lanes, sends to the eye from a surface; it counts where `lit`.
-vec3 sentBy(FrameConstants frame, Light light, LightShadow shadow, bool shadowed, Surface s, LIT_BRDF brdf, bool lit) {
+// Adds what the surface sends to the eye of one light, which is the same for all lanes.
+void addLight(inout Shading shading, LightSample arriving) {
   float used = lightsUsed;
-  vec3 radiance = vec3(0.0);
-  if (shadowed)
-    radiance = shadeOneLight(frame, light, shadow, s, brdf);
+  vec3 sent = shadeUnshadowed(arriving, shading.brdf);
+  if (shading.lit)
+    shading.radiance += sent;
   else
-    radiance = shadeUnshadowed(light, s, brdf);
-  if (!lit) lightsUsed = used;
-  return radiance;
+    lightsUsed = used;
+}
+
+// The same where something may stand between them.
+void addShadowed(inout Shading shading, FrameConstants frame, Light light, LightSample arriving, LightShadow shadow) {
+  float used = lightsUsed;
+  vec3 sent = shadeShadowed(frame, light, arriving, shadow, shading.s, shading.brdf);
+  if (shading.lit)
+    shading.radiance += sent;
+  else
+    lightsUsed = used;
 }
 
 // Tested at the end of a round: lavapipe goes once more through a loop that ends at its beginning.
@@ -85,9 +93,12 @@ void shadeHits(inout Shading shading, FrameConstants frame, DealtLight mine, uve
   if (!anyLane(hits)) return;
   do {
     uint lane = takeLane(hits);
-    vec3 sent = sentBy(frame, lightOfLane(frame, mine, lane), broadcastShadow(mine.shadow, lane), shadowed, shading.s,
-                       shading.brdf, shading.lit);
-    if (shading.lit) shading.radiance += sent;
+    Light light = lightOfLane(frame, mine, lane);
+    LightSample arriving = sampleLight(light, shading.s.position);
+    if (shadowed)
+      addShadowed(shading, frame, light, arriving, broadcastShadow(mine.shadow, lane));
+    else
+      addLight(shading, arriving);
   } while (anyLane(hits));
 }
 

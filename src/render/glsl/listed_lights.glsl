@@ -8,7 +8,7 @@
 
 shared uint listedLights[kPixelGroupX * kPixelGroupY];
 
-// Lights in the order of the lanes, those without shadows first.
+// Lights of a list in the order of the lanes, those without shadows first.
 struct ListedRound {
   uint light;  // this lane's
   uint count, unshadowed;
@@ -26,26 +26,31 @@ ListedRound listedRound(FrameConstants frame, uint view, uint light, uint count)
   return ListedRound(listedLights[base + laneRank], count, unshadowed);
 }
 
+// Lights of a list are local ones, so that a round of the loop over them has no branch.
+void shadeRound(inout Shading shading, FrameConstants frame, ListedRound round) {
+  for (uint i = 0u; i < round.unshadowed; ++i) {
+    Light light = frameLight(frame, fromLane(round.light, i));
+    addLight(shading, sampleLocalLight(light, shading.s.position));
+  }
+  if (kShadowFormat == kShadowNone) return;
+  for (uint i = round.unshadowed; i < round.count; ++i) {
+    uint index = fromLane(round.light, i);
+    Light light = frameLight(frame, index);
+    addShadowed(shading, frame, light, sampleLocalLight(light, shading.s.position),
+                shadowOf(frame, shading.view, index));
+  }
+}
+
 // The frame's directional lights, then `count` lights of a list (uint[] by address).
 void shadeListed(inout Shading shading, FrameConstants frame, uint64_t list, uint count) {
-  uint end = frame.directionalLights + count;
-  if (shading.lit) lightsTested += float(end);
-  for (uint first = 0u; first < end; first += lanesPresent) {
-    uint light = min(first + laneRank, end - 1u);
-    if (light >= frame.directionalLights) light = UintRef(list).v[light - frame.directionalLights];
-    ListedRound round = listedRound(frame, shading.view, light, min(end - first, lanesPresent));
-    for (uint i = 0u; i < round.unshadowed; ++i) {
-      vec3 sent = sentBy(frame, frameLight(frame, fromLane(round.light, i)), LightShadow(0u, 0u, 0u), false, shading.s,
-                         shading.brdf, shading.lit);
-      if (shading.lit) shading.radiance += sent;
-    }
-    if (kShadowFormat == kShadowNone) continue;
-    for (uint i = round.unshadowed; i < round.count; ++i) {
-      uint one = fromLane(round.light, i);
-      vec3 sent = sentBy(frame, frameLight(frame, one), shadowOf(frame, shading.view, one), true, shading.s, shading.brdf,
-                         shading.lit);
-      if (shading.lit) shading.radiance += sent;
-    }
+  if (shading.lit) lightsTested += float(frame.directionalLights + count);
+  for (uint i = 0u; i < frame.directionalLights; ++i) {
+    Light light = frameLight(frame, i);
+    addShadowed(shading, frame, light, sampleLight(light, shading.s.position), shadowOf(frame, shading.view, i));
+  }
+  for (uint first = 0u; first < count; first += lanesPresent) {
+    uint light = UintRef(list).v[min(first + laneRank, count - 1u)];
+    shadeRound(shading, frame, listedRound(frame, shading.view, light, min(count - first, lanesPresent)));
   }
 }
 

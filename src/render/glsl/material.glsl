@@ -12,7 +12,8 @@ struct SurfacePoint {
   vec4 color;     // vertex colour
   float facing;   // 1 on a front face, -1 on a back face
   uint instance;
-  uint triangle;  // of its mesh
+  uint mesh;
+  uint triangle;  // of the mesh
 };
 
 // The texel of a material's texture at the point: the same for all invocations where the material is.

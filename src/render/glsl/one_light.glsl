@@ -19,16 +19,15 @@ float lightsTested = 0.0;
 float lightsUsed = 0.0;
 vec4 lightCount() { return vec4(lightsTested, lightsUsed, 0.0, 0.0); }
 
-// Radiance that one light sends from `s` to the eye, as if nothing stood between them.
-vec3 shadeUnshadowed(Light light, Surface s, LIT_BRDF brdf) {
-  vec3 radiance = SHADE_LIGHT(brdf, sampleLight(light, s.position), kShading);
+// Radiance that what arrives of one light leaves towards the eye, as if nothing stood between them.
+vec3 shadeUnshadowed(LightSample arriving, LIT_BRDF brdf) {
+  vec3 radiance = SHADE_LIGHT(brdf, arriving, kShading);
   if (kCountLights != 0u && any(greaterThan(radiance, vec3(0.0)))) lightsUsed += 1.0;
   return radiance;
 }
 
-// Radiance that one light sends from `s` to the eye.
-vec3 shadeOneLight(FrameConstants frame, Light light, LightShadow shadow, Surface s, LIT_BRDF brdf) {
-  LightSample arriving = sampleLight(light, s.position);
+// The same where something may.
+vec3 shadeShadowed(FrameConstants frame, Light light, LightSample arriving, LightShadow shadow, Surface s, LIT_BRDF brdf) {
   vec3 radiance = SHADE_LIGHT(brdf, arriving, kShading);
 #ifdef COATED
   if (dot(s.normal, arriving.toLight) < 0.0) s.normal = -s.normal;  // shadows are looked up on the light's side
@@ -39,6 +38,10 @@ vec3 shadeOneLight(FrameConstants frame, Light light, LightShadow shadow, Surfac
   return radiance;
 }
 
+// Radiance that one light sends from `s` to the eye.
+vec3 shadeOneLight(FrameConstants frame, Light light, LightShadow shadow, Surface s, LIT_BRDF brdf) {
+  return shadeShadowed(frame, light, sampleLight(light, s.position), shadow, s, brdf);
+}
 
 // Its shadow maps, where the frame has any.
 LightShadow shadowOf(FrameConstants frame, uint view, uint light) {

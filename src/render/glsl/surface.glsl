@@ -32,13 +32,12 @@ vec3 mappedNormal(Material m, uint slot, float scale, SurfacePoint p, vec3 n) {
 
 // The triangle's own normal from its vertices, exact where screen-space derivatives of small triangles are not.
 vec3 triangleNormal(FrameConstants frame, Instance instance, SurfacePoint p) {
-  Mesh mesh = frameMesh(frame, instance.mesh);
-  PositionRef positions = PositionRef(mesh.positions);
+  Mesh mesh = frameMesh(frame, p.mesh);
   uvec3 indices = triangleIndices(mesh, p.triangle);
-  vec3 a = positions.v[indices.x];
+  vec3 a = positionAt(mesh.positions, indices.x);
   // Edges are formed in object space: far from the world's origin their ends differ in the last bits alone.
-  vec3 ab = mat3(instance.objectToWorld) * (positions.v[indices.y] - a);
-  vec3 ac = mat3(instance.objectToWorld) * (positions.v[indices.z] - a);
+  vec3 ab = mat3(instance.objectToWorld) * (positionAt(mesh.positions, indices.y) - a);
+  vec3 ac = mat3(instance.objectToWorld) * (positionAt(mesh.positions, indices.z) - a);
   vec3 extent = max(abs(ab), abs(ac));
   float scale = 1.0 / max(max(extent.x, max(extent.y, extent.z)), 1e-37);
   float handedness = (instance.flags & kInstanceMirrored) != 0u ? -1.0 : 1.0;

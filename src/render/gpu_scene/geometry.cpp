@@ -14,6 +14,13 @@ std::span<const std::byte> bytesOf(const std::vector<T>& values) {
 
 }  // namespace
 
+std::vector<shared::VertexPosition> paddedPositions(std::span<const glm::vec3> positions) {
+  std::vector<shared::VertexPosition> padded;
+  padded.reserve(positions.size());
+  for (const glm::vec3& position : positions) padded.push_back({position, 0});
+  return padded;
+}
+
 GpuGeometry::GpuGeometry(vk::Device& device, const scene::Scene& scene, vk::Uploader& uploader)
     : device_(device), scene_(scene), list_(device, "meshes") {
   buffers_.resize(scene.meshes.size());
@@ -35,14 +42,15 @@ void GpuGeometry::uploadMesh(vk::Uploader& uploader, uint32_t index) {
     return offset;
   };
   append(bytesOf(mesh.indices).size());
-  const uint64_t positions = append(bytesOf(mesh.positions).size());
+  const std::vector<shared::VertexPosition> vertices = paddedPositions(mesh.positions);
+  const uint64_t positions = append(bytesOf(vertices).size());
   const uint64_t attributes = append(bytesOf(mesh.attributes).size());
   const uint64_t extras = append(bytesOf(mesh.extras).size());
   constexpr VkBufferUsageFlags kUsage =
       VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDEX_BUFFER_BIT | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT;
   vk::Buffer& buffer = buffers_[index] = vk::Buffer(device_, {.size = bytes, .usage = kUsage, .name = mesh.name});
   uploader.upload(buffer, bytesOf(mesh.indices));
-  uploader.upload(buffer, bytesOf(mesh.positions), positions);
+  uploader.upload(buffer, bytesOf(vertices), positions);
   uploader.upload(buffer, bytesOf(mesh.attributes), attributes);
   uploader.upload(buffer, bytesOf(mesh.extras), extras);
   shared::Mesh& record = records_[index];

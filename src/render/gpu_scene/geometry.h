@@ -1,6 +1,7 @@
 // Meshes in device memory: a buffer each, so that one can be replaced, and a record each that says where it lies.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "render/gpu_scene/buffer.h"
@@ -11,9 +12,12 @@ namespace latelight::render {
 
 class Deformer;
 
+// As shaders read them.
+std::vector<shared::VertexPosition> paddedPositions(std::span<const glm::vec3> positions);
+
 // Where the vertices of a mesh are read from as it is drawn.
 struct VertexStreams {
-  VkBuffer positions = VK_NULL_HANDLE, attributes = VK_NULL_HANDLE;  // vec3[], shared::VertexAttributes[]
+  VkBuffer positions = VK_NULL_HANDLE, attributes = VK_NULL_HANDLE;  // shared::VertexPosition[], shared::VertexAttributes[]
   VkDeviceSize firstPosition = 0, firstAttribute = 0;                // byte offsets
 };
 

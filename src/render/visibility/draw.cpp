@@ -57,7 +57,7 @@ std::vector<vk::VertexBuffer> sceneVertexBuffers(const std::string& vertexShader
   constexpr uint32_t kColumn = sizeof(glm::vec3), kProjection = offsetof(shared::View, projection);
   constexpr uint32_t kPrincipal = kProjection + offsetof(shared::Projection, X);
   constexpr uint32_t kKind = kProjection + offsetof(shared::Projection, kind);
-  std::vector<vk::VertexBuffer> buffers{{kColumn, false, {{0, VK_FORMAT_R32G32B32_SFLOAT, 0}}},
+  std::vector<vk::VertexBuffer> buffers{{sizeof(shared::VertexPosition), false, {{0, VK_FORMAT_R32G32B32_SFLOAT, 0}}},
                                         {sizeof(VertexAttributes), false, {}},
                                         {sizeof(uint32_t), true, {{4, VK_FORMAT_R32_UINT, 0}}},
                                         {0,

@@ -68,6 +68,7 @@ SurfacePoint fragmentPoint() {
   p.color = INSIDE(varyingColor);
   p.facing = gl_FrontFacing ? 1.0 : -1.0;
   p.instance = varyingInstance;
+  p.mesh = frameInstance(FrameRef(push.frame).v, varyingInstance).mesh;
   p.triangle = uint(gl_PrimitiveID);
   return p;
 }

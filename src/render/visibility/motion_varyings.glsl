@@ -12,7 +12,7 @@ layout(location = 8) VARYING vec3 varyingAfter;
 vec3 clipAt(uint64_t instances, uint64_t views, uint64_t positions, uint instance) {
   mat4x3 toWorld = instanceAt(instances, instance).objectToWorld;
   View view = viewAt(views, push.view);
-  vec3 world = toWorld * vec4(PositionRef(positions).v[gl_VertexIndex], 1.0);
+  vec3 world = toWorld * vec4(positionAt(positions, gl_VertexIndex), 1.0);
   return steadyClip(view, view.worldToView * vec4(world, 1.0));
 }
 

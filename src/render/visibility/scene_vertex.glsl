@@ -42,8 +42,8 @@ void main() { placeVertex(instanceAt(push.instances, inInstance)); }
 #else
 // By address on a GPU: for attributes of triangles that are culled, vertex buffers cost an H200 3 % of the geometry pass.
 VertexAttributes vertexAttributes(Instance instance) {
-  if (kCpuDevice != 0u) return VertexAttributes(inNormal, inTangent, inUv0);
-  return AttributesRef(frameMesh(FrameRef(push.frame).v, instance.mesh).attributes).v[gl_VertexIndex];
+  if (kCpuDevice != 0u) return VertexAttributes(inNormal, inTangent, inUv0, float[3](0.0, 0.0, 0.0));
+  return attributesAt(frameMesh(FrameRef(push.frame).v, instance.mesh).attributes, gl_VertexIndex);
 }
 
 void main() {

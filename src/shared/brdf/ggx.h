@@ -16,6 +16,28 @@ SH_FUNC float ggxAlpha(float roughness) {
   return max(roughness * roughness, kGgxMinAlpha);
 }
 
+// Of the half vector h between directions to a light and to the eye, about a normal; all unit. Light from exactly opposite
+// the eye has none, and its n.h is 0: no highlight.
+struct HalfAngles {
+  float nh;    // n.h, not clamped
+  float sin2;  // |n x h|^2
+  float vh;    // v.h
+};
+// The sine is that of a triangle whose third side is h - n: near 1, n.h has lost it.
+SH_FUNC HalfAngles halfAngles(vec3 normal, vec3 toLight, vec3 toEye) {
+  const float kOpposite = 1e-12f;
+  vec3 sum = toLight + toEye;
+  float squared = dot(sum, sum);
+  float inverse = inversesqrt(max(squared, kOpposite));
+  vec3 side = sum * inverse - normal;
+  float side2 = dot(side, side);
+  HalfAngles a;
+  a.nh = squared > kOpposite ? 1.0f - 0.5f * side2 : 0.0f;
+  a.sin2 = side2 * (1.0f - 0.25f * side2);
+  a.vh = 0.5f * squared * inverse;
+  return a;
+}
+
 // Trowbridge-Reitz distribution (Walter et al. 2007, equation 33) is alpha^2 / (pi d^2) of this d. `nh` is n.h, `sin2`
 // |n x h|^2 and `a2` alpha^2: the usual 1 + (n.h)^2 (a2 - 1) loses all precision in float32 where n.h is near 1, which
 // is where a smooth lobe lies.
@@ -42,11 +64,11 @@ SH_FUNC float ggxVisibility(float nl, float nv, float alpha) {
   return 0.5f / (nv * smithRoot(nl, a2) + nl * smithRoot(nv, a2));
 }
 
-// Their product by one division, of which GPUs do few. `eyeRoot` is smithRoot(nv, a2).
-SH_FUNC float ggxLobe(float nh, float sin2, float nl, float nv, float a2, float eyeRoot) {
-  if (nh <= 0.0f) return 0.0f;
-  float d = ggxDenominator(nh, sin2, a2);
-  return a2 * (0.5f * kInvPi) / (d * d * (nv * smithRoot(nl, a2) + nl * eyeRoot));
+// Their product by one division, of which GPUs do few. `eyeRoot` is smithRoot(nv, a2). `nl` may be 0.
+SH_FUNC float ggxLobe(HalfAngles a, float nl, float nv, float a2, float eyeRoot) {
+  float d = ggxDenominator(a.nh, a.sin2, a2);
+  float lobe = a2 * (0.5f * kInvPi) * (1.0f / (d * d * (nv * smithRoot(nl, a2) + nl * eyeRoot)));
+  return a.nh > 0.0f ? lobe : 0.0f;
 }
 
 // Schlick 1994: weight of the grazing reflectance at v.h.

@@ -4,6 +4,7 @@
 #include "render/lighting/volumes/volume_push.h"
 
 layout(push_constant, scalar) uniform Push { VolumePush push; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ShapeRef { vec3 v[]; };
 
 // Margin for the angle from spotOffset / spotScale, whose rounding changes that of a narrow cone by 3.5e-4 radians.
 const float kAngleMargin = 1e-3;
@@ -29,7 +30,7 @@ void main() {
     gl_Position = vec4(vec2(gl_VertexIndex & 1, gl_VertexIndex >> 1) * 4.0 - 1.0, 0.0, 1.0);
     return;
   }
-  vec3 v = PositionRef(push.vertices).v[gl_VertexIndex];
+  vec3 v = ShapeRef(push.vertices).v[gl_VertexIndex];
   if (push.shape == kShapeCone)
     v = rotateFromAxis(coneVertex(v, push.light), push.light.direction);
   else

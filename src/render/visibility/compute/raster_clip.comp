@@ -46,11 +46,10 @@ void main() {
   mat4x3 toWorld = frameInstance(frame, r.instance).objectToWorld;
   Mesh mesh = frameMesh(frame, r.mesh);
   uvec3 indices = triangleIndices(mesh, work.triangle);
-  PositionRef positions = PositionRef(mesh.positions);
   Polygon p;
   vec3 seen[3];
   for (uint i = 0u; i < 3u; ++i) {
-    seen[i] = seenPosition(view, toWorld, positions.v[indices[i]]);
+    seen[i] = seenPosition(view, toWorld, positionAt(mesh.positions, indices[i]));
     p.corners[i] = clipPosition(view, seen[i]);
     if (!isFinite(p.corners[i])) return;
   }

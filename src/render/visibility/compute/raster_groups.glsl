@@ -110,10 +110,9 @@ Group groupOf(uint number) {
 // What this thread does with a triangle; true: it is of some size.
 bool takeTriangle(Group g, uint triangle, out Triangle t) {
   uvec3 indices = triangleIndices(g.mesh, triangle);
-  PositionRef positions = PositionRef(g.mesh.positions);
-  vec3 seenA = seenPosition(g.view, g.toWorld, positions.v[indices.x]);
-  vec3 seenB = seenPosition(g.view, g.toWorld, positions.v[indices.y]);
-  vec3 seenC = seenPosition(g.view, g.toWorld, positions.v[indices.z]);
+  vec3 seenA = seenPosition(g.view, g.toWorld, positionAt(g.mesh.positions, indices.x));
+  vec3 seenB = seenPosition(g.view, g.toWorld, positionAt(g.mesh.positions, indices.y));
+  vec3 seenC = seenPosition(g.view, g.toWorld, positionAt(g.mesh.positions, indices.z));
   vec4 a = clipPosition(g.view, seenA), b = clipPosition(g.view, seenB), c = clipPosition(g.view, seenC);
   if ((sidesOutside(a) & sidesOutside(b) & sidesOutside(c)) != 0u) return false;
   uint outsideA = planesOutside(a), outsideB = planesOutside(b), outsideC = planesOutside(c);

@@ -2,7 +2,7 @@
 #include "shared/motion.h"
 
 vec3 clipOf(View view, mat4x3 toWorld, uint64_t positions, uint vertex) {
-  vec3 world = toWorld * vec4(PositionRef(positions).v[vertex], 1.0);
+  vec3 world = toWorld * vec4(positionAt(positions, vertex), 1.0);
   return steadyClip(view, view.worldToView * vec4(world, 1.0));
 }
 
@@ -15,7 +15,7 @@ vec4 seenMotion(FrameConstants frame, View view, uint viewIndex, SeenTriangle t,
   Mesh mesh = frameMesh(frame, t.rank.mesh);
   vec3 corners[3], clipNow = vec3(0.0), clipBefore = vec3(0.0), clipAfter = vec3(0.0);
   for (int i = 0; i < 3; ++i)
-    corners[i] = view.worldToView * vec4(now * vec4(PositionRef(mesh.positions).v[t.indices[i]], 1.0), 1.0);
+    corners[i] = view.worldToView * vec4(now * vec4(positionAt(mesh.positions, t.indices[i]), 1.0), 1.0);
   Weights w = weightsAt(frame, view, corners[0], corners[1], corners[2], pixel);
   for (int i = 0; i < 3; ++i) {
     clipNow += w.at[i] * clipOf(view, now, mesh.positions, t.indices[i]);

@@ -16,14 +16,13 @@ VertexExtra extraOf(Mesh mesh, Instance instance, VertexAttributes attributes, u
 
 SurfacePoint seenPoint(FrameConstants frame, View view, SeenTriangle t, vec2 pixel) {
   Instance instance = frameInstance(frame, t.rank.instance);
-  Mesh mesh = frameMesh(frame, instance.mesh);
-  PositionRef positions = PositionRef(mesh.positions);
+  Mesh mesh = frameMesh(frame, t.rank.mesh);
   vec3 world[3];
   VertexAttributes attributes[3];
   VertexExtra extras[3];
   for (int i = 0; i < 3; ++i) {
-    world[i] = instance.objectToWorld * vec4(positions.v[t.indices[i]], 1.0);
-    attributes[i] = AttributesRef(mesh.attributes).v[t.indices[i]];
+    world[i] = instance.objectToWorld * vec4(positionAt(mesh.positions, t.indices[i]), 1.0);
+    attributes[i] = attributesAt(mesh.attributes, t.indices[i]);
     extras[i] = extraOf(mesh, instance, attributes[i], t.indices[i]);
   }
   Weights w = weightsAt(frame, view, view.worldToView * vec4(world[0], 1.0), view.worldToView * vec4(world[1], 1.0),
@@ -53,6 +52,7 @@ SurfacePoint seenPoint(FrameConstants frame, View view, SeenTriangle t, vec2 pix
   p.facing = dot(plane, toEye) >= 0.0 ? 1.0 : -1.0;
   p.plane = plane * p.facing;
   p.instance = t.rank.instance;
+  p.mesh = t.rank.mesh;
   p.triangle = t.number;
   return p;
 }

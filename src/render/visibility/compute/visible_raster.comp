@@ -15,10 +15,10 @@ float facing(View view, vec3 a, vec3 b, vec3 c, ivec2 pixel) {
 
 vec2 classOf(FrameConstants frame, View view, SeenTriangle seen, ivec2 pixel) {
   mat4x3 toWorld = frameInstance(frame, seen.rank.instance).objectToWorld;
-  PositionRef positions = PositionRef(frameMesh(frame, seen.rank.mesh).positions);
-  vec3 a = seenPosition(view, toWorld, positions.v[seen.indices.x]);
-  vec3 b = seenPosition(view, toWorld, positions.v[seen.indices.y]);
-  vec3 c = seenPosition(view, toWorld, positions.v[seen.indices.z]);
+  uint64_t positions = frameMesh(frame, seen.rank.mesh).positions;
+  vec3 a = seenPosition(view, toWorld, positionAt(positions, seen.indices.x));
+  vec3 b = seenPosition(view, toWorld, positionAt(positions, seen.indices.y));
+  vec3 c = seenPosition(view, toWorld, positionAt(positions, seen.indices.z));
   vec4 clipA = clipPosition(view, a), clipB = clipPosition(view, b), clipC = clipPosition(view, c);
   float turned = facing(view, a, b, c, pixel);
   if ((planesOutside(clipA) | planesOutside(clipB) | planesOutside(clipC)) != 0u)
