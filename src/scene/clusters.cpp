@@ -3,13 +3,73 @@
 #include <meshoptimizer.h>
 
 #include <algorithm>
+#include <array>
 #include <span>
+#include <utility>
 
 #include "base/parallel.h"
 
 namespace latelight::scene {
 
 namespace {
+
+using shared::kClusterTriangles;
+using shared::kClusterVertices;
+
+struct Placed {  // a triangle
+  vec3 middle;
+  uint32_t number;
+};
+
+std::vector<Placed> placed(const Mesh& mesh) {
+  std::vector<Placed> triangles(mesh.indices.size() / 3);
+  parallelFor(triangles.size(), 1 << 14, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      const uint32_t* corners = &mesh.indices[3 * i];
+      const vec3 sum = mesh.positions[corners[0]] + mesh.positions[corners[1]] + mesh.positions[corners[2]];
+      triangles[i] = {sum / 3.0f, static_cast<uint32_t>(i)};
+    }
+  });
+  return triangles;
+}
+
+// Halves of whole clusters, on both sides of a plane across the longest axis. Where the first ends.
+size_t halve(std::span<Placed> triangles) {
+  vec3 low = triangles.front().middle, high = low;
+  for (const Placed& t : triangles) {
+    low = glm::min(low, t.middle);
+    high = glm::max(high, t.middle);
+  }
+  const vec3 size = high - low;
+  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+  const size_t clusters = (triangles.size() + kClusterTriangles - 1) / kClusterTriangles;
+  const size_t half = clusters / 2 * kClusterTriangles;
+  std::nth_element(triangles.begin(), triangles.begin() + static_cast<std::ptrdiff_t>(half), triangles.end(),
+                   [axis](const Placed& a, const Placed& b) {
+                     return std::pair(a.middle[axis], a.number) < std::pair(b.middle[axis], b.number);
+                   });
+  return half;
+}
+
+// The triangles by cluster.
+std::vector<Placed> byCluster(const Mesh& mesh) {
+  std::vector<Placed> triangles = placed(mesh);
+  std::vector<std::span<Placed>> parts{triangles};
+  while (!parts.empty()) {
+    std::vector<std::span<Placed>> halves(2 * parts.size());
+    parallelFor(parts.size(), 1, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) {
+        if (parts[i].size() <= kClusterTriangles) continue;
+        const size_t half = halve(parts[i]);
+        halves[2 * i] = parts[i].first(half);
+        halves[2 * i + 1] = parts[i].subspan(half);
+      }
+    });
+    std::erase_if(halves, [](const std::span<Placed>& part) { return part.size() <= kClusterTriangles; });
+    parts = std::move(halves);
+  }
+  return triangles;
+}
 
 // A triangle without an area faces no way: what there is left of it on screen may face any.
 bool anyDegenerate(const Mesh& mesh, std::span<const uint32_t> indices) {
@@ -20,7 +80,8 @@ bool anyDegenerate(const Mesh& mesh, std::span<const uint32_t> indices) {
   return false;
 }
 
-shared::Cluster clusterOf(const Mesh& mesh, std::span<const uint32_t> indices) {
+// `indices`: of its triangles.
+shared::Cluster boundsOf(const Mesh& mesh, std::span<const uint32_t> indices) {
   vec3 low(mesh.positions[indices[0]]), high = low;
   for (const uint32_t i : indices) {
     low = glm::min(low, mesh.positions[i]);
@@ -38,17 +99,73 @@ shared::Cluster clusterOf(const Mesh& mesh, std::span<const uint32_t> indices) {
   return cluster;
 }
 
+// Of some vertices, each once: a table with open addresses.
+class VertexSet {
+ public:
+  VertexSet() { table_.fill(kNone); }
+  uint32_t add(uint32_t vertex) {
+    uint32_t place = (vertex * 2654435761u) >> (32 - kBits);
+    while (table_[place] != kNone && vertices_[table_[place]] != vertex) place = (place + 1) % table_.size();
+    if (table_[place] == kNone) {
+      table_[place] = static_cast<uint16_t>(count_);
+      vertices_[count_++] = vertex;
+    }
+    return table_[place];
+  }
+  std::span<const uint32_t> all() const { return {vertices_.data(), count_}; }
+
+ private:
+  static constexpr uint32_t kBits = 10;
+  static constexpr uint16_t kNone = 0xffff;
+  std::array<uint16_t, 1 << kBits> table_;
+  std::array<uint32_t, kClusterVertices> vertices_;
+  uint32_t count_ = 0;
+};
+
+// Fills cluster `index`, and its vertices from kClusterVertices * index on.
+void build(const Mesh& mesh, std::span<const Placed> order, Clusters& all, size_t index) {
+  const size_t first = index * kClusterTriangles, end = std::min(order.size(), first + kClusterTriangles);
+  VertexSet set;
+  std::array<uint32_t, 3 * kClusterTriangles> indices;
+  for (size_t i = first; i < end; ++i) {
+    const uint32_t* corners = &mesh.indices[3 * size_t{order[i].number}];
+    std::copy_n(corners, 3, &indices[3 * (i - first)]);
+    shared::ClusterTriangle& triangle = all.triangles[i];
+    triangle.corners = set.add(corners[0]) | set.add(corners[1]) << 10 | set.add(corners[2]) << 20;
+    triangle.number = order[i].number;
+    all.clusterOfTriangle[order[i].number] = static_cast<uint32_t>(index);
+  }
+  std::ranges::copy(set.all(), &all.vertices[kClusterVertices * index]);
+  all.clusters[index] = boundsOf(mesh, std::span(indices).first(3 * (end - first)));
+  all.clusters[index].vertices = static_cast<uint32_t>(set.all().size());
+}
+
+// One cluster's vertices after the other's.
+void closeUp(Clusters& all) {
+  uint32_t next = 0;
+  for (size_t i = 0; i < all.clusters.size(); ++i) {
+    shared::Cluster& cluster = all.clusters[i];
+    std::copy_n(&all.vertices[kClusterVertices * i], cluster.vertices, &all.vertices[next]);
+    cluster.firstVertex = next;
+    next += cluster.vertices;
+  }
+  all.vertices.resize(next);
+}
+
 }  // namespace
 
-std::vector<shared::Cluster> clustersOf(const Mesh& mesh) {
-  constexpr size_t kIndices = 3 * shared::kClusterTriangles, kAtOnce = 256;
-  const std::span<const uint32_t> all(mesh.indices);
-  std::vector<shared::Cluster> clusters((all.size() + kIndices - 1) / kIndices);
-  parallelFor(clusters.size(), kAtOnce, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i)
-      clusters[i] = clusterOf(mesh, all.subspan(i * kIndices, std::min(kIndices, all.size() - i * kIndices)));
+Clusters clustersOf(const Mesh& mesh) {
+  const std::vector<Placed> order = byCluster(mesh);
+  const size_t count = (order.size() + kClusterTriangles - 1) / kClusterTriangles;
+  Clusters all{.clusters = std::vector<shared::Cluster>(count),
+               .vertices = std::vector<uint32_t>(count * kClusterVertices),
+               .triangles = std::vector<shared::ClusterTriangle>(order.size()),
+               .clusterOfTriangle = std::vector<uint32_t>(order.size())};
+  parallelFor(count, 64, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) build(mesh, order, all, i);
   });
-  return clusters;
+  closeUp(all);
+  return all;
 }
 
 }  // namespace latelight::scene

@@ -4,6 +4,7 @@
 #ifndef LATELIGHT_SHARED_TYPES_H
 #define LATELIGHT_SHARED_TYPES_H
 
+#include "shared/cluster.h"
 #include "shared/fog.h"
 #include "shared/lang.h"
 #include "shared/projection.h"
@@ -38,6 +39,7 @@ struct Mesh {                  // where one mesh's streams lie in device memory
   uint64_t indices;            // uint[3 * triangleCount]
   uint64_t previousPositions;  // as positions, a frame before; the same where nothing deforms them
   uint64_t nextPositions;      // and a frame after
+  MeshClusters clusters;       // zeros where none are kept
   uint vertexCount;
   uint triangleCount;
 };
@@ -285,7 +287,7 @@ SH_END
 #if defined(__cplusplus)
 static_assert(sizeof(latelight::shared::VertexPosition) == latelight::shared::kPositionBytes);
 static_assert(sizeof(latelight::shared::VertexExtra) == 24);
-static_assert(sizeof(latelight::shared::Mesh) == 56);
+static_assert(sizeof(latelight::shared::Mesh) == 96);
 static_assert(sizeof(latelight::shared::TextureTransform) == 28);
 static_assert(sizeof(latelight::shared::MaterialLayers) == 96);
 static_assert(sizeof(latelight::shared::Material) == 80 + 19 * 28 + 19 * 4 + 96);

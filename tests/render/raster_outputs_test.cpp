@@ -7,6 +7,7 @@
 
 #include "render/support.h"
 #include "render/visibility/compute/raster_push.h"
+#include "scene/clusters.h"
 
 namespace latelight::render::test {
 namespace {
@@ -65,8 +66,8 @@ struct Box {  // the legs of a right triangle, in pixels
 TEST_F(RasterOutputsTest, ClassesFollowTheBoxes) {
   constexpr uint32_t kSize = 256;
   constexpr Box kBoxes[] = {{3, 3, shared::kRasterSmall},    {6, 6, shared::kRasterSmall},
-                            {40, 1, shared::kRasterSmall},   {7, 6, shared::kRasterMedium},
-                            {20, 20, shared::kRasterMedium}, {22, 22, shared::kRasterMedium},
+                            {32, 1, shared::kRasterSmall},   {33, 1, shared::kRasterMedium},
+                            {7, 6, shared::kRasterMedium},   {20, 20, shared::kRasterMedium}, {22, 22, shared::kRasterMedium},
                             {119, 1, shared::kRasterMedium}, {120, 1, shared::kRasterLarge},
                             {23, 23, shared::kRasterLarge},  {1000, 1000, shared::kRasterLarge}};
   std::vector<vec3> positions;
@@ -139,6 +140,7 @@ TEST_F(RasterOutputsTest, NumbersAreThoseOfTheScene) {
   constexpr uint32_t kSize = 160, kCells = 20, kCell = kSize / 2 / kCells;
   const auto at = [](float x) { return glm::scale(glm::translate(glm::mat4(1), {x, 0, 0}), vec3(0.5f, 1, 1)); };
   const scene::Scene scene = sceneOf(grid(kCells), {at(-0.5f), at(0.5f)}, plain(0));
+  const scene::Clusters clusters = scene::clustersOf(scene.meshes.front());
   const output::FrameOutput frame = render(scene, frontCamera(), kSize);
   for (uint32_t i = 0; i < kSize * kSize; ++i) {
     const uint32_t x = i % kSize, y = i / kSize, instance = x / (kSize / 2) + 1;
@@ -147,7 +149,7 @@ TEST_F(RasterOutputsTest, NumbersAreThoseOfTheScene) {
     const vec2 cluster = vec2At(imageOf(frame, Aov::RasterClusters), i);
     ASSERT_EQ(triangle.x, instance);
     ASSERT_EQ(std::floor(triangle.y / 2), cell);
-    ASSERT_EQ(cluster, vec2(instance, std::floor(triangle.y / shared::kRasterGroup)));
+    ASSERT_EQ(cluster, vec2(instance, clusters.clusterOfTriangle[static_cast<size_t>(triangle.y)]));
   }
 }
 

@@ -12,6 +12,30 @@ std::span<const std::byte> bytesOf(const std::vector<T>& values) {
   return std::as_bytes(std::span(values));
 }
 
+// Arrays that lie in one buffer, one after the other.
+class Parts {
+ public:
+  // Returns where it begins.
+  uint64_t add(std::span<const std::byte> part) {
+    constexpr uint64_t kAlignment = 16;
+    const uint64_t at = (bytes_ + kAlignment - 1) / kAlignment * kAlignment;
+    parts_.emplace_back(at, part);
+    bytes_ = at + part.size();
+    return at;
+  }
+  vk::Buffer upload(vk::Device& device, vk::Uploader& uploader, const std::string& name) const {
+    constexpr VkBufferUsageFlags kUsage =
+        VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDEX_BUFFER_BIT | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT;
+    vk::Buffer buffer(device, {.size = bytes_, .usage = kUsage, .name = name});
+    for (const auto& [at, part] : parts_) uploader.upload(buffer, part, at);
+    return buffer;
+  }
+
+ private:
+  std::vector<std::pair<uint64_t, std::span<const std::byte>>> parts_;
+  uint64_t bytes_ = 0;
+};
+
 }  // namespace
 
 std::vector<shared::VertexPosition> paddedPositions(std::span<const glm::vec3> positions) {
@@ -34,25 +58,12 @@ GpuGeometry::GpuGeometry(vk::Device& device, const scene::Scene& scene, vk::Uplo
 
 void GpuGeometry::uploadMesh(vk::Uploader& uploader, uint32_t index) {
   const scene::Mesh& mesh = scene_.meshes[index];
-  uint64_t bytes = 0;
-  const auto append = [&](size_t size) {
-    constexpr uint64_t kAlignment = 16;
-    const uint64_t offset = (bytes + kAlignment - 1) / kAlignment * kAlignment;
-    bytes = offset + size;
-    return offset;
-  };
-  append(bytesOf(mesh.indices).size());
   const std::vector<shared::VertexPosition> vertices = paddedPositions(mesh.positions);
-  const uint64_t positions = append(bytesOf(vertices).size());
-  const uint64_t attributes = append(bytesOf(mesh.attributes).size());
-  const uint64_t extras = append(bytesOf(mesh.extras).size());
-  constexpr VkBufferUsageFlags kUsage =
-      VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDEX_BUFFER_BIT | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT;
-  vk::Buffer& buffer = buffers_[index] = vk::Buffer(device_, {.size = bytes, .usage = kUsage, .name = mesh.name});
-  uploader.upload(buffer, bytesOf(mesh.indices));
-  uploader.upload(buffer, bytesOf(vertices), positions);
-  uploader.upload(buffer, bytesOf(mesh.attributes), attributes);
-  uploader.upload(buffer, bytesOf(mesh.extras), extras);
+  Parts parts;
+  parts.add(bytesOf(mesh.indices));  // first: see indexBuffer()
+  const uint64_t positions = parts.add(bytesOf(vertices)), attributes = parts.add(bytesOf(mesh.attributes));
+  const uint64_t extras = parts.add(bytesOf(mesh.extras));
+  vk::Buffer& buffer = buffers_[index] = parts.upload(device_, uploader, mesh.name);
   shared::Mesh& record = records_[index];
   record.indices = buffer.address();
   record.positions = record.previousPositions = record.nextPositions = buffer.address() + positions;
@@ -73,37 +84,55 @@ void GpuGeometry::update(vk::Uploader& uploader, std::span<const uint32_t> chang
     uploadMesh(uploader, mesh);
     revisions_[mesh] = revision_;
   }
-  list_.upload(uploader, records_, changed);
   posed_ = rest_;
-  if (!keepsClusters_) return;
-  clusters_.resize(scene_.meshes.size());
-  for (const uint32_t mesh : changed) uploadClusters(uploader, mesh);
+  deformer_ = nullptr;  // pose() follows where there are poses
+  if (keepsClusters_) {
+    clusters_.resize(scene_.meshes.size());
+    for (const uint32_t mesh : changed) uploadClusters(uploader, mesh);
+  }
+  list_.upload(uploader, records_, changed);
 }
 
 void GpuGeometry::keepClusters(vk::Uploader& uploader) {
   if (std::exchange(keepsClusters_, true)) return;
   clusters_.resize(scene_.meshes.size());
   for (uint32_t mesh = 0; mesh < clusters_.size(); ++mesh) uploadClusters(uploader, mesh);
+  list_.upload(uploader, posedRecords(deformer_));
 }
 
 void GpuGeometry::uploadClusters(vk::Uploader& uploader, uint32_t index) {
   const scene::Mesh& mesh = scene_.meshes[index];
-  const std::vector<shared::Cluster> clusters = scene::clustersOf(mesh);
-  if (clusters.empty()) return;
-  clusters_[index] = vk::Buffer(device_, {.size = bytesOf(clusters).size(), .name = mesh.name + ", clusters"});
-  uploader.upload(clusters_[index], bytesOf(clusters));
+  if (mesh.indices.empty()) return;
+  const scene::Clusters all = scene::clustersOf(mesh);
+  std::vector<shared::VertexPosition> positions;
+  if (!mesh.deformation)
+    for (const uint32_t vertex : all.vertices) positions.push_back({mesh.positions[vertex], 0});
+  Parts parts;
+  const uint64_t atTriangles = parts.add(bytesOf(all.triangles)), atClusters = parts.add(bytesOf(all.clusters));
+  const uint64_t atVertices = parts.add(mesh.deformation ? bytesOf(all.vertices) : bytesOf(positions));
+  const uint64_t atClusterOfTriangle = parts.add(bytesOf(all.clusterOfTriangle));
+  vk::Buffer& buffer = clusters_[index] = parts.upload(device_, uploader, mesh.name + ", clusters");
+  records_[index].clusters = {.clusters = buffer.address() + atClusters,
+                              .triangles = buffer.address() + atTriangles,
+                              .positions = mesh.deformation ? 0 : buffer.address() + atVertices,
+                              .vertices = mesh.deformation ? buffer.address() + atVertices : 0,
+                              .clusterOfTriangle = buffer.address() + atClusterOfTriangle};
 }
 
 VkDeviceAddress GpuGeometry::clusters(uint32_t mesh) const {
-  const bool deformed = deformed_ && scene_.meshes[mesh].deformation;
-  return deformed || !clusters_[mesh] ? 0 : clusters_[mesh].address();
+  return deformer_ && scene_.meshes[mesh].deformation ? 0 : records_[mesh].clusters.clusters;
 }
 
-void GpuGeometry::pose(vk::Uploader& uploader, const Deformer* deformer) {
+std::vector<shared::Mesh> GpuGeometry::posedRecords(const Deformer* deformer) {
   std::vector<shared::Mesh> records = records_;
   posed_ = rest_;
   if (deformer) deformer->describe(records, posed_);
-  deformed_ = deformer != nullptr;
+  return records;
+}
+
+void GpuGeometry::pose(vk::Uploader& uploader, const Deformer* deformer) {
+  const std::vector<shared::Mesh> records = posedRecords(deformer);
+  deformer_ = deformer;
   ++revision_;
   for (size_t mesh = 0; mesh < revisions_.size(); ++mesh)
     if (scene_.meshes[mesh].deformation) revisions_[mesh] = revision_;

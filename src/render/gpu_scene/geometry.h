@@ -35,7 +35,7 @@ class GpuGeometry {
   VkBuffer indexBuffer(uint32_t mesh) const { return buffers_[mesh].get(); }  // from its beginning on
   uint32_t indexCount(uint32_t mesh) const { return 3 * records_[mesh].triangleCount; }
   VkDeviceAddress address() const { return list_.address(); }  // shared::Mesh[]
-  // shared::Cluster[], or 0 where the mesh is deformed.
+  // shared::Cluster[] whose bounds hold, or 0: those of a mesh that is deformed do not.
   VkDeviceAddress clusters(uint32_t mesh) const;
   // Grow whenever the shape of a mesh changes, or that of any.
   uint64_t revision(uint32_t mesh) const { return revisions_[mesh]; }
@@ -44,11 +44,13 @@ class GpuGeometry {
  private:
   void uploadMesh(vk::Uploader& uploader, uint32_t mesh);
   void uploadClusters(vk::Uploader& uploader, uint32_t mesh);
+  std::vector<shared::Mesh> posedRecords(const Deformer* deformer);
   vk::Device& device_;
   const scene::Scene& scene_;
   std::vector<vk::Buffer> buffers_;   // by mesh: indices, positions, attributes, extras
   std::vector<vk::Buffer> clusters_;  // by mesh, if they are kept
-  bool keepsClusters_ = false, deformed_ = false;
+  bool keepsClusters_ = false;
+  const Deformer* deformer_ = nullptr;  // has the vertices of deformed meshes; null: they are at rest
   std::vector<shared::Mesh> records_;  // at rest
   std::vector<VertexStreams> rest_, posed_;
   std::vector<uint64_t> revisions_;  // by mesh

@@ -19,6 +19,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer TilesRef { u
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer EntriesRef { uint v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer JobsRef { RasterJob v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer CountersRef { RasterCounters v; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ClusterRef { Cluster v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer RasterMapRef { RasterMap v[]; };
 
 // --- vertices -------------------------------------------------------------------------------------------------------
@@ -50,17 +51,15 @@ float planeDistance(vec4 clip, uint plane) {
   }
 }
 
-// Bit i: outside of plane i. A vertex without a number is outside of all.
-uint planesOutside(vec4 clip) {
-  uint outside = 0u;
-  for (uint plane = 0u; plane < 6u; ++plane) outside |= planeDistance(clip, plane) >= 0.0 ? 0u : 1u << plane;
-  return outside;
-}
-
-// Bit i: outside of a side of the picture itself.
-uint sidesOutside(vec4 clip) {
+// A bit for each side of the picture, and the near and far plane, that a vertex is outside of; and kOutsideVolume. One
+// without a number is outside of the volume and of the planes.
+const uint kOutsideVolume = 64u;
+uint outsideOf(vec4 clip) {
+  vec2 guard = guardBand() * clip.w;
+  bool near = clip.w - clip.z >= 0.0, far = clip.z >= 0.0;
+  bool inside = near && far && abs(clip.x) <= guard.x && abs(clip.y) <= guard.y;
   return (clip.x > clip.w ? 1u : 0u) | (clip.x < -clip.w ? 2u : 0u) | (clip.y > clip.w ? 4u : 0u) |
-         (clip.y < -clip.w ? 8u : 0u);
+         (clip.y < -clip.w ? 8u : 0u) | (near ? 0u : 16u) | (far ? 0u : 32u) | (inside ? 0u : kOutsideVolume);
 }
 
 // In subpixels from the upper left.
@@ -75,6 +74,22 @@ float deviceDepthOf(vec4 clip) {
   precise float inverse = 1.0 / clip.w;
   precise float depth = clip.z * inverse;
   return clamp(depth, 0.0, 1.0);
+}
+
+struct Corner {  // of a triangle
+  vec3 seen;     // view space
+  ivec2 screen;  // subpixels
+  float depth;   // of the device
+  uint outside;
+};
+Corner cornerAt(View view, mat4x3 toWorld, vec3 position) {
+  Corner corner;
+  corner.seen = seenPosition(view, toWorld, position);
+  vec4 clip = clipPosition(view, corner.seen);
+  corner.screen = screenPosition(clip);
+  corner.depth = deviceDepthOf(clip);
+  corner.outside = outsideOf(clip);
+  return corner;
 }
 
 // --- triangles ------------------------------------------------------------------------------------------------------
@@ -198,7 +213,7 @@ bool isDrawn(uint view, PixelBox box) {
   return (pages & span) != 0u;
 }
 
-const int kSmallBox = kSamples <= 4u ? 40 / int(kSamples) : 9;  // pixels
+const int kSmallBox = kSamples <= 4u ? 32 / int(kSamples) : 9;  // pixels: bits of pixelsInside()
 // A subgroup's loop over more would keep its workgroup waiting.
 const int kMediumBox = kSamples <= 4u ? 512 / int(kSamples) : 128;
 // Pixels of a triangle's extent in which edges fit into 32 bits at all its samples, and in the blocks that begin among
@@ -218,7 +233,8 @@ bool ownsEdge(ivec2 way) { return way.y < 0 || (way.y == 0 && way.x > 0); }
 
 void writeVisible(uint index, uint64_t value) {
   VisibleRef visible = VisibleRef(push.buffers.visible);
-  if (visible.v[index] < value) atomicMax(visible.v[index], value);
+  // On lavapipe a load is a loop over lanes, as the maximum itself is.
+  if (kCpuDevice != 0u || visible.v[index] < value) atomicMax(visible.v[index], value);
 }
 uint visibleAt(uint view, ivec2 pixel) { return visibleIndex(uvec3(pixel, view), uvec2(push.width, push.height)); }
 

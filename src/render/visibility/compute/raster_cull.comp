@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// A thread for each kRasterGroup triangles of an instance, in a view: queues them if any of them may show.
+// A thread for each cluster of an instance, in a view: queues it if any of its triangles may show.
 #extension GL_KHR_shader_subgroup_ballot : require
 #include "render/visibility/compute/raster.glsl"
 
@@ -24,8 +24,6 @@ bool mayShow(View view, vec3 centre, float radius) {
 // Which instances: those that have these flags and no others of them.
 layout(constant_id = 16) const uint kWanted = 0u;
 layout(constant_id = 17) const uint kAsked = 0u;
-
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ClusterRef { Cluster v[]; };
 
 // Whether nothing but the backs of its triangles can be seen. The margin is for rounding, and for triangles seen almost
 // edge-on: snapped to subpixels they may show their fronts.
@@ -56,7 +54,7 @@ PixelBox pixelsOf(View view, vec3 centre, float radius) {
   return PixelBox(ivec2(clamp(first - 1.0, vec2(0.0), last)), ivec2(clamp(end + 1.0, vec2(0.0), last)));
 }
 
-bool partShows(View view, uint viewIndex, RankedInstance r, uint part) {
+bool clusterShows(View view, uint viewIndex, RankedInstance r, uint cluster) {
   if ((r.flags & kAsked) != kWanted || r.radius < 0.0) return false;
   if (view.group != 0u) {
     Instance instance = frameInstance(FrameRef(push.buffers.frame).v, r.instance);
@@ -66,7 +64,7 @@ bool partShows(View view, uint viewIndex, RankedInstance r, uint part) {
   float radius = r.radius;
   if (r.clusters != uint64_t(0)) {
     mat4x3 toWorld = frameInstance(FrameRef(push.buffers.frame).v, r.instance).objectToWorld;
-    Cluster c = ClusterRef(r.clusters).v[part];
+    Cluster c = ClusterRef(r.clusters).v[cluster];
     if (facesAway(view, r, c, toWorld)) return false;
     centre = toWorld * vec4(c.centre, 1.0);
     radius = c.radius * r.stretch;
@@ -87,8 +85,8 @@ void main() {
     InstanceList list = InstanceListRef(push.buffers.instances).v;
     work.rank = RankOfPartRef(list.rankOfPart).v[number];
     RankedInstance r = RankRef(list.ranks).v[work.rank];
-    work.part = number - r.firstTriangle / kRasterGroup;
-    shows = partShows(frameView(FrameRef(push.buffers.frame).v, viewIndex), viewIndex, r, work.part);
+    work.cluster = number - r.firstTriangle / kRasterGroup;
+    shows = clusterShows(frameView(FrameRef(push.buffers.frame).v, viewIndex), viewIndex, r, work.cluster);
   }
   uvec4 shown = subgroupBallot(shows);
   uint first = 0u;

@@ -9,7 +9,7 @@
 
 SH_BEGIN
 
-SH_CONST uint kRasterGroup = kClusterTriangles;  // that a workgroup of raster.comp takes
+SH_CONST uint kRasterGroup = kClusterTriangles;  // triangles of a part: of their numbers, and of a cluster
 SH_CONST uint kCullGroup = 64u;            // parts that a workgroup of raster_cull.comp takes
 SH_CONST uint kRasterRow = 32768u;         // workgroups in a row of an indirect dispatch
 SH_CONST uint kRasterTile = 64u;           // pixels across, of what raster_large.comp does at once
@@ -23,11 +23,11 @@ SH_CONST uint kRasterLarge = 3u;    // the tiles that it touches
 SH_CONST uint kRasterClipped = 4u;  // they do, after what lies outside of the view's volume is cut off
 
 // Ids of what is visible are counted over all instances, each of which begins with a part of its own: triangle t of this
-// one is firstTriangle + t + 1.
+// one is firstTriangle + t + 1. Its mesh has as many clusters as parts, and they are counted in the same way.
 struct RankedInstance {  // 48 bytes
   vec3 centre;           // of a sphere around it, world
   float radius;          // metres; below 0: it is gone
-  uint64_t clusters;     // Cluster[] of its mesh, or 0
+  uint64_t clusters;     // Cluster[] of its mesh where their bounds hold, or 0
   float stretch;         // what its transform makes longer than it is in object space, at most
   uint instance;
   uint mesh;
@@ -47,9 +47,9 @@ struct InstanceList {   // in the order of drawing
   uint64_t rankOfPart;  // uint[]: which instance has the triangles kRasterGroup * i and on
 };
 
-struct RasterWork {  // kRasterGroup triangles of an instance in a view
+struct RasterWork {  // a cluster of an instance in a view
   uint rank;
-  uint part;
+  uint cluster;  // of the mesh
   uint view;
 };
 

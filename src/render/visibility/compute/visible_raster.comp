@@ -4,7 +4,7 @@
 #include "render/visibility/compute/raster.glsl"
 
 layout(local_size_x = 16, local_size_y = 16) in;
-layout(set = 0, binding = 0, rgba32f) writeonly uniform image2DArray numbers;  // instance from 1, part of it, triangle
+layout(set = 0, binding = 0, rgba32f) writeonly uniform image2DArray numbers;  // instance from 1, cluster of it, triangle
 layout(set = 0, binding = 1, rg32f) writeonly uniform image2DArray classes;    // kRaster*, and facing
 
 // The cosine between the triangle's normal and the ray through the pixel's centre.
@@ -16,15 +16,17 @@ float facing(View view, vec3 a, vec3 b, vec3 c, ivec2 pixel) {
 vec2 classOf(FrameConstants frame, View view, SeenTriangle seen, ivec2 pixel) {
   mat4x3 toWorld = frameInstance(frame, seen.rank.instance).objectToWorld;
   uint64_t positions = frameMesh(frame, seen.rank.mesh).positions;
-  vec3 a = seenPosition(view, toWorld, positionAt(positions, seen.indices.x));
-  vec3 b = seenPosition(view, toWorld, positionAt(positions, seen.indices.y));
-  vec3 c = seenPosition(view, toWorld, positionAt(positions, seen.indices.z));
-  vec4 clipA = clipPosition(view, a), clipB = clipPosition(view, b), clipC = clipPosition(view, c);
-  float turned = facing(view, a, b, c, pixel);
-  if ((planesOutside(clipA) | planesOutside(clipB) | planesOutside(clipC)) != 0u)
-    return vec2(float(kRasterClipped), turned);
-  Triangle t = Triangle(screenPosition(clipA), screenPosition(clipB), screenPosition(clipC), vec3(0.0), 0.0, 0.0, 0u);
+  Corner a = cornerAt(view, toWorld, positionAt(positions, seen.indices.x));
+  Corner b = cornerAt(view, toWorld, positionAt(positions, seen.indices.y));
+  Corner c = cornerAt(view, toWorld, positionAt(positions, seen.indices.z));
+  float turned = facing(view, a.seen, b.seen, c.seen, pixel);
+  if (((a.outside | b.outside | c.outside) & kOutsideVolume) != 0u) return vec2(float(kRasterClipped), turned);
+  Triangle t = Triangle(a.screen, b.screen, c.screen, vec3(0.0), 0.0, 0.0, 0u);
   return vec2(float(sizeClass(t, onScreen(pixelsOf(t)))), turned);
+}
+
+uint clusterOf(FrameConstants frame, SeenTriangle seen) {
+  return UintRef(frameMesh(frame, seen.rank.mesh).clusters.clusterOfTriangle).v[seen.number];
 }
 
 void main() {
@@ -39,6 +41,6 @@ void main() {
   FrameConstants frame = FrameRef(push.buffers.frame).v;
   SeenTriangle seen = seenTriangle(frame, push.buffers.instances, id);
   imageStore(numbers, pixel,
-             vec4(float(seen.rank.instance + 1u), float(seen.number / kRasterGroup), float(seen.number), 0.0));
+             vec4(float(seen.rank.instance + 1u), float(clusterOf(frame, seen)), float(seen.number), 0.0));
   imageStore(classes, pixel, vec4(classOf(frame, frameView(frame, uint(pixel.z)), seen, pixel.xy), 0.0, 0.0));
 }
