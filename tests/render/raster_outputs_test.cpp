@@ -65,11 +65,12 @@ struct Box {  // the legs of a right triangle, in pixels
 
 TEST_F(RasterOutputsTest, ClassesFollowTheBoxes) {
   constexpr uint32_t kSize = 256;
-  constexpr Box kBoxes[] = {{3, 3, shared::kRasterSmall},    {6, 6, shared::kRasterSmall},
-                            {32, 1, shared::kRasterSmall},   {33, 1, shared::kRasterMedium},
-                            {7, 6, shared::kRasterMedium},   {20, 20, shared::kRasterMedium}, {22, 22, shared::kRasterMedium},
-                            {119, 1, shared::kRasterMedium}, {120, 1, shared::kRasterLarge},
-                            {23, 23, shared::kRasterLarge},  {1000, 1000, shared::kRasterLarge}};
+  constexpr Box kBoxes[] = {{3, 3, shared::kRasterSmall},      {5, 5, shared::kRasterSmall},
+                            {32, 1, shared::kRasterSmall},     {33, 1, shared::kRasterMedium},
+                            {6, 6, shared::kRasterMedium},     {20, 20, shared::kRasterMedium},
+                            {22, 22, shared::kRasterMedium},   {119, 1, shared::kRasterMedium},
+                            {120, 1, shared::kRasterLarge},    {23, 23, shared::kRasterLarge},
+                            {1000, 1000, shared::kRasterLarge}};
   std::vector<vec3> positions;
   std::vector<uint32_t> indices;
   float top = 0;
