@@ -89,7 +89,7 @@ Renderer::Renderer(vk::Device& device, const scene::Scene& scene, const scene::E
       hasEnvironment_(environment != nullptr),
       ranks_(device),
       executor_(device),
-      state_{device_, executor_, gpuScene_, environment_, hasEnvironment_, drawOrder_, ranks_, overflow_} {}
+      state_{device_, executor_, gpuScene_, environment_, hasEnvironment_, drawOrder_, ranks_, hidden_, overflow_} {}
 
 Renderer::~Renderer() = default;
 

@@ -56,6 +56,7 @@ class Renderer {
   const std::vector<graph::PassTime>& times() const { return times_; }
   // Of the same, all its pictures: with several samples a pixel, a deferred technique, and countSurfaces.
   const std::optional<ShadingCounts>& shadingCounts() const { return shadingCounts_; }
+  const HiddenClusters& hiddenClusters() const { return hidden_; }
   const KeptShadowMaps& shadowMaps() const { return shadowMaps_[1]; }  // of the raster compute
   // Graphviz of its last graph.
   const std::string& graphviz() const { return graphviz_; }
@@ -90,6 +91,7 @@ class Renderer {
   bool hasEnvironment_;
   DrawOrder drawOrder_;
   InstanceRanks ranks_;
+  HiddenClusters hidden_;
   graph::Executor executor_;
   Overflow overflow_;
   RenderState state_;

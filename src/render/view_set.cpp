@@ -11,7 +11,7 @@ namespace {
 std::unique_ptr<Visibility> makeVisibility(const RenderState& state, std::span<const shared::View> views,
                                            const Settings& settings, const VisibilityOptions& options) {
   if (options.inCompute || rastersInCompute(settings))
-    return std::make_unique<ComputeVisibility>(state.scene, state.ranks, options);
+    return std::make_unique<ComputeVisibility>(state.scene, state.ranks, state.hidden, options);
   return std::make_unique<HardwareVisibility>(state.device, state.scene, state.order, views, options);
 }
 

@@ -25,6 +25,7 @@ struct RenderState {
   bool hasEnvironment;
   const DrawOrder& order;
   const InstanceRanks& ranks;
+  HiddenClusters& hidden;
   Overflow& overflow;
 };
 

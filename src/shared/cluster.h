@@ -10,9 +10,11 @@ SH_BEGIN
 SH_CONST uint kClusterTriangles = 128u;  // all but a mesh's last have as many
 SH_CONST uint kClusterVertices = 384u;   // at most: of triangles that share none
 
-struct Cluster {  // 52 bytes; object space
-  vec3 centre;    // of a sphere around it
+struct Cluster {  // 68 bytes; object space
+  vec3 centre;    // of a sphere and a box around it
   float radius;
+  vec3 extent;  // of the box: half its sides
+  float edge;   // the longest of its triangles
   vec3 apex;     // of a cone of directions: see clusterFacesAway()
   float cutoff;  // 1: it faces all ways
   vec3 axis;
@@ -46,7 +48,7 @@ SH_FUNC bool clusterFacesAway(vec3 direction, vec3 axis, float cutoff, float mar
 SH_END
 
 #if defined(__cplusplus)
-static_assert(sizeof(latelight::shared::Cluster) == 52);
+static_assert(sizeof(latelight::shared::Cluster) == 68);
 static_assert(sizeof(latelight::shared::ClusterTriangle) == 8);
 #endif
 

@@ -80,9 +80,15 @@ std::string computeRasterLacks(const vk::Device& device) {
   return "";
 }
 
-ComputeVisibility::ComputeVisibility(const GpuScene& scene, const InstanceRanks& ranks,
+ComputeVisibility::ComputeVisibility(const GpuScene& scene, const InstanceRanks& ranks, HiddenClusters& hidden,
                                      const VisibilityOptions& options)
-    : scene_(scene), ranks_(ranks), share_(options.blendedToo ? ranks.all() : ranks.solid()) {}
+    : scene_(scene),
+      ranks_(ranks),
+      hidden_(hidden),
+      hiddenOf_(options.blendedToo  ? HiddenOf::WithBlended
+                : options.atCentres ? HiddenOf::Steady
+                                    : HiddenOf::Jittered),
+      share_(options.blendedToo ? ranks.all() : ranks.solid()) {}
 
 // --- what is visible ------------------------------------------------------------------------------------------------
 
@@ -170,12 +176,71 @@ struct ComputeVisibility::Chain {
   bool textures = false;
   graph::BufferId lists{};                // of what is blended: shared::FragmentLists
   std::vector<graph::BufferId> filled{};  // the buffers of those
+  uint32_t culls = kCullAll;              // kCull*
+  graph::BufferId hidden{}, pyramid{};    // that it takes
 };
+
+// What it takes to cull what is hidden costs about as much as to rasterize so many clusters.
+bool ComputeVisibility::worthHiding(uint32_t views) const {
+  constexpr uint64_t kFewest = 1u << 13, kMostWords = 1u << 24;
+  const uint64_t all = share_.parts * views;
+  return all >= kFewest && all / 32 < kMostWords;
+}
+
+graph::BufferId ComputeVisibility::addPyramid(const FrameContext& f, const RasterViews& views,
+                                              graph::BufferId visible) const {
+  const uint64_t floats = uint64_t{pyramidOffset(views.width, views.height, kPyramidLevels)} * views.count;
+  const graph::BufferId pyramid = f.graph.create(
+      vk::BufferDesc{.size = 4 * floats, .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, .name = "depth pyramid"});
+  ComputePass pass = rasterStep(f, graph::Stage::Visibility, "raster_pyramid.comp",
+                                {{visible, graph::Use::StorageRead}, {pyramid, graph::Use::StorageWrite}});
+  pass.size = {(views.width + kRasterTile - 1) / kRasterTile, (views.height + kRasterTile - 1) / kRasterTile,
+               views.count};
+  pass.constants = {{kSamplesConstant, views.samples}};
+  addCompute(f, std::move(pass), [=](graph::Context& context) {
+    return PyramidPush{
+        context.buffer(visible).address(), context.buffer(pyramid).address(), views.width, views.height};
+  });
+  return pyramid;
+}
+
+void ComputeVisibility::addCull(const FrameContext& f, const RasterViews& views, const Buffers& b,
+                                const Chain& chain) const {
+  const InstanceRanks::Share& share = chain.lists ? ranks_.all() : share_;
+  constexpr uint32_t kPartsInRow = kRasterRow * kCullGroup;
+  const auto parts = static_cast<uint32_t>(share.parts);
+  ComputePass pass = rasterStep(
+      f, chain.stage, "raster_cull.comp",
+      {{b.work, graph::Use::StorageWrite}, {b.counters, graph::Use::StorageReadWrite}});
+  if (views.pages) pass.buffers.emplace_back(views.pages, graph::Use::StorageRead);
+  if (chain.hidden) pass.buffers.emplace_back(chain.hidden, graph::Use::StorageReadWrite);
+  if (chain.pyramid) pass.buffers.emplace_back(chain.pyramid, graph::Use::StorageRead);
+  pass.size = {std::min((parts + kCullGroup - 1) / kCullGroup, kRasterRow), (parts + kPartsInRow - 1) / kPartsInRow,
+               views.count};
+  pass.constants = {{kFirstOwnConstant, chain.wanted},
+                    {kFirstOwnConstant + 1, chain.asked},
+                    {kFirstOwnConstant + 2, chain.culls},
+                    {kShadowMapsConstant, views.pages ? 1u : 0u}};
+  addCompute(f, std::move(pass), [=, this](graph::Context& context) {
+    const auto address = [&](graph::BufferId buffer) { return buffer ? context.buffer(buffer).address() : 0; };
+    return CullPush{.frame = views.constants,
+                    .instances = ranks_.address(),
+                    .work = address(b.work),
+                    .counters = address(b.counters),
+                    .within = views.within,
+                    .pages = address(views.pages),
+                    .hidden = address(chain.hidden),
+                    .pyramid = address(chain.pyramid),
+                    .parts = parts,
+                    .width = views.width,
+                    .height = views.height,
+                    .workRoom = b.room.work};
+  });
+}
 
 void ComputeVisibility::addRaster(const FrameContext& f, const RasterViews& views, const Buffers& b,
                                   const Chain& chain) const {
   const bool blended{chain.lists};
-  const InstanceRanks::Share& share = blended ? ranks_.all() : share_;
   addClear(f, chain.stage, "raster clear", {b.counters, b.tiles}, {b.work, b.clipped, b.large, b.entries, b.jobs});
   const auto push = [=, this, &f](graph::Context& context) {
     const auto address = [&](graph::BufferId buffer) { return context.buffer(buffer).address(); };
@@ -193,7 +258,6 @@ void ComputeVisibility::addRaster(const FrameContext& f, const RasterViews& view
                       .fragments = blended       ? address(chain.lists)
                                    : views.pages ? address(views.pages)
                                                  : 0,
-                      .parts = static_cast<uint32_t>(share.parts),
                       .views = views.count,
                       .width = views.width,
                       .height = views.height,
@@ -235,12 +299,7 @@ void ComputeVisibility::addRaster(const FrameContext& f, const RasterViews& view
     pass.groupsOffset = offsetof(RasterCounters, groups);
     addCompute(f, std::move(pass), push);
   };
-  constexpr uint32_t kPartsInRow = kRasterRow * kCullGroup;
-  const auto parts = static_cast<uint32_t>(share.parts);
-  over("raster_cull.comp",
-       {std::min((parts + kCullGroup - 1) / kCullGroup, kRasterRow), (parts + kPartsInRow - 1) / kPartsInRow,
-        views.count},
-       {{kFirstOwnConstant, chain.wanted}, {kFirstOwnConstant + 1, chain.asked}, maps});
+  addCull(f, views, b, chain);
   // lavapipe ends a shader's loops after 65535 rounds together. Those of a group are fewer where nothing but pixels is
   // gone through: 180 for a triangle.
   const bool apart = f.device.isCpu() && !chain.textures && !blended && views.samples == 1;
@@ -252,8 +311,12 @@ void ComputeVisibility::addRaster(const FrameContext& f, const RasterViews& view
   overQueue(chain.large, kQueueJobs, b.jobRoom, 1, chain.textures);
   if (!f.overflow) return;
   const graph::BufferId host = copyToHost(f, chain.stage, "raster counters", {b.counters}).front();
-  f.overflow->checks.push_back([&f, host, room = b.room](const graph::Submission& done) {
-    return overflowedRaster(f, room, *done.buffer(host).as<RasterCounters>());
+  f.overflow->checks.push_back([&f, &hidden = hidden_, culls = chain.culls, host,
+                                room = b.room](const graph::Submission& done) {
+    const auto& counters = *done.buffer(host).as<RasterCounters>();
+    if (culls == kCullSeen) hidden.counts = {.drawn = counters.work, .seenBefore = counters.work};
+    if (culls == kCullFound) hidden.counts.drawn += counters.work;
+    return overflowedRaster(f, room, counters);
   });
 }
 
@@ -274,7 +337,12 @@ void ComputeVisibility::addResolve(const FrameContext& f, ComputePass pass, grap
 // What a frame's views show is found in them, or through a lens in pinhole views that see along all of its rays.
 RasterViews ComputeVisibility::viewsOf(const FrameContext& f) const {
   if (f.lens) return pinholeViews(f);
-  return {f.constants, f.width, f.height, f.viewCount(), f.setup.samples};
+  return {.constants = f.constants,
+          .width = f.width,
+          .height = f.height,
+          .count = f.viewCount(),
+          .samples = f.setup.samples,
+          .cullsHidden = worthHiding(f.viewCount())};
 }
 
 RasterViews ComputeVisibility::pinholeViews(const FrameContext& f) const {
@@ -315,7 +383,16 @@ graph::BufferId ComputeVisibility::addVisible(const FrameContext& f, const Raste
     whole.large = cut.large = "raster_large_lens.comp";
     whole.textures = true;  // one shader for both
   }
-  if (share_.ranks > share_.cutOut) addRaster(f, views, b, whole);
+  const bool some = share_.ranks > share_.cutOut;
+  if (some && views.cullsHidden) {
+    whole.hidden = hidden_.addTo(f, hiddenOf_, (share_.parts + 31) / 32 * views.count);
+    whole.culls = kCullSeen;
+    addRaster(f, views, b, whole);
+    whole.pyramid = cut.pyramid = pyramid_ = addPyramid(f, views, b.visible);
+    whole.culls = kCullFound;
+    cut.culls = kCullUnhidden;
+  }
+  if (some) addRaster(f, views, b, whole);
   if (share_.cutOut > 0) addRaster(f, views, b, cut);
   return b.visible;
 }
@@ -598,6 +675,10 @@ void ComputeVisibility::addFragments(const FrameContext& f, const Gbuffer& gbuff
               false,
               lists,
               filled};
+  if (pyramid_) {
+    chain.culls = kCullUnhidden;
+    chain.pyramid = pyramid_;
+  }
   if (views.lens) {
     chain.small = "raster_lens_blended.comp";
     chain.large = "raster_large_lens_blended.comp";

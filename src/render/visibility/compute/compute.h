@@ -3,6 +3,7 @@
 // chain of dispatches. The result is the same whatever order workgroups run in. Nothing is drawn.
 #pragma once
 
+#include "render/visibility/compute/hidden_clusters.h"
 #include "render/visibility/compute/ranks.h"
 #include "render/visibility/compute/shown_push.h"
 #include "render/visibility/visibility.h"
@@ -17,6 +18,7 @@ struct RasterViews {
   bool lens = false;           // they find the rays of a picture through a lens, which `within` describes
   VkDeviceAddress within = 0;  // RasterPush::within
   graph::BufferId pages{};     // of shadow maps: what of them is drawn (shadow/pages.h)
+  bool cullsHidden = false;    // clusters that others hide are passed over
 };
 
 // What a device lacks that these shaders need, as the end of a sentence; empty: nothing.
@@ -24,7 +26,8 @@ std::string computeRasterLacks(const vk::Device& device);
 
 class ComputeVisibility final : public Visibility {
  public:
-  ComputeVisibility(const GpuScene& scene, const InstanceRanks& ranks, const VisibilityOptions& options);
+  ComputeVisibility(const GpuScene& scene, const InstanceRanks& ranks, HiddenClusters& hidden,
+                    const VisibilityOptions& options);
 
   FrameDepth addDepth(const FrameContext& f) const override;
   void addGbuffer(const FrameContext& f, Gbuffer& gbuffer) const override;
@@ -55,6 +58,9 @@ class ComputeVisibility final : public Visibility {
   struct Buffers;
   struct Chain;
   void addRaster(const FrameContext& f, const RasterViews& views, const Buffers& buffers, const Chain& chain) const;
+  void addCull(const FrameContext& f, const RasterViews& views, const Buffers& buffers, const Chain& chain) const;
+  graph::BufferId addPyramid(const FrameContext& f, const RasterViews& views, graph::BufferId visible) const;
+  bool worthHiding(uint32_t views) const;
   graph::BufferId addVisible(const FrameContext& f, const RasterViews& views) const;
   RasterViews viewsOf(const FrameContext& f) const;
   RasterViews pinholeViews(const FrameContext& f) const;
@@ -69,8 +75,12 @@ class ComputeVisibility final : public Visibility {
 
   const GpuScene& scene_;
   const InstanceRanks& ranks_;
+  HiddenClusters& hidden_;
+  HiddenOf hiddenOf_;
   InstanceRanks::Share share_;
-  mutable graph::BufferId visible_;  // of the graph that is being built, once addDepth() was called
+  // Of the graph that is being built, once addDepth() was called.
+  mutable graph::BufferId visible_;
+  mutable graph::BufferId pyramid_;  // none: nothing is culled that is hidden
 };
 
 }  // namespace latelight::render

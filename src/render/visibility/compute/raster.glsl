@@ -7,6 +7,7 @@
 #extension GL_EXT_shader_atomic_int64 : require
 #extension GL_KHR_shader_subgroup_basic : require
 #include "render/glsl/common.glsl"
+#include "render/visibility/compute/drawn_pages.glsl"
 #include "render/visibility/compute/seen_triangle.glsl"
 #include "render/visibility/compute/visible.glsl"
 
@@ -20,7 +21,6 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer EntriesRef {
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer JobsRef { RasterJob v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer CountersRef { RasterCounters v; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ClusterRef { Cluster v[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer RasterMapRef { RasterMap v[]; };
 
 // --- vertices -------------------------------------------------------------------------------------------------------
 
@@ -186,10 +186,7 @@ float depthAt(PixelDepth d, uint index) {
 
 // --- boxes ----------------------------------------------------------------------------------------------------------
 
-// The pixels with samples that may be inside: both included; none where a corner of `low` is beyond that of `high`.
-struct PixelBox {
-  ivec2 low, high;
-};
+// With samples that may be inside.
 PixelBox pixelsOf(Triangle t) {
   ivec2 low = min(t.a, min(t.b, t.c)), high = max(t.a, max(t.b, t.c));
   return PixelBox((low + kFirstPlace - 1 - kReach) >> 8, (high - kFirstPlace + kReach) >> 8);
@@ -197,21 +194,8 @@ PixelBox pixelsOf(Triangle t) {
 PixelBox onScreen(PixelBox box) {
   return PixelBox(max(box.low, ivec2(0)), min(box.high, ivec2(push.width, push.height) - 1));
 }
-bool isEmpty(PixelBox box) { return any(greaterThan(box.low, box.high)); }
 
-// 1: the views are shadow maps, of which nothing but some pages is drawn. Back faces too, whatever their material says.
-layout(constant_id = 20) const uint kShadowMaps = 0u;
-
-// Whether any of the pixels, which are on screen, is in a page that is drawn.
-bool isDrawn(uint view, PixelBox box) {
-  if (kShadowMaps == 0u) return true;
-  RasterMap map = RasterMapRef(push.within).v[view];
-  uvec2 low = uvec2(box.low) / kRasterTile, high = uvec2(box.high) / kRasterTile;
-  uint span = (~0u >> (31u - (high.x - low.x))) << low.x, pages = 0u;
-  for (uint row = low.y; row <= high.y; ++row)
-    pages |= UintRef(push.fragments).v[map.firstRow + row * map.rowStep];
-  return (pages & span) != 0u;
-}
+bool isDrawn(uint view, PixelBox box) { return isDrawn(push.within, push.fragments, view, box); }
 
 const int kSmallBox = kSamples <= 4u ? 32 / int(kSamples) : 9;  // pixels: bits of pixelsInside()
 // A subgroup's loop over more would keep its workgroup waiting.
@@ -267,8 +251,5 @@ void pushLarge(uint view, Triangle t) {
     LargeRef(push.buffers.large).v[place] =
         LargeTriangle(t.a.x, t.a.y, t.b.x, t.b.y, t.c.x, t.c.y, t.plane, t.least, t.most, t.id, view);
 }
-
-// The workgroup's number in an indirect dispatch (raster_arguments.comp).
-uint groupNumber() { return gl_WorkGroupID.y * kRasterRow + gl_WorkGroupID.x; }
 
 #endif

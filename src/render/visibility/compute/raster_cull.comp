@@ -2,9 +2,12 @@
 #extension GL_GOOGLE_include_directive : require
 // A thread for each cluster of an instance, in a view: queues it if any of its triangles may show.
 #extension GL_KHR_shader_subgroup_ballot : require
-#include "render/visibility/compute/raster.glsl"
+#include "render/glsl/common.glsl"
+#include "render/visibility/compute/drawn_pages.glsl"
+#include "render/visibility/compute/seen_triangle.glsl"
 
 layout(local_size_x = 64) in;
+layout(push_constant, scalar) uniform Push { CullPush push; };
 
 // Whether the sphere reaches inside of a side: of (scale * x + offset * depth) >= 0, normalised here.
 bool reaches(float scale, float offset, float x, float depth, float radius) {
@@ -24,6 +27,13 @@ bool mayShow(View view, vec3 centre, float radius) {
 // Which instances: those that have these flags and no others of them.
 layout(constant_id = 16) const uint kWanted = 0u;
 layout(constant_id = 17) const uint kAsked = 0u;
+layout(constant_id = 18) const uint kWhich = kCullAll;
+
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer WorkRef { RasterWork v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer CountersRef { RasterCounters v; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ClusterRef { Cluster v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer HiddenRef { uint v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer PyramidRef { float v[]; };
 
 // Whether nothing but the backs of its triangles can be seen. The margin is for rounding, and for triangles seen almost
 // edge-on: snapped to subpixels they may show their fronts.
@@ -54,43 +64,146 @@ PixelBox pixelsOf(View view, vec3 centre, float radius) {
   return PixelBox(ivec2(clamp(first - 1.0, vec2(0.0), last)), ivec2(clamp(end + 1.0, vec2(0.0), last)));
 }
 
-bool clusterShows(View view, uint viewIndex, RankedInstance r, uint cluster) {
-  if ((r.flags & kAsked) != kWanted || r.radius < 0.0) return false;
+// Of a cluster; where its bounds do not hold, of its instance.
+struct Bounds {
+  vec3 centre;  // world
+  float radius;
+  mat3 sides;  // half of a box's, view space
+  float edge;  // the longest of its triangles
+};
+
+// False where the cluster shows nothing but its back.
+bool findBounds(View view, RankedInstance r, uint cluster, out Bounds bounds) {
+  mat3 toView = mat3(view.worldToView);
+  bounds = Bounds(r.centre, r.radius, toView * r.radius, 2.0 * r.radius);
+  if (r.clusters == uint64_t(0)) return true;
+  mat4x3 toWorld = frameInstance(FrameRef(push.frame).v, r.instance).objectToWorld;
+  Cluster c = ClusterRef(r.clusters).v[cluster];
+  mat3 extent = mat3(c.extent.x, 0.0, 0.0, 0.0, c.extent.y, 0.0, 0.0, 0.0, c.extent.z);
+  bounds = Bounds(toWorld * vec4(c.centre, 1.0), c.radius * r.stretch, toView * (mat3(toWorld) * extent),
+                  c.edge * r.stretch);
+  return !facesAway(view, r, c, toWorld);
+}
+
+// Whether the view sees that far, as if nothing stood before it.
+bool inView(View view, uint viewIndex, RankedInstance r, Bounds bounds) {
   if (view.group != 0u) {
-    Instance instance = frameInstance(FrameRef(push.buffers.frame).v, r.instance);
+    Instance instance = frameInstance(FrameRef(push.frame).v, r.instance);
     if (instance.flags >> kInstanceGroupShift != view.group) return false;
   }
-  vec3 centre = r.centre;
-  float radius = r.radius;
-  if (r.clusters != uint64_t(0)) {
-    mat4x3 toWorld = frameInstance(FrameRef(push.buffers.frame).v, r.instance).objectToWorld;
-    Cluster c = ClusterRef(r.clusters).v[cluster];
-    if (facesAway(view, r, c, toWorld)) return false;
-    centre = toWorld * vec4(c.centre, 1.0);
-    radius = c.radius * r.stretch;
-  }
-  if (!mayShow(view, centre, radius)) return false;
+  if (!mayShow(view, bounds.centre, bounds.radius)) return false;
   if (kShadowMaps == 0u) return true;
   vec4 within = RasterMapRef(push.within).v[viewIndex].within;
-  vec3 way = centre - within.xyz;
-  float reach = radius + within.w;
-  return dot(way, way) <= reach * reach && isDrawn(viewIndex, pixelsOf(view, centre, radius));
+  vec3 way = bounds.centre - within.xyz;
+  float reach = bounds.radius + within.w;
+  return dot(way, way) <= reach * reach &&
+         isDrawn(push.within, push.pages, viewIndex, pixelsOf(view, bounds.centre, bounds.radius));
+}
+
+// --- what hides ------------------------------------------------------------------------------------------------------
+
+// A box as the view sees it.
+struct SeenBox {
+  bool behind;     // it may reach to where the eye is, or behind it
+  float nearest;   // depth of the nearest pixel that triangles in it can have
+  PixelBox pixels;
+};
+
+SeenBox seenBox(View view, Bounds bounds) {
+  Projection p = view.projection;
+  vec3 centre = view.worldToView * vec4(bounds.centre, 1.0);
+  vec3 slack = vec3(1e-5 * (abs(centre.x) + abs(centre.y) + abs(centre.z)));
+  vec3 reach = abs(bounds.sides[0]) + abs(bounds.sides[1]) + abs(bounds.sides[2]) + slack;
+  float nearest = centre.y - reach.y;
+  if (p.kind == kPerspective && nearest <= 0.0) return SeenBox(true, 1.0, PixelBox(ivec2(0), ivec2(-1)));
+  // Snapping to subpixels may bring a triangle nearer, but no more than its farthest corner is from its nearest
+  // (setRange() in raster.glsl).
+  float depth = deviceDepth(p, nearest), most = 2.0 * depth - deviceDepth(p, nearest + min(bounds.edge, 2.0 * reach.y));
+  vec2 low = vec2(3.0e38), high = vec2(-3.0e38);
+  for (uint i = 0u; i < 8u; ++i) {
+    vec3 corner = centre + bounds.sides[0] * ((i & 1u) != 0u ? 1.0 : -1.0) +
+                  bounds.sides[1] * ((i & 2u) != 0u ? 1.0 : -1.0) + bounds.sides[2] * ((i & 4u) != 0u ? 1.0 : -1.0);
+    float scale = p.kind == kPerspective ? 1.0 / max(corner.y, nearest) : 1.0;
+    vec2 ndc = vec2(p.H, p.V) * corner.xz * scale + vec2(p.X, p.Z);
+    low = min(low, ndc);
+    high = max(high, ndc);
+  }
+  vec2 last = vec2(push.width, push.height) - 1.0;
+  vec2 first = (vec2(low.x, -high.y) * 0.5 + 0.5) * view.size, end = (vec2(high.x, -low.y) * 0.5 + 0.5) * view.size;
+  return SeenBox(false, most * 1.00001, PixelBox(ivec2(clamp(first - 1.5, vec2(0.0), last)),
+                                                 ivec2(clamp(end + 1.5, vec2(0.0), last))));
+}
+
+// Whether every sample that the box may touch is nearer. Boxes of many squares, even large ones, count as seen.
+bool isHidden(View view, uint viewIndex, Bounds bounds) {
+  const int kAcross = 4;
+  SeenBox box = seenBox(view, bounds);
+  if (box.behind) return false;
+  uint level = 0u;
+  ivec2 low = box.pixels.low / int(kPyramidSquare), high = box.pixels.high / int(kPyramidSquare);
+  for (; level < kPyramidLevels && any(greaterThanEqual(high - low, ivec2(kAcross))); ++level) {
+    low >>= 1;
+    high >>= 1;
+  }
+  if (level == kPyramidLevels) return false;
+  uint first = viewIndex * pyramidOffset(push.width, push.height, kPyramidLevels) +
+               pyramidOffset(push.width, push.height, level);
+  uint columns = pyramidSquares(push.width, level);
+  float farthest = 1.0;
+  for (int y = low.y; y <= high.y; ++y)
+    for (int x = low.x; x <= high.x; ++x)
+      farthest = min(farthest, PyramidRef(push.pyramid).v[first + uint(y) * columns + uint(x)]);
+  return box.nearest < farthest;
+}
+
+// --- which are queued ------------------------------------------------------------------------------------------------
+
+uint hiddenWord(uint viewIndex, uint number) { return viewIndex * ((push.parts + 31u) / 32u) + number / 32u; }
+
+shared uint hiddenNow[2];  // of the workgroup's clusters
+
+bool isQueued(uint number, uint viewIndex, RankedInstance r, uint cluster) {
+  if ((r.flags & kAsked) != kWanted || r.radius < 0.0) return false;
+  View view = frameView(FrameRef(push.frame).v, viewIndex);
+  Bounds bounds;
+  bool shows = findBounds(view, r, cluster, bounds) && inView(view, viewIndex, r, bounds);
+  if (kWhich == kCullAll) return shows;
+  bool wasHidden = false;
+  if (kWhich != kCullUnhidden)
+    wasHidden = (HiddenRef(push.hidden).v[hiddenWord(viewIndex, number)] >> (number & 31u) & 1u) != 0u;
+  if (kWhich == kCullSeen) return shows && !wasHidden;
+  bool hidden = shows && isHidden(view, viewIndex, bounds);
+  if (kWhich == kCullUnhidden) return shows && !hidden;
+  if (hidden) atomicOr(hiddenNow[number / 32u & 1u], 1u << (number & 31u));
+  return shows && wasHidden && !hidden;
+}
+
+void keepHidden(uint viewIndex) {
+  barrier();
+  uint number = groupNumber() * kCullGroup + gl_LocalInvocationIndex * 32u;
+  if (gl_LocalInvocationIndex < 2u && number < push.parts)
+    HiddenRef(push.hidden).v[hiddenWord(viewIndex, number)] = hiddenNow[gl_LocalInvocationIndex];
 }
 
 void main() {
+  if (kWhich == kCullFound) {
+    if (gl_LocalInvocationIndex < 2u) hiddenNow[gl_LocalInvocationIndex] = 0u;
+    barrier();
+  }
   uint number = groupNumber() * kCullGroup + gl_LocalInvocationIndex, viewIndex = gl_WorkGroupID.z;
   RasterWork work = RasterWork(0u, 0u, viewIndex);
-  bool shows = number < push.parts;
-  if (shows) {
-    InstanceList list = InstanceListRef(push.buffers.instances).v;
+  bool queued = number < push.parts;
+  if (queued) {
+    InstanceList list = InstanceListRef(push.instances).v;
     work.rank = RankOfPartRef(list.rankOfPart).v[number];
     RankedInstance r = RankRef(list.ranks).v[work.rank];
     work.cluster = number - r.firstTriangle / kRasterGroup;
-    shows = clusterShows(frameView(FrameRef(push.buffers.frame).v, viewIndex), viewIndex, r, work.cluster);
+    queued = isQueued(number, viewIndex, r, work.cluster);
   }
-  uvec4 shown = subgroupBallot(shows);
+  uvec4 all = subgroupBallot(queued);
   uint first = 0u;
-  if (subgroupElect()) first = atomicAdd(CountersRef(push.buffers.counters).v.work, subgroupBallotBitCount(shown));
-  uint place = subgroupBroadcastFirst(first) + subgroupBallotExclusiveBitCount(shown);
-  if (shows && place < push.workRoom) WorkRef(push.buffers.work).v[place] = work;
+  if (subgroupElect()) first = atomicAdd(CountersRef(push.counters).v.work, subgroupBallotBitCount(all));
+  uint place = subgroupBroadcastFirst(first) + subgroupBallotExclusiveBitCount(all);
+  if (queued && place < push.workRoom) WorkRef(push.work).v[place] = work;
+  if (kWhich == kCullFound) keepHidden(viewIndex);
 }

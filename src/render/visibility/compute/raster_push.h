@@ -95,9 +95,51 @@ struct RasterPush {
   RasterBuffers buffers;
   uint64_t within;     // of shadow maps RasterMap[views]; of a lens LensTarget
   uint64_t fragments;  // FragmentLists, of what is blended; of shadow maps the words of their pages (page_push.h)
-  uint parts, views;                       // parts: of all instances that are asked for
-  uint width, height;                      // pixels of a view
+  uint views;
+  uint width, height;                                // pixels of a view
   uint workRoom, clippedRoom, largeRoom, entryRoom;  // of the queues
+  uint padding;
+};
+
+// Which clusters raster_cull.comp queues, of those that a view may see.
+SH_CONST uint kCullAll = 0u;
+SH_CONST uint kCullSeen = 1u;    // that nothing hid in the last frame
+SH_CONST uint kCullFound = 2u;   // that nothing hides now, of the others; and keeps which are hidden
+SH_CONST uint kCullUnhidden = 3u;  // that nothing hides now
+
+// Of what is seen: the farthest depth in squares of kPyramidSquare pixels, of twice as many, ...; levels one after the
+// other, by view.
+SH_CONST uint kPyramidSquare = 4u;
+SH_CONST uint kPyramidLevels = 5u;  // up to kRasterTile
+SH_FUNC uint pyramidSquares(uint pixels, uint level) {
+  uint side = kPyramidSquare << level;
+  return (pixels + side - 1u) / side;
+}
+// Where a level begins, and after the last how many floats a view has.
+SH_FUNC uint pyramidOffset(uint width, uint height, uint level) {
+  uint offset = 0u;
+  for (uint i = 0u; i < level; ++i) offset += pyramidSquares(width, i) * pyramidSquares(height, i);
+  return offset;
+}
+
+struct PyramidPush {
+  uint64_t visible;
+  uint64_t pyramid;  // float[views][pyramidOffset(kPyramidLevels)]
+  uint width, height;
+};
+
+struct CullPush {
+  uint64_t frame;      // FrameConstants
+  uint64_t instances;  // InstanceList
+  uint64_t work;       // RasterWork[]
+  uint64_t counters;   // RasterCounters
+  uint64_t within;     // of shadow maps RasterMap[views]
+  uint64_t pages;      // and the words of their pages (page_push.h)
+  uint64_t hidden;     // uint[views][(parts + 31) / 32]: bit i: cluster i was hidden
+  uint64_t pyramid;    // as PyramidPush has it
+  uint parts;          // of all instances that are asked for
+  uint width, height;  // pixels of a view
+  uint workRoom;
 };
 
 struct RasterMap {  // a shadow map

@@ -1,0 +1,26 @@
+#include "render/visibility/compute/hidden_clusters.h"
+
+#include <bit>
+#include <optional>
+
+namespace latelight::render {
+
+graph::BufferId HiddenClusters::addTo(const FrameContext& f, HiddenOf of, uint64_t words) {
+  Kept& kept = kept_[static_cast<size_t>(of)];
+  const uint64_t bytes = sizeof(uint32_t) * std::bit_ceil(words);
+  if (!kept.buffer || kept.buffer->desc().size != bytes)
+    kept = {std::make_shared<vk::Buffer>(f.device, vk::BufferDesc{.size = bytes, .name = "hidden clusters"})};
+  const graph::BufferId buffer =
+      f.graph.import(*kept.buffer, kept.filled ? std::optional(graph::Use::StorageReadWrite) : std::nullopt);
+  if (!kept.filled) addClear(f, graph::Stage::Visibility, "hidden clusters clear", {buffer});
+  f.graph.exports(buffer, graph::Use::StorageReadWrite);
+  // Until a graph that fills it has run, others are to fill it as well.
+  if (f.overflow)
+    f.overflow->checks.push_back([&kept, used = kept.buffer](const graph::Submission&) {
+      if (kept.buffer == used) kept.filled = true;
+      return false;
+    });
+  return buffer;
+}
+
+}  // namespace latelight::render
