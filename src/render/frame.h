@@ -144,7 +144,7 @@ struct Overflow {
   uint64_t fragments = 0;    // room for blended fragments; 0: one a pixel
   uint32_t longestList = 0;  // of one pixel's fragments, a power of two
   // Queues of the raster compute.
-  uint32_t rasterWork = 0, clippedTriangles = 0, largeTriangles = 0, tileEntries = 0;
+  uint32_t rasterWork = 0, clippedTriangles = 0, mediumTriangles = 0, largeTriangles = 0, tileEntries = 0;
   // Checks of the graph being built, to be called after it has run. Each returns true if something overflowed, after
   // making room for it.
   using Check = std::function<bool(const graph::Submission& done)>;

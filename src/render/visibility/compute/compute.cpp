@@ -27,20 +27,22 @@ using namespace shared;  // kRaster*, kQueue*
 
 // Of raster.glsl and lens_rays.glsl, whose shaders have others of their own.
 constexpr uint32_t kCutsOutConstant = kFirstOwnConstant + 2, kTouchedConstant = kFirstOwnConstant + 3,
-                   kShadowMapsConstant = kFirstOwnConstant + 4, kApartConstant = kFirstOwnConstant + 5;
+                   kShadowMapsConstant = kFirstOwnConstant + 4, kApartConstant = kFirstOwnConstant + 5,
+                   kQueuedConstant = kFirstOwnConstant + 6;
 constexpr uint32_t kOutputsConstant = kFirstOwnConstant + 4;  // of surface_outputs.glsl: the first slot
 
 // What the queues may hold, as far as earlier frames have found out.
 struct Room {
-  uint32_t work, clipped, large, entries;
+  uint32_t work, clipped, medium, large, entries;
 };
 
 // `work`: that there can be.
 Room roomOf(const FrameContext& f, uint32_t work) {
-  Room room{work, 1u << 12, 1u << 13, 1u << 16};
+  Room room{work, 1u << 12, 1u << 14, 1u << 13, 1u << 16};
   if (!f.overflow) return room;
   room.work = std::min(work, std::max(1u << 20, f.overflow->rasterWork));
   room.clipped = std::max(room.clipped, f.overflow->clippedTriangles);
+  room.medium = std::max(room.medium, f.overflow->mediumTriangles);
   room.large = std::max(room.large, f.overflow->largeTriangles);
   room.entries = std::max(room.entries, f.overflow->tileEntries);
   return room;
@@ -55,6 +57,7 @@ bool overflowedRaster(const FrameContext& f, const Room& room, const RasterCount
   };
   bool any = grow(f.overflow->rasterWork, room.work, counters.work);
   any |= grow(f.overflow->clippedTriangles, room.clipped, counters.clipped);
+  any |= grow(f.overflow->mediumTriangles, room.medium, counters.medium);
   any |= grow(f.overflow->largeTriangles, room.large, counters.large);
   any |= grow(f.overflow->tileEntries, room.entries, counters.entries);
   return any;
@@ -110,7 +113,7 @@ struct ComputeVisibility::Buffers {
     if (!visible) visible = make("visible", uint64_t{8} * pixelsOf(f, views) * views.samples);
     work = make("raster work", sizeof(RasterWork) * room.work);
     clipped = make("clipped triangles", sizeof(ClippedTriangle) * room.clipped);
-    large = make("large triangles", sizeof(LargeTriangle) * room.large);
+    large = make("large triangles", sizeof(LargeTriangle) * (uint64_t{room.large} + room.medium));
     tiles = make("raster tiles", uint64_t{8} * tileCount);
     entries = make("tile entries", uint64_t{4} * room.entries);
     jobs = make("raster jobs", sizeof(RasterJob) * jobRoom);
@@ -182,7 +185,7 @@ struct ComputeVisibility::Chain {
 
 // What it takes to cull what is hidden costs about as much as to rasterize so many clusters.
 bool ComputeVisibility::worthHiding(uint32_t views) const {
-  constexpr uint64_t kFewest = 1u << 13, kMostWords = 1u << 24;
+  constexpr uint64_t kFewest = 1u << 15, kMostWords = 1u << 24;
   const uint64_t all = share_.parts * views;
   return all >= kFewest && all / 32 < kMostWords;
 }
@@ -263,6 +266,7 @@ void ComputeVisibility::addRaster(const FrameContext& f, const RasterViews& view
                       .height = views.height,
                       .workRoom = b.room.work,
                       .clippedRoom = b.room.clipped,
+                      .mediumRoom = b.room.medium,
                       .largeRoom = b.room.large,
                       .entryRoom = b.room.entries};
   };
@@ -295,6 +299,7 @@ void ComputeVisibility::addRaster(const FrameContext& f, const RasterViews& view
     if (textures) readsTextures(f, pass);
     pass.constants.insert(pass.constants.end(), {samples, kind, {kCutsOutConstant, chain.wanted & kRankCutOut}});
     if (which == kQueueWork) pass.constants.push_back({kApartConstant, entries > 1 ? 1u : 0u});
+    if (which == kQueueMedium) pass.constants.push_back({kQueuedConstant, 1});
     pass.groups = b.counters;
     pass.groupsOffset = offsetof(RasterCounters, groups);
     addCompute(f, std::move(pass), push);
@@ -304,6 +309,7 @@ void ComputeVisibility::addRaster(const FrameContext& f, const RasterViews& view
   // gone through: 180 for a triangle.
   const bool apart = f.device.isCpu() && !chain.textures && !blended && views.samples == 1;
   overQueue(chain.small, kQueueWork, b.room.work, apart ? kRasterGroup / f.device.subgroupSize() : 1, chain.textures);
+  if (!apart) overQueue(chain.small, kQueueMedium, b.room.medium, kRasterGroup / f.device.subgroupSize(), chain.textures);
   overQueue("raster_clip.comp", kQueueClipped, b.room.clipped, 64);
   overQueue("raster_count.comp", kQueueLarge, b.room.large, 1);
   over("raster_tiles.comp", {(tilesOf(views) + 63) / 64, 1, 1});

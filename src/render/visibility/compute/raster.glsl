@@ -245,11 +245,15 @@ bool orient(inout Triangle t, RankedInstance r) {
   return true;
 }
 
+LargeTriangle queued(uint view, Triangle t) {
+  return LargeTriangle(t.a.x, t.a.y, t.b.x, t.b.y, t.c.x, t.c.y, t.plane, t.least, t.most, t.id, view);
+}
+Triangle triangleOf(LargeTriangle t) {
+  return Triangle(ivec2(t.ax, t.ay), ivec2(t.bx, t.by), ivec2(t.cx, t.cy), t.plane, t.least, t.most, t.id);
+}
 void pushLarge(uint view, Triangle t) {
   uint place = atomicAdd(CountersRef(push.buffers.counters).v.large, 1u);
-  if (place < push.largeRoom)
-    LargeRef(push.buffers.large).v[place] =
-        LargeTriangle(t.a.x, t.a.y, t.b.x, t.b.y, t.c.x, t.c.y, t.plane, t.least, t.most, t.id, view);
+  if (place < push.largeRoom) LargeRef(push.buffers.large).v[place] = queued(view, t);
 }
 
 #endif

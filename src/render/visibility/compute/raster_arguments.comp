@@ -13,6 +13,7 @@ void main() {
   CountersRef counters = CountersRef(push.counters);
   uint count = push.which == kQueueWork      ? counters.v.work
                : push.which == kQueueClipped ? counters.v.clipped
+               : push.which == kQueueMedium  ? counters.v.medium
                : push.which == kQueueLarge   ? counters.v.large
                                              : counters.v.jobs;
   count = (min(count, push.room) + push.entries - 1u) / push.entries;

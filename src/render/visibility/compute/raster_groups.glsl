@@ -1,22 +1,20 @@
-// Clusters: their vertices are transformed once, then a thread takes a triangle. Small ones are rasterized at once; those of
-// some size by a subgroup each; large ones, and those that cross the volume's planes, are queued. After raster.glsl and
-// hit(), which takes what they cover.
+// Clusters, a thread a triangle: small ones are rasterized at once; those of some size are queued, and then rasterized by a
+// subgroup each; large ones are queued, too, and those that cross the volume's planes. After raster.glsl and hit(), which
+// takes what they cover.
 
 #include "render/glsl/lanes.glsl"
 
 layout(local_size_x = 128) in;
 FROM_LANE(ivec2)
 
-// 1: a cluster is a subgroup's, not a workgroup's. Where loads by address are loops over lanes, which they are on lavapipe,
-// most of a thread's time goes to what all triangles of a cluster have in common, and vertices cost less to transform for
-// each triangle than to look up in shared memory.
+// 1: a cluster is a subgroup's, not a workgroup's, and so are its triangles of some size. Where loads by address are loops
+// over lanes, which they are on lavapipe, most of a thread's time goes to what all triangles of a cluster have in common.
 layout(constant_id = 21) const uint kApart = 0u;
+// 1: takes the queue of triangles of some size, a subgroup each. A cluster that is near has nothing else, so that its
+// workgroup would keep the others waiting.
+layout(constant_id = 22) const uint kQueued = 0u;
 
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer ClusterTriangleRef { ClusterTriangle v[]; };
-
-shared Corner corners[kApart != 0u ? 1u : kClusterVertices];
-shared uint mediumCount;
-shared Triangle medium[kApart != 0u ? 1u : 128u];
 
 struct Edges {  // weights of the corners at a pixel's first place, and what they grow by a pixel to the right and down
   ivec3 at, right, down;
@@ -169,23 +167,32 @@ bool takeTriangle(Group g, uint number, Corner a, Corner b, Corner c, out Triang
   return false;
 }
 
+// Its own triangle of the cluster. (To transform each vertex once, into shared memory, takes an H200 twice as long: fewer
+// workgroups have room.)
+bool takeOwn(Group g, Cluster c, uint index, out Triangle t) {
+  if (index >= g.triangles) return false;
+  ClusterTriangle own = clusterTriangle(g, index);
+  return takeTriangle(g, own.number, cornerOf(g, c, clusterCorner(own, 0u)), cornerOf(g, c, clusterCorner(own, 1u)),
+                      cornerOf(g, c, clusterCorner(own, 2u)), t);
+}
+
+// Called by all lanes that are there; `some` have one.
+void pushMedium(uint view, Triangle t, bool some) {
+  uvec4 all = subgroupBallot(some);
+  if (!anyLane(all)) return;
+  uint first = 0u;
+  if (subgroupElect()) first = atomicAdd(CountersRef(push.buffers.counters).v.medium, subgroupBallotBitCount(all));
+  uint place = subgroupBroadcastFirst(first) + subgroupBallotExclusiveBitCount(all);
+  if (some && place < push.mediumRoom) LargeRef(push.buffers.large).v[push.largeRoom + place] = queued(view, t);
+}
+
 // The workgroup takes a cluster.
 void rasterTogether() {
-  if (gl_LocalInvocationIndex == 0u) mediumCount = 0u;
   Group g = groupOf(groupNumber());
   Cluster c = ClusterRef(g.mesh.clusters.clusters).v[g.work.cluster];
-  uint vertices = g.triangles != 0u ? c.vertices : 0u;
-  for (uint i = gl_LocalInvocationIndex; i < vertices; i += kClusterTriangles) corners[i] = cornerOf(g, c, i);
-  bool some = gl_LocalInvocationIndex < g.triangles;
-  ClusterTriangle own = ClusterTriangle(0u, 0u);
-  if (some) own = clusterTriangle(g, gl_LocalInvocationIndex);
-  barrier();
   Triangle t;
-  if (some && takeTriangle(g, own.number, corners[clusterCorner(own, 0u)], corners[clusterCorner(own, 1u)],
-                           corners[clusterCorner(own, 2u)], t))
-    medium[atomicAdd(mediumCount, 1u)] = t;
-  barrier();
-  for (uint i = gl_SubgroupID; i < mediumCount; i += gl_NumSubgroups) rasterMedium(g.work.view, g.view, medium[i]);
+  bool some = takeOwn(g, c, gl_LocalInvocationIndex, t);
+  pushMedium(g.work.view, t, some);
 }
 
 Triangle fromLane(Triangle t, uint lane) {
@@ -198,12 +205,8 @@ void rasterApart() {
   Group g = groupOf(groupNumber() * gl_NumSubgroups + gl_SubgroupID);
   Cluster c = ClusterRef(g.mesh.clusters.clusters).v[g.work.cluster];
   for (uint first = 0u; first < g.triangles; first += gl_SubgroupSize) {
-    uint index = first + gl_SubgroupInvocationID;
-    bool some = index < g.triangles;
-    ClusterTriangle own = clusterTriangle(g, some ? index : 0u);
     Triangle t;
-    some = some && takeTriangle(g, own.number, cornerOf(g, c, clusterCorner(own, 0u)),
-                                cornerOf(g, c, clusterCorner(own, 1u)), cornerOf(g, c, clusterCorner(own, 2u)), t);
+    bool some = takeOwn(g, c, first + gl_SubgroupInvocationID, t);
     uvec4 waiting = subgroupBallot(some);
     if (!anyLane(waiting)) continue;
     do {
@@ -212,8 +215,17 @@ void rasterApart() {
   }
 }
 
+void rasterQueued() {
+  uint number = groupNumber() * gl_NumSubgroups + gl_SubgroupID;
+  if (number >= min(CountersRef(push.buffers.counters).v.medium, push.mediumRoom)) return;
+  LargeTriangle t = LargeRef(push.buffers.large).v[push.largeRoom + number];
+  rasterMedium(t.view, frameView(FrameRef(push.buffers.frame).v, t.view), triangleOf(t));
+}
+
 void main() {
-  if (kApart != 0u)
+  if (kQueued != 0u)
+    rasterQueued();
+  else if (kApart != 0u)
     rasterApart();
   else
     rasterTogether();

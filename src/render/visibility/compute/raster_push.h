@@ -59,7 +59,7 @@ struct ClippedTriangle {  // one that crosses a plane of the view's volume
   uint view;
 };
 
-// On screen: corners in subpixels from the upper left, in clockwise order as seen.
+// One on screen that is not small: corners in subpixels from the upper left, in clockwise order as seen.
 struct LargeTriangle {  // 52 bytes
   int ax, ay, bx, by, cx, cy;
   vec3 plane;         // device depth at a pixel is dot(plane, (x, 1, z)) of its viewRay(), without its depth
@@ -74,7 +74,7 @@ struct RasterJob {    // some large triangles of one tile
 };
 
 struct RasterCounters {
-  uint work, clipped, large, entries, jobs;  // how many there are; they may be more than there is room for
+  uint work, clipped, medium, large, entries, jobs;  // how many there are; they may be more than there is room for
   uvec3 groups;                              // of the next indirect dispatch
 };
 
@@ -84,7 +84,7 @@ struct RasterBuffers {  // addresses
   uint64_t visible;     // uint64_t a sample: depth's bits << 32 | id; 0: nothing
   uint64_t work;        // RasterWork[]
   uint64_t clipped;     // ClippedTriangle[]
-  uint64_t large;       // LargeTriangle[]
+  uint64_t large;       // LargeTriangle[largeRoom], and behind them [mediumRoom] of medium ones
   uint64_t tiles;       // uint[2] a tile: how many large triangles, and where its entries begin
   uint64_t entries;     // uint[], large triangles by tile
   uint64_t jobs;        // RasterJob[]
@@ -97,8 +97,7 @@ struct RasterPush {
   uint64_t fragments;  // FragmentLists, of what is blended; of shadow maps the words of their pages (page_push.h)
   uint views;
   uint width, height;                                // pixels of a view
-  uint workRoom, clippedRoom, largeRoom, entryRoom;  // of the queues
-  uint padding;
+  uint workRoom, clippedRoom, mediumRoom, largeRoom, entryRoom;  // of the queues
 };
 
 // Which clusters raster_cull.comp queues, of those that a view may see.
@@ -176,8 +175,9 @@ struct RasterArgumentsPush {
 };
 SH_CONST uint kQueueWork = 0u;
 SH_CONST uint kQueueClipped = 1u;
-SH_CONST uint kQueueLarge = 2u;
-SH_CONST uint kQueueJobs = 3u;
+SH_CONST uint kQueueMedium = 2u;
+SH_CONST uint kQueueLarge = 3u;
+SH_CONST uint kQueueJobs = 4u;
 
 struct ResolvePush {
   uint64_t frame;

@@ -32,10 +32,6 @@ int64_t largest(Edge e, int side) {
   return e.at + int64_t(side * kSubpixels - kPlaceStep) * int64_t(max(e.right, 0) + max(e.down, 0));
 }
 
-Triangle triangleOf(LargeTriangle t) {
-  return Triangle(ivec2(t.ax, t.ay), ivec2(t.bx, t.by), ivec2(t.cx, t.cy), t.plane, t.least, t.most, t.id);
-}
-
 bool touches(Triangle t, ivec2 corner, int side) {
   return largest(edgeAt(t.b, t.c, corner), side) >= 0 && largest(edgeAt(t.c, t.a, corner), side) >= 0 &&
          largest(edgeAt(t.a, t.b, corner), side) >= 0;
