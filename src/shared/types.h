@@ -136,6 +136,7 @@ struct Material {
   uint images[19];  // by slot: its texture and sampler among the scene's, where shaders find them by index
   MaterialLayers layers;
 };
+SH_CONST uint kMaterialBytes = 784u;
 // A texture and its sampler, for shaders that filter themselves: where the device has no descriptor indexing.
 struct TextureRecord {  // 28 bytes
   uint64_t texels;      // RGBA8, level after level
@@ -158,6 +159,7 @@ SH_CONST uint kMaterialBlended = 8u;  // alpha lets through what lies behind; ne
 // Of the device's records alone, by the layers.
 SH_CONST uint kMaterialLayered = 16u;       // some layer is there
 SH_CONST uint kMaterialTransmissive = 32u;  // what lies behind shows through the surface itself
+SH_CONST uint kMaterialPlainUv = 64u;       // its textures lie as UV set 0 has them
 
 // Whether it is drawn over what lies behind it, rather than instead.
 SH_FUNC bool seenThrough(uint materialFlags) {
@@ -291,6 +293,7 @@ static_assert(sizeof(latelight::shared::Mesh) == 96);
 static_assert(sizeof(latelight::shared::TextureTransform) == 28);
 static_assert(sizeof(latelight::shared::MaterialLayers) == 96);
 static_assert(sizeof(latelight::shared::Material) == 80 + 19 * 28 + 19 * 4 + 96);
+static_assert(sizeof(latelight::shared::Material) == latelight::shared::kMaterialBytes);
 static_assert(sizeof(latelight::shared::LightBox) == 24);
 // Where glsl/common.glsl finds their members.
 static_assert(sizeof(latelight::shared::VertexAttributes) == latelight::shared::kAttributesBytes);
@@ -303,6 +306,11 @@ static_assert(offsetof(latelight::shared::View, jitter) == 144);
 static_assert(sizeof(latelight::shared::Instance) == latelight::shared::kInstanceBytes);
 static_assert(offsetof(latelight::shared::Instance, mesh) == 48);
 static_assert(offsetof(latelight::shared::Instance, flags) == 64);
+static_assert(sizeof(latelight::shared::Material) % 16 == 0);
+static_assert(offsetof(latelight::shared::Material, emissive) == 16);
+static_assert(offsetof(latelight::shared::Material, roughness) == 32);
+static_assert(offsetof(latelight::shared::Material, specularColor) == 48);
+static_assert(offsetof(latelight::shared::Material, f0) == 64);
 static_assert(sizeof(latelight::shared::Light) == latelight::shared::kLightBytes);
 static_assert(offsetof(latelight::shared::Light, intensity) == 16);
 static_assert(offsetof(latelight::shared::Light, direction) == 32);

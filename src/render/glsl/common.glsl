@@ -15,7 +15,7 @@ layout(constant_id = 101) const uint kSubgroupSize = 128;  // lanes of a subgrou
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer FrameRef { FrameConstants v; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer WordsRef { u64vec2 v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer MeshRef { Mesh v[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer MaterialRef { Material v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer MaterialRef { Material v; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ShadowBitsRef { ShadowBits v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LightShadowRef { LightShadow v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LightTreeRef { LightBox v[]; };
@@ -27,7 +27,6 @@ uvec3 triangleIndices(Mesh mesh, uint triangle) {
   UintRef indices = UintRef(mesh.indices);
   return uvec3(indices.v[3u * triangle], indices.v[3u * triangle + 1u], indices.v[3u * triangle + 2u]);
 }
-Material frameMaterial(FrameConstants frame, uint index) { return MaterialRef(frame.materials).v[index]; }
 LightBox frameLightBox(FrameConstants frame, uint node) { return LightTreeRef(frame.lightTree).v[node]; }
 
 // --- what most shaders load -----------------------------------------------------------------------------------------
@@ -84,6 +83,28 @@ Instance instanceAt(uint64_t instances, uint index) {
   return i;
 }
 Instance frameInstance(FrameConstants frame, uint index) { return instanceAt(frame.instances, index); }
+
+// Texture transforms, images and layers are loaded where they are needed.
+Material frameMaterial(FrameConstants frame, uint index) {
+  uint64_t at = frame.materials + uint64_t(index) * kMaterialBytes;
+  vec4 emissive = floatsAt(at, 1u), factors = floatsAt(at, 2u), specular = floatsAt(at, 3u);
+  uvec4 numbers = wordsAt(at, 4u);
+  Material m = MaterialRef(at).v;
+  m.baseColor = floatsAt(at, 0u);
+  m.emissive = emissive.xyz;
+  m.metallic = emissive.w;
+  m.roughness = factors.x;
+  m.normalScale = factors.y;
+  m.occlusionStrength = factors.z;
+  m.alphaCutoff = factors.w;
+  m.specularColor = specular.xyz;
+  m.specular = specular.w;
+  m.f0 = uintBitsToFloat(numbers.x);
+  m.flags = numbers.y;
+  m.textures = numbers.z;
+  m.id = numbers.w;
+  return m;
+}
 
 Light frameLight(FrameConstants frame, uint index) {
   uint64_t at = frame.lights + uint64_t(index) * kLightBytes;

@@ -50,10 +50,24 @@ void GpuMaterials::pose(vk::Uploader& uploader, const std::map<uint32_t, shared:
   if (!changed.empty()) uploadRecords(uploader, changed);
 }
 
+namespace {
+
+bool hasPlainUv(const shared::Material& material) {
+  const auto isPlain = [](const shared::TextureTransform& t) {
+    return t.row0 == glm::vec3(1, 0, 0) && t.row1 == glm::vec3(0, 1, 0) && t.uvSet == 0;
+  };
+  for (uint32_t slot = 0; slot < shared::kTextureCount; ++slot)
+    if ((material.textures >> slot & 1u) && !isPlain(material.transforms[slot])) return false;
+  return true;
+}
+
+}  // namespace
+
 void GpuMaterials::setRecord(uint32_t material, const shared::Material& data) {
   shared::Material& record = records_[material] = data;
   std::ranges::copy(textures_.indices(material), record.images);
   record.flags |= scene::layerFlags(record);
+  if (hasPlainUv(record)) record.flags |= shared::kMaterialPlainUv;
   textureSlots_ |= record.textures;
   layers_ |= scene::layersOf(record);
 }

@@ -19,7 +19,7 @@ layout(set = 0, binding = AFTER_LIT_MAPS + 1, rgba32f) uniform writeonly image2D
 bool isLayered(uint id) {
   InstanceList list = InstanceListRef(push.shown.instances).v;
   uint rank = RankOfPartRef(list.rankOfPart).v[(id - 1u) / kRasterGroup];
-  return (RankRef(list.ranks).v[rank].flags & kRankLayered) != 0u;
+  return (rankedInstance(list, rank).flags & kRankLayered) != 0u;
 }
 
 // The samples of the next triangle of a layered surface; takes them, and those before, out of `left`. 0: none is left.

@@ -196,7 +196,7 @@ void main() {
   if (queued) {
     InstanceList list = InstanceListRef(push.instances).v;
     work.rank = RankOfPartRef(list.rankOfPart).v[number];
-    RankedInstance r = RankRef(list.ranks).v[work.rank];
+    RankedInstance r = rankedInstance(list, work.rank);
     work.cluster = number - r.firstTriangle / kRasterGroup;
     queued = isQueued(number, viewIndex, r, work.cluster);
   }

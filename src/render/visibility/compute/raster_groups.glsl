@@ -122,7 +122,7 @@ Group groupOf(uint number) {
   FrameConstants frame = FrameRef(push.buffers.frame).v;
   Group g;
   g.work = WorkRef(push.buffers.work).v[min(number, max(last, 1u) - 1u)];
-  g.r = rankedInstance(push.buffers.instances, g.work.rank);
+  g.r = rankedInstance(InstanceListRef(push.buffers.instances).v, g.work.rank);
   g.view = frameView(frame, g.work.view);
   g.toWorld = frameInstance(frame, g.r.instance).objectToWorld;
   g.mesh = frameMesh(frame, g.r.mesh);

@@ -24,7 +24,7 @@ SH_CONST uint kRasterClipped = 4u;  // they do, after what lies outside of the v
 
 // Ids of what is visible are counted over all instances, each of which begins with a part of its own: triangle t of this
 // one is firstTriangle + t + 1. Its mesh has as many clusters as parts, and they are counted in the same way.
-struct RankedInstance {  // 48 bytes
+struct RankedInstance {
   vec3 centre;           // of a sphere around it, world
   float radius;          // metres; below 0: it is gone
   uint64_t clusters;     // Cluster[] of its mesh where their bounds hold, or 0
@@ -41,6 +41,8 @@ SH_CONST uint kRankCutOut = 4u;  // its alpha takes parts of it away
 SH_CONST uint kRankBlended = 8u;
 SH_CONST uint kRankSimilar = 16u;  // its transform keeps angles
 SH_CONST uint kRankLayered = 32u;
+
+SH_CONST uint kRankedBytes = 48u;
 
 struct InstanceList {   // in the order of drawing
   uint64_t ranks;       // RankedInstance[]
@@ -196,5 +198,12 @@ struct FragmentLightPush {
 };
 
 SH_END
+
+#if defined(__cplusplus)
+// Where seen_triangle.glsl finds their members.
+static_assert(sizeof(latelight::shared::RankedInstance) == latelight::shared::kRankedBytes);
+static_assert(offsetof(latelight::shared::RankedInstance, clusters) == 16);
+static_assert(offsetof(latelight::shared::RankedInstance, mesh) == 32);
+#endif
 
 #endif

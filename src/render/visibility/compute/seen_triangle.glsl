@@ -6,11 +6,16 @@
 #include "render/glsl/pixel_ray.glsl"
 #include "render/visibility/compute/raster_push.h"
 
-layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer RankRef { RankedInstance v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer RankOfPartRef { uint v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer InstanceListRef { InstanceList v; };
 
-RankedInstance rankedInstance(uint64_t instances, uint rank) { return RankRef(InstanceListRef(instances).v.ranks).v[rank]; }
+RankedInstance rankedInstance(InstanceList list, uint rank) {
+  uint64_t at = list.ranks + uint64_t(rank) * kRankedBytes;
+  vec4 sphere = floatsAt(at, 0u);
+  uvec4 first = wordsAt(at, 1u), second = wordsAt(at, 2u);
+  return RankedInstance(sphere.xyz, sphere.w, packUint2x32(first.xy), uintBitsToFloat(first.z), first.w, second.x,
+                        second.y, second.z, second.w);
+}
 
 // --- which triangle -------------------------------------------------------------------------------------------------
 
@@ -23,7 +28,7 @@ struct SeenTriangle {
 SeenTriangle seenTriangle(FrameConstants frame, uint64_t instances, uint id) {
   InstanceList list = InstanceListRef(instances).v;
   SeenTriangle t;
-  t.rank = RankRef(list.ranks).v[RankOfPartRef(list.rankOfPart).v[(id - 1u) / kRasterGroup]];
+  t.rank = rankedInstance(list, RankOfPartRef(list.rankOfPart).v[(id - 1u) / kRasterGroup]);
   t.number = id - 1u - t.rank.firstTriangle;
   t.indices = triangleIndices(frameMesh(frame, t.rank.mesh), t.number);
   return t;

@@ -9,9 +9,54 @@
 
 vec4 uvRight, uvDown;  // of the point that is being looked at, in both UV sets
 
-VertexExtra extraOf(Mesh mesh, Instance instance, VertexAttributes attributes, uint vertex) {
-  if ((instance.flags & kInstanceExtras) != 0u) return ExtraRef(mesh.extras).v[vertex];
-  return VertexExtra(attributes.uv0, vec4(1.0));
+vec3 unitDirection(vec3 direction) { return direction * inversesqrt(max(dot(direction, direction), 1e-37)); }
+
+// Normal and tangent there, world. A transform that keeps angles turns all of them alike, so it is enough to turn what is
+// interpolated.
+void setDirections(inout SurfacePoint p, SeenTriangle t, Instance instance, VertexAttributes attributes[3], vec3 weights) {
+  float handedness = (instance.flags & kInstanceMirrored) != 0u ? -1.0 : 1.0;
+  vec3 normal = vec3(0.0);
+  vec4 tangent = vec4(0.0);
+  for (int i = 0; i < 3; ++i) {
+    normal += weights[i] * unitDirection(attributes[i].normal);
+    tangent += weights[i] * attributes[i].tangent;
+  }
+  mat3 linear = mat3(instance.objectToWorld) / t.rank.stretch;
+  p.normal = linear * normal;
+  p.tangent = vec4(linear * tangent.xyz, tangent.w * handedness);
+  // A loop, since lavapipe runs a branch whether any lane takes it or not.
+  for (bool bent = (t.rank.flags & kRankSimilar) == 0u; bent; bent = false) {
+    VertexDirections directions = vertexDirections(instance);
+    p.normal = vec3(0.0);
+    for (int i = 0; i < 3; ++i) p.normal += weights[i] * worldNormal(directions, attributes[i].normal);
+    p.tangent = worldTangent(directions, tangent);
+  }
+}
+
+// UV sets with their derivatives, and the vertices' colour.
+void setCoordinates(inout SurfacePoint p, SeenTriangle t, Mesh mesh, Instance instance, VertexAttributes attributes[3],
+                    Weights w) {
+  vec2 uv = vec2(0.0), right = vec2(0.0), down = vec2(0.0);
+  for (int i = 0; i < 3; ++i) {
+    uv += w.at[i] * attributes[i].uv0;
+    right += w.right[i] * attributes[i].uv0;
+    down += w.down[i] * attributes[i].uv0;
+  }
+  p.uv = vec4(uv, uv);
+  p.color = vec4(1.0);
+  uvRight = vec4(right, right);
+  uvDown = vec4(down, down);
+  for (bool some = (instance.flags & kInstanceExtras) != 0u; some; some = false) {
+    p.uv.zw = uvRight.zw = uvDown.zw = vec2(0.0);
+    p.color = vec4(0.0);
+    for (int i = 0; i < 3; ++i) {
+      VertexExtra extra = ExtraRef(mesh.extras).v[t.indices[i]];
+      p.uv.zw += w.at[i] * extra.uv1;
+      p.color += w.at[i] * extra.color;
+      uvRight.zw += w.right[i] * extra.uv1;
+      uvDown.zw += w.down[i] * extra.uv1;
+    }
+  }
 }
 
 SurfacePoint seenPoint(FrameConstants frame, View view, SeenTriangle t, vec2 pixel) {
@@ -19,35 +64,18 @@ SurfacePoint seenPoint(FrameConstants frame, View view, SeenTriangle t, vec2 pix
   Mesh mesh = frameMesh(frame, t.rank.mesh);
   vec3 world[3];
   VertexAttributes attributes[3];
-  VertexExtra extras[3];
   for (int i = 0; i < 3; ++i) {
     world[i] = instance.objectToWorld * vec4(positionAt(mesh.positions, t.indices[i]), 1.0);
     attributes[i] = attributesAt(mesh.attributes, t.indices[i]);
-    extras[i] = extraOf(mesh, instance, attributes[i], t.indices[i]);
   }
   Weights w = weightsAt(frame, view, view.worldToView * vec4(world[0], 1.0), view.worldToView * vec4(world[1], 1.0),
                         view.worldToView * vec4(world[2], 1.0), pixel);
-  VertexDirections directions = vertexDirections(instance);
   SurfacePoint p;
-  p.position = vec3(0.0);
-  p.normal = vec3(0.0);
-  p.tangent = vec4(0.0);
-  p.uv = vec4(0.0);
-  p.color = vec4(0.0);
-  uvRight = vec4(0.0);
-  uvDown = vec4(0.0);
-  for (int i = 0; i < 3; ++i) {
-    vec4 uv = vec4(attributes[i].uv0, extras[i].uv1);
-    p.position += w.at[i] * world[i];
-    p.normal += w.at[i] * worldNormal(directions, attributes[i].normal);
-    p.tangent += w.at[i] * worldTangent(directions, attributes[i].tangent);
-    p.uv += w.at[i] * uv;
-    p.color += w.at[i] * extras[i].color;
-    uvRight += w.right[i] * uv;
-    uvDown += w.down[i] * uv;
-  }
-  vec3 ab = world[1] - world[0], ac = world[2] - world[0];
-  vec3 plane = cross(ab, ac) * directions.handedness;
+  p.position = world[0] * w.at.x + world[1] * w.at.y + world[2] * w.at.z;
+  setDirections(p, t, instance, attributes, w.at);
+  setCoordinates(p, t, mesh, instance, attributes, w);
+  vec3 plane = cross(world[1] - world[0], world[2] - world[0]);
+  if ((instance.flags & kInstanceMirrored) != 0u) plane = -plane;
   vec3 toEye = view.projection.kind == kPerspective ? view.eye - world[0] : view.viewToWorld * vec4(0.0, -1.0, 0.0, 0.0);
   p.facing = dot(plane, toEye) >= 0.0 ? 1.0 : -1.0;
   p.plane = plane * p.facing;
@@ -59,20 +87,31 @@ SurfacePoint seenPoint(FrameConstants frame, View view, SeenTriangle t, vec2 pix
 
 // --- textures -------------------------------------------------------------------------------------------------------
 
+// Where a material's texture lies at the point, and what that grows by a pixel to the right and down.
+struct TexturePlace {
+  vec2 uv, right, down;
+};
+TexturePlace texturePlace(Material m, uint slot, SurfacePoint p) {
+  TexturePlace place = TexturePlace(p.uv.xy, uvRight.xy, uvDown.xy);
+  for (bool moved = (m.flags & kMaterialPlainUv) == 0u; moved; moved = false) {
+    TextureTransform t = m.transforms[slot];
+    place = TexturePlace(transformedUv(t, p.uv), transformedGradient(t, uvRight), transformedGradient(t, uvDown));
+  }
+  return place;
+}
+
 #ifdef TEXTURES_BY_INDEX
 layout(set = 1, binding = 0) uniform sampler2D materialTextures[];
 vec4 sampleTexture(Material m, uint slot, SurfacePoint p) {
-  TextureTransform t = m.transforms[slot];
-  return textureGrad(materialTextures[nonuniformEXT(m.images[slot])], transformedUv(t, p.uv), transformedGradient(t, uvRight),
-                     transformedGradient(t, uvDown));
+  TexturePlace place = texturePlace(m, slot, p);
+  return textureGrad(materialTextures[nonuniformEXT(m.images[slot])], place.uv, place.right, place.down);
 }
 #else
 #include "render/visibility/compute/texels.glsl"
 uint64_t textureRecords;  // FrameConstants::textures
 vec4 sampleTexture(Material m, uint slot, SurfacePoint p) {
-  TextureTransform t = m.transforms[slot];
-  return filteredTexture(TextureRef(textureRecords).v[m.images[slot]], transformedUv(t, p.uv),
-                         transformedGradient(t, uvRight), transformedGradient(t, uvDown));
+  TexturePlace place = texturePlace(m, slot, p);
+  return filteredTexture(TextureRef(textureRecords).v[m.images[slot]], place.uv, place.right, place.down);
 }
 #endif
 
