@@ -183,13 +183,6 @@ struct ComputeVisibility::Chain {
   graph::BufferId hidden{}, pyramid{};    // that it takes
 };
 
-// What it takes to cull what is hidden costs about as much as to rasterize so many clusters.
-bool ComputeVisibility::worthHiding(uint32_t views) const {
-  constexpr uint64_t kFewest = 1u << 15, kMostWords = 1u << 24;
-  const uint64_t all = share_.parts * views;
-  return all >= kFewest && all / 32 < kMostWords;
-}
-
 graph::BufferId ComputeVisibility::addPyramid(const FrameContext& f, const RasterViews& views,
                                               graph::BufferId visible) const {
   const uint64_t floats = uint64_t{pyramidOffset(views.width, views.height, kPyramidLevels)} * views.count;
@@ -317,11 +310,11 @@ void ComputeVisibility::addRaster(const FrameContext& f, const RasterViews& view
   overQueue(chain.large, kQueueJobs, b.jobRoom, 1, chain.textures);
   if (!f.overflow) return;
   const graph::BufferId host = copyToHost(f, chain.stage, "raster counters", {b.counters}).front();
-  f.overflow->checks.push_back([&f, &hidden = hidden_, culls = chain.culls, host,
+  f.overflow->checks.push_back([&f, &hidden = hidden_, of = hiddenOf_, culls = chain.culls, host,
                                 room = b.room](const graph::Submission& done) {
     const auto& counters = *done.buffer(host).as<RasterCounters>();
-    if (culls == kCullSeen) hidden.counts = {.drawn = counters.work, .seenBefore = counters.work};
-    if (culls == kCullFound) hidden.counts.drawn += counters.work;
+    if (culls == kCullSeen) hidden.keep(of, {.seenBefore = counters.work});
+    if (culls == kCullFound) hidden.keep(of, {hidden.counts(of).seenBefore, counters.work, counters.hidden});
     return overflowedRaster(f, room, counters);
   });
 }
@@ -347,8 +340,7 @@ RasterViews ComputeVisibility::viewsOf(const FrameContext& f) const {
           .width = f.width,
           .height = f.height,
           .count = f.viewCount(),
-          .samples = f.setup.samples,
-          .cullsHidden = worthHiding(f.viewCount())};
+          .samples = f.setup.samples};
 }
 
 RasterViews ComputeVisibility::pinholeViews(const FrameContext& f) const {
@@ -404,7 +396,9 @@ graph::BufferId ComputeVisibility::addVisible(const FrameContext& f, const Raste
 }
 
 FrameDepth ComputeVisibility::addDepth(const FrameContext& f) const {
-  visible_ = addVisible(f, viewsOf(f));
+  RasterViews views = viewsOf(f);
+  views.cullsHidden = !views.lens && hidden_.pays(f.device, hiddenOf_, share_.parts * views.count);
+  visible_ = addVisible(f, views);
   const graph::ImageId depth = createTarget(f, VK_FORMAT_R32_SFLOAT, "depth");
   addResolve(f, {.stage = graph::Stage::Visibility,
                  .name = "depth",

@@ -60,7 +60,6 @@ class ComputeVisibility final : public Visibility {
   void addRaster(const FrameContext& f, const RasterViews& views, const Buffers& buffers, const Chain& chain) const;
   void addCull(const FrameContext& f, const RasterViews& views, const Buffers& buffers, const Chain& chain) const;
   graph::BufferId addPyramid(const FrameContext& f, const RasterViews& views, graph::BufferId visible) const;
-  bool worthHiding(uint32_t views) const;
   graph::BufferId addVisible(const FrameContext& f, const RasterViews& views) const;
   RasterViews viewsOf(const FrameContext& f) const;
   RasterViews pinholeViews(const FrameContext& f) const;

@@ -15,20 +15,26 @@ enum class HiddenOf { Steady, Jittered, WithBlended, Count };
 
 class HiddenClusters {
  public:
+  // Whether the next frame had better look for what is hidden, of so many clusters in all views: where they are many, some
+  // frames find out, and the others follow if enough of them were hidden.
+  bool pays(const vk::Device& device, HiddenOf of, uint64_t clusters);
   // `words`: uint32_t that all views of the frame take together. What is not known yet is all 0, which hides nothing.
   graph::BufferId addTo(const FrameContext& f, HiddenOf of, uint64_t words);
 
-  // Of the last frame that has been looked at: how many clusters were rasterized of those in view, and how many of these
-  // were not hidden in the frame before.
+  // Of the last frame that looked: how many clusters were rasterized that were not hidden in the frame before, how many
+  // others, and how many of those in view were hidden.
   struct Counts {
-    uint32_t drawn = 0, seenBefore = 0;
+    uint32_t seenBefore = 0, found = 0, hidden = 0;
   };
-  Counts counts;
+  const Counts& counts(HiddenOf of) const { return kept_[static_cast<size_t>(of)].counts; }
+  void keep(HiddenOf of, const Counts& counts) { kept_[static_cast<size_t>(of)].counts = counts; }
 
  private:
   struct Kept {
     std::shared_ptr<const vk::Buffer> buffer;  // in use by frames in flight, it lives on
     bool filled = false;
+    uint32_t frames = 0;  // since one found out
+    Counts counts;
   };
   std::array<Kept, static_cast<size_t>(HiddenOf::Count)> kept_;
 };

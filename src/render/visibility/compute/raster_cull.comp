@@ -181,8 +181,10 @@ bool isQueued(uint number, uint viewIndex, RankedInstance r, uint cluster) {
 void keepHidden(uint viewIndex) {
   barrier();
   uint number = groupNumber() * kCullGroup + gl_LocalInvocationIndex * 32u;
-  if (gl_LocalInvocationIndex < 2u && number < push.parts)
-    HiddenRef(push.hidden).v[hiddenWord(viewIndex, number)] = hiddenNow[gl_LocalInvocationIndex];
+  if (gl_LocalInvocationIndex >= 2u || number >= push.parts) return;
+  uint hidden = hiddenNow[gl_LocalInvocationIndex];
+  HiddenRef(push.hidden).v[hiddenWord(viewIndex, number)] = hidden;
+  if (hidden != 0u) atomicAdd(CountersRef(push.counters).v.hidden, uint(bitCount(hidden)));
 }
 
 void main() {

@@ -76,6 +76,7 @@ struct RasterJob {    // some large triangles of one tile
 };
 
 struct RasterCounters {
+  uint hidden;                               // clusters
   uint work, clipped, medium, large, entries, jobs;  // how many there are; they may be more than there is room for
   uvec3 groups;                              // of the next indirect dispatch
 };

@@ -1,0 +1,152 @@
+// Clusters that others hide are passed over: pictures and data are those of a renderer that knows nothing of earlier
+// frames, to the byte, and what is hidden is indeed not rasterized.
+#include <glm/gtc/matrix_transform.hpp>
+#include <random>
+
+#include "render/support.h"
+#include "scene/edit.h"
+#include "scene/framing.h"
+
+namespace latelight::render::test {
+namespace {
+
+using glm::vec3;
+using output::Aov;
+
+constexpr uint32_t kBalls = 3000;
+
+// A wall of four squares before a cloud of balls; some are before the wall. All of one kind: see addSquareOfFourKinds().
+scene::Scene ballsBehindAWall(uint32_t kind = 0) {
+  scene::builtin::SceneBuilder builder("balls");
+  addSquareOfFourKinds(builder.scene);
+  builder.scene.meshes.push_back(sphereMesh(0.12f));
+  for (const float x : {-2.0f, 0.0f, 2.0f, 4.0f})
+    builder.addInstance("wall", builder.kRoot, 0, 1, glm::scale(glm::translate(glm::mat4(1), {x, 0, 0}), vec3(1, 1.5f, 1)));
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> across(-4, 4), up(-1.4f, 1.4f), away(-9, -0.3f);
+  for (uint32_t i = 0; i < kBalls; ++i) {
+    const float z = i % 60 == 0 ? 1.0f : away(random);
+    builder.addInstance("ball", builder.kRoot, 1, kind, glm::translate(glm::mat4(1), {across(random), up(random), z}));
+  }
+  return std::move(builder.scene);
+}
+
+struct Look {
+  vec3 eye, target;
+};
+// Past the wall's edge, through it, into the cloud, and out again.
+constexpr Look kWay[] = {{{0, 0, 4}, {0, 0, 0}},      {{0, 0, 4}, {0, 0, 0}},      {{0.05f, 0, 4}, {0, 0, 0}},
+                         {{-5, 0.5f, 3}, {0, 0, -2}}, {{-6, 0.5f, 1}, {0, 0, -2}}, {{0, 0, 0.4f}, {0, 0, -1}},
+                         {{0, 0, -0.1f}, {0, 0, -3}}, {{0, 0, -5}, {0, 0.2f, 0}},  {{0, 9, 0.1f}, {0, 0, -3}},
+                         {{0, 0, 40}, {0, 0, 0}}};
+std::vector<scene::Camera> way(const scene::Scene& scene) {
+  std::vector<scene::Camera> cameras;
+  for (const Look& look : kWay) cameras.push_back(scene::lookAt(scene, look.eye, look.target));
+  return cameras;
+}
+
+class HiddenClustersTest : public RenderTest {
+ protected:
+  static void SetUpTestSuite() {
+    if (device().isCpu()) return;
+    skipped_ = true;  // there it pays with more clusters than these scenes have
+  }
+  void SetUp() override {
+    RenderTest::SetUp();
+    if (skipped_) GTEST_SKIP() << "skipped: on GPUs it pays with more clusters than these scenes have";
+  }
+
+  static void expectAlike(const output::FrameOutput& a, const output::FrameOutput& b) {
+    ASSERT_EQ(a.aovs.size(), b.aovs.size());
+    for (size_t i = 0; i < a.aovs.size(); ++i) EXPECT_EQ(a.aovs[i].values, b.aovs[i].values);
+  }
+
+  static void expectAlikeOnTheWay(const scene::Scene& scene, const Settings& settings) {
+    Renderer renderer(device(), scene, nullptr);
+    for (const scene::Camera& camera : way(scene))
+      expectAlike(renderer.render({&camera, 1}, settings).front(), renderOne(device(), scene, camera, settings));
+  }
+
+  static Settings settings(std::vector<Aov> aovs = {Aov::Color, Aov::Depth, Aov::Id}) {
+    Settings settings = settingsOf(160, 120, std::move(aovs));
+    settings.raster = Raster::Compute;
+    return settings;
+  }
+
+ private:
+  inline static bool skipped_ = false;
+};
+
+TEST_F(HiddenClustersTest, PicturesAreAsIfNothingWereKnown) {
+  const scene::Scene scene = ballsBehindAWall();
+  expectAlikeOnTheWay(scene, settings());
+  Settings samples = settings({Aov::Color});
+  samples.aa.samples = 4;
+  expectAlikeOnTheWay(scene, samples);
+  Settings superSampled = settings();
+  superSampled.aa.superSampling = 2;
+  expectAlikeOnTheWay(scene, superSampled);
+}
+
+TEST_F(HiddenClustersTest, MasksAndGlassToo) {
+  expectAlikeOnTheWay(ballsBehindAWall(2), settings());
+  scene::Scene glass = ballsBehindAWall();
+  glass.materials[0].data.flags |= shared::kMaterialBlended;
+  glass.materials[0].data.baseColor.a = 0.5f;
+  Settings both = settings({Aov::Color, Aov::Depth});
+  both.dataSurfaces = DataSurfaces::Any;
+  expectAlikeOnTheWay(glass, both);
+}
+
+TEST_F(HiddenClustersTest, OrthographicViewsToo) {
+  const scene::Scene scene = ballsBehindAWall();
+  Renderer renderer(device(), scene, nullptr);
+  for (const float half : {1.0f, 1.0f, 2.0f, 6.0f}) {
+    const scene::Camera camera = frontCamera(half);
+    expectAlike(renderer.render({&camera, 1}, settings()).front(), renderOne(device(), scene, camera, settings()));
+  }
+}
+
+TEST_F(HiddenClustersTest, ManyViewsAreAsOneByOne) {
+  const scene::Scene scene = ballsBehindAWall();
+  Renderer renderer(device(), scene, nullptr);
+  const std::vector<scene::Camera> cameras = way(scene);
+  for (int i = 0; i < 3; ++i) {
+    const std::vector<output::FrameOutput> together = renderer.render(cameras, settings());
+    for (size_t c = 0; c < cameras.size(); ++c)
+      expectAlike(together[c], renderOne(device(), scene, cameras[c], settings()));
+  }
+}
+
+// Whatever is known of it is of another scene.
+TEST_F(HiddenClustersTest, EditsAreSeen) {
+  scene::Scene scene = ballsBehindAWall();
+  Renderer renderer(device(), scene, nullptr);
+  const scene::Camera camera = way(scene).front();
+  for (int i = 0; i < 8; ++i) {
+    expectAlike(renderer.render({&camera, 1}, settings()).front(), renderOne(device(), scene, camera, settings()));
+    if (i == 2) scene::setTransform(scene, 0, glm::translate(glm::mat4(1), vec3(0, 5, 0)));
+    if (i == 4)
+      for (uint32_t ball = 10; ball < 200; ++ball)
+        scene::setTransform(scene, ball, glm::translate(glm::mat4(1), vec3(0.01f * static_cast<float>(ball), 0, 2)));
+    if (i == 6) scene::removeInstance(scene, 1);
+  }
+}
+
+TEST_F(HiddenClustersTest, WhatIsHiddenIsNotRasterized) {
+  const scene::Scene scene = ballsBehindAWall();
+  Renderer renderer(device(), scene, nullptr);
+  const scene::Camera camera = way(scene).front();
+  const auto counts = [&] {
+    renderer.render({&camera, 1}, settings());
+    const scene::Camera other = scene::lookAt(scene, {0, 0, 400}, {0, 0, 800});  // settles what the last frame has found
+    renderer.render({&other, 1}, settingsOf(8, 8, {Aov::Color}));
+    return renderer.hiddenClusters().counts(HiddenOf::Steady);
+  };
+  const HiddenClusters::Counts first = counts();
+  EXPECT_EQ(first.found, 0u) << "nothing was known, so that all were rasterized";
+  EXPECT_GT(first.hidden, first.seenBefore * 8 / 10) << "most balls are behind the wall";
+}
+
+}  // namespace
+}  // namespace latelight::render::test
