@@ -87,7 +87,7 @@ dvec3 integrate(const Point& p, const shared::LayerTables& tables, const study::
     if (cosine > 0.0 || sides.size() > 1) density += std::abs(cosine) / M_PI;
     for (const Facets& f : lobes) density += f.density(l);
     const vec3 light(environment.at(dvec3(l)));
-    sum += dvec3(shared::shadeLayeredLight(b, {l, light}, kShading)) / (density * each);
+    sum += dvec3(shared::shadeLayeredLight(b, {l, light, 1.0f}, kShading)) / (density * each);
   };
   const Lattice lattice(p.pixel);
   for (uint32_t i = 0; i < each; ++i) {

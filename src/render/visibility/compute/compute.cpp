@@ -38,7 +38,7 @@ struct Room {
 
 // `work`: that there can be.
 Room roomOf(const FrameContext& f, uint32_t work) {
-  Room room{work, 1u << 12, 1u << 14, 1u << 13, 1u << 16};
+  Room room{work, 1u << 12, 1u << 12, 1u << 13, 1u << 16};
   if (!f.overflow) return room;
   room.work = std::min(work, std::max(1u << 20, f.overflow->rasterWork));
   room.clipped = std::max(room.clipped, f.overflow->clippedTriangles);

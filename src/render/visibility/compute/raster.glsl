@@ -198,8 +198,7 @@ PixelBox onScreen(PixelBox box) {
 bool isDrawn(uint view, PixelBox box) { return isDrawn(push.within, push.fragments, view, box); }
 
 const int kSmallBox = kSamples <= 4u ? 32 / int(kSamples) : 9;  // pixels: bits of pixelsInside()
-// A subgroup's loop over more would keep its workgroup waiting.
-const int kMediumBox = kSamples <= 4u ? 512 / int(kSamples) : 128;
+const int kMediumBox = (kCpuDevice != 0u ? kMediumPixelsOfCpu : kMediumPixels) / (kSamples <= 4u ? int(kSamples) : 4);
 // Pixels of a triangle's extent in which edges fit into 32 bits at all its samples, and in the blocks that begin among
 // them too. Those reach 8 pixels farther, and samples lie less than a pixel beyond: 2 * 119 * 128 * 256^2 < 2^31.
 const int kLargestSide = 119;

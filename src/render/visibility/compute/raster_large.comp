@@ -107,7 +107,7 @@ void main() {
     if ((most.x | most.y | most.z) < 0 || t.most < farthest) continue;
     float first = depthOn(t.plane, ray);
     vec2 steps = depthSteps(seen, t.plane);
-    uint64_t least = ~uint64_t(0);
+    uint least = ~0u;  // depth's bits
     [[unroll]] for (int y = 0; y < kTall; ++y) {
       ivec3 weights = row;
       [[unroll]] for (int x = 0; x < kWide; ++x) {
@@ -116,13 +116,13 @@ void main() {
         [[unroll]] for (uint s = 0u; s < kSamples; ++s) {
           uint at = uint(y * kWide + x) * kSamples + s;
           if (hasSample(samples, s)) shown[at] = max(shown[at], visibleValue(depthAt(depth, s), t.id));
-          least = min(least, shown[at]);
+          least = min(least, uint(shown[at] >> 32));
         }
         weights += t.right;
       }
       row += t.down;
     }
-    farthest = visibleDepth(least);
+    farthest = uintBitsToFloat(least);
   }
   [[unroll]] for (uint i = 0u; i < 16u; ++i) {
     int inBlock = int(i / kSamples);

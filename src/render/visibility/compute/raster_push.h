@@ -16,9 +16,14 @@ SH_CONST uint kRasterTile = 64u;           // pixels across, of what raster_larg
 SH_CONST uint kRasterJobTriangles = 128u;  // of one tile, at most, in one of its workgroups
 SH_CONST int kSubpixels = 256;             // positions in a pixel, across
 
+// Of what one subgroup rasterizes. (lavapipe ends a shader's loops after 65535 rounds together, and there a subgroup has a
+// whole cluster.)
+SH_CONST int kMediumPixels = 2048;
+SH_CONST int kMediumPixelsOfCpu = 512;
+
 // Who rasterizes a triangle.
 SH_CONST uint kRasterSmall = 1u;    // its thread
-SH_CONST uint kRasterMedium = 2u;   // its subgroup
+SH_CONST uint kRasterMedium = 2u;   // a subgroup
 SH_CONST uint kRasterLarge = 3u;    // the tiles that it touches
 SH_CONST uint kRasterClipped = 4u;  // they do, after what lies outside of the view's volume is cut off
 
