@@ -36,14 +36,12 @@ vec2 transformedGradient(TextureTransform t, vec4 uvSets) {
   return vec2(dot(t.row0.xy, uv), dot(t.row1.xy, uv));
 }
 
-// What a texture multiplies by there. A fetch may stand in a branch: the condition is the material's, the same for all
-// invocations.
-vec4 texelOrOne(Material m, uint slot, SurfacePoint p) {
-  if (!hasTexture(m, slot)) return vec4(1.0);
-  return sampleTexture(m, slot, p);
+// A texture fetch may stand in a branch: the condition is the material's, the same for all invocations.
+vec4 baseColor(Material m, SurfacePoint p) {
+  vec4 c = m.baseColor * p.color;
+  if (hasTexture(m, kTextureBaseColor)) c *= sampleTexture(m, kTextureBaseColor, p);
+  return c;
 }
-
-vec4 baseColor(Material m, SurfacePoint p) { return m.baseColor * p.color * texelOrOne(m, kTextureBaseColor, p); }
 
 // Whether the alpha mask takes this point away (glTF 2.0, section 3.9.4). Of a blended material, drawn as if it were
 // solid for data outputs: whether it shows at all.

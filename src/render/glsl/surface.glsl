@@ -13,10 +13,11 @@ vec3 vertexNormal(SurfacePoint p) {
   return area > 0.0 ? p.plane * inversesqrt(area) : vec3(0.0, 0.0, 1.0);
 }
 
-// Perturbs the normal by a map through the vertices' tangent frame (seed 000; glTF 2.0, section 3.9.3). `texel`: of the map;
-// `scale`: of its slopes.
-vec3 perturbedNormal(vec3 texel, float scale, SurfacePoint p, vec3 n) {
-  vec3 map = texel * 2.0 - 1.0;
+// Perturbs the normal by a map through the vertices' tangent frame (seed 000; glTF 2.0, section 3.9.3). `scale`: of its
+// slopes.
+vec3 mappedNormal(Material m, uint slot, float scale, SurfacePoint p, vec3 n) {
+  if (!hasTexture(m, slot)) return n;
+  vec3 map = sampleTexture(m, slot, p).xyz * 2.0 - 1.0;
   vec3 tangent = p.tangent.xyz - n * dot(n, p.tangent.xyz);
   float squared = dot(tangent, tangent);
   if (squared < 1e-12) return n;  // no tangent frame here
@@ -27,10 +28,6 @@ vec3 perturbedNormal(vec3 texel, float scale, SurfacePoint p, vec3 n) {
   vec3 mapped = p.facing * (t * map.x + b * map.y) + n * map.z;
   float length2 = dot(mapped, mapped);
   return length2 > 1e-24 ? mapped * inversesqrt(length2) : n;
-}
-vec3 mappedNormal(Material m, uint slot, float scale, SurfacePoint p, vec3 n) {
-  if (!hasTexture(m, slot)) return n;
-  return perturbedNormal(sampleTexture(m, slot, p).xyz, scale, p, n);
 }
 
 // The triangle's own normal from its vertices, exact where screen-space derivatives of small triangles are not.
@@ -49,41 +46,30 @@ vec3 triangleNormal(FrameConstants frame, Instance instance, SurfacePoint p) {
   return squared > 0.0 ? n * inversesqrt(squared) : vec3(0.0, 0.0, 1.0);
 }
 
-// What the textures of a material have at the point.
-struct MaterialTexels {
-  vec4 base, metallicRoughness, occlusion, emissive, specular, specularColor;
-  vec3 normal;
-};
-
-// Of all of them before anything is made of any, so that a GPU waits for them together.
-MaterialTexels materialTexels(Material m, SurfacePoint p) {
-  MaterialTexels t;
-  t.base = texelOrOne(m, kTextureBaseColor, p);
-  t.metallicRoughness = texelOrOne(m, kTextureMetallicRoughness, p);
-  t.normal = texelOrOne(m, kTextureNormal, p).xyz;
-  t.occlusion = texelOrOne(m, kTextureOcclusion, p);
-  t.emissive = texelOrOne(m, kTextureEmissive, p);
-  t.specular = texelOrOne(m, kTextureSpecular, p);
-  t.specularColor = texelOrOne(m, kTextureSpecularColor, p);
-  return t;
-}
-
 Surface evaluateMaterial(FrameConstants frame, Material m, SurfacePoint p) {
-  MaterialTexels t = materialTexels(m, p);
   Instance instance = frameInstance(frame, p.instance);
   Surface s = emptySurface();
   s.position = p.position;
   s.geonormal = triangleNormal(frame, instance, p);
-  s.normal = vertexNormal(p);
-  if (hasTexture(m, kTextureNormal)) s.normal = perturbedNormal(t.normal, m.normalScale, p, s.normal);
-  s.baseColor = (m.baseColor * p.color * t.base).rgb;
-  s.metallic = m.metallic * t.metallicRoughness.b;
-  s.roughness = m.roughness * t.metallicRoughness.g;
-  s.ao = 1.0 + m.occlusionStrength * (t.occlusion.r - 1.0);
-  s.emissive = m.emissive * t.emissive.rgb;
+  s.normal = mappedNormal(m, kTextureNormal, m.normalScale, p, vertexNormal(p));
+  s.baseColor = baseColor(m, p).rgb;
+  s.metallic = m.metallic;
+  s.roughness = m.roughness;
+  if (hasTexture(m, kTextureMetallicRoughness)) {
+    vec4 t = sampleTexture(m, kTextureMetallicRoughness, p);
+    s.metallic *= t.b;
+    s.roughness *= t.g;
+  }
+  if (hasTexture(m, kTextureOcclusion)) s.ao = 1.0 + m.occlusionStrength * (sampleTexture(m, kTextureOcclusion, p).r - 1.0);
+  s.emissive = m.emissive;
+  if (hasTexture(m, kTextureEmissive)) s.emissive *= sampleTexture(m, kTextureEmissive, p).rgb;
   // KHR_materials_specular: f0 is tinted and capped at 1 before the weight scales both ends.
-  s.f90 = m.specular * t.specular.a;
-  s.f0 = min(m.f0 * m.specularColor * t.specularColor.rgb, vec3(1.0)) * s.f90;
+  float specular = m.specular;
+  if (hasTexture(m, kTextureSpecular)) specular *= sampleTexture(m, kTextureSpecular, p).a;
+  vec3 specularColor = m.specularColor;
+  if (hasTexture(m, kTextureSpecularColor)) specularColor *= sampleTexture(m, kTextureSpecularColor, p).rgb;
+  s.f0 = min(m.f0 * specularColor, vec3(1.0)) * specular;
+  s.f90 = specular;
   s.uv = p.uv.xy;
   s.id = instance.id;
   s.part = instance.part;

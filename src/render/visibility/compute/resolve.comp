@@ -72,9 +72,8 @@ void resolve(FrameConstants frame, View view, ivec3 pixel, uint samples) {
     store(texel, emptyTexel(), vec4(0.0, 0.0, 0.0, kLitElsewhere));
     return;
   }
-  Material m = frameMaterial(frame, frameInstance(frame, t.rank.instance).material);
   SurfacePoint p = seenPoint(frame, view, t, place);
-  Surface s = evaluateMaterial(frame, m, p);
+  Surface s = evaluateMaterial(frame, frameMaterial(frame, frameInstance(frame, t.rank.instance).material), p);
   if (kPacksOutputs)
     writeOutputs(push.frame, push.outputs, exactTargets(s), visibleDepth(visible), pixel, int(view.size.x));
   vec4 light = emittedLight(frame, s);
