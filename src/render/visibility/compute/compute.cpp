@@ -304,9 +304,9 @@ void ComputeVisibility::addRaster(const FrameContext& f, const RasterViews& view
   overQueue(chain.small, kQueueWork, b.room.work, apart ? kRasterGroup / f.device.subgroupSize() : 1, chain.textures);
   if (!apart) overQueue(chain.small, kQueueMedium, b.room.medium, kRasterGroup / f.device.subgroupSize(), chain.textures);
   overQueue("raster_clip.comp", kQueueClipped, b.room.clipped, 64);
-  overQueue("raster_count.comp", kQueueLarge, b.room.large, 1);
+  overQueue("raster_count.comp", kQueueLarge, b.room.large, kBinGroup);
   over("raster_tiles.comp", {(tilesOf(views) + 63) / 64, 1, 1});
-  overQueue("raster_fill.comp", kQueueLarge, b.room.large, 1);
+  overQueue("raster_fill.comp", kQueueLarge, b.room.large, kBinGroup);
   overQueue(chain.large, kQueueJobs, b.jobRoom, 1, chain.textures);
   if (!f.overflow) return;
   const graph::BufferId host = copyToHost(f, chain.stage, "raster counters", {b.counters}).front();

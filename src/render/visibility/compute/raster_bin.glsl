@@ -1,17 +1,18 @@
-// A workgroup a large triangle: BIN(tile, triangle) for each tile that it touches.
+// Some lanes a large triangle: BIN(tile, triangle) for each tile that it touches.
 #include "render/visibility/compute/raster_tile.glsl"
 
-layout(local_size_x = 32) in;
+const uint kLanes = 8u;  // of a triangle: most touch few tiles
+layout(local_size_x = 256) in;
 
 void main() {
-  uint number = groupNumber();
+  uint number = groupNumber() * kBinGroup + gl_LocalInvocationIndex / kLanes;
   if (number >= min(CountersRef(push.buffers.counters).v.large, push.largeRoom)) return;
   LargeTriangle large = LargeRef(push.buffers.large).v[number];
   Triangle t = triangleOf(large);
   PixelBox box = onScreen(pixelsOf(t));
   uvec2 low = uvec2(box.low) / kRasterTile, size = uvec2(box.high) / kRasterTile - low + 1u, tiles = tilesOfView();
   TilesRef table = TilesRef(push.buffers.tiles);
-  for (uint i = gl_LocalInvocationIndex; i < size.x * size.y; i += 32u) {
+  for (uint i = gl_LocalInvocationIndex % kLanes; i < size.x * size.y; i += kLanes) {
     uvec2 tile = low + uvec2(i % size.x, i / size.x);
     ivec2 corner = ivec2(tile * kRasterTile);
     if (touches(t, corner, int(kRasterTile)) && isDrawn(large.view, PixelBox(corner, corner)))

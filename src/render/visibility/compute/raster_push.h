@@ -13,6 +13,7 @@ SH_CONST uint kRasterGroup = kClusterTriangles;  // triangles of a part: of thei
 SH_CONST uint kCullGroup = 64u;            // parts that a workgroup of raster_cull.comp takes
 SH_CONST uint kRasterRow = 32768u;         // workgroups in a row of an indirect dispatch
 SH_CONST uint kRasterTile = 64u;           // pixels across, of what raster_large.comp does at once
+SH_CONST uint kBinGroup = 32u;             // large triangles that a workgroup of raster_bin.glsl takes
 SH_CONST uint kRasterJobTriangles = 128u;  // of one tile, at most, in one of its workgroups
 SH_CONST int kSubpixels = 256;             // positions in a pixel, across
 
