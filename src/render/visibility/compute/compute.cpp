@@ -36,9 +36,9 @@ struct Room {
   uint32_t work, clipped, medium, large, entries;
 };
 
-// `work`: that there can be.
+// `work`: that there can be. Of their triangles some are of medium size: in the hall an eighth at most.
 Room roomOf(const FrameContext& f, uint32_t work) {
-  Room room{work, 1u << 12, 1u << 12, 1u << 13, 1u << 16};
+  Room room{work, 1u << 12, std::clamp(16 * std::min(work, 1u << 20), 1u << 12, 1u << 18), 1u << 13, 1u << 16};
   if (!f.overflow) return room;
   room.work = std::min(work, std::max(1u << 20, f.overflow->rasterWork));
   room.clipped = std::max(room.clipped, f.overflow->clippedTriangles);
