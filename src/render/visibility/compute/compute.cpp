@@ -36,9 +36,15 @@ struct Room {
   uint32_t work, clipped, medium, large, entries;
 };
 
-// `work`: that there can be. Of their triangles some are of medium size: in the hall an eighth at most.
-Room roomOf(const FrameContext& f, uint32_t work) {
-  Room room{work, 1u << 12, std::clamp(16 * std::min(work, 1u << 20), 1u << 12, 1u << 18), 1u << 13, 1u << 16};
+// `work`: that there can be. Of their triangles some are of medium size or large: in the hall an eighth at most, and more
+// where pixels have several samples, since it is their number that counts.
+Room roomOf(const FrameContext& f, uint32_t work, uint32_t samples) {
+  const uint32_t some = 16 * samples * std::min(work, 1u << 20);
+  Room room{.work = work,
+            .clipped = 1u << 12,
+            .medium = std::clamp(some, 1u << 12, 1u << 20),
+            .large = std::clamp(some, 1u << 13, 1u << 16),
+            .entries = 8 * std::clamp(some, 1u << 13, 1u << 16)};
   if (!f.overflow) return room;
   room.work = std::min(work, std::max(1u << 20, f.overflow->rasterWork));
   room.clipped = std::max(room.clipped, f.overflow->clippedTriangles);
@@ -104,7 +110,7 @@ struct ComputeVisibility::Buffers {
   Buffers(const FrameContext& f, const RasterViews& views, const InstanceRanks::Share& share,
           graph::BufferId known = {})
       // Rounded up, so that a scene that is edited does not ask for another size with every instance.
-      : visible(known), room(roomOf(f, std::bit_ceil(static_cast<uint32_t>(share.parts)) * views.count)) {
+      : visible(known), room(roomOf(f, std::bit_ceil(static_cast<uint32_t>(share.parts)) * views.count, views.samples)) {
     const auto make = [&](const char* name, uint64_t bytes) {
       return f.graph.create(vk::BufferDesc{.size = bytes, .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, .name = name});
     };
