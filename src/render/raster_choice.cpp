@@ -81,10 +81,9 @@ std::optional<RasterChoice> onlyChoice(const vk::Device& device, const Settings&
 // From how many triangles on compute shaders are the sooner where they have to filter textures themselves: by the
 // crossings on lavapipe, docs/performance.md#which-raster-on-two-cores.
 uint64_t mostForHardware(const Settings& settings) {
-  const bool filters = textureSlots(settings) != 0;
-  const bool drawsShadows = isLit(settings) && settings.shadows != ShadowFormat::None;
-  const double aPixel = 0.4 + (filters ? 4 : 0) + (filters && settings.aa.samples > 1 ? 5 : 0);
-  return uint64_t(7e5 + aPixel * settings.width * settings.height + (drawsShadows ? 3e6 : 0));
+  const double pixels = double(settings.width) * settings.height;
+  if (textureSlots(settings) == 0) return 1'300'000;
+  return uint64_t(settings.aa.samples > 1 ? 6e5 + pixels : 1.3e6 + 2.2 * pixels);
 }
 
 RasterChoice chooseWithoutIndexing(const Settings& settings, const scene::Scene& scene) {

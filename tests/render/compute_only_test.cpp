@@ -147,16 +147,15 @@ TEST_F(ComputeOnly, AutoIsWhatTheDeviceCanDo) {
 }
 
 // Where compute shaders have to filter textures themselves, they pay once there are many triangles: the more pixels show
-// materials, and where shadow maps are drawn, the later.
+// materials, the later.
 TEST_F(ComputeOnly, AutoDependsOnTheSceneWithoutDescriptorIndexing) {
   if (device().maxTextureArray() != 0) GTEST_SKIP() << "this device has descriptor indexing";
   scene::Scene scene;
   scene.meshes.emplace_back().indices.resize(3 * 1'000'000);
-  Settings data, unlit, picture;
+  Settings data, picture;
   data.display = false;
   data.aovs = {Aov::Depth, Aov::Id};
-  unlit.shadows = ShadowFormat::None;
-  for (Settings* s : {&data, &unlit, &picture}) s->width = s->height = 500;
+  for (Settings* s : {&data, &picture}) s->width = s->height = 1000;
   const auto fewestForCompute = [&](const Settings& s) {  // instances, of a million triangles each
     scene.instances.clear();
     while (chooseRaster(device(), s, scene).raster == Raster::Hardware) {
@@ -165,17 +164,18 @@ TEST_F(ComputeOnly, AutoDependsOnTheSceneWithoutDescriptorIndexing) {
     }
     return scene.instances.size();
   };
-  const size_t ofData = fewestForCompute(data), ofUnlit = fewestForCompute(unlit);
-  EXPECT_LT(ofData, ofUnlit) << "textures to filter";
-  EXPECT_LT(ofUnlit, fewestForCompute(picture)) << "shadow maps to store";
+  const size_t ofData = fewestForCompute(data), ofPicture = fewestForCompute(picture);
+  EXPECT_LT(ofData, ofPicture) << "textures to filter";
   scene.instances.back().removed = true;
   EXPECT_EQ(chooseRaster(device(), picture, scene).raster, Raster::Hardware) << "what was removed does not count";
-  data.aa.samples = unlit.aa.samples = 4;
+  data.aa.samples = picture.aa.samples = 4;
   EXPECT_EQ(fewestForCompute(data), ofData) << "data have one sample a pixel";
-  EXPECT_GT(fewestForCompute(unlit), ofUnlit) << "more surfaces a pixel";
-  unlit.aa.samples = 1;
-  unlit.width = 5000;
-  EXPECT_GT(fewestForCompute(unlit), ofUnlit + 5) << "more pixels";
+  EXPECT_LT(fewestForCompute(picture), ofPicture) << "more samples to draw, of few surfaces";
+  data.width = 5000;
+  picture.aa.samples = 1;
+  picture.width = 5000;
+  EXPECT_EQ(fewestForCompute(data), ofData) << "no textures to filter";
+  EXPECT_GT(fewestForCompute(picture), ofPicture + 5) << "more pixels";
 }
 
 }  // namespace
