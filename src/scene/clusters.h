@@ -17,8 +17,8 @@ struct Clusters {
 };
 
 // Of all of its triangles, which are halved until each cluster has its own, so that those of a cluster lie together
-// whatever order the mesh has them in. (meshoptimizer's buildMeshlets gives spheres that are an eighth to a third larger, does not say
-// which triangle is which, and takes five times as long for the hall.)
+// whatever order the mesh has them in. (meshoptimizer's buildMeshlets gives spheres that are an eighth to a third
+// larger, does not say which triangle is which, and takes five times as long for the hall.)
 Clusters clustersOf(const Mesh& mesh);
 
 }  // namespace latelight::scene

@@ -66,8 +66,8 @@ SH_FUNC SurfaceBrdf surfaceBrdf(Surface s, vec3 toEye, uint shading) {
   return ggxBrdf(s, toEye, shading);
 }
 
-// Radiance leaving the surface towards the eye by one light. No branch: those behind the surface are as many as those that
-// lanes beside this one take, and what they send is multiplied by 0.
+// Radiance leaving the surface towards the eye by one light. No branch: those behind the surface are as many as those
+// that lanes beside this one take, and what they send is multiplied by 0.
 SH_FUNC vec3 shadeLight(SurfaceBrdf b, LightSample light, uint shading) {
   float nl = saturate(dot(b.normal, light.toLight));
   HalfAngles a = halfAngles(b.normal, light.toLight, b.toEye);

@@ -146,8 +146,8 @@ TEST_F(ComputeOnly, AutoIsWhatTheDeviceCanDo) {
   EXPECT_EQ(chooseRaster(device(), s, hall()).raster, Raster::Compute);  // as asked
 }
 
-// Where compute shaders have to filter textures themselves, they pay once there are many triangles: the more pixels show
-// materials, the later.
+// Where compute shaders have to filter textures themselves, they pay once there are many triangles: the more pixels
+// show materials, the later.
 TEST_F(ComputeOnly, AutoDependsOnTheSceneWithoutDescriptorIndexing) {
   if (device().maxTextureArray() != 0) GTEST_SKIP() << "this device has descriptor indexing";
   scene::Scene scene;

@@ -67,11 +67,11 @@ TEST_F(RasterOutputsTest, ClassesFollowTheBoxes) {
   constexpr uint32_t kSize = 256;
   const auto most = static_cast<uint32_t>(device().isCpu() ? shared::kMediumPixelsOfCpu : shared::kMediumPixels);
   const auto side = static_cast<uint32_t>(std::sqrt(most));
-  const Box boxes[] = {{3, 3, shared::kRasterSmall},       {5, 5, shared::kRasterSmall},
-                       {32, 1, shared::kRasterSmall},      {33, 1, shared::kRasterMedium},
-                       {6, 6, shared::kRasterMedium},      {20, 20, shared::kRasterMedium},
+  const Box boxes[] = {{3, 3, shared::kRasterSmall},        {5, 5, shared::kRasterSmall},
+                       {32, 1, shared::kRasterSmall},       {33, 1, shared::kRasterMedium},
+                       {6, 6, shared::kRasterMedium},       {20, 20, shared::kRasterMedium},
                        {side, side, shared::kRasterMedium}, {119, 1, shared::kRasterMedium},
-                       {120, 1, shared::kRasterLarge},     {side + 1, side + 1, shared::kRasterLarge},
+                       {120, 1, shared::kRasterLarge},      {side + 1, side + 1, shared::kRasterLarge},
                        {1000, 1000, shared::kRasterLarge}};
   std::vector<vec3> positions;
   std::vector<uint32_t> indices;

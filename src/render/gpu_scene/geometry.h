@@ -17,8 +17,9 @@ std::vector<shared::VertexPosition> paddedPositions(std::span<const glm::vec3> p
 
 // Where the vertices of a mesh are read from as it is drawn.
 struct VertexStreams {
-  VkBuffer positions = VK_NULL_HANDLE, attributes = VK_NULL_HANDLE;  // shared::VertexPosition[], shared::VertexAttributes[]
-  VkDeviceSize firstPosition = 0, firstAttribute = 0;                // byte offsets
+  VkBuffer positions = VK_NULL_HANDLE,
+           attributes = VK_NULL_HANDLE;                // shared::VertexPosition[], shared::VertexAttributes[]
+  VkDeviceSize firstPosition = 0, firstAttribute = 0;  // byte offsets
 };
 
 class GpuGeometry {
@@ -51,7 +52,7 @@ class GpuGeometry {
   std::vector<vk::Buffer> clusters_;  // by mesh, if they are kept
   bool keepsClusters_ = false;
   const Deformer* deformer_ = nullptr;  // has the vertices of deformed meshes; null: they are at rest
-  std::vector<shared::Mesh> records_;  // at rest
+  std::vector<shared::Mesh> records_;   // at rest
   std::vector<VertexStreams> rest_, posed_;
   std::vector<uint64_t> revisions_;  // by mesh
   uint64_t revision_ = 1;

@@ -16,8 +16,8 @@ SH_FUNC float ggxAlpha(float roughness) {
   return max(roughness * roughness, kGgxMinAlpha);
 }
 
-// Of the half vector h between directions to a light and to the eye, about a normal; all unit. Light from exactly opposite
-// the eye has none, and its n.h is 0: no highlight.
+// Of the half vector h between directions to a light and to the eye, about a normal; all unit. Light from exactly
+// opposite the eye has none, and its n.h is 0: no highlight.
 struct HalfAngles {
   float nh;    // n.h, not clamped
   float sin2;  // |n x h|^2

@@ -25,59 +25,7 @@ namespace {
 
 using namespace shared;  // kRaster*, kQueue*
 
-// Of raster.glsl and lens_rays.glsl, whose shaders have others of their own.
-constexpr uint32_t kCutsOutConstant = kFirstOwnConstant + 2, kTouchedConstant = kFirstOwnConstant + 3,
-                   kShadowMapsConstant = kFirstOwnConstant + 4, kApartConstant = kFirstOwnConstant + 5,
-                   kQueuedConstant = kFirstOwnConstant + 6;
 constexpr uint32_t kOutputsConstant = kFirstOwnConstant + 4;  // of surface_outputs.glsl: the first slot
-
-// What the queues may hold, as far as earlier frames have found out.
-struct Room {
-  uint32_t work, clipped, medium, large, entries;
-};
-
-// `work`: that there can be. Of their triangles some are of medium size or large: in the hall an eighth at most, and more
-// where pixels have several samples, since it is their number that counts.
-Room roomOf(const FrameContext& f, uint32_t work, uint32_t samples) {
-  const uint32_t some = 16 * samples * std::min(work, 1u << 20);
-  Room room{.work = work,
-            .clipped = 1u << 12,
-            .medium = std::clamp(some, 1u << 12, 1u << 20),
-            .large = std::clamp(some, 1u << 13, 1u << 16),
-            .entries = 8 * std::clamp(some, 1u << 13, 1u << 16)};
-  if (!f.overflow) return room;
-  room.work = std::min(work, std::max(1u << 20, f.overflow->rasterWork));
-  room.clipped = std::max(room.clipped, f.overflow->clippedTriangles);
-  room.medium = std::max(room.medium, f.overflow->mediumTriangles);
-  room.large = std::max(room.large, f.overflow->largeTriangles);
-  room.entries = std::max(room.entries, f.overflow->tileEntries);
-  return room;
-}
-
-// Whether something overflowed; makes room for it, and some more, since the next frame may need it.
-bool overflowedRaster(const FrameContext& f, const Room& room, const RasterCounters& counters) {
-  const auto grow = [](uint32_t& kept, uint32_t has, uint32_t needed) {
-    if (needed <= has) return false;
-    kept = std::max(kept, std::bit_ceil(needed));
-    return true;
-  };
-  bool any = grow(f.overflow->rasterWork, room.work, counters.work);
-  any |= grow(f.overflow->clippedTriangles, room.clipped, counters.clipped);
-  any |= grow(f.overflow->mediumTriangles, room.medium, counters.medium);
-  any |= grow(f.overflow->largeTriangles, room.large, counters.large);
-  any |= grow(f.overflow->tileEntries, room.entries, counters.entries);
-  return any;
-}
-
-// Of what is seen.
-uint64_t pixelsOf(const FrameContext& f, const RasterViews& v) {
-  if (v.lens) return uint64_t{f.width} * f.height * f.viewCount();
-  return uint64_t{v.width} * v.height * v.count;
-}
-
-uint32_t tilesOf(const RasterViews& v) {
-  return ((v.width + kRasterTile - 1) / kRasterTile) * ((v.height + kRasterTile - 1) / kRasterTile) * v.count;
-}
 
 }  // namespace
 
@@ -101,69 +49,7 @@ ComputeVisibility::ComputeVisibility(const GpuScene& scene, const InstanceRanks&
 
 // --- what is visible ------------------------------------------------------------------------------------------------
 
-struct ComputeVisibility::Buffers {
-  graph::BufferId visible, work, clipped, large, tiles, entries, jobs, counters;
-  Room room;
-  uint32_t jobRoom;
-
-  // Into what is visible already, or anew.
-  Buffers(const FrameContext& f, const RasterViews& views, const InstanceRanks::Share& share,
-          graph::BufferId known = {})
-      // Rounded up, so that a scene that is edited does not ask for another size with every instance.
-      : visible(known), room(roomOf(f, std::bit_ceil(static_cast<uint32_t>(share.parts)) * views.count, views.samples)) {
-    const auto make = [&](const char* name, uint64_t bytes) {
-      return f.graph.create(vk::BufferDesc{.size = bytes, .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, .name = name});
-    };
-    const uint32_t tileCount = tilesOf(views);
-    jobRoom = tileCount + room.entries / kRasterJobTriangles;
-    if (!visible) visible = make("visible", uint64_t{8} * pixelsOf(f, views) * views.samples);
-    work = make("raster work", sizeof(RasterWork) * room.work);
-    clipped = make("clipped triangles", sizeof(ClippedTriangle) * room.clipped);
-    large = make("large triangles", sizeof(LargeTriangle) * (uint64_t{room.large} + room.medium));
-    tiles = make("raster tiles", uint64_t{8} * tileCount);
-    entries = make("tile entries", uint64_t{4} * room.entries);
-    jobs = make("raster jobs", sizeof(RasterJob) * jobRoom);
-    counters = make("raster counters", sizeof(RasterCounters));
-  }
-
-  std::vector<graph::Access> accesses() const {
-    std::vector<graph::Access> all;
-    for (const graph::BufferId b : {visible, work, clipped, large, tiles, entries, jobs, counters})
-      all.emplace_back(b, graph::Use::StorageReadWrite);
-    return all;
-  }
-};
-
 namespace {
-
-// A step of rasterization: reads and writes any of its buffers. raster_cull.comp is the pass "raster cull".
-ComputePass rasterStep(const FrameContext& f, graph::Stage stage, std::string shader,
-                       std::vector<graph::Access> buffers) {
-  std::string name = shader.substr(0, shader.find('.'));
-  std::ranges::replace(name, '_', ' ');
-  return {.stage = stage,
-          .name = name,
-          .shader = shader,
-          .bindings = Bindings(f.device),
-          .buffers = std::move(buffers),
-          .groupX = 1,
-          .groupY = 1};
-}
-
-// Shaders that look up materials' textures, and have the setup's constants.
-void bindTextures(const FrameContext& f, ComputePass& pass) {
-  pass.shader = materialVariant(f.device, pass.shader);
-  if (f.device.maxTextureArray() == 0) return;
-  pass.sceneSet = f.scene.materials().textureSet();
-  pass.sceneBindings = textureBindings(f.device);
-}
-
-// The same, and gives them those constants.
-void readsTextures(const FrameContext& f, ComputePass& pass) {
-  const std::vector<vk::Constant> setup = f.setup.constants();
-  pass.constants.insert(pass.constants.end(), setup.begin(), setup.end());
-  bindTextures(f, pass);
-}
 
 // A camera's pinhole view, from that of one at the origin.
 View posed(const View& pinhole, const View& camera) {
@@ -175,155 +61,6 @@ View posed(const View& pinhole, const View& camera) {
 }
 
 }  // namespace
-
-// The steps of rasterization are one chain for each of these, since what is done at a pixel that a triangle covers
-// differs.
-struct ComputeVisibility::Chain {
-  graph::Stage stage;
-  const char *small, *large;  // shaders
-  uint32_t wanted, asked;     // of the instances' flags
-  bool textures = false;
-  graph::BufferId lists{};                // of what is blended: shared::FragmentLists
-  std::vector<graph::BufferId> filled{};  // the buffers of those
-  uint32_t culls = kCullAll;              // kCull*
-  graph::BufferId hidden{}, pyramid{};    // that it takes
-};
-
-graph::BufferId ComputeVisibility::addPyramid(const FrameContext& f, const RasterViews& views,
-                                              graph::BufferId visible) const {
-  const uint64_t floats = uint64_t{pyramidOffset(views.width, views.height, kPyramidLevels)} * views.count;
-  const graph::BufferId pyramid = f.graph.create(
-      vk::BufferDesc{.size = 4 * floats, .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, .name = "depth pyramid"});
-  ComputePass pass = rasterStep(f, graph::Stage::Visibility, "raster_pyramid.comp",
-                                {{visible, graph::Use::StorageRead}, {pyramid, graph::Use::StorageWrite}});
-  pass.size = {(views.width + kRasterTile - 1) / kRasterTile, (views.height + kRasterTile - 1) / kRasterTile,
-               views.count};
-  pass.constants = {{kSamplesConstant, views.samples}};
-  addCompute(f, std::move(pass), [=](graph::Context& context) {
-    return PyramidPush{
-        context.buffer(visible).address(), context.buffer(pyramid).address(), views.width, views.height};
-  });
-  return pyramid;
-}
-
-void ComputeVisibility::addCull(const FrameContext& f, const RasterViews& views, const Buffers& b,
-                                const Chain& chain) const {
-  const InstanceRanks::Share& share = chain.lists ? ranks_.all() : share_;
-  constexpr uint32_t kPartsInRow = kRasterRow * kCullGroup;
-  const auto parts = static_cast<uint32_t>(share.parts);
-  ComputePass pass = rasterStep(
-      f, chain.stage, "raster_cull.comp",
-      {{b.work, graph::Use::StorageWrite}, {b.counters, graph::Use::StorageReadWrite}});
-  if (views.pages) pass.buffers.emplace_back(views.pages, graph::Use::StorageRead);
-  if (chain.hidden) pass.buffers.emplace_back(chain.hidden, graph::Use::StorageReadWrite);
-  if (chain.pyramid) pass.buffers.emplace_back(chain.pyramid, graph::Use::StorageRead);
-  pass.size = {std::min((parts + kCullGroup - 1) / kCullGroup, kRasterRow), (parts + kPartsInRow - 1) / kPartsInRow,
-               views.count};
-  pass.constants = {{kFirstOwnConstant, chain.wanted},
-                    {kFirstOwnConstant + 1, chain.asked},
-                    {kFirstOwnConstant + 2, chain.culls},
-                    {kShadowMapsConstant, views.pages ? 1u : 0u}};
-  addCompute(f, std::move(pass), [=, this](graph::Context& context) {
-    const auto address = [&](graph::BufferId buffer) { return buffer ? context.buffer(buffer).address() : 0; };
-    return CullPush{.frame = views.constants,
-                    .instances = ranks_.address(),
-                    .work = address(b.work),
-                    .counters = address(b.counters),
-                    .within = views.within,
-                    .pages = address(views.pages),
-                    .hidden = address(chain.hidden),
-                    .pyramid = address(chain.pyramid),
-                    .parts = parts,
-                    .width = views.width,
-                    .height = views.height,
-                    .workRoom = b.room.work};
-  });
-}
-
-void ComputeVisibility::addRaster(const FrameContext& f, const RasterViews& views, const Buffers& b,
-                                  const Chain& chain) const {
-  const bool blended{chain.lists};
-  addClear(f, chain.stage, "raster clear", {b.counters, b.tiles}, {b.work, b.clipped, b.large, b.entries, b.jobs});
-  const auto push = [=, this, &f](graph::Context& context) {
-    const auto address = [&](graph::BufferId buffer) { return context.buffer(buffer).address(); };
-    return RasterPush{.buffers = {.frame = views.constants,
-                                  .instances = ranks_.address(),
-                                  .visible = address(b.visible),
-                                  .work = address(b.work),
-                                  .clipped = address(b.clipped),
-                                  .large = address(b.large),
-                                  .tiles = address(b.tiles),
-                                  .entries = address(b.entries),
-                                  .jobs = address(b.jobs),
-                                  .counters = address(b.counters)},
-                      .within = views.within,
-                      .fragments = blended       ? address(chain.lists)
-                                   : views.pages ? address(views.pages)
-                                                 : 0,
-                      .views = views.count,
-                      .width = views.width,
-                      .height = views.height,
-                      .workRoom = b.room.work,
-                      .clippedRoom = b.room.clipped,
-                      .mediumRoom = b.room.medium,
-                      .largeRoom = b.room.large,
-                      .entryRoom = b.room.entries};
-  };
-  const auto step = [&](const char* shader) {
-    ComputePass pass = rasterStep(f, chain.stage, shader, b.accesses());
-    if (blended) pass.buffers.emplace_back(chain.lists, graph::Use::StorageRead);
-    if (views.pages) pass.buffers.emplace_back(views.pages, graph::Use::StorageRead);
-    pass.constants = {{kTouchedConstant, views.lens ? 1u : 0u}};
-    for (const graph::BufferId buffer : chain.filled) pass.buffers.emplace_back(buffer, graph::Use::StorageReadWrite);
-    return pass;
-  };
-  const vk::Constant samples{kSamplesConstant, views.samples}, maps{kShadowMapsConstant, views.pages ? 1u : 0u};
-  const auto over = [&](const char* shader, glm::uvec3 groups, std::vector<vk::Constant> constants = {}) {
-    ComputePass pass = step(shader);
-    pass.size = groups;
-    pass.constants.insert(pass.constants.end(), constants.begin(), constants.end());
-    addCompute(f, std::move(pass), push);
-  };
-  const auto overQueue = [&](const char* shader, uint32_t which, uint32_t room, uint32_t entries,
-                             bool textures = false) {
-    // What tiles do with their triangles is the same in all views.
-    const vk::Constant kind = which == kQueueJobs ? vk::Constant{kShadowMapsConstant, 0} : maps;
-    ComputePass arguments =
-        rasterStep(f, chain.stage, "raster_arguments.comp", {{b.counters, graph::Use::StorageReadWrite}});
-    const uint32_t parts = which == kQueueJobs ? views.samples : 1;
-    addCompute(f, std::move(arguments), [=](graph::Context& context) {
-      return RasterArgumentsPush{context.buffer(b.counters).address(), which, room, entries, parts};
-    });
-    ComputePass pass = step(shader);
-    if (textures) readsTextures(f, pass);
-    pass.constants.insert(pass.constants.end(), {samples, kind, {kCutsOutConstant, chain.wanted & kRankCutOut}});
-    if (which == kQueueWork) pass.constants.push_back({kApartConstant, entries > 1 ? 1u : 0u});
-    if (which == kQueueMedium) pass.constants.push_back({kQueuedConstant, 1});
-    pass.groups = b.counters;
-    pass.groupsOffset = offsetof(RasterCounters, groups);
-    addCompute(f, std::move(pass), push);
-  };
-  addCull(f, views, b, chain);
-  // lavapipe ends a shader's loops after 65535 rounds together. Those of a group are fewer where nothing but pixels is
-  // gone through: 180 for a triangle.
-  const bool apart = f.device.isCpu() && !chain.textures && !blended && views.samples == 1;
-  overQueue(chain.small, kQueueWork, b.room.work, apart ? kRasterGroup / f.device.subgroupSize() : 1, chain.textures);
-  if (!apart) overQueue(chain.small, kQueueMedium, b.room.medium, kRasterGroup / f.device.subgroupSize(), chain.textures);
-  overQueue("raster_clip.comp", kQueueClipped, b.room.clipped, 64);
-  overQueue("raster_count.comp", kQueueLarge, b.room.large, kBinGroup);
-  over("raster_tiles.comp", {(tilesOf(views) + 63) / 64, 1, 1});
-  overQueue("raster_fill.comp", kQueueLarge, b.room.large, kBinGroup);
-  overQueue(chain.large, kQueueJobs, b.jobRoom, 1, chain.textures);
-  if (!f.overflow) return;
-  const graph::BufferId host = copyToHost(f, chain.stage, "raster counters", {b.counters}).front();
-  f.overflow->checks.push_back([&f, &hidden = hidden_, of = hiddenOf_, culls = chain.culls, host,
-                                room = b.room](const graph::Submission& done) {
-    const auto& counters = *done.buffer(host).as<RasterCounters>();
-    if (culls == kCullSeen) hidden.keep(of, {.seenBefore = counters.work});
-    if (culls == kCullFound) hidden.keep(of, {hidden.counts(of).seenBefore, counters.work, counters.hidden});
-    return overflowedRaster(f, room, counters);
-  });
-}
 
 // A pass over all pixels of what is visible. `outputs`: OutputPlace[], or none.
 void ComputeVisibility::addResolve(const FrameContext& f, ComputePass pass, graph::BufferId outputs) const {
@@ -377,10 +114,10 @@ RasterViews ComputeVisibility::viewsBeside(const FrameContext& f, const std::vec
 
 // What these views show, as a buffer of the graph.
 graph::BufferId ComputeVisibility::addVisible(const FrameContext& f, const RasterViews& views) const {
-  const Buffers b(f, views, share_);
-  addClear(f, graph::Stage::Visibility, "raster clear", {b.visible});
-  Chain whole{graph::Stage::Visibility, "raster.comp", "raster_large.comp", 0, kRankCutOut};
-  Chain cut{
+  const RasterQueues queues(f, views, share_);
+  addClear(f, graph::Stage::Visibility, "raster clear", {queues.visible});
+  RasterChain whole{graph::Stage::Visibility, "raster.comp", "raster_large.comp", 0, kRankCutOut};
+  RasterChain cut{
       graph::Stage::Visibility, "raster_cut_out.comp", "raster_large_cut_out.comp", kRankCutOut, kRankCutOut, true};
   if (views.lens) {
     whole.small = cut.small = "raster_lens.comp";
@@ -391,19 +128,25 @@ graph::BufferId ComputeVisibility::addVisible(const FrameContext& f, const Raste
   if (some && views.cullsHidden) {
     whole.hidden = hidden_.addTo(f, hiddenOf_, (share_.parts + 31) / 32 * views.count);
     whole.culls = kCullSeen;
-    addRaster(f, views, b, whole);
-    whole.pyramid = cut.pyramid = pyramid_ = addPyramid(f, views, b.visible);
+    addRasterChain(f, ranks_, share_, views, queues, whole);
+    whole.pyramid = cut.pyramid = pyramid_ = addPyramid(f, views, queues.visible);
     whole.culls = kCullFound;
+    whole.counted = [&hidden = hidden_, of = hiddenOf_](const RasterCounters& counters) {
+      hidden.keep(of, counters.work, counters.hidden);
+    };
     cut.culls = kCullUnhidden;
   }
-  if (some) addRaster(f, views, b, whole);
-  if (share_.cutOut > 0) addRaster(f, views, b, cut);
-  return b.visible;
+  if (some) addRasterChain(f, ranks_, share_, views, queues, whole);
+  if (share_.cutOut > 0) addRasterChain(f, ranks_, share_, views, queues, cut);
+  return queues.visible;
 }
 
 FrameDepth ComputeVisibility::addDepth(const FrameContext& f) const {
   RasterViews views = viewsOf(f);
-  views.cullsHidden = !views.lens && hidden_.pays(f.device, hiddenOf_, share_.parts * views.count);
+  if (!views.lens) {
+    views.cullsHidden = hidden_.pays(f.device, hiddenOf_, share_.parts * views.count);
+    if (!f.device.isCpu()) prepareHiding(f, views);
+  }
   visible_ = addVisible(f, views);
   const graph::ImageId depth = createTarget(f, VK_FORMAT_R32_SFLOAT, "depth");
   addResolve(f, {.stage = graph::Stage::Visibility,
@@ -441,10 +184,11 @@ ComputeVisibility::RasterImages ComputeVisibility::addRasterImages(const FrameCo
 
 graph::ImageId ComputeVisibility::addOverdraw(const FrameContext& f) const {
   const RasterViews views{f.constants, f.width, f.height, f.viewCount()};
-  const Buffers b(f, views, share_);
-  addClear(f, graph::Stage::Geometry, "raster clear", {b.visible});
+  const RasterQueues queues(f, views, share_);
+  addClear(f, graph::Stage::Geometry, "raster clear", {queues.visible});
   if (share_.ranks > 0)
-    addRaster(f, views, b, {graph::Stage::Geometry, "raster_overdraw.comp", "raster_large_overdraw.comp", 0, 0});
+    addRasterChain(f, ranks_, share_, views, queues,
+                   {graph::Stage::Geometry, "raster_overdraw.comp", "raster_large_overdraw.comp", 0, 0});
   const graph::ImageId overdraw = createTarget(f, VK_FORMAT_R32_SFLOAT, "overdraw");
   addCompute(f,
              {.stage = graph::Stage::Geometry,
@@ -452,8 +196,10 @@ graph::ImageId ComputeVisibility::addOverdraw(const FrameContext& f) const {
               .shader = "visible_overdraw.comp",
               .bindings = Bindings(f.device).storage(overdraw, graph::Use::StorageWrite),
               .size = f.pixels(),
-              .buffers = {{b.visible, graph::Use::StorageRead}}},
-             [=](graph::Context& context) { return ResolvePush{.visible = context.buffer(b.visible).address()}; });
+              .buffers = {{queues.visible, graph::Use::StorageRead}}},
+             [visible = queues.visible](graph::Context& context) {
+               return ResolvePush{.visible = context.buffer(visible).address()};
+             });
   return overdraw;
 }
 
@@ -479,8 +225,8 @@ graph::BufferId packOutputs(const FrameContext& f, ComputePass& pass) {
                         });
 }
 
-// Whether surfaces with layers, which are shaded by themselves, leave nothing in the targets but that they are there. With
-// several samples the targets say which samples show one surface.
+// Whether surfaces with layers, which are shaded by themselves, leave nothing in the targets but that they are there.
+// With several samples the targets say which samples show one surface.
 bool leavesLayers(const FrameContext& f, const Gbuffer& gbuffer) {
   const bool some = (f.visibility.materials().solid & shared::kMaterialLayered) != 0;
   return some && gbuffer.forLighting && f.setup.samples == 1 && !f.setup.outputs;
@@ -673,14 +419,14 @@ void ComputeVisibility::addFragments(const FrameContext& f, const Gbuffer& gbuff
                       {buffers.counts, graph::Use::StorageReadWrite},
                       {buffers.totals, graph::Use::StorageReadWrite}},
                      [=](graph::Context& context) { return std::array{listsOf(context, buffers)}; });
-  Chain chain{graph::Stage::Transparency,
-              "raster_blended.comp",
-              "raster_large_blended.comp",
-              kRankBlended,
-              kRankBlended,
-              false,
-              lists,
-              filled};
+  RasterChain chain{graph::Stage::Transparency,
+                    "raster_blended.comp",
+                    "raster_large_blended.comp",
+                    kRankBlended,
+                    kRankBlended,
+                    false,
+                    lists,
+                    filled};
   if (pyramid_) {
     chain.culls = kCullUnhidden;
     chain.pyramid = pyramid_;
@@ -690,7 +436,7 @@ void ComputeVisibility::addFragments(const FrameContext& f, const Gbuffer& gbuff
     chain.large = "raster_large_lens_blended.comp";
     chain.textures = true;
   }
-  addRaster(f, views, Buffers(f, views, ranks_.all(), visible_), chain);
+  addRasterChain(f, ranks_, ranks_.all(), views, RasterQueues(f, views, ranks_.all(), visible_), chain);
 }
 
 void ComputeVisibility::lightFragments(const FrameContext& f, const Gbuffer& gbuffer,

@@ -5,21 +5,11 @@
 
 #include "render/visibility/compute/hidden_clusters.h"
 #include "render/visibility/compute/ranks.h"
+#include "render/visibility/compute/raster_chain.h"
 #include "render/visibility/compute/shown_push.h"
 #include "render/visibility/visibility.h"
 
 namespace latelight::render {
-
-// Views of one size that are rasterized together.
-struct RasterViews {
-  VkDeviceAddress constants;  // shared::FrameConstants
-  uint32_t width, height, count;
-  uint32_t samples = 1;        // a pixel
-  bool lens = false;           // they find the rays of a picture through a lens, which `within` describes
-  VkDeviceAddress within = 0;  // RasterPush::within
-  graph::BufferId pages{};     // of shadow maps: what of them is drawn (shadow/pages.h)
-  bool cullsHidden = false;    // clusters that others hide are passed over
-};
 
 // What a device lacks that these shaders need, as the end of a sentence; empty: nothing.
 std::string computeRasterLacks(const vk::Device& device);
@@ -55,11 +45,6 @@ class ComputeVisibility final : public Visibility {
   graph::ImageId addOverdraw(const FrameContext& f) const;
 
  private:
-  struct Buffers;
-  struct Chain;
-  void addRaster(const FrameContext& f, const RasterViews& views, const Buffers& buffers, const Chain& chain) const;
-  void addCull(const FrameContext& f, const RasterViews& views, const Buffers& buffers, const Chain& chain) const;
-  graph::BufferId addPyramid(const FrameContext& f, const RasterViews& views, graph::BufferId visible) const;
   graph::BufferId addVisible(const FrameContext& f, const RasterViews& views) const;
   RasterViews viewsOf(const FrameContext& f) const;
   RasterViews pinholeViews(const FrameContext& f) const;

@@ -10,15 +10,15 @@
 SH_BEGIN
 
 SH_CONST uint kRasterGroup = kClusterTriangles;  // triangles of a part: of their numbers, and of a cluster
-SH_CONST uint kCullGroup = 64u;            // parts that a workgroup of raster_cull.comp takes
-SH_CONST uint kRasterRow = 32768u;         // workgroups in a row of an indirect dispatch
-SH_CONST uint kRasterTile = 64u;           // pixels across, of what raster_large.comp does at once
-SH_CONST uint kBinGroup = 32u;             // large triangles that a workgroup of raster_bin.glsl takes
-SH_CONST uint kRasterJobTriangles = 128u;  // of one tile, at most, in one of its workgroups
-SH_CONST int kSubpixels = 256;             // positions in a pixel, across
+SH_CONST uint kCullGroup = 64u;                  // parts that a workgroup of raster_cull.comp takes
+SH_CONST uint kRasterRow = 32768u;               // workgroups in a row of an indirect dispatch
+SH_CONST uint kRasterTile = 64u;                 // pixels across, of what raster_large.comp does at once
+SH_CONST uint kBinGroup = 32u;                   // large triangles that a workgroup of raster_bin.glsl takes
+SH_CONST uint kRasterJobTriangles = 128u;        // of one tile, at most, in one of its workgroups
+SH_CONST int kSubpixels = 256;                   // positions in a pixel, across
 
-// Of what one subgroup rasterizes. (lavapipe ends a shader's loops after 65535 rounds together, and there a subgroup has a
-// whole cluster.)
+// Of what one subgroup rasterizes. (lavapipe ends a shader's loops after 65535 rounds together, and there a subgroup
+// has a whole cluster.)
 SH_CONST int kMediumPixels = 2048;
 SH_CONST int kMediumPixelsOfCpu = 512;
 
@@ -28,13 +28,13 @@ SH_CONST uint kRasterMedium = 2u;   // a subgroup
 SH_CONST uint kRasterLarge = 3u;    // the tiles that it touches
 SH_CONST uint kRasterClipped = 4u;  // they do, after what lies outside of the view's volume is cut off
 
-// Ids of what is visible are counted over all instances, each of which begins with a part of its own: triangle t of this
-// one is firstTriangle + t + 1. Its mesh has as many clusters as parts, and they are counted in the same way.
+// Ids of what is visible are counted over all instances, each of which begins with a part of its own: triangle t of
+// this one is firstTriangle + t + 1. Its mesh has as many clusters as parts, and they are counted in the same way.
 struct RankedInstance {
-  vec3 centre;           // of a sphere around it, world
-  float radius;          // metres; below 0: it is gone
-  uint64_t clusters;     // Cluster[] of its mesh where their bounds hold, or 0
-  float stretch;         // what its transform makes longer than it is in object space, at most
+  vec3 centre;        // of a sphere around it, world
+  float radius;       // metres; below 0: it is gone
+  uint64_t clusters;  // Cluster[] of its mesh where their bounds hold, or 0
+  float stretch;      // what its transform makes longer than it is in object space, at most
   uint instance;
   uint mesh;
   uint firstTriangle;
@@ -82,9 +82,9 @@ struct RasterJob {    // some large triangles of one tile
 };
 
 struct RasterCounters {
-  uint hidden;                               // clusters
+  uint hidden;                                       // clusters
   uint work, clipped, medium, large, entries, jobs;  // how many there are; they may be more than there is room for
-  uvec3 groups;                              // of the next indirect dispatch
+  uvec3 groups;                                      // of the next indirect dispatch
 };
 
 struct RasterBuffers {  // addresses
@@ -105,14 +105,14 @@ struct RasterPush {
   uint64_t within;     // of shadow maps RasterMap[views]; of a lens LensTarget
   uint64_t fragments;  // FragmentLists, of what is blended; of shadow maps the words of their pages (page_push.h)
   uint views;
-  uint width, height;                                // pixels of a view
+  uint width, height;                                            // pixels of a view
   uint workRoom, clippedRoom, mediumRoom, largeRoom, entryRoom;  // of the queues
 };
 
 // Which clusters raster_cull.comp queues, of those that a view may see.
 SH_CONST uint kCullAll = 0u;
-SH_CONST uint kCullSeen = 1u;    // that nothing hid in the last frame
-SH_CONST uint kCullFound = 2u;   // that nothing hides now, of the others; and keeps which are hidden
+SH_CONST uint kCullSeen = 1u;      // that nothing hid in the last frame
+SH_CONST uint kCullFound = 2u;     // that nothing hides now, of the others; and keeps which are hidden
 SH_CONST uint kCullUnhidden = 3u;  // that nothing hides now
 
 // Of what is seen: the farthest depth in squares of kPyramidSquare pixels, of twice as many, ...; levels one after the
@@ -158,10 +158,10 @@ struct RasterMap {  // a shadow map
 
 // Where a shadow map goes, and what its texels are (shared/shadow.h).
 struct ShadowTarget {
-  uint x, y, layer;  // of the atlas
-  float A, B;        // depth is 2 (A y + B) at y metres along the map's axis
-  float unit;        // ShadowView::unit
-  float far;         // metres; 0: an orthographic map
+  uint x, y, layer;        // of the atlas
+  float A, B;              // depth is 2 (A y + B) at y metres along the map's axis
+  float unit;              // ShadowView::unit
+  float far;               // metres; 0: an orthographic map
   uint firstRow, rowStep;  // as RasterMap has them
 };
 

@@ -1,0 +1,292 @@
+#include "render/visibility/compute/raster_chain.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "render/readback.h"
+
+namespace latelight::render {
+
+namespace {
+
+using namespace shared;  // kRaster*, kQueue*
+
+// Of raster.glsl, raster_groups.glsl and lens_rays.glsl, whose shaders have others of their own.
+constexpr uint32_t kCutsOutConstant = kFirstOwnConstant + 2, kTouchedConstant = kFirstOwnConstant + 3,
+                   kShadowMapsConstant = kFirstOwnConstant + 4, kApartConstant = kFirstOwnConstant + 5,
+                   kQueuedConstant = kFirstOwnConstant + 6;
+
+// `work`: that there can be. Of their triangles some are of medium size or large: in the hall an eighth at most, and
+// more where pixels have several samples, since it is their number that counts.
+RasterRoom roomOf(const FrameContext& f, uint32_t work, uint32_t samples) {
+  const uint32_t some = 16 * samples * std::min(work, 1u << 20);
+  RasterRoom room{.work = work,
+                  .clipped = 1u << 12,
+                  .medium = std::clamp(some, 1u << 12, 1u << 20),
+                  .large = std::clamp(some, 1u << 13, 1u << 16),
+                  .entries = 8 * std::clamp(some, 1u << 13, 1u << 16)};
+  if (!f.overflow) return room;
+  room.work = std::min(work, std::max(1u << 20, f.overflow->rasterWork));
+  room.clipped = std::max(room.clipped, f.overflow->clippedTriangles);
+  room.medium = std::max(room.medium, f.overflow->mediumTriangles);
+  room.large = std::max(room.large, f.overflow->largeTriangles);
+  room.entries = std::max(room.entries, f.overflow->tileEntries);
+  return room;
+}
+
+// Whether something overflowed; makes room for it, and some more, since the next frame may need it.
+bool overflowed(Overflow& overflow, const RasterRoom& room, const RasterCounters& counters) {
+  const auto grow = [](uint32_t& kept, uint32_t has, uint32_t needed) {
+    if (needed <= has) return false;
+    kept = std::max(kept, std::bit_ceil(needed));
+    return true;
+  };
+  bool any = grow(overflow.rasterWork, room.work, counters.work);
+  any |= grow(overflow.clippedTriangles, room.clipped, counters.clipped);
+  any |= grow(overflow.mediumTriangles, room.medium, counters.medium);
+  any |= grow(overflow.largeTriangles, room.large, counters.large);
+  any |= grow(overflow.tileEntries, room.entries, counters.entries);
+  return any;
+}
+
+// Of what is seen.
+uint64_t pixelsOf(const FrameContext& f, const RasterViews& v) {
+  if (v.lens) return uint64_t{f.width} * f.height * f.viewCount();
+  return uint64_t{v.width} * v.height * v.count;
+}
+
+glm::uvec2 tilesOf(const RasterViews& v) {
+  return (glm::uvec2(v.width, v.height) + (kRasterTile - 1)) / kRasterTile;
+}
+
+// A step reads and writes any of its buffers. raster_cull.comp is the pass "raster cull".
+ComputePass rasterStep(const FrameContext& f, graph::Stage stage, std::string shader,
+                       std::vector<graph::Access> buffers) {
+  std::string name = shader.substr(0, shader.find('.'));
+  std::ranges::replace(name, '_', ' ');
+  return {.stage = stage,
+          .name = name,
+          .shader = shader,
+          .bindings = Bindings(f.device),
+          .buffers = std::move(buffers),
+          .groupX = 1,
+          .groupY = 1};
+}
+
+ComputePass cullPass(const FrameContext& f, graph::Stage stage, const RasterChain& chain, bool maps) {
+  ComputePass pass = rasterStep(f, stage, "raster_cull.comp", {});
+  pass.constants = {{kFirstOwnConstant, chain.wanted},
+                    {kFirstOwnConstant + 1, chain.asked},
+                    {kFirstOwnConstant + 2, chain.culls},
+                    {kShadowMapsConstant, maps ? 1u : 0u}};
+  return pass;
+}
+
+ComputePass pyramidPass(const FrameContext& f, const RasterViews& views) {
+  ComputePass pass = rasterStep(f, graph::Stage::Visibility, "raster_pyramid.comp", {});
+  pass.size = glm::uvec3(tilesOf(views), views.count);
+  pass.constants = {{kSamplesConstant, views.samples}};
+  return pass;
+}
+
+// A chain while it is added; passes that are recorded later have copies.
+struct Steps {
+  const FrameContext& f;
+  const InstanceRanks& ranks;
+  uint32_t parts;
+  RasterViews views;
+  RasterQueues queues;
+  RasterChain chain;
+
+  void cull() const;
+  void over(const char* shader, glm::uvec3 groups) const;
+  // `which`: kQueue*; a workgroup takes so many entries of it.
+  struct Queue {
+    uint32_t which, room, entries;
+  };
+  void overQueue(const char* shader, Queue queue, std::vector<vk::Constant> constants = {}) const;
+
+ private:
+  ComputePass step(const char* shader) const;
+  RasterPush push(graph::Context& context) const;
+  VkDeviceAddress addressOf(graph::Context& context, graph::BufferId buffer) const {
+    return buffer ? context.buffer(buffer).address() : 0;
+  }
+  vk::Constant mapsConstant() const { return {kShadowMapsConstant, views.pages ? 1u : 0u}; }
+};
+
+void Steps::cull() const {
+  constexpr uint32_t kPartsInRow = kRasterRow * kCullGroup;
+  ComputePass pass = cullPass(f, chain.stage, chain, bool{views.pages});
+  pass.buffers = {{queues.work, graph::Use::StorageWrite}, {queues.counters, graph::Use::StorageReadWrite}};
+  if (views.pages) pass.buffers.emplace_back(views.pages, graph::Use::StorageRead);
+  if (chain.hidden) pass.buffers.emplace_back(chain.hidden, graph::Use::StorageReadWrite);
+  if (chain.pyramid) pass.buffers.emplace_back(chain.pyramid, graph::Use::StorageRead);
+  pass.size = {std::min((parts + kCullGroup - 1) / kCullGroup, kRasterRow), (parts + kPartsInRow - 1) / kPartsInRow,
+               views.count};
+  addCompute(f, std::move(pass), [self = *this](graph::Context& context) {
+    return CullPush{.frame = self.views.constants,
+                    .instances = self.ranks.address(),
+                    .work = self.addressOf(context, self.queues.work),
+                    .counters = self.addressOf(context, self.queues.counters),
+                    .within = self.views.within,
+                    .pages = self.addressOf(context, self.views.pages),
+                    .hidden = self.addressOf(context, self.chain.hidden),
+                    .pyramid = self.addressOf(context, self.chain.pyramid),
+                    .parts = self.parts,
+                    .width = self.views.width,
+                    .height = self.views.height,
+                    .workRoom = self.queues.room.work};
+  });
+}
+
+RasterPush Steps::push(graph::Context& context) const {
+  return {.buffers = {.frame = views.constants,
+                      .instances = ranks.address(),
+                      .visible = addressOf(context, queues.visible),
+                      .work = addressOf(context, queues.work),
+                      .clipped = addressOf(context, queues.clipped),
+                      .large = addressOf(context, queues.large),
+                      .tiles = addressOf(context, queues.tiles),
+                      .entries = addressOf(context, queues.entries),
+                      .jobs = addressOf(context, queues.jobs),
+                      .counters = addressOf(context, queues.counters)},
+          .within = views.within,
+          .fragments = addressOf(context, chain.lists ? chain.lists : views.pages),
+          .views = views.count,
+          .width = views.width,
+          .height = views.height,
+          .workRoom = queues.room.work,
+          .clippedRoom = queues.room.clipped,
+          .mediumRoom = queues.room.medium,
+          .largeRoom = queues.room.large,
+          .entryRoom = queues.room.entries};
+}
+
+ComputePass Steps::step(const char* shader) const {
+  ComputePass pass = rasterStep(f, chain.stage, shader, queues.accesses());
+  if (chain.lists) pass.buffers.emplace_back(chain.lists, graph::Use::StorageRead);
+  if (views.pages) pass.buffers.emplace_back(views.pages, graph::Use::StorageRead);
+  for (const graph::BufferId buffer : chain.filled) pass.buffers.emplace_back(buffer, graph::Use::StorageReadWrite);
+  pass.constants = {{kTouchedConstant, views.lens ? 1u : 0u}};
+  return pass;
+}
+
+void Steps::over(const char* shader, glm::uvec3 groups) const {
+  ComputePass pass = step(shader);
+  pass.size = groups;
+  addCompute(f, std::move(pass), [self = *this](graph::Context& context) { return self.push(context); });
+}
+
+void Steps::overQueue(const char* shader, Queue queue, std::vector<vk::Constant> constants) const {
+  const bool jobs = queue.which == kQueueJobs;
+  const uint32_t parts = jobs ? views.samples : 1;
+  addCompute(
+      f, rasterStep(f, chain.stage, "raster_arguments.comp", {{queues.counters, graph::Use::StorageReadWrite}}),
+      [queue, parts, counters = queues.counters](graph::Context& context) {
+        return RasterArgumentsPush{context.buffer(counters).address(), queue.which, queue.room, queue.entries, parts};
+      });
+  ComputePass pass = step(shader);
+  if (chain.textures && (shader == chain.small || shader == chain.large)) readsTextures(f, pass);
+  // What tiles do with their triangles is the same in all views.
+  pass.constants.insert(pass.constants.end(), {{kSamplesConstant, views.samples},
+                                               jobs ? vk::Constant{kShadowMapsConstant, 0} : mapsConstant(),
+                                               {kCutsOutConstant, chain.wanted & kRankCutOut}});
+  pass.constants.insert(pass.constants.end(), constants.begin(), constants.end());
+  pass.groups = queues.counters;
+  pass.groupsOffset = offsetof(RasterCounters, groups);
+  addCompute(f, std::move(pass), [self = *this](graph::Context& context) { return self.push(context); });
+}
+
+}  // namespace
+
+RasterQueues::RasterQueues(const FrameContext& f, const RasterViews& views, const InstanceRanks::Share& share,
+                           graph::BufferId known)
+    // Rounded up, so that a scene that is edited does not ask for another size with every instance.
+    : visible(known), room(roomOf(f, std::bit_ceil(static_cast<uint32_t>(share.parts)) * views.count, views.samples)) {
+  const auto make = [&](const char* name, uint64_t bytes) {
+    return f.graph.create(vk::BufferDesc{.size = bytes, .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, .name = name});
+  };
+  const uint32_t tileCount = tilesOf(views).x * tilesOf(views).y * views.count;
+  room.jobs = tileCount + room.entries / kRasterJobTriangles;
+  if (!visible) visible = make("visible", uint64_t{8} * pixelsOf(f, views) * views.samples);
+  work = make("raster work", sizeof(RasterWork) * room.work);
+  clipped = make("clipped triangles", sizeof(ClippedTriangle) * room.clipped);
+  large = make("large triangles", sizeof(LargeTriangle) * (uint64_t{room.large} + room.medium));
+  tiles = make("raster tiles", uint64_t{8} * tileCount);
+  entries = make("tile entries", uint64_t{4} * room.entries);
+  jobs = make("raster jobs", sizeof(RasterJob) * room.jobs);
+  counters = make("raster counters", sizeof(RasterCounters));
+}
+
+std::vector<graph::Access> RasterQueues::accesses() const {
+  std::vector<graph::Access> all;
+  for (const graph::BufferId b : {visible, work, clipped, large, tiles, entries, jobs, counters})
+    all.emplace_back(b, graph::Use::StorageReadWrite);
+  return all;
+}
+
+void addRasterChain(const FrameContext& f, const InstanceRanks& ranks, const InstanceRanks::Share& share,
+                    const RasterViews& views, const RasterQueues& queues, const RasterChain& chain) {
+  const Steps steps{f, ranks, static_cast<uint32_t>(share.parts), views, queues, chain};
+  const RasterRoom& room = queues.room;
+  const uint32_t subgroups = kRasterGroup / f.device.subgroupSize();  // of a workgroup of the shader chain.small
+  // lavapipe ends a shader's loops after 65535 rounds together. Those of a cluster are fewer where nothing but pixels
+  // is gone through: 180 for a triangle.
+  const bool apart = f.device.isCpu() && !chain.textures && !chain.lists && views.samples == 1;
+  addClear(f, chain.stage, "raster clear", {queues.counters, queues.tiles},
+           {queues.work, queues.clipped, queues.large, queues.entries, queues.jobs});
+  steps.cull();
+  steps.overQueue(chain.small, {kQueueWork, room.work, apart ? subgroups : 1}, {{kApartConstant, apart ? 1u : 0u}});
+  if (!apart) steps.overQueue(chain.small, {kQueueMedium, room.medium, subgroups}, {{kQueuedConstant, 1}});
+  steps.overQueue("raster_clip.comp", {kQueueClipped, room.clipped, 64});
+  steps.overQueue("raster_count.comp", {kQueueLarge, room.large, kBinGroup});
+  steps.over("raster_tiles.comp", {(tilesOf(views).x * tilesOf(views).y * views.count + 63) / 64, 1, 1});
+  steps.overQueue("raster_fill.comp", {kQueueLarge, room.large, kBinGroup});
+  steps.overQueue(chain.large, {kQueueJobs, room.jobs, 1});
+  if (!f.overflow) return;
+  const graph::BufferId host = copyToHost(f, chain.stage, "raster counters", {queues.counters}).front();
+  f.overflow->checks.push_back(
+      [&overflow = *f.overflow, host, room, counted = chain.counted](const graph::Submission& done) {
+        const auto& counters = *done.buffer(host).as<RasterCounters>();
+        if (counted) counted(counters);
+        return overflowed(overflow, room, counters);
+      });
+}
+
+graph::BufferId addPyramid(const FrameContext& f, const RasterViews& views, graph::BufferId visible) {
+  const uint64_t floats = uint64_t{pyramidOffset(views.width, views.height, kPyramidLevels)} * views.count;
+  const graph::BufferId pyramid = f.graph.create(
+      vk::BufferDesc{.size = 4 * floats, .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, .name = "depth pyramid"});
+  ComputePass pass = pyramidPass(f, views);
+  pass.buffers = {{visible, graph::Use::StorageRead}, {pyramid, graph::Use::StorageWrite}};
+  addCompute(f, std::move(pass), [=](graph::Context& context) {
+    return PyramidPush{context.buffer(visible).address(), context.buffer(pyramid).address(), views.width, views.height};
+  });
+  return pyramid;
+}
+
+void prepareHiding(const FrameContext& f, const RasterViews& views) {
+  pipelineOf<PyramidPush>(f, pyramidPass(f, views));
+  for (const uint32_t culls : {kCullSeen, kCullFound})
+    pipelineOf<CullPush>(
+        f, cullPass(f, graph::Stage::Visibility, {.wanted = 0, .asked = kRankCutOut, .culls = culls}, false));
+  for (const uint32_t flag : {kRankCutOut, kRankBlended})
+    pipelineOf<CullPush>(
+        f, cullPass(f, graph::Stage::Visibility, {.wanted = flag, .asked = flag, .culls = kCullUnhidden}, false));
+}
+
+void bindTextures(const FrameContext& f, ComputePass& pass) {
+  pass.shader = materialVariant(f.device, pass.shader);
+  if (f.device.maxTextureArray() == 0) return;
+  pass.sceneSet = f.scene.materials().textureSet();
+  pass.sceneBindings = textureBindings(f.device);
+}
+
+void readsTextures(const FrameContext& f, ComputePass& pass) {
+  const std::vector<vk::Constant> setup = f.setup.constants();
+  pass.constants.insert(pass.constants.end(), setup.begin(), setup.end());
+  bindTextures(f, pass);
+}
+
+}  // namespace latelight::render
