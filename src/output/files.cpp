@@ -100,15 +100,19 @@ const AovImage& imageOf(const FrameOutput& frame, Aov aov) {
   fail(ExitCode::Internal, "the frame has no {}", info(aov).name);
 }
 
-std::vector<std::byte> encodePngOf(const FrameOutput& frame, Aov aov) {
-  if (aov != Aov::Color || frame.display.empty()) return encodePng(imageOf(frame, aov));
-  return encodePng(frame.width, frame.height, 4, 8, reinterpret_cast<const std::byte*>(frame.display.data()),
-                   PngLight::Srgb);
+bool isDisplay(const FrameOutput& frame, Aov aov) {
+  return aov == Aov::Color && !frame.display.empty();
+}
+
+void writePng(const fs::path& path, const FrameOutput& frame, Aov aov) {
+  if (isDisplay(frame, aov))
+    writeFile(path, frame.displayPng());
+  else
+    writeFile(path, encodePng(imageOf(frame, aov)));
 }
 
 std::vector<std::byte> encode(Format format, std::span<const Aov> aovs, const FrameOutput& frame,
                               const Metadata& metadata) {
-  if (format == Format::Png) return encodePngOf(frame, aovs.front());
   if (format == Format::Npy) return encodeNpy(imageOf(frame, aovs.front()));
   std::vector<const AovImage*> images;
   for (const Aov aov : aovs) images.push_back(&imageOf(frame, aov));
@@ -116,6 +120,12 @@ std::vector<std::byte> encode(Format format, std::span<const Aov> aovs, const Fr
 }
 
 }  // namespace
+
+std::span<const std::byte> FrameOutput::displayPng() const {
+  if (keptPng.empty())
+    keptPng = encodePng(width, height, 4, 8, reinterpret_cast<const std::byte*>(display.data()), PngLight::Srgb);
+  return keptPng;
+}
 
 Format formatOf(std::string_view pattern) {
   if (pattern == kStandardOutput) return Format::Png;
@@ -174,25 +184,27 @@ std::vector<fs::path> outputPaths(const OutputRequest& request, const Metadata& 
 std::vector<fs::path> writeOutput(const OutputRequest& request, const FrameOutput& frame, const Metadata& metadata) {
   const Format format = formatOf(request.pattern);
   if (request.pattern == kStandardOutput) {
-    writeFile(kStandardOutput, encodePngOf(frame, request.aovs.front()));
+    writePng(kStandardOutput, frame, request.aovs.front());
     return {};
   }
   const std::vector<fs::path> paths = outputPaths(request, metadata);
-  const auto write = [&](const fs::path& path, std::span<const std::byte> bytes) {
-    makeFilledFolders(request.pattern, path);
-    writeFile(path, bytes);
-  };
   const bool together = isTogether(request);
-  for (size_t i = 0; i < (together ? 1 : request.aovs.size()); ++i)
-    write(paths[i],
-          encode(format, together ? std::span(request.aovs) : std::span(request.aovs).subspan(i, 1), frame, metadata));
+  for (size_t i = 0; i < (together ? 1 : request.aovs.size()); ++i) {
+    makeFilledFolders(request.pattern, paths[i]);
+    const std::span<const Aov> all(request.aovs);
+    if (format == Format::Png)
+      writePng(paths[i], frame, all[i]);
+    else
+      writeFile(paths[i], encode(format, together ? all : all.subspan(i, 1), frame, metadata));
+  }
   if (wantsSideFile(request)) {
     const fs::path& side = paths.back();
     std::vector<std::string> names;  // one per AOV, relative to the side file
     for (size_t i = 0; i < request.aovs.size(); ++i)
       names.push_back(paths[together ? 0 : i].lexically_proximate(side.parent_path()).generic_string());
     const std::string text = sideFile(metadata, frame.width, frame.height, request.aovs, names);
-    write(side, std::as_bytes(std::span(text)));
+    makeFilledFolders(request.pattern, side);
+    writeFile(side, std::as_bytes(std::span(text)));
   }
   return paths;
 }

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -34,6 +35,11 @@ struct FrameOutput {
   std::vector<AovImage> aovs;
   // RGBA, 8 bits, sRGB, straight alpha, tonemapped: colour in PNG files. If empty, colour is clamped instead.
   std::vector<uint8_t> display;
+
+  // `display` as a PNG file. Kept from the first call on: several formats of a data set write it. From one thread at a
+  // time.
+  std::span<const std::byte> displayPng() const;
+  mutable std::vector<std::byte> keptPng = {};
 };
 
 // The format by the pattern's extension. Throws Error(Usage) that names the three.

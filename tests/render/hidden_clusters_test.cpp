@@ -1,5 +1,6 @@
 // Clusters that others hide are passed over: pictures and data are those of a renderer that knows nothing of earlier
 // frames, to the byte, and what is hidden is indeed not rasterized.
+#include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
 #include <random>
 
@@ -13,7 +14,7 @@ namespace {
 using glm::vec3;
 using output::Aov;
 
-constexpr uint32_t kBalls = 3000;
+constexpr uint32_t kBalls = 1500;
 
 // A wall of four squares before a cloud of balls; some are before the wall. All of one kind: see
 // addSquareOfFourKinds().
@@ -27,7 +28,7 @@ scene::Scene ballsBehindAWall(uint32_t kind = 0) {
   std::mt19937 random(5);
   std::uniform_real_distribution<float> across(-4, 4), up(-1.4f, 1.4f), away(-9, -0.3f);
   for (uint32_t i = 0; i < kBalls; ++i) {
-    const float z = i % 60 == 0 ? 1.0f : away(random);
+    const float z = i % 30 == 0 ? 1.0f : away(random);
     builder.addInstance("ball", builder.kRoot, 1, kind, glm::translate(glm::mat4(1), {across(random), up(random), z}));
   }
   return std::move(builder.scene);
@@ -37,9 +38,8 @@ struct Look {
   vec3 eye, target;
 };
 // Past the wall's edge, through it, into the cloud, and out again.
-constexpr Look kWay[] = {{{0, 0, 4}, {0, 0, 0}},      {{0, 0, 4}, {0, 0, 0}},      {{0.05f, 0, 4}, {0, 0, 0}},
-                         {{-5, 0.5f, 3}, {0, 0, -2}}, {{-6, 0.5f, 1}, {0, 0, -2}}, {{0, 0, 0.4f}, {0, 0, -1}},
-                         {{0, 0, -0.1f}, {0, 0, -3}}, {{0, 0, -5}, {0, 0.2f, 0}},  {{0, 9, 0.1f}, {0, 0, -3}},
+constexpr Look kWay[] = {{{0, 0, 4}, {0, 0, 0}},          {{0.05f, 0, 4}, {0, 0, 0}}, {{-5, 0.5f, 3}, {0, 0, -2}},
+                         {{0, 0, 0.4f}, {0, 0, -1}},      {{0, 0, -5}, {0, 0.2f, 0}}, {{0, 9, 0.1f}, {0, 0, -3}},
                          {{0, 0, 40}, {0, 0, 0}}};
 std::vector<scene::Camera> way(const scene::Scene& scene) {
   std::vector<scene::Camera> cameras;
@@ -103,8 +103,11 @@ TEST_F(HiddenClustersTest, MasksAndGlassToo) {
 TEST_F(HiddenClustersTest, OrthographicViewsToo) {
   const scene::Scene scene = ballsBehindAWall();
   Renderer renderer(device(), scene, nullptr);
-  for (const float half : {1.0f, 1.0f, 2.0f, 6.0f}) {
-    const scene::Camera camera = frontCamera(half);
+  for (scene::Camera camera : way(scene)) {
+    camera.orthographic = true;
+    camera.xHalf = 4;
+    camera.yHalf = 3;
+    camera.farClip = 50;
     expectAlike(renderer.render({&camera, 1}, settings()).front(), renderOne(device(), scene, camera, settings()));
   }
 }
@@ -112,8 +115,9 @@ TEST_F(HiddenClustersTest, OrthographicViewsToo) {
 TEST_F(HiddenClustersTest, ManyViewsAreAsOneByOne) {
   const scene::Scene scene = ballsBehindAWall();
   Renderer renderer(device(), scene, nullptr);
-  const std::vector<scene::Camera> cameras = way(scene);
-  for (int i = 0; i < 3; ++i) {
+  std::vector<scene::Camera> cameras = way(scene);
+  for (int i = 0; i < 2; ++i) {
+    std::ranges::reverse(cameras);  // each place shows something else
     const std::vector<output::FrameOutput> together = renderer.render(cameras, settings());
     for (size_t c = 0; c < cameras.size(); ++c)
       expectAlike(together[c], renderOne(device(), scene, cameras[c], settings()));

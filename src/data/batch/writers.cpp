@@ -7,6 +7,9 @@ namespace latelight::data {
 
 namespace {
 
+// Frames that wait for each thread: more would only take memory, which the machine has to find first.
+constexpr size_t kWaitingFrames = 4;
+
 uint64_t bytesOf(const RenderedFrame& frame) {
   uint64_t bytes = frame.frame.picture.display.size();
   for (const output::AovImage& aov : frame.frame.picture.aovs) bytes += 4 * (aov.values.size() + aov.ids.size());
@@ -32,7 +35,9 @@ Writers::~Writers() {
 void Writers::push(RenderedFrame frame) {
   const uint64_t bytes = bytesOf(frame);
   std::unique_lock lock(mutex_);
-  room_.wait(lock, [&] { return bytes_ == 0 || bytes_ + bytes <= most_; });
+  room_.wait(lock, [&] {
+    return bytes_ == 0 || (bytes_ + bytes <= most_ && waiting_.size() < kWaitingFrames * threads_.size());
+  });
   bytes_ += bytes;
   waiting_.push_back(std::move(frame));
   lock.unlock();

@@ -21,7 +21,7 @@ struct RenderedFrame {
 
 class Writers {
  public:
-  // At most `waiting` bytes of pictures wait for them.
+  // At most `waiting` bytes of pictures, and a few frames for each thread, wait for them.
   Writers(const Job& job, ShardLog& log, Progress& progress, size_t threads, uint64_t waiting);
   ~Writers();  // once all is written
   Writers(const Writers&) = delete;

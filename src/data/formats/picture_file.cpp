@@ -1,7 +1,6 @@
 #include "data/formats/picture_file.h"
 
 #include "data/formats/frame_files.h"
-#include "output/png.h"
 
 namespace latelight::data {
 
@@ -11,9 +10,7 @@ PictureFile::PictureFile(FormatOptions& options)
 
 std::string PictureFile::write(FrameRecord& record, const DataFrame& frame, const std::filesystem::path& folder) const {
   const std::string file = frameFile(pattern_, frame);
-  const output::FrameOutput& picture = frame.picture;
-  if (isWritten_)
-    writeOf(record, folder, file, output::encodePng(output::Picture{picture.width, picture.height, picture.display}));
+  if (isWritten_) writeOf(record, folder, file, frame.picture.displayPng());
   return file;
 }
 
