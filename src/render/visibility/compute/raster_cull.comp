@@ -2,6 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 // A thread for each cluster of an instance, in a view: queues it if any of its triangles may show.
 #extension GL_KHR_shader_subgroup_ballot : require
+#extension GL_KHR_shader_subgroup_vote : require
 #include "render/glsl/common.glsl"
 #include "render/visibility/compute/drawn_pages.glsl"
 #include "render/visibility/compute/seen_triangle.glsl"
@@ -85,19 +86,30 @@ bool findBounds(View view, RankedInstance r, uint cluster, out Bounds bounds) {
   return !facesAway(view, r, c, toWorld);
 }
 
+// Whether any page of the view is drawn, if it is a shadow map.
+bool anyDrawn(uint viewIndex) {
+  if (kShadowMaps == 0u) return true;
+  RasterMap map = RasterMapRef(push.within).v[viewIndex];
+  uint pages = 0u;
+  for (uint row = gl_SubgroupInvocationID; row * kRasterTile < push.height; row += gl_SubgroupSize)
+    pages |= UintRef(push.pages).v[map.firstRow + row * map.rowStep];
+  return subgroupAny(pages != 0u);
+}
+
+bool inGroup(View view, RankedInstance r) {
+  if (view.group == 0u) return true;
+  return frameInstance(FrameRef(push.frame).v, r.instance).flags >> kInstanceGroupShift == view.group;
+}
+
 // Whether the view sees that far, as if nothing stood before it.
-bool inView(View view, uint viewIndex, RankedInstance r, Bounds bounds) {
-  if (view.group != 0u) {
-    Instance instance = frameInstance(FrameRef(push.frame).v, r.instance);
-    if (instance.flags >> kInstanceGroupShift != view.group) return false;
-  }
-  if (!mayShow(view, bounds.centre, bounds.radius)) return false;
+bool inView(View view, uint viewIndex, vec3 centre, float radius) {
+  if (!mayShow(view, centre, radius)) return false;
   if (kShadowMaps == 0u) return true;
   vec4 within = RasterMapRef(push.within).v[viewIndex].within;
-  vec3 way = bounds.centre - within.xyz;
-  float reach = bounds.radius + within.w;
+  vec3 way = centre - within.xyz;
+  float reach = radius + within.w;
   return dot(way, way) <= reach * reach &&
-         isDrawn(push.within, push.pages, viewIndex, pixelsOf(view, bounds.centre, bounds.radius));
+         isDrawn(push.within, push.pages, viewIndex, pixelsOf(view, centre, radius));
 }
 
 // --- what hides ------------------------------------------------------------------------------------------------------
@@ -165,8 +177,10 @@ shared uint hiddenNow[2];  // of the workgroup's clusters
 bool isQueued(uint number, uint viewIndex, RankedInstance r, uint cluster) {
   if ((r.flags & kAsked) != kWanted || r.radius < 0.0) return false;
   View view = frameView(FrameRef(push.frame).v, viewIndex);
+  // Of a thousand shadow maps most see none of an instance, and its clusters need not be looked at.
+  if (!inView(view, viewIndex, r.centre, r.radius) || !inGroup(view, r)) return false;
   Bounds bounds;
-  bool shows = findBounds(view, r, cluster, bounds) && inView(view, viewIndex, r, bounds);
+  bool shows = findBounds(view, r, cluster, bounds) && inView(view, viewIndex, bounds.centre, bounds.radius);
   if (kWhich == kCullAll) return shows;
   bool wasHidden = false;
   if (kWhich != kCullUnhidden)
@@ -194,7 +208,7 @@ void main() {
   }
   uint number = groupNumber() * kCullGroup + gl_LocalInvocationIndex, viewIndex = gl_WorkGroupID.z;
   RasterWork work = RasterWork(0u, 0u, viewIndex);
-  bool queued = number < push.parts;
+  bool queued = anyDrawn(viewIndex) && number < push.parts;
   if (queued) {
     InstanceList list = InstanceListRef(push.instances).v;
     work.rank = RankOfPartRef(list.rankOfPart).v[number];
@@ -203,8 +217,9 @@ void main() {
     queued = isQueued(number, viewIndex, r, work.cluster);
   }
   uvec4 all = subgroupBallot(queued);
-  uint first = 0u;
-  if (subgroupElect()) first = atomicAdd(CountersRef(push.counters).v.work, subgroupBallotBitCount(all));
+  uint count = subgroupBallotBitCount(all), first = 0u;
+  // An atomic at one address takes about a nanosecond, whatever it adds, and a thousand shadow maps would make millions.
+  if (subgroupElect() && count != 0u) first = atomicAdd(CountersRef(push.counters).v.work, count);
   uint place = subgroupBroadcastFirst(first) + subgroupBallotExclusiveBitCount(all);
   if (queued && place < push.workRoom) WorkRef(push.work).v[place] = work;
   if (kWhich == kCullFound) keepHidden(viewIndex);
