@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "base/stopwatch.h"
 #include "render/lighting/technique.h"
 #include "render/outputs/outputs.h"
 #include "render/request.h"
@@ -97,21 +98,25 @@ RasterChoice chooseWithoutIndexing(const Settings& settings, const scene::Scene&
 }  // namespace
 
 std::vector<double> depthTimes(Renderer& renderer, const scene::Scene& scene, Raster raster, uint32_t size,
-                               uint32_t frames) {
+                               uint32_t frames, double warmUp) {
   Settings settings;
   settings.width = settings.height = size;
   settings.display = false;
   settings.shadows = ShadowFormat::None;
   settings.raster = raster;
   settings.aovs = {output::Aov::Depth};
-  std::vector<double> times;
-  for (uint32_t frame = 0; frame <= frames; ++frame) {
+  const auto timeOfFrame = [&] {
     renderer.submit(std::span(scene.cameras).first(1), settings, {}, Results::OnDevice).take();
     double sum = 0;
     for (const graph::PassTime& pass : renderer.times())
       if (pass.stage == graph::Stage::Visibility) sum += pass.milliseconds;
-    if (frame > 0) times.push_back(sum);
-  }
+    return sum;
+  };
+  timeOfFrame();  // makes pipelines, and what the raster has of the scene
+  const Stopwatch stopwatch;
+  while (stopwatch.seconds() < warmUp) timeOfFrame();
+  std::vector<double> times;
+  for (uint32_t frame = 0; frame < frames; ++frame) times.push_back(timeOfFrame());
   return times;
 }
 

@@ -20,8 +20,8 @@ struct RasterChoice {
 RasterChoice chooseRaster(vk::Device& device, const Settings& settings, const scene::Scene& scene);
 
 // Milliseconds that the device takes until the depth of each pixel is known, in a square picture by the scene's first
-// camera: one for each frame, after one more that warms up.
+// camera: one for each frame, after one that warms up, or as many as take `warmUp` seconds.
 std::vector<double> depthTimes(Renderer& renderer, const scene::Scene& scene, Raster raster, uint32_t size,
-                               uint32_t frames);
+                               uint32_t frames, double warmUp = 0);
 
 }  // namespace latelight::render

@@ -10,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "base/stopwatch.h"
 #include "render/raster_choice.h"
 #include "scene/builtin.h"
 #include "study/pass_samples.h"
@@ -47,7 +48,7 @@ Table benchRaster(vk::Device& device, const BenchOptions& options) {
     const scene::Scene scene = scene::load(fmt::format("builtin:triangles,count={},size={}", row.count, row.tenths));
     render::Renderer renderer(device, scene, nullptr);
     const auto times = [&](Raster raster) {
-      return render::depthTimes(renderer, scene, raster, scene::kTrianglesPicture, options.frames);
+      return render::depthTimes(renderer, scene, raster, scene::kTrianglesPicture, options.frames, kWarmUp);
     };
     const Milliseconds hardware = times(Raster::Hardware), compute = times(Raster::Compute);
     table.rows.push_back({std::string(row.count), 0.1 * row.tenths, median(hardware), spread(hardware), median(compute),
@@ -98,11 +99,10 @@ std::vector<scene::Camera> allAround(const scene::Scene& scene, const scene::Cam
 // passes' times.
 double timeOfViews(render::Renderer& renderer, std::span<const scene::Camera> cameras, const render::Poses& poses,
                    const render::Settings& settings, bool takes) {
-  using Clock = std::chrono::steady_clock;
-  const auto start = Clock::now();
+  const Stopwatch stopwatch;
   render::Ticket ticket = renderer.submit(cameras, settings, {.poses = poses}, render::Results::OnDevice);
   while (!ticket.done()) std::this_thread::sleep_for(std::chrono::microseconds(50));
-  const double elapsed = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+  const double elapsed = 1000 * stopwatch.seconds();
   if (takes) ticket.take();
   return elapsed;
 }
@@ -120,7 +120,9 @@ Table benchViews(render::Renderer& renderer, const scene::Scene& scene, const sc
     s.raster = raster;
     timeOfViews(renderer, cameras, poses, s, true);
     // Results that are left on the device have their memory from earlier calls, once there are enough of those.
-    for (uint32_t run = 0; run < kWarm; ++run) timeOfViews(renderer, cameras, poses, s, false);
+    const Stopwatch stopwatch;
+    for (uint32_t run = 0; run < kWarm || stopwatch.seconds() < kWarmUp; ++run)
+      timeOfViews(renderer, cameras, poses, s, false);
     Milliseconds samples;
     for (uint32_t run = 0; run < options.frames; ++run)
       samples.push_back(timeOfViews(renderer, cameras, poses, s, false));

@@ -13,7 +13,7 @@
 namespace latelight::study {
 
 struct BenchOptions {
-  uint32_t frames = 16;                 // of each measurement; one more warms up
+  uint32_t frames = 16;                 // of each measurement, after those that warm up
   uint64_t mostTriangles = 10'000'000;  // rows of `raster` with more are left out
   double budget = 10;                   // seconds: rows of `lights` that would take longer are left out
 };

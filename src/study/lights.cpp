@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <functional>
 #include <map>
 #include <optional>
@@ -13,11 +12,13 @@
 
 #include "base/error.h"
 #include "base/log.h"
+#include "base/stopwatch.h"
 #include "render/lighting/technique.h"
 #include "render/renderer.h"
 #include "scene/builtin.h"
 #include "scene/simplify.h"
 #include "study/light_counts.h"
+#include "study/pass_samples.h"
 #include "study/plot.h"
 #include "study/study.h"
 #include "study/sweep.h"
@@ -27,12 +28,11 @@ namespace latelight::study {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
 using render::TechniqueInfo;
 using Size = std::pair<uint32_t, uint32_t>;
 
 // Frames of each measurement; the first one warms caches. Fewer where they take longer than the limit, more where they
-// are short.
+// are short; on a GPU, at least as many as take kWarmUp.
 constexpr uint32_t kFrames = 3, kMostFrames = 10;
 constexpr double kShort = 0.1;         // seconds, of all frames of a measurement
 constexpr uint64_t kBaseLights = 100;  // at most, of those listed
@@ -40,10 +40,6 @@ constexpr uint64_t kGridLights[] = {1, 10, 100};
 constexpr float kEverywhere = 1000;  // metres: larger than the hall
 
 constexpr std::string_view kOverLights = "lights", kOverTriangles = "triangles", kOverSize = "size", kGrid = "grid";
-
-double secondsSince(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 // --- what is measured -----------------------------------------------------------------------------------------------
 
@@ -272,11 +268,11 @@ class LightStudy {
     settings.shadows = render::ShadowFormat::None;  // the cost of light, not of shadows
     const std::span<const scene::Camera> camera(&scene.cameras.front(), 1);
     Measurement m{.triangles = scene.triangleCount()};
-    const Clock::time_point start = Clock::now();
-    while (goesOn(m.frames, secondsSince(start))) {
-      const Clock::time_point frame = Clock::now();
+    const Stopwatch all;
+    while (goesOn(m.frames, all.seconds())) {
+      const Stopwatch frame;
       renderer.render(camera, settings);
-      const double seconds = secondsSince(frame);
+      const double seconds = frame.seconds();
       m.seconds = m.frames < 2 ? seconds : std::min(m.seconds, seconds);
       if (renderer.times().empty())
         fail(ExitCode::NoDevice, "{} has no timestamps to measure with; choose another --device", device_.info().name);
@@ -291,7 +287,8 @@ class LightStudy {
 
   bool goesOn(uint32_t frames, double seconds) const {
     if (frames == 0) return true;
-    return frames < kFrames ? seconds < sweep_.budget : frames < kMostFrames && seconds < kShort;
+    if (frames < kFrames) return seconds < sweep_.budget;
+    return device_.isCpu() ? frames < kMostFrames && seconds < kShort : seconds < kWarmUp;
   }
 
   // --- tables -------------------------------------------------------------------------------------------------------

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <glm/ext/matrix_transform.hpp>
 
+#include "base/stopwatch.h"
+
 namespace latelight::study {
 
 namespace {
@@ -49,12 +51,19 @@ std::vector<PassSamples> measureInTurn(render::Renderer& renderer, const scene::
                                        const render::Moment& moment, std::span<const render::Settings> settings,
                                        uint32_t frames) {
   constexpr double kTurn = 1e-3;  // radians a frame
+  const auto render = [&](uint32_t frame, const render::Settings& with) {
+    const scene::Camera now = turned(camera, frame * kTurn, glm::vec3(camera.toWorld[3]));
+    renderer.submit({&now, 1}, with, moment, render::Results::OnDevice).take();
+  };
+  for (const render::Settings& each : settings) render(0, each);  // makes pipelines, and what each has of the scene
+  const Stopwatch stopwatch;
+  while (stopwatch.seconds() < kWarmUp)
+    for (const render::Settings& each : settings) render(0, each);
   std::vector<PassSamples> samples(settings.size());
-  for (uint32_t frame = 0; frame <= frames; ++frame)
+  for (uint32_t frame = 1; frame <= frames; ++frame)
     for (size_t i = 0; i < settings.size(); ++i) {
-      const scene::Camera now = turned(camera, frame * kTurn, glm::vec3(camera.toWorld[3]));
-      renderer.submit({&now, 1}, settings[i], moment, render::Results::OnDevice).take();
-      if (frame > 0) samples[i].add(renderer.times());
+      render(frame, settings[i]);
+      samples[i].add(renderer.times());
     }
   return samples;
 }

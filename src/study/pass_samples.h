@@ -30,7 +30,11 @@ struct PassSamples {
 // The camera, turned by so many radians about the vertical axis through a point.
 scene::Camera turned(scene::Camera camera, double angle, glm::vec3 middle);
 
-// So many frames with each of some settings, left on the device, after one of each that warms up. They take turns, so
+// Seconds of work before anything is measured. GPUs lower their clocks while they rest, or wait for a scene to be made: an
+// H200 goes from 1980 MHz to 345 within two seconds, and takes up to half a second of work to be back.
+constexpr double kWarmUp = 0.5;
+
+// So many frames with each of some settings, left on the device, after some that warm up. They take turns, so
 // that whatever else the machine does falls on all of them. The camera turns a little from frame to frame: what is kept
 // for a later frame is what does not depend on the view.
 std::vector<PassSamples> measureInTurn(render::Renderer& renderer, const scene::Camera& camera,

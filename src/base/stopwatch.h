@@ -1,0 +1,17 @@
+// Time that passes.
+#pragma once
+
+#include <chrono>
+
+namespace latelight {
+
+class Stopwatch {
+ public:
+  double seconds() const { return std::chrono::duration<double>(Clock::now() - begin_).count(); }  // since it was made
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point begin_ = Clock::now();
+};
+
+}  // namespace latelight
