@@ -38,8 +38,8 @@ struct Look {
   vec3 eye, target;
 };
 // Past the wall's edge, through it, into the cloud, and out again.
-constexpr Look kWay[] = {{{0, 0, 4}, {0, 0, 0}},          {{0.05f, 0, 4}, {0, 0, 0}}, {{-5, 0.5f, 3}, {0, 0, -2}},
-                         {{0, 0, 0.4f}, {0, 0, -1}},      {{0, 0, -5}, {0, 0.2f, 0}}, {{0, 9, 0.1f}, {0, 0, -3}},
+constexpr Look kWay[] = {{{0, 0, 4}, {0, 0, 0}},     {{0.05f, 0, 4}, {0, 0, 0}}, {{-5, 0.5f, 3}, {0, 0, -2}},
+                         {{0, 0, 0.4f}, {0, 0, -1}}, {{0, 0, -5}, {0, 0.2f, 0}}, {{0, 9, 0.1f}, {0, 0, -3}},
                          {{0, 0, 40}, {0, 0, 0}}};
 std::vector<scene::Camera> way(const scene::Scene& scene) {
   std::vector<scene::Camera> cameras;

@@ -17,8 +17,8 @@ namespace latelight::data {
 
 namespace {
 
-// Enough to fill a GPU, and little enough that the memory that they are read back to is soon there; on the CPU, few enough
-// that a signal is followed soon.
+// Enough to fill a GPU, and little enough that the memory that they are read back to is soon there; on the CPU, few
+// enough that a signal is followed soon.
 constexpr AtOnce kOfGpu{256, 1 << 22}, kOfCpu{8, 1 << 19};
 
 AtOnce atOnce(const Job& job, const BatchOptions& options) {

@@ -4,17 +4,16 @@
 #include "render/post/bloom/bloom.glsl"
 #include "render/post/bloom/bloom_up.glsl"
 
-layout(local_size_x = 16, local_size_y = 16) in;
 layout(set = 0, binding = 0) uniform sampler2DArray picture;  // linear, premultiplied by alpha
 layout(set = 0, binding = 1) uniform sampler2DArray glow;     // half as large
 layout(set = 0, binding = 2, rgba32f) uniform writeonly image2DArray result;
 layout(push_constant, scalar) uniform Push { BloomBlendPush push; };
 
 void main() {
+  vec3 arrives = enlarged(glow) * push.strength;
   ivec3 place = ivec3(gl_GlobalInvocationID);
   if (any(greaterThanEqual(place.xy, imageSize(result).xy))) return;
   vec4 c = texelFetch(picture, place, 0) * push.scale;
-  vec3 arrives = enlarged(glow, place) * push.strength;
   vec3 leaves = glowing(c.rgb, push.threshold) * push.strength;
   // In a picture with straight alpha, light over a transparent background needs coverage to be visible: that of its
   // brightest channel.

@@ -1,15 +1,38 @@
 // Twice the size by a tent of 3 by 3 over bilinear taps (Jimenez 2014): on each axis 1, 5, 7, 3 sixteenths of four texels,
-// or their mirror image, for the two texels that one becomes.
-vec3 enlarged(sampler2DArray coarse, ivec3 place) {
-  ivec2 size = textureSize(coarse, 0).xy;
-  ivec2 odd = place.xy & 1;
-  ivec2 first = (place.xy >> 1) - 2 + odd;
+// or their mirror image, for the two texels that one becomes. A workgroup shares the coarse texels that its own take, and
+// their rows once those are enlarged.
+const int kSide = 16;
+const int kCoarse = kSide / 2 + 4;
+layout(local_size_x = kSide, local_size_y = kSide) in;
+shared vec3 coarseTexels[kCoarse * kCoarse];
+shared vec3 enlargedRows[kCoarse * kSide];
+
+// Where the four texels begin that a texel takes on an axis, from the first shared one on.
+int firstOf(int texel) { return (texel >> 1) + (texel & 1); }
+
+float tent(int texel, int i) {
   const float kTent[4] = float[](1.0 / 16.0, 5.0 / 16.0, 7.0 / 16.0, 3.0 / 16.0);
+  return kTent[(texel & 1) == 0 ? i : 3 - i];
+}
+
+// Every invocation of the workgroup calls it, and gets what its own texel has.
+vec3 enlarged(sampler2DArray coarse) {
+  ivec2 size = textureSize(coarse, 0).xy, first = ivec2(gl_WorkGroupID.xy) * (kSide / 2) - 2;
+  int own = int(gl_LocalInvocationIndex);
+  for (int i = own; i < kCoarse * kCoarse; i += kSide * kSide) {
+    ivec2 place = mirrored(first + ivec2(i % kCoarse, i / kCoarse), size);
+    coarseTexels[i] = texelFetch(coarse, ivec3(place, gl_GlobalInvocationID.z), 0).rgb;
+  }
+  barrier();
+  for (int i = own; i < kCoarse * kSide; i += kSide * kSide) {
+    int x = i % kSide, from = i / kSide * kCoarse + firstOf(x);
+    vec3 sum = vec3(0.0);
+    for (int tap = 0; tap < 4; ++tap) sum += tent(x, tap) * coarseTexels[from + tap];
+    enlargedRows[i] = sum;
+  }
+  barrier();
+  ivec2 local = ivec2(gl_LocalInvocationID.xy);
   vec3 sum = vec3(0.0);
-  for (int y = 0; y < 4; ++y)
-    for (int x = 0; x < 4; ++x) {
-      float weight = kTent[odd.x == 0 ? x : 3 - x] * kTent[odd.y == 0 ? y : 3 - y];
-      sum += weight * texelFetch(coarse, ivec3(mirrored(first + ivec2(x, y), size), place.z), 0).rgb;
-    }
+  for (int tap = 0; tap < 4; ++tap) sum += tent(local.y, tap) * enlargedRows[(firstOf(local.y) + tap) * kSide + local.x];
   return sum;
 }

@@ -8,7 +8,8 @@
 // picture's encoding. Where opacity changes more than light does, the edge is one of opacity.
 #include "render/post/compose.glsl"
 
-layout(local_size_x = 16, local_size_y = 16) in;
+const int kSide = 16;
+layout(local_size_x = kSide, local_size_y = kSide) in;
 layout(set = 0, binding = 0) uniform sampler2DArray display;  // linear, straight alpha
 layout(push_constant, scalar) uniform Push { ComposePush push; };
 
@@ -30,9 +31,28 @@ vec4 fetch(Pixel p, ivec2 offset) {
 
 vec2 signals(vec4 c) { return vec2(sqrt(luminance(c.rgb) * c.a), c.a); }
 
-float at(Pixel p, ivec2 offset) {
-  vec2 s = signals(fetch(p, offset));
-  return p.byAlpha ? s.y : s.x;
+float signalOf(Pixel p, vec2 signals) { return p.byAlpha ? signals.y : signals.x; }
+
+float at(Pixel p, ivec2 offset) { return signalOf(p, signals(fetch(p, offset))); }
+
+// Of the workgroup's pixels and those around them: most pixels need no others. (lavapipe is an eighth faster without:
+// what lanes share it reads lane by lane.)
+const int kWide = kSide + 2;
+shared vec2 nearSignals[kWide * kWide];
+
+void shareSignals() {
+  if (kCpuDevice != 0u) return;
+  Pixel first = Pixel(ivec3(ivec2(gl_WorkGroupID.xy) * kSide - 1, gl_GlobalInvocationID.z), textureSize(display, 0).xy, false);
+  for (int i = int(gl_LocalInvocationIndex); i < kWide * kWide; i += kSide * kSide)
+    nearSignals[i] = signals(fetch(first, ivec2(i % kWide, i / kWide)));
+  barrier();
+}
+
+// At most a pixel away on each axis.
+vec2 near(Pixel p, ivec2 offset) {
+  if (kCpuDevice != 0u) return signals(fetch(p, offset));
+  ivec2 place = ivec2(gl_LocalInvocationID.xy) + 1 + offset;
+  return nearSignals[place.y * kWide + place.x];
 }
 
 // Between a pixel of the edge's row and its neighbour across.
@@ -73,17 +93,16 @@ vec4 straight(vec4 c) { return vec4(c.a > 0.0 ? c.rgb / c.a : vec3(0.0), c.a); }
 
 vec4 antialiased(Pixel p) {
   vec4 middle = fetch(p, ivec2(0));
-  vec2 m = signals(middle), n = signals(fetch(p, ivec2(0, -1))), s = signals(fetch(p, ivec2(0, 1))),
-       w = signals(fetch(p, ivec2(-1, 0))), e = signals(fetch(p, ivec2(1, 0)));
+  vec2 m = near(p, ivec2(0)), n = near(p, ivec2(0, -1)), s = near(p, ivec2(0, 1)), w = near(p, ivec2(-1, 0)), e = near(p, ivec2(1, 0));
   vec2 most = max(m, max(max(n, s), max(w, e))), least = min(m, min(min(n, s), min(w, e)));
   vec2 contrast = most - least;
   p.byAlpha = contrast.y > contrast.x;
   float range = p.byAlpha ? contrast.y : contrast.x;
   if (range < max(kLeastContrast, kLeastRelative * (p.byAlpha ? most.y : most.x))) return middle;
 
-  float M = p.byAlpha ? m.y : m.x, N = p.byAlpha ? n.y : n.x, S = p.byAlpha ? s.y : s.x, W = p.byAlpha ? w.y : w.x,
-        E = p.byAlpha ? e.y : e.x;
-  float NW = at(p, ivec2(-1, -1)), NE = at(p, ivec2(1, -1)), SW = at(p, ivec2(-1, 1)), SE = at(p, ivec2(1, 1));
+  float M = signalOf(p, m), N = signalOf(p, n), S = signalOf(p, s), W = signalOf(p, w), E = signalOf(p, e);
+  float NW = signalOf(p, near(p, ivec2(-1, -1))), NE = signalOf(p, near(p, ivec2(1, -1))),
+        SW = signalOf(p, near(p, ivec2(-1, 1))), SE = signalOf(p, near(p, ivec2(1, 1)));
   float mean = (2.0 * (N + S + W + E) + NW + NE + SW + SE) / 12.0;
   float lone = smoothstep(0.0, 1.0, min(abs(mean - M) / range, 1.0));
   float acrossRows = abs(NW + SW - 2.0 * W) + 2.0 * abs(N + S - 2.0 * M) + abs(NE + SE - 2.0 * E);
@@ -98,6 +117,7 @@ vec4 antialiased(Pixel p) {
 }
 
 void main() {
+  shareSignals();
   Pixel p = Pixel(ivec3(gl_GlobalInvocationID), textureSize(display, 0).xy, false);
   if (any(greaterThanEqual(p.place.xy, p.size))) return;
   writeCode(push, p.place, p.size, displayCode(antialiased(p)));
