@@ -42,7 +42,8 @@ shared vec2 nearSignals[kWide * kWide];
 
 void shareSignals() {
   if (kCpuDevice != 0u) return;
-  Pixel first = Pixel(ivec3(ivec2(gl_WorkGroupID.xy) * kSide - 1, gl_GlobalInvocationID.z), textureSize(display, 0).xy, false);
+  ivec3 corner = ivec3(ivec2(gl_WorkGroupID.xy) * kSide - 1, gl_GlobalInvocationID.z);
+  Pixel first = Pixel(corner, textureSize(display, 0).xy, false);
   for (int i = int(gl_LocalInvocationIndex); i < kWide * kWide; i += kSide * kSide)
     nearSignals[i] = signals(fetch(first, ivec2(i % kWide, i / kWide)));
   barrier();
