@@ -95,6 +95,21 @@ def test_pictures_have_the_bytes_of_render(opened, folder):
             assert [int(byte) for byte in text.split()] == list(picture[y, x])
 
 
+def test_what_is_typed_stays_while_a_picture_arrives(opened):
+    caption = opened.locator("#left-values caption")
+    before = caption.text_content()
+    opened.evaluate(
+        """() => {
+            const left = document.getElementById("left");
+            left.value = 5;
+            left.dispatchEvent(new Event("change"));
+            document.getElementById("x").value = 7;
+        }"""
+    )
+    opened.wait_for_function("(before) => document.querySelector('#left-values caption').textContent !== before", arg=before)
+    assert opened.locator("#x").input_value() == "7"
+
+
 def test_bytes_are_those_of_the_list(opened):
     layouts = json.loads(latelight("list", "layouts", "--json", "--size", "96x54")[0])["layouts"]
     table = opened.locator("table", has=opened.locator("caption", has_text="Bytes of each layout"))

@@ -62,7 +62,7 @@ const compare = {
 
   start() {
     this.center = [data.width / 2, data.height / 2];
-    this.pixel = [data.width >> 1, data.height >> 1];
+    this.point(data.width >> 1, data.height >> 1);
     for (const side of this.sides) this.fillChoices(byId(side));
     byId("right").value = 1;
     for (const side of this.sides) byId(side).addEventListener("change", () => this.show());
@@ -132,12 +132,12 @@ const compare = {
   },
 
   async tell() {
-    const [x, y] = this.pixel, index = y * data.width + x;
-    byId("x").value = x, byId("y").value = y;
+    const [x, y] = this.pixel, index = y * data.width + x, views = this.sides.map((side) => this.view(side));
     const words = {};
-    for (const side of this.sides)
-      words[side] = await Promise.all(this.view(side).values.map(async (value) => (await plane(value.plane))[index]));
-    if (this.pixel[0] !== x || this.pixel[1] !== y) return;  // moved on meanwhile
+    for (const [i, side] of this.sides.entries())
+      words[side] = await Promise.all(views[i].values.map(async (value) => (await plane(value.plane))[index]));
+    // Moved on meanwhile, or another picture was chosen, which is told by itself.
+    if (this.pixel[0] !== x || this.pixel[1] !== y || this.sides.some((side, i) => this.view(side) !== views[i])) return;
     for (const side of this.sides) this.fillValues(side, words[side]);
   },
 
@@ -153,8 +153,14 @@ const compare = {
       element("caption", `${side === "left" ? "Left" : "Right"}: ${view.name} (${view.group}) at ${x}, ${y}`), ...rows);
   },
 
-  select(x, y) {
+  // Nothing else writes to the fields: what is being typed there stays while pictures and values arrive.
+  point(x, y) {
     this.pixel = [Math.min(Math.max(x, 0), data.width - 1), Math.min(Math.max(y, 0), data.height - 1)];
+    byId("x").value = this.pixel[0], byId("y").value = this.pixel[1];
+  },
+
+  select(x, y) {
+    this.point(x, y);
     this.draw();
     this.tell();
   },
