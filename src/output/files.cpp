@@ -100,12 +100,8 @@ const AovImage& imageOf(const FrameOutput& frame, Aov aov) {
   fail(ExitCode::Internal, "the frame has no {}", info(aov).name);
 }
 
-bool isDisplay(const FrameOutput& frame, Aov aov) {
-  return aov == Aov::Color && !frame.display.empty();
-}
-
 void writePng(const fs::path& path, const FrameOutput& frame, Aov aov) {
-  if (isDisplay(frame, aov))
+  if (aov == Aov::Color && !frame.display.empty())
     writeFile(path, frame.displayPng());
   else
     writeFile(path, encodePng(imageOf(frame, aov)));

@@ -144,28 +144,10 @@ struct Cell {
   vec3 low, high;
 };
 
-// Where pixels look, as a ray of depth 1, or in an orthographic view from where: a multiple of their place, and an offset.
-struct Rays {
-  vec2 scale, offset;
-};
-Rays raysOf(View view) {
-  Projection p = view.projection;
-  vec2 across = 1.0 / vec2(p.H, p.V);
-  return Rays(vec2(2.0, -2.0) / view.size * across, (vec2(-1.0, 1.0) - vec2(p.X, p.Z)) * across);
-}
-
-vec3 viewPosition(Tile tile, Rays rays, FrameConstants frame, vec2 place, float depth) {
-  float y = viewDepth(tile.view.projection, depth);
-  if (kLens != 0u) return pixelRay(frame, tile.view, place) * y;
-  vec2 ray = place * rays.scale + rays.offset;
-  return tile.view.projection.kind == kPerspective ? vec3(ray.x, 1.0, ray.y) * y : vec3(ray.x, y, ray.y);
-}
-
 // Around the cell's samples in world space. Layouts that store positions store interpolated ones, which differ from
 // those by depth by a few millionths of the distance.
 Cell cellOf(Tile tile, FrameConstants frame, uint slices) {
   vec3 low = vec3(3.0e38), high = vec3(-3.0e38);
-  Rays rays = raysOf(tile.view);
   for (uint first = 0u; first < 256u; first += lanesPresent) {
     uvec2 pixel = tilePixel(tile, first);
     uint surfaces = surfacesAt(tile, pixel);
@@ -174,7 +156,10 @@ Cell cellOf(Tile tile, FrameConstants frame, uint slices) {
       float depth = depthAt(tile, pixel, samples);
       uint slice = sliceOf(depthKey(tile.view.projection, depth), tile.slices);
       bool inCell = depth != 0.0 && (slices >> slice & 1u) != 0u;
-      vec3 v = viewPosition(tile, rays, frame, vec2(pixel) + middleOfSamples(samples), depth);
+      Projection p = tile.view.projection;
+      vec2 place = vec2(pixel) + middleOfSamples(samples);
+      vec3 v = kLens != 0u ? pixelRay(frame, tile.view, place) * viewDepth(p, depth)
+                           : viewPositionAtDepth(p, pixelToNdc(place, tile.view.size), viewDepth(p, depth));
       vec3 position = tile.view.viewToWorld * vec4(v, 1.0);
       float slack = 1e-4 * (abs(v.x) + abs(v.y) + abs(v.z));
       low = inCell ? min(low, position - slack) : low;

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 // Half the size by 13 taps (Jimenez 2014, Next Generation Post Processing in Call of Duty: Advanced Warfare, SIGGRAPH course
 // Advances in Real-Time Rendering): five groups of four taps, each the mean of 2 by 2 texels; the one in the middle counts
-// one half, the four around it an eighth each. A workgroup shares its taps, of which each texel has four of its own.
+// one half, the four around it an eighth each. A workgroup shares its taps: two or three for each texel.
 #include "render/post/bloom/bloom.glsl"
 
 const int kSide = 16;

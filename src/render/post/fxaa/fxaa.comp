@@ -94,7 +94,8 @@ vec4 straight(vec4 c) { return vec4(c.a > 0.0 ? c.rgb / c.a : vec3(0.0), c.a); }
 
 vec4 antialiased(Pixel p) {
   vec4 middle = fetch(p, ivec2(0));
-  vec2 m = near(p, ivec2(0)), n = near(p, ivec2(0, -1)), s = near(p, ivec2(0, 1)), w = near(p, ivec2(-1, 0)), e = near(p, ivec2(1, 0));
+  vec2 m = near(p, ivec2(0)), n = near(p, ivec2(0, -1)), s = near(p, ivec2(0, 1)), w = near(p, ivec2(-1, 0)),
+       e = near(p, ivec2(1, 0));
   vec2 most = max(m, max(max(n, s), max(w, e))), least = min(m, min(min(n, s), min(w, e)));
   vec2 contrast = most - least;
   p.byAlpha = contrast.y > contrast.x;
