@@ -90,7 +90,7 @@ void addJobOptions(CLI::App& command, BatchArguments& a) {
 data::Job readJob(const BatchArguments& a) {
   data::JobDocument document;
   if (!a.job.empty()) document = data::readJobFile(a.job);
-  if (a.job.empty() && a.given.empty()) badUsage("no job is given: name its file, or say --scenes and --output");
+  if (a.job.empty() && a.given.empty()) badUsage("no job is given: name a job file, or use --scenes and --output");
   for (const auto& [key, value] : a.given.items())
     if (key == "options" && document.json.contains(key) && document.json[key].is_object())
       document.json[key].update(value);
@@ -145,7 +145,8 @@ std::vector<std::string> workersOf(const BatchArguments& a) {
 }
 
 void printSlurm(const BatchArguments& a) {
-  if (a.job.empty() || !a.given.empty()) badUsage("--slurm takes the job as a file alone: put its options there");
+  if (a.job.empty() || !a.given.empty())
+    badUsage("--slurm requires a job file without further options: put the options into the file");
   const std::string program = std::filesystem::read_symlink("/proc/self/exe").string();
   fmt::print("{}", data::slurmScript(data::quoted(program) + " batch " + data::quoted(a.job), a.slurm));
 }
@@ -180,7 +181,7 @@ void verify(const std::string& folder) {
   for (const std::string& sentence : wrong) warn("{}", sentence);
   if (!wrong.empty())
     fail(ExitCode::BadInput,
-         "{} files of '{}' are not as they were written: remove them, and run the job with --resume", wrong.size(),
+         "{} files of '{}' differ from what was written: remove them, and run the job with --resume", wrong.size(),
          folder);
   fmt::print("the files of {} frames are as they were written\n", status.manifest.frames.size());
 }
@@ -188,33 +189,34 @@ void verify(const std::string& folder) {
 CLI::App* addFolderCommand(CLI::App& batch, const std::shared_ptr<BatchArguments>& a, const char* name,
                            const char* help, const std::function<void(const BatchArguments&)>& run) {
   CLI::App* command = batch.add_subcommand(name, help);
-  command->add_option("FOLDER", a->folder, "The data set's")->required();
+  command->add_option("FOLDER", a->folder, "Folder of the data set")->required();
   command->callback([a, run] { run(*a); });
   return command;
 }
 
 void addRunOptions(CLI::App& command, BatchArguments& a) {
   const char* group = "Run";
-  command.add_flag("--resume", a.resume, "Render what is missing, or was made by other settings")->group(group);
-  command.add_flag("--dry-run", a.dryRun, "Print the frames that would be rendered")->group(group);
-  command.add_option("--shard", a.shard, "Part i/n of the frames; default: as Slurm, Open MPI or PMI say")
+  command.add_flag("--resume", a.resume, "Render frames that are missing or were rendered with other settings")
       ->group(group);
-  command.add_option("--devices", a.devices, "auto, all, or numbers, names and UUIDs by comma")
+  command.add_flag("--dry-run", a.dryRun, "Print the frames that would be rendered")->group(group);
+  command.add_option("--shard", a.shard, "Part i/n of the frames; default: from Slurm, Open MPI or PMI")->group(group);
+  command.add_option("--devices", a.devices, "Devices: auto, all, or comma-separated numbers, names and UUIDs")
       ->capture_default_str()
       ->group(group);
-  command.add_option("--workers", a.workers, "Frames are rendered by so many a device")
+  command.add_option("--workers", a.workers, "Number of renderers per device")
       ->check(CLI::Range(1, 64))
       ->capture_default_str()
       ->group(group);
-  command.add_option("--threads", a.threads, "That write files; default: one a core")
+  command.add_option("--threads", a.threads, "Number of threads that write files; default: one per core")
       ->check(CLI::Range(1, 1024))
       ->group(group);
   command
-      .add_option("--memory", a.memory, "Memory of the machine that may be taken, as in 4G; default: three quarters")
+      .add_option("--memory", a.memory,
+                  "Limit on host memory, for example 4G; default: three quarters of the free memory")
       ->group(group);
-  command.add_flag("--validate", a.validate, "Run under the Vulkan validation layers; any message is an error")
+  command.add_flag("--validate", a.validate, "Enable the Vulkan validation layers; any message is an error")
       ->group(group);
-  command.add_option("--slurm", a.slurm, "Print the script that sbatch takes, for so many shards")
+  command.add_option("--slurm", a.slurm, "Print a job script for sbatch with this many shards")
       ->check(CLI::Range(1, 1'000'000))
       ->group(group);
   command.add_flag("--schema", a.schema, "Print the JSON schema of a job")->group(group);
@@ -225,21 +227,21 @@ void addRunOptions(CLI::App& command, BatchArguments& a) {
 void addBatchCommand(CLI::App& app) {
   auto arguments = std::make_shared<BatchArguments>();
   CLI::App* batch = app.add_subcommand("batch", "Render a data set: scenes x variations x cameras, in many formats");
-  batch->add_option("JOB", arguments->job, "The job: a .json or .yaml file, or options alone");
+  batch->add_option("JOB", arguments->job, "Job file, .json or .yaml; may be omitted if options describe the job");
   addRunOptions(*batch, *arguments);
   addJobOptions(*batch, *arguments);
   batch->require_subcommand(0, 1);
   batch->callback([batch, arguments] {
     if (batch->get_subcommands().empty()) runBatch(*arguments);
   });
-  addFolderCommand(*batch, arguments, "status", "How many frames are finished, and which failed",
+  addFolderCommand(*batch, arguments, "status", "Print the number of finished frames and the failed ones",
                    [](const BatchArguments& a) { printStatus(a.folder); });
-  addFolderCommand(*batch, arguments, "verify", "Whether all files are as they were written",
+  addFolderCommand(*batch, arguments, "verify", "Check that all files are unmodified",
                    [](const BatchArguments& a) { verify(a.folder); });
   CLI::App* merge =
-      addFolderCommand(*batch, arguments, "merge", "Join the shards' manifests, and write the files of the whole set",
+      addFolderCommand(*batch, arguments, "merge", "Merge the shards' manifests and write the files of the whole set",
                        [](const BatchArguments& a) { data::mergeSet(data::SetFolder(a.folder), a.allowMissing); });
-  merge->add_flag("--allow-missing", arguments->allowMissing, "Without the frames that are missing");
+  merge->add_flag("--allow-missing", arguments->allowMissing, "Merge even if frames are missing");
 }
 
 }  // namespace latelight::app

@@ -54,7 +54,7 @@ void runRaster(BenchArguments& a) {
 // What those of a scene share: its checks, and its device.
 template <typename Measure>
 void onDevice(RenderOptions& o, const Measure& measure) {
-  if (o.isGiven("out")) badUsage("bench measures, and writes no picture: leave -o out");
+  if (o.isGiven("out")) badUsage("bench writes no image: omit -o");
   checkOptions(o);
   checkTime(o);
   vk::avoidFullDriverCache();
@@ -77,7 +77,7 @@ void inScene(vk::Device& device, RenderOptions& o, const std::string& name, cons
 }
 
 void refuseRaster(const RenderOptions& o) {
-  if (o.isGiven("raster")) badUsage("bench measures both rasters: leave --raster out");
+  if (o.isGiven("raster")) badUsage("bench measures both rasters: omit --raster");
 }
 
 void runFrame(BenchArguments& a) {
@@ -95,24 +95,25 @@ void runFrame(BenchArguments& a) {
 
 // Both measure lighting against its bound, which has one sample a pixel.
 void refuseSamples(const RenderOptions& o) {
-  if (o.isGiven("aa")) badUsage("bench lights and bench shade light each pixel once: leave --aa out");
+  if (o.isGiven("aa")) badUsage("bench lights and bench shade light each pixel once: omit --aa");
 }
 
 // What the scene can have, before anything is measured.
 void checkLights(const std::string& scene, const std::vector<uint64_t>& counts) {
   if (!scene.starts_with("builtin:"))
-    badUsage("bench lights takes a built-in scene, whose number of lights it sets, such as builtin:hall, not \"{}\"",
-             scene);
+    badUsage(
+        "bench lights requires a built-in scene with a variable number of lights, such as builtin:hall, not \"{}\"",
+        scene);
   if (scene.find(",lights=") != std::string::npos)
-    badUsage("bench lights sets the number of lights itself: leave lights= out of the scene, and see --lights");
+    badUsage("bench lights sets the number of lights itself: omit lights= from the scene, and use --lights");
   for (const scene::Builtin& builtin : scene::builtins()) {
     if (scene.substr(8, scene.find(',') - 8) != builtin.name) continue;
     const auto range = std::ranges::find(builtin.parameters, "lights", &scene::BuiltinParameter::key);
     if (range == builtin.parameters.end())
-      badUsage("builtin:{} has no number of lights to set: bench lights takes builtin:hall", builtin.name);
+      badUsage("builtin:{} has a fixed number of lights: use builtin:hall for bench lights", builtin.name);
     for (const uint64_t count : counts)
       if (count < range->least || count > range->most)
-        badUsage("builtin:{} can have {} to {} lights, not {}: give --lights others", builtin.name, range->least,
+        badUsage("builtin:{} can have {} to {} lights, not {}: change --lights", builtin.name, range->least,
                  range->most, count);
   }
 }
@@ -120,7 +121,7 @@ void checkLights(const std::string& scene, const std::vector<uint64_t>& counts) 
 void runLights(BenchArguments& a) {
   RenderOptions& o = a.render;
   refuseSamples(o);
-  if (o.isGiven("lighting")) badUsage("bench lights measures every technique in compute: leave --lighting out");
+  if (o.isGiven("lighting")) badUsage("bench lights measures every technique that runs in compute: omit --lighting");
   std::vector<uint64_t> counts = parseCounts("--lights", a.lights);
   checkLights(o.scene, counts);
   std::ranges::sort(counts);
@@ -139,9 +140,9 @@ void runLights(BenchArguments& a) {
 void runShade(BenchArguments& a) {
   RenderOptions& o = a.render;
   refuseSamples(o);
-  if (o.isGiven("shading")) badUsage("bench shade measures every way to shade: leave --shading out");
+  if (o.isGiven("shading")) badUsage("bench shade measures every reflection model: omit --shading");
   if (o.settings.lighting->draws)
-    badUsage("bench shade compares techniques in compute, and {} draws: choose another --lighting",
+    badUsage("bench shade requires a technique that runs in compute, unlike {}: choose another --lighting",
              o.settings.lighting->name);
   onDevice(o, [&](vk::Device& device) {
     inScene(device, o, o.scene, [&](auto& renderer, const auto& scene, const auto& camera, const auto& moment) {
@@ -169,48 +170,48 @@ void addBenchCommand(CLI::App& app) {
   auto arguments = std::make_shared<BenchArguments>();
   BenchArguments& a = *arguments;
   CLI::App* bench =
-      app.add_subcommand("bench", "Measure the device: rasterization, a frame pass by pass, many views, or lighting");
+      app.add_subcommand("bench", "Measure performance: rasterization, the passes of a frame, many views, or lighting");
   bench->require_subcommand(0, 1);  // none is said below, in better words than "a subcommand is required"
   bench->callback([bench] {
-    if (bench->get_subcommands().empty())
-      badUsage("bench takes what it measures: raster, frame, views, lights or shade");
+    if (bench->get_subcommands().empty()) badUsage("bench requires a subject: raster, frame, views, lights or shade");
   });
-  CLI::App* raster = bench->add_subcommand("raster", "Random triangles, by number and size, with both rasters");
-  raster->add_option("--most", a.most, "Leave out what has more triangles")->capture_default_str();
-  raster->add_option("--device", a.render.device, "auto, cpu, a number, a name or a UUID (latelight devices)")
+  CLI::App* raster = bench->add_subcommand("raster", "Random triangles by number and size, with both rasters");
+  raster->add_option("--most", a.most, "Skip cases with more triangles")->capture_default_str();
+  raster
+      ->add_option("--device", a.render.device, "Device: auto, cpu, a number, a name or a UUID (see latelight devices)")
       ->capture_default_str();
   raster->callback([arguments] { runRaster(*arguments); });
-  CLI::App* frame = bench->add_subcommand("frame", "A frame to its picture on the device; takes the options of render");
+  CLI::App* frame = bench->add_subcommand("frame", "The passes of a frame, with the options of render");
   addRenderOptions(*frame, a.render);
   frame->callback([arguments] { runFrame(*arguments); });
   CLI::App* views =
-      bench->add_subcommand("views", "Many views at once, left on the device; takes the options of render");
+      bench->add_subcommand("views", "Many views per call, left on the device, with the options of render");
   addRenderOptions(*views, a.render);
-  views->add_option("--views", a.views, "How many")->check(CLI::Range(1, 100'000))->capture_default_str();
+  views->add_option("--views", a.views, "Number of views")->check(CLI::Range(1, 100'000))->capture_default_str();
   views->callback([arguments] { runViews(*arguments); });
   CLI::App* lights = bench->add_subcommand(
-      "lights", "Lighting by each technique in compute over numbers of lights; takes the options of render");
+      "lights", "Techniques that light in compute, by number of lights, with the options of render");
   addRenderOptions(*lights, a.render);
-  lights->add_option("--lights", a.lights, "How many, by comma")->capture_default_str();
-  lights->add_option("--budget", a.options.budget, "Seconds: leave out what would take a technique longer")
+  lights->add_option("--lights", a.lights, "Comma-separated numbers of lights")->capture_default_str();
+  lights->add_option("--budget", a.options.budget, "Skip cases that would take longer than this many seconds")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   lights->callback([arguments] { runLights(*arguments); });
   CLI::App* shade = bench->add_subcommand(
-      "shade", "What a light costs at the bound, and --lighting with the scene's; takes the options of render");
+      "shade", "Lower bound for the cost of a light, compared with --lighting, with the options of render");
   addRenderOptions(*shade, a.render);
   shade->callback([arguments] { runShade(*arguments); });
   for (CLI::App* command : {raster, frame, views, lights, shade}) {
-    command->add_option("--runs", a.options.frames, "Frames of each measurement")
+    command->add_option("--runs", a.options.frames, "Number of measured frames")
         ->check(CLI::Range(1, 1000))
         ->capture_default_str();
     command
         ->add_option_function<std::string>(
             "--shaders", [](const std::string& folder) { vk::useShadersOf(folder); },
-            "Folder of SPIR-V, such as build/release/spirv, whose files take the place of the program's own")
+            "Folder of SPIR-V files, such as build/release/spirv, that replace the embedded shaders")
         ->type_name("FOLDER");
   }
-  raster->add_flag("--json", a.json, "The table as JSON");
+  raster->add_flag("--json", a.json, "Print JSON");
 }
 
 }  // namespace latelight::app

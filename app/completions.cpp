@@ -74,7 +74,7 @@ void printScript(const std::string& name) {
 }  // namespace
 
 void addCompletionsCommand(CLI::App& app) {
-  CLI::App* scripts = app.add_subcommand("completions", "Print a script that completes commands in bash, zsh or fish");
+  CLI::App* scripts = app.add_subcommand("completions", "Print a completion script for bash, zsh or fish");
   auto shell = std::make_shared<std::string>();
   scripts->add_option("SHELL", *shell, "bash, zsh or fish")->required();
   scripts->callback([shell] { printScript(*shell); });

@@ -64,13 +64,13 @@ void printTable(const std::vector<vk::DeviceInfo>& devices, std::optional<uint32
 }  // namespace
 
 void addDevicesCommand(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("devices", "List the Vulkan devices and which of them can be used");
+  CLI::App* command = app.add_subcommand("devices", "List the Vulkan devices and whether they are usable");
   auto json = std::make_shared<bool>(false);
-  command->add_flag("--json", *json, "The list as JSON");
+  command->add_flag("--json", *json, "Print JSON");
   command->callback([json] {
     const std::vector<vk::DeviceInfo> devices = vk::listDevices();
     if (devices.empty() && !*json)
-      fail(ExitCode::NoDevice, "There is no Vulkan device: run `latelight doctor` for what is missing.");
+      fail(ExitCode::NoDevice, "There is no Vulkan device: run `latelight doctor` to find out what is missing.");
     const std::optional<uint32_t> automatic = automaticChoice(devices);
     *json ? printJson(devices, automatic) : printTable(devices, automatic);
     if (!automatic) throw Exit{ExitCode::NoDevice};

@@ -22,7 +22,7 @@ vk::Finding examineRaster() {
     const render::RasterChoice choice = render::chooseRaster(device, {}, {});
     return {true, fmt::format("`--raster auto` chooses {}: {}.", render::nameOf(choice.raster), choice.why), ""};
   } catch (const Error& error) {
-    return {false, fmt::format("Rasterization can't be measured: {}", error.what()), ""};
+    return {false, fmt::format("Rasterization cannot be measured: {}", error.what()), ""};
   }
 }
 
@@ -31,7 +31,8 @@ void printText(const vk::Diagnosis& diagnosis) {
     fmt::print("{} {}\n", finding.ok ? "ok     " : "problem", printable(finding.sentence));
     if (!finding.remedy.empty()) fmt::print("        {}\n", finding.remedy);
   }
-  fmt::print("{}\n", diagnosis.usable ? "Latelight can render here." : "Latelight can't render here yet.");
+  fmt::print("{}\n", diagnosis.usable ? "Latelight can render on this machine."
+                                      : "Latelight cannot render on this machine yet.");
 }
 
 void printJson(const vk::Diagnosis& diagnosis) {
@@ -44,9 +45,9 @@ void printJson(const vk::Diagnosis& diagnosis) {
 }  // namespace
 
 void addDoctorCommand(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("doctor", "Say what is missing to render here, and how to get it");
+  CLI::App* command = app.add_subcommand("doctor", "Diagnose this machine: what is missing, and how to install it");
   auto json = std::make_shared<bool>(false);
-  command->add_flag("--json", *json, "Findings as JSON");
+  command->add_flag("--json", *json, "Print JSON");
   command->callback([json] {
     vk::Diagnosis diagnosis = vk::diagnose();
     if (diagnosis.usable) diagnosis.findings.push_back(examineRaster());

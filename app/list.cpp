@@ -64,20 +64,21 @@ Json listLayouts(const PictureSize& picture) {
     targets.push_back(describeSharedTarget("depth", render::kDepthFormat, layout.originalDepth, "r: reversed depth"));
     targets.push_back(describeSharedTarget("light", render::kLightFormat, layout.originalLight,
                                            layout.hasTargets()
-                                               ? "rgb: emitted, then lit radiance; a: ambient occlusion, then coverage"
-                                               : "rgb: lit radiance; a: coverage"));
-    rows.push_back({{"name", layout.name},
-                    {"description", layout.description},
-                    {"targets", targets},
-                    {"normals", layout.fixedNormal ? layout.fixedNormal : "as --normals says"},
-                    {"followsNormals", layout.fixedNormal == nullptr},
-                    {"position", layout.fixedPosition ? layout.fixedPosition : "from depth, as --position says"},
-                    {"followsPosition", layout.fixedPosition == nullptr},
-                    {"raster", layout.hasTargets() ? "any" : "compute"},
-                    {"size", fmt::format("{}x{}", picture.width, picture.height)},
-                    {"samples", picture.samples},
-                    {"bytes", describeBytes(layout.bytesPerPixel(octahedral), picture)},
-                    {"originalBytes", describeBytes(layout.originalBytesPerPixel(octahedral), picture)}});
+                                               ? "rgb: emission, then radiance; a: ambient occlusion, then coverage"
+                                               : "rgb: radiance; a: coverage"));
+    rows.push_back(
+        {{"name", layout.name},
+         {"description", layout.description},
+         {"targets", targets},
+         {"normals", layout.fixedNormal ? layout.fixedNormal : "selected by --normals"},
+         {"followsNormals", layout.fixedNormal == nullptr},
+         {"position", layout.fixedPosition ? layout.fixedPosition : "from depth, with the method of --position"},
+         {"followsPosition", layout.fixedPosition == nullptr},
+         {"raster", layout.hasTargets() ? "any" : "compute"},
+         {"size", fmt::format("{}x{}", picture.width, picture.height)},
+         {"samples", picture.samples},
+         {"bytes", describeBytes(layout.bytesPerPixel(octahedral), picture)},
+         {"originalBytes", describeBytes(layout.originalBytesPerPixel(octahedral), picture)}});
   }
   return rows;
 }
@@ -171,7 +172,7 @@ Json listExtensions() {
   Json rows = Json::array();
   for (const scene::Extension& extension : scene::extensions()) {
     const char* what = extension.treatment == scene::Treatment::Read      ? "read"
-                       : extension.treatment == scene::Treatment::Ignored ? "ignored: it does not change the picture"
+                       : extension.treatment == scene::Treatment::Ignored ? "ignored: does not affect the image"
                                                                           : "not supported";
     rows.push_back({{"name", extension.name}, {"description", what}});
   }
@@ -307,7 +308,7 @@ PictureSize parsePicture(const ListOptions& o) {
   picture.samples = o.samples;
   constexpr uint32_t kMaxSide = 1u << 16, kMaxSamples = 256;  // far beyond any target
   if (!picture.count() || std::max(picture.width, picture.height) > kMaxSide || o.samples > kMaxSamples)
-    badUsage("there is no picture of {} with {} samples a pixel", o.size, o.samples);
+    badUsage("an image of {} with {} samples per pixel is not possible", o.size, o.samples);
   return picture;
 }
 
@@ -338,12 +339,13 @@ void list(const ListOptions& o) {
 
 void addListCommand(CLI::App& app) {
   auto options = std::make_shared<ListOptions>();
-  CLI::App* command = app.add_subcommand("list", "List what can be chosen: options, layouts, normals, lighting, ...");
-  command->add_option("TOPIC", options->topic, "One of the lists; all of them without it");
-  command->add_option("--size", options->size, "The picture whose G-buffers are measured, in pixels")
+  CLI::App* command =
+      app.add_subcommand("list", "List the available options, layouts, normals, lighting techniques, ...");
+  command->add_option("TOPIC", options->topic, "List to print; default: all lists");
+  command->add_option("--size", options->size, "Image size for which G-buffer memory is computed, in pixels")
       ->capture_default_str();
-  command->add_option("--samples", options->samples, "Its samples a pixel")->capture_default_str();
-  command->add_flag("--json", options->json, "As JSON");
+  command->add_option("--samples", options->samples, "Samples per pixel of that image")->capture_default_str();
+  command->add_flag("--json", options->json, "Print JSON");
   command->callback([options] { list(*options); });
 }
 

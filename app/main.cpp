@@ -29,7 +29,7 @@ void complain(std::string_view sentence) {
 }
 
 int outOfMemory() {
-  complain("out of memory; use a smaller scene or picture");
+  complain("out of memory; use a smaller scene or image");
   return static_cast<int>(ExitCode::DeviceLost);
 }
 
@@ -60,7 +60,7 @@ void checkDashes(const CLI::App& cli, int argc, char** argv) {
     const std::string argument = argv[i], name = argument.substr(0, argument.find('='));
     if (name.size() < 3 || name[0] != '-' || name[1] == '-' || takesValue(cli, argv[i - 1])) continue;
     if (isLongOption(cli, name.substr(1)))
-      badUsage("\"{}\" has one dash, and long options have two: -{}", argument, name);
+      badUsage("\"{}\" has one dash, but long options have two: -{}", argument, name);
     // Flags in one word, perhaps followed by -o with its value.
     const size_t rest = name.find_first_not_of("hq", 1);
     if (rest > 1 && rest != std::string::npos && name[rest] != 'o')
@@ -98,7 +98,7 @@ int parseAndRun(int argc, char** argv) {
   cli.require_subcommand(0, 1);  // none is said below, in better words than "a subcommand is required"
   cli.get_formatter()->column_width(34);
   cli.add_flag_callback(
-         "-q,--quiet", [] { setQuiet(true); }, "No warnings, no progress")
+         "-q,--quiet", [] { setQuiet(true); }, "Suppress warnings and progress")
       ->trigger_on_parse();
   cli.fallthrough();
   app::addRenderCommand(cli);

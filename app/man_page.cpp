@@ -72,12 +72,12 @@ struct Ending {
 };
 constexpr Ending kEndings[] = {
     {0, "Done."},
-    {1, "An internal error, or, of compare, pictures that are not alike."},
-    {2, "An argument that can't be, or a file that can't be written."},
-    {3, "A file that is missing, broken, or needs what is not supported."},
-    {4, "No Vulkan 1.3 device that can do it."},
+    {1, "An internal error; for compare, the images differ."},
+    {2, "An invalid argument, or a file that cannot be written."},
+    {3, "A file that is missing, broken, or requires an unsupported feature."},
+    {4, "No suitable Vulkan 1.3 device."},
     {5, "The device was lost, or memory ran out."},
-    {6, "Some frames failed; the others are there."},
+    {6, "Some frames failed; the others are complete."},
 };
 
 void printPage(const CLI::App& cli) {
@@ -85,8 +85,8 @@ void printPage(const CLI::App& cli) {
   fmt::print(".SH NAME\nlatelight \\- a deferred renderer that needs no display\n");
   fmt::print(".SH SYNOPSIS\n\\fBlatelight\\fR \\fIcommand\\fR [\\fIoptions\\fR]\n");
   fmt::print(
-      ".SH DESCRIPTION\n{}\nA scene becomes a G\\-buffer, the G\\-buffer becomes a picture, and every per\\-pixel "
-      "value can leave as exact data.\n",
+      ".SH DESCRIPTION\n{}\nIt renders a scene to a G\\-buffer and lights an image from it, and it outputs every "
+      "per\\-pixel value as exact data.\n",
       inRoff(cli.get_description()));
   fmt::print(".SH OPTIONS\n");
   printOptions(cli);

@@ -19,7 +19,7 @@ std::pair<uint32_t, uint32_t> parseFrames(const std::string& text) {
   const auto first = parseNumber<uint32_t>(all.substr(0, dash));
   const auto last = dash == all.size() ? first : parseNumber<uint32_t>(all.substr(dash + 1));
   if (!first || !last || *last < *first || *last == ~0u)
-    badUsage("--frames takes the first and the last frame's number, as in 0-47, not \"{}\"", text);
+    badUsage("--frames requires the numbers of the first and last frame, such as 0-47, not \"{}\"", text);
   return {*first, *last};
 }
 
@@ -28,8 +28,10 @@ std::vector<uint64_t> parseCounts(const std::string& option, const std::string& 
   for (std::string_view part : splitAtCommas(text)) {
     const std::optional<uint64_t> count = scene::parseCount(part);
     if (!count || *count == 0)
-      badUsage("{} takes whole numbers by comma, k for thousands and M for millions, as in 50k,1M, not \"{}\"", option,
-               text);
+      badUsage(
+          "{} requires comma-separated whole numbers, with k for thousands and M for millions, such as 50k,1M, not "
+          "\"{}\"",
+          option, text);
     counts.push_back(*count);
   }
   return counts;
@@ -42,7 +44,7 @@ std::optional<size_t> parseIndex(std::string_view text) {
 Orbit parseOrbit(const std::string& text) {
   std::vector<float> v = parseNumbers(text);
   if (v.size() != 2 && v.size() != 3)
-    badUsage("--orbit takes azimuth,elevation[,distance] in degrees and metres, as in 30,20, not \"{}\"", text);
+    badUsage("--orbit requires azimuth,elevation[,distance] in degrees and meters, such as 30,20, not \"{}\"", text);
   const float radians = static_cast<float>(M_PI / 180.0);
   return {v[0] * radians, v[1] * radians, v.size() == 3 ? std::optional(v[2]) : std::nullopt};
 }

@@ -87,7 +87,7 @@ std::vector<std::filesystem::path> writeDebugPicture(const output::DebugRequest&
 void checkStandardOutput(const RenderOptions& o) {
   const bool picksAsText = !o.picks.empty() && !o.json;
   if ((o.out == "-") + (o.graph == "-") + o.json + picksAsText > 1)
-    badUsage("-o -, --dump-graph -, --json and --pick without --json each fill standard output; use one of them");
+    badUsage("-o -, --dump-graph -, --json and --pick without --json all write to standard output; use one of them");
 }
 
 // The outputs, checked before any expensive work, and what has to be rendered for them.
@@ -99,7 +99,7 @@ output::OutputRequest planOutput(RenderOptions& o, const std::optional<output::D
   if (debug && o.out != "-" && output::formatOf(o.out) != output::Format::Png)
     badUsage("--debug writes PNG; give -o a name that ends in .png");
   if (o.out.empty() && (o.picks.empty() || debug || !o.aovs.empty()))
-    badUsage("--out is required: -o says where the picture goes, unless nothing but --pick is asked for");
+    badUsage("--out is required: give the output file with -o, unless only --pick is used");
   checkStandardOutput(o);
   if (!o.graph.empty()) checkWritable(o.graph);
   if (o.out.empty()) return request;

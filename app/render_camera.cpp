@@ -32,8 +32,8 @@ scene::Camera placeCamera(const scene::Scene& scene, const std::vector<scene::Ca
     badUsage("--fov must be an angle between 0 and 180 degrees, from {:g} to {:.6g}, not {}",
              glm::degrees(scene::kLeastVerticalFov), glm::degrees(scene::kMostVerticalFov), *o.fov);
   if (!o.camera.empty() + !o.eye.empty() + !o.orbit.empty() > 1)
-    badUsage("--camera, --eye and --orbit each place the camera; use one of them");
-  if (o.eye.empty() != o.target.empty()) badUsage("--eye and --target need each other");
+    badUsage("--camera, --eye and --orbit all set the camera; use one of them");
+  if (o.eye.empty() != o.target.empty()) badUsage("--eye and --target require each other");
   if (!o.up.empty() && o.eye.empty()) badUsage("--up needs --eye and --target");
 
   if (!o.eye.empty()) {
@@ -62,8 +62,8 @@ scene::Camera chooseCamera(const scene::Scene& scene, const std::vector<scene::C
                            const RenderOptions& o) {
   scene::Camera camera = placeCamera(scene, cameras, o);
   if (o.lens.empty()) return camera;
-  if (o.fov) badUsage("--fov and --lens each say what the camera sees; use one of them");
-  if (camera.orthographic) badUsage("--lens means nothing to the camera \"{}\": it is orthographic", camera.name);
+  if (o.fov) badUsage("--fov and --lens both set the field of view; use one of them");
+  if (camera.orthographic) badUsage("--lens does not apply to the camera \"{}\": it is orthographic", camera.name);
   camera.lens = scene::parseLens("--lens", o.lens, o.settings.width, o.settings.height);
   return camera;
 }

@@ -149,9 +149,9 @@ void checkOptions(RenderOptions& o) {
   render::checkPixels(s, o.pixels);
   const render::Layout& layout = *s.layout;
   if (o.isGiven("normals") && layout.fixedNormal)
-    badUsage("--normals means nothing to the layout {}, which keeps normals as {}", layout.name, layout.fixedNormal);
+    badUsage("--normals does not apply to the layout {}, which stores normals as {}", layout.name, layout.fixedNormal);
   if (o.isGiven("position") && layout.fixedPosition)
-    badUsage("--position means nothing to the layout {}, which keeps positions as {}", layout.name,
+    badUsage("--position does not apply to the layout {}, which stores positions as {}", layout.name,
              layout.fixedPosition);
 }
 

@@ -30,18 +30,20 @@ glm::vec3 pivotOf(const scene::Scene& scene, const RenderOptions& o) {
 
 void checkTime(const RenderOptions& o) {
   const bool timed = o.settings.time.has_value();
-  if (timed && !o.frames.empty()) badUsage("--time shows one moment and --frames many; use one of them");
+  if (timed && !o.frames.empty()) badUsage("--time and --frames both set the time; use one of them");
   if (o.frames.empty()) {
     const bool plays = !o.settings.animation.empty() || o.settings.loop;
-    if (plays && !timed) badUsage("--animation and --loop need --time or --frames, which say when");
+    if (plays && !timed) badUsage("--animation and --loop require --time or --frames");
     return;
   }
-  if (!o.picks.empty()) badUsage("--pick shows what a pixel shows at one moment: use --time instead of --frames");
+  if (!o.picks.empty()) badUsage("--pick applies to one time: use --time instead of --frames");
   const auto [first, last] = parseFrames(o.frames);
   if (last - first >= kMostFrames) badUsage("--frames takes at most {} frames, not \"{}\"", kMostFrames, o.frames);
-  if (o.isGiven("frame")) badUsage("--frame and --frames each fill in {{frame}}; use one of them");
+  if (o.isGiven("frame")) badUsage("--frame and --frames both set {{frame}}; use one of them");
   if (o.out.find("{frame}") == std::string::npos && first != last)
-    badUsage("--frames needs {{frame}} in -o, as in out/{{frame}}.png, or each frame would replace the one before");
+    badUsage(
+        "--frames requires {{frame}} in -o, such as out/{{frame}}.png; otherwise each frame would replace the "
+        "previous one");
 }
 
 Timeline::Timeline(const scene::Scene& scene, const RenderOptions& o)

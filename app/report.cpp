@@ -32,8 +32,8 @@ struct ReportArguments {
 // What a page does not have, and what it varies itself.
 void checkGiven(const RenderOptions& o) {
   for (const char* key : {"aov", "pick", "debug", "no-side-file", "json", "dump-graph", "frames", "frame", "lens"})
-    if (o.isGiven(key)) badUsage("report has pictures and values of its own choice: leave --{} out", key);
-  if (o.out.empty()) badUsage("--out is required: -o says where the page goes, as in -o report.html");
+    if (o.isGiven(key)) badUsage("report selects its own images and values: omit --{}", key);
+  if (o.out.empty()) badUsage("--out is required: give the output file, for example -o report.html");
   checkWritable(o.out);
 }
 
@@ -82,7 +82,7 @@ void run(ReportArguments& a) {
   for (const std::string& message : device.validationMessages())
     fail(ExitCode::Internal, "the Vulkan validation layer says: {}", message);
   if (page.size() > kMostBytes)
-    badUsage("the page would take {} MB, and {} are the most that opens well: give a smaller --size than {}x{}",
+    badUsage("the page would have {} MB, more than the limit of {}: use a smaller --size than {}x{}",
              page.size() / 1'000'000, kMostBytes / 1'000'000, o.settings.width, o.settings.height);
   writeFile(o.out, std::as_bytes(std::span(page)));
 }
@@ -94,11 +94,11 @@ void addReportCommand(CLI::App& app) {
   ReportArguments& a = *arguments;
   a.render.settings.width = kWidth, a.render.settings.height = kHeight;
   CLI::App* command = app.add_subcommand(
-      "report", "A page with a scene in every layout and by every technique; takes the options of render");
+      "report", "Write a page with a scene in every layout and with every technique, with the options of render");
   addRenderOptions(*command, a.render);
   command->get_option("--size")->default_str(fmt::format("{}x{}", kWidth, kHeight));
-  command->get_option("--out")->description("The page, an HTML file that needs no other; - is standard output");
-  command->add_option("--runs", a.runs, "Frames of which each time is the median")
+  command->get_option("--out")->description("Self-contained HTML page; - is standard output");
+  command->add_option("--runs", a.runs, "Number of frames for the median times")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   a.command = command;

@@ -41,19 +41,20 @@ void serveScene(ServeArguments& a) {
 void addServeCommand(CLI::App& app) {
   auto arguments = std::make_shared<ServeArguments>();
   ServeArguments& a = *arguments;
-  CLI::App* command = app.add_subcommand("serve", "Look at a scene in a browser, from a machine without a display");
+  CLI::App* command =
+      app.add_subcommand("serve", "Show a scene interactively in a browser, without a display on this machine");
   addViewOptions(*command, a.render);
-  command->add_option("--port", a.server.port, "Port; 0: any that is free")->capture_default_str()->group("Server");
-  command->add_option("--address", a.server.address, "Address of this machine to listen at; 0.0.0.0: all of them")
+  command->add_option("--port", a.server.port, "Port; 0: any free port")->capture_default_str()->group("Server");
+  command->add_option("--address", a.server.address, "Address to listen on; 0.0.0.0: all addresses of this machine")
       ->capture_default_str()
       ->group("Server");
   command
       ->add_option("--host-name", a.server.names,
-                   "Name by which browsers may call this machine, beside localhost and addresses; may be repeated")
+                   "Additional host name that browsers may use for this machine; may be repeated")
       ->expected(1)
       ->take_all()
       ->group("Server");
-  command->add_option("--sessions", a.server.sessions, "Pages that may be open at once")
+  command->add_option("--sessions", a.server.sessions, "Maximum number of open pages")
       ->capture_default_str()
       ->check(CLI::Range(1, 64))
       ->group("Server");

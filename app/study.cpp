@@ -32,7 +32,7 @@ struct Arguments {
 };
 
 void parseSweep(const Arguments& a, study::SweepOptions& sweep) {
-  if (!(sweep.budget > 0)) badUsage("--budget takes seconds above 0, not {}", sweep.budget);
+  if (!(sweep.budget > 0)) badUsage("--budget must be above 0 seconds, not {}", sweep.budget);
   if (!a.lights.empty()) sweep.lights = parseCounts("--lights", a.lights);
   if (!a.triangles.empty()) sweep.triangles = parseCounts("--triangles", a.triangles);
   if (a.sizes.empty()) return;
@@ -42,7 +42,8 @@ void parseSweep(const Arguments& a, study::SweepOptions& sweep) {
 // "8,10,16,float", or ranges as in "8-16".
 std::vector<uint32_t> parseBits(const std::string& text) {
   const auto wrong = [&]() -> std::vector<uint32_t> {
-    badUsage("--bits takes numbers from 8 to 16 and float, by comma, as in 8,10,12-16,float, not \"{}\"", text);
+    badUsage("--bits requires comma-separated numbers from 8 to 16 and float, such as 8,10,12-16,float, not \"{}\"",
+             text);
   };
   std::vector<uint32_t> bits;
   for (std::string_view part : splitAtCommas(text)) {
@@ -123,10 +124,10 @@ std::string pageOf(const Arguments& a, const study::Study& study, const study::R
 void run(Arguments& a) {
   const study::Study& chosen = study::findStudy(a.name);
   if (a.options.samples < kLeastSamples || a.options.samples > kMostSamples)
-    badUsage("--samples takes a number from {} to {}, not {}", kLeastSamples, kMostSamples, a.options.samples);
+    badUsage("--samples must be from {} to {}, not {}", kLeastSamples, kMostSamples, a.options.samples);
   if (!a.bits.empty()) a.options.bits = parseBits(a.bits);
   parseSweep(a, a.options.sweep);
-  if (a.page == "-" && a.json) badUsage("--html - and --json each fill standard output; use one of them");
+  if (a.page == "-" && a.json) badUsage("--html - and --json both write to standard output; use one of them");
   if (!a.page.empty()) checkWritable(a.page);
   a.options.pictures = !a.folder.empty() || !a.page.empty();
   std::optional<ResultFolder> folder;
@@ -149,34 +150,35 @@ void run(Arguments& a) {
 void addStudyCommand(CLI::App& app) {
   auto arguments = std::make_shared<Arguments>();
   Arguments& a = *arguments;
-  CLI::App* command = app.add_subcommand("study", "Measure one subject, and write tables and pictures of it");
+  CLI::App* command = app.add_subcommand("study", "Measure one subject and write tables and images");
   std::string names;
   for (const study::Study& study : study::studies()) names += (names.empty() ? "" : ", ") + std::string(study.name);
   command->add_option("NAME", a.name, "One of " + names)->required();
-  command->add_option("-o,--out", a.folder, "Folder for CSV, JSON and PNG files; made if missing")->type_name("DIR");
-  command->add_option("--html", a.page, "A page with all of it, to open in a browser; - is standard output")
-      ->type_name("FILE");
+  command->add_option("-o,--out", a.folder, "Folder for CSV, JSON and PNG files; created if missing")->type_name("DIR");
+  command->add_option("--html", a.page, "HTML page with all results; - is standard output")->type_name("FILE");
   command
       ->add_option("--samples", a.options.samples,
-                   "Directions; of depths a quarter as many, of accuracy a thousandth at each pixel")
+                   "Number of directions; depth studies use a quarter of it, accuracy a thousandth per pixel")
       ->capture_default_str();
-  command->add_option("--seed", a.options.seed, "Random directions of normals, by this number, instead of a lattice");
-  command->add_option("--bits", a.bits, "Bits a channel of normals: 8 to 16 and float, as in 8,10-12,float");
-  command->add_option("--lights", a.lights, "Of lights: numbers of lights, as in 1,100,10k,1M");
-  command->add_option("--triangles", a.triangles, "Of lights: numbers of triangles, as in 50k,300k,10M");
-  command->add_option("--sizes", a.sizes, "Of lights: sizes in pixels, as in 640x360,1280x720");
-  command->add_option("--hdri", a.options.environments, "Of accuracy: more environments, .hdr or .exr files by comma")
+  command->add_option("--seed", a.options.seed, "normals: seed for random directions instead of a lattice");
+  command->add_option("--bits", a.bits, "normals: bits per channel, 8 to 16 and float, for example 8,10-12,float");
+  command->add_option("--lights", a.lights, "lights: numbers of lights, for example 1,100,10k,1M");
+  command->add_option("--triangles", a.triangles, "lights: numbers of triangles, for example 50k,300k,10M");
+  command->add_option("--sizes", a.sizes, "lights: image sizes, for example 640x360,1280x720");
+  command
+      ->add_option("--hdri", a.options.environments,
+                   "accuracy: additional environments, comma-separated .hdr or .exr files")
       ->delimiter(',')
       ->type_name("FILE");
   command
-      ->add_option("--budget", a.options.sweep.budget,
-                   "Of lights: seconds a step; one that would take longer ends its sweep")
+      ->add_option("--budget", a.options.sweep.budget, "lights: maximum seconds per step; a longer step ends its sweep")
       ->capture_default_str();
-  command->add_option("--device", a.options.device, "auto, cpu, a number, a name or a UUID (latelight devices)")
+  command
+      ->add_option("--device", a.options.device,
+                   "Device: auto, cpu, a number, a name or a UUID (see latelight devices)")
       ->capture_default_str();
-  command->add_flag("--json", a.json, "The tables on standard output as JSON");
-  command->add_flag("--validate", a.options.validation,
-                    "Run under the Vulkan validation layers; any message is an error");
+  command->add_flag("--json", a.json, "Print the tables as JSON to standard output");
+  command->add_flag("--validate", a.options.validation, "Enable the Vulkan validation layers; any message is an error");
   a.command = command;
   command->callback([arguments] { run(*arguments); });
 }

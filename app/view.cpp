@@ -17,8 +17,8 @@ void viewScene(ViewOptions& options) {
   showWindows(start);
 #else
   fail(ExitCode::NoDevice,
-       "this program was built without GLFW and Dear ImGui and has no windows: `latelight render` writes pictures, and "
-       "`latelight serve` shows them in a browser");
+       "this program was built without the viewer (GLFW and Dear ImGui): use `latelight render` to write images, or "
+       "`latelight serve` to show them in a browser");
 #endif
 }
 
@@ -26,7 +26,7 @@ void viewScene(ViewOptions& options) {
 
 void addViewCommand(CLI::App& app) {
   auto options = std::make_shared<ViewOptions>();
-  CLI::App* command = app.add_subcommand("view", "Look at a scene in a window");
+  CLI::App* command = app.add_subcommand("view", "Show a scene interactively in a window");
   addViewOptions(*command, *options);
   command->callback([options] { viewScene(*options); });
 }

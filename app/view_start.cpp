@@ -27,7 +27,7 @@ void addViewOptions(CLI::App& command, ViewOptions& options) {
 
 view::Start viewStart(ViewOptions& o, std::string_view command) {
   for (const std::string_view key : kUseless)
-    if (o.isGiven(key)) badUsage("{} shows a picture that people steer, and has no use for --{}", command, key);
+    if (o.isGiven(key)) badUsage("{} is interactive and does not support --{}", command, key);
   checkOptions(o);
   vk::useShadersOf(o.shaders);
   view::Start start{.scene = o.scene,
@@ -39,9 +39,9 @@ view::Start viewStart(ViewOptions& o, std::string_view command) {
                     .fov = o.fov,
                     .width = o.settings.width,
                     .height = o.settings.height};
-  if (o.eye.empty() != o.target.empty()) badUsage("--eye and --target need each other");
-  if (!o.eye.empty() && !o.camera.empty()) badUsage("--camera and --eye each place the camera; use one of them");
-  if (o.fov && o.eye.empty()) badUsage("{} takes --fov together with --eye and --target", command);
+  if (o.eye.empty() != o.target.empty()) badUsage("--eye and --target require each other");
+  if (!o.eye.empty() && !o.camera.empty()) badUsage("--camera and --eye both set the camera; use one of them");
+  if (o.fov && o.eye.empty()) badUsage("{} supports --fov only with --eye and --target", command);
   if (!o.eye.empty()) start.eye = parseVector("--eye", o.eye), start.target = parseVector("--target", o.target);
   if (!o.debug.empty()) start.choice.output = o.debug;
   for (const render::Option& option : render::options()) {

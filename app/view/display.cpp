@@ -28,8 +28,7 @@ int endWithoutDisplay(::Display*) {
 Display::Display() {
   if (!glfwInit())
     fail(ExitCode::NoDevice,
-         "there is no display to open a window on: `latelight render` writes pictures without one, and `latelight "
-         "serve` shows them in a browser");
+         "there is no display: use `latelight render` to write images, or `latelight serve` to show them in a browser");
   XSetIOErrorHandler(endWithoutDisplay);
 }
 

@@ -52,8 +52,8 @@ GlWindow::GlWindow(const std::string& title, int width, int height, Events event
   window_ = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
   if (!window_)
     fail(ExitCode::NoDevice,
-         "the display has no OpenGL 3 to show pictures with: `latelight render` writes them, and `latelight serve` "
-         "shows them in a browser");
+         "the display does not support OpenGL 3: use `latelight render` to write images, or `latelight serve` to show "
+         "them in a browser");
   glfwGetWindowContentScale(window_, &scale_, nullptr);
   context_ = ImGui::CreateContext();
   makeCurrent();

@@ -137,7 +137,7 @@ void drawOptions(const view::Choice& choice, const std::function<void(const std:
     if (option.group != group) {
       group = option.group;
       open = ImGui::CollapsingHeader(
-          group.c_str(), group == "Picture" || group == "G-buffer and light" ? ImGuiTreeNodeFlags_DefaultOpen : 0);
+          group.c_str(), group == "Picture" || group == "G-buffer and lighting" ? ImGuiTreeNodeFlags_DefaultOpen : 0);
     }
     if (open) drawOption(choice, option, set);
   }

@@ -28,24 +28,24 @@ bool section(const char* title, bool open) {
 }
 
 constexpr std::pair<const char*, const char*> kHelp[] = {
-    {"drag", "turn about the scene; when flying, look around"},
-    {"right, middle, Shift drag", "move across the view"},
-    {"wheel", "nearer or farther, towards the pointer; when flying, the speed"},
-    {"click, Esc", "select, select nothing"},
-    {"P, arrows, Shift+arrows", "point at a pixel, and at others by 1 and by 10; P or Esc ends it"},
-    {"Enter", "select what is pointed at, or what is in the middle"},
-    {"arrows, Shift+arrows", "turn, move across the view"},
-    {"+ -", "nearer, farther"},
-    {"1 3 7", "from the front, the right, the top"},
-    {"Home, F", "show all, show the selection"},
+    {"drag", "orbit; look around when flying"},
+    {"right, middle, Shift drag", "pan"},
+    {"wheel", "zoom toward the pointer; change the speed when flying"},
+    {"click, Esc", "select, clear the selection"},
+    {"P, arrows, Shift+arrows", "inspect a pixel, move by 1 and by 10 pixels; P or Esc ends it"},
+    {"Enter", "select the object at the inspected pixel or at the center"},
+    {"arrows, Shift+arrows", "orbit, pan"},
+    {"+ -", "zoom in, zoom out"},
+    {"1 3 7", "view from the front, right, top"},
+    {"Home, F", "frame the scene, frame the selection"},
     {"O", "fly or orbit; W A S D Q E fly"},
-    {"space", "play or stop"},
-    {"F2, Esc", "keys go to the panel (arrows, space, Enter to type), and back to the picture"},
-    {"H, L", "hide the panel, show handles of lights and the sun's dial"},
-    {"Tab, arrows, Shift+arrows", "choose a light by its handle, move it by 8 pixels and by 1; Esc lets go"},
-    {"[ ]", "move the slider of a split"},
-    {"Ctrl+S Ctrl+C Ctrl+R", "screenshot, copy as command, reload"},
-    {"Ctrl+N Ctrl+W", "another window, close this one"}};
+    {"space", "play or pause"},
+    {"F2, Esc", "move the keyboard focus to the panel (arrows, space, Enter to type), and back to the image"},
+    {"H, L", "hide the panel, show light handles and the sun dial"},
+    {"Tab, arrows, Shift+arrows", "select a light handle, move it by 8 pixels and by 1; Esc deselects it"},
+    {"[ ]", "move the divider"},
+    {"Ctrl+S Ctrl+C Ctrl+R", "screenshot, copy command, reload"},
+    {"Ctrl+N Ctrl+W", "open another window, close this one"}};
 
 // --- what is shown --------------------------------------------------------------------------------------------------
 
@@ -57,7 +57,7 @@ void drawOutputs(const view::State& state, Side side, const Send& send) {
     if (ImGui::Selectable(name.c_str(), name == shown)) send(view::ShowOutput{name, side});
     explain(std::string(description));
   };
-  offer("picture", "The lit picture");
+  offer("picture", "The rendered image");
   for (const output::AovInfo& aov : output::aovs()) offer(std::string(aov.name), aov.description);
   offer("lights", "Lights tested and used, side by side");
   offer("sheet", "All outputs");
@@ -137,7 +137,7 @@ void drawTime(const view::State& state, const Send& send) {
 
 void drawLights(const view::State& state, PanelMemory& memory, const Send& send) {
   ImGui::Checkbox("handles in the picture, and the sun's dial (L)", &memory.handles);
-  if (state.lightsMoved) ImGui::TextWrapped("Lights were moved: the command line shows them as they are in the file.");
+  if (state.lightsMoved) ImGui::TextWrapped("Lights were moved: the command line uses their positions in the file.");
   for (uint32_t i = 0; i < state.lights.size() && i < 64; ++i) {
     const view::LightState& light = state.lights[i];
     std::array<float, 3> position = light.position;
@@ -150,7 +150,8 @@ void drawLights(const view::State& state, PanelMemory& memory, const Send& send)
 
 void drawEnvironment(PanelMemory& memory, const Send& send) {
   if (editText("##environment", memory.environment)) send(view::UseEnvironment{memory.environment});
-  explain("A .hdr or .exr file, studio, none, or empty: as the scene says. A file may be dropped on the window.");
+  explain(
+      "A .hdr or .exr file, studio, none, or empty for the scene's default. You can also drop a file on the window.");
   for (const char* name : {"studio", "none"}) {
     ImGui::SameLine();
     if (ImGui::Button(name)) send(view::UseEnvironment{memory.environment = name});
@@ -183,7 +184,7 @@ void drawSurface(const render::Picked& surface) {
 }
 
 void drawValues(const view::State& state) {
-  if (!state.probe) return line("Rest the pointer on the picture, or press P.");
+  if (!state.probe) return line("Rest the pointer on the image, or press P.");
   const view::Probe& probe = *state.probe;
   pair("pixel", fmt::format("{},{}", probe.x, probe.y));
   pair("RGBA", fmt::format("{} {} {} {}", probe.rgba[0], probe.rgba[1], probe.rgba[2], probe.rgba[3]));
@@ -196,12 +197,12 @@ void plot(const std::string& name, const std::deque<float>& values, const char* 
 }
 
 void drawCosts(const view::State& state, const view::Frame& frame, const PanelMemory& memory) {
-  line(fmt::format("G-buffer: {} bytes a pixel, {:.1f} MiB", state.bytesPerPixel,
+  line(fmt::format("G-buffer: {} bytes per pixel, {:.1f} MiB", state.bytesPerPixel,
                    1.0 * state.bytesPerPixel * state.width * state.height / (1 << 20)));
   line(fmt::format("{} x {}, {:.1f} ms{}", frame.width, frame.height, frame.milliseconds,
                    frame.final ? "" : ", a draft"));
   const float letter = ImGui::GetFontSize();
-  plot("pictures", memory.times.pictures, "ms a picture", {ImGui::GetContentRegionAvail().x, letter * 4});
+  plot("pictures", memory.times.pictures, "ms per image", {ImGui::GetContentRegionAvail().x, letter * 4});
   for (const graph::PassTime& pass : frame.passes) {
     const auto known = memory.times.passes.find(pass.name);
     plot(pass.name, known == memory.times.passes.end() ? std::deque<float>{} : known->second, nullptr, {letter * 8, 0});
@@ -218,15 +219,17 @@ void drawFiles(const view::State& state, PanelMemory& memory, const Send& send) 
   editText("##file", memory.file);
   ImGui::SameLine();
   if (ImGui::Button("screenshot")) send(view::Screenshot{memory.file, memory.side});
-  explain("Ctrl+S: writes what the command line writes");
+  explain("Ctrl+S: writes the image that the command line writes");
   if (ImGui::Button("copy as command (Ctrl+C)")) memory.copies = true;
   ImGui::SameLine();
   if (ImGui::Button("reload")) send(view::Reload{});
-  explain("Ctrl+R. A scene's files are also read again when they change.");
+  explain("Ctrl+R. Scene files are also reloaded when they change.");
   ImGui::TextWrapped("%s", printable(commandOf(state, memory)).c_str());
   ImGui::SetNextItemWidth(-ImGui::GetFontSize() * 7);
   if (editText("scene", memory.scene)) send(view::OpenScene{memory.scene});
-  explain("Another scene, with Enter: a .gltf or .glb file, or a built-in one. A file may be dropped on the window.");
+  explain(
+      "Open another scene with Enter: a .gltf or .glb file, or a built-in scene. You can also drop a file on the "
+      "window.");
 }
 
 }  // namespace
@@ -276,7 +279,7 @@ void drawPanel(const view::State& state, const view::Frame& frame, PanelMemory& 
   drawOptions(state.choices[static_cast<int>(memory.side)], [&](const std::string& name, const std::string& value) {
     send(view::SetOption{name, value, memory.side});
   });
-  if (section("Environment picture", false)) drawEnvironment(memory, send);
+  if (section("Environment image", false)) drawEnvironment(memory, send);
   if (section("Lights", false)) drawLights(state, memory, send);
   ImGui::End();
 }

@@ -132,8 +132,8 @@ void bindLens(nb::module_& module) {
       .number("height", &Lens::height, "pixels")
       .number("fx", &Lens::fx, "focal length, pixels")
       .number("fy", &Lens::fy, "focal length, pixels")
-      .number("cx", &Lens::cx, "principal point, pixels; centred: width / 2")
-      .number("cy", &Lens::cy, "principal point, pixels; centred: height / 2")
+      .number("cx", &Lens::cx, "principal point, pixels; centered: width / 2")
+      .number("cy", &Lens::cy, "principal point, pixels; centered: height / 2")
       .field(
           "distortion", "tuple[float, ...]", "opencv: k1 k2 p1 p2 k3 k4 k5 k6; fisheye: k1 k2 k3 k4",
           [](const Lens& lens) { return tupleOf(lens.distortion); }, setDistortion)
@@ -161,7 +161,7 @@ void bindCamera(nb::module_& module) {
   Fields<Camera>(
       module, "Camera",
       "Where a picture is taken from, and how.\n\n"
-      "Poses are in the scene file's own frame (glTF: right-handed, Y up), lengths in metres, angles in degrees.")
+      "Poses are in the scene file's own frame (glTF: right-handed, Y up), lengths in meters, angles in degrees.")
       .text("name", &Camera::name, "")
       .field(
           "camera_to_world", "numpy.ndarray",
@@ -174,7 +174,7 @@ void bindCamera(nb::module_& module) {
       .number("vertical_fov", &Camera::verticalFov, "degrees, full angle")
       .number("half_height", &Camera::halfHeight, "metres; of orthographic cameras")
       .number("near_clip", &Camera::nearClip, "metres; however near it is, depth keeps its precision")
-      .number("far_clip", &Camera::farClip, "metres; infinite")
+      .number("far_clip", &Camera::farClip, "meters; infinite")
       .number("principal_x", &Camera::principalX, "offset of the principal point to the right, in half widths")
       .number("principal_y", &Camera::principalY, "offset of the principal point upwards, in half heights")
       .field(
@@ -191,13 +191,13 @@ void bindCamera(nb::module_& module) {
                   argument("vertical_fov") = 40.0,
                   nb::sig("def look_at(eye: numpy.typing.ArrayLike, target: numpy.typing.ArrayLike, "
                           "up: numpy.typing.ArrayLike = (0, 1, 0), vertical_fov: float = 40) -> Camera"),
-                  "A camera at `eye` that looks at `target`, both (3,), metres.")
+                  "A camera at `eye` that looks at `target`, both (3,), meters.")
       .def_static(
           "from_k", &fromK, argument("k"), argument("camera_to_world"), argument("size"), argument("frame") = "opencv",
           nb::sig("def from_k(k: numpy.typing.ArrayLike, camera_to_world: numpy.typing.ArrayLike, "
                   "size: tuple[int, int], frame: typing.Literal[\"opencv\", \"opengl\"] = \"opencv\") -> Camera"),
           "A pinhole camera by its matrix K (3, 3), calibrated for pictures of `size` (width, height), and its "
-          "pose (4, 4).\n\nPixel centres are at half-integers. `frame` is that of the camera: OpenCV's (X "
+          "pose (4, 4).\n\nPixel centers are at half-integers. `frame` is that of the camera: OpenCV's (X "
           "right, Y down, Z forward)\nor OpenGL's (X right, Y up, Z backward).")
       .def("k", &kOf, argument("size"), nb::sig("def k(self, size: tuple[int, int]) -> numpy.ndarray"),
            "The matrix K (3, 3) for pictures of `size` (width, height): camera to pixel coordinates.");

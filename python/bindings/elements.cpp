@@ -48,7 +48,7 @@ void bindMaterial(nb::module_& module) {
           [](const Material& m) { return nb::str(kAlphaModes[static_cast<size_t>(m.alphaMode)]); }, setAlphaMode)
       .number("alpha_cutoff", &Material::alphaCutoff, "with the alpha mode mask: what has less alpha is not there")
       .flag("double_sided", &Material::doubleSided, "its back shows too")
-      .flag("unlit", &Material::unlit, "the base colour is shown as it is")
+      .flag("unlit", &Material::unlit, "the base color is shown as it is")
       .number("normal_scale", &Material::normalScale, "of the normal map's slopes")
       .number("occlusion_strength", &Material::occlusionStrength, "0 to 1")
       .number("specular", &Material::specular, "KHR_materials_specular")
@@ -63,15 +63,15 @@ void bindMaterial(nb::module_& module) {
       .number("anisotropy_rotation", &Material::anisotropyRotation, "degrees, counter-clockwise from the tangent")
       .number("iridescence", &Material::iridescence, "KHR_materials_iridescence: 0 (none) to 1")
       .number("iridescence_ior", &Material::iridescenceIor, "index of refraction of the film, at least 1")
-      .number("iridescence_thinnest", &Material::iridescenceThinnest, "nanometres, where the texture is 0")
+      .number("iridescence_thinnest", &Material::iridescenceThinnest, "nanometers, where the texture is 0")
       .number("iridescence_thickest", &Material::iridescenceThickest,
-              "nanometres, where the texture is 1, or where there is none")
+              "nanometers, where the texture is 1, or where there is none")
       .number("transmission", &Material::transmission, "KHR_materials_transmission: 0 (none) to 1")
       .number("thickness", &Material::thickness,
-              "KHR_materials_volume: metres in object space; 0: the surface is thin-walled")
+              "KHR_materials_volume: meters in object space; 0: the surface is thin-walled")
       .numbers("attenuation_color", &Material::attenuationColor,
                "linear Rec.709, 0 to 1: what is left of white light after attenuation_distance")
-      .number("attenuation_distance", &Material::attenuationDistance, "metres; infinite: nothing is lost")
+      .number("attenuation_distance", &Material::attenuationDistance, "meters; infinite: nothing is lost")
       .number("dispersion", &Material::dispersion, "KHR_materials_dispersion: 20 / the Abbe number; 0: none")
       .number("diffuse_transmission", &Material::diffuseTransmission,
               "KHR_materials_diffuse_transmission: 0 (none) to 1")
@@ -90,19 +90,19 @@ void bindLight(nb::module_& module) {
   Fields<Light>(module, "Light", "As in KHR_lights_punctual.")
       .text("name", &Light::name, "")
       .text("type", &Light::type, "point, spot, directional, or another of `latelight list lights`")
-      .numbers("position", &Light::position, "metres; not of directional lights")
+      .numbers("position", &Light::position, "meters; not of directional lights")
       .numbers("direction", &Light::direction, "from the light, of any length; not of point lights")
       .numbers("color", &Light::color, "linear Rec.709")
       .number("intensity", &Light::intensity, "candela; of directional lights lux")
       .field(
-          "range", "float | None", "metres; without one it reaches everything",
+          "range", "float | None", "meters; without one it reaches everything",
           [](const Light& light) { return orNone(light.range); },
           [](Light& light, nb::handle value, const char* name) {
             light.range = value.is_none() ? std::nullopt : std::optional(floatOf(value, name));
           })
       .number("inner_cone", &Light::innerCone, "half angle of spot lights, degrees")
       .number("outer_cone", &Light::outerCone, "half angle of spot lights, degrees")
-      .number("size", &Light::size, "radius, metres; of directional lights what they fill across, degrees")
+      .number("size", &Light::size, "radius, meters; of directional lights what they fill across, degrees")
       .field(
           "cast_shadow", "bool | None", "True: before all lights that don't say; False: never",
           [](const Light& light) { return orNone(light.castShadow); },
@@ -122,7 +122,7 @@ void bindInfos(nb::module_& module) {
       .def_prop_ro(
           "bounds", [](const Mesh& m) { return nb::make_tuple(tupleOf(m.boundsMin), tupleOf(m.boundsMax)); },
           nb::sig("def bounds(self) -> tuple[tuple[float, ...], tuple[float, ...]]"),
-          "smallest and largest corner, object space, metres")
+          "smallest and largest corner, object space, meters")
       .def_ro("deforms", &Mesh::deforms, "a skin or morph targets move its vertices");
   nb::class_<Instance>(module, "Instance", "A mesh placed in the scene.")
       .def_ro("node", &Instance::node, "path of the node that shows it: /Root/Arm/Hand")
@@ -146,7 +146,7 @@ void bindInfos(nb::module_& module) {
       .def_ro("name", &Texture::name)
       .def_ro("width", &Texture::width)
       .def_ro("height", &Texture::height)
-      .def_ro("srgb", &Texture::srgb, "its colours are sRGB-encoded");
+      .def_ro("srgb", &Texture::srgb, "its colors are sRGB-encoded");
   nb::class_<Animation>(module, "Animation", "An animation of the file.")
       .def_ro("name", &Animation::name)
       .def_ro("duration", &Animation::duration, "seconds");

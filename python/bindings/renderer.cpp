@@ -179,7 +179,7 @@ std::vector<Pick> pick(const std::shared_ptr<SharedRenderer>& renderer, nb::hand
 }
 
 void bindPick(nb::module_& module) {
-  nb::class_<Pick>(module, "Pick", "What a pixel shows, at its centre.")
+  nb::class_<Pick>(module, "Pick", "What a pixel shows, at its center.")
       .def_ro("id", &Pick::id, "as in the output \"id\"; 0: background, and nothing else is set")
       .def_ro("part", &Pick::part, "as in the output \"part\"")
       .def_ro("node", &Pick::node)
@@ -194,8 +194,8 @@ void bindPick(nb::module_& module) {
       .def_prop_ro(
           "geonormal", [](const Pick& p) { return tupleOf(p.geonormal); },
           nb::sig("def geonormal(self) -> tuple[float, ...]"))
-      .def_ro("depth", &Pick::depth, "metres")
-      .def_ro("distance", &Pick::distance, "metres")
+      .def_ro("depth", &Pick::depth, "meters")
+      .def_ro("distance", &Pick::distance, "meters")
       .def_prop_ro(
           "uv", [](const Pick& p) { return tupleOf(p.uv); }, nb::sig("def uv(self) -> tuple[float, ...]"));
 }
@@ -259,7 +259,7 @@ void bindRenderer(nb::module_& module) {
       nb::sig("def __init__(self, scene: Scene, device: str | int = \"auto\", "
               "environment: str | os.PathLike[str] | numpy.typing.NDArray[typing.Any] | None = None) -> None"),
       "device: \"auto\", \"cpu\", an index, a part of a name or a UUID\nenvironment: a .hdr or .exr file, \"studio\", "
-      "\"none\", or linear radiance as an array (H, 2 H, 3), centre column at +X of\nthe glTF frame and top row at the "
+      "\"none\", or linear radiance as an array (H, 2 H, 3), center column at +X of\nthe glTF frame and top row at the "
       "zenith; None: the studio where the scene has no light\n\nRaises NoDeviceError where there is no such device.");
   type.def_prop_ro("scene", [](const SharedRenderer& r) { return r.scene(); });
   type.def_prop_ro(

@@ -169,7 +169,7 @@ void defineWhole(Class& type) {
         return bounds ? nb::object(nb::make_tuple(tupleOf(bounds->min), tupleOf(bounds->max))) : nb::none();
       },
       nb::sig("def bounds(self) -> tuple[tuple[float, ...], tuple[float, ...]] | None"),
-      "Smallest and largest corner of all instances at rest, metres, in the scene file's frame; None: it is empty.");
+      "Smallest and largest corner of all instances at rest, meters, in the scene file's frame; None: it is empty.");
 }
 
 void defineCameras(Class& type) {
@@ -212,7 +212,7 @@ void defineCameras(Class& type) {
       argument("eye"), argument("target"), argument("vertical_fov") = 40.0,
       nb::sig("def look_at(self, eye: numpy.typing.ArrayLike, target: numpy.typing.ArrayLike, vertical_fov: float = "
               "40) -> Camera"),
-      "A camera at `eye` that looks at `target`, both (3,), metres, with the scene's up.");
+      "A camera at `eye` that looks at `target`, both (3,), meters, with the scene's up.");
 }
 
 void defineInstances(Class& type) {
@@ -332,7 +332,7 @@ void defineTextures(Class& type) {
       argument("pixels"), argument("srgb") = true, argument("name") = "",
       nb::sig("def add_texture(self, pixels: numpy.typing.ArrayLike, srgb: bool = True, name: str = \"\") -> "
               "TextureHandle"),
-      "pixels: (H, W, C) uint8, rows from the top; 1 channel is grey, 2 grey and alpha, 3 RGB, 4 RGBA. srgb: as base "
+      "pixels: (H, W, C) uint8, rows from the top; 1 channel is gray, 2 gray and alpha, 3 RGB, 4 RGBA. srgb: as base "
       "colours\n"
       "and emitted light are stored; False for normals, roughness and other data.");
   const std::string signature = fmt::format(
@@ -426,7 +426,7 @@ nb::object meshArrays(const SharedScene& s, nb::handle mesh) {
   "uv: numpy.typing.ArrayLike | None = None, uv1: numpy.typing.ArrayLike | None = None, "           \
   "colors: numpy.typing.ArrayLike | None = None, name: str = \"\""
 #define MESH_DOC                                                                                                   \
-  "Object space, metres; V vertices and T triangles.\n\npositions: (V, 3)\nindices: (T, 3) whole numbers, fronts " \
+  "Object space, meters; V vertices and T triangles.\n\npositions: (V, 3)\nindices: (T, 3) whole numbers, fronts " \
   "counter-clockwise; without them each three positions are a triangle\nnormals: (V, 3); without them flat\n"      \
   "tangents: (V, 4), and the bitangent's sign; without them made from uv\nuv, uv1: (V, 2), v down\n"               \
   "colors: (V, 4), linear; multiply the base colour"

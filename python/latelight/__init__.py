@@ -5,9 +5,9 @@
     scene = latelight.Scene("helmet.glb")
     renderer = latelight.Renderer(scene)
     frame = renderer.render(scene.default_camera(), size=(640, 480), outputs=("rgba", "depth", "id"))
-    frame["depth"]  # (480, 640) float32, metres
+    frame["depth"]  # (480, 640) float32, meters
 
-Units are metres and degrees; poses and positions are in the scene file's own frame (glTF: right-handed, Y up).
+Units are meters and degrees; poses and positions are in the scene file's own frame (glTF: right-handed, Y up).
 """
 
 from ._core import (

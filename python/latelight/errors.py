@@ -14,17 +14,17 @@ class UsageError(LatelightError, ValueError):
 
 
 class ArgumentTypeError(UsageError, TypeError):
-    """An argument of the wrong type, or one that there is not."""
+    """An argument of the wrong type, or an unknown argument."""
 
 
 class InputError(LatelightError):
-    """A file that is missing, broken, or needs what is not supported."""
+    """A file that is missing, broken, or requires an unsupported feature."""
 
     exit_code = 3
 
 
 class NoDeviceError(LatelightError):
-    """No Vulkan 1.3 device, or not the one that was asked for."""
+    """No Vulkan 1.3 device, or not the requested one."""
 
     exit_code = 4
 

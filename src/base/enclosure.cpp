@@ -77,7 +77,7 @@ Enclosure::Enclosure(const fs::path& owner, std::span<const std::string> allowed
   for (const std::string& name : allowed) {
     const fs::path folder = fs::canonical(name, ignored);
     if (!fs::is_directory(folder, ignored))
-      badUsage("'{}' is no folder: --allow-outside takes one that the scene may read from", name);
+      badUsage("'{}' is not a folder: --allow-outside requires a folder from which the scene may read", name);
     allowed_.push_back(folder);
   }
 }
@@ -94,19 +94,19 @@ std::vector<std::byte> Enclosure::read(const fs::path& name) const {
   std::error_code error = std::make_error_code(std::errc::no_such_file_or_directory);
   for (auto folder = own_.begin(); real.empty() && folder != own_.end(); ++folder)
     real = fs::canonical(*folder / name, error);
-  if (error == std::errc::no_such_file_or_directory) badInput("is the file {}, which is not there", name.string());
-  if (error) badInput("is the file {}, which can't be found: {}", name.string(), error.message());
+  if (error == std::errc::no_such_file_or_directory) badInput("is the file {}, which does not exist", name.string());
+  if (error) badInput("is the file {}, which cannot be found: {}", name.string(), error.message());
   if (!holds(real))
     badInput(
-        "is the file {}, which lies outside the scene's folder, at {}: move it there, or name the folders that a scene "
-        "may read too with --allow-outside",
+        "is the file {}, which is outside the scene's folder, at {}: move it there, or allow its folder with "
+        "--allow-outside",
         name.string(), real.string());
   const Descriptor file = openWithoutLinks(real);
   const int reason = errno;
   if (!file && fs::is_regular_file(real, error))
     badInput("is the file {}, which can't be read: {}", name.string(), std::generic_category().message(reason));
   if (!file || !isRegular(file.get()) || isOfKernel(file.get()))
-    badInput("is {}, which is no file of data: a scene reads no devices, pipes, folders or files of the kernel",
+    badInput("is {}, which is not a regular file: a scene must not read devices, pipes, folders or kernel files",
              name.string());
   return readFile(file.get(), real);
 }

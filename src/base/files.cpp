@@ -101,22 +101,22 @@ struct Place {
 
 // Throws Error(Usage) for anything that must not be written to, even where permissions would allow it.
 Place findPlace(const fs::path& path) {
-  if (path.empty()) badUsage("can't write to a file without a name; give the name of a file");
+  if (path.empty()) badUsage("can't write to a file without a name; give a file name");
   struct stat status {};
   if (stat(path.c_str(), &status) != 0) {
     if (errno != ENOENT) failToWrite(path, errno);
     std::error_code ignored;
     if (!fs::is_symlink(path, ignored)) return {.path = path};
-    badUsage("can't write '{}': it is a link to '{}', which is not there; remove the link, or make that file first",
+    badUsage("can't write '{}': it is a link to '{}', which does not exist; remove the link, or create that file first",
              path.string(), fs::read_symlink(path, ignored).string());
   }
-  if (S_ISDIR(status.st_mode)) badUsage("can't write '{}': it is a folder; give the name of a file", path.string());
+  if (S_ISDIR(status.st_mode)) badUsage("can't write '{}': it is a folder; give a file name", path.string());
   if (S_ISBLK(status.st_mode) || S_ISSOCK(status.st_mode))
-    badUsage("can't write '{}': it is a {}; give the name of a file", path.string(),
+    badUsage("can't write '{}': it is a {}; give a file name", path.string(),
              S_ISBLK(status.st_mode) ? "disk" : "socket");
   // Checks the mode bits too, since root may write to any file.
   if (S_ISREG(status.st_mode) && ((status.st_mode & 0222) == 0 || access(path.c_str(), W_OK) != 0))
-    badUsage("can't write '{}': the file that is there is read-only; allow writing (chmod u+w), or choose another name",
+    badUsage("can't write '{}': the existing file is read-only; allow writing (chmod u+w), or choose another name",
              path.string());
   // The target of links, so that they are kept.
   std::error_code error;
@@ -196,7 +196,7 @@ void writeFile(const fs::path& path, std::span<const std::byte> bytes) {
   const Place place = findPlace(path);
   const int error = place.isFile() ? replace(place, bytes) : writeInto(path, bytes);
   if (error == ENXIO && S_ISFIFO(place.mode))
-    badUsage("can't write '{}': it is a pipe that nobody reads from; start its reader first", path.string());
+    badUsage("can't write '{}': it is a pipe without a reader; start the reader first", path.string());
   if (error) failToWrite(path, error);
 }
 

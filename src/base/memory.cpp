@@ -120,7 +120,7 @@ MemoryClaim& MemoryClaim::operator=(MemoryClaim&& other) noexcept {
 }
 
 void failWithoutMemory(std::string_view what) {
-  fail(ExitCode::DeviceLost, "the machine has no memory left for {}; use something smaller", what);
+  fail(ExitCode::DeviceLost, "the machine has no memory left for {}; use less", what);
 }
 
 uint64_t parseMemory(std::string_view text) {

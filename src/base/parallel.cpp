@@ -28,7 +28,7 @@ std::optional<size_t> threadsAskedFor() {
   const char* text = std::getenv("LATELIGHT_THREADS");
   if (!text || !*text) return std::nullopt;
   if (const auto count = parseNumber<size_t>(text); count && *count >= 1) return std::min(*count, kMostThreads);
-  warn("LATELIGHT_THREADS is '{}', which is not a number of threads, and is ignored: give a number from 1 to {}", text,
+  warn("LATELIGHT_THREADS is '{}', which is not a number of threads, and is ignored: use a number from 1 to {}", text,
        kMostThreads);
   return std::nullopt;
 }

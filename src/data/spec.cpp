@@ -26,7 +26,7 @@ std::string described(Limits limits) {
 
 double numberOf(const Json& value, const std::string& path, Limits limits) {
   const double number = value.is_number() ? value.get<double>() : std::nan("");
-  if (std::abs(number) > kLargest) badUsage("{} must not be beyond {:g}, as {} is", path, kLargest, shown(value));
+  if (std::abs(number) > kLargest) badUsage("{} must not exceed {:g}, but is {}", path, kLargest, shown(value));
   if (!(number >= limits.least && number <= limits.most))
     badUsage("{} must be {}, not {}", path, described(limits), shown(value));
   return number;
@@ -44,7 +44,7 @@ std::vector<double> numbersOf(const Json& value, const std::string& path, size_t
 }
 
 std::string textOf(const Json& value, const std::string& path) {
-  if (!value.is_string()) badUsage("{} must be a text, not {}", path, shown(value));
+  if (!value.is_string()) badUsage("{} must be a string, not {}", path, shown(value));
   return value.get<std::string>();
 }
 
@@ -120,10 +120,10 @@ Interval Spec::interval(std::string_view key, Limits limits, std::optional<Inter
     return {both, both};
   }
   if (!value.is_array() || value.size() != 2)
-    badUsage("{} must be {}, or a list of the least and the greatest, not {}", pathOf(key), described(limits),
+    badUsage("{} must be {}, or a list of the minimum and maximum, not {}", pathOf(key), described(limits),
              shown(value));
   const std::vector<double> ends = numbersOf(value, pathOf(key), 2, 2, limits);
-  if (ends[0] > ends[1]) badUsage("{} must begin with the lesser number, not be {}", pathOf(key), shown(value));
+  if (ends[0] > ends[1]) badUsage("{} must list the minimum first, not {}", pathOf(key), shown(value));
   return {ends[0], ends[1]};
 }
 
@@ -147,7 +147,7 @@ Spec::Corners Spec::corners(std::string_view key, Limits limits) {
   }
   for (int axis = 0; axis < 3; ++axis)
     if (ends[0][axis] > ends[1][axis])
-      badUsage("{} must begin with the lesser numbers, not be {}", pathOf(key), shown(value));
+      badUsage("{} must list the minimum values first, not {}", pathOf(key), shown(value));
   return {ends[0], ends[1]};
 }
 
@@ -170,7 +170,7 @@ std::vector<std::string> Spec::texts(std::string_view key) {
   const Json& value = at(key);
   if (value.is_string()) return {value.get<std::string>()};
   if (!value.is_array() || value.empty())
-    badUsage("{} must be a text or a list of texts, not {}", pathOf(key), shown(value));
+    badUsage("{} must be a string or a list of strings, not {}", pathOf(key), shown(value));
   std::vector<std::string> all;
   for (size_t i = 0; i < value.size(); ++i) all.push_back(textOf(value[i], fmt::format("{}[{}]", pathOf(key), i)));
   return all;
@@ -192,7 +192,7 @@ void Spec::finish() const {
   for (const auto& [key, value] : value_->items())
     if (!known_.contains(key)) {
       std::vector<std::string> known(known_.begin(), known_.end());
-      badUsage("{} has the unknown key \"{}\": it takes {}", path_, key, fmt::join(known, ", "));
+      badUsage("{} has the unknown key \"{}\": the keys are {}", path_, key, fmt::join(known, ", "));
     }
 }
 

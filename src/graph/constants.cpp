@@ -57,8 +57,7 @@ void ConstantPool::giveBack(std::unique_ptr<ConstantChunk> chunk) {
 }
 
 VkDeviceAddress Graph::constants(std::span<const std::byte> bytes) {
-  if (!constantPool_)
-    fail(ExitCode::Internal, "frame graph: a graph that was made without an executor has no room for constants");
+  if (!constantPool_) fail(ExitCode::Internal, "frame graph: a graph without an executor has no memory for constants");
   if (constants_.empty() || !constants_.back()->hasRoom(bytes.size()))
     constants_.push_back(constantPool_->take(bytes.size()));
   return constants_.back()->append(bytes);

@@ -126,14 +126,14 @@ class Label {
 const vk::Image& Context::image(ImageId id) const {
   if (std::none_of(pass_->accesses.begin(), pass_->accesses.end(),
                    [&](const Access& access) { return access.image == id; }))
-    fail(ExitCode::Internal, "frame graph: pass '{}' asks for image {}, which it does not declare", pass_->name,
+    fail(ExitCode::Internal, "frame graph: pass '{}' requests image {}, which it does not declare", pass_->name,
          id.index);
   return *images_->at(id.index);
 }
 
 const vk::Buffer& Context::buffer(BufferId id) const {
   if (!declares(id))
-    fail(ExitCode::Internal, "frame graph: pass '{}' asks for buffer {}, which it does not declare", pass_->name,
+    fail(ExitCode::Internal, "frame graph: pass '{}' requests buffer {}, which it does not declare", pass_->name,
          id.index);
   return *buffers_->at(id.index);
 }

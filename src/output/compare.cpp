@@ -72,9 +72,9 @@ std::vector<Pair> chosenPairs(const ReadImage& a, const ReadImage& b, const Comp
     const Channel* inA = a.find(name);
     const Channel* inB = b.find(name);
     if (!inA && !inB) {
-      badUsage("neither picture has a channel \"{}\"; the first has {}, the second {}", name, namesOf(a), namesOf(b));
+      badUsage("neither image has a channel \"{}\"; the first has {}, the second {}", name, namesOf(a), namesOf(b));
     }
-    if (!inA || !inB) badInput("only the {} picture has a channel \"{}\"", inA ? "first" : "second", name);
+    if (!inA || !inB) badInput("only the {} image has a channel \"{}\"", inA ? "first" : "second", name);
     pairs.push_back(makePair(*inA, *inB, options));
   }
   return pairs;
@@ -82,7 +82,7 @@ std::vector<Pair> chosenPairs(const ReadImage& a, const ReadImage& b, const Comp
 
 std::vector<Pair> pairsOf(const ReadImage& a, const ReadImage& b, const CompareOptions& options) {
   if (a.width != b.width || a.height != b.height) {
-    badInput("the pictures have different sizes, {}x{} and {}x{}; compare pictures of one size", a.width, a.height,
+    badInput("the images have different sizes, {}x{} and {}x{}; compare images of the same size", a.width, a.height,
              b.width, b.height);
   }
   if (!options.channels.empty()) return chosenPairs(a, b, options);
@@ -93,7 +93,7 @@ std::vector<Pair> pairsOf(const ReadImage& a, const ReadImage& b, const CompareO
     if (const Channel* other = b.find(channel.name)) pairs.push_back(makePair(channel, *other, options));
   }
   if (pairs.size() != a.channels.size() || pairs.size() != b.channels.size()) {
-    badInput("the pictures have different channels, {} and {}; name those to compare", namesOf(a), namesOf(b));
+    badInput("the images have different channels, {} and {}; select channels with --channel", namesOf(a), namesOf(b));
   }
   return pairs;
 }

@@ -105,7 +105,7 @@ ReadImage decodeExr(std::span<const std::byte> bytes, const std::filesystem::pat
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception& error) {
-    badInput("can't read '{}' as OpenEXR: {}; make or download it again", path.string(), error.what());
+    badInput("can't read '{}' as OpenEXR: {}; create or download it again", path.string(), error.what());
   }
 }
 

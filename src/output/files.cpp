@@ -45,7 +45,7 @@ std::string fillIn(std::string_view pattern, ValueOf&& valueOf) {
     if (brace == pattern.size()) break;
     const size_t end = pattern[brace] == '{' ? pattern.find('}', brace) : std::string_view::npos;
     if (end == std::string_view::npos) {
-      badUsage("the output \"{}\" has a brace without its partner; braces hold one of {}", pattern, kPlaceholders);
+      badUsage("the output \"{}\" has an unmatched brace; braces may contain only {}", pattern, kPlaceholders);
     }
     result += valueOf(pattern.substr(brace + 1, end - brace - 1));
     at = end + 1;
@@ -75,7 +75,7 @@ bool isTogether(const OutputRequest& request) {
 void checkPng(std::span<const Aov> aovs) {
   for (const Aov aov : aovs) {
     if (info(aov).png != PngCoding::None) continue;
-    badUsage("a PNG file can't hold {}, whose range is not known beforehand; write to .exr or .npy", info(aov).name);
+    badUsage("a PNG file cannot store {}, whose range is unknown in advance; write to .exr or .npy", info(aov).name);
   }
 }
 
@@ -129,7 +129,7 @@ Format formatOf(std::string_view pattern) {
   if (ending == ".png") return Format::Png;
   if (ending == ".exr") return Format::Exr;
   if (ending == ".npy") return Format::Npy;
-  badUsage("the output \"{}\" does not end in a format; end it in .png, .exr or .npy", pattern);
+  badUsage("the output \"{}\" has an unknown file extension; use .png, .exr or .npy", pattern);
 }
 
 bool usesDisplay(const OutputRequest& request) {
@@ -155,14 +155,14 @@ void makeFilledFolders(const fs::path& pattern, const fs::path& path) {
 
 void checkOutput(const OutputRequest& request) {
   const Format format = formatOf(request.pattern);
-  if (request.aovs.empty()) badUsage("no AOV is asked for; name at least one");
+  if (request.aovs.empty()) badUsage("no AOV is requested; name at least one");
   if (request.pattern == kStandardOutput) return checkPng(std::span(request.aovs).first(1));
   fillPattern(request.pattern, "", {});
   if (format == Format::Png) checkPng(request.aovs);
   const fs::path path(request.pattern), folder = standingFolder(path);
   std::error_code ignored;
   if (!fs::is_directory(folder, ignored))
-    badUsage("can't write '{}': there is no folder '{}'; make it first, or choose another", request.pattern,
+    badUsage("can't write '{}': the folder '{}' does not exist; create it first, or choose another", request.pattern,
              folder.string());
   checkWritable(path.has_parent_path() ? folder / path.filename() : path);
 }

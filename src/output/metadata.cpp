@@ -30,10 +30,10 @@ Json intrinsicsOf(const CameraMetadata& camera) {
 }
 
 std::string_view axesOf(std::string_view frame) {
-  if (frame == "gltf") return "X right, Y up, Z towards the viewer; right-handed, metres";
-  if (frame == "z-up") return "X right, Y away from the viewer, Z up; right-handed, metres";
-  if (frame == "opencv") return "X right, Y down, Z forward; right-handed, metres";
-  if (frame == "opengl") return "X right, Y up, Z backward; right-handed, metres";
+  if (frame == "gltf") return "X right, Y up, Z toward the viewer; right-handed, meters";
+  if (frame == "z-up") return "X right, Y away from the viewer, Z up; right-handed, meters";
+  if (frame == "opencv") return "X right, Y down, Z forward; right-handed, meters";
+  if (frame == "opengl") return "X right, Y up, Z backward; right-handed, meters";
   return "";
 }
 
@@ -69,7 +69,7 @@ std::string_view pngText(PngCoding coding) {
     case PngCoding::Signed:
       return "16 bit, (value * 0.5 + 0.5) * 65535; background is 0 0 0";
     case PngCoding::Millimetre:
-      return "16 bit, millimetres; 0 is background, 65535 is that far or farther";
+      return "16 bit, millimeters; 0 is background, 65535 is that far or farther";
     case PngCoding::Fraction:
       return "16 bit, the parts of u and v after the point * 65535; blue is 0";
     case PngCoding::Count:
@@ -93,13 +93,13 @@ Json aovOf(const AovInfo& aov, const Metadata& metadata, ChannelNames names) {
 }
 
 Json conventions() {
-  return {{"pixels", "x to the right, y down; the first pixel's centre, upper left, is (0.5, 0.5)"},
-          {"samples", "data are those of the pixel's centre, never an average"},
+  return {{"pixels", "x to the right, y down; the first pixel's center, upper left, is (0.5, 0.5)"},
+          {"samples", "data are those of the pixel's center, never an average"},
           {"matrices", "lists of rows; they multiply column vectors"},
           {"K",
            "pixel = K * (x, y, z) / third component, of a point in the camera's frame; orthographic: K * (x, y, 1); "
            "opencv and fisheye: of the point as distortion moves it"},
-          {"length", "metres"},
+          {"length", "meters"},
           {"color", "linear Rec.709; alpha premultiplied in .exr and .npy, straight in .png"}};
 }
 

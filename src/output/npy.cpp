@@ -85,7 +85,7 @@ class HeaderReader {
       }
       uint64_t size = 0;
       const auto [next, error] = std::from_chars(at, stop, size);
-      if (error != std::errc()) broken("its shape has something else than sizes");
+      if (error != std::errc()) broken("its shape has invalid sizes");
       header.shape.push_back(size);
       at = next;
     }
@@ -159,7 +159,7 @@ ReadImage decodeNpy(std::span<const std::byte> bytes, const std::filesystem::pat
   if (shape.size() != 2 && shape.size() != 3) reader.broken(fmt::format("it has {} dimensions", shape.size()));
   constexpr uint64_t kMost = uint64_t{1} << 20;  // so that products stay below 2^63
   const uint64_t channels = shape.size() == 3 ? shape[2] : 1;
-  if (shape[0] > kMost || shape[1] > kMost || channels > kMost) reader.broken("it is larger than any picture");
+  if (shape[0] > kMost || shape[1] > kMost || channels > kMost) reader.broken("it is larger than any image");
   if (shape[0] * shape[1] * channels == 0) reader.broken("it is empty");
   const uint64_t values = shape[0] * shape[1] * channels;
   const std::span<const std::byte> data = bytes.subspan(header.dataBegin);

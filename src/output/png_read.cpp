@@ -48,7 +48,7 @@ bool canHold(size_t fileBytes, const spng_ihdr& header) {
 ReadImage decodePng(std::span<const std::byte> bytes, const std::filesystem::path& path) {
   const auto check = [&](int result) {
     if (result != SPNG_OK) {
-      badInput("can't read '{}' as PNG: {}; make or download it again", path.string(), spng_strerror(result));
+      badInput("can't read '{}' as PNG: {}; create or download it again", path.string(), spng_strerror(result));
     }
   };
   const std::unique_ptr<spng_ctx, decltype(&spng_ctx_free)> context(spng_ctx_new(0), spng_ctx_free);
@@ -66,7 +66,7 @@ ReadImage decodePng(std::span<const std::byte> bytes, const std::filesystem::pat
     badInput("can't read '{}' as PNG: its rows have an unexpected size; save it as 8 or 16 bit RGBA", path.string());
   }
   if (!canHold(bytes.size(), header)) {
-    badInput("can't read '{}' as PNG: it is too short for {}x{} pixels; make or download it again", path.string(),
+    badInput("can't read '{}' as PNG: it is too short for {}x{} pixels; create or download it again", path.string(),
              header.width, header.height);
   }
   ReadImage image = makeReadImage(header.width, header.height, usualChannels(layout.channels),

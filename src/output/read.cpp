@@ -50,7 +50,7 @@ ReadImage makeReadImage(uint64_t width, uint64_t height, const std::vector<std::
   const double memory = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
   // Half the limit, since two pictures are compared.
   if (bytes > memory / 2) {
-    badInput("'{}' says that it is {}x{} with {} channels, more than this machine's memory holds; give a smaller one",
+    badInput("'{}' declares {}x{} pixels with {} channels, more than the memory of this machine; use a smaller one",
              path.string(), width, height, names.size());
   }
   ReadImage image{static_cast<uint32_t>(width), static_cast<uint32_t>(height), {}};

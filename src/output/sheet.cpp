@@ -115,7 +115,7 @@ std::vector<std::string> wrap(std::string text, uint32_t widest) {
 }  // namespace
 
 Picture contactSheet(std::span<const Labelled> pictures, uint32_t columns, uint32_t cellWidth) {
-  if (pictures.empty()) badUsage("a contact sheet needs at least one picture");
+  if (pictures.empty()) badUsage("a contact sheet needs at least one image");
   assert(columns > 0 && cellWidth > 0);
   columns = std::min(columns, static_cast<uint32_t>(pictures.size()));
   const uint32_t rows = (static_cast<uint32_t>(pictures.size()) + columns - 1) / columns;

@@ -19,7 +19,7 @@ enum class TargetKind {
 
 struct RawTarget {
   std::string name;
-  std::string channels;  // "rgb: diffuse colour; a: power": what is in each channel, by its letters
+  std::string channels;  // "rgb: diffuse color; a: power": what is in each channel, by its letters
   TargetKind kind;
   uint32_t count;               // channels per texel
   std::vector<float> values;    // 4 per pixel, as shaders read them; empty for Words

@@ -49,14 +49,13 @@ void UsedFiles::checkOutputs(std::span<const fs::path> outputs) {
     if (path.empty() || path == "-" || (status && S_ISCHR(status->st_mode))) continue;
     const std::string entry = entryOf(path);
     if (entries_.contains(entry) || (status && inodes_.contains({status->st_dev, status->st_ino})))
-      badUsage("can't write '{}': it is read by this very command; choose another name", path.string());
+      badUsage("can't write '{}': this command reads it; choose another name", path.string());
     const auto [other, isNew] = written.insert({entry, &path});
     if (!isNew && *other->second == path)
-      badUsage("two outputs are called '{}', and one would replace the other; choose another name for one of them",
-               path.string());
+      badUsage("two outputs are called '{}'; choose another name for one of them", path.string());
     if (!isNew)
-      badUsage("the outputs '{}' and '{}' are one file; choose another name for one of them", other->second->string(),
-               path.string());
+      badUsage("the outputs '{}' and '{}' are the same file; choose another name for one of them",
+               other->second->string(), path.string());
   }
 }
 

@@ -75,7 +75,7 @@ scene::Camera internalCamera(const Camera& camera, const scene::Scene& scene) {
   if (!isRigid(pose))
     badUsage("the camera's pose must be a rotation and a translation, without mirror, shear or scale, over 0 0 0 1");
   if (!camera.orthographic && !scene::showsSomething(camera.verticalFov / kDegrees))
-    badUsage("the vertical field of view must lie between 0 and 180 degrees, from {:g} to {:.6g}, not {}",
+    badUsage("the vertical field of view must be between 0 and 180 degrees, from {:g} to {:.6g}, not {}",
              scene::kLeastVerticalFov * kDegrees, scene::kMostVerticalFov * kDegrees, camera.verticalFov);
   if (camera.orthographic && !(camera.halfHeight > 0)) badUsage("an orthographic camera needs a height above 0");
   if (camera.orthographic && !(std::isfinite(camera.nearClip) && std::isfinite(camera.farClip)))
@@ -83,7 +83,7 @@ scene::Camera internalCamera(const Camera& camera, const scene::Scene& scene) {
   if (!std::isfinite(camera.principalX) || !std::isfinite(camera.principalY))
     badUsage("the camera's principal point has a value that is not a number");
   if (!(camera.farClip > camera.nearClip) || (!camera.orthographic && !(camera.nearClip > 0)))
-    badUsage("the camera's near plane must lie before its far plane");
+    badUsage("the camera's near plane must be in front of its far plane");
   scene::Camera c;
   c.name = camera.name;
   c.toWorld = render::toWorldFromOpenCv(pose, scene);
@@ -182,7 +182,7 @@ const char* version() {
 
 std::vector<std::byte> encodePng(uint32_t width, uint32_t height, const std::vector<uint8_t>& rgba) {
   if (width == 0 || height == 0 || rgba.size() != size_t{4} * width * height)
-    badUsage("a picture of {}x{} pixels has 4 bytes each, and {} are given", width, height, rgba.size());
+    badUsage("an image of {}x{} pixels has 4 bytes per pixel, but {} bytes are given", width, height, rgba.size());
   return output::encodePng(output::Picture{width, height, rgba});
 }
 
@@ -260,7 +260,7 @@ scene::Environment makeEnvironment(const EnvironmentData& data) {
   if (data.height == 0 || data.width != 2 * data.height)
     badUsage("an environment is twice as wide as it is high, and not {}x{} pixels", data.width, data.height);
   if (data.radiance.size() != size_t{data.width} * data.height)
-    badUsage("an environment of {}x{} pixels has as many radiances, and {} are given", data.width, data.height,
+    badUsage("an environment of {}x{} pixels needs one radiance per pixel, but {} are given", data.width, data.height,
              data.radiance.size());
   scene::FloatImage picture(data.width, data.height);
   for (size_t i = 0; i < data.radiance.size(); ++i)

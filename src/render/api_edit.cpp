@@ -97,7 +97,7 @@ void publishLayers(const shared::MaterialLayers& l, Material& out) {
 
 shared::MaterialLayers internalLayers(const Material& from) {
   if (!(from.attenuationDistance > 0))
-    badUsage("the attenuation distance of the material \"{}\" must be above 0, and infinite where nothing is lost",
+    badUsage("the attenuation distance of the material \"{}\" must be above 0, or infinite for no attenuation",
              printable(from.name));
   shared::MaterialLayers l;
   for (const auto& [inner, outer] : kLayerNumbers) l.*inner = from.*outer;
@@ -185,7 +185,7 @@ vec3 unitDirection(const Light& light) {
   const glm::dvec3 direction(three(light.direction));
   const double length = glm::length(direction);
   if (!std::isfinite(length) || length == 0)
-    badUsage("the direction of the light \"{}\" must be finite, and not of length 0", printable(light.name));
+    badUsage("the direction of the light \"{}\" must be finite and not zero", printable(light.name));
   return vec3(direction / length);
 }
 
@@ -217,7 +217,7 @@ scene::Light internalLight(const Light& from, const scene::Scene& scene, const s
 template <typename To, typename From>
 std::vector<To> stream(const std::vector<From>& values, const MeshData& mesh, const char* what) {
   if (!values.empty() && values.size() != mesh.positions.size())
-    badUsage("the mesh \"{}\" has {} positions and {} {}: give as many, or none", printable(mesh.name),
+    badUsage("the mesh \"{}\" has {} positions but {} {}: the numbers must match", printable(mesh.name),
              mesh.positions.size(), values.size(), what);
   std::vector<To> out(values.size());
   for (size_t i = 0; i < values.size(); ++i)
@@ -234,11 +234,11 @@ std::vector<uint32_t> trianglesOf(const MeshData& mesh) {
   if (indices.empty())
     for (uint32_t i = 0; i < mesh.positions.size(); ++i) indices.push_back(i);
   if (indices.size() % 3 != 0)
-    badUsage("the mesh \"{}\" has {} {}, which is no multiple of three", printable(mesh.name), indices.size(),
+    badUsage("the mesh \"{}\" has {} {}, which is not a multiple of three", printable(mesh.name), indices.size(),
              mesh.indices.empty() ? "positions and no indices" : "indices");
   for (const uint32_t index : indices)
     if (index >= mesh.positions.size())
-      badUsage("the mesh \"{}\" has the index {} and only {} positions", printable(mesh.name), index,
+      badUsage("the mesh \"{}\" has the index {} but only {} positions", printable(mesh.name), index,
                mesh.positions.size());
   return indices;
 }
@@ -293,8 +293,8 @@ namespace {
 template <typename Element>
 uint32_t indexOf(Handle<Element> handle, uint32_t scene, size_t count, uint32_t generation, const char* what) {
   if (handle.scene == 0) badUsage("the handle of {} is empty: take one from the scene", what);
-  if (handle.scene != scene || handle.index >= count) badUsage("the handle of {} is that of another scene", what);
-  if (handle.generation != generation) badUsage("the handle of {} is of one that has been removed", what);
+  if (handle.scene != scene || handle.index >= count) badUsage("the handle of {} belongs to another scene", what);
+  if (handle.generation != generation) badUsage("the handle of {} refers to a removed element", what);
   return handle.index;
 }
 

@@ -15,7 +15,7 @@ void checkTexture(const TextureData& data) {
   const std::string name = printable(data.name);
   if (data.width == 0 || data.height == 0) badUsage("the texture \"{}\" has no pixels", name);
   if (data.width > scene::kMaxTextureSide || data.height > scene::kMaxTextureSide)
-    badUsage("the texture \"{}\" is {}x{} pixels; at most {} a side are supported", name, data.width, data.height,
+    badUsage("the texture \"{}\" is {}x{} pixels; width and height are limited to {}", name, data.width, data.height,
              scene::kMaxTextureSide);
   if (data.rgba.size() != size_t{4} * data.width * data.height)
     badUsage("the texture \"{}\" is {}x{} pixels of 4 bytes, and {} bytes are given", name, data.width, data.height,
@@ -85,7 +85,7 @@ void Scene::setTexture(Handle<Material> material, TextureSlot slot, const std::o
   edited.slots[place] = {};
   edited.data.textures &= ~(1u << place);
   if (use) {
-    if (use->uvSet > 1) badUsage("a mesh has the texture coordinates 0 and 1, and no set {}", use->uvSet);
+    if (use->uvSet > 1) badUsage("a mesh has the texture coordinate sets 0 and 1, not {}", use->uvSet);
     edited.slots[place] = internalSlot(*use, impl_->index(use->texture));
     edited.data.textures |= 1u << place;
     edited.data.transforms[place].uvSet = use->uvSet;

@@ -69,8 +69,7 @@ void refuseTooManyEndless(const FrameContext& f) {
   constexpr uint32_t kMost = 20'000;  // for one sample a pixel
   const uint32_t most = kMost / f.setup.samples, endless = f.scene.lights().endless();
   if (f.device.isCpu() && endless > most)
-    badUsage("a CPU device can light with at most {} lights that reach everything, and {} of the scene's have no range",
-             most, endless);
+    badUsage("a CPU device supports at most {} lights without a range, but the scene has {}", most, endless);
 }
 
 // With the G-buffer as it is so far.

@@ -47,13 +47,12 @@ std::vector<NamedOption> namesOfText<AntiAliasing>() {
 template <>
 void checkText<AntiAliasing>(const Option& option, const AntiAliasing& aa) {
   if (aa.superSampling < 1 || aa.superSampling > kMostSuperSampling)
-    badUsage("{}: super-sampling takes 1 to {} samples along each side, not {}", option.name, kMostSuperSampling,
+    badUsage("{}: supersampling requires 1 to {} samples along each axis, not {}", option.name, kMostSuperSampling,
              aa.superSampling);
   if (aa.samples > shared::kMostSamples || !std::has_single_bit(aa.samples))
-    badUsage("{}: multisampling takes 1, 2, 4, 8 or 16 samples a pixel, not {}", option.name, aa.samples);
+    badUsage("{}: multisampling requires 1, 2, 4, 8 or 16 samples per pixel, not {}", option.name, aa.samples);
   if ((aa.samples > 1) + (aa.superSampling > 1) + aa.temporal > 1)
-    badUsage("{}: multisampling, super-sampling and temporal anti-aliasing each choose the samples of a pixel; use one",
-             option.name);
+    badUsage("{}: multisampling, supersampling and temporal anti-aliasing cannot be combined; use one", option.name);
 }
 
 template <>
@@ -98,9 +97,9 @@ void addSun(OptionTable<Settings>& table, Option option) {
       [](const Settings& s, const Option& o) {
         if (!s.sun) return;
         if (!std::isfinite(s.sun->azimuth) || !std::isfinite(s.sun->elevation))
-          badUsage("{} takes an azimuth and an elevation that are numbers of degrees", o.name);
+          badUsage("{} requires an azimuth and elevation in degrees", o.name);
         if (!atLeast(0).holds(s.sun->illuminance))
-          badUsage("{} takes a number of at least 0 lux, not {}", o.name, s.sun->illuminance);
+          badUsage("{} requires at least 0 lux, not {}", o.name, s.sun->illuminance);
       });
 }
 
@@ -182,16 +181,17 @@ void checkSettings(const Settings& settings) {
   if (!takesCompute(settings)) return;
   const bool triangles = lightsTriangles(settings);
   if (triangles && settings.lighting->draws)
-    badUsage("--layout {} has nothing that {} lighting could read: choose {}", settings.layout->name,
-             settings.lighting->name, techniquesThatCompute());
+    badUsage("--layout {} has no G-buffer for {} lighting: choose {}", settings.layout->name, settings.lighting->name,
+             techniquesThatCompute());
   if (triangles && settings.raster == Raster::Hardware)
-    badUsage("--layout {} takes the raster compute; what hardware lights without a G-buffer is --lighting forward",
-             settings.layout->name);
+    badUsage(
+        "--layout {} requires the raster compute; to light without a G-buffer with hardware, use --lighting forward",
+        settings.layout->name);
   if (settings.lighting->draws)
-    badUsage("--aa msaa{} is for lighting that draws nothing, and {} draws: choose another, or msaa4",
+    badUsage("--aa msaa{} requires lighting that runs in compute, unlike {}: choose another, or msaa4",
              settings.aa.samples, settings.lighting->name);
   if (settings.raster == Raster::Hardware)
-    badUsage("--aa msaa{} takes the raster compute, since hardware has msaa4 alone", settings.aa.samples);
+    badUsage("--aa msaa{} requires the raster compute, because hardware supports only msaa4", settings.aa.samples);
 }
 
 }  // namespace latelight::render

@@ -72,7 +72,7 @@ std::vector<Picked> pick(Renderer& renderer, const scene::Scene& scene, const sc
 void checkPixels(const Settings& settings, std::span<const glm::uvec2> pixels) {
   for (const glm::uvec2 pixel : pixels)
     if (pixel.x >= settings.width || pixel.y >= settings.height)
-      badUsage("there is no pixel {},{} in a picture of {}x{}: x lies between 0 and {}, y between 0 and {}", pixel.x,
+      badUsage("there is no pixel {},{} in an image of {}x{}: x is between 0 and {}, y between 0 and {}", pixel.x,
                pixel.y, settings.width, settings.height, settings.width - 1, settings.height - 1);
 }
 

@@ -1,4 +1,4 @@
-// Picking: what a pixel shows, by the ids that the data outputs carry (seed 002 keeps an id a pixel for this).
+// Picking: finds the surface that is visible at a pixel, by the ids of the data outputs.
 #pragma once
 
 #include <glm/vec2.hpp>

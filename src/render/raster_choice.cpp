@@ -63,13 +63,14 @@ std::optional<RasterChoice> onlyChoice(const vk::Device& device, const Settings&
   }
   if (lightsTriangles(settings)) {
     if (!lacks.empty())
-      fail(ExitCode::NoDevice, "{} can't rasterize in compute, which the layout {} takes: {}; choose another.",
+      fail(ExitCode::NoDevice,
+           "{} cannot rasterize in compute, which the layout {} requires: {}; choose another layout.",
            device.info().name, settings.layout->name, lacks);
     return RasterChoice{Raster::Compute, "the layout has no targets that hardware could draw"};
   }
   if (takesCompute(settings)) {
     if (!lacks.empty())
-      fail(ExitCode::NoDevice, "{} can't rasterize in compute, which msaa{} takes: {}; choose msaa4.",
+      fail(ExitCode::NoDevice, "{} cannot rasterize in compute, which msaa{} requires: {}; choose msaa4.",
            device.info().name, settings.aa.samples, lacks);
     return RasterChoice{Raster::Compute, "hardware has no such number of samples a pixel"};
   }

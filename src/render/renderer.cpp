@@ -40,8 +40,7 @@ Settings settingsFor(std::span<const scene::Camera> cameras, const Settings& set
   for (const scene::Camera& camera : cameras)
     if (camera.lens) scene::checkLens(*camera.lens, settings.width, settings.height);
   if (bent == 0) return settings;
-  if (bent < cameras.size())
-    badUsage("cameras whose lenses bend rays can't be rendered together with those whose lenses don't");
+  if (bent < cameras.size()) badUsage("cameras with and without a lens cannot be rendered together");
   return lensSettings(settings);
 }
 
@@ -348,10 +347,9 @@ output::RawGbuffer Renderer::readTargets(const scene::Camera& camera, const Sett
   const Settings settings = settingsFor({&camera, 1}, wanted);
   begin(settings, moment);
   if (settings.lighting->forward)
-    badUsage("{} lighting has no G-buffer whose targets could be shown: choose a deferred technique",
-             settings.lighting->name);
+    badUsage("{} lighting has no G-buffer to show: choose a deferred technique", settings.lighting->name);
   if (!settings.layout->hasTargets())
-    badUsage("the layout {} has no targets that could be shown: choose another", settings.layout->name);
+    badUsage("the layout {} has no targets to show: choose another", settings.layout->name);
   Settings atCentres = settings;
   atCentres.aa.samples = 1;
   RenderJob job({&camera, 1}, atCentres, moment, settings.height);

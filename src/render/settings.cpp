@@ -131,17 +131,16 @@ Background readText<Background>(const char* option, std::string_view text) {
 
 std::span<const AntiAliasingMode> antiAliasingModes() {
   static const AntiAliasingMode all[] = {
-      {"none", "one sample a pixel, at its centre", AntiAliasing{}},
-      {"fxaa", "one sample a pixel; jagged edges are found in the finished picture and softened",
-       AntiAliasing{.fxaa = true}},
-      {"msaa2", "multisampling: two samples a pixel, each surface of a pixel shaded once (raster compute)",
+      {"none", "one sample per pixel, at its center", AntiAliasing{}},
+      {"fxaa", "one sample per pixel; softens aliased edges in the finished image", AntiAliasing{.fxaa = true}},
+      {"msaa2", "multisampling: two samples per pixel, shaded once per visible surface (raster compute)",
        AntiAliasing{.samples = 2}},
-      {"msaa4", "the same with four samples, by either raster", AntiAliasing{.samples = 4}},
-      {"msaa8", "the same with eight samples (raster compute)", AntiAliasing{.samples = 8}},
-      {"msaa16", "the same with sixteen samples (raster compute)", AntiAliasing{.samples = 16}},
-      {"taa", "temporal: each frame of a sequence blended into the ones before; a still is the mean of 16 frames",
+      {"msaa4", "multisampling with four samples (either raster)", AntiAliasing{.samples = 4}},
+      {"msaa8", "multisampling with eight samples (raster compute)", AntiAliasing{.samples = 8}},
+      {"msaa16", "multisampling with sixteen samples (raster compute)", AntiAliasing{.samples = 16}},
+      {"taa", "temporal: blends each frame of a sequence into the history; a still is the mean of 16 frames",
        AntiAliasing{.temporal = true}},
-      {"ssN", "super-sampling: N x N ordered samples a pixel, as in ss2 or ss4", std::nullopt},
+      {"ssN", "supersampling: N x N ordered-grid samples per pixel, such as ss2 or ss4", std::nullopt},
   };
   return all;
 }
@@ -193,10 +192,10 @@ std::pair<uint32_t, uint32_t> readSize(const char* option, std::string_view text
 
 std::span<const NamedOption> postEffects() {
   static const NamedOption all[] = {
-      {"ambient-occlusion", "--ao gtao: corners and contacts get less light from the environment"},
-      {"fog", "--fog DENSITY: a medium, uniform or falling off with height, between the camera and what it sees"},
-      {"bloom", "--bloom STRENGTH: bright places glow"},
-      {"fxaa", "--aa fxaa: jagged edges of the finished picture are softened"},
+      {"ambient-occlusion", "--ao gtao: darkens environment light in corners and at contacts"},
+      {"fog", "--fog DENSITY: fog, uniform or decreasing with height"},
+      {"bloom", "--bloom STRENGTH: makes bright areas glow"},
+      {"fxaa", "--aa fxaa: softens aliased edges of the finished image"},
   };
   return all;
 }

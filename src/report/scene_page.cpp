@@ -61,8 +61,8 @@ class ScenePage {
   std::string introduction() const {
     const vk::DeviceInfo& info = s_.device.info();
     return fmt::format(
-               "<p>{} triangles and {} lights, {}, on {} ({}). Each number and picture has the command that "
-               "makes it beside it; this page was made by:</p>\n",
+               "<p>{} triangles and {} lights, {}, on {} ({}). The command that produces a number or "
+               "image is next to it. This page was created by:</p>\n",
                s_.scene.triangleCount(), s_.scene.lights.size(), sizeText(), escaped(info.name), escaped(info.driver)) +
            "<p class=\"command\"><code>" + escaped(s_.command) + "</code></p>\n";
   }
@@ -102,11 +102,9 @@ class ScenePage {
   // --- layouts -------------------------------------------------------------------------------------------------------
 
   std::string layouts() {
-    BarChart chart{"Bytes a pixel of each layout", "bytes", {"targets", "depth", "light"}, {}};
+    BarChart chart{"Bytes per pixel of each layout", "bytes", {"targets", "depth", "light"}, {}};
     study::Table table{
-        "layouts",
-        {"layout", "description", "targets B/px", "depth B/px", "light B/px", "all B/px", "this picture MB"},
-        {}};
+        "layouts", {"layout", "description", "targets B/px", "depth B/px", "light B/px", "total B/px", "image MB"}, {}};
     const double pixels = double(s_.settings.width) * s_.settings.height;
     for (const render::Layout& layout : render::layouts()) {
       const render::LayoutBytes bytes = layout.bytesPerPixel(s_.settings.normals->index);
@@ -114,7 +112,7 @@ class ScenePage {
       table.rows.push_back({layout.name, layout.description, double(bytes.targets), double(bytes.depth),
                             double(bytes.light), double(bytes.total()), bytes.total() * pixels / 1e6});
     }
-    std::string html = "<h3>Bytes a pixel</h3>\n" + toHtml(chart) + toHtml(table, "Bytes of each layout") +
+    std::string html = "<h3>Bytes per pixel</h3>\n" + toHtml(chart) + toHtml(table, "Bytes of each layout") +
                        commandHtml(Words{"list", "layouts", "--size", sizeText()});
     std::string targets;
     study::Table errors{"layout errors",
@@ -125,15 +123,17 @@ class ScenePage {
     for (const render::Layout& layout : render::layouts())
       if (canLight(s_, layout)) targets += layoutHtml(layout, exact, errors);
     return html + errorsHtml(errors) +
-           "<p>The targets, as shaders read them. The world is X right, Y away, Z up, as with --axes z-up.</p>\n" +
+           "<p>The targets as shaders read them. World space has X right, Y away and Z up, as with --axes z-up.</p>\n" +
            targets;
   }
 
   static std::string errorsHtml(const study::Table& errors) {
-    return "<h3>What layouts lose of this scene</h3>\n<p>Surfaces as lighting unpacks them, beside those of the layout "
-           "exact, over the pixels that show one: the angle between normals, the distance between positions, the "
-           "linear diffuse colour's channel that is farthest off, of what is lit, and perceptual roughness. The "
-           "command at the top of this page makes this table.</p>\n" +
+    return "<h3>Errors of layouts in this scene</h3>\n<p>Unpacked surfaces relative to those of the layout exact, over "
+           "all "
+           "pixels that show a surface: the angle between normals, the distance between positions, the largest channel "
+           "error of the linear diffuse color of lit surfaces, and perceptual roughness. The command at the top of "
+           "this "
+           "page creates this table.</p>\n" +
            toHtml(errors, "Errors of each layout");
   }
 
@@ -173,7 +173,7 @@ class ScenePage {
                                               : value(name, target.words, channel));
       }
     }
-    if (label == "depth") values.push_back(value("depth, metres", gbuffer.depth));
+    if (label == "depth") values.push_back(value("depth, meters", gbuffer.depth));
     return values;
   }
 
@@ -181,16 +181,13 @@ class ScenePage {
 
   std::string lighting() {
     study::Table table{
-        "lights",
-        {"technique", "description", "tested a pixel, mean", "tested, most", "used a pixel, mean", "used, most"},
-        {}};
+        "lights", {"technique", "description", "tested, mean", "tested, max", "used, mean", "used, max"}, {}};
     std::string pictures;
     for (const render::TechniqueInfo& technique : render::techniques())
       if (s_.device.hasGraphics() || !technique.draws) pictures += techniqueHtml(technique, table);
-    return "<p>The lights that a technique goes through for each pixel, and those of them that sent light to the eye, "
-           "on a "
+    return "<p>The number of lights that a technique tests for each pixel, and the number that contribute to it, on a "
            "logarithmic scale from 0 (black) to 4095 (white).</p>\n" +
-           toHtml(table, "Lights a pixel") + pictures;
+           toHtml(table, "Lights per pixel") + pictures;
   }
 
   std::string techniqueHtml(const render::TechniqueInfo& technique, study::Table& table) {

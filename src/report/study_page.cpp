@@ -50,7 +50,7 @@ const study::Table* tableNamed(const study::Result& result, std::string_view nam
 std::string studyPage(const study::Study& study, const study::Options& options, const study::Result& result,
                       std::span<const std::string> command) {
   Page page{.title = fmt::format("Latelight: study of {}", study.name)};
-  page.introduction = fmt::format("<p>{}, on {}. All on this page was made by:</p>\n{}", escaped(study.description),
+  page.introduction = fmt::format("<p>{}, on {}. This page was created by:</p>\n{}", escaped(study.description),
                                   escaped(result.device), commandHtml(command));
   Planes planes;
   if (const study::Table* errors = tableNamed(result, "normals")) {

@@ -128,11 +128,11 @@ std::string timesHtml(const Subject& s) {
   }
   measure(s, layouts);
   measure(s, techniques);
-  if (layouts.front().samples.names.empty()) return "<p>This device has no timestamps to measure with.</p>\n";
+  if (layouts.front().samples.names.empty()) return "<p>This device does not support timestamps.</p>\n";
   return fmt::format(
-             "<p>Medians over --runs {} frames that stay on the device, with the raster {}: the rows of that raster in "
-             "what "
-             "these commands print.</p>\n",
+             "<p>Medians of --runs {} frames that stay on the device, with the raster {} (the rows of that raster in "
+             "the "
+             "output of these commands).</p>\n",
              s.runs, render::nameOf(s.settings.raster)) +
          compared(s, "Layouts", layouts) + compared(s, "Lighting techniques", techniques);
 }

@@ -105,7 +105,7 @@ glm::vec4 valueAt(const ValueTrack& track, double seconds) {
   double value[4] = {};
   valueAt(track, false, seconds, {value, track.width});
   for (double v : value)
-    if (!std::isfinite(float(v))) badInput("the scene's animation gives a property a value that is not finite");
+    if (!std::isfinite(float(v))) badInput("the scene's animation sets a property to a value that is not finite");
   return {value[0], value[1], value[2], value[3]};
 }
 
@@ -138,7 +138,7 @@ Pose poseOf(const Rig& rig, std::vector<RigNode> nodes) {
     world = node.parent < 0 ? local : pose.world[static_cast<size_t>(node.parent)] * local;
     for (int i = 0; i < 16; ++i)
       if (!std::isfinite(static_cast<float>(world[i / 4][i % 4])))
-        badInput("the scene's animation gives nodes[{}] a transform that is not finite", index);
+        badInput("the scene's animation sets nodes[{}] to a transform that is not finite", index);
   }
   for (RigNode& node : nodes) pose.weights.push_back(std::move(node.weights));
   return pose;
@@ -221,7 +221,7 @@ Playback choosePlayback(const Scene& scene, const std::string& wanted, bool loop
   if (wanted.empty() || wanted == "all") {
     const size_t count = wanted.empty() ? std::min<size_t>(all.size(), 1) : all.size();
     for (size_t i = 0; i < count; ++i) playback.animations.push_back(static_cast<uint32_t>(i));
-    if (wanted == "all" && all.empty()) badUsage("{} has no animation: leave out --animation", scene.source);
+    if (wanted == "all" && all.empty()) badUsage("{} has no animation: omit --animation", scene.source);
     return playback;
   }
   for (size_t i = 0; i < all.size(); ++i)

@@ -47,8 +47,9 @@ void setParameter(const Builtin& builtin, std::string_view setting, std::vector<
              parameterList(builtin));
   const std::optional<uint64_t> value = parseCount(setting.substr(equals + 1));
   if (!value || *value < found->least || *value > found->most)
-    badUsage("builtin:{} can't have {}: give {} a whole number from {} to {} (k and M are thousands and millions)",
-             builtin.name, setting, key, countText(found->least), countText(found->most));
+    badUsage(
+        "builtin:{} does not support {}: set {} to a whole number from {} to {} (k and M are thousands and millions)",
+        builtin.name, setting, key, countText(found->least), countText(found->most));
   values[static_cast<size_t>(found - builtin.parameters.begin())] = *value;
 }
 
@@ -56,7 +57,7 @@ constexpr BuiltinParameter kHallParameters[] = {
     {"triangles", "of all instances together", 50'000, 50'000'000, 300'000},
     {"lights", "point lights", 1, 1'000'000, 100},
     {"seed", "another arrangement", 0, 1'000'000, 1},
-    {"glass", "1: glass cases around the exhibits, half of which are of coloured glass", 0, 1, 0},
+    {"glass", "1: glass cases around the exhibits, half of which are of colored glass", 0, 1, 0},
 };
 
 constexpr BuiltinParameter kTrianglesParameters[] = {

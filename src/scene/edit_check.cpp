@@ -23,7 +23,7 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 void checkRange(float value, float low, float high, const char* what, const std::string& whose) {
   if (std::isfinite(value) && value >= low && value <= high) return;
   if (high == kInfinity) badUsage("the {} of {} must be a number of at least {}, not {}", what, whose, low, value);
-  badUsage("the {} of {} must lie between {} and {}, not be {}", what, whose, low, high, value);
+  badUsage("the {} of {} must be between {} and {}, not {}", what, whose, low, high, value);
 }
 
 void checkRange(std::span<const float> values, float low, float high, const char* what, const std::string& whose) {
@@ -49,7 +49,7 @@ void checkLayers(const shared::MaterialLayers& l, const std::string& whose) {
   checkRange(l.clearcoat, 0, 1, "clear coat", whose);
   checkRange(l.clearcoatRoughness, 0, 1, "clear coat's roughness", whose);
   checkRange(l.clearcoatNormalScale, -kInfinity, kInfinity, "clear coat's normal scale", whose);
-  checkRange(numbers(l.sheenColor), 0, 1, "sheen colour", whose);
+  checkRange(numbers(l.sheenColor), 0, 1, "sheen color", whose);
   checkRange(l.sheenRoughness, 0, 1, "sheen roughness", whose);
   checkRange(l.anisotropy, 0, 1, "anisotropy", whose);
   checkRange(l.anisotropyRotation, -kInfinity, kInfinity, "anisotropy's rotation", whose);
@@ -60,9 +60,9 @@ void checkLayers(const shared::MaterialLayers& l, const std::string& whose) {
   checkRange(l.transmission, 0, 1, "transmission", whose);
   checkRange(l.thickness, 0, kInfinity, "thickness", whose);
   checkRange(l.dispersion, 0, kInfinity, "dispersion", whose);
-  checkRange(numbers(l.attenuationColor), 0, 1, "attenuation colour", whose);
+  checkRange(numbers(l.attenuationColor), 0, 1, "attenuation color", whose);
   checkRange(l.attenuationDistance, 0, kInfinity, "attenuation distance", whose);
-  checkRange(numbers(l.diffuseTransmissionColor), 0, 1, "diffuse transmission colour", whose);
+  checkRange(numbers(l.diffuseTransmissionColor), 0, 1, "diffuse transmission color", whose);
   checkRange(l.diffuseTransmission, 0, 1, "diffuse transmission", whose);
 }
 
@@ -75,7 +75,7 @@ void checkTextures(const Scene& scene, const Material& material, const std::stri
     if (texture >= 0) filled |= 1u << slot;
   }
   if (const uint32_t other = filled ^ material.data.textures)
-    badUsage("{} says of texture slot {} both that it is filled and that it is not", whose, std::countr_zero(other));
+    badUsage("{} marks texture slot {} both as used and as unused", whose, std::countr_zero(other));
 }
 
 void checkDeformation(const Scene& scene, const Mesh& mesh, const std::string& whose) {
@@ -83,7 +83,7 @@ void checkDeformation(const Scene& scene, const Mesh& mesh, const std::string& w
   if (d.positions.size() != mesh.positions.size() || d.attributes.size() != mesh.positions.size())
     badUsage("{} has {} positions and a deformation of {}", whose, mesh.positions.size(), d.positions.size());
   if (d.skin >= static_cast<int>(scene.rig.skins.size()) || d.weightsNode >= static_cast<int>(scene.rig.nodes.size()))
-    badUsage("{} moves by a skin or by weights that the scene has not", whose);
+    badUsage("{} uses a skin or weights that the scene does not have", whose);
 }
 
 }  // namespace
@@ -96,20 +96,21 @@ void checkTransform(const mat4& toWorld) {
 
 void checkName(const std::string& name) {
   if (name.find('/') != std::string::npos)
-    badUsage("the name of an instance can't have a slash, as \"{}\" has: it is one step of a path", printable(name));
+    badUsage("the name of an instance must not contain a slash, as \"{}\" does, because it is one component of a path",
+             printable(name));
 }
 
 void checkMaterial(const Scene& scene, const Material& material) {
   const std::string whose = fmt::format("the material \"{}\"", printable(material.name));
   const shared::Material& m = material.data;
-  checkRange(numbers(m.baseColor), 0, kInfinity, "base colour", whose);
+  checkRange(numbers(m.baseColor), 0, kInfinity, "base color", whose);
   checkRange(numbers(m.emissive), 0, kInfinity, "emitted light", whose);
   checkRange(m.metallic, 0, 1, "metallic share", whose);
   checkRange(m.roughness, 0, 1, "roughness", whose);
   checkRange(m.normalScale, -kInfinity, kInfinity, "normal scale", whose);
   checkRange(m.occlusionStrength, 0, 1, "occlusion strength", whose);
   checkRange(m.alphaCutoff, 0, kInfinity, "alpha cutoff", whose);
-  checkRange(numbers(m.specularColor), 0, kInfinity, "specular colour", whose);
+  checkRange(numbers(m.specularColor), 0, kInfinity, "specular color", whose);
   checkRange(m.specular, 0, kInfinity, "specular strength", whose);
   checkRange(m.f0, 0, 1, "reflectance f0", whose);
   checkLayers(m.layers, whose);
@@ -124,29 +125,31 @@ void checkLight(const Scene& scene, const Light& light) {
   checkFinite(numbers(light.position), "position", whose);
   checkFinite(numbers(light.direction), "direction", whose);
   if (std::abs(glm::length(light.direction) - 1) > 1e-3f) badUsage("the direction of {} must be of length 1", whose);
-  checkRange(numbers(light.color), 0, kInfinity, "colour", whose);
+  checkRange(numbers(light.color), 0, kInfinity, "color", whose);
   checkRange(light.intensity, 0, kInfinity, "intensity", whose);
   checkRange(light.size, 0, kInfinity, "size", whose);
   if (light.range && !(std::isfinite(*light.range) && *light.range > 0))
-    badUsage("the range of {} must be a number above 0, not {}: without one it has no end", whose, *light.range);
+    badUsage("the range of {} must be above 0, not {}; omit it for an unbounded light", whose, *light.range);
   if (shared::lightHasCone(light.type) && !(light.innerCone >= 0 && light.innerCone <= light.outerCone &&
                                             light.outerCone > 0 && light.outerCone <= glm::half_pi<float>()))
-    badUsage("the cones of {} must be half angles: the inner one at least 0, the outer one no less, up to 90 degrees",
-             whose);
+    badUsage(
+        "the cones of {} must be half angles from 0 to 90 degrees, with the inner one at most as large as the "
+        "outer one",
+        whose);
   if (light.node < -1 || light.node >= static_cast<int>(scene.nodes.size()))
-    badUsage("{} follows a node {}, and the scene has {}", whose, light.node, scene.nodes.size());
+    badUsage("{} follows node {}, but the scene has {}", whose, light.node, scene.nodes.size());
 }
 
 void checkMesh(const Scene& scene, const Mesh& mesh) {
   const std::string whose = fmt::format("the mesh \"{}\"", printable(mesh.name));
   const size_t count = mesh.positions.size();
   if (mesh.attributes.size() != count || (!mesh.extras.empty() && mesh.extras.size() != count))
-    badUsage("{} has {} positions, {} normals and {} colours: give as many of each, or none of the last", whose, count,
-             mesh.attributes.size(), mesh.extras.size());
+    badUsage("{} has {} positions, {} normals and {} colors: the numbers must match (colors are optional)", whose,
+             count, mesh.attributes.size(), mesh.extras.size());
   if (mesh.indices.size() % 3 != 0)
-    badUsage("{} has {} indices, which is no multiple of three", whose, mesh.indices.size());
+    badUsage("{} has {} indices, which is not a multiple of three", whose, mesh.indices.size());
   for (const uint32_t index : mesh.indices)
-    if (index >= count) badUsage("{} has the index {} and only {} vertices", whose, index, count);
+    if (index >= count) badUsage("{} has the index {} but only {} vertices", whose, index, count);
   for (const vec3& p : mesh.positions) checkFinite(numbers(p), "positions", whose);
   for (const shared::VertexAttributes& a : mesh.attributes) {
     checkFinite(numbers(a.normal), "normals", whose);
@@ -155,7 +158,7 @@ void checkMesh(const Scene& scene, const Mesh& mesh) {
   }
   for (const shared::VertexExtra& e : mesh.extras) {
     checkFinite(numbers(e.uv1), "texture coordinates", whose);
-    checkFinite(numbers(e.color), "colours", whose);
+    checkFinite(numbers(e.color), "colors", whose);
   }
   if (mesh.deformation) checkDeformation(scene, mesh, whose);
 }

@@ -125,8 +125,7 @@ Environment loadPicture(const std::string& file) {
     FloatImage picture = decodePicture(bytes, file);
     if (picture.width != 2 * picture.height) {
       warn(
-          "'{}' is {} x {} pixels; an equirectangular picture is twice as wide as high, so this one will look "
-          "stretched",
+          "'{}' has {} x {} pixels; an equirectangular image is twice as wide as high, so this one will look stretched",
           file, picture.width, picture.height);
     }
     return filterEnvironment(std::move(picture));

@@ -90,7 +90,7 @@ dvec3 fittingEye(const Box& box, const Axes& axes, double h, double v) {
 
 void checkFov(float verticalFov) {
   if (!showsSomething(verticalFov))
-    badUsage("A field of view of {:g} degrees shows nothing: give one from {:g} to {:.6g}", glm::degrees(verticalFov),
+    badUsage("A field of view of {:g} degrees is not possible: use {:g} to {:.6g}", glm::degrees(verticalFov),
              glm::degrees(kLeastVerticalFov), glm::degrees(kMostVerticalFov));
 }
 
@@ -145,7 +145,7 @@ Camera lookAt(const Scene& scene, vec3 eye, vec3 target, std::optional<vec3> up,
   if (!up && glm::length(glm::cross(away, upward)) < 1e-6) upward = dvec3(0, 1, 0);
   const dvec3 right = glm::cross(away, upward);
   if (!(glm::length(right) > 1e-6 * glm::length(upward)))
-    badUsage("The camera's up direction is zero or along its view: give one across it");
+    badUsage("The camera's up direction is zero or parallel to its view direction: give another");
   const dvec3 unitRight = glm::normalize(right);
   return makeCamera(visibleBox(scene), {unitRight, away, glm::cross(unitRight, away)}, from, verticalFov);
 }

@@ -71,7 +71,7 @@ bool isIndexType(int componentType) {
 void applySparse(const Document& document, const tinygltf::Accessor& accessor, Elements& elements, size_t size) {
   const auto& sparse = accessor.sparse;
   size_t count = size_t(sparse.count), indexBytes = componentBytes(sparse.indices.componentType);
-  if (!isIndexType(sparse.indices.componentType)) badInput("{} has sparse indices of no index type", elements.name);
+  if (!isIndexType(sparse.indices.componentType)) badInput("{} has sparse indices of an invalid type", elements.name);
   const std::byte* indices = within(document, sparse.indices.bufferView, size_t(sparse.indices.byteOffset), count,
                                     indexBytes, indexBytes, elements.name + "'s sparse indices");
   const std::byte* values = within(document, sparse.values.bufferView, size_t(sparse.values.byteOffset), count, size,

@@ -113,7 +113,7 @@ class AnimationReader {
 
   void readPointer(const json& target) {
     const json::json_pointer place("/extensions/KHR_animation_pointer/pointer");
-    if (!target.contains(place)) badInput("{} moves a pointer, but has none", name_);
+    if (!target.contains(place)) badInput("{} targets a pointer, but has none", name_);
     const auto found = resolvePointer(document_, hierarchy_, scene_, target.at(place).get<std::string>(), name_);
     if (!found) return;
     if (const auto* pointed = std::get_if<NodeProperty>(&*found))

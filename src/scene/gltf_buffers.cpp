@@ -72,8 +72,7 @@ std::vector<std::byte> readDataUri(std::string_view uri, const std::string& name
 
 std::vector<std::byte> readBeside(const Enclosure& enclosure, std::string_view uri, const std::string& name) {
   if (uri.find("://") != std::string_view::npos || uri.starts_with("file:"))
-    badInput("{} is at {}; only files beside the scene are read: put it there, and name it by its relative path", name,
-             uri);
+    badInput("{} is at {}; only local files are read: put it next to the scene, and use a relative path", name, uri);
   std::string decoded = percentDecode(uri);
   if (decoded.empty() || decoded.find('\0') != std::string::npos) badInput("{} has no usable file name", name);
   try {
@@ -172,8 +171,8 @@ void Budget::charge(size_t bytes, std::string_view what) const {
   size_t left = left_.load();
   do {
     if (bytes > left)
-      badInput("{} asks for {} MiB, which with the rest is far more than a file of this size can hold", what,
-               bytes >> 20);
+      badInput("{} requests {} MiB, which together with the rest is far more than a file of this size can contain",
+               what, bytes >> 20);
   } while (!left_.compare_exchange_weak(left, left - bytes));
   memory_.grow(bytes, what);
 }

@@ -36,10 +36,9 @@ size_t behindChunk(Bytes file, size_t end, bool isJson) {
   if (padded == end || end + kChunkHeaderBytes > file.size() || chunkFits(file, padded)) return padded;
   const char* which = isJson ? "JSON" : "binary";
   if (!chunkFits(file, end))
-    badInput("the .glb file's {} chunk ends at byte {}, which is no multiple of 4, and no other chunk lies behind it",
+    badInput("the .glb file's {} chunk ends at byte {}, which is not a multiple of 4, and no other chunk follows",
              which, end);
-  warn("the .glb file's {} chunk ends at byte {} instead of a multiple of 4: it was not written as glTF asks", which,
-       end);
+  warn("the .glb file's {} chunk ends at byte {} instead of a multiple of 4, as glTF requires", which, end);
   return end;
 }
 
@@ -58,7 +57,7 @@ Container readBinary(Bytes file) {
     if (size > file.size() - at)
       badInput("a chunk of the .glb file reaches {} bytes past its end", size - (file.size() - at));
     Bytes chunk = file.subspan(at, size);
-    if (first != (type == kJsonChunk)) badInput("the .glb file's first chunk, and no other, should be JSON");
+    if (first != (type == kJsonChunk)) badInput("the .glb file's first chunk, and only that, must be JSON");
     if (type == kJsonChunk) container.json = chunk;
     if (type == kBinaryChunk && container.binary.empty()) container.binary = chunk;
     at = behindChunk(file, at + size, type == kJsonChunk);
@@ -94,7 +93,7 @@ void checkVersion(const nlohmann::json& root) {
   if (version.substr(0, 2) != "2.") badInput("it is glTF {}; 2.0 is supported: convert it", version);
   if (!asset.contains("minVersion")) return;
   std::string least = asset["minVersion"].get<std::string>();
-  if (least != "2.0") badInput("it needs a reader of glTF {}; this one reads 2.0", least);
+  if (least != "2.0") badInput("it requires glTF {}; 2.0 is supported", least);
 }
 
 }  // namespace

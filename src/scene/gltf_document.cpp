@@ -69,7 +69,7 @@ size_t modelBytes(const Counts& counts) {
 // tinygltf drops elements it can't read, which would invalidate checked indices.
 template <typename T>
 void checkCount(const Counts& counts, const char* key, const std::vector<T>& read) {
-  if (counts.of(key) != read.size()) badInput("its {} can't be read", key);
+  if (counts.of(key) != read.size()) badInput("its {} is invalid", key);
 }
 
 void checkModel(const Counts& counts, const tinygltf::Model& model) {
@@ -84,7 +84,7 @@ void checkModel(const Counts& counts, const tinygltf::Model& model) {
   checkCount(counts, "skins", model.skins);
   checkCount(counts, "textures", model.textures);
   for (size_t i = 0; i < model.meshes.size(); ++i)
-    if (model.meshes[i].primitives.size() != counts.primitives[i]) badInput("meshes[{}].primitives can't be read", i);
+    if (model.meshes[i].primitives.size() != counts.primitives[i]) badInput("meshes[{}].primitives is invalid", i);
 }
 
 }  // namespace

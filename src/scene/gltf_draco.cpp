@@ -107,20 +107,20 @@ Elements readAttribute(const Document& document, const draco::Mesh& mesh, int un
   document.budget.charge(bytes, name);
   elements.owned = std::make_shared_for_overwrite<std::byte[]>(bytes);
   elements.data = elements.owned.get();
-  if (!convert(mesh, *attribute, elements, elements.owned.get())) badInput("{} can't be decompressed", name);
+  if (!convert(mesh, *attribute, elements, elements.owned.get())) badInput("{} cannot be decompressed", name);
   return elements;
 }
 
 std::unique_ptr<draco::Mesh> decodeBytes(const Document& document, Bytes data, const std::string& name) {
   std::optional<Sizes> sizes = peekSizes(data);
-  if (!sizes) badInput("{} is no mesh of Draco's bitstream 2.2", name);
+  if (!sizes) badInput("{} is not a mesh of Draco's bitstream 2.2", name);
   // For connectivity and attributes the decoder needs about 100 bytes per face or point.
   document.budget.charge((sizes->faces + sizes->points) * 100, name);
   draco::DecoderBuffer buffer;
   buffer.Init(reinterpret_cast<const char*>(data.data()), data.size());
   draco::Decoder decoder;
   auto result = decoder.DecodeMeshFromBuffer(&buffer);
-  if (!result.ok()) badInput("{} can't be decompressed: {}", name, result.status().error_msg_string());
+  if (!result.ok()) badInput("{} cannot be decompressed: {}", name, result.status().error_msg_string());
   return std::move(result).value();
 }
 

@@ -45,8 +45,8 @@ class Cube {
       if (!source.problem.empty()) badInput("{}", source.problem);
       const ImageSize size = imageSize(source.encoded, source.name);
       if (size.width != size.height || (i > 0 && size.width != faces_[0].width))
-        badInput("{} is {}x{} pixels, and the faces of a cube are squares of one size", source.name, size.width,
-                 size.height);
+        badInput("{} is {}x{} pixels, but the faces of a cube must be squares of the same size", source.name,
+                 size.width, size.height);
       document.budget.charge(mipChainBytes(size), source.name);
       faces_[i] = decodeTexture(source.encoded, true, source.name);
     }

@@ -127,7 +127,7 @@ void checkExtensions(const nlohmann::json& root) {
       if (!item.is_string()) continue;  // validate() reports it
       std::string name = item.get<std::string>();
       if (treatmentOf(name) != Read)
-        badInput("it requires the glTF extension {}, which is not supported: export it without", name);
+        badInput("it requires the glTF extension {}, which is not supported: export the scene without it", name);
     }
   }
   auto used = root.find("extensionsUsed");
@@ -135,8 +135,7 @@ void checkExtensions(const nlohmann::json& root) {
   for (const nlohmann::json& item : *used) {
     if (!item.is_string()) continue;
     std::string name = item.get<std::string>();
-    if (treatmentOf(name) == Left)
-      warn("the glTF extension {} is not supported: the picture is made as if it were not there", name);
+    if (treatmentOf(name) == Left) warn("the glTF extension {} is not supported and is ignored", name);
   }
 }
 

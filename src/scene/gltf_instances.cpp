@@ -86,7 +86,8 @@ Placements readPlacements(const Document& document, const tinygltf::Node& node, 
   placements.rotations = read("ROTATION", vec4(0, 0, 0, 1), true);  // integers are always normalised here
   placements.scales = read("SCALE", vec4(1), false);
   placements.count = count.value_or(0);
-  if (placements.count == 0) warn("nodes[{}] has EXT_mesh_gpu_instancing without instances, and is not drawn", index);
+  if (placements.count == 0)
+    warn("nodes[{}] has EXT_mesh_gpu_instancing without instances, and is not rendered", index);
   return placements;
 }
 
@@ -184,9 +185,9 @@ class Placer {
   bool isDrawn(const tinygltf::Primitive& primitive) const {
     if (triangleCount(document_, primitive) > 0) return true;
     if (primitive.mode < TINYGLTF_MODE_TRIANGLES)
-      warn("points and lines are not drawn, only triangles");
+      warn("points and lines are not supported and are skipped");
     else
-      warn("the file has primitives without a single triangle, which are left out");
+      warn("the file has primitives without triangles, which are skipped");
     return false;
   }
 

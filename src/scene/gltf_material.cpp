@@ -59,7 +59,7 @@ TransformParts partsOf(const Reference& reference) {
 void setTransform(shared::TextureTransform& out, const Reference& reference) {
   setRows(out, partsOf(reference));
   const int uvSet = reference.transform ? indexOr(*reference.transform, "texCoord", reference.uvSet) : reference.uvSet;
-  if (uvSet > 1) warn("a texture asks for TEXCOORD_{}; two UV sets are supported, and TEXCOORD_1 is used", uvSet);
+  if (uvSet > 1) warn("a texture uses TEXCOORD_{}; two UV sets are supported, and TEXCOORD_1 is used instead", uvSet);
   out.uvSet = uint32_t(std::min(uvSet, 1));
 }
 
@@ -148,7 +148,7 @@ class MaterialReader {
   int imageAt(const Reference& reference) const {
     if (reference.texture < 0) return -1;
     const int image = imageOf(document_.model.textures[size_t(reference.texture)]);
-    if (image < 0) warn("textures[{}] has no picture that can be read, and is left out", reference.texture);
+    if (image < 0) warn("textures[{}] has no readable image, and is ignored", reference.texture);
     return image;
   }
 
@@ -222,8 +222,8 @@ class MaterialReader {
          {.make = TextureRequest::Make::Roughness, .specular = specularImage, .factor = {glossiness, 0, 0}});
     if (image >= 0 && !samePlace(diffuse, both))
       warn(
-          "a material of KHR_materials_pbrSpecularGlossiness has its two textures at different places: the diffuse "
-          "one is dimmed as if they were at one");
+          "a material of KHR_materials_pbrSpecularGlossiness has two textures with different transforms: the diffuse "
+          "texture is dimmed as if they were equal");
     fill(shared::kTextureBaseColor, image < 0 ? both : diffuse,
          {.image = image,
           .srgb = true,

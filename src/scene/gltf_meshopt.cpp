@@ -64,7 +64,7 @@ Stream readStream(Document& document, const json& view, size_t index, const std:
   stream.encoded = buffer.subspan(offset, length);
 
   size_t bytes = stream.count * stream.stride;
-  if (view["byteLength"].get<size_t>() > bytes) badInput("{} gives fewer bytes than its bufferView has", name);
+  if (view["byteLength"].get<size_t>() > bytes) badInput("{} has fewer bytes than its bufferView", name);
   document.budget.charge(bytes, name);
   document.decoded.push_back(std::make_unique_for_overwrite<std::byte[]>(bytes));
   stream.target = document.decoded.back().get();
@@ -87,7 +87,7 @@ void decode(const Stream& s) {
       break;
   }
   if (result != 0)
-    badInput("bufferViews[{}] can't be decompressed: its EXT_meshopt_compression data is broken", s.view);
+    badInput("bufferViews[{}] cannot be decompressed: its EXT_meshopt_compression data are invalid", s.view);
   if (s.filter == Filter::Octahedral) meshopt_decodeFilterOct(s.target, s.count, s.stride);
   if (s.filter == Filter::Quaternion) meshopt_decodeFilterQuat(s.target, s.count, s.stride);
   if (s.filter == Filter::Exponential) meshopt_decodeFilterExp(s.target, s.count, s.stride);

@@ -103,7 +103,7 @@ class Paths {
     for (unsigned& twin = twins_.try_emplace(path, 1).first->second; !used_.insert(unique).second;)
       unique = fmt::format("{}#{}", path, ++twin);
     if ((bytes_ += unique.size()) > kMaxPathBytes)
-      badInput("its nodes are nested too deep, or their names are too long");
+      badInput("its nodes are nested too deeply, or their names are too long");
     return unique;
   }
 
@@ -126,7 +126,7 @@ Camera readCamera(const tinygltf::Camera& source) {
   } else {
     camera.verticalFov = float(source.perspective.yfov);
     if (!showsSomething(camera.verticalFov)) {
-      warn("a camera's yfov of {:g} radians shows nothing: it is taken as {:g}", source.perspective.yfov,
+      warn("a camera's yfov of {:g} radians is not possible: {:g} is used instead", source.perspective.yfov,
            kDefaultVerticalFov);
       camera.verticalFov = kDefaultVerticalFov;
     }
@@ -181,7 +181,7 @@ dmat4 readMatrix(const std::vector<double>& columns) {
   for (int i = 0; i < 16; ++i) m[i / 4][i % 4] = columns[size_t(i)];
   const dvec4 last(0, 0, 0, 1);
   if (glm::length(glm::row(m, 3) - last) > 1e-6)
-    warn("a node's matrix has a last row that is not 0 0 0 1: it is taken as that");
+    warn("a node's matrix has a last row that is not 0 0 0 1; 0 0 0 1 is used instead");
   return glm::row(m, 3, last);
 }
 

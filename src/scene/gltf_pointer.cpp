@@ -127,7 +127,7 @@ std::optional<PointedProperty> resolvePointer(const Document& document, const Hi
   std::optional<PointedProperty> found;
   if (parts) found = find(document, hierarchy, scene, *parts, name);
   if (!found)
-    warn("the file animates {}, which stays as it is: nothing here has it",
+    warn("the file animates {}, which is not supported and keeps its value",
          printable(parts ? fmt::format("{}{{}}/{}", parts->list, parts->below) : pointer));
   return found;
 }

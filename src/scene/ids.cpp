@@ -92,7 +92,7 @@ std::vector<bool> nodesCalled(const Scene& scene, const std::vector<std::string>
       if (const auto at = found.find(name); at != found.end()) chosen[i] = at->second = true;
   for (const std::string& name : names)
     if (!found[name])
-      badUsage("{} has no node \"{}\" to group ids under: give names of its nodes, or paths as /Root/Arm",
+      badUsage("{} has no node \"{}\" for --id-nodes: give names of its nodes, or paths such as /Root/Arm",
                printable(scene.source), printable(name));
   return chosen;
 }
@@ -100,8 +100,7 @@ std::vector<bool> nodesCalled(const Scene& scene, const std::vector<std::string>
 }  // namespace
 
 void checkGrouping(const IdGrouping& grouping) {
-  if (grouping.depth && !grouping.nodes.empty())
-    badUsage("ids are grouped by a depth or by names of nodes (--id-depth, --id-nodes); use one of them");
+  if (grouping.depth && !grouping.nodes.empty()) badUsage("--id-depth and --id-nodes both group ids; use one of them");
 }
 
 void groupIds(Scene& scene, const IdGrouping& grouping) {

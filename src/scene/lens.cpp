@@ -260,11 +260,11 @@ Lens parseLens(std::string_view option, std::string_view text, uint32_t width, u
 void checkLens(const Lens& lens, uint32_t width, uint32_t height) {
   const LensModelInfo& info = infoOf(lens.model);
   if (lens.model == LensModel::CubeMap && width != 6 * uint64_t{height})
-    badUsage("a cube map is six squares side by side: its picture must be six times as wide as high, not {}x{}", width,
+    badUsage("a cube map is six squares side by side: its image must be six times as wide as high, not {}x{}", width,
              height);
   if (!info.calibrated) return;
   if (!(lens.width > 0 && lens.height > 0 && std::isfinite(lens.width) && std::isfinite(lens.height)))
-    badUsage("a {} lens needs the size of the pictures that it is calibrated for", info.name);
+    badUsage("a {} lens needs the image size of its calibration", info.name);
   const auto focal = [](double f) { return std::isfinite(f) && f > 0; };
   if (!focal(lens.fx) || !focal(lens.fy))
     badUsage("a lens's focal lengths must be above 0, not {:g} and {:g}", lens.fx, lens.fy);

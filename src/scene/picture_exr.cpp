@@ -68,11 +68,11 @@ ChannelNames chooseChannels(const Imf::ChannelList& list, const std::string& nam
     all += (all.empty() ? "" : " ") + channel;
     if (!found && channel.ends_with(".R")) found = channelsOf(list, channel.substr(0, channel.size() - 1));
   }
-  if (!found) badInput("'{}' has neither channels R G B nor Y alone, but: {}; save it as RGB", name, all);
+  if (!found) badInput("'{}' has neither the channels R G B nor Y, but: {}; save it as RGB", name, all);
   for (const std::string& channel : *found) {
     const Imf::Channel* c = list.findChannel(channel);
     if (c && (c->xSampling != 1 || c->ySampling != 1)) {
-      badInput("'{}' has the sub-sampled channel {}, which can't be read; save it at full size", name, channel);
+      badInput("'{}' has the subsampled channel {}, which is not supported; save it at full size", name, channel);
     }
   }
   return *found;
@@ -89,7 +89,7 @@ struct Window {
 };
 
 void checkWindow(const Window& window, const std::string& name) {
-  if (window.width < 1 || window.height < 1) badInput("'{}' is damaged: it has no pixels; fetch it again", name);
+  if (window.width < 1 || window.height < 1) badInput("'{}' is damaged: it has no pixels; download it again", name);
   checkPictureSize(window.width, window.height, name);
 }
 
@@ -140,7 +140,7 @@ void checkColours(const Imf::Header& header, const std::string& name) {
   // Files made through ICC profiles state Rec.709's primaries adapted to D50, up to 0.023 off.
   const auto far = [](Imath::V2f a, Imath::V2f b) { return std::abs(a.x - b.x) + std::abs(a.y - b.y) > 0.04f; };
   if (far(found.red, rec709.red) || far(found.green, rec709.green) || far(found.blue, rec709.blue)) {
-    warn("'{}' states primaries other than Rec.709's; its colours are read as Rec.709 and will look off", name);
+    warn("'{}' has primaries other than Rec.709's; its colors are interpreted as Rec.709 and will be wrong", name);
   }
 }
 
@@ -150,12 +150,12 @@ FloatImage decode(std::span<const std::byte> bytes, const std::string& name) {
   const Imf::Header& header = file.header(0);
   if (header.hasType() && !Imf::isSupportedType(header.type())) badInput("'{}' has a part of unknown type", name);
   if (header.hasType() && Imf::isDeepData(header.type())) {
-    badInput("'{}' holds deep data, which is not a picture; flatten it first", name);
+    badInput("'{}' contains deep data; flatten it first", name);
   }
   const Window data(header.dataWindow()), display(header.displayWindow());
   checkWindow(data, name);
   checkWindow(display, name);
-  if (!file.partComplete(0)) badInput("'{}' is truncated: some of its pixels are missing; fetch it again", name);
+  if (!file.partComplete(0)) badInput("'{}' is truncated: some of its pixels are missing; download it again", name);
   const ChannelNames channels = chooseChannels(header.channels(), name);
   checkColours(header, name);
   Imf::InputPart part(file, 0);
@@ -179,7 +179,7 @@ FloatImage decodeExr(std::span<const std::byte> bytes, const std::string& name) 
   } catch (const std::exception& error) {
     std::string why = error.what();
     std::replace(why.begin(), why.end(), '\n', ' ');
-    badInput("'{}' can't be read as OpenEXR: {}; fetch it again", name, why);
+    badInput("cannot read '{}' as OpenEXR: {}; download it again", name, why);
   }
 }
 

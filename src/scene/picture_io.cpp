@@ -21,7 +21,7 @@ bool startsWith(std::span<const std::byte> bytes, std::initializer_list<unsigned
 FloatImage decodePicture(std::span<const std::byte> bytes, const std::string& name) try {
   if (startsWith(bytes, {'#', '?'})) return decodeRadiance(bytes, name);
   if (startsWith(bytes, {0x76, 0x2f, 0x31, 0x01})) return decodeExr(bytes, name);
-  badInput("'{}' is neither a Radiance .hdr nor an OpenEXR .exr picture; give one of those", name);
+  badInput("'{}' is neither a Radiance .hdr nor an OpenEXR .exr image; use one of these", name);
 } catch (const std::bad_alloc&) {
   failWithoutMemory(fmt::format("'{}'", name));
 }

@@ -26,7 +26,7 @@ class Reader {
   std::string_view line() {
     const char* begin = reinterpret_cast<const char*>(bytes_.data()) + next_;
     const void* end = std::memchr(begin, '\n', bytes_.size() - next_);
-    if (!end) badInput("'{}' ends within its Radiance header; the file is damaged, fetch it again", name_);
+    if (!end) badInput("'{}' ends within its Radiance header; the file is damaged, download it again", name_);
     std::string_view text(begin, static_cast<const char*>(end) - begin);
     next_ += text.size() + 1;
     if (text.ends_with('\r')) text.remove_suffix(1);
@@ -39,13 +39,13 @@ class Reader {
   const uint8_t* here() const { return reinterpret_cast<const uint8_t*>(bytes_.data()) + next_; }
   void skip(size_t count) { next_ += count; }
   const uint8_t* take(size_t count) {
-    if (left() < count) badInput("'{}' is truncated: its data ends in row {}; fetch it again", name_, row_);
+    if (left() < count) badInput("'{}' is truncated: its data end in row {}; download it again", name_, row_);
     const uint8_t* at = here();
     next_ += count;
     return at;
   }
   [[noreturn]] void damaged() const {
-    badInput("'{}' is damaged: a run in row {} is longer than the row; fetch it again", name_, row_);
+    badInput("'{}' is damaged: a run in row {} is longer than the row; download it again", name_, row_);
   }
 
  private:
@@ -74,7 +74,7 @@ Header parseResolution(std::string_view line, const std::string& name) {
   std::string_view rest = line;
   const std::string_view yAxis = word(rest), height = word(rest), xAxis = word(rest), width = word(rest);
   if (yAxis.ends_with('X') && xAxis.ends_with('Y')) {
-    badInput("'{}' stores its picture by columns ('{}'); save it by rows", name, line);
+    badInput("'{}' stores its image by columns ('{}'); save it by rows", name, line);
   }
   Header header;
   header.width = extent(width).value_or(0);
@@ -83,7 +83,7 @@ Header parseResolution(std::string_view line, const std::string& name) {
   header.rightToLeft = xAxis == "-X";
   const bool axes = (yAxis == "-Y" || header.bottomUp) && (xAxis == "+X" || header.rightToLeft);
   if (!axes || header.width == 0 || header.height == 0) {
-    badInput("'{}' has a Radiance header without a valid size ('{}'); the file is damaged, fetch it again", name,
+    badInput("'{}' has a Radiance header without a valid size ('{}'); the file is damaged, download it again", name,
              line.substr(0, 40));
   }
   checkPictureSize(header.width, header.height, name);
@@ -96,7 +96,7 @@ Header readHeader(Reader& reader, const std::string& name) {
     const std::string_view line = reader.line();
     if (line.empty()) break;
     if (line.starts_with("FORMAT=") && line != "FORMAT=32-bit_rle_rgbe") {
-      badInput("'{}' has the Radiance format '{}', which can't be read; save it as 32-bit_rle_rgbe", name,
+      badInput("'{}' has the Radiance format '{}', which is not supported; save it as 32-bit_rle_rgbe", name,
                line.substr(7, 40));
     }
   }

@@ -64,8 +64,7 @@ void addBounds(const Scene& scene, const Instance& instance, Bounds& bounds) {
 }
 
 Scene loadBuiltin(const std::string& source, const LoadOptions& options) {
-  if (!options.variant.empty())
-    badUsage("{} has no material variants: leave out the variant '{}'", source, options.variant);
+  if (!options.variant.empty()) badUsage("{} has no material variants: omit the variant '{}'", source, options.variant);
   Scene scene = makeBuiltin(source.substr(kBuiltin.size()), options.textureSlots);
   scene.source = source;
   return scene;
@@ -76,7 +75,8 @@ Scene loadFile(const std::string& source, const LoadOptions& options) {
   std::error_code error;
   const auto status = std::filesystem::status(path, error);
   if (!std::filesystem::exists(status))
-    badInput("There is no scene file {}: give a .gltf or .glb file, or a built-in scene such as builtin:hall", source);
+    badInput("The scene file {} does not exist: give a .gltf or .glb file, or a built-in scene such as builtin:hall",
+             source);
   if (std::filesystem::is_directory(status))
     badInput("{} is a folder: give a .gltf or .glb file, or a built-in scene such as builtin:hall", source);
   if (!endsWith(source, ".gltf") && !endsWith(source, ".glb") && !looksLikeGltf(path))

@@ -40,8 +40,8 @@ const Codec& chooseCodec(std::span<const std::byte> encoded, const std::string& 
   if (startsWith(encoded, "GIF8"sv) || startsWith(encoded, "BM"sv) || looksLikeTga(encoded)) return kStbCodec;
   if (startsWith(encoded, "\xabKTX 20\xbb\r\n\x1a\n"sv)) return kKtx2Codec;
   if (startsWith(encoded, "\xabKTX 11"sv))
-    badInput("{} is a texture of KTX 1, which glTF does not have: convert it to KTX 2, PNG, JPEG or WebP", name);
-  badInput("{} is not a JPEG, PNG, WebP, KTX2, AVIF, BMP, TGA or GIF picture", name);
+    badInput("{} is a KTX 1 texture, which glTF does not support: convert it to KTX 2, PNG, JPEG or WebP", name);
+  badInput("{} is not a JPEG, PNG, WebP, KTX2, AVIF, BMP, TGA or GIF image", name);
 }
 
 // Returns how many levels it has filled.
@@ -55,7 +55,7 @@ ImageSize checkedSize(const Codec& codec, std::span<const std::byte> encoded, co
   ImageSize size = codec.size(encoded, name);
   if (size.width == 0 || size.height == 0) badInput("{} has no pixels", name);
   if (size.width > kMaxTextureSide || size.height > kMaxTextureSide)
-    badInput("{} is {}x{} pixels; at most {} a side are supported: scale it down", name, size.width, size.height,
+    badInput("{} is {}x{} pixels; width and height are limited to {}: scale it down", name, size.width, size.height,
              kMaxTextureSide);
   return size;
 }

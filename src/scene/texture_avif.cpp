@@ -16,7 +16,7 @@ namespace {
 using Decoder = std::unique_ptr<avifDecoder, void (*)(avifDecoder*)>;
 
 void checkAvif(avifResult result, const std::string& name) {
-  if (result != AVIF_RESULT_OK) badInput("{} is a broken AVIF picture: {}", name, avifResultToString(result));
+  if (result != AVIF_RESULT_OK) badInput("{} is an invalid AVIF image: {}", name, avifResultToString(result));
 }
 
 Decoder openAvif(std::span<const std::byte> encoded, const std::string& name) {
@@ -40,7 +40,7 @@ void decodeAvif(std::span<const std::byte> encoded, const std::string& name, Ima
   const Decoder decoder = openAvif(encoded, name);
   checkAvif(avifDecoderNextImage(decoder.get()), name);
   if (decoder->image->width != size.width || decoder->image->height != size.height)
-    badInput("{} is a broken AVIF picture: its size is stated twice and differs", name);
+    badInput("{} is an invalid AVIF image: it states two different sizes", name);
   avifRGBImage target;
   avifRGBImageSetDefaults(&target, decoder->image);
   target.depth = 8;
@@ -59,7 +59,7 @@ const Codec kAvifCodec{sizeOfAvif, decodeAvif};
 namespace {
 
 ImageSize refuseAvif(std::span<const std::byte>, const std::string& name) {
-  badInput("{} is an AVIF picture, and this program was built without libavif: convert it to PNG, JPEG or WebP", name);
+  badInput("{} is an AVIF image, but this program was built without libavif: convert it to PNG, JPEG or WebP", name);
 }
 
 }  // namespace

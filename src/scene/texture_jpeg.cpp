@@ -30,7 +30,7 @@ Header readHeader(std::span<const std::byte> encoded, const std::string& name) {
   int width = 0, height = 0, subsampling = 0;
   if (tjDecompressHeader3(header.decoder.get(), bytesOf(encoded), encoded.size(), &width, &height, &subsampling,
                           &header.colorspace) != 0)
-    badInput("{} is a broken JPEG picture: {}", name, tjGetErrorStr2(header.decoder.get()));
+    badInput("{} is an invalid JPEG image: {}", name, tjGetErrorStr2(header.decoder.get()));
   header.size = {uint32_t(width), uint32_t(height)};
   return header;
 }
@@ -44,8 +44,8 @@ void decompress(const Header& header, std::span<const std::byte> encoded, const 
     return;
   std::string_view reason = tjGetErrorStr2(header.decoder.get());
   if (tjGetErrorCode(header.decoder.get()) == TJERR_FATAL || reason.starts_with("Premature end"))
-    badInput("{} is a broken JPEG picture: {}", name, reason);
-  warn("{} is a damaged JPEG picture, shown as far as it goes: {}", name, reason);
+    badInput("{} is an invalid JPEG image: {}", name, reason);
+  warn("{} is a damaged JPEG image, of which the intact part is used: {}", name, reason);
 }
 
 ImageSize size(std::span<const std::byte> encoded, const std::string& name) {

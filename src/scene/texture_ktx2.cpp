@@ -157,7 +157,7 @@ auto named(const std::string& name, Body body) {
   try {
     return body();
   } catch (const BrokenTexture& problem) {
-    badInput("{} is a KTX2 texture that can't be read: {}", name, problem.what());
+    badInput("{} is an invalid or unsupported KTX2 texture: {}", name, problem.what());
   }
 }
 

@@ -11,7 +11,7 @@ namespace {
 using Context = std::unique_ptr<spng_ctx, void (*)(spng_ctx*)>;
 
 void check(int result, const std::string& name) {
-  if (result != 0) badInput("{} is a broken PNG picture: {}", name, spng_strerror(result));
+  if (result != 0) badInput("{} is an invalid PNG image: {}", name, spng_strerror(result));
 }
 
 Context open(std::span<const std::byte> encoded, const std::string& name) {

@@ -35,7 +35,7 @@ int lengthOf(std::span<const std::byte> encoded, const std::string& name) {
 ImageSize size(std::span<const std::byte> encoded, const std::string& name) {
   int width = 0, height = 0, channels = 0;
   if (!stbi_info_from_memory(bytesOf(encoded), lengthOf(encoded, name), &width, &height, &channels))
-    badInput("{} is a broken picture: {}", name, stbi_failure_reason());
+    badInput("{} is an invalid image: {}", name, stbi_failure_reason());
   return {uint32_t(width), uint32_t(height)};
 }
 
@@ -43,9 +43,9 @@ void decode(std::span<const std::byte> encoded, const std::string& name, ImageSi
   int width = 0, height = 0, channels = 0;
   std::unique_ptr<stbi_uc, void (*)(void*)> pixels(
       stbi_load_from_memory(bytesOf(encoded), lengthOf(encoded, name), &width, &height, &channels, 4), stbi_image_free);
-  if (!pixels) badInput("{} is a broken picture: {}", name, stbi_failure_reason());
+  if (!pixels) badInput("{} is an invalid image: {}", name, stbi_failure_reason());
   if (uint32_t(width) != size.width || uint32_t(height) != size.height)
-    badInput("{} is a broken picture: its size is stated twice and differs", name);
+    badInput("{} is an invalid image: it states two different sizes", name);
   std::memcpy(rgba, pixels.get(), size_t(width) * size_t(height) * 4);
 }
 

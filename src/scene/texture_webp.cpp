@@ -12,7 +12,7 @@ const uint8_t* bytesOf(std::span<const std::byte> encoded) {
 
 ImageSize size(std::span<const std::byte> encoded, const std::string& name) {
   int width = 0, height = 0;
-  if (!WebPGetInfo(bytesOf(encoded), encoded.size(), &width, &height)) badInput("{} is a broken WebP picture", name);
+  if (!WebPGetInfo(bytesOf(encoded), encoded.size(), &width, &height)) badInput("{} is an invalid WebP image", name);
   return {uint32_t(width), uint32_t(height)};
 }
 
@@ -20,7 +20,7 @@ void decode(std::span<const std::byte> encoded, const std::string& name, ImageSi
   size_t pitch = size_t(size.width) * 4;
   if (!WebPDecodeRGBAInto(bytesOf(encoded), encoded.size(), reinterpret_cast<uint8_t*>(rgba), pitch * size.height,
                           int(pitch)))
-    badInput("{} is a broken or animated WebP picture", name);
+    badInput("{} is an invalid or animated WebP image", name);
 }
 
 }  // namespace

@@ -15,7 +15,7 @@ std::string newToken() {
   ssize_t got = -1;
   do got = getrandom(bytes.data(), bytes.size(), 0);
   while (got < 0 && errno == EINTR);
-  if (got != static_cast<ssize_t>(bytes.size())) fail(ExitCode::Internal, "the system gives no random bytes");
+  if (got != static_cast<ssize_t>(bytes.size())) fail(ExitCode::Internal, "the system provides no random bytes");
   std::string hex;
   for (const unsigned char byte : bytes) hex += fmt::format("{:02x}", byte);
   return hex;

@@ -1,7 +1,7 @@
-// Depth in the four bytes of an RGBA8 target, for shadow maps where there is no float target (seed 003). Each takes and
-// returns channels in [0, 1], as in a UNORM target.
+// Depth in the four bytes of an RGBA8 target, for shadow maps on devices without float targets. Channels are in [0, 1],
+// as in a UNORM target.
 //
-// Neither may be filtered: the mean of two packed depths is not the mean of the depths.
+// Packed depth must not be filtered: the mean of two packed depths is not the mean of the depths.
 #ifndef LATELIGHT_SHARED_DEPTH_PACKING_H
 #define LATELIGHT_SHARED_DEPTH_PACKING_H
 

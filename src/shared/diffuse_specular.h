@@ -46,8 +46,7 @@ SH_FUNC Surface withMetalness(Surface s, vec3 diffuse, vec3 specular, float meta
   return s;
 }
 
-// A Blinn-Phong power in eight bits, power / 255 (seed 000): nothing shinier than a power of 255, perceptual roughness
-// 0.30, survives.
+// A Blinn-Phong power in eight bits, power / 255. Powers above 255, which is perceptual roughness 0.30, are clamped.
 SH_FUNC float power8FromRoughness(float roughness) {
   return saturate(exponentFromRoughness(roughness) * (1.0f / 255.0f));
 }

@@ -1,13 +1,13 @@
-// Projection and its inverse, in the coordinate system of the engine notes (seed 004): right-handed, X right, Y away
-// from the viewer, Z up. View depth is Y.
+// Projection and its inverse. View space is right-handed, with X right, Y away from the viewer and Z up, as in Blender
+// and CryEngine. View depth is Y.
 //
-// The matrix consists of {H, V, A, B} and a principal point:
+// A projection consists of {H, V, A, B} and a principal point:
 //
 //   perspective    clip = (H x + X y, V z + Z y, A y + B, y)
 //   orthographic   clip = (H x + X,   V z + Z,   A y + B, 1)
 //
-// Device depth is clip.z / clip.w in [0, 1]. Conventional, reversed and infinite depth are values of A and B; so is the
-// off-centre principal point a value of X and Z (in NDC). NDC has y up; pixel rows run down.
+// Device depth is clip.z / clip.w in [0, 1]. Conventional, reversed and infinite depth differ only in A and B. X and
+// Z are the principal point in NDC. NDC has y up; pixel rows run down.
 #ifndef LATELIGHT_SHARED_PROJECTION_H
 #define LATELIGHT_SHARED_PROJECTION_H
 
@@ -78,13 +78,13 @@ SH_FUNC vec3 viewPositionByMatrix(InverseProjection m, vec2 ndc, float deviceDep
   return vec3(h.x / h.w, h.y / h.w, h.z / h.w);
 }
 
-// View depth as one multiply-add, P d + Q, and for perspective its reciprocal (seed 004).
+// View depth as one multiply-add, P d + Q, followed by a reciprocal for perspective projections.
 struct DepthTerms {
   float P, Q;
 };
 
-// P = 1 / B and Q = -A / B: the last column of the inverse matrix. (Seed 004's B = -near_clip * projA means
-// -near_clip * A.) Orthographic depth is linear: no reciprocal, P = 1 / A and Q = -B / A.
+// P = 1 / B and Q = -A / B are entries of the inverse matrix. Orthographic depth is linear: it needs no reciprocal, and
+// P = 1 / A and Q = -B / A.
 SH_FUNC DepthTerms depthTerms(Projection p) {
   float scale = 1.0f / (p.kind == kPerspective ? p.B : p.A);
   DepthTerms t;

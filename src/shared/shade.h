@@ -52,8 +52,8 @@ SH_FUNC SurfaceBrdf ggxBrdf(Surface s, vec3 toEye, uint shading) {
   return b;
 }
 
-// The seeds' diffuse and specular colours under one normalised lobe, without Fresnel; the dielectric's diffuse part
-// gets what its specular colour leaves, so that no surface reflects more than it receives at normal incidence.
+// Diffuse and specular colors with one normalized Blinn-Phong lobe and without a Fresnel term. The diffuse part of a
+// dielectric is reduced by its specular color, so that no surface reflects more than it receives at normal incidence.
 SH_FUNC SurfaceBrdf blinnPhongBrdf(Surface s, vec3 toEye) {
   SurfaceBrdf b = ggxBrdf(s, toEye, kShadingBlinnPhong);
   b.width = exponentFromRoughness(s.roughness);

@@ -29,7 +29,7 @@ using output::Aov;
 // --- what is lit ----------------------------------------------------------------------------------------------------
 
 enum Kind { Dielectric, Grey, Coloured };
-constexpr const char* kKinds[] = {"dielectric", "grey metal", "coloured metal"};
+constexpr const char* kKinds[] = {"dielectric", "gray metal", "colored metal"};
 struct NamedMaterial {
   const char* name;
   Kind kind;
@@ -302,17 +302,14 @@ class AccuracyStudy {
 
   const char* causeOf(const Place& place) const {
     if (place.light < punctualLights().size()) return "rounding";
-    if (place.kind == Dielectric && place.band == 0 && !place.grazing) return "resolution of the maps";
+    if (place.kind == Dielectric && place.band == 0 && !place.grazing) return "resolution of the environment maps";
     if (place.band == 0) return "mixture of two levels; stretched highlight";
-    if (place.band == 1) return "stretched lobe as a round one and a cosine";
-    return "lobe's shape; bounces between facets as a cosine";
+    if (place.band == 1) return "stretched lobe approximated by a round lobe and a cosine lobe";
+    return "shape of the lobe; multiple scattering as a cosine lobe";
   }
 
   Table summary() const {
-    Table table{"accuracy",
-                {"light", "material", "roughness", "mean", "facing", "grazing", "worst", "what causes it"},
-                {},
-                true};
+    Table table{"accuracy", {"light", "material", "roughness", "mean", "facing", "grazing", "max", "cause"}, {}, true};
     for (const auto& [place, facing] : bands_) {
       if (place.grazing) continue;
       Place beside = place;
@@ -327,7 +324,7 @@ class AccuracyStudy {
   }
 
   Table table() const {
-    Table table{"accuracy-spheres", {"light", "material", "roughness", "view", "mean", "worst", "samples"}, {}, false};
+    Table table{"accuracy-spheres", {"light", "material", "roughness", "view", "mean", "max", "samples"}, {}, false};
     for (const auto& [key, errors] : spheres_) {
       const auto& [light, material, roughness, grazing] = key;
       table.rows.push_back({lights_[light], kMaterials[material].name, double{kRoughness[roughness]},

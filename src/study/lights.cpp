@@ -1,6 +1,6 @@
-// The cost of light: every lighting technique over lights, triangles and pixels. Seed 000 claims that forward lighting
-// costs lights x triangles and deferred lighting lights + triangles; a grid over both, of lights that reach everything,
-// tells the two apart.
+// The cost of lighting: every lighting technique over lights, triangles and pixels. Textbooks claim that forward
+// lighting costs lights x triangles and deferred lighting lights + triangles. A grid over both, with lights that reach
+// everything, tells the two apart.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -149,7 +149,7 @@ void check(const SweepOptions& o) {
       for (uint64_t value : values)
         if (const uint64_t least = key == "triangles" ? kFewestTriangles : p.least;
             p.key == key && (value < least || value > p.most))
-          badUsage("builtin:hall, which the study lights, can have {} to {} {}, not {}; give --{} others", least,
+          badUsage("builtin:hall, the scene of the study of lights, can have {} to {} {}, not {}; change --{}", least,
                    p.most, key, value, key);
   };
   inRange("triangles", o.triangles);

@@ -145,7 +145,7 @@ std::vector<NamedFile> drawPlots(const std::vector<Plot>& plots) {
     if (drawn.problem.empty())
       files.push_back({plot.name + ".png", std::move(drawn.png)});
     else
-      warn("gnuplot draws no plots: {}; its scripts stand beside the tables", drawn.problem);
+      warn("gnuplot cannot draw the plots: {}; its scripts are next to the tables", drawn.problem);
   }
   return files;
 }

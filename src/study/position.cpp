@@ -69,11 +69,11 @@ class PositionStudy {
     for (const NamedProjection& p : orthographics()) projections.push_back(p);
     std::vector<output::Labelled> plots;
     for (const NamedProjection& named : projections) {
-      plots.push_back({named.name, measure(named, "centred")});
+      plots.push_back({named.name, measure(named, "centered")});
       NamedProjection off = named;
       off.projection.X = 0.3f;
       off.projection.Z = -0.2f;
-      measure(off, "off-centre");
+      measure(off, "off-center");
     }
     plots[0].label += ": own error 1e-9 to 10 m over 0.1 to 1000 m";
     plots[1].label += ": white ray, blue matrix, orange reciprocal";

@@ -8,10 +8,9 @@ std::span<const Study> studies() {
   static const Study all[] = {
       {"normals", "error of every normal encoding and bit budget over the sphere, degrees", studyNormals},
       {"depth", "relative error of view depth through depth formats and packings", studyDepth},
-      {"position", "error of the three ways from depth to position, metres", studyPosition},
-      {"lights", "cost of every lighting technique over lights, triangles and pixels, and how it grows", studyLights,
-       false},
-      {"accuracy", "error of finished pictures to the integral of light, 8-bit levels", studyAccuracy},
+      {"position", "error of the three reconstructions of position from depth, meters", studyPosition},
+      {"lights", "cost and scaling of every lighting technique by lights, triangles and pixels", studyLights, false},
+      {"accuracy", "error of finished images relative to the integral of light, 8-bit levels", studyAccuracy},
   };
   return all;
 }

@@ -15,7 +15,7 @@ const render::Option& findOption(std::string_view name) {
   const std::string_view key = name.substr(std::min(name.find_first_not_of('-'), name.size()));
   for (const render::Option& option : render::options())
     if (render::keyOf(option) == key && key != "size") return option;
-  badUsage("there is no option \"{}\" to set; latelight list options shows all", name);
+  badUsage("there is no option \"{}\"; latelight list options shows all", name);
 }
 
 // Without a time nothing plays; a layout that fixes something takes no choice of it.

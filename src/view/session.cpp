@@ -39,7 +39,7 @@ std::string sentenceOf(
     if (error.code() == ExitCode::DeviceLost) onDeviceLost();
     return error.what();
   } catch (const std::bad_alloc&) {
-    return "out of memory; use a smaller scene or picture";
+    return "out of memory; use a smaller scene or image";
   }
 }
 

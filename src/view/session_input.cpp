@@ -221,7 +221,8 @@ void ViewSession::Impl::select(glm::uvec2 pixel) {
 }
 
 uint32_t ViewSession::Impl::lightAt(uint32_t place) const {
-  if (place >= lights.size()) badUsage("there is no light {}: {} of the scene's have a place", place, lights.size());
+  if (place >= lights.size())
+    badUsage("there is no light {}: {} lights of the scene have a position", place, lights.size());
   return lights[place];
 }
 
@@ -260,7 +261,7 @@ void ViewSession::Impl::play(bool on) {
 void ViewSession::Impl::screenshot(const Screenshot& shot) {
   const std::filesystem::path path = shot.path;
   if (output::formatOf(shot.path) != output::Format::Png)
-    badUsage("a screenshot is a PNG file: give '{}' a name that ends in .png", shot.path);
+    badUsage("screenshots are PNG files: '{}' must end in .png", shot.path);
   output::UsedFiles(stage.scene().files).checkOutputs({&path, 1});
   output::writePicture(path, finalPicture(shot.side));
 }

@@ -76,8 +76,9 @@ std::string listNames(const std::vector<DeviceInfo>& devices) {
 
 DeviceChoice choose(const DeviceInfo& device, std::string why) {
   if (!device.missing.empty())
-    fail(ExitCode::NoDevice, "The device {} can't be used, it lacks {}: choose another (see `latelight devices`).",
-         device.name, join(device.missing));
+    fail(ExitCode::NoDevice,
+         "The device {} is not usable because it lacks {}: choose another (see `latelight devices`).", device.name,
+         join(device.missing));
   return {device, std::move(why)};
 }
 
@@ -87,7 +88,7 @@ DeviceChoice chooseAutomatically(const std::vector<DeviceInfo>& devices) {
       if (device.type == type && device.missing.empty())
         return {device, fmt::format("{} is the first usable device in the order discrete, integrated, virtual, cpu",
                                     device.name)};
-  fail(ExitCode::NoDevice, "No device can be used ({} lacks {}): run `latelight doctor`.", devices[0].name,
+  fail(ExitCode::NoDevice, "No device is usable ({} lacks {}): run `latelight doctor`.", devices[0].name,
        join(devices[0].missing));
 }
 
@@ -136,7 +137,7 @@ std::vector<std::string> missingToDraw(VkPhysicalDevice device) {
   vkGetPhysicalDeviceProperties(device, &properties);
   constexpr uint32_t kColorAttachments = 8;  // the layout `exact` and the light target
   if (properties.limits.maxColorAttachments < kColorAttachments)
-    missing.push_back(fmt::format("{} colour attachments", kColorAttachments));
+    missing.push_back(fmt::format("{} color attachments", kColorAttachments));
   return missing;
 }
 
@@ -171,7 +172,7 @@ std::vector<DeviceInfo> listDevices() {
 
 DeviceChoice chooseDevice(const std::vector<DeviceInfo>& devices, const std::string& selector) {
   if (devices.empty())
-    fail(ExitCode::NoDevice, "There is no Vulkan device: run `latelight doctor` for what is missing.");
+    fail(ExitCode::NoDevice, "There is no Vulkan device: run `latelight doctor` to find out what is missing.");
   if (selector == "auto") return chooseAutomatically(devices);
   if (selector == "cpu") {
     for (const DeviceInfo& device : devices)

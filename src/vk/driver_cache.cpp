@@ -78,8 +78,9 @@ void avoidFullDriverCache() {
   constexpr const char* kOff = "MESA_SHADER_CACHE_DISABLE";
   if (variable(kOff) == "true" || variable(kOff) == "1" || reserveDriverCache()) return;
   setenv(kOff, "true", 1);
-  warn("there is no room for the cache of Mesa's drivers in '{}', which is off for this run; free some space there",
-       cacheFolder().string());
+  warn(
+      "the disk of '{}' is full, so the shader cache of Mesa's drivers is disabled for this run; free some space there",
+      cacheFolder().string());
 }
 
 }  // namespace latelight::vk

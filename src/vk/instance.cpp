@@ -18,8 +18,8 @@ constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
          kValidationLayer);
   if (result == VK_ERROR_INCOMPATIBLE_DRIVER)
     fail(ExitCode::NoDevice,
-         "The Vulkan loader finds no driver that it can use: run `latelight doctor` for what is missing.");
-  fail(ExitCode::NoDevice, "Vulkan does not start (vkCreateInstance gives {}): run `latelight doctor`.",
+         "The Vulkan loader finds no usable driver: run `latelight doctor` to find out what is missing.");
+  fail(ExitCode::NoDevice, "Vulkan does not start (vkCreateInstance returns {}): run `latelight doctor`.",
        static_cast<int>(result));
 }
 
@@ -29,8 +29,9 @@ Instance::Instance(bool validation) {
   // Drivers that run out of address space abort, crash, or are not found.
   constexpr uint64_t kDriver = uint64_t{512} << 20;
   if (const uint64_t left = addressesLeft(); left < kDriver)
-    fail(ExitCode::DeviceLost, "A Vulkan driver takes {} MiB of addresses, but {} MiB are left: raise `ulimit -v`.",
-         kDriver >> 20, left >> 20);
+    fail(ExitCode::DeviceLost,
+         "A Vulkan driver requires {} MiB of address space, but {} MiB are left: raise `ulimit -v`.", kDriver >> 20,
+         left >> 20);
   const Loader loader = loadVulkan();
   if (!loader.found())
     fail(ExitCode::NoDevice, "There is no Vulkan loader ({}): install libvulkan1, and run `latelight doctor`.",

@@ -64,7 +64,7 @@ bool fits(const PushBlock& block, uint32_t bytes) {
 
 void checkPush(std::span<const CheckedStage> stages, std::span<const Reflection> found, uint32_t bytes) {
   if (bytes > kMostPushBytes)
-    fail(ExitCode::Internal, "The pipeline of {} pushes {} bytes, and a device may take no more than {}.",
+    fail(ExitCode::Internal, "The pipeline of {} pushes {} bytes, but devices may support no more than {}.",
          stages[0].shader, bytes, kMostPushBytes);
   size_t longest = 0;
   for (size_t i = 0; i < found.size(); ++i)

@@ -136,7 +136,8 @@ VkDeviceSize Allocator::reserved() const {
 
 void Allocator::failFull(VkDeviceSize size, VkDeviceSize room) const {
   fail(ExitCode::DeviceLost,
-       "{} has no room for {:.1f} MiB more: it has {:.0f} MiB, {:.0f} MiB are taken; use a smaller picture or scene.",
+       "{} cannot allocate another {:.1f} MiB: it has {:.0f} MiB, of which {:.0f} MiB are in use; use a smaller image "
+       "or scene.",
        device_.info().name, mebibytes(size), mebibytes(room), mebibytes(reserved()));
 }
 

@@ -63,7 +63,7 @@ Module::Module(std::span<const uint32_t> code) {
     read(instruction);
     return true;
   });
-  if (inside_ != 0) fail(ExitCode::Internal, "A shader's SPIR-V breaks off.");
+  if (inside_ != 0) fail(ExitCode::Internal, "The SPIR-V of a shader is truncated.");
 }
 
 void Module::read(const Instruction& instruction) {

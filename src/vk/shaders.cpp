@@ -64,7 +64,7 @@ Words readWords(const std::filesystem::path& file) {
   Words words(bytes.size() / sizeof(uint32_t));
   std::memcpy(words.data(), bytes.data(), words.size() * sizeof(uint32_t));
   if (bytes.size() % sizeof(uint32_t) != 0 || words.empty() || words[0] != spirv::kMagic)
-    badInput("{} is no SPIR-V", file.string());
+    badInput("{} is not SPIR-V", file.string());
   return words;
 }
 

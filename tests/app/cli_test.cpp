@@ -153,7 +153,7 @@ json rowNamed(const json& rows, const std::string& name) {
   return {};
 }
 
-// Killzone's 36 MB (seed 000) come of its targets' formats, for the picture that is asked for.
+// The 36 MB of Killzone 2's G-buffer (Valient 2007) follow from its formats and the image size.
 TEST(List, SaysWhatAPictureCosts) {
   const std::vector<std::string> small{"list", "layouts", "--size", "640x360"};
   const std::vector<std::string> twice{"list", "layouts", "--size", "1280x720", "--samples", "2"};

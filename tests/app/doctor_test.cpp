@@ -28,7 +28,7 @@ TEST(Doctor, IsContentHere) {
   EXPECT_EQ(text.code, 0) << text.text();
   EXPECT_EQ(structured.code, 0);
   EXPECT_EQ(text.err + structured.err, "");
-  EXPECT_THAT(text.out, HasSubstr("Latelight can render here.\n"));
+  EXPECT_THAT(text.out, HasSubstr("Latelight can render on this machine.\n"));
   EXPECT_THAT(text.out, HasSubstr("`--raster auto` chooses"));
   const json diagnosis = json::parse(structured.out);
   EXPECT_EQ(diagnosis["usable"], true);
@@ -52,7 +52,7 @@ void expectProblem(const Environment& hidden, const std::string& what, const std
   EXPECT_EQ(text.code, 4) << text.text();
   EXPECT_EQ(structured.code, 4);
   EXPECT_EQ(text.err, "");
-  EXPECT_THAT(text.out, HasSubstr("Latelight can't render here yet.\n"));
+  EXPECT_THAT(text.out, HasSubstr("Latelight cannot render on this machine yet.\n"));
   const json diagnosis = json::parse(structured.out);
   EXPECT_EQ(diagnosis["usable"], false);
   std::string problems, remedies;

@@ -80,7 +80,7 @@ TEST_F(Places, NothingThatIsReadIsWrittenOver) {
   const std::vector<std::string> names = folder.names();
   std::map<std::string, std::string> before;
   for (const std::string& name : names) before[name] = folder.read(name);
-  const char* says = "read by this very command";
+  const char* says = "this command reads it";
   for (const char* graph : {"s.gltf", "./s.gltf", "link.dot", "s.bin", "t.png", "e.exr"})
     expectRefused(render({"s.gltf", "-o", "b.png", "--hdri", "e.exr", "--dump-graph", graph}), says);
   expectRefused(render({"s.gltf", "-o", "t.png"}), says);
@@ -96,7 +96,7 @@ TEST_F(Places, TwoOutputsOfOneNameAreWrongUse) {
   fs::create_symlink("y.png", folder.path() / "x.png");
   folder.write("y.png", "old");
   expectRefused(render({"s.gltf", "-o", "z.png", "--dump-graph", "z.png"}), "'z.png'");
-  expectRefused(render({"s.gltf", "-o", "x.png", "--dump-graph", "y.png"}), "one file");
+  expectRefused(render({"s.gltf", "-o", "x.png", "--dump-graph", "y.png"}), "the same file");
   expectRefused(render({"s.gltf", "-o", "z.exr", "--aov", "depth", "--dump-graph", "z.json"}), "'z.json'");
   expectRefused(render({"s.gltf", "-o", "z.png", "--aov", "color,depth", "--dump-graph", "z.depth.png"}),
                 "z.depth.png");
@@ -108,7 +108,7 @@ TEST_F(Places, TwoOutputsOfOneNameAreWrongUse) {
 
 TEST_F(Places, PipesNeedReaders) {
   ASSERT_EQ(mkfifo((folder.path() / "p.png").c_str(), 0600), 0);
-  expectRefused(render({"builtin:boxes", "-o", "p.png"}), "nobody reads");
+  expectRefused(render({"builtin:boxes", "-o", "p.png"}), "without a reader");
   const Outcome read = shell("cat p.png & \"$0\" render builtin:boxes --size 32x18 --device cpu -o p.png && wait");
   EXPECT_EQ(read.code, 0) << read.text();
   EXPECT_THAT(read.out, StartsWith(kPng));
@@ -135,7 +135,7 @@ TEST_F(Places, LinksAreFollowedToWhatIsThere) {
   EXPECT_EQ(render({"builtin:boxes", "-o", "good.png"}).code, 0);
   EXPECT_THAT(folder.read("old.png"), StartsWith(kPng));
   EXPECT_TRUE(fs::is_symlink(folder.path() / "good.png"));
-  expectRefused(render({"builtin:boxes", "-o", "dangling.png"}), "'gone.png', which is not there");
+  expectRefused(render({"builtin:boxes", "-o", "dangling.png"}), "'gone.png', which does not exist");
   EXPECT_EQ(folder.names(), names);
   fs::create_symlink("circle.png", folder.path() / "circle.png");
   expectRefused(render({"builtin:boxes", "-o", "circle.png"}), "in a circle");
@@ -201,7 +201,7 @@ TEST_F(Places, AFullDiskOfTheDriversCacheIsNotTheEnd) {
                  .environment = {{"MESA_SHADER_CACHE_DIR", disk.path().string()}},
                  .folder = folder.path()});
   EXPECT_EQ(outcome.code, 0) << outcome.text();
-  EXPECT_THAT(outcome.err, AllOf(StartsWith("warning: "), HasSubstr("no room"), HasSubstr(disk.path().string())));
+  EXPECT_THAT(outcome.err, AllOf(StartsWith("warning: "), HasSubstr("is full"), HasSubstr(disk.path().string())));
   EXPECT_THAT(folder.read("a.png"), StartsWith(kPng));
 }
 

@@ -86,11 +86,11 @@ TEST(Job, WrongOnesAreToldByKeyAndLine) {
       {"repeat: \"2\"\n", "job.yaml:3: repeat takes a whole number from 1 to 1e+06, not \"2\""},
       {"formats: []\n", "job.yaml:3: formats is an empty list"},
       {"formats:\n  - files\n  - painting\n", "job.yaml:5: formats[1]: there is no format \"painting\""},
-      {"formats: [{outputs: [depth]}]\n", "job.yaml:3: formats[0]: its key \"format\" must name the format"},
+      {"formats: [{outputs: [depth]}]\n", "job.yaml:3: formats[0]: the key \"format\" must name the format"},
       {"formats: [{format: files, outputs: [dept]}]\n", "job.yaml:3: formats[0]: "},
       {"formats: [{format: files, pattern: all.png}]\n", "job.yaml:3: formats[0]: pattern needs {name}"},
       {"formats: [{format: files, pattern: \"../{name}.png\"}]\n", "job.yaml:3: formats[0]: pattern is a name below"},
-      {"formats: [{format: files, outputs: [position]}]\n", "job.yaml:3: formats[0]: a PNG file can't hold position"},
+      {"formats: [{format: files, outputs: [position]}]\n", "job.yaml:3: formats[0]: a PNG file cannot store position"},
       {"hdri: sky.hdr\n", "job.yaml:3: hdri: there is no file \"sky.hdr\""},
       {"name: \"\"\n", "job.yaml:3: name is empty"},
       {"repeat: 2\nrepeat: 3\n", "job.yaml:4: the key repeat is there twice"},
@@ -102,7 +102,7 @@ TEST(Job, WrongOnesAreToldByKeyAndLine) {
   EXPECT_THAT(wrongIn("job.yaml", "scenes: [no/*.glb]\noutput: set\n"),
               HasSubstr("job.yaml:1: scenes[0]: no file is called"));
   EXPECT_THAT(wrongIn("job.yaml", "scenes: [builtin:boxes, builtin:boxes]\noutput: set\n"),
-              HasSubstr("is there twice"));
+              HasSubstr("is listed twice"));
   EXPECT_THAT(wrongIn("job.yaml", "scenes: [builtin:boxes,\n no.glb]\noutput: set\n"),
               HasSubstr("job.yaml:2: scenes[1]: there is no file \"no.glb\""));
   EXPECT_THAT(wrongIn("job.yaml", "- a\n"), HasSubstr("a job is an object"));

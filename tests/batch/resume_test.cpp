@@ -83,7 +83,7 @@ TEST(Resume, AFinishedSetIsLeftAsItIs) {
   const auto before = filesOf(folder, "set");
   const Outcome again = latelight(small(folder, {}));
   EXPECT_EQ(again.code, 2);
-  EXPECT_THAT(again.err, HasSubstr("'set' holds a data set already: add --resume"));
+  EXPECT_THAT(again.err, HasSubstr("'set' already contains a data set: add --resume"));
   EXPECT_EQ(latelight(small(folder, {"--resume"})).code, 0);
   EXPECT_THAT(logOf(folder), HasSubstr("begins: 0 of 3 frames"));
   expectSame(filesOf(folder, "set"), before);

@@ -68,7 +68,7 @@ TEST(Shard, RefusesWhatIsNone) {
                           {"SLURM_ARRAY_TASK_MAX", "8"},
                           {"SLURM_ARRAY_TASK_COUNT", "3"}}),
               HasSubstr("without gaps"));
-  EXPECT_THAT(chosen("", {{"PMI_RANK", "x"}, {"PMI_SIZE", "4"}}), HasSubstr("PMI_RANK is not a whole number"));
+  EXPECT_THAT(chosen("", {{"PMI_RANK", "x"}, {"PMI_SIZE", "4"}}), HasSubstr("PMI_RANK must be a whole number"));
 }
 
 // The scene's file is written once: shards that run at the same time read it.
@@ -135,7 +135,7 @@ TEST(Shards, AShardIsMadeByOneProcess) {
   const Outcome &refused = outcomes[second], &done = outcomes[!second];
   EXPECT_EQ(done.code, 0) << done.text();
   EXPECT_EQ(refused.code, 2) << refused.text();
-  EXPECT_THAT(refused.err, HasSubstr("another process is at work on 'set/.latelight/shard-0-of-1.jsonl'"));
+  EXPECT_THAT(refused.err, HasSubstr("another process is working on 'set/.latelight/shard-0-of-1.jsonl'"));
 }
 
 }  // namespace

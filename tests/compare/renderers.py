@@ -7,7 +7,7 @@
     PYTHONPATH=build/release/python /tmp/compare/bin/python tests/compare/renderers.py DamagedHelmet.glb --pictures out
 
 Each renderer has a process of its own, which renders while the others wait. A view is what the renderer can give of
-colour, depth, ids and normals. Processor time, of all threads, says more than elapsed time where others use the machine.
+color, depth, ids and normals. Processor time, of all threads, says more than elapsed time where others use the machine.
 """
 
 import argparse
@@ -34,7 +34,7 @@ def look_at(eye, target):
 
 
 class Latelight:
-    gives = "colour, depth, ids, normals"
+    gives = "color, depth, ids, normals"
 
     def __init__(self, path, size):
         import latelight
@@ -50,7 +50,7 @@ class Latelight:
 
 
 class Pyrender:
-    gives = "colour and depth, then ids; no normals"
+    gives = "color and depth, then ids; no normals"
 
     def __init__(self, path, size):
         os.environ["PYOPENGL_PLATFORM"] = "osmesa"
@@ -76,7 +76,7 @@ class Pyrender:
 
 
 class Open3d:
-    gives = "colour, then depth; no ids, no normals"
+    gives = "color, then depth; no ids, no normals"
 
     def __init__(self, path, size):
         os.environ["OPEN3D_CPU_RENDERING"] = "true"
@@ -96,7 +96,7 @@ class Open3d:
 
 
 class F3d:
-    gives = "colour; no depth, no ids, no normals"
+    gives = "color; no depth, no ids, no normals"
 
     def __init__(self, path, size):
         import f3d

@@ -107,7 +107,7 @@ TEST(HostileTest, SaysWhere) {
     return sentenceOf([&] { readColmap(folder.path()); }, ExitCode::BadInput);
   };
   EXPECT_THAT(reads(std::string("\xff\xff\xff\xff\xff\xff\xff\x7f", 8) + cameras.substr(8), images),
-              testing::HasSubstr("byte 0 of " + folder.at("cameras.bin") + " announces 9223372036854775807 entries"));
+              testing::HasSubstr("byte 0 of " + folder.at("cameras.bin") + " declares 9223372036854775807 entries"));
   EXPECT_THAT(reads(cameras.substr(0, 40), images), testing::HasSubstr("ends at byte 40"));
   EXPECT_THAT(reads(cameras, images.substr(0, images.size() - 3)), testing::HasSubstr(folder.at("images.bin")));
   std::string unknown = cameras;

@@ -111,12 +111,12 @@ TEST_F(FormatFilesTest, PointsLieOnTheirSurface) {
 TEST_F(FormatFilesTest, FilmsNeedFfmpeg) {
   const std::string path = std::getenv("PATH");
   setenv("PATH", folder.c_str(), 1);
-  EXPECT_THAT(sentence(ExitCode::Usage, [] { make("video"); }), testing::HasSubstr("ffmpeg, which is not installed"));
+  EXPECT_THAT(sentence(ExitCode::Usage, [] { make("video"); }), testing::HasSubstr("requires ffmpeg"));
   std::ofstream(folder / "ffmpeg") << "#!/bin/sh\nexit 1\n";
   std::filesystem::permissions(folder / "ffmpeg", std::filesystem::perms::owner_all);
   std::ofstream(folder / "a.png") << std::string(1 << 20, 'x');  // more than a socket takes at once
   EXPECT_THAT(sentence(ExitCode::Usage, [&] { make("video")->writeSet(std::vector<Json>{"a.png"}, folder); }),
-              testing::HasSubstr("ffmpeg could not make"));
+              testing::HasSubstr("ffmpeg failed to encode"));
   setenv("PATH", path.c_str(), 1);
   EXPECT_FALSE(std::filesystem::exists(folder / "video.mp4"));
 }
@@ -192,8 +192,7 @@ TEST_F(FormatFilesTest, LensesAreRefusedWhereThereAreNone) {
     const DataFrame frame = studio.frame(camera, width, height, {format.get()});
     return sentence(ExitCode::Usage, [&] { format->writeFrame(frame, folder); });
   };
-  EXPECT_THAT(said("bop", kLenses[0]),
-              testing::HasSubstr("the format bop holds no camera with a lens that bends rays"));
+  EXPECT_THAT(said("bop", kLenses[0]), testing::HasSubstr("the format bop cannot express cameras with a lens"));
   EXPECT_THAT(said("transforms", {scene::LensModel::CubeMap, 96, 16}), testing::HasSubstr("knows no cube maps"));
   scene::Lens rational = kLenses[0];
   rational.distortion[5] = 0.01;

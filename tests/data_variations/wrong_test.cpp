@@ -33,10 +33,10 @@ constexpr WrongVariation kWrong[] = {
     {R"([{"type": "materials", "roughness": [0, 1.5]}])",
      "variations[0].roughness[1] must be a number from 0 to 1, not 1.5"},
     {R"([{"type": "materials", "baseColor": [0.5, 0.5]}])", "variations[0].baseColor[0] must be a list of 3 numbers"},
-    {R"([{"type": "materials", "baseColor": [[1, 0, 0], [0, 0, 0]]}])", "must begin with the lesser numbers"},
+    {R"([{"type": "materials", "baseColor": [[1, 0, 0], [0, 0, 0]]}])", "must list the minimum values first"},
     {R"([{"type": "materials", "roughness": 1, "rougness": 1}])", "variations[0] has the unknown key \"rougness\""},
     {R"([{"type": "textures", "materials": "matte"}])", "variations[0] needs either \"folder\" or \"files\""},
-    {R"([{"type": "textures", "folder": "/nowhere/at/all"}])", "/nowhere/at/all can't be read"},
+    {R"([{"type": "textures", "folder": "/nowhere/at/all"}])", "cannot read /nowhere/at/all"},
     {R"([{"type": "textures", "files": ["/nowhere/a.png"]}])", "/nowhere/a.png"},
     {R"([{"type": "textures", "slot": "colour", "files": ["/nowhere/a.png"]}])",
      "variations[0].slot must be one of baseColor"},
@@ -45,7 +45,7 @@ constexpr WrongVariation kWrong[] = {
     {R"([{"type": "lights", "on": 7}])", "variations[0].on must be a number from 0 to 1, not 7"},
     {R"([{"type": "lights", "temperature": 100}])", "variations[0].temperature must be a number from 1667 to 25000"},
     {R"([{"type": "addedLights", "count": 1, "light": "laser", "intensity": 1}])",
-     "variations[0].light must be one of"},
+     "variations[0].light must be a type listed by"},
     {R"([{"type": "addedLights", "count": 1.5, "intensity": 1}])", "variations[0].count must be whole numbers"},
     {R"([{"type": "addedLights", "count": 1, "intensity": 1}])", "variations[0] needs \"min\""},
     {R"([{"type": "environments", "environments": "/nowhere/sky.hdr"}])", "there is no environment /nowhere/sky.hdr"},
@@ -70,7 +70,7 @@ constexpr WrongVariation kWrong[] = {
     {R"([{"type": "scatter", "objects": [{"node": "matte"}], "count": 1, "on": "floor", "tries": 0}])",
      "variations[0].tries"},
     {R"([{"type": "scatter", "objects": [{"node": "matte"}], "count": 1, "on": "floor", "name": "a/b"}])",
-     "variations[0].name can't have a slash"},
+     "variations[0].name must not contain a slash"},
 };
 INSTANTIATE_TEST_SUITE_P(Jobs, WrongVariationTest, testing::ValuesIn(kWrong));
 

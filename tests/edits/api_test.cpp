@@ -227,7 +227,7 @@ TEST(EditApi, HandlesOfWhatWasRemovedAreRefused) {
   const Light light = scene.light(dark);
   scene.removeInstance(gone);
   scene.removeLight(dark);
-  const std::string sentence = "the handle of an instance is of one that has been removed";
+  const std::string sentence = "the handle of an instance refers to a removed element";
   EXPECT_EQ(refusal([&] { scene.setTransform(gone, kAsItIs); }), sentence);
   const Handle<Instance> next = scene.addInstance(was.mesh, was.material, was.transform);
   EXPECT_EQ(next.index, gone.index);
@@ -237,8 +237,8 @@ TEST(EditApi, HandlesOfWhatWasRemovedAreRefused) {
   EXPECT_EQ(refusal([&] { scene.assignMaterial(gone, was.material); }), sentence);
   EXPECT_EQ(refusal([&] { scene.removeInstance(gone); }), sentence);
   EXPECT_EQ(scene.addLight(light).index, dark.index);
-  EXPECT_EQ(refusal([&] { scene.setLight(dark, light); }), "the handle of a light is of one that has been removed");
-  EXPECT_EQ(refusal([&] { scene.removeLight(dark); }), "the handle of a light is of one that has been removed");
+  EXPECT_EQ(refusal([&] { scene.setLight(dark, light); }), "the handle of a light refers to a removed element");
+  EXPECT_EQ(refusal([&] { scene.removeLight(dark); }), "the handle of a light refers to a removed element");
   EXPECT_EQ(scene.instance(next).mesh, was.mesh);
 }
 
@@ -246,8 +246,8 @@ TEST(EditApi, HandlesOfNothingAndOfOtherScenesAreRefused) {
   Scene scene = punctual(), other = punctual();
   EXPECT_EQ(refusal([&] { scene.mesh({}); }), "the handle of a mesh is empty: take one from the scene");
   EXPECT_EQ(refusal([&] { scene.material(other.materials()[0]); }),
-            "the handle of a material is that of another scene");
-  EXPECT_EQ(refusal([&] { scene.removeLight(other.lights()[0]); }), "the handle of a light is that of another scene");
+            "the handle of a material belongs to another scene");
+  EXPECT_EQ(refusal([&] { scene.removeLight(other.lights()[0]); }), "the handle of a light belongs to another scene");
   const Handle<Material> material = scene.materials()[0];
   const Scene moved = std::move(scene);
   EXPECT_EQ(moved.material(material).name, other.material(other.materials()[0]).name);
@@ -266,7 +266,7 @@ TEST(EditApi, ValuesThatCannotBeAreRefused) {
   material.name = "mine";
   material.roughness = 2;
   EXPECT_EQ(refusal([&] { scene.addMaterial(material); }),
-            "the roughness of the material \"mine\" must lie between 0 and 1, not be 2");
+            "the roughness of the material \"mine\" must be between 0 and 1, not 2");
   Light light;
   light.name = "lamp";
   light.direction = {0, 0, 0};
@@ -277,11 +277,11 @@ TEST(EditApi, ValuesThatCannotBeAreRefused) {
   EXPECT_THAT(refusal([&] { scene.addLight(light); }), HasSubstr("cones of the light \"lamp\""));
   MeshData mesh = square();
   mesh.indices[5] = 9;
-  EXPECT_EQ(refusal([&] { scene.addMesh(mesh); }), "the mesh \"square\" has the index 9 and only 4 positions");
+  EXPECT_EQ(refusal([&] { scene.addMesh(mesh); }), "the mesh \"square\" has the index 9 but only 4 positions");
   mesh = square();
   mesh.normals = {{0, 0, 1}};
   EXPECT_EQ(refusal([&] { scene.addMesh(mesh); }),
-            "the mesh \"square\" has 4 positions and 1 normals: give as many, or none");
+            "the mesh \"square\" has 4 positions but 1 normals: the numbers must match");
   mesh = square();
   mesh.positions[2][1] = float(kNaN);
   EXPECT_THAT(refusal([&] { scene.addMesh(mesh); }), HasSubstr("positions of the mesh \"square\""));

@@ -180,7 +180,7 @@ TEST(MadeScene, RefusesWhatCannotBe) {
   EXPECT_THAT(refused([&] { scene.addTexture({"a", 0, 1, true, {}}); }), HasSubstr("no pixels"));
   EXPECT_THAT(refused([&] { scene.addTexture({"a", 2, 1, true, {1, 2, 3}}); }), HasSubstr("3 bytes"));
   EXPECT_THAT(refused([&] { scene.setTexture(material, TextureSlot::Normal, TextureUse{}); }), HasSubstr("a texture"));
-  EXPECT_THAT(refused([&] { encodePng(2, 2, {1, 2, 3}); }), HasSubstr("3 are given"));
+  EXPECT_THAT(refused([&] { encodePng(2, 2, {1, 2, 3}); }), HasSubstr("3 bytes are given"));
 }
 
 TEST(PublicPng, HoldsThePicture) {

@@ -238,10 +238,9 @@ TEST(SceneEdit, RefusesMaterials) {
     return refused([&](Material& material) { material.data.*member = value; });
   };
   using M = shared::Material;
-  EXPECT_EQ(data(&M::metallic, 1.5f),
-            "the metallic share of the material \"metal\" must lie between 0 and 1, not be 1.5");
+  EXPECT_EQ(data(&M::metallic, 1.5f), "the metallic share of the material \"metal\" must be between 0 and 1, not 1.5");
   EXPECT_THAT(data(&M::roughness, kNaN), HasSubstr("roughness"));
-  EXPECT_THAT(data(&M::baseColor, vec4(0, -1, 0, 1)), HasSubstr("base colour"));
+  EXPECT_THAT(data(&M::baseColor, vec4(0, -1, 0, 1)), HasSubstr("base color"));
   EXPECT_THAT(data(&M::emissive, vec3(0, 0, kNaN)), HasSubstr("emitted light"));
   EXPECT_THAT(data(&M::normalScale, kNaN), HasSubstr("normal scale"));
   EXPECT_THAT(data(&M::alphaCutoff, -1.0f), HasSubstr("alpha cutoff"));
@@ -250,14 +249,14 @@ TEST(SceneEdit, RefusesMaterials) {
     return refused([&](Material& material) { material.data.layers.*member = value; });
   };
   using L = shared::MaterialLayers;
-  EXPECT_EQ(layer(&L::clearcoat, 2.0f), "the clear coat of the material \"metal\" must lie between 0 and 1, not be 2");
-  EXPECT_THAT(layer(&L::sheenColor, vec3(0, 2, 0)), HasSubstr("sheen colour"));
+  EXPECT_EQ(layer(&L::clearcoat, 2.0f), "the clear coat of the material \"metal\" must be between 0 and 1, not 2");
+  EXPECT_THAT(layer(&L::sheenColor, vec3(0, 2, 0)), HasSubstr("sheen color"));
   EXPECT_THAT(layer(&L::thickness, -1.0f), HasSubstr("thickness"));
   EXPECT_THAT(layer(&L::dispersion, kNaN), HasSubstr("dispersion"));
   EXPECT_THAT(data(&M::flags, shared::kMaterialMasked | shared::kMaterialBlended),
               HasSubstr("both masked and blended"));
   EXPECT_THAT(refused([](Material& m) { m.slots[1].texture = 3; }), HasSubstr("texture 3, and the scene has 3"));
-  EXPECT_THAT(refused([](Material& m) { m.slots[0].texture = 1; }), HasSubstr("both that it is filled"));
+  EXPECT_THAT(refused([](Material& m) { m.slots[0].texture = 1; }), HasSubstr("both as used and as unused"));
 }
 
 TEST(SceneEdit, RefusesLights) {
@@ -273,13 +272,13 @@ TEST(SceneEdit, RefusesLights) {
             "the intensity of the light \"spot\" must be a number of at least 0, not -2");
   EXPECT_THAT(refused(&Light::position, vec3(kNaN)), HasSubstr("position"));
   EXPECT_THAT(refused(&Light::direction, vec3(0)), HasSubstr("length 1"));
-  EXPECT_THAT(refused(&Light::color, vec3(1, -1, 1)), HasSubstr("colour"));
+  EXPECT_THAT(refused(&Light::color, vec3(1, -1, 1)), HasSubstr("color"));
   EXPECT_THAT(refused(&Light::range, 0.0f), HasSubstr("range"));
   EXPECT_THAT(refused(&Light::innerCone, 1.0f), HasSubstr("cones"));
   EXPECT_THAT(refused(&Light::outerCone, 2.0f), HasSubstr("cones"));
   EXPECT_THAT(refused(&Light::size, -1.0f), HasSubstr("size"));
   EXPECT_THAT(refused(&Light::type, 3u), HasSubstr("unknown type 3"));
-  EXPECT_THAT(refused(&Light::node, 40), HasSubstr("follows a node 40"));
+  EXPECT_THAT(refused(&Light::node, 40), HasSubstr("follows node 40"));
 }
 
 TEST(SceneEdit, RefusesMeshes) {
@@ -292,14 +291,14 @@ TEST(SceneEdit, RefusesMeshes) {
     return sentence;
   };
   EXPECT_EQ(refused([](Mesh& m) { m.indices.pop_back(); }),
-            "the mesh \"square\" has 5 indices, which is no multiple of three");
-  EXPECT_EQ(refused([](Mesh& m) { m.indices[4] = 4; }), "the mesh \"square\" has the index 4 and only 4 vertices");
+            "the mesh \"square\" has 5 indices, which is not a multiple of three");
+  EXPECT_EQ(refused([](Mesh& m) { m.indices[4] = 4; }), "the mesh \"square\" has the index 4 but only 4 vertices");
   EXPECT_THAT(refused([](Mesh& m) { m.attributes.pop_back(); }), HasSubstr("4 positions, 3 normals"));
-  EXPECT_THAT(refused([](Mesh& m) { m.extras.pop_back(); }), HasSubstr("3 colours"));
+  EXPECT_THAT(refused([](Mesh& m) { m.extras.pop_back(); }), HasSubstr("3 colors"));
   EXPECT_THAT(refused([](Mesh& m) { m.positions[1].y = kNaN; }), HasSubstr("positions"));
   EXPECT_THAT(refused([](Mesh& m) { m.attributes[1].normal.y = kNaN; }), HasSubstr("normals"));
   EXPECT_THAT(refused([](Mesh& m) { m.attributes[1].uv0.y = kNaN; }), HasSubstr("texture coordinates"));
-  EXPECT_THAT(refused([](Mesh& m) { m.extras[1].color.y = kNaN; }), HasSubstr("colours"));
+  EXPECT_THAT(refused([](Mesh& m) { m.extras[1].color.y = kNaN; }), HasSubstr("colors"));
   EXPECT_THAT(refused([](Mesh& m) { m.deformation = std::make_shared<Deformation>(); }),
               HasSubstr("a deformation of 0"));
 }

@@ -114,12 +114,12 @@ TEST_F(Output, IsCheckedBeforeRendering) {
   };
   EXPECT_THAT(says("a.bmp"), HasSubstr(".png, .exr or .npy"));
   EXPECT_THAT(says("{view}.png"), AllOf(HasSubstr("{view}"), HasSubstr("{aov}, {frame}, {camera}, {scene}")));
-  EXPECT_THAT(says("{scene.png"), HasSubstr("partner"));
-  EXPECT_THAT(says("scene}.png"), HasSubstr("partner"));
+  EXPECT_THAT(says("{scene.png"), HasSubstr("unmatched"));
+  EXPECT_THAT(says("scene}.png"), HasSubstr("unmatched"));
   EXPECT_THAT(says("a.png", {Aov::Color, Aov::Position}), AllOf(HasSubstr("position"), HasSubstr(".exr or .npy")));
   EXPECT_THAT(says("a.png", {}), HasSubstr("at least one"));
-  EXPECT_THAT(says("no/such/a.png"), AllOf(HasSubstr("no folder"), HasSubstr("no/such")));
-  EXPECT_THAT(says("no/{aov}/a.png"), HasSubstr("no folder"));
+  EXPECT_THAT(says("no/such/a.png"), AllOf(HasSubstr("does not exist"), HasSubstr("no/such")));
+  EXPECT_THAT(says("no/{aov}/a.png"), HasSubstr("does not exist"));
   fs::create_directory(folder / "a.png");
   EXPECT_THAT(says("a.png"), HasSubstr("is a folder"));
   EXPECT_THAT(sentence(ExitCode::Usage,

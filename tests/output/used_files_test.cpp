@@ -31,7 +31,7 @@ TEST_F(Used, InputsAreNotOutputsWhateverTheirNames) {
   fs::create_symlink(".", at("here"));
   fs::create_hard_link(at("in.glb"), at("second.glb"));
   for (const char* name : {"in.glb", "./in.glb", "sub/../in.glb", "link.glb", "here/in.glb", "second.glb"})
-    EXPECT_THAT(refusal({at("in.glb")}, {at(name)}), AllOf(HasSubstr(name), HasSubstr("read by this very command")))
+    EXPECT_THAT(refusal({at("in.glb")}, {at(name)}), AllOf(HasSubstr(name), HasSubstr("this command reads it")))
         << name;
   EXPECT_THAT(refusal({at("link.glb")}, {at("in.glb")}), HasSubstr("in.glb"));
   // One that the scene names, and that is not there.
@@ -42,17 +42,17 @@ TEST_F(Used, InputsAreNotOutputsWhateverTheirNames) {
 TEST_F(Used, TwoOutputsAreTwoFiles) {
   fs::create_directory(at("sub"));
   EXPECT_THAT(refusal({}, {at("a.png"), at("a.png")}), AllOf(HasSubstr("two outputs"), HasSubstr("a.png")));
-  EXPECT_THAT(refusal({}, {at("a.png"), at("sub/../a.png")}), HasSubstr("one file"));
+  EXPECT_THAT(refusal({}, {at("a.png"), at("sub/../a.png")}), HasSubstr("the same file"));
   touch("old.png");
   fs::create_symlink("old.png", at("link.png"));
-  EXPECT_THAT(refusal({}, {at("link.png"), at("old.png")}), HasSubstr("one file"));
+  EXPECT_THAT(refusal({}, {at("link.png"), at("old.png")}), HasSubstr("the same file"));
   ASSERT_EQ(mkfifo(at("pipe").c_str(), 0600), 0);
   EXPECT_THAT(refusal({}, {at("pipe"), at("pipe")}), HasSubstr("two outputs"));
   // Each name of a file is replaced by itself.
   fs::create_hard_link(at("old.png"), at("second.png"));
   check({}, {at("old.png"), at("second.png"), at("sub/old.png")});
   // In folders that are made later.
-  EXPECT_THAT(refusal({}, {at("new/a.png"), at("sub/../new/a.png")}), HasSubstr("one file"));
+  EXPECT_THAT(refusal({}, {at("new/a.png"), at("sub/../new/a.png")}), HasSubstr("the same file"));
 }
 
 TEST_F(Used, DevicesAndStandardOutputAreNoFiles) {

@@ -36,7 +36,7 @@ def test_kinds():
         ("positions must be an array of shape", dict(positions=None)),
         ("positions must hold finite numbers, not nan", dict(positions=np.full((3, 3), np.nan))),
         ("positions must hold finite numbers, not inf", dict(positions=np.full((3, 3), np.inf))),
-        ("2 positions and no indices, which is no multiple of three", dict(positions=TRIANGLE[:2])),
+        ("2 positions and no indices, which is not a multiple of three", dict(positions=TRIANGLE[:2])),
         ("indices must be an array of whole numbers, not float64", dict(positions=TRIANGLE, indices=[[0.0, 1, 2]])),
         ("indices must lie from 0 to 2.*one is 3", dict(positions=TRIANGLE, indices=[[0, 1, 3]])),
         ("indices must lie from 0 to 2.*one is -1", dict(positions=TRIANGLE, indices=[[0, 1, -1]])),
@@ -60,7 +60,7 @@ def test_meshes(scene, words, arguments):
         ("pixels must be an array of shape", np.zeros((2, 2), np.uint8)),
         ("pixels must have 1 to 4 channels, not 5", np.zeros((2, 2, 5), np.uint8)),
         ("pixels must not be empty", np.zeros((0, 2, 3), np.uint8)),
-        ("20000x1 pixels; at most 16384", np.zeros((1, 20000, 1), np.uint8)),
+        ("20000x1 pixels; width and height are limited to 16384", np.zeros((1, 20000, 1), np.uint8)),
     ],
 )
 def test_textures(scene, words, pixels):

@@ -53,7 +53,7 @@ TEST(Layouts, CostWhatTheirFilesSay) {
     }
 }
 
-// Seed 000: four targets of R8G8B8A8, 24 bits of depth and 8 of stencil: about 36 MB, which is 1280x720 twice sampled.
+// Valient 2007: four targets of R8G8B8A8, 24 bits of depth and 8 of stencil, about 36 MB at 1280x720 with 2 samples.
 TEST(Layouts, KillzonesGbufferIs36Megabytes) {
   const LayoutBytes bytes = findLayout("killzone2").originalBytesPerPixel(0);
   EXPECT_EQ(bytes.total(), 20u);

@@ -237,9 +237,9 @@ TEST(MsaaSettings, WhatCanNotBeIsRefused) {
   EXPECT_EQ(refusal(Raster::Auto, 8, "clustered"), "");
   for (const uint32_t samples : {0u, 3u, 12u, 32u})
     EXPECT_NE(refusal(Raster::Compute, samples, "tiled").find("1, 2, 4, 8 or 16"), std::string::npos) << samples;
-  EXPECT_NE(refusal(Raster::Hardware, 8, "tiled").find("takes the raster compute"), std::string::npos);
-  EXPECT_NE(refusal(Raster::Compute, 16, "forward").find("forward draws"), std::string::npos);
-  EXPECT_NE(refusal(Raster::Auto, 2, "volumes").find("volumes draws"), std::string::npos);
+  EXPECT_NE(refusal(Raster::Hardware, 8, "tiled").find("requires the raster compute"), std::string::npos);
+  EXPECT_NE(refusal(Raster::Compute, 16, "forward").find("unlike forward"), std::string::npos);
+  EXPECT_NE(refusal(Raster::Auto, 2, "volumes").find("unlike volumes"), std::string::npos);
   EXPECT_NE(refusal(Raster::Compute, 4, "tiled", 2).find("use one"), std::string::npos);
 }
 

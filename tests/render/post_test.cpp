@@ -183,10 +183,10 @@ TEST_F(PostTest, BadValuesAreSaidInASentence) {
   Renderer renderer(device(), scene, nullptr);
   static constexpr float kNan = std::numeric_limits<float>::quiet_NaN(), kInf = std::numeric_limits<float>::infinity();
   const std::pair<const char*, Change> wrong[] = {
-      {"--ao-radius takes a number above 0 metres", [](Settings& s) { s.aoRadius = 0; }},
-      {"--ao-radius takes a number above 0 metres", [](Settings& s) { s.aoRadius = -1; }},
-      {"--ao-radius takes a number above 0 metres", [](Settings& s) { s.aoRadius = kNan; }},
-      {"--ao-radius takes a number above 0 metres", [](Settings& s) { s.aoRadius = kInf; }},
+      {"--ao-radius takes a number above 0 meters", [](Settings& s) { s.aoRadius = 0; }},
+      {"--ao-radius takes a number above 0 meters", [](Settings& s) { s.aoRadius = -1; }},
+      {"--ao-radius takes a number above 0 meters", [](Settings& s) { s.aoRadius = kNan; }},
+      {"--ao-radius takes a number above 0 meters", [](Settings& s) { s.aoRadius = kInf; }},
       {"--ao-strength", [](Settings& s) { s.aoStrength = kNan; }},
       {"--bloom takes a number from 0 to 1", [](Settings& s) { s.bloom = -0.1f; }},
       {"--bloom takes a number from 0 to 1", [](Settings& s) { s.bloom = kNan; }},

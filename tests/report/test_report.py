@@ -49,7 +49,7 @@ def rendered(folder):
 @pytest.mark.parametrize(
     "picture, channels, output",
     [
-        ("depth", ["depth, metres"], "depth"),
+        ("depth", ["depth, meters"], "depth"),
         ("normal.", ["normal.x", "normal.y", "normal.z"], "normal"),
         ("normal.", ["normal.w"], "roughness"),
         ("position.", ["position.x", "position.y", "position.z"], "position"),

@@ -58,7 +58,7 @@ TEST(BuiltinTriangles, AreAsManyAndAsLargeAsAsked) {
     EXPECT_GT(glm::cross(b - a, c - a).z, 0);  // towards the camera
     EXPECT_LE(std::max({std::abs(a.x), std::abs(a.y), std::abs(a.z)}), 1.01);
   }
-  EXPECT_THAT(usageError("builtin:triangles,size=1.5"), testing::HasSubstr("size a whole number from 1 to 20480"));
+  EXPECT_THAT(usageError("builtin:triangles,size=1.5"), testing::HasSubstr("size to a whole number from 1 to 20480"));
 }
 
 // --- names ----------------------------------------------------------------------------------------------------------

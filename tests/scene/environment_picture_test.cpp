@@ -276,9 +276,9 @@ TEST(Exr, ThePictureIsTheDisplayWindow) {
 TEST(Exr, SaysWhatIsWrong) {
   ExrOptions options;
   options.channels = {"Z"};
-  EXPECT_THAT(failure(makeExr(options)), HasSubstr("neither channels R G B nor Y"));
+  EXPECT_THAT(failure(makeExr(options)), HasSubstr("neither the channels R G B nor Y"));
   options.channels = {"R", "G"};
-  EXPECT_THAT(failure(makeExr(options)), HasSubstr("neither channels R G B nor Y"));
+  EXPECT_THAT(failure(makeExr(options)), HasSubstr("neither the channels R G B nor Y"));
 }
 
 // --- broken files

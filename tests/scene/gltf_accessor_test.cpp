@@ -136,7 +136,7 @@ TEST(GltfAccessor, AFewBytesCantAskForGigabytes) {
   accessor.erase("bufferView");
   accessor["count"] = 4000000000u;
   b.root["accessors"][1] = accessor;
-  EXPECT_THAT(errorOf(b), HasSubstr("far more than a file of this size can hold"));
+  EXPECT_THAT(errorOf(b), HasSubstr("far more than a file of this size can contain"));
 }
 
 TEST(GltfAccessor, ValuesThatAreNoNumbers) {

@@ -65,13 +65,13 @@ TEST(GltfCompressed, MeshoptQuaternionsOfInstances) {
 TEST(GltfCompressed, BrokenMeshopt) {
   GltfBuilder b = meshoptFile();
   b.buffer.at(0) ^= std::byte{0xff};  // the header of the positions' stream
-  EXPECT_THAT(errorOf(b), HasSubstr("bufferViews[1] can't be decompressed"));
+  EXPECT_THAT(errorOf(b), HasSubstr("bufferViews[1] cannot be decompressed"));
   b = meshoptFile();
   b.root["bufferViews"][1]["extensions"]["EXT_meshopt_compression"]["byteStride"] = 14;
   EXPECT_THAT(errorOf(b), HasSubstr("byteStride of 14"));
   b = meshoptFile();
   b.root["bufferViews"][1]["extensions"]["EXT_meshopt_compression"]["count"] = 4000000000u;
-  EXPECT_THAT(errorOf(b), HasSubstr("far more than a file of this size can hold"));
+  EXPECT_THAT(errorOf(b), HasSubstr("far more than a file of this size can contain"));
   b = meshoptFile();
   b.root["bufferViews"][1].erase("extensions");
   EXPECT_THAT(errorOf(b), HasSubstr("which has 0"));  // the fallback buffer
@@ -115,12 +115,12 @@ TEST(GltfCompressed, BrokenDraco) {
   GltfBuilder b = dracoFile(draco::MESH_EDGEBREAKER_ENCODING);
   b.buffer.resize(b.buffer.size() / 2);
   b.root["bufferViews"][0]["byteLength"] = b.buffer.size();
-  EXPECT_THAT(errorOf(b), HasSubstr("meshes[0].primitives[0] can't be decompressed"));
+  EXPECT_THAT(errorOf(b), HasSubstr("meshes[0].primitives[0] cannot be decompressed"));
   b = dracoFile(draco::MESH_SEQUENTIAL_ENCODING);
   // The face count, a number of up to five bytes, becomes four billion.
   for (size_t i = 0; i < 4; ++i) b.buffer[11 + i] = std::byte{0xff};
   b.buffer[15] = std::byte{0x0f};
-  EXPECT_THAT(errorOf(b), HasSubstr("far more than a file of this size can hold"));
+  EXPECT_THAT(errorOf(b), HasSubstr("far more than a file of this size can contain"));
   b = dracoFile(draco::MESH_SEQUENTIAL_ENCODING);
   b.primitive()["extensions"]["KHR_draco_mesh_compression"]["attributes"]["POSITION"] = 77;
   EXPECT_THAT(errorOf(b), HasSubstr("no compressed attribute 77"));

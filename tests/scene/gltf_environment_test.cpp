@@ -101,7 +101,7 @@ TEST(ImageBasedLight, TurnsWithItsRotation) {
 TEST(ImageBasedLight, RefusesWhatIsNoCube) {
   GltfBuilder b = litFile({});
   b.root["images"][3]["bufferView"] = b.view(squareOf({0, 0, 0, 255}, 4));
-  EXPECT_THAT(errorOf(b), HasSubstr("squares of one size"));
+  EXPECT_THAT(errorOf(b), HasSubstr("squares of the same size"));
   b.root["images"][3] = {{"uri", "nowhere.png"}};
   EXPECT_THAT(errorOf(b), HasSubstr("nowhere.png"));
   GltfBuilder none = litFile({});

@@ -58,7 +58,7 @@ TEST(GltfFiles, BinaryEmbeddedAndBesideAreTheSame) {
     EXPECT_EQ(other.meshes[0].positions, binary.meshes[0].positions);
   }
   fs::remove(folder.path() / "my data.bin");
-  EXPECT_THAT(errorOfFile(folder.path() / "c.gltf"), HasSubstr("my data.bin, which is not there"));
+  EXPECT_THAT(errorOfFile(folder.path() / "c.gltf"), HasSubstr("my data.bin, which does not exist"));
 }
 
 TEST(GltfFiles, BrokenContainers) {
@@ -73,7 +73,7 @@ TEST(GltfFiles, BrokenContainers) {
   EXPECT_THAT(errorOfBytes(bad), HasSubstr("past its end"));
   bad = good;
   bad[16] = std::byte{0};
-  EXPECT_THAT(errorOfBytes(bad), HasSubstr("should be JSON"));
+  EXPECT_THAT(errorOfBytes(bad), HasSubstr("must be JSON"));
   EXPECT_THAT(errorOfBytes({}), HasSubstr("empty"));
 }
 
@@ -101,7 +101,7 @@ TEST(GltfFiles, ChunksThatAreNotAligned) {
   std::vector<std::byte> broken = unaligned(b, false);
   const size_t end = 20 + (size_t(broken[12]) | size_t(broken[13]) << 8);
   broken[end + 3] = std::byte{0x7f};  // the binary chunk's length
-  EXPECT_THAT(errorOfBytes(broken), HasSubstr("which is no multiple of 4"));
+  EXPECT_THAT(errorOfBytes(broken), HasSubstr("which is not a multiple of 4"));
 }
 
 TEST(GltfFiles, StayInTheirFolder) {
@@ -126,7 +126,7 @@ TEST(GltfFiles, StayInTheirFolder) {
   }
   for (const std::string& uri : {"file://" + secret, "file:" + secret, std::string("http://localhost/secret.bin")}) {
     write(uri);
-    EXPECT_THAT(errorOfFile(scene), HasSubstr("only files beside the scene")) << uri;
+    EXPECT_THAT(errorOfFile(scene), HasSubstr("only local files")) << uri;
     EXPECT_THROW(loadGltf(scene, {.allowOutside = {"/"}}), Error) << uri;
   }
   write("/proc/self/environ");
@@ -163,7 +163,7 @@ TEST(GltfFiles, Buffers) {
   b.root["buffers"] = {{{"byteLength", 100000}}};
   EXPECT_THAT(errorOf(b), HasSubstr("buffers[0] should have 100000 bytes"));
   b.root["buffers"] = {{{"byteLength", 12}, {"uri", "https://example.com/a.bin"}}};
-  EXPECT_THAT(errorOf(b), HasSubstr("only files beside the scene"));
+  EXPECT_THAT(errorOf(b), HasSubstr("only local files"));
   b.root["buffers"] = {{{"byteLength", 3}, {"uri", "data:;base64,AAA*"}}};
   EXPECT_THAT(errorOf(b), HasSubstr("base64"));
   b.root["buffers"] = {{{"byteLength", 3}, {"uri", "data:application/octet-stream"}}};

@@ -177,15 +177,15 @@ TEST(Normals, GeneratedSwitchAgreesWithTheFiles) {
   EXPECT_EQ(normalChannels(static_cast<uint>(encodings().size())), 0u);
 }
 
-// Seed 000's OctWrap lacks brackets, and folds the lower half elsewhere: 1 - |y| * sign instead of (1 - |y|) * sign.
+// Without parentheses, the lower half would fold elsewhere: 1 - |y| * sign instead of (1 - |y|) * sign.
 TEST(Octahedral, LowerHalfFoldsOverTheDiagonals) {
   const vec2 o = octahedralFromDirection(normalize(vec3(-1.0f, 2.0f, -3.0f)));  // (-1, 2, -3) / 6 before folding
   EXPECT_NEAR(o.x, -2.0f / 3.0f, 1e-6f);                                        // (1 - 2/6) * -1
   EXPECT_NEAR(o.y, 5.0f / 6.0f, 1e-6f);                                         // (1 - 1/6) * 1
 }
 
-// Seed 000's formulas as they stand, where they have an answer. CryEngine 3's and Lambert's are one map.
-TEST(Spheremap, MatchesSeedsFormulas) {
+// The published formulas where they are defined. CryEngine 3's and Lambert's are the same map.
+TEST(Spheremap, MatchesPublishedFormulas) {
   Random random(9);
   for (int i = 0; i < 10000; ++i) {
     const vec3 n = random.direction();

@@ -22,13 +22,13 @@ Row operator*(const Row& v, const Matrix& m) {
   return r;
 }
 
-// Seed 004's matrix, row vectors on the left, its principal point added where w (which is y) is made.
-Matrix seedMatrix(const Projection& p) {
+// The matrix for row vectors on the left; the principal point is added where w, which is y, is computed.
+Matrix rowVectorMatrix(const Projection& p) {
   return {{{p.H, 0, 0, 0}, {p.X, p.Z, p.A, 1}, {0, p.V, 0, 0}, {0, 0, p.B, 0}}};
 }
 
-// The inverse that seed 004 writes out, of a centred projection.
-Matrix seedInverse(const Projection& p) {
+// The inverse of a centered projection.
+Matrix rowVectorInverse(const Projection& p) {
   const double H = p.H, V = p.V, A = p.A, B = p.B;
   return {{{1 / H, 0, 0, 0}, {0, 0, 1 / V, 0}, {0, 0, 0, 1 / B}, {0, 1, 0, -A / B}}};
 }
@@ -91,7 +91,7 @@ TEST(Projection, MatchesSeedsMatrix) {
     for (int i = 0; i < 1000; ++i) {
       const vec3 v = pointInView(random, c);
       const vec4 clip = projectToClip(c.projection, v);
-      const Row expected = Row{v.x, v.y, v.z, 1.0} * seedMatrix(c.projection);
+      const Row expected = Row{v.x, v.y, v.z, 1.0} * rowVectorMatrix(c.projection);
       const double scale = std::abs(v.x) + std::abs(v.y) + std::abs(v.z);
       EXPECT_NEAR(clip.x, expected[0], 1e-6 * scale) << c.name;
       EXPECT_NEAR(clip.y, expected[1], 1e-6 * scale) << c.name;
@@ -101,8 +101,8 @@ TEST(Projection, MatchesSeedsMatrix) {
   }
 }
 
-// The seed's inverse matrix, and its multiply-add and reciprocal 1 / (P d + Q) with P = 1 / B and Q = -A / B.
-TEST(Projection, InverseMatchesSeedsThreeForms) {
+// The inverse matrix, and the multiply-add and reciprocal 1 / (P d + Q) with P = 1 / B and Q = -A / B.
+TEST(Projection, InverseMatchesItsThreeForms) {
   Random random(2);
   for (const Case& c : cases()) {
     const Projection& p = c.projection;
@@ -110,7 +110,7 @@ TEST(Projection, InverseMatchesSeedsThreeForms) {
     for (int i = 0; i < 1000; ++i) {
       const vec2 ndc(random.uniform(-1.0f, 1.0f), random.uniform(-1.0f, 1.0f));
       const float depth = deviceDepth(p, random.logUniform(float(c.near), 50.0f));
-      const Row homogeneous = Row{ndc.x, ndc.y, depth, 1.0} * seedInverse(p);
+      const Row homogeneous = Row{ndc.x, ndc.y, depth, 1.0} * rowVectorInverse(p);
       const double y = homogeneous[1] / homogeneous[3];
       const vec3 v = viewPositionAtDepth(p, ndc, viewDepth(p, depth));
       const double tolerance = depthStep(p, y);

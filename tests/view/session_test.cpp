@@ -549,7 +549,7 @@ TEST(ViewSessionTest, FollowsShadersOfAFolder) {
     for (size_t c = 0; c < 3; ++c) ASSERT_LE(black.rgba[i + c], 11);
   folder.write("compose.comp.spv", std::string_view("no shader"));
   follows();
-  EXPECT_THAT(viewer.state().error, HasSubstr("compose.comp.spv is no SPIR-V"));
+  EXPECT_THAT(viewer.state().error, HasSubstr("compose.comp.spv is not SPIR-V"));
   write(own);
   EXPECT_TRUE(follows().rgba == before.rgba);
   EXPECT_EQ(viewer.state().error, "");

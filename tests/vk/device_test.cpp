@@ -183,7 +183,7 @@ TEST_F(DeviceTest, ErrorsCarryTheirCode) {
   EXPECT_EQ(codeOf([] { check(VK_ERROR_OUT_OF_DEVICE_MEMORY, "call", "/a/b.cpp", 3); }), ExitCode::DeviceLost);
   EXPECT_EQ(codeOf([] { check(VK_ERROR_FORMAT_NOT_SUPPORTED, "vkCall(x)", "/a/b.cpp", 3); }, &sentence),
             ExitCode::Internal);
-  EXPECT_EQ(sentence, "vkCall(x) gives VK_ERROR_FORMAT_NOT_SUPPORTED (b.cpp:3)");
+  EXPECT_EQ(sentence, "vkCall(x) returns VK_ERROR_FORMAT_NOT_SUPPORTED (b.cpp:3)");
 }
 
 TEST_F(DeviceTest, MemoryThatIsNotThereIsAnErrorWithTheSizes) {

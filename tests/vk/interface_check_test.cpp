@@ -73,7 +73,7 @@ TEST(InterfaceCheck, NamesPushConstantsOfAnotherSize) {
   EXPECT_EQ(said({.bindings = kRight, .pushBytes = 28}),
             "The push constants (Push) of tiny take 20 bytes, but its pipeline pushes 28.");
   EXPECT_EQ(said({.bindings = kRight, .pushBytes = 132}),
-            "The pipeline of tiny pushes 132 bytes, and a device may take no more than 128.");
+            "The pipeline of tiny pushes 132 bytes, but devices may support no more than 128.");
 }
 
 // The tiny shader with its specialization constant's type made another: OpTypeInt 32 0 becomes 16 bits wide.

@@ -198,7 +198,7 @@ function showSplit() {
 
 function showCameras() {
   const own = state.cameras.map((name, i) => [name || String(i), name || `camera ${i}`]);
-  const begins = state.cameras.length ? "the scene's first" : "all of the scene";
+  const begins = state.cameras.length ? "the scene's first" : "whole scene";
   fill($("camera"), [...(state.steered ? [["*", "moved by hand"]] : []), ["", begins], ...own]);
   $("camera").value = state.steered ? "*" : state.camera;
 }
@@ -222,7 +222,7 @@ function download(bytes) {
   link.download = "picture.png";
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 1000);
-  $("saved").textContent = "The picture was downloaded.";
+  $("saved").textContent = "The image was downloaded.";
 }
 
 // --- what people do ---
@@ -290,7 +290,7 @@ $("copy").onclick = async () => {
     $("saved").textContent = "The command was copied.";
   } catch {
     getSelection().selectAllChildren($("command"));
-    $("saved").textContent = "The browser keeps its clipboard; the command is selected.";
+    $("saved").textContent = "The browser denied access to the clipboard; the command is selected.";
   }
 };
 

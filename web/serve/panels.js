@@ -36,7 +36,7 @@ export function surfacePairs(surface) {
 
 export function showProbe(list, probe) {
   if (!probe) return showList(list, []);
-  showList(list, [["pixel", `${probe.x}, ${probe.y}`], ["colour", probe.rgba.join("  ")], ...surfacePairs(probe.surface)]);
+  showList(list, [["pixel", `${probe.x}, ${probe.y}`], ["color", probe.rgba.join("  ")], ...surfacePairs(probe.surface)]);
 }
 
 const SVG = "http://www.w3.org/2000/svg";
@@ -82,7 +82,7 @@ export class Passes {
     const line = document.createElementNS(SVG, "polyline"), chart = document.createElementNS(SVG, "svg");
     for (const [key, value] of Object.entries({ viewBox: "0 0 240 48", preserveAspectRatio: "none", role: "img" }))
       chart.setAttribute(key, value);
-    chart.setAttribute("aria-label", `Milliseconds of the last pictures, ${name}`);
+    chart.setAttribute("aria-label", `Milliseconds of the last images, ${name}`);
     chart.append(line);
     row.insertCell().append(chart);
     return { row, time, history: new History(line) };

@@ -44,7 +44,7 @@ std::vector<vk::DeviceInfo> candidates(const std::vector<vk::DeviceInfo>& device
   if (cudaVisible && !gpus.empty()) {
     gpus = visibleTo(gpus, *cudaVisible);
     if (gpus.empty() && !cudaVisible->empty() && *cudaVisible != "-1")
-      fail(ExitCode::NoDevice, "CUDA_VISIBLE_DEVICES is \"{}\", which names no device here: give --devices",
+      fail(ExitCode::NoDevice, "CUDA_VISIBLE_DEVICES is \"{}\", which matches no device: use --devices",
            shortened(*cudaVisible));
   }
   std::ranges::copy_if(gpus, std::back_inserter(usable), [](const auto& device) { return device.missing.empty(); });
@@ -64,7 +64,7 @@ std::vector<std::string> chooseDevices(const std::vector<vk::DeviceInfo>& device
   else
     for (const std::string_view selector : splitAtCommas(text))
       uuids.push_back(vk::chooseDevice(devices, std::string(selector)).device.uuid);
-  if (uuids.empty()) fail(ExitCode::NoDevice, "no device can be used: run `latelight doctor`");
+  if (uuids.empty()) fail(ExitCode::NoDevice, "no device is usable: run `latelight doctor`");
   return uuids;
 }
 

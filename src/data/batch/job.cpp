@@ -28,7 +28,7 @@ std::vector<std::string> filesLike(const std::string& pattern, const std::string
   std::vector<std::string> files;
   if (glob(pattern.c_str(), 0, nullptr, &found) == 0) files.assign(found.gl_pathv, found.gl_pathv + found.gl_pathc);
   globfree(&found);
-  if (files.empty()) badInput("{}: no file is called like \"{}\"", place, pattern);
+  if (files.empty()) badInput("{}: no file matches \"{}\"", place, pattern);
   std::ranges::sort(files);
   return files;
 }
@@ -66,7 +66,7 @@ void readScenes(Job& job, const JobDocument& document) {
   for (const auto& [place, scene] : each(document, "scenes"))
     for (std::string& file : filesLike(scene.get<std::string>(), place)) {
       if (std::ranges::find(job.scenes, file) != job.scenes.end())
-        badUsage("{}: the scene \"{}\" is there twice", place, file);
+        badUsage("{}: the scene \"{}\" is listed twice", place, file);
       job.scenes.push_back(std::move(file));
     }
   const Json& json = document.json;
@@ -98,7 +98,7 @@ JobFormat makeFormat(const Json& spec, const std::string& place) {
     use.options = spec;
     use.options.erase("format");
     if (!spec.contains("format") || !spec["format"].is_string())
-      badUsage("{}: its key \"format\" must name the format", place);
+      badUsage("{}: the key \"format\" must name the format", place);
   }
   use.name = spec.is_object() ? spec["format"].get<std::string>() : spec.get<std::string>();
   std::string names;

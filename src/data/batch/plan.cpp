@@ -60,7 +60,7 @@ void checkPattern(const std::string& name) {
   const std::filesystem::path path(name);
   const bool leaves = path.is_absolute() || std::ranges::find(path, "..") != path.end();
   if (leaves || name.ends_with('/') || path.filename().string().starts_with('.'))
-    badUsage("name is a place below the data set's folder, not \"{}\"", name);
+    badUsage("name must be a path below the data set's folder, not \"{}\"", name);
 }
 
 std::string sceneName(const std::string& source) {
@@ -176,7 +176,7 @@ void Plan::checkNames() const {
   std::unordered_set<std::string> names;
   for (uint64_t index = 0; index < frames(); ++index)
     if (at(index) && !names.insert(name(index)).second)
-      badUsage("name: two frames are called \"{}\"; {{index}} tells them apart", name(index));
+      badUsage("name: two frames are called \"{}\"; add {{index}}", name(index));
 }
 
 uint64_t Plan::settings(uint64_t index) const {

@@ -117,7 +117,7 @@ void checkKeys(const JobDocument& job, const std::string& path, const Json& sche
   for (const auto& [key, inner] : value.items()) {
     const std::string below = path.empty() ? key : path + "." + key;
     if (!schema["properties"].contains(key))
-      badUsage("{}: there is no such key; see latelight batch --schema", job.place(below));
+      badUsage("{}: unknown key; see latelight batch --schema", job.place(below));
     checkValue(job, below, schema["properties"][key], inner);
   }
   for (const Json& key : schema.value("required", Json::array()))

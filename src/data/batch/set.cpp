@@ -128,7 +128,7 @@ SetLock::SetLock(const fs::path& manifest, bool wait) {
   // On file systems without locks nothing is held.
   if (flock(fd_, wait ? LOCK_EX : LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
   close(fd_);
-  badUsage("another process is at work on '{}'; wait for it, or end it", manifest.string());
+  badUsage("another process is working on '{}'; wait for it, or end it", manifest.string());
 }
 
 SetLock::~SetLock() {
@@ -143,9 +143,9 @@ void openSet(const SetFolder& set, const Job& job, const Shard& shard, bool resu
   if (fs::exists(set.path(), error) && !isSet && !fs::is_empty(set.path(), error))
     badUsage("'{}' is not an empty folder; choose another for the data set", name);
   if (isSet && !resume && !isOfOthers(set, job, shard))
-    badUsage("'{}' holds a data set already: add --resume to complete it, or choose another folder", name);
+    badUsage("'{}' already contains a data set: add --resume to complete it, or choose another folder", name);
   fs::create_directories(set.state(), error);
-  if (error) badUsage("can't make the folder '{}': {}", set.state().string(), error.message());
+  if (error) badUsage("can't create the folder '{}': {}", set.state().string(), error.message());
   const std::string text = dumped(job.document) + "\n";
   writeFile(set.job(), std::as_bytes(std::span(text)));
 }

@@ -17,7 +17,7 @@ std::optional<uint32_t> numberIn(const Environment& environment, const char* nam
   const std::optional<std::string> text = environment(name);
   if (!text) return std::nullopt;
   const std::optional<uint32_t> value = parseNumber<uint32_t>(*text);
-  if (!value) badUsage("the environment variable {} is not a whole number, but \"{}\"; give --shard i/n", name, *text);
+  if (!value) badUsage("the environment variable {} must be a whole number, not \"{}\"; use --shard i/n", name, *text);
   return value;
 }
 

@@ -190,7 +190,8 @@ void Worker::useDevice() {
 void Worker::replaceLostDevice() {
   if (!device().isLost()) return;
   if (devices_.size() == kMostDevices)
-    latelight::fail(ExitCode::DeviceLost, "The device was lost {} times; --resume makes what is missing", kMostDevices);
+    latelight::fail(ExitCode::DeviceLost, "The device was lost {} times; --resume renders missing frames",
+                    kMostDevices);
   std::vector<Chunk> again;
   for (InFlight& each : inFlight_) again.push_back(std::move(each.chunk));
   inFlight_.clear();

@@ -32,7 +32,7 @@ CalibratedCamera cameraIn(const Json& entry, const std::string& name, PictureSiz
   glm::dmat4 toCamera(1);
   for (int i = 0; i < 9; ++i) toCamera[i % 3][i / 3] = r[static_cast<size_t>(i)];
   toCamera[3] = glm::dvec4(glm::dvec3(t[0], t[1], t[2]) * kMillimetre, 1);
-  if (!makeRigid(toCamera)) badInput("{} has a cam_R_w2c that is no rotation", where);
+  if (!makeRigid(toCamera)) badInput("{} has a cam_R_w2c that is not a rotation", where);
   camera.pose = inverseOf(toCamera);
   return camera;
 }
@@ -59,7 +59,7 @@ void writeBop(const std::filesystem::path& file, std::span<const CalibratedCamer
   Json json = Json::object();
   for (const CalibratedCamera& camera : cameras) {
     if (!camera.lens || camera.lens->model != scene::LensModel::Pinhole || !parseNumber<uint64_t>(camera.name))
-      badUsage("scene_camera.json can't hold the camera \"{}\": it needs a pinhole lens, and a number for a name",
+      badUsage("scene_camera.json cannot express the camera \"{}\": it requires a pinhole lens and a numeric name",
                camera.name);
     const glm::dmat4 toCamera = inverseOf(camera.pose);
     Json& entry = json[camera.name];

@@ -81,15 +81,15 @@ dmat4 inverseOf(const dmat4& pose) {
 void checkLens(const scene::Lens& lens, const std::string& where) {
   const auto isSide = [](double side) { return side >= 1 && side <= 65536 && side == std::floor(side); };
   if (!isSide(lens.width) || !isSide(lens.height))
-    badInput("{} has a picture of {} x {} pixels: sides must be whole numbers from 1 to 65536", where, lens.width,
-             lens.height);
+    badInput("{} has an image of {} x {} pixels: width and height must be whole numbers from 1 to 65536", where,
+             lens.width, lens.height);
   if (lens.model == scene::LensModel::Equirectangular) return;
   for (const double focal : {lens.fx, lens.fy})
     if (!(focal > 0) || !std::isfinite(focal))
       badInput("{} has a focal length of {}: it must be above 0", where, focal);
   bool finite = std::isfinite(lens.cx) && std::isfinite(lens.cy);
   for (const double term : lens.distortion) finite = finite && std::isfinite(term);
-  if (!finite) badInput("{} has a principal point or a distortion that is no finite number", where);
+  if (!finite) badInput("{} has a principal point or distortion that is not finite", where);
 }
 
 std::string stemOf(const std::string& picture) {

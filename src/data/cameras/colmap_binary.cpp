@@ -34,7 +34,7 @@ class BinaryFile {
     const std::string begin = where();
     const auto count = take<uint64_t>();
     if (count > (bytes_.size() - at_) / bytesEach)
-      badInput("{} announces {} entries, and the file is too short for them", begin, count);
+      badInput("{} declares {} entries, but the file is too short for them", begin, count);
     return count;
   }
   std::string takeText() {
@@ -86,7 +86,7 @@ CalibratedCamera readImage(BinaryFile& file, const std::map<uint32_t, scene::Len
   for (int i = 0; i < 4; ++i) pose.rotation[i] = file.take<double>();
   for (int i = 0; i < 3; ++i) pose.translation[i] = file.take<double>();
   const auto lens = lenses.find(file.take<uint32_t>());
-  if (lens == lenses.end()) badInput("{} has a camera that cameras.bin has not", where);
+  if (lens == lenses.end()) badInput("{} has a camera that is missing from cameras.bin", where);
   CalibratedCamera camera{file.takeText(), lens->second, poseOfColmap(pose, where)};
   file.skip(file.takeCount(kPointBytes) * kPointBytes);
   return camera;
@@ -150,7 +150,7 @@ std::vector<CalibratedCamera> readColmap(const std::filesystem::path& folder) {
   std::error_code ignored;
   if (std::filesystem::exists(folder / "cameras.bin", ignored)) return readColmapBinary(folder);
   if (std::filesystem::exists(folder / "cameras.txt", ignored)) return readColmapText(folder);
-  badInput("{} has neither cameras.bin nor cameras.txt: name the folder of a model of COLMAP", folder.string());
+  badInput("{} has neither cameras.bin nor cameras.txt: give the folder of a COLMAP model", folder.string());
 }
 
 }  // namespace latelight::data

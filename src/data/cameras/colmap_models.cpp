@@ -78,7 +78,8 @@ ColmapCamera colmapCameraOf(const CalibratedCamera& camera) {
     return model == LensModel::Pinhole || model == LensModel::OpenCv || model == LensModel::Fisheye;
   };
   if (!camera.lens || !writable(camera.lens->model))
-    badUsage("COLMAP's files can't hold the camera \"{}\": they need a pinhole, OpenCV or fisheye lens", camera.name);
+    badUsage("COLMAP's files cannot express the camera \"{}\": they require a pinhole, OpenCV or fisheye lens",
+             camera.name);
   const auto& d = camera.lens->distortion;
   const bool full = std::any_of(d.begin() + 4, d.end(), [](double term) { return term != 0; });
   const char* name = camera.lens->model == LensModel::Pinhole   ? "PINHOLE"
@@ -101,7 +102,7 @@ glm::dmat4 poseOfColmap(const ColmapPose& pose, const std::string& where) {
   glm::dmat4 toCamera(rotationOf(pose.rotation));
   toCamera[3] = glm::dvec4(pose.translation, 1);
   glm::dmat4 toWorld = inverseOf(toCamera);
-  if (!makeRigid(toWorld)) badInput("{} has a pose that is no rotation and translation", where);
+  if (!makeRigid(toWorld)) badInput("{} has a pose that is not a rotation and translation", where);
   return toWorld;
 }
 

@@ -45,7 +45,8 @@ std::vector<CalibratedCamera> readColmapText(const std::filesystem::path& folder
     const std::vector<std::string_view> words = lines.words(*line, 10);
     const std::vector<double> n = lines.numbers(words, 1, 7);
     const auto lens = lenses.find(words[8]);
-    if (lens == lenses.end()) badInput("{} has the camera {}, which cameras.txt has not", lines.where(), words[8]);
+    if (lens == lenses.end())
+      badInput("{} has the camera {}, which is missing from cameras.txt", lines.where(), words[8]);
     const glm::dmat4 pose = poseOfColmap({{n[0], n[1], n[2], n[3]}, {n[4], n[5], n[6]}}, lines.where());
     // A name may have spaces.
     const std::string name(line->substr(static_cast<size_t>(words[9].data() - line->data())));

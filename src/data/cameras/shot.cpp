@@ -23,7 +23,8 @@ dmat4 lookAtPose(const SceneAxes& axes, dvec3 eye, dvec3 target, const dvec3* up
   if (!up && glm::length(glm::cross(away, upward)) < 1e-6) upward = -axes.front;
   const dvec3 right = glm::cross(away, upward);
   const double across = glm::length(right);
-  if (!(across > 1e-6 * glm::length(upward))) badUsage("{}.up is zero or along the view: give one across it", path);
+  if (!(across > 1e-6 * glm::length(upward)))
+    badUsage("{}.up is zero or parallel to the view: give another direction", path);
   const dvec3 unit = right / across;
   return dmat4(dvec4(unit, 0), dvec4(glm::cross(away, unit), 0), dvec4(away, 0), dvec4(eye, 1));
 }

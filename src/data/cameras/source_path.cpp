@@ -24,7 +24,7 @@ std::vector<KeyFrame> readKeys(Spec& spec, const CameraContext& context, const O
   const bool timed = entries[0].has("time");
   std::vector<KeyFrame> keys;
   for (Spec& entry : entries) {
-    if (entry.has("time") != timed) badUsage("{} must have a time in all key frames or in none", spec.pathOf("keys"));
+    if (entry.has("time") != timed) badUsage("{} must have a time in all keyframes or in none", spec.pathOf("keys"));
     KeyFrame key{timed ? entry.number("time") : double(keys.size()), readPose(entry, context)};
     if (!keys.empty() && !(key.time > keys.back().time))
       badUsage("{} must be later than the key frame before", entry.pathOf("time"));

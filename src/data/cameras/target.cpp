@@ -67,7 +67,7 @@ Target readTarget(Spec& spec, const CameraContext& context) {
 Interval readDistance(Spec& spec, std::string_view key, const Target& target, double halfAngle) {
   if (spec.has(key)) return spec.interval(key, kPositive);
   if (target.radius == 0 || halfAngle == 0)
-    badUsage("{} needs \"{}\": a point, or a picture of all around, fits at none of itself", spec.path(), key);
+    badUsage("{} requires \"{}\", because a point or a panoramic image has no fitting distance", spec.path(), key);
   constexpr double kMargin = 1.04;
   const double fitting = kMargin * target.radius / scene::builtin::sine(halfAngle);
   return {fitting, fitting};

@@ -81,7 +81,8 @@ Lens lensIn(const Json& source, PictureSize size, const std::string& where) {
     distorted = distorted || lens.distortion[term.place] != 0;
   }
   if (lens.model == LensModel::OpenCv && numberIn(source, "k4", 0, where) != 0)
-    badInput("{} has a k4 with the model OPENCV, where it is that of r^8: OpenCV's lens has none", where);
+    badInput("{} has a k4 with the model OPENCV: there it is the coefficient of r^8, which OpenCV's lens does not have",
+             where);
   if (lens.model == LensModel::OpenCv && !distorted) lens.model = LensModel::Pinhole;
   checkLens(lens, where);
   return lens;
@@ -98,7 +99,7 @@ Json intrinsicsOf(const Json& all, const Json& frame) {
 
 void checkWritable(const CalibratedCamera& camera, const std::filesystem::path& file) {
   const std::string lack = camera.lens ? transformsLack(*camera.lens) : "it has no lens";
-  if (!lack.empty()) badUsage("{} can't hold the camera \"{}\": {}", file.string(), camera.name, lack);
+  if (!lack.empty()) badUsage("{} cannot express the camera \"{}\": {}", file.string(), camera.name, lack);
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ std::vector<CalibratedCamera> readTum(const std::filesystem::path& file) {
 void writeTum(const std::filesystem::path& file, std::span<const CalibratedCamera> cameras) {
   std::string text = "# timestamp tx ty tz qx qy qz qw\n";
   for (const CalibratedCamera& camera : cameras) {
-    if (!parseNumber<double>(camera.name)) badUsage("TUM's format names poses by times, and not \"{}\"", camera.name);
+    if (!parseNumber<double>(camera.name)) badUsage("TUM's format requires times as names, not \"{}\"", camera.name);
     const glm::dvec4 q = quaternionOf(glm::dmat3(camera.pose));
     const glm::dvec4 t = camera.pose[3];
     text += fmt::format("{} {} {} {} {} {} {} {}\n", camera.name, t.x, t.y, t.z, q[1], q[2], q[3], q[0]);

@@ -70,10 +70,9 @@ class Bop : public Format {
 
   FrameRecord writeFrame(const DataFrame& frame, const std::filesystem::path& folder) const override {
     if (frame.metadata.camera.orthographic)
-      badUsage("the format bop holds no orthographic camera, which \"{}\" is", frame.metadata.camera.name);
+      badUsage("the format bop cannot express orthographic cameras such as \"{}\"", frame.metadata.camera.name);
     if (frame.metadata.camera.lens)
-      badUsage("the format bop holds no camera with a lens that bends rays, which \"{}\" has",
-               frame.metadata.camera.name);
+      badUsage("the format bop cannot express cameras with a lens such as that of \"{}\"", frame.metadata.camera.name);
     const output::AovImage& depth = imageOf(frame.picture, output::Aov::Depth);
     const double stepsPerMetre = kMillimetres / depthScale_;
     FrameRecord record;

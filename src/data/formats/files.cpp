@@ -49,9 +49,10 @@ class Files : public Format {
  private:
   void checkPattern() const {
     const size_t at = request_.pattern.find(kName);
-    if (at == std::string::npos) badUsage("pattern needs {{name}}, or each frame would replace the one before");
+    if (at == std::string::npos)
+      badUsage("pattern must contain {{name}}; otherwise each frame would replace the previous one");
     if (fs::path(request_.pattern).is_absolute() || request_.pattern.find("..") != std::string::npos)
-      badUsage("pattern is a name below the data set's folder, not \"{}\"", request_.pattern);
+      badUsage("pattern must be a path below the data set's folder, not \"{}\"", request_.pattern);
     output::OutputRequest filled = request_;
     filled.pattern.replace(at, kName.size(), 1, '0');
     const output::Metadata nothing;
@@ -59,7 +60,7 @@ class Files : public Format {
     if (output::formatOf(filled.pattern) == output::Format::Png)
       for (const output::Aov aov : request_.aovs)
         if (output::info(aov).png == output::PngCoding::None)
-          badUsage("a PNG file can't hold {}; end the pattern in .exr or .npy", output::info(aov).name);
+          badUsage("a PNG file cannot store {}; use .exr or .npy in the pattern", output::info(aov).name);
   }
 
   output::OutputRequest request_{.pattern = "{name}.png"};

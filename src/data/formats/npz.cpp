@@ -37,7 +37,7 @@ class ZipArchive {
 
   std::vector<std::byte> finish() {
     const size_t begin = bytes_.size();
-    if (begin + directory_.size() > kMost) badUsage("an NPZ file holds up to 4 GiB; ask for fewer outputs or pixels");
+    if (begin + directory_.size() > kMost) badUsage("an NPZ file is limited to 4 GiB; use fewer outputs or pixels");
     bytes_.insert(bytes_.end(), directory_.begin(), directory_.end());
     put(bytes_, 0x06054b50, 4);
     put(bytes_, 0, 4);  // disks

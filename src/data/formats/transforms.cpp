@@ -83,9 +83,9 @@ class Transforms : public Format {
   FrameRecord writeFrame(const DataFrame& frame, const std::filesystem::path& folder) const override {
     const output::CameraMetadata& camera = frame.metadata.camera;
     if (camera.orthographic)
-      badUsage("the format transforms holds no orthographic camera, which \"{}\" is", camera.name);
+      badUsage("the format transforms cannot express orthographic cameras such as \"{}\"", camera.name);
     if (const std::string lack = camera.lens ? transformsLack(*camera.lens) : ""; !lack.empty())
-      badUsage("the format transforms can't hold the camera \"{}\": {}", camera.name, lack);
+      badUsage("the format transforms cannot express the camera \"{}\": {}", camera.name, lack);
     FrameRecord record;
     const std::string depthFile = frameFile(depthFile_, frame);
     const std::string picture = picture_.write(record, frame, folder);

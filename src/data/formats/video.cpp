@@ -84,7 +84,7 @@ class Ffmpeg {
 
  private:
   [[noreturn]] static void failed(int error) {
-    badUsage("ffmpeg can't be started: {}", std::generic_category().message(error));
+    badUsage("cannot start ffmpeg: {}", std::generic_category().message(error));
   }
   int wait() const {
     int status = 0;
@@ -105,8 +105,7 @@ class Video : public Format {
     picture_ = PictureFile(options);
     rate_ = options.number("fps", 24, 1e-2, 1e3);
     options.finish();
-    if (!isInstalled("ffmpeg"))
-      badUsage("the format video needs ffmpeg, which is not installed (Debian's package is ffmpeg)");
+    if (!isInstalled("ffmpeg")) badUsage("the format video requires ffmpeg: install it (Debian's package is ffmpeg)");
   }
 
   std::vector<output::Aov> needs() const override { return {}; }
@@ -129,7 +128,8 @@ class Video : public Format {
     bool made = true;
     for (const Json& entry : entries) made = made && ffmpeg.send(readFile(folder / entry.get<std::string>()));
     if (!ffmpeg.finish() || !made)
-      badUsage("ffmpeg could not make '{}' of the pictures; are all of one size, and is there room?", path.string());
+      badUsage("ffmpeg failed to encode '{}'; check that all images have the same size and that the disk is not full",
+               path.string());
     if (const int error = file.become(path)) cantWrite(error);
     return {file_};
   }

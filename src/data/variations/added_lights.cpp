@@ -53,7 +53,7 @@ class AddedLights : public Variation {
   static uint32_t readType(Spec& spec) {
     const std::string name = spec.text("light", "point");
     const std::optional<uint32_t> type = scene::findLightType(name);
-    if (!type) badUsage("{} must be one of `latelight list lights`, not \"{}\"", spec.pathOf("light"), name);
+    if (!type) badUsage("{} must be a type listed by `latelight list lights`, not \"{}\"", spec.pathOf("light"), name);
     return *type;
   }
 

@@ -39,7 +39,7 @@ class Scatter : public Variation {
     tries_ = spec.count("tries", 1, 1'000'000, 100);
     if (spec.has("avoid")) avoided_ = boxesOf(scene, selectNodes(spec, "avoid", scene));
     name_ = spec.text("name", "scattered");
-    if (name_.find('/') != std::string::npos) badUsage("{} can't have a slash", spec.pathOf("name"));
+    if (name_.find('/') != std::string::npos) badUsage("{} must not contain a slash", spec.pathOf("name"));
   }
 
   Json draw(const Draw& draw, Draft& draft) const override {

@@ -37,8 +37,8 @@ std::vector<std::string> picturesIn(const std::string& folder) {
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
     if (std::ranges::find(kEndings, entry->path().extension().string()) != std::end(kEndings))
       pictures.push_back(entry->path().string());
-  if (error) badInput("{} can't be read as a folder of textures: {}", folder, error.message());
-  if (pictures.empty()) badInput("{} has no pictures: they end in .png, .jpg, .jpeg, .webp, .bmp or .tga", folder);
+  if (error) badInput("cannot read {} as a folder of textures: {}", folder, error.message());
+  if (pictures.empty()) badInput("{} has no images (.png, .jpg, .jpeg, .webp, .bmp or .tga)", folder);
   std::ranges::sort(pictures);
   return pictures;
 }

@@ -16,13 +16,13 @@ using Json = nlohmann::ordered_json;
 namespace {
 
 constexpr VariationKind kKinds[] = {
-    {"materials", "colour, roughness, metalness and emission of materials", varyMaterials},
-    {"textures", "other pictures in materials' slots", varyTextures},
-    {"lights", "strength, colour and place of the scene's lights, and how many are on", varyLights},
-    {"addedLights", "further lights", addLights},
-    {"environments", "one of several environments, and how far it is turned", varyEnvironments},
-    {"transforms", "places, turns and sizes of nodes", varyTransforms},
-    {"visibility", "which nodes are there", varyVisibility},
+    {"materials", "color, roughness, metalness and emission of materials", varyMaterials},
+    {"textures", "replacement textures for material slots", varyTextures},
+    {"lights", "intensity, color, position and number of the scene's lights", varyLights},
+    {"addedLights", "additional lights", addLights},
+    {"environments", "a choice of environments and their rotation", varyEnvironments},
+    {"transforms", "translation, rotation and scale of nodes", varyTransforms},
+    {"visibility", "visibility of nodes", varyVisibility},
     {"scatter", "objects on a surface or in a volume, without overlap", scatterObjects},
 };
 

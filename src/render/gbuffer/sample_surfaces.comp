@@ -4,9 +4,9 @@
 // Per-sample classification: groups each pixel's samples by the surface they show, so that a pixel is lit once for each
 // surface. Pixels with several surfaces are those shaded per sample.
 //
-// A fragment that covers a whole pixel writes one value to all its samples: where all are bit-identical, nothing has to
-// be compared (this tells what seed 000's SV_Coverage tells, and also holds where surfaces intersect). Where they
-// differ, most still show one surface (same_surface.glsl).
+// A fragment that covers a whole pixel writes one value to all its samples, so bit-identical samples need no further
+// comparison. This detects what SV_Coverage detects (Thibieroz 2009), and also works where surfaces intersect. Most
+// pixels with differing samples still show one surface (same_surface.glsl).
 #define MULTISAMPLED
 #include "render/glsl/common.glsl"
 #define GBUFFER_SAMPLED_ONLY

@@ -62,7 +62,7 @@ TargetValue decodeTexel(VkFormat format, const std::byte* texel) {
       for (int i = 0; i < 4; ++i) value.u[i] = load<uint32_t>(texel, i);
       return value;
     default:
-      fail(ExitCode::Internal, "Texels of the format {} can't be read yet: teach render/gbuffer/texel.cpp.",
+      fail(ExitCode::Internal, "Texels of the format {} cannot be read: add it to render/gbuffer/texel.cpp.",
            vk::formatName(format));
   }
 }

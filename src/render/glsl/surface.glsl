@@ -13,8 +13,8 @@ vec3 vertexNormal(SurfacePoint p) {
   return area > 0.0 ? p.plane * inversesqrt(area) : vec3(0.0, 0.0, 1.0);
 }
 
-// Perturbs the normal by a map through the vertices' tangent frame (seed 000; glTF 2.0, section 3.9.3). `scale`: of its
-// slopes.
+// Perturbs the normal by a normal map in the vertices' tangent frame (glTF 2.0, section 3.9.3). `scale` multiplies the
+// slopes of the map.
 vec3 mappedNormal(Material m, uint slot, float scale, SurfacePoint p, vec3 n) {
   if (!hasTexture(m, slot)) return n;
   vec3 map = sampleTexture(m, slot, p).xyz * 2.0 - 1.0;

@@ -63,7 +63,8 @@ void GpuLights::set(vk::Uploader& uploader, std::vector<scene::Light> lights) {
     shining.push_back(l);
     sources.push_back(i);
   }
-  if (broken) warn("{} of {} lights are left out: a number of theirs is not finite", broken, authored_.size());
+  if (broken)
+    warn("{} of {} lights are skipped, because they have a value that is not finite", broken, authored_.size());
   LightTree tree = buildLightTree(shining);
   sources_.clear();
   for (const uint32_t source : tree.sources) sources_.push_back(sources[source]);

@@ -208,8 +208,9 @@ LensRays::LensRays(vk::Device& device, const LensPicture& picture) {
   const Bins bins = binsOf(grid, views, viewOfAxis);
   if (device.isCpu() && bins.most > kMostOnCpu)
     badUsage(
-        "on a CPU device at most {} pixels of a picture may look almost the same way, as those at a pole do: make "
-        "it smaller",
+        "on a CPU device at most {} pixels of an image may have nearly the same direction, such as those at a pole: "
+        "use "
+        "a smaller image",
         kMostOnCpu);
   starts = vk::uploadedBuffer(device, "lens rays by pixels", std::as_bytes(std::span(bins.starts)));
   pixels = vk::uploadedBuffer(device, "lens pixels", std::as_bytes(std::span(bins.pixels)));

@@ -9,7 +9,7 @@ namespace latelight::render {
 
 Settings lensSettings(const Settings& settings) {
   const auto needsPinhole = [](const char* what) {
-    badUsage("{} takes a pinhole or orthographic camera, and this one's lens bends rays", what);
+    badUsage("{} requires a pinhole or orthographic camera, but this camera has another lens", what);
   };
   if (asksFor(settings, Origin::Motion)) needsPinhole("the output motion");
   if (asksFor(settings, Origin::Raster)) needsPinhole("an output named raster");

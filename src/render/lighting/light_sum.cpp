@@ -26,8 +26,8 @@ void addFinishSum(const FrameContext& f, graph::ImageId sum, graph::ImageId ligh
 void warnOfManyPasses(const char* technique, uint64_t passes) {
   constexpr uint64_t kMany = 20000;
   if (passes > kMany)
-    warn("{} draws {} light passes a frame, which takes long: tiled and clustered are made for this many lights",
-         technique, passes);
+    warn("{} draws {} light passes per frame, which is slow: use tiled or clustered for this many lights", technique,
+         passes);
 }
 
 }  // namespace latelight::render

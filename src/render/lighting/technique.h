@@ -18,9 +18,10 @@ struct TechniqueInfo {
   bool draws = false;       // takes the graphics pipeline; every forward one does
   // Adds the passes that write the lit picture to gbuffer.light, with alpha 1 where there is a surface. A deferred
   // technique finds emitted radiance and ambient occlusion there; for a forward one it is empty, and there are no
-  // targets. Every technique shades with shared/shade.h over the same lights, so all give the same picture. Where the
-  // setup counts lights, the counts go to gbuffer.lightCounts. Shaders of one that computes have the variants layout,
-  // visible, multisampled and layered (docs/architecture.md, "A shader"), and call showSurfaces() first.
+  // targets. Every technique shades with shared/shade.h over the same lights, so all give the same picture. If the
+  // setup counts lights, the counts go to gbuffer.lightCounts. Compute shaders of a deferred technique declare the
+  // variants layout, visible, multisampled and layered (docs/extending.md, "Shader variants") and call showSurfaces()
+  // first.
   std::function<void(const FrameContext& f, Gbuffer& gbuffer)> add;
 };
 

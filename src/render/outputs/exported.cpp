@@ -28,7 +28,7 @@ std::shared_ptr<ExportedMemory> ExportPool::take(vk::Device& device, uint64_t by
   if (!memory) {
     const bool cpu = device.isCpu();
     if (!cpu && !vk::exportsBuffers(device))
-      fail(ExitCode::NoDevice, "{} can't give its memory to other libraries: take the pictures on the host.",
+      fail(ExitCode::NoDevice, "{} cannot export its memory to other libraries: read the images on the host.",
            device.info().name);
     memory = std::make_unique<ExportedMemory>();
     memory->buffer = {device,

@@ -155,7 +155,7 @@ std::vector<ShadowCaster> chooseShadowCasters(const ShadowScene& scene, const sh
   const size_t asked = casters.size();
   const size_t dropped = fit(casters, scene, uint64_t{settings.shadowAtlas} * settings.shadowAtlas);
   if (dropped && !wanted.automatic)
-    warn("the {} most important of {} lights cast shadows: a shadow atlas of {} texels has no room for more",
+    warn("the {} most important of {} lights cast shadows: no more fit into a shadow atlas of {} texels",
          asked - dropped, asked, settings.shadowAtlas);
   return casters;
 }

@@ -161,8 +161,8 @@ bool overflowed(const FrameContext& f, Room room, const shared::FragmentTotals& 
   const uint64_t most = mostRoom(f.device, f.setup.transparency);
   if (needed > most)
     fail(ExitCode::DeviceLost,
-         "transparency has {} fragments of {} bytes to keep in this picture, and {} takes {} at most: choose a smaller "
-         "picture, or sorted or weighted with the raster hardware",
+         "transparency needs {} fragments of {} bytes for this image, but {} supports at most {}: use a smaller image, "
+         "or sorted or weighted with the raster hardware",
          needed, sizeof(shared::Fragment), f.device.info().name, most);
   if (needed > room.fragments) f.overflow->fragments = std::min(needed + needed / 4, most);
   f.overflow->longestList = std::max(room.longest, std::bit_ceil(totals.longest));

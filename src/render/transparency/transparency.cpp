@@ -62,7 +62,7 @@ void addTransparency(const FrameContext& f, Gbuffer gbuffer) {
     case kTransparencyWeighted:
       return addWeightedTransparency(f, gbuffer);
     default:
-      fail(ExitCode::Internal, "There is no method of transparency {}.", method);
+      fail(ExitCode::Internal, "Unknown transparency method {}.", method);
   }
 }
 

@@ -11,7 +11,7 @@ void addWeightedTransparency(const FrameContext& f, const Gbuffer& gbuffer) {
   const DeviceDraws& draws = f.visibility.drawn()->blended();
   const graph::ImageId depth = attachableDepth(f, gbuffer.depth);
   const VkFormat format = lightSumFormat(f.device);
-  const std::vector<graph::ImageId> sums{createTarget(f, format, "weighted colours"),
+  const std::vector<graph::ImageId> sums{createTarget(f, format, "weighted colors"),
                                          createTarget(f, format, "weights")};
   const Bindings maps = blendedMaps(f, gbuffer, graph::Use::SampledFragment);
   const ScenePipelines pipelines = blendedPipelines(

@@ -93,8 +93,8 @@ void HardwareVisibility::addSolid(const FrameContext& f, graph::Stage stage, vk:
                });
 }
 
-// Finds the nearest surface of every pixel first, so that the geometry pass shades each pixel once (seed 000, early
-// depth-stencil). Equal depths are settled in the geometry pass, where what is drawn last wins.
+// Depth prepass: finds the nearest surface of every pixel, so that the geometry pass shades each pixel once. Equal
+// depths are resolved in the geometry pass, where the surface drawn last wins.
 FrameDepth HardwareVisibility::addDepth(const FrameContext& f) const {
   if (f.setup.samples > 1) requireSamples(f.device, f.setup);
   vk::GraphicsDesc desc;
@@ -173,9 +173,10 @@ namespace {
 
 void requireStores(const vk::Device& device) {
   if (!device.features().core.features.fragmentStoresAndAtomics)
-    fail(ExitCode::NoDevice,
-         "{} can't write to memory from fragment shaders, which exact transparency takes: choose sorted or weighted",
-         device.info().name);
+    fail(
+        ExitCode::NoDevice,
+        "{} cannot write to memory from fragment shaders, which exact transparency requires: choose sorted or weighted",
+        device.info().name);
 }
 
 }  // namespace
@@ -218,7 +219,7 @@ void HardwareVisibility::addFragments(const FrameContext& f, const Gbuffer& gbuf
 
 const HardwareVisibility& hardwareOf(const FrameContext& f, const char* technique) {
   if (const auto* hardware = dynamic_cast<const HardwareVisibility*>(&f.visibility)) return *hardware;
-  badUsage("{} draws with the graphics pipeline: it takes the raster hardware", technique);
+  badUsage("{} uses the graphics pipeline: it requires the raster hardware", technique);
 }
 
 }  // namespace latelight::render

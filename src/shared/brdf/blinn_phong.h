@@ -1,4 +1,4 @@
-// Blinn-Phong (Blinn 1977) with a specular colour and exponent, as in seeds 000 and 002, normalised.
+// Normalized Blinn-Phong (Blinn 1977) with a specular color and exponent.
 #ifndef LATELIGHT_SHARED_BRDF_BLINN_PHONG_H
 #define LATELIGHT_SHARED_BRDF_BLINN_PHONG_H
 

@@ -1,13 +1,13 @@
-// battlefield3: the G-buffer of Battlefield 3 (row 8; J. Andersson, DirectX 11 Rendering in Battlefield 3, GDC 2011,
-// DICE; seed 000 repeats Killzone's table in its place). Four targets of four bytes, 20 bytes a pixel with depth.
+// battlefield3: the G-buffer of Battlefield 3 (J. Andersson, DirectX 11 Rendering in Battlefield 3, GDC 2011, DICE).
+// Four targets of four bytes, 20 bytes per pixel with depth.
 //
-// Channels without a counterpart here are mapped: sky visibility is ambient occlusion; the environment id is 0, since a
-// scene has one environment; the material parameter is metalness; and irradiance, which is baked light, holds emitted
+// Channels without a counterpart here are mapped: sky visibility is ambient occlusion; the environment id is 0, because
+// a scene has one environment; the material parameter is metalness; and irradiance, which is baked light, holds emitted
 // radiance (its successor kept both in that target: Lagarde and de Rousiers 2014, Moving Frostbite to Physically Based
 // Rendering, section 4.5).
 //
-// Its limitations are kept: eight bits per component of the normal; one grey dielectric reflectance; the material id
-// marks surfaces that reflect nothing and unlit ones.
+// Its limitations are kept: eight bits per component of the normal, and one gray dielectric reflectance. The material
+// id marks matte and unlit surfaces.
 #ifndef LATELIGHT_SHARED_GBUFFER_BATTLEFIELD3_H
 #define LATELIGHT_SHARED_GBUFFER_BATTLEFIELD3_H
 
@@ -16,10 +16,10 @@
 #define GBUFFER_KEEPS_FLAGS  // by the material id
 #define GBUFFER_DESCRIPTION \
   "Battlefield 3: normal + smoothness, diffuse + specular, sky visibility and material ids, irradiance"
-#define GBUFFER_FIXED_NORMAL "x, y and z of the world in eight bits each"
+#define GBUFFER_FIXED_NORMAL "world-space x, y and z, eight bits each"
 #define GBUFFER_TARGETS(T)                                                                                             \
   T(0, normal, R8G8B8A8_UNORM, vec4, "rgb: world normal x, y, z * 0.5 + 0.5; a: smoothness, 1 - roughness")            \
-  T(1, diffuse, R8G8B8A8_SRGB, vec4, "rgb: base colour; a: root of the dielectric's reflectance")                      \
+  T(1, diffuse, R8G8B8A8_SRGB, vec4, "rgb: base color; a: square root of the dielectric's reflectance")                \
   T(2, material, R8G8B8A8_UNORM, vec4,                                                                                 \
     "r: sky visibility (ambient occlusion); g: environment id, 0; b: material parameter (metallic); a: material id / " \
     "255 (1 lit, 2 matte, 3 unlit)")                                                                                   \

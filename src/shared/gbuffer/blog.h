@@ -1,8 +1,8 @@
-// blog: the G-buffer of seed 002 (row 10): lit colour, UUID, world position, octahedral normal in R16G16, albedo,
-// specular + exponent. 60 bytes a pixel with depth.
+// blog: the G-buffer of a Direct3D 11 blog post ("Deferred Rendering", in Korean): lit color, UUID, world position,
+// octahedral normal in R16G16, albedo, specular + exponent. 60 bytes per pixel with depth.
 //
-// Its lit colour corresponds to the light accumulation target of every frame here, but in 32-bit floats. Colours and
-// position are floats, as in the post; only normals are quantised.
+// The lit color corresponds to the light accumulation target of every frame here, but in 32-bit floats. Colors and
+// positions are floats, as in the post; only normals are quantized.
 #ifndef LATELIGHT_SHARED_GBUFFER_BLOG_H
 #define LATELIGHT_SHARED_GBUFFER_BLOG_H
 
@@ -10,17 +10,17 @@
 #include "shared/gbuffer.h"
 
 #define GBUFFER_DESCRIPTION \
-  "lit colour, UUID for picking, world position, octahedral normal, albedo, specular + exponent"
+  "lit color, UUID for picking, world position, octahedral normal, albedo, specular + exponent"
 #define GBUFFER_FIXED_NORMAL "octahedral in two channels of 16 bits"
-#define GBUFFER_FIXED_POSITION "three 32-bit floats, in the world"
+#define GBUFFER_FIXED_POSITION "three 32-bit floats, world space"
 #define GBUFFER_LIGHT_FORMAT R32G32B32A32_SFLOAT
 #define GBUFFER_TARGETS(T)                                                        \
   T(0, uuid, R32_UINT, uint, "r: id of the object")                               \
   T(1, position, R32G32B32A32_SFLOAT, vec4,                                       \
     "xyz: world position (m); w: the dielectric's reflectance at grazing angles") \
   T(2, normal, R16G16_UNORM, vec4, "rg: world normal, octahedral")                \
-  T(3, albedo, R32G32B32A32_SFLOAT, vec4, "rgb: diffuse colour; a: metallic")     \
-  T(4, specular, R32G32B32A32_SFLOAT, vec4, "rgb: specular colour; a: Blinn-Phong exponent")
+  T(3, albedo, R32G32B32A32_SFLOAT, vec4, "rgb: diffuse color; a: metallic")      \
+  T(4, specular, R32G32B32A32_SFLOAT, vec4, "rgb: specular color; a: Blinn-Phong exponent")
 
 GBUFFER_BEGIN
 

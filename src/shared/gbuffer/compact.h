@@ -10,11 +10,11 @@
 
 #include "shared/gbuffer.h"
 
-#define GBUFFER_DESCRIPTION "like floats to a level of 8 bits, in 20 bytes a pixel with depth; the default"
+#define GBUFFER_DESCRIPTION "matches floats to one 8-bit level, in 20 bytes per pixel with depth; the default"
 #define GBUFFER_TARGETS(T)                                                                                          \
   T(0, surface, R32G32B32A32_UINT, uvec4,                                                                           \
     "r: world normal 32 of 40 (20+20 or 13+13+13); g: normal 8, roughness 12, metallic 10, reflectance 2; b: base " \
-    "colour 10+10+10, reflectance 2; a: reflectance 24, grazing reflectance 8")
+    "color 10+10+10, reflectance 2; a: reflectance 24, grazing reflectance 8")
 
 GBUFFER_BEGIN
 

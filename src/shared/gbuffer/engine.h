@@ -1,20 +1,21 @@
-// engine: the G-buffer of the engine notes, seed 004 (row 9). 16 bytes a pixel with depth.
+// engine: the G-buffer described in the shader notes of a small Direct3D 11 engine: normal, diffuse + ambient
+// occlusion, specular + power. 16 bytes per pixel with depth.
 //
-// The notes name channels but no formats; here normals have ten bits per component, in a format whose fourth channel is
-// unused, as in the notes, and colours eight (sRGB-encoded). There is no room for a grazing reflectance: it is 1
-// wherever there is a specular colour.
+// The notes name channels but no formats. Here normals have ten bits per component, in a format whose fourth channel is
+// unused, as in the notes, and colors have eight (sRGB-encoded). Reflectance at grazing angles is not stored: it is 1
+// if the specular color is not black.
 #ifndef LATELIGHT_SHARED_GBUFFER_ENGINE_H
 #define LATELIGHT_SHARED_GBUFFER_ENGINE_H
 
 #include "shared/diffuse_specular.h"
 #include "shared/gbuffer.h"
 
-#define GBUFFER_DESCRIPTION "three targets of an engine: normal.xyz, diffuse + ambient occlusion, specular + power"
-#define GBUFFER_FIXED_NORMAL "x, y and z of the world in ten bits each"
+#define GBUFFER_DESCRIPTION "a small engine: normal.xyz, diffuse + ambient occlusion, specular + power"
+#define GBUFFER_FIXED_NORMAL "world-space x, y and z, ten bits each"
 #define GBUFFER_TARGETS(T)                                                                         \
   T(0, normal, A2B10G10R10_UNORM_PACK32, vec4, "rgb: world normal x, y, z * 0.5 + 0.5; a: unused") \
-  T(1, diffuse, R8G8B8A8_SRGB, vec4, "rgb: diffuse colour; a: ambient occlusion")                  \
-  T(2, specular, R8G8B8A8_SRGB, vec4, "rgb: specular colour; a: Blinn-Phong power / 255")
+  T(1, diffuse, R8G8B8A8_SRGB, vec4, "rgb: diffuse color; a: ambient occlusion")                   \
+  T(2, specular, R8G8B8A8_SRGB, vec4, "rgb: specular color; a: Blinn-Phong power / 255")
 
 GBUFFER_BEGIN
 

@@ -6,14 +6,14 @@
 #include "shared/gbuffer.h"
 
 #define GBUFFER_KEEPS_FLAGS  // unlit and layered surfaces keep their values; lighting reads the flags
-#define GBUFFER_DESCRIPTION "every value in 32-bit floats: the source of data outputs and the reference for the others"
+#define GBUFFER_DESCRIPTION "every value in 32-bit floats; the source of data outputs and the reference layout"
 #define GBUFFER_FIXED_NORMAL "three 32-bit floats"
 #define GBUFFER_FIXED_POSITION "three 32-bit floats, in the world"
 #define GBUFFER_TARGETS(T)                                                                                 \
   T(0, position, R32G32B32A32_SFLOAT, vec4, "xyz: world position (m); w: ambient occlusion")               \
   T(1, normal, R32G32B32A32_SFLOAT, vec4, "xyz: world normal; w: roughness")                               \
   T(2, geonormal, R32G32B32A32_SFLOAT, vec4, "xyz: the triangle's world normal; w: metallic")              \
-  T(3, albedo, R32G32B32A32_SFLOAT, vec4, "rgb: base colour; a: reflectance at grazing angles")            \
+  T(3, albedo, R32G32B32A32_SFLOAT, vec4, "rgb: base color; a: reflectance at grazing angles")             \
   T(4, f0, R32G32B32A32_SFLOAT, vec4, "rgb: dielectric reflectance at normal incidence; a: u of UV set 0") \
   T(5, emissive, R32G32B32A32_SFLOAT, vec4, "rgb: emitted radiance; a: v of UV set 0")                     \
   T(6, ids, R32G32B32A32_UINT, uvec4, "r: id; g: id of the part; b: id of the material; a: 1 unlit, 2 layered")

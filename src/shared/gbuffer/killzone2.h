@@ -1,11 +1,11 @@
-// killzone2: the G-buffer of Killzone 2 (row 7; M. Valient, Deferred Rendering in Killzone 2, Develop 2007, Guerrilla).
-// 20 bytes a pixel in the original: light accumulation + intensity, three targets of four bytes, depth and stencil.
+// killzone2: the G-buffer of Killzone 2 (M. Valient, Deferred Rendering in Killzone 2, Develop 2007, Guerrilla Games).
+// 20 bytes per pixel in the original: light accumulation + intensity, three targets of four bytes, depth and stencil.
 //
-// Its limitations are kept: a normal without the sign of its view depth, so normals turned away from the view plane (at
-// the rim of a wide view, or by a normal map) come back mirrored; near the rim x and z of eleven bits leave an error of
-// about a degree. A specular power of eight bits. One colour and a specular intensity: a coloured highlight has the
-// albedo's colour, as far as its intensity exceeds a usual dielectric's. Motion to within an eighth of a pixel, clamped
-// to 32 pixels a frame on each axis.
+// Its limitations are kept. The normal lacks the sign of its view depth, so normals that face away from the view plane
+// (at the edge of a wide view, or because of a normal map) come back mirrored. For nearly perpendicular normals, the
+// eleven bits of x and z leave an error of about a degree. The specular power has eight bits. There is one color and a
+// specular intensity: a colored highlight has the color of the albedo as far as its intensity exceeds that of a usual
+// dielectric. Motion is precise to an eighth of a pixel and clamped to 32 pixels per frame on each axis.
 #ifndef LATELIGHT_SHARED_GBUFFER_KILLZONE2_H
 #define LATELIGHT_SHARED_GBUFFER_KILLZONE2_H
 
@@ -19,12 +19,12 @@
 #define GBUFFER_DEPTH_FORMAT D24_UNORM_S8_UINT
 #define GBUFFER_LIGHT_FORMAT R8G8B8A8_UNORM
 #define GBUFFER_SUN_TARGET 2
-#define GBUFFER_TARGETS(T)                                                                                        \
-  T(0, normal, R16G16_SFLOAT, vec4, "rg: view-space normal, right and up; that away from the viewer is rebuilt")  \
-  T(1, motion, R8G8B8A8_UNORM, vec4,                                                                              \
-    "rg: motion to the frame before in quarters of a pixel, 128 is none; b: Blinn-Phong power / 255; a: root of " \
-    "specular intensity")                                                                                         \
-  T(2, albedo, R8G8B8A8_SRGB, vec4, "rgb: base colour; a: sun occlusion, 1 where the sun shines")
+#define GBUFFER_TARGETS(T)                                                                                         \
+  T(0, normal, R16G16_SFLOAT, vec4, "rg: view-space normal, right and up; the third component is reconstructed")   \
+  T(1, motion, R8G8B8A8_UNORM, vec4,                                                                               \
+    "rg: motion to the previous frame in quarter pixels, 128 is 0; b: Blinn-Phong power / 255; a: square root of " \
+    "specular intensity")                                                                                          \
+  T(2, albedo, R8G8B8A8_SRGB, vec4, "rgb: base color; a: sun occlusion, 1 where the sun shines")
 
 GBUFFER_BEGIN
 

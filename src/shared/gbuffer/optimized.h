@@ -1,8 +1,8 @@
-// optimized: the optimised G-buffer of seed 000 (row 6): view-space normal in two channels, diffuse, specular and
-// power, position from depth. 16 bytes a pixel with depth.
+// optimized: the optimized textbook G-buffer (same course as plain.h): view-space normal in two channels, diffuse,
+// specular and power, position from depth. 16 bytes per pixel with depth.
 //
-// Its limitations are kept: a specular power of eight bits, power / 255, so nothing shinier than a Blinn-Phong power of
-// 255 (perceptual roughness 0.30) survives; colours of eight bits (sRGB-encoded here).
+// Its limitations are kept: a specular power of eight bits, power / 255, which clamps Blinn-Phong powers above 255
+// (perceptual roughness 0.30), and colors of eight bits (sRGB-encoded here).
 #ifndef LATELIGHT_SHARED_GBUFFER_OPTIMIZED_H
 #define LATELIGHT_SHARED_GBUFFER_OPTIMIZED_H
 
@@ -10,11 +10,11 @@
 #include "shared/gbuffer.h"
 
 #define GBUFFER_DESCRIPTION \
-  "the optimised G-buffer: encoded view-space normal, diffuse, specular + power, position from depth"
+  "the optimized textbook G-buffer: encoded view-space normal, diffuse, specular + power, position from depth"
 #define GBUFFER_TARGETS(T)                                                                           \
   T(0, normal, NORMAL32, vec4, "encoded view-space normal (two channels of 16 bits or three of 10)") \
-  T(1, diffuse, R8G8B8A8_SRGB, vec4, "rgb: diffuse colour; a: reflectance at grazing angles")        \
-  T(2, specular, R8G8B8A8_SRGB, vec4, "rgb: specular colour; a: Blinn-Phong power / 255")
+  T(1, diffuse, R8G8B8A8_SRGB, vec4, "rgb: diffuse color; a: reflectance at grazing angles")         \
+  T(2, specular, R8G8B8A8_SRGB, vec4, "rgb: specular color; a: Blinn-Phong power / 255")
 
 GBUFFER_BEGIN
 

@@ -1,21 +1,21 @@
-// plain: the G-buffer that seed 000 begins with (row 5): normal, diffuse albedo, specular albedo + power, position, all
-// in floats. 68 bytes a pixel with depth, which the other layouts reduce.
+// plain: the textbook G-buffer (the course "Game Programming with DirectX", slides on deferred shading): normal,
+// diffuse albedo, specular albedo + power and position, all in floats. 68 bytes per pixel with depth.
 //
-// The alpha channels that the seed leaves at 1 hold the other parameters of glTF's materials, so nothing that lighting
-// needs is lost, and the picture equals one lit without any G-buffer.
+// The alpha channels that the slides leave at 1 hold the other parameters of glTF's materials. Nothing that lighting
+// needs is lost, and the image equals that of forward shading.
 #ifndef LATELIGHT_SHARED_GBUFFER_PLAIN_H
 #define LATELIGHT_SHARED_GBUFFER_PLAIN_H
 
 #include "shared/diffuse_specular.h"
 #include "shared/gbuffer.h"
 
-#define GBUFFER_DESCRIPTION "normal, diffuse, specular + power and position in floats: nothing is lost"
+#define GBUFFER_DESCRIPTION "normal, diffuse, specular + power and position in floats; lossless"
 #define GBUFFER_FIXED_NORMAL "three 32-bit floats"
-#define GBUFFER_FIXED_POSITION "three 32-bit floats, in the world"
-#define GBUFFER_TARGETS(T)                                                                                           \
-  T(0, normal, R32G32B32A32_SFLOAT, vec4, "xyz: world normal; w: ambient occlusion")                                 \
-  T(1, diffuse, R32G32B32A32_SFLOAT, vec4, "rgb: diffuse colour; a: the dielectric's reflectance at grazing angles") \
-  T(2, specular, R32G32B32A32_SFLOAT, vec4, "rgb: specular colour; a: Blinn-Phong power")                            \
+#define GBUFFER_FIXED_POSITION "three 32-bit floats, world space"
+#define GBUFFER_TARGETS(T)                                                                                          \
+  T(0, normal, R32G32B32A32_SFLOAT, vec4, "xyz: world normal; w: ambient occlusion")                                \
+  T(1, diffuse, R32G32B32A32_SFLOAT, vec4, "rgb: diffuse color; a: the dielectric's reflectance at grazing angles") \
+  T(2, specular, R32G32B32A32_SFLOAT, vec4, "rgb: specular color; a: Blinn-Phong power")                            \
   T(3, position, R32G32B32A32_SFLOAT, vec4, "xyz: world position (m); w: metallic")
 
 GBUFFER_BEGIN

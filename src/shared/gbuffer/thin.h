@@ -4,10 +4,10 @@
 
 #include "shared/gbuffer.h"
 
-#define GBUFFER_DESCRIPTION "everything GGX needs in 12 bytes a pixel with depth, to a few levels of 8 bits"
+#define GBUFFER_DESCRIPTION "all GGX parameters in 12 bytes per pixel with depth; accurate to a few 8-bit levels"
 #define GBUFFER_TARGETS(T)          \
   T(0, surface, R32G32_UINT, uvec2, \
-    "r: world normal 24 (12+12 or 8+8+8), roughness 8; g: base colour sRGB 8+8+8, metallic 5, reflectance 3")
+    "r: world normal 24 (12+12 or 8+8+8), roughness 8; g: base color sRGB 8+8+8, metallic 5, reflectance 3")
 
 GBUFFER_BEGIN
 

@@ -7,7 +7,7 @@
 #include "shared/gbuffer.h"
 
 #define GBUFFER_NO_TARGETS
-#define GBUFFER_DESCRIPTION "none: materials are evaluated where they are lit, from the triangles that pixels show"
+#define GBUFFER_DESCRIPTION "no G-buffer: lighting evaluates materials from the visibility buffer's triangles"
 #define GBUFFER_FIXED_NORMAL "what the material gives where it is lit"
 #define GBUFFER_FIXED_POSITION "where rays meet triangles"
 #define GBUFFER_TARGETS(T)

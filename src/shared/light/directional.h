@@ -4,7 +4,7 @@
 
 #include "shared/types.h"
 
-#define LIGHT_DESCRIPTION_directional "from infinitely far away, in lux"
+#define LIGHT_DESCRIPTION_directional "infinitely distant source, in lux"
 
 SH_BEGIN
 

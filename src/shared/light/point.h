@@ -4,7 +4,7 @@
 
 #include "shared/types.h"
 
-#define LIGHT_DESCRIPTION_point "from a point in all directions, in candela"
+#define LIGHT_DESCRIPTION_point "point source in all directions, in candela"
 
 SH_BEGIN
 

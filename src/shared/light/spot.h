@@ -6,7 +6,7 @@
 #include "shared/color.h"
 #include "shared/types.h"
 
-#define LIGHT_DESCRIPTION_spot "from a point into a cone, in candela"
+#define LIGHT_DESCRIPTION_spot "point source with a cone, in candela"
 
 SH_BEGIN
 

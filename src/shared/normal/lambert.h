@@ -8,7 +8,7 @@
 
 #include "shared/lang.h"
 
-#define NORMAL_DESCRIPTION_lambert "Lambert's azimuthal equal-area projection; worst away from the viewer"
+#define NORMAL_DESCRIPTION_lambert "Lambert azimuthal equal-area projection; least accurate for normals that face away"
 
 SH_BEGIN
 

@@ -4,12 +4,12 @@
 
 #include "shared/unorm.h"
 
-#define NORMAL_DESCRIPTION_octahedral "the sphere folded onto a square: evenly good all over; the default"
+#define NORMAL_DESCRIPTION_octahedral "octahedral map of the sphere to a square: uniform accuracy; the default"
 
 SH_BEGIN
 
-// Unit direction to octahedral coordinates in [-1, 1]^2; +Z is the centre.
-// The brackets that seed 000's OctWrap lacks are here: (1 - |v.yx|) * sign(v.xy), where sign(0) is 1.
+// Unit direction to octahedral coordinates in [-1, 1]^2; +Z is the center. The lower half wraps by (1 - |v.yx|) *
+// sign(v.xy), where sign(0) is 1. (Copies of this code often lack parentheses around the conditional sign.)
 SH_FUNC vec2 octahedralFromDirection(vec3 d) {
   float s = 1.0f / (abs(d.x) + abs(d.y) + abs(d.z));
   float x = d.x * s;

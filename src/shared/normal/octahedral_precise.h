@@ -6,7 +6,7 @@
 
 #include "shared/normal/octahedral.h"
 
-#define NORMAL_DESCRIPTION_octahedral_precise "octahedral, the nearest of the four codes around"
+#define NORMAL_DESCRIPTION_octahedral_precise "octahedral, with the nearest of the four neighboring codes"
 
 SH_BEGIN
 

@@ -11,7 +11,7 @@
 
 #include "shared/lang.h"
 
-#define NORMAL_DESCRIPTION_spheremap "CryEngine 3's spheremap in [0, 1]; worst away from the viewer"
+#define NORMAL_DESCRIPTION_spheremap "CryEngine 3's spheremap in [0, 1]; least accurate for normals that face away"
 
 SH_BEGIN
 

@@ -1,13 +1,13 @@
-// Spheremap in the signed form of seed 000's optimised G-buffer, which stores the point of the disc unchanged, for
-// SNORM and float targets. (The slide writes n.xy * sqrt(-n.z * 0.5 + 0.5): it omits normalising n.xy, and its own
-// decoder then returns another direction.) In UNORM channels it is stored as SNORM would, with a code for 0.
+// Spheremap in signed form: the point of the unit disc in [-1, 1], for SNORM and float targets. n.xy must be
+// normalized; n.xy * sqrt(-n.z * 0.5 + 0.5), which some courses show, does not match the decoder. UNORM channels store
+// it like SNORM channels, with a code for 0.
 #ifndef LATELIGHT_SHARED_NORMAL_SPHEREMAP_SIGNED_H
 #define LATELIGHT_SHARED_NORMAL_SPHEREMAP_SIGNED_H
 
 #include "shared/normal/spheremap.h"
 #include "shared/unorm.h"
 
-#define NORMAL_DESCRIPTION_spheremap_signed "CryEngine 3's spheremap in [-1, 1], 0 a code of its own"
+#define NORMAL_DESCRIPTION_spheremap_signed "CryEngine 3's spheremap in [-1, 1], with a code for 0"
 
 SH_BEGIN
 

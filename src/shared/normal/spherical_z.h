@@ -1,5 +1,6 @@
-// Spherical coordinates as in seed 000: the angle about Z, and z itself. The cylindrical projection preserves areas, so
-// the mean error is near the best; but near a pole z barely depends on the angle, and there the error is largest.
+// Spherical coordinates (Pranckevicius 2009, "Compact Normal Storage for Small G-Buffers"): the angle about Z, and z.
+// The cylindrical projection preserves areas, so the mean error is nearly optimal. Near a pole z barely depends on the
+// angle from it, and the error is largest.
 #ifndef LATELIGHT_SHARED_NORMAL_SPHERICAL_Z_H
 #define LATELIGHT_SHARED_NORMAL_SPHERICAL_Z_H
 

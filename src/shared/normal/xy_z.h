@@ -6,7 +6,7 @@
 
 #include "shared/lang.h"
 
-#define NORMAL_DESCRIPTION_xy_z "x and y, z rebuilt as the positive root: Killzone 2's"
+#define NORMAL_DESCRIPTION_xy_z "x and y; z is reconstructed as the positive root (Killzone 2)"
 
 SH_BEGIN
 

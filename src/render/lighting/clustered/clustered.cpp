@@ -4,7 +4,7 @@
 namespace latelight::render {
 
 TechniqueInfo technique_clustered() {
-  return {.description = "lights listed for each depth slice of each tile, by the box of the samples in it",
+  return {.description = "deferred: light lists per depth slice of each tile, by the bounding box of its samples",
           .add = [](const FrameContext& f, Gbuffer& gbuffer) {
             addLightLists(f, gbuffer, {.name = "clustered", .cellsATile = kSlices});
           }};

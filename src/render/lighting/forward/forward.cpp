@@ -1,5 +1,5 @@
-// Seed 000, single-pass lighting: for each object, all lights in one shader. O(pixels x lights), plus drawing every
-// object once; the depth pass before it keeps hidden surfaces from being lit.
+// forward: single-pass lighting. Each object is drawn once, with all lights in one shader. O(pixels x lights). The
+// depth pass before it prevents occluded surfaces from being lit.
 #include "render/lighting/forward/forward.h"
 
 #include "render/lighting/light_sum.h"
@@ -39,7 +39,7 @@ void addForward(const FrameContext& f, const Gbuffer& gbuffer, ForwardLoop loop)
 }
 
 TechniqueInfo technique_forward() {
-  return {.description = "one draw an object, all lights in its shader; no G-buffer",
+  return {.description = "forward: one draw per object, all lights in its shader",
           .forward = true,
           .draws = true,
           .add = [](const FrameContext& f, const Gbuffer& gbuffer) { addForward(f, gbuffer, forwardLoop(f.device)); }};

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // variants: multisampled, textured
-// forward: material and all lights of a visible surface in one shader (seed 000, single-pass lighting).
+// forward: evaluates the material and all lights of a visible surface in one shader (single-pass lighting).
 #include "render/glsl/common.glsl"
 #include "render/glsl/multisample.glsl"
 #include "render/visibility/varyings.glsl"

@@ -1,5 +1,5 @@
-// forward-multipass: after the depth pass the scene is drawn once without lights, and then once more for each light,
-// added where depth is equal (seed 000, multi-pass lighting). O(lights x triangles).
+// forward-multipass: after the depth pass, the scene is drawn once without lights and then once per light with additive
+// blending and the depth test EQUAL (multi-pass lighting, as before deferred shading). O(lights x triangles).
 #include "render/lighting/light_sum.h"
 #include "render/lighting/technique.h"
 #include "render/lit_maps.h"
@@ -119,7 +119,7 @@ void add(const FrameContext& f, const Gbuffer& gbuffer) {
 }  // namespace
 
 TechniqueInfo technique_forward_multipass() {
-  return {.description = "one additive pass a light over every object, depth-equal; no G-buffer",
+  return {.description = "forward: one additive pass over all objects per light, depth test EQUAL",
           .forward = true,
           .draws = true,
           .add = add};

@@ -16,8 +16,8 @@ constexpr uint32_t kMostOnCpu = 200'000;  // for one sample a pixel
 void add(const FrameContext& f, const Gbuffer& gbuffer) {
   const uint32_t most = f.device.isCpu() ? kMostOnCpu / f.setup.samples : ~0u, lights = f.scene.lights().count();
   if (lights > most)
-    badUsage("fullscreen goes through at most {} lights on a CPU device, and there are {}: choose tiled or clustered",
-             most, lights);
+    badUsage("fullscreen supports at most {} lights on a CPU device, but there are {}: choose tiled or clustered", most,
+             lights);
   addCompute(f, lightingPass(f, gbuffer, "lighting fullscreen", "fullscreen.comp"), [&f](graph::Context& context) {
     return shared::LightingPush{f.constants, shownSurfaces(f, context)};
   });
@@ -26,7 +26,7 @@ void add(const FrameContext& f, const Gbuffer& gbuffer) {
 }  // namespace
 
 TechniqueInfo technique_fullscreen() {
-  return {.description = "one pass over the picture, every light at every pixel", .add = add};
+  return {.description = "deferred: one full-screen pass, all lights at every pixel", .add = add};
 }
 
 }  // namespace latelight::render

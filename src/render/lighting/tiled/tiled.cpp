@@ -4,7 +4,7 @@
 namespace latelight::render {
 
 TechniqueInfo technique_tiled() {
-  return {.description = "lights listed for each tile of 16x16 pixels, by its samples' box and 2.5D depth mask",
+  return {.description = "deferred: light lists per 16x16 tile, by the bounding box and 2.5D depth mask of its samples",
           .add = [](const FrameContext& f, Gbuffer& gbuffer) { addLightLists(f, gbuffer, {.name = "tiled"}); }};
 }
 

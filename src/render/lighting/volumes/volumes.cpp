@@ -1,6 +1,6 @@
-// volumes: each light is drawn as a mesh around the space it reaches, and stencil culling keeps its shader off pixels
-// it can't light (seed 000; Hargreaves and Harris 2004, Deferred Shading). Point lights are spheres, spot lights cones,
-// directional lights one triangle over the picture. Depth is reversed here: the seed's LESS is GREATER.
+// volumes: each light is drawn as a mesh around its range, and stencil culling excludes pixels that it can't light
+// (Hargreaves and Harris 2004, Deferred Shading, GDC). Point lights are spheres, spot lights cones, and directional
+// lights one full-screen triangle. Depth is reversed, so the LESS of the literature is GREATER here.
 #include <cmath>
 #include <memory>
 
@@ -54,12 +54,12 @@ struct StepState {
   VkCullModeFlags cull;
 };
 constexpr StepState kSteps[] = {
-    // Seed 000, first step: depth LESS, stencil ALWAYS, depth-fail REPLACE. Drawn with the back faces: where they fail,
-    // the surface lies in front of them.
+    // First step of two-step stencil culling: depth LESS, stencil ALWAYS, depth-fail REPLACE. Back faces are drawn;
+    // where they fail the depth test, the surface is in front of them.
     {"mark", false, VK_COMPARE_OP_GREATER, kMarkOnFail, VK_CULL_MODE_FRONT_BIT},
     // Valient 2007 (Deferred Rendering in Killzone 2): back faces, depth GREATER-EQUAL, stencil written on pass.
     {"mark killzone", false, VK_COMPARE_OP_LESS_OR_EQUAL, kMarkOnPass, VK_CULL_MODE_FRONT_BIT},
-    // Seed 000, second step: depth ALWAYS, stencil EQUAL. Back faces, since the camera may be inside.
+    // Second step: depth ALWAYS, stencil EQUAL. Back faces, because the camera may be inside the volume.
     {"light", true, VK_COMPARE_OP_ALWAYS, kMarked, VK_CULL_MODE_FRONT_BIT},
     // Killzone's second step: front faces, depth LESS-EQUAL, stencil EQUAL. Not where the near plane may have clipped
     // the front faces.
@@ -70,8 +70,8 @@ constexpr StepState kSteps[] = {
     {"light screen", true, VK_COMPARE_OP_LESS, std::nullopt, VK_CULL_MODE_NONE},
 };
 
-// With several samples a pixel, the highest stencil bit marks the pixels with several surfaces, which are lit per
-// sample; the others are lit once per pixel (seed 000). The other bits number the lights.
+// With several samples per pixel, the highest stencil bit marks pixels with several surfaces, which are lit per sample;
+// the others are lit once per pixel (Valient 2007). The other bits number the lights.
 enum Rate : uint32_t { kRatePixel, kRateSample };
 constexpr uint32_t kSeveralSurfaces = 0x80;
 constexpr VkStencilOpState kMarkSeveral{.failOp = VK_STENCIL_OP_KEEP,
@@ -379,7 +379,7 @@ void add(const FrameContext& f, const Gbuffer& gbuffer) {
 }  // namespace
 
 TechniqueInfo technique_volumes() {
-  return {.description = "a sphere or cone a light, drawn with two-step stencil culling; deferred",
+  return {.description = "deferred: one sphere or cone per light, drawn with two-step stencil culling",
           .draws = true,
           .add = add};
 }

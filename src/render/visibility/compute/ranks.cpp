@@ -62,7 +62,7 @@ void InstanceRanks::update(const GpuScene& scene, const DrawOrder& order, vk::Up
                           instance, record.mesh, firstTriangle, count, flags});
       all_.parts += parts;
       if (all_.parts >= kMostParts)
-        badInput("the scene's instances have more triangles together than the raster compute takes: {} parts of {}",
+        badInput("the scene's instances have more triangles than the raster compute supports: {} clusters of {}",
                  kMostParts, shared::kRasterGroup);
       partRanks_.insert(partRanks_.end(), parts, all_.ranks);
       ++all_.ranks;
