@@ -7,8 +7,8 @@
 
 namespace latelight::app {
 
-glm::vec3 parseVector(const std::string& option, const std::string& text) {
-  std::vector<float> v = parseNumbers(text);
+glm::dvec3 parseVector(const std::string& option, const std::string& text) {
+  const std::vector<double> v = parseNumbers<double>(text);
   if (v.size() != 3) badUsage("{} takes three numbers x,y,z, not \"{}\"", option, text);
   return {v[0], v[1], v[2]};
 }

@@ -12,7 +12,7 @@
 
 namespace latelight::app {
 
-glm::vec3 parseVector(const std::string& option, const std::string& text);  // "x,y,z"
+glm::dvec3 parseVector(const std::string& option, const std::string& text);  // "x,y,z"
 std::pair<uint32_t, uint32_t> parseFrames(const std::string& text);         // "0-47", or "5"
 // "1,100,10k,1M", none of them 0.
 std::vector<uint64_t> parseCounts(const std::string& option, const std::string& text);

@@ -37,7 +37,7 @@ scene::Camera placeCamera(const scene::Scene& scene, const std::vector<scene::Ca
   if (!o.up.empty() && o.eye.empty()) badUsage("--up needs --eye and --target");
 
   if (!o.eye.empty()) {
-    std::optional<glm::vec3> up;
+    std::optional<glm::dvec3> up;
     if (!o.up.empty()) up = parseVector("--up", o.up);
     return scene::lookAt(scene, parseVector("--eye", o.eye), parseVector("--target", o.target), up, fov);
   }

@@ -17,13 +17,13 @@ namespace {
 constexpr uint32_t kMostFrames = 1'000'000;
 
 // The point given by --target, or the centre of the scene at rest.
-glm::vec3 pivotOf(const scene::Scene& scene, const RenderOptions& o) {
+glm::dvec3 pivotOf(const scene::Scene& scene, const RenderOptions& o) {
   if (!o.target.empty()) {
-    const glm::vec3 target = parseVector("--target", o.target);
-    return scene.yUp ? glm::vec3(scene::toWorldFromGltf() * glm::vec4(target, 1)) : target;
+    const glm::dvec3 target = parseVector("--target", o.target);
+    return scene.yUp ? glm::dvec3(scene::toWorldFromGltf() * glm::dvec4(target, 1)) : target;
   }
   const scene::Bounds bounds = scene::worldBounds(scene);
-  return bounds.empty() ? glm::vec3(0) : bounds.centre();
+  return bounds.empty() ? glm::dvec3(0) : bounds.centre();
 }
 
 }  // namespace
@@ -75,9 +75,9 @@ scene::Pose Timeline::poseAt(double seconds) const {
 scene::Camera Timeline::cameraAt(double seconds) const {
   scene::Camera camera = chooseCamera(scene_, scene::posedCameras(scene_, poseAt(seconds)), options_);
   if (options_.turn == 0) return camera;
-  const auto angle = static_cast<float>(std::fmod(options_.turn * seconds, 360.0) * M_PI / 180.0);
-  glm::mat4 about = glm::translate(glm::mat4(1), pivot_);
-  about = glm::rotate(about, angle, glm::vec3(0, 0, 1));
+  const double angle = std::fmod(options_.turn * seconds, 360.0) * M_PI / 180.0;
+  glm::dmat4 about = glm::translate(glm::dmat4(1), pivot_);
+  about = glm::rotate(about, angle, glm::dvec3(0, 0, 1));
   camera.toWorld = glm::translate(about, -pivot_) * camera.toWorld;
   return camera;
 }

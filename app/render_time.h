@@ -35,7 +35,7 @@ class Timeline {
   const scene::Scene& scene_;
   const RenderOptions& options_;
   scene::Playback playback_;
-  glm::vec3 pivot_;  // the centre of --turn, world space
+  glm::dvec3 pivot_;  // the centre of --turn, world space
   bool sequence_ = false, still_ = false;
   uint32_t first_ = 0, last_ = 0;
 };

@@ -140,10 +140,11 @@ void drawLights(const view::State& state, PanelMemory& memory, const Send& send)
   if (state.lightsMoved) ImGui::TextWrapped("Lights were moved: the command line uses their positions in the file.");
   for (uint32_t i = 0; i < state.lights.size() && i < 64; ++i) {
     const view::LightState& light = state.lights[i];
-    std::array<float, 3> position = light.position;
+    std::array<double, 3> position = light.position;
     ImGui::PushID(static_cast<int>(i));
     const std::string label = printable(light.name.empty() ? light.type : light.name);
-    if (ImGui::DragFloat3(label.c_str(), position.data(), 0.02f, 0, 0, "%.3g")) send(view::MoveLight{i, position});
+    if (ImGui::DragScalarN(label.c_str(), ImGuiDataType_Double, position.data(), 3, 0.02f, nullptr, nullptr, "%.3g"))
+      send(view::MoveLight{i, position});
     ImGui::PopID();
   }
 }

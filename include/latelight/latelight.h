@@ -180,7 +180,7 @@ struct TextureUse {
 struct Light {
   std::string name;
   std::string type = "point";                // or another of `latelight list lights`
-  std::array<float, 3> position{0, 0, 0};    // not of directional lights
+  std::array<double, 3> position{0, 0, 0};   // not of directional lights
   std::array<float, 3> direction{0, 0, -1};  // from the light, of any length; not of point lights
   std::array<float, 3> color{1, 1, 1};
   float intensity = 1;                   // candela; of directional lights lux
@@ -220,7 +220,7 @@ struct Node {
 };
 
 struct Bounds {
-  std::array<float, 3> min{}, max{};
+  std::array<double, 3> min{}, max{};
 };
 
 // A mesh placed in the scene.
@@ -260,7 +260,7 @@ class LATELIGHT_API Scene {
   std::vector<Camera> camerasAt(double time, const std::string& animation = "", bool loop = false) const;
   // The first of cameras(), or a view that shows all of it in a picture of this aspect (width / height).
   Camera defaultCamera(float aspect) const;
-  Camera lookAt(std::array<float, 3> eye, std::array<float, 3> target, float verticalFov = 40) const;
+  Camera lookAt(std::array<double, 3> eye, std::array<double, 3> target, float verticalFov = 40) const;
 
   // Instances: what is seen. Lists are in the scene's order.
   std::vector<Handle<Instance>> instances() const;

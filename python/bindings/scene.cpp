@@ -205,7 +205,7 @@ void defineCameras(Class& type) {
   type.def(
       "look_at",
       [](const SharedScene& s, nb::handle eye, nb::handle target, nb::handle fov) {
-        const auto from = numbersOf<float, 3>(eye, "eye"), to = numbersOf<float, 3>(target, "target");
+        const auto from = numbersOf<double, 3>(eye, "eye"), to = numbersOf<double, 3>(target, "target");
         const float angle = floatOf(fov, "vertical_fov");
         return s.read([&](const Scene& s) { return s.lookAt(from, to, angle); });
       },

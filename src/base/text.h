@@ -48,10 +48,11 @@ inline std::vector<std::string_view> splitAtCommas(std::string_view text) {
 }
 
 // Numbers separated by commas; empty where any part is not a number.
-inline std::vector<float> parseNumbers(std::string_view text) {
-  std::vector<float> values;
+template <typename T = float>
+std::vector<T> parseNumbers(std::string_view text) {
+  std::vector<T> values;
   for (std::string_view part : splitAtCommas(text)) {
-    const std::optional<float> value = parseNumber<float>(part);
+    const std::optional<T> value = parseNumber<T>(part);
     if (!value) return {};
     values.push_back(*value);
   }

@@ -82,7 +82,7 @@ class Alone {
     settings_.aovs = {output::Aov::Id};
     const bool zUp = !scene.yUp || settings.axes == render::Axes::ZUp;
     view_ = render::makeView(camera, settings.width, settings.height);
-    viewFromPositions_ = glm::dmat4(glm::mat4(view_.worldToView) * (zUp ? glm::mat4(1) : scene::toWorldFromGltf()));
+    viewFromPositions_ = glm::inverse(render::rigidPose(camera)) * (zUp ? glm::dmat4(1) : scene::toWorldFromGltf());
   }
 
   Placed place(Object& object) const {

@@ -45,14 +45,14 @@ class Boxes {
       : scene_(scene),
         pose_(pose),
         toWorld_(scene::instanceTransforms(scene, pose)),
-        fromWorld_(scene.yUp && !zUp ? glm::dmat4(scene::toGltfFromWorld()) : glm::dmat4(1)) {}
+        fromWorld_(scene.yUp && !zUp ? scene::toGltfFromWorld() : glm::dmat4(1)) {}
 
   Object around(uint32_t id, const Instances& instances) const {
     Object object{.id = id};
     object.toWorld = rigidOf(fromWorld_ * frameOf(instances));
     Extent extent;
     for (const uint32_t i : instances)
-      add(extent, scene_.instances[i], glm::inverse(object.toWorld) * fromWorld_ * glm::dmat4(toWorld_[i]));
+      add(extent, scene_.instances[i], glm::inverse(object.toWorld) * fromWorld_ * toWorld_[i]);
     object.low = extent.low;
     object.high = extent.high;
     return object;
@@ -65,7 +65,7 @@ class Boxes {
     const bool one = std::ranges::all_of(instances, [&](uint32_t i) {
       return scene_.instances[i].node == first.node && scene_.instances[i].copy == first.copy;
     });
-    return one ? glm::dmat4(toWorld_[instances.front()]) : nodeToWorld(topmost(first.node));
+    return one ? toWorld_[instances.front()] : nodeToWorld(topmost(first.node));
   }
 
   uint32_t topmost(uint32_t node) const {
@@ -77,7 +77,7 @@ class Boxes {
 
   glm::dmat4 nodeToWorld(uint32_t node) const {
     if (pose_.empty() || node >= scene_.rig.sceneNodes.size()) return scene_.nodes[node].toWorld;
-    return glm::dmat4(scene::toWorldFromGltf()) * pose_.world[scene_.rig.sceneNodes[node]];
+    return scene::toWorldFromGltf() * pose_.world[scene_.rig.sceneNodes[node]];
   }
 
   void add(Extent& extent, const scene::Instance& instance, const glm::dmat4& toFrame) const {
@@ -105,7 +105,7 @@ class Boxes {
 
   const scene::Scene& scene_;
   const scene::Pose& pose_;
-  std::vector<glm::mat4> toWorld_;  // of instances
+  std::vector<glm::dmat4> toWorld_;  // of instances
   glm::dmat4 fromWorld_;
 };
 

@@ -237,7 +237,7 @@ Camera Scene::defaultCamera(float aspect) const {
   return publicCamera(scene::frameScene(impl_->scene, aspect), impl_->scene);
 }
 
-Camera Scene::lookAt(std::array<float, 3> eye, std::array<float, 3> target, float verticalFov) const {
+Camera Scene::lookAt(std::array<double, 3> eye, std::array<double, 3> target, float verticalFov) const {
   return publicCamera(scene::lookAt(impl_->scene, {eye[0], eye[1], eye[2]}, {target[0], target[1], target[2]}, {},
                                     verticalFov / kDegrees),
                       impl_->scene);

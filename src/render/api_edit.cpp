@@ -17,6 +17,9 @@ namespace latelight {
 
 namespace {
 
+using glm::dmat4;
+using glm::dvec3;
+using glm::dvec4;
 using glm::mat4;
 using glm::vec2;
 using glm::vec3;
@@ -26,11 +29,11 @@ constexpr double kDegrees = 180.0 / glm::pi<double>();
 
 // --- frames ---------------------------------------------------------------------------------------------------------
 
-mat4 worldFromFile(const scene::Scene& scene) {
-  return scene.yUp ? scene::toWorldFromGltf() : mat4(1);
+dmat4 worldFromFile(const scene::Scene& scene) {
+  return scene.yUp ? scene::toWorldFromGltf() : dmat4(1);
 }
-mat4 fileFromWorld(const scene::Scene& scene) {
-  return scene.yUp ? scene::toGltfFromWorld() : mat4(1);
+dmat4 fileFromWorld(const scene::Scene& scene) {
+  return scene.yUp ? scene::toGltfFromWorld() : dmat4(1);
 }
 
 vec3 three(const std::array<float, 3>& v) {
@@ -39,19 +42,25 @@ vec3 three(const std::array<float, 3>& v) {
 std::array<float, 3> three(const vec3& v) {
   return {v.x, v.y, v.z};
 }
+dvec3 three(const std::array<double, 3>& v) {
+  return {v[0], v[1], v[2]};
+}
+std::array<double, 3> three(const dvec3& v) {
+  return {v.x, v.y, v.z};
+}
 
-Transform publicTransform(const mat4& toWorld, const scene::Scene& scene) {
-  const mat4 toFile = fileFromWorld(scene) * toWorld;
+Transform publicTransform(const dmat4& toWorld, const scene::Scene& scene) {
+  const dmat4 toFile = fileFromWorld(scene) * toWorld;
   Transform rows;
   for (int row = 0; row < 4; ++row)
     for (int column = 0; column < 4; ++column) rows[4 * row + column] = toFile[column][row];
   return rows;
 }
 
-mat4 internalTransform(const Transform& rows, const scene::Scene& scene) {
-  mat4 toFile;
+dmat4 internalTransform(const Transform& rows, const scene::Scene& scene) {
+  dmat4 toFile;
   for (int row = 0; row < 4; ++row)
-    for (int column = 0; column < 4; ++column) toFile[column][row] = static_cast<float>(rows[4 * row + column]);
+    for (int column = 0; column < 4; ++column) toFile[column][row] = rows[4 * row + column];
   for (const double number : rows)
     if (!std::isfinite(static_cast<float>(number)))
       badUsage("the transform of an instance has a number that is not finite");
@@ -164,13 +173,13 @@ scene::Material untextured() {
 // --- lights ---------------------------------------------------------------------------------------------------------
 
 Light publicLight(const scene::Light& from, const scene::Scene& scene) {
-  const mat4 toFile = fileFromWorld(scene);
+  const dmat4 toFile = fileFromWorld(scene);
   const bool directional = shared::lightIsDirectional(from.type);
   Light out;
   out.name = from.name;
   out.type = scene::lightTypes()[from.type].name;
-  out.position = three(vec3(toFile * vec4(from.position, 1)));
-  out.direction = three(vec3(toFile * vec4(from.direction, 0)));
+  out.position = three(dvec3(toFile * dvec4(from.position, 1)));
+  out.direction = three(vec3(toFile * dvec4(from.direction, 0)));
   out.color = three(from.color);
   out.intensity = from.intensity;
   out.range = from.range;
@@ -192,15 +201,15 @@ vec3 unitDirection(const Light& light) {
 // `like`: the light before the edit, in its file's frame. It keeps its node where it is not moved, and a direction that
 // was read comes back unchanged.
 scene::Light internalLight(const Light& from, const scene::Scene& scene, const scene::Light& like = {}) {
-  const mat4 toWorld = worldFromFile(scene);
+  const dmat4 toWorld = worldFromFile(scene);
   const std::optional<uint32_t> type = scene::findLightType(from.type);
   if (!type) badUsage("the light \"{}\" has the unknown type \"{}\"", printable(from.name), printable(from.type));
   const Light before = publicLight(like, scene);
   scene::Light out = like;
   out.name = from.name;
   out.type = *type;
-  if (from.position != before.position) out.position = vec3(toWorld * vec4(three(from.position), 1));
-  if (from.direction != before.direction) out.direction = vec3(toWorld * vec4(unitDirection(from), 0));
+  if (from.position != before.position) out.position = dvec3(toWorld * dvec4(three(from.position), 1));
+  if (from.direction != before.direction) out.direction = vec3(toWorld * dvec4(unitDirection(from), 0));
   if (out.position != like.position || out.direction != like.direction) out.node = -1;
   out.color = three(from.color);
   out.intensity = from.intensity;
@@ -348,8 +357,8 @@ std::vector<Node> Scene::nodes() const {
 std::optional<Bounds> Scene::bounds() const {
   const scene::Bounds world = scene::worldBounds(impl_->scene);
   if (world.empty()) return std::nullopt;
-  const mat4 toFile = fileFromWorld(impl_->scene);  // which turns by right angles
-  const vec3 a(toFile * vec4(world.min, 1)), b(toFile * vec4(world.max, 1));
+  const dmat4 toFile = fileFromWorld(impl_->scene);  // which turns by right angles
+  const dvec3 a(toFile * dvec4(world.min, 1)), b(toFile * dvec4(world.max, 1));
   return Bounds{three(glm::min(a, b)), three(glm::max(a, b))};
 }
 

@@ -33,7 +33,8 @@ GpuScene::GpuScene(vk::Device& device, const scene::Scene& scene, vk::Uploader&&
       lights_(device),
       uploads_(device, vk::UploadMode::Deferred),
       seen_(revisionsOf(scene)) {
-  lights_.set(uploader, scene::posedLights(scene, {}));
+  lightsOrigin_ = origin();
+  lights_.set(uploader, scene::posedLights(scene, {}), origin());
   uploader.flush();
 }
 
@@ -48,11 +49,12 @@ void GpuScene::update(const Poses& poses, const std::optional<scene::Light>& sun
   const bool lightsMove = poseChanges && posesLights(scene_);
   follow();
   if (poseChanges) pose(poses);
-  if (lightsMove || now.lights != seen_.lights || sun != sun_) {
+  if (lightsMove || now.lights != seen_.lights || sun != sun_ || lightsOrigin_ != origin()) {
     sun_ = sun;
+    lightsOrigin_ = origin();
     std::vector<scene::Light> lights = scene::posedLights(scene_, poses.current);
     if (sun) lights.push_back(*sun);
-    lights_.set(uploads_, std::move(lights));
+    lights_.set(uploads_, std::move(lights), origin());
   }
   seen_ = now;
 }
@@ -104,13 +106,20 @@ void GpuScene::pose(const Poses& poses) {
 
 void GpuScene::setLights(std::vector<scene::Light> lights) {
   vk::Uploader uploader(device_);
-  lights_.set(uploader, std::move(lights));
+  lights_.set(uploader, std::move(lights), origin());
   uploader.flush();
 }
 
 scene::Bounds GpuScene::bounds() const {
   if (!bounds_) bounds_ = posed_ ? instances_.allBounds() : scene::worldBounds(scene_);
   return *bounds_;
+}
+
+scene::Bounds GpuScene::deviceBounds() const {
+  scene::Bounds all = bounds();
+  all.min -= origin();
+  all.max -= origin();
+  return all;
 }
 
 void GpuScene::describe(shared::FrameConstants& frame) const {

@@ -38,7 +38,11 @@ class GpuScene {
   // Others than the scene's, until it is edited or posed; at once.
   void setLights(std::vector<scene::Light> lights);
 
-  scene::Bounds bounds() const;  // of all instances as they are
+  scene::Bounds bounds() const;  // of all instances as they are, in the scene's world space
+  // Of the device's world space in the scene's: near most of what is shown, so that floats place lights and shadow maps well
+  // wherever the scene lies. Depends on the scene as it is, and on nothing that came before.
+  const glm::dvec3& origin() const { return instances_.origin(); }
+  scene::Bounds deviceBounds() const;  // in the device's world space
 
   // Fills the addresses and counts that belong to the scene.
   void describe(shared::FrameConstants& frame) const;
@@ -64,6 +68,7 @@ class GpuScene {
   Seen seen_;
   bool posed_ = false;  // else the scene is at rest
   std::optional<scene::Light> sun_;
+  glm::dvec3 lightsOrigin_{0};
   mutable std::optional<scene::Bounds> bounds_;  // since the last edit or pose
 };
 

@@ -23,11 +23,11 @@ RenderJob::RenderJob(std::span<const scene::Camera> cameras, const Settings& set
       rows(rows),
       continues(moment.continues) {}
 
-ViewsInTime RenderPart::views(glm::vec2 jitter) const {
+ViewsInTime RenderPart::views(const glm::dvec3& origin, glm::vec2 jitter) const {
   const auto viewsOf = [&](const std::vector<scene::Camera>& cameras, glm::vec2 jitter) {
     std::vector<shared::View> views;
     for (size_t i = first; i < first + count; ++i)
-      views.push_back(viewOf(makeView(cameras[i], job.settings.width, job.settings.height, jitter), strip));
+      views.push_back(viewOf(makeView(cameras[i], job.settings.width, job.settings.height, jitter, origin), strip));
     return views;
   };
   return {viewsOf(job.now, jitter), viewsOf(job.previous, glm::vec2(0)), viewsOf(job.next, glm::vec2(0))};

@@ -25,7 +25,8 @@ struct RenderPart {
   RenderPart(RenderJob& job, size_t first, size_t count, Strip strip, std::shared_ptr<FrameShadows> shadows)
       : job(job), first(first), count(count), strip(strip), shadows(std::move(shadows)) {}
 
-  ViewsInTime views(glm::vec2 jitter) const;
+  // `origin`: of the device's world space.
+  ViewsInTime views(const glm::dvec3& origin, glm::vec2 jitter) const;
 
   RenderJob& job;
   size_t first, count;  // views

@@ -118,7 +118,7 @@ ShadowPlan Renderer::planShadows(std::span<const scene::Camera> cameras, const S
   if (!castsShadows(settings)) return {};
   std::vector<shared::View> views;
   for (const scene::Camera& camera : cameras)
-    views.push_back(shadowView(camera, settings.width, settings.height, gpuScene_.bounds()));
+    views.push_back(shadowView(camera, settings.width, settings.height, gpuScene_));
   return render::planShadows(shadowSceneOf(gpuScene_), views, settings);
 }
 
@@ -199,7 +199,7 @@ size_t Renderer::startViews(const std::shared_ptr<RenderJob>& job, size_t first,
 }
 
 ViewsInTime Renderer::viewsOf(const RenderPart& part, glm::vec2 jitter) {
-  ViewsInTime views = part.views(jitter);
+  ViewsInTime views = part.views(gpuScene_.origin(), jitter);
   const scene::Camera& camera = part.job.now[part.first];
   const Settings& s = part.job.settings;
   if (bendsRays(camera))

@@ -57,16 +57,14 @@ Poses posesAt(const scene::Scene& scene, const Settings& settings) {
 }
 
 glm::dmat4 openCvPose(const scene::Camera& camera, const scene::Scene& scene, bool zUp) {
-  const glm::mat4x3 viewToWorld = makeView(camera, 1, 1).viewToWorld;
-  glm::dmat4 pose(1.0);
-  for (int i = 0; i < 4; ++i) pose[i] = glm::dvec4(glm::dvec3(viewToWorld[i]), i == 3 ? 1.0 : 0.0);
-  if (scene.yUp && !zUp) pose = glm::dmat4(scene::toGltfFromWorld()) * pose;
+  glm::dmat4 pose = rigidPose(camera);
+  if (scene.yUp && !zUp) pose = scene::toGltfFromWorld() * pose;
   return pose * viewFromOpenCv();
 }
 
-glm::mat4 toWorldFromOpenCv(const glm::dmat4& pose, const scene::Scene& scene) {
-  const glm::dmat4 axes = scene.yUp ? glm::dmat4(scene::toWorldFromGltf()) : glm::dmat4(1.0);
-  return glm::mat4(axes * pose * glm::transpose(viewFromOpenCv()));  // a rotation: its transpose is its inverse
+glm::dmat4 toWorldFromOpenCv(const glm::dmat4& pose, const scene::Scene& scene) {
+  const glm::dmat4 axes = scene.yUp ? scene::toWorldFromGltf() : glm::dmat4(1.0);
+  return axes * pose * glm::transpose(viewFromOpenCv());  // a rotation: its transpose is its inverse
 }
 
 }  // namespace latelight::render

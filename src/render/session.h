@@ -29,6 +29,6 @@ Poses posesAt(const scene::Scene& scene, const Settings& settings);
 // OpenCV's camera frame (X right, Y down, Z forward) to the scene file's frame (or the renderer's world if `zUp`).
 glm::dmat4 openCvPose(const scene::Camera& camera, const scene::Scene& scene, bool zUp);
 // The inverse: the camera's toWorld from such a pose in the scene file's frame.
-glm::mat4 toWorldFromOpenCv(const glm::dmat4& pose, const scene::Scene& scene);
+glm::dmat4 toWorldFromOpenCv(const glm::dmat4& pose, const scene::Scene& scene);
 
 }  // namespace latelight::render

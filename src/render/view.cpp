@@ -30,14 +30,25 @@ void setPinhole(shared::Projection& p, const scene::Lens& lens) {
 
 }  // namespace
 
-shared::View makeView(const scene::Camera& camera, uint32_t width, uint32_t height, glm::vec2 jitter) {
+glm::dmat4 rigidPose(const scene::Camera& camera) {
+  glm::dmat4 pose = camera.toWorld;
+  for (int i = 0; i < 3; ++i) pose[i] = glm::dvec4(glm::normalize(glm::dvec3(pose[i])), 0.0);
+  return pose;
+}
+
+void placeEye(shared::View& view, const glm::dvec3& eye) {
+  view.eye = glm::vec3(eye);
+  view.eyeLow = glm::vec3(eye - glm::dvec3(view.eye));
+}
+
+shared::View makeView(const scene::Camera& camera, uint32_t width, uint32_t height, glm::vec2 jitter,
+                      const glm::dvec3& origin) {
   shared::View view{};
-  // A camera's pose may include a scale; a view is rigid.
-  glm::mat4 pose = camera.toWorld;
-  for (int i = 0; i < 3; ++i) pose[i] = glm::vec4(glm::normalize(glm::vec3(pose[i])), 0.0f);
-  view.viewToWorld = glm::mat4x3(pose);
-  view.worldToView = glm::mat4x3(glm::inverse(pose));
-  view.eye = glm::vec3(pose[3]);
+  glm::dmat4 pose = rigidPose(camera);
+  pose[3] -= glm::dvec4(origin, 0.0);
+  view.viewToWorld = glm::mat4x3(glm::mat4(pose));
+  view.worldToView = glm::mat4x3(glm::mat4(glm::inverse(pose)));
+  placeEye(view, pose[3]);
   view.size = {static_cast<float>(width), static_cast<float>(height)};
   view.group = camera.group;
 

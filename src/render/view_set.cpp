@@ -53,7 +53,7 @@ void ViewSet::uploadConstants(const Settings& s) {
   frame.fog = {.color = s.fogColor,
                .density = s.fogDensity,
                .falloff = s.fogHeight > 0 ? 1 / s.fogHeight : 0.0f,
-               .base = s.fogBase};
+               .base = static_cast<float>(s.fogBase - state_.scene.origin().z)};
   constants_ = vk::uploadedBuffer(state_.device, "frame constants", std::as_bytes(std::span(&frame, 1)));
 }
 
@@ -80,7 +80,7 @@ const FrameContext& ViewSet::frame(graph::Graph& graph, const FrameSetup& setup)
       static_cast<uint32_t>(size.y),
       state_.scene.lights().lights(),
       state_.hasEnvironment && settings_.background.kind == Background::Environment,
-      settings_.aoRadius.value_or(kAoRadiusShare * state_.scene.bounds().radius()),
+      settings_.aoRadius.value_or(static_cast<float>(kAoRadiusShare * state_.scene.bounds().radius())),
       settings_.aoStrength,
       kept.shadowFormat ? shadows_ : nullptr,
       views_.lens.get(),

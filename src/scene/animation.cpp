@@ -254,8 +254,8 @@ Pose poseAt(const Scene& scene, const Playback& playback, double seconds) {
   return pose;
 }
 
-std::vector<glm::mat4> instanceTransforms(const Scene& scene, const Pose& pose) {
-  std::vector<glm::mat4> transforms(scene.instances.size());
+std::vector<dmat4> instanceTransforms(const Scene& scene, const Pose& pose) {
+  std::vector<dmat4> transforms(scene.instances.size());
   parallelFor(transforms.size(), 16384, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       const Instance& instance = scene.instances[i];
@@ -265,7 +265,7 @@ std::vector<glm::mat4> instanceTransforms(const Scene& scene, const Pose& pose) 
       }
       dmat4 world = instance.posed ? dmat4(1) : worldOf(scene, pose, instance.node);
       if (!scene.rig.offsets.empty()) world = world * scene.rig.offsets[i];
-      transforms[i] = toWorldFromGltf() * glm::mat4(world);
+      transforms[i] = toWorldFromGltf() * world;
     }
   });
   return transforms;

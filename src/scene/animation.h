@@ -129,7 +129,7 @@ Pose poseAt(const Scene& scene, const Playback& playback, double seconds);
 
 // --- a pose's consequences; those of an empty pose are what the scene itself holds -----------------------------------
 
-std::vector<glm::mat4> instanceTransforms(const Scene& scene, const Pose& pose);
+std::vector<glm::dmat4> instanceTransforms(const Scene& scene, const Pose& pose);
 std::vector<Camera> posedCameras(const Scene& scene, const Pose& pose);
 // Those that are hidden as if they were removed.
 std::vector<Light> posedLights(const Scene& scene, const Pose& pose);

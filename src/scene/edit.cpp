@@ -65,7 +65,7 @@ std::pair<std::string, uint32_t> uniqueName(UniqueIds& ids, uint32_t& twins, con
   return {unique, id};
 }
 
-uint32_t addNode(Scene& scene, const std::string& name, const std::string& mesh, const mat4& toWorld) {
+uint32_t addNode(Scene& scene, const std::string& name, const std::string& mesh, const dmat4& toWorld) {
   auto [path, id] = uniqueName(idsOf(scene).nodes, scene.edits.twins, "/" + name);
   Node node{.name = name, .path = std::move(path), .mesh = mesh, .id = id};
   node.toWorld = toWorld;
@@ -81,7 +81,7 @@ void removeNode(Scene& scene, uint32_t index) {
 
 }  // namespace
 
-void setTransform(Scene& scene, uint32_t instance, const mat4& toWorld) {
+void setTransform(Scene& scene, uint32_t instance, const dmat4& toWorld) {
   checkTransform(toWorld);
   Instance& edited = present(scene.instances, instance, "instance");
   edited.toWorld = toWorld;
@@ -95,7 +95,7 @@ void setMaterialOf(Scene& scene, uint32_t instance, uint32_t material) {
   scene.edits.instances.note(instance);
 }
 
-uint32_t addInstance(Scene& scene, uint32_t mesh, uint32_t material, const mat4& toWorld, const std::string& name) {
+uint32_t addInstance(Scene& scene, uint32_t mesh, uint32_t material, const dmat4& toWorld, const std::string& name) {
   const ObjectPart part{mesh, material, toWorld};
   return addObject(scene, {&part, 1}, name).front();
 }

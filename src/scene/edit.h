@@ -14,15 +14,15 @@
 namespace latelight::scene {
 
 // Moves it and detaches it from animations.
-void setTransform(Scene& scene, uint32_t instance, const mat4& toWorld);
+void setTransform(Scene& scene, uint32_t instance, const dmat4& toWorld);
 void setMaterialOf(Scene& scene, uint32_t instance, uint32_t material);
 // Returns its number. It has a root node of its own, "/<name>" or "/<name>#<number>", which is removed with it, and ids
 // from that path. An empty name: the mesh's.
-uint32_t addInstance(Scene& scene, uint32_t mesh, uint32_t material, const mat4& toWorld, const std::string& name = "");
+uint32_t addInstance(Scene& scene, uint32_t mesh, uint32_t material, const dmat4& toWorld, const std::string& name = "");
 // Several at one such node, so that they have one id. Returns their numbers.
 struct ObjectPart {
   uint32_t mesh = 0, material = 0;
-  mat4 toWorld{1};
+  dmat4 toWorld{1};
 };
 std::vector<uint32_t> addObject(Scene& scene, std::span<const ObjectPart> parts, const std::string& name);
 void removeInstance(Scene& scene, uint32_t instance);

@@ -88,8 +88,10 @@ void checkDeformation(const Scene& scene, const Mesh& mesh, const std::string& w
 
 }  // namespace
 
-void checkTransform(const mat4& toWorld) {
-  checkFinite({&toWorld[0][0], 16}, "transform", "an instance");
+// Placements are doubles, but what reaches a device are floats.
+void checkTransform(const dmat4& toWorld) {
+  const mat4 rounded(toWorld);
+  checkFinite({&rounded[0][0], 16}, "transform", "an instance");
   if (toWorld[0][3] != 0 || toWorld[1][3] != 0 || toWorld[2][3] != 0 || toWorld[3][3] != 1)
     badUsage("the transform of an instance must have the last row 0 0 0 1");
 }
@@ -122,7 +124,7 @@ void checkMaterial(const Scene& scene, const Material& material) {
 void checkLight(const Scene& scene, const Light& light) {
   const std::string whose = fmt::format("the light \"{}\"", printable(light.name));
   if (light.type >= shared::kLightTypes) badUsage("{} has the unknown type {}", whose, light.type);
-  checkFinite(numbers(light.position), "position", whose);
+  checkFinite(numbers(vec3(light.position)), "position", whose);
   checkFinite(numbers(light.direction), "direction", whose);
   if (std::abs(glm::length(light.direction) - 1) > 1e-3f) badUsage("the direction of {} must be of length 1", whose);
   checkRange(numbers(light.color), 0, kInfinity, "color", whose);

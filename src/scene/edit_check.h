@@ -8,7 +8,7 @@
 
 namespace latelight::scene {
 
-void checkTransform(const mat4& toWorld);
+void checkTransform(const dmat4& toWorld);
 void checkName(const std::string& name);  // of an instance
 void checkMaterial(const Scene& scene, const Material& material);
 void checkLight(const Scene& scene, const Light& light);

@@ -25,14 +25,14 @@ struct Box {
 Box visibleBox(const Scene& scene) {
   const Bounds bounds = worldBounds(scene);
   Box box{dvec3(-0.5), dvec3(0.5)};
-  const auto sane = [](vec3 v) {
-    return std::abs(double{v.x}) < kLargest && std::abs(double{v.y}) < kLargest && std::abs(double{v.z}) < kLargest;
+  const auto sane = [](dvec3 v) {
+    return std::abs(v.x) < kLargest && std::abs(v.y) < kLargest && std::abs(v.z) < kLargest;
   };
   if (bounds.empty() || !sane(bounds.min) || !sane(bounds.max)) return box;
-  box = {dvec3(bounds.min), dvec3(bounds.max)};
-  // A point, or something so small relative to its position that floats can't resolve a camera around it.
+  box = {bounds.min, bounds.max};
+  // A point, or something so small relative to its position that doubles can't resolve a camera around it.
   const dvec3 c = box.centre();
-  const double resolvable = 1e-5 * std::max({std::abs(c.x), std::abs(c.y), std::abs(c.z)});
+  const double resolvable = 1e-13 * std::max({std::abs(c.x), std::abs(c.y), std::abs(c.z)});
   const double least = std::max(resolvable, 1e-15);
   if (box.radius() < least) {
     const double half = box.radius() == 0.0 && resolvable < 0.5 ? 0.5 : least;
@@ -64,7 +64,8 @@ float nearPlane(const Box& box, dvec3 eye) {
 Camera makeCamera(const Box& box, const Axes& axes, dvec3 eye, double verticalFov) {
   Camera camera;
   camera.name = "auto";
-  camera.toWorld = mat4(vec4(axes.right, 0), vec4(axes.away, 0), vec4(axes.up, 0), vec4(eye, 1));
+  using glm::dvec4;
+  camera.toWorld = glm::dmat4(dvec4(axes.right, 0), dvec4(axes.away, 0), dvec4(axes.up, 0), dvec4(eye, 1));
   camera.verticalFov = static_cast<float>(verticalFov);
   camera.nearClip = nearPlane(box, eye);
   return camera;
@@ -94,12 +95,12 @@ void checkFov(float verticalFov) {
              glm::degrees(kLeastVerticalFov), glm::degrees(kMostVerticalFov));
 }
 
-bool finite(vec3 v) {
+bool finite(dvec3 v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-dvec3 toWorld(const Scene& scene, vec3 v) {
-  return scene.yUp ? dvec3(v.x, -v.z, v.y) : dvec3(v);
+dvec3 toWorld(const Scene& scene, dvec3 v) {
+  return scene.yUp ? dvec3(v.x, -v.z, v.y) : v;
 }
 
 }  // namespace
@@ -133,7 +134,7 @@ Camera orbitCamera(const Scene& scene, float azimuth, float elevation, std::opti
   return makeCamera(box, axes, box.centre() - axes.away * away, verticalFov);
 }
 
-Camera lookAt(const Scene& scene, vec3 eye, vec3 target, std::optional<vec3> up, float verticalFov) {
+Camera lookAt(const Scene& scene, dvec3 eye, dvec3 target, std::optional<dvec3> up, float verticalFov) {
   checkFov(verticalFov);
   if (!finite(eye) || !finite(target) || (up && !finite(*up))) badUsage("A camera needs finite coordinates");
   const dvec3 from = toWorld(scene, eye), direction = toWorld(scene, target) - from;

@@ -38,7 +38,7 @@ Camera orbitCamera(const Scene& scene, float azimuth, float elevation, std::opti
 // A camera at `eye` that looks at `target`, both in the file's own frame; without `up`, the file's up is up, and where
 // that is the viewing direction, away from the file's front. Throws Error(Usage) where eye and target are the same or
 // not finite, `up` is zero or along the view, or the field of view is invalid.
-Camera lookAt(const Scene& scene, vec3 eye, vec3 target, std::optional<vec3> up = {},
+Camera lookAt(const Scene& scene, dvec3 eye, dvec3 target, std::optional<dvec3> up = {},
               float verticalFov = kDefaultVerticalFov);
 
 }  // namespace latelight::scene

@@ -148,7 +148,7 @@ class Placer {
     parallelFor(placements.count, 4096, [&](size_t begin, size_t end) {
       for (size_t k = begin; k < end; ++k) {
         const glm::dmat4 below = placements[k];
-        scene_.instances[first + k].toWorld = toWorldFromGltf() * mat4(world * below);
+        scene_.instances[first + k].toWorld = toWorldFromGltf() * (world * below);
         if (instanced) scene_.instances[first + k].copy = int(k);
         // Placements of the instances of a node that may move.
         if (instanced && !scene_.rig.empty()) scene_.rig.offsets[first + k] = below;

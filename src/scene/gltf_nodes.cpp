@@ -200,8 +200,8 @@ Hierarchy readNodes(const Document& document, Scene& scene) {
     node.name = source.name.empty() ? fmt::format("node{}", index) : source.name;
     node.parent = parent < 0 ? -1 : placeOf[size_t(parent)];
     node.path = paths.make(node.parent < 0 ? "" : scene.nodes[size_t(node.parent)].path, node.name);
-    node.local = mat4(localTransform(source));
-    node.toWorld = toWorldFromGltf() * mat4(hierarchy.world[size_t(index)]);
+    node.local = localTransform(source);
+    node.toWorld = toWorldFromGltf() * hierarchy.world[size_t(index)];
     placeOf[size_t(index)] = int(scene.nodes.size());
     scene.nodes.push_back(std::move(node));
   }

@@ -40,15 +40,15 @@ bool looksLikeGltf(const std::filesystem::path& path) {
 }
 
 // A rigid frame from a transform that may scale: camera space is in the file's metres, whatever its node's scale.
-mat4 rigid(const glm::dmat4& m, bool& degenerate) {
-  using glm::dmat4, glm::dvec3, glm::dvec4;
+dmat4 rigid(const dmat4& m, bool& degenerate) {
+  using glm::dvec4;
   dvec3 x = m[0], y = m[1], z = m[2];
   degenerate = glm::length(z) == 0 || glm::length(glm::cross(y, z)) == 0;
-  if (degenerate) return mat4(dmat4(dvec4(1, 0, 0, 0), dvec4(0, 1, 0, 0), dvec4(0, 0, 1, 0), m[3]));
+  if (degenerate) return dmat4(dvec4(1, 0, 0, 0), dvec4(0, 1, 0, 0), dvec4(0, 0, 1, 0), m[3]);
   z = glm::normalize(z);
   x = glm::normalize(glm::cross(y, z));
   y = glm::cross(z, x);
-  return mat4(dmat4(dvec4(x, 0), dvec4(y, 0), dvec4(z, 0), m[3]));
+  return dmat4(dvec4(x, 0), dvec4(y, 0), dvec4(z, 0), m[3]);
 }
 
 void addBounds(const Scene& scene, const Instance& instance, Bounds& bounds) {
@@ -57,7 +57,7 @@ void addBounds(const Scene& scene, const Instance& instance, Bounds& bounds) {
   for (int corner = 0; corner < 8; ++corner) {
     const vec3 p(corner & 1 ? mesh.boundsMax.x : mesh.boundsMin.x, corner & 2 ? mesh.boundsMax.y : mesh.boundsMin.y,
                  corner & 4 ? mesh.boundsMax.z : mesh.boundsMin.z);
-    const vec3 world = instance.toWorld * vec4(p, 1.0f);
+    const dvec3 world = instance.toWorld * glm::dvec4(p, 1.0);
     bounds.min = glm::min(bounds.min, world);
     bounds.max = glm::max(bounds.max, world);
   }
@@ -140,6 +140,19 @@ void findBounds(Mesh& mesh) {
   }
 }
 
+// What is subtracted lies within a factor of two of every vertex, so that the differences are exact (Sterbenz 1974,
+// Floating-Point Computation, theorem 4.3.1).
+vec3 vertexOrigin(const Mesh& mesh) {
+  constexpr float kFar = 1024;  // meters in object space: nearer, floats are precise enough
+  vec3 origin(0);
+  if (mesh.deformation) return origin;
+  for (int i = 0; i < 3; ++i) {
+    const float low = mesh.boundsMin[i], high = mesh.boundsMax[i], middle = 0.5f * low + 0.5f * high;
+    if (std::abs(middle) >= kFar && high - low <= 0.25f * std::abs(middle)) origin[i] = middle;
+  }
+  return origin;
+}
+
 Bounds worldBounds(const Scene& scene) {
   Bounds all;
   std::mutex mutex;
@@ -154,12 +167,13 @@ Bounds worldBounds(const Scene& scene) {
   return all;
 }
 
-mat4 toWorldFromGltf() {
+dmat4 toWorldFromGltf() {
   // Columns: the world directions of glTF's X (right), Y (up) and Z (towards the viewer).
-  return mat4(vec4(1, 0, 0, 0), vec4(0, 0, 1, 0), vec4(0, -1, 0, 0), vec4(0, 0, 0, 1));
+  using glm::dvec4;
+  return dmat4(dvec4(1, 0, 0, 0), dvec4(0, 0, 1, 0), dvec4(0, -1, 0, 0), dvec4(0, 0, 0, 1));
 }
 
-mat4 toGltfFromWorld() {
+dmat4 toGltfFromWorld() {
   return glm::transpose(toWorldFromGltf());
 }
 
@@ -171,11 +185,11 @@ bool placeCamera(Camera& camera, const glm::dmat4& world) {
 }
 
 void placeLight(Light& light, const glm::dmat4& world) {
-  const mat4 toWorld = toWorldFromGltf() * mat4(world);
-  light.position = vec3(toWorld[3]);
+  const dmat4 toWorld = toWorldFromGltf() * world;
+  light.position = dvec3(toWorld[3]);
   const vec3 direction = -vec3(toWorld[2]);
   const float length = glm::length(direction);
-  light.direction = length > 0 ? direction / length : vec3(toWorldFromGltf() * vec4(0, 0, -1, 0));
+  light.direction = length > 0 ? direction / length : vec3(toWorldFromGltf() * glm::dvec4(0, 0, -1, 0));
 }
 
 Scene load(const std::string& source, const LoadOptions& options) {

@@ -1,7 +1,8 @@
 // A scene as plain data: loaded from glTF files or built in, and uploaded by render/. No Vulkan.
 //
 // Object space is the file's own. World space is the renderer's (X right, Y away, Z up), so every world transform of a
-// glTF scene includes toWorldFromGltf(). Lengths in metres, angles in radians, colours linear Rec.709.
+// glTF scene includes toWorldFromGltf(). Placements are doubles, so that a scene may lie anywhere on a planet; vertices are
+// floats in object space. Lengths in meters, angles in radians, colors linear Rec.709.
 #pragma once
 
 #include <cstddef>
@@ -22,6 +23,8 @@
 
 namespace latelight::scene {
 
+using glm::dmat4;
+using glm::dvec3;
 using glm::mat4;
 using glm::vec2;
 using glm::vec3;
@@ -89,8 +92,8 @@ struct Instance {
   uint32_t id = 0, part = 0;
   uint32_t primitive = 0;  // of the node's mesh
   int copy = -1;           // its number among the node's, by EXT_mesh_gpu_instancing; -1: no copies
-  mat4 toWorld{1};
-  bool posed = false;    // skinned: its vertices are in the file's frame, and its node does not move it (3.7.3.3)
+  dmat4 toWorld{1};
+  bool posed = false;    // skinned: the joints move its vertices, and its node does not (3.7.3.3)
   bool placed = false;   // its transform was set by an edit (edit.h): no animation moves it
   bool removed = false;  // a gap that the next added instance fills (edit.h)
   bool hidden = false;   // at rest; an animation shows it
@@ -103,8 +106,8 @@ struct Node {
   uint32_t id = 0;   // stable, unique in the scene, never 0; in a group, that of the topmost node
   uint32_t added = 0;  // instances that an edit put there (edit.h): it is removed with the last one
   int parent = -1;
-  mat4 local{1};    // the file's own frame
-  mat4 toWorld{1};  // the renderer's world
+  dmat4 local{1};    // the file's own frame
+  dmat4 toWorld{1};  // the renderer's world
 };
 
 // The default near plane of a camera, metres, in a scene measured in metres. It costs no precision: see framing.h.
@@ -112,7 +115,7 @@ inline constexpr float kNearClip = 0x1p-40f;
 
 struct Camera {
   std::string name;
-  mat4 toWorld{1};  // camera space is the renderer's view space: X right, Y away, Z up
+  dmat4 toWorld{1};  // camera space is the renderer's view space: X right, Y away, Z up
   bool orthographic = false;
   float verticalFov = 0.8f;     // full angle, radians (perspective)
   std::optional<float> aspect;  // width / height in the file; a picture has its own and keeps the vertical extent
@@ -134,7 +137,7 @@ struct Light {
   float intensity = 1;  // candela; of directional ones lux
   std::optional<float> range;
   float innerCone = 0, outerCone = 0.785398163f;  // half angles
-  vec3 position{0};                               // world
+  dvec3 position{0};                              // world
   vec3 direction{0, 0, -1};                       // world, unit, from the light
   int node = -1;                                  // that it follows, index into Scene::nodes
   // Source radius in metres; for a directional light its angular diameter in radians. 0: unknown. Geometry nearer to a
@@ -190,17 +193,20 @@ struct Scene {
 };
 
 struct Bounds {
-  vec3 min{std::numeric_limits<float>::infinity()}, max{-std::numeric_limits<float>::infinity()};
+  dvec3 min{std::numeric_limits<double>::infinity()}, max{-std::numeric_limits<double>::infinity()};
   bool empty() const { return min.x > max.x; }
-  vec3 centre() const { return (min + max) * 0.5f; }
-  float radius() const { return empty() ? 0.0f : glm::length(max - min) * 0.5f; }
+  dvec3 centre() const { return (min + max) * 0.5; }
+  double radius() const { return empty() ? 0.0 : glm::length(max - min) * 0.5; }
 };
 Bounds worldBounds(const Scene&);
 void findBounds(Mesh& mesh);  // from its positions; zero where it has none
+// A point, in object space, around which a device has the vertices: 0, or near them where they lie far from 0. Subtracting it
+// is exact. Vertices that deform have 0.
+vec3 vertexOrigin(const Mesh& mesh);
 
 // glTF's frame (X right, Y up, Z towards the viewer) to the renderer's (X right, Y away, Z up), and back.
-mat4 toWorldFromGltf();
-mat4 toGltfFromWorld();
+dmat4 toWorldFromGltf();
+dmat4 toGltfFromWorld();
 
 // Applies a node's transform in the file's own frame to its camera or light. False where the node's scale is zero: then
 // the camera keeps its position and looks along -Z.

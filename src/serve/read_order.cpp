@@ -64,7 +64,7 @@ view::Navigation navigation(const Json& message) {
 }
 
 view::MoveLight moveLight(const Json& message) {
-  return {whole(message, "light", kMostLight), message.at("position").get<std::array<float, 3>>()};
+  return {whole(message, "light", kMostLight), message.at("position").get<std::array<double, 3>>()};
 }
 
 // A name alone: none that says where it lies.

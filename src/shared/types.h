@@ -1,6 +1,11 @@
 // Every struct that both shaders and C++ read, once. Scalar block layout on the device is C++ layout: offsets agree by
 // construction, sizes are asserted below, and tests compare offsets with SPIR-V reflection.
-// Angles in radians, lengths in metres, colours linear Rec.709, all positions and directions in world space (Z up).
+// Angles in radians, lengths in meters, colors linear Rec.709, all positions and directions in world space (Z up).
+//
+// World space on the device has its origin near the scene (GpuScene::origin()), wherever the scene lies. What the raster
+// needs exactly, the positions of instances and eyes, are pairs of floats: a value, and the rest of the double that it
+// rounds. Their differences place vertices relative to the eye (relativeToEye() in glsl/common.glsl), which is what makes
+// depth as precise far from the origin as it is there.
 #ifndef LATELIGHT_SHARED_TYPES_H
 #define LATELIGHT_SHARED_TYPES_H
 
@@ -51,7 +56,7 @@ struct Instance {
   uint id;  // the values of the data outputs id and part: stable, never 0
   uint part;
   uint flags;  // kInstance*, and its group from kInstanceGroupShift on
-  uint padding[3];
+  vec3 translationLow;  // what the last column of objectToWorld leaves of the translation
 };
 SH_CONST uint kInstanceBytes = 80u;
 SH_CONST uint kInstanceMirrored = 1u;  // negative determinant: front faces are clockwise
@@ -244,9 +249,10 @@ struct View {
   vec2 size;              // pixels
   vec2 jitter;            // NDC: that part of the projection's principal point which moves the samples
   uint group;             // of the instances that alone it shows; 0: it shows all
-  uint padding;
+  vec3 eyeLow;            // what `eye` leaves of the eye's position
+  uint padding[2];
 };
-SH_CONST uint kViewBytes = 160u;
+SH_CONST uint kViewBytes = 176u;
 
 // Where a lens looks at one pixel. In a view through one, depth along a ray takes the place of depth along Y.
 struct LensRay {
@@ -282,6 +288,8 @@ struct FrameConstants {
   float environmentSin;
   float environmentLevels;  // prefiltered levels, roughness 0 at level 0 and 1 at the last
   Fog fog;                  // of all surfaces, blended ones too, and of the background
+  vec3 positionOffset;      // from device world space to that of the output `position`: a float, and the rest of a double
+  vec3 positionOffsetLow;
 };
 
 SH_END
@@ -303,6 +311,7 @@ static_assert(offsetof(latelight::shared::View, viewToWorld) == 48);
 static_assert(offsetof(latelight::shared::View, projection) == 96);
 static_assert(offsetof(latelight::shared::View, eye) == 124);
 static_assert(offsetof(latelight::shared::View, jitter) == 144);
+static_assert(offsetof(latelight::shared::View, eyeLow) == 156);
 static_assert(sizeof(latelight::shared::Instance) == latelight::shared::kInstanceBytes);
 static_assert(offsetof(latelight::shared::Instance, mesh) == 48);
 static_assert(offsetof(latelight::shared::Instance, flags) == 64);

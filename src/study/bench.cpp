@@ -87,9 +87,9 @@ namespace {
 // Inside a scene the camera looks all around; from outside it goes all around it.
 std::vector<scene::Camera> allAround(const scene::Scene& scene, const scene::Camera& camera, uint32_t count) {
   const scene::Bounds bounds = scene::worldBounds(scene);
-  const glm::vec3 eye(camera.toWorld[3]);
+  const glm::dvec3 eye(camera.toWorld[3]);
   const bool inside = glm::all(glm::greaterThan(eye, bounds.min)) && glm::all(glm::lessThan(eye, bounds.max));
-  const glm::vec3 middle = inside ? eye : 0.5f * (bounds.min + bounds.max);
+  const glm::dvec3 middle = inside ? eye : bounds.centre();
   std::vector<scene::Camera> cameras;
   for (uint32_t i = 0; i < count; ++i) cameras.push_back(turned(camera, 2 * glm::pi<double>() * i / count, middle));
   return cameras;

@@ -40,9 +40,9 @@ void PassSamples::add(std::span<const graph::PassTime> passes) {
   all.push_back(sum);
 }
 
-scene::Camera turned(scene::Camera camera, double angle, glm::vec3 middle) {
-  const glm::mat4 there = glm::translate(glm::mat4(1), middle);
-  const glm::mat4 turn = glm::rotate(there, static_cast<float>(angle), glm::vec3(0, 0, 1));
+scene::Camera turned(scene::Camera camera, double angle, glm::dvec3 middle) {
+  const glm::dmat4 there = glm::translate(glm::dmat4(1), middle);
+  const glm::dmat4 turn = glm::rotate(there, angle, glm::dvec3(0, 0, 1));
   camera.toWorld = glm::translate(turn, -middle) * camera.toWorld;
   return camera;
 }
@@ -52,7 +52,7 @@ std::vector<PassSamples> measureInTurn(render::Renderer& renderer, const scene::
                                        uint32_t frames) {
   constexpr double kTurn = 1e-3;  // radians a frame
   const auto render = [&](uint32_t frame, const render::Settings& with) {
-    const scene::Camera now = turned(camera, frame * kTurn, glm::vec3(camera.toWorld[3]));
+    const scene::Camera now = turned(camera, frame * kTurn, glm::dvec3(camera.toWorld[3]));
     renderer.submit({&now, 1}, with, moment, render::Results::OnDevice).take();
   };
   for (const render::Settings& each : settings) render(0, each);  // makes pipelines, and what each has of the scene

@@ -28,7 +28,7 @@ struct PassSamples {
 };
 
 // The camera, turned by so many radians about the vertical axis through a point.
-scene::Camera turned(scene::Camera camera, double angle, glm::vec3 middle);
+scene::Camera turned(scene::Camera camera, double angle, glm::dvec3 middle);
 
 // Seconds of work before anything is measured. GPUs lower their clocks while they rest, or wait for a scene to be made: an
 // H200 goes from 1980 MHz to 345 within two seconds, and takes up to half a second of work to be back.

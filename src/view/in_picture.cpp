@@ -15,9 +15,9 @@ glm::dvec2 halfExtent(const scene::Camera& camera, glm::uvec2 size) {
 }
 
 // Right, away and up of the camera.
-glm::dvec3 inView(const scene::Camera& camera, glm::vec3 world) {
-  const glm::dmat4 m(camera.toWorld);
-  const glm::dvec3 way = glm::dvec3(world) - glm::dvec3(m[3]);
+glm::dvec3 inView(const scene::Camera& camera, glm::dvec3 world) {
+  const glm::dmat4& m = camera.toWorld;
+  const glm::dvec3 way = world - glm::dvec3(m[3]);
   return {glm::dot(way, glm::dvec3(m[0])), glm::dot(way, glm::dvec3(m[1])), glm::dot(way, glm::dvec3(m[2]))};
 }
 
@@ -34,28 +34,27 @@ std::vector<uint32_t> placedLights(const scene::Scene& scene) {
   return lights;
 }
 
-std::optional<glm::dvec2> pixelOf(const scene::Camera& camera, glm::uvec2 size, glm::vec3 world) {
+std::optional<glm::dvec2> pixelOf(const scene::Camera& camera, glm::uvec2 size, glm::dvec3 world) {
   const glm::dvec3 v = inView(camera, world);
   if (!(v.y > 0)) return std::nullopt;
   const glm::dvec2 half = halfExtent(camera, size) * (camera.orthographic ? 1.0 : v.y);
   return glm::dvec2((v.x / half.x + 1) / 2 * size.x, (1 - v.z / half.y) / 2 * size.y);
 }
 
-std::optional<glm::vec3> draggedTo(const scene::Camera& camera, glm::uvec2 size, glm::vec3 from, glm::dvec2 pixel) {
+std::optional<glm::dvec3> draggedTo(const scene::Camera& camera, glm::uvec2 size, glm::dvec3 from, glm::dvec2 pixel) {
   const glm::dvec3 v = inView(camera, from);
   if (!(v.y > 0)) return std::nullopt;
   const glm::dvec2 half = halfExtent(camera, size) * (camera.orthographic ? 1.0 : v.y);
   const glm::dvec2 to((2 * pixel.x / size.x - 1) * half.x, (1 - 2 * pixel.y / size.y) * half.y);
-  const glm::dmat4 m(camera.toWorld);
-  return glm::vec3(m * glm::dvec4(to.x, v.y, to.y, 1));
+  return glm::dvec3(camera.toWorld * glm::dvec4(to.x, v.y, to.y, 1));
 }
 
-glm::vec3 fromFile(const scene::Scene& scene, glm::vec3 v) {
-  return scene.yUp ? glm::vec3(v.x, -v.z, v.y) : v;
+glm::dvec3 fromFile(const scene::Scene& scene, glm::dvec3 v) {
+  return scene.yUp ? glm::dvec3(v.x, -v.z, v.y) : v;
 }
 
-glm::vec3 toFile(const scene::Scene& scene, glm::vec3 v) {
-  return scene.yUp ? glm::vec3(v.x, v.z, -v.y) : v;
+glm::dvec3 toFile(const scene::Scene& scene, glm::dvec3 v) {
+  return scene.yUp ? glm::dvec3(v.x, v.z, -v.y) : v;
 }
 
 scene::Bounds boundsOf(const scene::Scene& scene, uint32_t id) {
@@ -67,7 +66,7 @@ scene::Bounds boundsOf(const scene::Scene& scene, uint32_t id) {
       const glm::vec3 at(corner & 1 ? mesh.boundsMax.x : mesh.boundsMin.x,
                          corner & 2 ? mesh.boundsMax.y : mesh.boundsMin.y,
                          corner & 4 ? mesh.boundsMax.z : mesh.boundsMin.z);
-      const glm::vec3 world(instance.toWorld * glm::vec4(at, 1));
+      const glm::dvec3 world(instance.toWorld * glm::dvec4(at, 1));
       bounds.min = glm::min(bounds.min, world);
       bounds.max = glm::max(bounds.max, world);
     }

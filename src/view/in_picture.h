@@ -14,13 +14,13 @@ namespace latelight::view {
 std::vector<uint32_t> placedLights(const scene::Scene& scene);
 
 // The pixel of a place; nothing behind the camera.
-std::optional<glm::dvec2> pixelOf(const scene::Camera& camera, glm::uvec2 size, glm::vec3 world);
+std::optional<glm::dvec2> pixelOf(const scene::Camera& camera, glm::uvec2 size, glm::dvec3 world);
 // Where a thing goes that is dragged from there to a pixel, at its own depth; nothing behind the camera.
-std::optional<glm::vec3> draggedTo(const scene::Camera& camera, glm::uvec2 size, glm::vec3 from, glm::dvec2 pixel);
+std::optional<glm::dvec3> draggedTo(const scene::Camera& camera, glm::uvec2 size, glm::dvec3 from, glm::dvec2 pixel);
 
 // The scene file's frame and the renderer's world.
-glm::vec3 fromFile(const scene::Scene& scene, glm::vec3 v);
-glm::vec3 toFile(const scene::Scene& scene, glm::vec3 v);
+glm::dvec3 fromFile(const scene::Scene& scene, glm::dvec3 v);
+glm::dvec3 toFile(const scene::Scene& scene, glm::dvec3 v);
 
 // Of the instances with this id, at rest.
 scene::Bounds boundsOf(const scene::Scene& scene, uint32_t id);

@@ -81,7 +81,7 @@ struct Play {
 // or by some pixels from where they are.
 struct MoveLight {
   uint32_t light;
-  std::array<float, 3> position;
+  std::array<double, 3> position;
 };
 struct DragLight {
   uint32_t light;

@@ -61,7 +61,7 @@ ViewSession::Impl::Impl(const Start& start)
   settings(Side::Left);  // throws where they can't be
   stage.light(environmentWord());
   if (start.eye && start.target) {
-    const auto world = [&](glm::vec3 v) { return glm::dvec3(fromFile(stage.scene(), v)); };
+    const auto world = [&](glm::dvec3 v) { return fromFile(stage.scene(), v); };
     const double fov = start.fov ? *start.fov * M_PI / 180 : double{scene::kDefaultVerticalFov};
     control.emplace(Viewpoint{world(*start.eye), world(*start.target), fov}, worldBounds(stage.scene()).radius());
   }
@@ -100,8 +100,8 @@ ChosenSettings ViewSession::Impl::settings(Side side) const {
 CameraChoice ViewSession::Impl::cameraChoice() const {
   if (!control) return {.camera = state.camera};
   const Viewpoint& view = control->view();
-  return {.placed = CameraChoice::Placed{toFile(stage.scene(), glm::vec3(view.eye)),
-                                         toFile(stage.scene(), glm::vec3(view.target)), view.verticalFov * 180 / M_PI}};
+  return {.placed = CameraChoice::Placed{toFile(stage.scene(), view.eye), toFile(stage.scene(), view.target),
+                                         view.verticalFov * 180 / M_PI}};
 }
 
 scene::Camera ViewSession::Impl::camera() const {
@@ -236,7 +236,7 @@ void ViewSession::Impl::describeLights() {
   state.lights.clear();
   for (const uint32_t i : lights) {
     const scene::Light& light = stage.scene().lights[i];
-    const glm::vec3 p = toFile(stage.scene(), light.position);
+    const glm::dvec3 p = toFile(stage.scene(), light.position);
     LightState told{light.name, std::string(scene::lightTypes()[light.type].name), {p.x, p.y, p.z}, {}};
     if (const auto pixel = pixelOf(from, {s.width, s.height}, light.position))
       told.at = {static_cast<float>(pixel->x), static_cast<float>(pixel->y)};

@@ -28,7 +28,7 @@ struct Start {
   bool validate = false;
   std::string environment{};                 // --hdri
   std::string camera{};                      // --camera
-  std::optional<glm::vec3> eye{}, target{};  // of the scene file's frame; both or none
+  std::optional<glm::dvec3> eye{}, target{};  // of the scene file's frame; both or none
   std::optional<double> fov{};               // degrees
   Choice choice{};
   uint32_t width = 1280, height = 720;

@@ -36,7 +36,7 @@ struct ViewSession::Impl {
   void escape();
   void moveSlider(double by);
   uint32_t lightAt(uint32_t place) const;  // its number in the scene
-  void moveLight(uint32_t light, glm::vec3 world);
+  void moveLight(uint32_t light, glm::dvec3 world);
   void dragLight(uint32_t light, glm::dvec2 pixel);
   void nudgeLight(const NudgeLight& nudge);
   void play(bool on);

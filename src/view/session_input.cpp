@@ -49,7 +49,7 @@ void ViewSession::Impl::take(const Input& input) {
                  [&](const SetNavigation& set) { steering.navigation = set.mode; },
                  [&](const Play& wanted) { change([&] { play(wanted.on); }); },
                  [&](const MoveLight& move) {
-                   const glm::vec3 to(move.position[0], move.position[1], move.position[2]);
+                   const glm::dvec3 to(move.position[0], move.position[1], move.position[2]);
                    change([&] { moveLight(lightAt(move.light), fromFile(stage.scene(), to)); });
                  },
                  [&](const DragLight& drag) { change([&] {
@@ -128,7 +128,7 @@ CameraControl& ViewSession::Impl::steered() {
   const scene::Camera from = camera();
   const scene::Bounds bounds = worldBounds(stage.scene());
   const double radius = bounds.empty() ? 1 : bounds.radius();
-  const glm::dvec3 centre(bounds.empty() ? glm::vec3(0) : bounds.centre());
+  const glm::dvec3 centre = bounds.empty() ? glm::dvec3(0) : bounds.centre();
   const glm::dvec3 eye(from.toWorld[3]), away(from.toWorld[1]);
   const double distance = std::max(glm::dot(centre - eye, away), 0.05 * radius);
   const float fov = from.orthographic ? scene::kDefaultVerticalFov : from.verticalFov;
@@ -162,7 +162,7 @@ void ViewSession::Impl::turnWheel(double steps) {
 
 void ViewSession::Impl::frame(const scene::Bounds& bounds) {
   if (bounds.empty()) return;
-  steered().frame(glm::dvec3(bounds.centre()), bounds.radius(), 1.0 * state.width / state.height);
+  steered().frame(bounds.centre(), bounds.radius(), 1.0 * state.width / state.height);
   touch();
 }
 
@@ -226,8 +226,8 @@ uint32_t ViewSession::Impl::lightAt(uint32_t place) const {
   return lights[place];
 }
 
-void ViewSession::Impl::moveLight(uint32_t light, glm::vec3 world) {
-  if (!std::isfinite(world.x + world.y + world.z)) badUsage("a light can't be moved that far");
+void ViewSession::Impl::moveLight(uint32_t light, glm::dvec3 world) {
+  if (!std::isfinite(static_cast<float>(world.x + world.y + world.z))) badUsage("a light can't be moved that far");
   scene::Light moved = stage.scene().lights[light];
   moved.position = world;
   scene::setLight(stage.scene(), light, moved);
@@ -235,7 +235,7 @@ void ViewSession::Impl::moveLight(uint32_t light, glm::vec3 world) {
 }
 
 void ViewSession::Impl::dragLight(uint32_t light, glm::dvec2 pixel) {
-  const glm::vec3 from = stage.scene().lights[light].position;
+  const glm::dvec3 from = stage.scene().lights[light].position;
   if (const auto to = draggedTo(camera(), {state.width, state.height}, from, pixel)) moveLight(light, *to);
 }
 

@@ -19,7 +19,7 @@ namespace latelight::view {
 struct CameraChoice {
   std::string camera;  // a name or a number; empty: the first, or one that shows all
   struct Placed {
-    glm::vec3 eye, target;  // the scene file's frame
+    glm::dvec3 eye, target;  // the scene file's frame
     double fov;             // degrees
   };
   std::optional<Placed> placed;

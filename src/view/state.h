@@ -32,7 +32,7 @@ struct Probe {
 // That has a place: directional ones have none.
 struct LightState {
   std::string name, type;
-  std::array<float, 3> position{};  // the scene file's frame
+  std::array<double, 3> position{};  // the scene file's frame
   // Where it is in the picture, pixels; nothing behind the camera.
   std::optional<std::array<float, 2>> at;
 };

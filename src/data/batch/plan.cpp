@@ -36,7 +36,7 @@ uint64_t hashOfFiles(const std::vector<std::string>& files) {
 uint64_t hashOf(const JobCamera& c) {
   const scene::Camera& camera = c.camera;
   Json all{c.name, c.width, c.height, camera.name, camera.orthographic, camera.verticalFov, camera.yHalf};
-  for (int i = 0; i < 16; ++i) all.push_back(std::bit_cast<uint32_t>(camera.toWorld[i / 4][i % 4]));
+  for (int i = 0; i < 16; ++i) all.push_back(std::bit_cast<uint64_t>(camera.toWorld[i / 4][i % 4]));
   for (const float value : {camera.nearClip, camera.farClip, camera.principal.x, camera.principal.y})
     all.push_back(std::bit_cast<uint32_t>(value));
   if (const auto& lens = camera.lens) {

@@ -17,8 +17,8 @@ dmat4 readWorld(Spec& spec, const CameraContext& context) {
   const std::string axes = spec.choice("axes", {"scene", "y-up", "z-up"}, "scene");
   const double scale = spec.number("scale", kPositive, 1.0);
   dmat4 world(1);
-  if (axes == "z-up" && context.scene.yUp) world = dmat4(scene::toGltfFromWorld());
-  if (axes == "y-up" && !context.scene.yUp) world = dmat4(scene::toWorldFromGltf());
+  if (axes == "z-up" && context.scene.yUp) world = scene::toGltfFromWorld();
+  if (axes == "y-up" && !context.scene.yUp) world = scene::toWorldFromGltf();
   for (int axis = 0; axis < 3; ++axis) world[axis] *= scale;
   return world;
 }

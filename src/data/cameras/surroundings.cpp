@@ -112,8 +112,8 @@ Surroundings::Surroundings(const scene::Scene& scene) : meshes_(scene.meshes.siz
 }
 
 Surroundings::Piece Surroundings::pieceOf(uint32_t instance) const {
-  Piece piece{.instance = instance, .toFile = dmat4(scene_.instances[instance].toWorld)};
-  if (scene_.yUp) piece.toFile = dmat4(scene::toGltfFromWorld()) * piece.toFile;
+  Piece piece{.instance = instance, .toFile = scene_.instances[instance].toWorld};
+  if (scene_.yUp) piece.toFile = scene::toGltfFromWorld() * piece.toFile;
   if (glm::determinant(glm::dmat3(piece.toFile)) == 0) return piece;
   piece.toObject = glm::inverse(piece.toFile);
   double squares = 0;  // the Frobenius norm is no less than the greatest stretch back

@@ -26,11 +26,11 @@ std::vector<uint32_t> instancesBelow(const scene::Scene& scene, const std::strin
 
 Aabb boxOf(const scene::Scene& scene, const std::vector<uint32_t>& instances, const std::string& path) {
   Aabb box;
-  const glm::dmat4 toFile = scene.yUp ? glm::dmat4(scene::toGltfFromWorld()) : glm::dmat4(1);
+  const glm::dmat4 toFile = scene.yUp ? scene::toGltfFromWorld() : glm::dmat4(1);
   for (const uint32_t number : instances) {
     const scene::Mesh& mesh = scene.meshes[scene.instances[number].mesh];
     if (mesh.positions.empty()) continue;
-    const glm::dmat4 transform = toFile * glm::dmat4(scene.instances[number].toWorld);
+    const glm::dmat4 transform = toFile * scene.instances[number].toWorld;
     for (int corner = 0; corner < 8; ++corner) {
       const dvec3 p(corner & 1 ? mesh.boundsMax.x : mesh.boundsMin.x, corner & 2 ? mesh.boundsMax.y : mesh.boundsMin.y,
                     corner & 4 ? mesh.boundsMax.z : mesh.boundsMin.z);

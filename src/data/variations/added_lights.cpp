@@ -71,7 +71,7 @@ class AddedLights : public Variation {
     }
     if (!shared::lightIsDirectional(light.type)) {
       const glm::dvec3 position = drawn(place_, random("position"));
-      light.position = glm::vec3(toWorld * glm::dvec4(position, 1));
+      light.position = glm::dvec3(toWorld * glm::dvec4(position, 1));
       said["position"] = listOf(position);
     }
     if (hasDirection(light.type)) {

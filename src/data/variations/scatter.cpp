@@ -53,7 +53,7 @@ class Scatter : public Variation {
       AddedObject& added = draft.addedObjects.emplace_back();
       added.name = fmt::format("{}-{}", name_, i);
       for (const scene::ObjectPart& part : object.parts)
-        added.parts.push_back({part.mesh, part.material, glm::mat4(*place * dmat4(part.toWorld))});
+        added.parts.push_back({part.mesh, part.material, *place * part.toWorld});
       draft.taken.push_back(transformed(object.box, *place));
       said["objects"].push_back(describe(added.name, object, *place, draft.scene));
     }
@@ -69,7 +69,7 @@ class Scatter : public Variation {
       const scene::Mesh& mesh = scene.meshes[scene.instances[i].mesh];
       OrientedBox box{.centre = dvec3(mesh.boundsMin + mesh.boundsMax) * 0.5};
       for (int axis = 0; axis < 3; ++axis) box.half[axis] *= (mesh.boundsMax[axis] - mesh.boundsMin[axis]) * 0.5;
-      boxes.push_back(transformed(box, dmat4(scene.instances[i].toWorld)));
+      boxes.push_back(transformed(box, scene.instances[i].toWorld));
     }
     return boxes;
   }

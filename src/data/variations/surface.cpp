@@ -17,7 +17,7 @@ Surface::Surface(const scene::Scene& scene, const std::string& node, double slop
   for (const uint32_t number : instancesBelow(scene, node, path)) {
     const scene::Instance& instance = scene.instances[number];
     const scene::Mesh& mesh = scene.meshes[instance.mesh];
-    const glm::dmat4 toWorld(instance.toWorld);
+    const glm::dmat4& toWorld = instance.toWorld;
     const double front = glm::determinant(glm::dmat3(toWorld)) < 0 ? -1 : 1;  // a mirror turns triangles over
     const auto at = [&](size_t i) { return dvec3(toWorld * glm::dvec4(mesh.positions[mesh.indices[i]], 1)); };
     for (size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {

@@ -39,7 +39,7 @@ class Transforms : public Variation {
       if (above_[i].empty()) continue;
       dmat4 toWorld(draft.transform(i));
       for (const uint32_t node : above_[i]) toWorld = changes[node] * toWorld;
-      draft.transform(i) = glm::mat4(toWorld);
+      draft.transform(i) = toWorld;
     }
     return said;
   }

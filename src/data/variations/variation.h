@@ -29,7 +29,7 @@ struct Draft {
   const scene::Scene& scene;  // with the values that it had at first, but for what was added to it then
   std::map<uint32_t, scene::Material> materials;
   std::map<uint32_t, scene::Light> lights;
-  std::map<uint32_t, scene::mat4> transforms;  // of instances
+  std::map<uint32_t, scene::dmat4> transforms;  // of instances
   std::set<uint32_t> hidden;                   // instances
   std::vector<scene::Light> addedLights;
   std::vector<AddedObject> addedObjects;
@@ -42,7 +42,7 @@ struct Draft {
     return materials.try_emplace(index, scene.materials[index]).first->second;
   }
   scene::Light& light(uint32_t index) { return lights.try_emplace(index, scene.lights[index]).first->second; }
-  scene::mat4& transform(uint32_t index) {
+  scene::dmat4& transform(uint32_t index) {
     return transforms.try_emplace(index, scene.instances[index].toWorld).first->second;
   }
 };

@@ -57,6 +57,7 @@ VertexAttributes attributesAt(uint64_t attributes, uint vertex) {
 View viewAt(uint64_t views, uint index) {
   uint64_t at = views + uint64_t(index) * kViewBytes;
   vec4 scales = floatsAt(at, 6u), principal = floatsAt(at, 7u), eye = floatsAt(at, 8u), jitter = floatsAt(at, 9u);
+  vec4 low = floatsAt(at, 10u);
   View v;
   v.worldToView = matrixAt(at, 0u);
   v.viewToWorld = matrixAt(at, 3u);
@@ -66,6 +67,7 @@ View viewAt(uint64_t views, uint index) {
   v.size = eye.zw;
   v.jitter = jitter.xy;
   v.group = floatBitsToUint(jitter.z);
+  v.eyeLow = vec3(jitter.w, low.xy);
   return v;
 }
 View frameView(FrameConstants frame, uint index) { return viewAt(frame.views, index); }
@@ -79,10 +81,25 @@ Instance instanceAt(uint64_t instances, uint index) {
   i.material = numbers.y;
   i.id = numbers.z;
   i.part = numbers.w;
-  i.flags = wordsAt(at, 4u).x;
+  uvec4 rest = wordsAt(at, 4u);
+  i.flags = rest.x;
+  i.translationLow = uintBitsToFloat(rest.yzw);
   return i;
 }
 Instance frameInstance(FrameConstants frame, uint index) { return instanceAt(frame.instances, index); }
+
+// Object space to positions relative to the eye, in world axes (camera-relative rendering). The eye and the instance may
+// lie anywhere: what cancels is subtracted before anything is rounded.
+mat4x3 relativeToEye(Instance instance, vec3 eye, vec3 eyeLow) {
+  mat4x3 m = instance.objectToWorld;
+  precise vec3 offset = (m[3] - eye) + (instance.translationLow - eyeLow);
+  m[3] = offset;
+  return m;
+}
+mat4x3 relativeToEye(Instance instance, View view) { return relativeToEye(instance, view.eye, view.eyeLow); }
+
+// From a position relative to the eye to view space.
+vec3 toView(View view, vec3 relative) { return mat3(view.worldToView) * relative; }
 
 // Texture transforms, images and layers are loaded where they are needed.
 Material frameMaterial(FrameConstants frame, uint index) {

@@ -36,12 +36,19 @@ class Parts {
   uint64_t bytes_ = 0;
 };
 
+scene::Clusters clustersAround(glm::vec3 origin, const scene::Mesh& mesh) {
+  if (origin == glm::vec3(0)) return scene::clustersOf(mesh);
+  scene::Mesh moved = mesh;
+  for (glm::vec3& position : moved.positions) position -= origin;
+  return scene::clustersOf(moved);
+}
+
 }  // namespace
 
-std::vector<shared::VertexPosition> paddedPositions(std::span<const glm::vec3> positions) {
+std::vector<shared::VertexPosition> paddedPositions(std::span<const glm::vec3> positions, glm::vec3 origin) {
   std::vector<shared::VertexPosition> padded;
   padded.reserve(positions.size());
-  for (const glm::vec3& position : positions) padded.push_back({position, 0});
+  for (const glm::vec3& position : positions) padded.push_back({position - origin, 0});
   return padded;
 }
 
@@ -58,7 +65,7 @@ GpuGeometry::GpuGeometry(vk::Device& device, const scene::Scene& scene, vk::Uplo
 
 void GpuGeometry::uploadMesh(vk::Uploader& uploader, uint32_t index) {
   const scene::Mesh& mesh = scene_.meshes[index];
-  const std::vector<shared::VertexPosition> vertices = paddedPositions(mesh.positions);
+  const std::vector<shared::VertexPosition> vertices = paddedPositions(mesh.positions, scene::vertexOrigin(mesh));
   Parts parts;
   parts.add(bytesOf(mesh.indices));  // first: see indexBuffer()
   const uint64_t positions = parts.add(bytesOf(vertices)), attributes = parts.add(bytesOf(mesh.attributes));
@@ -103,10 +110,11 @@ void GpuGeometry::keepClusters(vk::Uploader& uploader) {
 void GpuGeometry::uploadClusters(vk::Uploader& uploader, uint32_t index) {
   const scene::Mesh& mesh = scene_.meshes[index];
   if (mesh.indices.empty()) return;
-  const scene::Clusters all = scene::clustersOf(mesh);
+  const glm::vec3 origin = scene::vertexOrigin(mesh);
+  const scene::Clusters all = clustersAround(origin, mesh);
   std::vector<shared::VertexPosition> positions;
   if (!mesh.deformation)
-    for (const uint32_t vertex : all.vertices) positions.push_back({mesh.positions[vertex], 0});
+    for (const uint32_t vertex : all.vertices) positions.push_back({mesh.positions[vertex] - origin, 0});
   Parts parts;
   const uint64_t atTriangles = parts.add(bytesOf(all.triangles)), atClusters = parts.add(bytesOf(all.clusters));
   const uint64_t atVertices = parts.add(mesh.deformation ? bytesOf(all.vertices) : bytesOf(positions));

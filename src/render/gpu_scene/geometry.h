@@ -12,8 +12,9 @@ namespace latelight::render {
 
 class Deformer;
 
-// As shaders read them.
-std::vector<shared::VertexPosition> paddedPositions(std::span<const glm::vec3> positions);
+// As shaders read them, relative to an origin.
+std::vector<shared::VertexPosition> paddedPositions(std::span<const glm::vec3> positions,
+                                                    glm::vec3 origin = glm::vec3(0));
 
 // Where the vertices of a mesh are read from as it is drawn.
 struct VertexStreams {

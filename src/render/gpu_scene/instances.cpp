@@ -1,7 +1,9 @@
 #include "render/gpu_scene/instances.h"
 
 #include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
 #include <limits>
+#include <utility>
 
 #include "base/parallel.h"
 
@@ -14,13 +16,36 @@ constexpr size_t kInstancesAtOnce = 16384;  // a thread's share: waking another 
 constexpr Sphere kNowhere{glm::vec3(0), -std::numeric_limits<float>::infinity()};  // touches nothing
 
 // Around the corners of the box.
-Sphere boundsOf(const scene::ReachBox& box, const glm::mat4& toWorld) {
-  constexpr float kRounding = 1 + 1e-6f;
-  const glm::vec3 half = 0.5f * (box.high - box.low);
-  float radius = 0;
-  for (const glm::vec3& sign : {glm::vec3(1, 1, 1), glm::vec3(-1, 1, 1), glm::vec3(1, -1, 1), glm::vec3(1, 1, -1)})
-    radius = std::max(radius, glm::length(glm::mat3(toWorld) * (sign * half)));
-  return {glm::vec3(toWorld * glm::vec4((box.low + box.high) * 0.5f, 1.0f)), kRounding * radius};
+WorldSphere boundsOf(const scene::ReachBox& box, const glm::dmat4& toWorld) {
+  const glm::dvec3 low(box.low), high(box.high), half = 0.5 * (high - low);
+  double radius = 0;
+  for (const glm::dvec3& sign : {glm::dvec3(1, 1, 1), glm::dvec3(-1, 1, 1), glm::dvec3(1, -1, 1), glm::dvec3(1, 1, -1)})
+    radius = std::max(radius, glm::length(glm::dmat3(toWorld) * (sign * half)));
+  return {glm::dvec3(toWorld * glm::dvec4((low + high) * 0.5, 1.0)), radius};
+}
+
+// The sphere with its center rounded to floats, larger by as much as rounding may move it on its way to a view.
+Sphere roundedSphere(const WorldSphere& sphere, const glm::dvec3& origin) {
+  if (sphere.radius < 0) return kNowhere;
+  constexpr double kRounding = 1e-6, kCenterRounding = 2e-7;
+  const glm::dvec3 center = sphere.center - origin, size = glm::abs(center);
+  return {glm::vec3(center),
+          static_cast<float>((1 + kRounding) * sphere.radius + kCenterRounding * (size.x + size.y + size.z))};
+}
+
+// Rounds the translation to a float and keeps the rest.
+void setTransform(shared::Instance& record, const glm::dmat4& toWorld, const glm::dvec3& origin) {
+  const glm::dvec3 translation = glm::dvec3(toWorld[3]) - origin;
+  record.objectToWorld = glm::mat4x3(glm::mat4(toWorld));
+  record.objectToWorld[3] = glm::vec3(translation);
+  record.translationLow = glm::vec3(translation - glm::dvec3(record.objectToWorld[3]));
+}
+
+// One coordinate of the origin. Scenes near the world's own origin keep it. Others get one in steps: it then stays where it
+// is while things move a little.
+double originNear(double coordinate) {
+  constexpr double kNear = 1024, kStep = 64;  // meters
+  return std::isfinite(coordinate) && std::abs(coordinate) >= kNear ? std::round(coordinate / kStep) * kStep : 0.0;
 }
 
 }  // namespace
@@ -33,34 +58,70 @@ GpuInstances::GpuInstances(vk::Device& device, const scene::Scene& scene, vk::Up
   pose(uploader, {}, nullptr);
 }
 
-void GpuInstances::place(uint32_t index, const glm::mat4& toWorld, const scene::Pose& pose, const Deformer* deformer) {
+void GpuInstances::place(uint32_t index, const glm::dmat4& toWorld) {
   const scene::Instance& instance = scene_.instances[index];
-  const bool mirrored = glm::determinant(glm::mat3(toWorld)) < 0;
-  records_[index] = {.objectToWorld = glm::mat4x3(toWorld),
-                     .mesh = instance.mesh,
-                     .material = instance.material,
-                     .id = instance.id,
-                     .part = instance.part,
-                     .flags = (mirrored ? shared::kInstanceMirrored : 0u) |
-                              (scene_.meshes[instance.mesh].extras.empty() ? 0u : shared::kInstanceExtras) |
-                              groupBits(index)};
-  if (!scene::isShown(scene_, pose, instance)) {
-    bounds_[index] = kNowhere;
-    return;
-  }
+  const bool mirrored = glm::determinant(glm::dmat3(toWorld)) < 0;
+  shared::Instance& record = records_[index];
+  record = {.mesh = instance.mesh,
+            .material = instance.material,
+            .id = instance.id,
+            .part = instance.part,
+            .flags = (mirrored ? shared::kInstanceMirrored : 0u) |
+                     (scene_.meshes[instance.mesh].extras.empty() ? 0u : shared::kInstanceExtras) | groupBits(index)};
+  setTransform(record, deviceTransform(index, toWorld), origin_);
+  bounds_[index] = roundedSphere(spheres_[index], origin_);
+}
+
+// A mesh whose vertices lie far from its own origin is uploaded around one nearby.
+glm::dmat4 GpuInstances::deviceTransform(uint32_t index, const glm::dmat4& toWorld) const {
+  const scene::Mesh& mesh = scene_.meshes[scene_.instances[index].mesh];
+  return glm::translate(toWorld, glm::dvec3(scene::vertexOrigin(mesh)));
+}
+
+WorldSphere GpuInstances::sphereOf(uint32_t index, const glm::dmat4& toWorld, const scene::Pose& pose,
+                                   const Deformer* deformer) const {
+  const scene::Instance& instance = scene_.instances[index];
+  if (!scene::isShown(scene_, pose, instance)) return {};
   const scene::Mesh& mesh = scene_.meshes[instance.mesh];
   const bool deformed = deformer && mesh.deformation && !pose.empty();
-  bounds_[index] = boundsOf(
+  return boundsOf(
       deformed ? deformer->boundsOf(instance.mesh, pose) : scene::ReachBox{mesh.boundsMin, mesh.boundsMax}, toWorld);
 }
 
-void GpuInstances::pose(vk::Uploader& uploader, const Poses& poses, const Deformer* deformer) {
-  const std::vector<glm::mat4> transforms = scene::instanceTransforms(scene_, poses.current);
-  records_.resize(transforms.size());
-  bounds_.resize(transforms.size());
-  parallelFor(transforms.size(), kInstancesAtOnce, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) place(static_cast<uint32_t>(i), transforms[i], poses.current, deformer);
+// The mean of the centers of what is shown, where large things weigh less: a ground says nothing of where on it the scene
+// is. Summed in a fixed order, since the origin decides how everything is rounded.
+glm::dvec3 GpuInstances::meanCenter() const {
+  const size_t parts = (spheres_.size() + kInstancesAtOnce - 1) / kInstancesAtOnce;
+  std::vector<glm::dvec4> sums(parts, glm::dvec4(0));
+  parallelFor(spheres_.size(), kInstancesAtOnce, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      const WorldSphere& sphere = spheres_[i];
+      if (!(sphere.radius >= 0)) continue;
+      const double weight = 1 / std::pow(std::max(sphere.radius, 1.0), 2);
+      const glm::dvec4 weighted(sphere.center * weight, weight);
+      if (std::isfinite(glm::dot(weighted, glm::dvec4(1)))) sums[i / kInstancesAtOnce] += weighted;
+    }
   });
+  glm::dvec4 sum(0);
+  for (const glm::dvec4& part : sums) sum += part;
+  return sum.w > 0 ? glm::dvec3(sum) / sum.w : glm::dvec3(0);
+}
+
+bool GpuInstances::moveOrigin() {
+  const glm::dvec3 mean = meanCenter();
+  const glm::dvec3 origin(originNear(mean.x), originNear(mean.y), originNear(mean.z));
+  return std::exchange(origin_, origin) != origin;
+}
+
+void GpuInstances::pose(vk::Uploader& uploader, const Poses& poses, const Deformer* deformer) {
+  const std::vector<glm::dmat4> transforms = scene::instanceTransforms(scene_, poses.current);
+  spheres_.resize(transforms.size());
+  parallelFor(transforms.size(), kInstancesAtOnce, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i)
+      spheres_[i] = sphereOf(static_cast<uint32_t>(i), transforms[i], poses.current, deformer);
+  });
+  moveOrigin();
+  placeAll(transforms);
   list_.upload(uploader, records_);
   moves_ = !poses.current.empty();
   if (moves_) uploadMoved(previous_, uploader, poses.previous);
@@ -68,19 +129,35 @@ void GpuInstances::pose(vk::Uploader& uploader, const Poses& poses, const Deform
   ++revision_;
 }
 
-// Of the instances as they are, but elsewhere.
+void GpuInstances::placeAll(const std::vector<glm::dmat4>& transforms) {
+  records_.resize(transforms.size());
+  bounds_.resize(transforms.size(), kNowhere);
+  parallelFor(transforms.size(), kInstancesAtOnce, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) place(static_cast<uint32_t>(i), transforms[i]);
+  });
+}
+
+// Uploads the instances with the transforms of another pose.
 void GpuInstances::uploadMoved(GpuList<shared::Instance>& list, vk::Uploader& uploader, const scene::Pose& pose) const {
-  const std::vector<glm::mat4> transforms = scene::instanceTransforms(scene_, pose);
+  const std::vector<glm::dmat4> transforms = scene::instanceTransforms(scene_, pose);
   std::vector<shared::Instance> instances = records_;
-  for (size_t i = 0; i < instances.size(); ++i) instances[i].objectToWorld = glm::mat4x3(transforms[i]);
+  for (uint32_t i = 0; i < instances.size(); ++i)
+    setTransform(instances[i], deviceTransform(i, transforms[i]), origin_);
   list.upload(uploader, instances);
 }
 
 void GpuInstances::update(vk::Uploader& uploader, std::span<const uint32_t> changed) {
   records_.resize(scene_.instances.size());
   bounds_.resize(scene_.instances.size(), kNowhere);
-  for (const uint32_t index : changed) place(index, scene_.instances[index].toWorld, {}, nullptr);
-  list_.upload(uploader, records_, changed);
+  spheres_.resize(scene_.instances.size());
+  for (const uint32_t index : changed) spheres_[index] = sphereOf(index, scene_.instances[index].toWorld, {}, nullptr);
+  if (moveOrigin()) {
+    placeAll(scene::instanceTransforms(scene_, {}));
+    list_.upload(uploader, records_);
+  } else {
+    for (const uint32_t index : changed) place(index, scene_.instances[index].toWorld);
+    list_.upload(uploader, records_, changed);
+  }
   ++revision_;
 }
 
@@ -99,9 +176,10 @@ void GpuInstances::setGroups(vk::Uploader& uploader, const std::vector<uint32_t>
 
 scene::Bounds GpuInstances::allBounds() const {
   scene::Bounds all;
-  for (const Sphere& sphere : bounds_) {
-    all.min = glm::min(all.min, sphere.centre - sphere.radius);
-    all.max = glm::max(all.max, sphere.centre + sphere.radius);
+  for (const WorldSphere& sphere : spheres_) {
+    if (sphere.radius < 0) continue;
+    all.min = glm::min(all.min, sphere.center - sphere.radius);
+    all.max = glm::max(all.max, sphere.center + sphere.radius);
   }
   return all;
 }
@@ -110,6 +188,8 @@ void GpuInstances::describe(shared::FrameConstants& frame) const {
   frame.instances = list_.address();
   frame.previousInstances = moves_ ? previous_.address() : list_.address();
   frame.nextInstances = moves_ ? next_.address() : list_.address();
+  frame.positionOffset = glm::vec3(origin_);
+  frame.positionOffsetLow = glm::vec3(origin_ - glm::dvec3(frame.positionOffset));
 }
 
 }  // namespace latelight::render

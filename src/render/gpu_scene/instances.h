@@ -1,7 +1,8 @@
 // Instances in device memory, numbered as the scene numbers them: where each is, was a frame before and will be a frame
-// after.
+// after. All positions are relative to origin(), which lies near most of the scene.
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include "render/deform/deformer.h"
@@ -12,9 +13,15 @@
 
 namespace latelight::render {
 
+struct WorldSphere {  // in the scene's world space, meters
+  glm::dvec3 center{0};
+  double radius = -std::numeric_limits<double>::infinity();  // below 0: nothing is shown
+};
+
 class GpuInstances {
  public:
   GpuInstances(vk::Device& device, const scene::Scene& scene, vk::Uploader& uploader);
+  const glm::dvec3& origin() const { return origin_; }
   // Instances that were edited, at rest.
   void update(vk::Uploader& uploader, std::span<const uint32_t> changed);
   // All of them, by poses (empty ones: at rest). `deformer`: what knows how far deformed meshes reach, or null.
@@ -25,20 +32,28 @@ class GpuInstances {
   uint32_t count() const { return static_cast<uint32_t>(records_.size()); }
   const shared::Instance& record(uint32_t instance) const { return records_[instance]; }
   const Sphere& bounds(uint32_t instance) const { return bounds_[instance]; }  // touches nothing where it is not shown
-  scene::Bounds allBounds() const;                                             // around those spheres
+  scene::Bounds allBounds() const;                                             // of the scene, around those spheres
   uint64_t revision() const { return revision_; }                              // grows whenever one changes
 
   VkDeviceAddress address() const { return list_.address(); }  // shared::Instance[]
   void describe(shared::FrameConstants& frame) const;
 
  private:
-  void place(uint32_t instance, const glm::mat4& toWorld, const scene::Pose& pose, const Deformer* deformer);
+  WorldSphere sphereOf(uint32_t instance, const glm::dmat4& toWorld, const scene::Pose& pose,
+                       const Deformer* deformer) const;
+  glm::dmat4 deviceTransform(uint32_t instance, const glm::dmat4& toWorld) const;
+  glm::dvec3 meanCenter() const;
+  bool moveOrigin();  // to where spheres_ are; returns whether it moved
+  void placeAll(const std::vector<glm::dmat4>& transforms);
+  void place(uint32_t instance, const glm::dmat4& toWorld);
   uint32_t groupBits(uint32_t instance) const;
   void uploadMoved(GpuList<shared::Instance>& list, vk::Uploader& uploader, const scene::Pose& pose) const;
 
   const scene::Scene& scene_;
   std::vector<shared::Instance> records_;
-  std::vector<Sphere> bounds_;
+  glm::dvec3 origin_{0};
+  std::vector<WorldSphere> spheres_;
+  std::vector<Sphere> bounds_;  // spheres_, relative to the origin
   std::vector<uint32_t> groups_;
   GpuList<shared::Instance> list_, previous_, next_;
   bool moves_ = false;  // previous_ and next_ hold something of their own

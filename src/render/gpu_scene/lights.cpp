@@ -16,9 +16,9 @@ namespace {
 
 // A light without a range has no end: what it gives far away still shows as a highlight on gloss, and in the sum of
 // many lights. Any bound on what may be lost in those lets it reach farther than the scene does.
-shared::Light deviceLight(const scene::Light& light) {
+shared::Light deviceLight(const scene::Light& light, const glm::dvec3& origin) {
   shared::Light l{};
-  l.position = light.position;
+  l.position = glm::vec3(light.position - origin);
   l.direction = light.direction;
   l.type = light.type;
   l.intensity = light.color * light.intensity;
@@ -50,14 +50,14 @@ void uploadChanges(GpuList<T>& list, vk::Uploader& uploader, const std::vector<T
 
 }  // namespace
 
-void GpuLights::set(vk::Uploader& uploader, std::vector<scene::Light> lights) {
+void GpuLights::set(vk::Uploader& uploader, std::vector<scene::Light> lights, const glm::dvec3& origin) {
   authored_ = std::move(lights);
   std::erase_if(authored_, [](const scene::Light& light) { return light.removed; });
   std::vector<shared::Light> shining;
   std::vector<uint32_t> sources;
   size_t broken = 0;
   for (uint32_t i = 0; i < authored_.size(); ++i) {
-    const shared::Light l = deviceLight(authored_[i]);
+    const shared::Light l = deviceLight(authored_[i], origin);
     broken += !isSound(l);
     if (!isSound(l) || !(l.radius > 0) || !(shared::maxChannel(l.intensity) > 0)) continue;
     shining.push_back(l);

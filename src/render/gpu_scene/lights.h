@@ -13,8 +13,8 @@ namespace latelight::render {
 class GpuLights {
  public:
   explicit GpuLights(vk::Device& device) : list_(device, "lights"), tree_(device, "light tree") {}
-  // Of these lights, those that shine.
-  void set(vk::Uploader& uploader, std::vector<scene::Light> lights);
+  // Takes those of the lights that shine. `origin`: of the device's world space (GpuScene::origin()).
+  void set(vk::Uploader& uploader, std::vector<scene::Light> lights, const glm::dvec3& origin);
 
   uint32_t count() const { return static_cast<uint32_t>(lights_.size()); }
   std::span<const shared::Light> lights() const { return lights_; }  // as the device has them

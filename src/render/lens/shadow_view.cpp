@@ -28,8 +28,8 @@ std::optional<glm::dvec2> reachOf(const scene::Lens& lens) {
 
 }  // namespace
 
-shared::View shadowView(const scene::Camera& camera, uint32_t width, uint32_t height, const scene::Bounds& bounds) {
-  shared::View view = makeView(camera, width, height);
+shared::View shadowView(const scene::Camera& camera, uint32_t width, uint32_t height, const GpuScene& scene) {
+  shared::View view = makeView(camera, width, height, glm::vec2(0), scene.origin());
   if (!bendsRays(camera)) return view;
   shared::Projection& p = view.projection;
   if (const std::optional<glm::dvec2> reach = reachOf(scene::scaledTo(*camera.lens, width, height))) {
@@ -37,7 +37,8 @@ shared::View shadowView(const scene::Camera& camera, uint32_t width, uint32_t he
     p.V = static_cast<float>(1 / reach->y);
     return view;
   }
-  const float radius = bounds.radius() + glm::distance(bounds.centre(), view.eye) + 1e-3f;
+  const scene::Bounds bounds = scene.deviceBounds();
+  const auto radius = static_cast<float>(bounds.radius() + glm::distance(bounds.centre(), glm::dvec3(view.eye)) + 1e-3);
   p = {1 / radius, 1 / radius, -0.5f / radius, 0.5f, 0, 0, shared::kOrthographic};
   return view;
 }

@@ -17,8 +17,10 @@ vec4 packed(vec4 texel, ivec3 pixel) {
     case kPackDepth:
     case kPackDistance:
       return vec4(packedMetres(push.frame, push.packing, texel.r, pixel));
-    case kPackNormal:
     case kPackPosition:
+      texel.rgb = packedPosition(push.frame, texel.rgb);
+      return vec4(packedInAxes(push.frame, push.axes, texel.rgb, pixel), 0.0);
+    case kPackNormal:
       return vec4(packedInAxes(push.frame, push.axes, texel.rgb, pixel), 0.0);
     case kPackCount:
       return vec4(floatBitsToUint(texel.r) == 0u ? 0.0 : 1.0);

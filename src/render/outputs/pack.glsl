@@ -24,6 +24,16 @@ float packedMetres(uint64_t frame, uint packing, float device, ivec3 pixel) {
   return depth;
 }
 
+// From device world space to that of the output `position`: the sum as exactly as a float holds it (two-sum, Knuth 1997,
+// The Art of Computer Programming 2, section 4.2.2).
+vec3 packedPosition(uint64_t frame, vec3 v) {
+  vec3 offset = FrameRef(frame).v.positionOffset, low = FrameRef(frame).v.positionOffsetLow;
+  precise vec3 sum = v + offset, part = sum - v;
+  precise vec3 lost = (v - (sum - part)) + (offset - part);
+  precise vec3 whole = sum + (lost + low);
+  return whole;
+}
+
 // `axes`: kAxes*.
 vec3 packedInAxes(uint64_t frame, uint axes, vec3 v, ivec3 pixel) {
   if (axes == kAxesWorld) return v;

@@ -60,6 +60,7 @@ void writeOutput(uint64_t frame, OutputPlace place, uint bits, ExactTargets targ
   if (o.second != kPackOneTarget) values.y = targets.v[o.second][o.secondFirst];
   if (o.packing == kPackDepth || o.packing == kPackDistance)
     values.x = floatBitsToUint(packedMetres(frame, o.packing, depth, pixel));
+  if (o.packing == kPackPosition) values.xyz = floatBitsToUint(packedPosition(frame, uintBitsToFloat(values.xyz)));
   if (o.packing == kPackNormal || o.packing == kPackPosition)
     values.xyz = floatBitsToUint(packedInAxes(frame, o.axes, uintBitsToFloat(values.xyz), pixel));
   OutputBitsRef view = OutputBitsRef(place.values + uint64_t(pixel.z) * place.viewBytes);

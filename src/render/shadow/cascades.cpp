@@ -37,9 +37,9 @@ Sphere around(const shared::View& view, double near, double far) {
 double nearestDepth(const scene::Bounds& bounds, const shared::View& view) {
   double nearest = std::numeric_limits<double>::infinity();
   for (int corner = 0; corner < 8; ++corner) {
-    const glm::vec4 p(corner & 1 ? bounds.max.x : bounds.min.x, corner & 2 ? bounds.max.y : bounds.min.y,
-                      corner & 4 ? bounds.max.z : bounds.min.z, 1);
-    nearest = std::min(nearest, double{(view.worldToView * p).y});
+    const glm::dvec4 p(corner & 1 ? bounds.max.x : bounds.min.x, corner & 2 ? bounds.max.y : bounds.min.y,
+                       corner & 4 ? bounds.max.z : bounds.min.z, 1);
+    nearest = std::min(nearest, (glm::dmat4x3(view.worldToView) * p).y);
   }
   return nearest;
 }
@@ -48,7 +48,7 @@ double nearestDepth(const scene::Bounds& bounds, const shared::View& view) {
 
 std::vector<Sphere> fitCascades(const shared::View& view, const scene::Bounds& bounds) {
   if (bounds.empty()) return {};
-  const Sphere scene{bounds.centre(), std::max(bounds.radius(), 1e-6f)};
+  const Sphere scene{glm::vec3(bounds.centre()), std::max(static_cast<float>(bounds.radius()), 1e-6f)};
   const shared::Projection& p = view.projection;
   const double centre = (view.worldToView * glm::vec4(scene.centre, 1)).y, radius = scene.radius;
   const double room = 1e-3 * radius;  // flat scenes need some depth, too, and coordinates are rounded

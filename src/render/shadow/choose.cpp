@@ -30,7 +30,7 @@ void checkNames(const ShadowLights& wanted, std::span<const scene::Light> lights
 
 // How far the light reaches within the scene, metres.
 float reachIn(const ShadowScene& scene, const shared::Light& light) {
-  return std::min(light.radius, 2 * scene.bounds.radius());
+  return std::min(light.radius, static_cast<float>(2 * scene.bounds.radius()));
 }
 
 // The illuminance at the eye, lux; for a directional light the same everywhere.

@@ -41,7 +41,7 @@ bool shadowIsPacked(uint32_t format) {
 
 ShadowScene shadowSceneOf(const GpuScene& scene) {
   const GpuLights& lights = scene.lights();
-  return {lights.lights(), lights.sources(), lights.authored(), scene.bounds()};
+  return {lights.lights(), lights.sources(), lights.authored(), scene.deviceBounds()};
 }
 
 FrameShadows::FrameShadows(vk::Device& device, const GpuScene& scene, ShadowPlan plan, const Settings& settings,

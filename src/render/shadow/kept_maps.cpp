@@ -61,6 +61,7 @@ std::vector<Sphere> KeptShadowMaps::changedCasters(const GpuScene& scene) {
 
 void KeptShadowMaps::follow(const GpuScene& scene) {
   if (const uint64_t now = scene.materials().revision(); std::exchange(materials_, now) != now) forget();
+  if (std::exchange(origin_, scene.origin()) != scene.origin()) forget();
   const uint64_t instances = scene.instances().revision(), shapes = scene.geometry().revision();
   if (instances_ == instances && shapes_ == shapes) return;
   instances_ = instances;

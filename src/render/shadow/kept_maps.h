@@ -66,6 +66,7 @@ class KeptShadowMaps {
   uint64_t frame_ = 0;
   uint32_t tooLarge_ = 0;  // frames in a row for which the atlas was much too large
   std::vector<Caster> casters_;
+  glm::dvec3 origin_{0};  // of the positions in those
   uint64_t instances_ = 0, shapes_ = 0, materials_ = 0;  // revisions of the scene that the maps show
 };
 

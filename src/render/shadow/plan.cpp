@@ -10,6 +10,7 @@
 #include "base/parallel.h"
 #include "render/shadow/cascades.h"
 #include "render/shadow/choose.h"
+#include "render/view.h"
 #include "shared/light.h"
 #include "shared/shadow.h"
 
@@ -74,7 +75,8 @@ shared::View viewOf(const Frame& f, double scale, uint32_t size) {
     }
     view.worldToView[3][row] = static_cast<float>(-glm::dot(rows[row], f.origin) * scale);
   }
-  view.viewToWorld[3] = view.eye = glm::vec3(f.origin);
+  placeEye(view, f.origin);
+  view.viewToWorld[3] = view.eye;
   view.size = {static_cast<float>(size), static_cast<float>(size)};
   shared::Projection& p = view.projection;
   p.kind = f.perspective ? shared::kPerspective : shared::kOrthographic;

@@ -44,7 +44,7 @@ struct ShadowScene {
   std::span<const shared::Light> lights;  // the frame's
   std::span<const uint32_t> sources;      // for each, its index among the scene's lights
   std::span<const scene::Light> authored;
-  scene::Bounds bounds;
+  scene::Bounds bounds;  // in the device's world space
 };
 
 uint64_t shadowTexels(const Settings& settings);  // of the maps of one view, at most

@@ -65,10 +65,11 @@ std::vector<vk::VertexBuffer> sceneVertexBuffers(const std::string& vertexShader
                                          {{5, VK_FORMAT_R32G32B32_SFLOAT, 0},
                                           {6, VK_FORMAT_R32G32B32_SFLOAT, kColumn},
                                           {7, VK_FORMAT_R32G32B32_SFLOAT, 2 * kColumn},
-                                          {8, VK_FORMAT_R32G32B32_SFLOAT, 3 * kColumn},
+                                          {8, VK_FORMAT_R32G32B32_SFLOAT, offsetof(shared::View, eye)},
                                           {9, VK_FORMAT_R32G32B32A32_SFLOAT, kProjection},
                                           {10, VK_FORMAT_R32G32_SFLOAT, kPrincipal},
-                                          {11, VK_FORMAT_R32_UINT, kKind}}}};
+                                          {11, VK_FORMAT_R32_UINT, kKind},
+                                          {12, VK_FORMAT_R32G32B32_SFLOAT, offsetof(shared::View, eyeLow)}}}};
   if (vertexShader != "scene_depth.vert")
     buffers[kAttributes].attributes = {{1, VK_FORMAT_R32G32B32_SFLOAT, offsetof(VertexAttributes, normal)},
                                        {2, VK_FORMAT_R32G32B32A32_SFLOAT, offsetof(VertexAttributes, tangent)},

@@ -17,7 +17,8 @@ bool isBlended(const GpuScene& scene, uint32_t instance) {
 }
 
 bool standsWhere(const shared::Instance& a, const shared::Instance& b) {
-  return a.mesh == b.mesh && a.material == b.material && a.objectToWorld == b.objectToWorld;
+  return a.mesh == b.mesh && a.material == b.material && a.objectToWorld == b.objectToWorld &&
+         a.translationLow == b.translationLow;
 }
 
 // Puts an instance behind those that are there: into the last draw, if it is like those.

@@ -10,14 +10,13 @@ layout(location = 8) VARYING vec3 varyingAfter;
 
 #ifdef VERTEX_STAGE
 vec3 clipAt(uint64_t instances, uint64_t views, uint64_t positions, uint instance) {
-  mat4x3 toWorld = instanceAt(instances, instance).objectToWorld;
   View view = viewAt(views, push.view);
-  vec3 world = toWorld * vec4(positionAt(positions, gl_VertexIndex), 1.0);
-  return steadyClip(view, view.worldToView * vec4(world, 1.0));
+  mat4x3 placed = relativeToEye(instanceAt(instances, instance), view);
+  return steadyClip(view, toView(view, placed * vec4(positionAt(positions, gl_VertexIndex), 1.0)));
 }
 
-void passMotion(FrameConstants frame, View view, Mesh mesh, vec3 world, uint instance) {
-  varyingNow = steadyClip(view, view.worldToView * vec4(world, 1.0));
+void passMotion(FrameConstants frame, View view, Mesh mesh, vec3 relative, uint instance) {
+  varyingNow = steadyClip(view, toView(view, relative));
   varyingBefore = clipAt(frame.previousInstances, frame.previousViews, mesh.previousPositions, instance);
   varyingAfter = clipAt(frame.nextInstances, frame.nextViews, mesh.nextPositions, instance);
 }

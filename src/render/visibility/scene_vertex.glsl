@@ -23,18 +23,20 @@ layout(location = 2) in vec4 inTangent;
 layout(location = 3) in vec2 inUv0;
 #endif
 layout(location = 4) in uint inInstance;  // as the scene numbers them
-layout(location = 5) in vec3 inWorldToView[4];  // columns
+layout(location = 5) in vec3 inWorldToView[3];  // columns of the rotation
+layout(location = 8) in vec3 inEye;
 layout(location = 9) in vec4 inProjection;
 layout(location = 10) in vec2 inPrincipal;
 layout(location = 11) in uint inProjectionKind;
+layout(location = 12) in vec3 inEyeLow;
 
+// Returns the position relative to the eye.
 vec3 placeVertex(Instance instance) {
   Projection projection = Projection(inProjection.x, inProjection.y, inProjection.z, inProjection.w, inPrincipal.x,
                                      inPrincipal.y, inProjectionKind);
-  mat4x3 worldToView = mat4x3(inWorldToView[0], inWorldToView[1], inWorldToView[2], inWorldToView[3]);
-  vec3 world = instance.objectToWorld * vec4(inPosition, 1.0);
-  gl_Position = projectToClip(projection, worldToView * vec4(world, 1.0));
-  return world;
+  vec3 relative = relativeToEye(instance, inEye, inEyeLow) * vec4(inPosition, 1.0);
+  gl_Position = projectToClip(projection, mat3(inWorldToView[0], inWorldToView[1], inWorldToView[2]) * relative);
+  return relative;
 }
 
 #ifdef NO_VARYINGS
@@ -48,10 +50,10 @@ VertexAttributes vertexAttributes(Instance instance) {
 
 void main() {
   Instance instance = instanceAt(push.instances, inInstance);
-  vec3 world = placeVertex(instance);
+  vec3 relative = placeVertex(instance);
   VertexAttributes attributes = vertexAttributes(instance);
   VertexDirections directions = vertexDirections(instance);
-  varyingPosition = world;
+  varyingPosition = relative + inEye;
   varyingNormal = worldNormal(directions, attributes.normal);
   varyingTangent = worldTangent(directions, attributes.tangent);
   varyingUv = vec4(attributes.uv0, attributes.uv0);
@@ -68,7 +70,7 @@ void main() {
 #endif
 #ifdef MOTION
   FrameConstants frame = FrameRef(push.frame).v;
-  passMotion(frame, frameView(frame, push.view), frameMesh(frame, instance.mesh), world, inInstance);
+  passMotion(frame, frameView(frame, push.view), frameMesh(frame, instance.mesh), relative, inInstance);
 #endif
 }
 #endif

@@ -19,7 +19,7 @@ uint32_t SceneBuilder::addNode(const std::string& name, uint32_t parent, const m
   node.name = name;
   node.parent = static_cast<int>(parent);
   node.local = local;
-  node.toWorld = scene.nodes[parent].toWorld * local;
+  node.toWorld = scene.nodes[parent].toWorld * dmat4(local);
   const std::string path = scene.nodes[parent].path + "/" + name;
   node.path = path;
   for (int twin = 2; !paths_.insert(node.path).second; ++twin) node.path = fmt::format("{}#{}", path, twin);
@@ -48,7 +48,7 @@ void SceneBuilder::addCamera(const std::string& name, vec3 eye, vec3 target, flo
   Camera camera;
   camera.name = name;
   camera.toWorld =
-      toWorldFromGltf() * mat4(vec4(right, 0), vec4(away, 0), vec4(glm::cross(right, away), 0), vec4(eye, 1));
+      toWorldFromGltf() * dmat4(mat4(vec4(right, 0), vec4(away, 0), vec4(glm::cross(right, away), 0), vec4(eye, 1)));
   camera.verticalFov = verticalFov;
   scene.cameras.push_back(std::move(camera));
 }

@@ -131,7 +131,9 @@ class VolumePlan {
 
   // From the light to the farthest point of the scene, with a margin for rounding.
   float farthest(const shared::Light& light) const {
-    return 1.001f * glm::length(glm::max(glm::abs(scene_.min - light.position), glm::abs(scene_.max - light.position)));
+    const glm::dvec3 position(light.position);
+    return static_cast<float>(
+        1.001 * glm::length(glm::max(glm::abs(scene_.min - position), glm::abs(scene_.max - position))));
   }
 
   // Of a sphere, in pixels; infinite with the camera inside.
@@ -181,7 +183,7 @@ class VolumesPass {
  public:
   VolumesPass(const FrameContext& f, const Gbuffer& gbuffer, VkFormat sumFormat)
       : f_(f),
-        sceneBounds_(f.scene.instances().allBounds()),
+        sceneBounds_(f.scene.deviceBounds()),
         depthClamp_(f.device.features().core.features.depthClamp),
         sumFormat_(sumFormat),
         buffers_(f),

@@ -57,6 +57,7 @@ View posed(const View& pinhole, const View& camera) {
   for (int i = 0; i < 4; ++i) view.worldToView[i] = glm::mat3(pinhole.worldToView) * camera.worldToView[i];
   for (int i = 0; i < 3; ++i) view.viewToWorld[i] = glm::mat3(camera.viewToWorld) * pinhole.viewToWorld[i];
   view.viewToWorld[3] = view.eye = camera.eye;
+  view.eyeLow = camera.eyeLow;
   return view;
 }
 

@@ -24,9 +24,10 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Clu
 
 // --- vertices -------------------------------------------------------------------------------------------------------
 
-vec3 seenPosition(View view, mat4x3 toWorld, vec3 position) {
-  precise vec3 world = toWorld * vec4(position, 1.0);
-  precise vec3 seen = view.worldToView * vec4(world, 1.0);
+// `placed`: relativeToEye().
+vec3 seenPosition(View view, mat4x3 placed, vec3 position) {
+  precise vec3 relative = placed * vec4(position, 1.0);
+  precise vec3 seen = mat3(view.worldToView) * relative;
   return seen;
 }
 
@@ -82,9 +83,9 @@ struct Corner {  // of a triangle
   float depth;   // of the device
   uint outside;
 };
-Corner cornerAt(View view, mat4x3 toWorld, vec3 position) {
+Corner cornerAt(View view, mat4x3 placed, vec3 position) {
   Corner corner;
-  corner.seen = seenPosition(view, toWorld, position);
+  corner.seen = seenPosition(view, placed, position);
   vec4 clip = clipPosition(view, corner.seen);
   corner.screen = screenPosition(clip);
   corner.depth = deviceDepthOf(clip);

@@ -43,13 +43,13 @@ void main() {
   RankedInstance r = rankedInstance(InstanceListRef(push.buffers.instances).v, work.rank);
   FrameConstants frame = FrameRef(push.buffers.frame).v;
   View view = frameView(frame, work.view);
-  mat4x3 toWorld = frameInstance(frame, r.instance).objectToWorld;
+  mat4x3 placed = relativeToEye(frameInstance(frame, r.instance), view);
   Mesh mesh = frameMesh(frame, r.mesh);
   uvec3 indices = triangleIndices(mesh, work.triangle);
   Polygon p;
   vec3 seen[3];
   for (uint i = 0u; i < 3u; ++i) {
-    seen[i] = seenPosition(view, toWorld, positionAt(mesh.positions, indices[i]));
+    seen[i] = seenPosition(view, placed, positionAt(mesh.positions, indices[i]));
     p.corners[i] = clipPosition(view, seen[i]);
     if (!isFinite(p.corners[i])) return;
   }

@@ -15,9 +15,10 @@ bool reaches(float scale, float offset, float x, float depth, float radius) {
   return (scale * x + offset * depth) >= -radius * sqrt(scale * scale + offset * offset);
 }
 
-bool mayShow(View view, vec3 centre, float radius) {
+// `center` here and below: relative to the eye.
+bool mayShow(View view, vec3 center, float radius) {
   Projection p = view.projection;
-  vec3 c = view.worldToView * vec4(centre, 1.0);
+  vec3 c = toView(view, center);
   float r = radius + 1e-5 * (abs(c.x) + abs(c.y) + abs(c.z));
   if (p.kind == kPerspective)
     return c.y > -r && reaches(p.H, 1.0 + p.X, c.x, c.y, r) && reaches(-p.H, 1.0 - p.X, c.x, c.y, r) &&
@@ -38,18 +39,18 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Pyr
 
 // Whether nothing but the backs of its triangles can be seen. The margin is for rounding, and for triangles seen almost
 // edge-on: snapped to subpixels they may show their fronts.
-bool facesAway(View view, RankedInstance r, Cluster c, mat4x3 toWorld) {
+bool facesAway(View view, RankedInstance r, Cluster c, mat4x3 placed) {
   if ((r.flags & kRankDoubleSided) != 0u || kShadowMaps != 0u || (r.flags & kRankSimilar) == 0u) return false;
   const float kMargin = 0.01;
-  vec3 direction = toWorld * vec4(c.apex, 1.0) - view.eye;
+  vec3 direction = placed * vec4(c.apex, 1.0);
   if (view.projection.kind != kPerspective) direction = view.viewToWorld * vec4(0.0, 1.0, 0.0, 0.0);
-  return clusterFacesAway(normalize(direction), normalize(mat3(toWorld) * c.axis), c.cutoff, kMargin);
+  return clusterFacesAway(normalize(direction), normalize(mat3(placed) * c.axis), c.cutoff, kMargin);
 }
 
 // The pixels that the sphere may touch, of those of the view.
-PixelBox pixelsOf(View view, vec3 centre, float radius) {
+PixelBox pixelsOf(View view, vec3 center, float radius) {
   Projection p = view.projection;
-  vec3 c = view.worldToView * vec4(centre, 1.0);
+  vec3 c = toView(view, center);
   float r = radius + 1e-5 * (abs(c.x) + abs(c.y) + abs(c.z));
   vec2 low = c.xz - r, high = c.xz + r;
   if (p.kind == kPerspective) {
@@ -65,9 +66,9 @@ PixelBox pixelsOf(View view, vec3 centre, float radius) {
   return PixelBox(ivec2(clamp(first - 1.0, vec2(0.0), last)), ivec2(clamp(end + 1.0, vec2(0.0), last)));
 }
 
-// Of a cluster; where its bounds do not hold, of its instance.
+// The sphere and the box of a cluster, or of its instance where the cluster's do not hold.
 struct Bounds {
-  vec3 centre;  // world
+  vec3 center;  // relative to the eye
   float radius;
   mat3 sides;  // half of a box's, view space
   float edge;  // the longest of its triangles
@@ -75,15 +76,15 @@ struct Bounds {
 
 // False where the cluster shows nothing but its back.
 bool findBounds(View view, RankedInstance r, uint cluster, out Bounds bounds) {
-  mat3 toView = mat3(view.worldToView);
-  bounds = Bounds(r.centre, r.radius, toView * r.radius, 2.0 * r.radius);
+  mat3 viewAxes = mat3(view.worldToView);
+  bounds = Bounds(r.centre - view.eye, r.radius, viewAxes * r.radius, 2.0 * r.radius);
   if (r.clusters == uint64_t(0)) return true;
-  mat4x3 toWorld = frameInstance(FrameRef(push.frame).v, r.instance).objectToWorld;
+  mat4x3 placed = relativeToEye(frameInstance(FrameRef(push.frame).v, r.instance), view);
   Cluster c = ClusterRef(r.clusters).v[cluster];
   mat3 extent = mat3(c.extent.x, 0.0, 0.0, 0.0, c.extent.y, 0.0, 0.0, 0.0, c.extent.z);
-  bounds = Bounds(toWorld * vec4(c.centre, 1.0), c.radius * r.stretch, toView * (mat3(toWorld) * extent),
+  bounds = Bounds(placed * vec4(c.centre, 1.0), c.radius * r.stretch, viewAxes * (mat3(placed) * extent),
                   c.edge * r.stretch);
-  return !facesAway(view, r, c, toWorld);
+  return !facesAway(view, r, c, placed);
 }
 
 // Whether any page of the view is drawn, if it is a shadow map.
@@ -102,14 +103,14 @@ bool inGroup(View view, RankedInstance r) {
 }
 
 // Whether the view sees that far, as if nothing stood before it.
-bool inView(View view, uint viewIndex, vec3 centre, float radius) {
-  if (!mayShow(view, centre, radius)) return false;
+bool inView(View view, uint viewIndex, vec3 center, float radius) {
+  if (!mayShow(view, center, radius)) return false;
   if (kShadowMaps == 0u) return true;
   vec4 within = RasterMapRef(push.within).v[viewIndex].within;
-  vec3 way = centre - within.xyz;
+  vec3 way = center - (within.xyz - view.eye);
   float reach = radius + within.w;
   return dot(way, way) <= reach * reach &&
-         isDrawn(push.within, push.pages, viewIndex, pixelsOf(view, centre, radius));
+         isDrawn(push.within, push.pages, viewIndex, pixelsOf(view, center, radius));
 }
 
 // --- what hides ------------------------------------------------------------------------------------------------------
@@ -123,7 +124,7 @@ struct SeenBox {
 
 SeenBox seenBox(View view, Bounds bounds) {
   Projection p = view.projection;
-  vec3 centre = view.worldToView * vec4(bounds.centre, 1.0);
+  vec3 centre = toView(view, bounds.center);
   vec3 slack = vec3(1e-5 * (abs(centre.x) + abs(centre.y) + abs(centre.z)));
   vec3 reach = abs(bounds.sides[0]) + abs(bounds.sides[1]) + abs(bounds.sides[2]) + slack;
   float nearest = centre.y - reach.y;
@@ -178,9 +179,9 @@ bool isQueued(uint number, uint viewIndex, RankedInstance r, uint cluster) {
   if ((r.flags & kAsked) != kWanted || r.radius < 0.0) return false;
   View view = frameView(FrameRef(push.frame).v, viewIndex);
   // Of a thousand shadow maps most see none of an instance, and its clusters need not be looked at.
-  if (!inView(view, viewIndex, r.centre, r.radius) || !inGroup(view, r)) return false;
+  if (!inView(view, viewIndex, r.centre - view.eye, r.radius) || !inGroup(view, r)) return false;
   Bounds bounds;
-  bool shows = findBounds(view, r, cluster, bounds) && inView(view, viewIndex, bounds.centre, bounds.radius);
+  bool shows = findBounds(view, r, cluster, bounds) && inView(view, viewIndex, bounds.center, bounds.radius);
   if (kWhich == kCullAll) return shows;
   bool wasHidden = false;
   if (kWhich != kCullUnhidden)

@@ -111,7 +111,7 @@ struct Group {
   RasterWork work;
   RankedInstance r;
   View view;
-  mat4x3 toWorld;
+  mat4x3 placed;  // relativeToEye()
   Mesh mesh;
   uint triangles;
 };
@@ -124,7 +124,7 @@ Group groupOf(uint number) {
   g.work = WorkRef(push.buffers.work).v[min(number, max(last, 1u) - 1u)];
   g.r = rankedInstance(InstanceListRef(push.buffers.instances).v, g.work.rank);
   g.view = frameView(frame, g.work.view);
-  g.toWorld = frameInstance(frame, g.r.instance).objectToWorld;
+  g.placed = relativeToEye(frameInstance(frame, g.r.instance), g.view);
   g.mesh = frameMesh(frame, g.r.mesh);
   g.triangles = number < last ? min(g.r.triangles - g.work.cluster * kClusterTriangles, kClusterTriangles) : 0u;
   return g;
@@ -139,7 +139,7 @@ Corner cornerOf(Group g, Cluster c, uint vertex) {
   uint index = c.firstVertex + vertex;
   // A loop, since lavapipe runs a branch whether any lane takes it or not.
   for (bool listed = of.vertices != uint64_t(0); listed; listed = false) index = UintRef(of.vertices).v[index];
-  return cornerAt(g.view, g.toWorld, positionAt(of.vertices != uint64_t(0) ? g.mesh.positions : of.positions, index));
+  return cornerAt(g.view, g.placed, positionAt(of.vertices != uint64_t(0) ? g.mesh.positions : of.positions, index));
 }
 
 // What this thread does with triangle `number` of the mesh; true: it is of some size.

@@ -1,21 +1,21 @@
 // Motion of what a pixel shows. After surface_point.glsl.
 #include "shared/motion.h"
 
-vec3 clipOf(View view, mat4x3 toWorld, uint64_t positions, uint vertex) {
-  vec3 world = toWorld * vec4(positionAt(positions, vertex), 1.0);
-  return steadyClip(view, view.worldToView * vec4(world, 1.0));
+// `placed`: relativeToEye().
+vec3 clipOf(View view, mat4x3 placed, uint64_t positions, uint vertex) {
+  return steadyClip(view, toView(view, placed * vec4(positionAt(positions, vertex), 1.0)));
 }
 
 // xy: to the frame before; zw: to the frame after.
 vec4 seenMotion(FrameConstants frame, View view, uint viewIndex, SeenTriangle t, vec2 pixel) {
-  mat4x3 now = frameInstance(frame, t.rank.instance).objectToWorld;
-  mat4x3 before = instanceAt(frame.previousInstances, t.rank.instance).objectToWorld;
-  mat4x3 after = instanceAt(frame.nextInstances, t.rank.instance).objectToWorld;
   View viewBefore = viewAt(frame.previousViews, viewIndex), viewAfter = viewAt(frame.nextViews, viewIndex);
+  mat4x3 now = relativeToEye(frameInstance(frame, t.rank.instance), view);
+  mat4x3 before = relativeToEye(instanceAt(frame.previousInstances, t.rank.instance), viewBefore);
+  mat4x3 after = relativeToEye(instanceAt(frame.nextInstances, t.rank.instance), viewAfter);
   Mesh mesh = frameMesh(frame, t.rank.mesh);
   vec3 corners[3], clipNow = vec3(0.0), clipBefore = vec3(0.0), clipAfter = vec3(0.0);
   for (int i = 0; i < 3; ++i)
-    corners[i] = view.worldToView * vec4(now * vec4(positionAt(mesh.positions, t.indices[i]), 1.0), 1.0);
+    corners[i] = toView(view, now * vec4(positionAt(mesh.positions, t.indices[i]), 1.0));
   Weights w = weightsAt(frame, view, corners[0], corners[1], corners[2], pixel);
   for (int i = 0; i < 3; ++i) {
     clipNow += w.at[i] * clipOf(view, now, mesh.positions, t.indices[i]);

@@ -36,11 +36,11 @@ SeenTriangle seenTriangle(FrameConstants frame, uint64_t instances, uint id) {
 
 // In view space.
 vec3[3] cornersOf(FrameConstants frame, View view, SeenTriangle t) {
-  mat4x3 toWorld = frameInstance(frame, t.rank.instance).objectToWorld;
+  mat4x3 placed = relativeToEye(frameInstance(frame, t.rank.instance), view);
   uint64_t positions = frameMesh(frame, t.rank.mesh).positions;
   vec3 corners[3];
   for (int i = 0; i < 3; ++i)
-    corners[i] = view.worldToView * vec4(toWorld * vec4(positionAt(positions, t.indices[i]), 1.0), 1.0);
+    corners[i] = toView(view, placed * vec4(positionAt(positions, t.indices[i]), 1.0));
   return corners;
 }
 

@@ -16,11 +16,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Tar
 // What y grows by a texel across and down, where the triangle's plane has it.
 vec2 slopes(FrameConstants frame, View view, uint id, float y, vec2 texel) {
   SeenTriangle t = seenTriangle(frame, push.instances, id);
-  Instance instance = frameInstance(frame, t.rank.instance);
-  uint64_t positions = frameMesh(frame, instance.mesh).positions;
-  vec3 corners[3];
-  for (int i = 0; i < 3; ++i)
-    corners[i] = view.worldToView * vec4(instance.objectToWorld * vec4(positionAt(positions, t.indices[i]), 1.0), 1.0);
+  vec3 corners[3] = cornersOf(frame, view, t);
   vec3 n = cross(corners[1] - corners[0], corners[2] - corners[0]);
   vec2 steps = vec2(2.0 / view.projection.H, 2.0 / view.projection.V) / float(push.size);
   if (view.projection.kind == kOrthographic) return -vec2(n.x, n.z) * steps / n.y;

@@ -62,21 +62,21 @@ void setCoordinates(inout SurfacePoint p, SeenTriangle t, Mesh mesh, Instance in
 SurfacePoint seenPoint(FrameConstants frame, View view, SeenTriangle t, vec2 pixel) {
   Instance instance = frameInstance(frame, t.rank.instance);
   Mesh mesh = frameMesh(frame, t.rank.mesh);
-  vec3 world[3];
+  mat4x3 placed = relativeToEye(instance, view);
+  vec3 corners[3];  // relative to the eye
   VertexAttributes attributes[3];
   for (int i = 0; i < 3; ++i) {
-    world[i] = instance.objectToWorld * vec4(positionAt(mesh.positions, t.indices[i]), 1.0);
+    corners[i] = placed * vec4(positionAt(mesh.positions, t.indices[i]), 1.0);
     attributes[i] = attributesAt(mesh.attributes, t.indices[i]);
   }
-  Weights w = weightsAt(frame, view, view.worldToView * vec4(world[0], 1.0), view.worldToView * vec4(world[1], 1.0),
-                        view.worldToView * vec4(world[2], 1.0), pixel);
+  Weights w = weightsAt(frame, view, toView(view, corners[0]), toView(view, corners[1]), toView(view, corners[2]), pixel);
   SurfacePoint p;
-  p.position = world[0] * w.at.x + world[1] * w.at.y + world[2] * w.at.z;
+  p.position = corners[0] * w.at.x + corners[1] * w.at.y + corners[2] * w.at.z + view.eye;
   setDirections(p, t, instance, attributes, w.at);
   setCoordinates(p, t, mesh, instance, attributes, w);
-  vec3 plane = cross(world[1] - world[0], world[2] - world[0]);
+  vec3 plane = cross(corners[1] - corners[0], corners[2] - corners[0]);
   if ((instance.flags & kInstanceMirrored) != 0u) plane = -plane;
-  vec3 toEye = view.projection.kind == kPerspective ? view.eye - world[0] : view.viewToWorld * vec4(0.0, -1.0, 0.0, 0.0);
+  vec3 toEye = view.projection.kind == kPerspective ? -corners[0] : view.viewToWorld * vec4(0.0, -1.0, 0.0, 0.0);
   p.facing = dot(plane, toEye) >= 0.0 ? 1.0 : -1.0;
   p.plane = plane * p.facing;
   p.instance = t.rank.instance;

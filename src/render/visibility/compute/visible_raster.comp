@@ -14,11 +14,11 @@ float facing(View view, vec3 a, vec3 b, vec3 c, ivec2 pixel) {
 }
 
 vec2 classOf(FrameConstants frame, View view, SeenTriangle seen, ivec2 pixel) {
-  mat4x3 toWorld = frameInstance(frame, seen.rank.instance).objectToWorld;
+  mat4x3 placed = relativeToEye(frameInstance(frame, seen.rank.instance), view);
   uint64_t positions = frameMesh(frame, seen.rank.mesh).positions;
-  Corner a = cornerAt(view, toWorld, positionAt(positions, seen.indices.x));
-  Corner b = cornerAt(view, toWorld, positionAt(positions, seen.indices.y));
-  Corner c = cornerAt(view, toWorld, positionAt(positions, seen.indices.z));
+  Corner a = cornerAt(view, placed, positionAt(positions, seen.indices.x));
+  Corner b = cornerAt(view, placed, positionAt(positions, seen.indices.y));
+  Corner c = cornerAt(view, placed, positionAt(positions, seen.indices.z));
   float turned = facing(view, a.seen, b.seen, c.seen, pixel);
   if (((a.outside | b.outside | c.outside) & kOutsideVolume) != 0u) return vec2(float(kRasterClipped), turned);
   Triangle t = Triangle(a.screen, b.screen, c.screen, vec3(0.0), 0.0, 0.0, 0u);
