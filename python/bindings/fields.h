@@ -50,11 +50,11 @@ class Fields {
         name, "str", doc, [member](const T& self) { return nb::str((self.*member).c_str()); },
         [member](T& self, nb::handle value, const char* name) { self.*member = textOf(value, name); });
   }
-  template <size_t N>
-  Fields& numbers(const char* name, std::array<float, N> T::*member, const char* doc) {
+  template <typename Number, size_t N>
+  Fields& numbers(const char* name, std::array<Number, N> T::*member, const char* doc) {
     return field(
         name, "tuple[float, ...]", doc, [member](const T& self) { return tupleOf(self.*member); },
-        [member](T& self, nb::handle value, const char* name) { self.*member = numbersOf<float, N>(value, name); });
+        [member](T& self, nb::handle value, const char* name) { self.*member = numbersOf<Number, N>(value, name); });
   }
 
   // After all fields.

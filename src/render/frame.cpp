@@ -30,7 +30,8 @@ std::vector<vk::Constant> FrameSetup::constants() const {
           {13, ambientOcclusion},
           {kLensConstant, lens ? 1u : 0u},
           {kEnvironmentConstant, environment ? 1u : 0u},
-          {kFewLightsConstant, fewLights ? 1u : 0u}};
+          {kFewLightsConstant, fewLights ? 1u : 0u},
+          {kVastConstant, vast ? 1u : 0u}};
 }
 
 uint32_t writtenTargets(const FrameSetup& setup, const Gbuffer& gbuffer) {

@@ -107,6 +107,7 @@ struct FrameSetup {
   bool lights = true;             // there may be some; else shaders of the deferred techniques need not look for any
   bool fewLights = false;         // to go through all of them takes a CPU device less than to find those that are near
   bool environment = true;        // the renderer has one
+  bool vast = false;              // some triangles are (GpuInstances::anyVast)
   bool fog = false;               // the constants have some
   TransparencySetup transparency;
   uint32_t shadowFormat = 0;  // kShadow*
@@ -131,6 +132,7 @@ inline constexpr uint32_t kLensConstant = 14;       // glsl/pixel_ray.glsl
 inline constexpr uint32_t kElsewhereConstant = 15;  // glsl/lit_pixel.glsl
 inline constexpr uint32_t kEnvironmentConstant = 90;  // glsl/setup.glsl
 inline constexpr uint32_t kFewLightsConstant = 91;
+inline constexpr uint32_t kVastConstant = 92;
 inline constexpr uint32_t kSamplesConstant = 10;    // glsl/samples.glsl: not of a frame, since some passes have one
 inline constexpr uint32_t kFirstOwnConstant = 16;
 inline constexpr VkFormat kCountsFormat = VK_FORMAT_R32G32B32A32_SFLOAT;  // r: lights tested, g: lights used

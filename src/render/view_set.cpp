@@ -60,6 +60,7 @@ void ViewSet::uploadConstants(const Settings& s) {
 const FrameContext& ViewSet::frame(graph::Graph& graph, const FrameSetup& setup) {
   FrameSetup& kept = setups_.emplace_back(setup);
   kept.lens = views_.lens != nullptr;
+  kept.vast = state_.scene.instances().anyVast();
   kept.textureSlots = state_.scene.materials().textureSlots();
   kept.layers = state_.scene.materials().layers();
   kept.environment = state_.hasEnvironment;

@@ -138,6 +138,13 @@ void findBounds(Mesh& mesh) {
     mesh.boundsMin = glm::min(mesh.boundsMin, p);
     mesh.boundsMax = glm::max(mesh.boundsMax, p);
   }
+  float squared = 0;
+  for (size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+    const vec3 &a = mesh.positions[mesh.indices[i]], &b = mesh.positions[mesh.indices[i + 1]],
+               &c = mesh.positions[mesh.indices[i + 2]];
+    for (const vec3& edge : {b - a, c - b, a - c}) squared = std::max(squared, glm::dot(edge, edge));
+  }
+  mesh.longestEdge = std::sqrt(squared);
 }
 
 // What is subtracted lies within a factor of two of every vertex, so that the differences are exact (Sterbenz 1974,

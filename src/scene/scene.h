@@ -78,6 +78,7 @@ struct Mesh {
   std::vector<shared::VertexExtra> extras;  // empty, or one per vertex
   std::vector<uint32_t> indices;            // 3 per triangle, counter-clockwise front faces
   vec3 boundsMin{0}, boundsMax{0};          // object space
+  float longestEdge = 0;                    // of its triangles, object space
   // The deformation of its vertices, or null. With one, positions, normals and tangents above are those at rest.
   std::shared_ptr<const Deformation> deformation;
 };
@@ -199,7 +200,8 @@ struct Bounds {
   double radius() const { return empty() ? 0.0 : glm::length(max - min) * 0.5; }
 };
 Bounds worldBounds(const Scene&);
-void findBounds(Mesh& mesh);  // from its positions; zero where it has none
+// Computes its bounds and its longest edge; zero where it has no positions.
+void findBounds(Mesh& mesh);
 // A point, in object space, around which a device has the vertices: 0, or near them where they lie far from 0. Subtracting it
 // is exact. Vertices that deform have 0.
 vec3 vertexOrigin(const Mesh& mesh);

@@ -61,6 +61,7 @@ struct Instance {
 SH_CONST uint kInstanceBytes = 80u;
 SH_CONST uint kInstanceMirrored = 1u;  // negative determinant: front faces are clockwise
 SH_CONST uint kInstanceExtras = 2u;    // its mesh has VertexExtra
+SH_CONST uint kInstanceVast = 4u;  // has triangles so large that floats place their corners badly
 SH_CONST uint kInstanceGroupShift = 16u;
 
 // --- materials ------------------------------------------------------------------------------------------------------

@@ -100,6 +100,17 @@ mat4x3 relativeToEye(Instance instance, View view) { return relativeToEye(instan
 
 // From a position relative to the eye to view space.
 vec3 toView(View view, vec3 relative) { return mat3(view.worldToView) * relative; }
+// And back. The rows of a shadow map's rotation may be scaled alike.
+vec3 toWorldAxes(View view, vec3 seen) {
+  mat3 m = mat3(view.worldToView);
+  return transpose(m) * seen / dot(m[0], m[0]);
+}
+
+// From one eye to the other, in world axes.
+vec3 eyeBetween(View from, View to) {
+  precise vec3 between = (to.eye - from.eye) + (to.eyeLow - from.eyeLow);
+  return between;
+}
 
 // Texture transforms, images and layers are loaded where they are needed.
 Material frameMaterial(FrameConstants frame, uint index) {

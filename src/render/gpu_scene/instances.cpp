@@ -1,5 +1,6 @@
 #include "render/gpu_scene/instances.h"
 
+#include <algorithm>
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 #include <limits>
@@ -66,10 +67,18 @@ void GpuInstances::place(uint32_t index, const glm::dmat4& toWorld) {
             .material = instance.material,
             .id = instance.id,
             .part = instance.part,
-            .flags = (mirrored ? shared::kInstanceMirrored : 0u) |
+            .flags = (mirrored ? shared::kInstanceMirrored : 0u) | (isVast(index, toWorld) ? shared::kInstanceVast : 0u) |
                      (scene_.meshes[instance.mesh].extras.empty() ? 0u : shared::kInstanceExtras) | groupBits(index)};
   setTransform(record, deviceTransform(index, toWorld), origin_);
   bounds_[index] = roundedSphere(spheres_[index], origin_);
+}
+
+// Triangles of this size reach so far beyond what most views see of them that their corners need more than floats.
+bool GpuInstances::isVast(uint32_t index, const glm::dmat4& toWorld) const {
+  constexpr double kVast = 1024;  // meters
+  double squared = 0;
+  for (int i = 0; i < 3; ++i) squared += glm::dot(glm::dvec3(toWorld[i]), glm::dvec3(toWorld[i]));
+  return scene_.meshes[scene_.instances[index].mesh].longestEdge * std::sqrt(squared / 3) >= kVast;
 }
 
 // A mesh whose vertices lie far from its own origin is uploaded around one nearby.
@@ -126,6 +135,7 @@ void GpuInstances::pose(vk::Uploader& uploader, const Poses& poses, const Deform
   moves_ = !poses.current.empty();
   if (moves_) uploadMoved(previous_, uploader, poses.previous);
   if (moves_) uploadMoved(next_, uploader, poses.next);
+  countVast();
   ++revision_;
 }
 
@@ -158,7 +168,13 @@ void GpuInstances::update(vk::Uploader& uploader, std::span<const uint32_t> chan
     for (const uint32_t index : changed) place(index, scene_.instances[index].toWorld);
     list_.upload(uploader, records_, changed);
   }
+  countVast();
   ++revision_;
+}
+
+void GpuInstances::countVast() {
+  vast_ = static_cast<size_t>(std::ranges::count_if(
+      records_, [](const shared::Instance& record) { return (record.flags & shared::kInstanceVast) != 0; }));
 }
 
 uint32_t GpuInstances::groupBits(uint32_t instance) const {

@@ -33,6 +33,7 @@ class GpuInstances {
   const shared::Instance& record(uint32_t instance) const { return records_[instance]; }
   const Sphere& bounds(uint32_t instance) const { return bounds_[instance]; }  // touches nothing where it is not shown
   scene::Bounds allBounds() const;                                             // of the scene, around those spheres
+  bool anyVast() const { return vast_ > 0; }                                   // has kInstanceVast
   uint64_t revision() const { return revision_; }                              // grows whenever one changes
 
   VkDeviceAddress address() const { return list_.address(); }  // shared::Instance[]
@@ -43,6 +44,8 @@ class GpuInstances {
                        const Deformer* deformer) const;
   glm::dmat4 deviceTransform(uint32_t instance, const glm::dmat4& toWorld) const;
   glm::dvec3 meanCenter() const;
+  bool isVast(uint32_t instance, const glm::dmat4& toWorld) const;
+  void countVast();
   bool moveOrigin();  // to where spheres_ are; returns whether it moved
   void placeAll(const std::vector<glm::dmat4>& transforms);
   void place(uint32_t instance, const glm::dmat4& toWorld);
@@ -57,6 +60,7 @@ class GpuInstances {
   std::vector<uint32_t> groups_;
   GpuList<shared::Instance> list_, previous_, next_;
   bool moves_ = false;  // previous_ and next_ hold something of their own
+  size_t vast_ = 0;
   uint64_t revision_ = 1;
 };
 

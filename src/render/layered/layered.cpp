@@ -56,7 +56,7 @@ void drawLayered(const FrameContext& f, const Gbuffer& gbuffer, const HardwareVi
   std::vector<graph::ImageId> colors{target};
   if (f.setup.countLights) colors.push_back(gbuffer.lightCounts);
   for (const graph::ImageId color : colors) desc.colors.push_back(f.graph.desc(color).format);
-  const ScenePipelines pipelines = scenePipelines(f.device, desc);
+  const ScenePipelines pipelines = scenePipelines(f, desc);
   std::vector<graph::Access> accesses = maps.accesses();
   accesses.emplace_back(gbuffer.sampleDepth, graph::Use::DepthTest);
   for (const graph::ImageId color : colors)

@@ -18,6 +18,8 @@ VkRenderingAttachmentInfo attachment(VkImageView view, VkImageLayout layout, VkA
           .storeOp = store};
 }
 
+constexpr uint32_t kVastDrawConstant = 93;  // varyings.glsl
+
 // Vertex buffers of scene draws, by binding.
 constexpr uint32_t kPositions = 0, kAttributes = 1, kInstances = 2;  // 3: views
 
@@ -25,8 +27,9 @@ bool cutsOut(const shared::Material& material) {
   return (material.flags & shared::kMaterialMasked) != 0 || shared::seenThrough(material.flags);
 }
 
-const vk::PipelineRef& pipelineOf(const ScenePipelines& pipelines, const shared::Material& material) {
+const vk::PipelineRef& pipelineOf(const ScenePipelines& pipelines, const shared::Material& material, bool vast) {
   if (pipelines.layered && (material.flags & shared::kMaterialLayered)) return *pipelines.layered;
+  if (vast) return cutsOut(material) ? *pipelines.vastMasked : *pipelines.vastOpaque;
   return cutsOut(material) ? pipelines.masked : pipelines.opaque;
 }
 
@@ -77,7 +80,8 @@ std::vector<vk::VertexBuffer> sceneVertexBuffers(const std::string& vertexShader
   return buffers;
 }
 
-ScenePipelines scenePipelines(vk::Device& device, const vk::GraphicsDesc& opaque, const vk::GraphicsDesc& masked) {
+ScenePipelines scenePipelines(const FrameContext& f, const vk::GraphicsDesc& opaque, const vk::GraphicsDesc& masked) {
+  vk::Device& device = f.device;
   const auto completed = [&](vk::GraphicsDesc desc, uint32_t isMasked) {
     if (desc.vertex.empty()) desc.vertex = "scene.vert";
     desc.vertexBuffers = sceneVertexBuffers(desc.vertex);
@@ -88,11 +92,25 @@ ScenePipelines scenePipelines(vk::Device& device, const vk::GraphicsDesc& opaque
     if (isMasked) desc.name += " masked";
     return desc;
   };
-  return {device.cache().pipeline(completed(opaque, 0)), device.cache().perhaps(completed(masked, 1))};
+  // A vertex finds its triangle by address: its own streams then stay at their first element.
+  const auto forVast = [](vk::GraphicsDesc desc) {
+    for (const uint32_t stream : {kPositions, kAttributes}) {
+      desc.vertexBuffers[stream].stride = 0;
+      desc.vertexBuffers[stream].perInstance = true;
+    }
+    desc.constants.push_back({kVastDrawConstant, 1});
+    desc.name += " vast";
+    return desc;
+  };
+  ScenePipelines pipelines{device.cache().pipeline(completed(opaque, 0)), device.cache().perhaps(completed(masked, 1))};
+  if (!f.scene.instances().anyVast()) return pipelines;
+  pipelines.vastOpaque = device.cache().perhaps(forVast(completed(opaque, 0)));
+  pipelines.vastMasked = device.cache().perhaps(forVast(completed(masked, 1)));
+  return pipelines;
 }
 
-ScenePipelines scenePipelines(vk::Device& device, const vk::GraphicsDesc& desc) {
-  return scenePipelines(device, desc, desc);
+ScenePipelines scenePipelines(const FrameContext& f, const vk::GraphicsDesc& desc) {
+  return scenePipelines(f, desc, desc);
 }
 
 SceneBinder::SceneBinder(graph::Context& context, const GpuScene& scene, const DeviceDraws& draws,
@@ -110,7 +128,7 @@ SceneBinder::SceneBinder(graph::Context& context, const GpuScene& scene, const D
 const vk::Pipeline& SceneBinder::bind(const Draw& draw) {
   VkCommandBuffer commands = context_.get();
   const shared::Material& material = scene_.materials().record(draw.material);
-  const vk::Pipeline& pipeline = pipelineOf(pipelines_, material).get();
+  const vk::Pipeline& pipeline = pipelineOf(pipelines_, material, draw.vast).get();
   if (bound_ != &pipeline) {
     context_.commands().bind(pipeline, images_, std::as_bytes(std::span(&push_, 1)));
     bound_ = &pipeline;
@@ -136,6 +154,10 @@ const vk::Pipeline& SceneBinder::bind(const Draw& draw) {
 }
 
 void recordDraw(graph::Context& context, const GpuScene& scene, const Draw& draw) {
+  if (draw.vast) {
+    vkCmdDraw(context.get(), shared::kVastFan * scene.geometry().indexCount(draw.mesh), draw.count, 0, draw.first);
+    return;
+  }
   vkCmdDrawIndexed(context.get(), scene.geometry().indexCount(draw.mesh), draw.count, 0, 0, draw.first);
 }
 

@@ -33,13 +33,14 @@ class DeviceDraws {
 struct ScenePipelines {
   vk::PipelineRef opaque, masked;
   std::optional<vk::PipelineRef> layered{};
+  std::optional<vk::PipelineRef> vastOpaque{}, vastMasked{};  // for vast triangles, where the scene has some
 };
 // Vertex buffers of a shader of scene draws: of scene_depth.vert, or of those that read attributes too.
 std::vector<vk::VertexBuffer> sceneVertexBuffers(const std::string& vertexShader);
 // `desc` without its vertex shader and buffers, material sets and kAlphaMasked (kFirstOwnConstant), which this fills
 // in; fragment shaders have the constant. It pushes DrawPush alone unless desc.pushBytes says more.
-ScenePipelines scenePipelines(vk::Device& device, const vk::GraphicsDesc& desc);
-ScenePipelines scenePipelines(vk::Device& device, const vk::GraphicsDesc& opaque, const vk::GraphicsDesc& masked);
+ScenePipelines scenePipelines(const FrameContext& f, const vk::GraphicsDesc& desc);
+ScenePipelines scenePipelines(const FrameContext& f, const vk::GraphicsDesc& opaque, const vk::GraphicsDesc& masked);
 
 // Makes state follow the draws of one view: pipeline, set 0, material, culling. What stays the same is not set again.
 struct DrawnView {

@@ -14,6 +14,7 @@ namespace latelight::render {
 struct Draw {
   uint32_t mesh = 0, material = 0;
   bool mirrored = false;
+  bool vast = false;              // its triangles are drawn as fans (kVastFan)
   uint32_t first = 0, count = 0;  // among DrawList::instances
 };
 

@@ -8,6 +8,9 @@
 
 SH_BEGIN
 
+// Triangles that a vast one is drawn as (kInstanceVast): a fan of what six planes leave of it, nine corners at most.
+SH_CONST uint kVastFan = 7u;
+
 struct DrawPush {      // 24 bytes
   uint64_t frame;      // FrameConstants
   uint64_t instances;  // Instance[]

@@ -69,7 +69,7 @@ SurfacePoint fragmentPoint() {
   p.facing = gl_FrontFacing ? 1.0 : -1.0;
   p.instance = varyingInstance;
   p.mesh = frameInstance(FrameRef(push.frame).v, varyingInstance).mesh;
-  p.triangle = uint(gl_PrimitiveID);
+  p.triangle = uint(gl_PrimitiveID) / (kVastDraw != 0u ? kVastFan : 1u);
   return p;
 }
 

@@ -81,7 +81,7 @@ void HardwareVisibility::addSolid(const FrameContext& f, graph::Stage stage, vk:
     desc.colors.push_back(f.graph.desc(color).format);
     accesses.emplace_back(color, graph::Use::ColorAttachment);
   }
-  const ScenePipelines pipelines = scenePipelines(f.device, desc);
+  const ScenePipelines pipelines = scenePipelines(f, desc);
   f.graph.pass(stage, desc.name, std::move(accesses),
                [=, &f, this, written = desc.colorsWritten](graph::Context& context) {
                  const std::vector<vk::BoundImage> images = inputs.images(context);
@@ -105,7 +105,7 @@ FrameDepth HardwareVisibility::addDepth(const FrameContext& f) const {
   masked.fragment = f.setup.variant("masked.frag");
   masked.constants = f.setup.constants();
   desc.vertex = "scene_depth.vert";
-  const ScenePipelines pipelines = scenePipelines(f.device, desc, masked);
+  const ScenePipelines pipelines = scenePipelines(f, desc, masked);
   const graph::ImageId depth = createTarget(f, kDepthFormat, "depth", f.setup.samples);
   f.graph.pass(graph::Stage::Visibility, "depth", {{depth, graph::Use::DepthAttachment}},
                [=, &f, this](graph::Context& context) {
@@ -153,7 +153,7 @@ graph::ImageId HardwareVisibility::addMotion(const FrameContext& f, graph::Image
   desc.vertex = "scene_motion.vert";
   desc.fragment = "motion.frag";
   const vk::PipelineRef background = f.device.cache().pipeline(nowhere);
-  const ScenePipelines pipelines = scenePipelines(f.device, desc);
+  const ScenePipelines pipelines = scenePipelines(f, desc);
   const graph::ImageId motion = createTarget(f, format, "motion");
   f.graph.pass(graph::Stage::Geometry, "motion",
                {{depth, graph::Use::DepthTest}, {motion, graph::Use::ColorAttachment}},

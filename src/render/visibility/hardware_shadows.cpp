@@ -23,7 +23,7 @@ ScenePipelines shadowPipelines(const FrameContext& f) {
   vk::GraphicsDesc masked = desc;
   masked.fragment = "shadow_masked.frag";
   desc.vertex = "scene_depth.vert";
-  return scenePipelines(f.device, desc, masked);
+  return scenePipelines(f, desc, masked);
 }
 
 // What a map holds where nothing is: the farthest. rgba8-classic makes 0 of 1, so its maps are cleared to what no

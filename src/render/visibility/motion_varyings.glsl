@@ -20,6 +20,14 @@ void passMotion(FrameConstants frame, View view, Mesh mesh, vec3 relative, uint 
   varyingBefore = clipAt(frame.previousInstances, frame.previousViews, mesh.previousPositions, instance);
   varyingAfter = clipAt(frame.nextInstances, frame.nextViews, mesh.nextPositions, instance);
 }
+
+// A vast triangle is taken to be still: its motion follows from the eyes alone, which are known exactly.
+void passVastMotion(FrameConstants frame, View view, vec3 relative) {
+  View before = viewAt(frame.previousViews, push.view), after = viewAt(frame.nextViews, push.view);
+  varyingNow = steadyClip(view, toView(view, relative));
+  varyingBefore = steadyClip(before, toView(before, relative + eyeBetween(before, view)));
+  varyingAfter = steadyClip(after, toView(after, relative + eyeBetween(after, view)));
+}
 #else
 // xy: to the frame before; zw: to the frame after.
 vec4 surfaceMotion(vec2 size) {

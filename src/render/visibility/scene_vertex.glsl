@@ -4,6 +4,7 @@
 #include "render/glsl/common.glsl"
 #include "render/glsl/vertex_directions.glsl"
 #include "render/visibility/varyings.glsl"
+#include "render/visibility/vast_triangle.glsl"
 #ifdef FRAGMENT_ORDER  // before the include: the place of the instance among those that are drawn
 layout(location = 9) flat out uint varyingDrawn;
 #endif
@@ -30,17 +31,59 @@ layout(location = 10) in vec2 inPrincipal;
 layout(location = 11) in uint inProjectionKind;
 layout(location = 12) in vec3 inEyeLow;
 
+View drawnView() {
+  View view;
+  view.projection = Projection(inProjection.x, inProjection.y, inProjection.z, inProjection.w, inPrincipal.x, inPrincipal.y,
+                               inProjectionKind);
+  view.worldToView = mat4x3(inWorldToView[0], inWorldToView[1], inWorldToView[2], vec3(0.0));
+  view.eye = inEye;
+  view.eyeLow = inEyeLow;
+  return view;
+}
+
 // Returns the position relative to the eye.
 vec3 placeVertex(Instance instance) {
-  Projection projection = Projection(inProjection.x, inProjection.y, inProjection.z, inProjection.w, inPrincipal.x,
-                                     inPrincipal.y, inProjectionKind);
+  View view = drawnView();
   vec3 relative = relativeToEye(instance, inEye, inEyeLow) * vec4(inPosition, 1.0);
-  gl_Position = projectToClip(projection, mat3(inWorldToView[0], inWorldToView[1], inWorldToView[2]) * relative);
+  gl_Position = projectToClip(view.projection, toView(view, relative));
   return relative;
 }
 
+// --- vast triangles -----------------------------------------------------------------------------------------------------
+//
+// The graphics pipeline clips in floats, too late for them: so each vertex clips its whole triangle, and is a corner of a fan
+// of kVastFan triangles that cover what remains.
+
+struct VastVertex {
+  uvec3 indices;
+  VastWeights weights;
+  vec3 relative;  // to the eye
+};
+
+VastVertex placeVastVertex(Instance instance, Mesh mesh) {
+  uint inTriangle = gl_VertexIndex % (3u * kVastFan), fan = inTriangle / 3u, corner = inTriangle % 3u;
+  View view = drawnView();
+  VastVertex vertex;
+  vertex.indices = triangleIndices(mesh, gl_VertexIndex / (3u * kVastFan));
+  Exact3 corners[3];
+  for (int i = 0; i < 3; ++i) corners[i] = seenExactly(view, instance, positionAt(mesh.positions, vertex.indices[i]));
+  VastPolygon polygon = clipVast(view, corners);
+  uint place = corner == 0u || fan + 2u >= polygon.count ? 0u : fan + corner;
+  vec3 seen = polygon.count == 0u ? vec3(0.0) : rounded(polygon.corners[place]);
+  gl_Position = polygon.count == 0u ? vec4(0.0) : projectToClip(view.projection, seen);
+  vertex.weights = vastWeights(corners[0], corners[1], corners[2], exact(seen));
+  vertex.relative = toWorldAxes(view, seen);
+  return vertex;
+}
+
 #ifdef NO_VARYINGS
-void main() { placeVertex(instanceAt(push.instances, inInstance)); }
+void main() {
+  Instance instance = instanceAt(push.instances, inInstance);
+  if (kVastDraw != 0u)
+    placeVastVertex(instance, frameMesh(FrameRef(push.frame).v, instance.mesh));
+  else
+    placeVertex(instance);
+}
 #else
 // By address on a GPU: for attributes of triangles that are culled, vertex buffers cost an H200 3 % of the geometry pass.
 VertexAttributes vertexAttributes(Instance instance) {
@@ -48,8 +91,49 @@ VertexAttributes vertexAttributes(Instance instance) {
   return attributesAt(frameMesh(FrameRef(push.frame).v, instance.mesh).attributes, gl_VertexIndex);
 }
 
+void setVastVaryings(Instance instance, Mesh mesh, VastVertex vertex) {
+  VertexDirections directions = vertexDirections(instance);
+  VertexAttributes corners[3];
+  for (int i = 0; i < 3; ++i) corners[i] = attributesAt(mesh.attributes, vertex.indices[i]);
+  vec3 weights = vec3(0.0, rounded(vertex.weights.b).x, rounded(vertex.weights.c).x);
+  weights.x = 1.0 - weights.y - weights.z;
+  varyingNormal = vec3(0.0);
+  varyingTangent = vec4(0.0);
+  for (int i = 0; i < 3; ++i) {
+    varyingNormal += weights[i] * worldNormal(directions, corners[i].normal);
+    varyingTangent += weights[i] * worldTangent(directions, corners[i].tangent);
+  }
+  varyingUv.xy = attributeOf(vertex.weights, vec3(corners[0].uv0, 0.0), vec3(corners[1].uv0, 0.0), vec3(corners[2].uv0, 0.0)).xy;
+  varyingUv.zw = varyingUv.xy;
+  varyingColor = vec4(1.0);
+  if ((instance.flags & kInstanceExtras) == 0u) return;
+  VertexExtra extras[3];
+  for (int i = 0; i < 3; ++i) extras[i] = ExtraRef(mesh.extras).v[vertex.indices[i]];
+  varyingUv.zw = attributeOf(vertex.weights, vec3(extras[0].uv1, 0.0), vec3(extras[1].uv1, 0.0), vec3(extras[2].uv1, 0.0)).xy;
+  varyingColor = weights.x * extras[0].color + weights.y * extras[1].color + weights.z * extras[2].color;
+}
+
+void vastMain(Instance instance) {
+  FrameConstants frame = FrameRef(push.frame).v;
+  Mesh mesh = frameMesh(frame, instance.mesh);
+  VastVertex vertex = placeVastVertex(instance, mesh);
+  setVastVaryings(instance, mesh, vertex);
+  varyingPosition = vertex.relative + inEye;
+  varyingInstance = inInstance;
+#ifdef FRAGMENT_ORDER
+  varyingDrawn = gl_InstanceIndex;
+#endif
+#ifdef MOTION
+  passVastMotion(frame, frameView(frame, push.view), vertex.relative);
+#endif
+}
+
 void main() {
   Instance instance = instanceAt(push.instances, inInstance);
+  if (kVastDraw != 0u) {
+    vastMain(instance);
+    return;
+  }
   vec3 relative = placeVertex(instance);
   VertexAttributes attributes = vertexAttributes(instance);
   VertexDirections directions = vertexDirections(instance);

@@ -87,7 +87,7 @@ void addLights(const FrameContext& f, const Gbuffer& gbuffer, Targets targets) {
   desc.blend = vk::Blend::Add;
   desc.name = "forward light";
   if (f.setup.countLights) desc.colors.push_back(kCountsFormat);
-  const ScenePipelines pipelines = scenePipelines(f.device, desc);
+  const ScenePipelines pipelines = scenePipelines(f, desc);
   std::vector<graph::ImageId> colors{targets.sum};
   if (f.setup.countLights) colors.push_back(gbuffer.lightCounts);
   std::vector<graph::Access> accesses = bindings.accesses();

@@ -67,6 +67,7 @@ View posed(const View& pinhole, const View& camera) {
 void ComputeVisibility::addResolve(const FrameContext& f, ComputePass pass, graph::BufferId outputs) const {
   pass.size = f.pixels();
   pass.constants.push_back({kSamplesConstant, f.setup.samples});
+  addVastConstant(f, pass);
   pass.buffers.emplace_back(visible_, graph::Use::StorageRead);
   if (outputs) pass.buffers.emplace_back(outputs, graph::Use::StorageRead);
   addCompute(f, std::move(pass), [=, this, &f](graph::Context& context) {

@@ -69,6 +69,8 @@ void hit(uint view, ivec2 pixel, uint samples, PixelDepth depth, uint id) {
     uint ray = UintRef(target.pixels).v[next];
     ivec2 at = ivec2(ray % target.width, ray / target.width);
     float distance = meet(corners, lensRay(frame, camera, at).direction, t.rank.flags);
+    for (bool some = distance != 0.0 && isVast(t); some; some = false)
+      distance = length(vastPoint(frame, camera, vastCornersOf(frame, camera, t), vec2(at) + 0.5));
     if (distance != 0.0 && !isCutOut(frame, camera, t, at))
       meets(frame, view / target.views, at, deviceDepth(camera.projection, distance), id);
   }

@@ -32,6 +32,7 @@ uint32_t flagsOf(const shared::Instance& instance, const shared::Material& mater
   if (blended) flags |= shared::kRankBlended;
   if (material.flags & shared::kMaterialLayered) flags |= shared::kRankLayered;
   if (stretchOf(instance).similar) flags |= shared::kRankSimilar;
+  if (instance.flags & shared::kInstanceVast) flags |= shared::kRankVast;
   return flags;
 }
 

@@ -103,6 +103,17 @@ struct Triangle {
   uint id;
 };
 
+// The depth of a plane: of the points p in view space with dot(n, p) = d.
+vec3 depthPlane(Projection p, vec3 n, float d) {
+  if (p.kind == kPerspective) {
+    precise float inverse = 1.0 / d;  // before B, a power of two in tests: then nothing depends on where the near plane is
+    precise vec3 plane = n * inverse * p.B;
+    return vec3(plane.x, plane.y + p.A, plane.z);
+  }
+  precise float tilt = p.A / n.y;
+  return vec3(-tilt * n.x, p.B + tilt * d, -tilt * n.z);
+}
+
 // The depth of the very plane that the triangle lies in, not of the snapped one: where a surface is seen at a grazing angle
 // a subpixel is far in depth. Corners in view space.
 vec3 depthPlane(View view, vec3 a, vec3 b, vec3 c) {
@@ -112,13 +123,7 @@ vec3 depthPlane(View view, vec3 a, vec3 b, vec3 c) {
   float scale = 1.0 / max(max(extent.x, max(extent.y, extent.z)), 1e-37);
   precise vec3 n = cross(ab * scale, ac * scale);
   precise float d = dot(n, a);
-  if (p.kind == kPerspective) {
-    precise float inverse = 1.0 / d;  // before B, a power of two in tests: then nothing depends on where the near plane is
-    precise vec3 plane = n * inverse * p.B;
-    return vec3(plane.x, plane.y + p.A, plane.z);
-  }
-  precise float tilt = p.A / n.y;
-  return vec3(-tilt * n.x, p.B + tilt * d, -tilt * n.z);
+  return depthPlane(p, n, d);
 }
 
 // What depth grows by a pixel to the right and down.

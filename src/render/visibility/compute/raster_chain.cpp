@@ -174,6 +174,7 @@ ComputePass Steps::step(const char* shader) const {
 
 void Steps::over(const char* shader, glm::uvec3 groups) const {
   ComputePass pass = step(shader);
+  addVastConstant(f, pass);
   pass.size = groups;
   addCompute(f, std::move(pass), [self = *this](graph::Context& context) { return self.push(context); });
 }
@@ -193,6 +194,7 @@ void Steps::overQueue(const char* shader, Queue queue, std::vector<vk::Constant>
                                                jobs ? vk::Constant{kShadowMapsConstant, 0} : mapsConstant(),
                                                {kCutsOutConstant, chain.wanted & kRankCutOut}});
   pass.constants.insert(pass.constants.end(), constants.begin(), constants.end());
+  addVastConstant(f, pass);
   pass.groups = queues.counters;
   pass.groupsOffset = offsetof(RasterCounters, groups);
   addCompute(f, std::move(pass), [self = *this](graph::Context& context) { return self.push(context); });
@@ -281,6 +283,11 @@ void bindTextures(const FrameContext& f, ComputePass& pass) {
   if (f.device.maxTextureArray() == 0) return;
   pass.sceneSet = f.scene.materials().textureSet();
   pass.sceneBindings = textureBindings(f.device);
+}
+
+void addVastConstant(const FrameContext& f, ComputePass& pass) {
+  const bool known = std::ranges::count(pass.constants, kVastConstant, &vk::Constant::id) > 0;
+  if (!known) pass.constants.push_back({kVastConstant, f.scene.instances().anyVast() ? 1u : 0u});
 }
 
 void readsTextures(const FrameContext& f, ComputePass& pass) {

@@ -7,8 +7,6 @@
 
 layout(local_size_x = 64) in;
 
-const uint kMostCorners = 9u;
-
 struct Polygon {
   vec4 corners[kMostCorners];
   uint count;
@@ -34,6 +32,15 @@ Polygon clip(Polygon p, uint plane) {
   return kept;
 }
 
+// What remains of a vast triangle.
+Polygon vastPolygon(View view, Exact3 corners[3]) {
+  VastPolygon vast = clipVast(view, corners);
+  Polygon p;
+  p.count = vast.count;
+  for (uint i = 0u; i < vast.count; ++i) p.corners[i] = clipPosition(view, rounded(vast.corners[i]));
+  return p;
+}
+
 bool isFinite(vec4 v) { return !any(isnan(v)) && !any(isinf(v)); }
 
 void main() {
@@ -54,7 +61,18 @@ void main() {
     if (!isFinite(p.corners[i])) return;
   }
   p.count = 3u;
-  for (uint plane = 0u; plane < 6u; ++plane) p = clip(p, plane);
+  vec3 depths = depthPlane(view, seen[0], seen[1], seen[2]);
+  bool vast = kVast != 0u && (r.flags & kRankVast) != 0u;
+  for (uint plane = 0u; plane < 6u && !vast; ++plane) p = clip(p, plane);
+  // A loop, since lavapipe runs a branch whether any lane takes it or not.
+  for (bool some = vast; some; some = false) {
+    Instance instance = frameInstance(frame, r.instance);
+    Exact3 corners[3];
+    for (uint i = 0u; i < 3u; ++i) corners[i] = seenExactly(view, instance, positionAt(mesh.positions, indices[i]));
+    p = vastPolygon(view, corners);
+    ViewPlane exactPlane = planeOf(corners[0], corners[1], corners[2]);
+    depths = depthPlane(view.projection, exactPlane.normal, exactPlane.distance);
+  }
   if (p.count < 3u) return;
   float least = 1.0, most = 0.0;
   for (uint i = 0u; i < p.count; ++i) {
@@ -63,7 +81,7 @@ void main() {
   }
   Triangle t;
   t.id = r.firstTriangle + work.triangle + 1u;
-  t.plane = depthPlane(view, seen[0], seen[1], seen[2]);
+  t.plane = depths;
   setRange(t, view, least, most);
   ivec2 first = screenPosition(p.corners[0]), before = screenPosition(p.corners[1]);
   for (uint i = 2u; i < p.count; ++i) {

@@ -145,7 +145,8 @@ Corner cornerOf(Group g, Cluster c, uint vertex) {
 // What this thread does with triangle `number` of the mesh; true: it is of some size.
 bool takeTriangle(Group g, uint number, Corner a, Corner b, Corner c, out Triangle t) {
   if ((a.outside & b.outside & c.outside & ~kOutsideVolume) != 0u) return false;
-  if (((a.outside | b.outside | c.outside) & kOutsideVolume) != 0u) {
+  bool vast = kVast != 0u && (g.r.flags & kRankVast) != 0u;
+  if (vast || ((a.outside | b.outside | c.outside) & kOutsideVolume) != 0u) {
     uint place = atomicAdd(CountersRef(push.buffers.counters).v.clipped, 1u);
     if (place < push.clippedRoom)
       ClippedRef(push.buffers.clipped).v[place] = ClippedTriangle(g.work.rank, number, g.work.view);

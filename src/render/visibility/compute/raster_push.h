@@ -47,6 +47,7 @@ SH_CONST uint kRankCutOut = 4u;  // its alpha takes parts of it away
 SH_CONST uint kRankBlended = 8u;
 SH_CONST uint kRankSimilar = 16u;  // its transform keeps angles
 SH_CONST uint kRankLayered = 32u;
+SH_CONST uint kRankVast = 64u;  // kInstanceVast
 
 SH_CONST uint kRankedBytes = 48u;
 

@@ -22,5 +22,16 @@ vec4 seenMotion(FrameConstants frame, View view, uint viewIndex, SeenTriangle t,
     clipBefore += w.at[i] * clipOf(viewBefore, before, mesh.previousPositions, t.indices[i]);
     clipAfter += w.at[i] * clipOf(viewAfter, after, mesh.nextPositions, t.indices[i]);
   }
+  // Where a vast triangle does not move itself, the motion follows from the eyes alone, which are known exactly.
+  Instance current = frameInstance(frame, t.rank.instance);
+  for (bool some = isVast(t) && current.objectToWorld == instanceAt(frame.previousInstances, t.rank.instance).objectToWorld &&
+                   current.objectToWorld == instanceAt(frame.nextInstances, t.rank.instance).objectToWorld;
+       some; some = false) {
+    vec3 seen = vastPoint(frame, view, vastCornersOf(frame, view, t), pixel);
+    vec3 relative = toWorldAxes(view, seen);
+    clipNow = steadyClip(view, seen);
+    clipBefore = steadyClip(viewBefore, toView(viewBefore, relative + eyeBetween(viewBefore, view)));
+    clipAfter = steadyClip(viewAfter, toView(viewAfter, relative + eyeBetween(viewAfter, view)));
+  }
   return vec4(motionBetween(clipNow, clipBefore, view.size), motionBetween(clipNow, clipAfter, view.size));
 }

@@ -5,6 +5,9 @@
 #define LATELIGHT_SEEN_TRIANGLE_GLSL
 #include "render/glsl/pixel_ray.glsl"
 #include "render/visibility/compute/raster_push.h"
+#include "render/visibility/vast_triangle.glsl"
+
+layout(constant_id = 92) const uint kVast = 0u;  // FrameSetup::vast
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer RankOfPartRef { uint v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer InstanceListRef { InstanceList v; };
@@ -43,6 +46,26 @@ vec3[3] cornersOf(FrameConstants frame, View view, SeenTriangle t) {
     corners[i] = toView(view, placed * vec4(positionAt(positions, t.indices[i]), 1.0));
   return corners;
 }
+
+// The corners of a vast triangle, in view space.
+Exact3[3] vastCornersOf(FrameConstants frame, View view, SeenTriangle t) {
+  Instance instance = frameInstance(frame, t.rank.instance);
+  uint64_t positions = frameMesh(frame, t.rank.mesh).positions;
+  Exact3 corners[3];
+  for (int i = 0; i < 3; ++i) corners[i] = seenExactly(view, instance, positionAt(positions, t.indices[i]));
+  return corners;
+}
+
+// Where a pixel's ray meets the plane of a vast triangle, in view space.
+vec3 vastPoint(FrameConstants frame, View view, Exact3 corners[3], vec2 pixel) {
+  ViewPlane plane = planeOf(corners[0], corners[1], corners[2]);
+  vec3 ray = pixelRay(frame, view, pixel), from = vec3(0.0);
+  if (view.projection.kind != kPerspective)
+    from = viewPositionAtDepth(view.projection, pixelToNdc(pixel, view.size), 0.0);
+  return from + ray * ((plane.distance - dot(plane.normal, from)) / dot(plane.normal, ray));
+}
+
+bool isVast(SeenTriangle t) { return kVast != 0u && (t.rank.flags & kRankVast) != 0u; }
 
 // --- where on it ----------------------------------------------------------------------------------------------------
 

@@ -59,6 +59,17 @@ void setCoordinates(inout SurfacePoint p, SeenTriangle t, Mesh mesh, Instance in
   }
 }
 
+// Where a pixel's ray meets a vast triangle, and the first UV set there: what cancels is computed exactly.
+void setVastPlace(inout SurfacePoint p, FrameConstants frame, View view, SeenTriangle t, vec2 pixel,
+                  VertexAttributes attributes[3]) {
+  Exact3 corners[3] = vastCornersOf(frame, view, t);
+  vec3 seen = vastPoint(frame, view, corners, pixel);
+  p.position = toWorldAxes(view, seen) + view.eye;
+  VastWeights w = vastWeights(corners[0], corners[1], corners[2], exact(seen));
+  p.uv.xy = attributeOf(w, vec3(attributes[0].uv0, 0.0), vec3(attributes[1].uv0, 0.0), vec3(attributes[2].uv0, 0.0)).xy;
+  if ((frameInstance(frame, t.rank.instance).flags & kInstanceExtras) == 0u) p.uv.zw = p.uv.xy;
+}
+
 SurfacePoint seenPoint(FrameConstants frame, View view, SeenTriangle t, vec2 pixel) {
   Instance instance = frameInstance(frame, t.rank.instance);
   Mesh mesh = frameMesh(frame, t.rank.mesh);
@@ -74,6 +85,7 @@ SurfacePoint seenPoint(FrameConstants frame, View view, SeenTriangle t, vec2 pix
   p.position = corners[0] * w.at.x + corners[1] * w.at.y + corners[2] * w.at.z + view.eye;
   setDirections(p, t, instance, attributes, w.at);
   setCoordinates(p, t, mesh, instance, attributes, w);
+  for (bool some = isVast(t); some; some = false) setVastPlace(p, frame, view, t, pixel, attributes);
   vec3 plane = cross(corners[1] - corners[0], corners[2] - corners[0]);
   if ((instance.flags & kInstanceMirrored) != 0u) plane = -plane;
   vec3 toEye = view.projection.kind == kPerspective ? -corners[0] : view.viewToWorld * vec4(0.0, -1.0, 0.0, 0.0);

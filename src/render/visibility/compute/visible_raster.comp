@@ -20,7 +20,8 @@ vec2 classOf(FrameConstants frame, View view, SeenTriangle seen, ivec2 pixel) {
   Corner b = cornerAt(view, placed, positionAt(positions, seen.indices.y));
   Corner c = cornerAt(view, placed, positionAt(positions, seen.indices.z));
   float turned = facing(view, a.seen, b.seen, c.seen, pixel);
-  if (((a.outside | b.outside | c.outside) & kOutsideVolume) != 0u) return vec2(float(kRasterClipped), turned);
+  if ((seen.rank.flags & kRankVast) != 0u || ((a.outside | b.outside | c.outside) & kOutsideVolume) != 0u)
+    return vec2(float(kRasterClipped), turned);
   Triangle t = Triangle(a.screen, b.screen, c.screen, vec3(0.0), 0.0, 0.0, 0u);
   return vec2(float(sizeClass(t, onScreen(pixelsOf(t)))), turned);
 }
