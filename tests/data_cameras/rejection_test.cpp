@@ -60,7 +60,7 @@ TEST(SurroundingsTest, AreThoseOfSpheresThatAreScaledAndTurnedInsideOut) {
   const dvec3 centre(scene::spheresCentre(0, 0));
   const auto winding = [&](const glm::mat4& change) {
     scene::Scene changed = scene::load("builtin:spheres");
-    for (scene::Instance& instance : changed.instances) instance.toWorld = instance.toWorld * change;
+    for (scene::Instance& instance : changed.instances) instance.toWorld = instance.toWorld * glm::dmat4(change);
     return Surroundings(changed).inside(centre + dvec3(0.1, 0.1, 0.05));
   };
   EXPECT_TRUE(winding(glm::mat4(1)));

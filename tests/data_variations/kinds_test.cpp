@@ -201,7 +201,7 @@ TEST(TransformsTest, MoveNodesAboutTheirOrigins) {
       "scale": [0.5, 2]}])");
   const uint32_t index = instanceAt(varied.scene, "/boxes/matte"), other = instanceAt(varied.scene, "/boxes/metal");
   const dmat4 toFile(scene::toGltfFromWorld()), before = toFile * dmat4(varied.scene.instances[index].toWorld);
-  const glm::mat4 untouched = varied.scene.instances[other].toWorld;
+  const glm::dmat4 untouched = varied.scene.instances[other].toWorld;
   std::vector<double> turns, lifts, scales;
   for (uint64_t n = 0; n < 300; ++n) {
     const Json said = varied.variations.apply(n)[0]["nodes"][0];

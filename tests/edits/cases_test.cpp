@@ -177,9 +177,9 @@ class EditMovingTest : public RenderTest, public testing::WithParamInterface<std
 TEST_P(EditMovingTest, PosedScenesAreEdited) {
   expectAllAsFresh();
   const uint64_t pipelines = device().pipelinesMade();
-  setTransform(scene_, 0, glm::translate(scene_.instances[0].toWorld, vec3(0.2f, 0, 0)));
+  setTransform(scene_, 0, glm::translate(scene_.instances[0].toWorld, glm::dvec3(0.2f, 0, 0)));
   expectAllAsFresh();
-  const uint32_t copy = addInstance(scene_, moving(), 0, scene_.instances[0].toWorld * standing({1, 0, 0}, 0.8f));
+  const uint32_t copy = addInstance(scene_, moving(), 0, scene_.instances[0].toWorld * glm::dmat4(standing({1, 0, 0}, 0.8f)));
   expectAllAsFresh();
   scene::Material material = scene_.materials[0];
   material.data.baseColor = {0.9f, 0.1f, 0.1f, 1};

@@ -109,7 +109,7 @@ class Editor {
     const Instance& like = scene_.instances[anyInstance()];
     const uint32_t mesh = twin ? like.mesh : dice_.below(count(scene_.meshes));
     const uint32_t material = twin && dice_.chance(0.5f) ? like.material : anyMaterial();
-    const glm::mat4 where = twin ? like.toWorld : transform();
+    const glm::dmat4 where = twin ? like.toWorld : glm::dmat4(transform());
     scene::addInstance(scene_, mesh, material, where, dice_.chance(0.5f) ? "added" : "");
   }
 

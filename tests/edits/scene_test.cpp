@@ -62,7 +62,7 @@ TEST(SceneEdit, NotesWhatChanged) {
   EXPECT_THAT(scene.edits.materials.since(0), ElementsAre(2));
   EXPECT_THAT(scene.edits.lights.since(0), ElementsAre(1));
   EXPECT_THAT(scene.edits.meshes.since(0), ElementsAre(0));
-  EXPECT_EQ(scene.instances[3].toWorld, shifted(1));
+  EXPECT_EQ(scene.instances[3].toWorld, dmat4(shifted(1)));
   EXPECT_TRUE(scene.instances[3].placed);
   EXPECT_FALSE(scene.instances[1].placed);
   EXPECT_EQ(scene.instances[1].material, 0u);

@@ -90,7 +90,7 @@ TEST_F(Transmission, DispersionPartsTheChannels) {
 TEST_F(Transmission, ThicknessFollowsTheNode) {
   scene::Scene scene = behindPlate(clearPlate(0.3f));
   scene::Instance& plate = scene.instances.back();
-  plate.toWorld = plate.toWorld * glm::scale(glm::mat4(1), vec3(1, 1, 3));
+  plate.toWorld = plate.toWorld * glm::scale(glm::dmat4(1), glm::dvec3(1, 1, 3));
   expectStripes(seen(scene), 0.9, {1.5, 1.5, 1.5});
 }
 
@@ -159,7 +159,7 @@ TEST_F(Transmission, MixesWithBlendedSurfacesInOneOrder) {
       scene.materials.push_back(pane);
       scene::Instance instance = scene.instances.back();
       instance.material = 3;
-      instance.toWorld = instance.toWorld * glm::translate(glm::mat4(1), vec3(0, 0, z));
+      instance.toWorld = instance.toWorld * glm::translate(glm::dmat4(1), glm::dvec3(0, 0, z));
       scene.instances.push_back(instance);
       const Values picture = seen(scene, method);
       for (size_t i = 0; i < picture.size() / 4; ++i) {

@@ -91,7 +91,7 @@ dvec3 byLookups(const Point& p, const HostEnvironment& environment) {
 
 shared::LightSample sampleAt(const scene::Light& light, vec3 position) {
   if (light.type == shared::kLightDirectional) return {light.direction * -1.0f, light.color * light.intensity, 1.0f};
-  const vec3 offset = light.position - position;
+  const vec3 offset = vec3(light.position) - position;
   return {glm::normalize(offset), light.color * light.intensity, 1.0f / glm::dot(offset, offset)};
 }
 

@@ -29,8 +29,8 @@ Moment momentOf(const scene::Scene& scene, double seconds, const std::string& an
 // Both cameras move: a step to the side, and a turn.
 void moveCamera(Moment& moment, const scene::Camera& camera) {
   scene::Camera before = camera, after = camera;
-  before.toWorld = glm::translate(glm::mat4(1), glm::vec3(0.02f, -0.05f, 0.01f)) * camera.toWorld;
-  after.toWorld = glm::rotate(camera.toWorld, 0.02f, glm::vec3(0.3f, 0.2f, 1));
+  before.toWorld = glm::translate(glm::dmat4(1), glm::dvec3(0.02f, -0.05f, 0.01f)) * camera.toWorld;
+  after.toWorld = glm::rotate(camera.toWorld, 0.02, glm::dvec3(0.3, 0.2, 1));
   moment.previousCameras = {before};
   moment.nextCameras = {after};
 }
@@ -179,9 +179,9 @@ TEST_F(MotionTest, BackgroundMovesWithTheCamerasTurn) {
   const scene::Camera camera = frontPerspective(0.9f, 5);
   Moment moment;
   moment.previousCameras = {camera};
-  moment.previousCameras[0].toWorld = glm::rotate(camera.toWorld, 0.03f, glm::vec3(0, 0, 1));
+  moment.previousCameras[0].toWorld = glm::rotate(camera.toWorld, 0.03, glm::dvec3(0, 0, 1));
   moment.nextCameras = {camera};
-  moment.nextCameras[0].toWorld[3] += glm::vec4(3, 2, 1, 0);
+  moment.nextCameras[0].toWorld[3] += glm::dvec4(3, 2, 1, 0);
   Renderer renderer(device(), scene, nullptr);
   const output::FrameOutput frame =
       std::move(renderer.render({&camera, 1}, settingsOf(kWidth, kHeight, {Aov::Motion}), moment).front());

@@ -169,7 +169,7 @@ TEST_P(ComputeCoverage, NothingOpensThroughTheNearPlane) {
     for (const float down : {0.0f, 0.3f, 1.2f}) {
       scene::Camera camera = frontPerspective(1.5f, height);
       const float angle = glm::half_pi<float>() - down, c = std::cos(angle), s = std::sin(angle);
-      camera.toWorld = camera.toWorld * glm::mat4(1, 0, 0, 0, 0, c, s, 0, 0, -s, c, 0, 0, 0, 0, 1);
+      camera.toWorld = camera.toWorld * glm::dmat4(1, 0, 0, 0, 0, c, s, 0, 0, -s, c, 0, 0, 0, 0, 1);
       camera.nearClip = std::min(2e-3f, 0.3f * height);
       const std::vector<uint32_t> whole = covered(halves(randomGrid(1, 0), 0, 2), camera, kSide);
       for (const uint32_t cells : {7u, 90u}) {
@@ -378,7 +378,7 @@ TEST_P(ComputeRuns, ViewsAtOnceAreThoseOneByOne) {
   std::vector<scene::Camera> cameras(5, cameraOf(hall(), 96, 64));
   for (size_t i = 0; i < cameras.size(); ++i) {
     const float angle = 1.3f * static_cast<float>(i), c = std::cos(angle), s = std::sin(angle);
-    cameras[i].toWorld = cameras[i].toWorld * glm::mat4(c, s, 0, 0, -s, c, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1);
+    cameras[i].toWorld = cameras[i].toWorld * glm::dmat4(c, s, 0, 0, -s, c, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1);
   }
   Settings settings = computeSettings(96, 64, {Aov::Depth, Aov::Part, Aov::Albedo, Aov::Color, Aov::Samples});
   settings.aa.samples = GetParam();

@@ -104,7 +104,7 @@ TEST_F(CullingTest, DrawsEveryInstanceThatShows) {
     places.push_back({unit(random), unit(random), unit(random)});
     scene.instances.push_back({.id = i + 1});
     scene.instances.back().toWorld =
-        scene::toWorldFromGltf() * glm::scale(glm::translate(glm::mat4(1), places[i]), vec3(kHalf));
+        scene::toWorldFromGltf() * glm::dmat4(glm::scale(glm::translate(glm::mat4(1), places[i]), vec3(kHalf)));
   }
   // The nearest of each pixel, and whether some edge lies too close to its centre to say.
   std::vector<uint32_t> wanted(kSide * kSide);
@@ -145,7 +145,7 @@ TEST_F(CullingTest, DrawsFewOfManyInstances) {
     scene.instances.push_back({.id = i + 1});
     const vec3 place = vec3(i % kGrid, i / kGrid, 0) * (2.0f / kGrid) - vec3(1, 1, 0);
     scene.instances.back().toWorld =
-        scene::toWorldFromGltf() * glm::scale(glm::translate(glm::mat4(1), place), vec3(0.1f / kGrid));
+        scene::toWorldFromGltf() * glm::dmat4(glm::scale(glm::translate(glm::mat4(1), place), vec3(0.1f / kGrid)));
   }
   const GpuScene uploaded(device(), scene);
   DrawOrder order;

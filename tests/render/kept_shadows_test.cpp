@@ -42,7 +42,7 @@ scene::Scene ballsUnderLamps() {
 
 scene::Camera cameraAt(float x) {
   scene::Camera camera = frontPerspective(1.2f, 14);
-  camera.toWorld = glm::translate(glm::mat4(1), vec3(x, 3, 0)) * camera.toWorld;
+  camera.toWorld = glm::translate(glm::dmat4(1), glm::dvec3(x, 3, 0)) * camera.toWorld;
   return camera;
 }
 
@@ -148,7 +148,7 @@ TEST_F(KeptShadowsTest, CascadesAreKeptOneByOne) {
   KeptShadowMaps kept;
   const auto at = [&](float x) {
     scene::Camera camera = frontPerspective(1.4f, 2);
-    camera.toWorld = glm::translate(glm::mat4(1), vec3(x, -0.5f, 0)) * camera.toWorld;
+    camera.toWorld = glm::translate(glm::dmat4(1), glm::dvec3(x, -0.5f, 0)) * camera.toWorld;
     uploaded.update({}, std::nullopt);
     return drawn(uploaded, camera, kept);
   };
@@ -212,7 +212,7 @@ TEST_F(KeptShadowsTest, TheAtlasHoldsWhatThisFrameNeeds) {
   for (int step = 0; step < 24; ++step) {
     scene::Camera camera = frontPerspective(1.0f, 5 + 3 * static_cast<float>(step % 3));
     camera.toWorld =
-        glm::translate(glm::mat4(1), vec3(-9 + 0.75f * static_cast<float>(step), 0.5f, 0)) * camera.toWorld;
+        glm::translate(glm::dmat4(1), glm::dvec3(-9 + 0.75f * static_cast<float>(step), 0.5f, 0)) * camera.toWorld;
     (rendersAsAFreshOne(renderer, scene, camera, settings) ? some : none) = true;
   }
   EXPECT_TRUE(some);

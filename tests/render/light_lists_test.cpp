@@ -133,9 +133,10 @@ std::vector<scene::Light> hardLights(const scene::Scene& scene) {
   const glm::mat4 pose = scene.cameras.front().toWorld;
   const vec3 eye(pose[3]), forward(pose[1]);
   const scene::Bounds bounds = scene::worldBounds(scene);
+  const vec3 center(bounds.centre());
   std::vector<scene::Light> lights{
-      pointLight(bounds.centre(), 1e6f),                                            // reaches everything
-      pointLight(bounds.centre() + vec3(0, 0, 2), {}),                              // no range
+      pointLight(center, 1e6f),                                            // reaches everything
+      pointLight(center + vec3(0, 0, 2), {}),                              // no range
       pointLight(eye, 0.5f),                                                        // at the eye, and seen by nothing
       pointLight(eye, 30.0f),                                                       // the eye inside
       pointLight(eye - forward * 3.0f, 2.0f),                                       // behind the eye
@@ -143,8 +144,8 @@ std::vector<scene::Light> hardLights(const scene::Scene& scene) {
       spotLight(eye, forward, 0, 0.02f, {}),                                        // a few pixels wide
       spotLight(eye, forward, 0.3f, 0.3f, {}),                                      // a hard edge
       spotLight(eye, -forward, 0, 1.5f, {}),                                        // away from what is seen
-      spotLight(bounds.centre() + vec3(0, 0, 3), {0, 0, -1}, 0, 1.5707963f, 6.0f),  // a half space
-      spotLight(bounds.centre() + vec3(1, 0, 2), {0, 0.6f, -0.8f}, 0.2f, 0.6f, {}),
+      spotLight(center + vec3(0, 0, 3), {0, 0, -1}, 0, 1.5707963f, 6.0f),  // a half space
+      spotLight(center + vec3(1, 0, 2), {0, 0.6f, -0.8f}, 0.2f, 0.6f, {}),
       sun({1, 2, -3}),
       sun({-1, 1, -1}),
   };
@@ -152,7 +153,7 @@ std::vector<scene::Light> hardLights(const scene::Scene& scene) {
   const auto between = [&](float low, float high) { return std::uniform_real_distribution(low, high)(engine); };
   for (int i = 0; i < 600; ++i) {
     vec3 p;
-    for (int axis = 0; axis < 3; ++axis) p[axis] = between(bounds.min[axis], bounds.max[axis]);
+    for (int axis = 0; axis < 3; ++axis) p[axis] = between(static_cast<float>(bounds.min[axis]), static_cast<float>(bounds.max[axis]));
     const float size = std::exp2(between(-6, 1.5f));
     const std::optional<float> range = i % 5 ? std::optional(size) : std::nullopt;
     lights.push_back(

@@ -20,15 +20,15 @@ constexpr uint32_t kModelWidth = 160, kModelHeight = 120;
 // Forty points and spots on a spiral around the model, and one directional light. Every third ends at its range.
 void addLights(scene::Scene& scene) {
   const scene::Bounds bounds = scene::worldBounds(scene);
-  const glm::vec3 centre = (bounds.min + bounds.max) * 0.5f;
-  const float radius = 0.6f * glm::length(bounds.max - bounds.min);
+  const glm::vec3 centre(bounds.centre());
+  const float radius = 0.6f * glm::length(glm::vec3(bounds.max - bounds.min));
   for (int i = 0; i < 40; ++i) {
     const float z = 0.95f - 0.0475f * static_cast<float>(i), around = 2.4f * static_cast<float>(i);
     const float across = std::sqrt(1 - z * z);
     scene::Light& light = scene.lights.emplace_back();
     light.type = i % 2 ? shared::kLightSpot : shared::kLightPoint;
     light.position = centre + radius * glm::vec3(across * std::cos(around), across * std::sin(around), z);
-    light.direction = glm::normalize(centre - light.position);
+    light.direction = glm::normalize(centre - glm::vec3(light.position));
     light.color = {0.5f + 0.0125f * static_cast<float>(i), 0.7f, 1 - 0.02f * static_cast<float>(i)};
     light.intensity = 0.1f * radius * radius;
     light.innerCone = 0.1f;

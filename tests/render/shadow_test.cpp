@@ -96,7 +96,7 @@ class ShadowTest : public RenderTest {
 
 // The finest map of a light that shows the point, as findShadowMap() of glsl/shadow.glsl has it.
 const shared::ShadowMap* mapAt(const ShadowPlan& plan, const scene::Light& light, vec3 p, uint32_t filter) {
-  if (plan.of[0].lights.front().maps == 6) return &plan.maps[shared::shadowFace(p - light.position)];
+  if (plan.of[0].lights.front().maps == 6) return &plan.maps[shared::shadowFace(p - vec3(light.position))];
   for (const shared::ShadowMap& m : plan.maps)
     if (shared::shadowInside(m, shared::shadowPoint(m, p).texel, shared::shadowReach(filter) + 0.5f)) return &m;
   return nullptr;
@@ -168,7 +168,7 @@ TEST_F(ShadowTest, WhatIsNearALightCastsToo) {
     const auto place = [&](vec3 middle, float half) {
       scene.instances.push_back(scene.instances.front());
       scene.instances.back().toWorld =
-          glm::scale(glm::translate(glm::mat4(1), middle), vec3(half)) * scene::toWorldFromGltf();
+          glm::dmat4(glm::scale(glm::translate(glm::mat4(1), middle), vec3(half))) * scene::toWorldFromGltf();
     };
     place({0, 600, 0}, 600);
     const Shadowed open = render(scene, shadowSettings("d32", "hard"));
@@ -255,7 +255,7 @@ float hostFactor(const std::vector<HostMap>& maps, const ShadowPlan& plan, const
   constexpr uint32_t kFilter = shared::kShadowFilterPcf;
   const shared::ShadowMap* m = mapAt(plan, light, p, kFilter);
   if (!m) return 1;
-  const vec3 toLight = light.type == shared::kLightDirectional ? -light.direction : glm::normalize(light.position - p);
+  const vec3 toLight = light.type == shared::kLightDirectional ? -light.direction : glm::normalize(vec3(light.position) - p);
   const float width = shared::shadowPoint(*m, p).width;
   const vec2 slope = shared::shadowSlope(*m, n, toLight);
   const shared::ShadowPoint at = shared::shadowPoint(*m, p + n * shared::shadowNormalOffset(slope, width, kFilter));
@@ -398,15 +398,15 @@ ShadowPlan hallPlan(const GpuScene& uploaded, const scene::Camera& camera, const
 TEST_F(ShadowTest, CascadesHoldStillWhileTheCameraMoves) {
   scene::Scene scene = boardBeforeWall(lightOf(shared::kLightDirectional, {1, -2, 4}, {0, 0, 0}));
   scene.instances.push_back(scene.instances.front());
-  scene.instances.back().toWorld = glm::scale(glm::mat4(1), vec3(60)) * scene.instances.back().toWorld;
+  scene.instances.back().toWorld = glm::scale(glm::dmat4(1), glm::dvec3(60)) * scene.instances.back().toWorld;
   const GpuScene uploaded(device(), scene);
   scene::Camera camera = frontPerspective(1, 3);
   const ShadowPlan still = hallPlan(uploaded, camera, "auto");
   ASSERT_EQ(still.maps.size(), size_t{kCascades});
   for (int step = 1; step <= 20; ++step) {
     scene::Camera moved = camera;
-    moved.toWorld = glm::rotate(glm::translate(glm::mat4(1), vec3(0.013f, 0.007f, -0.005f) * float(step)),
-                                0.003f * float(step), vec3(0.3f, 0.2f, 1)) *
+    moved.toWorld = glm::rotate(glm::translate(glm::dmat4(1), glm::dvec3(0.013, 0.007, -0.005) * double(step)),
+                                0.003 * double(step), glm::dvec3(0.3, 0.2, 1)) *
                     camera.toWorld;
     const ShadowPlan now = hallPlan(uploaded, moved, "auto");
     ASSERT_EQ(now.maps.size(), still.maps.size());

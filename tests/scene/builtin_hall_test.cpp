@@ -183,7 +183,7 @@ TEST(Hall, HasNamedCamerasInsideOfIt) {
   EXPECT_EQ(scene.cameras[0].name, "main");
   const Bounds bounds = worldBounds(scene);
   for (const Camera& camera : scene.cameras) {
-    const vec3 eye(camera.toWorld[3]);
+    const glm::dvec3 eye(camera.toWorld[3]);
     EXPECT_TRUE(glm::all(glm::greaterThan(eye, bounds.min)) && glm::all(glm::lessThan(eye, bounds.max))) << camera.name;
     EXPECT_NEAR(glm::determinant(glm::mat3(camera.toWorld)), 1, 1e-5f) << camera.name;
   }
@@ -200,7 +200,7 @@ double brightness(const Scene& scene) {
         const vec3 p(x, -z, up ? 0.0f : 11.8f + std::sqrt(3.9f * 3.9f - x * x)), n(0, 0, up ? 1 : -1);
         double radiance = 0;
         for (const Light& light : scene.lights) {
-          const vec3 to = light.position - p;
+          const vec3 to = vec3(light.position) - p;
           const float d2 = glm::dot(to, to), d = std::sqrt(d2);
           const float facing = glm::dot(to, n) / d;
           if (facing > 0)
@@ -229,7 +229,7 @@ TEST(Hall, ManyLightsReachNoPointTogether) {
   const Scene scene = litBy(100'000);
   for (const vec3 p : {vec3(0, 0, 1), vec3(2, -10, 0.02f), vec3(-8.4f, 5, 3), vec3(0, 3, 15.6f), vec3(3.9f, -2, 10)}) {
     int reached = 0;
-    for (const Light& light : scene.lights) reached += glm::length(light.position - p) < *light.range;
+    for (const Light& light : scene.lights) reached += glm::length(light.position - glm::dvec3(p)) < *light.range;
     EXPECT_LT(reached, 150) << p.x << " " << p.y << " " << p.z;
   }
 }

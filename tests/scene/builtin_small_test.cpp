@@ -82,8 +82,8 @@ TEST(Load, SaysWhatIsNotASceneFile) {
 }
 
 TEST(Axes, ConvertBothWaysExactly) {
-  EXPECT_EQ(toWorldFromGltf() * toGltfFromWorld(), mat4(1));
-  EXPECT_EQ(toWorldFromGltf() * vec4(1, 2, 3, 1), vec4(1, -3, 2, 1));
+  EXPECT_EQ(toWorldFromGltf() * toGltfFromWorld(), dmat4(1));
+  EXPECT_EQ(toWorldFromGltf() * glm::dvec4(1, 2, 3, 1), glm::dvec4(1, -3, 2, 1));
 }
 
 TEST(ExactMath, AgreesWithLibm) {
@@ -115,12 +115,12 @@ TEST(Boxes, AreWhereTheirConstantsSay) {
     EXPECT_EQ(glm::determinant(glm::mat3(instance.toWorld)) < 0, box.mirrored);
     Bounds bounds;
     for (const vec3& p : scene.meshes[instance.mesh].positions) {
-      const vec3 gltf = toGltfFromWorld() * instance.toWorld * vec4(p, 1);
+      const dvec3 gltf = toGltfFromWorld() * instance.toWorld * glm::dvec4(p, 1);
       bounds.min = glm::min(bounds.min, gltf);
       bounds.max = glm::max(bounds.max, gltf);
     }
-    EXPECT_EQ(bounds.min, box.min) << box.name;
-    EXPECT_EQ(bounds.max, box.max) << box.name;
+    EXPECT_EQ(vec3(bounds.min), box.min) << box.name;
+    EXPECT_EQ(vec3(bounds.max), box.max) << box.name;
   }
   checkMeshes(scene);
   checkWatertight(scene.meshes[0]);

@@ -182,7 +182,7 @@ TEST(LookAt, HasTheFilesUpUp) {
   Scene zUp = boxScene(vec3(-1), vec3(1));
   zUp.yUp = false;
   const Camera other = lookAt(zUp, {0, -5, 0}, {0, 0, 0});
-  EXPECT_EQ(other.toWorld[3], vec4(0, -5, 0, 1));
+  EXPECT_EQ(other.toWorld[3], glm::dvec4(0, -5, 0, 1));
   EXPECT_NEAR(other.toWorld[2].z, 1, 1e-6f);
 }
 

@@ -1,0 +1,243 @@
+// A scene and its cameras, moved together: nothing that leaves the renderer may change but `position`, which moves along.
+// The reference is the same scene at the origin, which other tests compare with ray casters and closed forms.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "models/models.h"
+#include "render/support.h"
+#include "scene/builtin.h"
+#include "scene/framing.h"
+
+namespace latelight::render::test {
+namespace {
+
+using glm::dvec3;
+using output::Aov;
+
+constexpr uint32_t kWide = 120, kHigh = 80;
+
+// The offsets have no special direction, and few bits: doubles add them to a scene's coordinates with an error of 1e-8 m at
+// most.
+dvec3 offsetOf(double size) {
+  return size * dvec3(1, -0.75, 0.125);
+}
+
+scene::Camera moved(scene::Camera camera, dvec3 by) {
+  camera.toWorld[3] += glm::dvec4(by, 0);
+  return camera;
+}
+
+// Moves a scene for as long as this lives: scenes are not copied.
+class MovedScene {
+ public:
+  MovedScene(scene::Scene& scene, dvec3 by) : scene_(scene), instances_(scene.instances), lights_(scene.lights) {
+    for (scene::Instance& instance : scene.instances) instance.toWorld[3] += glm::dvec4(by, 0);
+    for (scene::Light& light : scene.lights) light.position += by;
+  }
+  ~MovedScene() {
+    scene_.instances = instances_;
+    scene_.lights = lights_;
+  }
+  MovedScene(const MovedScene&) = delete;
+
+ private:
+  scene::Scene& scene_;
+  std::vector<scene::Instance> instances_;
+  std::vector<scene::Light> lights_;
+};
+
+struct FarDifference {
+  double depth = 0, normal = 0, motion = 0, position = 0;  // largest, where both show the same
+  double otherIds = 0, otherColors = 0;                    // shares of the pixels
+};
+
+FarDifference differenceOf(const output::FrameOutput& a, const output::FrameOutput& b, dvec3 offset) {
+  const bool motion = std::ranges::count(a.aovs, Aov::Motion, &output::AovImage::aov) > 0;
+  FarDifference found;
+  const size_t pixels = size_t{a.width} * a.height;
+  for (size_t i = 0; i < pixels; ++i) {
+    const uint32_t id = imageOf(a, Aov::Id).ids[i];
+    int most = 0;
+    for (size_t c = 0; c < 4; ++c)
+      most = std::max(most, std::abs(int{a.display[4 * i + c]} - int{b.display[4 * i + c]}));
+    found.otherColors += most > 2;
+    if (id != imageOf(b, Aov::Id).ids[i]) {
+      ++found.otherIds;
+      continue;
+    }
+    if (id == 0) continue;
+    const double da = imageOf(a, Aov::Depth).values[i], db = imageOf(b, Aov::Depth).values[i];
+    found.depth = std::max(found.depth, std::abs(da - db) / da);
+    found.normal = std::max<double>(
+        found.normal, glm::length(vec3At(imageOf(a, Aov::GeoNormal), i) - vec3At(imageOf(b, Aov::GeoNormal), i)));
+    if (motion)
+      found.motion = std::max<double>(found.motion,
+                                    glm::length(vec2At(imageOf(a, Aov::Motion), i) - vec2At(imageOf(b, Aov::Motion), i)));
+    const dvec3 pa = dvec3(vec3At(imageOf(a, Aov::Position), i)) + offset, pb(vec3At(imageOf(b, Aov::Position), i));
+    // A float's rounding of each coordinate, and what the pixel's own point is uncertain by.
+    const dvec3 rounding = glm::abs(pa) * 6.0e-8 + 1e-5 * (1 + da);
+    found.position = std::max(found.position, glm::length((pa - pb) / rounding));
+  }
+  found.otherIds /= double(pixels);
+  found.otherColors /= double(pixels);
+  return found;
+}
+
+class FarFromOrigin : public RenderTest {
+ protected:
+  static output::FrameOutput render(const scene::Scene& scene, const scene::Camera& camera, const Settings& settings,
+                                    const scene::Camera& before) {
+    Renderer renderer(device(), scene, nullptr);
+    Moment moment;
+    if (std::ranges::count(settings.aovs, Aov::Motion) > 0) {
+      moment.previousCameras = {before};
+      moment.nextCameras = {camera};
+    }
+    return renderer.render({&camera, 1}, settings, moment).front();
+  }
+
+  static Settings settings(Raster raster) {
+    Settings s =
+        settingsOf(kWide, kHigh, {Aov::Depth, Aov::Id, Aov::GeoNormal, Aov::Motion, Aov::Position});
+    s.axes = Axes::ZUp;  // in which the tests move things
+    s.display = true;
+    s.raster = raster;
+    s.shadows = ShadowFormat::D32;
+    return s;
+  }
+
+  static void expectTheSame(const std::string& name, scene::Scene& scene, const scene::Camera& camera,
+                            Settings settings, std::initializer_list<double> offsets, bool motion = true) {
+    if (!motion) std::erase(settings.aovs, Aov::Motion);  // lenses have none
+    scene::Camera before = camera;
+    before.toWorld[3] += glm::dvec4(0.03, -0.02, 0.01, 0);
+    const output::FrameOutput reference = render(scene, camera, settings, before);
+    for (const double size : offsets) {
+      const dvec3 by = offsetOf(size);
+      const MovedScene there(scene, by);
+      const output::FrameOutput far = render(scene, moved(camera, by), settings, moved(before, by));
+      const FarDifference d = differenceOf(reference, far, by);
+      fmt::print("{} at {:g} m: depth {:.1e}, normal {:.1e}, motion {:.1e} px, position {:.2f}, ids {:.4f}, colors {:.4f}\n",
+                 name, size, d.depth, d.normal, d.motion, d.position, d.otherIds, d.otherColors);
+      EXPECT_LE(d.depth, 2e-6) << name << " at " << size;
+      EXPECT_LE(d.normal, 1e-5) << name << " at " << size;
+      EXPECT_LE(d.motion, 1e-3) << name << " at " << size;
+      EXPECT_LE(d.position, 2) << name << " at " << size;
+      EXPECT_LE(d.otherIds, 5e-4) << name << " at " << size;
+      // Shadow maps of a sun are snapped to texels of the world, so that edges of shadows may move by one.
+      EXPECT_LE(d.otherColors, 0.02) << name << " at " << size;
+    }
+  }
+};
+
+TEST_F(FarFromOrigin, ScenesLookAsAtTheOriginInBothRasters) {
+  scene::Scene intricate = scene::load(models::modelPath("intricate.glb").string());
+  scene::Scene textured = scene::load(models::modelPath("textured.glb").string());
+  scene::Scene house = scene::makeBuiltin("hall,triangles=50k,lights=20"), boxes = scene::makeBuiltin("boxes"), spheres = scene::makeBuiltin("spheres");
+  for (const Raster raster : {Raster::Hardware, Raster::Compute}) {
+    const std::string in = raster == Raster::Hardware ? " by hardware" : " in compute";
+    for (const auto& [name, scene] :
+         {std::pair<std::string, scene::Scene*>{"hall", &house}, {"boxes", &boxes}, {"spheres", &spheres}, {"intricate", &intricate},
+          {"textured", &textured}})
+      expectTheSame(name + in, *scene, cameraOf(*scene, kWide, kHigh), settings(raster), {1e4, 1e6, 1e8});
+  }
+}
+
+TEST_F(FarFromOrigin, LightCullingLensesAndSamplesDoToo) {
+  scene::Scene house = scene::makeBuiltin("hall,triangles=50k,lights=20");
+  const scene::Camera camera = cameraOf(house, kWide, kHigh);
+  for (const char* technique : {"tiled", "clustered", "volumes", "forward"}) {
+    Settings s = settings(Raster::Compute);
+    s.lighting = &findTechnique(technique);
+    if (s.lighting->forward || std::string(technique) == "volumes") s.raster = Raster::Hardware;
+    expectTheSame(technique, house, camera, s, {1e6});
+  }
+  scene::Camera fisheye = camera;
+  fisheye.lens = scene::Lens{scene::LensModel::Fisheye, kWide, kHigh, 40, 40, kWide / 2.0, kHigh / 2.0, {}};
+  expectTheSame("fisheye", house, fisheye, settings(Raster::Compute), {1e6}, false);
+  Settings samples = settings(Raster::Compute);
+  samples.aa.samples = 4;
+  expectTheSame("four samples", house, camera, samples, {1e6});
+}
+
+// A ground of two triangles, 20,000 km wide, seen from 1.7 m above it: depth by the pixels' rays in doubles.
+TEST_F(FarFromOrigin, AGroundAsWideAsAPlanetIsWhereItIs) {
+  scene::builtin::SceneBuilder builder("ground");
+  builder.scene.meshes = {squareMesh()};
+  findBounds(builder.scene.meshes.front());
+  builder.scene.materials = {scene::builtin::plainMaterial("m", glm::vec3(0.8f), 0, 1)};
+  const glm::mat4 up(1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1);  // exactly
+  builder.addInstance("ground", builder.kRoot, 0, 0, glm::scale(glm::mat4(1), glm::vec3(1e7f)) * up);
+  const scene::Scene scene = std::move(builder.scene);
+  constexpr double kHeight = 1.7;
+  for (const Raster raster : {Raster::Hardware, Raster::Compute})
+    for (const dvec3 place : {dvec3(0, 0, kHeight), dvec3(123.25, -456.5, kHeight), dvec3(3200000.5, 2100000.25, kHeight)}) {
+      scene::Camera camera = frontPerspective(0.8f, 0);
+      const double pitch = 0.3;
+      camera.toWorld = glm::rotate(glm::translate(glm::dmat4(1), place), 0.4, dvec3(0, 0, 1)) *
+                       glm::rotate(glm::dmat4(1), -pitch, dvec3(1, 0, 0));
+      Settings s = settings(raster);
+      s.display = false;
+      const output::FrameOutput frame = render(scene, camera, s, camera);
+      const double half = std::tan(0.5 * double{camera.verticalFov});
+      double worst = 0, moved = 0;
+      size_t missing = 0, seen = 0;
+      for (size_t i = 0; i < size_t{kWide} * kHigh; ++i) {
+        const double x = (2 * (double(i % kWide) + 0.5) / kWide - 1) * half * kWide / kHigh;
+        const double z = (1 - 2 * (double(i / kWide) + 0.5) / kHigh) * half;
+        const dvec3 ray(camera.toWorld * glm::dvec4(x, 1, z, 0));
+        const double depth = -kHeight / ray.z, got = imageOf(frame, Aov::Depth).values[i];
+        EXPECT_EQ(ray.z >= 0, std::isinf(got)) << i;
+        if (ray.z >= 0) continue;
+        ++seen;
+        missing += std::isinf(got);
+        // A pixel's ray is a float: toward the horizon that decides how far it goes.
+        worst = std::max(worst, std::abs(got - depth) / depth / (1 + depth / 100));
+        const dvec3 normal(vec3At(imageOf(frame, Aov::GeoNormal), i));
+        moved = std::max<double>(moved, glm::length(vec2At(imageOf(frame, Aov::Motion), i)));
+        EXPECT_LT(glm::length(normal - dvec3(0, 0, 1)), 1e-5);
+      }
+      fmt::print("{} at {:g}, {:g}: {} pixels, depth off by {:.1e}\n",
+                 raster == Raster::Hardware ? "hardware" : "compute", place.x, place.y, seen, worst);
+      EXPECT_GT(seen, size_t{kWide} * kHigh / 2);
+      EXPECT_EQ(missing, 0u);
+      // The graphics pipeline interpolates depth between corners that it snaps to a grid.
+      EXPECT_LE(worst, raster == Raster::Hardware ? 2e-4 : 4e-6);
+      EXPECT_LE(moved, 1e-3);  // nothing moves
+    }
+}
+
+// Files of surveys have their vertices far from the origin, and cameras beside them.
+TEST_F(FarFromOrigin, VerticesMayBeFarFromTheirNode) {
+  scene::Scene boxes = scene::makeBuiltin("boxes");
+  const scene::Camera camera = cameraOf(boxes, kWide, kHigh);
+  // Multiples of 2^-10 m, which floats hold at 4096 m.
+  for (scene::Mesh& mesh : boxes.meshes) {
+    for (glm::vec3& position : mesh.positions) position = glm::round(position * 1024.0f) / 1024.0f;
+    findBounds(mesh);
+  }
+  for (const Raster raster : {Raster::Hardware, Raster::Compute}) {
+    const output::FrameOutput reference = render(boxes, camera, settings(raster), camera);
+    const glm::vec3 by(4096, -2048, 1024);
+    for (const float sign : {1.0f, -1.0f}) {
+      for (scene::Mesh& mesh : boxes.meshes) {
+        for (glm::vec3& position : mesh.positions) position += sign * by;
+        findBounds(mesh);
+      }
+      for (scene::Instance& instance : boxes.instances)
+        instance.toWorld = glm::translate(instance.toWorld, dvec3(-sign * by));
+      if (sign < 0) break;
+      const FarDifference d = differenceOf(reference, render(boxes, camera, settings(raster), camera), dvec3(0));
+      EXPECT_LE(d.depth, 2e-6);
+      EXPECT_LE(d.normal, 1e-5);
+      EXPECT_LE(d.otherIds, 5e-4);
+      EXPECT_LE(d.otherColors, 5e-3);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace latelight::render::test
