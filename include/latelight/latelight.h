@@ -84,8 +84,8 @@ struct SceneOptions {
 
 // --- what a scene consists of, to be read and edited ----------------------------------------------------------------
 
-// What a function below takes for an element of a scene; small, and copied freely. Of an element that was removed it is
-// refused, with Error(Usage), even where another has its place by now; so is one of another scene.
+// Identifies an element of a scene; small, and copied freely. A handle to a removed element is rejected with
+// Error(Usage), even if another element has taken its place; so is a handle of another scene.
 template <typename Element>
 struct Handle {
   uint32_t scene = 0;  // 0: of none
@@ -281,11 +281,18 @@ class LATELIGHT_API Scene {
   void setMaterial(Handle<Material> material, const Material& values);  // its textures stay
   // Without textures, or with those of another material.
   Handle<Material> addMaterial(const Material& values, std::optional<Handle<Material>> texturesOf = {});
+  // Throws Error(Usage) that names an instance which shows the material, if there is one.
+  void removeMaterial(Handle<Material> material);
 
   std::vector<Handle<Texture>> textures() const;
   Texture texture(Handle<Texture> texture) const;
   TextureData textureData(Handle<Texture> texture) const;
   Handle<Texture> addTexture(const TextureData& data);
+  // Replaces the pixels; the size may change. All materials that sample the texture change with it. Without a name it
+  // keeps its own.
+  void setTextureData(Handle<Texture> texture, const TextureData& data);
+  // Throws Error(Usage) that names a material which samples the texture, if there is one.
+  void removeTexture(Handle<Texture> texture);
   std::optional<TextureUse> textureOf(Handle<Material> material, TextureSlot slot) const;
   // With uv as they are, or, where the material had a texture there, transformed as that one's. Nothing: takes it away.
   void setTexture(Handle<Material> material, TextureSlot slot, const std::optional<TextureUse>& use);
@@ -303,6 +310,8 @@ class LATELIGHT_API Scene {
   MeshData meshData(Handle<Mesh> mesh) const;             // at rest
   void setMesh(Handle<Mesh> mesh, const MeshData& data);  // no skin deforms it from then on; no name: it keeps its own
   Handle<Mesh> addMesh(const MeshData& data);
+  // Throws Error(Usage) that names an instance which shows the mesh, if there is one.
+  void removeMesh(Handle<Mesh> mesh);
 
  private:
   friend class Renderer;

@@ -108,6 +108,13 @@ void MemoryClaim::grow(uint64_t bytes, std::string_view what) {
   bytes_ += bytes;
 }
 
+void MemoryClaim::shrink(uint64_t bytes) {
+  uint64_t before = bytes_, less = 0;
+  do less = std::min(bytes, before);
+  while (!bytes_.compare_exchange_weak(before, before - less));
+  taken -= less;
+}
+
 MemoryClaim::~MemoryClaim() {
   taken -= bytes_;
 }

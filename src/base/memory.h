@@ -27,6 +27,7 @@ class MemoryClaim {
   MemoryClaim& operator=(MemoryClaim&& other) noexcept;
 
   void grow(uint64_t bytes, std::string_view what);  // from any thread
+  void shrink(uint64_t bytes);                       // at most to nothing; from any thread
 
  private:
   std::atomic<uint64_t> bytes_ = 0;

@@ -307,17 +307,6 @@ uint32_t indexOf(Handle<Element> handle, uint32_t scene, size_t count, uint32_t 
   return handle.index;
 }
 
-template <typename Element, typename T>
-std::vector<Handle<Element>> handles(const std::vector<T>& elements, auto handleOf, auto wanted) {
-  std::vector<Handle<Element>> all;
-  for (uint32_t i = 0; i < elements.size(); ++i)
-    if (wanted(elements[i])) all.push_back(handleOf(i));
-  return all;
-}
-
-constexpr auto isPresent = [](const auto& element) { return !element.removed; };
-constexpr auto isAny = [](const auto&) { return true; };
-
 }  // namespace
 
 uint32_t Scene::Impl::nextNumber() {
@@ -329,16 +318,16 @@ uint32_t Scene::Impl::index(Handle<Instance> h) const {
   return indexOf(h, number, scene.instances.size(), scene.edits.instanceGaps.generation(h.index), "an instance");
 }
 uint32_t Scene::Impl::index(Handle<Material> h) const {
-  return indexOf(h, number, scene.materials.size(), 0, "a material");
+  return indexOf(h, number, scene.materials.size(), scene.edits.materialGaps.generation(h.index), "a material");
 }
 uint32_t Scene::Impl::index(Handle<Light> h) const {
   return indexOf(h, number, scene.lights.size(), scene.edits.lightGaps.generation(h.index), "a light");
 }
 uint32_t Scene::Impl::index(Handle<Mesh> h) const {
-  return indexOf(h, number, scene.meshes.size(), 0, "a mesh");
+  return indexOf(h, number, scene.meshes.size(), scene.edits.meshGaps.generation(h.index), "a mesh");
 }
 uint32_t Scene::Impl::index(Handle<Texture> h) const {
-  return indexOf(h, number, scene.textures.size(), 0, "a texture");
+  return indexOf(h, number, scene.textures.size(), scene.edits.textureGaps.generation(h.index), "a texture");
 }
 
 // --- nodes ----------------------------------------------------------------------------------------------------------
@@ -365,17 +354,17 @@ std::optional<Bounds> Scene::bounds() const {
 // --- instances ------------------------------------------------------------------------------------------------------
 
 std::vector<Handle<Instance>> Scene::instances() const {
-  return handles<Instance>(
-      impl_->scene.instances, [&](uint32_t i) { return impl_->instance(i); }, isPresent);
+  return impl_->handles(impl_->scene.instances, &Impl::instance);
 }
 
 std::vector<Handle<Instance>> Scene::instancesOf(const std::string& node) const {
   const scene::Scene& scene = impl_->scene;
   for (uint32_t found = 0; found < scene.nodes.size(); ++found) {
     if (node.empty() || scene.nodes[found].path != node) continue;
-    return handles<Instance>(
-        scene.instances, [&](uint32_t i) { return impl_->instance(i); },
-        [&](const scene::Instance& instance) { return !instance.removed && instance.node == found; });
+    std::vector<Handle<Instance>> all;
+    for (uint32_t i = 0; i < scene.instances.size(); ++i)
+      if (!scene.instances[i].removed && scene.instances[i].node == found) all.push_back(impl_->instance(i));
+    return all;
   }
   badUsage("the scene has no node \"{}\": give the path of one, as in /Root/Arm", printable(node));
 }
@@ -412,8 +401,7 @@ void Scene::removeInstance(Handle<Instance> instance) {
 // --- materials ------------------------------------------------------------------------------------------------------
 
 std::vector<Handle<Material>> Scene::materials() const {
-  return handles<Material>(
-      impl_->scene.materials, [&](uint32_t i) { return impl_->material(i); }, isAny);
+  return impl_->handles(impl_->scene.materials, &Impl::material);
 }
 
 Material Scene::material(Handle<Material> material) const {
@@ -430,11 +418,14 @@ Handle<Material> Scene::addMaterial(const Material& values, std::optional<Handle
   return impl_->material(scene::addMaterial(impl_->scene, internalMaterial(values, like)));
 }
 
+void Scene::removeMaterial(Handle<Material> material) {
+  scene::removeMaterial(impl_->scene, impl_->index(material));
+}
+
 // --- lights ---------------------------------------------------------------------------------------------------------
 
 std::vector<Handle<Light>> Scene::lights() const {
-  return handles<Light>(
-      impl_->scene.lights, [&](uint32_t i) { return impl_->light(i); }, isPresent);
+  return impl_->handles(impl_->scene.lights, &Impl::light);
 }
 
 Light Scene::light(Handle<Light> light) const {
@@ -457,8 +448,7 @@ void Scene::removeLight(Handle<Light> light) {
 // --- meshes ---------------------------------------------------------------------------------------------------------
 
 std::vector<Handle<Mesh>> Scene::meshes() const {
-  return handles<Mesh>(
-      impl_->scene.meshes, [&](uint32_t i) { return impl_->mesh(i); }, isAny);
+  return impl_->handles(impl_->scene.meshes, &Impl::mesh);
 }
 
 Mesh Scene::mesh(Handle<Mesh> mesh) const {
@@ -484,6 +474,10 @@ void Scene::setMesh(Handle<Mesh> mesh, const MeshData& data) {
 
 Handle<Mesh> Scene::addMesh(const MeshData& data) {
   return impl_->mesh(scene::addMesh(impl_->scene, internalMesh(data)));
+}
+
+void Scene::removeMesh(Handle<Mesh> mesh) {
+  scene::removeMesh(impl_->scene, impl_->index(mesh));
 }
 
 }  // namespace latelight

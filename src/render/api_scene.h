@@ -20,13 +20,25 @@ struct Scene::Impl {
   uint32_t index(Handle<Mesh> mesh) const;
   uint32_t index(Handle<Texture> texture) const;
 
+  // Handles of the elements that have not been removed, in the scene's order.
+  template <typename Element, typename T>
+  std::vector<Handle<Element>> handles(const std::vector<T>& elements,
+                                       Handle<Element> (Impl::*handleOf)(uint32_t) const) const {
+    std::vector<Handle<Element>> all;
+    for (uint32_t i = 0; i < elements.size(); ++i)
+      if (!elements[i].removed) all.push_back((this->*handleOf)(i));
+    return all;
+  }
+
   Handle<Instance> instance(uint32_t index) const {
     return {number, index, scene.edits.instanceGaps.generation(index)};
   }
-  Handle<Material> material(uint32_t index) const { return {number, index, 0}; }  // never removed
+  Handle<Material> material(uint32_t index) const {
+    return {number, index, scene.edits.materialGaps.generation(index)};
+  }
   Handle<Light> light(uint32_t index) const { return {number, index, scene.edits.lightGaps.generation(index)}; }
-  Handle<Mesh> mesh(uint32_t index) const { return {number, index, 0}; }
-  Handle<Texture> texture(uint32_t index) const { return {number, index, 0}; }
+  Handle<Mesh> mesh(uint32_t index) const { return {number, index, scene.edits.meshGaps.generation(index)}; }
+  Handle<Texture> texture(uint32_t index) const { return {number, index, scene.edits.textureGaps.generation(index)}; }
 
  private:
   static uint32_t nextNumber();

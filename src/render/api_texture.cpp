@@ -22,6 +22,17 @@ void checkTexture(const TextureData& data) {
              data.rgba.size());
 }
 
+// With its mip levels. The scene's memory is claimed first.
+scene::Texture internalTexture(const TextureData& data, scene::Scene& scene) {
+  checkTexture(data);
+  const scene::ImageSize size{data.width, data.height};
+  scene.memory.grow(scene::mipChainBytes(size), "its textures");
+  scene::Texture texture = scene::makeTexture(size, data.srgb, data.name);
+  std::memcpy(texture.pixels.get(), data.rgba.data(), data.rgba.size());
+  scene::buildMips(texture);
+  return texture;
+}
+
 size_t indexOf(TextureSlot slot) {
   const auto index = static_cast<size_t>(slot);
   if (index >= shared::kTextureCount) badUsage("a material has no texture slot {}", index);
@@ -40,9 +51,7 @@ scene::TextureSlot internalSlot(const TextureUse& use, uint32_t texture) {
 }  // namespace
 
 std::vector<Handle<Texture>> Scene::textures() const {
-  std::vector<Handle<Texture>> all;
-  for (uint32_t i = 0; i < impl_->scene.textures.size(); ++i) all.push_back(impl_->texture(i));
-  return all;
+  return impl_->handles(impl_->scene.textures, &Impl::texture);
 }
 
 Texture Scene::texture(Handle<Texture> texture) const {
@@ -59,14 +68,18 @@ TextureData Scene::textureData(Handle<Texture> texture) const {
 }
 
 Handle<Texture> Scene::addTexture(const TextureData& data) {
-  checkTexture(data);
-  const scene::ImageSize size{data.width, data.height};
-  impl_->scene.memory.grow(scene::mipChainBytes(size), "its textures");
-  scene::Texture texture = scene::makeTexture(size, data.srgb, data.name);
-  std::memcpy(texture.pixels.get(), data.rgba.data(), data.rgba.size());
-  scene::buildMips(texture);
-  impl_->scene.textures.push_back(std::move(texture));
-  return impl_->texture(static_cast<uint32_t>(impl_->scene.textures.size() - 1));
+  return impl_->texture(scene::addTexture(impl_->scene, internalTexture(data, impl_->scene)));
+}
+
+void Scene::setTextureData(Handle<Texture> texture, const TextureData& data) {
+  const uint32_t index = impl_->index(texture);
+  scene::Texture made = internalTexture(data, impl_->scene);
+  if (made.name.empty()) made.name = impl_->scene.textures[index].name;
+  scene::setTexture(impl_->scene, index, std::move(made));
+}
+
+void Scene::removeTexture(Handle<Texture> texture) {
+  scene::removeTexture(impl_->scene, impl_->index(texture));
 }
 
 std::optional<TextureUse> Scene::textureOf(Handle<Material> material, TextureSlot slot) const {

@@ -39,11 +39,13 @@ GpuScene::GpuScene(vk::Device& device, const scene::Scene& scene, vk::Uploader&&
 }
 
 GpuScene::Seen GpuScene::revisionsOf(const scene::Scene& scene) {
-  return {scene.edits.meshes.revision(), scene.edits.materials.revision(), scene.edits.instances.revision(),
-          scene.edits.lights.revision()};
+  return {scene.edits.meshes.revision(), scene.edits.materials.revision(), scene.edits.textures.revision(),
+          scene.edits.instances.revision(), scene.edits.lights.revision()};
 }
 
 void GpuScene::update(const Poses& poses, const std::optional<scene::Light>& sun) {
+  // After a frame that failed before it was submitted: the buffers and images that wait for data may be replaced below.
+  if (!uploads_.empty()) uploads_.flush();
   const Seen now = revisionsOf(scene_);
   const bool poseChanges = posed_ || !poses.current.empty();
   const bool lightsMove = poseChanges && posesLights(scene_);
@@ -83,8 +85,8 @@ void GpuScene::follow() {
       if (std::ranges::binary_search(meshes, scene_.instances[i].mesh)) moved.push_back(i);
     instances_.update(uploads_, moved);
   }
-  if (const auto materials = edits.materials.since(seen_.materials); !materials.empty())
-    materials_.update(uploads_, materials);
+  const auto textures = edits.textures.since(seen_.textures), materials = edits.materials.since(seen_.materials);
+  if (!textures.empty() || !materials.empty()) materials_.update(uploads_, textures, materials);
   if (const auto instances = edits.instances.since(seen_.instances); !instances.empty()) {
     instances_.update(uploads_, instances);
     bounds_.reset();

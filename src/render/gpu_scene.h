@@ -50,7 +50,7 @@ class GpuScene {
  private:
   GpuScene(vk::Device& device, const scene::Scene& scene, vk::Uploader&& uploader);
   struct Seen {  // revisions of the scene's edits
-    uint64_t meshes, materials, instances, lights;
+    uint64_t meshes, materials, textures, instances, lights;
   };
   static Seen revisionsOf(const scene::Scene& scene);
   void follow();

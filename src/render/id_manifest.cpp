@@ -27,7 +27,8 @@ class Collector {
                              scene_.materials[instance.material].data.id});
     }
     for (uint32_t i = 0; i < scene_.materials.size(); ++i)
-      manifest_.materials.push_back({scene_.materials[i].data.id, scene_.materials[i].name, i});
+      if (!scene_.materials[i].removed)
+        manifest_.materials.push_back({scene_.materials[i].data.id, scene_.materials[i].name, i});
     std::ranges::sort(manifest_.ids, {}, &output::IdEntry::id);
     std::ranges::sort(manifest_.materials, {}, &output::IdMaterial::id);
     return std::move(manifest_);

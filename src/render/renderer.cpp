@@ -98,8 +98,8 @@ void Renderer::begin(const Settings& settings, const Moment& moment) {
     badUsage(
         "the environment can't be the background where there is none: choose one (a .hdr or .exr file, or studio)");
   settle();
-  gpuScene_.setAnisotropy(settings.anisotropy.value_or(usualAnisotropy(device_)));
   gpuScene_.update(moment.poses, settings.sun ? std::optional(lightOf(*settings.sun)) : std::nullopt);
+  gpuScene_.setAnisotropy(settings.anisotropy.value_or(usualAnisotropy(device_)));
   gpuScene_.setGroups(moment.groups);
   drawOrder_.update(gpuScene_);
   requireRaster(device_, settings);

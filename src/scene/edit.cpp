@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/hash.h"
+#include "base/log.h"
 #include "scene/edit_check.h"
 
 namespace latelight::scene {
@@ -53,7 +54,8 @@ SceneEdits::KnownIds& idsOf(Scene& scene) {
     ids.nodes.take(instance.id);  // copies have their own
     ids.parts.take(instance.part);
   }
-  for (const Material& material : scene.materials) ids.materials.take(material.data.id);
+  for (const Material& material : scene.materials)
+    if (!material.removed) ids.materials.take(material.data.id);
   return ids;
 }
 
@@ -79,6 +81,34 @@ void removeNode(Scene& scene, uint32_t index) {
   scene.edits.freeNodes.push_back(index);
 }
 
+// --- uses of an element by others -----------------------------------------------------------------------------------
+
+// Throws where an instance has that mesh or material. `member`: which of the two is meant.
+void requireUnused(const Scene& scene, uint32_t Instance::*member, uint32_t index, const std::string& what) {
+  for (const Instance& instance : scene.instances)
+    if (!instance.removed && instance.*member == index)
+      badUsage("{} can't be removed, since the instance {} shows it: remove that first", what,
+               printable(scene.nodes[instance.node].path));
+}
+
+// Removed instances that showed it can't be restored: another element may take its place.
+void forgetRemovedInstances(Scene& scene, uint32_t Instance::*member, uint32_t index) {
+  for (Instance& instance : scene.instances)
+    if (instance.removed && instance.*member == index)
+      instance = {.node = ~0u, .toWorld = instance.toWorld, .placed = true, .removed = true};
+}
+
+void stopAnimating(Scene& scene, AnimatedElements elements, uint32_t index) {
+  for (Animation& animation : scene.rig.animations)
+    for (ValueTrack& track : animation.values)
+      if (track.elements == elements) std::erase(track.indices, index);
+}
+
+bool samples(const Material& material, uint32_t texture) {
+  const auto is = [&](const TextureSlot& slot) { return slot.texture == static_cast<int>(texture); };
+  return !material.removed && std::ranges::any_of(material.slots, is);
+}
+
 }  // namespace
 
 void setTransform(Scene& scene, uint32_t instance, const dmat4& toWorld) {
@@ -90,7 +120,7 @@ void setTransform(Scene& scene, uint32_t instance, const dmat4& toWorld) {
 }
 
 void setMaterialOf(Scene& scene, uint32_t instance, uint32_t material) {
-  at(scene.materials, material, "material");
+  present(scene.materials, material, "material");
   present(scene.instances, instance, "instance").material = material;
   scene.edits.instances.note(instance);
 }
@@ -103,8 +133,8 @@ uint32_t addInstance(Scene& scene, uint32_t mesh, uint32_t material, const dmat4
 std::vector<uint32_t> addObject(Scene& scene, std::span<const ObjectPart> parts, const std::string& name) {
   if (parts.empty()) badUsage("an object without meshes can't be added");
   for (const ObjectPart& part : parts) {
-    at(scene.meshes, part.mesh, "mesh");
-    at(scene.materials, part.material, "material");
+    present(scene.meshes, part.mesh, "mesh");
+    present(scene.materials, part.material, "material");
     checkTransform(part.toWorld);
   }
   checkName(name);
@@ -153,25 +183,71 @@ void restoreInstance(Scene& scene, uint32_t instance) {
 }
 
 void setMaterial(Scene& scene, uint32_t material, const Material& data) {
-  Material& edited = at(scene.materials, material, "material");
+  Material& edited = present(scene.materials, material, "material");
   checkMaterial(scene, data);
   const std::string name = edited.name;
   const uint32_t id = edited.data.id;
   edited = data;
   edited.name = name;
   edited.data.id = id;
+  edited.removed = false;
   scene.edits.materials.note(material);
 }
 
 uint32_t addMaterial(Scene& scene, const Material& material) {
   checkMaterial(scene, material);
-  const auto index = static_cast<uint32_t>(scene.materials.size());
   Material added = material;
-  const std::string name = added.name.empty() ? fmt::format("material{}", index) : added.name;
+  added.removed = false;
+  const std::vector<uint32_t>& gaps = scene.edits.materialGaps.free;
+  const size_t next = gaps.empty() ? scene.materials.size() : gaps.back();
+  const std::string name = added.name.empty() ? fmt::format("material{}", next) : added.name;
   added.data.id = uniqueName(idsOf(scene).materials, scene.edits.twins, name).second;
-  scene.materials.push_back(std::move(added));
+  const uint32_t index = place(scene.materials, scene.edits.materialGaps.free, std::move(added));
   scene.edits.materials.note(index);
   return index;
+}
+
+void removeMaterial(Scene& scene, uint32_t material) {
+  Material& removed = present(scene.materials, material, "material");
+  requireUnused(scene, &Instance::material, material, fmt::format("the material \"{}\"", printable(removed.name)));
+  idsOf(scene).materials.release(removed.data.id);
+  removed = {.data = {.layers = noLayers()}, .removed = true};
+  stopAnimating(scene, AnimatedElements::Materials, material);
+  scene.rig.materials.erase(material);
+  forgetRemovedInstances(scene, &Instance::material, material);
+  empty(scene.edits.materialGaps, material);
+  scene.edits.materials.note(material);
+}
+
+void setTexture(Scene& scene, uint32_t texture, Texture data) {
+  Texture& edited = present(scene.textures, texture, "texture");
+  checkTexture(data);
+  data.removed = false;
+  scene.memory.shrink(edited.bytes());
+  edited = std::move(data);
+  scene.edits.textures.note(texture);
+  for (uint32_t i = 0; i < scene.materials.size(); ++i)  // what binds the pixels for them changes
+    if (samples(scene.materials[i], texture)) scene.edits.materials.note(i);
+}
+
+uint32_t addTexture(Scene& scene, Texture texture) {
+  checkTexture(texture);
+  texture.removed = false;
+  const uint32_t index = place(scene.textures, scene.edits.textureGaps.free, std::move(texture));
+  scene.edits.textures.note(index);
+  return index;
+}
+
+void removeTexture(Scene& scene, uint32_t texture) {
+  Texture& removed = present(scene.textures, texture, "texture");
+  for (const Material& material : scene.materials)
+    if (samples(material, texture))
+      badUsage("the texture \"{}\" can't be removed, since the material \"{}\" samples it: take it from there first",
+               printable(removed.name), printable(material.name));
+  scene.memory.shrink(removed.bytes());
+  removed = {.removed = true};
+  empty(scene.edits.textureGaps, texture);
+  scene.edits.textures.note(texture);
 }
 
 void setLight(Scene& scene, uint32_t light, const Light& data) {
@@ -193,14 +269,18 @@ uint32_t addLight(Scene& scene, const Light& light) {
 
 void removeLight(Scene& scene, uint32_t light) {
   present(scene.lights, light, "light").removed = true;
+  stopAnimating(scene, AnimatedElements::Lights, light);
   empty(scene.edits.lightGaps, light);
   scene.edits.lights.note(light);
 }
 
 void setMesh(Scene& scene, uint32_t mesh, Mesh data) {
-  Mesh& edited = at(scene.meshes, mesh, "mesh");
+  Mesh& edited = present(scene.meshes, mesh, "mesh");
   checkMesh(scene, data);
   findBounds(data);
+  data.removed = false;
+  scene.memory.grow(data.bytes(), "its meshes");
+  scene.memory.shrink(edited.bytes());
   edited = std::move(data);
   scene.edits.meshes.note(mesh);
 }
@@ -208,10 +288,22 @@ void setMesh(Scene& scene, uint32_t mesh, Mesh data) {
 uint32_t addMesh(Scene& scene, Mesh mesh) {
   checkMesh(scene, mesh);
   findBounds(mesh);
-  const auto index = static_cast<uint32_t>(scene.meshes.size());
-  scene.meshes.push_back(std::move(mesh));
+  mesh.removed = false;
+  scene.memory.grow(mesh.bytes(), "its meshes");
+  const uint32_t index = place(scene.meshes, scene.edits.meshGaps.free, std::move(mesh));
   scene.edits.meshes.note(index);
   return index;
+}
+
+void removeMesh(Scene& scene, uint32_t mesh) {
+  Mesh& removed = present(scene.meshes, mesh, "mesh");
+  requireUnused(scene, &Instance::mesh, mesh, fmt::format("the mesh \"{}\"", printable(removed.name)));
+  scene.memory.shrink(removed.bytes());
+  removed = {};
+  removed.removed = true;
+  forgetRemovedInstances(scene, &Instance::mesh, mesh);
+  empty(scene.edits.meshGaps, mesh);
+  scene.edits.meshes.note(mesh);
 }
 
 }  // namespace latelight::scene

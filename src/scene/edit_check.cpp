@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "base/log.h"
+#include "scene/texture.h"
 #include "shared/light.h"
 
 namespace latelight::scene {
@@ -72,6 +73,8 @@ void checkTextures(const Scene& scene, const Material& material, const std::stri
     const int texture = material.slots[slot].texture;
     if (texture < -1 || texture >= static_cast<int>(scene.textures.size()))
       badUsage("{} has a texture {}, and the scene has {}", whose, texture, scene.textures.size());
+    if (texture >= 0 && scene.textures[static_cast<size_t>(texture)].removed)
+      badUsage("{} has the texture {}, which has been removed", whose, texture);
     if (texture >= 0) filled |= 1u << slot;
   }
   if (const uint32_t other = filled ^ material.data.textures)
@@ -119,6 +122,16 @@ void checkMaterial(const Scene& scene, const Material& material) {
   constexpr uint32_t kBoth = shared::kMaterialMasked | shared::kMaterialBlended;
   if ((m.flags & kBoth) == kBoth) badUsage("{} is both masked and blended", whose);
   checkTextures(scene, material, whose);
+}
+
+void checkTexture(const Texture& texture) {
+  const std::string name = printable(texture.name);
+  if (texture.width == 0 || texture.height == 0 || !texture.pixels) badUsage("the texture \"{}\" has no pixels", name);
+  if (texture.width > kMaxTextureSide || texture.height > kMaxTextureSide)
+    badUsage("the texture \"{}\" is {}x{} pixels; at most {} a side are supported", name, texture.width, texture.height,
+             kMaxTextureSide);
+  if (texture.levels != mipLevelCount({texture.width, texture.height}))
+    badUsage("the texture \"{}\" must have all its mip levels", name);
 }
 
 void checkLight(const Scene& scene, const Light& light) {

@@ -64,11 +64,7 @@ void runJobs(std::vector<Job>& jobs, const std::string& name) {
 // The memory of meshes and instances once they are loaded.
 uint64_t geometryBytes(const Scene& scene) {
   uint64_t bytes = scene.instances.size() * sizeof(Instance) + scene.nodes.size() * sizeof(Node);
-  for (const Mesh& mesh : scene.meshes) {
-    const uint64_t vertex = sizeof(vec3) + sizeof(shared::VertexAttributes);
-    bytes += mesh.positions.size() * (mesh.deformation ? 2 : 1) * vertex +
-             mesh.extras.size() * sizeof(shared::VertexExtra) + mesh.indices.size() * sizeof(uint32_t);
-  }
+  for (const Mesh& mesh : scene.meshes) bytes += mesh.bytes();
   return bytes;
 }
 

@@ -132,6 +132,12 @@ uint64_t Scene::triangleCount() const {
   return count;
 }
 
+uint64_t Mesh::bytes() const {
+  const uint64_t vertex = sizeof(vec3) + sizeof(shared::VertexAttributes);
+  return positions.size() * (deformation ? 2 : 1) * vertex + extras.size() * sizeof(shared::VertexExtra) +
+         indices.size() * sizeof(uint32_t);
+}
+
 void findBounds(Mesh& mesh) {
   mesh.boundsMin = mesh.boundsMax = mesh.positions.empty() ? vec3(0) : mesh.positions.front();
   for (const vec3& p : mesh.positions) {

@@ -39,6 +39,7 @@ struct Texture {
   uint32_t levels = 0;  // the full chain: floor(log2(max(width, height))) + 1
   bool srgb = false;    // colour channels are sRGB-encoded (mip levels were averaged in linear light); alpha is linear
   std::shared_ptr<std::byte[]> pixels;
+  bool removed = false;  // a gap that the next added texture fills (edit.h)
   size_t bytes() const;  // of all levels
 };
 
@@ -61,6 +62,7 @@ struct Material {
   std::string name;
   shared::Material data{};  // as shaders read it
   TextureSlot slots[shared::kTextureCount];
+  bool removed = false;  // a gap that the next added material fills (edit.h)
 };
 
 // glTF's defaults: nothing lies over the surface.
@@ -81,6 +83,8 @@ struct Mesh {
   float longestEdge = 0;                    // of its triangles, object space
   // The deformation of its vertices, or null. With one, positions, normals and tangents above are those at rest.
   std::shared_ptr<const Deformation> deformation;
+  bool removed = false;    // a gap that the next added mesh fills (edit.h)
+  uint64_t bytes() const;  // of its arrays
 };
 
 // A mesh placed in the world.
@@ -159,8 +163,8 @@ struct Gaps {
 
 // Changes since the scene was created (edit.h).
 struct SceneEdits {
-  EditLog meshes, materials, instances, lights;
-  Gaps instanceGaps, lightGaps;
+  EditLog meshes, materials, textures, instances, lights;
+  Gaps meshGaps, materialGaps, textureGaps, instanceGaps, lightGaps;
   std::vector<uint32_t> freeNodes;  // of instances that were added and removed
   // Ids of nodes and of instances, so that added ones get unused ids; filled when the first one is added.
   struct KnownIds {

@@ -63,6 +63,17 @@ TEST_F(Memory, MovesWithItsClaim) {
   EXPECT_EQ(refusal([] { MemoryClaim(100 * kMiB, "all"); }), "");
 }
 
+TEST_F(Memory, ShrinksToNothingAtMost) {
+  MemoryClaim claim(60 * kMiB, "a claim");
+  const MemoryClaim other(20 * kMiB, "another");
+  claim.shrink(50 * kMiB);
+  EXPECT_EQ(refusal([] { MemoryClaim(70 * kMiB, "what is free"); }), "");
+  EXPECT_NE(refusal([] { MemoryClaim(70 * kMiB + 1, "more"); }), "");
+  claim.shrink(~uint64_t{0});
+  EXPECT_EQ(refusal([] { MemoryClaim(80 * kMiB, "what is free"); }), "");
+  EXPECT_NE(refusal([] { MemoryClaim(80 * kMiB + 1, "more than the other leaves"); }), "");
+}
+
 TEST_F(Memory, GrowsFromAllThreads) {
   MemoryClaim claim;
   parallelFor(1000, 1, [&](size_t begin, size_t end) { claim.grow((end - begin) * 100 * 1024, "a part"); });

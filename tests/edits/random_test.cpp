@@ -17,16 +17,17 @@ using scene::Light;
 using scene::Material;
 
 constexpr uint32_t kEdits = 10000, kFrames = 60;
-constexpr uint32_t kMostInstances = 24, kMostLights = 12, kMostMaterials = 12, kMostMeshes = 8;
+constexpr uint32_t kMaxInstances = 24, kMaxLights = 12, kMaxMaterials = 12, kMaxMeshes = 8, kMaxTextures = 8;
 constexpr uint32_t kSun = 0;    // stays, so that every frame has shadows
 constexpr uint32_t kFloor = 0;  // a material
+constexpr uint32_t kFirstTextures = 3;
 
 class Editor {
  public:
   Editor(scene::Scene& scene, uint32_t seed) : scene_(scene), dice_(seed) {}
 
   void edit() {
-    switch (dice_.below(12)) {
+    switch (dice_.below(15)) {
       case 0:
       case 1:
       case 2:
@@ -46,7 +47,13 @@ class Editor {
       case 9:
         return removeLight();
       case 10:
-        return scene::setMesh(scene_, dice_.below(count(scene_.meshes)), mesh());
+        return scene::setMesh(scene_, any(scene_.meshes), mesh());
+      case 11:
+        return removeShape();
+      case 12:
+        return setTexture();
+      case 13:
+        return dice_.chance(0.5f) ? addTexture() : removeTexture();
       default:
         return addShape();
     }
@@ -57,6 +64,8 @@ class Editor {
     fill();
     for (uint32_t i = 0; i < scene_.meshes.size(); ++i) scene::setMesh(scene_, i, squareMesh());
     for (uint32_t i = 0; i < scene_.materials.size(); ++i) scene::setMaterial(scene_, i, plain());
+    for (uint32_t i = 0; i < scene_.textures.size(); ++i)
+      scene::setTexture(scene_, i, noise(8, scene_.textures[i].srgb));
     for (uint32_t i = 0; i < scene_.instances.size(); ++i) {
       if (scene_.instances[i].removed) continue;
       scene::setMaterialOf(scene_, i, kFloor);
@@ -70,10 +79,11 @@ class Editor {
  private:
   // Until there is no room for more of anything.
   void fill() {
-    while (present(scene_.instances) < kMostInstances) addInstance();
-    while (present(scene_.lights) < kMostLights) addLight();
-    while (scene_.materials.size() < kMostMaterials) addShape();
-    while (scene_.meshes.size() < kMostMeshes) addShape();
+    while (present(scene_.instances) < kMaxInstances) addInstance();
+    while (present(scene_.lights) < kMaxLights) addLight();
+    while (present(scene_.materials) < kMaxMaterials) addShape();
+    while (present(scene_.meshes) < kMaxMeshes) addShape();
+    while (present(scene_.textures) < kMaxTextures) addTexture();
   }
 
   template <typename T>
@@ -92,7 +102,14 @@ class Editor {
     return index;
   }
   uint32_t anyInstance() { return any(scene_.instances); }
-  uint32_t anyMaterial() { return dice_.below(count(scene_.materials)); }
+  uint32_t anyMaterial() { return any(scene_.materials); }
+  // One whose colors are stored so; those that the scene has at first are never removed.
+  int anyTexture(bool srgb) {
+    uint32_t index = 0;
+    do index = any(scene_.textures);
+    while (scene_.textures[index].srgb != srgb);
+    return static_cast<int>(index);
+  }
 
   glm::mat4 transform() {
     glm::mat4 m = glm::translate(glm::mat4(1), dice_.inside({-2, -2, 0}, {2, 2, 2}));
@@ -103,18 +120,19 @@ class Editor {
   }
 
   void addInstance() {
-    if (present(scene_.instances) == kMostInstances) return removeInstance();
+    if (present(scene_.instances) == kMaxInstances) return removeInstance();
     // Now and then just where another is: what is drawn last shows.
     const bool twin = dice_.chance(0.3f);
     const Instance& like = scene_.instances[anyInstance()];
-    const uint32_t mesh = twin ? like.mesh : dice_.below(count(scene_.meshes));
+    const uint32_t mesh = twin ? like.mesh : any(scene_.meshes);
     const uint32_t material = twin && dice_.chance(0.5f) ? like.material : anyMaterial();
     const glm::dmat4 where = twin ? like.toWorld : glm::dmat4(transform());
     scene::addInstance(scene_, mesh, material, where, dice_.chance(0.5f) ? "added" : "");
   }
 
-  void removeInstance() {
-    if (present(scene_.instances) > 4) scene::removeInstance(scene_, anyInstance());
+  void removeInstance() { removeInstance(anyInstance()); }
+  void removeInstance(uint32_t instance) {
+    if (present(scene_.instances) > 4) scene::removeInstance(scene_, instance);
   }
 
   static Material plain() { return scene::builtin::plainMaterial("", vec3(0.5f), 0, 0.5f); }
@@ -123,9 +141,10 @@ class Editor {
   Material material() {
     Material m = scene::builtin::plainMaterial("", dice_.inside(vec3(0), vec3(1)), dice_.unit(), dice_.unit());
     if (dice_.chance(0.4f))
-      setTexture(m, shared::kTextureBaseColor, 0, dice_.chance(0.5f) ? kNearest : scene::Sampler());
-    if (dice_.chance(0.4f)) setTexture(m, shared::kTextureMetallicRoughness, 1);
-    if (dice_.chance(0.3f)) setTexture(m, shared::kTextureEmissive, 2);
+      test::setTexture(m, shared::kTextureBaseColor, anyTexture(true),
+                       dice_.chance(0.5f) ? kNearest : scene::Sampler());
+    if (dice_.chance(0.4f)) test::setTexture(m, shared::kTextureMetallicRoughness, anyTexture(false));
+    if (dice_.chance(0.3f)) test::setTexture(m, shared::kTextureEmissive, anyTexture(true));
     if (dice_.chance(0.3f)) m.data.emissive = dice_.inside(vec3(0), vec3(2));
     constexpr uint32_t kAlpha[] = {0, 0, shared::kMaterialMasked, shared::kMaterialBlended};
     m.data.flags = kAlpha[dice_.below(4)];
@@ -158,7 +177,7 @@ class Editor {
   }
 
   void addLight() {
-    if (present(scene_.lights) == kMostLights) return removeLight();
+    if (present(scene_.lights) == kMaxLights) return removeLight();
     scene::addLight(scene_, light());
   }
 
@@ -178,8 +197,50 @@ class Editor {
   }
 
   void addShape() {
-    if (scene_.materials.size() < kMostMaterials) scene::addMaterial(scene_, material());
-    if (scene_.meshes.size() < kMostMeshes) scene::addMesh(scene_, mesh());
+    if (present(scene_.materials) < kMaxMaterials) scene::addMaterial(scene_, material());
+    if (present(scene_.meshes) < kMaxMeshes) scene::addMesh(scene_, mesh());
+  }
+
+  // A mesh and a material, once the instances that have them are gone.
+  void removeShape() {
+    const uint32_t mesh = any(scene_.meshes), material = any(scene_.materials);
+    const auto hasEither = [&](const Instance& i) { return i.mesh == mesh || i.material == material; };
+    for (uint32_t i = 0; i < scene_.instances.size(); ++i)
+      if (!scene_.instances[i].removed && hasEither(scene_.instances[i])) removeInstance(i);
+    const auto isUsed = [&](const Instance& i) { return !i.removed && hasEither(i); };
+    if (std::ranges::any_of(scene_.instances, isUsed)) return;
+    if (present(scene_.meshes) > 2) scene::removeMesh(scene_, mesh);
+    if (material != kFloor) scene::removeMaterial(scene_, material);
+  }
+
+  scene::Texture noise(uint32_t side, bool srgb) {
+    std::vector<glm::u8vec4> texels(side * side);
+    for (glm::u8vec4& texel : texels) texel = glm::u8vec4(dice_.inside(vec3(0), vec3(255)), dice_.below(256));
+    return textureOf(side, side, srgb, texels);
+  }
+
+  // Sizes are powers of two, since lavapipe compiles shaders for other ones again.
+  uint32_t anySide() { return 4u << dice_.below(3); }
+
+  void setTexture() {
+    const uint32_t index = any(scene_.textures);
+    scene::setTexture(scene_, index, noise(anySide(), scene_.textures[index].srgb));
+  }
+
+  void addTexture() {
+    if (present(scene_.textures) == kMaxTextures) return removeTexture();
+    scene::addTexture(scene_, noise(anySide(), dice_.chance(0.5f)));
+  }
+
+  // Materials that sample it get others first.
+  void removeTexture() {
+    if (count(scene_.textures) <= kFirstTextures) return;
+    const uint32_t index = kFirstTextures + dice_.below(count(scene_.textures) - kFirstTextures);
+    if (scene_.textures[index].removed) return;
+    const auto samples = [&](const scene::TextureSlot& slot) { return slot.texture == static_cast<int>(index); };
+    for (uint32_t i = 0; i < scene_.materials.size(); ++i)
+      while (std::ranges::any_of(scene_.materials[i].slots, samples)) scene::setMaterial(scene_, i, material());
+    scene::removeTexture(scene_, index);
   }
 
   scene::Scene& scene_;

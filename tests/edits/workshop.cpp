@@ -66,9 +66,21 @@ std::vector<scene::Light> lights() {
 
 scene::Texture copyOf(const scene::Texture& texture) {
   scene::Texture copy{texture.name, texture.width, texture.height, texture.levels, texture.srgb, nullptr};
+  copy.removed = texture.removed;
+  if (texture.removed) return copy;
   copy.pixels = std::make_unique<std::byte[]>(texture.bytes());
   std::memcpy(copy.pixels.get(), texture.pixels.get(), texture.bytes());
   return copy;
+}
+
+// Drops removed elements, and returns the new index of each other one.
+template <typename T>
+std::vector<uint32_t> closeGaps(std::vector<T>& all) {
+  std::vector<uint32_t> indices;
+  uint32_t next = 0;
+  for (const T& element : all) indices.push_back(element.removed ? ~0u : next++);
+  std::erase_if(all, [](const T& element) { return element.removed; });
+  return indices;
 }
 
 }  // namespace
@@ -128,9 +140,18 @@ scene::Scene withoutGaps(const scene::Scene& scene) {
   copy.meshes = scene.meshes;
   copy.nodes = scene.nodes;
   copy.instances = scene.instances;
-  std::erase_if(copy.instances, [](const scene::Instance& instance) { return instance.removed; });
   copy.lights = scene.lights;
-  std::erase_if(copy.lights, [](const scene::Light& light) { return light.removed; });
+  closeGaps(copy.instances);
+  closeGaps(copy.lights);
+  const std::vector<uint32_t> textures = closeGaps(copy.textures), materials = closeGaps(copy.materials);
+  const std::vector<uint32_t> meshes = closeGaps(copy.meshes);
+  for (scene::Material& material : copy.materials)
+    for (scene::TextureSlot& slot : material.slots)
+      if (slot.texture >= 0) slot.texture = static_cast<int>(textures[static_cast<size_t>(slot.texture)]);
+  for (scene::Instance& instance : copy.instances) {
+    instance.mesh = meshes[instance.mesh];
+    instance.material = materials[instance.material];
+  }
   return copy;
 }
 

@@ -80,5 +80,38 @@ TEST_F(TextureSetsTest, EditsAndAnisotropyAreFollowed) {
   }
 }
 
+// Entries of the array come free and are used again, also by an image that has the freed one's handle.
+TEST_F(TextureSetsTest, TexturesThatAreReplacedRemovedAndAddedAreFollowed) {
+  scene::Scene scene = scene::test::GltfBuilder::loadBytes(models::manyMaterialsModel(), "many.glb");
+  const scene::Camera camera = cameraOf(scene, kTextureWidth, kTextureHeight);
+  Renderer kept(device(), scene, nullptr);
+  Settings settings = settingsOf(kTextureWidth, kTextureHeight, {Aov::Albedo});
+  settings.raster = Raster::Hardware;
+  const auto plain = [](uint32_t side, uint32_t step) {
+    return textureOf(side, side, true, std::vector(side * side, glm::u8vec4(60 * step, 20 * side, 200, 255)));
+  };
+  std::vector<uint32_t> added;
+  for (uint32_t step = 0; step < 4; ++step) {
+    for (uint32_t i = 0; i < 8; ++i) {
+      scene::Material material = scene.materials[i];
+      if (step > 0) material.slots[shared::kTextureBaseColor].texture = -1, material.data.textures &= ~1u;
+      setMaterial(scene, i, material);
+      if (step > 0) removeTexture(scene, added[i]);
+    }
+    added.clear();
+    for (uint32_t i = 0; i < 8; ++i) {
+      added.push_back(addTexture(scene, plain(4u << i % 3, step)));
+      scene::Material material = scene.materials[i];
+      test::setTexture(material, shared::kTextureBaseColor, static_cast<int>(added[i]));
+      setMaterial(scene, i, material);
+    }
+    if (step > 0) scene::setTexture(scene, added[3], plain(8, 0));
+    const output::FrameOutput now = std::move(kept.render({&camera, 1}, settings).front());
+    EXPECT_EQ(imageOf(now, Aov::Albedo).values,
+              imageOf(renderOne(device(), scene, camera, settings), Aov::Albedo).values);
+    compare(scene, settings);
+  }
+}
+
 }  // namespace
 }  // namespace latelight::render::test

@@ -65,6 +65,12 @@ GpuGeometry::GpuGeometry(vk::Device& device, const scene::Scene& scene, vk::Uplo
 
 void GpuGeometry::uploadMesh(vk::Uploader& uploader, uint32_t index) {
   const scene::Mesh& mesh = scene_.meshes[index];
+  if (mesh.removed) {
+    buffers_[index] = vk::Buffer();
+    records_[index] = {};
+    rest_[index] = {};
+    return;
+  }
   const std::vector<shared::VertexPosition> vertices = paddedPositions(mesh.positions, scene::vertexOrigin(mesh));
   Parts parts;
   parts.add(bytesOf(mesh.indices));  // first: see indexBuffer()
@@ -109,6 +115,8 @@ void GpuGeometry::keepClusters(vk::Uploader& uploader) {
 
 void GpuGeometry::uploadClusters(vk::Uploader& uploader, uint32_t index) {
   const scene::Mesh& mesh = scene_.meshes[index];
+  clusters_[index] = vk::Buffer();
+  records_[index].clusters = {};
   if (mesh.indices.empty()) return;
   const glm::vec3 origin = scene::vertexOrigin(mesh);
   const scene::Clusters all = clustersAround(origin, mesh);

@@ -26,7 +26,7 @@ struct VertexStreams {
 class GpuGeometry {
  public:
   GpuGeometry(vk::Device& device, const scene::Scene& scene, vk::Uploader& uploader);
-  // Meshes that were replaced or added.
+  // Meshes that were replaced, added or removed.
   void update(vk::Uploader& uploader, std::span<const uint32_t> changed);
   // From here on there are clusters.
   void keepClusters(vk::Uploader& uploader);

@@ -14,7 +14,7 @@ GpuMaterials::GpuMaterials(vk::Device& device, const scene::Scene& scene, vk::Up
       textureSlots_(device.isCpu() ? 0 : ~0u) {
   const VkDeviceSize alignment = device_.properties().limits.minUniformBufferOffsetAlignment;
   uniformStride_ = (sizeof(shared::Material) + alignment - 1) / alignment * alignment;
-  update(uploader, allOf(scene.materials.size()));
+  update(uploader, allOf(scene.textures.size()), allOf(scene.materials.size()));
 }
 
 std::vector<std::vector<vk::Binding>> GpuMaterials::setBindings(const vk::Device& device) {
@@ -25,8 +25,9 @@ MaterialSets GpuMaterials::sets(uint32_t material) const {
   return {{textures_.sets().set(material), uniformSet_}, static_cast<uint32_t>(material * uniformStride_)};
 }
 
-void GpuMaterials::update(vk::Uploader& uploader, std::span<const uint32_t> changed) {
-  textures_.update(uploader, changed);
+void GpuMaterials::update(vk::Uploader& uploader, std::span<const uint32_t> textures,
+                          std::span<const uint32_t> changed) {
+  textures_.update(uploader, textures, changed);
   records_.resize(scene_.materials.size());
   for (const uint32_t material : changed) setRecord(material, scene_.materials[material].data);
   if (!records_.empty()) uploadRecords(uploader, changed);

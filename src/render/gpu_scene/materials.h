@@ -22,8 +22,8 @@ struct MaterialSets {
 class GpuMaterials {
  public:
   GpuMaterials(vk::Device& device, const scene::Scene& scene, vk::Uploader& uploader);
-  // Materials that were edited or added; textures that were added.
-  void update(vk::Uploader& uploader, std::span<const uint32_t> changed);
+  // Textures and materials that were edited, added or removed.
+  void update(vk::Uploader& uploader, std::span<const uint32_t> textures, std::span<const uint32_t> changed);
   // Others than the scene's, by their number, until others are.
   void pose(vk::Uploader& uploader, const std::map<uint32_t, shared::Material>& posed);
   void setAnisotropy(vk::Uploader& uploader, uint32_t samples) { textures_.setAnisotropy(uploader, samples); }

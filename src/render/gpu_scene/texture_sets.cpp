@@ -89,7 +89,7 @@ class IndexedTextures final : public TextureSets {
 
   vk::Device& device_;
   const GpuTextures& textures_;
-  std::vector<VkSampler> samplers_;    // of the entries that the set has
+  uint64_t revision_ = 0;              // of the entries that the set has
   vk::Handle<VkDescriptorPool> pool_;  // of this set alone
   VkDescriptorSet set_ = VK_NULL_HANDLE;
 };
@@ -97,14 +97,10 @@ class IndexedTextures final : public TextureSets {
 void IndexedTextures::update(std::span<const uint32_t>) {
   if (textures_.entries().size() > device_.maxTextureArray())
     badInput("the scene's materials use more textures than the device can index, {}", device_.maxTextureArray());
+  if (std::exchange(revision_, textures_.revision()) == textures_.revision()) return;
   std::vector<VkDescriptorImageInfo> images;
-  std::vector<VkSampler> samplers;
-  for (const GpuTextures::Entry& entry : textures_.entries()) {
-    samplers.push_back(textures_.sampler(entry.sampler));
-    images.push_back({samplers.back(), textures_.view(entry), VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL});
-  }
-  if (samplers == samplers_) return;
-  samplers_ = std::move(samplers);
+  for (const GpuTextures::Entry& entry : textures_.entries())
+    images.push_back({textures_.sampler(entry.sampler), textures_.view(entry), VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL});
   renew(images);
 }
 

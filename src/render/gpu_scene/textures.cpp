@@ -55,53 +55,92 @@ GpuTextures::GpuTextures(vk::Device& device, const scene::Scene& scene, vk::Uplo
   uploadEmptyTextures(uploader);
 }
 
-void GpuTextures::update(vk::Uploader& uploader, std::span<const uint32_t> materials) {
-  while (textures_.size() < scene_.textures.size()) {
-    const scene::Texture& texture = scene_.textures[textures_.size()];
-    vk::Image& image = textures_.emplace_back(
-        device_, vk::ImageDesc{.format = texture.srgb ? VK_FORMAT_R8G8B8A8_SRGB : VK_FORMAT_R8G8B8A8_UNORM,
-                               .width = texture.width,
-                               .height = texture.height,
-                               .levels = texture.levels,
-                               .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT,
-                               .name = texture.name,
-                               .oddBase = sizesAlike_ && getsOddBase(device_, texture.width, texture.height)});
-    uploader.upload(image, {texture.pixels.get(), texture.bytes()});
+void GpuTextures::update(vk::Uploader& uploader, std::span<const uint32_t> textures,
+                         std::span<const uint32_t> materials) {
+  const auto known = static_cast<uint32_t>(textures_.size()), count = static_cast<uint32_t>(scene_.textures.size());
+  textures_.resize(count);
+  entriesOf_.resize(count);
+  if (keepsTexels_) texels_.resize(count);
+  const auto upload = [&](uint32_t texture) {
+    uploadImage(uploader, texture);
+    if (keepsTexels_) uploadTexels(uploader, texture);
+  };
+  for (uint32_t texture = known; texture < count; ++texture) upload(texture);
+  for (const uint32_t texture : textures) {
+    if (texture >= known) continue;
+    upload(texture);
+    dropEntries(texture);
   }
-  entriesOf_.resize(textures_.size());
   indices_.resize(scene_.materials.size());
   for (const uint32_t material : materials) addEntries(material);
-  if (keepsTexels_) uploadTexels(uploader);
+  if (keepsTexels_) uploadRecords(uploader);
   sets_->update(materials);
+}
+
+// Frames in flight keep the image that they sample until they have finished.
+void GpuTextures::uploadImage(vk::Uploader& uploader, uint32_t index) {
+  const scene::Texture& texture = scene_.textures[index];
+  vk::Image& image = textures_[index] = vk::Image();
+  if (texture.removed) return;
+  image = vk::Image(device_, {.format = texture.srgb ? VK_FORMAT_R8G8B8A8_SRGB : VK_FORMAT_R8G8B8A8_UNORM,
+                              .width = texture.width,
+                              .height = texture.height,
+                              .levels = texture.levels,
+                              .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT,
+                              .name = texture.name,
+                              .oddBase = sizesAlike_ && getsOddBase(device_, texture.width, texture.height)});
+  uploader.upload(image, {texture.pixels.get(), texture.bytes()});
+}
+
+// Materials that still sample the texture add theirs again.
+void GpuTextures::dropEntries(uint32_t texture) {
+  for (const uint32_t entry : entriesOf_[texture]) {
+    entries_[entry] = {};
+    freeEntries_.push_back(entry);
+  }
+  entriesOf_[texture].clear();
+  ++revision_;
 }
 
 void GpuTextures::addEntries(uint32_t material) {
   for (uint32_t slot = 0; slot < shared::kTextureCount; ++slot) {
     const scene::TextureSlot& bound = scene_.materials[material].slots[slot];
-    uint32_t& index = indices_[material][slot] = 0;
-    if (bound.texture < 0) continue;
-    std::vector<uint32_t>& known = entriesOf_[static_cast<size_t>(bound.texture)];
-    const auto found = std::ranges::find(known, bound.sampler, [&](uint32_t i) { return entries_[i].sampler; });
-    if (found == known.end()) {
-      index = known.emplace_back(static_cast<uint32_t>(entries_.size()));
-      entries_.push_back({bound.texture, bound.sampler});
-    } else {
-      index = *found;
-    }
+    indices_[material][slot] = bound.texture < 0 ? 0 : addEntry(bound);
   }
+}
+
+// The entry that there is already, or a new one.
+uint32_t GpuTextures::addEntry(const scene::TextureSlot& slot) {
+  std::vector<uint32_t>& known = entriesOf_[static_cast<size_t>(slot.texture)];
+  const auto found = std::ranges::find(known, slot.sampler, [&](uint32_t i) { return entries_[i].sampler; });
+  if (found != known.end()) return *found;
+  if (freeEntries_.empty()) {
+    freeEntries_.push_back(static_cast<uint32_t>(entries_.size()));
+    entries_.emplace_back();
+  }
+  const uint32_t entry = freeEntries_.back();
+  freeEntries_.pop_back();
+  entries_[entry] = {slot.texture, slot.sampler};
+  ++revision_;
+  return known.emplace_back(entry);
 }
 
 void GpuTextures::keepTexels(vk::Uploader& uploader) {
   if (std::exchange(keepsTexels_, true)) return;
-  uploadTexels(uploader);
+  texels_.resize(textures_.size());
+  for (uint32_t texture = 0; texture < texels_.size(); ++texture) uploadTexels(uploader, texture);
+  uploadRecords(uploader);
 }
 
-void GpuTextures::uploadTexels(vk::Uploader& uploader) {
-  while (texels_.size() < scene_.textures.size()) {
-    const scene::Texture& texture = scene_.textures[texels_.size()];
-    texels_.emplace_back(device_, vk::BufferDesc{.size = texture.bytes(), .name = texture.name});
-    uploader.upload(texels_.back(), {texture.pixels.get(), texture.bytes()});
-  }
+void GpuTextures::uploadTexels(vk::Uploader& uploader, uint32_t index) {
+  const scene::Texture& texture = scene_.textures[index];
+  vk::Buffer& texels = texels_[index] = vk::Buffer();
+  if (texture.removed) return;
+  texels = vk::Buffer(device_, {.size = texture.bytes(), .name = texture.name});
+  uploader.upload(texels, {texture.pixels.get(), texture.bytes()});
+}
+
+void GpuTextures::uploadRecords(vk::Uploader& uploader) {
   std::vector<shared::TextureRecord> records;
   for (const Entry& entry : entries_) records.push_back(recordOf(entry));
   records_.upload(uploader, records);
@@ -168,7 +207,8 @@ VkSampler GpuTextures::sampler(const scene::Sampler& sampler) const {
 void GpuTextures::setAnisotropy(vk::Uploader& uploader, uint32_t samples) {
   if (samples == anisotropy_) return;
   anisotropy_ = samples;
-  if (keepsTexels_) uploadTexels(uploader);
+  ++revision_;
+  if (keepsTexels_) uploadRecords(uploader);
   sets_->update(allOf(scene_.materials.size()));
 }
 

@@ -17,18 +17,19 @@ uint32_t usualAnisotropy(const vk::Device& device);
 class GpuTextures {
  public:
   GpuTextures(vk::Device& device, const scene::Scene& scene, vk::Uploader& uploader);
-  // Textures that were added, and materials that were edited or added.
-  void update(vk::Uploader& uploader, std::span<const uint32_t> materials);
+  // Textures and materials that were edited, added or removed. A texture's edit is one of the materials that sample it.
+  void update(vk::Uploader& uploader, std::span<const uint32_t> textures, std::span<const uint32_t> materials);
   // Samples of a texture along a pixel's footprint, at most: 1 (none) at first.
   void setAnisotropy(vk::Uploader& uploader, uint32_t samples);
 
-  // Every pair of texture and sampler that a material uses, or has used; the first is of no texture. By slot of a
-  // material: Material::images.
+  // Every pair of texture and sampler that a material uses, or has used; the first has no texture, like those that wait
+  // to be used again. By slot of a material: Material::images.
   struct Entry {
     int texture = -1;  // of the scene
     scene::Sampler sampler;
   };
   std::span<const Entry> entries() const { return entries_; }
+  uint64_t revision() const { return revision_; }  // grows whenever an entry changes: its texture, image or sampler
   const TextureIndices& indices(uint32_t material) const { return indices_[material]; }
 
   const TextureSets& sets() const { return *sets_; }
@@ -43,8 +44,12 @@ class GpuTextures {
 
  private:
   void uploadEmptyTextures(vk::Uploader& uploader);
-  void uploadTexels(vk::Uploader& uploader);
+  void uploadImage(vk::Uploader& uploader, uint32_t texture);
+  void uploadTexels(vk::Uploader& uploader, uint32_t texture);
+  void uploadRecords(vk::Uploader& uploader);
+  void dropEntries(uint32_t texture);
   void addEntries(uint32_t material);
+  uint32_t addEntry(const scene::TextureSlot& slot);
   shared::TextureRecord recordOf(const Entry& entry) const;
 
   vk::Device& device_;
@@ -54,6 +59,8 @@ class GpuTextures {
   std::vector<vk::Image> textures_;
   std::vector<vk::Image> emptyTextures_;  // linear, sRGB
   std::vector<Entry> entries_{1};
+  std::vector<uint32_t> freeEntries_;
+  uint64_t revision_ = 1;
   std::vector<std::vector<uint32_t>> entriesOf_;  // by texture
   std::vector<TextureIndices> indices_;           // by material
   bool keepsTexels_ = false;
