@@ -207,7 +207,7 @@ struct MeshData {
   std::vector<std::array<float, 3>> normals;  // empty: flat, those of the triangles, which then share no vertex
   std::vector<std::array<float, 4>> tangents;  // and the bitangent's sign; empty: made from uv, where there is some
   std::vector<std::array<float, 2>> uv, uv1;   // the first and the second set, v down
-  std::vector<std::array<float, 4>> colors;    // linear; multiply the base colour
+  std::vector<std::array<float, 4>> colors;    // linear, 0 to 1; multiply the base color
 };
 
 // A node of the file, or of an instance that was added.

@@ -278,6 +278,14 @@ MeshData publicMeshData(const scene::Mesh& from) {
   return out;
 }
 
+// Numbers up to 255 are the usual mistake.
+void requireFactors(const MeshData& mesh) {
+  for (const std::array<float, 4>& color : mesh.colors)
+    for (const float channel : color)
+      if (!(channel >= 0 && channel <= 1))
+        badUsage("the colors of the mesh \"{}\" must lie from 0 to 1, and one is {}", printable(mesh.name), channel);
+}
+
 scene::Mesh internalMesh(const MeshData& from) {
   std::vector<uint32_t> indices = trianglesOf(from);
   scene::Vertices v;
@@ -286,7 +294,8 @@ scene::Mesh internalMesh(const MeshData& from) {
   v.tangents = stream<vec4>(from.tangents, from, "tangents");
   v.uv[0] = stream<vec2>(from.uv, from, "texture coordinates");
   v.uv[1] = stream<vec2>(from.uv1, from, "second texture coordinates");
-  v.colors = stream<vec4>(from.colors, from, "colours");
+  v.colors = stream<vec4>(from.colors, from, "colors");
+  requireFactors(from);
   scene::Mesh mesh = scene::makeMesh(std::move(v), std::move(indices));
   mesh.name = from.name;
   return mesh;

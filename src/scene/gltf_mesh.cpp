@@ -20,7 +20,9 @@ const Elements* find(const Source& source, const char* key) {
 // Colours are normalised whether or not the accessor says so: integers up to 65535 are not valid colours.
 std::vector<vec4> readColors(Elements elements, const Source& source) {
   elements.normalized = true;
-  return readFinite<4>(elements, source.first, source.count, 1.0f);
+  std::vector<vec4> colors = readFinite<4>(elements, source.first, source.count, 1.0f);
+  for (vec4& color : colors) color = glm::clamp(color, vec4(0), vec4(1));  // glTF 2.0, 3.7.2.1
+  return colors;
 }
 
 Vertices readVertices(const Source& source) {

@@ -202,6 +202,18 @@ TEST(PublicLists, HaveEveryOption) {
   EXPECT_TRUE(id->ids);
 }
 
+TEST(MadeScene, HasColorsThatAreFactors) {
+  Scene scene;
+  MeshData mesh = picture();
+  mesh.colors.assign(4, {1, 0, 0.5f, 1});
+  EXPECT_EQ(scene.meshData(scene.addMesh(mesh)).colors, mesh.colors);
+  for (const float wrong : {200.0f, -0.5f}) {
+    mesh.colors[3][0] = wrong;
+    EXPECT_THAT(refused([&] { scene.addMesh(mesh); }), HasSubstr("\"picture\" must lie from 0 to 1, and one is"));
+  }
+  EXPECT_EQ(scene.meshes().size(), 1u);
+}
+
 TEST(Waiting, EndsByWhatTheCheckThrows) {
   const Scene scene("builtin:hall,triangles=60k,lights=20");
   Renderer renderer(scene, "cpu");
