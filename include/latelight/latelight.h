@@ -456,10 +456,14 @@ class LATELIGHT_API Ticket {
   friend class Renderer;
   Ticket();
   struct Impl;
-  std::unique_ptr<Impl> impl_;
+  std::shared_ptr<Impl> impl_;
 };
 
-// One scene on one device. Not thread-safe; use one a thread, and take its tickets there.
+// One scene on one device. Not thread-safe; use one per thread, and take its tickets there.
+//
+// A renderer belongs to the process that created it. In a process forked from that one, every function of the renderer
+// and of its tickets throws Error(Usage), as does DeviceArray::exportMemory(), and destructors leave the device alone.
+// The scene can be used there, and so can a new renderer of it.
 class LATELIGHT_API Renderer {
  public:
   // `device`: "auto", "cpu", an index, a part of a name or a UUID. `environment`: a .hdr or .exr file, "studio",
@@ -476,6 +480,9 @@ class LATELIGHT_API Renderer {
   // Called every 50 ms while a function waits for the device. What it throws ends that function, and what was submitted
   // is done without it.
   void whileWaiting(std::function<void()> check);
+  // Returns when the device has finished everything that was submitted and no pipeline is being compiled. The tickets
+  // are still to be taken.
+  void finish();
 
   Frame render(const Camera& camera, const Options& options = {});
   // Several cameras at once, faster than one by one.

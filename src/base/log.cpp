@@ -11,6 +11,7 @@
 #include <mutex>
 #include <unordered_set>
 
+#include "base/fork.h"
 #include "base/journal.h"
 
 namespace latelight {
@@ -22,7 +23,7 @@ constexpr int kBarWidth = 30;                               // characters
 constexpr const char* kClearLine = "\r\x1b[K";
 
 std::atomic<bool> quiet = false;
-std::mutex terminal;  // one writer on standard error at a time
+ForkSafeMutex terminal;  // one writer on standard error at a time
 int drawnBars = 0;    // bars on the terminal's last line (guarded by `terminal`)
 
 bool isTerminal() {

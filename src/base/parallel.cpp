@@ -16,6 +16,7 @@
 #include <thread>
 #include <utility>
 
+#include "base/fork.h"
 #include "base/log.h"
 #include "base/text.h"
 
@@ -134,10 +135,21 @@ class Pool {
 
 thread_local bool keptToThisThread = false;
 
-// Never destroyed: its threads wait on it until the process ends, however it ends.
+// Never destroyed: its threads wait on it until the process ends, however it ends. A forked process has none of those
+// threads, and gets a pool of its own.
 Pool& pool() {
-  static Pool* const instance = new Pool(threadCount() - 1);
-  return *instance;
+  struct Instance {
+    uint32_t generation = forkGeneration();
+    Pool pool{threadCount() - 1};
+  };
+  static ForkSafeMutex making;
+  static std::atomic<Instance*> current = nullptr;
+  const auto isUsable = [](const Instance* instance) { return instance && instance->generation == forkGeneration(); };
+  Instance* instance = current;
+  if (isUsable(instance)) return instance->pool;
+  const std::lock_guard lock(making);
+  if (!isUsable(current)) current = new Instance;
+  return current.load()->pool;
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// One thread pool for the process, with a thread for each available core.
+// One thread pool for each process, a forked one too, with a thread for each available core.
 #pragma once
 
 #include <cstddef>

@@ -17,6 +17,8 @@
 #include <system_error>
 #include <unordered_set>
 
+#include "base/fork.h"
+
 namespace latelight {
 namespace fs = std::filesystem;
 namespace {
@@ -80,7 +82,7 @@ void removeUnlessLocked(const fs::path& path) {
 
 // Once per process and folder.
 void sweep(const fs::path& folder) {
-  static std::mutex mutex;
+  static ForkSafeMutex mutex;
   static std::unordered_set<std::string> swept;
   {
     std::lock_guard lock(mutex);

@@ -5,6 +5,7 @@
 #include <glm/gtc/constants.hpp>
 
 #include "base/error.h"
+#include "base/fork.h"
 #include "output/png.h"
 #include "render/api_scene.h"
 #include "render/id_manifest.h"
@@ -244,6 +245,7 @@ Camera Scene::lookAt(std::array<double, 3> eye, std::array<double, 3> target, fl
 }
 
 struct Renderer::Impl {
+  OwnerProcess owner;
   const scene::Scene& scene;
   std::shared_ptr<vk::Device> device;  // arrays keep it too
   render::Renderer renderer;
@@ -255,6 +257,13 @@ struct Renderer::Impl {
 };
 
 namespace {
+
+// The renderer, in the process that created it.
+template <typename Impl>
+Impl& usable(const std::shared_ptr<Impl>& renderer) {
+  renderer->owner.require("the renderer");
+  return *renderer;
+}
 
 scene::Environment makeEnvironment(const EnvironmentData& data) {
   if (data.height == 0 || data.width != 2 * data.height)
@@ -272,25 +281,30 @@ scene::Environment makeEnvironment(const EnvironmentData& data) {
 }  // namespace
 
 Renderer::Renderer(const Scene& scene, const std::string& device, const EnvironmentData& environment)
-    : impl_(new Impl(scene.impl_->scene, device, makeEnvironment(environment))) {}
+    : impl_(ownedByProcess(new Impl(scene.impl_->scene, device, makeEnvironment(environment)))) {}
 Renderer::Renderer(const Scene& scene, const std::string& device, const std::string& environment)
-    : impl_(new Impl(scene.impl_->scene, device,
-                     render::loadEnvironment(scene.impl_->scene,
-                                             render::environmentName(scene.impl_->scene, environment, false)))) {}
+    : impl_(ownedByProcess(
+          new Impl(scene.impl_->scene, device,
+                   render::loadEnvironment(scene.impl_->scene,
+                                           render::environmentName(scene.impl_->scene, environment, false))))) {}
 Renderer::~Renderer() = default;
 Renderer::Renderer(Renderer&&) noexcept = default;
 Renderer& Renderer::operator=(Renderer&&) noexcept = default;
 
 const std::string& Renderer::deviceName() const {
-  return impl_->device->info().name;
+  return usable(impl_).device->info().name;
 }
 
 std::vector<std::string> Renderer::validationMessages() {
-  return impl_->device->validationMessages();
+  return usable(impl_).device->validationMessages();
 }
 
 void Renderer::whileWaiting(std::function<void()> check) {
-  impl_->device->whileWaiting(std::move(check));
+  usable(impl_).device->whileWaiting(std::move(check));
+}
+
+void Renderer::finish() {
+  usable(impl_).device->finish();
 }
 
 Frame Renderer::render(const Camera& camera, const Options& options) {
@@ -313,34 +327,38 @@ Ticket::Ticket(Ticket&&) noexcept = default;
 Ticket& Ticket::operator=(Ticket&&) noexcept = default;
 
 bool Ticket::done() const {
-  return !impl_ || impl_->ticket.done();
+  return !impl_ || (usable(impl_->renderer), impl_->ticket.done());
 }
 
 std::vector<Frame> Ticket::take() {
   if (!impl_) badUsage("these pictures have been taken already");
+  usable(impl_->renderer);
   if (impl_->results == Results::Arrays) badUsage("these pictures are arrays on the device: take those");
-  const std::unique_ptr<Impl> taken = std::move(impl_);
+  const std::shared_ptr<Impl> taken = std::move(impl_);
   std::vector<Frame> frames;
   for (output::FrameOutput& frame : taken->ticket.take()) frames.push_back(publicFrame(std::move(frame)));
   return frames;
 }
 
 struct DeviceArray::Impl {
+  OwnerProcess owner;
   std::shared_ptr<vk::Device> device;  // goes after the memory
   std::shared_ptr<render::ExportedMemory> memory;
 };
 
 std::map<std::string, DeviceArray> Ticket::takeArrays() {
   if (!impl_) badUsage("these pictures have been taken already");
+  usable(impl_->renderer);
   if (impl_->results != Results::Arrays) badUsage("these pictures are no arrays: submit them with Results::Arrays");
-  const std::unique_ptr<Impl> taken = std::move(impl_);
+  const std::shared_ptr<Impl> taken = std::move(impl_);
   std::map<std::string, DeviceArray> arrays;
   for (render::ExportedArray& from : taken->ticket.takeArrays()) {
     DeviceArray& array = arrays[from.aov ? std::string(output::info(*from.aov).name) : "rgba"];
     using enum DeviceArray::Element;
     array.element = !from.aov ? Uint8 : output::holdsIds(*from.aov) ? Uint32 : Float32;
     array.shape = {from.views, from.rows, from.columns, from.channels};
-    array.impl_ = std::make_shared<DeviceArray::Impl>(taken->renderer->device, std::move(from.memory));
+    array.impl_ = ownedByProcess(
+        new DeviceArray::Impl{.owner = {}, .device = taken->renderer->device, .memory = std::move(from.memory)});
   }
   return arrays;
 }
@@ -349,6 +367,7 @@ const void* DeviceArray::host() const {
   return impl_->memory->buffer.mapped();
 }
 int DeviceArray::exportMemory() const {
+  impl_->owner.require("the array's device");
   if (host()) badUsage("the host has this array: it is read there");
   return impl_->memory->buffer.exportMemory();
 }
@@ -366,19 +385,20 @@ void DeviceArray::beforeReuse(std::function<void()> call) const {
 }
 
 Ticket Renderer::submit(const std::vector<Camera>& cameras, const Options& options, Results results) {
+  usable(impl_);
   if (cameras.empty()) badUsage("nothing can be rendered without a camera");
   const std::vector<scene::Camera> internal = internalCameras(cameras, impl_->scene, cameras.size());
   const render::Settings settings = settingsFor(*impl_->device, options, impl_->scene);
   const render::Moment moment = internalMoment(options, settings, impl_->scene, cameras.size());
   Ticket ticket;
-  ticket.impl_.reset(
+  ticket.impl_ = ownedByProcess(
       new Ticket::Impl{impl_, impl_->renderer.submit(internal, settings, moment, internalResults(results)), results});
   return ticket;
 }
 
 std::vector<Pick> Renderer::pick(const Camera& camera, const std::vector<std::array<uint32_t, 2>>& pixels,
                                  const Options& options) {
-  const render::Settings settings = settingsFor(*impl_->device, options, impl_->scene);
+  const render::Settings settings = settingsFor(*usable(impl_).device, options, impl_->scene);
   std::vector<glm::uvec2> places;
   for (const auto& [x, y] : pixels) places.push_back({x, y});
   const auto three = [](glm::vec3 v) { return std::array<float, 3>{v.x, v.y, v.z}; };

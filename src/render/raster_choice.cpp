@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "base/fork.h"
 #include "base/stopwatch.h"
 #include "render/lighting/technique.h"
 #include "render/outputs/outputs.h"
@@ -39,7 +40,7 @@ Times measure(vk::Device& device) {
 
 // From this process, the cache folder, or the device.
 Times knownTimes(vk::Device& device) {
-  static std::mutex mutex;
+  static ForkSafeMutex mutex;
   static std::map<std::string, Times> known;
   const std::string entry = fmt::format("raster1-{}-{:08x}", device.info().uuid, device.properties().driverVersion);
   std::lock_guard lock(mutex);

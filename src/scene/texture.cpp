@@ -12,6 +12,7 @@
 #include <tuple>
 
 #include "base/error.h"
+#include "base/fork.h"
 #include "base/hash.h"
 #include "scene/texture_codecs.h"
 
@@ -85,7 +86,7 @@ class SharedPixels {
   }
 
  private:
-  std::mutex mutex_;
+  ForkSafeMutex mutex_;
   std::map<Key, std::weak_ptr<std::byte[]>> all_;
 };
 

@@ -348,6 +348,11 @@ void Device::wait(uint64_t submission) {
   impl_->deleteFinished();
 }
 
+void Device::finish() {
+  wait(submissions());
+  cache_->finish();
+}
+
 // Even where it may be destroyed at once, it comes after those released earlier.
 void Device::deferDeletion(std::function<void()> destroy) {
   {

@@ -90,6 +90,8 @@ class Device {
   void wait(uint64_t submission);  // returns when it has finished
   // Called every 50 ms while something waits for a submission; what it throws leaves there. None: waits without it.
   void whileWaiting(std::function<void()> check);
+  // Returns when all submissions have finished and all pipelines that were asked for are made.
+  void finish();
   void submitAndWait(const std::function<void(VkCommandBuffer)>& record) { wait(submit(record)); }
 
   // Deferred deletion: runs `destroy` once every submission made so far, and the one being recorded, has finished: in

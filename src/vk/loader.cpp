@@ -7,6 +7,8 @@
 #include <mutex>
 #include <optional>
 
+#include "base/fork.h"
+
 namespace latelight::vk {
 
 namespace {
@@ -26,7 +28,7 @@ Loader open(const std::string& library) {
 }  // namespace
 
 Loader loadVulkan() {
-  static std::mutex mutex;
+  static ForkSafeMutex mutex;
   static std::optional<Loader> loaded;
   std::lock_guard lock(mutex);
   if (loaded) return *loaded;

@@ -58,7 +58,16 @@ std::string keyOf(const GraphicsDesc& d) {
 }  // namespace
 
 ObjectCache::~ObjectCache() {
-  for (const auto& [key, made] : pipelines_)
+  finish();
+}
+
+void ObjectCache::finish() {
+  std::vector<std::shared_future<Pipeline>> all;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [key, made] : pipelines_) all.push_back(made);
+  }
+  for (const auto& made : all)
     if (made.wait_for(std::chrono::seconds(0)) != std::future_status::deferred) made.wait();
 }
 

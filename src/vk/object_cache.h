@@ -40,6 +40,8 @@ class ObjectCache {
   PipelineRef perhaps(const GraphicsDesc& desc);
   VkSampler sampler(const SamplerDesc& desc);
   VkSampler fetchSampler() { return sampler(kNearestSampler); }  // for images that are only fetched from
+  // Waits until no pipeline is being created.
+  void finish();
   VkDescriptorSetLayout setLayout(const std::vector<Binding>& bindings);
 
  private:

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "base/fork.h"
 #include "vk/spirv.h"
 
 namespace latelight::vk {
@@ -50,7 +51,7 @@ struct FileVersions {
   std::deque<Words> words;
 };
 struct Folder {
-  std::mutex mutex;
+  ForkSafeMutex mutex;
   std::filesystem::path path;
   std::map<std::string, FileVersions, std::less<>> read;
 };

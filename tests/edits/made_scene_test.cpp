@@ -214,6 +214,17 @@ TEST(MadeScene, HasColorsThatAreFactors) {
   EXPECT_EQ(scene.meshes().size(), 1u);
 }
 
+TEST(Waiting, FinishReturnsWhenAllIsDone) {
+  const Scene scene("builtin:boxes");
+  Renderer renderer(scene, "cpu");
+  const Camera camera = scene.defaultCamera(1);
+  std::vector<Ticket> tickets;
+  for (int i = 0; i < 3; ++i) tickets.push_back(renderer.submit({camera, camera}, square({"depth"})));
+  renderer.finish();
+  for (const Ticket& ticket : tickets) EXPECT_TRUE(ticket.done());
+  EXPECT_EQ(tickets[2].take().size(), 2u);
+}
+
 TEST(Waiting, EndsByWhatTheCheckThrows) {
   const Scene scene("builtin:hall,triangles=60k,lights=20");
   Renderer renderer(scene, "cpu");
