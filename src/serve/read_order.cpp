@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cmath>
 #include <functional>
 #include <map>
 
@@ -17,8 +18,13 @@ constexpr uint32_t kMostSide = 8192;
 constexpr uint32_t kMostLight = 1u << 20;
 constexpr uint64_t kMostCount = 1ull << 53;  // JavaScript's own
 
+// JSON has neither infinities nor NaN.
+double number(const Json& value) {
+  if (!value.is_number()) throw BadMessage("a number is expected");
+  return value.get<double>();
+}
 double number(const Json& message, const char* key) {
-  return message.at(key).get<double>();  // JSON has neither infinities nor NaN
+  return number(message.at(key));
 }
 
 template <typename T = uint32_t>
@@ -63,8 +69,21 @@ view::Navigation navigation(const Json& message) {
   return named<view::Navigation>(message, "mode", {{"orbit", view::Navigation::Orbit}, {"fly", view::Navigation::Fly}});
 }
 
+// Three numbers, exactly, that floats can hold.
+std::array<double, 3> vector(const Json& message, const char* key) {
+  const Json& value = message.at(key);
+  std::array<double, 3> numbers{};
+  if (!value.is_array() || value.size() != numbers.size())
+    throw BadMessage(fmt::format("\"{}\" must be {} numbers", key, numbers.size()));
+  for (size_t i = 0; i < numbers.size(); ++i) {
+    numbers[i] = number(value[i]);
+    if (!std::isfinite(static_cast<float>(numbers[i]))) throw BadMessage(fmt::format("\"{}\" has a number that is too large", key));
+  }
+  return numbers;
+}
+
 view::MoveLight moveLight(const Json& message) {
-  return {whole(message, "light", kMostLight), message.at("position").get<std::array<double, 3>>()};
+  return {whole(message, "light", kMostLight), vector(message, "position")};
 }
 
 // A name alone: none that says where it lies.
