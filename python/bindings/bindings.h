@@ -11,5 +11,6 @@ void bindElements(nanobind::module_& module);
 void bindScene(nanobind::module_& module);
 void bindDeviceArray(nanobind::module_& module);
 void bindRenderer(nanobind::module_& module);
+void finishRenderers();  // waits for the devices of all renderers of this process
 
 }  // namespace latelight::python

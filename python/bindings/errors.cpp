@@ -1,5 +1,6 @@
 // Latelight's errors as Python's: the classes of latelight/errors.py, by exit code.
 #include "bindings.h"
+#include "interpreter.h"
 #include "values.h"
 
 namespace latelight::python {
@@ -26,6 +27,7 @@ void translate(const std::exception_ptr& thrown, void*) {
   try {
     std::rethrow_exception(thrown);
   } catch (const Error& error) {
+    const RunningPython section;
     const nb::object type = nb::module_::import_("latelight.errors").attr(className(error));
     PyErr_SetString(type.ptr(), error.what());
   }

@@ -2,6 +2,7 @@
 
 #include <latelight/latelight.h>
 
+#include "interpreter.h"
 #include "values.h"
 
 namespace latelight::python {
@@ -14,6 +15,7 @@ NB_MODULE(_core, module) {
   bindScene(module);
   bindDeviceArray(module);
   bindRenderer(module);
+  bindInterpreter(module, &finishRenderers);
   module.def("version", &version, "The library's version, as in \"0.1.0\".");
   module.def(
       "encode_png",

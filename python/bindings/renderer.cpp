@@ -2,9 +2,12 @@
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/vector.h>
 
+#include <set>
+
 #include "bindings.h"
 #include "cameras.h"
 #include "device_array.h"
+#include "interpreter.h"
 #include "options.h"
 #include "scene.h"
 #include "values.h"
@@ -13,28 +16,24 @@ namespace latelight::python {
 
 namespace {
 
-// --- threads and Ctrl-C ---------------------------------------------------------------------------------------------
-
-void raiseSignals() {
-  const nb::gil_scoped_acquire here;
-  if (PyErr_CheckSignals() != 0) throw nb::python_error();
-}
-
 // A renderer that any thread may call, one at a time.
 class SharedRenderer {
  public:
   SharedRenderer(std::shared_ptr<SharedScene> scene, std::unique_ptr<Renderer> renderer)
       : scene_(std::move(scene)), renderer_(std::move(renderer)) {
     renderer_->whileWaiting(raiseSignals);
+    all().insert(this);
   }
   ~SharedRenderer() {
-    const nb::gil_scoped_release others;  // it waits for its device
+    all().erase(this);
+    const WithoutGil others;  // it waits for its device
     renderer_.reset();
   }
 
   // `work` takes the renderer, while nothing edits its scene.
   template <typename Work>
   auto use(Work work) {
+    static_cast<void>(renderer_->deviceName());  // throws in a forked process, where other threads' locks stay locked
     return scene_->read([&](const Scene&) {
       const std::lock_guard lock(busy_);
       return work(*renderer_);
@@ -42,6 +41,12 @@ class SharedRenderer {
   }
 
   const std::shared_ptr<SharedScene>& scene() const { return scene_; }
+
+  // Those that exist. The GIL guards it.
+  static std::set<SharedRenderer*>& all() {
+    static auto* const renderers = new std::set<SharedRenderer*>;
+    return *renderers;
+  }
 
  private:
   std::shared_ptr<SharedScene> scene_;
@@ -65,6 +70,7 @@ nb::dict arraysOf(Frame&& frame) {
 }
 
 nb::object framesOf(std::vector<Frame>&& frames, bool single) {
+  const RunningPython section;
   const nb::module_ module = nb::module_::import_("latelight.frames");
   const nb::object type = module.attr("Frame");
   nb::list all;
@@ -73,6 +79,7 @@ nb::object framesOf(std::vector<Frame>&& frames, bool single) {
 }
 
 nb::object deviceFramesOf(std::map<std::string, DeviceArray>&& arrays, bool single) {
+  const RunningPython section;
   return nb::module_::import_("latelight.frames").attr("DeviceFrames")(deviceArrays(std::move(arrays), single));
 }
 
@@ -81,7 +88,10 @@ class SharedTicket {
   SharedTicket(std::shared_ptr<SharedRenderer> renderer, Ticket&& ticket, bool single, bool onDevice)
       : renderer_(std::move(renderer)), ticket_(std::move(ticket)), single_(single), onDevice_(onDevice) {}
   ~SharedTicket() {
-    renderer_->use([&](Renderer&) { const Ticket dropped = std::move(ticket_); });
+    try {
+      renderer_->use([&](Renderer&) { const Ticket dropped = std::move(ticket_); });
+    } catch (const Error&) {  // in a forked process, where nothing is dropped
+    }
   }
 
   bool done() {
@@ -105,9 +115,7 @@ EnvironmentData environmentOf(nb::handle value) {
   EnvironmentData data{static_cast<uint32_t>(lengthOf(array, 1)), static_cast<uint32_t>(lengthOf(array, 0)), {}};
   data.radiance.resize(size_t{data.width} * data.height);
   if (data.radiance.empty()) badValue("environment must not be empty");
-  const auto view = viewOf<float>(array);
-  checkFinite(view.data(), 3 * data.radiance.size(), "environment");
-  std::memcpy(data.radiance.data(), view.data(), sizeof(float) * 3 * data.radiance.size());
+  std::memcpy(data.radiance.data(), array.values.data(), sizeof(float) * array.values.size());
   return data;
 }
 
@@ -240,9 +248,21 @@ void defineRender(nb::class_<SharedRenderer>& type) {
 
 }  // namespace
 
+// An error that a device reports now would have been raised where its pictures are taken.
+void finishRenderers() {
+  const std::set<SharedRenderer*> all = SharedRenderer::all();  // while one finishes, another thread may drop others
+  for (SharedRenderer* renderer : all) {
+    try {
+      renderer->use([](Renderer& r) { r.finish(); });
+    } catch (const Error&) {
+    }
+  }
+}
+
 void bindRenderer(nb::module_& module) {
   bindPick(module);
-  nb::class_<SharedTicket>(module, "Ticket", "Pictures on their way: what Renderer.submit() returns.")
+  nb::class_<SharedTicket>(module, "Ticket", nb::is_weak_referenceable(),
+                           "Pictures on their way: what Renderer.submit() returns.")
       .def_prop_ro("done", &SharedTicket::done, "take() would not wait for the device")
       .def(
           "take", &SharedTicket::take,
@@ -251,9 +271,10 @@ void bindRenderer(nb::module_& module) {
           "the "
           "way\nis raised here.");
   nb::class_<SharedRenderer> type(
-      module, "Renderer",
+      module, "Renderer", nb::is_weak_referenceable(),
       "One scene on one device; keeps its pipelines and buffers from one call to the next.\n\n"
-      "Any thread may call it, one at a time; Python's other threads run meanwhile.");
+      "Any thread may call it, one at a time; Python's other threads run meanwhile. It belongs to the process that\n"
+      "created it: in a forked process each call raises UsageError, and a new renderer of its scene works.");
   type.def(
       "__init__", &makeRenderer, argument("scene"), argument("device") = "auto", argument("environment") = nb::none(),
       nb::sig("def __init__(self, scene: Scene, device: str | int = \"auto\", "
@@ -269,6 +290,9 @@ void bindRenderer(nb::module_& module) {
       "validation_messages",
       [](SharedRenderer& r) { return r.use([](Renderer& r) { return r.validationMessages(); }); },
       "Of Vulkan's validation layers since the last call, which LATELIGHT_VALIDATION=1 in the environment turns on.");
+  type.def(
+      "finish", [](SharedRenderer& r) { r.use([](Renderer& r) { r.finish(); }); },
+      "Waits until the device has finished everything that was submitted.");
   defineRender(type);
   const std::string signature =
       "def pick(self, camera: Camera, pixels: numpy.typing.ArrayLike, size: tuple[int, int] = (1280, 720), *" +

@@ -8,6 +8,7 @@
 #include <nanobind/stl/vector.h>
 
 #include "bindings.h"
+#include "interpreter.h"
 #include "values.h"
 
 namespace latelight::python {
@@ -133,7 +134,7 @@ void load(SharedScene* self, nb::handle source, nb::handle variant, nb::handle a
   if (!idDepth.is_none()) options.idDepth = static_cast<uint32_t>(integerOf(idDepth, "id_depth", 0, UINT32_MAX));
   options.idNodes = textsOf(idNodes, "id_nodes");
   const std::string path = source.is_none() ? "" : pathOf(source, "source");
-  const nb::gil_scoped_release others;
+  const WithoutGil others;
   new (self) SharedScene(source.is_none() ? Scene() : Scene(path, options));
 }
 
@@ -155,6 +156,7 @@ void defineWhole(Class& type) {
       "id_manifest",
       [](const SharedScene& s) {
         const std::string text = s.read([](const Scene& s) { return s.idManifest(); });
+        const RunningPython section;
         return nb::module_::import_("json").attr("loads")(text);
       },
       nb::sig("def id_manifest(self) -> dict[str, typing.Any]"),

@@ -4,8 +4,12 @@
 #include <latelight/latelight.h>
 #include <nanobind/nanobind.h>
 
+#include <memory>
 #include <mutex>
 #include <shared_mutex>
+
+#include "edit_lock.h"
+#include "interpreter.h"
 
 namespace latelight::python {
 
@@ -13,23 +17,22 @@ class SharedScene {
  public:
   explicit SharedScene(Scene&& scene) : scene_(std::move(scene)) {}
 
-  // `work` takes the scene: several readers at once, of which renderers are some, or one that edits.
   template <typename Work>
   auto read(Work work) const {
-    const nanobind::gil_scoped_release others;
+    const WithoutGil others;
     const std::shared_lock lock(busy_);
     return work(static_cast<const Scene&>(scene_));
   }
   template <typename Work>
   auto edit(Work work) {
-    const nanobind::gil_scoped_release others;
+    const WithoutGil others;
     const std::unique_lock lock(busy_);
     return work(scene_);
   }
 
  private:
   Scene scene_;
-  mutable std::shared_mutex busy_;
+  mutable EditLock busy_;
 };
 
 }  // namespace latelight::python
