@@ -111,14 +111,10 @@ void setModel(Lens& lens, nb::handle value, const char* name) {
 }
 
 void setDistortion(Lens& lens, nb::handle value, const char* name) {
-  const nb::object array = arrayOf(value, name, "float64", "fiu", {-1});
-  const size_t count = lengthOf(array, 0);
-  if (count > lens.distortion.size()) badValue("{} takes at most 8 numbers, not {}", name, count);
+  const std::vector<double> numbers = doublesOf(value, name, {-1});
+  if (numbers.size() > lens.distortion.size()) badValue("{} takes at most 8 numbers, not {}", name, numbers.size());
   lens.distortion = {};
-  if (count == 0) return;
-  const auto view = viewOf<double>(array);
-  checkFinite(view.data(), count, name);
-  std::copy_n(view.data(), count, lens.distortion.begin());
+  std::ranges::copy(numbers, lens.distortion.begin());
 }
 
 void bindLens(nb::module_& module) {
@@ -145,13 +141,8 @@ void bindLens(nb::module_& module) {
 std::vector<Camera> camerasOf(nb::handle value, std::string_view name) {
   const Camera* one = nullptr;
   if (nb::try_cast<const Camera*>(value, one, false) && one) return {*one};
-  const nb::object items = nb::steal(PySequence_List(value.ptr()));
-  if (!items.is_valid()) {
-    PyErr_Clear();
-    badType("{} must be a Camera or a list of them, not {}", name, typeName(value));
-  }
   std::vector<Camera> cameras;
-  for (const nb::handle item : nb::list(items))
+  for (const nb::handle item : itemsOf(value, name, "a Camera or a list of them"))
     cameras.push_back(objectOf<Camera>(item, fmt::format("each of {}", name), "a Camera"));
   return cameras;
 }

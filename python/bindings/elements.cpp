@@ -19,6 +19,9 @@ void bindHandle(nb::module_& module, const char* name, const char* doc) {
             return nb::try_cast<const H*>(other, that, false) && that && self == *that;
           },
           nb::arg("other").none(), nb::sig("def __eq__(self, other: object, /) -> bool"))
+      .def("__copy__", [](nb::handle self) { return nb::borrow(self); })
+      .def(
+          "__deepcopy__", [](nb::handle self, nb::handle) { return nb::borrow(self); }, nb::arg("memo"))
       .def("__hash__", [](const H& self) { return nb::hash(nb::make_tuple(self.scene, self.index, self.generation)); })
       .def("__repr__", [name](const H& self) { return fmt::format("{}({}, scene {})", name, self.index, self.scene); });
 }

@@ -110,10 +110,23 @@ class Fields {
       for (const std::string& name : names) state[name.c_str()] = nb::getattr(self, name.c_str());
       return state;
     });
-    type_.def("__setstate__", [names = names_, type = name_](nb::handle self, const nb::dict& state) {
-      if (!nb::inst_ready(self)) make(self);
-      set(self, state, names, type);
-    });
+    type_.def(
+        "__setstate__",
+        [names = names_, type = name_](nb::handle self, nb::handle state) {
+          requireState(state, names, type);
+          if (!nb::inst_ready(self)) make(self);
+          set(self, nb::borrow<nb::dict>(state), names, type);
+        },
+        nb::arg("state").none(), nb::sig("def __setstate__(self, state: dict[str, typing.Any]) -> None"));
+  }
+
+  // All fields and nothing else: states of other versions and other classes don't fit.
+  static void requireState(nb::handle state, const Names& names, const char* type) {
+    if (!PyDict_Check(state.ptr())) badType("the state of a {} must be a dict, not {}", type, typeName(state));
+    const auto values = nb::borrow<nb::dict>(state);
+    for (const std::string& name : names)
+      if (!values.contains(name.c_str())) badValue("the state of a {} must have \"{}\"", type, name);
+    if (values.size() != names.size()) badValue("the state of a {} must have nothing but its fields", type);
   }
 
   static std::string writable(const char* type) {

@@ -7,6 +7,7 @@
 #include <type_traits>
 
 #include "cameras.h"
+#include "interpreter.h"
 #include "values.h"
 
 namespace latelight::python {
@@ -24,12 +25,11 @@ T numberAs(nb::handle value, std::string_view name) {
 }
 
 Sun sunOf(nb::handle value, std::string_view name) {
-  const nb::object numbers = arrayOf(value, name, "float32", "fiu", {-1});
-  const size_t count = lengthOf(numbers, 0);
-  if (count < 2 || count > 3) badValue("{} takes azimuth and elevation, and perhaps lux, not {} numbers", name, count);
-  const auto view = viewOf<float>(numbers);
-  Sun sun{view.data()[0], view.data()[1]};
-  if (count == 3) sun.illuminance = view.data()[2];
+  const std::vector<float> numbers = floatsOf(value, name, {-1}).values;
+  if (numbers.size() < 2 || numbers.size() > 3)
+    badValue("{} takes azimuth and elevation, and perhaps lux, not {} numbers", name, numbers.size());
+  Sun sun{numbers[0], numbers[1]};
+  if (numbers.size() == 3) sun.illuminance = numbers[2];
   return sun;
 }
 
@@ -112,6 +112,7 @@ bool setBesideTable(Options& options, std::string_view name, nb::handle value) {
 }
 
 [[noreturn]] void refuseKeyword(const std::string& name) {
+  const RunningPython section;
   nb::list known;
   for (const Keyword& keyword : keywords()) known.append(keyword.name);
   for (const char* other : {"size", "outputs", "previous_cameras", "next_cameras", "continues"}) known.append(other);
@@ -127,10 +128,8 @@ void setKeyword(Options& options, const std::string& name, nb::handle value) {
 }
 
 void setSize(Options& options, nb::handle size) {
-  const nb::object pair = nb::steal(PySequence_Tuple(size.ptr()));
-  if (!pair.is_valid()) PyErr_Clear();
-  if (!pair.is_valid() || nb::len(pair) != 2)
-    badType("size must be a width and a height in pixels, not {}", typeName(size));
+  const nb::list pair = itemsOf(size, "size", "a width and a height in pixels");
+  if (nb::len(pair) != 2) badType("size must be a width and a height in pixels, not {} values", nb::len(pair));
   options.width = static_cast<uint32_t>(integerOf(pair[0], "the width of size", 1, 16384));
   options.height = static_cast<uint32_t>(integerOf(pair[1], "the height of size", 1, 16384));
 }

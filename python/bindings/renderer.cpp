@@ -111,8 +111,8 @@ class SharedTicket {
 // --- the class ------------------------------------------------------------------------------------------------------
 
 EnvironmentData environmentOf(nb::handle value) {
-  const nb::object array = arrayOf(value, "environment", "float32", "fiu", {-1, -1, 3});
-  EnvironmentData data{static_cast<uint32_t>(lengthOf(array, 1)), static_cast<uint32_t>(lengthOf(array, 0)), {}};
+  const FloatArray array = floatsOf(value, "environment", {-1, -1, 3}, Integers::Refused);
+  EnvironmentData data{static_cast<uint32_t>(array.shape[1]), static_cast<uint32_t>(array.shape[0]), {}};
   data.radiance.resize(size_t{data.width} * data.height);
   if (data.radiance.empty()) badValue("environment must not be empty");
   std::memcpy(data.radiance.data(), array.values.data(), sizeof(float) * array.values.size());
@@ -167,7 +167,7 @@ nb::object render(const std::shared_ptr<SharedRenderer>& renderer, nb::handle ca
 std::vector<Pick> pick(const std::shared_ptr<SharedRenderer>& renderer, nb::handle camera, nb::handle pixels,
                        nb::handle size, const nb::kwargs& keywords) {
   const Camera view = objectOf<Camera>(camera, "camera", "a Camera");
-  const nb::object array = arrayOf(pixels, "pixels", "int64", "iu", {-1, 2});
+  const nb::object array = arrayOf(pixels, "pixels", Elements::Integers, {-1, 2}, "int64");
   const Options options = optionsOf(size, nb::make_tuple("rgba"), keywords);
   std::vector<std::array<uint32_t, 2>> places(lengthOf(array, 0));
   if (places.empty()) return {};

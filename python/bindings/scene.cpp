@@ -31,7 +31,7 @@ Transform transformOf(nb::handle value) {
 
 std::vector<uint32_t> indicesOf(nb::handle value, size_t positions) {
   if (value.is_none()) return {};
-  const nb::object array = arrayOf(value, "indices", "int64", "iu", {-1, 3});
+  const nb::object array = arrayOf(value, "indices", Elements::Integers, {-1, 3}, "int64");
   std::vector<uint32_t> indices(3 * lengthOf(array, 0));
   if (indices.empty()) badValue("indices must have a triangle: leave it out for one each three positions");
   const auto view = viewOf<int64_t>(array);
@@ -46,12 +46,20 @@ std::vector<uint32_t> indicesOf(nb::handle value, size_t positions) {
 }
 
 template <size_t N>
-std::vector<std::array<float, N>> attributeOf(nb::handle value, const char* name, size_t positions) {
+std::vector<std::array<float, N>> attributeOf(nb::handle value, const char* name, size_t positions, Integers integers) {
   if (value.is_none()) return {};
-  std::vector<std::array<float, N>> rows = rowsOf<N>(value, name);
+  std::vector<std::array<float, N>> rows = rowsOf<N>(value, name, integers);
   if (rows.size() != positions)
     badValue("{} must have a row for each of the {} positions, not {}", name, positions, rows.size());
   return rows;
+}
+
+// Floats or wide integers from 0 to 255 are a mistake, too.
+void requireFactors(const std::vector<std::array<float, 4>>& colors) {
+  for (const std::array<float, 4>& color : colors)
+    for (const float channel : color)
+      if (!(channel >= 0 && channel <= 1))
+        badValue("colors must lie from 0 to 1, or be uint8 or uint16, and one is {}", channel);
 }
 
 MeshData meshDataOf(nb::handle positions, nb::handle indices, nb::handle normals, nb::handle tangents, nb::handle uv,
@@ -61,23 +69,22 @@ MeshData meshDataOf(nb::handle positions, nb::handle indices, nb::handle normals
   mesh.positions = rowsOf<3>(positions, "positions");
   const size_t count = mesh.positions.size();
   mesh.indices = indicesOf(indices, count);
-  mesh.normals = attributeOf<3>(normals, "normals", count);
-  mesh.tangents = attributeOf<4>(tangents, "tangents", count);
-  mesh.uv = attributeOf<2>(uv, "uv", count);
-  mesh.uv1 = attributeOf<2>(uv1, "uv1", count);
-  mesh.colors = attributeOf<4>(colors, "colors", count);
+  mesh.normals = attributeOf<3>(normals, "normals", count, Integers::SignedNormalized);
+  mesh.tangents = attributeOf<4>(tangents, "tangents", count, Integers::SignedNormalized);
+  mesh.uv = attributeOf<2>(uv, "uv", count, Integers::Normalized);
+  mesh.uv1 = attributeOf<2>(uv1, "uv1", count, Integers::Normalized);
+  mesh.colors = attributeOf<4>(colors, "colors", count, Integers::Normalized);
+  requireFactors(mesh.colors);
   return mesh;
 }
 
 // Pixels of one to four channels as RGBA: grey, grey and alpha, RGB, RGBA.
-TextureData textureDataOf(nb::handle pixels, nb::handle srgb, nb::handle name) {
-  const nb::object given = arrayOf(pixels, "pixels", "uint8", "u", {-1, -1, -1});
-  if (shown(nb::module_::import_("numpy").attr("asarray")(pixels).attr("dtype")) != "uint8")
-    badType("pixels must be an array of uint8");
+TextureData textureDataOf(nb::handle pixels, bool srgb, nb::handle name) {
+  const nb::object given = arrayOf(pixels, "pixels", Elements::Uint8, {-1, -1, -1});
   TextureData data{textOf(name, "name"),
                    static_cast<uint32_t>(lengthOf(given, 1)),
                    static_cast<uint32_t>(lengthOf(given, 0)),
-                   boolOf(srgb, "srgb"),
+                   srgb,
                    {}};
   const size_t channels = lengthOf(given, 2), count = size_t{data.width} * data.height;
   if (channels < 1 || channels > 4) badValue("pixels must have 1 to 4 channels, not {}", channels);
@@ -130,7 +137,7 @@ Enum enumOf(nb::handle value, const char* name, const char* const (&names)[N]) {
 void load(SharedScene* self, nb::handle source, nb::handle variant, nb::handle allowOutside, nb::handle idDepth,
           nb::handle idNodes) {
   SceneOptions options{.materialVariant = textOf(variant, "material_variant"),
-                       .allowOutside = textsOf(allowOutside, "allow_outside")};
+                       .allowOutside = pathsOf(allowOutside, "allow_outside")};
   if (!idDepth.is_none()) options.idDepth = static_cast<uint32_t>(integerOf(idDepth, "id_depth", 0, UINT32_MAX));
   options.idNodes = textsOf(idNodes, "id_nodes");
   const std::string path = source.is_none() ? "" : pathOf(source, "source");
@@ -328,7 +335,7 @@ void defineTextures(Class& type) {
   type.def(
       "add_texture",
       [](SharedScene& s, nb::handle pixels, nb::handle srgb, nb::handle name) {
-        const TextureData data = textureDataOf(pixels, srgb, name);
+        const TextureData data = textureDataOf(pixels, boolOf(srgb, "srgb"), name);
         return s.edit([&](Scene& s) { return s.addTexture(data); });
       },
       argument("pixels"), argument("srgb") = true, argument("name") = "",
@@ -431,7 +438,9 @@ nb::object meshArrays(const SharedScene& s, nb::handle mesh) {
   "Object space, meters; V vertices and T triangles.\n\npositions: (V, 3)\nindices: (T, 3) whole numbers, fronts " \
   "counter-clockwise; without them each three positions are a triangle\nnormals: (V, 3); without them flat\n"      \
   "tangents: (V, 4), and the bitangent's sign; without them made from uv\nuv, uv1: (V, 2), v down\n"               \
-  "colors: (V, 4), linear; multiply the base colour"
+  "colors: (V, 4), linear, 0 to 1; multiply the base color\n\n"                                                    \
+  "Integers are normalized as in glTF: uv and colors of uint8 / 255 and uint16 / 65535, normals and tangents of\n" \
+  "int8 / 127 and int16 / 32767."
 #define MESH_ARGUMENTS                                                                                                 \
   argument("positions"), argument("indices") = nb::none(), argument("normals") = nb::none(),                           \
                          argument("tangents") = nb::none(), argument("uv") = nb::none(), argument("uv1") = nb::none(), \
@@ -472,7 +481,7 @@ void defineMeshes(Class& type) {
 }  // namespace
 
 void bindScene(nb::module_& module) {
-  Class type(module, "Scene",
+  Class type(module, "Scene", nb::is_weak_referenceable(),
              "What is rendered: a file, a built-in scene, or what a program adds. It may be edited between frames.\n\n"
              "Lists are in the scene's order. An edit that can't be raises UsageError and changes nothing.");
   defineWhole(type);

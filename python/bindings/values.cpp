@@ -2,13 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+
+#include "interpreter.h"
 
 namespace latelight::python {
 
 namespace {
 
-nb::object numpy(const char* function) {
-  return nb::module_::import_("numpy").attr(function);
+nb::object numpy(const char* name) {
+  return nb::module_::import_("numpy").attr(name);
+}
+
+// An instance of NumPy's class or of one derived from it, without running code of the value's own.
+bool isNumPy(nb::handle value, const nb::object& type) {
+  return PyType_IsSubtype(Py_TYPE(value.ptr()), reinterpret_cast<PyTypeObject*>(type.ptr())) != 0;
 }
 
 std::string shapeText(const std::vector<int64_t>& shape) {
@@ -30,15 +38,105 @@ bool fits(const std::vector<int64_t>& shape, const std::vector<int64_t>& wanted)
   return true;
 }
 
-const char* kindText(std::string_view kinds) {
-  if (kinds.find('f') != kinds.npos) return "numbers";
-  return kinds.find('i') != kinds.npos ? "whole numbers" : "uint8";
+char kindOf(const nb::object& array) {
+  return shown(array.attr("dtype").attr("kind"))[0];
+}
+
+int64_t itemBytes(const nb::object& array) {
+  return nb::cast<int64_t>(array.attr("dtype").attr("itemsize"));
+}
+
+// "uint8", also of the other byte order.
+std::string dtypeName(const nb::object& array) {
+  return shown(array.attr("dtype").attr("name"));
+}
+
+struct ElementInfo {
+  const char* kinds;
+  const char* name;  // "an array of ..."
+};
+ElementInfo infoOf(Elements elements) {
+  switch (elements) {
+    case Elements::Floats:
+      return {"f", "floats"};
+    case Elements::Integers:
+      return {"iu", "whole numbers"};
+    case Elements::Uint8:
+      return {"u", "uint8"};
+    default:
+      return {"fiu", "numbers"};
+  }
+}
+
+bool has(const nb::object& array, Elements elements) {
+  if (elements == Elements::Uint8) return dtypeName(array) == "uint8";
+  return std::string_view(infoOf(elements).kinds).find(kindOf(array)) != std::string_view::npos;
+}
+
+// Python itself refuses the value, or NumPy does. Exceptions raised by Python code have a traceback when they reach
+// C++, and MemoryError and others do not say that the value is of the wrong type.
+bool isRefusal(const nb::python_error& error) {
+  if (error.traceback().is_valid()) return false;
+  return error.matches(PyExc_TypeError) || error.matches(PyExc_ValueError) || error.matches(PyExc_OverflowError);
+}
+
+// After a call that set Python's error indicator: throws what is no refusal.
+void takeRefusal() {
+  const nb::python_error error;
+  if (!isRefusal(error)) throw error;
+}
+
+// Lists nested deeper than NumPy's arrays are refused as arrays.
+void refuseMasks(nb::handle value, std::string_view name, const nb::object& maskedArray, int depth = 0) {
+  constexpr int kMaxDepth = 64;
+  if (isNumPy(value, maskedArray) && nb::cast<bool>(numpy("ma").attr("is_masked")(value)))
+    badValue("{} has masked values: fill them first, with numpy.ma.filled()", name);
+  if (depth == kMaxDepth || !(PyList_CheckExact(value.ptr()) || PyTuple_CheckExact(value.ptr()))) return;
+  for (Py_ssize_t i = 0; i < PySequence_Fast_GET_SIZE(value.ptr()); ++i)
+    refuseMasks(PySequence_Fast_GET_ITEM(value.ptr(), i), name, maskedArray, depth + 1);
+}
+void refuseMasks(nb::handle value, std::string_view name) {
+  refuseMasks(value, name, numpy("ma").attr("MaskedArray"));
 }
 
 template <typename T>
-void requireFinite(const T* values, size_t count, std::string_view name) {
-  for (size_t i = 0; i < count; ++i)
-    if (!std::isfinite(values[i])) badValue("{} must hold finite numbers, not {}", name, values[i]);
+std::vector<T> valuesOf(const nb::object& array) {
+  const auto view = viewOf<T>(array);
+  return std::vector<T>(view.data(), view.data() + view.size());
+}
+
+// As glTF 2.0 and KHR_mesh_quantization decode integers.
+template <typename T>
+void appendNormalized(const nb::object& array, const char* dtype, std::vector<float>& to) {
+  constexpr auto kMost = static_cast<float>(std::numeric_limits<T>::max());
+  for (const T value : valuesOf<T>(numpy("ascontiguousarray")(array, dtype)))
+    to.push_back(std::max(static_cast<float>(value) / kMost, -1.0f));
+}
+
+// False where the array is not of those types.
+bool normalize(const nb::object& array, Integers integers, std::vector<float>& to) {
+  const std::string dtype = dtypeName(array);
+  if (integers == Integers::Normalized && dtype == "uint8") return appendNormalized<uint8_t>(array, "uint8", to), true;
+  if (integers == Integers::Normalized && dtype == "uint16")
+    return appendNormalized<uint16_t>(array, "uint16", to), true;
+  if (integers == Integers::SignedNormalized && dtype == "int8")
+    return appendNormalized<int8_t>(array, "int8", to), true;
+  if (integers == Integers::SignedNormalized && dtype == "int16")
+    return appendNormalized<int16_t>(array, "int16", to), true;
+  return false;
+}
+
+// Small integers whose meaning is not known: those that are stored for lack of space.
+void refuseOtherSmallIntegers(const nb::object& array, Integers integers, std::string_view name) {
+  if (integers == Integers::Plain || kindOf(array) == 'f' || itemBytes(array) > 2) return;
+  badType("{} must be an array of floats, {}, not {}", name,
+          integers == Integers::Normalized ? "uint8 or uint16" : "int8 or int16", dtypeName(array));
+}
+
+template <typename T>
+void requireFinite(const std::vector<T>& values, std::string_view name) {
+  for (const T value : values)
+    if (!std::isfinite(value)) badValue("{} must hold finite numbers, not {}", name, value);
 }
 
 }  // namespace
@@ -58,10 +156,17 @@ bool boolOf(nb::handle value, std::string_view name) {
 }
 
 double numberOf(nb::handle value, std::string_view name) {
-  double number = 0;
-  if (PyUnicode_Check(value.ptr()) || PyBool_Check(value.ptr()) || !nb::try_cast<double>(value, number))
+  const RunningPython section;
+  refuseMasks(value, name);
+  const bool isArray = isNumPy(value, numpy("generic")) || isNumPy(value, numpy("ndarray"));
+  if (PyUnicode_Check(value.ptr()) || PyBool_Check(value.ptr()) ||
+      (isArray && (nb::cast<int>(value.attr("ndim")) > 0 || !has(nb::borrow(value), Elements::Numbers))))
     badType("{} must be a number, not {}", name, typeName(value));
-  return number;
+  const double number = PyFloat_AsDouble(value.ptr());
+  if (number != -1 || !PyErr_Occurred()) return number;
+  takeRefusal();
+  if (PyIndex_Check(value.ptr())) badValue("{} is too large", name);
+  badType("{} must be a number, not {}", name, typeName(value));
 }
 
 float floatOf(nb::handle value, std::string_view name) {
@@ -72,11 +177,12 @@ float floatOf(nb::handle value, std::string_view name) {
 }
 
 int64_t integerOf(nb::handle value, std::string_view name, int64_t least, int64_t most) {
+  const RunningPython section;
+  refuseMasks(value, name);
   const nb::object index = nb::steal(PyNumber_Index(value.ptr()));
-  if (!index.is_valid() || PyBool_Check(value.ptr())) {
-    PyErr_Clear();
+  if (!index.is_valid()) takeRefusal();
+  if (!index.is_valid() || PyBool_Check(value.ptr()))
     badType("{} must be a whole number, not {}", name, typeName(value));
-  }
   int64_t number = 0;
   if (!nb::try_cast<int64_t>(index, number) || number < least || number > most)
     badValue("{} must be a whole number from {} to {}, not {}", name, least, most, shown(index));
@@ -84,62 +190,95 @@ int64_t integerOf(nb::handle value, std::string_view name, int64_t least, int64_
 }
 
 std::string textOf(nb::handle value, std::string_view name) {
-  std::string text;
-  if (!nb::try_cast<std::string>(value, text)) {
-    PyErr_Clear();  // of a text that is no valid Unicode
-    badType("{} must be a text, not {}", name, typeName(value));
-  }
-  return text;
+  if (!PyUnicode_Check(value.ptr())) badType("{} must be a text, not {}", name, typeName(value));
+  Py_ssize_t bytes = 0;
+  const char* text = PyUnicode_AsUTF8AndSize(value.ptr(), &bytes);
+  if (text) return {text, static_cast<size_t>(bytes)};
+  takeRefusal();
+  badValue("{} must be valid Unicode, without surrogates", name);
 }
 
 std::string pathOf(nb::handle value, std::string_view name) {
+  const RunningPython section;
   const nb::object path = nb::steal(PyOS_FSPath(value.ptr()));
-  if (!path.is_valid() || !PyUnicode_Check(path.ptr())) {
-    PyErr_Clear();
-    badType("{} must be a path, not {}", name, typeName(value));
-  }
-  return textOf(path, name);
+  if (!path.is_valid()) takeRefusal();
+  if (!path.is_valid() || !PyUnicode_Check(path.ptr()))
+    badType("{} must be a path, not {}", name, path.is_valid() ? typeName(path) : typeName(value));
+  const std::string text = textOf(path, name);
+  if (text.find('\0') != text.npos) badValue("{} must be a path, which has no null character", name);
+  return text;
+}
+
+nb::list itemsOf(nb::handle value, std::string_view name, std::string_view what) {
+  const RunningPython section;
+  const nb::object items = nb::steal(PySequence_List(value.ptr()));
+  if (items.is_valid()) return nb::borrow<nb::list>(items);
+  takeRefusal();
+  badType("{} must be {}, not {}", name, what, typeName(value));
 }
 
 std::vector<std::string> textsOf(nb::handle value, std::string_view name) {
   if (PyUnicode_Check(value.ptr())) return {textOf(value, name)};
-  const nb::object items = nb::steal(PySequence_List(value.ptr()));
-  if (!items.is_valid()) {
-    PyErr_Clear();
-    badType("{} must be a list of texts, not {}", name, typeName(value));
-  }
   std::vector<std::string> texts;
-  for (const nb::handle item : nb::list(items)) texts.push_back(textOf(item, name));
+  for (const nb::handle item : itemsOf(value, name, "a list of texts")) texts.push_back(textOf(item, name));
   return texts;
 }
 
-nb::object arrayOf(nb::handle value, std::string_view name, const char* dtype, std::string_view kinds,
-                   const std::vector<int64_t>& shape) {
+std::vector<std::string> pathsOf(nb::handle value, std::string_view name) {
+  if (PyUnicode_Check(value.ptr())) return {pathOf(value, name)};
+  std::vector<std::string> paths;
+  for (const nb::handle item : itemsOf(value, name, "a list of paths")) paths.push_back(pathOf(item, name));
+  return paths;
+}
+
+nb::object arrayOf(nb::handle value, std::string_view name, Elements elements, const std::vector<int64_t>& shape,
+                   const char* dtype) {
+  const RunningPython section;
+  refuseMasks(value, name);
   nb::object array;
   try {
     array = numpy("asarray")(value);
-  } catch (nb::python_error& error) {
-    if (!error.matches(PyExc_Exception)) throw;
+  } catch (const nb::python_error& error) {
+    if (!isRefusal(error)) throw;
     badType("{} must be an array of shape {}, not {}", name, shapeText(shape), typeName(value));
   }
-  const std::vector<int64_t> has = shapeOf(array);
-  if (!fits(has, shape)) badValue("{} must be an array of shape {}, not {}", name, shapeText(shape), shapeText(has));
-  const auto kind = shown(array.attr("dtype").attr("kind"));
-  const bool none = std::find(has.begin(), has.end(), 0) != has.end();  // an empty list is one of floats
-  if (!none && kinds.find(kind) == kinds.npos)
-    badType("{} must be an array of {}, not {}", name, kindText(kinds), shown(array.attr("dtype")));
-  return numpy("ascontiguousarray")(array, dtype);
+  const std::vector<int64_t> given = shapeOf(array);
+  if (!fits(given, shape))
+    badValue("{} must be an array of shape {}, not {}", name, shapeText(shape), shapeText(given));
+  const bool isEmpty = std::find(given.begin(), given.end(), 0) != given.end();  // an empty list is one of floats
+  if (!isEmpty && !has(array, elements))
+    badType("{} must be an array of {}, not {}", name, infoOf(elements).name, dtypeName(array));
+  return dtype ? numpy("ascontiguousarray")(array, dtype) : numpy("ascontiguousarray")(array);
 }
 
 size_t lengthOf(const nb::object& array, size_t axis) {
   return static_cast<size_t>(shapeOf(array)[axis]);
 }
 
-void checkFinite(const float* values, size_t count, std::string_view name) {
-  requireFinite(values, count, name);
+FloatArray floatsOf(nb::handle value, std::string_view name, const std::vector<int64_t>& shape, Integers integers) {
+  const RunningPython section;
+  const Elements elements = integers == Integers::Refused ? Elements::Floats : Elements::Numbers;
+  const nb::object array = arrayOf(value, name, elements, shape);
+  FloatArray floats{{}, shapeOf(array)};
+  if (normalize(array, integers, floats.values)) return floats;
+  refuseOtherSmallIntegers(array, integers, name);
+  if (kindOf(array) == 'f' && itemBytes(array) <= 4) {
+    floats.values = valuesOf<float>(numpy("ascontiguousarray")(array, "float32"));
+    requireFinite(floats.values, name);
+    return floats;
+  }
+  for (const double number : doublesOf(array, name, shape)) {
+    floats.values.push_back(static_cast<float>(number));
+    if (!std::isfinite(floats.values.back())) badValue("{} has a number that is too large: {}", name, number);
+  }
+  return floats;
 }
-void checkFinite(const double* values, size_t count, std::string_view name) {
-  requireFinite(values, count, name);
+
+std::vector<double> doublesOf(nb::handle value, std::string_view name, const std::vector<int64_t>& shape) {
+  const nb::object array = arrayOf(value, name, Elements::Numbers, shape, "float64");
+  std::vector<double> numbers = valuesOf<double>(array);
+  requireFinite(numbers, name);
+  return numbers;
 }
 
 nb::object matrix(const std::array<double, 16>& values) {

@@ -1,4 +1,5 @@
-// Python values as C++ ones. Each function names the argument in the one sentence that refuses a value.
+// Python values as C++ ones. Each function names the argument in the one sentence that refuses a value. An exception
+// that the value's own code raises (__float__, __array__, __iter__ and so on) passes unchanged.
 #pragma once
 
 #include <fmt/format.h>
@@ -7,10 +8,12 @@
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/string.h>
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 namespace latelight::python {
@@ -45,7 +48,10 @@ float floatOf(nb::handle value, std::string_view name);
 int64_t integerOf(nb::handle value, std::string_view name, int64_t least, int64_t most);
 std::string textOf(nb::handle value, std::string_view name);
 std::string pathOf(nb::handle value, std::string_view name);  // a text or os.PathLike
+std::vector<std::string> pathsOf(nb::handle value, std::string_view name);  // one, or a list of them
 std::vector<std::string> textsOf(nb::handle value, std::string_view name);
+// The items of anything iterable. `what`: the list in the sentence that refuses another value, "a list of texts".
+nb::list itemsOf(nb::handle value, std::string_view name, std::string_view what);
 
 // The object behind a Python one, whose class is called `what` in the sentence: "a Camera".
 template <typename T>
@@ -56,10 +62,19 @@ const T& objectOf(nb::handle value, std::string_view name, std::string_view what
   return *object;
 }
 
-// Anything that NumPy makes an array of, as a contiguous one. `kinds`: of dtypes that are taken, by NumPy's letters;
-// `shape`: lengths, -1 for any.
-nb::object arrayOf(nb::handle value, std::string_view name, const char* dtype, std::string_view kinds,
-                   const std::vector<int64_t>& shape);
+// The elements that an array argument may have, by NumPy's kinds: no bool, no complex numbers, no objects.
+enum class Elements {
+  Numbers,   // floats and integers
+  Floats,    // no integers
+  Integers,  // signed or unsigned
+  Uint8,
+};
+
+// Anything that NumPy makes an array of, as a contiguous one in this machine's byte order. `shape`: lengths, -1 for
+// any. `dtype`: that it is converted to; null: it keeps its own. Masked values are refused, since NumPy would drop the
+// mask.
+nb::object arrayOf(nb::handle value, std::string_view name, Elements elements, const std::vector<int64_t>& shape,
+                   const char* dtype = nullptr);
 size_t lengthOf(const nb::object& array, size_t axis);
 
 template <typename T>
@@ -67,38 +82,48 @@ nb::ndarray<const T, nb::c_contig, nb::device::cpu> viewOf(const nb::object& arr
   return nb::cast<nb::ndarray<const T, nb::c_contig, nb::device::cpu>>(array);
 }
 
-void checkFinite(const float* values, size_t count, std::string_view name);
-void checkFinite(const double* values, size_t count, std::string_view name);
+// The meaning of integers where floats are stored.
+enum class Integers {
+  Plain,             // as numbers
+  Normalized,        // uint8 / 255 and uint16 / 65535, as glTF stores colors and texture coordinates
+  SignedNormalized,  // int8 / 127 and int16 / 32767, at least -1, as KHR_mesh_quantization stores normals and tangents
+  Refused,
+};
+
+// Finite numbers, row by row.
+struct FloatArray {
+  std::vector<float> values;
+  std::vector<int64_t> shape;
+};
+FloatArray floatsOf(nb::handle value, std::string_view name, const std::vector<int64_t>& shape,
+                    Integers integers = Integers::Plain);
+
+// The same, as float64.
+std::vector<double> doublesOf(nb::handle value, std::string_view name, const std::vector<int64_t>& shape);
 
 // Rows of N finite numbers.
 template <size_t N>
-std::vector<std::array<float, N>> rowsOf(nb::handle value, std::string_view name) {
-  const nb::object array = arrayOf(value, name, "float32", "fiu", {-1, N});
-  std::vector<std::array<float, N>> rows(lengthOf(array, 0));
-  if (rows.empty()) return rows;
-  const auto view = viewOf<float>(array);
-  checkFinite(view.data(), N * rows.size(), name);
-  std::memcpy(rows.data(), view.data(), sizeof(rows[0]) * rows.size());
+std::vector<std::array<float, N>> rowsOf(nb::handle value, std::string_view name, Integers integers = Integers::Plain) {
+  const FloatArray array = floatsOf(value, name, {-1, N}, integers);
+  std::vector<std::array<float, N>> rows(static_cast<size_t>(array.shape[0]));
+  if (!rows.empty()) std::memcpy(rows.data(), array.values.data(), sizeof(rows[0]) * rows.size());
   return rows;
 }
 
 template <typename T, size_t N>
 std::array<T, N> numbersOf(nb::handle value, std::string_view name) {
-  const nb::object array = arrayOf(value, name, "float64", "fiu", {N});
-  const auto view = viewOf<double>(array);
-  checkFinite(view.data(), N, name);
   std::array<T, N> numbers;
-  for (size_t i = 0; i < N; ++i) numbers[i] = static_cast<T>(view.data()[i]);
+  if constexpr (std::is_same_v<T, float>)
+    std::ranges::copy(floatsOf(value, name, {N}).values, numbers.begin());
+  else
+    std::ranges::copy(doublesOf(value, name, {N}), numbers.begin());
   return numbers;
 }
 
 template <size_t Rows, size_t Columns>
 std::array<double, Rows * Columns> matrixOf(nb::handle value, std::string_view name) {
-  const nb::object array = arrayOf(value, name, "float64", "fiu", {Rows, Columns});
-  const auto view = viewOf<double>(array);
-  checkFinite(view.data(), Rows * Columns, name);
   std::array<double, Rows * Columns> numbers;
-  std::memcpy(numbers.data(), view.data(), sizeof(numbers));
+  std::ranges::copy(doublesOf(value, name, {Rows, Columns}), numbers.begin());
   return numbers;
 }
 
