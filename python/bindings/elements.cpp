@@ -159,10 +159,10 @@ void bindInfos(nb::module_& module) {
 
 void bindElements(nb::module_& module) {
   bindHandle<Instance>(module, "InstanceHandle", "Names an instance of a scene; refused once that is removed.");
-  bindHandle<Material>(module, "MaterialHandle", "Names a material of a scene.");
-  bindHandle<Mesh>(module, "MeshHandle", "Names a mesh of a scene.");
+  bindHandle<Material>(module, "MaterialHandle", "Names a material of a scene; refused once that is removed.");
+  bindHandle<Mesh>(module, "MeshHandle", "Names a mesh of a scene; refused once that is removed.");
   bindHandle<Light>(module, "LightHandle", "Names a light of a scene; refused once that is removed.");
-  bindHandle<Texture>(module, "TextureHandle", "Names a texture of a scene.");
+  bindHandle<Texture>(module, "TextureHandle", "Names a texture of a scene; refused once that is removed.");
   bindMaterial(module);
   bindLight(module);
   bindInfos(module);

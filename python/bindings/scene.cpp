@@ -312,6 +312,14 @@ void defineMaterials(Class& type) {
       argument("values"), argument("textures_of") = nb::none(),
       nb::sig("def add_material(self, values: Material, textures_of: MaterialHandle | None = None) -> MaterialHandle"),
       "Without textures, or with those of another material.");
+  type.def(
+      "remove_material",
+      [](SharedScene& s, nb::handle material) {
+        const auto handle = handleOf<Material>(material, "material");
+        s.edit([&](Scene& s) { s.removeMaterial(handle); });
+      },
+      argument("material"), nb::sig("def remove_material(self, material: MaterialHandle) -> None"),
+      "Raises UsageError while an instance shows it.");
 }
 
 void defineTextures(Class& type) {
@@ -344,6 +352,30 @@ void defineTextures(Class& type) {
       "pixels: (H, W, C) uint8, rows from the top; 1 channel is gray, 2 gray and alpha, 3 RGB, 4 RGBA. srgb: as base "
       "colours\n"
       "and emitted light are stored; False for normals, roughness and other data.");
+  type.def(
+      "set_texture_pixels",
+      [](SharedScene& s, nb::handle texture, nb::handle pixels, nb::handle srgb, nb::handle name) {
+        const auto handle = handleOf<Texture>(texture, "texture");
+        TextureData data = textureDataOf(pixels, !srgb.is_none() && boolOf(srgb, "srgb"), name);
+        const bool keepsEncoding = srgb.is_none();
+        s.edit([&](Scene& s) {
+          if (keepsEncoding) data.srgb = s.texture(handle).srgb;
+          s.setTextureData(handle, data);
+        });
+      },
+      argument("texture"), argument("pixels"), argument("srgb") = nb::none(), argument("name") = "",
+      nb::sig("def set_texture_pixels(self, texture: TextureHandle, pixels: numpy.typing.ArrayLike, "
+              "srgb: bool | None = None, name: str = \"\") -> None"),
+      "Replaces the pixels, as add_texture() takes them; the size may change. All materials that sample the texture "
+      "change\nwith it. Without srgb and name it keeps its own.");
+  type.def(
+      "remove_texture",
+      [](SharedScene& s, nb::handle texture) {
+        const auto handle = handleOf<Texture>(texture, "texture");
+        s.edit([&](Scene& s) { s.removeTexture(handle); });
+      },
+      argument("texture"), nb::sig("def remove_texture(self, texture: TextureHandle) -> None"),
+      "Raises UsageError while a material samples it.");
   const std::string signature = fmt::format(
       "def set_texture(self, material: MaterialHandle, slot: typing.Literal[\"{}\"], texture: TextureHandle | None, "
       "wrap: typing.Literal[\"repeat\", \"mirror\", \"clamp\"] = \"repeat\", smooth: bool = True, uv_set: int = 0) "
@@ -476,6 +508,14 @@ void defineMeshes(Class& type) {
       },
       argument("mesh"), MESH_ARGUMENTS, nb::sig("def set_mesh(self, mesh: MeshHandle, " MESH_PARAMETERS ") -> None"),
       "All instances of the mesh change with it, and no skin deforms it from then on. " MESH_DOC);
+  type.def(
+      "remove_mesh",
+      [](SharedScene& s, nb::handle mesh) {
+        const auto handle = handleOf<Mesh>(mesh, "mesh");
+        s.edit([&](Scene& s) { s.removeMesh(handle); });
+      },
+      argument("mesh"), nb::sig("def remove_mesh(self, mesh: MeshHandle) -> None"),
+      "Raises UsageError while an instance shows it.");
 }
 
 }  // namespace

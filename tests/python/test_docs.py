@@ -5,8 +5,10 @@ import re
 import shutil
 import subprocess
 import sys
+import types
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 ROOT = Path(__file__).parents[2]
@@ -18,11 +20,12 @@ def blocks(page):
 
 
 def run_all(sources, name):
-    """One after the other, in one namespace; what an expression that ends one gives is the result."""
-    names = {}
+    """One after the other, in one module, which forked processes find by its name."""
+    module = types.ModuleType(name)
+    sys.modules[name] = module
     for number, source in enumerate(sources):
-        exec(compile(source, f"{name}, block {number + 1}", "exec"), names)
-    return names
+        exec(compile(source, f"{name}, block {number + 1}", "exec"), module.__dict__)
+    return module.__dict__
 
 
 def test_the_tutorial(tmp_path, monkeypatch, capsys):
@@ -32,6 +35,11 @@ def test_the_tutorial(tmp_path, monkeypatch, capsys):
     assert (tmp_path / "hall.png").read_bytes().startswith(b"\x89PNG")
     assert names["frames"]["depth"].shape == (3, 120, 160)
     assert (names["before"]["rgba"] != names["after"]["rgba"]).any()
+    assert names["made"].textures() != [] and names["screen"] not in names["made"].textures()
+    for index, depth in enumerate(names["depths"]):
+        np.testing.assert_array_equal(depth, names["views"][index], "what a worker renders")
+    with names["multiprocessing"].get_context("fork").Pool(2) as workers:  # now that this process has a renderer, too
+        np.testing.assert_array_equal(workers.map(names["view"], range(4)), names["depths"])
     printed = capsys.readouterr().out.splitlines()
     said = re.findall(r"print\(.*\) +# (.*)", page.read_text())
     assert len(said) == 4

@@ -1,5 +1,7 @@
 """Scenes from arrays, read back, and edited between frames."""
 
+import os
+
 import numpy as np
 import pytest
 
@@ -146,3 +148,73 @@ def test_materials_and_lights_come_back_as_they_were(wall):
     back = scene.light(scene.add_light(light))
     assert (back.type, back.range, back.cast_shadow, back.name) == ("spot", 5.0, False, "lamp")
     assert back.position == pytest.approx((1, 2, 3)) and back.direction == pytest.approx((0, -1, 0))
+
+
+def test_what_is_used_is_not_removed(wall):
+    scene, instance, material = wall
+    mesh = scene.instance(instance).mesh
+    texture = scene.add_texture(np.zeros((2, 2, 3), np.uint8), name="black")
+    scene.set_texture(material, "base_color", texture)
+    for words, call in (
+        ('the mesh "wall" can\'t be removed, since the instance /wall shows it', lambda: scene.remove_mesh(mesh)),
+        ('the material "paint" can\'t be removed, since the instance /wall', lambda: scene.remove_material(material)),
+        ('the texture "black" can\'t be removed, since the material "paint"', lambda: scene.remove_texture(texture)),
+    ):
+        with pytest.raises(latelight.UsageError, match=words):
+            call()
+    scene.remove_instance(instance)
+    scene.remove_mesh(mesh)
+    scene.remove_material(material)
+    scene.remove_texture(texture)
+    assert scene.meshes() == scene.materials() == scene.textures() == []
+    for call in (lambda: scene.mesh(mesh), lambda: scene.material(material), lambda: scene.texture(texture)):
+        with pytest.raises(latelight.UsageError, match="removed"):
+            call()
+
+
+def test_pixels_are_replaced(wall, device):
+    scene, _, material = wall
+    scene.set_material(material, latelight.Material(base_color=(1, 1, 1, 1)))
+    texture = scene.add_texture(np.full((4, 4, 3), 255, np.uint8), srgb=False, name="screen")
+    scene.set_texture(material, "base_color", texture)
+    renderer = latelight.Renderer(scene, device)
+    for height, width, value in ((4, 4, 51), (8, 2, 102), (3, 5, 204)):
+        scene.set_texture_pixels(texture, np.full((height, width, 1), value, np.uint8))
+        read = scene.texture(texture)
+        assert (read.width, read.height, read.srgb, read.name) == (width, height, False, "screen")
+        albedo = renderer.render(FRONT, SIZE, "albedo")["albedo"]
+        np.testing.assert_allclose(albedo, np.full((16, 16, 3), value / 255), atol=2e-3)
+    scene.set_texture_pixels(texture, np.full((2, 2, 3), 188, np.uint8), srgb=True, name="film")
+    assert scene.texture(texture).srgb and scene.texture(texture).name == "film"
+    linear = ((188 / 255 + 0.055) / 1.055) ** 2.4
+    np.testing.assert_allclose(renderer.render(FRONT, SIZE, "albedo")["albedo"][8, 8], [linear] * 3, atol=2e-3)
+    with pytest.raises(latelight.UsageError, match="pixels must be an array of uint8, not float64"):
+        scene.set_texture_pixels(texture, np.zeros((2, 2, 3)))
+
+
+def resident_bytes():
+    with open("/proc/self/statm") as file:
+        return int(file.read().split()[1]) * os.sysconf("SC_PAGESIZE")
+
+
+@pytest.mark.parametrize("way", ["removed", "replaced"])
+def test_a_texture_per_frame_takes_no_memory(wall, device, way):
+    """A texture of 512 x 512 and its levels are 1.4 MB on the host and as much on the device."""
+    scene, _, material = wall
+    renderer = latelight.Renderer(scene, device)
+    texture = scene.add_texture(np.zeros((512, 512, 3), np.uint8))
+    after = []
+    for step in range(150):
+        pixels = np.full((512, 512, 3), step, np.uint8)
+        if way == "replaced":
+            scene.set_texture_pixels(texture, pixels)
+            scene.set_texture(material, "base_color", texture)
+        else:
+            added = scene.add_texture(pixels)
+            scene.set_texture(material, "base_color", added)
+            scene.remove_texture(texture)
+            texture = added
+        renderer.render(FRONT, (8, 8), "albedo")
+        after.append(resident_bytes())
+    assert len(scene.textures()) == 1
+    assert after[-1] - after[49] < 50e6  # of 280 MB
