@@ -156,6 +156,7 @@ bool boolOf(nb::handle value, std::string_view name) {
 }
 
 double numberOf(nb::handle value, std::string_view name) {
+  if (PyFloat_CheckExact(value.ptr())) return PyFloat_AS_DOUBLE(value.ptr());
   const RunningPython section;
   refuseMasks(value, name);
   const bool isArray = isNumPy(value, numpy("generic")) || isNumPy(value, numpy("ndarray"));
@@ -178,7 +179,7 @@ float floatOf(nb::handle value, std::string_view name) {
 
 int64_t integerOf(nb::handle value, std::string_view name, int64_t least, int64_t most) {
   const RunningPython section;
-  refuseMasks(value, name);
+  if (!PyLong_CheckExact(value.ptr())) refuseMasks(value, name);
   const nb::object index = nb::steal(PyNumber_Index(value.ptr()));
   if (!index.is_valid()) takeRefusal();
   if (!index.is_valid() || PyBool_Check(value.ptr()))
@@ -267,7 +268,9 @@ FloatArray floatsOf(nb::handle value, std::string_view name, const std::vector<i
     requireFinite(floats.values, name);
     return floats;
   }
-  for (const double number : doublesOf(array, name, shape)) {
+  const std::vector<double> numbers = doublesOf(array, name, shape);
+  floats.values.reserve(numbers.size());
+  for (const double number : numbers) {
     floats.values.push_back(static_cast<float>(number));
     if (!std::isfinite(floats.values.back())) badValue("{} has a number that is too large: {}", name, number);
   }
