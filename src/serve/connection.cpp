@@ -5,6 +5,7 @@
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
+#include <memory>
 #include <optional>
 #include <utility>
 
@@ -20,7 +21,7 @@ namespace beast = boost::beast;
 namespace http = beast::http;
 using boost::asio::ip::tcp;
 
-constexpr uint32_t kMostHeader = 8192;  // bytes
+constexpr uint32_t kMaxHeaderBytes = 8192;
 
 using Response = http::response<http::string_body>;
 
@@ -35,20 +36,17 @@ std::string_view view(beast::string_view text) {
 
 class Connection : public std::enable_shared_from_this<Connection> {
  public:
-  Connection(tcp::socket socket, Hub& hub) : stream_(std::move(socket)), hub_(hub) {
+  Connection(tcp::socket socket, Hub& hub)
+      : stream_(std::move(socket)), hub_(hub), visit_(std::make_unique<Visit>(hub, [this] { stream_.cancel(); })) {
     beast::error_code error;
     const tcp::endpoint peer = stream_.socket().remote_endpoint(error);
     peer_ = error ? "somebody" : peer.address().to_string();
-    hub_.whenClosed(this, [this] { stream_.cancel(); });
-  }
-  ~Connection() {
-    hub_.forget(this);
-    hub_.leave();
   }
 
   void read() {
+    visit_->waitForRequest();
     parser_.emplace();
-    parser_->header_limit(kMostHeader);
+    parser_->header_limit(kMaxHeaderBytes);
     parser_->body_limit(0);
     stream_.expires_after(hub_.patience());
     http::async_read(stream_, buffer_, *parser_,
@@ -58,18 +56,19 @@ class Connection : public std::enable_shared_from_this<Connection> {
  private:
   void answer(beast::error_code error);
   void upgrade();
-  Response respond(const http::request<http::empty_body>& request, const Gate::Answer& answer);
+  Response respond(const http::request<http::empty_body>& request, const Gate::Answer& answer, bool crowded);
   void write(Response response);
 
   beast::tcp_stream stream_;
   Hub& hub_;
+  std::unique_ptr<Visit> visit_;
   std::string peer_;
   beast::flat_buffer buffer_;
   std::optional<http::request_parser<http::empty_body>> parser_;
   Response response_;
 };
 
-// What ends without a word is a connection that was kept open for another request, or a server that looks who is there.
+// A connection ends without a line in the log if it was kept open for another request, or if the server closes it.
 void Connection::answer(beast::error_code error) {
   if (error == http::error::end_of_stream || error == boost::asio::error::operation_aborted) return;
   if (error == beast::error::timeout) {
@@ -82,17 +81,21 @@ void Connection::answer(beast::error_code error) {
   if (request.find(http::field::origin) != request.end()) knock.origin = view(request[http::field::origin]);
   const Gate::Answer answer = hub_.gate().open(knock);
   if (!answer.refusal.empty()) record(fmt::format("refused {}: {}", peer_, answer.refusal));
-  if (answer.refusal.empty() && answer.path == "socket" && beast::websocket::is_upgrade(request))
-    return startSocket(stream_.release_socket(), parser_->release(), peer_, hub_);
-  write(respond(request, answer));
+  const bool crowded = answer.refusal.empty() && !visit_->beginService();
+  if (crowded) record(fmt::format("refused {}: too many connections", peer_));
+  if (answer.refusal.empty() && !crowded && answer.path == "socket" && beast::websocket::is_upgrade(request))
+    return startSocket(stream_.release_socket(), parser_->release(), peer_, hub_, std::move(visit_));
+  write(respond(request, answer, crowded));
 }
 
-Response Connection::respond(const http::request<http::empty_body>& request, const Gate::Answer& answer) {
-  const PageFile* file = answer.refusal.empty() ? findPageFile(answer.path) : nullptr;
+Response Connection::respond(const http::request<http::empty_body>& request, const Gate::Answer& answer, bool crowded) {
+  const PageFile* file = answer.refusal.empty() && !crowded ? findPageFile(answer.path) : nullptr;
   const bool reads = request.method() == http::verb::get || request.method() == http::verb::head;
   Response response{http::status::ok, request.version()};
   if (!answer.refusal.empty())
     response.result(http::status::forbidden), response.body() = "Refused. Use the address that the server printed.\n";
+  else if (crowded)
+    response.result(http::status::service_unavailable), response.body() = "Too many connections. Try again.\n";
   else if (!reads)
     response.result(http::status::method_not_allowed), response.set(http::field::allow, "GET, HEAD");
   else if (!file)
@@ -107,7 +110,7 @@ Response Connection::respond(const http::request<http::empty_body>& request, con
   response.set("Cross-Origin-Resource-Policy", "same-origin");
   response.set("Cross-Origin-Opener-Policy", "same-origin");
   response.set(http::field::cache_control, "no-store");
-  response.keep_alive(request.keep_alive() && answer.refusal.empty());
+  response.keep_alive(request.keep_alive() && answer.refusal.empty() && !crowded);
   response.prepare_payload();
   if (request.method() == http::verb::head) response.body().clear();
   return response;
@@ -126,7 +129,7 @@ void Connection::write(Response response) {
 }  // namespace
 
 void startConnection(tcp::socket socket, Hub& hub) {
-  if (!hub.enter()) return;
+  if (hub.isClosed()) return;
   std::make_shared<Connection>(std::move(socket), hub)->read();
 }
 

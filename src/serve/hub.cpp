@@ -1,7 +1,11 @@
 #include "serve/hub.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/post.hpp>
+#include <iterator>
 #include <utility>
 
 #include "base/journal.h"
@@ -10,7 +14,10 @@ namespace latelight::serve {
 
 namespace {
 
-constexpr uint32_t kMostConnections = 256;
+constexpr size_t kMaxWaiting = 256, kMaxServed = 256;  // connections
+// Sessions that may still finish a picture after their pages left, on top of as many as may be open: a reload, or
+// several in a row, must get in at once.
+constexpr size_t kMaxLeaving = 4;
 
 }  // namespace
 
@@ -18,25 +25,77 @@ Hub::Hub(boost::asio::io_context& io, Gate gate, view::Start start, uint32_t ses
          std::chrono::milliseconds patience)
     : io_(io), gate_(std::move(gate)), start_(std::move(start)), sessions_(sessions), patience_(patience) {}
 
-bool Hub::enter() {
-  if (closed_) return false;
-  if (connections_ >= kMostConnections) {
-    record("refused a connection: there are too many");
-    return false;
+// --- connections ----------------------------------------------------------------------------------------------------
+
+// Its handlers end it later.
+void Hub::end(Visitor& visitor) {
+  if (!std::exchange(visitor.closing, true)) visitor.close();
+}
+
+bool Hub::closeLongestWaiting() {
+  for (Visitor& visitor : waiting_) {
+    if (visitor.closing) continue;
+    end(visitor);
+    return true;
   }
-  ++connections_;
+  return false;
+}
+
+// The log says so once a second at most: whoever opens connections must not fill a disk.
+void Hub::makeRoom() {
+  if (waiting_.size() < kMaxWaiting || !closeLongestWaiting()) return;
+  const auto now = std::chrono::steady_clock::now();
+  if (now - crowdLogged_ < std::chrono::seconds(1)) return;
+  crowdLogged_ = now;
+  record(fmt::format("closed the oldest connection that sent no request: {} wait", kMaxWaiting));
+}
+
+void Hub::close() {
+  closed_ = true;
+  ready_.reset();
+  for (Visitors* list : {&waiting_, &served_})
+    for (Visitor& visitor : *list) end(visitor);
+}
+
+Visit::Visit(Hub& hub, std::function<void()> close) : hub_(hub), list_(&hub.waiting_) {
+  hub_.makeRoom();
+  list_->push_back({std::move(close)});
+  visitor_ = std::prev(list_->end());
+}
+
+Visit::~Visit() {
+  list_->erase(visitor_);
+}
+
+bool Visit::beginService() {
+  if (hub_.served_.size() >= kMaxServed) return false;
+  hub_.served_.splice(hub_.served_.end(), *list_, visitor_);
+  list_ = &hub_.served_;
   return true;
 }
 
-// The viewer's thread posts what it has to say; the server runs until the last of them has ended.
-std::shared_ptr<Viewer> Hub::admit(Calls calls) {
-  if (closed_ || viewers_.size() >= sessions_) return nullptr;
+void Visit::waitForRequest() {
+  hub_.waiting_.splice(hub_.waiting_.end(), *list_, visitor_);
+  list_ = &hub_.waiting_;
+}
+
+// --- viewers --------------------------------------------------------------------------------------------------------
+
+// The viewer's thread posts its messages; the server runs until the last of these threads has ended.
+Hub::Admission Hub::admit(Calls calls) {
+  if (closed_) return {nullptr, "the server was stopped"};
+  const auto leaving =
+      static_cast<size_t>(std::ranges::count_if(viewers_, [](const auto& entry) { return entry.second.released; }));
+  if (viewers_.size() - leaving >= sessions_)
+    return {nullptr, fmt::format("all {} sessions are in use; close another page", sessions_)};
+  if (leaving >= sessions_ + kMaxLeaving)
+    return {nullptr, fmt::format("{} sessions are still ending; try again in a moment", leaving)};
   const uint64_t number = ++numbers_;
   const auto with = [this, number](const auto& act) {
     if (const auto found = viewers_.find(number); found != viewers_.end()) act(found->second.calls);
   };
   Viewer::Calls posted;
-  posted.send = [this, with](std::string message) {
+  posted.send = [this, with](Message message) {
     boost::asio::post(io_, [with, message = std::move(message)]() mutable {
       with([&](const Calls& calls) { calls.send ? calls.send(std::move(message)) : void(); });
     });
@@ -47,28 +106,22 @@ std::shared_ptr<Viewer> Hub::admit(Calls calls) {
     });
   };
   posted.ended = [this, number, works = boost::asio::make_work_guard(io_)] {
-    boost::asio::post(io_, [this, number] { bury(number); });
+    boost::asio::post(io_, [this, number] { join(number); });
   };
   auto viewer = std::make_shared<Viewer>(std::move(ready_), start_, std::move(posted));
   viewers_[number] = {viewer, std::move(calls)};
-  return viewer;
+  return {viewer, ""};
 }
 
-void Hub::letGo(const std::shared_ptr<Viewer>& viewer) {
+void Hub::release(const std::shared_ptr<Viewer>& viewer) {
   viewer->stop();
   for (auto& [number, admitted] : viewers_)
-    if (admitted.viewer == viewer) admitted.calls = {};
+    if (admitted.viewer == viewer) admitted.calls = {}, admitted.released = true;
 }
 
-void Hub::bury(uint64_t number) {
+void Hub::join(uint64_t number) {
   const auto ended = viewers_.extract(number);
   for (const std::string& message : ended.mapped().viewer->validationMessages()) validationMessages_.push_back(message);
-}
-
-void Hub::close() {
-  closed_ = true;
-  ready_.reset();
-  for (const auto& [who, call] : std::exchange(closers_, {})) call();
 }
 
 }  // namespace latelight::serve

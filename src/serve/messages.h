@@ -9,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "base/memory.h"
 #include "view/session.h"
 
 namespace latelight::serve {
@@ -24,15 +25,27 @@ struct TakeScreenshot {
 struct ShowLights {  // tell where they are
   bool on;
 };
-// An environment's picture follows in binary messages: as much as they are together.
+// An environment's picture follows in binary messages of this many bytes in total.
 struct SendFile {
   std::string name;
   size_t bytes;
 };
+// The server's own order in place of one that it can't carry out: the page is sent the sentence.
+struct Refused {
+  std::string sentence;
+};
 struct Order {
-  std::variant<view::Input, Shown, TakeScreenshot, ShowLights, SendFile> what;
+  std::variant<view::Input, Shown, TakeScreenshot, ShowLights, SendFile, Refused> what;
   uint64_t serial = 0;  // the page's own count; pictures say the last one that they follow
 };
+// An order that is answered with a message of its own.
+inline bool isAnswered(const Order& order) {
+  return std::holds_alternative<TakeScreenshot>(order.what) || std::holds_alternative<Refused>(order.what);
+}
+inline bool isFile(const Order& order) {
+  const auto* input = std::get_if<view::Input>(&order.what);
+  return input && std::holds_alternative<view::GiveEnvironment>(*input);
+}
 // What no page of ours says: its connection is closed with this sentence.
 class BadMessage : public std::runtime_error {
  public:
@@ -40,11 +53,17 @@ class BadMessage : public std::runtime_error {
 };
 // `start`: of environments, files other than the one that it names are not the page's to open.
 Order readOrder(std::string_view text, const view::Start& start);
-constexpr size_t kMostBytes = 4096;       // of such a message
-constexpr size_t kMostPiece = 64 << 10;   // of a file, a message
-constexpr size_t kMostOfFile = 64 << 20;  // 4096x2048 pixels of a .hdr file are 33 MB at most
+constexpr size_t kMaxOrderBytes = 4096;
+constexpr size_t kMaxPieceBytes = 64 << 10;  // of a file, per message
+constexpr size_t kMaxFileBytes = 64 << 20;   // a .hdr file of 4096x2048 pixels has at most 33 MB
 
 // --- to the page: a length, a header in JSON of that many bytes, and the bytes that the header tells of ---
+
+// Its bytes count against the limit of memory until they have been written to the socket.
+struct Message {
+  std::string bytes;
+  MemoryClaim memory;
+};
 
 std::string envelope(const nlohmann::json& header, const std::vector<std::string_view>& payload = {});
 // What controls are made of: options, outputs and the like.

@@ -13,13 +13,24 @@ constexpr size_t kTelling = 4096;             // bytes; of fewer the time is cha
 
 void Pace::sent(uint64_t number, size_t bytes, Time now) {
   underway_.push_back({number, bytes, now});
+  bytes_ += bytes;
+}
+
+void Pace::written(Time now) {
+  ++written_;
+  settle(now);
+}
+
+void Pace::shown(uint64_t number, Time now) {
+  if (!underway_.empty()) shown_ = std::max(shown_, std::min(number, underway_.back().number));
+  settle(now);
 }
 
 // A message waits for the one before it: its own time begins when that one has arrived, or when it could have been here
 // itself, were it empty.
-void Pace::shown(uint64_t number, Time now) {
+void Pace::settle(Time now) {
   using Seconds = std::chrono::duration<double>;
-  while (!underway_.empty() && underway_.front().number <= number) {
+  while (!underway_.empty() && underway_.front().number <= shown_ && settled_ < written_) {
     const Message& message = underway_.front();
     const double since = Seconds(now - message.at).count(), sinceLast = Seconds(now - lastShown_).count();
     if (message.bytes < kTelling) {
@@ -30,6 +41,8 @@ void Pace::shown(uint64_t number, Time now) {
       rate_ = rate_ >= kUnknown ? measured : 0.7 * rate_ + 0.3 * measured;
     }
     lastShown_ = now;
+    bytes_ -= message.bytes;
+    ++settled_;
     underway_.pop_front();
   }
 }

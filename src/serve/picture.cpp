@@ -36,18 +36,18 @@ std::vector<uint8_t> overGround(std::span<const uint8_t> rgba) {
   return opaque;
 }
 
+// The encoder grows its buffer with the file.
 std::string encodeJpeg(std::span<const uint8_t> rgba, uint32_t width, uint32_t rows, int quality) {
   const std::unique_ptr<void, int (*)(void*)> encoder(tjInitCompress(), tjDestroy);
   const int chroma = quality >= kFullColour ? TJSAMP_444 : TJSAMP_420;
-  const int w = static_cast<int>(width), h = static_cast<int>(rows);
-  std::string jpeg(tjBufSize(w, h, chroma), '\0');
-  auto* to = reinterpret_cast<unsigned char*>(jpeg.data());
-  unsigned long bytes = jpeg.size();
-  if (!encoder || tjCompress2(encoder.get(), rgba.data(), w, 0, h, TJPF_RGBX, &to, &bytes, chroma, quality,
-                              TJFLAG_NOREALLOC | TJFLAG_FASTDCT) != 0)
-    fail(ExitCode::Internal, "a picture could not be encoded: {}", tjGetErrorStr2(encoder.get()));
-  jpeg.resize(bytes);
-  return jpeg;
+  unsigned char* file = nullptr;
+  unsigned long bytes = 0;
+  const bool encoded =
+      encoder && tjCompress2(encoder.get(), rgba.data(), static_cast<int>(width), 0, static_cast<int>(rows), TJPF_RGBX,
+                             &file, &bytes, chroma, quality, TJFLAG_FASTDCT) == 0;
+  const std::unique_ptr<unsigned char, void (*)(unsigned char*)> owner(file, tjFree);
+  if (!encoded) fail(ExitCode::Internal, "a picture could not be encoded: {}", tjGetErrorStr2(encoder.get()));
+  return {reinterpret_cast<const char*>(file), bytes};
 }
 
 // What is opaque is encoded where it lies.
@@ -68,6 +68,10 @@ std::vector<Strip> encodeStrips(const view::Frame& frame, int quality) {
     for (size_t i = begin; i < end; ++i) strips[i].jpeg = encodeStrip(frame, strips[i], quality);
   });
   return strips;
+}
+
+uint64_t encodingBytes(const view::Frame& frame) {
+  return tjBufSize(static_cast<int>(frame.width), static_cast<int>(frame.height), TJSAMP_444) + frame.rgba.size();
 }
 
 size_t bytesOf(const std::vector<Strip>& strips) {

@@ -21,5 +21,8 @@ constexpr uint8_t kBehind[3] = {24, 26, 30};
 constexpr int kFullColour = 90;
 
 size_t bytesOf(const std::vector<Strip>& strips);
+// Enough for encodeStrips() and for a message with its strips: JPEG's upper bound, which is more than twice the size of
+// noise, and a copy of the pixels.
+uint64_t encodingBytes(const view::Frame& frame);
 
 }  // namespace latelight::serve

@@ -88,7 +88,7 @@ view::MoveLight moveLight(const Json& message) {
 
 // A name alone: none that says where it lies.
 SendFile file(const Json& message) {
-  SendFile sent{text(message, "name"), whole<uint64_t>(message, "bytes", kMostOfFile)};
+  SendFile sent{text(message, "name"), whole<uint64_t>(message, "bytes", kMaxFileBytes)};
   if (!sent.name.ends_with(".hdr") && !sent.name.ends_with(".exr")) throw BadMessage("an environment is .hdr or .exr");
   if (sent.name.find('/') != sent.name.npos) throw BadMessage("a file's name has no folder");
   return sent;

@@ -76,7 +76,7 @@ struct Server::Impl {
   Hub hub;
 };
 
-// Where the process has no descriptor left, it waits for one.
+// When the process has no descriptor left, connections that wait for nothing but a request give theirs back.
 void Server::Impl::accept() {
   acceptor.async_accept([this](ErrorCode error, tcp::socket socket) {
     if (hub.isClosed()) return;
@@ -84,8 +84,9 @@ void Server::Impl::accept() {
       startConnection(std::move(socket), hub);
       return accept();
     }
-    record(fmt::format("a connection could not be taken: {}", error.message()));
-    pause.expires_after(std::chrono::seconds(1));
+    const bool retriesSoon = error == asio::error::no_descriptors && hub.closeLongestWaiting();
+    if (!retriesSoon) record(fmt::format("a connection could not be accepted: {}", error.message()));
+    pause.expires_after(retriesSoon ? std::chrono::milliseconds(10) : std::chrono::seconds(1));
     pause.async_wait([this](ErrorCode) {
       if (!hub.isClosed()) accept();
     });

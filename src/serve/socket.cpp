@@ -5,12 +5,11 @@
 #include <boost/beast/core.hpp>
 #include <boost/beast/websocket.hpp>
 #include <deque>
-#include <optional>
 #include <span>
 #include <utility>
-#include <vector>
 
 #include "base/journal.h"
+#include "serve/upload.h"
 
 namespace latelight::serve {
 
@@ -20,22 +19,20 @@ namespace beast = boost::beast;
 namespace websocket = beast::websocket;
 using boost::asio::ip::tcp;
 
-// Bytes that are written at once: pings go between, and a picture is not a hundred calls of the system.
+// Bytes per write: pings fit in between, and a picture does not take a hundred system calls.
 constexpr size_t kFragment = 64 << 10;
 
 class Socket : public std::enable_shared_from_this<Socket> {
  public:
-  Socket(tcp::socket socket, Request request, std::string peer, Hub& hub)
-      : stream_(std::move(socket)), request_(std::move(request)), peer_(std::move(peer)), hub_(hub) {
-    hub_.whenClosed(this, [this] { close(websocket::close_code::going_away, "the server was stopped"); });
+  Socket(tcp::socket socket, Request request, std::string peer, Hub& hub, std::unique_ptr<Visit> visit)
+      : stream_(std::move(socket)),
+        request_(std::move(request)),
+        peer_(std::move(peer)),
+        hub_(hub),
+        visit_(std::move(visit)) {
+    visit_->closeBy([this] { close(websocket::close_code::going_away, "the server was stopped"); });
   }
-  ~Socket() {
-    hub_.forget(this);
-    hub_.leave();
-    if (!viewer_) return;
-    hub_.letGo(viewer_);
-    record(fmt::format("a viewer at {} has left", peer_));
-  }
+  ~Socket() { leave(); }
 
   void accept();
 
@@ -45,38 +42,39 @@ class Socket : public std::enable_shared_from_this<Socket> {
   void take(beast::error_code error);
   void takeText(const std::string& text);
   void takePiece(const std::string& bytes);
-  void send(std::string message);
+  void send(Message message);
   void write();
   void close(websocket::close_code code, const std::string& reason);
   void refuse(const std::string& why);
+  void leave();
 
   websocket::stream<beast::tcp_stream> stream_;
   const Request request_;
   const std::string peer_;
   Hub& hub_;
+  const std::unique_ptr<Visit> visit_;
   std::shared_ptr<Viewer> viewer_;
   beast::flat_buffer buffer_;
-  struct Incoming {
-    SendFile sent;
-    uint64_t serial;
-    std::vector<std::byte> bytes{};
-  };
-  std::optional<Incoming> file_;
-  std::deque<std::string> outgoing_;  // as many as a viewer may have on their way
+  std::unique_ptr<Upload> upload_;
+  std::deque<Message> outgoing_;  // the viewer sends no more than Pace allows before they are written
   bool closing_ = false;
 };
 
-// Pings find out who is gone without a word.
+// Pings find connections that broke without notice. A page that closes its socket leaves at once, even if a write that
+// it never reads keeps the socket from closing.
 void Socket::accept() {
   websocket::stream_base::timeout times = websocket::stream_base::timeout::suggested(beast::role_type::server);
   times.handshake_timeout = std::chrono::seconds(10);
   times.idle_timeout = std::chrono::seconds(30);
   times.keep_alive_pings = true;
   stream_.set_option(times);
-  stream_.read_message_max(kMostPiece);
+  stream_.read_message_max(kMaxPieceBytes);
   stream_.binary(true);
   stream_.write_buffer_bytes(kFragment);
   beast::get_lowest_layer(stream_).socket().set_option(tcp::no_delay(true));
+  stream_.control_callback([this](websocket::frame_type kind, beast::string_view) {
+    if (kind == websocket::frame_type::close) leave();
+  });
   stream_.async_accept(request_, [self = shared_from_this()](beast::error_code error) {
     if (!error) self->begin();
   });
@@ -86,16 +84,15 @@ void Socket::accept() {
 void Socket::begin() {
   const std::weak_ptr<Socket> weak = weak_from_this();
   Hub::Calls calls;
-  calls.send = [weak](std::string message) {
+  calls.send = [weak](Message message) {
     if (const auto self = weak.lock()) self->send(std::move(message));
   };
   calls.fail = [weak](const std::string& sentence) {
     if (const auto self = weak.lock()) self->close(websocket::close_code::internal_error, sentence);
   };
-  viewer_ = hub_.admit(std::move(calls));
-  if (!viewer_)
-    return close(websocket::close_code::try_again_later,
-                 fmt::format("all {} sessions are in use; close another page", hub_.sessions()));
+  Hub::Admission admission = hub_.admit(std::move(calls));
+  if (!admission.viewer) return close(websocket::close_code::try_again_later, admission.refusal);
+  viewer_ = std::move(admission.viewer);
   record(fmt::format("a viewer at {} has come", peer_));
   read();
 }
@@ -105,8 +102,9 @@ void Socket::read() {
 }
 
 void Socket::take(beast::error_code error) {
+  if (error) leave();
   if (error == websocket::error::message_too_big) return record(fmt::format("refused {}: too long a message", peer_));
-  if (error) return;
+  if (error || !viewer_) return;
   try {
     const std::string message = beast::buffers_to_string(buffer_.data());
     buffer_.consume(buffer_.size());
@@ -117,23 +115,23 @@ void Socket::take(beast::error_code error) {
   read();
 }
 
+// Of a page's files only the last one counts: one that still waits for the viewer makes room for it.
 void Socket::takeText(const std::string& text) {
-  if (text.size() > kMostBytes) throw BadMessage("too long a message");
+  if (text.size() > kMaxOrderBytes) throw BadMessage("too long a message");
   Order order = readOrder(text, hub_.start());
   const auto* sent = std::get_if<SendFile>(&order.what);
   if (!sent) return viewer_->take(std::move(order));
-  file_ = Incoming{*sent, order.serial};
+  upload_.reset();
+  viewer_->dropFile();
+  upload_ = std::make_unique<Upload>(*sent, order.serial);
 }
 
 void Socket::takePiece(const std::string& bytes) {
-  if (!file_ || file_->bytes.size() + bytes.size() > file_->sent.bytes)
-    throw BadMessage("pages send text, and the files that they say they send");
-  const auto piece = std::as_bytes(std::span(bytes));
-  file_->bytes.insert(file_->bytes.end(), piece.begin(), piece.end());
-  if (file_->bytes.size() < file_->sent.bytes) return;
-  auto whole = std::make_shared<const std::vector<std::byte>>(std::move(file_->bytes));
-  viewer_->take({view::GiveEnvironment{file_->sent.name, std::move(whole)}, file_->serial});
-  file_.reset();
+  if (!upload_) throw BadMessage("pages send text, and the files that they announce");
+  upload_->add(std::as_bytes(std::span(bytes)));
+  if (!upload_->isComplete()) return;
+  viewer_->take(upload_->order());
+  upload_.reset();
 }
 
 void Socket::refuse(const std::string& why) {
@@ -141,23 +139,34 @@ void Socket::refuse(const std::string& why) {
   close(websocket::close_code::policy_error, why);
 }
 
-void Socket::send(std::string message) {
+// The message that is being written stays until then.
+void Socket::leave() {
+  upload_.reset();
+  while (outgoing_.size() > 1) outgoing_.pop_back();
+  if (!viewer_) return;
+  hub_.release(std::exchange(viewer_, nullptr));
+  record(fmt::format("a viewer at {} has left", peer_));
+}
+
+void Socket::send(Message message) {
   if (closing_) return;
   outgoing_.push_back(std::move(message));
   if (outgoing_.size() == 1) write();
 }
 
 void Socket::write() {
-  stream_.async_write(boost::asio::buffer(outgoing_.front()),
+  stream_.async_write(boost::asio::buffer(outgoing_.front().bytes),
                       [self = shared_from_this()](beast::error_code error, size_t) {
                         if (error || self->closing_) return;
                         self->outgoing_.pop_front();
+                        if (self->viewer_) self->viewer_->wrote();
                         if (!self->outgoing_.empty()) self->write();
                       });
 }
 
 void Socket::close(websocket::close_code code, const std::string& reason) {
   if (std::exchange(closing_, true)) return;
+  leave();
   websocket::close_reason said(code);
   said.reason = beast::string_view(reason).substr(0, said.reason.max_size());
   stream_.async_close(said, [self = shared_from_this()](beast::error_code) {});
@@ -165,9 +174,8 @@ void Socket::close(websocket::close_code code, const std::string& reason) {
 
 }  // namespace
 
-void startSocket(tcp::socket socket, Request request, const std::string& peer, Hub& hub) {
-  if (!hub.enter()) return;
-  std::make_shared<Socket>(std::move(socket), std::move(request), peer, hub)->accept();
+void startSocket(tcp::socket socket, Request request, const std::string& peer, Hub& hub, std::unique_ptr<Visit> visit) {
+  std::make_shared<Socket>(std::move(socket), std::move(request), peer, hub, std::move(visit))->accept();
 }
 
 }  // namespace latelight::serve

@@ -106,7 +106,7 @@ Json tables(const view::Start& start) {
   Json told{{"options", Json::array()},
             {"outputs", Json::array()},
             {"environments", {"", "studio", "none"}},
-            {"file", {{"most", kMostOfFile}, {"piece", kMostPiece}}}};
+            {"file", {{"most", kMaxFileBytes}, {"piece", kMaxPieceBytes}}}};
   for (const render::Option& option : render::options())
     if (render::keyOf(option) != "size") told["options"].push_back(describe(option));
   told["outputs"].push_back({{"name", "picture"}, {"help", "what the camera sees"}});

@@ -6,6 +6,7 @@
 #include <deque>
 #include <exception>
 #include <mutex>
+#include <new>
 #include <thread>
 #include <utility>
 
@@ -20,15 +21,22 @@ namespace {
 using Json = nlohmann::json;
 using Clock = std::chrono::steady_clock;
 
-constexpr size_t kMostWaiting = 4096;  // orders; pages send some hundred a second at most
+constexpr size_t kMaxOrdersWaiting = 4096;  // orders; pages send some hundred a second at most
+
+constexpr std::string_view kPicture = "a picture on its way to the page";
+
+// Bytes per pixel of a screenshot while it is made: its pixels, the filtered rows, and the file.
+constexpr uint64_t kScreenshotBytesPerPixel = 12;
 
 // The picture as fine as it may be, and what the page must know of it. `fine`: it is the one to be looked at.
 struct Encoded {
   Json header;
   std::vector<Strip> strips;
+  MemoryClaim stripsMemory, messageMemory;
 };
 Encoded encode(const view::Frame& frame, const Pace& pace, bool fine) {
   const auto begin = Clock::now();
+  MemoryClaim memory(encodingBytes(frame), kPicture);
   int quality = pace.quality(fine);
   std::vector<Strip> strips = encodeStrips(frame, quality);
   while (fine) {
@@ -36,6 +44,8 @@ Encoded encode(const view::Frame& frame, const Pace& pace, bool fine) {
     if (coarser == quality) break;
     strips = encodeStrips(frame, quality = coarser);
   }
+  const size_t bytes = bytesOf(strips);
+  memory = {};
   Encoded encoded{{{"width", frame.width},
                    {"height", frame.height},
                    {"final", fine},
@@ -44,11 +54,26 @@ Encoded encode(const view::Frame& frame, const Pace& pace, bool fine) {
                    {"encoding", 1000 * std::chrono::duration<double>(Clock::now() - begin).count()},
                    {"passes", Json::array()},
                    {"strips", Json::array()}},
-                  std::move(strips)};
+                  std::move(strips),
+                  MemoryClaim(bytes, kPicture),
+                  MemoryClaim(bytes, kPicture)};
   for (const graph::PassTime& pass : frame.passes) encoded.header["passes"].push_back({pass.name, pass.milliseconds});
   for (const Strip& strip : encoded.strips)
     encoded.header["strips"].push_back({{"y", strip.y}, {"bytes", strip.jpeg.size()}});
   return encoded;
+}
+
+// Runs it, and returns the sentence that says why there is no memory for it.
+template <typename Act>
+std::string refusalOf(const Act& act) {
+  try {
+    act();
+    return "";
+  } catch (const Error& error) {
+    return error.what();
+  } catch (const std::bad_alloc&) {
+    return "the machine has no memory left for the picture; use a smaller one";
+  }
 }
 
 }  // namespace
@@ -58,11 +83,13 @@ struct Viewer::Impl {
       : start(start), calls(std::move(calls)), session(std::move(ready)) {}
 
   void run();
+  bool mayFollow() const;
+  std::deque<Order> takeOrders();
   bool waitForWork();
   void follow(const Order& order);
   void sendNews();
   void sendScreenshot(view::Side side);
-  void send(Json header, const std::vector<std::string_view>& payload);
+  void send(Json header, const std::vector<std::string_view>& payload, MemoryClaim memory = {});
   Pace paceNow() {
     std::lock_guard lock(mutex);
     return pace;
@@ -80,6 +107,7 @@ struct Viewer::Impl {
   uint64_t messages = 0, pictures = 0, serial = 0, serialTold = 0;
   bool showsLights = false;
   bool isFine = false, restsTold = false;  // `isFine`: as the last picture was sent
+  std::string refusal;                     // why it was not sent
 
   std::mutex mutex;
   std::condition_variable changed;
@@ -89,20 +117,36 @@ struct Viewer::Impl {
   std::thread thread;
 };
 
-// Without leave to send there is nothing to do but to follow orders; nor before the first one, which tells how large
-// pictures are. False: it is time to stop.
+// Orders are followed in turn. One that is answered waits until there is leave to send, and so do all after it: a page
+// that does not read gets no more than Pace allows.
+bool Viewer::Impl::mayFollow() const {
+  return !waiting.empty() && (!isAnswered(waiting.front()) || pace.maySend());
+}
+
+// Up to the first that is answered, and that one if it may be.
+std::deque<Order> Viewer::Impl::takeOrders() {
+  std::deque<Order> orders;
+  for (bool answered = false; !answered && mayFollow(); waiting.pop_front()) {
+    answered = isAnswered(waiting.front());
+    orders.push_back(std::move(waiting.front()));
+  }
+  return orders;
+}
+
+// Without leave to send, or before the first order, which says how large pictures are, all work is to follow orders.
+// Returns false when it is time to stop.
 bool Viewer::Impl::waitForWork() {
   std::deque<Order> orders;
   {
     std::unique_lock lock(mutex);
     const bool mayMake = hasBegun && pace.maySend();
-    const auto news = [&] { return stops || !waiting.empty() || (hasBegun && !mayMake && pace.maySend()); };
+    const auto news = [&] { return stops || mayFollow() || (hasBegun && !mayMake && pace.maySend()); };
     if (mayMake)
       changed.wait_for(lock, std::chrono::duration<double>(session->patience()), news);
     else
       changed.wait(lock, news);
     if (stops) return false;
-    orders.swap(waiting);
+    orders = takeOrders();
   }
   hasBegun |= !orders.empty();
   for (const Order& order : orders) follow(order);
@@ -116,27 +160,35 @@ void Viewer::Impl::follow(const Order& order) {
     sendScreenshot(shot->side);
   else if (const auto* lights = std::get_if<ShowLights>(&order.what))
     showsLights = lights->on;
+  else if (const auto* refused = std::get_if<Refused>(&order.what))
+    send({{"failed", refused->sentence}}, {});
   serial = std::max(serial, order.serial);  // a file's is followed once all of it is here
 }
 
-void Viewer::Impl::send(Json header, const std::vector<std::string_view>& payload) {
+// `memory`: the message's, if it has a payload.
+void Viewer::Impl::send(Json header, const std::vector<std::string_view>& payload, MemoryClaim memory) {
   header["number"] = ++messages;
   header["serial"] = serial;
-  std::string message = envelope(header, payload);
+  Message message{envelope(header, payload), std::move(memory)};
   {
     std::lock_guard lock(mutex);
-    pace.sent(messages, message.size(), Clock::now());
+    pace.sent(messages, message.bytes.size(), Clock::now());
   }
   calls.send(std::move(message));
 }
 
 void Viewer::Impl::sendScreenshot(view::Side side) {
-  try {
-    const std::vector<std::byte> png = session->screenshot(side);
-    send({{"screenshot", png.size()}}, {{reinterpret_cast<const char*>(png.data()), png.size()}});
-  } catch (const Error& error) {
-    send({{"failed", error.what()}}, {});
-  }
+  std::vector<std::byte> png;
+  MemoryClaim memory, messageMemory;
+  const std::string refusal = refusalOf([&] {
+    const view::State& state = session->state();
+    memory.grow(kScreenshotBytesPerPixel * state.width * state.height, "the screenshot");
+    png = session->screenshot(side);
+    messageMemory.grow(png.size(), "the screenshot");
+  });
+  if (!refusal.empty()) return send({{"failed", refusal}}, {});
+  send({{"screenshot", png.size()}}, {{reinterpret_cast<const char*>(png.data()), png.size()}},
+       std::move(messageMemory));
 }
 
 // What changed of the state, and the picture where there is a new one; or only that orders were followed. A device that
@@ -144,19 +196,20 @@ void Viewer::Impl::sendScreenshot(view::Side side) {
 // still.
 void Viewer::Impl::sendNews() {
   Json header = Json::object();
-  Encoded encoded;
+  Encoded encoded{};
   std::vector<std::string_view> payload;
   if (session->wantsFrame()) session->next();
   const view::Frame& frame = session->frame();
   const bool fine = frame.final && !session->moves();
   if (frame.width != 0 && (frame.number != pictures || (fine && !isFine))) {
-    encoded = encode(frame, paceNow(), fine);
-    if (!fine) notePicture(bytesOf(encoded.strips));
     pictures = frame.number, isFine = fine;
-    header["picture"] = encoded.header;
+    refusal = refusalOf([&] { encoded = encode(frame, paceNow(), fine); });
+    if (refusal.empty()) header["picture"] = encoded.header;
+    if (!fine && refusal.empty()) notePicture(bytesOf(encoded.strips));
     for (const Strip& strip : encoded.strips) payload.push_back(strip.jpeg);
   }
   Json now = describe(*session, showsLights);
+  if (!refusal.empty()) now["error"] = refusal;
   Json changed = changes(told, now);
   told = std::move(now);
   if (!changed.empty()) header["state"] = std::move(changed);
@@ -164,7 +217,7 @@ void Viewer::Impl::sendNews() {
   if (header.empty() && serial == serialTold && rests == restsTold) return;
   header["rests"] = restsTold = rests;
   serialTold = serial;
-  send(std::move(header), payload);
+  send(std::move(header), payload, std::move(encoded.messageMemory));
 }
 
 void Viewer::Impl::run() {
@@ -195,10 +248,21 @@ void Viewer::take(Order order) {
   std::lock_guard lock(impl_->mutex);
   if (const auto* shown = std::get_if<Shown>(&order.what))
     impl_->pace.shown(shown->number, Clock::now());
-  else if (impl_->waiting.size() < kMostWaiting)
+  else if (impl_->waiting.size() < kMaxOrdersWaiting)
     impl_->waiting.push_back(std::move(order));
   else
     throw BadMessage("too many messages at once");
+  impl_->changed.notify_all();
+}
+
+void Viewer::dropFile() {
+  std::lock_guard lock(impl_->mutex);
+  std::erase_if(impl_->waiting, isFile);
+}
+
+void Viewer::wrote() {
+  std::lock_guard lock(impl_->mutex);
+  impl_->pace.written(Clock::now());
   impl_->changed.notify_all();
 }
 

@@ -16,17 +16,19 @@ class Viewer {
  public:
   // Called in the viewer's thread.
   struct Calls {
-    std::function<void(std::string message)> send;
-    std::function<void(std::string sentence)> fail;  // the session can't be, or can't go on
+    std::function<void(Message message)> send;
+    std::function<void(std::string sentence)> fail;  // the session can't begin or continue
     std::function<void()> ended;                     // the last one: the thread may be joined
   };
   // `ready`: a session that was made before; null: it makes its own.
   Viewer(std::unique_ptr<view::ViewSession> ready, const view::Start& start, Calls calls);
   ~Viewer();  // waits for the picture that is being made
 
-  void take(Order order);  // throws BadMessage where there are more than pictures are made for
+  void take(Order order);  // throws BadMessage if too many orders wait
+  void dropFile();         // one that still waits
+  void wrote();            // the oldest message that send() got has been written
   void stop();
-  // What the validation layers said; once it has ended.
+  // The validation layers' messages, once the thread has ended.
   const std::vector<std::string>& validationMessages() const;
 
  private:

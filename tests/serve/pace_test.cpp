@@ -43,6 +43,7 @@ Outcome simulate(Network network, double bytes, double seconds) {
     const size_t size = empty ? 200 : sized(pace.quality(false));
     if (!empty) pace.made(size);
     pace.sent(++number, size, at(t));
+    pace.written(at(t));
     network.free = std::max(network.free, t) + static_cast<double>(size) / network.rate;
     underway.push_back({number, network.free + 2 * network.delay});
     run.late.push_back(underway.back().shown - t);
@@ -63,7 +64,36 @@ TEST(PaceTest, AtMostTwoMessagesAreUnderway) {
   EXPECT_TRUE(pace.maySend());
   pace.sent(2, 10, Time{});
   EXPECT_FALSE(pace.maySend());
-  pace.shown(7, Time{});  // what was never sent is no reason to stop
+  pace.written(Time{});
+  pace.written(Time{});
+  pace.shown(7, Time{});  // a number that was never sent is no reason to stop
+  EXPECT_TRUE(pace.maySend());
+}
+
+// Otherwise a page that reads nothing could have any number of messages made.
+TEST(PaceTest, WhatWasNotWrittenWasNotShown) {
+  Pace pace;
+  pace.sent(1, 10, Time{});
+  pace.sent(2, 10, Time{});
+  pace.shown(2, Time{});
+  EXPECT_FALSE(pace.maySend());
+  pace.written(Time{});
+  EXPECT_TRUE(pace.maySend());
+  pace.sent(3, 10, Time{});
+  EXPECT_FALSE(pace.maySend());
+  pace.shown(3, Time{});
+  EXPECT_FALSE(pace.maySend());
+  pace.written(Time{});
+  pace.written(Time{});
+  EXPECT_TRUE(pace.maySend());
+}
+
+TEST(PaceTest, NoMessageFollowsALargeOne) {
+  Pace pace;
+  pace.sent(1, 33 << 20, Time{});
+  EXPECT_FALSE(pace.maySend());
+  pace.written(Time{});
+  pace.shown(1, Time{});
   EXPECT_TRUE(pace.maySend());
 }
 

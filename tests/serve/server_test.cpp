@@ -11,8 +11,11 @@
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/write.hpp>
 #include <cmath>
+#include <condition_variable>
 #include <filesystem>
 #include <fstream>
+#include <latelight/latelight.h>
+#include <mutex>
 #include <random>
 #include <thread>
 
@@ -26,6 +29,7 @@
 #include "serve/client.h"
 #include "serve/messages.h"
 #include "serve/picture.h"
+#include "serve/viewer.h"
 
 namespace latelight::serve {
 namespace {
@@ -208,11 +212,11 @@ TEST_F(ServerTest, ClosesOnMalformedMessages) {
 TEST_F(ServerTest, ClosesOnTooLongMessages) {
   const auto keyOf = [](size_t length) { return R"({"type":"key","name":")" + std::string(length, 'a') + "\"}"; };
   Client large = client(), huge = client();
-  large.sayText(keyOf(kMostBytes));
+  large.sayText(keyOf(kMaxOrderBytes));
   EXPECT_ANY_THROW(for (;;) large.hear());
   EXPECT_EQ(large.closeCode(), 1008);
   const auto sayAndHear = [&] {
-    huge.sayText(keyOf(10 * kMostPiece));
+    huge.sayText(keyOf(10 * kMaxPieceBytes));
     for (;;) huge.hear();
   };
   EXPECT_ANY_THROW(sayAndHear());
@@ -294,8 +298,8 @@ TEST_F(ServerTest, AnEnvironmentIsSentByThePage) {
 
 // Another server, until it goes.
 struct Running {
-  explicit Running(const std::string& scene, bool validate = true)
-      : server({}, {.scene = scene, .device = "cpu", .validate = validate, .width = 64, .height = 48}),
+  explicit Running(const std::string& scene, bool validate = true, const ServerOptions& options = {})
+      : server(options, {.scene = scene, .device = "cpu", .validate = validate, .width = 64, .height = 48}),
         thread([this] { EXPECT_NO_THROW(server.run()); }) {}
   ~Running() {
     server.stop();
@@ -436,6 +440,155 @@ TEST_F(ServerTest, EightLookAtOnceAndTheNinthWaits) {
     EXPECT_THAT(ninth.closeReason(), HasSubstr("8 sessions"));
   }
   client();
+}
+
+// A session that still makes its picture after its page has gone holds up no reload.
+TEST(ServerOfOneSessionTest, AReloadedPageGetsInAtOnce) {
+  Running running("builtin:boxes", false, {.sessions = 1});
+  for (int reload = 0; reload < 3; ++reload) {
+    Client page(running.server.port(), running.server.token());
+    EXPECT_NO_THROW(page.show(page.hear())) << page.closeReason();
+    page.say({{"type", "option"}, {"name", "aa"}, {"value", "ss4"}});
+    page.say({{"type", "resize"}, {"width", 800}, {"height", 600}});
+    std::this_thread::sleep_for(100ms);  // it has begun
+  }
+  Client page(running.server.port(), running.server.token());
+  page.show(page.hear());
+  Client second(running.server.port(), running.server.token());
+  EXPECT_ANY_THROW(second.hear());
+  EXPECT_THAT(second.closeReason(), HasSubstr("all 1 sessions"));
+}
+
+// Connections that say nothing make room, the oldest first; sessions and pages with the token do not notice.
+TEST(ServerInACrowdTest, SilentConnectionsKeepNobodyOut) {
+  namespace asio = boost::asio;
+  using asio::ip::tcp;
+  Running running("builtin:boxes", false);
+  const uint16_t port = running.server.port();
+  Client page(port, running.server.token());
+  page.show(page.hear());
+  asio::io_context io;
+  std::vector<tcp::socket> silent;
+  for (int i = 0; i < 300; ++i) silent.emplace_back(io).connect({asio::ip::address_v4::loopback(), port});
+  EXPECT_THAT(get(port, "/" + running.server.token() + "/"), StartsWith("HTTP/1.1 200"));
+  EXPECT_NO_THROW(Client(port, running.server.token()).hear());
+  page.say({{"type", "resize"}, {"width", 64}, {"height", 48}});
+  EXPECT_NO_THROW(page.hearFinal());
+  const auto isClosed = [](tcp::socket& socket) {
+    char byte = 0;
+    return recv(socket.native_handle(), &byte, 1, MSG_DONTWAIT) == 0;
+  };
+  EXPECT_TRUE(isClosed(silent.front()));
+  EXPECT_FALSE(isClosed(silent.back()));
+}
+
+// --- memory ---------------------------------------------------------------------------------------------------------
+
+// Limits what this process may claim, until it goes.
+struct MemoryLimit {
+  explicit MemoryLimit(uint64_t bytes) { setMemoryLimit(bytes); }
+  ~MemoryLimit() { setMemoryLimit(0); }
+};
+
+void announce(Client& page, const std::string& name, size_t bytes) {
+  page.say({{"type", "file"}, {"name", name}, {"bytes", bytes}});
+}
+
+// While a picture is made, one page sends far more than it may keep waiting.
+TEST_F(ServerTest, OfFilesThatWaitTheLastIsKept) {
+  constexpr size_t kBytes = 32 << 20, kPiece = 64 << 10;
+  const models::Bytes sky = models::radiancePanorama(64, 32);
+  std::string file(reinterpret_cast<const char*>(sky.data()), sky.size());
+  file.resize(kBytes);  // bytes after the last pixel are ignored
+  Client page = resized();
+  page.hearFinal();
+  const size_t bytesBefore = residentBytes();
+  page.say({{"type", "option"}, {"name", "aa"}, {"value", "ss4"}});
+  page.say({{"type", "resize"}, {"width", 640}, {"height", 480}});
+  size_t most = 0;
+  uint64_t last = 0;
+  for (int i = 0; i < 8; ++i) {
+    last = page.say({{"type", "file"}, {"name", "sky" + std::to_string(i) + ".hdr"}, {"bytes", kBytes}});
+    for (size_t at = 0; at < kBytes; at += kPiece) page.sayBinary(file.substr(at, kPiece));
+    most = std::max(most, residentBytes());
+  }
+  EXPECT_LT(most, bytesBefore + (192 << 20)) << "the picture, and two files of 32 MiB; not eight";
+  page.say({{"type", "option"}, {"name", "aa"}, {"value", ""}});
+  page.say({{"type", "resize"}, {"width", 64}, {"height", 48}});
+  while (page.hearFinal().header["serial"] <= last) continue;
+  EXPECT_EQ(page.state()["environment"], "sky7.hdr");
+}
+
+TEST_F(ServerTest, WithoutMemoryThereIsASentenceAndThePageGoesOn) {
+  Client page = resized();
+  page.hearFinal();
+  const auto hearUntil = [&](const auto& holds) {
+    for (;;) {
+      const Client::Message message = page.hear();
+      page.show(message);
+      if (holds(message.header)) return message.header;
+    }
+  };
+  {
+    const MemoryLimit limit(1 << 20);
+    announce(page, "sky.hdr", 2 << 20);
+    for (int i = 0; i < 32; ++i) page.sayBinary(std::string(64 << 10, 'x'));
+    const Json told = hearUntil([](const Json& header) { return header.contains("failed"); });
+    EXPECT_THAT(told["failed"].get<std::string>(), StartsWith("there is no memory for the file 'sky.hdr'"));
+    page.say({{"type", "screenshot"}});
+    const Json shot = hearUntil([](const Json& header) { return header.contains("failed"); });
+    EXPECT_THAT(shot["failed"].get<std::string>(), HasSubstr("there is no memory for"));
+    page.say({{"type", "key"}, {"name", "ArrowLeft"}, {"down", true}});
+    hearUntil([&](const Json&) { return page.state()["error"] != ""; });
+    EXPECT_THAT(page.state()["error"].get<std::string>(), HasSubstr("there is no memory for"));
+  }
+  page.say({{"type", "key"}, {"name", "ArrowLeft"}, {"down", true}});
+  EXPECT_NO_THROW(decode(page.hearFinal()));
+  while (page.state()["error"] != "") page.show(page.hear());
+}
+
+// A page that reads nothing, and says that all was shown, gets two messages made and no more.
+TEST(ViewerTest, NothingIsMadeForAPageThatDoesNotRead) {
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::vector<Message> sent;
+  bool ended = false;
+  Viewer::Calls calls;
+  calls.send = [&](Message message) {
+    const std::lock_guard lock(mutex);
+    sent.push_back(std::move(message));
+    changed.notify_all();
+  };
+  calls.fail = [](const std::string& sentence) { ADD_FAILURE() << sentence; };
+  calls.ended = [&] {
+    const std::lock_guard lock(mutex);
+    ended = true;
+    changed.notify_all();
+  };
+  Viewer viewer(nullptr, {.scene = "builtin:boxes", .device = "cpu", .width = 64, .height = 48}, calls);
+  viewer.take({view::Resize{64, 48}});
+  constexpr size_t kShots = 20;
+  for (uint64_t i = 0; i < kShots; ++i) viewer.take({TakeScreenshot{view::Side::Left}});
+  for (int i = 0; i < 20; ++i) {
+    viewer.take({Shown{1'000'000}});
+    std::this_thread::sleep_for(50ms);
+    const std::lock_guard lock(mutex);
+    ASSERT_LE(sent.size(), 2);
+  }
+  size_t written = 0, shots = 0;
+  while (shots < kShots) {  // all of them are made once it reads
+    {
+      std::unique_lock lock(mutex);
+      ASSERT_TRUE(changed.wait_for(lock, 1800s, [&] { return sent.size() > written; }));
+      shots += sent[written].bytes.find("\"screenshot\"") != std::string::npos;
+      ++written;
+    }
+    viewer.wrote();
+    viewer.take({Shown{written}});
+  }
+  viewer.stop();
+  std::unique_lock lock(mutex);
+  EXPECT_TRUE(changed.wait_for(lock, 1800s, [&] { return ended; }));
 }
 
 // Bytes between a page and the server, so many a second towards the page.

@@ -29,7 +29,10 @@ const connection = new Connection({
   },
   picture: showPicture,
   screenshot: download,
-  failed: (sentence) => ($("saved").textContent = sentence),
+  failed: (sentence) => {
+    $("saved").textContent = ""; // it may have been a screenshot
+    say(sentence);
+  },
   busy: (is) => $("stage").setAttribute("aria-busy", is),
   status: (text, mayRetry) => {
     $("status").textContent = text;

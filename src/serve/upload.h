@@ -1,0 +1,38 @@
+// A file on its way from a page, piece by piece.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/memory.h"
+#include "serve/messages.h"
+
+namespace latelight::serve {
+
+class Upload {
+ public:
+  // Claims the memory for all of the file. If there is none, the pieces are dropped as they arrive.
+  Upload(SendFile announced, uint64_t serial);
+
+  void add(std::span<const std::byte> piece);  // throws BadMessage if the pieces exceed what was announced
+  bool isComplete() const { return received_ >= announced_.bytes; }
+  // Once it is complete: the file, whose memory is claimed for as long as the order is kept, or why it was refused.
+  Order order();
+
+ private:
+  struct Contents {
+    MemoryClaim memory;
+    std::vector<std::byte> bytes;
+  };
+  const SendFile announced_;
+  const uint64_t serial_;
+  std::shared_ptr<Contents> contents_;
+  std::string refusal_;
+  size_t received_ = 0;
+};
+
+}  // namespace latelight::serve
