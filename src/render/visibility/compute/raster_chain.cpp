@@ -104,7 +104,9 @@ struct Steps {
   struct Queue {
     uint32_t which, room, entries;
   };
-  void overQueue(const char* shader, Queue queue, std::vector<vk::Constant> constants = {}) const;
+  // Shaders that evaluate masked materials read textures if the chain has some.
+  enum class Materials { Unread, Evaluated };
+  void overQueue(const char* shader, Materials materials, Queue queue, std::vector<vk::Constant> constants = {}) const;
 
  private:
   ComputePass step(const char* shader) const;
@@ -179,7 +181,7 @@ void Steps::over(const char* shader, glm::uvec3 groups) const {
   addCompute(f, std::move(pass), [self = *this](graph::Context& context) { return self.push(context); });
 }
 
-void Steps::overQueue(const char* shader, Queue queue, std::vector<vk::Constant> constants) const {
+void Steps::overQueue(const char* shader, Materials materials, Queue queue, std::vector<vk::Constant> constants) const {
   const bool jobs = queue.which == kQueueJobs;
   const uint32_t parts = jobs ? views.samples : 1;
   addCompute(
@@ -188,7 +190,7 @@ void Steps::overQueue(const char* shader, Queue queue, std::vector<vk::Constant>
         return RasterArgumentsPush{context.buffer(counters).address(), queue.which, queue.room, queue.entries, parts};
       });
   ComputePass pass = step(shader);
-  if (chain.textures && (shader == chain.small || shader == chain.large)) readsTextures(f, pass);
+  if (chain.textures && materials == Materials::Evaluated) readsTextures(f, pass);
   // What tiles do with their triangles is the same in all views.
   pass.constants.insert(pass.constants.end(), {{kSamplesConstant, views.samples},
                                                jobs ? vk::Constant{kShadowMapsConstant, 0} : mapsConstant(),
@@ -230,6 +232,7 @@ std::vector<graph::Access> RasterQueues::accesses() const {
 
 void addRasterChain(const FrameContext& f, const InstanceRanks& ranks, const InstanceRanks::Share& share,
                     const RasterViews& views, const RasterQueues& queues, const RasterChain& chain) {
+  constexpr auto kUnread = Steps::Materials::Unread, kEvaluated = Steps::Materials::Evaluated;
   const Steps steps{f, ranks, static_cast<uint32_t>(share.parts), views, queues, chain};
   const RasterRoom& room = queues.room;
   const uint32_t subgroups = kRasterGroup / f.device.subgroupSize();  // of a workgroup of the shader chain.small
@@ -239,13 +242,14 @@ void addRasterChain(const FrameContext& f, const InstanceRanks& ranks, const Ins
   addClear(f, chain.stage, "raster clear", {queues.counters, queues.tiles},
            {queues.work, queues.clipped, queues.large, queues.entries, queues.jobs});
   steps.cull();
-  steps.overQueue(chain.small, {kQueueWork, room.work, apart ? subgroups : 1}, {{kApartConstant, apart ? 1u : 0u}});
-  if (!apart) steps.overQueue(chain.small, {kQueueMedium, room.medium, subgroups}, {{kQueuedConstant, 1}});
-  steps.overQueue("raster_clip.comp", {kQueueClipped, room.clipped, 64});
-  steps.overQueue("raster_count.comp", {kQueueLarge, room.large, kBinGroup});
+  steps.overQueue(chain.small, kEvaluated, {kQueueWork, room.work, apart ? subgroups : 1},
+                  {{kApartConstant, apart ? 1u : 0u}});
+  if (!apart) steps.overQueue(chain.small, kEvaluated, {kQueueMedium, room.medium, subgroups}, {{kQueuedConstant, 1}});
+  steps.overQueue("raster_clip.comp", kUnread, {kQueueClipped, room.clipped, 64});
+  steps.overQueue("raster_count.comp", kUnread, {kQueueLarge, room.large, kBinGroup});
   steps.over("raster_tiles.comp", {(tilesOf(views).x * tilesOf(views).y * views.count + 63) / 64, 1, 1});
-  steps.overQueue("raster_fill.comp", {kQueueLarge, room.large, kBinGroup});
-  steps.overQueue(chain.large, {kQueueJobs, room.jobs, 1});
+  steps.overQueue("raster_fill.comp", kUnread, {kQueueLarge, room.large, kBinGroup});
+  steps.overQueue(chain.large, kEvaluated, {kQueueJobs, room.jobs, 1});
   if (!f.overflow) return;
   const graph::BufferId host = copyToHost(f, chain.stage, "raster counters", {queues.counters}).front();
   f.overflow->checks.push_back(
