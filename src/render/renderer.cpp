@@ -186,12 +186,13 @@ size_t Renderer::startViews(const std::shared_ptr<RenderJob>& job, size_t first,
     RenderPart& part = job->parts.emplace_back(*job, first, count, strip, shadows);
     part.continues = job->continues && count == job->viewCount() && history_.fits(s.width, s.height, count);
     if (!job->progress) job->progress.emplace("Rendering", jittersOf(part).size() * strips.size() * job->viewCount());
-    uint64_t bytes = count > 1 && strip.first == strips.front().first ? memoryForViews(device_) : 0;
-    Start started = Start::Overflowed;
-    while (started == Start::Overflowed) started = startPart(part, bytes);
-    if (started == Start::TooManyViews) {
+    std::optional<uint64_t> maxBytes;
+    if (count > 1 && strip.first == strips.front().first) maxBytes = memoryForViews(device_);
+    Start started = startPart(part, maxBytes);
+    while (started.outcome == Start::Overflowed) started = startPart(part, maxBytes);
+    if (started.outcome == Start::TooManyViews) {
       job->parts.pop_back();
-      return std::clamp<uint64_t>(count * memoryForViews(device_) / bytes, 1, count - 1);
+      return std::clamp<uint64_t>(count * memoryForViews(device_) / started.bytes, 1, count - 1);
     }
     unsettled_ = {job, &part};
   }
@@ -225,9 +226,8 @@ std::vector<glm::vec2> Renderer::jittersOf(const RenderPart& part) const {
   return jitters;
 }
 
-// What overflows is done again from the first sample on: the sum has one that lacks something. `room`: bytes that the
-// first graph may take, or 0; becomes what it would take where that is more.
-Renderer::Start Renderer::startPart(RenderPart& part, uint64_t& room) {
+// On overflow, the caller starts again from the first sample, because the accumulated sum includes an incomplete one.
+Renderer::Start Renderer::startPart(RenderPart& part, std::optional<uint64_t> maxBytes) {
   const Settings& s = part.job.settings;
   const std::vector<glm::vec2> jitters = jittersOf(part);
   const ViewsInTime steady = viewsOf(part, glm::vec2(0));
@@ -244,28 +244,27 @@ Renderer::Start Renderer::startPart(RenderPart& part, uint64_t& room) {
     const bool last = i + 1 == jitters.size();
     TemporalHistory* history = s.aa.temporal ? &history_ : nullptr;
     if (last)
-      request.finish(i > 0 ? &sum : nullptr, static_cast<uint32_t>(jitters.size()), history, i == 0);
+      request.finish(i > 0 ? &sum : nullptr, static_cast<uint32_t>(jitters.size()), history, part.continues);
     else
       request.accumulate(sum, i == 0);
     if (last) request.leave(part.job.results);
     part.checks = std::exchange(overflow_.checks, {});
     gpuScene_.addChanges(request.graph());
     const graph::Plan plan = request.graph().compile();
-    if (i == 0 && room > 0) {
+    if (i == 0 && maxBytes) {
       const uint64_t needed = transientBytes(device_, request.graph(), plan).peak;
-      if (needed > room) {
-        room = needed;
+      if (needed > *maxBytes) {
         if (last && history) history->undo();
-        return Start::TooManyViews;
+        return {Start::TooManyViews, needed};
       }
     }
     part.submission = submit(request.graph(), plan);
     if (last) break;
-    if (overflowed(std::exchange(part.checks, {}), part.submission)) return Start::Overflowed;
+    if (overflowed(std::exchange(part.checks, {}), part.submission)) return {Start::Overflowed};
     part.earlier.push_back(std::move(part.submission));
     part.job.progress->step(part.count);
   }
-  return Start::Done;
+  return {Start::Done};
 }
 
 // The graph has the scene's changes.
@@ -281,8 +280,7 @@ void Renderer::settle() {
   try {
     while (overflowed(std::exchange(part->checks, {}), part->submission)) {
       if (part->job.settings.aa.temporal) history_.undo();
-      uint64_t anyRoom = 0;
-      while (startPart(*part, anyRoom) == Start::Overflowed) {
+      while (startPart(*part, std::nullopt).outcome == Start::Overflowed) {
       }
     }
     if (part->shadows) part->shadows->settled();

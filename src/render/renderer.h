@@ -70,8 +70,12 @@ class Renderer {
   // Some views of a job, a strip after the other. Gives how many there is room for at once: where that is fewer,
   // nothing of them is on its way.
   size_t startViews(const std::shared_ptr<RenderJob>& job, size_t first, size_t count, std::span<const Strip> strips);
-  enum class Start { Done, Overflowed, TooManyViews };
-  Start startPart(RenderPart& part, uint64_t& bytes);
+  struct Start {
+    enum Outcome { Done, Overflowed, TooManyViews } outcome;
+    uint64_t bytes = 0;  // with TooManyViews: the transient memory that the first graph needs
+  };
+  // `maxBytes`: the transient memory that the first graph may use.
+  Start startPart(RenderPart& part, std::optional<uint64_t> maxBytes);
   graph::Submission submit(const graph::Graph& graph, const graph::Plan& plan);
   void settle();
   void read(RenderJob& job);  // its oldest part
