@@ -328,6 +328,29 @@ struct Sun {
 // The choices of `latelight render`. options.def, beside this file, is the list of them: every entry there is a member
 // here, with its default, what it takes and what it does. Values are checked when a picture is rendered.
 struct Options {
+// The including program's own macros of these names are restored below.
+#pragma push_macro("OPTION_GROUP")
+#pragma push_macro("OPTION_FLAG")
+#pragma push_macro("OPTION_NUMBER")
+#pragma push_macro("OPTION_ANGLE")
+#pragma push_macro("OPTION_OPTIONAL")
+#pragma push_macro("OPTION_CHOICE")
+#pragma push_macro("OPTION_NAME")
+#pragma push_macro("OPTION_ENTRY")
+#pragma push_macro("OPTION_TEXT")
+#pragma push_macro("OPTION_SIZE")
+#pragma push_macro("OPTION_SUN")
+#undef OPTION_GROUP
+#undef OPTION_FLAG
+#undef OPTION_NUMBER
+#undef OPTION_ANGLE
+#undef OPTION_OPTIONAL
+#undef OPTION_CHOICE
+#undef OPTION_NAME
+#undef OPTION_ENTRY
+#undef OPTION_TEXT
+#undef OPTION_SIZE
+#undef OPTION_SUN
 #define OPTION_FLAG(member, ...) bool member = false;
 #define OPTION_NUMBER(type, member, name, normal, ...) type member = normal;
 #define OPTION_ANGLE(member, name, normal, ...) double member = normal;
@@ -339,6 +362,17 @@ struct Options {
   uint32_t width = normalWidth, height = normalHeight;
 #define OPTION_SUN(member, ...) std::optional<Sun> member;
 #include <latelight/options.def>
+#pragma pop_macro("OPTION_GROUP")
+#pragma pop_macro("OPTION_FLAG")
+#pragma pop_macro("OPTION_NUMBER")
+#pragma pop_macro("OPTION_ANGLE")
+#pragma pop_macro("OPTION_OPTIONAL")
+#pragma pop_macro("OPTION_CHOICE")
+#pragma pop_macro("OPTION_NAME")
+#pragma pop_macro("OPTION_ENTRY")
+#pragma pop_macro("OPTION_TEXT")
+#pragma pop_macro("OPTION_SIZE")
+#pragma pop_macro("OPTION_SUN")
 
   // What the command line has in another form.
   bool picture = true;            // the picture to look at, Frame::rgba; without it data alone need no light

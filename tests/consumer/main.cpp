@@ -1,5 +1,11 @@
 // Uses the installed library as a stranger would; the version it was built for is the first argument.
+// A program may have macros of any name, and keeps them.
+#define OPTION_FLAG 7
+#define OPTION_NAME(name) #name
 #include <latelight/latelight.h>
+static_assert(OPTION_FLAG == 7 && OPTION_NAME(a)[0] == 'a');
+#undef OPTION_FLAG
+#undef OPTION_NAME
 
 #include <algorithm>
 #include <cmath>
