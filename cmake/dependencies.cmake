@@ -1,4 +1,4 @@
-# Everything comes from Debian 12 packages; `./dev` installs them.
+# Everything comes from Debian 12 packages; `./dev setup` installs them.
 find_package(Threads REQUIRED)
 find_package(fmt REQUIRED)
 find_package(glm REQUIRED)
@@ -7,7 +7,12 @@ find_package(nlohmann_json REQUIRED)
 find_package(yaml-cpp REQUIRED)
 find_package(TinyGLTF REQUIRED)
 find_package(meshoptimizer REQUIRED)
+# Debian's libimath-dev also declares Imath's Python library, which is in another package, and says at length if that is
+# not installed. Nothing here uses it.
+set(log_level "${CMAKE_MESSAGE_LOG_LEVEL}")
+set(CMAKE_MESSAGE_LOG_LEVEL ERROR)
 find_package(OpenEXR REQUIRED)
+set(CMAKE_MESSAGE_LOG_LEVEL "${log_level}")
 find_package(ZLIB REQUIRED)
 find_package(Boost REQUIRED)  # Beast, a header
 find_package(PkgConfig REQUIRED)
