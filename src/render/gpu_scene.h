@@ -42,6 +42,7 @@ class GpuScene {
   // Of the device's world space in the scene's: near most of what is shown, so that floats place lights and shadow maps well
   // wherever the scene lies. Depends on the scene as it is, and on nothing that came before.
   const glm::dvec3& origin() const { return instances_.origin(); }
+  bool isYUp() const { return scene_.yUp; }  // the file's frame is glTF's
   scene::Bounds deviceBounds() const;  // in the device's world space
 
   // Fills the addresses and counts that belong to the scene.

@@ -54,6 +54,7 @@ std::vector<Picked> pick(Renderer& renderer, const scene::Scene& scene, const sc
   checkPixels(settings, pixels);
   Settings data = settings;
   data.display = false;
+  data.positionOrigin = {};
   data.aovs = {Aov::Id, Aov::Part, Aov::Position, Aov::Normal, Aov::GeoNormal, Aov::Depth, Aov::Distance, Aov::Uv};
   std::vector<Picked> picked(pixels.size());
   for (const Strip strip : stripsOf(data)) {

@@ -173,6 +173,15 @@ ShadowLights readText<ShadowLights>(const char* option, std::string_view text) {
 }
 
 template <>
+PositionOrigin readText<PositionOrigin>(const char* option, std::string_view text) {
+  const std::vector<double> v = parseNumbers<double>(text);
+  const bool finite = std::ranges::all_of(v, [](double x) { return std::isfinite(static_cast<float>(x)); });
+  if (v.size() != 3 || !finite)
+    badUsage("{} takes three coordinates x,y,z in meters, as in 500000,0,-4600000, not \"{}\"", option, text);
+  return {{v[0], v[1], v[2]}};
+}
+
+template <>
 SunLight readText<SunLight>(const char* option, std::string_view text) {
   const std::vector<float> v = parseNumbers(text);
   if (v.size() != 2 && v.size() != 3)

@@ -110,6 +110,12 @@ struct ShadowLights {
   bool operator==(const ShadowLights&) const = default;
 };
 
+// The point that the output `position` is relative to, in the axes of that output, meters.
+struct PositionOrigin {
+  glm::dvec3 point{0};
+  bool operator==(const PositionOrigin&) const = default;
+};
+
 // The value of an option from its text. Each throws Error(Usage) with a message that begins with the option's name.
 uint32_t readChoiceIndex(const char* option, std::span<const NamedOption> names, std::string_view text);
 template <typename Enum>
@@ -136,6 +142,8 @@ template <>
 AntiAliasing readText<AntiAliasing>(const char* option, std::string_view text);
 template <>
 ShadowLights readText<ShadowLights>(const char* option, std::string_view text);
+template <>
+PositionOrigin readText<PositionOrigin>(const char* option, std::string_view text);  // "x,y,z"
 template <>
 SunLight readText<SunLight>(const char* option, std::string_view text);             // "az,el[,lux]", degrees
 std::pair<uint32_t, uint32_t> readSize(const char* option, std::string_view text);  // "1280x720"

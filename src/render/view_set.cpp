@@ -40,6 +40,11 @@ void ViewSet::uploadConstants(const Settings& s) {
   shared::FrameConstants frame{};
   state_.scene.describe(frame);
   if (shadows_) shadows_->describe(frame);
+  const glm::dvec3 point = s.positionOrigin.point;
+  const bool file = state_.scene.isYUp() && s.axes == Axes::File;
+  const glm::dvec3 offset = state_.scene.origin() - (file ? glm::dvec3(point.x, -point.z, point.y) : point);
+  frame.positionOffset = glm::vec3(offset);
+  frame.positionOffsetLow = glm::vec3(offset - glm::dvec3(frame.positionOffset));
   frame.views = viewBuffer_.address();
   frame.previousViews = frame.views + views_.now.size() * sizeof(shared::View);
   frame.nextViews = frame.previousViews + views_.now.size() * sizeof(shared::View);

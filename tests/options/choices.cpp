@@ -150,6 +150,7 @@ void addPictureTexts(Table& t, const std::string& panorama) {
   t["--hdri-intensity"].right.push_back("1e30");
   t["--ao-radius"].right.push_back("1e30");
   t["--background"] = {0.3, {"transparent", "hdri", "#102030", "0.2,0.3,0.4", "#fff0e0"}, {"#12", "sky", "1,2"}};
+  t["--position-origin"] = {0.2, {"0,0,0", "1,-2.5,3", "500000.25,0,-4600000"}, {"1,2", "a,b,c", "1,2,nan"}};
   t["--fog-color"] = {0.2, {"#ffffff", "0,0,0"}, {"white"}};
 }
 

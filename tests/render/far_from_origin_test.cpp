@@ -210,6 +210,26 @@ TEST_F(FarFromOrigin, AGroundAsWideAsAPlanetIsWhereItIs) {
     }
 }
 
+// Positions relative to a point nearby are as precise as at the origin.
+TEST_F(FarFromOrigin, PositionsMayBeRelativeToAPointNearby) {
+  scene::Scene boxes = scene::makeBuiltin("boxes");
+  const scene::Camera camera = cameraOf(boxes, kWide, kHigh);
+  for (const Raster raster : {Raster::Hardware, Raster::Compute}) {
+    Settings s = settings(raster);
+    const output::FrameOutput reference = render(boxes, camera, s, camera);
+    const dvec3 by = offsetOf(1e8);
+    s.positionOrigin.point = by;
+    const MovedScene there(boxes, by);
+    const output::FrameOutput far = render(boxes, moved(camera, by), s, moved(camera, by));
+    double worst = 0;
+    for (size_t i = 0; i < size_t{kWide} * kHigh; ++i)
+      if (imageOf(far, Aov::Id).ids[i] != 0)
+        worst = std::max<double>(worst, glm::length(vec3At(imageOf(far, Aov::Position), i) -
+                                                    vec3At(imageOf(reference, Aov::Position), i)));
+    EXPECT_LE(worst, 2e-5);
+  }
+}
+
 // Files of surveys have their vertices far from the origin, and cameras beside them.
 TEST_F(FarFromOrigin, VerticesMayBeFarFromTheirNode) {
   scene::Scene boxes = scene::makeBuiltin("boxes");

@@ -147,6 +147,7 @@ TEXTS = {
     "shadow-lights": "all",
     "sun": "30,40,3",
     "fog-color": "#102030",
+    "position-origin": "1,2,3",
 }
 
 

@@ -82,7 +82,7 @@ void expectAsRendered(Viewer& viewer, const std::string& what) {
 std::string valueOf(const render::Option& option) {
   static const std::map<std::string, std::string, std::less<>> kTexts{
       {"background", "hdri"},   {"aa", "ss2"},      {"animation", "0"}, {"shadow-lights", "none"},
-      {"fog-color", "#ff8040"}, {"sun", "-30,40,2"}};
+      {"fog-color", "#ff8040"}, {"sun", "-30,40,2"}, {"position-origin", "1,2,3"}};
   static const std::map<std::string, std::string, std::less<>> kNumbers{{"fog", "0.05"}, {"shadow-atlas", "1024"}};
   const std::string key(render::keyOf(option));
   const auto names = [&](const std::string& name) { return name != option.normal; };

@@ -204,8 +204,6 @@ void GpuInstances::describe(shared::FrameConstants& frame) const {
   frame.instances = list_.address();
   frame.previousInstances = moves_ ? previous_.address() : list_.address();
   frame.nextInstances = moves_ ? next_.address() : list_.address();
-  frame.positionOffset = glm::vec3(origin_);
-  frame.positionOffsetLow = glm::vec3(origin_ - glm::dvec3(frame.positionOffset));
 }
 
 }  // namespace latelight::render
