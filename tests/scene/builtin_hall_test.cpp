@@ -61,8 +61,9 @@ uint64_t hashOfScene(const Scene& scene) {
   for (const Instance& instance : scene.instances) hash = hash64(&instance, sizeof(instance), hash);
   for (const Node& node : scene.nodes) hash = hash64(node.path.data(), node.path.size(), hash);
   for (const Light& light : scene.lights) {
-    const float values[] = {light.color.x, light.color.y,    light.color.z,    light.intensity,
-                            *light.range,  light.position.x, light.position.y, light.position.z};
+    const vec3 position(light.position);
+    const float values[] = {light.color.x, light.color.y, light.color.z, light.intensity,
+                            *light.range,  position.x,    position.y,    position.z};
     hash = hash64(values, sizeof(values), hash);
   }
   return hash;

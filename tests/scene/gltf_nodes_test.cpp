@@ -200,8 +200,8 @@ TEST(GltfNodes, MatricesAreTransforms) {
     b.root["nodes"][0]["matrix"] = matrix;
     const Scene scene = b.load();
     expectNear(vec3(toGltfFromWorld() * scene.cameras.at(0).toWorld[3]), vec3(4, 5, 6));
-    for (const mat4& m : {scene.cameras[0].toWorld, scene.instances.at(0).toWorld, scene.nodes[0].local})
-      EXPECT_EQ(glm::row(m, 3), vec4(0, 0, 0, 1));
+    for (const dmat4& m : {scene.cameras[0].toWorld, scene.instances.at(0).toWorld, scene.nodes[0].local})
+      EXPECT_EQ(glm::row(m, 3), glm::dvec4(0, 0, 0, 1));
   }
 }
 
