@@ -1,6 +1,7 @@
 // Converts cameras to the View that shaders read.
 #pragma once
 
+#include "render/settings.h"
 #include "scene/scene.h"
 #include "shared/types.h"
 
@@ -11,10 +12,16 @@ inline bool bendsRays(const scene::Camera& camera) {
   return camera.lens && camera.lens->model != scene::LensModel::Pinhole;
 }
 
-// A camera's view of `width` by `height` pixels: reversed depth (infinite where the camera has no far plane), square
-// pixels, the camera's vertical extent kept; with a pinhole lens as that says. A view through another lens is a pose:
-// its depth, along rays that no projection has (render/lens), has no planes. `jitter`: offset of the sample from the
-// pixel's centre, pixels, y down.
+// The camera as --camera-fit shows it: without a frame of its own where pictures keep its vertical field of view.
+inline scene::Camera fitted(scene::Camera camera, CameraFit fit) {
+  if (fit == CameraFit::Vertical) camera.aspect.reset();
+  return camera;
+}
+
+// A camera's view of `width` by `height` pixels: reversed depth (infinite where the camera has no far plane) and square
+// pixels. The view shows the camera's whole frame (Camera::aspect), or has its vertical extent where the camera has no
+// frame; a pinhole lens replaces both. A view through another lens is a pose: its depth, along rays that no projection
+// has (render/lens), has no planes. `jitter`: offset of the sample from the pixel's centre, pixels, y down.
 shared::View makeView(const scene::Camera& camera, uint32_t width, uint32_t height, glm::vec2 jitter = glm::vec2(0));
 
 }  // namespace latelight::render
