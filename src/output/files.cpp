@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <climits>
 #include <system_error>
 
 #include "base/error.h"
@@ -32,7 +33,7 @@ std::string fileSafe(std::string name, std::string_view fallback) {
     if (c == '/' || c == '\\' || static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '_';
   }
   if (!name.empty() && name[0] == '.') name[0] = '_';
-  return name.empty() ? std::string(fallback) : name;
+  return name.empty() ? std::string(fallback) : shortFileName(std::move(name));
 }
 
 // Replaces the pattern's placeholders, by name; throws for an unknown one.
@@ -138,13 +139,18 @@ bool usesDisplay(const OutputRequest& request) {
 }
 
 fs::path fillPattern(std::string_view pattern, std::string_view aov, const Metadata& metadata) {
-  return fillIn(pattern, [&](std::string_view name) -> std::string {
+  const fs::path path = fillIn(pattern, [&](std::string_view name) -> std::string {
     if (name == "aov") return std::string(aov);
     if (name == "frame") return fmt::format("{:0{}}", metadata.frame, metadata.frameDigits);
     if (name == "camera") return fileSafe(metadata.camera.name, "camera");
     if (name == "scene") return fileSafe(metadata.scene, "scene");
     badUsage("the output \"{}\" has \"{{{}}}\"; braces hold one of {}", pattern, name, kPlaceholders);
   });
+  for (const fs::path& part : path)
+    if (part.native().size() > NAME_MAX)
+      badUsage("the output \"{}\" makes \"{}\", a file name of {} bytes, and {} are allowed: shorten the pattern",
+               pattern, part.string(), part.native().size(), NAME_MAX);
+  return path;
 }
 
 void makeFilledFolders(const fs::path& pattern, const fs::path& path) {

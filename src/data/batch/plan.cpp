@@ -53,8 +53,10 @@ std::string asPart(std::string name) {
         c == 0x7f)
       c = '_';
   if (name.empty() || name[0] == '.') name.insert(0, "_");
-  return name;
+  return shortFileName(std::move(name));
 }
+
+constexpr size_t kLongestName = 200;  // bytes of a part of a path; formats put more behind it, and 255 are allowed
 
 void checkPattern(const std::string& name) {
   const std::filesystem::path path(name);
@@ -168,15 +170,28 @@ std::string Plan::name(uint64_t index) const {
   if (name.find_first_of("{}") != std::string::npos)
     badUsage("name has braces, which hold one of {{index}}, {{scene}}, {{camera}}, {{variation}}, not \"{}\"",
              job_.name);
+  for (const std::filesystem::path& part : std::filesystem::path(name))
+    if (part.native().size() > kLongestName)
+      badUsage("name makes \"{}\", which has {} bytes in one file name: shorten the pattern to at most {}",
+               part.string(), part.native().size(), kLongestName);
   return name;
 }
 
 void Plan::checkNames() const {
-  if (job_.name.find("{index}") != std::string::npos) return;
+  const bool indexed = job_.name.find("{index}") != std::string::npos;
+  const auto placeholders = static_cast<size_t>(std::ranges::count(job_.name, '{'));
+  if (indexed && job_.name.size() + placeholders * kShortFileName <= kLongestName) return;
   std::unordered_set<std::string> names;
-  for (uint64_t index = 0; index < frames(); ++index)
-    if (at(index) && !names.insert(name(index)).second)
-      badUsage("name: two frames are called \"{}\"; {{index}} tells them apart", name(index));
+  for (size_t scene = 0; scene < scenes_.size(); ++scene) {
+    if (!scenes_[scene].error.empty()) continue;
+    // With the index no two names are alike, and those of all variations are equally long.
+    const uint64_t frames = indexed ? scenes_[scene].cameras.size() : scenes_[scene].places;
+    for (uint64_t i = 0; i < frames; ++i) {
+      std::string name = this->name(starts_[scene] + i);
+      if (!indexed && !names.insert(name).second)
+        badUsage("name: two frames are called \"{}\"; {{index}} tells them apart", name);
+    }
+  }
 }
 
 uint64_t Plan::settings(uint64_t index) const {
