@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <climits>
+#include <limits>
 #include <system_error>
 
 #include "base/error.h"
@@ -122,6 +123,14 @@ std::span<const std::byte> FrameOutput::displayPng() const {
   if (keptPng.empty())
     keptPng = encodePng(width, height, 4, 8, reinterpret_cast<const std::byte*>(display.data()), PngLight::Srgb);
   return keptPng;
+}
+
+void forgetMotion(FrameOutput& frame, bool previous, bool next) {
+  for (AovImage& image : frame.aovs) {
+    if (image.aov != Aov::Motion) continue;
+    for (size_t i = 0; i < image.values.size(); ++i)
+      if (i % 4 < 2 ? previous : next) image.values[i] = std::numeric_limits<float>::quiet_NaN();
+  }
 }
 
 Format formatOf(std::string_view pattern) {
