@@ -259,10 +259,13 @@ TEST(ViewSessionTest, ADraftComesFirstAndTheWholePictureFollows) {
   Start start = small();
   start.width = 640, start.height = 360;
   Viewer viewer(start);
+  viewer(SetNavigation{Navigation::Fly});
+  viewer(Key{"w", true});  // held, so that it moves however long the picture takes
   const Frame& draft = viewer.session.next();
   EXPECT_FALSE(draft.final);
   EXPECT_LT(draft.width, 640u);
   EXPECT_NEAR(16.0 / 9, 1.0 * draft.width / draft.height, 0.05);
+  viewer(Blur{});
   const Frame& whole = viewer.settle();
   EXPECT_EQ(whole.width, 640u);
   EXPECT_EQ(whole.height, 360u);
