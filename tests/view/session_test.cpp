@@ -210,6 +210,25 @@ TEST(ViewSessionTest, ASteeredCameraIsAsTheCommandLineHasIt) {
   }
 }
 
+// A frame 4 times as wide as high in a picture of 16 by 9: the picture is 4 / (16 / 9) times as high as the frame.
+TEST(ViewSessionTest, ASteeredCameraShowsWhatTheFilesDid) {
+  const Folder folder;
+  folder.write("wide.gltf", std::string_view(R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}],
+      "nodes": [{"camera": 0}],
+      "cameras": [{"type": "perspective", "perspective": {"yfov": 0.5, "aspectRatio": 4, "znear": 0.1}}]})"));
+  Viewer viewer(small(folder.at("wide.gltf")));
+  expectAsRendered(viewer, "the file's camera");
+  drag(viewer, Button::Left, 5, 0);
+  ASSERT_TRUE(viewer.state().steered);
+  EXPECT_NEAR(viewer.state().steered->verticalFov, 2 * std::atan(std::tan(0.25) * 4 * 9 / 16), 1e-5);
+  expectAsRendered(viewer, "steered");
+  viewer(UseCamera{""});
+  viewer(SetOption{"camera-fit", "vertical"});
+  expectAsRendered(viewer, "cropped");
+  drag(viewer, Button::Left, 5, 0);
+  EXPECT_NEAR(viewer.state().steered->verticalFov, 0.5, 1e-5);
+}
+
 TEST(ViewSessionTest, BeginsWhereItIsTold) {
   Start start = small();
   start.eye = {1, 2, 3}, start.target = {0, 1.5, -4}, start.fov = 63;
