@@ -74,7 +74,10 @@ Outcome make(const Folder& folder, const std::string& scene, const std::string& 
   std::vector<std::string> all{"--scenes",  scene,
                                "--formats", "flow",
                                "--formats", R"({"format": "flow", "to": "previous", "file": "back/{name}.flo"})"};
-  if (!cameras.empty()) all.insert(all.end(), {"--cameras", cameras});
+  json job;
+  job["cameras"] = json::parse(cameras);
+  folder.write("job.json", std::string_view(job.dump()));
+  all.insert(all.begin(), "job.json");
   if (std::ranges::find(more, "-o") == more.end()) all.insert(all.end(), {"-o", "set"});
   all.insert(all.end(), more.begin(), more.end());
   return latelight(batch(folder, all));
@@ -109,7 +112,8 @@ auto near(std::vector<double> flows) {
 
 json motionOf(const Folder& folder) {
   json motion = json::array();
-  for (const json& frame : json::parse(folder.read("set/manifest.json"))["frames"]) motion.push_back(frame["motion"]);
+  const json manifest = json::parse(folder.read("set/manifest.json"));
+  for (const json& frame : manifest.at("frames")) motion.push_back(frame.at("motion"));
   return motion;
 }
 
@@ -292,8 +296,8 @@ TEST(MotionOfASet, TheScenesCameraIsWhereItIsAtTheTime) {
            {"--time", "2", "--fps", "10", "--formats", R"({"format": "transforms", "depth": false})"});
   ASSERT_EQ(outcome.code, 0) << outcome.text();
   std::vector<double> places;
-  for (const json& frame : json::parse(folder.read("set/transforms.json"))["frames"])
-    places.push_back(frame["transform_matrix"][0][3]);
+  const json transforms = json::parse(folder.read("set/transforms.json"));
+  for (const json& frame : transforms.at("frames")) places.push_back(frame["transform_matrix"][0][3]);
   EXPECT_THAT(places, near({2, 2, 2.5}));
   EXPECT_THAT(flowsOf(folder, 3), near({-1, -1, -1}));
   EXPECT_THAT(flowsOf(folder, 3, "back"), near({1, 1, 1}));
