@@ -12,7 +12,6 @@
 #include "render/raster_choice.h"
 #include "render/renderer.h"
 #include "render/session.h"
-#include "render/view.h"
 #include "scene/framing.h"
 
 namespace latelight {

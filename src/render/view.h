@@ -1,7 +1,6 @@
 // Converts cameras to the View that shaders read.
 #pragma once
 
-#include "render/settings.h"
 #include "scene/scene.h"
 #include "shared/types.h"
 
@@ -10,12 +9,6 @@ namespace latelight::render {
 // Whether a camera's lens makes pictures that no plane has, unlike a pinhole's.
 inline bool bendsRays(const scene::Camera& camera) {
   return camera.lens && camera.lens->model != scene::LensModel::Pinhole;
-}
-
-// The camera as --camera-fit shows it: without a frame of its own where pictures keep its vertical field of view.
-inline scene::Camera fitted(scene::Camera camera, CameraFit fit) {
-  if (fit == CameraFit::Vertical) camera.aspect.reset();
-  return camera;
 }
 
 // A camera's view of `width` by `height` pixels: reversed depth (infinite where the camera has no far plane) and square

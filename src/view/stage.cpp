@@ -10,7 +10,6 @@
 #include "base/text.h"
 #include "render/raster_choice.h"
 #include "render/session.h"
-#include "render/view.h"
 #include "scene/framing.h"
 #include "vk/shaders.h"
 

@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "base/hash.h"
+#include "render/session.h"
 #include "render/view.h"
 
 namespace latelight::data {
