@@ -144,8 +144,9 @@ void checkFiles(const RenderOptions& o, const RenderPlan& plan, const scene::Sce
     used.checkOutputs(outputs);
     // A frame that can't be written does not stop the others.
     if (timeline.isSequence()) continue;
+    std::error_code ignored;  // writing reports what is wrong
     for (const std::filesystem::path& path : outputs)
-      if (std::filesystem::exists(path)) checkWritable(path);
+      if (std::filesystem::exists(path, ignored)) checkWritable(path);
   }
 }
 

@@ -6,6 +6,7 @@
 
 #include "app/parse.h"
 #include "base/error.h"
+#include "render/session.h"
 #include "scene/framing.h"
 
 namespace latelight::app {
@@ -52,7 +53,9 @@ scene::Camera placeCamera(const scene::Scene& scene, const std::vector<scene::Ca
     camera = cameras.empty() ? scene::frameScene(scene, aspect) : cameras.front();
   if (o.fov && camera.orthographic)
     badUsage("--fov means nothing to the camera \"{}\": it is orthographic", camera.name);
-  if (o.fov) camera.verticalFov = fov;
+  if (!o.fov) return render::fitted(std::move(camera), o.settings.cameraFit);
+  camera.verticalFov = fov;
+  camera.aspect.reset();  // --fov is the picture's own
   return camera;
 }
 

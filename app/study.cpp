@@ -90,8 +90,8 @@ class ResultFolder {
 ResultFolder::ResultFolder(const std::filesystem::path& path, const std::string& study) : path_(path) {
   std::error_code error;
   made_ = std::filesystem::create_directory(path, error);
-  if (!std::filesystem::is_directory(path, error)) {
-    if (std::filesystem::exists(path))
+  if (std::error_code ignored; !std::filesystem::is_directory(path, ignored)) {
+    if (std::filesystem::exists(path, ignored))
       badUsage("{} is no folder; give -o the name of one, or a new name", path.string());
     badUsage("the folder {} can't be made: {}; give -o another", path.string(), error.message());
   }

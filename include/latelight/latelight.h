@@ -58,6 +58,9 @@ struct Camera {
   bool orthographic = false;
   float verticalFov = 40;  // degrees, full angle
   float halfHeight = 1;    // metres, orthographic cameras
+  // Width / height of the camera's own frame. Pictures show all of it, unless Options::cameraFit is "vertical"; without
+  // one, or with a lens, every picture has the vertical extent above.
+  std::optional<float> aspect{};
   // Metres. However near it is, depth keeps its precision: 2^-40, unless something is to be cut away.
   float nearClip = 9.09494702e-13f;
   float farClip = std::numeric_limits<float>::infinity();
@@ -258,8 +261,10 @@ class LATELIGHT_API Scene {
   const std::vector<Animation>& animations() const;
   // The scene's own cameras where they are at a time; as Options::time, animation and loop say.
   std::vector<Camera> camerasAt(double time, const std::string& animation = "", bool loop = false) const;
-  // The first of cameras(), or a view that shows all of it in a picture of this aspect (width / height).
-  Camera defaultCamera(float aspect) const;
+  // The first of the scene's own cameras, or a view that shows the whole scene in a picture of this aspect (width /
+  // height). The camera is where it is at `time`, as Options::time, animation and loop say; without a time, at rest.
+  Camera defaultCamera(float aspect, std::optional<double> time = {}, const std::string& animation = "",
+                       bool loop = false) const;
   Camera lookAt(std::array<double, 3> eye, std::array<double, 3> target, float verticalFov = 40) const;
 
   // Instances: what is seen. Lists are in the scene's order.

@@ -85,8 +85,9 @@ nb::object kOf(const Camera& camera, nb::handle size) {
     const double sx = width / camera.lens->width, sy = height / camera.lens->height;
     k = {camera.lens->fx * sx, 0, camera.lens->cx * sx, 0, camera.lens->fy * sy, camera.lens->cy * sy, 0, 0, 1};
   } else {
-    k[0] = k[4] = camera.orthographic ? height / (2.0 * camera.halfHeight)
-                                      : height / (2 * std::tan(camera.verticalFov / kDegrees / 2));
+    const double half = camera.orthographic ? camera.halfHeight : std::tan(camera.verticalFov / kDegrees / 2);
+    const double scale = camera.aspect ? std::max(1.0, *camera.aspect * height / width) : 1.0;  // shows the whole frame
+    k[0] = k[4] = height / (2 * half * scale);
   }
   return owned(std::move(k), {3, 3});
 }
@@ -164,6 +165,14 @@ void bindCamera(nb::module_& module) {
       .flag("orthographic", &Camera::orthographic, "without perspective; half_height says how much it shows")
       .number("vertical_fov", &Camera::verticalFov, "degrees, full angle")
       .number("half_height", &Camera::halfHeight, "metres; of orthographic cameras")
+      .field(
+          "aspect", "float | None",
+          "width / height of the camera's own frame, which pictures of any shape show whole; None: they keep the "
+          "vertical extent",
+          [](const Camera& camera) -> nb::object { return camera.aspect ? nb::cast(*camera.aspect) : nb::none(); },
+          [](Camera& camera, nb::handle value, const char* name) {
+            camera.aspect = value.is_none() ? std::nullopt : std::optional(floatOf(value, name));
+          })
       .number("near_clip", &Camera::nearClip, "metres; however near it is, depth keeps its precision")
       .number("far_clip", &Camera::farClip, "meters; infinite")
       .number("principal_x", &Camera::principalX, "offset of the principal point to the right, in half widths")

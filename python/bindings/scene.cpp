@@ -205,12 +205,19 @@ void defineCameras(Class& type) {
       "The scene's own cameras where they are at a time, in seconds; as the options time, animation and loop say.");
   type.def(
       "default_camera",
-      [](const SharedScene& s, nb::handle aspect) {
+      [](const SharedScene& s, nb::handle aspect, nb::handle time, nb::handle animation, nb::handle loop) {
         const float ratio = floatOf(aspect, "aspect");
-        return s.read([&](const Scene& s) { return s.defaultCamera(ratio); });
+        const std::optional<double> at = time.is_none() ? std::nullopt : std::optional(numberOf(time, "time"));
+        const std::string name = textOf(animation, "animation");
+        const bool repeats = boolOf(loop, "loop");
+        return s.read([&](const Scene& s) { return s.defaultCamera(ratio, at, name, repeats); });
       },
-      argument("aspect") = 16.0 / 9, nb::sig("def default_camera(self, aspect: float = 16 / 9) -> Camera"),
-      "The first of `cameras`, or a view that shows all of it in a picture of this aspect, width / height.");
+      argument("aspect") = 16.0 / 9, argument("time") = nb::none(), argument("animation") = "",
+      argument("loop") = false,
+      nb::sig("def default_camera(self, aspect: float = 16 / 9, time: float | None = None, animation: str = \"\", "
+              "loop: bool = False) -> Camera"),
+      "The first of the scene's own cameras, or a view that shows the whole scene in a picture of this aspect, width / "
+      "height.\n\nThe camera is where it is at `time`, in seconds, as in `cameras_at`; without a time, at rest.");
   type.def(
       "look_at",
       [](const SharedScene& s, nb::handle eye, nb::handle target, nb::handle fov) {

@@ -186,6 +186,15 @@ std::vector<std::byte> readFile(int fd, const fs::path& path) {
   }
 }
 
+std::string shortFileName(std::string name) {
+  constexpr size_t kHashed = 17;  // bytes of "-" and the hash
+  if (name.size() <= kShortFileName) return name;
+  const uint64_t hash = hash64(name.data(), name.size());
+  size_t kept = kShortFileName - kHashed;
+  while (kept > 0 && (static_cast<unsigned char>(name[kept]) & 0xc0) == 0x80) --kept;  // between characters of UTF-8
+  return fmt::format("{}-{:016x}", std::string_view(name).substr(0, kept), hash);
+}
+
 void writeFile(const fs::path& path, std::span<const std::byte> bytes) {
   if (path == "-") {
     if (const int error = writeAll(STDOUT_FILENO, bytes)) {

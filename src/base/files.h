@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -20,6 +21,11 @@ std::vector<std::byte> readFile(int fd, const std::filesystem::path& path);
 // are followed: their target is replaced, and must exist. Pipes, which need a reader, and character devices are written
 // to directly. "-" is standard output.
 void writeFile(const std::filesystem::path& path, std::span<const std::byte> bytes);
+
+// A name from elsewhere as a part of a file's name, of at most kShortFileName bytes: a longer one is cut, and ends in
+// its hash.
+inline constexpr size_t kShortFileName = 100;
+std::string shortFileName(std::string name);
 
 // Throws as writeFile would, as far as can be known without the bytes: tries to create a file there.
 void checkWritable(const std::filesystem::path& path);

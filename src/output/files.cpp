@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cctype>
+#include <climits>
+#include <limits>
 #include <system_error>
 
 #include "base/error.h"
@@ -32,7 +34,7 @@ std::string fileSafe(std::string name, std::string_view fallback) {
     if (c == '/' || c == '\\' || static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '_';
   }
   if (!name.empty() && name[0] == '.') name[0] = '_';
-  return name.empty() ? std::string(fallback) : name;
+  return name.empty() ? std::string(fallback) : shortFileName(std::move(name));
 }
 
 // Replaces the pattern's placeholders, by name; throws for an unknown one.
@@ -123,6 +125,14 @@ std::span<const std::byte> FrameOutput::displayPng() const {
   return keptPng;
 }
 
+void forgetMotion(FrameOutput& frame, bool previous, bool next) {
+  for (AovImage& image : frame.aovs) {
+    if (image.aov != Aov::Motion) continue;
+    for (size_t i = 0; i < image.values.size(); ++i)
+      if (i % 4 < 2 ? previous : next) image.values[i] = std::numeric_limits<float>::quiet_NaN();
+  }
+}
+
 Format formatOf(std::string_view pattern) {
   if (pattern == kStandardOutput) return Format::Png;
   const std::string ending = lowered(fs::path(pattern).extension().string());
@@ -138,13 +148,18 @@ bool usesDisplay(const OutputRequest& request) {
 }
 
 fs::path fillPattern(std::string_view pattern, std::string_view aov, const Metadata& metadata) {
-  return fillIn(pattern, [&](std::string_view name) -> std::string {
+  const fs::path path = fillIn(pattern, [&](std::string_view name) -> std::string {
     if (name == "aov") return std::string(aov);
     if (name == "frame") return fmt::format("{:0{}}", metadata.frame, metadata.frameDigits);
     if (name == "camera") return fileSafe(metadata.camera.name, "camera");
     if (name == "scene") return fileSafe(metadata.scene, "scene");
     badUsage("the output \"{}\" has \"{{{}}}\"; braces hold one of {}", pattern, name, kPlaceholders);
   });
+  for (const fs::path& part : path)
+    if (part.native().size() > NAME_MAX)
+      badUsage("the output \"{}\" makes \"{}\", a file name of {} bytes, and {} are allowed: shorten the pattern",
+               pattern, part.string(), part.native().size(), NAME_MAX);
+  return path;
 }
 
 void makeFilledFolders(const fs::path& pattern, const fs::path& path) {

@@ -42,6 +42,9 @@ struct FrameOutput {
   mutable std::vector<std::byte> keptPng = {};
 };
 
+// Makes motion to the previous frame, to the next one, or both NaN: there is no such frame.
+void forgetMotion(FrameOutput& frame, bool previous, bool next);
+
 // The format by the pattern's extension. Throws Error(Usage) that names the three.
 Format formatOf(std::string_view pattern);
 

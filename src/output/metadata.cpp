@@ -89,6 +89,7 @@ Json aovOf(const AovInfo& aov, const Metadata& metadata, ChannelNames names) {
   if (aov.aov == Aov::Position) json["frame"] = "world";
   if (aov.aov == Aov::Normal || aov.aov == Aov::GeoNormal) json["frame"] = metadata.normalFrame;
   json["png"] = pngText(aov.png);
+  if (aov.aov == Aov::Motion && metadata.neighbors) json["frames"] = describe(*metadata.neighbors);
   return json;
 }
 
@@ -104,6 +105,17 @@ Json conventions() {
 }
 
 }  // namespace
+
+Json describe(const NeighborFrames& neighbors) {
+  const auto one = [](const std::optional<NeighborFrame>& frame) {
+    if (!frame) return Json();
+    Json json = Json::object();
+    if (!frame->name.empty()) json["frame"] = frame->name;
+    if (frame->time) json["time"] = *frame->time;
+    return json;
+  };
+  return {{"previous", one(neighbors.previous)}, {"next", one(neighbors.next)}};
+}
 
 Json distortionOf(const scene::Lens& lens) {
   const uint32_t count = scene::infoOf(lens.model).coefficients;

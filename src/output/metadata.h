@@ -32,6 +32,16 @@ struct CameraMetadata {
   double nearClip = 0, farClip = 0;  // metres; farClip may be +inf
 };
 
+// A frame that the output motion leads to.
+struct NeighborFrame {
+  std::string name;            // its name in the data set; empty: the set does not have it
+  std::optional<double> time;  // seconds of the scene; none: at rest
+};
+struct NeighborFrames {
+  std::optional<NeighborFrame> previous, next;  // none: there is no such frame, and motion to it is NaN
+};
+nlohmann::ordered_json describe(const NeighborFrames& neighbors);
+
 struct DeviceMetadata {
   std::string name, driver, uuid;
 };
@@ -52,6 +62,7 @@ struct Metadata {
   std::map<std::string, std::string> versions;  // program, API, ...
   std::map<std::string, std::string> settings;  // the options that the picture depends on, as on the command line
   std::shared_ptr<const IdManifest> ids;        // null: not known
+  std::optional<NeighborFrames> neighbors;      // of a frame of a data set with the output motion
 };
 
 // The coefficients that a lens's model has, in OpenCV's order; null: it has none.

@@ -47,6 +47,7 @@ Camera publicCamera(const scene::Camera& camera, const scene::Scene& scene) {
   c.orthographic = camera.orthographic;
   c.verticalFov = camera.verticalFov * kDegrees;
   c.halfHeight = camera.yHalf;
+  c.aspect = camera.aspect;
   c.nearClip = camera.nearClip;
   c.farClip = camera.farClip;
   c.principalX = camera.principal.x;
@@ -81,6 +82,8 @@ scene::Camera internalCamera(const Camera& camera, const scene::Scene& scene) {
   if (camera.orthographic && !(camera.halfHeight > 0)) badUsage("an orthographic camera needs a height above 0");
   if (camera.orthographic && !(std::isfinite(camera.nearClip) && std::isfinite(camera.farClip)))
     badUsage("an orthographic camera needs a near and a far plane that are numbers");
+  if (camera.aspect && !(*camera.aspect > 0 && std::isfinite(*camera.aspect)))
+    badUsage("the camera's aspect must be a number above 0, not {}", *camera.aspect);
   if (!std::isfinite(camera.principalX) || !std::isfinite(camera.principalY))
     badUsage("the camera's principal point has a value that is not a number");
   if (!(camera.farClip > camera.nearClip) || (!camera.orthographic && !(camera.nearClip > 0)))
@@ -91,6 +94,7 @@ scene::Camera internalCamera(const Camera& camera, const scene::Scene& scene) {
   c.orthographic = camera.orthographic;
   c.verticalFov = camera.verticalFov / kDegrees;
   c.yHalf = camera.halfHeight;
+  c.aspect = camera.aspect;
   c.nearClip = camera.nearClip;
   c.farClip = camera.farClip;
   c.principal = {camera.principalX, camera.principalY};
@@ -134,19 +138,19 @@ void checkTime(double time) {
   if (!std::isfinite(time)) badUsage("the time must be a number of seconds");
 }
 
-std::vector<scene::Camera> internalCameras(const std::vector<Camera>& cameras, const scene::Scene& scene,
-                                           size_t count) {
+std::vector<scene::Camera> internalCameras(const std::vector<Camera>& cameras, const scene::Scene& scene, size_t count,
+                                           render::CameraFit fit) {
   if (!cameras.empty() && cameras.size() != count)
     badUsage("{} cameras are rendered, but {} are given for another frame", count, cameras.size());
   std::vector<scene::Camera> internal;
-  for (const Camera& camera : cameras) internal.push_back(internalCamera(camera, scene));
+  for (const Camera& camera : cameras) internal.push_back(render::fitted(internalCamera(camera, scene), fit));
   return internal;
 }
 
 render::Moment internalMoment(const Options& o, const render::Settings& s, const scene::Scene& scene, size_t cameras) {
   render::Moment moment;
-  moment.previousCameras = internalCameras(o.previousCameras, scene, cameras);
-  moment.nextCameras = internalCameras(o.nextCameras, scene, cameras);
+  moment.previousCameras = internalCameras(o.previousCameras, scene, cameras, s.cameraFit);
+  moment.nextCameras = internalCameras(o.nextCameras, scene, cameras, s.cameraFit);
   moment.continues = o.continues;
   moment.poses = render::posesAt(scene, s);
   return moment;
@@ -232,8 +236,8 @@ std::vector<Camera> Scene::camerasAt(double time, const std::string& animation, 
   return cameras;
 }
 
-Camera Scene::defaultCamera(float aspect) const {
-  if (!impl_->cameras.empty()) return impl_->cameras.front();
+Camera Scene::defaultCamera(float aspect, std::optional<double> time, const std::string& animation, bool loop) const {
+  if (!impl_->cameras.empty()) return time ? camerasAt(*time, animation, loop).front() : impl_->cameras.front();
   if (!(aspect > 0) || !std::isfinite(aspect)) badUsage("a picture's aspect must be a number above 0, not {}", aspect);
   return publicCamera(scene::frameScene(impl_->scene, aspect), impl_->scene);
 }
@@ -387,8 +391,9 @@ void DeviceArray::beforeReuse(std::function<void()> call) const {
 Ticket Renderer::submit(const std::vector<Camera>& cameras, const Options& options, Results results) {
   usable(impl_);
   if (cameras.empty()) badUsage("nothing can be rendered without a camera");
-  const std::vector<scene::Camera> internal = internalCameras(cameras, impl_->scene, cameras.size());
   const render::Settings settings = settingsFor(*impl_->device, options, impl_->scene);
+  const std::vector<scene::Camera> internal =
+      internalCameras(cameras, impl_->scene, cameras.size(), settings.cameraFit);
   const render::Moment moment = internalMoment(options, settings, impl_->scene, cameras.size());
   Ticket ticket;
   ticket.impl_ = ownedByProcess(
@@ -403,8 +408,9 @@ std::vector<Pick> Renderer::pick(const Camera& camera, const std::vector<std::ar
   for (const auto& [x, y] : pixels) places.push_back({x, y});
   const auto three = [](glm::vec3 v) { return std::array<float, 3>{v.x, v.y, v.z}; };
   std::vector<Pick> picks;
-  for (const render::Picked& p : render::pick(impl_->renderer, impl_->scene, internalCamera(camera, impl_->scene),
-                                              settings, places, internalMoment(options, settings, impl_->scene, 1)))
+  const scene::Camera view = render::fitted(internalCamera(camera, impl_->scene), settings.cameraFit);
+  const render::Moment moment = internalMoment(options, settings, impl_->scene, 1);
+  for (const render::Picked& p : render::pick(impl_->renderer, impl_->scene, view, settings, places, moment))
     picks.push_back({p.id,
                      p.part,
                      p.node,

@@ -26,6 +26,12 @@ void showDebug(Settings& settings, const output::DebugRequest& debug);
 // Where everything is at the settings' time, and a frame before and after; at rest without one.
 Poses posesAt(const scene::Scene& scene, const Settings& settings);
 
+// The camera as --camera-fit shows it: without a frame of its own where pictures keep its vertical field of view.
+inline scene::Camera fitted(scene::Camera camera, CameraFit fit) {
+  if (fit == CameraFit::Vertical) camera.aspect.reset();
+  return camera;
+}
+
 // OpenCV's camera frame (X right, Y down, Z forward) to the scene file's frame (or the renderer's world if `zUp`).
 glm::dmat4 openCvPose(const scene::Camera& camera, const scene::Scene& scene, bool zUp);
 // The inverse: the camera's toWorld from such a pose in the scene file's frame.

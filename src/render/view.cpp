@@ -3,6 +3,8 @@
 #include <cmath>
 #include <limits>
 
+#include "scene/framing.h"
+
 namespace latelight::render {
 
 namespace {
@@ -56,6 +58,7 @@ shared::View makeView(const scene::Camera& camera, uint32_t width, uint32_t heig
   float aspect = view.size.x / view.size.y;
   p.kind = camera.orthographic ? shared::kOrthographic : shared::kPerspective;
   p.V = 1.0f / (camera.orthographic ? camera.yHalf : std::tan(camera.verticalFov * 0.5f));
+  p.V /= scene::verticalScale(camera, aspect);
   p.H = p.V / aspect;
   p.X = camera.principal.x;
   p.Z = camera.principal.y;

@@ -155,8 +155,15 @@ void setPlanes(Camera& camera, float nearClip, float farClip) {
   camera.nearClip = nearClip;
   camera.farClip = farClip;
 }
-void setHalf(float& half, float value) {
-  if (value != 0) half = std::abs(value);
+// Each leaves the other half extent as it is.
+void setHalfWidth(Camera& camera, const vec4& v) {
+  if (v.x != 0) camera.aspect = std::abs(v.x) / camera.yHalf;
+}
+void setHalfHeight(Camera& camera, const vec4& v) {
+  if (v.x == 0) return;
+  const float halfWidth = camera.aspect.value_or(1) * camera.yHalf;
+  camera.yHalf = std::abs(v.x);
+  camera.aspect = halfWidth / camera.yHalf;
 }
 void setNear(Camera& camera, const vec4& v) {
   setPlanes(camera, v.x, camera.farClip);
@@ -174,8 +181,8 @@ constexpr Property<Camera&> kCameraProperties[] = {
      }},
     {"perspective/znear", 1, setNear},
     {"perspective/zfar", 1, setFar},
-    {"orthographic/xmag", 1, [](Camera& camera, const vec4& v) { setHalf(camera.xHalf, v.x); }},
-    {"orthographic/ymag", 1, [](Camera& camera, const vec4& v) { setHalf(camera.yHalf, v.x); }},
+    {"orthographic/xmag", 1, setHalfWidth},
+    {"orthographic/ymag", 1, setHalfHeight},
     {"orthographic/znear", 1, setNear},
     {"orthographic/zfar", 1, setFar},
 };

@@ -105,6 +105,10 @@ dvec3 toWorld(const Scene& scene, dvec3 v) {
 
 }  // namespace
 
+float verticalScale(const Camera& camera, float aspect) {
+  return camera.aspect ? std::max(1.0f, *camera.aspect / aspect) : 1.0f;
+}
+
 Camera frameScene(const Scene& scene, float aspect) {
   if (!(aspect > 0.0f && std::isfinite(aspect)))
     badUsage("A picture of aspect {:g} can't be framed: width and height must be positive", aspect);

@@ -22,6 +22,11 @@ inline bool showsSomething(float verticalFov) {
   return verticalFov >= kLeastVerticalFov && verticalFov <= kMostVerticalFov;
 }
 
+// How many times its own vertical extent a camera shows in a picture of this aspect (width / height), so that the
+// camera's whole frame is in it: at least 1. It scales the half height of orthographic cameras, and the tangent of half
+// the field of view of perspective ones.
+float verticalScale(const Camera& camera, float aspect);
+
 // The view where a scene has no camera: three-quarter, from the front, the right and slightly above, all eight corners
 // of the scene's bounds inside a picture of this aspect (width / height) with a small margin. Works for any scene:
 // empty, flat, a single point, and sizes from 1e-15 to 1e15 m.

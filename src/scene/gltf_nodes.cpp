@@ -117,12 +117,12 @@ Camera readCamera(const tinygltf::Camera& source) {
   Camera camera;
   if (source.type == "orthographic") {
     camera.orthographic = true;
-    camera.xHalf = std::abs(float(source.orthographic.xmag));
+    const float xHalf = std::abs(float(source.orthographic.xmag));
     camera.yHalf = std::abs(float(source.orthographic.ymag));
     camera.nearClip = float(source.orthographic.znear);
     camera.farClip = float(source.orthographic.zfar);
-    if (camera.xHalf == 0 || camera.yHalf == 0) badInput("an orthographic camera has no width or no height");
-    camera.aspect = camera.xHalf / camera.yHalf;
+    if (xHalf == 0 || camera.yHalf == 0) badInput("an orthographic camera has no width or no height");
+    camera.aspect = xHalf / camera.yHalf;
   } else {
     camera.verticalFov = float(source.perspective.yfov);
     if (!showsSomething(camera.verticalFov)) {

@@ -122,9 +122,11 @@ struct Camera {
   std::string name;
   dmat4 toWorld{1};  // camera space is the renderer's view space: X right, Y away, Z up
   bool orthographic = false;
-  float verticalFov = 0.8f;     // full angle, radians (perspective)
-  std::optional<float> aspect;  // width / height in the file; a picture has its own and keeps the vertical extent
-  float xHalf = 1, yHalf = 1;   // half extents in metres (orthographic); pictures keep yHalf
+  float verticalFov = 0.8f;  // full angle, radians (perspective)
+  float yHalf = 1;           // half the vertical extent, metres (orthographic)
+  // Width / height of the camera's own frame. Pictures show all of it: a narrower one shows more above and below, a
+  // wider one more at the sides. Without one, every picture keeps the vertical extent.
+  std::optional<float> aspect;
   float nearClip = kNearClip;
   float farClip = std::numeric_limits<float>::infinity();
   vec2 principal{0};         // principal point offset, NDC: 0 is the picture's centre

@@ -2,16 +2,19 @@
 
 #include <cmath>
 
+#include "scene/framing.h"
 #include "shared/light.h"
 
 namespace latelight::view {
 
 namespace {
 
-// Half of what the picture shows, per metre of depth; of orthographic cameras in metres.
+// Half of the picture's extent: metres per metre of depth, or metres for orthographic cameras.
 glm::dvec2 halfExtent(const scene::Camera& camera, glm::uvec2 size) {
-  const double half = camera.orthographic ? double{camera.yHalf} : std::tan(double{camera.verticalFov} / 2);
-  return {half * size.x / size.y, half};
+  const double aspect = double(size.x) / size.y;
+  const double own = camera.orthographic ? double{camera.yHalf} : std::tan(double{camera.verticalFov} / 2);
+  const double half = own * scene::verticalScale(camera, static_cast<float>(aspect));
+  return {half * aspect, half};
 }
 
 // Right, away and up of the camera.

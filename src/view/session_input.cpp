@@ -22,6 +22,14 @@ struct Overloaded : Fs... {
   using Fs::operator()...;
 };
 
+// The vertical angle that a picture of the camera shows, radians: a steered camera begins with it.
+double shownFov(const scene::Camera& camera, uint32_t width, uint32_t height) {
+  if (camera.orthographic) return scene::kDefaultVerticalFov;
+  const float aspect = static_cast<float>(width) / static_cast<float>(height);
+  const double fov = 2 * std::atan(std::tan(camera.verticalFov / 2.0) * scene::verticalScale(camera, aspect));
+  return std::min(fov, double{scene::kMostVerticalFov});
+}
+
 }  // namespace
 
 void ViewSession::Impl::take(const Input& input) {
@@ -131,8 +139,7 @@ CameraControl& ViewSession::Impl::steered() {
   const glm::dvec3 centre = bounds.empty() ? glm::dvec3(0) : bounds.centre();
   const glm::dvec3 eye(from.toWorld[3]), away(from.toWorld[1]);
   const double distance = std::max(glm::dot(centre - eye, away), 0.05 * radius);
-  const float fov = from.orthographic ? scene::kDefaultVerticalFov : from.verticalFov;
-  return control.emplace(Viewpoint{eye, eye + away * distance, fov}, radius);
+  return control.emplace(Viewpoint{eye, eye + away * distance, shownFov(from, state.width, state.height)}, radius);
 }
 
 void ViewSession::Impl::movePointer(const PointerMove& move) {

@@ -41,9 +41,9 @@ scene::Camera cameraOf(const scene::Scene& scene, const CameraChoice& choice, co
     return scene::lookAt(scene, choice.placed->eye, choice.placed->target, {}, fov);
   }
   const std::vector<scene::Camera> cameras = scene::posedCameras(scene, pose);
-  if (!choice.camera.empty()) return findCamera(cameras, choice.camera);
+  if (!choice.camera.empty()) return render::fitted(findCamera(cameras, choice.camera), s.cameraFit);
   const float aspect = static_cast<float>(s.width) / static_cast<float>(s.height);
-  return cameras.empty() ? scene::frameScene(scene, aspect) : cameras.front();
+  return cameras.empty() ? scene::frameScene(scene, aspect) : render::fitted(cameras.front(), s.cameraFit);
 }
 
 }  // namespace

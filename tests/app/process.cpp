@@ -8,6 +8,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cerrno>
@@ -100,15 +101,18 @@ pid_t start(const std::filesystem::path& executable, const Command& command, con
   return process;
 }
 
-// Reads both pipes until the process and its children have closed them, or until the deadline.
-bool readAll(const Pipe& out, const Pipe& err, Outcome& outcome, Clock::time_point deadline) {
+// Reads both pipes until the process and its children have closed them, or until the deadline, or `until` is true.
+bool readAll(const Pipe& out, const Pipe& err, Outcome& outcome, Clock::time_point deadline,
+             const std::function<bool()>& until = nullptr) {
+  constexpr std::chrono::milliseconds::rep kBetween = 2;
   std::array<pollfd, 2> waiting{{{out.reader(), POLLIN, 0}, {err.reader(), POLLIN, 0}}};
   std::array<std::string*, 2> texts{&outcome.out, &outcome.err};
   size_t open = 2;
   while (open > 0) {
     const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Clock::now()).count();
-    if (left <= 0) return false;
-    if (poll(waiting.data(), waiting.size(), static_cast<int>(left)) < 0 && errno != EINTR) return false;
+    if (left <= 0 || (until && until())) return false;
+    const auto wait = static_cast<int>(until ? std::min(left, kBetween) : left);
+    if (poll(waiting.data(), waiting.size(), wait) < 0 && errno != EINTR) return false;
     for (size_t i = 0; i < waiting.size(); ++i) {
       if (waiting[i].fd < 0 || waiting[i].revents == 0) continue;
       std::array<char, 1 << 16> part;
@@ -137,7 +141,7 @@ Outcome runProcess(const std::filesystem::path& executable, const Command& comma
   out.closeWriter();
   err.closeWriter();
   Outcome outcome;
-  outcome.timedOut = !readAll(out, err, outcome, Clock::now() + command.timeout);
+  outcome.timedOut = !readAll(out, err, outcome, Clock::now() + command.timeout, command.until);
   if (outcome.timedOut) {
     kill(process, command.lastSignal);
     readAll(out, err, outcome, Clock::now() + std::chrono::hours(1));

@@ -18,13 +18,14 @@ struct Command {
   std::filesystem::path folder;                    // to run in; empty: this process's
   std::filesystem::path standardOutput;            // a file to open for it, as with ">"; empty: captured in `out`
   std::chrono::milliseconds timeout{3'600'000};    // it has hung, and is killed
+  std::function<bool()> until;                     // asked again and again: it has done enough, and is killed
   int lastSignal = SIGKILL;                        // what it then gets
 };
 
 struct Outcome {
   int code = -1;          // of exit; -1 where it did not exit by itself
   int signal = 0;         // that ended it; 0: none
-  bool timedOut = false;  // and was sent the signal for that
+  bool timedOut = false;  // or had done enough, and was sent the signal for that
   std::string out, err;
   bool exited() const { return code >= 0; }
   // "exit 3", "signal 11", "not within its time", and what it said on standard error: for messages.

@@ -110,6 +110,13 @@ TEST(Parallel, KeepsToItsThreadWhereAsked) {
     });
     return others.load();
   };
+  // On a busy machine they may be late.
+  const auto othersCome = [&] {
+    const int attempts = threadCount() > 1 ? 1000 : 1;
+    for (int i = 0; i < attempts; ++i)
+      if (others() > 0) return true;
+    return false;
+  };
   {
     const KeptToThisThread alone;
     EXPECT_EQ(others(), 0u);
@@ -117,9 +124,9 @@ TEST(Parallel, KeepsToItsThreadWhereAsked) {
       const KeptToThisThread within;
     }
     EXPECT_EQ(others(), 0u);
-    EXPECT_EQ(inBackground([&] { return others() > 0; }).get(), threadCount() > 1);
+    EXPECT_EQ(inBackground(othersCome).get(), threadCount() > 1);
   }
-  EXPECT_EQ(others() > 0, threadCount() > 1);
+  EXPECT_EQ(othersCome(), threadCount() > 1);
 }
 
 TEST(Parallel, InBackgroundGivesTheResultAndTheException) {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -118,7 +119,9 @@ TEST(Signals, EndABatchBetweenFrames) {
   for (const int signal : {SIGTERM, SIGINT}) {
     Folder folder;
     app::Command command = batch(folder, {"--scenes", "builtin:boxes", "--repeat", "100000", "-o", "set"});
-    command.timeout = std::chrono::milliseconds(2500);
+    command.until = [&] {  // some frames are finished
+      return std::ranges::count(folder.read("set/.latelight/shard-0-of-1.jsonl"), '\n') > 5;
+    };
     command.lastSignal = signal;
     const Outcome outcome = latelight(command);
     ASSERT_TRUE(outcome.timedOut) << "it ended before the signal: " << outcome.text();

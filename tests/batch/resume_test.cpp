@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <random>
 
@@ -29,15 +30,25 @@ app::Command job(const Folder& folder, const std::string& set, std::vector<std::
   return batch(folder, all);
 }
 
-// Killed again and again at random moments, from before the first frame to after the last, with all that is visible
-// compared each time. A set that is finished is begun anew. How often frames were missing, but not all of them.
+// Lines of the shard's log: one for each finished frame, and its first line.
+auto linesOf(const Folder& folder, const std::string& set) {
+  return std::ranges::count(folder.read(set + "/.latelight/shard-0-of-1.jsonl"), '\n');
+}
+
+// Kills the job again and again, with all that is visible compared each time: every fifth time after a random while of
+// its start, before it has a frame; else once it has finished a random number of further frames, from one to more than
+// the set has left. A finished set is begun again. Returns how often some frames were there, and others missing.
 int killOften(const Folder& folder, const std::string& set, int times, uint32_t seed,
               const std::map<std::string, std::string>& whole) {
   std::mt19937 random(seed);
   int partly = 0;
   for (int kills = 0; kills < times;) {
     app::Command command = job(folder, set, {"--resume", "--threads", std::to_string(1 + random() % 3)});
-    command.timeout = std::chrono::milliseconds(random() % 900);
+    const auto enough = std::max(linesOf(folder, set), 1l) + 1 + static_cast<long>(random() % 60);
+    if (kills % 5 == 0)
+      command.timeout = std::chrono::milliseconds(random() % 400);
+    else
+      command.until = [&] { return linesOf(folder, set) >= enough; };
     const Outcome outcome = latelight(command);
     EXPECT_TRUE(outcome.signal == SIGKILL || outcome.code == 0) << outcome.text();
     const std::map<std::string, std::string> there = filesOf(folder, set);

@@ -56,6 +56,28 @@ TEST_F(FormatFilesTest, KittiFlowIsRoundedAndSaysWhatItHolds) {
   EXPECT_EQ(channel(flow, 2), (std::vector<double>{1, 1, 1, 0}));
 }
 
+// Where there is no next frame: 1e10, beyond Middlebury's 1e9, and KITTI's blue of 0.
+TEST_F(FormatFilesTest, FlowToNoFrameIsUnknown) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const std::vector<float> motion{1, 2, nan, nan, 3, 4, nan, nan};
+  const ReadImage kitti = png("flow", {{"as", "kitti"}}, Aov::Motion, motion);
+  for (size_t i = 0; i < 3; ++i) EXPECT_EQ(channel(kitti, i), (std::vector<double>{0, 0}));
+  EXPECT_EQ(channel(png("flow", {{"as", "kitti"}, {"to", "previous"}}, Aov::Motion, motion), 2),
+            (std::vector<double>{1, 1}));
+  DataFrame frame{.name = "a"};
+  frame.picture = {2, 1, {AovImage{Aov::Motion, 2, 1, motion, {}}}, {}};
+  const auto flowTo = [&](const char* to) {
+    make("flow", {{"to", to}})->writeFrame(frame, folder);
+    std::vector<float> flow(4);
+    const std::vector<std::byte> bytes = readFile(folder / "flow/a.flo");
+    EXPECT_EQ(bytes.size(), 12u + sizeof(float) * flow.size());
+    std::memcpy(flow.data(), bytes.data() + 12, sizeof(float) * flow.size());
+    return flow;
+  };
+  EXPECT_EQ(flowTo("next"), (std::vector<float>{1e10f, 1e10f, 1e10f, 1e10f}));
+  EXPECT_EQ(flowTo("previous"), (std::vector<float>{1, 2, 3, 4}));
+}
+
 // A plane at depth z that moves by t parallel to the picture flows by f t / z at every pixel.
 TEST_F(FormatFilesTest, FlowOfAPlane) {
   const scene::Scene scene = squares();

@@ -1,6 +1,7 @@
 """Cameras, against projections computed here with NumPy."""
 
 import copy
+import json
 import pickle
 
 import numpy as np
@@ -116,3 +117,43 @@ def test_a_scaled_pose_is_refused_when_it_is_rendered(renderer):
     camera = latelight.Camera(camera_to_world=np.diag([2, 2, 2, 1]))
     with pytest.raises(latelight.UsageError, match="rotation and a translation"):
         renderer.render(camera, SIZE)
+
+
+def test_pictures_of_any_shape_show_the_whole_frame(renderer):
+    camera = latelight.Camera.look_at((4, -5, 3), (0, 0, 0), up=(0, 0, 1), vertical_fov=50)
+    camera.aspect = 2
+    world_to_camera = np.linalg.inv(camera.camera_to_world)
+    half = np.tan(np.radians(25))  # of the frame's height at 1 m
+    for size, focal in {(64, 48): 32 / (2 * half), (96, 48): 24 / half, (144, 48): 24 / half}.items():
+        np.testing.assert_allclose(camera.k(size)[0, 0], focal, rtol=1e-6)
+        np.testing.assert_allclose(camera.k(size)[1, 1], focal, rtol=1e-6)
+    positions_match(renderer, camera, camera.k(SIZE), world_to_camera)
+    camera.aspect = None
+    cropped = renderer.render(camera, SIZE, "depth")["depth"]
+    np.testing.assert_allclose(camera.k(SIZE)[1, 1], 24 / half, rtol=1e-6)
+    camera.aspect = 2
+    np.testing.assert_array_equal(renderer.render(camera, SIZE, "depth", camera_fit="vertical")["depth"], cropped)
+    assert (renderer.render(camera, SIZE, "depth")["depth"] != cropped).any()
+
+
+def test_the_default_camera_follows_its_animation(tmp_path):
+    """From x = 1 at 0 s to x = 11 at 10 s."""
+    buffer = np.array([0, 10, 1, 0, 0, 11, 0, 0], np.float32).tobytes()
+    (tmp_path / "moves.bin").write_bytes(buffer)
+    times = {"bufferView": 0, "componentType": 5126, "count": 2, "type": "SCALAR", "min": [0], "max": [10]}
+    target = {"node": 0, "path": "translation"}
+    gltf = {
+        "asset": {"version": "2.0"},
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"camera": 0, "translation": [5, 0, 0]}],
+        "cameras": [{"type": "perspective", "perspective": {"yfov": 0.5, "znear": 0.1}}],
+        "buffers": [{"uri": "moves.bin", "byteLength": 32}],
+        "bufferViews": [{"buffer": 0, "byteLength": 8}, {"buffer": 0, "byteOffset": 8, "byteLength": 24}],
+        "accessors": [times, {"bufferView": 1, "componentType": 5126, "count": 2, "type": "VEC3"}],
+        "animations": [{"samplers": [{"input": 0, "output": 1}], "channels": [{"sampler": 0, "target": target}]}],
+    }
+    (tmp_path / "moves.gltf").write_text(json.dumps(gltf))
+    scene = latelight.Scene(tmp_path / "moves.gltf")
+    for time, loop, x in [(None, False, 5), (0, False, 1), (2.5, False, 3.5), (12, False, 11), (12, True, 3)]:
+        camera = scene.default_camera(time=time, loop=loop)
+        np.testing.assert_allclose(camera.camera_to_world[:3, 3], (x, 0, 0), atol=1e-6)

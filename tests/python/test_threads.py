@@ -18,8 +18,8 @@ scene = latelight.Scene("builtin:hall,triangles=60k,lights=20")
 renderer = latelight.Renderer(scene, sys.argv[1])
 camera = scene.default_camera()
 before = renderer.render(camera, (64, 64))["rgba"]
-print("ready", flush=True)
 try:
+    print("ready", flush=True)
     renderer.render(camera, (256, 256), aa="ss16")
     print("it was not interrupted")
 except KeyboardInterrupt:

@@ -83,7 +83,7 @@ std::vector<scene::Camera> camerasOver(const scene::Scene& plane) {
   cameras.push_back(shifted);
   scene::Camera orthographic = cameras[2];
   orthographic.orthographic = true;
-  orthographic.xHalf = orthographic.yHalf = 1;
+  orthographic.yHalf = 1;
   orthographic.farClip = 500;
   cameras.push_back(orthographic);
   return cameras;
@@ -139,7 +139,7 @@ TEST_F(AmbientOcclusionTest, AWallHidesItsClosedForm) {
     scene::Camera camera = scene::lookAt(scene, {0.5f, 2.5f, 3}, {0, 0.2f, 0.3f});
     if (orthographic) {
       camera.orthographic = true;
-      camera.xHalf = 1.8f, camera.yHalf = 1.2f, camera.farClip = 20;
+      camera.yHalf = 1.2f, camera.farClip = 20;
     } else {
       camera.principal = {0.2f, 0.1f};
     }

@@ -99,7 +99,6 @@ TEST_F(HiddenClustersTest, OrthographicViewsToo) {
   Renderer renderer(device(), scene, nullptr);
   for (scene::Camera camera : way(scene)) {
     camera.orthographic = true;
-    camera.xHalf = 4;
     camera.yHalf = 3;
     camera.farClip = 50;
     expectAlike(renderer.render({&camera, 1}, settings()).front(), renderOne(device(), scene, camera, settings()));

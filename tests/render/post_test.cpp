@@ -100,7 +100,7 @@ TEST_F(PostTest, FogIsTheIntegralOfItsDensity) {
   scene::Camera perspective = scene.cameras.front(), orthographic = perspective;
   perspective.principal = {0.2f, -0.9f};  // looks up
   orthographic.orthographic = true;
-  orthographic.xHalf = 18, orthographic.yHalf = 12, orthographic.farClip = 100;
+  orthographic.yHalf = 12, orthographic.farClip = 100;
   Renderer renderer(device(), scene, nullptr);
   for (const scene::Camera& camera : {perspective, orthographic})
     for (float height : {0.0f, 1.5f}) {

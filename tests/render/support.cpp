@@ -113,7 +113,7 @@ scene::Mesh sphereMesh(float radius) {
 scene::Camera frontCamera(float half, float distance) {
   scene::Camera camera = frontPerspective(1, distance);
   camera.orthographic = true;
-  camera.xHalf = camera.yHalf = half;
+  camera.yHalf = half;
   camera.farClip = 2 * distance;
   return camera;
 }

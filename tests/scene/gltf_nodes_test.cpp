@@ -211,7 +211,7 @@ TEST(GltfNodes, OrthographicCameras) {
   b.node({{"camera", 0}});
   Camera camera = b.load().cameras.at(0);
   EXPECT_TRUE(camera.orthographic);
-  EXPECT_EQ(camera.xHalf, 4);
+  EXPECT_FLOAT_EQ(*camera.aspect * camera.yHalf, 4);
   EXPECT_EQ(camera.yHalf, 3);
   EXPECT_EQ(camera.nearClip, 0);
   EXPECT_EQ(camera.farClip, 9);

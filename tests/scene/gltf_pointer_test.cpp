@@ -198,7 +198,7 @@ TEST(AnimationPointer, MovesCameras) {
   expectScalar("/cameras/0/perspective/aspectRatio", [](const At& at) { return at.camera(0).aspect.value(); });
   expectScalar("/cameras/0/perspective/znear", [](const At& at) { return at.camera(0).nearClip; });
   expectScalar("/cameras/0/perspective/zfar", [](const At& at) { return at.camera(0).farClip; });
-  expectScalar("/cameras/1/orthographic/xmag", [](const At& at) { return at.camera(1).xHalf; });
+  expectScalar("/cameras/1/orthographic/xmag", [](const At& at) { return *at.camera(1).aspect * at.camera(1).yHalf; });
   expectScalar("/cameras/1/orthographic/ymag", [](const At& at) { return at.camera(1).yHalf; });
   expectScalar("/cameras/1/orthographic/znear", [](const At& at) { return at.camera(1).nearClip; });
   expectScalar("/cameras/1/orthographic/zfar", [](const At& at) { return at.camera(1).farClip; });

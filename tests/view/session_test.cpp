@@ -210,6 +210,25 @@ TEST(ViewSessionTest, ASteeredCameraIsAsTheCommandLineHasIt) {
   }
 }
 
+// A frame 4 times as wide as high in a picture of 16 by 9: the picture is 4 / (16 / 9) times as high as the frame.
+TEST(ViewSessionTest, ASteeredCameraShowsWhatTheFilesDid) {
+  const Folder folder;
+  folder.write("wide.gltf", std::string_view(R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}],
+      "nodes": [{"camera": 0}],
+      "cameras": [{"type": "perspective", "perspective": {"yfov": 0.5, "aspectRatio": 4, "znear": 0.1}}]})"));
+  Viewer viewer(small(folder.at("wide.gltf")));
+  expectAsRendered(viewer, "the file's camera");
+  drag(viewer, Button::Left, 5, 0);
+  ASSERT_TRUE(viewer.state().steered);
+  EXPECT_NEAR(viewer.state().steered->verticalFov, 2 * std::atan(std::tan(0.25) * 4 * 9 / 16), 1e-5);
+  expectAsRendered(viewer, "steered");
+  viewer(UseCamera{""});
+  viewer(SetOption{"camera-fit", "vertical"});
+  expectAsRendered(viewer, "cropped");
+  drag(viewer, Button::Left, 5, 0);
+  EXPECT_NEAR(viewer.state().steered->verticalFov, 0.5, 1e-5);
+}
+
 TEST(ViewSessionTest, BeginsWhereItIsTold) {
   Start start = small();
   start.eye = {1, 2, 3}, start.target = {0, 1.5, -4}, start.fov = 63;
@@ -259,10 +278,13 @@ TEST(ViewSessionTest, ADraftComesFirstAndTheWholePictureFollows) {
   Start start = small();
   start.width = 640, start.height = 360;
   Viewer viewer(start);
+  viewer(SetNavigation{Navigation::Fly});
+  viewer(Key{"w", true});  // held, so that it moves however long the picture takes
   const Frame& draft = viewer.session.next();
   EXPECT_FALSE(draft.final);
   EXPECT_LT(draft.width, 640u);
   EXPECT_NEAR(16.0 / 9, 1.0 * draft.width / draft.height, 0.05);
+  viewer(Blur{});
   const Frame& whole = viewer.settle();
   EXPECT_EQ(whole.width, 640u);
   EXPECT_EQ(whole.height, 360u);

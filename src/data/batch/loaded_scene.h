@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "data/batch/camera_timeline.h"
 #include "data/batch/job.h"
-#include "data/cameras/cameras.h"
 #include "data/variations/variations.h"
 
 namespace latelight::data {
@@ -18,7 +18,7 @@ class LoadedScene {
   LoadedScene& operator=(const LoadedScene&) = delete;
 
   const scene::Scene& scene() const { return scene_; }
-  const std::vector<JobCamera>& cameras() const { return cameras_; }  // each with its size
+  const CameraTimeline& cameras() const { return cameras_; }
   // From then on it is as that variation has it; what was drawn for it. Null where nothing varies.
   const nlohmann::ordered_json& show(uint32_t variation);
   std::string environment() const;                    // as it is now; empty: none
@@ -27,7 +27,7 @@ class LoadedScene {
  private:
   const Job& job_;
   scene::Scene scene_;
-  std::vector<JobCamera> cameras_;
+  CameraTimeline cameras_;
   std::optional<Variations> variations_;
   std::optional<uint32_t> shown_;
   nlohmann::ordered_json drawn_;

@@ -51,6 +51,7 @@ Json describe(const FinishedFrame& frame) {
             {"camera", frame.camera},   {"variation", frame.variation}, {"settings", hashText(frame.settings)},
             {"files", std::move(files)}};
   if (!frame.drawn.is_null()) json["drawn"] = frame.drawn;
+  if (!frame.motion.is_null()) json["motion"] = frame.motion;
   json["entries"] = frame.entries;
   return json;
 }
@@ -62,6 +63,7 @@ FinishedFrame finishedFrame(Json&& json) {
   frame.camera = json.at("camera").get<std::string>();
   frame.variation = json.at("variation").get<uint32_t>();
   if (json.contains("drawn")) frame.drawn = std::move(json["drawn"]);
+  if (json.contains("motion")) frame.motion = std::move(json["motion"]);
   for (const Json& file : json.at("files")) frame.files.push_back(fileRecord(file));
   frame.entries = std::move(json.at("entries").get_ref<Json::array_t&>());
   return frame;

@@ -29,7 +29,8 @@ struct FinishedFrame {
   uint64_t index = 0, settings = 0;  // Plan::settings()
   std::string name, scene, camera;
   uint32_t variation = 0;
-  nlohmann::ordered_json drawn;  // what the variation drew
+  nlohmann::ordered_json drawn;   // what the variation drew
+  nlohmann::ordered_json motion;  // the frames that the output motion leads to; null: the job does not ask for it
   std::vector<FileRecord> files;
   std::vector<nlohmann::ordered_json> entries;  // of each format, for its files of the whole set
 };

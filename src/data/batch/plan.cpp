@@ -33,9 +33,8 @@ uint64_t hashOfFiles(const std::vector<std::string>& files) {
   return hash;
 }
 
-uint64_t hashOf(const JobCamera& c) {
-  const scene::Camera& camera = c.camera;
-  Json all{c.name, c.width, c.height, camera.name, camera.orthographic, camera.verticalFov, camera.yHalf};
+Json describe(const scene::Camera& camera) {
+  Json all{camera.name, camera.orthographic, camera.verticalFov, camera.yHalf, camera.aspect.value_or(0)};
   for (int i = 0; i < 16; ++i) all.push_back(std::bit_cast<uint64_t>(camera.toWorld[i / 4][i % 4]));
   for (const float value : {camera.nearClip, camera.farClip, camera.principal.x, camera.principal.y})
     all.push_back(std::bit_cast<uint32_t>(value));
@@ -43,7 +42,40 @@ uint64_t hashOf(const JobCamera& c) {
     all.insert(all.end(), {lens->model, lens->width, lens->height, lens->fx, lens->fy, lens->cx, lens->cy});
     for (const double k : lens->distortion) all.push_back(k);
   }
+  return all;
+}
+
+Json describe(const std::optional<double>& seconds) {
+  return seconds ? Json(std::bit_cast<uint64_t>(*seconds)) : Json();
+}
+
+uint64_t hashOf(const CameraTimeline& cameras, size_t i, bool moves) {
+  const JobCamera& c = cameras.camera(i);
+  Json all{c.name, c.width, c.height, describe(c.camera), describe(cameras.time(i))};
+  if (!moves) return hashOf(all);
+  for (const auto& neighbor : {cameras.previous(i), cameras.next(i)})
+    all.push_back(neighbor
+                      ? Json{describe(neighbor->camera), describe(neighbor->time),
+                             neighbor->place ? Json{*neighbor->place, cameras.camera(*neighbor->place).name} : Json()}
+                      : Json());
   return hashOf(all);
+}
+
+// The files that cameras are read from.
+void addCameraFiles(const Json& spec, std::vector<std::string>& files) {
+  const auto add = [&](const std::filesystem::path& file) {
+    std::error_code ignored;  // reading the cameras says what is wrong
+    if (std::filesystem::is_regular_file(file, ignored)) files.push_back(file.string());
+  };
+  if (!spec.is_structured()) return;
+  for (const auto& [key, value] : spec.items()) {
+    addCameraFiles(value, files);
+    if (!value.is_string()) continue;
+    if (key == "file") add(value.get<std::string>());
+    if (key == "folder")
+      for (const char* name : {"cameras.bin", "images.bin", "cameras.txt", "images.txt"})
+        add(std::filesystem::path(value.get<std::string>()) / name);
+  }
 }
 
 // A scene's or camera's name as part of a path: what has a meaning there is replaced.
@@ -53,8 +85,10 @@ std::string asPart(std::string name) {
         c == 0x7f)
       c = '_';
   if (name.empty() || name[0] == '.') name.insert(0, "_");
-  return name;
+  return shortFileName(std::move(name));
 }
+
+constexpr size_t kLongestName = 200;  // bytes of a part of a path; formats put more behind it, and 255 are allowed
 
 void checkPattern(const std::string& name) {
   const std::filesystem::path path(name);
@@ -73,7 +107,7 @@ std::string number(uint64_t value, uint64_t most, uint64_t least = 0) {
 
 Json describe(const PlannedScene& scene) {
   Json cameras = Json::array();
-  for (const PlannedCamera& c : scene.cameras) cameras.push_back({c.name, c.hash, c.width, c.height});
+  for (const PlannedCamera& c : scene.cameras) cameras.push_back({c.name, c.hash, c.width, c.height, c.moment});
   return {{"source", scene.source}, {"files", scene.files}, {"hash", scene.hash}, {"cameras", std::move(cameras)}};
 }
 
@@ -92,9 +126,12 @@ Plan::Plan(const Job& job, const std::filesystem::path& saved) : job_(job) {
   whole["version"] = version();
   if (!job.hdri.empty() && std::filesystem::is_regular_file(job.hdri)) whole["hdri-hash"] = hashOfFiles({job.hdri});
   jobHash_ = hashOf(whole);
-  loadHash_ = hashOf({d.value("cameras", Json()), d.value("variant", Json()), d.value("allow-outside", Json()),
-                      d.value("id-depth", Json()), d.value("id-nodes", Json()), job.seed, job.settings.width,
-                      job.settings.height, version()});
+  const bool moves = output::contains(job.settings.aovs, output::Aov::Motion);
+  std::vector<std::string> cameraFiles;
+  addCameraFiles(job.cameras, cameraFiles);
+  loadHash_ = hashOf({d.value("cameras", Json()), hashOfFiles(cameraFiles), d.value("variant", Json()),
+                      d.value("allow-outside", Json()), d.value("id-depth", Json()), d.value("id-nodes", Json()),
+                      d.value("options", Json()), moves, job.seed, version()});
   const Json known = readSaved(saved);
   for (const std::string& source : job.scenes) {
     PlannedScene scene{.source = source};
@@ -113,8 +150,8 @@ bool Plan::findSaved(PlannedScene& scene, const Json& saved) const try {
     scene.hash = known.at("hash").get<uint64_t>();
     if (hashOfFiles(scene.files) != scene.hash) return false;
     for (const Json& c : known.at("cameras"))
-      scene.cameras.push_back(
-          {c.at(0).get<std::string>(), c.at(1).get<uint64_t>(), c.at(2).get<uint32_t>(), c.at(3).get<uint32_t>()});
+      scene.cameras.push_back({c.at(0).get<std::string>(), c.at(1).get<uint64_t>(), c.at(2).get<uint32_t>(),
+                               c.at(3).get<uint32_t>(), c.at(4).get<uint64_t>()});
     return true;
   }
   return false;
@@ -128,7 +165,12 @@ void Plan::look(PlannedScene& scene) try {
   scene::LoadOptions load = job_.load;
   load.textures = job_.scenes.size() == 1 || !job_.variations.is_null();
   auto loaded = std::make_unique<LoadedScene>(job_, scene::load(scene.source, load));
-  for (const JobCamera& c : loaded->cameras()) scene.cameras.push_back({c.name, hashOf(c), c.width, c.height});
+  const bool moves = output::contains(job_.settings.aovs, output::Aov::Motion);
+  const CameraTimeline& cameras = loaded->cameras();
+  for (size_t i = 0; i < cameras.size(); ++i) {
+    const JobCamera& c = cameras.camera(i);
+    scene.cameras.push_back({c.name, hashOf(cameras, i, moves), c.width, c.height, cameras.momentOf(i)});
+  }
   for (const std::filesystem::path& file : loaded->scene().files) scene.files.push_back(file.string());
   scene.hash = hashOfFiles(scene.files);
   if (job_.scenes.size() == 1) scene_ = std::move(loaded);
@@ -168,15 +210,28 @@ std::string Plan::name(uint64_t index) const {
   if (name.find_first_of("{}") != std::string::npos)
     badUsage("name has braces, which hold one of {{index}}, {{scene}}, {{camera}}, {{variation}}, not \"{}\"",
              job_.name);
+  for (const std::filesystem::path& part : std::filesystem::path(name))
+    if (part.native().size() > kLongestName)
+      badUsage("name makes \"{}\", which has {} bytes in one file name: shorten the pattern to at most {}",
+               part.string(), part.native().size(), kLongestName);
   return name;
 }
 
 void Plan::checkNames() const {
-  if (job_.name.find("{index}") != std::string::npos) return;
+  const bool indexed = job_.name.find("{index}") != std::string::npos;
+  const auto placeholders = static_cast<size_t>(std::ranges::count(job_.name, '{'));
+  if (indexed && job_.name.size() + placeholders * kShortFileName <= kLongestName) return;
   std::unordered_set<std::string> names;
-  for (uint64_t index = 0; index < frames(); ++index)
-    if (at(index) && !names.insert(name(index)).second)
-      badUsage("name: two frames are called \"{}\"; add {{index}}", name(index));
+  for (size_t scene = 0; scene < scenes_.size(); ++scene) {
+    if (!scenes_[scene].error.empty()) continue;
+    // With the index no two names are alike, and those of all variations are equally long.
+    const uint64_t frames = indexed ? scenes_[scene].cameras.size() : scenes_[scene].places;
+    for (uint64_t i = 0; i < frames; ++i) {
+      std::string name = this->name(starts_[scene] + i);
+      if (!indexed && !names.insert(name).second)
+        badUsage("name: two frames are called \"{}\"; add {{index}}", name);
+    }
+  }
 }
 
 uint64_t Plan::settings(uint64_t index) const {

@@ -15,8 +15,9 @@ namespace latelight::data {
 
 struct PlannedCamera {
   std::string name;
-  uint64_t hash = 0;               // of all that it is
+  uint64_t hash = 0;               // of all that it is, and where the job asks for motion, of its neighbors
   uint32_t width = 0, height = 0;  // pixels
+  uint64_t moment = 0;             // CameraTimeline::momentOf()
 };
 
 struct PlannedScene {
@@ -45,6 +46,8 @@ class Plan {
   // Nothing for a place of a broken scene.
   std::optional<FramePlace> at(uint64_t index) const;
   std::string name(uint64_t index) const;
+  // Of a frame with the same scene and variation, by its camera.
+  std::string nameBeside(uint64_t index, size_t camera) const { return name(index - at(index)->camera + camera); }
   const PlannedCamera& camera(FramePlace place) const { return scenes_[place.scene].cameras[place.camera]; }
   // Of everything that the frame's files depend on, but for the device: frames with another hash are rendered again.
   uint64_t settings(uint64_t index) const;

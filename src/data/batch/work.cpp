@@ -13,7 +13,7 @@ WorkList::WorkList(const Plan& plan, uint64_t first, uint64_t end, const Manifes
     std::deque<Chunk>& chunks = scenes_[place->scene].chunks;
     const auto fits = [&](const Chunk& chunk) {
       return chunk.variation == place->variation && chunk.width == camera.width && chunk.height == camera.height &&
-             chunk.frames.size() < most.views &&
+             plan.camera(*plan.at(chunk.frames.front())).moment == camera.moment && chunk.frames.size() < most.views &&
              (chunk.frames.size() + 1) * camera.width * camera.height <= most.pixels;
     };
     if (chunks.empty() || !fits(chunks.back()))

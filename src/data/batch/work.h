@@ -12,7 +12,7 @@
 
 namespace latelight::data {
 
-// Frames that are rendered at once: of one scene, variation and size, by index.
+// Frames that are rendered at once: of one scene, variation, size and moment, by index.
 struct Chunk {
   uint32_t scene = 0, variation = 0;
   uint32_t width = 0, height = 0;

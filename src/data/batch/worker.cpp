@@ -87,7 +87,8 @@ void Worker::useEnvironment() {
 
 RenderedFrame Worker::frameOf(uint64_t index, const Chunk& chunk, const output::Metadata& shared) {
   const FramePlace place = *plan_.at(index);
-  const JobCamera& camera = scene_->cameras()[place.camera];
+  const CameraTimeline& cameras = scene_->cameras();
+  const JobCamera& camera = cameras.camera(place.camera);
   const PlannedScene& planned = plan_.scenes()[place.scene];
   RenderedFrame frame{.frame = {.index = index, .name = plan_.name(index), .metadata = shared, .scene = place.scene}};
   output::Metadata& m = frame.frame.metadata;
@@ -95,12 +96,21 @@ RenderedFrame Worker::frameOf(uint64_t index, const Chunk& chunk, const output::
   m.camera.name = camera.name;
   m.frame = static_cast<uint32_t>(index);
   m.frameDigits = 6;
+  if (const std::optional<double> time = cameras.time(place.camera)) m.settings["time"] = fmt::format("{}", *time);
   frame.record = {.index = index,
                   .settings = plan_.settings(index),
                   .name = frame.frame.name,
                   .scene = planned.source,
                   .camera = camera.name,
                   .variation = place.variation};
+  if (!output::contains(job_.settings.aovs, output::Aov::Motion)) return frame;
+  const auto describe = [&](const std::optional<CameraTimeline::Neighbor>& neighbor) {
+    if (!neighbor) return std::optional<output::NeighborFrame>();
+    const std::string name = neighbor->place ? plan_.nameBeside(index, *neighbor->place) : "";
+    return std::optional(output::NeighborFrame{name, neighbor->time});
+  };
+  m.neighbors = output::NeighborFrames{describe(cameras.previous(place.camera)), describe(cameras.next(place.camera))};
+  frame.record.motion = output::describe(*m.neighbors);
   return frame;
 }
 
@@ -128,24 +138,44 @@ std::vector<RenderedFrame> Worker::framesOf(const Chunk& chunk) {
 
 // While the scene shows the frames' variation.
 void Worker::addExtras(const Chunk& chunk, std::vector<RenderedFrame>& frames) {
-  const render::Moment moment = momentNow();
+  const render::Moment moment = momentOf(chunk);
   const render::Settings settings = settingsOf(chunk);
-  for (RenderedFrame& rendered : frames) {
-    const scene::Camera& camera = scene_->cameras()[plan_.at(rendered.frame.index)->camera].camera;
-    renderExtras(*renderer_, scene_->scene(), camera, settings, moment, extras_, rendered.frame);
-  }
+  for (RenderedFrame& rendered : frames)
+    renderExtras(*renderer_, scene_->scene(), cameraOf(rendered.frame.index), settings, moment, extras_,
+                 rendered.frame);
 }
 
-render::Moment Worker::momentNow() const {
-  return {.poses = render::posesAt(scene_->scene(), job_.settings)};
+const scene::Camera& Worker::cameraOf(uint64_t index) const {
+  return scene_->cameras().camera(plan_.at(index)->camera).camera;
+}
+
+// A frame without a neighbor stands still; its motion is forgotten once it is rendered.
+render::Moment Worker::momentOf(const Chunk& chunk) const {
+  const CameraTimeline& cameras = scene_->cameras();
+  render::Moment moment{.poses = cameras.poses(plan_.at(chunk.frames.front())->camera)};
+  for (const uint64_t index : chunk.frames) {
+    const size_t i = plan_.at(index)->camera;
+    const auto before = cameras.previous(i), after = cameras.next(i);
+    moment.previousCameras.push_back(before ? before->camera : cameraOf(index));
+    moment.nextCameras.push_back(after ? after->camera : cameraOf(index));
+  }
+  return moment;
+}
+
+// The frame is complete. Motion to a frame that does not exist is not a number.
+void Worker::finish(RenderedFrame frame, output::FrameOutput picture) {
+  frame.frame.picture = std::move(picture);
+  if (const auto& neighbors = frame.frame.metadata.neighbors)
+    output::forgetMotion(frame.frame.picture, !neighbors->previous, !neighbors->next);
+  writers_.push(std::move(frame));
 }
 
 render::Ticket Worker::submit(const Chunk& chunk) {
   scene_->show(chunk.variation);
   useEnvironment();
   std::vector<scene::Camera> cameras;
-  for (const uint64_t index : chunk.frames) cameras.push_back(scene_->cameras()[plan_.at(index)->camera].camera);
-  return renderer_->submit(cameras, settingsOf(chunk), momentNow());
+  for (const uint64_t index : chunk.frames) cameras.push_back(cameraOf(index));
+  return renderer_->submit(cameras, settingsOf(chunk), momentOf(chunk));
 }
 
 void Worker::start(Chunk chunk) {
@@ -170,10 +200,7 @@ void Worker::finishOldest() {
     renderAlone(oldest.chunk);
     return;
   }
-  for (size_t i = 0; i < pictures.size(); ++i) {
-    oldest.frames[i].frame.picture = std::move(pictures[i]);
-    writers_.push(std::move(oldest.frames[i]));
-  }
+  for (size_t i = 0; i < pictures.size(); ++i) finish(std::move(oldest.frames[i]), std::move(pictures[i]));
 }
 
 void Worker::finishAll() {
@@ -209,8 +236,7 @@ void Worker::renderAlone(const Chunk& chunk) {
     try {
       render::Ticket ticket = submit(one);
       RenderedFrame frame = std::move(framesOf(one).front());
-      frame.frame.picture = std::move(ticket.take().front());
-      writers_.push(std::move(frame));
+      finish(std::move(frame), std::move(ticket.take().front()));
     } catch (const std::exception& error) {
       fail(one, error.what());
       replaceLostDevice();

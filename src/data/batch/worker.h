@@ -35,6 +35,7 @@ class Worker {
   void start(Chunk chunk);
   void finishOldest();
   void finishAll();
+  void finish(RenderedFrame frame, output::FrameOutput picture);
   void renderAlone(const Chunk& chunk);
   vk::Device& device() { return devices_.back(); }
   void useDevice();
@@ -44,7 +45,8 @@ class Worker {
   RenderedFrame frameOf(uint64_t index, const Chunk& chunk, const output::Metadata& shared);
   std::vector<RenderedFrame> framesOf(const Chunk& chunk);
   void addExtras(const Chunk& chunk, std::vector<RenderedFrame>& frames);
-  render::Moment momentNow() const;
+  const scene::Camera& cameraOf(uint64_t index) const;
+  render::Moment momentOf(const Chunk& chunk) const;
   render::Settings settingsOf(const Chunk& chunk);
   void fail(const Chunk& chunk, const std::string& why);
 

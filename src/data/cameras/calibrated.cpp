@@ -28,7 +28,7 @@ dmat4 readWorld(Spec& spec, const CameraContext& context) {
 std::vector<Shot> placeCameras(Spec& spec, const CameraContext& context, const std::vector<CalibratedCamera>& cameras) {
   const dmat4 world = readWorld(spec, context);
   const bool lensless = std::ranges::all_of(cameras, [](const CalibratedCamera& camera) { return !camera.lens; });
-  const Optics normal = lensless ? readOptics(spec) : Optics{};
+  const Optics normal = lensless ? readOptics(spec, context.size) : Optics{};
   const PictureSize size = lensless ? PictureSize{normal.width, normal.height} : readSize(spec);
   std::vector<Shot> shots;
   for (const CalibratedCamera& camera : cameras) {

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <unordered_map>
 #include <unordered_set>
 
 #include "base/error.h"
@@ -73,8 +74,15 @@ std::vector<Shot> makeShots(const Json& spec, const std::string& path, const Cam
   if (!spec.is_array()) return makeSource(spec, path, context);
   if (spec.empty()) badUsage("{} is an empty list: give at least one source of cameras", path);
   std::vector<Shot> all;
-  for (size_t i = 0; i < spec.size(); ++i)
-    for (Shot& shot : makeSource(spec[i], fmt::format("{}[{}]", path, i), context)) all.push_back(std::move(shot));
+  for (size_t i = 0; i < spec.size(); ++i) {
+    const size_t before = all.size();
+    for (Shot& shot : makeSource(spec[i], fmt::format("{}[{}]", path, i), context)) {
+      if (shot.sequence)
+        for (std::optional<size_t>* neighbor : {&shot.sequence->previous, &shot.sequence->next})
+          if (*neighbor) **neighbor += before;
+      all.push_back(std::move(shot));
+    }
+  }
   return all;
 }
 
@@ -82,10 +90,13 @@ std::string numberedName(std::string_view stem, uint64_t number, uint64_t count)
   return fmt::format("{}{:0{}}", stem, number, fmt::formatted_size("{}", count - 1));
 }
 
-std::vector<JobCamera> makeCameras(const Json& spec, const scene::Scene& scene, uint64_t seed) {
+std::vector<JobCamera> makeCameras(const Json& spec, const scene::Scene& scene, uint64_t seed,
+                                   const CameraInputs& inputs) {
   const Json scenes = {{"type", "scene"}};
+  const std::vector<scene::Camera> own = scene::posedCameras(scene, inputs.pose);
+  const CameraContext context{scene, axesOf(scene), seed, inputs.size, own};
   std::vector<JobCamera> cameras;
-  for (const Shot& shot : makeShots(spec.is_null() ? scenes : spec, "cameras", {scene, axesOf(scene), seed}))
+  for (const Shot& shot : makeShots(spec.is_null() ? scenes : spec, "cameras", context))
     cameras.push_back(toJobCamera(shot, scene));
   makeNamesUnique(cameras);
   return cameras;

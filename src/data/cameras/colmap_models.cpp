@@ -11,7 +11,7 @@ using scene::Lens, scene::LensModel;
 namespace {
 
 // Where a model's parameter goes: a letter a parameter. f: both focal lengths, x y: each, u v: the principal point,
-// digits: that of the distortion's terms. Empty: a lens can't hold it.
+// digits: that of the distortion's terms, w h: the picture's size once more. Empty: a lens can't hold it.
 struct ModelLayout {
   ColmapModel model;
   LensModel lens;
@@ -29,6 +29,14 @@ constexpr ModelLayout kModels[] = {
     {{8, "SIMPLE_RADIAL_FISHEYE", 4}, LensModel::Fisheye, "fuv0"},
     {{9, "RADIAL_FISHEYE", 5}, LensModel::Fisheye, "fuv01"},
     {{10, "THIN_PRISM_FISHEYE", 12}, LensModel::Pinhole, ""},
+    {{11, "RAD_TAN_THIN_PRISM_FISHEYE", 16}, LensModel::Pinhole, ""},
+    {{12, "SIMPLE_DIVISION", 4}, LensModel::Pinhole, ""},
+    {{13, "DIVISION", 5}, LensModel::Pinhole, ""},
+    // Equidistant, without distortion: OPENCV_FISHEYE with all its terms 0.
+    {{14, "SIMPLE_FISHEYE", 3}, LensModel::Fisheye, "fuv"},
+    {{15, "FISHEYE", 4}, LensModel::Fisheye, "xyuv"},
+    {{16, "EUCM", 6}, LensModel::Pinhole, ""},
+    {{17, "EQUIRECTANGULAR", 2}, LensModel::Equirectangular, "wh"},
 };
 
 const ModelLayout& layoutOf(const ColmapModel& model) {
@@ -44,6 +52,8 @@ void visitParameters(std::string_view layout, L& lens, const Visit& visit) {
     if (part == 'f' || part == 'y') visit(i, lens.fy);
     if (part == 'u') visit(i, lens.cx);
     if (part == 'v') visit(i, lens.cy);
+    if (part == 'w') visit(i, lens.width);
+    if (part == 'h') visit(i, lens.height);
     if (part >= '0' && part <= '7') visit(i, lens.distortion[static_cast<size_t>(part - '0')]);
   }
 }
@@ -69,6 +79,9 @@ Lens lensOfColmap(const ColmapModel& model, double width, double height, std::sp
              model.name);
   Lens lens{.model = layout.lens, .width = width, .height = height};
   visitParameters(layout.parameters, lens, [&](size_t i, double& part) { part = parameters[i]; });
+  if (lens.width != width || lens.height != height)
+    badInput("{} has the parameters {} {}, which must be the size of its pictures, {} {}", where, lens.width,
+             lens.height, width, height);
   checkLens(lens, where);
   return lens;
 }

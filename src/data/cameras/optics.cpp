@@ -61,8 +61,8 @@ void readDistortion(Spec& spec, Lens& lens) {
 
 }  // namespace
 
-PictureSize readSize(Spec& spec) {
-  if (!spec.has("size")) return {};
+PictureSize readSize(Spec& spec, PictureSize normal) {
+  if (!spec.has("size")) return normal;
   const std::vector<double> size = spec.numbers("size", 2, 2, {1, kLongestSide});
   if (size[0] != std::floor(size[0]) || size[1] != std::floor(size[1]))
     badUsage("{} must be whole numbers of pixels", spec.pathOf("size"));
@@ -91,20 +91,22 @@ Optics opticsOf(const Lens& lens, uint32_t width, uint32_t height) {
   return optics;
 }
 
-Optics readOptics(Spec& spec) {
+Optics readOptics(Spec& spec, PictureSize job) {
   const LensModel model = readModel(spec);
   if (!spec.has("K") && model == LensModel::Pinhole) return opticsOfFov(spec);
   Lens lens{.model = model};
   if (spec.has("fov")) badUsage("{} can't stand beside K or another model than pinhole", spec.pathOf("fov"));
-  const PictureSize size = readSize(spec);
+  const bool calibrated = scene::infoOf(model).calibrated;
+  const PictureSize size = readSize(spec, calibrated ? job : PictureSize{});
   lens.width = size.width, lens.height = size.height;
-  if (!scene::infoOf(model).calibrated) {
+  if (!calibrated) {
     if (spec.has("K")) badUsage("{} can't stand beside the model {}", spec.pathOf("K"), spec.text("model"));
     // Their shape says all: any size will do.
     if (size.width == 0) lens.width = model == LensModel::CubeMap ? 6 : 2, lens.height = 1;
   } else {
     readMatrix(spec, lens);
-    if (size.width == 0) badUsage("{} needs \"size\": the pixels that K counts in", spec.path());
+    if (size.width == 0)
+      badUsage("{} needs \"size\", here or among the job's options: the pixels that K counts in", spec.path());
   }
   readDistortion(spec, lens);
   return opticsOf(lens, size.width, size.height);

@@ -14,17 +14,14 @@ struct Optics {
 };
 
 // The keys "fov", "K", "model", "distortion", "size" and "pixelCentre"; a field of view of 40 degrees where there is
-// none of them.
-Optics readOptics(Spec& spec);
+// none of them. `job`: the size that K counts in where there is no "size".
+Optics readOptics(Spec& spec, PictureSize job);
 bool saysOptics(Spec& spec);  // whether it has one of them
 
 // Square pixels without distortion are a field of view and a principal point, all else stays a lens.
 Optics opticsOf(const scene::Lens& lens, uint32_t width, uint32_t height);
 
-// "size": width and height in pixels, 0 and 0 where it is missing.
-struct PictureSize {
-  uint32_t width = 0, height = 0;
-};
-PictureSize readSize(Spec& spec);
+// "size": width and height in pixels; `normal` where it is missing.
+PictureSize readSize(Spec& spec, PictureSize normal = {});
 
 }  // namespace latelight::data

@@ -1,6 +1,9 @@
 #include "data/cameras/shot.h"
 
 #include <cmath>
+#include <map>
+#include <string_view>
+#include <utility>
 
 #include "base/error.h"
 #include "data/spec.h"
@@ -55,8 +58,26 @@ dmat4 poseOf(const std::vector<double>& rows, const std::string& path) {
   return pose;
 }
 
+void makeSequence(std::vector<Shot>& shots, const std::vector<double>& seconds) {
+  std::map<std::string_view, size_t> last;  // the latest shot of each folder
+  std::map<std::string_view, size_t> first;
+  for (size_t i = 0; i < shots.size(); ++i) {
+    const std::string_view name = shots[i].name;
+    const std::string_view folder = name.substr(0, name.rfind('/') + 1);
+    SequencePlace& place = shots[i].sequence.emplace();
+    const size_t start = first.try_emplace(folder, i).first->second;
+    if (!seconds.empty()) place.seconds = seconds[i] - seconds[start];
+    const auto [before, isFirst] = last.try_emplace(folder, i);
+    if (isFirst) continue;
+    SequencePlace& other = *shots[before->second].sequence;
+    place.number = other.number + 1;
+    place.previous = std::exchange(before->second, i);
+    other.next = i;
+  }
+}
+
 JobCamera toJobCamera(const Shot& shot, const scene::Scene& scene) {
-  JobCamera camera{shot.optics, shot.name, shot.width, shot.height};
+  JobCamera camera{shot.optics, shot.name, shot.width, shot.height, shot.sequence, shot.followsScene};
   camera.camera.name = shot.name;
   camera.camera.toWorld = render::toWorldFromOpenCv(shot.pose, scene);
   return camera;

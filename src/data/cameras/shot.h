@@ -14,7 +14,13 @@ struct Shot {
   glm::dmat4 pose{1};              // OpenCV's camera frame (X right, Y down, Z forward) to the scene file's frame
   scene::Camera optics;            // all but its place
   uint32_t width = 0, height = 0;  // pixels; 0: the job's
+  std::optional<SequencePlace> sequence{};
+  bool followsScene = false;
 };
+
+// Makes the shots of one source a sequence, in their order. Shots whose names lie in different folders belong to
+// different sequences: the pictures of several cameras. `seconds`: the time of each shot, or none.
+void makeSequence(std::vector<Shot>& shots, const std::vector<double>& seconds = {});
 
 // Up, the front and the right of a scene, in its file's own frame.
 struct SceneAxes {

@@ -15,6 +15,8 @@ struct CameraContext {
   const scene::Scene& scene;
   SceneAxes axes;
   uint64_t seed;
+  PictureSize size;                              // of the job's pictures, where the job says it
+  const std::vector<scene::Camera>& ownCameras;  // the scene's, at the time that is asked for
 };
 
 struct CameraSource {

@@ -19,7 +19,7 @@ Aabb readBox(Spec& spec, const CameraContext& context) {
 }  // namespace
 
 std::vector<Shot> shotsInBox(Spec& spec, const CameraContext& context) {
-  const Optics optics = readOptics(spec);
+  const Optics optics = readOptics(spec, context.size);
   const uint64_t count = spec.count("count", 1, kMostCameras);
   const Aabb box = readBox(spec, context);
   const bool anywhere = spec.has("target") && spec.at("target") == "random";

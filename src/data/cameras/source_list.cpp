@@ -5,11 +5,11 @@
 namespace latelight::data {
 
 std::vector<Shot> shotsOfList(Spec& spec, const CameraContext& context) {
-  const Optics normal = readOptics(spec);
+  const Optics normal = readOptics(spec, context.size);
   std::vector<Spec> entries = spec.objects("cameras");
   std::vector<Shot> shots;
   for (Spec& entry : entries) {
-    const Optics optics = saysOptics(entry) ? readOptics(entry) : normal;
+    const Optics optics = saysOptics(entry) ? readOptics(entry, context.size) : normal;
     const std::string name = entry.text("name", numberedName("camera", shots.size(), entries.size()));
     shots.push_back({name, readPose(entry, context), optics.camera, optics.width, optics.height});
     entry.finish();

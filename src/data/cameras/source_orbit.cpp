@@ -8,7 +8,7 @@
 namespace latelight::data {
 
 std::vector<Shot> shotsOnOrbit(Spec& spec, const CameraContext& context) {
-  const Optics optics = readOptics(spec);
+  const Optics optics = readOptics(spec, context.size);
   const uint64_t count = spec.count("count", 1, kMostCameras);
   const std::vector<double> turn = spec.has("azimuth") ? spec.numbers("azimuth", 2, 2) : std::vector<double>{0, 360};
   const std::vector<double> climb = spec.has("elevation") && spec.at("elevation").is_array()
@@ -29,6 +29,7 @@ std::vector<Shot> shotsOnOrbit(Spec& spec, const CameraContext& context) {
     shots.push_back({numberedName("orbit", i, count), place.pose(target.centre, along(distance.low, distance.high)),
                      optics.camera, optics.width, optics.height});
   }
+  makeSequence(shots);
   return shots;
 }
 

@@ -18,7 +18,12 @@ struct KeyFrame {
   glm::dvec4 rotation{1, 0, 0, 0};  // nearer to the one before than its negative
 };
 
-std::vector<KeyFrame> readKeys(Spec& spec, const CameraContext& context, const Optics& optics) {
+struct Keys {
+  std::vector<KeyFrame> frames;
+  bool timed = false;  // the job says their times
+};
+
+Keys readKeys(Spec& spec, const CameraContext& context, const Optics& optics) {
   std::vector<Spec> entries = spec.objects("keys");
   if (entries.size() < 2) badUsage("{} must have at least two key frames", spec.pathOf("keys"));
   const bool timed = entries[0].has("time");
@@ -30,13 +35,13 @@ std::vector<KeyFrame> readKeys(Spec& spec, const CameraContext& context, const O
       badUsage("{} must be later than the key frame before", entry.pathOf("time"));
     key.fov = optics.camera.verticalFov;
     if (entry.has("fov") && optics.camera.lens) badUsage("{} can't stand beside a lens", entry.pathOf("fov"));
-    if (entry.has("fov")) key.fov = readOptics(entry).camera.verticalFov;
+    if (entry.has("fov")) key.fov = readOptics(entry, context.size).camera.verticalFov;
     entry.finish();
     key.rotation = quaternionOf(glm::dmat3(key.pose));
     if (!keys.empty() && glm::dot(key.rotation, keys.back().rotation) < 0) key.rotation = -key.rotation;
     keys.push_back(key);
   }
-  return keys;
+  return {std::move(keys), timed};
 }
 
 // Where `share` of the way from key frame i to the next one leads.
@@ -72,9 +77,9 @@ std::vector<double> readTimes(Spec& spec, double first, double last) {
 }  // namespace
 
 std::vector<Shot> shotsOnPath(Spec& spec, const CameraContext& context) {
-  const Optics optics = readOptics(spec);
+  const Optics optics = readOptics(spec, context.size);
   const bool smoothTurns = spec.choice("rotation", {"squad", "slerp"}, "squad") == "squad";
-  const std::vector<KeyFrame> keys = readKeys(spec, context, optics);
+  const auto [keys, timed] = readKeys(spec, context, optics);
   const std::vector<double> times = readTimes(spec, keys.front().time, keys.back().time);
   std::vector<Shot> shots;
   for (const double time : times) {
@@ -86,6 +91,8 @@ std::vector<Shot> shotsOnPath(Spec& spec, const CameraContext& context) {
     shot.optics.verticalFov = keys[i].fov + (keys[i + 1].fov - keys[i].fov) * static_cast<float>(share);
     shots.push_back(std::move(shot));
   }
+  // Key frames without times are a second apart for want of any: that says nothing of the scene's time.
+  makeSequence(shots, timed || spec.has("fps") ? times : std::vector<double>());
   return shots;
 }
 

@@ -16,14 +16,18 @@ struct Member {
   std::optional<Optics> optics{};  // none: the base camera's
 };
 
+// The neighbors of a member are the same member at the neighboring poses.
 std::vector<Shot> shotsOfMembers(const std::vector<Shot>& bases, const std::vector<Member>& members) {
   std::vector<Shot> shots;
   for (const Shot& base : bases)
-    for (const Member& member : members) {
+    for (size_t number = 0; number < members.size(); ++number) {
+      const Member& member = members[number];
       Shot shot = base;
       shot.name = fmt::format("{}-{}", base.name, member.name);
       shot.pose = base.pose * member.offset;
-      shot.optics.node = -1;  // the rig stands where the base camera is at rest
+      if (shot.sequence)
+        for (std::optional<size_t>* neighbor : {&shot.sequence->previous, &shot.sequence->next})
+          if (*neighbor) *neighbor = **neighbor * members.size() + number;
       if (member.optics) {
         shot.optics = member.optics->camera;
         shot.width = member.optics->width, shot.height = member.optics->height;
@@ -37,13 +41,13 @@ std::vector<Shot> readBases(Spec& spec, const CameraContext& context) {
   return makeShots(spec.at("cameras"), spec.pathOf("cameras"), context);
 }
 
-Member readMember(Spec& spec) {
+Member readMember(Spec& spec, const CameraContext& context) {
   Member member{.name = spec.text("name")};
   if (spec.has("pose"))
     member.offset = readPoseMatrix(spec);
   else
     member.offset[3] = glm::dvec4(spec.vector("translation"), 1);
-  if (saysOptics(spec)) member.optics = readOptics(spec);
+  if (saysOptics(spec)) member.optics = readOptics(spec, context.size);
   spec.finish();
   return member;
 }
@@ -58,7 +62,7 @@ std::vector<Shot> shotsOfStereo(Spec& spec, const CameraContext& context) {
 
 std::vector<Shot> shotsOfRig(Spec& spec, const CameraContext& context) {
   std::vector<Member> members;
-  for (Spec& member : spec.objects("offsets")) members.push_back(readMember(member));
+  for (Spec& member : spec.objects("offsets")) members.push_back(readMember(member, context));
   return shotsOfMembers(readBases(spec, context), members);
 }
 

@@ -9,18 +9,22 @@
 namespace latelight::data {
 
 std::vector<Shot> shotsOfScene(Spec& spec, const CameraContext& context) {
-  const std::vector<scene::Camera>& cameras = context.scene.cameras;
+  const std::vector<scene::Camera>& cameras = context.ownCameras;
   if (cameras.empty()) badUsage("{}: {} has no cameras of its own", spec.path(), context.scene.source);
   std::vector<Shot> shots;
+  const auto add = [&](const scene::Camera& camera) {
+    shots.push_back(toShot(camera, context.scene));
+    shots.back().followsScene = true;
+  };
   if (!spec.has("names")) {
-    for (const scene::Camera& camera : cameras) shots.push_back(toShot(camera, context.scene));
+    for (const scene::Camera& camera : cameras) add(camera);
     return shots;
   }
   for (const std::string& name : spec.texts("names")) {
     const auto camera = std::ranges::find(cameras, name, &scene::Camera::name);
     if (camera == cameras.end())
       badUsage("{}: {} has no camera \"{}\"", spec.pathOf("names"), context.scene.source, name);
-    shots.push_back(toShot(*camera, context.scene));
+    add(*camera);
   }
   return shots;
 }

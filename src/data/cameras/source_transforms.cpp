@@ -3,7 +3,10 @@
 namespace latelight::data {
 
 std::vector<Shot> shotsOfTransforms(Spec& spec, const CameraContext& context) {
-  return placeCameras(spec, context, readTransforms(spec.text("file"), readSize(spec)));
+  const PictureSize size = readSize(spec, context.size);
+  std::vector<Shot> shots = placeCameras(spec, context, readTransforms(spec.text("file"), size));
+  makeSequence(shots);
+  return shots;
 }
 
 }  // namespace latelight::data

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "base/error.h"
+#include "base/text.h"
 #include "data/cameras/json_file.h"
 #include "output/metadata.h"
 #include "scene/builtin/exact_math.h"
@@ -35,6 +36,8 @@ struct ModelName {
   const char* name;
 };
 constexpr ModelName kModelNames[] = {{LensModel::OpenCv, "OPENCV"},
+                                     {LensModel::OpenCv, "SIMPLE_RADIAL"},
+                                     {LensModel::OpenCv, "RADIAL"},
                                      {LensModel::Pinhole, "PINHOLE"},
                                      {LensModel::Pinhole, "SIMPLE_PINHOLE"},
                                      {LensModel::Fisheye, "OPENCV_FISHEYE"},
@@ -48,10 +51,9 @@ LensModel modelIn(const Json& source, const std::string& where) {
   const std::string name = model->is_string() ? model->get<std::string>() : model->dump();
   for (const ModelName& known : kModelNames)
     if (name == known.name) return known.model;
-  badInput(
-      "{} has the camera_model {}, which is not supported: OPENCV, OPENCV_FISHEYE, PINHOLE, SIMPLE_PINHOLE and "
-      "EQUIRECTANGULAR are",
-      where, name);
+  std::vector<std::string> names;
+  for (const ModelName& known : kModelNames) names.emplace_back(known.name);
+  badInput("{} has the camera_model {}, which is not supported: give {}", where, name, joinedByOr(names));
 }
 
 // A focal length in pixels, or from an angle of view over so many.
@@ -67,7 +69,8 @@ Lens lensIn(const Json& source, PictureSize size, const std::string& where) {
   Lens lens{.model = modelIn(source, where)};
   lens.width = numberIn(source, "w", size.width, where), lens.height = numberIn(source, "h", size.height, where);
   if (lens.width == 0 || lens.height == 0)
-    badInput("{} has no \"w\" and \"h\": say the size of its pictures in the job", where);
+    badInput("{} has no \"w\" and \"h\": give the size of its pictures as \"size\" here or among the job's options",
+             where);
   if (lens.model != LensModel::Equirectangular) {
     lens.fx = focalIn(source, "fl_x", "camera_angle_x", lens.width, where);
     lens.fy = focalIn(source, "fl_y", "camera_angle_y", lens.height, where);

@@ -14,15 +14,19 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "values are written as they lie in memory");
 
-// The two channels of motion from `first` on, pixel by pixel.
+constexpr float kUnknownFlow = 1e10f;  // as Middlebury's tools write it; what exceeds 1e9 is unknown to them
+
+// The two channels of motion from `first` on, pixel by pixel; not a number where there is no such frame.
 std::vector<float> flowOf(const output::AovImage& motion, size_t first) {
   std::vector<float> flow(motion.values.size() / 2);
   for (size_t i = 0; i < flow.size(); ++i) flow[i] = motion.values[i / 2 * 4 + first + i % 2];
   return flow;
 }
 
-std::vector<std::byte> encodeFlo(uint32_t width, uint32_t height, const std::vector<float>& flow) {
+std::vector<std::byte> encodeFlo(uint32_t width, uint32_t height, std::vector<float> flow) {
   constexpr char kMagic[4] = {'P', 'I', 'E', 'H'};
+  for (float& value : flow)
+    if (std::isnan(value)) value = kUnknownFlow;
   std::vector<std::byte> bytes(sizeof(kMagic) + 8 + flow.size() * sizeof(float));
   std::memcpy(bytes.data(), kMagic, 4);
   std::memcpy(bytes.data() + 4, &width, 4);
@@ -31,8 +35,8 @@ std::vector<std::byte> encodeFlo(uint32_t width, uint32_t height, const std::vec
   return bytes;
 }
 
-// Red and green are 64 v + 2^15 of 16 bits; blue is 1, and 0 where that can't hold the flow.
-std::vector<std::byte> encodeKittiFlow(uint32_t width, uint32_t height, const std::vector<float>& flow) {
+// Red and green are 64 v + 2^15 of 16 bits; blue is 1, and 0 where that can't hold the flow, or flow is not known.
+std::vector<std::byte> encodeKittiFlow(uint32_t width, uint32_t height, std::vector<float> flow) {
   std::vector<uint16_t> codes(flow.size() / 2 * 3, 0);
   for (size_t i = 0; i < flow.size() / 2; ++i) {
     const double u = std::floor(64.0 * flow[2 * i] + 32768.5), v = std::floor(64.0 * flow[2 * i + 1] + 32768.5);

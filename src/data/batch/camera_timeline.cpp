@@ -1,0 +1,86 @@
+#include "data/batch/camera_timeline.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "base/hash.h"
+#include "render/session.h"
+#include "render/view.h"
+
+namespace latelight::data {
+
+CameraTimeline::CameraTimeline(const Job& job, const scene::Scene& scene) : job_(job), scene_(scene) {
+  const render::Settings& s = job.settings;
+  if (s.time) playback_ = scene::choosePlayback(scene, s.animation, s.loop);
+  const auto camerasAt = [&](std::optional<double> time) {
+    CameraInputs inputs;
+    if (job.given.contains("size")) inputs.size = {s.width, s.height};
+    if (time) inputs.pose = scene::poseAt(scene, playback_, *time);
+    std::vector<JobCamera> cameras = makeCameras(job.cameras, scene, job.seed, inputs);
+    for (JobCamera& camera : cameras) {
+      if (camera.width == 0) camera.width = s.width;
+      if (camera.height == 0) camera.height = s.height;
+      camera.camera = render::fitted(std::move(camera.camera), s.cameraFit);
+    }
+    return cameras;
+  };
+  cameras_ = camerasAt(s.time);
+  if (!s.time || scene.rig.empty() || std::ranges::none_of(cameras_, &JobCamera::followsScene)) return;
+  earlier_ = camerasAt(*s.time - 1 / s.framesPerSecond);
+  later_ = camerasAt(*s.time + 1 / s.framesPerSecond);
+}
+
+std::optional<double> CameraTimeline::time(size_t i) const {
+  const std::optional<double>& first = job_.settings.time;
+  const std::optional<SequencePlace>& place = cameras_[i].sequence;
+  if (!first || !place) return first;
+  if (place->seconds) return *first + *place->seconds;
+  const bool advances = job_.given.contains("fps");
+  return advances ? *first + static_cast<double>(place->number) / job_.settings.framesPerSecond : *first;
+}
+
+// Motion is in pixels of one size, and lenses that bend rays have none.
+std::optional<CameraTimeline::Neighbor> CameraTimeline::inSequence(size_t i, std::optional<size_t> neighbor) const {
+  if (!neighbor) return std::nullopt;
+  const JobCamera &here = cameras_[i], &there = cameras_[*neighbor];
+  if (here.width != there.width || here.height != there.height || render::bendsRays(there.camera)) return std::nullopt;
+  return Neighbor{there.camera, time(*neighbor), neighbor};
+}
+
+std::optional<CameraTimeline::Neighbor> CameraTimeline::previous(size_t i) const {
+  if (cameras_[i].sequence) return inSequence(i, cameras_[i].sequence->previous);
+  const std::optional<double> now = time(i);
+  if (!now) return std::nullopt;
+  return Neighbor{(earlier_.empty() ? cameras_ : earlier_)[i].camera, *now - 1 / job_.settings.framesPerSecond, {}};
+}
+
+std::optional<CameraTimeline::Neighbor> CameraTimeline::next(size_t i) const {
+  if (cameras_[i].sequence) return inSequence(i, cameras_[i].sequence->next);
+  const std::optional<double> now = time(i);
+  if (!now) return std::nullopt;
+  return Neighbor{(later_.empty() ? cameras_ : later_)[i].camera, *now + 1 / job_.settings.framesPerSecond, {}};
+}
+
+CameraTimeline::Times CameraTimeline::timesOf(size_t i) const {
+  const std::optional<double> now = time(i);
+  const std::optional<Neighbor> before = previous(i), after = next(i);
+  return {before ? before->time : now, now, after ? after->time : now};
+}
+
+render::Poses CameraTimeline::poses(size_t i) const {
+  const auto poseAt = [&](std::optional<double> time) {
+    return time ? scene::poseAt(scene_, playback_, *time) : scene::Pose{};
+  };
+  const Times times = timesOf(i);
+  return {poseAt(times.previous), poseAt(times.now), poseAt(times.next)};
+}
+
+uint64_t CameraTimeline::momentOf(size_t i) const {
+  if (scene_.rig.empty() || !job_.settings.time) return 0;
+  const Times times = timesOf(i);
+  const uint64_t seconds[] = {std::bit_cast<uint64_t>(*times.previous), std::bit_cast<uint64_t>(*times.now),
+                              std::bit_cast<uint64_t>(*times.next)};
+  return hash64(seconds, sizeof(seconds));
+}
+
+}  // namespace latelight::data
