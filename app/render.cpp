@@ -145,7 +145,7 @@ void checkFiles(const RenderOptions& o, const RenderPlan& plan, const scene::Sce
     // A frame that can't be written does not stop the others.
     if (timeline.isSequence()) continue;
     for (const std::filesystem::path& path : outputs)
-      if (std::filesystem::exists(path)) checkWritable(path);
+      if (isThere(path)) checkWritable(path);
   }
 }
 

@@ -90,7 +90,8 @@ Plan::Plan(const Job& job, const std::filesystem::path& saved) : job_(job) {
   Json whole = d;
   for (const char* perFrame : {"scenes", "cameras", "repeat", "name"}) whole.erase(perFrame);
   whole["version"] = version();
-  if (!job.hdri.empty() && std::filesystem::is_regular_file(job.hdri)) whole["hdri-hash"] = hashOfFiles({job.hdri});
+  std::error_code ignored;
+  if (std::filesystem::is_regular_file(job.hdri, ignored)) whole["hdri-hash"] = hashOfFiles({job.hdri});
   jobHash_ = hashOf(whole);
   loadHash_ = hashOf({d.value("cameras", Json()), d.value("variant", Json()), d.value("allow-outside", Json()),
                       d.value("id-depth", Json()), d.value("id-nodes", Json()), job.seed, job.settings.width,

@@ -32,7 +32,7 @@ Json readState(const fs::path& path) {
 // What is known of the set, by the file that says so.
 std::vector<std::pair<fs::path, Manifest>> manifestsOf(const SetFolder& set) {
   std::vector<std::pair<fs::path, Manifest>> all;
-  if (fs::exists(set.manifest())) all.emplace_back(set.manifest(), readManifest(set.manifest()));
+  if (isThere(set.manifest())) all.emplace_back(set.manifest(), readManifest(set.manifest()));
   for (const fs::path& shard : set.shards()) all.emplace_back(shard, readShardLog(shard));
   return all;
 }
@@ -43,18 +43,18 @@ bool isOfOthers(const SetFolder& set, const Job& job, const Shard& shard) {
   const auto isOther = [&](const fs::path& path) {
     return path != set.shard(shard) && path.filename().string().ends_with(count);
   };
-  return !fs::exists(set.manifest()) && std::ranges::all_of(set.shards(), isOther) &&
+  return !isThere(set.manifest()) && std::ranges::all_of(set.shards(), isOther) &&
          (set.shards().empty() || readState(set.job()) == job.document);
 }
 
-bool isThere(const SetFolder& set, const FileRecord& file) {
+bool isRecorded(const SetFolder& set, const FileRecord& file) {
   std::error_code error;
   return fs::file_size(set.path() / file.name, error) == file.bytes && !error;
 }
 
 bool isFinished(const SetFolder& set, const Plan& plan, const FinishedFrame& frame) {
   return frame.index < plan.frames() && plan.at(frame.index) && frame.settings == plan.settings(frame.index) &&
-         std::ranges::all_of(frame.files, [&](const FileRecord& file) { return isThere(set, file); });
+         std::ranges::all_of(frame.files, [&](const FileRecord& file) { return isRecorded(set, file); });
 }
 
 // As a job document says them, with the folder that writing needs none of.
@@ -169,7 +169,7 @@ Manifest findFinished(const SetFolder& set, const Plan& plan, const Shard& shard
 }
 
 SetStatus readStatus(const SetFolder& set) {
-  if (!fs::exists(set.plan())) badInput("'{}' holds no data set", set.path().string());
+  if (!isThere(set.plan())) badInput("'{}' holds no data set", set.path().string());
   const Json plan = readState(set.plan());
   SetStatus status{.frames = plan.value("frames", uint64_t{0}), .manifest = {.plan = plan.value("hash", uint64_t{0})}};
   Manifest& all = status.manifest;
