@@ -60,13 +60,19 @@ Json valueOf(const std::string& key, const Json& schema, const std::string& text
   return value;
 }
 
-// Lists are given by repeating the option, or whole.
+// Lists are given by repeating the option, each time with one element or with a list of them.
 void addJobKey(CLI::App& command, BatchArguments& a, const std::string& key, const Json& schema) {
   const bool isList = takes(schema, "array") && schema.contains("items");
   const auto take = [&a, key, schema, isList](const std::vector<std::string>& texts) {
     Json values = Json::array();
-    for (const std::string& text : texts) values.push_back(valueOf(key, schema, text));
-    a.given[key] = isList && !values.front().is_array() ? values : values.front();
+    for (const std::string& text : texts) {
+      const Json value = valueOf(key, schema, text);
+      if (isList && value.is_array())
+        values.insert(values.end(), value.begin(), value.end());
+      else
+        values.push_back(value);
+    }
+    a.given[key] = isList ? values : values.front();
   };
   const std::string names = key == "output" ? "-o,--output" : "--" + key;
   CLI::Option* option =
