@@ -18,6 +18,7 @@
 #include "data/batch/run.h"
 #include "data/batch/schema.h"
 #include "data/batch/slurm.h"
+#include "data/json_builder.h"
 #include "vk/driver_cache.h"
 
 namespace latelight::app {
@@ -54,10 +55,12 @@ Json valueOf(const std::string& key, const Json& schema, const std::string& text
   const bool isNumber = takes(schema, "integer");
   const bool mayBeMore = takes(schema, "object") || takes(schema.value("items", Json::object()), "object");
   if (!isNumber && !(mayBeMore && (text.starts_with('{') || text.starts_with('[')))) return text;
-  Json value = Json::parse(text, nullptr, false);
-  if (value.is_discarded())
-    badUsage("--{} takes {}, not \"{}\"", key, isNumber ? "a whole number" : "a name or JSON", text);
-  return value;
+  try {
+    return data::parseJson(text, "--" + key).json;
+  } catch (const data::JsonError& error) {
+    if (isNumber) badUsage("--{} takes a whole number, not \"{}\"", key, text);
+    badUsage("--{} takes a name or JSON, not \"{}\": {}", key, text, error.what());
+  }
 }
 
 // Lists are given by repeating the option, each time with one element or with a list of them.

@@ -123,6 +123,7 @@ uint64_t bytesOfPixel(const render::Settings& settings) {
 Job makeJob(const JobDocument& document) {
   checkJob(document);
   Job job;
+  job.memory = document.memory;
   job.document = document.json;
   job.document.erase("output");
   job.folder = document.json["output"].get<std::string>();

@@ -5,7 +5,7 @@
 namespace latelight::data {
 
 LoadedScene::LoadedScene(const Job& job, scene::Scene scene)
-    : job_(job), scene_(std::move(scene)), cameras_(makeCameras(job.cameras, scene_, job.seed)) {
+    : job_(job), scene_(std::move(scene)), cameras_(makeCameras(job.cameras, scene_, job.seed, &memory_)) {
   for (JobCamera& camera : cameras_) {
     if (camera.width == 0) camera.width = job.settings.width;
     if (camera.height == 0) camera.height = job.settings.height;

@@ -27,6 +27,7 @@ class LoadedScene {
  private:
   const Job& job_;
   scene::Scene scene_;
+  MemoryClaim memory_;  // of the cameras
   std::vector<JobCamera> cameras_;
   std::optional<Variations> variations_;
   std::optional<uint32_t> shown_;

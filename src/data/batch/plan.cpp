@@ -100,6 +100,7 @@ Plan::Plan(const Job& job, const std::filesystem::path& saved) : job_(job) {
   for (const std::string& source : job.scenes) {
     PlannedScene scene{.source = source};
     if (!findSaved(scene, known)) look(scene);
+    claimMemory(scene);
     scenes_.push_back(std::move(scene));
   }
   order();
@@ -140,6 +141,14 @@ void Plan::look(PlannedScene& scene) try {
   scene.error = error.what();
 }
 
+// Of a camera in the list, and in the JSON that the plan is saved and hashed by.
+void Plan::claimMemory(const PlannedScene& scene) {
+  constexpr uint64_t kJsonBytes = 384;
+  uint64_t bytes = 0;
+  for (const PlannedCamera& camera : scene.cameras) bytes += sizeof(camera) + kJsonBytes + 4 * camera.name.size();
+  memory_.grow(bytes, "the plan of the job's frames");
+}
+
 void Plan::order() {
   const auto good = std::ranges::find_if(scenes_, [](const PlannedScene& scene) { return scene.error.empty(); });
   if (good == scenes_.end()) badInput("no scene can be loaded: {}", scenes_.front().error);
@@ -174,6 +183,8 @@ std::string Plan::name(uint64_t index) const {
 
 void Plan::checkNames() const {
   if (job_.name.find("{index}") != std::string::npos) return;
+  constexpr uint64_t kNameBytes = 192;  // with what is filled in, and its place in the set
+  const MemoryClaim memory(frames() * (kNameBytes + job_.name.size()), "the names of the job's frames");
   std::unordered_set<std::string> names;
   for (uint64_t index = 0; index < frames(); ++index)
     if (at(index) && !names.insert(name(index)).second)

@@ -7,6 +7,7 @@
 #include <unordered_set>
 
 #include "base/error.h"
+#include "data/cameras/calibrated.h"
 #include "data/cameras/source.h"
 
 namespace latelight::data {
@@ -44,6 +45,24 @@ std::vector<Shot> makeSource(const Json& value, const std::string& path, const C
   return shots;
 }
 
+// How many cameras sources say that they make, before any of them is made. A file counts as one camera until it is
+// read, and so does what is wrong.
+double statedCount(const Json& sources) {
+  if (sources.is_array()) {
+    double sum = 0;
+    for (const Json& source : sources) sum += statedCount(source);
+    return sum;
+  }
+  if (!sources.is_object()) return 1;
+  const auto member = [&](const char* key) { return sources.value(key, Json()); };
+  const Json type = member("type");
+  if (type == "stereo") return 2 * statedCount(member("cameras"));
+  if (type == "rig") return double(member("offsets").size()) * statedCount(member("cameras"));
+  if (type == "list") return double(member("cameras").size());
+  const Json count = member("count");
+  return count.is_number() ? count.get<double>() : 1;
+}
+
 // Names become parts of files' names.
 std::string fileName(std::string name, size_t index) {
   std::ranges::replace_if(
@@ -69,6 +88,17 @@ std::span<const CameraSource> cameraSources() {
   return kSources;
 }
 
+void CameraBudget::take(double count, double nameBytes, const std::string& path) {
+  // On the way to a job's camera there are its shot, that of the camera which a rig was around, and one read from a
+  // file; lists may grow to twice their length.
+  constexpr double kMakingBytes = 3 * sizeof(Shot) + sizeof(CalibratedCamera) + 128, kKeptBytes = 2 * sizeof(JobCamera);
+  count_ += count;
+  if (count_ > double(kMostCamerasOfScene))
+    badUsage("{}: there are more than {} cameras in all: make fewer", path, kMostCamerasOfScene);
+  making_.grow(static_cast<uint64_t>(count * kMakingBytes + 3 * nameBytes), "the making of the job's cameras");
+  kept_.grow(static_cast<uint64_t>(count * kKeptBytes + 2 * nameBytes), "the job's cameras");
+}
+
 std::vector<Shot> makeShots(const Json& spec, const std::string& path, const CameraContext& context) {
   if (!spec.is_array()) return makeSource(spec, path, context);
   if (spec.empty()) badUsage("{} is an empty list: give at least one source of cameras", path);
@@ -82,12 +112,17 @@ std::string numberedName(std::string_view stem, uint64_t number, uint64_t count)
   return fmt::format("{}{:0{}}", stem, number, fmt::formatted_size("{}", count - 1));
 }
 
-std::vector<JobCamera> makeCameras(const Json& spec, const scene::Scene& scene, uint64_t seed) {
+std::vector<JobCamera> makeCameras(const Json& spec, const scene::Scene& scene, uint64_t seed, MemoryClaim* memory) {
   const Json scenes = {{"type", "scene"}};
+  const Json& sources = spec.is_null() ? scenes : spec;
+  if (statedCount(sources) > double(kMostCamerasOfScene))
+    badUsage("cameras are more than {} in all, rigs and pairs counted: make fewer", kMostCamerasOfScene);
+  CameraBudget budget;
   std::vector<JobCamera> cameras;
-  for (const Shot& shot : makeShots(spec.is_null() ? scenes : spec, "cameras", {scene, axesOf(scene), seed}))
+  for (const Shot& shot : makeShots(sources, "cameras", {scene, axesOf(scene), seed, budget}))
     cameras.push_back(toJobCamera(shot, scene));
   makeNamesUnique(cameras);
+  if (memory) *memory = budget.keep();
   return cameras;
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "base/memory.h"
 #include "scene/scene.h"
 
 namespace latelight::data {
@@ -18,6 +19,8 @@ struct JobCamera {
 
 // The cameras that `spec`, a job's "cameras", describes for a scene. The same on every machine for the same seed.
 // Throws Error: Usage names the key that is wrong, BadInput a camera file that is broken.
-std::vector<JobCamera> makeCameras(const nlohmann::ordered_json& spec, const scene::Scene& scene, uint64_t seed);
+// `memory`: of the cameras, to be kept as long as they are.
+std::vector<JobCamera> makeCameras(const nlohmann::ordered_json& spec, const scene::Scene& scene, uint64_t seed,
+                                   MemoryClaim* memory = nullptr);
 
 }  // namespace latelight::data
