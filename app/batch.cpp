@@ -19,6 +19,7 @@
 #include "data/batch/schema.h"
 #include "data/batch/slurm.h"
 #include "data/json_builder.h"
+#include "data/stop.h"
 #include "vk/driver_cache.h"
 
 namespace latelight::app {
@@ -130,6 +131,10 @@ void printPlan(const data::Job& job, const BatchArguments& a, const data::Shard&
   fmt::print("{} frames would be rendered; their outputs take {} bytes before they are compressed\n", frames, bytes);
 }
 
+std::string_view nameOfSignal(int signal) {
+  return signal == SIGINT ? "SIGINT" : "SIGTERM";
+}
+
 void report(const data::BatchResult& result, const std::string& folder) {
   size_t said = 0;
   for (const auto& [name, why] : result.failed)
@@ -138,7 +143,7 @@ void report(const data::BatchResult& result, const std::string& folder) {
   const uint64_t missing = result.frames - result.finished;
   if (result.signal)
     fail(ExitCode::SomeFramesFailed, "stopped by {} with {} of {} frames in '{}'; --resume makes the others",
-         result.signal == SIGINT ? "SIGINT" : "SIGTERM", result.finished, result.frames, folder);
+         nameOfSignal(result.signal), result.finished, result.frames, folder);
   if (missing > 0)
     fail(ExitCode::SomeFramesFailed,
          "{} of {} frames were not made; the sentences before say why, and --resume tries again", missing,
@@ -170,7 +175,12 @@ void runBatch(const BatchArguments& a) {
   options.writers = a.threads > 0 ? a.threads : threadCount();
   vk::avoidFullDriverCache();
   options.devices = workersOf(a);
-  report(data::runBatch(job, options), job.folder.string());
+  try {
+    report(data::runBatch(job, options), job.folder.string());
+  } catch (const data::Stopped& stopped) {
+    fail(ExitCode::SomeFramesFailed, "stopped by {} before the first frame of '{}' was begun; --resume makes all",
+         nameOfSignal(stopped.signal), job.folder.string());
+  }
 }
 
 // --- of a set that is there -----------------------------------------------------------------------------------------

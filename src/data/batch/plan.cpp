@@ -11,6 +11,7 @@
 #include "base/hash.h"
 #include "base/text.h"
 #include "data/json_text.h"
+#include "data/stop.h"
 #include "output/files.h"
 
 namespace latelight::data {
@@ -99,6 +100,7 @@ Plan::Plan(const Job& job, const std::filesystem::path& saved) : job_(job) {
   const Json known = readSaved(saved);
   for (const std::string& source : job.scenes) {
     PlannedScene scene{.source = source};
+    throwIfStopped();
     if (!findSaved(scene, known)) look(scene);
     claimMemory(scene);
     scenes_.push_back(std::move(scene));

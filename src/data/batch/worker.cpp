@@ -4,8 +4,8 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "data/batch/stop.h"
 #include "data/extras.h"
+#include "data/stop.h"
 #include "render/describe.h"
 #include "render/id_manifest.h"
 #include "render/raster_choice.h"
@@ -28,13 +28,17 @@ Worker::Worker(const Job& job, const Plan& plan, SceneLoader& loader, WorkList& 
 }
 
 void Worker::run() {
-  while (!stopSignal() && loadNext()) {
-    while (!stopSignal())
-      if (std::optional<Chunk> chunk = work_.take(*sceneIndex_))
-        start(std::move(*chunk));
-      else
-        break;
-    finishAll();
+  try {
+    while (!stopSignal() && loadNext()) {
+      while (!stopSignal())
+        if (std::optional<Chunk> chunk = work_.take(*sceneIndex_))
+          start(std::move(*chunk));
+        else
+          break;
+      finishAll();
+    }
+  } catch (const Stopped&) {
+    finishAll();  // what is in flight needs nothing of the variation that was given up
   }
   if (next_.valid()) next_.wait();
   for (const std::string& message : device().validationMessages())

@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "data/cameras/calibrated.h"
 #include "data/cameras/source.h"
+#include "data/stop.h"
 
 namespace latelight::data {
 
@@ -40,6 +41,7 @@ std::vector<Shot> makeSource(const Json& value, const std::string& path, const C
     for (const CameraSource& known : kSources) names.push_back(known.name);
     badUsage("{}.type must be one of {}, not \"{}\"", path, fmt::join(names, ", "), type);
   }
+  throwIfStopped();
   std::vector<Shot> shots = source->make(spec, context);
   spec.finish();
   return shots;
