@@ -11,6 +11,7 @@
 
 #include "app/commands.h"
 #include "app/render_options.h"
+#include "base/journal.h"
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/parallel.h"
@@ -169,7 +170,11 @@ void runBatch(const BatchArguments& a) {
   if (a.slurm > 0) return printSlurm(a);
   limitMemory(a.memory);
   const data::Job job = readJob(a);
-  data::BatchOptions options{.shard = data::chooseShard(a.shard, environment), .resume = a.resume};
+  const data::ChosenShard part = data::chooseShard(a.shard, environment);
+  if (!part.by.empty())
+    record(fmt::format("part {}/{} of the frames, chosen by {}; --shard i/n chooses another", part.shard.index,
+                       part.shard.count, part.by));
+  data::BatchOptions options{.shard = part.shard, .shardBy = part.by, .resume = a.resume};
   if (a.dryRun) return printPlan(job, a, options.shard);
   options.validation = a.validate;
   options.writers = a.threads > 0 ? a.threads : threadCount();

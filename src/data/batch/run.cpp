@@ -81,6 +81,7 @@ BatchResult runBatch(const Job& job, const BatchOptions& options) {
     if (!scene.error.empty()) log.failed(scene.source, scene.error);
   WorkList work(plan, first, end, found, atOnce(job, options));
   const std::string shard = "shard " + options.shard.name();
+  if (!options.shardBy.empty()) set.log(fmt::format("{} is chosen by {}", shard, options.shardBy));
   set.log(fmt::format("{} begins: {} of {} frames are to be rendered", shard, work.frames(), end - first));
   std::exception_ptr error;
   try {

@@ -14,6 +14,7 @@ namespace latelight::data {
 
 struct BatchOptions {
   Shard shard;
+  std::string shardBy;  // the environment variables that chose it; empty: none
   bool resume = false;
   std::vector<std::string> devices;  // a worker for each, by UUID
   size_t writers = 1;                // threads
