@@ -49,6 +49,7 @@ void Worker::run() {
 bool Worker::loadNext() {
   renderer_.reset();
   scene_.reset();
+  geometry_ = {};
   if (sceneIndex_) work_.leave(*sceneIndex_);
   sceneIndex_ = nextIndex_ ? std::exchange(nextIndex_, std::nullopt) : work_.claim();
   if (!sceneIndex_) return false;
@@ -136,7 +137,7 @@ void Worker::addExtras(const Chunk& chunk, std::vector<RenderedFrame>& frames) {
   const render::Settings settings = settingsOf(chunk);
   for (RenderedFrame& rendered : frames) {
     const scene::Camera& camera = scene_->cameras()[plan_.at(rendered.frame.index)->camera].camera;
-    renderExtras(*renderer_, scene_->scene(), camera, settings, moment, extras_, rendered.frame);
+    renderExtras(*renderer_, scene_->scene(), camera, settings, moment, extras_, geometry_, rendered.frame);
   }
 }
 
