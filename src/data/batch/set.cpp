@@ -139,8 +139,10 @@ void openSet(const SetFolder& set, const Job& job, const Shard& shard, bool resu
   const std::string name = set.path().string();
   if (name.find_first_of("{}") != std::string::npos) badUsage("the folder \"{}\" has a brace in its name", name);
   std::error_code error;
+  // Looked at in this order: another shard may begin the set meanwhile.
+  const bool hasFiles = fs::exists(set.path(), error) && !fs::is_empty(set.path(), error);
   const bool isSet = fs::exists(set.state(), error) || fs::exists(set.manifest(), error);
-  if (fs::exists(set.path(), error) && !isSet && !fs::is_empty(set.path(), error))
+  if (hasFiles && !isSet)
     badUsage("'{}' is not an empty folder; choose another for the data set", name);
   if (isSet && !resume && !isOfOthers(set, job, shard))
     badUsage("'{}' holds a data set already: add --resume to complete it, or choose another folder", name);
