@@ -11,6 +11,7 @@
 
 #include "app/commands.h"
 #include "app/render_options.h"
+#include "base/journal.h"
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/parallel.h"
@@ -18,6 +19,8 @@
 #include "data/batch/run.h"
 #include "data/batch/schema.h"
 #include "data/batch/slurm.h"
+#include "data/json_builder.h"
+#include "data/stop.h"
 #include "vk/driver_cache.h"
 
 namespace latelight::app {
@@ -54,19 +57,27 @@ Json valueOf(const std::string& key, const Json& schema, const std::string& text
   const bool isNumber = takes(schema, "integer");
   const bool mayBeMore = takes(schema, "object") || takes(schema.value("items", Json::object()), "object");
   if (!isNumber && !(mayBeMore && (text.starts_with('{') || text.starts_with('[')))) return text;
-  Json value = Json::parse(text, nullptr, false);
-  if (value.is_discarded())
-    badUsage("--{} takes {}, not \"{}\"", key, isNumber ? "a whole number" : "a name or JSON", text);
-  return value;
+  try {
+    return data::parseJson(text, "--" + key).json;
+  } catch (const data::JsonError& error) {
+    if (isNumber) badUsage("--{} takes a whole number, not \"{}\"", key, text);
+    badUsage("--{} takes a name or JSON, not \"{}\": {}", key, text, error.what());
+  }
 }
 
-// Lists are given by repeating the option, or whole.
+// Lists are given by repeating the option, each time with one element or with a list of them.
 void addJobKey(CLI::App& command, BatchArguments& a, const std::string& key, const Json& schema) {
   const bool isList = takes(schema, "array") && schema.contains("items");
   const auto take = [&a, key, schema, isList](const std::vector<std::string>& texts) {
     Json values = Json::array();
-    for (const std::string& text : texts) values.push_back(valueOf(key, schema, text));
-    a.given[key] = isList && !values.front().is_array() ? values : values.front();
+    for (const std::string& text : texts) {
+      const Json value = valueOf(key, schema, text);
+      if (isList && value.is_array())
+        values.insert(values.end(), value.begin(), value.end());
+      else
+        values.push_back(value);
+    }
+    a.given[key] = isList ? values : values.front();
   };
   const std::string names = key == "output" ? "-o,--output" : "--" + key;
   CLI::Option* option =
@@ -121,6 +132,10 @@ void printPlan(const data::Job& job, const BatchArguments& a, const data::Shard&
   fmt::print("{} frames would be rendered; their outputs take {} bytes before they are compressed\n", frames, bytes);
 }
 
+std::string_view nameOfSignal(int signal) {
+  return signal == SIGINT ? "SIGINT" : "SIGTERM";
+}
+
 void report(const data::BatchResult& result, const std::string& folder) {
   size_t said = 0;
   for (const auto& [name, why] : result.failed)
@@ -129,7 +144,7 @@ void report(const data::BatchResult& result, const std::string& folder) {
   const uint64_t missing = result.frames - result.finished;
   if (result.signal)
     fail(ExitCode::SomeFramesFailed, "stopped by {} with {} of {} frames in '{}'; --resume makes the others",
-         result.signal == SIGINT ? "SIGINT" : "SIGTERM", result.finished, result.frames, folder);
+         nameOfSignal(result.signal), result.finished, result.frames, folder);
   if (missing > 0)
     fail(ExitCode::SomeFramesFailed,
          "{} of {} frames were not made; the sentences before say why, and --resume tries again", missing,
@@ -156,13 +171,22 @@ void runBatch(const BatchArguments& a) {
   if (a.slurm > 0) return printSlurm(a);
   limitMemory(a.memory);
   const data::Job job = readJob(a);
-  data::BatchOptions options{.shard = data::chooseShard(a.shard, environment), .resume = a.resume};
+  const data::ChosenShard part = data::chooseShard(a.shard, environment);
+  if (!part.by.empty())
+    record(fmt::format("part {}/{} of the frames, chosen by {}; --shard i/n chooses another", part.shard.index,
+                       part.shard.count, part.by));
+  data::BatchOptions options{.shard = part.shard, .shardBy = part.by, .resume = a.resume};
   if (a.dryRun) return printPlan(job, a, options.shard);
   options.validation = a.validate;
   options.writers = a.threads > 0 ? a.threads : threadCount();
   vk::avoidFullDriverCache();
   options.devices = workersOf(a);
-  report(data::runBatch(job, options), job.folder.string());
+  try {
+    report(data::runBatch(job, options), job.folder.string());
+  } catch (const data::Stopped& stopped) {
+    fail(ExitCode::SomeFramesFailed, "stopped by {} before the first frame of '{}' was begun; --resume makes all",
+         nameOfSignal(stopped.signal), job.folder.string());
+  }
 }
 
 // --- of a set that is there -----------------------------------------------------------------------------------------

@@ -1,6 +1,7 @@
-// latelight compare A B: how much two pictures differ, and whether that is within tolerance.
+// latelight compare A B: how much two files differ, output by output, and whether that is within tolerance.
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -11,70 +12,153 @@
 #include "app/commands.h"
 #include "base/files.h"
 #include "base/log.h"
-#include "output/compare.h"
+#include "base/text.h"
+#include "output/compare_outputs.h"
 #include "output/files.h"
 #include "output/used_files.h"
 
 namespace latelight::app {
 namespace {
 
+using Json = nlohmann::ordered_json;
+using output::Measure;
+using output::OutputDifference;
+
 struct Arguments {
   std::string first, second;
-  double tolerance = -1;  // below 0: from the files' types
+  std::vector<std::string> tolerances;  // "T" or "OUTPUT=T"
   double share = 0;
+  double flip = -1;  // below 0: colours are judged by the tolerance
+  double pixelsPerDegree = output::kPixelsPerDegree;
   std::string difference;
   std::vector<std::string> channels;
   bool json = false;
 };
 
-nlohmann::ordered_json number(double value) {
+// --- what is printed ------------------------------------------------------------------------------------------------
+
+Json number(double value) {
   if (std::isfinite(value)) return value;
   return "inf";
 }
 
-void printJson(const output::Comparison& c, bool alike) {
-  const nlohmann::ordered_json json{{"alike", alike},
-                                    {"maximum", number(c.maximum)},
-                                    {"mean", number(c.mean)},
-                                    {"psnr", number(c.psnr)},
-                                    {"share", c.share()},
-                                    {"beyond", c.beyond},
-                                    {"pixels", c.pixels},
-                                    {"unlike", c.unlike},
-                                    {"worst", {{"x", c.worstX}, {"y", c.worstY}, {"channel", c.worstChannel}}}};
-  // Channel names come from the files and need not be UTF-8.
-  fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+std::string_view nameOf(Measure measure) {
+  switch (measure) {
+    case Measure::Color:
+      return "color";
+    case Measure::Relative:
+      return "relative";
+    case Measure::Angle:
+      return "degrees";
+    case Measure::Identity:
+      return "identity";
+    case Measure::Pixels:
+      return "pixels";
+    case Measure::Difference:
+      return "difference";
+  }
+  return "";
 }
 
-void printText(const output::Comparison& c, bool alike) {
+Json describe(const OutputDifference& d, bool alike) {
+  Json json{{"alike", alike},         {"measure", nameOf(d.measure)},
+            {"channels", d.channels}, {"maximum", number(d.maximum)},
+            {"mean", number(d.mean)}, {"share", d.share()},
+            {"beyond", d.beyond},     {"pixels", d.pixels},
+            {"unlike", d.unlike},     {"worst", {{"x", d.worstX}, {"y", d.worstY}}}};
+  if (d.measure == Measure::Color) {
+    json["psnr"] = number(d.psnr);
+    json["flip"] = d.flip;
+  }
+  if (!d.worstChannel.empty()) json["worst"]["channel"] = d.worstChannel;
+  return json;
+}
+
+std::string errorsOf(const OutputDifference& d) {
+  if (d.measure == Measure::Identity) return "";
+  const std::string_view unit = output::unitOf(d.measure);
+  std::string text =
+      fmt::format("{}maximum {:.6g}", d.measure == Measure::Relative ? "relative error: " : "", d.maximum);
+  if (!unit.empty()) text += fmt::format(" {}", unit);
+  if (d.maximum > 0 && !d.worstChannel.empty())
+    text += fmt::format(" (channel {} at {},{})", printable(d.worstChannel), d.worstX, d.worstY);
+  else if (d.maximum > 0)
+    text += fmt::format(" (at {},{})", d.worstX, d.worstY);
+  text += fmt::format(", mean {:.6g}, ", d.mean);
+  if (d.measure == Measure::Color) text += fmt::format("PSNR {:.2f} dB, FLIP {:.4f}, ", d.psnr, d.flip);
+  return text;
+}
+
+void printText(const OutputDifference& d, size_t width) {
+  fmt::print("{:<{}}  {}{} {:.6g} % of the pixels ({} of {})\n", printable(d.output), width, errorsOf(d),
+             d.measure == Measure::Identity ? "different in" : "beyond the tolerance in", d.share() * 100, d.beyond,
+             d.pixels);
+  if (d.unlike > 0 && d.measure != Measure::Identity)
+    fmt::print("{:<{}}  {} {} are infinite, NaN or background in one file only\n", "", width, d.unlike,
+               d.worstChannel.empty() ? "pixels" : "values");
+}
+
+// --- what is asked --------------------------------------------------------------------------------------------------
+
+double toleranceOf(std::string_view text) {
+  const std::optional<double> value = parseNumber<double>(text);
+  if (!value || *value < 0)
+    badUsage("--tolerance takes a number from 0 upwards, or OUTPUT=NUMBER, as in depth=1e-3, not \"{}\"", text);
+  return *value;
+}
+
+output::OutputOptions optionsOf(const Arguments& arguments) {
+  output::OutputOptions options{.channels = arguments.channels, .pixelsPerDegree = arguments.pixelsPerDegree};
+  for (const std::string& text : arguments.tolerances)
+    if (const size_t equals = text.find('='); equals == std::string::npos)
+      options.tolerance = toleranceOf(text);
+    else
+      options.tolerances[text.substr(0, equals)] = toleranceOf(std::string_view(text).substr(equals + 1));
+  return options;
+}
+
+bool isAlike(const OutputDifference& d, const Arguments& arguments) {
+  if (d.measure == Measure::Color && arguments.flip >= 0) return d.flip <= arguments.flip;
+  return d.share() <= arguments.share;
+}
+
+// By pixel, the worst of all outputs.
+std::vector<double> worstOf(const std::vector<OutputDifference>& differences) {
+  std::vector<double> worst = differences.front().excesses;
+  for (const OutputDifference& d : differences)
+    for (size_t i = 0; i < worst.size(); ++i) worst[i] = std::max(worst[i], d.excesses[i]);
+  return worst;
+}
+
+void print(const std::vector<OutputDifference>& differences, const Arguments& arguments, bool alike) {
+  if (arguments.json) {
+    Json json{{"alike", alike}, {"outputs", Json::object()}};
+    for (const OutputDifference& d : differences) json["outputs"][d.output] = describe(d, isAlike(d, arguments));
+    // Channel names come from the files and need not be UTF-8.
+    return fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
+  }
   fmt::print("{}\n", alike ? "alike" : "not alike");
-  fmt::print("maximum  {:.6g}", c.maximum);
-  if (c.maximum > 0) fmt::print("  (channel {} at {},{})", printable(c.worstChannel), c.worstX, c.worstY);
-  fmt::print("\nmean     {:.6g}\n", c.mean);
-  fmt::print("PSNR     {:.2f} dB\n", c.psnr);
-  fmt::print("beyond   {:.6g} % of the pixels ({} of {})\n", c.share() * 100, c.beyond, c.pixels);
-  if (c.unlike > 0) fmt::print("unlike   {} values are infinite or NaN in one picture only\n", c.unlike);
+  size_t width = 0;
+  for (const OutputDifference& d : differences) width = std::max(width, d.output.size());
+  for (const OutputDifference& d : differences) printText(d, width);
 }
 
 void run(const Arguments& arguments) {
-  if (std::isnan(arguments.tolerance) || std::isnan(arguments.share))
-    badUsage("--tolerance and --share take numbers, and nan is none");
-  output::CompareOptions options;
-  options.channels = arguments.channels;
+  if (std::isnan(arguments.share) || std::isnan(arguments.flip))
+    badUsage("--share and --flip take numbers, and nan is none");
+  const output::OutputOptions options = optionsOf(arguments);
   if (!arguments.difference.empty()) {
     const std::filesystem::path inputs[] = {arguments.first, arguments.second}, outputs[] = {arguments.difference};
     output::UsedFiles(inputs).checkOutputs(outputs);
     checkWritable(arguments.difference);
   }
-  if (arguments.tolerance >= 0) options.tolerance = arguments.tolerance;
-  const output::ReadImage a = output::readImage(arguments.first);
-  const output::ReadImage b = output::readImage(arguments.second);
-  const output::Comparison comparison = output::compare(a, b, options);
-  const bool alike = comparison.share() <= arguments.share;
-  if (!arguments.difference.empty()) {
-    output::writePicture(arguments.difference, output::differencePicture(a, b, options));
-  }
-  arguments.json ? printJson(comparison, alike) : printText(comparison, alike);
+  const output::ReadImage a = output::asOutput(output::readImage(arguments.first), arguments.first);
+  const output::ReadImage b = output::asOutput(output::readImage(arguments.second), arguments.second);
+  const std::vector<OutputDifference> differences = output::compareOutputs(a, b, options);
+  const bool alike = std::ranges::all_of(differences, [&](const auto& d) { return isAlike(d, arguments); });
+  if (!arguments.difference.empty())
+    output::writePicture(arguments.difference, output::differencePicture(a.width, a.height, worstOf(differences)));
+  print(differences, arguments, alike);
   // For this command 1 means "different", not an internal error.
   if (!alike) throw Exit{static_cast<ExitCode>(1)};
 }
@@ -83,30 +167,38 @@ void run(const Arguments& arguments) {
 
 void addCompareCommand(CLI::App& app) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("compare", "Say how far two pictures are apart; exits 0 if alike, 1 if not");
+  CLI::App* command = app.add_subcommand(
+      "compare", "Measure how far two files are apart, output by output; exits 0 if alike, 1 if not");
   command->add_option("A", arguments->first, "A .png, .exr or .npy file")->required();
   command->add_option("B", arguments->second, "Another of the same size and channels")->required();
   command
-      ->add_option("--tolerance", arguments->tolerance,
-                   "A value is beyond it if |a-b| > T max(1, |a|, |b|), PNG values being in [0, 1]; default: one level "
-                   "for 8 and 16 bits, 1e-4 for floats, 0 for integers")
-      ->type_name("T")
-      ->check(CLI::Validator(
-          [](const std::string& text) {
-            double number = -1;
-            const bool right = CLI::detail::lexical_cast(text, number) && number >= 0;
-            return right ? std::string() : "it takes a number from 0 upwards, not " + text;
-          },
-          ""));
-  command->add_option("--share", arguments->share, "Alike if at most this share of the pixels is beyond; default 0")
+      ->add_option(
+          "--tolerance", arguments->tolerances,
+          "Largest error of a pixel: T for all outputs except ids, or OUTPUT=T, by comma. Colors: |a-b| <= T "
+          "max(1, |a|, |b|), PNG values being in [0, 1]; default: one level for 8 and 16 bits, 1e-4 for floats. "
+          "Depth and position: relative, 1e-4. Normals: degrees, 0.01. Motion: pixels, 0.01. Ids: equal")
+      ->type_name("LIST")
+      ->delimiter(',');
+  command
+      ->add_option("--share", arguments->share,
+                   "Alike if at most this share of each output's pixels is beyond; default 0")
       ->type_name("S")
       ->check(CLI::Range(0.0, 1.0));
+  command->add_option("--flip", arguments->flip, "Judge colors by their mean FLIP instead: alike if it is at most F")
+      ->type_name("F")
+      ->check(CLI::Range(0.0, 1.0));
+  command
+      ->add_option("--ppd", arguments->pixelsPerDegree,
+                   "Pixels per degree of FLIP's observer; 67: 0.7 m from a screen 0.7 m wide with 3840 pixels across")
+      ->capture_default_str()
+      ->check(CLI::Range(1.0, 1000.0));
   command->add_option("--channel", arguments->channels, "Compare only these channels, for example R,G,B or Z")
       ->type_name("LIST")
       ->delimiter(',');
   command
-      ->add_option("--diff", arguments->difference,
-                   "Write a picture: grey within the tolerance, yellow to red beyond it (PNG)")
+      ->add_option(
+          "--diff", arguments->difference,
+          "Write a picture of the worst output of each pixel: grey within the tolerance, yellow to red beyond it (PNG)")
       ->type_name("FILE");
   command->add_flag("--json", arguments->json, "Print JSON");
   command->callback([arguments] { run(*arguments); });

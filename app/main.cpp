@@ -80,15 +80,30 @@ std::string inWords(const CLI::ParseError& error, int argc, char** argv) {
   return sentence;
 }
 
+// The options of a command and of all commands below it.
+std::vector<CLI::Option*> allOptions(CLI::App& command) {
+  std::vector<CLI::Option*> all = command.get_options();
+  for (CLI::App* below : command.get_subcommands(nullptr)) {
+    const std::vector<CLI::Option*> options = allOptions(*below);
+    all.insert(all.end(), options.begin(), options.end());
+  }
+  return all;
+}
+
+// CLI11 would take "[a,b]" apart at its commas, and words after an option's value for more values. A value is one word
+// of the command line, as it is written.
+void keepValuesWhole(CLI::App& cli) {
+  for (CLI::Option* option : allOptions(cli)) option->allow_extra_args(false);
+}
+
 // An empty value comes from an unset shell variable; it does not ask for the default. Some options have a better
 // message of their own.
 void refuseEmptyValues(CLI::App& cli) {
   const CLI::Validator check(
       [](const std::string& value) { return value.empty() ? "its value is empty" : std::string(); }, "");
-  for (CLI::App* command : cli.get_subcommands(nullptr))
-    for (CLI::Option* option : command->get_options())
-      if (option->get_items_expected_min() > 0 && !option->check_name("--out") && !option->check_name("--device"))
-        option->check(check);
+  for (CLI::Option* option : allOptions(cli))
+    if (option->get_items_expected_min() > 0 && !option->check_name("--out") && !option->check_name("--device"))
+      option->check(check);
 }
 
 int parseAndRun(int argc, char** argv) {
@@ -118,6 +133,7 @@ int parseAndRun(int argc, char** argv) {
     app::printCompletions(cli, std::vector<std::string>(argv + 3, argv + argc));
     return 0;
   }
+  keepValuesWhole(cli);
   refuseEmptyValues(cli);
   checkDashes(cli, argc, argv);
   try {

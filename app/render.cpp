@@ -8,6 +8,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <utility>
 
 #include "app/commands.h"
 #include "app/render_metadata.h"
@@ -95,6 +96,7 @@ output::OutputRequest planOutput(RenderOptions& o, const std::optional<output::D
   output::OutputRequest request{.pattern = o.out};
   if (!o.aovs.empty()) request.aovs = output::parseAovs(o.aovs);
   if (o.noSideFile) request.sideFile = false;
+  request.inSequence = !o.frames.empty();
   if (debug && !o.aovs.empty()) badUsage("--debug and --aov each say what leaves; use one of them");
   if (debug && o.out != "-" && output::formatOf(o.out) != output::Format::Png)
     badUsage("--debug writes PNG; give -o a name that ends in .png");
@@ -125,6 +127,8 @@ std::vector<std::filesystem::path> outputsOf(const RenderOptions& o, const Rende
     paths = {output::fillPattern(o.out, output::debugName(*plan.debug), metadata)};
   else if (!o.out.empty())
     paths = output::outputPaths(plan.request, metadata);
+  if (const auto ids = plan.debug ? std::nullopt : output::idManifestPath(plan.request, metadata))
+    paths.push_back(*ids);
   paths.emplace_back(o.graph);
   return paths;
 }
@@ -146,7 +150,7 @@ void checkFiles(const RenderOptions& o, const RenderPlan& plan, const scene::Sce
     if (timeline.isSequence()) continue;
     std::error_code ignored;  // writing reports what is wrong
     for (const std::filesystem::path& path : outputs)
-      if (std::filesystem::exists(path, ignored)) checkWritable(path);
+      if (isThere(path)) checkWritable(path);
   }
 }
 
@@ -192,6 +196,16 @@ RenderedFrame finishFrame(RenderRun& run, PendingFrame&& pending) {
   return rendered;
 }
 
+// What does not change from frame to frame is written with the first one that can be written.
+std::vector<std::filesystem::path> writeFiles(RenderRun& run, const RenderedFrame& frame) {
+  const output::OutputRequest& request = run.plan.request;
+  const auto ids = output::idManifestPath(request, frame.metadata);
+  if (ids && !run.hasIdManifest) output::writeIdManifest(request, frame.metadata);
+  std::vector<std::filesystem::path> files = output::writeOutput(request, frame.picture, frame.metadata);
+  if (ids && !std::exchange(run.hasIdManifest, true)) files.push_back(*ids);
+  return files;
+}
+
 void writeFrame(RenderRun& run, const RenderedFrame& frame) {
   const auto mark = Clock::now();
   std::vector<std::filesystem::path> files;
@@ -202,7 +216,7 @@ void writeFrame(RenderRun& run, const RenderedFrame& frame) {
     files = writeDebugPicture(*run.plan.debug, output::debugPicture(*run.plan.debug, frame.picture), frame.metadata,
                               run.options.out);
   else if (!run.options.out.empty())
-    files = output::writeOutput(run.plan.request, frame.picture, frame.metadata);
+    files = writeFiles(run, frame);
   run.files.insert(run.files.end(), files.begin(), files.end());
   run.times.write += seconds(mark);
 }

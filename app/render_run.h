@@ -44,6 +44,7 @@ struct RenderRun {
   RenderTimes times{};  // so far
   std::vector<std::filesystem::path> files{};
   std::vector<render::Picked> picked{};
+  bool hasIdManifest = false;  // of a sequence: it is written
 };
 
 // Renders, writes and reports everything. Throws Error: SomeFramesFailed, Internal for validation messages, and errors

@@ -90,16 +90,15 @@ class ResultFolder {
 ResultFolder::ResultFolder(const std::filesystem::path& path, const std::string& study) : path_(path) {
   std::error_code error;
   made_ = std::filesystem::create_directory(path, error);
-  if (std::error_code ignored; !std::filesystem::is_directory(path, ignored)) {
-    if (std::filesystem::exists(path, ignored))
-      badUsage("{} is no folder; give -o the name of one, or a new name", path.string());
+  if (!std::filesystem::is_directory(path, error)) {
+    if (isThere(path)) badUsage("{} is no folder; give -o the name of one, or a new name", path.string());
     badUsage("the folder {} can't be made: {}; give -o another", path.string(), error.message());
   }
   checkWritable(path / (study + ".json"));
-  for (const auto& entry : std::filesystem::directory_iterator(path)) {
-    const std::string ending = entry.path().extension().string();
+  for (std::filesystem::directory_iterator entry(path, error), end; !error && entry != end; entry.increment(error)) {
+    const std::string ending = entry->path().extension().string();
     const bool isResult = ending == ".csv" || ending == ".json" || ending == ".png" || ending == ".gnuplot";
-    if (isResult && entry.path().filename().string().starts_with(study)) checkWritable(entry.path());
+    if (isResult && entry->path().filename().string().starts_with(study)) checkWritable(entry->path());
   }
 }
 

@@ -160,6 +160,11 @@ int writeInto(const fs::path& path, std::span<const std::byte> bytes) {
 
 }  // namespace
 
+bool isThere(const fs::path& path) {
+  std::error_code ignored;
+  return fs::exists(path, ignored);
+}
+
 std::vector<std::byte> readFile(const fs::path& path) {
   // O_NONBLOCK: opening a pipe that nobody writes to must not hang; it does nothing to regular files.
   File file(path, O_RDONLY | O_NONBLOCK);

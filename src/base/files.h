@@ -11,6 +11,9 @@
 
 namespace latelight {
 
+// Whether a file or a folder of that name exists; false for names that none can have, as for one that is too long.
+bool isThere(const std::filesystem::path& path);
+
 // The whole file. Throws Error(BadInput) with a sentence that names the file if it can't be read.
 std::vector<std::byte> readFile(const std::filesystem::path& path);
 // The same for an open file; `path` is its name for the message.

@@ -7,14 +7,15 @@
 namespace latelight::data {
 
 Extras both(const Extras& a, const Extras& b) {
-  return {a.boxes || b.boxes, a.alone || b.alone, std::max(a.samples, b.samples)};
+  return {a.boxes || b.boxes, a.alone || b.alone, a.shapes || b.shapes, std::max(a.samples, b.samples)};
 }
 
 void renderExtras(render::Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
                   const render::Settings& settings, const render::Moment& moment, const Extras& needed,
-                  DataFrame& frame) {
-  if (needed.boxes || needed.alone)
-    frame.objects = objectsOf(scene, moment.poses.current, settings.axes == render::Axes::ZUp);
+                  GeometryHashes& geometry, DataFrame& frame) {
+  if (needed.boxes || needed.alone || needed.shapes)
+    frame.objects =
+        objectsOf(scene, moment.poses.current, settings.axes == render::Axes::ZUp, needed.shapes ? &geometry : nullptr);
   if (needed.alone) renderAlone(renderer, scene, camera, settings, moment, frame.objects);
   if (needed.samples == 0) return;
   render::Settings fine = settings;

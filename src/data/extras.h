@@ -10,9 +10,9 @@ namespace latelight::data {
 Extras both(const Extras& a, const Extras& b);
 
 // Fills the frame's objects and samples; called once a frame, with what its picture was rendered with, where any format
-// needs some.
+// needs some. `geometry`: of the scene.
 void renderExtras(render::Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
                   const render::Settings& settings, const render::Moment& moment, const Extras& needed,
-                  DataFrame& frame);
+                  GeometryHashes& geometry, DataFrame& frame);
 
 }  // namespace latelight::data

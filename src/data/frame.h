@@ -15,6 +15,7 @@ namespace latelight::data {
 struct Extras {
   bool boxes = false;    // objects, with their boxes
   bool alone = false;    // and with the pixels that each covers alone
+  bool shapes = false;   // and with their shapes
   uint32_t samples = 0;  // N: ids of N x N samples a pixel
 };
 

@@ -39,11 +39,18 @@ bool keepsAxes(const glm::dmat4& m) {
   return across <= 1e-6 * along;
 }
 
+std::array<double, 12> rowsOf(const glm::dmat4& m) {
+  std::array<double, 12> rows;
+  for (int i = 0; i < 12; ++i) rows[static_cast<size_t>(i)] = m[i % 4][i / 4];
+  return rows;
+}
+
 class Boxes {
  public:
-  Boxes(const scene::Scene& scene, const scene::Pose& pose, bool zUp)
+  Boxes(const scene::Scene& scene, const scene::Pose& pose, bool zUp, const std::vector<uint64_t>* geometry)
       : scene_(scene),
         pose_(pose),
+        geometry_(geometry),
         toWorld_(scene::instanceTransforms(scene, pose)),
         fromWorld_(scene.yUp && !zUp ? scene::toGltfFromWorld() : glm::dmat4(1)) {}
 
@@ -51,10 +58,14 @@ class Boxes {
     Object object{.id = id};
     object.toWorld = rigidOf(fromWorld_ * frameOf(instances));
     Extent extent;
-    for (const uint32_t i : instances)
-      add(extent, scene_.instances[i], glm::inverse(object.toWorld) * fromWorld_ * toWorld_[i]);
+    for (const uint32_t i : instances) {
+      const glm::dmat4 place = glm::inverse(object.toWorld) * fromWorld_ * toWorld_[i];
+      add(extent, object.shape, scene_.instances[i], place);
+    }
     object.low = extent.low;
     object.high = extent.high;
+    const glm::dvec3 size = extent.high - extent.low;
+    object.shape.extent = std::max({size.x, size.y, size.z});
     return object;
   }
 
@@ -80,12 +91,16 @@ class Boxes {
     return scene::toWorldFromGltf() * pose_.world[scene_.rig.sceneNodes[node]];
   }
 
-  void add(Extent& extent, const scene::Instance& instance, const glm::dmat4& toFrame) const {
+  // Adds an instance to the object's box, and to its shape where that is asked for.
+  void add(Extent& extent, Shape& shape, const scene::Instance& instance, const glm::dmat4& toFrame) const {
     const scene::Mesh& mesh = scene_.meshes[instance.mesh];
     if (mesh.positions.empty()) return;
     const auto addPoint = [&](glm::vec3 point) { extent.add(glm::dvec3(toFrame * glm::dvec4(point, 1))); };
+    if (geometry_) shape.parts.push_back({(*geometry_)[instance.mesh], rowsOf(toFrame)});
     if (mesh.deformation && !pose_.empty()) {
-      for (const glm::vec3 point : deformed(*mesh.deformation)) addPoint(point);
+      const std::vector<glm::vec3> points = deformed(*mesh.deformation);
+      if (geometry_) shape.parts.back().geometry = geometryHash(points, mesh.indices);
+      for (const glm::vec3 point : points) addPoint(point);
     } else if (keepsAxes(toFrame)) {
       addPoint(mesh.boundsMin);
       addPoint(mesh.boundsMax);
@@ -105,6 +120,7 @@ class Boxes {
 
   const scene::Scene& scene_;
   const scene::Pose& pose_;
+  const std::vector<uint64_t>* geometry_;  // hashes by mesh; null: shapes are not asked for
   std::vector<glm::dmat4> toWorld_;  // of instances
   glm::dmat4 fromWorld_;
 };
@@ -119,7 +135,7 @@ std::array<glm::dvec3, 8> cornersOf(const Object& object) {
   return corners;
 }
 
-std::vector<Object> objectsOf(const scene::Scene& scene, const scene::Pose& pose, bool zUp) {
+std::vector<Object> objectsOf(const scene::Scene& scene, const scene::Pose& pose, bool zUp, GeometryHashes* geometry) {
   std::map<uint32_t, Instances> byId;
   for (uint32_t i = 0; i < scene.instances.size(); ++i) {
     const scene::Instance& instance = scene.instances[i];
@@ -127,7 +143,11 @@ std::vector<Object> objectsOf(const scene::Scene& scene, const scene::Pose& pose
       byId[instance.id].push_back(i);
   }
   const std::vector<std::pair<uint32_t, Instances>> groups(byId.begin(), byId.end());
-  const Boxes boxes(scene, pose, zUp);
+  std::vector<uint64_t> hashes(geometry ? scene.meshes.size() : 0);
+  if (geometry)
+    for (const auto& [id, instances] : groups)
+      for (const uint32_t i : instances) hashes[scene.instances[i].mesh] = geometry->of(scene, scene.instances[i].mesh);
+  const Boxes boxes(scene, pose, zUp, geometry ? &hashes : nullptr);
   std::vector<Object> objects(groups.size());
   parallelFor(groups.size(), 16, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) objects[i] = boxes.around(groups[i].first, groups[i].second);

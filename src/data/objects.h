@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "data/mask.h"
+#include "data/shape.h"
 #include "render/moment.h"
 #include "scene/scene.h"
 
@@ -19,6 +20,7 @@ struct Object {
   // The object's own frame to the frame of positions: rotation and translation; the node's scale is in the box.
   glm::dmat4 toWorld{1};
   glm::dvec3 low{0}, high{0};  // the box in the object's own frame, metres
+  Shape shape;                 // empty, unless asked for
 
   // Where it was rendered alone (amodal.h).
   Mask alone;           // pixels of the picture
@@ -30,7 +32,8 @@ struct Object {
 std::array<glm::dvec3, 8> cornersOf(const Object& object);
 
 // Those of a scene in a pose, with their boxes, sorted by id. `zUp`: positions are in the renderer's world, else in the
-// scene file's own frame.
-std::vector<Object> objectsOf(const scene::Scene& scene, const scene::Pose& pose, bool zUp);
+// scene file's own frame. `geometry`, of the scene: where their shapes are asked for.
+std::vector<Object> objectsOf(const scene::Scene& scene, const scene::Pose& pose, bool zUp,
+                              GeometryHashes* geometry = nullptr);
 
 }  // namespace latelight::data

@@ -183,8 +183,15 @@ Spec Spec::object(std::string_view key) {
 std::vector<Spec> Spec::objects(std::string_view key) {
   const Json& value = at(key);
   if (!value.is_array() || value.empty()) badUsage("{} must be a list of objects, not {}", pathOf(key), shown(value));
+  constexpr uint64_t kKnownKeys = 8 * 80;
+  const auto memory = std::make_shared<MemoryClaim>(
+      value.size() * (sizeof(Spec) + kKnownKeys + path_.size() + key.size()), pathOf(key));
   std::vector<Spec> all;
-  for (size_t i = 0; i < value.size(); ++i) all.emplace_back(value[i], fmt::format("{}[{}]", pathOf(key), i));
+  all.reserve(value.size());
+  for (size_t i = 0; i < value.size(); ++i) {
+    all.emplace_back(value[i], fmt::format("{}[{}]", pathOf(key), i));
+    all.back().memory_ = memory;
+  }
   return all;
 }
 

@@ -6,12 +6,15 @@
 #include <glm/glm.hpp>
 #include <initializer_list>
 #include <limits>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "base/memory.h"
 
 namespace latelight::data {
 
@@ -74,6 +77,7 @@ class Spec {
   const nlohmann::ordered_json* value_;
   std::string path_;
   std::set<std::string, std::less<>> known_;
+  std::shared_ptr<MemoryClaim> memory_;  // of the list that it is in
 };
 
 // A value as it is repeated in a message.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cassert>
 #include <limits>
-#include <optional>
 
 #include "base/error.h"
 #include "base/text.h"
@@ -19,12 +18,6 @@ constexpr std::array<AovInfo, kAovCount> kAovs{{
   {Aov::aov, name, channels, {UNBRACKETED exrChannels}, ExrType::exr, PngCoding::png, background, unit, description},
 #include "output/outputs.def"
 }};
-
-std::optional<Aov> findAov(std::string_view name) {
-  for (const AovInfo& aov : kAovs)
-    if (aov.name == name) return aov.aov;
-  return std::nullopt;
-}
 
 std::string names() {
   std::string text;
@@ -50,6 +43,12 @@ const AovInfo& info(Aov aov) {
   return entry;
 }
 
+const AovInfo* findAov(std::string_view name) {
+  for (const AovInfo& aov : kAovs)
+    if (aov.name == name) return &aov;
+  return nullptr;
+}
+
 std::string ownNames(const AovInfo& aov, uint32_t channel) {
   return std::string(aov.exrChannels[channel]);
 }
@@ -70,9 +69,9 @@ std::vector<Aov> parseAovs(std::string_view list) {
   std::vector<Aov> result;
   for (std::string_view part : splitAtCommas(list)) {
     const std::string_view name = trimmed(part);
-    const std::optional<Aov> aov = findAov(name);
+    const AovInfo* aov = findAov(name);
     if (!aov) badUsage("there is no AOV \"{}\"; give a comma-separated list of: {}", name, names());
-    if (!contains(result, *aov)) result.push_back(*aov);
+    if (!contains(result, aov->aov)) result.push_back(aov->aov);
   }
   return result;
 }

@@ -64,6 +64,9 @@ bool holdsIds(Aov aov);
 // raster-...: what the raster compute did, rather than what the scene is.
 bool tellsOfRaster(Aov aov);
 
+// Null where there is none of that name.
+const AovInfo* findAov(std::string_view name);
+
 // "depth,normal,id" in that order, without repeats. Throws Error(Usage) that lists the names.
 std::vector<Aov> parseAovs(std::string_view list);
 

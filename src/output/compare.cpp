@@ -134,6 +134,10 @@ double worstExcess(const std::vector<Pair>& pairs, size_t pixel) {
 
 }  // namespace
 
+void checkComparable(const ReadImage& a, const ReadImage& b, const CompareOptions& options) {
+  pairsOf(a, b, options);
+}
+
 Comparison compare(const ReadImage& a, const ReadImage& b, const CompareOptions& options) {
   const std::vector<Pair> pairs = pairsOf(a, b, options);
   Comparison result;
@@ -160,20 +164,25 @@ Comparison compare(const ReadImage& a, const ReadImage& b, const CompareOptions&
   return result;
 }
 
-Picture differencePicture(const ReadImage& a, const ReadImage& b, const CompareOptions& options) {
+std::vector<double> excesses(const ReadImage& a, const ReadImage& b, const CompareOptions& options) {
   const std::vector<Pair> pairs = pairsOf(a, b, options);
-  Picture picture{a.width, a.height, std::vector<uint8_t>(size_t{a.width} * a.height * 4)};
-  for (size_t i = 0; i < size_t{a.width} * a.height; ++i) {
-    const double excess = worstExcess(pairs, i);
+  std::vector<double> worst(size_t{a.width} * a.height);
+  for (size_t i = 0; i < worst.size(); ++i) worst[i] = worstExcess(pairs, i);
+  return worst;
+}
+
+Picture differencePicture(uint32_t width, uint32_t height, std::span<const double> excesses) {
+  Picture picture{width, height, std::vector<uint8_t>(excesses.size() * 4)};
+  for (size_t i = 0; i < excesses.size(); ++i) {
     uint8_t* out = &picture.rgba[4 * i];
     out[3] = 255;
-    if (excess > 1) {
-      const double red = std::min(1.0, std::log10(excess) / 2);  // 0 at the tolerance, 1 at 100 times
+    if (excesses[i] > 1) {
+      const double red = std::min(1.0, std::log10(excesses[i]) / 2);  // 0 at the tolerance, 1 at 100 times
       out[0] = 255;
       out[1] = unorm8(static_cast<float>(0.9 * (1 - red)));
       out[2] = 0;
     } else {
-      out[0] = out[1] = out[2] = unorm8(static_cast<float>(excess * 0.5));
+      out[0] = out[1] = out[2] = unorm8(static_cast<float>(excesses[i] * 0.5));
     }
   }
   return picture;

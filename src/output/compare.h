@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "output/aov.h"
 #include "output/read.h"
@@ -36,10 +37,16 @@ struct Comparison {
 };
 
 // Throws Error(BadInput) where sizes or channels differ, Error(Usage) for a channel that neither has.
+void checkComparable(const ReadImage& a, const ReadImage& b, const CompareOptions& options = {});
+
+// Throws as checkComparable() does.
 Comparison compare(const ReadImage& a, const ReadImage& b, const CompareOptions& options = {});
 
-// For each pixel the largest difference of a channel, in units of the tolerance: black none, up to middle grey at the
-// tolerance, and beyond it from yellow to red at 100 times the tolerance.
-Picture differencePicture(const ReadImage& a, const ReadImage& b, const CompareOptions& options = {});
+// For each pixel the largest difference of a channel, in units of the tolerance: above 1 is beyond it.
+std::vector<double> excesses(const ReadImage& a, const ReadImage& b, const CompareOptions& options = {});
+
+// Such numbers as a picture: black none, up to middle grey at the tolerance, and beyond it from yellow to red at 100
+// times the tolerance.
+Picture differencePicture(uint32_t width, uint32_t height, std::span<const double> excesses);
 
 }  // namespace latelight::output

@@ -147,10 +147,12 @@ bool usesDisplay(const OutputRequest& request) {
   return color && formatOf(request.pattern) == Format::Png;
 }
 
-fs::path fillPattern(std::string_view pattern, std::string_view aov, const Metadata& metadata) {
+namespace {
+
+fs::path fill(std::string_view pattern, std::string_view aov, std::string_view frame, const Metadata& metadata) {
   const fs::path path = fillIn(pattern, [&](std::string_view name) -> std::string {
     if (name == "aov") return std::string(aov);
-    if (name == "frame") return fmt::format("{:0{}}", metadata.frame, metadata.frameDigits);
+    if (name == "frame") return std::string(frame);
     if (name == "camera") return fileSafe(metadata.camera.name, "camera");
     if (name == "scene") return fileSafe(metadata.scene, "scene");
     badUsage("the output \"{}\" has \"{{{}}}\"; braces hold one of {}", pattern, name, kPlaceholders);
@@ -160,6 +162,19 @@ fs::path fillPattern(std::string_view pattern, std::string_view aov, const Metad
       badUsage("the output \"{}\" makes \"{}\", a file name of {} bytes, and {} are allowed: shorten the pattern",
                pattern, part.string(), part.native().size(), NAME_MAX);
   return path;
+}
+
+// An EXR file of a sequence lists the ids that it shows: all would be most of a small file.
+Metadata exrMetadata(const OutputRequest& request, std::span<const AovImage> images, const Metadata& metadata) {
+  Metadata own = metadata;
+  if (request.inSequence && own.ids) own.ids = std::make_shared<IdManifest>(shownIn(*own.ids, images));
+  return own;
+}
+
+}  // namespace
+
+fs::path fillPattern(std::string_view pattern, std::string_view aov, const Metadata& metadata) {
+  return fill(pattern, aov, fmt::format("{:0{}}", metadata.frame, metadata.frameDigits), metadata);
 }
 
 void makeFilledFolders(const fs::path& pattern, const fs::path& path) {
@@ -192,6 +207,21 @@ std::vector<fs::path> outputPaths(const OutputRequest& request, const Metadata& 
   return paths;
 }
 
+std::optional<fs::path> idManifestPath(const OutputRequest& request, const Metadata& metadata) {
+  if (!request.inSequence || request.pattern.empty() || !wantsSideFile(request) ||
+      std::ranges::none_of(request.aovs, holdsIds))
+    return std::nullopt;
+  return fill(request.pattern, "meta", "ids", metadata).replace_extension(".json");
+}
+
+void writeIdManifest(const OutputRequest& request, const Metadata& metadata) {
+  const std::optional<fs::path> path = idManifestPath(request, metadata);
+  if (!path || !metadata.ids) return;
+  const std::string text = idManifestText(*metadata.ids);
+  makeFilledFolders(request.pattern, *path);
+  writeFile(*path, std::as_bytes(std::span(text)));
+}
+
 std::vector<fs::path> writeOutput(const OutputRequest& request, const FrameOutput& frame, const Metadata& metadata) {
   const Format format = formatOf(request.pattern);
   if (request.pattern == kStandardOutput) {
@@ -206,14 +236,18 @@ std::vector<fs::path> writeOutput(const OutputRequest& request, const FrameOutpu
     if (format == Format::Png)
       writePng(paths[i], frame, all[i]);
     else
-      writeFile(paths[i], encode(format, together ? all : all.subspan(i, 1), frame, metadata));
+      writeFile(paths[i], encode(format, together ? all : all.subspan(i, 1), frame,
+                                 format == Format::Exr ? exrMetadata(request, frame.aovs, metadata) : metadata));
   }
   if (wantsSideFile(request)) {
     const fs::path& side = paths.back();
     std::vector<std::string> names;  // one per AOV, relative to the side file
     for (size_t i = 0; i < request.aovs.size(); ++i)
       names.push_back(paths[together ? 0 : i].lexically_proximate(side.parent_path()).generic_string());
-    const std::string text = sideFile(metadata, frame.width, frame.height, request.aovs, names);
+    Metadata described = metadata;
+    if (const auto ids = idManifestPath(request, metadata))
+      described.idManifest = ids->lexically_proximate(side.parent_path()).generic_string();
+    const std::string text = sideFile(described, frame.width, frame.height, request.aovs, names);
     makeFilledFolders(request.pattern, side);
     writeFile(side, std::as_bytes(std::span(text)));
   }

@@ -26,6 +26,9 @@ struct OutputRequest {
   // The JSON side file: the pattern with .json as its extension and "meta" for {aov}. Unset: if any AOV but color is
   // asked for. Never with "-".
   std::optional<bool> sideFile;
+  // One frame of a sequence: its side file refers to the id manifest, which all frames share (writeIdManifest()), and
+  // its EXR files list only the ids that they show.
+  bool inSequence = false;
 };
 
 struct FrameOutput {
@@ -63,6 +66,12 @@ void checkOutput(const OutputRequest& request);
 
 // The files that writeOutput writes: one path per AOV, or one for all, then the side file's. None for "-".
 std::vector<std::filesystem::path> outputPaths(const OutputRequest& request, const Metadata& metadata);
+
+// The file of a sequence's id manifest: the side file's name with "ids" for {frame}. Nothing where the request is not
+// of a sequence, or writes no side files with ids.
+std::optional<std::filesystem::path> idManifestPath(const OutputRequest& request, const Metadata& metadata);
+// Writes it, once for all frames. Throws Error(Usage) where that can't be done.
+void writeIdManifest(const OutputRequest& request, const Metadata& metadata);
 
 // Writes all files, each whole or not at all, and returns their paths (the side file last; none for "-").
 // Throws Error(Usage) where one can't be written; other files of this call may then exist already.

@@ -150,7 +150,9 @@ std::string sideFile(const Metadata& metadata, uint32_t width, uint32_t height, 
   if (!device.name.empty()) json["device"] = {{"name", device.name}, {"driver", device.driver}, {"uuid", device.uuid}};
   json["versions"] = metadata.versions;
   json["settings"] = metadata.settings;
-  if (std::ranges::any_of(aovs, holdsIds) && metadata.ids) {
+  if (!metadata.idManifest.empty()) {
+    json["idManifest"] = metadata.idManifest;
+  } else if (std::ranges::any_of(aovs, holdsIds) && metadata.ids) {
     json["ids"] = describeIds(*metadata.ids);
     json["materials"] = describeMaterials(*metadata.ids);
   }

@@ -63,6 +63,7 @@ struct Metadata {
   std::map<std::string, std::string> settings;  // the options that the picture depends on, as on the command line
   std::shared_ptr<const IdManifest> ids;        // null: not known
   std::optional<NeighborFrames> neighbors;      // of a frame of a data set with the output motion
+  std::string idManifest;  // a file beside the side file that holds the ids instead of it; empty: none
 };
 
 // The coefficients that a lens's model has, in OpenCV's order; null: it has none.

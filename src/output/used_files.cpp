@@ -37,7 +37,7 @@ std::string UsedFiles::entryOf(const fs::path& path) {
   if (known.empty()) {
     const auto status = find(folder);
     known = status ? fmt::format("{}:{}", status->st_dev, status->st_ino)
-                   : fs::weakly_canonical(fs::absolute(folder), error).string();
+                   : fs::weakly_canonical(fs::absolute(folder, error), error).string();
   }
   return known + "/" + followed.filename().string();
 }

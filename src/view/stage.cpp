@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/files.h"
 #include "base/parallel.h"
 #include "base/text.h"
 #include "render/raster_choice.h"
@@ -97,7 +98,7 @@ void Stage::lightAgain() {
 void Stage::loadEnvironment(const std::string& name) {
   const bool isGiven = given_ && given_->name == name;
   FileWatch watch;
-  if (!isGiven && std::filesystem::exists(name)) watch.watch({name});
+  if (!isGiven && isThere(name)) watch.watch({name});
   std::optional<scene::Environment> loaded = isGiven ? given_ : render::loadEnvironment(*scene_, name);
   renderer_.reset();
   environment_ = std::move(loaded);

@@ -107,7 +107,8 @@ bool hasShader(std::string_view name) {
 }
 
 void useShadersOf(const std::filesystem::path& path) {
-  if (!path.empty() && !std::filesystem::is_directory(path))
+  std::error_code ignored;
+  if (!path.empty() && !std::filesystem::is_directory(path, ignored))
     badInput("There is no folder {} of shaders", path.string());
   Folder& f = folder();
   const std::scoped_lock lock(f.mutex);
@@ -120,7 +121,7 @@ std::vector<std::filesystem::path> shaderFiles() {
   std::vector<std::filesystem::path> files;
   if (f.path.empty()) return files;
   for (const std::string_view name : shaderNames())
-    if (const auto file = f.path / (std::string(name) + ".spv"); std::filesystem::exists(file)) files.push_back(file);
+    if (const auto file = f.path / (std::string(name) + ".spv"); isThere(file)) files.push_back(file);
   return files;
 }
 

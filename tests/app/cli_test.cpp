@@ -38,7 +38,7 @@ TEST(CommandLine, HelpNamesEveryOption) {
       {"bench", {"raster", "frame", "views", "lights", "shade"}},
       {"batch",
        {"JOB", "--scenes", "--output", "-o", "--exposure", "--resume", "--shard", "verify", "merge", "status"}},
-      {"compare", {"A", "B", "--tolerance", "--share", "--channel", "--diff", "--json"}}};
+      {"compare", {"A", "B", "--tolerance", "--share", "--flip", "--ppd", "--channel", "--diff", "--json"}}};
   const std::string all = succeed({"--help"}).out;
   EXPECT_THAT(all, HasSubstr("--version"));
   EXPECT_THAT(all, HasSubstr("--quiet"));

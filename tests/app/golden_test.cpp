@@ -60,7 +60,8 @@ void expectLike(const Golden& golden, const fs::path& rendered) {
   const output::CompareOptions options{.tolerance = kTolerance};
   const output::Comparison comparison = output::compare(expected, actual, options);
   if (comparison.share() <= kShare) return;
-  keepForTheEye(golden, rendered, output::differencePicture(expected, actual, options));
+  const std::vector<double> excesses = output::excesses(expected, actual, options);
+  keepForTheEye(golden, rendered, output::differencePicture(expected.width, expected.height, excesses));
   ADD_FAILURE() << golden.name << ": " << comparison.share() * 100 << " % of the pixels are beyond " << kTolerance
                 << ", at most " << comparison.maximum << " in " << comparison.worstChannel << " at "
                 << comparison.worstX << "," << comparison.worstY << "; see " << (failures() / golden.name).string()

@@ -437,8 +437,8 @@ TEST_F(Outputs, CompareExitsByLikeness) {
   EXPECT_EQ(apart.err, "");
   const json report = json::parse(apart.out);
   EXPECT_EQ(report["alike"], false);
-  EXPECT_EQ(report["pixels"], kWidth * kHeight);
-  EXPECT_GT(report["share"].get<double>(), 0.5);
+  EXPECT_EQ(report["outputs"]["color"]["pixels"], kWidth * kHeight);
+  EXPECT_GT(report["outputs"]["color"]["share"].get<double>(), 0.5);
   EXPECT_EQ(read("difference.png").width, kWidth);
   EXPECT_EQ(compare({"a.png", "brighter.png", "--tolerance", "1"}).code, 0);
 }

@@ -34,6 +34,41 @@ TEST(Sequences, FramesAreNumberedAndTheirFoldersMade) {
   EXPECT_NE(folder.read("new/turn/0003.exr"), folder.read("new/turn/0004.exr")) << "the camera turns";
 }
 
+// The ids mean the same in all frames: a file beside them says what, once. A single image's side file has it itself.
+TEST(Sequences, FramesShareTheirIdManifest) {
+  Folder folder;
+  const Outcome outcome =
+      render(folder, {"--frames", "0-2", "--turn", "60", "-o", "s/out.{frame}.exr", "--aov", "depth,id", "--json"});
+  ASSERT_EQ(outcome.code, 0) << outcome.text();
+  EXPECT_THAT(folder.names(), ElementsAre("s/", "s/out.0000.exr", "s/out.0000.json", "s/out.0001.exr",
+                                          "s/out.0001.json", "s/out.0002.exr", "s/out.0002.json", "s/out.ids.json"));
+  EXPECT_THAT(outcome.out, HasSubstr("out.ids.json"));
+  ASSERT_EQ(render(folder, {"-o", "one.exr", "--aov", "depth,id"}).code, 0);
+  const auto single = nlohmann::json::parse(folder.read("one.json"));
+  const auto shared = nlohmann::json::parse(folder.read("s/out.ids.json"));
+  EXPECT_FALSE(single.contains("idManifest"));
+  EXPECT_EQ(shared["ids"], single["ids"]);
+  EXPECT_EQ(shared["materials"], single["materials"]);
+  for (const char* frame : {"s/out.0000.json", "s/out.0001.json", "s/out.0002.json"}) {
+    const auto side = nlohmann::json::parse(folder.read(frame));
+    EXPECT_EQ(side["idManifest"], "out.ids.json") << "relative to the side file";
+    EXPECT_FALSE(side.contains("ids")) << frame;
+    EXPECT_FALSE(side.contains("materials")) << frame;
+  }
+  // Every id that a frame shows is there.
+  const output::ReadImage image = output::readImage(folder.path() / "s/out.0002.exr");
+  for (const double id : image.find("id")->values)
+    if (id != 0) ASSERT_TRUE(shared["ids"].contains(std::to_string(static_cast<uint32_t>(id)))) << id;
+}
+
+TEST(Sequences, NothingIsSharedWhereThereAreNoIds) {
+  Folder folder;
+  ASSERT_EQ(render(folder, {"--frames", "0-1", "-o", "{frame}.npy", "--aov", "depth"}).code, 0);
+  EXPECT_THAT(folder.names(), ElementsAre("0000.json", "0000.npy", "0001.json", "0001.npy"));
+  ASSERT_EQ(render(folder, {"--frames", "0-1", "-o", "{frame}.npy", "--aov", "id", "--no-side-file"}).code, 0);
+  EXPECT_THAT(folder.names(), ElementsAre("0000.json", "0000.npy", "0001.json", "0001.npy"));
+}
+
 TEST(Sequences, NumbersAreAsWideAsTheLast) {
   Folder folder;
   EXPECT_EQ(render(folder, {"--frames", "99999-100000", "-o", "{frame}.png"}).code, 0);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -133,6 +134,38 @@ TEST(Signals, EndABatchBetweenFrames) {
     const std::string said = verify.out.substr(verify.out.find("of ") + 3);
     EXPECT_EQ(std::to_string(filesOf(folder, "set").size()) + " frames are as they were written\n", said);
   }
+}
+
+// Ends a job by a signal after a while; how long it then took, in seconds.
+double secondsAfter(int signal, app::Command command, Outcome& outcome) {
+  const auto start = std::chrono::steady_clock::now();
+  command.timeout = std::chrono::milliseconds(2000);
+  command.lastSignal = signal;
+  outcome = latelight(command);
+  EXPECT_TRUE(outcome.timedOut) << "it ended before the signal: " << outcome.text();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() - 2;
+}
+
+// 10,000 objects with 100,000 tries each, of which few find a place.
+TEST(Signals, EndABatchWhileItScatters) {
+  Folder folder;
+  folder.write("job.json", std::string_view(R"({"scenes": "builtin:boxes", "output": "set", "variations": [
+    {"type": "scatter", "objects": [{"node": "matte"}], "count": 10000, "on": "floor", "tries": 100000, "scale": 0.5}]})"));
+  Outcome outcome;
+  EXPECT_LT(secondsAfter(SIGTERM, batch(folder, {"job.json"}), outcome), 1.5);
+  EXPECT_EQ(outcome.code, 6) << outcome.text();
+  EXPECT_THAT(outcome.err, HasSubstr("stopped by SIGTERM with 0 of 1 frames"));
+}
+
+// Many places in a hall, each tested against all that stands there, take minutes.
+TEST(Signals, EndABatchWhileCamerasAreSought) {
+  Folder folder;
+  folder.write("job.json", std::string_view(R"({"scenes": "builtin:hall", "output": "set", "cameras":
+    {"type": "box", "count": 300000, "clearance": 0.2}})"));
+  Outcome outcome;
+  EXPECT_LT(secondsAfter(SIGINT, batch(folder, {"job.json"}), outcome), 1.5);
+  EXPECT_EQ(outcome.code, 6) << outcome.text();
+  EXPECT_THAT(outcome.err, HasSubstr("stopped by SIGINT before the first frame of 'set' was begun"));
 }
 
 }  // namespace

@@ -1,11 +1,15 @@
 // Jobs as files and as options: what they say, and what is said of wrong ones.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <latelight/latelight.h>
 
+#include <chrono>
+#include <functional>
 #include <nlohmann/json.hpp>
 
 #include "app/folder.h"
 #include "base/error.h"
+#include "base/memory.h"
 #include "data/batch/job.h"
 #include "data/batch/schema.h"
 #include "render/options.h"
@@ -95,7 +99,9 @@ TEST(Job, WrongOnesAreToldByKeyAndLine) {
       {"name: \"\"\n", "job.yaml:3: name is empty"},
       {"repeat: 2\nrepeat: 3\n", "job.yaml:4: the key repeat is there twice"},
       {"options: {exposure: 1\n", "it is not YAML"},
-      {"a: &a [*a, *a]\n", "job.yaml:"},
+      {"a: &a [*a, *a]\n", "job.yaml:3: an alias stands within what it names"},
+      {"? [a]\n: b\n", "job.yaml:3: a key is a text"},
+      {"---\nscenes: builtin:hall\n", "job.yaml:3: a second document begins"},
   };
   for (const auto& [text, sentence] : yaml) EXPECT_THAT(wrongIn("job.yaml", start + text), HasSubstr(sentence)) << text;
   EXPECT_THAT(wrongIn("job.yaml", "output: set\n"), HasSubstr("the key \"scenes\" is missing"));
@@ -106,8 +112,83 @@ TEST(Job, WrongOnesAreToldByKeyAndLine) {
   EXPECT_THAT(wrongIn("job.yaml", "scenes: [builtin:boxes,\n no.glb]\noutput: set\n"),
               HasSubstr("job.yaml:2: scenes[1]: there is no file \"no.glb\""));
   EXPECT_THAT(wrongIn("job.yaml", "- a\n"), HasSubstr("a job is an object"));
-  EXPECT_THAT(wrongIn("job.yaml", ""), HasSubstr("a job is an object"));
+  EXPECT_EQ(wrongIn("job.yaml", ""), "job.yaml: a job is an object of keys and values");
+  EXPECT_THAT(wrongIn("job.json", ""), HasSubstr("job.json:1: it is not JSON"));
   EXPECT_THAT(wrongIn("job.txt", ""), HasSubstr("does not end in a language"));
+}
+
+// An end of a document without another, and empty ones after it, are no second document.
+TEST(Job, OneDocumentMayEnd) {
+  for (const char* end : {"...\n", "---\n", "# the end\n"})
+    EXPECT_EQ(wrongIn("job.yaml", std::string("---\nscenes: builtin:boxes\noutput: set\n") + end), "") << end;
+}
+
+// Whole numbers of 64 bits are repeated as they are written, on both sides of 2^63.
+TEST(Job, LargeNumbersAreRepeatedAsTheyAre) {
+  const std::string start = "scenes: builtin:boxes\noutput: set\n";
+  for (const char* number : {"9223372036854775807", "9223372036854775808", "18446744073709551615"}) {
+    EXPECT_THAT(wrongIn("job.yaml", start + "repeat: " + number + "\n"), HasSubstr(std::string("not ") + number));
+    EXPECT_THAT(wrongIn("job.yaml", start + "id-depth: " + number + "\n"), HasSubstr(std::string("not ") + number));
+    EXPECT_THAT(
+        wrongIn("job.json", std::string(R"({"scenes": "builtin:boxes", "output": "set", "repeat": )") + number + "}"),
+        HasSubstr(std::string("not ") + number));
+  }
+}
+
+double secondsOf(const std::function<void()>& call) {
+  const auto start = std::chrono::steady_clock::now();
+  call();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+// Nine levels of nine aliases would be 9^9 texts.
+TEST(Job, AliasesDoNotMultiplyWithoutABound) {
+  std::string laughs = "a0: &a0 [lol, lol, lol, lol, lol, lol, lol, lol, lol]\n";
+  for (int level = 1; level < 9; ++level) {
+    const std::string below = "*a" + std::to_string(level - 1);
+    laughs += fmt::format("a{}: &a{} [{}", level, level, below);
+    for (int i = 1; i < 9; ++i) laughs += ", " + below;
+    laughs += "]\n";
+  }
+  EXPECT_LT(secondsOf([&] { EXPECT_THAT(wrongIn("job.yaml", laughs), HasSubstr("its aliases repeat too much")); }), 1);
+  // Few copies are fine.
+  Folder folder;
+  folder.write("job.yaml", std::string_view("k: &k [1, [2, 3]]\nl: [*k, *k]\nm: *k\n"));
+  EXPECT_EQ(readJobFile(folder.at("job.yaml")).json.dump(),
+            R"({"k":[1,[2,3]],"l":[[1,[2,3]],[1,[2,3]]],"m":[1,[2,3]]})");
+}
+
+// Each key was compared with all before it: 200,000 of them took minutes.
+TEST(Job, ManyKeysTakeLinearTime) {
+  std::string yaml, json = "{";
+  for (int i = 0; i < 200'000; ++i) {
+    yaml += fmt::format("key{}: 1\n", i);
+    json += fmt::format("{}\"key{}\": 1", i ? "," : "", i);
+  }
+  EXPECT_LT(secondsOf([&] { EXPECT_THAT(wrongIn("job.yaml", yaml), HasSubstr("key0: there is no such key")); }), 5);
+  EXPECT_LT(secondsOf([&] { EXPECT_THAT(wrongIn("job.json", json + "}"), HasSubstr("key0: there is no such key")); }),
+            5);
+  EXPECT_THAT(wrongIn("job.json", json + ",\n\"key7\": 2}"), HasSubstr("job.json:2: the key key7 is there twice"));
+}
+
+// A job that says of itself that it needs more memory than there is.
+TEST(Job, MemoryIsClaimedBeforeItIsTaken) {
+  Folder folder;
+  std::string many = R"({"scenes": "builtin:boxes", "output": "set", "variations": [)";
+  for (int i = 0; i < 400'000; ++i) many += i ? ",{}" : "{}";
+  folder.write("job.json", many + "]}");
+  const uint64_t before = memoryLimit();
+  setMemoryLimit(16 << 20);
+  std::string sentence;
+  try {
+    readJobFile(folder.at("job.json"));
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::DeviceLost);
+    sentence = error.what();
+  }
+  setMemoryLimit(before);
+  EXPECT_THAT(sentence, HasSubstr("there is no memory for the job '"));
+  EXPECT_NO_THROW(readJobFile(folder.at("job.json")));
 }
 
 TEST(Job, WrongJsonIsToldByItsLine) {
@@ -116,7 +197,8 @@ TEST(Job, WrongJsonIsToldByItsLine) {
   EXPECT_THAT(wrongIn("job.json", "{\"scenes\": \"builtin:boxes\",\n\"output\": set}"),
               HasSubstr("job.json:2: it is not JSON"));
   EXPECT_THAT(wrongIn("job.json", "{\"scenes\": "), HasSubstr("job.json:1: it is not JSON"));
-  EXPECT_THAT(wrongIn("job.json", std::string(100'000, '[')), HasSubstr("nested too deeply"));
+  EXPECT_THAT(wrongIn("job.json", std::string(100'000, '[')),
+              HasSubstr("job.json:1: it is nested deeper than 64 levels"));
   EXPECT_THAT(wrongIn("job.yaml", std::string(100'000, '[')), HasSubstr("job.yaml"));
 }
 

@@ -17,11 +17,11 @@ using testing::HasSubstr;
 using Variables = std::map<std::string, std::string>;
 
 std::string chosen(const std::string& text, const Variables& variables = {}) try {
-  const Shard shard = chooseShard(text, [&](const char* name) {
+  const ChosenShard part = chooseShard(text, [&](const char* name) {
     const auto found = variables.find(name);
     return found == variables.end() ? std::nullopt : std::optional(found->second);
   });
-  return shard.name();
+  return part.by.empty() ? part.shard.name() : part.shard.name() + " by " + part.by;
 } catch (const Error& error) {
   return error.what();
 }
@@ -40,24 +40,47 @@ TEST(Shard, EveryFrameIsInOne) {
     }
 }
 
+const Variables kArray{{"SLURM_ARRAY_TASK_ID", "12"},
+                       {"SLURM_ARRAY_TASK_MIN", "10"},
+                       {"SLURM_ARRAY_TASK_MAX", "13"},
+                       {"SLURM_ARRAY_TASK_COUNT", "4"}};
+const Variables kStep{
+    {"SLURM_STEP_ID", "0"}, {"SLURM_PROCID", "1"}, {"SLURM_NTASKS", "2"}, {"SLURM_STEP_NUM_TASKS", "2"}};
+const Variables kOpenMpi{{"OMPI_COMM_WORLD_RANK", "3"}, {"OMPI_COMM_WORLD_SIZE", "4"}};
+
+Variables together(Variables a, const Variables& b) {
+  a.insert(b.begin(), b.end());
+  return a;
+}
+
 TEST(Shard, IsReadFromWhatStartedTheProcess) {
   EXPECT_EQ(chosen(""), "0-of-1");
   EXPECT_EQ(chosen("2/8"), "2-of-8");
-  EXPECT_EQ(
-      chosen("", {{"SLURM_ARRAY_TASK_ID", "12"}, {"SLURM_ARRAY_TASK_MIN", "10"}, {"SLURM_ARRAY_TASK_COUNT", "4"}}),
-      "2-of-4");
-  EXPECT_EQ(chosen("", {{"SLURM_PROCID", "1"}, {"SLURM_NTASKS", "2"}}), "1-of-2");
-  EXPECT_EQ(chosen("", {{"SLURM_ARRAY_TASK_ID", "12"},
-                        {"SLURM_ARRAY_TASK_MIN", "10"},
-                        {"SLURM_ARRAY_TASK_MAX", "13"},
-                        {"SLURM_ARRAY_TASK_COUNT", "4"},
-                        {"SLURM_PROCID", "1"},
-                        {"SLURM_NTASKS", "2"}}),
-            "5-of-8");
-  EXPECT_EQ(chosen("", {{"OMPI_COMM_WORLD_RANK", "3"}, {"OMPI_COMM_WORLD_SIZE", "4"}}), "3-of-4");
-  EXPECT_EQ(chosen("", {{"PMI_RANK", "0"}, {"PMI_SIZE", "4"}}), "0-of-4");
-  EXPECT_EQ(chosen("/8", {{"JOB_COMPLETION_INDEX", "7"}}), "7-of-8");
+  EXPECT_EQ(chosen("", kArray), "2-of-4 by SLURM_ARRAY_TASK_ID, _MIN and _COUNT");
+  EXPECT_EQ(chosen("", kStep), "1-of-2 by SLURM_PROCID and SLURM_STEP_NUM_TASKS");
+  EXPECT_EQ(chosen("", {{"SLURM_STEP_ID", "3"}, {"SLURM_PROCID", "1"}, {"SLURM_NTASKS", "2"}}),
+            "1-of-2 by SLURM_PROCID and SLURM_NTASKS");
+  EXPECT_EQ(chosen("", together(kArray, kStep)),
+            "5-of-8 by SLURM_ARRAY_TASK_ID, _MIN and _COUNT with SLURM_PROCID and SLURM_STEP_NUM_TASKS");
+  EXPECT_EQ(chosen("", kOpenMpi), "3-of-4 by OMPI_COMM_WORLD_RANK and OMPI_COMM_WORLD_SIZE");
+  EXPECT_EQ(chosen("", {{"PMI_RANK", "0"}, {"PMI_SIZE", "4"}}), "0-of-4 by PMI_RANK and PMI_SIZE");
+  EXPECT_EQ(chosen("/8", {{"JOB_COMPLETION_INDEX", "7"}}), "7-of-8 by JOB_COMPLETION_INDEX");
   EXPECT_EQ(chosen("0/2", {{"PMI_RANK", "3"}, {"PMI_SIZE", "4"}}), "0-of-2") << "what is given counts";
+}
+
+// sbatch sets the rank 0 and the number of tasks for the script itself, which is one process.
+TEST(Shard, ABatchScriptIsNoPart) {
+  const Variables script{{"SLURM_JOB_ID", "7"}, {"SLURM_PROCID", "0"}, {"SLURM_NTASKS", "4"}, {"SLURM_NPROCS", "4"}};
+  EXPECT_EQ(chosen("", script), "0-of-1");
+  EXPECT_EQ(chosen("", together(script, {{"SLURM_STEP_ID", "4294967291"}})), "0-of-1") << "the batch step's number";
+  EXPECT_EQ(chosen("", together(script, {{"SLURM_STEP_ID", "4294967290"}})), "0-of-1") << "an interactive step's";
+  EXPECT_EQ(chosen("", together(kArray, script)), "2-of-4 by SLURM_ARRAY_TASK_ID, _MIN and _COUNT");
+}
+
+// mpirun starts its daemons as a step, one a node, and they start the processes.
+TEST(Shard, MpirunWithinAStepCountsItsOwnProcesses) {
+  EXPECT_EQ(chosen("", together(kStep, kOpenMpi)), "3-of-4 by OMPI_COMM_WORLD_RANK and OMPI_COMM_WORLD_SIZE");
+  EXPECT_THAT(chosen("", together(kArray, kOpenMpi)), testing::StartsWith("11-of-16 by SLURM_ARRAY_TASK_ID"));
 }
 
 TEST(Shard, RefusesWhatIsNone) {
@@ -103,6 +126,21 @@ TEST(Shards, HoweverItIsSplitTheSetIsTheSame) {
     });
     expectSame(filesOf(folder, set), filesOf(folder, "whole"));
   }
+}
+
+TEST(Shards, APartByTheEnvironmentIsSaid) {
+  PartsFolder folder;
+  const auto run = [&](const std::string& set, const std::map<std::string, std::string>& variables) {
+    app::Command command = parts(folder, set, {"--dry-run"});
+    command.environment = variables;
+    return latelight(command);
+  };
+  const Outcome step = run("a", kStep);
+  EXPECT_THAT(step.err, HasSubstr("part 1/2 of the frames, chosen by SLURM_PROCID and SLURM_STEP_NUM_TASKS"));
+  EXPECT_THAT(step.out, HasSubstr("11 frames would be rendered"));
+  const Outcome script = run("b", {{"SLURM_PROCID", "0"}, {"SLURM_NTASKS", "4"}});
+  EXPECT_EQ(script.err, "");
+  EXPECT_THAT(script.out, HasSubstr("22 frames would be rendered"));
 }
 
 TEST(Shards, SomeAreMergedOnceOthersAreThere) {

@@ -115,10 +115,10 @@ TEST(HostileTest, SaysWhere) {
   EXPECT_THAT(reads(unknown, images), testing::HasSubstr("byte 8 of"));
   folder.write("t.json", "{\"frames\": [\n\n{\"a\": }]}");
   EXPECT_THAT(sentenceOf([&] { readTransforms(folder.at("t.json")); }, ExitCode::BadInput),
-              testing::HasSubstr("line 3 is broken"));
+              testing::HasSubstr("t.json:3: it is not JSON"));
   folder.write("t.json", std::string(100000, '['));
   EXPECT_THAT(sentenceOf([&] { readTransforms(folder.at("t.json")); }, ExitCode::BadInput),
-              testing::HasSubstr("nested deeper"));
+              testing::HasSubstr("t.json:1: it is nested deeper than 64 levels"));
 }
 
 }  // namespace

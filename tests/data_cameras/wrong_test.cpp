@@ -1,4 +1,11 @@
 // Wrong jobs: each ends with one sentence that names the key.
+#include <fmt/format.h>
+#include <latelight/latelight.h>
+
+#include <chrono>
+
+#include "base/memory.h"
+#include "data/cameras/tum.h"
 #include "data_cameras/support.h"
 
 namespace latelight::data::test {
@@ -96,6 +103,61 @@ TEST(EmptySceneTest, SaysThatThereIsNothing) {
               testing::HasSubstr("has no cameras of its own"));
   EXPECT_EQ(
       made(R"({"type": "box", "count": 3, "min": [0, 0, 0], "max": [1, 1, 1], "target": "random"})", empty).size(), 3u);
+}
+
+// Pairs and rigs multiply, and sources add up: what they come to is known before any camera is made.
+TEST(CameraBounds, TooManyCamerasAreRefusedAtOnce) {
+  const auto pairs = [](int count) {
+    std::string spec = R"({"type": "orbit", "count": 1})";
+    for (int i = 0; i < count; ++i) spec = R"({"type": "stereo", "baseline": 1, "cameras": )" + spec + "}";
+    return spec;
+  };
+  std::string rig = R"({"type": "orbit", "count": 10000})";
+  for (const char* stem : {"a", "b"}) {
+    std::string members;
+    for (int i = 0; i < 100; ++i)
+      members += fmt::format(R"({}{{"name": "{}{}", "translation": [0, 0, 0]}})", i ? "," : "", stem, i);
+    rig = R"({"type": "rig", "offsets": [)" + members + R"(], "cameras": )" + rig + "}";
+  }
+  std::string sources = "[";
+  for (int i = 0; i < 50; ++i) sources += std::string(i ? "," : "") + R"({"type": "orbit", "count": 1000000})";
+  const auto start = std::chrono::steady_clock::now();
+  for (const std::string& spec : {pairs(30), pairs(60), rig, sources + "]"})
+    EXPECT_THAT(sentenceOf([&] { made(spec); }, ExitCode::Usage), testing::HasSubstr("more than 10000000"));
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(1));
+  EXPECT_EQ(made(pairs(10)).size(), 1024u);
+}
+
+// They are claimed from --memory, the names that members add too.
+TEST(CameraBounds, CamerasAreClaimedBeforeTheyAreMade) {
+  const uint64_t before = memoryLimit();
+  setMemoryLimit(64 << 20);
+  const std::string many = sentenceOf([] { made(R"({"type": "orbit", "count": 1000000})"); }, ExitCode::DeviceLost);
+  const std::string named = sentenceOf(
+      [] {
+        made(R"({"type": "rig", "cameras": {"type": "orbit", "count": 2000}, "offsets": [{"name": ")" +
+             std::string(100'000, 'n') + R"(", "translation": [0, 0, 0]}]})");
+      },
+      ExitCode::DeviceLost);
+  const size_t few = made(R"({"type": "orbit", "count": 1000})").size();
+  setMemoryLimit(before);
+  EXPECT_THAT(many, testing::HasSubstr("there is no memory for the"));
+  EXPECT_THAT(named, testing::HasSubstr("there is no memory for the"));
+  EXPECT_EQ(few, 1000u);
+}
+
+// A file says less of a camera than it takes: 16 bytes a line here, and some 400 for each camera.
+TEST(CameraBounds, CamerasOfFilesAreClaimed) {
+  const Folder folder;
+  std::string lines;
+  for (int i = 0; i < 200'000; ++i) lines += "0 0 0 0 0 0 0 1\n";
+  folder.write("t.txt", lines);
+  const uint64_t before = memoryLimit();
+  setMemoryLimit(32 << 20);
+  const std::string sentence = sentenceOf([&] { readTum(folder.at("t.txt")); }, ExitCode::DeviceLost);
+  setMemoryLimit(before);
+  EXPECT_THAT(sentence, testing::HasSubstr("there is no memory for the cameras of a file"));
+  EXPECT_EQ(readTum(folder.at("t.txt")).size(), 200'000u);
 }
 
 }  // namespace

@@ -1,4 +1,10 @@
 // COCO's annotations by hand; pycocotools reads a whole set in read_set.py.
+#include <gmock/gmock.h>
+
+#include <chrono>
+
+#include "base/error.h"
+#include "data/formats/path_rules.h"
 #include "data_formats/support.h"
 
 namespace latelight::data::test {
@@ -53,6 +59,47 @@ TEST_F(CocoTest, CategoriesOfAMapping) {
   ASSERT_EQ(set["annotations"].size(), 4u);  // "cut" is none of them
   for (const Json& annotation : set["annotations"])
     EXPECT_EQ(annotation["category_id"], annotation["node"] == "/squares/front" ? 2 : 3);
+}
+
+std::string saidOf(const Json& categories) try {
+  make("coco", {{"categories", categories}});
+  return "";
+} catch (const Error& error) {
+  EXPECT_EQ(error.code(), ExitCode::Usage);
+  return error.what();
+}
+
+// Names come from scene files of any origin: a matcher that steps back takes time without end for one of these, and one
+// that calls itself ends by a signal.
+TEST_F(CocoTest, NoNameIsTooMuchForAnExpression) {
+  const auto start = std::chrono::steady_clock::now();
+  for (const char* expression : {"/.*wheel", "(a|b)*c", "(a+)+$x", "a*a*a*b", "(a*)*b"}) {
+    PathRules rules;
+    rules.add(expression, "categories");
+    EXPECT_FALSE(rules.find(std::string(1'000'000, 'a'))) << expression;
+  }
+  PathRules rules;
+  rules.add("^/.*wheel$", "categories");
+  rules.add("a", "categories");
+  EXPECT_EQ(rules.find("/" + std::string(1'000'000, 'a') + "wheel"), 0u);
+  EXPECT_EQ(rules.find("/" + std::string(1'000'000, 'a')), 1u);
+  EXPECT_EQ(rules.find("/\xff\xfe"), std::nullopt) << "names need not be UTF-8";
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(5));
+}
+
+TEST_F(CocoTest, RefusesExpressionsInOneSentence) {
+  for (const std::string& wrong : {std::string("("), std::string("a{2000}"), std::string("(?=a)"),
+                                   std::string("(a)\\1"), std::string(5'000, '(') + std::string(4'000, ')')}) {
+    const std::string said = saidOf({{wrong, "w"}});
+    EXPECT_THAT(said, testing::HasSubstr("categories of the format coco has \"" + wrong.substr(0, 100)));
+    EXPECT_THAT(said, testing::HasSubstr("no regular expression in RE2's syntax"));
+    EXPECT_LT(said.size(), 1000u);
+  }
+  // Nesting takes no stack, and what is accepted is bounded.
+  EXPECT_EQ(saidOf({{std::string(5'000, '(') + std::string(5'000, ')'), "w"}}), "");
+  EXPECT_THAT(saidOf({{std::string(16'000, '(') + std::string(16'000, ')'), "w"}}),
+              testing::HasSubstr("which is longer than 10000 bytes"));
+  EXPECT_EQ(saidOf({{"/Car/.*[Ww]heel", "wheel"}, {"^/Car", "car"}, {R"(\d+$)", "number"}}), "");
 }
 
 TEST_F(CocoTest, CategoriesOfMeshesAndMaterials) {

@@ -40,7 +40,7 @@ DataFrame Studio::frame(const scene::Camera& camera, uint32_t width, uint32_t he
   DataFrame frame{.index = index, .name = fmt::format("{:06}", index)};
   if (settings.display || !settings.aovs.empty())
     frame.picture = std::move(renderer_.render({&camera, 1}, settings, moment).front());
-  renderExtras(renderer_, scene_, camera, settings, moment, extras, frame);
+  renderExtras(renderer_, scene_, camera, settings, moment, extras, geometry_, frame);
   frame.picture.width = width;
   frame.picture.height = height;
   frame.metadata.scene = "test";

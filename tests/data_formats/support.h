@@ -28,6 +28,7 @@ class Studio {
   const scene::Scene& scene_;
   render::Raster raster_;
   render::Renderer renderer_;
+  GeometryHashes geometry_;
 };
 
 // Squares that face a camera at +Z, of glTF's frame: "back" is [-1, 1]^2 at z = 0; "front", half as large, stands at

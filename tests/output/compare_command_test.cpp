@@ -2,6 +2,8 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands.h"
+#include "base/files.h"
+#include "output/exr.h"
 #include "output/npy.h"
 #include "support.h"
 
@@ -62,11 +64,50 @@ TEST_F(CompareCommand, PrintsJson) {
   EXPECT_EQ(run({at("a.png"), at("b.png"), "--json"}), 1);
   const auto json = nlohmann::json::parse(printed);
   EXPECT_EQ(json["alike"], false);
-  EXPECT_NEAR(json["maximum"].get<double>(), 20 / 255.0, 1e-12);
-  EXPECT_EQ(json["share"], 0.5);
-  EXPECT_EQ(json["worst"]["x"], 1);
+  const auto color = json["outputs"]["color"];
+  EXPECT_NEAR(color["maximum"].get<double>(), 20 / 255.0, 1e-12);
+  EXPECT_EQ(color["share"], 0.5);
+  EXPECT_EQ(color["worst"]["x"], 1);
+  EXPECT_EQ(color["worst"]["channel"], "R");
+  EXPECT_GT(color["flip"].get<double>(), 0);
   run({at("a.png"), at("a.png"), "--json"});
-  EXPECT_EQ(nlohmann::json::parse(printed)["psnr"], "inf");
+  EXPECT_EQ(nlohmann::json::parse(printed)["outputs"]["color"]["psnr"], "inf");
+  EXPECT_EQ(nlohmann::json::parse(printed)["outputs"]["color"]["flip"], 0);
+}
+
+// Depth of 2 and 2.02 m, and ids of which one of two differs: one maximum over both says nothing.
+TEST_F(CompareCommand, MeasuresEachOutput) {
+  const auto write = [&](const char* name, float depth, uint32_t id) {
+    AovImage z = makeAovImage(Aov::Depth, 2, 1), ids = makeAovImage(Aov::Id, 2, 1);
+    z.values = {2, depth};
+    ids.ids = {4000000000u, id};
+    const AovImage* images[] = {&z, &ids};
+    writeFile(at(name), encodeExr(images, {}));
+  };
+  write("a.exr", 2, 7);
+  write("b.exr", 2.02f, 4000000000u);
+  EXPECT_EQ(run({at("a.exr"), at("b.exr")}), 1);
+  EXPECT_THAT(printed, HasSubstr("depth  relative error: maximum 0.0099"));
+  EXPECT_THAT(printed, HasSubstr("id     different in 50 % of the pixels (1 of 2)"));
+  EXPECT_EQ(run({at("a.exr"), at("b.exr"), "--json"}), 1);
+  const auto outputs = nlohmann::json::parse(printed)["outputs"];
+  EXPECT_EQ(outputs["depth"]["measure"], "relative");
+  EXPECT_EQ(outputs["id"]["measure"], "identity");
+  EXPECT_EQ(outputs["id"]["share"], 0.5);
+  EXPECT_EQ(run({at("a.exr"), at("b.exr"), "--tolerance", "depth=0.01"}), 1) << "the ids differ";
+  EXPECT_EQ(run({at("a.exr"), at("b.exr"), "--tolerance", "depth=0.01,id=1"}), 0);
+  EXPECT_EQ(run({at("a.exr"), at("b.exr"), "--tolerance", "1", "--share", "0.5"}), 0);
+  EXPECT_EQ(run({at("a.exr"), at("b.exr"), "--channel", "Z", "--tolerance", "0.01"}), 0);
+  EXPECT_EQ(run({at("a.exr"), at("b.exr"), "--tolerance", "normal=1"}), 2) << "the files have none";
+  EXPECT_EQ(run({at("a.exr"), at("b.exr"), "--tolerance", "depth="}), 2);
+}
+
+// Colors by what a person sees of the difference.
+TEST_F(CompareCommand, JudgesByFlip) {
+  run({at("a.png"), at("b.png"), "--json"});
+  const double flip = nlohmann::json::parse(printed)["outputs"]["color"]["flip"];
+  EXPECT_EQ(run({at("a.png"), at("b.png"), "--flip", fmt::format("{}", flip * 1.01)}), 0);
+  EXPECT_EQ(run({at("a.png"), at("b.png"), "--flip", fmt::format("{}", flip * 0.99)}), 1);
 }
 
 TEST_F(CompareCommand, EndsWithBadInputOrUsage) {

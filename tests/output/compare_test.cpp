@@ -140,8 +140,9 @@ TEST(Compare, RefusesDifferentSizes) {
 TEST(DifferencePicture, IsGreyWithinTheToleranceAndColouredBeyond) {
   CompareOptions options;
   options.tolerance = 0.1;
-  const Picture p = differencePicture(picture(ChannelType::Unorm8, {0, 0, 0, 0, 0}),
-                                      picture(ChannelType::Unorm8, {0, 0.05, 0.1, 0.11, 1}), options);
+  const std::vector<double> differences = excesses(picture(ChannelType::Unorm8, {0, 0, 0, 0, 0}),
+                                                   picture(ChannelType::Unorm8, {0, 0.05, 0.1, 0.11, 1}), options);
+  const Picture p = differencePicture(5, 1, differences);
   const auto pixel = [&](size_t i) { return std::vector<int>(p.rgba.begin() + 4 * i, p.rgba.begin() + 4 * i + 4); };
   EXPECT_EQ(pixel(0), (std::vector<int>{0, 0, 0, 255}));
   EXPECT_EQ(pixel(1), (std::vector<int>{64, 64, 64, 255}));
@@ -150,7 +151,8 @@ TEST(DifferencePicture, IsGreyWithinTheToleranceAndColouredBeyond) {
   EXPECT_GT(pixel(3)[1], 200);
   EXPECT_EQ(pixel(3)[2], 0);
   EXPECT_LT(pixel(4)[1], pixel(3)[1]);
-  const Picture unlike = differencePicture(picture(ChannelType::Float, {1}), picture(ChannelType::Float, {kInf}));
+  const Picture unlike =
+      differencePicture(1, 1, excesses(picture(ChannelType::Float, {1}), picture(ChannelType::Float, {kInf})));
   EXPECT_EQ(unlike.rgba, (std::vector<uint8_t>{255, 0, 0, 255}));
 }
 

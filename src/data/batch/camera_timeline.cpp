@@ -12,11 +12,11 @@ namespace latelight::data {
 CameraTimeline::CameraTimeline(const Job& job, const scene::Scene& scene) : job_(job), scene_(scene) {
   const render::Settings& s = job.settings;
   if (s.time) playback_ = scene::choosePlayback(scene, s.animation, s.loop);
-  const auto camerasAt = [&](std::optional<double> time) {
+  const auto camerasAt = [&](std::optional<double> time, MemoryClaim& memory) {
     CameraInputs inputs;
     if (job.given.contains("size")) inputs.size = {s.width, s.height};
     if (time) inputs.pose = scene::poseAt(scene, playback_, *time);
-    std::vector<JobCamera> cameras = makeCameras(job.cameras, scene, job.seed, inputs);
+    std::vector<JobCamera> cameras = makeCameras(job.cameras, scene, job.seed, inputs, &memory);
     for (JobCamera& camera : cameras) {
       if (camera.width == 0) camera.width = s.width;
       if (camera.height == 0) camera.height = s.height;
@@ -24,10 +24,10 @@ CameraTimeline::CameraTimeline(const Job& job, const scene::Scene& scene) : job_
     }
     return cameras;
   };
-  cameras_ = camerasAt(s.time);
+  cameras_ = camerasAt(s.time, memory_[0]);
   if (!s.time || scene.rig.empty() || std::ranges::none_of(cameras_, &JobCamera::followsScene)) return;
-  earlier_ = camerasAt(*s.time - 1 / s.framesPerSecond);
-  later_ = camerasAt(*s.time + 1 / s.framesPerSecond);
+  earlier_ = camerasAt(*s.time - 1 / s.framesPerSecond, memory_[1]);
+  later_ = camerasAt(*s.time + 1 / s.framesPerSecond, memory_[2]);
 }
 
 std::optional<double> CameraTimeline::time(size_t i) const {

@@ -8,9 +8,11 @@
 #pragma once
 
 #include <cstdint>
+#include <array>
 #include <optional>
 #include <vector>
 
+#include "base/memory.h"
 #include "data/batch/job.h"
 #include "data/cameras/cameras.h"
 #include "render/deform/deformer.h"
@@ -50,6 +52,7 @@ class CameraTimeline {
   const Job& job_;
   const scene::Scene& scene_;
   scene::Playback playback_;
+  std::array<MemoryClaim, 3> memory_;  // of the cameras
   std::vector<JobCamera> cameras_;
   std::vector<JobCamera> earlier_, later_;  // 1 / fps seconds; empty where the scene moves no camera
 };

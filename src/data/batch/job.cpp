@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "base/files.h"
 #include "data/batch/schema.h"
 #include "render/options.h"
 #include "render/outputs/outputs.h"
@@ -17,12 +18,12 @@ using Json = nlohmann::ordered_json;
 namespace {
 
 void checkThere(const std::string& file, const std::string& place) {
-  if (!std::filesystem::exists(file)) badInput("{}: there is no file \"{}\"", place, file);
+  if (!isThere(file)) badInput("{}: there is no file \"{}\"", place, file);
 }
 
 // The files of a pattern, by name; what is there is itself.
 std::vector<std::string> filesLike(const std::string& pattern, const std::string& place) {
-  if (pattern.starts_with("builtin:") || std::filesystem::exists(pattern)) return {pattern};
+  if (pattern.starts_with("builtin:") || isThere(pattern)) return {pattern};
   if (pattern.find_first_of("*?[") == std::string::npos) checkThere(pattern, place);
   glob_t found{};
   std::vector<std::string> files;
@@ -122,6 +123,7 @@ uint64_t bytesOfPixel(const render::Settings& settings) {
 Job makeJob(const JobDocument& document) {
   checkJob(document);
   Job job;
+  job.memory = document.memory;
   job.document = document.json;
   job.document.erase("output");
   job.folder = document.json["output"].get<std::string>();

@@ -37,6 +37,7 @@ struct Job {
   std::map<std::string, std::string, std::less<>> given;  // the options that it has, by key, as text
   scene::LoadOptions load;
   std::string hdri;  // an environment; empty: by the scene
+  std::shared_ptr<MemoryClaim> memory;  // of the document
 };
 
 // The format of a data set by its name and options; throws Error(Usage) that begins with `place`.

@@ -1,14 +1,16 @@
 #include "data/batch/job_file.h"
 
+#include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
-#include <optional>
-#include <set>
+#include <sstream>
+#include <unordered_map>
 
 #include "base/error.h"
 #include "base/files.h"
 #include "base/text.h"
+#include "data/json_builder.h"
 
 namespace latelight::data {
 
@@ -16,44 +18,82 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-constexpr size_t kMostNodes = 10'000'000;  // aliases of YAML repeat what they name
-constexpr int kMostDepth = 64;
-
-// YAML to JSON by the rules of YAML 1.2's core schema: plain words may be numbers, quoted ones are texts.
-class YamlReader {
+// YAML to JSON by the rules of YAML 1.2's core schema: plain words may be numbers, quoted ones are texts. yaml-cpp's
+// own nodes would take hundreds of bytes each, and repeat what aliases name without a bound.
+class YamlEvents : public YAML::EventHandler {
  public:
-  explicit YamlReader(JobDocument& job) : job_(job) {}
+  YamlEvents(JsonBuilder& builder, uint64_t textBytes) : builder_(builder), textBytes_(textBytes) {}
 
-  Json read(const YAML::Node& node, const std::string& path, int depth = 0) {
-    if (depth > kMostDepth || ++nodes_ > kMostNodes) badUsage("{}: it is nested too deeply, or too large", job_.name);
-    job_.lines.try_emplace(path, node.Mark().line + 1);
-    if (node.IsMap()) return readMap(node, path, depth);
-    if (node.IsSequence()) {
-      Json list = Json::array();
-      for (size_t i = 0; i < node.size(); ++i) list.push_back(read(node[i], fmt::format("{}[{}]", path, i), depth + 1));
-      return list;
-    }
-    return node.IsScalar() ? scalar(node) : Json();
+  void OnDocumentStart(const YAML::Mark& mark) override { firstLine_ = lineOf(mark); }
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override { add(Json(), mark, anchor); }
+  void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
+                const std::string& text) override {
+    if (builder_.expectsKey())
+      builder_.key(text, lineOf(mark));
+    else
+      add(scalar(tag, text), mark, anchor);
   }
+  void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
+    refuseKey(mark);
+    const auto found = anchors_.find(anchor);
+    if (found == anchors_.end()) throw JsonError(lineOf(mark), "an alias stands within what it names");
+    builder_.copy(found->second.value, found->second.size, textBytes_, lineOf(mark));
+  }
+  void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
+                       YAML::EmitterStyle::value) override {
+    refuseKey(mark);
+    open_.push_back({anchor, builder_.size()});
+    builder_.startArray(lineOf(mark));
+  }
+  void OnMapStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
+                  YAML::EmitterStyle::value) override {
+    refuseKey(mark);
+    open_.push_back({anchor, builder_.size()});
+    builder_.startObject(lineOf(mark));
+  }
+  void OnSequenceEnd() override {
+    builder_.end();
+    remember(open_.back().anchor, open_.back().before);
+    open_.pop_back();
+  }
+  void OnMapEnd() override { OnSequenceEnd(); }
+
+  int firstLine() const { return firstLine_; }  // of the document
 
  private:
-  Json readMap(const YAML::Node& node, const std::string& path, int depth) {
-    Json map = Json::object();
-    for (const auto& entry : node) {
-      if (!entry.first.IsScalar()) badUsage("{}:{}: a key is a text", job_.name, entry.first.Mark().line + 1);
-      const std::string& key = entry.first.Scalar();
-      const std::string below = path.empty() ? key : path + "." + key;
-      const int line = entry.first.Mark().line + 1;
-      if (map.contains(key)) badUsage("{}:{}: the key {} is there twice", job_.name, line, below);
-      job_.lines[below] = line;
-      map[key] = read(entry.second, below, depth + 1);
-    }
-    return map;
+  struct Open {
+    YAML::anchor_t anchor;
+    JsonSize before;
+  };
+  struct Anchor {
+    Json value;
+    JsonSize size;
+  };
+
+  static int lineOf(const YAML::Mark& mark) { return std::max(mark.line, 0) + 1; }
+
+  void refuseKey(const YAML::Mark& mark) const {
+    if (builder_.expectsKey()) throw JsonError(lineOf(mark), "a key is a text");
   }
 
-  static Json scalar(const YAML::Node& node) {
-    const std::string& text = node.Scalar();
-    if (node.Tag() == "!" || node.Tag() == "tag:yaml.org,2002:str") return text;
+  void add(Json value, const YAML::Mark& mark, YAML::anchor_t anchor) {
+    refuseKey(mark);
+    const JsonSize before = builder_.size();
+    builder_.value(std::move(value), lineOf(mark));
+    remember(anchor, before);
+  }
+
+  // For aliases. The copy is claimed like one in the document.
+  void remember(YAML::anchor_t anchor, JsonSize before) {
+    if (anchor == 0) return;
+    const JsonSize all = builder_.size(), size{all.values - before.values, all.bytes - before.bytes};
+    memory_.grow(size.bytes, "the anchors of a job");
+    anchors_[anchor] = {builder_.last(), size};
+  }
+
+  static Json scalar(const std::string& tag, const std::string& text) {
+    if (tag == "!" || tag == "tag:yaml.org,2002:str") return text;
     if (text == "null" || text == "~" || text.empty()) return nullptr;
     if (text == "true" || text == "false") return text == "true";
     const std::string_view digits = text.starts_with('+') ? std::string_view(text).substr(1) : std::string_view(text);
@@ -63,41 +103,43 @@ class YamlReader {
     return text;
   }
 
-  JobDocument& job_;
-  size_t nodes_ = 0;
+  JsonBuilder& builder_;
+  uint64_t textBytes_;
+  std::vector<Open> open_;
+  std::unordered_map<YAML::anchor_t, Anchor> anchors_;
+  MemoryClaim memory_;
+  int firstLine_ = 1;
 };
 
-int lineOf(const std::string& text, size_t byte) {
-  return 1 + static_cast<int>(
-                 std::count(text.begin(), text.begin() + static_cast<long>(std::min(byte, text.size())), '\n'));
+// yaml-cpp keeps all tokens of a line until it knows whether the line begins with a key.
+MemoryClaim claimTokens(const std::string& text) {
+  constexpr uint64_t kTokenBytes = 128;
+  uint64_t longest = 0;
+  for (size_t begin = 0; begin < text.size();) {
+    const size_t end = std::min(text.find('\n', begin), text.size());
+    longest = std::max<uint64_t>(longest, end - begin);
+    begin = end + 1;
+  }
+  return {longest / 2 * kTokenBytes + 2 * text.size(), "the job's longest line"};
 }
 
-// Strictly JSON; YAML, which JSON is a part of, knows its lines.
-void readJson(JobDocument& job, const std::string& text) {
-  const auto limit = [&](int depth, Json::parse_event_t, Json&) {
-    if (depth > kMostDepth) badUsage("{}: it is nested too deeply", job.name);
-    return true;
-  };
+JsonDocument readYaml(const std::string& text, const std::string& what) {
+  const MemoryClaim tokens = claimTokens(text);
+  std::istringstream stream(text);
+  YAML::Parser parser(stream);
+  JsonBuilder builder(what);
+  YamlEvents events(builder, text.size());
   try {
-    job.json = Json::parse(text, limit);
-  } catch (const Json::parse_error& error) {
-    const std::string what = error.what();
-    const size_t detail = what.rfind(" - ");
-    badUsage("{}:{}: it is not JSON: {}", job.name, lineOf(text, error.byte),
-             detail == std::string::npos ? "the file ends, or a value is not closed" : what.substr(detail + 3));
-  }
-  try {
-    YamlReader(job).read(YAML::Load(text), "");
-  } catch (const YAML::Exception&) {  // texts that YAML writes otherwise: messages then have no line
-  }
-}
-
-void readYaml(JobDocument& job, const std::string& text) {
-  try {
-    job.json = YamlReader(job).read(YAML::Load(text), "");
+    if (!parser.HandleNextDocument(events)) return {};
+    JsonBuilder second(what);
+    YamlEvents others(second, text.size());
+    while (parser.HandleNextDocument(others))
+      if (const JsonDocument other = second.take(); !other.json.is_null())
+        throw JsonError(others.firstLine(), "a second document begins: a job is one, so put it into a file of its own");
   } catch (const YAML::Exception& error) {
-    badUsage("{}:{}: it is not YAML: {}", job.name, error.mark.line + 1, error.msg);
+    throw JsonError(error.mark.line + 1, "it is not YAML: " + error.msg);
   }
+  return builder.take();
 }
 
 }  // namespace
@@ -116,7 +158,15 @@ JobDocument readJobFile(const std::filesystem::path& path) {
     badUsage("the job \"{}\" does not end in a language; end it in .json, .yaml or .yml", job.name);
   const std::vector<std::byte> bytes = readFile(path);
   const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  ending == ".json" ? readJson(job, text) : readYaml(job, text);
+  const std::string what = fmt::format("the job '{}'", job.name);
+  try {
+    JsonDocument document = ending == ".json" ? parseJson(text, what) : readYaml(text, what);
+    job.json = std::move(document.json);
+    job.lines = std::move(document.lines);
+    job.memory = std::move(document.memory);
+  } catch (const JsonError& error) {
+    badUsage("{}:{}: {}", job.name, error.line, error.what());
+  }
   return job;
 }
 

@@ -3,15 +3,19 @@
 
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+
+#include "base/memory.h"
 
 namespace latelight::data {
 
 struct JobDocument {
   std::string name;  // of its file, for messages; empty: a job of options alone
   nlohmann::ordered_json json = nlohmann::ordered_json::object();
-  std::map<std::string, int> lines;  // by path: "options.exposure", "scenes[1]"
+  std::map<std::string, int> lines;     // by path: "options.exposure", "scenes[1]"
+  std::shared_ptr<MemoryClaim> memory;  // of `json`
 
   // Where a key stands, to begin a sentence with: "job.yaml:7: options.exposure".
   std::string place(const std::string& path) const;

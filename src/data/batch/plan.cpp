@@ -11,6 +11,7 @@
 #include "base/hash.h"
 #include "base/text.h"
 #include "data/json_text.h"
+#include "data/stop.h"
 #include "output/files.h"
 
 namespace latelight::data {
@@ -124,7 +125,8 @@ Plan::Plan(const Job& job, const std::filesystem::path& saved) : job_(job) {
   Json whole = d;
   for (const char* perFrame : {"scenes", "cameras", "repeat", "name"}) whole.erase(perFrame);
   whole["version"] = version();
-  if (!job.hdri.empty() && std::filesystem::is_regular_file(job.hdri)) whole["hdri-hash"] = hashOfFiles({job.hdri});
+  std::error_code ignored;
+  if (std::filesystem::is_regular_file(job.hdri, ignored)) whole["hdri-hash"] = hashOfFiles({job.hdri});
   jobHash_ = hashOf(whole);
   const bool moves = output::contains(job.settings.aovs, output::Aov::Motion);
   std::vector<std::string> cameraFiles;
@@ -135,7 +137,9 @@ Plan::Plan(const Job& job, const std::filesystem::path& saved) : job_(job) {
   const Json known = readSaved(saved);
   for (const std::string& source : job.scenes) {
     PlannedScene scene{.source = source};
+    throwIfStopped();
     if (!findSaved(scene, known)) look(scene);
+    claimMemory(scene);
     scenes_.push_back(std::move(scene));
   }
   order();
@@ -181,6 +185,14 @@ void Plan::look(PlannedScene& scene) try {
   scene.error = error.what();
 }
 
+// Of a camera in the list, and in the JSON that the plan is saved and hashed by.
+void Plan::claimMemory(const PlannedScene& scene) {
+  constexpr uint64_t kJsonBytes = 384;
+  uint64_t bytes = 0;
+  for (const PlannedCamera& camera : scene.cameras) bytes += sizeof(camera) + kJsonBytes + 4 * camera.name.size();
+  memory_.grow(bytes, "the plan of the job's frames");
+}
+
 void Plan::order() {
   const auto good = std::ranges::find_if(scenes_, [](const PlannedScene& scene) { return scene.error.empty(); });
   if (good == scenes_.end()) badInput("no scene can be loaded: {}", scenes_.front().error);
@@ -221,6 +233,8 @@ void Plan::checkNames() const {
   const bool indexed = job_.name.find("{index}") != std::string::npos;
   const auto placeholders = static_cast<size_t>(std::ranges::count(job_.name, '{'));
   if (indexed && job_.name.size() + placeholders * kShortFileName <= kLongestName) return;
+  constexpr uint64_t kNameBytes = 192;  // with what is filled in, and its place in the set
+  const MemoryClaim memory(frames() * (kNameBytes + job_.name.size()), "the names of the job's frames");
   std::unordered_set<std::string> names;
   for (size_t scene = 0; scene < scenes_.size(); ++scene) {
     if (!scenes_[scene].error.empty()) continue;

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "base/memory.h"
 #include "data/batch/job.h"
 #include "data/batch/loaded_scene.h"
 
@@ -59,6 +60,7 @@ class Plan {
  private:
   bool findSaved(PlannedScene& scene, const nlohmann::ordered_json& saved) const;
   void look(PlannedScene& scene);
+  void claimMemory(const PlannedScene& scene);
   void order();
   nlohmann::ordered_json describe() const;
   void checkNames() const;
@@ -69,6 +71,7 @@ class Plan {
   std::vector<PlannedScene> scenes_;
   std::vector<uint64_t> starts_;  // index of each scene's first frame, and behind the last
   std::unique_ptr<LoadedScene> scene_;
+  MemoryClaim memory_;
 };
 
 }  // namespace latelight::data

@@ -10,8 +10,8 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "base/memory.h"
-#include "data/batch/stop.h"
 #include "data/batch/worker.h"
+#include "data/stop.h"
 
 namespace latelight::data {
 
@@ -71,6 +71,7 @@ BatchResult runBatch(const Job& job, const BatchOptions& options) {
   const SetFolder set(job.folder);
   openSet(set, job, options.shard, options.resume);
   const SetLock lock(set.shard(options.shard));
+  stopOnSignals();
   Plan plan(job, set.plan());
   plan.save(set.plan());
   const auto [first, end] = options.shard.range(plan.frames());
@@ -80,11 +81,12 @@ BatchResult runBatch(const Job& job, const BatchOptions& options) {
     if (!scene.error.empty()) log.failed(scene.source, scene.error);
   WorkList work(plan, first, end, found, atOnce(job, options));
   const std::string shard = "shard " + options.shard.name();
+  if (!options.shardBy.empty()) set.log(fmt::format("{} is chosen by {}", shard, options.shardBy));
   set.log(fmt::format("{} begins: {} of {} frames are to be rendered", shard, work.frames(), end - first));
-  stopOnSignals();
   std::exception_ptr error;
   try {
     if (work.frames() > 0) render(job, plan, work, log, options);
+  } catch (const Stopped&) {  // the result says so
   } catch (...) {
     error = std::current_exception();
   }

@@ -14,6 +14,7 @@ namespace latelight::data {
 
 struct BatchOptions {
   Shard shard;
+  std::string shardBy;  // the environment variables that chose it; empty: none
   bool resume = false;
   std::vector<std::string> devices;  // a worker for each, by UUID
   size_t writers = 1;                // threads
@@ -26,7 +27,8 @@ struct BatchResult {
   int signal = 0;                             // that ended it before its end; 0: none
 };
 
-// Throws Error for what keeps all frames from being made. The shard that completes the set merges it.
+// Throws Error for what keeps all frames from being made, and Stopped where a signal ends it while cameras are still
+// sought. The shard that completes the set merges it.
 BatchResult runBatch(const Job& job, const BatchOptions& options);
 
 }  // namespace latelight::data

@@ -32,7 +32,7 @@ Json readState(const fs::path& path) {
 // What is known of the set, by the file that says so.
 std::vector<std::pair<fs::path, Manifest>> manifestsOf(const SetFolder& set) {
   std::vector<std::pair<fs::path, Manifest>> all;
-  if (fs::exists(set.manifest())) all.emplace_back(set.manifest(), readManifest(set.manifest()));
+  if (isThere(set.manifest())) all.emplace_back(set.manifest(), readManifest(set.manifest()));
   for (const fs::path& shard : set.shards()) all.emplace_back(shard, readShardLog(shard));
   return all;
 }
@@ -43,18 +43,18 @@ bool isOfOthers(const SetFolder& set, const Job& job, const Shard& shard) {
   const auto isOther = [&](const fs::path& path) {
     return path != set.shard(shard) && path.filename().string().ends_with(count);
   };
-  return !fs::exists(set.manifest()) && std::ranges::all_of(set.shards(), isOther) &&
+  return !isThere(set.manifest()) && std::ranges::all_of(set.shards(), isOther) &&
          (set.shards().empty() || readState(set.job()) == job.document);
 }
 
-bool isThere(const SetFolder& set, const FileRecord& file) {
+bool isRecorded(const SetFolder& set, const FileRecord& file) {
   std::error_code error;
   return fs::file_size(set.path() / file.name, error) == file.bytes && !error;
 }
 
 bool isFinished(const SetFolder& set, const Plan& plan, const FinishedFrame& frame) {
   return frame.index < plan.frames() && plan.at(frame.index) && frame.settings == plan.settings(frame.index) &&
-         std::ranges::all_of(frame.files, [&](const FileRecord& file) { return isThere(set, file); });
+         std::ranges::all_of(frame.files, [&](const FileRecord& file) { return isRecorded(set, file); });
 }
 
 // As a job document says them, with the folder that writing needs none of.
@@ -139,8 +139,10 @@ void openSet(const SetFolder& set, const Job& job, const Shard& shard, bool resu
   const std::string name = set.path().string();
   if (name.find_first_of("{}") != std::string::npos) badUsage("the folder \"{}\" has a brace in its name", name);
   std::error_code error;
+  // Looked at in this order: another shard may begin the set meanwhile.
+  const bool hasFiles = fs::exists(set.path(), error) && !fs::is_empty(set.path(), error);
   const bool isSet = fs::exists(set.state(), error) || fs::exists(set.manifest(), error);
-  if (fs::exists(set.path(), error) && !isSet && !fs::is_empty(set.path(), error))
+  if (hasFiles && !isSet)
     badUsage("'{}' is not an empty folder; choose another for the data set", name);
   if (isSet && !resume && !isOfOthers(set, job, shard))
     badUsage("'{}' already contains a data set: add --resume to complete it, or choose another folder", name);
@@ -169,7 +171,7 @@ Manifest findFinished(const SetFolder& set, const Plan& plan, const Shard& shard
 }
 
 SetStatus readStatus(const SetFolder& set) {
-  if (!fs::exists(set.plan())) badInput("'{}' holds no data set", set.path().string());
+  if (!isThere(set.plan())) badInput("'{}' holds no data set", set.path().string());
   const Json plan = readState(set.plan());
   SetStatus status{.frames = plan.value("frames", uint64_t{0}), .manifest = {.plan = plan.value("hash", uint64_t{0})}};
   Manifest& all = status.manifest;

@@ -27,25 +27,52 @@ Shard checked(uint64_t index, uint64_t count, std::string_view from) {
   return {static_cast<uint32_t>(index), static_cast<uint32_t>(count)};
 }
 
-std::optional<Shard> from(const Environment& environment, const char* index, const char* count) {
+std::optional<ChosenShard> from(const Environment& environment, const char* index, const char* count) {
   const std::optional<uint32_t> i = numberIn(environment, index), n = numberIn(environment, count);
   if (!i || !n) return std::nullopt;
-  return checked(*i, *n, fmt::format("--shard, here by {} and {},", index, count));
+  const std::string by = fmt::format("{} and {}", index, count);
+  return ChosenShard{checked(*i, *n, fmt::format("--shard, here by {},", by)), by};
 }
 
-// An array of jobs, each perhaps of several tasks.
-std::optional<Shard> fromSlurm(const Environment& environment) {
-  const std::optional<Shard> task = from(environment, "SLURM_PROCID", "SLURM_NTASKS");
+// The tasks of a step, which srun starts. Without a step there is one process, a batch script's or a person's, and
+// Slurm sets the rank and the number of tasks there too.
+std::optional<ChosenShard> fromSlurmStep(const Environment& environment) {
+  constexpr uint32_t kFirstSpecialStep = 0xfffffff0;  // batch scripts, interactive steps and the like
+  const std::optional<uint32_t> step = numberIn(environment, "SLURM_STEP_ID");
+  if (!step || *step >= kFirstSpecialStep) return std::nullopt;
+  if (environment("SLURM_STEP_NUM_TASKS")) return from(environment, "SLURM_PROCID", "SLURM_STEP_NUM_TASKS");
+  return from(environment, "SLURM_PROCID", "SLURM_NTASKS");
+}
+
+// One of several processes that were started together. mpirun itself starts through a step of Slurm's, whose tasks are
+// its daemons: its own variables come first.
+std::optional<ChosenShard> fromLauncher(const Environment& environment) {
+  if (auto part = from(environment, "OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE")) return part;
+  if (auto part = from(environment, "PMI_RANK", "PMI_SIZE")) return part;
+  return fromSlurmStep(environment);
+}
+
+std::optional<ChosenShard> fromArray(const Environment& environment) {
   const auto id = numberIn(environment, "SLURM_ARRAY_TASK_ID"), first = numberIn(environment, "SLURM_ARRAY_TASK_MIN"),
              count = numberIn(environment, "SLURM_ARRAY_TASK_COUNT"),
              last = numberIn(environment, "SLURM_ARRAY_TASK_MAX");
-  if (!id || !first || !count) return task;
+  if (!id || !first || !count) return std::nullopt;
   if (last && *last - *first + 1 != *count)
     badUsage("the Slurm array {}-{} has {} jobs, and shards are counted without gaps: give --shard i/n", *first, *last,
              *count);
-  const Shard inner = task.value_or(Shard{});
-  return checked(uint64_t{*id - *first} * inner.count + inner.index, uint64_t{*count} * inner.count,
-                 "--shard, here by SLURM_ARRAY_TASK_ID,");
+  return ChosenShard{checked(uint64_t{*id} - *first, *count, "--shard, here by SLURM_ARRAY_TASK_ID,"),
+                     "SLURM_ARRAY_TASK_ID, _MIN and _COUNT"};
+}
+
+// An array of jobs, each perhaps of several processes.
+ChosenShard fromEnvironment(const Environment& environment) {
+  const std::optional<ChosenShard> array = fromArray(environment), inner = fromLauncher(environment);
+  if (!array || !inner) return array.value_or(inner.value_or(ChosenShard{}));
+  const Shard &outer = array->shard, &own = inner->shard;
+  const std::string by = array->by + " with " + inner->by;
+  return {checked(uint64_t{outer.index} * own.count + own.index, uint64_t{outer.count} * own.count,
+                  fmt::format("--shard, here by {},", by)),
+          by};
 }
 
 }  // namespace
@@ -58,20 +85,17 @@ std::string Shard::name() const {
   return fmt::format("{}-of-{}", index, count);
 }
 
-Shard chooseShard(const std::string& text, const Environment& environment) {
-  if (text.empty()) {
-    if (const auto shard = fromSlurm(environment)) return *shard;
-    if (const auto shard = from(environment, "OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE")) return *shard;
-    return from(environment, "PMI_RANK", "PMI_SIZE").value_or(Shard{});
-  }
+ChosenShard chooseShard(const std::string& text, const Environment& environment) {
+  if (text.empty()) return fromEnvironment(environment);
   const size_t slash = std::min(text.find('/'), text.size());
   const std::string_view all = text;
+  const bool isIndexed = slash == 0;
   const auto count = parseNumber<uint32_t>(slash == text.size() ? "" : all.substr(slash + 1));
   const auto index =
-      slash == 0 ? numberIn(environment, "JOB_COMPLETION_INDEX") : parseNumber<uint32_t>(all.substr(0, slash));
+      isIndexed ? numberIn(environment, "JOB_COMPLETION_INDEX") : parseNumber<uint32_t>(all.substr(0, slash));
   if (!index || !count)
     badUsage("--shard takes i/n, as in 0/8, or /n where JOB_COMPLETION_INDEX says which, not \"{}\"", text);
-  return checked(*index, *count, "--shard");
+  return {checked(*index, *count, "--shard"), isIndexed ? "JOB_COMPLETION_INDEX" : ""};
 }
 
 }  // namespace latelight::data

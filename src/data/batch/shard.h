@@ -17,8 +17,14 @@ struct Shard {
   std::string name() const;  // "0-of-3"
 };
 
+struct ChosenShard {
+  Shard shard;
+  std::string by;  // the environment variables that chose it; empty: none
+};
+
 // "i/n", i from 0 to n - 1; also "/n" for a Kubernetes indexed job, whose environment has i alone. Empty: as the
 // environment says (Slurm arrays and steps, Open MPI, PMI), or all. Throws Error(Usage).
-Shard chooseShard(const std::string& text, const std::function<std::optional<std::string>(const char*)>& environment);
+ChosenShard chooseShard(const std::string& text,
+                        const std::function<std::optional<std::string>(const char*)>& environment);
 
 }  // namespace latelight::data

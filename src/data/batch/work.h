@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "base/memory.h"
 #include "data/batch/manifest.h"
 #include "data/batch/plan.h"
 
@@ -48,6 +49,7 @@ class WorkList {
   std::mutex mutex_;
   std::vector<SceneWork> scenes_;
   uint64_t frames_ = 0;
+  MemoryClaim memory_;
 };
 
 }  // namespace latelight::data

@@ -4,8 +4,8 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "data/batch/stop.h"
 #include "data/extras.h"
+#include "data/stop.h"
 #include "render/describe.h"
 #include "render/id_manifest.h"
 #include "render/raster_choice.h"
@@ -28,13 +28,17 @@ Worker::Worker(const Job& job, const Plan& plan, SceneLoader& loader, WorkList& 
 }
 
 void Worker::run() {
-  while (!stopSignal() && loadNext()) {
-    while (!stopSignal())
-      if (std::optional<Chunk> chunk = work_.take(*sceneIndex_))
-        start(std::move(*chunk));
-      else
-        break;
-    finishAll();
+  try {
+    while (!stopSignal() && loadNext()) {
+      while (!stopSignal())
+        if (std::optional<Chunk> chunk = work_.take(*sceneIndex_))
+          start(std::move(*chunk));
+        else
+          break;
+      finishAll();
+    }
+  } catch (const Stopped&) {
+    finishAll();  // what is in flight needs nothing of the variation that was given up
   }
   if (next_.valid()) next_.wait();
   for (const std::string& message : device().validationMessages())
@@ -45,6 +49,7 @@ void Worker::run() {
 bool Worker::loadNext() {
   renderer_.reset();
   scene_.reset();
+  geometry_ = {};
   if (sceneIndex_) work_.leave(*sceneIndex_);
   sceneIndex_ = nextIndex_ ? std::exchange(nextIndex_, std::nullopt) : work_.claim();
   if (!sceneIndex_) return false;
@@ -142,7 +147,7 @@ void Worker::addExtras(const Chunk& chunk, std::vector<RenderedFrame>& frames) {
   const render::Settings settings = settingsOf(chunk);
   for (RenderedFrame& rendered : frames)
     renderExtras(*renderer_, scene_->scene(), cameraOf(rendered.frame.index), settings, moment, extras_,
-                 rendered.frame);
+                 geometry_, rendered.frame);
 }
 
 const scene::Camera& Worker::cameraOf(uint64_t index) const {

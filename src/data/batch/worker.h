@@ -63,6 +63,7 @@ class Worker {
   std::optional<uint32_t> sceneIndex_, nextIndex_;
   std::future<std::unique_ptr<LoadedScene>> next_;
   std::unique_ptr<LoadedScene> scene_;
+  GeometryHashes geometry_;  // of the scene
   std::string environment_;
   std::unique_ptr<render::Renderer> renderer_;  // of the scene in the environment
   std::deque<InFlight> inFlight_;

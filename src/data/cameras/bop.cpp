@@ -40,15 +40,19 @@ CalibratedCamera cameraIn(const Json& entry, const std::string& name, PictureSiz
 }  // namespace
 
 std::vector<CalibratedCamera> readBop(const std::filesystem::path& file, PictureSize size) {
-  const Json json = readJson(file);
+  const JsonDocument document = readJson(file);
+  const Json& json = document.json;
   if (!json.is_object() || json.empty()) badInput("{} has no pictures", file.string());
   std::map<uint64_t, CalibratedCamera> byNumber;
+  CameraMemory memory;
   for (const auto& [key, entry] : json.items()) {
     const std::string where = fmt::format("picture {} of {}", shortened(key), file.string());
     const std::optional<uint64_t> number = parseNumber<uint64_t>(key);
     if (!number) badInput("{} has a name that is no whole number", where);
     if (!entry.is_object()) badInput("{} is no object", where);
-    byNumber.insert_or_assign(*number, cameraIn(entry, key, size, where));
+    CalibratedCamera camera = cameraIn(entry, key, size, where);
+    memory.add(camera);
+    byNumber.insert_or_assign(*number, std::move(camera));
   }
   std::vector<CalibratedCamera> cameras;
   for (auto& [number, camera] : byNumber) cameras.push_back(std::move(camera));

@@ -25,11 +25,20 @@ dmat4 readWorld(Spec& spec, const CameraContext& context) {
 
 }  // namespace
 
+void CameraMemory::add(const CalibratedCamera& camera) {
+  constexpr uint64_t kStep = uint64_t{1} << 20;
+  bytes_ += 2 * sizeof(camera) + camera.name.size() + 32;
+  for (; claimed_ < bytes_; claimed_ += kStep) claim_.grow(kStep, "the cameras of a file");
+}
+
 std::vector<Shot> placeCameras(Spec& spec, const CameraContext& context, const std::vector<CalibratedCamera>& cameras) {
   const dmat4 world = readWorld(spec, context);
   const bool lensless = std::ranges::all_of(cameras, [](const CalibratedCamera& camera) { return !camera.lens; });
   const Optics normal = lensless ? readOptics(spec, context.size) : Optics{};
   const PictureSize size = lensless ? PictureSize{normal.width, normal.height} : readSize(spec);
+  uint64_t names = 0;
+  for (const CalibratedCamera& camera : cameras) names += camera.name.size();
+  context.claim(spec, cameras.size(), names);
   std::vector<Shot> shots;
   for (const CalibratedCamera& camera : cameras) {
     dmat4 pose = world * camera.pose;

@@ -18,6 +18,16 @@ struct CalibratedCamera {
   glm::dmat4 pose{1};               // OpenCV's camera frame to the file's world, metres
 };
 
+// The memory of the cameras that a reader has found so far. Files say less of a camera than it takes.
+class CameraMemory {
+ public:
+  void add(const CalibratedCamera& camera);  // before it is put into a list
+
+ private:
+  uint64_t bytes_ = 0, claimed_ = 0;
+  MemoryClaim claim_;
+};
+
 // What all sources of files share, beside the file's name: "scale" (metres of the file's unit), "axes" (of the file's
 // world: "scene", "y-up" or "z-up"), "size", and the keys of a lens where the file has none. Gives the cameras their
 // places in the scene.

@@ -8,7 +8,9 @@
 #include <unordered_set>
 
 #include "base/error.h"
+#include "data/cameras/calibrated.h"
 #include "data/cameras/source.h"
+#include "data/stop.h"
 
 namespace latelight::data {
 
@@ -40,9 +42,28 @@ std::vector<Shot> makeSource(const Json& value, const std::string& path, const C
     for (const CameraSource& known : kSources) names.push_back(known.name);
     badUsage("{}.type must be one of {}, not \"{}\"", path, fmt::join(names, ", "), type);
   }
+  throwIfStopped();
   std::vector<Shot> shots = source->make(spec, context);
   spec.finish();
   return shots;
+}
+
+// How many cameras sources say that they make, before any of them is made. A file counts as one camera until it is
+// read, and so does what is wrong.
+double statedCount(const Json& sources) {
+  if (sources.is_array()) {
+    double sum = 0;
+    for (const Json& source : sources) sum += statedCount(source);
+    return sum;
+  }
+  if (!sources.is_object()) return 1;
+  const auto member = [&](const char* key) { return sources.value(key, Json()); };
+  const Json type = member("type");
+  if (type == "stereo") return 2 * statedCount(member("cameras"));
+  if (type == "rig") return double(member("offsets").size()) * statedCount(member("cameras"));
+  if (type == "list") return double(member("cameras").size());
+  const Json count = member("count");
+  return count.is_number() ? count.get<double>() : 1;
 }
 
 // Names become parts of files' names.
@@ -70,6 +91,17 @@ std::span<const CameraSource> cameraSources() {
   return kSources;
 }
 
+void CameraBudget::take(double count, double nameBytes, const std::string& path) {
+  // On the way to a job's camera there are its shot, that of the camera which a rig was around, and one read from a
+  // file; lists may grow to twice their length.
+  constexpr double kMakingBytes = 3 * sizeof(Shot) + sizeof(CalibratedCamera) + 128, kKeptBytes = 2 * sizeof(JobCamera);
+  count_ += count;
+  if (count_ > double(kMostCamerasOfScene))
+    badUsage("{}: there are more than {} cameras in all: make fewer", path, kMostCamerasOfScene);
+  making_.grow(static_cast<uint64_t>(count * kMakingBytes + 3 * nameBytes), "the making of the job's cameras");
+  kept_.grow(static_cast<uint64_t>(count * kKeptBytes + 2 * nameBytes), "the job's cameras");
+}
+
 std::vector<Shot> makeShots(const Json& spec, const std::string& path, const CameraContext& context) {
   if (!spec.is_array()) return makeSource(spec, path, context);
   if (spec.empty()) badUsage("{} is an empty list: give at least one source of cameras", path);
@@ -91,14 +123,19 @@ std::string numberedName(std::string_view stem, uint64_t number, uint64_t count)
 }
 
 std::vector<JobCamera> makeCameras(const Json& spec, const scene::Scene& scene, uint64_t seed,
-                                   const CameraInputs& inputs) {
+                                   const CameraInputs& inputs, MemoryClaim* memory) {
   const Json scenes = {{"type", "scene"}};
+  const Json& sources = spec.is_null() ? scenes : spec;
+  if (statedCount(sources) > double(kMostCamerasOfScene))
+    badUsage("cameras are more than {} in all, rigs and pairs counted: make fewer", kMostCamerasOfScene);
+  CameraBudget budget;
   const std::vector<scene::Camera> own = scene::posedCameras(scene, inputs.pose);
-  const CameraContext context{scene, axesOf(scene), seed, inputs.size, own};
+  const CameraContext context{scene, axesOf(scene), seed, inputs.size, own, budget};
   std::vector<JobCamera> cameras;
-  for (const Shot& shot : makeShots(spec.is_null() ? scenes : spec, "cameras", context))
+  for (const Shot& shot : makeShots(sources, "cameras", context))
     cameras.push_back(toJobCamera(shot, scene));
   makeNamesUnique(cameras);
+  if (memory) *memory = budget.keep();
   return cameras;
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "base/memory.h"
 #include "scene/scene.h"
 
 namespace latelight::data {
@@ -37,8 +38,8 @@ struct CameraInputs {
 };
 
 // The cameras that `spec`, a job's "cameras", describes for a scene. The same on every machine for the same seed.
-// Throws Error: Usage names the key that is wrong, BadInput a camera file that is broken.
+// `memory`: of the cameras, to be kept as long as they are. Throws Error: Usage names the key that is wrong, BadInput a camera file that is broken.
 std::vector<JobCamera> makeCameras(const nlohmann::ordered_json& spec, const scene::Scene& scene, uint64_t seed,
-                                   const CameraInputs& inputs = {});
+                                   const CameraInputs& inputs = {}, MemoryClaim* memory = nullptr);
 
 }  // namespace latelight::data

@@ -1,6 +1,7 @@
 #include "data/cameras/clearance.h"
 
 #include "base/error.h"
+#include "data/stop.h"
 
 namespace latelight::data {
 
@@ -10,6 +11,7 @@ Clearance::Clearance(Spec& spec, const CameraContext& context)
 }
 
 bool Clearance::allows(glm::dvec3 eye) const {
+  throwIfStopped();
   if (clearance_ > 0 && surroundings_->nearest(eye, clearance_) < clearance_) return false;
   return !rejectInside_ || !surroundings_->inside(eye);
 }

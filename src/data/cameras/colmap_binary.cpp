@@ -16,7 +16,8 @@ namespace {
 
 class BinaryFile {
  public:
-  explicit BinaryFile(const std::filesystem::path& file) : file_(file), bytes_(readFile(file)) {}
+  explicit BinaryFile(const std::filesystem::path& file)
+      : file_(file), bytes_(readFile(file)), memory_(bytes_.size(), file.string()) {}
 
   std::string where() const { return fmt::format("byte {} of {}", at_, file_.string()); }
   bool done() const { return at_ == bytes_.size(); }
@@ -57,6 +58,7 @@ class BinaryFile {
 
   std::filesystem::path file_;
   std::vector<std::byte> bytes_;
+  MemoryClaim memory_;
   size_t at_ = 0;
 };
 
@@ -115,7 +117,12 @@ std::vector<CalibratedCamera> readColmapBinary(const std::filesystem::path& fold
   const std::map<uint32_t, scene::Lens> lenses = readLensesBinary(folder / "cameras.bin");
   BinaryFile file(folder / "images.bin");
   std::vector<CalibratedCamera> cameras;
-  for (uint64_t left = file.takeCount(73); left > 0; --left) cameras.push_back(readImage(file, lenses));
+  CameraMemory memory;
+  for (uint64_t left = file.takeCount(73); left > 0; --left) {
+    CalibratedCamera camera = readImage(file, lenses);
+    memory.add(camera);
+    cameras.push_back(std::move(camera));
+  }
   if (cameras.empty()) badInput("{} has no images", (folder / "images.bin").string());
   return cameras;
 }

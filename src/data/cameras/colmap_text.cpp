@@ -41,6 +41,7 @@ std::vector<CalibratedCamera> readColmapText(const std::filesystem::path& folder
   const auto lenses = readLensesText(folder / "cameras.txt");
   TextLines lines(folder / "images.txt");
   std::vector<CalibratedCamera> cameras;
+  CameraMemory memory;
   while (const auto line = lines.nextUsed()) {
     const std::vector<std::string_view> words = lines.words(*line, 10);
     const std::vector<double> n = lines.numbers(words, 1, 7);
@@ -50,7 +51,9 @@ std::vector<CalibratedCamera> readColmapText(const std::filesystem::path& folder
     const glm::dmat4 pose = poseOfColmap({{n[0], n[1], n[2], n[3]}, {n[4], n[5], n[6]}}, lines.where());
     // A name may have spaces.
     const std::string name(line->substr(static_cast<size_t>(words[9].data() - line->data())));
-    cameras.push_back({name, lens->second, pose});
+    CalibratedCamera camera{name, lens->second, pose};
+    memory.add(camera);
+    cameras.push_back(std::move(camera));
     lines.next();
   }
   if (cameras.empty()) badInput("{} has no images", (folder / "images.txt").string());

@@ -12,9 +12,6 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-// Nothing that we read is deeper; a stack is not endless.
-constexpr int kDeepest = 64;
-
 void append(const Json& value, std::vector<double>& numbers, const std::string& where, const char* key) {
   if (value.is_array()) {
     for (const Json& part : value) append(part, numbers, where, key);
@@ -27,20 +24,13 @@ void append(const Json& value, std::vector<double>& numbers, const std::string& 
 
 }  // namespace
 
-Json readJson(const std::filesystem::path& file) {
+JsonDocument readJson(const std::filesystem::path& file) {
   const std::vector<std::byte> bytes = readFile(file);
-  const char* text = reinterpret_cast<const char*>(bytes.data());
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   try {
-    return Json::parse(text, text + bytes.size(), [&](int depth, Json::parse_event_t, Json&) {
-      if (depth > kDeepest) badInput("{} is nested deeper than {} levels", file.string(), kDeepest);
-      return true;
-    });
-  } catch (const Json::parse_error& error) {
-    const size_t at = std::min(error.byte, bytes.size());
-    badInput("{} is no JSON: line {} is broken or ends too early", file.string(),
-             1 + std::count(text, text + (at > 0 ? at - 1 : 0), '\n'));
-  } catch (const Json::out_of_range&) {
-    badInput("{} has a number that is too large", file.string());
+    return parseJson(text, fmt::format("the file '{}'", file.string()));
+  } catch (const JsonError& error) {
+    badInput("{}:{}: {}", file.string(), error.line, error.what());
   }
 }
 

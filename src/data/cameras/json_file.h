@@ -6,10 +6,12 @@
 #include <string>
 #include <vector>
 
+#include "data/json_builder.h"
+
 namespace latelight::data {
 
 // Throws Error(BadInput) with the line and what is wrong there.
-nlohmann::ordered_json readJson(const std::filesystem::path& file);
+JsonDocument readJson(const std::filesystem::path& file);
 void writeJson(const std::filesystem::path& file, const nlohmann::ordered_json& json);
 
 // A member of an object: a finite number, or `normal` where there is none.

@@ -7,6 +7,9 @@ namespace latelight::data {
 std::vector<Shot> shotsOfList(Spec& spec, const CameraContext& context) {
   const Optics normal = readOptics(spec, context.size);
   std::vector<Spec> entries = spec.objects("cameras");
+  uint64_t names = 0;
+  for (Spec& entry : entries) names += entry.has("name") ? entry.text("name").size() : kNumberedNameBytes;
+  context.claim(spec, entries.size(), names);
   std::vector<Shot> shots;
   for (Spec& entry : entries) {
     const Optics optics = saysOptics(entry) ? readOptics(entry, context.size) : normal;

@@ -59,17 +59,20 @@ glm::dmat4 poseBetween(const std::vector<KeyFrame>& keys, size_t i, double share
   return pose;
 }
 
-std::vector<double> readTimes(Spec& spec, double first, double last) {
+std::vector<double> readTimes(Spec& spec, double first, double last, const CameraContext& context) {
   if (spec.has("count") == spec.has("fps")) badUsage("{} needs either \"count\" or \"fps\"", spec.path());
   std::vector<double> times;
   if (spec.has("count")) {
     const uint64_t count = spec.count("count", 2, kMostCameras);
+    context.claim(spec, count, count * kNumberedNameBytes);
     for (uint64_t i = 0; i < count; ++i) times.push_back(first + (last - first) * (double(i) / double(count - 1)));
     return times;
   }
   const double fps = spec.number("fps", kPositive);
   if ((last - first) * fps > double(kMostCameras))
     badUsage("{} gives more than {} cameras", spec.pathOf("fps"), kMostCameras);
+  const auto count = static_cast<uint64_t>((last - first) * fps) + 1;
+  context.claim(spec, count, count * kNumberedNameBytes);
   for (uint64_t i = 0; double(i) / fps <= last - first; ++i) times.push_back(first + double(i) / fps);
   return times;
 }

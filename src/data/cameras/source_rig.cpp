@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
 
 #include "data/cameras/optics.h"
@@ -19,6 +20,7 @@ struct Member {
 // The neighbors of a member are the same member at the neighboring poses.
 std::vector<Shot> shotsOfMembers(const std::vector<Shot>& bases, const std::vector<Member>& members) {
   std::vector<Shot> shots;
+  shots.reserve(bases.size() * members.size());
   for (const Shot& base : bases)
     for (size_t number = 0; number < members.size(); ++number) {
       const Member& member = members[number];
@@ -37,8 +39,13 @@ std::vector<Shot> shotsOfMembers(const std::vector<Shot>& bases, const std::vect
   return shots;
 }
 
-std::vector<Shot> readBases(Spec& spec, const CameraContext& context) {
-  return makeShots(spec.at("cameras"), spec.pathOf("cameras"), context);
+std::vector<Shot> readBases(Spec& spec, const CameraContext& context, const std::vector<Member>& members) {
+  CameraContext within = context;
+  size_t longest = 0;
+  for (const Member& member : members) longest = std::max(longest, member.name.size());
+  within.copies *= double(members.size());
+  within.nameBytes += double(longest + 1);
+  return makeShots(spec.at("cameras"), spec.pathOf("cameras"), within);
 }
 
 Member readMember(Spec& spec, const CameraContext& context) {
@@ -57,13 +64,14 @@ Member readMember(Spec& spec, const CameraContext& context) {
 std::vector<Shot> shotsOfStereo(Spec& spec, const CameraContext& context) {
   Member left{.name = "left"}, right{.name = "right"};
   right.offset[3].x = spec.number("baseline", kPositive);
-  return shotsOfMembers(readBases(spec, context), {left, right});
+  const std::vector<Member> members{left, right};
+  return shotsOfMembers(readBases(spec, context, members), members);
 }
 
 std::vector<Shot> shotsOfRig(Spec& spec, const CameraContext& context) {
   std::vector<Member> members;
   for (Spec& member : spec.objects("offsets")) members.push_back(readMember(member, context));
-  return shotsOfMembers(readBases(spec, context), members);
+  return shotsOfMembers(readBases(spec, context, members), members);
 }
 
 }  // namespace latelight::data

@@ -11,6 +11,11 @@ namespace latelight::data {
 std::vector<Shot> shotsOfScene(Spec& spec, const CameraContext& context) {
   const std::vector<scene::Camera>& cameras = context.ownCameras;
   if (cameras.empty()) badUsage("{}: {} has no cameras of its own", spec.path(), context.scene.source);
+  const std::vector<std::string> chosen = spec.has("names") ? spec.texts("names") : std::vector<std::string>();
+  uint64_t names = 0;
+  for (const scene::Camera& camera : cameras) names += chosen.empty() ? camera.name.size() : 0;
+  for (const std::string& name : chosen) names += name.size();
+  context.claim(spec, chosen.empty() ? cameras.size() : chosen.size(), names);
   std::vector<Shot> shots;
   const auto add = [&](const scene::Camera& camera) {
     shots.push_back(toShot(camera, context.scene));
@@ -20,7 +25,7 @@ std::vector<Shot> shotsOfScene(Spec& spec, const CameraContext& context) {
     for (const scene::Camera& camera : cameras) add(camera);
     return shots;
   }
-  for (const std::string& name : spec.texts("names")) {
+  for (const std::string& name : chosen) {
     const auto camera = std::ranges::find(cameras, name, &scene::Camera::name);
     if (camera == cameras.end())
       badUsage("{}: {} has no camera \"{}\"", spec.pathOf("names"), context.scene.source, name);

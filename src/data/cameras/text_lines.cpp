@@ -10,6 +10,7 @@ namespace latelight::data {
 
 TextLines::TextLines(const std::filesystem::path& file) : file_(file) {
   const std::vector<std::byte> bytes = readFile(file);
+  memory_.grow(2 * bytes.size(), fmt::format("the file '{}'", file.string()));
   text_.assign(reinterpret_cast<const char*>(bytes.data()), bytes.size());
 }
 

@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "base/memory.h"
+
 namespace latelight::data {
 
 class TextLines {
@@ -28,6 +30,7 @@ class TextLines {
  private:
   std::filesystem::path file_;
   std::string text_;
+  MemoryClaim memory_;
   size_t at_ = 0, line_ = 0;
 };
 

@@ -91,12 +91,16 @@ Lens lensIn(const Json& source, PictureSize size, const std::string& where) {
   return lens;
 }
 
-// A frame's own intrinsics come before those of all.
+// A frame's own intrinsics come before those of all. Only the keys of a lens are copied: a file may have any others.
 Json intrinsicsOf(const Json& all, const Json& frame) {
   Json merged = Json::object();
-  for (const Json* source : {&all, &frame})
-    for (const auto& [key, value] : source->items())
-      if (key != "frames" && key != "transform_matrix") merged[key] = value;
+  for (const char* key : {"camera_model", "is_fisheye", "w", "h", "fl_x", "fl_y", "camera_angle_x", "camera_angle_y",
+                          "cx", "cy", "k1", "k2", "k3", "k4", "p1", "p2"})
+    for (const Json* source : {&frame, &all})
+      if (const auto found = source->find(key); found != source->end()) {
+        merged[key] = *found;
+        break;
+      }
   return merged;
 }
 
@@ -127,21 +131,25 @@ Json transformsLens(const Lens& lens) {
 }
 
 std::vector<CalibratedCamera> readTransforms(const std::filesystem::path& file, PictureSize size) {
-  const Json json = readJson(file);
+  const JsonDocument document = readJson(file);
+  const Json& json = document.json;
   const auto frames = json.find("frames");
   if (!json.is_object() || frames == json.end() || !frames->is_array() || frames->empty())
     badInput("{} has no frames", file.string());
+  const Json shared = intrinsicsOf(json, Json::object());
   std::vector<CalibratedCamera> cameras;
+  CameraMemory memory;
   for (const Json& frame : *frames) {
     const std::string where = fmt::format("frame {} of {}", cameras.size(), file.string());
     if (!frame.is_object()) badInput("{} is no object", where);
     const std::vector<double> m = numbersIn(frame, "transform_matrix", 16, where);
-    CalibratedCamera camera{.lens = lensIn(intrinsicsOf(json, frame), size, where)};
+    CalibratedCamera camera{.lens = lensIn(intrinsicsOf(shared, frame), size, where)};
     for (int i = 0; i < 16; ++i) camera.pose[i % 4][i / 4] = m[static_cast<size_t>(i)];
     if (!makeRigid(camera.pose)) badInput("{} has a transform_matrix that is no rotation and translation", where);
     camera.pose = turnedAxes(camera.pose);
     const auto picture = frame.find("file_path");
     if (picture != frame.end() && picture->is_string()) camera.name = picture->get<std::string>();
+    memory.add(camera);
     cameras.push_back(std::move(camera));
   }
   return cameras;

@@ -12,12 +12,14 @@ namespace latelight::data {
 std::vector<CalibratedCamera> readTum(const std::filesystem::path& file) {
   TextLines lines(file);
   std::vector<CalibratedCamera> cameras;
+  CameraMemory memory;
   while (const auto line = lines.nextUsed()) {
     const std::vector<std::string_view> words = lines.words(*line, 8);
     const std::vector<double> n = lines.numbers(words, 0, 8);
     CalibratedCamera camera{.name = std::string(words[0]), .pose = glm::dmat4(rotationOf({n[7], n[4], n[5], n[6]}))};
     camera.pose[3] = {n[1], n[2], n[3], 1};
     if (!makeRigid(camera.pose)) badInput("{} has a pose that is no rotation and translation", lines.where());
+    memory.add(camera);
     cameras.push_back(std::move(camera));
   }
   if (cameras.empty()) badInput("{} has no poses", file.string());

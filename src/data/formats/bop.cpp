@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <map>
-#include <set>
 
 #include "base/error.h"
+#include "data/formats/bop_models.h"
 #include "data/formats/depth_png.h"
 #include "data/formats/formats.h"
 #include "data/formats/frame_files.h"
@@ -61,12 +61,13 @@ class Bop : public Format {
     FormatOptions options("bop", json);
     split_ = options.setFile("split", "train", "");
     depthScale_ = options.number("depth-scale", 1, 1e-3, 1e4);
+    numbers_ = BopNumbers(options.find("models"));
     options.finish();
   }
 
   std::vector<output::Aov> needs() const override { return {output::Aov::Id, output::Aov::Depth}; }
   bool needsDisplay() const override { return true; }
-  Extras needsExtras() const override { return {.boxes = true, .alone = true}; }
+  Extras needsExtras() const override { return {.boxes = true, .alone = true, .shapes = true}; }
 
   FrameRecord writeFrame(const DataFrame& frame, const std::filesystem::path& folder) const override {
     if (frame.metadata.camera.orthographic)
@@ -84,7 +85,7 @@ class Bop : public Format {
     std::map<uint32_t, Mask> visible = masksOf(imageOf(frame.picture, output::Aov::Id));
     Json objects = Json::array();
     for (const Object& object : frame.objects) {
-      if (object.alone.area() == 0) continue;
+      if (object.alone.area() == 0 || !numbers_.takes(nodeOf(frame, object))) continue;
       Mask& seen = visible[object.id];
       if (seen.runs.empty()) seen = {depth.width, depth.height, {depth.width * depth.height}};
       for (const auto& [kind, mask] : {std::pair("mask", &object.alone), std::pair("mask_visib", &std::as_const(seen))})
@@ -98,7 +99,10 @@ class Bop : public Format {
   }
 
   std::vector<std::string> writeSet(std::span<const Json> entries, const std::filesystem::path& folder) const override {
-    const std::map<std::string, Json> models = modelsOf(entries);
+    BopModels models(numbers_);
+    for (const Json& entry : entries)
+      for (const Json& object : entry["objects"]) models.add(object);
+    models.number();
     std::map<std::string, Json> files;
     for (const Json& entry : entries) {
       const std::string scene = sceneFolder(entry["scene"].get<uint32_t>());
@@ -108,13 +112,13 @@ class Bop : public Format {
       Json& infos = files[scene + "/scene_gt_info.json"][image] = Json::array();
       for (const Json& object : entry["objects"]) {
         Json pose = object["pose"];
-        pose["obj_id"] = models.at(object["model"].get<std::string>())["number"];
+        pose["obj_id"] = models.numberOf(object);
         poses.push_back(std::move(pose));
         infos.push_back(object["info"]);
       }
     }
-    for (const auto& [name, model] : models)
-      files["models/models_info.json"][std::to_string(model["number"].get<size_t>())] = model["info"];
+    files["models/models_info.json"] = models.info();
+    files["models/models.json"] = models.list();
     std::vector<std::string> written;
     for (const auto& [name, json] : files) {
       writeJsonBelow(folder, name, json);
@@ -138,6 +142,11 @@ class Bop : public Format {
             {"cam_t_w2c", bopTranslation(fromWorld)}};
   }
 
+  static std::string nodeOf(const DataFrame& frame, const Object& object) {
+    const output::IdEntry* entry = entryOf(*frame.metadata.ids, object.id);
+    return entry ? nameOf(*entry) : std::to_string(object.id);
+  }
+
   static Json describe(const DataFrame& frame, const Object& object, const Mask& visible,
                        const std::vector<uint16_t>& steps) {
     const std::vector<uint8_t> alone = object.alone.pixels();
@@ -146,9 +155,11 @@ class Bop : public Format {
     const uint64_t pixels = visible.area();
     const glm::dmat4 toCamera = openCvFromWorld(frame.metadata.camera) * object.toWorld;
     const output::IdEntry* entry = entryOf(*frame.metadata.ids, object.id);
-    const std::string name = !entry ? std::to_string(object.id) : entry->mesh.empty() ? nameOf(*entry) : entry->mesh;
+    const std::string node = nodeOf(frame, object), name = !entry || entry->mesh.empty() ? node : entry->mesh;
     const glm::dvec3 low = object.low * kMillimetres, size = (object.high - object.low) * kMillimetres;
-    return {{"model", fmt::format("{} {:.4g} {:.4g} {:.4g}", name, size.x, size.y, size.z)},
+    return {{"node", node},
+            {"name", name},
+            {"shape", describeShape(object.shape)},
             {"modelInfo",
              {{"min_x", low.x},
               {"min_y", low.y},
@@ -167,19 +178,9 @@ class Bop : public Format {
               {"visib_fract", static_cast<double>(pixels) / static_cast<double>(object.pixels)}}}};
   }
 
-  // Numbered from 1 by their names: a mesh in each of its sizes, since poses have no scale.
-  static std::map<std::string, Json> modelsOf(std::span<const Json> entries) {
-    std::map<std::string, Json> models;
-    for (const Json& entry : entries)
-      for (const Json& object : entry["objects"])
-        models.try_emplace(object["model"].get<std::string>(), Json{{"info", object["modelInfo"]}});
-    size_t number = 0;
-    for (auto& [name, model] : models) model["number"] = ++number;
-    return models;
-  }
-
   std::string split_;
   double depthScale_;
+  BopNumbers numbers_{nullptr};
 };
 
 }  // namespace

@@ -4,16 +4,16 @@
 
 #include <algorithm>
 #include <map>
-#include <regex>
 #include <set>
 
 #include "base/error.h"
-#include "base/files.h"
 #include "base/parallel.h"
+#include "data/cameras/json_file.h"
 #include "data/formats/formats.h"
 #include "data/formats/frame_files.h"
 #include "data/formats/names.h"
 #include "data/formats/options.h"
+#include "data/formats/path_rules.h"
 #include "data/formats/picture_file.h"
 #include "data/json_text.h"
 
@@ -42,15 +42,14 @@ class Categories {
   // Empty: it has none, and is left out.
   std::string of(const output::IdEntry& entry, const output::IdManifest& ids) const {
     if (rules_.empty()) return named(entry, ids);
-    for (const auto& [pattern, category] : rules_)
-      if (std::regex_search(nameOf(entry), pattern)) return category;
-    return "";
+    const std::optional<size_t> rule = rules_.find(nameOf(entry));
+    return rule ? names_[*rule] : "";
   }
 
   // Categories that there are whether anything has them or not, in the order of their numbers.
   std::vector<std::string> fixed() const {
     std::vector<std::string> names;
-    for (const auto& [pattern, category] : rules_)
+    for (const std::string& category : names_)
       if (std::ranges::find(names, category) == names.end()) names.push_back(category);
     return names;
   }
@@ -61,9 +60,7 @@ class Categories {
       "the category of each, or a .json file with such an object";
 
   static Json rulesIn(const std::string& path) {
-    const std::vector<std::byte> bytes = readFile(path);
-    const auto* text = reinterpret_cast<const char*>(bytes.data());
-    Json json = Json::parse(text, text + bytes.size(), nullptr, false);
+    Json json = readJson(path).json;
     if (!json.is_object()) badInput("'{}' is not a JSON object of regular expressions and categories", path);
     return json;
   }
@@ -71,11 +68,8 @@ class Categories {
   void readRules(const Json& rules) {
     for (const auto& [pattern, category] : rules.items()) {
       if (!category.is_string() || category.get_ref<const std::string&>().empty()) badUsage("{}", kTakes);
-      try {
-        rules_.emplace_back(std::regex(pattern, std::regex::ECMAScript), category.get<std::string>());
-      } catch (const std::regex_error&) {
-        badUsage("categories of the format coco has \"{}\", which is no regular expression", pattern);
-      }
+      rules_.add(pattern, "categories of the format coco");
+      names_.push_back(category.get<std::string>());
     }
     if (rules_.empty()) badUsage("{}", kTakes);
   }
@@ -88,7 +82,8 @@ class Categories {
   }
 
   std::string from_ = "mesh";
-  std::vector<std::pair<std::regex, std::string>> rules_;
+  PathRules rules_;
+  std::vector<std::string> names_;  // of the rules' categories
 };
 
 Json boxOf(const PixelBox& box) {

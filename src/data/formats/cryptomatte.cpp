@@ -5,6 +5,8 @@
 #include <bit>
 #include <cstring>
 #include <unordered_map>
+#include <unordered_set>
+#include <utility>
 
 #include "data/formats/formats.h"
 #include "data/formats/frame_files.h"
@@ -57,17 +59,29 @@ struct MatteNames {
   }
 };
 
-MatteNames objectNames(const output::IdManifest& ids) {
+// Names of what the samples show: a scene may have far more, and each frame's file lists its own.
+using Shown = std::unordered_set<uint32_t>;
+
+Shown shownIn(const output::AovImage& samples) {
+  Shown ids;
+  uint32_t last = 0;
+  for (const uint32_t id : samples.ids)
+    if (id != std::exchange(last, id)) ids.insert(id);
+  return ids;
+}
+
+MatteNames objectNames(const output::IdManifest& ids, const Shown& shown) {
   MatteNames names{"CryptoObject", output::Aov::Id};
   for (const output::IdEntry& entry : ids.ids)
-    if (!entry.parts.empty()) names.add(entry.id, nameOf(entry));
+    if (shown.contains(entry.id)) names.add(entry.id, nameOf(entry));
   return names;
 }
 
-MatteNames materialNames(const output::IdManifest& ids) {
+MatteNames materialNames(const output::IdManifest& ids, const Shown& shown) {
   MatteNames names{"CryptoMaterial", output::Aov::Material};
   for (const output::IdMaterial& material : ids.materials)
-    names.add(material.id, material.name.empty() ? fmt::format("material{}", material.index) : material.name);
+    if (shown.contains(material.id))
+      names.add(material.id, material.name.empty() ? fmt::format("material{}", material.index) : material.name);
   return names;
 }
 
@@ -142,7 +156,9 @@ class Cryptomatte : public Format {
     const output::AovImage* color = &imageOf(frame.picture, output::Aov::Color);
     output::ExrExtras extras;
     std::vector<std::vector<Plane>> planes;  // live until the file is made
-    for (const MatteNames& names : {objectNames(*frame.metadata.ids), materialNames(*frame.metadata.ids)}) {
+    const output::IdManifest& ids = *frame.metadata.ids;
+    for (const MatteNames& names : {objectNames(ids, shownIn(imageOf(frame.samples, output::Aov::Id))),
+                                    materialNames(ids, shownIn(imageOf(frame.samples, output::Aov::Material)))}) {
       planes.push_back(ranksOf(names, imageOf(frame.samples, names.aov), color->width, color->height, ranks_));
       for (size_t i = 0; i < planes.back().size(); ++i)
         extras.channels.push_back({fmt::format("{}{:02}.{}", names.layer, i / 4, "RGBA"[i % 4]), planes.back()[i]});

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "data/stop.h"
 #include "data/variations/draws.h"
 #include "data/variations/frames.h"
 #include "data/variations/object_template.h"
@@ -77,6 +78,7 @@ class Scatter : public Variation {
   // The change of the world that takes the template there; nothing after all tries.
   std::optional<dmat4> findPlace(const ObjectTemplate& object, Random& random, const Draft& draft) const {
     for (uint64_t tried = 0; tried < tries_; ++tried) {
+      throwIfStopped();
       const double scale = random.between(scale_.low, scale_.high);
       dmat4 place = turnAbout({0, 0, 1}, random.between(turn_.low, turn_.high));
       for (int axis = 0; axis < 3; ++axis) place[axis] *= scale;

@@ -9,4 +9,13 @@ void stopOnSignals();
 // The signal that asked for the end; 0: none did.
 int stopSignal();
 
+// Thrown where work that may take long is given up because of a signal. It is no std::exception: nothing has failed,
+// and no handler of failures may take it for one.
+struct Stopped {
+  int signal;
+};
+
+// For loops that may run long between frames.
+void throwIfStopped();
+
 }  // namespace latelight::data

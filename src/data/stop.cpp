@@ -1,4 +1,4 @@
-#include "data/batch/stop.h"
+#include "data/stop.h"
 
 #include <atomic>
 #include <csignal>
@@ -29,6 +29,10 @@ void stopOnSignals() {
 
 int stopSignal() {
   return askedBy;
+}
+
+void throwIfStopped() {
+  if (const int signal = askedBy) throw Stopped{signal};
 }
 
 }  // namespace latelight::data

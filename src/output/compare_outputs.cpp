@@ -1,0 +1,330 @@
+#include "output/compare_outputs.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/glm.hpp>
+#include <limits>
+#include <numbers>
+#include <set>
+
+#include "base/error.h"
+#include "output/srgb.h"
+
+namespace latelight::output {
+
+namespace {
+
+constexpr double kOneFileOnly = std::numeric_limits<double>::infinity();
+
+// Tolerances where none is given. Of colours and other differences it follows from the channels' types (compare.h).
+double defaultTolerance(Measure measure) {
+  switch (measure) {
+    case Measure::Relative:
+      return 1e-4;
+    case Measure::Angle:
+    case Measure::Pixels:
+      return 0.01;
+    default:
+      return 0;
+  }
+}
+
+// --- which channels are which output --------------------------------------------------------------------------------
+
+struct Group {
+  std::string name;
+  Measure measure = Measure::Difference;
+  std::vector<std::string> channels;
+};
+
+bool hasAll(const std::set<std::string>& channels, std::span<const std::string_view> wanted) {
+  return std::ranges::all_of(wanted, [&](std::string_view name) { return channels.contains(std::string(name)); });
+}
+
+// Takes the channels of an output out of those that are left; nothing where some are missing.
+std::optional<Group> takeOutput(const AovInfo& aov, std::set<std::string>& left) {
+  std::span<const std::string_view> wanted = std::span(aov.exrChannels).first(aov.channels);
+  // A picture may do without coverage.
+  if (aov.aov == Aov::Color && !hasAll(left, wanted)) wanted = wanted.first(3);
+  if (!hasAll(left, wanted)) return std::nullopt;
+  Group group{std::string(aov.name), measureOf(aov), {}};
+  for (const std::string_view name : wanted) {
+    group.channels.emplace_back(name);
+    left.erase(std::string(name));
+  }
+  return group;
+}
+
+// "cluster.instance" belongs to "cluster".
+std::string prefixOf(const std::string& channel) {
+  return channel.substr(0, channel.rfind('.'));
+}
+
+bool isPng(const ReadImage& image) {
+  return std::ranges::all_of(image.channels, [](const Channel& channel) {
+    return channel.type == ChannelType::Unorm8 || channel.type == ChannelType::Unorm16;
+  });
+}
+
+std::vector<Group> groupsOf(const ReadImage& image, const std::vector<std::string>& chosen) {
+  std::set<std::string> left;
+  for (const Channel& channel : image.channels)
+    if (chosen.empty() || std::ranges::find(chosen, channel.name) != chosen.end()) left.insert(channel.name);
+  std::vector<Group> groups;
+  for (const AovInfo& aov : aovs())
+    if (auto group = takeOutput(aov, left)) groups.push_back(*std::move(group));
+  // A grey PNG is a picture as well.
+  if (isPng(image) && left.contains("Y")) {
+    groups.push_back({"color", Measure::Color, {"Y"}});
+    left.erase("Y");
+    if (left.erase("A")) groups.back().channels.emplace_back("A");
+  }
+  std::map<std::string, Group> others;
+  for (const std::string& channel : left) {
+    Group& group = others[prefixOf(channel)];
+    group.name = prefixOf(channel);
+    group.channels.push_back(channel);
+  }
+  for (auto& [name, group] : others) groups.push_back(std::move(group));
+  return groups;
+}
+
+// --- measures -------------------------------------------------------------------------------------------------------
+
+using Vector = glm::dvec3;
+
+// A pixel of up to three channels.
+Vector vectorAt(std::span<const Channel* const> channels, size_t pixel) {
+  Vector v(0);
+  for (size_t c = 0; c < std::min<size_t>(channels.size(), 3); ++c) v[static_cast<int>(c)] = channels[c]->values[pixel];
+  return v;
+}
+
+bool isFinite(Vector v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+// A difference of no more than `step`, to which the file rounds, is none.
+double relativeError(Vector a, Vector b, double step) {
+  const double difference = glm::length(a - b);
+  return difference > step * (1 + 1e-6) ? (difference - step) / std::max(glm::length(a), glm::length(b)) : 0;
+}
+
+// Background has no direction.
+double angle(Vector a, Vector b) {
+  const bool isA = glm::length(a) > 0, isB = glm::length(b) > 0;
+  if (!isA || !isB) return isA == isB ? 0 : kOneFileOnly;
+  // Exact for small angles, too, which an arc cosine is not.
+  return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)) * 180 / std::numbers::pi;
+}
+
+struct Pixels {
+  std::vector<const Channel*> a, b;
+
+  double error(Measure measure, size_t pixel) const {
+    if (measure == Measure::Identity) return a[0]->values[pixel] == b[0]->values[pixel] ? 0 : 1;
+    if (measure == Measure::Pixels) {
+      double worst = 0;
+      for (size_t c = 0; c + 1 < a.size(); c += 2)
+        worst = std::max(worst, error(measure, pixel, std::span(a).subspan(c, 2), std::span(b).subspan(c, 2)));
+      return worst;
+    }
+    return error(measure, pixel, a, b);
+  }
+
+ private:
+  static double error(Measure measure, size_t pixel, std::span<const Channel* const> a,
+                      std::span<const Channel* const> b) {
+    const Vector x = vectorAt(a, pixel), y = vectorAt(b, pixel);
+    if (!isFinite(x) || !isFinite(y)) {
+      const auto same = [](double one, double other) { return one == other || (std::isnan(one) && std::isnan(other)); };
+      return same(x.x, y.x) && same(x.y, y.y) && same(x.z, y.z) ? 0 : kOneFileOnly;
+    }
+    if (measure == Measure::Angle) return angle(x, y);
+    constexpr double kMillimetre = 1e-3;
+    const bool isRounded = a[0]->type == ChannelType::Unorm16 || b[0]->type == ChannelType::Unorm16;
+    return measure == Measure::Relative ? relativeError(x, y, isRounded ? kMillimetre : 0) : glm::length(x - y);
+  }
+};
+
+void measurePixels(const Pixels& channels, uint32_t width, OutputDifference& result) {
+  double sum = 0;
+  uint64_t count = 0;
+  result.excesses.resize(result.pixels);
+  for (size_t i = 0; i < result.pixels; ++i) {
+    const double error = channels.error(result.measure, i);
+    result.excesses[i] = error == 0 ? 0 : result.tolerance > 0 ? error / result.tolerance : kOneFileOnly;
+    result.beyond += error > result.tolerance;
+    if (error == kOneFileOnly) {
+      ++result.unlike;
+      continue;
+    }
+    sum += error;
+    ++count;
+    if (error <= result.maximum) continue;
+    result.maximum = error;
+    result.worstX = static_cast<uint32_t>(i % width);
+    result.worstY = static_cast<uint32_t>(i / width);
+  }
+  result.mean = count ? sum / static_cast<double>(count) : 0;
+}
+
+// --- colours --------------------------------------------------------------------------------------------------------
+
+bool isCoverage(const std::string& channel) {
+  return channel == "A";
+}
+
+// In [0, 1]: FLIP is of pictures that a screen can show. Pixels of a PNG are put over black, those of other files are.
+LinearPicture linearOf(const ReadImage& image, const std::vector<std::string>& channels) {
+  std::vector<const Channel*> colors;
+  const Channel* coverage = nullptr;
+  for (const std::string& name : channels)
+    isCoverage(name) ? void(coverage = image.find(name)) : colors.push_back(image.find(name));
+  LinearPicture picture{image.width, image.height, std::vector<glm::dvec3>(size_t{image.width} * image.height)};
+  for (size_t i = 0; i < picture.rgb.size(); ++i)
+    for (int c = 0; c < 3; ++c) {
+      const Channel& channel = *colors[std::min<size_t>(static_cast<size_t>(c), colors.size() - 1)];
+      const bool coded = channel.type == ChannelType::Unorm8 || channel.type == ChannelType::Unorm16;
+      const double value = channel.values[i] > 0 ? std::min(channel.values[i], 1.0) : 0;  // NaN is 0
+      const double seen = coded && coverage ? value * coverage->values[i] : value;
+      picture.rgb[i][c] = coded ? linearFromSrgb(static_cast<float>(seen)) : seen;
+    }
+  return picture;
+}
+
+void measureChannels(const ReadImage& a, const ReadImage& b, std::optional<double> tolerance,
+                     OutputDifference& result) {
+  const CompareOptions options{tolerance, result.channels};
+  const Comparison c = compare(a, b, options);
+  result.excesses = excesses(a, b, options);
+  result.maximum = c.maximum;
+  result.mean = c.mean;
+  result.worstX = c.worstX;
+  result.worstY = c.worstY;
+  result.worstChannel = c.worstChannel;
+  result.beyond = c.beyond;
+  result.unlike = c.unlike;
+  result.psnr = c.psnr;
+}
+
+double meanFlip(const ReadImage& a, const ReadImage& b, const OutputDifference& result, double pixelsPerDegree) {
+  const std::vector<double> errors = flip(linearOf(a, result.channels), linearOf(b, result.channels), pixelsPerDegree);
+  double sum = 0;
+  for (const double error : errors) sum += error;
+  return errors.empty() ? 0 : sum / static_cast<double>(errors.size());
+}
+
+OutputDifference measure(const ReadImage& a, const ReadImage& b, const Group& group, const OutputOptions& options) {
+  OutputDifference result{.output = group.name, .channels = group.channels, .measure = group.measure};
+  result.pixels = uint64_t{a.width} * a.height;
+  std::optional<double> tolerance = group.measure == Measure::Identity ? std::nullopt : options.tolerance;
+  if (const auto own = options.tolerances.find(group.name); own != options.tolerances.end()) tolerance = own->second;
+  result.tolerance = tolerance.value_or(defaultTolerance(group.measure));
+  if (group.measure == Measure::Color || group.measure == Measure::Difference) {
+    measureChannels(a, b, tolerance, result);
+    if (group.measure == Measure::Color) result.flip = meanFlip(a, b, result, options.pixelsPerDegree);
+    return result;
+  }
+  Pixels channels;
+  for (const std::string& name : group.channels) {
+    channels.a.push_back(a.find(name));
+    channels.b.push_back(b.find(name));
+  }
+  measurePixels(channels, a.width, result);
+  return result;
+}
+
+// --- files named after an output ------------------------------------------------------------------------------------
+
+// The number that a code of a PNG file stands for (PngCoding).
+double decoded(PngCoding coding, double code) {
+  constexpr double kLevels = 65535;
+  switch (coding) {
+    case PngCoding::Signed:
+      return code * 2 - 1;
+    case PngCoding::Millimetre:
+      return code > 0 ? code * kLevels / 1000 : std::numeric_limits<double>::infinity();
+    case PngCoding::Count:
+      return code * kLevels;
+    default:
+      return code;
+  }
+}
+
+ReadImage decodedPng(const ReadImage& image, const AovInfo& aov) {
+  ReadImage result{image.width, image.height, {}};
+  const size_t pixels = size_t{image.width} * image.height;
+  if (aov.png == PngCoding::IdBytes) {
+    Channel ids{std::string(aov.exrChannels[0]), ChannelType::Integer, std::vector<double>(pixels)};
+    for (size_t c = 0; c < image.channels.size(); ++c)
+      for (size_t i = 0; i < pixels; ++i)
+        ids.values[i] += std::round(image.channels[c].values[i] * 255) * std::exp2(8.0 * double(c));
+    result.channels.push_back(std::move(ids));
+    return result;
+  }
+  for (uint32_t c = 0; c < aov.channels; ++c) {
+    const ChannelType type = aov.png == PngCoding::Millimetre ? ChannelType::Unorm16 : ChannelType::Float;
+    Channel channel{std::string(aov.exrChannels[c]), type, image.channels[c].values};
+    for (double& value : channel.values) value = decoded(aov.png, value);
+    result.channels.push_back(std::move(channel));
+  }
+  if (aov.png == PngCoding::Signed)  // 0 0 0 is background
+    for (size_t i = 0; i < pixels; ++i)
+      if (std::ranges::all_of(image.channels, [&](const Channel& channel) { return channel.values[i] == 0; }))
+        for (Channel& channel : result.channels) channel.values[i] = 0;
+  return result;
+}
+
+// "out.depth" and "depth" are named after depth.
+const AovInfo* outputNamed(const std::filesystem::path& path) {
+  const std::string stem = path.stem().string();
+  return findAov(stem.substr(stem.rfind('.') + 1));
+}
+
+}  // namespace
+
+Measure measureOf(const AovInfo& aov) {
+  if (holdsIds(aov.aov)) return Measure::Identity;
+  if (aov.png == PngCoding::Signed) return Measure::Angle;
+  if (aov.png == PngCoding::Display || aov.png == PngCoding::Srgb) return Measure::Color;
+  if (aov.unit == "m") return Measure::Relative;
+  return aov.unit == "px" ? Measure::Pixels : Measure::Difference;
+}
+
+std::string_view unitOf(Measure measure) {
+  if (measure == Measure::Angle) return "degrees";
+  return measure == Measure::Pixels ? "pixels" : "";
+}
+
+ReadImage asOutput(const ReadImage& image, const std::filesystem::path& path) {
+  const AovInfo* aov = outputNamed(path);
+  const bool known = aov && aov->png != PngCoding::Display && !image.channels.empty();
+  if (!known) return image;
+  if (isPng(image)) {
+    const size_t needed = aov->png == PngCoding::IdBytes ? 4 : aov->png == PngCoding::Fraction ? 3 : aov->channels;
+    const bool decodes = aov->png != PngCoding::None && aov->png != PngCoding::Srgb;
+    return decodes && image.channels.size() == needed ? decodedPng(image, *aov) : image;
+  }
+  if (path.extension() != ".npy" || image.channels.size() != aov->channels) return image;
+  ReadImage renamed = image;
+  for (uint32_t c = 0; c < aov->channels; ++c) renamed.channels[c].name = aov->exrChannels[c];
+  return renamed;
+}
+
+std::vector<OutputDifference> compareOutputs(const ReadImage& a, const ReadImage& b, const OutputOptions& options) {
+  checkComparable(a, b, {options.tolerance, options.channels});
+  ReadImage other = b;
+  // One channel each, whose name depends on the format.
+  if (options.channels.empty() && a.channels.size() == 1) other.channels[0].name = a.channels[0].name;
+  std::vector<OutputDifference> results;
+  for (const Group& group : groupsOf(a, options.channels)) results.push_back(measure(a, other, group, options));
+  for (const auto& [name, tolerance] : options.tolerances)
+    if (std::ranges::find(results, name, &OutputDifference::output) == results.end())
+      badUsage("--tolerance names the output \"{}\", which the files do not have", name);
+  return results;
+}
+
+}  // namespace latelight::output

@@ -1,0 +1,111 @@
+// The command line of batch: values that begin with brackets, and names that no file can have.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "batch/sets.h"
+
+namespace latelight::data {
+namespace {
+
+namespace fs = std::filesystem;
+using app::Folder;
+using app::latelight;
+using app::Outcome;
+using testing::HasSubstr;
+
+app::Command dryRun(const Folder& folder, std::vector<std::string> more) {
+  std::vector<std::string> all{"--scenes", "builtin:boxes", "-o", "set", "--dry-run"};
+  all.insert(all.end(), more.begin(), more.end());
+  return batch(folder, all);
+}
+
+// How many frames it says would be rendered.
+std::string frames(const Outcome& outcome) {
+  EXPECT_EQ(outcome.code, 0) << outcome.text();
+  const size_t line = outcome.out.rfind('\n', outcome.out.size() - 2) + 1;
+  return outcome.out.substr(line, outcome.out.find(' ', line) - line);
+}
+
+TEST(BatchCommand, TakesListsAsJson) {
+  const Folder folder;
+  EXPECT_EQ(frames(latelight(dryRun(folder, {"--cameras", R"([{"type": "scene"}, {"type": "orbit", "count": 5}])"}))),
+            "6");
+  EXPECT_EQ(frames(latelight(dryRun(folder, {R"(--cameras=[{"type": "orbit", "count": 5, "elevation": [1, 2]}])"}))),
+            "5");
+  EXPECT_EQ(frames(latelight(
+                dryRun(folder, {"--variations", R"([{"type": "lights", "intensity": [0.5, 2]}])", "--repeat", "3"}))),
+            "3");
+  EXPECT_EQ(frames(latelight(dryRun(folder, {"--formats", R"(["coco", {"format": "depth-png", "unit": "kitti"}])"}))),
+            "1");
+  const Outcome wrong = latelight(dryRun(folder, {"--cameras", R"([{"type": "scene"})"}));
+  EXPECT_EQ(wrong.code, 2);
+  EXPECT_THAT(wrong.err, HasSubstr("--cameras takes a name or JSON"));
+}
+
+// One element each time, or several: none is lost.
+TEST(BatchCommand, ListsMayBeGivenInParts) {
+  const Folder folder;
+  ASSERT_EQ(latelight(batch(folder, {"--scenes", "builtin:boxes", "-o", "set", "--formats", R"(["npz", "ply"])",
+                                     "--formats", "exr", "--formats", R"([{"format": "boxes"}])"}))
+                .code,
+            0);
+  const auto files = filesOf(folder, "set");
+  for (const char* name : {"000000.npz", "points/000000.ply", "000000.exr", "boxes/000000.json"})
+    EXPECT_TRUE(files.contains(name)) << name;
+}
+
+TEST(BatchCommand, NamesMayHaveBracketsAndCommas) {
+  const Folder folder;
+  for (const char* set : {"[set]", "[a,b]", "a,b"}) {
+    ASSERT_EQ(latelight(batch(folder, {"--scenes", "builtin:boxes", "-o", set})).code, 0) << set;
+    EXPECT_TRUE(fs::exists(folder.path() / set / "manifest.json")) << set;
+    EXPECT_EQ(latelight({.arguments = {"batch", "status", set}, .folder = folder.path()}).code, 0) << set;
+  }
+  folder.write("[x,y].gltf", std::string_view(kCameraAlone));
+  EXPECT_EQ(frames(latelight(batch(folder, {"--scenes", "[x,y].gltf", "-o", "set", "--dry-run"}))), "1");
+  fs::create_directory(folder.path() / "[f,g]");
+  EXPECT_EQ(frames(latelight(dryRun(folder, {"--allow-outside", "[f,g]", "--id-nodes", "floor"}))), "1");
+}
+
+// Words after an option's value are not more values of it.
+TEST(BatchCommand, AValueIsOneWord) {
+  const Folder folder;
+  EXPECT_EQ(latelight(batch(folder, {"--scenes", "builtin:boxes", "builtin:hall", "-o", "set", "--dry-run"})).code, 2);
+}
+
+TEST(BatchCommand, NamesThatNoFileCanHave) {
+  const Folder folder;
+  const std::string name(300, 'x');
+  const auto code = [&](std::vector<std::string> arguments) {
+    const Outcome outcome = latelight({.arguments = std::move(arguments), .folder = folder.path()});
+    EXPECT_THAT(outcome.err, testing::Not(HasSubstr("internal error"))) << outcome.text();
+    EXPECT_LT(outcome.err.size(), 700u);
+    return outcome.code;
+  };
+  EXPECT_EQ(code({"batch", "--scenes", name, "-o", "o"}), 3);
+  EXPECT_EQ(code({"batch", "--scenes", name + "/*.glb", "-o", "o"}), 3);
+  EXPECT_EQ(code({"batch", "--scenes", "builtin:boxes", "--hdri", name + ".hdr", "-o", "o", "--dry-run"}), 3);
+  EXPECT_EQ(code({"batch", "--scenes", "builtin:boxes", "--hdri", name + "/a.hdr", "-o", "o", "--dry-run"}), 3);
+  EXPECT_EQ(code({"batch", "status", name}), 3);
+  EXPECT_EQ(code({"batch", "verify", name}), 3);
+  EXPECT_EQ(code({"batch", "merge", name}), 2);
+  EXPECT_EQ(code({"batch", name + ".yaml"}), 3);
+  EXPECT_EQ(code({"batch", "--scenes", "builtin:boxes", "-o", name}), 2);
+  EXPECT_EQ(code({"render", "builtin:boxes", "--hdri", name + ".hdr", "-o", "a.png", "--device", "cpu"}), 3);
+  EXPECT_EQ(code({"render", "builtin:boxes", "-o", name + ".png", "--device", "cpu"}), 2);
+  EXPECT_EQ(code({"serve", "builtin:boxes", "--hdri", name + ".hdr", "--port", "0", "--device", "cpu"}), 3);
+}
+
+// A job's numbers are repeated as they are.
+TEST(BatchCommand, LargeNumbersAreRepeatedAsTheyAre) {
+  const Folder folder;
+  const Outcome outcome = latelight(dryRun(folder, {"--repeat", "9223372036854775808"}));
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("not 9223372036854775808"));
+}
+
+}  // namespace
+}  // namespace latelight::data

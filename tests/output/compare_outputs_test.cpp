@@ -1,0 +1,175 @@
+// Files with several outputs, each by its own measure, and FLIP by its definition.
+#include "output/compare_outputs.h"
+
+#include "output/npy.h"
+#include "support.h"
+
+namespace latelight::output {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+constexpr double kInf = std::numeric_limits<double>::infinity();
+
+using Channels = std::vector<std::pair<std::string, std::vector<double>>>;
+ReadImage image(const Channels& channels, ChannelType type = ChannelType::Float) {
+  ReadImage made{static_cast<uint32_t>(channels.front().second.size()), 1, {}};
+  for (const auto& [name, values] : channels) made.channels.push_back({name, type, values});
+  return made;
+}
+
+OutputDifference only(const Channels& a, const Channels& b, const OutputOptions& options = {}) {
+  const std::vector<OutputDifference> all = compareOutputs(image(a), image(b), options);
+  EXPECT_EQ(all.size(), 1u);
+  return all.front();
+}
+
+TEST(CompareOutputs, FindsTheOutputsOfAFile) {
+  Channels channels;
+  for (const char* name :
+       {"A",         "B",         "G",  "N.X",      "N.Y",      "N.Z",      "P.X",      "P.Y",       "P.Z",  "R",   "Z",
+        "cluster.a", "cluster.b", "id", "motion.W", "motion.X", "motion.Y", "motion.Z", "roughness", "uv.U", "uv.V"})
+    channels.push_back({name, {1}});
+  std::map<std::string, Measure> measures;
+  for (const OutputDifference& d : compareOutputs(image(channels), image(channels))) {
+    measures[d.output] = d.measure;
+    EXPECT_EQ(d.beyond, 0u) << d.output;
+    EXPECT_EQ(d.maximum, 0) << d.output;
+  }
+  EXPECT_EQ(measures, (std::map<std::string, Measure>{{"color", Measure::Color},
+                                                      {"normal", Measure::Angle},
+                                                      {"position", Measure::Relative},
+                                                      {"depth", Measure::Relative},
+                                                      {"cluster", Measure::Difference},
+                                                      {"id", Measure::Identity},
+                                                      {"motion", Measure::Pixels},
+                                                      {"roughness", Measure::Difference},
+                                                      {"uv", Measure::Difference}}));
+}
+
+TEST(CompareOutputs, DepthIsRelative) {
+  // 1 of 100, 0.5 of 2, none, and a surface in one file only.
+  const OutputDifference d = only({{"Z", {99, 2, kInf, 4}}}, {{"Z", {100, 1.5, kInf, kInf}}});
+  EXPECT_NEAR(d.maximum, 0.25, 1e-12);
+  EXPECT_NEAR(d.mean, (0.01 + 0.25) / 3, 1e-12);
+  EXPECT_EQ(d.unlike, 1u);
+  EXPECT_EQ(d.beyond, 3u);
+  EXPECT_EQ(d.worstX, 1u);
+  EXPECT_EQ(only({{"Z", {100}}}, {{"Z", {100.009}}}).beyond, 0u) << "1e-4 by default";
+  EXPECT_EQ(only({{"Z", {100}}}, {{"Z", {100.011}}}).beyond, 1u);
+}
+
+TEST(CompareOutputs, PositionsAreRelativeToTheirLength) {
+  // Lengths 5 and 13: the difference (0, 0, 12) by 13.
+  const OutputDifference d =
+      only({{"P.X", {3}}, {"P.Y", {4}}, {"P.Z", {0}}}, {{"P.X", {3}}, {"P.Y", {4}}, {"P.Z", {12}}});
+  EXPECT_NEAR(d.maximum, 12.0 / 13, 1e-12);
+}
+
+TEST(CompareOutputs, NormalsAreAngles) {
+  // 90 degrees; the same at another length; background in both; background in one.
+  const OutputDifference d = only({{"N.X", {1, 1, 0, 0}}, {"N.Y", {0, 0, 0, 1}}, {"N.Z", {0, 0, 0, 0}}},
+                                  {{"N.X", {0, 0.5, 0, 0}}, {"N.Y", {1, 0, 0, 0}}, {"N.Z", {0, 0, 0, 0}}});
+  EXPECT_NEAR(d.maximum, 90, 1e-12);
+  EXPECT_NEAR(d.mean, 30, 1e-12);
+  EXPECT_EQ(d.unlike, 1u);
+  EXPECT_EQ(d.beyond, 2u);
+  // Small angles keep their digits: 1e-6 radians.
+  const OutputDifference small =
+      only({{"NG.X", {1}}, {"NG.Y", {0}}, {"NG.Z", {0}}}, {{"NG.X", {1}}, {"NG.Y", {1e-6}}, {"NG.Z", {0}}});
+  EXPECT_NEAR(small.maximum, 1e-6 * 180 / M_PI, 1e-12);
+}
+
+TEST(CompareOutputs, MotionIsInPixels) {
+  // Ends 3, 4 apart towards the frame before, and 6, 8 towards the one after.
+  const OutputDifference d = only({{"motion.X", {1}}, {"motion.Y", {1}}, {"motion.Z", {0}}, {"motion.W", {0}}},
+                                  {{"motion.X", {4}}, {"motion.Y", {5}}, {"motion.Z", {6}}, {"motion.W", {8}}});
+  EXPECT_NEAR(d.maximum, 10, 1e-12);
+}
+
+TEST(CompareOutputs, IdsAreEqualOrNot) {
+  OutputOptions options;
+  options.tolerance = 1e9;  // means nothing to ids
+  const OutputDifference d = only({{"id", {1, 2, 4294967295.0, 4}}}, {{"id", {1, 3, 4294967294.0, 4}}}, options);
+  EXPECT_EQ(d.beyond, 2u);
+  EXPECT_EQ(d.share(), 0.5);
+}
+
+TEST(CompareOutputs, TolerancesAreByOutput) {
+  const ReadImage a = image({{"Z", {1, 1}}, {"R", {0, 0}}, {"G", {0, 0}}, {"B", {0, 0}}}),
+                  b = image({{"Z", {1.05, 1}}, {"R", {0, 0.05}}, {"G", {0, 0}}, {"B", {0, 0}}});
+  OutputOptions options;
+  options.tolerances["depth"] = 0.06;
+  for (const OutputDifference& d : compareOutputs(a, b, options)) EXPECT_EQ(d.beyond, d.output == "color");
+  options.tolerance = 0.06;
+  options.tolerances["depth"] = 0.01;
+  for (const OutputDifference& d : compareOutputs(a, b, options)) EXPECT_EQ(d.beyond, d.output == "depth");
+  options.tolerances["normal"] = 1;
+  EXPECT_THAT(sentence(ExitCode::Usage, [&] { compareOutputs(a, b, options); }), HasSubstr("\"normal\""));
+}
+
+// --- files named after an output ------------------------------------------------------------------------------------
+
+TEST(AsOutput, DecodesPngByItsName) {
+  const double level = 1 / 65535.0;
+  const ReadImage depth = asOutput(image({{"Y", {0, 1500 * level}}}, ChannelType::Unorm16), "a.depth.png");
+  EXPECT_EQ(depth.channels[0].name, "Z");
+  EXPECT_EQ(depth.channels[0].values[0], kInf);
+  EXPECT_NEAR(depth.channels[0].values[1], 1.5, 1e-9);
+  const ReadImage normal =
+      asOutput(image({{"R", {0, 1}}, {"G", {0, 0.5}}, {"B", {0, 0.5}}}, ChannelType::Unorm16), "folder/normal.png");
+  EXPECT_EQ(normal.find("N.X")->values, (std::vector<double>{0, 1}));
+  EXPECT_EQ(normal.find("N.Y")->values, (std::vector<double>{0, 0}));
+  const ReadImage id = asOutput(
+      image({{"R", {1 / 255.0}}, {"G", {2 / 255.0}}, {"B", {3 / 255.0}}, {"A", {1}}}, ChannelType::Unorm8), "x.id.png");
+  EXPECT_EQ(id.find("id")->values[0], 1 + 256 * 2 + 65536 * 3 + 16777216.0 * 255);
+  EXPECT_EQ(asOutput(image({{"R", {1}}, {"G", {1}}, {"B", {1}}}, ChannelType::Unorm8), "x.png").channels[0].name, "R");
+  const ReadImage array = asOutput(image({{"R", {1}}, {"G", {1}}, {"B", {1}}}), "x.position.npy");
+  EXPECT_EQ(array.channels[2].name, "P.Z");
+}
+
+// Depth in PNG is rounded to the millimetre: one step is no difference.
+TEST(AsOutput, AStepOfAPngIsNoDifference) {
+  const auto at = [](int millimetres) {
+    return asOutput(image({{"Y", {millimetres / 65535.0}}}, ChannelType::Unorm16), "a.depth.png");
+  };
+  EXPECT_EQ(compareOutputs(at(200), at(201))[0].beyond, 0u);
+  EXPECT_EQ(compareOutputs(at(200), at(202))[0].beyond, 1u);
+}
+
+// --- FLIP -----------------------------------------------------------------------------------------------------------
+
+LinearPicture uniform(glm::dvec3 color, uint32_t width = 24, uint32_t height = 16) {
+  return {width, height, std::vector<glm::dvec3>(size_t{width} * height, color)};
+}
+
+double everywhere(const std::vector<double>& errors) {
+  const auto [least, most] = std::ranges::minmax_element(errors);
+  EXPECT_NEAR(*least, *most, 1e-9);
+  return *most;
+}
+
+TEST(Flip, OfUniformPicturesIsTheColorMetric) {
+  EXPECT_EQ(everywhere(flip(uniform({0.3, 0.5, 0.1}), uniform({0.3, 0.5, 0.1}))), 0);
+  // Green and blue are the largest distance that there is.
+  EXPECT_NEAR(everywhere(flip(uniform({0, 1, 0}), uniform({0, 0, 1}))), 1, 1e-9);
+  // Green and blue have the L* a* b* 87.736 -86.179 83.183 and 32.298 79.194 -107.859: with Hunt's effect they are
+  // 203.302 apart in HyAB, and 203.302^0.7 = 41.2761. Black and white are 100 apart, and 100^0.7 = 25.1189. Beyond 0.4
+  // of the largest, 16.5104, the rest is spread over 0.95 to 1: 0.95 + 0.05 (25.1189 - 16.5104) / (41.2761 - 16.5104).
+  EXPECT_NEAR(everywhere(flip(uniform({0, 0, 0}), uniform({1, 1, 1}))), 0.96738, 1e-5);
+}
+
+TEST(Flip, IsSymmetricAndFadesWithDistance) {
+  LinearPicture a = uniform({0.2, 0.2, 0.2}, 64, 64), b = a;
+  b.rgb[32 * 64 + 32] = {1, 1, 1};
+  const std::vector<double> errors = flip(a, b), other = flip(b, a);
+  for (size_t i = 0; i < errors.size(); ++i) EXPECT_NEAR(errors[i], other[i], 1e-12);
+  EXPECT_EQ(std::ranges::max_element(errors) - errors.begin(), 32 * 64 + 32);
+  EXPECT_EQ(errors[0], 0);
+  // Seen from farther away a single pixel matters less.
+  EXPECT_LT(flip(a, b, 200)[32 * 64 + 32], errors[32 * 64 + 32]);
+}
+
+}  // namespace
+}  // namespace latelight::output
