@@ -71,11 +71,17 @@ std::shared_ptr<Deformation> readDeformation(const Document& document, const Mes
   return deformation;
 }
 
-// The mesh with its joints and weights at rest.
+// The mesh with its joints and weights at rest. Joints that mirror it turn its triangles over, so that their front faces
+// are counter-clockwise again.
 void poseAtRest(const Document& document, const Hierarchy& hierarchy, const MeshRequest& request,
-                const Deformation& deformation, Mesh& mesh) {
+                Deformation& deformation, Mesh& mesh) {
   std::vector<mat4> joints;
-  if (deformation.skin >= 0) joints = restJoints(document, hierarchy, deformation.skin);
+  if (deformation.skin >= 0) {
+    joints = restJoints(document, hierarchy, deformation.skin);
+    deformation.mirroredAtRest = isMirrored(reachOf(deformation), joints);
+  }
+  if (deformation.mirroredAtRest)
+    for (size_t i = 0; i + 2 < mesh.indices.size(); i += 3) std::swap(mesh.indices[i + 1], mesh.indices[i + 2]);
   const std::vector<float> weights(request.weights.begin(), request.weights.end());
   DeformedVertices posed = deform(deformation, joints, weights);
   mesh.positions = std::move(posed.positions);

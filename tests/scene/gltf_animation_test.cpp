@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <glm/gtc/matrix_transform.hpp>
 #include <random>
 
 #include "gltf_compressed_files.h"
@@ -311,6 +312,58 @@ TEST(Animation, BrokenFilesAreRefusedBySentence) {
               HasSubstr("not a finite number"));
   EXPECT_THAT(broken([](GltfBuilder&, json& a) { a["samplers"][0]["interpolation"] = "CUBICSPLINE"; }),
               HasSubstr("the wrong number of values"));
+}
+
+// --- skins that mirror ----------------------------------------------------------------------------------------------
+
+// The triangle, with a normal map's tangents, moved by one joint below a node of this scale. Its normal is +Z.
+GltfBuilder skinnedTriangle(const std::vector<double>& scale) {
+  GltfBuilder b = triangleFile();
+  b.primitive()["attributes"]["NORMAL"] = b.vectors(std::vector<vec3>(3, {0, 0, 1}));
+  b.primitive()["attributes"]["TANGENT"] = b.vectors(std::vector<vec4>(3, {1, 0, 0, 1}));
+  b.primitive()["attributes"]["JOINTS_0"] =
+      b.accessor(b.view(std::vector<uint8_t>(12, 0)), kUnsignedByte, "VEC4", 3);
+  b.primitive()["attributes"]["WEIGHTS_0"] = b.vectors(std::vector<vec4>(3, {1, 0, 0, 0}));
+  const int joint = b.add("nodes", json::object());
+  b.node({{"scale", scale}, {"children", {joint}}});
+  b.add("skins", {{"joints", {joint}}});
+  b.root["nodes"][0]["skin"] = 0;
+  return b;
+}
+
+// Front faces are counter-clockwise where the scene is at rest, whatever the joints do, and the frame of the tangents is
+// the mirrored one: cross(normal, tangent) w follows v, which the joints turn as they turn positions.
+TEST(Skin, MirroredTrianglesKeepTheirFronts) {
+  const double turns[][3] = {{1, 1, 1}, {-1, 1, 1}, {1, -1, 1}, {1, 1, -1}, {-1, -1, 1}, {-2, -3, -1}};
+  for (const auto& s : turns) {
+    const Scene scene = skinnedTriangle({s[0], s[1], s[2]}).load();
+    const Mesh& mesh = scene.meshes.at(0);
+    const vec3 scale(s[0], s[1], s[2]);
+    const auto corner = [&](size_t i) { return mesh.positions[mesh.indices[i]]; };
+    const shared::VertexAttributes& a = mesh.attributes[0];
+    expectNear(mesh.positions[1], vec3(scale.x, 0, 0));
+    expectNear(a.normal, vec3(0, 0, scale.z < 0 ? -1 : 1));
+    EXPECT_GT(glm::dot(glm::cross(corner(1) - corner(0), corner(2) - corner(0)), a.normal), 0) << s[0] << s[1] << s[2];
+    expectNear(glm::cross(a.normal, vec3(a.tangent)) * a.tangent.w, vec3(0, scale.y < 0 ? -1 : 1, 0));
+  }
+}
+
+TEST(Skin, MirrorsAsMostOfItsWeightDoes) {
+  Deformation d;
+  d.influences = 4;
+  for (int vertex = 0; vertex < 3; ++vertex) {
+    d.positions.emplace_back(0);
+    d.attributes.push_back({vec3(0, 0, 1), vec4(0), vec2(0)});
+    for (const auto& [joint, weight] : {std::pair(0u, 0.75f), {1u, 0.25f}, {0u, 0.0f}, {0u, 0.0f}})
+      d.joints.push_back(joint), d.jointWeights.push_back(weight);
+  }
+  const mat4 mirror = glm::scale(mat4(1), vec3(-1, 1, 1)), flat = glm::scale(mat4(1), vec3(0, 1, 1));
+  const Reach reach = reachOf(d);
+  EXPECT_FALSE(isMirrored(reach, std::vector{mat4(1), mat4(1)}));
+  EXPECT_TRUE(isMirrored(reach, std::vector{mirror, mat4(1)}));
+  EXPECT_FALSE(isMirrored(reach, std::vector{mat4(1), mirror}));
+  EXPECT_TRUE(isMirrored(reach, std::vector{flat, mirror}));
+  EXPECT_FALSE(isMirrored(reach, std::vector{flat, flat}));
 }
 
 }  // namespace

@@ -35,21 +35,23 @@ GpuInstances::GpuInstances(vk::Device& device, const scene::Scene& scene, vk::Up
 
 void GpuInstances::place(uint32_t index, const glm::mat4& toWorld, const scene::Pose& pose, const Deformer* deformer) {
   const scene::Instance& instance = scene_.instances[index];
+  const scene::Mesh& mesh = scene_.meshes[instance.mesh];
+  const bool deformed = deformer && mesh.deformation && !pose.empty();
   const bool mirrored = glm::determinant(glm::mat3(toWorld)) < 0;
+  const bool clockwise = mirrored != (deformed && deformer->turnsOver(instance.mesh, pose));
   records_[index] = {.objectToWorld = glm::mat4x3(toWorld),
                      .mesh = instance.mesh,
                      .material = instance.material,
                      .id = instance.id,
                      .part = instance.part,
                      .flags = (mirrored ? shared::kInstanceMirrored : 0u) |
-                              (scene_.meshes[instance.mesh].extras.empty() ? 0u : shared::kInstanceExtras) |
+                              (clockwise ? shared::kInstanceClockwise : 0u) |
+                              (mesh.extras.empty() ? 0u : shared::kInstanceExtras) |
                               groupBits(index)};
   if (!scene::isShown(scene_, pose, instance)) {
     bounds_[index] = kNowhere;
     return;
   }
-  const scene::Mesh& mesh = scene_.meshes[instance.mesh];
-  const bool deformed = deformer && mesh.deformation && !pose.empty();
   bounds_[index] = boundsOf(
       deformed ? deformer->boundsOf(instance.mesh, pose) : scene::ReachBox{mesh.boundsMin, mesh.boundsMax}, toWorld);
 }

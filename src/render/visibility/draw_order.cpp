@@ -22,11 +22,11 @@ bool standsWhere(const shared::Instance& a, const shared::Instance& b) {
 
 // Puts an instance behind those that are there: into the last draw, if it is like those.
 void append(DrawList& list, const shared::Instance& record, uint32_t instance) {
-  const bool mirrored = (record.flags & shared::kInstanceMirrored) != 0;
+  const bool clockwise = (record.flags & shared::kInstanceClockwise) != 0;
   const bool joins = !list.draws.empty() && list.draws.back().mesh == record.mesh &&
-                     list.draws.back().material == record.material && list.draws.back().mirrored == mirrored;
+                     list.draws.back().material == record.material && list.draws.back().clockwise == clockwise;
   if (!joins)
-    list.draws.push_back({record.mesh, record.material, mirrored, static_cast<uint32_t>(list.instances.size()), 0});
+    list.draws.push_back({record.mesh, record.material, clockwise, static_cast<uint32_t>(list.instances.size()), 0});
   ++list.draws.back().count;
   list.instances.push_back(instance);
 }

@@ -13,7 +13,7 @@ namespace latelight::render {
 // Instances of one mesh, one material and one winding: one instanced draw.
 struct Draw {
   uint32_t mesh = 0, material = 0;
-  bool mirrored = false;
+  bool clockwise = false;
   uint32_t first = 0, count = 0;  // among DrawList::instances
 };
 

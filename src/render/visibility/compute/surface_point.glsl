@@ -75,7 +75,7 @@ SurfacePoint seenPoint(FrameConstants frame, View view, SeenTriangle t, vec2 pix
   setDirections(p, t, instance, attributes, w.at);
   setCoordinates(p, t, mesh, instance, attributes, w);
   vec3 plane = cross(world[1] - world[0], world[2] - world[0]);
-  if ((instance.flags & kInstanceMirrored) != 0u) plane = -plane;
+  if ((instance.flags & kInstanceClockwise) != 0u) plane = -plane;
   vec3 toEye = view.projection.kind == kPerspective ? view.eye - world[0] : view.viewToWorld * vec4(0.0, -1.0, 0.0, 0.0);
   p.facing = dot(plane, toEye) >= 0.0 ? 1.0 : -1.0;
   p.plane = plane * p.facing;
