@@ -31,6 +31,7 @@ class DrawOrder {
   void update(const GpuScene& scene);
 
   enum class Kind { Solid, Blended };  // opaque and masked; alpha-blended
+  bool anyBlended() const { return anyBlended_; }
   // Those of a kind whose bounds are wanted, which is asked on all threads. `group`: only those of it; 0: all.
   DrawList select(const GpuScene& scene, Kind kind, const std::function<bool(const Sphere&)>& wanted,
                   uint32_t group = 0) const;
