@@ -55,9 +55,9 @@ bool Opacity::hasOpaqueTexels(int index) const {
   const auto [known, isNew] = textures_.try_emplace(index, false);
   if (!isNew) return known->second;
   const scene::Texture& texture = scene_.textures[static_cast<size_t>(index)];
-  const std::byte* pixels = texture.pixels.get();
-  bool opaque = pixels != nullptr;
-  for (size_t i = 3; opaque && i < texture.bytes(); i += 4) opaque = pixels[i] == std::byte{255};
+  const std::span pixels(texture.pixels.get(), texture.pixels ? texture.bytes() : 0);
+  bool opaque = !pixels.empty();
+  for (size_t i = 3; opaque && i < pixels.size(); i += 4) opaque = pixels[i] == std::byte{255};
   return known->second = opaque;
 }
 
