@@ -74,7 +74,8 @@ void GpuMaterials::setRecord(uint32_t material, const shared::Material& data) {
   shared::Material& record = records_[material] = data;
   std::ranges::copy(textures_.indices(material), record.images);
   record.flags |= scene::layerFlags(record);
-  if ((record.flags & shared::kMaterialBlended) && opacity_.isOpaque(material, record)) record.flags &= ~shared::kMaterialBlended;
+  if ((record.flags & shared::kMaterialBlended) && opacity_.isOpaque(material, record))
+    record.flags &= ~shared::kMaterialBlended;
   if (hasPlainUv(record)) record.flags |= shared::kMaterialPlainUv;
   textureSlots_ |= record.textures;
   layers_ |= scene::layersOf(record);
