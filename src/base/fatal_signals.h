@@ -8,7 +8,7 @@ namespace latelight {
 
 // From here on every signal that would end the process first removes its temporary files; one that reports a crash, as
 // SIGSEGV does, then prints where it happened to standard error. The process then ends by the same signal. Signals that
-// are ignored or already have handlers are left alone. To be called by programs, not by libraries, from the main thread.
+// are ignored or already have handlers are left alone. Programs call this from the main thread; libraries do not.
 void handleFatalSignals();
 
 // A stack for this thread's signal handlers, so that they run where the thread's own stack has overflowed: for the

@@ -123,8 +123,8 @@ void Repairs::report() const {
   const size_t others = attributes_.size() - 1;
   const std::string more = others == 0 ? "" : fmt::format(" and {} other attribute{}", others, others == 1 ? "" : "s");
   warn(
-      "{}{} of the file {} values that are not finite numbers: colors become 1, normals are computed, triangles without "
-      "positions are left out, and all else becomes 0",
+      "{}{} of the file {} values that are not finite numbers: colors become 1, normals are computed, triangles "
+      "without positions are left out, and all else becomes 0",
       *attributes_.begin(), more, others == 0 ? "has" : "have");
 }
 

@@ -96,8 +96,8 @@ std::shared_ptr<Deformation> readDeformation(const Document& document, const Mes
   return deformation;
 }
 
-// The mesh with its joints and weights at rest. Joints that mirror it turn its triangles over, so that their front faces
-// are counter-clockwise again.
+// The mesh with its joints and weights at rest. Joints that mirror it turn its triangles over, so that their front
+// faces are counter-clockwise again.
 void poseAtRest(const Document& document, const Hierarchy& hierarchy, const MeshRequest& request,
                 Deformation& deformation, Mesh& mesh) {
   std::vector<mat4> joints;

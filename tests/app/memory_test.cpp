@@ -88,8 +88,8 @@ std::vector<std::byte> greySky(uint32_t height) {
   return {bytes.begin(), bytes.end()};
 }
 
-// 16 bytes a pixel, known from its header. The whole command stays below: the environment of a scene without light, of a
-// data set, and of its variations.
+// 16 bytes a pixel, known from its header. The whole command stays below: the environment of a scene without light, of
+// a data set, and of its variations.
 TEST(OutOfMemory, OfEnvironmentsIsSaidBeforeTheyAreDecoded) {
   Folder folder;
   folder.write("sky.hdr", greySky(4096));

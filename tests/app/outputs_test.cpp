@@ -69,8 +69,8 @@ const std::vector<double>& values(const ReadImage& image, std::string_view chann
   return found->values;
 }
 
-// Blended surfaces that data outputs leave out are mentioned, with the option that includes them; those whose alpha is 1
-// everywhere are there.
+// Blended surfaces that data outputs leave out are mentioned, with the option that includes them; those whose alpha is
+// 1 everywhere are there.
 TEST_F(Outputs, WhatDataLeaveOutIsMentioned) {
   const auto errors = [&](double alpha, const std::vector<std::string>& more) {
     scene::test::GltfBuilder b = scene::test::triangleFile();

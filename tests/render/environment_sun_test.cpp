@@ -17,11 +17,11 @@ using output::Aov;
 
 // A disk of this radiance at an elevation over +X of glTF's frame (the picture's centre column), in the dark; and the
 // irradiance of a horizontal plane, summed over the pixels that show it: L times solid angle times sin(elevation).
-struct Sun {
+struct DiskPicture {
   scene::FloatImage picture{512, 256};
   double irradiance = 0, solidAngle = 0;
 
-  Sun(double elevation, float radiance) {
+  DiskPicture(double elevation, float radiance) {
     constexpr double kPi = std::numbers::pi, kRadius = 0.02;
     const dvec3 towards(std::cos(elevation), std::sin(elevation), 0);
     for (uint32_t y = 0; y < picture.height; ++y)
@@ -30,8 +30,8 @@ struct Sun {
         const dvec3 d(std::sin(polar) * std::cos(turn), std::cos(polar), std::sin(polar) * std::sin(turn));
         if (glm::length(d - towards) > kRadius) continue;
         std::fill_n(picture.at(x, y), 3, radiance);
-        const double area = (std::cos(y * kPi / picture.height) - std::cos((y + 1) * kPi / picture.height)) * 2 * kPi /
-                            picture.width;
+        const double area =
+            (std::cos(y * kPi / picture.height) - std::cos((y + 1) * kPi / picture.height)) * 2 * kPi / picture.width;
         solidAngle += area;
         irradiance += radiance * area * std::cos(polar);
       }
@@ -70,7 +70,7 @@ TEST_F(EnvironmentSun, LightsAPlaneByItsSolidAngle) {
   for (const double degrees : {20.0, 60.0})
     for (const float bright : {3e4f, 3e5f, 1e9f}) {
       SCOPED_TRACE(fmt::format("{} degrees, {}", degrees, bright));
-      const Sun sun(degrees * std::numbers::pi / 180, bright);
+      const DiskPicture sun(degrees * std::numbers::pi / 180, bright);
       const scene::Environment environment = scene::filterEnvironment(sun.picture);
       const float exposure = bright > 1e6f ? -10.0f : 0.0f;
       const double expected = 0.5 / std::numbers::pi * sun.irradiance * std::exp2(exposure);
@@ -80,13 +80,13 @@ TEST_F(EnvironmentSun, LightsAPlaneByItsSolidAngle) {
     }
 }
 
-// A rough metal that mirrors it: the lobe about the reflected ray holds D / 4 per steradian around its middle, for which
-// n.h is 1 and masking is nearly 1: L times solid angle times D(0) / (4 n.v), reflectance 1. The maps are made for n = v = r,
-// and blur by a texel: 15 %.
+// A rough metal that mirrors it: the lobe about the reflected ray holds D / 4 per steradian around its middle, for
+// which n.h is 1 and masking is nearly 1: L times solid angle times D(0) / (4 n.v), reflectance 1. The maps are made
+// for n = v = r, and blur by a texel: 15 %.
 TEST_F(EnvironmentSun, KeepsItsLightInLobes) {
   constexpr float kRoughness = 0.5f;
   const scene::Scene scene = ground(1, 1, kRoughness);
-  const Sun sun(80 * std::numbers::pi / 180, 1e9f);
+  const DiskPicture sun(80 * std::numbers::pi / 180, 1e9f);
   const scene::Environment environment = scene::filterEnvironment(sun.picture);
   const double alpha = kRoughness * kRoughness, facing = std::sin(80 * std::numbers::pi / 180);
   const double expected = 1e9 * sun.solidAngle / (std::numbers::pi * alpha * alpha) / (4 * facing) * std::exp2(-12);
@@ -97,7 +97,7 @@ TEST_F(EnvironmentSun, KeepsItsLightInLobes) {
 // Where nothing is drawn, the background is the sun itself; and neighbours of its disk are dark.
 TEST_F(EnvironmentSun, IsTheBackground) {
   const scene::Scene scene = ground(0.5f, 0, 1);
-  const Sun sun(0.5, 1e9f);
+  const DiskPicture sun(0.5, 1e9f);
   const scene::Environment environment = scene::filterEnvironment(sun.picture);
   Settings settings = settingsOf(3, 3, {Aov::Color});
   settings.background.kind = Background::Environment;

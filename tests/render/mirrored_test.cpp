@@ -12,10 +12,10 @@ using nlohmann::json;
 using output::Aov;
 using scene::test::GltfBuilder;
 
-constexpr uint32_t kSize = 20;         // pixels across 2 m
-constexpr float kPixelsPerMetre = 10;
-constexpr float kCentre = 0.4f;        // of the cube along X, before it is mirrored; its side is 1 m
-constexpr double kFrame = 1.0 / 24;    // seconds
+constexpr uint32_t kCubePixels = 20;  // pixels across 2 m
+constexpr float kCubeScale = 10;
+constexpr float kCubeCentre = 0.4f;      // of the cube along X, before it is mirrored; its side is 1 m
+constexpr double kCubeFrame = 1.0 / 24;  // seconds
 
 // One primitive, which nodes[0] shows.
 GltfBuilder cubeFile(bool doubleSided) {
@@ -27,9 +27,10 @@ GltfBuilder cubeFile(bool doubleSided) {
       vec3 n(0), u(0);
       n[axis] = 2 * side, u[(axis + 1) % 3] = 0.5f;
       const vec3 v = glm::cross(n, u);
-      for (const uint16_t corner : {0, 1, 2, 0, 2, 3}) indices.push_back(static_cast<uint16_t>(positions.size() + corner));
+      for (const uint16_t corner : {0, 1, 2, 0, 2, 3})
+        indices.push_back(static_cast<uint16_t>(positions.size() + corner));
       for (const vec3& p : {-u - v, u - v, u + v, v - u}) {
-        positions.push_back(n * 0.5f + p + vec3(kCentre, 0, 0));
+        positions.push_back(n * 0.5f + p + vec3(kCubeCentre, 0, 0));
         normals.push_back(n);
       }
     }
@@ -55,7 +56,7 @@ GltfBuilder skinnedCube(bool doubleSided, const json& armature) {
   return b;
 }
 
-void animate(GltfBuilder& b, int node, const char* path, int output, const char* interpolation = "LINEAR") {
+void animateCube(GltfBuilder& b, int node, const char* path, int output, const char* interpolation = "LINEAR") {
   const int times = b.accessor(b.view(std::vector<float>{0, 1}), scene::test::kFloat, "SCALAR", 2);
   b.add("animations", {{"channels", {{{"sampler", 0}, {"target", {{"node", node}, {"path", path}}}}}},
                        {"samplers", {{{"input", times}, {"output", output}, {"interpolation", interpolation}}}}});
@@ -68,25 +69,26 @@ class Mirrored : public RenderTest {
     Moment moment;
     if (seconds) {
       const scene::Playback playback = scene::choosePlayback(scene, "", false);
-      moment.poses = {scene::poseAt(scene, playback, *seconds - kFrame), scene::poseAt(scene, playback, *seconds),
-                      scene::poseAt(scene, playback, *seconds + kFrame)};
+      moment.poses = {scene::poseAt(scene, playback, *seconds - kCubeFrame), scene::poseAt(scene, playback, *seconds),
+                      scene::poseAt(scene, playback, *seconds + kCubeFrame)};
     }
-    Settings settings = settingsOf(kSize, kSize, {Aov::Depth, Aov::Normal, Aov::GeoNormal, Aov::Motion});
+    Settings settings = settingsOf(kCubePixels, kCubePixels, {Aov::Depth, Aov::Normal, Aov::GeoNormal, Aov::Motion});
     settings.raster = raster;
     Renderer renderer(device(), scene, nullptr);
     const scene::Camera camera = frontCamera(1, 4);
     return std::move(renderer.render({&camera, 1}, settings, moment).front());
   }
 
-  // The cube's near face, 3.5 m away, around x = -kCentre: 10 x 10 pixels.
+  // The cube's near face, 3.5 m away, around x = -kCubeCentre: 10 x 10 pixels.
   static void expectNearFace(const GltfBuilder& file, std::optional<double> seconds, float forward = 0) {
     for (const Raster raster : {Raster::Hardware, Raster::Compute}) {
       SCOPED_TRACE(nameOf(raster));
       const output::FrameOutput frame = render(file, seconds, raster);
-      for (uint32_t i = 0; i < kSize * kSize; ++i) {
-        const float x = (float(i % kSize) + 0.5f) / kPixelsPerMetre - 1, y = 1 - (float(i / kSize) + 0.5f) / kPixelsPerMetre;
+      for (uint32_t i = 0; i < kCubePixels * kCubePixels; ++i) {
+        const float x = (float(i % kCubePixels) + 0.5f) / kCubeScale - 1,
+                    y = 1 - (float(i / kCubePixels) + 0.5f) / kCubeScale;
         const float depth = imageOf(frame, Aov::Depth).values[i];
-        if (std::abs(x + kCentre) > 0.5f || std::abs(y) > 0.5f) {
+        if (std::abs(x + kCubeCentre) > 0.5f || std::abs(y) > 0.5f) {
           ASSERT_TRUE(std::isinf(depth)) << i;
           continue;
         }
@@ -124,7 +126,7 @@ TEST_F(Mirrored, BySkinsThatMove) {
     for (const float atRest : {1.0f, -1.0f}) {
       SCOPED_TRACE(atRest);
       GltfBuilder b = skinnedCube(doubleSided, {{"scale", {atRest, 1, 1}}});
-      animate(b, 2, "scale", b.vectors(std::vector<vec3>{{1, 1, 1}, {-1, 1, 1}}), "STEP");
+      animateCube(b, 2, "scale", b.vectors(std::vector<vec3>{{1, 1, 1}, {-1, 1, 1}}), "STEP");
       expectNearFace(b, 2.0);
       if (atRest < 0) expectNearFace(b, std::nullopt);
       b.primitive()["attributes"].erase("NORMAL");
@@ -132,8 +134,8 @@ TEST_F(Mirrored, BySkinsThatMove) {
     }
   // The joint moves along X at 0.4 m/s below its mirrored armature, so that the cube moves the other way.
   GltfBuilder b = skinnedCube(false, {{"scale", {-1, 1, 1}}});
-  animate(b, 1, "translation", b.vectors(std::vector<vec3>{{-0.2f, 0, 0}, {0.2f, 0, 0}}));
-  expectNearFace(b, 0.5, float(-0.4 * kFrame * kPixelsPerMetre));
+  animateCube(b, 1, "translation", b.vectors(std::vector<vec3>{{-0.2f, 0, 0}, {0.2f, 0, 0}}));
+  expectNearFace(b, 0.5, float(-0.4 * kCubeFrame * kCubeScale));
 }
 
 TEST_F(Mirrored, ByNodesWithMorphTargets) {
@@ -142,8 +144,8 @@ TEST_F(Mirrored, ByNodesWithMorphTargets) {
   // Half the weight makes it as wide as it should be: the vertices' deltas are halves of a metre along X.
   b.primitive()["targets"] = {{{"POSITION", b.vectors(std::vector<vec3>(24, {0.8f, 0, 0}))}}};
   b.root["nodes"][0]["translation"] = {0.4, 0, 0};
-  animate(b, 0, "weights", b.accessor(b.view(std::vector<float>{0, 1}), scene::test::kFloat, "SCALAR", 2));
-  expectNearFace(b, 0.5, float(-0.8 * kFrame * kPixelsPerMetre));
+  animateCube(b, 0, "weights", b.accessor(b.view(std::vector<float>{0, 1}), scene::test::kFloat, "SCALAR", 2));
+  expectNearFace(b, 0.5, float(-0.8 * kCubeFrame * kCubeScale));
 }
 
 TEST_F(Mirrored, ByInstances) {

@@ -331,11 +331,12 @@ TEST(Animation, ChannelsThatCanNotApplyAreLeftOut) {
   EXPECT_THAT(withTimes({1, 0}), HasSubstr("has times that fall"));
   EXPECT_THAT(withTimes({-1, 0}), HasSubstr("has a time before 0"));
   EXPECT_THAT(withTimes({0, NAN}), HasSubstr("not finite numbers"));
-  EXPECT_THAT(leftOut([](GltfBuilder& b, json& a) {
-                b.positions({{0, 0, 0}});  // the next accessor is not that of the case before, or no warning is repeated
-                a["samplers"][1]["output"] = b.positions({{0, 0, 0}, {NAN, 0, 0}});
-              }),
-              HasSubstr("not finite numbers"));
+  EXPECT_THAT(
+      leftOut([](GltfBuilder& b, json& a) {
+        b.positions({{0, 0, 0}});  // the next accessor is not that of the case before, or no warning is repeated
+        a["samplers"][1]["output"] = b.positions({{0, 0, 0}, {NAN, 0, 0}});
+      }),
+      HasSubstr("not finite numbers"));
 }
 
 TEST(Animation, MayHaveNoChannels) {
@@ -374,8 +375,7 @@ GltfBuilder skinnedTriangle(const std::vector<double>& scale) {
   GltfBuilder b = triangleFile();
   b.primitive()["attributes"]["NORMAL"] = b.vectors(std::vector<vec3>(3, {0, 0, 1}));
   b.primitive()["attributes"]["TANGENT"] = b.vectors(std::vector<vec4>(3, {1, 0, 0, 1}));
-  b.primitive()["attributes"]["JOINTS_0"] =
-      b.accessor(b.view(std::vector<uint8_t>(12, 0)), kUnsignedByte, "VEC4", 3);
+  b.primitive()["attributes"]["JOINTS_0"] = b.accessor(b.view(std::vector<uint8_t>(12, 0)), kUnsignedByte, "VEC4", 3);
   b.primitive()["attributes"]["WEIGHTS_0"] = b.vectors(std::vector<vec4>(3, {1, 0, 0, 0}));
   const int joint = b.add("nodes", json::object());
   b.node({{"scale", scale}, {"children", {joint}}});
@@ -384,8 +384,8 @@ GltfBuilder skinnedTriangle(const std::vector<double>& scale) {
   return b;
 }
 
-// Front faces are counter-clockwise where the scene is at rest, whatever the joints do, and the frame of the tangents is
-// the mirrored one: cross(normal, tangent) w follows v, which the joints turn as they turn positions.
+// Front faces are counter-clockwise where the scene is at rest, whatever the joints do, and the frame of the tangents
+// is the mirrored one: cross(normal, tangent) w follows v, which the joints turn as they turn positions.
 TEST(Skin, MirroredTrianglesKeepTheirFronts) {
   const double turns[][3] = {{1, 1, 1}, {-1, 1, 1}, {1, -1, 1}, {1, 1, -1}, {-1, -1, 1}, {-2, -3, -1}};
   for (const auto& s : turns) {

@@ -237,8 +237,8 @@ TEST(GltfMaterial, LayersOutOfRange) {
   EXPECT_EQ(layers("KHR_materials_sheen", "sheenColorFactor", {0, 2, 0}, "sheenColorFactor[1] is 2").sheenColor,
             vec3(0, 1, 0));
   EXPECT_EQ(layers("KHR_materials_iridescence", "iridescenceIor", .5, "iridescenceIor is 0.5").iridescenceIor, 1);
-  EXPECT_EQ(layers("KHR_materials_volume", "attenuationDistance", 0, "attenuationDistance is 0").attenuationDistance,
-            0) << "as without one: the medium absorbs nothing";
+  EXPECT_EQ(layers("KHR_materials_volume", "attenuationDistance", 0, "attenuationDistance is 0").attenuationDistance, 0)
+      << "as without one: the medium absorbs nothing";
   EXPECT_EQ(layers("KHR_materials_dispersion", "dispersion", -1, "dispersion is -1").dispersion, 0);
   EXPECT_THAT(error("KHR_materials_transmission", "transmissionFactor", "much"), HasSubstr("should be a number"));
   EXPECT_THAT(error("KHR_materials_anisotropy", "anisotropyTexture", {{"index", 7}}), HasSubstr("index is 7"));

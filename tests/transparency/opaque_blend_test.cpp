@@ -1,5 +1,5 @@
-// Blended materials that let nothing through: drawn, and in data outputs, as opaque ones; and no longer once an edit, an
-// animation or another mesh lets light through.
+// Blended materials that let nothing through: drawn, and in data outputs, as opaque ones; and no longer once an edit,
+// an animation or another mesh lets light through.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -96,10 +96,10 @@ TEST_F(OpaqueBlend, FollowsAnimations) {
   const int times = b.accessor(b.view(std::vector<float>{0, 2}), scene::test::kFloat, "SCALAR", 2);
   const int factors = b.vectors(std::vector<vec4>{{1, 1, 1, 1}, {1, 1, 1, 0}});
   const nlohmann::json pointer = {{"pointer", "/materials/0/pbrMetallicRoughness/baseColorFactor"}};
-  b.add("animations", {{"channels",
-                        {{{"sampler", 0},
-                          {"target", {{"path", "pointer"}, {"extensions", {{"KHR_animation_pointer", pointer}}}}}}}},
-                       {"samplers", {{{"input", times}, {"output", factors}}}}});
+  b.add("animations",
+        {{"channels",
+          {{{"sampler", 0}, {"target", {{"path", "pointer"}, {"extensions", {{"KHR_animation_pointer", pointer}}}}}}}},
+         {"samplers", {{{"input", times}, {"output", factors}}}}});
   const scene::Scene scene = b.load();
   Renderer renderer(device(), scene, nullptr);
   EXPECT_TRUE(isInData(renderer));

@@ -46,8 +46,7 @@ void GpuInstances::place(uint32_t index, const glm::mat4& toWorld, const scene::
                      .part = instance.part,
                      .flags = (mirrored ? shared::kInstanceMirrored : 0u) |
                               (clockwise ? shared::kInstanceClockwise : 0u) |
-                              (mesh.extras.empty() ? 0u : shared::kInstanceExtras) |
-                              groupBits(index)};
+                              (mesh.extras.empty() ? 0u : shared::kInstanceExtras) | groupBits(index)};
   if (!scene::isShown(scene_, pose, instance)) {
     bounds_[index] = kNowhere;
     return;
