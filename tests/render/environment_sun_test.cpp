@@ -80,18 +80,24 @@ TEST_F(EnvironmentSun, LightsAPlaneByItsSolidAngle) {
     }
 }
 
-// A rough metal that mirrors it: the lobe about the reflected ray holds D / 4 per steradian around its middle, for
-// which n.h is 1 and masking is nearly 1: L times solid angle times D(0) / (4 n.v), reflectance 1. The maps are made
-// for n = v = r, and blur by a texel: 15 %.
+// A rough metal that mirrors it: L times solid angle times D(0) / (4 n.v) for a reflectance of 1, where masking is
+// nearly
+// 1. The renderer approximates a lobe (docs/accuracy.md), so 25 % are allowed; but whatever it makes of a sun that
+// halves can hold, it makes of all, and tests/scene compares the maps themselves with the integral.
 TEST_F(EnvironmentSun, KeepsItsLightInLobes) {
   constexpr float kRoughness = 0.5f;
   const scene::Scene scene = ground(1, 1, kRoughness);
-  const DiskPicture sun(80 * std::numbers::pi / 180, 1e9f);
-  const scene::Environment environment = scene::filterEnvironment(sun.picture);
-  const double alpha = kRoughness * kRoughness, facing = std::sin(80 * std::numbers::pi / 180);
-  const double expected = 1e9 * sun.solidAngle / (std::numbers::pi * alpha * alpha) / (4 * facing) * std::exp2(-12);
-  const vec3 fromTheOtherSide = glm::normalize(vec3(std::cos(80 * shared::kPi / 180), -facing, 0));
-  EXPECT_NEAR(radiance(scene, environment, fromTheOtherSide, -12).x, expected, 0.15 * expected);
+  const double elevation = 80 * std::numbers::pi / 180, alpha = kRoughness * kRoughness, facing = std::sin(elevation);
+  const vec3 fromTheOtherSide(std::cos(elevation), -facing, 0);
+  const auto share = [&](float bright, float exposure) {
+    const DiskPicture sun(elevation, bright);
+    const scene::Environment environment = scene::filterEnvironment(sun.picture);
+    const double expected = bright * sun.solidAngle / (std::numbers::pi * alpha * alpha) / (4 * facing);
+    return radiance(scene, environment, fromTheOtherSide, exposure).x / (expected * std::exp2(exposure));
+  };
+  const double ofHalves = share(6e4f, 0);
+  EXPECT_NEAR(ofHalves, 1, 0.25);
+  for (const float bright : {3e5f, 1e9f}) EXPECT_NEAR(share(bright, bright > 1e6f ? -14.0f : -2.0f), ofHalves, 2e-3);
 }
 
 // Where nothing is drawn, the background is the sun itself; and neighbours of its disk are dark.

@@ -92,6 +92,7 @@ TEST_F(OpaqueBlend, FollowsAnimations) {
   scene::test::GltfBuilder b = scene::test::triangleFile();
   b.add("materials", {{"alphaMode", "BLEND"}});
   b.primitive()["material"] = 0;
+  b.root["nodes"][0]["translation"] = {-0.3, -0.3, 0};  // around the middle of the picture
   b.use("KHR_animation_pointer");
   const int times = b.accessor(b.view(std::vector<float>{0, 2}), scene::test::kFloat, "SCALAR", 2);
   const int factors = b.vectors(std::vector<vec4>{{1, 1, 1, 1}, {1, 1, 1, 0}});
