@@ -16,8 +16,8 @@
 
 #include "app/commands.h"
 #include "app/complete.h"
+#include "base/fatal_signals.h"
 #include "base/log.h"
-#include "base/temporary_file.h"
 
 namespace {
 
@@ -189,7 +189,7 @@ int main(int argc, char** argv) {
   // process.
   std::signal(SIGXFSZ, SIG_IGN);
   std::signal(SIGPIPE, SIG_IGN);
-  removeTemporaryFilesOnSignals();
+  handleFatalSignals();
   const int code = run(argc, argv);
   // Text is written when its buffer is flushed: a full disk may show only here.
   if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return code;

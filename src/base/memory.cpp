@@ -95,7 +95,7 @@ void setMemoryLimit(uint64_t bytes) {
   chosenLimit = bytes;
 }
 
-void MemoryClaim::grow(uint64_t bytes, std::string_view what) {
+void detail::takeMemory(uint64_t bytes, std::string_view what) {
   uint64_t before = taken;
   const uint64_t limit = limitBeside(before);
   do {
@@ -105,6 +105,14 @@ void MemoryClaim::grow(uint64_t bytes, std::string_view what) {
            "smaller, or allow more with --memory",
            what, mebibytes(bytes), mebibytes(before), mebibytes(limit));
   } while (!taken.compare_exchange_weak(before, before + bytes));
+}
+
+void detail::returnMemory(uint64_t bytes) {
+  taken -= bytes;
+}
+
+void MemoryClaim::grow(uint64_t bytes, std::string_view what) {
+  detail::takeMemory(bytes, what);
   bytes_ += bytes;
 }
 
@@ -116,7 +124,7 @@ void MemoryClaim::shrink(uint64_t bytes) {
 }
 
 MemoryClaim::~MemoryClaim() {
-  taken -= bytes_;
+  detail::returnMemory(bytes_);
 }
 
 MemoryClaim::MemoryClaim(MemoryClaim&& other) noexcept : bytes_(other.bytes_.exchange(0)) {}

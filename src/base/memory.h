@@ -2,9 +2,12 @@
 #pragma once
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace latelight {
 
@@ -32,6 +35,44 @@ class MemoryClaim {
  private:
   std::atomic<uint64_t> bytes_ = 0;
 };
+
+namespace detail {
+void takeMemory(uint64_t bytes, std::string_view what);  // throws as MemoryClaim does
+void returnMemory(uint64_t bytes);
+}  // namespace detail
+
+// Allocates memory that counts against the limit for as long as it is allocated, copies included: for containers whose
+// size a file decides. `Content::kName` names them in the error ("the environment's image").
+template <typename T, typename Content>
+struct CountedAllocator {
+  using value_type = T;
+  template <typename U>
+  struct rebind {
+    using other = CountedAllocator<U, Content>;
+  };
+
+  CountedAllocator() = default;
+  template <typename U>
+  CountedAllocator(const CountedAllocator<U, Content>&) {}
+
+  T* allocate(size_t count) {
+    const uint64_t bytes = uint64_t{count} * sizeof(T);
+    detail::takeMemory(bytes, Content::kName);
+    try {
+      return std::allocator<T>().allocate(count);
+    } catch (...) {
+      detail::returnMemory(bytes);
+      throw;
+    }
+  }
+  void deallocate(T* memory, size_t count) {
+    std::allocator<T>().deallocate(memory, count);
+    detail::returnMemory(uint64_t{count} * sizeof(T));
+  }
+  bool operator==(const CountedAllocator&) const = default;
+};
+template <typename T, typename Content>
+using CountedVector = std::vector<T, CountedAllocator<T, Content>>;
 
 // For an allocation that failed nevertheless: Error(DeviceLost).
 [[noreturn]] void failWithoutMemory(std::string_view what);

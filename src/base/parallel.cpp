@@ -120,6 +120,7 @@ class Pool {
   }
 
   void serve() {
+    const SignalStack stack;
     for (;;) {
       const std::shared_ptr<Job> job = join();
       job->work();

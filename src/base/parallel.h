@@ -5,6 +5,8 @@
 #include <functional>
 #include <future>
 
+#include "base/fatal_signals.h"
+
 namespace latelight {
 
 // Threads that parallelFor uses, the caller's included: LATELIGHT_THREADS, or the cores this process may run on.
@@ -31,7 +33,10 @@ class KeptToThisThread {
 template <typename F>
 auto inBackground(F&& task) {
   // Where no thread can be created, it runs when its result is requested.
-  return std::async(std::launch::async | std::launch::deferred, std::forward<F>(task));
+  return std::async(std::launch::async | std::launch::deferred, [task = std::forward<F>(task)]() mutable {
+    const SignalStack stack;
+    return task();
+  });
 }
 
 }  // namespace latelight

@@ -158,24 +158,9 @@ TemporaryFile::~TemporaryFile() {
   discard();
 }
 
-void removeTemporaryFiles(int signal) {
+void removeTemporaryFiles() {
   takeList();  // and never releases it: no thread creates another file, or unlists one
   for (TemporaryFile* file = first; file; file = file->next_) unlink(file->path_.c_str());
-  raise(signal);  // ends the process once this returns: SA_RESETHAND brought the default action back
-}
-
-void removeTemporaryFilesOnSignals() {
-  struct sigaction action {};
-  action.sa_handler = removeTemporaryFiles;
-  action.sa_flags = static_cast<int>(SA_RESETHAND);
-  sigfillset(&action.sa_mask);
-  for (int signal = 1; signal <= SIGRTMAX; ++signal) {
-    constexpr int kHarmless[] = {SIGKILL, SIGSTOP, SIGTSTP, SIGTTIN, SIGTTOU, SIGCHLD, SIGCONT, SIGURG, SIGWINCH};
-    if (std::find(std::begin(kHarmless), std::end(kHarmless), signal) != std::end(kHarmless)) continue;
-    struct sigaction before {};
-    const bool ends = sigaction(signal, nullptr, &before) == 0 && before.sa_handler == SIG_DFL;
-    if (ends) sigaction(signal, &action, nullptr);
-  }
 }
 
 }  // namespace latelight

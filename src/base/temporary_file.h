@@ -23,7 +23,7 @@ class TemporaryFile {
   int become(const std::filesystem::path& target);  // 0 or an errno: renames it, once it is completely written
 
  private:
-  friend void removeTemporaryFiles(int signal);
+  friend void removeTemporaryFiles();
   int makeOnce(mode_t permissions);
   void leaveList();
   void discard();
@@ -34,9 +34,8 @@ class TemporaryFile {
   TemporaryFile *previous_ = nullptr, *next_ = nullptr;  // in the list of all
 };
 
-// From here on every signal that would end the process first removes its temporary files; the process then ends by the
-// same signal. Signals that are ignored or already have handlers are left alone. To be called by programs, not by
-// libraries.
-void removeTemporaryFilesOnSignals();
+// Removes all temporary files of the process, in a signal handler that ends it: no file can be created afterwards.
+// (fatal_signals.h)
+void removeTemporaryFiles();
 
 }  // namespace latelight

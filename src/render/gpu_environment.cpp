@@ -20,25 +20,30 @@ vk::Image upload(vk::Device& device, vk::Uploader& uploader, const char* name, V
   return image;
 }
 
-vk::Image upload(vk::Device& device, vk::Uploader& uploader, const char* name, const scene::HalfImage& image) {
-  return upload(device, uploader, name, VK_FORMAT_R16G16B16A16_SFLOAT, image.width, image.height, 1,
-                std::as_bytes(std::span(image.pixels)));
+VkFormat formatOf(const scene::RadianceMap& map) {
+  return map.isFloat ? VK_FORMAT_R32G32B32A32_SFLOAT : VK_FORMAT_R16G16B16A16_SFLOAT;
 }
 
-vk::Image uploadLevels(vk::Device& device, vk::Uploader& uploader, const std::vector<scene::HalfImage>& levels) {
-  std::vector<uint16_t> texels;
+vk::Image upload(vk::Device& device, vk::Uploader& uploader, const char* name, const scene::RadianceMap& map) {
+  return upload(device, uploader, name, formatOf(map), map.width, map.height, 1, map.texels);
+}
+
+vk::Image uploadLevels(vk::Device& device, vk::Uploader& uploader, const std::vector<scene::RadianceMap>& levels) {
+  decltype(scene::RadianceMap::texels) texels;
   for (size_t i = 0; i < levels.size(); ++i) {
-    assert(levels[i].width == levels[0].width >> i && "each level is the mip of the one before");
-    texels.insert(texels.end(), levels[i].pixels.begin(), levels[i].pixels.end());
+    assert(levels[i].width == levels[0].width >> i && levels[i].isFloat == levels[0].isFloat &&
+           "each level is the mip of the one before");
+    texels.insert(texels.end(), levels[i].texels.begin(), levels[i].texels.end());
   }
-  return upload(device, uploader, "environment specular", VK_FORMAT_R16G16B16A16_SFLOAT, levels[0].width,
-                levels[0].height, static_cast<uint32_t>(levels.size()), std::as_bytes(std::span(texels)));
+  return upload(device, uploader, "environment specular", formatOf(levels[0]), levels[0].width, levels[0].height,
+                static_cast<uint32_t>(levels.size()), texels);
 }
 
 scene::Environment black() {
+  const auto map = [](uint32_t size) { return scene::makeRadianceMap(scene::FloatImage(size, size), false); };
   scene::Environment environment;
-  environment.radiance = environment.diffuse = {1, 1, std::vector<uint16_t>(4)};
-  environment.specular = {{2, 2, std::vector<uint16_t>(16)}, {1, 1, std::vector<uint16_t>(4)}};
+  environment.radiance = environment.diffuse = map(1);
+  environment.specular = {map(2), map(1)};
   return environment;
 }
 

@@ -74,7 +74,8 @@ void GpuScene::changesSubmitted() {
 
 void GpuScene::follow() {
   const scene::SceneEdits& edits = scene_.edits;
-  if (const auto meshes = edits.meshes.since(seen_.meshes); !meshes.empty()) {
+  const auto meshes = edits.meshes.since(seen_.meshes);
+  if (!meshes.empty()) {
     geometry_.update(uploads_, meshes);
     deformer_.reset();
     deformationWaits_ = false;
@@ -87,10 +88,12 @@ void GpuScene::follow() {
   }
   const auto textures = edits.textures.since(seen_.textures), materials = edits.materials.since(seen_.materials);
   if (!textures.empty() || !materials.empty()) materials_.update(uploads_, textures, materials);
-  if (const auto instances = edits.instances.since(seen_.instances); !instances.empty()) {
+  const auto instances = edits.instances.since(seen_.instances);
+  if (!instances.empty()) {
     instances_.update(uploads_, instances);
     bounds_.reset();
   }
+  if (!meshes.empty() || !instances.empty()) materials_.updateOpacity(uploads_, meshes);
 }
 
 void GpuScene::pose(const Poses& poses) {

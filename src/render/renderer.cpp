@@ -7,6 +7,7 @@
 #include <ranges>
 
 #include "base/error.h"
+#include "base/log.h"
 #include "render/gbuffer/raw_read.h"
 #include "render/job.h"
 #include "render/lens/lens_settings.h"
@@ -61,6 +62,11 @@ scene::Light lightOf(const SunLight& sun) {
   return light;
 }
 
+bool leavesOutBlended(const Settings& settings) {
+  return settings.dataSurfaces != DataSurfaces::Any &&
+         (asksFor(settings, Origin::Surface) || asksFor(settings, Origin::Motion));
+}
+
 bool needsComputeRaster(const Settings& settings) {
   return rastersInCompute(settings) || asksFor(settings, Origin::Raster);
 }
@@ -102,6 +108,10 @@ void Renderer::begin(const Settings& settings, const Moment& moment) {
   gpuScene_.setAnisotropy(settings.anisotropy.value_or(usualAnisotropy(device_)));
   gpuScene_.setGroups(moment.groups);
   drawOrder_.update(gpuScene_);
+  if (leavesOutBlended(settings) && drawOrder_.anyBlended())
+    warn(
+        "the data outputs show what lies behind blended and transmissive surfaces and not these themselves; "
+        "--data-surfaces any includes them");
   requireRaster(device_, settings);
   if (!needsComputeRaster(settings)) return;
   gpuScene_.keepClusters();

@@ -328,7 +328,11 @@ DeformedVertices deform(const Deformation& d, std::span<const glm::mat4> joints,
   });
   if (!d.flatNormals) return out;
   for (size_t i = 0; i + 2 < count; i += 3) {
-    const glm::vec3 normal = shared::flatNormal(out.positions[i], out.positions[i + 1], out.positions[i + 2]);
+    glm::vec3 normal = shared::flatNormal(out.positions[i], out.positions[i + 1], out.positions[i + 2]);
+    if (d.influences > 0) {
+      const glm::mat4 m = blendJoints(d, joints, i);
+      normal *= shared::handedness(glm::vec3(m[0]), glm::vec3(m[1]), glm::vec3(m[2]));
+    }
     for (size_t corner = i; corner < i + 3; ++corner) out.attributes[corner].normal = normal;
   }
   return out;
@@ -344,18 +348,21 @@ Reach reachOf(const Deformation& d) {
   const uint32_t jointCount = d.joints.empty() ? 1 : *std::max_element(d.joints.begin(), d.joints.end()) + 1;
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   std::vector<ReachBox> boxes(jointCount, {glm::vec3(kInfinity), glm::vec3(-kInfinity)});
-  const auto extend = [&](uint32_t joint, const glm::vec3& p) {
+  std::vector<double> weights(jointCount);
+  const auto extend = [&](uint32_t joint, const glm::vec3& p, float weight) {
     boxes[joint] = {glm::min(boxes[joint].low, p), glm::max(boxes[joint].high, p)};
+    weights[joint] += weight;
   };
   for (size_t i = 0; i < d.positions.size(); ++i) {
-    if (d.influences == 0) extend(0, d.positions[i]);
+    if (d.influences == 0) extend(0, d.positions[i], 1);
     for (size_t k = i * d.influences; k < (i + 1) * d.influences; ++k)
-      if (d.jointWeights[k] > 0) extend(d.joints[k], d.positions[i]);
+      if (d.jointWeights[k] > 0) extend(d.joints[k], d.positions[i], d.jointWeights[k]);
   }
   for (uint32_t joint = 0; joint < jointCount; ++joint) {
     const ReachBox& box = boxes[joint];
     if (box.low.x > box.high.x) continue;
-    reach.spheres.push_back({joint, (box.low + box.high) * 0.5f, glm::length(box.high - box.low) * 0.5f});
+    reach.spheres.push_back({joint, (box.low + box.high) * 0.5f, glm::length(box.high - box.low) * 0.5f,
+                             static_cast<float>(weights[joint])});
   }
   return reach;
 }
@@ -376,6 +383,15 @@ ReachBox deformedBox(const Reach& reach, std::span<const glm::mat4> joints, std:
     box = {glm::min(box.low, centre - half), glm::max(box.high, centre + half)};
   }
   return box;
+}
+
+bool isMirrored(const Reach& reach, std::span<const glm::mat4> joints) {
+  double balance = 0;
+  for (const JointSphere& sphere : reach.spheres) {
+    const double determinant = glm::determinant(glm::dmat3(joints[sphere.joint]));
+    balance += determinant < 0 ? -double{sphere.weight} : determinant > 0 ? double{sphere.weight} : 0;
+  }
+  return balance < 0;
 }
 
 }  // namespace latelight::scene

@@ -90,6 +90,7 @@ struct Deformation {
   int skin = -1;                     // index into Rig::skins; -1: none
   int weightsNode = -1;              // the node whose weights count, index into Rig::nodes; -1: no morph targets
   bool flatNormals = false;          // the file has no normals: uses those of the triangles, which share no vertices
+  bool mirroredAtRest = false;       // by its joints: the mesh's indices are those of the file turned over
   std::vector<glm::vec3> positions;  // undeformed
   std::vector<shared::VertexAttributes> attributes;  // texture coordinates don't change
   uint32_t influences = 0;                           // joints per vertex: a multiple of 4, 0 where there is no skin
@@ -152,6 +153,7 @@ struct JointSphere {
   uint32_t joint;
   glm::vec3 centre;
   float radius;
+  float weight;  // the sum of the joint's over all vertices
 };
 // The extent of a deformation, for culling.
 struct Reach {
@@ -163,6 +165,9 @@ struct ReachBox {
   glm::vec3 low, high;
 };
 ReachBox deformedBox(const Reach& reach, std::span<const glm::mat4> joints, std::span<const float> weights);
+// True where joints of negative determinant move most of the mesh: its triangles then wind the other way round, as
+// those of a node with such a transform do (glTF 2.0, 3.7.4).
+bool isMirrored(const Reach& reach, std::span<const glm::mat4> joints);
 
 // Translation, rotation (quaternion xyzw, normalised), scale.
 glm::dmat4 composeTransform(glm::dvec3 translation, glm::dvec4 rotation, glm::dvec3 scale);

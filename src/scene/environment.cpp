@@ -1,5 +1,6 @@
 #include "scene/environment.h"
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <optional>
@@ -17,21 +18,20 @@ namespace latelight::scene {
 namespace {
 
 // Incremented whenever the same source gives different bytes, through a new filter or a new studio.
-constexpr uint32_t kFileVersion = 2;
+constexpr uint32_t kFileVersion = 3;
 constexpr uint32_t kMagic = 0x564e454c;  // "LENV"
 constexpr size_t kMostImages = 16;
 constexpr uint32_t kStudioHeight = 256;
 
-// --- the cache: a header, then every image's halves
-// -------------------------------------------------------------------
+// --- the cache: a header, then every map's texels -------------------------------------------------------------------
 
 struct CacheHeader {
   uint32_t magic = kMagic, version = kFileVersion;
   uint64_t key = 0;
   uint32_t imageCount = 0, unused = 0;  // radiance, diffuse, specular levels
-  struct Size {
-    uint32_t width = 0, height = 0;
-  } sizes[kMostImages];
+  struct Entry {
+    uint32_t width = 0, height = 0, isFloat = 0;
+  } entries[kMostImages];
 };
 
 std::string cacheName(uint64_t key) {
@@ -50,17 +50,14 @@ void store(uint64_t key, const Environment& environment) {
   CacheHeader header;
   header.key = key;
   size_t bytes = sizeof(header);
-  for (const HalfImage* image : imagesOf(environment)) {
-    header.sizes[header.imageCount++] = {image->width, image->height};
-    bytes += image->pixels.size() * sizeof(uint16_t);
+  for (const RadianceMap* map : imagesOf(environment)) {
+    header.entries[header.imageCount++] = {map->width, map->height, map->isFloat};
+    bytes += map->texels.size();
   }
   std::vector<std::byte> entry(bytes);
   std::memcpy(entry.data(), &header, sizeof(header));
   std::byte* to = entry.data() + sizeof(header);
-  for (const HalfImage* image : imagesOf(environment)) {
-    std::memcpy(to, image->pixels.data(), image->pixels.size() * sizeof(uint16_t));
-    to += image->pixels.size() * sizeof(uint16_t);
-  }
+  for (const RadianceMap* map : imagesOf(environment)) to = std::ranges::copy(map->texels, to).out;
   storeCache(cacheName(key), entry);
 }
 
@@ -73,35 +70,33 @@ std::optional<CacheHeader> validHeader(std::span<const std::byte> entry, uint64_
   if (header.imageCount < 4 || header.imageCount > kMostImages) return std::nullopt;
   uint64_t bytes = sizeof(header);
   for (uint32_t i = 0; i < header.imageCount; ++i) {
-    const auto [width, height] = header.sizes[i];
+    const auto [width, height, isFloat] = header.entries[i];
     if (width == 0 || height == 0 || width > kMostPicturePixels || height > kMostPicturePixels) return std::nullopt;
-    bytes += uint64_t{4} * sizeof(uint16_t) * width * height;
+    if (isFloat > 1 || (i > 2 && isFloat != header.entries[2].isFloat)) return std::nullopt;
+    bytes += RadianceMap{.isFloat = isFloat == 1, .texels = {}}.texelBytes() * width * height;
     if (bytes > entry.size()) return std::nullopt;
   }
   return bytes == entry.size() ? std::optional(header) : std::nullopt;
 }
 
 std::optional<Environment> restore(uint64_t key) {
-  const std::optional<std::vector<std::byte>> entry = loadCache(cacheName(key));
-  if (!entry) return std::nullopt;
-  const std::optional<CacheHeader> header = validHeader(*entry, key);
+  const std::optional<std::vector<std::byte>> bytes = loadCache(cacheName(key));
+  if (!bytes) return std::nullopt;
+  const std::optional<CacheHeader> header = validHeader(*bytes, key);
   if (!header) return std::nullopt;
   Environment environment;
   environment.specular.resize(header->imageCount - 2);
-  const std::byte* from = entry->data() + sizeof(CacheHeader);
-  const CacheHeader::Size* size = header->sizes;
-  for (HalfImage* image : imagesOf(environment)) {
-    image->width = size->width;
-    image->height = size->height;
-    const size_t count = size_t{4} * size->width * size->height;
-    const auto* halves = reinterpret_cast<const uint16_t*>(from);  // the header keeps them aligned
-    image->pixels.assign(halves, halves + count);
-    from += count * sizeof(uint16_t);
-    ++size;
+  const std::byte* from = bytes->data() + sizeof(CacheHeader);
+  const CacheHeader::Entry* entry = header->entries;
+  for (RadianceMap* map : imagesOf(environment)) {
+    *map = {entry->width, entry->height, entry->isFloat == 1, {}};
+    const size_t size = map->texelBytes() * map->width * map->height;
+    map->texels.assign(from, from + size);
+    from += size;
+    ++entry;
   }
   return environment;
 }
-static_assert(sizeof(CacheHeader) % alignof(uint16_t) == 0);
 
 // --- sources
 // ----------------------------------------------------------------------------------------------------------

@@ -13,11 +13,21 @@
 
 namespace latelight::scene {
 
-// RGBA, half floats, linear Rec.709, alpha 1. Rows from the top.
-struct HalfImage {
+// Radiance as RGBA in linear Rec.709, alpha 1, rows from the top: in half floats, or in floats where a value is beyond
+// the largest half, as that of a sun is.
+struct RadianceMap {
   uint32_t width = 0, height = 0;
-  std::vector<uint16_t> pixels;
+  bool isFloat = false;
+  CountedVector<std::byte, EnvironmentMemory> texels;
+
+  size_t texelBytes() const { return 4 * (isFloat ? sizeof(float) : sizeof(uint16_t)); }
+  glm::vec4 at(size_t x, size_t y) const;
 };
+
+// True where a value would become infinite as a half.
+bool exceedsHalves(const FloatImage& image);
+RadianceMap makeRadianceMap(const FloatImage& image, bool isFloat);
+FloatImage toFloats(const RadianceMap& map);
 
 // The perceptual roughness of each level of Environment::specular: densest where the lobe is narrow, since values
 // between two levels are a mixture of both.
@@ -27,13 +37,13 @@ struct Environment {
   std::string name;
   // Radiance as an equirectangular picture, for backgrounds: centre column at +X of the glTF frame, top row at the
   // zenith.
-  HalfImage radiance;
+  RadianceMap radiance;
   // Radiance prefiltered with lobes that are round about the direction (environment_tree.h), one octahedral map per
   // level, read bilinearly through octahedralTexture() of shared/environment.h, without a seam. Level i has roughness
-  // kSpecularRoughness[i] and half the size of the previous one: together they form a mip chain.
-  std::vector<HalfImage> specular;
+  // kSpecularRoughness[i] and half the size of the previous one: together they form a mip chain, of one type.
+  std::vector<RadianceMap> specular;
   // Irradiance / pi over an octahedral map of the same kind: the radiance of a white Lambertian surface.
-  HalfImage diffuse;
+  RadianceMap diffuse;
 };
 
 // The map's axes are the renderer's world (Z up) at rotation 0. `source`: a .hdr or .exr file, or "studio": a built-in

@@ -7,7 +7,6 @@
 #include "scene/environment_mirror.h"
 #include "scene/environment_picture.h"
 #include "scene/environment_tree.h"
-#include "scene/octahedral_map.h"
 
 namespace latelight::scene {
 namespace {
@@ -35,18 +34,22 @@ Environment filterEnvironment(FloatImage picture) {
   picture = limitWidth(std::move(picture), kMostRadianceWidth);
   const uint32_t mirrorSize = picture.width <= 512 ? 512 : 1024;
 
-  Environment environment;
-  environment.radiance = toHalf(picture);
   // Halves in size from a fine mirror to 32 texels (16 for a coarse picture) at roughness 1.
   constexpr size_t kLevels = kSpecularRoughness.size();
-  for (size_t i = 0; i < kLevels; ++i) environment.specular.push_back(makeOctahedralMap(mirrorSize >> i));
-  environment.diffuse = makeOctahedralMap(kDiffuseSize);
-  resampleMirror(limitWidth(picture, 2 * mirrorSize), environment.specular[0]);
+  std::vector<FloatImage> specular;
+  for (size_t i = 0; i < kLevels; ++i) specular.emplace_back(mirrorSize >> i, mirrorSize >> i);
+  FloatImage diffuse(kDiffuseSize, kDiffuseSize);
+  resampleMirror(limitWidth(picture, 2 * mirrorSize), specular[0]);
   std::vector<LobeMap> maps;
-  for (size_t i = 1; i < kLevels; ++i)
-    maps.push_back({Lobe::Specular, kSpecularRoughness[i], &environment.specular[i]});
-  maps.push_back({Lobe::Cosine, 1.0f, &environment.diffuse});
+  for (size_t i = 1; i < kLevels; ++i) maps.push_back({Lobe::Specular, kSpecularRoughness[i], &specular[i]});
+  maps.push_back({Lobe::Cosine, 1.0f, &diffuse});
   convolve(makeTree(picture), maps);
+
+  Environment environment;
+  environment.radiance = makeRadianceMap(picture, exceedsHalves(picture));
+  environment.diffuse = makeRadianceMap(diffuse, exceedsHalves(diffuse));
+  const bool isFloat = std::ranges::any_of(specular, exceedsHalves);
+  for (const FloatImage& level : specular) environment.specular.push_back(makeRadianceMap(level, isFloat));
   return environment;
 }
 

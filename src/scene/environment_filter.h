@@ -6,8 +6,8 @@
 
 namespace latelight::scene {
 
-// Filters an equirectangular picture of any size. Values are clamped to [0, 65504], the range of half floats; NaN
-// becomes 0. The same bytes for any number of threads.
+// Filters an equirectangular picture of any size, its values cleaned by clampRadiance(). The same bytes for any number
+// of threads.
 Environment filterEnvironment(FloatImage picture);
 
 }  // namespace latelight::scene

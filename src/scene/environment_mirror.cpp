@@ -6,7 +6,6 @@
 #include <numbers>
 
 #include "base/parallel.h"
-#include "scene/half.h"
 #include "scene/octahedral_map.h"
 #include "shared/environment.h"
 
@@ -100,18 +99,16 @@ Rgba sampleFour(const FloatImage& image, float x, float y, uint32_t size) {
 
 }  // namespace
 
-void resampleMirror(const FloatImage& image, HalfImage& map) {
+void resampleMirror(const FloatImage& image, FloatImage& map) {
   const FloatImage even = evenOut(image);
   const bool one = image.width <= map.width;  // then no texel covers more than three quarters of a pixel
   parallelFor(map.height, 8, [&](size_t begin, size_t end) {
-    std::vector<float> row(size_t{4} * map.width);
     for (size_t y = begin; y < end; ++y) {
       for (size_t x = 0; x < map.width; ++x) {
         const auto fx = static_cast<float>(x), fy = static_cast<float>(y);
         const Rgba mean = one ? sample(even, mapDirection(fx, fy, map.width)) : sampleFour(even, fx, fy, map.width);
-        std::memcpy(row.data() + 4 * x, &mean, sizeof(mean));
+        std::memcpy(map.at(x, y), &mean, sizeof(mean));
       }
-      halvesFromFloats(row.data(), map.pixels.data() + y * row.size(), row.size());
     }
   });
   closeSeams(map);

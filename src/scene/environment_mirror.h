@@ -8,6 +8,6 @@ namespace latelight::scene {
 
 // Fills `map` from `image` (radiance clamped), which is at most twice as wide: a texel then covers at most one and a
 // half pixels, within the footprint of the samples taken.
-void resampleMirror(const FloatImage& image, HalfImage& map);
+void resampleMirror(const FloatImage& image, FloatImage& map);
 
 }  // namespace latelight::scene

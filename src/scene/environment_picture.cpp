@@ -65,7 +65,7 @@ void clampRadiance(FloatImage& image) {
     for (size_t i = begin * row; i < end * row; ++i) {
       const float value = pixels[i];
       const float low = value > 0.0f ? value : 0.0f;  // false for NaN
-      pixels[i] = low < kHalfMax ? low : kHalfMax;
+      pixels[i] = std::isinf(low) ? kHalfMax : std::min(low, kMaxRadiance);
     }
   });
 }
@@ -84,16 +84,6 @@ FloatImage resizeEquirectangular(const FloatImage& image, uint32_t width, uint32
       for (size_t i = 0; i < span.count; ++i) addRow(image.at(0, span.first + i), rows.weights[span.weights + i], sum);
       shrinkRow(sum, columns, result.at(0, y));
     }
-  });
-  return result;
-}
-
-HalfImage toHalf(const FloatImage& image) {
-  HalfImage result{image.width, image.height, std::vector<uint16_t>(image.pixels.size())};
-  const size_t row = size_t{4} * image.width;
-  parallelFor(image.height, 32, [&](size_t begin, size_t end) {
-    halvesFromFloats(image.pixels.data() + begin * row, result.pixels.data() + begin * row, (end - begin) * row);
-    for (size_t i = begin * row + 3; i < end * row; i += 4) result.pixels[i] = 0x3c00;  // alpha 1
   });
   return result;
 }

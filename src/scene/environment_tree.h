@@ -58,7 +58,7 @@ void toLobeWeight(Lobe lobe, float alpha, T& c) {
 struct LobeMap {
   Lobe lobe;
   float roughness;  // perceptual, above 0; 1 for a cosine lobe
-  HalfImage* image;
+  FloatImage* image;
 };
 
 // Fills the maps with radiance averaged by the lobe's weight. With the cosine's it is irradiance / pi.

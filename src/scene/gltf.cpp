@@ -91,6 +91,7 @@ Scene import(const std::filesystem::path& path, const LoadOptions& options) {
   if (options.textures) addTextureJobs(document, textures, scene, jobs);
   addMeshJobs(document, hierarchy, requests, scene, jobs);
   runJobs(jobs, scene.name);
+  document.repairs.report();
   document.budget.release();
   scene.memory.grow(geometryBytes(scene), "its meshes");
   return scene;

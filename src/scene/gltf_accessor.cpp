@@ -178,13 +178,18 @@ void readVectors(const Elements& e, size_t first, size_t count, glm::vec<N, floa
 }
 
 template <int N>
-std::vector<glm::vec<N, float>> readFinite(const Elements& e, size_t first, size_t count, float fill) {
+std::vector<glm::vec<N, float>> readRepaired(const Elements& e, size_t first, size_t count, bool& anyBroken,
+                                             float otherwise, float fill) {
   std::vector<glm::vec<N, float>> out(count);
   readVectors(e, first, count, out.data(), fill);
-  for (size_t i = 0; i < count; ++i)
-    for (int c = 0; c < N; ++c)
-      if (!std::isfinite(out[i][c]))
-        badInput("{} has a value that is not a finite number, at element {}", e.name, first + i);
+  if (e.componentType != TINYGLTF_COMPONENT_TYPE_FLOAT) return out;
+  for (glm::vec<N, float>& value : out) {
+    bool finite = true;
+    for (int c = 0; c < N; ++c) finite &= std::isfinite(value[c]);
+    if (finite) continue;
+    value = glm::vec<N, float>(otherwise);
+    anyBroken = true;
+  }
   return out;
 }
 
@@ -223,9 +228,9 @@ template void readVectors<1>(const Elements&, size_t, size_t, glm::vec1*, float)
 template void readVectors<2>(const Elements&, size_t, size_t, glm::vec2*, float);
 template void readVectors<3>(const Elements&, size_t, size_t, glm::vec3*, float);
 template void readVectors<4>(const Elements&, size_t, size_t, glm::vec4*, float);
-template std::vector<glm::vec1> readFinite<1>(const Elements&, size_t, size_t, float);
-template std::vector<glm::vec2> readFinite<2>(const Elements&, size_t, size_t, float);
-template std::vector<glm::vec3> readFinite<3>(const Elements&, size_t, size_t, float);
-template std::vector<glm::vec4> readFinite<4>(const Elements&, size_t, size_t, float);
+template std::vector<glm::vec1> readRepaired<1>(const Elements&, size_t, size_t, bool&, float, float);
+template std::vector<glm::vec2> readRepaired<2>(const Elements&, size_t, size_t, bool&, float, float);
+template std::vector<glm::vec3> readRepaired<3>(const Elements&, size_t, size_t, bool&, float, float);
+template std::vector<glm::vec4> readRepaired<4>(const Elements&, size_t, size_t, bool&, float, float);
 
 }  // namespace latelight::scene::gltf

@@ -32,9 +32,10 @@ Elements resolve(const Document& document, int accessor);
 template <int N>
 void readVectors(const Elements& elements, size_t first, size_t count, glm::vec<N, float>* out, float fill = 0);
 
-// The same for all elements; Error(BadInput) where one is not finite.
+// The same; values with a component that is not finite become `otherwise` in all components, and `anyBroken` is set.
 template <int N>
-std::vector<glm::vec<N, float>> readFinite(const Elements& elements, size_t first, size_t count, float fill = 0);
+std::vector<glm::vec<N, float>> readRepaired(const Elements& elements, size_t first, size_t count, bool& anyBroken,
+                                             float otherwise = 0, float fill = 0);
 
 std::vector<glm::mat4> readMatrices(const Elements& elements);
 

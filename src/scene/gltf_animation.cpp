@@ -5,6 +5,7 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "scene/gltf_accessor.h"
+#include "scene/gltf_mesh.h"
 #include "scene/gltf_nodes.h"
 #include "scene/gltf_pointer.h"
 #include "scene/gltf_skin.h"
@@ -14,26 +15,42 @@ namespace {
 
 using nlohmann::json;
 
-Interpolation readInterpolation(const json& sampler, const std::string& name) {
+// The reason why a channel can't apply to what the file has. It is left out, and the rest of the file is read.
+struct Inapplicable {
+  std::string reason;
+};
+template <typename... Args>
+[[noreturn]] void leaveOut(fmt::format_string<Args...> format, Args&&... args) {
+  throw Inapplicable{fmt::format(format, std::forward<Args>(args)...)};
+}
+
+Interpolation readInterpolation(const json& sampler) {
   const std::string text = sampler.value("interpolation", std::string("LINEAR"));
   if (text == "STEP") return Interpolation::Step;
   if (text == "LINEAR") return Interpolation::Linear;
   if (text == "CUBICSPLINE") return Interpolation::Cubic;
-  badInput("{} has the unknown interpolation \"{}\"", name, text);
+  leaveOut("has the unknown interpolation \"{}\"", text);
 }
 
-AnimatedProperty readPath(const std::string& path, const std::string& name) {
+AnimatedProperty readPath(const std::string& path) {
   if (path == "translation") return AnimatedProperty::Translation;
   if (path == "rotation") return AnimatedProperty::Rotation;
   if (path == "scale") return AnimatedProperty::Scale;
   if (path == "weights") return AnimatedProperty::Weights;
-  badInput("{} moves \"{}\", which no node has", name, path);
+  leaveOut("moves \"{}\", which no node has", path);
 }
 
 uint32_t weightCount(const Document& document, uint32_t node) {
   const int mesh = document.model.nodes[node].mesh;
-  if (mesh < 0) return 0;
-  return static_cast<uint32_t>(document.model.meshes[size_t(mesh)].primitives[0].targets.size());
+  return mesh < 0 ? 0 : static_cast<uint32_t>(targetCount(document.model.meshes[size_t(mesh)]));
+}
+
+template <int N>
+std::vector<glm::vec<N, float>> readFiniteValues(const Elements& elements) {
+  bool anyBroken = false;
+  std::vector<glm::vec<N, float>> values = readRepaired<N>(elements, 0, elements.count, anyBroken);
+  if (anyBroken) leaveOut("has values that are not finite numbers, in {}", elements.name);
+  return values;
 }
 
 std::vector<float> readTimes(const Document& document, int accessor, const std::string& name) {
@@ -42,9 +59,9 @@ std::vector<float> readTimes(const Document& document, int accessor, const std::
     badInput("{} has times that are not floats, in {}", name, elements.name);
   document.budget.charge(elements.count * sizeof(float), elements.name);
   std::vector<float> times;
-  for (const glm::vec<1, float>& time : readFinite<1>(elements, 0, elements.count)) times.push_back(time.x);
-  if (!std::is_sorted(times.begin(), times.end())) badInput("{} has times that fall, in {}", name, elements.name);
-  if (times.front() < 0) badInput("{} has a time before 0, in {}", name, elements.name);
+  for (const glm::vec1& time : readFiniteValues<1>(elements)) times.push_back(time.x);
+  if (!std::is_sorted(times.begin(), times.end())) leaveOut("has times that fall, in {}", elements.name);
+  if (times.front() < 0) leaveOut("has a time before 0, in {}", elements.name);
   return times;
 }
 
@@ -66,7 +83,7 @@ std::vector<float> readValues(const Document& document, int accessor, const Curv
              elements.name);
   const bool bytes = elements.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE;
   if (layout.boolean && (!bytes || curve.interpolation != Interpolation::Step))
-    badInput("{} says what is visible in {} by other than steps of unsigned bytes", name, elements.name);
+    leaveOut("says what is visible in {} by other than steps of unsigned bytes", elements.name);
   document.budget.charge(elements.count * sizeof(glm::vec4) * 2, elements.name);
   std::vector<float> values;
   values.reserve(elements.count * elements.components);
@@ -74,10 +91,10 @@ std::vector<float> readValues(const Document& document, int accessor, const Curv
     for (const auto& v : vectors)
       for (int c = 0; c < v.length(); ++c) values.push_back(v[c]);
   };
-  if (elements.components == 1) append(readFinite<1>(elements, 0, elements.count));
-  if (elements.components == 2) append(readFinite<2>(elements, 0, elements.count));
-  if (elements.components == 3) append(readFinite<3>(elements, 0, elements.count));
-  if (elements.components == 4) append(readFinite<4>(elements, 0, elements.count));
+  if (elements.components == 1) append(readFiniteValues<1>(elements));
+  if (elements.components == 2) append(readFiniteValues<2>(elements));
+  if (elements.components == 3) append(readFiniteValues<3>(elements));
+  if (elements.components == 4) append(readFiniteValues<4>(elements));
   return values;
 }
 
@@ -92,7 +109,11 @@ class AnimationReader {
     const json& channels = source["channels"];
     for (size_t i = 0; i < channels.size(); ++i) {
       name_ = fmt::format("animations[{}].channels[{}]", index, i);
-      readChannel(channels[i]);
+      try {
+        readChannel(channels[i]);
+      } catch (const Inapplicable& channel) {
+        warn("{} {}, and is left out", name_, channel.reason);
+      }
     }
     return std::move(out_);
   }
@@ -107,7 +128,7 @@ class AnimationReader {
     sampler_ = &samplers[sampler];
     const std::string path = target["path"].get<std::string>();
     if (path == "pointer") return readPointer(target);
-    const AnimatedProperty property = readPath(path, name_);
+    const AnimatedProperty property = readPath(path);
     if (target.contains("node")) addTrack(target["node"].get<uint32_t>(), property, -1);
   }
 
@@ -131,7 +152,7 @@ class AnimationReader {
     if (property == AnimatedProperty::Rotation) track.width = 4;
     if (weights) track.width = element < 0 ? weightCount(document_, node) : 1;
     if (visible) track.width = 1;
-    if (track.width == 0) badInput("{} moves weights of nodes[{}], whose mesh has no morph targets", name_, node);
+    if (track.width == 0) leaveOut("moves weights of nodes[{}], whose mesh has no morph targets", node);
     if (document_.model.nodes[node].matrix.size() == 16 && !weights && !visible)
       return warn("{} moves nodes[{}], whose transform is a matrix: it stays as it is", name_, node);
     const Layout layout{.components = weights ? 1 : track.width,
@@ -154,7 +175,7 @@ class AnimationReader {
   }
 
   void readCurve(Curve& curve, const Layout& layout) {
-    curve.interpolation = readInterpolation(*sampler_, name_);
+    curve.interpolation = readInterpolation(*sampler_);
     curve.times = readTimes(document_, (*sampler_)["input"].get<int>(), name_);
     curve.values = readValues(document_, (*sampler_)["output"].get<int>(), curve, layout, name_);
     out_.duration = std::max(out_.duration, curve.times.back());
@@ -183,7 +204,7 @@ RigNode readRigNode(const tinygltf::Model& model, const tinygltf::Node& source) 
   if (source.mesh < 0) return node;
   const tinygltf::Mesh& mesh = model.meshes[size_t(source.mesh)];
   const std::vector<double>& weights = source.weights.empty() ? mesh.weights : source.weights;
-  for (size_t i = 0; i < mesh.primitives[0].targets.size(); ++i) node.weights.push_back(float(at(weights, i, 0)));
+  for (size_t i = 0; i < targetCount(mesh); ++i) node.weights.push_back(float(at(weights, i, 0)));
   return node;
 }
 

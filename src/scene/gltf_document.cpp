@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "base/log.h"
 #include "scene/scene.h"
 
 namespace latelight::scene::gltf {
@@ -93,6 +94,10 @@ void readModel(Document& document, json root) {
   document.beside = filesBeside(root);
   if (root.contains("animations")) document.animations = root["animations"];
   for (const char* key : {"buffers", "images", "animations", "extras"}) root.erase(key);
+  // Nothing reads an accessor's bounds, and exporters write null there for values that are not numbers.
+  if (root.contains("accessors"))
+    for (json& accessor : root["accessors"])
+      for (const char* key : {"min", "max"}) accessor.erase(key);
   hideIndices(root);
   const Counts counts(root);
   document.budget.charge(modelBytes(counts), "its nodes and primitives");
@@ -105,6 +110,22 @@ void readModel(Document& document, json root) {
     badInput("it is not valid glTF: {}", std::string_view(error).substr(0, error.find('\n')));
   checkModel(counts, document.model);
   restoreIndices(document.model);
+}
+
+void Repairs::add(const std::string& attribute) const {
+  const std::lock_guard lock(mutex_);
+  attributes_.insert(attribute);
+}
+
+void Repairs::report() const {
+  const std::lock_guard lock(mutex_);
+  if (attributes_.empty()) return;
+  const size_t others = attributes_.size() - 1;
+  const std::string more = others == 0 ? "" : fmt::format(" and {} other attribute{}", others, others == 1 ? "" : "s");
+  warn(
+      "{}{} of the file {} values that are not finite numbers: colors become 1, normals are computed, triangles "
+      "without positions are left out, and all else becomes 0",
+      *attributes_.begin(), more, others == 0 ? "has" : "have");
 }
 
 void openDocument(Document& document, const std::filesystem::path& path, const Enclosure& enclosure) {

@@ -8,7 +8,9 @@
 #include <cstddef>
 #include <filesystem>
 #include <memory>
+#include <mutex>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -42,6 +44,18 @@ class Budget {
   mutable MemoryClaim memory_;
 };
 
+// Attributes with values that are not finite numbers, which exporters write where nothing uses them. They are repaired,
+// and reported in one warning. From any thread.
+class Repairs {
+ public:
+  void add(const std::string& attribute) const;  // "meshes[2].primitives[0].TEXCOORD_0"
+  void report() const;
+
+ private:
+  mutable std::mutex mutex_;
+  mutable std::set<std::string> attributes_;
+};
+
 struct Document {
   tinygltf::Model model;     // without buffers, images and animations: their bytes never go through tinygltf
   std::vector<Bytes> views;  // of each bufferView, decompressed
@@ -50,6 +64,7 @@ struct Document {
   std::vector<std::filesystem::path> beside;            // files that it names, relative to its folder
   size_t inputBytes = 0;                                // of all files read
   Budget budget;
+  Repairs repairs;
 
   // The memory that `views` and `images` point into.
   std::vector<std::vector<std::byte>> files;

@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "scene/environment.h"
+#include "scene/environment_picture.h"
 #include "scene/octahedral_map.h"
 #include "scene/texture.h"
 #include "shared/color.h"
@@ -124,14 +125,17 @@ vec3 irradiance(const Harmonics& c, const vec3& n) {
          0.546274f * c[8] * (n.x * n.x - n.y * n.y);
 }
 
-void setDiffuse(HalfImage& map, const Harmonics& harmonics, const glm::mat3& turn, float intensity) {
-  for (uint32_t y = 0; y < map.height; ++y)
-    for (uint32_t x = 0; x < map.width; ++x) {
-      const vec3 n = turn * gltfFromWorld(mapDirection(float(x), float(y), map.width));
+RadianceMap makeDiffuse(uint32_t size, const Harmonics& harmonics, const glm::mat3& turn, float intensity) {
+  FloatImage map(size, size);
+  for (uint32_t y = 0; y < size; ++y)
+    for (uint32_t x = 0; x < size; ++x) {
+      const vec3 n = turn * gltfFromWorld(mapDirection(float(x), float(y), size));
       const vec3 value = irradiance(harmonics, n) * (intensity / std::numbers::pi_v<float>);
-      setTexel(map, x, y, vec4(glm::clamp(value, 0.0f, 65504.0f), 1));
+      setTexel(map, x, y, vec4(value, 1));
     }
   closeSeams(map);
+  clampRadiance(map);
+  return makeRadianceMap(map, exceedsHalves(map));
 }
 
 const Value* lightOf(const tinygltf::Model& model) {
@@ -151,7 +155,7 @@ void readEnvironment(const Document& document, Scene& scene) {
   const auto intensity = float(numberOr(*light, "intensity", 1));
   const Cube cube(document, light->Get("specularImages").Get(0));
   Environment environment = makeEnvironment(pictureOf(cube, turn, intensity));
-  setDiffuse(environment.diffuse, readHarmonics(*light), turn, intensity);
+  environment.diffuse = makeDiffuse(environment.diffuse.width, readHarmonics(*light), turn, intensity);
   environment.name = "scene";
   scene.environment = std::make_shared<Environment>(std::move(environment));
 }

@@ -78,7 +78,9 @@ Placements readPlacements(const Document& document, const tinygltf::Node& node, 
       badInput("nodes[{}] has EXT_mesh_gpu_instancing attributes of different lengths", index);
     count = elements.count;
     document.budget.charge(elements.count * (sizeof(Instance) + 3 * sizeof(vec4)), elements.name);
-    values = readFinite<4>(elements, 0, elements.count, otherwise.w);
+    bool anyBroken = false;
+    values = readRepaired<4>(elements, 0, elements.count, anyBroken, 0, otherwise.w);
+    if (anyBroken) badInput("{} has values that are not finite numbers", elements.name);
     return values;
   };
   Placements placements;

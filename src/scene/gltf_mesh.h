@@ -29,6 +29,10 @@ struct MeshRequest {
   bool operator==(const MeshRequest&) const = default;
 };
 
+// The morph targets of the mesh: as many as that of its primitives has that has most. Exporters leave them out of
+// primitives that none moves.
+size_t targetCount(const tinygltf::Mesh& mesh);
+
 // The name of a mesh of the file; "mesh<index>" without one.
 std::string meshName(const Document& document, int mesh);
 

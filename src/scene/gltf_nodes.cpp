@@ -113,7 +113,8 @@ class Paths {
   size_t bytes_ = 0;
 };
 
-Camera readCamera(const tinygltf::Camera& source) {
+// Nothing where it has no width or no height.
+std::optional<Camera> readCamera(const tinygltf::Camera& source) {
   Camera camera;
   if (source.type == "orthographic") {
     camera.orthographic = true;
@@ -121,7 +122,7 @@ Camera readCamera(const tinygltf::Camera& source) {
     camera.yHalf = std::abs(float(source.orthographic.ymag));
     camera.nearClip = float(source.orthographic.znear);
     camera.farClip = float(source.orthographic.zfar);
-    if (xHalf == 0 || camera.yHalf == 0) badInput("an orthographic camera has no width or no height");
+    if (xHalf == 0 || camera.yHalf == 0) return std::nullopt;
     camera.aspect = xHalf / camera.yHalf;
   } else {
     camera.verticalFov = float(source.perspective.yfov);
@@ -130,18 +131,25 @@ Camera readCamera(const tinygltf::Camera& source) {
            kDefaultVerticalFov);
       camera.verticalFov = kDefaultVerticalFov;
     }
-    camera.nearClip = float(source.perspective.znear);
+    if (const auto near = float(source.perspective.znear); near > 0)
+      camera.nearClip = near;
+    else
+      warn("a camera has its near plane at 0: it clips nothing near it");
     if (source.perspective.zfar > 0) camera.farClip = float(source.perspective.zfar);
     if (source.perspective.aspectRatio > 0) camera.aspect = float(source.perspective.aspectRatio);
   }
-  if (!(camera.farClip > camera.nearClip)) badInput("a camera has its far plane before its near plane");
+  if (!(camera.farClip > camera.nearClip)) {
+    warn("a camera has its far plane before its near plane: it sees to infinity");
+    camera.farClip = std::numeric_limits<float>::infinity();
+  }
   return camera;
 }
 
-Light readLight(const tinygltf::Light& source) {
+// Nothing for a type that is not known here.
+std::optional<Light> readLight(const tinygltf::Light& source) {
   Light light;
   const std::optional<uint32_t> type = findLightType(source.type);
-  if (!type) badInput("a light has the unknown type \"{}\"", source.type);
+  if (!type) return std::nullopt;
   light.type = *type;
   if (source.color.size() == 3) light.color = vec3(source.color[0], source.color[1], source.color[2]);
   light.intensity = float(source.intensity);
@@ -214,12 +222,16 @@ void readCameras(const Document& document, const Hierarchy& hierarchy, Scene& sc
     int source = document.model.nodes[index].camera;
     if (source < 0) continue;
     const tinygltf::Camera& data = document.model.cameras[size_t(source)];
-    Camera camera = readCamera(data);
-    camera.name = data.name.empty() ? scene.nodes[i].name : data.name;
-    camera.node = int(i);
-    if (!placeCamera(camera, hierarchy.world[index]))
+    std::optional<Camera> camera = readCamera(data);
+    if (!camera) {
+      warn("the camera at {} has no width or no height, and is left out", scene.nodes[i].path);
+      continue;
+    }
+    camera->name = data.name.empty() ? scene.nodes[i].name : data.name;
+    camera->node = int(i);
+    if (!placeCamera(*camera, hierarchy.world[index]))
       warn("the camera at {} is scaled to nothing: it keeps its place and looks along -Z", scene.nodes[i].path);
-    scene.cameras.push_back(std::move(camera));
+    scene.cameras.push_back(*std::move(camera));
   }
 }
 
@@ -231,13 +243,17 @@ void readLights(const Document& document, const Hierarchy& hierarchy, Scene& sce
     size_t source = size_t(indexOr(*object, "light", 0));
     if (source >= document.model.lights.size()) badInput("nodes[{}] names a light that can't be read", index);
     const tinygltf::Light& data = document.model.lights[source];
-    Light light = readLight(data);
-    light.name = data.name.empty() ? scene.nodes[i].name : data.name;
-    readShadowExtras(document.model.nodes[index], data, light);
-    light.node = int(i);
-    light.hidden = hierarchy.hidden[index];
-    placeLight(light, hierarchy.world[index]);
-    scene.lights.push_back(std::move(light));
+    std::optional<Light> light = readLight(data);
+    if (!light) {
+      warn("the light at {} has the unknown type \"{}\", and is left out", scene.nodes[i].path, data.type);
+      continue;
+    }
+    light->name = data.name.empty() ? scene.nodes[i].name : data.name;
+    readShadowExtras(document.model.nodes[index], data, *light);
+    light->node = int(i);
+    light->hidden = hierarchy.hidden[index];
+    placeLight(*light, hierarchy.world[index]);
+    scene.lights.push_back(*std::move(light));
   }
 }
 

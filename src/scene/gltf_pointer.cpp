@@ -5,6 +5,7 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "base/text.h"
+#include "scene/gltf_mesh.h"
 
 namespace latelight::scene::gltf {
 namespace {
@@ -35,17 +36,13 @@ void checkIndex(const Parts& parts, size_t count, const std::string& name) {
   if (parts.index >= count) badInput("{} points to {}{}, but there are {}", name, parts.list, parts.index, count);
 }
 
-size_t targetCount(const Document& document, int mesh) {
-  return mesh < 0 ? 0 : document.model.meshes[size_t(mesh)].primitives[0].targets.size();
-}
-
 // "weights", or "weights/2": one of them.
 std::optional<int> findWeights(const Document& document, int mesh, std::string_view below, const std::string& name) {
   if (below == "weights") return -1;
   if (!below.starts_with("weights/")) return std::nullopt;
   const auto element = parseNumber<uint32_t>(std::string(below.substr(8)));
-  if (!element || *element >= targetCount(document, mesh))
-    badInput("{} points to {}, and there are {}", name, below, targetCount(document, mesh));
+  const size_t count = mesh < 0 ? 0 : targetCount(document.model.meshes[size_t(mesh)]);
+  if (!element || *element >= count) badInput("{} points to {}, and there are {}", name, below, count);
   return int(*element);
 }
 

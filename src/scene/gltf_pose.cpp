@@ -9,20 +9,32 @@
 namespace latelight::scene::gltf {
 namespace {
 
-template <int N>
-void addDeltas(const Elements& deltas, const Source& source, float weight, std::vector<glm::vec<N, float>>& stream) {
-  if (stream.empty()) return;
-  std::vector<glm::vec<N, float>> values = readFinite<N>(deltas, source.first, source.count);
-  for (size_t i = 0; i < stream.size(); ++i) stream[i] += values[i] * weight;
+std::string nameOf(size_t target, const std::string& key) {
+  return fmt::format("targets[{}].{}", target, key);
 }
 
-void addTarget(const std::string& key, const Elements& deltas, const Source& source, float weight, Vertices& v) {
-  if (key == "POSITION") return addDeltas(deltas, source, weight, v.positions);
-  if (key == "NORMAL") return addDeltas(deltas, source, weight, v.normals);
-  if (key == "TANGENT") return addDeltas(deltas, source, weight, v.tangents);  // three components: w is unchanged
-  if (key == "TEXCOORD_0") return addDeltas(deltas, source, weight, v.uv[0]);
-  if (key == "TEXCOORD_1") return addDeltas(deltas, source, weight, v.uv[1]);
-  if (key == "COLOR_0") return addDeltas(deltas, source, weight, v.colors);
+// One attribute of a morph target.
+struct Deltas {
+  const Document& document;
+  const Source& source;
+  std::string name;
+  Elements elements;
+
+  template <int N>
+  void addTo(std::vector<glm::vec<N, float>>& stream, float weight) const {
+    if (stream.empty()) return;
+    const auto values = readAttribute<N>(document, source, name, elements);
+    for (size_t i = 0; i < stream.size(); ++i) stream[i] += values[i] * weight;
+  }
+};
+
+void addTarget(const std::string& key, const Deltas& deltas, float weight, Vertices& v) {
+  if (key == "POSITION") return deltas.addTo(v.positions, weight);
+  if (key == "NORMAL") return deltas.addTo(v.normals, weight);
+  if (key == "TANGENT") return deltas.addTo(v.tangents, weight);  // three components: w is unchanged
+  if (key == "TEXCOORD_0") return deltas.addTo(v.uv[0], weight);
+  if (key == "TEXCOORD_1") return deltas.addTo(v.uv[1], weight);
+  if (key == "COLOR_0") return deltas.addTo(v.colors, weight);
 }
 
 bool isGeometry(const std::string& key) {
@@ -44,6 +56,18 @@ struct Influences {
   std::vector<vec4> weights;
 };
 
+// A joint that the skin lacks is an error only where it has a weight: exporters leave anything in unused places.
+void checkJoints(const Source& source, size_t jointCount, int skin, Influences& influences) {
+  for (size_t i = 0; i < influences.joints.size(); ++i)
+    for (int c = 0; c < 4; ++c) {
+      uint32_t& joint = influences.joints[i][c];
+      if (joint < jointCount) continue;
+      if (influences.weights[i][c] > 0)
+        badInput("{} names joint {} of skins[{}], which has {}", source.name, joint, skin, jointCount);
+      joint = 0;
+    }
+}
+
 std::vector<Influences> readInfluences(const Document& document, const Source& source, size_t jointCount, int skin) {
   std::vector<Influences> sets;
   for (int n = 0;; ++n) {
@@ -54,11 +78,8 @@ std::vector<Influences> readInfluences(const Document& document, const Source& s
     Elements normalized = weights->second;
     normalized.normalized = true;
     sets.push_back({readJoints(joints->second, source.first, source.count),
-                    readFinite<4>(normalized, source.first, source.count)});
-    for (const glm::uvec4& four : sets.back().joints)
-      for (int c = 0; c < 4; ++c)
-        if (four[c] >= jointCount)
-          badInput("{} names joint {} of skins[{}], which has {}", source.name, four[c], skin, jointCount);
+                    readAttribute<4>(document, source, weights->first, normalized)});
+    checkJoints(source, jointCount, skin, sets.back());
   }
 }
 
@@ -90,7 +111,7 @@ MorphTarget readTarget(const Document& document, const std::map<std::string, int
     std::vector<vec3>& stream = key == "POSITION" ? deltas.positions
                                 : key == "NORMAL" ? deltas.normals
                                                   : deltas.tangents;
-    stream = gather(readFinite<3>(elements, source.first, source.count), origin);
+    stream = gather(readAttribute<3>(document, source, nameOf(index, key), elements), origin);
   }
   return deltas;
 }
@@ -104,7 +125,8 @@ void applyMorphTargets(const Document& document, const tinygltf::Primitive& prim
     if (weights[t] == 0) continue;
     for (const auto& [key, accessor] : primitive.targets[t])
       if (geometry || !isGeometry(key))
-        addTarget(key, targetElements(document, source, t, key, accessor), source, float(weights[t]), vertices);
+        addTarget(key, {document, source, nameOf(t, key), targetElements(document, source, t, key, accessor)},
+                  float(weights[t]), vertices);
   }
 }
 

@@ -1,5 +1,6 @@
 #include "scene/gltf_schema.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <span>
@@ -8,6 +9,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/log.h"
 
 namespace latelight::scene::gltf {
 namespace {
@@ -159,8 +161,6 @@ constexpr Rule kAccessorRules[] = {index("bufferView", Target::BufferViews),
                                    boolean("normalized"),
                                    integer("count", 1, kMaxCount, true),
                                    string("type", true),
-                                   numbers("min", 1, 16),
-                                   numbers("max", 1, 16),
                                    object("sparse", &kSparse)};
 constexpr Schema kAccessor{kAccessorRules};
 
@@ -229,13 +229,12 @@ constexpr Schema kChannel{kChannelRules};
 constexpr Rule kAnimationSamplerRules[] = {index("input", Target::Accessors, true),
                                            index("output", Target::Accessors, true), string("interpolation")};
 constexpr Schema kAnimationSampler{kAnimationSamplerRules};
-constexpr Rule kAnimationRules[] = {objects("channels", &kChannel, true, 1),
-                                    objects("samplers", &kAnimationSampler, true, 1), string("name")};
+constexpr Rule kAnimationRules[] = {objects("channels", &kChannel, true), objects("samplers", &kAnimationSampler, true),
+                                    string("name")};
 constexpr Schema kAnimation{kAnimationRules};
 
-constexpr Rule kPerspectiveRules[] = {number("yfov", kPositive, kMaxFloat, true),
-                                      number("znear", kPositive, kMaxFloat, true), number("zfar", kPositive),
-                                      number("aspectRatio", kPositive)};
+constexpr Rule kPerspectiveRules[] = {number("yfov", kPositive, kMaxFloat, true), number("znear", 0, kMaxFloat, true),
+                                      number("zfar", kPositive), number("aspectRatio", kPositive)};
 constexpr Schema kPerspective{kPerspectiveRules};
 constexpr Rule kOrthographicRules[] = {number("xmag", -kMaxFloat, kMaxFloat, true),
                                        number("ymag", -kMaxFloat, kMaxFloat, true), number("znear", 0, kMaxFloat, true),
@@ -468,10 +467,18 @@ class Validator {
       Place place(*this, rule.key);
       if (found == value.end()) {
         if (rule.required) bad("is missing");
+      } else if (!rule.required && isNotPositive(*found, rule)) {
+        warn("{} is {}, and is left out: it has to be above 0", where(), found->dump());
+        value.erase(found);
       } else {
         check(*found, rule);
       }
     }
+  }
+
+  // A number that has to be positive and has no meaning at the end of its range.
+  static bool isNotPositive(const json& value, const Rule& rule) {
+    return rule.kind == Kind::Number && rule.least == kPositive && value.is_number() && value.get<double>() < kPositive;
   }
 
   void check(json& value, const Rule& rule) {
@@ -514,10 +521,15 @@ class Validator {
     value = static_cast<uint64_t>(d);  // all of ours are >= 0, and tinygltf insists on unsigned ones for some
   }
 
-  void number(const json& value, const Rule& rule) {
+  // Exporters round factors and angles, and some write others than glTF has.
+  void number(json& value, const Rule& rule) {
     if (!value.is_number()) bad("should be a number");
-    double d = value.get<double>();
-    if (!(d >= rule.least && d <= rule.most)) bad("is {}, which is out of range", value.dump());
+    const double d = value.get<double>();
+    if (!std::isfinite(static_cast<float>(d))) bad("is {}, which is out of range", value.dump());
+    const double nearest = std::clamp(d, rule.least, rule.most);
+    if (nearest == d) return;
+    warn("{} is {}, which is out of range: it is read as {}", where(), value.dump(), nearest);
+    value = nearest;
   }
 
   void index(json& value, const Rule& rule) {

@@ -1,6 +1,8 @@
 // A primitive during conversion to a scene::Mesh: its data, and how they are read.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <map>
 #include <string>
 #include <vector>
@@ -21,6 +23,17 @@ struct Source {
 
 // gltf_topology.cpp: finds the data, decodes Draco, unrolls strips and fans, checks every index.
 Source readSource(const Document& document, const tinygltf::Primitive& primitive, std::string name);
+
+// Elements of an attribute of the source, or of a morph target's ("targets[1].NORMAL"), repaired where they are not
+// finite: the value then is `otherwise` in all components.
+template <int N>
+std::vector<glm::vec<N, float>> readAttribute(const Document& document, const Source& source, const std::string& key,
+                                              const Elements& elements, float otherwise = 0, float fill = 0) {
+  bool anyBroken = false;
+  auto values = readRepaired<N>(elements, source.first, source.count, anyBroken, otherwise, fill);
+  if (anyBroken) document.repairs.add(fmt::format("{}.{}", source.name, key));
+  return values;
+}
 
 // gltf_pose.cpp: adds weighted morph targets, of positions, normals and tangents only where `geometry`.
 void applyMorphTargets(const Document& document, const tinygltf::Primitive& primitive, const Source& source,

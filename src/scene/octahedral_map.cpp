@@ -1,20 +1,16 @@
 #include "scene/octahedral_map.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
-#include "scene/half.h"
 #include "shared/normal/octahedral.h"
 
 namespace latelight::scene {
 namespace {
 
-uint16_t* texel(HalfImage& map, size_t x, size_t y) {
-  return map.pixels.data() + 4 * (y * map.width + x);
-}
-
-void copyTexel(HalfImage& map, size_t fromX, size_t fromY, size_t toX, size_t toY) {
-  std::memcpy(texel(map, toX, toY), texel(map, fromX, fromY), 4 * sizeof(uint16_t));
+void copyTexel(FloatImage& map, size_t fromX, size_t fromY, size_t toX, size_t toY) {
+  std::memcpy(map.at(toX, toY), map.at(fromX, fromY), 4 * sizeof(float));
 }
 
 // A step across an edge re-enters at the point mirrored about the middle of that edge.
@@ -34,12 +30,11 @@ glm::vec3 mapDirection(float x, float y, uint32_t size) {
   return shared::directionFromOctahedral(o);
 }
 
-void setTexel(HalfImage& map, uint32_t x, uint32_t y, const glm::vec4& value) {
-  uint16_t* to = texel(map, x, y);
-  for (int c = 0; c < 4; ++c) to[c] = halfFromFloat(value[c]);
+void setTexel(FloatImage& map, uint32_t x, uint32_t y, const glm::vec4& value) {
+  std::copy_n(&value.x, 4, map.at(x, y));
 }
 
-void closeSeams(HalfImage& map) {
+void closeSeams(FloatImage& map) {
   const size_t edge = map.width - 2;
   for (size_t i = 0; i <= edge / 2; ++i) {  // columns first: the corners, all one point, follow from (0, 0)
     copyTexel(map, 0, i, 0, edge - i);

@@ -4,22 +4,19 @@
 // the edge.
 #pragma once
 
-#include "scene/environment.h"
+#include "scene/picture_io.h"
+#include "shared/types.h"
 
 namespace latelight::scene {
-
-inline HalfImage makeOctahedralMap(uint32_t size) {
-  return {size, size, std::vector<uint16_t>(size_t{4} * size * size)};
-}
 
 // Unit direction of the texel at (x, y), which may be fractional, up to a texel outside the square.
 glm::vec3 mapDirection(float x, float y, uint32_t size);
 
 // Stores RGBA of a texel.
-void setTexel(HalfImage& map, uint32_t x, uint32_t y, const glm::vec4& value);
+void setTexel(FloatImage& map, uint32_t x, uint32_t y, const glm::vec4& value);
 
 // Makes texels of the same direction equal, and fills the last row and column: each edge of the square meets itself,
 // mirrored about its middle.
-void closeSeams(HalfImage& map);
+void closeSeams(FloatImage& map);
 
 }  // namespace latelight::scene

@@ -112,7 +112,7 @@ void readRows(Imf::InputPart& part, const Window& window, const ChannelNames& ch
 }
 
 FloatImage readData(Imf::InputPart& part, const Window& window, const ChannelNames& channels) {
-  // One row first: an invalid width fails here, before two gigabytes of zeros are allocated.
+  // One row first: an invalid width fails here, before the image is allocated.
   FloatImage row(static_cast<uint32_t>(window.width), 1);
   readRows(part, window, channels, row);
   FloatImage image(static_cast<uint32_t>(window.width), static_cast<uint32_t>(window.height));

@@ -32,6 +32,8 @@ void checkPictureSize(int64_t width, int64_t height, const std::string& name) {
     badInput("'{}' claims {} x {} pixels: at most {} million, and {} along a side, can be read; make it smaller", name,
              width, height, kMost / 1000000, kLongestPictureSide);
   }
+  // The image counts its memory itself; this error names the file.
+  const MemoryClaim fits(sizeof(float) * 4 * static_cast<uint64_t>(width * height), fmt::format("'{}'", name));
 }
 
 FloatImage readPicture(const std::filesystem::path& path) {

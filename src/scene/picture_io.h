@@ -8,12 +8,18 @@
 #include <string>
 #include <vector>
 
+#include "base/memory.h"
+
 namespace latelight::scene {
+
+struct EnvironmentMemory {
+  static constexpr std::string_view kName = "an environment's image";
+};
 
 // RGBA, linear, rows from the top.
 struct FloatImage {
   uint32_t width = 0, height = 0;
-  std::vector<float> pixels;  // 4 * width * height
+  CountedVector<float, EnvironmentMemory> pixels;  // 4 * width * height
 
   FloatImage() = default;
   FloatImage(uint32_t width, uint32_t height) : width(width), height(height), pixels(size_t{4} * width * height) {}
@@ -37,7 +43,8 @@ FloatImage decodePicture(std::span<const std::byte> bytes, const std::string& na
 // (picture_radiance.cpp)
 FloatImage decodeRadiance(std::span<const std::byte> bytes, const std::string& name);
 
-// Throws Error(BadInput) if a picture is larger than that.
+// From the header, before anything is decoded: throws Error(BadInput) if a picture is larger than that, and
+// Error(DeviceLost) if the limit on memory does not allow its floats.
 void checkPictureSize(int64_t width, int64_t height, const std::string& name);
 
 // OpenEXR: scan lines or tiles, the first of several parts; R G B or Y, in half, float or uint, with or without A, and

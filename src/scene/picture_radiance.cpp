@@ -172,7 +172,7 @@ FloatImage decodeRadiance(std::span<const std::byte> bytes, const std::string& n
   Reader reader(bytes, name);
   const Header header = readHeader(reader, name);
   // The fewest bytes a row can take (old runs: a pixel and its count), and one row first: an invalid size fails here,
-  // before two gigabytes of zeros are allocated.
+  // before the image is allocated.
   if (reader.left() < header.height * std::min<uint64_t>(8, uint64_t{4} * header.width)) {
     badInput("'{}' is truncated: {} bytes can't hold {} x {} pixels; fetch it again", name, bytes.size(), header.width,
              header.height);

@@ -1,5 +1,6 @@
 #include "scene/vertices.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "scene/tangents.h"
@@ -38,6 +39,38 @@ bool isUsable(vec3 normal) {
   return length2 > 1e-30f && std::isfinite(length2);
 }
 
+// The largest cosine between each vertex's normal and the triangles around it; below -1 where it has none.
+std::vector<float> cosinesToTriangles(const Vertices& v, const std::vector<uint32_t>& indices) {
+  std::vector<float> cosines(v.normals.size(), -2.0f);
+  for (size_t i = 0; i + 2 < indices.size(); i += 3) {
+    const glm::dvec3 area = areaNormal(v, &indices[i]);
+    const double length = glm::length(area);
+    if (!(length > 0) || !std::isfinite(length)) continue;
+    const vec3 normal(area / length);
+    for (size_t corner = i; corner < i + 3; ++corner) {
+      float& cosine = cosines[indices[corner]];
+      cosine = std::max(cosine, glm::dot(v.normals[indices[corner]], normal));
+    }
+  }
+  return cosines;
+}
+
+// A sixth of a turn past the edge: normals that are bent on purpose, as those of leaves are, stay.
+std::vector<bool> turnOver(Vertices& v, const std::vector<uint32_t>& indices) {
+  constexpr float kInverted = -0.5f, kNoTriangle = -1.5f;
+  const std::vector<float> cosines = cosinesToTriangles(v, indices);
+  const auto isInverted = [](float cosine) { return cosine < kInverted && cosine > kNoTriangle; };
+  if (!std::ranges::any_of(cosines, isInverted)) return {};
+  std::vector<bool> turned(cosines.size());
+  for (size_t i = 0; i < cosines.size(); ++i) {
+    if (!isInverted(cosines[i])) continue;
+    turned[i] = true;
+    v.normals[i] = -v.normals[i];
+    if (!v.tangents.empty()) v.tangents[i].w = -v.tangents[i].w;
+  }
+  return turned;
+}
+
 }  // namespace
 
 void makeFlatNormals(Vertices& v, std::vector<uint32_t>& indices) {
@@ -55,7 +88,7 @@ void makeFlatNormals(Vertices& v, std::vector<uint32_t>& indices) {
   }
 }
 
-void repairNormals(Vertices& v, const std::vector<uint32_t>& indices) {
+std::vector<bool> repairNormals(Vertices& v, const std::vector<uint32_t>& indices) {
   std::vector<bool> broken(v.normals.size());
   bool any = false;
   for (size_t i = 0; i < v.normals.size(); ++i) {
@@ -64,7 +97,7 @@ void repairNormals(Vertices& v, const std::vector<uint32_t>& indices) {
     else
       broken[i] = any = true;
   }
-  if (!any) return;
+  if (!any) return turnOver(v, indices);
   std::vector<glm::dvec3> sums(v.normals.size(), glm::dvec3(0));
   for (size_t i = 0; i + 2 < indices.size(); i += 3) {
     glm::dvec3 normal = areaNormal(v, &indices[i]);
@@ -72,6 +105,7 @@ void repairNormals(Vertices& v, const std::vector<uint32_t>& indices) {
   }
   for (size_t i = 0; i < v.normals.size(); ++i)
     if (broken[i]) v.normals[i] = unitOrUp(sums[i]);
+  return turnOver(v, indices);
 }
 
 void repairTangents(std::vector<vec4>& tangents) {

@@ -18,7 +18,9 @@ struct Vertices {
 
 // Fills in normals as in glTF 2.0 (3.7.2.1) where they are missing, zero or not finite.
 void makeFlatNormals(Vertices& vertices, std::vector<uint32_t>& indices);
-void repairNormals(Vertices& vertices, const std::vector<uint32_t>& indices);
+// Normals that point to the back of every triangle around their vertex, by more than 120 degrees from its front, are
+// turned over, with the tangents' handedness. Returns a flag per vertex for those, or nothing where there are none.
+std::vector<bool> repairNormals(Vertices& vertices, const std::vector<uint32_t>& indices);
 // Invalid ones become zero: there the normal map has no effect.
 void repairTangents(std::vector<vec4>& tangents);
 // Along these texture coordinates, one per vertex; may add vertices.

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/fatal_signals.h"
 #include "serve/pace.h"
 #include "serve/picture.h"
 
@@ -236,7 +237,10 @@ void Viewer::Impl::run() {
 
 Viewer::Viewer(std::unique_ptr<view::ViewSession> ready, const view::Start& start, Calls calls)
     : impl_(std::make_unique<Impl>(std::move(ready), start, std::move(calls))) {
-  impl_->thread = std::thread([impl = impl_.get()] { impl->run(); });
+  impl_->thread = std::thread([impl = impl_.get()] {
+    const SignalStack stack;
+    impl->run();
+  });
 }
 
 Viewer::~Viewer() {

@@ -12,22 +12,26 @@ struct MorphDelta {  // of one vertex, by one morph target
   vec3 tangent;
 };
 
+// -1 where the matrix mirrors, else 1.
+SH_FUNC float handedness(vec3 x, vec3 y, vec3 z) {
+  return dot(x, cross(y, z)) < 0.0f ? -1.0f : 1.0f;
+}
+
 // By the cofactor matrix: the inverse transpose times the determinant, defined even where that is 0. Unit; `normal`
 // where the result vanishes.
 SH_FUNC vec3 skinnedNormal(vec3 x, vec3 y, vec3 z, vec3 normal) {
-  vec3 yz = cross(y, z);
-  vec3 n = yz * normal.x + cross(z, x) * normal.y + cross(x, y) * normal.z;
+  vec3 n = cross(y, z) * normal.x + cross(z, x) * normal.y + cross(x, y) * normal.z;
   float squared = dot(n, n);
-  float sign = dot(x, yz) < 0.0f ? -1.0f : 1.0f;
-  return squared > 1e-30f ? n * (sign / sqrt(squared)) : normal;
+  return squared > 1e-30f ? n * (handedness(x, y, z) / sqrt(squared)) : normal;
 }
 
-// Unit; `tangent` where the result vanishes. w, the sign of the bitangent, is kept.
+// Unit; `tangent` where the result vanishes. w, the sign of the bitangent, changes where the matrix mirrors.
 SH_FUNC vec4 skinnedTangent(vec3 x, vec3 y, vec3 z, vec4 tangent) {
   vec3 t = x * tangent.x + y * tangent.y + z * tangent.z;
   float squared = dot(t, t);
   float scale = squared > 1e-30f ? 1.0f / sqrt(squared) : 0.0f;
-  return scale > 0.0f ? vec4(t.x * scale, t.y * scale, t.z * scale, tangent.w) : tangent;
+  float w = tangent.w * handedness(x, y, z);
+  return scale > 0.0f ? vec4(t.x * scale, t.y * scale, t.z * scale, w) : tangent;
 }
 
 // The normal of a triangle, counter-clockwise.

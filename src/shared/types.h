@@ -59,9 +59,10 @@ struct Instance {
   vec3 translationLow;  // what the last column of objectToWorld leaves of the translation
 };
 SH_CONST uint kInstanceBytes = 80u;
-SH_CONST uint kInstanceMirrored = 1u;  // negative determinant: front faces are clockwise
-SH_CONST uint kInstanceExtras = 2u;    // its mesh has VertexExtra
-SH_CONST uint kInstanceVast = 4u;  // has triangles so large that floats place their corners badly
+SH_CONST uint kInstanceMirrored = 1u;   // objectToWorld has a negative determinant
+SH_CONST uint kInstanceExtras = 2u;     // its mesh has VertexExtra
+SH_CONST uint kInstanceClockwise = 4u;  // front faces are clockwise: the transform or the skin mirrors, but not both
+SH_CONST uint kInstanceVast = 8u;       // has triangles so large that floats place their corners badly
 SH_CONST uint kInstanceGroupShift = 16u;
 
 // --- materials ------------------------------------------------------------------------------------------------------

@@ -13,7 +13,6 @@
 #include "render/renderer.h"
 #include "scene/builtin.h"
 #include "scene/environment_filter.h"
-#include "scene/half.h"
 #include "shared/light.h"
 #include "study/light_truth.h"
 #include "study/study.h"
@@ -104,12 +103,6 @@ std::vector<NamedEnvironment> environments(const std::vector<std::string>& files
     all.push_back({environment.name, std::move(environment)});
   }
   return all;
-}
-
-scene::FloatImage pictureOf(const scene::HalfImage& image) {
-  scene::FloatImage picture(image.width, image.height);
-  for (size_t i = 0; i < image.pixels.size(); ++i) picture.pixels[i] = scene::floatFromHalf(image.pixels[i]);
-  return picture;
 }
 
 std::vector<scene::Light> punctualLights() {
@@ -219,7 +212,7 @@ class AccuracyStudy {
   void measure(const NamedEnvironment& named) {
     const scene::Scene scene = spheres();
     const std::vector<Pixel> pixels = read(scene, &named.environment);
-    const EnvironmentTruth truth(pictureOf(named.environment.radiance));
+    const EnvironmentTruth truth(toFloats(named.environment.radiance));
     if (bounces_.empty()) walk(pixels);
     judge(named.name, pixels, [&](const Pixel& p) {
       return truth.radiance(p.surface, p.toEye, bounces_[size_t(&p - pixels.data())], samples_);

@@ -9,6 +9,8 @@
 #include <thread>
 #include <utility>
 
+#include "base/fatal_signals.h"
+
 namespace latelight::view {
 
 struct SessionThread::Impl {
@@ -70,7 +72,10 @@ void SessionThread::Impl::run() {
 
 SessionThread::SessionThread(const Start& start, std::function<void()> wake)
     : impl_(std::make_unique<Impl>(start, std::move(wake))) {
-  impl_->thread = std::thread([impl = impl_.get()] { impl->run(); });
+  impl_->thread = std::thread([impl = impl_.get()] {
+    const SignalStack stack;
+    impl->run();
+  });
 }
 
 SessionThread::~SessionThread() {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <span>
 
 #include "app/folder.h"
 #include "app/process.h"
@@ -70,6 +71,41 @@ TEST(OutOfMemory, OfPicturesIsSaidBeforeTheyAreDrawn) {
   const Outcome wrong = latelight({"render", "--memory", "much", "-o", folder.at("o.png")});
   EXPECT_EQ(wrong.code, 2);
   EXPECT_THAT(wrong.err, HasSubstr("--memory takes a size"));
+}
+
+// A Radiance file of a few MiB whose image is `height` rows of twice as many pixels.
+std::vector<std::byte> greySky(uint32_t height) {
+  const uint32_t width = 2 * height;
+  std::string row = {2, 2, static_cast<char>(width >> 8), static_cast<char>(width & 255)};
+  for (int channel = 0; channel < 4; ++channel)
+    for (uint32_t left = width; left > 0; left -= std::min(left, 127u)) {
+      row += static_cast<char>(128 + std::min(left, 127u));
+      row += static_cast<char>(128);
+    }
+  std::string file = fmt::format("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {} +X {}\n", height, width);
+  for (uint32_t y = 0; y < height; ++y) file += row;
+  const auto bytes = std::as_bytes(std::span(file));
+  return {bytes.begin(), bytes.end()};
+}
+
+// 16 bytes a pixel, known from its header. The whole command stays below: the environment of a scene without light, of
+// a data set, and of its variations.
+TEST(OutOfMemory, OfEnvironmentsIsSaidBeforeTheyAreDecoded) {
+  Folder folder;
+  folder.write("sky.hdr", greySky(4096));
+  folder.write("job.json", R"({"scenes": "builtin:boxes", "output": "set",
+    "variations": [{"type": "environments", "environments": "sky.hdr"}]})");
+  const std::vector<std::string> before = folder.names();
+  const auto refused = [&](const std::vector<std::string>& arguments) {
+    const Outcome outcome = latelight({.arguments = arguments, .folder = folder.path()});
+    EXPECT_GT(outcome.code, 0) << outcome.text();
+    EXPECT_THAT(outcome.err, HasSubstr("sky.hdr"));
+    EXPECT_THAT(outcome.err, HasSubstr("512 MiB are needed"));
+  };
+  refused({"render", "builtin:boxes", "--hdri", "sky.hdr", "-o", "o.png", "--size", "16x16", "--device", "cpu",
+           "--memory", "500M"});
+  EXPECT_EQ(folder.names(), before);
+  refused({"batch", "job.json", "--devices", "cpu", "--size", "16x16", "--memory", "500M"});
 }
 
 }  // namespace

@@ -18,6 +18,7 @@
 #include "models/models.h"
 #include "output/aov.h"
 #include "output/read.h"
+#include "scene/gltf_builder.h"
 
 namespace latelight::app {
 namespace {
@@ -66,6 +67,26 @@ const std::vector<double>& values(const ReadImage& image, std::string_view chann
   const output::Channel* found = image.find(channel);
   if (!found) throw std::runtime_error("no channel " + std::string(channel));
   return found->values;
+}
+
+// Blended surfaces that data outputs leave out are mentioned, with the option that includes them; those whose alpha is
+// 1 everywhere are there.
+TEST_F(Outputs, WhatDataLeaveOutIsMentioned) {
+  const auto errors = [&](double alpha, const std::vector<std::string>& more) {
+    scene::test::GltfBuilder b = scene::test::triangleFile();
+    b.add("materials", {{"alphaMode", "BLEND"}, {"pbrMetallicRoughness", {{"baseColorFactor", {1, 1, 1, alpha}}}}});
+    b.primitive()["material"] = 0;
+    folder.write("a.glb", b.glb());
+    std::vector<std::string> arguments{"render", "a.glb", "-o", "a.npy", "--size", "16x16", "--device", "cpu"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Outcome outcome = latelight({.arguments = arguments, .folder = folder.path()});
+    EXPECT_EQ(outcome.code, 0) << outcome.text();
+    return outcome.err;
+  };
+  EXPECT_THAT(errors(0.5, {"--aov", "depth"}), HasSubstr("--data-surfaces any includes them"));
+  EXPECT_EQ(errors(0.5, {"--aov", "depth", "--data-surfaces", "any"}), "");
+  EXPECT_EQ(errors(0.5, {"--aov", "color"}), "");
+  EXPECT_EQ(errors(1, {"--aov", "depth"}), "");
 }
 
 // --- formats --------------------------------------------------------------------------------------------------------

@@ -19,9 +19,12 @@
 #include <thread>
 #include <vector>
 
+#include "base/fatal_signals.h"
 #include "base/files.h"
+#include "base/parallel.h"
 
 namespace latelight {
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -75,7 +78,7 @@ TEST_F(Temporaries, GoBeforeASignalEndsTheProgram) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGABRT, SIGSEGV, SIGBUS, SIGXCPU, SIGUSR1, SIGALRM}) {
     const int status = statusOf(start([&] {
       std::signal(signal, SIG_DFL);  // sanitizers have handlers of their own for some
-      removeTemporaryFilesOnSignals();
+      handleFatalSignals();
       const TemporaryFile one(folder / "a.png", 0666), other(folder / "b.png", 0666);
       if (names().size() == 2) raise(signal);
     }));
@@ -85,11 +88,69 @@ TEST_F(Temporaries, GoBeforeASignalEndsTheProgram) {
   }
 }
 
+// How the processes below crash.
+[[gnu::noinline]] int overflowStack(int depth) {
+  volatile char room[4096];
+  room[0] = static_cast<char>(depth);
+  return depth < 0 ? 0 : overflowStack(depth + 1) + room[0];
+}
+
+[[gnu::noinline]] int readNothing(const volatile int* from) {
+  return *from + 1;
+}
+
+// What a process that runs `crash` with a temporary file prints, once it has ended by SIGSEGV without leaving the file.
+std::string printedByCrash(const fs::path& folder, const std::function<void()>& crash) {
+  int standardError[2];
+  EXPECT_EQ(pipe(standardError), 0);
+  const pid_t child = start([&] {
+    dup2(standardError[1], STDERR_FILENO);
+    std::signal(SIGSEGV, SIG_DFL);  // sanitizers have handlers of their own
+    handleFatalSignals();
+    const TemporaryFile file(folder / "a.png", 0666);
+    if (!fs::is_empty(folder)) crash();
+  });
+  close(standardError[1]);
+  std::string text;
+  char buffer[4096];
+  for (ssize_t count; (count = read(standardError[0], buffer, sizeof(buffer))) > 0;)
+    text.append(buffer, static_cast<size_t>(count));
+  close(standardError[0]);
+  const int status = statusOf(child);
+  EXPECT_TRUE(WIFSIGNALED(status));
+  EXPECT_EQ(WTERMSIG(status), SIGSEGV);
+  EXPECT_TRUE(fs::is_empty(folder));
+  return text;
+}
+
+TEST_F(Temporaries, GoBeforeACrashWhichPrintsABacktrace) {
+  const auto crashes = [&](const std::function<void()>& crash, const char* function) {
+    const std::string text = printedByCrash(folder, crash);
+    EXPECT_THAT(text, testing::HasSubstr("crashed by SIGSEGV"));
+    EXPECT_THAT(text, testing::HasSubstr(function));
+  };
+  volatile int sum = 0;
+  const auto readNull = [&] { sum = readNothing(nullptr); };
+  const auto overflow = [&] { sum = overflowStack(0); };
+  crashes(readNull, "readNothing");
+  // A handler needs a stack of its own where a thread's has overflowed: in the main thread and in all others.
+  crashes(overflow, "overflowStack");
+  crashes([&] { inBackground(overflow).get(); }, "overflowStack");
+  crashes(
+      [&] {
+        parallelFor(64, 1, [&](size_t, size_t) {
+          if (gettid() == getpid()) usleep(200'000);  // another thread comes first, where there is one
+          overflow();
+        });
+      },
+      "overflowStack");
+}
+
 // nohup's choice.
 TEST_F(Temporaries, SignalsThatAreIgnoredStayIgnored) {
   const int status = statusOf(start([&] {
     std::signal(SIGHUP, SIG_IGN);
-    removeTemporaryFilesOnSignals();
+    handleFatalSignals();
     raise(SIGHUP);
     _exit(7);
   }));
@@ -102,7 +163,7 @@ TEST_F(Temporaries, NeverOutliveASignalAtAnyMoment) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP})
     for (int attempt = 0; attempt < 40; ++attempt) {
       const pid_t child = start([&] {
-        removeTemporaryFilesOnSignals();
+        handleFatalSignals();
         const auto write = [&](const char* name) {
           const std::vector<std::byte> bytes(200'000);
           for (int i = 0;; ++i) writeFile(folder / (name + std::to_string(i % 8)), bytes);

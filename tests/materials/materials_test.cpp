@@ -140,10 +140,7 @@ Apart apart(const Radiance& a, const Radiance& b) {
 }
 
 study::EnvironmentTruth truthOf(const scene::Environment& environment) {
-  scene::FloatImage picture(environment.radiance.width, environment.radiance.height);
-  for (size_t i = 0; i < environment.radiance.pixels.size(); ++i)
-    picture.pixels[i] = scene::floatFromHalf(environment.radiance.pixels[i]);
-  return study::EnvironmentTruth(std::move(picture));
+  return study::EnvironmentTruth(scene::toFloats(environment.radiance));
 }
 
 const scene::Environment& studio() {

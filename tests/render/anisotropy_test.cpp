@@ -130,7 +130,11 @@ TEST_F(AnisotropyTest, FollowsTheTextureWithEveryWayToDrawIt) {
   expectSharper(
       "forward", [](Settings& s) { s.lighting = &findTechnique("forward"); }, same);
   expectSharper(
-      "blended", [](Settings&) {}, [](scene::Material& m) { m.data.flags |= shared::kMaterialBlended; });
+      "blended", [](Settings&) {},
+      [](scene::Material& m) {
+        m.data.flags |= shared::kMaterialBlended;
+        m.data.baseColor.a = 0.999f;  // at 1 it would be opaque
+      });
   expectSharper(
       "masked", [](Settings&) {},
       [](scene::Material& m) {

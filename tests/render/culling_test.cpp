@@ -170,6 +170,7 @@ TEST_F(CullingTest, DrawsOneOfManyInTheSamePlace) {
   scene.materials.push_back(scene::builtin::plainMaterial("grey", vec3(0.5f), 0, 1));
   scene.materials.push_back(scene.materials.front());
   scene.materials.back().data.flags |= shared::kMaterialBlended;
+  scene.materials.back().data.baseColor.a = 0.5f;
   scene.meshes.push_back(squareMesh());
   scene.nodes.push_back({.name = "pile", .path = "/pile"});
   for (uint32_t i = 0; i < 100; ++i) scene.instances.push_back({.material = i / 50, .id = i + 1});

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "scene/environment.h"
-#include "scene/half.h"
 #include "shared/environment.h"
 #include "shared/shade.h"
 
@@ -18,10 +17,9 @@ struct HostMap {
   uint32_t width = 0, height = 0;
   std::vector<shared::vec4> texels;
 
-  explicit HostMap(const scene::HalfImage& image) : width(image.width), height(image.height) {
-    for (size_t i = 0; i < image.pixels.size(); i += 4)
-      texels.emplace_back(scene::floatFromHalf(image.pixels[i]), scene::floatFromHalf(image.pixels[i + 1]),
-                          scene::floatFromHalf(image.pixels[i + 2]), 1.0f);
+  explicit HostMap(const scene::RadianceMap& map) : width(map.width), height(map.height) {
+    for (size_t y = 0; y < height; ++y)
+      for (size_t x = 0; x < width; ++x) texels.emplace_back(map.at(x, y));
   }
   HostMap(uint32_t size, const std::vector<glm::vec2>& values) : width(size), height(size) {
     for (glm::vec2 v : values) texels.emplace_back(v.x, v.y, 0.0f, 0.0f);

@@ -128,7 +128,9 @@ scene::Camera frontPerspective(float verticalFov, float distance) {
 
 scene::Environment constantEnvironment() {
   auto image = [](uint32_t size) {
-    return scene::HalfImage{size, size, std::vector<uint16_t>(4 * size * size, scene::halfFromFloat(1.0f))};
+    scene::FloatImage white(size, size);
+    std::ranges::fill(white.pixels, 1.0f);
+    return scene::makeRadianceMap(white, false);
   };
   scene::Environment environment;
   environment.name = "constant";

@@ -49,7 +49,7 @@ TEST(EnvironmentFilter, LevelsAreOneMipChain) {
     for (size_t i = 0; i < e.specular.size(); ++i) {
       EXPECT_EQ(e.specular[i].width, e.specular[0].width >> i);
       EXPECT_EQ(e.specular[i].height, e.specular[i].width);
-      EXPECT_EQ(e.specular[i].pixels.size(), size_t{4} * e.specular[i].width * e.specular[i].width);
+      EXPECT_EQ(e.specular[i].texels.size(), size_t{8} * e.specular[i].width * e.specular[i].width);
     }
     EXPECT_GE(e.specular.back().width, 16u);
     EXPECT_EQ(e.radiance.width, 2 * height);
@@ -62,13 +62,13 @@ TEST(EnvironmentFilter, ConstantStaysConstant) {
   Environment e = filterEnvironment(makePicture(64, [&](const vec3&) { return value; }));
   e.specular.push_back(e.diffuse);
   e.specular.push_back(e.radiance);
-  for (const HalfImage& map : e.specular) {
+  for (const RadianceMap& map : e.specular) {
     for (size_t y = 0; y < map.height; ++y) {
       for (size_t x = 0; x < map.width; ++x) {
         const vec3 found = texel(map, x, y);
         for (int c = 0; c < 3; ++c)
           ASSERT_NEAR(found[c], value[c], value[c] / 2048.0f) << map.width << ": " << x << ", " << y;
-        ASSERT_EQ(map.pixels[4 * (y * map.width + x) + 3], 0x3c00) << "alpha is 1";
+        ASSERT_EQ(map.at(x, y).w, 1.0f) << "alpha is 1";
       }
     }
   }
@@ -78,7 +78,7 @@ TEST(EnvironmentFilter, GradientHasItsClosedForm) {
   const vec3 axis = glm::normalize(vec3(0.3f, -0.7f, 0.5f));
   const Environment e = filterEnvironment(
       makePicture(256, [&](const vec3& d) { return vec3(1.0f) + vec3(0.2f, 0.5f, 0.9f) * glm::dot(d, axis); }));
-  const auto expect = [&](const HalfImage& map, double share, const std::string& what) {
+  const auto expect = [&](const RadianceMap& map, double share, const std::string& what) {
     // What bilinear filtering leaves falls with the square of the size.
     const float allowed = 0.003f + 4.0f / static_cast<float>(map.width * map.width);
     for (int i = 0; i < 500; ++i) {
@@ -125,7 +125,7 @@ TEST(EnvironmentFilter, EveryLevelKeepsTheEnergy) {
   });
   const Environment e = filterEnvironment(picture);
   constexpr int kCount = 100000;
-  const auto mean = [&](const HalfImage& map) {
+  const auto mean = [&](const RadianceMap& map) {
     glm::dvec3 sum(0);
     for (int i = 0; i < kCount; ++i) sum += lookUp(map, spiral(i, kCount));
     return vec3(sum / static_cast<double>(kCount));
@@ -140,20 +140,22 @@ TEST(EnvironmentFilter, EveryLevelKeepsTheEnergy) {
       whole += weight;
     }
   }
-  for (const HalfImage& map : e.specular) EXPECT_LE(relativeError(mean(map), exact / whole), 0.01f) << map.width;
+  for (const RadianceMap& map : e.specular) EXPECT_LE(relativeError(mean(map), exact / whole), 0.01f) << map.width;
   EXPECT_LE(relativeError(mean(e.diffuse), exact / whole), 0.01f);
 }
 
-// A sun of one pixel as bright as halves go: the hardest picture, against the sum over every pixel.
-TEST(EnvironmentFilter, SunlitLobesMatchTheSumOverPixels) {
+// A sun of one pixel: the hardest picture, against the sum over every pixel.
+class SunOfOnePixel : public testing::TestWithParam<float> {};
+
+TEST_P(SunOfOnePixel, LightsLobesAsTheSumOverPixels) {
   FloatImage picture = makePicture(128, [](const vec3& d) {
     return vec3(0.3f, 0.5f, 0.9f) * (1.2f + d.z) +
            (d.z < 0.0f ? vec3(0.3f, 0.2f, 0.1f) * (1.0f + std::sin(20.0f * d.x)) : vec3(0));
   });
-  std::fill_n(picture.at(71, 40), 3, 65504.0f);
+  std::fill_n(picture.at(71, 40), 3, GetParam());
   const Environment e = filterEnvironment(picture);
   for (size_t level = 1; level < e.specular.size(); ++level) {
-    const HalfImage& map = e.specular[level];
+    const RadianceMap& map = e.specular[level];
     const double alpha = std::pow(kSpecularRoughness[level], 2.0);
     for (uint32_t k = 0; k < 40; ++k) {
       const uint32_t x = k * 7919 % (map.width - 1), y = k * 104729 % (map.width - 1);
@@ -177,12 +179,65 @@ TEST(EnvironmentFilter, SunlitLobesMatchTheSumOverPixels) {
   }
 }
 
+INSTANTIATE_TEST_SUITE_P(EnvironmentFilter, SunOfOnePixel, testing::Values(65504.0f, 300000.0f, 1e9f));
+
+// A disk of radiance L and solid angle S at elevation e: the plane's irradiance is L S sin e. The diffuse map's
+// resolution, and that of the tree, allow 1 % of it at elevations of 15 degrees and more.
+TEST(EnvironmentFilter, SunsBeyondHalvesKeepTheirIrradiance) {
+  for (const double degrees : {15.0, 40.0, 75.0}) {
+    for (const float radiance : {3e5f, 1e9f}) {
+      const double e = degrees * std::numbers::pi / 180;
+      const vec3 sun(std::cos(e), 0, std::sin(e));
+      double irradiance = 0, power = 0;  // of those pixels that show it, each with its own solid angle and elevation
+      const FloatImage picture = makePicture(512, [&](const vec3& d) {
+        const bool inside = glm::length(d - sun) < 0.012f;
+        const double polar = std::acos(d.z), half = std::numbers::pi / 1024;
+        const double light = radiance * (std::cos(polar - half) - std::cos(polar + half)) * 2 * std::numbers::pi / 1024;
+        if (inside) power += light, irradiance += light * std::cos(polar);
+        return vec3(inside ? radiance : 0.25f);
+      });
+      ASSERT_NEAR(irradiance, radiance * std::numbers::pi * 0.012 * 0.012 * std::sin(e), 0.15 * irradiance);
+      const Environment environment = filterEnvironment(picture);
+      const double found = lookUp(environment.diffuse, vec3(0, 0, 1)).x, sky = 0.25;
+      const double exact = irradiance / std::numbers::pi + sky;
+      EXPECT_NEAR(found, exact, 0.01 * exact) << degrees << " degrees, radiance " << radiance;
+      // The mirror and the background show the sun itself.
+      EXPECT_NEAR(lookUp(environment.specular[0], sun).x, radiance, 1e-3f * radiance);
+      const glm::vec2 uv = shared::equirectangular(sun);
+      EXPECT_EQ(texel(environment.radiance, size_t(uv.x * 1024), size_t(uv.y * 512)).x, radiance);
+      // Every level of the specular maps has the image's light.
+      const double light = power / (4 * std::numbers::pi) + sky;
+      for (const RadianceMap& map : environment.specular) {
+        EXPECT_TRUE(map.isFloat);
+        glm::dvec3 sum(0);
+        constexpr int kCount = 400000;
+        for (int i = 0; i < kCount; ++i) sum += lookUp(map, spiral(i, kCount));
+        EXPECT_NEAR(sum.x / kCount, light, 0.02 * light) << "a level of " << map.width;
+      }
+    }
+  }
+}
+
+TEST(EnvironmentFilter, FloatsAreOnlyForWhatHalvesCannotHold) {
+  FloatImage picture = makePicture(64, [](const vec3&) { return vec3(1); });
+  std::fill_n(picture.at(40, 20), 3, 65519.0f);  // the last float that rounds to the largest half
+  const Environment halves = filterEnvironment(picture);
+  EXPECT_FALSE(halves.radiance.isFloat || halves.specular[0].isFloat || halves.diffuse.isFloat);
+  EXPECT_EQ(texel(halves.radiance, 40, 20).x, kHalfMax);
+  std::fill_n(picture.at(40, 20), 3, 65520.0f);
+  const Environment floats = filterEnvironment(picture);
+  EXPECT_TRUE(floats.radiance.isFloat);
+  EXPECT_FALSE(floats.diffuse.isFloat) << "a mean of 17";
+  EXPECT_EQ(texel(floats.radiance, 40, 20).x, 65520.0f);
+  EXPECT_EQ(texel(floats.radiance, 41, 20).x, 1.0f);
+}
+
 TEST(EnvironmentFilter, SeamsDoNotShow) {
   const Environment e =
       filterEnvironment(makePicture(128, [](const vec3& d) { return vec3(2.0f) + vec3(d.x, d.y, d.x * d.y - d.z); }));
-  std::vector<const HalfImage*> maps{&e.diffuse};
-  for (const HalfImage& map : e.specular) maps.push_back(&map);
-  for (const HalfImage* map : maps) {
+  std::vector<const RadianceMap*> maps{&e.diffuse};
+  for (const RadianceMap& map : e.specular) maps.push_back(&map);
+  for (const RadianceMap* map : maps) {
     const uint32_t edge = map->width - 2;
     for (uint32_t i = 0; i <= edge; ++i) {
       EXPECT_EQ(texel(*map, 0, i), texel(*map, 0, edge - i));
@@ -247,14 +302,14 @@ TEST(EnvironmentFilter, AbsurdValuesAreClamped) {
   picture.at(30, 12)[0] = 1e30f;
   const Environment e = filterEnvironment(picture);
   EXPECT_EQ(texel(e.radiance, 3, 3).x, 0.0f);
-  EXPECT_EQ(texel(e.radiance, 9, 9).y, kHalfMax);
+  EXPECT_EQ(texel(e.radiance, 9, 9).y, kHalfMax) << "infinity is how files of halves write what is beyond them";
   EXPECT_EQ(texel(e.radiance, 20, 20).z, 0.0f);
-  EXPECT_EQ(texel(e.radiance, 30, 12).x, kHalfMax);
-  std::vector<HalfImage> maps = e.specular;
+  EXPECT_EQ(texel(e.radiance, 30, 12).x, kMaxRadiance);
+  std::vector<RadianceMap> maps = e.specular;
   maps.push_back(e.diffuse);
-  for (const HalfImage& map : maps) {
-    for (const uint16_t half : map.pixels) ASSERT_LE(half, 0x7bff) << "neither negative, nor infinite, nor NaN";
-  }
+  for (const RadianceMap& map : maps)
+    for (const float value : toFloats(map).pixels)
+      ASSERT_TRUE(value >= 0 && value <= 1.001f * kMaxRadiance) << value << " in a map of " << map.width;
 }
 
 // Sizes that divide nothing, a picture wider than is kept, and its mean.

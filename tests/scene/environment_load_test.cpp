@@ -33,8 +33,8 @@ std::vector<std::byte> flatHdr(uint32_t width, uint32_t height, unsigned seed) {
   return bytes;
 }
 
-bool same(const HalfImage& a, const HalfImage& b) {
-  return a.width == b.width && a.height == b.height && a.pixels == b.pixels;
+bool same(const RadianceMap& a, const RadianceMap& b) {
+  return a.width == b.width && a.height == b.height && a.isFloat == b.isFloat && a.texels == b.texels;
 }
 
 bool same(const Environment& a, const Environment& b) {
@@ -46,9 +46,9 @@ bool same(const Environment& a, const Environment& b) {
 }
 
 uint64_t digest(const Environment& e) {
-  uint64_t h = hash64(e.radiance.pixels.data(), e.radiance.pixels.size() * 2);
-  h = hash64(e.diffuse.pixels.data(), e.diffuse.pixels.size() * 2, h);
-  for (const HalfImage& level : e.specular) h = hash64(level.pixels.data(), level.pixels.size() * 2, h);
+  uint64_t h = hash64(e.radiance.texels.data(), e.radiance.texels.size());
+  h = hash64(e.diffuse.texels.data(), e.diffuse.texels.size(), h);
+  for (const RadianceMap& level : e.specular) h = hash64(level.texels.data(), level.texels.size(), h);
   return h;
 }
 
@@ -99,6 +99,19 @@ TEST_F(EnvironmentLoad, SecondLoadIsTheSameBytesFromTheCache) {
   entry.back() ^= std::byte{1};
   storeCache(name, entry);
   EXPECT_FALSE(same(first, loadEnvironment(file)));
+}
+
+TEST_F(EnvironmentLoad, SunsBeyondHalvesComeBackFromTheCache) {
+  std::vector<std::byte> bytes = flatHdr(64, 32, 2);
+  const size_t sun = bytes.size() - 4 * (64 * 20 + 7);
+  bytes[sun] = bytes[sun + 1] = bytes[sun + 2] = std::byte{128};
+  bytes[sun + 3] = std::byte{129 + 20};  // 128 / 256 * 2^(149 - 128)
+  const std::string file = write("a.hdr", bytes);
+  const Environment first = loadEnvironment(file), second = loadEnvironment(file);
+  ASSERT_EQ(cacheEntries(), 1u);
+  EXPECT_TRUE(first.radiance.isFloat && first.specular[0].isFloat);
+  EXPECT_TRUE(same(first, second));
+  EXPECT_EQ(second.radiance.at(64 - 7, 32 - 20 - 1).x, 0x1p20f);
 }
 
 TEST_F(EnvironmentLoad, OtherPicturesHaveOtherEntries) {

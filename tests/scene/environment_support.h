@@ -36,13 +36,12 @@ inline FloatImage makePicture(uint32_t height, const std::function<glm::vec3(con
   return image;
 }
 
-inline glm::vec3 texel(const HalfImage& map, size_t x, size_t y) {
-  const uint16_t* p = map.pixels.data() + 4 * (y * map.width + x);
-  return {floatFromHalf(p[0]), floatFromHalf(p[1]), floatFromHalf(p[2])};
+inline glm::vec3 texel(const RadianceMap& map, size_t x, size_t y) {
+  return map.at(x, y);
 }
 
 // As a bilinear sampler that clamps to the edge reads it.
-inline glm::vec3 bilinear(const HalfImage& map, const glm::vec2& uv) {
+inline glm::vec3 bilinear(const RadianceMap& map, const glm::vec2& uv) {
   const auto size = static_cast<float>(map.width);
   const float x = std::clamp(uv.x * size - 0.5f, 0.0f, size - 1.0f),
               y = std::clamp(uv.y * size - 0.5f, 0.0f, size - 1.0f);
@@ -53,7 +52,7 @@ inline glm::vec3 bilinear(const HalfImage& map, const glm::vec2& uv) {
                   glm::mix(texel(map, left, top + 1), texel(map, left + 1, top + 1), fx), fy);
 }
 
-inline glm::vec3 lookUp(const HalfImage& map, const glm::vec3& direction) {
+inline glm::vec3 lookUp(const RadianceMap& map, const glm::vec3& direction) {
   const glm::vec2 o = shared::octahedralFromDirection(direction);
   return bilinear(map, shared::octahedralTexture(o, static_cast<float>(map.width)));
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <glm/gtc/matrix_transform.hpp>
 #include <random>
 
 #include "gltf_compressed_files.h"
@@ -289,28 +290,133 @@ TEST(Animation, BrokenFilesAreRefusedBySentence) {
     breakIt(b, b.root["animations"][0]);
     return errorOf(b);
   };
-  EXPECT_THAT(broken([](GltfBuilder&, json& a) { a["samplers"][0]["interpolation"] = "BEZIER"; }),
-              HasSubstr("animations[0].channels[0] has the unknown interpolation \"BEZIER\""));
-  EXPECT_THAT(broken([](GltfBuilder&, json& a) { a["channels"][0]["target"]["path"] = "colour"; }),
-              HasSubstr("moves \"colour\", which no node has"));
   EXPECT_THAT(broken([](GltfBuilder&, json& a) { a["channels"][0]["sampler"] = 3; }),
               HasSubstr("sampler is 3, but there are 1 samplers"));
   EXPECT_THAT(broken([](GltfBuilder&, json& a) { a["channels"][0]["target"]["node"] = 7; }),
               HasSubstr("animations[0].channels[0].target.node is 7, but there are 1 nodes"));
   EXPECT_THAT(broken([](GltfBuilder&, json& a) { a["channels"][0]["target"]["path"] = "rotation"; }),
               HasSubstr("the wrong number of values or components"));
-  EXPECT_THAT(broken([](GltfBuilder&, json& a) { a["channels"][0]["target"]["path"] = "weights"; }),
-              HasSubstr("whose mesh has no morph targets"));
-  EXPECT_THAT(broken([](GltfBuilder& b, json& a) {
-                a["samplers"][0]["input"] = b.accessor(b.view(std::vector<float>{1, 0}), kFloat, "SCALAR", 2);
-              }),
-              HasSubstr("has times that fall"));
-  EXPECT_THAT(broken([](GltfBuilder& b, json& a) {
-                a["samplers"][0]["input"] = b.accessor(b.view(std::vector<float>{0, NAN}), kFloat, "SCALAR", 2);
-              }),
-              HasSubstr("not a finite number"));
   EXPECT_THAT(broken([](GltfBuilder&, json& a) { a["samplers"][0]["interpolation"] = "CUBICSPLINE"; }),
               HasSubstr("the wrong number of values"));
+}
+
+// A channel that can't apply goes alone: the file is read, and the channel beside it moves the node.
+TEST(Animation, ChannelsThatCanNotApplyAreLeftOut) {
+  const auto leftOut = [](const std::function<void(GltfBuilder&, json&)>& breakIt) {
+    GltfBuilder b = animated("translation", {0, 1}, "LINEAR", [](GltfBuilder& g) {
+      return g.positions({{0, 0, 0}, {1, 0, 0}});
+    });
+    json& animation = b.root["animations"][0];
+    animation["samplers"].push_back(animation["samplers"][0]);
+    animation["channels"].push_back(animation["channels"][0]);
+    animation["channels"][0]["sampler"] = 1;
+    breakIt(b, animation);
+    testing::internal::CaptureStderr();
+    const Scene scene = b.load();
+    EXPECT_EQ(scene.rig.animations.at(0).tracks.size(), 1u);
+    EXPECT_EQ(placeAt(scene, 0.5), dvec3(0.5, 0, 0));
+    return testing::internal::GetCapturedStderr();
+  };
+  const auto withTimes = [&](std::vector<float> times) {
+    return leftOut([&](GltfBuilder& b, json& a) {
+      a["samplers"][1]["input"] = b.accessor(b.view(times), kFloat, "SCALAR", times.size());
+    });
+  };
+  EXPECT_THAT(leftOut([](GltfBuilder&, json& a) { a["samplers"][1]["interpolation"] = "BEZIER"; }),
+              HasSubstr("animations[0].channels[0] has the unknown interpolation \"BEZIER\", and is left out"));
+  EXPECT_THAT(leftOut([](GltfBuilder&, json& a) { a["channels"][0]["target"]["path"] = "colour"; }),
+              HasSubstr("moves \"colour\", which no node has"));
+  EXPECT_THAT(leftOut([](GltfBuilder&, json& a) { a["channels"][0]["target"]["path"] = "weights"; }),
+              HasSubstr("moves weights of nodes[0], whose mesh has no morph targets"));
+  EXPECT_THAT(withTimes({1, 0}), HasSubstr("has times that fall"));
+  EXPECT_THAT(withTimes({-1, 0}), HasSubstr("has a time before 0"));
+  EXPECT_THAT(withTimes({0, NAN}), HasSubstr("not finite numbers"));
+  EXPECT_THAT(
+      leftOut([](GltfBuilder& b, json& a) {
+        b.positions({{0, 0, 0}});  // the next accessor is not that of the case before, or no warning is repeated
+        a["samplers"][1]["output"] = b.positions({{0, 0, 0}, {NAN, 0, 0}});
+      }),
+      HasSubstr("not finite numbers"));
+}
+
+TEST(Animation, MayHaveNoChannels) {
+  GltfBuilder b = triangleFile();
+  b.add("animations", {{"channels", json::array()}, {"samplers", json::array()}});
+  const Scene scene = b.load();
+  EXPECT_EQ(duration(scene, choosePlayback(scene, "", false)), 0);
+  EXPECT_EQ(scene.instances.size(), 1u);
+}
+
+// glTF 2.0, 3.7.2.2: weights count by the targets, whichever primitive has them.
+TEST(Animation, MorphTargetsMayBeOnAnyPrimitive) {
+  for (const size_t with : {0u, 1u}) {
+    GltfBuilder b = triangleFile();
+    json plain = b.primitive(), morphed = plain;
+    morphed["targets"] = {{{"POSITION", b.vectors(std::vector<vec3>{{0, 0, 0}, {0, 0, 2}, {0, 0, 0}})}}};
+    b.root["meshes"][0]["primitives"] = with == 0 ? json{morphed, plain} : json{plain, morphed};
+    const int times = b.accessor(b.view(std::vector<float>{0, 1}), kFloat, "SCALAR", 2);
+    const int weights = b.accessor(b.view(std::vector<float>{0, 1}), kFloat, "SCALAR", 2);
+    b.add("animations", {{"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "weights"}}}}}},
+                         {"samplers", {{{"input", times}, {"output", weights}}}}});
+    const Scene scene = b.load();
+    ASSERT_EQ(scene.instances.size(), 2u);
+    EXPECT_EQ(scene.meshes[scene.instances[1 - with].mesh].deformation, nullptr);
+    const Deformation* deformation = scene.meshes[scene.instances[with].mesh].deformation.get();
+    ASSERT_NE(deformation, nullptr) << with;
+    const Pose pose = poseAt(scene, choosePlayback(scene, "", false), 0.75);
+    EXPECT_EQ(deform(*deformation, {}, pose.weights[0]).positions[1], vec3(1, 0, 1.5f));
+  }
+}
+
+// --- skins that mirror ----------------------------------------------------------------------------------------------
+
+// The triangle, with a normal map's tangents, moved by one joint below a node of this scale. Its normal is +Z.
+GltfBuilder skinnedTriangle(const std::vector<double>& scale) {
+  GltfBuilder b = triangleFile();
+  b.primitive()["attributes"]["NORMAL"] = b.vectors(std::vector<vec3>(3, {0, 0, 1}));
+  b.primitive()["attributes"]["TANGENT"] = b.vectors(std::vector<vec4>(3, {1, 0, 0, 1}));
+  b.primitive()["attributes"]["JOINTS_0"] = b.accessor(b.view(std::vector<uint8_t>(12, 0)), kUnsignedByte, "VEC4", 3);
+  b.primitive()["attributes"]["WEIGHTS_0"] = b.vectors(std::vector<vec4>(3, {1, 0, 0, 0}));
+  const int joint = b.add("nodes", json::object());
+  b.node({{"scale", scale}, {"children", {joint}}});
+  b.add("skins", {{"joints", {joint}}});
+  b.root["nodes"][0]["skin"] = 0;
+  return b;
+}
+
+// Front faces are counter-clockwise where the scene is at rest, whatever the joints do, and the frame of the tangents
+// is the mirrored one: cross(normal, tangent) w follows v, which the joints turn as they turn positions.
+TEST(Skin, MirroredTrianglesKeepTheirFronts) {
+  const double turns[][3] = {{1, 1, 1}, {-1, 1, 1}, {1, -1, 1}, {1, 1, -1}, {-1, -1, 1}, {-2, -3, -1}};
+  for (const auto& s : turns) {
+    const Scene scene = skinnedTriangle({s[0], s[1], s[2]}).load();
+    const Mesh& mesh = scene.meshes.at(0);
+    const vec3 scale(s[0], s[1], s[2]);
+    const auto corner = [&](size_t i) { return mesh.positions[mesh.indices[i]]; };
+    const shared::VertexAttributes& a = mesh.attributes[0];
+    expectNear(mesh.positions[1], vec3(scale.x, 0, 0));
+    expectNear(a.normal, vec3(0, 0, scale.z < 0 ? -1 : 1));
+    EXPECT_GT(glm::dot(glm::cross(corner(1) - corner(0), corner(2) - corner(0)), a.normal), 0) << s[0] << s[1] << s[2];
+    expectNear(glm::cross(a.normal, vec3(a.tangent)) * a.tangent.w, vec3(0, scale.y < 0 ? -1 : 1, 0));
+  }
+}
+
+TEST(Skin, MirrorsAsMostOfItsWeightDoes) {
+  Deformation d;
+  d.influences = 4;
+  for (int vertex = 0; vertex < 3; ++vertex) {
+    d.positions.emplace_back(0);
+    d.attributes.push_back({vec3(0, 0, 1), vec4(0), vec2(0)});
+    for (const auto& [joint, weight] : {std::pair(0u, 0.75f), {1u, 0.25f}, {0u, 0.0f}, {0u, 0.0f}})
+      d.joints.push_back(joint), d.jointWeights.push_back(weight);
+  }
+  const mat4 mirror = glm::scale(mat4(1), vec3(-1, 1, 1)), flat = glm::scale(mat4(1), vec3(0, 1, 1));
+  const Reach reach = reachOf(d);
+  EXPECT_FALSE(isMirrored(reach, std::vector{mat4(1), mat4(1)}));
+  EXPECT_TRUE(isMirrored(reach, std::vector{mirror, mat4(1)}));
+  EXPECT_FALSE(isMirrored(reach, std::vector{mat4(1), mirror}));
+  EXPECT_TRUE(isMirrored(reach, std::vector{flat, mirror}));
+  EXPECT_FALSE(isMirrored(reach, std::vector{flat, flat}));
 }
 
 }  // namespace

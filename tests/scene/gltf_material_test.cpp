@@ -219,15 +219,27 @@ TEST(GltfMaterial, LayersHaveFactors) {
   EXPECT_EQ(l.diffuseTransmissionColor, vec3(1, .5f, 0));
 }
 
-TEST(GltfMaterial, LayersOutOfRangeAreRefused) {
-  const auto error = [](const char* extension, const char* key, json value) {
-    return errorOf(withMaterial({{"extensions", {{extension, {{key, std::move(value)}}}}}}));
+// As the ends of their ranges, with a warning; only what is no number at all is an error.
+TEST(GltfMaterial, LayersOutOfRange) {
+  const auto material = [](const char* extension, const char* key, json value) {
+    return withMaterial({{"extensions", {{extension, {{key, std::move(value)}}}}}});
   };
-  EXPECT_THAT(error("KHR_materials_clearcoat", "clearcoatFactor", 1.5), HasSubstr("clearcoatFactor is 1.5"));
-  EXPECT_THAT(error("KHR_materials_sheen", "sheenColorFactor", {0, 2, 0}), HasSubstr("sheenColorFactor[1] is 2"));
-  EXPECT_THAT(error("KHR_materials_iridescence", "iridescenceIor", .5), HasSubstr("iridescenceIor is 0.5"));
-  EXPECT_THAT(error("KHR_materials_volume", "attenuationDistance", 0), HasSubstr("attenuationDistance is 0"));
-  EXPECT_THAT(error("KHR_materials_dispersion", "dispersion", -1), HasSubstr("dispersion is -1"));
+  const auto error = [&](const char* extension, const char* key, json value) {
+    return errorOf(material(extension, key, std::move(value)));
+  };
+  const auto layers = [&](const char* extension, const char* key, json value, const char* warning) {
+    testing::internal::CaptureStderr();
+    const shared::MaterialLayers read = material(extension, key, std::move(value)).load().materials.at(0).data.layers;
+    EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr(warning));
+    return read;
+  };
+  EXPECT_EQ(layers("KHR_materials_clearcoat", "clearcoatFactor", 1.5, "clearcoatFactor is 1.5").clearcoat, 1);
+  EXPECT_EQ(layers("KHR_materials_sheen", "sheenColorFactor", {0, 2, 0}, "sheenColorFactor[1] is 2").sheenColor,
+            vec3(0, 1, 0));
+  EXPECT_EQ(layers("KHR_materials_iridescence", "iridescenceIor", .5, "iridescenceIor is 0.5").iridescenceIor, 1);
+  EXPECT_EQ(layers("KHR_materials_volume", "attenuationDistance", 0, "attenuationDistance is 0").attenuationDistance, 0)
+      << "as without one: the medium absorbs nothing";
+  EXPECT_EQ(layers("KHR_materials_dispersion", "dispersion", -1, "dispersion is -1").dispersion, 0);
   EXPECT_THAT(error("KHR_materials_transmission", "transmissionFactor", "much"), HasSubstr("should be a number"));
   EXPECT_THAT(error("KHR_materials_anisotropy", "anisotropyTexture", {{"index", 7}}), HasSubstr("index is 7"));
 }

@@ -1,6 +1,7 @@
 // Topology, normals, tangents, colours, morph targets and skins.
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "gltf_builder.h"
@@ -222,6 +223,107 @@ TEST(GltfMesh, SkinsAreInTheirJointsPoseAndIgnoreTheirNode) {
   joints[0] = 2;
   b.primitive()["attributes"]["JOINTS_0"] = b.accessor(b.view(joints), kUnsignedByte, "VEC4", 3);
   EXPECT_THAT(errorOf(b), HasSubstr("names joint 2 of skins[0], which has 2"));
+  // Where it has no weight it may be any.
+  std::swap(joints[0], joints[1]);
+  b.primitive()["attributes"]["JOINTS_0"] = b.accessor(b.view(joints), kUnsignedByte, "VEC4", 3);
+  expectNear(b.load().meshes[0].positions[0], vec3(0, 0, 10));
+}
+
+// --- values that are no numbers -------------------------------------------------------------------------------------
+
+// Two triangles with these attributes besides their positions.
+GltfBuilder twoTriangles() {
+  GltfBuilder b;
+  const int p = b.positions({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {2, 0, 0}, {3, 0, 0}, {2, 1, 0}});
+  b.mesh({{"attributes", {{"POSITION", p}}}});
+  return b;
+}
+
+TEST(GltfMesh, ValuesThatAreNotFiniteAreRepaired) {
+  GltfBuilder b = twoTriangles();
+  json& attributes = b.primitive()["attributes"];
+  std::vector<vec2> uv(6, {0.25f, 0.5f});
+  std::vector<vec3> normals(6, {0, 0, 1});
+  std::vector<vec4> colors(6, {0.5f, 0.25f, 0.125f, 0.75f}), tangents(6, {0, 1, 0, -1});
+  uv[1].y = NAN, uv[2].x = INFINITY, normals[3].z = NAN, colors[4].a = NAN, tangents[5].x = -INFINITY;
+  attributes["TEXCOORD_0"] = attributes["TEXCOORD_1"] = b.vectors(uv);
+  attributes["NORMAL"] = b.vectors(normals);
+  attributes["TANGENT"] = b.vectors(tangents);
+  attributes["COLOR_0"] = b.vectors(colors);
+  b.root["accessors"][0]["min"] = {nullptr, 0, 0};  // as exporters write bounds of such values
+  testing::internal::CaptureStderr();
+  const Mesh mesh = b.load().meshes.at(0);
+  const std::string warning = testing::internal::GetCapturedStderr();
+  EXPECT_THAT(warning, HasSubstr("meshes[0].primitives[0].COLOR_0 and 4 other attributes of the file have values that "
+                                 "are not finite numbers"));
+  EXPECT_EQ(std::count(warning.begin(), warning.end(), '\n'), 1) << "one warning";
+  EXPECT_EQ(mesh.attributes[0].uv0, vec2(0.25f, 0.5f));
+  EXPECT_EQ(mesh.attributes[1].uv0, vec2(0));
+  EXPECT_EQ(mesh.attributes[2].uv0, vec2(0));
+  EXPECT_EQ(mesh.extras[2].uv1, vec2(0));
+  EXPECT_EQ(mesh.attributes[3].normal, vec3(0, 0, 1)) << "the triangle's";
+  EXPECT_EQ(mesh.attributes[4].tangent, vec4(0, 1, 0, -1));
+  EXPECT_EQ(mesh.attributes[5].tangent, vec4(0)) << "no tangent frame";
+  EXPECT_EQ(mesh.extras[3].color, vec4(0.5f, 0.25f, 0.125f, 0.75f));
+  EXPECT_EQ(mesh.extras[4].color, vec4(1));
+}
+
+TEST(GltfMesh, TrianglesWithoutPositionsAreLeftOut) {
+  GltfBuilder b;
+  std::vector<vec3> positions{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {2, 0, 0}, {NAN, 0, 0}, {2, 1, 0}};
+  b.mesh({{"attributes", {{"POSITION", b.positions(positions)}}}});
+  const Mesh mesh = b.load().meshes.at(0);
+  EXPECT_EQ(mesh.indices.size(), 3u);
+  EXPECT_EQ(mesh.positions.at(1), vec3(1, 0, 0));
+  EXPECT_LE(mesh.boundsMax.x, 2);
+  GltfBuilder none;
+  none.mesh({{"attributes", {{"POSITION", none.positions({{0, 0, 0}, {NAN, 0, 0}, {0, 1, 0}})}}}});
+  EXPECT_THAT(errorOf(none), HasSubstr("has no triangle whose positions are finite numbers"));
+}
+
+TEST(GltfMesh, MorphTargetsThatAreNotFiniteMoveNothing) {
+  GltfBuilder b = twoTriangles();
+  std::vector<vec3> deltas(6, {0, 0, 1});
+  deltas[2].x = NAN;
+  b.primitive()["targets"] = {{{"POSITION", b.vectors(deltas)}}};
+  b.root["meshes"][0]["weights"] = {0.5};
+  const Mesh mesh = b.load().meshes.at(0);
+  EXPECT_EQ(mesh.positions[1], vec3(1, 0, 0.5f));
+  EXPECT_EQ(mesh.positions[2], vec3(0, 1, 0));
+}
+
+// --- normals that point into the surface ----------------------------------------------------------------------------
+
+TEST(GltfMesh, InvertedNormalsAreTurnedOver) {
+  GltfBuilder b = triangleFile();
+  const vec3 inverted(0, 0, -1), bent = glm::normalize(vec3(1, 0, -0.3f)), proper(0, 0, 1);
+  json other = b.primitive();
+  other["attributes"]["NORMAL"] = b.vectors(std::vector<vec3>{inverted, bent, proper});
+  other["attributes"]["TANGENT"] = b.vectors(std::vector<vec4>(3, {1, 0, 0, 1}));
+  b.root["meshes"][0]["primitives"].push_back(other);
+  testing::internal::CaptureStderr();
+  const Mesh mesh = b.load().meshes.at(1);
+  EXPECT_THAT(testing::internal::GetCapturedStderr(),
+              HasSubstr("meshes[0].primitives[1] has normals that point into its surface, which are turned over"));
+  EXPECT_EQ(mesh.attributes[0].normal, proper);
+  EXPECT_EQ(mesh.attributes[0].tangent, vec4(1, 0, 0, -1)) << "with the same bitangent";
+  expectNear(mesh.attributes[1].normal, bent);  // as those of leaves are
+  EXPECT_EQ(mesh.attributes[2].normal, proper);
+  EXPECT_EQ(mesh.attributes[2].tangent, vec4(1, 0, 0, 1));
+}
+
+// What a morph target adds to a normal that is turned over is turned over, too: (0, 0, -1) + (1, 0, 0) points along
+// (1, 0, -1), which turned over is (-1, 0, 1).
+TEST(GltfMesh, MorphTargetsFollowNormalsThatAreTurnedOver) {
+  GltfBuilder b = triangleFile();
+  b.primitive()["attributes"]["NORMAL"] = b.vectors(std::vector<vec3>(3, {0, 0, -1}));
+  b.primitive()["targets"] = {{{"NORMAL", b.vectors(std::vector<vec3>(3, {1, 0, 0}))}}};
+  const int times = b.accessor(b.view(std::vector<float>{0, 1}), kFloat, "SCALAR", 2);
+  b.add("animations", {{"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "weights"}}}}}},
+                       {"samplers", {{{"input", times}, {"output", times}}}}});
+  const Scene scene = b.load();
+  const DeformedVertices posed = deform(*scene.meshes.at(0).deformation, {}, std::vector{1.0f});
+  expectNear(posed.attributes[0].normal, glm::normalize(vec3(-1, 0, 1)));
 }
 
 }  // namespace

@@ -168,7 +168,9 @@ TEST(GltfNodes, PerspectiveCameras) {
   EXPECT_EQ(scene.cameras[1].farClip, 50);
   EXPECT_FLOAT_EQ(*scene.cameras[1].aspect, 1.5f);
   b.root["cameras"][1]["perspective"]["zfar"] = .05;
-  EXPECT_THAT(errorOf(b), HasSubstr("far plane"));
+  testing::internal::CaptureStderr();
+  EXPECT_TRUE(std::isinf(b.load().cameras.at(1).farClip));
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("far plane before its near plane"));
   b.root["cameras"][1]["perspective"].erase("yfov");
   EXPECT_THAT(errorOf(b), HasSubstr("cameras[1].perspective.yfov is missing"));
 }
@@ -186,6 +188,8 @@ TEST(GltfNodes, AnglesThatShowNothingAreReplaced) {
   b.root["cameras"][0]["perspective"]["yfov"] = 3.1;
   EXPECT_FLOAT_EQ(b.load().cameras.at(0).verticalFov, 3.1f);
   b.root["cameras"][0]["perspective"]["yfov"] = -1;
+  EXPECT_EQ(b.load().cameras.at(0).verticalFov, kDefaultVerticalFov);
+  b.root["cameras"][0]["perspective"]["yfov"] = "wide";
   EXPECT_THAT(errorOf(b), HasSubstr("yfov"));
 }
 
@@ -215,6 +219,26 @@ TEST(GltfNodes, OrthographicCameras) {
   EXPECT_EQ(camera.yHalf, 3);
   EXPECT_EQ(camera.nearClip, 0);
   EXPECT_EQ(camera.farClip, 9);
+  // One that shows nothing is left out, and the next one is the first.
+  b.add("cameras", {{"type", "orthographic"}, {"orthographic", {{"xmag", 0}, {"ymag", 3}, {"znear", 0}, {"zfar", 9}}}});
+  b.root["nodes"] = json::array();
+  b.root["scenes"] = json::array({{{"nodes", json::array()}}});
+  b.node({{"camera", 1}, {"name", "flat"}});
+  b.node({{"camera", 0}, {"name", "good"}});
+  testing::internal::CaptureStderr();
+  const Scene scene = b.load();
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("the camera at /flat has no width"));
+  ASSERT_EQ(scene.cameras.size(), 1u);
+  EXPECT_EQ(scene.cameras[0].name, "good");
+}
+
+TEST(GltfNodes, PlanesAtZeroClipNothing) {
+  GltfBuilder b;
+  b.add("cameras", {{"type", "perspective"}, {"perspective", {{"yfov", 1}, {"znear", 0}, {"zfar", 0}}}});
+  b.node({{"camera", 0}});
+  const Camera camera = b.load().cameras.at(0);
+  EXPECT_EQ(camera.nearClip, kNearClip);
+  EXPECT_TRUE(std::isinf(camera.farClip));
 }
 
 TEST(GltfNodes, PunctualLights) {
@@ -247,7 +271,11 @@ TEST(GltfNodes, PunctualLights) {
   EXPECT_EQ(spot.intensity, 1);
   EXPECT_FALSE(spot.range);
   b.root["extensions"]["KHR_lights_punctual"]["lights"][1]["type"] = "laser";
-  EXPECT_THAT(errorOf(b), HasSubstr("laser"));
+  testing::internal::CaptureStderr();
+  scene = b.load();
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("has the unknown type \"laser\", and is left out"));
+  ASSERT_EQ(scene.lights.size(), 2u);
+  EXPECT_EQ(scene.lights[1].type, shared::kLightSpot);
 }
 
 // What a light's own extras say, a node's override; nonsense says nothing.

@@ -174,12 +174,13 @@ TEST_F(LitGlass, IsAlikeWithEveryTechniqueAndLayout) {
   EXPECT_GT(glassAlone, (techniques().size() + layoutsToMeet().size()) * kWidth * kHeight / 20);
 }
 
-// Alpha 1 is opaque: the picture is the one of the same materials unblended, in both shading models and an environment.
+// Next to alpha 1, where materials count as opaque, the picture is that of the same materials unblended, in both
+// shading models and an environment.
 TEST_F(LitGlass, WithAlphaOneIsTheOpaqueSurface) {
   scene::Scene scene = glassRoom(20);
   scene::Scene opaque = glassRoom(20);
   for (scene::Material& material : scene.materials) {
-    material.data.baseColor.a = 1;
+    material.data.baseColor.a = std::nextafter(1.0f, 0.0f);
     material.data.flags |= shared::kMaterialBlended;
   }
   for (scene::Material& material : opaque.materials) material.data.flags &= ~shared::kMaterialBlended;

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "base/error.h"
+#include "base/fatal_signals.h"
 #include "base/log.h"
 #include "base/memory.h"
 #include "data/batch/worker.h"
@@ -39,6 +40,7 @@ void onThreads(size_t count, const std::function<void(size_t i)>& body) {
   std::vector<std::thread> threads;
   for (size_t i = 0; i < count; ++i)
     threads.emplace_back([&, i] {
+      const SignalStack stack;
       try {
         body(i);
       } catch (...) {

@@ -1,6 +1,7 @@
 #include "data/batch/writers.h"
 
 #include "base/error.h"
+#include "base/fatal_signals.h"
 #include "base/parallel.h"
 
 namespace latelight::data {
@@ -20,7 +21,12 @@ uint64_t bytesOf(const RenderedFrame& frame) {
 
 Writers::Writers(const Job& job, ShardLog& log, Progress& progress, size_t threads, uint64_t waiting)
     : job_(job), log_(log), progress_(progress), most_(waiting) {
-  for (size_t i = 0; i < threads; ++i) threads_.emplace_back([this] { work(); });
+  for (size_t i = 0; i < threads; ++i) {
+    threads_.emplace_back([this] {
+      const SignalStack stack;
+      work();
+    });
+  }
 }
 
 Writers::~Writers() {

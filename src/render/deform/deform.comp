@@ -69,6 +69,10 @@ void main() {
   if (push.flatNormals != 0u) {
     uint first = vertex - vertex % 3u;
     a.normal = flatNormal(positionOf(first, kNow), positionOf(first + 1u, kNow), positionOf(first + 2u, kNow));
+    if (push.influences > 0u) {
+      mat4x3 m = blendedJoints(first, kNow);
+      a.normal *= handedness(m[0], m[1], m[2]);
+    }
   }
   AttributesOut(push.outAttributes).v[vertex] = a;
 }

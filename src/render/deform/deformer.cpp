@@ -178,4 +178,9 @@ scene::ReachBox Deformer::boundsOf(uint32_t mesh, const scene::Pose& pose) const
   return scene::deformedBox(part.reach, jointsOf(scene_, *part.deformation, pose), weightsOf(*part.deformation, pose));
 }
 
+bool Deformer::turnsOver(uint32_t mesh, const scene::Pose& pose) const {
+  const Part& part = parts_[partOf_[mesh]];
+  return scene::isMirrored(part.reach, jointsOf(scene_, *part.deformation, pose)) != part.deformation->mirroredAtRest;
+}
+
 }  // namespace latelight::render

@@ -36,6 +36,8 @@ class Deformer {
 
   // Bounds of a deformed mesh in the pose, in its object space.
   scene::ReachBox boundsOf(uint32_t mesh, const scene::Pose& pose) const;
+  // True where the pose turns the triangles over that the mesh has at rest.
+  bool turnsOver(uint32_t mesh, const scene::Pose& pose) const;
 
  private:
   struct Part {  // of one mesh

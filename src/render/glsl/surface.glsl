@@ -40,8 +40,8 @@ vec3 triangleNormal(FrameConstants frame, Instance instance, SurfacePoint p) {
   vec3 ac = mat3(instance.objectToWorld) * (positionAt(mesh.positions, indices.z) - a);
   vec3 extent = max(abs(ab), abs(ac));
   float scale = 1.0 / max(max(extent.x, max(extent.y, extent.z)), 1e-37);
-  float handedness = (instance.flags & kInstanceMirrored) != 0u ? -1.0 : 1.0;
-  vec3 n = cross(ab * scale, ac * scale) * (handedness * p.facing);
+  float winding = (instance.flags & kInstanceClockwise) != 0u ? -1.0 : 1.0;
+  vec3 n = cross(ab * scale, ac * scale) * (winding * p.facing);
   float squared = dot(n, n);
   return squared > 0.0 ? n * inversesqrt(squared) : vec3(0.0, 0.0, 1.0);
 }

@@ -61,13 +61,14 @@ GpuInstances::GpuInstances(vk::Device& device, const scene::Scene& scene, vk::Up
 
 void GpuInstances::place(uint32_t index, const glm::dmat4& toWorld) {
   const scene::Instance& instance = scene_.instances[index];
-  const bool mirrored = glm::determinant(glm::dmat3(toWorld)) < 0;
+  const bool mirrored = glm::determinant(glm::dmat3(toWorld)) < 0, clockwise = mirrored != spheres_[index].turnedOver;
   shared::Instance& record = records_[index];
   record = {.mesh = instance.mesh,
             .material = instance.material,
             .id = instance.id,
             .part = instance.part,
-            .flags = (mirrored ? shared::kInstanceMirrored : 0u) | (isVast(index, toWorld) ? shared::kInstanceVast : 0u) |
+            .flags = (mirrored ? shared::kInstanceMirrored : 0u) | (clockwise ? shared::kInstanceClockwise : 0u) |
+                     (isVast(index, toWorld) ? shared::kInstanceVast : 0u) |
                      (scene_.meshes[instance.mesh].extras.empty() ? 0u : shared::kInstanceExtras) | groupBits(index)};
   setTransform(record, deviceTransform(index, toWorld), origin_);
   bounds_[index] = roundedSphere(spheres_[index], origin_);
@@ -90,11 +91,14 @@ glm::dmat4 GpuInstances::deviceTransform(uint32_t index, const glm::dmat4& toWor
 WorldSphere GpuInstances::sphereOf(uint32_t index, const glm::dmat4& toWorld, const scene::Pose& pose,
                                    const Deformer* deformer) const {
   const scene::Instance& instance = scene_.instances[index];
-  if (!scene::isShown(scene_, pose, instance)) return {};
   const scene::Mesh& mesh = scene_.meshes[instance.mesh];
   const bool deformed = deformer && mesh.deformation && !pose.empty();
-  return boundsOf(
-      deformed ? deformer->boundsOf(instance.mesh, pose) : scene::ReachBox{mesh.boundsMin, mesh.boundsMax}, toWorld);
+  WorldSphere sphere;
+  if (scene::isShown(scene_, pose, instance))
+    sphere = boundsOf(
+        deformed ? deformer->boundsOf(instance.mesh, pose) : scene::ReachBox{mesh.boundsMin, mesh.boundsMax}, toWorld);
+  sphere.turnedOver = deformed && deformer->turnsOver(instance.mesh, pose);
+  return sphere;
 }
 
 // The mean of the centers of what is shown, where large things weigh less: a ground says nothing of where on it the scene

@@ -16,6 +16,7 @@ namespace latelight::render {
 struct WorldSphere {  // in the scene's world space, meters
   glm::dvec3 center{0};
   double radius = -std::numeric_limits<double>::infinity();  // below 0: nothing is shown
+  bool turnedOver = false;  // its skin mirrors the mesh, whose triangles then wind the other way round
 };
 
 class GpuInstances {

@@ -10,6 +10,7 @@ GpuMaterials::GpuMaterials(vk::Device& device, const scene::Scene& scene, vk::Up
     : device_(device),
       scene_(scene),
       textures_(device, scene, uploader),
+      opacity_(scene),
       list_(device, "materials"),
       textureSlots_(device.isCpu() ? 0 : ~0u) {
   const VkDeviceSize alignment = device_.properties().limits.minUniformBufferOffsetAlignment;
@@ -31,6 +32,12 @@ void GpuMaterials::update(vk::Uploader& uploader, std::span<const uint32_t> text
   records_.resize(scene_.materials.size());
   for (const uint32_t material : changed) setRecord(material, scene_.materials[material].data);
   if (!records_.empty()) uploadRecords(uploader, changed);
+}
+
+void GpuMaterials::updateOpacity(vk::Uploader& uploader, std::span<const uint32_t> meshes) {
+  const std::vector<uint32_t> changed = opacity_.update(meshes);
+  for (const uint32_t material : changed) setRecord(material, scene_.materials[material].data);
+  if (!changed.empty()) uploadRecords(uploader, changed);
 }
 
 void GpuMaterials::pose(vk::Uploader& uploader, const std::map<uint32_t, shared::Material>& posed) {
@@ -68,6 +75,8 @@ void GpuMaterials::setRecord(uint32_t material, const shared::Material& data) {
   shared::Material& record = records_[material] = data;
   std::ranges::copy(textures_.indices(material), record.images);
   record.flags |= scene::layerFlags(record);
+  if ((record.flags & shared::kMaterialBlended) && opacity_.isOpaque(material, record))
+    record.flags &= ~shared::kMaterialBlended;
   if (hasPlainUv(record)) record.flags |= shared::kMaterialPlainUv;
   textureSlots_ |= record.textures;
   layers_ |= scene::layersOf(record);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "render/gpu_scene/buffer.h"
+#include "render/gpu_scene/opacity.h"
 #include "render/gpu_scene/textures.h"
 #include "scene/scene.h"
 #include "shared/types.h"
@@ -24,6 +25,8 @@ class GpuMaterials {
   GpuMaterials(vk::Device& device, const scene::Scene& scene, vk::Uploader& uploader);
   // Textures and materials that were edited, added or removed.
   void update(vk::Uploader& uploader, std::span<const uint32_t> textures, std::span<const uint32_t> changed);
+  // Meshes that were edited or added; or instances were, wherever they are.
+  void updateOpacity(vk::Uploader& uploader, std::span<const uint32_t> meshes);
   // Others than the scene's, by their number, until others are.
   void pose(vk::Uploader& uploader, const std::map<uint32_t, shared::Material>& posed);
   void setAnisotropy(vk::Uploader& uploader, uint32_t samples) { textures_.setAnisotropy(uploader, samples); }
@@ -50,6 +53,7 @@ class GpuMaterials {
   vk::Device& device_;
   const scene::Scene& scene_;
   GpuTextures textures_;
+  Opacity opacity_;
   std::vector<shared::Material> records_;
   std::vector<uint32_t> posed_;  // whose records are not the scene's
   GpuList<shared::Material> list_;

@@ -149,7 +149,7 @@ const vk::Pipeline& SceneBinder::bind(const Draw& draw) {
     vkCmdBindIndexBuffer(commands, scene_.geometry().indexBuffer(draw.mesh), 0, VK_INDEX_TYPE_UINT32);
     mesh_ = draw.mesh;
   }
-  vkCmdSetFrontFace(commands, draw.mirrored ? VK_FRONT_FACE_CLOCKWISE : VK_FRONT_FACE_COUNTER_CLOCKWISE);
+  vkCmdSetFrontFace(commands, draw.clockwise ? VK_FRONT_FACE_CLOCKWISE : VK_FRONT_FACE_COUNTER_CLOCKWISE);
   return pipeline;
 }
 

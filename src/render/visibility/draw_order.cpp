@@ -24,15 +24,15 @@ bool standsWhere(const shared::Instance& a, const shared::Instance& b) {
 // Puts an instance behind those that are there: into the last draw, if it is like those.
 void append(DrawList& list, const GpuScene& scene, uint32_t instance) {
   const shared::Instance& record = scene.instances().record(instance);
-  const bool mirrored = (record.flags & shared::kInstanceMirrored) != 0;
+  const bool clockwise = (record.flags & shared::kInstanceClockwise) != 0;
   // Layered materials have pipelines of their own, which do not draw fans.
   const bool vast = (record.flags & shared::kInstanceVast) != 0 &&
                     !(scene.materials().record(record.material).flags & shared::kMaterialLayered);
   const bool joins = !list.draws.empty() && list.draws.back().mesh == record.mesh &&
-                     list.draws.back().material == record.material && list.draws.back().mirrored == mirrored &&
+                     list.draws.back().material == record.material && list.draws.back().clockwise == clockwise &&
                      list.draws.back().vast == vast;
   if (!joins)
-    list.draws.push_back({record.mesh, record.material, mirrored, vast, static_cast<uint32_t>(list.instances.size()), 0});
+    list.draws.push_back({record.mesh, record.material, clockwise, vast, static_cast<uint32_t>(list.instances.size()), 0});
   ++list.draws.back().count;
   list.instances.push_back(instance);
 }

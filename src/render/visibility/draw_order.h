@@ -13,7 +13,7 @@ namespace latelight::render {
 // Instances of one mesh, one material and one winding: one instanced draw.
 struct Draw {
   uint32_t mesh = 0, material = 0;
-  bool mirrored = false;
+  bool clockwise = false;
   bool vast = false;              // its triangles are drawn as fans (kVastFan)
   uint32_t first = 0, count = 0;  // among DrawList::instances
 };
@@ -32,6 +32,7 @@ class DrawOrder {
   void update(const GpuScene& scene);
 
   enum class Kind { Solid, Blended };  // opaque and masked; alpha-blended
+  bool anyBlended() const { return anyBlended_; }
   // Those of a kind whose bounds are wanted, which is asked on all threads. `group`: only those of it; 0: all.
   DrawList select(const GpuScene& scene, Kind kind, const std::function<bool(const Sphere&)>& wanted,
                   uint32_t group = 0) const;

@@ -37,8 +37,8 @@ float meet(vec3 corners[3], vec3 ray, uint flags) {
   vec3 areas = vec3(crossed(at[1], at[2]), crossed(at[2], at[0]), crossed(at[0], at[1]));
   bool inside = all(greaterThanEqual(areas, vec3(0.0))) || all(lessThanEqual(areas, vec3(0.0)));
   float area = areas.x + areas.y + areas.z;
-  // Counter-clockwise as seen is a front face, unless the instance is mirrored.
-  bool front = (area < 0.0) != ((flags & kRankMirrored) != 0u);
+  // Counter-clockwise as seen is a front face, unless the instance's are clockwise.
+  bool front = (area < 0.0) != ((flags & kRankClockwise) != 0u);
   if (!inside || area == 0.0 || !(front || (flags & kRankDoubleSided) != 0u)) return 0.0;
   float distance = dot(areas, along) / area;
   return distance > 0.0 && distance < 3.0e38 ? distance : 0.0;

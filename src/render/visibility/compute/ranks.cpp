@@ -26,7 +26,7 @@ Stretch stretchOf(const shared::Instance& instance) {
 uint32_t flagsOf(const shared::Instance& instance, const shared::Material& material) {
   uint32_t flags = 0;
   if (material.flags & shared::kMaterialDoubleSided) flags |= shared::kRankDoubleSided;
-  if (instance.flags & shared::kInstanceMirrored) flags |= shared::kRankMirrored;
+  if (instance.flags & shared::kInstanceClockwise) flags |= shared::kRankClockwise;
   const bool blended = shared::seenThrough(material.flags);
   if (blended || (material.flags & shared::kMaterialMasked)) flags |= shared::kRankCutOut;
   if (blended) flags |= shared::kRankBlended;

@@ -236,11 +236,11 @@ void writeSamples(uint view, ivec2 pixel, uint samples, PixelDepth depth, uint i
 // Turns the triangle so that it is clockwise; false where it is to be left out: seen from its back, or without an area.
 bool orient(inout Triangle t, RankedInstance r) {
   bool doubleSided = (r.flags & kRankDoubleSided) != 0u || kShadowMaps != 0u;
-  bool mirrored = (r.flags & kRankMirrored) != 0u;
+  bool clockwise = (r.flags & kRankClockwise) != 0u;
   int64_t area = int64_t(t.b.x - t.a.x) * int64_t(t.c.y - t.a.y) - int64_t(t.b.y - t.a.y) * int64_t(t.c.x - t.a.x);
   if (area == 0 && kTouched == 0u) return false;
-  // Front faces are counter-clockwise as seen, unless the instance is mirrored.
-  bool front = (area < 0) != mirrored;
+  // Front faces are counter-clockwise as seen, unless the instance's are clockwise.
+  bool front = (area < 0) != clockwise;
   if (!front && !doubleSided && kTouched == 0u) return false;
   if (area < 0) {
     ivec2 b = t.b;

@@ -42,7 +42,7 @@ struct RankedInstance {
   uint flags;  // kRank*
 };
 SH_CONST uint kRankDoubleSided = 1u;
-SH_CONST uint kRankMirrored = 2u;
+SH_CONST uint kRankClockwise = 2u;
 SH_CONST uint kRankCutOut = 4u;  // its alpha takes parts of it away
 SH_CONST uint kRankBlended = 8u;
 SH_CONST uint kRankSimilar = 16u;  // its transform keeps angles

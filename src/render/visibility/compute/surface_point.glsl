@@ -87,7 +87,7 @@ SurfacePoint seenPoint(FrameConstants frame, View view, SeenTriangle t, vec2 pix
   setCoordinates(p, t, mesh, instance, attributes, w);
   for (bool some = isVast(t); some; some = false) setVastPlace(p, frame, view, t, pixel, attributes);
   vec3 plane = cross(corners[1] - corners[0], corners[2] - corners[0]);
-  if ((instance.flags & kInstanceMirrored) != 0u) plane = -plane;
+  if ((instance.flags & kInstanceClockwise) != 0u) plane = -plane;
   vec3 toEye = view.projection.kind == kPerspective ? -corners[0] : view.viewToWorld * vec4(0.0, -1.0, 0.0, 0.0);
   p.facing = dot(plane, toEye) >= 0.0 ? 1.0 : -1.0;
   p.plane = plane * p.facing;

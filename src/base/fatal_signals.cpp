@@ -1,0 +1,92 @@
+#include "base/fatal_signals.h"
+
+#include <execinfo.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <csignal>
+#include <cstring>
+#include <optional>
+
+#include "base/program_symbols.h"
+#include "base/temporary_file.h"
+
+namespace latelight {
+namespace {
+
+constexpr size_t kSignalStackBytes = 64 << 10;  // the registers of a wide processor take 11 KiB of it
+
+std::atomic<bool> handled = false;
+
+bool reportsCrash(int signal) {
+  constexpr int kCrashes[] = {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT, SIGTRAP, SIGSYS};
+  return std::find(std::begin(kCrashes), std::end(kCrashes), signal) != std::end(kCrashes);
+}
+
+// Everything here is safe in a signal handler: backtrace() allocates on its first call alone, which is not this one.
+void print(const char* text) {
+  [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, text, std::strlen(text));
+}
+
+void printBacktrace(int signal) {
+  const char* name = sigabbrev_np(signal);
+  print("latelight: crashed by SIG");
+  print(name ? name : "?");
+  print("; this is a bug in the program or in a driver: please report it with these lines\n");
+  std::array<void*, 64> frames{};
+  const int count = backtrace(frames.data(), static_cast<int>(frames.size()));
+  const ProgramSymbols symbols;
+  for (int i = 0; i < count; ++i) {
+    void** const frame = frames.data() + i;
+    if (const char* function = symbols.find(*frame)) {
+      print(function);
+      print(" in ");
+    }
+    backtrace_symbols_fd(frame, 1, STDERR_FILENO);
+  }
+}
+
+void endBy(int signal) {
+  removeTemporaryFiles();  // first: a crash may have left too little intact for the rest
+  if (reportsCrash(signal)) printBacktrace(signal);
+  raise(signal);  // ends the process once this returns: SA_RESETHAND brought the default action back
+}
+
+}  // namespace
+
+void handleFatalSignals() {
+  void* frame = nullptr;
+  backtrace(&frame, 1);  // loads what it needs
+  handled = true;
+  static std::optional<SignalStack> mainStack;
+  mainStack.emplace();
+  struct sigaction action {};
+  action.sa_handler = endBy;
+  action.sa_flags = static_cast<int>(SA_RESETHAND) | SA_ONSTACK;
+  sigfillset(&action.sa_mask);
+  for (int signal = 1; signal <= SIGRTMAX; ++signal) {
+    constexpr int kHarmless[] = {SIGKILL, SIGSTOP, SIGTSTP, SIGTTIN, SIGTTOU, SIGCHLD, SIGCONT, SIGURG, SIGWINCH};
+    if (std::find(std::begin(kHarmless), std::end(kHarmless), signal) != std::end(kHarmless)) continue;
+    struct sigaction before {};
+    const bool ends = sigaction(signal, nullptr, &before) == 0 && before.sa_handler == SIG_DFL;
+    if (ends) sigaction(signal, &action, nullptr);
+  }
+}
+
+SignalStack::SignalStack() {
+  stack_t now{};
+  if (!handled || sigaltstack(nullptr, &now) != 0 || !(now.ss_flags & SS_DISABLE)) return;
+  memory_ = std::make_unique<std::byte[]>(kSignalStackBytes);
+  const stack_t own{.ss_sp = memory_.get(), .ss_flags = 0, .ss_size = kSignalStackBytes};
+  if (sigaltstack(&own, nullptr) != 0) memory_.reset();
+}
+
+SignalStack::~SignalStack() {
+  if (!memory_) return;
+  const stack_t none{.ss_sp = nullptr, .ss_flags = SS_DISABLE, .ss_size = 0};
+  sigaltstack(&none, nullptr);
+}
+
+}  // namespace latelight
