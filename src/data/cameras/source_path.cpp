@@ -83,7 +83,7 @@ std::vector<Shot> shotsOnPath(Spec& spec, const CameraContext& context) {
   const Optics optics = readOptics(spec, context.size);
   const bool smoothTurns = spec.choice("rotation", {"squad", "slerp"}, "squad") == "squad";
   const auto [keys, timed] = readKeys(spec, context, optics);
-  const std::vector<double> times = readTimes(spec, keys.front().time, keys.back().time);
+  const std::vector<double> times = readTimes(spec, keys.front().time, keys.back().time, context);
   std::vector<Shot> shots;
   for (const double time : times) {
     const auto next = std::ranges::upper_bound(keys, time, {}, &KeyFrame::time);
