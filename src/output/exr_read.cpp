@@ -69,7 +69,7 @@ ReadImage readAll(Imf::InputFile& file, const std::filesystem::path& path) {
   for (auto it = file.header().channels().begin(); it != file.header().channels().end(); ++it) {
     names.emplace_back(it.name());
     if (it.channel().xSampling != 1 || it.channel().ySampling != 1) {
-      throw std::runtime_error(fmt::format("its channel \"{}\" is sub-sampled", it.name()));
+      throw std::runtime_error(fmt::format("its channel \"{}\" is subsampled", it.name()));
     }
   }
   if (names.empty()) throw std::runtime_error("it has no channels");
