@@ -289,7 +289,7 @@ TEST_F(FormatFilesTest, OrthographicCamerasAreRefusedWhereThereAreNone) {
     const std::unique_ptr<Format> format = make(name);
     const DataFrame frame = studio.frame(squaresCamera(), 16, 16, {format.get()});
     EXPECT_THAT(sentence(ExitCode::Usage, [&] { format->writeFrame(frame, folder); }),
-                testing::HasSubstr(fmt::format("the format {} holds no orthographic camera", name)));
+                testing::HasSubstr(fmt::format("the format {} cannot express orthographic cameras", name)));
   }
 }
 

@@ -157,7 +157,7 @@ TEST(AddedLightsTest, AreWhereTheyMayBe) {
       EXPECT_EQ(light.castShadow, true);
       EXPECT_EQ(one["intensity"].get<float>(), light.intensity);
       heights.push_back(light.position.z);  // the world's Z is the file's Y
-      EXPECT_EQ(one["position"][1].get<float>(), light.position.z);
+      EXPECT_EQ(one["position"][1].get<double>(), light.position.z);
       EXPECT_NEAR(one["direction"][1].get<float>(), light.direction.z, 1e-6);
       EXPECT_NEAR(glm::length(light.direction), 1, 1e-6);
       cosines.push_back(-light.direction.z);
