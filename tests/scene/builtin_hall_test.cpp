@@ -58,12 +58,16 @@ uint64_t hashOfScene(const Scene& scene) {
   }
   for (const Texture& texture : scene.textures) hash = hash64(texture.pixels.get(), texture.bytes(), hash);
   for (const Material& material : scene.materials) hash = hash64(&material.data, sizeof(material.data), hash);
-  for (const Instance& instance : scene.instances) hash = hash64(&instance, sizeof(instance), hash);
+  for (const Instance& i : scene.instances) {  // by members: there is padding between them
+    hash = hash64(&i.toWorld, sizeof(i.toWorld), hash);
+    const uint32_t numbers[] = {i.mesh, i.material, i.node, i.id, i.part, i.primitive, static_cast<uint32_t>(i.copy)};
+    const bool flags[] = {i.posed, i.placed, i.removed, i.hidden};
+    hash = hash64(flags, sizeof(flags), hash64(numbers, sizeof(numbers), hash));
+  }
   for (const Node& node : scene.nodes) hash = hash64(node.path.data(), node.path.size(), hash);
   for (const Light& light : scene.lights) {
-    const vec3 position(light.position);
-    const float values[] = {light.color.x, light.color.y, light.color.z, light.intensity,
-                            *light.range,  position.x,    position.y,    position.z};
+    const double values[] = {light.color.x, light.color.y,    light.color.z,    light.intensity,
+                             *light.range,  light.position.x, light.position.y, light.position.z};
     hash = hash64(values, sizeof(values), hash);
   }
   return hash;

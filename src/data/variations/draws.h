@@ -19,7 +19,11 @@ inline uint32_t drawn(const Spec::Counts& range, Random random) {
   return static_cast<uint32_t>(range.low) + random.below(static_cast<uint32_t>(range.high - range.low) + 1);
 }
 
-inline nlohmann::ordered_json listOf(glm::vec3 v) {
+// Overloads, since a double that is rounded to a float on its way is off by a meter at 10,000 km.
+inline nlohmann::ordered_json listOf(const glm::vec3& v) {
+  return {v.x, v.y, v.z};
+}
+inline nlohmann::ordered_json listOf(const glm::dvec3& v) {
   return {v.x, v.y, v.z};
 }
 
