@@ -97,11 +97,23 @@ ChosenSettings ViewSession::Impl::settings(Side side) const {
   return settingsOf(state.choices[static_cast<int>(side)], state.width, state.height);
 }
 
+namespace {
+
+// Coordinates with as many decimals as tell apart a millionth of a distance: commands are to be read.
+glm::dvec3 roundedFor(double distance, glm::dvec3 point) {
+  const int decimals = std::clamp(6 - static_cast<int>(std::floor(std::log10(distance))), 0, 15);
+  for (int i = 0; i < 3; ++i) point[i] = std::stod(fmt::format("{:.{}f}", point[i], decimals));
+  return point;
+}
+
+}  // namespace
+
 CameraChoice ViewSession::Impl::cameraChoice() const {
   if (!control) return {.camera = state.camera};
   const Viewpoint& view = control->view();
-  return {.placed = CameraChoice::Placed{toFile(stage.scene(), view.eye), toFile(stage.scene(), view.target),
-                                         view.verticalFov * 180 / M_PI}};
+  const double distance = std::max(glm::length(view.target - view.eye), 1e-9);
+  const auto placed = [&](const glm::dvec3& point) { return roundedFor(distance, toFile(stage.scene(), point)); };
+  return {.placed = CameraChoice::Placed{placed(view.eye), placed(view.target), view.verticalFov * 180 / M_PI}};
 }
 
 scene::Camera ViewSession::Impl::camera() const {

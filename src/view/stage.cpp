@@ -25,7 +25,7 @@ const scene::Camera& findCamera(const std::vector<scene::Camera>& cameras, const
   badUsage("the scene has no camera \"{}\"", wanted);
 }
 
-std::string textOf(glm::vec3 v) {
+std::string textOf(const glm::dvec3& v) {
   return fmt::format("{},{},{}", v.x, v.y, v.z);
 }
 

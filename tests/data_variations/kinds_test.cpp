@@ -225,6 +225,31 @@ TEST(TransformsTest, MoveNodesAboutTheirOrigins) {
   expectUniform(scales, 0.5, 2);
 }
 
+// At 100,000 km a float is 8 m wide.
+TEST(TransformsTest, MoveAndTakeBackExactlyFarFromTheOrigin) {
+  scene::Scene scene = scene::load("builtin:boxes");
+  const uint32_t index = instanceAt(scene, "/boxes/matte");
+  scene.instances[index].toWorld[3] += dvec4(1e8 + 0.25, 0.5, 0, 0);
+  const dvec3 before(scene.instances[index].toWorld[3]);
+  {
+    Variations variations(
+        Json::parse(R"([{"type": "transforms", "nodes": "matte", "translation": [[0.5, 0, 0], [0.5, 0, 0]]}])"), scene, 1);
+    for (uint64_t n = 0; n < 3; ++n) {
+      variations.apply(n);
+      EXPECT_LE(glm::length(dvec3(scene.instances[index].toWorld[3]) - before - dvec3(0.5, 0, 0)), 5e-8) << n;
+    }
+  }
+}
+
+TEST(LightsTest, StateTheirPositionsAsDoubles) {
+  scene::Scene scene = scene::load("builtin:hall,triangles=50k,lights=8");
+  for (scene::Light& light : scene.lights) light.position.x += 1e8 + 0.3;
+  Variations variations(Json::parse(R"([{"type": "lights", "jitter": 0.25}])"), scene, 1);
+  const Json said = variations.apply(0)[0]["lights"];
+  for (size_t i = 0; i < scene.lights.size(); ++i)
+    EXPECT_EQ(said[i]["position"][0].get<double>(), scene.lights[i].position.x) << i;
+}
+
 TEST(VisibilityTest, IsByChance) {
   Varied varied(R"([{"type": "visibility", "nodes": ["matte", "metal"], "probability": 0.25}])");
   const uint32_t matte = instanceAt(varied.scene, "/boxes/matte"), metal = instanceAt(varied.scene, "/boxes/metal");

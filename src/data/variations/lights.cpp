@@ -51,7 +51,7 @@ class Lights : public Variation {
     }
     if (jitter_) {
       const glm::dvec3 reach(*jitter_);
-      const glm::vec3 moved = drawn(Spec::Corners{-reach, reach}, random("jitter"));
+      const glm::dvec3 moved = drawn(Spec::Corners{-reach, reach}, random("jitter"));
       light.position += moved;
       light.node = -1;  // it follows its node no longer
       said["position"] = listOf(light.position);

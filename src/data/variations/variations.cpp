@@ -57,7 +57,7 @@ struct Variations::Impl {
   // The scene as it was at first, where an edit changes it.
   std::map<uint32_t, scene::Material> materials;
   std::map<uint32_t, scene::Light> lights;
-  std::map<uint32_t, scene::mat4> transforms;
+  std::map<uint32_t, scene::dmat4> transforms;
   // What the last variation left.
   std::vector<uint32_t> hidden, addedInstances, addedLights;
   std::string environment;
