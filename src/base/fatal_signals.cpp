@@ -48,10 +48,15 @@ void printBacktrace(int signal) {
   }
 }
 
+std::atomic_flag ending;
+
 void endBy(int signal) {
+  // Threads that do the same work crash at the same moment: the others wait for the first, whose report they would cut off.
+  while (ending.test_and_set()) pause();
   removeTemporaryFiles();  // first: a crash may have left too little intact for the rest
   if (reportsCrash(signal)) printBacktrace(signal);
-  raise(signal);  // ends the process once this returns: SA_RESETHAND brought the default action back
+  std::signal(signal, SIG_DFL);
+  raise(signal);  // ends the process once this returns
 }
 
 }  // namespace
@@ -64,7 +69,7 @@ void handleFatalSignals() {
   mainStack.emplace();
   struct sigaction action {};
   action.sa_handler = endBy;
-  action.sa_flags = static_cast<int>(SA_RESETHAND) | SA_ONSTACK;
+  action.sa_flags = SA_ONSTACK;
   sigfillset(&action.sa_mask);
   for (int signal = 1; signal <= SIGRTMAX; ++signal) {
     constexpr int kHarmless[] = {SIGKILL, SIGSTOP, SIGTSTP, SIGTTIN, SIGTTOU, SIGCHLD, SIGCONT, SIGURG, SIGWINCH};
