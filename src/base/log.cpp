@@ -10,6 +10,7 @@
 #include <ctime>
 #include <mutex>
 #include <unordered_set>
+#include <utility>
 
 #include "base/fork.h"
 #include "base/journal.h"
@@ -24,7 +25,8 @@ constexpr const char* kClearLine = "\r\x1b[K";
 
 std::atomic<bool> quiet = false;
 ForkSafeMutex terminal;  // one writer on standard error at a time
-int drawnBars = 0;    // bars on the terminal's last line (guarded by `terminal`)
+int drawnBars = 0;       // bars on the terminal's last line (guarded by `terminal`)
+thread_local std::vector<std::string>* capture = nullptr;
 
 bool isTerminal() {
   return isatty(STDERR_FILENO) == 1;
@@ -80,8 +82,15 @@ std::string printable(std::string_view text) {
   return result;
 }
 
+WarningCapture::WarningCapture(std::vector<std::string>& captured) : previous_(std::exchange(capture, &captured)) {}
+WarningCapture::~WarningCapture() { capture = previous_; }
+
 void warn(const std::string& sentence) {
   if (quiet) return;
+  if (capture) {
+    capture->push_back(sentence);
+    return;
+  }
   static std::unordered_set<std::string> said;
   std::lock_guard lock(terminal);
   if (!said.insert(sentence).second) return;

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace latelight {
 
@@ -20,6 +21,19 @@ template <typename... Args>
 void warn(fmt::format_string<Args...> format, Args&&... args) {
   warn(fmt::format(format, std::forward<Args>(args)...));
 }
+
+// While it lives, warnings of its thread are kept instead of printed. Jobs that run in parallel use it so that their
+// warnings can be printed in the same order in each run.
+class WarningCapture {
+ public:
+  explicit WarningCapture(std::vector<std::string>& captured);
+  ~WarningCapture();
+  WarningCapture(const WarningCapture&) = delete;
+  WarningCapture& operator=(const WarningCapture&) = delete;
+
+ private:
+  std::vector<std::string>* const previous_;
+};
 
 // --quiet: no warnings, no progress.
 void setQuiet(bool quiet);

@@ -159,7 +159,7 @@ fs::path fill(std::string_view pattern, std::string_view aov, std::string_view f
   });
   for (const fs::path& part : path)
     if (part.native().size() > NAME_MAX)
-      badUsage("the output \"{}\" makes \"{}\", a file name of {} bytes, and {} are allowed: shorten the pattern",
+      badUsage("the output \"{}\" makes the file name \"{}\" of {} bytes, longer than the {} that file systems allow",
                pattern, part.string(), part.native().size(), NAME_MAX);
   return path;
 }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <functional>
 #include <new>
+#include <numeric>
+#include <span>
 
 #include "base/error.h"
 #include "base/log.h"
@@ -25,6 +27,7 @@ struct Job {
   size_t cost;  // the largest start first, or one thread finishes alone
   std::function<void()> run;
 };
+
 
 void addTextureJobs(const Document& document, const TextureTable& table, Scene& scene, std::vector<Job>& jobs) {
   scene.textures.resize(table.requests().size());
@@ -50,15 +53,21 @@ void addMeshJobs(const Document& document, const Hierarchy& hierarchy, const std
   }
 }
 
-void runJobs(std::vector<Job>& jobs, const std::string& name) {
-  std::stable_sort(jobs.begin(), jobs.end(), [](const Job& a, const Job& b) { return a.cost > b.cost; });
+void runJobs(const std::vector<Job>& jobs, const std::string& name) {
+  std::vector<size_t> order(jobs.size());
+  std::iota(order.begin(), order.end(), size_t(0));
+  std::ranges::stable_sort(order, std::greater(), [&](size_t i) { return jobs[i].cost; });
+  std::vector<std::vector<std::string>> warnings(jobs.size());  // printed in the order of the file
   Progress progress("Loading " + name, jobs.size());
   parallelFor(jobs.size(), 1, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) {
+    for (const size_t i : std::span(order).subspan(begin, end - begin)) {
+      const WarningCapture capture(warnings[i]);
       jobs[i].run();
       progress.step();
     }
   });
+  for (const auto& ofJob : warnings)
+    for (const std::string& sentence : ofJob) warn(sentence);
 }
 
 // The memory of meshes and instances once they are loaded.

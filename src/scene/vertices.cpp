@@ -39,13 +39,22 @@ bool isUsable(vec3 normal) {
   return length2 > 1e-30f && std::isfinite(length2);
 }
 
+// Slivers, as at the poles of a sphere, whose side of the surface the rounding of their vertices decides.
+bool hasMeaningfulNormal(const Vertices& v, const uint32_t* corner, double doubleArea) {
+  const glm::dvec3 a = v.positions[corner[0]], b = v.positions[corner[1]], c = v.positions[corner[2]];
+  const double longest = std::max({glm::length(b - a), glm::length(c - b), glm::length(a - c)});
+  const glm::dvec3 largest = glm::max(glm::abs(a), glm::max(glm::abs(b), glm::abs(c)));
+  const double rounding = std::max({largest.x, largest.y, largest.z}) * 0x1p-23;
+  return doubleArea > 16 * rounding * longest;
+}
+
 // The largest cosine between each vertex's normal and the triangles around it; below -1 where it has none.
 std::vector<float> cosinesToTriangles(const Vertices& v, const std::vector<uint32_t>& indices) {
   std::vector<float> cosines(v.normals.size(), -2.0f);
   for (size_t i = 0; i + 2 < indices.size(); i += 3) {
     const glm::dvec3 area = areaNormal(v, &indices[i]);
     const double length = glm::length(area);
-    if (!(length > 0) || !std::isfinite(length)) continue;
+    if (!std::isfinite(length) || !hasMeaningfulNormal(v, &indices[i], length)) continue;
     const vec3 normal(area / length);
     for (size_t corner = i; corner < i + 3; ++corner) {
       float& cosine = cosines[indices[corner]];

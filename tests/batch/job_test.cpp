@@ -75,8 +75,8 @@ TEST(Job, PatternsAreFilledIn) {
 TEST(Job, WrongOnesAreToldByKeyAndLine) {
   const std::string start = "scenes: builtin:boxes\noutput: set\n";
   const std::pair<std::string, std::string> yaml[] = {
-      {"sizes: 3\n", "job.yaml:3: sizes: there is no such key"},
-      {"options:\n  exposur: 1\n", "job.yaml:4: options.exposur: there is no such key"},
+      {"sizes: 3\n", "job.yaml:3: sizes: unknown key"},
+      {"options:\n  exposur: 1\n", "job.yaml:4: options.exposur: unknown key"},
       {"options:\n  exposure: bright\n", "job.yaml:4: options.exposure takes a number"},
       {"options:\n  bloom: 7\n", "job.yaml:4: options.bloom takes a number from 0 to 1, not 7"},
       {"options:\n  tonemap: red\n",
@@ -92,8 +92,8 @@ TEST(Job, WrongOnesAreToldByKeyAndLine) {
       {"formats:\n  - files\n  - painting\n", "job.yaml:5: formats[1]: there is no format \"painting\""},
       {"formats: [{outputs: [depth]}]\n", "job.yaml:3: formats[0]: the key \"format\" must name the format"},
       {"formats: [{format: files, outputs: [dept]}]\n", "job.yaml:3: formats[0]: "},
-      {"formats: [{format: files, pattern: all.png}]\n", "job.yaml:3: formats[0]: pattern needs {name}"},
-      {"formats: [{format: files, pattern: \"../{name}.png\"}]\n", "job.yaml:3: formats[0]: pattern is a name below"},
+      {"formats: [{format: files, pattern: all.png}]\n", "job.yaml:3: formats[0]: pattern must contain {name}"},
+      {"formats: [{format: files, pattern: \"../{name}.png\"}]\n", "job.yaml:3: formats[0]: pattern must be a path below"},
       {"formats: [{format: files, outputs: [position]}]\n", "job.yaml:3: formats[0]: a PNG file cannot store position"},
       {"hdri: sky.hdr\n", "job.yaml:3: hdri: there is no file \"sky.hdr\""},
       {"name: \"\"\n", "job.yaml:3: name is empty"},
@@ -106,7 +106,7 @@ TEST(Job, WrongOnesAreToldByKeyAndLine) {
   for (const auto& [text, sentence] : yaml) EXPECT_THAT(wrongIn("job.yaml", start + text), HasSubstr(sentence)) << text;
   EXPECT_THAT(wrongIn("job.yaml", "output: set\n"), HasSubstr("the key \"scenes\" is missing"));
   EXPECT_THAT(wrongIn("job.yaml", "scenes: [no/*.glb]\noutput: set\n"),
-              HasSubstr("job.yaml:1: scenes[0]: no file is called"));
+              HasSubstr("job.yaml:1: scenes[0]: no file matches"));
   EXPECT_THAT(wrongIn("job.yaml", "scenes: [builtin:boxes, builtin:boxes]\noutput: set\n"),
               HasSubstr("is listed twice"));
   EXPECT_THAT(wrongIn("job.yaml", "scenes: [builtin:boxes,\n no.glb]\noutput: set\n"),
@@ -165,8 +165,8 @@ TEST(Job, ManyKeysTakeLinearTime) {
     yaml += fmt::format("key{}: 1\n", i);
     json += fmt::format("{}\"key{}\": 1", i ? "," : "", i);
   }
-  EXPECT_LT(secondsOf([&] { EXPECT_THAT(wrongIn("job.yaml", yaml), HasSubstr("key0: there is no such key")); }), 5);
-  EXPECT_LT(secondsOf([&] { EXPECT_THAT(wrongIn("job.json", json + "}"), HasSubstr("key0: there is no such key")); }),
+  EXPECT_LT(secondsOf([&] { EXPECT_THAT(wrongIn("job.yaml", yaml), HasSubstr("key0: unknown key")); }), 5);
+  EXPECT_LT(secondsOf([&] { EXPECT_THAT(wrongIn("job.json", json + "}"), HasSubstr("key0: unknown key")); }),
             5);
   EXPECT_THAT(wrongIn("job.json", json + ",\n\"key7\": 2}"), HasSubstr("job.json:2: the key key7 is there twice"));
 }
@@ -193,7 +193,7 @@ TEST(Job, MemoryIsClaimedBeforeItIsTaken) {
 
 TEST(Job, WrongJsonIsToldByItsLine) {
   EXPECT_THAT(wrongIn("job.json", "{\"scenes\": \"builtin:boxes\",\n\"output\": \"set\",\n\n\"sizes\": 3}"),
-              HasSubstr("job.json:4: sizes: there is no such key"));
+              HasSubstr("job.json:4: sizes: unknown key"));
   EXPECT_THAT(wrongIn("job.json", "{\"scenes\": \"builtin:boxes\",\n\"output\": set}"),
               HasSubstr("job.json:2: it is not JSON"));
   EXPECT_THAT(wrongIn("job.json", "{\"scenes\": "), HasSubstr("job.json:1: it is not JSON"));

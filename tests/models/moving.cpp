@@ -21,7 +21,8 @@ Shape worm() {
   for (size_t i = 0; i < s.positions.size(); ++i) {
     const float height = kJoints * kJointLength, y = height * (1 - s.uv[i].y);
     const float radius = 0.3f * std::sqrt(std::min(1.0f, 1.001f - std::pow(std::abs(y - 0.9f) / 1.1f, 6.0f)));
-    const vec2 around = glm::normalize(vec2(s.normals[i].x, s.normals[i].z) + vec2(0, -1e-6f));
+    const float azimuth = glm::two_pi<float>() * s.uv[i].x;  // at the poles, too, unlike that of the normal
+    const vec2 around(-std::sin(azimuth), -std::cos(azimuth));
     s.positions[i] = {radius * around.x, y, radius * around.y};
     s.normals[i] = glm::normalize(vec3(around.x, 0.4f * std::pow((y - 0.9f) / 1.1f, 5.0f), around.y));
   }

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "gltf_builder.h"
+#include "models/parts.h"
 #include "scene/tangents.h"
 
 namespace latelight::scene::test {
@@ -310,6 +311,21 @@ TEST(GltfMesh, InvertedNormalsAreTurnedOver) {
   expectNear(mesh.attributes[1].normal, bent);  // as those of leaves are
   EXPECT_EQ(mesh.attributes[2].normal, proper);
   EXPECT_EQ(mesh.attributes[2].tangent, vec4(1, 0, 0, 1));
+}
+
+// At a pole of a sphere, rounding decides which way the triangle with two corners there is wound.
+TEST(GltfMesh, NormalsOfSliversStay) {
+  for (const auto& [radius, center] : {std::pair(1.0f, 0.0f), {1e-3f, 0.0f}, {1e4f, 0.0f}, {1.0f, 100.0f}}) {
+    models::Shape shape = models::sphere(32, 16);
+    for (vec3& position : shape.positions) position = position * radius + center;
+    GltfBuilder b;
+    b.mesh(models::primitive(b, shape, b.add("materials", json::object())));
+    testing::internal::CaptureStderr();
+    const Mesh mesh = b.load().meshes.at(0);
+    EXPECT_EQ(testing::internal::GetCapturedStderr(), "") << "radius " << radius << " around " << center;
+    EXPECT_EQ(mesh.attributes.size(), shape.normals.size());
+    for (size_t i = 0; i < shape.normals.size(); ++i) expectNear(mesh.attributes[i].normal, shape.normals[i]);
+  }
 }
 
 // What a morph target adds to a normal that is turned over is turned over, too: (0, 0, -1) + (1, 0, 0) points along

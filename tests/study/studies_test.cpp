@@ -151,7 +151,7 @@ TEST(PositionStudy, MethodsOnlyDifferByRounding) {
   const Result result = studyPosition(options());
   const Table& table = tableOf(result, "position");
   EXPECT_EQ(table.rows.size(), 6u * 2 * 3);
-  for (const char* point : {"centred", "off-centre"}) {
+  for (const char* point : {"centered", "off-center"}) {
     for (const char* method : {"ray", "matrix", "reciprocal"}) {
       EXPECT_LT(value(table, {"reversed infinite", point, method}, "max m"), 1e-3);
       EXPECT_LT(value(table, {"orthographic conventional", point, method}, "device max m"), 1e-3);
