@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/quaternion.hpp>
 
 #include "base/error.h"
@@ -254,6 +255,17 @@ Pose poseAt(const Scene& scene, const Playback& playback, double seconds) {
   return pose;
 }
 
+namespace {
+
+// The mesh of a posed instance may have been replaced by one without joints.
+glm::dvec3 skinOrigin(const Scene& scene, const Instance& instance) {
+  const auto& deformation = scene.meshes[instance.mesh].deformation;
+  if (!deformation || deformation->skin < 0) return glm::dvec3(0);
+  return scene.rig.skins[static_cast<size_t>(deformation->skin)].origin;
+}
+
+}  // namespace
+
 std::vector<dmat4> instanceTransforms(const Scene& scene, const Pose& pose) {
   std::vector<dmat4> transforms(scene.instances.size());
   parallelFor(transforms.size(), 16384, [&](size_t begin, size_t end) {
@@ -265,6 +277,7 @@ std::vector<dmat4> instanceTransforms(const Scene& scene, const Pose& pose) {
       }
       dmat4 world = instance.posed ? dmat4(1) : worldOf(scene, pose, instance.node);
       if (!scene.rig.offsets.empty()) world = world * scene.rig.offsets[i];
+      if (instance.posed) world = glm::translate(world, skinOrigin(scene, instance));
       transforms[i] = toWorldFromGltf() * world;
     }
   });
@@ -316,7 +329,7 @@ std::vector<glm::mat4> jointMatrices(const Skin& skin, const Pose& pose) {
   std::vector<glm::mat4> matrices;
   matrices.reserve(skin.joints.size());
   for (size_t i = 0; i < skin.joints.size(); ++i)
-    matrices.emplace_back(pose.world[skin.joints[i]] * dmat4(skin.inverseBind[i]));
+    matrices.emplace_back(glm::translate(dmat4(1), -skin.origin) * pose.world[skin.joints[i]] * dmat4(skin.inverseBind[i]));
   return matrices;
 }
 

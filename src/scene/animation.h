@@ -65,6 +65,9 @@ struct RigNode {
 struct Skin {
   std::vector<uint32_t> joints;  // indices into Rig::nodes
   std::vector<glm::mat4> inverseBind;
+  // Skinned vertices are relative to this point of the file's frame, so that floats hold them anywhere on a planet. It
+  // is 0 unless the joints at rest lie far from the frame's origin.
+  glm::dvec3 origin{0};
 };
 
 // Everything that poses need. Empty where the file has no animations.

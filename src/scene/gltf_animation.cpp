@@ -227,11 +227,20 @@ std::vector<uint32_t> parentsFirst(const tinygltf::Model& model, const std::vect
 
 }  // namespace
 
-Skin readSkin(const Document& document, int index) {
+glm::dvec3 skinOrigin(const Document& document, const Hierarchy& hierarchy, int index) {
+  constexpr double kFar = 1024, kGrid = 64;  // meters: nearer, floats are precise enough
+  const std::vector<int>& joints = document.model.skins[size_t(index)].joints;
+  glm::dvec3 mean(0);
+  for (const int joint : joints) mean += glm::dvec3(hierarchy.world[size_t(joint)][3]) / double(joints.size());
+  return glm::length(mean) < kFar ? glm::dvec3(0) : glm::round(mean / kGrid) * kGrid;
+}
+
+Skin readSkin(const Document& document, const Hierarchy& hierarchy, int index) {
   const tinygltf::Skin& source = document.model.skins[size_t(index)];
   if (source.joints.empty()) badInput("skins[{}] has no joints", index);
   Skin skin{.joints = {source.joints.begin(), source.joints.end()},
-            .inverseBind = std::vector<mat4>(source.joints.size(), mat4(1))};
+            .inverseBind = std::vector<mat4>(source.joints.size(), mat4(1)),
+            .origin = skinOrigin(document, hierarchy, index)};
   if (source.inverseBindMatrices < 0) return skin;
   const Elements elements = resolve(document, source.inverseBindMatrices);
   if (elements.count < source.joints.size())
@@ -253,7 +262,7 @@ void readRig(const Document& document, const Hierarchy& hierarchy, Scene& scene)
   document.budget.charge(document.model.nodes.size() * sizeof(RigNode), "the node tree");
   rig.nodes = readRigNodes(document.model);
   rig.order = parentsFirst(document.model, rig.nodes);
-  for (size_t i = 0; i < document.model.skins.size(); ++i) rig.skins.push_back(readSkin(document, int(i)));
+  for (size_t i = 0; i < document.model.skins.size(); ++i) rig.skins.push_back(readSkin(document, hierarchy, int(i)));
   for (const Animation& animation : rig.animations)
     for (const ValueTrack& track : animation.values)
       if (track.elements == AnimatedElements::Materials)

@@ -1,6 +1,7 @@
 #include "scene/gltf_instances.h"
 
 #include <algorithm>
+#include <glm/gtc/matrix_transform.hpp>
 #include <map>
 #include <span>
 #include <tuple>
@@ -13,6 +14,7 @@
 #include "base/parallel.h"
 #include "scene/gltf_accessor.h"
 #include "scene/gltf_material.h"
+#include "scene/gltf_skin.h"
 #include "scene/ids.h"
 
 namespace latelight::scene::gltf {
@@ -137,7 +139,8 @@ class Placer {
                         .tangentSpace = tangentSpaceOf(scene_.materials[material], primitive)};
     // A skinned mesh is posed in the file's frame already: its own node does not move it.
     const bool posed = request.skin >= 0;
-    glm::dmat4 world = posed ? glm::dmat4(1) : hierarchy_.world[index];
+    const glm::dmat4 world = posed ? glm::dmat4(1) : hierarchy_.world[index];
+    const glm::dvec3 origin = posed ? skinOrigin(document_, hierarchy_, request.skin) : glm::dvec3(0);
     Instance instance{.mesh = find(request, primitive), .material = material, .node = uint32_t(place)};
     instance.primitive = uint32_t(p);
     instance.posed = posed;
@@ -150,7 +153,7 @@ class Placer {
     parallelFor(placements.count, 4096, [&](size_t begin, size_t end) {
       for (size_t k = begin; k < end; ++k) {
         const glm::dmat4 below = placements[k];
-        scene_.instances[first + k].toWorld = toWorldFromGltf() * (world * below);
+        scene_.instances[first + k].toWorld = toWorldFromGltf() * glm::translate(world * below, origin);
         if (instanced) scene_.instances[first + k].copy = int(k);
         // Placements of the instances of a node that may move.
         if (instanced && !scene_.rig.empty()) scene_.rig.offsets[first + k] = below;

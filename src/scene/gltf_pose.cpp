@@ -154,11 +154,7 @@ void readMorphTargets(const Document& document, const tinygltf::Primitive& primi
 }
 
 std::vector<mat4> restJoints(const Document& document, const Hierarchy& hierarchy, int index) {
-  const Skin skin = readSkin(document, index);
-  std::vector<mat4> matrices(skin.joints.size());
-  for (size_t i = 0; i < matrices.size(); ++i)
-    matrices[i] = mat4(hierarchy.world[skin.joints[i]] * glm::dmat4(skin.inverseBind[i]));
-  return matrices;
+  return jointMatrices(readSkin(document, hierarchy, index), {.world = hierarchy.world});
 }
 
 }  // namespace latelight::scene::gltf

@@ -2,11 +2,15 @@
 #pragma once
 
 #include "scene/gltf_document.h"
+#include "scene/gltf_nodes.h"
 #include "scene/scene.h"
 
 namespace latelight::scene::gltf {
 
 // Throws Error(BadInput) where it has no joints, or too few matrices.
-Skin readSkin(const Document& document, int skin);
+Skin readSkin(const Document& document, const Hierarchy& hierarchy, int skin);
+
+// Skin::origin, from where the joints are at rest.
+glm::dvec3 skinOrigin(const Document& document, const Hierarchy& hierarchy, int skin);
 
 }  // namespace latelight::scene::gltf

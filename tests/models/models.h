@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <glm/vec3.hpp>
 #include <map>
 #include <string>
 #include <vector>
@@ -33,7 +34,8 @@ std::string embeddedModel();
 
 // A worm of two units' height that stands on the ground, of four joints in a chain; animations "bend" and "twist" of a
 // second each, both at rest at its start and end.
-Bytes skinnedModel();
+// Its lowest joint lies at `foot`, in the file's frame.
+Bytes skinnedModel(glm::dvec3 foot = glm::dvec3(0));
 
 // A ball that two targets, with normals, make flat and long; animation "breathe", a second.
 Bytes morphedModel();

@@ -1,5 +1,6 @@
 // Models that deform: by a skin, and by morph targets.
 #include <cmath>
+#include <glm/gtc/constants.hpp>
 
 #include "models/parts.h"
 
@@ -91,13 +92,14 @@ int checkered(GltfBuilder& file, const char* name) {
 
 }  // namespace
 
-Bytes skinnedModel() {
+Bytes skinnedModel(glm::dvec3 foot) {
   GltfBuilder file;
   const Shape shape = worm();
   json skinned = primitive(file, shape, checkered(file, "scales"));
   addWeights(file, skinned, shape);
   const int shown = file.add("meshes", {{"primitives", json::array({skinned})}});
   const int first = addJoints(file);
+  file.root["nodes"][first]["translation"] = {foot.x, foot.y, foot.z};
   place(file, "worm", shown, {0, 0, 0}, {{"skin", 0}});
   addSway(file, "bend", first, {0, 0, 1}, 25);
   addSway(file, "twist", first, {0, 1, 0}, 40);

@@ -9,8 +9,10 @@
 
 #include "models/models.h"
 #include "render/support.h"
+#include "scene/animation.h"
 #include "scene/builtin.h"
 #include "scene/framing.h"
+#include "scene/gltf_builder.h"
 
 namespace latelight::render::test {
 namespace {
@@ -188,6 +190,40 @@ TEST_F(FarFromOrigin, LightCullingLensesAndSamplesDoToo) {
   Settings samples = settings(Raster::Compute);
   samples.aa.samples = 4;
   expectTheSame("four samples", house, camera, samples, {1e6});
+}
+
+// A skin whose joints the file itself puts far away, in motion.
+TEST_F(FarFromOrigin, SkinsMoveAsAtTheOrigin) {
+  const scene::test::TemporaryFolder folder;
+  const auto load = [&](dvec3 foot) {
+    scene::test::writeBytes(folder.path() / "skinned.glb", models::skinnedModel(foot));
+    return scene::load((folder.path() / "skinned.glb").string());
+  };
+  const auto renderPosed = [&](const scene::Scene& scene, const scene::Camera& camera, Raster raster) {
+    const scene::Playback playback = scene::choosePlayback(scene, "", false);
+    Renderer renderer(device(), scene, nullptr);
+    const auto pose = [&](double seconds) { return scene::poseAt(scene, playback, seconds); };
+    const Moment moment{.poses = {pose(0.3), pose(0.35), pose(0.4)}};
+    return renderer.render({&camera, 1}, settings(raster), moment).front();
+  };
+  const scene::Scene here = load(dvec3(0));
+  const scene::Camera camera = cameraOf(here, kWide, kHigh);
+  for (const Raster raster : {Raster::Hardware, Raster::Compute}) {
+    const output::FrameOutput reference = renderPosed(here, camera, raster);
+    const auto& motion = imageOf(reference, Aov::Motion).values;
+    EXPECT_GT(std::abs(*std::ranges::max_element(motion, {}, [](float v) { return std::abs(v); })), 1) << "it moves";
+    for (const double size : {1e4, 1e6, 1e8}) {
+      const dvec3 foot = offsetOf(size), by(scene::toWorldFromGltf() * glm::dvec4(foot, 1));
+      const FarDifference d = differenceOf(reference, renderPosed(load(foot), moved(camera, by), raster), by);
+      fmt::print("skin at {:g} m: depth {:.1e}, normal {:.1e}, motion {:.1e} px, position {:.2f}, ids {:.4f}\n", size,
+                 d.depth, d.normal, d.motion, d.position, d.otherIds);
+      EXPECT_LE(d.depth, 1e-5) << size;
+      EXPECT_LE(d.normal, 1e-3) << size;
+      EXPECT_LE(d.motion, 1e-2) << size;
+      EXPECT_LE(d.position, 2) << size;
+      EXPECT_LE(d.otherIds, 5e-4) << size;
+    }
+  }
 }
 
 // A ground of two triangles, 20,000 km wide, seen from 1.7 m above it: depth by the pixels' rays in doubles.

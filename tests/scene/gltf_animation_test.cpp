@@ -401,6 +401,31 @@ TEST(Skin, MirroredTrianglesKeepTheirFronts) {
   }
 }
 
+// Joints at UTM coordinates, where neighboring floats are 6 cm apart.
+TEST(Skin, FarJointsKeepTheirPrecision) {
+  const glm::dvec3 far(1000000.1, -750000.3, 125000.7), step(0.01, 0.02, -0.03);
+  for (const bool animated : {false, true}) {
+    GltfBuilder b = skinnedTriangle({2, 1, 1});
+    b.root["nodes"][2]["translation"] = {far.x, far.y, far.z};
+    if (animated) {
+      const int times = b.accessor(b.view(std::vector<float>{0, 1}), kFloat, "SCALAR", 2);
+      b.add("animations", {{"channels", {{{"sampler", 0}, {"target", {{"node", 1}, {"path", "translation"}}}}}},
+                           {"samplers", {{{"input", times}, {"output", b.vectors(std::vector{vec3(0), vec3(step)})}}}}});
+    }
+    const Scene scene = b.load();
+    const Mesh& mesh = scene.meshes.at(0);
+    const auto at = [](const glm::dmat4& place, vec3 p) { return glm::dvec3(place * glm::dvec4(p, 1)); };
+    const auto world = [](glm::dvec3 p) { return glm::dvec3(toWorldFromGltf() * glm::dvec4(p, 1)); };
+    const glm::dvec3 rest = world(far + glm::dvec3(2, 0, 0));
+    EXPECT_LT(glm::length(at(scene.instances.at(0).toWorld, mesh.positions[1]) - rest), 1e-5);
+    if (!animated) continue;
+    const Pose pose = poseAt(scene, choosePlayback(scene, "", false), 0.5);
+    const DeformedVertices posed = deform(*mesh.deformation, jointMatrices(scene.rig.skins.at(0), pose), {});
+    const glm::dvec3 moved = rest + world(glm::dvec3(2, 1, 1) * step * 0.5);
+    EXPECT_LT(glm::length(at(instanceTransforms(scene, pose).at(0), posed.positions[1]) - moved), 1e-5);
+  }
+}
+
 TEST(Skin, MirrorsAsMostOfItsWeightDoes) {
   Deformation d;
   d.influences = 4;
