@@ -59,6 +59,27 @@ TEST_F(OpaqueBlend, FollowsItsTexture) {
   EXPECT_FALSE(isInData(squareOf({solid, solid, solid, almost})));
 }
 
+TEST_F(OpaqueBlend, FollowsTexturesThatAreReplaced) {
+  const std::vector<glm::u8vec4> opaque(4, {10, 20, 30, 255}), translucent(4, {10, 20, 30, 128});
+  scene::Scene scene = squareOf(opaque);
+  Renderer renderer(device(), scene, nullptr);
+  EXPECT_TRUE(isInData(renderer));
+  for (const bool isOpaque : {false, true, false}) {
+    scene::setTexture(scene, 0, textureOf(2, 2, true, isOpaque ? opaque : translucent));
+    EXPECT_EQ(isInData(renderer), isOpaque);
+  }
+  // A new texture in the place of a removed one.
+  scene::Material material = scene.materials[0];
+  const scene::Material textured = material;
+  material.slots[shared::kTextureBaseColor].texture = -1;
+  material.data.textures = 0;
+  scene::setMaterial(scene, 0, material);
+  scene::removeTexture(scene, 0);
+  EXPECT_EQ(scene::addTexture(scene, textureOf(2, 2, true, opaque)), 0u);
+  scene::setMaterial(scene, 0, textured);
+  EXPECT_TRUE(isInData(renderer));
+}
+
 // Colors of vertices count for the materials that they are drawn with, and where an edit gives a mesh others.
 TEST_F(OpaqueBlend, FollowsVertexColors) {
   Stack stack;

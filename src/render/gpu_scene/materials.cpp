@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <iterator>
 
 namespace latelight::render {
 
@@ -29,9 +30,12 @@ MaterialSets GpuMaterials::sets(uint32_t material) const {
 void GpuMaterials::update(vk::Uploader& uploader, std::span<const uint32_t> textures,
                           std::span<const uint32_t> changed) {
   textures_.update(uploader, textures, changed);
+  const std::vector<uint32_t> followers = opacity_.updateTextures(textures);
   records_.resize(scene_.materials.size());
-  for (const uint32_t material : changed) setRecord(material, scene_.materials[material].data);
-  if (!records_.empty()) uploadRecords(uploader, changed);
+  std::vector<uint32_t> all;
+  std::ranges::set_union(changed, followers, std::back_inserter(all));
+  for (const uint32_t material : all) setRecord(material, scene_.materials[material].data);
+  if (!records_.empty()) uploadRecords(uploader, all);
 }
 
 void GpuMaterials::updateOpacity(vk::Uploader& uploader, std::span<const uint32_t> meshes) {

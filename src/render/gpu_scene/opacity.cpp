@@ -43,13 +43,26 @@ std::vector<bool> Opacity::materialsOfMeshes() const {
   return materials;
 }
 
+std::vector<uint32_t> Opacity::updateTextures(std::span<const uint32_t> textures) {
+  for (const uint32_t texture : textures) textures_.erase(static_cast<int>(texture));
+  std::vector<uint32_t> followers;
+  for (uint32_t i = 0; i < scene_.materials.size() && !textures.empty(); ++i) {
+    const scene::Material& material = scene_.materials[i];
+    const int texture = material.slots[shared::kTextureBaseColor].texture;
+    if ((material.data.flags & shared::kMaterialBlended) && texture >= 0 &&
+        std::ranges::binary_search(textures, static_cast<uint32_t>(texture)))
+      followers.push_back(i);
+  }
+  return followers;
+}
+
 bool Opacity::isOpaque(uint32_t material, const shared::Material& data) const {
   if (!(data.baseColor.a >= 1) || (material < materials_.size() && materials_[material])) return false;
   const bool hasTexture = (data.textures & 1u << shared::kTextureBaseColor) != 0;
   return !hasTexture || hasOpaqueTexels(scene_.materials[material].slots[shared::kTextureBaseColor].texture);
 }
 
-// Textures never change once they are in the scene. Mip levels of alpha 255 alone have no other.
+// Mip levels of a texture whose alpha is 255 everywhere have no other alpha.
 bool Opacity::hasOpaqueTexels(int index) const {
   if (index < 0 || static_cast<size_t>(index) >= scene_.textures.size()) return false;
   const auto [known, isNew] = textures_.try_emplace(index, false);
