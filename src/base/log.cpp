@@ -65,7 +65,8 @@ bool isShown(uint32_t code) {
   const auto within = [&](uint32_t first, uint32_t last) { return code >= first && code <= last; };
   const bool control = code < 0x20 || within(0x7f, 0x9f);
   const bool line = within(0x2028, 0x2029);
-  const bool direction = within(0x202a, 0x202e) || within(0x2066, 0x2069);
+  // Unicode's property Bidi_Control.
+  const bool direction = code == 0x61c || within(0x200e, 0x200f) || within(0x202a, 0x202e) || within(0x2066, 0x2069);
   return code != kInvalid && !control && !line && !direction;
 }
 

@@ -77,6 +77,7 @@ TEST(Printable, KeepsTextAndNothingThatActsOnATerminal) {
             "?2J?")
       << "bytes that are no UTF-8, and C1 controls on 8-bit terminals";
   EXPECT_EQ(printable("a\u2028b\u202ec\u2066d"), "a?b?c?d") << "ends of lines, and turns of direction";
+  EXPECT_EQ(printable("a\u061cb\u200ec\u200fd"), "a?b?c?d") << "marks of direction";
   EXPECT_EQ(printable("\xc0\xaf\xed\xa0\x80\xf4\x90\x80\x80\xe2\x82"), std::string(11, '?'))
       << "overlong, surrogate, too large, cut";
 }

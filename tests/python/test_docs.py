@@ -31,7 +31,7 @@ def run_all(sources, name):
 def test_the_tutorial(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     page = ROOT / "docs" / "python.md"
-    names = run_all(blocks(page), page.name)
+    names = run_all(blocks(page), page.stem)
     assert (tmp_path / "hall.png").read_bytes().startswith(b"\x89PNG")
     assert names["frames"]["depth"].shape == (3, 120, 160)
     assert (names["before"]["rgba"] != names["after"]["rgba"]).any()

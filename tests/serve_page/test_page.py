@@ -234,7 +234,7 @@ def test_points_and_picks(view):
 
 
 def test_times_are_told_as_lines(view):
-    view.click("summary:has-text('Passes of the device')")
+    view.click("summary:has-text('Device passes')")
     for times in (1, 2, 3):
         rows = view.locator("#passes tr").all()
         assert rows

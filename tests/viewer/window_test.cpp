@@ -492,7 +492,7 @@ TEST(WindowWithoutADisplayTest, SaysWhatToUseInstead) {
 TEST(WindowWithoutADisplayTest, RefusesAndDoesNotListWhatItHasNoUseFor) {
   const Outcome outcome = latelight({"view", "builtin:boxes", "-o", "picture.png"});
   EXPECT_EQ(outcome.code, 2);
-  EXPECT_THAT(outcome.err, HasSubstr("no use for --out"));
+  EXPECT_THAT(outcome.err, HasSubstr("does not support --out"));
   for (const char* command : {"view", "serve"}) {
     const std::string help = latelight({command, "--help"}).out;
     EXPECT_THAT(help, HasSubstr("--layout"));

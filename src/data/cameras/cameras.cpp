@@ -127,7 +127,8 @@ std::vector<JobCamera> makeCameras(const Json& spec, const scene::Scene& scene, 
   const Json scenes = {{"type", "scene"}};
   const Json& sources = spec.is_null() ? scenes : spec;
   if (statedCount(sources) > double(kMostCamerasOfScene))
-    badUsage("cameras are more than {} in all, rigs and pairs counted: make fewer", kMostCamerasOfScene);
+    badUsage("cameras describes {:.0f} cameras, counting rigs and stereo pairs; at most {} are supported per scene",
+             statedCount(sources), kMostCamerasOfScene);
   CameraBudget budget;
   const std::vector<scene::Camera> own = scene::posedCameras(scene, inputs.pose);
   const CameraContext context{scene, axesOf(scene), seed, inputs.size, own, budget};
