@@ -26,7 +26,7 @@ Lens publicLens(const scene::Lens& from) {
       static_cast<LensModel>(from.model), from.width, from.height, from.fx, from.fy, from.cx, from.cy, from.distortion};
 }
 
-// What it can't be the renderer says.
+// The renderer rejects invalid values.
 scene::Lens internalLens(const Lens& from) {
   return {static_cast<scene::LensModel>(from.model),
           from.width,
@@ -251,7 +251,7 @@ Camera Scene::lookAt(std::array<double, 3> eye, std::array<double, 3> target, fl
 struct Renderer::Impl {
   OwnerProcess owner;
   const scene::Scene& scene;
-  std::shared_ptr<vk::Device> device;  // arrays keep it too
+  std::shared_ptr<vk::Device> device;  // arrays share it
   render::Renderer renderer;
 
   Impl(const scene::Scene& scene, const std::string& selector, const std::optional<scene::Environment>& environment)
@@ -262,7 +262,7 @@ struct Renderer::Impl {
 
 namespace {
 
-// The renderer, in the process that created it.
+// Returns the renderer. Fails in any process other than the one that created it.
 template <typename Impl>
 Impl& usable(const std::shared_ptr<Impl>& renderer) {
   renderer->owner.require("the renderer");
@@ -346,7 +346,7 @@ std::vector<Frame> Ticket::take() {
 
 struct DeviceArray::Impl {
   OwnerProcess owner;
-  std::shared_ptr<vk::Device> device;  // goes after the memory
+  std::shared_ptr<vk::Device> device;  // destroyed after the memory
   std::shared_ptr<render::ExportedMemory> memory;
 };
 

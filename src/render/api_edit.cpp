@@ -71,7 +71,7 @@ dmat4 internalTransform(const Transform& rows, const scene::Scene& scene) {
 
 constexpr uint32_t kAlphaFlags[] = {0, shared::kMaterialMasked, shared::kMaterialBlended};  // by AlphaMode
 
-// The members of layers that are the same on both sides.
+// A member of MaterialLayers that has the same value in the public Material.
 template <typename Inner, typename Outer>
 struct SameMember {
   Inner shared::MaterialLayers::*inner;
@@ -139,7 +139,7 @@ Material publicMaterial(const scene::Material& from) {
   return out;
 }
 
-// `like`: the material whose textures it keeps.
+// `like`: the material whose textures are kept.
 scene::Material internalMaterial(const Material& from, const scene::Material& like) {
   scene::Material out = like;
   out.name = from.name;
@@ -198,8 +198,8 @@ vec3 unitDirection(const Light& light) {
   return vec3(direction / length);
 }
 
-// `like`: the light before the edit, in its file's frame. It keeps its node where it is not moved, and a direction that
-// was read comes back unchanged.
+// `like`: the light before the edit. The light keeps its node if it is not moved. Position and direction are compared
+// in the file's frame, so that values that were read and set again do not change.
 scene::Light internalLight(const Light& from, const scene::Scene& scene, const scene::Light& like = {}) {
   const dmat4 toWorld = worldFromFile(scene);
   const std::optional<uint32_t> type = scene::findLightType(from.type);
@@ -259,7 +259,7 @@ std::array<float, 4> four(const vec4& v) {
   return {v.x, v.y, v.z, v.w};
 }
 
-// Streams of zeros alone are those that the mesh has not.
+// Omits streams that contain only zeros, because the mesh does not have them.
 MeshData publicMeshData(const scene::Mesh& from) {
   MeshData out{.name = from.name, .indices = from.indices};
   const auto& attributes = from.attributes;
@@ -278,7 +278,7 @@ MeshData publicMeshData(const scene::Mesh& from) {
   return out;
 }
 
-// Numbers up to 255 are the usual mistake.
+// Channels from 0 to 255 are the usual mistake.
 void requireFactors(const MeshData& mesh) {
   for (const std::array<float, 4>& color : mesh.colors)
     for (const float channel : color)
@@ -307,7 +307,7 @@ scene::Mesh internalMesh(const MeshData& from) {
 
 namespace {
 
-// `generation`: that of the slot's current element.
+// `generation`: the generation of the slot's current element.
 template <typename Element>
 uint32_t indexOf(Handle<Element> handle, uint32_t scene, size_t count, uint32_t generation, const char* what) {
   if (handle.scene == 0) badUsage("the handle of {} is empty: take one from the scene", what);
@@ -345,7 +345,7 @@ std::vector<Node> Scene::nodes() const {
   const scene::Scene& scene = impl_->scene;
   std::vector<Node> nodes;
   for (const scene::Node& node : scene.nodes) {
-    if (node.path.empty()) continue;  // a gap
+    if (node.path.empty()) continue;  // an unused slot
     const std::string parent = node.parent < 0 ? "" : scene.nodes[static_cast<size_t>(node.parent)].path;
     nodes.push_back({node.path, parent, node.mesh, publicTransform(node.toWorld, scene), node.id});
   }
@@ -355,7 +355,7 @@ std::vector<Node> Scene::nodes() const {
 std::optional<Bounds> Scene::bounds() const {
   const scene::Bounds world = scene::worldBounds(impl_->scene);
   if (world.empty()) return std::nullopt;
-  const dmat4 toFile = fileFromWorld(impl_->scene);  // which turns by right angles
+  const dmat4 toFile = fileFromWorld(impl_->scene);  // rotates by right angles
   const dvec3 a(toFile * dvec4(world.min, 1)), b(toFile * dvec4(world.max, 1));
   return Bounds{three(glm::min(a, b)), three(glm::max(a, b))};
 }

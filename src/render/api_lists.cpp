@@ -1,4 +1,4 @@
-// The public API's lists of what can be asked for: options and outputs.
+// The public API's lists of options and outputs.
 #include <latelight/latelight.h>
 
 #include "output/aov.h"

@@ -11,7 +11,7 @@ struct Scene::Impl {
   scene::Scene scene;
   std::vector<Camera> cameras{};
   std::vector<Animation> animations{};
-  uint32_t number = nextNumber();  // by which its handles know it
+  uint32_t number = nextNumber();  // identifies the scene in its handles
 
   // The index of an existing element; throws Error(Usage) for any other handle.
   uint32_t index(Handle<Instance> instance) const;

@@ -1,4 +1,4 @@
-// The public API's textures, and which of them a material samples.
+// The public API's textures, and the textures that a material samples.
 #include <cstring>
 
 #include "base/error.h"
@@ -22,7 +22,7 @@ void checkTexture(const TextureData& data) {
              data.rgba.size());
 }
 
-// With its mip levels. The scene's memory is claimed first.
+// Creates the texture with its mip levels. Claims the scene's memory first.
 scene::Texture internalTexture(const TextureData& data, scene::Scene& scene) {
   checkTexture(data);
   const scene::ImageSize size{data.width, data.height};

@@ -33,7 +33,8 @@ output::CameraMetadata describeCamera(const scene::Camera& camera, const scene::
 
 namespace {
 
-// The settings that the picture depends on, as on the command line. The frames of outputs are stated separately.
+// Returns the settings that the picture depends on, as on the command line. The frames of outputs are stated
+// separately.
 std::map<std::string, std::string> describeSettings(const Settings& s, const std::string& environment,
                                                     const GivenOptions& given) {
   std::map<std::string, std::string> settings;
@@ -45,11 +46,11 @@ std::map<std::string, std::string> describeSettings(const Settings& s, const std
     if (!text.empty()) settings[std::string(keyOf(option))] = text;
   }
   for (const char* elsewhere : {"axes", "normal-frame"}) settings.erase(elsewhere);
-  // What `auto` stands for here, and what the camera's lens takes.
+  // The raster that `auto` stands for here, and the layout that the camera's lens requires.
   settings["raster"] = nameOf(s.raster);
   if (settings.contains("layout")) settings["layout"] = s.layout->name;
   settings["hdri"] = environment.empty() ? "none" : environment;
-  if (s.time) settings["time"] = fmt::format("{}", *s.time);  // of the frame, in a sequence
+  if (s.time) settings["time"] = fmt::format("{}", *s.time);  // of this frame, in a sequence
   return settings;
 }
 

@@ -1,4 +1,4 @@
-// What the files of a picture say of it, but for the device.
+// Describes a picture for the metadata of its files, except for the device.
 #pragma once
 
 #include <functional>
@@ -11,12 +11,12 @@
 
 namespace latelight::render {
 
-// The texts of options that were given, by key ("exposure").
+// The texts of the options that the user gave, by key ("exposure").
 using GivenOptions = std::map<std::string, std::string, std::less<>>;
 
 output::CameraMetadata describeCamera(const scene::Camera& camera, const scene::Scene& scene, const Settings& settings);
 
-// `environment`: its name, empty for none. Ids are described where an output holds them.
+// `environment`: its name, empty for none. Ids are described only if an output holds them.
 output::Metadata describe(const scene::Scene& scene, const scene::Camera& camera, const std::string& environment,
                           const Settings& settings, const GivenOptions& given);
 

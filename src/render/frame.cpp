@@ -1,3 +1,5 @@
+// Deferred shading: adds the passes of a frame to the graph, in this order: depth, G-buffer, shadow maps, ambient
+// occlusion, lighting, layered materials, background, fog and transparency.
 #include "render/frame.h"
 
 #include <algorithm>
@@ -57,23 +59,24 @@ bool overflowed(const std::vector<Overflow::Check>& checks, const graph::Submiss
 
 namespace {
 
-// One texel where lights are not counted: shaders that can count need something bound.
+// Creates one texel if lights are not counted, because shaders that can count require a bound image.
 graph::ImageId createCounts(const FrameContext& f) {
   if (f.setup.countLights) return createTarget(f, kCountsFormat, "light counts");
   return f.graph.create(
       vk::ImageDesc{.format = kCountsFormat, .width = 1, .height = 1, .layers = 1, .name = "no light counts"});
 }
 
-// lavapipe silently ends a shader's loops after 65535 iterations, all loops together: one for each light that reaches a
-// subgroup, and up to two to find it where a fragment shader has few lanes. The remaining lights would be missing.
+// lavapipe silently ends a shader's loops after 65535 iterations in total. Each light that reaches a subgroup needs
+// one, and up to two to find the light if a fragment shader has few active lanes. The remaining lights would be
+// missing.
 void refuseTooManyEndless(const FrameContext& f) {
-  constexpr uint32_t kMost = 20'000;  // for one sample a pixel
+  constexpr uint32_t kMost = 20'000;  // for one sample per pixel
   const uint32_t most = kMost / f.setup.samples, endless = f.scene.lights().endless();
   if (f.device.isCpu() && endless > most)
     badUsage("a CPU device supports at most {} lights without a range, but the scene has {}", most, endless);
 }
 
-// With the G-buffer as it is so far.
+// Draws the shadow maps if this graph has to. Reads the G-buffer as it is at this point.
 graph::ImageId addShadows(const FrameContext& f, const Gbuffer& g) {
   if (!f.shadows) return {};
   if (!f.shadows->takeDrawing()) return f.graph.import(f.shadows->atlas(), graph::Use::SampledCompute);

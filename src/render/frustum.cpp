@@ -20,7 +20,7 @@ Frustum::Frustum(const shared::View& view)
   up_ = {0.5f * view.size.y * p.V, 0.5f * view.size.y * (1 + p.Z)};
 }
 
-// Pixel centres are at half-integer coordinates. Rasterisers move vertices by up to a sixteenth of a pixel.
+// Pixel centers are at half-integer coordinates. Rasterizers move vertices by up to a sixteenth of a pixel.
 bool Frustum::holdsCentre(const Axis& axis, float at, float depth, float radius) const {
   constexpr float kMoved = 0.125f;
   float low = at - radius, high = at + radius;
@@ -37,7 +37,7 @@ bool Frustum::holdsCentre(const Axis& axis, float at, float depth, float radius)
 
 bool Frustum::holdsCentre(const Sphere& sphere) const {
   const glm::vec3 c = worldToView_ * glm::vec4(sphere.centre, 1.0f);
-  // Far from the origin the rounding of vertex positions exceeds the size of small objects.
+  // Far from the origin, the rounding of vertex positions exceeds the size of small objects.
   constexpr float kRounding = 1e-6f;
   const glm::vec3 size = glm::abs(sphere.centre) + glm::abs(worldToView_[3]);
   const float radius = sphere.radius + kRounding * (size.x + size.y + size.z);

@@ -1,4 +1,4 @@
-// The part of the world that a view may see, for culling on the host.
+// Frustum culling on the host: tests bounding spheres against a view and its pixels.
 #pragma once
 
 #include <array>
@@ -7,28 +7,29 @@
 
 namespace latelight::render {
 
-struct Sphere {  // world space, metres
+struct Sphere {  // world space, meters
   glm::vec3 centre;
   float radius;
 };
 
-// The four side planes of a view, through the eye (perspective) or along the view (orthographic), and its pixels.
+// The four side planes of a view, which contain the eye (perspective) or are parallel to the view direction
+// (orthographic), and the projection to its pixels.
 class Frustum {
  public:
   explicit Frustum(const shared::View& view);
-  bool touches(const Sphere& sphere) const;  // never false for a partly visible sphere
-  // Whether the sphere may cover a pixel centre; never false where it does.
+  bool touches(const Sphere& sphere) const;  // conservative: never false for a partly visible sphere
+  // Returns true if the sphere may cover a pixel center; never false if it does.
   bool holdsCentre(const Sphere& sphere) const;
 
  private:
-  struct Axis {  // of the picture, in pixels: offset + scale * (the view's x or z, by its depth if it is perspective)
+  struct Axis {  // pixel coordinate: offset + scale * (x or z in view space, divided by depth in perspective)
     float scale, offset;
   };
   bool holdsCentre(const Axis& axis, float at, float depth, float radius) const;
 
   glm::mat4x3 worldToView_;
   bool perspective_;
-  std::array<glm::vec4, 4> planes_;  // view space, inward, unit
+  std::array<glm::vec4, 4> planes_;  // view space, unit normals pointing inward
   Axis across_, up_;
 };
 

@@ -1,4 +1,4 @@
-// An environment in device memory, as render/glsl/environment.glsl reads it.
+// An environment (image-based lighting) in device memory, as render/glsl/environment.glsl reads it.
 #pragma once
 
 #include "scene/environment.h"
@@ -9,13 +9,14 @@ namespace latelight::render {
 
 class GpuEnvironment {
  public:
-  // Null: no environment light; the maps are black.
+  // If `environment` is null, there is no environment light: the maps are black.
   GpuEnvironment(vk::Device& device, const scene::Environment* environment);
 
   uint32_t levels() const { return specular_.desc().levels; }
-  // Prefiltered specular, diffuse, split-sum table, table of lobes: the first bindings of lit_maps.h.
+  // Returns the prefiltered specular map, the diffuse map, the split-sum table and the table of lobes: the first
+  // bindings of lit_maps.h.
   std::vector<vk::BoundImage> bindings() const;
-  // For an array of maps that a shader does not read: something must be bound.
+  // Returns a placeholder for an array of maps that a shader does not read, because every binding requires an image.
   vk::BoundImage nothing() const { return {specular_.arrayView(), clampSampler_.get()}; }
   vk::BoundImage radiance() const { return {radiance_.view(), equirectangularSampler_.get()}; }  // for backgrounds
 

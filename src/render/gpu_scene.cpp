@@ -11,7 +11,7 @@ bool deforms(const scene::Scene& scene) {
                      [](const scene::Mesh& mesh) { return mesh.deformation != nullptr; });
 }
 
-// Whether a pose may change lights: where they are, or what they are.
+// Returns true if a pose may change the position or the values of lights.
 bool posesLights(const scene::Scene& scene) {
   const auto changesLights = [](const scene::Animation& animation) {
     return std::ranges::count(animation.values, scene::AnimatedElements::Lights, &scene::ValueTrack::elements) > 0;
@@ -44,7 +44,8 @@ GpuScene::Seen GpuScene::revisionsOf(const scene::Scene& scene) {
 }
 
 void GpuScene::update(const Poses& poses, const std::optional<scene::Light>& sun) {
-  // After a frame that failed before it was submitted: the buffers and images that wait for data may be replaced below.
+  // If a frame failed before it was submitted, its uploads are still pending. They are flushed, because the buffers and
+  // images that they fill may be replaced below.
   if (!uploads_.empty()) uploads_.flush();
   const Seen now = revisionsOf(scene_);
   const bool poseChanges = posed_ || !poses.current.empty();
@@ -80,7 +81,7 @@ void GpuScene::follow() {
     deformer_.reset();
     deformationWaits_ = false;
     bounds_.reset();
-    // The bounds of their instances follow.
+    // The bounds of the instances of these meshes change, too.
     std::vector<uint32_t> moved;
     for (uint32_t i = 0; i < scene_.instances.size(); ++i)
       if (std::ranges::binary_search(meshes, scene_.instances[i].mesh)) moved.push_back(i);

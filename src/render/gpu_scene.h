@@ -1,4 +1,4 @@
-// A scene in device memory, in parts that follow the scene's edits each by itself.
+// A scene in device memory. Each of its parts follows the scene's edits on its own.
 #pragma once
 
 #include <memory>
@@ -15,7 +15,7 @@ namespace latelight::render {
 
 class GpuScene {
  public:
-  // Uploads all of it, at rest. The scene must outlive this.
+  // Uploads the whole scene, at rest. The scene must outlive this object.
   GpuScene(vk::Device& device, const scene::Scene& scene);
 
   const GpuGeometry& geometry() const { return geometry_; }
@@ -23,26 +23,27 @@ class GpuScene {
   const GpuMaterials& materials() const { return materials_; }
   const GpuLights& lights() const { return lights_; }
 
-  // Follows what was edited since, and moves instances, deformed meshes and the scene's lights to where these poses
-  // have them. `sun`: beside the scene's lights. What the device has to do for it, which for a static scene is nothing,
-  // waits for the next graph.
+  // Follows the scene's edits since the last call, and moves instances, deformed meshes and the scene's lights to these
+  // poses. `sun`: a light in addition to the scene's. The required device work, which is none for a static scene, is
+  // pending until the next graph.
   void update(const Poses& poses, const std::optional<scene::Light>& sun = {});
   void setGroups(const std::vector<uint32_t>& groups) { instances_.setGroups(uploads_, groups); }
-  // Adds what waits to a graph, before all else: uploads, then deformation. It waits until changesSubmitted().
+  // Adds the pending work to the prologue of a graph: uploads, then deformation. It stays pending until
+  // changesSubmitted().
   void addChanges(graph::Graph& graph) const;
   void changesSubmitted();
-  vk::Uploader& uploads() { return uploads_; }  // with those
+  vk::Uploader& uploads() { return uploads_; }  // the pending uploads
   void keepClusters() { geometry_.keepClusters(uploads_); }
   void keepTexels() { materials_.keepTexels(uploads_); }
   void setAnisotropy(uint32_t samples) { materials_.setAnisotropy(uploads_, samples); }
-  // Others than the scene's, until it is edited or posed; at once.
+  // Overrides the scene's lights immediately, until the next edit or pose.
   void setLights(std::vector<scene::Light> lights);
 
-  scene::Bounds bounds() const;  // of all instances as they are, in the scene's world space
-  // Of the device's world space in the scene's: near most of what is shown, so that floats place lights and shadow maps well
-  // wherever the scene lies. Depends on the scene as it is, and on nothing that came before.
+  scene::Bounds bounds() const;  // of all instances in their current pose, in the scene's world space
+  // The origin of the device's world space in the scene's. It is near most visible instances, so that floats position
+  // lights and shadow maps precisely, wherever the scene lies. It depends only on the scene's current state.
   const glm::dvec3& origin() const { return instances_.origin(); }
-  bool isYUp() const { return scene_.yUp; }  // the file's frame is glTF's
+  bool isYUp() const { return scene_.yUp; }  // the file uses glTF's axes
   scene::Bounds deviceBounds() const;  // in the device's world space
 
   // Fills the addresses and counts that belong to the scene.
@@ -50,7 +51,7 @@ class GpuScene {
 
  private:
   GpuScene(vk::Device& device, const scene::Scene& scene, vk::Uploader&& uploader);
-  struct Seen {  // revisions of the scene's edits
+  struct Seen {  // the scene's edits that this follows so far, by revision
     uint64_t meshes, materials, textures, instances, lights;
   };
   static Seen revisionsOf(const scene::Scene& scene);
@@ -63,14 +64,14 @@ class GpuScene {
   GpuInstances instances_;
   GpuMaterials materials_;
   GpuLights lights_;
-  std::unique_ptr<Deformer> deformer_;  // once poses are set, if a mesh needs it
-  vk::Uploader uploads_;                // that wait
+  std::unique_ptr<Deformer> deformer_;  // created with the first pose, if a mesh needs it
+  vk::Uploader uploads_;                // pending
   bool deformationWaits_ = false;
   Seen seen_;
-  bool posed_ = false;  // else the scene is at rest
+  bool posed_ = false;  // false: the scene is at rest
   std::optional<scene::Light> sun_;
   glm::dvec3 lightsOrigin_{0};
-  mutable std::optional<scene::Bounds> bounds_;  // since the last edit or pose
+  mutable std::optional<scene::Bounds> bounds_;  // cached until the next edit or pose
 };
 
 }  // namespace latelight::render

@@ -60,7 +60,7 @@ class Collector {
   }
 
   const scene::Scene& scene_;
-  std::vector<uint32_t> owners_;                 // for each node, the topmost of those that share its id
+  std::vector<uint32_t> owners_;                 // per node, the topmost of the nodes that share its id
   std::unordered_map<uint32_t, size_t> places_;  // indices of ids in manifest_.ids
   output::IdManifest manifest_;
 };

@@ -33,7 +33,7 @@ ViewsInTime RenderPart::views(const glm::dvec3& origin, glm::vec2 jitter) const 
   return {viewsOf(job.now, jitter), viewsOf(job.previous, glm::vec2(0)), viewsOf(job.next, glm::vec2(0))};
 }
 
-// Strips come from the top.
+// Strips arrive from top to bottom.
 void RenderJob::keep(const RenderPart& part, std::vector<output::FrameOutput>&& some) {
   if (part.strip.rows == rows) {
     std::move(some.begin(), some.end(), std::back_inserter(pictures));

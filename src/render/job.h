@@ -1,4 +1,4 @@
-// A call of Renderer::submit() on its way: what was asked, what the device has of it, and the pictures so far.
+// A call of Renderer::submit() in flight: the request, its parts on the device, and the pictures so far.
 #pragma once
 
 #include <deque>
@@ -19,29 +19,29 @@ namespace latelight::render {
 
 struct RenderJob;
 
-// Some of a job's views, a strip of their pictures: what is rendered at once, a graph for each sample of a pixel. It is
-// read once the last graph has run.
+// Some of a job's views in one strip of their pictures. They are rendered together, with one graph per sample of a
+// pixel. The part is read after its last graph has run.
 struct RenderPart {
   RenderPart(RenderJob& job, size_t first, size_t count, Strip strip, std::shared_ptr<FrameShadows> shadows)
       : job(job), first(first), count(count), strip(strip), shadows(std::move(shadows)) {}
 
-  // `origin`: of the device's world space.
+  // `origin`: the origin of the device's world space in the scene's.
   ViewsInTime views(const glm::dvec3& origin, glm::vec2 jitter) const;
 
   RenderJob& job;
   size_t first, count;  // views
   Strip strip;
-  std::shared_ptr<FrameShadows> shadows;  // of all strips; null where no light casts any
-  bool started = false;                   // once, at least: what overflows is started again
-  bool continues = false;  // the history of temporal anti-aliasing is that of these views, a frame before
-  std::vector<graph::Submission> earlier;  // of all samples but the last
-  std::optional<Request> request;          // the last, and its submission
+  std::shared_ptr<FrameShadows> shadows;  // of all strips; null: no light casts shadows
+  bool started = false;                   // at least once: after an overflow it is started again
+  bool continues = false;  // the history of temporal anti-aliasing holds the previous frame of these views
+  std::vector<graph::Submission> earlier;  // of all samples except the last
+  std::optional<Request> request;          // of the last sample, as is `submission`
   graph::Submission submission;
-  std::vector<Overflow::Check> checks;  // of that; none any more once it is known that nothing overflowed
+  std::vector<Overflow::Check> checks;  // of `submission`; empty once it is known that nothing overflowed
 };
 
 struct RenderJob {
-  // `rows`: of the pictures, where they are not whole.
+  // `rows`: the rows of the pictures, which may be those of a single strip.
   RenderJob(std::span<const scene::Camera> cameras, const Settings& settings, const Moment& moment, uint32_t rows);
 
   size_t viewCount() const { return now.size(); }
@@ -53,18 +53,18 @@ struct RenderJob {
   uint32_t rows;  // of the pictures
   bool continues;
   Results results = Results::ToHost;
-  std::deque<RenderPart> parts;  // that have not been read, in their order; they stay where they are
+  std::deque<RenderPart> parts;  // parts that have not been read, in order; their addresses are stable
   std::vector<output::FrameOutput> pictures;
-  std::vector<ExportedArray> arrays;  // instead, for Results::Exported
+  std::vector<ExportedArray> arrays;  // replaces `pictures` for Results::Exported
   MemoryClaim memory;                 // of the pictures
-  std::optional<Progress> progress;   // over all views, their strips, and the samples that each takes
-  std::exception_ptr error;           // what went wrong behind the caller's back
+  std::optional<Progress> progress;   // over all views, their strips and their samples
+  std::exception_ptr error;           // caught by settle(), rethrown when the job is read
   std::vector<graph::PassTime> times;
   std::optional<ShadingCounts> shadingCounts;
   std::string graphviz;
 };
 
-// Outputs that nothing is in yet, of so many rows.
+// Returns outputs that have no values yet, with `rows` rows.
 output::FrameOutput emptyOutput(const Settings& settings, uint32_t rows);
 
 }  // namespace latelight::render

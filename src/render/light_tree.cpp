@@ -1,3 +1,4 @@
+// Builds the light tree (BVH): sorts lights by radius class and Morton code, then bounds groups of lights bottom-up.
 #include "render/light_tree.h"
 
 #include <algorithm>
@@ -32,7 +33,7 @@ LightBox join(const LightBox& a, const LightBox& b) {
 
 constexpr uint32_t kAxisBits = 19;
 
-// Bits 0, 3, 6, ... from the lowest 21 of x.
+// Moves the lowest 21 bits of x to bits 0, 3, 6, ... (Morton code).
 uint64_t spread(uint64_t x) {
   x = (x | x << 32) & 0x001f00000000ffffu;
   x = (x | x << 16) & 0x001f0000ff0000ffu;
@@ -41,8 +42,9 @@ uint64_t spread(uint64_t x) {
   return (x | x << 2) & 0x1249249249249249u;
 }
 
-// Classes of similar radius, each four times the next, largest first: one large light among small ones would enlarge
-// every box above it. Absolute, in metres, so that adding one distant light doesn't reorder the others.
+// Returns the class of similar radii. Each class spans a factor of four, and the largest radii come first, because one
+// large light among small ones would enlarge every box above it. Classes are absolute, in meters, so that adding one
+// distant light does not reorder the others.
 uint64_t radiusClass(float radius) {
   return static_cast<uint64_t>(15 - (std::clamp(std::ilogb(radius), -12, 19) + 12) / 2);
 }
@@ -53,7 +55,7 @@ struct Key {
   bool operator<(const Key& other) const { return code != other.code ? code < other.code : light < other.light; }
 };
 
-struct Curve {  // over cubes: a flat scene's lights get no flat boxes
+struct Curve {  // over cubes, so that a flat scene's lights get no flat boxes
   vec3 low;
   float scale;
 
@@ -71,7 +73,7 @@ struct Curve {  // over cubes: a flat scene's lights get no flat boxes
   }
 };
 
-// Chunks are sorted, then merged two by two. No two keys are equal, so the result is unique.
+// Sorts chunks, then merges them in pairs. No two keys are equal, so the result is unique.
 void sortOnAllCores(std::vector<Key>& keys) {
   constexpr size_t kChunk = 1 << 15;
   const auto place = [&](size_t chunk, size_t size) {
@@ -108,7 +110,7 @@ std::vector<Key> orderOf(const std::vector<Light>& lights) {
 
 // --- boxes ----------------------------------------------------------------------------------------------------------
 
-// boxes[i] around `inner` boxes kLightTreeWidth * i + ...
+// Sets boxes[i] to the bounds of `inner` boxes kLightTreeWidth * i and following.
 template <typename Inner>
 void boundGroups(LightBox* boxes, size_t groups, size_t count, const Inner& inner) {
   parallelFor(groups, kGrain / kLightTreeWidth, [&](size_t begin, size_t end) {
@@ -131,7 +133,7 @@ void buildNodes(LightTree& tree) {
   for (size_t room = kLightTreeWidth; room < leaves; room *= kLightTreeWidth)
     firstOfLevel = kLightTreeWidth * (firstOfLevel + 1);
   tree.firstLeaf = static_cast<uint32_t>(firstOfLevel);
-  // Whole groups of siblings; the root's exists even where there is no light.
+  // Groups of siblings are complete; the root's group exists even if there is no light.
   tree.nodes.assign(firstOfLevel + kLightTreeWidth * std::max<size_t>(groupsOf(leaves), 1), kEmpty);
   const Light* lights = tree.lights.data() + tree.directionalLights;
   boundGroups(&tree.nodes[firstOfLevel], leaves, local, [&](size_t i) { return lightBox(lights[i]); });
@@ -145,7 +147,7 @@ void buildNodes(LightTree& tree) {
 }  // namespace
 
 LightBox lightBox(const Light& light) {
-  std::array<vec3, 2> extent{vec3(1), vec3(1)};  // towards + and -, in radii
+  std::array<vec3, 2> extent{vec3(1), vec3(1)};  // toward + and -, in radii
   if (shared::lightHasCone(light.type)) {
     const double outer = std::acos(std::clamp(-double{light.spotOffset} / light.spotScale, -1.0, 1.0));
     for (int side = 0; side < 2; ++side)
@@ -156,11 +158,11 @@ LightBox lightBox(const Light& light) {
         extent[side][i] = axis <= outer ? 1.0f : static_cast<float>(std::cos(axis - outer));
       }
   }
-  // Slack for rounding, also on the device: of the direction's length, of the radius, and of positions far from the
-  // origin.
+  // The slack covers rounding, also on the device, of the direction's length, of the radius, and of positions far from
+  // the origin.
   const vec3 slack = glm::abs(light.position) * 1e-6f;
   const auto metres = [&](vec3 reaches) {
-    // Where the whole cone points away, its apex is the extreme point. (0 times an infinite radius would be NaN.)
+    // If the whole cone points away, its apex is the extreme point. (0 times an infinite radius would be NaN.)
     for (int i = 0; i < 3; ++i) reaches[i] = reaches[i] > -5e-4f ? (reaches[i] + 5e-4f) * light.radius : 0.0f;
     return reaches;
   };

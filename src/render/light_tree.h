@@ -1,6 +1,8 @@
-// Lights in an order that keeps neighbours together, under a tree of boxes, with which a shader finds the few of a
-// million lights that reach a position. shared/types.h describes the memory layout, glsl/light_tree.glsl walks the
-// tree.
+// A light tree: a bounding volume hierarchy (BVH) over lights, with which a shader finds the few of a million lights
+// that reach a position (Olsson, Billeter and Assarsson 2012, Clustered Deferred and Forward Shading). buildLightTree()
+// sorts local lights by size and along a Morton curve, which keeps neighbors together, and bounds groups of
+// kLightTreeWidth lights and boxes up to the root. shared/types.h describes the memory layout; glsl/light_tree.glsl
+// traverses the tree.
 #pragma once
 
 #include <cstdint>
@@ -10,18 +12,18 @@
 
 namespace latelight::render {
 
-// Bounds of a light: of its sphere, or of a spot's cone. Never smaller than what sampleLight() lights.
+// Returns the bounds of a light's sphere, or of a spot's cone. They are never smaller than what sampleLight() lights.
 shared::LightBox lightBox(const shared::Light& light);
 
 struct LightTree {
-  std::vector<shared::Light> lights;    // directional ones first, in input order; then the local ones
-  std::vector<uint32_t> sources;        // of each, its index in the input
-  uint32_t directionalLights = 0;       // how many of them are directional
+  std::vector<shared::Light> lights;    // directional lights in input order, then local lights
+  std::vector<uint32_t> sources;        // index of each light in the input
+  uint32_t directionalLights = 0;       // number of directional lights
   std::vector<shared::LightBox> nodes;  // at least the root's children
   uint32_t firstLeaf = 0;
 };
 
-// On all cores: about half a second for a million lights on two.
+// Builds the tree on all cores.
 LightTree buildLightTree(const std::vector<shared::Light>& lights);
 
 }  // namespace latelight::render

@@ -8,7 +8,7 @@ void appendLitMaps(Bindings& bindings, const FrameContext& f, const Gbuffer& gbu
     if (map)
       bindings.sampled(map);
     else
-      bindings.outside(f.environment.nothing());  // something must be bound; it is never read
+      bindings.outside(f.environment.nothing());  // never read, but every binding requires an image
   }
 }
 

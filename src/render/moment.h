@@ -1,4 +1,4 @@
-// The moment that a picture shows.
+// The scene's state at the time that a picture shows.
 #pragma once
 
 #include <vector>
@@ -8,15 +8,15 @@
 
 namespace latelight::render {
 
-// Where everything is at that moment, and where it was and will be in the previous and the next frame. By default the
-// scene is at rest, and cameras are static.
+// The poses and cameras at that time, and in the previous and the next frame. By default the scene is at rest, and
+// cameras are static.
 struct Moment {
   Poses poses;
-  std::vector<scene::Camera> previousCameras, nextCameras;  // as many as there are cameras, or none
-  // Of the scene's instances, by their numbers: what a camera of a group shows. From 1 to 65535; beyond the end, and
-  // where it is 0, an instance is in none.
+  std::vector<scene::Camera> previousCameras, nextCameras;  // one per camera, or empty
+  // The group of each of the scene's instances, by index, from 1 to 65535. A camera with a group renders only that
+  // group's instances. Instances beyond the end of the list, or with group 0, are in no group.
   std::vector<uint32_t> groups;
-  // It is the frame after the one submitted last: temporal anti-aliasing continues from there.
+  // This frame follows the frame submitted last, so temporal anti-aliasing continues from it.
   bool continues = false;
 };
 

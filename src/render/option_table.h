@@ -1,5 +1,5 @@
-// Makes a table of options from a list like options.def: how a struct's members are described, set from text and
-// checked.
+// Builds a table of options from a list such as options.def: how the members of a struct are described, set from text
+// and checked.
 #pragma once
 
 #include <fmt/format.h>
@@ -17,7 +17,7 @@
 
 namespace latelight::render {
 
-// The number, or Error(Usage).
+// Returns the number, or throws Error(Usage).
 template <typename T>
 T readNumber(const Option& option, std::string_view text) {
   using Parsed = std::conditional_t<std::floating_point<T>, double, T>;
@@ -32,7 +32,7 @@ void checkNumber(const Option& option, T value) {
   if (!option.range.holds(value)) refuse(option, fmt::format("{}", value));
 }
 
-// For a text's type, where it has them: the names it may take, and the constraints on its value.
+// Specialized for types of text options: the names that the text accepts, and the constraints on its value.
 template <typename T>
 std::vector<NamedOption> namesOfText() {
   return {};
@@ -80,7 +80,7 @@ class OptionTable {
         });
   }
 
-  // Degrees outside, radians inside.
+  // The text is in degrees, the member in radians.
   void angle(float Target::*member, Option option, double normal, Range range) {
     describeNumber<float>(option, range, "degrees");
     option.normal = fmt::format("{}", normal);
@@ -107,7 +107,7 @@ class OptionTable {
     });
   }
 
-  // From a registry, whose entries have a name and a description.
+  // An entry of a registry, whose entries have a name and a description.
   template <typename Entry>
   void entry(const Entry* Target::*member, Option option, const char* normal, const char* topic,
              std::span<const NamedOption> names) {
@@ -132,7 +132,7 @@ class OptionTable {
         [member](const Target& t, const Option& o) { checkText(o, t.*member); });
   }
 
-  // Values with a syntax of their own.
+  // An option with its own syntax.
   void add(Option option, std::function<std::string(Target&, const Option&, std::string_view)> read,
            std::function<void(const Target&, const Option&)> check = {}) {
     option.group = group_;
@@ -142,7 +142,7 @@ class OptionTable {
   }
 
   std::span<const Option> options() const { return options_; }
-  // Sets the member from the text, and returns that text as it appears in metadata.
+  // Sets the member from the text, and returns the text as it appears in metadata.
   std::string read(Target& target, const Option& option, std::string_view text) const {
     return readers_[static_cast<size_t>(&option - options_.data())](target, option, text);
   }

@@ -57,7 +57,7 @@ void checkText<AntiAliasing>(const Option& option, const AntiAliasing& aa) {
 
 template <>
 void checkText<Color>(const Option& option, const Color& color) {
-  constexpr float kMost = 65504;  // of half floats
+  constexpr float kMost = 65504;  // the largest half float
   for (int i = 0; i < 3; ++i)
     if (!between(0, kMost).holds(color[i]))
       badUsage("{} takes channels from 0 to {}, not {}", option.name, kMost, color[i]);
@@ -139,7 +139,7 @@ const OptionTable<Settings>& table() {
 
 std::string_view longName(const Option& option) {
   const std::string_view name = option.name;
-  return name.substr(name.find(',') + 1);  // all of it where there is no comma
+  return name.substr(name.find(',') + 1);  // the full name if there is no comma
 }
 
 std::string_view keyOf(const Option& option) {

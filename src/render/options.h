@@ -12,10 +12,10 @@
 
 namespace latelight::render {
 
-// The values that a number may take.
+// The values that a number accepts.
 struct Range {
   double least = -std::numeric_limits<double>::infinity(), most = std::numeric_limits<double>::infinity();
-  bool open = false;  // excludes `least` itself
+  bool open = false;  // excludes `least`
   bool holds(double value) const {
     return std::isfinite(value) && (open ? value > least : value >= least) && value <= most;
   }
@@ -44,22 +44,22 @@ struct Option {
   OptionEffect effect = OptionEffect::Runtime;
   const char* help = "";
   std::string normal = {};              // the default, as text; empty: none
-  std::string without = {};             // what applies where it is not given and has no default, in words
-  Range range = {};                     // of Integer and Number
-  std::string unit = {};                // of those
-  const char* topic = "";               // of `latelight list`, which describes its names
-  std::vector<NamedOption> names = {};  // of Choice, and of texts with names
+  std::string without = {};             // in words: what applies without a value and a default
+  Range range = {};                     // for Integer and Number
+  std::string unit = {};                // for the same
+  const char* topic = "";               // of `latelight list` that describes the names
+  std::vector<NamedOption> names = {};  // for Choice, and for texts with names
 };
 
 std::string_view longName(const Option& option);  // "--out"
 std::string_view keyOf(const Option& option);     // in metadata and JSON: "out"
 
-// "0 to 1 metres"; empty where any number without a unit is taken.
+// Returns text such as "0 to 1 meters"; empty if any number without a unit is accepted.
 std::string rangeText(const Option& option);
-// Throws Error(Usage) that says what the option takes, and what was given instead.
+// Throws Error(Usage) that states which values the option accepts, and the value that was given.
 [[noreturn]] void refuse(const Option& option, std::string_view given);
 
-// The options of a picture, in the order of options.def. read() sets one from its text, and returns that text as it
+// The options of a picture, in the order of options.def. read() sets one from its text and returns the text as it
 // appears in metadata, or throws Error(Usage).
 std::span<const Option> options();
 std::string read(Settings& settings, const Option& option, std::string_view text);

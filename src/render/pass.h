@@ -1,4 +1,4 @@
-// Helpers to declare passes: an image's binding, its use and its descriptor are declared once.
+// Helpers that declare compute passes. Each image's binding, use and descriptor are declared once.
 #pragma once
 
 #include <concepts>
@@ -14,22 +14,22 @@
 
 namespace latelight::render {
 
-// A graph being built, and the device that will run it.
+// A graph under construction, and the device that will run it.
 struct Builder {
   vk::Device& device;
   graph::Graph& graph;
 };
 
-// Set 0 of a shader, binding by binding.
+// Descriptor set 0 of a shader, binding by binding.
 class Bindings {
  public:
-  // `use`: of sampled images, SampledCompute or SampledFragment.
+  // `use`: the use of sampled images, SampledCompute or SampledFragment.
   explicit Bindings(vk::Device& device, graph::Use use = graph::Use::SampledCompute) : device_(device), use_(use) {}
-  Bindings& sampled(graph::ImageId image) { return sampled(image, vk::kNearestSampler); }  // only fetched from
+  Bindings& sampled(graph::ImageId image) { return sampled(image, vk::kNearestSampler); }  // for texelFetch() only
   Bindings& sampled(graph::ImageId image, const vk::SamplerDesc& sampler);
   Bindings& sampled(const std::vector<graph::ImageId>& images);
   Bindings& storage(graph::ImageId image, graph::Use use);  // StorageRead, StorageWrite or StorageReadWrite
-  Bindings& outside(vk::BoundImage image, vk::Binding kind = vk::Binding::Sampled);  // not in the graph
+  Bindings& outside(vk::BoundImage image, vk::Binding kind = vk::Binding::Sampled);  // external to the graph
 
   std::vector<vk::Binding> kinds() const;
   std::vector<graph::Access> accesses() const;
@@ -38,9 +38,9 @@ class Bindings {
  private:
   struct Slot {
     vk::Binding kind;
-    graph::ImageId image;  // none: from outside the graph
+    graph::ImageId image;  // none: external to the graph
     graph::Use use;
-    vk::BoundImage bound;  // without the view where `image` has it
+    vk::BoundImage bound;  // without a view if `image` is set
   };
   vk::Device& device_;
   graph::Use use_;
@@ -52,18 +52,18 @@ struct ComputePass {
   std::string name;
   std::string shader;
   Bindings bindings;
-  glm::uvec3 size{1};                     // invocations: pixels and layers; unless `groups` has workgroups
-  std::vector<vk::Constant> constants{};  // specialization
-  std::vector<graph::Access> buffers{};   // read and written by address
+  glm::uvec3 size{1};                     // invocations: pixels and layers; unused if `groups` is set
+  std::vector<vk::Constant> constants{};  // specialization constants
+  std::vector<graph::Access> buffers{};   // accessed by address
   uint32_t groupX = 16, groupY = 16;      // local_size of the shader
-  bool everyTexel = false;  // each invocation has its texel of all images of this size, and of the buffers it writes
-  graph::BufferId groups{};               // indirect: as many workgroups as it says, at this offset
+  bool everyTexel = false;  // each invocation accesses its texel of all images of this size and buffers it writes
+  graph::BufferId groups{};               // indirect dispatch: holds the workgroup counts, at groupsOffset
   VkDeviceSize groupsOffset = 0;
-  VkDescriptorSet sceneSet = VK_NULL_HANDLE;  // set 1, of these bindings
+  VkDescriptorSet sceneSet = VK_NULL_HANDLE;  // set 1, with sceneBindings
   std::vector<vk::Binding> sceneBindings{};
 };
 
-// What a pass with `everyTexel` moves: bytes read and bytes written.
+// Returns the bytes that a pass with `everyTexel` reads and writes; 0 for other passes.
 uint64_t wholeBytes(const graph::Graph& graph, const ComputePass& pass, std::span<const graph::Access> accesses);
 
 struct NoPush {};  // for shaders without push constants
@@ -72,7 +72,7 @@ constexpr uint32_t pushBytes() {
   return std::is_empty_v<Constants> ? 0 : sizeof(Constants);
 }
 
-// A pass's pipeline, which is made with the first request for it.
+// Returns a pass's pipeline, which the first request for it creates.
 template <typename Constants>
 vk::PipelineRef pipelineOf(const Builder& b, const ComputePass& pass) {
   vk::ComputeDesc desc{.shader = pass.shader,
@@ -84,7 +84,7 @@ vk::PipelineRef pipelineOf(const Builder& b, const ComputePass& pass) {
   return b.device.cache().pipeline(desc);
 }
 
-// Adds a pass of one dispatch; push(context) gives its push constants.
+// Adds a pass of one dispatch; push(context) returns its push constants.
 template <std::invocable<graph::Context&> Push>
 void addCompute(const Builder& b, ComputePass pass, Push push) {
   using Constants = std::invoke_result_t<Push, graph::Context&>;
@@ -115,12 +115,12 @@ void addCompute(const Builder& b, ComputePass pass, const Constants& push) {
   addCompute(b, std::move(pass), [push](graph::Context&) { return push; });
 }
 
-// Adds a pass that fills buffers with zeros. `anew`: others, whose contents do not matter from here on.
+// Adds a pass that fills buffers with zeros. `anew`: further buffers, whose contents are discarded.
 void addClear(const Builder& b, graph::Stage stage, const char* name, const std::vector<graph::BufferId>& cleared,
               const std::vector<graph::BufferId>& anew = {});
 
-// Adds a pass that fills a small buffer (64 KiB at most) with what is known once the graph has its memory: addresses.
-// make(context) gives the values; `of`: the buffers that it asks for, as they will be used.
+// Adds a pass that fills a small buffer (at most 64 KiB) with values that are known only after the graph has its
+// memory: addresses. make(context) returns the values. `of`: the buffers that it refers to, with their uses.
 template <typename Make>
 graph::BufferId addSmallBuffer(const Builder& b, graph::Stage stage, const char* name, uint64_t bytes,
                                std::vector<graph::Access> of, Make make) {
@@ -134,7 +134,7 @@ graph::BufferId addSmallBuffer(const Builder& b, graph::Stage stage, const char*
   return buffer;
 }
 
-// The size of a dispatch over an image.
+// Returns the size of a dispatch over an image.
 inline glm::uvec3 texels(const graph::Graph& graph, graph::ImageId image) {
   const vk::ImageDesc& desc = graph.desc(image);
   return {desc.width, desc.height, desc.layers};

@@ -24,7 +24,7 @@ namespace {
 
 constexpr const char* kScene = "builtin:triangles,count=300k,size=30";
 
-struct Times {  // milliseconds of the device
+struct Times {  // milliseconds on the device
   double hardware, compute;
 };
 
@@ -38,7 +38,7 @@ Times measure(vk::Device& device) {
   return {timeOf(renderer, scene, Raster::Hardware), timeOf(renderer, scene, Raster::Compute)};
 }
 
-// From this process, the cache folder, or the device.
+// Returns the times from this process, from the cache folder, or by measurement.
 Times knownTimes(vk::Device& device) {
   static ForkSafeMutex mutex;
   static std::map<std::string, Times> known;
@@ -55,7 +55,7 @@ Times knownTimes(vk::Device& device) {
   return known[entry] = times;
 }
 
-// What the device can't do at all.
+// Returns the choice if the device and the settings support only one raster.
 std::optional<RasterChoice> onlyChoice(const vk::Device& device, const Settings& settings) {
   const std::string lacks = computeRasterLacks(device);
   if (!device.hasGraphics()) {
@@ -81,8 +81,8 @@ std::optional<RasterChoice> onlyChoice(const vk::Device& device, const Settings&
   return std::nullopt;
 }
 
-// From how many triangles on compute shaders are the sooner where they have to filter textures themselves: by the
-// crossings on lavapipe, docs/performance.md#which-raster-on-two-cores.
+// Returns the number of triangles above which the raster compute is faster if its shaders have to filter textures
+// themselves. The formula follows the crossings on lavapipe, docs/performance.md#which-raster-on-two-cores.
 uint64_t mostForHardware(const Settings& settings) {
   const double pixels = double(settings.width) * settings.height;
   if (textureSlots(settings) == 0) return 1'300'000;
@@ -114,7 +114,7 @@ std::vector<double> depthTimes(Renderer& renderer, const scene::Scene& scene, Ra
       if (pass.stage == graph::Stage::Visibility) sum += pass.milliseconds;
     return sum;
   };
-  timeOfFrame();  // makes pipelines, and what the raster has of the scene
+  timeOfFrame();  // creates pipelines, and the raster's data of the scene
   const Stopwatch stopwatch;
   while (stopwatch.seconds() < warmUp) timeOfFrame();
   std::vector<double> times;

@@ -1,4 +1,4 @@
-// --raster auto: the raster that suits a device, by measurement.
+// Implements --raster auto: chooses the raster that suits a device, by measurement.
 #pragma once
 
 #include <string>
@@ -10,17 +10,18 @@ namespace latelight::render {
 
 struct RasterChoice {
   Raster raster;    // Hardware or Compute
-  std::string why;  // a sentence without its full stop
+  std::string why;  // a sentence without its period
 };
 
-// What `settings.raster` stands for on this device: itself, or the choice of `auto`. That takes what is possible at
-// all; of two, the one that finds the depth of 300,000 small triangles sooner. The first time on a device and driver it
-// is measured, then kept in the cache folder. On devices without descriptor indexing it depends on how many triangles
-// the scene has instead. Throws Error(NoDevice) where the device has neither.
+// Returns the raster that `settings.raster` stands for on this device: itself, or the choice of `auto`. If both rasters
+// are possible, `auto` chooses the one that finds the depth of 300,000 small triangles sooner. This is measured the
+// first time on a device and driver, then kept in the cache folder. On devices without descriptor indexing, the choice
+// depends on the scene's triangle count instead. Throws Error(NoDevice) if the device supports neither raster.
 RasterChoice chooseRaster(vk::Device& device, const Settings& settings, const scene::Scene& scene);
 
-// Milliseconds that the device takes until the depth of each pixel is known, in a square picture by the scene's first
-// camera: one for each frame, after one that warms up, or as many as take `warmUp` seconds.
+// Returns the milliseconds of device time until the depth of each pixel is known, for each of `frames` frames of a
+// square picture from the scene's first camera. Before, it renders one frame to warm up, and more until `warmUp`
+// seconds have passed.
 std::vector<double> depthTimes(Renderer& renderer, const scene::Scene& scene, Raster raster, uint32_t size,
                                uint32_t frames, double warmUp = 0);
 

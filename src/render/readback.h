@@ -1,4 +1,4 @@
-// How results of a graph come to the host.
+// Reads results of a graph back to the host.
 #pragma once
 
 #include <span>
@@ -9,30 +9,30 @@
 
 namespace latelight::render {
 
-// Where a pass leaves a result of some views: in a buffer of its own, or in a part of a larger one.
+// Where a pass writes a result of some views: a separate buffer, or a part of a larger one.
 struct ResultPlace {
   graph::BufferId buffer;
   graph::Use use = graph::Use::StorageWrite;
-  uint64_t offset = 0;     // bytes: where the first view's begins
-  uint64_t viewBytes = 0;  // from the beginning of one view's to that of the next
+  uint64_t offset = 0;     // bytes: start of the first view
+  uint64_t viewBytes = 0;  // bytes: stride between views
 
   VkDeviceAddress address(graph::Context& context) const { return context.buffer(buffer).address() + offset; }
 };
-// In a new buffer: device memory, which on a CPU device the host can read.
+// Creates a new buffer in device memory, which the host can read on a CPU device.
 ResultPlace createResult(const Builder& b, const std::string& name, uint64_t viewBytes, size_t views);
 
-// Keeps results of a graph after it has run, where they are.
+// Keeps results of a graph on the device after it has run.
 void keepResults(const Builder& b, std::span<const graph::BufferId> results);
-// Copies buffers as they are now to where the host can read them after the graph has run; gives them there, in their
-// order.
+// Copies the current contents of buffers to buffers that the host can read after the graph has run. Returns these in
+// the same order.
 std::vector<graph::BufferId> copyToHost(const Builder& b, graph::Stage stage, const char* name,
                                         const std::vector<graph::BufferId>& from);
-// Brings results to where the host can read them after the graph has run; gives them there, in their order.
+// Makes results readable by the host after the graph has run. Returns the readable buffers in the same order.
 std::vector<graph::BufferId> addReadback(const Builder& b, std::span<const graph::BufferId> results);
-// The same of one.
+// The same for one result.
 graph::BufferId addReadback(const Builder& b, graph::BufferId result);
 
-// Copies a whole image (level 0, all layers, tightly packed) to a buffer the host can read after the run.
+// Copies an image (level 0, all layers, tightly packed) to a buffer that the host can read after the graph has run.
 graph::BufferId addReadback(graph::Graph& graph, graph::ImageId image);
 
 }  // namespace latelight::render

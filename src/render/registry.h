@@ -1,4 +1,4 @@
-// Shared by the registries of layouts, encodings, techniques, ...: names and lookup.
+// Names and lookup, shared by the registries of layouts, encodings and techniques.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 
 namespace latelight::render {
 
-// A file's or folder's name as users write it: forward_multipass is "forward-multipass".
+// Converts the name of a file or folder to the name that users write: forward_multipass becomes "forward-multipass".
 inline std::string registryName(std::string_view file) {
   std::string name(file);
   std::replace(name.begin(), name.end(), '_', '-');
@@ -23,7 +23,7 @@ std::string namesOf(const Range& range) {
   return names;
 }
 
-// The entry of that name, or Error(Usage) that lists the names.
+// Returns the entry with that name, or throws Error(Usage) that lists the names.
 template <typename Range>
 auto& findByName(const Range& range, std::string_view name, std::string_view what) {
   for (const auto& entry : range)

@@ -1,3 +1,4 @@
+// Splits a request into views, strips and samples, renders each sample as one graph, and repeats graphs that overflow.
 #include "render/renderer.h"
 
 #include <fmt/ranges.h>
@@ -22,20 +23,21 @@ namespace latelight::render {
 
 namespace {
 
-// At once: as many layers as every Vulkan device has; a view may have one for each of its samples.
+// Returns the maximum number of views at once: the array layers that every Vulkan device supports. With the raster
+// compute, a view may have one layer per sample.
 size_t mostViews(const vk::Device& device, const Settings& settings) {
   constexpr size_t kMost = 256;
   if (!rastersInCompute(settings)) return kMost;
   return std::min<size_t>(kMost, device.properties().limits.maxImageArrayLayers / settings.aa.samples);
 }
 
-// What the device may take for views that are rendered at once. A CPU's caches gain nothing from more.
+// Returns the device memory that views rendered at once may use. A CPU's caches gain nothing from more.
 uint64_t memoryForViews(const vk::Device& device) {
   constexpr uint64_t kGiB = uint64_t{1} << 30;
   return device.isCpu() ? kGiB : std::clamp<uint64_t>(device.info().memory / 8, kGiB, 16 * kGiB);
 }
 
-// Those for all of these cameras.
+// Returns the settings with which all of these cameras are rendered.
 Settings settingsFor(std::span<const scene::Camera> cameras, const Settings& settings) {
   const size_t bent = static_cast<size_t>(std::ranges::count_if(cameras, bendsRays));
   for (const scene::Camera& camera : cameras)
@@ -45,7 +47,7 @@ Settings settingsFor(std::span<const scene::Camera> cameras, const Settings& set
   return lensSettings(settings);
 }
 
-// How many of the first cameras look through one lens: views that are rendered at once do.
+// Returns how many of the first cameras share a lens. All views that are rendered at once share one.
 size_t throughOneLens(std::span<const scene::Camera> cameras) {
   const auto other = std::ranges::find_if(
       cameras, [&](const scene::Camera& camera) { return bendsRays(camera) && camera.lens != cameras.front().lens; });
@@ -71,7 +73,7 @@ bool needsComputeRaster(const Settings& settings) {
   return rastersInCompute(settings) || asksFor(settings, Origin::Raster);
 }
 
-// What the device lacks for these settings is said before anything is built.
+// Fails if the device lacks a required feature, before anything is built.
 void requireRaster(const vk::Device& device, const Settings& settings) {
   const std::string& name = device.info().name;
   const bool compute = rastersInCompute(settings);
@@ -123,7 +125,8 @@ bool Renderer::castsShadows(const Settings& settings) const {
   return settings.shadows != ShadowFormat::None && gpuScene_.lights().count() > 0 && isLit(settings);
 }
 
-// For the whole pictures, whatever their jitter: samples and strips of one share their maps' places.
+// Plans the maps for the full pictures without jitter, so that the samples and strips of a picture share the positions
+// of their maps in the atlas.
 ShadowPlan Renderer::planShadows(std::span<const scene::Camera> cameras, const Settings& settings) const {
   if (!castsShadows(settings)) return {};
   std::vector<shared::View> views;
@@ -132,7 +135,7 @@ ShadowPlan Renderer::planShadows(std::span<const scene::Camera> cameras, const S
   return render::planShadows(shadowSceneOf(gpuScene_), views, settings);
 }
 
-// Null where no light casts any. Maps that are planned from here on take the place of others.
+// Returns null if no light casts shadows. From here on, newly planned maps may replace earlier ones in the atlas.
 std::shared_ptr<FrameShadows> Renderer::placeShadows(ShadowPlan plan, const Settings& settings) {
   KeptShadowMaps& kept = shadowMaps_[rastersInCompute(settings)];
   auto shadows = std::make_shared<FrameShadows>(device_, gpuScene_, std::move(plan), settings, kept);
@@ -163,7 +166,7 @@ std::shared_ptr<RenderJob> Renderer::start(std::span<const scene::Camera> camera
   const auto job = std::make_shared<RenderJob>(cameras, settings, moment, rows);
   job->results = results;
   uint64_t claimed = rows;
-  if (strips.size() > 1) claimed += strips.front().rows;  // of the strip in work
+  if (strips.size() > 1) claimed += strips.front().rows;  // the strip in flight
   if (results == Results::Exported)
     job->arrays = exportedArrays(device_, *exports_, settings, rows, cameras.size());
   else
@@ -185,11 +188,12 @@ std::shared_ptr<RenderJob> Renderer::start(std::span<const scene::Camera> camera
 size_t Renderer::startViews(const std::shared_ptr<RenderJob>& job, size_t first, size_t count,
                             std::span<const Strip> strips) {
   const Settings& s = job->settings;
-  ShadowPlan plan = planShadows(std::span(job->now).subspan(first, count), s);  // while the device has the last views
+  ShadowPlan plan = planShadows(std::span(job->now).subspan(first, count), s);  // while previous views are rendered
   settle();
   const std::shared_ptr<FrameShadows> shadows = placeShadows(std::move(plan), s);
   for (const Strip strip : strips) {
-    // A strip takes a strip's memory; of many views some are read while the device has the next.
+    // With several strips, only one has memory at a time. Otherwise some views are read while the device renders the
+    // next.
     const size_t waiting = strips.size() > 1 ? 0 : 1;
     while (job->results == Results::ToHost && job->parts.size() > waiting) read(*job);
     settle();
@@ -218,7 +222,7 @@ ViewsInTime Renderer::viewsOf(const RenderPart& part, glm::vec2 jitter) {
   return views;
 }
 
-// The samples of a picture, a frame each, as offsets from the pixel's centre.
+// Returns the samples of a picture, one frame each, as offsets from the pixel's center.
 std::vector<glm::vec2> Renderer::jittersOf(const RenderPart& part) const {
   const Settings& s = part.job.settings;
   if (!showsPicture(s)) return {glm::vec2(0)};
@@ -243,7 +247,7 @@ Renderer::Start Renderer::startPart(RenderPart& part, std::optional<uint64_t> ma
   const ViewsInTime steady = viewsOf(part, glm::vec2(0));
   const bool yUp = scene_.yUp && s.axes == Axes::File;
   part.earlier.clear();
-  overflow_.checks.clear();  // what an error has left
+  overflow_.checks.clear();  // left by an error
   if (std::exchange(part.started, true) && part.shadows) part.shadows->drawAgain();
   const ResultArrays arrays{part.job.arrays, part.first, part.strip.first};
   vk::Image sum;
@@ -277,7 +281,7 @@ Renderer::Start Renderer::startPart(RenderPart& part, std::optional<uint64_t> ma
   return {Start::Done};
 }
 
-// The graph has the scene's changes.
+// Submits a graph that includes the scene's changes.
 graph::Submission Renderer::submit(const graph::Graph& graph, const graph::Plan& plan) {
   graph::Submission submission = executor_.submit(graph, plan);
   gpuScene_.changesSubmitted();
@@ -363,14 +367,14 @@ output::RawGbuffer Renderer::readTargets(const scene::Camera& camera, const Sett
   RenderJob job({&camera, 1}, atCentres, moment, settings.height);
   const Layout& layout = *settings.layout;
   std::shared_ptr<FrameShadows> shadows;
-  if (layout.sunTarget >= 0)  // else nothing in the targets is lit
+  if (layout.sunTarget >= 0)  // otherwise nothing in the targets is lit
     shadows = placeShadows(planShadows(job.now, atCentres), atCentres);
   const RenderPart part(job, 0, 1, {0, settings.height}, shadows);
   ViewSet set(state_, viewsOf(part, glm::vec2(0)), atCentres, shadows.get(), VisibilityOptions{.atCentres = true});
   std::optional<graph::Graph> graph;
   std::optional<RawReadback> readback;
   graph::Submission done;
-  overflow_.checks.clear();  // what an error has left
+  overflow_.checks.clear();  // left by an error
   do {
     if (graph && shadows) shadows->drawAgain();
     graph.emplace(executor_);

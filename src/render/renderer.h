@@ -1,4 +1,4 @@
-// Scenes to pictures: one scene on one device, rendered as often as asked.
+// Renders pictures of one scene on one device, any number of times.
 #pragma once
 
 #include <memory>
@@ -29,36 +29,36 @@ struct RenderPart;
 
 class Renderer {
  public:
-  // `environment`: null for none. The scene must outlive the renderer.
+  // `environment` may be null. The scene must outlive the renderer.
   Renderer(vk::Device& device, const scene::Scene& scene, const scene::Environment* environment);
   ~Renderer();
 
-  // Begins one picture a camera, several at once, and returns while the device works on them: meanwhile the scene may
-  // be edited, and more be submitted. Throws Error(Usage) for settings that can't be.
+  // Starts one picture per camera, several at once, and returns while the device renders them. Meanwhile the scene may
+  // be edited, and more pictures may be submitted. Throws Error(Usage) for invalid settings.
   Ticket submit(std::span<const scene::Camera> cameras, const Settings& settings, const Moment& moment = {},
                 Results results = Results::ToHost);
 
-  // The same, and waits.
+  // Submits the pictures and waits for them.
   std::vector<output::FrameOutput> render(std::span<const scene::Camera> cameras, const Settings& settings,
                                           const Moment& moment = {}) {
     return submit(cameras, settings, moment).take();
   }
 
-  // One of stripsOf(settings) alone: as many rows, the same as in the whole picture.
+  // Renders only one of stripsOf(settings). Its rows are the same as in the full picture.
   output::FrameOutput renderStrip(const scene::Camera& camera, const Settings& settings, Strip strip,
                                   const Moment& moment = {});
 
-  // The targets of the picture's own G-buffer, at the pixel centres. Throws Error(Usage) where it has none.
+  // Returns the targets of the picture's own G-buffer, at pixel centers. Throws Error(Usage) if it has none.
   output::RawGbuffer readTargets(const scene::Camera& camera, const Settings& settings, const Moment& moment = {});
 
-  // GPU milliseconds a pass of what was taken last, summed over its frames, in the order of the passes. Empty where the
-  // device has no timestamps.
+  // GPU milliseconds per pass of the pictures taken last, summed over their frames, in the order of the passes. Empty
+  // if the device has no timestamps.
   const std::vector<graph::PassTime>& times() const { return times_; }
-  // Of the same, all its pictures: with several samples a pixel, a deferred technique, and countSurfaces.
+  // Counts over the same pictures. Requires several samples per pixel, a deferred technique, and countSurfaces.
   const std::optional<ShadingCounts>& shadingCounts() const { return shadingCounts_; }
   const HiddenClusters& hiddenClusters() const { return hidden_; }
   const KeptShadowMaps& shadowMaps() const { return shadowMaps_[1]; }  // of the raster compute
-  // Graphviz of its last graph.
+  // The last graph, in Graphviz format.
   const std::string& graphviz() const { return graphviz_; }
 
  private:
@@ -67,18 +67,18 @@ class Renderer {
   std::shared_ptr<RenderJob> start(std::span<const scene::Camera> cameras, const Settings& settings,
                                    const Moment& moment, std::span<const Strip> strips,
                                    Results results = Results::ToHost);
-  // Some views of a job, a strip after the other. Gives how many there is room for at once: where that is fewer,
-  // nothing of them is on its way.
+  // Starts some views of a job, one strip after the other. Returns how many views fit into memory at once; if these are
+  // fewer than `count`, none of them is in flight.
   size_t startViews(const std::shared_ptr<RenderJob>& job, size_t first, size_t count, std::span<const Strip> strips);
   struct Start {
     enum Outcome { Done, Overflowed, TooManyViews } outcome;
     uint64_t bytes = 0;  // with TooManyViews: the transient memory that the first graph needs
   };
-  // `maxBytes`: the transient memory that the first graph may use.
+  // `maxBytes`: limit on the transient memory of the first graph.
   Start startPart(RenderPart& part, std::optional<uint64_t> maxBytes);
   graph::Submission submit(const graph::Graph& graph, const graph::Plan& plan);
   void settle();
-  void read(RenderJob& job);  // its oldest part
+  void read(RenderJob& job);  // the oldest part
   void finish(RenderJob& job);
 
   ViewsInTime viewsOf(const RenderPart& part, glm::vec2 jitter);
@@ -103,8 +103,8 @@ class Renderer {
   KeptLensRays lensRays_;
   std::shared_ptr<ExportPool> exports_ = std::make_shared<ExportPool>();
   KeptShadowMaps shadowMaps_[2];  // of hardware and compute
-  // The last part on its way. Whether something overflowed in it is found out, and done again, before anything changes
-  // what it sees.
+  // The last part in flight. settle() detects whether it overflowed, and renders it again, before anything changes that
+  // the part depends on.
   std::shared_ptr<RenderPart> unsettled_;
   std::vector<graph::PassTime> times_;
   std::optional<ShadingCounts> shadingCounts_;

@@ -11,9 +11,9 @@ namespace latelight::render {
 
 namespace {
 
-// FrameSetup::sunInGbuffer. The G-buffer holds one value of the sun's shadow per pixel, and multisampled edges need
-// more: they look it up when lit. So does a frame that nothing is drawn in: to write one channel takes the graphics
-// pipeline.
+// Determines FrameSetup::sunInGbuffer. The G-buffer stores one value of the sun's shadow per pixel. Multisampled edges
+// need more, so lighting looks up the shadow for them. The raster compute looks it up as well, because writing a single
+// channel requires the graphics pipeline.
 bool keepsSun(const FrameSetup& setup, const Settings& s) {
   return setup.shadowFormat && !setup.lighting->forward && setup.layout->sunTarget >= 0 && setup.samples == 1 &&
          !rastersInCompute(s);
@@ -73,13 +73,14 @@ ViewSet& Request::jittered() {
   return *jittered_;
 }
 
-// The surfaces at pixel centres, found once for all that need them.
+// Finds the surfaces at pixel centers once, for everything that needs them.
 graph::ImageId Request::steadyDepth() {
   if (!steadyDepth_) steadyDepth_ = steady().visibility().addDepth(steady().frame(graph_, FrameSetup{})).pixels;
   return steadyDepth_;
 }
 
-// The picture's frame, lit. It also counts lights if it can: they are counted at pixel centres.
+// Adds the lit frame of the picture. The frame also counts lights if it can, because lights are counted at pixel
+// centers.
 LitFrame Request::addPicture(const SurfaceOutputs* outputs) {
   FrameSetup setup = frameSetup(settings_, shadows_ != nullptr);
   setup.outputs = outputs;
@@ -134,8 +135,8 @@ void Request::addPost(const LitFrame& lit, graph::ImageId picture, uint32_t coun
   if (settings_.countSurfaces && lit.gbuffer.surfaces) surfaces_ = addReadback(graph_, lit.gbuffer.surfaces);
 }
 
-// The number of lights evaluated for each pixel's centre: from the picture's own frame, or from one like it without
-// blended surfaces.
+// Adds the number of lights evaluated at each pixel's center: from the picture's own frame, or from a similar frame
+// without blended surfaces.
 void Request::addLightCounts() {
   graph::ImageId counts;
   if (lit_ && isSteady()) {
@@ -153,8 +154,8 @@ void Request::addLightCounts() {
   outputs_.add({state_.device, graph_}, Origin::LightCounts, [&](std::string_view) { return counts; });
 }
 
-// How often the picture's own frame shades each pixel. Where no picture is asked for, its lighting leads to no export
-// and is culled.
+// Adds how often the picture's own frame shades each pixel. If no picture is requested, no export depends on its
+// lighting, so the graph culls it.
 void Request::addSampleCounts() {
   graph::ImageId counts;
   if (settings_.aa.samples > 1) {
@@ -170,7 +171,7 @@ bool Request::showsBlendedData() {
   return settings_.dataSurfaces == DataSurfaces::Any && steady().visibility().anyBlended();
 }
 
-// Whether the picture's own frame resolves the very surfaces that data are of.
+// Returns true if the picture's own frame resolves exactly the surfaces that the data outputs describe.
 bool Request::packsWithPicture() {
   return asksFor(settings_, Origin::Surface) && rastersInCompute(settings_) && !settings_.lighting->forward &&
          settings_.layout->hasTargets() && isSteady() && !showsBlendedData();
@@ -181,7 +182,7 @@ const SurfaceOutputs* Request::packSurfaces() {
   return &*surfaceOutputs_;
 }
 
-// Data leaves at pixel centres, in full precision, whatever layout and anti-aliasing the picture has.
+// Data outputs are evaluated at pixel centers, in full precision, for any layout and anti-aliasing of the picture.
 void Request::addData() {
   ViewSet* set = &steady();
   graph::ImageId depth;
@@ -199,8 +200,8 @@ void Request::addData() {
   outputs_.add(f, Origin::Motion, [&](std::string_view) { return motion; });
 }
 
-// Packed where surfaces are resolved, or else from a separate G-buffer in the layout `exact`, with only the targets
-// that the requested outputs need.
+// Packs outputs where surfaces are resolved or, with hardware, from a separate G-buffer in the layout `exact`, which
+// has only the targets that the requested outputs need.
 void Request::addSurfaceData(ViewSet& set, graph::ImageId depth) {
   FrameSetup setup{.layout = &findLayout("exact"), .targets = 0};
   Gbuffer gbuffer{.depth = depth, .sampleDepth = depth};

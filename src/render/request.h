@@ -1,4 +1,4 @@
-// Everything asked of some views, as one graph: picture, data and counts share visibility.
+// Everything requested of some views, as one graph: picture, data and counts share visibility.
 #pragma once
 
 #include <optional>
@@ -12,23 +12,22 @@
 namespace latelight::render {
 
 FrameSetup frameSetup(const Settings& settings, bool shadows);
-bool isLit(const Settings& settings);  // data alone need no lighting
+bool isLit(const Settings& settings);  // data outputs require no lighting
 
 class Request {
  public:
-  // `steady`: the views without jitter; `jittered`: the same with the jitter of the picture's frame that is rendered
-  // now. `shadows`: of these views, or null.
-  // `yUp`: world positions and directions are output in glTF's frame. `arrays`: where results go that are asked for as
-  // such, which live as long as the graph runs.
+  // `steady`: the views without jitter; `jittered`: the same with the jitter of the picture's current frame. `shadows`:
+  // of these views, or null. `yUp`: world positions and directions are output in glTF's frame. `arrays`: the arrays
+  // that exported results are written to, which live as long as the graph runs.
   Request(const RenderState& state, const Settings& settings, bool yUp, const ViewsInTime& steady,
           const ViewsInTime& jittered, FrameShadows* shadows, const ResultArrays& arrays);
 
-  // Adds the picture's frame to `sum` and nothing else: one of several samples per pixel.
+  // Adds only the picture's frame, and adds its result to `sum`: one of several samples per pixel.
   void accumulate(const vk::Image& sum, bool first);
-  // Adds everything asked for. For a picture of several frames `sum` holds the earlier ones; `count` includes this one.
-  // `history`: of temporal anti-aliasing, or null; `continues`: it has the frame before this picture.
+  // Adds everything requested. For a picture of several frames, `sum` holds the earlier ones, and `count` includes this
+  // one. `history`: of temporal anti-aliasing, or null. `continues`: it holds the frame before this picture.
   void finish(const vk::Image* sum, uint32_t count, TemporalHistory* history, bool continues);
-  void leave(Results results);  // what was asked for, as the last step
+  void leave(Results results);  // exports the requested results, as the last step
 
   graph::Graph& graph() { return graph_; }
 
@@ -39,7 +38,7 @@ class Request {
  private:
   ViewSet& steady();
   ViewSet& jittered();
-  bool isSteady() const;  // the picture's frame has one sample a pixel, at its centre
+  bool isSteady() const;  // the picture's frame has one sample per pixel, at its center
   LitFrame addPicture(const SurfaceOutputs* outputs = nullptr);
   void addPost(const LitFrame& lit, graph::ImageId picture, uint32_t count);
   void addLightCounts();
@@ -58,13 +57,13 @@ class Request {
   FrameShadows* shadows_;
   graph::Graph graph_;
   std::optional<ViewSet> steady_, jittered_;
-  std::optional<ViewSet> solid_;     // blended surfaces count as solid
-  std::optional<ViewSet> rastered_;  // in compute, where steady_ is not
+  std::optional<ViewSet> solid_;     // counts blended surfaces as opaque
+  std::optional<ViewSet> rastered_;  // in compute, if steady_ is not
   graph::ImageId steadyDepth_;
   std::optional<LitFrame> lit_;  // the picture's, before transparency
 
   PackedOutputs outputs_;
-  std::optional<SurfaceOutputs> surfaceOutputs_;  // where visibility packs them
+  std::optional<SurfaceOutputs> surfaceOutputs_;  // if visibility packs them
   graph::BufferId surfaces_;
 };
 

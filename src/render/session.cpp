@@ -11,7 +11,7 @@ namespace latelight::render {
 
 namespace {
 
-// The renderer's view space (X right, Y away, Z up) from OpenCV's camera frame.
+// Returns the transform from OpenCV's camera frame to the renderer's view space (X right, Y away, Z up).
 glm::dmat4 viewFromOpenCv() {
   glm::dmat4 m(1.0);
   m[1] = {0, 0, -1, 0};
@@ -38,9 +38,9 @@ void showDebug(Settings& s, const output::DebugRequest& debug) {
   s.aovs = debug.aovs;
   s.display = output::contains(debug.aovs, output::Aov::Color);
   if (!debug.targets && !output::contains(s.aovs, output::Aov::Id))
-    s.aovs.push_back(output::Aov::Id);  // tells the background
+    s.aovs.push_back(output::Aov::Id);  // identifies the background
   if (debug.target.empty()) return;
-  if (!s.layout->hasTargets()) return;  // Renderer::readTargets() says so
+  if (!s.layout->hasTargets()) return;  // Renderer::readTargets() reports this
   std::vector<std::string> names;
   for (const LayoutTarget& target : s.layout->targets) names.emplace_back(target.name);
   if (std::ranges::find(names, debug.target) == names.end())

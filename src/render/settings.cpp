@@ -20,7 +20,7 @@
 
 namespace latelight::render {
 
-// The constants that shaders and passes switch on.
+// The enumerations equal the constants that shaders and passes switch on.
 static_assert(indexOf(Tonemap::Khronos) == shared::kTonemapKhronosNeutral);
 static_assert(indexOf(Tonemap::Aces) == shared::kTonemapAces);
 static_assert(indexOf(Tonemap::Agx) == shared::kTonemapAgx);
@@ -56,7 +56,7 @@ static_assert(indexOf(BloomFireflies::Keep) == kBloomKeep);
 
 namespace {
 
-// Two hexadecimal digits, as a share of 255.
+// Parses two hexadecimal digits as a fraction of 255.
 std::optional<float> channelIn(std::string_view digits) {
   unsigned value = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value, 16);
@@ -64,7 +64,7 @@ std::optional<float> channelIn(std::string_view digits) {
   return static_cast<float>(value) / 255.0f;
 }
 
-// "#rrggbb" or "r,g,b", sRGB, as linear.
+// Parses "#rrggbb" or "r,g,b" in sRGB, and returns linear values.
 std::optional<Color> colorIn(std::string_view text) {
   std::vector<float> code;
   if (text.size() == 7 && text[0] == '#')

@@ -1,4 +1,4 @@
-// The settings of a picture: the choices of `latelight render`, as data. The table of options
+// The settings of a picture: the options of `latelight render`, as data. The table of options
 // (include/latelight/options.def) lists them; here they have the renderer's own types.
 #pragma once
 
@@ -20,18 +20,18 @@ struct Layout;
 struct NormalEncoding;
 struct TechniqueInfo;
 
-// A name that an option takes, and its value.
+// A name that an option accepts, and its description.
 struct NamedOption {
   const char* name;
   const char* description;
 };
 
-// An enumeration for each OPTION_CHOICE, numbered as the shaders' constants for it.
+// One enumeration per OPTION_CHOICE, numbered like the shaders' constants for it.
 #define OPTION_CHOICE(Enum, member, name, normal, topic, effect, help, ...) enum class Enum : uint32_t { __VA_ARGS__ };
 #define OPTION_NAME(constant, name, description) constant,
 #include <latelight/options.def>
 
-// Its names, in order.
+// The names of the enumeration, in order.
 template <typename Enum>
 inline constexpr std::span<const NamedOption> kChoices{};
 #define OPTION_CHOICE(Enum, member, name, normal, topic, effect, help, ...) \
@@ -47,7 +47,7 @@ constexpr std::span<const NamedOption> choices() {
   return kChoices<Enum>;
 }
 
-// The value that shaders switch on.
+// Returns the value that shaders switch on.
 template <typename Enum>
 constexpr uint32_t indexOf(Enum choice) {
   return static_cast<uint32_t>(choice);
@@ -57,7 +57,7 @@ constexpr const char* nameOf(Enum choice) {
   return choices<Enum>()[indexOf(choice)].name;
 }
 
-// The choice of that name, if there is one.
+// Returns the choice with that name, if there is one.
 template <typename Enum>
 constexpr std::optional<Enum> choiceNamed(std::string_view name) {
   const std::span<const NamedOption> all = choices<Enum>();
@@ -66,9 +66,9 @@ constexpr std::optional<Enum> choiceNamed(std::string_view name) {
   return std::nullopt;
 }
 
-using Color = glm::vec3;  // linear, of a display
+using Color = glm::vec3;  // linear, in the display's primaries
 
-// What lies behind everything.
+// The background of a picture.
 struct Background {
   enum Kind { Transparent, Color, Environment };
   Kind kind = Transparent;
@@ -76,7 +76,7 @@ struct Background {
   bool operator==(const Background&) const = default;
 };
 
-// A directional light. Azimuth and elevation say where it comes from, as an orbiting camera's do.
+// A directional light. Azimuth and elevation are the direction it comes from, with the angles of an orbiting camera.
 struct SunLight {
   float azimuth = 0, elevation = 0;  // radians
   float illuminance = 3.14159265f;   // lux: a white surface that faces it then has radiance 1
@@ -84,16 +84,16 @@ struct SunLight {
 };
 
 inline constexpr uint32_t kMostSuperSampling = 16;
-// How a pixel is sampled; at most one of the first three differs from its default.
+// How a pixel is sampled. At most one of the first three members differs from its default.
 struct AntiAliasing {
-  uint32_t superSampling = 1;  // N: N x N ordered samples a pixel, in N * N frames
-  uint32_t samples = 1;        // a pixel: 1, 2, 4, 8 or 16, of which each surface is shaded once (MSAA)
-  bool temporal = false;       // each frame is blended into the earlier ones
+  uint32_t superSampling = 1;  // N: N x N ordered samples per pixel, in N * N frames
+  uint32_t samples = 1;        // per pixel: 1, 2, 4, 8 or 16; each surface is shaded once (MSAA)
+  bool temporal = false;       // each frame is blended into the earlier ones (TAA)
   bool fxaa = false;           // the finished picture's edges are softened
   bool operator==(const AntiAliasing&) const = default;
 };
 
-// --aa by name: what each sets. ssN stands for any N.
+// The modes of --aa by name, and the settings of each. ssN stands for any N.
 struct AntiAliasingMode {
   const char* name;
   const char* description;
@@ -101,12 +101,12 @@ struct AntiAliasingMode {
 };
 std::span<const AntiAliasingMode> antiAliasingModes();
 
-// Which lights may cast shadows (shadow/choose.h).
+// The lights that may cast shadows (shadow/choose.h).
 struct ShadowLights {
   static constexpr uint32_t kAll = std::numeric_limits<uint32_t>::max();
-  bool automatic = true;           // the few most important ones
-  uint32_t most = kAll;            // else at most this many
-  std::vector<std::string> names;  // of those that may; empty: any light
+  bool automatic = true;           // the few most important lights
+  uint32_t most = kAll;            // if not automatic: the maximum number of lights
+  std::vector<std::string> names;  // names of the lights that may cast them; empty: any light
   bool operator==(const ShadowLights&) const = default;
 };
 
@@ -116,7 +116,7 @@ struct PositionOrigin {
   bool operator==(const PositionOrigin&) const = default;
 };
 
-// The value of an option from its text. Each throws Error(Usage) with a message that begins with the option's name.
+// Parse the value of an option. Each throws Error(Usage) with a message that begins with the option's name.
 uint32_t readChoiceIndex(const char* option, std::span<const NamedOption> names, std::string_view text);
 template <typename Enum>
 Enum readChoice(const char* option, std::string_view text) {
@@ -152,7 +152,7 @@ inline float radians(double degrees) {
   return static_cast<float>(degrees * 3.14159265358979323846 / 180.0);
 }
 
-// The members are those of latelight::Options, angles in radians.
+// The members are those of latelight::Options, with angles in radians.
 struct Settings {
 #define OPTION_FLAG(member, ...) bool member = false;
 #define OPTION_NUMBER(Type, member, name, normal, ...) Type member = normal;
@@ -169,29 +169,29 @@ struct Settings {
   // Settings without an option.
   bool display = true;              // the tonemapped picture
   std::vector<output::Aov> aovs;    // in addition; Color is the linear picture
-  uint32_t stripPixels = 1u << 23;  // larger pictures are rendered in strips of at most this many: strips.h
-  bool everySample = false;         // MSAA: all are shaded, even if alike: the reference
-  bool wholeShadowMaps = false;     // all of each map is drawn, whatever is looked up: the reference
+  uint32_t stripPixels = 1u << 23;  // larger pictures are rendered in strips of at most this many pixels (strips.h)
+  bool everySample = false;         // reference: MSAA shades all samples, even if they are alike
+  bool wholeShadowMaps = false;     // reference: shadow maps are drawn in full, not only the pages that are looked up
   bool countSurfaces = false;       // fills Renderer::shadingCounts()
 };
 
-// The factor for radiance.
+// Returns the factor for radiance.
 float exposureFactor(const Settings& settings);
-// Whether they take the graphics pipeline whatever the raster: techniques that draw the scene, and with several samples
-// a pixel those that draw lights.
+// Returns true if these settings use the graphics pipeline regardless of the raster: for techniques that draw the scene
+// and, with several samples per pixel, for those that draw lights.
 bool alwaysDraws(const Settings& settings);
-// Whether they light what is visible without a G-buffer in between.
+// Returns true if visible surfaces are lit without a G-buffer in between.
 bool lightsTriangles(const Settings& settings);
-// Whether they take the raster compute: the graphics pipeline's samples are four a pixel, or one, and it leaves no
-// triangles to light.
+// Returns true if these settings require the raster compute. The graphics pipeline supports only one or four samples
+// per pixel, and it stores no triangles to light.
 bool takesCompute(const Settings& settings);
-// Whether these settings' frames find what is visible in compute shaders.
+// Returns true if frames with these settings find the visible surfaces in compute shaders.
 bool rastersInCompute(const Settings& settings);
 
-// Every effect of the post-processing, and the option that turns it on.
+// Returns every post-processing effect and the option that enables it.
 std::span<const NamedOption> postEffects();
 
-// Throws Error(Usage) with a sentence where a value is out of range, or two contradict each other.
+// Throws Error(Usage) if a value is out of range, or if two contradict each other.
 void checkSettings(const Settings& settings);
 
 }  // namespace latelight::render

@@ -8,7 +8,7 @@ namespace latelight::render {
 
 namespace {
 
-// A multiple of the side of every pixel block that passes work on: 2 for derivatives, 16 for workgroups and tiles.
+// A multiple of the side of every pixel block that passes process: 2 for derivatives, 16 for workgroups and tiles.
 constexpr uint32_t kBlock = 64;
 
 bool needsNeighbours(const Settings& s, bool transmissive) {
@@ -16,7 +16,7 @@ bool needsNeighbours(const Settings& s, bool transmissive) {
          (transmissive || s.aa.temporal || s.aa.fxaa || s.bloom > 0 || s.ambientOcclusion != AmbientOcclusion::None);
 }
 
-// Beyond four samples a pixel as many samples.
+// With more than four samples per pixel, strips have a constant number of samples instead of pixels.
 uint32_t stripPixels(const Settings& s) {
   return showsPicture(s) ? s.stripPixels / (std::max(s.aa.samples, 4u) / 4) : s.stripPixels;
 }
@@ -39,7 +39,7 @@ std::vector<Strip> stripsOf(const Settings& s, bool transmissive) {
   return strips;
 }
 
-// NDC of a strip is that of the whole picture, scaled by `times` and offset.
+// The NDC of a strip is that of the full picture, scaled by `times` and offset.
 shared::View viewOf(const shared::View& whole, Strip strip) {
   const double height = whole.size.y, rows = strip.rows, times = height / rows;
   shared::View view = whole;

@@ -28,8 +28,8 @@ bool makesSizesAlike(const vk::Device& device, const std::vector<scene::Texture>
   const auto odd = [](const scene::Texture& t) {
     return !std::has_single_bit(t.width) || !std::has_single_bit(t.height);
   };
-  // An odd base is four times as large as its texture. It is never written to, so it takes address space, not memory;
-  // but drivers limit that too, and with large textures shader compilation is not the bottleneck.
+  // An odd base is four times as large as its texture. It is never written to, so it uses address space but no memory.
+  // Drivers limit address space, too, and with large textures shader compilation is not the bottleneck.
   constexpr uint64_t kMostTexels = uint64_t{32} << 20;
   uint64_t texels = 0;
   for (const scene::Texture& t : textures) texels += uint64_t{t.width} * t.height;
@@ -45,7 +45,7 @@ std::vector<SlotSamplers> slotSamplers(const std::vector<scene::Material>& mater
   for (size_t i = 0; i < materials.size(); ++i)
     for (uint32_t slot = 0; slot < shared::kTextureCount; ++slot)
       if (const scene::TextureSlot& bound = materials[i].slots[slot]; bound.texture >= 0) own[i][slot] = bound.sampler;
-  // Those with the most textures first: the others fit into their combinations.
+  // Materials with the most textures come first, because the others fit into their combinations.
   const auto textures = [&](size_t i) { return std::ranges::count_if(own[i], [](const auto& s) { return bool(s); }); };
   std::vector<size_t> order(materials.size()), chosen(materials.size());
   std::iota(order.begin(), order.end(), size_t{0});

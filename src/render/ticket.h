@@ -1,4 +1,4 @@
-// What Renderer::submit() returns: pictures on their way.
+// The result of Renderer::submit(): pictures in flight.
 #pragma once
 
 #include <memory>
@@ -16,10 +16,10 @@ class Ticket {
  public:
   Ticket(Renderer& renderer, std::shared_ptr<RenderJob> job) : renderer_(&renderer), job_(std::move(job)) {}
   bool done() const;  // take() would not wait for the device
-  // The pictures, in the order of their cameras; waits for them, and brings them from the device where they were left
-  // there. Once, while the renderer lives. What went wrong on the way is thrown here.
+  // Returns the pictures, in the order of their cameras. Waits for them, and copies them from the device if they are
+  // there. May be called once, while the renderer lives. Throws errors that occurred after submit().
   std::vector<output::FrameOutput> take();
-  // The same of Results::Exported: arrays of all pictures, which stay where they are. They may outlive the renderer,
+  // The same for Results::Exported: arrays of all pictures, which stay where they are. They may outlive the renderer,
   // but not its device.
   std::vector<ExportedArray> takeArrays();
 

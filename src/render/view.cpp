@@ -9,10 +9,10 @@ namespace latelight::render {
 
 namespace {
 
-// Depth d = A + B / y (perspective) or A y + B (orthographic) with d(near) = 1 and d(far) = 0.
+// Reversed depth: d = A + B / y (perspective) or A y + B (orthographic), with d(near) = 1 and d(far) = 0.
 void setReversedDepth(shared::Projection& p, float nearClip, float farClip) {
   if (p.kind == shared::kPerspective) {
-    double ratio = double(nearClip) / double(farClip);  // 0 where far is infinite
+    double ratio = double(nearClip) / double(farClip);  // 0 if far is infinite
     p.A = static_cast<float>(-ratio / (1.0 - ratio));
     p.B = static_cast<float>(nearClip / (1.0 - ratio));
   } else {
@@ -22,7 +22,7 @@ void setReversedDepth(shared::Projection& p, float nearClip, float farClip) {
   }
 }
 
-// Of pictures of any size: the angles stay.
+// Works for pictures of any size, because the angles stay the same.
 void setPinhole(shared::Projection& p, const scene::Lens& lens) {
   p.H = static_cast<float>(2 * lens.fx / lens.width);
   p.V = static_cast<float>(2 * lens.fy / lens.height);

@@ -15,8 +15,8 @@ std::unique_ptr<Visibility> makeVisibility(const RenderState& state, std::span<c
   return std::make_unique<HardwareVisibility>(state.device, state.scene, state.order, views, options);
 }
 
-// On two cores with lavapipe layered and blended surfaces take twice as long with the tree's walk as with eight lights, and
-// lighting as long with the lists of 45 lights as with all of them.
+// On lavapipe with two cores, layered and blended surfaces take twice as long with the light tree's traversal as with a
+// loop over eight lights. Lighting takes as long with the light lists of 45 lights as with a loop over all of them.
 constexpr uint32_t kFewLights = 32;
 
 }  // namespace
@@ -69,7 +69,7 @@ const FrameContext& ViewSet::frame(graph::Graph& graph, const FrameSetup& setup)
   kept.textureSlots = state_.scene.materials().textureSlots();
   kept.layers = state_.scene.materials().layers();
   kept.environment = state_.hasEnvironment;
-  // On GPUs the first light that an edit adds had better make no pipelines.
+  // On GPUs, light loops stay enabled, so that the first light that an edit adds creates no pipelines.
   kept.lights = !state_.device.isCpu() || state_.scene.lights().count() > 0;
   kept.fewLights = state_.device.hasCpuShaders() && state_.scene.lights().count() <= kFewLights;
   const shared::vec2 size = views_.now.front().size;

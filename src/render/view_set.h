@@ -1,5 +1,5 @@
 // A set of views of a scene in a graph: their constants in device memory, the part of the scene that they may see, and
-// the frames built for them. Lives until the graph has been submitted.
+// the frames built for them. It lives until the graph has been submitted.
 #pragma once
 
 #include <deque>
@@ -16,7 +16,7 @@
 
 namespace latelight::render {
 
-// What a renderer renders with, including the buffer sizes it has learned.
+// The state that a renderer renders with, including the buffer sizes that it has learned.
 struct RenderState {
   vk::Device& device;
   graph::Executor& executor;
@@ -29,18 +29,18 @@ struct RenderState {
   Overflow& overflow;
 };
 
-// The same number of each: where views are, were in the previous frame and will be in the next, without jitter.
+// Equal numbers of views in the current, previous and next frame. The previous and next views have no jitter.
 struct ViewsInTime {
   std::vector<shared::View> now, previous, next;
-  std::shared_ptr<const LensRays> lens;  // that all of them look through; null: they are projections
+  std::shared_ptr<const LensRays> lens;  // the rays of all these views; null: they are projections
 };
 
 class ViewSet {
  public:
-  // `shadows`: of these views, or null.
+  // `shadows`: the shadows of these views, or null.
   ViewSet(const RenderState& state, const ViewsInTime& views, const Settings& settings, FrameShadows* shadows,
           const VisibilityOptions& options);
-  // A frame of these views, to add passes to.
+  // Returns a frame of these views, to which passes can be added.
   const FrameContext& frame(graph::Graph& graph, const FrameSetup& setup);
 
   std::span<const shared::View> views() const { return views_.now; }

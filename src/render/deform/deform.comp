@@ -1,7 +1,9 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Vertices of one mesh, morphed and skinned (glTF 2.0, 3.7.2.2 and 3.7.3), for three poses at once: previous, current
-// and next frame. scene::deform() is the same on the CPU.
+// Morph targets and skinning (glTF 2.0, 3.7.2.2 and 3.7.3). Deforms the vertices of one mesh in three poses at once:
+// previous, current and next frame. Each invocation reads one vertex of the mesh at rest (push.positions, attributes,
+// deltas, joints and jointWeights) and one pose (push.weights and the joint matrices push.palette). It writes
+// push.outPositions and, for the current pose only, push.outAttributes. scene::deform() is the CPU version.
 #include "render/glsl/common.glsl"
 #include "render/deform/deform_push.h"
 #include "shared/deform.h"

@@ -7,15 +7,15 @@
 SH_BEGIN
 
 struct DeformPush {
-  uint64_t positions;      // VertexPosition, of the undeformed mesh
-  uint64_t attributes;     // VertexAttributes, likewise
-  uint64_t joints;         // uint: `influences` a vertex
-  uint64_t jointWeights;   // float: `influences` a vertex
+  uint64_t positions;      // VertexPosition[] of the undeformed mesh
+  uint64_t attributes;     // VertexAttributes[] of the same
+  uint64_t joints;         // uint[]: `influences` per vertex
+  uint64_t jointWeights;   // float[]: `influences` per vertex
   uint64_t deltas;         // MorphDelta[targets][vertices]
   uint64_t palette;        // mat4x3[3][jointCount]
   uint64_t weights;        // float[3][targets]
-  uint64_t outPositions;   // VertexPosition[3][stride]: before, now, after
-  uint64_t outAttributes;  // VertexAttributes, of the current pose only
+  uint64_t outPositions;   // VertexPosition[3][stride]: previous, current, next
+  uint64_t outAttributes;  // VertexAttributes[], for the current pose only
   uint vertices;
   uint stride;
   uint influences;

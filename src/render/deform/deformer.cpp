@@ -9,7 +9,7 @@ namespace latelight::render {
 
 namespace {
 
-constexpr uint32_t kColumns = 1u << 20;  // vertices per layer of workgroups: their count along an axis is limited
+constexpr uint32_t kColumns = 1u << 20;  // vertices per z slice of workgroups, because their count per axis is limited
 
 template <typename T>
 vk::Buffer makeBuffer(vk::Device& device, const char* name, uint64_t count) {
@@ -17,7 +17,7 @@ vk::Buffer makeBuffer(vk::Device& device, const char* name, uint64_t count) {
   return vk::Buffer(device, {.size = count * sizeof(T), .usage = kUsage, .name = name});
 }
 
-// Appends one part's values to the others' and returns where.
+// Appends one part's values to the others and returns their byte offset.
 template <typename T>
 uint64_t append(std::vector<T>& all, const std::vector<T>& some) {
   const uint64_t offset = all.size() * sizeof(T);
@@ -46,7 +46,7 @@ std::vector<glm::mat4> jointsOf(const scene::Scene& scene, const scene::Deformat
   return scene::jointMatrices(scene.rig.skins[static_cast<size_t>(d.skin)], pose);
 }
 
-// As many as there are targets.
+// Returns one weight per morph target.
 std::vector<float> weightsOf(const scene::Deformation& d, const scene::Pose& pose) {
   std::vector<float> weights;
   if (d.weightsNode >= 0) weights = pose.weights[static_cast<size_t>(d.weightsNode)];

@@ -1,4 +1,4 @@
-// Meshes whose vertices move: skins and morph targets, on the device.
+// Deforms meshes by skins and morph targets on the device (deform.comp).
 #pragma once
 
 #include <array>
@@ -16,41 +16,41 @@
 
 namespace latelight::render {
 
-// The current pose, and those of the previous and the next frame. Empty ones are the scene at rest.
+// The poses of the current, previous and next frame. If they are empty, the scene is at rest.
 struct Poses {
   scene::Pose previous, current, next;
 };
 
 class Deformer {
  public:
-  // Uploads the scene's deformed meshes before deformation. There must be at least one.
+  // Uploads the undeformed vertices of the scene's deformable meshes. The scene must have at least one.
   Deformer(vk::Device& device, const scene::Scene& scene, vk::Uploader& uploader);
 
-  // Takes joint matrices and weights of all three poses, none of which may be empty.
+  // Computes the joint matrices and morph weights of all three poses, none of which may be empty.
   void pose(const Poses& poses);
-  // Adds the passes that compute all vertices of those poses, to the prologue.
+  // Adds the dispatches that deform all vertices in those poses to the graph's prologue.
   void addTo(graph::Graph& graph) const;
 
   // Points the records and streams of deformed meshes to the results.
   void describe(std::span<shared::Mesh> meshes, std::span<VertexStreams> streams) const;
 
-  // Bounds of a deformed mesh in the pose, in its object space.
+  // Returns the bounds of a deformed mesh in the pose, in its object space.
   scene::ReachBox boundsOf(uint32_t mesh, const scene::Pose& pose) const;
-  // True where the pose turns the triangles over that the mesh has at rest.
+  // Returns true if the pose reverses the winding of the mesh's triangles compared with the mesh at rest.
   bool turnsOver(uint32_t mesh, const scene::Pose& pose) const;
 
  private:
-  struct Part {  // of one mesh
+  struct Part {  // one mesh
     uint32_t mesh;
     const scene::Deformation* deformation;
     scene::Reach reach;
-    uint32_t firstVertex;                   // among the vertices of all parts
+    uint32_t firstVertex;                   // index among the vertices of all parts
     uint64_t joints, jointWeights, deltas;  // byte offsets
   };
   struct Palette {  // joint matrices and weights of all parts and poses
     std::vector<glm::mat4x3> matrices;
     std::vector<float> weights;
-    struct Place {                 // of a part
+    struct Place {                 // of one part
       uint64_t matrices, weights;  // byte offsets
       uint32_t jointCount;
     };

@@ -1,4 +1,4 @@
-// A list of records in device memory that follows one on the host.
+// A list of records in device memory that mirrors one on the host.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 
 namespace latelight::render {
 
-// The numbers of all elements of a list.
+// Returns the indices of all elements of a list.
 inline std::vector<uint32_t> allOf(size_t count) {
   std::vector<uint32_t> all(count);
   std::iota(all.begin(), all.end(), 0u);
@@ -23,12 +23,12 @@ class GpuList {
  public:
   GpuList(vk::Device& device, const char* name) : device_(device), name_(name) {}
 
-  // All of it. What is in use by frames in flight lives on until they have finished.
+  // Uploads the whole list. Buffers that frames in flight use live until those frames have finished.
   void upload(vk::Uploader& uploader, std::span<const T> all) {
     reserve(all.size());
     uploader.upload(buffer_, std::as_bytes(all));
   }
-  // Some elements of it, ascending; `all` may have grown.
+  // Uploads the elements with the indices `changed`, in ascending order; `all` may have grown.
   void upload(vk::Uploader& uploader, std::span<const T> all, std::span<const uint32_t> changed) {
     if (all.size() > capacity_) return upload(uploader, all);
     for (size_t i = 0; i < changed.size();) {
@@ -43,7 +43,7 @@ class GpuList {
  private:
   void reserve(size_t count) {
     if (buffer_ && count <= capacity_) return;
-    // The first time exactly as many as there are; then with room to grow.
+    // The first allocation has exactly the required capacity; later ones add spare capacity.
     capacity_ = buffer_ ? std::bit_ceil(count) : count;
     buffer_ = vk::Buffer(device_, {.size = capacity_ * sizeof(T), .name = name_});
   }

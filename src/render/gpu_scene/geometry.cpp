@@ -12,10 +12,10 @@ std::span<const std::byte> bytesOf(const std::vector<T>& values) {
   return std::as_bytes(std::span(values));
 }
 
-// Arrays that lie in one buffer, one after the other.
+// Concatenates arrays in one buffer.
 class Parts {
  public:
-  // Returns where it begins.
+  // Returns the byte offset of the part.
   uint64_t add(std::span<const std::byte> part) {
     constexpr uint64_t kAlignment = 16;
     const uint64_t at = (bytes_ + kAlignment - 1) / kAlignment * kAlignment;
@@ -98,7 +98,7 @@ void GpuGeometry::update(vk::Uploader& uploader, std::span<const uint32_t> chang
     revisions_[mesh] = revision_;
   }
   posed_ = rest_;
-  deformer_ = nullptr;  // pose() follows where there are poses
+  deformer_ = nullptr;  // pose() follows if the scene is posed
   if (keepsClusters_) {
     clusters_.resize(scene_.meshes.size());
     for (const uint32_t mesh : changed) uploadClusters(uploader, mesh);

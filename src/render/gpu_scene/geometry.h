@@ -1,4 +1,5 @@
-// Meshes in device memory: a buffer each, so that one can be replaced, and a record each that says where it lies.
+// Meshes in device memory. Each mesh has its own buffer, so that it can be replaced, and a record (shared::Mesh) with
+// the addresses of its arrays. For the raster compute, each mesh also has a buffer of clusters (meshlets).
 #pragma once
 
 #include <span>
@@ -12,11 +13,11 @@ namespace latelight::render {
 
 class Deformer;
 
-// As shaders read them, relative to an origin.
+// Returns positions as shaders read them, relative to an origin.
 std::vector<shared::VertexPosition> paddedPositions(std::span<const glm::vec3> positions,
                                                     glm::vec3 origin = glm::vec3(0));
 
-// Where the vertices of a mesh are read from as it is drawn.
+// The vertex buffers and offsets that a draw of a mesh binds.
 struct VertexStreams {
   VkBuffer positions = VK_NULL_HANDLE,
            attributes = VK_NULL_HANDLE;                // shared::VertexPosition[], shared::VertexAttributes[]
@@ -26,20 +27,20 @@ struct VertexStreams {
 class GpuGeometry {
  public:
   GpuGeometry(vk::Device& device, const scene::Scene& scene, vk::Uploader& uploader);
-  // Meshes that were replaced, added or removed.
+  // Uploads meshes that were replaced, added or removed.
   void update(vk::Uploader& uploader, std::span<const uint32_t> changed);
-  // From here on there are clusters.
+  // Builds and uploads clusters for all meshes and, from then on, for each mesh that changes.
   void keepClusters(vk::Uploader& uploader);
-  // Records as they are at rest, or (not null) where the deformer has the vertices.
+  // Uploads the records: at rest if `deformer` is null, otherwise with the addresses of its deformed vertices.
   void pose(vk::Uploader& uploader, const Deformer* deformer);
 
   const VertexStreams& streams(uint32_t mesh) const { return posed_[mesh]; }
-  VkBuffer indexBuffer(uint32_t mesh) const { return buffers_[mesh].get(); }  // from its beginning on
+  VkBuffer indexBuffer(uint32_t mesh) const { return buffers_[mesh].get(); }  // starts at offset 0
   uint32_t indexCount(uint32_t mesh) const { return 3 * records_[mesh].triangleCount; }
   VkDeviceAddress address() const { return list_.address(); }  // shared::Mesh[]
-  // shared::Cluster[] whose bounds hold, or 0: those of a mesh that is deformed do not.
+  // Returns shared::Cluster[] with valid bounds, or 0 if there are none. The bounds are not valid for a deformed mesh.
   VkDeviceAddress clusters(uint32_t mesh) const;
-  // Grow whenever the shape of a mesh changes, or that of any.
+  // Increase whenever the shape of the mesh, or of any mesh, changes.
   uint64_t revision(uint32_t mesh) const { return revisions_[mesh]; }
   uint64_t revision() const { return revision_; }
 
@@ -50,9 +51,9 @@ class GpuGeometry {
   vk::Device& device_;
   const scene::Scene& scene_;
   std::vector<vk::Buffer> buffers_;   // by mesh: indices, positions, attributes, extras
-  std::vector<vk::Buffer> clusters_;  // by mesh, if they are kept
+  std::vector<vk::Buffer> clusters_;  // by mesh; empty before keepClusters()
   bool keepsClusters_ = false;
-  const Deformer* deformer_ = nullptr;  // has the vertices of deformed meshes; null: they are at rest
+  const Deformer* deformer_ = nullptr;  // holds the vertices of deformed meshes; null: they are at rest
   std::vector<shared::Mesh> records_;   // at rest
   std::vector<VertexStreams> rest_, posed_;
   std::vector<uint64_t> revisions_;  // by mesh

@@ -12,11 +12,11 @@ namespace latelight::render {
 
 namespace {
 
-constexpr size_t kInstancesAtOnce = 16384;  // a thread's share: waking another costs less
+constexpr size_t kInstancesAtOnce = 16384;  // per chunk, so that waking a thread is worthwhile
 
-constexpr Sphere kNowhere{glm::vec3(0), -std::numeric_limits<float>::infinity()};  // touches nothing
+constexpr Sphere kNowhere{glm::vec3(0), -std::numeric_limits<float>::infinity()};  // outside every frustum
 
-// Around the corners of the box.
+// Returns a bounding sphere of the corners of the box.
 WorldSphere boundsOf(const scene::ReachBox& box, const glm::dmat4& toWorld) {
   const glm::dvec3 low(box.low), high(box.high), half = 0.5 * (high - low);
   double radius = 0;
@@ -25,7 +25,8 @@ WorldSphere boundsOf(const scene::ReachBox& box, const glm::dmat4& toWorld) {
   return {glm::dvec3(toWorld * glm::dvec4((low + high) * 0.5, 1.0)), radius};
 }
 
-// The sphere with its center rounded to floats, larger by as much as rounding may move it on its way to a view.
+// Returns the sphere with its center rounded to floats. The radius grows by the error that this rounding and the
+// transformation to a view can cause.
 Sphere roundedSphere(const WorldSphere& sphere, const glm::dvec3& origin) {
   if (sphere.radius < 0) return kNowhere;
   constexpr double kRounding = 1e-6, kCenterRounding = 2e-7;
@@ -34,7 +35,7 @@ Sphere roundedSphere(const WorldSphere& sphere, const glm::dvec3& origin) {
           static_cast<float>((1 + kRounding) * sphere.radius + kCenterRounding * (size.x + size.y + size.z))};
 }
 
-// Rounds the translation to a float and keeps the rest.
+// Stores the translation as a float and the remainder of the double.
 void setTransform(shared::Instance& record, const glm::dmat4& toWorld, const glm::dvec3& origin) {
   const glm::dvec3 translation = glm::dvec3(toWorld[3]) - origin;
   record.objectToWorld = glm::mat4x3(glm::mat4(toWorld));
@@ -42,8 +43,8 @@ void setTransform(shared::Instance& record, const glm::dmat4& toWorld, const glm
   record.translationLow = glm::vec3(translation - glm::dvec3(record.objectToWorld[3]));
 }
 
-// One coordinate of the origin. Scenes near the world's own origin keep it. Others get one in steps: it then stays where it
-// is while things move a little.
+// Returns one coordinate of the origin. Scenes near the world's own origin keep it. Other scenes use a multiple of
+// kStep, so that the origin does not change while objects move a little.
 double originNear(double coordinate) {
   constexpr double kNear = 1024, kStep = 64;  // meters
   return std::isfinite(coordinate) && std::abs(coordinate) >= kNear ? std::round(coordinate / kStep) * kStep : 0.0;
@@ -74,7 +75,7 @@ void GpuInstances::place(uint32_t index, const glm::dmat4& toWorld) {
   bounds_[index] = roundedSphere(spheres_[index], origin_);
 }
 
-// Triangles of this size reach so far beyond what most views see of them that their corners need more than floats.
+// Triangles of this size extend so far beyond most views that float precision is not sufficient for their vertices.
 bool GpuInstances::isVast(uint32_t index, const glm::dmat4& toWorld) const {
   constexpr double kVast = 1024;  // meters
   double squared = 0;
@@ -82,7 +83,7 @@ bool GpuInstances::isVast(uint32_t index, const glm::dmat4& toWorld) const {
   return scene_.meshes[scene_.instances[index].mesh].longestEdge * std::sqrt(squared / 3) >= kVast;
 }
 
-// A mesh whose vertices lie far from its own origin is uploaded around one nearby.
+// A mesh whose vertices lie far from its own origin is uploaded relative to a nearby origin.
 glm::dmat4 GpuInstances::deviceTransform(uint32_t index, const glm::dmat4& toWorld) const {
   const scene::Mesh& mesh = scene_.meshes[scene_.instances[index].mesh];
   return glm::translate(toWorld, glm::dvec3(scene::vertexOrigin(mesh)));
@@ -101,8 +102,9 @@ WorldSphere GpuInstances::sphereOf(uint32_t index, const glm::dmat4& toWorld, co
   return sphere;
 }
 
-// The mean of the centers of what is shown, where large things weigh less: a ground says nothing of where on it the scene
-// is. Summed in a fixed order, since the origin decides how everything is rounded.
+// Returns the weighted mean of the centers of all visible instances. Large instances have small weights, because the
+// center of a large ground does not tell where on it the scene is. The order of summation is fixed, because the origin
+// determines how everything is rounded.
 glm::dvec3 GpuInstances::meanCenter() const {
   const size_t parts = (spheres_.size() + kInstancesAtOnce - 1) / kInstancesAtOnce;
   std::vector<glm::dvec4> sums(parts, glm::dvec4(0));
@@ -185,7 +187,7 @@ uint32_t GpuInstances::groupBits(uint32_t instance) const {
   return instance < groups_.size() ? groups_[instance] << shared::kInstanceGroupShift : 0;
 }
 
-// Neither the order of drawing nor what any of it holds depends on them.
+// Does not increase revision_, because neither the draw order nor any data derived from it depends on groups.
 void GpuInstances::setGroups(vk::Uploader& uploader, const std::vector<uint32_t>& groups) {
   if (groups == groups_) return;
   groups_ = groups;

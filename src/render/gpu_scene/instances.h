@@ -1,5 +1,5 @@
-// Instances in device memory, numbered as the scene numbers them: where each is, was a frame before and will be a frame
-// after. All positions are relative to origin(), which lies near most of the scene.
+// Instances in device memory, in the scene's order: their transforms in the current, previous and next frame. All
+// positions are relative to origin(), which lies near most of the scene.
 #pragma once
 
 #include <limits>
@@ -15,27 +15,28 @@ namespace latelight::render {
 
 struct WorldSphere {  // in the scene's world space, meters
   glm::dvec3 center{0};
-  double radius = -std::numeric_limits<double>::infinity();  // below 0: nothing is shown
-  bool turnedOver = false;  // its skin mirrors the mesh, whose triangles then wind the other way round
+  double radius = -std::numeric_limits<double>::infinity();  // below 0: the instance is hidden
+  bool turnedOver = false;  // its skin mirrors the mesh, which reverses the winding of its triangles
 };
 
 class GpuInstances {
  public:
   GpuInstances(vk::Device& device, const scene::Scene& scene, vk::Uploader& uploader);
   const glm::dvec3& origin() const { return origin_; }
-  // Instances that were edited, at rest.
+  // Uploads edited instances, at rest.
   void update(vk::Uploader& uploader, std::span<const uint32_t> changed);
-  // All of them, by poses (empty ones: at rest). `deformer`: what knows how far deformed meshes reach, or null.
+  // Uploads all instances in these poses (empty: at rest). `deformer` provides the bounds of deformed meshes, or is
+  // null.
   void pose(vk::Uploader& uploader, const Poses& poses, const Deformer* deformer);
-  // Moment::groups, until others are set.
+  // Sets Moment::groups until the next call.
   void setGroups(vk::Uploader& uploader, const std::vector<uint32_t>& groups);
 
   uint32_t count() const { return static_cast<uint32_t>(records_.size()); }
   const shared::Instance& record(uint32_t instance) const { return records_[instance]; }
-  const Sphere& bounds(uint32_t instance) const { return bounds_[instance]; }  // touches nothing where it is not shown
-  scene::Bounds allBounds() const;                                             // of the scene, around those spheres
-  bool anyVast() const { return vast_ > 0; }                                   // has kInstanceVast
-  uint64_t revision() const { return revision_; }                              // grows whenever one changes
+  const Sphere& bounds(uint32_t instance) const { return bounds_[instance]; }  // outside every frustum if hidden
+  scene::Bounds allBounds() const;                                             // encloses the spheres, world space
+  bool anyVast() const { return vast_ > 0; }                                   // any instance has kInstanceVast
+  uint64_t revision() const { return revision_; }                              // increases with every change
 
   VkDeviceAddress address() const { return list_.address(); }  // shared::Instance[]
   void describe(shared::FrameConstants& frame) const;
@@ -47,7 +48,7 @@ class GpuInstances {
   glm::dvec3 meanCenter() const;
   bool isVast(uint32_t instance, const glm::dmat4& toWorld) const;
   void countVast();
-  bool moveOrigin();  // to where spheres_ are; returns whether it moved
+  bool moveOrigin();  // moves it to spheres_; returns true if it changed
   void placeAll(const std::vector<glm::dmat4>& transforms);
   void place(uint32_t instance, const glm::dmat4& toWorld);
   uint32_t groupBits(uint32_t instance) const;
@@ -57,10 +58,10 @@ class GpuInstances {
   std::vector<shared::Instance> records_;
   glm::dvec3 origin_{0};
   std::vector<WorldSphere> spheres_;
-  std::vector<Sphere> bounds_;  // spheres_, relative to the origin
+  std::vector<Sphere> bounds_;  // spheres_ relative to the origin
   std::vector<uint32_t> groups_;
   GpuList<shared::Instance> list_, previous_, next_;
-  bool moves_ = false;  // previous_ and next_ hold something of their own
+  bool moves_ = false;  // previous_ and next_ have other transforms than list_
   size_t vast_ = 0;
   uint64_t revision_ = 1;
 };

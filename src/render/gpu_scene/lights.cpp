@@ -14,8 +14,8 @@ namespace latelight::render {
 
 namespace {
 
-// A light without a range has no end: what it gives far away still shows as a highlight on gloss, and in the sum of
-// many lights. Any bound on what may be lost in those lets it reach farther than the scene does.
+// A light without a range is unbounded: even far away it contributes to highlights on glossy surfaces and to the sum of
+// many lights. Any radius that bounds the error of these would be larger than the scene.
 shared::Light deviceLight(const scene::Light& light, const glm::dvec3& origin) {
   shared::Light l{};
   l.position = glm::vec3(light.position - origin);
@@ -35,7 +35,7 @@ bool isSound(const shared::Light& l) {
   return !std::isnan(l.radius) && std::isfinite(l.spotScale) && std::isfinite(l.spotOffset);
 }
 
-// Uploads what is not as it was.
+// Uploads the elements that differ from `before`.
 template <typename T>
 void uploadChanges(GpuList<T>& list, vk::Uploader& uploader, const std::vector<T>& before, const std::vector<T>& now) {
   std::vector<uint32_t> changed;

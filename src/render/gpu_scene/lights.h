@@ -1,4 +1,4 @@
-// Lights in device memory, in the order of the light tree.
+// Punctual lights in device memory, in the order of the light tree, and the tree itself (light_tree.h).
 #pragma once
 
 #include <span>
@@ -13,14 +13,15 @@ namespace latelight::render {
 class GpuLights {
  public:
   explicit GpuLights(vk::Device& device) : list_(device, "lights"), tree_(device, "light tree") {}
-  // Takes those of the lights that shine. `origin`: of the device's world space (GpuScene::origin()).
+  // Uploads the lights that emit light. `origin`: the origin of the device's world space in the scene's
+  // (GpuScene::origin()).
   void set(vk::Uploader& uploader, std::vector<scene::Light> lights, const glm::dvec3& origin);
 
   uint32_t count() const { return static_cast<uint32_t>(lights_.size()); }
-  std::span<const shared::Light> lights() const { return lights_; }  // as the device has them
-  uint32_t endless() const { return endless_; }                      // of them: point and spot lights without a range
-  std::span<const scene::Light> authored() const { return authored_; }  // as they were set, without gaps
-  std::span<const uint32_t> sources() const { return sources_; }        // of lights(): which of authored()
+  std::span<const shared::Light> lights() const { return lights_; }  // as on the device
+  uint32_t endless() const { return endless_; }                      // number of point and spot lights without a range
+  std::span<const scene::Light> authored() const { return authored_; }  // as set, without removed lights
+  std::span<const uint32_t> sources() const { return sources_; }        // index of each of lights() in authored()
 
   void describe(shared::FrameConstants& frame) const;
 
@@ -28,7 +29,7 @@ class GpuLights {
   std::vector<scene::Light> authored_;
   std::vector<shared::Light> lights_;
   std::vector<uint32_t> sources_;
-  std::vector<shared::LightBox> nodes_;  // of the tree
+  std::vector<shared::LightBox> nodes_;  // of the light tree
   GpuList<shared::Light> list_;
   GpuList<shared::LightBox> tree_;
   uint32_t directional_ = 0, endless_ = 0, leaves_ = 0;

@@ -1,4 +1,5 @@
-// Materials in device memory: records read by address, and the same as a uniform buffer for draws; with their textures.
+// Materials in device memory: their textures, and their records in a buffer that shaders read by address and in a
+// uniform buffer for draws.
 #pragma once
 
 #include <array>
@@ -14,7 +15,8 @@
 
 namespace latelight::render {
 
-// What a draw of a material binds: sets 1 (textures) and 2 (its record, at an offset into a uniform buffer).
+// The descriptor sets that a draw binds for its material: 1 (textures) and 2 (its record, at an offset into a uniform
+// buffer).
 struct MaterialSets {
   std::array<VkDescriptorSet, 2> sets;
   uint32_t offset;
@@ -23,26 +25,27 @@ struct MaterialSets {
 class GpuMaterials {
  public:
   GpuMaterials(vk::Device& device, const scene::Scene& scene, vk::Uploader& uploader);
-  // Textures and materials that were edited, added or removed.
+  // Uploads textures and materials that were edited, added or removed.
   void update(vk::Uploader& uploader, std::span<const uint32_t> textures, std::span<const uint32_t> changed);
-  // Meshes that were edited or added; or instances were, wherever they are.
+  // Updates which blended materials are opaque, after these meshes or any instances were edited or added.
   void updateOpacity(vk::Uploader& uploader, std::span<const uint32_t> meshes);
-  // Others than the scene's, by their number, until others are.
+  // Replaces the scene's records of these materials, by index, until the next call.
   void pose(vk::Uploader& uploader, const std::map<uint32_t, shared::Material>& posed);
   void setAnisotropy(vk::Uploader& uploader, uint32_t samples) { textures_.setAnisotropy(uploader, samples); }
 
   const shared::Material& record(uint32_t material) const { return records_[material]; }
   MaterialSets sets(uint32_t material) const;
-  VkDescriptorSet textureSet() const { return textures_.sets().set(0); }  // of all materials: where they are indexed
+  VkDescriptorSet textureSet() const { return textures_.sets().set(0); }  // bindless: for all materials
   void keepTexels(vk::Uploader& uploader) { textures_.keepTexels(uploader); }
   VkDeviceAddress textureRecords() const { return textures_.records(); }
   static std::vector<std::vector<vk::Binding>> setBindings(const vk::Device& device);  // of sets 1 and 2
-  // What shaders are made for: bit i where a material has, or had, a texture in slot i. All bits but on a CPU device,
-  // which takes its time to compile a slot; elsewhere all scenes share their pipelines.
+  // The texture slots for which shaders are specialized: bit i is set if a material has, or had, a texture in slot i.
+  // On a GPU all bits are set, so that all scenes share their pipelines. On a CPU device, each slot adds to the time to
+  // compile shaders.
   uint32_t textureSlots() const { return textureSlots_; }
-  uint32_t layers() const { return layers_; }                  // kLayer* that some material has, or had
+  uint32_t layers() const { return layers_; }                  // kLayer* flags that a material has, or had
   VkDeviceAddress address() const { return list_.address(); }  // shared::Material[]
-  uint64_t revision() const { return revision_; }              // grows whenever one changes
+  uint64_t revision() const { return revision_; }              // increases whenever a material changes
 
  private:
   void setRecord(uint32_t material, const shared::Material& data);
@@ -55,11 +58,11 @@ class GpuMaterials {
   GpuTextures textures_;
   Opacity opacity_;
   std::vector<shared::Material> records_;
-  std::vector<uint32_t> posed_;  // whose records are not the scene's
+  std::vector<uint32_t> posed_;  // materials whose records are not the scene's
   GpuList<shared::Material> list_;
   vk::Buffer uniforms_;  // the records, each at a multiple of uniformStride_
   VkDeviceSize uniformStride_ = 0;
-  vk::Handle<VkDescriptorPool> uniformPool_;  // of this set alone
+  vk::Handle<VkDescriptorPool> uniformPool_;  // for this set only
   VkDescriptorSet uniformSet_ = VK_NULL_HANDLE;
   uint32_t textureSlots_ = 0;
   uint32_t layers_ = 0;

@@ -62,7 +62,7 @@ bool Opacity::isOpaque(uint32_t material, const shared::Material& data) const {
   return !hasTexture || hasOpaqueTexels(scene_.materials[material].slots[shared::kTextureBaseColor].texture);
 }
 
-// Mip levels of a texture whose alpha is 255 everywhere have no other alpha.
+// Tests all mip levels. Each texture is tested once, until it is replaced.
 bool Opacity::hasOpaqueTexels(int index) const {
   if (index < 0 || static_cast<size_t>(index) >= scene_.textures.size()) return false;
   const auto [known, isNew] = textures_.try_emplace(index, false);

@@ -11,7 +11,7 @@ namespace latelight::render {
 
 namespace {
 
-// --- a set a material -----------------------------------------------------------------------------------------------
+// --- one descriptor set per material ---------------------------------------------------------------------------------
 
 class BoundTextures final : public TextureSets {
  public:
@@ -76,7 +76,7 @@ BoundTextures::Set BoundTextures::allocate() {
   return made;
 }
 
-// --- one array ------------------------------------------------------------------------------------------------------
+// --- one descriptor array (bindless) ---------------------------------------------------------------------------------
 
 class IndexedTextures final : public TextureSets {
  public:
@@ -89,8 +89,8 @@ class IndexedTextures final : public TextureSets {
 
   vk::Device& device_;
   const GpuTextures& textures_;
-  uint64_t revision_ = 0;              // of the entries that the set has
-  vk::Handle<VkDescriptorPool> pool_;  // of this set alone
+  uint64_t revision_ = 0;              // of the entries in the set
+  vk::Handle<VkDescriptorPool> pool_;  // for this set only
   VkDescriptorSet set_ = VK_NULL_HANDLE;
 };
 

@@ -1,8 +1,9 @@
-// How shaders find a material's textures: descriptor set 1 of every draw of the scene.
+// How shaders access the textures of materials: descriptor set 1 of every draw of the scene.
 //
-// Where the device has descriptor indexing, one array for the whole scene holds every pair of texture and sampler that
-// a material uses, and Material::images says where. Elsewhere (lavapipe) each material has a set of its own, with a
-// binding a slot. In shaders both are sampleTexture() of glsl/material.glsl.
+// On devices with descriptor indexing, textures are bindless: one descriptor array for the scene holds every pair of
+// texture and sampler that a material uses, and Material::images holds indices into it. On other devices (lavapipe),
+// each material has its own descriptor set with one binding per slot. Shaders use sampleTexture() of glsl/material.glsl
+// in both cases.
 #pragma once
 
 #include <array>
@@ -24,8 +25,8 @@ using TextureIndices = std::array<uint32_t, shared::kTextureCount>;
 class TextureSets {
  public:
   virtual ~TextureSets() = default;
-  // These materials are new, or have other textures or samplers than before. Sets that frames in flight use stay as
-  // they are until those have finished.
+  // Updates the sets of materials that are new or that changed their textures or samplers. Sets that frames in flight
+  // use do not change until those frames have finished.
   virtual void update(std::span<const uint32_t> materials) = 0;
   virtual VkDescriptorSet set(uint32_t material) const = 0;
 };
@@ -33,7 +34,7 @@ class TextureSets {
 std::unique_ptr<TextureSets> makeTextureSets(vk::Device& device, const scene::Scene& scene,
                                              const GpuTextures& textures);
 std::vector<vk::Binding> textureBindings(const vk::Device& device);
-// The form of a shader that reads materials: those that sample by index are compiled apart.
+// Returns the variant of a shader that reads materials. Shaders that sample bindless textures are compiled separately.
 std::string materialVariant(const vk::Device& device, const std::string& shader);
 
 }  // namespace latelight::render

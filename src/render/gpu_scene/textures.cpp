@@ -27,7 +27,7 @@ uint32_t wrapBits(scene::Wrap wrap) {
   return wrap == scene::Wrap::Clamp ? 2 : wrap == scene::Wrap::Mirror ? 1 : 0;
 }
 
-// Files that ask for blocks of texels, or for no levels, get what they ask for.
+// Files that request nearest filtering or no mip levels get what they request.
 bool isAnisotropic(const scene::Sampler& sampler) {
   return sampler.magnify == scene::Filter::Linear && sampler.minify == scene::Filter::Linear &&
          sampler.mip != scene::MipFilter::None;
@@ -92,7 +92,7 @@ void GpuTextures::uploadImage(vk::Uploader& uploader, uint32_t index) {
   uploader.upload(image, {texture.pixels.get(), texture.bytes()});
 }
 
-// Materials that still sample the texture add theirs again.
+// Materials that still sample the texture add their entries again.
 void GpuTextures::dropEntries(uint32_t texture) {
   for (const uint32_t entry : entriesOf_[texture]) {
     entries_[entry] = {};
@@ -109,7 +109,7 @@ void GpuTextures::addEntries(uint32_t material) {
   }
 }
 
-// The entry that there is already, or a new one.
+// Returns the existing entry of the texture and sampler, or a new one.
 uint32_t GpuTextures::addEntry(const scene::TextureSlot& slot) {
   std::vector<uint32_t>& known = entriesOf_[static_cast<size_t>(slot.texture)];
   const auto found = std::ranges::find(known, slot.sampler, [&](uint32_t i) { return entries_[i].sampler; });
@@ -164,8 +164,9 @@ shared::TextureRecord GpuTextures::recordOf(const Entry& entry) const {
           .anisotropy = isAnisotropic(s) ? anisotropy_ : 1};
 }
 
-// What an empty slot is bound to. Never sampled: Material::textures says which slots hold a texture. A full texture of
-// the slot's usual format and kind of size all the same, so that it makes no combination of its own.
+// Creates the textures that empty slots are bound to. Shaders never sample them, because Material::textures states
+// which slots hold a texture. They have the slot's usual format and kind of size, so that they add no combination of
+// texture states (texture_kinds.h).
 void GpuTextures::uploadEmptyTextures(vk::Uploader& uploader) {
   for (VkFormat format : {VK_FORMAT_R8G8B8A8_UNORM, VK_FORMAT_R8G8B8A8_SRGB}) {
     vk::Image& empty = emptyTextures_.emplace_back(
@@ -198,7 +199,7 @@ VkSampler GpuTextures::sampler(const scene::Sampler& sampler) const {
       .mip = sampler.mip == scene::MipFilter::Linear ? VK_SAMPLER_MIPMAP_MODE_LINEAR : VK_SAMPLER_MIPMAP_MODE_NEAREST,
       .wrapU = addressMode(sampler.wrapU),
       .wrapV = addressMode(sampler.wrapV),
-      // Vulkan's way to say "no mip levels" (VkSamplerCreateInfo, note on GL filters)
+      // Disables mip levels as Vulkan defines it (VkSamplerCreateInfo, note on GL filters).
       .maxLod = sampler.mip == scene::MipFilter::None ? 0.25f : VK_LOD_CLAMP_NONE};
   if (isAnisotropic(sampler)) desc.anisotropy = static_cast<float>(anisotropy_);
   return device_.cache().sampler(desc);

@@ -1,4 +1,4 @@
-// Textures of a scene's materials in device memory, and the samplers that go with them.
+// The textures of a scene's materials in device memory, and their samplers.
 #pragma once
 
 #include <memory>
@@ -11,36 +11,37 @@
 
 namespace latelight::render {
 
-// Where nothing else is asked for: 8, which costs a GPU little; 1 on a CPU device.
+// The default of --anisotropy: 8, which costs a GPU little, or 1 on a CPU device.
 uint32_t usualAnisotropy(const vk::Device& device);
 
 class GpuTextures {
  public:
   GpuTextures(vk::Device& device, const scene::Scene& scene, vk::Uploader& uploader);
-  // Textures and materials that were edited, added or removed. A texture's edit is one of the materials that sample it.
+  // Uploads textures and materials that were edited, added or removed. An edit of a texture is also an edit of the
+  // materials that sample it.
   void update(vk::Uploader& uploader, std::span<const uint32_t> textures, std::span<const uint32_t> materials);
-  // Samples of a texture along a pixel's footprint, at most: 1 (none) at first.
+  // Sets the maximum number of samples along a pixel's footprint; initially 1 (none).
   void setAnisotropy(vk::Uploader& uploader, uint32_t samples);
 
-  // Every pair of texture and sampler that a material uses, or has used; the first has no texture, like those that wait
-  // to be used again. By slot of a material: Material::images.
+  // The pairs of texture and sampler that materials use, or have used; Material::images holds the index for each slot.
+  // The first entry and free entries have no texture.
   struct Entry {
-    int texture = -1;  // of the scene
+    int texture = -1;  // index into the scene's textures
     scene::Sampler sampler;
   };
   std::span<const Entry> entries() const { return entries_; }
-  uint64_t revision() const { return revision_; }  // grows whenever an entry changes: its texture, image or sampler
+  uint64_t revision() const { return revision_; }  // increases whenever an entry, its image or its sampler changes
   const TextureIndices& indices(uint32_t material) const { return indices_[material]; }
 
   const TextureSets& sets() const { return *sets_; }
   VkImageView view(const Entry& entry) const;
-  // What a slot of a material is bound to; where it has no texture, one that is never sampled.
+  // The view that a material's slot is bound to. The view of an empty slot is never sampled.
   VkImageView view(uint32_t material, uint32_t slot) const;
   VkSampler sampler(const scene::Sampler& sampler) const;
 
-  // From now on texels are kept in buffers too, for shaders that filter themselves (texels.glsl).
+  // Uploads texels to buffers, too, from then on: for shaders that filter textures themselves (texels.glsl).
   void keepTexels(vk::Uploader& uploader);
-  VkDeviceAddress records() const { return records_.address(); }  // shared::TextureRecord[], by entry; 0: not kept
+  VkDeviceAddress records() const { return records_.address(); }  // shared::TextureRecord[], by entry; 0: none
 
  private:
   void uploadEmptyTextures(vk::Uploader& uploader);

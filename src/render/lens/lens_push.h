@@ -1,4 +1,4 @@
-// Which rays of a picture through a lens each pixel of its pinhole views has.
+// Maps each pixel of a lens camera's pinhole views to the rays of the image that it contains.
 #ifndef LATELIGHT_LENS_PUSH_H
 #define LATELIGHT_LENS_PUSH_H
 
@@ -7,11 +7,11 @@
 SH_BEGIN
 
 struct LensTarget {
-  uint64_t frame;   // FrameConstants of the picture
-  uint64_t starts;  // uint[views][height][width] and one more, of the pinhole views of a view: where their rays begin
-  uint64_t pixels;  // uint[]: the rays, as y * width + x of the picture
-  uint views;       // pinhole views of a view
-  uint width;       // of the picture
+  uint64_t frame;   // FrameConstants of the image
+  uint64_t starts;  // uint[views][height][width] and one more: per pinhole pixel, its first index in `pixels`
+  uint64_t pixels;  // uint[]: the rays, as y * width + x of the image
+  uint views;       // pinhole views per view of the image
+  uint width;       // of the image
 };
 
 SH_END

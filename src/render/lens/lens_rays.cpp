@@ -20,16 +20,17 @@ namespace {
 
 using Rays = std::vector<shared::LensRay>;
 
-// One view sees all where rays stay within 60 degrees of the axis; beyond, its pixels there would be wasted.
+// If all rays stay within 60 degrees of the axis, one pinhole view covers them. Beyond that, a single view would waste
+// pixels at its edge.
 constexpr float kOneView = 0.5f;
-constexpr float kRim = 1;  // pixels around all rays, for rounding
+constexpr float kRim = 1;  // margin around all rays in pixels, for rounding
 constexpr float kMostPixels = 16384;
 
 bool sees(const shared::LensRay& ray) {
   return ray.direction != glm::vec3(0);
 }
 
-// With the row above, and the one below.
+// Returns the rays of the rows, of the row above and of the row below.
 Rays raysOf(const LensPicture& p) {
   const scene::LensProjection projection(scene::scaledTo(p.lens, p.width, p.height));
   Rays rays(size_t{p.width} * (p.rows + 2));
@@ -50,13 +51,13 @@ Rays raysOf(const LensPicture& p) {
 }
 
 constexpr uint32_t kAxes = 6;
-// Right, away and up of a view along each axis of the camera: +Y, -Y, +X, -X, +Z, -Z.
+// Right, forward and up axes of the pinhole view along each axis of the camera: +Y, -Y, +X, -X, +Z, -Z.
 constexpr glm::vec3 kAlong[kAxes][3] = {
     {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}},  {{-1, 0, 0}, {0, -1, 0}, {0, 0, 1}}, {{0, -1, 0}, {1, 0, 0}, {0, 0, 1}},
     {{0, 1, 0}, {-1, 0, 0}, {0, 0, 1}}, {{1, 0, 0}, {0, 0, 1}, {0, -1, 0}},  {{1, 0, 0}, {0, 0, -1}, {0, 1, 0}},
 };
 
-// The axis nearest to a direction.
+// Returns the index in kAlong of the axis nearest to a direction.
 uint32_t axisOf(glm::vec3 d) {
   const glm::vec3 a = glm::abs(d);
   if (a.y >= a.x && a.y >= a.z) return d.y >= 0 ? 0 : 1;
@@ -64,7 +65,7 @@ uint32_t axisOf(glm::vec3 d) {
   return d.z >= 0 ? 4 : 5;
 }
 
-// What a view along an axis must show, on the plane at 1 m.
+// The extent on the plane at 1 m that the pinhole view along an axis must cover.
 struct Extent {
   glm::vec2 low{std::numeric_limits<float>::infinity()}, high{-std::numeric_limits<float>::infinity()};
   float step = std::numeric_limits<float>::infinity();  // the size of the smallest pixel
@@ -91,7 +92,8 @@ struct RayGrid {
     const glm::vec3 d = at(x, y).direction;
     return glm::vec2(glm::dot(d, right), glm::dot(d, up)) / glm::dot(d, away);
   }
-  // How far the next pixel is, or the last one; 0 where neither has a ray and the same view.
+  // Returns the distance to the next pixel, or else to the previous one; 0 if neither has a ray in the same pinhole
+  // view.
   float stepAlong(size_t x, size_t y, size_t right, size_t down) const {
     for (const size_t sign : {size_t{1}, ~size_t{0}}) {
       const size_t otherX = x + sign * right, otherY = y + sign * down;
@@ -100,7 +102,8 @@ struct RayGrid {
     }
     return 0;
   }
-  // The longer side of a pixel: at the poles of an equirectangular picture the other one says nothing.
+  // Returns the longer side of a pixel, because the other side is meaningless at the poles of an equirectangular
+  // picture.
   float sizeOf(size_t x, size_t y) const {
     const float across = stepAlong(x, y, 1, 0), down = stepAlong(x, y, 0, 1);
     return across > 0 && down > 0 ? std::max(across, down) : std::numeric_limits<float>::infinity();
@@ -126,7 +129,7 @@ Extents extentsOf(const RayGrid& grid) {
   return all;
 }
 
-// `pixel`: its side on the plane at 1 m.
+// `pixel`: the side of a pixel on the plane at 1 m.
 shared::View pinholeView(uint32_t axis, const Extent& extent, glm::vec2 size, float pixel) {
   shared::View view{};
   const auto& [right, away, up] = kAlong[axis];
@@ -138,14 +141,14 @@ shared::View pinholeView(uint32_t axis, const Extent& extent, glm::vec2 size, fl
   return view;
 }
 
-// Where the rays lie, ordered by the pixels of the pinhole views.
+// The indices of the rays, sorted by the pixel of the pinhole views that contains them (counting sort).
 struct Bins {
   std::vector<uint32_t> starts, pixels;
-  uint32_t most = 0;  // in one pixel
+  uint32_t most = 0;  // maximum number of rays in one pixel
 };
 
-// lavapipe silently ends a shader's loops after 65535 iterations, all loops together: of the rays in one pixel for each
-// large triangle there.
+// lavapipe silently ends a shader's loops after 65535 iterations in total. The shader iterates over the rays in one
+// pixel for each large triangle there, so this limits the number of rays in a pixel.
 constexpr uint32_t kMostOnCpu = 2048;
 
 Bins binsOf(const RayGrid& grid, std::span<const shared::View> views, std::span<const uint32_t> viewOfAxis) {
@@ -185,7 +188,7 @@ LensRays::LensRays(vk::Device& device, const LensPicture& picture) {
       std::ranges::all_of(table, [](const shared::LensRay& ray) { return !sees(ray) || ray.direction.y >= kOneView; });
   const RayGrid grid{table, picture.width, oneView};
   Extents extents = extentsOf(grid);
-  if (std::ranges::all_of(extents, &Extent::empty)) extents[0] = {glm::vec2(0), glm::vec2(0)};  // it sees nothing
+  if (std::ranges::all_of(extents, &Extent::empty)) extents[0] = {glm::vec2(0), glm::vec2(0)};  // no pixel has a ray
   glm::vec2 largest(0);
   float step = std::numeric_limits<float>::infinity();
   for (const Extent& extent : extents) {
@@ -193,11 +196,11 @@ LensRays::LensRays(vk::Device& device, const LensPicture& picture) {
     largest = glm::max(largest, extent.high - extent.low);
     step = std::min(step, extent.step);
   }
-  // Pixels of a picture one pixel wide or high have no size.
+  // The pixels of a picture that is one pixel wide or high have no measurable size.
   const float widest = std::max(largest.x, largest.y);
   if (!std::isfinite(step)) step = std::max(widest, 1e-3f) / static_cast<float>(std::max(picture.width, picture.rows));
   const float pixel = std::max(step, widest / (kMostPixels - 2 * kRim - 2));
-  // Even, so that four pixels share the rays around the pole of an equirectangular picture.
+  // The size is even, so that four pixels share the rays around the pole of an equirectangular picture.
   const glm::vec2 size = 2.0f * glm::ceil(0.5f * largest / pixel) + 2 * kRim;
   std::array<uint32_t, kAxes> viewOfAxis{};
   for (uint32_t axis = 0; axis < kAxes; ++axis) {

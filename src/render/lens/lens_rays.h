@@ -1,4 +1,7 @@
-// The rays of a picture through a lens, and the pinhole views that together see along all of them.
+// Ray tables for cameras whose lens bends rays. LensRays computes the ray of each pixel of a picture (`rays`), fits up
+// to six pinhole views around them (`views`), and lists the rays in each pixel of those views (`starts`, `pixels`). The
+// raster compute visits the pixels of the pinhole views that a triangle touches and intersects the triangle with their
+// rays (visibility/compute/lens_rays.glsl).
 #pragma once
 
 #include <list>
@@ -11,27 +14,27 @@
 
 namespace latelight::render {
 
-// Which rays: those of some rows of a picture. `jitter`: as makeView() has it.
+// Identifies the rays: those of some rows of a picture. `jitter` is defined as in makeView().
 struct LensPicture {
   scene::Lens lens;
-  uint32_t width, height;  // of the whole picture
+  uint32_t width, height;  // of the full picture
   uint32_t first, rows;
   glm::vec2 jitter;
   bool operator==(const LensPicture&) const = default;
 };
 
 struct LensRays {
-  // shared::LensRay[rows + 2][width]: a strip knows the rows beside it, so that textures are filtered alike. 0 outside
-  // of the picture.
+  // shared::LensRay[rows + 2][width]. A strip also stores the rows above and below it, so that textures are filtered
+  // the same way. Rays outside of the picture are 0.
   vk::Buffer rays;
-  // The pinhole views, of a camera at the world's origin whose axes are the world's. All are of one size.
+  // The pinhole views of a camera at the world's origin, aligned to the world's axes. All have the same size.
   std::vector<shared::View> views;
-  vk::Buffer starts, pixels;  // the rays in each of their pixels, as shared::LensTarget has them
+  vk::Buffer starts, pixels;  // the rays in each pixel of the views, as in shared::LensTarget
 
   LensRays(vk::Device& device, const LensPicture& picture);
 };
 
-// The latest: cameras mostly share a lens.
+// A cache of the most recent tables, because cameras usually share a lens.
 class KeptLensRays {
  public:
   std::shared_ptr<const LensRays> of(vk::Device& device, const LensPicture& picture);

@@ -9,8 +9,8 @@ namespace latelight::render {
 
 namespace {
 
-// The largest distances from the axis at 1 m, or nothing where some pixels look too far sideways. Of pixels all over
-// the picture, with some room for those between.
+// Returns the largest distances of rays from the axis on the plane at 1 m, or nothing if some rays point too far
+// sideways. It samples a grid over the picture and adds a margin for the pixels in between.
 std::optional<glm::dvec2> reachOf(const scene::Lens& lens) {
   constexpr int kSteps = 32;
   constexpr double kOutermost = 0.4, kRoom = 1.05;

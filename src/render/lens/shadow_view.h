@@ -1,4 +1,4 @@
-// The view that the shadow maps of a picture are planned for.
+// The view for which a picture's shadow maps are planned.
 #pragma once
 
 #include "render/gpu_scene.h"
@@ -6,8 +6,8 @@
 
 namespace latelight::render {
 
-// The camera's own. Through a lens a pinhole view around all that it sees, or where there is none, an orthographic one
-// of the whole scene.
+// Returns the camera's own view. For a lens that bends rays, returns a pinhole view that encloses all rays or, if there
+// is none, an orthographic view of the whole scene.
 shared::View shadowView(const scene::Camera& camera, uint32_t width, uint32_t height, const GpuScene& scene);
 
 }  // namespace latelight::render

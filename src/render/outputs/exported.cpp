@@ -14,7 +14,7 @@ std::unique_ptr<ExportedMemory> ExportPool::takeFree(uint64_t bytes) {
   };
   const auto found = std::ranges::min_element(free_, {}, waste);
   if (found == free_.end() || waste(*found) == ~uint64_t{0}) {
-    free_.clear();  // of pictures of another size
+    free_.clear();  // their sizes are for other pictures
     return nullptr;
   }
   std::unique_ptr<ExportedMemory> taken = std::move(*found);

@@ -1,5 +1,5 @@
-// Outputs that stay in device memory as arrays of a whole request, which other APIs of the device (CUDA, another
-// Vulkan device) may import; on a CPU device the host has them.
+// Outputs that stay in device memory as arrays of a whole request. Other APIs on the device (CUDA, another Vulkan
+// device) may import them. On a CPU device they are in host memory.
 #pragma once
 
 #include <cstdint>
@@ -17,16 +17,16 @@ namespace latelight::render {
 
 struct ExportedMemory {
   vk::Buffer buffer;
-  std::shared_ptr<void> import;       // an importer's own, kept as long as the memory
-  std::function<void()> beforeReuse;  // called before it is rendered to again
+  std::shared_ptr<void> import;       // owned by an importer, released with the memory
+  std::function<void()> beforeReuse;  // called before the memory is rendered to again
 };
 
-// Memory of arrays, used again once nobody has them: to allocate and import it takes longer than to render what is in
-// it. Arrays may be given back by any thread, at any time.
+// Memory of arrays, reused after its owner releases it, because allocating and importing memory is slower than
+// rendering into it. Any thread may release arrays at any time.
 class ExportPool : public std::enable_shared_from_this<ExportPool> {
  public:
-  // At least so many bytes. Throws Error(NoDevice) where the device exports none, Error(DeviceLost) where it has no
-  // room.
+  // Returns at least `bytes` bytes. Throws Error(NoDevice) if the device cannot export memory, and Error(DeviceLost) if
+  // it has no memory left.
   std::shared_ptr<ExportedMemory> take(vk::Device& device, uint64_t bytes);
 
  private:
@@ -35,16 +35,16 @@ class ExportPool : public std::enable_shared_from_this<ExportPool> {
   std::vector<std::unique_ptr<ExportedMemory>> free_;
 };
 
-// Views x rows x columns x channels, without gaps.
+// Views x rows x columns x channels, tightly packed.
 struct ExportedArray {
-  std::optional<output::Aov> aov;  // none: the picture to look at, 8 bits a channel
+  std::optional<output::Aov> aov;  // none: the display picture, 8 bits per channel
   size_t views = 0;
   uint32_t rows = 0, columns = 0, channels = 0;
   uint64_t rowBytes = 0;
   std::shared_ptr<ExportedMemory> memory;
 };
 
-// An array for each output of such a picture.
+// Returns one array per output for `views` pictures with `rows` rows each.
 std::vector<ExportedArray> exportedArrays(vk::Device& device, ExportPool& pool, const Settings& settings, uint32_t rows,
                                           size_t views);
 

@@ -26,7 +26,7 @@ struct Place {
 struct Source {
   Origin origin;
   uint32_t packing;   // kPack*
-  uint32_t textures;  // slots
+  uint32_t textures;  // material texture slots
   std::array<Place, 2> places;
 
   bool isSplit() const { return !places[1].target.empty(); }
@@ -37,7 +37,7 @@ constexpr Source source(Origin origin, uint32_t packing, uint32_t textures, Plac
   return {origin, packing, textures, {places...}};
 }
 
-// In the order of Aov.
+// One source per output, in the order of Aov.
 #define AT(...) \
   , Place {     \
     __VA_ARGS__ \
@@ -106,7 +106,7 @@ uint32_t PackedOutputs::axesOf(uint32_t packing) const {
   return yUp_ ? kAxesGltf : kAxesWorld;
 }
 
-// In an array other views' results are kept.
+// An exported array is imported as read and written, so that the results of its other views are preserved.
 ResultPlace PackedOutputs::place(const Builder& b, std::optional<Aov> aov, uint32_t texelBytes, glm::uvec3 size) {
   ResultPlace place;
   if (arrays_.arrays.empty()) {

@@ -1,5 +1,5 @@
-// Outputs on their way out: packed on the device into arrays as programs and files have them, in the units and axes of
-// docs/conventions.md, and copied from there to pictures. Where each comes from stands in output/outputs.def.
+// Packs outputs on the device into arrays, in the units and axes of docs/conventions.md, and reads them back into
+// pictures. output/outputs.def states the source of each output.
 #pragma once
 
 #include <functional>
@@ -18,33 +18,33 @@
 
 namespace latelight::render {
 
-// What has to be rendered for an output.
+// The part of a request that an output is packed from.
 enum class Origin {
   Picture,       // the lit picture
   LightCounts,   // a frame that counts lights
-  SampleCounts,  // the picture's own frame, whether it is lit or not
-  Surface,       // a G-buffer in the layout `exact`, at pixel centres
+  SampleCounts,  // the picture's own frame, lit or unlit
+  Surface,       // a G-buffer in the layout `exact`, at pixel centers
   Motion,
-  Raster,  // what the raster compute did, whichever raster the rest has
+  Raster,  // statistics of the raster compute, whichever raster renders the rest
 };
 Origin originOf(output::Aov aov);
 bool asksFor(const Settings& settings, Origin origin);
-bool showsPicture(const Settings& settings);  // to look at, or as an output
-// The slots of materials whose textures matter to what is asked for: scene::LoadOptions::textureSlots.
+bool showsPicture(const Settings& settings);  // for display or as an output
+// The texture slots of materials that the requested outputs depend on: scene::LoadOptions::textureSlots.
 uint32_t textureSlots(const Settings& settings);
-uint64_t bytesAPixel(const Settings& settings);  // of what leaves
+uint64_t bytesAPixel(const Settings& settings);  // of all requested outputs
 
-// The targets of the layout `exact` that these outputs lie in, a bit each.
+// Returns the targets of the layout `exact` that these outputs need, one bit each.
 uint32_t exactTargets(std::span<const output::Aov> aovs);
 
-// Where the results of a submission are, until they are asked for.
+// The location of a submission's results until they are read.
 enum class Results {
-  ToHost,    // on their way to the host from the moment they are there
+  ToHost,    // copied to the host as soon as they are complete
   OnDevice,  // in device memory
-  Exported,  // the same, in arrays of all pictures that other APIs may have
+  Exported,  // in device memory, in arrays of all pictures that other APIs may import
 };
 
-// Arrays that results go to, and which part of theirs these are.
+// The arrays that results are written to, and the position of these results in them.
 struct ResultArrays {
   std::span<const ExportedArray> arrays;
   size_t firstView = 0;
@@ -53,31 +53,32 @@ struct ResultArrays {
 
 class PackedOutputs {
  public:
-  // `yUp`: positions and directions of the world leave in glTF's frame. `lens`: FrameSetup::lens. `arrays`: of
-  // Results::Exported, else none.
+  // `yUp`: world positions and directions are output in glTF's axes. `lens`: FrameSetup::lens. `arrays`: for
+  // Results::Exported, otherwise empty.
   PackedOutputs(const Settings& settings, bool yUp, bool lens, const ResultArrays& arrays)
       : settings_(settings), yUp_(yUp), lens_(lens), arrays_(arrays) {}
 
-  // Adds the passes that pack those of an origin that are asked for. `image`: of a target, by its name in outputs.def.
-  // `frame`: FrameConstants of the same views, for Surface. `scale`: of values.
+  // Adds the passes that pack the requested outputs of an origin. `image` returns a target by its name in outputs.def.
+  // `frame`: FrameConstants of the same views, required for Surface. `scale`: factor for values.
   void add(const Builder& b, Origin origin, const std::function<graph::ImageId(std::string_view)>& image,
            VkDeviceAddress frame = 0, float scale = 1);
 
-  // The same of Surface, by a pass that resolves surfaces (Visibility::addGbuffer).
+  // Returns the requested outputs of Surface for a pass that resolves surfaces and packs them itself
+  // (Visibility::addGbuffer).
   SurfaceOutputs addSurfaces(const Builder& b, glm::uvec3 size);
 
-  // Where a pass is to write the picture to look at, RGBA8, of so many texels and views.
+  // Returns where a pass writes the display picture, RGBA8, with `size` texels and views.
   ResultPlace addDisplay(const Builder& b, glm::uvec3 size) { return place(b, std::nullopt, 4, size); }
-  // After all that are asked for have been added.
+  // Makes the results available as `results` states. Call it after all requested outputs have been added.
   void leave(const Builder& b, Results results);
 
-  // After the graph has run: fills these outputs of as many pictures as there are views.
+  // Reads these outputs into one picture per view. Call it after the graph has run.
   void read(vk::Device& device, graph::Executor& executor, const graph::Submission& done,
             std::vector<output::FrameOutput>& pictures) const;
 
  private:
   struct Result {
-    std::optional<output::Aov> aov;  // none: the picture to look at
+    std::optional<output::Aov> aov;  // none: the display picture
     graph::BufferId buffer;
   };
   ResultPlace place(const Builder& b, std::optional<output::Aov> aov, uint32_t texelBytes, glm::uvec3 size);
@@ -92,15 +93,15 @@ class PackedOutputs {
   bool onHost_ = true;
 };
 
-// How often the pixels of pictures were shaded.
+// Counts of how often the pixels of pictures were shaded.
 struct ShadingCounts {
-  uint64_t pixels = 0;    // of the pictures
-  uint64_t drawn = 0;     // of them, those that show anything
-  uint64_t several = 0;   // and those that show several surfaces, so that they are shaded more than once
+  uint64_t pixels = 0;    // of all pictures
+  uint64_t drawn = 0;     // pixels with at least one surface
+  uint64_t several = 0;   // pixels with several surfaces, which are shaded more than once
   uint64_t shadings = 0;  // of all pixels
 };
 
-// Of surfaces of the pixels of each view (kSurfacesFormat), added to `counts`.
+// Adds the counts of `surfaces`, which holds the surfaces of the pixels of each view (kSurfacesFormat), to `counts`.
 void countShadings(ShadingCounts& counts, const vk::Buffer& surfaces, size_t pixels, size_t views, uint32_t samples);
 
 }  // namespace latelight::render

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// One output of floats, from targets to how it leaves: its channels alone, in its units and axes.
+// Packs one floating-point output from one or two targets into push.values: only its channels, in its units and axes.
 #include "render/glsl/common.glsl"
 #include "render/outputs/pack.glsl"
 
@@ -11,7 +11,7 @@ layout(set = 0, binding = 1) uniform sampler2DArray secondImage;
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer ValuesRef { float v[]; };
 layout(push_constant, scalar) uniform Push { PackPush push; };
 
-// From the texel's first channel that leaves on.
+// Returns the packed values. `texel` starts with the first channel of the output.
 vec4 packed(vec4 texel, ivec3 pixel) {
   switch (push.packing) {
     case kPackDepth:

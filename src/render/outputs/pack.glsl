@@ -1,5 +1,5 @@
-// How values of a surface leave, in their units and axes. Sums are rounded one operation after the other, so that every
-// device has the same values. After common.glsl.
+// Converts values of surfaces to the units and axes of outputs. Sums are rounded after each operation (precise), so
+// that every device returns the same values. Include after common.glsl.
 #ifndef LATELIGHT_PACK_GLSL
 #define LATELIGHT_PACK_GLSL
 #include "render/glsl/pixel_ray.glsl"
@@ -10,7 +10,8 @@ float packedLength(vec3 v) {
   return sqrt(squared);
 }
 
-// `frame`: FrameConstants. `packing`: kPackDepth or kPackDistance.
+// Returns meters, infinity for the background. `frame`: FrameConstants. `packing`: kPackDepth or kPackDistance.
+// `device`: device depth, which is measured along the ray for a lens.
 float packedMetres(uint64_t frame, uint packing, float device, ivec3 pixel) {
   if (device == 0.0) return uintBitsToFloat(0x7f800000u);
   View view = frameView(FrameRef(frame).v, uint(pixel.z));
@@ -24,8 +25,8 @@ float packedMetres(uint64_t frame, uint packing, float device, ivec3 pixel) {
   return depth;
 }
 
-// From device world space to that of the output `position`: the sum as exactly as a float holds it (two-sum, Knuth 1997,
-// The Art of Computer Programming 2, section 4.2.2).
+// Converts a position from device world space to the space of the output `position`. The sum is as exact as a float
+// allows (two-sum, Knuth 1997, The Art of Computer Programming 2, section 4.2.2).
 vec3 packedPosition(uint64_t frame, vec3 v) {
   vec3 offset = FrameRef(frame).v.positionOffset, low = FrameRef(frame).v.positionOffsetLow;
   precise vec3 sum = v + offset, part = sum - v;
@@ -34,7 +35,7 @@ vec3 packedPosition(uint64_t frame, vec3 v) {
   return whole;
 }
 
-// `axes`: kAxes*.
+// Converts a vector from world axes to `axes` (kAxes*).
 vec3 packedInAxes(uint64_t frame, uint axes, vec3 v, ivec3 pixel) {
   if (axes == kAxesWorld) return v;
   if (axes == kAxesGltf) return vec3(v.x, v.z, -v.y);

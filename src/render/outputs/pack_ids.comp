@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// One output of a target of integers: ids as they are, or a count of surfaces.
+// Packs one output from an integer target into push.values: ids, unchanged, or the number of surfaces per pixel, as a
+// float.
 #include "render/glsl/common.glsl"
 #define MULTISAMPLED
 #define SAMPLE_LAYERS

@@ -1,4 +1,4 @@
-// What shaders are told of outputs on their way out: those that pack targets, and those that pack surfaces.
+// Parameters of the shaders that pack outputs, from targets (PackPush) or from resolved surfaces (SurfaceOutput).
 #ifndef LATELIGHT_RENDER_OUTPUTS_PACK_PUSH_H
 #define LATELIGHT_RENDER_OUTPUTS_PACK_PUSH_H
 
@@ -7,40 +7,40 @@
 SH_BEGIN
 
 struct PackPush {
-  uint64_t frame;      // FrameConstants; of kPackDepth, kPackDistance, and of axes of the camera
-  uint64_t values;     // float[height][width][channels] of a view, or uint of ids
-  uint64_t viewBytes;  // from one view to the next
+  uint64_t frame;      // FrameConstants; for kPackDepth, kPackDistance, kPackPosition and the camera's axes
+  uint64_t values;     // float[height][width][channels] per view, or uint[height][width] for ids
+  uint64_t viewBytes;  // stride between views
   uint packing;        // kPack*
-  uint channels;       // that leave
-  uint first;          // of the first image's channels
-  uint second;         // of the second image's: where half of the channels are; kPackOneImage: all are in the first
+  uint channels;       // number of output channels
+  uint first;          // first channel in the first image
+  uint second;         // channel in the second image of the output's channel 1; kPackOneImage: the first image has all
   uint axes;           // kAxes*
-  float scale;         // of kPackValues
+  float scale;         // for kPackValues
 };
 
 SH_CONST uint kPackOneImage = 255u;
 
-SH_CONST uint kPackValues = 0u;    // as they are
-SH_CONST uint kPackDepth = 1u;     // metres along the view axis from device depth
-SH_CONST uint kPackDistance = 2u;  // metres along the pixel's ray, likewise
-SH_CONST uint kPackNormal = 3u;    // a direction, by the axes that normals are asked in
-SH_CONST uint kPackPosition = 4u;  // by the axes of the world
-SH_CONST uint kPackCount = 5u;     // surfaces of a pixel (kSurfacesFormat); of depth, 1 where something is drawn
+SH_CONST uint kPackValues = 0u;    // unchanged
+SH_CONST uint kPackDepth = 1u;     // meters along the view axis, from device depth
+SH_CONST uint kPackDistance = 2u;  // meters along the pixel's ray, from device depth
+SH_CONST uint kPackNormal = 3u;    // a direction, in the axes requested for normals
+SH_CONST uint kPackPosition = 4u;  // a position, in the axes of the world
+SH_CONST uint kPackCount = 5u;     // surfaces per pixel (kSurfacesFormat); from depth, 1 if something is drawn
 
 SH_CONST uint kAxesWorld = 0u;
-SH_CONST uint kAxesGltf = 1u;    // the world's as in a glTF file
+SH_CONST uint kAxesGltf = 1u;    // the world's axes as in a glTF file
 SH_CONST uint kAxesOpenCv = 2u;  // the camera's: X right, Y down, Z forward
 SH_CONST uint kAxesOpenGl = 3u;  // the camera's: X right, Y up, Z back
 
-// Of an output that is packed where surfaces are resolved (surface_outputs.glsl): where it goes.
+// The destination of an output that is packed where surfaces are resolved (surface_outputs.glsl).
 struct OutputPlace {
-  uint64_t values;  // as PackPush
+  uint64_t values;  // as in PackPush
   uint64_t viewBytes;
 };
 
-// And what it is, as a specialization constant; 0: no output. Its channels begin in one of the layout `exact`'s
-// targets, or half of them in each of two.
-SH_CONST uint kSurfaceOutputs = 24u;  // at most: the slots of surface_outputs.glsl
+// The source of such an output, passed as a specialization constant (surfaceOutputBits()); 0: no output. Its channels
+// are consecutive in one of the targets of the layout `exact`, or half of them are in each of two targets.
+SH_CONST uint kSurfaceOutputs = 24u;  // maximum: the slots of surface_outputs.glsl
 struct SurfaceOutput {
   uint packing, axes, channels, target, first, second, secondFirst;  // second: kPackOneTarget, or the other target
 };

@@ -1,10 +1,10 @@
-// Data outputs, packed where a pixel's surface is resolved: what the layout `exact` would hold, with no targets between.
-// Before the layout that the shader is compiled for.
+// Packs data outputs where a pixel's surface is resolved: the values that the layout `exact` would store, without an
+// intermediate G-buffer. Include before the layout that the shader is compiled for.
 #ifndef LATELIGHT_SURFACE_OUTPUTS_GLSL
 #define LATELIGHT_SURFACE_OUTPUTS_GLSL
 #include "render/outputs/pack.glsl"
 
-// `exact` under names of its own, beside those of the other layout, which may be `exact` as well.
+// Includes `exact` under its own names, because the shader's other layout may be `exact` as well.
 #define GbufferTexel ExactTexel
 #define packGbuffer packExact
 #define unpackGbuffer unpackExact

@@ -1,4 +1,4 @@
-// Data outputs that are packed where surfaces are resolved (surface_outputs.glsl), with no G-buffer between.
+// Data outputs that are packed where surfaces are resolved (surface_outputs.glsl), without an intermediate G-buffer.
 #pragma once
 
 #include <vector>
@@ -8,7 +8,7 @@
 namespace latelight::render {
 
 struct SurfaceOutputs {
-  std::vector<uint32_t> bits;  // of each, shared::surfaceOutputBits()
+  std::vector<uint32_t> bits;  // shared::surfaceOutputBits() of each output
   std::vector<ResultPlace> places;
 };
 
