@@ -1,7 +1,9 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // variants: layout, visible, multisampled, layered
-// tiled and clustered: shades each pixel with the light list of its tile, or of its slice of it.
+// Tiled and clustered deferred shading: shades each pixel with the light list of its cell, which light_lists.comp
+// wrote. A cell is a tile (tiled) or a depth slice of a tile (clustered). Inputs: the G-buffer and the lists. Output:
+// the lit picture in lightTarget, and the numbers of lights tested and used in lightCounts.
 #include "render/glsl/common.glsl"
 #include "render/glsl/gbuffer_read.glsl"
 #include "render/glsl/lit_pixel.glsl"

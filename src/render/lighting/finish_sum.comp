@@ -1,7 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // variants: multisampled
-// Turns the sum of all lights into the lit picture: the mean where a pixel has several samples.
+// Resolves the sum of all lights (lightSum) to the lit picture (lightTarget): the mean of the samples of each pixel,
+// each clamped to the largest half float, 65504.
 #include "render/glsl/multisample.glsl"
 layout(local_size_x = 16, local_size_y = 16) in;
 layout(set = 0, binding = 0) uniform TARGET_SAMPLER lightSum;

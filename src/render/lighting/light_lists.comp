@@ -1,14 +1,20 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // variants: multisampled, layered
-// Lists of the lights that may reach the samples of each cell of a picture (with several samples a pixel: the centres
-// of its surfaces, which is where they are lit). A subgroup builds those of one tile: it bounds the cell's samples
-// (explicit bounds: Olsson, Billeter and Assarsson 2012, Clustered Deferred and Forward Shading, HPG) and walks the
-// light tree with that box. A tile that is one cell has a mask of the slices that contain samples, and drops lights
-// that reach none of those (2.5D culling: Harada 2012, A 2.5D Culling for Forward+, SIGGRAPH Asia technical briefs).
+// Light culling: lists the lights that may reach the samples of each cell, for tiled and clustered deferred shading. A
+// cell is a tile of 16x16 pixels or a depth slice of a tile (kCellsATile). With several samples per pixel, the
+// centroids of a pixel's surfaces stand for its samples, because surfaces are lit there.
 //
-// Each tile has its own entries, so that no list depends on which was built first. A list that overflows is marked, and
-// the lighting shader walks the tree instead.
+// One subgroup builds the lists of a tile. It computes the bounding box of each cell's samples in world space (explicit
+// bounds: Olsson, Billeter and Assarsson 2012, Clustered Deferred and Forward Shading, HPG) and traverses the light
+// tree with that box. A tile that is a single cell also has a mask of the slices that contain samples, and rejects
+// lights that reach none of them (2.5D culling: Harada 2012, A 2.5D Culling for Forward+, SIGGRAPH Asia technical
+// briefs).
+//
+// Inputs: gbufferDepth, the light tree and, if MULTISAMPLED, pixelSurfaces. Outputs: push.lists.cells, with the slices
+// and the cells of each tile, and push.lists.entries, with the indices of lights (light_cells.glsl). Each tile has its
+// own part of the entries, so no list depends on the order in which lists are built. A list that overflows is marked,
+// and the lighting shader traverses the tree instead.
 #include "render/glsl/common.glsl"
 #include "render/glsl/light_cells.glsl"
 #include "render/glsl/light_tree.glsl"
@@ -29,14 +35,15 @@ layout(push_constant, scalar) uniform Push { CellsPush push; };
 struct Tile {
   View view;
   uint layer;
-  uvec2 corner;  // its first pixel
-  uint index;    // among those of all views
+  uvec2 corner;  // first pixel
+  uint index;    // among the tiles of all views
   uvec2 slices;
   uint occupied;  // slices that contain samples
-  uint used;      // entries
+  uint used;      // entries in use
 };
 
-// The surfaces of a pixel, and what shows each: one sample where pixels have no more.
+// The number of surfaces in a pixel, and the mask of samples that show each. Without MULTISAMPLED a pixel has one
+// sample.
 #ifdef MULTISAMPLED
 uint surfacesAt(Tile tile, uvec2 pixel) {
   if (any(greaterThanEqual(vec2(pixel), tile.view.size))) return 0u;
@@ -63,9 +70,10 @@ uvec2 tilePixel(Tile tile, uint first) { return tile.corner + mortonPixel(min(fi
 
 // --- slices ---------------------------------------------------------------------------------------------------------
 
-// The minimum bits per slice: in a perspective view slices are at least 1/8 to 1/16 of their distance deep, in an
-// orthographic one as deep as a tile is wide. Thinner ones would split tiles without dropping lights; thicker ones save an
-// H200 3 % with few lights, but the lists of a million do not fit then, and it takes three times as long.
+// The minimum number of key bits per slice. In a perspective view a slice is at least 1/8 to 1/16 of its distance deep,
+// in an orthographic view at least as deep as a tile is wide. Thinner slices would split tiles without rejecting
+// lights. Thicker slices reduce the time by 3 % with few lights (on an H200), but with a million lights the lists
+// overflow and lighting needs three times as long.
 uint leastSliceBits(View view) {
   Projection p = view.projection;
   if (p.kind == kPerspective) return 20u;
@@ -73,7 +81,7 @@ uint leastSliceBits(View view) {
   return uint(clamp(log2(abs(p.A) * width * 16777216.0), 0.0, 24.0));
 }
 
-// Of the tile's samples: the nearest's key and the farthest's.
+// The depth keys of a tile's nearest and farthest samples.
 struct Keys {
   uint nearest, farthest;
 };
@@ -87,8 +95,8 @@ uint sliceBit(Tile tile, float depth) {
 }
 
 #ifndef MULTISAMPLED
-// A GPU's full subgroup loads its depths at once and keeps them: an H200 takes a fifth less for lists than if it waited for
-// one after the other.
+// On a GPU, a full subgroup issues the loads of all depths of its tile together and caches the values in registers.
+// This reduces the time for lists by a fifth (on an H200) compared with waiting for each load in turn.
 float depths[256u / kSubgroupSize];
 bool keepsDepths() { return kCpuDevice == 0u && lanesPresent == kSubgroupSize; }
 #endif
@@ -124,28 +132,28 @@ uint findOccupied(Tile tile) {
   return occupied;
 }
 
-// False where the tile has no sample.
+// Returns false if the tile has no samples.
 bool findSlices(inout Tile tile) {
   Keys keys = Keys(0u, 0xffffffffu);
   findKeys(tile, keys);
   uint nearest = subgroupMax(keys.nearest), farthest = subgroupMin(keys.farthest);
   if (farthest > nearest) return false;
-  // The fewest bits that leave fewer than kSlices slices.
+  // The minimum number of bits that results in at most kSlices slices.
   uint bits = uint(max(findMSB(nearest - farthest) - 4, 0));
   tile.slices = uvec2(nearest, max(bits, leastSliceBits(tile.view)));
   tile.occupied = subgroupOr(findOccupied(tile));
   return true;
 }
 
-// --- what reaches a cell --------------------------------------------------------------------------------------------
+// --- light culling --------------------------------------------------------------------------------------------------
 
 struct Cell {
-  uint slices;  // that the cell consists of
+  uint slices;  // mask of the slices that form the cell
   vec3 low, high;
 };
 
-// Around the cell's samples in world space. Layouts that store positions store interpolated ones, which differ from
-// those by depth by a few millionths of the distance.
+// The bounding box of the cell's samples in world space. The slack covers layouts that store interpolated positions,
+// which differ from positions computed from depth by a few millionths of the distance.
 Cell cellOf(Tile tile, FrameConstants frame, uint slices) {
   vec3 low = vec3(3.0e38), high = vec3(-3.0e38);
   for (uint first = 0u; first < 256u; first += lanesPresent) {
@@ -169,7 +177,7 @@ Cell cellOf(Tile tile, FrameConstants frame, uint slices) {
   return Cell(slices, subgroupMin(low), subgroupMax(high));
 }
 
-// The sphere around a box against a spot's cone (Wronski 2017, Cull that cone!).
+// Tests the sphere around a box against a spot light's cone (Wronski 2017, Cull that cone!).
 bool coneReaches(Light l, vec3 low, vec3 high) {
   vec3 to = 0.5 * (low + high) - l.position;
   float radius = 0.5005 * length(high - low) + 1e-5 * length(to);
@@ -179,13 +187,14 @@ bool coneReaches(Light l, vec3 low, vec3 high) {
   return cosine * sqrt(max(dot(to, to) - along * along, 0.0)) - along * sine <= radius;
 }
 
-// The key of a view depth, for comparing with those of samples.
+// The depth key of a view depth, to compare with the keys of samples.
 uint keyAt(Projection p, float depth) {
   if (p.kind == kOrthographic) return uint(clamp((p.A * depth + p.B) * 16777216.0, 0.0, 33554432.0));
   return depth <= 0.0 ? 0x7f7fffffu : floatBitsToUint(abs(p.B) / depth);
 }
 
-// Whether a sphere reaches between the planes a x + b y + c = 0 of one axis that bound the tile, in view space.
+// Returns true if a sphere reaches into the space between the two planes a x + b y + c = 0 that bound the tile along
+// one axis, in view space.
 bool betweenSides(float scale, float offset, vec2 bounds, float across, float depth, float radius, bool perspective) {
   vec2 slope = perspective ? vec2(offset) - bounds : vec2(0.0);
   vec2 constant = perspective ? vec2(0.0) : vec2(offset) - bounds;
@@ -194,7 +203,7 @@ bool betweenSides(float scale, float offset, vec2 bounds, float across, float de
 }
 
 bool reachesTile(Tile tile, vec3 centre, float reach) {
-  if (kLens != 0u) return true;  // its sides are not planes
+  if (kLens != 0u) return true;  // with a lens, the sides of a tile are not planes
   Projection p = tile.view.projection;
   vec2 first = pixelToNdc(vec2(tile.corner), tile.view.size);
   vec2 last = pixelToNdc(vec2(tile.corner + kTileSize), tile.view.size);
@@ -203,7 +212,7 @@ bool reachesTile(Tile tile, vec3 centre, float reach) {
          betweenSides(p.V, p.Z, vec2(last.y, first.y), centre.z, centre.y, reach, perspective);
 }
 
-// The tile's slices that a light reaches.
+// The mask of the tile's slices that a light reaches.
 uint slicesReached(Tile tile, Light l) {
   vec3 centre = tile.view.worldToView * vec4(l.position, 1.0);
   float depth = kLens != 0u ? length(centre) : centre.y;
@@ -215,7 +224,8 @@ uint slicesReached(Tile tile, Light l) {
   return reaches ? mask : 0u;
 }
 
-// No branches, so that control flow is uniform: votes follow, and diverged lanes need not have reconverged by then.
+// Returns true if the light may reach the cell. Branch-free to keep control flow uniform: subgroup votes follow, and
+// diverged lanes are not guaranteed to have reconverged by then.
 bool listed(Tile tile, Cell cell, Light l) {
   vec3 d = max(max(cell.low - l.position, l.position - cell.high), vec3(0.0));
   bool near = dot(d, d) < l.radius * l.radius;
@@ -228,8 +238,8 @@ bool listed(Tile tile, Cell cell, Light l) {
 
 // --- lists ----------------------------------------------------------------------------------------------------------
 
-// Appends the lights that reach the cell to the tile's entries; returns their number, or on overflow at once a number
-// larger than there is room for.
+// Appends the lights that reach the cell to the tile's entries and returns their number. On overflow it stops early and
+// returns a number larger than the remaining capacity.
 uint appendList(Tile tile, Cell cell, FrameConstants frame) {
   EntriesRef entries = EntriesRef(push.lists.entries + uint64_t(tile.index) * (4u * kEntriesATile));
   uint count = 0u, leaf;
@@ -250,7 +260,7 @@ uint appendList(Tile tile, Cell cell, FrameConstants frame) {
 
 void listTile(inout Tile tile, FrameConstants frame) {
   CellsRef cells = CellsRef(push.lists.cells + uint64_t(tile.index) * (8u * (kCellsATile + 1u)));
-  cells.v[0] = tile.slices;  // every lane writes the same
+  cells.v[0] = tile.slices;  // every lane writes the same value
   uint pending = kCellsATile == 1u ? 1u : tile.occupied;
   while (pending != 0u) {
     uint slice = uint(findLSB(pending));

@@ -1,3 +1,4 @@
+// The passes of tiled and clustered deferred shading: light culling, then lighting from the lists.
 #include "render/lighting/light_lists.h"
 
 #include "render/lighting/lighting_shader.h"

@@ -1,5 +1,6 @@
-// Lighting from lists: a pass that lists the lights that may reach each cell of the picture (light_lists.comp), then
-// one that shades from the lists (cells.comp). `tiled` and `clustered` share everything except their cells.
+// Lighting with light culling: one pass lists the lights that may reach each cell of the picture (light_lists.comp),
+// and a second one shades each pixel from the list of its cell (cells.comp). `tiled` and `clustered` differ only in
+// their cells.
 #pragma once
 
 #include <string>
@@ -12,17 +13,17 @@ namespace latelight::render {
 
 struct LightListsDesc {
   std::string name;         // of the technique
-  uint32_t cellsATile = 1;  // 1: a tile's samples together; kSlices: each slice of depth
-  // Room for a tile's lists, in lights. 512 are 8 bytes a pixel, as much as the light accumulation target. After an
-  // overflow each subgroup of the tile's pixels searches the tree itself: slower, with the same result.
+  uint32_t cellsATile = 1;  // 1: one list per tile; kSlices: one list per depth slice of a tile
+  // Capacity of a tile's lists, in lights. 512 entries are 8 bytes per pixel, as much as the light accumulation target.
+  // After an overflow each subgroup of the tile's pixels traverses the tree itself: slower, with the same result.
   uint32_t entriesATile = 512;
 };
 inline constexpr uint32_t kSlices = 32;  // glsl/light_cells.glsl
 
-// Leaves its lists in gbuffer.lightLists.
+// Adds both passes and stores the lists in gbuffer.lightLists.
 void addLightLists(const FrameContext& f, Gbuffer& gbuffer, const LightListsDesc& desc);
-// Those lists, for another shader of glsl/shade_cells.glsl: what it is specialized for (it has lists if kCellsATile is not
-// 0), what it reads and what it is pushed.
+// For other shaders that use glsl/shade_cells.glsl with these lists: their specialization constants (kCellsATile is 0
+// if there are no lists), the buffers that they read, and their push constants.
 std::vector<vk::Constant> listConstants(const LightLists& lists);
 std::vector<graph::Access> listAccesses(const LightLists& lists);
 shared::LightCells pushedLists(const LightLists& lists, graph::Context& context);

@@ -1,4 +1,4 @@
-// Push constants of the shaders that light a whole picture.
+// Push constants of the compute shaders that light a full picture.
 #ifndef LATELIGHT_LIGHTING_PUSH_H
 #define LATELIGHT_LIGHTING_PUSH_H
 
@@ -12,7 +12,7 @@ struct LightingPush {
   ShownPush shown;
 };
 
-struct LightCells {  // of techniques that light by tiles
+struct LightCells {  // the light lists of tiled and clustered
   uint64_t cells;    // CellsRef of light_cells.glsl
   uint64_t entries;  // EntriesRef
   uvec2 tiles;       // per view

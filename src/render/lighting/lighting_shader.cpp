@@ -18,7 +18,8 @@ ComputePass lightingPass(const FrameContext& f, const Gbuffer& gbuffer, const st
                          const std::string& file, KeptByLighting kept) {
   Bindings bindings(f.device);
   bindings.sampled(gbufferInputs(gbuffer));
-  // With several samples a pixel the geometry pass leaves its light in another image, without targets nowhere.
+  // With several samples per pixel, the geometry pass writes its light to another image; in a layout without targets it
+  // writes none.
   const bool reads = kept.picture || (!gbuffer.surfaces && !gbuffer.targets.empty());
   bindings.storage(gbuffer.light, reads ? graph::Use::StorageReadWrite : graph::Use::StorageWrite);
   bindings.storage(gbuffer.lightCounts, kept.counts ? graph::Use::StorageReadWrite : graph::Use::StorageWrite);

@@ -1,5 +1,5 @@
-// Compute shaders that light a G-buffer. Set 0 is the same for all of them: the bindings of gbuffer_read.glsl, then
-// those of lit_maps.glsl.
+// Helpers for compute shaders that light a G-buffer. Descriptor set 0 is the same for all of them: the bindings of
+// gbuffer_read.glsl, then those of lit_maps.glsl.
 #pragma once
 
 #include <string>
@@ -10,21 +10,22 @@
 
 namespace latelight::render {
 
-// The images that gbuffer_read.glsl samples: the layout's targets, depth, and with several samples a pixel their light
-// from the geometry pass and the surfaces of pixels.
+// The images that gbuffer_read.glsl samples: the layout's targets, depth, and, with several samples per pixel, the
+// light from the geometry pass and the surfaces of pixels.
 std::vector<graph::ImageId> gbufferInputs(const Gbuffer& gbuffer);
 
-// A pass over every pixel of every view, in workgroups of 16 by 16, for addCompute(). `file`: the shader's, compiled
-// for each layout. `kept`: images whose contents from earlier passes are kept. Its own constants start at
-// kFirstOwnConstant, its own bindings after the lit maps.
+// A pass over every pixel of every view, in workgroups of kPixelGroupX by kPixelGroupY pixels, for addCompute(). `file`
+// is the shader's file, compiled for each layout. `kept` names the images whose contents from earlier passes are
+// preserved. The pass's own specialization constants start at kFirstOwnConstant, its own bindings after the lit maps.
 struct KeptByLighting {
   bool picture = false, counts = false;
 };
 ComputePass lightingPass(const FrameContext& f, const Gbuffer& gbuffer, const std::string& name,
                          const std::string& file, KeptByLighting kept = {});
 
-// For a pass that reads surfaces by gbuffer_read.glsl: where the layout has no targets, what it finds them by; and what
-// it pushes for showSurfaces().
+// For a pass that reads surfaces through gbuffer_read.glsl with a layout without targets: readSurfaces() declares the
+// visibility buffer and the resources that shaders need to evaluate surfaces, and shownSurfaces() returns the push
+// constants for showSurfaces(). With other layouts they add nothing and return an empty struct.
 void readSurfaces(const FrameContext& f, ComputePass& pass);
 shared::ShownPush shownSurfaces(const FrameContext& f, graph::Context& context);
 

@@ -1,5 +1,6 @@
-// A lighting technique: G-buffer and lights in, lit picture out. One folder each under src/render/lighting, with its
-// C++ and its shaders; folder NAME defines `TechniqueInfo technique_NAME()`, and that is all the registry needs.
+// The interface of lighting techniques. A technique reads the G-buffer and the lights and writes the lit picture. Each
+// has a folder under src/render/lighting with its C++ and its shaders; the folder NAME defines `TechniqueInfo
+// technique_NAME()`, and the registry needs nothing else.
 #pragma once
 
 #include <functional>
@@ -12,21 +13,21 @@
 namespace latelight::render {
 
 struct TechniqueInfo {
-  std::string name;         // filled in by the registry: the folder's, with - for _
+  std::string name;         // set by the registry: the folder's name, with - for _
   const char* description;  // one line
   bool forward = false;     // draws the scene itself after the depth pass: no geometry pass, no layout
-  bool draws = false;       // takes the graphics pipeline; every forward one does
-  // Adds the passes that write the lit picture to gbuffer.light, with alpha 1 where there is a surface. A deferred
-  // technique finds emitted radiance and ambient occlusion there; for a forward one it is empty, and there are no
-  // targets. Every technique shades with shared/shade.h over the same lights, so all give the same picture. If the
-  // setup counts lights, the counts go to gbuffer.lightCounts. Compute shaders of a deferred technique declare the
-  // variants layout, visible, multisampled and layered (docs/extending.md, "Shader variants") and call showSurfaces()
-  // first.
+  bool draws = false;       // requires the graphics pipeline; every forward technique does
+  // Adds the passes that write the lit picture to gbuffer.light, with alpha 1 at pixels with a surface. For a deferred
+  // technique, gbuffer.light initially contains emitted radiance and ambient occlusion; for a forward technique it is
+  // empty, and gbuffer.targets is empty too. Every technique shades the same lights with shared/shade.h, so all produce
+  // the same picture. If the setup counts lights, the pass writes the counts to gbuffer.lightCounts. Compute shaders of
+  // a deferred technique declare the variants layout, visible, multisampled and layered (docs/extending.md, "Shader
+  // variants") and call showSurfaces() first.
   std::function<void(const FrameContext& f, Gbuffer& gbuffer)> add;
 };
 
 std::span<const TechniqueInfo> techniques();
-const TechniqueInfo& findTechnique(std::string_view name);  // throws Error(Usage) that lists them
-std::string techniquesThatCompute();                        // "a, b or c": those that take no graphics pipeline
+const TechniqueInfo& findTechnique(std::string_view name);  // throws Error(Usage) that lists the names
+std::string techniquesThatCompute();                        // "a, b or c": those without `draws`
 
 }  // namespace latelight::render

@@ -1,4 +1,6 @@
-// clustered: a light list for each depth slice of each tile, by the bounds of the samples in it.
+// clustered: clustered light culling (Olsson, Billeter and Assarsson 2012, Clustered Deferred and Forward Shading,
+// HPG). Each cluster, which is a depth slice of a 16x16 tile, has a light list, culled by the bounding box of its
+// samples.
 #include "render/lighting/light_lists.h"
 
 namespace latelight::render {

@@ -1,5 +1,5 @@
-// forward: single-pass lighting. Each object is drawn once, with all lights in one shader. O(pixels x lights). The
-// depth pass before it prevents occluded surfaces from being lit.
+// forward: single-pass forward shading. Each object is drawn once, and its fragment shader loops over all lights:
+// O(pixels x lights). The preceding depth pass prevents occluded surfaces from being shaded.
 #include "render/lighting/forward/forward.h"
 
 #include "render/lighting/light_sum.h"

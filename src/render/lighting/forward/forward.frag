@@ -1,7 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // variants: multisampled, textured
-// forward: evaluates the material and all lights of a visible surface in one shader (single-pass lighting).
+// Forward shading in a single pass: evaluates the material of a visible surface, the environment and all lights, and
+// outputs the lit picture and the numbers of lights tested and used.
 #include "render/glsl/common.glsl"
 #include "render/glsl/multisample.glsl"
 #include "render/visibility/varyings.glsl"
@@ -33,11 +34,11 @@ void main() {
   SurfaceBrdf brdf = surfaceBrdf(s, toEye, kShading);
   radiance += kPlainLoop != 0u ? shadeAllLightsPlainly(frame, push.view, s, brdf)
                                : shadeAllLights(frame, push.view, s, brdf, true);
-  // Emitted radiance has its own ceiling, as in the light accumulation target of the deferred techniques.
+  // Emitted radiance is clamped separately, as in the light accumulation target of the deferred techniques.
   vec3 sum = min(emitted * frame.exposure, vec3(65504.0)) + radiance * frame.exposure;
   picture = vec4(min(sum, vec3(65504.0)), 1.0);
   counts = lightCount();
-  // Masked-out fragments left no depth, but another surface may lie at exactly the same depth. Last, since textures
-  // need the whole quad.
+  // The depth pass discarded masked-out fragments, but another surface may lie at exactly the same depth. The discard
+  // comes last, because texture derivatives need the full quad.
   if (kAlphaMasked != 0u) cutFragment(m, p);
 }

@@ -1,14 +1,15 @@
-// forward: the scene is drawn once more after the depth pass, and each fragment loops over all lights.
+// Forward shading: the scene is drawn again after the depth pass, and each fragment loops over all lights.
 #pragma once
 
 #include "render/frame.h"
 
 namespace latelight::render {
 
-// How a fragment loops over lights: distributed over the lanes of its subgroup, as in compute shaders, or each loaded
-// by every fragment: the plain reference, and the path for devices without subgroups in fragment shaders.
+// How a fragment loops over lights. Dealt: the lanes of a subgroup each load some lights and share them, as in compute
+// shaders. Plain: every fragment loads every light; this is the reference, and the path for devices that do not support
+// subgroup operations in fragment shaders.
 enum class ForwardLoop : uint32_t { Dealt, Plain };
-ForwardLoop forwardLoop(vk::Device& device);  // the better one that the device supports
+ForwardLoop forwardLoop(vk::Device& device);  // Dealt if the device supports it
 
 void addForward(const FrameContext& f, const Gbuffer& gbuffer, ForwardLoop loop);
 

@@ -1,7 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // variants: multisampled, textured
-// forward-multipass, first pass: the surface's radiance without lights, and which surface it is.
+// Multi-pass forward shading, first pass: outputs the surface's radiance without lights (emission and environment), and
+// the surface's identity, against which forward_light.frag compares its fragments.
 #include "render/glsl/common.glsl"
 #include "render/glsl/multisample.glsl"
 #include "render/visibility/varyings.glsl"
@@ -30,6 +31,6 @@ void main() {
   radiance = vec4(min(emitted * frame.exposure, vec3(65504.0)) + reflected * frame.exposure, 1.0);
   surface = uvec2(varyingInstance, gl_PrimitiveID);
   counts = vec4(0.0);
-  // As in geometry.frag: last, since textures need the whole quad.
+  // As in geometry.frag, the discard comes last, because texture derivatives need the full quad.
   if (kAlphaMasked != 0u) cutFragment(m, p);
 }

@@ -1,7 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // variants: multisampled, textured
-// forward-multipass, a light's pass: evaluates the whole material again, lit by one light.
+// Multi-pass forward shading, the pass of one light: evaluates the complete material again and outputs the radiance
+// that the light adds, for additive blending.
 #include "render/glsl/common.glsl"
 #define DRAW_PUSH LightDraw
 #include "render/visibility/varyings.glsl"
@@ -12,7 +13,7 @@
 #include "shared/gbuffer.h"
 
 layout(constant_id = 16) const uint kAlphaMasked = 0;
-layout(set = 0, binding = AFTER_LIT_MAPS) uniform TARGET_USAMPLER surfaces;  // as forward_base.frag left them
+layout(set = 0, binding = AFTER_LIT_MAPS) uniform TARGET_USAMPLER surfaces;  // written by forward_base.frag
 
 layout(location = 0) out vec4 radiance;
 layout(location = 1) out vec4 counts;
@@ -28,7 +29,7 @@ void main() {
   lightsTested = 1.0;
   // All surfaces at the same depth pass the test, but light may be added only to the visible one.
   ivec3 pixel = ivec3(ivec2(gl_FragCoord.xy), int(push.view));
-  uint showing = 0u;  // samples
+  uint showing = 0u;  // mask of the samples at which this surface is visible
   for (int i = 0; i < int(kSamples); ++i)
     if (texelFetch(surfaces, pixel, i).rg == uvec2(varyingInstance, gl_PrimitiveID)) showing |= 1u << i;
   bool shows = showing != 0u;

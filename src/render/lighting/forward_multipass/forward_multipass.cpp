@@ -1,5 +1,6 @@
-// forward-multipass: after the depth pass, the scene is drawn once without lights and then once per light with additive
-// blending and the depth test EQUAL (multi-pass lighting, as before deferred shading). O(lights x triangles).
+// forward-multipass: multi-pass forward shading, as in the time before deferred shading. After the depth pass, the
+// scene is drawn once without lights and then once per light with additive blending and the depth test EQUAL: O(lights
+// x triangles). Targets: the sum of lights, and the identity of the visible surface per sample.
 #include "render/lighting/light_sum.h"
 #include "render/lighting/technique.h"
 #include "render/lit_maps.h"
@@ -22,7 +23,7 @@ bool reaches(const shared::Light& light, const Sphere& bounds) {
   return shared::lightIsDirectional(light.type) || distance < light.radius + bounds.radius;
 }
 
-// The scene without lights.
+// Draws the scene without lights: emission and environment.
 void addBase(const FrameContext& f, const Gbuffer& gbuffer, Targets targets) {
   const HardwareVisibility& hardware = hardwareOf(f, "forward-multipass lighting");
   vk::GraphicsDesc desc = behindDepth(f.setup);
@@ -58,9 +59,9 @@ uint64_t recordReached(graph::Context& context, const FrameContext& f, const Dev
   return passes;
 }
 
-// Every light over every object it may reach. The outer loop is over objects, the inner one over lights: the sum is the
-// same, and switching lights takes 64 bytes of push constants where switching materials takes seven textures. Returns
-// the number of draws.
+// Draws every object once per light that may reach it, and returns the number of draws. The outer loop iterates over
+// objects and the inner one over lights: the sum is the same, and a switch of lights updates 64 bytes of push
+// constants, while a switch of materials binds seven textures.
 uint64_t recordLights(graph::Context& context, const FrameContext& f, const DeviceDraws& draws, uint32_t view,
                       SceneBinder& binder) {
   uint64_t passes = 0;

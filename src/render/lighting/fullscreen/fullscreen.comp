@@ -1,7 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // variants: layout, visible, multisampled, layered
-// fullscreen: one pass over the picture, every light at every pixel (rows 3 and 16 of the design).
+// Deferred shading without light culling: reads the G-buffer and shades every pixel with every light. Output: the lit
+// picture in lightTarget, and the numbers of lights tested and used in lightCounts.
 #include "render/glsl/common.glsl"
 #include "render/glsl/gbuffer_read.glsl"
 #include "render/glsl/lights.glsl"

@@ -1,5 +1,5 @@
-// fullscreen: one compute pass over the picture, every light at every pixel. O(pixels x lights), and the reference that
-// every other technique is compared with.
+// fullscreen: deferred shading in one compute pass, which evaluates every light at every pixel: O(pixels x lights). It
+// is the reference against which every other technique is compared.
 #include "base/error.h"
 #include "render/lighting/lighting_push.h"
 #include "render/lighting/lighting_shader.h"
@@ -9,9 +9,9 @@ namespace latelight::render {
 
 namespace {
 
-// lavapipe silently ends a shader's loops after 65535 iterations, all loops together: two for each subgroup's share of
-// lights and one for each light that reaches it. The remaining lights would be missing.
-constexpr uint32_t kMostOnCpu = 200'000;  // for one sample a pixel
+// lavapipe silently ends a shader's loops after 65535 iterations in total, so the remaining lights would be missing. A
+// subgroup needs two iterations for each batch of lights that its lanes load, and one for each light that reaches it.
+constexpr uint32_t kMostOnCpu = 200'000;  // at one sample per pixel
 
 void add(const FrameContext& f, const Gbuffer& gbuffer) {
   const uint32_t most = f.device.isCpu() ? kMostOnCpu / f.setup.samples : ~0u, lights = f.scene.lights().count();

@@ -1,4 +1,6 @@
-// tiled: a light list for each tile of 16 by 16 pixels, by the bounds and the depth mask of its samples.
+// tiled: tiled light culling (Andersson 2009, Parallel Graphics in Frostbite, SIGGRAPH course; Harada 2012, A 2.5D
+// Culling for Forward+, SIGGRAPH Asia technical briefs). Each tile of 16x16 pixels has a light list, culled by the
+// bounding box and the depth mask of its samples.
 #include "render/lighting/light_lists.h"
 
 namespace latelight::render {

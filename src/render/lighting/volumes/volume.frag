@@ -1,8 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // variants: layout, multisampled
-// One light at the pixels its volume covers, added to the others: one fragment per pixel. (In pixels with several
-// surfaces volume_samples.frag lights each sample.)
+// Light volumes: shades the pixels that a light's volume covers with that light, for additive blending, with one
+// fragment per pixel. In pixels with several surfaces, volume_samples.frag lights each sample instead.
 #include "render/glsl/common.glsl"
 #define GBUFFER_SAMPLED_ONLY
 #include "render/glsl/gbuffer_read.glsl"

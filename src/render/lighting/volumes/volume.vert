@@ -1,19 +1,23 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+// Light volumes: places a vertex of a light's volume mesh, which is a sphere, a cone or a full-screen triangle
+// (volume_mesh.h), around the light that is in the push constants.
 #include "render/glsl/common.glsl"
 #include "render/lighting/volumes/volume_push.h"
 
 layout(push_constant, scalar) uniform Push { VolumePush push; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ShapeRef { vec3 v[]; };
 
-// Margin for the angle from spotOffset / spotScale, whose rounding changes that of a narrow cone by 3.5e-4 radians.
+// Margin for the angle computed from spotOffset / spotScale. Their rounding changes the angle of a narrow cone by up to
+// 3.5e-4 radians.
 const float kAngleMargin = 1e-3;
-const float kLengthMargin = 0.01;  // of the radius: as kVolumeMargin of volume_mesh.h
+const float kLengthMargin = 0.01;  // relative to the radius, as kVolumeMargin in volume_mesh.h
 
-// A vertex of the cone about +z, its tip at the origin: see kConeTip, kConeRim, kConeTop in volume_mesh.h.
+// A vertex of the cone about +z with its tip at the origin. For the rings see kConeTip, kConeRim, kConeTop in
+// volume_mesh.h.
 vec3 coneVertex(vec3 v, Light light) {
   float angle = acos(clamp(-light.spotOffset / light.spotScale, -1.0, 1.0)) + kAngleMargin;
-  vec2 rim = vec2(sin(angle), cos(angle));  // from the axis, along it
+  vec2 rim = vec2(sin(angle), cos(angle));  // distance from the axis and along it
   vec2 top = vec2(tan(0.5 * angle), 1.0 + kLengthMargin);
   vec2 profile = v.z < 0.5 ? vec2(0.0, -kLengthMargin) : v.z < 1.5 ? rim : top;
   return vec3(v.xy * profile.x, profile.y) * push.radius;

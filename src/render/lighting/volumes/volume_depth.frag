@@ -1,8 +1,9 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // variants: multisampled
-// Copies depth to a target with stencil: with several samples a pixel, each sample gets the depth of its surface, which
-// is lit at one position. (Where a pixel spans metres, a light may reach that position but not all of the samples.)
+// Light volumes: copies depth to a depth-stencil target. With several samples per pixel, each sample gets the depth of
+// its surface, because a surface is lit at one position. (In a pixel that spans meters, a light may reach that position
+// but not all of the samples.)
 #include "render/glsl/common.glsl"
 #include "render/glsl/multisample.glsl"
 #include "render/lighting/volumes/volume_push.h"

@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Discards all but the pixels with several surfaces, which stencil then marks.
+// Light volumes with several samples per pixel: discards all pixels except those with several surfaces, so that the
+// draw marks these in stencil.
 #define MULTISAMPLED
 #include "render/glsl/common.glsl"
 #include "render/glsl/multisample.glsl"

@@ -1,17 +1,18 @@
-// One light at a surface that its volume covers. After gbuffer_read.glsl, with GBUFFER_SAMPLED_ONLY.
+// Light volumes: shades a surface that a light's volume covers with that light. Include it after gbuffer_read.glsl,
+// with GBUFFER_SAMPLED_ONLY defined.
 #include "render/glsl/environment.glsl"
 #include "render/glsl/one_light.glsl"
 #include "render/lighting/volumes/volume_push.h"
 
 layout(push_constant, scalar) uniform Push { VolumePush push; };
 
-// Not by address: such loads cost more than the light itself on lavapipe.
+// A uniform buffer, because on lavapipe loads by address cost more than shading with the light.
 layout(set = 0, binding = AFTER_LIT_MAPS, scalar) uniform ViewUniform { View view; };
 
 layout(location = 0) out vec4 radiance;
 layout(location = 1) out vec4 counts;
 
-// `samples`: those that show the surface; 0 for none.
+// `samples` is the mask of samples that show the surface; 0 if there is no surface.
 void lightSurface(ivec3 pixel, uint samples) {
 #ifdef MULTISAMPLED
   float depth = depthOfSamples(gbufferDepth, pixel, samples);
@@ -26,7 +27,7 @@ void lightSurface(ivec3 pixel, uint samples) {
   FrameConstants frame = FrameRef(push.frame).v;
   vec3 one = shadeOneLight(frame, push.light, push.shadow, s, surfaceBrdf(s, toEye, kShading));
   lightsTested = 1.0;
-  // Volumes that reach the far plane cover background too.
+  // Volumes that reach the far plane also cover background.
   radiance = depth != 0.0 ? vec4(one, 0.0) : vec4(0.0);
   counts = depth != 0.0 ? lightCount() : vec4(0.0);
 }

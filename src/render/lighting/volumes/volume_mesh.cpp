@@ -20,7 +20,7 @@ struct Shell {
 };
 
 Shell icosahedron() {
-  const float g = (1.0f + std::sqrt(5.0f)) / 2.0f;  // the golden ratio: corners are (0, +-1, +-g) in cyclic order
+  const float g = (1.0f + std::sqrt(5.0f)) / 2.0f;  // the golden ratio: vertices are (0, +-1, +-g) in cyclic order
   Shell shell;
   for (int axis = 0; axis < 3; ++axis)
     for (float a : {-1.0f, 1.0f})
@@ -30,7 +30,7 @@ Shell icosahedron() {
         v[(axis + 2) % 3] = b;
         shell.vertices.push_back(glm::normalize(v));
       }
-  // Faces are triples of neighbours, which are corners at the smallest distance.
+  // A face is a triple of adjacent vertices, which are those at the smallest distance from each other.
   const float edge = 2.0f / std::sqrt(1.0f + g * g);
   const auto near = [&](uint32_t a, uint32_t b) {
     return glm::length(shell.vertices[a] - shell.vertices[b]) < 1.1f * edge;
@@ -42,7 +42,7 @@ Shell icosahedron() {
   return shell;
 }
 
-// Splits every triangle into four, with new corners on the unit sphere.
+// Splits every triangle into four, with the new vertices on the unit sphere.
 Shell subdivide(const Shell& coarse) {
   Shell fine{coarse.vertices, {}};
   std::map<std::pair<uint32_t, uint32_t>, uint32_t> middles;
@@ -59,7 +59,7 @@ Shell subdivide(const Shell& coarse) {
   return fine;
 }
 
-// The unit sphere lies inside: the nearest face is pushed out to touch it, plus a margin.
+// A mesh that contains the unit sphere: vertices are scaled so that the nearest face touches the sphere, plus a margin.
 Shell circumscribedSphere() {
   Shell shell = subdivide(icosahedron());
   float nearest = 1;
@@ -93,7 +93,8 @@ Shell circumscribedCone() {
   return shell;
 }
 
-// The position of a cone's vertex for a half angle of 45 degrees and radius 1: corners are ordered alike at any angle.
+// The position of a cone's vertex for a half angle of 45 degrees and radius 1, to orient triangles. Their orientation
+// is the same at any angle.
 vec3 coneSample(vec3 v) {
   const float along = v.z == kConeTip ? 0.0f : v.z == kConeRim ? 0.7071f : 1.0f;
   const float radius = v.z == kConeTip ? 0.0f : v.z == kConeRim ? 0.7071f : 0.4142f;

@@ -1,4 +1,5 @@
-// Circumscribed meshes around the volume that a point or a spot light reaches: no lit pixel lies outside them.
+// Meshes of light volumes, circumscribed around the space that a point or spot light reaches: no lit point lies outside
+// them.
 #pragma once
 
 #include <cstdint>
@@ -7,10 +8,10 @@
 
 namespace latelight::render {
 
-// One sphere and one cone; indices are relative to each one's first vertex, triangles counter-clockwise from outside.
-// Vertices are not positions but the data from which volume.vert computes them:
-//   sphere  a position, for reach 1 about the origin
-//   cone    x, y: direction from the axis, its length 1 / cos(half a side) and a margin; z: which ring (kCone*)
+// One sphere and one cone. Indices are relative to the first vertex of each part; triangles are counter-clockwise seen
+// from outside. Vertices are the data from which volume.vert computes positions:
+//   sphere  the position for a light of radius 1 at the origin
+//   cone    x, y: direction from the axis, of length 1 / cos(pi / sides) plus a margin; z: the ring (kCone*)
 struct VolumeMesh {
   struct Part {
     uint32_t firstIndex, indexCount, firstVertex;
@@ -21,14 +22,15 @@ struct VolumeMesh {
 };
 VolumeMesh makeVolumeMesh();
 
-// Every point of both meshes lies within this many radii of the light.
+// Every point of both meshes lies within this distance of the light, in radii.
 inline constexpr float kVolumeExtent = 1.4f;
 
-// Margin for the rasterizer, which snaps vertices to 1/256 pixel: enough for volumes down to half a pixel across.
+// Scale that compensates for the rasterizer, which snaps vertices to 1/256 pixel. It suffices for volumes down to half
+// a pixel across.
 inline constexpr float kVolumeMargin = 1.01f;
 
-// The rings of the cone, from the light outwards (volume.vert): its tip, where the cone meets the sphere of its radius,
-// and where the tangent there meets the tangent plane at the far end.
+// The rings of the cone, from the light outward (volume.vert): the tip; the rim, where the cone intersects the sphere
+// of its radius; and the top, where the tangent at the rim intersects the sphere's tangent plane at the far end.
 inline constexpr float kConeTip = 0, kConeRim = 1, kConeTop = 2;
 
 }  // namespace latelight::render

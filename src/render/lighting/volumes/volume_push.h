@@ -1,4 +1,5 @@
-// Push constants of a volume's shaders (volumes.cpp): the light itself, so that it needs no loads.
+// Push constants of the shaders of light volumes (volumes.cpp). They contain the light itself, so shaders do not load
+// it.
 #ifndef LATELIGHT_VOLUME_PUSH_H
 #define LATELIGHT_VOLUME_PUSH_H
 
@@ -11,12 +12,12 @@ struct VolumePush {
   uint64_t vertices;  // vec3[]: volume_mesh.h
   uint view;
   uint shape;    // kShape*
-  float radius;  // of the mesh, metres: the light's, or for one without a range the distance to the scene's end
+  float radius;  // of the mesh, meters: the light's, or, if unbounded, the distance to the scene's farthest point
   LightShadow shadow;
   Light light;
 };
 
-SH_CONST uint kShapeScreen = 0u;  // one triangle over the whole picture, at depth 0: behind everything
+SH_CONST uint kShapeScreen = 0u;  // a full-screen triangle at depth 0, behind all surfaces
 SH_CONST uint kShapeSphere = 1u;
 SH_CONST uint kShapeCone = 2u;
 

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // variants: layout
-// Like volume.frag, but one fragment per sample: where a pixel's samples show different surfaces.
+// Light volumes: as volume.frag, with one fragment per sample, for pixels whose samples show different surfaces.
 #define MULTISAMPLED
 #include "render/glsl/common.glsl"
 #define GBUFFER_SAMPLED_ONLY

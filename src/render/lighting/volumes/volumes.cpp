@@ -1,6 +1,10 @@
-// volumes: each light is drawn as a mesh around its range, and stencil culling excludes pixels that it can't light
-// (Hargreaves and Harris 2004, Deferred Shading, GDC). Point lights are spheres, spot lights cones, and directional
-// lights one full-screen triangle. Depth is reversed, so the LESS of the literature is GREATER here.
+// volumes: deferred shading with light volumes. Each light is drawn as a mesh around its range, and stencil culling
+// excludes pixels that it cannot light (Hargreaves and Harris 2004, Deferred Shading, GDC; Valient 2007, Deferred
+// Rendering in Killzone 2). Point lights are spheres, spot lights are cones, and directional lights are one full-screen
+// triangle. Depth is reversed, so LESS in the literature is GREATER here.
+//
+// Per view, the pass copies depth to a depth-stencil target, then marks (stencil) and shades (additive blending into
+// the sum of lights) each light in turn. A compute pass adds emission and the environment (volumes.comp).
 #include <cmath>
 #include <memory>
 
@@ -44,34 +48,34 @@ constexpr VkStencilOpState kMarked = stencilOps(VK_COMPARE_OP_EQUAL, VK_STENCIL_
 
 enum Step : uint32_t { kMarkClassic, kMarkKillzone, kLightMarked, kLightMarkedBehind, kLightUnmarked, kLightScreen };
 
-// A volume is convex, so at each pixel it has one front face and one back face, or, where the camera is inside, only a
-// back face. A surface can only be lit where the back face lies behind it: both orders mark those pixels.
+// A volume is convex, so each pixel that it covers has one front face and one back face, or only a back face if the
+// camera is inside. A surface can be lit only if the back face lies behind it: both orders mark those pixels.
 struct StepState {
   const char* name;
-  bool lights;  // else it marks
+  bool lights;  // true: shades; false: marks stencil
   VkCompareOp depth;
   std::optional<VkStencilOpState> stencil;
   VkCullModeFlags cull;
 };
 constexpr StepState kSteps[] = {
-    // First step of two-step stencil culling: depth LESS, stencil ALWAYS, depth-fail REPLACE. Back faces are drawn;
-    // where they fail the depth test, the surface is in front of them.
+    // First step of two-step stencil culling: depth LESS, stencil ALWAYS, depth-fail REPLACE. Back faces are drawn. If
+    // a back face fails the depth test, the surface is in front of it.
     {"mark", false, VK_COMPARE_OP_GREATER, kMarkOnFail, VK_CULL_MODE_FRONT_BIT},
     // Valient 2007 (Deferred Rendering in Killzone 2): back faces, depth GREATER-EQUAL, stencil written on pass.
     {"mark killzone", false, VK_COMPARE_OP_LESS_OR_EQUAL, kMarkOnPass, VK_CULL_MODE_FRONT_BIT},
     // Second step: depth ALWAYS, stencil EQUAL. Back faces, because the camera may be inside the volume.
     {"light", true, VK_COMPARE_OP_ALWAYS, kMarked, VK_CULL_MODE_FRONT_BIT},
-    // Killzone's second step: front faces, depth LESS-EQUAL, stencil EQUAL. Not where the near plane may have clipped
+    // Second step as in Killzone 2: front faces, depth LESS-EQUAL, stencil EQUAL. Not used if the near plane may clip
     // the front faces.
     {"light killzone", true, VK_COMPARE_OP_GREATER_OR_EQUAL, kMarked, VK_CULL_MODE_BACK_BIT},
-    // Tiny volumes: the back faces' depth test alone, as in Killzone 2.
+    // Tiny volumes: only the depth test of back faces, without stencil, as in Killzone 2.
     {"light unmarked", true, VK_COMPARE_OP_LESS_OR_EQUAL, std::nullopt, VK_CULL_MODE_FRONT_BIT},
-    // The triangle at depth 0 lies behind everything but background.
+    // The full-screen triangle at depth 0 lies behind all surfaces; LESS rejects the background.
     {"light screen", true, VK_COMPARE_OP_LESS, std::nullopt, VK_CULL_MODE_NONE},
 };
 
-// With several samples per pixel, the highest stencil bit marks pixels with several surfaces, which are lit per sample;
-// the others are lit once per pixel (Valient 2007). The other bits number the lights.
+// With several samples per pixel, the highest stencil bit marks pixels with several surfaces. These are lit per sample,
+// all others once per pixel (Valient 2007). The other bits contain the number of a light.
 enum Rate : uint32_t { kRatePixel, kRateSample };
 constexpr uint32_t kSeveralSurfaces = 0x80;
 constexpr VkStencilOpState kMarkSeveral{.failOp = VK_STENCIL_OP_KEEP,
@@ -81,7 +85,8 @@ constexpr VkStencilOpState kMarkSeveral{.failOp = VK_STENCIL_OP_KEEP,
                                         .compareMask = kSeveralSurfaces,
                                         .writeMask = kSeveralSurfaces};
 
-// A step's stencil state combined with that bit. Steps that light without a mark still test the bit.
+// The stencil state of a step, combined with the bit kSeveralSurfaces. Steps that light without a mark still test the
+// bit.
 VkStencilOpState besideSeveral(const StepState& step) {
   VkStencilOpState stencil = step.stencil.value_or(kMarked);
   stencil.writeMask = 0xff & ~kSeveralSurfaces;
@@ -89,15 +94,15 @@ VkStencilOpState besideSeveral(const StepState& step) {
   return stencil;
 }
 
-// What to do for one light in one view.
+// The draws of one light in one view.
 struct VolumeDraw {
   uint32_t shape;  // kShape*
   std::optional<Step> mark;
   Step light;
-  float radius = 0;  // of a volume, metres
+  float radius = 0;  // of the volume, in meters
 };
 
-// Chooses the draws of lights in a view.
+// Chooses the draws of each light in a view. Returns none for lights outside the view frustum.
 class VolumePlan {
  public:
   VolumePlan(const shared::View& view, const scene::Bounds& scene, uint32_t order, bool depthClamp)
@@ -113,7 +118,8 @@ class VolumePlan {
     const float depth = (view_.worldToView * glm::vec4(light.position, 1.0f)).y;
     const float extent = kVolumeExtent * lit.radius;
     const bool cutFar = depth + extent >= shared::viewDepth(view_.projection, 0.0f);
-    // With depth clamp, back faces beyond the far plane are kept; clipped, they would leave the pixels inside unmarked.
+    // Depth clamp keeps back faces beyond the far plane. Without it they would be clipped, and pixels inside the volume
+    // would not be marked.
     if (cutFar && !depthClamp_) return screen;
     const uint32_t shape = isCone(light) ? kShapeCone : kShapeSphere;
     if (projectedRadius(lit) < kLeastMarkedRadius) return VolumeDraw{shape, std::nullopt, kLightUnmarked, lit.radius};
@@ -123,20 +129,20 @@ class VolumePlan {
   }
 
  private:
-  // Wider cones than 80 degrees are hardly smaller than the sphere.
+  // Cones wider than 80 degrees are hardly smaller than the sphere.
   static bool isCone(const shared::Light& light) {
     constexpr float kCos80 = 0.17364818f;
     return shared::lightHasCone(light.type) && -light.spotOffset > kCos80 * light.spotScale;
   }
 
-  // From the light to the farthest point of the scene, with a margin for rounding.
+  // The distance from the light to the farthest point of the scene, with a margin for rounding.
   float farthest(const shared::Light& light) const {
     const glm::dvec3 position(light.position);
     return static_cast<float>(
         1.001 * glm::length(glm::max(glm::abs(scene_.min - position), glm::abs(scene_.max - position))));
   }
 
-  // Of a sphere, in pixels; infinite with the camera inside.
+  // The projected radius of a sphere in pixels; infinite if the camera is inside.
   float projectedRadius(const Sphere& sphere) const {
     const float scale = view_.projection.V * view_.size.y * 0.5f;
     if (view_.projection.kind == shared::kOrthographic) return sphere.radius * scale;
@@ -154,8 +160,8 @@ class VolumePlan {
 
 // --- the technique --------------------------------------------------------------------------------------------------
 
-// The meshes, and each view as a uniform buffer: volume.frag reads it for every light, and loads by address cost more
-// than the light itself on lavapipe.
+// The meshes, and each view as a uniform buffer. volume.frag reads the view for every light, and on lavapipe loads by
+// address cost more than shading with the light.
 struct VolumeBuffers {
   VolumeMesh::Part sphere, cone;
   vk::Buffer vertices, indices;
@@ -178,7 +184,7 @@ struct VolumeBuffers {
   }
 };
 
-// The pass that draws all lights' volumes into their sum.
+// The pass that draws the volumes of all lights into the sum of lights.
 class VolumesPass {
  public:
   VolumesPass(const FrameContext& f, const Gbuffer& gbuffer, VkFormat sumFormat)
@@ -202,7 +208,7 @@ class VolumesPass {
 
   std::vector<graph::Access> accesses() const { return inputs_.accesses(); }
 
-  // Draws every light of a view, within a rendering that has begun. Returns their number.
+  // Draws every light of a view and returns their number. The caller must have begun rendering.
   uint64_t record(graph::Context& context, uint32_t view) const;
 
  private:
@@ -212,7 +218,7 @@ class VolumesPass {
     appendLitMaps(bindings, f, gbuffer);
     return bindings;
   }
-  // With the view's uniform buffer after them.
+  // The inputs, followed by the view's uniform buffer.
   std::vector<vk::Binding> inputKinds() const {
     std::vector<vk::Binding> kinds = inputs_.kinds();
     kinds.push_back(vk::Binding::Uniform);
@@ -265,7 +271,7 @@ class VolumesPass {
     return f_.device.cache().pipeline(desc);
   }
 
-  // Every light marks with its own value, so stencil is cleared only when the values run out.
+  // Every light marks with its own stencil value, so stencil is cleared only after all values have been used.
   void clearStencil(VkCommandBuffer commands) const {
     const VkClearAttachment clear{.aspectMask = VK_IMAGE_ASPECT_STENCIL_BIT};
     const VkClearRect rect{{{0, 0}, {f_.width, f_.height}}, 0, 1};
@@ -308,7 +314,7 @@ class VolumesPass {
   VolumeBuffers buffers_;
   Bindings inputs_, depth_, several_;
   vk::PipelineRef copyDepth_, markSeveral_;
-  std::vector<vk::PipelineRef> steps_, sampleSteps_;  // as kSteps, per pixel and, with several samples, per sample
+  std::vector<vk::PipelineRef> steps_, sampleSteps_;  // indexed as kSteps: per pixel, and per sample if multisampled
 };
 
 uint64_t VolumesPass::record(graph::Context& context, uint32_t view) const {
@@ -321,11 +327,11 @@ uint64_t VolumesPass::record(graph::Context& context, uint32_t view) const {
   std::vector<vk::BoundImage> images = inputs_.images(context);
   images.push_back({.uniform = buffers_.views[view].get()});
   const vk::Pipeline& screen = steps_[kLightScreen].get();
-  context.commands().bind(screen, images, push);  // all steps have the same layout: set 0 stays bound
+  context.commands().bind(screen, images, push);  // all steps have the same pipeline layout, so set 0 stays bound
   vkCmdBindIndexBuffer(commands, buffers_.indices.get(), 0, VK_INDEX_TYPE_UINT32);
 
   const VolumePlan plan(f_.views[view], sceneBounds_, f_.setup.volumesOrder, depthClamp_);
-  uint32_t reference = 0;  // of the last light that was marked; 0 is what stencil is cleared to
+  uint32_t reference = 0;  // of the last marked light; stencil is cleared to 0
   uint64_t passes = 0;
   for (uint32_t light = 0; light < f_.lights.size(); ++light) {
     const std::optional<VolumeDraw> draw = plan.of(f_.lights[light]);

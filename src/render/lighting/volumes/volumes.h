@@ -1,15 +1,15 @@
-// volumes: its options, and the constants that its tests need.
+// Light volumes: values of the option, and constants that tests need.
 #pragma once
 
 #include <cstdint>
 
 namespace latelight::render {
 
-// FrameSetup::volumesOrder, as VolumesOrder numbers it.
+// Values of FrameSetup::volumesOrder, numbered as VolumesOrder.
 inline constexpr uint32_t kVolumesClassic = 0, kVolumesKillzone = 1;
 
-// Pixels. A volume whose projected sphere is smaller is lit without being marked first: marking would cost more than it
-// saves, and the picture is the same.
+// In pixels. A volume whose projected sphere has a smaller radius is lit without a stencil mark, because marking would
+// cost more than it saves. The picture is the same.
 inline constexpr float kLeastMarkedRadius = 8;
 
 }  // namespace latelight::render
