@@ -1,4 +1,4 @@
-// Square tiles in the layers of an atlas, handed out and taken back.
+// Allocator of square tiles in the layers of the shadow atlas.
 #pragma once
 
 #include <compare>
@@ -16,13 +16,13 @@ struct AtlasTile {
   auto operator<=>(const AtlasTile&) const = default;
 };
 
-// Sides are powers of two from kLeastShadowTile to the layers' own. A free tile is cut in four until it is as small as
-// asked, and four that are free again become one (a buddy system, Knowlton 1965, A Fast Storage Allocator, CACM 8(10)).
-// Tiles that are taken in falling order of size leave no gap.
+// A buddy allocator (Knowlton 1965, A Fast Storage Allocator, CACM 8(10)). The sizes of tiles are powers of two from
+// kLeastShadowTile to the side of a layer. take() splits a free tile into quarters until it has the requested size, and
+// giveBack() merges four free quarters. Tiles allocated in order of decreasing size leave no gaps.
 class AtlasTiles {
  public:
   AtlasTiles(uint32_t side, uint32_t layers);
-  std::optional<AtlasTile> take(uint32_t size);  // nothing: no room
+  std::optional<AtlasTile> take(uint32_t size);  // none if no tile of this size is free
   void giveBack(const AtlasTile& tile);
 
  private:

@@ -8,6 +8,7 @@ namespace latelight::render {
 
 namespace {
 
+// Rounds a distance down or up to a quarter of an octave.
 double steppedDown(double distance) {
   return std::exp2(std::floor(4 * std::log2(distance)) / 4);
 }
@@ -15,8 +16,8 @@ double steppedUp(double distance) {
   return std::exp2(std::ceil(4 * std::log2(distance)) / 4);
 }
 
-// The sphere around the part of the view between two depths. Its centre lies on the view's axis, so that its radius
-// depends only on depths and angles.
+// The sphere around the part of the view between two depths. Its center lies on the view's axis, so its radius depends
+// only on depths and angles.
 Sphere around(const shared::View& view, double near, double far) {
   const shared::Projection& p = view.projection;
   const double x = (1 + std::abs(double{p.X})) / p.H, z = (1 + std::abs(double{p.Z})) / p.V;
@@ -26,14 +27,14 @@ Sphere around(const shared::View& view, double near, double far) {
     centre = 0.5 * (near + far);
     radius = std::sqrt(0.25 * (far - near) * (far - near) + k);
   } else {
-    // The centre is equally far from the near and the far corners, unless that puts it beyond the far ones.
+    // The center is equidistant from the near and far corners, unless it would be beyond the far ones.
     centre = std::min(0.5 * (near + far) * (1 + k), far);
     radius = std::sqrt((far - centre) * (far - centre) + far * far * k);
   }
   return {view.viewToWorld * glm::vec4(0, static_cast<float>(centre), 0, 1), static_cast<float>(radius)};
 }
 
-// View depth of the box's nearest corner: the scene's sphere may begin far in front of it.
+// The view depth of the nearest corner of the bounds. The bounding sphere of the scene may begin far in front of it.
 double nearestDepth(const scene::Bounds& bounds, const shared::View& view) {
   double nearest = std::numeric_limits<double>::infinity();
   for (int corner = 0; corner < 8; ++corner) {
@@ -51,9 +52,9 @@ std::vector<Sphere> fitCascades(const shared::View& view, const scene::Bounds& b
   const Sphere scene{glm::vec3(bounds.centre()), std::max(static_cast<float>(bounds.radius()), 1e-6f)};
   const shared::Projection& p = view.projection;
   const double centre = (view.worldToView * glm::vec4(scene.centre, 1)).y, radius = scene.radius;
-  const double room = 1e-3 * radius;  // flat scenes need some depth, too, and coordinates are rounded
+  const double room = 1e-3 * radius;  // for flat scenes and rounded coordinates
   const double near = shared::viewDepth(p, 1.0f), far = shared::viewDepth(p, 0.0f);
-  // Distances in an orthographic view are measured from where it begins, which may be behind its own position.
+  // Distances in an orthographic view are measured from its near end, which may be behind its own position.
   const double from = p.kind == shared::kOrthographic ? near : 0;
   const double first = std::max(nearestDepth(bounds, view) - room, near) - from;
   const double last = std::min(centre + radius, far) - from;

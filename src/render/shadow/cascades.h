@@ -1,4 +1,5 @@
-// Cascades: spheres along a view that its directional lights' shadow maps are fitted around, finest first.
+// Cascaded shadow maps: the bounding spheres, along a view, to which the shadow maps of its directional lights are
+// fitted.
 #pragma once
 
 #include <vector>
@@ -11,11 +12,12 @@ namespace latelight::render {
 
 inline constexpr uint32_t kCascades = 4;
 
-// The part of the view that the scene takes up, cut across into slices, each kCascadeRatio times as far as the one
-// before, and the smallest sphere around each (Valient 2008, Stable Rendering of Cascaded Shadow Maps, ShaderX6): its
-// radius doesn't change as the view turns or moves. Where the scene's own sphere is smaller, that one is used and is
-// the last. The distances are rounded outwards to steps of a quarter of an octave, so that a moving view mostly keeps
-// them. Empty where no part of the scene can be in the view.
+// Stable cascades (Valient 2008, Stable Rendering of Cascaded Shadow Maps, ShaderX6). The part of the view that
+// contains the scene is split into up to kCascades slices, each reaching kCascadeRatio times as far as the previous
+// one. The result is the smallest sphere around each slice, nearest first; its radius does not change as the view turns
+// or moves. If the scene's bounding sphere is smaller, it is used instead and is the last cascade. Distances are
+// rounded outward to steps of a quarter of an octave, so they mostly stay the same in a moving view. The result is
+// empty if no part of the scene can be in the view.
 inline constexpr double kCascadeRatio = 3;
 std::vector<Sphere> fitCascades(const shared::View& view, const scene::Bounds& bounds);
 

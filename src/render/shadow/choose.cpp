@@ -1,3 +1,5 @@
+// Selection of shadow casters. Lights are ranked by importance (Candidate::operator<), get tiles of about the
+// resolution of the picture (sizeOf), and tiles are halved until they fit into the shadow atlas (fit).
 #include "render/shadow/choose.h"
 
 #include <algorithm>
@@ -20,7 +22,7 @@ constexpr uint32_t kLargestTile = 2048, kLeastCascade = 128;
 static_assert(kLargestTile <= 32 * shared::kShadowPage, "a row of a map's pages is a word");
 static_assert(kLeastShadowTile == shared::kShadowCell);
 
-// --- who ------------------------------------------------------------------------------------------------------------
+// --- selection ------------------------------------------------------------------------------------------------------
 
 void checkNames(const ShadowLights& wanted, std::span<const scene::Light> lights) {
   for (const std::string& name : wanted.names)
@@ -28,12 +30,12 @@ void checkNames(const ShadowLights& wanted, std::span<const scene::Light> lights
       badUsage("no light is called \"{}\": --shadow-lights takes auto, all, none, a number, or names of lights", name);
 }
 
-// How far the light reaches within the scene, metres.
+// The distance to which the light reaches within the scene, in meters.
 float reachIn(const ShadowScene& scene, const shared::Light& light) {
   return std::min(light.radius, static_cast<float>(2 * scene.bounds.radius()));
 }
 
-// The illuminance at the eye, lux; for a directional light the same everywhere.
+// The illuminance at the eye in lux. For a directional light it is the same everywhere.
 float importance(const shared::Light& light, const ShadowScene& scene, const shared::View& view) {
   const float candela = shared::maxChannel(light.intensity);
   if (shared::lightIsDirectional(light.type)) return candela;
@@ -44,9 +46,9 @@ float importance(const shared::Light& light, const ShadowScene& scene, const sha
 
 struct Candidate {
   uint32_t light, source;
-  bool directional, asked;  // asked: by the scene itself
+  bool directional, asked;  // asked: the scene itself requests shadows of this light
   float importance;
-  // Most important first; no two compare equal.
+  // Orders by decreasing importance; no two candidates compare equal.
   bool operator<(const Candidate& other) const {
     if (asked != other.asked) return asked;
     if (directional != other.directional) return directional;
@@ -78,16 +80,16 @@ std::vector<Candidate> candidates(const ShadowScene& scene, const shared::View& 
   return found;
 }
 
-// --- how large ------------------------------------------------------------------------------------------------------
+// --- sizes ----------------------------------------------------------------------------------------------------------
 
-// The nearest power of two by ratio, within bounds that are powers of two themselves.
+// The nearest power of two by ratio, clamped to bounds that are powers of two themselves.
 uint32_t tileSize(double texels, uint32_t least, uint32_t most) {
   const double clamped = std::clamp(texels, double(least), double(most));
   return 1u << static_cast<uint32_t>(std::lround(std::log2(clamped)));
 }
 
-// About as many texels as pixels: a cascade's tile is as wide as the picture, a local light's as wide as its sphere on
-// screen, and a cube's face half that.
+// Maps have about as many texels as pixels: a cascade is about as wide as the picture, a spot light's map as wide as
+// the light's sphere on screen, and a cube face half as wide.
 uint32_t sizeOf(const shared::Light& light, const ShadowScene& scene, const shared::View& view, uint32_t maps) {
   const double picture = std::max(view.size.x, view.size.y);
   const uint32_t cascade = tileSize(picture, kLeastCascade, kLargestTile);
@@ -105,7 +107,7 @@ uint64_t areaOf(const std::vector<ShadowCaster>& casters) {
   return area;
 }
 
-// Halves sizes larger than `least`; false where there are none.
+// Halves the sizes larger than `least`. Returns false if there are none.
 bool halve(std::vector<ShadowCaster>& casters, const ShadowScene& scene, bool directionalToo, uint32_t least) {
   bool halved = false;
   for (ShadowCaster& caster : casters) {
@@ -117,9 +119,9 @@ bool halve(std::vector<ShadowCaster>& casters, const ShadowScene& scene, bool di
   return halved;
 }
 
-// Returns how many lights had to be dropped.
+// Reduces sizes until all tiles fit into `room` texels, then drops lights. Returns the number of dropped lights.
 size_t fit(std::vector<ShadowCaster>& casters, const ShadowScene& scene, uint64_t room) {
-  constexpr uint32_t kFine = 256;  // below this, cascades give up as much as the others
+  constexpr uint32_t kFine = 256;  // only local lights' tiles are halved down to this size, then all tiles
   while (areaOf(casters) > room && halve(casters, scene, false, kFine)) {
   }
   while (areaOf(casters) > room && halve(casters, scene, true, kLeastShadowTile)) {
@@ -134,9 +136,9 @@ size_t fit(std::vector<ShadowCaster>& casters, const ShadowScene& scene, uint64_
 }  // namespace
 
 std::optional<double> shadowCone(const shared::Light& light) {
-  constexpr double kWidest = 1.05, kNarrowest = 2e-3;  // radians; beyond 60 degrees a map is mostly rim
+  constexpr double kWidest = 1.05, kNarrowest = 2e-3;  // radians; beyond 60 degrees a map consists mostly of rim
   if (!shared::lightHasCone(light.type)) return std::nullopt;
-  // The rounding of spotOffset / spotScale changes a narrow cone's angle by up to 3.5e-4.
+  // The rounding of spotOffset / spotScale changes a narrow cone's angle by up to 3.5e-4 radians.
   const double half = std::acos(std::clamp(-double{light.spotOffset} / light.spotScale, -1.0, 1.0)) + 1e-3;
   if (half > kWidest) return std::nullopt;
   return std::max(half, kNarrowest);

@@ -1,4 +1,4 @@
-// Which lights cast shadows, and how large their maps are.
+// Selects the lights that cast shadows in a view, and the sizes of their shadow maps.
 #pragma once
 
 #include "render/shadow/plan.h"
@@ -6,19 +6,20 @@
 namespace latelight::render {
 
 struct ShadowCaster {
-  uint32_t light;  // among the frame's
+  uint32_t light;  // index among the frame's lights
   uint32_t maps;   // 1, 6 for a cube, or the number of cascades
   uint32_t size;   // of each map's tile
 };
 
-inline constexpr uint32_t kAutomaticShadows = 8;  // lights, where the settings choose automatically
+inline constexpr uint32_t kAutomaticShadows = 8;  // number of lights that --shadow-lights auto selects
 
-// In the order of their importance. `cascades`: per directional light. All tiles together take at most the square of
-// settings.shadowAtlas: local lights' are halved first, then all; finally the least important lights are dropped.
+// Returns the shadow casters in order of importance. `cascades` is the number of maps of each directional light. The
+// total area of all tiles is at most the square of settings.shadowAtlas: tiles of local lights are halved first, then
+// all tiles, and finally the least important lights are dropped.
 std::vector<ShadowCaster> chooseShadowCasters(const ShadowScene& scene, const shared::View& view,
                                               const Settings& settings, uint32_t cascades);
 
-// The half angle of a spot's map; nothing where the light takes a cube.
+// The half angle of a spot light's map in radians; none if the light requires a cube.
 std::optional<double> shadowCone(const shared::Light& light);
 
 }  // namespace latelight::render

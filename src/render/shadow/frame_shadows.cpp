@@ -19,8 +19,8 @@ vk::Buffer uploaded(vk::Device& device, const char* name, const std::vector<T>& 
   return vk::uploadedBuffer(device, name, std::as_bytes(std::span(values)));
 }
 
-constexpr size_t kMapsAtOnce = 64;  // a thread's share
-constexpr uint32_t kPatience = 3;   // frames that draw pages of a map before one draws what is left
+constexpr size_t kMapsAtOnce = 64;  // per task of a worker thread
+constexpr uint32_t kPatience = 3;   // frames that draw pages of a map before a frame draws the rest of it
 
 template <typename T>
 void append(std::string& key, const T& value) {
@@ -58,7 +58,8 @@ FrameShadows::FrameShadows(vk::Device& device, const GpuScene& scene, ShadowPlan
   if (columns_.empty()) return;
   number(scene.lights().count());
   enterMaps();
-  // The graphics pipeline rounds by where on its target it draws, so that its maps would depend on the frames before.
+  // The rounding of the graphics pipeline depends on the position in the atlas, so cached maps would depend on earlier
+  // frames.
   if (inCompute_)
     kept.follow(scene);
   else
@@ -127,17 +128,17 @@ void FrameShadows::place(vk::Device& device, KeptShadowMaps& kept) {
   undrawn_ = !maps_.empty();
 }
 
-// A map that several frames have drawn pages of is likely to stay: with all of them, no later frame has to look for
-// any.
+// Adds the map to maps_ unless it is completely drawn. A map of which several frames have drawn pages is likely to
+// stay: it is then drawn completely, so later frames need not mark its pages.
 void FrameShadows::list(const std::shared_ptr<KeptMap>& map, const ShadowView& view) {
   if (map->whole) return;
   maps_.push_back({map->tile, &view, !map->drawn, ++map->drawings > kPatience});
-  map->drawn = false;  // until it is settled
+  map->drawn = false;  // until settled()
   drawn_.push_back(map);
 }
 
 std::vector<shared::PagedLight> FrameShadows::pagedLights() const {
-  std::set<uint32_t> paged;  // among columns_
+  std::set<uint32_t> paged;  // indices into columns_
   for (size_t i = 0; i < table_.size(); ++i)
     for (uint32_t map = 0; map < table_[i].maps; ++map)
       if (!placed_[wantedOfMap_[table_[i].first + map]]->whole)

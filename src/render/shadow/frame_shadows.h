@@ -1,4 +1,5 @@
-// The shadow maps of a frame: placed as its plan says, drawn where no earlier frame has, looked up by light and view.
+// The shadow maps of a frame: places the maps of a ShadowPlan in the shadow atlas, tracks which ones the frame has to
+// draw, and provides the tables by which shaders look them up by light and view.
 #pragma once
 
 #include <memory>
@@ -14,52 +15,53 @@
 
 namespace latelight::render {
 
+// The lights and bounds of a scene, for planShadows(). Refers to the scene's memory.
 ShadowScene shadowSceneOf(const GpuScene& scene);
 
 class FrameShadows {
  public:
-  // Does not change the scene. Where the raster is compute, maps that `kept` has are used.
+  // Does not change the scene. If the raster is compute, maps cached in `kept` are reused.
   FrameShadows(vk::Device& device, const GpuScene& scene, ShadowPlan plan, const Settings& settings,
                KeptShadowMaps& kept);
 
-  bool empty() const { return columns_.empty(); }  // no light casts shadows in any view
+  bool empty() const { return columns_.empty(); }  // true if no light casts shadows in any view
   const ShadowPlan& plan() const { return plan_; }
   shared::LightShadow of(uint32_t view, uint32_t light) const;
-  std::optional<uint32_t> sun(uint32_t view) const;  // the light that is the sun there
+  std::optional<uint32_t> sun(uint32_t view) const;  // the view's first directional light that casts shadows
 
-  // For the frame's constants.
+  // Fills in the shadow members of the frame's constants.
   void describe(shared::FrameConstants& frame) const;
 
-  // The maps that have something to be drawn, by layer.
+  // The maps that are not completely drawn, sorted by layer of the atlas.
   struct Map {
     AtlasTile tile;
     const ShadowView* view;
-    bool anew;   // nothing of it is there
-    bool whole;  // all of it is drawn, even if only pages that pixels look up are asked for
+    bool anew;   // none of its pages has been drawn
+    bool whole;  // draw all pages, even if other maps draw only pages that pixels look up
   };
   std::span<const Map> maps() const { return maps_; }
-  // Constants of a frame whose views are the maps, in order.
+  // Constants of a frame whose views are maps(), in order.
   VkDeviceAddress mapConstants(const shared::FrameConstants& frame);
   VkBuffer mapViews() const { return viewsBuffer_.get(); }  // their View[]
 
   const vk::Image& atlas() const { return *atlas_; }
   const vk::Buffer& pages() const { return *pages_; }
-  bool keepsAtlas() const { return keepsAtlas_; }  // it holds maps, or pages, of earlier graphs
+  bool keepsAtlas() const { return keepsAtlas_; }  // true if it contains maps or pages drawn by earlier graphs
 
-  // The maps are drawn whole, once for all samples and strips of a picture, unless pages are asked for: then each graph
-  // draws those that its pixels look up and no earlier one has drawn.
+  // By default, the first graph of a picture draws complete maps for all samples and strips. After askForPages(), each
+  // graph draws the pages that its pixels look up and that no earlier graph has drawn.
   bool mayAskForPages() const { return mayAskForPages_; }
   void askForPages() { asksForPages_ = true; }
   bool asksForPages() const { return asksForPages_; }
-  std::vector<shared::PagedLight> pagedLights() const;  // those with maps that are not drawn whole
-  void drawAgain();                                     // for a graph that is run again, since something overflowed
-  bool takeDrawing();                                   // for a graph: whether it draws maps
-  void addedDrawing();                                  // a graph has taken all that there is to be drawn
-  void settled();  // the device has drawn them, and nothing overflowed: later frames may use them
+  std::vector<shared::PagedLight> pagedLights() const;  // lights with maps that are not completely drawn
+  void drawAgain();                                     // call it for a graph that runs again after an overflow
+  bool takeDrawing();                                   // call it per graph: returns true if the graph must draw maps
+  void addedDrawing();                                  // call it after a graph has recorded all pending drawing
+  void settled();  // call it after the device has drawn the maps without overflow: later frames may use them
 
  private:
   void number(uint32_t lights);
-  size_t columnOf(uint32_t light) const;  // or that of a later light, or their number
+  size_t columnOf(uint32_t light) const;  // the first column whose light is not lower; columns_.size() if none
   std::string keyOf(uint32_t map) const;
   void enterMaps();
   void place(vk::Device& device, KeptShadowMaps& kept);
@@ -67,12 +69,12 @@ class FrameShadows {
   void upload(vk::Device& device);
 
   uint32_t format_, filter_;  // kShadow*, kShadowFilter*
-  bool inCompute_;            // the maps are stored by compute shaders
+  bool inCompute_;            // compute shaders draw the maps
   ShadowPlan plan_;
-  std::vector<KeptShadowMaps::Wanted> wanted_;    // each map once: cascades of several views may be one
-  std::vector<uint32_t> wantedOfMap_;             // among wanted_, by the plan's maps
-  std::vector<std::shared_ptr<KeptMap>> placed_;  // by wanted_
-  std::vector<std::shared_ptr<KeptMap>> drawn_;   // by maps_
+  std::vector<KeptShadowMaps::Wanted> wanted_;    // distinct maps: cascades of several views may be equal
+  std::vector<uint32_t> wantedOfMap_;             // index into wanted_ for each map of the plan
+  std::vector<std::shared_ptr<KeptMap>> placed_;  // parallel to wanted_
+  std::vector<std::shared_ptr<KeptMap>> drawn_;   // the cache entries of maps_, before sorting by layer
   std::vector<Map> maps_;
   std::vector<uint32_t> columns_;  // lights that cast shadows in some view, ascending
   std::vector<shared::ShadowBits> bits_;
@@ -85,7 +87,7 @@ class FrameShadows {
   bool undrawn_ = false;
 };
 
-VkFormat shadowImageFormat(uint32_t format, bool inCompute = false);  // of the atlas: drawn to, or stored to
-bool shadowIsPacked(uint32_t format);                                 // depth is packed into the bytes of a colour
+VkFormat shadowImageFormat(uint32_t format, bool inCompute = false);  // of the atlas: attachment or storage image
+bool shadowIsPacked(uint32_t format);                                 // depth is packed into the bytes of a color
 
 }  // namespace latelight::render

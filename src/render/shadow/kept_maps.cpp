@@ -1,3 +1,7 @@
+// The shadow map cache. follow() compares all instances with those of the previous frame and drops the maps whose
+// frustum a changed instance touches, at its old or its new position; a change of materials or of the origin drops all
+// maps. place() reuses the remaining maps and allocates tiles for new ones, largest first. If the atlas is full,
+// place() drops the maps that the frame does not use, then all maps.
 #include "render/shadow/kept_maps.h"
 
 #include <algorithm>
@@ -19,7 +23,8 @@ bool meet(const Sphere& a, const Sphere& b) {
   return glm::length(a.centre - b.centre) <= a.radius + b.radius;
 }
 
-// Vertices are rounded where they are drawn, farther from the origin by more.
+// Returns true if a caster may cast shadows into the map. Vertices are rounded when they are drawn, by more at larger
+// distance from the origin.
 bool castsInto(const Sphere& caster, const KeptMap& map) {
   constexpr float kRounding = 1e-5f;
   const glm::vec3 at = glm::abs(caster.centre);
@@ -35,14 +40,14 @@ uint64_t texelsOf(std::span<const KeptShadowMaps::Wanted> wanted) {
 
 }  // namespace
 
-// --- what they show -------------------------------------------------------------------------------------------------
+// --- invalidation ---------------------------------------------------------------------------------------------------
 
 bool KeptShadowMaps::Caster::operator==(const Caster& other) const {
   return bounds.centre == other.bounds.centre && bounds.radius == other.bounds.radius && record == other.record &&
          shape == other.shape;
 }
 
-// Where instances were and are that differ from those of the last time.
+// Returns the old and new bounds of all instances that changed since the last call.
 std::vector<Sphere> KeptShadowMaps::changedCasters(const GpuScene& scene) {
   const GpuInstances& all = scene.instances();
   std::vector<Sphere> changed;
@@ -90,9 +95,10 @@ std::vector<AtlasTile> KeptShadowMaps::tiles() const {
   return tiles;
 }
 
-// --- where they are -------------------------------------------------------------------------------------------------
+// --- placement ------------------------------------------------------------------------------------------------------
 
-// One that is much too large is given up, but not at once: creating an atlas takes longer than drawing it.
+// Returns true if the atlas fits the request. An atlas that is much too large is replaced only after several frames,
+// because creating an atlas costs more time than drawing its maps.
 bool KeptShadowMaps::holds(const vk::ImageDesc& kind, uint64_t texels, uint32_t largest) {
   if (!atlas_) return false;
   const vk::ImageDesc& has = atlas_->desc();
@@ -104,7 +110,7 @@ bool KeptShadowMaps::holds(const vk::ImageDesc& kind, uint64_t texels, uint32_t 
 }
 
 void KeptShadowMaps::renew(vk::Device& device, vk::ImageDesc kind, uint64_t texels, uint32_t largest) {
-  constexpr uint64_t kLargestSide = 4096;  // that every device has
+  constexpr uint64_t kLargestSide = 4096;  // supported by every device
   uint32_t side = largest;
   while (side < kLargestSide && uint64_t{4} * side * side <= texels) side *= 2;
   kind.width = kind.height = side;
@@ -141,7 +147,7 @@ std::shared_ptr<KeptMap> KeptShadowMaps::add(const Wanted& wanted) {
   return map;
 }
 
-// Empty where the tiles that are kept leave no room for the others.
+// Returns an empty list if the tiles of cached maps leave no space for the new ones.
 std::vector<std::shared_ptr<KeptMap>> KeptShadowMaps::tryPlace(std::span<const Wanted> wanted) {
   std::vector<std::shared_ptr<KeptMap>> found(wanted.size());
   for (size_t i = 0; i < wanted.size(); ++i)

@@ -1,5 +1,5 @@
-// Shadow maps in an atlas that outlives the frame: a map stays there until its light, the part of the world that it
-// shows, or what casts shadows in that part changes.
+// Shadow map cache: shadow maps in an atlas that persists across frames. A map is reused until its light, the region
+// that it covers, or a shadow caster in that region changes.
 #pragma once
 
 #include <memory>
@@ -19,37 +19,38 @@ namespace latelight::render {
 
 struct KeptMap {
   AtlasTile tile;
-  Frustum frustum;               // nothing outside casts shadows into it,
-  std::optional<Sphere> within;  // nor outside of this
-  bool drawn = false;            // the device has some of its pages,
-  bool whole = false;            // or all
-  uint32_t drawings = 0;         // frames that have been drawing it
-  uint64_t frame = 0;            // that has asked for it last
+  Frustum frustum;               // objects outside cast no shadows into the map
+  std::optional<Sphere> within;  // the same for objects outside this sphere
+  bool drawn = false;            // some of its pages have been drawn
+  bool whole = false;            // all of its pages have been drawn
+  uint32_t drawings = 0;         // number of frames that have drawn it
+  uint64_t frame = 0;            // number of the last frame that requested it
 };
 
 class KeptShadowMaps {
  public:
   struct Wanted {
-    std::string key;  // whatever decides what is in the map but the scene: those of equal keys are the same map
+    std::string key;  // everything except the scene that determines the map's contents; equal keys mean equal maps
     const ShadowView* view;
   };
 
-  // Forgets the maps that no longer show the scene.
+  // Drops the maps that changes to the scene have invalidated.
   void follow(const GpuScene& scene);
-  void forget();
+  void forget();  // drops all maps
 
-  // Tiles of one atlas for all of these, of which none has the key of another. `kind`: format and usage.
+  // Places all of these maps in tiles of one atlas and returns them in the same order. Cached maps keep their tiles.
+  // All keys must be different. `kind` states the format and usage of the atlas.
   std::vector<std::shared_ptr<KeptMap>> place(vk::Device& device, const vk::ImageDesc& kind,
                                               std::span<const Wanted> wanted);
   const std::shared_ptr<const vk::Image>& atlas() const { return atlas_; }
-  const std::shared_ptr<const vk::Buffer>& pages() const { return pages_; }  // that are drawn: words (page_push.h)
+  const std::shared_ptr<const vk::Buffer>& pages() const { return pages_; }  // drawn pages: words (page_push.h)
   bool anyDrawn() const;
-  std::vector<AtlasTile> tiles() const;  // of its maps
+  std::vector<AtlasTile> tiles() const;  // of all cached maps
 
  private:
   struct Caster {
     Sphere bounds;
-    uint64_t record, shape;  // what else there is of the instance; its mesh's revision
+    uint64_t record, shape;  // hash of the instance's record; revision of its mesh
     bool operator==(const Caster& other) const;
   };
   std::vector<Sphere> changedCasters(const GpuScene& scene);
@@ -64,10 +65,10 @@ class KeptShadowMaps {
   AtlasTiles tiles_{0, 0};
   std::unordered_map<std::string, std::shared_ptr<KeptMap>> maps_;
   uint64_t frame_ = 0;
-  uint32_t tooLarge_ = 0;  // frames in a row for which the atlas was much too large
+  uint32_t tooLarge_ = 0;  // consecutive frames for which the atlas was much too large
   std::vector<Caster> casters_;
-  glm::dvec3 origin_{0};  // of the positions in those
-  uint64_t instances_ = 0, shapes_ = 0, materials_ = 0;  // revisions of the scene that the maps show
+  glm::dvec3 origin_{0};  // of the positions in casters_
+  uint64_t instances_ = 0, shapes_ = 0, materials_ = 0;  // revisions of the scene that the maps represent
 };
 
 }  // namespace latelight::render

@@ -1,7 +1,8 @@
-// Pages of shadow maps: squares of texels that are drawn only where a pixel looks them up. A map has a word for each
-// row of its pages, a bit for each page in it. The words of all maps lie as their tiles do in the atlas, one for each
-// cell of kShadowCell by kShadowCell texels: row r of a map has the word r cells below that of the tile's first cell. A
-// tile is at least a cell, and as many cells down as it has rows of pages or more, so no two maps share a word.
+// Pages of virtual shadow maps, and the push constants of their passes. A page is a square of kShadowPage by
+// kShadowPage texels that is drawn only if a pixel looks it up. A map has one word for each row of its pages, with one
+// bit per page. The atlas has one word for each cell of kShadowCell by kShadowCell texels: the word of row r of a map
+// is that of the cell r cells below the first cell of the map's tile. A tile consists of at least one cell and has at
+// least as many rows of cells as rows of pages, so no two maps share a word.
 #ifndef LATELIGHT_PAGE_PUSH_H
 #define LATELIGHT_PAGE_PUSH_H
 
@@ -9,36 +10,36 @@
 
 SH_BEGIN
 
-SH_CONST uint kShadowPage = 64u;  // texels across: what raster_large.comp does at once
-SH_CONST uint kShadowCell = 32u;  // the smallest tile
+SH_CONST uint kShadowPage = 64u;  // texels per side; the block that a workgroup of raster_large.comp rasterizes
+SH_CONST uint kShadowCell = 32u;  // texels per side; the size of the smallest tile
 
 struct PagedLight {
-  uint light;   // among the frame's
-  uint column;  // among those that cast shadows
+  uint light;   // index among the frame's lights
+  uint column;  // index among the lights that cast shadows
 };
 
 struct PagedMap {
-  uint first;  // the word of its first row
-  uint rows;
-  uint anew;   // 1: nothing of it has been drawn yet
-  uint whole;  // 1: all of it is wanted
+  uint first;  // word of its first row of pages
+  uint rows;   // of pages
+  uint anew;   // 1: none of its pages has been drawn yet
+  uint whole;  // 1: all pages are required
 };
 
 struct PagesAskedPush {
   uint64_t frame;   // FrameConstants
   uint64_t lights;  // PagedLight[lightCount]
-  uint64_t asked;   // words
+  uint64_t asked;   // page words, output
   uint lightCount;
-  uint across;  // cells of a row of the atlas
-  uint down;    // and of a layer, rows
+  uint across;  // cells per row of the atlas
+  uint down;    // rows of cells per layer
   uint padding;
 };
 
 struct PagesChosenPush {
   uint64_t maps;   // PagedMap[mapCount]
-  uint64_t asked;  // words: pages that pixels look up
-  uint64_t kept;   // those that are drawn already, to which what is chosen is added
-  uint64_t drawn;  // those that are to be drawn
+  uint64_t asked;  // page words: pages that pixels look up
+  uint64_t kept;   // page words: pages drawn so far; the selected pages are added
+  uint64_t drawn;  // page words, output: pages to draw
   uint mapCount;
   uint across;
 };

@@ -1,3 +1,6 @@
+// The page passes of virtual shadow maps. pages_asked.comp marks the pages that the G-buffer's surfaces look up (buffer
+// "asked pages"). pages_chosen.comp selects the marked pages that have not been drawn (buffer "drawn pages", which the
+// raster reads) and adds them to the pages of the atlas, which persist from frame to frame (FrameShadows::pages()).
 #include "render/shadow/pages.h"
 
 #include <algorithm>
@@ -21,7 +24,8 @@ graph::BufferId createWords(const FrameContext& f, const char* name) {
                                        .name = name});
 }
 
-// Blended surfaces and those with layers are lit where the G-buffer has something else, or nothing.
+// Returns false if there are blended or layered surfaces: these are lit in pixels for which the G-buffer contains
+// another surface or none.
 bool gbufferHasAll(const FrameContext& f) {
   const bool blended = f.setup.transparency.method != kTransparencyNone && f.visibility.anyBlended();
   return !blended && !(f.visibility.materials().solid & kMaterialLayered);
@@ -74,7 +78,8 @@ graph::BufferId addShadowPages(const FrameContext& f, const Gbuffer& gbuffer) {
   FrameShadows& shadows = *f.shadows;
   const vk::ImageDesc& atlas = shadows.atlas().desc();
   if (shadows.mayAskForPages() && f.setup.layout->hasTargets()) {
-    // Whether pages are asked for changes with what the scene has: no frame but the first is to wait for a pipeline.
+    // Create the pipeline even if this frame marks no pages, because that may change with the scene: only the first
+    // frame should wait for a pipeline.
     pipelineOf<PagesAskedPush>(f, askingPass(f, gbuffer));
     if (gbufferHasAll(f)) shadows.askForPages();
   }
@@ -90,7 +95,7 @@ graph::BufferId addShadowPages(const FrameContext& f, const Gbuffer& gbuffer) {
   const VkDeviceAddress list = f.graph.constants(std::as_bytes(std::span(maps)));
   const graph::BufferId kept = f.graph.import(shadows.pages(), graph::Use::StorageReadWrite);
   const graph::BufferId drawn = createWords(f, "drawn pages");
-  const graph::BufferId asked = any ? addAsked(f, gbuffer) : drawn;  // or nothing reads it
+  const graph::BufferId asked = any ? addAsked(f, gbuffer) : drawn;  // not read if all maps are drawn whole
   std::vector<graph::Access> buffers{{kept, graph::Use::StorageReadWrite}, {drawn, graph::Use::StorageWrite}};
   if (any) buffers.emplace_back(asked, graph::Use::StorageRead);
   addCompute(f,

@@ -1,6 +1,8 @@
-// Pages of a frame's shadow maps: those that its pixels look up and no earlier frame has drawn (page_push.h).
-// (Fernando, Fernandez, Bala and Greenberg 2001, Adaptive Shadow Maps; Karis, Stubbe and Wihlidal 2021, whose virtual
-// shadow maps are marked from the depth of what is visible, too.)
+// Virtual shadow maps: of each shadow map, a frame draws only the pages that its pixels look up and that no earlier
+// frame has drawn (Fernando, Fernandez, Bala and Greenberg 2001, Adaptive Shadow Maps, SIGGRAPH; Karis, Stubbe and
+// Wihlidal 2021, A Deep Dive into Nanite Virtualized Geometry, SIGGRAPH course, whose pages are also marked from the
+// depth of visible surfaces). page_push.h describes pages and their bit masks. All pages have memory; only rendering is
+// saved.
 #pragma once
 
 #include "render/frame.h"
@@ -8,12 +10,14 @@
 
 namespace latelight::render {
 
+// The number of page words of an atlas, and the word of the first row of pages of a tile.
 uint64_t pageWords(const vk::ImageDesc& atlas);
 uint32_t firstPageWord(const vk::ImageDesc& atlas, const AtlasTile& tile);
-uint32_t pageWordStep(const vk::ImageDesc& atlas);  // from one row's word to the next
+uint32_t pageWordStep(const vk::ImageDesc& atlas);  // distance from the word of a row of pages to that of the next
 
-// The pages to be drawn of f.shadows->maps(), as words of all maps. Whole maps where not all that looks them up is in
-// the G-buffer.
+// Adds the passes that select the pages to draw in f.shadows->maps(), and returns the page words of all maps. Selects
+// all pages if they cannot be marked, for example because surfaces that are not in the G-buffer (blended or layered)
+// look up shadows too.
 graph::BufferId addShadowPages(const FrameContext& f, const Gbuffer& gbuffer);
 
 }  // namespace latelight::render

@@ -1,8 +1,9 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // variants: layout, multisampled, layered
-// Marks the pages of shadow maps in which surfaces of the G-buffer look up the lights that reach them: at least those,
-// since of the lookup (shadow.glsl) only the point is known here, and how far from it texels may be.
+// Virtual shadow maps, first pass: marks the pages that the surfaces of the G-buffer may look up, for each light that
+// reaches them. The marking is conservative: it uses the lookup point and the maximum distance from it at which the
+// lookup (shadow.glsl) reads texels. Inputs: the G-buffer, push.lights. Output: push.asked, a bit mask of pages.
 #include "render/glsl/common.glsl"
 #define GBUFFER_SAMPLED_ONLY
 #include "render/glsl/gbuffer_read.glsl"
@@ -16,16 +17,18 @@ layout(push_constant, scalar) uniform Push { PagesAskedPush push; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer PagedLightRef { PagedLight v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer AskedRef { uint v[]; };
 
-// --- in a map -------------------------------------------------------------------------------------------------------
+// --- one map --------------------------------------------------------------------------------------------------------
 
-// Texels from the point that the lookup may read. The point is moved along its normal by shadowRadius() at most: 2.1
-// texels, which at the edge of the widest map are 4.3, and a fifth more where the nearer texels are that much smaller.
-// Then there is the filter.
+// The maximum distance from the point, in texels, at which the lookup reads: the displacement of the point plus the
+// reach of the filter. The point is moved along its normal by at most shadowRadius(), which is 2.1 texels, or 4.3
+// texels at the edge of the widest map. kMoved allows a fifth more, because the point may move to where texels are that
+// much smaller.
 float reachAround(ShadowMap m, ShadowPoint p) {
   const float kMoved = 6.0;
   float reach = shadowReach(kShadowFilter);
   if (kShadowFilter == kShadowFilterPcss) {
-    // The search for blockers, of which none is nearer than the map begins, reaches as far as any penumbra.
+    // No blocker is nearer than the near end of the map, so the blocker search at that distance has the widest radius,
+    // and no penumbra is wider.
     float near = -m.depthOffset / m.depthScale;
     float search = 1.25 * shadowPenumbra(m, p.away + kMoved * p.width, near) / p.width;
     reach = clamp(search, reach, kShadowWidest * m.size) + 1.0;
@@ -33,6 +36,7 @@ float reachAround(ShadowMap m, ShadowPoint p) {
   return reach + kMoved;
 }
 
+// Marks the pages of the map that the lookup of the point may read.
 void ask(ShadowMap m, ShadowPoint p) {
   float reach = reachAround(m, p);
   vec2 last = vec2(m.size - 1.0);
@@ -47,9 +51,10 @@ void ask(ShadowMap m, ShadowPoint p) {
   }
 }
 
-// --- of a light -----------------------------------------------------------------------------------------------------
+// --- one light ------------------------------------------------------------------------------------------------------
 
-// The first cascade that holds the point; a coarser one, too, where rounding may decide whether it does.
+// Marks pages of the finest cascade that contains the point. If rounding may decide whether it does, marks pages of the
+// next coarser cascade as well.
 void askCascades(FrameConstants frame, LightShadow shadow, vec3 position) {
   float room = shadowReach(kShadowFilter) + 0.5;
   bool sure = false;
@@ -61,7 +66,8 @@ void askCascades(FrameConstants frame, LightShadow shadow, vec3 position) {
   }
 }
 
-// The map of a cone, or the face of a cube that the point is in, and others where rounding may decide.
+// Marks pages of a spot light's map, or of the cube face that contains the point. If rounding may decide between faces,
+// marks pages of each of them.
 void askAround(FrameConstants frame, LightShadow shadow, vec3 light, vec3 position) {
   vec3 toPoint = position - light, along = abs(toPoint);
   float nearly = 0.999 * max(along.x, max(along.y, along.z));
@@ -74,7 +80,7 @@ void askAround(FrameConstants frame, LightShadow shadow, vec3 light, vec3 positi
   }
 }
 
-// --- of a surface ---------------------------------------------------------------------------------------------------
+// --- one surface ----------------------------------------------------------------------------------------------------
 
 struct DealtLight {
   vec3 position;
@@ -97,7 +103,7 @@ DealtLight ofLane(DealtLight mine, uint lane) {
                     LightShadow(fromLane(mine.shadow.first, lane), fromLane(mine.shadow.maps, lane), 0u));
 }
 
-// Whether the light casts shadows and may reach into the box.
+// Returns true if the light casts shadows and may reach into the box.
 bool reachesInto(DealtLight l, vec3 low, vec3 high) {
   vec3 d = max(max(low - l.position, l.position - high), vec3(0.0));
   return l.shadow.maps != 0u && (lightIsDirectional(l.type) || dot(d, d) < l.radius * l.radius);
@@ -110,7 +116,9 @@ void askLight(FrameConstants frame, DealtLight l, vec3 position) {
     askAround(frame, l.shadow, l.position, position);
 }
 
-// Every invocation of the subgroup calls it; `there` is false for those without a surface.
+// Marks the pages for a surface's position. The lanes of a subgroup each test one light against the box around all
+// positions of the subgroup. Every invocation of the subgroup must call it; `there` is false for those without a
+// surface.
 void askAt(FrameConstants frame, uint view, vec3 position, bool there) {
   const float kFar = 3.0e38;
   vec3 low = subgroupMin(there ? position : vec3(kFar)), high = subgroupMax(there ? position : vec3(-kFar));

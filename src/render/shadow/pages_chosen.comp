@@ -1,6 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Of the pages of each map that are asked for: those that are not drawn yet. A thread for each row of a map's pages.
+// Virtual shadow maps, second pass: selects the marked pages of each map that have not been drawn yet. One invocation
+// processes one row of a map's pages. Inputs: push.maps, push.asked and push.kept, the pages drawn by earlier frames.
+// Outputs: push.drawn, the pages to draw, and push.kept, to which they are added.
 #include "render/glsl/common.glsl"
 #include "render/shadow/page_push.h"
 

@@ -1,3 +1,8 @@
+// Projections of shadow maps (Williams 1978, Casting Curved Shadows on Curved Surfaces, SIGGRAPH). A directional light
+// has one orthographic map per cascade (cascades.h), a spot light one perspective map, and a point or wide spot light
+// the six faces of a cube. Depth is linear in meters between the near and far end of a map. Inputs: the lights and
+// bounds of the scene (ShadowScene) and the views. Output: ShadowPlan, in which equal maps of several views appear
+// once.
 #include "render/shadow/plan.h"
 
 #include <algorithm>
@@ -20,7 +25,7 @@ namespace {
 
 using glm::dvec3;
 
-// Texels kept free at each side of a tile: for the filter radius, the normal offset and half a texel of snapping.
+// Margin in texels at each side of a tile, for the filter radius, the normal offset and half a texel of snapping.
 constexpr uint32_t kMargin = 4;
 
 struct Axes {
@@ -38,7 +43,7 @@ std::array<Axes, 6> cubeAxes() {  // numbered as in shadowFace()
           axesAlong({0, -1, 0}), axesAlong({0, 0, 1}),  axesAlong({0, 0, -1})};
 }
 
-// The smallest and the largest distance from a plane through the world's origin.
+// The minimum and maximum of a measure over the corners of the bounds, such as the distance from a plane.
 struct Interval {
   double low = 1e300, high = -1e300;
 };
@@ -55,14 +60,14 @@ Interval overCorners(const scene::Bounds& bounds, const Measure& measure) {
   return interval;
 }
 
-// A map before it has a tile.
+// The projection of a map, before it has a tile.
 struct Frame {
   Axes axes;
   dvec3 origin{0};
   bool perspective = false;
-  double half = 1;                // metres at 1 m distance, or metres
-  double across = 0, upward = 0;  // of the centre from the origin, metres; orthographic maps only
-  double near = 0, far = 1;       // metres along `away`
+  double half = 1;                // half of its width: meters at 1 m distance, or meters if orthographic
+  double across = 0, upward = 0;  // center relative to the origin, meters; orthographic maps only
+  double near = 0, far = 1;       // meters along `away`
 };
 
 shared::View viewOf(const Frame& f, double scale, uint32_t size) {
@@ -83,8 +88,8 @@ shared::View viewOf(const Frame& f, double scale, uint32_t size) {
   p.H = p.V = static_cast<float>(1 / f.half);
   p.X = static_cast<float>(-f.across / f.half);
   p.Z = static_cast<float>(-f.upward / f.half);
-  // Half of the map's depth before the division by w: 0 at `near`, and well below w at `far`, where rounding would
-  // otherwise decide what is clipped.
+  // z before the division by w is half of the map's depth: 0 at `near` and 1/2 at `far`. Because it stays well below w,
+  // rounding does not decide which geometry is clipped at the far end.
   p.A = static_cast<float>(0.5 / ((f.far - f.near) * scale));
   p.B = static_cast<float>(-0.5 * f.near / (f.far - f.near));
   return view;
@@ -96,7 +101,7 @@ glm::vec4 row(dvec3 v, double w) {
 
 shared::ShadowMap mapOf(const Frame& f, uint32_t size) {
   const double half = 0.5 * size;
-  const double h = half / f.half;  // texels a metre (at 1 m)
+  const double h = half / f.half;  // texels per meter (at 1 m)
   const Axes& a = f.axes;
   const double right = glm::dot(a.right, f.origin), away = glm::dot(a.away, f.origin), up = glm::dot(a.up, f.origin);
   shared::ShadowMap m{};
@@ -122,7 +127,7 @@ double withMargin(double half, uint32_t size) {
 
 Frame cascadeFrame(const Axes& axes, const Sphere& sphere, const Interval& depths, uint32_t size) {
   Frame f{.axes = axes, .half = withMargin(sphere.radius, size)};
-  // Snapped to whole texels from the world's origin: as the view moves, a texel keeps covering the same positions.
+  // Snapped to multiples of a texel from the world's origin, so a texel covers the same positions as the view moves.
   const double texel = 2 * f.half / size;
   f.across = std::round(glm::dot(axes.right, dvec3(sphere.centre)) / texel) * texel;
   f.upward = std::round(glm::dot(axes.up, dvec3(sphere.centre)) / texel) * texel;
@@ -132,28 +137,28 @@ Frame cascadeFrame(const Axes& axes, const Sphere& sphere, const Interval& depth
   return f;
 }
 
-// Geometry nearer than the light's own size is its body, such as its glass, and casts no shadow.
+// Geometry nearer than `radius`, the light's own size, is part of the fixture, such as its glass, and casts no shadow.
 Frame localFrame(const shared::Light& light, const Axes& axes, double tangent, double radius,
                  const scene::Bounds& bounds, uint32_t size) {
   const dvec3 origin(light.position);
   const double farthest = overCorners(bounds, [&](dvec3 p) { return glm::length(p - origin); }).high;
   Frame f{.axes = axes, .origin = origin, .perspective = true, .half = withMargin(tangent, size)};
   f.far = 1.001 * std::min<double>(light.radius, farthest) + 1e-6;
-  // Depth is linear and needs no near plane; but coordinates are rounded, and a surface that contains the light must
-  // not hide half of the world from it.
+  // Linear depth needs no near plane. However, coordinates are rounded, and a surface that contains the light must not
+  // occlude half of the world.
   const double rounding = 1e-5 * std::max({std::abs(origin.x), std::abs(origin.y), std::abs(origin.z)});
   f.near = std::min(std::max(radius, std::min(rounding, 1e-4 * f.far)), 0.5 * f.far);
   return f;
 }
 
-// How far stored depth may be below the depth written, by quantization or rounding.
+// The maximum by which stored depth is below the depth that was written, because of quantization or rounding.
 float slackOf(uint32_t format) {
   constexpr float kRounding = 2e-6f;
   if (format == shared::kShadowD16) return 1.0f / 65535.0f + kRounding;
   return kRounding;
 }
 
-// Of one light.
+// The maps of one light.
 struct LightMaps {
   std::vector<ShadowView> views;
   std::vector<shared::ShadowMap> maps;
@@ -180,7 +185,7 @@ struct Planner {
     to.views.push_back({viewOf(f, 1, size), viewOf(f, scale, size), size, static_cast<float>(unit), within});
   }
 
-  // `cascades`: of directional lights.
+  // `cascades` are the spheres of the view's cascades, used for directional lights.
   LightMaps mapsOf(const ShadowCaster& caster, std::span<const Sphere> cascades) const {
     LightMaps maps;
     const shared::Light& light = scene.lights[caster.light];
@@ -206,9 +211,9 @@ struct Planner {
   }
 };
 
-constexpr size_t kViewsAtOnce = 8, kLightsAtOnce = 4;  // a thread's share
+constexpr size_t kViewsAtOnce = 8, kLightsAtOnce = 4;  // per task of a worker thread
 
-// What a view asks for.
+// The cascades and shadow casters of a view.
 struct Chosen {
   std::vector<Sphere> cascades;
   std::vector<ShadowCaster> casters;
@@ -226,10 +231,10 @@ std::vector<Chosen> choose(const ShadowScene& scene, std::span<const shared::Vie
   return chosen;
 }
 
-// Where views share maps: those of a local light by their size, those of a directional one by the view's cascades too.
+// The key by which views share maps: light and size, and for a directional light also the view's cascades.
 struct Shared {
   uint32_t light, size;
-  std::vector<uint32_t> cascades;  // bits of their spheres
+  std::vector<uint32_t> cascades;  // bits of their spheres' floats
   auto operator<=>(const Shared&) const = default;
 };
 
@@ -247,7 +252,8 @@ Shared sharedOf(const ShadowScene& scene, const ShadowCaster& caster, const std:
 uint64_t shadowTexels(const Settings& s) {
   const uint64_t side = std::max(s.width, s.height), most = uint64_t{s.shadowAtlas} * s.shadowAtlas;
   const bool automatic = s.shadowLights.automatic;
-  // A map is at most about as wide as the picture; a cube has six.
+  // A map is at most about as wide as the picture, with a factor of 2 in area for rounding to powers of two, and a cube
+  // has six maps.
   return automatic ? std::min(most, 2 * 6 * kAutomaticShadows * side * side) : most;
 }
 

@@ -1,5 +1,6 @@
-// Which lights cast shadows in the views of a frame, and what their shadow maps cover: decided on the host, before
-// anything is drawn, and so the same for every lighting technique.
+// The shadow plan of a frame: the lights that cast shadows in each view, and the projections of their shadow maps
+// (cascades, spot maps and cube faces). The host computes it before anything is drawn, so it is the same for every
+// lighting technique.
 #pragma once
 
 #include <cstdint>
@@ -15,21 +16,21 @@
 
 namespace latelight::render {
 
-// One map to be drawn.
+// One shadow map to draw.
 struct ShadowView {
   shared::View view;             // rigid, for culling
-  shared::View drawn;            // the same with lengths divided by the map's farthest depth: see shadow.frag
-  uint32_t size;                 // texels across
+  shared::View drawn;            // `view` with lengths divided by the map's far distance (see shadow.frag)
+  uint32_t size;                 // texels per side
   float unit;                    // depth change per texel on a plane of slope 1 (times w / far in perspective)
-  std::optional<Sphere> within;  // nothing outside casts shadows into the map
+  std::optional<Sphere> within;  // objects outside cast no shadows into the map
 };
 
-// Of all views of a frame. Those in which a light has the same maps share them.
+// The shadow maps of all views of a frame. Views in which a light has equal maps share them.
 struct ShadowPlan {
   struct Entry {
-    uint32_t light;  // among the frame's
-    uint32_t first;  // of its maps
-    uint32_t maps;   // how many it has
+    uint32_t light;  // index among the frame's lights
+    uint32_t first;  // index of its first map
+    uint32_t maps;   // number of its maps
   };
   struct OfView {
     std::vector<Entry> lights;
@@ -37,21 +38,21 @@ struct ShadowPlan {
   };
   std::vector<OfView> of;               // one per view
   std::vector<ShadowView> views;        // one per map
-  std::vector<shared::ShadowMap> maps;  // as lookups read them, but for their place in an atlas
+  std::vector<shared::ShadowMap> maps;  // as lookups read them, without their position in the atlas
 };
 
 struct ShadowScene {
   std::span<const shared::Light> lights;  // the frame's
-  std::span<const uint32_t> sources;      // for each, its index among the scene's lights
+  std::span<const uint32_t> sources;      // index of each among the scene's lights
   std::span<const scene::Light> authored;
   scene::Bounds bounds;  // in the device's world space
 };
 
-uint64_t shadowTexels(const Settings& settings);  // of the maps of one view, at most
+uint64_t shadowTexels(const Settings& settings);  // maximum number of texels of the maps of one view
 
-// In each view directional lights come first, then the others by how bright each would be at the eye, scene order
-// settling ties; a light whose sphere the view does not touch has none. Throws Error(Usage) for names that no light
-// has.
+// Selects the lights of each view: those that request shadows in the scene come first, then directional lights, then
+// the others by their brightness at the eye; ties are resolved by scene order. A light whose sphere the view does not
+// touch gets no maps. Throws Error(Usage) for names that no light has.
 ShadowPlan planShadows(const ShadowScene& scene, std::span<const shared::View> views, const Settings& settings);
 
 }  // namespace latelight::render

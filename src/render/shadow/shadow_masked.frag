@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // variants: textured
-// shadow.frag for alpha-masked materials.
+// As shadow.frag, for alpha-masked materials.
 #include "render/glsl/common.glsl"
 #define DRAW_PUSH ShadowDraw
 #include "render/visibility/varyings.glsl"

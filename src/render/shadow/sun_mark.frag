@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // variants: layout
-// Marks the pixels that the sun may light in stencil: those that face it.
+// Sun occlusion, first step: marks the pixels that face the sun in stencil. The others are discarded.
 #include "render/glsl/common.glsl"
 #define ONE_SAMPLE
 #define GBUFFER_SAMPLED_ONLY

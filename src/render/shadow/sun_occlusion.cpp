@@ -10,7 +10,7 @@ namespace latelight::render {
 namespace {
 
 constexpr VkFormat kStencilFormat = VK_FORMAT_D32_SFLOAT_S8_UINT;
-constexpr uint32_t kMayBeLit = 1;  // in stencil
+constexpr uint32_t kMayBeLit = 1;  // stencil value
 
 vk::PipelineRef stepPipeline(const FrameContext& f, const Bindings& bindings, bool fills) {
   const Layout& layout = *f.setup.layout;
@@ -36,7 +36,8 @@ vk::PipelineRef stepPipeline(const FrameContext& f, const Bindings& bindings, bo
   return f.device.cache().pipeline(desc);
 }
 
-// A target that is written can't be read as well. Shadows need nothing that is in it.
+// A pass cannot sample the target that it writes, so another target is bound in its place. The shadow lookup reads
+// nothing from it.
 Bindings bindings(const FrameContext& f, const Gbuffer& gbuffer, size_t target) {
   Bindings bindings(f.device, graph::Use::SampledFragment);
   for (size_t i = 0; i < gbuffer.targets.size(); ++i)

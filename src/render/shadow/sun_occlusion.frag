@@ -1,7 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // variants: layout
-// Writes the sun's shadow at the pixels that sun_mark.frag kept to the alpha of a G-buffer target.
+// Sun occlusion, second step: at the pixels that sun_mark.frag marked, looks up the shadow maps of the sun and writes
+// the result to the alpha channel of a G-buffer target.
 #include "render/glsl/common.glsl"
 #define ONE_SAMPLE
 #define GBUFFER_SAMPLED_ONLY

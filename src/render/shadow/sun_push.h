@@ -1,4 +1,4 @@
-// Push constants of the shaders of sun_occlusion.cpp.
+// Push constants of sun_mark.frag and sun_occlusion.frag.
 #ifndef LATELIGHT_SUN_PUSH_H
 #define LATELIGHT_SUN_PUSH_H
 
