@@ -1,7 +1,7 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_GOOGLE_include_directive : require
-// Adds one jittered frame to the sum (ordered super-sampling).
+// Supersampling: adds one jittered frame to the sum of the frames of a picture.
 #include "render/post/accumulate_push.h"
 
 layout(local_size_x = 16, local_size_y = 16) in;

@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The environment where nothing is drawn, or where a pixel is partly covered.
+// Background: composites the picture over the environment, in pixels that surfaces cover partly or not at all. Reads
+// and writes lightTarget, premultiplied by alpha.
 #include "render/glsl/common.glsl"
 #include "render/glsl/pixel_ray.glsl"
 #include "render/post/background_push.h"

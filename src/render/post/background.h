@@ -1,10 +1,11 @@
-// Draws the environment where nothing else is (--background hdri).
+// The environment as background (--background hdri).
 #pragma once
 
 #include "render/frame.h"
 
 namespace latelight::render {
 
+// Composites gbuffer.light over the environment.
 void addBackground(const FrameContext& f, const Gbuffer& gbuffer);
 
 }  // namespace latelight::render

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The finished picture.
+// Composes the finished picture: tone mapping, background color, sRGB, 8 bits.
 #include "render/post/compose.glsl"
 
 layout(local_size_x = 16, local_size_y = 16) in;

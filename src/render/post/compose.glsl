@@ -1,4 +1,4 @@
-// The finished picture from the linear one: tonemap, background colour; then sRGB, 8 bits.
+// Converts the linear picture to the finished one: tone mapping and background color, then sRGB and 8 bits.
 #include "render/glsl/common.glsl"
 #include "render/post/compose_push.h"
 #include "shared/color.h"
@@ -6,7 +6,7 @@
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer PixelsRef { uint v[]; };
 
-// Linear display colour and straight alpha, as in PNG: the colour is that of the covered part only. `c` is
+// Returns linear display color and straight alpha, as in PNG: the color is that of the covered part only. `c` is
 // premultiplied.
 vec4 displayColor(ComposePush push, vec4 c) {
   c *= push.scale;
@@ -19,7 +19,7 @@ vec4 displayColor(ComposePush push, vec4 c) {
 uint displayCode(vec4 display) {
   vec3 code = vec3(srgbFromLinear(display.r), srgbFromLinear(display.g), srgbFromLinear(display.b));
   uint packed = packUnorm4x8(vec4(code, display.a));
-  return packed >> 24u != 0u ? packed : 0u;  // alpha that rounds to 0 has no colour, for viewers that ignore alpha
+  return packed >> 24u != 0u ? packed : 0u;  // no color if alpha rounds to 0, for viewers that ignore alpha
 }
 
 void writeCode(ComposePush push, ivec3 place, ivec2 size, uint code) {

@@ -7,11 +7,11 @@
 SH_BEGIN
 
 struct ComposePush {
-  uint64_t pixels;     // uint[height][width] of a view: R lowest
-  uint64_t viewBytes;  // from one view to the next
+  uint64_t pixels;     // uint[height][width] per view, R in the lowest byte
+  uint64_t viewBytes;  // stride from one view to the next
   float scale;         // 1 / number of accumulated frames
   uint tonemap;        // kTonemap*
-  vec4 background;     // linear display colour; alpha 0: transparent
+  vec4 background;     // linear display color; alpha 0: transparent
 };
 
 SH_END

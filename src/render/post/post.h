@@ -1,5 +1,5 @@
-// Post-processing, after a picture's frames are lit: the list of passes is in post.cpp. Each effect is a folder next to
-// this file.
+// Post-processing of a picture after all of its frames are lit: bloom, tone mapping and FXAA, in the order in post.cpp.
+// Each effect has a folder next to this file.
 #pragma once
 
 #include <optional>
@@ -11,12 +11,12 @@
 namespace latelight::render {
 
 struct FinishedPicture {
-  graph::ImageId linear;  // before the tonemap; fog and bloom included
-  float scale = 1;        // by which it still has to be multiplied
+  graph::ImageId linear;  // before tone mapping, with fog and bloom
+  float scale = 1;        // factor still to be applied to `linear`
 };
 
-// `scale`: 1 / number of frames summed in `picture`. `display`: where the picture to look at is to go, as from
-// addCompose(); none: nobody does.
+// `scale` is 1 / number of frames summed in `picture`. `display` is the destination of the finished picture, as written
+// by addCompose(); if none, only the linear picture is computed.
 FinishedPicture finishPicture(const Builder& b, graph::ImageId picture, float scale, const Settings& settings,
                               const std::optional<ResultPlace>& display);
 

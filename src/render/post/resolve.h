@@ -1,4 +1,4 @@
-// From lit frames to the finished picture: accumulation of jittered frames, then tonemapping to 8 bits.
+// Passes from lit frames to the finished picture: accumulation of jittered frames, then tone mapping to 8 bits.
 #pragma once
 
 #include <glm/vec4.hpp>
@@ -9,20 +9,22 @@
 
 namespace latelight::render {
 
-// sum = (first ? 0 : sum) + frame: jittered frames of one picture. `sum` is R32G32B32A32_SFLOAT, as large as `frame`.
+// Computes sum = (first ? 0 : sum) + frame, for the jittered frames of one picture. `sum` is R32G32B32A32_SFLOAT and
+// has the size of `frame`.
 void addAccumulate(const Builder& b, graph::ImageId frame, graph::ImageId sum, bool first);
 
 struct ComposeSettings {
-  float scale = 1;          // of the picture: 1 / number of accumulated frames
+  float scale = 1;          // factor for the picture: 1 / number of accumulated frames
   uint32_t tonemap = 0;     // kTonemap*
-  glm::vec4 background{0};  // linear display colour; alpha 0: transparent
+  glm::vec4 background{0};  // linear display color; alpha 0: transparent
 };
-// `pixels`: where the first view's lie, and from there `viewBytes` to the next one's.
+// `pixels` is the address of the first view's pixels, and `viewBytes` the stride to those of the next view.
 shared::ComposePush composePush(const ComposeSettings& settings, VkDeviceAddress pixels, uint64_t viewBytes);
 
-// The finished picture: RGBA8, sRGB, straight alpha.
+// Writes the finished picture: RGBA8, sRGB, straight alpha.
 void addCompose(const Builder& b, graph::ImageId picture, const ComposeSettings& settings, const ResultPlace& to);
-// Adds the pass that writes it, by the shader `name`.comp, which writes as compose.glsl does.
+// Adds a pass that writes the finished picture with the shader `name`.comp, which must write it with writeCode() of
+// compose.glsl.
 void addFinalPass(const Builder& b, const std::string& name, graph::ImageId picture, const ComposeSettings& settings,
                   const ResultPlace& to);
 

@@ -1,3 +1,5 @@
+// The passes of GTAO: occlusion from the depth buffer ("hidden"), then a separable average, first along x ("hidden,
+// averaged across"), then along y ("ambient occlusion").
 #include "render/post/ambient_occlusion/ambient_occlusion.h"
 
 #include "render/lighting/lighting_shader.h"
@@ -8,16 +10,18 @@ namespace latelight::render {
 
 namespace {
 
-// Beyond this share of the picture's height, samples would be so far apart that they miss occluders between them.
+// The maximum reach as a fraction of the picture's height. Beyond it, samples would be so far apart that they miss
+// occluders between them.
 constexpr float kReachShare = 0.5f;
-// Share of the radius: pixels that far off each other's plane share no occlusion.
+// Fraction of the radius: pixels that are farther than this from each other's plane are not averaged.
 constexpr float kToleranceShare = 0.3f;
 
 graph::ImageId addOcclusion(const FrameContext& f, const Gbuffer& gbuffer) {
   const graph::ImageId hidden = createTarget(f, kAoFormat, "hidden");
   Bindings bindings(f.device);
   std::string shader = "gtao_depth.comp";
-  // Forward techniques write no normals, and several samples a pixel no single one: then they are derived from depth.
+  // Forward techniques write no normals, and with several samples per pixel there is no single normal. Normals are then
+  // derived from depth.
   const bool surfaces = !f.setup.lighting->forward && f.setup.samples == 1;
   if (surfaces) {
     shader = "gtao.comp@" + f.setup.layout->file;
@@ -39,7 +43,7 @@ graph::ImageId addOcclusion(const FrameContext& f, const Gbuffer& gbuffer) {
   return hidden;
 }
 
-// Averages along one axis; the second also turns hidden into visible shares.
+// Averages occlusion along one axis. The pass along axis 1 also converts occlusion to visibility.
 graph::ImageId addDenoise(const FrameContext& f, graph::ImageId depth, graph::ImageId hidden, uint32_t axis) {
   const graph::ImageId result = createTarget(f, kAoFormat, axis == 0 ? "hidden, averaged across" : "ambient occlusion");
   addCompute(f,

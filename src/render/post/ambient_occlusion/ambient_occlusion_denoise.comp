@@ -1,14 +1,15 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Averages occlusion over a block of the pattern, along one axis: five pixels, the outer ones at half weight, which
-// weights the four phases equally and is centred on the pixel. Pixels fade out with their distance from the pixel's
-// plane or from its depth, whichever is smaller.
+// GTAO, denoising: averages occlusion over the 4x4 pattern of gtao.glsl along one axis. The filter has five pixels with
+// half weight for the outer ones, so it weights the four phases equally and is centered on the pixel. The weight of a
+// pixel decreases with its distance from the center pixel's plane or from its depth, whichever is smaller. Inputs:
+// gbufferDepth and hidden. Output: result.
 #include "render/glsl/common.glsl"
 #include "render/post/ambient_occlusion/ambient_occlusion_push.h"
 #include "shared/ambient_occlusion.h"
 
 layout(local_size_x = 16, local_size_y = 16) in;
-layout(constant_id = 16) const uint kLast = 0;  // the second axis: outputs visible instead of hidden shares
+layout(constant_id = 16) const uint kLast = 0;  // 1: second axis, which outputs visibility instead of occlusion
 layout(set = 0, binding = 0) uniform sampler2DArray gbufferDepth;
 layout(set = 0, binding = 1) uniform sampler2DArray hidden;
 layout(set = 0, binding = 2, r32f) uniform writeonly image2DArray result;
@@ -36,7 +37,8 @@ void main() {
   float tolerance = max(deviceDepthStep(view.projection, depths[2], push.tolerance), 1.0e-37);
   float sum = values[2], weights = 1.0;
   for (int i = 0; i < 5; ++i) {
-    // A strip one pixel wide takes its slope from its surroundings, so the same depth as the pixel counts, too.
+    // The slope of a strip that is one pixel wide comes from its surroundings, so pixels of equal depth are included as
+    // well.
     float step = depths[i] - depths[2];
     float off = min(abs(step - slope * float(i - 2)), abs(step));
     float weight = i == 2 || depths[i] == 0.0 ? 0.0 : max(1.0 - off / tolerance, 0.0);

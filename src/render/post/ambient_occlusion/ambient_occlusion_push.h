@@ -1,4 +1,4 @@
-// Push constants of the passes of ambient occlusion.
+// Push constants of the ambient occlusion passes.
 #ifndef LATELIGHT_RENDER_POST_AMBIENT_OCCLUSION_PUSH_H
 #define LATELIGHT_RENDER_POST_AMBIENT_OCCLUSION_PUSH_H
 
@@ -7,19 +7,19 @@
 
 SH_BEGIN
 
-// Of gtao.glsl.
+// Push constants of gtao.glsl.
 struct OcclusionPush {
   uint64_t frame;  // FrameConstants
-  float radius;    // metres
-  float reach;     // pixels, at most: keeps samples from being too far apart
+  float radius;    // meters
+  float reach;     // maximum radius in pixels, so that samples are not too far apart
   ShownPush shown;
 };
 
-// Of ambient_occlusion_denoise.comp.
+// Push constants of ambient_occlusion_denoise.comp.
 struct DenoisePush {
   uint64_t frame;   // FrameConstants
-  float tolerance;  // metres off the plane at which a pixel no longer counts
-  float strength;   // exponent
+  float tolerance;  // meters from the plane at which the weight of a pixel is 0
+  float strength;   // exponent of visibility
 };
 
 SH_END

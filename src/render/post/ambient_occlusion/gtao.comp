@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // variants: layout, visible
-// Ambient occlusion of a G-buffer: normals are the layout's own.
+// GTAO with a G-buffer: normals come from the layout. Inputs: the G-buffer. Output: occlusion, the occluded fraction.
 #include "render/glsl/common.glsl"
 #define ONE_SAMPLE
 #define GBUFFER_SAMPLED_ONLY

@@ -1,9 +1,11 @@
-// Ground-truth ambient occlusion of one pixel from the depth around it. Include after common.glsl and `gbufferDepth`.
-// The including shader provides the normal; this computes how much of the cosine-weighted hemisphere is hidden
-// (shared/ambient_occlusion.h).
+// Ground-truth ambient occlusion (GTAO; Jimenez, Wu, Pesce and Jarabo 2016, Practical Realtime Strategies for Accurate
+// Indirect Occlusion, Activision) of one pixel from the depth around it. Include after common.glsl and `gbufferDepth`.
+// The including shader provides the normal; occlusionAt() returns the occluded fraction of the cosine-weighted
+// hemisphere (formulas: shared/ambient_occlusion.h). The hemisphere is divided into slices, which are planes through
+// the direction to the eye, and each half of a slice is sampled outward for its horizon.
 //
-// Nothing is random: the 4 by 4 pixels of a block slice their hemispheres in different directions, evenly spread over
-// the block, and ambient_occlusion_denoise.comp averages blocks.
+// Nothing is random: the 16 pixels of a 4x4 block use different slice directions, spread evenly over the block, and
+// ambient_occlusion_denoise.comp averages blocks.
 #include "render/post/ambient_occlusion/ambient_occlusion_push.h"
 #include "shared/ambient_occlusion.h"
 
@@ -11,12 +13,14 @@ layout(constant_id = 16) const uint kSlicesAPixel = 3;
 layout(constant_id = 17) const uint kStepsASide = 6;
 layout(push_constant, scalar) uniform Push { OcclusionPush push; };
 
-// A pixel and its surface's plane in screen space.
+// A pixel and the plane of its surface in screen space.
 struct Center {
   ivec3 place;
-  vec2 pixel;  // its centre
+  vec2 pixel;  // its center
   float depth;
-  vec2 slope;  // change of device depth per pixel, to the nearer neighbour on each axis, which is on the same surface
+  // Change of device depth per pixel along each axis, toward the neighbor that is nearer in depth, which lies on the
+  // same surface.
+  vec2 slope;
   vec3 position;  // view space
   vec3 toEye;
 };
@@ -31,7 +35,8 @@ float smallerStep(float before, float here, float after) {
 }
 
 vec2 slopeAt(ivec3 place, ivec2 size, float depth) {
-  // At the picture's edge the missing neighbour repeats the pixel and would count as flat.
+  // At the edge of the picture, clamping would repeat the pixel in place of the missing neighbor, and the slope would
+  // be 0. The missing neighbor is therefore ignored.
   float left = place.x > 0 ? depthAt(place - ivec3(1, 0, 0), size) : 3.0e38;
   float right = place.x + 1 < size.x ? depthAt(place + ivec3(1, 0, 0), size) : 3.0e38;
   float above = place.y > 0 ? depthAt(place - ivec3(0, 1, 0), size) : 3.0e38;
@@ -53,12 +58,12 @@ Center centerAt(View view, ivec3 place, float depth) {
 }
 
 vec3 normalFromDepth(View view, Center c) {
-  // A pixel is 2 / width wide in NDC, and NDC's y points up.
+  // A pixel is 2 / width wide in NDC, and y points up in NDC.
   vec2 gradient = c.slope * 0.5 * view.size * vec2(1.0, -1.0);
   return normalFromDepth(view.projection, pixelToNdc(c.pixel, view.size), c.depth, gradient);
 }
 
-// View-space position of the surface `offset` pixels away; false: there is none.
+// Finds the view-space position of the surface `offset` pixels away. Returns false if there is none.
 bool sampleAt(View view, Center c, vec2 offset, out vec3 position) {
   position = vec3(0.0);
   vec2 exact = c.pixel + offset;
@@ -66,15 +71,17 @@ bool sampleAt(View view, Center c, vec2 offset, out vec3 position) {
   bool inside = all(greaterThanEqual(exact, vec2(0.0))) && all(lessThan(exact, view.size));
   float depth = inside ? texelFetch(gbufferDepth, ivec3(texel, c.place.z), 0).r : 0.0;
   if (depth == 0.0) return false;
-  // The slice does not pass through the texel's centre. The sample is moved into the slice along the pixel's own plane,
-  // so that a plane's samples lie exactly in the plane at any angle: nothing flat occludes itself.
+  // The slice does not pass through the texel's center. The sample is moved into the slice along the pixel's own plane,
+  // so the samples of a planar surface lie exactly in its plane at any angle, and flat surfaces do not occlude
+  // themselves.
   depth += dot(c.slope, exact - (vec2(texel) + 0.5));
   position = viewPositionAtDepth(view.projection, pixelToNdc(exact, view.size), viewDepth(view.projection, depth));
   return depth > 0.0 || view.projection.kind == kOrthographic;
 }
 
-// The hidden share of half a slice: each sample's rise of the horizon is weighted by its distance. A sample blocks
-// later ones behind it only as far as it counts itself, so that nothing jumps where it leaves the radius.
+// The occluded fraction of half a slice. The amount by which each sample raises the horizon is weighted by the sample's
+// distance. A sample blocks later samples only in proportion to its own weight, so the result is continuous when an
+// occluder leaves the radius.
 float hiddenArc(View view, Center c, vec2 direction, SliceNormal n, vec2 steps) {
   float visible = wholeArc(n), hidden = 0.0, before = 0.0;
   for (uint i = 0u; i < kStepsASide; ++i) {
@@ -85,7 +92,7 @@ float hiddenArc(View view, Center c, vec2 direction, SliceNormal n, vec2 steps) 
     vec3 delta = position - c.position;
     float distance = length(delta);
     float cosine = clamp(dot(delta, c.toEye) / max(distance, 1.0e-30), -1.0, 1.0);
-    // The occluder of the sky between the last horizon and this one lies between the two samples.
+    // The occluder of the sky between the previous horizon and this one lies between the two samples.
     float nearer = distance * 0.5 * (1.0 + before / along);
     before = along;
     float weight = there && abovePlane(n, cosine) ? occlusionFalloff(nearer, push.radius) : 0.0;
@@ -104,10 +111,10 @@ SliceNormal sliceNormal(vec3 normal, vec3 toEye, vec3 tangent) {
   return SliceNormal(n.y < 0.0 ? -quickAcos(n.x) : quickAcos(n.x), n.x, n.y);
 }
 
-// The hidden share along the direction at `angle` in the picture, both ways.
+// The occluded fraction of the slice at `angle` in the picture, in both directions.
 float hiddenSlice(View view, Center c, vec3 normal, float angle, vec2 steps) {
   vec2 direction = vec2(cos(angle), sin(angle));  // pixels, y down
-  // The view-space direction that projects to it, perpendicular to V.
+  // The view-space direction that projects to `direction`, then made perpendicular to V, the direction to the eye.
   vec3 across = vec3(direction.x / (view.projection.H * view.size.x), 0.0,
                      -direction.y / (view.projection.V * view.size.y));
   vec3 tangent = normalize(across - c.toEye * dot(across, c.toEye));
@@ -118,12 +125,12 @@ float hiddenSlice(View view, Center c, vec3 normal, float angle, vec2 steps) {
   return length * (hiddenArc(view, c, direction, forward, steps) + hiddenArc(view, c, -direction, backward, steps));
 }
 
-// The hidden share of the cosine-weighted hemisphere; averaged over a block it is in [0, 1].
+// The occluded fraction of the cosine-weighted hemisphere. Its average over a block is in [0, 1].
 float occlusionAt(View view, Center c, vec3 normal) {
   float metre = view.projection.V * view.size.y * 0.5 / (view.projection.kind == kPerspective ? c.position.y : 1.0);
   float pixels = min(push.radius * metre, push.reach);
   if (pixels <= 1.0) return 0.0;
-  // Two orders of the block's 16 pixels: one for directions, one for the offset of the steps along them.
+  // Two permutations of the block's 16 pixels: one for directions, one for the offsets of the steps along them.
   uint x = uint(c.place.x) & 3u, y = uint(c.place.y) & 3u;
   float turn = (float((x + y & 3u) * 4u + y) + 0.5) / 16.0;
   float start = (float(((x + 2u * y) & 3u) * 4u + (x ^ y)) + 0.5) / 16.0;

@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Ambient occlusion where there is no G-buffer: normals are derived from the depth buffer's planes.
+// GTAO without a G-buffer: normals are derived from the depth buffer. Input: gbufferDepth. Output: occlusion, the
+// occluded fraction.
 #include "render/glsl/common.glsl"
 layout(set = 0, binding = 0) uniform sampler2DArray gbufferDepth;
 #include "render/post/ambient_occlusion/gtao.glsl"

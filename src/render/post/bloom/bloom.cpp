@@ -8,7 +8,7 @@ namespace latelight::render {
 
 namespace {
 
-// Not half floats: some devices truncate them, and a chain of levels would lose part of the light.
+// 32-bit floats: some devices truncate to half floats instead of rounding, so a chain of levels would lose light.
 constexpr VkFormat kPictureFormat = VK_FORMAT_R32G32B32A32_SFLOAT;
 
 graph::ImageId createPicture(graph::Graph& graph, glm::uvec3 size, const std::string& name) {
@@ -19,7 +19,7 @@ graph::ImageId createPicture(graph::Graph& graph, glm::uvec3 size, const std::st
 graph::ImageId addDown(const Builder& b, graph::ImageId source, const BloomParameters& parameters, uint32_t level) {
   const glm::uvec3 size = (texels(b.graph, source) + glm::uvec3(1, 1, 0)) / glm::uvec3(2, 2, 1);
   const graph::ImageId half = createPicture(b.graph, size, fmt::format("glow {}", level));
-  // Only the picture itself has isolated bright pixels, a scale and a threshold.
+  // Fireflies, scale and threshold apply only to the first level, which reads the picture itself.
   const bool first = level == 1;
   const uint32_t damp = first && parameters.fireflies == kBloomDamp ? 1 : 0;
   addCompute(b,
@@ -49,7 +49,7 @@ graph::ImageId addUp(const Builder& b, graph::ImageId fine, graph::ImageId coars
 }  // namespace
 
 graph::ImageId addBloom(const Builder& b, graph::ImageId picture, const BloomParameters& parameters) {
-  // Down to one texel; a level below a single texel would only repeat it.
+  // Downsample until one texel is left; further levels would only repeat it.
   std::vector<graph::ImageId> levels;
   graph::ImageId coarsest = picture;
   do {

@@ -1,24 +1,25 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Half the size by 13 taps (Jimenez 2014, Next Generation Post Processing in Call of Duty: Advanced Warfare, SIGGRAPH course
-// Advances in Real-Time Rendering): five groups of four taps, each the mean of 2 by 2 texels; the one in the middle counts
-// one half, the four around it an eighth each. A workgroup shares its taps: two or three for each texel.
+// Bloom, downsampling: halves the size of a level with a filter of 13 taps (Jimenez 2014, Next Generation Post
+// Processing in Call of Duty: Advanced Warfare, SIGGRAPH course Advances in Real-Time Rendering). A tap is the mean of
+// 2x2 texels. Taps form five groups of four: the center group has weight 1/2, the four groups around it 1/8 each.
+// Invocations of a workgroup share their taps, so each texel computes two or three. Input: source. Output: result.
 #include "render/post/bloom/bloom.glsl"
 
 const int kSide = 16;
 layout(local_size_x = kSide, local_size_y = kSide) in;
-layout(constant_id = 16) const uint kDamp = 0;  // Karis' average in each group
+layout(constant_id = 16) const uint kDamp = 0;  // 1: Karis average in each group
 layout(set = 0, binding = 0) uniform sampler2DArray source;
 layout(set = 0, binding = 1, rgba32f) uniform writeonly image2DArray result;
 layout(push_constant, scalar) uniform Push { BloomDownPush push; };
 
-// Taps lie two texels apart in two grids: the outer ones from two texels before the workgroup's first on, the inner
-// ones from one before.
+// Taps form two grids with a spacing of two texels. The outer grid begins two texels before the first texel of the
+// workgroup, the inner grid one texel before it.
 const int kOuter = kSide + 2, kInner = kSide + 1;
 shared vec3 outer[kOuter * kOuter];
 shared vec3 inner[kInner * kInner];
 
-// Mean of the four texels from `corner` on.
+// The mean of the 2x2 texels whose first one is `corner`.
 vec3 tap(ivec3 corner, ivec2 size) {
   vec3 sum = vec3(0.0);
   for (int i = 0; i < 4; ++i) {
@@ -38,8 +39,8 @@ void shareTaps() {
   barrier();
 }
 
-// Karis 2013 (Tone mapping, graphicrants.blogspot.com): a mean in which brighter texels count less, so that a single
-// one does not outshine all others.
+// The Karis average (Karis 2013, Tone mapping, graphicrants.blogspot.com): a mean that gives brighter texels less
+// weight, so a single one does not dominate the result.
 vec3 groupMean(vec3 a, vec3 b, vec3 c, vec3 d) {
   if (kDamp == 0u) return (a + b + c + d) * 0.25;
   vec4 w = 1.0 / (1.0 + vec4(luminance(a), luminance(b), luminance(c), luminance(d)));

@@ -1,4 +1,4 @@
-// Push constants of the passes of bloom.
+// Push constants of the bloom passes.
 #ifndef LATELIGHT_RENDER_POST_BLOOM_PUSH_H
 #define LATELIGHT_RENDER_POST_BLOOM_PUSH_H
 
@@ -7,7 +7,7 @@
 SH_BEGIN
 
 struct BloomDownPush {
-  float scale;  // of the source
+  float scale;  // factor for the source
   float threshold;
 };
 
@@ -16,7 +16,7 @@ struct BloomUpPush {
 };
 
 struct BloomBlendPush {
-  float scale;  // of the picture
+  float scale;  // factor for the picture
   float threshold;
   float strength;
 };

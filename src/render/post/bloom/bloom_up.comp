@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// A level of glow: its own share, plus that of the coarser levels.
+// Bloom, upsampling: mixes a level (fine) with the enlarged sum of the coarser levels (coarse), by the weight `radius`.
 #include "render/post/bloom/bloom.glsl"
 #include "render/post/bloom/bloom_up.glsl"
 

@@ -1,13 +1,14 @@
-// Twice the size by a tent of 3 by 3 over bilinear taps (Jimenez 2014): on each axis 1, 5, 7, 3 sixteenths of four texels,
-// or their mirror image, for the two texels that one becomes. A workgroup shares the coarse texels that its own take, and
-// their rows once those are enlarged.
+// Bloom: doubles the size of a level with a 3x3 tent filter over bilinear taps (Jimenez 2014). Along each axis the
+// weights of four texels are 1, 5, 7 and 3 sixteenths for one of the two new texels, and their mirror image for the
+// other. The filter is separable: the invocations of a workgroup share the coarse texels and then the horizontally
+// enlarged rows.
 const int kSide = 16;
 const int kCoarse = kSide / 2 + 4;
 layout(local_size_x = kSide, local_size_y = kSide) in;
 shared vec3 coarseTexels[kCoarse * kCoarse];
 shared vec3 enlargedRows[kCoarse * kSide];
 
-// Where the four texels begin that a texel takes on an axis, from the first shared one on.
+// The index of the first of the four source texels of a texel along one axis, relative to the first shared texel.
 int firstOf(int texel) { return (texel >> 1) + (texel & 1); }
 
 float tent(int texel, int i) {
@@ -15,7 +16,7 @@ float tent(int texel, int i) {
   return kTent[(texel & 1) == 0 ? i : 3 - i];
 }
 
-// Every invocation of the workgroup calls it, and gets what its own texel has.
+// Returns the enlarged value at the invocation's texel. Every invocation of the workgroup must call it.
 vec3 enlarged(sampler2DArray coarse) {
   ivec2 size = textureSize(coarse, 0).xy, first = ivec2(gl_WorkGroupID.xy) * (kSide / 2) - 2;
   int own = int(gl_LocalInvocationIndex);

@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The lit picture through fog. Where nothing is drawn it is covered by fog to infinity.
+// Fog: attenuates the lit picture by the fog between the eye and the surface at each pixel's depth. Pixels without a
+// surface are covered by fog up to infinity. Input: gbufferDepth. Input and output: lightTarget.
 #include "render/glsl/common.glsl"
 #include "render/glsl/fog.glsl"
 #include "render/glsl/pixel_ray.glsl"

@@ -1,5 +1,5 @@
-// Fog over the picture lit so far, by the depth of opaque surfaces (docs/post/fog.md). Surfaces drawn later apply their
-// own, with the same functions of shared/fog.h.
+// Fog over the lit picture, computed from the depth of opaque surfaces (docs/post/fog.md). Blended surfaces, which are
+// drawn later, apply fog themselves with the same functions of shared/fog.h.
 #pragma once
 
 #include "render/frame.h"

@@ -1,11 +1,12 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Fast approximate anti-aliasing, written from the description of FXAA 3.11's quality path (Lottes 2009, FXAA, NVIDIA white
-// paper): where contrast is high, find the edge's direction, follow it to both ends, and blend in as much of the
-// neighbour across as the edge, drawn from end to end, would cover.
+// FXAA, fast approximate anti-aliasing, written from the description of the quality path of FXAA 3.11 (Lottes 2009,
+// FXAA, NVIDIA white paper). If a pixel has high contrast, the shader determines the direction of the edge, follows the
+// edge to both ends, and blends in the neighbor across the edge by the area that a line from end to end would cover.
+// Input: display. Output: the finished picture.
 //
-// Light is blended linearly, as with more samples a pixel; contrast is measured in its square root, close to the
-// picture's encoding. Where opacity changes more than light does, the edge is one of opacity.
+// Light is blended linearly, as with more samples per pixel. Contrast is measured in the square root of light, which is
+// close to the picture's encoding. If opacity changes more than light does, the edge is one of opacity.
 #include "render/post/compose.glsl"
 
 const int kSide = 16;
@@ -13,9 +14,9 @@ layout(local_size_x = kSide, local_size_y = kSide) in;
 layout(set = 0, binding = 0) uniform sampler2DArray display;  // linear, straight alpha
 layout(push_constant, scalar) uniform Push { ComposePush push; };
 
-const float kLeastContrast = 1.0 / 32.0;   // of a picture in [0, 1]; below it no edge shows
-const float kLeastRelative = 1.0 / 8.0;    // of the brightest neighbour
-const float kSubpixel = 0.75;              // how much isolated pixels are softened, 0 to 1
+const float kLeastContrast = 1.0 / 32.0;   // minimum contrast of a visible edge; pictures are in [0, 1]
+const float kLeastRelative = 1.0 / 8.0;    // minimum contrast relative to the brightest neighbor
+const float kSubpixel = 0.75;              // softening of isolated pixels, 0 to 1
 const int kSearchSteps = 11;
 const int kSearchStep[kSearchSteps] = int[](1, 1, 1, 1, 1, 2, 2, 2, 2, 4, 8);
 
@@ -35,8 +36,8 @@ float signalOf(Pixel p, vec2 signals) { return p.byAlpha ? signals.y : signals.x
 
 float at(Pixel p, ivec2 offset) { return signalOf(p, signals(fetch(p, offset))); }
 
-// Of the workgroup's pixels and those around them: most pixels need no others. (lavapipe is an eighth faster without:
-// what lanes share it reads lane by lane.)
+// Signals of the workgroup's pixels and their neighbors; most pixels need no others. (On lavapipe, fetching them
+// directly is an eighth faster, because lavapipe reads shared memory lane by lane.)
 const int kWide = kSide + 2;
 shared vec2 nearSignals[kWide * kWide];
 
@@ -49,17 +50,17 @@ void shareSignals() {
   barrier();
 }
 
-// At most a pixel away on each axis.
+// The signals of a pixel at most one pixel away along each axis.
 vec2 near(Pixel p, ivec2 offset) {
   if (kCpuDevice != 0u) return signals(fetch(p, offset));
   ivec2 place = ivec2(gl_LocalInvocationID.xy) + 1 + offset;
   return nearSignals[place.y * kWide + place.x];
 }
 
-// Between a pixel of the edge's row and its neighbour across.
+// The mean of a pixel of the edge's row and its neighbor across the edge.
 float edgeAt(Pixel p, ivec2 offset, ivec2 across) { return 0.5 * (at(p, offset) + at(p, offset + across)); }
 
-// The end of the edge on one side: its distance in pixels, and how the mean across has changed there.
+// The end of the edge on one side: its distance in pixels, and the change of the mean across the edge there.
 struct End {
   float distance, change;
   bool found;
@@ -72,7 +73,7 @@ void search(inout End end, Pixel p, ivec2 along, ivec2 across, float mean, float
   end.found = abs(end.change) >= limit;
 }
 
-// Share of the neighbour across that the edge's run covers.
+// The fraction of the neighbor across the edge to blend in.
 float coverage(Pixel p, ivec2 along, ivec2 across, float here, float there) {
   float mean = 0.5 * (here + there), limit = 0.25 * abs(there - here);
   End back = End(0.0, 0.0, false), ahead = End(0.0, 0.0, false);
@@ -83,7 +84,7 @@ float coverage(Pixel p, ivec2 along, ivec2 across, float here, float there) {
     search(ahead, p, along, across, mean, limit, reached);
   }
   End nearer = back.distance < ahead.distance ? back : ahead;
-  // The nearer end must bend to this pixel's side: otherwise the run cuts the neighbour instead.
+  // The nearer end must bend to this pixel's side, otherwise the line covers part of the neighbor instead.
   bool bends = (nearer.change < 0.0) != (here - mean < 0.0);
   return bends ? 0.5 - nearer.distance / (back.distance + ahead.distance) : 0.0;
 }

@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The finished picture before it is rounded to 8 bits: linear display colour, straight alpha.
+// FXAA, first pass: computes the finished picture before it is rounded to 8 bits, as linear display color with straight
+// alpha.
 #include "render/post/compose.glsl"
 
 layout(local_size_x = 16, local_size_y = 16) in;

@@ -1,34 +1,39 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Temporal anti-aliasing: blends one more jittered frame into the history. docs/taa.md explains each step. B. Karis,
-// High Quality Temporal Supersampling, SIGGRAPH 2014; M. Salvi, An Excursion in Temporal Supersampling, GDC 2016; J.
-// Jimenez, Filmic SMAA, SIGGRAPH 2016 (the bicubic of nine bilinear fetches).
+// Temporal anti-aliasing (TAA): reprojects the history with the motion vectors, clips it to the colors around the pixel
+// (variance clipping), and blends the current jittered frame into it. docs/taa.md explains each step. Inputs: frame,
+// depth, motion, oldColor, oldState. Outputs: newColor, newState. The state of a pixel is r: nearness(), g: the number
+// of samples in the color, b: the speed, which is the longer of the motions to the previous and to the next frame, in
+// pixels. Sources: Karis 2014, High Quality Temporal Supersampling, SIGGRAPH; Salvi 2016, An Excursion in Temporal
+// Supersampling, GDC; Jimenez 2016, Filmic SMAA, SIGGRAPH (the bicubic filter of nine bilinear fetches).
 #include "render/glsl/common.glsl"
 #include "render/post/taa/temporal_push.h"
 
 layout(local_size_x = 16, local_size_y = 16) in;
-layout(set = 0, binding = 0) uniform sampler2DArray frame;     // jittered; or the sum of the first frames
+layout(set = 0, binding = 0) uniform sampler2DArray frame;     // jittered frame, or the sum of the first frames
 layout(set = 0, binding = 1) uniform sampler2DArray depth;     // of the jittered frame
 layout(set = 0, binding = 2) uniform sampler2DArray motion;    // pixels: xy to the previous frame, zw to the next
 layout(set = 0, binding = 3) uniform sampler2DArray oldColor;  // history from the previous frame; linear filter
-layout(set = 0, binding = 4) uniform sampler2DArray oldState;  // r: nearness; g: samples in the colour; b: pixels it moves, to either side
+layout(set = 0, binding = 4) uniform sampler2DArray oldState;  // see above
 layout(set = 0, binding = 5, rgba32f) uniform writeonly image2DArray newColor;
 layout(set = 0, binding = 6, rgba32f) uniform writeonly image2DArray newState;
 
 layout(push_constant, scalar) uniform Push { TemporalPush push; };
 
-// The most samples in a mean: a moving pixel is blurred a little at each step and must forget sooner.
+// The maximum number of samples in a mean. Each reprojection blurs a moving pixel slightly, so its history must be
+// shorter.
 const float kMostStill = 64.0, kMostMoving = 5.0;
-// The size of the neighbours' box, which must contain most valid history (Salvi's gamma).
+// The size of the neighborhood's color box in standard deviations (Salvi's gamma). The box must contain most valid
+// history.
 const float kGamma = 1.0;
-// A still pixel moves only part of the way into the box: detail that one jitter in several hits would flicker
-// otherwise.
+// The history of a still pixel is clipped only by this fraction. Otherwise detail that only some of the jittered
+// samples hit would flicker.
 const float kStillPull = 0.1;
-// Pixels: what rounding to half floats may leave of zero motion.
+// In pixels: motion below this may be zero motion rounded to half floats.
 const float kStill = 0.005;
 const float kDepthTolerance = 1.1;
 
-// 1 / metres, 0 for the background; device depth in an orthographic view.
+// 1 / view depth in 1/m, 0 for the background; device depth in an orthographic view.
 float nearness(View view, ivec3 pixel) {
   float d = texelFetch(depth, pixel, 0).r;
   if (view.projection.kind != kPerspective) return d;
@@ -37,7 +42,7 @@ float nearness(View view, ivec3 pixel) {
 
 float luma(vec3 c) { return dot(c, vec3(0.2126, 0.7152, 0.0722)); }
 
-// Bright colours are compressed (Karis's weight), then split into luma and chroma, in which boxes are tight.
+// Compresses bright colors (Karis's weight), then converts to luma and chroma (YCoCg), in which color boxes are tight.
 vec4 toBoxSpace(vec4 c) {
   vec3 t = c.rgb / (1.0 + max(luma(c.rgb), 0.0));
   return vec4(dot(t, vec3(0.25, 0.5, 0.25)), dot(t, vec3(0.5, 0.0, -0.5)), dot(t, vec3(-0.25, 0.5, -0.25)), c.a);
@@ -48,9 +53,9 @@ vec4 fromBoxSpace(vec4 b) {
   return vec4(t / max(1.0 - luma(t), 1e-4), clamp(b.w, 0.0, 1.0));
 }
 
-struct Near {  // of the 3x3 pixels around
+struct Near {  // statistics of the 3x3 neighborhood
   vec4 mean, deviation, smoothed;
-  float least, most;  // nearness
+  float least, most;  // minimum and maximum nearness
   ivec3 nearest;
 };
 
@@ -81,7 +86,7 @@ Near lookAround(View view, ivec3 pixel, ivec2 size) {
   return n;
 }
 
-// Catmull-Rom, which blurs less than bilinear at every step.
+// Samples the history with a Catmull-Rom filter, which blurs less per step than bilinear filtering.
 vec4 sampleHistory(vec2 position, ivec2 size, int layer) {
   vec2 centre = floor(position - 0.5) + 0.5, f = position - centre;
   vec2 w0 = f * (-0.5 + f * (1.0 - 0.5 * f)), w1 = 1.0 + f * f * (-2.5 + 1.5 * f);
@@ -96,7 +101,8 @@ vec4 sampleHistory(vec2 position, ivec2 size, int layer) {
   return max(sum, vec4(0.0));
 }
 
-// Towards the box's centre until it is inside (Salvi): clamping each channel alone would change the hue.
+// Variance clipping (Salvi): moves the history toward the center of the box until it is inside. Clamping each channel
+// separately would change the hue.
 vec4 clipToBox(vec4 history, Near n) {
   vec4 offset = history - n.mean;
   vec4 units = abs(offset) / max(n.deviation * kGamma, vec4(1e-4));
@@ -112,7 +118,7 @@ void main() {
   vec4 current = texelFetch(frame, pixel, 0) * push.scale;
   float here = nearness(view, pixel);
   Near near = lookAround(view, pixel, size);
-  // Motion of the nearest surface, so that edges move with their object (Karis).
+  // Use the motion of the nearest surface in the neighborhood, so edges move with their object (Karis).
   vec4 way = texelFetch(motion, near.nearest, 0);
   vec2 moved = way.xy;
   float speed = max(length(way.xy), length(way.zw));
@@ -127,9 +133,10 @@ void main() {
 
   ivec3 from = ivec3(clamp(ivec2(floor(before)), ivec2(0), size - 1), pixel.z);
   vec3 state = texelFetch(oldState, from, 0).rgb;
-  float moving = clamp(max(length(moved), state.b) * 4.0, 0.0, 1.0);  // or did: part of an edge may be left behind
+  float moving = clamp(max(length(moved), state.b) * 4.0, 0.0, 1.0);  // or has moved: part of an edge may remain
   bool uncovered = state.r > near.most * kDepthTolerance + 1e-6 || state.r * kDepthTolerance + 1e-6 < near.least;
-  // Where neither moves, it is subpixel detail that this jitter has missed.
+  // Restart the history at disocclusions and outside of the previous frame. If nothing moves, a change in depth is no
+  // disocclusion but subpixel detail that this jittered sample missed.
   if (!inside || (uncovered && moving > 4.0 * kStill)) {
     imageStore(newColor, pixel, near.smoothed);
     imageStore(newState, pixel, vec4(here, 1.0, speed, 0.0));

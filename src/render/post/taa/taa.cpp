@@ -6,13 +6,13 @@ namespace latelight::render {
 
 namespace {
 
-// Half floats would lose what one of 64 samples adds to the colour.
+// With half floats, the contribution of one of 64 samples to the color would be lost.
 constexpr VkFormat kHistoryFormat = VK_FORMAT_R32G32B32A32_SFLOAT;
 constexpr vk::SamplerDesc kHistorySampler{.mip = VK_SAMPLER_MIPMAP_MODE_NEAREST,
                                           .wrapU = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
                                           .wrapV = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE};
 
-// The radical inverse: the digits of `index` in that base, reversed after the point.
+// The radical inverse: the digits of `index` in this base, mirrored at the radix point.
 float radicalInverse(uint32_t index, uint32_t base) {
   float value = 0, place = 1;
   for (; index > 0; index /= base) {
@@ -68,7 +68,7 @@ void TemporalHistory::begin(const FrameContext& f) {
 graph::ImageId addTemporal(const FrameContext& f, const TemporalSources& sources, TemporalHistory& history,
                            bool begins) {
   if (begins) history.begin(f);
-  // Something must be bound for the history images; where a history begins, it is not read.
+  // The history bindings need an image even if a history begins; the shader does not read it then.
   graph::ImageId oldColor = sources.picture, oldState = sources.picture;
   if (!begins) {
     oldColor = f.graph.import(history.color_[history.newest_], graph::Use::SampledCompute);

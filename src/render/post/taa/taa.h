@@ -1,4 +1,5 @@
-// Temporal anti-aliasing: jittered frames of a sequence, each blended into the history of earlier ones.
+// Temporal anti-aliasing (TAA): each jittered frame of a sequence is blended into the history of earlier frames, which
+// is reprojected with motion vectors (Karis 2014, High Quality Temporal Supersampling, SIGGRAPH; docs/taa.md).
 #pragma once
 
 #include <glm/vec2.hpp>
@@ -9,24 +10,24 @@
 
 namespace latelight::render {
 
-// The number of frames averaged for a still picture and for the first of a sequence, and the length of the jitter
-// cycle.
+// The number of frames averaged for a still picture and for the first picture of a sequence, and the length of the
+// jitter cycle.
 inline constexpr uint32_t kTemporalSamples = 16;
 
-// Offsets from the pixel's centre, pixels: the Halton sequence in bases 2 and 3, minus its mean.
+// Offsets from the pixel's center, in pixels: the Halton sequence in bases 2 and 3, minus its mean.
 const std::vector<glm::vec2>& temporalJitters();
 
-// Images of a frame; `motion`: MotionUse::Reproject.
+// Images of a frame. `motion` is that of MotionUse::Reproject.
 struct TemporalSources {
   graph::ImageId picture, depth, motion;
 };
 
-// The history that one frame leaves to the next.
+// The history of a sequence, which persists from frame to frame.
 class TemporalHistory {
  public:
-  // Whether there is one, of that size.
+  // Returns true if there is a history of this size.
   bool fits(uint32_t width, uint32_t height, size_t views) const;
-  uint32_t frames() const { return frames_; }        // since it began
+  uint32_t frames() const { return frames_; }        // since the history began
   void undo() { newest_ = 1 - newest_, --frames_; }  // reverts the last frame's update
 
  private:
@@ -39,8 +40,9 @@ class TemporalHistory {
   bool filled_ = false;
 };
 
-// A history begins with the sum of kTemporalSamples frames, with depth and motion of the last; the result is their
-// mean. It continues with single frames; the result is the anti-aliased frame.
+// Begins or continues a history, and returns the anti-aliased picture. To begin, `sources` has the sum of
+// kTemporalSamples frames, with depth and motion of the last one, and the result is their mean. To continue, `sources`
+// has a single frame.
 graph::ImageId addTemporal(const FrameContext& f, const TemporalSources& sources, TemporalHistory& history,
                            bool begins);
 

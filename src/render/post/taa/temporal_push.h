@@ -8,8 +8,8 @@ SH_BEGIN
 
 struct TemporalPush {
   uint64_t frame;  // FrameConstants
-  float scale;     // of the picture: 1 / frames in the sum
-  float samples;   // in the sum, where a history begins; 0 where it continues
+  float scale;     // factor for the picture: 1 / frames in the sum
+  float samples;   // in the sum, if a history begins; 0 if it continues
 };
 
 SH_END
