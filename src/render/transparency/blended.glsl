@@ -1,4 +1,4 @@
-// The fragment of a blended surface, lit.
+// Forward shading of a fragment of a blended surface.
 #extension GL_GOOGLE_include_directive : require
 #include "render/visibility/varyings.glsl"
 #include "render/visibility/surface_fragment.glsl"

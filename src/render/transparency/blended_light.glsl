@@ -1,6 +1,7 @@
-// A point of a blended surface, lit: the same material, BRDF and lights, in the same order, as deferred surfaces get. After
-// what finds the point and its textures (fragment_point.glsl, surface_point.glsl). Lights come from the tree: a fragment
-// lies in front of the surfaces that the lists of `tiled` and `clustered` are built for.
+// Forward shading of a point of a blended surface, with the same material, BRDF and lights, in the same order, as
+// deferred surfaces. Include after fragment_point.glsl or surface_point.glsl, which provide the point and its textures.
+// Lights come from the light tree, because a fragment lies in front of the surfaces for which the lists of `tiled` and
+// `clustered` are built.
 #include "render/glsl/surface.glsl"
 #include "shared/gbuffer.h"
 #include "render/glsl/environment.glsl"
@@ -8,10 +9,10 @@
 #include "render/glsl/lights.glsl"
 #include "render/glsl/tree_lights.glsl"
 
-layout(constant_id = 16) const uint kEveryLight = 0;  // the reference, and for devices without subgroups here
+layout(constant_id = 16) const uint kEveryLight = 0;  // 1: no light tree (reference, or no subgroups)
 
-// Where the surface covers a share of the pixel, fog in front of it covers the same share: surfaces behind have their
-// own fog already.
+// Applies the fog in front of a surface. If the surface covers only a fraction of the pixel, so does this fog: the
+// surfaces behind it already include their own fog.
 vec4 throughFog(Fog fog, View view, vec3 position, vec4 color) {
   vec3 seen = view.worldToView * vec4(position, 1.0);
   return seenThroughFog(fog, color, fogTransmittanceTo(fog, view, seen));
@@ -20,9 +21,10 @@ vec4 throughFog(Fog fog, View view, vec3 position, vec4 color) {
 #ifdef COATED
 #include "render/layered/blended_layers.glsl"
 #else
-// Radiance times exposure, premultiplied by alpha, and alpha: the over operator of glTF 2.0, section 3.9.4, applies to
-// everything that leaves the surface, emission and reflections included. Every invocation of the subgroup must call it,
-// for the same view; `shows` is false for those without a point. `own`: its place in the picture, in pixels.
+// Returns radiance times exposure, premultiplied by alpha, and alpha. The over operator of glTF 2.0, section 3.9.4,
+// applies to all light from the surface, including emission and reflections. Every invocation of the subgroup must call
+// it, for the same view; `shows` is false for those without a point. `own` is the point's position in the picture, in
+// pixels.
 vec4 blendedColor(FrameConstants frame, uint view, Material m, SurfacePoint p, vec2 own, bool shows) {
   Surface s = evaluateMaterial(frame, m, p);
   float alpha = clamp(baseColor(m, p).a, 0.0, 1.0);

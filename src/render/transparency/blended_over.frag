@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // variants: textured, coated
-// sorted: outputs a blended fragment for fixed-function blending.
+// Sorted transparency: outputs a shaded fragment for fixed-function blending with the over operator.
 #include "render/glsl/common.glsl"
 #include "render/transparency/blended.glsl"
 

@@ -3,11 +3,13 @@
 // variants: multisampled, textured, coated
 #ifdef MULTISAMPLED
 #extension GL_ARB_post_depth_coverage : require
-layout(post_depth_coverage) in;  // else samples that failed the depth test would count as covered
+layout(post_depth_coverage) in;  // excludes samples that failed the depth test
 #endif
-// exact, first pass: every fragment is stored, with the keys that determine its position in the pixel's order. (Yang,
-// Hensley, Grün and Thibieroz 2010, Real-Time Concurrent Linked List Construction on the GPU, CGF 29(4), link theirs;
-// here each gets a rank instead, so that a pixel's fragments can be contiguous and be sorted by many invocations.)
+// Exact order-independent transparency (OIT), first pass: shades every fragment and stores it with the keys that
+// determine its position in the order of its pixel. Yang, Hensley, Grün and Thibieroz 2010 (Real-Time Concurrent Linked
+// List Construction on the GPU, CGF 29(4)) link the fragments of a pixel. Here each fragment gets a rank in its pixel
+// instead, so the fragments of a pixel can be contiguous and be sorted by many invocations. Outputs: lists.fragments,
+// lists.counts (per pixel) and lists.totals.
 #include "render/glsl/common.glsl"
 #include "render/glsl/multisample.glsl"
 #define DRAW_PUSH FragmentDraw
@@ -15,7 +17,7 @@ layout(post_depth_coverage) in;  // else samples that failed the depth test woul
 #include "render/transparency/blended.glsl"
 
 layout(location = 9) flat in uint varyingDrawn;
-layout(early_fragment_tests) in;  // hidden fragments store nothing
+layout(early_fragment_tests) in;  // occluded fragments store nothing
 
 void main() {
   FrameConstants frame = FrameRef(push.frame).v;

@@ -1,8 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // variants: textured, coated
-// weighted: order-independent sums (McGuire and Bavoil 2013, Weighted Blended Order-Independent Transparency, JCGT
-// 2(2)).
+// Weighted blended OIT, first pass: outputs a shaded fragment to two order-independent sums (McGuire and Bavoil 2013,
+// Weighted Blended Order-Independent Transparency, JCGT 2(2)).
 #include "render/glsl/common.glsl"
 #include "render/transparency/blended.glsl"
 #include "render/transparency/weight.glsl"

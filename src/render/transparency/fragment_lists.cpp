@@ -1,9 +1,16 @@
-// All fragments of a pixel are stored, put in order and blended: any number of layers, even interpenetrating ones. That
-// is the method exact; where nothing is drawn by the graphics pipeline the others work so too, sorted by another order,
-// and weighted by a mean.
+// Order-independent transparency with per-pixel lists (an A-buffer; Carpenter 1984, The A-buffer, an Antialiased Hidden
+// Surface Method, SIGGRAPH): all fragments of a pixel are stored, sorted and blended, for any number of surfaces, even
+// interpenetrating ones. This is the method `exact`. If the raster is compute, the other methods use the lists too:
+// `sorted` with a different order, and `weighted` with a mean.
 //
-// If the fragments, or the longest list, overflow the room that the frame was recorded with, nothing is blended; a
-// check of the totals detects it and makes room, and the frame is rendered again.
+//   raster --fragments, counts--> place --starts--> gather --lists--> sort (long lists) --sorted--> blend
+//
+// place allocates each pixel's part of the arrays, gather makes the fragments of a pixel contiguous, sort is a merge
+// sort over all long lists, and blend composites each pixel over the picture; short lists are sorted there. The raster
+// hardware stores shaded fragments; the raster compute shades them after gather (Visibility::lightFragments()).
+//
+// If the number of fragments or the longest list exceeds the capacity with which the frame was recorded, nothing is
+// blended. A check of the totals detects this and increases the capacity, and the frame is rendered again.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -22,21 +29,21 @@ using shared::kFragmentRow;
 using shared::kShortList;
 
 constexpr uint32_t kGroup = 256;                         // invocations of the shaders that loop over fragments
-constexpr uint32_t kMostGroups = 4096;                   // of them in flight; each takes its share
-constexpr uint32_t kBlendedAtOnce = 16'384;              // of a long list: far from lavapipe's limit on loops
-constexpr uint64_t kLeastRoom = 1 << 16;                 // fragments
-constexpr uint64_t kMostRoom = (uint64_t{1} << 31) - 1;  // indices into buffers are signed in SPIR-V
+constexpr uint32_t kMostGroups = 4096;                   // maximum workgroups per pass; their invocations loop
+constexpr uint32_t kBlendedAtOnce = 16'384;              // fragments of a long list; far below lavapipe's loop limit
+constexpr uint64_t kLeastRoom = 1 << 16;                 // minimum capacity in fragments
+constexpr uint64_t kMostRoom = (uint64_t{1} << 31) - 1;  // maximum capacity: indices into buffers are signed in SPIR-V
 
-// The hard limit: fragments are in one buffer.
+// The maximum capacity in fragments, which are stored in one buffer.
 uint64_t mostRoom(vk::Device& device, const TransparencySetup& setup) {
   const uint64_t most = std::min(kMostRoom, device.maxBufferSize() / sizeof(shared::Fragment));
   return setup.most ? std::min(most, setup.most) : most;
 }
 
-// The room that a frame has.
+// The capacities with which a frame is recorded.
 struct Room {
   uint64_t fragments;
-  uint32_t longest;  // list; a power of two
+  uint32_t longest;  // length of the longest list, a power of two
 };
 
 Room roomFor(const FrameContext& f) {
@@ -47,7 +54,7 @@ Room roomFor(const FrameContext& f) {
 }
 
 struct Buffers : FragmentBuffers {
-  std::array<graph::BufferId, 2> sorted;  // only where lists may be long
+  std::array<graph::BufferId, 2> sorted;  // null if no list can be long
   uint32_t pixels;
   Room room;
 };
@@ -71,7 +78,7 @@ Buffers createBuffers(const FrameContext& f, Room room) {
   return b;
 }
 
-// A step over all fragments, or over as many invocations as they are at most.
+// A pass over all fragments with the given number of invocations, limited to kMostGroups workgroups.
 ComputePass step(const FrameContext& f, const char* name, const char* shader, uint64_t invocations) {
   constexpr uint64_t kMost = uint64_t{kMostGroups} * kGroup;
   return {.stage = graph::Stage::Transparency,
@@ -108,7 +115,7 @@ std::vector<graph::Access> readLists(const Buffers& b, graph::BufferId sorted) {
   return accesses;
 }
 
-// The array with the sorted long lists.
+// Adds the passes of the merge sort and returns the buffer with the sorted long lists.
 graph::BufferId addSort(const FrameContext& f, const Buffers& b) {
   graph::BufferId from = b.lists;
   size_t steps = 0;
@@ -132,8 +139,8 @@ bool isWeighted(const FrameContext& f) {
   return f.setup.transparency.method == kTransparencyWeighted;
 }
 
-// Longer lists than are blended at once are blended part by part; of weighted, which needs them whole, each has a mean
-// of its own then.
+// Lists longer than kBlendedAtOnce are blended in parts, one pass each. With `weighted`, which requires complete lists,
+// each part then has its own mean.
 void addBlend(const FrameContext& f, graph::ImageId light, const Buffers& b, graph::BufferId sorted) {
   for (uint32_t first = 0; first < b.room.longest; first += kBlendedAtOnce) {
     Bindings bindings(f.device);
@@ -154,7 +161,8 @@ void addBlend(const FrameContext& f, graph::ImageId light, const Buffers& b, gra
   }
 }
 
-// Whether something overflowed; makes room for it, and some more, since the next frame may need it.
+// Returns true if a capacity was exceeded. Increases the capacity, with a margin because the next frame may require
+// more.
 bool overflowed(const FrameContext& f, Room room, const shared::FragmentTotals& totals) {
   const uint64_t needed = uint64_t{totals.carries} << 32 | totals.placed;
   if (needed <= room.fragments && totals.longest <= room.longest) return false;
@@ -192,7 +200,7 @@ shared::FragmentLists listsOf(graph::Context& context, const FragmentBuffers& b)
           .longest = b.longest};
 }
 
-// Drawn on lavapipe, the same fragments would take 17 times as long with their coverage.
+// With the graphics pipeline of lavapipe, fragments with coverage require 17 times as much time as fragments without.
 uint32_t fragmentSamples(const vk::Device& device, const FrameSetup& setup) {
   if (setup.sampleLayers) return setup.samples;
   return device.has(VK_EXT_POST_DEPTH_COVERAGE_EXTENSION_NAME) && !device.isCpu() ? setup.samples : 1;

@@ -1,4 +1,4 @@
-// Lists of fragments in device memory (shared/fragment_lists.h).
+// Access to per-pixel lists of fragments in device memory (shared/fragment_lists.h).
 #ifndef LATELIGHT_FRAGMENT_LISTS_GLSL
 #define LATELIGHT_FRAGMENT_LISTS_GLSL
 #include "shared/fragment_lists.h"
@@ -7,14 +7,15 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer FragmentsRef
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer ListWordsRef { uint v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer TotalsRef { FragmentTotals v; };
 
-// Farther ones first, and at exactly the same depth those drawn earlier: no two fragments of a pixel compare equal.
+// The sort key orders fragments back to front, and at exactly the same depth by draw order. No two fragments of a pixel
+// have equal keys.
 uint64_t sortKey(Fragment f) { return uint64_t(f.depth) << 32 | uint64_t(f.order); }
 uint64_t sortKeyOf(FragmentLists lists, uint fragment) {
   FragmentsRef fragments = FragmentsRef(lists.fragments);
   return uint64_t(fragments.v[fragment].depth) << 32 | uint64_t(fragments.v[fragment].order);
 }
 
-// Whether something overflowed: then the lists must not be used, and the frame will be redone.
+// Returns true if a capacity was exceeded. The lists must not be used then; the frame will be rendered again.
 bool overflowed(FragmentLists lists) {
   FragmentTotals t = TotalsRef(lists.totals).v;
   return t.carries != 0u || t.placed > lists.capacity || t.longest > lists.longest;

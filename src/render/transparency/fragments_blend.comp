@@ -1,7 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The last pass: each pixel's fragments over its lit picture, in their order (Porter and Duff 1984, Compositing Digital
-// Images), or their weighted mean, in linear light.
+// Per-pixel lists, last pass: composites the fragments of each pixel over the lit picture in linear light, back to
+// front (the over operator: Porter and Duff 1984, Compositing Digital Images, SIGGRAPH), or with their weighted mean
+// (kWeighted). Inputs: push.lists and push.sorted. Input and output: lightTarget.
 #include "render/glsl/common.glsl"
 #include "render/transparency/fragments_push.h"
 #include "render/transparency/fragment_lists.glsl"
@@ -16,11 +17,12 @@ layout(set = 0, binding = 0, rgba16f) uniform image2DArray lightTarget;
 
 layout(push_constant, scalar) uniform Push { BlendPush push; };
 
-vec4 samples[kSamples];  // what each sample shows so far
-// weighted, of each sample: the sum of premultiplied radiance and of alpha, times weight; and what shows through.
+vec4 samples[kSamples];  // the composited color of each sample
+// For weighted blending, per sample: the weighted sums of premultiplied radiance and of alpha, and the transmittance.
 vec4 sums[kSamples];
 float through[kSamples];
 
+// Blends a fragment over the samples that it covers.
 void lay(uint fragment, Projection projection) {
   Fragment f = FragmentsRef(push.lists.fragments).v[fragment];
   vec4 color = vec4(unpackHalf2x16(f.color.x), unpackHalf2x16(f.color.y));

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// exact, third pass: makes the fragments of a pixel contiguous, unsorted.
+// Per-pixel lists, third pass: writes the indices of the fragments of each pixel contiguously to lists.lists, unsorted.
 #include "render/glsl/common.glsl"
 #include "render/transparency/fragments_push.h"
 #include "render/transparency/fragment_lists.glsl"

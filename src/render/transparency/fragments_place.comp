@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// exact, second pass: allocates each pixel's part of the arrays. The allocation depends on execution order, but no
-// result does.
+// Per-pixel lists, second pass: allocates each pixel's part of the arrays (lists.starts) by its count (lists.counts).
+// The allocation depends on the execution order, but no result does.
 #include "render/glsl/common.glsl"
 #include "render/transparency/fragments_push.h"
 #include "render/transparency/fragment_lists.glsl"

@@ -1,4 +1,4 @@
-// Push constants of the passes over lists of fragments.
+// Push constants of the passes over per-pixel lists of fragments.
 #ifndef LATELIGHT_FRAGMENTS_PUSH_H
 #define LATELIGHT_FRAGMENTS_PUSH_H
 
@@ -18,17 +18,17 @@ struct GatherPush {  // fragments_gather.comp
 
 struct SortPush {  // fragments_sort.comp
   FragmentLists lists;
-  uint64_t from;  // uint[capacity]; short lists are not sorted here
+  uint64_t from;  // uint[capacity]; this pass does not sort short lists
   uint64_t to;
-  uint run;  // length of the runs that are merged; 0: make the first ones
+  uint run;  // length of the runs to merge; 0: create the first runs
   uint padding;
 };
 
 struct BlendPush {  // fragments_blend.comp
   FragmentLists lists;
-  uint64_t sorted;  // uint[capacity]: long lists in order
-  uint first;       // the part of long lists that is blended now: lavapipe silently ends longer loops
-  uint count;
+  uint64_t sorted;  // uint[capacity]: sorted long lists
+  uint first;       // start of the range of long lists to blend: lavapipe silently ends longer loops
+  uint count;       // length of this range
   uint64_t frame;  // FrameConstants
 };
 

@@ -1,8 +1,9 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// exact, where lists are long: a step of a merge sort over all of them at once. The first sorts runs of kShortList, one
-// invocation per run; the others merge pairs of runs, one invocation per element, which finds its position by a binary
-// search in the other run. So a list of n takes O(log n) steps of O(n log n) work in total, with no loop of length n.
+// Per-pixel lists, sorting of long lists: one pass of a parallel merge sort over all long lists. The first pass sorts
+// runs of kShortList fragments, with one invocation per run. The others merge pairs of runs, with one invocation per
+// element, which finds its position by a binary search in the other run. A list of length n requires O(log n) passes
+// with O(n log n) work each, and no loop of length n. Inputs: push.lists and push.from. Output: push.to.
 #include "render/glsl/common.glsl"
 #include "render/transparency/fragments_push.h"
 #include "render/transparency/fragment_lists.glsl"
@@ -12,7 +13,7 @@ layout(local_size_x = 256) in;
 
 layout(push_constant, scalar) uniform Push { SortPush push; };
 
-// The number of elements of a run that come before `key`.
+// The number of elements of a run whose keys are less than `key`.
 uint countBefore(uint first, uint end, uint64_t key) {
   uint low = first;
   while (low < end) {
@@ -43,7 +44,7 @@ void main() {
   if (overflowed(push.lists)) return;
   uint total = TotalsRef(push.lists.totals).v.placed;
   for (uint i = gl_GlobalInvocationID.x; i < total; i += gl_NumWorkGroups.x * 256u) {
-    // The pixel that owns the slot comes from the unsorted list, which has short lists too.
+    // The unsorted array identifies the pixel that owns the slot, because it contains short lists as well.
     uint fragment = ListWordsRef(push.lists.lists).v[i];
     uint pixel = FragmentsRef(push.lists.fragments).v[fragment].pixel;
     uint start = ListWordsRef(push.lists.starts).v[pixel], count = ListWordsRef(push.lists.counts).v[pixel];

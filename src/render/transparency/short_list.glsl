@@ -1,9 +1,9 @@
-// Sorting of a few fragments by one invocation.
+// Sorts a short list of fragments with one invocation.
 uint64_t shortKeys[kShortList];
 uint shortList[kShortList];  // indices of fragments
 
-// Fills both with `count` fragments from `first` on, in order: by insertion sort, which is fast for nearly sorted
-// input.
+// Fills both arrays with `count` fragments from `first` on, sorted back to front. Insertion sort is fast for nearly
+// sorted input.
 void sortShortList(FragmentLists lists, uint first, uint count) {
   for (uint i = 0u; i < count; ++i) {
     uint fragment = ListWordsRef(lists.lists).v[first + i];

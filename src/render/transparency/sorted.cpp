@@ -1,5 +1,5 @@
-// sorted: instances from the farthest to the nearest, with fixed-function blending. The classic method: right where
-// instances do not interpenetrate and each is convex.
+// sorted: classic sorted transparency. Instances are drawn from the farthest to the nearest with fixed-function
+// blending. The result is correct if instances do not interpenetrate and each is convex.
 #include <algorithm>
 
 #include "render/transparency/transparency.h"
@@ -9,7 +9,8 @@ namespace latelight::render {
 
 namespace {
 
-// One draw per instance, by the view depth of its bounds' centre, farthest first; equal ones in scene order.
+// One draw per instance, sorted by the view depth of the center of its bounds, farthest first. Instances of equal depth
+// stay in draw order.
 std::vector<Draw> backToFront(const FrameContext& f, const DeviceDraws& draws, uint32_t view) {
   struct Placed {
     float depth;
@@ -29,7 +30,7 @@ std::vector<Draw> backToFront(const FrameContext& f, const DeviceDraws& draws, u
   return sorted;
 }
 
-// For double-sided materials back faces first: right for convex meshes.
+// Draws back faces before front faces for double-sided materials, which is correct for convex meshes.
 void recordFaces(graph::Context& context, const GpuScene& scene, SceneBinder& binder, const Draw& draw) {
   binder.bind(draw);
   if (scene.materials().record(draw.material).flags & shared::kMaterialDoubleSided) {

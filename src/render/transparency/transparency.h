@@ -1,5 +1,6 @@
-// Blended surfaces (glTF's alphaMode BLEND), drawn after all others are lit: by the same material, BRDF and lights.
-// docs/transparency.md says how the methods differ.
+// Transparency: blended surfaces (glTF's alphaMode BLEND) are rendered after all others are lit, with the same
+// materials, BRDF and lights. docs/transparency.md compares the methods: per-pixel lists (exact), sorted, and weighted
+// blended OIT.
 #pragma once
 
 #include <string>
@@ -15,35 +16,35 @@ namespace latelight::render {
 inline constexpr uint32_t kTransparencyExact = 0, kTransparencySorted = 1, kTransparencyWeighted = 2,
                           kTransparencyNone = 3;
 
-// Adds the passes that blend surfaces over the lit picture in gbuffer.light, premultiplied by alpha; none where no view
-// has any.
+// Adds the passes that blend surfaces over the lit picture in gbuffer.light, premultiplied by alpha. Adds none if no
+// view has blended surfaces.
 void addTransparency(const FrameContext& f, Gbuffer gbuffer);
 
-// exact, and every method where nothing is drawn by the graphics pipeline.
+// Per-pixel lists: the method exact, and every method if the raster is compute.
 void addFragmentLists(const FrameContext& f, const Gbuffer& gbuffer);
 void addSortedTransparency(const FrameContext& f, const Gbuffer& gbuffer);
 void addWeightedTransparency(const FrameContext& f, const Gbuffer& gbuffer);
 
-// Whether blended or transmissive surfaces may have layers: then shaders of the variant "coated" light them.
+// Returns true if blended or transmissive surfaces may have coats. Shaders of the variant "coated" then light them.
 bool blendedHaveLayers(const FrameContext& f);
-// The lit maps, and for those shaders what lies behind: set 0 of all that light blended fragments.
+// The lit maps and, for coated shaders, the transmission background: set 0 of all shaders that light blended fragments.
 Bindings blendedMaps(const FrameContext& f, const Gbuffer& gbuffer, graph::Use use);
 
-// Fragment buffers by their addresses: those that the running pass declares.
+// The addresses of the fragment buffers; 0 for buffers that the running pass does not declare.
 shared::FragmentLists listsOf(graph::Context& context, const FragmentBuffers& buffers);
 
-// Samples per pixel at which fragments are stored: the frame's with the raster compute, and where drawn fragments can
-// read their coverage after the depth test, else 1.
+// The number of samples per pixel at which fragments are stored: that of the frame if the raster is compute or if
+// fragment shaders can read their coverage after the depth test, else 1.
 uint32_t fragmentSamples(const vk::Device& device, const FrameSetup& setup);
 
-// Pipelines that draw blended fragments (blended.glsl): depth is tested, not written. A surface exactly on an opaque
-// one, such as a decal, is visible. blendedMaps() are set 0.
+// Pipelines that draw blended fragments (blended.glsl). Depth is tested but not written. A surface at exactly the depth
+// of an opaque one, such as a decal, is visible. Set 0 is blendedMaps().
 struct BlendedTarget {
-  std::string vertex, fragment;  // shaders; no vertex shader: the usual one
+  std::string vertex, fragment;  // shaders; default vertex shader: scene.vert
   uint32_t pushBytes = sizeof(shared::DrawPush);
   std::vector<VkFormat> colors{};
   vk::Blend blend = vk::Blend::Replace;
-  uint32_t samples = 1;  // those of the frame, or 1, with resolved depth
+  uint32_t samples = 1;  // per pixel: the frame's, or 1 with resolved depth
 };
 ScenePipelines blendedPipelines(const FrameContext& f, const Bindings& maps, const BlendedTarget& target);
 

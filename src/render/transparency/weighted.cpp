@@ -1,6 +1,6 @@
-// weighted: blended fragments in any order into two sums (McGuire and Bavoil 2013, Weighted Blended Order-Independent
-// Transparency, JCGT 2(2)), then their mean colour over the picture. Coverage is exact; colours of several layers are a
-// mean.
+// weighted: weighted blended OIT (McGuire and Bavoil 2013, Weighted Blended Order-Independent Transparency, JCGT 2(2)).
+// Blended fragments are added in any order to two sums ("weighted colors" and "weights"), and their mean color is
+// blended over the picture. Coverage is exact; the color of several surfaces is their mean.
 #include "render/lighting/light_sum.h"
 #include "render/transparency/transparency.h"
 #include "render/visibility/hardware.h"

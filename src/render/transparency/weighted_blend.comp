@@ -1,7 +1,8 @@
 #version 460
-// weighted, last pass: the mean colour of a pixel's blended surfaces over its lit picture.
+// Weighted blended OIT, last pass: blends the mean color of each pixel's blended surfaces over the lit picture. Inputs:
+// colors and weights. Input and output: lightTarget.
 layout(local_size_x = 16, local_size_y = 16) in;
-layout(set = 0, binding = 0) uniform sampler2DArray colors;  // blended_weighted.frag
+layout(set = 0, binding = 0) uniform sampler2DArray colors;  // the sums of blended_weighted.frag
 layout(set = 0, binding = 1) uniform sampler2DArray weights;
 layout(set = 0, binding = 2, rgba16f) uniform image2DArray lightTarget;
 
