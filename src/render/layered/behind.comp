@@ -1,7 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// A level of what lies behind transmissive surfaces: the picture itself, or the level above at half its size, by a filter
-// as wide as four texels, which leaves no blocks where a level is magnified.
+// Transmission background: writes one level of the pyramid of the opaque picture that transmissive surfaces sample.
+// Level 0 is a copy of the picture; each other level is the previous one at half its size. The filter is four texels
+// wide, so magnified levels show no blocks. Input: picture. Output: levels, in the arrangement of behind_push.h.
 #include "render/layered/behind_push.h"
 
 layout(local_size_x = 16, local_size_y = 16) in;

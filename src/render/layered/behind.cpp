@@ -10,7 +10,7 @@ graph::ImageId addBehind(const FrameContext& f, graph::ImageId picture) {
   const shared::uvec2 size(f.width, f.height);
   const uint32_t levels = shared::behindLevels(size);
   const shared::uvec2 last = shared::behindLevelCorner(size, levels - 1) + shared::behindLevelSize(size, levels - 1);
-  // Not half floats: some devices truncate them, and a chain of levels would lose part of the light.
+  // 32-bit floats: some devices truncate to half floats instead of rounding, so a chain of levels would lose light.
   const graph::ImageId behind = f.graph.create(vk::ImageDesc{.format = VK_FORMAT_R32G32B32A32_SFLOAT,
                                                              .width = size.x + std::max(size.x / 2, 1u),
                                                              .height = std::max(size.y, last.y),

@@ -1,4 +1,4 @@
-// Of behind.comp.
+// Push constants of behind.comp, and the arrangement of the levels of the transmission background.
 #ifndef LATELIGHT_BEHIND_PUSH_H
 #define LATELIGHT_BEHIND_PUSH_H
 
@@ -7,11 +7,11 @@
 SH_BEGIN
 
 struct BehindPush {
-  uint level;  // to make; 0: a copy of the picture
+  uint level;  // level to write; 0: a copy of the picture
 };
 
-// Levels of a picture lie in one image: the picture, and to its right each one half as large as the one above it, with
-// a row between them. Each side of a level is at least a texel.
+// All levels are in one image: the picture, and to its right the others from top to bottom, each half the size of the
+// previous one, with an empty row between them. Each side of a level has at least one texel.
 SH_FUNC uvec2 behindLevelSize(uvec2 size, uint level) {
   return uvec2(max(size.x >> level, 1u), max(size.y >> level, 1u));
 }
@@ -19,7 +19,7 @@ SH_FUNC uvec2 behindLevelCorner(uvec2 size, uint level) {
   if (level == 0u) return uvec2(0u, 0u);
   return uvec2(size.x, size.y - (size.y >> (level - 1u)) + level);
 }
-// Down to a single texel.
+// The number of levels, down to a single texel.
 SH_FUNC uint behindLevels(uvec2 size) {
   return 1u + uint(log2(float(max(size.x, size.y)) + 0.5f));
 }

@@ -1,9 +1,10 @@
-// The colour of a blended or transmissive surface that may have layers.
+// Forward shading of a blended or transmissive surface that may have coats, with refraction of the background in screen
+// space (KHR_materials_transmission, KHR_materials_volume, KHR_materials_dispersion).
 #include "render/glsl/pixel_ray.glsl"
 #include "render/layered/layered_light.glsl"
 #include "render/layered/behind.glsl"
 
-// What is seen through the surface: of each channel where its refraction leads, when they are dispersed.
+// The radiance transmitted through the surface. With dispersion, each channel follows its own refracted ray.
 vec3 radianceThrough(FrameConstants frame, uint view, LayeredBrdf b, vec2 own) {
   vec3 found = radianceBehind(frame, view, transmittedRay(b, 1u), own);
   if (!disperses(b)) return found;
@@ -12,16 +13,17 @@ vec3 radianceThrough(FrameConstants frame, uint view, LayeredBrdf b, vec2 own) {
   return found;
 }
 
-// The share of the pixel's light that the surface takes the place of.
+// The fraction of the background that the surface replaces.
 float coverage(Material m, SurfacePoint p) {
   float alpha = clamp(baseColor(m, p).a, 0.0, 1.0);
   if ((m.flags & kMaterialMasked) != 0u) return alpha < m.alphaCutoff ? 0.0 : 1.0;
   return (m.flags & kMaterialBlended) != 0u ? alpha : 1.0;
 }
 
-// As for surfaces without layers: radiance times exposure, premultiplied by alpha, and alpha. What transmission shows takes
-// the place of what lies behind. Light from there has passed the fog in front already, which is taken off before the
-// surface colours it, and added in front of both.
+// As blendedColor() for surfaces without coats: returns radiance times exposure, premultiplied by alpha, and alpha.
+// Transmitted light replaces the background. The background already includes the light of the fog in front of the
+// surface, so that light is subtracted before the surface tints the background, and fog is added once, in front of
+// both.
 vec4 blendedColor(FrameConstants frame, uint viewIndex, Material m, SurfacePoint p, vec2 own, bool shows) {
   LayeredPoint point = layeredPoint(frame, viewIndex, m, p);
   float alpha = coverage(m, p);

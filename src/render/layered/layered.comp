@@ -1,7 +1,10 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // variants: textured
-// The light of surfaces with layers, in the pixels that show some: of several samples, triangle by triangle.
+// Forward shading of layered materials (surfaces with coats) from the visibility buffer, in the pixels that show some.
+// With several samples per pixel, each triangle is shaded once. Lights come from the technique's light lists, or from
+// the light tree if there are none. Inputs: push.shown (visibility buffer), push.lists. Output: the surfaces' light in
+// lightTarget, and lightCounts.
 #define COATED
 #include "render/glsl/common.glsl"
 #include "render/visibility/compute/surface_point.glsl"
@@ -22,7 +25,8 @@ bool isLayered(uint id) {
   return (rankedInstance(list, rank).flags & kRankLayered) != 0u;
 }
 
-// The samples of the next triangle of a layered surface; takes them, and those before, out of `left`. 0: none is left.
+// Returns the mask of samples of the next triangle with a layered material, or 0 if none is left. Removes them and the
+// preceding samples from `left`.
 uint nextLayered(uint first, inout uint left) {
   VisibleRef visible = VisibleRef(push.shown.visible);
   uint found = 0u;
@@ -33,7 +37,8 @@ uint nextLayered(uint first, inout uint left) {
   return found;
 }
 
-// What lights send. Lists are of the surfaces that lighting sees: with several samples a pixel those are others.
+// The radiance from all lights. With several samples per pixel there are no lists, because those of the lighting
+// technique are built for other surfaces.
 vec3 lightsOn(FrameConstants frame, View view, uint viewIndex, uint64_t visible, LayeredPoint point, LayeredBrdf brdf,
               bool shows) {
   if (kCellsATile == 0u) return lightsAtPoint(frame, viewIndex, point, brdf, shows, false);
@@ -41,8 +46,8 @@ vec3 lightsOn(FrameConstants frame, View view, uint viewIndex, uint64_t visible,
   return shadeFromCells(frame, push.lists, place, point.s, brdf, shows);
 }
 
-// What these samples of a pixel show. Every invocation of the subgroup comes here; without samples for nothing, with some
-// triangle.
+// The radiance of the surface that these samples of a pixel show. Every invocation of the subgroup must call it.
+// Invocations without samples evaluate an arbitrary triangle, and their result is discarded.
 vec3 radianceOf(FrameConstants frame, ivec3 pixel, uint first, uint samples) {
   View view = frameView(frame, uint(pixel.z));
   uint64_t visible = samples != 0u ? VisibleRef(push.shown.visible).v[first + uint(findLSB(samples))] : uint64_t(1);
@@ -74,13 +79,13 @@ void main() {
     vec3 one = radianceOf(frame, pixel, first, samples);
     if (samples != 0u) sum += one * (float(bitCount(samples)) / float(kSamples));
     covered |= samples;
-    if (kSamples == 1u) break;  // without a loop: in one lavapipe would go round once more, and light nothing
+    if (kSamples == 1u) break;  // removes the loop, which lavapipe would execute once more with nothing to light
     samples = nextLayered(first, left);
     if (!subgroupAny(samples != 0u)) break;
   }
   if (covered == 0u) return;
   if (kCountLights != 0u) imageStore(lightCounts, pixel, lightCount());
-  vec4 light = vec4(0.0, 0.0, 0.0, 1.0);  // what other surfaces send
+  vec4 light = vec4(0.0, 0.0, 0.0, 1.0);  // radiance of the pixel's other surfaces
   if (uint(bitCount(covered)) != kSamples) light = imageLoad(lightTarget, pixel);
   imageStore(lightTarget, pixel, vec4(min(light.rgb + sum, vec3(65504.0)), light.a));
 }

@@ -1,3 +1,5 @@
+// The passes that shade layered materials: drawn again at equal depth (raster hardware), or in a compute shader from
+// the visibility buffer (raster compute).
 #include "render/layered/layered.h"
 
 #include "render/layered/layered_push.h"
@@ -14,12 +16,12 @@ namespace {
 
 constexpr uint32_t kPlainLoop = kFirstOwnConstant + 1;  // layered.frag
 
-// What transmits is shaded with blended surfaces.
+// The coats of opaque surfaces. Transmissive materials are shaded with the blended surfaces.
 vk::Constant opaqueLayers(const FrameSetup& setup) {
   return {kLayersConstant, setup.layers & ~(shared::kLayerTransmission | shared::kLayerDispersion)};
 }
 
-// The mean of a pixel's samples, added to the picture.
+// Adds the mean of each pixel's samples to the picture.
 void addSamples(const FrameContext& f, graph::ImageId samples, graph::ImageId light) {
   Bindings bindings(f.device);
   bindings.sampled(samples).storage(light, graph::Use::StorageReadWrite);
@@ -41,7 +43,8 @@ void recordLayered(graph::Context& context, const FrameContext& f, const DeviceD
   }
 }
 
-// Their instances once more, at the depth that shows. With one sample a pixel in place of what lighting left.
+// Draws instances with layered materials again with the depth test EQUAL. With one sample per pixel their light
+// replaces the black that the lighting technique wrote; with several it is written to a separate target and then added.
 void drawLayered(const FrameContext& f, const Gbuffer& gbuffer, const HardwareVisibility& hardware) {
   const bool several = f.setup.samples > 1;
   const graph::ImageId target =
@@ -73,14 +76,15 @@ void drawLayered(const FrameContext& f, const Gbuffer& gbuffer, const HardwareVi
   if (several) addSamples(f, target, gbuffer.light);
 }
 
-// Those of the lighting technique are of the same surfaces where pixels have one sample. lavapipe takes twice as long with
-// them as with the tree: a loop around that over lights keeps all of a layered surface in memory.
+// Returns the light lists to use; null if none. With one sample per pixel, those of the lighting technique are built
+// for the same surfaces. On lavapipe, shading with lists requires twice the time of the light tree, because a loop
+// around the loop over lights keeps the complete layered surface in memory.
 LightLists listsOfPixels(const FrameContext& f, const Gbuffer& gbuffer) {
   if (f.setup.samples > 1 || f.device.hasCpuShaders()) return {};
   return gbuffer.lightLists;
 }
 
-// In the pixels whose visible triangles have such a material.
+// Shades the pixels whose visible triangles have a layered material.
 void shadeLayered(const FrameContext& f, const Gbuffer& gbuffer, const ComputeVisibility& raster) {
   Bindings bindings = litMaps(f, gbuffer, graph::Use::SampledCompute);
   bindings.storage(gbuffer.light, graph::Use::StorageReadWrite);

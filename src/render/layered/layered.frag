@@ -1,7 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // variants: multisampled, textured
-// The light of a visible surface with layers.
+// Forward shading of a visible surface with a layered material. Outputs its radiance, and the numbers of lights tested
+// and used.
 #define COATED
 #include "render/glsl/common.glsl"
 #include "render/glsl/multisample.glsl"
@@ -30,6 +31,6 @@ void main() {
   radiance += lightsAtPoint(frame, push.view, point, brdf, true, kPlainLoop != 0u);
   picture = vec4(exposedRadiance(frame, point, brdf, radiance), 1.0);
   counts = lightCount();
-  // As in geometry.frag: last, since textures need the whole quad.
+  // As in geometry.frag, the discard comes last, because texture derivatives need the full quad.
   if (kAlphaMasked != 0u) cutFragment(m, p);
 }

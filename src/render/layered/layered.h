@@ -1,13 +1,15 @@
-// Surfaces with layers, opaque and masked: clear coats, sheen, anisotropy, iridescence, diffuse transmission
-// (KHR_materials_*). No layout of a G-buffer holds them. In it they neither reflect nor emit, so that lighting leaves
-// them black, and behind it they are shaded forward, from what is visible: alike with every layout and technique.
+// Layered materials on opaque and masked surfaces: clearcoat, sheen, anisotropy, iridescence and diffuse transmission
+// (KHR_materials_*). No G-buffer layout stores these coats. In the G-buffer, layered surfaces neither reflect nor emit,
+// so the lighting technique leaves them black. They are then shaded forward, with the same result for every layout and
+// technique.
 #pragma once
 
 #include "render/frame.h"
 
 namespace latelight::render {
 
-// Adds their light to gbuffer.light, in which the lighting technique has left the picture; no pass where none shows.
+// Adds their light to gbuffer.light, which contains the picture written by the lighting technique. Adds no pass if no
+// layered surface can be visible.
 void addLayered(const FrameContext& f, const Gbuffer& gbuffer);
 
 }  // namespace latelight::render

@@ -1,6 +1,6 @@
-// The light of a point of a surface with layers, by every light and the environment. After what finds the point and its
-// textures (surface_fragment.glsl, surface_point.glsl), with COATED. Lights come from the tree, where a shader has no lists
-// of them.
+// Shading of a point with a layered material (coats over a base surface, shared/layers.h) by all lights and the
+// environment. Include after surface_fragment.glsl or surface_point.glsl, which provide the point and its textures,
+// with COATED defined. Lights come from the light tree, unless the shader uses light lists.
 #include "render/glsl/surface.glsl"
 #include "shared/gbuffer.h"
 #include "render/glsl/environment.glsl"
@@ -12,10 +12,11 @@ struct LayeredPoint {
   Surface s;
   SurfaceLayers layers;
   vec3 toEye;
-  vec3 emitted;  // before the coat
+  vec3 emitted;  // before attenuation by coats
 };
 
-// Of a material without layers too: blended surfaces of both kinds are lit by one shader.
+// Evaluates the material at a point. Materials without coats are accepted as well, because one shader lights blended
+// surfaces of both kinds.
 LayeredPoint layeredPoint(FrameConstants frame, uint view, Material m, SurfacePoint p) {
   LayeredPoint point;
   point.s = evaluateMaterial(frame, m, p);
@@ -76,14 +77,15 @@ vec3 layeredEnvironment(FrameConstants frame, inout LayeredBrdf b, vec3 toEye) {
   return shadeLayeredEnvironment(b, found) * frame.environmentIntensity;
 }
 
-// Radiance that all lights send to the eye, by the tree. Every invocation of the subgroup must call it, for the same view;
-// `shows` is false for those without a point. `plain`: without subgroups.
+// Returns the radiance from all lights toward the eye, found with the light tree. Every invocation of the subgroup must
+// call it, for the same view; `shows` is false for those without a point. If `plain`, it loops over all lights without
+// subgroup operations.
 vec3 lightsAtPoint(FrameConstants frame, uint view, LayeredPoint point, LayeredBrdf brdf, bool shows, bool plain) {
   if (plain) return shadeAllLightsPlainly(frame, view, point.s, brdf);
   return shadeAllByTree(frame, view, point.s, brdf, shows);
 }
 
-// Radiance times exposure, of what lights and the environment send to the eye, and what is emitted.
+// Returns the sum of emitted radiance and `radiance`, which is that from lights and the environment, times exposure.
 vec3 exposedRadiance(FrameConstants frame, LayeredPoint point, LayeredBrdf brdf, vec3 radiance) {
   vec3 emitted = coatedEmission(brdf, min(point.emitted * frame.exposure, vec3(65504.0)));
   return min(emitted + radiance * frame.exposure, vec3(65504.0));

@@ -9,7 +9,7 @@ SH_BEGIN
 struct LayeredPush {
   uint64_t frame;  // FrameConstants
   ShownPush shown;
-  LightCells lists;  // of the lighting technique; not read where it makes none
+  LightCells lists;  // of the lighting technique; not read if there are none
 };
 
 SH_END

@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// What layered surfaces send from the samples of a pixel, added to its picture, in which they are black.
+// Resolves the light of layered surfaces: adds the mean of each pixel's samples (layeredLight) to the picture
+// (lightTarget), in which these surfaces are black.
 #define MULTISAMPLED
 #include "render/glsl/multisample.glsl"
 

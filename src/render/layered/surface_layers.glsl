@@ -1,11 +1,13 @@
-// The layers of a surface at a point, by its material. After surface.glsl.
+// Evaluates the coats of a layered material (KHR_materials_*) at a surface point. Include after surface.glsl.
 #include "shared/layers.h"
 
-// FrameSetup::layers: what no material of the scene has costs nothing.
+// FrameSetup::layers, the coats that any material of the scene has. The specialization constant removes code for all
+// others.
 layout(constant_id = 12) const uint kLayers = ~0u;
 
-// The direction in which a surface is stretched: the vertices' tangent in the plane of the normal, turned by the material
-// and its texture (KHR_materials_anisotropy). Without a tangent frame any direction in the plane.
+// The direction of anisotropy (KHR_materials_anisotropy): the vertex tangent projected to the plane of the normal,
+// rotated by the material and its texture (`turned`: cosine and sine). Without a tangent frame it is an arbitrary
+// direction in the plane.
 vec3 stretchDirection(SurfacePoint p, vec3 n, vec2 turned) {
   vec3 tangent = p.tangent.xyz - n * dot(n, p.tangent.xyz);
   float squared = dot(tangent, tangent);
@@ -55,8 +57,8 @@ void findIridescence(inout SurfaceLayers l, Material m, SurfacePoint p) {
                                  sampleTexture(m, kTextureIridescenceThickness, p).g);
 }
 
-// What the instance's transform makes of a metre along the normal: that of a plate which it stretches becomes its
-// thickness.
+// The length in world space of a meter along the normal in object space. It scales the thickness of a volume, such as a
+// plate that the instance's transform stretches.
 float stretchAlong(FrameConstants frame, SurfacePoint p) {
   return length(transpose(mat3(frameInstance(frame, p.instance).objectToWorld)) * vertexNormal(p));
 }
