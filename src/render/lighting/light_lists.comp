@@ -38,7 +38,7 @@ struct Tile {
   uvec2 corner;  // first pixel
   uint index;    // among the tiles of all views
   uvec2 slices;
-  uint occupied;  // slices that contain samples
+  uint occupied;  // mask of the slices that contain samples
   uint used;      // entries in use
 };
 

@@ -12,7 +12,7 @@
 namespace latelight::render {
 
 struct LightListsDesc {
-  std::string name;         // of the technique
+  std::string name;         // name of the technique
   uint32_t cellsATile = 1;  // 1: one list per tile; kSlices: one list per depth slice of a tile
   // Capacity of a tile's lists, in lights. 512 entries are 8 bytes per pixel, as much as the light accumulation target.
   // After an overflow each subgroup of the tile's pixels traverses the tree itself: slower, with the same result.

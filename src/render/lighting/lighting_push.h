@@ -15,7 +15,7 @@ struct LightingPush {
 struct LightCells {  // the light lists of tiled and clustered
   uint64_t cells;    // CellsRef of light_cells.glsl
   uint64_t entries;  // EntriesRef
-  uvec2 tiles;       // per view
+  uvec2 tiles;       // number of tiles per view
 };
 
 struct CellsPush {

@@ -8,7 +8,7 @@ namespace latelight::render {
 struct ShadowCaster {
   uint32_t light;  // index among the frame's lights
   uint32_t maps;   // 1, 6 for a cube, or the number of cascades
-  uint32_t size;   // of each map's tile
+  uint32_t size;   // texels per side of each map's tile
 };
 
 inline constexpr uint32_t kAutomaticShadows = 8;  // number of lights that --shadow-lights auto selects

@@ -128,8 +128,8 @@ void FrameShadows::place(vk::Device& device, KeptShadowMaps& kept) {
   undrawn_ = !maps_.empty();
 }
 
-// Adds the map to maps_ unless it is completely drawn. A map of which several frames have drawn pages is likely to
-// stay: it is then drawn completely, so later frames need not mark its pages.
+// Adds the map to maps_ unless it is completely drawn. If several frames have drawn pages of a map, the map is likely
+// to stay. It is then drawn completely, so later frames need not mark its pages.
 void FrameShadows::list(const std::shared_ptr<KeptMap>& map, const ShadowView& view) {
   if (map->whole) return;
   maps_.push_back({map->tile, &view, !map->drawn, ++map->drawings > kPatience});

@@ -18,7 +18,7 @@ namespace latelight::render {
 
 // One shadow map to draw.
 struct ShadowView {
-  shared::View view;             // rigid, for culling
+  shared::View view;             // rigid transform (meters), for culling
   shared::View drawn;            // `view` with lengths divided by the map's far distance (see shadow.frag)
   uint32_t size;                 // texels per side
   float unit;                    // depth change per texel on a plane of slope 1 (times w / far in perspective)

@@ -1,6 +1,6 @@
-// forward-multipass: multi-pass forward shading, as in the time before deferred shading. After the depth pass, the
-// scene is drawn once without lights and then once per light with additive blending and the depth test EQUAL: O(lights
-// x triangles). Targets: the sum of lights, and the identity of the visible surface per sample.
+// forward-multipass: multi-pass forward shading in O(lights x triangles), as before deferred shading. After the depth
+// pass, the scene is drawn once without lights and then once per light with additive blending and the depth test EQUAL.
+// Targets: the sum of lights, and the identity (instance and triangle) of the visible surface per sample.
 #include "render/lighting/light_sum.h"
 #include "render/lighting/technique.h"
 #include "render/lit_maps.h"

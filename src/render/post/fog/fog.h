@@ -6,6 +6,7 @@
 
 namespace latelight::render {
 
+// Applies fog to gbuffer.light.
 void addFog(const FrameContext& f, const Gbuffer& gbuffer);
 
 }  // namespace latelight::render
