@@ -67,7 +67,7 @@ class KeptShadowMaps {
   uint64_t frame_ = 0;
   uint32_t tooLarge_ = 0;  // consecutive frames for which the atlas was much too large
   std::vector<Caster> casters_;
-  glm::dvec3 origin_{0};  // of the positions in casters_
+  glm::dvec3 origin_{0};                                 // of the positions in casters_
   uint64_t instances_ = 0, shapes_ = 0, materials_ = 0;  // revisions of the scene that the maps represent
 };
 

@@ -29,7 +29,7 @@ struct BlendPush {  // fragments_blend.comp
   uint64_t sorted;  // uint[capacity]: sorted long lists
   uint first;       // start of the range of long lists to blend: lavapipe silently ends longer loops
   uint count;       // length of this range
-  uint64_t frame;  // FrameConstants
+  uint64_t frame;   // FrameConstants
 };
 
 SH_END
