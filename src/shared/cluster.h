@@ -1,5 +1,5 @@
-// Clusters: 128 triangles of a mesh that lie together, with the vertices they share. They are culled as one, and a
-// workgroup rasterizes one.
+// Clusters (meshlets): groups of up to 128 adjacent triangles of a mesh, with the vertices that they share. A cluster
+// is culled as a unit, and one workgroup rasterizes it.
 #ifndef LATELIGHT_SHARED_CLUSTER_H
 #define LATELIGHT_SHARED_CLUSTER_H
 
@@ -7,40 +7,41 @@
 
 SH_BEGIN
 
-SH_CONST uint kClusterTriangles = 128u;  // all but a mesh's last have as many
-SH_CONST uint kClusterVertices = 384u;   // at most: of triangles that share none
+SH_CONST uint kClusterTriangles = 128u;  // every cluster of a mesh has this many, except the last
+SH_CONST uint kClusterVertices = 384u;   // maximum, if no two triangles share a vertex
 
 struct Cluster {  // 68 bytes; object space
-  vec3 centre;    // of a sphere and a box around it
+  vec3 centre;    // center of the bounding sphere and of the bounding box
   float radius;
-  vec3 extent;   // of the box: half its sides
-  float edge;    // the longest of its triangles
-  vec3 apex;     // of a cone of directions: see clusterFacesAway()
-  float cutoff;  // 1: it faces all ways
+  vec3 extent;   // half extent of the bounding box
+  float edge;    // length of the longest triangle edge
+  vec3 apex;     // apex of the backface cone: see clusterFacesAway()
+  float cutoff;  // 1: the cluster has no backface cone, since its normals face all directions
   vec3 axis;
-  uint firstVertex;  // of MeshClusters::positions or vertices
+  uint firstVertex;  // index into MeshClusters::positions or vertices
   uint vertices;
 };
 
 struct ClusterTriangle {
-  uint corners;  // clusterCorner(): which of the cluster's vertices
-  uint number;   // of the mesh
+  uint corners;  // three indices into the cluster's vertices: clusterCorner()
+  uint number;   // index of the triangle in the mesh
 };
 SH_FUNC uint clusterCorner(ClusterTriangle t, uint i) {
   return t.corners >> (10u * i) & 1023u;
 }
 
-struct MeshClusters {          // where they lie in device memory
+struct MeshClusters {          // addresses of a mesh's clusters in device memory
   uint64_t clusters;           // Cluster[]
-  uint64_t triangles;          // ClusterTriangle[]: kClusterTriangles a cluster
-  uint64_t positions;          // VertexPosition[], cluster after cluster; 0: the mesh is deformed
-  uint64_t vertices;           // uint[]: which of the mesh's; 0: positions are known
-  uint64_t clusterOfTriangle;  // uint[], by its number
+  uint64_t triangles;          // ClusterTriangle[]: kClusterTriangles per cluster
+  uint64_t positions;          // VertexPosition[], cluster after cluster; 0 if the mesh deforms
+  uint64_t vertices;           // uint[]: indices of the mesh's vertices; 0 if `positions` is set
+  uint64_t clusterOfTriangle;  // uint[], by index of the triangle
 };
 
-// Whether a cluster shows its back alone to whoever looks along `direction`, which has length 1: from the eye to its
-// apex, or that of an orthographic view. `margin`: for rounding. (meshoptimizer's cones, after Shirman and Abi-Ezzi
-// 1993, The Cone of Normals Technique for Fast Processing of Curved Patches, Computer Graphics Forum 12(3).)
+// Backface cone culling: true if every triangle of a cluster faces away from a viewer. `direction` is the unit view
+// direction: from the eye to `apex`, or the direction of an orthographic view. `margin` allows for rounding. (The cones
+// are meshoptimizer's, after Shirman and Abi-Ezzi 1993, The Cone of Normals Technique for Fast Processing of Curved
+// Patches, Computer Graphics Forum 12(3).)
 SH_FUNC bool clusterFacesAway(vec3 direction, vec3 axis, float cutoff, float margin) {
   return dot(direction, axis) >= cutoff + margin;
 }

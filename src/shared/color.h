@@ -1,4 +1,4 @@
-// Colour: the sRGB transfer functions and luminance. Linear values are Rec.709 (the sRGB primaries, D65).
+// Color: the sRGB transfer functions and luminance. Linear values are Rec.709 (sRGB primaries, D65).
 #ifndef LATELIGHT_SHARED_COLOR_H
 #define LATELIGHT_SHARED_COLOR_H
 
@@ -6,7 +6,7 @@
 
 SH_BEGIN
 
-// IEC 61966-2-1, both segments, on [0, 1]. The standard's rounded constants leave a step of 3e-8 between the segments:
+// IEC 61966-2-1, both segments, on [0, 1]. The standard's rounded constants cause a step of 3e-8 between the segments,
 // far below any stored precision.
 SH_FUNC float srgbFromLinear(float x) {
   return x <= 0.0031308f ? 12.92f * x : 1.055f * pow(x, 1.0f / 2.4f) - 0.055f;

@@ -1,7 +1,7 @@
-// Depth in the four bytes of an RGBA8 target, for shadow maps on devices without float targets. Channels are in [0, 1],
-// as in a UNORM target.
+// Packs depth into the four bytes of an RGBA8 target, for shadow maps on devices without float targets. Channels are in
+// [0, 1], as in a UNORM target.
 //
-// Packed depth must not be filtered: the mean of two packed depths is not the mean of the depths.
+// Packed depth must not be filtered: the mean of two packed depths is not the packed mean.
 #ifndef LATELIGHT_SHARED_DEPTH_PACKING_H
 #define LATELIGHT_SHARED_DEPTH_PACKING_H
 
@@ -10,9 +10,9 @@
 SH_BEGIN
 
 // rgba8-classic: EncodeFloatRGBA and DecodeFloatRGBA of Unity's UnityCG.cginc (Pranckevicius 2009, "Encoding floats to
-// RGBA - the final?"): base-255 digits. Its flaw is kept for faithfulness: frac() turns 1 into 0, and 1 is what a
-// shadow map is cleared to. Two more follow from floats: the products round, so that the last digit is mostly lost; and
-// depth is accurate only to 1.2e-7, however small it is.
+// RGBA - the final?"), with base-255 digits. Its flaws are kept for faithfulness. frac() turns 1, the clear value of a
+// shadow map, into 0. The products round in float arithmetic, so the last digit is mostly lost, and depth is accurate
+// only to 1.2e-7, however small it is.
 SH_FUNC vec4 packDepthClassic(float depth) {
   vec4 e = vec4(fract(depth), fract(depth * 255.0f), fract(depth * 65025.0f), fract(depth * 16581375.0f));
   float digit = 1.0f / 255.0f;
@@ -22,7 +22,7 @@ SH_FUNC float unpackDepthClassic(vec4 e) {
   return dot(e, vec4(1.0f, 1.0f / 255.0f, 1.0f / 65025.0f, 1.0f / 16581375.0f));
 }
 
-// rgba8: the 32 bits of the float, a byte a channel, lowest first. No error at all, even outside [0, 1].
+// rgba8: the 32 bits of the float, one byte per channel, lowest first. Lossless, even outside [0, 1].
 SH_FUNC float byteChannel(uint bits) {
   return float(bits & 255u) / 255.0f;
 }

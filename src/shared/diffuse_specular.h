@@ -1,4 +1,4 @@
-// Diffuse and specular colours in place of base colour and metalness, for G-buffer layouts from before metalness.
+// Diffuse and specular colors in place of base color and metalness, for G-buffer layouts that predate metalness.
 #ifndef LATELIGHT_SHARED_DIFFUSE_SPECULAR_H
 #define LATELIGHT_SHARED_DIFFUSE_SPECULAR_H
 
@@ -9,18 +9,18 @@
 
 SH_BEGIN
 
-// What a surface reflects diffusely at normal incidence. glTF's diffuse part is diffuseColor (1 - F), with the F of the
-// dielectric alone. A surface described without metalness, by the mixed specular colour, has the F of the mix instead,
-// which is larger: a partly metallic surface would come out too dark. Both have 1 - F = (1 - f0)(1 - w) with Schlick's
-// weight w where the grazing reflectance is 1; so what is stored is colour times (1 - f0), and the other factor is
-// divided out again by withDiffuseSpecular(). Exact for lights then; nearly so for environments, whose F is not quite
-// linear in f0.
+// The diffuse color to store: diffuse reflectance at normal incidence. glTF's diffuse part is diffuseColor (1 - F),
+// where F is the Fresnel term of only the dielectric. A surface described by its mixed specular color instead has the
+// larger F of the mix, so a partly metallic surface would become too dark. For a grazing reflectance of 1, both have 1
+// - F = (1 - f0)(1 - w) with Schlick's weight w. The stored value is therefore the color times (1 - f0), and
+// withDiffuseSpecular() divides by the other factor. The result is exact for punctual lights, and nearly exact for
+// environments, whose F is not quite linear in f0.
 SH_FUNC vec3 diffuseAtNormalIncidence(Surface s) {
   return diffuseColor(s) * (1.0f - maxChannel(s.f0));
 }
 
-// The surface without metalness that shades like the one from which diffuseAtNormalIncidence(), specularF0() and
-// specularF90() were taken.
+// Returns the surface without metalness that shades like the one from which diffuseAtNormalIncidence(), specularF0()
+// and specularF90() were computed.
 SH_FUNC Surface withDiffuseSpecular(Surface s, vec3 diffuse, vec3 specular, float f90) {
   float left = 1.0f - maxChannel(specular);
   float scale = left > 0.0f ? 1.0f / left : 0.0f;
@@ -31,8 +31,8 @@ SH_FUNC Surface withDiffuseSpecular(Surface s, vec3 diffuse, vec3 specular, floa
   return s;
 }
 
-// Base colour and dielectric reflectance of diffuseColor(), specularF0() and metalness, all in floats: nothing is lost.
-// Near metalness 1 the dielectric's is divided by nearly 0, but has as little weight.
+// Recovers base color and dielectric reflectance from diffuseColor(), specularF0() and metalness, all in floats,
+// without loss. Near metalness 1 the dielectric's reflectance is divided by nearly 0, but its weight is equally small.
 SH_FUNC Surface withMetalness(Surface s, vec3 diffuse, vec3 specular, float metallic) {
   float rest = 1.0f - metallic;
   s.metallic = metallic;
@@ -46,7 +46,7 @@ SH_FUNC Surface withMetalness(Surface s, vec3 diffuse, vec3 specular, float meta
   return s;
 }
 
-// A Blinn-Phong power in eight bits, power / 255. Powers above 255, which is perceptual roughness 0.30, are clamped.
+// A Blinn-Phong power in eight bits, power / 255. Powers above 255 (perceptual roughness 0.30) are clamped.
 SH_FUNC float power8FromRoughness(float roughness) {
   return saturate(exponentFromRoughness(roughness) * (1.0f / 255.0f));
 }
@@ -54,8 +54,8 @@ SH_FUNC float roughnessFromPower8(float stored) {
   return roughnessFromExponent(stored * 255.0f);
 }
 
-// A power in a float, without the limit that shading imposes: environments are looked up by the roughness itself.
-// Roughness 0 becomes 1e-6.
+// A power as a float, without the lower limit on roughness that shading imposes: environments are looked up by the
+// roughness itself. Roughness 0 becomes 1e-6.
 SH_FUNC float powerFromRoughness(float roughness) {
   float r = max(roughness, 1e-6f);
   return 2.0f / (r * r * r * r) - 2.0f;

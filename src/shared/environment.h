@@ -1,4 +1,4 @@
-// Lookups into an environment: directions to maps and back.
+// Image-based lighting (IBL): maps directions to texture coordinates of environment maps and back.
 #ifndef LATELIGHT_SHARED_ENVIRONMENT_H
 #define LATELIGHT_SHARED_ENVIRONMENT_H
 
@@ -7,40 +7,42 @@
 
 SH_BEGIN
 
-// World direction to the environment's own frame: a rotation about Z. At 0 the picture's centre column is at +X; at +90
-// degrees it is at +Z of the glTF frame, which is -Y of the world.
+// Rotates a world direction to the environment's own frame, about Z. At 0 degrees the image's center column is at +X;
+// at 90 degrees it is at +Z of the glTF frame, which is -Y of the world.
 SH_FUNC vec3 rotateToEnvironment(vec3 d, float cosine, float sine) {
   return vec3(cosine * d.x - sine * d.y, sine * d.x + cosine * d.y, d.z);
 }
 
-// The unit direction in which prefiltered maps are looked up for a rough lobe: the reflected ray, leaning towards the
-// normal. `lean` is the sine of its angle to the normal, relative to the reflected ray's: 1 is that ray, 0 the normal.
+// Unit direction in which prefiltered maps are sampled for a rough lobe: the reflected ray, bent toward the normal.
+// `lean` is the sine of its angle to the normal relative to that of the reflected ray: 1 is the reflected ray, 0 the
+// normal.
 SH_FUNC vec3 lobeDirection(vec3 normal, vec3 toEye, float lean) {
   vec3 along = (normal * dot(normal, toEye) - toEye) * lean;
   return along + normal * sqrt(max(1.0f - dot(along, along), 0.0f));
 }
 
-// The prefiltered level (scene::kSpecularRoughness) for one of many directions that share a lobe or the hemisphere,
-// each with its solid angle (sr): the nearest one to the roughness 4 pi alpha^2 of whose lobe is 0.3 of that. Twice
-// that blurs, and less than half leaves gaps. A single level and no mixture of two: the next direction has another.
+// Prefiltered level (scene::kSpecularRoughness) for one of many directions that share a lobe or the hemisphere, each
+// with its solid angle (sr). It is the level nearest to the roughness whose lobe, of solid angle 4 pi alpha^2, is 0.3
+// of the given solid angle. Twice that blurs, and less than half leaves gaps. The result is a single level instead of a
+// blend of two, because neighboring directions use different levels.
 SH_FUNC float levelOfShare(float solidAngle) {
   float a2 = solidAngle * (0.3f * 0.25f * kInvPi);
-  float level = a2 < 6.25e-6f ? 0.0f : 1.0f;  // fourth powers of the roughnesses between two levels'
+  float level = a2 < 6.25e-6f ? 0.0f : 1.0f;  // thresholds: fourth powers of the roughness between two levels
   level += a2 < 5.0625e-4f ? 0.0f : 1.0f;
   level += a2 < 4.569760e-3f ? 0.0f : 1.0f;
   level += a2 < 0.02825761f ? 0.0f : 1.0f;
   return level + (a2 < 0.3164062f ? 0.0f : 1.0f);
 }
 
-// Texture coordinate in the table of lobes, `size` texels wide, whose first and last texels are at 0 and 1.
+// Texture coordinate in the split-sum table, `size` texels wide, whose first and last texels are at 0 and 1.
 SH_FUNC vec2 lobeTexture(float nv, float roughness, float size) {
   float scale = (size - 1.0f) / size;
   float first = 0.5f / size;
   return vec2(first + nv * scale, first + roughness * scale);
 }
 
-// Texture coordinate in [0, 1]^2 of an octahedral map `size` texels wide. Texel i is at o = 2 i / (size - 2) - 1: the
-// axes and the square's edges, where the map is creased, are at texel centres, and bilinear filtering needs no texel
+// Texture coordinate in [0, 1]^2 of an octahedral map `size` texels wide. Texel i is at o = 2 i / (size - 2) - 1. The
+// axes and the square's edges, where the map is creased, are at texel centers, so bilinear filtering needs no texel
 // beyond them (the last row and column are unused).
 SH_FUNC vec2 octahedralTexture(vec2 o, float size) {
   float scale = (size - 2.0f) / size * 0.5f;
@@ -48,8 +50,9 @@ SH_FUNC vec2 octahedralTexture(vec2 o, float size) {
   return vec2(middle + o.x * scale, middle + o.y * scale);
 }
 
-// Texture coordinate of a direction in an equirectangular picture: centre column +X, u grows towards +Z of the glTF
-// frame (-Y of the world), top row the zenith. At the zenith itself, where GLSL's atan is undefined, u is the centre's.
+// Texture coordinate of a direction in an equirectangular image: the center column is +X, u grows toward +Z of the glTF
+// frame (-Y of the world), and the top row is the zenith. At the zenith itself, where GLSL's atan is undefined, u is
+// that of the center.
 SH_FUNC vec2 equirectangular(vec3 d) {
   float x = abs(d.x) + abs(d.y) > 0.0f ? d.x : 1.0f;
   return vec2(0.5f + atan2(-d.y, x) * (0.5f * kInvPi), acos(clamp(d.z, -1.0f, 1.0f)) * kInvPi);

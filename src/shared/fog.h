@@ -1,9 +1,9 @@
-// Fog: a medium that attenuates a ray and adds its own colour, in closed form. Density falls exponentially with height,
-// or is the same everywhere.
+// Fog in closed form: a medium that attenuates a ray and adds its own color. Density falls exponentially with height or
+// is uniform.
 //
-// Wenzel 2006 (Real-time Atmospheric Effects in Games, SIGGRAPH course: the optical depth of exponential height fog
-// along a ray) and Quilez 2010 (Better Fog, iquilezles.org). Extinction and in-scattering are equal: the fog is equally
-// bright from all directions, so along a ray of transmittance T it adds colour (1 - T).
+// Wenzel 2006, Real-time Atmospheric Effects in Games, SIGGRAPH course (the optical depth of exponential height fog
+// along a ray); Quilez 2010, Better Fog, iquilezles.org. Extinction equals in-scattering: the fog is equally bright in
+// all directions, so along a ray of transmittance T it adds color (1 - T).
 #ifndef LATELIGHT_SHARED_FOG_H
 #define LATELIGHT_SHARED_FOG_H
 
@@ -12,35 +12,35 @@
 SH_BEGIN
 
 struct Fog {      // all zero: none
-  vec3 color;     // linear, after exposure: the colour of infinitely deep fog
+  vec3 color;     // linear, after exposure: the color of infinitely deep fog
   float density;  // extinction at the height `base`, 1/m
-  float falloff;  // density is multiplied by exp(-falloff (z - base)); 1/m, 0: the same everywhere
-  float base;     // world z, metres
+  float falloff;  // density is multiplied by exp(-falloff (z - base)); 1/m, 0: uniform
+  float base;     // world z, meters
 };
 
-// (1 - exp(-x)) / x, which is 1 at 0. By its series where the difference would lose precision.
+// (1 - exp(-x)) / x, which is 1 at 0. Near 0, where the difference loses precision, its series is used.
 SH_FUNC float meanExponential(float x) {
   if (abs(x) < 1e-2f) return 1.0f - x * (0.5f - x * (1.0f / 6.0f));
   return (1.0f - exp(-x)) / x;
 }
 
-// Fog of this optical depth hides everything, and larger exponents could overflow.
+// Fog of this optical depth is opaque, and larger exponents could overflow.
 SH_CONST float kFogMaxExponent = 60.0f;
 
 SH_FUNC float fogDensityAt(Fog fog, float z) {
   return fog.density * exp(min(-fog.falloff * (z - fog.base), kFogMaxExponent));
 }
 
-// Optical depth of `distance` metres from `origin` along the unit `direction` (world, Z up): the integral of the
-// density, from the lower end, where it is largest, so that no product overflows.
+// Optical depth of `distance` meters from `origin` along the unit `direction` (world, Z up): the integral of the
+// density. It starts at the lower end, where the density is largest, so no product overflows.
 SH_FUNC float fogOpticalDepth(Fog fog, vec3 origin, vec3 direction, float distance) {
   float rise = direction.z * distance;
   return fogDensityAt(fog, origin.z + min(rise, 0.0f)) * distance * meanExponential(fog.falloff * abs(rise));
 }
 
-// The same for an infinite ray; kFogMaxExponent where it never leaves the fog.
+// Optical depth of an infinite ray; kFogMaxExponent if the ray never leaves the fog.
 SH_FUNC float fogOpticalDepthToInfinity(Fog fog, vec3 origin, vec3 direction) {
-  float thinning = fog.falloff * direction.z;  // of the exponent, 1/m
+  float thinning = fog.falloff * direction.z;  // rate at which the exponent falls along the ray, 1/m
   if (fog.density <= 0.0f) return 0.0f;
   if (thinning <= 0.0f) return kFogMaxExponent;
   return min(fogDensityAt(fog, origin.z) / thinning, kFogMaxExponent);
@@ -50,7 +50,8 @@ SH_FUNC float fogTransmittance(float opticalDepth) {
   return exp(-min(opticalDepth, kFogMaxExponent));
 }
 
-// Light `c`, premultiplied by its alpha, seen through fog: fog covers what is behind it.
+// Applies fog to radiance `c`, premultiplied by its alpha. The fog covers the background of the surface, so alpha
+// grows.
 SH_FUNC vec4 seenThroughFog(Fog fog, vec4 c, float transmittance) {
   float added = 1.0f - transmittance;
   return vec4(c.x * transmittance + fog.color.x * added, c.y * transmittance + fog.color.y * added,

@@ -1,5 +1,6 @@
-// Lists of the blended fragments of each pixel, for exact transparency (docs/transparency.md): fragment shaders store
-// them, compute shaders sort and blend them.
+// Order-independent transparency with per-pixel fragment lists (docs/transparency.md; Yang, Hensley, Grün and Thibieroz
+// 2010, Real-Time Concurrent Linked List Construction on the GPU). Fragment shaders store the blended fragments of each
+// pixel; compute shaders sort and blend them. The lists are contiguous arrays of indices, not linked lists.
 #ifndef LATELIGHT_SHARED_FRAGMENT_LISTS_H
 #define LATELIGHT_SHARED_FRAGMENT_LISTS_H
 
@@ -9,42 +10,42 @@ SH_BEGIN
 
 struct Fragment {  // 28 bytes
   uvec2 color;     // four halves: radiance times exposure, premultiplied by alpha, and alpha
-  uint depth;      // bits of the device depth, which is at least 0, so they have the same order: farthest first
-  uint order;      // of its triangle among those drawn: later ones lie over earlier ones at exactly the same depth
+  uint depth;      // bits of the device depth; it is nonnegative, so the bits have the same order: farthest first
+  uint order;      // draw order of the triangle: at exactly equal depth, later triangles are on top
   uint pixel;      // (view * height + y) * width + x
-  uint rank;       // among the pixel's fragments, in no order
+  uint rank;       // index within the pixel's list, unsorted
   uint coverage;   // bit i: sample i of the pixel
 };
 
 struct FragmentTotals {
-  uint stored;   // fragments submitted; only those below the capacity are stored
-  uint placed;   // the sum of all counts, without its carry
-  uint carries;  // that carry
-  uint longest;  // list
+  uint stored;   // number of fragments submitted; only those below the capacity are stored
+  uint placed;   // sum of all counts, modulo 2^32
+  uint carries;  // number of overflows of that sum
+  uint longest;  // length of the longest list
 };
 
 struct FragmentLists {
   uint64_t fragments;  // Fragment[capacity]
   uint64_t counts;     // uint[pixels]
-  uint64_t starts;     // uint[pixels]: where a pixel's part of the arrays below begins
+  uint64_t starts;     // uint[pixels]: index in `lists` of a pixel's first entry
   uint64_t totals;     // FragmentTotals
   uint64_t lists;      // uint[capacity]: indices of fragments, contiguous per pixel, unsorted
   uint capacity;
-  uint longest;  // list that the recorded passes can sort
+  uint longest;  // maximum list length that the recorded passes can sort
 };
 
-// The number in `order` of a draw's first triangle.
+// Numbers the triangles of a draw for Fragment::order: `first` is the number of the first triangle.
 struct FragmentOrder {
   uint first;
   uint firstInstance;
   uint triangles;  // per instance
 };
 
-// Lists up to this length are sorted by the invocation that blends them; longer ones in runs of this length, which are
-// merged.
+// The invocation that blends a pixel sorts lists up to this length. Longer lists are sorted in runs of this length,
+// which are then merged.
 SH_CONST uint kShortList = 32u;
 
-SH_CONST uint kFragmentRow = 65536u;  // invocations in a row of a dispatch over pixels or fragments
+SH_CONST uint kFragmentRow = 65536u;  // invocations per row of a dispatch over pixels or fragments
 
 SH_END
 

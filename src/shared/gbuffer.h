@@ -1,34 +1,34 @@
 // The contents of a G-buffer layout file (shared/gbuffer/<name>.h):
 //
 //   #define GBUFFER_DESCRIPTION "one line for `latelight list layouts`"
-//   #define GBUFFER_FIXED_NORMAL "how"        if its normals have a form of their own and ignore the normal encoding
-//   #define GBUFFER_FIXED_POSITION "how"      if it keeps positions and has no use for the position method
-//   #define GBUFFER_SUN_TARGET index          if the alpha of that target is the sun's shadow, filled after geometry
-//   #define GBUFFER_DEPTH_FORMAT FORMAT       if the design it follows has another depth buffer or light accumulation
-//   #define GBUFFER_LIGHT_FORMAT FORMAT       target than frames here have: what it cost there follows from them
+//   #define GBUFFER_FIXED_NORMAL "how"        if the layout ignores the normal encoding and stores normals its own way
+//   #define GBUFFER_FIXED_POSITION "how"      if the layout stores positions and ignores the position method
+//   #define GBUFFER_SUN_TARGET index          if that target's alpha is the sun's shadow, written after geometry
+//   #define GBUFFER_DEPTH_FORMAT FORMAT       if the original design has another depth buffer or light accumulation
+//   #define GBUFFER_LIGHT_FORMAT FORMAT       target than frames here; its original cost in bytes follows from them
 //   #define GBUFFER_TARGETS(T) T(index, name, FORMAT, type, "what is in each channel") ...
 //   GBUFFER_BEGIN
-//   SH_FUNC GbufferTexel packGbuffer(Surface s, GbufferContext c)    one member a target, named as in GBUFFER_TARGETS
+//   SH_FUNC GbufferTexel packGbuffer(Surface s, GbufferContext c)    one member per target, named as in GBUFFER_TARGETS
 //   SH_FUNC Surface unpackGbuffer(GbufferTexel t, GbufferContext c)
 //   GBUFFER_END
 //
 // FORMAT is a Vulkan format without VK_FORMAT_, or NORMAL32: four bytes that follow the normal encoding (R16G16_UNORM
-// for two channels, A2B10G10R10_UNORM for three); packNormal32 and unpackNormal32 go with it. `type` is vec4 for float
-// and normalised formats, uvec2 or uvec4 for integer ones, uint for R32_UINT. The fragment outputs, sampled inputs,
-// Vulkan formats, bytes a pixel, debug names and the C++ registry all follow from this list; nothing else names a
-// layout.
+// for two channels, A2B10G10R10_UNORM for three), packed and unpacked by packNormal32 and unpackNormal32. `type` is
+// vec4 for float and normalized formats, uvec2 or uvec4 for integer ones, uint for R32_UINT. The fragment outputs,
+// sampled inputs, Vulkan formats, bytes per pixel, debug names and the C++ registry all follow from this list; no other
+// code names a layout.
 //
 // A layout without targets defines GBUFFER_NO_TARGETS and an empty GBUFFER_TARGETS, and neither packs nor unpacks:
-// surfaces are found again wherever they are needed (render/visibility/compute/shown_surface.glsl).
+// shaders evaluate surfaces from the visibility buffer instead (render/visibility/compute/shown_surface.glsl).
 //
-// A layout that stores Surface::motion defines GBUFFER_KEEPS_MOTION; for the others it is not computed.
+// A layout that stores Surface::motion defines GBUFFER_KEEPS_MOTION; motion is not computed for the others.
 //
-// A layout that stores Surface::flags defines GBUFFER_KEEPS_FLAGS; for the others unlit surfaces reflect nothing (their
-// base colour is already in the light accumulation target).
+// A layout that stores Surface::flags defines GBUFFER_KEEPS_FLAGS. In the others, unlit surfaces reflect nothing (their
+// base color is already in the light accumulation target).
 //
-// In addition to its targets every layout has the depth buffer (D32_SFLOAT, reversed) and the frame's light
-// accumulation target (RGBA16F): emitted radiance in rgb, and ambient occlusion in alpha for the layouts that have no
-// room for it.
+// In addition to its targets, every layout has the depth buffer (D32_SFLOAT, reversed depth) and the frame's light
+// accumulation target (RGBA16F): emitted radiance in rgb, and in alpha the ambient occlusion for layouts that cannot
+// store it.
 #ifndef LATELIGHT_SHARED_GBUFFER_H
 #define LATELIGHT_SHARED_GBUFFER_H
 
@@ -41,7 +41,7 @@
 
 #define GBUFFER_MEMBER(index, name, format, type, channels) type name;
 #if defined(__cplusplus)
-// Each layout has a namespace of its own, named by the source file compiled for it.
+// Each layout has its own namespace. The source file that is compiled for the layout defines its name.
 #define GBUFFER_BEGIN                   \
   SH_BEGIN namespace LATELIGHT_LAYOUT { \
     struct GbufferTexel {               \
@@ -62,7 +62,7 @@ SH_BEGIN
 
 struct GbufferContext {
   View view;
-  vec2 pixel;           // picture coordinates of the sample, y down, centres at .5
+  vec2 pixel;           // image coordinates of the sample, y down, pixel centers at .5
   float depth;          // device depth; unpacking only
   float ao;             // from the light accumulation target; unpacking only
   uint normalEncoding;  // kNormal_*
@@ -70,7 +70,7 @@ struct GbufferContext {
   uint positionMethod;  // kPosition*
 };
 
-// World position of the sample, from its depth.
+// World position of the sample, reconstructed from its depth.
 SH_FUNC vec3 positionFromDepth(GbufferContext c) {
   vec3 v = viewPosition(c.view.projection, c.positionMethod, pixelToNdc(c.pixel, c.view.size), c.depth);
   return c.view.viewToWorld * vec4(v, 1.0f);
@@ -83,13 +83,13 @@ SH_FUNC vec3 rotateToWorld(View view, vec3 n) {
   return view.viewToWorld * vec4(n, 0.0f);
 }
 
-// Unit direction from a world position to the eye; the same everywhere for an orthographic view.
+// Unit direction from a world position to the eye; constant for an orthographic view.
 SH_FUNC vec3 directionToEye(View view, vec3 position) {
   if (view.projection.kind == kPerspective) return normalize(view.eye - position);
   return rotateToWorld(view, vec3(0.0f, -1.0f, 0.0f));
 }
 
-// A value in [0, 1] as an integer of `bits` bits, round to nearest, and back.
+// Quantizes a value in [0, 1] to an integer of `bits` bits, round to nearest, and back.
 SH_FUNC uint toBits(float x, uint bits) {
   return uint(saturate(x) * float((1u << bits) - 1u) + 0.5f);
 }
@@ -99,19 +99,20 @@ SH_FUNC float fromBits(uint x, uint bits) {
 
 // --- normals --------------------------------------------------------------------------------------------------------
 
-// The space a layout encodes normals in. Encodings are most accurate at +Z; in view space that is towards the viewer:
-// (x, z, -y) of X right, Y away, Z up.
+// The space in which a layout encodes normals. Encodings are most accurate at +Z, which points toward the viewer in
+// view space: (x, z, -y) of X right, Y away, Z up.
 SH_CONST uint kNormalSpaceLayout = 0u;  // the layout's own
 SH_CONST uint kNormalSpaceWorld = 1u;
 SH_CONST uint kNormalSpaceView = 2u;
 
-// An encoding without the far hemisphere can be used in view space only. `layoutSpace`: the layout's own.
+// True if normals are encoded in view space. Encodings of only the near hemisphere require it. `layoutSpace` is the
+// layout's own choice.
 SH_FUNC bool normalsInViewSpace(GbufferContext c, uint layoutSpace) {
   if (normalHemisphereOnly(c.normalEncoding)) return true;
   return (c.normalSpace == kNormalSpaceLayout ? layoutSpace : c.normalSpace) == kNormalSpaceView;
 }
 
-// A unit world normal to the frame in which it is encoded, and back.
+// Rotates a unit world normal to the frame in which it is encoded, and back.
 SH_FUNC vec3 toNormalSpace(GbufferContext c, uint layoutSpace, vec3 n) {
   if (!normalsInViewSpace(c, layoutSpace)) return n;
   vec3 v = rotateToView(c.view, n);
@@ -122,7 +123,7 @@ SH_FUNC vec3 fromNormalSpace(GbufferContext c, uint layoutSpace, vec3 n) {
   return rotateToWorld(c.view, vec3(n.x, -n.z, n.y));
 }
 
-// A normal for a NORMAL32 target, and back.
+// Packs a normal for a NORMAL32 target, and back.
 SH_FUNC vec3 normal32Levels(uint encoding) {
   float levels = normalChannels(encoding) == 2u ? 65535.0f : 1023.0f;
   return vec3(levels, levels, levels);
@@ -136,7 +137,7 @@ SH_FUNC vec3 unpackNormal32(GbufferContext c, uint layoutSpace, vec4 texel) {
   return fromNormalSpace(c, layoutSpace, n);
 }
 
-// A normal in 24 bits: 12 + 12 for encodings of two channels, 8 + 8 + 8 for three.
+// Packs a normal into 24 bits: 12 + 12 for encodings of two channels, 8 + 8 + 8 for three.
 SH_FUNC uint packNormal24(uint encoding, vec3 n) {
   bool two = normalChannels(encoding) == 2u;
   uint bits = two ? 12u : 8u;
@@ -153,9 +154,9 @@ SH_FUNC vec3 unpackNormal24(uint encoding, uint packed) {
   return decodeNormal(encoding, e, vec3(levels, levels, levels));
 }
 
-// --- colours --------------------------------------------------------------------------------------------------------
+// --- colors ---------------------------------------------------------------------------------------------------------
 
-// Linear colour to sRGB, 8 bits a channel.
+// Linear color to sRGB, 8 bits per channel, and back.
 SH_FUNC uint packColor24(vec3 c) {
   return toBits(srgbFromLinear(saturate(c.x)), 8u) | (toBits(srgbFromLinear(saturate(c.y)), 8u) << 8u) |
          (toBits(srgbFromLinear(saturate(c.z)), 8u) << 16u);

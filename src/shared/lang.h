@@ -1,8 +1,8 @@
-// Lets one header be GLSL, HLSL and C++: use only what all three accept.
+// Macros and functions with which one header compiles as GLSL, HLSL and C++. Use only what all three accept.
 //
-// Rules for every header in src/shared: no swizzles (name each component), vector constructors list every component
-// (HLSL has no float3(x)), ternaries on scalars only, no samplers, no double or bool in structs, functions SH_FUNC,
-// constants SH_CONST, out parameters SH_OUT(T) and SH_INOUT(T). C++ sees everything in latelight::shared.
+// Rules for every header in src/shared: no swizzles (name each component); vector constructors list every component
+// (HLSL has no float3(x)); ternaries only on scalars; no samplers; no double or bool in structs; functions are SH_FUNC,
+// constants SH_CONST, out parameters SH_OUT(T) and SH_INOUT(T). In C++ everything is in namespace latelight::shared.
 #ifndef LATELIGHT_SHARED_LANG_H
 #define LATELIGHT_SHARED_LANG_H
 
@@ -90,8 +90,8 @@ inline float uintBitsToFloat(uint x) {
 #define uvec4 uint4
 #define mat3 float3x3
 #define mat4 float4x4
-#define mat4x3 float3x4  // HLSL names rows first
-#define uint64_t uint2   // glslang's HLSL has no 64-bit integers; they only hold buffer addresses
+#define mat4x3 float3x4  // HLSL states the number of rows first
+#define uint64_t uint2   // glslang's HLSL has no 64-bit integers; these hold only buffer addresses
 #define mix lerp
 #define fract frac
 #define inversesqrt rsqrt

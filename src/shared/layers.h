@@ -1,13 +1,13 @@
-// Layers over and in a Surface: glTF's KHR_materials_clearcoat, sheen, anisotropy, iridescence, transmission, volume,
-// dispersion and diffuse_transmission. From top to bottom: clear coat, sheen, and the surface of shade.h, whose lobe
-// may be stretched and have a film on it, and whose diffuse part may pass light on. A layer of strength 0 leaves what
-// shade.h gives, to the bit.
+// Shading of layered materials (coats) and transmission: glTF's KHR_materials_clearcoat, sheen, anisotropy,
+// iridescence, transmission, volume, dispersion and diffuse_transmission. From top to bottom, a material consists of
+// clearcoat, sheen, and the surface of shade.h, whose lobe may be anisotropic and have a thin film on it, and whose
+// diffuse part may transmit light. A layer of strength 0 leaves the result of shade.h unchanged, to the bit.
 //
-// Where the specifications leave a choice: a coat takes from what is beneath it weight * Fresnel(n.v), which is what
-// they say, and under an environment or with energy compensation just what its lobe reflects of that, so that white
-// under any coat stays white. Sheen takes max(colour) * E(n.v). Both look at the eye's side alone, and so are not
-// reciprocal. With kShadingBlinnPhong the surface's lobe is round and has no film; the layers above and the light that
-// passes are the same.
+// Choices where the specifications allow several: a clearcoat attenuates the layers below by weight * Fresnel(n.v), as
+// specified. Under an environment or with energy compensation it attenuates them by exactly what its lobe reflects, so
+// white under any coat stays white. Sheen attenuates by max(color) * E(n.v). Both depend only on the direction to the
+// eye, so they are not reciprocal. With kShadingBlinnPhong the surface's lobe is isotropic and has no film; the layers
+// above and the transmitted light are the same.
 #ifndef LATELIGHT_SHARED_LAYERS_H
 #define LATELIGHT_SHARED_LAYERS_H
 
@@ -19,7 +19,7 @@
 
 SH_BEGIN
 
-// As evaluated at a point. Angles and directions are in world space, and unit.
+// Layer parameters as evaluated at a point. Directions are unit vectors in world space.
 struct SurfaceLayers {
   float clearcoat;  // [0, 1]
   float clearcoatRoughness;
@@ -27,13 +27,13 @@ struct SurfaceLayers {
   vec3 sheenColor;  // [0, 1]
   float sheenRoughness;
   float anisotropy;          // strength, [0, 1]
-  vec3 anisotropyDirection;  // in which the highlight is stretched, perpendicular to the surface's normal
+  vec3 anisotropyDirection;  // stretch direction of the highlight, perpendicular to the surface's normal
   float iridescence;         // [0, 1]
   float iridescenceIor;
   float iridescenceThickness;  // nm
-  float ior;                   // of the surface and what is beneath it, at least 1
+  float ior;                   // index of refraction of the surface and the medium below it, at least 1
   float transmission;          // [0, 1]
-  float thickness;             // m, of a volume; 0: a thin wall
+  float thickness;             // thickness of a volume, m; 0: thin-walled
   vec3 absorption;             // 1/m: absorptionOf()
   float dispersion;            // 20 / Abbe number
   float diffuseTransmission;   // [0, 1]
@@ -62,40 +62,41 @@ SH_FUNC SurfaceLayers emptyLayers() {
   return l;
 }
 
-// Of each lobe, first where it is in the split-sum table, (n.v, perceptual roughness), then what the table has there.
+// Per lobe, first the position in the split-sum table, (n.v, perceptual roughness), and later the table's value there.
 struct LayerTables {
   vec2 base;
   vec2 coat;
   vec2 behind;
 };
 
-// A surface with layers, as far as it does not depend on the light: computed once.
+// The part of a layered surface's BRDF that does not depend on the light; computed once per surface.
 struct LayeredBrdf {
   SurfaceBrdf base;
-  Surface surface;       // for what film and environment need of it
-  SurfaceLayers layers;  // in their ranges
+  Surface surface;       // inputs of the thin film and of environment lighting
+  SurfaceLayers layers;  // clamped to their ranges
   StretchedFrame stretched;
-  float compensated;   // 1: lights are reflected between facets, too
-  float under;         // share of punctual light that coat and sheen leave
-  float underAverage;  // and of an environment's
+  float compensated;   // 1: punctual lights include multiple scattering between facets (energy compensation)
+  float under;         // transmittance of clearcoat and sheen for punctual light
+  float underAverage;  // transmittance for an environment's light
   float coatNv;        // cosine between the coat's normal and the eye
   float coatA2;        // alpha^2 of the coat
   float coatRoot;      // smithRoot() of both
   float coatReflects;  // weight * Fresnel
-  float coatAlbedo;    // share of uniform light that its lobe returns, without Fresnel
+  float coatAlbedo;    // fraction of uniform light that its lobe reflects, without Fresnel
   float sheenAlpha;
-  float sheenLambda;  // of the eye
+  float sheenLambda;  // charlieLambda() of the eye's direction
   float sheenScale;   // keeps the lobe from reflecting more than it receives
   float sheenAlbedo;
-  float underCoat;         // share of punctual light that the coat leaves to the sheen
-  float underCoatAverage;  // and of an environment's
-  vec3 once;               // share of an environment that the surface's lobe reflects
-  vec3 scattered;          // that it scatters
-  vec3 behind;             // that passes through it as a diffuse light
-  vec3 seen;               // of what is seen through it
-  vec3 backDiffuse;        // 1/sr, of light from behind, before the Fresnel term takes its share
-  vec3 through;            // of the lobe of light from behind, the same
-  float throughA2;         // alpha^2 of that lobe
+  float underCoat;         // transmittance of the clearcoat for punctual light, above the sheen
+  float underCoatAverage;  // transmittance of the clearcoat for an environment's light
+  vec3 once;               // fraction of an environment's light that the surface's lobe reflects
+  vec3 scattered;          // fraction that the surface scatters diffusely
+  vec3 behind;             // fraction that the surface transmits diffusely
+  vec3 seen;               // fraction of the transmission background's radiance that is visible through the surface
+  vec3 backDiffuse;        // 1/sr, diffuse transmission of light from the back side, before the Fresnel term is
+                           // subtracted
+  vec3 through;            // factor of the transmission lobe for light from the back side, likewise
+  float throughA2;         // alpha^2 of the transmission lobe
 };
 
 SH_FUNC SurfaceLayers clampedLayers(SurfaceLayers l) {
@@ -115,19 +116,20 @@ SH_FUNC bool passesLight(SurfaceLayers l) {
   return l.transmission > 0.0f || l.diffuseTransmission > 0.0f;
 }
 
-// Share of the diffuse part that still returns light to the eye's side.
+// Fraction of the diffuse part that is still reflected to the eye's side.
 SH_FUNC float keptDiffuse(SurfaceLayers l) {
   return (1.0f - l.transmission) * (1.0f - l.diffuseTransmission);
 }
 
-// The direction from which light goes straight through to the eye, turned round: for a thin wall that of the eye.
+// The direction from which light passes through the surface to the eye without scattering, negated: the eye's direction
+// for a thin wall, the refracted one for a volume.
 SH_FUNC vec3 eyeThrough(vec3 normal, vec3 toEye, SurfaceLayers l, uint channel) {
   if (l.thickness <= 0.0f) return toEye;
   float nv = clamp(dot(normal, toEye), kMinNv, 1.0f);
   return refractedRay(normal, toEye, nv, dispersedIor(max(l.ior, 1.0f), l.dispersion, channel)) * -1.0f;
 }
 
-// Where layeredBrdf() needs the split-sum table.
+// The positions at which layeredBrdf() requires the split-sum table.
 SH_FUNC LayerTables layerTablePlaces(Surface s, SurfaceLayers l, vec3 toEye) {
   LayerTables t;
   t.base = vec2(saturate(dot(s.normal, toEye)), s.roughness);
@@ -137,19 +139,19 @@ SH_FUNC LayerTables layerTablePlaces(Surface s, SurfaceLayers l, vec3 toEye) {
   return t;
 }
 
-// The mean over facets seen at those angles, from the two that are a standard deviation from the mean.
+// Mean thin-film reflectance over facets at those angles, from two facets at one standard deviation from the mean.
 SH_FUNC vec3 meanThinFilm(vec3 f0, SurfaceLayers l, FacetCosines c) {
   vec3 low = thinFilm(f0, l.iridescenceIor, l.iridescenceThickness, saturate(c.mean - c.spread));
   vec3 high = thinFilm(f0, l.iridescenceIor, l.iridescenceThickness, saturate(c.mean + c.spread));
   return (low + high) * 0.5f;
 }
 
-// reflectance() of a surface with a film.
+// reflectance() of a surface with a thin film.
 SH_FUNC Reflectance filmedReflectance(vec3 f0, float f90, vec2 table, SurfaceLayers l, float nv, float alpha) {
   Reflectance r = reflectance(f0, f90, table);
   if (l.iridescence <= 0.0f) return r;
   FacetCosines facets = facetCosines(nv, alpha);
-  FacetCosines all;  // of light from all sides, whose cosines have the density 2 x
+  FacetCosines all;  // for light from all directions, where cosines have the density 2 x
   all.mean = 2.0f / 3.0f;
   all.spread = 0.2357f;
   float albedo = table.x + table.y;
@@ -159,7 +161,8 @@ SH_FUNC Reflectance filmedReflectance(vec3 f0, float f90, vec2 table, SurfaceLay
   return r;
 }
 
-// What becomes of uniform light from all directions at the surface itself, as in surfaceReflectance().
+// Computes the fractions of uniform light from all directions that the surface itself reflects, scatters and transmits,
+// as in surfaceReflectance().
 SH_FUNC void addReflectance(SH_INOUT(LayeredBrdf) b, vec3 toEye, vec2 table) {
   Surface s = b.surface;
   SurfaceLayers l = b.layers;
@@ -179,7 +182,8 @@ SH_FUNC void addReflectance(SH_INOUT(LayeredBrdf) b, vec3 toEye, vec2 table) {
   b.seen = s.baseColor * passed * l.transmission;
 }
 
-// The parts of punctual lights: where light is compensated for what single reflections lose, those of uniform light.
+// Computes the transmission factors for punctual lights. With energy compensation, they follow from the factors for
+// uniform light.
 SH_FUNC void addTransmission(SH_INOUT(LayeredBrdf) b, vec2 table) {
   Surface s = b.surface;
   SurfaceLayers l = b.layers;
@@ -219,7 +223,7 @@ SH_FUNC void addCoat(SH_INOUT(LayeredBrdf) b, vec2 table) {
   b.underCoat = b.compensated > 0.0f ? b.underCoatAverage : 1.0f - b.coatReflects;
 }
 
-// Where the lobe itself would reflect more than it receives (charlieAlbedo()), it is scaled to reflect all.
+// Where the lobe would reflect more than it receives (charlieAlbedo()), it is scaled to reflect everything.
 SH_FUNC void addSheen(SH_INOUT(LayeredBrdf) b) {
   SurfaceLayers l = b.layers;
   b.sheenAlpha = 1.0f;
@@ -239,7 +243,7 @@ SH_FUNC void addSheen(SH_INOUT(LayeredBrdf) b) {
   b.underAverage = b.underCoatAverage * left;
 }
 
-// `tables`: what the split-sum table has at layerTablePlaces().
+// `tables` holds the values of the split-sum table at layerTablePlaces().
 SH_FUNC LayeredBrdf layeredBrdf(Surface s, SurfaceLayers l, vec3 toEye, uint shading, LayerTables tables) {
   LayeredBrdf b;
   b.surface = s;
@@ -258,14 +262,14 @@ SH_FUNC LayeredBrdf layeredBrdf(Surface s, SurfaceLayers l, vec3 toEye, uint sha
   return b;
 }
 
-// Emitted light leaves the surface below the coat.
+// Emission is below the clearcoat, which attenuates it.
 SH_FUNC vec3 coatedEmission(LayeredBrdf b, vec3 emitted) {
   return emitted * (1.0f - b.coatReflects);
 }
 
 // --- punctual lights -------------------------------------------------------------------------------------------------
 
-// Reflectance of the surface's facets, and the share that its diffuse part gets.
+// Reflectance of the surface's facets, and the fraction of light that remains for its diffuse part.
 struct FacetReflectance {
   vec3 lobe;
   float left;
@@ -287,14 +291,14 @@ SH_FUNC FacetReflectance facetReflectance(LayeredBrdf b, float vh) {
   return r;
 }
 
-// The half vector; 0 where light comes from exactly opposite the eye.
+// The half vector; 0 if the light is exactly opposite the eye.
 SH_FUNC vec3 halfVector(vec3 toLight, vec3 toEye) {
   vec3 sum = toLight + toEye;
   float squared = dot(sum, sum);
   return sum * (squared > 1e-12f ? inversesqrt(squared) : 0.0f);
 }
 
-// What the surface beneath coat and sheen reflects.
+// Radiance that the surface below clearcoat and sheen reflects.
 SH_FUNC vec3 surfaceLight(LayeredBrdf b, LightSample light, uint shading) {
   bool plain = b.layers.anisotropy <= 0.0f && b.layers.iridescence <= 0.0f;
   if (plain || shading == kShadingBlinnPhong) return shadeLight(b.base, light, shading);
@@ -312,14 +316,14 @@ SH_FUNC vec3 surfaceLight(LayeredBrdf b, LightSample light, uint shading) {
   return (b.base.diffuse * facets.left + facets.lobe * lobe) * (light.intensity * (light.attenuation * nl));
 }
 
-// 1/sr of light that goes through: the lobe of a reflection of the light that is `mirrored` by the surface's plane.
+// 1/sr, the transmission lobe: the reflection lobe for the light direction `mirrored` by the surface's plane.
 SH_FUNC float throughLobe(LayeredBrdf b, vec3 mirrored, float nl, uint channel) {
   vec3 eye = eyeThrough(b.base.normal, b.base.toEye, b.layers, channel);
   float nv = clamp(dot(b.base.normal, eye), kMinNv, 1.0f);
   return ggxLobe(halfAngles(b.base.normal, mirrored, eye), nl, nv, b.throughA2, smithRoot(nv, b.throughA2));
 }
 
-// What a light behind the surface sends through it; `nl` is the cosine on that side.
+// Radiance that a light on the back side transmits through the surface. `nl` is the cosine on that side.
 SH_FUNC vec3 lightFromBehind(LayeredBrdf b, LightSample light, float nl) {
   vec3 mirrored = light.toLight + b.base.normal * (2.0f * nl);
   vec3 f = b.backDiffuse;
@@ -351,7 +355,7 @@ SH_FUNC vec3 sheenLight(LayeredBrdf b, LightSample light) {
   return b.layers.sheenColor * light.intensity * (light.attenuation * (lobe * b.sheenScale * b.underCoat * nl));
 }
 
-// Radiance leaving the surface towards the eye by one light, which may be behind it.
+// Radiance toward the eye from one light, which may be on the back side of the surface.
 SH_FUNC vec3 shadeLayeredLight(LayeredBrdf b, LightSample light, uint shading) {
   vec3 radiance = surfaceLight(b, light, shading) * b.under + sheenLight(b, light) + coatLight(b, light);
   float nl = dot(b.base.normal, light.toLight);
@@ -361,10 +365,11 @@ SH_FUNC vec3 shadeLayeredLight(LayeredBrdf b, LightSample light, uint shading) {
 
 // --- environment -----------------------------------------------------------------------------------------------------
 
-// A round lobe is looked up as a plain surface's is. Of a stretched one the light is summed over these directions.
+// An isotropic lobe samples the environment as an unlayered surface does. For an anisotropic lobe, light is summed over
+// this number of directions.
 SH_CONST uint kStretchedSamples = 80u;
 
-// A film's reflectance at three cosines, one step apart, between and beyond which it is taken as a parabola.
+// A film's reflectance at three cosines, one step apart. A parabola interpolates and extrapolates them.
 struct FilmCurve {
   float middle;
   float step;
@@ -398,7 +403,8 @@ SH_FUNC vec3 filmAt(FilmCurve c, float vh) {
   return vec3(saturate(r.x), saturate(r.y), saturate(r.z));
 }
 
-// What the surface reflects of the light from all sides, and of uniform light.
+// Sums over the directions of an anisotropic lobe: reflected radiance, reflected fraction of uniform light, and
+// split-sum scale and bias.
 struct StretchedSum {
   vec3 light;
   vec3 shares;
@@ -421,8 +427,8 @@ SH_FUNC void addSample(SH_INOUT(StretchedSum) sum, LayeredBrdf b, FilmCurve film
   sum.shares = sum.shares + share;
   sum.table = sum.table + stretchedShare(r) * (1.0f / float(kStretchedSamples));
 }
-// The mean radiance over the lobe. What becomes of an environment's light then follows from the same directions, so
-// that none is made or lost.
+// Returns the mean radiance over the lobe. The remaining fractions of the environment's light are computed from the
+// same directions, so that energy is conserved.
 SH_FUNC vec3 meanOfSum(SH_INOUT(LayeredBrdf) b, StretchedSum sum) {
   addReflectance(b, b.base.toEye, sum.table);
   b.once = sum.shares;
@@ -430,7 +436,7 @@ SH_FUNC vec3 meanOfSum(SH_INOUT(LayeredBrdf) b, StretchedSum sum) {
   return sum.light / max(sum.shares, least);
 }
 
-// The direction of the eye in the plane of the normal; straight above it, any.
+// Direction to the eye projected into the plane of the normal (unit); an arbitrary one if the eye is straight above.
 SH_FUNC vec3 alongEye(vec3 normal, vec3 toEye) {
   vec3 along = toEye - normal * dot(normal, toEye);
   float squared = dot(along, along);
@@ -439,16 +445,16 @@ SH_FUNC vec3 alongEye(vec3 normal, vec3 toEye) {
   return normalize(cross(normal, other));
 }
 
-// What lookups into the environment found.
+// Results of the environment lookups.
 struct LayerLight {
   vec3 front;  // irradiance / pi about the surface's normal
-  vec3 back;   // and about its opposite
+  vec3 back;   // irradiance / pi about the negated normal
   vec3 sheen;  // mean radiance over the sheen's lobe
-  vec3 base;   // over the surface's
-  vec3 coat;   // and over the coat's
+  vec3 base;   // mean radiance over the surface's lobe
+  vec3 coat;   // mean radiance over the clearcoat's lobe
 };
 
-// Radiance leaving the surface towards the eye by the environment, but for what is seen through it.
+// Radiance toward the eye due to the environment, except for what is visible through the surface.
 SH_FUNC vec3 shadeLayeredEnvironment(LayeredBrdf b, LayerLight light) {
   float ao = b.surface.ao;
   float occlusion = specularOcclusion(b.base.nv, ao, ggxAlpha(b.surface.roughness));
@@ -464,14 +470,14 @@ SH_FUNC vec3 shadeLayeredEnvironment(LayeredBrdf b, LayerLight light) {
   return radiance;
 }
 
-// --- what is seen through the surface -------------------------------------------------------------------------------
+// --- transmission background ----------------------------------------------------------------------------------------
 
-// Where to look: the ray that goes on from the eye through a surface at `position`, at the end of its way through the
-// material. Channels 0, 1 and 2 differ under dispersion; elsewhere all are channel 1's.
+// The ray from the eye that continues through a surface at `position`, at the end of its path through the material.
+// Channels 0, 1 and 2 differ with dispersion; otherwise use channel 1 for all.
 struct TransmittedRay {
   vec3 exit;
   vec3 direction;   // unit
-  float roughness;  // perceptual, of what is seen
+  float roughness;  // perceptual roughness of the background
 };
 SH_FUNC bool disperses(LayeredBrdf b) {
   return b.layers.dispersion > 0.0f && b.layers.thickness > 0.0f && b.layers.transmission > 0.0f;
@@ -484,8 +490,8 @@ SH_FUNC TransmittedRay transmittedRay(LayeredBrdf b, uint channel) {
   return r;
 }
 
-// Of the radiance that was found there, what reaches the eye: dimmed by coat, sheen and reflection, coloured by the
-// surface, and absorbed in its volume.
+// Radiance that reaches the eye from the background radiance `found`: attenuated by clearcoat, sheen and reflection,
+// tinted by the surface, and absorbed in its volume.
 SH_FUNC vec3 transmittedRadiance(LayeredBrdf b, vec3 found) {
   return b.seen * found * b.underAverage;
 }

@@ -6,8 +6,8 @@
 //   perspective    clip = (H x + X y, V z + Z y, A y + B, y)
 //   orthographic   clip = (H x + X,   V z + Z,   A y + B, 1)
 //
-// Device depth is clip.z / clip.w in [0, 1]. Conventional, reversed and infinite depth differ only in A and B. X and
-// Z are the principal point in NDC. NDC has y up; pixel rows run down.
+// Device depth is clip.z / clip.w in [0, 1]. Conventional, reversed (reversed-Z) and infinite depth differ only in A
+// and B. X and Z are the principal point in NDC. NDC has y up; pixel rows run down.
 #ifndef LATELIGHT_SHARED_PROJECTION_H
 #define LATELIGHT_SHARED_PROJECTION_H
 
@@ -19,19 +19,19 @@ SH_CONST uint kPerspective = 0u;
 SH_CONST uint kOrthographic = 1u;
 
 struct Projection {
-  float H, V;  // horizontal and vertical scale: 1 / tan(half angle), or 1 / half extent in metres
+  float H, V;  // horizontal and vertical scale: 1 / tan(half angle), or 1 / half extent in meters
   float A, B;  // device depth = A + B / y (perspective) or A y + B (orthographic)
   float X, Z;  // principal point offset, NDC
   uint kind;   // kPerspective or kOrthographic
 };
 
-// View-space position (metres) to homogeneous clip space.
+// View-space position (meters) to homogeneous clip space.
 SH_FUNC vec4 projectToClip(Projection p, vec3 v) {
   float w = p.kind == kPerspective ? v.y : 1.0f;
   return vec4(p.H * v.x + p.X * w, p.V * v.z + p.Z * w, p.A * v.y + p.B, w);
 }
 
-// View depth (metres along Y) of a device depth. Infinite for the far plane of an infinite projection.
+// View depth (meters along Y) of a device depth. Infinite at the far plane of an infinite projection.
 SH_FUNC float viewDepth(Projection p, float deviceDepth) {
   return p.kind == kPerspective ? p.B / (deviceDepth - p.A) : (deviceDepth - p.B) / p.A;
 }
@@ -41,22 +41,22 @@ SH_FUNC float deviceDepth(Projection p, float depth) {
   return p.kind == kPerspective ? p.A + p.B / depth : p.A * depth + p.B;
 }
 
-// View-space position of the point at `depth` metres along Y seen at NDC (x, y).
+// View-space position of the point at `depth` meters along Y whose NDC is (x, y).
 SH_FUNC vec3 viewPositionAtDepth(Projection p, vec2 ndc, float depth) {
   float w = p.kind == kPerspective ? depth : 1.0f;
   return vec3((ndc.x - p.X) * w / p.H, depth, (ndc.y - p.Z) * w / p.V);
 }
 
-// --- position from depth, three ways --------------------------------------------------------------------------------
+// --- position from depth, three methods -----------------------------------------------------------------------------
 
 SH_CONST uint kPositionRay = 0u;         // the view ray times view depth B / (d - A)
 SH_CONST uint kPositionMatrix = 1u;      // the full inverse matrix, and the division by w
 SH_CONST uint kPositionReciprocal = 2u;  // the view ray times 1 / (P d + Q)
 
-// The inverse of the projection's matrix by columns, without a matrix type, whose products differ between languages.
-// Any invertible projection has one; inverseProjection() writes out this kind's.
+// The inverse projection matrix by columns. It has no matrix type, because matrix products differ between languages.
+// Every invertible projection has an inverse matrix; inverseProjection() writes out the one of this kind of projection.
 struct InverseProjection {
-  vec4 x, y, z, w;  // what NDC x, NDC y, device depth and 1 are multiplied by; sums to view-space (x, y, z) w, and w
+  vec4 x, y, z, w;  // factors of NDC x, NDC y, device depth and 1; the sum is view-space (x, y, z) w, and w
 };
 
 SH_FUNC InverseProjection inverseProjection(Projection p) {
@@ -83,8 +83,8 @@ struct DepthTerms {
   float P, Q;
 };
 
-// P = 1 / B and Q = -A / B are entries of the inverse matrix. Orthographic depth is linear: it needs no reciprocal, and
-// P = 1 / A and Q = -B / A.
+// P = 1 / B and Q = -A / B are entries of the inverse matrix. Orthographic depth is linear and needs no reciprocal: P =
+// 1 / A and Q = -B / A.
 SH_FUNC DepthTerms depthTerms(Projection p) {
   float scale = 1.0f / (p.kind == kPerspective ? p.B : p.A);
   DepthTerms t;
@@ -98,7 +98,7 @@ SH_FUNC float viewDepthByReciprocal(Projection p, DepthTerms t, float deviceDept
   return p.kind == kPerspective ? 1.0f / sum : sum;
 }
 
-// View-space position of the point of that device depth seen at NDC (x, y), by kPosition*.
+// View-space position of the point at NDC (x, y) with this device depth; `method` is kPosition*.
 SH_FUNC vec3 viewPosition(Projection p, uint method, vec2 ndc, float deviceDepth) {
   if (method == kPositionMatrix) return viewPositionByMatrix(inverseProjection(p), ndc, deviceDepth);
   float depth =
@@ -106,13 +106,13 @@ SH_FUNC vec3 viewPosition(Projection p, uint method, vec2 ndc, float deviceDepth
   return viewPositionAtDepth(p, ndc, depth);
 }
 
-// View-space direction, not normalised (its Y is 1), of the ray through NDC (x, y).
+// View-space direction of the ray through NDC (x, y), not normalized: its Y is 1.
 SH_FUNC vec3 viewRay(Projection p, vec2 ndc) {
   if (p.kind == kPerspective) return vec3((ndc.x - p.X) / p.H, 1.0f, (ndc.y - p.Z) / p.V);
   return vec3(0.0f, 1.0f, 0.0f);
 }
 
-// NDC (y up) of a pixel coordinate (y down; pixel centres at .5) in a picture of `size` pixels.
+// NDC (y up) of a pixel coordinate (y down; pixel centers at .5) in an image of `size` pixels.
 SH_FUNC vec2 pixelToNdc(vec2 pixel, vec2 size) {
   return vec2(2.0f * pixel.x / size.x - 1.0f, 1.0f - 2.0f * pixel.y / size.y);
 }

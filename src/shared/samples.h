@@ -1,4 +1,4 @@
-// The samples of a pixel, where it has several: where they lie, and how the surfaces are kept that they show.
+// Multisampling (MSAA): sample positions within a pixel, and the storage of a pixel's surfaces as masks of samples.
 #ifndef LATELIGHT_SHARED_SAMPLES_H
 #define LATELIGHT_SHARED_SAMPLES_H
 
@@ -8,9 +8,10 @@ SH_BEGIN
 
 SH_CONST uint kMostSamples = 16u;
 
-// Of 1, 2, 4, 8 or 16 samples each has a column and a row of its own, of as many as there are samples, and lies in the
-// middle of both: these are Vulkan's standard places (1.3, standardSampleLocations), but that those of 16 are moved by
-// 1/32 pixel to the right and down. So the middle of all is the pixel's centre, whatever their number.
+// With N = 1, 2, 4, 8 or 16 samples, each sample has its own column and row of an N x N grid and lies at the center of
+// that cell. These are Vulkan's standard sample locations (1.3, standardSampleLocations), except that those of 16
+// samples are moved by 1/32 pixel to the right and down. The centroid of all samples is therefore the pixel's center
+// for every N.
 SH_FUNC uint sampleColumn(uint samples, uint index) {
   uint first = samples == 16u ? 0xbda3c579u : (samples == 8u ? 0x75012634u : (samples == 4u ? 0x2031u : 1u));
   uint columns = index < 8u ? first : 0x1ef02486u;
@@ -22,14 +23,14 @@ SH_FUNC uint sampleRow(uint samples, uint index) {
   return samples == 1u ? 0u : (rows >> (4u * (index & 7u))) & 15u;
 }
 
-// In pixels from the upper left.
+// Position of a sample in pixels from the pixel's upper left corner.
 SH_FUNC vec2 samplePlace(uint samples, uint index) {
   float share = 1.0f / float(samples);
   return vec2((float(sampleColumn(samples, index)) + 0.5f) * share, (float(sampleRow(samples, index)) + 0.5f) * share);
 }
 
-// The surfaces of a pixel are an image of 32 bits a texel: a mask of samples for each, in as many bits as there are
-// samples. The first lies in the lowest ones of the view's first layer, and 0 follows the last.
+// The surfaces of a pixel are stored in an array image with 32 bits per texel, as one mask of samples per surface with
+// one bit per sample. The first mask is in the lowest bits of the view's first layer, and 0 follows the last one.
 SH_FUNC uint surfacesALayer(uint samples) {
   return 32u / samples;
 }

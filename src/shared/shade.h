@@ -1,4 +1,5 @@
-// shade(): from a Surface and a light to outgoing radiance. Every lighting technique calls these and nothing else.
+// Shading: outgoing radiance of a Surface lit by a punctual light or an environment (glTF 2.0, appendix B). Every
+// lighting technique uses only these functions.
 #ifndef LATELIGHT_SHARED_SHADE_H
 #define LATELIGHT_SHARED_SHADE_H
 
@@ -17,24 +18,24 @@ SH_CONST uint kShadingGgxCompensated = 2u;
 // The minimum n.v: interpolated and mapped normals may point away from the eye.
 SH_CONST float kMinNv = 1e-4f;
 
-// What a surface reflects from any light towards one eye, as far as it does not depend on the light: computed once.
+// The part of a surface's BRDF toward one eye that does not depend on the light; computed once per surface.
 struct SurfaceBrdf {
   vec3 normal;    // unit
   vec3 toEye;     // unit
   float nv;       // n.v, at least kMinNv
-  vec3 diffuse;   // 1/sr, before the Fresnel term takes its share
-  float taken0;   // that share at normal incidence
-  float taken90;  // and at grazing incidence
+  vec3 diffuse;   // 1/sr, before the Fresnel term is subtracted
+  float taken0;   // Fresnel term subtracted at normal incidence
+  float taken90;  // at grazing incidence
   vec3 f0;        // reflectance of the specular lobe at normal incidence
-  float f90;      // and at grazing incidence
-  float width;    // of the lobe: alpha^2, or Blinn-Phong's exponent
-  float scale;    // of the lobe: the eye's part of Smith's masking, or Blinn-Phong's normalisation
+  float f90;      // at grazing incidence
+  float width;    // width of the lobe: alpha^2, or Blinn-Phong's exponent
+  float scale;    // scale of the lobe: the eye's part of Smith masking, or Blinn-Phong's normalization
 };
 
-// glTF 2.0, appendix B: mix(dielectric, metal, metallic), both over one specular lobe; the dielectric's diffuse part
-// gets what its Fresnel term leaves, by the largest channel (KHR_materials_specular). Schlick's term is linear in f0
-// and f90, so that of the mixture is the mixture of both, and the largest channel is that of the largest f0. With
-// energy compensation, s.scattered replaces everything but the single reflection.
+// glTF 2.0, appendix B: mix(dielectric, metal, metallic), where both share one specular lobe. The dielectric's diffuse
+// part is scaled by 1 - the largest channel of its Fresnel term (KHR_materials_specular). Schlick's term is linear in
+// f0 and f90, so the term of the mixture is the mixture of both terms, and its largest channel is that of the largest
+// f0. With energy compensation, s.scattered replaces everything except the single reflection.
 SH_FUNC SurfaceBrdf ggxBrdf(Surface s, vec3 toEye, uint shading) {
   SurfaceBrdf b;
   b.normal = s.normal;
@@ -66,8 +67,8 @@ SH_FUNC SurfaceBrdf surfaceBrdf(Surface s, vec3 toEye, uint shading) {
   return ggxBrdf(s, toEye, shading);
 }
 
-// Radiance leaving the surface towards the eye by one light. No branch: those behind the surface are as many as those
-// that lanes beside this one take, and what they send is multiplied by 0.
+// Radiance toward the eye from one light. Branch-free: lanes would diverge, so the contribution of lights behind the
+// surface is multiplied by zero instead.
 SH_FUNC vec3 shadeLight(SurfaceBrdf b, LightSample light, uint shading) {
   float nl = saturate(dot(b.normal, light.toLight));
   HalfAngles a = halfAngles(b.normal, light.toLight, b.toEye);
@@ -83,21 +84,22 @@ SH_FUNC vec3 shadeLight(SurfaceBrdf b, LightSample light, uint shading) {
   return (b.diffuse * left + fresnel * lobe) * (light.intensity * (light.attenuation * nl));
 }
 
-// Shares of uniform light from all directions that a microfacet surface of reflectance f0 to f90 sends towards the eye:
-// reflected once, and reflected several times between facets, which leaves the surface nearly Lambertian.
-//   table  split-sum scale and bias of f0 and f90 at (n.v, roughness)
+// Fractions of uniform light from all directions that a microfacet surface with reflectance f0 to f90 reflects toward
+// the eye: `once` by single reflection, and `more` by multiple reflections between facets, which leave the surface with
+// a nearly Lambertian distribution.
 //
-// Light that a white surface does not reflect in one bounce hits a second facet, and then further ones with a
-// probability that grows with roughness: a random walk over Smith's surface (Heitz et al. 2016, Multiple-Scattering
-// Microfacet BSDFs with the Smith Model) gives 3/4 of that lost share. So white surfaces return all light, as in
-// Fdez-Aguera (2019, A Multiple-Scattering Microfacet Model for Real-Time Image Based Lighting, JCGT 8(1)), whose own
-// series, 1 - E for the chance of every bounce from the second on, gives coloured ones up to 9 % less than the walk.
+// Light that a white surface does not reflect in one bounce hits a second facet, and then further facets with a
+// probability that grows with roughness. According to a random walk over Smith's surface (Heitz et al. 2016,
+// Multiple-Scattering Microfacet BSDFs with the Smith Model), this probability is 3/4 of that lost fraction. White
+// surfaces therefore return all light, as in Fdez-Aguera (2019, A Multiple-Scattering Microfacet Model for Real-Time
+// Image Based Lighting, JCGT 8(1)). That paper's own series, which uses 1 - E as the probability of every bounce from
+// the second on, makes colored surfaces up to 9 % darker than the walk.
 struct Reflectance {
   vec3 once;
   vec3 more;
 };
-// The second of the two. `mean` is the facets' reflectance to light from all sides, `lost` what white ones do not
-// reflect once.
+// The multiple reflections. `mean` is the facets' mean reflectance for light from all directions, `lost` the fraction
+// that white facets do not reflect in one bounce.
 SH_FUNC vec3 reflectedMore(vec3 mean, float lost) {
   float again = 0.75f * lost;
   return mean * mean * (lost * (1.0f - again)) / (vec3(1.0f, 1.0f, 1.0f) - mean * again);
@@ -111,8 +113,8 @@ SH_FUNC Reflectance reflectance(vec3 f0, float f90, vec2 table) {
   return r;
 }
 
-// The same for a whole surface, and the part it scatters like a Lambertian one: multiple reflections between facets,
-// and the diffuse part, which gets what reflection leaves.
+// Fractions of uniform light for a mixed surface. `scattered` is the Lambertian part: multiple reflections between
+// facets, and the diffuse part, which receives the light that is not reflected.
 struct SurfaceReflectance {
   vec3 once;
   vec3 scattered;
@@ -133,7 +135,7 @@ SH_FUNC float specularOcclusion(float nv, float ao, float alpha) {
   return saturate(pow(nv + ao, exp2(-16.0f * alpha - 1.0f)) - 1.0f + ao);
 }
 
-// Radiance leaving `s` towards the eye by the environment.
+// Radiance from `s` toward the eye due to the environment (image-based lighting with the split-sum approximation).
 //   diffuseRadiance   irradiance / pi about the normal
 //   specularRadiance  mean over the reflected lobe
 //   table             split-sum scale and bias of f0 and f90 at (n.v, roughness)

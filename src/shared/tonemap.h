@@ -1,5 +1,5 @@
-// Tone mapping: linear Rec.709, any finite value >= 0, to linear display light in [0, 1]. The sRGB transfer function
-// comes after. All operators map black to black and are monotonic in grey.
+// Tone mapping: maps linear Rec.709, any finite value >= 0, to linear display light in [0, 1]. The sRGB transfer
+// function is applied afterward. All operators map black to black and are monotonic in gray.
 #ifndef LATELIGHT_SHARED_TONEMAP_H
 #define LATELIGHT_SHARED_TONEMAP_H
 
@@ -18,9 +18,9 @@ SH_FUNC vec3 saturateColor(vec3 c) {
   return vec3(saturate(c.x), saturate(c.y), saturate(c.z));
 }
 
-// Khronos PBR Neutral (KhronosGroup/ToneMapping, PBR_Neutral, 2024): base colours up to 0.8 come out as authored under
-// grey light, minus the 0.04 that a dielectric reflects (the toe removes it); above, the peak is compressed and
-// desaturated.
+// Khronos PBR Neutral (KhronosGroup/ToneMapping, PBR_Neutral, 2024). Under gray light, base colors up to 0.8 are
+// reproduced as authored, minus the 0.04 that a dielectric reflects (the toe removes it). Above, the peak is compressed
+// and desaturated.
 SH_FUNC vec3 tonemapKhronosNeutral(vec3 c) {
   float startCompression = 0.8f - 0.04f;
   float desaturation = 0.15f;
@@ -59,7 +59,7 @@ SH_FUNC float agxCurve(float x) {
 }
 
 // AgX (Sobotka 2022, default look) by Wrensch's fit (2023, Minimal AgX Implementation; mean squared error 3.7e-6):
-// inset, curve, outset. The result is for a display of exponent 2.2, so that exponent makes it linear.
+// inset, curve, outset. The result is encoded for a display of exponent 2.2, so that exponent makes it linear.
 SH_FUNC vec3 tonemapAgx(vec3 c) {
   float r = agxCurve(dot(c, vec3(0.842479062253094f, 0.0784335999999992f, 0.0792237451477643f)));
   float g = agxCurve(dot(c, vec3(0.0423282422610123f, 0.878468636469772f, 0.0791661274605434f)));
@@ -71,12 +71,12 @@ SH_FUNC vec3 tonemapAgx(vec3 c) {
   return vec3(pow(display.x, 2.2f), pow(display.y, 2.2f), pow(display.z, 2.2f));
 }
 
-// Reinhard et al. 2002, equation 3, on luminance, which keeps hue; channels that then exceed 1 are clipped.
+// Reinhard et al. 2002, equation 3, on luminance, which preserves hue. Channels that then exceed 1 are clipped.
 SH_FUNC vec3 tonemapReinhard(vec3 c) {
   return c * (1.0f / (1.0f + luminance(c)));
 }
 
-// The operator `op` (kTonemap*). Values above 65504, the largest half float, are taken as 65504.
+// Applies the operator `op` (kTonemap*). Values above 65504, the largest half float, are clamped to 65504.
 SH_FUNC vec3 tonemap(uint op, vec3 c) {
   c = vec3(clamp(c.x, 0.0f, 65504.0f), clamp(c.y, 0.0f, 65504.0f), clamp(c.z, 0.0f, 65504.0f));
   if (op == kTonemapKhronosNeutral) c = tonemapKhronosNeutral(c);

@@ -1,11 +1,11 @@
-// Every struct that both shaders and C++ read, once. Scalar block layout on the device is C++ layout: offsets agree by
-// construction, sizes are asserted below, and tests compare offsets with SPIR-V reflection.
-// Angles in radians, lengths in meters, colors linear Rec.709, all positions and directions in world space (Z up).
+// The structs that shaders and C++ share. On the device they have scalar block layout, which is the C++ layout: offsets
+// agree by construction, sizes are asserted below, and a test compares the offsets with SPIR-V reflection. Angles are
+// in radians, lengths in meters, colors in linear Rec.709. All positions and directions are in world space (Z up).
 //
-// World space on the device has its origin near the scene (GpuScene::origin()), wherever the scene lies. What the raster
-// needs exactly, the positions of instances and eyes, are pairs of floats: a value, and the rest of the double that it
-// rounds. Their differences place vertices relative to the eye (relativeToEye() in glsl/common.glsl), which is what makes
-// depth as precise far from the origin as it is there.
+// World space on the device has its origin near the scene (GpuScene::origin()), wherever the scene lies. Rendering is
+// camera-relative: the positions of instances and eyes are pairs of floats, a value and the remainder of the double
+// that it rounds. Their differences place vertices relative to the eye (relativeToEye() in glsl/common.glsl), so depth
+// is as precise far from the scene's origin as near it.
 #ifndef LATELIGHT_SHARED_TYPES_H
 #define LATELIGHT_SHARED_TYPES_H
 
@@ -18,33 +18,33 @@ SH_BEGIN
 
 // --- geometry -------------------------------------------------------------------------------------------------------
 
-struct VertexPosition {  // one a vertex, in object space
+struct VertexPosition {  // one per vertex, in object space
   vec3 position;
   float padding;
 };
 SH_CONST uint kPositionBytes = 16u;
 
-struct VertexAttributes {  // one a vertex, in object space
+struct VertexAttributes {  // one per vertex, in object space
   vec3 normal;
-  vec4 tangent;  // xyz, and the sign of the bitangent in w; all zero where the mesh has no tangent frame
+  vec4 tangent;  // xyz, and the sign of the bitangent in w; all zero if the mesh has no tangent frame
   vec2 uv0;
   float padding[3];
 };
 SH_CONST uint kAttributesBytes = 48u;
 
-struct VertexExtra {  // 24 bytes, one a vertex, only for meshes that have a second UV set or vertex colours
+struct VertexExtra {  // 24 bytes, one per vertex, only for meshes with a second UV set or vertex colors
   vec2 uv1;
-  vec4 color;  // linear, multiplies the base colour
+  vec4 color;  // linear, multiplies the base color
 };
 
-struct Mesh {                  // where one mesh's streams lie in device memory
+struct Mesh {                  // addresses of one mesh's vertex and index buffers in device memory
   uint64_t positions;          // VertexPosition[vertexCount]
   uint64_t attributes;         // VertexAttributes[vertexCount]
   uint64_t extras;             // VertexExtra[vertexCount], or 0
   uint64_t indices;            // uint[3 * triangleCount]
-  uint64_t previousPositions;  // as positions, a frame before; the same where nothing deforms them
-  uint64_t nextPositions;      // and a frame after
-  MeshClusters clusters;       // zeros where none are kept
+  uint64_t previousPositions;  // positions in the previous frame; equal to `positions` if nothing deforms the mesh
+  uint64_t nextPositions;      // positions in the next frame, likewise
+  MeshClusters clusters;       // zeros if the mesh has no clusters
   uint vertexCount;
   uint triangleCount;
 };
@@ -53,16 +53,17 @@ struct Instance {
   mat4x3 objectToWorld;  // affine, column vectors
   uint mesh;
   uint material;
-  uint id;  // the values of the data outputs id and part: stable, never 0
+  uint id;  // value of the data output id: stable, never 0
   uint part;
-  uint flags;  // kInstance*, and its group from kInstanceGroupShift on
-  vec3 translationLow;  // what the last column of objectToWorld leaves of the translation
+  uint flags;  // kInstance* flags, and the group number from bit kInstanceGroupShift on
+  vec3 translationLow;  // low part of the translation, which the last column of objectToWorld rounds off
 };
 SH_CONST uint kInstanceBytes = 80u;
 SH_CONST uint kInstanceMirrored = 1u;   // objectToWorld has a negative determinant
-SH_CONST uint kInstanceExtras = 2u;     // its mesh has VertexExtra
-SH_CONST uint kInstanceClockwise = 4u;  // front faces are clockwise: the transform or the skin mirrors, but not both
-SH_CONST uint kInstanceVast = 8u;       // has triangles so large that floats place their corners badly
+SH_CONST uint kInstanceExtras = 2u;     // the mesh has VertexExtra
+SH_CONST uint kInstanceClockwise = 4u;  // front faces are clockwise: either the transform or the skin mirrors, but not
+                                        // both
+SH_CONST uint kInstanceVast = 8u;       // has triangles so large that floats place their vertices inaccurately
 SH_CONST uint kInstanceGroupShift = 16u;
 
 // --- materials ------------------------------------------------------------------------------------------------------
@@ -74,7 +75,7 @@ SH_CONST uint kTextureOcclusion = 3u;
 SH_CONST uint kTextureEmissive = 4u;
 SH_CONST uint kTextureSpecular = 5u;
 SH_CONST uint kTextureSpecularColor = 6u;
-SH_CONST uint kTextureClearcoat = 7u;  // from here on those of MaterialLayers
+SH_CONST uint kTextureClearcoat = 7u;  // first of the textures of MaterialLayers
 SH_CONST uint kTextureClearcoatRoughness = 8u;
 SH_CONST uint kTextureClearcoatNormal = 9u;
 SH_CONST uint kTextureSheenColor = 10u;
@@ -94,17 +95,17 @@ struct TextureTransform {  // KHR_texture_transform as an affine map: uv' = (dot
   uint uvSet;  // 0 or 1
 };
 
-// Which of them a material has: scene::layersOf().
+// The coats and transmissive extensions that a material has, as bits (scene::layersOf()).
 SH_CONST uint kLayerClearcoat = 1u;
 SH_CONST uint kLayerSheen = 2u;
 SH_CONST uint kLayerAnisotropy = 4u;
 SH_CONST uint kLayerIridescence = 8u;
 SH_CONST uint kLayerTransmission = 16u;
-SH_CONST uint kLayerVolume = 32u;  // of a surface that lets light pass
+SH_CONST uint kLayerVolume = 32u;  // only set for surfaces that transmit light
 SH_CONST uint kLayerDispersion = 64u;
 SH_CONST uint kLayerDiffuseTransmission = 128u;
 
-struct MaterialLayers {  // what the extensions KHR_materials_* lay over a surface, and what it lets through
+struct MaterialLayers {  // coats over the surface and transmission through it: the KHR_materials_* extensions
   float clearcoat;
   float clearcoatRoughness;
   float clearcoatNormalScale;
@@ -114,13 +115,13 @@ struct MaterialLayers {  // what the extensions KHR_materials_* lay over a surfa
   float anisotropyRotation;  // counter-clockwise from the tangent
   float iridescence;
   float iridescenceIor;
-  float iridescenceThinnest;  // nanometres, where the texture is 0
-  float iridescenceThickest;  // where it is 1, or where there is none
+  float iridescenceThinnest;  // nanometers, where the texture is 0
+  float iridescenceThickest;  // where the texture is 1, or without a texture
   float transmission;
-  float thickness;  // metres in object space; 0: thin-walled
+  float thickness;  // meters in object space; 0: thin-walled
   float dispersion;
-  vec3 attenuationColor;      // what is left of white light after attenuationDistance
-  float attenuationDistance;  // metres; 0: nothing is lost, however far
+  vec3 attenuationColor;      // color of white light after attenuationDistance
+  float attenuationDistance;  // meters; 0: no attenuation
   vec3 diffuseTransmissionColor;
   float diffuseTransmission;
 };
@@ -135,58 +136,58 @@ struct Material {
   float alphaCutoff;
   vec3 specularColor;  // KHR_materials_specular
   float specular;
-  float f0;       // of the dielectric, from KHR_materials_ior: ((ior - 1) / (ior + 1))^2
+  float f0;       // reflectance of the dielectric at normal incidence, ((ior - 1) / (ior + 1))^2 of KHR_materials_ior
   uint flags;     // kMaterial*
-  uint textures;  // bit i: texture slot i is present
-  uint id;        // the value of the data output material: stable, never 0
+  uint textures;  // bit i: the material has texture slot i
+  uint id;        // value of the data output material: stable, never 0
   TextureTransform transforms[19];
-  uint images[19];  // by slot: its texture and sampler among the scene's, where shaders find them by index
+  uint images[19];  // bindless index of the texture and sampler per slot (descriptor indexing)
   MaterialLayers layers;
 };
 SH_CONST uint kMaterialBytes = 784u;
-// A texture and its sampler, for shaders that filter themselves: where the device has no descriptor indexing.
+// A texture and its sampler for compute shaders that filter in software, on devices without descriptor indexing.
 struct TextureRecord {  // 28 bytes
-  uint64_t texels;      // RGBA8, level after level
+  uint64_t texels;      // RGBA8, mip level after mip level
   uint width, height;   // of level 0
   uint levels;
   uint flags;       // kTexture*
-  uint anisotropy;  // samples along a pixel's footprint, at most
+  uint anisotropy;  // maximum number of samples along a pixel's footprint
 };
 SH_CONST uint kTextureSrgb = 1u;
 SH_CONST uint kTextureMagnifyNearest = 2u;
 SH_CONST uint kTextureMinifyNearest = 4u;
 SH_CONST uint kTextureMipNearest = 8u;
 SH_CONST uint kTextureMipNone = 16u;
-SH_CONST uint kTextureWrapShift = 8u;  // u's, and v's two bits higher: 0 repeat, 1 mirror, 2 clamp
+SH_CONST uint kTextureWrapShift = 8u;  // two bits for u, then two bits for v: 0 repeat, 1 mirror, 2 clamp
 
 SH_CONST uint kMaterialUnlit = 1u;
-SH_CONST uint kMaterialMasked = 2u;  // alphaCutoff applies
+SH_CONST uint kMaterialMasked = 2u;  // alpha tested against alphaCutoff
 SH_CONST uint kMaterialDoubleSided = 4u;
-SH_CONST uint kMaterialBlended = 8u;  // alpha lets through what lies behind; never with kMaterialMasked
-// Of the device's records alone, by the layers.
-SH_CONST uint kMaterialLayered = 16u;       // some layer is there
-SH_CONST uint kMaterialTransmissive = 32u;  // what lies behind shows through the surface itself
-SH_CONST uint kMaterialPlainUv = 64u;       // its textures lie as UV set 0 has them
+SH_CONST uint kMaterialBlended = 8u;  // alpha blended with the background; never set together with kMaterialMasked
+// Set only in the device's records, from the material's layers and texture transforms.
+SH_CONST uint kMaterialLayered = 16u;       // the material has any kLayer* bit
+SH_CONST uint kMaterialTransmissive = 32u;  // the surface transmits the background (KHR_materials_transmission)
+SH_CONST uint kMaterialPlainUv = 64u;       // all textures use UV set 0 without a transform
 
-// Whether it is drawn over what lies behind it, rather than instead.
+// True if the material is translucent: it is drawn over the background instead of replacing it.
 SH_FUNC bool seenThrough(uint materialFlags) {
   return (materialFlags & (kMaterialBlended | kMaterialTransmissive)) != 0u;
 }
 
 // --- lights ---------------------------------------------------------------------------------------------------------
 
-// What a type of light reaches.
-SH_CONST uint kReachEverywhere = 0u;  // it has a direction and no place
-SH_CONST uint kReachSphere = 1u;      // as far as its radius
-SH_CONST uint kReachCone = 2u;        // as far, within its cone
+// The region that a type of light reaches.
+SH_CONST uint kReachEverywhere = 0u;  // everywhere: the light has a direction and no position
+SH_CONST uint kReachSphere = 1u;      // the sphere of its radius
+SH_CONST uint kReachCone = 2u;        // the part of that sphere within its cone
 
 struct Light {  // KHR_lights_punctual
   vec3 position;
-  float inverseRadius2;  // 1 / radius^2; 0 without one
-  vec3 intensity;        // colour times candela, or lux where it reaches everywhere
-  uint type;             // kLight*: the files in shared/light, in the order of their names
+  float inverseRadius2;  // 1 / radius^2; 0 if unbounded
+  vec3 intensity;        // color times candela, or lux for kReachEverywhere
+  uint type;             // kLight*: index of its file in shared/light, in alphabetical order
   vec3 direction;        // from the light, unit
-  float radius;          // metres: glTF's range; light is windowed to 0 there (shared/light.h). +inf without one
+  float radius;          // meters: glTF's range, where the window (shared/light.h) reaches 0; +inf if unbounded
   float spotScale;       // spot cone: clamp(cos * spotScale + spotOffset, 0, 1)^2
   float spotOffset;
   float padding[2];
@@ -195,48 +196,50 @@ SH_CONST uint kLightBytes = 64u;
 
 // --- shadows --------------------------------------------------------------------------------------------------------
 
-// Which lights cast shadows differs from view to view, and they are few: a bit a light says whether it does in some
-// view, and the set bits are numbered, as columns of a table with a row a view.
-struct ShadowBits {  // of 32 lights
-  uint lights;       // bit i: light 32 w + i of the frame
-  uint before;       // how many lights before them have their bit set
+// The shadow-casting lights differ per view, and they are few. The bit of a light is set if it casts shadows in any
+// view. The lights with set bits are numbered in order; this number is a light's column in
+// FrameConstants::lightShadows, which has one row per view.
+struct ShadowBits {  // one word of 32 lights
+  uint lights;       // bit i of word w: light 32 w + i of the frame
+  uint before;       // number of set bits in all previous words
 };
 
-struct LightShadow {  // of one light in one view
-  uint first;         // its first map among the frame's
-  uint maps;  // from there on: 6 are faces of a cube or cascades, more than one of a directional light cascades,
-              // finest first; 0: it casts no shadows in this view
-  uint sun;   // 1: the first directional light that casts some, which layouts may have a channel for
+struct LightShadow {  // one light in one view
+  uint first;         // index of its first map in FrameConstants::shadowMaps
+  uint maps;  // number of maps: 6 for the faces of a cube or cascades; several maps of a directional light are
+              // cascades, finest first; 0: the light casts no shadows in this view
+  uint sun;   // 1: the first directional light with shadows, for which layouts may have a channel
 };
 
-// One square tile of the shadow atlas, and what of the world it shows (render/shadow). With q = dot(row, (p, 1)) of a
-// world position p for each of the three rows, the texel is (q.across, q.down) / w and the depth, from 0 to 1 and
-// linear in metres, q.away * depthScale + depthOffset; w is q.away in a perspective map, 1 in an orthographic one.
+// One square tile of the shadow atlas, and the part of the world that it covers (render/shadow). Let q = dot(row, (p,
+// 1)) for a world position p and each of the three rows. The texel is (q.across, q.down) / w, where w is q.away in a
+// perspective map and 1 in an orthographic one. The depth is q.away * depthScale + depthOffset: from 0 to 1, and linear
+// in meters.
 struct ShadowMap {
   vec4 across;
   vec4 down;
-  vec4 away;  // metres along the map's axis
+  vec4 away;  // meters along the map's axis
   float depthScale;
   float depthOffset;
-  float depthSlack;   // what the format and rounding may be off by, in depth
-  float texel;        // metres across at w = 1
+  float depthSlack;   // error bound of the format and of rounding, in depth
+  float texel;        // width of a texel at w = 1, meters
   float perspective;  // 1, or 0 for an orthographic map
-  float lightSize;    // radius of the light in metres; for a directional one the tangent of half its angle
-  uvec2 corner;       // the first texel of its tile in the atlas
-  float size;         // its side, texels
-  uint layer;         // of the atlas
+  float lightSize;    // radius of the light in meters; for a directional light, the tangent of its angular radius
+  uvec2 corner;       // first texel of the tile in the atlas
+  float size;         // side of the tile, texels
+  uint layer;         // array layer of the atlas
   uint padding[2];
 };
 SH_CONST uint kShadowMapBytes = 96u;
 
-// Above the local lights (point and spot) stands a tree of boxes, a heap without pointers: the children of node h are
-// nodes kLightTreeWidth * (h + 1) + i, those of the root, which has no box, nodes i. From node
-// FrameConstants::lightTreeLeaves on they are leaves: the l-th of them stands above the local lights kLightTreeWidth *
-// l + i. Places without a node hold an empty box.
+// The light tree: a bounding volume hierarchy (BVH) over the local lights (point and spot). It is an implicit tree
+// without pointers: the children of node h are nodes kLightTreeWidth * (h + 1) + i, and the children of the root, which
+// has no box, are nodes i. Nodes from FrameConstants::lightTreeLeaves on are leaves; leaf l bounds the local lights
+// kLightTreeWidth * l + i. Slots without a node hold an empty box.
 SH_CONST uint kLightTreeBits = 5u;  // at most 5
 SH_CONST uint kLightTreeWidth = 1u << kLightTreeBits;
 
-struct LightBox {  // 24 bytes: where lights reach, world space
+struct LightBox {  // 24 bytes: bounds of the lights' reach, world space
   vec3 low;
   vec3 high;
 };
@@ -244,22 +247,22 @@ struct LightBox {  // 24 bytes: where lights reach, world space
 // --- frame ----------------------------------------------------------------------------------------------------------
 
 struct View {
-  mat4x3 worldToView;  // rigid: view space is X right, Y away, Z up
+  mat4x3 worldToView;  // rigid; view space is X right, Y away, Z up
   mat4x3 viewToWorld;
   Projection projection;  // jitter included
   vec3 eye;               // world
   vec2 size;              // pixels
-  vec2 jitter;            // NDC: that part of the projection's principal point which moves the samples
-  uint group;             // of the instances that alone it shows; 0: it shows all
-  vec3 eyeLow;            // what `eye` leaves of the eye's position
+  vec2 jitter;            // NDC: the part of the projection's principal point that jitters the samples
+  uint group;             // the view renders only instances of this group; 0: all instances
+  vec3 eyeLow;            // low part of the eye's position, which `eye` rounds off
   uint padding[2];
 };
 SH_CONST uint kViewBytes = 176u;
 
-// Where a lens looks at one pixel. In a view through one, depth along a ray takes the place of depth along Y.
+// The ray of one pixel through a lens. In such a view, depth along the ray replaces depth along Y.
 struct LensRay {
-  vec3 direction;  // view space, unit; 0: it sees nothing there
-  float depth;     // of the data output `depth`, a metre along the ray
+  vec3 direction;  // view space, unit; 0: the lens has no ray there
+  float depth;     // value of the data output `depth` per meter along the ray
 };
 
 struct FrameConstants {
@@ -267,30 +270,30 @@ struct FrameConstants {
   uint64_t instances;     // Instance[]
   uint64_t meshes;        // Mesh[]
   uint64_t materials;     // Material[]
-  uint64_t textures;      // TextureRecord[], where compute shaders filter textures themselves; else 0
-  uint64_t lights;        // Light[lightCount]: first the directional ones, then the local ones as the tree has them
+  uint64_t textures;      // TextureRecord[], if compute shaders filter textures in software; else 0
+  uint64_t lights;        // Light[lightCount]: first directional lights, then local ones in the light tree's order
   uint64_t lightTree;     // LightBox[]
   uint64_t shadowBits;    // ShadowBits[(lightCount + 31) / 32]
   uint64_t lightShadows;  // LightShadow[viewCount][shadowColumns]
   uint64_t shadowMaps;    // ShadowMap[]
-  // A frame before and a frame after: arrays like `instances` and `views`, and the very same where nothing moves.
+  // The previous and the next frame: arrays like `instances` and `views`, or the same addresses if nothing moves.
   uint64_t previousInstances;
   uint64_t nextInstances;
   uint64_t previousViews;  // without jitter
   uint64_t nextViews;
-  uint64_t rays;  // of pictures through a lens, all views' LensRay[height + 2][width], from the row above on; else 0
+  uint64_t rays;  // for lenses: LensRay[height + 2][width] of all views, from the row above the picture on; else 0
   uint viewCount;
   uint lightCount;
   uint directionalLights;
-  uint lightTreeLeaves;        // the first leaf's number
-  uint shadowColumns;          // lights that cast shadows in some view
+  uint lightTreeLeaves;        // index of the first leaf in lightTree
+  uint shadowColumns;          // number of lights that cast shadows in any view
   float exposure;              // linear factor
   float environmentIntensity;  // 0: no environment
-  float environmentCos;        // rotation about Z, see shared/environment.h
+  float environmentCos;        // rotation about Z (shared/environment.h)
   float environmentSin;
-  float environmentLevels;  // prefiltered levels, roughness 0 at level 0 and 1 at the last
-  Fog fog;                  // of all surfaces, blended ones too, and of the background
-  vec3 positionOffset;      // from device world space to that of the output `position`: a float, and the rest of a double
+  float environmentLevels;  // number of prefiltered levels, from roughness 0 at level 0 to roughness 1 at the last
+  Fog fog;                  // applied to all surfaces, including blended ones, and to the background
+  vec3 positionOffset;      // from device world space to that of the output `position`, as a pair of floats: high part
   vec3 positionOffsetLow;
 };
 
@@ -305,7 +308,7 @@ static_assert(sizeof(latelight::shared::MaterialLayers) == 96);
 static_assert(sizeof(latelight::shared::Material) == 80 + 19 * 28 + 19 * 4 + 96);
 static_assert(sizeof(latelight::shared::Material) == latelight::shared::kMaterialBytes);
 static_assert(sizeof(latelight::shared::LightBox) == 24);
-// Where glsl/common.glsl finds their members.
+// glsl/common.glsl loads members at these offsets.
 static_assert(sizeof(latelight::shared::VertexAttributes) == latelight::shared::kAttributesBytes);
 static_assert(offsetof(latelight::shared::VertexAttributes, uv0) == 28);
 static_assert(sizeof(latelight::shared::View) == latelight::shared::kViewBytes);

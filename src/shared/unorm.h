@@ -1,8 +1,8 @@
-// Numbers in [-1, 1] in UNORM channels, with a code for 0. A channel of b bits has 2^b codes, an even number, so that x
-// * 0.5 + 0.5 puts 0 between two of them; leaving out the last code puts it on one, as SNORM formats do. An
-// axis-aligned normal then comes back exact.
+// Stores numbers in [-1, 1] in UNORM channels, with a code for 0. A channel of b bits has 2^b codes, an even number, so
+// x * 0.5 + 0.5 puts 0 between two codes. Without the last code, 0 has its own code, as in SNORM formats. An
+// axis-aligned normal is then decoded exactly.
 //
-// `levels` is 2^b - 1, or 0 for a float channel, which needs none of this.
+// `levels` is 2^b - 1, or 0 for a float channel, which needs no such correction.
 #ifndef LATELIGHT_SHARED_UNORM_H
 #define LATELIGHT_SHARED_UNORM_H
 
@@ -15,7 +15,7 @@ SH_FUNC float unormFromSigned(float x, float levels) {
   return (x * 0.5f + 0.5f) * share;
 }
 
-// Rounds to the code first: a device's UNORM conversion may be off in the last bit, and 0 must come back as 0.
+// Rounds to the code first: a device's UNORM conversion may be off in the last bit, and 0 must be decoded as 0.
 SH_FUNC float signedFromUnorm(float u, float levels) {
   if (levels <= 0.0f) return u * 2.0f - 1.0f;
   float zero = (levels - 1.0f) * 0.5f;
@@ -23,7 +23,7 @@ SH_FUNC float signedFromUnorm(float u, float levels) {
 }
 
 // The code that a UNORM channel of up to 24 bits stores for a number, and the number decoded from it. (Adding 0.5
-// before floor() would itself round where codes need all of a float's 24 bits.)
+// before floor() would round by itself when codes need all 24 bits of a float.)
 SH_FUNC uint unormCode(float x, float levels) {
   float scaled = saturate(x) * levels;
   float whole = floor(scaled);

@@ -1,5 +1,5 @@
-// GGX with two widths, of KHR_materials_anisotropy: along a tangent and across it (Burley 2012, Physically-Based
-// Shading at Disney; masking by Heitz 2014). With both widths alike it is the lobe of ggx.h.
+// Anisotropic GGX of KHR_materials_anisotropy, with one alpha along a tangent and one across it (Burley 2012,
+// Physically-Based Shading at Disney; masking by Heitz 2014). With equal widths it is the lobe of ggx.h.
 #ifndef LATELIGHT_SHARED_BRDF_ANISOTROPIC_H
 #define LATELIGHT_SHARED_BRDF_ANISOTROPIC_H
 
@@ -7,16 +7,16 @@
 
 SH_BEGIN
 
-// A unit frame with the widths of the lobe in it.
+// An orthonormal frame with the lobe's widths in it.
 struct StretchedFrame {
   vec3 tangent;  // the direction in which the lobe is stretched
   vec3 bitangent;
   vec3 normal;
-  float along;   // alpha by the tangent
-  float across;  // and by the bitangent
+  float along;   // alpha along the tangent
+  float across;  // alpha along the bitangent
 };
 
-// KHR_materials_anisotropy: only the width along the direction grows, to 1 with the square of the strength.
+// KHR_materials_anisotropy: only the width along the direction grows, toward 1 with the square of the strength.
 SH_FUNC StretchedFrame stretchedFrame(vec3 normal, vec3 direction, float roughness, float strength) {
   StretchedFrame f;
   f.normal = normal;
@@ -27,7 +27,7 @@ SH_FUNC StretchedFrame stretchedFrame(vec3 normal, vec3 direction, float roughne
   return f;
 }
 
-// 1/sr. 0 where the half vector is below the surface.
+// 1/sr. 0 if the half vector is below the surface.
 SH_FUNC float stretchedDistribution(StretchedFrame f, vec3 h) {
   float nh = dot(f.normal, h);
   if (nh <= 0.0f) return 0.0f;
@@ -44,22 +44,23 @@ SH_FUNC float stretchedRoot(StretchedFrame f, vec3 direction, float cosine) {
   return sqrt(x * x + y * y + cosine * cosine);
 }
 
-// 1/sr, height-correlated masking included. `nl` and `nv` are the clamped cosines.
+// 1/sr, including height-correlated masking. `nl` and `nv` are the clamped cosines.
 SH_FUNC float stretchedLobe(StretchedFrame f, vec3 toLight, vec3 toEye, vec3 h, float nl, float nv) {
   float visibility = 0.5f / (nv * stretchedRoot(f, toLight, nl) + nl * stretchedRoot(f, toEye, nv));
   return stretchedDistribution(f, h) * visibility;
 }
 
-// A direction from which a lobe sends light to the eye.
+// A direction from which a lobe reflects light to the eye.
 struct LobeSample {
   vec3 toLight;      // unit
   float vh;          // cosine between the eye and the facet that reflects it
-  float weight;      // share of the light from there that leaves the surface
-  float solidAngle;  // sr, that it stands for
+  float weight;      // fraction of the light from there that leaves the surface
+  float solidAngle;  // solid angle that the sample represents, sr
 };
 
-// The i-th of `count`: mirrored about facets of which the eye sees equal areas (Dupuy and Benyoub 2023, Sampling
-// Visible GGX Normals with Spherical Caps), a golden angle from one to the next. `nv` is n.v above 0.
+// The i-th of `count` samples of the distribution of visible normals (Dupuy and Benyoub 2023, Sampling Visible GGX
+// Normals with Spherical Caps): the eye's direction is mirrored about facets whose visible areas are equal. Successive
+// samples are a golden angle apart. `nv` is n.v above 0.
 SH_FUNC LobeSample stretchedSample(StretchedFrame f, vec3 toEye, float nv, uint i, uint count) {
   vec3 eye = normalize(vec3(f.along * dot(f.tangent, toEye), f.across * dot(f.bitangent, toEye), nv));
   float turn = 2.0f * kPi * fract(float(i) * 0.61803399f + 0.5f);
@@ -80,13 +81,13 @@ SH_FUNC LobeSample stretchedSample(StretchedFrame f, vec3 toEye, float nv, uint 
   return r;
 }
 
-// Scale and bias of f0 and f90 in the share of uniform light that the lobe sends to the eye, which the split-sum table
-// has for round lobes alone: what one of the directions adds.
+// One sample's contribution to the split-sum scale and bias of f0 and f90, which the split-sum table contains only for
+// isotropic lobes.
 SH_FUNC vec2 stretchedShare(LobeSample r) {
   float grazing = schlickWeight(r.vh);
   return vec2(1.0f - grazing, grazing) * r.weight;
 }
-// 0.004 of all light off the integral in the mean.
+// Split-sum scale and bias of an anisotropic lobe. The mean error is 0.004 of all light.
 SH_FUNC vec2 stretchedTable(StretchedFrame f, vec3 toEye, float nv) {
   const uint kCount = 64u;
   vec2 sum = vec2(0.0f, 0.0f);

@@ -1,5 +1,5 @@
-// Sheen of KHR_materials_sheen: the "Charlie" distribution of fibres and its visibility (Estevez and Kulla 2017,
-// Production Friendly Microfacet Sheen BRDF). All cosines clamped to (0, 1].
+// Sheen of KHR_materials_sheen: the "Charlie" distribution of fibers and its visibility term (Estevez and Kulla 2017,
+// Production Friendly Microfacet Sheen BRDF). All cosines are clamped to (0, 1].
 #ifndef LATELIGHT_SHARED_BRDF_CHARLIE_H
 #define LATELIGHT_SHARED_BRDF_CHARLIE_H
 
@@ -7,7 +7,7 @@
 
 SH_BEGIN
 
-// Smallest roughness, at which the lobe is a rim some degrees wide; at 0 it would be nowhere.
+// Minimum roughness, at which the lobe is a rim some degrees wide; at 0 the lobe would vanish.
 SH_CONST float kCharlieMinRoughness = 1.0f / 16.0f;
 
 SH_FUNC float charlieAlpha(float roughness) {
@@ -15,13 +15,13 @@ SH_FUNC float charlieAlpha(float roughness) {
   return r * r;
 }
 
-// 1/sr, an exponentiated sine: normalised so that its integral times n.h over the hemisphere is 1. `sin2` is |n x h|^2.
+// 1/sr, an exponentiated sine, normalized so that its integral times n.h over the hemisphere is 1. `sin2` is |n x h|^2.
 SH_FUNC float charlieDistribution(float sin2, float alpha) {
   float inverse = 1.0f / alpha;
   return (2.0f + inverse) * pow(max(sin2, 1e-12f), 0.5f * inverse) * (0.5f * kInvPi);
 }
 
-// Smith's lambda of that distribution, by the paper's fit in the logarithm.
+// Smith's lambda of that distribution, from the paper's fit to its logarithm.
 SH_FUNC float charlieLogLambda(float x, float alpha) {
   float t = (1.0f - alpha) * (1.0f - alpha);
   float a = 21.5473f + (25.3245f - 21.5473f) * t;
@@ -42,10 +42,11 @@ SH_FUNC float charlieLobe(float sin2, float nl, float nv, float alpha, float eye
   return charlieDistribution(sin2, alpha) * visibility;
 }
 
-// Share of uniform light from all directions that the lobe sends towards an eye at n.v: the logarithm is a polynomial
-// in the cube root of n.v and 1 / (roughness + 0.1), fitted to the integral. At most 0.042 off it, 0.0043 in the mean
-// (relative where it is above 1). The paper's visibility makes light at grazing views of small roughnesses: the share
-// passes 1 where the roughness is below 0.26, and reaches 3.1 at the smallest, where n.v is 0.004.
+// Fraction of uniform light from all directions that the lobe reflects toward an eye at n.v (directional albedo). The
+// logarithm is a polynomial in the cube root of n.v and 1 / (roughness + 0.1), fitted to the integral. Its error is at
+// most 0.042, and 0.0043 in the mean (relative where the albedo is above 1). The paper's visibility term creates energy
+// at grazing views of small roughness: the albedo exceeds 1 for roughness below 0.26, and reaches 3.1 at the minimum
+// roughness and n.v of 0.004.
 SH_FUNC float charlieAlbedo(float nv, float roughness) {
   float x = pow(max(nv, 1e-6f), 1.0f / 3.0f);
   float y = 1.0f / (clamp(roughness, kCharlieMinRoughness, 1.0f) + 0.1f);
@@ -57,13 +58,13 @@ SH_FUNC float charlieAlbedo(float nv, float roughness) {
   return exp(c0 + x * (c1 + x * (c2 + x * (c3 + x * c4))));
 }
 
-// Directions over the hemisphere, of equal solid angle, from which an environment is looked up for the lobe.
+// Number of directions over the hemisphere, of equal solid angle, in which the environment is sampled for the lobe.
 SH_CONST uint kSheenSamples = 24u;
 SH_CONST float kSheenSolidAngle = 2.0f * kPi / 24.0f;
 
-// The i-th of them and how much the lobe takes of its light, up to a factor. `along` is the eye's direction in the
-// plane of the normal (unit). A lobe of less than kLeast is taken as that: it would be narrower than the directions are
-// apart.
+// The i-th of these directions and the lobe's weight for its light, up to a constant factor. `along` is the eye's
+// direction in the plane of the normal (unit). Roughness below kLeast is clamped to it: such a lobe would be narrower
+// than the spacing of the directions.
 struct SheenSample {
   vec3 toLight;
   float weight;

@@ -1,7 +1,7 @@
-// Reflectance of a thin film over a surface, of KHR_materials_iridescence: interference of the light that the film's
-// two sides reflect, integrated over the spectrum (Belcour and Barla 2017, A Practical Extension to Microfacet Theory
-// for the Modeling of Varying Iridescence), in the specification's form: Schlick's reflectances without polarization,
-// and the first two orders of the series.
+// Thin-film interference of KHR_materials_iridescence: the reflectance of a film over a surface, from the interference
+// of the light that the film's two sides reflect, integrated over the spectrum (Belcour and Barla 2017, A Practical
+// Extension to Microfacet Theory for the Modeling of Varying Iridescence). It follows the specification's form, with
+// Schlick's reflectance without polarization, but sums kFilmOrders orders of the series.
 #ifndef LATELIGHT_SHARED_BRDF_THIN_FILM_H
 #define LATELIGHT_SHARED_BRDF_THIN_FILM_H
 
@@ -15,16 +15,16 @@ SH_FUNC float reflectanceFromIors(float a, float b) {
   return r * r;
 }
 
-// The index of refraction, beside air, of a reflectance at normal incidence. Of 0.9999 it is 4e4.
+// Index of refraction, relative to air, for a reflectance at normal incidence. For 0.9999 it is 4e4.
 SH_FUNC float iorFromReflectance(float f0) {
   float root = sqrt(min(f0, 0.9999f));
   return (1.0f + root) / (1.0f - root);
 }
 
-// Linear Rec.709 of light of which cos(2 pi path / wavelength + shift) is reflected: Fourier transforms of Gaussians
-// fitted to the colour matching functions (the paper's section 4; X has two). `path` in metres; a shift each for X, Y
-// and Z. The specification's sums make equal-energy white reddish (1.20, 0.95, 0.91), so that a film would colour a
-// surface even where it is too thin for interference; here each channel is scaled by its white.
+// Linear Rec.709 color of light whose reflected fraction is cos(2 pi path / wavelength + shift): Fourier transforms of
+// Gaussians fitted to the color matching functions (the paper's section 4; X has two). `path` is in meters; there is
+// one shift each for X, Y and Z. The specification's sums make equal-energy white reddish (1.20, 0.95, 0.91), so a film
+// would tint a surface even if it is too thin for interference. Here each channel is scaled by its white.
 SH_FUNC vec3 filmSensitivity(float path, vec3 shift) {
   float phase = 2.0f * kPi * path;
   float p2 = phase * phase;
@@ -37,10 +37,10 @@ SH_FUNC vec3 filmSensitivity(float path, vec3 shift) {
               0.0517655f * x1 + 0.0094084f * x2 - 0.2242517f * y + 1.1630777f * z);
 }
 
-// What a film does to one channel of the surface beneath, whose reflectance beside air is f0.
+// Effect of a film on one channel of the surface below, whose reflectance in air is f0.
 struct FilmChannel {
   float inner;  // reflectance between film and surface
-  float shift;  // of the phase where light is reflected there
+  float shift;  // phase shift of the light reflected there
 };
 SH_FUNC FilmChannel filmChannel(float f0, float filmIor, float innerWeight) {
   FilmChannel c;
@@ -51,13 +51,13 @@ SH_FUNC FilmChannel filmChannel(float f0, float filmIor, float innerWeight) {
   return c;
 }
 
-// Two, as in the specification, leave up to 0.27 of a channel at grazing angles over reflective surfaces; three 0.17.
+// Two orders, as in the specification, have an error of up to 0.27 in a channel at grazing angles over reflective
+// surfaces; three have 0.17.
 SH_CONST uint kFilmOrders = 3u;
 
-// Reflectance of a film of that thickness (nm) over a surface of reflectance f0 beside air, for light that meets it
-// from air at `cosine`. Colours outside of Rec.709 are clamped, so that no channel reflects more than it receives.
-// Schlick's term lets both sides of the film reflect at grazing angles whatever the indices are, so that a film thinner
-// than 0.03 nm is faded out.
+// Reflectance of a film of that thickness (nm) over a surface of reflectance f0 in air, for light arriving from air at
+// `cosine`. Colors outside Rec.709 are clamped, so no channel reflects more than it receives. Schlick's term makes both
+// sides of the film reflect at grazing angles regardless of the indices, so films thinner than 0.03 nm are faded out.
 SH_FUNC vec3 thinFilm(vec3 f0, float ior, float thickness, float cosine) {
   float film = max(ior, 1.0f);
   float inside2 = 1.0f - (1.0f - cosine * cosine) / (film * film);
@@ -76,7 +76,7 @@ SH_FUNC vec3 thinFilm(vec3 f0, float ior, float thickness, float cosine) {
   vec3 series = inner * (passed * passed) / (vec3(1.0f, 1.0f, 1.0f) - both);
   vec3 sum = series + vec3(outer, outer, outer);
   vec3 order = (series - vec3(passed, passed, passed)) * root;
-  float path = 2.0e-9f * film * min(thickness, 1e5f) * inside;  // beyond 0.1 mm no light interferes
+  float path = 2.0e-9f * film * min(thickness, 1e5f) * inside;  // light does not interfere beyond 0.1 mm
   for (uint m = 1u; m <= kFilmOrders; ++m) {
     float times = float(m);
     sum = sum + order * filmSensitivity(path * times, shift * times) * 2.0f;
@@ -87,8 +87,8 @@ SH_FUNC vec3 thinFilm(vec3 f0, float ior, float thickness, float cosine) {
   return none + (clamped - none) * smoothstep(0.0f, 0.03f, thickness);
 }
 
-// Cosines between the eye and those facets of a GGX lobe that send it uniform light: their mean and standard deviation,
-// within 0.05 of the integral.
+// Mean and standard deviation of the cosines between the eye and the facets of a GGX lobe that reflect uniform light to
+// it, within 0.05 of the integral.
 struct FacetCosines {
   float mean;
   float spread;

@@ -1,7 +1,7 @@
-// Light through a surface: KHR_materials_transmission, _volume and _dispersion. A thin wall lets light through
-// straight, and its two rough sides blur it like a reflection seen along the ray. A volume bends the ray where it
-// enters; where it leaves is not known to a rasterizer, so that what is seen through it lies where the bent ray ends
-// after `thickness`.
+// Transmission of light through a surface: KHR_materials_transmission, _volume and _dispersion. A thin wall transmits
+// light without bending it, and its two rough sides blur it like a reflection along the view ray. A volume refracts the
+// ray where it enters. A rasterizer does not know where the ray exits, so the background is sampled at the end of the
+// refracted ray after `thickness`.
 #ifndef LATELIGHT_SHARED_BRDF_TRANSMISSION_H
 #define LATELIGHT_SHARED_BRDF_TRANSMISSION_H
 
@@ -9,8 +9,8 @@
 
 SH_BEGIN
 
-// 1/m for each channel of a medium that leaves `color` of white light after `distance` (m), by Beer's law. A distance
-// that is not above 0 or is infinite absorbs nothing.
+// Absorption in 1/m per channel of a medium that attenuates white light to `color` after `distance` (m), by Beer's law.
+// A distance that is not above 0 or is infinite absorbs nothing.
 SH_FUNC float absorptionOf(float color, float distance) {
   if (distance <= 0.0f) return 0.0f;
   return max(log2(clamp(color, 1e-6f, 1.0f)) * (-0.69314718f / distance), 0.0f);
@@ -19,7 +19,7 @@ SH_FUNC vec3 absorptionOf(vec3 color, float distance) {
   return vec3(absorptionOf(color.x, distance), absorptionOf(color.y, distance), absorptionOf(color.z, distance));
 }
 
-// Share of light that is left after a path of that length.
+// Fraction of light that remains after a path of that length (Beer's law).
 SH_FUNC vec3 beersLaw(vec3 absorption, float path) {
   return vec3(exp(-absorption.x * path), exp(-absorption.y * path), exp(-absorption.z * path));
 }
@@ -30,15 +30,16 @@ SH_FUNC float dispersedIor(float ior, float dispersion, uint channel) {
   return max(ior + spread * (float(channel) - 1.0f), 1.0f);
 }
 
-// The direction of the ray from the eye once it has entered a medium (unit). `nv` is n.v above 0, `ior` at least 1.
+// Direction (unit) of the ray from the eye after it has entered a medium (Snell's law). `nv` is n.v above 0, `ior` at
+// least 1.
 SH_FUNC vec3 refractedRay(vec3 normal, vec3 toEye, float nv, float ior) {
   float inverse = 1.0f / ior;
   float inside = sqrt(1.0f - (1.0f - nv * nv) * inverse * inverse);
   return normalize(normal * (nv * inverse - inside) - toEye * inverse);
 }
 
-// Perceptual roughness of what is seen through a surface: that of the surface where the index of refraction is 1.5 or
-// more, and none without refraction.
+// Perceptual roughness of the background as visible through a surface: the surface's roughness if the index of
+// refraction is 1.5 or more, falling to 0 without refraction.
 SH_FUNC float transmittedRoughness(float roughness, float ior) {
   return roughness * clamp(ior * 2.0f - 2.0f, 0.0f, 1.0f);
 }

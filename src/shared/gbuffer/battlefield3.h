@@ -13,7 +13,7 @@
 
 #include "shared/gbuffer.h"
 
-#define GBUFFER_KEEPS_FLAGS  // by the material id
+#define GBUFFER_KEEPS_FLAGS  // stored as the material id
 #define GBUFFER_DESCRIPTION \
   "Battlefield 3: normal + smoothness, diffuse + specular, sky visibility and material ids, irradiance"
 #define GBUFFER_FIXED_NORMAL "world-space x, y and z, eight bits each"
@@ -32,7 +32,7 @@ SH_CONST float kMaterialIdMatte = 2.0f;
 SH_CONST float kMaterialIdUnlit = 3.0f;
 
 SH_FUNC float materialId(Surface s) {
-  if (s.flags != 0u) return kMaterialIdUnlit;  // of layered ones, too, nobody asks what they reflect
+  if (s.flags != 0u) return kMaterialIdUnlit;  // also for layered surfaces, whose reflectance is never read
   return s.f90 <= 0.0f ? kMaterialIdMatte : kMaterialIdLit;
 }
 

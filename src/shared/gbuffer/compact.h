@@ -1,10 +1,10 @@
-// compact: lighting from it matches lighting from floats to within one 8-bit level. 20 bytes a pixel, depth included.
-// The default.
+// compact, the default: lighting matches lighting from floats to within one 8-bit level. 20 bytes per pixel, including
+// depth.
 //
 // Relative errors matter, not absolute ones: a lobe's peak is proportional to 1 / roughness^4, and a strong light makes
-// a dark colour bright. So colours, roughness and reflectances are stored as square roots, whose steps shrink towards
-// 0, and metalness has small steps at both ends. Normals take the most bits: the highlight of the smoothest surface is
-// 1e-3 radians wide (kGgxMinAlpha), and an error of 5e-6 changes its flank by 1 %.
+// a dark color bright. Therefore colors, roughness and reflectance are stored as square roots, whose steps shrink
+// toward 0, and metalness has small steps at both ends. Normals have the most bits: the highlight of the smoothest
+// surface is 1e-3 radians wide (kGgxMinAlpha), and an error of 5e-6 changes its flank by 1 %.
 #ifndef LATELIGHT_SHARED_GBUFFER_COMPACT_H
 #define LATELIGHT_SHARED_GBUFFER_COMPACT_H
 
@@ -18,7 +18,7 @@
 
 GBUFFER_BEGIN
 
-// A value in [0, 1] as its square root, and back.
+// Quantizes the square root of a value in [0, 1], and back.
 SH_FUNC uint rootBits(float x, uint bits) {
   return toBits(sqrt(saturate(x)), bits);
 }
@@ -27,8 +27,8 @@ SH_FUNC float fromRootBits(uint x, uint bits) {
   return root * root;
 }
 
-// Metalness as the square root of half its distance to the nearer end: near-metals keep their little diffuse light,
-// near-dielectrics their reflectance.
+// Stores metalness as the square root of half its distance to the nearer end: near-metals keep their little diffuse
+// light, and near-dielectrics their reflectance.
 SH_FUNC uint packMetallic(float m) {
   return toBits(m <= 0.5f ? sqrt(max(m, 0.0f) * 0.5f) : 1.0f - sqrt(max(1.0f - m, 0.0f) * 0.5f), 10u);
 }
@@ -37,7 +37,7 @@ SH_FUNC float unpackMetallic(uint x) {
   return root <= 0.5f ? 2.0f * root * root : 1.0f - 2.0f * (1.0f - root) * (1.0f - root);
 }
 
-// A normal in 40 bits, 32 and 8.
+// Packs a normal into 40 bits, 32 and 8.
 SH_FUNC vec3 normal40Levels(bool two) {
   float levels = two ? 1048575.0f : 8191.0f;
   return vec3(levels, levels, levels);
@@ -57,8 +57,8 @@ SH_FUNC vec3 unpackNormal40(uint encoding, uint low, uint high) {
   return decodeNormal(encoding, vec3(fromBits(low, bits), fromBits(y, bits), fromBits(z, bits)), normal40Levels(two));
 }
 
-// A dielectric's f0 as a share of its f90, which it never exceeds in glTF: 8 bits of each channel in the lower word,
-// the ninth of each in the upper. A grey one has 16 bits, flagged by the last bit.
+// Stores a dielectric's f0 as a fraction of its f90, which it never exceeds in glTF: 8 bits of each channel in the
+// lower word, the ninth bit of each in the upper. A gray f0 has 16 bits, and the last bit flags it.
 SH_CONST uint kUntinted = 8u;
 SH_FUNC uvec2 packReflectance(vec3 share) {
   if (share.x == share.y && share.y == share.z) return uvec2(rootBits(share.x, 16u), kUntinted);

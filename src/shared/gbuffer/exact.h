@@ -1,5 +1,5 @@
-// exact: every member of Surface in 32-bit floats. The source of the data outputs and, when lit, the reference for all
-// other layouts. 116 bytes a pixel with depth.
+// exact: every member of Surface in 32-bit floats. It is the source of the data outputs and, when lit, the reference
+// for all other layouts. 116 bytes per pixel, including depth.
 #ifndef LATELIGHT_SHARED_GBUFFER_EXACT_H
 #define LATELIGHT_SHARED_GBUFFER_EXACT_H
 

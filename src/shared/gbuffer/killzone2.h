@@ -28,7 +28,7 @@
 
 GBUFFER_BEGIN
 
-// The intensity up to which a surface counts as a dielectric; its square root is exactly an 8-bit code, 51.
+// The maximum intensity of a dielectric surface; its square root is exactly an 8-bit code, 51.
 SH_CONST float kDielectricIntensity = 0.04f;
 
 // The metalness that makes specularF0()'s largest channel `intensity`.
@@ -37,8 +37,8 @@ SH_FUNC float metallicFromIntensity(float intensity, float largestBase) {
   return range > 1e-3f ? saturate((intensity - kDielectricIntensity) / range) : 0.0f;
 }
 
-// Motion in pixels as eight bits a channel, and back: code 128 is no motion.
-SH_CONST float kMotionSteps = 4.0f;  // a pixel
+// Motion in pixels as eight bits per channel, and back. Code 128 is no motion.
+SH_CONST float kMotionSteps = 4.0f;  // steps per pixel
 SH_FUNC float motionCode(float pixels) {
   return clamp(floor(pixels * kMotionSteps + 128.5f), 0.0f, 255.0f) / 255.0f;
 }

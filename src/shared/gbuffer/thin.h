@@ -1,4 +1,5 @@
-// thin: everything GGX needs in 12 bytes a pixel, depth included: the least memory, at an error of a few levels.
+// thin: all parameters of GGX in 12 bytes per pixel, including depth. It requires the least memory, with an error of a
+// few 8-bit levels.
 #ifndef LATELIGHT_SHARED_GBUFFER_THIN_H
 #define LATELIGHT_SHARED_GBUFFER_THIN_H
 
@@ -11,8 +12,8 @@
 
 GBUFFER_BEGIN
 
-// A dielectric's f0 in 3 bits: f0 = 0.16 r^2 (Lagarde and de Rousiers 2014, section 3.1.3) with r = code / 6, so code 3
-// is the usual 0.04 and code 0 reflects nothing at any angle. A tinted f0 is replaced by its mean.
+// Stores a dielectric's f0 in 3 bits: f0 = 0.16 r^2 (Lagarde and de Rousiers 2014, section 3.1.3) with r = code / 6, so
+// code 3 is the usual 0.04, and code 0 reflects nothing at any angle. A tinted f0 is replaced by its mean.
 SH_FUNC uint packReflectance(vec3 f0, float f90) {
   if (f90 <= 0.0f) return 0u;
   float r = sqrt(max((f0.x + f0.y + f0.z) * (1.0f / 3.0f), 0.0f) / 0.16f);

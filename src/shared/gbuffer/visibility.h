@@ -1,6 +1,7 @@
-// visibility: no G-buffer. Lighting finds the triangle that a pixel shows in the visibility buffer of the raster
-// compute, and evaluates its material there and then (Burns and Hunt 2013, The Visibility Buffer: A Cache-Friendly
-// Approach to Deferred Shading, JCGT 2(2)). Nothing is packed, so nothing is lost: what is lit is what `exact` holds.
+// visibility: no G-buffer. Lighting reads the visible triangle of each pixel from the visibility buffer of the compute
+// rasterizer, and evaluates its material on the spot (Burns and Hunt 2013, The Visibility Buffer: A Cache-Friendly
+// Approach to Deferred Shading, JCGT 2(2)). Nothing is packed, so no precision is lost: the lit values equal those of
+// `exact`.
 #ifndef LATELIGHT_SHARED_GBUFFER_VISIBILITY_H
 #define LATELIGHT_SHARED_GBUFFER_VISIBILITY_H
 

@@ -1,4 +1,4 @@
-// KHR_lights_punctual's directional light: infinitely far away, so that all of its light comes from one direction.
+// The directional light of KHR_lights_punctual: infinitely far away, so all of its light comes from one direction.
 #ifndef LATELIGHT_SHARED_LIGHT_DIRECTIONAL_H
 #define LATELIGHT_SHARED_LIGHT_DIRECTIONAL_H
 

@@ -1,4 +1,4 @@
-// KHR_lights_punctual's point light: alike in all directions.
+// The point light of KHR_lights_punctual: equal intensity in all directions.
 #ifndef LATELIGHT_SHARED_LIGHT_POINT_H
 #define LATELIGHT_SHARED_LIGHT_POINT_H
 

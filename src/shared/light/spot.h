@@ -1,5 +1,5 @@
-// KHR_lights_punctual's spot light: from a point into a cone, all of it within the inner half angle, and none from the
-// outer one on.
+// The spot light of KHR_lights_punctual: a point source with a cone. The intensity is full within the inner half angle
+// and zero beyond the outer one.
 #ifndef LATELIGHT_SHARED_LIGHT_SPOT_H
 #define LATELIGHT_SHARED_LIGHT_SPOT_H
 

@@ -1,6 +1,6 @@
-// Lambert's azimuthal equal-area projection (Lambert 1772; Snyder 1987, "Map Projections: A Working Manual", chapter
-// 24; for normals Pranckevicius 2009, "Compact Normal Storage for small G-Buffers"). The same disc as the spheremap's
-// by another formula: no normalisation, and no singularity at +Z.
+// Lambert azimuthal equal-area projection (Lambert 1772; Snyder 1987, "Map Projections: A Working Manual", chapter 24;
+// for normals Pranckevicius 2009, "Compact Normal Storage for small G-Buffers"). It maps to the same disc as the
+// spheremap by another formula, without normalization and without a singularity at +Z.
 //
 //   encode  n.xy / sqrt(8 n.z + 8) + 0.5
 #ifndef LATELIGHT_SHARED_NORMAL_LAMBERT_H
@@ -15,8 +15,8 @@ SH_BEGIN
 SH_CONST uint kNormalChannels_lambert = 2u;
 SH_CONST uint kNormalHemisphere_lambert = 0u;
 
-// 8 z + 8 loses precision near -Z; 8 |n.xy|^2 / (1 - z) is the same number without that loss. -Z itself is the whole
-// rim.
+// 8 z + 8 loses precision near -Z; 8 |n.xy|^2 / (1 - z) is the same number without that loss. The whole rim represents
+// -Z.
 SH_FUNC vec3 encodeNormal_lambert(vec3 n, vec3 levels) {
   float squared = n.x * n.x + n.y * n.y;
   if (n.z < 0.0f && squared < 1e-30f) return vec3(1.0f, 0.5f, 0.0f);
@@ -24,7 +24,7 @@ SH_FUNC vec3 encodeNormal_lambert(vec3 n, vec3 levels) {
   return vec3(n.x * s + 0.5f, n.y * s + 0.5f, 0.0f);
 }
 
-// Points that rounding put outside the disc are -Z.
+// Points that rounding moved outside the disc decode to -Z.
 SH_FUNC vec3 decodeNormal_lambert(vec3 e, vec3 levels) {
   float x = e.x * 4.0f - 2.0f;
   float y = e.y * 4.0f - 2.0f;

@@ -1,4 +1,5 @@
-// Octahedral: the sphere folded onto a square (Meyer et al. 2010; Cigolle et al. 2014, JCGT 3(2)).
+// Octahedral encoding: the sphere folded onto a square (Meyer et al. 2010, On Floating-Point Normal Vectors; Cigolle et
+// al. 2014, A Survey of Efficient Representations for Independent Unit Vectors, JCGT 3(2)).
 #ifndef LATELIGHT_SHARED_NORMAL_OCTAHEDRAL_H
 #define LATELIGHT_SHARED_NORMAL_OCTAHEDRAL_H
 

@@ -1,6 +1,6 @@
-// Octahedral, precise: of the four codes around a direction, the one that decodes nearest to it (Cigolle et al. 2014,
-// JCGT 3(2), "oct-precise"). Rounding each coordinate separately does not find it, since the map shears. Decodes like
-// octahedral: only encoding costs more.
+// Precise octahedral encoding: the one of the four codes around a direction that decodes nearest to it (Cigolle et al.
+// 2014, JCGT 3(2), "oct-precise"). Rounding each coordinate separately does not find this code, because the map shears.
+// It decodes like octahedral; only encoding costs more.
 #ifndef LATELIGHT_SHARED_NORMAL_OCTAHEDRAL_PRECISE_H
 #define LATELIGHT_SHARED_NORMAL_OCTAHEDRAL_PRECISE_H
 
@@ -13,7 +13,7 @@ SH_BEGIN
 SH_CONST uint kNormalChannels_octahedral_precise = 2u;
 SH_CONST uint kNormalHemisphere_octahedral_precise = 0u;
 
-// Distances are compared, not cosines, which are all 1 in 32 bits for near directions.
+// Compares distances instead of cosines, which are all 1 in 32 bits for nearby directions.
 SH_FUNC vec3 encodeNormal_octahedral_precise(vec3 n, vec3 levels) {
   if (levels.x <= 0.0f || levels.y <= 0.0f) return encodeNormal_octahedral(n, levels);
   vec2 o = octahedralFromDirection(n);

@@ -1,6 +1,6 @@
-// Spheremap in signed form: the point of the unit disc in [-1, 1], for SNORM and float targets. n.xy must be
-// normalized; n.xy * sqrt(-n.z * 0.5 + 0.5), which some courses show, does not match the decoder. UNORM channels store
-// it like SNORM channels, with a code for 0.
+// Signed spheremap: the point of the unit disc in [-1, 1], for SNORM and float targets. n.xy must be normalized; n.xy *
+// sqrt(-n.z * 0.5 + 0.5), which some courses show, does not match the decoder. UNORM channels store it like SNORM
+// channels, with a code for 0.
 #ifndef LATELIGHT_SHARED_NORMAL_SPHEREMAP_SIGNED_H
 #define LATELIGHT_SHARED_NORMAL_SPHEREMAP_SIGNED_H
 

@@ -1,5 +1,5 @@
-// Spherical coordinates with both angles: about Z, and from +Z. Costs one more atan2, sine and cosine than angle and z,
-// and is nowhere inaccurate: its codes crowd at the poles instead.
+// Spherical coordinates with both angles: about Z, and from +Z. It costs one more atan2, sine and cosine than angle and
+// z. It is nowhere inaccurate; instead, its codes are denser at the poles.
 #ifndef LATELIGHT_SHARED_NORMAL_SPHERICAL_ANGLES_H
 #define LATELIGHT_SHARED_NORMAL_SPHERICAL_ANGLES_H
 
@@ -12,7 +12,7 @@ SH_BEGIN
 SH_CONST uint kNormalChannels_spherical_angles = 2u;
 SH_CONST uint kNormalHemisphere_spherical_angles = 0u;
 
-// atan2 for the polar angle too: acos loses half its digits at the poles.
+// atan2 also for the polar angle, because acos loses half its digits at the poles.
 SH_FUNC vec3 encodeNormal_spherical_angles(vec3 n, vec3 levels) {
   float polar = atan2(sqrt(n.x * n.x + n.y * n.y), n.z) * kInvPi;
   return vec3(azimuthOf(n) * 0.5f + 0.5f, polar, 0.0f);

@@ -10,7 +10,7 @@
 
 SH_BEGIN
 
-// Angle about Z in half turns, [-1, 1]. At the poles, where atan2 is undefined, 0.
+// Angle about Z in half turns, [-1, 1]; 0 at the poles, where atan2 is undefined.
 SH_FUNC float azimuthOf(vec3 n) {
   if (n.x == 0.0f && n.y == 0.0f) return 0.0f;
   return atan2(n.y, n.x) * kInvPi;

@@ -1,6 +1,6 @@
-// XY with Z reconstructed, as in Killzone 2 (Valient 2007, "Deferred Rendering in Killzone 2"). It has no room for the
-// sign of z, so a normal that points away comes back mirrored to the near side. View space only, +Z towards the viewer;
-// with normal maps and perspective some visible normals still point away.
+// XY with reconstructed Z, as in Killzone 2 (Valient 2007, "Deferred Rendering in Killzone 2"). It does not store the
+// sign of z, so a normal that points away is decoded as its mirror image on the near side. It is restricted to view
+// space, with +Z toward the viewer. With normal maps and perspective, some visible normals still point away.
 #ifndef LATELIGHT_SHARED_NORMAL_XY_Z_H
 #define LATELIGHT_SHARED_NORMAL_XY_Z_H
 
@@ -17,7 +17,7 @@ SH_FUNC vec3 encodeNormal_xy_z(vec3 n, vec3 levels) {
   return vec3(n.x * 0.5f + 0.5f, n.y * 0.5f + 0.5f, 0.0f);
 }
 
-// At the rim rounding may make the length of (x, y) exceed 1; then z is 0, and they are normalised.
+// Rounding may make the length of (x, y) exceed 1 at the rim. Then z is 0, and (x, y) is normalized.
 SH_FUNC vec3 decodeNormal_xy_z(vec3 e, vec3 levels) {
   float x = e.x * 2.0f - 1.0f;
   float y = e.y * 2.0f - 1.0f;
