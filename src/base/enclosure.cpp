@@ -36,8 +36,9 @@ class Descriptor {
   int fd_;
 };
 
-// A path without links, opened step by step without following any, so that nothing can be exchanged for a link after
-// the check. Only folders and regular files are ever opened, since opening a device may have side effects.
+// Opens a path that contains no links, one component at a time and without following links, so that no component can be
+// replaced by a link after the check. It opens only folders and regular files, because opening a device may have side
+// effects.
 Descriptor openWithoutLinks(const fs::path& real) {
   Descriptor at(open("/", O_PATH | O_DIRECTORY | O_CLOEXEC));
   const fs::path steps = real.relative_path();
@@ -52,7 +53,7 @@ Descriptor openWithoutLinks(const fs::path& real) {
   return at;
 }
 
-// File systems whose regular files are not files, but information from the kernel about processes and devices.
+// File systems whose regular files contain information from the kernel about processes and devices.
 bool isOfKernel(int fd) {
   constexpr long kKernels[] = {PROC_SUPER_MAGIC, SYSFS_MAGIC,        DEBUGFS_MAGIC,      TRACEFS_MAGIC,
                                SECURITYFS_MAGIC, CGROUP_SUPER_MAGIC, CGROUP2_SUPER_MAGIC};

@@ -7,7 +7,7 @@ namespace latelight {
 std::string shortened(std::string_view text) {
   constexpr size_t kMost = 300, kHead = 200, kTail = 60;  // bytes
   if (text.size() <= kMost) return std::string(text);
-  // Not within a character of UTF-8.
+  // Does not split UTF-8 characters.
   const auto within = [&](size_t at) { return (static_cast<unsigned char>(text[at]) & 0xc0) == 0x80; };
   size_t head = kHead, tail = text.size() - kTail;
   while (head > kHead - 4 && within(head)) --head;

@@ -1,4 +1,5 @@
-// Errors end the program with one sentence and an exit code: throw for run-time errors, assert for logic errors.
+// Functions that throw latelight::Error, which ends the program with one sentence and an exit code. Run-time errors
+// throw; logic errors assert.
 #pragma once
 
 #include <fmt/format.h>
@@ -10,10 +11,10 @@
 
 namespace latelight {
 
-// User or file text as repeated in a message: all of it, or only its ends where it is too long to be read.
+// User or file text as quoted in a message: the full text, or only its beginning and end if it is too long to read.
 std::string shortened(std::string_view text);
 
-// shortened() for texts; anything else unchanged.
+// shortened() for texts; returns other values unchanged.
 template <typename T>
 decltype(auto) shortenedIfText(const T& value) {
   if constexpr (std::is_convertible_v<const T&, std::string_view>)

@@ -16,7 +16,7 @@
 namespace latelight {
 namespace {
 
-constexpr size_t kSignalStackBytes = 64 << 10;  // the registers of a wide processor take 11 KiB of it
+constexpr size_t kSignalStackBytes = 64 << 10;  // the registers of processors with wide vectors use 11 KiB of it
 
 std::atomic<bool> handled = false;
 
@@ -25,7 +25,8 @@ bool reportsCrash(int signal) {
   return std::find(std::begin(kCrashes), std::end(kCrashes), signal) != std::end(kCrashes);
 }
 
-// Everything here is safe in a signal handler: backtrace() allocates on its first call alone, which is not this one.
+// All functions here are safe in a signal handler: backtrace() allocates only on its first call, in
+// handleFatalSignals().
 void print(const char* text) {
   [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, text, std::strlen(text));
 }
@@ -51,7 +52,8 @@ void printBacktrace(int signal) {
 std::atomic_flag ending;
 
 void endBy(int signal) {
-  // Threads that do the same work crash at the same moment: the others wait for the first, whose report they would cut off.
+  // Threads that do the same work may crash at the same time. They wait for the first one, because ending the process
+  // would cut off its report.
   while (ending.test_and_set()) pause();
   removeTemporaryFiles();  // first: a crash may have left too little intact for the rest
   if (reportsCrash(signal)) printBacktrace(signal);
@@ -63,7 +65,7 @@ void endBy(int signal) {
 
 void handleFatalSignals() {
   void* frame = nullptr;
-  backtrace(&frame, 1);  // loads what it needs
+  backtrace(&frame, 1);  // loads its library before any crash
   handled = true;
   static std::optional<SignalStack> mainStack;
   mainStack.emplace();

@@ -1,4 +1,4 @@
-// Signals that end the program: its temporary files are removed first, and where it crashed, it prints a backtrace.
+// Handlers for signals that end the program: they remove its temporary files, and print a backtrace after a crash.
 #pragma once
 
 #include <cstddef>
@@ -6,14 +6,15 @@
 
 namespace latelight {
 
-// From here on every signal that would end the process first removes its temporary files; one that reports a crash, as
-// SIGSEGV does, then prints where it happened to standard error. The process then ends by the same signal. Signals that
-// are ignored or already have handlers are left alone. Programs call this from the main thread; libraries do not.
+// Installs the handlers. Every signal that would end the process then first removes its temporary files. A signal that
+// reports a crash, such as SIGSEGV, then prints a backtrace to standard error. The process ends by the same signal.
+// Signals that are ignored or already have handlers are unchanged. Programs call this function from the main thread;
+// libraries do not.
 void handleFatalSignals();
 
-// A stack for this thread's signal handlers, so that they run where the thread's own stack has overflowed: for the
-// lifetime of this object, in programs that called handleFatalSignals(), in threads that have none yet. The main thread
-// gets one there.
+// An alternate stack for this thread's signal handlers, so that they run even if the thread's own stack has overflowed.
+// It exists for the lifetime of this object, in programs that called handleFatalSignals(), and only for threads without
+// one. handleFatalSignals() creates one for the main thread.
 class SignalStack {
  public:
   SignalStack();

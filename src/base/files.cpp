@@ -33,7 +33,7 @@ class File {
   File& operator=(const File&) = delete;
   int get() const { return fd_; }
   explicit operator bool() const { return fd_ >= 0; }
-  // 0 or an errno: on network file systems a full disk may show only here.
+  // Returns 0 or an errno. Network file systems may report a full disk only here.
   int close() {
     const int result = fd_ >= 0 ? ::close(fd_) : 0;
     fd_ = -1;
@@ -55,13 +55,13 @@ int writeAll(int fd, std::span<const std::byte> bytes) {
   return 0;
 }
 
-// 0 or an errno. `size` is the size that the file reports; pipes and files in /proc report 0.
+// Returns 0 or an errno. `size` is the size that the file reports; pipes and files in /proc report 0.
 int readAll(int fd, size_t size, std::vector<std::byte>& bytes) {
   constexpr size_t kChunk = size_t{1} << 16;
   bytes.resize(size);
   for (size_t filled = 0;;) {
     if (filled == bytes.size() && filled > size) bytes.resize(filled * 2);
-    std::byte probe;  // at the stated size: usually the end, found without growing the vector
+    std::byte probe;  // at the reported size: usually the end of the file, detected without growing the vector
     const bool probing = filled == bytes.size();
     const ssize_t got = probing ? read(fd, &probe, 1) : read(fd, bytes.data() + filled, bytes.size() - filled);
     if (got < 0 && errno == EINTR) continue;
@@ -90,16 +90,16 @@ int readAll(int fd, size_t size, std::vector<std::byte>& bytes) {
   badUsage("can't write '{}': {}; {}", path.string(), reason(error), advice);
 }
 
-// What exists where a file is to be written.
+// The target of a write, and what exists there.
 struct Place {
-  fs::path path;    // links followed
-  mode_t mode = 0;  // as from stat; 0: nothing exists there
-  uid_t user = 0;   // its owner
+  fs::path path;    // with links resolved
+  mode_t mode = 0;  // st_mode; 0: nothing exists there
+  uid_t user = 0;   // owner of the existing file
   gid_t group = 0;
   bool isFile() const { return mode == 0 || S_ISREG(mode); }
 };
 
-// Throws Error(Usage) for anything that must not be written to, even where permissions would allow it.
+// Throws Error(Usage) for targets that must not be written to, even if permissions allow it.
 Place findPlace(const fs::path& path) {
   if (path.empty()) badUsage("can't write to a file without a name; give a file name");
   struct stat status {};
@@ -114,18 +114,18 @@ Place findPlace(const fs::path& path) {
   if (S_ISBLK(status.st_mode) || S_ISSOCK(status.st_mode))
     badUsage("can't write '{}': it is a {}; give a file name", path.string(),
              S_ISBLK(status.st_mode) ? "disk" : "socket");
-  // Checks the mode bits too, since root may write to any file.
+  // Also checks the mode bits, because root may write to any file.
   if (S_ISREG(status.st_mode) && ((status.st_mode & 0222) == 0 || access(path.c_str(), W_OK) != 0))
     badUsage("can't write '{}': the existing file is read-only; allow writing (chmod u+w), or choose another name",
              path.string());
-  // The target of links, so that they are kept.
+  // Resolves links, so that the file is replaced and the links remain.
   std::error_code error;
   const fs::path target = fs::canonical(path, error);
   return {error ? path : target, status.st_mode, status.st_uid, status.st_gid};
 }
 
-// 0 or an errno. Gives the new file the attributes of the one it replaces, as far as this user may; set-user-ID and the
-// like are not kept.
+// Returns 0 or an errno. Copies the attributes of the replaced file to the new file, as far as this user is permitted;
+// set-user-ID and similar bits are dropped.
 int takeOver(int fd, const Place& place) {
   constexpr auto kSameUser = static_cast<uid_t>(-1);
   constexpr auto kSameGroup = static_cast<gid_t>(-1);
@@ -133,7 +133,7 @@ int takeOver(int fd, const Place& place) {
   if (fstat(fd, &made) != 0) return errno;
   [[maybe_unused]] const bool user = made.st_uid == place.user || fchown(fd, place.user, kSameGroup) == 0;
   const bool group = made.st_gid == place.group || fchown(fd, kSameUser, place.group) == 0;
-  // The old group's permissions must not go to another group.
+  // The old group's permissions must not apply to another group.
   return fchmod(fd, place.mode & (group ? 0777 : 0707)) == 0 ? 0 : errno;
 }
 
@@ -147,9 +147,9 @@ int replace(const Place& place, std::span<const std::byte> bytes) {
   return file.become(place.path);
 }
 
-// 0 or an errno: into a pipe or a device, where there is nothing to rename over.
+// Returns 0 or an errno. Writes directly to a pipe or a device, which cannot be replaced by renaming.
 int writeInto(const fs::path& path, std::span<const std::byte> bytes) {
-  // O_NONBLOCK: opening a pipe that nobody reads from must not hang; it is then an error, ENXIO.
+  // O_NONBLOCK: opening a pipe without a reader must not block; it fails with ENXIO instead.
   File file(path, O_WRONLY | O_NONBLOCK | O_NOCTTY);
   if (!file) return errno;
   fcntl(file.get(), F_SETFL, 0);
@@ -166,7 +166,7 @@ bool isThere(const fs::path& path) {
 }
 
 std::vector<std::byte> readFile(const fs::path& path) {
-  // O_NONBLOCK: opening a pipe that nobody writes to must not hang; it does nothing to regular files.
+  // O_NONBLOCK: opening a pipe without a writer must not block; the flag has no effect on regular files.
   File file(path, O_RDONLY | O_NONBLOCK);
   if (!file) failToRead(path, reason(errno));
   return readFile(file.get(), path);
@@ -178,7 +178,8 @@ std::vector<std::byte> readFile(int fd, const fs::path& path) {
   if (S_ISDIR(status.st_mode)) failToRead(path, "it is a folder, not a file");
   if (!S_ISREG(status.st_mode) && !S_ISFIFO(status.st_mode)) failToRead(path, "it is not a file");
   if (S_ISFIFO(status.st_mode)) fcntl(fd, F_SETFL, 0);
-  // Checked first: where memory is overcommitted, the allocation would succeed and the process be killed later.
+  // Checks the limit first: with overcommitted memory, the allocation would succeed and the process would be killed
+  // later.
   const auto size = static_cast<uint64_t>(status.st_size);
   const std::string what = fmt::format("the file '{}'", path.string());
   const MemoryClaim claim(size, what);
@@ -196,7 +197,7 @@ std::string shortFileName(std::string name) {
   if (name.size() <= kShortFileName) return name;
   const uint64_t hash = hash64(name.data(), name.size());
   size_t kept = kShortFileName - kHashed;
-  while (kept > 0 && (static_cast<unsigned char>(name[kept]) & 0xc0) == 0x80) --kept;  // between characters of UTF-8
+  while (kept > 0 && (static_cast<unsigned char>(name[kept]) & 0xc0) == 0x80) --kept;  // at a UTF-8 character boundary
   return fmt::format("{}-{:016x}", std::string_view(name).substr(0, kept), hash);
 }
 
@@ -243,8 +244,8 @@ std::optional<fs::path> cacheFolder() {
   return folder;
 }
 
-// An entry ends with the XXH3 of everything before it: drivers trust the pipeline caches they are given, and after a
-// power loss a file may exist under its name without its contents.
+// An entry ends with the XXH3 hash of all preceding bytes. Drivers trust the pipeline caches that they load, and after
+// a power loss a file may exist without its contents.
 std::optional<std::vector<std::byte>> loadCache(std::string_view name) {
   assert(name.find('/') == std::string_view::npos);
   const std::optional<fs::path> folder = cacheFolder();
@@ -272,10 +273,10 @@ void storeCache(std::string_view name, std::span<const std::byte> bytes) try {
   std::vector<std::byte> entry(bytes.size() + sizeof(sum));
   if (!bytes.empty()) std::memcpy(entry.data(), bytes.data(), bytes.size());
   std::memcpy(entry.data() + bytes.size(), &sum, sizeof(sum));
-  // Replaces whatever exists there, even a pipe or a link. On a full disk there is just no entry.
+  // Replaces any existing entry, even a pipe or a link. On a full disk, no entry is stored.
   replace({.path = *folder / name}, entry);
 } catch (const std::exception&) {
-  // A cache is never required, so running out of memory for it is no error.
+  // A cache is never required, so running out of memory for it is not an error.
 }
 
 }  // namespace latelight

@@ -12,7 +12,7 @@
 
 namespace latelight {
 
-// Runs around every fork(). Never destroyed: a process may fork while it ends.
+// Handlers that run around every fork(). The object is never destroyed, because a process may fork while it ends.
 class ForkHandlers {
  public:
   static ForkHandlers& get() {
@@ -37,14 +37,14 @@ class ForkHandlers {
 
   using Clock = std::chrono::steady_clock;
 
-  // A callback that forks may hold a lock itself: then the fork goes on without.
+  // After a second, fork() continues without the locks, because a callback that forks may hold one itself.
   void beforeFork() {
     listing_.lock();
     locked_ = mutexes_.empty() || lockAll(Clock::now() + std::chrono::seconds(1));
   }
 
-  // As std::lock(): waits for a single one while it holds none, so that threads which take several in another order are
-  // not in the way.
+  // Works like std::lock(): it waits for one mutex only while it holds no other, so threads that lock several in
+  // another order cannot cause a deadlock.
   bool lockAll(Clock::time_point end) {
     size_t first = 0;
     while (mutexes_[first]->mutex_.try_lock_until(end)) {
@@ -56,7 +56,8 @@ class ForkHandlers {
     return false;
   }
 
-  // Locks all but one, or none: then it returns the one that another thread holds.
+  // Locks all mutexes except `locked` and returns their number; if another thread holds one, locks none and returns its
+  // index.
   size_t lockOthers(size_t locked) {
     for (size_t i = 0; i < mutexes_.size(); ++i) {
       if (i == locked || mutexes_[i]->try_lock()) continue;
@@ -79,7 +80,7 @@ class ForkHandlers {
     new (&listing_) std::mutex;
   }
 
-  std::mutex listing_;  // guards the rest
+  std::mutex listing_;  // guards the members below
   std::vector<ForkSafeMutex*> mutexes_;
   bool locked_ = false;
   std::atomic<uint32_t> generation_ = 0;

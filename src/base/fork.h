@@ -1,6 +1,6 @@
-// What holds across fork(). A forked process has the memory of its parent, but only the thread that called fork():
-// there are no threads to join or to wait for, locks that other threads held stay locked, and a device still belongs to
-// the parent.
+// Rules across fork(). A forked process has the memory of its parent, but only the thread that called fork(): there are
+// no threads to join or to wait for, locks that other threads held stay locked, and a device still belongs to the
+// parent.
 #pragma once
 
 #include <sys/types.h>
@@ -11,7 +11,7 @@
 
 namespace latelight {
 
-// How many forks lie between this process and the first one that loaded the library.
+// The number of forks between this process and the first one that loaded the library.
 uint32_t forkGeneration();
 
 // The process that created an object.
@@ -27,7 +27,8 @@ class OwnerProcess {
   pid_t id_;
 };
 
-// An object that only this process destroys. In a forked process the last owner leaves it as it is.
+// Returns a pointer to an object that only this process destroys. In a forked process the last owner does not destroy
+// it.
 template <typename T>
 std::shared_ptr<T> ownedByProcess(T* object) {
   return std::shared_ptr<T>(object, [owner = OwnerProcess()](T* owned) {
@@ -35,8 +36,8 @@ std::shared_ptr<T> ownedByProcess(T* object) {
   });
 }
 
-// Guards state of the whole process that a forked process goes on using: fork() waits up to a second until no other
-// thread holds it, and in the forked process it is free.
+// A mutex for process-wide state that a forked process continues to use. fork() waits up to a second until no other
+// thread holds it, and in the forked process it is unlocked.
 class ForkSafeMutex {
  public:
   ForkSafeMutex();

@@ -1,11 +1,11 @@
-// What happens in a program that runs on, as lines on standard error.
+// A log of events in long-running programs, as lines on standard error.
 #pragma once
 
 #include <string>
 
 namespace latelight {
 
-// "12:34:56 sentence", of the day in UTC; nothing with --quiet. Thread-safe.
+// Prints "12:34:56 sentence" with the time of day in UTC; prints nothing with --quiet. Thread-safe.
 void record(const std::string& sentence);
 
 }  // namespace latelight

@@ -19,20 +19,20 @@ namespace latelight {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr auto kInterval = std::chrono::milliseconds(100);  // between two redraws
+constexpr auto kInterval = std::chrono::milliseconds(100);  // interval between two redraws
 constexpr int kBarWidth = 30;                               // characters
 constexpr const char* kClearLine = "\r\x1b[K";
 
 std::atomic<bool> quiet = false;
-ForkSafeMutex terminal;  // one writer on standard error at a time
-int drawnBars = 0;       // bars on the terminal's last line (guarded by `terminal`)
+ForkSafeMutex terminal;  // held while writing to standard error
+int drawnBars = 0;       // number of bars on the terminal's last line (guarded by `terminal`)
 thread_local std::vector<std::string>* capture = nullptr;
 
 bool isTerminal() {
   return isatty(STDERR_FILENO) == 1;
 }
 
-// https://no-color.org: present and not empty.
+// Implements https://no-color.org: NO_COLOR is present and not empty.
 bool wantsColor() {
   const char* off = std::getenv("NO_COLOR");
   return isTerminal() && (!off || !*off);
@@ -44,7 +44,7 @@ struct Character {
 };
 constexpr uint32_t kInvalid = ~0u;
 
-// The first character of a non-empty text; kInvalid and one byte where it is not UTF-8 (Unicode 15, table 3-7).
+// The first character of a non-empty text; kInvalid and one byte if it is not UTF-8 (Unicode 15, table 3-7).
 Character firstOf(std::string_view text) {
   const auto byte = [&](size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
   const uint32_t lead = byte(0);

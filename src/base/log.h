@@ -1,4 +1,4 @@
-// Output on standard error besides errors: warnings, each once, and progress.
+// Warnings, each printed once, and progress bars on standard error.
 #pragma once
 
 #include <fmt/format.h>
@@ -10,20 +10,20 @@
 
 namespace latelight {
 
-// Names from a scene file are part of sentences: they must not contain terminal control sequences or line breaks, nor
-// change the direction of the text around them. Such characters (C0 and C1 controls, line and paragraph separators,
-// bidirectional controls), and bytes that are not UTF-8, become "?".
+// Text that is safe to print. Names from a scene file are part of messages: they must not contain terminal control
+// sequences or line breaks, nor change the direction of the text around them. Such characters (C0 and C1 controls, line
+// and paragraph separators, bidirectional controls) and bytes that are not UTF-8 become "?".
 std::string printable(std::string_view text);
 
-// Prints "warning: <sentence>" on standard error; the same sentence only once per process. Thread-safe.
+// Prints "warning: <sentence>" on standard error, each sentence only once per process. Thread-safe.
 void warn(const std::string& sentence);
 template <typename... Args>
 void warn(fmt::format_string<Args...> format, Args&&... args) {
   warn(fmt::format(format, std::forward<Args>(args)...));
 }
 
-// While it lives, warnings of its thread are kept instead of printed. Jobs that run in parallel use it so that their
-// warnings can be printed in the same order in each run.
+// During its lifetime, warnings of its thread are appended to `captured` instead of being printed. Jobs that run in
+// parallel use it to print their warnings in the same order on each run.
 class WarningCapture {
  public:
   explicit WarningCapture(std::vector<std::string>& captured);
@@ -35,12 +35,11 @@ class WarningCapture {
   std::vector<std::string>* const previous_;
 };
 
-// --quiet: no warnings, no progress.
+// Implements --quiet: no warnings, no progress bars, no journal.
 void setQuiet(bool quiet);
 
-// A progress bar on standard error while it lives; silent unless standard error is a terminal, and for the first
-// `silence` seconds: short work needs no bar.
-// step() may be called from any thread.
+// A progress bar on standard error during its lifetime. It prints nothing if standard error is not a terminal, nor for
+// the first `silence` seconds, because short work needs no bar. step() may be called from any thread.
 class Progress {
  public:
   Progress(std::string_view what, uint64_t total, double silence = 0.3);

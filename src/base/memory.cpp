@@ -23,13 +23,13 @@ constexpr uint64_t kUnlimited = std::numeric_limits<uint64_t>::max();
 std::atomic<uint64_t> chosenLimit = 0;
 std::atomic<uint64_t> taken = 0;
 
-// The first number of a file; kUnlimited where there is none ("max").
+// The first number in a file; kUnlimited if it does not begin with one ("max").
 uint64_t numberIn(const fs::path& path) {
   uint64_t value = 0;
   return std::ifstream(path) >> value ? value : kUnlimited;
 }
 
-// The memory available to new programs without swapping; on old kernels only unused memory.
+// The memory available to new programs without swapping, in bytes; old kernels report only unused memory.
 uint64_t freeOnMachine() {
   std::ifstream file("/proc/meminfo");
   std::string key;
@@ -39,7 +39,7 @@ uint64_t freeOnMachine() {
   return sysinfo(&info) == 0 ? uint64_t{info.freeram} * info.mem_unit : kUnlimited;
 }
 
-// The same for the control groups of this process, versions 2 and 1.
+// The memory available within the control groups of this process, versions 2 and 1.
 uint64_t freeInContainers() {
   uint64_t least = kUnlimited;
   const auto look = [&](const fs::path& folder, const char* limit, const char* usage) {
@@ -63,8 +63,8 @@ uint64_t defaultLimit() {
   return limit;
 }
 
-// The limit, or less where `ulimit -v` leaves less on top of current use: a driver without address space for its
-// compiler and threads crashes.
+// The limit, or less if `ulimit -v` leaves less in addition to current use. A driver crashes without address space for
+// its compiler and threads, so some is reserved.
 uint64_t limitBeside(uint64_t before) {
   constexpr uint64_t kForDrivers = uint64_t{256} << 20;
   const uint64_t left = addressesLeft();

@@ -1,4 +1,4 @@
-// How much of the machine's memory the process may use, and how much it has claimed.
+// The limit on the machine's memory that the process may use, and the claims against it.
 #pragma once
 
 #include <atomic>
@@ -11,38 +11,38 @@
 
 namespace latelight {
 
-// Bytes: the value set, or three quarters of the memory that the machine, its containers and the process's own limits
-// had free at the first call.
+// The limit in bytes: the value set by latelight::setMemoryLimit() of the public header, or three quarters of the
+// memory that the machine, its containers and the process's own limits had free at the first call.
 uint64_t memoryLimit();
-// latelight::setMemoryLimit() of the public header sets it.
 
-// The address space left by the process's own limit ("ulimit -v"), bytes; 2^64 - 1 without one.
+// The address space that the process's own limit ("ulimit -v") leaves, in bytes; 2^64 - 1 if there is no limit.
 uint64_t addressesLeft();
 
-// Memory that something large uses, or is about to use: it counts against the limit for this object's lifetime.
+// Memory that a large object uses or is about to use. It counts against the limit for the lifetime of this claim.
 class MemoryClaim {
  public:
   MemoryClaim() = default;
-  // Throws Error(DeviceLost) with a message that names `what` ("its textures") where that exceeds what is left.
+  // Throws Error(DeviceLost) with a message that names `what` ("its textures") if the claim exceeds the remaining
+  // memory.
   MemoryClaim(uint64_t bytes, std::string_view what) { grow(bytes, what); }
   ~MemoryClaim();
   MemoryClaim(MemoryClaim&& other) noexcept;
   MemoryClaim& operator=(MemoryClaim&& other) noexcept;
 
   void grow(uint64_t bytes, std::string_view what);  // from any thread
-  void shrink(uint64_t bytes);                       // at most to nothing; from any thread
+  void shrink(uint64_t bytes);                       // not below 0; from any thread
 
  private:
   std::atomic<uint64_t> bytes_ = 0;
 };
 
 namespace detail {
-void takeMemory(uint64_t bytes, std::string_view what);  // throws as MemoryClaim does
+void takeMemory(uint64_t bytes, std::string_view what);  // throws the errors of MemoryClaim
 void returnMemory(uint64_t bytes);
 }  // namespace detail
 
-// Allocates memory that counts against the limit for as long as it is allocated, copies included: for containers whose
-// size a file decides. `Content::kName` names them in the error ("the environment's image").
+// Allocator whose memory counts against the limit while it is allocated, including copies: for containers whose size a
+// file determines. `Content::kName` names them in the error ("the environment's image").
 template <typename T, typename Content>
 struct CountedAllocator {
   using value_type = T;
@@ -74,11 +74,11 @@ struct CountedAllocator {
 template <typename T, typename Content>
 using CountedVector = std::vector<T, CountedAllocator<T, Content>>;
 
-// For an allocation that failed nevertheless: Error(DeviceLost).
+// Throws Error(DeviceLost) for an allocation that failed despite a claim.
 [[noreturn]] void failWithoutMemory(std::string_view what);
 
-// "512M", "4G", "1.5G", "70000K", or bytes; binary multiples, whatever follows the letter ("4GB", "4GiB"). 0 where it
-// is not such a size.
+// Parses "512M", "4G", "1.5G", "70000K" or a number of bytes. Multiples are binary for all suffixes ("4GB", "4GiB").
+// Returns 0 if the text is not such a size.
 uint64_t parseMemory(std::string_view text);
 
 }  // namespace latelight

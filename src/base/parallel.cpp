@@ -34,26 +34,27 @@ std::optional<size_t> threadsAskedFor() {
   return std::nullopt;
 }
 
-// Batch systems and containers give a process fewer cores than the machine has.
+// The cores that this process may use. Batch systems and containers restrict them.
 size_t coresLent() {
   cpu_set_t set;
   if (sched_getaffinity(0, sizeof(set), &set) == 0) return static_cast<size_t>(std::max(1, CPU_COUNT(&set)));
-  return std::max(1u, std::thread::hardware_concurrency());  // more cores than bits in cpu_set_t
+  return std::max(1u, std::thread::hardware_concurrency());  // the machine has more cores than cpu_set_t has bits
 }
 
-// One parallelFor. Chunks are handed out in order, so when a chunk throws, all earlier ones were handed out too:
-// keeping the exception of the first chunk makes the one rethrown the same on every run.
+// One call of parallelFor. Chunks are distributed in order, so when a chunk throws, all earlier chunks were
+// distributed, too. Storing the exception of the first chunk therefore makes the rethrown exception the same on every
+// run.
 struct Job {
   Job(size_t count, size_t grain, const std::function<void(size_t, size_t)>& body)
       : count(count), grain(grain), chunks((count + grain - 1) / grain), body(body) {}
 
   const size_t count, grain, chunks;
-  const std::function<void(size_t, size_t)>& body;  // lives as long as the caller waits: until `running` is 0
+  const std::function<void(size_t, size_t)>& body;  // valid while the caller waits: until `running` is 0
   std::atomic<size_t> next = 0;
 
   std::mutex mutex;
   std::condition_variable finished;
-  size_t running = 0;  // threads in work(), the caller's excluded
+  size_t running = 0;  // threads in work(), excluding the caller's
   size_t failedChunk = ~size_t{0};
   std::exception_ptr failure;
 
@@ -81,7 +82,7 @@ class Pool {
     try {
       for (size_t i = 0; i < workers; ++i) std::thread([this] { serve(); }).detach();
     } catch (const std::system_error&) {
-      // A limit on threads: those that started are enough, the caller works too.
+      // The number of threads is limited. The threads that started suffice, because the caller works, too.
     }
   }
 
@@ -90,21 +91,22 @@ class Pool {
       std::lock_guard lock(mutex_);
       jobs_.push_back(job);
     }
-    // The caller takes part, and threads that have nothing to do only hold the lock.
+    // Wakes only as many threads as there is work for: the caller participates, and idle threads would only contend for
+    // the lock.
     for (size_t i = 1; i < std::min(job->chunks, threadCount()); ++i) wake_.notify_one();
     job->work();
     {
       std::lock_guard lock(mutex_);
       std::erase(jobs_, job);
     }
-    // Waiting here is only for running chunks: nesting can't deadlock.
+    // The caller waits only for running chunks, so nesting cannot deadlock.
     std::unique_lock lock(job->mutex);
     job->finished.wait(lock, [&] { return job->running == 0; });
   }
 
  private:
-  // The newest job with work left: inner loops finish before outer ones. Joined under the pool's lock, so that run(),
-  // having taken the job off the list, knows that no thread joins later.
+  // Returns the newest job with remaining work, so inner loops finish before outer ones. It joins the job under the
+  // pool's lock: after run() has removed the job from the list, no thread joins later.
   std::shared_ptr<Job> join() {
     std::unique_lock lock(mutex_);
     std::shared_ptr<Job> job;
@@ -136,8 +138,8 @@ class Pool {
 
 thread_local bool keptToThisThread = false;
 
-// Never destroyed: its threads wait on it until the process ends, however it ends. A forked process has none of those
-// threads, and gets a pool of its own.
+// The pool is never destroyed, because its threads wait on it until the process ends. A forked process has none of
+// those threads, and creates its own pool.
 Pool& pool() {
   struct Instance {
     uint32_t generation = forkGeneration();

@@ -1,4 +1,4 @@
-// One thread pool for each process, a forked one too, with a thread for each available core.
+// Parallel loops on one thread pool per process, also in forked processes, with one thread per available core.
 #pragma once
 
 #include <cstddef>
@@ -9,15 +9,16 @@
 
 namespace latelight {
 
-// Threads that parallelFor uses, the caller's included: LATELIGHT_THREADS, or the cores this process may run on.
+// The number of threads that parallelFor uses, including the caller's: LATELIGHT_THREADS, or the cores that this
+// process may run on.
 size_t threadCount();
 
-// Calls body(begin, end) over [0, count) in chunks of at most `grain`, on all threads, and returns when all are done.
-// The first exception thrown by a body is rethrown here. May be nested and called from any thread.
+// Calls body(begin, end) over [0, count) in chunks of at most `grain`, on all threads, and returns after all calls have
+// finished. Rethrows the first exception that a body throws. May be nested and called from any thread.
 void parallelFor(size_t count, size_t grain, const std::function<void(size_t begin, size_t end)>& body);
 
-// While it lives, parallelFor keeps to the calling thread: for threads that are as many as the cores, and would only get
-// into each other's way.
+// During its lifetime, parallelFor runs serially on the calling thread. Threads that already number as many as the
+// cores use it, because further threads would only compete with them.
 class KeptToThisThread {
  public:
   KeptToThisThread();
@@ -29,10 +30,10 @@ class KeptToThisThread {
   bool before_;
 };
 
-// Runs `task` on a thread of its own: for work that mostly waits or that has its own phases (device start-up, loading).
+// Runs `task` on its own thread: for work that mostly waits or has its own phases (device start-up, loading).
 template <typename F>
 auto inBackground(F&& task) {
-  // Where no thread can be created, it runs when its result is requested.
+  // If no thread can be created, the task runs when its result is requested.
   return std::async(std::launch::async | std::launch::deferred, [task = std::forward<F>(task)]() mutable {
     const SignalStack stack;
     return task();

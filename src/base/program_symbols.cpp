@@ -5,7 +5,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-extern "C" [[gnu::visibility("hidden")]] const char __ehdr_start;  // the linker's: where the file is mapped to run
+extern "C" [[gnu::visibility("hidden")]] const char __ehdr_start;  // defined by the linker: the address at which the
+                                                                   // file is loaded
 
 namespace latelight {
 
@@ -26,7 +27,7 @@ ProgramSymbols::ProgramSymbols() {
   file_ = {static_cast<const std::byte*>(mapped), size};
   const auto header = part<Elf64_Ehdr>(0, sizeof(Elf64_Ehdr));
   if (header.empty()) return;
-  // A program that is linked to run anywhere has symbols that count from its beginning.
+  // In a position-independent program, symbols are relative to its beginning.
   if (header[0].e_type == ET_DYN) origin_ = reinterpret_cast<uintptr_t>(&__ehdr_start);
   const auto sections = part<Elf64_Shdr>(header[0].e_shoff, header[0].e_shnum * sizeof(Elf64_Shdr));
   for (const Elf64_Shdr& section : sections) {

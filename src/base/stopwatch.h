@@ -1,4 +1,4 @@
-// Time that passes.
+// Measures elapsed time.
 #pragma once
 
 #include <chrono>
@@ -7,7 +7,7 @@ namespace latelight {
 
 class Stopwatch {
  public:
-  double seconds() const { return std::chrono::duration<double>(Clock::now() - begin_).count(); }  // since it was made
+  double seconds() const { return std::chrono::duration<double>(Clock::now() - begin_).count(); }  // since construction
 
  private:
   using Clock = std::chrono::steady_clock;

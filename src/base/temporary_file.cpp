@@ -24,20 +24,20 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::string_view kEnding = ".latelight-tmp";
-constexpr size_t kMostOfName = 200;  // bytes of the target's name; most file systems take 255 in all
+constexpr size_t kMostOfName = 200;  // bytes of the target's name; most file systems allow 255 in total
 
-// --- the list of all, which signal handlers read --------------------------------------------------------------------
+// --- list of all temporary files, which signal handlers read --------------------------------------------------------
 
 TemporaryFile* first = nullptr;
 std::atomic_flag listTaken;
 
-// Waits by sleeping: nothing better is allowed in a signal handler.
+// Waits by sleeping, because signal handlers may not use any better method.
 void takeList() {
   constexpr timespec kMillisecond{0, 1'000'000};
   while (listTaken.test_and_set(std::memory_order_acquire)) nanosleep(&kMillisecond, nullptr);
 }
 
-// The list, locked with signals blocked, so that a handler that waits for it always waits for another thread.
+// Locks the list with signals blocked, so a handler that waits for the lock always waits for another thread.
 class List {
  public:
   List() {
@@ -57,7 +57,7 @@ class List {
   sigset_t before_;
 };
 
-// --- what killed processes left -------------------------------------------------------------------------------------
+// --- files left by killed processes ---------------------------------------------------------------------------------
 
 // ".NAME.PID-SERIAL.latelight-tmp".
 bool isTemporaryName(std::string_view name) {
@@ -80,7 +80,7 @@ void removeUnlessLocked(const fs::path& path) {
   close(fd);
 }
 
-// Once per process and folder.
+// Removes the files of killed processes, once per process and folder.
 void sweep(const fs::path& folder) {
   static ForkSafeMutex mutex;
   static std::unordered_set<std::string> swept;
@@ -106,10 +106,10 @@ TemporaryFile::TemporaryFile(const fs::path& target, mode_t permissions) {
   } while (error_ == EEXIST);
 }
 
-// EEXIST where the name is taken, or where a sweep removed the file before it was locked.
+// Returns EEXIST if the name is taken, or if a sweep of another process removed the file before it was locked.
 int TemporaryFile::makeOnce(mode_t permissions) {
   {
-    const List list;  // created and listed atomically: a signal finds it listed, or not existing
+    const List list;  // created and listed atomically: a signal handler sees it either listed or not existing
     fd_ = open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, permissions);
     if (fd_ < 0) return errno;
     next_ = first;
@@ -117,7 +117,7 @@ int TemporaryFile::makeOnce(mode_t permissions) {
     first = this;
     listed_ = true;
   }
-  // On file systems without locks nothing is swept either.
+  // On file systems without locks, no file is swept either.
   const bool swept = flock(fd_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
   struct stat status {};
   if (!swept && (fstat(fd_, &status) != 0 || status.st_nlink > 0)) return 0;
@@ -126,13 +126,13 @@ int TemporaryFile::makeOnce(mode_t permissions) {
 }
 
 int TemporaryFile::become(const fs::path& target) {
-  // On network file systems a full disk may show only when a descriptor is closed. Closes a duplicate: the lock must
-  // last until the file is renamed.
+  // Network file systems may report a full disk only when a descriptor is closed. This closes a duplicate, because the
+  // lock must last until the file is renamed.
   const int copy = fcntl(fd_, F_DUPFD_CLOEXEC, 0);
   if (copy < 0 || close(copy) != 0) return errno;
   const List list;
   if (rename(path_.c_str(), target.c_str()) != 0) return errno;
-  leaveList();  // at once: its old name may soon be reused
+  leaveList();  // immediately, because its old name may soon be reused
   return 0;
 }
 
@@ -159,7 +159,7 @@ TemporaryFile::~TemporaryFile() {
 }
 
 void removeTemporaryFiles() {
-  takeList();  // and never releases it: no thread creates another file, or unlists one
+  takeList();  // never released, so no thread creates another file or removes one from the list
   for (TemporaryFile* file = first; file; file = file->next_) unlink(file->path_.c_str());
 }
 

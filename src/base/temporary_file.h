@@ -1,4 +1,4 @@
-// A file being written under a temporary name, removed however the program ends, short of SIGKILL.
+// Files that are written under a temporary name and removed however the program ends, except by SIGKILL.
 #pragma once
 
 #include <sys/types.h>
@@ -7,20 +7,20 @@
 
 namespace latelight {
 
-// A new file next to the one it will replace, named ".NAME.PID-SERIAL.latelight-tmp" and locked (flock) while it lives.
-// The lock ends with the process: it distinguishes files left by killed processes from those still being written, also
-// by other containers and machines. The first file in a folder sweeps those left there.
+// A new file next to the one that it will replace, named ".NAME.PID-SERIAL.latelight-tmp" and locked (flock) for its
+// lifetime. The lock ends with the process: it distinguishes files of killed processes from those still being written,
+// also by other containers and machines. The first file in a folder removes the files of killed processes there.
 class TemporaryFile {
  public:
-  // `permissions` as in open(), subject to the umask.
+  // Creates the file. `permissions` are those of open(), subject to the umask.
   TemporaryFile(const std::filesystem::path& target, mode_t permissions);
-  ~TemporaryFile();  // removes it, unless it was renamed
+  ~TemporaryFile();  // removes the file, unless it was renamed
   TemporaryFile(const TemporaryFile&) = delete;
   TemporaryFile& operator=(const TemporaryFile&) = delete;
 
-  int get() const { return fd_; }                   // to write to
+  int get() const { return fd_; }                   // file descriptor to write to
   int error() const { return error_; }              // 0, or the errno of the failed creation
-  int become(const std::filesystem::path& target);  // 0 or an errno: renames it, once it is completely written
+  int become(const std::filesystem::path& target);  // renames the completely written file; returns 0 or an errno
 
  private:
   friend void removeTemporaryFiles();
@@ -31,11 +31,11 @@ class TemporaryFile {
   std::filesystem::path path_;
   int fd_ = -1, error_ = 0;
   bool listed_ = false;
-  TemporaryFile *previous_ = nullptr, *next_ = nullptr;  // in the list of all
+  TemporaryFile *previous_ = nullptr, *next_ = nullptr;  // links of the list of all temporary files
 };
 
-// Removes all temporary files of the process, in a signal handler that ends it: no file can be created afterwards.
-// (fatal_signals.h)
+// Removes all temporary files of the process, in a signal handler that ends it (fatal_signals.h). No file can be
+// created afterward.
 void removeTemporaryFiles();
 
 }  // namespace latelight

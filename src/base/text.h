@@ -1,4 +1,4 @@
-// Numbers and lists as users write them, and as they are told to them.
+// Parses and formats numbers and lists as users read and write them.
 #pragma once
 
 #include <charconv>
@@ -12,7 +12,7 @@
 
 namespace latelight {
 
-// The whole text as one finite number; nothing where any part is not, or it is too large.
+// Parses the whole text as one finite number. Returns nothing if any part is not a number, or if it is out of range.
 template <typename T>
 std::optional<T> parseNumber(std::string_view text) {
   T value{};
@@ -30,13 +30,13 @@ inline std::string joinedByOr(std::span<const std::string> words) {
   return text;
 }
 
-// Puts `to` wherever `from` stands.
+// Replaces every occurrence of `from` by `to`.
 inline void replaceAll(std::string& text, std::string_view from, std::string_view to) {
   for (size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
     text.replace(at, from.size(), to);
 }
 
-// "a,b" as "a" and "b", an empty text as one empty part. They point into `text`.
+// Splits "a,b" into "a" and "b", and an empty text into one empty part. The parts point into `text`.
 inline std::vector<std::string_view> splitAtCommas(std::string_view text) {
   std::vector<std::string_view> parts;
   for (size_t comma = text.find(','); comma != std::string_view::npos; comma = text.find(',')) {
@@ -47,7 +47,7 @@ inline std::vector<std::string_view> splitAtCommas(std::string_view text) {
   return parts;
 }
 
-// Numbers separated by commas; empty where any part is not a number.
+// Parses numbers separated by commas. Returns an empty list if any part is not a number.
 template <typename T = float>
 std::vector<T> parseNumbers(std::string_view text) {
   std::vector<T> values;
