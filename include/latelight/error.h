@@ -1,4 +1,4 @@
-// The exception that every function of Latelight's public C++ API may throw. latelight.h includes it.
+// The exception that every function of Latelight's public C++ API may throw. latelight.h includes this file.
 #pragma once
 
 #include <stdexcept>
@@ -15,11 +15,11 @@ enum class ExitCode {
   Usage = 2,       // an invalid argument
   BadInput = 3,    // a file that is missing, broken or needs unsupported features
   NoDevice = 4,    // no Vulkan 1.3 device
-  DeviceLost = 5,  // or out of memory, on the device or the machine
+  DeviceLost = 5,  // the device was lost, or the device or the machine is out of memory
   SomeFramesFailed = 6,
 };
 
-// One sentence: what, where, what to do.
+// The message is one sentence that says what is wrong, where, and what to do.
 class LATELIGHT_API Error : public std::runtime_error {
  public:
   Error(ExitCode code, const std::string& sentence);

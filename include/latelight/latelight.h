@@ -1,4 +1,4 @@
-// Latelight's public C++ API. No Vulkan type is in it, and nothing else is exported by the library.
+// Latelight's public C++ API. It contains no Vulkan types, and the library exports nothing else.
 //
 //   latelight::Scene scene("helmet.glb");
 //   latelight::Renderer renderer(scene);
@@ -7,8 +7,8 @@
 //   latelight::Frame frame = renderer.render(scene.defaultCamera(16.0f / 9), options);
 //   // frame.rgba, frame.aovs.at("depth").values, ...
 //
-// Units are metres and degrees, colours linear Rec.709 but for Frame::rgba. Poses and positions are in the scene file's
-// own frame (glTF: right-handed, Y up). Every function may throw latelight::Error.
+// Units are meters and degrees. Colors are linear Rec.709, except Frame::rgba. Poses and positions are in the scene
+// file's own frame (glTF: right-handed, Y up). Every function may throw latelight::Error.
 #pragma once
 
 #include <latelight/error.h>
@@ -26,48 +26,51 @@
 
 namespace latelight {
 
-// The library's version, as in "0.1.0".
+// The library's version, such as "0.1.0".
 LATELIGHT_API const char* version();
 
-// Bytes of the machine's memory that this process may take for scenes, pictures and devices that run on the CPU; what
-// would take more throws Error(DeviceLost) before it does. 0, as at first: three quarters of what is free.
+// Limits the machine's memory, in bytes, that this process may use for scenes, pictures and devices that run on the
+// CPU. An operation that would exceed the limit throws Error(DeviceLost) before it allocates. 0, the default, is three
+// quarters of the free memory.
 LATELIGHT_API void setMemoryLimit(uint64_t bytes);
 
 enum class LensModel {
-  Pinhole,          // any focal lengths and principal point, without distortion
-  OpenCv,           // with OpenCV's radial and tangential distortion: k1 k2 p1 p2 k3 k4 k5 k6
-  Fisheye,          // Kannala and Brandt's, as OpenCV's: k1 k2 k3 k4, of the angle to the axis
-  Equirectangular,  // all around: the axis in the middle, longitude to the right, latitude up
-  CubeMap,          // six faces side by side: +X -X +Y -Y +Z -Z, of the camera's frame
+  Pinhole,          // any focal lengths and principal point, no distortion
+  OpenCv,           // OpenCV's radial and tangential distortion: k1 k2 p1 p2 k3 k4 k5 k6
+  Fisheye,          // Kannala and Brandt's model, as in OpenCV: k1 k2 k3 k4, of the angle to the axis
+  Equirectangular,  // all directions: the axis at the center, longitude to the right, latitude up
+  CubeMap,          // six faces side by side: +X -X +Y -Y +Z -Z of the camera's frame
 };
 
-// How a camera's rays go (docs/lenses.md), calibrated for pictures of width x height pixels; one of another size is the
-// same picture, scaled. Pixel centres are at half-integers: to OpenCV's cx and cy, which count from the first pixel's
-// centre, add 0.5.
+// The rays of a camera (docs/lenses.md), calibrated for images of width x height pixels; an image of another size is
+// the same image, scaled. Pixel centers are at half-integers. OpenCV's cx and cy count from the first pixel's center,
+// so add 0.5 to them.
 struct Lens {
   LensModel model = LensModel::Pinhole;
   double width = 0, height = 0;
-  double fx = 0, fy = 0, cx = 0, cy = 0;  // pixels; equirectangular pictures and cube maps have none
-  std::array<double, 8> distortion{};     // the first of them, as the model says
+  double fx = 0, fy = 0, cx = 0, cy = 0;  // pixels; unused by equirectangular images and cube maps
+  std::array<double, 8> distortion{};     // the coefficients of the model come first
 };
 
 struct Camera {
   std::string name;
-  // Camera frame to the scene file's frame, row-major. OpenCV's camera frame: X right, Y down, Z forward.
+  // Transform from the camera frame to the scene file's frame, row-major: a rotation and a translation. The camera
+  // frame is OpenCV's: X right, Y down, Z forward.
   std::array<double, 16> cameraToWorld{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
   bool orthographic = false;
   float verticalFov = 40;  // degrees, full angle
-  float halfHeight = 1;    // metres, orthographic cameras
-  // Width / height of the camera's own frame. Pictures show all of it, unless Options::cameraFit is "vertical"; without
-  // one, or with a lens, every picture has the vertical extent above.
+  float halfHeight = 1;    // meters, only of orthographic cameras
+  // Width / height of the camera's own frame. Images of another aspect show all of this frame, unless
+  // Options::cameraFit is "vertical". Without an aspect, or with a lens, every image has the vertical extent above.
   std::optional<float> aspect{};
-  // Metres. However near it is, depth keeps its precision: 2^-40, unless something is to be cut away.
+  // In meters. Depth precision does not depend on the near plane, so the default is 2^-40. Increase it only to clip
+  // near geometry.
   float nearClip = 9.09494702e-13f;
   float farClip = std::numeric_limits<float>::infinity();
-  float principalX = 0, principalY = 0;  // offset of the principal point from the centre, in half widths and half
+  float principalX = 0, principalY = 0;  // offset of the principal point from the center, in half widths and half
                                          // heights, y up
-  std::optional<Lens> lens{};            // instead of the field of view, the principal point and, where it bends rays,
-                                         // the near and the far plane
+  std::optional<Lens> lens{};            // replaces the field of view, the principal point and, if it bends rays, the
+                                         // near and far planes
 };
 
 struct Animation {
@@ -76,59 +79,62 @@ struct Animation {
 };
 
 struct SceneOptions {
-  std::string materialVariant{};            // KHR_materials_variants by name; empty: the file's default
-  std::vector<std::string> allowOutside{};  // folders it may read files from, beside its own and what lies below that
-  // Whole subtrees of nodes under one "id"; at most one of the two. Nodes deeper than idDepth have the id of their
-  // ancestor at that depth (roots are at 0); of idNodes, names or paths, each one's subtree has its id, but for what
-  // lies below another of them. A name that no node has throws Error(Usage).
+  std::string materialVariant{};            // name of a KHR_materials_variants variant; empty: the file's default
+  std::vector<std::string> allowOutside{};  // folders that the scene may read files from, in addition to its own folder
+                                            // and folders below it
+  // Groups whole subtrees of nodes under one "id". Set at most one of the two. With idDepth, deeper nodes have the id
+  // of their ancestor at that depth (roots are at depth 0). With idNodes, a list of names or paths, each listed node's
+  // subtree has that node's id, except for the subtrees of other listed nodes below it. A name that no node has throws
+  // Error(Usage).
   std::optional<uint32_t> idDepth{};
   std::vector<std::string> idNodes{};
 };
 
-// --- what a scene consists of, to be read and edited ----------------------------------------------------------------
+// --- scene elements, which can be read and edited -------------------------------------------------------------------
 
-// Identifies an element of a scene; small, and copied freely. A handle to a removed element is rejected with
-// Error(Usage), even if another element has taken its place; so is a handle of another scene.
+// Identifies an element of a scene. Handles are small values that can be copied freely. A handle to a removed element
+// is rejected with Error(Usage), even if another element has reused its slot. A handle from another scene is rejected
+// likewise.
 template <typename Element>
 struct Handle {
-  uint32_t scene = 0;  // 0: of none
+  uint32_t scene = 0;  // 0: an empty handle
   uint32_t index = 0, generation = 0;
   bool operator==(const Handle&) const = default;
 };
 
-// Row-major: object space to the scene file's frame; the last row is 0 0 0 1.
+// Row-major transform from object space to the scene file's frame. The last row is 0 0 0 1.
 using Transform = std::array<double, 16>;
 
 enum class AlphaMode { Opaque, Mask, Blend };
 
-// glTF's metallic-roughness material. Factors multiply the textures that the material has.
+// glTF's metallic-roughness material. Factors multiply the material's textures.
 struct Material {
-  std::string name;  // given when it is added; setMaterial() leaves it as it is
-  uint32_t id = 0;   // as in the output "material"; the scene gives it
+  std::string name;  // set by addMaterial(); setMaterial() does not change it
+  uint32_t id = 0;   // value of the output "material"; assigned by the scene
   std::array<float, 4> baseColor{1, 1, 1, 1};
   float metallic = 1, roughness = 1;       // 0 to 1
   std::array<float, 3> emissive{0, 0, 0};  // radiance; may be above 1
   AlphaMode alphaMode = AlphaMode::Opaque;
-  float alphaCutoff = 0.5f;  // with AlphaMode::Mask: what has less alpha is not there
+  float alphaCutoff = 0.5f;  // with AlphaMode::Mask: surfaces with less alpha are discarded
   bool doubleSided = false, unlit = false;
-  float normalScale = 1;        // of the normal map's slopes
+  float normalScale = 1;        // factor of the normal map's slopes
   float occlusionStrength = 1;  // 0 to 1
   float specular = 1;           // KHR_materials_specular
   std::array<float, 3> specularColor{1, 1, 1};
-  float f0 = 0.04f;  // what a dielectric reflects at normal incidence: ((ior - 1) / (ior + 1))^2
-  // The extensions KHR_materials_* lay these over the surface, or let light through it. Strengths, roughness and
-  // colours are from 0 to 1, and a strength of 0 leaves the layer out.
+  float f0 = 0.04f;  // reflectance of a dielectric at normal incidence: ((ior - 1) / (ior + 1))^2
+  // Coats and transmission of the KHR_materials_* extensions. Strengths, roughness and colors are from 0 to 1. A
+  // strength of 0 disables the layer.
   float clearcoat = 0, clearcoatRoughness = 0;
-  float clearcoatNormalScale = 1;            // of its own normal map's slopes
+  float clearcoatNormalScale = 1;            // factor of the slopes of the clearcoat's own normal map
   std::array<float, 3> sheenColor{0, 0, 0};  // black: no sheen
   float sheenRoughness = 0;
   float anisotropy = 0, anisotropyRotation = 0;  // rotation in degrees, counter-clockwise from the tangent
   float iridescence = 0, iridescenceIor = 1.3f;  // index of refraction of the film, at least 1
-  float iridescenceThinnest = 100, iridescenceThickest = 400;  // nanometres, where the texture is 0 and 1
+  float iridescenceThinnest = 100, iridescenceThickest = 400;  // nanometers, where the texture is 0 and 1
   float transmission = 0;
-  float thickness = 0;                                                 // metres in object space; 0: thin-walled
-  std::array<float, 3> attenuationColor{1, 1, 1};                      // what is left of white light after the distance
-  float attenuationDistance = std::numeric_limits<float>::infinity();  // metres
+  float thickness = 0;                                                 // meters in object space; 0: thin-walled
+  std::array<float, 3> attenuationColor{1, 1, 1};                      // color of white light after that distance
+  float attenuationDistance = std::numeric_limits<float>::infinity();  // meters; above 0
   float dispersion = 0;                                                // 20 / the Abbe number
   float diffuseTransmission = 0;
   std::array<float, 3> diffuseTransmissionColor{1, 1, 1};
@@ -160,40 +166,41 @@ enum class Wrap { Repeat, Mirror, Clamp };
 struct Texture {
   std::string name;
   uint32_t width = 0, height = 0;
-  bool srgb = true;  // its colours are sRGB-encoded; alpha never is
+  bool srgb = true;  // colors are sRGB-encoded; alpha never is
 };
 
-// Pixels of a texture that a program makes: RGBA, 8 bits a channel, straight alpha, rows from the top.
+// Pixels of a texture that a program creates: RGBA, 8 bits per channel, straight alpha, rows from the top. Width and
+// height must be above 0, and `rgba` must have 4 width height bytes.
 struct TextureData {
   std::string name;
   uint32_t width = 0, height = 0;
-  bool srgb = true;  // as base colours and emitted light are stored; not for normals, roughness and other data
+  bool srgb = true;  // true for base color and emission; false for normals, roughness and other data
   std::vector<uint8_t> rgba;
 };
 
-// How a material samples a texture. Channels are those of glTF: roughness is green and metalness blue.
+// How a material samples a texture. Channels are those of glTF: roughness is green, metalness is blue.
 struct TextureUse {
   Handle<Texture> texture;
   Wrap wrapU = Wrap::Repeat, wrapV = Wrap::Repeat;
-  bool smooth = true;  // linear filters and mip levels; else the nearest texel
-  uint32_t uvSet = 0;  // or 1
+  bool smooth = true;  // linear filtering with mip levels; otherwise the nearest texel
+  uint32_t uvSet = 0;  // 0 or 1
 };
 
-// As in KHR_lights_punctual.
+// A light of KHR_lights_punctual.
 struct Light {
   std::string name;
-  std::string type = "point";                // or another of `latelight list lights`
-  std::array<double, 3> position{0, 0, 0};   // not of directional lights
-  std::array<float, 3> direction{0, 0, -1};  // from the light, of any length; not of point lights
+  std::string type = "point";                // a type that `latelight list lights` shows
+  std::array<double, 3> position{0, 0, 0};   // unused by directional lights
+  std::array<float, 3> direction{0, 0, -1};  // direction of emission, of any length above 0; unused by point lights
   std::array<float, 3> color{1, 1, 1};
-  float intensity = 1;                   // candela; of directional lights lux
-  std::optional<float> range;            // metres; without one it reaches everything
+  float intensity = 1;                   // candela; lux for directional lights
+  std::optional<float> range;            // meters; empty: unbounded
   double innerCone = 0, outerCone = 45;  // half angles of spot lights, degrees
-  double size = 0;                       // radius, metres; of directional lights what they fill across, degrees
-  std::optional<bool> castShadow;        // true: before all lights that don't say; false: never
+  double size = 0;                       // radius, meters; angular diameter in degrees for directional lights
+  std::optional<bool> castShadow;        // true: has priority over lights without a value; false: never casts shadows
 };
 
-// Triangles, as they are at rest.
+// A triangle mesh in its rest pose.
 struct Mesh {
   std::string name;
   uint64_t vertices = 0, triangles = 0;
@@ -201,49 +208,52 @@ struct Mesh {
   bool deforms = false;                           // a skin or morph targets move its vertices
 };
 
-// A mesh that a program makes, in object space. Positions are required; each of the others is empty, or has one value a
-// position.
+// A mesh that a program creates, in object space. Positions are required. The other attributes are each empty or have
+// one value per position; all values must be finite.
 struct MeshData {
   std::string name;
   std::vector<std::array<float, 3>> positions;
-  std::vector<uint32_t> indices;              // three a triangle, fronts counter-clockwise; empty: each three positions
-  std::vector<std::array<float, 3>> normals;  // empty: flat, those of the triangles, which then share no vertex
-  std::vector<std::array<float, 4>> tangents;  // and the bitangent's sign; empty: made from uv, where there is some
-  std::vector<std::array<float, 2>> uv, uv1;   // the first and the second set, v down
-  std::vector<std::array<float, 4>> colors;    // linear, 0 to 1; multiply the base color
+  std::vector<uint32_t> indices;               // three per triangle, front faces counter-clockwise; empty: every three
+                                               // positions are one triangle
+  std::vector<std::array<float, 3>> normals;   // empty: flat normals of the triangles, which then share no vertices
+  std::vector<std::array<float, 4>> tangents;  // with the bitangent's sign in w; empty: computed from uv, if there is
+                                               // any
+  std::vector<std::array<float, 2>> uv, uv1;   // first and second set, v down
+  std::vector<std::array<float, 4>> colors;    // linear, 0 to 1; multiplies the base color
 };
 
-// A node of the file, or of an instance that was added.
+// A node of the file, or of an added instance.
 struct Node {
   std::string path;                                                     // "/Root/Arm/Hand"
-  std::string parent;                                                   // its path; empty: a root
-  std::string mesh;                                                     // its name; empty: it has none
-  Transform transform{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};  // to the scene file's frame, at rest
-  uint32_t id = 0;                                                      // as in the output "id"
+  std::string parent;                                                   // path of the parent node; empty: the node is a
+                                                                        // root
+  std::string mesh;                                                     // name of the mesh; empty: the node has no mesh
+  Transform transform{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};  // to the scene file's frame, in the rest pose
+  uint32_t id = 0;                                                      // value of the output "id"
 };
 
 struct Bounds {
   std::array<double, 3> min{}, max{};
 };
 
-// A mesh placed in the scene.
+// A placement of a mesh with one material in the scene.
 struct Instance {
-  std::string node;  // path of the node that shows it, "/Root/Arm/Hand"
+  std::string node;  // path of its node, "/Root/Arm/Hand"
   Handle<Mesh> mesh;
   Handle<Material> material;
-  Transform transform{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};  // at rest
-  uint32_t id = 0, part = 0;                                            // as in the outputs of that name
+  Transform transform{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};  // in the rest pose
+  uint32_t id = 0, part = 0;                                            // values of the outputs of the same names
 };
 
-// A .gltf or .glb file, or "builtin:hall", "builtin:spheres", "builtin:boxes". Loaded once, rendered as often as
-// wanted, and edited between frames: renderers upload what changed before their next frame, and give the very picture
-// that one made afresh would give, but for the environment, which is chosen when a renderer is made.
+// A scene from a .gltf or .glb file, or "builtin:hall", "builtin:spheres" or "builtin:boxes". It is loaded once,
+// rendered any number of times, and edited between frames. Renderers upload the changes before their next frame. Their
+// pictures equal those of a new renderer, except for the environment, which is chosen when a renderer is created.
 //
-// An edit throws Error(Usage) for what can't be, in a sentence that names it, and changes nothing then. No renderer of
-// the scene may be at work in another thread meanwhile.
+// An invalid edit throws Error(Usage) with a sentence that names the reason, and changes nothing. During an edit, no
+// other thread may use a renderer of the scene.
 class LATELIGHT_API Scene {
  public:
-  Scene();  // an empty one, in glTF's frame
+  Scene();  // an empty scene, in glTF's frame
   explicit Scene(const std::string& source, const std::string& materialVariant = "");
   Scene(const std::string& source, const SceneOptions& options);
   ~Scene();
@@ -251,71 +261,74 @@ class LATELIGHT_API Scene {
   Scene& operator=(Scene&&) noexcept;
 
   uint64_t triangleCount() const;
-  // What the ids in the outputs "id", "part" and "material" stand for, as JSON: the "ids" and "materials" of the side
-  // file that docs/conventions.md describes.
+  // The meaning of the ids in the outputs "id", "part" and "material", as JSON: the "ids" and "materials" of the
+  // sidecar file that docs/conventions.md describes.
   std::string idManifest() const;
   std::vector<Node> nodes() const;
-  std::optional<Bounds> bounds() const;        // of all instances at rest, in the scene file's frame; none: it is empty
-  const std::vector<Camera>& cameras() const;  // the scene's own, at rest
-  void addCamera(const Camera& camera);        // behind them
+  std::optional<Bounds> bounds() const;        // of all instances in the rest pose, in the scene file's frame; empty if
+                                               // the scene is
+  const std::vector<Camera>& cameras() const;  // the scene's own, in the rest pose
+  void addCamera(const Camera& camera);        // appended to cameras()
   const std::vector<Animation>& animations() const;
-  // The scene's own cameras where they are at a time; as Options::time, animation and loop say.
+  // The scene's own cameras at a time; see Options::time, animation and loop.
   std::vector<Camera> camerasAt(double time, const std::string& animation = "", bool loop = false) const;
-  // The first of the scene's own cameras, or a view that shows the whole scene in a picture of this aspect (width /
-  // height). The camera is where it is at `time`, as Options::time, animation and loop say; without a time, at rest.
+  // The first of the scene's own cameras, or a view that shows the whole scene in an image of this aspect (width /
+  // height, finite and above 0). The camera is posed at `time`, see Options::time, animation and loop; without a time,
+  // it is in its rest pose.
   Camera defaultCamera(float aspect, std::optional<double> time = {}, const std::string& animation = "",
                        bool loop = false) const;
   Camera lookAt(std::array<double, 3> eye, std::array<double, 3> target, float verticalFov = 40) const;
 
-  // Instances: what is seen. Lists are in the scene's order.
+  // Instances, the visible objects. Lists are in the scene's order.
   std::vector<Handle<Instance>> instances() const;
-  // Those of a node by its path: one a primitive of its mesh. Throws Error(Usage) where no node is called so.
+  // The instances of a node by its path, one per primitive of its mesh. Throws Error(Usage) if no node has this path.
   std::vector<Handle<Instance>> instancesOf(const std::string& node) const;
   Instance instance(Handle<Instance> instance) const;
-  // From then on no animation moves it (skins and morph targets still do).
+  // Afterward, animations no longer move the instance (skins and morph targets still deform it).
   void setTransform(Handle<Instance> instance, const Transform& transform);
   void assignMaterial(Handle<Instance> instance, Handle<Material> material);
-  // With a root node of its own, "/name", or "/name#2" and so on where that is taken, and ids of that path. Without a
-  // name it has the mesh's.
+  // The instance has its own root node, "/name", or "/name#2" and so on if that path exists, and the ids of that path.
+  // An empty name is replaced by the mesh's name. The name must not contain a slash.
   Handle<Instance> addInstance(Handle<Mesh> mesh, Handle<Material> material, const Transform& transform,
                                const std::string& name = "");
   void removeInstance(Handle<Instance> instance);
 
   std::vector<Handle<Material>> materials() const;
   Material material(Handle<Material> material) const;
-  void setMaterial(Handle<Material> material, const Material& values);  // its textures stay
-  // Without textures, or with those of another material.
+  void setMaterial(Handle<Material> material, const Material& values);  // the material keeps its textures
+  // Adds a material without textures, or with those of another material.
   Handle<Material> addMaterial(const Material& values, std::optional<Handle<Material>> texturesOf = {});
-  // Throws Error(Usage) that names an instance which shows the material, if there is one.
+  // Throws Error(Usage) with the name of an instance if one uses the material.
   void removeMaterial(Handle<Material> material);
 
   std::vector<Handle<Texture>> textures() const;
   Texture texture(Handle<Texture> texture) const;
   TextureData textureData(Handle<Texture> texture) const;
   Handle<Texture> addTexture(const TextureData& data);
-  // Replaces the pixels; the size may change. All materials that sample the texture change with it. Without a name it
-  // keeps its own.
+  // Replaces the pixels; the size may change. All materials that sample the texture are affected. If `data` has no
+  // name, the texture keeps its own.
   void setTextureData(Handle<Texture> texture, const TextureData& data);
-  // Throws Error(Usage) that names a material which samples the texture, if there is one.
+  // Throws Error(Usage) with the name of a material if one samples the texture.
   void removeTexture(Handle<Texture> texture);
   std::optional<TextureUse> textureOf(Handle<Material> material, TextureSlot slot) const;
-  // With uv as they are, or, where the material had a texture there, transformed as that one's. Nothing: takes it away.
+  // Texture coordinates are untransformed, or keep the transform of the texture that the material had in this slot. An
+  // empty `use` removes the texture.
   void setTexture(Handle<Material> material, TextureSlot slot, const std::optional<TextureUse>& use);
 
   std::vector<Handle<Light>> lights() const;
   Light light(Handle<Light> light) const;
-  // A light that is moved or turned follows its node no longer.
+  // A light that is moved or rotated no longer follows its node.
   void setLight(Handle<Light> light, const Light& values);
   Handle<Light> addLight(const Light& values);
   void removeLight(Handle<Light> light);
 
-  // Several instances may show one mesh: all of them change with it.
+  // Several instances may use one mesh; changes affect all of them.
   std::vector<Handle<Mesh>> meshes() const;
   Mesh mesh(Handle<Mesh> mesh) const;
-  MeshData meshData(Handle<Mesh> mesh) const;             // at rest
-  void setMesh(Handle<Mesh> mesh, const MeshData& data);  // no skin deforms it from then on; no name: it keeps its own
+  MeshData meshData(Handle<Mesh> mesh) const;             // in the rest pose
+  void setMesh(Handle<Mesh> mesh, const MeshData& data);  // skins no longer deform it; an empty name keeps its own
   Handle<Mesh> addMesh(const MeshData& data);
-  // Throws Error(Usage) that names an instance which shows the mesh, if there is one.
+  // Throws Error(Usage) with the name of an instance if one uses the mesh.
   void removeMesh(Handle<Mesh> mesh);
 
  private:
@@ -324,16 +337,17 @@ class LATELIGHT_API Scene {
   std::unique_ptr<Impl> impl_;
 };
 
-// A directional light by where it comes from: azimuth 0 is the scene's front (+Z), 90 its right (+X).
+// A directional light, defined by the direction that its light comes from: azimuth 0 is the scene's front (+Z), 90 its
+// right (+X).
 struct Sun {
   float azimuth = 0, elevation = 45;  // degrees
   float illuminance = 3.14159265f;    // lux
 };
 
-// The choices of `latelight render`. options.def, beside this file, is the list of them: every entry there is a member
-// here, with its default, what it takes and what it does. Values are checked when a picture is rendered.
+// The options of `latelight render`. options.def, in the same folder, lists them: every entry is a member here, and
+// states its default, accepted values and effect. Values are checked when a picture is rendered.
 struct Options {
-// The including program's own macros of these names are restored below.
+// The including program's own macros with these names are restored below.
 #pragma push_macro("OPTION_GROUP")
 #pragma push_macro("OPTION_FLAG")
 #pragma push_macro("OPTION_NUMBER")
@@ -379,12 +393,13 @@ struct Options {
 #pragma pop_macro("OPTION_SIZE")
 #pragma pop_macro("OPTION_SUN")
 
-  // What the command line has in another form.
-  bool picture = true;            // the picture to look at, Frame::rgba; without it data alone need no light
-  std::vector<std::string> aovs;  // beside the picture: "depth", "normal", ...; "color" is the linear picture
-  std::vector<Camera> previousCameras, nextCameras;  // where they were and will be, a frame before and after the time:
-                                                     // as many as are rendered; none: cameras stand
-  bool continues = false;                            // a sequence: this frame follows the one rendered last
+  // Members whose command-line form differs.
+  bool picture = true;            // render the picture, Frame::rgba; if false, data outputs need no lighting
+  std::vector<std::string> aovs;  // data outputs in addition to the picture: "depth", "normal", ...; "color" is the
+                                  // linear picture
+  std::vector<Camera> previousCameras, nextCameras;  // the cameras in the previous and the next frame: as many as are
+                                                     // rendered, or none if the cameras are static
+  bool continues = false;                            // true in a sequence: this frame follows the last rendered one
 };
 
 struct Aov {
@@ -399,14 +414,14 @@ struct Frame {
   std::map<std::string, Aov> aovs;
 };
 
-// What a pixel shows, at its centre. Positions and normals are in the frames that Options::axes and normalFrame say.
+// The visible surface at a pixel's center. Options::axes and normalFrame select the frames of positions and normals.
 struct Pick {
-  uint32_t id = 0;    // as in the output "id"; 0: background, and nothing below is set
-  uint32_t part = 0;  // as in the output "part"
+  uint32_t id = 0;    // value of the output "id"; 0: background, and no other member is set
+  uint32_t part = 0;  // value of the output "part"
   std::string node, mesh, material;
-  uint32_t primitive = 0;  // of the mesh
+  uint32_t primitive = 0;  // index of the mesh's primitive
   std::array<float, 3> position{}, normal{}, geonormal{};
-  float depth = 0, distance = 0;  // metres
+  float depth = 0, distance = 0;  // meters
   std::array<float, 2> uv{};
 };
 
@@ -414,60 +429,61 @@ struct Pick {
 struct OptionInfo {
   std::string group, name, member;  // "Picture", "--exposure", "exposure"
   std::string help;                 // one sentence
-  std::string unit, range;          // of numbers: "EV", "-60 to 60 EV"
-  std::string normal;               // the default, as on the command line; empty: `without` says what applies
+  std::string unit, range;          // only for numbers: "EV", "-60 to 60 EV"
+  std::string normal;               // the default, as on the command line; empty: see `without`
   std::string without;
   struct Name {
     std::string name, help;
   };
-  std::vector<Name> names;  // that it takes
-  bool anyText = false;     // it takes more than those names, or has none
+  std::vector<Name> names;  // accepted names
+  bool anyText = false;     // other values than these names are accepted, too
 };
 LATELIGHT_API std::vector<OptionInfo> optionInfos();
 
-// What Options::aovs takes.
+// An output that Options::aovs accepts.
 struct OutputInfo {
   std::string name, description, unit;
   uint32_t channels = 0;
-  bool ids = false;  // whole numbers, in Aov::ids
+  bool ids = false;  // integers, in Aov::ids
 };
 LATELIGHT_API std::vector<OutputInfo> outputInfos();
 
-// An environment that a program makes: an equirectangular picture, its centre column at +X of the glTF frame and its
-// top row at the zenith. Linear radiance; as wide as twice its height.
+// An environment that a program creates: an equirectangular image of linear radiance, twice as wide as it is high. The
+// center column is at +X of the glTF frame, and the top row is the zenith.
 struct EnvironmentData {
   uint32_t width = 0, height = 0;
   std::vector<std::array<float, 3>> radiance;  // rows from the top
 };
 
-// The picture as a PNG file in memory.
+// Encodes an image as a PNG file in memory. `rgba` must have 4 bytes per pixel.
 LATELIGHT_API std::vector<std::byte> encodePng(uint32_t width, uint32_t height, const std::vector<uint8_t>& rgba);
 
-// Where pictures are until they are taken.
+// Where pictures are stored until their ticket is taken.
 enum class Results {
-  ToHost,    // on their way to the host from the moment they are done
-  OnDevice,  // in the device's memory; a ticket that is dropped costs no copy
-  Arrays,    // the same, to be used there: Ticket::takeArrays()
+  ToHost,    // copied to the host as soon as they are complete
+  OnDevice,  // in device memory; a ticket that is dropped costs no copy
+  Arrays,    // in device memory, to be used there: Ticket::takeArrays()
 };
 
-// An output of all pictures of a ticket in the device's memory: views x rows x columns x channels, without gaps, rows
-// from the top. It is finished when it is handed out, and nothing writes to it as long as one copy of this lives; then
-// the renderer may render to it again, without waiting for what other libraries still read.
+// One output of all pictures of a ticket in device memory: views x rows x columns x channels, without padding, rows
+// from the top. It is complete when it is returned, and nothing writes to it while a copy of this object exists. After
+// that, the renderer may render to it again without waiting for reads by other libraries.
 class LATELIGHT_API DeviceArray {
  public:
   enum class Element { Float32, Uint32, Uint8 };
   Element element = Element::Float32;
   std::array<uint64_t, 4> shape{};
 
-  // Where the host has it: of CPU devices. Else null.
+  // The array's address in host memory, for CPU devices; otherwise null.
   const void* host() const;
-  // Other devices' memory as an opaque file descriptor, the caller's from then on, for cuImportExternalMemory(),
-  // Vulkan's vkAllocateMemory() and the like; the array begins at 0. `memoryBytes`: as they must be told.
+  // The memory of other devices as an opaque file descriptor, owned by the caller, for cuImportExternalMemory(),
+  // Vulkan's vkAllocateMemory() and similar functions, which also require `memoryBytes()`. The array begins at offset
+  // 0. Throws Error(Usage) if host() is not null.
   int exportMemory() const;
   uint64_t memoryBytes() const;
   std::string deviceUuid() const;  // 32 hex digits
-  // The renderer uses memory again. An importer may keep something of its own with it, which then is dropped with the
-  // memory, and be called before it is rendered to again, as to wait for its readers.
+  // The renderer reuses memory. An importer may attach an object, which is released together with the memory, and a
+  // callback, which is called before the renderer renders to the memory again, for example to wait for readers.
   std::shared_ptr<void>& import() const;
   void beforeReuse(std::function<void()> call) const;
 
@@ -477,18 +493,18 @@ class LATELIGHT_API DeviceArray {
   std::shared_ptr<Impl> impl_;
 };
 
-// Pictures on their way: what Renderer::submit() returns.
+// Pictures in flight, as returned by Renderer::submit().
 class LATELIGHT_API Ticket {
  public:
   ~Ticket();
   Ticket(Ticket&&) noexcept;
   Ticket& operator=(Ticket&&) noexcept;
 
-  bool done() const;  // take() would not wait for the device
-  // The pictures, in the order of their cameras; waits for them. Once: Error(Usage) after that. What went wrong on the
-  // way is thrown here.
+  bool done() const;  // true if take() would not wait for the device
+  // Waits for the pictures and returns them in the order of their cameras. Rendering errors are thrown here. A second
+  // call throws Error(Usage), and so does a ticket of Results::Arrays.
   std::vector<Frame> take();
-  // Instead, of Results::Arrays: each output by its name, the picture as "rgba"; waits for them.
+  // The counterpart of take() for Results::Arrays: waits and returns each output by its name; the picture is "rgba".
   std::map<std::string, DeviceArray> takeArrays();
 
  private:
@@ -498,15 +514,15 @@ class LATELIGHT_API Ticket {
   std::shared_ptr<Impl> impl_;
 };
 
-// One scene on one device. Not thread-safe; use one per thread, and take its tickets there.
+// Renders one scene on one device. Not thread-safe: use one renderer per thread, and take its tickets on that thread.
 //
-// A renderer belongs to the process that created it. In a process forked from that one, every function of the renderer
-// and of its tickets throws Error(Usage), as does DeviceArray::exportMemory(), and destructors leave the device alone.
-// The scene can be used there, and so can a new renderer of it.
+// A renderer belongs to the process that created it. In a forked process, every function of the renderer and of its
+// tickets throws Error(Usage), as does DeviceArray::exportMemory(), and destructors do not access the device. The scene
+// can be used there, and so can a new renderer of it.
 class LATELIGHT_API Renderer {
  public:
-  // `device`: "auto", "cpu", an index, a part of a name or a UUID. `environment`: a .hdr or .exr file, "studio",
-  // "none", or empty: the studio where the scene has no light. The scene must outlive the renderer.
+  // `device` is "auto", "cpu", an index, a part of a name, or a UUID. `environment` is a .hdr or .exr file, "studio",
+  // "none", or empty: the studio if the scene has no light. The scene must outlive the renderer.
   explicit Renderer(const Scene& scene, const std::string& device = "auto", const std::string& environment = "");
   Renderer(const Scene& scene, const std::string& device, const EnvironmentData& environment);
   ~Renderer();
@@ -514,30 +530,32 @@ class LATELIGHT_API Renderer {
   Renderer& operator=(Renderer&&) noexcept;
 
   const std::string& deviceName() const;
-  // Of Vulkan's validation layers since the last call, which LATELIGHT_VALIDATION=1 in the environment turns on.
+  // Messages of Vulkan's validation layers since the last call. The environment variable LATELIGHT_VALIDATION=1 enables
+  // the layers.
   std::vector<std::string> validationMessages();
-  // Called every 50 ms while a function waits for the device. What it throws ends that function, and what was submitted
-  // is done without it.
+  // Sets a callback that is called every 50 ms while a function waits for the device. An exception from it ends that
+  // function; submitted work still finishes.
   void whileWaiting(std::function<void()> check);
-  // Returns when the device has finished everything that was submitted and no pipeline is being compiled. The tickets
-  // are still to be taken.
+  // Waits until the device has finished all submitted work and no pipeline is being compiled. Tickets must still be
+  // taken.
   void finish();
 
   Frame render(const Camera& camera, const Options& options = {});
-  // Several cameras at once, faster than one by one.
+  // Renders several cameras at once, which is faster than one by one.
   std::vector<Frame> render(const std::vector<Camera>& cameras, const Options& options = {});
-  // The same, and returns while the device works on them: meanwhile the scene may be edited, pictures that were taken
-  // be written, and more be submitted. Up to three tickets keep a device busy; each holds its pictures' memory until
+  // Submits the cameras and returns while the device renders them. Meanwhile, the scene may be edited, taken pictures
+  // written, and more pictures submitted. Up to three tickets keep a device busy; each holds its pictures' memory until
   // it is taken or dropped.
   Ticket submit(const std::vector<Camera>& cameras, const Options& options = {}, Results results = Results::ToHost);
-  // What pixels (x, y from the upper left) of such a picture show, in their order. Lights nothing.
+  // The visible surfaces at pixels (x, y from the upper left) of such a picture, in the order of `pixels`. No lighting
+  // is computed.
   std::vector<Pick> pick(const Camera& camera, const std::vector<std::array<uint32_t, 2>>& pixels,
                          const Options& options = {});
 
  private:
   friend class Ticket;
   struct Impl;
-  std::shared_ptr<Impl> impl_;  // its tickets keep it too
+  std::shared_ptr<Impl> impl_;  // shared with its tickets
 };
 
 }  // namespace latelight
