@@ -1,4 +1,4 @@
-# Everything comes from Debian 12 packages; `./dev setup` installs them.
+# Finds the dependencies, all of which are Debian 12 packages; `./dev setup` installs them.
 find_package(Threads REQUIRED)
 find_package(fmt REQUIRED)
 find_package(glm REQUIRED)
@@ -7,14 +7,14 @@ find_package(nlohmann_json REQUIRED)
 find_package(yaml-cpp REQUIRED)
 find_package(TinyGLTF REQUIRED)
 find_package(meshoptimizer REQUIRED)
-# Debian's libimath-dev also declares Imath's Python library, which is in another package, and says at length if that is
-# not installed. Nothing here uses it.
+# Debian's libimath-dev also declares Imath's Python library, which is in another package, and prints long messages if
+# that is not installed. Latelight does not use it.
 set(log_level "${CMAKE_MESSAGE_LOG_LEVEL}")
 set(CMAKE_MESSAGE_LOG_LEVEL ERROR)
 find_package(OpenEXR REQUIRED)
 set(CMAKE_MESSAGE_LOG_LEVEL "${log_level}")
 find_package(ZLIB REQUIRED)
-find_package(Boost REQUIRED)  # Beast, a header
+find_package(Boost REQUIRED)  # only Beast, which is header-only
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(draco REQUIRED IMPORTED_TARGET draco)
 pkg_check_modules(webp REQUIRED IMPORTED_TARGET libwebp)
@@ -30,15 +30,15 @@ endif()
 pkg_check_modules(xxhash REQUIRED IMPORTED_TARGET libxxhash)
 find_program(GLSLANG glslangValidator REQUIRED)
 
-# The windows of `latelight view`; a build for machines without a display may do without.
+# The windows of `latelight view`. A build for machines without a display may omit them.
 option(LATELIGHT_VIEWER "Build latelight view" ON)
 if(LATELIGHT_VIEWER)
   find_package(glfw3 3.3 REQUIRED)
-  find_package(X11 REQUIRED)  # with which GLFW opens windows
+  find_package(X11 REQUIRED)  # GLFW opens windows with it
   pkg_check_modules(imgui REQUIRED IMPORTED_TARGET imgui)
 endif()
 
-# volk loads Vulkan at run time: nothing links libvulkan.
+# volk loads Vulkan at run time, so no target links libvulkan.
 add_compile_definitions(VK_NO_PROTOTYPES)
 
 add_library(latelight_scene_dependencies INTERFACE)

@@ -1,4 +1,5 @@
-# `cmake --install`: the program, the library with its headers, and the package that find_package(latelight) reads.
+# Rules for `cmake --install`: the program, the library with its headers, and the package that find_package(latelight)
+# reads.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/latelight)
@@ -11,7 +12,8 @@ configure_package_config_file(cmake/latelightConfig.cmake.in latelightConfig.cma
 write_basic_package_version_file(latelightConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/latelightConfig.cmake ${PROJECT_BINARY_DIR}/latelightConfigVersion.cmake
   DESTINATION ${package_folder} COMPONENT library)
-# What the program says of itself: its manual page, and completions where shells look for them.
+# Documentation that the program generates: its manual page, and completions in the folders where shells search for
+# them.
 set(said ${PROJECT_BINARY_DIR}/said)
 function(latelight_said file folder)
   add_custom_command(OUTPUT ${said}/${file} COMMAND ${CMAKE_COMMAND} -E make_directory ${said}

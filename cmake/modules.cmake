@@ -1,22 +1,23 @@
-# A folder's sources are compiled together, some eight at once: with their headers read once, a build takes less than half
-# the time. Which go together follows from their names alone, so that a new file moves no others. -DLATELIGHT_UNITY=OFF
-# compiles each by itself.
+# Unity builds: about eight sources of a folder are compiled together. Their headers are then read only once, which more
+# than halves the build time. Groups depend only on the names of sources, so a new file does not move others.
+# -DLATELIGHT_UNITY=OFF compiles each source separately.
 option(LATELIGHT_UNITY "Compile sources in groups" ON)
 function(latelight_unity target)
   if(NOT LATELIGHT_UNITY)
     return()
   endif()
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
-  # To GCC the sources of a group are headers, whose types might be others elsewhere.
+  # GCC treats the sources of a group as headers, whose types in unnamed namespaces it warns about.
   target_compile_options(${target} PRIVATE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-subobject-linkage>)
   set(folders)
   foreach(source IN LISTS ARGN)
     file(STRINGS ${source} library REGEX "^#define [A-Z_]+_IMPLEMENTATION" LIMIT_COUNT 1)
     if(library)
-      continue()  # a header's functions, by the macros that it takes
+      continue()  # the source instantiates a header-only library by macros
     endif()
     get_filename_component(folder ${source} DIRECTORY)
-    # Without this checkout's path, for which the compiler's cache would not know the group again.
+    # Relative to the project: with the checkout's absolute path in a group's name, the compiler cache would miss in
+    # other checkouts.
     file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${folder})
     string(MAKE_C_IDENTIFIER "${folder}" folder)
     list(APPEND folders ${folder})
@@ -40,7 +41,8 @@ function(latelight_unity target)
   endforeach()
 endfunction()
 
-# latelight_module(name USES modules... LIBRARIES libraries...): src/<name>/**.cpp as the static library latelight_<name>.
+# latelight_module(name USES modules... LIBRARIES libraries...): compiles src/<name>/**.cpp to the static library
+# latelight_<name>.
 function(latelight_module name)
   cmake_parse_arguments(M "" "" "USES;LIBRARIES" ${ARGN})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/${name}/*.cpp)
@@ -61,14 +63,15 @@ function(latelight_module name)
   set_property(GLOBAL APPEND PROPERTY LATELIGHT_MODULES latelight_${name})
 endfunction()
 
-# latelight_text(generated path): a file as a C++ string literal, to be included.
+# latelight_text(generated path): generates a file's text as a C++ string literal, to be included.
 function(latelight_text generated path)
   set_property(DIRECTORY ${PROJECT_SOURCE_DIR} APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${path})
   file(READ ${PROJECT_SOURCE_DIR}/${path} text)
   latelight_generate(${generated} "R\"text(${text})text\"\n")
 endfunction()
 
-# latelight_page(generated folder): the files of a page, {"name", "text"} each, as C++ string literals to be included.
+# latelight_page(generated folder): generates the files of a web page, {"name", "text"} each, as C++ string literals to
+# be included.
 function(latelight_page generated folder)
   file(GLOB files RELATIVE ${PROJECT_SOURCE_DIR}/${folder} CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${folder}/*)
   set(list "")

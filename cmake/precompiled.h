@@ -1,5 +1,5 @@
-// What most sources include, compiled once: half of a compiler's time went to these. Sources include what they use all
-// the same, so that each compiles without it.
+// The precompiled header: headers that most sources include, on which the compiler otherwise spends half of its time.
+// Sources still include what they use, so each compiles without it.
 #include <fmt/format.h>
 
 #include <algorithm>

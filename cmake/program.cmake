@@ -1,10 +1,11 @@
-# The program `latelight` and the library `latelight` (public headers in include/latelight, nothing else exported).
+# Builds the program `latelight` and the library `latelight`, which exports only the public headers in
+# include/latelight.
 find_package(CLI11 REQUIRED)
 get_property(modules GLOBAL PROPERTY LATELIGHT_MODULES)
 set_property(SOURCE ${PROJECT_SOURCE_DIR}/src/render/api.cpp APPEND PROPERTY
   COMPILE_DEFINITIONS LATELIGHT_VERSION="${PROJECT_VERSION}")
 
-# `latelight render`, which tests call in process too.
+# `latelight render` as an object library, because tests also call it in their own process.
 file(GLOB render_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/app/render*.cpp)
 list(APPEND render_sources ${PROJECT_SOURCE_DIR}/app/parse.cpp)
 add_library(latelight_render_command OBJECT ${render_sources})
@@ -30,18 +31,19 @@ if(LATELIGHT_VIEWER)
   target_link_libraries(latelight_program PRIVATE glfw PkgConfig::imgui X11::X11)
   set_property(SOURCE ${PROJECT_SOURCE_DIR}/app/view/display.cpp PROPERTY SKIP_UNITY_BUILD_INCLUSION ON)
 endif()
-# Most of what these are is templates of headers: optimised less they take a third less time to compile.
+# These targets consist mostly of templates from headers; with less optimization they compile in two thirds of the time.
 foreach(target latelight_render_command latelight_program latelight_serve)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
 endforeach()
 set_source_files_properties(${PROJECT_SOURCE_DIR}/src/serve/picture.cpp PROPERTIES
   SKIP_UNITY_BUILD_INCLUSION ON COMPILE_OPTIONS $<$<CONFIG:Release>:-O3>)
 
-# The library is made of every module's objects, since nothing inside refers to the API's functions; linking the modules
-# besides brings only what they depend on. Its target is not named `latelight`: in the build folder that is the program.
+# The library consists of every module's objects, because no code inside it refers to the API's functions. Linking the
+# modules in addition only adds their dependencies. Its target is not named `latelight`, which is the program's name in
+# the build folder.
 file(GLOB public_headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/include/latelight/*.h
   ${PROJECT_SOURCE_DIR}/include/latelight/*.def)
-# The program's alone.
+# Modules that only the program uses.
 list(REMOVE_ITEM modules latelight_study latelight_report latelight_data latelight_view latelight_serve)
 list(TRANSFORM modules REPLACE "(.+)" "$<TARGET_OBJECTS:\\1>" OUTPUT_VARIABLE objects)
 set(exports ${PROJECT_SOURCE_DIR}/cmake/exports.map)
@@ -53,7 +55,7 @@ set_target_properties(latelight_library PROPERTIES
   LINK_DEPENDS ${exports})
 target_link_libraries(latelight_library PRIVATE ${modules})
 target_link_options(latelight_library PRIVATE LINKER:--version-script=${exports})
-if(NOT LATELIGHT_SANITIZE)  # a sanitizer's functions come from the program
+if(NOT LATELIGHT_SANITIZE)  # the program provides a sanitizer's functions
   target_link_options(latelight_library PRIVATE LINKER:--no-undefined)
 endif()
 target_sources(latelight_library PUBLIC

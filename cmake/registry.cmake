@@ -1,8 +1,8 @@
-# Registries: one file a G-buffer layout, a normal encoding or a type of light, one folder a lighting technique. The build
-# lists the folders and writes what the code includes; nothing else names them.
+# Registries: one file per G-buffer layout, normal encoding or type of light, one folder per lighting technique. The
+# build lists the folders and generates the files that the code includes; no other code names the entries.
 set(LATELIGHT_GENERATED ${PROJECT_BINARY_DIR}/generated)
 
-# latelight_list(out glob directories?): the names, without ending, of the folders or of the headers that match.
+# latelight_list(out glob directories?): returns the names, without extension, of the folders or headers that match.
 function(latelight_list out glob directories)
   file(GLOB entries CONFIGURE_DEPENDS LIST_DIRECTORIES true ${PROJECT_SOURCE_DIR}/${glob})
   set(names)
@@ -21,7 +21,7 @@ function(latelight_generate path text)
   file(CONFIGURE OUTPUT ${LATELIGHT_GENERATED}/${path} CONTENT "${text}" @ONLY)
 endfunction()
 
-# latelight_numbered(out names...): X(name, number) for each.
+# latelight_numbered(out names...): returns X(name, number) for each.
 function(latelight_numbered out)
   set(table "")
   set(index 0)
@@ -33,7 +33,7 @@ function(latelight_numbered out)
 endfunction()
 
 latelight_list(LATELIGHT_LAYOUTS src/shared/gbuffer/* FALSE)
-# Those without targets, of which shaders differ by more than what they read and write.
+# Layouts without targets, whose shaders differ by more than the targets that they read and write.
 set(LATELIGHT_LAYOUTS_WITH_TARGETS)
 set(LATELIGHT_LAYOUTS_WITHOUT_TARGETS)
 foreach(name IN LISTS LATELIGHT_LAYOUTS)
@@ -50,8 +50,8 @@ latelight_list(LATELIGHT_NORMALS src/shared/normal/* FALSE)
 latelight_list(LATELIGHT_LIGHTS src/shared/light/* FALSE)
 latelight_list(LATELIGHT_LIGHTING src/render/lighting/* TRUE)
 
-# generated/normals.h (GLSL and C++): every encoding, numbered in the order of their names, and the switch over them.
-set(includes "") 
+# generated/normals.h (GLSL and C++): every encoding, numbered in alphabetical order, and the switch over them.
+set(includes "")
 set(constants "")
 set(channels "")
 set(hemisphere "")
@@ -95,7 +95,7 @@ SH_END
 #endif
 ")
 
-# generated/light_types.h (GLSL and C++): every type of light, numbered in the order of their names (shared/light.h).
+# generated/light_types.h (GLSL and C++): every type of light, numbered in alphabetical order (shared/light.h).
 set(includes "")
 set(constants "")
 set(directional "")
@@ -142,9 +142,10 @@ SH_END
 #endif
 ")
 
-# generated/layout/<name>/gbuffer_layout.h: the one layout a shader is compiled for (#include MACRO does not work in glslang).
-# generated/layouts.inc: LAYOUT(name) for each.
-# generated/layout/<name>/layout.cpp: its entry in the registry.
+# Generated files for the layouts:
+#   layout/<name>/gbuffer_layout.h  the layout that a shader is compiled for (glslang does not support #include MACRO)
+#   layouts.inc                     LAYOUT(name) for each layout
+#   layout/<name>/layout.cpp        the layout's entry in the registry
 set(layouts "")
 set(LATELIGHT_LAYOUT_SOURCES)
 foreach(name IN LISTS LATELIGHT_LAYOUTS)
@@ -156,7 +157,7 @@ foreach(name IN LISTS LATELIGHT_LAYOUTS)
 endforeach()
 latelight_generate(layouts.inc "${layouts}")
 
-# generated/lighting.inc: TECHNIQUE(folder) for each.
+# generated/lighting.inc: TECHNIQUE(folder) for each lighting technique.
 set(techniques "")
 foreach(name IN LISTS LATELIGHT_LIGHTING)
   string(APPEND techniques "TECHNIQUE(${name})\n")

@@ -1,24 +1,32 @@
-# Every shader under src/render and src/study becomes SPIR-V and is embedded, named by its file. Behind #version and
-# #extension, its first line says of which variants there are several:
+# Compiles every shader under src/render and src/study to SPIR-V and embeds it by its file name. The first line after
+# #version and #extension declares a shader's variants:
 #   // variants: layout, multisampled
-# layout: it includes "gbuffer_layout.h" (or gbuffer_read.glsl or gbuffer_write.glsl, which do), is compiled once for
-# each G-buffer layout with targets and named <file>@<layout>. visible: for those without targets too, in which it finds
-# surfaces by the visibility buffer (gbuffer_read.glsl), so that it has no form +msaa there, and +indexed besides.
-# multisampled: it reads or writes targets by multisample.glsl or
-# gbuffer_read.glsl, is compiled for several samples a pixel too, with MULTISAMPLED defined, and named <file>+msaa or
-# <file>@<layout>+msaa. One that defines MULTISAMPLED itself has no other form, and one that defines ONE_SAMPLE not that
-# one. layered: so too where samples are layers of arrays, with SAMPLE_LAYERS defined beside MULTISAMPLED, and named by
-# +layers instead. textured: it samples materials' textures by fragment_point.glsl or surface_point.glsl, and each of its forms is
-# compiled again with TEXTURES_BY_INDEX defined, named <form>+indexed, for devices with descriptor indexing. coated: it
-# lights blended surfaces by blended_light.glsl, and each of its forms is compiled again with COATED defined, named
-# <form>+coated, for materials that may have layers (src/render/layered).
+#
+#   variant       compiled                                        macro                         suffix    include
+#   layout        once per layout with targets                                                  @<layout> (1)
+#   visible       with layout: also per layout without targets                                  @<layout> (1)
+#   multisampled  again for several samples per pixel             MULTISAMPLED                  +msaa     (2)
+#   layered       with multisampled: again for samples in layers  MULTISAMPLED, SAMPLE_LAYERS   +layers   (2)
+#   coated        again for materials that may have coats         COATED                        +coated   (3)
+#   textured      again for bindless textures                     TEXTURES_BY_INDEX             +indexed  (4)
+#
+#   (1) gbuffer_layout.h, or gbuffer_read.glsl or gbuffer_write.glsl, which include it
+#   (2) multisample.glsl or gbuffer_read.glsl
+#   (3) blended.glsl or blended_light.glsl (src/render/transparency), which light blended surfaces
+#   (4) fragment_point.glsl, surface_fragment.glsl, surface_point.glsl or blended.glsl, which sample materials' textures
+#
+# Each variant multiplies those above it, and suffixes combine: <file>@<layout>+msaa+indexed. A shader that defines
+# MULTISAMPLED itself has only that form, and one that defines ONE_SAMPLE has no multisampled form. For layouts without
+# targets, a `visible` shader reads surfaces from the visibility buffer (gbuffer_read.glsl): it has no +msaa form there,
+# and every form is also compiled as +indexed.
 set(LATELIGHT_SPIRV ${PROJECT_BINARY_DIR}/spirv)
-# Debug information holds the sources and where they lay: not for what is shipped.
+# Debug information contains the sources and their paths, so release builds omit it.
 set(LATELIGHT_SHADER_DEBUG $<$<NOT:$<CONFIG:Release>>:-g>)
-# What is shipped is simplified first, function by function; nothing that may round otherwise: spirv-opt's -O and -Os
-# rearrange arithmetic. Then functions are inlined, since lavapipe takes such code in five times as fast, which was a third
-# of a small picture's time. What is dead goes before the passes whose time grows with the square of a function's length.
-# Forms with descriptor indexing, which lavapipe lacks, keep their functions: an H200's driver takes them in sooner.
+# spirv-opt simplifies the shaders of release builds, function by function. It must not change rounding, and its -O and
+# -Os rearrange arithmetic. Then functions are inlined, because lavapipe compiles inlined code five times as fast, which
+# saves a third of the time of a small picture. Dead code is removed before the passes whose time grows with the square
+# of a function's length. Forms with descriptor indexing, which lavapipe does not support, keep their functions, because
+# the driver of an H200 compiles those faster.
 find_program(SPIRV_OPT spirv-opt REQUIRED)
 set(LATELIGHT_SPIRV_OPT ${SPIRV_OPT} --target-env=vulkan1.3 --scalar-block-layout
   --merge-return --scalar-replacement=0 --convert-local-access-chains --ssa-rewrite --eliminate-dead-branches
@@ -49,7 +57,7 @@ function(latelight_compile_shader source name includes out)
   set(${out} ${spirv} PARENT_SCOPE)
 endfunction()
 
-# latelight_declared_variants(source out): what a shader says of its variants, checked against what it includes.
+# latelight_declared_variants(source out): returns the variants that a shader declares, checked against its includes.
 function(latelight_declared_variants source out)
   get_filename_component(file ${source} NAME)
   file(READ ${source} text)
@@ -90,7 +98,8 @@ function(latelight_declared_variants source out)
   set(${out} ${declared} PARENT_SCOPE)
 endfunction()
 
-# latelight_shaders(module): embeds them in that module, with generated/shaders.inc listing SHADER(symbol, "name").
+# latelight_shaders(module): embeds the shaders in that module. generated/shaders.inc lists SHADER(symbol, "name") for
+# each.
 function(latelight_shaders module)
   file(MAKE_DIRECTORY ${LATELIGHT_SPIRV})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS
