@@ -261,8 +261,8 @@ class LATELIGHT_API Scene {
   Scene& operator=(Scene&&) noexcept;
 
   uint64_t triangleCount() const;
-  // The meaning of the ids in the outputs "id", "part" and "material", as JSON: the "ids" and "materials" of the
-  // sidecar file that docs/conventions.md describes.
+  // The meaning of the ids in the outputs "id", "part" and "material", as JSON: the "ids" and "materials" of the side
+  // file that docs/conventions.md describes.
   std::string idManifest() const;
   std::vector<Node> nodes() const;
   std::optional<Bounds> bounds() const;        // of all instances in the rest pose, in the scene file's frame; empty if

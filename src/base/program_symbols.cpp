@@ -5,8 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-extern "C" [[gnu::visibility("hidden")]] const char __ehdr_start;  // defined by the linker: the address at which the
-                                                                   // file is loaded
+extern "C" [[gnu::visibility("hidden")]] const char __ehdr_start;  // a linker symbol: the file's load address
 
 namespace latelight {
 

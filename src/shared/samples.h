@@ -1,4 +1,4 @@
-// Multisampling (MSAA): sample positions within a pixel, and the storage of a pixel's surfaces as masks of samples.
+// Multisampling (MSAA): sample positions within a pixel, and the image that stores a pixel's surfaces as sample masks.
 #ifndef LATELIGHT_SHARED_SAMPLES_H
 #define LATELIGHT_SHARED_SAMPLES_H
 

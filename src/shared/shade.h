@@ -25,9 +25,9 @@ struct SurfaceBrdf {
   float nv;       // n.v, at least kMinNv
   vec3 diffuse;   // 1/sr, before the Fresnel term is subtracted
   float taken0;   // Fresnel term subtracted at normal incidence
-  float taken90;  // at grazing incidence
+  float taken90;  // Fresnel term subtracted at grazing incidence
   vec3 f0;        // reflectance of the specular lobe at normal incidence
-  float f90;      // at grazing incidence
+  float f90;      // reflectance of the specular lobe at grazing incidence
   float width;    // width of the lobe: alpha^2, or Blinn-Phong's exponent
   float scale;    // scale of the lobe: the eye's part of Smith masking, or Blinn-Phong's normalization
 };

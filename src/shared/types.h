@@ -206,8 +206,8 @@ struct ShadowBits {  // one word of 32 lights
 
 struct LightShadow {  // one light in one view
   uint first;         // index of its first map in FrameConstants::shadowMaps
-  uint maps;  // number of maps: 6 for the faces of a cube or cascades; several maps of a directional light are
-              // cascades, finest first; 0: the light casts no shadows in this view
+  uint maps;  // number of its maps: cascades of a directional light, finest first; 6 faces of a cube or 1 map of a
+              // local light; 0: the light casts no shadows in this view
   uint sun;   // 1: the first directional light with shadows, for which layouts may have a channel
 };
 
