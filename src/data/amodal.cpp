@@ -13,21 +13,21 @@ namespace latelight::data {
 
 namespace {
 
-constexpr uint64_t kPixelsAtOnce = uint64_t{1} << 25;  // of all views of a submission: 128 MiB of ids
-constexpr uint64_t kMostViews = 4096;                  // of a submission
-constexpr uint32_t kWidest = 16384;                    // as --size has it
+constexpr uint64_t kPixelsAtOnce = uint64_t{1} << 25;  // in all views of a submission: 128 MiB of ids
+constexpr uint64_t kMostViews = 4096;                  // per submission
+constexpr uint32_t kWidest = 16384;                    // the limit of --size
 
-// How an object's box lies to a picture, by its corners.
+// The position of an object's box relative to a picture, derived from the box's projected corners.
 struct Place {
   enum Lies { Outside, Across, Inside } lies;
-  double left, right, top, bottom;  // pixels that it may cover, and no others
+  double left, right, top, bottom;  // screen bounds: conservative, in pixels, y down
 };
 
 Place placeOf(const shared::View& view, const glm::dmat4& viewFromObject, const Object& object) {
   const shared::Projection& p = view.projection;
   const bool perspective = p.kind == shared::kPerspective;
   Place place{Place::Inside, view.size.x, 0, view.size.y, 0};
-  int beyond[4] = {0, 0, 0, 0};  // corners, of each side
+  int beyond[4] = {0, 0, 0, 0};  // number of corners beyond each side of the frustum
   for (const glm::dvec3 corner : cornersOf(object)) {
     const glm::dvec3 c(viewFromObject * glm::dvec4(corner, 1));
     const double w = perspective ? c.y : 1, slack = 1e-4 * (std::abs(c.x) + std::abs(c.y) + std::abs(c.z));
@@ -56,7 +56,7 @@ struct Placed {
 };
 using Group = std::vector<Placed>;
 
-// Into groups of which no two objects meet.
+// Distributes objects to groups in which no screen bounds overlap (greedy, first fit).
 std::vector<Group> apart(const std::vector<Placed>& objects) {
   std::vector<Group> groups;
   for (const Placed& placed : objects) {
@@ -68,7 +68,7 @@ std::vector<Group> apart(const std::vector<Placed>& objects) {
   return groups;
 }
 
-// The objects in a picture of a camera, and how they are rendered alone there.
+// Renders objects in isolation with one camera: each group of objects has a view of its own.
 class Alone {
  public:
   Alone(render::Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
@@ -90,7 +90,7 @@ class Alone {
     return {&object, placeOf(view_, viewFromPositions_ * object.toWorld, object)};
   }
 
-  // Calls taken() with each picture, and the objects in it. While some pictures are looked at, the next are rendered.
+  // Calls taken() with each picture and the objects in it. The next pictures are rendered while taken() reads these.
   using Taken = std::function<void(const Group&, const output::AovImage&)>;
   void render(const std::vector<Placed>& objects, const Taken& taken) {
     const std::vector<Group> groups = apart(objects);
@@ -111,7 +111,7 @@ class Alone {
 
  private:
   render::Ticket submit(std::span<const Group> groups) {
-    std::unordered_map<uint32_t, uint32_t> groupOf;  // by id; from 1
+    std::unordered_map<uint32_t, uint32_t> groupOf;  // group number, from 1, by id
     for (uint32_t i = 0; i < groups.size(); ++i)
       for (const Placed& placed : groups[i]) groupOf[placed.object->id] = i + 1;
     moment_.groups.assign(scene_.instances.size(), 0);
@@ -143,7 +143,8 @@ void takeMasks(const Group& group, const output::AovImage& ids) {
   }
 }
 
-// The same camera's view of a picture three times as wide and high, around its own; nothing where there is none.
+// Returns the camera for a picture three times as wide and high around the camera's own picture. Empty for cameras with
+// a lens, and if the picture would be too large or the field of view too wide.
 std::optional<scene::Camera> widened(const scene::Camera& camera, const render::Settings& settings) {
   if (camera.lens || 3 * std::max(settings.width, settings.height) > kWidest) return std::nullopt;
   scene::Camera wide = camera;
@@ -160,7 +161,7 @@ PixelBox around(const PixelBox& a, const PixelBox& b) {
   return {x, y, std::max(a.x + a.width, b.x + b.width) - x, std::max(a.y + a.height, b.y + b.height) - y};
 }
 
-// Adds what a picture three times as large shows of objects outside of its middle.
+// Adds the pixels that objects cover in the enlarged picture outside its central third, which is the original picture.
 void addBeyond(const Group& group, const output::AovImage& wide) {
   std::unordered_map<uint32_t, Object*> objects;
   for (const Placed& placed : group) objects[placed.object->id] = placed.object;

@@ -1,4 +1,5 @@
-// Each object of a frame rendered alone: the pixels that it would cover if nothing were in front of it.
+// Amodal masks: renders each object of a frame in isolation to find the pixels that it would cover if nothing occluded
+// it (Zhu, Tian, Metaxas and Dollár 2017, "Semantic Amodal Segmentation").
 #pragma once
 
 #include <vector>
@@ -8,11 +9,12 @@
 
 namespace latelight::data {
 
-// Fills Object::alone, pixels and full, by the surfaces that the frame's ids show: the same settings, without light.
-// Objects that lie apart in the picture share a view, and several views are rendered at once. Those that reach beyond
-// the picture are rendered once more, in one three times as wide and high around it; where there can be none (a camera
-// with a lens, the largest sizes), what lies beyond does not count. One that stands exactly where another of the same
-// mesh and material does is never drawn, and covers nothing.
+// Fills Object::alone, Object::pixels and Object::full. The masks come from the output `id`, rendered with the frame's
+// settings but without lighting. Objects whose screen bounds do not overlap share a view, and several views are
+// rendered at once. Objects that cross the picture's border are rendered a second time in a picture three times as wide
+// and high around it. Pixels beyond the border are not counted if there can be no such picture: for cameras with a lens
+// and for the largest sizes. An object at exactly the position of another object with the same mesh and material is
+// never drawn and has an empty mask.
 void renderAlone(render::Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
                  const render::Settings& settings, const render::Moment& moment, std::vector<Object>& objects);
 

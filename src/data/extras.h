@@ -1,4 +1,4 @@
-// What some formats need of a frame beside its outputs.
+// Renders the data of a frame that some formats require in addition to its outputs: objects and fine id samples.
 #pragma once
 
 #include "data/frame.h"
@@ -6,11 +6,11 @@
 
 namespace latelight::data {
 
-// What either needs.
+// Returns the union of two requirements.
 Extras both(const Extras& a, const Extras& b);
 
-// Fills the frame's objects and samples; called once a frame, with what its picture was rendered with, where any format
-// needs some. `geometry`: of the scene.
+// Fills DataFrame::objects and DataFrame::samples. Called once per frame if any format requires them, with the
+// arguments that the frame's picture was rendered with. `geometry` caches the geometry hashes of `scene`.
 void renderExtras(render::Renderer& renderer, const scene::Scene& scene, const scene::Camera& camera,
                   const render::Settings& settings, const render::Moment& moment, const Extras& needed,
                   GeometryHashes& geometry, DataFrame& frame);

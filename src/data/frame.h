@@ -1,4 +1,4 @@
-// A finished frame of a data set: what every format is written from.
+// A finished frame of a data set, the input of every format.
 #pragma once
 
 #include <cstdint>
@@ -11,24 +11,24 @@
 
 namespace latelight::data {
 
-// What a frame has beside its outputs, for formats that need it (extras.h).
+// The data of a frame that formats may require in addition to its outputs (extras.h).
 struct Extras {
   bool boxes = false;    // objects, with their boxes
-  bool alone = false;    // and with the pixels that each covers alone
-  bool shapes = false;   // and with their shapes
-  uint32_t samples = 0;  // N: ids of N x N samples a pixel
+  bool alone = false;    // objects, also with their amodal masks
+  bool shapes = false;   // objects, also with their shapes
+  uint32_t samples = 0;  // N: ids and materials at N x N samples per pixel; 0: none
 };
 
 struct DataFrame {
   uint64_t index = 0;  // in the job's order, over all its shards
   std::string name;    // stem of the frame's files, as in "000017"; unique in the data set
   output::FrameOutput picture;
-  // Camera, frames of reference, settings, and what the ids stand for.
+  // Camera, coordinate frames, settings, and the nodes and primitives that the ids identify.
   output::Metadata metadata;
-  uint32_t scene = 0;  // the scene's number in the job
+  uint32_t scene = 0;  // the scene's index in the job
 
   std::vector<Object> objects;  // sorted by id
-  // Id and material of a picture N times as wide and high: N x N ordered samples a pixel.
+  // Id and material of a picture N times as wide and high, an ordered grid of N x N samples per pixel.
   output::FrameOutput samples;
 };
 

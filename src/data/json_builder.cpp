@@ -15,15 +15,16 @@ namespace {
 constexpr size_t kMaxDepth = 64;
 constexpr size_t kPathLevels = 2;
 
-// Bytes in memory: of a value in a list that may grow to twice its length, and of what it has on the heap.
+// Estimates of memory, in bytes. Values and keys are in vectors whose capacity may be twice their length; kHeapBytes is
+// the overhead of one heap allocation.
 constexpr uint64_t kValueBytes = 2 * sizeof(Json);
 constexpr uint64_t kKeyBytes = 2 * (sizeof(std::string) + sizeof(int));
 constexpr uint64_t kHeapBytes = 48;
 
-// Claims are made in such steps, since each has a cost.
+// The minimum step by which a claim grows, in bytes, because each step has a cost.
 constexpr uint64_t kClaimStep = uint64_t{1} << 20;
 
-// Copies by aliases may make a document this much larger than its text, at least.
+// Aliases may add this many values in total: the larger of a fixed number and a number per byte of text.
 constexpr uint64_t kCopiedValues = 100'000, kCopiedValuesPerByte = 16;
 
 }  // namespace
@@ -129,7 +130,7 @@ JsonDocument JsonBuilder::take() {
 
 namespace {
 
-// Characters of a text, with their number.
+// An input iterator over the characters of a text that counts the characters read.
 struct Position {
   using iterator_category = std::input_iterator_tag;
   using value_type = char;
@@ -196,7 +197,8 @@ class Events : public nlohmann::json_sax<Json> {
     return true;
   }
 
-  // Where the token ends: the character that follows a number has been read as well.
+  // Returns the line where the current token ends. The last character read is excluded, because it may be the character
+  // that follows a number.
   int line() {
     const size_t end = read_ > 0 ? read_ - 1 : 0;
     line_ += static_cast<int>(std::count(text_.data() + counted_, text_.data() + std::max(counted_, end), '\n'));

@@ -1,4 +1,4 @@
-// JSON as text and back, whatever names it holds.
+// Converts JSON to text and back, even if its names are not UTF-8.
 #pragma once
 
 #include <fmt/format.h>
@@ -11,7 +11,7 @@
 
 namespace latelight::data {
 
-// On one line. Names come from files and need not be UTF-8.
+// Serializes to one line. Names come from files and may be invalid UTF-8; invalid bytes are replaced.
 inline std::string dumped(const nlohmann::ordered_json& json) {
   return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
@@ -21,7 +21,7 @@ inline nlohmann::ordered_json parsed(std::span<const std::byte> bytes) {
   return nlohmann::ordered_json::parse(text, text + bytes.size());
 }
 
-// Hashes in JSON: 16 digits, since not every reader keeps 64-bit numbers.
+// Formats a hash for JSON as 16 hexadecimal digits, because not every JSON reader preserves 64-bit numbers.
 inline std::string hashText(uint64_t hash) {
   return fmt::format("{:016x}", hash);
 }

@@ -6,7 +6,7 @@ namespace latelight::data {
 
 namespace {
 
-// Calls each(begin, end) for runs inside, as pixels numbered down the columns.
+// Calls each(begin, end) for the runs inside the mask, with pixel numbers in column order.
 template <typename F>
 void forEachRun(const Mask& mask, F&& each) {
   uint64_t at = 0;
@@ -17,7 +17,7 @@ void forEachRun(const Mask& mask, F&& each) {
   }
 }
 
-// Masks that grow as the picture is read down its columns.
+// Builds the masks of all ids in one traversal of the picture in column order.
 class MaskBuilder {
  public:
   explicit MaskBuilder(const output::AovImage& ids) : ids_(ids) {}
@@ -44,7 +44,7 @@ class MaskBuilder {
  private:
   struct Growing {
     Mask mask;
-    uint64_t end = 0;  // of its last run
+    uint64_t end = 0;  // end of its last run, as a pixel number
   };
 
   void append(uint32_t id, uint64_t begin, uint64_t end) {
@@ -92,8 +92,9 @@ std::vector<uint8_t> Mask::pixels() const {
   return pixels;
 }
 
-// Each length, from the fourth on less that two before it, in groups of five bits from the lowest, the sixth bit saying
-// that more follow; a printable character each.
+// The compressed run-length encoding of COCO. From the fourth run on, each length is stored as the difference to the
+// length two runs before it. A number is split into groups of five bits, lowest first; a sixth bit marks that more
+// groups follow. Each group becomes one printable character.
 std::string Mask::counts() const {
   std::string text;
   for (size_t i = 0; i < runs.size(); ++i) {

@@ -19,7 +19,7 @@ struct Extent {
   }
 };
 
-// The rotation and translation of an affine transform; what else it does is left to the box.
+// Returns the rotation and translation of an affine transform; scale, shear and mirroring become part of the box.
 glm::dmat4 rigidOf(const glm::dmat4& m) {
   glm::dvec3 x(m[0]), y(m[1]);
   if (!(glm::length(x) > 0)) x = {1, 0, 0};
@@ -30,7 +30,7 @@ glm::dmat4 rigidOf(const glm::dmat4& m) {
   return {glm::dvec4(x, 0), glm::dvec4(y, 0), glm::dvec4(glm::cross(x, y), 0), glm::dvec4(glm::dvec3(m[3]), 1)};
 }
 
-// Whether it takes boxes to boxes, but for rounding.
+// Returns true if the transform maps axis-aligned boxes to axis-aligned boxes of the same axes, up to rounding.
 bool keepsAxes(const glm::dmat4& m) {
   double across = 0, along = 0;
   for (int column = 0; column < 3; ++column)
@@ -70,7 +70,7 @@ class Boxes {
   }
 
  private:
-  // That of the primitives of one node; of a group's the topmost node's.
+  // Returns the object's frame in the world: that of its node, or for a group of nodes that of the topmost node.
   glm::dmat4 frameOf(const Instances& instances) const {
     const scene::Instance& first = scene_.instances[instances.front()];
     const bool one = std::ranges::all_of(instances, [&](uint32_t i) {
@@ -91,7 +91,7 @@ class Boxes {
     return scene::toWorldFromGltf() * pose_.world[scene_.rig.sceneNodes[node]];
   }
 
-  // Adds an instance to the object's box, and to its shape where that is asked for.
+  // Adds an instance to the object's box, and to its shape if shapes are requested.
   void add(Extent& extent, Shape& shape, const scene::Instance& instance, const glm::dmat4& toFrame) const {
     const scene::Mesh& mesh = scene_.meshes[instance.mesh];
     if (mesh.positions.empty()) return;
@@ -120,8 +120,8 @@ class Boxes {
 
   const scene::Scene& scene_;
   const scene::Pose& pose_;
-  const std::vector<uint64_t>* geometry_;  // hashes by mesh; null: shapes are not asked for
-  std::vector<glm::dmat4> toWorld_;  // of instances
+  const std::vector<uint64_t>* geometry_;  // hashes by mesh; null if shapes are not requested
+  std::vector<glm::dmat4> toWorld_;        // world transforms by instance
   glm::dmat4 fromWorld_;
 };
 

@@ -1,5 +1,5 @@
-// The objects of a frame: nodes with an id of their own, or groups of them, each with the box around it and the pixels
-// that it would cover alone.
+// The objects of a frame, each with its oriented bounding box and amodal mask. An object is a node with its own id, or
+// a group of nodes with a common id.
 #pragma once
 
 #include <array>
@@ -17,22 +17,25 @@ namespace latelight::data {
 
 struct Object {
   uint32_t id = 0;
-  // The object's own frame to the frame of positions: rotation and translation; the node's scale is in the box.
+  // The rigid transform (rotation and translation) from the object's own frame to the frame of the output `position`.
+  // The node's scale is part of the box.
   glm::dmat4 toWorld{1};
-  glm::dvec3 low{0}, high{0};  // the box in the object's own frame, metres
-  Shape shape;                 // empty, unless asked for
+  glm::dvec3 low{0}, high{0};  // the box in the object's own frame, in meters
+  Shape shape;                 // empty unless requested
 
-  // Where it was rendered alone (amodal.h).
-  Mask alone;           // pixels of the picture
-  uint64_t pixels = 0;  // of those, and of what lies beyond, up to a picture's width and height away on each side
-  PixelBox full;        // around all of them
+  // The amodal mask (amodal.h). `pixels` and `full` also include pixels beyond the picture, up to one picture width and
+  // height away on each side.
+  Mask alone;           // pixels within the picture
+  uint64_t pixels = 0;  // number of pixels
+  PixelBox full;        // bounding box of the pixels
 };
 
-// The box's corners in the object's own frame: x changes first, then y, then z.
+// Returns the box's corners in the object's own frame; x changes fastest, z slowest.
 std::array<glm::dvec3, 8> cornersOf(const Object& object);
 
-// Those of a scene in a pose, with their boxes, sorted by id. `zUp`: positions are in the renderer's world, else in the
-// scene file's own frame. `geometry`, of the scene: where their shapes are asked for.
+// Returns the objects of a scene in a pose, with their boxes, sorted by id. If `zUp` is true, positions are in the
+// renderer's world, otherwise in the scene file's own frame. Shapes are computed only if `geometry` is not null; it
+// caches the geometry hashes of `scene`.
 std::vector<Object> objectsOf(const scene::Scene& scene, const scene::Pose& pose, bool zUp,
                               GeometryHashes* geometry = nullptr);
 

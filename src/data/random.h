@@ -1,6 +1,6 @@
-// Random numbers that are the same on every machine: Philox4x32-10 (Salmon, Moraes, Dror and Shaw 2011, "Parallel
-// random numbers: as easy as 1, 2, 3"), integers alone. What is drawn depends on a seed, a number and the name of the
-// thing it is drawn for, so that what is added to a job leaves all else as it was.
+// Counter-based random numbers that are the same on every machine: Philox4x32-10 (Salmon, Moraes, Dror and Shaw 2011,
+// "Parallel random numbers: as easy as 1, 2, 3"), computed with integers only. A stream depends on `seed`, `number` and
+// the name of the quantity that it is drawn for, so an addition to a job does not change its other random values.
 #pragma once
 
 #include <array>
@@ -25,7 +25,7 @@ constexpr Block philox(Block counter, std::array<uint32_t, 2> key) {
   return counter;
 }
 
-// A stream of numbers.
+// A stream of random numbers. `what` names the quantity.
 class Random {
  public:
   Random(uint64_t seed, uint64_t number, std::string_view what)
@@ -40,20 +40,20 @@ class Random {
     }
     return block_[4 - left_--];
   }
-  // [0, 1), a multiple of 2^-53.
+  // Uniform in [0, 1), a multiple of 2^-53.
   double unit() {
     const uint64_t high = bits() >> 5, low = bits() >> 6;
     return static_cast<double>(high << 26 | low) * 0x1p-53;
   }
   double between(double low, double high) { return low + (high - low) * unit(); }
-  // [0, count), all of them equally likely (Lemire 2019, "Fast random integer generation in an interval").
+  // Uniform in [0, count), without bias (Lemire 2019, "Fast random integer generation in an interval").
   uint32_t below(uint32_t count) {
     uint64_t product = uint64_t{bits()} * count;
-    const uint32_t unfair = (0u - count) % count;  // so many products are one too many for their result
+    const uint32_t unfair = (0u - count) % count;  // 2^32 mod count: lower products would bias the result
     while (static_cast<uint32_t>(product) < unfair) product = uint64_t{bits()} * count;
     return static_cast<uint32_t>(product >> 32);
   }
-  // `chosen` different ones of [0, count), in the order they were drawn; at most `count`.
+  // Returns `chosen` different integers of [0, count) in the order they were drawn. `chosen` is at most `count`.
   std::vector<uint32_t> choose(uint32_t chosen, uint32_t count) {
     std::vector<uint32_t> all(count);
     for (uint32_t i = 0; i < count; ++i) all[i] = i;

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kTolerance = 1e-4;
 
-// Also negative zeros are zeros.
+// The bits of a position. The addition turns negative zeros into positive zeros.
 using Bits = std::array<uint32_t, 3>;
 Bits bitsOf(glm::vec3 position) {
   position += 0.0f;

@@ -1,5 +1,4 @@
-// The shape of an object, wherever it stands and however it is turned: what decides whether two objects are the same
-// model.
+// The shape of an object, independent of its position and rotation. It decides whether two objects are the same model.
 #pragma once
 
 #include <array>
@@ -15,29 +14,30 @@
 namespace latelight::data {
 
 struct Shape {
-  // A primitive of the object.
+  // One primitive of the object.
   struct Part {
-    uint64_t geometry = 0;  // its geometryHash()
-    // From its object space to the object's own frame: three rows of four. The object's frame is right-handed and
-    // rigid, so a mirrored part has a negative determinant here, and a larger one a larger.
+    uint64_t geometry = 0;  // the primitive's geometryHash()
+    // The transform from the primitive's object space to the object's own frame, as three rows of four. The object's
+    // frame is right-handed and rigid, so mirroring makes the determinant negative and scaling changes its magnitude.
     std::array<double, 12> place{};
   };
   std::vector<Part> parts;  // in scene order
-  double extent = 0;        // the longest side of the box around it, metres
+  double extent = 0;        // the longest side of the object's box, in meters
 };
 
-// Whether a rotation and a translation take one to the other, but for rounding: the same vertices and triangles, to
-// 1/10,000 of the size, and with the same handedness.
+// Returns true if a rotation and a translation map one shape to the other: both have the same vertices and triangles,
+// within 1/10,000 of their size, and the same handedness.
 bool isSameShape(const Shape& a, const Shape& b);
 
-// Both ways, for files.
+// Convert shapes to JSON and back, for files.
 nlohmann::ordered_json describeShape(const Shape& shape);
 Shape shapeIn(const nlohmann::ordered_json& json);  // throws nlohmann's exceptions
 
-// Of the vertices and the triangles that join them, in whatever order they are listed.
+// Hashes vertices and triangles, independent of the order in which they are listed.
 uint64_t geometryHash(std::span<const glm::vec3> positions, std::span<const uint32_t> indices);
 
-// Those of a scene's meshes at rest, each made at its first use: they stay the same while instances come and go.
+// Caches the geometry hashes of a scene's meshes at rest. Each is computed at its first use and stays valid while
+// instances are added and removed.
 class GeometryHashes {
  public:
   uint64_t of(const scene::Scene& scene, uint32_t mesh);

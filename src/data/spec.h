@@ -1,5 +1,5 @@
-// A part of a job, as the user wrote it: a JSON object that is read strictly. Everything throws Error(Usage) that names
-// the key's path, as in "cameras[2].radius".
+// A part of a job as the user wrote it: a JSON object with strict validation. All functions report invalid values by
+// Error(Usage) that names the key's path, such as "cameras[2].radius".
 #pragma once
 
 #include <cstdint>
@@ -18,32 +18,32 @@
 
 namespace latelight::data {
 
-// Beyond, squares leave the range of float.
+// The maximum magnitude of numbers, so that their squares stay within the range of float.
 inline constexpr double kLargest = 1e15;
 
-// Both ends included.
+// The accepted range of a number; both ends are included.
 struct Limits {
   double least = -kLargest, most = kLargest;
 };
 inline constexpr Limits kPositive{std::numeric_limits<double>::min()}, kNotNegative{0};
 
-// What is drawn from, or a single value twice.
+// An interval from which values are drawn. Both ends of a single value are equal.
 struct Interval {
   double low = 0, high = 0;
 };
 
 class Spec {
  public:
-  // `value` must outlive it.
+  // `value` must outlive the Spec.
   Spec(const nlohmann::ordered_json& value, std::string path);
 
   const std::string& path() const { return path_; }
   std::string pathOf(std::string_view key) const;
   bool has(std::string_view key);
-  // The value itself; throws where it is missing.
+  // Returns the value itself; throws if it is missing.
   const nlohmann::ordered_json& at(std::string_view key);
 
-  // Without a default the key is required.
+  // The functions below read a value by type. A key without a default, `normal`, is required.
   std::string text(std::string_view key, std::optional<std::string> normal = {});
   std::string choice(std::string_view key, std::initializer_list<std::string_view> choices,
                      std::optional<std::string> normal = {});
@@ -64,23 +64,23 @@ class Spec {
   };
   Corners corners(std::string_view key, Limits limits = {});
   std::vector<double> numbers(std::string_view key, size_t least, size_t most, Limits limits = {});
-  // Rows of a matrix, one after the other.
+  // Returns the rows of a matrix, concatenated.
   std::vector<double> matrix(std::string_view key, size_t rows, size_t columns);
-  std::vector<std::string> texts(std::string_view key);  // one text, or a list of them
+  std::vector<std::string> texts(std::string_view key);  // one string, or a list of at least one
   Spec object(std::string_view key);
-  std::vector<Spec> objects(std::string_view key);  // at least one
+  std::vector<Spec> objects(std::string_view key);  // a list of at least one object
 
-  // Throws for a key that nothing has asked for.
+  // Throws if the object has a key that no function above has read.
   void finish() const;
 
  private:
   const nlohmann::ordered_json* value_;
   std::string path_;
   std::set<std::string, std::less<>> known_;
-  std::shared_ptr<MemoryClaim> memory_;  // of the list that it is in
+  std::shared_ptr<MemoryClaim> memory_;  // shared by all elements of the list that objects() returned
 };
 
-// A value as it is repeated in a message.
+// Returns a value as messages quote it, shortened.
 std::string shown(const nlohmann::ordered_json& value);
 
 }  // namespace latelight::data

@@ -1,21 +1,22 @@
-// SIGTERM and SIGINT end a batch once the frames in flight are written.
+// Stops a batch on SIGTERM or SIGINT after the frames in flight are written.
 #pragma once
 
 namespace latelight::data {
 
-// From here on the first of these signals asks for the end, and the second one ends the process as it would have.
+// Installs the handlers. The first signal requests a stop. The second restores the previous action of that signal and
+// raises it again, which normally ends the process.
 void stopOnSignals();
 
-// The signal that asked for the end; 0: none did.
+// Returns the signal that requested the stop, or 0 if there was none.
 int stopSignal();
 
-// Thrown where work that may take long is given up because of a signal. It is no std::exception: nothing has failed,
-// and no handler of failures may take it for one.
+// Thrown to abandon long work because of a signal. It does not derive from std::exception, because nothing has failed
+// and handlers of failures must not catch it.
 struct Stopped {
   int signal;
 };
 
-// For loops that may run long between frames.
+// Throws Stopped if a signal has requested a stop. For loops that may run long between frames.
 void throwIfStopped();
 
 }  // namespace latelight::data
