@@ -39,7 +39,8 @@ std::optional<double> CameraTimeline::time(size_t i) const {
   return advances ? *first + static_cast<double>(place->number) / job_.settings.framesPerSecond : *first;
 }
 
-// Motion is in pixels of one size, and lenses that bend rays have none.
+// Returns no neighbor of another picture size, because motion vectors are in pixels of one size, and none with a lens
+// that bends rays, because the output `motion` does not support such lenses.
 std::optional<CameraTimeline::Neighbor> CameraTimeline::inSequence(size_t i, std::optional<size_t> neighbor) const {
   if (!neighbor) return std::nullopt;
   const JobCamera &here = cameras_[i], &there = cameras_[*neighbor];

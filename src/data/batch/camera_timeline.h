@@ -1,10 +1,10 @@
-// The cameras of a job in one scene: when each sees the scene, and the frames before and after it, which the output
-// motion leads to.
+// The cameras of a job in one scene: the scene time of each camera's frame, and the previous and next frames that its
+// motion vectors (output `motion`) refer to.
 //
-// The poses of an ordered source (path, orbit, TUM, transforms, COLMAP, BOP; also below stereo and rig) are a sequence:
-// the neighbors of a frame are the frames of the neighboring poses, and the first and the last frame lack one. All
-// other cameras have no neighbors in a scene at rest; at a time of the scene, their neighbors are the same camera 1 /
-// fps seconds earlier and later, which are no frames of the set.
+// The poses of an ordered source (path, orbit, TUM, transforms, COLMAP, BOP; also inside stereo and rig) are a
+// sequence: the neighbors of a frame are the frames of the neighboring poses. The first frame has no previous one, and
+// the last frame has no next one. All other cameras have no neighbors in a scene at rest. In a scene with a time, their
+// neighbors are the same camera 1 / fps seconds earlier and later, which are not frames of the set.
 #pragma once
 
 #include <cstdint>
@@ -21,25 +21,25 @@ namespace latelight::data {
 
 class CameraTimeline {
  public:
-  // Throws Error as makeCameras() does, and for an animation that the scene does not have.
+  // Throws Error as makeCameras() does, and if the scene does not have the job's animation.
   CameraTimeline(const Job& job, const scene::Scene& scene);
 
   size_t size() const { return cameras_.size(); }
-  const JobCamera& camera(size_t i) const { return cameras_[i]; }  // with the size of its pictures
-  // Seconds; none: the scene is at rest.
+  const JobCamera& camera(size_t i) const { return cameras_[i]; }  // its picture size is set
+  // Scene time in seconds; empty if the scene is at rest.
   std::optional<double> time(size_t i) const;
 
   struct Neighbor {
     const scene::Camera& camera;
     std::optional<double> time;
-    std::optional<size_t> place;  // among the cameras; none: the set does not have that frame
+    std::optional<size_t> place;  // index of its camera; empty if the set does not contain that frame
   };
   std::optional<Neighbor> previous(size_t i) const;
   std::optional<Neighbor> next(size_t i) const;
 
-  // The scene's moving parts in the frame before, the frame itself, and the frame after.
+  // The poses of the scene's moving parts in the previous frame, in the frame itself, and in the next frame.
   render::Poses poses(size_t i) const;
-  // Frames with the same number have the same poses, and may be rendered at once.
+  // Frames with the same number have the same poses and may be rendered together.
   uint64_t momentOf(size_t i) const;
 
  private:
@@ -52,9 +52,9 @@ class CameraTimeline {
   const Job& job_;
   const scene::Scene& scene_;
   scene::Playback playback_;
-  std::array<MemoryClaim, 3> memory_;  // of the cameras
+  std::array<MemoryClaim, 3> memory_;  // for cameras_, earlier_ and later_
   std::vector<JobCamera> cameras_;
-  std::vector<JobCamera> earlier_, later_;  // 1 / fps seconds; empty where the scene moves no camera
+  std::vector<JobCamera> earlier_, later_;  // by 1 / fps seconds; empty if the scene moves no camera
 };
 
 }  // namespace latelight::data

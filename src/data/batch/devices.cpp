@@ -10,7 +10,7 @@ namespace latelight::data {
 
 namespace {
 
-// The 32 digits of "GPU-xxxxxxxx-xxxx-...", or as many of them as are given.
+// Returns the 32 hexadecimal digits of "GPU-xxxxxxxx-xxxx-...", or fewer if the UUID is abbreviated.
 std::string digitsOf(std::string_view uuid) {
   if (uuid.starts_with("GPU-")) uuid.remove_prefix(4);
   std::string digits;
@@ -19,7 +19,7 @@ std::string digitsOf(std::string_view uuid) {
   return digits;
 }
 
-// As CUDA reads it: the first entry that names no device ends the list.
+// Reads CUDA_VISIBLE_DEVICES as CUDA does: the first entry that matches no device ends the list.
 std::vector<vk::DeviceInfo> visibleTo(const std::vector<vk::DeviceInfo>& gpus, const std::string& list) {
   std::vector<vk::DeviceInfo> visible;
   for (const std::string_view entry : splitAtCommas(list)) {
@@ -36,7 +36,7 @@ std::vector<vk::DeviceInfo> visibleTo(const std::vector<vk::DeviceInfo>& gpus, c
   return visible;
 }
 
-// What "auto" and "all" choose from.
+// Returns the devices that "auto" and "all" choose from.
 std::vector<vk::DeviceInfo> candidates(const std::vector<vk::DeviceInfo>& devices,
                                        const std::optional<std::string>& cudaVisible) {
   std::vector<vk::DeviceInfo> gpus, usable;

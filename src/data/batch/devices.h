@@ -1,4 +1,4 @@
-// The devices that a batch works on.
+// Chooses the devices that a batch renders on.
 #pragma once
 
 #include <functional>
@@ -10,10 +10,11 @@
 
 namespace latelight::data {
 
-// UUIDs of those that `text` says, by comma: "auto" is the one that `latelight render` takes, "all" every usable one
-// that does not run on the CPU (or the CPU device, where there is no other). Numbers and UUIDs in CUDA_VISIBLE_DEVICES
-// leave out the others of "auto" and "all": numbers count the devices that do not run on the CPU; "" and "-1" leave out
-// all of those. Throws Error(NoDevice).
+// Returns the UUIDs of the devices that `text` selects, separated by commas. "auto" is the device that `latelight
+// render` uses. "all" is every usable device that does not run on the CPU, or the CPU device if there is no other.
+// `cudaVisible`, the value of CUDA_VISIBLE_DEVICES, restricts "auto" and "all" to the devices that it lists by number
+// or UUID. Numbers count the devices that do not run on the CPU; "" and "-1" exclude all of these. Throws
+// Error(NoDevice).
 std::vector<std::string> chooseDevices(const std::vector<vk::DeviceInfo>& devices, const std::string& text,
                                        const std::optional<std::string>& cudaVisible);
 

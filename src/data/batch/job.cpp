@@ -21,7 +21,7 @@ void checkThere(const std::string& file, const std::string& place) {
   if (!isThere(file)) badInput("{}: there is no file \"{}\"", place, file);
 }
 
-// The files of a pattern, by name; what is there is itself.
+// Expands a glob pattern to files sorted by name. Returns an existing path and a built-in scene as it is.
 std::vector<std::string> filesLike(const std::string& pattern, const std::string& place) {
   if (pattern.starts_with("builtin:") || isThere(pattern)) return {pattern};
   if (pattern.find_first_of("*?[") == std::string::npos) checkThere(pattern, place);
@@ -34,7 +34,7 @@ std::vector<std::string> filesLike(const std::string& pattern, const std::string
   return files;
 }
 
-// A key's value, which may be a list, as a list with the place of each.
+// Returns a key's value, or the elements if it is a list, each with its position for messages.
 std::vector<std::pair<std::string, Json>> each(const JobDocument& document, const std::string& key) {
   std::vector<std::pair<std::string, Json>> all;
   const Json& value = document.json[key];
@@ -43,7 +43,7 @@ std::vector<std::pair<std::string, Json>> each(const JobDocument& document, cons
   return all;
 }
 
-// As the command line has it.
+// Returns a value as text, in the form of the command line.
 std::string textOf(const Json& value) {
   return value.is_string() ? value.get<std::string>() : value.dump();
 }
@@ -53,7 +53,7 @@ void readOptions(Job& job, const JobDocument& document) {
     const std::string key(render::keyOf(option));
     if (!document.json.contains("options") || !document.json["options"].contains(key)) continue;
     const Json& value = document.json["options"][key];
-    if (value == false) continue;  // a flag that is not set
+    if (value == false) continue;  // an unset flag
     try {
       job.given[key] = render::read(job.settings, option, textOf(value));
     } catch (const Error& error) {
@@ -80,7 +80,7 @@ void readScenes(Job& job, const JobDocument& document) {
   if (!job.hdri.empty() && job.hdri != "studio" && job.hdri != "none") checkThere(job.hdri, document.place("hdri"));
 }
 
-// What the formats are written from.
+// Requests the outputs that the formats require.
 void askForOutputs(Job& job) {
   job.settings.display = false;
   for (const JobFormat& use : job.formats) {

@@ -1,4 +1,4 @@
-// What `latelight batch` is asked for: scenes x variations x cameras, and the formats of the data set.
+// The job of `latelight batch`: the data set's frames (scenes x variations x cameras), formats and settings.
 #pragma once
 
 #include <filesystem>
@@ -15,7 +15,7 @@
 
 namespace latelight::data {
 
-// One of the job's formats, as the job describes it.
+// One of the job's formats, with the options from the job.
 struct JobFormat {
   std::string name;
   nlohmann::ordered_json options = nlohmann::ordered_json::object();
@@ -23,10 +23,10 @@ struct JobFormat {
 };
 
 struct Job {
-  // The document without the folder, which is no part of what a set is.
+  // The job's document without its output folder, which is not part of a data set's identity.
   nlohmann::ordered_json document;
   std::filesystem::path folder;
-  std::vector<std::string> scenes;  // files and built-in ones: patterns are filled in
+  std::vector<std::string> scenes;  // files and built-in scenes, with patterns expanded
   nlohmann::ordered_json cameras, variations;
   uint32_t repeat = 1;
   uint64_t seed = 0;
@@ -34,19 +34,21 @@ struct Job {
   std::vector<JobFormat> formats;
 
   render::Settings settings;
-  std::map<std::string, std::string, std::less<>> given;  // the options that it has, by key, as text
+  std::map<std::string, std::string, std::less<>> given;  // values of the options that the job sets, by key
   scene::LoadOptions load;
-  std::string hdri;  // an environment; empty: by the scene
-  std::shared_ptr<MemoryClaim> memory;  // of the document
+  std::string hdri;                     // the environment; empty: chosen by the scene
+  std::shared_ptr<MemoryClaim> memory;  // for the document
 };
 
-// The format of a data set by its name and options; throws Error(Usage) that begins with `place`.
+// Creates a data set format from its name, or from an object of its name and options. Throws Error(Usage) whose message
+// begins with `place`.
 JobFormat makeFormat(const nlohmann::ordered_json& spec, const std::string& place);
 
-// What the outputs of a pixel take in memory, and 1 where there is none.
+// Returns the bytes per pixel of all outputs, at least 1.
 uint64_t bytesOfPixel(const render::Settings& settings);
 
-// Throws Error, Usage, or BadInput for a file that is missing, with a sentence that names the key, and its line.
+// Validates a document and creates its job. Throws Error(BadInput) for missing files and Error(Usage) for all other
+// errors. The message names the key and its line.
 Job makeJob(const JobDocument& document);
 
 }  // namespace latelight::data

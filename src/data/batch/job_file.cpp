@@ -18,8 +18,8 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-// YAML to JSON by the rules of YAML 1.2's core schema: plain words may be numbers, quoted ones are texts. yaml-cpp's
-// own nodes would take hundreds of bytes each, and repeat what aliases name without a bound.
+// Converts YAML to JSON by the core schema of YAML 1.2: plain scalars may be numbers, quoted scalars are strings. The
+// nodes of yaml-cpp are not used: they require hundreds of bytes each, and aliases could multiply them without limit.
 class YamlEvents : public YAML::EventHandler {
  public:
   YamlEvents(JsonBuilder& builder, uint64_t textBytes) : builder_(builder), textBytes_(textBytes) {}
@@ -59,7 +59,7 @@ class YamlEvents : public YAML::EventHandler {
   }
   void OnMapEnd() override { OnSequenceEnd(); }
 
-  int firstLine() const { return firstLine_; }  // of the document
+  int firstLine() const { return firstLine_; }  // the document's first line
 
  private:
   struct Open {
@@ -84,7 +84,7 @@ class YamlEvents : public YAML::EventHandler {
     remember(anchor, before);
   }
 
-  // For aliases. The copy is claimed like one in the document.
+  // Stores the value of an anchor for its aliases. The stored copy's memory is claimed like a copy in the document.
   void remember(YAML::anchor_t anchor, JsonSize before) {
     if (anchor == 0) return;
     const JsonSize all = builder_.size(), size{all.values - before.values, all.bytes - before.bytes};
@@ -111,7 +111,8 @@ class YamlEvents : public YAML::EventHandler {
   int firstLine_ = 1;
 };
 
-// yaml-cpp keeps all tokens of a line until it knows whether the line begins with a key.
+// Claims memory for the tokens of yaml-cpp, which stores all tokens of a line until it knows if the line begins with a
+// key.
 MemoryClaim claimTokens(const std::string& text) {
   constexpr uint64_t kTokenBytes = 128;
   uint64_t longest = 0;

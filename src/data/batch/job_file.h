@@ -1,4 +1,4 @@
-// A job's file as a document: JSON or YAML, and the lines that its keys are on.
+// Reads a job file, JSON or YAML, into a JSON document with the line numbers of its keys.
 #pragma once
 
 #include <filesystem>
@@ -12,17 +12,17 @@
 namespace latelight::data {
 
 struct JobDocument {
-  std::string name;  // of its file, for messages; empty: a job of options alone
+  std::string name;  // the file's name, for messages; empty: a job from command line options only
   nlohmann::ordered_json json = nlohmann::ordered_json::object();
-  std::map<std::string, int> lines;     // by path: "options.exposure", "scenes[1]"
-  std::shared_ptr<MemoryClaim> memory;  // of `json`
+  std::map<std::string, int> lines;     // line numbers by path: "options.exposure", "scenes[1]"
+  std::shared_ptr<MemoryClaim> memory;  // for `json`
 
-  // Where a key stands, to begin a sentence with: "job.yaml:7: options.exposure".
+  // Returns the position of a key as the beginning of a message: "job.yaml:7: options.exposure".
   std::string place(const std::string& path) const;
 };
 
-// A file that ends in .json, .yaml or .yml. Throws Error: BadInput for one that can't be read, Usage with the line
-// where it is not in that language, or has a key twice.
+// Reads a file that ends in .json, .yaml or .yml. Throws Error(BadInput) if it can't be read, and Error(Usage) with the
+// line for syntax errors and duplicate keys.
 JobDocument readJobFile(const std::filesystem::path& path);
 
 }  // namespace latelight::data

@@ -1,4 +1,4 @@
-// A scene of a job as one worker has it, in whichever variation it shows.
+// One worker's copy of a scene of the job. The worker applies the job's variations to it.
 #pragma once
 
 #include <optional>
@@ -19,10 +19,10 @@ class LoadedScene {
 
   const scene::Scene& scene() const { return scene_; }
   const CameraTimeline& cameras() const { return cameras_; }
-  // From then on it is as that variation has it; what was drawn for it. Null where nothing varies.
+  // Applies a variation to the scene and returns the values drawn for it, or null if the job has no variations.
   const nlohmann::ordered_json& show(uint32_t variation);
-  std::string environment() const;                    // as it is now; empty: none
-  std::optional<double> environmentRotation() const;  // degrees, where the variation turns it
+  std::string environment() const;                    // the current environment; empty: none
+  std::optional<double> environmentRotation() const;  // in degrees; empty if the variation does not rotate it
 
  private:
   const Job& job_;

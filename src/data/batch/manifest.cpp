@@ -15,8 +15,8 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-// `key`: a list, an element a line. Elements are described on all threads: there are many, and formats may say much of
-// each.
+// Appends the key and its list, one line per element. All threads convert elements to text, because there are many and
+// formats may store much data per element.
 template <typename Range>
 void appendList(std::string& text, const char* key, const Range& range,
                 Json (*describeOne)(const typename Range::value_type&)) {

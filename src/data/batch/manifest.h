@@ -1,6 +1,6 @@
-// What a data set says of its frames: a log a shard while it is made (shard_log.h), and a manifest of all once it is
-// done. It holds nothing of the time or the machine, and frames by their index, so that a set has the same bytes
-// however it was made.
+// The records of a data set's frames: one log per shard while the set is rendered (shard_log.h), and one manifest of
+// all frames after it is complete. The manifest contains no times or machine names and lists frames by index, so a set
+// has the same bytes for any number of shards, devices and runs.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,7 @@ struct FileRecord {
 };
 nlohmann::ordered_json describe(const FileRecord& file);
 FileRecord fileRecord(const nlohmann::ordered_json& json);
-// As the file is now. Throws Error(BadInput) where it can't be read.
+// Returns the record of a file in its present state. Throws Error(BadInput) if the file can't be read.
 FileRecord recordOf(const std::filesystem::path& folder, const std::string& name);
 
 // A finished frame.
@@ -29,36 +29,37 @@ struct FinishedFrame {
   uint64_t index = 0, settings = 0;  // Plan::settings()
   std::string name, scene, camera;
   uint32_t variation = 0;
-  nlohmann::ordered_json drawn;   // what the variation drew
-  nlohmann::ordered_json motion;  // the frames that the output motion leads to; null: the job does not ask for it
+  nlohmann::ordered_json drawn;   // the values that the variation drew; null: none
+  nlohmann::ordered_json motion;  // neighbors that the output motion refers to; null if the job has no such output
   std::vector<FileRecord> files;
-  std::vector<nlohmann::ordered_json> entries;  // of each format, for its files of the whole set
+  std::vector<nlohmann::ordered_json> entries;  // one per format, for its files of the whole set
 };
 
-// Its name, and why.
+// The name of a frame or scene, and the reason of its failure.
 using FailedFrame = std::pair<const std::string, std::string>;
 
 nlohmann::ordered_json describe(const FinishedFrame& frame);
 nlohmann::ordered_json describe(const FailedFrame& frame);
-// And back; throw nlohmann's exceptions where the JSON is no such thing.
+// Convert JSON back; they throw nlohmann's exceptions if the JSON has another structure.
 FinishedFrame finishedFrame(nlohmann::ordered_json&& json);
 FailedFrame failedFrame(const nlohmann::ordered_json& json);
 uint64_t hashIn(const nlohmann::ordered_json& json);
 
 struct Manifest {
-  uint64_t plan = 0;  // Plan::hash() that it was made by
-  std::map<uint64_t, FinishedFrame> frames;
-  std::map<std::string, std::string> failed;  // frames and scenes that could not be made, by name, and why
-  std::set<std::string> stale;                // files of frames that the job no longer has so: removed when it is done
-  std::vector<FileRecord> setFiles;           // of the whole set
+  uint64_t plan = 0;  // Plan::hash() of the plan that its frames were rendered by
+  std::map<uint64_t, FinishedFrame> frames;   // by index
+  std::map<std::string, std::string> failed;  // reasons by name of the frame or scene
+  std::set<std::string> stale;                // files that are not of the job's current frames; removed by the merge
+  std::vector<FileRecord> setFiles;           // the formats' files of the whole set
 };
 
+// Throws Error(BadInput) that names the file.
 [[noreturn]] void badManifest(const std::filesystem::path& path, const std::exception& error);
 
-// Throws Error(BadInput) that names the file where it is no manifest.
+// Throws Error(BadInput) that names the file if it is not a manifest.
 Manifest readManifest(const std::filesystem::path& path);
 
-// Whole or not at all. Throws Error(Usage) where it can't be written.
+// Writes the file whole or not at all. Throws Error(Usage) if it can't be written.
 void writeManifest(const std::filesystem::path& path, const Manifest& manifest);
 
 }  // namespace latelight::data

@@ -62,10 +62,10 @@ uint64_t hashOf(const CameraTimeline& cameras, size_t i, bool moves) {
   return hashOf(all);
 }
 
-// The files that cameras are read from.
+// Adds the files that cameras are read from.
 void addCameraFiles(const Json& spec, std::vector<std::string>& files) {
   const auto add = [&](const std::filesystem::path& file) {
-    std::error_code ignored;  // reading the cameras says what is wrong
+    std::error_code ignored;  // errors are reported when the cameras are read
     if (std::filesystem::is_regular_file(file, ignored)) files.push_back(file.string());
   };
   if (!spec.is_structured()) return;
@@ -79,7 +79,7 @@ void addCameraFiles(const Json& spec, std::vector<std::string>& files) {
   }
 }
 
-// A scene's or camera's name as part of a path: what has a meaning there is replaced.
+// Returns a scene's or camera's name as one part of a path: characters with a special meaning are replaced.
 std::string asPart(std::string name) {
   for (char& c : name)
     if (std::string_view("/\\{}").find(c) != std::string_view::npos || static_cast<unsigned char>(c) < 0x20 ||
@@ -89,7 +89,7 @@ std::string asPart(std::string name) {
   return shortFileName(std::move(name));
 }
 
-constexpr size_t kLongestName = 200;  // bytes of a part of a path; formats put more behind it, and 255 are allowed
+constexpr size_t kLongestName = 200;  // bytes per part of a path: formats append to it, and 255 are allowed
 
 void checkPattern(const std::string& name) {
   const std::filesystem::path path(name);
@@ -112,7 +112,7 @@ Json describe(const PlannedScene& scene) {
   return {{"source", scene.source}, {"files", scene.files}, {"hash", scene.hash}, {"cameras", std::move(cameras)}};
 }
 
-// Whatever a damaged file holds: then scenes are loaded again.
+// Returns an empty object if the file is missing or damaged; scenes are then loaded again.
 Json readSaved(const std::filesystem::path& path) try { return parsed(readFile(path)); } catch (const std::exception&) {
   return Json::object();
 }
@@ -159,7 +159,7 @@ bool Plan::findSaved(PlannedScene& scene, const Json& saved) const try {
     return true;
   }
   return false;
-} catch (const std::exception&) {  // damaged, or a file that is gone: loading says what is wrong
+} catch (const std::exception&) {  // the plan is damaged or a file is missing; loading the scene reports errors
   return false;
 }
 
@@ -179,13 +179,13 @@ void Plan::look(PlannedScene& scene) try {
   scene.hash = hashOfFiles(scene.files);
   if (job_.scenes.size() == 1) scene_ = std::move(loaded);
 } catch (const Error& error) {
-  // What no scene takes is the job's fault.
+  // If no scene has loaded so far, a usage error is attributed to the job.
   const bool someGood = std::ranges::any_of(scenes_, [](const PlannedScene& other) { return other.error.empty(); });
   if (job_.scenes.size() == 1 || (error.code() == ExitCode::Usage && !someGood)) throw;
   scene.error = error.what();
 }
 
-// Of a camera in the list, and in the JSON that the plan is saved and hashed by.
+// Claims memory for the scene's cameras, both in the list and in the JSON that the plan is saved and hashed as.
 void Plan::claimMemory(const PlannedScene& scene) {
   constexpr uint64_t kJsonBytes = 384;
   uint64_t bytes = 0;
@@ -233,12 +233,12 @@ void Plan::checkNames() const {
   const bool indexed = job_.name.find("{index}") != std::string::npos;
   const auto placeholders = static_cast<size_t>(std::ranges::count(job_.name, '{'));
   if (indexed && job_.name.size() + placeholders * kShortFileName <= kLongestName) return;
-  constexpr uint64_t kNameBytes = 192;  // with what is filled in, and its place in the set
+  constexpr uint64_t kNameBytes = 192;  // placeholder values and the overhead of a set element
   const MemoryClaim memory(frames() * (kNameBytes + job_.name.size()), "the names of the job's frames");
   std::unordered_set<std::string> names;
   for (size_t scene = 0; scene < scenes_.size(); ++scene) {
     if (!scenes_[scene].error.empty()) continue;
-    // With the index no two names are alike, and those of all variations are equally long.
+    // Names with the index are unique, and they have the same length for all variations.
     const uint64_t frames = indexed ? scenes_[scene].cameras.size() : scenes_[scene].places;
     for (uint64_t i = 0; i < frames; ++i) {
       std::string name = this->name(starts_[scene] + i);

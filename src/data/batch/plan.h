@@ -1,4 +1,4 @@
-// Every frame of a job: its index in the whole job, its name, and the hash of what makes it, whatever shard renders it.
+// The plan of a job: the index, the name and a hash of all inputs of every frame. It is the same for all shards.
 #pragma once
 
 #include <cstdint>
@@ -16,45 +16,48 @@ namespace latelight::data {
 
 struct PlannedCamera {
   std::string name;
-  uint64_t hash = 0;               // of all that it is, and where the job asks for motion, of its neighbors
+  uint64_t hash = 0;               // hash of the camera and, if the job outputs motion, of its neighbors
   uint32_t width = 0, height = 0;  // pixels
   uint64_t moment = 0;             // CameraTimeline::momentOf()
 };
 
 struct PlannedScene {
   std::string source;
-  std::vector<std::string> files;  // that it was read from
-  uint64_t hash = 0;               // of their contents
+  std::vector<std::string> files;  // the files that the scene was read from
+  uint64_t hash = 0;               // hash of the files' contents
   std::vector<PlannedCamera> cameras;
-  uint64_t places = 0;  // frames that it has in the job's order: those of a broken scene are kept free
-  std::string error;    // why it can't be loaded; empty: it can
+  uint64_t places = 0;  // number of frame indices; those of a broken scene are reserved
+  std::string error;    // the reason that the scene can't be loaded; empty: it can be loaded
 };
 
-// A frame by what it shows, each an index.
+// The scene, variation and camera of a frame, by index.
 struct FramePlace {
   uint32_t scene = 0, variation = 0, camera = 0;
 };
 
 class Plan {
  public:
-  // Loads each scene that the plan in `saved`, made by an earlier run, does not know, for its cameras. A broken scene
-  // has an error, and as many places as the first good one has. Throws Error(Usage) where two frames have one name.
+  // Loads scenes to determine their cameras, except scenes in the plan that an earlier run wrote to `saved`. A broken
+  // scene has an error and as many frame indices as the first good scene. Throws Error(Usage) if two frames have the
+  // same name.
   Plan(const Job& job, const std::filesystem::path& saved);
   void save(const std::filesystem::path& path) const;
 
-  uint64_t frames() const { return starts_.back(); }  // places in the order; those of broken scenes hold nothing
+  uint64_t frames() const { return starts_.back(); }  // number of frame indices, including those of broken scenes
   const std::vector<PlannedScene>& scenes() const { return scenes_; }
-  // Nothing for a place of a broken scene.
+  // Returns nullopt for an index of a broken scene.
   std::optional<FramePlace> at(uint64_t index) const;
   std::string name(uint64_t index) const;
-  // Of a frame with the same scene and variation, by its camera.
+  // Returns the name of another camera's frame with the same scene and variation.
   std::string nameBeside(uint64_t index, size_t camera) const { return name(index - at(index)->camera + camera); }
   const PlannedCamera& camera(FramePlace place) const { return scenes_[place.scene].cameras[place.camera]; }
-  // Of everything that the frame's files depend on, but for the device: frames with another hash are rendered again.
+  // The hash of everything that the frame's files depend on, except the device. A finished frame with a different hash
+  // is rendered again.
   uint64_t settings(uint64_t index) const;
-  uint64_t hash() const;  // of all frames
+  uint64_t hash() const;  // hash of all frames
 
-  // Where there is only one scene, it need not be loaded again: null after the first call.
+  // Returns the loaded scene of a job with only one scene, so that it need not be loaded again. Null after the first
+  // call and in other cases.
   std::unique_ptr<LoadedScene> takeScene() { return std::move(scene_); }
 
  private:
@@ -66,10 +69,10 @@ class Plan {
   void checkNames() const;
 
   const Job& job_;
-  uint64_t jobHash_ = 0;   // of what all frames depend on
-  uint64_t loadHash_ = 0;  // of what the cameras of a scene depend on
+  uint64_t jobHash_ = 0;   // hash of the inputs of all frames
+  uint64_t loadHash_ = 0;  // hash of the job's inputs that cameras depend on
   std::vector<PlannedScene> scenes_;
-  std::vector<uint64_t> starts_;  // index of each scene's first frame, and behind the last
+  std::vector<uint64_t> starts_;  // index of each scene's first frame, then the end index
   std::unique_ptr<LoadedScene> scene_;
   MemoryClaim memory_;
 };

@@ -18,8 +18,8 @@ namespace latelight::data {
 
 namespace {
 
-// Enough to fill a GPU, and little enough that the memory that they are read back to is soon there; on the CPU, few
-// enough that a signal is followed soon.
+// Limits of one submission. They are large enough to fill a GPU and small enough that read-back memory is allocated
+// quickly; on the CPU they are small enough that the program responds quickly to a signal.
 constexpr AtOnce kOfGpu{256, 1 << 22}, kOfCpu{8, 1 << 19};
 
 AtOnce atOnce(const Job& job, const BatchOptions& options) {
@@ -27,13 +27,13 @@ AtOnce atOnce(const Job& job, const BatchOptions& options) {
   for (const vk::DeviceInfo& device : vk::listDevices())
     cpu |= device.type == "cpu" && std::ranges::find(options.devices, device.uuid) != options.devices.end();
   AtOnce most = cpu ? kOfCpu : kOfGpu;
-  // Three tickets a worker and what is read back of one take a quarter of the memory.
+  // The three tickets of each worker and the data read back from one use at most a quarter of the memory.
   most.pixels = std::min(most.pixels, memoryLimit() / 4 / options.devices.size() / 6 / bytesOfPixel(job.settings));
   return most;
 }
 
-// Calls body(i) for each i below `count` on a thread of its own; the first error of one, such as a device that can't be
-// used, is thrown once all have ended.
+// Calls body(i) for each i below `count` on its own thread. After all threads have ended, throws the first exception of
+// a thread, such as an error of a device that can't be used.
 void onThreads(size_t count, const std::function<void(size_t i)>& body) {
   std::exception_ptr first;
   std::mutex mutex;
@@ -56,8 +56,8 @@ void render(const Job& job, Plan& plan, WorkList& work, ShardLog& log, const Bat
   Progress progress("frames", work.frames());
   Writers writers(job, log, progress, options.writers, memoryLimit() / 8);
   SceneLoader loader(job, plan);
-  // Devices go one after the other once all threads have ended: NVIDIA's driver (580.159.04) may wait for ever in
-  // vkDestroyDevice while another device is at work or goes too.
+  // Devices are destroyed one after the other after all threads have ended, because NVIDIA's driver may hang in
+  // vkDestroyDevice while another device executes work or is also being destroyed.
   std::vector<std::unique_ptr<Worker>> workers(options.devices.size());
   onThreads(workers.size(), [&](size_t i) {
     workers[i] =
@@ -88,7 +88,7 @@ BatchResult runBatch(const Job& job, const BatchOptions& options) {
   std::exception_ptr error;
   try {
     if (work.frames() > 0) render(job, plan, work, log, options);
-  } catch (const Stopped&) {  // the result says so
+  } catch (const Stopped&) {  // reported by BatchResult::signal
   } catch (...) {
     error = std::current_exception();
   }

@@ -1,4 +1,4 @@
-// The run of a job, or of a shard of it, from its plan to its manifest.
+// Runs a job, or one shard of it, from the plan to the manifest.
 #pragma once
 
 #include <map>
@@ -14,21 +14,22 @@ namespace latelight::data {
 
 struct BatchOptions {
   Shard shard;
-  std::string shardBy;  // the environment variables that chose it; empty: none
+  std::string shardBy;  // the environment variables that chose the shard; empty: none
   bool resume = false;
-  std::vector<std::string> devices;  // a worker for each, by UUID
-  size_t writers = 1;                // threads
+  std::vector<std::string> devices;  // UUIDs; each device has one worker
+  size_t writers = 1;                // number of threads
   bool validation = false;
 };
 
 struct BatchResult {
-  uint64_t frames = 0, finished = 0;          // of the shard
-  std::map<std::string, std::string> failed;  // frames and scenes, and why
-  int signal = 0;                             // that ended it before its end; 0: none
+  uint64_t frames = 0, finished = 0;          // numbers of frames in the shard
+  std::map<std::string, std::string> failed;  // reasons by name of the frame or scene
+  int signal = 0;                             // the signal that stopped the run early; 0: none
 };
 
-// Throws Error for what keeps all frames from being made, and Stopped where a signal ends it while cameras are still
-// sought. The shard that completes the set merges it.
+// Renders the missing frames of a shard. The shard that completes the set also merges it. Throws Error for problems
+// that prevent all frames from being rendered, and Stopped if a signal arrives while the plan is still searching for
+// cameras.
 BatchResult runBatch(const Job& job, const BatchOptions& options);
 
 }  // namespace latelight::data

@@ -1,4 +1,4 @@
-// Loads the scenes of a plan, for several workers at once.
+// Loads the scenes of a plan. Several workers may call it concurrently.
 #pragma once
 
 #include <memory>
@@ -11,7 +11,7 @@ namespace latelight::data {
 class SceneLoader {
  public:
   SceneLoader(const Job& job, Plan& plan) : job_(job), plan_(plan) {}
-  // Throws Error where it can't be loaded, or is not what was planned.
+  // Throws Error if the scene can't be loaded, or if its number of cameras differs from the plan.
   std::unique_ptr<LoadedScene> load(uint32_t scene);
 
  private:

@@ -42,13 +42,13 @@ Json schemaOf(const render::Option& option) {
       for (const render::NamedOption& name : option.names) schema["enum"].push_back(name.name);
       break;
     default:
-      schema["type"] = Json::array({"string", "number"});  // "--shadow-lights 4"
+      schema["type"] = Json::array({"string", "number"});  // a text may be a number: "--shadow-lights 4"
       schema["minLength"] = 1;
   }
   return schema;
 }
 
-// References within a schema that stands at `place` of another.
+// Rewrites the references within a schema that is embedded at `place` of another schema.
 void moveReferences(Json& schema, const std::string& place) {
   for (auto& [key, value] : schema.items())
     if (key == "$ref")
@@ -57,7 +57,7 @@ void moveReferences(Json& schema, const std::string& place) {
       moveReferences(value, place);
 }
 
-// The value of a key has a schema of its own.
+// Embeds the separate schema for the value of a key as a definition.
 void addSchemaOf(Json& job, const std::string& key, std::string_view text) {
   const std::string place = "#/$defs/" + key;
   Json& schema = job["$defs"][key] = Json::parse(text);
@@ -66,7 +66,7 @@ void addSchemaOf(Json& job, const std::string& key, std::string_view text) {
   job["properties"][key]["$ref"] = place;
 }
 
-// --- what is wrong --------------------------------------------------------------------------------------------------
+// --- validation -----------------------------------------------------------------------------------------------------
 
 bool isOfType(const Json& value, std::string_view type) {
   if (type == "integer") return value.is_number_integer();
@@ -84,7 +84,7 @@ std::string_view inWords(std::string_view type) {
   return type == "array" ? "a list" : "an object of keys and values";
 }
 
-// What the schema takes, in words; `types`: as a list.
+// Describes the values that the schema accepts. `types` are the schema's types as a list.
 std::string expected(const Json& schema, const Json& types) {
   if (schema.contains("enum")) return joinedByOr(schema["enum"].get<std::vector<std::string>>());
   std::vector<std::string> words;

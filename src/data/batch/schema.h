@@ -1,4 +1,4 @@
-// The JSON schema of a job, and what it finds wrong.
+// The JSON schema of a job, and the validation of jobs against it.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -7,12 +7,12 @@
 
 namespace latelight::data {
 
-// schema.json, with the options of a picture from their table, and the schemas of cameras and variations as
-// definitions.
+// Returns schema.json, completed with the picture options from the table of options and with the schemas of cameras and
+// variations as definitions.
 const nlohmann::ordered_json& jobSchema();
 
-// Throws Error(Usage) with a sentence that names the key, and its line in the file: one that is not known or is
-// missing, or whose value is not what the schema says.
+// Throws Error(Usage) for unknown keys, missing keys, and values that violate the schema. The message names the key and
+// its line in the file.
 void checkJob(const JobDocument& job);
 
 }  // namespace latelight::data

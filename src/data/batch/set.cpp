@@ -29,7 +29,7 @@ Json readState(const fs::path& path) {
   }
 }
 
-// What is known of the set, by the file that says so.
+// Returns the manifest and all shard logs of the set, each with its path.
 std::vector<std::pair<fs::path, Manifest>> manifestsOf(const SetFolder& set) {
   std::vector<std::pair<fs::path, Manifest>> all;
   if (isThere(set.manifest())) all.emplace_back(set.manifest(), readManifest(set.manifest()));
@@ -37,7 +37,7 @@ std::vector<std::pair<fs::path, Manifest>> manifestsOf(const SetFolder& set) {
   return all;
 }
 
-// Whether the shards that are there are this job's other ones.
+// Returns true if the set is not merged and all existing shard logs are of other shards of this job.
 bool isOfOthers(const SetFolder& set, const Job& job, const Shard& shard) {
   const std::string count = fmt::format("-of-{}.jsonl", shard.count);
   const auto isOther = [&](const fs::path& path) {
@@ -57,7 +57,7 @@ bool isFinished(const SetFolder& set, const Plan& plan, const FinishedFrame& fra
          std::ranges::all_of(frame.files, [&](const FileRecord& file) { return isRecorded(set, file); });
 }
 
-// As a job document says them, with the folder that writing needs none of.
+// Creates the formats of a stored job document. They do not depend on the output folder, which it lacks.
 std::vector<JobFormat> formatsOf(const Json& job) {
   std::vector<JobFormat> all;
   for (const Json& spec : job.value("formats", Json::array({"files"}))) all.push_back(makeFormat(spec, "formats"));
@@ -68,7 +68,7 @@ void writeSetFiles(const SetFolder& set, Manifest& manifest) {
   manifest.setFiles.clear();
   const std::vector<JobFormat> formats = formatsOf(readState(set.job()));
   for (size_t i = 0; i < formats.size(); ++i) {
-    std::vector<Json> entries;  // they may be large: lent
+    std::vector<Json> entries;  // moved from the frames and back, because they may be large
     for (auto& [index, frame] : manifest.frames) entries.push_back(std::move(frame.entries.at(i)));
     for (const std::string& name : formats[i].format->writeSet(entries, set.path()))
       manifest.setFiles.push_back(recordOf(set.path(), name));
@@ -125,7 +125,7 @@ SetLock::SetLock(const fs::path& manifest, bool wait) {
   const fs::path path = fs::path(manifest).replace_extension(".lock");
   fd_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
   if (fd_ < 0) badUsage("can't write to '{}'; make its folder writable, or choose another", path.string());
-  // On file systems without locks nothing is held.
+  // On file systems without locks, no lock is held.
   if (flock(fd_, wait ? LOCK_EX : LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
   close(fd_);
   badUsage("another process is working on '{}'; wait for it, or end it", manifest.string());
@@ -139,7 +139,7 @@ void openSet(const SetFolder& set, const Job& job, const Shard& shard, bool resu
   const std::string name = set.path().string();
   if (name.find_first_of("{}") != std::string::npos) badUsage("the folder \"{}\" has a brace in its name", name);
   std::error_code error;
-  // Looked at in this order: another shard may begin the set meanwhile.
+  // The order of these tests matters, because another shard may create the set between them.
   const bool hasFiles = fs::exists(set.path(), error) && !fs::is_empty(set.path(), error);
   const bool isSet = fs::exists(set.state(), error) || fs::exists(set.manifest(), error);
   if (hasFiles && !isSet)

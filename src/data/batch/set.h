@@ -1,9 +1,9 @@
-// A data set's folder: what is in it, and who is at work there.
+// A data set's folder: its files, and the locks of the processes that work in it.
 //
-//   manifest.json                    the frames of the whole set, once it is done
-//   .latelight/job.json, plan.json   what it is, and how many frames it has
-//   .latelight/shard-0-of-3.jsonl    the frames that a shard has made (shard_log.h)
-//   .latelight/log                   when and where: the only file that says so
+//   manifest.json                    the frames of the whole set, after it is complete
+//   .latelight/job.json, plan.json   the job and the plan, with the number of frames
+//   .latelight/shard-0-of-3.jsonl    the frames that a shard has rendered (shard_log.h)
+//   .latelight/log                   times and machines; no other file records them
 #pragma once
 
 #include <algorithm>
@@ -29,19 +29,19 @@ class SetFolder {
   std::filesystem::path job() const { return state() / "job.json"; }
   std::filesystem::path plan() const { return state() / "plan.json"; }
   std::filesystem::path shard(const Shard& shard) const { return state() / ("shard-" + shard.name() + ".jsonl"); }
-  std::vector<std::filesystem::path> shards() const;  // those that there are, by name
+  std::vector<std::filesystem::path> shards() const;  // existing shard logs, sorted by name
 
-  // A line in the log, with the time and the machine. What goes wrong is ignored.
+  // Appends a line to the log, with the time and the machine. Errors are ignored.
   void log(const std::string& line) const;
 
  private:
   std::filesystem::path folder_;
 };
 
-// Held by the process that makes a shard, or merges, as long as it lives.
+// A lock file. A process holds it while it renders a shard or merges the set.
 class SetLock {
  public:
-  // Throws Error(Usage) where another process holds it, unless it waits.
+  // If another process holds the lock, waits for it if `wait` is true, and otherwise throws Error(Usage).
   explicit SetLock(const std::filesystem::path& manifest, bool wait = false);
   ~SetLock();
   SetLock(const SetLock&) = delete;
@@ -51,31 +51,33 @@ class SetLock {
   int fd_ = -1;
 };
 
-// Makes the folder, and writes down the job. Throws Error(Usage) for a folder that is not empty: of something else, or,
-// without `resume`, of a set that is not this job's other shards.
+// Creates the folder and writes the job's document. Throws Error(Usage) if the folder contains files of anything but a
+// data set. Without `resume`, also throws if it contains a data set, unless only other shards of this job have written
+// to it.
 void openSet(const SetFolder& set, const Job& job, const Shard& shard, bool resume);
 
-// What is there of a shard's frames, from any manifest in the folder: those that were made by the plan's settings, and
-// whose files are there. The files of others are stale.
+// Collects the finished frames of a shard from all manifests in the folder: frames whose settings hash matches the plan
+// and whose files exist. The files of the shard's other frames are stale.
 Manifest findFinished(const SetFolder& set, const Plan& plan, const Shard& shard);
 
-// Of a set, from its folder alone.
+// The state of a set, determined only from its folder.
 struct SetStatus {
-  uint64_t frames = 0;               // that it shall have
-  Manifest manifest;                 // of the plan that it has now, from all shards
-  std::set<std::string> otherFiles;  // of frames made by another plan
+  uint64_t frames = 0;               // planned number of frames
+  Manifest manifest;                 // frames of the current plan, from all shards
+  std::set<std::string> otherFiles;  // files of frames that another plan rendered
   uint64_t missing() const { return frames - std::min<uint64_t>(frames, manifest.frames.size()); }
 };
-// Throws Error(BadInput) where there is no set.
+// Throws Error(BadInput) if the folder contains no set.
 SetStatus readStatus(const SetFolder& set);
 
-// Sentences about what is not as the manifests say; empty: every file is as it was written.
+// Compares all files with the manifests. Returns one sentence per missing or changed file; empty if there is none.
 std::vector<std::string> verifySet(const SetFolder& set, const SetStatus& status);
 
-// Joins the shards' manifests, writes the formats' files of the whole set, and removes stale files. Throws Error:
-// SomeFramesFailed where frames are missing, unless they may be; Usage where a shard is still at work.
+// Merges the shards' manifests, writes the formats' files of the whole set, and removes stale files. Throws
+// Error(SomeFramesFailed) if frames are missing and `allowMissing` is false, and Error(Usage) if a shard is still
+// running.
 void mergeSet(const SetFolder& set, bool allowMissing);
-// The same by a shard that has ended, if no frame is missing: the last one finishes the set.
+// Merges the set if no frame is missing. Every shard calls it at its end, so the last one completes the set.
 void mergeIfComplete(const SetFolder& set);
 
 }  // namespace latelight::data

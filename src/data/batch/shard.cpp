@@ -34,18 +34,18 @@ std::optional<ChosenShard> from(const Environment& environment, const char* inde
   return ChosenShard{checked(*i, *n, fmt::format("--shard, here by {},", by)), by};
 }
 
-// The tasks of a step, which srun starts. Without a step there is one process, a batch script's or a person's, and
-// Slurm sets the rank and the number of tasks there too.
+// A shard per task of a Slurm step, which srun starts. Outside of a step there is only one process, a batch script or
+// an interactive shell, although Slurm sets the rank and the number of tasks there, too.
 std::optional<ChosenShard> fromSlurmStep(const Environment& environment) {
-  constexpr uint32_t kFirstSpecialStep = 0xfffffff0;  // batch scripts, interactive steps and the like
+  constexpr uint32_t kFirstSpecialStep = 0xfffffff0;  // batch scripts, interactive steps and similar
   const std::optional<uint32_t> step = numberIn(environment, "SLURM_STEP_ID");
   if (!step || *step >= kFirstSpecialStep) return std::nullopt;
   if (environment("SLURM_STEP_NUM_TASKS")) return from(environment, "SLURM_PROCID", "SLURM_STEP_NUM_TASKS");
   return from(environment, "SLURM_PROCID", "SLURM_NTASKS");
 }
 
-// One of several processes that were started together. mpirun itself starts through a step of Slurm's, whose tasks are
-// its daemons: its own variables come first.
+// A shard per process that a launcher started. mpirun's own variables have priority, because mpirun starts through a
+// Slurm step whose tasks are its daemons.
 std::optional<ChosenShard> fromLauncher(const Environment& environment) {
   if (auto part = from(environment, "OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE")) return part;
   if (auto part = from(environment, "PMI_RANK", "PMI_SIZE")) return part;
@@ -64,7 +64,7 @@ std::optional<ChosenShard> fromArray(const Environment& environment) {
                      "SLURM_ARRAY_TASK_ID, _MIN and _COUNT"};
 }
 
-// An array of jobs, each perhaps of several processes.
+// Combines the job array with the launcher: each job of the array may consist of several processes.
 ChosenShard fromEnvironment(const Environment& environment) {
   const std::optional<ChosenShard> array = fromArray(environment), inner = fromLauncher(environment);
   if (!array || !inner) return array.value_or(inner.value_or(ChosenShard{}));

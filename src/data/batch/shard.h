@@ -1,4 +1,4 @@
-// A part of a job: which of its frames a process makes.
+// A shard, the range of a job's frames that one process renders.
 #pragma once
 
 #include <cstdint>
@@ -12,18 +12,20 @@ namespace latelight::data {
 struct Shard {
   uint32_t index = 0, count = 1;
 
-  // Its frames, of that many: consecutive ones, so that few shards load one scene.
+  // Returns the shard's range [first, end) of the job's `frames`. Frames are consecutive, so that few shards load the
+  // same scene.
   std::pair<uint64_t, uint64_t> range(uint64_t frames) const;
   std::string name() const;  // "0-of-3"
 };
 
 struct ChosenShard {
   Shard shard;
-  std::string by;  // the environment variables that chose it; empty: none
+  std::string by;  // the environment variables that chose the shard; empty: none
 };
 
-// "i/n", i from 0 to n - 1; also "/n" for a Kubernetes indexed job, whose environment has i alone. Empty: as the
-// environment says (Slurm arrays and steps, Open MPI, PMI), or all. Throws Error(Usage).
+// Chooses a shard by the text of --shard: "i/n", with i from 0 to n - 1, or "/n" in a Kubernetes indexed job, whose
+// environment sets only i. If the text is empty, the environment (Slurm arrays and steps, Open MPI, PMI) chooses the
+// shard; if it does not, the shard is the whole job. Throws Error(Usage).
 ChosenShard chooseShard(const std::string& text,
                         const std::function<std::optional<std::string>(const char*)>& environment);
 

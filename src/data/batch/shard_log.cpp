@@ -143,7 +143,7 @@ int ShardLog::append() {
       waiting_.clear();
     } else if (written >= 0 || errno != EINTR) {
       const int error = written < 0 ? errno : ENOSPC;
-      // No line begins behind the part of another.
+      // Remove the partial line, so that the next line does not begin after it.
       return ftruncate(fd_, size_) == 0 ? error : errno;
     }
   }

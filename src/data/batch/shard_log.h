@@ -1,10 +1,10 @@
-// The frames that a shard has made, a line as each is finished: a process that is killed loses none of them, and none
-// costs more the more there are.
+// The append-only log of a shard's frames. A line is written when a frame is finished, so a killed process loses no
+// finished frame, and the cost of a frame does not grow with the number of frames.
 //
 //   {"plan": "0123456789abcdef"}
 //   {"stale": ["FILE", ...]}
 //   {"frame": {...}}                           as in the manifest
-//   {"failed": {"name": ..., "reason": ...}}   until a later line has it as a frame
+//   {"failed": {"name": ..., "reason": ...}}   until a later line lists the frame as finished
 #pragma once
 
 #include <cstdint>
@@ -18,31 +18,32 @@
 
 namespace latelight::data {
 
-// What the lines come to. A last one without its end was being written as its process was killed, and does not count.
-// Throws Error(BadInput) that names the file where it is no such log.
+// Reads a log into a manifest. A last line without a line break is ignored, because the process was killed while
+// writing it. Throws Error(BadInput) that names the file if it is not a log.
 Manifest readShardLog(const std::filesystem::path& path);
 
 class ShardLog {
  public:
-  // Begins it anew with what is there already. Throws Error(Usage) where it can't be written.
+  // Replaces the log by one that contains `found`. Throws Error(Usage) if it can't be written.
   ShardLog(const std::filesystem::path& path, const Manifest& found);
   ~ShardLog();
   ShardLog(const ShardLog&) = delete;
   ShardLog& operator=(const ShardLog&) = delete;
 
-  // From any thread. What can't be written, as on a full disk, waits for the next line, or for the end.
+  // Record a frame, from any thread. Lines that can't be written, for example because the disk is full, are retried
+  // with the next line and by end().
   void finished(const FinishedFrame& frame);
   void failed(const std::string& name, const std::string& why);
 
-  // Throws Error(Usage) where lines still wait, and can't be written.
+  // Writes pending lines. Throws Error(Usage) if they can't be written.
   void end();
 
-  uint64_t frames() const;                               // that are finished
-  std::map<std::string, std::string> whyFailed() const;  // by name
+  uint64_t frames() const;                               // number of finished frames
+  std::map<std::string, std::string> whyFailed() const;  // reasons by name of the frame or scene
 
  private:
   void add(const std::string& line);
-  int append();  // 0 or an errno; with the mutex taken
+  int append();  // returns 0 or an errno; requires that mutex_ is locked
 
   std::filesystem::path path_;
   mutable std::mutex mutex_;
@@ -50,7 +51,7 @@ class ShardLog {
   std::map<std::string, std::string> failed_;
   std::string waiting_;
   int fd_ = -1;
-  int64_t size_ = 0;  // of whole lines
+  int64_t size_ = 0;  // size of all complete lines in the file, in bytes
 };
 
 }  // namespace latelight::data

@@ -6,7 +6,8 @@ namespace latelight::data {
 
 namespace {
 
-// The batch follows SIGTERM with exit code 6, once the frames in flight are written; 120 seconds are left for that.
+// On SIGTERM the batch writes the frames in flight and ends with exit code 6. Slurm sends the signal 120 seconds before
+// the time limit.
 constexpr const char* kScript = R"(#!/bin/bash
 #SBATCH --job-name=latelight
 #SBATCH --array=0-{}

@@ -1,4 +1,4 @@
-// A job of Slurm's that runs a batch: an array of shards, each requeued before its time is over.
+// Writes a Slurm job script that runs a batch as an array of shards, each requeued before its time limit.
 #pragma once
 
 #include <cstdint>
@@ -6,10 +6,10 @@
 
 namespace latelight::data {
 
-// The script for sbatch. `command` is the shell's text that renders the job, but for its shard.
+// Returns the script for sbatch. `command` is the shell command that renders the job, without --shard.
 std::string slurmScript(const std::string& command, uint32_t shards);
 
-// A text as one word of the shell's.
+// Quotes a text as one word of a shell command.
 std::string quoted(const std::string& text);
 
 }  // namespace latelight::data

@@ -6,7 +6,7 @@ namespace latelight::data {
 
 WorkList::WorkList(const Plan& plan, uint64_t first, uint64_t end, const Manifest& finished, AtOnce most)
     : scenes_(plan.scenes().size()) {
-  constexpr uint64_t kFrameBytes = 2 * sizeof(uint64_t) + sizeof(Chunk);  // each may be a chunk of its own
+  constexpr uint64_t kFrameBytes = 2 * sizeof(uint64_t) + sizeof(Chunk);  // each frame may need its own chunk
   memory_.grow((end - first) * kFrameBytes, "the list of the job's frames");
   for (uint64_t index = first; index < end; ++index) {
     const std::optional<FramePlace> place = plan.at(index);

@@ -1,4 +1,4 @@
-// What is to be rendered, scene by scene, and who takes it.
+// The frames to be rendered, grouped by scene, and their distribution to workers.
 #pragma once
 
 #include <cstdint>
@@ -13,32 +13,32 @@
 
 namespace latelight::data {
 
-// Frames that are rendered at once: of one scene, variation, size and moment, by index.
+// Frames that are rendered together, by index. They have the same scene, variation, picture size and scene time.
 struct Chunk {
   uint32_t scene = 0, variation = 0;
   uint32_t width = 0, height = 0;
   std::vector<uint64_t> frames;
 };
 
-// How much is rendered at once, at most.
+// The maximum number of views and pixels rendered together.
 struct AtOnce {
-  uint64_t views = 1, pixels = 0;  // at least a view
+  uint64_t views = 1, pixels = 0;  // a single view is always rendered, whatever its size
 };
 
-// From any thread. Workers keep to a scene, so that each is loaded as seldom as can be.
+// Thread-safe. Each worker stays with one scene while it has work, so that scenes are loaded as rarely as possible.
 class WorkList {
  public:
   // The frames in [first, end) that are not among `finished`.
   WorkList(const Plan& plan, uint64_t first, uint64_t end, const Manifest& finished, AtOnce most);
 
   uint64_t frames() const { return frames_; }
-  // A scene with work left, other than the one that the worker has; those with the fewest workers first. Nothing: all
-  // is taken.
+  // Assigns a scene with remaining work, except `except`, the worker's current scene. Scenes with the fewest workers
+  // come first. Returns nullopt if no work remains.
   std::optional<uint32_t> claim(std::optional<uint32_t> except = {});
-  void leave(uint32_t scene);  // by a worker that claimed it
-  // The next of the scene's; nothing: all are taken.
+  void leave(uint32_t scene);  // releases a scene that the worker has claimed
+  // Removes and returns the scene's next chunk; nullopt if none remains.
   std::optional<Chunk> take(uint32_t scene);
-  // All that is left of it: it can't be loaded.
+  // Removes and returns all remaining chunks of a scene that can't be loaded.
   std::vector<Chunk> drop(uint32_t scene);
 
  private:

@@ -15,8 +15,8 @@ namespace latelight::data {
 
 namespace {
 
-constexpr size_t kInFlight = 3;     // tickets: what keeps a device busy
-constexpr size_t kMostDevices = 4;  // of which all but the last were lost
+constexpr size_t kInFlight = 3;     // number of tickets that keeps a device busy
+constexpr size_t kMostDevices = 4;  // including lost devices
 
 }  // namespace
 
@@ -38,14 +38,14 @@ void Worker::run() {
       finishAll();
     }
   } catch (const Stopped&) {
-    finishAll();  // what is in flight needs nothing of the variation that was given up
+    finishAll();  // frames in flight do not depend on the abandoned variation
   }
   if (next_.valid()) next_.wait();
   for (const std::string& message : device().validationMessages())
     latelight::fail(ExitCode::Internal, "the Vulkan validation layer says: {}", message);
 }
 
-// The next scene is loaded while this one is rendered.
+// Makes the next scene current, and starts to load the one after it in the background.
 bool Worker::loadNext() {
   renderer_.reset();
   scene_.reset();
@@ -58,7 +58,7 @@ bool Worker::loadNext() {
       scene_ = next_.valid() ? next_.get() : loader_.load(*sceneIndex_);
     } catch (const Error& error) {
       if (error.code() != ExitCode::DeviceLost) throw;
-      scene_ = loader_.load(*sceneIndex_);  // there was no memory for it beside the one before
+      scene_ = loader_.load(*sceneIndex_);  // memory was too small for this scene and the previous one together
     }
   } catch (const std::exception& error) {
     log_.failed(plan_.scenes()[*sceneIndex_].source, error.what());
@@ -79,7 +79,7 @@ render::Settings Worker::settingsOf(const Chunk& chunk) {
   return settings;
 }
 
-// The renderer of the environment that the scene has now.
+// Creates the renderer for the scene's current environment, unless it exists.
 void Worker::useEnvironment() {
   const std::string name = scene_->environment();
   if (renderer_ && name == environment_) return;
@@ -119,13 +119,13 @@ RenderedFrame Worker::frameOf(uint64_t index, const Chunk& chunk, const output::
   return frame;
 }
 
-// Without their pictures.
+// Returns the chunk's frames without their pictures.
 std::vector<RenderedFrame> Worker::framesOf(const Chunk& chunk) {
   const nlohmann::ordered_json& drawn = scene_->show(chunk.variation);
   output::Metadata shared = render::describe(scene_->scene(), {}, environment_, settingsOf(chunk), job_.given);
   shared.source = plan_.scenes()[chunk.scene].source;
   shared.versions = {{"latelight", version()}};
-  // What `auto` stands for is the machine's.
+  // The metadata keeps `auto` if the job says so, because its resolution depends on the machine.
   shared.settings["raster"] = render::nameOf(job_.settings.raster);
   if (!job_.settings.time) shared.settings.erase("fps");
   if (const auto degrees = scene_->environmentRotation()) shared.settings["hdri-rotate"] = fmt::format("{}", *degrees);
@@ -141,7 +141,7 @@ std::vector<RenderedFrame> Worker::framesOf(const Chunk& chunk) {
   return frames;
 }
 
-// While the scene shows the frames' variation.
+// Must be called while the frames' variation is applied to the scene.
 void Worker::addExtras(const Chunk& chunk, std::vector<RenderedFrame>& frames) {
   const render::Moment moment = momentOf(chunk);
   const render::Settings settings = settingsOf(chunk);
@@ -154,7 +154,7 @@ const scene::Camera& Worker::cameraOf(uint64_t index) const {
   return scene_->cameras().camera(plan_.at(index)->camera).camera;
 }
 
-// A frame without a neighbor stands still; its motion is forgotten once it is rendered.
+// A frame without a neighbor uses its own camera as the neighbor's; finish() then replaces this motion by NaN.
 render::Moment Worker::momentOf(const Chunk& chunk) const {
   const CameraTimeline& cameras = scene_->cameras();
   render::Moment moment{.poses = cameras.poses(plan_.at(chunk.frames.front())->camera)};
@@ -167,7 +167,7 @@ render::Moment Worker::momentOf(const Chunk& chunk) const {
   return moment;
 }
 
-// The frame is complete. Motion to a frame that does not exist is not a number.
+// Passes a completed frame to the writers. Motion to a frame that does not exist is NaN.
 void Worker::finish(RenderedFrame frame, output::FrameOutput picture) {
   frame.frame.picture = std::move(picture);
   if (const auto& neighbors = frame.frame.metadata.neighbors)
@@ -214,11 +214,11 @@ void Worker::finishAll() {
 
 void Worker::useDevice() {
   devices_.emplace_back(deviceOptions_);
-  render::chooseRaster(device(), job_.settings, {});  // throws before anything is loaded where there is none
+  render::chooseRaster(device(), job_.settings, {});  // throws before scenes are loaded if no raster is supported
 }
 
-// What was in flight is lost with it, and made again. It is not destroyed before the other devices' work has ended
-// (run.cpp).
+// Replaces a lost device and renders the frames in flight again. The lost device is not destroyed before the work of
+// all other devices has ended (run.cpp).
 void Worker::replaceLostDevice() {
   if (!device().isLost()) return;
   if (devices_.size() == kMostDevices)
@@ -232,7 +232,7 @@ void Worker::replaceLostDevice() {
   for (const Chunk& chunk : again) renderAlone(chunk);
 }
 
-// One by one, so that what fails takes no others with it.
+// Renders frames one by one, so that a failure affects only one frame.
 void Worker::renderAlone(const Chunk& chunk) {
   replaceLostDevice();
   for (const uint64_t index : chunk.frames) {

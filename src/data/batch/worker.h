@@ -19,9 +19,9 @@ class Worker {
   Worker(const Job& job, const Plan& plan, SceneLoader& loader, WorkList& work, Writers& writers, ShardLog& log,
          const vk::DeviceOptions& device);
 
-  // Until nothing is left, or a signal asks for the end. A frame, or a scene, that fails is recorded, and the rest goes
-  // on; also when the device is lost, on a new one. Throws Error(Internal) for validation messages, Error(DeviceLost)
-  // for a device that is lost again and again.
+  // Renders until no work remains or a signal requests a stop. Failures of frames and scenes are recorded, and the
+  // other frames are still rendered. If the device is lost, rendering continues on a new one. Throws Error(Internal)
+  // for validation messages, and Error(DeviceLost) if the device is lost repeatedly.
   void run();
 
  private:
@@ -57,15 +57,15 @@ class Worker {
   Writers& writers_;
   ShardLog& log_;
   const vk::DeviceOptions deviceOptions_;
-  std::deque<vk::Device> devices_;  // the last one is at work, the others were lost
-  Extras extras_;  // that the formats need
+  std::deque<vk::Device> devices_;  // the last one is in use, the others were lost
+  Extras extras_;                   // the union of the formats' requirements
 
   std::optional<uint32_t> sceneIndex_, nextIndex_;
   std::future<std::unique_ptr<LoadedScene>> next_;
   std::unique_ptr<LoadedScene> scene_;
-  GeometryHashes geometry_;  // of the scene
+  GeometryHashes geometry_;  // for scene_
   std::string environment_;
-  std::unique_ptr<render::Renderer> renderer_;  // of the scene in the environment
+  std::unique_ptr<render::Renderer> renderer_;  // for scene_ in environment_
   std::deque<InFlight> inFlight_;
 };
 

@@ -8,7 +8,7 @@ namespace latelight::data {
 
 namespace {
 
-// Frames that wait for each thread: more would only take memory, which the machine has to find first.
+// Maximum number of queued frames per thread. A longer queue would only use more memory, whose allocation costs time.
 constexpr size_t kWaitingFrames = 4;
 
 uint64_t bytesOf(const RenderedFrame& frame) {
@@ -77,7 +77,7 @@ void Writers::write(RenderedFrame rendered) {
     }
     log_.finished(record);
   } catch (const std::exception& error) {
-    std::error_code ignored;  // a frame is finished or absent
+    std::error_code ignored;  // a frame is either finished or absent
     for (const FileRecord& file : record.files) std::filesystem::remove(job_.folder / file.name, ignored);
     log_.failed(record.name, error.what());
   }

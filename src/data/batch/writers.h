@@ -1,4 +1,4 @@
-// Threads that write finished frames in all formats, and record them.
+// Threads that write rendered frames in all formats and record them in the shard log.
 #pragma once
 
 #include <condition_variable>
@@ -16,18 +16,18 @@ namespace latelight::data {
 
 struct RenderedFrame {
   DataFrame frame;
-  FinishedFrame record;  // but for its files and entries
+  FinishedFrame record;  // without files and entries
 };
 
 class Writers {
  public:
-  // At most `waiting` bytes of pictures, and a few frames for each thread, wait for them.
+  // The queue holds at most `waiting` bytes of pictures and a few frames per thread.
   Writers(const Job& job, ShardLog& log, Progress& progress, size_t threads, uint64_t waiting);
-  ~Writers();  // once all is written
+  ~Writers();  // waits until all frames are written
   Writers(const Writers&) = delete;
   Writers& operator=(const Writers&) = delete;
 
-  void push(RenderedFrame frame);  // waits until there is room
+  void push(RenderedFrame frame);  // waits for free capacity in the queue
 
  private:
   void work();
