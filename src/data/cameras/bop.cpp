@@ -15,7 +15,7 @@ using Json = nlohmann::ordered_json;
 namespace {
 
 constexpr double kMillimetre = 1e-3;
-constexpr double kFirstCentre = 0.5;  // of the first pixel; BOP's is OpenCV's, at 0
+constexpr double kFirstCentre = 0.5;  // center of the first pixel; in BOP, as in OpenCV, it is 0
 
 CalibratedCamera cameraIn(const Json& entry, const std::string& name, PictureSize size, const std::string& where) {
   const std::vector<double> k = numbersIn(entry, "cam_K", 9, where), r = numbersIn(entry, "cam_R_w2c", 9, where),

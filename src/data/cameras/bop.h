@@ -1,4 +1,5 @@
-// scene_camera.json of BOP's data sets: K and the pose of each picture, world to camera, in millimetres.
+// Reads and writes scene_camera.json of BOP (Benchmark for 6D Object Pose Estimation): the intrinsic matrix K and the
+// world-to-camera pose of each picture, in millimeters.
 #pragma once
 
 #include <span>
@@ -8,12 +9,13 @@
 
 namespace latelight::data {
 
-// Names are the pictures' numbers, in their order; `size` is that of the pictures, which the file does not say. Throws
-// Error(BadInput) that names the file and the picture.
+// Reads cameras in the order of the pictures' numbers, which are the cameras' names. `size` is the pictures' size,
+// which the file does not state. Throws Error(BadInput) that names the file and the picture.
 std::vector<CalibratedCamera> readBop(const std::filesystem::path& file, PictureSize size);
 
-// The same cameras, read again. `depthScale`: millimetres of a unit of the depth pictures. Each needs a pinhole lens
-// and a whole number for a name; throws Error(Usage) without, and where the file can't be written.
+// Writes cameras so that readBop() returns the same ones. `depthScale` is the millimeters per unit of the depth
+// pictures. Throws Error(Usage) if a camera lacks a pinhole lens or its name is not a whole number, and if the file
+// can't be written.
 void writeBop(const std::filesystem::path& file, std::span<const CalibratedCamera> cameras, double depthScale);
 
 }  // namespace latelight::data

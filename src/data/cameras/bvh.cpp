@@ -18,7 +18,7 @@ Bvh::Bvh(std::span<const Aabb> boxes) : items_(boxes.size()) {
       centres.add(box.low + box.high);
     }
     if (node.count > kLeaf) {
-      // Halves by number along the longest axis: as deep as the logarithm, however the boxes lie.
+      // Split at the median of the centers along the longest axis, so the depth is logarithmic for any boxes.
       const glm::dvec3 extent = centres.high - centres.low;
       const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
       const auto first = items_.begin() + node.first, middle = first + node.count / 2;

@@ -1,4 +1,5 @@
-// A tree of boxes over things that have boxes. Doubles and no fused operations: the same on every machine.
+// A bounding volume hierarchy (BVH) over items with axis-aligned bounding boxes. It uses doubles and no fused
+// operations, so results are the same on every machine.
 #pragma once
 
 #include <algorithm>
@@ -17,14 +18,15 @@ struct Aabb {
   double radius() const { return glm::length(high - low) * 0.5; }
   void add(glm::dvec3 p) { low = glm::min(low, p), high = glm::max(high, p); }
   void add(const Aabb& box) { low = glm::min(low, box.low), high = glm::max(high, box.high); }
-  // Of a point from it; 0 inside.
+  // The distance of a point from the box; 0 inside.
   double distance(glm::dvec3 p) const { return glm::length(glm::max(glm::dvec3(0), glm::max(low - p, p - high))); }
-  // Whether the ray from `origin` along 1 / `inverse` meets it. A ray in the plane of a face counts as meeting it.
+  // Returns true if the ray from `origin` in the direction 1 / `inverse` hits the box (slab test). A ray in the plane
+  // of a face counts as a hit.
   bool meets(glm::dvec3 origin, glm::dvec3 inverse) const {
     double enter = 0, leave = std::numeric_limits<double>::infinity();
     for (int axis = 0; axis < 3; ++axis) {
       const double a = (low[axis] - origin[axis]) * inverse[axis], b = (high[axis] - origin[axis]) * inverse[axis];
-      if (std::isnan(a) || std::isnan(b)) continue;  // 0 times infinity
+      if (std::isnan(a) || std::isnan(b)) continue;  // 0 times infinity: the ray is in a face's plane
       enter = std::max(enter, std::min(a, b)), leave = std::min(leave, std::max(a, b));
     }
     return enter <= leave * (1 + 4 * std::numeric_limits<double>::epsilon());
@@ -53,7 +55,7 @@ class Bvh {
  private:
   struct Node {
     Aabb box;
-    uint32_t first = 0, count = 0;  // its items; none: its children are nodes `first` and `first` + 1
+    uint32_t first = 0, count = 0;  // range of items; if it is empty, the children are nodes `first` and `first` + 1
   };
   std::vector<Node> nodes_;
   std::vector<uint32_t> items_;

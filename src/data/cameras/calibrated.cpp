@@ -12,7 +12,7 @@ using glm::dmat3, glm::dmat4, glm::dvec3, glm::dvec4;
 
 namespace {
 
-// The file's world to the scene file's frame.
+// Reads the transform from the file's world to the scene file's frame.
 dmat4 readWorld(Spec& spec, const CameraContext& context) {
   const std::string axes = spec.choice("axes", {"scene", "y-up", "z-up"}, "scene");
   const double scale = spec.number("scale", kPositive, 1.0);
@@ -61,7 +61,7 @@ dmat3 rotationOf(dvec4 q) {
                2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y));
 }
 
-// From its greatest component, so that no digits are lost (Shepperd 1978, "Quaternion from rotation matrix").
+// Starts from the largest component to preserve precision (Shepperd 1978, "Quaternion from rotation matrix").
 dvec4 quaternionOf(const dmat3& r) {
   const double trace = r[0][0] + r[1][1] + r[2][2];
   const double squares[] = {trace, r[0][0], r[1][1], r[2][2]};
@@ -106,7 +106,7 @@ std::string stemOf(const std::string& picture) {
   while (stem.starts_with("./") || stem.starts_with("../")) stem.remove_prefix(stem.find('/') + 1);
   const size_t dot = stem.rfind('.');
   const size_t slash = stem.rfind('/');
-  // Only what names a kind of picture: the point of a time is none.
+  // Only extensions of picture formats are removed, because names may be times with a decimal point.
   constexpr std::string_view kEndings[] = {".png", ".jpg", ".jpeg", ".exr", ".tif", ".tiff", ".webp", ".bmp",
                                            ".PNG", ".JPG", ".JPEG", ".EXR", ".TIF", ".TIFF", ".ppm",  ".npy"};
   if (dot != stem.npos && (slash == stem.npos || dot > slash) &&

@@ -48,8 +48,8 @@ std::vector<Shot> makeSource(const Json& value, const std::string& path, const C
   return shots;
 }
 
-// How many cameras sources say that they make, before any of them is made. A file counts as one camera until it is
-// read, and so does what is wrong.
+// Returns the number of cameras that sources declare, before any is created. A file counts as one camera until it is
+// read, and so does an invalid source.
 double statedCount(const Json& sources) {
   if (sources.is_array()) {
     double sum = 0;
@@ -66,7 +66,7 @@ double statedCount(const Json& sources) {
   return count.is_number() ? count.get<double>() : 1;
 }
 
-// Names become parts of files' names.
+// Returns a name that is valid as part of a file name.
 std::string fileName(std::string name, size_t index) {
   std::ranges::replace_if(
       name, [](unsigned char c) { return c == '/' || c == '\\' || c < 0x20; }, '_');
@@ -92,8 +92,8 @@ std::span<const CameraSource> cameraSources() {
 }
 
 void CameraBudget::take(double count, double nameBytes, const std::string& path) {
-  // On the way to a job's camera there are its shot, that of the camera which a rig was around, and one read from a
-  // file; lists may grow to twice their length.
+  // While a job's camera is created, its shot, the shot of its rig's base camera and a camera read from a file exist at
+  // the same time. The capacity of lists may be twice their length.
   constexpr double kMakingBytes = 3 * sizeof(Shot) + sizeof(CalibratedCamera) + 128, kKeptBytes = 2 * sizeof(JobCamera);
   count_ += count;
   if (count_ > double(kMostCamerasOfScene))

@@ -1,4 +1,4 @@
-// The cameras of a data set, as a job describes them: from files, or made.
+// Creates the cameras of a data set from a job's description, either read from files or generated.
 #pragma once
 
 #include <cstdint>
@@ -12,33 +12,35 @@
 
 namespace latelight::data {
 
-// Pixels; 0 and 0 where nothing says the size.
+// In pixels; 0 x 0 if no size is specified.
 struct PictureSize {
   uint32_t width = 0, height = 0;
 };
 
-// The place of a camera in a sequence: the poses of one source, in their order. Lists, spheres and boxes have no order.
+// The position of a camera in a sequence, the ordered poses of one source. Lists, spheres and boxes are not sequences.
 struct SequencePlace {
   uint64_t number = 0;                   // from 0
-  std::optional<double> seconds{};       // since the first pose, where the source has times
-  std::optional<size_t> previous, next;  // the neighbors in the whole list of cameras; none at the ends
+  std::optional<double> seconds{};       // since the first pose; empty if the source has no times
+  std::optional<size_t> previous, next;  // indices in the list of all cameras; empty at the ends
 };
 
 struct JobCamera {
   scene::Camera camera;
-  std::string name;                // unique in the list; part of frames' names where the job has them
-  uint32_t width = 0, height = 0;  // pixels; 0: the job's
+  std::string name;                // unique in the list; part of frame names that contain {camera}
+  uint32_t width = 0, height = 0;  // in pixels; 0: the job's size
   std::optional<SequencePlace> sequence{};
-  bool followsScene = false;  // its pose is that of a camera of the scene, which animations may move
+  bool followsScene = false;  // the pose comes from a camera of the scene, which animations may move
 };
 
 struct CameraInputs {
-  PictureSize size;  // of the job's pictures, where the job says it
-  scene::Pose pose;  // of the scene's own cameras; empty: at rest
+  PictureSize size;  // picture size from the job; 0 x 0 if the job does not specify it
+  scene::Pose pose;  // pose of the scene's own cameras; empty: at rest
 };
 
-// The cameras that `spec`, a job's "cameras", describes for a scene. The same on every machine for the same seed.
-// `memory`: of the cameras, to be kept as long as they are. Throws Error: Usage names the key that is wrong, BadInput a camera file that is broken.
+// Creates the cameras that `spec`, a job's "cameras", describes for a scene. The result is the same on every machine
+// and depends only on the arguments and on camera files. `memory` receives the claim on the cameras' memory and must
+// live as long as they do. Throws Error(Usage) that names the invalid key, and Error(BadInput) that names the invalid
+// camera file.
 std::vector<JobCamera> makeCameras(const nlohmann::ordered_json& spec, const scene::Scene& scene, uint64_t seed,
                                    const CameraInputs& inputs = {}, MemoryClaim* memory = nullptr);
 

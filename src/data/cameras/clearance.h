@@ -1,4 +1,4 @@
-// Which places are fit for a camera: not inside geometry, and not too near to it.
+// Rejects camera positions that are inside geometry or too near to it.
 #pragma once
 
 #include <optional>
@@ -10,7 +10,7 @@ namespace latelight::data {
 
 class Clearance {
  public:
-  // "rejectInside" and "clearance".
+  // Reads the keys "rejectInside" and "clearance".
   Clearance(Spec& spec, const CameraContext& context);
   bool allows(glm::dvec3 eye) const;
 
@@ -20,8 +20,9 @@ class Clearance {
   std::optional<Surroundings> surroundings_;
 };
 
-// How often a place is drawn before a camera is given up.
+// The maximum number of random positions tried per camera.
 inline constexpr uint32_t kTries = 1000;
+// Throws Error(Usage): only `found` of `count` cameras have an accepted position.
 [[noreturn]] void failWithoutPlace(const Spec& spec, uint64_t found, uint64_t count);
 
 }  // namespace latelight::data

@@ -1,5 +1,5 @@
-// Models of COLMAP: cameras and images, as text or binary files in a folder. Poses are those of its world; what it
-// found in the pictures is skipped.
+// Reads and writes COLMAP models: the cameras and images, as text or binary files in a folder. Poses are in the model's
+// world. The model's image features and points are skipped.
 #pragma once
 
 #include <array>
@@ -11,29 +11,30 @@
 
 namespace latelight::data {
 
-// cameras.bin and images.bin, or where the first is missing the same as .txt. Throws Error(BadInput) that names the
-// file and the line or the byte for what is broken, and for models of cameras that a lens can't hold.
+// Reads cameras.bin and images.bin, or cameras.txt and images.txt if cameras.bin is missing. Throws Error(BadInput) for
+// invalid files and for camera models that a scene::Lens can't represent; the message names the file and the line or
+// byte.
 std::vector<CalibratedCamera> readColmap(const std::filesystem::path& folder);
 std::vector<CalibratedCamera> readColmapText(const std::filesystem::path& folder);
 std::vector<CalibratedCamera> readColmapBinary(const std::filesystem::path& folder);
 
-// Those two files and an empty points3D, which readers want. The same cameras, read again. Each needs a pinhole, OpenCV
-// or fisheye lens; throws Error(Usage) without, and where a file can't be written. The folder must exist.
+// Write the cameras and images files so that readers return the same cameras, and an empty points3D file, which readers
+// of COLMAP models require. The folder must exist. Throw Error(Usage) if a camera lacks a pinhole, OpenCV or fisheye
+// lens, and if a file can't be written.
 void writeColmapText(const std::filesystem::path& folder, std::span<const CalibratedCamera> cameras);
 void writeColmapBinary(const std::filesystem::path& folder, std::span<const CalibratedCamera> cameras);
 
-// --- what both have in common (colmap_models.cpp)
-// ---------------------------------------------------------------------
+// --- common to text and binary files (colmap_models.cpp) ------------------------------------------------------------
 
 struct ColmapModel {
-  int id;  // in binary files
+  int id;  // the number in binary files
   std::string_view name;
   size_t parameters;
 };
 const ColmapModel* findColmapModel(int id);
 const ColmapModel* findColmapModel(std::string_view name);
 
-// Throws Error(BadInput) that begins with `where`.
+// Converts a camera of COLMAP to a lens. Throws Error(BadInput) whose message begins with `where`.
 scene::Lens lensOfColmap(const ColmapModel& model, double width, double height, std::span<const double> parameters,
                          const std::string& where);
 
@@ -43,7 +44,7 @@ struct ColmapCamera {
 };
 ColmapCamera colmapCameraOf(const CalibratedCamera& camera);
 
-// World to camera, as its files have it: a quaternion w x y z and a translation.
+// A world-to-camera pose as in COLMAP's files: a quaternion w x y z and a translation.
 struct ColmapPose {
   glm::dvec4 rotation;
   glm::dvec3 translation;
@@ -51,10 +52,10 @@ struct ColmapPose {
 ColmapPose colmapPoseOf(const glm::dmat4& pose);
 glm::dmat4 poseOfColmap(const ColmapPose& pose, const std::string& where);
 
-// Different lenses, and which one each camera has.
+// The distinct lenses of cameras, and the lens of each camera.
 struct ColmapLenses {
-  std::vector<const CalibratedCamera*> cameras;  // one for each lens
-  std::vector<uint32_t> lensOf;                  // by camera
+  std::vector<const CalibratedCamera*> cameras;  // one camera per lens
+  std::vector<uint32_t> lensOf;                  // lens index by camera
 };
 ColmapLenses differentLenses(std::span<const CalibratedCamera> cameras);
 

@@ -1,3 +1,4 @@
+// Reads and writes the binary files of COLMAP models.
 #include <fmt/format.h>
 
 #include <bit>
@@ -30,7 +31,7 @@ class BinaryFile {
     at_ += sizeof(T);
     return value;
   }
-  // How many of at least so many bytes each follow.
+  // Reads the number of entries that follow. Each entry has at least `bytesEach` bytes.
   uint64_t takeCount(uint64_t bytesEach) {
     const std::string begin = where();
     const auto count = take<uint64_t>();
@@ -81,9 +82,9 @@ std::map<uint32_t, scene::Lens> readLensesBinary(const std::filesystem::path& pa
 }
 
 CalibratedCamera readImage(BinaryFile& file, const std::map<uint32_t, scene::Lens>& lenses) {
-  constexpr uint64_t kPointBytes = 24;  // two coordinates and a number
+  constexpr uint64_t kPointBytes = 24;  // two coordinates and a point's number
   const std::string where = file.where();
-  file.take<uint32_t>();  // its number
+  file.take<uint32_t>();  // the image's number
   ColmapPose pose;
   for (int i = 0; i < 4; ++i) pose.rotation[i] = file.take<double>();
   for (int i = 0; i < 3; ++i) pose.translation[i] = file.take<double>();

@@ -1,3 +1,4 @@
+// Converts between COLMAP's camera models and lenses.
 #include <algorithm>
 #include <cmath>
 
@@ -10,8 +11,9 @@ using scene::Lens, scene::LensModel;
 
 namespace {
 
-// Where a model's parameter goes: a letter a parameter. f: both focal lengths, x y: each, u v: the principal point,
-// digits: that of the distortion's terms, w h: the picture's size once more. Empty: a lens can't hold it.
+// The meaning of a model's parameters, one letter per parameter. f: both focal lengths; x, y: one focal length; u, v:
+// the principal point; a digit: the distortion term with this index; w, h: the picture's size, repeated. Empty if a
+// scene::Lens can't represent the model.
 struct ModelLayout {
   ColmapModel model;
   LensModel lens;
@@ -32,7 +34,7 @@ constexpr ModelLayout kModels[] = {
     {{11, "RAD_TAN_THIN_PRISM_FISHEYE", 16}, LensModel::Pinhole, ""},
     {{12, "SIMPLE_DIVISION", 4}, LensModel::Pinhole, ""},
     {{13, "DIVISION", 5}, LensModel::Pinhole, ""},
-    // Equidistant, without distortion: OPENCV_FISHEYE with all its terms 0.
+    // The equidistant projection without distortion: OPENCV_FISHEYE with all terms 0.
     {{14, "SIMPLE_FISHEYE", 3}, LensModel::Fisheye, "fuv"},
     {{15, "FISHEYE", 4}, LensModel::Fisheye, "xyuv"},
     {{16, "EUCM", 6}, LensModel::Pinhole, ""},
@@ -43,7 +45,7 @@ const ModelLayout& layoutOf(const ColmapModel& model) {
   return *std::ranges::find(kModels, model.id, [](const ModelLayout& layout) { return layout.model.id; });
 }
 
-// Calls set(number, part) with each part of a lens that a parameter is.
+// Calls visit(index, part) for each parameter and each member of the lens that it sets.
 template <typename L, typename Visit>
 void visitParameters(std::string_view layout, L& lens, const Visit& visit) {
   for (size_t i = 0; i < layout.size(); ++i) {
@@ -122,7 +124,7 @@ glm::dmat4 poseOfColmap(const ColmapPose& pose, const std::string& where) {
 ColmapLenses differentLenses(std::span<const CalibratedCamera> cameras) {
   ColmapLenses lenses;
   for (const CalibratedCamera& camera : cameras) {
-    colmapCameraOf(camera);  // throws for those that can't be written
+    colmapCameraOf(camera);  // throws if the camera can't be written
     const auto known = std::ranges::find_if(
         lenses.cameras, [&](const CalibratedCamera* other) { return *other->lens == *camera.lens; });
     lenses.lensOf.push_back(static_cast<uint32_t>(known - lenses.cameras.begin()));

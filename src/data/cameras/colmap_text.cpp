@@ -1,3 +1,4 @@
+// Reads and writes the text files of COLMAP models.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -12,7 +13,7 @@ namespace latelight::data {
 
 namespace {
 
-// CAMERA_ID MODEL WIDTH HEIGHT PARAMS...
+// Reads lines of CAMERA_ID MODEL WIDTH HEIGHT PARAMS...
 std::map<std::string, scene::Lens, std::less<>> readLensesText(const std::filesystem::path& file) {
   std::map<std::string, scene::Lens, std::less<>> lenses;
   TextLines lines(file);
@@ -36,7 +37,8 @@ void writeText(const std::filesystem::path& file, const std::string& text) {
 
 }  // namespace
 
-// IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME, and a line of points, which may be empty
+// images.txt has two lines per image: IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME, and the points, which may be an
+// empty line.
 std::vector<CalibratedCamera> readColmapText(const std::filesystem::path& folder) {
   const auto lenses = readLensesText(folder / "cameras.txt");
   TextLines lines(folder / "images.txt");
@@ -49,7 +51,7 @@ std::vector<CalibratedCamera> readColmapText(const std::filesystem::path& folder
     if (lens == lenses.end())
       badInput("{} has the camera {}, which is missing from cameras.txt", lines.where(), words[8]);
     const glm::dmat4 pose = poseOfColmap({{n[0], n[1], n[2], n[3]}, {n[4], n[5], n[6]}}, lines.where());
-    // A name may have spaces.
+    // A name may contain spaces.
     const std::string name(line->substr(static_cast<size_t>(words[9].data() - line->data())));
     CalibratedCamera camera{name, lens->second, pose};
     memory.add(camera);

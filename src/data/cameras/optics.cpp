@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kLongestSide = 65536;
 
-// Rounded alike on every machine.
+// These functions round identically on every machine.
 double arcTangent(double y, double x) {
   return scene::builtin::turnsOf(y, x) * scene::builtin::kTau;
 }
@@ -46,7 +46,7 @@ void readMatrix(Spec& spec, Lens& lens) {
   const bool upper = k[1] == 0 && k[3] == 0 && k[6] == 0 && k[7] == 0 && k[8] == 1;
   if (!upper || !(k[0] > 0) || !(k[4] > 0))
     badUsage("{} must be [[fx, 0, cx], [0, fy, cy], [0, 0, 1]] with fx and fy above 0", spec.pathOf("K"));
-  // OpenCV's pixel centres are at whole numbers, ours at halves.
+  // The centers of pixels are at integers in OpenCV and at half-integers in Latelight.
   const double shift = 0.5 - spec.number("pixelCentre", {0, 0.5}, 0.5);
   lens.fx = k[0], lens.fy = k[4], lens.cx = k[2] + shift, lens.cy = k[5] + shift;
 }
@@ -101,7 +101,7 @@ Optics readOptics(Spec& spec, PictureSize job) {
   lens.width = size.width, lens.height = size.height;
   if (!calibrated) {
     if (spec.has("K")) badUsage("{} can't stand beside the model {}", spec.pathOf("K"), spec.text("model"));
-    // Their shape says all: any size will do.
+    // Panoramas have no intrinsics besides the aspect ratio, so any size with this ratio is valid.
     if (size.width == 0) lens.width = model == LensModel::CubeMap ? 6 : 2, lens.height = 1;
   } else {
     readMatrix(spec, lens);

@@ -1,4 +1,4 @@
-// How a camera sees: the part of a job's camera that is not its place.
+// Camera intrinsics: reads the projection of a job's camera, which is independent of its pose.
 #pragma once
 
 #include "data/cameras/shot.h"
@@ -8,20 +8,22 @@ namespace latelight::data {
 
 struct Optics {
   scene::Camera camera;
-  uint32_t width = 0, height = 0;  // pixels; 0: the job's
-  // The least angle from the axis to the picture's edge, radians: what fits in it fits in the picture. 0: all around.
+  uint32_t width = 0, height = 0;  // in pixels; 0: the job's size
+  // The minimum angle from the axis to the picture's edge, in radians. A cone of this half angle fits in the picture. 0
+  // for panoramas.
   double halfAngle = 0;
 };
 
-// The keys "fov", "K", "model", "distortion", "size" and "pixelCentre"; a field of view of 40 degrees where there is
-// none of them. `job`: the size that K counts in where there is no "size".
+// Reads the keys "fov", "K", "model", "distortion", "size" and "pixelCentre". The default is a field of view of 40
+// degrees. K is in pixels of "size", or of `job` if there is no "size".
 Optics readOptics(Spec& spec, PictureSize job);
-bool saysOptics(Spec& spec);  // whether it has one of them
+bool saysOptics(Spec& spec);  // true if one of these keys is present
 
-// Square pixels without distortion are a field of view and a principal point, all else stays a lens.
+// Converts a lens to a camera. A pinhole with square pixels becomes a field of view and a principal point; all other
+// lenses remain lenses.
 Optics opticsOf(const scene::Lens& lens, uint32_t width, uint32_t height);
 
-// "size": width and height in pixels; `normal` where it is missing.
+// Reads "size", width and height in pixels; returns `normal` if it is missing.
 PictureSize readSize(Spec& spec, PictureSize normal = {});
 
 }  // namespace latelight::data

@@ -18,7 +18,7 @@ dvec4 conjugate(dvec4 q) {
   return {q[0], -q[1], -q[2], -q[3]};
 }
 
-// The angle between the quaternion and 1 times its axis.
+// Returns the quaternion's axis times half its rotation angle.
 dvec3 logarithm(dvec4 q) {
   const dvec3 axis(q[1], q[2], q[3]);
   const double sine = glm::length(axis);
@@ -36,7 +36,7 @@ dvec3 catmullRom(const std::array<dvec3, 4>& p, double share) {
   double knots[4] = {0};
   for (size_t i = 0; i < 3; ++i) knots[i + 1] = knots[i] + std::sqrt(glm::length(p[i + 1] - p[i]));
   const double t = knots[1] + (knots[2] - knots[1]) * share;
-  // Of a value at one knot and of another at a later one; at equal knots are equal points.
+  // Interpolates between the values at two knots. Equal knots have equal points.
   const auto between = [&](dvec3 a, dvec3 b, double first, double last) {
     return last > first ? (a * (last - t) + b * (t - first)) / (last - first) : b;
   };

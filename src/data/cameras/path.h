@@ -1,4 +1,4 @@
-// Smooth curves through places and rotations.
+// Smooth interpolation of positions (centripetal Catmull-Rom splines) and rotations (slerp, squad).
 #pragma once
 
 #include <array>
@@ -7,17 +7,18 @@
 
 namespace latelight::data {
 
-// From p1 (share 0) to p2 (share 1), without loops and overshoots (centripetal Catmull-Rom curves: Yuksel, Schaefer and
-// Keyser 2011, "Parameterization and applications of Catmull-Rom curves").
+// Interpolates from points[1] (share 0) to points[2] (share 1) by a centripetal Catmull-Rom curve, which has no loops
+// or overshoots (Yuksel, Schaefer and Keyser 2011, "Parameterization and applications of Catmull-Rom curves").
 glm::dvec3 catmullRom(const std::array<glm::dvec3, 4>& points, double share);
 
-// Unit quaternions w x y z. Slerp turns evenly from one to the other, the way that their signs say.
+// Spherical linear interpolation of unit quaternions w x y z, with constant angular velocity. The signs of the
+// quaternions decide the direction of rotation.
 glm::dvec4 slerp(glm::dvec4 a, glm::dvec4 b, double share);
 
-// The turn at the middle one that lets squad() pass it smoothly (Shoemake 1987, "Quaternion calculus and fast
+// Returns the control rotation at `at` for which squad() is smooth there (Shoemake 1987, "Quaternion calculus and fast
 // animation").
 glm::dvec4 squadControl(glm::dvec4 before, glm::dvec4 at, glm::dvec4 after);
-// From a to b, with their controls.
+// Spherical cubic interpolation (squad) from a to b, with the control rotations of both.
 glm::dvec4 squad(glm::dvec4 a, glm::dvec4 controlA, glm::dvec4 controlB, glm::dvec4 b, double share);
 
 }  // namespace latelight::data

@@ -1,14 +1,14 @@
-// Where a single camera is, as a job says it.
+// Reads the pose of a single camera (its extrinsics) from a job.
 #pragma once
 
 #include "data/cameras/source.h"
 
 namespace latelight::data {
 
-// "eye" with "target" and "up", or "pose" with "frame".
+// Reads "eye" with "target" and "up", or "pose" with "frame".
 glm::dmat4 readPose(Spec& spec, const CameraContext& context);
 
-// "pose": camera to scene, 4x4, in the camera frame that "frame" names: "opencv" or "opengl".
+// Reads "pose", a 4x4 matrix from the camera to the scene. "frame" names its camera frame: "opencv" or "opengl".
 glm::dmat4 readPoseMatrix(Spec& spec);
 
 }  // namespace latelight::data

@@ -59,7 +59,7 @@ dmat4 poseOf(const std::vector<double>& rows, const std::string& path) {
 }
 
 void makeSequence(std::vector<Shot>& shots, const std::vector<double>& seconds) {
-  std::map<std::string_view, size_t> last;  // the latest shot of each folder
+  std::map<std::string_view, size_t> last;  // the latest and the first shot of each folder
   std::map<std::string_view, size_t> first;
   for (size_t i = 0; i < shots.size(); ++i) {
     const std::string_view name = shots[i].name;

@@ -1,4 +1,4 @@
-// Where cameras come from: a file source_NAME.cpp each; sources() lists them.
+// The interface of camera sources. Each source is a file source_NAME.cpp; cameraSources() lists them.
 #pragma once
 
 #include <span>
@@ -13,12 +13,14 @@
 
 namespace latelight::data {
 
-// The cameras of one scene, counted and claimed before they are made: rigs and pairs multiply them.
+// Counts the cameras of one scene and claims their memory before they are created, because rigs and pairs multiply
+// them.
 class CameraBudget {
  public:
-  // Throws Error: Usage that begins with `path` where there are too many, DeviceLost where there is no memory.
+  // Throws Error(Usage) whose message begins with `path` if there are too many cameras, and Error(DeviceLost) if memory
+  // runs out.
   void take(double count, double nameBytes, const std::string& path);
-  // Gives back what only making them took.
+  // Returns the claim on the finished cameras. The claim on temporary data ends with this object.
   MemoryClaim keep() { return std::move(kept_); }
 
  private:
@@ -30,34 +32,35 @@ struct CameraContext {
   const scene::Scene& scene;
   SceneAxes axes;
   uint64_t seed;
-  PictureSize size;                              // of the job's pictures, where the job says it
-  const std::vector<scene::Camera>& ownCameras;  // the scene's, at the time that is asked for
+  PictureSize size;                              // picture size from the job; 0 x 0 if it does not specify one
+  const std::vector<scene::Camera>& ownCameras;  // the scene's cameras, at the requested time
   CameraBudget& budget;
-  // Rigs and pairs around a source: how many cameras each of its cameras becomes, and what they add to its name.
+  // Set by rigs and pairs that contain the source: the number of cameras that each of its cameras becomes, and the
+  // bytes that they add to its name.
   double copies = 1, nameBytes = 0;
 
-  // Every source calls this before it makes its cameras. `names`: bytes of all their names.
+  // Every source calls this before it creates its cameras. `names` is the size of all their names in bytes.
   void claim(const Spec& spec, uint64_t count, uint64_t names) const {
     budget.take(copies * double(count), copies * (double(names) + double(count) * nameBytes), spec.path());
   }
 };
 
 struct CameraSource {
-  std::string_view name, description;  // name: what "type" says
-  // Asks for all keys that it takes.
+  std::string_view name, description;  // name: the value of "type"
+  // Creates the cameras, and reads every key that the source accepts, so that all other keys can be rejected.
   std::vector<Shot> (*make)(Spec& spec, const CameraContext& context);
 };
 std::span<const CameraSource> cameraSources();
 
-// The cameras of one source or of a list of them; names need not be unique yet.
+// Creates the cameras of one source or of a list of sources. Names are not necessarily unique yet.
 std::vector<Shot> makeShots(const nlohmann::ordered_json& spec, const std::string& path, const CameraContext& context);
 
-// The most cameras that one source makes, and all sources together.
+// The maximum number of cameras of one source, and of all sources together.
 inline constexpr uint64_t kMostCameras = 1'000'000, kMostCamerasOfScene = 10'000'000;
-// Names by numberedName() are shorter.
+// An upper bound for the size of names from numberedName().
 inline constexpr uint64_t kNumberedNameBytes = 16;
 
-// "orbit007" of 100.
+// Returns a stem with a zero-padded number, such as "orbit07" of 100.
 std::string numberedName(std::string_view stem, uint64_t number, uint64_t count);
 
 std::vector<Shot> shotsOfScene(Spec& spec, const CameraContext& context);

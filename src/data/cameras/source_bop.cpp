@@ -1,3 +1,4 @@
+// The camera source "bop": cameras of a scene_camera.json of BOP.
 #include "base/error.h"
 #include "data/cameras/bop.h"
 

@@ -1,3 +1,5 @@
+// The camera source "box": random positions in a box, by rejection sampling. Cameras look at a target or in random
+// directions.
 #include "base/error.h"
 #include "data/cameras/around.h"
 #include "data/cameras/clearance.h"
@@ -35,7 +37,7 @@ std::vector<Shot> shotsInBox(Spec& spec, const CameraContext& context) {
       for (int axis = 0; axis < 3; ++axis) eye[axis] = random.between(box.low[axis], box.high[axis]);
       const double turns = random.unit(), height = random.between(-1, 1);
       if (!clearance.allows(eye) || (!anywhere && eye == target.centre)) continue;
-      // A direction from the target is one to look back from, whatever the distance.
+      // For a random view direction, around() at distance 0 places the camera at the eye itself.
       const glm::dmat4 pose = anywhere ? around(context.axes, turns, height).pose(eye, 0)
                                        : lookAtPose(context.axes, eye, target.centre, nullptr, spec.path());
       shots.push_back({numberedName("box", i, count), pose, optics.camera, optics.width, optics.height});

@@ -1,3 +1,4 @@
+// The camera source "colmap": the images of a COLMAP model.
 #include <algorithm>
 #include <cctype>
 
@@ -11,7 +12,7 @@ bool isDigit(char c) {
   return std::isdigit(static_cast<unsigned char>(c)) != 0;
 }
 
-// The digits at the front, without leading zeros.
+// Removes the digits at the front of the text and returns them without leading zeros.
 std::string_view takeNumber(std::string_view& text) {
   const size_t end = std::min(text.size(), static_cast<size_t>(std::ranges::find_if_not(text, isDigit) - text.begin()));
   std::string_view number = text.substr(0, end);
@@ -20,7 +21,7 @@ std::string_view takeNumber(std::string_view& text) {
   return number;
 }
 
-// Names in the order of their numbers: "r_2" is before "r_10".
+// Natural sort order: numbers in names compare by value, so "r_2" is before "r_10".
 bool isBefore(std::string_view a, std::string_view b) {
   while (!a.empty() && !b.empty()) {
     if (isDigit(a[0]) && isDigit(b[0])) {
@@ -37,7 +38,7 @@ bool isBefore(std::string_view a, std::string_view b) {
 
 }  // namespace
 
-// A model lists its images in no order that means anything: their names say it.
+// Images are sorted by name, because the order in a model's files has no meaning.
 std::vector<Shot> shotsOfColmap(Spec& spec, const CameraContext& context) {
   std::vector<CalibratedCamera> cameras = readColmap(spec.text("folder"));
   std::ranges::stable_sort(cameras, isBefore, &CalibratedCamera::name);

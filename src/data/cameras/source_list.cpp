@@ -1,3 +1,4 @@
+// The camera source "list": cameras whose poses and intrinsics the job lists one by one.
 #include "data/cameras/optics.h"
 #include "data/cameras/pose_spec.h"
 #include "data/cameras/source.h"

@@ -1,3 +1,4 @@
+// The camera source "orbit": a circle or spiral around a target, in equal steps of azimuth, elevation and distance.
 #include <cmath>
 
 #include "data/cameras/around.h"
@@ -17,7 +18,7 @@ std::vector<Shot> shotsOnOrbit(Spec& spec, const CameraContext& context) {
                                         : std::vector<double>(2, spec.number("elevation", {-90, 90}, 20.0));
   const Target target = readTarget(spec, context);
   const Interval distance = readDistance(spec, "distance", target, optics.halfAngle);
-  // Whole turns end a step before where they began.
+  // An orbit of whole turns ends one step before its start, so that the first camera is not repeated.
   const double turns = (turn[1] - turn[0]) / 360;
   const bool closed = turns != 0 && turns == std::floor(turns);
   const double steps = closed || count == 1 ? double(count) : double(count - 1);

@@ -1,3 +1,5 @@
+// The camera source "path": a smooth path through key frames. Positions follow centripetal Catmull-Rom curves,
+// rotations squad or slerp (path.h), and the field of view is interpolated linearly.
 #include <algorithm>
 #include <cmath>
 
@@ -15,12 +17,12 @@ struct KeyFrame {
   double time = 0;
   glm::dmat4 pose{1};
   float fov = 0;
-  glm::dvec4 rotation{1, 0, 0, 0};  // nearer to the one before than its negative
+  glm::dvec4 rotation{1, 0, 0, 0};  // its sign is chosen for the shorter rotation from the previous key frame
 };
 
 struct Keys {
   std::vector<KeyFrame> frames;
-  bool timed = false;  // the job says their times
+  bool timed = false;  // the job specifies the times
 };
 
 Keys readKeys(Spec& spec, const CameraContext& context, const Optics& optics) {
@@ -44,11 +46,11 @@ Keys readKeys(Spec& spec, const CameraContext& context, const Optics& optics) {
   return {std::move(keys), timed};
 }
 
-// Where `share` of the way from key frame i to the next one leads.
+// Returns the pose between key frame i (share 0) and the next one (share 1).
 glm::dmat4 poseBetween(const std::vector<KeyFrame>& keys, size_t i, double share, bool smoothTurns) {
   const auto place = [&](size_t key) { return glm::dvec3(keys[key].pose[3]); };
   const bool first = i == 0, last = i + 2 == keys.size();
-  // Beyond its ends a path goes straight on.
+  // Beyond its ends a path continues straight.
   const glm::dvec3 before = first ? 2.0 * place(0) - place(1) : place(i - 1);
   const glm::dvec3 after = last ? 2.0 * place(i + 1) - place(i) : place(i + 2);
   const glm::dvec4 a = keys[i].rotation, b = keys[i + 1].rotation;
@@ -94,7 +96,7 @@ std::vector<Shot> shotsOnPath(Spec& spec, const CameraContext& context) {
     shot.optics.verticalFov = keys[i].fov + (keys[i + 1].fov - keys[i].fov) * static_cast<float>(share);
     shots.push_back(std::move(shot));
   }
-  // Key frames without times are a second apart for want of any: that says nothing of the scene's time.
+  // Key frames without times are one second apart only by convention, so they do not set the scene's time.
   makeSequence(shots, timed || spec.has("fps") ? times : std::vector<double>());
   return shots;
 }

@@ -1,3 +1,4 @@
+// The camera sources "stereo" and "rig": several cameras at fixed offsets from each camera of another source.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,11 +14,11 @@ namespace {
 
 struct Member {
   std::string name;
-  glm::dmat4 offset{1};            // to the base camera's frame, both OpenCV's
-  std::optional<Optics> optics{};  // none: the base camera's
+  glm::dmat4 offset{1};            // member's to base camera's frame, both in OpenCV's convention
+  std::optional<Optics> optics{};  // empty: the base camera's optics
 };
 
-// The neighbors of a member are the same member at the neighboring poses.
+// Creates all members at each base camera. The neighbors of a member are the same member at the neighboring poses.
 std::vector<Shot> shotsOfMembers(const std::vector<Shot>& bases, const std::vector<Member>& members) {
   std::vector<Shot> shots;
   shots.reserve(bases.size() * members.size());

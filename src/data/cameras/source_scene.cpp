@@ -1,3 +1,4 @@
+// The camera source "scene": the scene's own cameras, all or by name.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 

@@ -1,3 +1,5 @@
+// The camera source "sphere": positions on a sphere or in a shell around a target, on a Fibonacci grid or random.
+// Random positions are drawn by rejection sampling.
 #include <cmath>
 
 #include "base/error.h"
@@ -13,10 +15,11 @@ namespace {
 
 struct Shell {
   Target target;
-  Interval radius, height;  // height: the sine of the elevation
+  Interval radius, height;  // height is the sine of the elevation; the area is uniform in it
 };
 
-// Points `i` of `count` in equal steps of height, each a golden angle further than the last: an even grid.
+// Returns point `i` of `count` of a Fibonacci grid: heights are in equal steps, and each azimuth is a golden angle from
+// the previous one.
 glm::dmat4 gridPose(const Shell& shell, const CameraContext& context, uint64_t i, uint64_t count, Random& random) {
   constexpr double kGolden = 0.61803398874989485;
   const double height = shell.height.low + (shell.height.high - shell.height.low) * ((double(i) + 0.5) / double(count));
@@ -56,7 +59,7 @@ std::vector<Shot> shotsOnSphere(Spec& spec, const CameraContext& context) {
       pose = randomPose(shell, context, random);
       allowed = clearance.allows(glm::dvec3(pose[3]));
     }
-    // Another place would spoil the grid: what isn't allowed is left out.
+    // Rejected points of the grid are skipped, because replacements would make it uneven.
     if (allowed) shots.push_back({numberedName("sphere", i, count), pose, optics.camera, optics.width, optics.height});
   }
   if (shots.empty()) badUsage("{}: no point of the sphere is free: all lie inside geometry or too near", spec.path());

@@ -1,3 +1,4 @@
+// The camera source "transforms": the frames of a transforms.json of nerfstudio or instant-ngp.
 #include "data/cameras/transforms.h"
 
 namespace latelight::data {

@@ -1,3 +1,4 @@
+// The camera source "tum": the poses of a trajectory in TUM's format, sorted by time.
 #include <algorithm>
 
 #include "base/text.h"

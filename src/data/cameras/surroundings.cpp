@@ -15,7 +15,7 @@ namespace {
 
 using Triangle = std::array<dvec3, 3>;
 
-// Of a tree, and of the boxes that it is made from.
+// Bytes per triangle in a BVH and in the list of boxes that it is built from.
 constexpr uint64_t kTriangleBytes = 48 + 4 + 36;
 
 dvec3 at(const dmat4& transform, dvec3 point) {
@@ -34,8 +34,8 @@ std::unique_ptr<Bvh> treeOf(const scene::Mesh& mesh) {
   return std::make_unique<Bvh>(boxes);
 }
 
-// The nearest point of a triangle, by the region that the point projects to (Ericson 2005, Real-Time Collision
-// Detection, 5.1.5).
+// Returns the distance to the nearest point of a triangle, found by the Voronoi region of the triangle's feature that
+// contains the point (Ericson 2005, Real-Time Collision Detection, 5.1.5).
 double distanceTo(const Triangle& t, dvec3 p) {
   const dvec3 ab = t[1] - t[0], ac = t[2] - t[0], ap = p - t[0], bp = p - t[1], cp = p - t[2];
   const double d1 = glm::dot(ab, ap), d2 = glm::dot(ac, ap), d3 = glm::dot(ab, bp), d4 = glm::dot(ac, bp),
@@ -51,9 +51,10 @@ double distanceTo(const Triangle& t, dvec3 p) {
   return glm::length(ap - ab * (vb / sum) - ac * (vc / sum));
 }
 
-// 1 where the ray leaves through the triangle's back, -1 where it enters through its front, 0 where it misses. Edges
-// belong to one of their two triangles: the sign of each is computed from its ends in one order (Woop, Benthin and Wald
-// 2013, "Watertight ray/triangle intersection").
+// Returns a ray's contribution to the winding number: 1 if it leaves through the triangle's back, -1 if it enters
+// through its front, and 0 if it misses. The test is watertight: the sign of each edge is computed from its ends in one
+// order, so a ray through an edge hits only one of the two triangles (Woop, Benthin and Wald 2013, "Watertight
+// ray/triangle intersection").
 int crossing(const Triangle& t, dvec3 origin, dvec3 direction) {
   const dvec3 a = t[0] - origin, b = t[1] - origin, c = t[2] - origin;
   const auto side = [&](dvec3 p, dvec3 q) {
@@ -69,7 +70,7 @@ int crossing(const Triangle& t, dvec3 origin, dvec3 direction) {
   return along > 0 ? 1 : -1;
 }
 
-// Even over the sphere, and along no axis.
+// Ray directions on a Fibonacci grid, evenly distributed over the sphere; none is parallel to an axis.
 constexpr int kRays = 15;
 dvec3 rayDirection(int ray) {
   const double z = (2 * ray + 1.0) / kRays - 1;
@@ -81,7 +82,9 @@ dvec3 rayDirection(int ray) {
 struct Surroundings::Piece {
   uint32_t instance = 0;
   dmat4 toFile{1}, toObject{1};
-  double leastScale = 0;  // a distance in object space is at least so much of it outside; 0: flat, without volume
+  // A lower bound of the ratio of distances in the file's frame to those in object space. 0 if the transform is
+  // singular; the instance is then flat and has no interior.
+  double leastScale = 0;
 };
 
 Surroundings::~Surroundings() = default;
@@ -116,14 +119,14 @@ Surroundings::Piece Surroundings::pieceOf(uint32_t instance) const {
   if (scene_.yUp) piece.toFile = scene::toGltfFromWorld() * piece.toFile;
   if (glm::determinant(glm::dmat3(piece.toFile)) == 0) return piece;
   piece.toObject = glm::inverse(piece.toFile);
-  double squares = 0;  // the Frobenius norm is no less than the greatest stretch back
+  double squares = 0;  // for the Frobenius norm of toObject, an upper bound of its largest scale
   for (int axis = 0; axis < 3; ++axis) squares += glm::dot(dvec3(piece.toObject[axis]), dvec3(piece.toObject[axis]));
   piece.leastScale = 1 / std::sqrt(squares);
   return piece;
 }
 
 bool Surroundings::inside(dvec3 point) const {
-  std::map<uint32_t, int> windings;  // by node, of all rays together
+  std::map<uint32_t, int> windings;  // by node, summed over all rays
   for (int ray = 0; ray < kRays; ++ray) {
     const dvec3 direction = rayDirection(ray);
     const auto addPiece = [&](uint32_t number) {
@@ -131,7 +134,7 @@ bool Surroundings::inside(dvec3 point) const {
       if (piece.leastScale == 0) return;
       const scene::Instance& instance = scene_.instances[piece.instance];
       const scene::Mesh& mesh = scene_.meshes[instance.mesh];
-      // Fronts are counter-clockwise in object space, also where the transform mirrors.
+      // Front faces are counterclockwise in object space, even if the transform mirrors.
       const dvec3 origin = at(piece.toObject, point), along(piece.toObject * dvec4(direction, 0));
       int& winding = windings[instance.node];
       meshes_[instance.mesh]->visit([&](const Aabb& box) { return box.meets(origin, 1.0 / along); },
@@ -149,7 +152,7 @@ double Surroundings::nearest(dvec3 point, double limit) const {
     const uint32_t meshNumber = scene_.instances[piece.instance].mesh;
     const dvec3 local = at(piece.toObject, point);
     meshes_[meshNumber]->visit(
-        // With some room for rounding.
+        // The tolerance allows for rounding.
         [&](const Aabb& box) { return box.distance(local) * piece.leastScale <= least * (1 + 1e-9); },
         [&](uint32_t t) {
           Triangle triangle = triangleOf(scene_.meshes[meshNumber], t);

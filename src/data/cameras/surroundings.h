@@ -1,5 +1,5 @@
-// What is around a point of a scene at rest: whether it lies inside something solid, and how far the nearest surface
-// is. The scene's own triangles, each tested exactly.
+// Point queries in a scene at rest: tests by winding numbers if a point is inside closed geometry, and finds the
+// distance to the nearest surface. Both use the scene's triangles in double precision, found through BVHs.
 #pragma once
 
 #include <memory>
@@ -16,15 +16,15 @@ class Surroundings {
   explicit Surroundings(const scene::Scene& scene);
   ~Surroundings();
 
-  // Points are in the scene file's own frame. Inside: a node's triangles, all primitives of its mesh together, wind
-  // around the point. Fronts face outwards, so that rooms seen from within are not solid. Of what has holes that is so
-  // where more than half of the directions lead to its inner side.
+  // Points are in the scene file's own frame. A point is inside a node if the triangles of all primitives of the node's
+  // mesh together wind around it. Front faces point outward, so the interior of a room is not inside. A mesh with holes
+  // counts as closed at points from which more than half of the directions lead to its inner side.
   bool inside(glm::dvec3 point) const;
-  // Metres to the nearest surface, or `limit` where none is nearer.
+  // Returns the distance to the nearest surface in meters, or `limit` if no surface is nearer.
   double nearest(glm::dvec3 point, double limit = std::numeric_limits<double>::infinity()) const;
 
  private:
-  struct Piece;  // an instance
+  struct Piece;  // one instance
   Piece pieceOf(uint32_t instance) const;
 
   std::vector<std::unique_ptr<Bvh>> meshes_;

@@ -1,4 +1,4 @@
-// What cameras look at.
+// The target that cameras look at, and the distance at which it fits in the picture.
 #pragma once
 
 #include <optional>
@@ -9,24 +9,25 @@
 
 namespace latelight::data {
 
-// What lies at or below a node that has this name or path, or one of several of that name: instances' numbers. Throws
-// Error(Usage) that begins with `path` where there is none.
+// Returns the indices of the shown instances at or below any node with this name or path. Throws Error(Usage) whose
+// message begins with `path` if there is no such node.
 std::vector<uint32_t> instancesBelow(const scene::Scene& scene, const std::string& node, const std::string& path);
 
-// Of the instances' boxes, in the scene file's own frame; throws Error(Usage) that begins with `path` where nothing is
-// there.
+// Return the bounding box of instances, or of all shown instances, in the scene file's own frame. Throw Error(Usage)
+// whose message begins with `path` if there is no geometry.
 Aabb boxOf(const scene::Scene& scene, const std::vector<uint32_t>& instances, const std::string& path);
 Aabb boxOfScene(const scene::Scene& scene, const std::string& path);
 
 struct Target {
   glm::dvec3 centre{0};
-  double radius = 0;  // of what is there; 0: a point
+  double radius = 0;  // radius of the geometry; 0: a point
 };
 
-// "target": "scene", [x, y, z] or {"node": "name or path"}; the scene where it is missing.
+// Reads "target": "scene", [x, y, z] or {"node": "name or path"}. The default is the scene.
 Target readTarget(Spec& spec, const CameraContext& context);
 
-// "distance" or another key that says how far away: the key's, or where it is missing, as far that the target fits.
+// Reads the distance from `key`, such as "distance". The default is the distance at which the target fits in the
+// picture.
 Interval readDistance(Spec& spec, std::string_view key, const Target& target, double halfAngle);
 
 }  // namespace latelight::data

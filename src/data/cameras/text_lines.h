@@ -1,4 +1,4 @@
-// Text files of words and numbers, line by line.
+// Reads text files of words and numbers line by line.
 #pragma once
 
 #include <filesystem>
@@ -13,16 +13,16 @@ namespace latelight::data {
 
 class TextLines {
  public:
-  // The whole file; throws Error(BadInput) where it can't be read.
+  // Reads the whole file; throws Error(BadInput) if it can't be read.
   explicit TextLines(const std::filesystem::path& file);
 
-  // The next line, without its end, or nothing.
+  // Returns the next line without its line break, or nullopt at the end of the file.
   std::optional<std::string_view> next();
-  // The same, past empty ones and comments (#).
+  // Returns the next line that is neither blank nor a comment (#).
   std::optional<std::string_view> nextUsed();
   std::string where() const;  // "line 12 of FILE"
 
-  // Of the line read last; throw Error(BadInput).
+  // Split and convert the most recently read line. Throw Error(BadInput) with the line's number.
   std::vector<std::string_view> words(std::string_view line, size_t least) const;
   double number(std::string_view word) const;
   std::vector<double> numbers(const std::vector<std::string_view>& words, size_t first, size_t count) const;

@@ -18,7 +18,7 @@ using scene::Lens, scene::LensModel;
 
 namespace {
 
-// Which of the distortion's terms a key is, by the model: OpenCV's order is k1 k2 p1 p2 k3 k4 k5 k6.
+// The index of a key's term in Lens::distortion, by model. OpenCV's order is k1 k2 p1 p2 k3 k4 k5 k6.
 struct Term {
   const char* key;
   size_t place;
@@ -44,7 +44,7 @@ constexpr ModelName kModelNames[] = {{LensModel::OpenCv, "OPENCV"},
                                      {LensModel::Equirectangular, "EQUIRECTANGULAR"}};
 
 LensModel modelIn(const Json& source, const std::string& where) {
-  const auto fisheye = source.find("is_fisheye");  // instant-ngp's
+  const auto fisheye = source.find("is_fisheye");  // a key of instant-ngp
   if (fisheye != source.end() && *fisheye == true) return LensModel::Fisheye;
   const auto model = source.find("camera_model");
   if (model == source.end()) return LensModel::OpenCv;
@@ -56,7 +56,8 @@ LensModel modelIn(const Json& source, const std::string& where) {
   badInput("{} has the camera_model {}, which is not supported: give {}", where, name, joinedByOr(names));
 }
 
-// A focal length in pixels, or from an angle of view over so many.
+// Returns a focal length in pixels, either from its key or from the angle of view that spans `pixels`; 0 if both keys
+// are missing.
 double focalIn(const Json& source, const char* key, const char* angleKey, double pixels, const std::string& where) {
   if (source.contains(key)) return numberIn(source, key, 0, where);
   const double angle = numberIn(source, angleKey, 0, where);
@@ -91,7 +92,8 @@ Lens lensIn(const Json& source, PictureSize size, const std::string& where) {
   return lens;
 }
 
-// A frame's own intrinsics come before those of all. Only the keys of a lens are copied: a file may have any others.
+// Merges a frame's intrinsics with those of the file; the frame has priority. Only keys of a lens are copied, because a
+// file may have any other keys.
 Json intrinsicsOf(const Json& all, const Json& frame) {
   Json merged = Json::object();
   for (const char* key : {"camera_model", "is_fisheye", "w", "h", "fl_x", "fl_y", "camera_angle_x", "camera_angle_y",

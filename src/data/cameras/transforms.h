@@ -1,5 +1,5 @@
-// transforms.json, as nerfstudio and instant-ngp read it: intrinsics for all pictures or for each, and poses in
-// OpenGL's camera frame.
+// Reads and writes transforms.json of nerfstudio and instant-ngp: intrinsics for all pictures or per picture, and
+// camera-to-world poses in OpenGL's camera frame.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -10,18 +10,18 @@
 
 namespace latelight::data {
 
-// Why the format can't say this lens, as the end of a sentence; empty: it can.
+// Returns the reason that the format can't represent this lens, as the end of a sentence; empty if it can.
 std::string transformsLack(const scene::Lens& lens);
-// What it says of one: "camera_model", "w" and "h", and of those models that have them focal lengths, principal point
-// and distortion.
+// Describes a lens in the format: "camera_model", "w" and "h", and for models that have them the focal lengths, the
+// principal point and the distortion.
 nlohmann::ordered_json transformsLens(const scene::Lens& lens);
 
-// `size`: of pictures whose size the file does not say. Throws Error(BadInput) that names the file and the frame for
-// what is broken, or can't be said by a lens.
+// `size` is the size of pictures for which the file states none. Throws Error(BadInput) that names the file and the
+// frame if a frame is invalid or a scene::Lens can't represent its intrinsics.
 std::vector<CalibratedCamera> readTransforms(const std::filesystem::path& file, PictureSize size = {});
 
-// The same cameras, read again. Each needs a lens other than a cube map's; throws Error(Usage) without, and where the
-// file can't be written. Names are the pictures' paths.
+// Writes cameras so that readTransforms() returns the same ones. Names are the pictures' paths. Throws Error(Usage) if
+// a camera has no lens or one that transformsLack() rejects, and if the file can't be written.
 void writeTransforms(const std::filesystem::path& file, std::span<const CalibratedCamera> cameras);
 
 }  // namespace latelight::data

@@ -1,4 +1,5 @@
-// Trajectories in the format of TUM's RGB-D benchmark: a line "time tx ty tz qx qy qz qw" a pose, camera to world.
+// Reads and writes trajectories in the format of the TUM RGB-D benchmark: one line "time tx ty tz qx qy qz qw" per
+// camera-to-world pose.
 #pragma once
 
 #include <span>
@@ -7,11 +8,11 @@
 
 namespace latelight::data {
 
-// Names are the times as they are written. Throws Error(BadInput) that names the file and the line.
+// Cameras are named by their times, as written in the file. Throws Error(BadInput) that names the file and the line.
 std::vector<CalibratedCamera> readTum(const std::filesystem::path& file);
 
-// The same poses, read again; lenses are not in the format. Throws Error(Usage) where a name is no number, and where
-// the file can't be written.
+// Writes poses so that readTum() returns the same ones. The format has no lenses. Throws Error(Usage) if a name is not
+// a number, and if the file can't be written.
 void writeTum(const std::filesystem::path& file, std::span<const CalibratedCamera> cameras);
 
 }  // namespace latelight::data
