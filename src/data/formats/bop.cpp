@@ -1,5 +1,6 @@
-// The layout of the Benchmark for 6D Object Pose Estimation (BOP): pictures, depth and masks below a folder a scene,
-// with the poses of objects and cameras. Millimetres.
+// The format "bop", the layout of the Benchmark for 6D Object Pose Estimation (BOP). Each scene has a folder with
+// pictures, depth, visible and amodal masks, and the poses of objects and cameras, in millimeters. models_info.json
+// lists the models of the whole set.
 #include <fmt/format.h>
 
 #include <map>
@@ -20,7 +21,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kMillimetres = 1000;  // a metre
+constexpr double kMillimetres = 1000;  // per meter
 
 Json bopRotation(const glm::dmat4& m) {
   Json rows = Json::array();
@@ -38,7 +39,7 @@ Json bopBox(const PixelBox& box) {
   return {box.x, box.y, box.width, box.height};
 }
 
-// The picture over black, without alpha.
+// Encodes the picture composited over black, without alpha.
 std::vector<std::byte> opaquePng(const output::FrameOutput& picture) {
   std::vector<uint8_t> rgb(picture.display.size() / 4 * 3);
   for (size_t i = 0; i < rgb.size(); ++i) {
@@ -130,7 +131,7 @@ class Bop : public Format {
  private:
   std::string sceneFolder(uint32_t scene) const { return fmt::format("{}/{:06}", split_, scene); }
 
-  // OpenCV's pixels: the first one's centre is (0, 0).
+  // In BOP, as in OpenCV, the center of the first pixel is (0, 0).
   Json cameraOf(const DataFrame& frame) const {
     std::array<double, 9> k = frame.metadata.camera.intrinsics;
     k[2] -= 0.5;

@@ -1,4 +1,4 @@
-// The models of a BOP set: which objects share one, and the numbers (obj_id) that they have.
+// The models of a BOP set: groups objects of the same shape to models and assigns the models' numbers (obj_id).
 #pragma once
 
 #include <cstdint>
@@ -12,22 +12,23 @@
 
 namespace latelight::data {
 
-// What decides an object's number besides its shape, by the format's option "models".
+// The format's option "models", which may fix the numbers of models.
 class BopNumbers {
  public:
   struct Model {
     uint32_t number = 0;  // obj_id
-    std::string name;     // of its mesh, or of its node
-    std::string node;     // of the first object of its shape
+    std::string name;     // the name of the mesh, or of the node if the mesh has none
+    std::string node;     // the node of the first object with this shape
     Shape shape;
     nlohmann::ordered_json info;  // its entry in models_info.json
   };
 
-  // Null, an object of regular expressions of nodes' paths and their numbers, or the name of a .json file with such an
-  // object or with the list that an earlier set has written. Throws Error(Usage), and Error(BadInput) for a file.
+  // `spec` is null, an object that maps regular expressions of node paths to numbers, or the name of a .json file that
+  // contains such an object or the list of models that an earlier set has written. Throws Error(Usage), and
+  // Error(BadInput) for invalid files.
   explicit BopNumbers(const nlohmann::ordered_json* spec);
 
-  // Whether an object takes part: with rules, one that matches none is left out.
+  // Returns true if an object is part of the set. If there are rules, objects that match none are excluded.
   bool takes(const std::string& node) const { return rules_.empty() || rules_.find(node); }
 
  private:
@@ -36,8 +37,8 @@ class BopNumbers {
   void readModels(const nlohmann::ordered_json& models, const std::string& file);
 
   PathRules rules_;
-  std::vector<uint32_t> numbers_;  // of the rules
-  std::vector<Model> known_;       // of an earlier set
+  std::vector<uint32_t> numbers_;  // by rule
+  std::vector<Model> known_;       // models of an earlier set
 };
 
 // The models of a set, collected object by object in the order of its frames.
@@ -45,22 +46,22 @@ class BopModels {
  public:
   explicit BopModels(const BopNumbers& numbers);
 
-  // An object as a frame's entry has it, with "node", "name", "shape" and "modelInfo".
+  // Adds an object of a frame's entry, with "node", "name", "shape" and "modelInfo".
   void add(const nlohmann::ordered_json& object);
-  // After all have been added: numbers are those of the rules, or of the earlier set, or follow them, by name.
-  // Throws Error(BadInput) where two shapes have one number.
+  // Assigns numbers after all objects have been added. Rules and models of the earlier set fix numbers; other models
+  // are numbered after these, sorted by name. Throws Error(BadInput) if two shapes have the same number.
   void number();
   uint32_t numberOf(const nlohmann::ordered_json& object) const;
 
   nlohmann::ordered_json info() const;  // models_info.json
-  nlohmann::ordered_json list() const;  // what another set's option "models" takes
+  nlohmann::ordered_json list() const;  // models.json, a value for the option "models" of another set
 
  private:
-  size_t find(const Shape& shape, uint32_t fixed) const;  // the models' count where there is none
+  size_t find(const Shape& shape, uint32_t fixed) const;  // the model's index; models_.size() if there is none
 
   const BopNumbers& numbers_;
   std::vector<BopNumbers::Model> models_;
-  std::multimap<uint64_t, size_t> byGeometry_;  // of the first part
+  std::multimap<uint64_t, size_t> byGeometry_;  // model indices by the geometry hash of the first part
 };
 
 }  // namespace latelight::data

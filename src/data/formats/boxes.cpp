@@ -1,4 +1,5 @@
-// Boxes of objects, one JSON file a frame: around what is visible, around all of each, and in space.
+// The format "boxes", one JSON file per frame. Each object has a 2D box of its visible pixels, a 2D box of its amodal
+// mask, and an oriented 3D box.
 #include <glm/matrix.hpp>
 
 #include "data/formats/formats.h"
@@ -17,7 +18,7 @@ Json extentOf(uint64_t pixels, const PixelBox& box) {
   return {{"pixels", pixels}, {"box", {box.x, box.y, box.width, box.height}}};
 }
 
-// How a frame's camera sees.
+// The projection of a frame's camera.
 struct Sight {
   const output::CameraMetadata& camera;
   std::optional<scene::LensProjection> lens;
@@ -26,8 +27,8 @@ struct Sight {
   }
 };
 
-// Where points of the camera's frame are seen: [x, y, depth], or null behind a perspective camera, and where a lens
-// sees nothing.
+// Projects a point in the camera's frame to [x, y, depth]. Returns null for points behind a perspective camera and for
+// points that the lens does not project.
 Json projected(const Sight& sight, glm::dvec3 at) {
   const output::CameraMetadata& camera = sight.camera;
   if (sight.lens) {
@@ -42,7 +43,7 @@ Json projected(const Sight& sight, glm::dvec3 at) {
   return {(k[0] * at.x + k[1] * at.y) / w + k[2], (k[3] * at.x + k[4] * at.y) / w + k[5], at.z};
 }
 
-// The box in space: its middle is the origin of its own frame.
+// Describes the oriented 3D box. The origin of its own frame is its center.
 Json boxInSpace(const Object& object, const Sight& sight) {
   glm::dmat4 toWorld = object.toWorld;
   toWorld[3] = object.toWorld * glm::dvec4((object.low + object.high) * 0.5, 1);

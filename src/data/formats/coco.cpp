@@ -1,4 +1,5 @@
-// COCO's instances: one JSON file for the set, with a box, a mask and a category for each visible object.
+// The format "coco", COCO instances: one JSON file for the set, with a box, an instance mask and a category for each
+// visible object.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -23,7 +24,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Which category an object has.
+// Assigns categories to objects.
 class Categories {
  public:
   explicit Categories(const Json* spec) {
@@ -39,14 +40,14 @@ class Categories {
       badUsage("{}", kTakes);
   }
 
-  // Empty: it has none, and is left out.
+  // Returns the object's category. It is empty if the object has none; the object is then excluded.
   std::string of(const output::IdEntry& entry, const output::IdManifest& ids) const {
     if (rules_.empty()) return named(entry, ids);
     const std::optional<size_t> rule = rules_.find(nameOf(entry));
     return rule ? names_[*rule] : "";
   }
 
-  // Categories that there are whether anything has them or not, in the order of their numbers.
+  // Returns the categories of the rules, in the order of their numbers. They are listed even if no object has them.
   std::vector<std::string> fixed() const {
     std::vector<std::string> names;
     for (const std::string& category : names_)
@@ -83,7 +84,7 @@ class Categories {
 
   std::string from_ = "mesh";
   PathRules rules_;
-  std::vector<std::string> names_;  // of the rules' categories
+  std::vector<std::string> names_;  // categories by rule
 };
 
 Json boxOf(const PixelBox& box) {
@@ -97,7 +98,7 @@ std::string imageOfSet(const Json& entry) {
   return dumped(image);
 }
 
-// By commas; `number`: the first one's.
+// Returns the annotations of a picture, separated by commas. `number` is the id of the first.
 std::string annotationsOf(const Json& entry, uint64_t number, const std::map<std::string, uint64_t>& categories) {
   std::string text;
   for (const Json& object : entry["objects"]) {
@@ -147,7 +148,7 @@ class Coco : public Format {
   std::vector<std::string> writeSet(std::span<const Json> entries, const std::filesystem::path& folder) const override {
     std::map<std::string, uint64_t> numbers;
     const Json categories = categoriesOf(entries, numbers);
-    std::vector<uint64_t> first(entries.size() + 1, 1);  // of each picture's annotations
+    std::vector<uint64_t> first(entries.size() + 1, 1);  // id of each picture's first annotation
     for (size_t i = 0; i < entries.size(); ++i) first[i + 1] = first[i] + entries[i]["objects"].size();
     std::vector<std::string> images(entries.size()), annotations(entries.size());
     parallelFor(entries.size(), 16, [&](size_t begin, size_t end) {
@@ -173,7 +174,7 @@ class Coco : public Format {
     options.finish();
   }
 
-  // Numbered from 1: those of a mapping in its order, others by their names.
+  // Numbers the categories from 1: in the order of the rules, or sorted by name if there are no rules.
   Json categoriesOf(std::span<const Json> entries, std::map<std::string, uint64_t>& numbers) const {
     std::vector<std::string> names = categories_.fixed();
     if (names.empty()) {

@@ -1,4 +1,6 @@
-// Cryptomatte: the ids of a pixel's objects and materials, ranked by how much of it each covers, in an OpenEXR file.
+// The format "cryptomatte" (Friedman and Jones 2015, "Fully Automatic ID Mattes with Support for Motion Blur and
+// Transparency"). For each pixel it counts the samples of every object and material, and writes ranked pairs of name
+// hash and coverage to an OpenEXR file, together with a manifest of the names.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -21,7 +23,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// MurmurHash3_x86_32 (Appleby), seed 0.
+// MurmurHash3_x86_32 (Appleby), with the initial value 0.
 uint32_t murmurHash3(std::string_view text) {
   const auto scramble = [](uint32_t k) { return std::rotl(k * 0xcc9e2d51u, 15) * 0x1b873593u; };
   uint32_t hash = 0;
@@ -40,17 +42,17 @@ uint32_t murmurHash3(std::string_view text) {
   return hash ^ hash >> 16;
 }
 
-// The bits of the float that stands for a name: neither a subnormal nor an infinity or NaN.
+// Returns the bits of the float that identifies a name. It is never zero, subnormal, infinite or NaN.
 uint32_t floatBitsOf(std::string_view name) {
   const uint32_t hash = murmurHash3(name), exponent = hash >> 23 & 255;
   return exponent == 0 || exponent == 255 ? hash ^ 1u << 23 : hash;
 }
 
-// Names of one kind: what a set of mattes is made of.
+// The names of one Cryptomatte layer, either of objects or of materials.
 struct MatteNames {
   std::string layer;
   output::Aov aov;
-  std::unordered_map<uint32_t, uint32_t> bits;  // of the float, by id
+  std::unordered_map<uint32_t, uint32_t> bits;  // floatBitsOf() by id
   Json manifest = Json::object();
 
   void add(uint32_t id, const std::string& name) {
@@ -59,7 +61,7 @@ struct MatteNames {
   }
 };
 
-// Names of what the samples show: a scene may have far more, and each frame's file lists its own.
+// The ids that are visible in the samples. Each frame's file lists only these, because a scene may have far more.
 using Shown = std::unordered_set<uint32_t>;
 
 Shown shownIn(const output::AovImage& samples) {
@@ -85,7 +87,7 @@ MatteNames materialNames(const output::IdManifest& ids, const Shown& shown) {
   return names;
 }
 
-// The bits of each sample's name; 0, which no name has, where there is none.
+// Returns the bits of each sample's name, or 0, which identifies no name, for samples without one.
 std::vector<uint32_t> bitsOf(const MatteNames& names, const std::vector<uint32_t>& ids) {
   std::vector<uint32_t> bits(ids.size());
   for (size_t i = 0; i < ids.size(); ++i) {
@@ -98,7 +100,7 @@ std::vector<uint32_t> bitsOf(const MatteNames& names, const std::vector<uint32_t
   return bits;
 }
 
-// What of a pixel each name covers, most first, then by bits.
+// The number of a pixel's samples that a name covers. Coverages are sorted by descending number, then by bits.
 struct Coverage {
   uint32_t bits;
   uint32_t samples;
@@ -122,7 +124,7 @@ void findCoverages(const uint32_t* samples, size_t stride, uint32_t side, std::v
 
 using Plane = std::vector<float>;
 
-// Of each rank a plane of ids and one of coverages.
+// Returns two planes per rank, one of ids and one of coverages.
 std::vector<Plane> ranksOf(const MatteNames& names, const output::AovImage& samples, uint32_t width, uint32_t height,
                            uint32_t ranks) {
   const uint32_t side = samples.width / width;
@@ -155,7 +157,7 @@ class Cryptomatte : public Format {
   FrameRecord writeFrame(const DataFrame& frame, const std::filesystem::path& folder) const override {
     const output::AovImage* color = &imageOf(frame.picture, output::Aov::Color);
     output::ExrExtras extras;
-    std::vector<std::vector<Plane>> planes;  // live until the file is made
+    std::vector<std::vector<Plane>> planes;  // must live until the file is encoded
     const output::IdManifest& ids = *frame.metadata.ids;
     for (const MatteNames& names : {objectNames(ids, shownIn(imageOf(frame.samples, output::Aov::Id))),
                                     materialNames(ids, shownIn(imageOf(frame.samples, output::Aov::Material)))}) {

@@ -1,4 +1,4 @@
-// Depth as PNG of 16 bits.
+// The format "depth-png": depth or distance as a 16-bit PNG file.
 #include <cmath>
 
 #include "data/formats/depth_png.h"

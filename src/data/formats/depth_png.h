@@ -1,4 +1,4 @@
-// Depth in steps of 16 bits.
+// Depth as 16-bit integers, and its encoding as PNG.
 #pragma once
 
 #include <cstddef>
@@ -9,8 +9,8 @@
 
 namespace latelight::data {
 
-// Depth or distance, rounded to the nearest step. 0: nothing is there, or it is nearer than half a step or farther than
-// 65,535 steps.
+// Quantizes depth or distance to the nearest step. The result is 0 for the background and for surfaces nearer than half
+// a step or farther than 65,535 steps.
 std::vector<uint16_t> depthSteps(const output::AovImage& depth, double stepsPerMetre);
 std::vector<std::byte> encodeDepthPng(const output::AovImage& depth, double stepsPerMetre);
 

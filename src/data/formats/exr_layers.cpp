@@ -1,4 +1,4 @@
-// All outputs of a frame in one OpenEXR file.
+// The format "exr": all outputs of a frame in one OpenEXR file.
 #include <fmt/format.h>
 
 #include "data/formats/formats.h"
@@ -13,8 +13,8 @@ namespace {
 using output::Aov;
 using output::AovImage;
 
-// As Blender's multi-layer files name the passes of its first view layer; those that Blender has not, as it names a
-// pass that a shader outputs.
+// Returns a channel's name in Blender's multilayer files, as a pass of the first view layer. Outputs that Blender lacks
+// are named like a pass that a shader outputs.
 std::string blenderNames(const output::AovInfo& aov, uint32_t channel) {
   const auto pass = [&](std::string_view name, std::string_view letters) {
     return fmt::format("ViewLayer.{}.{}", name, letters[channel]);
@@ -45,7 +45,7 @@ std::string blenderNames(const output::AovInfo& aov, uint32_t channel) {
   }
 }
 
-// Blender counts y upwards, and its Z and W lead from the next frame back to this one.
+// Converts motion vectors to Blender's convention: y points up, and Z and W lead from the next frame back to this one.
 AovImage blenderVector(const AovImage& motion) {
   AovImage vector = motion;
   for (size_t i = 0; i < vector.values.size(); ++i)

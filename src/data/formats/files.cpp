@@ -1,4 +1,4 @@
-// Outputs of each frame as plain files: PNG, EXR or NPY, with a side file.
+// The format "files": the outputs of each frame as PNG, EXR or NPY files, with an optional side file of metadata.
 #include "output/files.h"
 #include "base/error.h"
 #include "data/formats/formats.h"
@@ -37,7 +37,7 @@ class Files : public Format {
     request.pattern.replace(request.pattern.find(kName), kName.size(), frame.name);
     request.pattern = (folder / request.pattern).string();
     for (const fs::path& path : output::outputPaths(request, frame.metadata)) {
-      std::error_code ignored;  // writing reports what is wrong
+      std::error_code ignored;  // errors are reported when the file is written
       fs::create_directories(path.parent_path(), ignored);
     }
     FrameRecord record;

@@ -1,4 +1,5 @@
-// Optical flow: Middlebury's .flo, and KITTI's PNG.
+// The format "flow": optical flow as Middlebury's .flo file (Baker et al. 2011, "A Database and Evaluation Methodology
+// for Optical Flow") or as KITTI's PNG file.
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -14,9 +15,9 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "values are written as they lie in memory");
 
-constexpr float kUnknownFlow = 1e10f;  // as Middlebury's tools write it; what exceeds 1e9 is unknown to them
+constexpr float kUnknownFlow = 1e10f;  // as Middlebury's tools write it; they treat values above 1e9 as unknown
 
-// The two channels of motion from `first` on, pixel by pixel; not a number where there is no such frame.
+// Returns the channels `first` and `first` + 1 of motion per pixel. They are NaN if there is no such frame.
 std::vector<float> flowOf(const output::AovImage& motion, size_t first) {
   std::vector<float> flow(motion.values.size() / 2);
   for (size_t i = 0; i < flow.size(); ++i) flow[i] = motion.values[i / 2 * 4 + first + i % 2];
@@ -35,7 +36,8 @@ std::vector<std::byte> encodeFlo(uint32_t width, uint32_t height, std::vector<fl
   return bytes;
 }
 
-// Red and green are 64 v + 2^15 of 16 bits; blue is 1, and 0 where that can't hold the flow, or flow is not known.
+// Encodes flow as 16-bit RGB: red and green are 64 v + 2^15. Blue is 1 for valid pixels, and 0 if the flow is unknown
+// or out of range.
 std::vector<std::byte> encodeKittiFlow(uint32_t width, uint32_t height, std::vector<float> flow) {
   std::vector<uint16_t> codes(flow.size() / 2 * 3, 0);
   for (size_t i = 0; i < flow.size() / 2; ++i) {

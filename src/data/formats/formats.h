@@ -1,4 +1,4 @@
-// The formats, a file each; format.cpp lists them.
+// The factories of all formats. Each format is one file; format.cpp lists them.
 #pragma once
 
 #include <memory>

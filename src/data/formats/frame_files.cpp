@@ -30,7 +30,7 @@ std::string frameFile(std::string_view pattern, const DataFrame& frame) {
 
 void writeBelow(const fs::path& folder, const std::string& name, std::span<const std::byte> bytes) {
   const fs::path path = folder / name;
-  std::error_code ignored;  // writing reports what is wrong
+  std::error_code ignored;  // errors are reported when the file is written
   fs::create_directories(path.parent_path(), ignored);
   writeFile(path, bytes);
 }

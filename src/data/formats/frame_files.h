@@ -1,4 +1,4 @@
-// What formats share in writing a frame's files.
+// Functions that formats share to write a frame's files.
 #pragma once
 
 #include <cstddef>
@@ -13,22 +13,22 @@
 
 namespace latelight::data {
 
-// Throws Error(Internal) where the frame lacks the output.
+// Returns an output of a frame. Throws Error(Internal) if the frame lacks it.
 const output::AovImage& imageOf(const output::FrameOutput& picture, output::Aov aov);
 
-// The frame's, with those ids alone that its pictures show: a scene's may be far more than a small picture takes.
+// Returns the frame's metadata with only the ids that are visible in its images, because a scene may have far more.
 output::Metadata metadataOf(const DataFrame& frame);
 
-// A pattern with the frame's name for "{name}".
+// Returns a pattern with "{name}" replaced by the frame's name.
 std::string frameFile(std::string_view pattern, const DataFrame& frame);
 
-// Writes a file below the data set's folder, whole or not at all; folders are made.
+// Writes a file below the data set's folder, whole or not at all. Creates missing folders.
 void writeBelow(const std::filesystem::path& folder, const std::string& name, std::span<const std::byte> bytes);
-// The same; the frame has it then.
+// Writes a file as writeBelow() does, and adds it to the frame's record.
 void writeOf(FrameRecord& record, const std::filesystem::path& folder, const std::string& name,
              std::span<const std::byte> bytes);
 
-// A file of JSON, on one line.
+// Writes JSON on one line, as writeBelow() does.
 void writeJsonBelow(const std::filesystem::path& folder, const std::string& name, const nlohmann::ordered_json& json);
 
 }  // namespace latelight::data

@@ -1,11 +1,11 @@
-// Poses as formats write them.
+// Camera poses in the convention that formats write.
 #pragma once
 
 #include "data/frame.h"
 
 namespace latelight::data {
 
-// The frame of positions to the camera's, OpenCV's: X right, Y down, Z forward.
+// Returns the transform from the frame of the output `position` to OpenCV's camera frame: X right, Y down, Z forward.
 glm::dmat4 openCvFromWorld(const output::CameraMetadata& camera);
 
 }  // namespace latelight::data

@@ -1,4 +1,4 @@
-// Names of what ids stand for, as formats write them.
+// The names of objects that formats write.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace latelight::data {
 
-// The node's path; of a copy "/Forest/Tree/instance3".
+// Returns the path of the node that an id identifies; for a copy, a path such as "/Forest/Tree/instance3".
 std::string nameOf(const output::IdEntry& entry);
 
 }  // namespace latelight::data

@@ -1,5 +1,5 @@
-// All outputs of a frame in one NPZ file: NPY arrays in a ZIP archive, as numpy.savez writes it. A library
-// that writes archives would bring ciphers and compressors along, for every start of the program to load.
+// The format "npz": all outputs of a frame in one NPZ file, a ZIP archive of NPY arrays as numpy.savez writes it. No
+// archive library is used, because its ciphers and compressors would be loaded at every start of the program.
 #include <zlib.h>
 
 #include <string>
@@ -14,7 +14,7 @@ namespace latelight::data {
 
 namespace {
 
-// An archive of files that are not compressed (PKWARE's APPNOTE, 4.3). The same files give the same bytes.
+// A ZIP archive of uncompressed files (PKWARE's APPNOTE, 4.3). Equal files produce equal bytes.
 class ZipArchive {
  public:
   void add(const std::string& name, const std::vector<std::byte>& contents) {
@@ -27,7 +27,7 @@ class ZipArchive {
     bytes_.insert(bytes_.end(), contents.begin(), contents.end());
 
     put(directory_, 0x02014b50, 4);
-    put(directory_, kVersion, 2);  // that made it
+    put(directory_, kVersion, 2);  // version of the writer
     describe(directory_, name, crc, contents.size());
     put(directory_, 0, 10);  // comment, disk, attributes
     put(directory_, offset, 4);
@@ -52,7 +52,7 @@ class ZipArchive {
  private:
   static constexpr uint64_t kMost = 0xffffffff;
   static constexpr uint64_t kVersion = 20;
-  static constexpr uint64_t kFirstDay = 1 << 5 | 1;  // 1 January 1980, the calendar's first
+  static constexpr uint64_t kFirstDay = 1 << 5 | 1;  // January 1, 1980, the first day of ZIP's calendar
 
   static void put(std::vector<std::byte>& out, uint64_t value, int bytes) {
     for (int i = 0; i < bytes; ++i) out.push_back(static_cast<std::byte>(i < 8 ? value >> 8 * i : 0));
@@ -60,9 +60,9 @@ class ZipArchive {
   static void putText(std::vector<std::byte>& out, const std::string& text) {
     for (const char c : text) out.push_back(static_cast<std::byte>(c));
   }
-  // What a file's own header and the directory have in common.
+  // Writes the fields that a file's header and its directory entry share.
   static void describe(std::vector<std::byte>& out, const std::string& name, uint32_t crc, uint64_t size) {
-    put(out, kVersion, 2);  // that reads it
+    put(out, kVersion, 2);  // version needed to extract
     put(out, 0, 4);         // flags, no compression
     put(out, kFirstDay << 16, 4);
     put(out, crc, 4);

@@ -1,4 +1,4 @@
-// The options that a job gives a format, read key by key.
+// Reads the options that a job specifies for a format, key by key.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace latelight::data {
 
-// Every function throws Error(Usage) that names the key where its value is none.
+// Every function throws Error(Usage) that names the key if its value is invalid. `normal` is the default.
 class FormatOptions {
  public:
   FormatOptions(std::string_view format, const nlohmann::ordered_json& options) : format_(format), options_(options) {}
@@ -22,12 +22,13 @@ class FormatOptions {
   std::string text(std::string_view key, std::string_view normal);
   std::string choice(std::string_view key, std::initializer_list<std::string_view> names);  // the first is the default
   std::vector<output::Aov> outputs(std::string_view key, std::vector<output::Aov> normal);
-  // A file below the data set's folder that ends so. One a frame has "{name}" in it, which stands for the frame's.
+  // Return a file name below the data set's folder with this extension. The name of a file per frame must contain
+  // "{name}", the placeholder for the frame's name.
   std::string frameFile(std::string_view key, std::string_view normal, std::string_view ending);
   std::string setFile(std::string_view key, std::string_view normal, std::string_view ending);
-  const nlohmann::ordered_json* find(std::string_view key);  // null where it is not given
+  const nlohmann::ordered_json* find(std::string_view key);  // null if the key is missing
 
-  // After all have been read: refuses others.
+  // Rejects keys that no function above has read. Call it last.
   void finish() const;
 
  private:

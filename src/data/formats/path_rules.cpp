@@ -8,9 +8,9 @@ namespace latelight::data {
 
 namespace {
 
-// RE2 complains on standard error of expressions much longer than that.
+// RE2 writes to standard error for expressions much longer than this.
 constexpr size_t kLongest = 10'000;
-constexpr int64_t kMemory = 1 << 20;  // of an expression with what matching it caches
+constexpr int64_t kMemory = 1 << 20;  // bytes per expression, including RE2's cache for matching
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-// Rules by which objects are told apart: regular expressions of their nodes' paths, in order.
+// Classifies objects by an ordered list of regular expressions that are matched with the paths of their nodes.
 #pragma once
 
 #include <memory>
@@ -14,16 +14,16 @@ class RE2;
 
 namespace latelight::data {
 
-// RE2's syntax. A match takes time linear in the path's length and bounded memory, whatever the expression: paths come
-// from scene files of any origin.
+// Expressions have RE2's syntax. For any expression, RE2 matches in time linear in the path's length and in bounded
+// memory. This matters because paths come from untrusted scene files.
 class PathRules {
  public:
-  // `key` is the format's option, for messages: "categories of the format coco". Throws Error(Usage) for an expression
-  // that RE2 refuses, and for one that is too long.
+  // `key` names the format's option in messages: "categories of the format coco". Throws Error(Usage) for an expression
+  // that RE2 rejects or that is too long.
   void add(const std::string& expression, const std::string& key);
 
   bool empty() const { return expressions_.empty(); }
-  // The first rule whose expression is found in the path, by its number.
+  // Returns the index of the first rule whose expression matches a part of the path.
   std::optional<size_t> find(const std::string& path) const;
 
  private:

@@ -1,4 +1,4 @@
-// The picture for viewing that a format's entries name: its file, and whether the format writes it itself.
+// The file of the picture for viewing that a format's entries refer to. The format may also write the file.
 #pragma once
 
 #include "data/format.h"
@@ -9,11 +9,11 @@ namespace latelight::data {
 class PictureFile {
  public:
   PictureFile() = default;
-  // The options "picture" and "write-pictures".
+  // Reads the options "picture" and "write-pictures".
   explicit PictureFile(FormatOptions& options);
 
   bool isWritten() const { return isWritten_; }
-  // The frame's, written where it is to be.
+  // Returns the name of the frame's file, and writes the file if isWritten().
   std::string write(FrameRecord& record, const DataFrame& frame, const std::filesystem::path& folder) const;
 
  private:

@@ -1,4 +1,4 @@
-// A frame's surfaces as points: binary PLY.
+// The format "ply": a point cloud of a frame's visible surfaces as binary PLY.
 #include <fmt/format.h>
 
 #include <bit>
@@ -23,7 +23,7 @@ std::string plyHeader(size_t points) {
   return text + "property uint id\nend_header\n";
 }
 
-// A point for each pixel that shows something.
+// Encodes one point per pixel that is not background.
 std::vector<std::byte> encodePly(const output::FrameOutput& picture) {
   const std::vector<uint32_t>& ids = imageOf(picture, output::Aov::Id).ids;
   const float* positions = imageOf(picture, output::Aov::Position).values.data();

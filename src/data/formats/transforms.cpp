@@ -1,4 +1,4 @@
-// transforms.json, as nerfstudio and instant-ngp read it: pictures with the cameras that made them.
+// The format "transforms": transforms.json of nerfstudio and instant-ngp, with pictures, depth and their cameras.
 #include <algorithm>
 #include <cmath>
 
@@ -17,7 +17,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kStepsPerMetre = 1000;  // as nerfstudio reads depth unless told otherwise
+constexpr double kStepsPerMetre = 1000;  // the default of nerfstudio
 
 Json opticsOf(const DataFrame& frame) {
   if (frame.metadata.camera.lens) return transformsLens(*frame.metadata.camera.lens);
@@ -39,8 +39,8 @@ bool isBending(const std::string& key) {
   return key == "camera_model" || key[0] == 'k' || key[0] == 'p';
 }
 
-// What all frames have in common. Of the model and its distortion all or nothing: nerfstudio looks for them in one
-// place.
+// Returns the intrinsics that all frames share. The camera model and its distortion are either all included or all
+// excluded, because nerfstudio reads them from one position.
 Json commonOf(std::span<const Json> entries) {
   const auto bendingOf = [](const Json& entry) {
     Json some = Json::object();
@@ -59,7 +59,7 @@ Json commonOf(std::span<const Json> entries) {
   return common;
 }
 
-// OpenGL's camera frame, X right, Y up, Z backward, to the frame of positions.
+// Returns the transform from OpenGL's camera frame (X right, Y up, Z backward) to the frame of the output `position`.
 glm::dmat4 openGlPose(const output::CameraMetadata& camera) {
   return camera.convention == "opengl" ? camera.cameraToWorld : turnedAxes(camera.cameraToWorld);
 }
@@ -99,7 +99,7 @@ class Transforms : public Format {
     return record;
   }
 
-  // What all cameras have in common is said once.
+  // Intrinsics that all cameras share are written once.
   std::vector<std::string> writeSet(std::span<const Json> entries, const std::filesystem::path& folder) const override {
     const Json common = commonOf(entries);
     Json set = common;

@@ -1,4 +1,4 @@
-// The frames as a film, by ffmpeg.
+// The format "video": the frames as an mp4 video, encoded by ffmpeg.
 #include <fcntl.h>
 #include <spawn.h>
 #include <sys/socket.h>
@@ -35,10 +35,11 @@ bool isInstalled(const char* program) {
   return false;
 }
 
-// An ffmpeg at work. It reads pictures from a socket, where one that ended early is an error of send() and no signal.
+// A running ffmpeg process. It reads pictures from a socket instead of a pipe, so that send() returns an error without
+// a signal if the process ends early.
 class Ffmpeg {
  public:
-  // `output`: an open file, which may be read by its number in the child.
+  // `output` is a file descriptor of the open output file, which becomes the child's standard output.
   Ffmpeg(std::vector<std::string> arguments, int output) {
     int ends[2];
     if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) failed(errno);
@@ -63,7 +64,7 @@ class Ffmpeg {
   Ffmpeg(const Ffmpeg&) = delete;
   Ffmpeg& operator=(const Ffmpeg&) = delete;
 
-  // False once it has ended.
+  // Returns false if the process has ended.
   bool send(std::span<const std::byte> bytes) {
     while (!bytes.empty()) {
       const ssize_t sent = ::send(input_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
@@ -74,7 +75,7 @@ class Ffmpeg {
     return true;
   }
 
-  // After the last picture: whether it made the film.
+  // Call after the last picture. Returns true if ffmpeg has encoded the video.
   bool finish() {
     shutdown(input_, SHUT_WR);
     const int status = wait();
@@ -120,7 +121,7 @@ class Video : public Format {
   std::vector<std::string> writeSet(std::span<const Json> entries, const fs::path& folder) const override {
     if (entries.empty()) return {};
     const fs::path path = folder / file_;
-    std::error_code ignored;  // the file reports what is wrong
+    std::error_code ignored;  // errors are reported when the file is opened
     fs::create_directories(path.parent_path(), ignored);
     TemporaryFile file(path, 0666);
     if (file.error() != 0) cantWrite(file.error());
@@ -139,7 +140,7 @@ class Video : public Format {
     badUsage("can't write '{}': {}", file_, std::generic_category().message(error));
   }
 
-  // Always the same number of threads, and nothing of versions or times: the same pictures give the same file.
+  // The number of threads is fixed and versions and times are not written, so equal pictures produce equal files.
   std::vector<std::string> arguments() const {
     return {"ffmpeg",
             "-nostdin",
