@@ -39,7 +39,7 @@ bool isInstalled(const char* program) {
 // a signal if the process ends early.
 class Ffmpeg {
  public:
-  // `output` is a file descriptor of the open output file, which becomes the child's standard output.
+  // `output` is the descriptor of the open output file. It becomes the child's standard output, /proc/self/fd/1.
   Ffmpeg(std::vector<std::string> arguments, int output) {
     int ends[2];
     if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) failed(errno);

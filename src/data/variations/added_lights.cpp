@@ -1,3 +1,5 @@
+// The variation "addedLights": adds lights of one type with random intensity, color temperature, position and
+// direction.
 #include <fmt/format.h>
 
 #include <optional>
@@ -37,7 +39,7 @@ class AddedLights : public Variation {
         badUsage("{} must be at most {} along each axis", spec.pathOf("min"), spec.pathOf("max"));
     if (local && spec.has("range")) light_.range = static_cast<float>(spec.number("range", kPositive));
     if (spec.has("castShadow")) light_.castShadow = spec.flag("castShadow", false);
-    // Downwards, within a cone: 90 degrees are the lower half of all directions.
+    // Directions are within a cone around down; its half angle is `tilt_`, so 90 degrees is the lower hemisphere.
     if (hasDirection(light_.type)) tilt_ = spec.number("tilt", {0, 180}, 60.0);
     light_.direction = glm::vec3(0, 0, -1);
   }
@@ -82,7 +84,7 @@ class AddedLights : public Variation {
     return said;
   }
 
-  // In the world, where up is Z.
+  // Returns a random direction in the world, where up is Z. Directions are uniform by solid angle within the cone.
   glm::vec3 downwards(Random random) const {
     const double z = -random.between(scene::builtin::cosQuarters(tilt_ / 90), 1);
     const glm::dvec2 flat = scene::builtin::onCircle(random.unit()) * std::sqrt(1 - z * z);
@@ -94,7 +96,7 @@ class AddedLights : public Variation {
   Interval intensity_;
   std::optional<Interval> temperature_;
   Spec::Corners place_;
-  double tilt_ = 0;  // degrees
+  double tilt_ = 0;  // in degrees
   scene::Light light_;
 };
 

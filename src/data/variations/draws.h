@@ -1,4 +1,4 @@
-// Values from the ranges that a job gives, and how they are said.
+// Draws values from the ranges of a job, and converts them to JSON for the manifest.
 #pragma once
 
 #include <string>
@@ -19,7 +19,7 @@ inline uint32_t drawn(const Spec::Counts& range, Random random) {
   return static_cast<uint32_t>(range.low) + random.below(static_cast<uint32_t>(range.high - range.low) + 1);
 }
 
-// Overloads, since a double that is rounded to a float on its way is off by a meter at 10,000 km.
+// Both overloads are necessary, because conversion of a double to float causes errors of a meter at 10,000 km.
 inline nlohmann::ordered_json listOf(const glm::vec3& v) {
   return {v.x, v.y, v.z};
 }

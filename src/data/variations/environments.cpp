@@ -1,3 +1,4 @@
+// The variation "environments": a random environment of a list, and a random rotation.
 #include <filesystem>
 #include <optional>
 

@@ -4,7 +4,7 @@
 
 namespace latelight::data {
 
-// Rodrigues' formula.
+// Rodrigues' rotation formula, applied to each column.
 glm::dmat4 turnAbout(glm::dvec3 axis, double degrees) {
   const double c = scene::builtin::cosQuarters(degrees / 90), s = scene::builtin::sinQuarters(degrees / 90);
   glm::dmat4 turn(1);

@@ -1,4 +1,4 @@
-// The scene file's own frame, in which jobs say places, and the renderer's world.
+// Transforms between the scene file's own frame, in which jobs specify positions, and the renderer's world.
 #pragma once
 
 #include "scene/scene.h"
@@ -15,7 +15,7 @@ inline glm::dvec3 upOf(const scene::Scene& scene) {
   return scene.yUp ? glm::dvec3(0, 1, 0) : glm::dvec3(0, 0, 1);
 }
 
-// About an axis of length 1, by degrees. Rounded alike on every machine.
+// Returns a rotation about an axis of length 1. It rounds identically on every machine.
 glm::dmat4 turnAbout(glm::dvec3 axis, double degrees);
 
 }  // namespace latelight::data

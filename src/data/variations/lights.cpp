@@ -1,3 +1,4 @@
+// The variation "lights": random changes of the scene's lights, in intensity, color temperature, position and number.
 #include <fmt/format.h>
 
 #include <optional>
@@ -53,7 +54,7 @@ class Lights : public Variation {
       const glm::dvec3 reach(*jitter_);
       const glm::dvec3 moved = drawn(Spec::Corners{-reach, reach}, random("jitter"));
       light.position += moved;
-      light.node = -1;  // it follows its node no longer
+      light.node = -1;  // the light no longer follows its node
       said["position"] = listOf(light.position);
     }
     if (!on) light.intensity = 0;

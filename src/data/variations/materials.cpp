@@ -1,3 +1,4 @@
+// The variation "materials": random base color, roughness, metalness and emission of materials.
 #include <fmt/format.h>
 
 #include <optional>

@@ -17,7 +17,7 @@ OrientedBox boxAround(const scene::Scene& scene, const std::vector<scene::Object
   return box;
 }
 
-// Its meshes at rest, its materials and its textures become the scene's.
+// Moves the meshes (at rest), materials and textures of another scene to the scene.
 std::vector<scene::ObjectPart> takeIn(scene::Scene& other, scene::Scene& scene) {
   const auto firstTexture = static_cast<int>(scene.textures.size());
   for (scene::Texture& texture : other.textures) scene.textures.push_back(std::move(texture));

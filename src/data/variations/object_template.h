@@ -1,4 +1,5 @@
-// What is scattered: meshes and materials of the scene, of a node or of another file, and the box around them.
+// A template for scattered objects: meshes and materials, from a node of the scene or from another file, and their
+// bounding box.
 #pragma once
 
 #include <vector>
@@ -11,13 +12,13 @@
 namespace latelight::data {
 
 struct ObjectTemplate {
-  std::string name;  // what the job calls it: a file or a node
+  std::string name;  // the file or node, as named in the job
   std::vector<scene::ObjectPart> parts;
-  OrientedBox box;     // along the world's axes, around all vertices
-  MemoryClaim memory;  // of a file's share of the scene
+  OrientedBox box;     // axis-aligned in the world, around all vertices
+  MemoryClaim memory;  // for the data that a file adds to the scene
 };
 
-// {"node": ...} or {"file": ...}, whose meshes, materials and textures are added to the scene.
+// Reads {"node": ...} or {"file": ...}. The meshes, materials and textures of a file are added to the scene.
 ObjectTemplate readTemplate(Spec& spec, scene::Scene& scene);
 
 }  // namespace latelight::data

@@ -19,7 +19,7 @@ double extentAlong(const OrientedBox& box, dvec3 direction) {
 bool areApart(const OrientedBox& a, const OrientedBox& b, double gap) {
   const auto separates = [&](dvec3 axis) {
     const double length = glm::length(axis);
-    if (!(length > 0)) return false;  // of parallel edges: the faces' normals suffice
+    if (!(length > 0)) return false;  // edges are parallel; the axes of the face normals suffice
     axis /= length;
     return std::abs(glm::dot(b.centre - a.centre, axis)) >= extentAlong(a, axis) + extentAlong(b, axis) + gap;
   };

@@ -1,4 +1,4 @@
-// Elements of a scene by their names, with * and ? as in a shell.
+// Selects elements of a scene by name, with the wildcards * and ? of a shell.
 #pragma once
 
 #include <string>
@@ -9,14 +9,14 @@
 
 namespace latelight::data {
 
-// The numbers of those that a key's pattern, or one of its patterns, selects; all of them where the key is missing.
-// Throw Error(Usage) where there is none.
+// Return the indices of the elements that match any of a key's patterns, or of all elements if the key is missing.
+// Throw Error(Usage) if there is none.
 std::vector<uint32_t> selectMaterials(Spec& spec, std::string_view key, const scene::Scene& scene);
 std::vector<uint32_t> selectLights(Spec& spec, std::string_view key, const scene::Scene& scene);
-// By name or by path; the key is required.
+// Selects nodes by name or path. The key is required.
 std::vector<uint32_t> selectNodes(Spec& spec, std::string_view key, const scene::Scene& scene);
 
-// By instance: the selected nodes that it is at or below, from its own upwards.
+// Returns for each instance the selected nodes among its own node and that node's ancestors, in this order.
 std::vector<std::vector<uint32_t>> selectedAbove(const scene::Scene& scene, const std::vector<uint32_t>& nodes);
 
 }  // namespace latelight::data

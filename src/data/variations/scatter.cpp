@@ -1,3 +1,5 @@
+// The variation "scatter": adds objects at random positions on a node's surface or in a box, without overlap. Positions
+// are drawn by rejection sampling, and overlap is tested with oriented bounding boxes.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -75,14 +77,14 @@ class Scatter : public Variation {
     return boxes;
   }
 
-  // The change of the world that takes the template there; nothing after all tries.
+  // Returns the transform that moves the template to a free random position, or nullopt if all tries fail.
   std::optional<dmat4> findPlace(const ObjectTemplate& object, Random& random, const Draft& draft) const {
     for (uint64_t tried = 0; tried < tries_; ++tried) {
       throwIfStopped();
       const double scale = random.between(scale_.low, scale_.high);
       dmat4 place = turnAbout({0, 0, 1}, random.between(turn_.low, turn_.high));
       for (int axis = 0; axis < 3; ++axis) place[axis] *= scale;
-      // Of the middle of its underside on a surface, of its middle in a volume.
+      // The anchor is the center of the box's underside on a surface, and the center of the box in a volume.
       dvec3 anchor = object.box.centre;
       if (surface_) anchor -= object.box.half[2];
       const dvec3 at = surface_ ? surface_->point(random) : pointInVolume(random, draft.scene);
@@ -113,7 +115,7 @@ class Scatter : public Variation {
     return std::ranges::all_of(draft.taken, apart) && std::ranges::all_of(avoided_, apart);
   }
 
-  // "transform" as a pose in the file's frame, row by row.
+  // Describes an object for the manifest. "transform" is a matrix in the file's frame, as a list of rows.
   static Json describe(const std::string& name, const ObjectTemplate& object, const dmat4& place,
                        const scene::Scene& scene) {
     const dmat4 inFile = fileFromWorld(scene) * place * worldFromFile(scene);
@@ -127,7 +129,7 @@ class Scatter : public Variation {
   Spec::Counts count_;
   std::optional<Surface> surface_;
   Spec::Corners volume_;
-  Interval scale_, turn_;  // turn: degrees about the world's up
+  Interval scale_, turn_;  // turn: in degrees, about the world's up axis
   double spacing_ = 0;
   uint64_t tries_ = 0;
   std::vector<OrientedBox> avoided_;

@@ -18,7 +18,7 @@ Surface::Surface(const scene::Scene& scene, const std::string& node, double slop
     const scene::Instance& instance = scene.instances[number];
     const scene::Mesh& mesh = scene.meshes[instance.mesh];
     const glm::dmat4& toWorld = instance.toWorld;
-    const double front = glm::determinant(glm::dmat3(toWorld)) < 0 ? -1 : 1;  // a mirror turns triangles over
+    const double front = glm::determinant(glm::dmat3(toWorld)) < 0 ? -1 : 1;  // mirroring flips the winding order
     const auto at = [&](size_t i) { return dvec3(toWorld * glm::dvec4(mesh.positions[mesh.indices[i]], 1)); };
     for (size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
       const dvec3 corner = at(i), a = at(i + 1) - corner, b = at(i + 2) - corner, normal = glm::cross(a, b) * front;

@@ -1,4 +1,4 @@
-// Points on a node's triangles, as many on each as its area says.
+// Samples points on a node's triangles, uniformly by area.
 #pragma once
 
 #include <vector>
@@ -10,15 +10,15 @@ namespace latelight::data {
 
 class Surface {
  public:
-  // Of triangles that face upwards, within `slope` degrees. Throws Error(Usage) that begins with `path` where there are
-  // none.
+  // Uses triangles that face up within `slope` degrees. Throws Error(Usage) whose message begins with `path` if there
+  // are none.
   Surface(const scene::Scene& scene, const std::string& node, double slope, const std::string& path);
-  glm::dvec3 point(Random& random) const;  // world
+  glm::dvec3 point(Random& random) const;  // in the world
 
  private:
   struct Triangle {
     glm::dvec3 corner, a, b;  // edges from the corner
-    double areaUpTo;          // of it and all before
+    double areaUpTo;          // cumulative area, including this triangle
   };
   std::vector<Triangle> triangles_;
 };

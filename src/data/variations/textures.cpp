@@ -1,3 +1,4 @@
+// The variation "textures": replaces the textures of a material slot by random image files.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -29,7 +30,7 @@ constexpr Slot kSlots[] = {{"baseColor", shared::kTextureBaseColor, true},
                            {"occlusion", shared::kTextureOcclusion, false},
                            {"emissive", shared::kTextureEmissive, true}};
 
-// Its pictures by their names, so that the order is the same everywhere.
+// Returns the images in a folder sorted by name, so that the order is the same on every machine.
 std::vector<std::string> picturesIn(const std::string& folder) {
   constexpr std::string_view kEndings[] = {".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tga"};
   std::vector<std::string> pictures;
@@ -84,7 +85,7 @@ class Textures : public Variation {
   }
 
   std::string path_;
-  std::vector<uint32_t> materials_, textures_;  // textures: the scene's, by file
+  std::vector<uint32_t> materials_, textures_;  // textures: indices in the scene, by file
   std::vector<std::string> files_;
   Slot slot_{};
   std::optional<Interval> repeat_;

@@ -1,3 +1,4 @@
+// The variation "transforms": random translation, rotation and scale of nodes.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -33,7 +34,7 @@ class Transforms : public Variation {
 
   Json draw(const Draw& draw, Draft& draft) const override {
     Json said;
-    std::map<uint32_t, dmat4> changes;  // of the world, by node
+    std::map<uint32_t, dmat4> changes;  // transforms in the world, by node
     for (const uint32_t node : nodes_) changes[node] = change(draw, node, draft.scene, said["nodes"].emplace_back());
     for (uint32_t i = 0; i < above_.size(); ++i) {
       if (above_[i].empty()) continue;
@@ -45,7 +46,8 @@ class Transforms : public Variation {
   }
 
  private:
-  // About the node's origin, along the axes of the file's frame.
+  // Returns a random transform in the world. It rotates and scales about the node's origin, along the axes of the
+  // file's frame.
   dmat4 change(const Draw& draw, uint32_t index, const scene::Scene& scene, Json& said) const {
     const auto random = [&](const char* what) { return draw.of(fmt::format("{}/{}/{}", path_, index, what)); };
     said["node"] = scene.nodes[index].path;

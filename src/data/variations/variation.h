@@ -1,5 +1,5 @@
-// A kind of variation: what of a scene it changes, drawn anew for each number. A file each; variationKinds() lists
-// them.
+// The interface of variations (domain randomization). A kind of variation changes one aspect of a scene, with new
+// random values for each variation number. Each kind is one file; variationKinds() lists them.
 #pragma once
 
 #include <map>
@@ -24,20 +24,20 @@ struct AddedObject {
   std::vector<scene::ObjectPart> parts;
 };
 
-// What a variation is to make of the scene. Elements that no kind changes are in none of the lists.
+// The changes of the scene that one variation number requires. Elements that no kind changes are in none of the lists.
 struct Draft {
-  const scene::Scene& scene;  // with the values that it had at first, but for what was added to it then
+  const scene::Scene& scene;  // in its initial state, plus the meshes, materials and textures that kinds have added
   std::map<uint32_t, scene::Material> materials;
   std::map<uint32_t, scene::Light> lights;
-  std::map<uint32_t, scene::dmat4> transforms;  // of instances
-  std::set<uint32_t> hidden;                   // instances
+  std::map<uint32_t, scene::dmat4> transforms;  // by instance
+  std::set<uint32_t> hidden;                    // instances
   std::vector<scene::Light> addedLights;
   std::vector<AddedObject> addedObjects;
-  std::vector<OrientedBox> taken;  // by added objects
+  std::vector<OrientedBox> taken;  // boxes of added objects, in the world
   std::string environment;
-  std::optional<double> environmentRotation;  // degrees
+  std::optional<double> environmentRotation;  // in degrees
 
-  // As the kinds before left it.
+  // Return an element for changes, with the changes of all previous kinds.
   scene::Material& material(uint32_t index) {
     return materials.try_emplace(index, scene.materials[index]).first->second;
   }
@@ -47,7 +47,7 @@ struct Draft {
   }
 };
 
-// What a kind needs of its number: its own stream for each thing that it draws for.
+// The random numbers of one variation: a separate stream for each named quantity.
 struct Draw {
   uint64_t seed, number;
   Random of(std::string_view thing) const { return Random(seed, number, thing); }
@@ -56,13 +56,14 @@ struct Draw {
 class Variation {
  public:
   virtual ~Variation() = default;
-  // Says what was drawn.
+  // Adds random changes to the draft, and returns the drawn values for the manifest.
   virtual nlohmann::ordered_json draw(const Draw& draw, Draft& draft) const = 0;
 };
 
 struct VariationKind {
-  std::string_view name, description;  // name: what "type" says
-  // Asks for all keys that it takes. May add meshes, materials and textures to the scene.
+  std::string_view name, description;  // name: the value of "type"
+  // Creates a variation. It reads every key that the kind accepts, so that all other keys can be rejected, and may add
+  // meshes, materials and textures to the scene.
   std::unique_ptr<Variation> (*make)(Spec& spec, scene::Scene& scene);
 };
 std::span<const VariationKind> variationKinds();

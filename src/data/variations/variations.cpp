@@ -54,22 +54,22 @@ struct Variations::Impl {
     std::unique_ptr<Variation> variation;
   };
   std::vector<Entry> entries;
-  // The scene as it was at first, where an edit changes it.
+  // The initial values of elements that any variation has changed.
   std::map<uint32_t, scene::Material> materials;
   std::map<uint32_t, scene::Light> lights;
   std::map<uint32_t, scene::dmat4> transforms;
-  // What the last variation left.
+  // The state of the applied variation.
   std::vector<uint32_t> hidden, addedInstances, addedLights;
   std::string environment;
   std::optional<double> environmentRotation;
-  uint32_t twins = 0;  // of names, before anything was added
+  uint32_t twins = 0;  // initial value of scene.edits.twins, the counter for duplicate names
 
   void takeBack();
   void change(const Draft& draft);
 };
 
-// In the opposite order of change(), so that gaps in the scene's lists are as before: what is added next takes the
-// places that it would take in a scene without any variation.
+// Undoes change() in reverse order, so that the free slots in the scene's lists are restored. Elements added next then
+// use the same slots as in a scene without any variation.
 void Variations::Impl::takeBack() {
   for (const uint32_t instance : hidden) scene::restoreInstance(scene, instance);
   for (const uint32_t instance : std::views::reverse(addedInstances)) scene::removeInstance(scene, instance);

@@ -1,4 +1,4 @@
-// What a job changes of a scene from frame to frame: materials, lights, poses, what is visible, and so on.
+// Applies the random variations of a job to a scene: materials, lights, poses, visibility and so on.
 #pragma once
 
 #include <cstdint>
@@ -11,21 +11,20 @@
 
 namespace latelight::data {
 
-// Bound to a scene, which it edits; what it does not draw keeps the file's values. Meshes, materials and textures that
-// it may show are added to the scene when it is made. Nothing else may edit the scene while it exists.
+// Edits one scene. Properties that no variation draws keep the file's values. The constructor adds all meshes,
+// materials and textures that variations may use. Nothing else may edit the scene during the lifetime of this object.
 class Variations {
  public:
-  // `spec` is the job's "variations"; throws Error(Usage) that names the key that is wrong, or a name that the scene
-  // has not.
+  // `spec` is the job's "variations". Throws Error(Usage) that names the invalid key, or a name not found in the scene.
   Variations(const nlohmann::ordered_json& spec, scene::Scene& scene, uint64_t seed);
   ~Variations();
 
-  // The scene as variation `number` has it, whatever it was before; says what was drawn, for the manifest. It depends
-  // on the seed and the number alone, and is the same on every machine.
+  // Changes the scene to variation `number`, whichever variation was applied before. Returns the drawn values for the
+  // manifest. The result depends only on the constructor's arguments and `number`, and is the same on every machine.
   nlohmann::ordered_json apply(uint64_t number);
-  // The environment that the last one drew: a file or "studio"; empty: the job's own.
+  // The environment of the applied variation: a file, "studio" or "none"; empty: the job's own.
   const std::string& environment() const;
-  // How far the last one turned it, degrees, as --hdri-rotate; none: the job's own.
+  // The rotation of the environment in degrees, as for --hdri-rotate; empty: the job's own.
   std::optional<double> environmentRotation() const;
 
  private:

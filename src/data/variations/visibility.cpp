@@ -1,3 +1,4 @@
+// The variation "visibility": hides nodes at random, by a probability per node or by the number of visible nodes.
 #include <fmt/format.h>
 
 #include <algorithm>
