@@ -32,7 +32,7 @@ class Format {
   virtual Extras needsExtras() const { return {}; }
 
   // Writes the frame's own files below `folder`, each whole or not at all. Called concurrently for several frames, so
-  // it must depend only on the frame. Throws Error(Usage) if a file can't be written.
+  // it must depend only on the frame. Throws Error(Usage) if a file cannot be written.
   virtual FrameRecord writeFrame(const DataFrame& frame, const std::filesystem::path& folder) const = 0;
 
   // Writes the files of the whole set from the entries of all frames, in the order of the frames' indices. Returns the

@@ -10,7 +10,7 @@
 
 namespace latelight::data {
 
-// Returns the UUIDs of the devices that `text` selects, separated by commas. "auto" is the device that `latelight
+// Returns the UUIDs of the devices that `text`, a comma-separated list, selects. "auto" is the device that `latelight
 // render` uses. "all" is every usable device that does not run on the CPU, or the CPU device if there is no other.
 // `cudaVisible`, the value of CUDA_VISIBLE_DEVICES, restricts "auto" and "all" to the devices that it lists by number
 // or UUID. Numbers count the devices that do not run on the CPU; "" and "-1" exclude all of these. Throws

@@ -21,8 +21,8 @@ struct JobDocument {
   std::string place(const std::string& path) const;
 };
 
-// Reads a file that ends in .json, .yaml or .yml. Throws Error(BadInput) if it can't be read, and Error(Usage) with the
-// line for syntax errors and duplicate keys.
+// Reads a file that ends in .json, .yaml or .yml. Throws Error(BadInput) if it cannot be read, and Error(Usage) with
+// the line for syntax errors and duplicate keys.
 JobDocument readJobFile(const std::filesystem::path& path);
 
 }  // namespace latelight::data

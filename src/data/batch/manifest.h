@@ -21,7 +21,7 @@ struct FileRecord {
 };
 nlohmann::ordered_json describe(const FileRecord& file);
 FileRecord fileRecord(const nlohmann::ordered_json& json);
-// Returns the record of a file in its present state. Throws Error(BadInput) if the file can't be read.
+// Returns the record of a file in its present state. Throws Error(BadInput) if the file cannot be read.
 FileRecord recordOf(const std::filesystem::path& folder, const std::string& name);
 
 // A finished frame.
@@ -59,7 +59,7 @@ struct Manifest {
 // Throws Error(BadInput) that names the file if it is not a manifest.
 Manifest readManifest(const std::filesystem::path& path);
 
-// Writes the file whole or not at all. Throws Error(Usage) if it can't be written.
+// Writes the file whole or not at all. Throws Error(Usage) if it cannot be written.
 void writeManifest(const std::filesystem::path& path, const Manifest& manifest);
 
 }  // namespace latelight::data

@@ -27,7 +27,7 @@ struct PlannedScene {
   uint64_t hash = 0;               // hash of the files' contents
   std::vector<PlannedCamera> cameras;
   uint64_t places = 0;  // number of frame indices; those of a broken scene are reserved
-  std::string error;    // the reason that the scene can't be loaded; empty: it can be loaded
+  std::string error;    // the reason that the scene cannot be loaded; empty: it can be loaded
 };
 
 // The scene, variation and camera of a frame, by index.

@@ -33,7 +33,7 @@ AtOnce atOnce(const Job& job, const BatchOptions& options) {
 }
 
 // Calls body(i) for each i below `count` on its own thread. After all threads have ended, throws the first exception of
-// a thread, such as an error of a device that can't be used.
+// a thread, such as an error of a device that cannot be used.
 void onThreads(size_t count, const std::function<void(size_t i)>& body) {
   std::exception_ptr first;
   std::mutex mutex;

@@ -11,7 +11,7 @@ namespace latelight::data {
 class SceneLoader {
  public:
   SceneLoader(const Job& job, Plan& plan) : job_(job), plan_(plan) {}
-  // Throws Error if the scene can't be loaded, or if its number of cameras differs from the plan.
+  // Throws Error if the scene cannot be loaded, or if its number of cameras differs from the plan.
   std::unique_ptr<LoadedScene> load(uint32_t scene);
 
  private:

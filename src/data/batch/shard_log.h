@@ -24,18 +24,18 @@ Manifest readShardLog(const std::filesystem::path& path);
 
 class ShardLog {
  public:
-  // Replaces the log by one that contains `found`. Throws Error(Usage) if it can't be written.
+  // Replaces the log by one that contains `found`. Throws Error(Usage) if it cannot be written.
   ShardLog(const std::filesystem::path& path, const Manifest& found);
   ~ShardLog();
   ShardLog(const ShardLog&) = delete;
   ShardLog& operator=(const ShardLog&) = delete;
 
-  // Record a frame, from any thread. Lines that can't be written, for example because the disk is full, are retried
+  // Record a frame, from any thread. Lines that cannot be written, for example because the disk is full, are retried
   // with the next line and by end().
   void finished(const FinishedFrame& frame);
   void failed(const std::string& name, const std::string& why);
 
-  // Writes pending lines. Throws Error(Usage) if they can't be written.
+  // Writes pending lines. Throws Error(Usage) if they cannot be written.
   void end();
 
   uint64_t frames() const;                               // number of finished frames

@@ -38,7 +38,7 @@ class WorkList {
   void leave(uint32_t scene);  // releases a scene that the worker has claimed
   // Removes and returns the scene's next chunk; nullopt if none remains.
   std::optional<Chunk> take(uint32_t scene);
-  // Removes and returns all remaining chunks of a scene that can't be loaded.
+  // Removes and returns all remaining chunks of a scene that cannot be loaded.
   std::vector<Chunk> drop(uint32_t scene);
 
  private:

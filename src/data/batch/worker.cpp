@@ -125,7 +125,7 @@ std::vector<RenderedFrame> Worker::framesOf(const Chunk& chunk) {
   output::Metadata shared = render::describe(scene_->scene(), {}, environment_, settingsOf(chunk), job_.given);
   shared.source = plan_.scenes()[chunk.scene].source;
   shared.versions = {{"latelight", version()}};
-  // The metadata keeps `auto` if the job says so, because its resolution depends on the machine.
+  // The metadata states the job's raster, because the choice that `auto` makes depends on the machine.
   shared.settings["raster"] = render::nameOf(job_.settings.raster);
   if (!job_.settings.time) shared.settings.erase("fps");
   if (const auto degrees = scene_->environmentRotation()) shared.settings["hdri-rotate"] = fmt::format("{}", *degrees);

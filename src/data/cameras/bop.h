@@ -15,7 +15,7 @@ std::vector<CalibratedCamera> readBop(const std::filesystem::path& file, Picture
 
 // Writes cameras so that readBop() returns the same ones. `depthScale` is the millimeters per unit of the depth
 // pictures. Throws Error(Usage) if a camera lacks a pinhole lens or its name is not a whole number, and if the file
-// can't be written.
+// cannot be written.
 void writeBop(const std::filesystem::path& file, std::span<const CalibratedCamera> cameras, double depthScale);
 
 }  // namespace latelight::data

@@ -20,7 +20,7 @@ std::vector<CalibratedCamera> readColmapBinary(const std::filesystem::path& fold
 
 // Write the cameras and images files so that readers return the same cameras, and an empty points3D file, which readers
 // of COLMAP models require. The folder must exist. Throw Error(Usage) if a camera lacks a pinhole, OpenCV or fisheye
-// lens, and if a file can't be written.
+// lens, and if a file cannot be written.
 void writeColmapText(const std::filesystem::path& folder, std::span<const CalibratedCamera> cameras);
 void writeColmapBinary(const std::filesystem::path& folder, std::span<const CalibratedCamera> cameras);
 

@@ -124,7 +124,7 @@ glm::dmat4 poseOfColmap(const ColmapPose& pose, const std::string& where) {
 ColmapLenses differentLenses(std::span<const CalibratedCamera> cameras) {
   ColmapLenses lenses;
   for (const CalibratedCamera& camera : cameras) {
-    colmapCameraOf(camera);  // throws if the camera can't be written
+    colmapCameraOf(camera);  // throws if the camera cannot be written
     const auto known = std::ranges::find_if(
         lenses.cameras, [&](const CalibratedCamera* other) { return *other->lens == *camera.lens; });
     lenses.lensOf.push_back(static_cast<uint32_t>(known - lenses.cameras.begin()));

@@ -13,7 +13,7 @@ namespace latelight::data {
 
 class TextLines {
  public:
-  // Reads the whole file; throws Error(BadInput) if it can't be read.
+  // Reads the whole file; throws Error(BadInput) if it cannot be read.
   explicit TextLines(const std::filesystem::path& file);
 
   // Returns the next line without its line break, or nullopt at the end of the file.

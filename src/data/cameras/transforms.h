@@ -21,7 +21,7 @@ nlohmann::ordered_json transformsLens(const scene::Lens& lens);
 std::vector<CalibratedCamera> readTransforms(const std::filesystem::path& file, PictureSize size = {});
 
 // Writes cameras so that readTransforms() returns the same ones. Names are the pictures' paths. Throws Error(Usage) if
-// a camera has no lens or one that transformsLack() rejects, and if the file can't be written.
+// a camera has no lens or one that transformsLack() rejects, and if the file cannot be written.
 void writeTransforms(const std::filesystem::path& file, std::span<const CalibratedCamera> cameras);
 
 }  // namespace latelight::data

@@ -12,7 +12,7 @@ namespace latelight::data {
 std::vector<CalibratedCamera> readTum(const std::filesystem::path& file);
 
 // Writes poses so that readTum() returns the same ones. The format has no lenses. Throws Error(Usage) if a name is not
-// a number, and if the file can't be written.
+// a number, and if the file cannot be written.
 void writeTum(const std::filesystem::path& file, std::span<const CalibratedCamera> cameras);
 
 }  // namespace latelight::data

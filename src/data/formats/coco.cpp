@@ -98,7 +98,7 @@ std::string imageOfSet(const Json& entry) {
   return dumped(image);
 }
 
-// Returns the annotations of a picture, separated by commas. `number` is the id of the first.
+// Returns the comma-separated annotations of a picture. `number` is the id of the first.
 std::string annotationsOf(const Json& entry, uint64_t number, const std::map<std::string, uint64_t>& categories) {
   std::string text;
   for (const Json& object : entry["objects"]) {
